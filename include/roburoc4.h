@@ -692,9 +692,9 @@ typedef struct roburoc4_config {
     uint32_t lease_ms;          /* life of a drive command; 20 to 1000; default 250 */
     uint32_t robot_watchdog_ms; /* the robot's own watchdog, bounds the zero train; 100 to 60000;
                                    default 1000 */
-    float max_linear_m_s;       /* ceiling of speed; above 0, to 20; default 2.6 */
-    float max_angular_rad_s;    /* ceiling of turn rate; above 0, to 50; default 6.5 */
-    float scale_linear;         /* multiplies what drive() is given; 0.01 to 100; default 1 */
+    float max_linear_m_s;       /* ceiling of speed; 0.001 to 20; default 2.6 */
+    float max_angular_rad_s;    /* ceiling of turn rate; 0.001 to 50; default 6.5 */
+    float scale_linear;         /* multiplies what drive() is given; 0.01 to 10; default 1 */
     float scale_angular;        /* likewise */
     uint32_t options;           /* ROBUROC4_OPTION_*; default 0 */
     uint32_t resume;            /* ROBUROC4_RESUME_*, after what the client arms itself again;
@@ -737,81 +737,92 @@ typedef struct roburoc4_private_slot {
     uint64_t sent_us;
     uint32_t wait_us;
     uint16_t target, subject;
-    uint8_t id, action, kind, io_type;
+    uint8_t id, action, kind, detail;
     uint8_t tries, max_tries, ones, open;
-    uint32_t reserved[2];
 } roburoc4_private_slot;
 
+typedef struct roburoc4_private_requests {
+    roburoc4_private_slot slots[4];
+    uint64_t quiet_us;
+    uint8_t last_id, fixed_id, suspect, quiet, announce;
+    uint8_t reserved[3];
+} roburoc4_private_requests;
+
 typedef struct roburoc4_private_service {
-    uint64_t robot_cycles, received_us, inserted_us;
-    uint64_t seen;
-    uint32_t received, lost, duplicates, late;
-    uint32_t jitter_us;
-    int32_t transit_us;
-    uint16_t period_cycles, gap_min, gap_count, wanted_cycles;
+    uint64_t robot_cycles, received_us, inserted_us, seen;
+    uint32_t received, lost, late, duplicates;
     uint32_t recent_received, recent_lost;
+    uint32_t transit_us, jitter_us;
+    uint16_t period_cycles, gap_min;
+    uint8_t gap_count, asked_cycles, fresh, reserved;
 } roburoc4_private_service;
 
+typedef struct roburoc4_private_link {
+    roburoc4_private_service services[5];
+    int64_t offset_us, offset_before_us;
+    uint64_t offset_since_us, newest_cycles, last_used_us;
+    uint32_t round_trip_us, round_trip_min_us;
+    uint8_t back_count, resubscribed, mapped, reserved[5];
+} roburoc4_private_link;
+
 typedef struct roburoc4_private_drive {
-    uint64_t granted_us, sent_us, train_us, quiet_us, inhibited_us, envelope_us;
+    uint64_t granted_us, sent_us, train_us, quiet_us, still_us, envelope_us;
     uint32_t lease_us;
-    float linear, angular, sent_linear, sent_angular;
-    float envelope[8];
     int32_t disarm_cause;
+    float linear, angular, sent_linear, sent_angular;
+    float envelope[4], envelope_before[4];
     uint16_t service;
-    uint8_t known, armed, leased, train, zeros, confirmed, spoke, changed;
-    uint8_t resuming, resume_cause, foreign_count, foreign, inhibited, stop_latched;
-    uint8_t reserved[4];
+    uint8_t known, armed, leased, resuming, moving, spoke;
+    uint8_t train, zeros, confirmed, stop_latched;
+    uint8_t foreign_count, foreign, still, inhibited;
+    uint8_t changed, reserved[7];
 } roburoc4_private_drive;
 
+typedef struct roburoc4_private_discovery {
+    uint64_t described[5];
+    uint64_t phase_us, probe_us;
+    uint16_t types[32], ids[32];
+    uint16_t service_ids[8];
+    int16_t role_texts[4];
+    uint8_t claims[32];
+    uint8_t service_count, listed, known, refused;
+    uint8_t wanted, inserted, acked, declined;
+    uint8_t leaving, identified, probe_kind, done;
+    uint8_t described_kind, reserved;
+    uint16_t described_index;
+} roburoc4_private_discovery;
+
+typedef struct roburoc4_private_values {
+    uint64_t digital, pose_bits[3], initial_bits[3];
+    float analog[32], distances[16], speeds[4], limits[13];
+    float telemeters[16][6];
+    float nominal_voltage_v, capacity_ah;
+    uint32_t flags, initial_flags;
+    int32_t io_counts[4];
+    uint8_t telemeter_count, distance_count, battery_state, battery_percent;
+    uint8_t minimum_percent, battery_low, overridden, override_known;
+    uint32_t reserved;
+} roburoc4_private_values;
+
+typedef struct roburoc4_private_outputs {
+    uint64_t digital, sent_us, relocalize_us, pose_bits[3];
+    float analog[16];
+    int32_t relocalize_result;
+    uint8_t repeats, relocalizing, reserved[2];
+} roburoc4_private_outputs;
+
 typedef struct roburoc4_client {
-    uint32_t private_size;
-    uint32_t private_events;
-    uint64_t private_now_us, private_last_rx_us, private_phase_us, private_probe_us;
+    uint64_t private_now_us;
+    uint32_t private_size, private_events, private_state, private_reserved_1;
     roburoc4_config private_config;
-    uint32_t private_counters[16];
-    roburoc4_private_slot private_slots[4];
-    roburoc4_private_service private_services[5];
+    uint32_t private_counters[14];
+    roburoc4_private_requests private_requests;
+    roburoc4_private_link private_link;
     roburoc4_private_drive private_drive;
-    /* clock mapping and round trip */
-    int64_t private_offset_us[2];
-    uint64_t private_offset_since_us, private_newest_cycles;
-    uint32_t private_rtt_us, private_rtt_min_us;
-    /* discovery */
-    uint64_t private_described[5];
-    uint32_t private_service_type_id[32];
-    uint8_t private_claims[32];
-    uint16_t private_ids[8];
-    int16_t private_role_text[4];
-    uint32_t private_service_count;
-    uint8_t private_listed, private_known, private_refused, private_abandoned;
-    uint8_t private_wanted, private_inserted, private_acked, private_declined;
-    uint8_t private_leaving, private_state, private_next_id, private_fixed_id;
-    uint8_t private_suspect, private_probe_kind, private_old_count, private_back_count;
-    /* values */
-    roburoc4_iocard_properties private_io;
-    roburoc4_battery_properties private_battery_properties;
-    uint64_t private_pose0_bits[3];
-    uint32_t private_pose0_flags;
-    float private_limits[13];
-    float private_telemeters[16][6];
-    uint32_t private_telemeter_count, private_distance_count;
-    float private_analog[32];
-    float private_distances[16];
-    uint64_t private_digital;
-    uint64_t private_pose_bits[3];
-    uint32_t private_flags;
-    float private_speeds[4];
-    uint8_t private_battery_state, private_battery_percent, private_battery_alarm, private_override;
-    /* outputs and relocalization */
-    uint64_t private_digital_out, private_output_us;
-    float private_analog_out[16];
-    uint64_t private_relocalize_bits[3];
-    int32_t private_relocalize_result;
-    uint8_t private_output_repeats, private_relocalize_wanted;
-    int16_t private_description_kind;
-    int32_t private_description_index;
-    uint32_t private_reserved[15];
+    roburoc4_private_discovery private_discovery;
+    roburoc4_private_values private_values;
+    roburoc4_private_outputs private_outputs;
+    uint32_t private_reserved[8];
 } roburoc4_client;
 
 /** sizeof(roburoc4_client) of the library; compare it before linking to another build. */

@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Little-endian byte cursors with a sticky failure, checked once at the end.
+ *
+ * A reader that runs out gives zeros from then on; a writer that runs out writes nothing more. The
+ * codec asks for a telegram's whole length before the first byte, so that it is all or nothing; the
+ * cursors' own checks are what keeps memory safe whatever the codec asks for. No cast of bytes to a
+ * struct, no assumption on the host's byte order, alignment, or the size of its double.
+ */
+#ifndef ROBUROC4_BYTES_H
+#define ROBUROC4_BYTES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+typedef struct reader {
+    const uint8_t *at;
+    size_t left;
+    bool failed;
+} reader;
+
+static inline reader reader_of(const uint8_t *data, size_t size) {
+    reader r = {data, size, false};
+    return r;
+}
+
+/** The next `count` bytes, or NULL when they are not all there. */
+static inline const uint8_t *read_bytes(reader *r, size_t count) {
+    const uint8_t *bytes = r->at;
+    if (r->failed || count > r->left) {
+        r->failed = true;
+        return NULL;
+    }
+    if (count > 0) {
+        r->at += count;
+        r->left -= count;
+    }
+    return bytes;
+}
+
+static inline uint8_t read_u8(reader *r) {
+    const uint8_t *b = read_bytes(r, 1);
+    return b != NULL ? b[0] : 0;
+}
+
+static inline uint16_t load_u16(const uint8_t *b) {
+    return (uint16_t)(b[0] | (uint16_t)(b[1] << 8));
+}
+
+static inline uint32_t load_u32(const uint8_t *b) {
+    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+}
+
+static inline uint64_t load_u64(const uint8_t *b) {
+    return (uint64_t)load_u32(b) | (uint64_t)load_u32(b + 4) << 32;
+}
+
+static inline uint16_t read_u16(reader *r) {
+    const uint8_t *b = read_bytes(r, 2);
+    return b != NULL ? load_u16(b) : 0;
+}
+
+static inline uint32_t read_u32(reader *r) {
+    const uint8_t *b = read_bytes(r, 4);
+    return b != NULL ? load_u32(b) : 0;
+}
+
+static inline uint64_t read_u64(reader *r) {
+    const uint8_t *b = read_bytes(r, 8);
+    return b != NULL ? load_u64(b) : 0;
+}
+
+static inline int32_t i32_from_bits(uint32_t bits) {
+    int32_t value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+static inline float f32_from_bits(uint32_t bits) {
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+static inline uint32_t bits_from_f32(float value) {
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits;
+}
+
+/** IEEE binary64 to binary32 by bits, rounding to nearest even; for hosts whose double has 32. */
+static inline uint32_t narrow_bits(uint64_t bits) {
+    const uint32_t sign = (uint32_t)(bits >> 32) & 0x80000000U;
+    const int32_t exponent = (int32_t)(bits >> 52 & 0x7FF) - 1023 + 127;
+    const uint64_t fraction = bits & 0xFFFFFFFFFFFFFU;
+    uint64_t significand = fraction | (uint64_t)1 << 52;
+    uint32_t shift = 29;
+    uint32_t base;
+    if (exponent == 0x7FF - 1023 + 127) {
+        return sign | 0x7F800000U | (fraction != 0 ? 0x400000U | (uint32_t)(fraction >> 29) : 0);
+    }
+    if (exponent >= 255) {
+        return sign | 0x7F800000U;
+    }
+    if (exponent < -23) {
+        return sign;
+    }
+    if (exponent > 0) {
+        base = ((uint32_t)exponent - 1) << 23; /* the leading 1 of the significand adds the rest */
+    } else {
+        base = 0;
+        shift += (uint32_t)(1 - exponent);
+    }
+    const uint64_t half = (uint64_t)1 << (shift - 1);
+    significand += half - 1 + (significand >> shift & 1);
+    return sign | (base + (uint32_t)(significand >> shift));
+}
+
+/** IEEE binary32 to binary64 by bits, exactly. */
+static inline uint64_t widen_bits(uint32_t bits) {
+    const uint64_t sign = (uint64_t)(bits & 0x80000000U) << 32;
+    uint32_t exponent = bits >> 23 & 0xFF;
+    uint32_t fraction = bits & 0x7FFFFF;
+    if (exponent == 0xFF) {
+        return sign | (uint64_t)0x7FF << 52 | (uint64_t)fraction << 29;
+    }
+    if (exponent == 0) {
+        if (fraction == 0) {
+            return sign;
+        }
+        exponent = 1;
+        while ((fraction & 0x800000) == 0) {
+            fraction <<= 1;
+            exponent--; /* may wrap below 0; the bias added below wraps it back */
+        }
+        fraction &= 0x7FFFFF;
+    }
+    return sign | (uint64_t)(exponent + 1023U - 127U) << 52 | (uint64_t)fraction << 29;
+}
+
+static inline double f64_from_bits(uint64_t bits) {
+    double value;
+    if (sizeof value == sizeof bits) {
+        memcpy(&value, &bits, sizeof value);
+    } else {
+        const uint32_t narrow = narrow_bits(bits);
+        memcpy(&value, &narrow, sizeof narrow);
+    }
+    return value;
+}
+
+static inline uint64_t bits_from_f64(double value) {
+    uint64_t bits;
+    if (sizeof value == sizeof bits) {
+        memcpy(&bits, &value, sizeof bits);
+    } else {
+        uint32_t narrow;
+        memcpy(&narrow, &value, sizeof narrow);
+        bits = widen_bits(narrow);
+    }
+    return bits;
+}
+
+/** True for all but NaN and the infinities; holds where the compiler assumes there are none. */
+static inline bool finite_f32_bits(uint32_t bits) {
+    return (bits >> 23 & 0xFF) != 0xFF;
+}
+
+static inline bool finite_f64_bits(uint64_t bits) {
+    return (bits >> 52 & 0x7FF) != 0x7FF;
+}
+
+static inline float read_f32(reader *r) {
+    return f32_from_bits(read_u32(r));
+}
+
+static inline double read_f64(reader *r) {
+    return f64_from_bits(read_u64(r));
+}
+
+typedef struct writer {
+    uint8_t *at;
+    size_t left;
+} writer;
+
+static inline writer writer_of(uint8_t *buffer, size_t capacity) {
+    writer w = {buffer, capacity};
+    return w;
+}
+
+static inline void write_bytes(writer *w, const uint8_t *bytes, size_t count) {
+    if (count > w->left) {
+        w->left = 0;
+    } else if (count > 0) {
+        memcpy(w->at, bytes, count);
+        w->at += count;
+        w->left -= count;
+    }
+}
+
+static inline void write_u8(writer *w, uint8_t value) {
+    write_bytes(w, &value, 1);
+}
+
+static inline void write_u16(writer *w, uint16_t value) {
+    const uint8_t b[2] = {(uint8_t)value, (uint8_t)(value >> 8)};
+    write_bytes(w, b, sizeof b);
+}
+
+static inline void write_u32(writer *w, uint32_t value) {
+    const uint8_t b[4] = {(uint8_t)value, (uint8_t)(value >> 8), (uint8_t)(value >> 16),
+                          (uint8_t)(value >> 24)};
+    write_bytes(w, b, sizeof b);
+}
+
+static inline void write_u64(writer *w, uint64_t value) {
+    write_u32(w, (uint32_t)value);
+    write_u32(w, (uint32_t)(value >> 32));
+}
+
+static inline void write_f32(writer *w, float value) {
+    write_u32(w, bits_from_f32(value));
+}
+
+static inline void write_f64(writer *w, double value) {
+    write_u64(w, bits_from_f64(value));
+}
+
+#endif

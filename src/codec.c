@@ -1,0 +1,853 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The codec: every telegram of the manual, both directions. Pure functions; see roburoc4.h for
+ * their contract. Requests first, then answers, statuses and commands, each as encoder and decoder
+ * side by side, in the order of the manual.
+ */
+#include "roburoc4.h"
+
+#include "bytes.h"
+
+#define HEAD_REQUEST 4
+#define HEAD_ANSWER 5
+#define HEAD_STATUS 11
+#define HEAD_COMMAND 3
+#define SIZE_DIRECTORY_ENTRY 4
+#define SIZE_SUBSCRIPTION 3
+#define SIZE_TELEMETER 28
+#define BODY_QUERY_DIRECTORY 2
+#define BODY_QUERY_IOCARD 5
+#define BODY_INSERT 3
+#define BODY_DELETE 2
+#define BODY_REPLACE 32
+#define BODY_IOCARD_PROPERTIES 16
+#define BODY_BATTERY_PROPERTIES 9
+#define BODY_DIFFERENTIAL_PROPERTIES 52
+#define BODY_BATTERY 2
+#define BODY_LOCALIZATION 28
+#define BODY_DIFFERENTIAL 16
+#define BODY_COMMAND 8
+#define WORDS_IOCARD 4
+#define WORDS_TELEMETER 7
+#define WORDS_DIFFERENTIAL 4
+#define WORDS_DIFFERENTIAL_PROPERTIES 13
+#define SPEEDS offsetof(roburoc4_differential_status, target_linear_m_s)
+/* The largest payload of a UDP datagram over IPv4: what no telegram can be longer than. */
+#define SIZE_LIMIT 65507
+
+/* These structs have their words in the order of the wire, without gaps: moved as one run. */
+typedef char assert_telemeter_is_packed[sizeof(roburoc4_telemeter) == SIZE_TELEMETER ? 1 : -1];
+typedef char assert_differential_is_packed[offsetof(roburoc4_differential_properties, service) ==
+                                                   4 * WORDS_DIFFERENTIAL_PROPERTIES
+                                               ? 1
+                                               : -1];
+typedef char
+    assert_iocard_is_packed[offsetof(roburoc4_iocard_properties, service) == 4 * WORDS_IOCARD ? 1
+                                                                                              : -1];
+typedef char
+    assert_status_is_packed[offsetof(roburoc4_differential_status, service) -
+                                        offsetof(roburoc4_differential_status, target_linear_m_s) ==
+                                    4 * WORDS_DIFFERENTIAL
+                                ? 1
+                                : -1];
+
+/* ---- beginnings and ends ---- */
+
+/** Whether `count` entries of `entry` bytes after `head` make a datagram that can exist. */
+static bool sendable(size_t head, size_t count, size_t entry) {
+    return count <= (SIZE_LIMIT - head) / entry;
+}
+
+/** The bytes that will be left after `length` more, or ROBUROC4_ERR_SHORT. */
+static roburoc4_result surplus(const reader *r, size_t length) {
+    if (r->left < length) {
+        return ROBUROC4_ERR_SHORT;
+    }
+    const size_t left = r->left - length;
+    return left <= INT32_MAX ? (roburoc4_result)left : INT32_MAX;
+}
+
+/** Take `length` bytes of the buffer, or none where they do not fit. */
+static roburoc4_result claim(writer *w, size_t length) {
+    const bool fits = length <= w->left;
+    w->left = fits ? length : 0;
+    return fits ? (roburoc4_result)length : ROBUROC4_ERR_BUFFER;
+}
+
+/* Runs of 32-bit fields (floats or integers) and of poses, in memory as on the wire. */
+
+static void write_words(writer *w, const void *words, size_t count) {
+    const uint8_t *from = words;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t word;
+        memcpy(&word, from + i * sizeof word, sizeof word);
+        write_u32(w, word);
+    }
+}
+
+static void read_words(reader *r, void *words, size_t count) {
+    uint8_t *to = words;
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t word = read_u32(r);
+        memcpy(to + i * sizeof word, &word, sizeof word);
+    }
+}
+
+static void write_pose(writer *w, const double *x_m, const double *y_m, const double *theta_rad) {
+    write_f64(w, *x_m);
+    write_f64(w, *y_m);
+    write_f64(w, *theta_rad);
+}
+
+static void read_pose(reader *r, double *x_m, double *y_m, double *theta_rad) {
+    *x_m = read_f64(r);
+    *y_m = read_f64(r);
+    *theta_rad = read_f64(r);
+}
+
+/* ---- requests ---- */
+
+static roburoc4_result write_request_head(writer *w, size_t body, uint8_t id, uint8_t action,
+                                          uint16_t service) {
+    if (id == ROBUROC4_HEADER_ERROR || id == ROBUROC4_HEADER_STATUS) {
+        w->left = 0;
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    const roburoc4_result result = claim(w, HEAD_REQUEST + body);
+    write_u8(w, id);
+    write_u8(w, action);
+    write_u16(w, service);
+    return result;
+}
+
+roburoc4_result roburoc4_encode_get(uint8_t *buffer, size_t capacity, uint8_t id,
+                                    uint16_t service) {
+    writer w = writer_of(buffer, capacity);
+    return write_request_head(&w, 0, id, ROBUROC4_ACTION_GET, service);
+}
+
+roburoc4_result roburoc4_encode_query_directory(uint8_t *buffer, size_t capacity, uint8_t id,
+                                                uint16_t index) {
+    writer w = writer_of(buffer, capacity);
+    const roburoc4_result result = write_request_head(
+        &w, BODY_QUERY_DIRECTORY, id, ROBUROC4_ACTION_QUERY, ROBUROC4_SERVICE_DIRECTORY);
+    write_u16(&w, index);
+    return result;
+}
+
+roburoc4_result roburoc4_encode_query_iocard(uint8_t *buffer, size_t capacity, uint8_t id,
+                                             uint16_t service, uint8_t io_type, int32_t index) {
+    writer w = writer_of(buffer, capacity);
+    const roburoc4_result result =
+        write_request_head(&w, BODY_QUERY_IOCARD, id, ROBUROC4_ACTION_QUERY, service);
+    write_u8(&w, io_type);
+    write_u32(&w, (uint32_t)index);
+    return result;
+}
+
+roburoc4_result roburoc4_encode_insert(uint8_t *buffer, size_t capacity, uint8_t id,
+                                       uint16_t subject, uint8_t period_cycles) {
+    if (period_cycles == 0) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    writer w = writer_of(buffer, capacity);
+    const roburoc4_result result = write_request_head(&w, BODY_INSERT, id, ROBUROC4_ACTION_INSERT,
+                                                      ROBUROC4_SERVICE_NOTIFICATION);
+    write_u16(&w, subject);
+    write_u8(&w, period_cycles);
+    return result;
+}
+
+roburoc4_result roburoc4_encode_delete(uint8_t *buffer, size_t capacity, uint8_t id,
+                                       uint16_t subject) {
+    writer w = writer_of(buffer, capacity);
+    const roburoc4_result result = write_request_head(&w, BODY_DELETE, id, ROBUROC4_ACTION_DELETE,
+                                                      ROBUROC4_SERVICE_NOTIFICATION);
+    write_u16(&w, subject);
+    return result;
+}
+
+roburoc4_result roburoc4_encode_replace_localization(uint8_t *buffer, size_t capacity, uint8_t id,
+                                                     uint16_t service, uint64_t timestamp,
+                                                     double x_m, double y_m, double theta_rad) {
+    writer w = writer_of(buffer, capacity);
+    const roburoc4_result result =
+        write_request_head(&w, BODY_REPLACE, id, ROBUROC4_ACTION_REPLACE, service);
+    write_u64(&w, timestamp);
+    write_pose(&w, &x_m, &y_m, &theta_rad);
+    return result;
+}
+
+/** Bytes after the head; 0 for GET and for actions whose layout nobody published. */
+static size_t request_body(uint8_t action, uint16_t service) {
+    switch (action) {
+    case ROBUROC4_ACTION_QUERY:
+        return service == ROBUROC4_SERVICE_DIRECTORY ? BODY_QUERY_DIRECTORY : BODY_QUERY_IOCARD;
+    case ROBUROC4_ACTION_REPLACE:
+        return BODY_REPLACE;
+    case ROBUROC4_ACTION_INSERT:
+        return BODY_INSERT;
+    case ROBUROC4_ACTION_DELETE:
+        return BODY_DELETE;
+    default:
+        return 0;
+    }
+}
+
+roburoc4_result roburoc4_decode_request(const uint8_t *data, size_t size, roburoc4_request *out) {
+    reader r = reader_of(data, size);
+    const uint8_t id = read_u8(&r);
+    const uint8_t action = read_u8(&r);
+    const uint16_t service = read_u16(&r);
+    const roburoc4_result result =
+        r.failed ? ROBUROC4_ERR_SHORT : surplus(&r, request_body(action, service));
+    if (!r.failed && (id == ROBUROC4_HEADER_ERROR || id == ROBUROC4_HEADER_STATUS)) {
+        return ROBUROC4_ERR_KIND;
+    }
+    if (result < 0) {
+        return result;
+    }
+    memset(out, 0, sizeof *out);
+    out->id = id;
+    out->action = action;
+    out->service = service;
+    switch (action) {
+    case ROBUROC4_ACTION_QUERY:
+        if (service == ROBUROC4_SERVICE_DIRECTORY) {
+            out->index = read_u16(&r);
+        } else {
+            out->io_type = read_u8(&r);
+            out->index = i32_from_bits(read_u32(&r));
+        }
+        break;
+    case ROBUROC4_ACTION_REPLACE:
+        out->timestamp = read_u64(&r);
+        read_pose(&r, &out->x_m, &out->y_m, &out->theta_rad);
+        break;
+    case ROBUROC4_ACTION_INSERT:
+        out->subject = read_u16(&r);
+        out->period_cycles = read_u8(&r);
+        break;
+    case ROBUROC4_ACTION_DELETE:
+        out->subject = read_u16(&r);
+        break;
+    default:
+        break;
+    }
+    return result;
+}
+
+/* ---- answers ---- */
+
+static roburoc4_result write_answer_head(writer *w, size_t body, uint8_t id, uint8_t action,
+                                         uint16_t service, uint8_t error) {
+    if (id == ROBUROC4_HEADER_STATUS) {
+        w->left = 0;
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    const roburoc4_result result = claim(w, HEAD_ANSWER + body);
+    write_u8(w, id);
+    write_u8(w, action);
+    write_u16(w, service);
+    write_u8(w, error);
+    return result;
+}
+
+/** Check the head of a good answer to `action` and that `body` bytes follow it; the reader is left
+ *  at the service, for read_answer_service(). */
+static roburoc4_result read_answer_head(reader *r, uint8_t action, size_t body) {
+    if (r->left < HEAD_ANSWER) {
+        return ROBUROC4_ERR_SHORT;
+    }
+    const uint8_t error = r->at[4];
+    const uint8_t id = read_u8(r);
+    if (read_u8(r) != action || id == ROBUROC4_HEADER_STATUS) {
+        return ROBUROC4_ERR_KIND;
+    }
+    if (id == ROBUROC4_HEADER_ERROR || error != ROBUROC4_ERROR_NONE) {
+        return ROBUROC4_ERR_ROBOT;
+    }
+    return surplus(r, HEAD_ANSWER - 2 + body);
+}
+
+static uint16_t read_answer_service(reader *r) {
+    const uint16_t service = read_u16(r);
+    read_u8(r); /* the error byte, known to be 0 */
+    return service;
+}
+
+roburoc4_result roburoc4_decode_answer(const uint8_t *data, size_t size, roburoc4_answer *out) {
+    reader r = reader_of(data, size);
+    if (size < HEAD_ANSWER) {
+        return ROBUROC4_ERR_SHORT;
+    }
+    if (data[0] == ROBUROC4_HEADER_STATUS) {
+        return ROBUROC4_ERR_KIND;
+    }
+    memset(out, 0, sizeof *out);
+    out->id = read_u8(&r);
+    out->action = read_u8(&r);
+    out->service = read_u16(&r);
+    out->error = read_u8(&r);
+    out->payload = r.at;
+    out->payload_size = r.left;
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_encode_answer(uint8_t *buffer, size_t capacity, uint8_t id, uint8_t action,
+                                       uint16_t service, uint8_t error) {
+    writer w = writer_of(buffer, capacity);
+    return write_answer_head(&w, 0, id, action, service, error);
+}
+
+roburoc4_result roburoc4_decode_directory(const uint8_t *data, size_t size,
+                                          roburoc4_directory *out) {
+    reader r = reader_of(data, size);
+    const roburoc4_result result = read_answer_head(&r, ROBUROC4_ACTION_GET, 0);
+    if (result < 0) {
+        return result;
+    }
+    out->service = read_answer_service(&r);
+    out->reserved = 0;
+    out->entries = r.at;
+    out->count = (uint32_t)(r.left / SIZE_DIRECTORY_ENTRY);
+    return (roburoc4_result)(r.left % SIZE_DIRECTORY_ENTRY);
+}
+
+roburoc4_result roburoc4_directory_at(const roburoc4_directory *directory, uint32_t index,
+                                      roburoc4_directory_entry *out) {
+    if (index >= directory->count) {
+        return ROBUROC4_ERR_INDEX;
+    }
+    const uint8_t *entry = directory->entries + (size_t)index * SIZE_DIRECTORY_ENTRY;
+    out->type = load_u16(entry);
+    out->id = load_u16(entry + 2);
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_encode_directory(uint8_t *buffer, size_t capacity, uint8_t id,
+                                          uint16_t service, const roburoc4_directory_entry *entries,
+                                          size_t count) {
+    if (!sendable(HEAD_ANSWER, count, SIZE_DIRECTORY_ENTRY)) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    writer w = writer_of(buffer, capacity);
+    const roburoc4_result result =
+        write_answer_head(&w, count * SIZE_DIRECTORY_ENTRY, id, ROBUROC4_ACTION_GET, service, 0);
+    for (size_t i = 0; i < count; i++) {
+        write_u16(&w, entries[i].type);
+        write_u16(&w, entries[i].id);
+    }
+    return result;
+}
+
+roburoc4_result roburoc4_decode_notification(const uint8_t *data, size_t size,
+                                             roburoc4_notification *out) {
+    reader r = reader_of(data, size);
+    const roburoc4_result result = read_answer_head(&r, ROBUROC4_ACTION_GET, 0);
+    if (result < 0) {
+        return result;
+    }
+    out->service = read_answer_service(&r);
+    out->reserved = 0;
+    out->entries = r.at;
+    out->count = (uint32_t)(r.left / SIZE_SUBSCRIPTION);
+    return (roburoc4_result)(r.left % SIZE_SUBSCRIPTION);
+}
+
+roburoc4_result roburoc4_notification_at(const roburoc4_notification *notification, uint32_t index,
+                                         roburoc4_subscription *out) {
+    if (index >= notification->count) {
+        return ROBUROC4_ERR_INDEX;
+    }
+    const uint8_t *entry = notification->entries + (size_t)index * SIZE_SUBSCRIPTION;
+    out->service = load_u16(entry);
+    out->period_cycles = entry[2];
+    out->reserved = 0;
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_encode_notification(uint8_t *buffer, size_t capacity, uint8_t id,
+                                             uint16_t service, const roburoc4_subscription *entries,
+                                             size_t count) {
+    if (!sendable(HEAD_ANSWER, count, SIZE_SUBSCRIPTION)) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    writer w = writer_of(buffer, capacity);
+    const roburoc4_result result =
+        write_answer_head(&w, count * SIZE_SUBSCRIPTION, id, ROBUROC4_ACTION_GET, service, 0);
+    for (size_t i = 0; i < count; i++) {
+        write_u16(&w, entries[i].service);
+        write_u8(&w, entries[i].period_cycles);
+    }
+    return result;
+}
+
+roburoc4_result roburoc4_decode_iocard_properties(const uint8_t *data, size_t size,
+                                                  roburoc4_iocard_properties *out) {
+    reader r = reader_of(data, size);
+    const roburoc4_result result =
+        read_answer_head(&r, ROBUROC4_ACTION_GET, BODY_IOCARD_PROPERTIES);
+    if (result < 0) {
+        return result;
+    }
+    if ((data[8] | data[12] | data[16] | data[20]) & 0x80) {
+        return ROBUROC4_ERR_VALUE; /* the sign of a count, in its highest byte */
+    }
+    out->service = read_answer_service(&r);
+    out->reserved = 0;
+    read_words(&r, out, WORDS_IOCARD);
+    return result;
+}
+
+roburoc4_result roburoc4_encode_iocard_properties(uint8_t *buffer, size_t capacity, uint8_t id,
+                                                  const roburoc4_iocard_properties *properties) {
+    writer w = writer_of(buffer, capacity);
+    const roburoc4_result result = write_answer_head(&w, BODY_IOCARD_PROPERTIES, id,
+                                                     ROBUROC4_ACTION_GET, properties->service, 0);
+    write_words(&w, properties, WORDS_IOCARD);
+    return result;
+}
+
+uint32_t roburoc4_digital_blocks(uint32_t channels) {
+    return channels == 0 ? 0 : (channels - 1) / 8 + 1;
+}
+
+roburoc4_result roburoc4_decode_telemeter_properties(const uint8_t *data, size_t size,
+                                                     roburoc4_telemeter_list *out) {
+    reader r = reader_of(data, size);
+    const roburoc4_result result = read_answer_head(&r, ROBUROC4_ACTION_GET, 4);
+    if (result < 0) {
+        return result;
+    }
+    const uint16_t service = read_answer_service(&r);
+    const uint32_t count = read_u32(&r);
+    if (count > INT32_MAX) {
+        return ROBUROC4_ERR_VALUE;
+    }
+    if (count > r.left / SIZE_TELEMETER) {
+        return ROBUROC4_ERR_SHORT;
+    }
+    out->entries = r.at;
+    out->count = count;
+    out->service = service;
+    out->reserved = 0;
+    return surplus(&r, (size_t)count * SIZE_TELEMETER);
+}
+
+roburoc4_result roburoc4_telemeter_at(const roburoc4_telemeter_list *telemeters, uint32_t index,
+                                      roburoc4_telemeter *out) {
+    if (index >= telemeters->count) {
+        return ROBUROC4_ERR_INDEX;
+    }
+    reader r = reader_of(telemeters->entries + (size_t)index * SIZE_TELEMETER, SIZE_TELEMETER);
+    read_words(&r, out, WORDS_TELEMETER);
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_encode_telemeter_properties(uint8_t *buffer, size_t capacity, uint8_t id,
+                                                     uint16_t service,
+                                                     const roburoc4_telemeter *telemeters,
+                                                     size_t count) {
+    if (!sendable(HEAD_ANSWER + 4, count, SIZE_TELEMETER)) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    writer w = writer_of(buffer, capacity);
+    const roburoc4_result result =
+        write_answer_head(&w, 4 + count * SIZE_TELEMETER, id, ROBUROC4_ACTION_GET, service, 0);
+    write_u32(&w, (uint32_t)count);
+    write_words(&w, telemeters, count * WORDS_TELEMETER);
+    return result;
+}
+
+roburoc4_result roburoc4_decode_battery_properties(const uint8_t *data, size_t size,
+                                                   roburoc4_battery_properties *out) {
+    reader r = reader_of(data, size);
+    const roburoc4_result result =
+        read_answer_head(&r, ROBUROC4_ACTION_GET, BODY_BATTERY_PROPERTIES);
+    if (result >= 0) {
+        memset(out, 0, sizeof *out);
+        out->service = read_answer_service(&r);
+        out->nominal_voltage_v = read_f32(&r);
+        out->capacity_ah = read_f32(&r);
+        out->minimum_percent = read_u8(&r);
+    }
+    return result;
+}
+
+roburoc4_result roburoc4_encode_battery_properties(uint8_t *buffer, size_t capacity, uint8_t id,
+                                                   const roburoc4_battery_properties *properties) {
+    writer w = writer_of(buffer, capacity);
+    const roburoc4_result result = write_answer_head(&w, BODY_BATTERY_PROPERTIES, id,
+                                                     ROBUROC4_ACTION_GET, properties->service, 0);
+    write_f32(&w, properties->nominal_voltage_v);
+    write_f32(&w, properties->capacity_ah);
+    write_u8(&w, properties->minimum_percent);
+    return result;
+}
+
+roburoc4_result roburoc4_decode_localization_properties(const uint8_t *data, size_t size,
+                                                        roburoc4_localization_properties *out) {
+    reader r = reader_of(data, size);
+    const roburoc4_result result = read_answer_head(&r, ROBUROC4_ACTION_GET, BODY_LOCALIZATION);
+    if (result >= 0) {
+        memset(out, 0, sizeof *out);
+        out->service = read_answer_service(&r);
+        read_pose(&r, &out->x_m, &out->y_m, &out->theta_rad);
+        out->flags = read_u32(&r);
+    }
+    return result;
+}
+
+roburoc4_result
+roburoc4_encode_localization_properties(uint8_t *buffer, size_t capacity, uint8_t id,
+                                        const roburoc4_localization_properties *properties) {
+    writer w = writer_of(buffer, capacity);
+    const roburoc4_result result =
+        write_answer_head(&w, BODY_LOCALIZATION, id, ROBUROC4_ACTION_GET, properties->service, 0);
+    write_pose(&w, &properties->x_m, &properties->y_m, &properties->theta_rad);
+    write_u32(&w, properties->flags);
+    return result;
+}
+
+roburoc4_result roburoc4_decode_differential_properties(const uint8_t *data, size_t size,
+                                                        roburoc4_differential_properties *out) {
+    reader r = reader_of(data, size);
+    const roburoc4_result result =
+        read_answer_head(&r, ROBUROC4_ACTION_GET, BODY_DIFFERENTIAL_PROPERTIES);
+    if (result >= 0) {
+        memset(out, 0, sizeof *out);
+        out->service = read_answer_service(&r);
+        read_words(&r, out, WORDS_DIFFERENTIAL_PROPERTIES);
+    }
+    return result;
+}
+
+roburoc4_result
+roburoc4_encode_differential_properties(uint8_t *buffer, size_t capacity, uint8_t id,
+                                        const roburoc4_differential_properties *properties) {
+    writer w = writer_of(buffer, capacity);
+    const roburoc4_result result = write_answer_head(&w, BODY_DIFFERENTIAL_PROPERTIES, id,
+                                                     ROBUROC4_ACTION_GET, properties->service, 0);
+    write_words(&w, properties, WORDS_DIFFERENTIAL_PROPERTIES);
+    return result;
+}
+
+roburoc4_result roburoc4_decode_text(const uint8_t *data, size_t size, roburoc4_text *out) {
+    reader r = reader_of(data, size);
+    const roburoc4_result result = read_answer_head(&r, ROBUROC4_ACTION_QUERY, 0);
+    if (result < 0) {
+        return result;
+    }
+    out->service = read_answer_service(&r);
+    out->reserved = 0;
+    out->text = r.at;
+    out->length = (uint32_t)r.left;
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_encode_text(uint8_t *buffer, size_t capacity, uint8_t id, uint16_t service,
+                                     const char *text, size_t length) {
+    if (!sendable(HEAD_ANSWER, length, 1)) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    writer w = writer_of(buffer, capacity);
+    const roburoc4_result result =
+        write_answer_head(&w, length, id, ROBUROC4_ACTION_QUERY, service, 0);
+    write_bytes(&w, (const uint8_t *)text, length);
+    return result;
+}
+
+/* ---- statuses and commands ---- */
+
+static roburoc4_result write_status_head(writer *w, size_t body, uint16_t service,
+                                         uint64_t robot_cycles) {
+    const roburoc4_result result = claim(w, HEAD_STATUS + body);
+    write_u8(w, ROBUROC4_HEADER_STATUS);
+    write_u16(w, service);
+    write_u64(w, robot_cycles);
+    return result;
+}
+
+static roburoc4_result write_command_head(writer *w, size_t body, uint16_t service) {
+    const roburoc4_result result = claim(w, HEAD_COMMAND + body);
+    write_u8(w, ROBUROC4_HEADER_STATUS);
+    write_u16(w, service);
+    return result;
+}
+
+/** Check the header of a status or command and its whole length; the reader is left at the
+ *  service. */
+static roburoc4_result read_status_header(reader *r, size_t length) {
+    if (r->left < length) {
+        return ROBUROC4_ERR_SHORT;
+    }
+    if (read_u8(r) != ROBUROC4_HEADER_STATUS) {
+        return ROBUROC4_ERR_KIND;
+    }
+    return surplus(r, length - 1);
+}
+
+roburoc4_result roburoc4_decode_status_header(const uint8_t *data, size_t size,
+                                              roburoc4_status_header *out) {
+    reader r = reader_of(data, size);
+    const roburoc4_result result = read_status_header(&r, HEAD_STATUS);
+    if (result >= 0) {
+        memset(out, 0, sizeof *out);
+        out->service = read_u16(&r);
+        out->robot_cycles = read_u64(&r);
+    }
+    return result;
+}
+
+roburoc4_result roburoc4_decode_command_header(const uint8_t *data, size_t size,
+                                               roburoc4_status_header *out) {
+    reader r = reader_of(data, size);
+    const roburoc4_result result = read_status_header(&r, HEAD_COMMAND);
+    if (result >= 0) {
+        memset(out, 0, sizeof *out);
+        out->service = read_u16(&r);
+    }
+    return result;
+}
+
+/** Take `analog` floats and the blocks of `digital` bits from a reader that has passed the head. */
+static roburoc4_result read_channels(reader *r, uint32_t analog, uint32_t digital,
+                                     const uint8_t **analog_view, const uint8_t **digital_view) {
+    if (analog > r->left / 4 || roburoc4_digital_blocks(digital) > r->left - (size_t)analog * 4) {
+        return ROBUROC4_ERR_SHORT;
+    }
+    *analog_view = read_bytes(r, (size_t)analog * 4);
+    *digital_view = read_bytes(r, (size_t)roburoc4_digital_blocks(digital));
+    return surplus(r, 0);
+}
+
+static roburoc4_result analog_at(const uint8_t *view, uint32_t count, uint32_t index, float *out) {
+    if (index >= count) {
+        return ROBUROC4_ERR_INDEX;
+    }
+    *out = f32_from_bits(load_u32(view + (size_t)index * 4));
+    return ROBUROC4_OK;
+}
+
+static roburoc4_result digital_at(const uint8_t *view, uint32_t count, uint32_t index) {
+    if (index >= count) {
+        return ROBUROC4_ERR_INDEX;
+    }
+    return view[index / 8] >> (index % 8) & 1;
+}
+
+/** Whether a datagram can carry these channels after a head; their bytes in *body. */
+static bool channels_sendable(size_t analog, size_t digital, size_t *body) {
+    const size_t blocks = digital / 8 + (digital % 8 != 0);
+    *body = analog * 4 + blocks;
+    return sendable(HEAD_STATUS, analog, 4) && sendable(HEAD_STATUS + analog * 4, blocks, 1);
+}
+
+roburoc4_result roburoc4_decode_iocard_status(const uint8_t *data, size_t size,
+                                              uint32_t analog_inputs, uint32_t digital_inputs,
+                                              roburoc4_iocard_status *out) {
+    reader r = reader_of(data, size);
+    roburoc4_result result = read_status_header(&r, HEAD_STATUS);
+    if (result < 0) {
+        return result;
+    }
+    const uint16_t service = read_u16(&r);
+    const uint64_t robot_cycles = read_u64(&r);
+    result = read_channels(&r, analog_inputs, digital_inputs, &out->analog, &out->digital);
+    if (result >= 0) {
+        out->analog_inputs = analog_inputs;
+        out->digital_inputs = digital_inputs;
+        out->service = service;
+        memset(out->reserved, 0, sizeof out->reserved);
+        out->robot_cycles = robot_cycles;
+    }
+    return result;
+}
+
+roburoc4_result roburoc4_analog_input_at(const roburoc4_iocard_status *status, uint32_t index,
+                                         float *out) {
+    return analog_at(status->analog, status->analog_inputs, index, out);
+}
+
+roburoc4_result roburoc4_digital_input_at(const roburoc4_iocard_status *status, uint32_t index) {
+    return digital_at(status->digital, status->digital_inputs, index);
+}
+
+roburoc4_result roburoc4_encode_iocard_status(uint8_t *buffer, size_t capacity, uint16_t service,
+                                              uint64_t robot_cycles, const float *analog,
+                                              size_t analog_inputs, const uint8_t *digital,
+                                              size_t digital_inputs) {
+    size_t body;
+    if (!channels_sendable(analog_inputs, digital_inputs, &body)) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    writer w = writer_of(buffer, capacity);
+    const roburoc4_result result = write_status_head(&w, body, service, robot_cycles);
+    write_words(&w, analog, analog_inputs);
+    write_bytes(&w, digital, roburoc4_digital_blocks((uint32_t)digital_inputs));
+    return result;
+}
+
+roburoc4_result roburoc4_decode_telemeter_status(const uint8_t *data, size_t size,
+                                                 roburoc4_telemeter_status *out) {
+    reader r = reader_of(data, size);
+    const roburoc4_result result = read_status_header(&r, HEAD_STATUS);
+    if (result < 0) {
+        return result;
+    }
+    memset(out, 0, sizeof *out);
+    out->service = read_u16(&r);
+    out->robot_cycles = read_u64(&r);
+    out->distances = r.at;
+    out->count = (uint32_t)(r.left / 4);
+    return (roburoc4_result)(r.left % 4);
+}
+
+roburoc4_result roburoc4_distance_at(const roburoc4_telemeter_status *status, uint32_t index,
+                                     float *out) {
+    return analog_at(status->distances, status->count, index, out);
+}
+
+roburoc4_result roburoc4_encode_telemeter_status(uint8_t *buffer, size_t capacity, uint16_t service,
+                                                 uint64_t robot_cycles, const float *distances_m,
+                                                 size_t count) {
+    return roburoc4_encode_iocard_status(buffer, capacity, service, robot_cycles, distances_m,
+                                         count, NULL, 0);
+}
+
+roburoc4_result roburoc4_decode_battery_status(const uint8_t *data, size_t size,
+                                               roburoc4_battery_status *out) {
+    reader r = reader_of(data, size);
+    const roburoc4_result result = read_status_header(&r, HEAD_STATUS + BODY_BATTERY);
+    if (result >= 0) {
+        memset(out, 0, sizeof *out);
+        out->service = read_u16(&r);
+        out->robot_cycles = read_u64(&r);
+        out->state = read_u8(&r);
+        out->remaining_percent = read_u8(&r);
+    }
+    return result;
+}
+
+roburoc4_result roburoc4_encode_battery_status(uint8_t *buffer, size_t capacity,
+                                               const roburoc4_battery_status *status) {
+    writer w = writer_of(buffer, capacity);
+    const roburoc4_result result =
+        write_status_head(&w, BODY_BATTERY, status->service, status->robot_cycles);
+    write_u8(&w, status->state);
+    write_u8(&w, status->remaining_percent);
+    return result;
+}
+
+roburoc4_result roburoc4_decode_localization_status(const uint8_t *data, size_t size,
+                                                    roburoc4_localization_status *out) {
+    reader r = reader_of(data, size);
+    const roburoc4_result result = read_status_header(&r, HEAD_STATUS + BODY_LOCALIZATION);
+    if (result >= 0) {
+        memset(out, 0, sizeof *out);
+        out->service = read_u16(&r);
+        out->robot_cycles = read_u64(&r);
+        read_pose(&r, &out->x_m, &out->y_m, &out->theta_rad);
+        out->flags = read_u32(&r);
+    }
+    return result;
+}
+
+roburoc4_result roburoc4_encode_localization_status(uint8_t *buffer, size_t capacity,
+                                                    const roburoc4_localization_status *status) {
+    writer w = writer_of(buffer, capacity);
+    const roburoc4_result result =
+        write_status_head(&w, BODY_LOCALIZATION, status->service, status->robot_cycles);
+    write_pose(&w, &status->x_m, &status->y_m, &status->theta_rad);
+    write_u32(&w, status->flags);
+    return result;
+}
+
+roburoc4_result roburoc4_decode_differential_status(const uint8_t *data, size_t size,
+                                                    roburoc4_differential_status *out) {
+    reader r = reader_of(data, size);
+    const roburoc4_result result = read_status_header(&r, HEAD_STATUS + BODY_DIFFERENTIAL);
+    if (result >= 0) {
+        memset(out, 0, sizeof *out);
+        out->service = read_u16(&r);
+        out->robot_cycles = read_u64(&r);
+        read_words(&r, (uint8_t *)out + SPEEDS, WORDS_DIFFERENTIAL);
+    }
+    return result;
+}
+
+roburoc4_result roburoc4_encode_differential_status(uint8_t *buffer, size_t capacity,
+                                                    const roburoc4_differential_status *status) {
+    writer w = writer_of(buffer, capacity);
+    const roburoc4_result result =
+        write_status_head(&w, BODY_DIFFERENTIAL, status->service, status->robot_cycles);
+    write_words(&w, (const uint8_t *)status + SPEEDS, WORDS_DIFFERENTIAL);
+    return result;
+}
+
+roburoc4_result roburoc4_decode_differential_command(const uint8_t *data, size_t size,
+                                                     roburoc4_differential_command *out) {
+    reader r = reader_of(data, size);
+    const roburoc4_result result = read_status_header(&r, HEAD_COMMAND + BODY_COMMAND);
+    if (result >= 0) {
+        memset(out, 0, sizeof *out);
+        out->service = read_u16(&r);
+        out->linear_m_s = read_f32(&r);
+        out->angular_rad_s = read_f32(&r);
+    }
+    return result;
+}
+
+roburoc4_result roburoc4_encode_differential_command(uint8_t *buffer, size_t capacity,
+                                                     uint16_t service, float linear_m_s,
+                                                     float angular_rad_s) {
+    writer w = writer_of(buffer, capacity);
+    const roburoc4_result result = write_command_head(&w, BODY_COMMAND, service);
+    write_f32(&w, linear_m_s);
+    write_f32(&w, angular_rad_s);
+    return result;
+}
+
+roburoc4_result roburoc4_decode_iocard_command(const uint8_t *data, size_t size,
+                                               uint32_t analog_outputs, uint32_t digital_outputs,
+                                               roburoc4_iocard_command *out) {
+    reader r = reader_of(data, size);
+    roburoc4_result result = read_status_header(&r, HEAD_COMMAND);
+    if (result < 0) {
+        return result;
+    }
+    const uint16_t service = read_u16(&r);
+
+    result = read_channels(&r, analog_outputs, digital_outputs, &out->analog, &out->digital);
+    if (result >= 0) {
+        out->analog_outputs = analog_outputs;
+        out->digital_outputs = digital_outputs;
+        out->service = service;
+        memset(out->reserved, 0, sizeof out->reserved);
+    }
+    return result;
+}
+
+roburoc4_result roburoc4_analog_output_at(const roburoc4_iocard_command *command, uint32_t index,
+                                          float *out) {
+    return analog_at(command->analog, command->analog_outputs, index, out);
+}
+
+roburoc4_result roburoc4_digital_output_at(const roburoc4_iocard_command *command, uint32_t index) {
+    return digital_at(command->digital, command->digital_outputs, index);
+}
+
+roburoc4_result roburoc4_encode_iocard_command(uint8_t *buffer, size_t capacity, uint16_t service,
+                                               const float *analog, size_t analog_outputs,
+                                               const uint8_t *digital, size_t digital_outputs) {
+    size_t body;
+    if (!channels_sendable(analog_outputs, digital_outputs, &body)) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    writer w = writer_of(buffer, capacity);
+    const roburoc4_result result = write_command_head(&w, body, service);
+    write_words(&w, analog, analog_outputs);
+    write_bytes(&w, digital, roburoc4_digital_blocks((uint32_t)digital_outputs));
+    return result;
+}

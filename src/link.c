@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The link: are statuses new, how many were lost, how even do they come, what time does the robot's
+ * clock show, did the robot restart.
+ */
+#include "machines.h"
+
+typedef roburoc4_private_link link;
+typedef roburoc4_private_service service;
+
+/* A status this much older than the newest is from before a restart, if three in a row are. */
+#define BACK_CYCLES 100
+#define BACK_STATUSES 3
+/* The period is the shortest gap of so many, which loss hardly ever hides. */
+#define PERIOD_GAPS 16
+#define SEEN_BITS 64
+/* A longer gap is no loss but a pause of the robot. */
+#define LONGEST_GAP 6000
+#define RECENT_STATUSES 200
+#define MAP_WINDOW_US (5 * SECOND)
+
+void roburoc4_link_restart(link *l) {
+    for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
+        service *s = &l->services[i];
+        s->seen = 0;
+        s->fresh = 0;
+        s->gap_count = 0;
+        s->gap_min = UINT16_MAX;
+        s->period_cycles = s->asked_cycles;
+    }
+    l->mapped = 0;
+    l->back_count = 0;
+    l->round_trip_us = 0;
+    l->round_trip_min_us = 0;
+}
+
+static bool restarted(link *l, uint64_t robot_cycles) {
+    if (robot_cycles < l->newest_cycles && l->resubscribed) {
+        return true;
+    }
+    l->back_count = robot_cycles + BACK_CYCLES < l->newest_cycles ? l->back_count + 1U : 0;
+    return l->back_count >= BACK_STATUSES;
+}
+
+/** A status that is not newer: late (then it was counted as lost) or a duplicate. */
+static void late(service *s, uint64_t robot_cycles) {
+    const uint64_t behind = s->robot_cycles - robot_cycles;
+    const uint64_t bit = behind < SEEN_BITS ? (uint64_t)1 << behind : 0;
+    if ((s->seen & bit) != 0) {
+        s->duplicates++;
+        return;
+    }
+    s->late++;
+    if (bit != 0 && s->lost > 0) {
+        s->seen |= bit;
+        s->lost--;
+        s->recent_lost -= s->recent_lost > 0;
+    }
+}
+
+static void learn_period(service *s, uint16_t gap) {
+    if (gap < s->gap_min) {
+        s->gap_min = gap;
+    }
+    if (++s->gap_count >= PERIOD_GAPS || s->gap_min < s->period_cycles) {
+        s->period_cycles = s->gap_min;
+        s->gap_min = UINT16_MAX;
+        s->gap_count = 0;
+    }
+}
+
+static void count_gap(service *s, uint64_t robot_cycles) {
+    const uint64_t gap = robot_cycles - s->robot_cycles;
+    s->seen = gap < SEEN_BITS ? s->seen << gap | 1 : 1;
+    if (gap > LONGEST_GAP) {
+        return;
+    }
+    learn_period(s, (uint16_t)gap);
+    const uint32_t steps = ((uint32_t)gap + s->period_cycles / 2U) / s->period_cycles;
+    if (steps > 1) {
+        s->lost += steps - 1;
+        s->recent_lost += steps - 1;
+    }
+    s->recent_received++;
+    if (s->recent_received + s->recent_lost >= RECENT_STATUSES) {
+        s->recent_received /= 2;
+        s->recent_lost /= 2;
+    }
+}
+
+/** RFC 3550, 6.4.1: the deviation of transit times, smoothed by 16. */
+static void measure_jitter(service *s, uint64_t robot_cycles, uint64_t now_us) {
+    const uint32_t transit = (uint32_t)now_us - (uint32_t)robot_cycles * ROBUROC4_CYCLE_US;
+    const uint32_t change = transit - s->transit_us;
+    const uint32_t deviation = change < 0x80000000U ? change : 0U - change;
+    s->transit_us = transit;
+    s->jitter_us = s->jitter_us - s->jitter_us / 16 + deviation / 16;
+}
+
+/** The smallest offset of the last one to two windows: delays only ever add to it. */
+static void map_clock(link *l, uint64_t robot_cycles, uint64_t now_us) {
+    const int64_t offset = (int64_t)(now_us - robot_cycles * ROBUROC4_CYCLE_US);
+    if (!l->mapped) {
+        l->mapped = 1;
+        l->offset_us = l->offset_before_us = offset;
+        l->offset_since_us = now_us;
+    } else if (now_us - l->offset_since_us >= MAP_WINDOW_US) {
+        l->offset_before_us = l->offset_us;
+        l->offset_us = offset;
+        l->offset_since_us = now_us;
+    } else if (offset < l->offset_us) {
+        l->offset_us = offset;
+    }
+}
+
+verdict roburoc4_link_status(link *l, uint32_t index, uint64_t robot_cycles, uint64_t now_us) {
+    service *s = &l->services[index];
+    if (restarted(l, robot_cycles)) {
+        return VERDICT_REBOOT;
+    }
+    if (s->seen != 0 && robot_cycles <= s->robot_cycles) {
+        late(s, robot_cycles);
+        return VERDICT_OLD;
+    }
+    if (s->seen != 0) {
+        count_gap(s, robot_cycles);
+        measure_jitter(s, robot_cycles, now_us);
+    } else {
+        s->seen = 1;
+        s->transit_us = (uint32_t)now_us - (uint32_t)robot_cycles * ROBUROC4_CYCLE_US;
+    }
+    map_clock(l, robot_cycles, now_us);
+    s->received++;
+    s->robot_cycles = robot_cycles;
+    s->received_us = now_us;
+    s->fresh = 1;
+    l->resubscribed = 0;
+    l->newest_cycles = robot_cycles > l->newest_cycles ? robot_cycles : l->newest_cycles;
+    return VERDICT_NEW;
+}
+
+void roburoc4_link_round_trip(link *l, uint64_t sent_us, uint64_t now_us) {
+    const uint64_t elapsed = now_us - sent_us;
+    const uint32_t sample = elapsed < UINT32_MAX ? (uint32_t)elapsed : UINT32_MAX;
+    if (l->round_trip_min_us == 0 || sample < l->round_trip_min_us) {
+        l->round_trip_min_us = sample > 0 ? sample : 1;
+    }
+    l->round_trip_us =
+        l->round_trip_us == 0 ? sample : l->round_trip_us - l->round_trip_us / 8 + sample / 8;
+}
+
+bool roburoc4_link_fresh(const link *l, uint32_t index, uint64_t limit_us, uint64_t now_us) {
+    const service *s = &l->services[index];
+    return s->fresh && now_us - s->received_us < limit_us;
+}
+
+void roburoc4_link_rebase(link *l, uint64_t now_us) {
+    for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
+        l->services[i].fresh = 0; /* their age is not known any more */
+        l->services[i].inserted_us = now_us;
+    }
+    l->last_used_us = now_us;
+    l->mapped = 0;
+}

@@ -1,0 +1,202 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Requests: every try has a new id, so that only the answer to the last try counts; a few are open
+ * at once. A robot that answers everything with 0x01, as the manual prints it, is recognised after
+ * three tries and served one request at a time.
+ */
+#include "machines.h"
+
+#define SLOTS 4
+#define MAX_WAIT_US SECOND
+#define FIRST_ID 2 /* 0x01 is kept for robots that know no other */
+#define LAST_ID 254
+#define FIXED_AFTER 3
+/* How long an answer to an earlier try may still come in, in fixed-id mode. */
+#define FIXED_QUIET_US (100 * MS)
+/* Every so many tries to connect, for a robot that answers no other id. */
+#define MANUAL_ID_EVERY 6
+
+void roburoc4_requests_clear(requests *r) {
+    const uint8_t last_id = r->last_id; /* goes on, so that late answers of before do not fit */
+    memset(r, 0, sizeof *r);
+    r->last_id = last_id;
+}
+
+bool roburoc4_requests_free(const requests *r, uint32_t keep) {
+    uint32_t open = 0;
+    for (uint32_t i = 0; i < SLOTS; i++) {
+        open += r->slots[i].open;
+    }
+    if (r->fixed_id) {
+        return open == 0 && !r->quiet;
+    }
+    return open + keep < SLOTS;
+}
+
+bool roburoc4_requests_open(const requests *r, const ask *a) {
+    for (uint32_t i = 0; i < SLOTS; i++) {
+        const slot *s = &r->slots[i];
+        if (s->open && s->action == a->action && s->kind == a->kind && s->target == a->target &&
+            (a->action != ROBUROC4_ACTION_QUERY ||
+             (s->detail == a->detail && s->subject == a->subject))) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void roburoc4_requests_begin(requests *r, const ask *a) {
+    for (uint32_t i = 0; i < SLOTS; i++) {
+        slot *s = &r->slots[i];
+        if (!s->open) {
+            memset(s, 0, sizeof *s);
+            s->open = 1;
+            s->action = a->action;
+            s->kind = a->kind;
+            s->detail = a->detail;
+            s->max_tries = a->max_tries;
+            s->target = a->target;
+            s->subject = a->subject;
+            return;
+        }
+    }
+}
+
+void roburoc4_requests_cancel(requests *r, uint8_t action, uint8_t kind) {
+    for (uint32_t i = 0; i < SLOTS; i++) {
+        slot *s = &r->slots[i];
+        if (s->action == action && s->kind == kind) {
+            s->open = 0;
+        }
+    }
+}
+
+static bool id_in_use(const requests *r, uint8_t id) {
+    for (uint32_t i = 0; i < SLOTS; i++) {
+        if (r->slots[i].open && r->slots[i].id == id) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static uint8_t next_id(requests *r, const slot *s) {
+    const bool connecting = s->action == ROBUROC4_ACTION_GET && s->max_tries == REQUEST_FOREVER;
+    if (r->fixed_id || (connecting && s->tries % MANUAL_ID_EVERY == MANUAL_ID_EVERY - 1)) {
+        return ROBUROC4_HEADER_MANUAL;
+    }
+    do {
+        r->last_id =
+            r->last_id >= FIRST_ID && r->last_id < LAST_ID ? (uint8_t)(r->last_id + 1) : FIRST_ID;
+    } while (id_in_use(r, r->last_id));
+    return r->last_id;
+}
+
+/** From now on 0x01 only, and nothing open but this request. */
+static slot *go_to_fixed_id(requests *r, const slot *only) {
+    const slot kept = *only;
+    roburoc4_requests_clear(r);
+    r->fixed_id = 1;
+    r->announce = 1;
+    r->slots[0] = kept;
+    return &r->slots[0];
+}
+
+slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint64_t now_us,
+                            slot **given_up) {
+    *given_up = NULL;
+    r->quiet = r->quiet && now_us - r->quiet_us < FIXED_QUIET_US;
+    for (uint32_t i = 0; i < SLOTS; i++) {
+        slot *s = &r->slots[i];
+        if (!s->open || (s->tries > 0 && now_us - s->sent_us < s->wait_us)) {
+            continue;
+        }
+        if (s->max_tries != REQUEST_FOREVER && s->tries >= s->max_tries) {
+            s->open = 0;
+            *given_up = s;
+            return NULL;
+        }
+        if (r->suspect && s->tries >= FIXED_AFTER) {
+            s = go_to_fixed_id(r, s); /* only 0x01 was ever answered */
+        }
+        if (s->tries == 0) {
+            s->wait_us = (uint32_t)(first_retry_ms * MS);
+        } else if (s->wait_us < MAX_WAIT_US) {
+            s->wait_us = s->wait_us * 2 < MAX_WAIT_US ? s->wait_us * 2 : (uint32_t)MAX_WAIT_US;
+        }
+        s->id = next_id(r, s);
+        s->sent_us = now_us;
+        s->ones &= 0x7F; /* this try has not seen an answer with 0x01 yet */
+        if (s->tries < UINT8_MAX) {
+            s->tries++;
+        }
+        return s;
+    }
+    return NULL;
+}
+
+/** As much of an error telegram as there is fits this request. */
+static bool error_fits(const slot *s, const uint8_t *datagram, size_t size) {
+    return (size < 2 || datagram[1] == s->action) &&
+           (size < 4 || (uint16_t)(datagram[2] | datagram[3] << 8) == s->target);
+}
+
+/** Another try of this request saw only 0x01; true when that is enough to believe it. */
+static bool only_manual_id(slot *s) {
+    if ((s->ones & 0x80) == 0) {
+        s->ones = (uint8_t)(0x80 | (s->ones + 1));
+    }
+    return (s->ones & 0x7F) >= FIXED_AFTER;
+}
+
+slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size, uint64_t now_us) {
+    slot *oldest = NULL;
+    for (uint32_t i = 0; i < SLOTS; i++) {
+        slot *s = &r->slots[i];
+        if (!s->open || s->tries == 0 || !error_fits(s, datagram, size)) {
+            continue;
+        }
+        if (size >= 5 && datagram[0] == s->id) {
+            r->suspect = !r->fixed_id && s->id == ROBUROC4_HEADER_MANUAL;
+            return s;
+        }
+        if (oldest == NULL || now_us - s->sent_us > now_us - oldest->sent_us) {
+            oldest = s;
+        }
+    }
+    if (oldest == NULL || datagram[0] == ROBUROC4_HEADER_ERROR) {
+        return oldest;
+    }
+    if (size >= 5 && datagram[0] == ROBUROC4_HEADER_MANUAL && only_manual_id(oldest)) {
+        return go_to_fixed_id(r, oldest);
+    }
+    return NULL;
+}
+
+void roburoc4_requests_close(requests *r, slot *s, uint64_t now_us) {
+    s->open = 0;
+    r->quiet = s->tries > 1;
+    r->quiet_us = now_us;
+}
+
+uint64_t roburoc4_requests_deadline(const requests *r) {
+    uint64_t deadline = UINT64_MAX;
+    for (uint32_t i = 0; i < SLOTS; i++) {
+        const slot *s = &r->slots[i];
+        if (s->open) {
+            const uint64_t due = s->tries == 0 ? 0 : s->sent_us + s->wait_us;
+            deadline = due < deadline ? due : deadline;
+        }
+    }
+    if (r->fixed_id && r->quiet && deadline == UINT64_MAX) {
+        deadline = r->quiet_us + FIXED_QUIET_US;
+    }
+    return deadline;
+}
+
+void roburoc4_requests_rebase(requests *r, uint64_t now_us) {
+    for (uint32_t i = 0; i < SLOTS; i++) {
+        r->slots[i].sent_us = now_us - r->slots[i].wait_us;
+    }
+    r->quiet = 0;
+}
