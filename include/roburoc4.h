@@ -466,10 +466,10 @@ typedef struct roburoc4_status_header {
     uint16_t service;
     uint16_t reserved[3];
 } roburoc4_status_header;
-/** 11 bytes or more. */
+/** Of a status: 11 bytes or more; the rest counts as surplus. */
 ROBUROC4_API roburoc4_result roburoc4_decode_status_header(const uint8_t *data, size_t size,
                                                            roburoc4_status_header *out);
-/** 3 bytes or more: whom a command is for, as a robot reads it. */
+/** Of a command, as a robot reads it: 3 bytes or more; the rest counts as surplus. */
 ROBUROC4_API roburoc4_result roburoc4_decode_command_header(const uint8_t *data, size_t size,
                                                             roburoc4_status_header *out);
 
@@ -866,7 +866,7 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
 /* Motion. A drive command is a lease: the target lives for lease_us and dies unless renewed. Every
  * exit from driving (lease over, stop, disarm, override, loss, reboot, clock fault) is followed by
  * a train of zero commands: one per drive period, at least three, until a status shows both targets
- * 0 or robot_watchdog_ms has passed. */
+ * 0 or robot_watchdog_ms has passed. A new lease waits for the end of the train. */
 
 /** Allow driving. 0, or the first reason against it: ROBUROC4_ERR_NOT_READY, _NO_DIFFERENTIAL,
  *  _LIMITS, _STALE_DIFFERENTIAL, _STALE_IOCARD, _OVERRIDE_UNKNOWN, _OVERRIDE, _FOREIGN, _MOVING.

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the files of the joined client share: client.c (life and datagrams), control.c (what a user
- * asks for), snapshot.c (what a user reads).
+ * What the files of the joined client share: client.c (life, and what is sent), receive.c, asking.c
+ * (requests), snapshot.c (values in), report.c (values out), control.c (what a user asks for).
  */
 #ifndef ROBUROC4_CLIENT_H
 #define ROBUROC4_CLIENT_H
@@ -12,6 +12,34 @@ static inline uint8_t service_bit(uint32_t service) {
     return (uint8_t)(1U << service);
 }
 
+static inline uint32_t at_most(uint32_t value, uint32_t limit) {
+    return value < limit ? value : limit;
+}
+
+static inline void count(roburoc4_client *c, uint32_t counter) {
+    c->private_counters[counter]++;
+}
+
+static inline void raise_event(roburoc4_client *c, uint32_t event) {
+    c->private_events |= event;
+}
+
+/** The robot has been found and is not lost. */
+static inline bool connected(const roburoc4_client *c) {
+    return c->private_state >= ROBUROC4_STATE_DISCOVERING &&
+           c->private_state <= ROBUROC4_STATE_READY;
+}
+
+/* How long to wait for the texts of the directory before the manual's ids are believed. */
+#define IDENTIFY_US SECOND
+/* One question a second goes to each service in turn. */
+#define PROBE_US SECOND
+
+/* client.c */
+
+void roburoc4_client_enter(roburoc4_client *c, uint32_t state, uint64_t now_us);
+/** The robot restarted: it is discovered anew. */
+void roburoc4_client_reboot(roburoc4_client *c, uint64_t now_us);
 /** Every public call that knows the time begins here: a clock that went back is a fault. */
 void roburoc4_client_clock(roburoc4_client *c, uint64_t now_us);
 /** What motion depends on, at this time. */
@@ -20,6 +48,22 @@ conditions roburoc4_client_conditions(const roburoc4_client *c, uint64_t now_us)
 void roburoc4_client_tick_drive(roburoc4_client *c, uint64_t now_us);
 /** The reason against arming, or 0. */
 roburoc4_result roburoc4_client_arm_refusal(const roburoc4_client *c, uint64_t now_us);
+
+/* receive.c */
+
+/** A request came to nothing: refused by the robot, answered with nonsense, or never answered. */
+void roburoc4_client_fail(roburoc4_client *c, const slot *s, roburoc4_result why);
+void roburoc4_client_relocalize_ends(roburoc4_client *c, roburoc4_result result);
+
+/* asking.c */
+
+/** The next request that must leave now: its length, or 0. */
+roburoc4_result roburoc4_client_poll_requests(roburoc4_client *c, uint8_t *buffer, size_t capacity,
+                                              uint64_t now_us);
+/** Services that were subscribed to and send nothing are subscribed to again. */
+void roburoc4_client_renew_silent(roburoc4_client *c, uint64_t now_us);
+
+/* snapshot.c */
 
 /** Take the properties of a service from a good answer: 0 or more, or what is wrong with it. */
 roburoc4_result roburoc4_snapshot_properties(roburoc4_client *c, uint32_t service,

@@ -248,7 +248,7 @@ static void age_envelope(drive *d, uint64_t window_us, uint64_t now_us) {
 
 static bool train_ended(const drive *d, const roburoc4_config *config, uint64_t now_us) {
     return d->zeros >= TRAIN_ZEROS &&
-           (d->confirmed || d->leased || now_us - d->train_us >= config->robot_watchdog_ms * MS);
+           (d->confirmed || now_us - d->train_us >= config->robot_watchdog_ms * MS);
 }
 
 static bool poll_train(drive *d, const roburoc4_config *config, uint64_t now_us) {
@@ -304,7 +304,7 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config, const float *l
 uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config) {
     const uint64_t next = d->sent_us + pause_us(d, config);
     if (d->train) {
-        return d->zeros == 0 ? 0 : d->leased && d->zeros >= TRAIN_ZEROS ? 0 : next;
+        return d->zeros == 0 || d->confirmed ? 0 : next;
     }
     if (!d->leased) {
         return UINT64_MAX;

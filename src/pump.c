@@ -1,0 +1,259 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * pump.c - life of a pump and its thread: the loop that waits for the robot or the client's
+ * deadline without the lock, and receives and sends with it.
+ */
+#include "pump_internal.h"
+
+#include <errno.h>
+#include <stdlib.h>
+
+/* Beyond the robot's watchdog, after which the client ends its zero train by itself. */
+#define STOP_MARGIN_US 500000u
+/* Pace where the socket itself fails, so that the thread cannot spin. */
+#define BROKEN_PACE_US 100000u
+
+/* ------------------------------------------------------------------------------------ lock --- */
+
+int roburoc4_pump_enter(roburoc4_pump *pump) {
+    if (pump->process != roburoc4_process_id()) {
+        return 0;
+    }
+    roburoc4_lock_take(&pump->lock);
+    return 1;
+}
+
+void roburoc4_pump_leave(roburoc4_pump *pump) {
+    roburoc4_lock_give(&pump->lock);
+}
+
+void roburoc4_pump_wait(roburoc4_pump *pump, uint64_t until_us) {
+    uint64_t now_us = roburoc4_udp_now_us();
+    if (until_us <= now_us) {
+        return;
+    }
+    pump->waiters++;
+    roburoc4_signal_wait(&pump->changed, &pump->lock, until_us - now_us);
+    pump->waiters--;
+    if (pump->phase == ROBUROC4_PUMP_JOINED && pump->waiters == 0) {
+        roburoc4_signal_wake_all(&pump->changed); /* destroy() waits for this */
+    }
+}
+
+void roburoc4_pump_flush(roburoc4_pump *pump) {
+    (void)roburoc4_udp_transmit_all(&pump->udp, &pump->client);
+    roburoc4_pump_collect(pump, NULL, 0);
+    if (roburoc4_client_next_deadline(&pump->client) < pump->asleep_until_us) {
+        roburoc4_wake_raise(&pump->wake);
+    }
+}
+
+/* ---------------------------------------------------------------------------------- thread --- */
+
+/* Takes what is there, one by one, as each may be a sample. What is due to be sent goes first. */
+static roburoc4_result receive(roburoc4_pump *pump) {
+    int taken;
+    for (taken = 0; taken < ROBUROC4_UDP_BURST; taken++) {
+        const uint8_t *datagram;
+        size_t size;
+        roburoc4_result got = roburoc4_udp_receive_one(&pump->udp, &pump->client, &datagram, &size);
+        if (got <= ROBUROC4_UDP_NOTHING) {
+            return got;
+        }
+        roburoc4_pump_collect(pump, datagram, size);
+        if (roburoc4_client_next_deadline(&pump->client) <= roburoc4_udp_now_us()) {
+            break;
+        }
+    }
+    return ROBUROC4_OK;
+}
+
+static int is_over(const roburoc4_pump *pump) {
+    return pump->phase == ROBUROC4_PUMP_STOPPING &&
+           (roburoc4_client_state(&pump->client) == ROBUROC4_STATE_IDLE ||
+            roburoc4_udp_now_us() >= pump->stop_by_us);
+}
+
+/* Waits without the lock. The socket's number is constant, so it needs none. */
+static void sleep_until_due(roburoc4_pump *pump, roburoc4_result received) {
+    uint64_t deadline_us = roburoc4_client_next_deadline(&pump->client);
+    uint64_t now_us = roburoc4_udp_now_us(), wait_us;
+    int64_t socket = pump->udp.private_connected ? pump->udp.private_socket : ROBUROC4_OS_NO_SOCKET;
+    if (pump->phase == ROBUROC4_PUMP_STOPPING && pump->stop_by_us < deadline_us) {
+        deadline_us = pump->stop_by_us;
+    }
+    if (received < 0) {
+        socket = ROBUROC4_OS_NO_SOCKET;
+        if (deadline_us > now_us + BROKEN_PACE_US) {
+            deadline_us = now_us + BROKEN_PACE_US;
+        }
+    }
+    pump->asleep_until_us = deadline_us;
+    wait_us = deadline_us > now_us ? deadline_us - now_us : 0;
+    roburoc4_pump_leave(pump);
+    if (roburoc4_os_wait(socket, pump->wake.wait_on, wait_us) < 0) {
+        (void)roburoc4_os_wait(ROBUROC4_OS_NO_SOCKET, ROBUROC4_OS_NO_SOCKET,
+                               wait_us < BROKEN_PACE_US ? wait_us : BROKEN_PACE_US);
+    }
+    roburoc4_lock_take(&pump->lock);
+    pump->asleep_until_us = 0;
+    roburoc4_wake_clear(&pump->wake);
+}
+
+static void run(void *argument) {
+    roburoc4_pump *pump = argument;
+    roburoc4_lock_take(&pump->lock);
+    while (!is_over(pump)) {
+        roburoc4_result received = receive(pump);
+        roburoc4_pump_flush(pump);
+        if (!is_over(pump)) {
+            sleep_until_due(pump, received);
+        }
+    }
+    pump->phase = ROBUROC4_PUMP_ENDED;
+    roburoc4_signal_wake_all(&pump->changed);
+    roburoc4_pump_leave(pump);
+}
+
+/* ------------------------------------------------------------------------------------ life --- */
+
+static void free_memory(roburoc4_pump *pump) {
+    if (pump != NULL) {
+        free(pump->samples);
+    }
+    free(pump);
+}
+
+static roburoc4_pump *allocate(uint32_t capacity) {
+    roburoc4_pump *pump = calloc(1, sizeof *pump);
+    if (pump != NULL) {
+        pump->process = roburoc4_process_id();
+        pump->capacity = capacity;
+        pump->samples = calloc(capacity, sizeof *pump->samples);
+    }
+    if (pump == NULL || pump->samples == NULL) {
+        free_memory(pump);
+        return NULL;
+    }
+    return pump;
+}
+
+/* The lock, the signal and the wake: all or none. */
+static int make_meeting_points(roburoc4_pump *pump) {
+    if (!roburoc4_lock_create(&pump->lock)) {
+        return 0;
+    }
+    if (roburoc4_signal_create(&pump->changed)) {
+        if (roburoc4_wake_create(&pump->wake)) {
+            return 1;
+        }
+        roburoc4_signal_destroy(&pump->changed);
+    }
+    roburoc4_lock_destroy(&pump->lock);
+    return 0;
+}
+
+static void drop_meeting_points(roburoc4_pump *pump) {
+    roburoc4_wake_destroy(&pump->wake);
+    roburoc4_signal_destroy(&pump->changed);
+    roburoc4_lock_destroy(&pump->lock);
+}
+
+/* Socket, client and thread: all or none. */
+static roburoc4_result begin(roburoc4_pump *pump, const roburoc4_address *address,
+                             const roburoc4_config *config) {
+    roburoc4_config defaults;
+    roburoc4_result result = roburoc4_client_init(&pump->client, sizeof pump->client, config);
+    if (result < 0) {
+        return result;
+    }
+    (void)roburoc4_config_init(&defaults, sizeof defaults);
+    pump->robot_watchdog_us =
+        1000u * (config != NULL ? config->robot_watchdog_ms : defaults.robot_watchdog_ms);
+    result = roburoc4_udp_open(&pump->udp, sizeof pump->udp, address);
+    if (result < 0) {
+        return result;
+    }
+    if (make_meeting_points(pump)) {
+        (void)roburoc4_client_start(&pump->client, roburoc4_udp_now_us());
+        if (roburoc4_thread_start(&pump->thread, run, pump)) {
+            return ROBUROC4_OK;
+        }
+        drop_meeting_points(pump);
+    }
+    (void)roburoc4_udp_close(&pump->udp);
+    return ROBUROC4_ERR_SYSTEM;
+}
+
+roburoc4_pump *roburoc4_pump_create(const roburoc4_address *address, const roburoc4_config *config,
+                                    uint32_t queue_capacity, roburoc4_result *result) {
+    uint32_t capacity = queue_capacity != 0 ? queue_capacity : ROBUROC4_PUMP_QUEUE_DEFAULT;
+    roburoc4_pump *pump = NULL;
+    roburoc4_result outcome = ROBUROC4_ERR_ARGUMENT;
+    if (capacity >= ROBUROC4_PUMP_QUEUE_MIN && capacity <= ROBUROC4_PUMP_QUEUE_MAX) {
+        pump = allocate(capacity);
+        outcome = pump != NULL ? begin(pump, address, config) : ROBUROC4_ERR_SYSTEM;
+    }
+    if (outcome < 0) {
+        int error = errno;
+        free_memory(pump);
+        pump = NULL;
+        errno = error;
+    }
+    if (result != NULL) {
+        *result = outcome;
+    }
+    return pump;
+}
+
+roburoc4_result roburoc4_pump_stop(roburoc4_pump *pump) {
+    if (!roburoc4_pump_enter(pump)) {
+        return ROBUROC4_ERR_CLOSED;
+    }
+    if (pump->phase == ROBUROC4_PUMP_RUNNING) {
+        uint64_t now_us = roburoc4_udp_now_us();
+        pump->phase = ROBUROC4_PUMP_STOPPING;
+        pump->stop_by_us = now_us + pump->robot_watchdog_us + STOP_MARGIN_US;
+        (void)roburoc4_client_close(&pump->client, now_us);
+        roburoc4_pump_flush(pump);
+        roburoc4_wake_raise(&pump->wake);
+        roburoc4_signal_wake_all(&pump->changed);
+    }
+    while (pump->phase == ROBUROC4_PUMP_STOPPING) {
+        roburoc4_pump_wait(pump, UINT64_MAX);
+    }
+    if (pump->phase == ROBUROC4_PUMP_ENDED) {
+        pump->phase = ROBUROC4_PUMP_JOINED;
+        roburoc4_thread_join(&pump->thread); /* it has given the lock back, and only returns */
+        roburoc4_signal_wake_all(&pump->changed);
+    }
+    roburoc4_pump_leave(pump);
+    return ROBUROC4_OK;
+}
+
+void roburoc4_pump_destroy(roburoc4_pump *pump) {
+    if (pump == NULL) {
+        return;
+    }
+    if (roburoc4_pump_stop(pump) == ROBUROC4_OK) {
+        roburoc4_lock_take(&pump->lock);
+        while (pump->waiters > 0) {
+            roburoc4_signal_wait(&pump->changed, &pump->lock, STOP_MARGIN_US);
+        }
+        roburoc4_lock_give(&pump->lock);
+        drop_meeting_points(pump);
+    } else {
+        roburoc4_wake_destroy(&pump->wake); /* the lock may have been forked in any state */
+    }
+    (void)roburoc4_udp_close(&pump->udp);
+    free_memory(pump);
+}
+
+int32_t roburoc4_pump_running(roburoc4_pump *pump) {
+    int32_t running = 0;
+    if (roburoc4_pump_enter(pump)) {
+        running = pump->phase == ROBUROC4_PUMP_RUNNING;
+        roburoc4_pump_leave(pump);
+    }
+    return running;
+}

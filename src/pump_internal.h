@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * pump_internal.h - the pump's memory, shared by its three files: pump.c (life and thread),
+ * pump_store.c (samples, events, descriptions) and pump_calls.c (the client's calls behind the
+ * lock). Not public.
+ */
+#ifndef ROBUROC4_PUMP_INTERNAL_H
+#define ROBUROC4_PUMP_INTERNAL_H
+
+#include "pump_threads.h"
+#include "roburoc4_pump.h"
+#include "udp_os.h"
+
+/** Life of a pump; it only goes forward. */
+#define ROBUROC4_PUMP_RUNNING 0
+#define ROBUROC4_PUMP_STOPPING 1 /* stop() was called: the zero train is on its way */
+#define ROBUROC4_PUMP_ENDED 2    /* the thread has left its loop */
+#define ROBUROC4_PUMP_JOINED 3
+
+/** Every description that a client can meet, in one row: the directory's, then by ROBUROC4_IO_*. */
+#define ROBUROC4_PUMP_TEXTS                                                                        \
+    (ROBUROC4_MAX_SERVICES + ROBUROC4_MAX_ANALOG_INPUTS + ROBUROC4_MAX_ANALOG_OUTPUTS +            \
+     ROBUROC4_MAX_DIGITAL_INPUTS + ROBUROC4_MAX_DIGITAL_OUTPUTS)
+
+typedef struct roburoc4_pump_text {
+    uint8_t known, length;
+    char text[ROBUROC4_PUMP_DESCRIPTION_MAX];
+} roburoc4_pump_text;
+
+struct roburoc4_pump {
+    int64_t process; /* the one that made it: a forked child has neither thread nor a sane lock */
+    roburoc4_thread thread;
+    roburoc4_wake wake;
+    roburoc4_lock lock;       /* guards all below; never held while waiting for anything */
+    roburoc4_signal changed;  /* samples, events, phase, waiters */
+    uint32_t phase;           /* ROBUROC4_PUMP_* */
+    uint32_t waiters;         /* threads inside a wait on `changed` */
+    uint64_t stop_by_us;      /* STOPPING ends here, whatever the robot does */
+    uint64_t asleep_until_us; /* what the thread waits for; 0 while it is awake */
+    uint32_t robot_watchdog_us;
+
+    roburoc4_udp udp;
+    roburoc4_client client;
+
+    uint64_t event_turn;     /* counts the times that events came */
+    uint64_t event_last[32]; /* for each bit, the turn in which it came last; 0: never */
+    uint64_t next_sample;    /* how many there were so far */
+    uint32_t capacity;
+    roburoc4_sample *samples; /* a ring: sequence s is at s modulo capacity */
+    roburoc4_pump_text texts[ROBUROC4_PUMP_TEXTS];
+};
+
+/** Takes the lock; 0 in a forked child, where it must not be touched. */
+int roburoc4_pump_enter(roburoc4_pump *pump);
+void roburoc4_pump_leave(roburoc4_pump *pump);
+/** Waits for `changed`, at most until until_us. Between enter and leave. */
+void roburoc4_pump_wait(roburoc4_pump *pump, uint64_t until_us);
+/** Sends what the client has to send, stores its events, and shortens the thread's sleep where the
+ *  client wants to be called earlier now. Between enter and leave. */
+void roburoc4_pump_flush(roburoc4_pump *pump);
+
+/** Take the client's events and, while running, the samples that they tell of. datagram is the one
+ *  that was just received, or NULL. Between enter and leave. */
+void roburoc4_pump_collect(roburoc4_pump *pump, const uint8_t *datagram, size_t size);
+
+#endif

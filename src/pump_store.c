@@ -1,0 +1,259 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * pump_store.c - what a pump keeps for its readers: the ring of samples, the turn in which each
+ * event came last, and the robot's texts; and how readers wait for them.
+ */
+#include "pump_internal.h"
+
+#include <string.h>
+
+/* Samples copied while the lock is held once: a few microseconds. */
+#define CHUNK 64u
+
+/* ------------------------------------------------------------------------------- the writer --- */
+
+static roburoc4_result read_value(const roburoc4_client *client, roburoc4_sample *sample) {
+    roburoc4_sample_value *value = &sample->value;
+    roburoc4_result result = ROBUROC4_ERR_UNKNOWN;
+    switch (sample->service) {
+    case ROBUROC4_SERVICE_IOCARD:
+        result = roburoc4_client_inputs(client, &value->inputs, &sample->host_us);
+        sample->robot_cycles = value->inputs.robot_cycles;
+        break;
+    case ROBUROC4_SERVICE_TELEMETER:
+        result = roburoc4_client_distances(client, &value->distances, &sample->host_us);
+        sample->robot_cycles = value->distances.robot_cycles;
+        break;
+    case ROBUROC4_SERVICE_BATTERY:
+        result = roburoc4_client_battery(client, &value->battery, &sample->host_us);
+        sample->robot_cycles = value->battery.robot_cycles;
+        break;
+    case ROBUROC4_SERVICE_LOCALIZATION:
+        result = roburoc4_client_localization(client, &value->localization, &sample->host_us);
+        sample->robot_cycles = value->localization.robot_cycles;
+        break;
+    case ROBUROC4_SERVICE_DIFFERENTIAL:
+        result = roburoc4_client_differential(client, &value->differential, &sample->host_us);
+        sample->robot_cycles = value->differential.robot_cycles;
+        break;
+    default:
+        break;
+    }
+    return result;
+}
+
+static void store_sample(roburoc4_pump *pump, uint32_t service) {
+    roburoc4_sample sample;
+    memset(&sample, 0, sizeof sample);
+    sample.service = service;
+    sample.sequence = pump->next_sample;
+    if (read_value(&pump->client, &sample) >= 0) {
+        pump->samples[pump->next_sample % pump->capacity] = sample;
+        pump->next_sample++;
+    }
+}
+
+/* The place of a text, or NULL for a channel beyond the client's capacities. */
+static roburoc4_pump_text *find_text(roburoc4_pump *pump, int32_t io_type, uint32_t index) {
+    static const uint32_t sizes[] = {ROBUROC4_MAX_SERVICES, ROBUROC4_MAX_ANALOG_INPUTS,
+                                     ROBUROC4_MAX_ANALOG_OUTPUTS, ROBUROC4_MAX_DIGITAL_INPUTS,
+                                     ROBUROC4_MAX_DIGITAL_OUTPUTS};
+    uint32_t row = (uint32_t)(io_type + 1), before = 0, i;
+    for (i = 0; i < row; i++) {
+        before += sizes[i];
+    }
+    return index < sizes[row] ? &pump->texts[before + index] : NULL;
+}
+
+static int is_text_kind(int32_t io_type) {
+    return io_type >= -1 && io_type <= ROBUROC4_IO_DIGITAL_OUTPUT;
+}
+
+static void store_text(roburoc4_pump *pump, const uint8_t *datagram, size_t size) {
+    roburoc4_description description;
+    roburoc4_pump_text *text;
+    uint32_t length;
+    if (roburoc4_client_description(&pump->client, datagram, size, &description) < 0 ||
+        !is_text_kind(description.io_type)) {
+        return;
+    }
+    text = find_text(pump, description.io_type, description.index);
+    if (text == NULL) {
+        return;
+    }
+    length = description.length;
+    if (length > ROBUROC4_PUMP_DESCRIPTION_MAX) {
+        length = ROBUROC4_PUMP_DESCRIPTION_MAX;
+    }
+    memcpy(text->text, description.text, length);
+    text->length = (uint8_t)length;
+    text->known = 1;
+}
+
+void roburoc4_pump_collect(roburoc4_pump *pump, const uint8_t *datagram, size_t size) {
+    uint32_t events = roburoc4_client_take_events(&pump->client);
+    uint32_t bit, service;
+    if (events == 0) {
+        return;
+    }
+    pump->event_turn++;
+    for (bit = 0; bit < 32; bit++) {
+        if (events >> bit & 1u) {
+            pump->event_last[bit] = pump->event_turn;
+        }
+    }
+    for (service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT; service++) {
+        uint32_t arrived = (uint32_t)ROBUROC4_EVENT_IOCARD << (service - ROBUROC4_SERVICE_IOCARD);
+        if ((events & arrived) != 0 && pump->phase == ROBUROC4_PUMP_RUNNING) {
+            store_sample(pump, service);
+        }
+    }
+    if ((events & ROBUROC4_EVENT_DESCRIPTION) != 0 && datagram != NULL) {
+        store_text(pump, datagram, size);
+    }
+    roburoc4_signal_wake_all(&pump->changed);
+}
+
+/* ------------------------------------------------------------------------------ the readers --- */
+
+static uint64_t oldest_sample(const roburoc4_pump *pump) {
+    return pump->next_sample > pump->capacity ? pump->next_sample - pump->capacity : 0;
+}
+
+/* The next sample that this reader can still have. */
+static uint64_t position(const roburoc4_pump *pump, const roburoc4_pump_reader *reader) {
+    uint64_t oldest = oldest_sample(pump);
+    uint64_t next = reader->next_sample > oldest ? reader->next_sample : oldest;
+    return next < pump->next_sample ? next : pump->next_sample;
+}
+
+roburoc4_result roburoc4_pump_reader_init(roburoc4_pump *pump, roburoc4_pump_reader *reader) {
+    if (!roburoc4_pump_enter(pump)) {
+        return ROBUROC4_ERR_CLOSED;
+    }
+    reader->next_sample = pump->next_sample;
+    reader->lost = 0;
+    reader->next_event = pump->event_turn + 1;
+    roburoc4_pump_leave(pump);
+    return ROBUROC4_OK;
+}
+
+static uint32_t copy_chunk(roburoc4_pump *pump, roburoc4_pump_reader *reader,
+                           roburoc4_sample *samples, uint32_t capacity) {
+    uint64_t next = position(pump, reader);
+    uint32_t copied = 0;
+    if (next > reader->next_sample) {
+        reader->lost += next - reader->next_sample;
+    }
+    while (copied < capacity && next < pump->next_sample) {
+        samples[copied++] = pump->samples[next++ % pump->capacity];
+    }
+    reader->next_sample = next;
+    return copied;
+}
+
+roburoc4_result roburoc4_pump_read_samples(roburoc4_pump *pump, roburoc4_pump_reader *reader,
+                                           roburoc4_sample *samples, uint32_t capacity) {
+    uint32_t wanted = capacity < ROBUROC4_PUMP_QUEUE_MAX ? capacity : ROBUROC4_PUMP_QUEUE_MAX;
+    uint32_t copied = 0, chunk, part;
+    int over;
+    do {
+        chunk = wanted - copied < CHUNK ? wanted - copied : CHUNK;
+        if (!roburoc4_pump_enter(pump)) {
+            return ROBUROC4_ERR_CLOSED;
+        }
+        part = copy_chunk(pump, reader, samples + copied, chunk);
+        over = pump->phase != ROBUROC4_PUMP_RUNNING && reader->next_sample == pump->next_sample;
+        roburoc4_pump_leave(pump);
+        copied += part;
+    } while (part == chunk && copied < wanted);
+    return copied == 0 && over ? ROBUROC4_ERR_CLOSED : (roburoc4_result)copied;
+}
+
+/* How many samples there are to read, or which events to take: what waiting is for. */
+typedef uint32_t (*look)(const roburoc4_pump *pump, const roburoc4_pump_reader *reader,
+                         uint32_t mask);
+
+static uint32_t look_for_samples(const roburoc4_pump *pump, const roburoc4_pump_reader *reader,
+                                 uint32_t mask) {
+    (void)mask;
+    return (uint32_t)(pump->next_sample - position(pump, reader));
+}
+
+static uint32_t look_for_events(const roburoc4_pump *pump, const roburoc4_pump_reader *reader,
+                                uint32_t mask) {
+    uint32_t events = 0, bit;
+    for (bit = 0; bit < 32; bit++) {
+        if (pump->event_last[bit] != 0 && pump->event_last[bit] >= reader->next_event) {
+            events |= (uint32_t)1 << bit;
+        }
+    }
+    return events & mask;
+}
+
+static roburoc4_result wait_for(roburoc4_pump *pump, const roburoc4_pump_reader *reader,
+                                look look_for, uint32_t mask, uint32_t timeout_us) {
+    uint64_t until_us = roburoc4_udp_now_us() + timeout_us;
+    uint32_t found;
+    int over;
+    if (!roburoc4_pump_enter(pump)) {
+        return ROBUROC4_ERR_CLOSED;
+    }
+    for (;;) {
+        found = look_for(pump, reader, mask);
+        over = pump->phase != ROBUROC4_PUMP_RUNNING;
+        if (found != 0 || over || roburoc4_udp_now_us() >= until_us) {
+            break;
+        }
+        roburoc4_pump_wait(pump, until_us);
+    }
+    roburoc4_pump_leave(pump);
+    return found == 0 && over ? ROBUROC4_ERR_CLOSED : (roburoc4_result)found;
+}
+
+roburoc4_result roburoc4_pump_wait_samples(roburoc4_pump *pump, const roburoc4_pump_reader *reader,
+                                           uint32_t timeout_us) {
+    return wait_for(pump, reader, look_for_samples, 0, timeout_us);
+}
+
+roburoc4_result roburoc4_pump_wait_events(roburoc4_pump *pump, const roburoc4_pump_reader *reader,
+                                          uint32_t mask, uint32_t timeout_us) {
+    return wait_for(pump, reader, look_for_events, mask, timeout_us);
+}
+
+roburoc4_result roburoc4_pump_take_events(roburoc4_pump *pump, roburoc4_pump_reader *reader) {
+    uint32_t events;
+    int over;
+    if (!roburoc4_pump_enter(pump)) {
+        return ROBUROC4_ERR_CLOSED;
+    }
+    events = look_for_events(pump, reader, UINT32_MAX);
+    reader->next_event = pump->event_turn + 1;
+    over = pump->phase != ROBUROC4_PUMP_RUNNING;
+    roburoc4_pump_leave(pump);
+    return events == 0 && over ? ROBUROC4_ERR_CLOSED : (roburoc4_result)events;
+}
+
+roburoc4_result roburoc4_pump_description(roburoc4_pump *pump, int32_t io_type, uint32_t index,
+                                          char *buffer, size_t capacity) {
+    roburoc4_result result = ROBUROC4_ERR_INDEX;
+    const roburoc4_pump_text *text;
+    if (!is_text_kind(io_type)) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    if (!roburoc4_pump_enter(pump)) {
+        return ROBUROC4_ERR_CLOSED;
+    }
+    text = find_text(pump, io_type, index);
+    if (text != NULL && !text->known) {
+        result = ROBUROC4_ERR_UNKNOWN;
+    } else if (text != NULL && text->length >= capacity) {
+        result = ROBUROC4_ERR_BUFFER;
+    } else if (text != NULL) {
+        memcpy(buffer, text->text, text->length);
+        buffer[text->length] = '\0';
+        result = text->length;
+    }
+    roburoc4_pump_leave(pump);
+    return result;
+}

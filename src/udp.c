@@ -1,0 +1,364 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * udp.c - the UDP adapter: moves a client's datagrams over one connected socket, in time, and turns
+ * the network's errors into states and counters. What differs between systems is in udp_os.h.
+ */
+#include "udp_os.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define RECONNECT_US 1000000u
+#define HOST_SIZE 256
+
+/* ------------------------------------------------------------------------------- addresses --- */
+
+/* A decimal port of 1 to 65535, or 0. */
+static uint16_t parse_port(const char *text) {
+    uint32_t port = 0;
+    size_t i = 0;
+    for (; i < 5 && text[i] >= '0' && text[i] <= '9'; i++) {
+        port = port * 10 + (uint32_t)(text[i] - '0');
+    }
+    return i > 0 && text[i] == '\0' && port <= 65535 ? (uint16_t)port : 0;
+}
+
+static int is_printable(const char *text) {
+    for (; *text != '\0'; text++) {
+        if ((unsigned char)*text <= ' ' || *text == '\x7f') {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Where the host's name begins and how long it is, and the text of the port (NULL: none). */
+static roburoc4_result split(const char *text, const char **host, size_t *length,
+                             const char **port) {
+    const char *first = strchr(text, ':');
+    const char *end;
+    *host = text;
+    *port = NULL;
+    if (text[0] == '[') {
+        end = strchr(text, ']');
+        if (end == NULL || first == NULL || first > end || (end[1] != '\0' && end[1] != ':')) {
+            return ROBUROC4_ERR_ARGUMENT;
+        }
+        *host = text + 1;
+        *length = (size_t)(end - *host);
+        *port = end[1] == ':' ? end + 2 : NULL;
+    } else if (first != NULL && strchr(first + 1, ':') == NULL) {
+        *length = (size_t)(first - text);
+        *port = first + 1;
+    } else {
+        *length = strlen(text); /* no colon: a name; two and more: a bare IPv6 address */
+    }
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_udp_resolve(const char *host, uint16_t default_port,
+                                     roburoc4_address *out) {
+    char name[HOST_SIZE];
+    const char *start, *port_text;
+    size_t length;
+    uint16_t port = default_port != 0 ? default_port : ROBUROC4_DEFAULT_PORT;
+    if (host == NULL || out == NULL || !is_printable(host) ||
+        split(host, &start, &length, &port_text) < 0 || length == 0 || length >= sizeof name) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    if (port_text != NULL) {
+        port = parse_port(port_text);
+    }
+    if (port == 0) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    memcpy(name, start, length);
+    name[length] = '\0';
+    return roburoc4_os_resolve(name, port, out);
+}
+
+roburoc4_result roburoc4_address_text(const roburoc4_address *address, char *buffer,
+                                      size_t capacity) {
+    char ip[48], zone[12] = "";
+    int length;
+    if ((address->family != 4 && address->family != 6) ||
+        !roburoc4_os_ip_text(address, ip, sizeof ip)) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    if (address->family == 4) {
+        length = snprintf(buffer, capacity, "%s:%u", ip, (unsigned)address->port);
+    } else {
+        if (address->scope != 0) {
+            (void)snprintf(zone, sizeof zone, "%%%lu", (unsigned long)address->scope);
+        }
+        length = snprintf(buffer, capacity, "[%s%s]:%u", ip, zone, (unsigned)address->port);
+    }
+    return length >= 0 && (size_t)length < capacity ? length : ROBUROC4_ERR_BUFFER;
+}
+
+static int is_usable(const roburoc4_address *address) {
+    int link_local = address->ip[0] == 0xFE && (address->ip[1] & 0xC0) == 0x80;
+    if (address->port == 0) {
+        return 0;
+    }
+    return address->family == 4 || (address->family == 6 && (!link_local || address->scope != 0));
+}
+
+/* ---------------------------------------------------------------------------------- faults --- */
+
+const char *roburoc4_udp_fault_text(uint32_t fault) {
+    static const char *const texts[] = {
+        "no fault",
+        "the host answers, but nothing listens on this port: check the port, and the robot itself",
+        "no route to this address: check the address, the cable and the network's settings",
+        "this computer's network interface is down or lost its address: check the cable",
+        "this computer's firewall or rights forbid sending to this address",
+        "this computer's send buffers are full: the network does not take what is sent",
+        "the operating system reports an error of the network",
+    };
+    return fault < sizeof texts / sizeof texts[0] ? texts[fault] : "unknown fault";
+}
+
+static void count(roburoc4_udp *udp, uint32_t counter) {
+    udp->private_counters[counter]++;
+}
+
+/* Faults of the path that choosing this end's address again may mend. */
+static int is_of_the_path(uint32_t fault) {
+    return fault == ROBUROC4_FAULT_UNREACHABLE || fault == ROBUROC4_FAULT_DOWN ||
+           fault == ROBUROC4_FAULT_OTHER;
+}
+
+static void note_fault(roburoc4_udp *udp, roburoc4_os_outcome outcome) {
+    udp->private_fault = outcome.fault;
+    udp->private_system_error = outcome.system_error;
+    count(udp, outcome.fault == ROBUROC4_FAULT_REFUSED ? ROBUROC4_UDP_COUNT_REFUSED
+                                                       : ROBUROC4_UDP_COUNT_FAULTS);
+}
+
+/* ---------------------------------------------------------------------------------- socket --- */
+
+size_t roburoc4_udp_size(void) {
+    return sizeof(roburoc4_udp);
+}
+
+static int is_open(const roburoc4_udp *udp) {
+    return udp->private_size == sizeof *udp;
+}
+
+/* Chooses this end's address anew where there is none, or where it stopped working. */
+static void keep_connected(roburoc4_udp *udp, uint64_t now_us) {
+    roburoc4_os_outcome outcome;
+    if ((udp->private_connected && !udp->private_broken) ||
+        now_us - udp->private_tried_us < RECONNECT_US) {
+        return;
+    }
+    udp->private_tried_us = now_us;
+    outcome = roburoc4_os_connect(udp->private_socket, &udp->private_address);
+    udp->private_connected = outcome.fault == ROBUROC4_FAULT_NONE;
+    if (udp->private_connected) {
+        udp->private_broken = 0;
+        count(udp, ROBUROC4_UDP_COUNT_RECONNECTS);
+    } else {
+        note_fault(udp, outcome);
+    }
+}
+
+roburoc4_result roburoc4_udp_open(roburoc4_udp *udp, size_t udp_size,
+                                  const roburoc4_address *address) {
+    roburoc4_os_outcome outcome = {ROBUROC4_FAULT_NONE, 0};
+    if (udp_size != sizeof *udp) {
+        return ROBUROC4_ERR_SIZE;
+    }
+    memset(udp, 0, sizeof *udp);
+    udp->private_socket = ROBUROC4_OS_NO_SOCKET;
+    if (address == NULL || !is_usable(address)) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    udp->private_address = *address;
+    udp->private_socket = roburoc4_os_socket(address, &outcome);
+    if (udp->private_socket != ROBUROC4_OS_NO_SOCKET) {
+        outcome = roburoc4_os_connect(udp->private_socket, address);
+        udp->private_connected = outcome.fault == ROBUROC4_FAULT_NONE;
+        if (outcome.fault == ROBUROC4_FAULT_DENIED || outcome.fault == ROBUROC4_FAULT_OTHER) {
+            roburoc4_os_close(udp->private_socket);
+            udp->private_socket = ROBUROC4_OS_NO_SOCKET;
+        }
+    }
+    if (outcome.fault != ROBUROC4_FAULT_NONE) {
+        note_fault(udp, outcome);
+    }
+    if (udp->private_socket == ROBUROC4_OS_NO_SOCKET) {
+        return ROBUROC4_ERR_SYSTEM;
+    }
+    udp->private_tried_us = roburoc4_udp_now_us();
+    udp->private_size = sizeof *udp;
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_udp_close(roburoc4_udp *udp) {
+    if (!is_open(udp)) {
+        return ROBUROC4_ERR_CLOSED;
+    }
+    roburoc4_os_close(udp->private_socket);
+    udp->private_socket = ROBUROC4_OS_NO_SOCKET;
+    udp->private_size = 0;
+    return ROBUROC4_OK;
+}
+
+intptr_t roburoc4_udp_fd(const roburoc4_udp *udp) {
+    return is_open(udp) ? (intptr_t)udp->private_socket : -1;
+}
+
+roburoc4_result roburoc4_udp_address(const roburoc4_udp *udp, roburoc4_address *out) {
+    if (!is_open(udp)) {
+        return ROBUROC4_ERR_CLOSED;
+    }
+    *out = udp->private_address;
+    return ROBUROC4_OK;
+}
+
+uint32_t roburoc4_udp_fault(const roburoc4_udp *udp) {
+    return udp->private_fault;
+}
+
+int32_t roburoc4_udp_system_error(const roburoc4_udp *udp) {
+    return udp->private_system_error;
+}
+
+uint32_t roburoc4_udp_count(const roburoc4_udp *udp, uint32_t counter) {
+    return counter < ROBUROC4_UDP_COUNTERS ? udp->private_counters[counter] : 0;
+}
+
+/* ------------------------------------------------------------------------------- datagrams --- */
+
+/* Takes what comes first: a datagram, or nothing. Faults and oversized datagrams on the way are
+ * counted and passed over, but not without end. */
+static int take_datagram(roburoc4_udp *udp, size_t *size) {
+    int skipped;
+    for (skipped = 0; skipped < ROBUROC4_UDP_BURST; skipped++) {
+        roburoc4_os_outcome outcome;
+        int got = roburoc4_os_receive(udp->private_socket, udp->private_datagram,
+                                      sizeof udp->private_datagram, size, &outcome);
+        if (got == ROBUROC4_OS_FAULT) {
+            note_fault(udp, outcome);
+        } else if (got == ROBUROC4_OS_OVERSIZED) {
+            count(udp, ROBUROC4_UDP_COUNT_OVERSIZED);
+        } else {
+            if (got == ROBUROC4_OS_BROKEN) {
+                note_fault(udp, outcome);
+            }
+            return got;
+        }
+    }
+    return ROBUROC4_OS_EMPTY;
+}
+
+roburoc4_result roburoc4_udp_receive_one(roburoc4_udp *udp, roburoc4_client *client,
+                                         const uint8_t **datagram, size_t *size) {
+    size_t received = 0;
+    int got = ROBUROC4_OS_EMPTY;
+    if (!is_open(udp)) {
+        return ROBUROC4_ERR_CLOSED;
+    }
+    if (udp->private_connected) { /* before that, anybody's datagrams would come in */
+        got = take_datagram(udp, &received);
+    }
+    if (datagram != NULL) {
+        *datagram = udp->private_datagram;
+    }
+    if (size != NULL) {
+        *size = got == ROBUROC4_OS_DATAGRAM ? received : 0;
+    }
+    if (got != ROBUROC4_OS_DATAGRAM) {
+        return got == ROBUROC4_OS_BROKEN ? ROBUROC4_ERR_SYSTEM : ROBUROC4_UDP_NOTHING;
+    }
+    count(udp, ROBUROC4_UDP_COUNT_RECEIVED);
+    udp->private_fault = ROBUROC4_FAULT_NONE;
+    udp->private_system_error = 0;
+    return roburoc4_client_receive(client, udp->private_datagram, received, roburoc4_udp_now_us()) <
+                   0
+               ? ROBUROC4_UDP_DROPPED
+               : ROBUROC4_UDP_USED;
+}
+
+roburoc4_result roburoc4_udp_receive_all(roburoc4_udp *udp, roburoc4_client *client) {
+    roburoc4_result used = 0;
+    int taken;
+    for (taken = 0; taken < ROBUROC4_UDP_BURST; taken++) {
+        roburoc4_result got = roburoc4_udp_receive_one(udp, client, NULL, NULL);
+        if (got < 0) {
+            return got;
+        }
+        used += got == ROBUROC4_UDP_USED;
+        if (got == ROBUROC4_UDP_NOTHING ||
+            roburoc4_client_next_deadline(client) <= roburoc4_udp_now_us()) {
+            break;
+        }
+    }
+    return used;
+}
+
+/* 1 where the system took the datagram. */
+static int send_now(roburoc4_udp *udp, const uint8_t *datagram, size_t size) {
+    roburoc4_os_outcome outcome = roburoc4_os_send(udp->private_socket, datagram, size);
+    if (outcome.fault == ROBUROC4_FAULT_REFUSED) {
+        /* The system reports here that an earlier datagram was refused, and did not send this. */
+        note_fault(udp, outcome);
+        outcome = roburoc4_os_send(udp->private_socket, datagram, size);
+    }
+    if (outcome.fault == ROBUROC4_FAULT_NONE) {
+        udp->private_broken = 0;
+        count(udp, ROBUROC4_UDP_COUNT_SENT);
+        return 1;
+    }
+    note_fault(udp, outcome);
+    count(udp, ROBUROC4_UDP_COUNT_DROPPED);
+    if (is_of_the_path(outcome.fault) && !udp->private_broken) {
+        udp->private_broken = 1; /* give the path a second to mend before connecting anew */
+        udp->private_tried_us = roburoc4_udp_now_us();
+    }
+    return 0;
+}
+
+roburoc4_result roburoc4_udp_transmit_all(roburoc4_udp *udp, roburoc4_client *client) {
+    uint8_t datagram[ROBUROC4_MAX_TRANSMIT];
+    roburoc4_result sent = 0, length;
+    int rounds;
+    if (!is_open(udp)) {
+        return ROBUROC4_ERR_CLOSED;
+    }
+    keep_connected(udp, roburoc4_udp_now_us());
+    for (rounds = 0; rounds < ROBUROC4_UDP_BURST; rounds++) {
+        length =
+            roburoc4_client_poll_transmit(client, datagram, sizeof datagram, roburoc4_udp_now_us());
+        if (length <= 0) {
+            break;
+        }
+        if (udp->private_connected) {
+            sent += send_now(udp, datagram, (size_t)length);
+        } else {
+            count(udp, ROBUROC4_UDP_COUNT_DROPPED);
+        }
+    }
+    return sent;
+}
+
+roburoc4_result roburoc4_udp_wait(roburoc4_udp *udp, roburoc4_client *client, uint32_t timeout_us) {
+    roburoc4_result result = roburoc4_udp_transmit_all(udp, client);
+    if (result >= 0) {
+        uint64_t now_us = roburoc4_udp_now_us();
+        uint64_t deadline_us = roburoc4_client_next_deadline(client);
+        uint64_t wait_us = deadline_us > now_us ? deadline_us - now_us : 0;
+        int64_t socket = udp->private_connected ? udp->private_socket : ROBUROC4_OS_NO_SOCKET;
+        result = roburoc4_os_wait(socket, ROBUROC4_OS_NO_SOCKET,
+                                  wait_us < timeout_us ? wait_us : timeout_us);
+    }
+    if (result >= 0) {
+        result = roburoc4_udp_receive_all(udp, client);
+    }
+    if (result >= 0) {
+        (void)roburoc4_udp_transmit_all(udp, client);
+    }
+    return result;
+}

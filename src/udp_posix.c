@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * udp_posix.c - sockets and clock of Linux, macOS and the BSDs for the UDP adapter.
+ */
+#define _GNU_SOURCE 1      /* ppoll, CLOCK_BOOTTIME */
+#define _DARWIN_C_SOURCE 1 /* what -std=c99 hides on macOS */
+#include "udp_os.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/ip.h>
+#include <poll.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+#ifdef __APPLE__
+#include <mach/mach_time.h>
+#endif
+
+/* Small, so that a network that stalls does not keep old speed commands for later. */
+#define SEND_BUFFER_BYTES 4096
+/* Some seconds of all statuses. */
+#define RECEIVE_BUFFER_BYTES (256 * 1024)
+#define LONGEST_WAIT_US 3600000000u
+
+/* ----------------------------------------------------------------------------------- clock --- */
+
+#ifdef __APPLE__
+
+uint64_t roburoc4_udp_now_us(void) {
+    mach_timebase_info_data_t base;
+    uint64_t ticks = mach_continuous_time();
+    (void)mach_timebase_info(&base);
+    /* in two parts, as ticks * numer would overflow after some days */
+    return (ticks / base.denom * base.numer + ticks % base.denom * base.numer / base.denom) / 1000;
+}
+
+#else
+
+uint64_t roburoc4_udp_now_us(void) {
+    struct timespec now = {0, 0};
+#ifdef CLOCK_BOOTTIME
+    if (clock_gettime(CLOCK_BOOTTIME, &now) != 0)
+#endif
+    {
+        (void)clock_gettime(CLOCK_MONOTONIC, &now);
+    }
+    return (uint64_t)now.tv_sec * 1000000u + (uint64_t)now.tv_nsec / 1000u;
+}
+
+#endif
+
+/* ------------------------------------------------------------------------------- addresses --- */
+
+static socklen_t to_system(const roburoc4_address *address, struct sockaddr_storage *out) {
+    memset(out, 0, sizeof *out);
+    if (address->family == 4) {
+        struct sockaddr_in *in = (struct sockaddr_in *)out;
+        in->sin_family = AF_INET;
+        in->sin_port = htons(address->port);
+        memcpy(&in->sin_addr, address->ip, 4);
+        return sizeof *in;
+    } else {
+        struct sockaddr_in6 *in6 = (struct sockaddr_in6 *)out;
+        in6->sin6_family = AF_INET6;
+        in6->sin6_port = htons(address->port);
+        in6->sin6_scope_id = address->scope;
+        memcpy(&in6->sin6_addr, address->ip, 16);
+        return sizeof *in6;
+    }
+}
+
+static void from_system(const struct sockaddr *system, uint16_t port, roburoc4_address *out) {
+    memset(out, 0, sizeof *out);
+    out->port = port;
+    if (system->sa_family == AF_INET) {
+        struct sockaddr_in in;
+        memcpy(&in, system, sizeof in);
+        out->family = 4;
+        memcpy(out->ip, &in.sin_addr, 4);
+    } else {
+        struct sockaddr_in6 in6;
+        memcpy(&in6, system, sizeof in6);
+        out->family = 6;
+        out->scope = in6.sin6_scope_id;
+        memcpy(out->ip, &in6.sin6_addr, 16);
+    }
+}
+
+roburoc4_result roburoc4_os_resolve(const char *host, uint16_t port, roburoc4_address *out) {
+    static const int families[] = {AF_INET, AF_INET6};
+    struct addrinfo hints, *list, *entry;
+    size_t i;
+    roburoc4_result result = ROBUROC4_ERR_RESOLVE;
+    memset(&hints, 0, sizeof hints);
+    hints.ai_family = AF_UNSPEC;
+    hints.ai_socktype = SOCK_DGRAM;
+    hints.ai_flags = AI_NUMERICHOST; /* first without asking any name server */
+    if (getaddrinfo(host, NULL, &hints, &list) != 0) {
+        hints.ai_flags = 0;
+        if (getaddrinfo(host, NULL, &hints, &list) != 0) {
+            return ROBUROC4_ERR_RESOLVE;
+        }
+    }
+    for (i = 0; i < 2 && result < 0; i++) {
+        for (entry = list; entry != NULL && result < 0; entry = entry->ai_next) {
+            if (entry->ai_family == families[i]) {
+                from_system(entry->ai_addr, port, out);
+                result = ROBUROC4_OK;
+            }
+        }
+    }
+    freeaddrinfo(list);
+    return result;
+}
+
+int roburoc4_os_ip_text(const roburoc4_address *address, char *buffer, size_t capacity) {
+    int family = address->family == 4 ? AF_INET : AF_INET6;
+    return inet_ntop(family, address->ip, buffer, (socklen_t)capacity) != NULL;
+}
+
+/* ----------------------------------------------------------------------------------- socket --- */
+
+static uint32_t fault_of(int error) {
+    switch (error) {
+    case ECONNREFUSED:
+    case ECONNRESET:
+        return ROBUROC4_FAULT_REFUSED;
+    case ENETUNREACH:
+    case EHOSTUNREACH:
+    case EHOSTDOWN:
+        return ROBUROC4_FAULT_UNREACHABLE;
+    case ENETDOWN:
+    case ENETRESET:
+    case ENODEV:
+    case ENXIO:
+    case EADDRNOTAVAIL:
+    case EINVAL: /* Linux, when the address that the socket sends from was taken away */
+        return ROBUROC4_FAULT_DOWN;
+    case EPERM:
+    case EACCES:
+        return ROBUROC4_FAULT_DENIED;
+    case EAGAIN:
+#if EWOULDBLOCK != EAGAIN
+    case EWOULDBLOCK:
+#endif
+    case EINTR:
+    case ENOBUFS:
+    case ENOMEM:
+        return ROBUROC4_FAULT_FULL;
+    default:
+        return ROBUROC4_FAULT_OTHER;
+    }
+}
+
+static roburoc4_os_outcome failure(int error) {
+    roburoc4_os_outcome outcome;
+    outcome.fault = fault_of(error);
+    outcome.system_error = error;
+    return outcome;
+}
+
+static const roburoc4_os_outcome success = {ROBUROC4_FAULT_NONE, 0};
+
+/* Wishes only: a system that refuses one works without it. */
+static void tune(int fd, uint8_t family) {
+    int receive_bytes = RECEIVE_BUFFER_BYTES, send_bytes = SEND_BUFFER_BYTES;
+    (void)setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &receive_bytes, sizeof receive_bytes);
+    (void)setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &send_bytes, sizeof send_bytes);
+#ifdef IPTOS_LOWDELAY
+    if (family == 4) {
+        int low_delay = IPTOS_LOWDELAY;
+        (void)setsockopt(fd, IPPROTO_IP, IP_TOS, &low_delay, sizeof low_delay);
+    }
+#else
+    (void)family;
+#endif
+}
+
+int64_t roburoc4_os_socket(const roburoc4_address *address, roburoc4_os_outcome *outcome) {
+    int fd = socket(address->family == 4 ? AF_INET : AF_INET6, SOCK_DGRAM, 0);
+    if (fd < 0) {
+        *outcome = failure(errno);
+        return ROBUROC4_OS_NO_SOCKET;
+    }
+    if (fcntl(fd, F_SETFD, FD_CLOEXEC) != 0 || fcntl(fd, F_SETFL, O_NONBLOCK) != 0) {
+        *outcome = failure(errno);
+        (void)close(fd);
+        return ROBUROC4_OS_NO_SOCKET;
+    }
+    tune(fd, address->family);
+    *outcome = success;
+    return fd;
+}
+
+void roburoc4_os_close(int64_t socket) {
+    (void)close((int)socket);
+}
+
+roburoc4_os_outcome roburoc4_os_connect(int64_t socket, const roburoc4_address *address) {
+    struct sockaddr_storage system;
+    struct sockaddr none;
+    socklen_t length = to_system(address, &system);
+    memset(&none, 0, sizeof none);
+    none.sa_family = AF_UNSPEC;
+    /* Undoes an earlier connection, and with it this end's address. Fails where there is none. */
+    (void)connect((int)socket, &none, sizeof none);
+    if (connect((int)socket, (const struct sockaddr *)&system, length) != 0) {
+        return failure(errno);
+    }
+    return success;
+}
+
+roburoc4_os_outcome roburoc4_os_send(int64_t socket, const uint8_t *datagram, size_t size) {
+    return send((int)socket, datagram, size, 0) < 0 ? failure(errno) : success;
+}
+
+int roburoc4_os_receive(int64_t socket, uint8_t *buffer, size_t capacity, size_t *size,
+                        roburoc4_os_outcome *outcome) {
+    struct iovec part;
+    struct msghdr message;
+    ssize_t got;
+    memset(&message, 0, sizeof message);
+    part.iov_base = buffer;
+    part.iov_len = capacity;
+    message.msg_iov = &part;
+    message.msg_iovlen = 1;
+    got = recvmsg((int)socket, &message, 0);
+    if (got >= 0) {
+        *size = (size_t)got;
+        return (message.msg_flags & MSG_TRUNC) != 0 ? ROBUROC4_OS_OVERSIZED : ROBUROC4_OS_DATAGRAM;
+    }
+    *outcome = failure(errno);
+    if (outcome->system_error == EBADF || outcome->system_error == ENOTSOCK) {
+        return ROBUROC4_OS_BROKEN;
+    }
+    return outcome->fault == ROBUROC4_FAULT_FULL ? ROBUROC4_OS_EMPTY : ROBUROC4_OS_FAULT;
+}
+
+roburoc4_result roburoc4_os_wait(int64_t socket, int64_t wake, uint64_t timeout_us) {
+    struct pollfd watched[2];
+    int ready;
+    uint64_t us = timeout_us < LONGEST_WAIT_US ? timeout_us : LONGEST_WAIT_US;
+    watched[0].fd = (int)socket; /* poll() passes over what is negative */
+    watched[1].fd = (int)wake;
+    watched[0].events = watched[1].events = POLLIN;
+    watched[0].revents = watched[1].revents = 0;
+#ifdef __linux__
+    {
+        struct timespec timeout;
+        timeout.tv_sec = (time_t)(us / 1000000u);
+        timeout.tv_nsec = (long)(us % 1000000u * 1000u);
+        ready = ppoll(watched, 2, &timeout, NULL);
+    }
+#else
+    ready = poll(watched, 2, (int)((us + 999u) / 1000u));
+#endif
+    if ((ready < 0 && errno != EINTR) || ((watched[0].revents | watched[1].revents) & POLLNVAL)) {
+        return ROBUROC4_ERR_SYSTEM;
+    }
+    return ROBUROC4_OK;
+}

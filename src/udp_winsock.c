@@ -1,0 +1,285 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * udp_winsock.c - sockets and clock of Windows (Vista and later) for the UDP adapter. Link with
+ * ws2_32. What udp_posix.c says of its choices holds here too.
+ */
+#define WIN32_LEAN_AND_MEAN
+#ifndef _WIN32_WINNT
+#define _WIN32_WINNT 0x0600
+#endif
+#include "udp_os.h"
+
+#include <string.h>
+#include <winsock2.h>
+#include <ws2tcpip.h>
+
+#include <windows.h>
+
+#define SEND_BUFFER_BYTES 4096
+#define RECEIVE_BUFFER_BYTES (256 * 1024)
+#define LONGEST_WAIT_US 3600000000u
+
+/* ----------------------------------------------------------------------------------- clock --- */
+
+typedef void(WINAPI *precise_clock)(ULONGLONG *);
+
+/* Windows 10 has it, in a library that older compilers' import lists do not know. */
+static precise_clock find_precise_clock(void) {
+    HMODULE module = GetModuleHandleA("kernelbase.dll");
+    FARPROC found = module != NULL ? GetProcAddress(module, "QueryInterruptTimePrecise") : NULL;
+    precise_clock clock = NULL;
+    memcpy(&clock, &found, sizeof clock);
+    return clock;
+}
+
+uint64_t roburoc4_udp_now_us(void) {
+    static volatile LONG searched = 0; /* the same answer whichever thread searches */
+    static precise_clock volatile clock = NULL;
+    ULONGLONG ticks_100ns = 0;
+    if (InterlockedCompareExchange(&searched, 0, 0) == 0) {
+        clock = find_precise_clock();
+        (void)InterlockedExchange(&searched, 1);
+    }
+    if (clock == NULL) {
+        return (uint64_t)GetTickCount64() * 1000u;
+    }
+    clock(&ticks_100ns);
+    return (uint64_t)ticks_100ns / 10u;
+}
+
+/* ------------------------------------------------------------------------------- addresses --- */
+
+static int to_system(const roburoc4_address *address, struct sockaddr_storage *out) {
+    memset(out, 0, sizeof *out);
+    if (address->family == 4) {
+        struct sockaddr_in *in = (struct sockaddr_in *)out;
+        in->sin_family = AF_INET;
+        in->sin_port = htons(address->port);
+        memcpy(&in->sin_addr, address->ip, 4);
+        return (int)sizeof *in;
+    } else {
+        struct sockaddr_in6 *in6 = (struct sockaddr_in6 *)out;
+        in6->sin6_family = AF_INET6;
+        in6->sin6_port = htons(address->port);
+        in6->sin6_scope_id = address->scope;
+        memcpy(&in6->sin6_addr, address->ip, 16);
+        return (int)sizeof *in6;
+    }
+}
+
+static void from_system(const struct sockaddr *system, uint16_t port, roburoc4_address *out) {
+    memset(out, 0, sizeof *out);
+    out->port = port;
+    if (system->sa_family == AF_INET) {
+        struct sockaddr_in in;
+        memcpy(&in, system, sizeof in);
+        out->family = 4;
+        memcpy(out->ip, &in.sin_addr, 4);
+    } else {
+        struct sockaddr_in6 in6;
+        memcpy(&in6, system, sizeof in6);
+        out->family = 6;
+        out->scope = in6.sin6_scope_id;
+        memcpy(out->ip, &in6.sin6_addr, 16);
+    }
+}
+
+/* Counted by Windows: each success needs a WSACleanup(). */
+static int start_winsock(int32_t *system_error) {
+    WSADATA data;
+    *system_error = WSAStartup(MAKEWORD(2, 2), &data);
+    return *system_error == 0;
+}
+
+static struct addrinfo *look_up(const char *host) {
+    struct addrinfo hints, *list = NULL;
+    memset(&hints, 0, sizeof hints);
+    hints.ai_family = AF_UNSPEC;
+    hints.ai_socktype = SOCK_DGRAM;
+    hints.ai_flags = AI_NUMERICHOST; /* first without asking any name server */
+    if (getaddrinfo(host, NULL, &hints, &list) != 0) {
+        hints.ai_flags = 0;
+        if (getaddrinfo(host, NULL, &hints, &list) != 0) {
+            return NULL;
+        }
+    }
+    return list;
+}
+
+roburoc4_result roburoc4_os_resolve(const char *host, uint16_t port, roburoc4_address *out) {
+    static const int families[] = {AF_INET, AF_INET6};
+    struct addrinfo *list, *entry;
+    int i;
+    int32_t error;
+    roburoc4_result result = ROBUROC4_ERR_RESOLVE;
+    if (!start_winsock(&error)) {
+        return ROBUROC4_ERR_RESOLVE;
+    }
+    list = look_up(host);
+    for (i = 0; i < 2 && result < 0; i++) {
+        for (entry = list; entry != NULL && result < 0; entry = entry->ai_next) {
+            if (entry->ai_family == families[i]) {
+                from_system(entry->ai_addr, port, out);
+                result = ROBUROC4_OK;
+            }
+        }
+    }
+    if (list != NULL) {
+        freeaddrinfo(list);
+    }
+    (void)WSACleanup();
+    return result;
+}
+
+int roburoc4_os_ip_text(const roburoc4_address *address, char *buffer, size_t capacity) {
+    struct sockaddr_storage system;
+    roburoc4_address alone = *address;
+    int length, fits;
+    int32_t error;
+    alone.scope = 0;
+    length = to_system(&alone, &system);
+    if (!start_winsock(&error)) {
+        return 0;
+    }
+    fits = getnameinfo((const struct sockaddr *)&system, (socklen_t)length, buffer, (DWORD)capacity,
+                       NULL, 0, NI_NUMERICHOST) == 0;
+    (void)WSACleanup();
+    return fits;
+}
+
+/* ----------------------------------------------------------------------------------- socket --- */
+
+static uint32_t fault_of(int error) {
+    switch (error) {
+    case WSAECONNREFUSED:
+    case WSAECONNRESET: /* how Windows reports a refused datagram */
+        return ROBUROC4_FAULT_REFUSED;
+    case WSAENETUNREACH:
+    case WSAEHOSTUNREACH:
+    case WSAEHOSTDOWN:
+        return ROBUROC4_FAULT_UNREACHABLE;
+    case WSAENETDOWN:
+    case WSAENETRESET:
+    case WSAEADDRNOTAVAIL:
+    case WSAEINVAL:
+        return ROBUROC4_FAULT_DOWN;
+    case WSAEACCES:
+        return ROBUROC4_FAULT_DENIED;
+    case WSAEWOULDBLOCK:
+    case WSAEINTR:
+    case WSAENOBUFS:
+        return ROBUROC4_FAULT_FULL;
+    default:
+        return ROBUROC4_FAULT_OTHER;
+    }
+}
+
+static roburoc4_os_outcome failure(int error) {
+    roburoc4_os_outcome outcome;
+    outcome.fault = fault_of(error);
+    outcome.system_error = error;
+    return outcome;
+}
+
+static const roburoc4_os_outcome success = {ROBUROC4_FAULT_NONE, 0};
+
+static void set_option(SOCKET handle, int option, int value) {
+    (void)setsockopt(handle, SOL_SOCKET, option, (const char *)&value, (int)sizeof value);
+}
+
+int64_t roburoc4_os_socket(const roburoc4_address *address, roburoc4_os_outcome *outcome) {
+    u_long non_blocking = 1;
+    SOCKET handle;
+    int32_t error;
+    if (!start_winsock(&error)) {
+        *outcome = failure(error);
+        return ROBUROC4_OS_NO_SOCKET;
+    }
+    handle = socket(address->family == 4 ? AF_INET : AF_INET6, SOCK_DGRAM, IPPROTO_UDP);
+    if (handle == INVALID_SOCKET) {
+        *outcome = failure(WSAGetLastError());
+        (void)WSACleanup();
+        return ROBUROC4_OS_NO_SOCKET;
+    }
+    if (ioctlsocket(handle, (long)FIONBIO, &non_blocking) != 0) {
+        *outcome = failure(WSAGetLastError());
+        roburoc4_os_close((int64_t)handle);
+        return ROBUROC4_OS_NO_SOCKET;
+    }
+    (void)SetHandleInformation((HANDLE)handle, HANDLE_FLAG_INHERIT, 0);
+    set_option(handle, SO_RCVBUF, RECEIVE_BUFFER_BYTES);
+    set_option(handle, SO_SNDBUF, SEND_BUFFER_BYTES);
+    *outcome = success;
+    return (int64_t)handle;
+}
+
+void roburoc4_os_close(int64_t socket) {
+    (void)closesocket((SOCKET)socket);
+    (void)WSACleanup();
+}
+
+roburoc4_os_outcome roburoc4_os_connect(int64_t socket, const roburoc4_address *address) {
+    struct sockaddr_storage system, none;
+    roburoc4_address anybody = *address;
+    int length;
+    memset(anybody.ip, 0, sizeof anybody.ip);
+    anybody.scope = 0;
+    anybody.port = 0;
+    length = to_system(&anybody, &none);
+    /* Windows undoes an earlier connection when told to connect to nobody. */
+    (void)connect((SOCKET)socket, (const struct sockaddr *)&none, length);
+    length = to_system(address, &system);
+    if (connect((SOCKET)socket, (const struct sockaddr *)&system, length) != 0) {
+        return failure(WSAGetLastError());
+    }
+    return success;
+}
+
+roburoc4_os_outcome roburoc4_os_send(int64_t socket, const uint8_t *datagram, size_t size) {
+    return send((SOCKET)socket, (const char *)datagram, (int)size, 0) == SOCKET_ERROR
+               ? failure(WSAGetLastError())
+               : success;
+}
+
+int roburoc4_os_receive(int64_t socket, uint8_t *buffer, size_t capacity, size_t *size,
+                        roburoc4_os_outcome *outcome) {
+    int got = recv((SOCKET)socket, (char *)buffer, (int)capacity, 0);
+    if (got != SOCKET_ERROR) {
+        *size = (size_t)got;
+        return ROBUROC4_OS_DATAGRAM;
+    }
+    *outcome = failure(WSAGetLastError());
+    switch (outcome->system_error) {
+    case WSAEMSGSIZE:
+        return ROBUROC4_OS_OVERSIZED;
+    case WSAENOTSOCK:
+    case WSANOTINITIALISED:
+        return ROBUROC4_OS_BROKEN;
+    default:
+        return outcome->fault == ROBUROC4_FAULT_FULL ? ROBUROC4_OS_EMPTY : ROBUROC4_OS_FAULT;
+    }
+}
+
+roburoc4_result roburoc4_os_wait(int64_t socket, int64_t wake, uint64_t timeout_us) {
+    uint64_t us = timeout_us < LONGEST_WAIT_US ? timeout_us : LONGEST_WAIT_US;
+    struct timeval timeout;
+    fd_set watched;
+    FD_ZERO(&watched);
+    if (socket != ROBUROC4_OS_NO_SOCKET) {
+        FD_SET((SOCKET)socket, &watched);
+    }
+    if (wake != ROBUROC4_OS_NO_SOCKET) {
+        FD_SET((SOCKET)wake, &watched);
+    }
+    if (watched.fd_count == 0) { /* select() refuses to wait for nothing */
+        Sleep((DWORD)((us + 999u) / 1000u));
+        return ROBUROC4_OK;
+    }
+    timeout.tv_sec = (long)(us / 1000000u);
+    timeout.tv_usec = (long)(us % 1000000u);
+    if (select(0, &watched, NULL, NULL, &timeout) == SOCKET_ERROR &&
+        WSAGetLastError() != WSAEINTR) {
+        return ROBUROC4_ERR_SYSTEM;
+    }
+    return ROBUROC4_OK;
+}
