@@ -121,8 +121,8 @@ ROBUROC4_SIM_API roburoc4_sim *roburoc4_sim_create(const roburoc4_sim_config *co
 ROBUROC4_SIM_API void roburoc4_sim_destroy(roburoc4_sim *sim);
 
 /** Give it another configuration, as if it had been changed while the power was off: a robot that
- *  is on reboots. Its place, its battery and the world stay. ROBUROC4_ERR_CONFIG: a bad
- *  configuration, nothing was changed. */
+ *  is on reboots. Its place, its battery and the world stay; pinned inputs are let go.
+ * ROBUROC4_ERR_CONFIG: a bad configuration, nothing was changed. */
 ROBUROC4_SIM_API roburoc4_result roburoc4_sim_reconfigure(roburoc4_sim *sim,
                                                           const roburoc4_sim_config *config);
 

@@ -264,8 +264,16 @@ static bool poll_train(drive *d, const roburoc4_config *config, uint64_t now_us)
     return true;
 }
 
+/** Between two commands of a lease: half of a short one, so that it is repeated at all. */
 static uint64_t pause_us(const drive *d, const roburoc4_config *config) {
-    return !d->train && d->changed ? SPACING_US : config->drive_period_ms * MS;
+    const uint64_t period_us = config->drive_period_ms * MS;
+    if (d->train) {
+        return period_us;
+    }
+    if (d->changed) {
+        return SPACING_US;
+    }
+    return d->lease_us / 2 < period_us ? d->lease_us / 2 : period_us;
 }
 
 bool roburoc4_drive_poll(drive *d, const roburoc4_config *config, const float *limits,

@@ -19,14 +19,19 @@ typedef roburoc4_private_service service;
 #define RECENT_STATUSES 200
 #define MAP_WINDOW_US (5 * SECOND)
 
+void roburoc4_link_expect(link *l, uint32_t index) {
+    service *s = &l->services[index];
+    s->period_cycles = s->asked_cycles;
+    s->gap_min = UINT16_MAX;
+    s->gap_count = 0;
+}
+
 void roburoc4_link_restart(link *l) {
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         service *s = &l->services[i];
         s->seen = 0;
         s->fresh = 0;
-        s->gap_count = 0;
-        s->gap_min = UINT16_MAX;
-        s->period_cycles = s->asked_cycles;
+        roburoc4_link_expect(l, i);
     }
     l->mapped = 0;
     l->back_count = 0;

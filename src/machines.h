@@ -71,6 +71,8 @@ typedef enum verdict { VERDICT_NEW, VERDICT_OLD, VERDICT_REBOOT } verdict;
 
 /** Forget the order of statuses (of a lost or restarted robot), keep the totals. */
 void roburoc4_link_restart(roburoc4_private_link *l);
+/** The robot agreed to the asked period: measure loss against it until another is observed. */
+void roburoc4_link_expect(roburoc4_private_link *l, uint32_t index);
 /** Judge a status; a new one is taken into the figures. */
 verdict roburoc4_link_status(roburoc4_private_link *l, uint32_t index, uint64_t robot_cycles,
                              uint64_t now_us);

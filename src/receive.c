@@ -179,6 +179,7 @@ static roburoc4_result take_answer(client *c, const slot *s, const uint8_t *data
         }
         break;
     case ROBUROC4_ACTION_INSERT:
+        roburoc4_link_expect(&c->private_link, STATUS_INDEX((uint32_t)s->kind));
         d->acked |= service_bit(s->kind);
         d->declined &= (uint8_t)~service_bit(s->kind);
         break;
