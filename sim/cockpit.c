@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What a person's hands do: control panel, remote control (manual 5.1, 5.2) and game pad (4.1).
+ * Its one job is to keep the rules of when there is power, and when the pad has the say.
+ */
+#include <string.h>
+
+#include "model.h"
+
+#define PAD_DEAD_ZONE 0.05
+
+static bool motors_allowed(const roburoc4_sim *sim) {
+    return sim->powered && !sim->estop[ROBUROC4_SIM_ESTOP_LOCAL] &&
+           !sim->estop[ROBUROC4_SIM_ESTOP_REMOTE] && !sim->brakes_released;
+}
+
+void sim_cockpit_power_up(roburoc4_sim *sim) {
+    sim->powered = true;
+    sim->cycles = 0;
+    sim->motors = sim->config.start_safe == 0 && motors_allowed(sim);
+    sim->odometry.x_m = sim->config.start_x_m;
+    sim->odometry.y_m = sim->config.start_y_m;
+    sim->odometry.theta_rad = sim_wrap(sim->config.start_theta_rad);
+    sim_motion_forget(sim);
+    memset(sim->analog_outputs, 0, sizeof sim->analog_outputs);
+    memset(sim->digital_outputs, 0, sizeof sim->digital_outputs);
+}
+
+void sim_cockpit_power_down(roburoc4_sim *sim) {
+    sim->powered = false;
+    sim->motors = false;
+    sim_motion_forget(sim);
+    sim_peers_clear(sim);
+    sim_queue_clear(&sim->queue);
+}
+
+void roburoc4_sim_set_power(roburoc4_sim *sim, int32_t on) {
+    if (on != 0 && !sim->powered) {
+        sim->counts.reboots++;
+        sim_cockpit_power_up(sim);
+    } else if (on == 0 && sim->powered) {
+        sim_cockpit_power_down(sim);
+    }
+}
+
+roburoc4_result roburoc4_sim_set_estop(roburoc4_sim *sim, uint32_t which, int32_t pressed) {
+    if (which > ROBUROC4_SIM_ESTOP_REMOTE) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    sim->estop[which] = pressed != 0;
+    sim->motors = sim->motors && motors_allowed(sim);
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_sim_set_brakes(roburoc4_sim *sim, uint32_t position) {
+    if (position > ROBUROC4_SIM_BRAKES_RELEASED) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    sim->brakes_released = position == ROBUROC4_SIM_BRAKES_RELEASED;
+    sim->motors = sim->motors && motors_allowed(sim);
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_sim_press_motor_button(roburoc4_sim *sim) {
+    if (!motors_allowed(sim)) {
+        return ROBUROC4_ERR_STATE;
+    }
+    sim->motors = true;
+    return ROBUROC4_OK;
+}
+
+void roburoc4_sim_set_charger(roburoc4_sim *sim, int32_t plugged) {
+    sim->charger = plugged != 0;
+}
+
+roburoc4_result roburoc4_sim_set_bumper(roburoc4_sim *sim, uint32_t which, int32_t pressed) {
+    if (which > ROBUROC4_SIM_REAR) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    sim->bumper_pressed[which] = pressed != 0;
+    return ROBUROC4_OK;
+}
+
+/* -------------------------------------------------------------------------------- game pad --- */
+
+bool sim_pad_drives(const roburoc4_sim *sim) {
+    return sim->powered && sim->buttons[0];
+}
+
+static double axis_of(const roburoc4_sim *sim, uint32_t axis) {
+    return (double)sim->axes[axis - ROBUROC4_AI_PAD_LJ_X];
+}
+
+sim_speed sim_pad_speed(const roburoc4_sim *sim) {
+    double forward = (axis_of(sim, ROBUROC4_AI_PAD_RT) + 1.0) / 2.0;
+    double backward = (axis_of(sim, ROBUROC4_AI_PAD_LT) + 1.0) / 2.0;
+    double right = axis_of(sim, ROBUROC4_AI_PAD_LJ_X);
+    double ahead = forward - backward;
+    sim_speed speed = {0.0, 0.0};
+    speed.linear_m_s = ahead > 0.0 ? ahead * sim->linear.max_speed : -ahead * sim->linear.min_speed;
+    if (right > PAD_DEAD_ZONE) {
+        speed.angular_rad_s = right * sim->angular.min_speed;
+    } else if (right < -PAD_DEAD_ZONE) {
+        speed.angular_rad_s = -right * sim->angular.max_speed;
+    }
+    return speed;
+}
+
+roburoc4_result roburoc4_sim_set_pad_button(roburoc4_sim *sim, uint32_t button, int32_t down) {
+    if (button < ROBUROC4_DI_PAD_A || button > ROBUROC4_DI_PAD_RB) {
+        return ROBUROC4_ERR_INDEX;
+    }
+    bool *state = &sim->buttons[button - ROBUROC4_DI_PAD_A];
+    if (button == ROBUROC4_DI_PAD_A && *state != (down != 0)) {
+        /* Who takes over starts from a standstill: the other's command is dead. */
+        sim_motion_forget(sim);
+    }
+    *state = down != 0;
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_sim_set_pad_axis(roburoc4_sim *sim, uint32_t axis, float value) {
+    if (axis < ROBUROC4_AI_PAD_LJ_X || axis > ROBUROC4_AI_PAD_RT) {
+        return ROBUROC4_ERR_INDEX;
+    }
+    if (!(value >= -1.0f && value <= 1.0f)) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    sim->axes[axis - ROBUROC4_AI_PAD_LJ_X] = value;
+    return ROBUROC4_OK;
+}
+
+void roburoc4_sim_release_pad(roburoc4_sim *sim) {
+    for (uint32_t button = ROBUROC4_DI_PAD_A; button <= ROBUROC4_DI_PAD_RB; button++) {
+        (void)roburoc4_sim_set_pad_button(sim, button, 0);
+    }
+    memset(sim->axes, 0, sizeof sim->axes);
+    sim->axes[ROBUROC4_AI_PAD_LT - ROBUROC4_AI_PAD_LJ_X] = -1.0f;
+    sim->axes[ROBUROC4_AI_PAD_RT - ROBUROC4_AI_PAD_LJ_X] = -1.0f;
+}

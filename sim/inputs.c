@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The inputs of the IO card. Its one job is to say what each channel reads, by the manual's
+ * table 5.5.1, unless a test has pinned it.
+ */
+#include <string.h>
+
+#include "model.h"
+
+/* The manual's tables skip the number 02; a card with one channel more has it as an unused one. */
+static int32_t skip_number_two(uint32_t index) {
+    if (index == 2) {
+        return -1;
+    }
+    return index > 2 ? (int32_t)index - 1 : (int32_t)index;
+}
+
+int32_t sim_channel_meaning(const roburoc4_sim *sim, uint32_t io_type, uint32_t index) {
+    int32_t meaning = (int32_t)index;
+    if (io_type == ROBUROC4_IO_ANALOG_INPUT && sim->config.analog_inputs == ROBUROC4_AI_COUNT + 1) {
+        meaning = skip_number_two(index);
+    }
+    if (io_type == ROBUROC4_IO_DIGITAL_INPUT &&
+        sim->config.digital_inputs == ROBUROC4_DI_COUNT + 1) {
+        meaning = skip_number_two(index);
+    }
+    return meaning;
+}
+
+float sim_analog_input(const roburoc4_sim *sim, uint32_t index) {
+    if (sim->analog_pinned[index]) {
+        return sim->analog_pins[index];
+    }
+    int32_t meaning = sim_channel_meaning(sim, ROBUROC4_IO_ANALOG_INPUT, index);
+    if (meaning == ROBUROC4_AI_FRONT_TELEMETER_V || meaning == ROBUROC4_AI_REAR_TELEMETER_V) {
+        return sim_telemeter_voltage(sim, (uint32_t)meaning);
+    }
+    if (meaning == ROBUROC4_AI_BATTERY_V) {
+        return sim_battery_voltage(sim);
+    }
+    if (meaning >= ROBUROC4_AI_PAD_LJ_X && meaning <= ROBUROC4_AI_PAD_RT) {
+        return sim->axes[meaning - ROBUROC4_AI_PAD_LJ_X];
+    }
+    return 0.0f;
+}
+
+bool sim_bumper(const roburoc4_sim *sim, uint32_t which) {
+    return sim->bumper_pressed[which] || sim->contact[which];
+}
+
+bool sim_digital_input(const roburoc4_sim *sim, uint32_t index) {
+    if (sim->digital_pins[index] >= 0) {
+        return sim->digital_pins[index] != 0;
+    }
+    int32_t meaning = sim_channel_meaning(sim, ROBUROC4_IO_DIGITAL_INPUT, index);
+    if (meaning == ROBUROC4_DI_FRONT_BUMPER || meaning == ROBUROC4_DI_REAR_BUMPER) {
+        return sim_bumper(sim, (uint32_t)meaning);
+    }
+    if (meaning >= ROBUROC4_DI_PAD_A && meaning <= ROBUROC4_DI_PAD_RB) {
+        return sim->buttons[meaning - ROBUROC4_DI_PAD_A];
+    }
+    return false;
+}
+
+roburoc4_result roburoc4_sim_pin_analog_input(roburoc4_sim *sim, uint32_t index, float value) {
+    if (index >= (uint32_t)sim->config.analog_inputs) {
+        return ROBUROC4_ERR_INDEX;
+    }
+    sim->analog_pins[index] = value;
+    sim->analog_pinned[index] = true;
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_sim_pin_digital_input(roburoc4_sim *sim, uint32_t index, int32_t on) {
+    if (index >= (uint32_t)sim->config.digital_inputs) {
+        return ROBUROC4_ERR_INDEX;
+    }
+    sim->digital_pins[index] = on != 0 ? 1 : 0;
+    return ROBUROC4_OK;
+}
+
+void roburoc4_sim_unpin_inputs(roburoc4_sim *sim) {
+    memset(sim->analog_pinned, 0, sizeof sim->analog_pinned);
+    memset(sim->digital_pins, -1, sizeof sim->digital_pins);
+}

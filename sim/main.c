@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * roburoc4-sim: a simulated RobuROC4 behind UDP. This file's one job is the command line.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "net.h"
+#include "number.h"
+#include "server.h"
+
+#define USAGE_ERROR 2
+#define MAX_CONFIG_BYTES 1048576
+#define MAX_ROBOTS 10000
+#define MAX_TIME_MS 60000.0
+
+static const char help[] =
+    "Usage: roburoc4-sim [OPTION]...\n"
+    "A simulated RobuROC4 robot that answers over UDP as the real one does.\n"
+    "\n"
+    "  --bind ADDR      IPv4 address to listen on (default 127.0.0.1; 0.0.0.0 for all)\n"
+    "  --port N         UDP port (default 60000; 0 picks a free one)\n"
+    "  --robots N       N robots on consecutive ports (default 1); with --port 0 each\n"
+    "                   picks a free one\n"
+    "  --ids LIST       other service ids, such as iocard=12,battery=3; names: iocard,\n"
+    "                   telemeter, battery, localization, differential; ids: 2 to 65535\n"
+    "  --config FILE    read the watchdog from an udpserver.cfg\n"
+    "                   ([DifferentialService] Watchdog=100, in cycles of 10 ms)\n"
+    "  --panel          obey lines from standard input, such as 'pad a down' or\n"
+    "                   'estop local press'; 'help' lists them, 'quit' ends\n"
+    "  --seed N         seed of slip and faults (default 1)\n"
+    "\n"
+    "Faults of the network, each way; SHARE is 0 to 1 of all datagrams:\n"
+    "  --loss SHARE     lost\n"
+    "  --duplicate SHARE   arrive twice\n"
+    "  --reorder SHARE  held back so that later ones overtake them\n"
+    "  --corrupt SHARE  damaged\n"
+    "  --delay-ms MS    delay of each datagram (0 to 60000)\n"
+    "  --jitter-ms MS   up to so much more\n"
+    "\n"
+    "  --help           print this and exit\n"
+    "  --version        print the version and exit\n"
+    "\n"
+    "When it is ready it prints one line, 'roburoc4-sim: ready on ADDRESS:PORT...', with\n"
+    "one address for each robot. SIGINT and SIGTERM end it.\n"
+    "Exit status: 0 ended on request, 1 cannot listen, 2 bad usage.\n";
+
+/* Says on stderr what is wrong with an option's value; always false. */
+static bool complain(const char *option, const char *value, const char *remedy) {
+    (void)fprintf(stderr, "roburoc4-sim: %s %s: %s\n", option, value, remedy);
+    return false;
+}
+
+/* ----------------------------------------------------------------------------- option values ---
+ */
+
+static bool set_bind(server_options *options, const char *option, const char *value) {
+    if (!net_is_address(value)) {
+        return complain(option, value, "give an IPv4 address in numbers, such as 127.0.0.1");
+    }
+    options->address = value;
+    return true;
+}
+
+static bool whole(const char *value, uint64_t min, uint64_t max, uint64_t *out) {
+    return number_whole(value, strlen(value), max, out) && *out >= min;
+}
+
+static bool set_port(server_options *options, const char *option, const char *value) {
+    uint64_t port = 0;
+    if (!whole(value, 0, 65535, &port)) {
+        return complain(option, value, "give a port number of 0 to 65535");
+    }
+    options->port = (uint16_t)port;
+    return true;
+}
+
+static bool set_robots(server_options *options, const char *option, const char *value) {
+    uint64_t robots = 0;
+    if (!whole(value, 1, MAX_ROBOTS, &robots)) {
+        return complain(option, value, "give a whole number of 1 to 10000");
+    }
+    options->robots = (uint32_t)robots;
+    return true;
+}
+
+static bool set_seed(server_options *options, const char *option, const char *value) {
+    if (!whole(value, 0, UINT64_MAX, &options->config.seed)) {
+        return complain(option, value, "give a whole number of 0 to 18446744073709551615");
+    }
+    return true;
+}
+
+static bool set_share(server_options *options, const char *option, const char *value) {
+    roburoc4_sim_faults *faults = &options->faults;
+    double *share = strcmp(option, "--loss") == 0        ? &faults->loss
+                    : strcmp(option, "--duplicate") == 0 ? &faults->duplicate
+                    : strcmp(option, "--reorder") == 0   ? &faults->reorder
+                                                         : &faults->corrupt;
+    if (!number_decimal(value, strlen(value), 0.0, 1.0, share)) {
+        return complain(option, value, "give a share of 0 to 1, such as 0.05");
+    }
+    return true;
+}
+
+static bool set_time(server_options *options, const char *option, const char *value) {
+    double ms = 0.0;
+    if (!number_decimal(value, strlen(value), 0.0, MAX_TIME_MS, &ms)) {
+        return complain(option, value, "give milliseconds, 0 to 60000");
+    }
+    uint32_t us = (uint32_t)(ms * 1000.0 + 0.5);
+    if (strcmp(option, "--delay-ms") == 0) {
+        options->faults.delay_us = us;
+    } else {
+        options->faults.jitter_us = us;
+    }
+    return true;
+}
+
+/* One `name=id` of --ids. */
+static bool set_id(server_options *options, const char *text, size_t length) {
+    static const char *const names[] = {"iocard", "telemeter", "battery", "localization",
+                                        "differential"};
+    for (uint32_t index = 0; index < sizeof names / sizeof names[0]; index++) {
+        size_t name = strlen(names[index]);
+        uint64_t id = 0;
+        if (length > name && strncmp(text, names[index], name) == 0 && text[name] == '=' &&
+            number_whole(text + name + 1, length - name - 1, 65535, &id) && id >= 2) {
+            options->config.service_ids[ROBUROC4_SERVICE_IOCARD + index] = (uint16_t)id;
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool set_ids(server_options *options, const char *option, const char *value) {
+    for (const char *at = value;; at++) {
+        size_t length = strcspn(at, ",");
+        if (!set_id(options, at, length)) {
+            return complain(option, value,
+                            "give NAME=ID,... with the names iocard, telemeter, battery, "
+                            "localization, differential and ids of 2 to 65535");
+        }
+        at += length;
+        if (*at == '\0') {
+            return true;
+        }
+    }
+}
+
+static bool read_text(server_options *options, const char *option, const char *path, FILE *file) {
+    char error[160];
+    char *text = malloc(MAX_CONFIG_BYTES);
+    if (text == NULL) {
+        return complain(option, path, "out of memory");
+    }
+    size_t length = fread(text, 1, MAX_CONFIG_BYTES, file);
+    bool good = false;
+    if (ferror(file) != 0) {
+        (void)complain(option, path, "cannot be read; give a text file");
+    } else if (length == MAX_CONFIG_BYTES) {
+        (void)complain(option, path, "is larger than 1 MiB; give an udpserver.cfg");
+    } else if (roburoc4_sim_config_read(&options->config, text, length, error, sizeof error) < 0) {
+        (void)complain(option, path, error);
+    } else {
+        good = true;
+    }
+    free(text);
+    return good;
+}
+
+static bool set_config(server_options *options, const char *option, const char *value) {
+    FILE *file = fopen(value, "rb");
+    if (file == NULL) {
+        return complain(option, value, "cannot be opened; give the path of a readable file");
+    }
+    bool good = read_text(options, option, value, file);
+    (void)fclose(file);
+    return good;
+}
+
+/* -------------------------------------------------------------------------------- command line ---
+ */
+
+typedef struct option {
+    const char *name;
+    bool (*set)(server_options *options, const char *option, const char *value);
+} option;
+
+static const option with_value[] = {
+    {"--bind", set_bind},     {"--port", set_port},       {"--robots", set_robots},
+    {"--ids", set_ids},       {"--config", set_config},   {"--seed", set_seed},
+    {"--loss", set_share},    {"--duplicate", set_share}, {"--reorder", set_share},
+    {"--corrupt", set_share}, {"--delay-ms", set_time},   {"--jitter-ms", set_time},
+};
+
+static const option *find_option(const char *argument, size_t length) {
+    for (size_t index = 0; index < sizeof with_value / sizeof with_value[0]; index++) {
+        if (strlen(with_value[index].name) == length &&
+            strncmp(argument, with_value[index].name, length) == 0) {
+            return &with_value[index];
+        }
+    }
+    return NULL;
+}
+
+/* Read one option, `--name value` or `--name=value`, and step over it. */
+static bool read_option(server_options *options, char **arguments, int *at) {
+    const char *argument = arguments[*at];
+    size_t length = strcspn(argument, "=");
+    if (strcmp(argument, "--panel") == 0) {
+        options->panel = true;
+        return true;
+    }
+    const option *found = find_option(argument, length);
+    if (found == NULL) {
+        (void)fprintf(stderr, "roburoc4-sim: unknown option '%s': try --help\n", argument);
+        return false;
+    }
+    const char *value = argument[length] == '=' ? argument + length + 1 : arguments[++*at];
+    if (value == NULL) {
+        (void)fprintf(stderr, "roburoc4-sim: %s needs a value: try --help\n", found->name);
+        return false;
+    }
+    return found->set(options, found->name, value);
+}
+
+static bool is_consistent(const server_options *options) {
+    const char *error = roburoc4_sim_config_error(&options->config);
+    if (error != NULL) {
+        (void)fprintf(stderr, "roburoc4-sim: %s\n", error);
+        return false;
+    }
+    if (options->port != 0 && options->port + options->robots - 1 > 65535) {
+        (void)fprintf(
+            stderr,
+            "roburoc4-sim: %u robots from port %u on need ports above 65535: give a lower "
+            "--port or fewer --robots\n",
+            options->robots, options->port);
+        return false;
+    }
+    return true;
+}
+
+int main(int count, char **arguments) {
+    server_options options;
+    memset(&options, 0, sizeof options);
+    options.address = "127.0.0.1";
+    options.port = ROBUROC4_DEFAULT_PORT;
+    options.robots = 1;
+    roburoc4_sim_config_init(&options.config);
+    for (int at = 1; at < count; at++) {
+        if (strcmp(arguments[at], "--help") == 0) {
+            (void)fputs(help, stdout);
+            return 0;
+        }
+        if (strcmp(arguments[at], "--version") == 0) {
+            (void)printf("roburoc4-sim %d.%d.%d\n", ROBUROC4_VERSION_MAJOR, ROBUROC4_VERSION_MINOR,
+                         ROBUROC4_VERSION_PATCH);
+            return 0;
+        }
+        if (!read_option(&options, arguments, &at)) {
+            return USAGE_ERROR;
+        }
+    }
+    return is_consistent(&options) ? server_run(&options) : USAGE_ERROR;
+}

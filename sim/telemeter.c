@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The two ultrasonic telemeters. Its one job is to find the nearest obstacle in each one's cone.
+ */
+#include <math.h>
+
+#include "model.h"
+
+#define FIELD_OF_VIEW_RAD 0.5236
+#define MIN_DISTANCE_M 0.25
+#define MAX_DISTANCE_M 6.0
+#define RAYS 11
+#define FULL_SCALE_V 5.0
+
+/* How far a ray gets until it enters a box; `limit` if it does not within that. */
+static double ray_to_box(const sim_box *box, double x, double y, double ux, double uy,
+                         double limit) {
+    double px = (x - box->x_m) * box->cos_theta + (y - box->y_m) * box->sin_theta;
+    double py = (y - box->y_m) * box->cos_theta - (x - box->x_m) * box->sin_theta;
+    double vx = ux * box->cos_theta + uy * box->sin_theta;
+    double vy = uy * box->cos_theta - ux * box->sin_theta;
+    const double from[2] = {px, py};
+    const double along[2] = {vx, vy};
+    const double half[2] = {box->half_x_m, box->half_y_m};
+    double enter = 0.0;
+    double leave = limit;
+    for (int axis = 0; axis < 2; axis++) {
+        if (fabs(along[axis]) < 1e-12) {
+            if (fabs(from[axis]) > half[axis]) {
+                return limit;
+            }
+            continue;
+        }
+        double one = (-half[axis] - from[axis]) / along[axis];
+        double two = (half[axis] - from[axis]) / along[axis];
+        enter = fmax(enter, fmin(one, two));
+        leave = fmin(leave, fmax(one, two));
+    }
+    return enter <= leave ? enter : limit;
+}
+
+static double look(const roburoc4_sim *sim, double x, double y, double direction) {
+    double nearest = MAX_DISTANCE_M;
+    for (uint32_t index = 0; index < sim->box_count; index++) {
+        const sim_box *box = &sim->boxes[index];
+        if (hypot(box->x_m - x, box->y_m - y) - box->radius_m >= nearest) {
+            continue;
+        }
+        for (int ray = 0; ray < RAYS; ray++) {
+            double angle = direction + FIELD_OF_VIEW_RAD * ((double)ray / (double)(RAYS - 1) - 0.5);
+            nearest = ray_to_box(box, x, y, cos(angle), sin(angle), nearest);
+        }
+    }
+    return nearest;
+}
+
+float sim_telemeter_distance(const roburoc4_sim *sim, uint32_t which) {
+    double side = which == ROBUROC4_TELEMETER_FRONT ? 1.0 : -1.0;
+    double theta = sim->truth.theta_rad;
+    double offset = side * 0.5 * SIM_BODY_LENGTH_M;
+    double direction = which == ROBUROC4_TELEMETER_FRONT ? theta : theta + SIM_PI;
+    double seen = look(sim, sim->truth.x_m + offset * cos(theta),
+                       sim->truth.y_m + offset * sin(theta), direction);
+    return (float)fmax(seen, MIN_DISTANCE_M);
+}
+
+float sim_telemeter_voltage(const roburoc4_sim *sim, uint32_t which) {
+    return sim_telemeter_distance(sim, which) * (float)(FULL_SCALE_V / MAX_DISTANCE_M);
+}
+
+void sim_telemeter_describe(const roburoc4_sim *sim, uint32_t which, roburoc4_telemeter *out) {
+    bool front = which == ROBUROC4_TELEMETER_FRONT;
+    out->x_m = (float)(front ? 0.5 * SIM_BODY_LENGTH_M : -0.5 * SIM_BODY_LENGTH_M);
+    out->y_m = 0.0f;
+    out->theta_rad = (float)(front ? 0.0 : SIM_PI);
+    out->field_of_view_rad = (float)FIELD_OF_VIEW_RAD;
+    out->min_distance_m = (float)MIN_DISTANCE_M;
+    out->max_distance_m = (float)MAX_DISTANCE_M;
+    out->distance_m = sim_telemeter_distance(sim, which);
+}

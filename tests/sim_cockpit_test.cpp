@@ -1,0 +1,243 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * sim_cockpit_test.cpp - what the person beside the simulated robot does: emergency stops, brakes,
+ * motor power, game pad, battery and charger.
+ */
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "sim_support.h"
+
+using namespace roburoc4_tests;
+
+namespace {
+
+class SimCockpit : public testing::Test {
+  protected:
+    SimCockpit() {
+        roburoc4_sim_clear_world(sim());
+    }
+
+    [[nodiscard]] roburoc4_sim *sim() const {
+        return robot.get();
+    }
+
+    SimRobot robot;
+};
+
+using SimMotors = SimCockpit;
+using SimPad = SimCockpit;
+using SimBattery = SimCockpit;
+
+} // namespace
+
+/* ---------------------------------------------------------------------------- motor power --- */
+
+TEST_F(SimMotors, AreOnAtPowerOnUnlessStartSafe) {
+    EXPECT_EQ(1, robot.state().motors_enabled);
+    roburoc4_sim_config config = default_sim_config();
+    config.start_safe = 1;
+    SimRobot safe(config);
+    EXPECT_EQ(0, safe.state().motors_enabled);
+    safe.drive(1.0F, 0.0F, 100);
+    EXPECT_EQ(0.0, safe.state().wheel_linear_m_s);
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_press_motor_button(safe.get()));
+    safe.drive(1.0F, 0.0F, 100);
+    EXPECT_GT(safe.state().wheel_linear_m_s, 0.5);
+}
+
+TEST_F(SimMotors, EitherEmergencyStopBrakesQuicklyAndTheTargetIsStillReported) {
+    for (const auto which : {ROBUROC4_SIM_ESTOP_LOCAL, ROBUROC4_SIM_ESTOP_REMOTE}) {
+        robot.drive(2.0F, 1.0F, 300);
+        const double before = robot.state().wheel_linear_m_s;
+        EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_estop(sim(), std::uint32_t(which), 1));
+        robot.drive(2.0F, 1.0F, 45);
+        const auto state = robot.state();
+        EXPECT_GT(before, 1.9);
+        EXPECT_EQ(0.0, state.wheel_linear_m_s) << "45 cycles are enough";
+        EXPECT_EQ(0.0, state.wheel_angular_rad_s);
+        EXPECT_DOUBLE_EQ(2.0, state.target_linear_m_s);
+        EXPECT_EQ(0, state.motors_enabled);
+        EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_estop(sim(), std::uint32_t(which), 0));
+        robot.drive(2.0F, 1.0F, 50);
+        EXPECT_EQ(0.0, robot.state().wheel_linear_m_s) << "releasing alone brings nothing back";
+        EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_press_motor_button(sim()));
+    }
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_set_estop(sim(), 2, 1));
+}
+
+TEST_F(SimMotors, NeedBothStopsReleasedBrakesAutomaticAndPower) {
+    for (int obstacle = 0; obstacle < 4; obstacle++) {
+        (void)roburoc4_sim_set_estop(sim(), ROBUROC4_SIM_ESTOP_LOCAL, obstacle == 0);
+        (void)roburoc4_sim_set_estop(sim(), ROBUROC4_SIM_ESTOP_REMOTE, obstacle == 1);
+        (void)roburoc4_sim_set_brakes(sim(), obstacle == 2 ? ROBUROC4_SIM_BRAKES_RELEASED
+                                                           : ROBUROC4_SIM_BRAKES_AUTOMATIC);
+        roburoc4_sim_set_power(sim(), obstacle != 3);
+        EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_sim_press_motor_button(sim())) << obstacle;
+        EXPECT_EQ(0, robot.state().motors_enabled) << obstacle;
+    }
+    (void)roburoc4_sim_set_estop(sim(), ROBUROC4_SIM_ESTOP_REMOTE, 0);
+    (void)roburoc4_sim_set_brakes(sim(), ROBUROC4_SIM_BRAKES_AUTOMATIC);
+    roburoc4_sim_set_power(sim(), 1);
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_press_motor_button(sim()));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_set_brakes(sim(), 2));
+}
+
+TEST_F(SimMotors, StayOffAtPowerOnWithAStopPressed) {
+    roburoc4_sim_set_power(sim(), 0);
+    (void)roburoc4_sim_set_estop(sim(), ROBUROC4_SIM_ESTOP_LOCAL, 1);
+    roburoc4_sim_set_power(sim(), 1);
+    EXPECT_EQ(0, robot.state().motors_enabled);
+}
+
+TEST_F(SimMotors, BrakesReleasedLetItRollOut) {
+    robot.drive(2.0F, 0.0F, 300);
+    (void)roburoc4_sim_set_brakes(sim(), ROBUROC4_SIM_BRAKES_RELEASED);
+    EXPECT_EQ(0, robot.state().motors_enabled);
+    robot.run(100);
+    EXPECT_GT(robot.state().wheel_linear_m_s, 0.5);
+    robot.run(300);
+    EXPECT_EQ(0.0, robot.state().wheel_linear_m_s);
+}
+
+/* -------------------------------------------------------------------------------- game pad --- */
+
+TEST_F(SimPad, DrivesWhileAIsHeldAndCommandsAreIgnored) {
+    EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_DIFFERENTIAL, 1));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_pad_axis(sim(), ROBUROC4_AI_PAD_RT, 0.0F));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_pad_axis(sim(), ROBUROC4_AI_PAD_LJ_X, -0.5F));
+    robot.drive(-1.0F, 0.0F, 10);
+    EXPECT_DOUBLE_EQ(-1.0, robot.state().target_linear_m_s) << "axes alone do nothing";
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_pad_button(sim(), ROBUROC4_DI_PAD_A, 1));
+    robot.take();
+    robot.drive(-1.0F, 0.0F, 300);
+    const auto state = robot.state();
+    EXPECT_EQ(1, state.overridden);
+    EXPECT_NEAR(1.3, state.target_linear_m_s, 1e-6) << "half a trigger, half of the speed";
+    EXPECT_NEAR(3.25, state.target_angular_rad_s, 1e-6) << "stick to the left turns left";
+    EXPECT_NEAR(1.3, state.wheel_linear_m_s, 0.03);
+    EXPECT_EQ(30U, state.refused_speed_commands);
+    EXPECT_EQ(300U, robot.take().size()) << "statuses go on";
+}
+
+TEST_F(SimPad, AxesGoTheManualsWays) {
+    (void)roburoc4_sim_set_pad_button(sim(), ROBUROC4_DI_PAD_A, 1);
+    robot.run(1);
+    EXPECT_EQ(0.0, robot.state().target_linear_m_s) << "triggers rest at -1";
+    (void)roburoc4_sim_set_pad_axis(sim(), ROBUROC4_AI_PAD_LT, 1.0F);
+    (void)roburoc4_sim_set_pad_axis(sim(), ROBUROC4_AI_PAD_LJ_X, 1.0F);
+    robot.run(1);
+    EXPECT_NEAR(-2.6, robot.state().target_linear_m_s, 1e-6);
+    EXPECT_NEAR(-6.5, robot.state().target_angular_rad_s, 1e-6) << "right is clockwise";
+    (void)roburoc4_sim_set_pad_axis(sim(), ROBUROC4_AI_PAD_LJ_X, 0.04F);
+    robot.run(1);
+    EXPECT_EQ(0.0, robot.state().target_angular_rad_s) << "a stick is never quite at 0";
+}
+
+TEST_F(SimPad, ReleaseGivesUdpBackWithTargetZeroUntilTheNextCommand) {
+    robot.command(1.0F, 0.0F);
+    (void)roburoc4_sim_set_pad_axis(sim(), ROBUROC4_AI_PAD_RT, 1.0F);
+    (void)roburoc4_sim_set_pad_button(sim(), ROBUROC4_DI_PAD_A, 1);
+    robot.run(50);
+    (void)roburoc4_sim_set_pad_button(sim(), ROBUROC4_DI_PAD_A, 0);
+    EXPECT_EQ(0.0, robot.state().target_linear_m_s);
+    robot.run(30);
+    EXPECT_EQ(0.0, robot.state().target_linear_m_s);
+    robot.command(0.25F, 0.0F);
+    robot.run(1);
+    EXPECT_DOUBLE_EQ(0.25, robot.state().target_linear_m_s);
+    EXPECT_EQ(0, robot.state().overridden);
+}
+
+TEST_F(SimPad, OutlastsTheWatchdogButNotAnEmergencyStop) {
+    (void)roburoc4_sim_set_pad_axis(sim(), ROBUROC4_AI_PAD_RT, 1.0F);
+    (void)roburoc4_sim_set_pad_button(sim(), ROBUROC4_DI_PAD_A, 1);
+    robot.run(500);
+    EXPECT_NEAR(2.6, robot.state().wheel_linear_m_s, 0.05);
+    (void)roburoc4_sim_set_estop(sim(), ROBUROC4_SIM_ESTOP_LOCAL, 1);
+    robot.run(60);
+    EXPECT_EQ(0.0, robot.state().wheel_linear_m_s);
+}
+
+TEST_F(SimPad, RefusesWhatItDoesNotHave) {
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_set_pad_button(sim(), ROBUROC4_DI_PAD_A - 1, 1));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_set_pad_button(sim(), ROBUROC4_DI_PAD_RB + 1, 1));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_set_pad_axis(sim(), ROBUROC4_AI_BATTERY_V, 0.0F));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_set_pad_axis(sim(), ROBUROC4_AI_PAD_RT, 1.01F));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT,
+              roburoc4_sim_set_pad_axis(sim(), ROBUROC4_AI_PAD_RT,
+                                        std::numeric_limits<float>::quiet_NaN()));
+}
+
+TEST_F(SimPad, ReleasePadLetsAllGo) {
+    (void)roburoc4_sim_set_pad_axis(sim(), ROBUROC4_AI_PAD_RT, 1.0F);
+    (void)roburoc4_sim_set_pad_button(sim(), ROBUROC4_DI_PAD_A, 1);
+    robot.run(10);
+    roburoc4_sim_release_pad(sim());
+    EXPECT_EQ(0, robot.state().overridden);
+    EXPECT_EQ(0.0, robot.state().target_linear_m_s);
+}
+
+/* --------------------------------------------------------------------------------- battery --- */
+
+TEST_F(SimBattery, DrainsMoreWhenDriving) {
+    SimRobot idle;
+    const float full = robot.state().battery_percent;
+    idle.run(60000);
+    for (int turn = 0; turn < 10; turn++)
+        robot.drive(turn % 2 == 0 ? 1.5F : -1.5F, 0.5F, 6000);
+    const float resting = full - idle.state().battery_percent;
+    const float working = full - robot.state().battery_percent;
+    EXPECT_NEAR(0.52, double(resting), 0.05) << "45 W for ten minutes of 1440 Wh";
+    EXPECT_GT(working, 2.0F * resting);
+}
+
+TEST_F(SimBattery, ChargesThenIsChargedThenOk) {
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_battery_percent(sim(), 99.9F));
+    EXPECT_EQ(unsigned(ROBUROC4_BATTERY_OK), robot.state().battery_state);
+    const float before = robot.state().battery_v;
+    roburoc4_sim_set_charger(sim(), 1);
+    EXPECT_EQ(unsigned(ROBUROC4_BATTERY_CHARGING), robot.state().battery_state);
+    EXPECT_GT(robot.state().battery_v, before);
+    robot.run(3000);
+    EXPECT_EQ(unsigned(ROBUROC4_BATTERY_CHARGED), robot.state().battery_state);
+    EXPECT_FLOAT_EQ(100.0F, robot.state().battery_percent);
+    roburoc4_sim_set_charger(sim(), 0);
+    EXPECT_EQ(unsigned(ROBUROC4_BATTERY_OK), robot.state().battery_state);
+}
+
+TEST_F(SimBattery, IsCriticalExactlyWhenTheReportedPercentIsBelowTheMinimum) {
+    EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_BATTERY, 1));
+    for (float percent = 22.0F; percent > 18.0F; percent -= 0.05F) {
+        EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_battery_percent(sim(), percent));
+        robot.take();
+        robot.run(1);
+        roburoc4_battery_status status{};
+        const Bytes bytes = robot.take().at(0).bytes;
+        ASSERT_EQ(0, roburoc4_decode_battery_status(bytes.data(), bytes.size(), &status));
+        ASSERT_EQ(status.remaining_percent < 20 ? ROBUROC4_BATTERY_CRITICAL : ROBUROC4_BATTERY_OK,
+                  status.state)
+            << percent;
+    }
+}
+
+TEST_F(SimBattery, VoltageFallsWithTheChargeAndUnderLoad) {
+    const float full = robot.state().battery_v;
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_battery_percent(sim(), 5.0F));
+    EXPECT_LT(robot.state().battery_v, full - 2.0F);
+    EXPECT_GT(robot.state().battery_v, 20.0F);
+    const float resting = robot.state().battery_v;
+    robot.drive(2.0F, 0.0F, 100);
+    EXPECT_LT(robot.state().battery_v, resting);
+}
+
+TEST_F(SimBattery, StaysAtZeroAndRefusesNonsense) {
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_battery_percent(sim(), 0.0F));
+    robot.run(1000);
+    EXPECT_EQ(0.0F, robot.state().battery_percent);
+    EXPECT_EQ(1, robot.state().powered);
+    for (const float wrong : {-1.0F, 100.5F, std::numeric_limits<float>::quiet_NaN()})
+        EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_set_battery_percent(sim(), wrong));
+}

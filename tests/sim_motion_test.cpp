@@ -1,0 +1,311 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * sim_motion_test.cpp - how the simulated robot moves: the measured speed response, its limits,
+ * the watchdog, odometry, and the slip that spoils it.
+ */
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "sim_support.h"
+
+using namespace roburoc4_tests;
+
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+constexpr double cycle_s = 0.01;
+
+roburoc4_sim_config without_slip() {
+    roburoc4_sim_config config = default_sim_config();
+    config.slip = 0.0F;
+    return config;
+}
+
+/** A robot on an endless empty floor. */
+class OpenFloor : public SimRobot {
+  public:
+    explicit OpenFloor(const roburoc4_sim_config &config = without_slip()) : SimRobot(config) {
+        roburoc4_sim_clear_world(get());
+    }
+};
+
+/** Speeds after each of so many cycles of a step, as the differential statuses report them. */
+std::vector<double> step_response(float linear_m_s, float angular_rad_s, int cycles) {
+    OpenFloor robot;
+    std::vector<double> speeds;
+    EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_DIFFERENTIAL, 1));
+    for (int cycle = 0; cycle < cycles; cycle++) {
+        if (cycle % 10 == 0)
+            robot.command(linear_m_s, angular_rad_s);
+        robot.run(1);
+        for (const auto &sent : robot.take()) {
+            roburoc4_differential_status status{};
+            EXPECT_EQ(0, roburoc4_decode_differential_status(sent.bytes.data(), sent.bytes.size(),
+                                                             &status));
+            speeds.push_back(double(linear_m_s != 0.0F ? status.current_linear_m_s
+                                                       : status.current_angular_rad_s));
+        }
+    }
+    EXPECT_EQ(std::size_t(cycles), speeds.size());
+    return speeds;
+}
+
+struct Fit {
+    double gain, omega, zeta;
+};
+
+double model(const Fit &fit, double t) {
+    const double damped = fit.omega * std::sqrt(1.0 - fit.zeta * fit.zeta);
+    const double sigma = fit.zeta * fit.omega;
+    return fit.gain * (1.0 - std::exp(-sigma * t) *
+                                 (std::cos(damped * t) + sigma / damped * std::sin(damped * t)));
+}
+
+/** Solve the 3x3 system a x = b, by Cramer's rule. */
+std::array<double, 3> solve(const std::array<std::array<double, 3>, 3> &a,
+                            const std::array<double, 3> &b) {
+    const auto determinant = [](const std::array<std::array<double, 3>, 3> &m) {
+        return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+               m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+               m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+    };
+    std::array<double, 3> x{};
+    for (std::size_t column = 0; column < 3; column++) {
+        auto replaced = a;
+        for (std::size_t row = 0; row < 3; row++)
+            replaced[row][column] = b[row];
+        x[column] = determinant(replaced) / determinant(a);
+    }
+    return x;
+}
+
+/** Least squares by Gauss-Newton with derivatives by differences, from a poor first guess. */
+Fit fit_second_order(const std::vector<double> &speeds) {
+    Fit fit{0.8, 2.0, 0.6};
+    for (int round = 0; round < 30; round++) {
+        std::array<std::array<double, 3>, 3> normal{};
+        std::array<double, 3> right{};
+        for (std::size_t index = 0; index < speeds.size(); index++) {
+            const double t = cycle_s * double(index + 1);
+            const double step = 1e-6;
+            const double here = model(fit, t);
+            const std::array<double, 3> slope = {
+                (model({fit.gain + step, fit.omega, fit.zeta}, t) - here) / step,
+                (model({fit.gain, fit.omega + step, fit.zeta}, t) - here) / step,
+                (model({fit.gain, fit.omega, fit.zeta + step}, t) - here) / step};
+            for (std::size_t row = 0; row < 3; row++) {
+                right[row] += slope[row] * (speeds[index] - here);
+                for (std::size_t column = 0; column < 3; column++)
+                    normal[row][column] += slope[row] * slope[column];
+            }
+        }
+        const auto change = solve(normal, right);
+        fit.gain += change[0];
+        fit.omega += change[1];
+        fit.zeta += change[2];
+    }
+    return fit;
+}
+
+void run_to_rest(SimRobot &robot) {
+    for (int cycle = 0; cycle < 2000 && (robot.state().wheel_linear_m_s != 0.0 ||
+                                         robot.state().wheel_angular_rad_s != 0.0);
+         cycle++)
+        robot.run(1);
+}
+
+} // namespace
+
+/* ------------------------------------------------------------------------------ response --- */
+
+TEST(SimStepResponse, LinearIsTheMeasuredSecondOrderWithin2Percent) {
+    const Fit fit = fit_second_order(step_response(1.0F, 0.0F, 400));
+    EXPECT_NEAR(1.0, fit.gain, 0.01);
+    EXPECT_NEAR(2.46, fit.omega, 0.02 * 2.46);
+    EXPECT_NEAR(0.79, fit.zeta, 0.02 * 0.79);
+}
+
+TEST(SimStepResponse, AngularIsTheMeasuredSecondOrderWithin2Percent) {
+    const Fit fit = fit_second_order(step_response(0.0F, -1.5F, 400));
+    EXPECT_NEAR(-1.5, fit.gain, 0.015);
+    EXPECT_NEAR(2.42, fit.omega, 0.02 * 2.42);
+    EXPECT_NEAR(0.77, fit.zeta, 0.02 * 0.77);
+}
+
+TEST(SimStepResponse, IsLinearUpToFullSpeedFromRest) {
+    const auto small = step_response(0.5F, 0.0F, 300);
+    const auto full = step_response(2.6F, 0.0F, 300);
+    for (std::size_t index = 0; index < small.size(); index++)
+        ASSERT_NEAR(small[index] / 0.5, full[index] / 2.6, 1e-5) << "cycle " << index + 1;
+}
+
+TEST(SimStepResponse, IsFlattenedByTheAccelerationLimitsWhenReversing) {
+    OpenFloor robot;
+    robot.drive(2.6F, 6.5F, 500);
+    double before = robot.state().wheel_linear_m_s;
+    double turning = robot.state().wheel_angular_rad_s;
+    double hardest = 0.0;
+    for (int cycle = 0; cycle < 400; cycle++) {
+        robot.drive(-2.6F, -6.5F, 1);
+        const auto state = robot.state();
+        ASSERT_LE(std::fabs(state.wheel_linear_m_s - before), 3.0 * cycle_s + 1e-9);
+        ASSERT_LE(std::fabs(state.wheel_angular_rad_s - turning), 8.0 * cycle_s + 1e-9);
+        hardest = std::max(hardest, std::fabs(state.wheel_linear_m_s - before));
+        before = state.wheel_linear_m_s;
+        turning = state.wheel_angular_rad_s;
+    }
+    EXPECT_NEAR(3.0 * cycle_s, hardest, 1e-6) << "a full reversal needs the limit";
+    EXPECT_NEAR(-2.6, before, 0.05);
+}
+
+/* -------------------------------------------------------------------------------- commands --- */
+
+TEST(SimTarget, IsClampedToThePropertiesLimits) {
+    OpenFloor robot;
+    robot.command(10.0F, -100.0F);
+    EXPECT_NEAR(2.6, robot.state().target_linear_m_s, 1e-6);
+    EXPECT_NEAR(-6.5, robot.state().target_angular_rad_s, 1e-6);
+    roburoc4_sim_config config = without_slip();
+    config.max_linear_m_s = 0.5F;
+    config.min_linear_m_s = -0.25F;
+    OpenFloor slow(config);
+    slow.command(-1.0F, 0.0F);
+    EXPECT_NEAR(-0.25, slow.state().target_linear_m_s, 1e-6);
+}
+
+TEST(SimTarget, IsKeptSensibleWhereTheReportedLimitsAreNot) {
+    roburoc4_sim_config config = without_slip();
+    config.max_linear_m_s = std::numeric_limits<float>::quiet_NaN();
+    config.max_angular_rad_s = -1.0F;
+    OpenFloor robot(config);
+    robot.command(10.0F, 100.0F);
+    EXPECT_NEAR(2.6, robot.state().target_linear_m_s, 1e-6);
+    EXPECT_NEAR(6.5, robot.state().target_angular_rad_s, 1e-6);
+}
+
+TEST(SimTarget, IgnoresNaNAndInfinity) {
+    OpenFloor robot;
+    robot.command(0.5F, 0.1F);
+    robot.command(std::numeric_limits<float>::quiet_NaN(), 0.0F);
+    robot.command(0.0F, std::numeric_limits<float>::infinity());
+    EXPECT_DOUBLE_EQ(0.5, robot.state().target_linear_m_s);
+    EXPECT_EQ(2U, robot.state().refused_speed_commands);
+    EXPECT_EQ(3U, robot.state().speed_commands);
+}
+
+TEST(SimWatchdog, BitesExactlyAfterItsCyclesAndReportsTargetZero) {
+    OpenFloor robot;
+    robot.command(1.0F, 0.5F);
+    robot.run(99);
+    EXPECT_DOUBLE_EQ(1.0, robot.state().target_linear_m_s);
+    EXPECT_EQ(0, robot.state().watchdog_bitten);
+    robot.run(1);
+    EXPECT_DOUBLE_EQ(0.0, robot.state().target_linear_m_s);
+    EXPECT_DOUBLE_EQ(0.0, robot.state().target_angular_rad_s);
+    EXPECT_EQ(1, robot.state().watchdog_bitten);
+    EXPECT_GT(robot.state().wheel_linear_m_s, 0.5) << "it is still fast";
+    run_to_rest(robot);
+    robot.run(1);
+    EXPECT_DOUBLE_EQ(0.0, robot.state().true_linear_m_s);
+    robot.command(1.0F, 0.0F);
+    robot.run(50);
+    EXPECT_GT(robot.state().wheel_linear_m_s, 0.1) << "the next command is obeyed again";
+}
+
+TEST(SimWatchdog, IsFedByAnySpeedCommandAndHasAConfigurableTime) {
+    roburoc4_sim_config config = without_slip();
+    config.watchdog_cycles = 7;
+    OpenFloor robot(config);
+    for (int turn = 0; turn < 20; turn++) {
+        robot.command(0.3F, 0.0F);
+        robot.run(6);
+        ASSERT_EQ(0, robot.state().watchdog_bitten);
+    }
+    robot.run(1);
+    EXPECT_EQ(1, robot.state().watchdog_bitten);
+}
+
+/* -------------------------------------------------------------------- odometry, true motion --- */
+
+TEST(SimOdometry, WithoutSlipIsTheTruth) {
+    OpenFloor robot;
+    robot.drive(1.0F, 0.7F, 800);
+    robot.drive(-0.5F, -1.5F, 400);
+    const auto state = robot.state();
+    EXPECT_NEAR(state.true_x_m, state.odometry_x_m, 1e-9);
+    EXPECT_NEAR(state.true_y_m, state.odometry_y_m, 1e-9);
+    EXPECT_NEAR(state.true_theta_rad, state.odometry_theta_rad, 1e-9);
+}
+
+TEST(SimOdometry, FollowsACircleOfTheCommandedRadius) {
+    OpenFloor robot;
+    robot.drive(1.0F, 0.5F, 600);
+    const auto start = robot.state();
+    const double centre_x = start.odometry_x_m - 2.0 * std::sin(start.odometry_theta_rad);
+    const double centre_y = start.odometry_y_m + 2.0 * std::cos(start.odometry_theta_rad);
+    double farthest = 0.0;
+    for (int step = 0; step < 125; step++) {
+        robot.drive(1.0F, 0.5F, 10);
+        const auto state = robot.state();
+        EXPECT_NEAR(2.0, std::hypot(state.odometry_x_m - centre_x, state.odometry_y_m - centre_y),
+                    0.01);
+        EXPECT_LE(std::fabs(state.odometry_theta_rad), pi);
+        farthest = std::max(farthest, std::hypot(state.odometry_x_m - start.odometry_x_m,
+                                                 state.odometry_y_m - start.odometry_y_m));
+    }
+    EXPECT_NEAR(4.0, farthest, 0.02);
+}
+
+TEST(SimOdometry, TravelsTheIntegralOfItsSpeed) {
+    OpenFloor robot;
+    double travelled = 0.0;
+    double before = 0.0;
+    for (int cycle = 0; cycle < 300; cycle++) {
+        robot.drive(1.0F, 0.0F, 1);
+        travelled += 0.5 * (before + robot.state().wheel_linear_m_s) * cycle_s;
+        before = robot.state().wheel_linear_m_s;
+    }
+    EXPECT_NEAR(travelled, robot.state().odometry_x_m, 1e-9);
+}
+
+TEST(SimSlip, TheBodyTurnsLessThanTheWheelsSay) {
+    OpenFloor robot(default_sim_config());
+    double wheels = 0.0;
+    double body = 0.0;
+    for (int cycle = 0; cycle < 1000; cycle++) {
+        robot.drive(0.0F, 1.0F, 1);
+        wheels += robot.state().wheel_angular_rad_s * cycle_s;
+        body += robot.state().true_angular_rad_s * cycle_s;
+    }
+    EXPECT_GT(wheels, 9.0);
+    EXPECT_NEAR(0.12, 1.0 - body / wheels, 0.06);
+    EXPECT_GT(1.0 - body / wheels, 0.02);
+}
+
+TEST(SimSlip, SpoilsTurningMostAndStraightMotionLittle) {
+    OpenFloor straight(default_sim_config());
+    straight.drive(1.0F, 0.0F, 600);
+    auto state = straight.state();
+    EXPECT_LT(std::hypot(state.true_x_m - state.odometry_x_m, state.true_y_m - state.odometry_y_m),
+              0.05 * state.odometry_x_m);
+    EXPECT_NE(state.true_y_m, state.odometry_y_m);
+    OpenFloor turning(default_sim_config());
+    turning.drive(1.0F, 1.0F, 600);
+    state = turning.state();
+    EXPECT_GT(std::hypot(state.true_x_m - state.odometry_x_m, state.true_y_m - state.odometry_y_m),
+              0.2);
+}
+
+TEST(SimMotion, ComesToAnExactRest) {
+    OpenFloor robot;
+    robot.drive(1.0F, 1.0F, 200);
+    robot.drive(0.0F, 0.0F, 600);
+    const auto state = robot.state();
+    EXPECT_EQ(0.0, state.wheel_linear_m_s);
+    EXPECT_EQ(0.0, state.wheel_angular_rad_s);
+    robot.run(500);
+    EXPECT_EQ(state.true_x_m, robot.state().true_x_m);
+}

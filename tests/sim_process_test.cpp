@@ -1,0 +1,314 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * sim_process_test.cpp - the program roburoc4-sim as a real process on the loopback: options, ready
+ * line, signals, panel, and a client that drives it, loses it and finds it again.
+ */
+#include "sim_process.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <fstream>
+#include <memory>
+
+using test::eventually;
+using test::SimProcess;
+using test::Socket;
+
+namespace {
+
+/* A client of a robot on a loopback port. */
+struct Driver {
+    roburoc4_udp udp{};
+    roburoc4_client client{};
+
+    explicit Driver(uint16_t port) {
+        roburoc4_address address{};
+        EXPECT_EQ(roburoc4_udp_resolve("127.0.0.1", port, &address), ROBUROC4_OK);
+        EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp, &address), ROBUROC4_OK);
+        EXPECT_EQ(roburoc4_client_init(&client, sizeof client, nullptr), ROBUROC4_OK);
+        EXPECT_EQ(roburoc4_client_start(&client, roburoc4_udp_now_us()), ROBUROC4_OK);
+    }
+    ~Driver() {
+        roburoc4_udp_close(&udp);
+    }
+    bool reaches(const std::function<bool()> &aim) {
+        return eventually([&] {
+            roburoc4_udp_wait(&udp, &client, 20000);
+            return aim();
+        });
+    }
+    bool reaches_state(uint32_t state) {
+        return reaches([&] { return roburoc4_client_state(&client) == state; });
+    }
+    bool gets_armed() {
+        return reaches(
+            [&] { return roburoc4_client_arm(&client, roburoc4_udp_now_us()) == ROBUROC4_OK; });
+    }
+    roburoc4_facts facts() const {
+        roburoc4_facts facts{};
+        facts.size = sizeof facts;
+        roburoc4_client_facts(&client, roburoc4_udp_now_us(), &facts);
+        return facts;
+    }
+};
+
+/* ----------------------------------------------------------------------- command line, life --- */
+
+TEST(SimProgram, SaysOnOneLineWhereItIsReady) {
+    SimProcess sim({"--port", "0"});
+    std::string ready = sim.line();
+    EXPECT_EQ(ready.rfind("roburoc4-sim: ready on 127.0.0.1:", 0), 0u) << ready;
+}
+
+TEST(SimProgram, EndsCleanlyOnSigtermAndSigint) {
+    for (int number : {SIGTERM, SIGINT}) {
+        SimProcess sim({"--port", "0"});
+        ASSERT_EQ(sim.ports().size(), 1u);
+        sim.signal(number);
+        EXPECT_EQ(sim.exit_status(), 0) << number;
+        EXPECT_EQ(sim.errors(), "");
+    }
+}
+
+TEST(SimProgram, TakesThePortThatItIsGivenAndTakesItAgain) {
+    std::string port = std::to_string(test::free_port());
+    for (int life = 0; life < 3; life++) {
+        SimProcess sim({"--port", port});
+        EXPECT_EQ(sim.line(), "roburoc4-sim: ready on 127.0.0.1:" + port);
+        sim.signal(life == 1 ? SIGKILL : SIGTERM);
+        EXPECT_EQ(sim.exit_status(), life == 1 ? 1000 + SIGKILL : 0);
+    }
+}
+
+TEST(SimProgram, EndsWithOneWhereThePortIsTaken) {
+    Socket other;
+    SimProcess sim({"--port", std::to_string(other.port())});
+    EXPECT_EQ(sim.exit_status(), 1);
+    EXPECT_EQ(sim.output(), "");
+    EXPECT_NE(sim.errors().find(std::to_string(other.port())), std::string::npos);
+}
+
+TEST(SimProgram, EndsWithTwoAndOneLineOnBadOptions) {
+    const std::vector<std::vector<std::string>> lines = {
+        {"--nonsense"},
+        {"stray"},
+        {"--port"},
+        {"--port", "65536"},
+        {"--port", "-1"},
+        {"--port", "x"},
+        {"--port", ""},
+        {"--robots", "0"},
+        {"--robots", "2", "--port", "65535"},
+        {"--bind", "300.0.0.1"},
+        {"--loss", "1.5"},
+        {"--loss", "nan"},
+        {"--duplicate", "-0.1"},
+        {"--reorder", "all"},
+        {"--corrupt", "2"},
+        {"--delay-ms", "-5"},
+        {"--jitter-ms", "1e9"},
+        {"--seed", "abc"},
+        {"--ids", "wheel=4"},
+        {"--ids", "iocard=1"},
+        {"--ids", "iocard=7,battery=7"},
+        {"--config", "/no/such/file"},
+    };
+    for (const std::vector<std::string> &arguments : lines) {
+        SimProcess sim(arguments);
+        EXPECT_EQ(sim.exit_status(), 2) << arguments[0];
+        EXPECT_EQ(sim.output(), "") << arguments[0];
+        std::string errors = sim.errors();
+        ASSERT_FALSE(errors.empty()) << arguments[0];
+        EXPECT_EQ(errors.find('\n'), errors.size() - 1) << errors;
+        EXPECT_EQ(errors.rfind("roburoc4-sim: ", 0), 0u) << errors;
+    }
+}
+
+TEST(SimProgram, ExplainsItself) {
+    SimProcess help({"--help"});
+    EXPECT_EQ(help.exit_status(), 0);
+    std::string text = help.output();
+    for (const char *option :
+         {"--bind", "--port", "--robots", "--seed", "--loss", "--delay-ms", "--jitter-ms",
+          "--duplicate", "--reorder", "--corrupt", "--config", "--ids", "--panel"}) {
+        EXPECT_NE(text.find(option), std::string::npos) << option;
+    }
+    SimProcess version({"--version"});
+    EXPECT_EQ(version.exit_status(), 0);
+    EXPECT_EQ(version.output(), "roburoc4-sim " + std::to_string(ROBUROC4_VERSION_MAJOR) + "." +
+                                    std::to_string(ROBUROC4_VERSION_MINOR) + "." +
+                                    std::to_string(ROBUROC4_VERSION_PATCH) + "\n");
+}
+
+TEST(SimProgram, RefusesABadConfigurationFile) {
+    std::string path = testing::TempDir() + "roburoc4_udpserver_" + std::to_string(getpid());
+    std::ofstream(path) << "[DifferentialService]\nWatchdog=soon\n";
+    SimProcess sim({"--config", path});
+    EXPECT_EQ(sim.exit_status(), 2);
+    EXPECT_NE(sim.errors().find(path), std::string::npos);
+    std::remove(path.c_str());
+}
+
+/* ------------------------------------------------------------------------------------- panel ---
+ */
+
+TEST(SimProgram, ObeysItsPanel) {
+    SimProcess sim({"--port", "0", "--panel"});
+    std::vector<uint16_t> ports = sim.ports();
+    ASSERT_EQ(ports.size(), 1u);
+    Driver driver(ports[0]);
+    ASSERT_TRUE(driver.gets_armed());
+    EXPECT_EQ(sim.panel("pad a down"), "ok");
+    EXPECT_TRUE(driver.reaches([&] { return driver.facts().overridden == 1; }));
+    EXPECT_EQ(driver.facts().armed, 0);
+    EXPECT_EQ(sim.panel("pad a up"), "ok");
+    EXPECT_TRUE(driver.reaches([&] { return driver.facts().overridden == 0; }));
+    EXPECT_EQ(sim.panel("bumper front press"), "ok");
+    EXPECT_TRUE(driver.reaches([&] { return driver.facts().front_bumper == 1; }));
+    EXPECT_EQ(sim.panel("dance").rfind("error: ", 0), 0u);
+    EXPECT_EQ(sim.panel("power off"), "ok");
+    EXPECT_TRUE(driver.reaches_state(ROBUROC4_STATE_LOST));
+    EXPECT_EQ(sim.panel("power on"), "ok");
+    EXPECT_TRUE(driver.reaches_state(ROBUROC4_STATE_READY));
+    sim.panel("quit");
+    EXPECT_EQ(sim.exit_status(), 0);
+}
+
+TEST(SimProgram, OutlivesTheEndOfItsInput) {
+    SimProcess sim({"--port", "0", "--panel"});
+    std::vector<uint16_t> ports = sim.ports();
+    ASSERT_EQ(ports.size(), 1u);
+    sim.end_input();
+    Driver driver(ports[0]);
+    EXPECT_TRUE(driver.reaches_state(ROBUROC4_STATE_READY));
+    sim.signal(SIGTERM);
+    EXPECT_EQ(sim.exit_status(), 0);
+}
+
+/* ------------------------------------------------------------------------------------ clients ---
+ */
+
+TEST(SimProgram, IsDrivenOverUdp) {
+    SimProcess sim({"--port", "0"});
+    std::vector<uint16_t> ports = sim.ports();
+    ASSERT_EQ(ports.size(), 1u);
+    Driver driver(ports[0]);
+    ASSERT_TRUE(driver.gets_armed());
+    roburoc4_localization_status pose{};
+    EXPECT_TRUE(driver.reaches([&] {
+        roburoc4_client_drive(&driver.client, 1.0f, 0.0f, 0, roburoc4_udp_now_us());
+        return roburoc4_client_localization(&driver.client, &pose, nullptr) == 0 && pose.x_m > 0.3;
+    }));
+    EXPECT_EQ(roburoc4_client_close(&driver.client, roburoc4_udp_now_us()), ROBUROC4_OK);
+    EXPECT_TRUE(driver.reaches_state(ROBUROC4_STATE_IDLE));
+}
+
+TEST(SimProgram, IsFoundAgainAfterItWasKilledAndStarted) {
+    std::string port = std::to_string(test::free_port());
+    auto sim = std::make_unique<SimProcess>(std::vector<std::string>{"--port", port});
+    ASSERT_EQ(sim->ports().size(), 1u);
+    Driver driver(static_cast<uint16_t>(std::stoul(port)));
+    ASSERT_TRUE(driver.gets_armed());
+    sim->signal(SIGKILL);
+    EXPECT_EQ(sim->exit_status(), 1000 + SIGKILL);
+    EXPECT_TRUE(driver.reaches_state(ROBUROC4_STATE_LOST));
+    EXPECT_EQ(driver.facts().armed, 0);
+    EXPECT_TRUE(
+        driver.reaches([&] { return roburoc4_udp_fault(&driver.udp) == ROBUROC4_FAULT_REFUSED; }));
+    sim = std::make_unique<SimProcess>(std::vector<std::string>{"--port", port});
+    ASSERT_EQ(sim->ports().size(), 1u);
+    EXPECT_TRUE(driver.reaches_state(ROBUROC4_STATE_READY));
+    EXPECT_EQ(driver.facts().armed, 0) << "it does not arm itself";
+}
+
+TEST(SimProgram, RunsManyRobots) {
+    SimProcess sim({"--port", "0", "--robots", "3"});
+    std::vector<uint16_t> ports = sim.ports();
+    ASSERT_EQ(ports.size(), 3u);
+    for (uint16_t port : ports) {
+        Driver driver(port);
+        EXPECT_TRUE(driver.reaches_state(ROBUROC4_STATE_READY)) << port;
+    }
+}
+
+TEST(SimProgram, RunsManyRobotsOnConsecutivePorts) {
+    ASSERT_TRUE(eventually([] { /* somebody else may have one of the ports */
+                                unsigned first = test::free_port();
+                                if (first > 65533) {
+                                    return false;
+                                }
+                                SimProcess sim({"--port", std::to_string(first), "--robots", "3"});
+                                std::vector<uint16_t> ports = sim.ports();
+                                return ports.size() == 3 && ports[0] == first &&
+                                       ports[1] == first + 1 && ports[2] == first + 2;
+    }));
+}
+
+TEST(SimProgram, GivesServicesOtherIds) {
+    SimProcess sim({"--port", "0", "--ids", "differential=40,iocard=300"});
+    std::vector<uint16_t> ports = sim.ports();
+    ASSERT_EQ(ports.size(), 1u);
+    Driver driver(ports[0]);
+    ASSERT_TRUE(driver.gets_armed());
+    EXPECT_EQ(roburoc4_client_service_id(&driver.client, ROBUROC4_SERVICE_DIFFERENTIAL), 40);
+    EXPECT_EQ(roburoc4_client_service_id(&driver.client, ROBUROC4_SERVICE_IOCARD), 300);
+}
+
+TEST(SimProgram, IsReachedThroughABadNetwork) {
+    SimProcess sim({"--port", "0", "--loss", "0.2", "--duplicate=0.1", "--reorder", "0.1",
+                    "--corrupt", "0.05", "--delay-ms", "5", "--jitter-ms", "5", "--seed", "7"});
+    std::vector<uint16_t> ports = sim.ports();
+    ASSERT_EQ(ports.size(), 1u);
+    Driver driver(ports[0]);
+    EXPECT_TRUE(driver.reaches_state(ROBUROC4_STATE_READY));
+}
+
+TEST(SimProgram, ReadsTheWatchdogFromAConfigurationFile) {
+    std::string path = testing::TempDir() + "roburoc4_watchdog_" + std::to_string(getpid());
+    std::ofstream(path) << "[DifferentialService]\nWatchdog=30\n";
+    SimProcess sim({"--port", "0", "--config", path});
+    std::vector<uint16_t> ports = sim.ports();
+    std::remove(path.c_str());
+    ASSERT_EQ(ports.size(), 1u);
+    Driver driver(ports[0]);
+    ASSERT_TRUE(driver.gets_armed());
+    /* One command past the client, then none: the target must be gone after 30 cycles. */
+    uint8_t command[16];
+    ASSERT_EQ(roburoc4_encode_differential_command(command, sizeof command, 6, 0.5f, 0.0f), 11);
+    ASSERT_EQ(send(static_cast<int>(roburoc4_udp_fd(&driver.udp)), command, 11, 0), 11);
+    roburoc4_differential_status status{};
+    uint64_t first = 0, last = 0;
+    ASSERT_TRUE(driver.reaches([&] {
+        if (roburoc4_client_differential(&driver.client, &status, nullptr) == 0 &&
+            status.target_linear_m_s != 0.0f) {
+            first = first != 0 ? first : status.robot_cycles;
+            last = status.robot_cycles;
+        }
+        return last != 0 && status.target_linear_m_s == 0.0f;
+    }));
+    EXPECT_LE(last - first, 30u);
+}
+
+TEST(SimProgram, SurvivesGarbage) {
+    SimProcess sim({"--port", "0"});
+    std::vector<uint16_t> ports = sim.ports();
+    ASSERT_EQ(ports.size(), 1u);
+    Socket stranger;
+    uint32_t state = 1;
+    for (size_t size = 0; size < 400; size++) {
+        std::vector<uint8_t> garbage(size);
+        for (uint8_t &byte : garbage) {
+            state = state * 1664525u + 1013904223u;
+            byte = static_cast<uint8_t>(state >> 24);
+        }
+        stranger.send(test::loopback(ports[0]), garbage);
+    }
+    stranger.send(test::loopback(ports[0]), std::vector<uint8_t>(65000, 0xFF));
+    Driver driver(ports[0]);
+    EXPECT_TRUE(driver.reaches_state(ROBUROC4_STATE_READY));
+    sim.signal(SIGTERM);
+    EXPECT_EQ(sim.exit_status(), 0);
+}
+
+} // namespace

@@ -1,0 +1,235 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * sim_world_test.cpp - the world around the simulated robot: free room at the start, walls that no
+ * body passes, bumpers, telemeters.
+ */
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "sim_support.h"
+
+using namespace roburoc4_tests;
+
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+constexpr double half_length = 0.655;
+constexpr double half_width = 0.375;
+
+roburoc4_sim_config without_slip() {
+    roburoc4_sim_config config = default_sim_config();
+    config.slip = 0.0F;
+    return config;
+}
+
+/** A robot on an empty floor, for tests that furnish it themselves. */
+class SimWorld : public testing::Test {
+  protected:
+    SimWorld() : robot(without_slip()) {
+        roburoc4_sim_clear_world(robot.get());
+    }
+
+    [[nodiscard]] roburoc4_sim *sim() const {
+        return robot.get();
+    }
+
+    SimRobot robot;
+};
+
+using SimBumper = SimWorld;
+using SimTelemeter = SimWorld;
+
+} // namespace
+
+/* --------------------------------------------------------------------------- default world --- */
+
+TEST(SimDefaultWorld, LeavesFiveMetresClearAllAroundTheStart) {
+    for (const double heading : {0.0, 2.0}) {
+        roburoc4_sim_config config = without_slip();
+        config.start_x_m = 20.0;
+        config.start_y_m = -7.0;
+        config.start_theta_rad = heading;
+        SimRobot robot(config);
+        for (int degree = 0; degree < 360; degree += 2) {
+            const double way = pi / 180.0 * degree;
+            EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_place(robot.get(), 20.0 + 5.0 * std::cos(way),
+                                                      -7.0 + 5.0 * std::sin(way), heading))
+                << "moved 5 m towards " << degree;
+        }
+    }
+}
+
+TEST(SimDefaultWorld, IsSeenByBothTelemetersFromTheStart) {
+    SimRobot robot;
+    const auto state = robot.state();
+    for (const float distance : state.telemeters_m) {
+        EXPECT_GE(distance, 5.0F);
+        EXPECT_LT(distance, 6.0F);
+    }
+}
+
+TEST(SimDefaultWorld, CannotBeLeft) {
+    std::mt19937 random(3);
+    SimRobot robot;
+    for (int turn = 0; turn < 400; turn++) {
+        robot.drive(float(random() % 53) / 10.0F - 2.6F, float(random() % 60) / 10.0F - 3.0F, 150);
+        const auto state = robot.state();
+        ASSERT_LT(std::fabs(state.true_y_m), 6.5);
+        ASSERT_LT(state.true_x_m, 10.0);
+        ASSERT_GT(state.true_x_m, -6.0);
+        /* Where it is it may stand: it never got into a box. */
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_place(robot.get(), state.true_x_m, state.true_y_m,
+                                                  state.true_theta_rad));
+    }
+}
+
+/* --------------------------------------------------------------------------------- bumpers --- */
+
+TEST_F(SimBumper, StopsAtAWallAndFreesTheOtherDirection) {
+    ASSERT_EQ(0, roburoc4_sim_add_wall(sim(), 3.0, -2.0, 3.0, 2.0));
+    robot.drive(1.0F, 0.0F, 500);
+    auto state = robot.state();
+    EXPECT_EQ(1, state.bumper_front);
+    EXPECT_EQ(0, state.bumper_rear);
+    EXPECT_NEAR(3.0 - 0.05 - half_length, state.true_x_m, 0.01) << "nose at the wall's face";
+    EXPECT_LE(state.true_x_m, 3.0 - 0.05 - half_length);
+    EXPECT_EQ(0.0, state.wheel_linear_m_s);
+    EXPECT_EQ(0.0, state.true_linear_m_s);
+    EXPECT_DOUBLE_EQ(1.0, state.target_linear_m_s) << "the target is still reported";
+    robot.drive(-1.0F, 0.0F, 100);
+    state = robot.state();
+    EXPECT_EQ(0, state.bumper_front);
+    EXPECT_LT(state.true_x_m, 2.0);
+}
+
+TEST_F(SimBumper, OfTheRearStopsBackwardMotion) {
+    ASSERT_EQ(0, roburoc4_sim_add_box(sim(), -3.0, 0.0, 1.0, 1.0, 0.0));
+    robot.drive(-2.6F, 0.0F, 500);
+    const auto state = robot.state();
+    EXPECT_EQ(1, state.bumper_rear);
+    EXPECT_EQ(0, state.bumper_front);
+    EXPECT_NEAR(-2.5 + half_length, state.true_x_m, 0.01);
+    EXPECT_GE(state.true_x_m, -2.5 + half_length);
+    EXPECT_EQ(0.0, state.wheel_linear_m_s);
+}
+
+TEST_F(SimBumper, PressedByHandBlocksItsDirectionOnly) {
+    robot.drive(1.0F, 0.0F, 200);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_set_bumper(sim(), ROBUROC4_SIM_FRONT, 1));
+    robot.drive(1.0F, 0.5F, 100);
+    EXPECT_EQ(0.0, robot.state().wheel_linear_m_s);
+    EXPECT_GT(robot.state().wheel_angular_rad_s, 0.3) << "turning is free";
+    robot.drive(-0.5F, 0.0F, 200);
+    EXPECT_NEAR(-0.5, robot.state().wheel_linear_m_s, 0.02);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_set_bumper(sim(), ROBUROC4_SIM_FRONT, 0));
+    robot.drive(1.0F, 0.0F, 300);
+    EXPECT_NEAR(1.0, robot.state().wheel_linear_m_s, 0.02);
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_set_bumper(sim(), 2, 1));
+}
+
+TEST_F(SimBumper, IsPressedByABoxThatIsPushedAgainstIt) {
+    const auto box = roburoc4_sim_add_box(sim(), 5.0, 0.0, 1.0, 1.0, 0.0);
+    ASSERT_GE(box, 0);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_move_box(sim(), std::uint32_t(box),
+                                                 0.5 + half_length + 0.005, 0.0, 0.0));
+    EXPECT_EQ(1, robot.state().bumper_front);
+    roburoc4_sim_clear_world(sim());
+    EXPECT_EQ(0, robot.state().bumper_front);
+}
+
+TEST_F(SimWorld, AWallAtTheSideBlocksTheTurnWhileTheWheelsSpin) {
+    ASSERT_EQ(0, roburoc4_sim_add_wall(sim(), -3.0, half_width + 0.06, 3.0, half_width + 0.06));
+    ASSERT_EQ(1, roburoc4_sim_add_wall(sim(), -3.0, -half_width - 0.06, 3.0, -half_width - 0.06));
+    robot.drive(0.0F, 1.0F, 300);
+    const auto state = robot.state();
+    EXPECT_LT(std::fabs(state.true_theta_rad), 0.05);
+    EXPECT_GT(std::fabs(state.odometry_theta_rad), 2.0);
+    EXPECT_NEAR(1.0, state.wheel_angular_rad_s, 0.02);
+}
+
+TEST_F(SimWorld, FastMotionDoesNotTunnelThroughThinWalls) {
+    ASSERT_EQ(0, roburoc4_sim_add_wall(sim(), 8.0, -5.0, 8.0, 5.0));
+    robot.drive(2.6F, 0.0F, 1000);
+    EXPECT_LT(robot.state().true_x_m, 8.0);
+    EXPECT_EQ(1, robot.state().bumper_front);
+}
+
+TEST_F(SimWorld, RefusesWhatCannotBe) {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_sim_add_box(sim(), 0.9, 0.0, 1.0, 1.0, 0.0));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_add_box(sim(), nan, 0.0, 1.0, 1.0, 0.0));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_add_box(sim(), 5.0, 0.0, 0.0, 1.0, 0.0));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_add_box(sim(), 5.0, 0.0, 1.0, nan, 0.0));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_add_wall(sim(), 5.0, 0.0, 5.0, 0.0));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_move_box(sim(), 0, 5.0, 0.0, 0.0));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_place(sim(), 0.0, nan, 0.0));
+    ASSERT_EQ(0, roburoc4_sim_add_box(sim(), 5.0, 0.0, 1.0, 1.0, 0.0));
+    EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_sim_move_box(sim(), 0, 0.0, 0.0, 0.0));
+    EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_sim_place(sim(), 5.0, 0.0, 0.0));
+    for (int number = 1; number < ROBUROC4_SIM_MAX_BOXES; number++)
+        ASSERT_EQ(number, roburoc4_sim_add_box(sim(), 50.0, 0.0, 1.0, 1.0, 0.0));
+    EXPECT_EQ(ROBUROC4_ERR_BUFFER, roburoc4_sim_add_box(sim(), 50.0, 0.0, 1.0, 1.0, 0.0));
+}
+
+TEST_F(SimWorld, PlacingMovesTheBodyButNotTheOdometry) {
+    robot.drive(1.0F, 0.0F, 100);
+    const double odometry = robot.state().odometry_x_m;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_place(sim(), -3.0, 2.0, 4.0));
+    const auto state = robot.state();
+    EXPECT_DOUBLE_EQ(-3.0, state.true_x_m);
+    EXPECT_NEAR(4.0 - 2.0 * pi, state.true_theta_rad, 1e-12);
+    EXPECT_DOUBLE_EQ(odometry, state.odometry_x_m);
+    EXPECT_EQ(0.0, state.wheel_linear_m_s);
+}
+
+/* ------------------------------------------------------------------------------- telemeters --- */
+
+TEST_F(SimTelemeter, MeasureFromTheBodysEnds) {
+    ASSERT_EQ(0, roburoc4_sim_add_wall(sim(), 4.0, -3.0, 4.0, 3.0));
+    ASSERT_EQ(1, roburoc4_sim_add_wall(sim(), -3.0, -3.0, -3.0, 3.0));
+    auto state = robot.state();
+    EXPECT_NEAR(4.0 - 0.05 - half_length, double(state.telemeters_m[ROBUROC4_TELEMETER_FRONT]),
+                1e-5);
+    EXPECT_NEAR(3.0 - 0.05 - half_length, double(state.telemeters_m[ROBUROC4_TELEMETER_REAR]),
+                1e-5);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_place(sim(), 1.0, 0.0, pi));
+    state = robot.state();
+    EXPECT_NEAR(4.0 - 0.05 - half_length, double(state.telemeters_m[ROBUROC4_TELEMETER_FRONT]),
+                1e-5);
+}
+
+TEST_F(SimTelemeter, SeeWithinTheirConeAndRange) {
+    const auto front = [this] { return double(robot.state().telemeters_m[0]); };
+    EXPECT_DOUBLE_EQ(6.0, front()) << "nothing there: the largest distance";
+    const auto box = roburoc4_sim_add_box(sim(), 4.0, 0.7, 0.4, 0.4, 0.0);
+    ASSERT_EQ(0, box);
+    EXPECT_LT(front(), 3.4) << "0.5 m aside at 3.1 m is within 15 degrees";
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_move_box(sim(), 0, 4.0, 1.6, 0.0));
+    EXPECT_DOUBLE_EQ(6.0, front()) << "beside the cone";
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_move_box(sim(), 0, half_length + 0.3, 0.0, 0.0));
+    EXPECT_DOUBLE_EQ(0.25, front()) << "nearer than it can measure";
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_move_box(sim(), 0, half_length + 6.5, 0.0, 0.0));
+    EXPECT_DOUBLE_EQ(6.0, front()) << "farther than it can measure";
+}
+
+TEST_F(SimTelemeter, PropertiesSayWhereTheySitAndWhatTheySee) {
+    ASSERT_EQ(0, roburoc4_sim_add_wall(sim(), 4.0, -3.0, 4.0, 3.0));
+    const Bytes answer = robot.ask(from_hex("07 00 03 00"));
+    roburoc4_telemeter_list list{};
+    ASSERT_EQ(0, roburoc4_decode_telemeter_properties(answer.data(), answer.size(), &list));
+    ASSERT_EQ(2U, list.count);
+    roburoc4_telemeter front{};
+    roburoc4_telemeter rear{};
+    ASSERT_EQ(0, roburoc4_telemeter_at(&list, ROBUROC4_TELEMETER_FRONT, &front));
+    ASSERT_EQ(0, roburoc4_telemeter_at(&list, ROBUROC4_TELEMETER_REAR, &rear));
+    EXPECT_NEAR(half_length, double(front.x_m), 1e-6);
+    EXPECT_NEAR(-half_length, double(rear.x_m), 1e-6);
+    EXPECT_NEAR(pi, double(rear.theta_rad), 1e-6);
+    EXPECT_NEAR(pi / 6.0, double(front.field_of_view_rad), 1e-4);
+    EXPECT_FLOAT_EQ(0.25F, front.min_distance_m);
+    EXPECT_FLOAT_EQ(6.0F, front.max_distance_m);
+    EXPECT_FLOAT_EQ(robot.state().telemeters_m[0], front.distance_m);
+}
