@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * codec_kinds_test.cpp - what the codec makes of telegrams of another kind than asked for, of the
+ * robot's errors, and of values that cannot be.
+ */
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+#include "hex.h"
+#include "roburoc4.h"
+#include "vectors.h"
+
+using namespace roburoc4_tests;
+
+namespace {
+
+/** Calls `check(name, decode)` for each decoder, where decode(bytes) is its result. */
+template <class Check> void each_properties_decoder(Check check) {
+    const auto decoder = [](auto function, auto out) {
+        return [function, out](const Bytes &bytes) mutable {
+            return function(bytes.data(), bytes.size(), &out);
+        };
+    };
+    check("directory", decoder(roburoc4_decode_directory, roburoc4_directory{}));
+    check("notification", decoder(roburoc4_decode_notification, roburoc4_notification{}));
+    check("iocard-properties",
+          decoder(roburoc4_decode_iocard_properties, roburoc4_iocard_properties{}));
+    check("telemeter-properties",
+          decoder(roburoc4_decode_telemeter_properties, roburoc4_telemeter_list{}));
+    check("battery-properties",
+          decoder(roburoc4_decode_battery_properties, roburoc4_battery_properties{}));
+    check("localization-properties",
+          decoder(roburoc4_decode_localization_properties, roburoc4_localization_properties{}));
+    check("differential-properties",
+          decoder(roburoc4_decode_differential_properties, roburoc4_differential_properties{}));
+}
+
+TEST(Kinds, AnErrorByteMakesAnAnswerTheRobotsError) { // 4.2.2.2
+    each_properties_decoder([](const char *name, auto decode) {
+        Bytes bytes = vector_bytes(name);
+        for (const int error : {1, 5, 16, 255}) {
+            bytes[4] = static_cast<uint8_t>(error);
+            EXPECT_EQ(ROBUROC4_ERR_ROBOT, decode(bytes)) << name;
+            EXPECT_EQ(ROBUROC4_ERR_ROBOT, decode(Bytes(bytes.begin(), bytes.begin() + 5))) << name;
+        }
+    });
+    Bytes text = vector_bytes("text-directory");
+    text[4] = 4;
+    roburoc4_text out{};
+    EXPECT_EQ(ROBUROC4_ERR_ROBOT, roburoc4_decode_text(text.data(), 5, &out));
+    roburoc4_answer answer{};
+    ASSERT_EQ(0, roburoc4_decode_answer(text.data(), text.size(), &answer));
+    EXPECT_EQ(ROBUROC4_ERROR_LENGTH, answer.error);
+}
+
+TEST(Kinds, PropertiesWithAnotherActionOrAStatusHeaderAreRefused) {
+    each_properties_decoder([](const char *name, auto decode) {
+        Bytes bytes = vector_bytes(name);
+        for (int action = 1; action < 256; action++) {
+            bytes[1] = static_cast<uint8_t>(action);
+            EXPECT_EQ(ROBUROC4_ERR_KIND, decode(bytes)) << name << ", action " << action;
+        }
+        bytes = vector_bytes(name);
+        bytes[0] = ROBUROC4_HEADER_STATUS;
+        EXPECT_EQ(ROBUROC4_ERR_KIND, decode(bytes)) << name;
+    });
+    Bytes text = vector_bytes("text-directory");
+    text[1] = ROBUROC4_ACTION_GET;
+    roburoc4_text out{};
+    EXPECT_EQ(ROBUROC4_ERR_KIND, roburoc4_decode_text(text.data(), text.size(), &out));
+}
+
+TEST(Kinds, PropertiesAreReadUnderEveryRequestId) {
+    each_properties_decoder([](const char *name, auto decode) {
+        Bytes bytes = vector_bytes(name);
+        for (int id = 1; id <= 254; id++) {
+            bytes[0] = static_cast<uint8_t>(id);
+            EXPECT_EQ(0, decode(bytes)) << name << ", id " << id;
+        }
+    });
+}
+
+TEST(Kinds, AnErrorTelegramIsNeverProperties) {
+    each_properties_decoder([](const char *name, auto decode) {
+        Bytes bytes = vector_bytes(name);
+        bytes[0] = ROBUROC4_HEADER_ERROR;
+        for (const int error : {0, 1, 255}) {
+            bytes[4] = static_cast<uint8_t>(error);
+            EXPECT_GT(0, decode(bytes)) << name << ", error " << error;
+        }
+    });
+}
+
+TEST(Kinds, RequestsHaveAnIdOf1To254) {
+    Bytes bytes = vector_bytes("get");
+    roburoc4_request out{};
+    for (int id = 0; id < 256; id++) {
+        bytes[0] = static_cast<uint8_t>(id);
+        const roburoc4_result expected = id == 0 || id == 255 ? ROBUROC4_ERR_KIND : ROBUROC4_OK;
+        EXPECT_EQ(expected, roburoc4_decode_request(bytes.data(), bytes.size(), &out)) << id;
+    }
+}
+
+TEST(Kinds, AStatusIsNoAnswer) {
+    const Bytes bytes = vector_bytes("battery-status");
+    roburoc4_answer out{};
+    EXPECT_EQ(ROBUROC4_ERR_KIND, roburoc4_decode_answer(bytes.data(), bytes.size(), &out));
+}
+
+TEST(Kinds, StatusesAndCommandsHaveHeader255) {
+    for (int header = 0; header < 255; header++) {
+        const auto with_header = [header](const char *name) {
+            Bytes bytes = vector_bytes(name);
+            bytes[0] = static_cast<uint8_t>(header);
+            return bytes;
+        };
+        const Bytes io = with_header("iocard-status"), tele = with_header("telemeter-status"),
+                    battery = with_header("battery-status"),
+                    pose = with_header("localization-status"),
+                    diff = with_header("differential-status"),
+                    drive = with_header("differential-command"),
+                    out = with_header("iocard-command");
+        roburoc4_iocard_status io_status{};
+        roburoc4_telemeter_status tele_status{};
+        roburoc4_battery_status battery_status{};
+        roburoc4_localization_status pose_status{};
+        roburoc4_differential_status diff_status{};
+        roburoc4_differential_command drive_command{};
+        roburoc4_iocard_command io_command{};
+        roburoc4_status_header head{};
+        const roburoc4_result kind = ROBUROC4_ERR_KIND;
+        EXPECT_EQ(kind, roburoc4_decode_iocard_status(io.data(), io.size(), 9, 22, &io_status));
+        EXPECT_EQ(kind, roburoc4_decode_telemeter_status(tele.data(), tele.size(), &tele_status));
+        EXPECT_EQ(kind,
+                  roburoc4_decode_battery_status(battery.data(), battery.size(), &battery_status));
+        EXPECT_EQ(kind,
+                  roburoc4_decode_localization_status(pose.data(), pose.size(), &pose_status));
+        EXPECT_EQ(kind,
+                  roburoc4_decode_differential_status(diff.data(), diff.size(), &diff_status));
+        EXPECT_EQ(kind,
+                  roburoc4_decode_differential_command(drive.data(), drive.size(), &drive_command));
+        EXPECT_EQ(kind, roburoc4_decode_iocard_command(out.data(), out.size(), 0, 8, &io_command));
+        EXPECT_EQ(kind, roburoc4_decode_status_header(io.data(), io.size(), &head));
+        EXPECT_EQ(kind, roburoc4_decode_command_header(out.data(), out.size(), &head));
+    }
+}
+
+TEST(Values, ACardWithANegativeCountIsImpossible) {
+    for (size_t field = 0; field < 4; field++) {
+        for (const char *const hex : {"FF FF FF FF", "00 00 00 80"}) {
+            Bytes bytes = vector_bytes("iocard-properties");
+            const Bytes count = from_hex(hex);
+            std::copy(count.begin(), count.end(),
+                      bytes.begin() + static_cast<std::ptrdiff_t>(5 + 4 * field));
+            roburoc4_iocard_properties out{};
+            EXPECT_EQ(ROBUROC4_ERR_VALUE,
+                      roburoc4_decode_iocard_properties(bytes.data(), bytes.size(), &out))
+                << "field " << field;
+        }
+    }
+}
+
+TEST(Values, ACardMayClaimAnyOtherCount) {
+    const Bytes bytes =
+        from_hex("01 00 02 00 00  FF FF FF 7F  00 00 00 00  FF FF FF 7F  01 00 00 00");
+    roburoc4_iocard_properties out{};
+    ASSERT_EQ(0, roburoc4_decode_iocard_properties(bytes.data(), bytes.size(), &out));
+    EXPECT_EQ(std::numeric_limits<int32_t>::max(), out.analog_inputs);
+    EXPECT_EQ(std::numeric_limits<int32_t>::max(), out.digital_inputs);
+}
+
+TEST(Values, ANegativeNumberOfTelemetersIsImpossible) {
+    for (const char *const hex : {"FF FF FF FF", "00 00 00 80"}) {
+        Bytes bytes = vector_bytes("telemeter-properties");
+        const Bytes count = from_hex(hex);
+        std::copy(count.begin(), count.end(), bytes.begin() + 5);
+        roburoc4_telemeter_list out{};
+        EXPECT_EQ(ROBUROC4_ERR_VALUE,
+                  roburoc4_decode_telemeter_properties(bytes.data(), bytes.size(), &out));
+    }
+}
+
+TEST(Values, RequestsAreNotSentWithAReservedId) {
+    uint8_t b[64];
+    for (const int reserved : {ROBUROC4_HEADER_ERROR, ROBUROC4_HEADER_STATUS}) {
+        const auto id = static_cast<uint8_t>(reserved);
+        const roburoc4_result bad = ROBUROC4_ERR_ARGUMENT;
+        EXPECT_EQ(bad, roburoc4_encode_get(b, sizeof b, id, 6));
+        EXPECT_EQ(bad, roburoc4_encode_query_directory(b, sizeof b, id, 0));
+        EXPECT_EQ(bad, roburoc4_encode_query_iocard(b, sizeof b, id, 2, 0, 0));
+        EXPECT_EQ(bad, roburoc4_encode_insert(b, sizeof b, id, 6, 5));
+        EXPECT_EQ(bad, roburoc4_encode_delete(b, sizeof b, id, 6));
+        EXPECT_EQ(bad, roburoc4_encode_replace_localization(b, sizeof b, id, 5, 1, 0, 0, 0));
+    }
+}
+
+TEST(Values, AnAnswerIsNotSentUnderTheHeaderOfAStatus) {
+    uint8_t b[64];
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_encode_answer(b, sizeof b, 255, 4, 1, 0));
+}
+
+TEST(Values, APeriodOf0IsNotSent) {
+    uint8_t b[64];
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_encode_insert(b, sizeof b, 1, 6, 0));
+    EXPECT_EQ(7, roburoc4_encode_insert(b, sizeof b, 1, 6, 1));
+    EXPECT_EQ(7, roburoc4_encode_insert(b, sizeof b, 1, 6, 255));
+}
+
+} // namespace

@@ -1,0 +1,485 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * codec_lengths_test.cpp - what the codec promises about lengths: every decoder on every length
+ * from nothing to three bytes too many, every encoder in every capacity, and counts that claim
+ * more than a datagram can hold. Inputs and outputs lie in heap blocks of exactly their size.
+ */
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstring>
+#include <utility>
+
+#include "hex.h"
+#include "roburoc4.h"
+#include "vectors.h"
+
+using namespace roburoc4_tests;
+
+namespace {
+
+constexpr std::uint8_t pattern = 0xA5;
+
+/** A decoder's result on a block of exactly these bytes; *untouched: whether it left `Out` alone.
+ */
+template <class Out, class Decode>
+roburoc4_result decode_exact(const Bytes &bytes, Decode decode, bool *untouched) {
+    ExactBlock input(bytes);
+    ExactBlock output(sizeof(Out), pattern);
+    const auto result = decode(input.data(), input.size(), reinterpret_cast<Out *>(output.data()));
+    *untouched = output.bytes() == Bytes(sizeof(Out), pattern);
+    EXPECT_EQ(bytes, input.bytes()) << "the input was changed";
+    return result;
+}
+
+/** Lengths 0 to full + 3. An element of `list_size` bytes is no surplus where it is not 0; `whole`:
+ *  any longer datagram is legal and nothing in it is surplus. */
+template <class Out, class Decode>
+void check_lengths(const char *name, const Bytes &full, Decode decode, std::size_t shortest,
+                   std::size_t list_size = 0, bool whole = false) {
+    Bytes longest = full;
+    longest.insert(longest.end(), 3, 0x5A);
+    for (std::size_t size = 0; size <= longest.size(); size++) {
+        const Bytes bytes(longest.begin(), longest.begin() + static_cast<std::ptrdiff_t>(size));
+        bool untouched = false;
+        const roburoc4_result result = decode_exact<Out>(bytes, decode, &untouched);
+        if (size < shortest) {
+            EXPECT_EQ(ROBUROC4_ERR_SHORT, result) << name << ", " << size << " bytes";
+            EXPECT_TRUE(untouched) << name << ", " << size << " bytes";
+            continue;
+        }
+        std::size_t surplus = size - shortest;
+        if (whole)
+            surplus = 0;
+        else if (list_size != 0)
+            surplus %= list_size;
+        EXPECT_EQ(static_cast<roburoc4_result>(surplus), result)
+            << name << ", " << size << " bytes";
+        EXPECT_FALSE(untouched) << name << ", " << size << " bytes";
+    }
+}
+
+template <class Out, class Decode> void check_fixed(const char *name, Decode decode) {
+    const Bytes full = vector_bytes(name);
+    check_lengths<Out>(name, full, decode, full.size());
+}
+
+/* ------------------------------------------------------------------------------ decoders --- */
+
+TEST(Lengths, RequestsOfEveryAction) {
+    for (const char *const name :
+         {"get", "query-directory", "query-analog-input", "query-analog-output",
+          "query-digital-input", "query-digital-output", "insert", "delete",
+          "replace-localization"})
+        check_fixed<roburoc4_request>(name, roburoc4_decode_request);
+}
+
+TEST(Lengths, RequestsWithoutALayoutNeedTheirFourBytes) {
+    const Bytes update = {7, ROBUROC4_ACTION_UPDATE, 6, 0},
+                submit = {7, ROBUROC4_ACTION_SUBMIT, 6, 0};
+    for (const Bytes &bytes : {update, submit}) {
+        for (std::size_t size = 0; size <= bytes.size(); size++) {
+            bool untouched = false;
+            const auto result = decode_exact<roburoc4_request>(
+                Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)),
+                roburoc4_decode_request, &untouched);
+            EXPECT_EQ(size < 4 ? ROBUROC4_ERR_SHORT : ROBUROC4_OK, result) << size;
+            EXPECT_EQ(size < 4, untouched) << size;
+        }
+    }
+}
+
+TEST(Lengths, PropertiesOfFixedSize) {
+    check_fixed<roburoc4_iocard_properties>("iocard-properties", roburoc4_decode_iocard_properties);
+    check_fixed<roburoc4_battery_properties>("battery-properties",
+                                             roburoc4_decode_battery_properties);
+    check_fixed<roburoc4_localization_properties>("localization-properties",
+                                                  roburoc4_decode_localization_properties);
+    check_fixed<roburoc4_differential_properties>("differential-properties",
+                                                  roburoc4_decode_differential_properties);
+    check_fixed<roburoc4_telemeter_list>("telemeter-properties",
+                                         roburoc4_decode_telemeter_properties);
+}
+
+TEST(Lengths, ListsGrowWithTheDatagram) {
+    check_lengths<roburoc4_directory>("directory", vector_bytes("directory"),
+                                      roburoc4_decode_directory, 5, 4);
+    check_lengths<roburoc4_notification>("notification", vector_bytes("notification"),
+                                         roburoc4_decode_notification, 5, 3);
+    check_lengths<roburoc4_telemeter_status>("telemeter-status", vector_bytes("telemeter-status"),
+                                             roburoc4_decode_telemeter_status, 11, 4);
+    for (std::size_t entries = 0; entries <= 7; entries++) {
+        const Bytes all = vector_bytes("directory");
+        const Bytes bytes(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(5 + 4 * entries));
+        roburoc4_directory out{};
+        ASSERT_EQ(0, roburoc4_decode_directory(bytes.data(), bytes.size(), &out));
+        EXPECT_EQ(entries, out.count); // n = (size - 5) / 4, manual 4.2.2.2
+    }
+}
+
+TEST(Lengths, TextsAndHeadsOfAnswersTakeAllThatFollows) {
+    check_lengths<roburoc4_text>("text-directory", vector_bytes("text-directory"),
+                                 roburoc4_decode_text, 5, 0, true);
+    check_lengths<roburoc4_answer>("text-directory", vector_bytes("text-directory"),
+                                   roburoc4_decode_answer, 5, 0, true);
+    check_lengths<roburoc4_answer>("error-telegram", vector_bytes("error-telegram"),
+                                   roburoc4_decode_answer, 5, 0, true);
+}
+
+TEST(Lengths, ATextMayBeEmpty) {
+    const Bytes bytes = from_hex("2A 01 00 00 00");
+    roburoc4_text out{};
+    ASSERT_EQ(0, roburoc4_decode_text(bytes.data(), bytes.size(), &out));
+    EXPECT_EQ(0u, out.length);
+}
+
+TEST(Lengths, StatusesAndCommandsOfFixedSize) {
+    check_fixed<roburoc4_battery_status>("battery-status", roburoc4_decode_battery_status);
+    check_fixed<roburoc4_localization_status>("localization-status",
+                                              roburoc4_decode_localization_status);
+    check_fixed<roburoc4_differential_status>("differential-status",
+                                              roburoc4_decode_differential_status);
+    check_fixed<roburoc4_differential_command>("differential-command",
+                                               roburoc4_decode_differential_command);
+}
+
+TEST(Lengths, StatusesAndCommandsOfTheCard) {
+    check_fixed<roburoc4_iocard_status>(
+        "iocard-status", [](const uint8_t *data, size_t size, roburoc4_iocard_status *out) {
+            return roburoc4_decode_iocard_status(data, size, 9, 22, out);
+        });
+    check_fixed<roburoc4_iocard_command>(
+        "iocard-command", [](const uint8_t *data, size_t size, roburoc4_iocard_command *out) {
+            return roburoc4_decode_iocard_command(data, size, 0, 8, out);
+        });
+}
+
+TEST(Lengths, HeadsOfStatusesAndCommandsNeed11And3Bytes) {
+    const Bytes full = vector_bytes("battery-status");
+    for (std::size_t size = 0; size <= full.size(); size++) {
+        const Bytes bytes(full.begin(), full.begin() + static_cast<std::ptrdiff_t>(size));
+        bool untouched = false;
+        auto result =
+            decode_exact<roburoc4_status_header>(bytes, roburoc4_decode_status_header, &untouched);
+        EXPECT_EQ(size < 11, result == ROBUROC4_ERR_SHORT) << size;
+        EXPECT_EQ(size < 11, result < 0) << size;
+        EXPECT_EQ(size < 11, untouched) << size;
+        result =
+            decode_exact<roburoc4_status_header>(bytes, roburoc4_decode_command_header, &untouched);
+        EXPECT_EQ(size < 3, result == ROBUROC4_ERR_SHORT) << size;
+        EXPECT_EQ(size < 3, result < 0) << size;
+        EXPECT_EQ(size < 3, untouched) << size;
+    }
+}
+
+TEST(Lengths, ErrorsOfEveryKindLeaveTheOutputAlone) {
+    bool untouched = false;
+    Bytes bytes = vector_bytes("differential-properties");
+    bytes[4] = 2;
+    EXPECT_EQ(ROBUROC4_ERR_ROBOT, decode_exact<roburoc4_differential_properties>(
+                                      bytes, roburoc4_decode_differential_properties, &untouched));
+    EXPECT_TRUE(untouched);
+    bytes = vector_bytes("iocard-properties");
+    bytes[20] = 0x80;
+    EXPECT_EQ(ROBUROC4_ERR_VALUE, decode_exact<roburoc4_iocard_properties>(
+                                      bytes, roburoc4_decode_iocard_properties, &untouched));
+    EXPECT_TRUE(untouched);
+    bytes = vector_bytes("battery-status");
+    bytes[0] = 1;
+    EXPECT_EQ(ROBUROC4_ERR_KIND, decode_exact<roburoc4_battery_status>(
+                                     bytes, roburoc4_decode_battery_status, &untouched));
+    EXPECT_TRUE(untouched);
+}
+
+/* ------------------------------------------------------------------------------- IO card --- */
+
+TEST(DigitalBlocks, AreTheManualsFormulaAndNoneForNoChannel) { // 4.2.4.4
+    EXPECT_EQ(0u, roburoc4_digital_blocks(0));
+    for (uint32_t channels = 1; channels <= 1000; channels++)
+        EXPECT_EQ((channels - 1) / 8 + 1, roburoc4_digital_blocks(channels)) << channels;
+    EXPECT_EQ(0x10000000u, roburoc4_digital_blocks(0x7FFFFFFFu));
+    EXPECT_EQ(0x10000000u, roburoc4_digital_blocks(0x80000000u));
+    EXPECT_EQ(0x20000000u, roburoc4_digital_blocks(0xFFFFFFFFu));
+}
+
+TEST(DigitalBlocks, EveryNumberOfChannelsIsReadInItsExactLength) {
+    for (uint32_t analog = 0; analog <= 3; analog++) {
+        for (uint32_t digital = 0; digital <= 33; digital++) {
+            const std::size_t blocks = digital == 0 ? 0 : (digital - 1) / 8 + 1;
+            Bytes status(11 + 4 * analog + blocks, 0xFF);
+            Bytes command(3 + 4 * analog + blocks, 0xFF);
+            check_lengths<roburoc4_iocard_status>(
+                "status", status,
+                [=](const uint8_t *data, size_t size, roburoc4_iocard_status *out) {
+                    return roburoc4_decode_iocard_status(data, size, analog, digital, out);
+                },
+                status.size());
+            check_lengths<roburoc4_iocard_command>(
+                "command", command,
+                [=](const uint8_t *data, size_t size, roburoc4_iocard_command *out) {
+                    return roburoc4_decode_iocard_command(data, size, analog, digital, out);
+                },
+                command.size());
+        }
+    }
+}
+
+TEST(DigitalBlocks, OneBlockTooManyIsSurplusAndNotAChannel) {
+    Bytes bytes = vector_bytes("iocard-status");
+    bytes.push_back(0xFF);
+    roburoc4_iocard_status out{};
+    ASSERT_EQ(1, roburoc4_decode_iocard_status(bytes.data(), bytes.size(), 9, 22, &out));
+    EXPECT_EQ(1, roburoc4_digital_input_at(&out, 21));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_digital_input_at(&out, 22));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_digital_input_at(&out, 24));
+}
+
+TEST(Claims, CountsBeyondTheDatagramAreShortWithoutOverflow) {
+    const uint32_t large[] = {51,          0x3FFFFFFDu, 0x3FFFFFFFu, 0x40000000u, 0x40000001u,
+                              0x7FFFFFFEu, 0x7FFFFFFFu, 0x80000000u, 0x80000001u, 0xBFFFFFFFu,
+                              0xC0000000u, 0xFFFFFFFEu, 0xFFFFFFFFu};
+    const Bytes status = vector_bytes("iocard-status");
+    const Bytes command = vector_bytes("differential-command");
+    for (const uint32_t count : large) {
+        const uint32_t digital = count < 1000 ? 8 * count : count;
+        for (const auto &[ai, di] :
+             {std::pair{count, 0u}, {count, 22u}, {9u, digital}, {0u, digital}, {count, digital}}) {
+            bool untouched = false;
+            EXPECT_EQ(ROBUROC4_ERR_SHORT, decode_exact<roburoc4_iocard_status>(
+                                              status,
+                                              [a = ai, d = di](const uint8_t *data, size_t size,
+                                                               roburoc4_iocard_status *out) {
+                                                  return roburoc4_decode_iocard_status(data, size,
+                                                                                       a, d, out);
+                                              },
+                                              &untouched))
+                << ai << " analog, " << di << " digital";
+            EXPECT_TRUE(untouched);
+            EXPECT_EQ(ROBUROC4_ERR_SHORT, decode_exact<roburoc4_iocard_command>(
+                                              command,
+                                              [a = ai, d = di](const uint8_t *data, size_t size,
+                                                               roburoc4_iocard_command *out) {
+                                                  return roburoc4_decode_iocard_command(data, size,
+                                                                                        a, d, out);
+                                              },
+                                              &untouched))
+                << ai << " analog, " << di << " digital";
+            EXPECT_TRUE(untouched);
+        }
+    }
+}
+
+TEST(Claims, MoreTelemetersThanBytesAreShort) {
+    for (const uint32_t count :
+         {3u, 0x09249249u, 0x0924924Au, 0x24924925u, 0x40000000u, 0x7FFFFFFFu}) {
+        Bytes bytes = vector_bytes("telemeter-properties");
+        for (std::size_t i = 0; i < 4; i++)
+            bytes[5 + i] = static_cast<std::uint8_t>(count >> (8 * i));
+        bool untouched = false;
+        EXPECT_EQ(ROBUROC4_ERR_SHORT, decode_exact<roburoc4_telemeter_list>(
+                                          bytes, roburoc4_decode_telemeter_properties, &untouched))
+            << count;
+        EXPECT_TRUE(untouched) << count;
+    }
+}
+
+TEST(Claims, FewerTelemetersThanBytesLeaveSurplus) {
+    Bytes bytes = vector_bytes("telemeter-properties");
+    roburoc4_telemeter_list out{};
+    bytes[5] = 1;
+    EXPECT_EQ(28, roburoc4_decode_telemeter_properties(bytes.data(), bytes.size(), &out));
+    EXPECT_EQ(1u, out.count);
+    bytes[5] = 0;
+    EXPECT_EQ(56, roburoc4_decode_telemeter_properties(bytes.data(), bytes.size(), &out));
+    EXPECT_EQ(0u, out.count);
+}
+
+/* ------------------------------------------------------------------------ views by index --- */
+
+/** The accessor refuses `count` and more, and writes nothing then. */
+template <class Item, class View, class At>
+void check_beyond(const char *name, const View &view, uint32_t count, At at) {
+    for (const uint32_t index :
+         {count, count + 1, 0x3FFFFFFFu, 0x40000000u, 0x7FFFFFFFu, 0x80000000u, 0xFFFFFFFFu}) {
+        ExactBlock item(sizeof(Item), pattern);
+        EXPECT_EQ(ROBUROC4_ERR_INDEX, at(&view, index, reinterpret_cast<Item *>(item.data())))
+            << name << " " << index;
+        EXPECT_EQ(Bytes(sizeof(Item), pattern), item.bytes()) << name << " " << index;
+    }
+}
+
+TEST(Views, EndAtTheirCount) {
+    ExactBlock directory_bytes(vector_bytes("directory"));
+    roburoc4_directory directory{};
+    ASSERT_EQ(
+        0, roburoc4_decode_directory(directory_bytes.data(), directory_bytes.size(), &directory));
+    check_beyond<roburoc4_directory_entry>("directory", directory, 7, roburoc4_directory_at);
+
+    ExactBlock notification_bytes(vector_bytes("notification"));
+    roburoc4_notification notification{};
+    ASSERT_EQ(0, roburoc4_decode_notification(notification_bytes.data(), notification_bytes.size(),
+                                              &notification));
+    check_beyond<roburoc4_subscription>("notification", notification, 3, roburoc4_notification_at);
+
+    ExactBlock telemeter_bytes(vector_bytes("telemeter-properties"));
+    roburoc4_telemeter_list telemeters{};
+    ASSERT_EQ(0, roburoc4_decode_telemeter_properties(telemeter_bytes.data(),
+                                                      telemeter_bytes.size(), &telemeters));
+    check_beyond<roburoc4_telemeter>("telemeters", telemeters, 2, roburoc4_telemeter_at);
+
+    ExactBlock distance_bytes(vector_bytes("telemeter-status"));
+    roburoc4_telemeter_status distances{};
+    ASSERT_EQ(0, roburoc4_decode_telemeter_status(distance_bytes.data(), distance_bytes.size(),
+                                                  &distances));
+    check_beyond<float>("distances", distances, 2, roburoc4_distance_at);
+}
+
+TEST(Views, OfTheCardEndAtItsCounts) {
+    ExactBlock status_bytes(vector_bytes("iocard-status"));
+    roburoc4_iocard_status status{};
+    ASSERT_EQ(
+        0, roburoc4_decode_iocard_status(status_bytes.data(), status_bytes.size(), 9, 22, &status));
+    check_beyond<float>("analog inputs", status, 9, roburoc4_analog_input_at);
+    ExactBlock command_bytes(from_hex("FF 02 00  00 00 80 3F  FF"));
+    roburoc4_iocard_command command{};
+    ASSERT_EQ(0, roburoc4_decode_iocard_command(command_bytes.data(), command_bytes.size(), 1, 7,
+                                                &command));
+    check_beyond<float>("analog outputs", command, 1, roburoc4_analog_output_at);
+    for (const uint32_t index : {22u, 23u, 24u, 0x7FFFFFFFu, 0xFFFFFFFFu})
+        EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_digital_input_at(&status, index)) << index;
+    for (const uint32_t index : {7u, 8u, 0x7FFFFFFFu, 0xFFFFFFFFu})
+        EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_digital_output_at(&command, index)) << index;
+}
+
+/* ------------------------------------------------------------------------------ encoders --- */
+
+/** In every capacity below the telegram's length nothing is written; beyond it nothing either. */
+template <class Encode> void check_capacities(const char *name, Encode encode) {
+    const Bytes full = vector_bytes(name);
+    for (std::size_t capacity = 0; capacity < full.size(); capacity++) {
+        ExactBlock buffer(capacity, pattern);
+        EXPECT_EQ(ROBUROC4_ERR_BUFFER, encode(buffer.data(), capacity)) << name << ", " << capacity;
+        EXPECT_EQ(Bytes(capacity, pattern), buffer.bytes()) << name << ", " << capacity;
+    }
+    for (const std::size_t room : {0U, 1U, 9U}) {
+        ExactBlock buffer(full.size() + room, pattern);
+        EXPECT_EQ(static_cast<roburoc4_result>(full.size()), encode(buffer.data(), buffer.size()))
+            << name;
+        Bytes expected = full;
+        expected.insert(expected.end(), room, pattern);
+        EXPECT_EQ(to_hex(expected), to_hex(buffer.bytes())) << name;
+    }
+}
+
+TEST(Capacities, OfRequests) {
+    check_capacities("get", [](uint8_t *b, size_t n) { return roburoc4_encode_get(b, n, 1, 6); });
+    check_capacities("query-directory", [](uint8_t *b, size_t n) {
+        return roburoc4_encode_query_directory(b, n, 42, 3);
+    });
+    check_capacities("query-digital-input", [](uint8_t *b, size_t n) {
+        return roburoc4_encode_query_iocard(b, n, 45, 2, ROBUROC4_IO_DIGITAL_INPUT, 8);
+    });
+    check_capacities("insert",
+                     [](uint8_t *b, size_t n) { return roburoc4_encode_insert(b, n, 47, 6, 5); });
+    check_capacities("delete",
+                     [](uint8_t *b, size_t n) { return roburoc4_encode_delete(b, n, 48, 6); });
+    check_capacities("replace-localization", [](uint8_t *b, size_t n) {
+        return roburoc4_encode_replace_localization(b, n, 49, 5, 12345, 10.0, -4.5, 1.5);
+    });
+}
+
+/** Checks an encoder that takes one struct, with what the decoder makes of the vector. */
+template <class Value, class Decode, class Encode>
+void check_struct(const char *name, Decode decode, Encode encode) {
+    const Bytes bytes = vector_bytes(name);
+    Value value{};
+    ASSERT_EQ(0, decode(bytes.data(), bytes.size(), &value)) << name;
+    check_capacities(name, [&](uint8_t *b, size_t n) { return encode(b, n, value); });
+}
+
+/** The same for properties, which are sent under request id 1. */
+template <class Value, class Decode, class Encode>
+void check_properties(const char *name, Decode decode, Encode encode) {
+    check_struct<Value>(name, decode, [encode](uint8_t *b, size_t n, const Value &value) {
+        return encode(b, n, 1, &value);
+    });
+}
+
+TEST(Capacities, OfPropertyAnswers) {
+    check_properties<roburoc4_iocard_properties>(
+        "iocard-properties", roburoc4_decode_iocard_properties, roburoc4_encode_iocard_properties);
+    check_properties<roburoc4_battery_properties>("battery-properties",
+                                                  roburoc4_decode_battery_properties,
+                                                  roburoc4_encode_battery_properties);
+    check_properties<roburoc4_localization_properties>("localization-properties",
+                                                       roburoc4_decode_localization_properties,
+                                                       roburoc4_encode_localization_properties);
+    check_properties<roburoc4_differential_properties>("differential-properties",
+                                                       roburoc4_decode_differential_properties,
+                                                       roburoc4_encode_differential_properties);
+}
+
+TEST(Capacities, OfLists) {
+    const roburoc4_directory_entry services[] = {{0, 0}, {0, 1},      {0x4001, 2}, {0x4008, 3},
+                                                 {0, 4}, {0x8002, 5}, {0x4005, 6}};
+    check_capacities("directory", [&](uint8_t *b, size_t n) {
+        return roburoc4_encode_directory(b, n, 1, 0, services, 7);
+    });
+    const roburoc4_subscription subscriptions[] = {{6, 5, 0}, {2, 10, 0}, {4, 100, 0}};
+    check_capacities("notification", [&](uint8_t *b, size_t n) {
+        return roburoc4_encode_notification(b, n, 1, 1, subscriptions, 3);
+    });
+    const roburoc4_telemeter telemeters[] = {
+        {0.625F, 0.0F, 0.0F, 0.5F, 0.25F, 4.0F, 1.5F},
+        {-0.625F, 0.125F, 3.14159265F, 0.75F, 0.1875F, 3.5F, 2.25F}};
+    check_capacities("telemeter-properties", [&](uint8_t *b, size_t n) {
+        return roburoc4_encode_telemeter_properties(b, n, 1, 3, telemeters, 2);
+    });
+}
+
+TEST(Capacities, OfOtherAnswers) {
+    check_capacities("text-directory", [](uint8_t *b, size_t n) {
+        return roburoc4_encode_text(b, n, 42, 0, "Differential", 12);
+    });
+    check_capacities("insert-answer", [](uint8_t *b, size_t n) {
+        return roburoc4_encode_answer(b, n, 47, ROBUROC4_ACTION_INSERT, 1, 0);
+    });
+    check_capacities("error-telegram", [](uint8_t *b, size_t n) {
+        return roburoc4_encode_answer(b, n, 0, ROBUROC4_ACTION_GET, 9, ROBUROC4_ERROR_TARGET);
+    });
+}
+
+TEST(Capacities, OfStatuses) {
+    const auto by_pointer = [](auto encode) {
+        return [encode](uint8_t *b, size_t n, const auto &value) { return encode(b, n, &value); };
+    };
+    check_struct<roburoc4_battery_status>("battery-status", roburoc4_decode_battery_status,
+                                          by_pointer(roburoc4_encode_battery_status));
+    check_struct<roburoc4_localization_status>("localization-status",
+                                               roburoc4_decode_localization_status,
+                                               by_pointer(roburoc4_encode_localization_status));
+    check_struct<roburoc4_differential_status>("differential-status",
+                                               roburoc4_decode_differential_status,
+                                               by_pointer(roburoc4_encode_differential_status));
+    const float analog[] = {0.75F, 1.25F, 25.5F, -1.0F, -0.5F, 0.0F, 0.5F, 1.0F, -0.25F};
+    const uint8_t digital[] = {0x01, 0x01, 0x20};
+    check_capacities("iocard-status", [&](uint8_t *b, size_t n) {
+        return roburoc4_encode_iocard_status(b, n, 2, 360000, analog, 9, digital, 22);
+    });
+    const float distances[] = {1.5F, 2.25F};
+    check_capacities("telemeter-status", [&](uint8_t *b, size_t n) {
+        return roburoc4_encode_telemeter_status(b, n, 3, 360000, distances, 2);
+    });
+}
+
+TEST(Capacities, OfCommands) {
+    check_capacities("differential-command", [](uint8_t *b, size_t n) {
+        return roburoc4_encode_differential_command(b, n, 6, 0.5F, -0.25F);
+    });
+    const uint8_t digital[] = {0x82};
+    check_capacities("iocard-command", [&](uint8_t *b, size_t n) {
+        return roburoc4_encode_iocard_command(b, n, 2, nullptr, 0, digital, 8);
+    });
+}
+
+} // namespace

@@ -1,0 +1,278 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * names_test.cpp - the constants and names of the header against the manual's tables, which are
+ * typed here once more from the manual; and the words for results.
+ */
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <iterator>
+#include <limits>
+#include <set>
+#include <string>
+
+#include "roburoc4.h"
+
+namespace {
+
+/** A channel as the manual's table numbers it; "" where it "exists but is not used". */
+struct Row {
+    uint32_t id;
+    const char *name;
+};
+
+/* Manual 5.5.1. None of its tables has a row 02. */
+const Row analog_inputs[] = {{0, "Front telemeter voltage"}, {1, "Rear telemeter voltage"},
+                             {3, "Battery voltage"},         {4, "Game pad \"LJ\" Left/Right"},
+                             {5, "Game pad \"LJ\" Down/Up"}, {6, "Game pad \"RJ\" Left/Right"},
+                             {7, "Game pad \"RJ\" Down/Up"}, {8, "Game pad \"LT\""},
+                             {9, "Game pad \"RT\""}};
+const Row digital_inputs[] = {{0, "Front bumper"},
+                              {1, "Rear bumper"},
+                              {3, ""},
+                              {4, ""},
+                              {5, ""},
+                              {6, ""},
+                              {7, ""},
+                              {8, ""},
+                              {9, "Game pad \"A\" button"},
+                              {10, "Game pad \"B\" button"},
+                              {11, "Game pad \"X\" button"},
+                              {12, "Game pad \"Y\" button"},
+                              {13, "Game pad \"Back\" button"},
+                              {14, "Game pad \"Start\" button"},
+                              {15, "Game pad \"D\" down button"},
+                              {16, "Game pad \"D\" left button"},
+                              {17, "Game pad \"D\" right button"},
+                              {18, "Game pad \"D\" up button"},
+                              {19, "Game pad \"LJ\" click"},
+                              {20, "Game pad \"RJ\" click"},
+                              {21, "Game pad \"LB\" button"},
+                              {22, "Game pad \"RB\" button"}};
+const Row digital_outputs[] = {{0, "Watchdog"}, {1, ""}, {3, ""}, {4, ""},
+                               {5, ""},         {6, ""}, {7, ""}};
+
+/** What stands at an id of the table: its index on the wire. */
+uint32_t wire_index(uint32_t id) {
+    return id <= 1 ? id : id - 1;
+}
+
+template <size_t rows> void check_names(uint32_t io_type, const Row (&table)[rows]) {
+    for (const Row &row : table)
+        EXPECT_STREQ(row.name, roburoc4_channel_name(io_type, wire_index(row.id)))
+            << "table id " << row.id;
+}
+
+TEST(Names, EveryChannelOfTheManualStandsAtItsWireIndex) { // 5.5.1
+    check_names(ROBUROC4_IO_ANALOG_INPUT, analog_inputs);
+    check_names(ROBUROC4_IO_DIGITAL_INPUT, digital_inputs);
+    check_names(ROBUROC4_IO_DIGITAL_OUTPUT, digital_outputs);
+}
+
+TEST(Names, ChannelsThatTheManualDoesNotHaveAreNull) {
+    for (const uint32_t far : {64u, 0x7FFFFFFFu, 0xFFFFFFFFu}) {
+        for (uint32_t io_type = 0; io_type < 6; io_type++)
+            EXPECT_EQ(nullptr, roburoc4_channel_name(io_type, far)) << io_type;
+    }
+    EXPECT_EQ(nullptr, roburoc4_channel_name(ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_AI_COUNT));
+    EXPECT_EQ(nullptr, roburoc4_channel_name(ROBUROC4_IO_ANALOG_OUTPUT, ROBUROC4_AO_COUNT));
+    EXPECT_EQ(nullptr, roburoc4_channel_name(ROBUROC4_IO_DIGITAL_INPUT, ROBUROC4_DI_COUNT));
+    EXPECT_EQ(nullptr, roburoc4_channel_name(ROBUROC4_IO_DIGITAL_OUTPUT, ROBUROC4_DO_COUNT));
+    EXPECT_EQ(nullptr, roburoc4_channel_name(4, 0));
+    EXPECT_EQ(nullptr, roburoc4_channel_name(0xFFFFFFFFu, 0));
+}
+
+TEST(Constants, ChannelsFollowTheIndexRule) { // 5.5.1: index = id up to 01, id - 1 after it
+    const struct {
+        uint32_t id, index;
+    } rows[] = {{0, ROBUROC4_AI_FRONT_TELEMETER_V},
+                {1, ROBUROC4_AI_REAR_TELEMETER_V},
+                {3, ROBUROC4_AI_BATTERY_V},
+                {4, ROBUROC4_AI_PAD_LJ_X},
+                {5, ROBUROC4_AI_PAD_LJ_Y},
+                {6, ROBUROC4_AI_PAD_RJ_X},
+                {7, ROBUROC4_AI_PAD_RJ_Y},
+                {8, ROBUROC4_AI_PAD_LT},
+                {9, ROBUROC4_AI_PAD_RT},
+                {0, ROBUROC4_DI_FRONT_BUMPER},
+                {1, ROBUROC4_DI_REAR_BUMPER},
+                {9, ROBUROC4_DI_PAD_A},
+                {10, ROBUROC4_DI_PAD_B},
+                {11, ROBUROC4_DI_PAD_X},
+                {12, ROBUROC4_DI_PAD_Y},
+                {13, ROBUROC4_DI_PAD_BACK},
+                {14, ROBUROC4_DI_PAD_START},
+                {15, ROBUROC4_DI_PAD_D_DOWN},
+                {16, ROBUROC4_DI_PAD_D_LEFT},
+                {17, ROBUROC4_DI_PAD_D_RIGHT},
+                {18, ROBUROC4_DI_PAD_D_UP},
+                {19, ROBUROC4_DI_PAD_LJ_CLICK},
+                {20, ROBUROC4_DI_PAD_RJ_CLICK},
+                {21, ROBUROC4_DI_PAD_LB},
+                {22, ROBUROC4_DI_PAD_RB},
+                {0, ROBUROC4_DO_WATCHDOG}};
+    for (const auto &row : rows)
+        EXPECT_EQ(wire_index(row.id), row.index);
+    EXPECT_EQ(std::size(analog_inputs), static_cast<size_t>(ROBUROC4_AI_COUNT));
+    EXPECT_EQ(0, ROBUROC4_AO_COUNT);
+    EXPECT_EQ(std::size(digital_inputs), static_cast<size_t>(ROBUROC4_DI_COUNT));
+    EXPECT_EQ(0, ROBUROC4_TELEMETER_FRONT); // 5.5.2
+    EXPECT_EQ(1, ROBUROC4_TELEMETER_REAR);
+    EXPECT_EQ(2, ROBUROC4_TELEMETER_COUNT);
+}
+
+TEST(Constants, AreTheManuals) {
+    EXPECT_STREQ("192.168.0.2", ROBUROC4_DEFAULT_HOST); // 4.2.1
+    EXPECT_EQ(60000, ROBUROC4_DEFAULT_PORT);
+    EXPECT_EQ(10 * 1000, ROBUROC4_CYCLE_US);  // 4.2.4.4
+    EXPECT_EQ(0x00, ROBUROC4_ACTION_GET);     // 4.2.2.1
+    EXPECT_EQ(0x01, ROBUROC4_ACTION_QUERY);   // 4.2.3.1
+    EXPECT_EQ(0x02, ROBUROC4_ACTION_REPLACE); // 4.2.6.5
+    EXPECT_EQ(0x04, ROBUROC4_ACTION_INSERT);  // 4.2.4.1
+    EXPECT_EQ(0x01, ROBUROC4_HEADER_MANUAL);  // 4.2.2.1
+    EXPECT_EQ(0xFF, ROBUROC4_HEADER_STATUS);  // 4.2.4.4
+    EXPECT_EQ(0, ROBUROC4_ERROR_NONE);        // 4.2.2.2
+    EXPECT_EQ(0, ROBUROC4_IO_ANALOG_INPUT);   // 4.2.3.3
+    EXPECT_EQ(1, ROBUROC4_IO_ANALOG_OUTPUT);
+    EXPECT_EQ(2, ROBUROC4_IO_DIGITAL_INPUT);
+    EXPECT_EQ(3, ROBUROC4_IO_DIGITAL_OUTPUT);
+    EXPECT_EQ(1 << 0, ROBUROC4_LOCALIZATION_INVALID); // 4.2.4.7
+    EXPECT_EQ(1 << 1, ROBUROC4_LOCALIZATION_METRIC);
+    EXPECT_EQ(1 << 2, ROBUROC4_LOCALIZATION_DECIMETRIC);
+    EXPECT_EQ(1 << 3, ROBUROC4_LOCALIZATION_CENTIMETRIC);
+    EXPECT_EQ(1 << 4, ROBUROC4_LOCALIZATION_PROPRIOCEPTIVE);
+    EXPECT_EQ(1 << 5, ROBUROC4_LOCALIZATION_EXTEROCEPTIVE);
+    EXPECT_EQ(1 << 6, ROBUROC4_LOCALIZATION_ERROR);
+}
+
+TEST(Constants, KnownFromOtherRobots) {
+    EXPECT_EQ(0x00, ROBUROC4_HEADER_ERROR);
+    EXPECT_EQ(3, ROBUROC4_ACTION_UPDATE);
+    EXPECT_EQ(5, ROBUROC4_ACTION_DELETE);
+    EXPECT_EQ(6, ROBUROC4_ACTION_SUBMIT);
+    EXPECT_EQ(1, ROBUROC4_ERROR_TARGET);
+    EXPECT_EQ(2, ROBUROC4_ERROR_UNSUPPORTED);
+    EXPECT_EQ(3, ROBUROC4_ERROR_ACTION);
+    EXPECT_EQ(4, ROBUROC4_ERROR_LENGTH);
+    EXPECT_EQ(5, ROBUROC4_ERROR_DATA);
+    EXPECT_EQ(0x10, ROBUROC4_ERROR_SERVICE);
+    EXPECT_EQ(0x0002, ROBUROC4_TYPE_DIAGNOSTIC);
+    EXPECT_EQ(0x4001, ROBUROC4_TYPE_IOCARD);
+    EXPECT_EQ(0x4004, ROBUROC4_TYPE_LASER);
+    EXPECT_EQ(0x4005, ROBUROC4_TYPE_DIFFERENTIAL);
+    EXPECT_EQ(0x4008, ROBUROC4_TYPE_TELEMETER);
+    EXPECT_EQ(0x4009, ROBUROC4_TYPE_DRIVE);
+    EXPECT_EQ(0x8002, ROBUROC4_TYPE_LOCALIZATION);
+}
+
+TEST(Names, ServicesAreTheManuals) { // 4.2.1
+    EXPECT_STREQ("Directory", roburoc4_service_name(0x0000));
+    EXPECT_STREQ("Notification", roburoc4_service_name(0x0001));
+    EXPECT_STREQ("IOCard", roburoc4_service_name(0x0002));
+    EXPECT_STREQ("Telemeter", roburoc4_service_name(0x0003));
+    EXPECT_STREQ("Battery", roburoc4_service_name(0x0004));
+    EXPECT_STREQ("Localization", roburoc4_service_name(0x0005));
+    EXPECT_STREQ("Differential", roburoc4_service_name(0x0006));
+    EXPECT_EQ(nullptr, roburoc4_service_name(7));
+    EXPECT_EQ(nullptr, roburoc4_service_name(0xFFFFFFFFu));
+    EXPECT_EQ(0, ROBUROC4_SERVICE_DIRECTORY);
+    EXPECT_EQ(1, ROBUROC4_SERVICE_NOTIFICATION);
+    EXPECT_EQ(2, ROBUROC4_SERVICE_IOCARD);
+    EXPECT_EQ(3, ROBUROC4_SERVICE_TELEMETER);
+    EXPECT_EQ(4, ROBUROC4_SERVICE_BATTERY);
+    EXPECT_EQ(5, ROBUROC4_SERVICE_LOCALIZATION);
+    EXPECT_EQ(6, ROBUROC4_SERVICE_DIFFERENTIAL);
+    EXPECT_EQ(7, ROBUROC4_SERVICE_COUNT);
+}
+
+TEST(Names, BatteryStatesAreTheManuals) { // 4.2.4.6
+    EXPECT_STREQ("Charging", roburoc4_battery_state_name(0));
+    EXPECT_STREQ("Charged", roburoc4_battery_state_name(1));
+    EXPECT_STREQ("Ok", roburoc4_battery_state_name(2));
+    EXPECT_STREQ("Critical", roburoc4_battery_state_name(3));
+    EXPECT_EQ(nullptr, roburoc4_battery_state_name(4));
+    EXPECT_EQ(nullptr, roburoc4_battery_state_name(0xFFFFFFFFu));
+    EXPECT_EQ(0, ROBUROC4_BATTERY_CHARGING);
+    EXPECT_EQ(1, ROBUROC4_BATTERY_CHARGED);
+    EXPECT_EQ(2, ROBUROC4_BATTERY_OK);
+    EXPECT_EQ(3, ROBUROC4_BATTERY_CRITICAL);
+}
+
+TEST(Names, EveryErrorByteHasAMeaning) {
+    std::set<std::string> known;
+    for (uint32_t error = 0; error <= ROBUROC4_ERROR_DATA; error++)
+        known.insert(roburoc4_error_name(error));
+    EXPECT_EQ(6u, known.size());
+    for (uint32_t error = 0; error < 256; error++) {
+        ASSERT_NE(nullptr, roburoc4_error_name(error)) << error;
+        EXPECT_EQ(error >= 0x10, std::string("error of the service") == roburoc4_error_name(error))
+            << error;
+    }
+    EXPECT_STREQ("error of the service", roburoc4_error_name(0xFFFFFFFFu));
+}
+
+TEST(Names, StatesOfAClient) {
+    const char *const names[] = {"idle",  "connecting", "discovering", "subscribing",
+                                 "ready", "lost",       "closing"};
+    for (uint32_t state = 0; state < std::size(names); state++)
+        EXPECT_STREQ(names[state], roburoc4_state_name(state));
+    EXPECT_STREQ("ready", roburoc4_state_name(ROBUROC4_STATE_READY));
+    EXPECT_EQ(nullptr, roburoc4_state_name(7));
+    EXPECT_EQ(nullptr, roburoc4_state_name(0xFFFFFFFFu));
+}
+
+TEST(ResultText, IsAnOwnSentenceForEachCode) {
+    std::set<std::string> texts = {"ok", "unknown error"};
+    std::set<roburoc4_result> unused;
+    for (roburoc4_result code = -60; code < 0; code++)
+        unused.insert(code);
+    const roburoc4_result codes[] = {ROBUROC4_ERR_ARGUMENT,
+                                     ROBUROC4_ERR_BUFFER,
+                                     ROBUROC4_ERR_SHORT,
+                                     ROBUROC4_ERR_KIND,
+                                     ROBUROC4_ERR_VALUE,
+                                     ROBUROC4_ERR_ROBOT,
+                                     ROBUROC4_ERR_SIZE,
+                                     ROBUROC4_ERR_CONFIG,
+                                     ROBUROC4_ERR_STATE,
+                                     ROBUROC4_ERR_UNKNOWN,
+                                     ROBUROC4_ERR_INDEX,
+                                     ROBUROC4_ERR_RESERVED,
+                                     ROBUROC4_ERR_NOT_FINITE,
+                                     ROBUROC4_ERR_UNMATCHED,
+                                     ROBUROC4_ERR_UNSUBSCRIBED,
+                                     ROBUROC4_ERR_OLD,
+                                     ROBUROC4_ERR_TIMEOUT,
+                                     ROBUROC4_ERR_DISARMED,
+                                     ROBUROC4_ERR_NOT_READY,
+                                     ROBUROC4_ERR_NO_DIFFERENTIAL,
+                                     ROBUROC4_ERR_LIMITS,
+                                     ROBUROC4_ERR_STALE_IOCARD,
+                                     ROBUROC4_ERR_STALE_DIFFERENTIAL,
+                                     ROBUROC4_ERR_OVERRIDE_UNKNOWN,
+                                     ROBUROC4_ERR_OVERRIDE,
+                                     ROBUROC4_ERR_MOVING,
+                                     ROBUROC4_ERR_FOREIGN,
+                                     ROBUROC4_ERR_LOST,
+                                     ROBUROC4_ERR_REBOOT,
+                                     ROBUROC4_ERR_CLOCK,
+                                     ROBUROC4_ERR_NOT_NEUTRAL,
+                                     ROBUROC4_ERR_SYSTEM,
+                                     ROBUROC4_ERR_RESOLVE,
+                                     ROBUROC4_ERR_CLOSED};
+    for (const roburoc4_result code : codes) {
+        const char *const text = roburoc4_result_text(code);
+        ASSERT_NE(nullptr, text) << code;
+        ASSERT_NE('\0', text[0]) << code;
+        EXPECT_NE('.', text[std::string(text).size() - 1]) << code;
+        EXPECT_TRUE(texts.insert(text).second) << code << ": " << text;
+        unused.erase(code);
+    }
+    unused.insert(std::numeric_limits<roburoc4_result>::min());
+    for (const roburoc4_result code : unused)
+        EXPECT_STREQ("unknown error", roburoc4_result_text(code)) << code;
+    for (const roburoc4_result fine : {0, 1, 57, std::numeric_limits<roburoc4_result>::max()})
+        EXPECT_STREQ("ok", roburoc4_result_text(fine));
+}
+
+} // namespace
