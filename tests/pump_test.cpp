@@ -1,0 +1,699 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * pump_test.cpp - the pump against a simulated robot over loopback UDP: who hangs stops the robot,
+ * every reader sees every sample, and it ends cleanly whatever the robot and the readers do.
+ */
+#include "roburoc4_pump.h"
+#include "udp_robot.h"
+
+#include <gtest/gtest.h>
+
+#include <sys/wait.h>
+
+#include <atomic>
+#include <ctime>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+using test::eventually;
+using test::kPatienceUs;
+using test::SpeedCommand;
+using test::UdpRobot;
+
+namespace {
+
+constexpr uint32_t kPatience = static_cast<uint32_t>(kPatienceUs);
+
+struct Destroy {
+    void operator()(roburoc4_pump *pump) const {
+        roburoc4_pump_destroy(pump);
+    }
+};
+using Pump = std::unique_ptr<roburoc4_pump, Destroy>;
+
+Pump make_pump(const roburoc4_address &address, uint32_t queue = 0,
+               const roburoc4_config *config = nullptr) {
+    roburoc4_result result = 1;
+    Pump pump(roburoc4_pump_create(&address, config, queue, &result));
+    EXPECT_EQ(result, ROBUROC4_OK);
+    return pump;
+}
+
+void sleep_ms(int ms) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(ms));
+}
+
+bool becomes_ready(roburoc4_pump *pump) {
+    roburoc4_pump_reader reader{};
+    return roburoc4_pump_wait_events(pump, &reader, ROBUROC4_EVENT_READY, kPatience) > 0;
+}
+
+/* Arming needs a fresh status of each kind, which follow readiness. */
+bool becomes_armed(roburoc4_pump *pump) {
+    return becomes_ready(pump) && eventually([&] {
+               if (roburoc4_pump_arm(pump) == ROBUROC4_OK) {
+                   return true;
+               }
+               sleep_ms(5);
+               return false;
+           });
+}
+
+size_t zeros_at_the_end(const std::vector<SpeedCommand> &commands) {
+    size_t zeros = 0;
+    while (zeros < commands.size() && commands[commands.size() - 1 - zeros].is_zero()) {
+        zeros++;
+    }
+    return zeros;
+}
+
+size_t speeds_in(const std::vector<SpeedCommand> &commands) {
+    size_t speeds = 0;
+    for (const SpeedCommand &command : commands) {
+        speeds += !command.is_zero();
+    }
+    return speeds;
+}
+
+double cpu_seconds() {
+    timespec used{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
+    return static_cast<double>(used.tv_sec) + static_cast<double>(used.tv_nsec) * 1e-9;
+}
+
+/* ------------------------------------------------------------------------------------ life --- */
+
+TEST(Pump, RefusesWhatItCannotBeMadeOf) {
+    roburoc4_address address{};
+    roburoc4_result result = 0;
+    EXPECT_EQ(roburoc4_pump_create(&address, nullptr, 0, &result), nullptr);
+    EXPECT_EQ(result, ROBUROC4_ERR_ARGUMENT);
+    ASSERT_EQ(roburoc4_udp_resolve("127.0.0.1:9", 0, &address), ROBUROC4_OK);
+    EXPECT_EQ(roburoc4_pump_create(&address, nullptr, ROBUROC4_PUMP_QUEUE_MIN - 1, &result),
+              nullptr);
+    EXPECT_EQ(result, ROBUROC4_ERR_ARGUMENT);
+    EXPECT_EQ(roburoc4_pump_create(&address, nullptr, ROBUROC4_PUMP_QUEUE_MAX + 1, &result),
+              nullptr);
+    EXPECT_EQ(result, ROBUROC4_ERR_ARGUMENT);
+    roburoc4_config config;
+    ASSERT_EQ(roburoc4_config_init(&config, sizeof config), ROBUROC4_OK);
+    config.lease_ms = 1;
+    EXPECT_EQ(roburoc4_pump_create(&address, &config, 0, &result), nullptr);
+    EXPECT_EQ(result, ROBUROC4_ERR_CONFIG);
+    ASSERT_EQ(roburoc4_udp_resolve("255.255.255.255:9", 0, &address), ROBUROC4_OK);
+    EXPECT_EQ(roburoc4_pump_create(&address, nullptr, 0, nullptr), nullptr)
+        << "the result is not asked for";
+    roburoc4_pump_destroy(nullptr);
+}
+
+TEST(Pump, BecomesReadyByItselfAndShowsAllThatTheRobotSays) {
+    UdpRobot robot;
+    Pump pump = make_pump(robot.address());
+    ASSERT_TRUE(becomes_ready(pump.get()));
+    EXPECT_EQ(roburoc4_pump_running(pump.get()), 1);
+    EXPECT_EQ(roburoc4_pump_state(pump.get()), uint32_t{ROBUROC4_STATE_READY});
+
+    roburoc4_battery_status battery{};
+    roburoc4_localization_status localization{};
+    roburoc4_differential_status differential{};
+    roburoc4_inputs inputs{};
+    roburoc4_distances distances{};
+    uint64_t host_us = 0;
+    ASSERT_TRUE(eventually([&] {
+        sleep_ms(5);
+        return roburoc4_pump_battery(pump.get(), &battery, &host_us) == 0 &&
+               roburoc4_pump_localization(pump.get(), &localization, nullptr) == 0 &&
+               roburoc4_pump_differential(pump.get(), &differential, nullptr) == 0 &&
+               roburoc4_pump_inputs(pump.get(), &inputs, nullptr) == 0 &&
+               roburoc4_pump_distances(pump.get(), &distances, nullptr) == 0;
+    }));
+    EXPECT_EQ(battery.remaining_percent, 100);
+    EXPECT_GT(host_us, 0u);
+    EXPECT_EQ(inputs.digital_count, uint32_t{ROBUROC4_DI_COUNT});
+    EXPECT_EQ(distances.count, uint32_t{ROBUROC4_TELEMETER_COUNT});
+
+    roburoc4_facts facts{};
+    facts.size = sizeof facts;
+    EXPECT_EQ(roburoc4_pump_facts(pump.get(), &facts), 0);
+    roburoc4_link link{};
+    link.size = sizeof link;
+    EXPECT_EQ(roburoc4_pump_link(pump.get(), &link), 0);
+    EXPECT_GT(link.received, 0u);
+    roburoc4_service_link service{};
+    service.size = sizeof service;
+    EXPECT_EQ(roburoc4_pump_service_link(pump.get(), ROBUROC4_SERVICE_IOCARD, &service), 0);
+    EXPECT_EQ(service.subscribed, 1u);
+    EXPECT_EQ(roburoc4_pump_host_time(pump.get(), battery.robot_cycles, &host_us), 0);
+    EXPECT_GT(roburoc4_pump_count(pump.get(), ROBUROC4_COUNT_RECEIVED), 5u);
+    EXPECT_GT(roburoc4_pump_udp_count(pump.get(), ROBUROC4_UDP_COUNT_RECEIVED), 5u);
+    EXPECT_EQ(roburoc4_pump_fault(pump.get()), uint32_t{ROBUROC4_FAULT_NONE});
+    roburoc4_address address{};
+    EXPECT_EQ(roburoc4_pump_address(pump.get(), &address), 0);
+    EXPECT_EQ(address.port, robot.port());
+}
+
+TEST(Pump, KnowsServicesAndProperties) {
+    UdpRobot robot;
+    Pump pump = make_pump(robot.address());
+    ASSERT_TRUE(becomes_ready(pump.get()));
+    roburoc4_directory_entry entry{};
+    roburoc4_iocard_properties io{};
+    roburoc4_battery_properties battery{};
+    roburoc4_localization_properties localization{};
+    roburoc4_differential_properties differential{};
+    roburoc4_telemeter telemeter{};
+    EXPECT_EQ(roburoc4_pump_service_count(pump.get()), uint32_t{ROBUROC4_SERVICE_COUNT});
+    EXPECT_EQ(roburoc4_pump_service_at(pump.get(), 1, &entry), 0);
+    EXPECT_EQ(entry.id, ROBUROC4_SERVICE_NOTIFICATION);
+    EXPECT_EQ(roburoc4_pump_service_id(pump.get(), ROBUROC4_SERVICE_DIFFERENTIAL), 6);
+    EXPECT_EQ(roburoc4_pump_iocard_properties(pump.get(), &io), 0);
+    EXPECT_EQ(io.digital_outputs, ROBUROC4_DO_COUNT);
+    EXPECT_EQ(roburoc4_pump_battery_properties(pump.get(), &battery), 0);
+    EXPECT_FLOAT_EQ(battery.nominal_voltage_v, 24.0f);
+    EXPECT_EQ(roburoc4_pump_localization_properties(pump.get(), &localization), 0);
+    EXPECT_EQ(roburoc4_pump_differential_properties(pump.get(), &differential), 0);
+    EXPECT_FLOAT_EQ(differential.max_linear_m_s, 2.6f);
+    EXPECT_EQ(roburoc4_pump_telemeter_count(pump.get()), uint32_t{ROBUROC4_TELEMETER_COUNT});
+    EXPECT_EQ(roburoc4_pump_telemeter(pump.get(), 1, &telemeter), 0);
+    EXPECT_GT(telemeter.max_distance_m, 0.0f);
+    EXPECT_EQ(roburoc4_pump_role_index(pump.get(), ROBUROC4_ROLE_OVERRIDE), ROBUROC4_DI_PAD_A);
+    EXPECT_EQ(roburoc4_pump_set_role_index(pump.get(), ROBUROC4_ROLE_OVERRIDE, ROBUROC4_DI_PAD_B),
+              0);
+    EXPECT_EQ(roburoc4_pump_role_index(pump.get(), ROBUROC4_ROLE_OVERRIDE), ROBUROC4_DI_PAD_B);
+}
+
+TEST(Pump, KeepsTheRobotsTexts) {
+    UdpRobot robot;
+    Pump pump = make_pump(robot.address());
+    roburoc4_pump_reader reader{};
+    char text[ROBUROC4_PUMP_DESCRIPTION_MAX + 1];
+    EXPECT_EQ(
+        roburoc4_pump_description(pump.get(), ROBUROC4_IO_DIGITAL_INPUT, 63, text, sizeof text),
+        ROBUROC4_ERR_UNKNOWN);
+    ASSERT_GT(
+        roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_DESCRIPTIONS_DONE, kPatience),
+        0);
+    const int32_t kinds[] = {-1, ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_IO_DIGITAL_INPUT,
+                             ROBUROC4_IO_DIGITAL_OUTPUT};
+    const uint32_t counts[] = {ROBUROC4_SERVICE_COUNT, ROBUROC4_AI_COUNT, ROBUROC4_DI_COUNT,
+                               ROBUROC4_DO_COUNT};
+    for (size_t kind = 0; kind < 4; kind++) {
+        for (uint32_t index = 0; index < counts[kind]; index++) {
+            EXPECT_GE(roburoc4_pump_description(pump.get(), kinds[kind], index, text, sizeof text),
+                      0)
+                << kinds[kind] << " " << index;
+        }
+        EXPECT_EQ(
+            roburoc4_pump_description(pump.get(), kinds[kind], counts[kind], text, sizeof text),
+            kind == 0 || counts[kind] < 64 ? ROBUROC4_ERR_UNKNOWN : ROBUROC4_ERR_INDEX);
+    }
+    roburoc4_result length =
+        roburoc4_pump_description(pump.get(), -1, ROBUROC4_SERVICE_BATTERY, text, sizeof text);
+    EXPECT_STREQ(text, "Battery");
+    EXPECT_EQ(length, 7);
+    EXPECT_EQ(roburoc4_pump_description(pump.get(), -1, ROBUROC4_SERVICE_BATTERY, text, 8), 7);
+    EXPECT_EQ(roburoc4_pump_description(pump.get(), -1, ROBUROC4_SERVICE_BATTERY, text, 7),
+              ROBUROC4_ERR_BUFFER);
+    EXPECT_EQ(roburoc4_pump_description(pump.get(), -2, 0, text, sizeof text),
+              ROBUROC4_ERR_ARGUMENT);
+    EXPECT_EQ(roburoc4_pump_description(pump.get(), 4, 0, text, sizeof text),
+              ROBUROC4_ERR_ARGUMENT);
+    EXPECT_EQ(roburoc4_pump_description(pump.get(), -1, ROBUROC4_MAX_SERVICES, text, sizeof text),
+              ROBUROC4_ERR_INDEX);
+}
+
+TEST(Pump, RetriesAnAbsentRobotWithoutSpinningAndFindsItLater) {
+    uint16_t port = test::free_port();
+    roburoc4_address address{};
+    ASSERT_EQ(roburoc4_udp_resolve("127.0.0.1", port, &address), ROBUROC4_OK);
+    Pump pump = make_pump(address);
+    double cpu_before = cpu_seconds();
+    sleep_ms(1500);
+    EXPECT_LT(cpu_seconds() - cpu_before, 0.7);
+    EXPECT_EQ(roburoc4_pump_fault(pump.get()), uint32_t{ROBUROC4_FAULT_REFUSED});
+    EXPECT_GE(roburoc4_pump_udp_count(pump.get(), ROBUROC4_UDP_COUNT_REFUSED), 2u);
+    EXPECT_EQ(roburoc4_pump_arm(pump.get()), ROBUROC4_ERR_NOT_READY);
+    UdpRobot robot(port);
+    EXPECT_TRUE(becomes_ready(pump.get()));
+}
+
+TEST(Pump, ComesBackToARobotThatStartsAgainOnItsPort) {
+    auto robot = std::make_unique<UdpRobot>();
+    uint16_t port = robot->port();
+    Pump pump = make_pump(robot->address());
+    ASSERT_TRUE(becomes_ready(pump.get()));
+    roburoc4_pump_reader reader{};
+    ASSERT_EQ(roburoc4_pump_reader_init(pump.get(), &reader), ROBUROC4_OK);
+    robot.reset();
+    EXPECT_EQ(roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_LOST, kPatience),
+              ROBUROC4_EVENT_LOST);
+    ASSERT_EQ(roburoc4_pump_reader_init(pump.get(), &reader), ROBUROC4_OK);
+    robot = std::make_unique<UdpRobot>(port);
+    EXPECT_EQ(roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_READY, kPatience),
+              ROBUROC4_EVENT_READY);
+}
+
+/* ---------------------------------------------------------------------------------- motion --- */
+
+TEST(Pump, StopsTheRobotOfAProgramThatHangs) {
+    UdpRobot robot;
+    Pump pump = make_pump(robot.address());
+    ASSERT_TRUE(becomes_armed(pump.get()));
+    uint64_t granted_us = roburoc4_udp_now_us();
+    ASSERT_EQ(roburoc4_pump_drive(pump.get(), 0.5f, 0.0f, 250000), ROBUROC4_OK);
+    /* From here on nobody calls drive. */
+    ASSERT_TRUE(eventually([&] {
+        sleep_ms(5);
+        std::vector<SpeedCommand> commands = robot.commands();
+        return speeds_in(commands) > 0 && zeros_at_the_end(commands) >= 3;
+    }));
+    size_t speeds = speeds_in(robot.commands());
+    EXPECT_GE(speeds, 2u) << "within the lease the speed is repeated";
+    sleep_ms(500);
+    std::vector<SpeedCommand> commands = robot.commands();
+    EXPECT_EQ(speeds_in(commands), speeds) << "no speed after the lease";
+    for (const SpeedCommand &command : commands) {
+        if (!command.is_zero()) {
+            EXPECT_LT(command.at_us - granted_us, 1000000u);
+        }
+    }
+    EXPECT_EQ(roburoc4_pump_drive(pump.get(), 0.2f, 0.0f, 0), ROBUROC4_OK) << "it stays armed";
+}
+
+TEST(Pump, KeepsDrivingOnlyWhileItIsTold) {
+    UdpRobot robot;
+    Pump pump = make_pump(robot.address());
+    ASSERT_TRUE(becomes_armed(pump.get()));
+    uint64_t until_us = roburoc4_udp_now_us() + 1000000;
+    while (roburoc4_udp_now_us() < until_us) {
+        ASSERT_EQ(roburoc4_pump_drive(pump.get(), 0.4f, 0.1f, 1000000), ROBUROC4_OK);
+        sleep_ms(50);
+    }
+    std::vector<SpeedCommand> commands = robot.commands();
+    ASSERT_GE(commands.size(), 5u);
+    EXPECT_EQ(speeds_in(commands), commands.size()) << "no zero in between";
+    EXPECT_GT(commands.back().at_us - commands.front().at_us, 600000u);
+    EXPECT_GT(robot.state().true_linear_m_s, 0.1);
+    EXPECT_EQ(roburoc4_pump_stop_robot(pump.get()), ROBUROC4_OK);
+    EXPECT_TRUE(eventually([&] {
+        sleep_ms(5);
+        return zeros_at_the_end(robot.commands()) >= 3;
+    }));
+}
+
+TEST(Pump, FeedsALeaseWhileTheRobotIsQuiet) {
+    roburoc4_config config;
+    ASSERT_EQ(roburoc4_config_init(&config, sizeof config), ROBUROC4_OK);
+    for (int service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT; service++) {
+        config.period_ms[service] = 900; /* no status wakes the pump in time */
+    }
+    config.fresh_ms = 1000;
+    config.lost_ms = 5000;
+    UdpRobot robot;
+    Pump pump = make_pump(robot.address(), 0, &config);
+    roburoc4_pump_reader reader{};
+    ASSERT_GT(
+        roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_DESCRIPTIONS_DONE, kPatience),
+        0);
+    ASSERT_TRUE(becomes_armed(pump.get()));
+    bool in_time = false;
+    for (int attempt = 0; attempt < 3 && !in_time; attempt++) { /* a loaded machine may be late */
+        roburoc4_pump_reader_init(pump.get(), &reader);
+        ASSERT_GT(
+            roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_DIFFERENTIAL, kPatience),
+            0);
+        sleep_ms(50);
+        size_t before = robot.commands().size();
+        ASSERT_EQ(roburoc4_pump_drive(pump.get(), 0.5f, 0.0f, 500000), ROBUROC4_OK);
+        ASSERT_GT(roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_STOPPED, kPatience),
+                  0);
+        std::vector<SpeedCommand> commands = robot.commands();
+        ASSERT_GE(commands.size(), before + 2);
+        in_time = commands[before + 1].at_us - commands[before].at_us < 90000;
+    }
+    EXPECT_TRUE(in_time) << "the first repetition is due after 50 ms";
+}
+
+TEST(Pump, SendsCommandsBeforeTheCallReturns) {
+    UdpRobot robot;
+    Pump pump = make_pump(robot.address());
+    ASSERT_TRUE(becomes_armed(pump.get()));
+    uint32_t before = roburoc4_pump_udp_count(pump.get(), ROBUROC4_UDP_COUNT_SENT);
+    ASSERT_EQ(roburoc4_pump_set_digital_output(pump.get(), 3, 1), ROBUROC4_OK);
+    EXPECT_GT(roburoc4_pump_udp_count(pump.get(), ROBUROC4_UDP_COUNT_SENT), before);
+    before = roburoc4_pump_udp_count(pump.get(), ROBUROC4_UDP_COUNT_SENT);
+    ASSERT_EQ(roburoc4_pump_drive(pump.get(), 0.1f, 0.0f, 0), ROBUROC4_OK);
+    EXPECT_GT(roburoc4_pump_udp_count(pump.get(), ROBUROC4_UDP_COUNT_SENT), before);
+}
+
+TEST(Pump, PassesEveryCommandOn) {
+    UdpRobot robot;
+    Pump pump = make_pump(robot.address());
+    ASSERT_TRUE(becomes_ready(pump.get()));
+    roburoc4_pump_reader reader{};
+    EXPECT_EQ(roburoc4_pump_drive(pump.get(), 0.1f, 0.0f, 0), ROBUROC4_ERR_DISARMED);
+    EXPECT_EQ(roburoc4_pump_set_digital_output(pump.get(), 0, 1), ROBUROC4_ERR_RESERVED);
+    EXPECT_EQ(roburoc4_pump_set_digital_outputs(pump.get(), 0x06, 0x02), ROBUROC4_OK);
+    EXPECT_EQ(roburoc4_pump_set_analog_output(pump.get(), 0, 1.0f), ROBUROC4_ERR_INDEX);
+    EXPECT_EQ(roburoc4_pump_relocalize(pump.get(), 1.0, 2.0, 0.5), ROBUROC4_OK);
+    EXPECT_EQ(roburoc4_pump_wait_events(
+                  pump.get(), &reader,
+                  ROBUROC4_EVENT_RELOCALIZED | ROBUROC4_EVENT_RELOCALIZE_FAILED, kPatience),
+              ROBUROC4_EVENT_RELOCALIZED);
+    EXPECT_EQ(roburoc4_pump_subscribe(pump.get(), ROBUROC4_SERVICE_BATTERY, 15),
+              ROBUROC4_ERR_ARGUMENT);
+    EXPECT_EQ(roburoc4_pump_subscribe(pump.get(), ROBUROC4_SERVICE_BATTERY, 100), ROBUROC4_OK);
+    EXPECT_EQ(roburoc4_pump_unsubscribe(pump.get(), ROBUROC4_SERVICE_TELEMETER), ROBUROC4_OK);
+    EXPECT_EQ(roburoc4_pump_disarm(pump.get()), ROBUROC4_OK);
+}
+
+TEST(Pump, TellsOfAnOverrideAndStopsCommanding) {
+    UdpRobot robot;
+    Pump pump = make_pump(robot.address());
+    ASSERT_TRUE(becomes_armed(pump.get()));
+    ASSERT_EQ(roburoc4_pump_drive(pump.get(), 0.3f, 0.0f, 1000000), ROBUROC4_OK);
+    roburoc4_pump_reader reader{};
+    ASSERT_EQ(roburoc4_pump_reader_init(pump.get(), &reader), ROBUROC4_OK);
+    ASSERT_TRUE(robot.panel("pad a down"));
+    ASSERT_EQ(roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_DISARMED, kPatience),
+              ROBUROC4_EVENT_DISARMED);
+    EXPECT_NE(roburoc4_pump_take_events(pump.get(), &reader) & ROBUROC4_EVENT_OVERRIDE, 0);
+    EXPECT_EQ(roburoc4_pump_drive(pump.get(), 0.3f, 0.0f, 0), ROBUROC4_ERR_OVERRIDE);
+}
+
+/* -------------------------------------------------------------------- samples and events --- */
+
+TEST(Samples, AreAllSeenByEveryReader) {
+    UdpRobot robot;
+    Pump pump = make_pump(robot.address());
+    constexpr size_t kReaders = 4, kSamples = 120;
+    std::vector<std::vector<roburoc4_sample>> seen(kReaders);
+    std::vector<std::thread> threads;
+    std::atomic<uint64_t> lost{0};
+    for (size_t i = 0; i < kReaders; i++) {
+        threads.emplace_back([&, i] {
+            roburoc4_pump_reader reader{};
+            while (seen[i].size() < kSamples &&
+                   roburoc4_pump_wait_samples(pump.get(), &reader, kPatience) > 0) {
+                roburoc4_sample some[7];
+                roburoc4_result got = roburoc4_pump_read_samples(pump.get(), &reader, some, 7);
+                for (roburoc4_result k = 0; k < got; k++) {
+                    seen[i].push_back(some[k]);
+                }
+            }
+            lost += reader.lost;
+        });
+    }
+    for (std::thread &thread : threads) {
+        thread.join();
+    }
+    EXPECT_EQ(lost, 0u);
+    uint32_t services = 0;
+    for (size_t i = 0; i < kReaders; i++) {
+        ASSERT_GE(seen[i].size(), kSamples);
+        for (size_t k = 0; k < kSamples; k++) {
+            ASSERT_EQ(seen[i][k].sequence, k);
+            EXPECT_EQ(std::memcmp(&seen[i][k], &seen[0][k], sizeof(roburoc4_sample)), 0);
+            services |= 1u << seen[i][k].service;
+        }
+    }
+    EXPECT_EQ(services, 0x7Cu);
+}
+
+TEST(Samples, CarryTheValuesOfTheirService) {
+    UdpRobot robot;
+    Pump pump = make_pump(robot.address());
+    roburoc4_pump_reader reader{};
+    uint64_t last_cycles[8] = {};
+    uint32_t services = 0;
+    ASSERT_TRUE(eventually([&] {
+        roburoc4_sample sample;
+        roburoc4_pump_wait_samples(pump.get(), &reader, kPatience);
+        EXPECT_EQ(roburoc4_pump_read_samples(pump.get(), &reader, &sample, 1), 1);
+        EXPECT_GT(sample.robot_cycles, last_cycles[sample.service]);
+        last_cycles[sample.service] = sample.robot_cycles;
+        EXPECT_LE(sample.host_us, roburoc4_udp_now_us());
+        if (sample.service == ROBUROC4_SERVICE_IOCARD) {
+            EXPECT_EQ(sample.value.inputs.analog_count, uint32_t{ROBUROC4_AI_COUNT});
+        } else if (sample.service == ROBUROC4_SERVICE_BATTERY) {
+            EXPECT_EQ(sample.value.battery.remaining_percent, 100);
+        } else if (sample.service == ROBUROC4_SERVICE_TELEMETER) {
+            EXPECT_EQ(sample.value.distances.count, 2u);
+        }
+        services |= 1u << sample.service;
+        return services == 0x7C;
+    }));
+}
+
+TEST(Samples, ASlowReaderLosesTheOldestAndIsTold) {
+    UdpRobot robot;
+    Pump pump = make_pump(robot.address(), ROBUROC4_PUMP_QUEUE_MIN);
+    roburoc4_pump_reader slow{}, newest{};
+    ASSERT_TRUE(eventually([&] {
+        sleep_ms(10);
+        roburoc4_pump_reader_init(pump.get(), &newest);
+        return newest.next_sample >= 5 * ROBUROC4_PUMP_QUEUE_MIN;
+    }));
+    EXPECT_EQ(newest.lost, 0u);
+    ASSERT_EQ(roburoc4_pump_stop(pump.get()), ROBUROC4_OK); /* nothing comes in between */
+    roburoc4_pump_reader_init(pump.get(), &newest);
+    std::vector<roburoc4_sample> samples(100);
+    EXPECT_EQ(roburoc4_pump_wait_samples(pump.get(), &slow, 0), ROBUROC4_PUMP_QUEUE_MIN);
+    EXPECT_EQ(roburoc4_pump_read_samples(pump.get(), &slow, samples.data(), 100),
+              ROBUROC4_PUMP_QUEUE_MIN);
+    EXPECT_EQ(slow.lost + ROBUROC4_PUMP_QUEUE_MIN, newest.next_sample);
+    for (uint64_t i = 0; i < ROBUROC4_PUMP_QUEUE_MIN; i++) {
+        EXPECT_EQ(samples[i].sequence, slow.lost + i);
+    }
+    EXPECT_EQ(roburoc4_pump_read_samples(pump.get(), &slow, samples.data(), 100),
+              ROBUROC4_ERR_CLOSED);
+}
+
+TEST(Samples, WaitingEndsWithItsTime) {
+    roburoc4_address address{};
+    ASSERT_EQ(roburoc4_udp_resolve("127.0.0.1", test::free_port(), &address), ROBUROC4_OK);
+    Pump pump = make_pump(address);
+    roburoc4_pump_reader reader{};
+    roburoc4_sample sample;
+    uint64_t before_us = roburoc4_udp_now_us();
+    EXPECT_EQ(roburoc4_pump_wait_samples(pump.get(), &reader, 30000), 0);
+    EXPECT_GE(roburoc4_udp_now_us() - before_us, 30000u);
+    EXPECT_EQ(roburoc4_pump_wait_samples(pump.get(), &reader, 0), 0);
+    EXPECT_EQ(roburoc4_pump_read_samples(pump.get(), &reader, &sample, 1), 0);
+    EXPECT_EQ(roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_READY, 1000), 0);
+}
+
+TEST(Events, AreTakenByEachReaderForItself) {
+    UdpRobot robot;
+    Pump pump = make_pump(robot.address());
+    roburoc4_pump_reader first{}, second{};
+    ASSERT_TRUE(becomes_ready(pump.get()));
+    EXPECT_NE(roburoc4_pump_take_events(pump.get(), &first) & ROBUROC4_EVENT_READY, 0);
+    EXPECT_EQ(roburoc4_pump_take_events(pump.get(), &first) & ROBUROC4_EVENT_READY, 0);
+    EXPECT_NE(roburoc4_pump_take_events(pump.get(), &second) & ROBUROC4_EVENT_READY, 0);
+    ASSERT_EQ(roburoc4_pump_reader_init(pump.get(), &second), ROBUROC4_OK);
+    EXPECT_EQ(roburoc4_pump_take_events(pump.get(), &second) & ROBUROC4_EVENT_READY, 0);
+    EXPECT_EQ(roburoc4_pump_wait_events(pump.get(), &second, ROBUROC4_EVENT_REBOOT, 1000), 0)
+        << "others than those of the mask do not end the wait";
+    EXPECT_GT(roburoc4_pump_wait_events(pump.get(), &second, ROBUROC4_EVENT_IOCARD, kPatience), 0);
+    EXPECT_NE(roburoc4_pump_take_events(pump.get(), &second) & ROBUROC4_EVENT_IOCARD, 0)
+        << "waiting does not take";
+}
+
+/* ----------------------------------------------------------------------------------- the end ---
+ */
+
+TEST(PumpStop, SendsTheZeroTrainOfADrivingRobot) {
+    UdpRobot robot;
+    Pump pump = make_pump(robot.address());
+    ASSERT_TRUE(becomes_armed(pump.get()));
+    ASSERT_EQ(roburoc4_pump_drive(pump.get(), 0.5f, 0.2f, 1000000), ROBUROC4_OK);
+    ASSERT_TRUE(eventually([&] {
+        sleep_ms(5);
+        return speeds_in(robot.commands()) >= 2;
+    }));
+    ASSERT_EQ(roburoc4_pump_stop(pump.get()), ROBUROC4_OK);
+    EXPECT_EQ(roburoc4_pump_running(pump.get()), 0);
+    EXPECT_EQ(roburoc4_pump_state(pump.get()), uint32_t{ROBUROC4_STATE_IDLE});
+    EXPECT_TRUE(eventually([&] { return zeros_at_the_end(robot.commands()) >= 3; }));
+    EXPECT_EQ(roburoc4_pump_stop(pump.get()), ROBUROC4_OK) << "a second time";
+}
+
+TEST(PumpStop, OfAMonitorCommandsNothing) {
+    UdpRobot robot;
+    Pump pump = make_pump(robot.address());
+    ASSERT_TRUE(becomes_ready(pump.get()));
+    ASSERT_EQ(roburoc4_pump_stop(pump.get()), ROBUROC4_OK);
+    pump.reset();
+    sleep_ms(50);
+    EXPECT_EQ(robot.state().speed_commands, 0u);
+}
+
+TEST(PumpStop, LeavesValuesReadableAndRefusesCommands) {
+    UdpRobot robot;
+    Pump pump = make_pump(robot.address());
+    roburoc4_pump_reader reader{};
+    ASSERT_TRUE(becomes_ready(pump.get()));
+    ASSERT_GT(roburoc4_pump_wait_samples(pump.get(), &reader, kPatience), 0);
+    ASSERT_EQ(roburoc4_pump_stop(pump.get()), ROBUROC4_OK);
+    roburoc4_pump *p = pump.get();
+    EXPECT_EQ(roburoc4_pump_arm(p), ROBUROC4_ERR_CLOSED);
+    EXPECT_EQ(roburoc4_pump_disarm(p), ROBUROC4_ERR_CLOSED);
+    EXPECT_EQ(roburoc4_pump_drive(p, 0.0f, 0.0f, 0), ROBUROC4_ERR_CLOSED);
+    EXPECT_EQ(roburoc4_pump_stop_robot(p), ROBUROC4_ERR_CLOSED);
+    EXPECT_EQ(roburoc4_pump_set_digital_output(p, 1, 1), ROBUROC4_ERR_CLOSED);
+    EXPECT_EQ(roburoc4_pump_relocalize(p, 0.0, 0.0, 0.0), ROBUROC4_ERR_CLOSED);
+    EXPECT_EQ(roburoc4_pump_service_count(p), uint32_t{ROBUROC4_SERVICE_COUNT});
+    roburoc4_sample samples[64];
+    roburoc4_result got;
+    uint64_t read = 0;
+    while ((got = roburoc4_pump_read_samples(p, &reader, samples, 64)) > 0) {
+        read += static_cast<uint64_t>(got);
+    }
+    EXPECT_GT(read, 0u) << "what came before the end can be read";
+    EXPECT_EQ(got, ROBUROC4_ERR_CLOSED);
+    EXPECT_EQ(roburoc4_pump_wait_samples(p, &reader, kPatience), ROBUROC4_ERR_CLOSED);
+    roburoc4_pump_take_events(p, &reader);
+    EXPECT_EQ(roburoc4_pump_take_events(p, &reader), ROBUROC4_ERR_CLOSED);
+}
+
+TEST(PumpStop, IsBoundedWhereTheRobotIsSilent) {
+    UdpRobot robot;
+    Pump pump = make_pump(robot.address());
+    ASSERT_TRUE(becomes_armed(pump.get()));
+    ASSERT_EQ(roburoc4_pump_drive(pump.get(), 0.5f, 0.0f, 1000000), ROBUROC4_OK);
+    robot.fall_silent();
+    uint64_t before_us = roburoc4_udp_now_us();
+    EXPECT_EQ(roburoc4_pump_stop(pump.get()), ROBUROC4_OK);
+    EXPECT_LT(roburoc4_udp_now_us() - before_us, 10000000u);
+}
+
+TEST(PumpStop, WakesAllWhoWait) {
+    roburoc4_address address{};
+    ASSERT_EQ(roburoc4_udp_resolve("127.0.0.1", test::free_port(), &address), ROBUROC4_OK);
+    Pump pump = make_pump(address);
+    roburoc4_pump *p = pump.get();
+    std::vector<std::thread> threads;
+    std::atomic<int> closed{0}, started{0};
+    for (int i = 0; i < 6; i++) {
+        threads.emplace_back([&, i] {
+            roburoc4_pump_reader reader{};
+            started++;
+            roburoc4_result result =
+                i % 2 == 0
+                    ? roburoc4_pump_wait_samples(p, &reader, UINT32_MAX)
+                    : roburoc4_pump_wait_events(p, &reader, ROBUROC4_EVENT_READY, UINT32_MAX);
+            closed += result == ROBUROC4_ERR_CLOSED;
+        });
+    }
+    while (started < 6) {
+        sleep_ms(1);
+    }
+    sleep_ms(20);
+    std::thread other([&] { EXPECT_EQ(roburoc4_pump_stop(p), ROBUROC4_OK); });
+    EXPECT_EQ(roburoc4_pump_stop(p), ROBUROC4_OK);
+    other.join();
+    for (std::thread &thread : threads) {
+        thread.join();
+    }
+    EXPECT_EQ(closed, 6);
+}
+
+TEST(PumpStop, DestroyLetsThoseWhoWaitLeaveFirst) {
+    roburoc4_address address{};
+    ASSERT_EQ(roburoc4_udp_resolve("127.0.0.1", test::free_port(), &address), ROBUROC4_OK);
+    for (int round = 0; round < 20; round++) {
+        roburoc4_pump *p = make_pump(address).release();
+        std::atomic<bool> started{false};
+        roburoc4_result result = 0;
+        std::thread waiter([&] {
+            roburoc4_pump_reader reader{};
+            started = true;
+            result = roburoc4_pump_wait_samples(p, &reader, UINT32_MAX);
+        });
+        while (!started) {
+            sleep_ms(1);
+        }
+        sleep_ms(10);
+        roburoc4_pump_destroy(p);
+        waiter.join();
+        EXPECT_EQ(result, ROBUROC4_ERR_CLOSED);
+    }
+}
+
+TEST(Fork, LeavesTheChildWithoutAPumpAndTheParentWithIts) {
+    UdpRobot robot;
+    Pump pump = make_pump(robot.address());
+    ASSERT_TRUE(becomes_ready(pump.get()));
+    pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+        roburoc4_pump *p = pump.release();
+        roburoc4_pump_reader reader{};
+        roburoc4_sample sample;
+        int wrong = roburoc4_pump_drive(p, 0.1f, 0.0f, 0) != ROBUROC4_ERR_CLOSED;
+        wrong += roburoc4_pump_running(p) != 0;
+        wrong += roburoc4_pump_state(p) != 0;
+        wrong += roburoc4_pump_stop(p) != ROBUROC4_ERR_CLOSED;
+        wrong += roburoc4_pump_wait_samples(p, &reader, UINT32_MAX) != ROBUROC4_ERR_CLOSED;
+        wrong += roburoc4_pump_read_samples(p, &reader, &sample, 1) != ROBUROC4_ERR_CLOSED;
+        roburoc4_pump_destroy(p);
+        _exit(wrong);
+    }
+    int status = -1;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), 0);
+    roburoc4_pump_reader reader{};
+    ASSERT_EQ(roburoc4_pump_reader_init(pump.get(), &reader), ROBUROC4_OK);
+    EXPECT_GT(roburoc4_pump_wait_samples(pump.get(), &reader, kPatience), 0)
+        << "the parent's link lives on";
+}
+
+TEST(Threads, CanAllCallEverythingAtOnce) {
+    UdpRobot robot;
+    Pump pump = make_pump(robot.address(), 32);
+    ASSERT_TRUE(becomes_armed(pump.get()));
+    roburoc4_pump *p = pump.get();
+    std::atomic<bool> running{true};
+    std::vector<std::thread> threads;
+    threads.emplace_back([&] {
+        while (running) {
+            roburoc4_pump_drive(p, 0.2f, 0.1f, 100000);
+            sleep_ms(3);
+        }
+    });
+    threads.emplace_back([&] {
+        while (running) {
+            roburoc4_pump_arm(p);
+            roburoc4_pump_stop_robot(p);
+            roburoc4_pump_set_digital_outputs(p, 0x0E, 0x0A);
+            sleep_ms(7);
+        }
+    });
+    for (int i = 0; i < 3; i++) {
+        threads.emplace_back([&] {
+            roburoc4_pump_reader reader{};
+            roburoc4_sample samples[5];
+            roburoc4_facts facts{};
+            facts.size = sizeof facts;
+            while (running) {
+                roburoc4_pump_wait_samples(p, &reader, 10000);
+                roburoc4_pump_read_samples(p, &reader, samples, 5);
+                roburoc4_pump_take_events(p, &reader);
+                EXPECT_EQ(roburoc4_pump_facts(p, &facts), ROBUROC4_OK);
+            }
+        });
+    }
+    sleep_ms(1000);
+    running = false;
+    for (std::thread &thread : threads) {
+        thread.join();
+    }
+    EXPECT_EQ(roburoc4_pump_stop(p), ROBUROC4_OK);
+    EXPECT_TRUE(eventually([&] { return zeros_at_the_end(robot.commands()) >= 3; }));
+}
+
+} // namespace

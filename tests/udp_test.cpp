@@ -1,0 +1,487 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * udp_test.cpp - the UDP adapter on real loopback sockets: addresses, clock, absent and returning
+ * robots, strangers, garbage, floods, waiting.
+ */
+#include "udp_support.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <csignal>
+#include <ctime>
+#include <string>
+#include <sys/time.h>
+#include <thread>
+
+using test::eventually;
+using test::free_port;
+using test::loopback;
+using test::Received;
+using test::Socket;
+
+namespace {
+
+/* A client and its socket, connecting to a port of the loopback. */
+struct Link {
+    roburoc4_udp udp{};
+    roburoc4_client client{};
+
+    explicit Link(const roburoc4_address &address, bool started = true) {
+        EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp, &address), ROBUROC4_OK);
+        EXPECT_EQ(roburoc4_client_init(&client, sizeof client, nullptr), ROBUROC4_OK);
+        if (started) {
+            EXPECT_EQ(roburoc4_client_start(&client, roburoc4_udp_now_us()), ROBUROC4_OK);
+        }
+    }
+    ~Link() {
+        roburoc4_udp_close(&udp);
+    }
+    roburoc4_result wait(uint32_t timeout_us) {
+        return roburoc4_udp_wait(&udp, &client, timeout_us);
+    }
+    uint32_t udp_count(uint32_t counter) const {
+        return roburoc4_udp_count(&udp, counter);
+    }
+    /* Where a robot sees this link come from. */
+    sockaddr_in seen_from() const {
+        sockaddr_in own{};
+        socklen_t length = sizeof own;
+        getsockname(static_cast<int>(roburoc4_udp_fd(&udp)), reinterpret_cast<sockaddr *>(&own),
+                    &length);
+        return own;
+    }
+};
+
+roburoc4_address address_of(uint16_t port) {
+    roburoc4_address out{};
+    EXPECT_EQ(roburoc4_udp_resolve("127.0.0.1", port, &out), ROBUROC4_OK);
+    return out;
+}
+
+std::string text_of(const char *host) {
+    roburoc4_address address{};
+    char text[ROBUROC4_ADDRESS_TEXT_SIZE];
+    if (roburoc4_udp_resolve(host, 1234, &address) < 0 ||
+        roburoc4_address_text(&address, text, sizeof text) < 0) {
+        return "";
+    }
+    return text;
+}
+
+/* The directory of a robot that has only the two services every robot has. */
+std::vector<uint8_t> directory_answer(uint8_t id) {
+    roburoc4_directory_entry entries[2] = {{0x0001, 0}, {0x0002, 1}};
+    std::vector<uint8_t> answer(64);
+    roburoc4_result size =
+        roburoc4_encode_directory(answer.data(), answer.size(), id, 0, entries, 2);
+    EXPECT_GT(size, 0);
+    answer.resize(static_cast<size_t>(size));
+    return answer;
+}
+
+double cpu_seconds() {
+    timespec used{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
+    return static_cast<double>(used.tv_sec) + static_cast<double>(used.tv_nsec) * 1e-9;
+}
+
+/* ------------------------------------------------------------------------------- addresses --- */
+
+TEST(Resolve, AcceptsEveryDocumentedForm) {
+    EXPECT_EQ(text_of("192.168.0.2"), "192.168.0.2:1234");
+    EXPECT_EQ(text_of("192.168.0.2:60001"), "192.168.0.2:60001");
+    EXPECT_EQ(text_of("localhost:7"), "127.0.0.1:7") << "a name with both families gives IPv4";
+    EXPECT_EQ(text_of("::1"), "[::1]:1234");
+    EXPECT_EQ(text_of("[::1]"), "[::1]:1234");
+    EXPECT_EQ(text_of("[2001:db8::5]:65535"), "[2001:db8::5]:65535");
+}
+
+TEST(Resolve, UsesTheRobotsPortWhereNoneIsGiven) {
+    roburoc4_address address{};
+    ASSERT_EQ(roburoc4_udp_resolve(ROBUROC4_DEFAULT_HOST, 0, &address), ROBUROC4_OK);
+    EXPECT_EQ(address.port, ROBUROC4_DEFAULT_PORT);
+    EXPECT_EQ(address.family, 4);
+}
+
+TEST(Resolve, RefusesTextsThatAreNoAddress) {
+    for (const char *text :
+         {"", ":60000", "host:", "host:0", "host:65536", "host:100000", "host:-1", "host:6x", "[]",
+          "[::1", "[::1]60000", "[::1]:", "[::1]:0", "[host]:1", "a b", " 1.2.3.4", "1.2.3.4\n"}) {
+        roburoc4_address address{};
+        EXPECT_EQ(roburoc4_udp_resolve(text, 1, &address), ROBUROC4_ERR_ARGUMENT) << text;
+        EXPECT_EQ(address.family, 0) << text;
+    }
+    roburoc4_address address{};
+    EXPECT_EQ(roburoc4_udp_resolve(nullptr, 1, &address), ROBUROC4_ERR_ARGUMENT);
+    EXPECT_EQ(roburoc4_udp_resolve(std::string(256, 'a').c_str(), 1, &address),
+              ROBUROC4_ERR_ARGUMENT);
+}
+
+TEST(Resolve, NamesTheLackOfAnAddress) {
+    roburoc4_address address{};
+    EXPECT_EQ(roburoc4_udp_resolve("no..such..name", 1, &address), ROBUROC4_ERR_RESOLVE);
+    EXPECT_EQ(address.family, 0);
+}
+
+TEST(AddressText, NeedsRoomForItsNul) {
+    roburoc4_address address = address_of(80);
+    char text[ROBUROC4_ADDRESS_TEXT_SIZE];
+    EXPECT_EQ(roburoc4_address_text(&address, text, sizeof text), 12);
+    EXPECT_EQ(roburoc4_address_text(&address, text, 13), 12);
+    EXPECT_EQ(roburoc4_address_text(&address, text, 12), ROBUROC4_ERR_BUFFER);
+    address.family = 5;
+    EXPECT_EQ(roburoc4_address_text(&address, text, sizeof text), ROBUROC4_ERR_ARGUMENT);
+}
+
+TEST(AddressText, ShowsTheZoneOfALinkLocalAddress) {
+    roburoc4_address address{};
+    address.family = 6;
+    address.ip[0] = 0xFE;
+    address.ip[1] = 0x80;
+    address.ip[15] = 1;
+    address.scope = 4294967295u;
+    address.port = 60000;
+    char text[ROBUROC4_ADDRESS_TEXT_SIZE];
+    ASSERT_GT(roburoc4_address_text(&address, text, sizeof text), 0);
+    EXPECT_STREQ(text, "[fe80::1%4294967295]:60000");
+}
+
+TEST(Clock, NeverGoesBackAndGoesOn) {
+    uint64_t first = roburoc4_udp_now_us(), last = first;
+    ASSERT_TRUE(eventually([&] {
+        uint64_t now = roburoc4_udp_now_us();
+        EXPECT_GE(now, last);
+        last = now;
+        return now >= first + 20000;
+    }));
+}
+
+/* ---------------------------------------------------------------------------- open, close --- */
+
+TEST(Udp, RefusesAnotherStructSizeAndBadAddresses) {
+    roburoc4_udp udp{};
+    roburoc4_address address = address_of(1);
+    EXPECT_EQ(roburoc4_udp_size(), sizeof udp);
+    EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp - 8, &address), ROBUROC4_ERR_SIZE);
+    EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp, nullptr), ROBUROC4_ERR_ARGUMENT);
+    address.port = 0;
+    EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp, &address), ROBUROC4_ERR_ARGUMENT);
+    address.port = 1;
+    address.family = 0;
+    EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp, &address), ROBUROC4_ERR_ARGUMENT);
+    address.family = 6;
+    address.ip[0] = 0xFE;
+    address.ip[1] = 0x80;
+    EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp, &address), ROBUROC4_ERR_ARGUMENT)
+        << "a link-local address says nothing without its zone";
+    EXPECT_EQ(roburoc4_udp_fd(&udp), -1);
+}
+
+TEST(Udp, SaysWhyTheSystemRefusesAnAddress) {
+    roburoc4_udp udp{};
+    roburoc4_address broadcast{};
+    ASSERT_EQ(roburoc4_udp_resolve("255.255.255.255:60000", 0, &broadcast), ROBUROC4_OK);
+    EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp, &broadcast), ROBUROC4_ERR_SYSTEM);
+    EXPECT_EQ(roburoc4_udp_fault(&udp), uint32_t{ROBUROC4_FAULT_DENIED});
+    EXPECT_EQ(roburoc4_udp_system_error(&udp), EACCES);
+    EXPECT_EQ(roburoc4_udp_close(&udp), ROBUROC4_ERR_CLOSED);
+}
+
+TEST(Udp, IsClosedOnceAndForAll) {
+    Socket robot;
+    Link link(robot.address());
+    const uint8_t *datagram;
+    size_t size;
+    roburoc4_address address{};
+    EXPECT_EQ(roburoc4_udp_address(&link.udp, &address), ROBUROC4_OK);
+    EXPECT_EQ(address.port, robot.port());
+    EXPECT_EQ(roburoc4_udp_close(&link.udp), ROBUROC4_OK);
+    EXPECT_EQ(roburoc4_udp_close(&link.udp), ROBUROC4_ERR_CLOSED);
+    EXPECT_EQ(roburoc4_udp_fd(&link.udp), -1);
+    EXPECT_EQ(roburoc4_udp_address(&link.udp, &address), ROBUROC4_ERR_CLOSED);
+    EXPECT_EQ(link.wait(1000000), ROBUROC4_ERR_CLOSED);
+    EXPECT_EQ(roburoc4_udp_receive_one(&link.udp, &link.client, &datagram, &size),
+              ROBUROC4_ERR_CLOSED);
+    EXPECT_EQ(roburoc4_udp_receive_all(&link.udp, &link.client), ROBUROC4_ERR_CLOSED);
+    EXPECT_EQ(roburoc4_udp_transmit_all(&link.udp, &link.client), ROBUROC4_ERR_CLOSED);
+}
+
+TEST(Udp, ReportsASocketThatSomebodyElseClosed) {
+    Socket robot;
+    Link link(robot.address(), false);
+    ASSERT_EQ(close(static_cast<int>(roburoc4_udp_fd(&link.udp))), 0);
+    EXPECT_EQ(link.wait(1000000), ROBUROC4_ERR_SYSTEM);
+    EXPECT_EQ(roburoc4_udp_receive_one(&link.udp, &link.client, nullptr, nullptr),
+              ROBUROC4_ERR_SYSTEM);
+    EXPECT_EQ(roburoc4_udp_system_error(&link.udp), EBADF);
+}
+
+TEST(Udp, IsNotInheritedByOtherPrograms) {
+    Socket robot;
+    Link link(robot.address());
+    EXPECT_EQ(fcntl(static_cast<int>(roburoc4_udp_fd(&link.udp)), F_GETFD) & FD_CLOEXEC,
+              FD_CLOEXEC);
+}
+
+/* ---------------------------------------------------------------------- sending, receiving --- */
+
+TEST(Udp, AsksForTheDirectoryOnTheFirstWait) {
+    Socket robot;
+    Link link(robot.address());
+    EXPECT_EQ(link.wait(0), 0);
+    Received request = robot.receive(5000);
+    ASSERT_EQ(request.bytes.size(), 4u);
+    EXPECT_EQ(request.bytes[1], ROBUROC4_ACTION_GET);
+    EXPECT_EQ(request.from.sin_port, link.seen_from().sin_port);
+    EXPECT_EQ(link.udp_count(ROBUROC4_UDP_COUNT_SENT), 1u);
+}
+
+TEST(Udp, ReturnsHowManyDatagramsWereUsed) {
+    Socket robot;
+    Link link(robot.address());
+    link.wait(0);
+    Received request = robot.receive(5000);
+    ASSERT_FALSE(request.bytes.empty());
+    robot.send(request.from, directory_answer(request.bytes[0]));
+    EXPECT_EQ(link.wait(5000000), 1);
+    EXPECT_EQ(roburoc4_client_service_count(&link.client), 2u);
+}
+
+TEST(Udp, ShowsEachDatagramThatItReceives) {
+    Socket robot;
+    Link link(robot.address());
+    link.wait(0);
+    Received request = robot.receive(5000);
+    ASSERT_FALSE(request.bytes.empty());
+    std::vector<uint8_t> answer = directory_answer(request.bytes[0]);
+    robot.send(request.from, answer);
+    robot.send(request.from, answer);
+    const uint8_t *datagram = nullptr;
+    size_t size = 0;
+    EXPECT_EQ(roburoc4_udp_receive_one(&link.udp, &link.client, &datagram, &size),
+              ROBUROC4_UDP_USED);
+    EXPECT_EQ(std::vector<uint8_t>(datagram, datagram + size), answer);
+    EXPECT_EQ(roburoc4_udp_receive_one(&link.udp, &link.client, nullptr, nullptr),
+              ROBUROC4_UDP_DROPPED)
+        << "the same answer a second time";
+    EXPECT_EQ(roburoc4_udp_receive_one(&link.udp, &link.client, &datagram, &size),
+              ROBUROC4_UDP_NOTHING);
+    EXPECT_EQ(size, 0u);
+    EXPECT_EQ(link.udp_count(ROBUROC4_UDP_COUNT_RECEIVED), 2u);
+}
+
+TEST(Udp, LendsItsDescriptorToTheCallersPoll) {
+    Socket robot;
+    Link link(robot.address());
+    link.wait(0);
+    Received request = robot.receive(5000);
+    ASSERT_FALSE(request.bytes.empty());
+    pollfd watched{static_cast<int>(roburoc4_udp_fd(&link.udp)), POLLIN, 0};
+    EXPECT_EQ(poll(&watched, 1, 0), 0);
+    robot.send(request.from, directory_answer(request.bytes[0]));
+    EXPECT_EQ(poll(&watched, 1, 5000), 1);
+    EXPECT_EQ(roburoc4_udp_receive_all(&link.udp, &link.client), 1);
+    EXPECT_EQ(poll(&watched, 1, 0), 0);
+}
+
+TEST(Udp, SurvivesGarbageOfEveryLength) {
+    Socket robot;
+    Link link(robot.address());
+    uint32_t state = 1;
+    for (size_t size = 0; size < 300; size++) {
+        std::vector<uint8_t> garbage(size);
+        for (uint8_t &byte : garbage) {
+            state = state * 1664525u + 1013904223u;
+            byte = static_cast<uint8_t>(state >> 24);
+        }
+        robot.send(link.seen_from(), garbage);
+        ASSERT_GE(link.wait(0), 0);
+    }
+    ASSERT_TRUE(eventually([&] {
+        link.wait(1000);
+        return link.udp_count(ROBUROC4_UDP_COUNT_RECEIVED) == 300;
+    }));
+    EXPECT_EQ(roburoc4_client_count(&link.client, ROBUROC4_COUNT_RECEIVED), 300u);
+    EXPECT_EQ(roburoc4_client_state(&link.client), uint32_t{ROBUROC4_STATE_CONNECTING});
+}
+
+TEST(Udp, ThrowsOversizedDatagramsAwayAndTakesTheNext) {
+    Socket robot;
+    Link link(robot.address(), false);
+    robot.send(link.seen_from(), std::vector<uint8_t>(ROBUROC4_UDP_MAX_RECEIVE + 1));
+    robot.send(link.seen_from(), std::vector<uint8_t>(60000));
+    robot.send(link.seen_from(), std::vector<uint8_t>(ROBUROC4_UDP_MAX_RECEIVE));
+    size_t size = 0;
+    ASSERT_TRUE(eventually([&] {
+        return roburoc4_udp_receive_one(&link.udp, &link.client, nullptr, &size) ==
+               ROBUROC4_UDP_DROPPED;
+    }));
+    EXPECT_EQ(size, size_t{ROBUROC4_UDP_MAX_RECEIVE});
+    EXPECT_EQ(link.udp_count(ROBUROC4_UDP_COUNT_OVERSIZED), 2u);
+    EXPECT_EQ(link.udp_count(ROBUROC4_UDP_COUNT_RECEIVED), 1u);
+}
+
+TEST(Udp, HearsNobodyButTheRobotsAddressAndPort) {
+    Socket robot;
+    Socket same_host;
+    Socket same_port(robot.port(), "127.0.0.2");
+    Link link(robot.address());
+    link.wait(0);
+    Received request = robot.receive(5000);
+    ASSERT_FALSE(request.bytes.empty());
+    std::vector<uint8_t> answer = directory_answer(request.bytes[0]);
+    for (int i = 0; i < 50; i++) {
+        same_host.send(request.from, answer);
+        same_port.send(request.from, answer);
+        link.wait(1000);
+    }
+    EXPECT_EQ(link.udp_count(ROBUROC4_UDP_COUNT_RECEIVED), 0u);
+    EXPECT_EQ(roburoc4_client_count(&link.client, ROBUROC4_COUNT_RECEIVED), 0u);
+    EXPECT_EQ(roburoc4_client_service_count(&link.client), 0u);
+
+    robot.send(request.from, answer); /* the very same bytes, from the robot itself */
+    ASSERT_TRUE(eventually([&] {
+        link.wait(1000);
+        return link.udp_count(ROBUROC4_UDP_COUNT_RECEIVED) == 1;
+    }));
+    EXPECT_EQ(roburoc4_client_count(&link.client, ROBUROC4_COUNT_RECEIVED), 1u);
+}
+
+/* ------------------------------------------------------------------------- absent robots --- */
+
+TEST(AbsentRobot, IsRetriedAtTheClientsPaceWithoutSpinning) {
+    Link link(address_of(free_port()));
+    double cpu_before = cpu_seconds();
+    uint64_t until_us = roburoc4_udp_now_us() + 2000000;
+    int returns = 0;
+    while (roburoc4_udp_now_us() < until_us) {
+        ASSERT_EQ(link.wait(500000), 0);
+        returns++;
+    }
+    EXPECT_LT(returns, 60);
+    EXPECT_LT(cpu_seconds() - cpu_before, 1.0);
+    EXPECT_GE(link.udp_count(ROBUROC4_UDP_COUNT_SENT), 3u);
+    EXPECT_GE(link.udp_count(ROBUROC4_UDP_COUNT_REFUSED), 2u);
+    EXPECT_EQ(link.udp_count(ROBUROC4_UDP_COUNT_DROPPED), 0u)
+        << "the report of an earlier refusal does not cost the next datagram";
+    EXPECT_EQ(roburoc4_udp_fault(&link.udp), uint32_t{ROBUROC4_FAULT_REFUSED});
+    EXPECT_EQ(roburoc4_udp_system_error(&link.udp), ECONNREFUSED);
+    EXPECT_EQ(roburoc4_client_state(&link.client), uint32_t{ROBUROC4_STATE_CONNECTING});
+}
+
+TEST(AbsentRobot, IsFoundWhenItsServerStartsAndStartsAgain) {
+    uint16_t port = free_port();
+    Link link(address_of(port));
+    ASSERT_TRUE(eventually([&] {
+        link.wait(100000);
+        return roburoc4_udp_fault(&link.udp) == ROBUROC4_FAULT_REFUSED;
+    }));
+    for (int life = 0; life < 2; life++) {
+        Socket robot(port);
+        Received request;
+        ASSERT_TRUE(eventually([&] {
+            link.wait(100000);
+            request = robot.receive(0);
+            return !request.bytes.empty();
+        }));
+        robot.send(request.from, {0x00});
+        ASSERT_TRUE(eventually([&] {
+            link.wait(100000);
+            return roburoc4_udp_fault(&link.udp) == ROBUROC4_FAULT_NONE;
+        })) << "a datagram of the robot ends the fault";
+        EXPECT_EQ(roburoc4_udp_system_error(&link.udp), 0);
+    }
+}
+
+TEST(AbsentRobot, HasATextForEveryFault) {
+    for (uint32_t fault = 0; fault <= ROBUROC4_FAULT_OTHER; fault++) {
+        EXPECT_STRNE(roburoc4_udp_fault_text(fault), "unknown fault");
+    }
+    EXPECT_STREQ(roburoc4_udp_fault_text(0), "no fault");
+    EXPECT_STREQ(roburoc4_udp_fault_text(ROBUROC4_FAULT_OTHER + 1), "unknown fault");
+}
+
+/* ---------------------------------------------------------------------------------- floods --- */
+
+TEST(Flood, IsTakenInBurstsOfBoundedLength) {
+    Socket robot;
+    Link link(robot.address(), false);
+    for (int i = 0; i < 150; i++) {
+        robot.send(link.seen_from(), {0x01});
+    }
+    EXPECT_EQ(roburoc4_udp_receive_all(&link.udp, &link.client), 0);
+    EXPECT_EQ(link.udp_count(ROBUROC4_UDP_COUNT_RECEIVED), uint32_t{ROBUROC4_UDP_BURST});
+    roburoc4_udp_receive_all(&link.udp, &link.client);
+    roburoc4_udp_receive_all(&link.udp, &link.client);
+    EXPECT_EQ(link.udp_count(ROBUROC4_UDP_COUNT_RECEIVED), 150u);
+}
+
+TEST(Flood, DoesNotHoldBackWhatIsDue) {
+    Socket robot;
+    Link link(robot.address());
+    sockaddr_in to = link.seen_from();
+    std::atomic<bool> flooding{true};
+    std::thread flood([&] {
+        while (flooding) {
+            robot.send(to, {0x01, 0x02, 0x03});
+        }
+    });
+    uint64_t until_us = roburoc4_udp_now_us() + 1500000;
+    while (roburoc4_udp_now_us() < until_us) {
+        link.wait(500000);
+    }
+    flooding = false;
+    flood.join();
+    /* 100 ms, doubling: the first and at least two retries fit. */
+    EXPECT_GE(link.udp_count(ROBUROC4_UDP_COUNT_SENT), 3u);
+    EXPECT_GT(link.udp_count(ROBUROC4_UDP_COUNT_RECEIVED), 1000u);
+}
+
+/* --------------------------------------------------------------------------------- waiting --- */
+
+TEST(Wait, LastsAsLongAsItWasTold) {
+    Socket robot;
+    Link link(robot.address(), false);
+    uint64_t before_us = roburoc4_udp_now_us();
+    EXPECT_EQ(link.wait(30000), 0);
+    uint64_t took_us = roburoc4_udp_now_us() - before_us;
+    EXPECT_GE(took_us, 29000u);
+    EXPECT_LT(took_us, 5000000u);
+}
+
+TEST(Wait, EndsAtTheClientsDeadline) {
+    Socket robot;
+    Link link(robot.address());
+    link.wait(0);
+    ASSERT_EQ(link.udp_count(ROBUROC4_UDP_COUNT_SENT), 1u);
+    uint64_t before_us = roburoc4_udp_now_us();
+    while (link.udp_count(ROBUROC4_UDP_COUNT_SENT) < 2) {
+        ASSERT_EQ(link.wait(UINT32_MAX), 0);
+    }
+    EXPECT_LT(roburoc4_udp_now_us() - before_us, 5000000u) << "the first retry is due after 100 ms";
+}
+
+void ignore_signal(int) {}
+
+TEST(Wait, EndsWhenASignalHandlerRan) {
+    Socket robot;
+    Link link(robot.address(), false);
+    struct sigaction action {
+    }, before{};
+    action.sa_handler = ignore_signal;
+    action.sa_flags = SA_RESTART;
+    ASSERT_EQ(sigaction(SIGALRM, &action, &before), 0);
+    itimerval soon{};
+    soon.it_value.tv_usec = 50000;
+    soon.it_interval.tv_usec = 50000; /* again, should the first come before the wait */
+    ASSERT_EQ(setitimer(ITIMER_REAL, &soon, nullptr), 0);
+    uint64_t before_us = roburoc4_udp_now_us();
+    EXPECT_EQ(link.wait(60000000), 0);
+    EXPECT_LT(roburoc4_udp_now_us() - before_us, 20000000u);
+    itimerval never{};
+    setitimer(ITIMER_REAL, &never, nullptr);
+    sigaction(SIGALRM, &before, nullptr);
+}
+
+} // namespace
