@@ -173,11 +173,15 @@ static void advance(client *c, uint64_t now_us) {
         if (d->service_ids[ROBUROC4_SERVICE_DIFFERENTIAL] != c->private_drive.service) {
             roburoc4_drive_service(&c->private_drive, false, 0);
         }
+        if ((d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0) {
+            memset(c->private_values.io_counts, 0, sizeof c->private_values.io_counts);
+            c->private_values.override_known = 0;
+        }
     }
     if (c->private_state == ROBUROC4_STATE_DISCOVERING && d->identified &&
         (d->listed & ~(uint32_t)(d->known | d->refused)) == 0) {
         if ((d->known & service_bit(ROBUROC4_SERVICE_DIFFERENTIAL)) == 0) {
-            roburoc4_drive_service(&c->private_drive, false, 0);
+            roburoc4_drive_service(&c->private_drive, false, c->private_drive.service);
         }
         roburoc4_client_enter(c, ROBUROC4_STATE_SUBSCRIBING, now_us);
     }

@@ -33,6 +33,9 @@ void roburoc4_client_enter(client *c, uint32_t state, uint64_t now_us) {
         raise_event(c, ROBUROC4_EVENT_STATE);
         raise_event(c, state == ROBUROC4_STATE_READY ? ROBUROC4_EVENT_READY : 0);
     }
+    if (state != ROBUROC4_STATE_READY) {
+        c->private_outputs.repeats = 0; /* what is an IO card, and of what size, is to be seen */
+    }
     c->private_discovery.phase_us = now_us;
 }
 
@@ -43,10 +46,10 @@ size_t roburoc4_client_size(void) {
 /* ---- life ---- */
 
 roburoc4_result roburoc4_client_init(client *c, size_t client_size, const roburoc4_config *config) {
+    memset(c, 0, client_size < sizeof *c ? client_size : sizeof *c); /* idle, should it be used */
     if (client_size != sizeof *c) {
         return ROBUROC4_ERR_SIZE;
     }
-    memset(c, 0, sizeof *c);
     roburoc4_config_init(&c->private_config, sizeof c->private_config);
     if (config != NULL) {
         if (roburoc4_config_error(config) != NULL) {
@@ -66,8 +69,9 @@ static void connect(client *c, uint32_t state, uint64_t now_us) {
     roburoc4_requests_clear(&c->private_requests);
     roburoc4_link_restart(&c->private_link);
     c->private_values.override_known = 0;
-    c->private_outputs.repeats = 0;
-    c->private_outputs.relocalizing = 0;
+    if (c->private_outputs.relocalizing) {
+        roburoc4_client_relocalize_ends(c, ROBUROC4_ERR_TIMEOUT);
+    }
     roburoc4_client_enter(c, state, now_us);
 }
 
@@ -89,6 +93,7 @@ roburoc4_result roburoc4_client_start(client *c, uint64_t now_us) {
             (uint8_t)(c->private_config.period_ms[i + ROBUROC4_SERVICE_IOCARD] / 10);
     }
     c->private_link.last_used_us = now_us;
+    c->private_requests.suspect = 0; /* it may be another robot */
     roburoc4_drive_start(&c->private_drive, now_us);
     connect(c, ROBUROC4_STATE_CONNECTING, now_us);
     return ROBUROC4_OK;
@@ -289,6 +294,9 @@ uint64_t roburoc4_client_next_deadline(const client *c) {
     if (c->private_state == ROBUROC4_STATE_READY &&
         roburoc4_requests_free(&c->private_requests, 0)) {
         sooner(&deadline, d->probe_us + PROBE_US);
+    }
+    if (c->private_outputs.relocalizing) {
+        sooner(&deadline, c->private_outputs.relocalize_us + RELOCALIZE_US);
     }
     if (c->private_outputs.repeats > 0) {
         sooner(&deadline, c->private_outputs.sent_us + OUTPUT_PAUSE_US);

@@ -39,6 +39,9 @@ roburoc4_result roburoc4_client_disarm(client *c, uint64_t now_us) {
 
 roburoc4_result roburoc4_client_drive(client *c, float linear_m_s, float angular_rad_s,
                                       uint32_t lease_us, uint64_t now_us) {
+    if (c->private_size != sizeof *c) {
+        return ROBUROC4_ERR_STATE;
+    }
     if (!finite_f32_bits(bits_from_f32(linear_m_s)) ||
         !finite_f32_bits(bits_from_f32(angular_rad_s))) {
         return ROBUROC4_ERR_NOT_FINITE;

@@ -68,6 +68,16 @@ static uint8_t kind_of_type(uint16_t type) {
     }
 }
 
+bool roburoc4_discovery_may_drive(const discovery *d, uint16_t id) {
+    for (uint32_t i = 0; i < d->service_count; i++) {
+        const uint8_t kind = kind_of_type(d->types[i]);
+        if (d->ids[i] == id && (kind == CLAIM_NONE || kind == ROBUROC4_SERVICE_DIFFERENTIAL)) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /** How well element i stands for a service: by type 3, by text 2, by the manual's id 1, not 0. */
 static uint32_t claim_strength(const discovery *d, uint32_t i, uint32_t kind) {
     const uint8_t type = kind_of_type(d->types[i]);

@@ -105,11 +105,16 @@ void roburoc4_drive_stop(drive *d) {
 }
 
 void roburoc4_drive_service(drive *d, bool known, uint16_t id) {
+    if (!known && id == d->service) {
+        leave(d); /* it is still there: the last that it hears must be zero */
+    } else if (!known) {
+        d->leased = 0;
+        d->spoke = 0;
+        d->train = 0; /* there is nobody to send it to */
+    }
     d->known = known;
     d->service = id;
-    if (!known) {
-        d->train = 0; /* there is nobody to send it to */
-    } else if (d->stop_latched) {
+    if (known && d->stop_latched) {
         d->stop_latched = 0;
         begin_train(d);
     }
@@ -177,12 +182,16 @@ roburoc4_result roburoc4_drive_grant(drive *d, const roburoc4_config *config, fl
     if (!d->armed) {
         return d->disarm_cause;
     }
-    d->changed = !d->leased || d->linear != linear || d->angular != angular;
+    linear = clamp(linear, -INPUT_BOUND, INPUT_BOUND);
+    angular = clamp(angular, -INPUT_BOUND, INPUT_BOUND);
+    if (!d->leased || d->linear != linear || d->angular != angular) {
+        d->changed = 1; /* until it has left, however often it is renewed before */
+    }
     d->leased = 1;
     d->granted_us = now_us;
     d->lease_us = lease_us;
-    d->linear = clamp(linear, -INPUT_BOUND, INPUT_BOUND);
-    d->angular = clamp(angular, -INPUT_BOUND, INPUT_BOUND);
+    d->linear = linear;
+    d->angular = angular;
     return ROBUROC4_OK;
 }
 
@@ -240,8 +249,8 @@ static void widen_envelope(drive *d, float linear, float angular) {
 static void age_envelope(drive *d, uint64_t window_us, uint64_t now_us) {
     if (now_us - d->envelope_us >= window_us) {
         memcpy(d->envelope_before, d->envelope, sizeof d->envelope);
-        memset(d->envelope, 0, sizeof d->envelope);
-        widen_envelope(d, d->sent_linear, d->sent_angular);
+        d->envelope[0] = d->envelope[1] = d->sent_linear;
+        d->envelope[2] = d->envelope[3] = d->sent_angular;
         d->envelope_us = now_us;
     }
 }
@@ -251,8 +260,24 @@ static bool train_ended(const drive *d, const roburoc4_config *config, uint64_t 
            (d->confirmed || now_us - d->train_us >= config->robot_watchdog_ms * MS);
 }
 
+/** Until the next command. The first zero of a train interrupts a speed at once; half of a short
+ *  lease, so that it is repeated at all. */
+static uint64_t pause_us(const drive *d, const roburoc4_config *config) {
+    const uint64_t period_us = config->drive_period_ms * MS;
+    if (d->train && d->zeros == 0) {
+        return d->sent_linear == 0 && d->sent_angular == 0 ? SPACING_US : 0;
+    }
+    if (d->train) {
+        return period_us;
+    }
+    if (d->changed) {
+        return SPACING_US;
+    }
+    return d->lease_us / 2 < period_us ? d->lease_us / 2 : period_us;
+}
+
 static bool poll_train(drive *d, const roburoc4_config *config, uint64_t now_us) {
-    if (d->zeros > 0 && now_us - d->sent_us < config->drive_period_ms * MS) {
+    if (now_us - d->sent_us < pause_us(d, config)) {
         return false;
     }
     if (d->zeros == 0) {
@@ -262,18 +287,6 @@ static bool poll_train(drive *d, const roburoc4_config *config, uint64_t now_us)
         d->zeros++;
     }
     return true;
-}
-
-/** Between two commands of a lease: half of a short one, so that it is repeated at all. */
-static uint64_t pause_us(const drive *d, const roburoc4_config *config) {
-    const uint64_t period_us = config->drive_period_ms * MS;
-    if (d->train) {
-        return period_us;
-    }
-    if (d->changed) {
-        return SPACING_US;
-    }
-    return d->lease_us / 2 < period_us ? d->lease_us / 2 : period_us;
 }
 
 bool roburoc4_drive_poll(drive *d, const roburoc4_config *config, const float *limits,
@@ -312,7 +325,7 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config, const float *l
 uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config) {
     const uint64_t next = d->sent_us + pause_us(d, config);
     if (d->train) {
-        return d->zeros == 0 || d->confirmed ? 0 : next;
+        return d->confirmed ? 0 : next;
     }
     if (!d->leased) {
         return UINT64_MAX;
@@ -323,12 +336,14 @@ uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config) 
 
 /* ---- what the robot reports ---- */
 
+/** Whether a reported target is ours or zero: between the least and the most that was sent lately.
+ */
 static bool within(float value, const drive *d, uint32_t i) {
     const float low =
         d->envelope[i] < d->envelope_before[i] ? d->envelope[i] : d->envelope_before[i];
     const float high = d->envelope[i + 1] > d->envelope_before[i + 1] ? d->envelope[i + 1]
                                                                       : d->envelope_before[i + 1];
-    return value >= low - TARGET_TOLERANCE && value <= high + TARGET_TOLERANCE;
+    return value == 0 || (value >= low - TARGET_TOLERANCE && value <= high + TARGET_TOLERANCE);
 }
 
 static void watch_foreign(drive *d, const roburoc4_config *config, bool ours, uint32_t *events) {
@@ -382,19 +397,19 @@ static void watch_inhibited(drive *d, const float *speeds, bool overridden, uint
 void roburoc4_drive_status(drive *d, const roburoc4_config *config, const float *speeds,
                            bool overridden, uint64_t now_us, uint32_t *events) {
     age_envelope(d, config->robot_watchdog_ms * MS, now_us);
+    const bool ours = all_finite(speeds + TARGET_LINEAR, 1) &&
+                      all_finite(speeds + TARGET_ANGULAR, 1) &&
+                      within(speeds[TARGET_LINEAR], d, 0) && within(speeds[TARGET_ANGULAR], d, 2);
     if (!all_finite(speeds, 4)) {
         d->moving = 1;
-        watch_foreign(d, config, overridden, events);
+        watch_foreign(d, config, overridden || ours, events);
         return;
     }
     const bool zero = speeds[TARGET_LINEAR] == 0 && speeds[TARGET_ANGULAR] == 0;
     d->moving = !zero || magnitude(speeds[CURRENT_LINEAR]) > STANDING_LINEAR_M_S ||
                 magnitude(speeds[CURRENT_ANGULAR]) > STANDING_ANGULAR_RAD_S;
     d->confirmed = d->confirmed || (zero && d->zeros >= TRAIN_ZEROS);
-    watch_foreign(d, config,
-                  overridden ||
-                      (within(speeds[TARGET_LINEAR], d, 0) && within(speeds[TARGET_ANGULAR], d, 2)),
-                  events);
+    watch_foreign(d, config, overridden || ours, events);
     watch_inhibited(d, speeds, overridden, now_us, events);
 }
 

@@ -39,9 +39,13 @@ void roburoc4_link_restart(link *l) {
     l->round_trip_min_us = 0;
 }
 
-static bool restarted(link *l, uint64_t robot_cycles) {
+static bool restarted(link *l, const service *s, uint64_t robot_cycles, uint64_t now_us) {
+    const bool renewed = s->inserted_us > s->received_us && now_us - s->received_us >= SECOND;
     if (robot_cycles < l->newest_cycles && l->resubscribed) {
         return true;
+    }
+    if (renewed && s->seen != 0 && robot_cycles < s->robot_cycles) {
+        return true; /* the first of a service that fell silent and was subscribed to anew */
     }
     l->back_count = robot_cycles + BACK_CYCLES < l->newest_cycles ? l->back_count + 1U : 0;
     return l->back_count >= BACK_STATUSES;
@@ -60,7 +64,16 @@ static void late(service *s, uint64_t robot_cycles) {
         s->seen |= bit;
         s->lost--;
         s->recent_lost -= s->recent_lost > 0;
+        s->recent_received++; /* it did arrive */
     }
+}
+
+/** All gaps were longer than the period: what they seemed to lose was never sent. */
+static void revoke_losses(service *s) {
+    const uint32_t steps = (s->gap_min + s->period_cycles / 2U) / s->period_cycles;
+    const uint32_t wrong = (steps - 1) * (PERIOD_GAPS - 1);
+    s->lost -= wrong < s->lost ? wrong : s->lost;
+    s->recent_lost -= wrong < s->recent_lost ? wrong : s->recent_lost;
 }
 
 static void learn_period(service *s, uint16_t gap) {
@@ -68,6 +81,9 @@ static void learn_period(service *s, uint16_t gap) {
         s->gap_min = gap;
     }
     if (++s->gap_count >= PERIOD_GAPS || s->gap_min < s->period_cycles) {
+        if (s->gap_min > s->period_cycles) {
+            revoke_losses(s);
+        }
         s->period_cycles = s->gap_min;
         s->gap_min = UINT16_MAX;
         s->gap_count = 0;
@@ -120,7 +136,7 @@ static void map_clock(link *l, uint64_t robot_cycles, uint64_t now_us) {
 
 verdict roburoc4_link_status(link *l, uint32_t index, uint64_t robot_cycles, uint64_t now_us) {
     service *s = &l->services[index];
-    if (restarted(l, robot_cycles)) {
+    if (restarted(l, s, robot_cycles, now_us)) {
         return VERDICT_REBOOT;
     }
     if (s->seen != 0 && robot_cycles <= s->robot_cycles) {

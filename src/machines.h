@@ -119,7 +119,8 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config, const float *l
 /** A differential status: targets and currents, as in roburoc4_private_values.speeds. */
 void roburoc4_drive_status(drive *d, const roburoc4_config *config, const float *speeds,
                            bool overridden, uint64_t now_us, uint32_t *events);
-/** The differential service has this id and full properties, or (known false) there is none. */
+/** The differential service has this id and full properties, or (known false) none that can be
+ *  driven: with the id of before its zero train is still sent, with another one nothing is. */
 void roburoc4_drive_service(drive *d, bool known, uint16_t id);
 uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config);
 void roburoc4_drive_rebase(drive *d, uint64_t now_us);
@@ -140,6 +141,8 @@ void roburoc4_discovery_restart(discovery *d);
 bool roburoc4_discovery_same(const discovery *d, const roburoc4_directory *directory);
 /** Store the directory; true if it had more services than can be stored. */
 bool roburoc4_discovery_directory(discovery *d, const roburoc4_directory *directory);
+/** Whether the directory lists this id for what may be the differential service. */
+bool roburoc4_discovery_may_drive(const discovery *d, uint16_t id);
 /** Which service each id is; true if that changed. */
 bool roburoc4_discovery_identify(discovery *d);
 /** A text came for an element of the directory, or (io_type 0 to 3) a channel. True if an input of

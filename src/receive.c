@@ -85,11 +85,16 @@ static roburoc4_result take_directory(client *c, const uint8_t *data, size_t siz
         return result;
     }
     if (!same) {
-        roburoc4_drive_interrupt(&c->private_drive, &c->private_config, ROBUROC4_ERR_NOT_READY,
-                                 &c->private_events);
+        if (connected(c)) { /* else driving was left before, and for what cause is known */
+            roburoc4_drive_interrupt(&c->private_drive, &c->private_config, ROBUROC4_ERR_NOT_READY,
+                                     &c->private_events);
+        }
         roburoc4_discovery_clear(d);
         if (roburoc4_discovery_directory(d, &directory)) {
             raise_event(c, ROBUROC4_EVENT_CAPACITY);
+        }
+        if (!roburoc4_discovery_may_drive(d, c->private_drive.service)) {
+            roburoc4_drive_service(&c->private_drive, false, 0);
         }
         raise_event(c, ROBUROC4_EVENT_PROPERTIES);
     }
@@ -107,7 +112,10 @@ static roburoc4_result override_index(const client *c) {
 static void take_text(client *c, const slot *s, const roburoc4_text *text, uint64_t now_us) {
     discovery *d = &c->private_discovery;
     const roburoc4_result before = override_index(c);
-    if (roburoc4_discovery_text(d, s->detail, s->subject, text->text, text->length)) {
+    if (s->detail != LIST_DIRECTORY && c->private_requests.fixed_id) {
+        /* with one id for all, a late text may be another channel's: no input is chosen by it */
+        roburoc4_discovery_described(d, s->detail, s->subject);
+    } else if (roburoc4_discovery_text(d, s->detail, s->subject, text->text, text->length)) {
         raise_event(c, ROBUROC4_EVENT_ROLE);
     }
     if (override_index(c) != before) {
@@ -134,7 +142,7 @@ void roburoc4_client_fail(client *c, const slot *s, roburoc4_result why) {
     case ROBUROC4_ACTION_GET:
         d->refused |= service_bit(s->kind);
         if (s->kind == ROBUROC4_SERVICE_DIFFERENTIAL && why != ROBUROC4_ERR_TIMEOUT) {
-            roburoc4_drive_service(&c->private_drive, false, 0);
+            roburoc4_drive_service(&c->private_drive, false, c->private_drive.service);
         }
         break;
     case ROBUROC4_ACTION_QUERY:

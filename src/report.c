@@ -250,7 +250,7 @@ roburoc4_result roburoc4_client_facts(const client *c, uint64_t now_us, roburoc4
     out->front_bumper = input_of_role(c, ROBUROC4_ROLE_FRONT_BUMPER);
     out->rear_bumper = input_of_role(c, ROBUROC4_ROLE_REAR_BUMPER);
     out->descriptions_done = c->private_discovery.done;
-    out->battery_low = v->battery_low;
+    out->battery_low = v->battery_low != 0;
     out->disarm_cause = d->armed ? ROBUROC4_OK : d->disarm_cause;
     out->arm_refusal = roburoc4_client_arm_refusal(c, now_us);
     out->relocalize_result = c->private_outputs.relocalize_result;

@@ -15,11 +15,17 @@
 #define FIXED_QUIET_US (100 * MS)
 /* Every so many tries to connect, for a robot that answers no other id. */
 #define MANUAL_ID_EVERY 6
+/* So long in vain, and then that id was answered: it may be another robot. */
+#define DOUBT_AFTER (2 * MANUAL_ID_EVERY)
+/* Values of suspect: which ids of ours the robot answered so far. */
+enum { ANSWERED_NONE, ANSWERED_MANUAL_ID, ANSWERED_ANY_ID };
 
 void roburoc4_requests_clear(requests *r) {
     const uint8_t last_id = r->last_id; /* goes on, so that late answers of before do not fit */
+    const bool any_id = r->suspect == ANSWERED_ANY_ID;
     memset(r, 0, sizeof *r);
     r->last_id = last_id;
+    r->suspect = any_id ? ANSWERED_ANY_ID : ANSWERED_NONE;
 }
 
 bool roburoc4_requests_free(const requests *r, uint32_t keep) {
@@ -116,7 +122,7 @@ slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint64_t now_u
             *given_up = s;
             return NULL;
         }
-        if (r->suspect && s->tries >= FIXED_AFTER) {
+        if (r->suspect == ANSWERED_MANUAL_ID && s->tries >= FIXED_AFTER) {
             s = go_to_fixed_id(r, s); /* only 0x01 was ever answered */
         }
         if (s->tries == 0) {
@@ -141,6 +147,18 @@ static bool error_fits(const slot *s, const uint8_t *datagram, size_t size) {
            (size < 4 || (uint16_t)(datagram[2] | datagram[3] << 8) == s->target);
 }
 
+/** A robot that once echoed another id is not one that knows 0x01 only, however much is lost. */
+static void note_answered_id(requests *r, const slot *s) {
+    if (r->fixed_id) {
+        return;
+    }
+    if (s->id != ROBUROC4_HEADER_MANUAL) {
+        r->suspect = ANSWERED_ANY_ID;
+    } else if (r->suspect != ANSWERED_ANY_ID || s->tries >= DOUBT_AFTER) {
+        r->suspect = ANSWERED_MANUAL_ID;
+    }
+}
+
 /** Another try of this request saw only 0x01; true when that is enough to believe it. */
 static bool only_manual_id(slot *s) {
     if ((s->ones & 0x80) == 0) {
@@ -157,7 +175,7 @@ slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size,
             continue;
         }
         if (size >= 5 && datagram[0] == s->id) {
-            r->suspect = !r->fixed_id && s->id == ROBUROC4_HEADER_MANUAL;
+            note_answered_id(r, s);
             return s;
         }
         if (oldest == NULL || now_us - s->sent_us > now_us - oldest->sent_us) {

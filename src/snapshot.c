@@ -8,7 +8,18 @@
 typedef roburoc4_client client;
 typedef roburoc4_private_values values;
 
+/* Bits of battery_low. */
+enum { BATTERY_CRITICAL = 1, BATTERY_BELOW_MINIMUM = 2 };
+
 /* ---- properties in ---- */
+
+/** Store a property; another value than before is an event. */
+static void store(client *c, void *field, const void *value, size_t size) {
+    if (memcmp(field, value, size) != 0) {
+        memcpy(field, value, size);
+        raise_event(c, ROBUROC4_EVENT_PROPERTIES);
+    }
+}
 
 static void exceed(client *c, bool beyond) {
     c->private_events |= beyond ? ROBUROC4_EVENT_CAPACITY : 0;
@@ -24,6 +35,7 @@ static roburoc4_result take_iocard(client *c, const uint8_t *data, size_t size) 
         memset(d->role_texts, 0xFF, sizeof d->role_texts);
         d->done = 0;
         c->private_values.override_known = 0;
+        c->private_outputs.repeats = 0; /* they were set for another card */
         c->private_events |= ROBUROC4_EVENT_PROPERTIES;
         exceed(c, p.analog_inputs > ROBUROC4_MAX_ANALOG_INPUTS ||
                       p.analog_outputs > ROBUROC4_MAX_ANALOG_OUTPUTS ||
@@ -41,11 +53,12 @@ static roburoc4_result take_telemeters(client *c, const uint8_t *data, size_t si
     if (result < 0) {
         return result;
     }
-    v->telemeter_count = (uint8_t)at_most(list.count, ROBUROC4_MAX_TELEMETERS);
+    const uint8_t stored = (uint8_t)at_most(list.count, ROBUROC4_MAX_TELEMETERS);
+    store(c, &v->telemeter_count, &stored, 1);
     exceed(c, list.count > ROBUROC4_MAX_TELEMETERS);
-    for (uint32_t i = 0; i < v->telemeter_count; i++) {
+    for (uint32_t i = 0; i < stored; i++) {
         roburoc4_telemeter_at(&list, i, &telemeter);
-        memcpy(v->telemeters[i], &telemeter, sizeof v->telemeters[i]);
+        store(c, v->telemeters[i], &telemeter, sizeof v->telemeters[i]);
     }
     return result;
 }
@@ -54,9 +67,9 @@ static roburoc4_result take_battery(client *c, const uint8_t *data, size_t size)
     roburoc4_battery_properties p;
     const roburoc4_result result = roburoc4_decode_battery_properties(data, size, &p);
     if (result >= 0) {
-        c->private_values.nominal_voltage_v = p.nominal_voltage_v;
-        c->private_values.capacity_ah = p.capacity_ah;
-        c->private_values.minimum_percent = p.minimum_percent;
+        store(c, &c->private_values.nominal_voltage_v, &p.nominal_voltage_v, sizeof(float));
+        store(c, &c->private_values.capacity_ah, &p.capacity_ah, sizeof(float));
+        store(c, &c->private_values.minimum_percent, &p.minimum_percent, 1);
     }
     return result;
 }
@@ -72,8 +85,10 @@ static roburoc4_result take_localization(client *c, const uint8_t *data, size_t 
     roburoc4_localization_properties p;
     const roburoc4_result result = roburoc4_decode_localization_properties(data, size, &p);
     if (result >= 0) {
-        store_pose(c->private_values.initial_bits, &p.x_m, &p.y_m, &p.theta_rad);
-        c->private_values.initial_flags = p.flags;
+        uint64_t bits[3];
+        store_pose(bits, &p.x_m, &p.y_m, &p.theta_rad);
+        store(c, c->private_values.initial_bits, bits, sizeof bits);
+        store(c, &c->private_values.initial_flags, &p.flags, sizeof p.flags);
     }
     return result;
 }
@@ -82,7 +97,9 @@ static roburoc4_result take_differential(client *c, const uint8_t *data, size_t 
     roburoc4_differential_properties p;
     const roburoc4_result result = roburoc4_decode_differential_properties(data, size, &p);
     if (result >= 0) {
-        memcpy(c->private_values.limits, &p, sizeof c->private_values.limits);
+        float *limits = c->private_values.limits;
+        memcpy(limits, &p, 4 * sizeof *limits); /* the speeds of the moment are no property */
+        store(c, limits + 4, &p.max_linear_m_s, 9 * sizeof *limits);
         roburoc4_drive_service(&c->private_drive, true, p.service);
     }
     return result;
@@ -126,17 +143,16 @@ static void take_inputs(client *c, const roburoc4_iocard_status *status) {
 static void take_charge(client *c, const roburoc4_battery_status *status) {
     values *v = &c->private_values;
     const bool known = (c->private_discovery.known & service_bit(ROBUROC4_SERVICE_BATTERY)) != 0;
-    const bool critical = status->state == ROBUROC4_BATTERY_CRITICAL;
-    const uint8_t low = critical || (known && status->remaining_percent < v->minimum_percent);
-    const bool first =
-        c->private_link.services[STATUS_INDEX(ROBUROC4_SERVICE_BATTERY)].received < 2;
-    if (critical && (first || v->battery_state != ROBUROC4_BATTERY_CRITICAL)) {
-        c->private_events |= ROBUROC4_EVENT_BATTERY_CRITICAL;
+    const uint8_t critical = status->state == ROBUROC4_BATTERY_CRITICAL ? BATTERY_CRITICAL : 0;
+    const uint8_t below =
+        known && status->remaining_percent < v->minimum_percent ? BATTERY_BELOW_MINIMUM : 0;
+    if ((critical & ~v->battery_low) != 0) {
+        raise_event(c, ROBUROC4_EVENT_BATTERY_CRITICAL);
     }
-    if (known && status->remaining_percent < v->minimum_percent && !v->battery_low) {
-        c->private_events |= ROBUROC4_EVENT_BATTERY_LOW;
+    if ((below & ~v->battery_low) != 0) {
+        raise_event(c, ROBUROC4_EVENT_BATTERY_LOW);
     }
-    v->battery_low = low;
+    v->battery_low = critical | below;
     v->battery_state = status->state;
     v->battery_percent = status->remaining_percent;
 }

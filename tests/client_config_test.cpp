@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Configuration: defaults, both ends of every range, errors that name the value; sizes of structs.
+ */
+#include "client_bench.h"
+
+#include <cmath>
+#include <limits>
+
+using namespace roburoc4_tests;
+
+namespace {
+
+using Change = std::function<void(roburoc4_config &)>;
+
+void expect_good(const char *what, const Change &change) {
+    roburoc4_config config = default_config();
+    change(config);
+    const char *error = roburoc4_config_error(&config);
+    EXPECT_EQ(nullptr, error) << what << ": " << (error != nullptr ? error : "");
+    roburoc4_client client;
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_client_init(&client, sizeof client, &config)) << what;
+}
+
+void expect_bad(const char *name, const Change &change) {
+    roburoc4_config config = default_config();
+    change(config);
+    const char *error = roburoc4_config_error(&config);
+    ASSERT_NE(nullptr, error) << name;
+    EXPECT_EQ(0U, std::string(error).find(name)) << "says: " << error;
+    roburoc4_client client;
+    EXPECT_EQ(ROBUROC4_ERR_CONFIG, roburoc4_client_init(&client, sizeof client, &config)) << name;
+}
+
+template <typename T> using Member = T roburoc4_config::*;
+
+void check_range(
+    const char *name, Member<std::uint32_t> member, std::uint32_t low, std::uint32_t high,
+    const Change &with = [](roburoc4_config &) {}) {
+    for (const std::uint32_t value : {low, high})
+        expect_good(name, [&](roburoc4_config &c) {
+            with(c);
+            c.*member = value;
+        });
+    for (const std::uint32_t value : {low - 1, high + 1, UINT32_MAX})
+        expect_bad(name, [&](roburoc4_config &c) {
+            with(c);
+            c.*member = value;
+        });
+}
+
+void check_range(const char *name, Member<float> member, float low, float high) {
+    for (const float value : {low, high})
+        expect_good(name, [&](roburoc4_config &c) { c.*member = value; });
+    for (const float value :
+         {low * 0.99F, high * 1.01F, 0.0F, -low, -high, std::numeric_limits<float>::quiet_NaN(),
+          std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()})
+        expect_bad(name, [&](roburoc4_config &c) { c.*member = value; });
+}
+
+} // namespace
+
+TEST(Config, Defaults) {
+    roburoc4_config c;
+    memset(&c, 0xEE, sizeof c);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_config_init(&c, sizeof c));
+    EXPECT_EQ(sizeof c, c.size);
+    EXPECT_EQ(0x7CU, c.subscriptions);
+    const std::uint16_t periods[5] = {50, 100, 1000, 50, 50};
+    for (std::size_t i = 0; i < 5; i++)
+        EXPECT_EQ(periods[i], c.period_ms[i + 2]) << i;
+    EXPECT_EQ(100U, c.first_retry_ms);
+    EXPECT_EQ(1000U, c.lost_ms);
+    EXPECT_EQ(300U, c.fresh_ms);
+    EXPECT_EQ(50U, c.drive_period_ms);
+    EXPECT_EQ(250U, c.lease_ms);
+    EXPECT_EQ(1000U, c.robot_watchdog_ms);
+    EXPECT_FLOAT_EQ(2.6F, c.max_linear_m_s);
+    EXPECT_FLOAT_EQ(6.5F, c.max_angular_rad_s);
+    EXPECT_EQ(1.0F, c.scale_linear);
+    EXPECT_EQ(1.0F, c.scale_angular);
+    EXPECT_EQ(0U, c.options);
+    EXPECT_EQ(0U, c.resume);
+    for (const std::int16_t index : c.role_index)
+        EXPECT_EQ(ROBUROC4_INDEX_AUTO, index);
+    EXPECT_EQ(nullptr, roburoc4_config_error(&c));
+}
+
+TEST(Config, InitOfAnotherSizeWritesNothing) {
+    roburoc4_config c;
+    memset(&c, 0xEE, sizeof c);
+    const roburoc4_config before = c;
+    EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_config_init(&c, sizeof c - 4));
+    EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_config_init(&c, sizeof c + 4));
+    EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_config_init(&c, 0));
+    EXPECT_EQ(0, memcmp(&before, &c, sizeof c));
+}
+
+TEST(Config, SizeMustBeTheLibrarys) {
+    expect_bad("size", [](roburoc4_config &c) { c.size = 0; });
+    expect_bad("size", [](roburoc4_config &c) { c.size += 4; });
+}
+
+TEST(Config, EveryRangeEndsWhereTheHeaderSays) {
+    check_range("first_retry_ms", &roburoc4_config::first_retry_ms, 10, 100);
+    check_range("lost_ms", &roburoc4_config::lost_ms, 200, 60000);
+    check_range("fresh_ms", &roburoc4_config::fresh_ms, 50, 1000);
+    check_range("drive_period_ms", &roburoc4_config::drive_period_ms, 10, 500,
+                [](roburoc4_config &c) { c.lease_ms = 1000; });
+    check_range("lease_ms", &roburoc4_config::lease_ms, 20, 1000,
+                [](roburoc4_config &c) { c.drive_period_ms = 10; });
+    check_range("robot_watchdog_ms", &roburoc4_config::robot_watchdog_ms, 100, 60000);
+    check_range("max_linear_m_s", &roburoc4_config::max_linear_m_s, 0.001F, 20);
+    check_range("max_angular_rad_s", &roburoc4_config::max_angular_rad_s, 0.001F, 50);
+    check_range("scale_linear", &roburoc4_config::scale_linear, 0.01F, 10);
+    check_range("scale_angular", &roburoc4_config::scale_angular, 0.01F, 10);
+}
+
+TEST(Config, DrivePeriodIsAtMostHalfOfTheLease) {
+    expect_good("half", [](roburoc4_config &c) {
+        c.lease_ms = 100;
+        c.drive_period_ms = 50;
+    });
+    expect_bad("drive_period_ms", [](roburoc4_config &c) {
+        c.lease_ms = 99;
+        c.drive_period_ms = 50;
+    });
+}
+
+TEST(Config, PeriodsAreMultiplesOfTenUpTo2550) {
+    for (std::size_t service = 2; service < 7; service++) {
+        for (const int value : {10, 20, 2540, 2550})
+            expect_good("period_ms", [&](roburoc4_config &c) {
+                c.period_ms[service] = static_cast<std::uint16_t>(value);
+            });
+        for (const int value : {0, 5, 9, 11, 2549, 2551, 2560, 65535})
+            expect_bad("period_ms", [&](roburoc4_config &c) {
+                c.period_ms[service] = static_cast<std::uint16_t>(value);
+            });
+    }
+    expect_good("the first two are not used", [](roburoc4_config &c) {
+        c.period_ms[0] = 3;
+        c.period_ms[1] = 7;
+    });
+}
+
+TEST(Config, UnknownBitsAreRefused) {
+    for (std::uint32_t bit = 0; bit < 32; bit++) {
+        const std::uint32_t value = 1U << bit;
+        const auto check = [&](const char *name, bool known, Member<std::uint32_t> member) {
+            if (known)
+                expect_good(name, [&](roburoc4_config &c) { c.*member = value; });
+            else
+                expect_bad(name, [&](roburoc4_config &c) { c.*member = value; });
+        };
+        check("subscriptions", bit >= 2 && bit <= 6, &roburoc4_config::subscriptions);
+        check("options", bit < 3, &roburoc4_config::options);
+        check("resume", bit < 3, &roburoc4_config::resume);
+    }
+    expect_good("subscriptions", [](roburoc4_config &c) { c.subscriptions = 0; });
+}
+
+TEST(Config, RoleIndicesEndAtTheCapacities) {
+    for (std::size_t role = 0; role < 4; role++) {
+        const int last = role == ROBUROC4_ROLE_BATTERY_V ? 31 : 63;
+        for (const int value : {-1, 0, last})
+            expect_good("role_index", [&](roburoc4_config &c) {
+                c.role_index[role] = static_cast<std::int16_t>(value);
+            });
+        for (const int value : {-2, last + 1, 32767, -32768})
+            expect_bad("role_index", [&](roburoc4_config &c) {
+                c.role_index[role] = static_cast<std::int16_t>(value);
+            });
+    }
+}
+
+TEST(Init, OfAnotherSizeIsRefused) {
+    EXPECT_EQ(sizeof(roburoc4_client), roburoc4_client_size());
+    roburoc4_client client;
+    memset(&client, 0x5A, sizeof client);
+    EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_client_init(&client, sizeof client - 8, nullptr));
+    EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_client_init(&client, sizeof client + 8, nullptr));
+    EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_client_init(&client, 0, nullptr));
+}
+
+TEST(Init, OfASmallerSizeTouchesNothingBeyondIt) {
+    ExactBlock block(64, 0x5A);
+    EXPECT_EQ(ROBUROC4_ERR_SIZE,
+              roburoc4_client_init(reinterpret_cast<roburoc4_client *>(block.data()), 64, nullptr));
+}
+
+TEST(Init, AfterAnErrorEveryOtherFunctionRefusesTheClient) {
+    for (int error = 0; error < 2; error++) {
+        SCOPED_TRACE(error);
+        roburoc4_config config = default_config();
+        config.lease_ms = 5;
+        roburoc4_client c;
+        memset(&c, 0x04, sizeof c); /* looks as if it were ready */
+        EXPECT_LT(roburoc4_client_init(&c, sizeof c - static_cast<std::size_t>(error), &config), 0);
+        std::uint8_t buffer[ROBUROC4_MAX_TRANSMIT] = {2, 0, 0, 0, 0};
+        EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_client_start(&c, 1));
+        EXPECT_LT(roburoc4_client_arm(&c, 1), 0);
+        EXPECT_LT(roburoc4_client_drive(&c, 1, 0, 100000, 1), 0);
+        EXPECT_LT(roburoc4_client_stop(&c, 1), 0);
+        EXPECT_LT(roburoc4_client_close(&c, 1), 0);
+        EXPECT_LT(roburoc4_client_receive(&c, buffer, 5, 1), 0);
+        EXPECT_LE(roburoc4_client_poll_transmit(&c, buffer, sizeof buffer, 1), 0);
+        EXPECT_LT(roburoc4_client_set_digital_output(&c, 1, 1, 1), 0);
+        EXPECT_LT(roburoc4_client_set_analog_output(&c, 1, 1, 1), 0);
+        EXPECT_LT(roburoc4_client_relocalize(&c, 0, 0, 0, 1), 0);
+        EXPECT_EQ(UINT64_MAX, roburoc4_client_next_deadline(&c));
+    }
+}
+
+TEST(Struct, OfAnotherSizeIsRefused) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    roburoc4_facts facts{};
+    roburoc4_link link{};
+    roburoc4_service_link service{};
+    EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_client_facts(&bench.client, 1, &facts));
+    EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_client_link(&bench.client, 1, &link));
+    EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_client_service_link(&bench.client, 2, 1, &service));
+    service.size = sizeof service;
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_client_service_link(&bench.client, 1, 1, &service));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_client_service_link(&bench.client, 7, 1, &service));
+}
+
+TEST(Client, MayBeMovedAsPlainBytes) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
+    const auto copy = std::make_unique<roburoc4_client>();
+    memcpy(copy.get(), &bench.client, sizeof bench.client);
+    memset(&bench.client, 0xEE, sizeof bench.client);
+    memcpy(&bench.client, copy.get(), sizeof bench.client);
+    EXPECT_EQ(1, bench.facts().armed);
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST));
+}
+
+TEST(Client, PollWithTooSmallABufferSendsNothing) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_start(&bench.client, bench.client_us()));
+    std::uint8_t buffer[ROBUROC4_MAX_TRANSMIT];
+    EXPECT_EQ(ROBUROC4_ERR_BUFFER,
+              roburoc4_client_poll_transmit(&bench.client, buffer, 3, bench.client_us()));
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_SENT));
+    EXPECT_TRUE(bench.poll());
+    EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_SENT));
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNTERS)) << "no such counter";
+}
+
+TEST(Client, ConfigurationIsNotKept) {
+    roburoc4_config config = default_config();
+    config.lease_ms = 500;
+    ScriptedRobot robot;
+    Bench bench(robot, config);
+    config.lease_ms = 20;
+    bench.armed();
+    ASSERT_EQ(ROBUROC4_OK, bench.drive(0.1F, 0));
+    EXPECT_EQ(500000U, bench.facts().lease_left_us);
+}

@@ -1,0 +1,326 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A client's life: connect, discover, subscribe, ready, lost, and back; restarts of the robot; and
+ * all that a robot may lack without keeping a client from being ready.
+ */
+#include "client_bench.h"
+
+using namespace roburoc4_tests;
+
+namespace {
+
+std::vector<std::uint32_t> states_until_ready(Bench &bench) {
+    std::vector<std::uint32_t> states{bench.state()};
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_client_start(&bench.client, bench.client_us()));
+    states.push_back(bench.state());
+    EXPECT_TRUE(bench.run_until([&] {
+        if (states.back() != bench.state())
+            states.push_back(bench.state());
+        return bench.state() == ROBUROC4_STATE_READY;
+    }));
+    return states;
+}
+
+void expect_ready_within(ScriptedRobot &robot, std::uint64_t limit_us) {
+    Bench bench(robot);
+    bench.start();
+    EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, limit_us));
+    bench.run(5 * second);
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST));
+}
+
+} // namespace
+
+TEST(Life, IsIdleAndDisarmedAfterInitWhateverWasInItsMemory) {
+    ScriptedRobot robot;
+    roburoc4_client client;
+    memset(&client, 0xA5, sizeof client);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_init(&client, sizeof client, nullptr));
+    roburoc4_facts facts{};
+    facts.size = sizeof facts;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_facts(&client, 0, &facts));
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_IDLE), facts.state);
+    EXPECT_EQ(0, facts.armed);
+    EXPECT_EQ(ROBUROC4_ERR_DISARMED, facts.disarm_cause);
+    EXPECT_EQ(UINT64_MAX, roburoc4_client_next_deadline(&client));
+    std::uint8_t buffer[ROBUROC4_MAX_TRANSMIT];
+    EXPECT_EQ(0, roburoc4_client_poll_transmit(&client, buffer, sizeof buffer, 5));
+    EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_client_receive(&client, buffer, 5, 5));
+}
+
+TEST(Life, GoesFromIdleOverConnectingDiscoveringSubscribingToReady) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.delay_to_client = [] { return 1 * ms; };
+    const std::vector<std::uint32_t> wanted{ROBUROC4_STATE_IDLE, ROBUROC4_STATE_CONNECTING,
+                                            ROBUROC4_STATE_DISCOVERING, ROBUROC4_STATE_SUBSCRIBING,
+                                            ROBUROC4_STATE_READY};
+    EXPECT_EQ(wanted, states_until_ready(bench));
+    const std::uint32_t events = bench.take_events();
+    EXPECT_TRUE(events & ROBUROC4_EVENT_STATE);
+    EXPECT_TRUE(events & ROBUROC4_EVENT_READY);
+    EXPECT_TRUE(events & ROBUROC4_EVENT_PROPERTIES);
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_READY) << "events are cleared when taken";
+}
+
+TEST(Life, WorksWithTheSimulatorToo) {
+    SimPartner sim;
+    Bench bench(sim);
+    states_until_ready(bench);
+    bench.run(2 * second);
+    for (std::uint32_t service = 2; service < ROBUROC4_SERVICE_COUNT; service++)
+        EXPECT_GT(bench.service_link(service).received, 0U) << service;
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST));
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_UNMATCHED));
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_DESCRIPTIONS_DONE);
+    EXPECT_EQ(1, bench.facts().descriptions_done);
+}
+
+TEST(Life, WorksFromTimeZero) {
+    ScriptedRobot robot;
+    Bench bench(robot, default_config(), 20 * second);
+    bench.skew_us = -static_cast<std::int64_t>(20 * second);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 300 * ms));
+    EXPECT_GE(bench.speeds(), 5U);
+}
+
+TEST(Life, SubscribesWithTheConfiguredPeriods) {
+    roburoc4_config config = default_config();
+    config.period_ms[ROBUROC4_SERVICE_TELEMETER] = 2550;
+    config.subscriptions = 0x7C & ~(1U << ROBUROC4_SERVICE_LOCALIZATION);
+    ScriptedRobot robot;
+    Bench bench(robot, config);
+    bench.ready();
+    const std::map<std::uint16_t, std::uint8_t> wanted{{2, 5}, {3, 255}, {4, 100}, {6, 5}};
+    EXPECT_EQ(wanted, robot.subscriptions);
+}
+
+TEST(Life, StartIsRefusedUnlessIdleAndCloseUnlessStarted) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    EXPECT_EQ(ROBUROC4_ERR_STATE, bench.close());
+    EXPECT_EQ(ROBUROC4_ERR_STATE, bench.stop());
+    bench.start();
+    EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_client_start(&bench.client, bench.client_us()));
+    EXPECT_EQ(ROBUROC4_OK, bench.close());
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_IDLE), bench.state());
+    bench.ready();
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST));
+}
+
+TEST(Life, KeepsAskingARobotThatIsNotThere) {
+    ScriptedRobot robot;
+    robot.powered = false;
+    Bench bench(robot);
+    bench.start();
+    bench.run(60 * second);
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CONNECTING), bench.state());
+    EXPECT_GT(bench.sent.size(), 55U);
+    EXPECT_LT(bench.sent.size(), 70U);
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST));
+    robot.powered = true;
+    EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 3 * second));
+}
+
+TEST(Life, IsLostAfterTheConfiguredSilenceAndReturnsByItself) {
+    ScriptedRobot robot;
+    roburoc4_config config = default_config();
+    config.lost_ms = 400;
+    Bench bench(robot, config);
+    bench.ready();
+    const std::uint64_t last_us = bench.now_us - bench.link().silence_us;
+    robot.powered = false;
+    bench.run_to(last_us + 400 * ms - 1);
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+    bench.run_to(last_us + 400 * ms);
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_LOST), bench.state());
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_LOST);
+    EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_LOST));
+    bench.run(10 * second);
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_LOST), bench.state());
+    EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_LOST)) << "lost once";
+    robot.powered = true;
+    EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 3 * second));
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_REBOOTS)) << "the same robot, its clock went on";
+}
+
+TEST(Life, IsNeverLostBeforeThreeOfTheShortestPeriod) {
+    ScriptedRobot robot;
+    roburoc4_config config = default_config();
+    config.lost_ms = 200;
+    config.subscriptions = 1U << ROBUROC4_SERVICE_TELEMETER;
+    config.period_ms[ROBUROC4_SERVICE_TELEMETER] = 600;
+    Bench bench(robot, config);
+    bench.ready();
+    bench.run(20 * second);
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST));
+    robot.powered = false;
+    bench.run(1700 * ms);
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST));
+    bench.run(200 * ms);
+    EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_LOST));
+}
+
+TEST(Life, AClientWithoutSubscriptionsStaysReady) {
+    ScriptedRobot robot;
+    roburoc4_config config = default_config();
+    config.subscriptions = 0;
+    Bench bench(robot, config);
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    bench.run(30 * second);
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST));
+    EXPECT_TRUE(robot.subscriptions.empty());
+}
+
+/* ---- what may be missing ---- */
+
+TEST(ReadyWithout, Descriptions) {
+    ScriptedRobot robot;
+    robot.texts_silent = true;
+    expect_ready_within(robot, 2 * second);
+}
+
+TEST(ReadyWithout, DescriptionsThatAreRefused) {
+    ScriptedRobot robot;
+    robot.texts_refused = true;
+    expect_ready_within(robot, 1 * second);
+}
+
+TEST(ReadyWithout, KnowingAService) {
+    ScriptedRobot robot;
+    robot.services.push_back({0x1234, 77, 99, "Coffee machine"});
+    expect_ready_within(robot, 1 * second);
+}
+
+TEST(ReadyWithout, ARefusedSubscription) {
+    ScriptedRobot robot;
+    robot.service(ROBUROC4_SERVICE_TELEMETER).insert_refused = true;
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 1 * second));
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_SUBSCRIPTION_REFUSED);
+    EXPECT_EQ(0U, bench.service_link(ROBUROC4_SERVICE_TELEMETER).subscribed);
+    EXPECT_EQ(1U, bench.service_link(ROBUROC4_SERVICE_BATTERY).subscribed);
+}
+
+TEST(ReadyWithout, AnAnswerToASubscription) {
+    ScriptedRobot robot;
+    robot.service(ROBUROC4_SERVICE_TELEMETER).insert_silent = true;
+    expect_ready_within(robot, 4 * second);
+}
+
+TEST(ReadyWithout, TheStatusesOfAService) {
+    ScriptedRobot robot;
+    robot.service(ROBUROC4_SERVICE_TELEMETER).mute = true;
+    Bench bench(robot);
+    bench.ready();
+    bench.run(10 * second);
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+    const auto again = robot.seen(ROBUROC4_ACTION_INSERT, ROBUROC4_SERVICE_TELEMETER).size();
+    EXPECT_GE(again, 3U) << "a silent service is subscribed to again";
+    EXPECT_LE(again, 12U);
+    EXPECT_EQ(1U, robot.seen(ROBUROC4_ACTION_INSERT, ROBUROC4_SERVICE_DIFFERENTIAL).size());
+}
+
+TEST(ReadyWithout, TheAnswersOfAService) {
+    ScriptedRobot robot;
+    robot.service(ROBUROC4_SERVICE_BATTERY).get_silent = true;
+    expect_ready_within(robot, 4 * second);
+}
+
+TEST(ReadyWithout, PropertiesThatAreRefusedOrShort) {
+    ScriptedRobot robot;
+    robot.service(ROBUROC4_SERVICE_LOCALIZATION).get_refused = true;
+    robot.service(ROBUROC4_SERVICE_IOCARD).get_length = 20;
+    expect_ready_within(robot, 1 * second);
+}
+
+TEST(ReadyWithout, AnyService) {
+    ScriptedRobot robot;
+    robot.services.clear();
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 1 * second));
+    bench.run(10 * second);
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST));
+    EXPECT_EQ(0U, roburoc4_client_service_count(&bench.client));
+    EXPECT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.arm());
+}
+
+TEST(Ready, StatusesBeforeTheAcknowledgementAreTaken) {
+    ScriptedRobot robot;
+    robot.service(ROBUROC4_SERVICE_BATTERY).insert_silent = true;
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(bench.run_until(
+        [&] { return !robot.seen(ROBUROC4_ACTION_INSERT, ROBUROC4_SERVICE_BATTERY).empty(); }));
+    EXPECT_EQ(0, bench.receive(robot.status(ROBUROC4_SERVICE_BATTERY)));
+    roburoc4_battery_status battery;
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_client_battery(&bench.client, &battery, nullptr));
+    EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 200 * ms))
+        << "a status is as good as an acknowledgement";
+}
+
+TEST(Ready, DescriptionsAreStillFetchedAfterIt) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.delay_to_client = [] { return 1 * ms; };
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    EXPECT_EQ(0, bench.facts().descriptions_done);
+    ASSERT_TRUE(bench.run_until([&] { return bench.facts().descriptions_done == 1; }, second));
+    EXPECT_EQ(7U + 9U + 22U + 8U, robot.seen(ROBUROC4_ACTION_QUERY).size());
+}
+
+TEST(Ready, PropertiesAreReadBeforeSubscriptions) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    std::size_t last_get = 0;
+    std::size_t first_insert = robot.requests.size();
+    for (std::size_t i = 0; i < robot.requests.size(); i++) {
+        const roburoc4_request &r = robot.requests[i].what;
+        if (r.action == ROBUROC4_ACTION_INSERT)
+            first_insert = std::min(first_insert, i);
+        if (r.action == ROBUROC4_ACTION_GET && r.service == 6 && i < first_insert)
+            last_get = i;
+    }
+    EXPECT_GT(last_get, 0U);
+    EXPECT_LT(last_get, first_insert);
+}
+
+/* ---- another directory ---- */
+
+TEST(Directory, AnotherOneIsNoticedAndDiscovered) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    robot.service(ROBUROC4_SERVICE_BATTERY).id = 44;
+    ASSERT_TRUE(bench.run_until(
+        [&] { return roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_BATTERY) == 44; },
+        10 * second));
+    EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 2 * second));
+    EXPECT_EQ(0, bench.facts().armed);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_PROPERTIES);
+}
+
+TEST(Directory, AnIoCardThatIsGoneIsNotAsked) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.delay_to_client = [] { return 1 * ms; };
+    bench.ready();
+    robot.remove(ROBUROC4_SERVICE_IOCARD);
+    ASSERT_TRUE(bench.run_until(
+        [&] { return roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_IOCARD) < 0; },
+        10 * second));
+    robot.requests.clear();
+    bench.run(10 * second);
+    for (const auto &r : robot.seen(ROBUROC4_ACTION_QUERY, 0))
+        EXPECT_LT(r.what.index, 6) << "a question about a channel went to the directory";
+    EXPECT_EQ(1, bench.facts().descriptions_done);
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN,
+              roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
+}

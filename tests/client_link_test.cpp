@@ -1,0 +1,214 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Figures of the link: loss, order, period, jitter, round trip, age, and the robot's clock on the
+ * host's.
+ */
+#include "client_bench.h"
+
+using namespace roburoc4_tests;
+
+namespace {
+
+constexpr std::uint32_t differential = ROBUROC4_SERVICE_DIFFERENTIAL;
+
+/** When, on the true clock, the scripted robot's counter showed `cycles`. */
+std::uint64_t true_us(const ScriptedRobot &robot, const Bench &bench, std::uint64_t cycles) {
+    return bench.now_us - (robot.cycles() - cycles) * ROBUROC4_CYCLE_US;
+}
+
+} // namespace
+
+TEST(Link, IsCleanOnACleanNetwork) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    bench.run(60 * second);
+    for (std::uint32_t service = 2; service < 7; service++) {
+        const roburoc4_service_link link = bench.service_link(service);
+        EXPECT_EQ(0U, link.lost) << service;
+        EXPECT_EQ(0U, link.late + link.duplicates) << service;
+        EXPECT_EQ(0.0F, link.loss) << service;
+        EXPECT_EQ(0U, link.jitter_us) << service;
+        EXPECT_EQ(1U, link.subscribed) << service;
+    }
+    EXPECT_EQ(50000U, bench.service_link(differential).period_us);
+    EXPECT_NEAR(1224, bench.service_link(differential).received, 2);
+    const roburoc4_link link = bench.link();
+    EXPECT_EQ(0U, link.lost);
+    EXPECT_EQ(0.0F, link.loss);
+    EXPECT_GT(link.received, 3 * 1200U);
+}
+
+TEST(Link, LossIsTheShareThatDidNotArrive) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    std::uint32_t seen = 0;
+    std::uint32_t dropped = 0;
+    bench.drop_to_client = [&](const Bytes &bytes) {
+        if (bytes[0] != 0xFF || bytes[1] != 6)
+            return false;
+        const bool drop = ++seen % 10 == 3 || seen % 10 == 4;
+        dropped += drop;
+        return drop;
+    };
+    bench.run(60 * second);
+    const roburoc4_service_link link = bench.service_link(differential);
+    EXPECT_NEAR(dropped, link.lost, 2);
+    EXPECT_NEAR(0.2, link.loss, 0.01);
+    EXPECT_EQ(50000U, link.period_us);
+    EXPECT_EQ(0U, bench.service_link(ROBUROC4_SERVICE_LOCALIZATION).lost);
+    bench.drop_to_client = nullptr;
+    bench.run(60 * second);
+    EXPECT_LT(bench.service_link(differential).loss, 0.01F) << "recent statuses only";
+}
+
+TEST(Link, PeriodIsTheObservedOneWhereTheRobotUsesAnother) {
+    for (const std::uint8_t cycles : {std::uint8_t{2}, std::uint8_t{10}, std::uint8_t{25}}) {
+        ScriptedRobot robot;
+        robot.forced_period = cycles;
+        roburoc4_config config = default_config();
+        config.lost_ms = 5000;
+        Bench bench(robot, config);
+        bench.ready();
+        bench.run(20 * second);
+        const std::uint32_t lost = bench.service_link(differential).lost;
+        EXPECT_EQ(cycles * 10000U, bench.service_link(differential).period_us);
+        bench.run(60 * second);
+        EXPECT_EQ(lost, bench.service_link(differential).lost) << "of " << int{cycles};
+        EXPECT_LT(bench.service_link(differential).loss, 0.01F);
+    }
+}
+
+TEST(Link, CountsDuplicatesAndLateOnesAndTakesLateOnesOffTheLost) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    roburoc4_differential_status last;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_differential(&bench.client, &last, nullptr));
+    const std::uint64_t base = last.robot_cycles;
+    EXPECT_EQ(0, bench.receive(robot.status_at(differential, base + 15)));
+    EXPECT_EQ(2U, bench.service_link(differential).lost);
+    EXPECT_EQ(ROBUROC4_ERR_OLD, bench.receive(robot.status_at(differential, base + 10)));
+    EXPECT_EQ(1U, bench.service_link(differential).lost);
+    EXPECT_EQ(1U, bench.service_link(differential).late);
+    EXPECT_EQ(ROBUROC4_ERR_OLD, bench.receive(robot.status_at(differential, base + 10)));
+    EXPECT_EQ(ROBUROC4_ERR_OLD, bench.receive(robot.status_at(differential, base + 15)));
+    EXPECT_EQ(1U, bench.service_link(differential).late);
+    EXPECT_EQ(2U, bench.service_link(differential).duplicates);
+    EXPECT_EQ(1U, bench.service_link(differential).lost);
+    EXPECT_EQ(ROBUROC4_ERR_OLD, bench.receive(robot.status_at(differential, base + 5)));
+    EXPECT_EQ(0U, bench.service_link(differential).lost);
+}
+
+TEST(Link, JitterIsTheSmoothedDeviationOfArrivals) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    bool late = false;
+    bench.delay_to_client = [&] {
+        late = !late;
+        return late ? 8 * ms : 0;
+    };
+    robot.subscriptions = {{6, 5}}; /* so that its statuses alternate */
+    bench.run(20 * second);
+    EXPECT_GT(bench.service_link(differential).jitter_us, 4000U);
+    EXPECT_LE(bench.service_link(differential).jitter_us, 8000U);
+    bench.delay_to_client = nullptr;
+    bench.run(20 * second);
+    EXPECT_LT(bench.service_link(differential).jitter_us, 100U);
+}
+
+TEST(Link, RoundTripIsThatOfAnsweredRequests) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    EXPECT_EQ(0U, bench.link().round_trip_us);
+    bench.delay_to_client = [] { return 7 * ms; };
+    bench.ready();
+    EXPECT_EQ(7000U, bench.link().round_trip_min_us);
+    EXPECT_NEAR(7000, bench.link().round_trip_us, 100);
+    bench.delay_to_client = [] { return 21 * ms; };
+    bench.run(60 * second);
+    EXPECT_EQ(7000U, bench.link().round_trip_min_us);
+    EXPECT_NEAR(21000, bench.link().round_trip_us, 300);
+}
+
+TEST(Link, AgeAndSilenceGrowWhileNothingComes) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    EXPECT_EQ(UINT32_MAX, bench.service_link(differential).age_us);
+    bench.ready();
+    robot.powered = false;
+    const std::uint32_t before_us = bench.service_link(differential).age_us;
+    EXPECT_LT(before_us, 50000U);
+    bench.run(500 * ms);
+    EXPECT_EQ(before_us + 500000U, bench.service_link(differential).age_us);
+    EXPECT_GE(bench.link().silence_us, 500000U);
+    bench.run(3 * second);
+    EXPECT_EQ(before_us + 3500000U, bench.service_link(differential).age_us);
+}
+
+TEST(Link, SilenceIsNotEndedByWhatWasDropped) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.powered = false;
+    bench.run(500 * ms);
+    bench.receive({1, 2, 3, 4, 0, 6});
+    bench.receive({0xFF, 6});
+    bench.receive(robot.status_at(6, 5));
+    EXPECT_GE(bench.link().silence_us, 500000U);
+}
+
+TEST(HostTime, IsUnknownBeforeTheFirstStatus) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    std::uint64_t host_us = 3;
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, roburoc4_client_host_time(&bench.client, 5, &host_us));
+    EXPECT_EQ(3U, host_us);
+}
+
+TEST(HostTime, IsWithinTenMillisecondsPlusTheJitter) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    std::uint32_t x = 1;
+    bench.delay_to_client = [&] {
+        x = x * 1664525U + 1013904223U;
+        return 2 * ms + x / 65536U % 15000U;
+    };
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    for (int i = 0; i < 30; i++) {
+        bench.run(second);
+        const std::uint64_t cycles = robot.cycles() - 3;
+        std::uint64_t host_us = 0;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_client_host_time(&bench.client, cycles, &host_us));
+        const auto error = static_cast<std::int64_t>(host_us - true_us(robot, bench, cycles));
+        EXPECT_LE(std::abs(error), 25000) << "after " << i << " s";
+    }
+}
+
+TEST(HostTime, FollowsARobotWhoseClockDrifts) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    for (int i = 0; i < 60; i++) {
+        bench.run(second);
+        robot.set_cycles(robot.cycles()); /* it falls behind by what is left of a cycle */
+        bench.run(5 * ms);
+    }
+    bench.run(12 * second);
+    std::uint64_t host_us = 0;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_host_time(&bench.client, robot.cycles(), &host_us));
+    EXPECT_NEAR(static_cast<double>(bench.now_us), static_cast<double>(host_us), 15000);
+}
+
+TEST(HostTime, OfTheSimulatorIsRight) {
+    SimPartner sim;
+    Bench bench(sim);
+    bench.ready();
+    bench.run(5 * second);
+    std::uint64_t host_us = 0;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_host_time(&bench.client, sim.state().cycles, &host_us));
+    EXPECT_NEAR(static_cast<double>(bench.now_us), static_cast<double>(host_us), 10000);
+}

@@ -1,0 +1,332 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What a user asks for beside motion: outputs, relocalization, subscriptions.
+ */
+#include "client_bench.h"
+
+#include <limits>
+
+using namespace roburoc4_tests;
+
+namespace {
+
+roburoc4_result set_one(Bench &bench, std::uint32_t index, std::int32_t on) {
+    return roburoc4_client_set_digital_output(&bench.client, index, on, bench.client_us());
+}
+roburoc4_result set_many(Bench &bench, std::uint64_t mask, std::uint64_t values) {
+    return roburoc4_client_set_digital_outputs(&bench.client, mask, values, bench.client_us());
+}
+roburoc4_result set_volts(Bench &bench, std::uint32_t index, float value) {
+    return roburoc4_client_set_analog_output(&bench.client, index, value, bench.client_us());
+}
+roburoc4_result relocalize(Bench &bench, double x, double y, double theta) {
+    return roburoc4_client_relocalize(&bench.client, x, y, theta, bench.client_us());
+}
+roburoc4_result subscribe(Bench &bench, std::uint32_t service, std::uint32_t period_ms) {
+    return roburoc4_client_subscribe(&bench.client, service, period_ms, bench.client_us());
+}
+roburoc4_result unsubscribe(Bench &bench, std::uint32_t service) {
+    return roburoc4_client_unsubscribe(&bench.client, service, bench.client_us());
+}
+
+} // namespace
+
+TEST(Outputs, AreRefusedUntilTheClientIsReady) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    EXPECT_LT(set_one(bench, 1, 1), 0);
+    robot.powered = false;
+    bench.start();
+    EXPECT_LT(set_one(bench, 1, 1), 0);
+    EXPECT_LT(set_volts(bench, 0, 1), 0);
+}
+
+TEST(Outputs, AreUnknownWithoutTheCardsProperties) {
+    ScriptedRobot robot;
+    robot.service(ROBUROC4_SERVICE_IOCARD).get_refused = true;
+    Bench bench(robot);
+    bench.ready();
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, set_one(bench, 1, 1));
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, set_many(bench, 2, 2));
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, set_volts(bench, 0, 1));
+}
+
+TEST(Outputs, RefuseWhatTheRobotDoesNotHave) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    EXPECT_EQ(ROBUROC4_ERR_RESERVED, set_one(bench, 0, 1));
+    EXPECT_EQ(ROBUROC4_ERR_RESERVED, set_many(bench, 0xFF, 0));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, set_one(bench, 8, 1));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, set_one(bench, 63, 1));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, set_one(bench, 64, 1));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, set_one(bench, UINT32_MAX, 1));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, set_many(bench, 0x102, 0)) << "all or none";
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, set_volts(bench, 0, 1)) << "it has no analog outputs";
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, set_one(bench, 1, 2));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, set_one(bench, 1, -1));
+    bench.run(second);
+    EXPECT_TRUE(robot.output_commands.empty());
+}
+
+TEST(Outputs, AreSentAtOnceAndTwiceMore) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    const std::uint64_t start_us = bench.now_us;
+    ASSERT_EQ(ROBUROC4_OK, set_one(bench, 3, 1));
+    bench.run(2 * second);
+    ASSERT_EQ(3U, robot.output_commands.size());
+    EXPECT_EQ(start_us, robot.output_commands[0].first);
+    for (const auto &[at_us, bytes] : robot.output_commands)
+        EXPECT_EQ(from_hex("FF 02 00 08"), bytes);
+    EXPECT_GT(robot.output_commands[1].first, start_us);
+    EXPECT_LT(robot.output_commands[2].first, start_us + 500 * ms);
+}
+
+TEST(Outputs, ThatWereNeverSetAreZeroAndTheOthersAreKept) {
+    ScriptedRobot robot;
+    robot.iocard.analog_outputs = 3;
+    robot.iocard.digital_outputs = 12;
+    Bench bench(robot);
+    bench.ready();
+    const auto last = [&] {
+        bench.pump();
+        return robot.output_commands.back().second;
+    };
+    ASSERT_EQ(ROBUROC4_OK, set_volts(bench, 1, 2.5F));
+    EXPECT_EQ(from_hex("FF 02 00  00 00 00 00  00 00 20 40  00 00 00 00  00 00"), last());
+    ASSERT_EQ(ROBUROC4_OK, set_one(bench, 11, 1));
+    EXPECT_EQ(from_hex("FF 02 00  00 00 00 00  00 00 20 40  00 00 00 00  00 08"), last());
+    ASSERT_EQ(ROBUROC4_OK, set_many(bench, 0xFFE, 0x0F6));
+    EXPECT_EQ(from_hex("FF 02 00  00 00 00 00  00 00 20 40  00 00 00 00  F6 00"), last());
+    ASSERT_EQ(ROBUROC4_OK, set_one(bench, 2, 0));
+    EXPECT_EQ(from_hex("FF 02 00  00 00 00 00  00 00 20 40  00 00 00 00  F2 00"), last());
+    for (const float bad :
+         {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()})
+        EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE, set_volts(bench, 0, bad));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, set_volts(bench, 3, 1));
+}
+
+TEST(Outputs, OfTheLargestCardFitTheLongestDatagram) {
+    ScriptedRobot robot;
+    robot.iocard.analog_outputs = 16;
+    robot.iocard.digital_outputs = 64;
+    Bench bench(robot);
+    bench.start();
+    bench.run(3 * second);
+    ASSERT_EQ(ROBUROC4_OK, set_volts(bench, 15, 1));
+    ASSERT_EQ(ROBUROC4_OK, set_one(bench, 63, 1));
+    bench.pump();
+    const Bytes bytes = robot.output_commands.back().second;
+    EXPECT_EQ(static_cast<std::size_t>(ROBUROC4_MAX_TRANSMIT), bytes.size());
+    EXPECT_EQ(0x80, bytes.back());
+}
+
+TEST(Outputs, ReachTheSimulator) {
+    SimPartner sim;
+    Bench bench(sim);
+    bench.ready();
+    ASSERT_EQ(ROBUROC4_OK, set_one(bench, 5, 1));
+    bench.run(200 * ms);
+    EXPECT_EQ(1, roburoc4_sim_digital_output(sim.get(), 5));
+    EXPECT_EQ(3U, sim.state().io_commands);
+}
+
+/* ---- relocalization ---- */
+
+TEST(Relocalize, IsAnsweredWithAnEvent) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result);
+    ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1.5, -2.5, 0.75));
+    bench.run(10 * ms);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_RELOCALIZED);
+    EXPECT_EQ(ROBUROC4_OK, bench.facts().relocalize_result);
+    const auto sent = robot.seen(ROBUROC4_ACTION_REPLACE);
+    ASSERT_EQ(1U, sent.size());
+    EXPECT_EQ(5, sent[0].what.service);
+    EXPECT_EQ(1.5, sent[0].what.x_m);
+    EXPECT_EQ(-2.5, sent[0].what.y_m);
+    EXPECT_EQ(0.75, sent[0].what.theta_rad);
+    EXPECT_GE(sent[0].what.timestamp, 1000U) << "the last known count";
+    EXPECT_LE(sent[0].what.timestamp, robot.cycles());
+}
+
+TEST(Relocalize, ThatIsRefusedIsAnEvent) {
+    ScriptedRobot robot;
+    robot.replace_refused = true;
+    Bench bench(robot);
+    bench.ready();
+    ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
+    bench.run(10 * ms);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_RELOCALIZE_FAILED);
+    EXPECT_EQ(ROBUROC4_ERR_ROBOT, bench.facts().relocalize_result);
+}
+
+TEST(Relocalize, ThatIsNotAnsweredEndsAfterTwoSeconds) {
+    ScriptedRobot robot;
+    robot.replace_silent = true;
+    Bench bench(robot);
+    bench.ready();
+    ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
+    bench.run(2 * second - 1);
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_RELOCALIZE_FAILED);
+    EXPECT_GE(robot.seen(ROBUROC4_ACTION_REPLACE).size(), 4U);
+    bench.run(1);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_RELOCALIZE_FAILED);
+    EXPECT_EQ(ROBUROC4_ERR_TIMEOUT, bench.facts().relocalize_result);
+    robot.requests.clear();
+    bench.run(5 * second);
+    EXPECT_TRUE(robot.seen(ROBUROC4_ACTION_REPLACE).empty());
+}
+
+TEST(Relocalize, LaterOneReplacesAnOpenOne) {
+    ScriptedRobot robot;
+    robot.replace_silent = true;
+    Bench bench(robot);
+    bench.ready();
+    ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
+    bench.run(250 * ms);
+    robot.replace_silent = false;
+    const std::uint64_t second_us = bench.now_us;
+    ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 4, 5, 6));
+    bench.run(3 * second);
+    for (const auto &r : robot.seen(ROBUROC4_ACTION_REPLACE))
+        EXPECT_EQ(r.at_us < second_us ? 1 : 4, r.what.x_m);
+    EXPECT_EQ(4, robot.pose[0]);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_RELOCALIZED);
+}
+
+TEST(Relocalize, IsRefusedWhereItCannotBe) {
+    ScriptedRobot robot;
+    robot.remove(ROBUROC4_SERVICE_LOCALIZATION);
+    Bench bench(robot);
+    EXPECT_EQ(ROBUROC4_ERR_NOT_READY, relocalize(bench, 1, 2, 3));
+    bench.ready();
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, relocalize(bench, 1, 2, 3));
+    for (const double bad :
+         {std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::infinity()}) {
+        EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE, relocalize(bench, bad, 0, 0));
+        EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE, relocalize(bench, 0, bad, 0));
+        EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE, relocalize(bench, 0, 0, bad));
+    }
+}
+
+TEST(Relocalize, SendsOneAsTimestampWhereNoCountIsKnown) {
+    ScriptedRobot robot;
+    roburoc4_config config = default_config();
+    config.subscriptions = 0;
+    Bench bench(robot, config);
+    bench.ready();
+    ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
+    bench.pump();
+    EXPECT_EQ(1U, robot.seen(ROBUROC4_ACTION_REPLACE).at(0).what.timestamp);
+}
+
+TEST(Relocalize, ThatALossInterruptsEndsInAnEvent) {
+    ScriptedRobot robot;
+    roburoc4_config config = default_config();
+    config.lost_ms = 300;
+    Bench bench(robot, config);
+    bench.ready();
+    robot.powered = false;
+    ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
+    bench.run(5 * second);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_RELOCALIZE_FAILED);
+    EXPECT_EQ(ROBUROC4_ERR_TIMEOUT, bench.facts().relocalize_result);
+}
+
+/* ---- subscriptions ---- */
+
+TEST(Subscribe, ChangesThePeriodAtRunTime) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    ASSERT_EQ(ROBUROC4_OK, subscribe(bench, ROBUROC4_SERVICE_BATTERY, 2550));
+    ASSERT_EQ(ROBUROC4_OK, subscribe(bench, ROBUROC4_SERVICE_DIFFERENTIAL, 10));
+    bench.pump();
+    EXPECT_EQ(255, robot.subscriptions[4]);
+    EXPECT_EQ(1, robot.subscriptions[6]);
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+}
+
+TEST(Subscribe, RefusesPeriodsAndServicesThatMakeNoSense) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    for (const std::uint32_t period : {0U, 5U, 15U, 2560U, UINT32_MAX})
+        EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, subscribe(bench, 6, period));
+    for (const std::uint32_t service : {0U, 1U, 7U, UINT32_MAX}) {
+        EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, subscribe(bench, service, 50));
+        EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, unsubscribe(bench, service));
+    }
+}
+
+TEST(Subscribe, IsKeptOverALossAndANewStart) {
+    ScriptedRobot robot;
+    roburoc4_config config = default_config();
+    config.subscriptions = 0;
+    Bench bench(robot, config);
+    bench.ready();
+    EXPECT_TRUE(robot.subscriptions.empty());
+    ASSERT_EQ(ROBUROC4_OK, subscribe(bench, ROBUROC4_SERVICE_TELEMETER, 70));
+    bench.pump();
+    EXPECT_EQ(7, robot.subscriptions[3]);
+    robot.powered = false;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+    robot.reboot();
+    robot.powered = true;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    bench.run(second);
+    EXPECT_EQ(7, robot.subscriptions[3]);
+    ASSERT_EQ(ROBUROC4_OK, bench.close());
+    robot.subscriptions.clear();
+    bench.ready();
+    EXPECT_EQ(7, robot.subscriptions[3]);
+}
+
+TEST(Unsubscribe, EndsTheStatuses) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    ASSERT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_TELEMETER));
+    bench.pump();
+    EXPECT_EQ(0U, robot.subscriptions.count(3));
+    EXPECT_EQ(0U, bench.service_link(ROBUROC4_SERVICE_TELEMETER).subscribed);
+    bench.run(10 * second);
+    EXPECT_EQ(1U, robot.seen(ROBUROC4_ACTION_DELETE).size());
+    EXPECT_EQ(1U, robot.seen(ROBUROC4_ACTION_INSERT, 3).size());
+}
+
+TEST(Unsubscribe, SurvivesARefusalAndDropsWhatComesAllTheSame) {
+    ScriptedRobot robot;
+    robot.delete_refused = true;
+    Bench bench(robot);
+    bench.ready();
+    roburoc4_distances before;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_distances(&bench.client, &before, nullptr));
+    ASSERT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_TELEMETER));
+    robot.distances = {0.1F, 0.1F};
+    bench.run(2 * second);
+    EXPECT_GE(bench.count(ROBUROC4_COUNT_UNSUBSCRIBED), 19U);
+    EXPECT_EQ(1U, robot.seen(ROBUROC4_ACTION_DELETE).size());
+    roburoc4_distances after;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_distances(&bench.client, &after, nullptr));
+    EXPECT_EQ(before.robot_cycles, after.robot_cycles);
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+}
+
+TEST(Unsubscribe, ThenSubscribeBringsTheStatusesBack) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    ASSERT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_TELEMETER));
+    bench.run(second);
+    ASSERT_EQ(ROBUROC4_OK, subscribe(bench, ROBUROC4_SERVICE_TELEMETER, 50));
+    bench.take_events();
+    bench.run(second);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_TELEMETER);
+    EXPECT_EQ(5, robot.subscriptions[3]);
+}

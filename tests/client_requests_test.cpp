@@ -1,0 +1,364 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Requests: an id of its own for every try, retries that double, answers that are late, doubled,
+ * refused or of another dialect.
+ */
+#include "client_bench.h"
+
+using namespace roburoc4_tests;
+
+namespace {
+
+using Request = ScriptedRobot::Request;
+
+/** Waits between the tries, in milliseconds. */
+std::vector<std::uint64_t> waits_ms(const std::vector<Request> &tries) {
+    std::vector<std::uint64_t> waits;
+    for (std::size_t i = 1; i < tries.size(); i++)
+        waits.push_back((tries[i].at_us - tries[i - 1].at_us) / ms);
+    return waits;
+}
+
+/** A robot that leaves requests with this action unanswered while `silent`. */
+void silence(ScriptedRobot &robot, std::uint8_t action, const bool &silent, int service = -1) {
+    robot.instead = [action, service, &silent](const roburoc4_request &r, std::vector<Bytes> &) {
+        return silent && r.action == action && (service < 0 || service == r.service);
+    };
+}
+
+} // namespace
+
+TEST(Retry, ComesFirstAfterAHundredMillisecondsAndDoublesToASecond) {
+    ScriptedRobot robot;
+    bool silent = true;
+    silence(robot, ROBUROC4_ACTION_GET, silent);
+    Bench bench(robot);
+    bench.start();
+    bench.run(6 * second);
+    const std::vector<std::uint64_t> wanted{100, 200, 400, 800, 1000, 1000, 1000, 1000};
+    EXPECT_EQ(wanted, waits_ms(robot.requests));
+    EXPECT_EQ(8U, bench.count(ROBUROC4_COUNT_RETRIES));
+}
+
+TEST(Retry, ComesFirstAfterTheConfiguredTime) {
+    ScriptedRobot robot;
+    bool silent = true;
+    silence(robot, ROBUROC4_ACTION_GET, silent);
+    roburoc4_config config = default_config();
+    config.first_retry_ms = 10;
+    Bench bench(robot, config);
+    bench.start();
+    bench.run(3 * second);
+    const std::vector<std::uint64_t> wanted{10, 20, 40, 80, 160, 320, 640, 1000};
+    EXPECT_EQ(wanted, waits_ms(robot.requests));
+}
+
+TEST(Retry, HasANewIdEveryTime) {
+    ScriptedRobot robot;
+    bool silent = true;
+    silence(robot, ROBUROC4_ACTION_GET, silent);
+    Bench bench(robot);
+    bench.start();
+    bench.run(300 * second);
+    std::set<int> ids;
+    for (std::size_t i = 0; i < robot.requests.size(); i++) {
+        const int id = robot.requests[i].what.id;
+        EXPECT_GE(id, 1);
+        EXPECT_LE(id, 254);
+        if (i > 0) {
+            EXPECT_NE(robot.requests[i - 1].what.id, id);
+        }
+        ids.insert(id);
+    }
+    EXPECT_GT(ids.size(), 200U);
+}
+
+TEST(Request, HasAnIdThatNoOtherOpenOneHas) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    for (std::size_t i = 1; i < robot.requests.size(); i++)
+        EXPECT_NE(robot.requests[i - 1].what.id, robot.requests[i].what.id);
+}
+
+TEST(Request, SeveralAreInFlightAtOnce) {
+    ScriptedRobot robot;
+    bool silent = true;
+    silence(robot, ROBUROC4_ACTION_QUERY, silent);
+    Bench bench(robot);
+    bench.start();
+    EXPECT_GE(robot.seen(ROBUROC4_ACTION_QUERY).size(), 3U) << "at the same time";
+    std::set<int> ids;
+    for (const Request &r : robot.seen(ROBUROC4_ACTION_QUERY))
+        ids.insert(r.what.id);
+    EXPECT_EQ(ids.size(), robot.seen(ROBUROC4_ACTION_QUERY).size());
+}
+
+TEST(Answer, ThatIsDoubledIsRejectedAndCounted) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    const std::uint32_t before = bench.count(ROBUROC4_COUNT_UNMATCHED);
+    robot.battery.capacity_ah = 61;
+    robot.instead = [&](const roburoc4_request &r, std::vector<Bytes> &answers) {
+        if (r.action != ROBUROC4_ACTION_GET || r.service != ROBUROC4_SERVICE_BATTERY)
+            return false;
+        answers.push_back(robot.properties(robot.service(ROBUROC4_SERVICE_BATTERY), r.id));
+        robot.battery.capacity_ah = 62;
+        answers.push_back(robot.properties(robot.service(ROBUROC4_SERVICE_BATTERY), r.id));
+        robot.battery.capacity_ah = 61;
+        return true;
+    };
+    ASSERT_TRUE(bench.run_until([&] { return bench.count(ROBUROC4_COUNT_UNMATCHED) == before + 1; },
+                                10 * second));
+    roburoc4_battery_properties battery;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_battery_properties(&bench.client, &battery));
+    EXPECT_EQ(61, battery.capacity_ah);
+}
+
+TEST(Answer, ThatIsLateIsRejectedAndCounted) {
+    ScriptedRobot robot;
+    bool silent = true;
+    silence(robot, ROBUROC4_ACTION_GET, silent);
+    Bench bench(robot);
+    bench.start();
+    bench.run(150 * ms);
+    ASSERT_EQ(2U, robot.requests.size());
+    const Bytes directory = from_hex("00 00 00 00 00 00 00 00 00");
+    Bytes late = directory;
+    late[0] = robot.requests[0].what.id;
+    EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive(late));
+    EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_UNMATCHED));
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CONNECTING), bench.state());
+    Bytes good = directory;
+    good[0] = robot.requests[1].what.id;
+    EXPECT_EQ(0, bench.receive(good));
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_DISCOVERING), bench.state());
+}
+
+TEST(Answer, CountsOnlyIfIdActionAndTargetMatch) {
+    ScriptedRobot robot;
+    bool silent = true;
+    silence(robot, ROBUROC4_ACTION_GET, silent);
+    Bench bench(robot);
+    bench.start();
+    const std::uint8_t id = robot.requests[0].what.id;
+    const std::uint8_t other = static_cast<std::uint8_t>(id + 1);
+    for (const Bytes &wrong : {Bytes{other, 0, 0, 0, 0}, Bytes{id, 1, 0, 0, 0},
+                               Bytes{id, 0, 1, 0, 0}, Bytes{id, 0, 0, 1, 0}})
+        EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive(wrong)) << to_hex(wrong);
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CONNECTING), bench.state());
+    EXPECT_EQ(4U, bench.count(ROBUROC4_COUNT_UNMATCHED));
+    EXPECT_EQ(0, bench.receive({id, 0, 0, 0, 0}));
+}
+
+TEST(Answer, FromBeforeALossDoesNotCount) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.powered = false;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+    const Request last = robot.requests.back();
+    EXPECT_EQ(ROBUROC4_ERR_UNMATCHED,
+              bench.receive(plain_answer(last.what.id, last.what.action, last.what.service, 0)));
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_LOST), bench.state());
+}
+
+TEST(Answer, ThatIsCutOrOfNoLengthIsCounted) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    for (const Bytes &bad : {Bytes{}, Bytes{7}, Bytes{7, 0, 0, 0}, Bytes{0xFF}, Bytes{0xFF, 6, 0}})
+        EXPECT_EQ(ROBUROC4_ERR_SHORT, bench.receive(bad)) << to_hex(bad);
+    EXPECT_EQ(5U, bench.count(ROBUROC4_COUNT_SHORT));
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+}
+
+TEST(Description, IsTriedAtLeastTenTimes) {
+    ScriptedRobot robot;
+    robot.texts_silent = true;
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(
+        bench.run_until([&] { return bench.facts().descriptions_done == 1; }, 300 * second));
+    std::map<std::tuple<int, int, int>, int> tries;
+    for (const Request &r : robot.seen(ROBUROC4_ACTION_QUERY))
+        tries[{r.what.service, r.what.io_type, r.what.index}]++;
+    EXPECT_EQ(7U + 9U + 22U + 8U, tries.size());
+    for (const auto &[what, number] : tries)
+        EXPECT_GE(number, 10) << std::get<0>(what) << " " << std::get<2>(what);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_DESCRIPTIONS_DONE);
+    EXPECT_GE(bench.count(ROBUROC4_COUNT_ABANDONED), 46U);
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST));
+}
+
+TEST(Description, ThatIsRefusedIsNotAskedForAgain) {
+    ScriptedRobot robot;
+    robot.texts_refused = true;
+    Bench bench(robot);
+    bench.ready();
+    bench.run(5 * second);
+    EXPECT_EQ(1, bench.facts().descriptions_done);
+    EXPECT_EQ(7U + 9U + 22U + 8U, robot.seen(ROBUROC4_ACTION_QUERY).size());
+    EXPECT_GE(bench.count(ROBUROC4_COUNT_REFUSED), 46U);
+}
+
+/* ---- errors ---- */
+
+TEST(ErrorTelegram, OfOneToFiveBytesEndsTheRequestThatItFits) {
+    for (std::size_t length = 1; length <= 5; length++) {
+        SCOPED_TRACE(length);
+        ScriptedRobot robot;
+        robot.instead = [length](const roburoc4_request &r, std::vector<Bytes> &answers) {
+            if (r.action != ROBUROC4_ACTION_QUERY)
+                return false;
+            Bytes error = plain_answer(0, r.action, r.service, ROBUROC4_ERROR_UNSUPPORTED);
+            error.resize(length);
+            answers.push_back(error);
+            return true;
+        };
+        Bench bench(robot);
+        bench.ready();
+        EXPECT_EQ(1, bench.facts().descriptions_done);
+        EXPECT_EQ(7U + 9U + 22U + 8U, robot.seen(ROBUROC4_ACTION_QUERY).size());
+        EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_UNMATCHED));
+    }
+}
+
+TEST(ErrorTelegram, ThatFitsNothingIsCounted) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    bench.run(50 * ms);
+    EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive({0}));
+    EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive({0, 2, 5, 0, 1}));
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_REFUSED));
+}
+
+TEST(ErrorTelegram, IsAnErrorEvenWhenItsErrorByteIsZero) {
+    ScriptedRobot robot;
+    robot.instead = [](const roburoc4_request &r, std::vector<Bytes> &answers) {
+        if (r.action != ROBUROC4_ACTION_INSERT)
+            return false;
+        answers.push_back(plain_answer(0, r.action, r.service, 0));
+        return true;
+    };
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, second));
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_SUBSCRIPTION_REFUSED);
+    EXPECT_EQ(5U, bench.count(ROBUROC4_COUNT_REFUSED));
+}
+
+TEST(ErrorTelegram, OfTheSimulatorIsUnderstood) {
+    roburoc4_sim_config config;
+    roburoc4_sim_config_init(&config);
+    config.error_header = 1;
+    config.query_mode = ROBUROC4_SIM_QUERY_REFUSED;
+    config.refused_inserts = 1U << ROBUROC4_SERVICE_BATTERY;
+    SimPartner sim(&config);
+    Bench bench(sim);
+    bench.ready();
+    EXPECT_EQ(1, bench.facts().descriptions_done);
+    EXPECT_EQ(0U, bench.service_link(ROBUROC4_SERVICE_BATTERY).subscribed);
+}
+
+TEST(Directory, ThatIsRefusedIsNotHammered) {
+    ScriptedRobot robot;
+    robot.directory_refused = true;
+    Bench bench(robot);
+    bench.start();
+    bench.run(10 * second);
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CONNECTING), bench.state());
+    EXPECT_GE(robot.requests.size(), 8U);
+    EXPECT_LE(robot.requests.size(), 15U);
+    EXPECT_EQ(robot.requests.size(), bench.count(ROBUROC4_COUNT_REFUSED));
+    robot.directory_refused = false;
+    EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 3 * second));
+}
+
+/* ---- the manual to the letter ---- */
+
+TEST(FixedId, IsTakenAfterThreeTriesThatSawOnlyOne) {
+    ScriptedRobot robot;
+    robot.always_manual_id = true;
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(bench.run_until([&] { return bench.facts().fixed_id == 1; }, 2 * second));
+    std::size_t others = 0;
+    for (const Request &r : robot.requests)
+        others += r.what.id != ROBUROC4_HEADER_MANUAL;
+    EXPECT_EQ(3U, others);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_FIXED_ID);
+    EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 2 * second));
+    bench.run(5 * second);
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+    EXPECT_EQ(1, bench.facts().descriptions_done);
+}
+
+TEST(FixedId, IsNotTakenForFewerTries) {
+    ScriptedRobot robot;
+    robot.always_manual_id = true;
+    Bench bench(robot);
+    bench.start();
+    bench.run(250 * ms); /* two tries */
+    robot.always_manual_id = false;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 2 * second));
+    EXPECT_EQ(0, bench.facts().fixed_id);
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_FIXED_ID);
+}
+
+TEST(FixedId, IsNotTakenForThreeAnswersToOneTry) {
+    ScriptedRobot robot;
+    robot.instead = [](const roburoc4_request &r, std::vector<Bytes> &answers) {
+        for (int i = 0; i < 5; i++)
+            answers.push_back(plain_answer(ROBUROC4_HEADER_MANUAL, r.action, r.service, 0));
+        return true;
+    };
+    Bench bench(robot);
+    bench.start();
+    EXPECT_EQ(1U, robot.requests.size());
+    EXPECT_EQ(0, bench.facts().fixed_id);
+    EXPECT_EQ(5U, bench.count(ROBUROC4_COUNT_UNMATCHED));
+}
+
+TEST(FixedId, HasOneRequestInFlight) {
+    ScriptedRobot robot;
+    robot.always_manual_id = true;
+    Bench bench(robot);
+    bench.delay_to_client = [] { return 5 * ms; };
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 5 * second));
+    robot.requests.clear();
+    bench.run(3 * second);
+    EXPECT_GT(robot.requests.size(), 30U);
+    for (std::size_t i = 1; i < robot.requests.size(); i++) {
+        EXPECT_EQ(ROBUROC4_HEADER_MANUAL, robot.requests[i].what.id);
+        EXPECT_GE(robot.requests[i].at_us - robot.requests[i - 1].at_us, 5 * ms);
+    }
+}
+
+TEST(FixedId, IsFoundForARobotThatIgnoresAllOtherIds) {
+    ScriptedRobot robot;
+    robot.only_manual_id = true;
+    Bench bench(robot);
+    bench.start();
+    EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 10 * second));
+    EXPECT_EQ(1, bench.facts().fixed_id);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_FIXED_ID);
+    bench.run(10 * second);
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+}
+
+TEST(FixedId, WorksWithTheSimulatorsTwoDialects) {
+    for (int dialect = 0; dialect < 2; dialect++) {
+        roburoc4_sim_config config;
+        roburoc4_sim_config_init(&config);
+        (dialect == 0 ? config.answer_id_fixed : config.only_id_fixed) = 1;
+        SimPartner sim(&config);
+        Bench bench(sim);
+        bench.ready();
+        EXPECT_EQ(1, bench.facts().fixed_id) << dialect;
+        EXPECT_EQ(ROBUROC4_OK, bench.arm()) << dialect;
+    }
+}

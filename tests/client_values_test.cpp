@@ -1,0 +1,430 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What a user reads: latest values and their events, properties, texts, roles of inputs, battery.
+ */
+#include "client_bench.h"
+
+using namespace roburoc4_tests;
+
+namespace {
+
+roburoc4_result role(const Bench &bench, std::uint32_t role) {
+    return roburoc4_client_role_index(&bench.client, role);
+}
+
+Bytes longer(Bytes bytes, std::size_t by) {
+    bytes.resize(bytes.size() + by, 0xAB);
+    return bytes;
+}
+
+} // namespace
+
+TEST(Value, IsUnknownBeforeTheFirstStatus) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    roburoc4_battery_status battery;
+    roburoc4_localization_status pose;
+    roburoc4_differential_status speeds;
+    roburoc4_inputs inputs;
+    roburoc4_distances distances;
+    std::uint64_t host_us = 7;
+    bench.start();
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, roburoc4_client_battery(&bench.client, &battery, &host_us));
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, roburoc4_client_localization(&bench.client, &pose, &host_us));
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, roburoc4_client_differential(&bench.client, &speeds, &host_us));
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, roburoc4_client_inputs(&bench.client, &inputs, &host_us));
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, roburoc4_client_distances(&bench.client, &distances, &host_us));
+    EXPECT_EQ(7U, host_us);
+}
+
+TEST(Value, IsTheLatestStatusWithItsRobotTimeAndHostTime) {
+    ScriptedRobot robot;
+    robot.digital = 0x20003;
+    robot.analog[2] = 25.5F;
+    robot.distances = {0.75F, 3.5F};
+    robot.battery_percent = 61;
+    robot.pose = {1e-9, -2.5, 3.125};
+    robot.follows = false;
+    robot.current_linear = 0.05F;
+    robot.current_angular = -0.0625F;
+    Bench bench(robot);
+    bench.ready();
+    std::uint64_t host_us = 0;
+
+    roburoc4_inputs inputs;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_inputs(&bench.client, &inputs, &host_us));
+    EXPECT_EQ(0x20003U, inputs.digital);
+    EXPECT_EQ(25.5F, inputs.analog[2]);
+    EXPECT_EQ(9U, inputs.analog_count);
+    EXPECT_EQ(22U, inputs.digital_count);
+    EXPECT_EQ(robot.cycles() / 5 * 5, inputs.robot_cycles);
+    EXPECT_EQ(bench.now_us - (robot.cycles() % 5) * ROBUROC4_CYCLE_US, host_us);
+
+    roburoc4_distances distances;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_distances(&bench.client, &distances, nullptr));
+    EXPECT_EQ(2U, distances.count);
+    EXPECT_EQ(0.75F, distances.distance_m[0]);
+    EXPECT_EQ(3.5F, distances.distance_m[1]);
+
+    roburoc4_battery_status battery;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_battery(&bench.client, &battery, &host_us));
+    EXPECT_EQ(61, battery.remaining_percent);
+    EXPECT_EQ(ROBUROC4_BATTERY_OK, battery.state);
+    EXPECT_EQ(robot.cycles() / 100 * 100, battery.robot_cycles);
+
+    roburoc4_localization_status pose;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_localization(&bench.client, &pose, nullptr));
+    EXPECT_EQ(1e-9, pose.x_m);
+    EXPECT_EQ(-2.5, pose.y_m);
+    EXPECT_EQ(3.125, pose.theta_rad);
+    EXPECT_EQ(0x18U, pose.flags);
+
+    roburoc4_differential_status speeds;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_differential(&bench.client, &speeds, nullptr));
+    EXPECT_EQ(0.05F, speeds.current_linear_m_s);
+    EXPECT_EQ(-0.0625F, speeds.current_angular_rad_s);
+}
+
+TEST(Value, RaisesTheEventOfItsServiceAndNoOther) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    const std::uint32_t all = ROBUROC4_EVENT_IOCARD | ROBUROC4_EVENT_TELEMETER |
+                              ROBUROC4_EVENT_BATTERY | ROBUROC4_EVENT_LOCALIZATION |
+                              ROBUROC4_EVENT_DIFFERENTIAL;
+    for (std::uint32_t service = 2; service < 7; service++) {
+        EXPECT_EQ(0, bench.receive(robot.status_at(service, robot.cycles() + 1)));
+        EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_EVENT_IOCARD) << (service - 2),
+                  bench.take_events() & all);
+    }
+}
+
+TEST(Value, OfALongerStatusIsUsedAndTheSurplusCounted) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.battery_percent = 33;
+    EXPECT_EQ(2, bench.receive(longer(robot.status_at(4, robot.cycles() + 1), 2)));
+    EXPECT_EQ(1, bench.receive(longer(robot.status_at(2, robot.cycles() + 1), 1)));
+    EXPECT_EQ(2U, bench.count(ROBUROC4_COUNT_SURPLUS));
+    roburoc4_battery_status battery;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_battery(&bench.client, &battery, nullptr));
+    EXPECT_EQ(33, battery.remaining_percent);
+}
+
+TEST(Value, SurvivesAShorterStatus) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    const auto before = bench.client.private_values;
+    robot.battery_percent = 1;
+    robot.pose = {9, 9, 9};
+    robot.digital = 0x100;
+    robot.target_linear = robot.current_linear = 9;
+    for (const std::uint32_t service : {2U, 4U, 5U, 6U}) {
+        const Bytes good = robot.status_at(service, robot.cycles() + 1);
+        for (std::size_t size = 0; size < good.size(); size++)
+            EXPECT_EQ(ROBUROC4_ERR_SHORT,
+                      bench.receive(Bytes(good.begin(), good.begin() + static_cast<long>(size))))
+                << service << " " << size;
+    }
+    EXPECT_EQ(0, memcmp(&before, &bench.client.private_values, sizeof before));
+    EXPECT_EQ(50U + 13U + 39U + 27U, bench.count(ROBUROC4_COUNT_SHORT));
+    EXPECT_EQ(0U, bench.take_events() & ~static_cast<std::uint32_t>(ROBUROC4_EVENT_STATE));
+}
+
+TEST(Value, SurvivesAStatusThatIsNotNewer) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    roburoc4_battery_status battery;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_battery(&bench.client, &battery, nullptr));
+    robot.battery_percent = 5;
+    EXPECT_EQ(ROBUROC4_ERR_OLD, bench.receive(robot.status_at(4, battery.robot_cycles)));
+    EXPECT_EQ(ROBUROC4_ERR_OLD, bench.receive(robot.status_at(4, battery.robot_cycles - 1)));
+    EXPECT_EQ(2U, bench.count(ROBUROC4_COUNT_OLD));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_battery(&bench.client, &battery, nullptr));
+    EXPECT_EQ(80, battery.remaining_percent);
+    EXPECT_EQ(0U, bench.take_events());
+}
+
+TEST(Value, OfAServiceThatNobodySubscribedToIsCountedAndNotUsed) {
+    ScriptedRobot robot;
+    roburoc4_config config = default_config();
+    config.subscriptions &= ~(1U << ROBUROC4_SERVICE_BATTERY);
+    Bench bench(robot, config);
+    bench.ready();
+    EXPECT_EQ(ROBUROC4_ERR_UNSUBSCRIBED, bench.receive(robot.status(4)));
+    EXPECT_EQ(ROBUROC4_ERR_UNSUBSCRIBED,
+              bench.receive(from_hex("FF 99 00 01 00 00 00 00 00 00 00")));
+    EXPECT_EQ(2U, bench.count(ROBUROC4_COUNT_UNSUBSCRIBED));
+    roburoc4_battery_status battery;
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, roburoc4_client_battery(&bench.client, &battery, nullptr));
+}
+
+/* ---- properties ---- */
+
+TEST(Properties, AreUnknownFirstThenTheRobots) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    roburoc4_iocard_properties io;
+    roburoc4_battery_properties battery;
+    roburoc4_localization_properties pose;
+    roburoc4_differential_properties drive;
+    roburoc4_telemeter telemeter;
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, roburoc4_client_iocard_properties(&bench.client, &io));
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, roburoc4_client_battery_properties(&bench.client, &battery));
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, roburoc4_client_localization_properties(&bench.client, &pose));
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, roburoc4_client_differential_properties(&bench.client, &drive));
+    EXPECT_EQ(0U, roburoc4_client_telemeter_count(&bench.client));
+    EXPECT_LT(roburoc4_client_telemeter(&bench.client, 0, &telemeter), 0);
+    bench.ready();
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_iocard_properties(&bench.client, &io));
+    EXPECT_EQ(22, io.digital_inputs);
+    EXPECT_EQ(2, io.service);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_battery_properties(&bench.client, &battery));
+    EXPECT_EQ(60, battery.capacity_ah);
+    EXPECT_EQ(20, battery.minimum_percent);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_localization_properties(&bench.client, &pose));
+    EXPECT_EQ(2, pose.y_m);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_differential_properties(&bench.client, &drive));
+    EXPECT_EQ(0.68F, drive.width_m);
+    ASSERT_EQ(2U, roburoc4_client_telemeter_count(&bench.client));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_telemeter(&bench.client, 1, &telemeter));
+    EXPECT_EQ(-0.6F, telemeter.x_m);
+    EXPECT_EQ(2.5F, telemeter.distance_m);
+}
+
+TEST(Properties, ThatChangeRaiseTheEvent) {
+    const std::vector<std::function<void(ScriptedRobot &)>> changes{
+        [](ScriptedRobot &r) { r.iocard.digital_outputs = 9; },
+        [](ScriptedRobot &r) { r.telemeters[0].x_m = 0.7F; },
+        [](ScriptedRobot &r) { r.battery.minimum_percent = 30; },
+        [](ScriptedRobot &r) { r.localization.x_m = 4; },
+        [](ScriptedRobot &r) { r.differential.max_linear_m_s = 1.5F; },
+    };
+    for (std::size_t i = 0; i < changes.size(); i++) {
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.ready();
+        bench.run(10 * second);
+        EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_PROPERTIES) << "nothing changed yet";
+        changes[i](robot);
+        bench.run(10 * second);
+        EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_PROPERTIES) << i;
+    }
+}
+
+/* ---- texts ---- */
+
+TEST(Description, IsAViewOnTheDatagramThatRaisedTheEvent) {
+    ScriptedRobot robot;
+    std::vector<Bytes> held;
+    robot.instead = [&](const roburoc4_request &r, std::vector<Bytes> &) {
+        if (r.action != ROBUROC4_ACTION_QUERY)
+            return false;
+        const std::string text = "text " + std::to_string(r.index);
+        held.push_back(encoded([&](std::uint8_t *b, std::size_t n) {
+            return roburoc4_encode_text(b, n, r.id, r.service, text.data(), text.size());
+        }));
+        return true;
+    };
+    Bench bench(robot);
+    bench.start();
+    int services = 0;
+    int channels = 0;
+    while (!held.empty()) {
+        const Bytes bytes = held.front();
+        held.erase(held.begin());
+        bench.take_events();
+        ASSERT_EQ(0, bench.receive(bytes));
+        EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_DESCRIPTION);
+        roburoc4_description d;
+        ASSERT_EQ(ROBUROC4_OK,
+                  roburoc4_client_description(&bench.client, bytes.data(), bytes.size(), &d));
+        EXPECT_EQ(bytes.data() + 5, d.text);
+        EXPECT_EQ("text " + std::to_string(d.index),
+                  std::string(reinterpret_cast<const char *>(d.text), d.length));
+        EXPECT_GE(d.io_type, -1);
+        EXPECT_LE(d.io_type, 3);
+        services += d.io_type == -1;
+        channels += d.io_type >= 0;
+        bench.pump();
+    }
+    EXPECT_EQ(7, services);
+    EXPECT_EQ(9 + 22 + 8, channels);
+    const Bytes status = robot.status(6);
+    bench.receive(status);
+    roburoc4_description d;
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN,
+              roburoc4_client_description(&bench.client, status.data(), status.size(), &d));
+}
+
+TEST(Description, MayBeEmptyOrOfAnyBytes) {
+    ScriptedRobot robot;
+    robot.channel_text = [](std::uint32_t, std::uint32_t index) {
+        return index % 2 == 0 ? std::string() : std::string("\0\xFF\x80 \n", 5);
+    };
+    Bench bench(robot);
+    bench.ready();
+    EXPECT_EQ(1, bench.facts().descriptions_done);
+    EXPECT_EQ(ROBUROC4_DI_PAD_A, role(bench, ROBUROC4_ROLE_OVERRIDE)) << "by the table";
+}
+
+/* ---- roles ---- */
+
+TEST(Role, IsFoundByText) {
+    ScriptedRobot robot;
+    robot.iocard.digital_inputs = 40;
+    robot.channel_text = [](std::uint32_t io_type, std::uint32_t index) -> std::string {
+        if (io_type == ROBUROC4_IO_ANALOG_INPUT)
+            return index == 7 ? "BATTERY VOLTAGE (V)" : "?";
+        const std::map<std::uint32_t, std::string> texts{
+            {30, "Game pad \"A\" button"}, {31, "front bumper"}, {2, "Rear  Bumper"}};
+        const auto found = texts.find(index);
+        return found != texts.end() && io_type == ROBUROC4_IO_DIGITAL_INPUT ? found->second : "?";
+    };
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(bench.run_until([&] { return bench.facts().descriptions_done == 1; }));
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_ROLE);
+    EXPECT_EQ(30, role(bench, ROBUROC4_ROLE_OVERRIDE));
+    EXPECT_EQ(31, role(bench, ROBUROC4_ROLE_FRONT_BUMPER));
+    EXPECT_EQ(2, role(bench, ROBUROC4_ROLE_REAR_BUMPER));
+    EXPECT_EQ(7, role(bench, ROBUROC4_ROLE_BATTERY_V));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, role(bench, ROBUROC4_ROLE_COUNT));
+}
+
+TEST(Role, IsFoundByTheManualsTableWhereThereAreNoTexts) {
+    struct Case {
+        std::int32_t digital, analog, pad_a, battery;
+    };
+    for (const Case &c : {Case{22, 9, 8, 2}, Case{23, 10, 9, 3}, Case{24, 11, -10, -10},
+                          Case{21, 8, -10, -10}, Case{0, 0, -10, -10}}) {
+        ScriptedRobot robot;
+        robot.texts_refused = true;
+        robot.iocard.digital_inputs = c.digital;
+        robot.iocard.analog_inputs = c.analog;
+        robot.analog.resize(static_cast<std::size_t>(c.analog));
+        Bench bench(robot);
+        bench.ready();
+        EXPECT_EQ(c.pad_a, role(bench, ROBUROC4_ROLE_OVERRIDE)) << c.digital;
+        EXPECT_EQ(c.battery, role(bench, ROBUROC4_ROLE_BATTERY_V)) << c.analog;
+        EXPECT_EQ(c.pad_a > 0 ? 1 : -10, role(bench, ROBUROC4_ROLE_REAR_BUMPER)) << c.digital;
+    }
+}
+
+TEST(Role, ThatTwoTextsClaimIsUnknown) {
+    ScriptedRobot robot;
+    robot.channel_text = [](std::uint32_t, std::uint32_t index) -> std::string {
+        return index == 4 || index == 12 ? "Game pad A button" : "";
+    };
+    Bench bench(robot);
+    bench.ready();
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, role(bench, ROBUROC4_ROLE_OVERRIDE));
+    EXPECT_EQ(ROBUROC4_ERR_OVERRIDE_UNKNOWN, bench.arm());
+}
+
+TEST(Role, OfTheUserBeatsTextAndTable) {
+    ScriptedRobot robot;
+    roburoc4_config config = default_config();
+    config.role_index[ROBUROC4_ROLE_OVERRIDE] = 15;
+    Bench bench(robot, config);
+    bench.ready();
+    EXPECT_EQ(15, role(bench, ROBUROC4_ROLE_OVERRIDE));
+    robot.press(8);
+    bench.run(100 * ms);
+    EXPECT_EQ(0, bench.facts().overridden);
+    robot.press(15);
+    bench.run(100 * ms);
+    EXPECT_EQ(1, bench.facts().overridden);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_set_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE,
+                                                          ROBUROC4_INDEX_AUTO, bench.client_us()));
+    EXPECT_EQ(8, role(bench, ROBUROC4_ROLE_OVERRIDE));
+    EXPECT_EQ(0, bench.facts().override_known) << "until the next status";
+    bench.run(100 * ms);
+    EXPECT_EQ(1, bench.facts().override_known);
+    EXPECT_EQ(1, bench.facts().overridden);
+}
+
+TEST(Role, BeyondTheRobotsInputsIsUnknownAndBeyondTheRangeRefused) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    const auto set = [&](std::uint32_t which, std::int32_t index) {
+        return roburoc4_client_set_role_index(&bench.client, which, index, bench.client_us());
+    };
+    EXPECT_EQ(ROBUROC4_OK, set(ROBUROC4_ROLE_OVERRIDE, 22));
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, role(bench, ROBUROC4_ROLE_OVERRIDE));
+    EXPECT_EQ(ROBUROC4_OK, set(ROBUROC4_ROLE_OVERRIDE, 63));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, set(ROBUROC4_ROLE_OVERRIDE, 64));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, set(ROBUROC4_ROLE_OVERRIDE, -2));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, set(ROBUROC4_ROLE_BATTERY_V, 32));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, set(ROBUROC4_ROLE_COUNT, 0));
+}
+
+TEST(Role, BumpersAreFacts) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.press(ROBUROC4_DI_FRONT_BUMPER);
+    bench.run(100 * ms);
+    EXPECT_EQ(1, bench.facts().front_bumper);
+    EXPECT_EQ(0, bench.facts().rear_bumper);
+    robot.press(ROBUROC4_DI_FRONT_BUMPER, false);
+    robot.press(ROBUROC4_DI_REAR_BUMPER);
+    bench.run(100 * ms);
+    EXPECT_EQ(0, bench.facts().front_bumper);
+    EXPECT_EQ(1, bench.facts().rear_bumper);
+}
+
+/* ---- battery ---- */
+
+TEST(Battery, BelowItsMinimumIsAnEventOncePerFall) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    EXPECT_EQ(0, bench.facts().battery_low);
+    robot.battery_percent = 20;
+    bench.run(1100 * ms);
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_BATTERY_LOW) << "20 is not below 20";
+    robot.battery_percent = 19;
+    bench.run(1100 * ms);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_BATTERY_LOW);
+    EXPECT_EQ(1, bench.facts().battery_low);
+    bench.run(5 * second);
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_BATTERY_LOW);
+    robot.battery_percent = 50;
+    bench.run(1100 * ms);
+    EXPECT_EQ(0, bench.facts().battery_low);
+    robot.battery_percent = 10;
+    bench.run(1100 * ms);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_BATTERY_LOW);
+}
+
+TEST(Battery, CriticalIsAnEventAndLow) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.battery_state = ROBUROC4_BATTERY_CRITICAL;
+    bench.run(1100 * ms);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_BATTERY_CRITICAL);
+    EXPECT_EQ(1, bench.facts().battery_low);
+    bench.run(5 * second);
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_BATTERY_CRITICAL);
+    robot.battery_percent = 19;
+    bench.run(1100 * ms);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_BATTERY_LOW) << "low after critical";
+}
+
+TEST(Battery, CriticalAndLowFromTheFirstStatusAreEvents) {
+    ScriptedRobot robot;
+    robot.battery_state = ROBUROC4_BATTERY_CRITICAL;
+    robot.battery_percent = 3;
+    Bench bench(robot);
+    bench.start();
+    bench.run(2 * second);
+    const std::uint32_t events = bench.take_events();
+    EXPECT_TRUE(events & ROBUROC4_EVENT_BATTERY_CRITICAL);
+    EXPECT_TRUE(events & ROBUROC4_EVENT_BATTERY_LOW);
+}

@@ -1,0 +1,366 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Arming: refused for each reason alone, lost with each condition, and no drive without it.
+ */
+#include "client_bench.h"
+
+#include <limits>
+
+using namespace roburoc4_tests;
+
+namespace {
+
+constexpr float nan_f = std::numeric_limits<float>::quiet_NaN();
+constexpr float inf_f = std::numeric_limits<float>::infinity();
+
+/** arm(), what arm_refusal says, and that a refused client drives nothing. */
+void expect_refused(Bench &bench, roburoc4_result reason) {
+    EXPECT_EQ(reason, bench.facts().arm_refusal);
+    EXPECT_EQ(reason, bench.arm());
+    EXPECT_EQ(0, bench.facts().armed);
+    EXPECT_LT(bench.drive(0.5F, 0), 0);
+    EXPECT_EQ(0, bench.facts().driving);
+    bench.run(100 * ms);
+    EXPECT_EQ(0U, bench.speeds());
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_ARMED);
+}
+
+/** Drive, let the condition go, and see that the client disarmed for this cause. */
+void expect_disarmed(Bench &bench, roburoc4_result cause, const std::function<void()> &lose,
+                     std::uint64_t within_us) {
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.25F, 0, 200 * ms));
+    ASSERT_EQ(ROBUROC4_OK, bench.drive(0.25F, 0, 1000000));
+    bench.run(1 * ms);
+    bench.take_events();
+    lose();
+    EXPECT_TRUE(bench.run_until([&] { return bench.facts().armed == 0; }, within_us));
+    const std::size_t speeds = bench.speeds();
+    const std::size_t commands = bench.commands().size();
+    EXPECT_EQ(cause, bench.facts().disarm_cause);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_DISARMED);
+    EXPECT_EQ(0, bench.facts().driving);
+    EXPECT_EQ(cause, bench.drive(0.25F, 0)) << "drive says why it is not armed";
+    bench.run(3 * second);
+    EXPECT_EQ(speeds, bench.speeds());
+    EXPECT_GE(bench.commands().size(), commands + 2) << "a zero train";
+    EXPECT_EQ(0, bench.facts().armed) << "it does not arm itself";
+}
+
+} // namespace
+
+TEST(Arm, IsPossibleWhenAllConditionsHold) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    EXPECT_EQ(0, bench.facts().armed);
+    EXPECT_EQ(ROBUROC4_ERR_DISARMED, bench.facts().disarm_cause);
+    EXPECT_EQ(ROBUROC4_OK, bench.facts().arm_refusal);
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+    EXPECT_EQ(1, bench.facts().armed);
+    EXPECT_EQ(ROBUROC4_OK, bench.facts().disarm_cause);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_ARMED);
+    EXPECT_EQ(ROBUROC4_OK, bench.arm()) << "arming twice is fine";
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_ARMED);
+}
+
+TEST(Drive, WhileDisarmedIsAnErrorAndStoresNothing) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    EXPECT_EQ(ROBUROC4_ERR_DISARMED, bench.drive(0.5F, 0));
+    bench.ready();
+    EXPECT_EQ(ROBUROC4_ERR_DISARMED, bench.drive(0.5F, 0, 1000000));
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+    bench.run(second);
+    EXPECT_EQ(0U, bench.commands().size()) << "arming brings nothing back";
+    EXPECT_EQ(0, bench.facts().driving);
+}
+
+TEST(Disarm, IsAlwaysPossible) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    EXPECT_EQ(ROBUROC4_OK, bench.disarm());
+    bench.armed();
+    EXPECT_EQ(ROBUROC4_OK, bench.disarm());
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_DISARMED);
+    EXPECT_EQ(ROBUROC4_OK, bench.disarm());
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_DISARMED);
+    EXPECT_EQ(ROBUROC4_ERR_DISARMED, bench.facts().disarm_cause);
+}
+
+/* ---- refused, each reason alone ---- */
+
+TEST(ArmRefused, BeforeReady) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    EXPECT_EQ(ROBUROC4_ERR_NOT_READY, bench.arm());
+    robot.powered = false;
+    bench.start();
+    expect_refused(bench, ROBUROC4_ERR_NOT_READY);
+}
+
+TEST(ArmRefused, WithoutDifferentialProperties) {
+    ScriptedRobot robot;
+    robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).get_refused = true;
+    Bench bench(robot);
+    bench.ready();
+    expect_refused(bench, ROBUROC4_ERR_NO_DIFFERENTIAL);
+}
+
+TEST(ArmRefused, WithLimitsThatAreNotUsable) {
+    using P = roburoc4_differential_properties;
+    const std::vector<std::function<void(P &)>> bad{
+        [](P &p) { p.max_linear_m_s = nan_f; },     [](P &p) { p.max_linear_m_s = inf_f; },
+        [](P &p) { p.min_linear_m_s = -inf_f; },    [](P &p) { p.min_linear_m_s = 0.01F; },
+        [](P &p) { p.max_linear_m_s = -0.01F; },    [](P &p) { p.max_angular_rad_s = nan_f; },
+        [](P &p) { p.min_angular_rad_s = -inf_f; }, [](P &p) { p.min_angular_rad_s = 0.5F; },
+        [](P &p) { p.max_angular_rad_s = -1; },     [](P &p) { p.min_linear_m_s = -nan_f; }};
+    for (std::size_t i = 0; i < bad.size(); i++) {
+        SCOPED_TRACE(i);
+        ScriptedRobot robot;
+        bad[i](robot.differential);
+        Bench bench(robot);
+        bench.ready();
+        expect_refused(bench, ROBUROC4_ERR_LIMITS);
+    }
+}
+
+TEST(ArmRefused, WithoutAFreshDifferentialStatus) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true;
+    bench.run(400 * ms);
+    expect_refused(bench, ROBUROC4_ERR_STALE_DIFFERENTIAL);
+}
+
+TEST(ArmRefused, WithoutAFreshIoCardStatus) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.service(ROBUROC4_SERVICE_IOCARD).mute = true;
+    bench.run(400 * ms);
+    expect_refused(bench, ROBUROC4_ERR_STALE_IOCARD);
+}
+
+TEST(ArmRefused, WithoutTheSubscriptionsThatDrivingNeeds) {
+    for (const std::uint32_t service : {2U, 6U}) {
+        ScriptedRobot robot;
+        roburoc4_config config = default_config();
+        config.subscriptions &= ~(1U << service);
+        Bench bench(robot, config);
+        bench.ready();
+        expect_refused(bench,
+                       service == 2 ? ROBUROC4_ERR_STALE_IOCARD : ROBUROC4_ERR_STALE_DIFFERENTIAL);
+    }
+}
+
+TEST(ArmRefused, WithAnUnknownOverride) {
+    ScriptedRobot robot;
+    robot.iocard.digital_inputs = 4;
+    robot.texts_refused = true;
+    Bench bench(robot);
+    bench.ready();
+    EXPECT_EQ(0, bench.facts().override_known);
+    expect_refused(bench, ROBUROC4_ERR_OVERRIDE_UNKNOWN);
+}
+
+TEST(ArmRefused, WhileOverridden) {
+    ScriptedRobot robot;
+    robot.press(ROBUROC4_DI_PAD_A);
+    Bench bench(robot);
+    bench.ready();
+    EXPECT_EQ(1, bench.facts().overridden);
+    expect_refused(bench, ROBUROC4_ERR_OVERRIDE);
+}
+
+TEST(ArmRefused, WhileAnotherClientCommands) {
+    ScriptedRobot robot;
+    robot.target_linear = 0.5F;
+    Bench bench(robot);
+    bench.ready();
+    EXPECT_EQ(1, bench.facts().foreign);
+    expect_refused(bench, ROBUROC4_ERR_FOREIGN);
+}
+
+TEST(ArmRefused, WhileItMovesUnasked) {
+    for (int axis = 0; axis < 2; axis++) {
+        ScriptedRobot robot;
+        robot.follows = false;
+        (axis == 0 ? robot.current_linear : robot.current_angular) = -0.5F;
+        Bench bench(robot);
+        bench.ready();
+        expect_refused(bench, ROBUROC4_ERR_MOVING);
+    }
+}
+
+TEST(ArmRefused, WhileItReportsASpeedThatIsNone) {
+    ScriptedRobot robot;
+    robot.current_linear = nan_f;
+    Bench bench(robot);
+    bench.ready();
+    expect_refused(bench, ROBUROC4_ERR_MOVING);
+}
+
+/* ---- lost while armed ---- */
+
+TEST(Disarms, WhenTheDifferentialStatusesStop) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    expect_disarmed(
+        bench, ROBUROC4_ERR_STALE_DIFFERENTIAL,
+        [&] { robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true; }, 300 * ms);
+}
+
+TEST(Disarms, WhenTheIoCardStatusesStop) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    expect_disarmed(
+        bench, ROBUROC4_ERR_STALE_IOCARD,
+        [&] { robot.service(ROBUROC4_SERVICE_IOCARD).mute = true; }, 300 * ms);
+}
+
+TEST(Disarms, ExactlyWhenAStatusIsTooOld) {
+    for (const std::uint32_t fresh_ms : {50U, 300U, 1000U}) {
+        roburoc4_config config = default_config();
+        config.fresh_ms = fresh_ms;
+        config.period_ms[ROBUROC4_SERVICE_IOCARD] = 20;
+        config.period_ms[ROBUROC4_SERVICE_DIFFERENTIAL] = 20;
+        ScriptedRobot robot;
+        Bench bench(robot, config);
+        bench.armed();
+        robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true;
+        const std::uint64_t last_us =
+            bench.now_us - bench.service_link(ROBUROC4_SERVICE_DIFFERENTIAL).age_us;
+        bench.run_to(last_us + fresh_ms * ms - 1);
+        EXPECT_EQ(1, bench.facts().armed) << fresh_ms;
+        bench.run_to(last_us + fresh_ms * ms);
+        EXPECT_EQ(0, bench.facts().armed) << fresh_ms;
+    }
+}
+
+TEST(Disarms, OnTheStatusThatShowsTheOverride) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    expect_disarmed(
+        bench, ROBUROC4_ERR_OVERRIDE, [&] { robot.press(ROBUROC4_DI_PAD_A); }, 50 * ms);
+}
+
+TEST(Disarms, NotWhenAnotherButtonIsPressed) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    robot.digital = 0x3FFFFF & ~(1U << ROBUROC4_DI_PAD_A);
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.25F, 0, second));
+    EXPECT_EQ(1, bench.facts().armed);
+}
+
+TEST(Disarms, WhenTheRobotIsLost) {
+    roburoc4_config config = default_config();
+    config.fresh_ms = 1000;
+    config.lost_ms = 300;
+    ScriptedRobot robot;
+    Bench bench(robot, config);
+    expect_disarmed(
+        bench, ROBUROC4_ERR_LOST, [&] { robot.powered = false; }, 310 * ms);
+}
+
+TEST(Disarms, OnAReboot) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    expect_disarmed(
+        bench, ROBUROC4_ERR_REBOOT,
+        [&] {
+            for (std::uint64_t i = 0; i < 3; i++)
+                bench.receive(robot.status_at(6, robot.cycles() - 500 + i));
+        },
+        1);
+}
+
+TEST(Disarms, WhenTheLimitsBecomeUnusable) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    robot.differential.max_linear_m_s = nan_f;
+    EXPECT_TRUE(bench.run_until([&] { return bench.facts().armed == 0; }, 10 * second));
+    EXPECT_EQ(ROBUROC4_ERR_LIMITS, bench.facts().disarm_cause);
+}
+
+TEST(Disarms, WhenTheDirectoryChanges) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    robot.services.push_back({0x1111, 99, 99, "new"});
+    EXPECT_TRUE(bench.run_until([&] { return bench.facts().armed == 0; }, 10 * second));
+    EXPECT_EQ(ROBUROC4_ERR_NOT_READY, bench.facts().disarm_cause);
+}
+
+TEST(Disarms, WhenAnotherClientCommands) {
+    ScriptedRobot robot;
+    robot.follows = false;
+    Bench bench(robot);
+    expect_disarmed(
+        bench, ROBUROC4_ERR_FOREIGN, [&] { robot.target_linear = -1.5F; }, 200 * ms);
+}
+
+TEST(Disarms, WhenTheInputOfTheOverrideIsChanged) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    expect_disarmed(
+        bench, ROBUROC4_ERR_OVERRIDE_UNKNOWN,
+        [&] {
+            EXPECT_EQ(ROBUROC4_OK,
+                      roburoc4_client_set_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE, 5,
+                                                     bench.client_us()));
+            EXPECT_EQ(0, bench.facts().override_known);
+        },
+        1);
+}
+
+TEST(Disarms, WhenALateTextFindsTheOverrideElsewhere) {
+    ScriptedRobot robot;
+    robot.texts_silent = true;
+    robot.channel_text = [](std::uint32_t io_type, std::uint32_t index) {
+        return io_type == ROBUROC4_IO_DIGITAL_INPUT && index == 5 ? "Game pad \"A\" button" : "";
+    };
+    Bench bench(robot);
+    expect_disarmed(
+        bench, ROBUROC4_ERR_OVERRIDE_UNKNOWN, [&] { robot.texts_silent = false; }, 10 * second);
+    EXPECT_EQ(5, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
+}
+
+/* ---- a robot without the game pad's inputs ---- */
+
+TEST(UnknownOverride, CanBeAllowed) {
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    for (int robot_kind = 0; robot_kind < 2; robot_kind++) {
+        ScriptedRobot robot;
+        if (robot_kind == 0) {
+            robot.iocard.digital_inputs = 4;
+            robot.texts_refused = true;
+        } else {
+            robot.remove(ROBUROC4_SERVICE_IOCARD);
+        }
+        Bench bench(robot, config);
+        bench.ready();
+        EXPECT_EQ(ROBUROC4_OK, bench.arm()) << robot_kind;
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
+        EXPECT_EQ(0.5F, robot.target_linear);
+    }
+}
+
+TEST(UnknownOverride, AllowedStillHeedsAnOverrideThatIsKnown) {
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    ScriptedRobot robot;
+    Bench bench(robot, config);
+    bench.armed();
+    robot.press(ROBUROC4_DI_PAD_A);
+    bench.run(60 * ms);
+    EXPECT_EQ(0, bench.facts().armed);
+    expect_refused(bench, ROBUROC4_ERR_OVERRIDE);
+    robot.service(ROBUROC4_SERVICE_IOCARD).mute = true;
+    bench.run(400 * ms);
+    EXPECT_EQ(ROBUROC4_ERR_STALE_IOCARD, bench.arm()) << "the robot has a game pad";
+}

@@ -1,0 +1,368 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A drive command is a lease: its target lives for its time and not a microsecond longer, whatever
+ * the clock does and however often the client is polled.
+ */
+#include "client_bench.h"
+
+using namespace roburoc4_tests;
+
+namespace {
+
+/** Commands between two times (the second not included). */
+std::size_t commands_between(const Bench &bench, std::uint64_t from_us, std::uint64_t to_us) {
+    std::size_t number = 0;
+    for (const Command &c : bench.commands(from_us))
+        number += c.at_us < to_us;
+    return number;
+}
+
+} // namespace
+
+TEST(Lease, EndsExactlyWhenItsTimeIsOver) {
+    for (const std::uint32_t lease_us : {20000U, 20001U, 99999U, 250000U, 1000000U}) {
+        SCOPED_TRACE(lease_us);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.armed();
+        const std::uint64_t granted_us = bench.now_us;
+        ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0.25F, lease_us));
+        EXPECT_EQ(lease_us, bench.facts().lease_left_us);
+        bench.run_to(granted_us + lease_us - 1);
+        EXPECT_EQ(1, bench.facts().driving);
+        EXPECT_EQ(1U, bench.facts().lease_left_us);
+        EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_LEASE_OVER);
+        bench.now_us = granted_us + lease_us;
+        EXPECT_EQ(0, bench.facts().driving) << "before any call that changes something";
+        EXPECT_EQ(0U, bench.facts().lease_left_us);
+        bench.pump();
+        EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_LEASE_OVER);
+        EXPECT_TRUE(bench.commands().back().zero());
+        EXPECT_EQ(granted_us + lease_us, bench.commands().back().at_us);
+        EXPECT_EQ(1, bench.facts().armed) << "arming stays";
+        bench.run(3 * second);
+        EXPECT_EQ(0U, bench.speeds(granted_us + lease_us));
+    }
+}
+
+TEST(Lease, IsTheConfiguredOneWhereNoneIsGiven) {
+    roburoc4_config config = default_config();
+    config.lease_ms = 777;
+    ScriptedRobot robot;
+    Bench bench(robot, config);
+    bench.armed();
+    ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
+    EXPECT_EQ(777000U, bench.facts().lease_left_us);
+}
+
+TEST(Lease, OutsideItsRangeIsRefusedAndStoresNothing) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    for (const std::uint32_t lease_us : {1U, 19999U, 1000001U, UINT32_MAX}) {
+        EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, bench.drive(0.5F, 0, lease_us));
+        EXPECT_EQ(0, bench.facts().driving);
+    }
+    bench.run(second);
+    EXPECT_EQ(0U, bench.commands().size());
+}
+
+TEST(Lease, RepeatsItsCommandAtThePeriod) {
+    for (const std::uint32_t period_ms : {10U, 50U, 120U}) {
+        roburoc4_config config = default_config();
+        config.drive_period_ms = period_ms;
+        ScriptedRobot robot;
+        Bench bench(robot, config);
+        bench.armed();
+        const std::uint64_t start_us = bench.now_us;
+        ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, -0.25F, 1000000));
+        bench.run(second - 1);
+        const auto commands = bench.commands();
+        ASSERT_EQ((1000U + period_ms - 1) / period_ms, commands.size());
+        for (std::size_t i = 0; i < commands.size(); i++) {
+            EXPECT_EQ(start_us + i * period_ms * ms, commands[i].at_us);
+            EXPECT_EQ(0.5F, commands[i].linear);
+            EXPECT_EQ(-0.25F, commands[i].angular);
+        }
+    }
+}
+
+TEST(Lease, ThatIsShortIsRepeatedAtAtMostHalfOfIt) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    const std::uint64_t start_us = bench.now_us;
+    ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0, 40000));
+    bench.run(39 * ms);
+    EXPECT_EQ(2U, commands_between(bench, start_us, start_us + 40 * ms));
+}
+
+TEST(Lease, RenewalWithTheSameTargetKeepsThePeriod) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    const std::uint64_t start_us = bench.now_us;
+    for (int i = 0; i < 1000; i++) {
+        ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
+        bench.run(1 * ms);
+    }
+    EXPECT_EQ(20U, commands_between(bench, start_us, start_us + second));
+}
+
+TEST(Lease, ChangedTargetLeavesAtOnceButNotWithinACycleAndNewestFirst) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    const std::uint64_t start_us = bench.now_us;
+    ASSERT_EQ(ROBUROC4_OK, bench.drive(0.1F, 0));
+    bench.pump();
+    ASSERT_EQ(1U, bench.commands().size());
+    bench.run(3 * ms);
+    ASSERT_EQ(ROBUROC4_OK, bench.drive(0.2F, 0));
+    bench.run(3 * ms);
+    ASSERT_EQ(ROBUROC4_OK, bench.drive(0.3F, 0));
+    bench.run(3 * ms);
+    EXPECT_EQ(1U, bench.commands().size());
+    bench.run(1 * ms);
+    ASSERT_EQ(2U, bench.commands().size());
+    EXPECT_EQ(start_us + 10 * ms, bench.commands()[1].at_us);
+    EXPECT_EQ(0.3F, bench.commands()[1].linear);
+    bench.run(15 * ms);
+    ASSERT_EQ(ROBUROC4_OK, bench.drive(0.4F, 0));
+    bench.pump();
+    EXPECT_EQ(0.4F, bench.commands().back().linear) << "at once where a cycle has passed";
+    EXPECT_EQ(bench.now_us, bench.commands().back().at_us);
+}
+
+TEST(Lease, ChangeThatIsRenewedBeforeItLeftStillLeavesAtOnce) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_EQ(ROBUROC4_OK, bench.drive(0.1F, 0));
+    bench.pump();
+    const std::uint64_t start_us = bench.now_us;
+    for (int i = 0; i < 10; i++) {
+        ASSERT_EQ(ROBUROC4_OK, bench.drive(0.2F, 0));
+        bench.run(1 * ms);
+    }
+    ASSERT_EQ(2U, bench.commands().size());
+    EXPECT_EQ(start_us + 10 * ms, bench.commands()[1].at_us);
+}
+
+TEST(Lease, CommandsAreNeverWithinACycleWhateverTheTargets) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    for (int i = 0; i < 2000; i++) {
+        ASSERT_EQ(ROBUROC4_OK, bench.drive(0.01F * static_cast<float>(i % 100), 0.1F));
+        bench.run(700);
+    }
+    const auto commands = bench.commands();
+    EXPECT_GT(commands.size(), 100U);
+    for (std::size_t i = 1; i < commands.size(); i++)
+        EXPECT_GE(commands[i].at_us - commands[i - 1].at_us, 10 * ms);
+}
+
+TEST(Lease, HasNoSpeedAfterItForAnyPollSchedule) {
+    for (std::uint64_t period_us = 1 * ms; period_us < 700 * ms; period_us += 13777) {
+        for (const std::uint32_t lease_us : {20000U, 250000U, 1000000U}) {
+            ScriptedRobot robot;
+            Bench bench(robot);
+            bench.armed();
+            const std::uint64_t granted_us = bench.now_us;
+            ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0, lease_us));
+            for (int i = 0; i < 100 && bench.now_us < granted_us + 2 * second; i++) {
+                bench.pump();
+                bench.now_us += period_us;
+            }
+            ASSERT_EQ(0U, bench.speeds(granted_us + lease_us)) << period_us << " " << lease_us;
+        }
+    }
+}
+
+TEST(Lease, GapBetweenCallsLongerThanItEndsItAndNeverRevivesIt) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
+    bench.pump();
+    bench.now_us += 260 * ms; /* nobody called: a blocked program, a machine that slept */
+    const std::uint64_t back_us = bench.now_us;
+    ASSERT_TRUE(bench.poll());
+    EXPECT_TRUE(bench.commands().back().zero());
+    EXPECT_EQ(0, bench.facts().driving);
+    bench.run(3 * second);
+    EXPECT_EQ(0U, bench.speeds(back_us));
+}
+
+TEST(Clock, StepBackEndsTheLeaseDisarmsAndNeverRevivesIt) {
+    for (const std::int64_t step_us : {-1, -1000, -250000, -1000000, -900000000}) {
+        SCOPED_TRACE(step_us);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.armed();
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
+        ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0, 1000000));
+        bench.pump();
+        bench.take_events();
+        bench.now_us++;
+        const std::uint64_t at_us = bench.now_us;
+        bench.skew_us += step_us - 1;
+        bench.pump();
+        EXPECT_EQ(0, bench.facts().armed);
+        EXPECT_EQ(0, bench.facts().driving);
+        EXPECT_EQ(ROBUROC4_ERR_CLOCK, bench.facts().disarm_cause);
+        EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_CLOCK);
+        EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_CLOCK_FAULTS));
+        ASSERT_FALSE(bench.commands(at_us).empty());
+        EXPECT_TRUE(bench.commands(at_us).back().zero()) << "a zero train";
+        bench.skew_us -= step_us - 1; /* and forth again */
+        bench.run(3 * second);
+        EXPECT_EQ(0U, bench.speeds(at_us));
+        EXPECT_GE(bench.commands(at_us).size(), 3U);
+        EXPECT_EQ(0, bench.facts().stopping);
+        EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+        EXPECT_EQ(ROBUROC4_OK, bench.arm()) << "it is not wedged";
+    }
+}
+
+TEST(Clock, StepBackSeenFirstByAnyCallEndsTheLease) {
+    const std::vector<std::function<void(Bench &)>> calls{
+        [](Bench &b) { b.drive(0.5F, 0); },
+        [](Bench &b) { b.arm(); },
+        [](Bench &b) {
+            b.receive({1, 2});
+        },
+        [](Bench &b) { roburoc4_client_subscribe(&b.client, 3, 100, b.client_us()); },
+        [](Bench &b) { roburoc4_client_set_digital_output(&b.client, 1, 1, b.client_us()); },
+        [](Bench &b) { roburoc4_client_relocalize(&b.client, 0, 0, 0, b.client_us()); },
+        [](Bench &b) { b.stop(); },
+    };
+    for (std::size_t i = 0; i < calls.size(); i++) {
+        SCOPED_TRACE(i);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.armed();
+        ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0, 1000000));
+        bench.pump();
+        bench.now_us++;
+        bench.skew_us -= 100000;
+        calls[i](bench);
+        EXPECT_EQ(0, bench.facts().driving);
+        EXPECT_EQ(0, bench.facts().armed);
+        const std::uint64_t at_us = bench.now_us;
+        bench.run(2 * second);
+        EXPECT_EQ(0U, bench.speeds(at_us));
+        EXPECT_GE(bench.commands(at_us).size(), 3U);
+    }
+}
+
+TEST(Clock, StepBackLosesNoRobotButTrustsNoStatusOfBefore) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    bench.skew_us -= 500000;
+    while (bench.poll()) {
+    }
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+    EXPECT_EQ(ROBUROC4_ERR_STALE_DIFFERENTIAL, bench.arm()) << "their age is not known";
+    bench.run(100 * ms);
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+    std::uint64_t host_us = 0;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_host_time(&bench.client, robot.cycles(), &host_us));
+    EXPECT_NEAR(static_cast<double>(bench.client_us()), static_cast<double>(host_us), 10000)
+        << "the robot's time on the new clock";
+    bench.run(10 * second);
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST));
+}
+
+TEST(Clock, StepBackWhileConnectingGoesOnAsking) {
+    ScriptedRobot robot;
+    robot.powered = false;
+    Bench bench(robot);
+    bench.start();
+    bench.run(5 * second);
+    bench.skew_us -= 900000000;
+    const std::size_t before = bench.sent.size();
+    bench.run(10 * second);
+    EXPECT_GE(bench.sent.size(), before + 9);
+    EXPECT_LE(bench.sent.size(), before + 12);
+    robot.powered = true;
+    EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 3 * second));
+}
+
+TEST(Clock, StepBackToNearZeroDoesNotHoldUpTheTrain) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
+    robot.powered = false;
+    bench.stop();
+    bench.pump();
+    const std::uint64_t at_us = bench.now_us;
+    bench.skew_us = -static_cast<std::int64_t>(bench.now_us) + 5;
+    bench.run(3 * second);
+    EXPECT_NEAR(20, static_cast<double>(bench.commands(at_us).size()), 3);
+    EXPECT_EQ(0, bench.facts().stopping);
+}
+
+TEST(Clock, JumpFarAheadSendsNoSpeedAndDoesNotWedge) {
+    for (const std::int64_t step_us :
+         {std::int64_t{300000}, std::int64_t{3600000000}, std::int64_t{1} << 52}) {
+        SCOPED_TRACE(step_us);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.armed();
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
+        ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
+        bench.pump();
+        const std::uint64_t at_us = bench.now_us;
+        bench.now_us++;
+        bench.skew_us += step_us;
+        bench.run(10 * second);
+        EXPECT_EQ(0U, bench.speeds(at_us + 1));
+        EXPECT_GE(bench.commands(at_us + 1).size(), 3U);
+        EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+        EXPECT_EQ(ROBUROC4_OK, bench.arm());
+    }
+}
+
+TEST(Deadline, NeverLetsALoopSpinInAnyState) {
+    /* the bench itself checks that a deadline is never in the past after all was polled */
+    ScriptedRobot robot;
+    roburoc4_config config = default_config();
+    config.drive_period_ms = 10;
+    Bench bench(robot, config);
+    bench.delay_to_client = [] { return 3 * ms; };
+    robot.powered = false;
+    const auto polls_per_second = [&](std::uint64_t seconds) {
+        const std::uint64_t before = bench.polls;
+        bench.run(seconds * second);
+        return (bench.polls - before) / seconds;
+    };
+    bench.start();
+    EXPECT_LT(polls_per_second(10), 300U) << "connecting";
+    robot.powered = true;
+    EXPECT_LT(polls_per_second(10), 500U) << "discovering to ready";
+    ASSERT_EQ(ROBUROC4_OK, bench.arm());
+    EXPECT_LT(polls_per_second(5), 500U) << "armed";
+    for (int i = 0; i < 50; i++) {
+        bench.drive(0.5F, 0);
+        EXPECT_LT(polls_per_second(1), 700U) << "driving and stopping";
+    }
+    bench.stop();
+    EXPECT_LT(polls_per_second(3), 500U) << "stopping";
+    robot.powered = false;
+    EXPECT_LT(polls_per_second(10), 300U) << "lost";
+    robot.powered = true;
+    bench.run(5 * second);
+    ASSERT_EQ(ROBUROC4_OK, bench.arm());
+    bench.drive(0.5F, 0);
+    bench.pump();
+    robot.powered = false;
+    bench.close();
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CLOSING), bench.state());
+    EXPECT_LT(polls_per_second(2), 500U) << "closing";
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_IDLE), bench.state());
+    EXPECT_EQ(UINT64_MAX, roburoc4_client_next_deadline(&bench.client));
+}

@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Limits: scale, then by choice keep the curve, then clamp; NaN and infinity never leave.
+ */
+#include "client_bench.h"
+
+#include <cmath>
+#include <limits>
+
+using namespace roburoc4_tests;
+
+namespace {
+
+constexpr float nan_f = std::numeric_limits<float>::quiet_NaN();
+constexpr float inf_f = std::numeric_limits<float>::infinity();
+
+/** What leaves for these speeds. */
+Command sent_for(const roburoc4_config &config, const roburoc4_differential_properties &limits,
+                 float linear, float angular) {
+    ScriptedRobot robot;
+    robot.differential = limits;
+    Bench bench(robot, config);
+    bench.armed();
+    EXPECT_EQ(ROBUROC4_OK, bench.drive(linear, angular));
+    bench.pump();
+    EXPECT_EQ(1U, bench.commands().size());
+    return bench.commands().empty() ? Command{} : bench.commands().back();
+}
+
+roburoc4_differential_properties usual_limits() {
+    return ScriptedRobot().differential;
+}
+
+void expect_sent(const Command &sent, float linear, float angular) {
+    EXPECT_FLOAT_EQ(linear, sent.linear);
+    EXPECT_FLOAT_EQ(angular, sent.angular);
+}
+
+} // namespace
+
+TEST(Limits, WithinThemSpeedsLeaveAsTheyAre) {
+    for (const float v : {-2.6F, -1.0F, -1e-6F, 0.0F, 0.1F, 2.6F})
+        for (const float w : {-6.5F, -0.3F, 0.0F, 6.5F}) {
+            const Command sent = sent_for(default_config(), usual_limits(), v, w);
+            EXPECT_EQ(v, sent.linear);
+            EXPECT_EQ(w, sent.angular);
+        }
+}
+
+TEST(Limits, OfTheRobotClamp) {
+    auto limits = usual_limits();
+    limits.max_linear_m_s = 1.5F;
+    limits.min_linear_m_s = -0.5F;
+    limits.max_angular_rad_s = 2;
+    limits.min_angular_rad_s = -3;
+    expect_sent(sent_for(default_config(), limits, 2, 5), 1.5F, 2);
+    expect_sent(sent_for(default_config(), limits, -2, -5), -0.5F, -3);
+}
+
+TEST(Limits, CeilingsOfTheConfigurationAlwaysApplyToo) {
+    auto limits = usual_limits();
+    limits.max_linear_m_s = 100;
+    limits.min_linear_m_s = -100;
+    limits.max_angular_rad_s = 100;
+    limits.min_angular_rad_s = -100;
+    expect_sent(sent_for(default_config(), limits, 50, -50), 2.6F, -6.5F);
+    roburoc4_config config = default_config();
+    config.max_linear_m_s = 0.4F;
+    config.max_angular_rad_s = 0.7F;
+    expect_sent(sent_for(config, limits, -50, 50), -0.4F, 0.7F);
+    expect_sent(sent_for(config, limits, 0.39F, -0.69F), 0.39F, -0.69F);
+}
+
+TEST(Limits, OfZeroLetNothingThrough) {
+    auto limits = usual_limits();
+    limits.max_linear_m_s = 0;
+    limits.max_angular_rad_s = limits.min_angular_rad_s = 0;
+    expect_sent(sent_for(default_config(), limits, 1, 1), 0, 0);
+    expect_sent(sent_for(default_config(), limits, -1, -1), -1, 0);
+}
+
+TEST(Limits, ScaleComesBeforeTheClamp) {
+    roburoc4_config config = default_config();
+    config.scale_linear = 1.3F;
+    config.scale_angular = 0.5F;
+    expect_sent(sent_for(config, usual_limits(), 1, 1), 1.3F, 0.5F);
+    expect_sent(sent_for(config, usual_limits(), 2.5F, -13), 2.6F, -6.5F);
+}
+
+TEST(Limits, HugeSpeedsAreClampedNotOverflown) {
+    roburoc4_config config = default_config();
+    config.scale_linear = 10;
+    config.scale_angular = 10;
+    const float most = std::numeric_limits<float>::max();
+    expect_sent(sent_for(config, usual_limits(), most, -most), 2.6F, -6.5F);
+    config.options = ROBUROC4_OPTION_TURN_KEEPING;
+    expect_sent(sent_for(config, usual_limits(), -most, most), 0, 6.5F);
+}
+
+TEST(Limits, ZeroPassesUntouched) {
+    roburoc4_config config = default_config();
+    config.scale_linear = 10;
+    config.scale_angular = 0.01F;
+    config.options = ROBUROC4_OPTION_TURN_KEEPING;
+    const Command sent = sent_for(config, usual_limits(), 0, 0);
+    EXPECT_EQ(0.0F, sent.linear);
+    EXPECT_EQ(0.0F, sent.angular);
+}
+
+TEST(Limits, ZeroTrainNeedsNoUsableLimits) {
+    ScriptedRobot robot;
+    robot.differential.max_linear_m_s = nan_f;
+    robot.differential.min_angular_rad_s = 3;
+    Bench bench(robot);
+    bench.ready();
+    bench.stop();
+    bench.run(second);
+    ASSERT_GE(bench.commands().size(), 3U);
+    for (const Command &c : bench.commands())
+        EXPECT_TRUE(c.zero());
+}
+
+TEST(NotFinite, IsRefusedAndStoresNothing) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    for (const float bad :
+         {nan_f, -nan_f, inf_f, -inf_f, std::numeric_limits<float>::signaling_NaN()}) {
+        EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE, bench.drive(bad, 0));
+        EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE, bench.drive(0, bad));
+        EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE, bench.drive(bad, bad));
+        EXPECT_EQ(0, bench.facts().driving);
+    }
+    bench.run(second);
+    EXPECT_EQ(0U, bench.commands().size());
+}
+
+TEST(NotFinite, DoesNotRenewALease) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    const std::uint64_t granted_us = bench.now_us;
+    ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
+    for (int i = 0; i < 20; i++) {
+        bench.run(20 * ms);
+        EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE, bench.drive(nan_f, 0));
+    }
+    EXPECT_EQ(0U, bench.speeds(granted_us + 250 * ms));
+}
+
+TEST(NotFinite, OfEveryBitPatternIsRefused) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    for (std::uint32_t fraction = 0; fraction < 0x800000; fraction += 0x1235) {
+        for (const std::uint32_t sign : {0U, 0x80000000U}) {
+            const std::uint32_t bits = sign | 0x7F800000U | fraction;
+            float value;
+            memcpy(&value, &bits, sizeof value);
+            ASSERT_EQ(ROBUROC4_ERR_NOT_FINITE, bench.drive(value, 0)) << std::hex << bits;
+        }
+    }
+}
+
+/* ---- keeping the curve ---- */
+
+TEST(TurnKeeping, IsOffByDefault) {
+    expect_sent(sent_for(default_config(), usual_limits(), 2.6F, 3), 2.6F, 3);
+}
+
+TEST(TurnKeeping, SlowsDownRatherThanTurnLess) {
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_TURN_KEEPING;
+    auto limits = usual_limits();
+    limits.width_m = 0.5F;
+    expect_sent(sent_for(config, limits, 2.6F, 2), 2.1F, 2);
+    expect_sent(sent_for(config, limits, -2.6F, 2), -2.1F, 2);
+    expect_sent(sent_for(config, limits, 2.6F, -2), 2.1F, -2);
+    expect_sent(sent_for(config, limits, 1, 2), 1, 2);
+}
+
+TEST(TurnKeeping, NeverTurnsTheSpeedRound) {
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_TURN_KEEPING;
+    auto limits = usual_limits();
+    limits.width_m = 2;
+    expect_sent(sent_for(config, limits, 1, 6), 0, 6);
+    expect_sent(sent_for(config, limits, -1, 6), 0, 6);
+}
+
+TEST(TurnKeeping, IsOffWhereTheWidthIsNotSensible) {
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_TURN_KEEPING;
+    for (const float width : {0.0F, -0.68F, nan_f, inf_f, -inf_f, 1e9F}) {
+        auto limits = usual_limits();
+        limits.width_m = width;
+        expect_sent(sent_for(config, limits, 2.6F, 3), 2.6F, 3);
+    }
+}

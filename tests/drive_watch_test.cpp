@@ -1,0 +1,256 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What a client sees while it drives: another commander, motion that is inhibited, the override.
+ */
+#include "client_bench.h"
+
+using namespace roburoc4_tests;
+
+/* ---- another commander ---- */
+
+TEST(Foreign, IsReportedAfterThreeStatusesWithTargetsOfSomebodyElse) {
+    ScriptedRobot robot;
+    robot.follows = false;
+    Bench bench(robot);
+    bench.ready();
+    robot.target_angular = 0.5F;
+    for (std::uint64_t i = 1; i <= 2; i++)
+        bench.receive(robot.status_at(6, robot.cycles() + i));
+    EXPECT_EQ(0, bench.facts().foreign);
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_FOREIGN);
+    bench.receive(robot.status_at(6, robot.cycles() + 3));
+    EXPECT_EQ(1, bench.facts().foreign);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_FOREIGN);
+    bench.run(second);
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_FOREIGN) << "once";
+    robot.target_angular = 0;
+    bench.run(200 * ms);
+    EXPECT_EQ(0, bench.facts().foreign);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_FOREIGN) << "and when it ends";
+}
+
+TEST(Foreign, IsNotTwoStatuses) {
+    ScriptedRobot robot;
+    robot.follows = false;
+    Bench bench(robot);
+    bench.ready();
+    for (std::uint64_t i = 1; i <= 9; i++) {
+        robot.target_linear = i % 3 == 0 ? 0.0F : 0.5F;
+        bench.receive(robot.status_at(6, robot.cycles() + i));
+    }
+    EXPECT_EQ(0, bench.facts().foreign);
+}
+
+TEST(Foreign, IsNeverTheClientItself) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.delay_to_client = [] { return 120 * ms; }; /* what it reports is old */
+    bench.armed();
+    for (int i = 0; i < 200; i++) {
+        ASSERT_EQ(ROBUROC4_OK, bench.drive(i % 20 < 10 ? 1.0F : -1.0F, i % 14 < 7 ? 2.0F : -0.5F))
+            << i;
+        bench.run(30 * ms);
+    }
+    bench.run(3 * second);
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_FOREIGN);
+    EXPECT_EQ(1, bench.facts().armed);
+}
+
+TEST(Foreign, IsNeverTheGamePad) {
+    ScriptedRobot robot;
+    robot.follows = false;
+    Bench bench(robot);
+    bench.ready();
+    robot.press(ROBUROC4_DI_PAD_A);
+    bench.run(100 * ms);
+    robot.target_linear = robot.current_linear = 1;
+    bench.run(5 * second);
+    EXPECT_EQ(0, bench.facts().foreign);
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_FOREIGN);
+}
+
+TEST(Foreign, DisarmsAndSendsTheTrain) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
+    robot.follows = false;
+    robot.target_linear = 0.5F;
+    robot.target_angular = 1;
+    ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0, 1000000));
+    bench.run(200 * ms);
+    EXPECT_EQ(0, bench.facts().armed);
+    EXPECT_EQ(ROBUROC4_ERR_FOREIGN, bench.facts().disarm_cause);
+    EXPECT_TRUE(bench.commands().back().zero());
+}
+
+TEST(Foreign, IsSeenAlsoBetweenZeroAndOurTarget) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, 5 * second));
+    robot.follows = false;
+    robot.target_linear = 0.5F; /* we said 1 for five seconds */
+    for (int i = 0; i < 20 && bench.facts().armed == 1; i++) {
+        bench.drive(1, 0);
+        bench.run(50 * ms);
+    }
+    EXPECT_EQ(1, bench.facts().foreign);
+    EXPECT_EQ(0, bench.facts().armed);
+}
+
+TEST(Foreign, CanBeIgnored) {
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_IGNORE_FOREIGN;
+    ScriptedRobot robot;
+    robot.follows = false;
+    Bench bench(robot, config);
+    bench.armed();
+    robot.target_linear = -1;
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
+    EXPECT_EQ(1, bench.facts().foreign);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_FOREIGN);
+    EXPECT_EQ(1, bench.facts().armed);
+}
+
+TEST(Foreign, IsNotAScaledOrClampedTargetOfOurs) {
+    roburoc4_config config = default_config();
+    config.scale_linear = 1.3F;
+    ScriptedRobot robot;
+    robot.differential.max_linear_m_s = 1;
+    Bench bench(robot, config);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(2, 0.5F, 3 * second));
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0.5F, 3 * second));
+    EXPECT_EQ(0, bench.facts().foreign);
+}
+
+TEST(Foreign, IsSeenInTheSimulator) {
+    SimPartner sim;
+    Bench bench(sim);
+    bench.ready();
+    Bytes command(11);
+    for (int i = 0; i < 10; i++) {
+        roburoc4_encode_differential_command(command.data(), command.size(), 6, 0.5F, 0);
+        roburoc4_sim_receive(sim.get(), 2, command.data(), command.size());
+        bench.run(50 * ms);
+    }
+    EXPECT_EQ(1, bench.facts().foreign);
+    EXPECT_EQ(ROBUROC4_ERR_FOREIGN, bench.arm());
+}
+
+/* ---- motion inhibited ---- */
+
+TEST(Inhibited, IsReportedWhenATargetIsSetButTheRobotStands) {
+    ScriptedRobot robot;
+    robot.follows = false;
+    Bench bench(robot);
+    bench.armed();
+    robot.target_linear = 0.5F;
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 400 * ms));
+    EXPECT_EQ(0, bench.facts().inhibited) << "a robot needs a moment to move";
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 600 * ms));
+    EXPECT_EQ(1, bench.facts().inhibited);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_INHIBITED);
+    EXPECT_EQ(1, bench.facts().armed) << "reported, no more";
+    robot.current_linear = 0.4F;
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
+    EXPECT_EQ(0, bench.facts().inhibited);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_INHIBITED) << "and no longer";
+}
+
+TEST(Inhibited, IsReportedForATurnToo) {
+    ScriptedRobot robot;
+    robot.follows = false;
+    Bench bench(robot);
+    bench.armed();
+    robot.target_angular = -1;
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0, -1, second));
+    EXPECT_EQ(1, bench.facts().inhibited);
+}
+
+TEST(Inhibited, IsReportedWhereTheRobotDropsTheTargetItself) {
+    ScriptedRobot robot;
+    robot.follows = false; /* target and speed stay 0 */
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
+    EXPECT_EQ(1, bench.facts().inhibited);
+}
+
+TEST(Inhibited, IsNotForARobotThatMovesOrHasNoTarget) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0.5F, 3 * second));
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0, 0, 3 * second));
+    bench.run(3 * second);
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_INHIBITED);
+}
+
+TEST(Inhibited, IsTheEmergencyStopOfTheSimulator) {
+    SimPartner sim;
+    Bench bench(sim);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 2 * second));
+    EXPECT_EQ(0, bench.facts().inhibited);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_set_estop(sim.get(), ROBUROC4_SIM_ESTOP_REMOTE, 1));
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 3 * second));
+    EXPECT_EQ(1, bench.facts().inhibited);
+}
+
+/* ---- override ---- */
+
+TEST(Override, IsAnEventOnBothEdges) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    EXPECT_EQ(1, bench.facts().override_known);
+    EXPECT_EQ(0, bench.facts().overridden);
+    robot.press(ROBUROC4_DI_PAD_A);
+    bench.run(60 * ms);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_OVERRIDE);
+    EXPECT_EQ(1, bench.facts().overridden);
+    bench.run(second);
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_OVERRIDE);
+    robot.press(ROBUROC4_DI_PAD_A, false);
+    bench.run(60 * ms);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_OVERRIDE);
+    EXPECT_EQ(0, bench.facts().overridden);
+}
+
+TEST(Override, LetsNoSpeedOutAfterTheStatusThatShowedIt) {
+    for (int offset = 0; offset < 60; offset += 7) {
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.armed();
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
+        bench.run(static_cast<std::uint64_t>(offset) * ms);
+        bench.drive(0.6F, 0, 1000000);
+        robot.press(ROBUROC4_DI_PAD_A);
+        bench.receive(robot.status_at(2, robot.cycles() + 1));
+        const std::size_t before = bench.sent.size();
+        bench.run(3 * second);
+        for (std::size_t i = before; i < bench.sent.size(); i++) {
+            Command c{};
+            if (Bench::as_command(bench.sent[i], &c)) {
+                EXPECT_TRUE(c.zero());
+            }
+        }
+    }
+}
+
+TEST(Override, OfTheSimulatorStopsTheClientAndItStaysStopped) {
+    SimPartner sim;
+    Bench bench(sim);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_set_pad_button(sim.get(), ROBUROC4_DI_PAD_A, 1));
+    bench.run(200 * ms);
+    EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, bench.drive(0.5F, 0));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_set_pad_button(sim.get(), ROBUROC4_DI_PAD_A, 0));
+    bench.run(3 * second);
+    EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, bench.drive(0.5F, 0));
+    EXPECT_NEAR(0, sim.state().true_linear_m_s, 0.02);
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+}
