@@ -843,7 +843,8 @@ ROBUROC4_API roburoc4_result roburoc4_client_close(roburoc4_client *client, uint
 
 /** One datagram of the robot. That it is the robot's is the caller's duty (connect the socket).
  *  Returns 0 or more where it was used; ROBUROC4_ERR_SHORT, _KIND, _VALUE, _UNMATCHED,
- *  _UNSUBSCRIBED or _OLD where it was dropped and counted; nothing else changes then. */
+ *  _UNSUBSCRIBED or _OLD where it was dropped and counted. A dropped one changes no value; it may
+ *  tell that the robot restarted, or end the request that it answers in an unknown layout. */
 ROBUROC4_API roburoc4_result roburoc4_client_receive(roburoc4_client *client,
                                                      const uint8_t *datagram, size_t size,
                                                      uint64_t now_us);

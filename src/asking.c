@@ -6,6 +6,8 @@
 #include "bytes.h"
 #include "client.h"
 
+/* A probe waits up to 0.8 s for its answer. */
+#define PROBE_TRIES 4
 /* Given up after 2.5 s, within a client's patience; a probe asks again later. */
 #define REQUEST_TRIES 5
 #define FIRST_STATUS_SERVICE ROBUROC4_SERVICE_IOCARD
@@ -122,7 +124,7 @@ static bool open_probe(client *c, uint64_t now_us) {
     do {
         d->probe_kind = (uint8_t)((d->probe_kind + 1) % ROBUROC4_SERVICE_COUNT);
     } while (d->probe_kind != 0 && (d->listed & service_bit(d->probe_kind)) == 0);
-    return open_get(c, d->probe_kind, 1);
+    return open_get(c, d->probe_kind, PROBE_TRIES);
 }
 
 void roburoc4_client_renew_silent(client *c, uint64_t now_us) {

@@ -285,6 +285,9 @@ uint64_t roburoc4_client_next_deadline(const client *c) {
         return deadline;
     }
     sooner(&deadline, roburoc4_requests_deadline(&c->private_requests));
+    if (!connected(c) && deadline == UINT64_MAX) {
+        return 0; /* just started or lost: the directory is still to be asked for */
+    }
     if (connected(c)) {
         sooner(&deadline, c->private_link.last_used_us + patience_us(c));
     }

@@ -54,8 +54,8 @@ static roburoc4_result take_telemeters(client *c, const uint8_t *data, size_t si
         return result;
     }
     const uint8_t stored = (uint8_t)at_most(list.count, ROBUROC4_MAX_TELEMETERS);
+    exceed(c, list.count > stored && v->telemeter_count != stored); /* once, not at each probe */
     store(c, &v->telemeter_count, &stored, 1);
-    exceed(c, list.count > ROBUROC4_MAX_TELEMETERS);
     for (uint32_t i = 0; i < stored; i++) {
         roburoc4_telemeter_at(&list, i, &telemeter);
         store(c, v->telemeters[i], &telemeter, sizeof v->telemeters[i]);

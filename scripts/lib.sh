@@ -1,0 +1,123 @@
+# shellcheck shell=sh
+# SPDX-License-Identifier: MIT
+#
+# What scripts/demo and scripts/test share: installing packages, and configuring a build folder
+# whatever generator made it. To be sourced from the top of the checkout.
+
+LC_ALL=C
+export LC_ALL
+
+say() {
+    printf '%s\n' "$*"
+}
+
+fail() {
+    printf '%s: %s\n' "$(basename "$0")" "$*" >&2
+    exit 1
+}
+
+have() {
+    command -v "$1" >/dev/null 2>&1
+}
+
+jobs() {
+    getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2
+}
+
+missing=
+
+# need PACKAGE COMMAND...: note PACKAGE as missing where COMMAND fails.
+need() {
+    need_package=$1
+    shift
+    "$@" >/dev/null 2>&1 || missing="$missing $need_package"
+}
+
+c_compiles() {
+    printf '#include <stdio.h>\nint main(void) { return 0; }\n' | "$1" -x c -c -o /dev/null -
+}
+
+cxx_includes() {
+    printf '#include <%s>\n' "$2" | "$1" -x c++ -E -o /dev/null -
+}
+
+builds() {
+    have ninja || have make
+}
+
+# Install what need() found missing, or say it and end.
+install_missing() {
+    [ -n "$missing" ] || return 0
+    as_root=
+    if [ "$(id -u)" -ne 0 ]; then
+        as_root=sudo
+    fi
+    if ! have apt-get; then
+        fail "missing here (by their Debian names):$missing; install them and start again"
+    fi
+    if [ -n "$as_root" ] && ! have sudo; then
+        fail "missing here:$missing; as root: apt-get install$missing"
+    fi
+    say "installing:$missing"
+    mkdir -p build
+    # The list holds package names only, one a word.
+    # shellcheck disable=SC2086
+    if ! { $as_root apt-get update && $as_root env DEBIAN_FRONTEND=noninteractive \
+        apt-get install -y --no-install-recommends $missing; } >build/packages.log 2>&1 </dev/null
+    then
+        tail -n 20 build/packages.log >&2
+        fail "apt-get could not install:$missing (all of it: build/packages.log)"
+    fi
+    missing=
+}
+
+# The value of a variable in a build folder's cache.
+cached() {
+    sed -n "s/^$2:[A-Z]*=//p" "$1/CMakeCache.txt" 2>/dev/null
+}
+
+# Whether a build folder can be used again: made from this checkout, with tools that are there.
+usable_tree() {
+    [ "$(cached "$1" CMAKE_HOME_DIRECTORY)" = "$(pwd -P)" ] || return 1
+    for tree_tool in CMAKE_COMMAND CMAKE_MAKE_PROGRAM CMAKE_C_COMPILER; do
+        have "$(cached "$1" "$tree_tool")" || return 1
+    done
+}
+
+# configure DIR NEW-ARGUMENTS -- ARGUMENTS: configure DIR with all arguments where it is new; with
+# the later ones only, and its own generator and compiler, where it was made before.
+configure() {
+    tree=$1
+    shift
+    if [ -f "$tree/CMakeCache.txt" ] && usable_tree "$tree"; then
+        while [ "$1" != -- ]; do
+            shift
+        done
+        shift
+        cmake -S . -B "$tree" -G "$(cached "$tree" CMAKE_GENERATOR)" "$@"
+        return
+    fi
+    rm -rf "$tree/CMakeCache.txt" "$tree/CMakeFiles"
+    for argument in "$@"; do
+        shift
+        [ "$argument" = -- ] || set -- "$@" "$argument"
+    done
+    if [ -z "${CMAKE_GENERATOR:-}" ]; then
+        if have ninja; then
+            set -- -G Ninja "$@"
+        else
+            set -- -G 'Unix Makefiles' "$@"
+        fi
+    fi
+    cmake -S . -B "$tree" "$@"
+}
+
+# compile DIR [TARGET...]
+compile() {
+    tree=$1
+    shift
+    if [ $# -gt 0 ]; then
+        set -- --target "$@"
+    fi
+    cmake --build "$tree" --config RelWithDebInfo --parallel "$(jobs)" "$@"
+}

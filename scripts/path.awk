@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: MIT
+#
+# Judge and draw the path of drive_square. Reads its CSV file and, where there is one, a file of
+# true poses (TRUE=FILE, "x_m,y_m,theta_rad" a line); writes SVG into SVG=FILE; prints the verdict;
+# ends with 0 only if the path is long enough, passes each corner and comes back.
+#
+# All poses are turned into the frame of their own first one: X ahead, Y to the left.
+
+BEGIN {
+    FS = ","
+    SIDE = 2
+    NEAR = 0.3
+    LONG = 7.5
+    corners = 4
+    corner_x[1] = SIDE; corner_y[1] = 0
+    corner_x[2] = SIDE; corner_y[2] = SIDE
+    corner_x[3] = 0; corner_y[3] = SIDE
+    corner_x[4] = 0; corner_y[4] = 0
+}
+
+# Lines of odometry: robot_s,x_m,y_m,theta_rad,...
+FNR > 1 && NF >= 4 {
+    if (!n)
+        begin($2, $3, $4)
+    n++
+    place($2, $3)
+    odometry_x[n] = px
+    odometry_y[n] = py
+}
+
+END {
+    judge()
+    if (TRUE != "")
+        read_truth()
+    if (SVG != "")
+        draw()
+    exit verdict
+}
+
+function begin(x, y, theta) {
+    start_x = x
+    start_y = y
+    start_cos = cos(theta)
+    start_sin = sin(theta)
+}
+
+function place(x, y) {
+    px = (x - start_x) * start_cos + (y - start_y) * start_sin
+    py = (y - start_y) * start_cos - (x - start_x) * start_sin
+}
+
+function distance(x1, y1, x2, y2) {
+    return sqrt((x1 - x2) * (x1 - x2) + (y1 - y2) * (y1 - y2))
+}
+
+# Corners count in their order, each from where the one before was nearest.
+function judge(    k, i, from, best, d) {
+    verdict = 0
+    total = 0
+    for (i = 2; i <= n; i++)
+        total += distance(odometry_x[i], odometry_y[i], odometry_x[i - 1], odometry_y[i - 1])
+    claim("path length", total, total >= LONG, "at least " LONG " m")
+    from = 1
+    for (k = 1; k < corners; k++) {
+        best = 1e9
+        for (i = from; i <= n && distance(odometry_x[i], odometry_y[i], corner_x[k], corner_y[k]) > SIDE / 2; i++)
+            ;
+        for (; i <= n; i++) {
+            d = distance(odometry_x[i], odometry_y[i], corner_x[k], corner_y[k])
+            if (d < best) {
+                best = d
+                from = i
+            }
+            if (d > SIDE / 2)
+                break
+        }
+        claim("corner " k " missed by", best, best <= NEAR, "at most " NEAR " m")
+    }
+    d = n ? distance(odometry_x[n], odometry_y[n], 0, 0) : 1e9
+    claim("end off the start by", d, d <= NEAR, "at most " NEAR " m")
+}
+
+function claim(what, value, good, wanted) {
+    if (value > 1e8)
+        printf "%-4s  %-22s never there  (%s)\n", "BAD", what, wanted
+    else
+        printf "%-4s  %-22s %6.3f m  (%s)\n", good ? "ok" : "BAD", what, value, wanted
+    if (!good)
+        verdict = 1
+}
+
+function read_truth(    line, part) {
+    m = 0
+    while ((getline line < TRUE) > 0) {
+        if (split(line, part, ",") < 3)
+            continue
+        if (!m)
+            begin(part[1], part[2], part[3])
+        m++
+        place(part[1], part[2])
+        true_x[m] = px
+        true_y[m] = py
+    }
+    close(TRUE)
+}
+
+# From metres to the picture.
+function X(x) {
+    return sprintf("%.1f", 60 + (x - LEFT) * SCALE)
+}
+
+function Y(y) {
+    return sprintf("%.1f", 60 + (TOP - y) * SCALE)
+}
+
+function floor_to(value, step,    k) {
+    k = int(value / step)
+    return (k * step > value ? k - 1 : k) * step
+}
+
+function bounds(x, y) {
+    if (x < LEFT) LEFT = x
+    if (x > RIGHT) RIGHT = x
+    if (y < BOTTOM) BOTTOM = y
+    if (y > TOP) TOP = y
+}
+
+function text(x, y, anchor, what) {
+    printf "<text x=\"%s\" y=\"%s\" text-anchor=\"%s\">%s</text>\n", x, y, anchor, what > SVG
+}
+
+function dot(x, y, colour) {
+    printf "<circle cx=\"%s\" cy=\"%s\" r=\"6\" fill=\"%s\"/>\n", X(x), Y(y), colour > SVG
+}
+
+function path(xs, ys, count, style,    i) {
+    printf "<polyline fill=\"none\" %s points=\"", style > SVG
+    for (i = 1; i <= count; i++)
+        printf "%s,%s ", X(xs[i]), Y(ys[i]) > SVG
+    print "\"/>" > SVG
+}
+
+function draw(    i, width, height, y) {
+    LEFT = BOTTOM = -0.3
+    RIGHT = TOP = SIDE + 0.3
+    for (i = 1; i <= n; i++) bounds(odometry_x[i], odometry_y[i])
+    for (i = 1; i <= m; i++) bounds(true_x[i], true_y[i])
+    LEFT = floor_to(LEFT, 0.5); BOTTOM = floor_to(BOTTOM, 0.5)
+    RIGHT = floor_to(RIGHT, 0.5) + 0.5; TOP = floor_to(TOP, 0.5) + 0.5
+    SCALE = 600 / (RIGHT - LEFT > TOP - BOTTOM ? RIGHT - LEFT : TOP - BOTTOM)
+    width = X(RIGHT) + 30
+    height = Y(BOTTOM) + 130
+
+    printf "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" ", width, height > SVG
+    print "font-family=\"sans-serif\" font-size=\"14\" fill=\"#222\">" > SVG
+    print "<title>RobuROC4: a square of 2 m by odometry</title>" > SVG
+    print "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>" > SVG
+    print "<text x=\"60\" y=\"34\" font-size=\"20\">RobuROC4: a square of " SIDE " m by odometry</text>" > SVG
+    for (i = LEFT; i <= RIGHT + 0.01; i += 0.5) {
+        printf "<line x1=\"%s\" y1=\"%s\" x2=\"%s\" y2=\"%s\" stroke=\"#ddd\"/>\n", X(i), Y(BOTTOM), X(i), Y(TOP) > SVG
+        text(X(i), Y(BOTTOM) + 20, "middle", i)
+    }
+    for (i = BOTTOM; i <= TOP + 0.01; i += 0.5) {
+        printf "<line x1=\"%s\" y1=\"%s\" x2=\"%s\" y2=\"%s\" stroke=\"#ddd\"/>\n", X(LEFT), Y(i), X(RIGHT), Y(i) > SVG
+        text(X(LEFT) - 8, Y(i) + 5, "end", i)
+    }
+    text(X((LEFT + RIGHT) / 2), Y(BOTTOM) + 42, "middle", "x, ahead of the start, in m")
+    printf "<text transform=\"translate(20 %s) rotate(-90)\" text-anchor=\"middle\">y, to the left, in m</text>\n", Y((BOTTOM + TOP) / 2) > SVG
+    printf "<rect x=\"%s\" y=\"%s\" width=\"%s\" height=\"%s\" fill=\"none\" stroke=\"#888\" stroke-dasharray=\"6 5\"/>\n", X(0), Y(SIDE), SIDE * SCALE, SIDE * SCALE > SVG
+    if (m)
+        path(true_x, true_y, m, "stroke=\"#d95f02\" stroke-width=\"2.5\"")
+    path(odometry_x, odometry_y, n, "stroke=\"#1f77b4\" stroke-width=\"2.5\"")
+    if (m)
+        dot(true_x[m], true_y[m], "#d95f02")
+    if (n)
+        dot(odometry_x[n], odometry_y[n], "#1f77b4")
+    printf "<circle cx=\"%s\" cy=\"%s\" r=\"9\" fill=\"none\" stroke=\"#2a2\" stroke-width=\"3\"/>\n", X(0), Y(0) > SVG
+
+    y = Y(BOTTOM) + 72
+    legend(60, y, "#1f77b4", sprintf("odometry: %.2f m, dot: its end", total))
+    if (m)
+        legend(60, y + 24, "#d95f02", "true path: what slip made of it, dot: its end")
+    legend(420, y, "#2a2", "ring: start")
+    legend(420, y + 24, "#888", "dashed: the square")
+    print "</svg>" > SVG
+    close(SVG)
+}
+
+function legend(x, y, colour, what) {
+    printf "<line x1=\"%d\" y1=\"%d\" x2=\"%d\" y2=\"%d\" stroke=\"%s\" stroke-width=\"3\"/>\n", x, y - 5, x + 24, y - 5, colour > SVG
+    text(x + 32, y, "start", what)
+}
