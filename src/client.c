@@ -174,11 +174,14 @@ static uint64_t patience_us(const client *c) {
 conditions roburoc4_client_conditions(const client *c, uint64_t now_us) {
     const uint64_t fresh_us = c->private_config.fresh_ms * MS;
     const roburoc4_private_link *l = &c->private_link;
+    /* a card that is listed may well have the input, until its properties tell */
+    const bool unread_card = (c->private_discovery.listed & ~c->private_discovery.known &
+                              service_bit(ROBUROC4_SERVICE_IOCARD)) != 0;
     const conditions now = {
         c->private_state == ROBUROC4_STATE_READY,
         roburoc4_link_fresh(l, STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL), fresh_us, now_us),
         roburoc4_link_fresh(l, STATUS_INDEX(ROBUROC4_SERVICE_IOCARD), fresh_us, now_us),
-        roburoc4_client_role_index(c, ROBUROC4_ROLE_OVERRIDE) >= 0,
+        roburoc4_client_role_index(c, ROBUROC4_ROLE_OVERRIDE) >= 0 || unread_card,
         c->private_values.override_known != 0,
         c->private_values.overridden != 0,
     };

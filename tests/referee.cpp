@@ -96,7 +96,6 @@ void Referee::lose_arming(std::uint64_t &total, std::uint32_t cause) {
 }
 
 void Referee::forget_statuses() {
-    iocard_known_ = false;
     differential_us_.reset();
     iocard_us_.reset();
     used_cycles_.fill(std::nullopt);
@@ -116,12 +115,6 @@ void Referee::begin(std::uint64_t now_us) {
     now_us_ = now_us;
 }
 
-/** Only by option, and for a robot that told of no such card, does driving not need it. */
-bool Referee::needs_iocard() const {
-    const bool allowed = (config_.options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) != 0;
-    return !deceived_inputs_ && (iocard_known_ || !allowed);
-}
-
 bool Referee::lease_lives() const {
     return leased_ && now_us_ - granted_us_ < lease_us_;
 }
@@ -134,7 +127,7 @@ void Referee::tick() {
     }
     const std::uint64_t fresh_us = config_.fresh_ms * ms;
     const bool fresh = differential_us_ && now_us_ - *differential_us_ < fresh_us &&
-                       (!needs_iocard() || (iocard_us_ && now_us_ - *iocard_us_ < fresh_us));
+                       (deceived_inputs_ || (iocard_us_ && now_us_ - *iocard_us_ < fresh_us));
     if (armed_ && !fresh)
         lose_arming(totals_.stale, ROBUROC4_RESUME_LOSS);
 }
@@ -143,10 +136,14 @@ void Referee::tick() {
 void Referee::note_withdrawal() {
     roburoc4_differential_properties properties;
     const std::uint32_t now = state();
+    const bool elsewhere =
+        differential_id_ &&
+        roburoc4_client_service_id(&client_, ROBUROC4_SERVICE_DIFFERENTIAL) != *differential_id_;
+    if (now == ROBUROC4_STATE_DISCOVERING && elsewhere)
+        doubt_ = true;
     if (now != ROBUROC4_STATE_SUBSCRIBING && now != ROBUROC4_STATE_READY)
         return;
-    if (differential_id_ &&
-        roburoc4_client_service_id(&client_, ROBUROC4_SERVICE_DIFFERENTIAL) != *differential_id_)
+    if (elsewhere)
         train_ = spoke_ = false; /* as far as it knows, another service or none has that id */
     doubt_ = doubt_ || roburoc4_client_differential_properties(&client_, &properties) < 0;
 }
@@ -163,6 +160,7 @@ void Referee::take_events() {
         totals_.reboots++;
         lose_arming(totals_.disarms, ROBUROC4_RESUME_REBOOT);
         forget_statuses();
+        zeros_allowed_ = zeros_allowed_ || deceived_services_;
         deceived_services_ = deceived_inputs_ = false; /* all is read again */
     }
     if ((events & ROBUROC4_EVENT_FOREIGN) != 0 && armed_ && facts().foreign != 0 &&
@@ -232,7 +230,7 @@ roburoc4_result Referee::arm(std::uint64_t now_us) {
     if (result >= 0) {
         if (state() != ROBUROC4_STATE_READY)
             complain("armed before it was ready");
-        if (!differential_us_ || (!iocard_us_ && needs_iocard()))
+        if (!differential_us_ || (!iocard_us_ && !deceived_inputs_))
             complain("armed without statuses");
         if (iocard_us_ && overridden_ && !deceived_inputs_)
             complain("armed while the override was on");
@@ -369,13 +367,12 @@ void Referee::note_answer(const Bytes &datagram, bool damaged) {
             differential_id_.reset();
             train_ = spoke_ = false; /* there is nobody to send it to */
         }
-    } else if (kind(target) == ROBUROC4_SERVICE_IOCARD) {
-        iocard_known_ = true;
     } else if (kind(target) == ROBUROC4_SERVICE_DIFFERENTIAL) {
         roburoc4_differential_properties properties;
         if (roburoc4_decode_differential_properties(datagram.data(), datagram.size(),
                                                     &properties) >= 0) {
             limits_ = properties;
+            limits_new_ = true;
             differential_id_ = target;
             doubt_ = false;
             zeros_allowed_ = zeros_allowed_ || (stop_waits_ && zeros_ > 0);
@@ -518,7 +515,7 @@ void Referee::judge_zero() {
         stop_waits_ = stop_waits_ && !known();
         return;
     }
-    if (zeros_allowed_ || deceived_services_)
+    if (zeros_allowed_ || deceived_services_ || doubt_)
         return;
     if (monitor_)
         complain("a monitor sent a command");
@@ -547,6 +544,7 @@ void Referee::judge_speed(const Bytes &datagram) {
         judge_zero();
     else
         judge_nonzero(command.linear_m_s, command.angular_rad_s);
+    limits_new_ = false;
     sent_us_ = now_us_;
     sent_linear_ = command.linear_m_s;
     sent_angular_ = command.angular_rad_s;
@@ -579,7 +577,7 @@ void Referee::judge_rest() {
     const bool drives = armed_ && lease_lives() && !train_ && !zeros_allowed_;
     if (drives && since_us >= repeat_us())
         complain("the target is not repeated");
-    if (drives && since_us >= spacing_us && !is_shaped(sent_linear_, sent_angular_))
+    if (drives && since_us >= spacing_us && !limits_new_ && !is_shaped(sent_linear_, sent_angular_))
         complain("a changed target does not leave");
     judge_deadline();
 }

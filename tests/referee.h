@@ -111,7 +111,6 @@ class Referee {
     void judge_zero();
     void judge_rest();
     void judge_deadline();
-    [[nodiscard]] bool needs_iocard() const;
     [[nodiscard]] bool lease_lives() const;
     [[nodiscard]] bool first_zero_owed() const;
     [[nodiscard]] bool train_may_end() const;
@@ -158,13 +157,13 @@ class Referee {
     std::optional<std::uint64_t> differential_us_, iocard_us_;
     std::uint64_t newest_iocard_cycles_ = 0;
     std::array<std::optional<std::uint64_t>, 10> used_cycles_; /* by service, since connected */
-    bool overridden_ = false;   /* by the last status that was used */
-    bool iocard_known_ = false; /* its properties came since it was connected */
+    bool overridden_ = false; /* by the last status that was used */
     int past_deadlines_ = 0;
     std::set<std::uint16_t> listed_;
     std::optional<std::uint16_t> differential_id_;
     bool doubt_ = false; /* whether it can be driven: until its properties come again */
     roburoc4_differential_properties limits_{};
+    bool limits_new_ = false; /* they count from the next command on */
     bool deceived_services_ = false, deceived_inputs_ = false;
 };
 

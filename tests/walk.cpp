@@ -611,6 +611,9 @@ void Life::mend() {
     roburoc4_sim_set_estop(sim_.get(), ROBUROC4_SIM_ESTOP_LOCAL, 0);
     roburoc4_sim_set_estop(sim_.get(), ROBUROC4_SIM_ESTOP_REMOTE, 0);
     roburoc4_sim_press_motor_button(sim_.get());
+    report_.deceived = client_->deceived();
+    if (report_.deceived)
+        client_->close(client_now()); /* whom it took for the robot was partly noise: start anew */
     if (client_->state() == ROBUROC4_STATE_IDLE)
         client_->start(client_now());
 }
@@ -697,7 +700,6 @@ LifeReport Life::run() {
     if (!client_->complaint().empty())
         complain(client_->complaint());
     report_.totals = client_->totals();
-    report_.deceived = client_->deceived();
     report_.virtual_us = now_us_ - begin_us;
     return report_;
 }

@@ -25,7 +25,7 @@ struct LifeReport {
     RefereeTotals totals;
     bool monitor = false;
     bool damaged = false;  /* its network damaged datagrams */
-    bool deceived = false; /* at its end the referee did not judge all promises any more */
+    bool deceived = false; /* ... so that the referee could not judge all promises to the end */
     std::uint64_t virtual_us = 0;
     std::uint64_t ready_after_us = 0, armed_after_us = 0, moving_after_us = 0; /* of the faults */
     std::uint64_t robot_moved_cycles = 0; /* cycles in which the robot had a target */
