@@ -733,95 +733,100 @@ ROBUROC4_API const char *roburoc4_config_error(const roburoc4_config *config);
  * roburoc4_client_init() and use functions only. It may be moved or copied as plain bytes.
  * Everything named private may change with ROBUROC4_ABI_VERSION.
  */
-typedef struct roburoc4_private_slot {
-    uint64_t sent_us;
-    uint32_t wait_us;
+typedef struct roburoc4_private_ask {
     uint16_t target, subject;
-    uint8_t id, action, kind, detail;
-    uint8_t tries, max_tries, ones, open;
+    uint8_t action, kind, detail, max_tries;
+} roburoc4_private_ask;
+
+typedef struct roburoc4_private_slot {
+    roburoc4_private_ask ask;
+    uint8_t open, id, tries, ones;
+    uint32_t wait_us;
+    uint64_t sent_us;
 } roburoc4_private_slot;
 
 typedef struct roburoc4_private_requests {
-    roburoc4_private_slot slots[4];
-    uint64_t quiet_us;
     uint8_t last_id, fixed_id, suspect, quiet, announce;
     uint8_t reserved[3];
+    uint64_t quiet_us;
+    roburoc4_private_slot slots[4];
 } roburoc4_private_requests;
 
 typedef struct roburoc4_private_service {
+    uint8_t gap_count, asked_cycles, fresh, reserved;
+    uint16_t period_cycles, gap_min;
     uint64_t robot_cycles, received_us, inserted_us, seen;
     uint32_t received, lost, late, duplicates;
     uint32_t recent_received, recent_lost;
     uint32_t transit_us, jitter_us;
-    uint16_t period_cycles, gap_min;
-    uint8_t gap_count, asked_cycles, fresh, reserved;
 } roburoc4_private_service;
 
 typedef struct roburoc4_private_link {
-    roburoc4_private_service services[5];
-    int64_t offset_us, offset_before_us;
-    uint64_t offset_since_us, newest_cycles, last_used_us;
-    uint32_t round_trip_us, round_trip_min_us;
     uint8_t back_count, resubscribed, mapped, reserved[5];
+    uint64_t offset_since_us, newest_cycles, last_used_us;
+    int64_t offset_us, offset_before_us;
+    uint32_t round_trip_us, round_trip_min_us;
+    roburoc4_private_service services[5];
 } roburoc4_private_link;
 
 typedef struct roburoc4_private_drive {
-    uint64_t granted_us, sent_us, train_us, quiet_us, still_us, envelope_us;
-    uint32_t lease_us;
-    int32_t disarm_cause;
-    float linear, angular, sent_linear, sent_angular;
-    float envelope[4], envelope_before[4];
-    uint16_t service;
     uint8_t known, armed, leased, resuming, moving, spoke;
     uint8_t train, zeros, confirmed, stop_latched;
     uint8_t foreign_count, foreign, still, inhibited;
     uint8_t changed, reserved[7];
+    uint16_t service;
+    uint64_t granted_us, sent_us, train_us, quiet_us, still_us, envelope_us;
+    uint32_t lease_us;
+    int32_t disarm_cause;
+    float target[2], sent[2];
+    float low[2], high[2], low_before[2], high_before[2];
 } roburoc4_private_drive;
 
 typedef struct roburoc4_private_discovery {
-    uint64_t described[5];
-    uint64_t phase_us, probe_us;
-    uint16_t types[32], ids[32];
-    uint16_t service_ids[8];
-    int16_t role_texts[4];
-    uint8_t claims[32];
     uint8_t service_count, listed, known, refused;
     uint8_t wanted, inserted, acked, declined;
     uint8_t leaving, identified, probe_kind, done;
     uint8_t described_kind, reserved;
     uint16_t described_index;
+    uint16_t service_ids[8];
+    uint64_t phase_us, probe_us;
+    uint64_t described[5];
+    int16_t role_texts[4];
+    uint16_t types[32], ids[32];
+    uint8_t claims[32];
 } roburoc4_private_discovery;
 
 typedef struct roburoc4_private_values {
-    uint64_t digital, pose_bits[3], initial_bits[3];
-    float analog[32], distances[16], speeds[4], limits[13];
-    float telemeters[16][6];
-    float nominal_voltage_v, capacity_ah;
-    uint32_t flags, initial_flags;
-    int32_t io_counts[4];
     uint8_t telemeter_count, distance_count, battery_state, battery_percent;
     uint8_t minimum_percent, battery_low, overridden, override_known;
+    int32_t io_counts[4];
+    uint64_t digital, pose_bits[3], initial_bits[3];
+    float nominal_voltage_v, capacity_ah;
+    uint32_t flags, initial_flags;
+    float speeds[4], limits[13];
+    float analog[32], distances[16];
+    float telemeters[16][6];
     uint32_t reserved;
 } roburoc4_private_values;
 
 typedef struct roburoc4_private_outputs {
+    uint8_t repeats, relocalizing, reserved[2];
+    int32_t relocalize_result;
     uint64_t digital, sent_us, relocalize_us, pose_bits[3];
     float analog[16];
-    int32_t relocalize_result;
-    uint8_t repeats, relocalizing, reserved[2];
 } roburoc4_private_outputs;
 
 typedef struct roburoc4_client {
     uint64_t private_now_us;
     uint32_t private_size, private_events, private_state, private_reserved_1;
     roburoc4_config private_config;
-    uint32_t private_counters[14];
-    roburoc4_private_requests private_requests;
-    roburoc4_private_link private_link;
     roburoc4_private_drive private_drive;
     roburoc4_private_discovery private_discovery;
-    roburoc4_private_values private_values;
+    roburoc4_private_requests private_requests;
+    uint32_t private_counters[14];
     roburoc4_private_outputs private_outputs;
+    roburoc4_private_link private_link;
+    roburoc4_private_values private_values;
     uint32_t private_reserved[8];
 } roburoc4_client;
 

@@ -14,42 +14,30 @@
 
 typedef roburoc4_client client;
 
-static bool open_get(client *c, uint32_t service, uint8_t max_tries) {
-    const ask a = {ROBUROC4_ACTION_GET,
-                   (uint8_t)service,
-                   0,
-                   max_tries,
-                   service == 0 ? (uint16_t)0 : c->private_discovery.service_ids[service],
-                   0};
-    if (roburoc4_requests_open(&c->private_requests, &a)) {
-        return false;
+/** Ask a service something that has no parameters, or about its subscription. */
+static bool open_about(client *c, uint8_t action, uint32_t service, uint8_t max_tries) {
+    const uint16_t id = c->private_discovery.service_ids[service];
+    ask a = {id, 0, action, (uint8_t)service, 0, max_tries};
+    if (action == ROBUROC4_ACTION_INSERT || action == ROBUROC4_ACTION_DELETE) {
+        a.target = ROBUROC4_SERVICE_NOTIFICATION;
+        a.subject = id;
+        a.detail = c->private_link.services[STATUS_INDEX(service)].asked_cycles;
     }
-    roburoc4_requests_begin(&c->private_requests, &a);
-    return true;
+    return roburoc4_requests_begin(&c->private_requests, &a);
 }
 
-static bool open_notification(client *c, uint8_t action, uint32_t service) {
-    const ask a = {action,
-                   (uint8_t)service,
-                   c->private_link.services[STATUS_INDEX(service)].asked_cycles,
-                   REQUEST_TRIES,
-                   ROBUROC4_SERVICE_NOTIFICATION,
-                   c->private_discovery.service_ids[service]};
-    if (roburoc4_requests_open(&c->private_requests, &a)) {
-        return false;
-    }
-    roburoc4_requests_begin(&c->private_requests, &a);
-    return true;
-}
-
-/** Services of `set`, each in turn; true when a request was opened. */
-static bool open_first_get(client *c, uint32_t set) {
+/** Services of `set`, each in turn: the one that a request was opened for, or 0. */
+static uint32_t open_first(client *c, uint8_t action, uint32_t set) {
     for (uint32_t service = FIRST_STATUS_SERVICE; service < ROBUROC4_SERVICE_COUNT; service++) {
-        if ((set & service_bit(service)) != 0 && open_get(c, service, REQUEST_TRIES)) {
-            return true;
+        if ((set & service_bit(service)) != 0 && open_about(c, action, service, REQUEST_TRIES)) {
+            return service;
         }
     }
-    return false;
+    return 0;
+}
+
+static uint32_t properties_due(const discovery *d) {
+    return d->listed & ~(uint32_t)(d->known | d->refused);
 }
 
 /** Services whose subscription is wanted and possible, but neither given nor refused. The IO card's
@@ -60,115 +48,87 @@ static uint32_t subscriptions_due(const client *c) {
     return d->wanted & d->listed & readable & ~(uint32_t)(d->acked | d->declined);
 }
 
-static bool open_first_insert(client *c, uint64_t now_us) {
-    discovery *d = &c->private_discovery;
-    const uint32_t set = subscriptions_due(c);
-    for (uint32_t service = FIRST_STATUS_SERVICE; service < ROBUROC4_SERVICE_COUNT; service++) {
-        if ((set & service_bit(service)) != 0 &&
-            open_notification(c, ROBUROC4_ACTION_INSERT, service)) {
-            d->inserted |= service_bit(service);
-            c->private_link.services[STATUS_INDEX(service)].inserted_us = now_us;
-            return true;
-        }
+static bool open_first_insert(client *c) {
+    const uint32_t service = open_first(c, ROBUROC4_ACTION_INSERT, subscriptions_due(c));
+    if (service == 0) {
+        return false;
     }
-    return false;
-}
-
-static bool open_first_delete(client *c) {
-    for (uint32_t service = FIRST_STATUS_SERVICE; service < ROBUROC4_SERVICE_COUNT; service++) {
-        if ((c->private_discovery.leaving & service_bit(service)) != 0 &&
-            open_notification(c, ROBUROC4_ACTION_DELETE, service)) {
-            return true;
-        }
-    }
-    return false;
+    c->private_discovery.inserted |= service_bit(service);
+    c->private_link.services[STATUS_INDEX(service)].inserted_us = c->private_now_us;
+    return true;
 }
 
 static bool open_text(client *c, bool channels) {
     ask a;
     /* texts leave a request free for what is more urgent */
-    if (!roburoc4_requests_free(&c->private_requests, 1) ||
-        !roburoc4_discovery_next_text(&c->private_discovery, &c->private_requests,
-                                      c->private_values.io_counts, channels, &a)) {
-        return false;
-    }
-    roburoc4_requests_begin(&c->private_requests, &a);
-    return true;
-}
-
-static bool open_relocalize(client *c) {
-    const ask a = {ROBUROC4_ACTION_REPLACE,
-                   ROBUROC4_SERVICE_LOCALIZATION,
-                   0,
-                   REQUEST_TRIES,
-                   c->private_discovery.service_ids[ROBUROC4_SERVICE_LOCALIZATION],
-                   0};
-    if (!c->private_outputs.relocalizing || roburoc4_requests_open(&c->private_requests, &a)) {
-        return false;
-    }
-    roburoc4_requests_begin(&c->private_requests, &a);
-    return true;
+    return roburoc4_requests_free(&c->private_requests, 1) &&
+           roburoc4_discovery_next_text(&c->private_discovery, &c->private_requests,
+                                        c->private_values.io_counts, channels, &a) &&
+           roburoc4_requests_begin(&c->private_requests, &a);
 }
 
 /** One question a second, to each service in turn: measures the round trip, keeps properties true,
  *  notices another directory, and tries again what was refused. */
-static bool open_probe(client *c, uint64_t now_us) {
+static bool open_probe(client *c) {
     discovery *d = &c->private_discovery;
-    if (now_us - d->probe_us < PROBE_US) {
+    if (c->private_now_us - d->probe_us < PROBE_US) {
         return false;
     }
-    d->probe_us = now_us;
+    d->probe_us = c->private_now_us;
     if (d->probe_kind == 0) {
         d->declined = 0;
     }
     do {
         d->probe_kind = (uint8_t)((d->probe_kind + 1) % ROBUROC4_SERVICE_COUNT);
     } while (d->probe_kind != 0 && (d->listed & service_bit(d->probe_kind)) == 0);
-    return open_get(c, d->probe_kind, PROBE_TRIES);
+    return open_about(c, ROBUROC4_ACTION_GET, d->probe_kind, PROBE_TRIES);
 }
 
-void roburoc4_client_renew_silent(client *c, uint64_t now_us) {
+void roburoc4_client_renew_silent(client *c) {
     discovery *d = &c->private_discovery;
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         roburoc4_private_service *s = &c->private_link.services[i];
         const uint8_t bit = service_bit(i + FIRST_STATUS_SERVICE);
-        const uint64_t limit_us = SECOND + 5 * (uint64_t)s->asked_cycles * ROBUROC4_CYCLE_US;
-        if ((d->acked & d->wanted & bit) != 0 && now_us - s->inserted_us >= limit_us &&
-            !roburoc4_link_fresh(&c->private_link, i, limit_us, now_us)) {
+        const uint32_t limit_us = SECOND + 5U * ROBUROC4_CYCLE_US * s->asked_cycles;
+        if ((d->acked & d->wanted & bit) != 0 && c->private_now_us - s->inserted_us >= limit_us &&
+            !roburoc4_link_fresh(&c->private_link, i, limit_us, c->private_now_us)) {
             d->acked &= (uint8_t)~bit;
         }
     }
 }
 
 /** Open the most urgent request that is not open yet. */
-static bool open_next(client *c, uint64_t now_us) {
+static bool open_next(client *c) {
     discovery *d = &c->private_discovery;
     switch (c->private_state) {
     case ROBUROC4_STATE_CONNECTING:
     case ROBUROC4_STATE_LOST:
-        return open_get(c, ROBUROC4_SERVICE_DIRECTORY, REQUEST_FOREVER);
+        return open_about(c, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, REQUEST_FOREVER);
     case ROBUROC4_STATE_DISCOVERING:
         if (!d->identified) {
             return open_text(c, false);
         }
-        return open_first_get(c, d->listed & ~(uint32_t)(d->known | d->refused));
+        return open_first(c, ROBUROC4_ACTION_GET, properties_due(d)) != 0;
     case ROBUROC4_STATE_SUBSCRIBING:
-        return open_first_insert(c, now_us);
+        return open_first_insert(c);
     case ROBUROC4_STATE_READY:
-        return open_relocalize(c) || open_first_insert(c, now_us) || open_first_delete(c) ||
-               open_probe(c, now_us) || (!d->done && open_text(c, true));
+        return (c->private_outputs.relocalizing &&
+                open_about(c, ROBUROC4_ACTION_REPLACE, ROBUROC4_SERVICE_LOCALIZATION,
+                           REQUEST_TRIES)) ||
+               open_first_insert(c) || open_first(c, ROBUROC4_ACTION_DELETE, d->leaving) != 0 ||
+               open_probe(c) || (!d->done && open_text(c, true));
     default:
         return false;
     }
 }
 
 /** Go on to the next state where this one has nothing left to wait for. */
-static void advance(client *c, uint64_t now_us) {
+static void advance(client *c) {
     discovery *d = &c->private_discovery;
     const int32_t *io_counts = c->private_values.io_counts;
     if (c->private_state == ROBUROC4_STATE_DISCOVERING && !d->identified &&
         (roburoc4_discovery_texts_done(d, io_counts, false) ||
-         now_us - d->phase_us >= IDENTIFY_US)) {
+         c->private_now_us - d->phase_us >= IDENTIFY_US)) {
         roburoc4_discovery_identify(d);
         roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_QUERY,
                                  ROBUROC4_SERVICE_DIRECTORY);
@@ -180,16 +140,15 @@ static void advance(client *c, uint64_t now_us) {
             c->private_values.override_known = 0;
         }
     }
-    if (c->private_state == ROBUROC4_STATE_DISCOVERING && d->identified &&
-        (d->listed & ~(uint32_t)(d->known | d->refused)) == 0) {
+    if (c->private_state == ROBUROC4_STATE_DISCOVERING && d->identified && properties_due(d) == 0) {
         if ((d->known & service_bit(ROBUROC4_SERVICE_DIFFERENTIAL)) == 0) {
             roburoc4_drive_service(&c->private_drive, false, c->private_drive.service);
         }
-        roburoc4_client_enter(c, ROBUROC4_STATE_SUBSCRIBING, now_us);
+        roburoc4_client_enter(c, ROBUROC4_STATE_SUBSCRIBING);
     }
     if (c->private_state == ROBUROC4_STATE_SUBSCRIBING && subscriptions_due(c) == 0) {
-        d->probe_us = now_us;
-        roburoc4_client_enter(c, ROBUROC4_STATE_READY, now_us);
+        d->probe_us = c->private_now_us;
+        roburoc4_client_enter(c, ROBUROC4_STATE_READY);
     }
     if (c->private_state == ROBUROC4_STATE_READY && !d->done &&
         roburoc4_discovery_texts_done(d, io_counts, true)) {
@@ -204,33 +163,32 @@ static roburoc4_result encode_request(const client *c, const slot *s, uint8_t *b
                                       size_t capacity) {
     const uint64_t *pose = c->private_outputs.pose_bits;
     const uint64_t cycles = c->private_link.newest_cycles;
-    switch (s->action) {
+    switch (s->ask.action) {
     case ROBUROC4_ACTION_GET:
-        return roburoc4_encode_get(buffer, capacity, s->id, s->target);
+        return roburoc4_encode_get(buffer, capacity, s->id, s->ask.target);
     case ROBUROC4_ACTION_QUERY:
-        if (s->detail == LIST_DIRECTORY) {
-            return roburoc4_encode_query_directory(buffer, capacity, s->id, s->subject);
+        if (s->ask.detail == LIST_DIRECTORY) {
+            return roburoc4_encode_query_directory(buffer, capacity, s->id, s->ask.subject);
         }
-        return roburoc4_encode_query_iocard(buffer, capacity, s->id, s->target, s->detail,
-                                            s->subject);
+        return roburoc4_encode_query_iocard(buffer, capacity, s->id, s->ask.target, s->ask.detail,
+                                            s->ask.subject);
     case ROBUROC4_ACTION_INSERT:
-        return roburoc4_encode_insert(buffer, capacity, s->id, s->subject, s->detail);
+        return roburoc4_encode_insert(buffer, capacity, s->id, s->ask.subject, s->ask.detail);
     case ROBUROC4_ACTION_DELETE:
-        return roburoc4_encode_delete(buffer, capacity, s->id, s->subject);
+        return roburoc4_encode_delete(buffer, capacity, s->id, s->ask.subject);
     default: /* REPLACE; a timestamp of 0 is said to be refused by some robots */
-        return roburoc4_encode_replace_localization(buffer, capacity, s->id, s->target,
+        return roburoc4_encode_replace_localization(buffer, capacity, s->id, s->ask.target,
                                                     cycles > 0 ? cycles : 1, f64_from_bits(pose[0]),
                                                     f64_from_bits(pose[1]), f64_from_bits(pose[2]));
     }
 }
 
-roburoc4_result roburoc4_client_poll_requests(client *c, uint8_t *buffer, size_t capacity,
-                                              uint64_t now_us) {
+roburoc4_result roburoc4_client_poll_requests(client *c, uint8_t *buffer, size_t capacity) {
     for (;;) {
         slot *given_up;
-        advance(c, now_us);
+        advance(c);
         slot *s = roburoc4_requests_due(&c->private_requests, c->private_config.first_retry_ms,
-                                        now_us, &given_up);
+                                        c->private_now_us, &given_up);
         if (s != NULL) {
             if (s->tries > 1) {
                 count(c, ROBUROC4_COUNT_RETRIES);
@@ -242,7 +200,7 @@ roburoc4_result roburoc4_client_poll_requests(client *c, uint8_t *buffer, size_t
             roburoc4_client_fail(c, given_up, ROBUROC4_ERR_TIMEOUT);
             continue;
         }
-        if (!roburoc4_requests_free(&c->private_requests, 0) || !open_next(c, now_us)) {
+        if (!roburoc4_requests_free(&c->private_requests, 0) || !open_next(c)) {
             return 0;
         }
     }

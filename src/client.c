@@ -17,8 +17,9 @@ LAYOUT(values, sizeof(roburoc4_private_values) == 744);
 LAYOUT(outputs, sizeof(roburoc4_private_outputs) == 120);
 LAYOUT(config, sizeof(roburoc4_config) == 80);
 LAYOUT(client, sizeof(roburoc4_client) == 1968);
-LAYOUT(client_requests, offsetof(roburoc4_client, private_requests) == 160);
-LAYOUT(client_outputs, offsetof(roburoc4_client, private_outputs) == 1816);
+LAYOUT(client_drive, offsetof(roburoc4_client, private_drive) == 104);
+LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 776);
+LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1192);
 
 /* Before it is ready, a client is patient: requests are repeated each second at the latest. */
 #define PATIENCE_US (5 * SECOND)
@@ -27,7 +28,7 @@ LAYOUT(client_outputs, offsetof(roburoc4_client, private_outputs) == 1816);
 
 typedef roburoc4_client client;
 
-void roburoc4_client_enter(client *c, uint32_t state, uint64_t now_us) {
+void roburoc4_client_enter(client *c, uint32_t state) {
     if (c->private_state != state) {
         c->private_state = state;
         raise_event(c, ROBUROC4_EVENT_STATE);
@@ -36,11 +37,15 @@ void roburoc4_client_enter(client *c, uint32_t state, uint64_t now_us) {
     if (state != ROBUROC4_STATE_READY) {
         c->private_outputs.repeats = 0; /* what is an IO card, and of what size, is to be seen */
     }
-    c->private_discovery.phase_us = now_us;
+    c->private_discovery.phase_us = c->private_now_us;
 }
 
 size_t roburoc4_client_size(void) {
     return sizeof(client);
+}
+
+void roburoc4_client_interrupt(client *c, roburoc4_result cause) {
+    roburoc4_drive_interrupt(&c->private_drive, &c->private_config, cause, &c->private_events);
 }
 
 /* ---- life ---- */
@@ -64,7 +69,7 @@ roburoc4_result roburoc4_client_init(client *c, size_t client_size, const roburo
 }
 
 /** Ask for the directory; what was learned about services counts no more until it is read again. */
-static void connect(client *c, uint32_t state, uint64_t now_us) {
+static void connect(client *c, uint32_t state) {
     roburoc4_discovery_restart(&c->private_discovery);
     roburoc4_requests_clear(&c->private_requests);
     roburoc4_link_restart(&c->private_link);
@@ -72,7 +77,7 @@ static void connect(client *c, uint32_t state, uint64_t now_us) {
     if (c->private_outputs.relocalizing) {
         roburoc4_client_relocalize_ends(c, ROBUROC4_ERR_TIMEOUT);
     }
-    roburoc4_client_enter(c, state, now_us);
+    roburoc4_client_enter(c, state);
 }
 
 roburoc4_result roburoc4_client_start(client *c, uint64_t now_us) {
@@ -95,7 +100,7 @@ roburoc4_result roburoc4_client_start(client *c, uint64_t now_us) {
     c->private_link.last_used_us = now_us;
     c->private_requests.suspect = 0; /* it may be another robot */
     roburoc4_drive_start(&c->private_drive, now_us);
-    connect(c, ROBUROC4_STATE_CONNECTING, now_us);
+    connect(c, ROBUROC4_STATE_CONNECTING);
     return ROBUROC4_OK;
 }
 
@@ -104,40 +109,35 @@ roburoc4_result roburoc4_client_close(client *c, uint64_t now_us) {
         return ROBUROC4_ERR_STATE;
     }
     roburoc4_client_clock(c, now_us);
-    roburoc4_drive_interrupt(&c->private_drive, &c->private_config, ROBUROC4_ERR_DISARMED,
-                             &c->private_events);
+    roburoc4_client_interrupt(c, ROBUROC4_ERR_DISARMED);
     c->private_drive.stop_latched = 0;
     roburoc4_requests_clear(&c->private_requests);
-    roburoc4_client_enter(c, c->private_drive.train ? ROBUROC4_STATE_CLOSING : ROBUROC4_STATE_IDLE,
-                          now_us);
+    roburoc4_client_enter(c, c->private_drive.train ? ROBUROC4_STATE_CLOSING : ROBUROC4_STATE_IDLE);
     return ROBUROC4_OK;
 }
 
-static void lose(client *c, uint64_t now_us) {
+static void lose(client *c) {
     const bool was_ready = c->private_state == ROBUROC4_STATE_READY;
-    roburoc4_drive_interrupt(&c->private_drive, &c->private_config, ROBUROC4_ERR_LOST,
-                             &c->private_events);
+    roburoc4_client_interrupt(c, ROBUROC4_ERR_LOST);
     count(c, ROBUROC4_COUNT_LOST);
     raise_event(c, ROBUROC4_EVENT_LOST);
     c->private_link.resubscribed = 1;
-    connect(c, was_ready ? ROBUROC4_STATE_LOST : ROBUROC4_STATE_CONNECTING, now_us);
+    connect(c, was_ready ? ROBUROC4_STATE_LOST : ROBUROC4_STATE_CONNECTING);
 }
 
-void roburoc4_client_reboot(client *c, uint64_t now_us) {
-    roburoc4_drive_interrupt(&c->private_drive, &c->private_config, ROBUROC4_ERR_REBOOT,
-                             &c->private_events);
+void roburoc4_client_reboot(client *c) {
+    roburoc4_client_interrupt(c, ROBUROC4_ERR_REBOOT);
     count(c, ROBUROC4_COUNT_REBOOTS);
     raise_event(c, ROBUROC4_EVENT_REBOOT);
     c->private_link.newest_cycles = 0;
     c->private_link.resubscribed = 0;
     roburoc4_discovery_clear(&c->private_discovery);
-    connect(c, ROBUROC4_STATE_CONNECTING, now_us);
+    connect(c, ROBUROC4_STATE_CONNECTING);
 }
 
 void roburoc4_client_clock(client *c, uint64_t now_us) {
     if (now_us < c->private_now_us) {
-        roburoc4_drive_interrupt(&c->private_drive, &c->private_config, ROBUROC4_ERR_CLOCK,
-                                 &c->private_events);
+        roburoc4_client_interrupt(c, ROBUROC4_ERR_CLOCK);
         roburoc4_drive_rebase(&c->private_drive, now_us);
         roburoc4_requests_rebase(&c->private_requests, now_us);
         roburoc4_link_rebase(&c->private_link, now_us);
@@ -152,98 +152,122 @@ void roburoc4_client_clock(client *c, uint64_t now_us) {
 }
 
 /** Silence that makes the robot lost: never less than three of the shortest period. */
-static uint64_t patience_us(const client *c) {
-    uint64_t shortest_us = PROBE_US;
-    for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
-        const uint64_t period_us =
-            (uint64_t)c->private_link.services[i].asked_cycles * ROBUROC4_CYCLE_US;
-        if ((c->private_discovery.acked & service_bit(i + ROBUROC4_SERVICE_IOCARD)) != 0 &&
-            period_us < shortest_us) {
-            shortest_us = period_us;
-        }
-    }
+static uint32_t patience_us(const client *c) {
+    uint32_t patience_us = c->private_config.lost_ms * MS;
+    uint32_t shortest_us = PROBE_US;
     if (c->private_state != ROBUROC4_STATE_READY) {
         return PATIENCE_US;
     }
-    const uint64_t lost_us = c->private_config.lost_ms * MS;
-    return lost_us > 3 * shortest_us ? lost_us : 3 * shortest_us;
+    for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
+        const uint32_t period_us =
+            c->private_link.services[i].asked_cycles * (uint32_t)ROBUROC4_CYCLE_US;
+        if ((c->private_discovery.acked & service_bit(i + ROBUROC4_SERVICE_IOCARD)) != 0) {
+            shortest_us = at_most(shortest_us, period_us);
+        }
+    }
+    return patience_us > 3 * shortest_us ? patience_us : 3 * shortest_us;
 }
 
 /* ---- motion ---- */
 
-conditions roburoc4_client_conditions(const client *c, uint64_t now_us) {
-    const uint64_t fresh_us = c->private_config.fresh_ms * MS;
-    const roburoc4_private_link *l = &c->private_link;
-    /* a card that is listed may well have the input, until its properties tell */
-    const bool unread_card = (c->private_discovery.listed & ~c->private_discovery.known &
-                              service_bit(ROBUROC4_SERVICE_IOCARD)) != 0;
-    const conditions now = {
-        c->private_state == ROBUROC4_STATE_READY,
-        roburoc4_link_fresh(l, STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL), fresh_us, now_us),
-        roburoc4_link_fresh(l, STATUS_INDEX(ROBUROC4_SERVICE_IOCARD), fresh_us, now_us),
-        roburoc4_client_role_index(c, ROBUROC4_ROLE_OVERRIDE) >= 0 || unread_card,
-        c->private_values.override_known != 0,
-        c->private_values.overridden != 0,
-    };
-    return now;
+static bool fresh(const client *c, uint32_t service, uint64_t now_us) {
+    return roburoc4_link_fresh(&c->private_link, STATUS_INDEX(service),
+                               c->private_config.fresh_ms * MS, now_us);
 }
 
-static roburoc4_result refusal(const client *c, uint64_t now_us, bool arming) {
-    const conditions now = roburoc4_client_conditions(c, now_us);
-    return roburoc4_drive_refusal(&c->private_drive, &c->private_config, c->private_values.limits,
-                                  &now, arming);
+/** Whether an input is the game pad's [A]; a card that is listed may well have one until its
+ *  properties tell. */
+static bool may_have_pad(const client *c) {
+    const discovery *d = &c->private_discovery;
+    const uint32_t unread = d->listed & ~(uint32_t)d->known;
+    return (unread & service_bit(ROBUROC4_SERVICE_IOCARD)) != 0 ||
+           roburoc4_client_role_index(c, ROBUROC4_ROLE_OVERRIDE) >= 0;
+}
+
+/** Why driving is not allowed now, or 0. */
+static roburoc4_result refusal(const client *c, uint64_t now_us) {
+    const roburoc4_private_values *v = &c->private_values;
+    const uint32_t options = c->private_config.options;
+    if (c->private_state != ROBUROC4_STATE_READY) {
+        return ROBUROC4_ERR_NOT_READY;
+    }
+    if (!c->private_drive.known) {
+        return ROBUROC4_ERR_NO_DIFFERENTIAL;
+    }
+    if (!roburoc4_drive_limits_valid(v->limits)) {
+        return ROBUROC4_ERR_LIMITS;
+    }
+    if (!fresh(c, ROBUROC4_SERVICE_DIFFERENTIAL, now_us)) {
+        return ROBUROC4_ERR_STALE_DIFFERENTIAL;
+    }
+    if ((options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) == 0 || may_have_pad(c)) {
+        if (!fresh(c, ROBUROC4_SERVICE_IOCARD, now_us)) {
+            return ROBUROC4_ERR_STALE_IOCARD;
+        }
+        if (!v->override_known) {
+            return ROBUROC4_ERR_OVERRIDE_UNKNOWN;
+        }
+    }
+    if (v->override_known && v->overridden) {
+        return ROBUROC4_ERR_OVERRIDE;
+    }
+    if (c->private_drive.foreign && (options & ROBUROC4_OPTION_IGNORE_FOREIGN) == 0) {
+        return ROBUROC4_ERR_FOREIGN;
+    }
+    return ROBUROC4_OK;
 }
 
 roburoc4_result roburoc4_client_arm_refusal(const client *c, uint64_t now_us) {
-    return refusal(c, now_us, true);
+    const roburoc4_result why = refusal(c, now_us);
+    const drive *d = &c->private_drive;
+    return why >= 0 && !d->armed && d->moving ? ROBUROC4_ERR_MOVING : why;
 }
 
-void roburoc4_client_tick_drive(client *c, uint64_t now_us) {
-    roburoc4_drive_tick(&c->private_drive, &c->private_config, refusal(c, now_us, false),
-                        refusal(c, now_us, true), now_us, &c->private_events);
+void roburoc4_client_tick_drive(client *c) {
+    roburoc4_drive_tick(&c->private_drive, &c->private_config, refusal(c, c->private_now_us),
+                        c->private_now_us, &c->private_events);
 }
 
 /* ---- sending ---- */
 
 /** Outputs are sent at once and twice more: nothing tells whether they arrived. */
-static roburoc4_result poll_outputs(client *c, uint8_t *buffer, size_t capacity, uint64_t now_us) {
+static roburoc4_result poll_outputs(client *c, uint8_t *buffer, size_t capacity) {
     roburoc4_private_outputs *o = &c->private_outputs;
     const int32_t *counts = c->private_values.io_counts;
     uint8_t blocks[ROBUROC4_MAX_DIGITAL_OUTPUTS / 8];
-    if (o->repeats == 0 || now_us - o->sent_us < OUTPUT_PAUSE_US) {
+    if (o->repeats == 0 || c->private_now_us - o->sent_us < OUTPUT_PAUSE_US) {
         return 0;
     }
     for (uint32_t i = 0; i < sizeof blocks; i++) {
         blocks[i] = (uint8_t)(o->digital >> (8 * i));
     }
     o->repeats--;
-    o->sent_us = now_us;
+    o->sent_us = c->private_now_us;
     return roburoc4_encode_iocard_command(buffer, capacity,
                                           c->private_discovery.service_ids[ROBUROC4_SERVICE_IOCARD],
                                           o->analog, (size_t)counts[ROBUROC4_IO_ANALOG_OUTPUT],
                                           blocks, (size_t)counts[ROBUROC4_IO_DIGITAL_OUTPUT]);
 }
 
-static void tick(client *c, uint64_t now_us) {
-    if (connected(c) && now_us - c->private_link.last_used_us >= patience_us(c)) {
-        lose(c, now_us);
+static void tick(client *c) {
+    if (connected(c) && c->private_now_us - c->private_link.last_used_us >= patience_us(c)) {
+        lose(c);
     }
-    roburoc4_client_tick_drive(c, now_us);
+    roburoc4_client_tick_drive(c);
     if (c->private_outputs.relocalizing &&
-        now_us - c->private_outputs.relocalize_us >= RELOCALIZE_US) {
+        c->private_now_us - c->private_outputs.relocalize_us >= RELOCALIZE_US) {
         roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_REPLACE,
                                  ROBUROC4_SERVICE_LOCALIZATION);
         roburoc4_client_relocalize_ends(c, ROBUROC4_ERR_TIMEOUT);
     }
     if (c->private_state == ROBUROC4_STATE_READY) {
-        roburoc4_client_renew_silent(c, now_us);
+        roburoc4_client_renew_silent(c);
     }
 }
 
 roburoc4_result roburoc4_client_poll_transmit(client *c, uint8_t *buffer, size_t capacity,
                                               uint64_t now_us) {
-    float linear;
-    float angular;
+    float speeds[2];
     roburoc4_result length = 0;
     if (capacity < ROBUROC4_MAX_TRANSMIT) {
         return ROBUROC4_ERR_BUFFER;
@@ -252,67 +276,69 @@ roburoc4_result roburoc4_client_poll_transmit(client *c, uint8_t *buffer, size_t
         return 0;
     }
     roburoc4_client_clock(c, now_us);
-    tick(c, now_us);
+    tick(c);
     if (roburoc4_drive_poll(&c->private_drive, &c->private_config, c->private_values.limits, now_us,
-                            &linear, &angular, &c->private_events)) {
+                            speeds, &c->private_events)) {
         length = roburoc4_encode_differential_command(buffer, capacity, c->private_drive.service,
-                                                      linear, angular);
+                                                      speeds[0], speeds[1]);
     } else if (c->private_state == ROBUROC4_STATE_CLOSING) {
         if (!c->private_drive.train) {
-            roburoc4_client_enter(c, ROBUROC4_STATE_IDLE, now_us);
+            roburoc4_client_enter(c, ROBUROC4_STATE_IDLE);
         }
     } else {
-        length = poll_outputs(c, buffer, capacity, now_us);
+        length = poll_outputs(c, buffer, capacity);
         if (length == 0) {
-            length = roburoc4_client_poll_requests(c, buffer, capacity, now_us);
+            length = roburoc4_client_poll_requests(c, buffer, capacity);
         }
     }
     c->private_counters[ROBUROC4_COUNT_SENT] += length > 0;
     return length;
 }
 
-static void sooner(uint64_t *deadline, uint64_t candidate) {
-    if (candidate < *deadline) {
-        *deadline = candidate;
-    }
+/** Whichever is sooner: the deadline so far, or this span after that time. */
+static uint64_t sooner(uint64_t deadline, const uint64_t *since_us, uint32_t span_us) {
+    const uint64_t due_us = *since_us + span_us;
+    return due_us < deadline ? due_us : deadline;
 }
 
 uint64_t roburoc4_client_next_deadline(const client *c) {
     const discovery *d = &c->private_discovery;
-    uint64_t deadline = UINT64_MAX;
+    const uint64_t requests_us = roburoc4_requests_deadline(&c->private_requests);
     if (c->private_state == ROBUROC4_STATE_IDLE) {
-        return deadline;
+        return UINT64_MAX;
     }
-    sooner(&deadline, roburoc4_drive_deadline(&c->private_drive, &c->private_config));
+    uint64_t deadline = roburoc4_drive_deadline(&c->private_drive, &c->private_config);
     if (c->private_state == ROBUROC4_STATE_CLOSING) {
         return deadline;
     }
-    sooner(&deadline, roburoc4_requests_deadline(&c->private_requests));
+    deadline = sooner(deadline, &requests_us, 0);
     if (!connected(c) && deadline == UINT64_MAX) {
         return 0; /* just started or lost: the directory is still to be asked for */
     }
     if (connected(c)) {
-        sooner(&deadline, c->private_link.last_used_us + patience_us(c));
+        deadline = sooner(deadline, &c->private_link.last_used_us, patience_us(c));
     }
     if (c->private_state == ROBUROC4_STATE_DISCOVERING && !d->identified) {
-        sooner(&deadline, d->phase_us + IDENTIFY_US);
+        deadline = sooner(deadline, &d->phase_us, IDENTIFY_US);
     }
     if (c->private_state == ROBUROC4_STATE_READY &&
         roburoc4_requests_free(&c->private_requests, 0)) {
-        sooner(&deadline, d->probe_us + PROBE_US);
+        deadline = sooner(deadline, &d->probe_us, PROBE_US);
     }
     if (c->private_outputs.relocalizing) {
-        sooner(&deadline, c->private_outputs.relocalize_us + RELOCALIZE_US);
+        deadline = sooner(deadline, &c->private_outputs.relocalize_us, RELOCALIZE_US);
     }
     if (c->private_outputs.repeats > 0) {
-        sooner(&deadline, c->private_outputs.sent_us + OUTPUT_PAUSE_US);
+        deadline = sooner(deadline, &c->private_outputs.sent_us, OUTPUT_PAUSE_US);
     }
     if (c->private_drive.armed) {
-        const uint64_t fresh_us = c->private_config.fresh_ms * MS;
+        const uint32_t fresh_us = c->private_config.fresh_ms * MS;
         const roburoc4_private_service *s = c->private_link.services;
-        sooner(&deadline, s[STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL)].received_us + fresh_us);
+        deadline =
+            sooner(deadline, &s[STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL)].received_us, fresh_us);
         if (c->private_values.override_known) {
-            sooner(&deadline, s[STATUS_INDEX(ROBUROC4_SERVICE_IOCARD)].received_us + fresh_us);
+            deadline =
+                sooner(deadline, &s[STATUS_INDEX(ROBUROC4_SERVICE_IOCARD)].received_us, fresh_us);
         }
     }
     return deadline;

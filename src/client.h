@@ -37,15 +37,15 @@ static inline bool connected(const roburoc4_client *c) {
 
 /* client.c */
 
-void roburoc4_client_enter(roburoc4_client *c, uint32_t state, uint64_t now_us);
+void roburoc4_client_enter(roburoc4_client *c, uint32_t state);
 /** The robot restarted: it is discovered anew. */
-void roburoc4_client_reboot(roburoc4_client *c, uint64_t now_us);
+void roburoc4_client_reboot(roburoc4_client *c);
+/** Leave driving for this cause. */
+void roburoc4_client_interrupt(roburoc4_client *c, roburoc4_result cause);
 /** Every public call that knows the time begins here: a clock that went back is a fault. */
 void roburoc4_client_clock(roburoc4_client *c, uint64_t now_us);
-/** What motion depends on, at this time. */
-conditions roburoc4_client_conditions(const roburoc4_client *c, uint64_t now_us);
 /** Let the drive machine see the time and the conditions. */
-void roburoc4_client_tick_drive(roburoc4_client *c, uint64_t now_us);
+void roburoc4_client_tick_drive(roburoc4_client *c);
 /** The reason against arming, or 0. */
 roburoc4_result roburoc4_client_arm_refusal(const roburoc4_client *c, uint64_t now_us);
 
@@ -58,18 +58,27 @@ void roburoc4_client_relocalize_ends(roburoc4_client *c, roburoc4_result result)
 /* asking.c */
 
 /** The next request that must leave now: its length, or 0. */
-roburoc4_result roburoc4_client_poll_requests(roburoc4_client *c, uint8_t *buffer, size_t capacity,
-                                              uint64_t now_us);
+roburoc4_result roburoc4_client_poll_requests(roburoc4_client *c, uint8_t *buffer, size_t capacity);
 /** Services that were subscribed to and send nothing are subscribed to again. */
-void roburoc4_client_renew_silent(roburoc4_client *c, uint64_t now_us);
+void roburoc4_client_renew_silent(roburoc4_client *c);
 
 /* snapshot.c */
 
 /** Take the properties of a service from a good answer: 0 or more, or what is wrong with it. */
 roburoc4_result roburoc4_snapshot_properties(roburoc4_client *c, uint32_t service,
                                              const uint8_t *data, size_t size);
-/** Check a status's layout and, where `store`, take its values. */
-roburoc4_result roburoc4_snapshot_status(roburoc4_client *c, uint32_t service, const uint8_t *data,
-                                         size_t size, bool store);
+/** A status of any service; each begins with its time. */
+typedef union any_status {
+    uint64_t robot_cycles;
+    roburoc4_iocard_status iocard;
+    roburoc4_telemeter_status telemeter;
+    roburoc4_battery_status battery;
+    roburoc4_localization_status localization;
+    roburoc4_differential_status differential;
+} any_status;
+
+roburoc4_result roburoc4_snapshot_decode(const roburoc4_client *c, uint32_t service,
+                                         const uint8_t *data, size_t size, any_status *out);
+void roburoc4_snapshot_store(roburoc4_client *c, uint32_t service, const any_status *status);
 
 #endif

@@ -22,7 +22,7 @@ roburoc4_result roburoc4_client_arm(client *c, uint64_t now_us) {
         return ROBUROC4_ERR_NOT_READY;
     }
     roburoc4_client_clock(c, now_us);
-    roburoc4_client_tick_drive(c, now_us);
+    roburoc4_client_tick_drive(c);
     const roburoc4_result refusal = roburoc4_client_arm_refusal(c, now_us);
     if (refusal >= 0) {
         roburoc4_drive_arm(&c->private_drive, &c->private_events);
@@ -32,13 +32,13 @@ roburoc4_result roburoc4_client_arm(client *c, uint64_t now_us) {
 
 roburoc4_result roburoc4_client_disarm(client *c, uint64_t now_us) {
     roburoc4_client_clock(c, now_us);
-    roburoc4_drive_interrupt(&c->private_drive, &c->private_config, ROBUROC4_ERR_DISARMED,
-                             &c->private_events);
+    roburoc4_client_interrupt(c, ROBUROC4_ERR_DISARMED);
     return ROBUROC4_OK;
 }
 
 roburoc4_result roburoc4_client_drive(client *c, float linear_m_s, float angular_rad_s,
                                       uint32_t lease_us, uint64_t now_us) {
+    const float target[2] = {linear_m_s, angular_rad_s};
     if (c->private_size != sizeof *c) {
         return ROBUROC4_ERR_STATE;
     }
@@ -53,9 +53,9 @@ roburoc4_result roburoc4_client_drive(client *c, float linear_m_s, float angular
         return ROBUROC4_ERR_ARGUMENT;
     }
     roburoc4_client_clock(c, now_us);
-    roburoc4_client_tick_drive(c, now_us);
-    return roburoc4_drive_grant(&c->private_drive, &c->private_config, linear_m_s, angular_rad_s,
-                                lease_us, now_us, &c->private_events);
+    roburoc4_client_tick_drive(c);
+    return roburoc4_drive_grant(&c->private_drive, &c->private_config, target, lease_us, now_us,
+                                &c->private_events);
 }
 
 roburoc4_result roburoc4_client_stop(client *c, uint64_t now_us) {
@@ -77,7 +77,7 @@ roburoc4_result roburoc4_client_set_role_index(client *c, uint32_t role, int32_t
     c->private_config.role_index[role] = (int16_t)index;
     if (role == ROBUROC4_ROLE_OVERRIDE) {
         c->private_values.override_known = 0;
-        roburoc4_client_tick_drive(c, now_us);
+        roburoc4_client_tick_drive(c);
     }
     return ROBUROC4_OK;
 }

@@ -16,34 +16,34 @@
 #define STILL_US (500 * MS)
 /* How far reported targets may be from sent ones: rounding on the robot's side. */
 #define TARGET_TOLERANCE 0.02F
-/* A robot slower than these stands. */
-#define STANDING_LINEAR_M_S 0.1F
-#define STANDING_ANGULAR_RAD_S 0.2F
 /* Far above any robot's speed; keeps products finite. */
-#define INPUT_BOUND 1000.0F
+#define ANY_SPEED 1000.0F
 
-/* Indices of limits, in the order of the differential properties. */
-enum { MAX_LINEAR = 4, MIN_LINEAR, MAX_ANGULAR, MIN_ANGULAR, WIDTH = 12 };
-/* Indices of speeds, in the order of the differential status. */
-enum { TARGET_LINEAR, CURRENT_LINEAR, TARGET_ANGULAR, CURRENT_ANGULAR };
+/* A width beyond these is not sensible. */
+#define WIDTH_MIN_M 0.01F
+#define WIDTH_MAX_M 10.0F
+
+/* What is done alike for m/s and rad/s is done axis by axis. */
+enum { LINEAR, ANGULAR, AXES };
+/* A robot slower than this stands; a target greater than that is one to follow. */
+static const float standing[AXES] = {0.1F, 0.2F};
+static const float noticeable[AXES] = {0.02F, 0.05F};
+
+/* Places in the differential properties and status, whose fields stand axis by axis too. */
+#define LIMIT_MAX(axis) (4 + 2 * (axis))
+#define LIMIT_MIN(axis) (5 + 2 * (axis))
+#define LIMIT_WIDTH 12
+#define REPORTED_TARGET(axis) (2 * (axis))
+#define REPORTED_CURRENT(axis) (2 * (axis) + 1)
 /* Values of resuming. */
 enum { NOT_RESUMING, CAUSE_LASTS, CAUSE_CLEARED };
 
-static bool all_finite(const float *values, uint32_t count) {
-    for (uint32_t i = 0; i < count; i++) {
-        if (!finite_f32_bits(bits_from_f32(values[i]))) {
-            return false;
-        }
-    }
-    return true;
-}
-
-static float clamp(float value, float low, float high) {
-    return value < low ? low : value > high ? high : value;
+static bool is_zero(float value) {
+    return bits_from_f32(value) << 1 == 0; /* of either sign */
 }
 
 static float magnitude(float value) {
-    return value < 0 ? -value : value;
+    return f32_from_bits(bits_from_f32(value) & 0x7FFFFFFFU);
 }
 
 void roburoc4_drive_start(drive *d, uint64_t now_us) {
@@ -122,43 +122,14 @@ void roburoc4_drive_service(drive *d, bool known, uint16_t id) {
 
 /* ---- arming and granting ---- */
 
-static bool limits_valid(const float *limits) {
-    return all_finite(limits + MAX_LINEAR, 4) && limits[MIN_LINEAR] <= 0 &&
-           limits[MAX_LINEAR] >= 0 && limits[MIN_ANGULAR] <= 0 && limits[MAX_ANGULAR] >= 0;
-}
-
-roburoc4_result roburoc4_drive_refusal(const drive *d, const roburoc4_config *config,
-                                       const float *limits, const conditions *now, bool arming) {
-    const bool without_pad =
-        !now->override_exists && (config->options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) != 0;
-    if (!now->ready) {
-        return ROBUROC4_ERR_NOT_READY;
+bool roburoc4_drive_limits_valid(const float *limits) {
+    for (uint32_t axis = 0; axis < AXES; axis++) {
+        if (!roburoc4_all_finite(limits + LIMIT_MAX(axis), 2) ||
+            !roburoc4_between(0, limits[LIMIT_MIN(axis)], limits[LIMIT_MAX(axis)])) {
+            return false;
+        }
     }
-    if (!d->known) {
-        return ROBUROC4_ERR_NO_DIFFERENTIAL;
-    }
-    if (!limits_valid(limits)) {
-        return ROBUROC4_ERR_LIMITS;
-    }
-    if (!now->differential_fresh) {
-        return ROBUROC4_ERR_STALE_DIFFERENTIAL;
-    }
-    if (!now->iocard_fresh && !without_pad) {
-        return ROBUROC4_ERR_STALE_IOCARD;
-    }
-    if (!now->override_known && !without_pad) {
-        return ROBUROC4_ERR_OVERRIDE_UNKNOWN;
-    }
-    if (now->override_known && now->overridden) {
-        return ROBUROC4_ERR_OVERRIDE;
-    }
-    if (d->foreign && (config->options & ROBUROC4_OPTION_IGNORE_FOREIGN) == 0) {
-        return ROBUROC4_ERR_FOREIGN;
-    }
-    if (arming && !d->armed && d->moving) {
-        return ROBUROC4_ERR_MOVING;
-    }
-    return ROBUROC4_OK;
+    return true;
 }
 
 void roburoc4_drive_arm(drive *d, uint32_t *events) {
@@ -168,11 +139,10 @@ void roburoc4_drive_arm(drive *d, uint32_t *events) {
     d->disarm_cause = ROBUROC4_OK;
 }
 
-roburoc4_result roburoc4_drive_grant(drive *d, const roburoc4_config *config, float linear,
-                                     float angular, uint32_t lease_us, uint64_t now_us,
-                                     uint32_t *events) {
+roburoc4_result roburoc4_drive_grant(drive *d, const roburoc4_config *config, const float *target,
+                                     uint32_t lease_us, uint64_t now_us, uint32_t *events) {
     if (d->resuming == CAUSE_CLEARED) {
-        const bool neutral = linear == 0 && angular == 0;
+        const bool neutral = is_zero(target[LINEAR]) && is_zero(target[ANGULAR]);
         if (!neutral && now_us - d->quiet_us < config->lease_ms * MS) {
             d->quiet_us = now_us;
             return ROBUROC4_ERR_NOT_NEUTRAL;
@@ -182,16 +152,15 @@ roburoc4_result roburoc4_drive_grant(drive *d, const roburoc4_config *config, fl
     if (!d->armed) {
         return d->disarm_cause;
     }
-    linear = clamp(linear, -INPUT_BOUND, INPUT_BOUND);
-    angular = clamp(angular, -INPUT_BOUND, INPUT_BOUND);
-    if (!d->leased || d->linear != linear || d->angular != angular) {
+    const float bounded[AXES] = {roburoc4_clamp(target[LINEAR], -ANY_SPEED, ANY_SPEED),
+                                 roburoc4_clamp(target[ANGULAR], -ANY_SPEED, ANY_SPEED)};
+    if (!d->leased || memcmp(d->target, bounded, sizeof bounded) != 0) {
         d->changed = 1; /* until it has left, however often it is renewed before */
     }
+    memcpy(d->target, bounded, sizeof bounded);
     d->leased = 1;
     d->granted_us = now_us;
     d->lease_us = lease_us;
-    d->linear = linear;
-    d->angular = angular;
     return ROBUROC4_OK;
 }
 
@@ -200,7 +169,8 @@ static bool lease_over(const drive *d, uint64_t now_us) {
 }
 
 void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_result refusal,
-                         roburoc4_result arm_refusal, uint64_t now_us, uint32_t *events) {
+                         uint64_t now_us, uint32_t *events) {
+    const bool may_arm = refusal >= 0 && !d->moving;
     if (lease_over(d, now_us)) {
         leave(d);
         *events |= ROBUROC4_EVENT_LEASE_OVER;
@@ -208,10 +178,10 @@ void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_resul
     if (refusal < 0 && d->armed) {
         roburoc4_drive_interrupt(d, config, refusal, events);
     }
-    if (d->resuming == CAUSE_LASTS && arm_refusal >= 0) {
+    if (d->resuming == CAUSE_LASTS && may_arm) {
         d->resuming = CAUSE_CLEARED;
         d->quiet_us = now_us;
-    } else if (d->resuming == CAUSE_CLEARED && arm_refusal < 0) {
+    } else if (d->resuming == CAUSE_CLEARED && !may_arm) {
         d->resuming = CAUSE_LASTS;
     }
 }
@@ -219,38 +189,43 @@ void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_resul
 /* ---- sending ---- */
 
 /** Scale, then keep the curve, then clamp. */
-static void shape(const drive *d, const roburoc4_config *config, const float *limits, float *linear,
-                  float *angular) {
-    const float high = clamp(limits[MAX_LINEAR], 0, config->max_linear_m_s);
-    const float low = clamp(limits[MIN_LINEAR], -config->max_linear_m_s, 0);
-    const float width = limits[WIDTH];
-    float v = d->linear * config->scale_linear;
-    float w = d->angular * config->scale_angular;
-    if ((config->options & ROBUROC4_OPTION_TURN_KEEPING) != 0 && all_finite(&width, 1) &&
-        width > 0 && width < 10) {
-        const float outer = magnitude(w) * width / 2;
-        v = clamp(v, low + outer < 0 ? low + outer : 0, high - outer > 0 ? high - outer : 0);
+static void shape(const drive *d, const roburoc4_config *config, const float *limits,
+                  float *speeds) {
+    const float ceiling[AXES] = {config->max_linear_m_s, config->max_angular_rad_s};
+    const float scale[AXES] = {config->scale_linear, config->scale_angular};
+    const float width = limits[LIMIT_WIDTH];
+    float low[AXES];
+    float high[AXES];
+    for (uint32_t axis = 0; axis < AXES; axis++) {
+        low[axis] = roburoc4_clamp(limits[LIMIT_MIN(axis)], -ceiling[axis], 0);
+        high[axis] = roburoc4_clamp(limits[LIMIT_MAX(axis)], 0, ceiling[axis]);
+        speeds[axis] = d->target[axis] * scale[axis];
     }
-    v = clamp(v, low, high);
-    w = clamp(w, clamp(limits[MIN_ANGULAR], -config->max_angular_rad_s, 0),
-              clamp(limits[MAX_ANGULAR], 0, config->max_angular_rad_s));
-    *linear = v;
-    *angular = w;
+    if ((config->options & ROBUROC4_OPTION_TURN_KEEPING) != 0 && roburoc4_all_finite(&width, 1) &&
+        roburoc4_between(width, WIDTH_MIN_M, WIDTH_MAX_M)) {
+        const float outer = magnitude(speeds[ANGULAR]) * width / 2;
+        low[LINEAR] = roburoc4_clamp(low[LINEAR] + outer, low[LINEAR], 0);
+        high[LINEAR] = roburoc4_clamp(high[LINEAR] - outer, 0, high[LINEAR]);
+    }
+    for (uint32_t axis = 0; axis < AXES; axis++) {
+        speeds[axis] = roburoc4_clamp(speeds[axis], low[axis], high[axis]);
+    }
 }
 
 /** Remember what was sent lately: what the robot may report as its targets. */
-static void widen_envelope(drive *d, float linear, float angular) {
-    d->envelope[0] = linear < d->envelope[0] ? linear : d->envelope[0];
-    d->envelope[1] = linear > d->envelope[1] ? linear : d->envelope[1];
-    d->envelope[2] = angular < d->envelope[2] ? angular : d->envelope[2];
-    d->envelope[3] = angular > d->envelope[3] ? angular : d->envelope[3];
+static void widen_envelope(drive *d) {
+    for (uint32_t axis = 0; axis < AXES; axis++) {
+        d->low[axis] = roburoc4_clamp(d->sent[axis], -ANY_SPEED, d->low[axis]);
+        d->high[axis] = roburoc4_clamp(d->sent[axis], d->high[axis], ANY_SPEED);
+    }
 }
 
-static void age_envelope(drive *d, uint64_t window_us, uint64_t now_us) {
+static void age_envelope(drive *d, uint32_t window_us, uint64_t now_us) {
     if (now_us - d->envelope_us >= window_us) {
-        memcpy(d->envelope_before, d->envelope, sizeof d->envelope);
-        d->envelope[0] = d->envelope[1] = d->sent_linear;
-        d->envelope[2] = d->envelope[3] = d->sent_angular;
+        memcpy(d->low_before, d->low, sizeof d->low);
+        memcpy(d->high_before, d->high, sizeof d->high);
+        memcpy(d->low, d->sent, sizeof d->low);
+        memcpy(d->high, d->sent, sizeof d->high);
         d->envelope_us = now_us;
     }
 }
@@ -262,10 +237,10 @@ static bool train_ended(const drive *d, const roburoc4_config *config, uint64_t 
 
 /** Until the next command. The first zero of a train interrupts a speed at once; half of a short
  *  lease, so that it is repeated at all. */
-static uint64_t pause_us(const drive *d, const roburoc4_config *config) {
-    const uint64_t period_us = config->drive_period_ms * MS;
+static uint32_t pause_us(const drive *d, const roburoc4_config *config) {
+    const uint32_t period_us = config->drive_period_ms * MS;
     if (d->train && d->zeros == 0) {
-        return d->sent_linear == 0 && d->sent_angular == 0 ? SPACING_US : 0;
+        return is_zero(d->sent[LINEAR]) && is_zero(d->sent[ANGULAR]) ? SPACING_US : 0;
     }
     if (d->train) {
         return period_us;
@@ -290,9 +265,8 @@ static bool poll_train(drive *d, const roburoc4_config *config, uint64_t now_us)
 }
 
 bool roburoc4_drive_poll(drive *d, const roburoc4_config *config, const float *limits,
-                         uint64_t now_us, float *linear, float *angular, uint32_t *events) {
-    *linear = 0;
-    *angular = 0;
+                         uint64_t now_us, float *speeds, uint32_t *events) {
+    memset(speeds, 0, sizeof d->sent);
     if (d->train && train_ended(d, config, now_us)) {
         d->train = 0;
         *events |= ROBUROC4_EVENT_STOPPED;
@@ -302,23 +276,18 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config, const float *l
             return false;
         }
     } else {
-        if (!d->known || !d->armed || !d->leased || lease_over(d, now_us)) {
+        if (!d->known || !d->armed || !d->leased || lease_over(d, now_us) ||
+            now_us - d->sent_us < pause_us(d, config)) {
             return false;
         }
-        shape(d, config, limits, linear, angular);
-        if (now_us - d->sent_us < pause_us(d, config)) {
-            *linear = 0;
-            *angular = 0;
-            return false;
-        }
+        shape(d, config, limits, speeds);
         d->changed = 0;
-        d->spoke = d->spoke || *linear != 0 || *angular != 0;
+        d->spoke = d->spoke || !is_zero(speeds[LINEAR]) || !is_zero(speeds[ANGULAR]);
     }
     d->sent_us = now_us;
-    d->sent_linear = *linear;
-    d->sent_angular = *angular;
+    memcpy(d->sent, speeds, sizeof d->sent);
     age_envelope(d, config->robot_watchdog_ms * MS, now_us);
-    widen_envelope(d, *linear, *angular);
+    widen_envelope(d);
     return true;
 }
 
@@ -336,14 +305,21 @@ uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config) 
 
 /* ---- what the robot reports ---- */
 
-/** Whether a reported target is ours or zero: between the least and the most that was sent lately.
- */
-static bool within(float value, const drive *d, uint32_t i) {
-    const float low =
-        d->envelope[i] < d->envelope_before[i] ? d->envelope[i] : d->envelope_before[i];
-    const float high = d->envelope[i + 1] > d->envelope_before[i + 1] ? d->envelope[i + 1]
-                                                                      : d->envelope_before[i + 1];
-    return value == 0 || (value >= low - TARGET_TOLERANCE && value <= high + TARGET_TOLERANCE);
+/** Whether the reported targets are ours or zero: between the least and the most that was sent
+ *  lately. */
+static bool within(const drive *d, const float *speeds) {
+    for (uint32_t axis = 0; axis < AXES; axis++) {
+        const float target = speeds[REPORTED_TARGET(axis)];
+        if (!is_zero(target)) {
+            const float low = roburoc4_clamp(d->low[axis], -ANY_SPEED, d->low_before[axis]);
+            const float high = roburoc4_clamp(d->high[axis], d->high_before[axis], ANY_SPEED);
+            if (!roburoc4_all_finite(&target, 1) ||
+                !roburoc4_between(target, low - TARGET_TOLERANCE, high + TARGET_TOLERANCE)) {
+                return false;
+            }
+        }
+    }
+    return true;
 }
 
 static void watch_foreign(drive *d, const roburoc4_config *config, bool ours, uint32_t *events) {
@@ -362,27 +338,26 @@ static void watch_foreign(drive *d, const roburoc4_config *config, bool ours, ui
     }
 }
 
-/** A target is asked for on this axis; *stands is cleared where the robot follows it. */
-static bool asked(float reported, float sent, float current, float least, bool *stands) {
-    const float target =
-        magnitude(reported) > magnitude(sent) ? magnitude(reported) : magnitude(sent);
-    if (target < least) {
-        return false;
+/** A speed is asked for, by us or on the robot, and no axis follows. */
+static bool stands_still(const drive *d, const float *speeds) {
+    bool asked = false;
+    for (uint32_t axis = 0; axis < AXES; axis++) {
+        const float sent = d->leased ? magnitude(d->sent[axis]) : 0;
+        const float target =
+            roburoc4_clamp(magnitude(speeds[REPORTED_TARGET(axis)]), sent, ANY_SPEED);
+        if (target >= noticeable[axis]) {
+            asked = true;
+            if (magnitude(speeds[REPORTED_CURRENT(axis)]) > target / 20) {
+                return false;
+            }
+        }
     }
-    if (magnitude(current) > target / 20) {
-        *stands = false;
-    }
-    return true;
+    return asked;
 }
 
 static void watch_inhibited(drive *d, const float *speeds, bool overridden, uint64_t now_us,
                             uint32_t *events) {
-    const float linear = d->leased ? d->sent_linear : 0;
-    const float angular = d->leased ? d->sent_angular : 0;
-    bool stands = true;
-    const bool v = asked(speeds[TARGET_LINEAR], linear, speeds[CURRENT_LINEAR], 0.02F, &stands);
-    const bool w = asked(speeds[TARGET_ANGULAR], angular, speeds[CURRENT_ANGULAR], 0.05F, &stands);
-    const bool still = (v || w) && stands && !overridden;
+    const bool still = !overridden && stands_still(d, speeds);
     if (still && !d->still) {
         d->still_us = now_us;
     }
@@ -396,18 +371,22 @@ static void watch_inhibited(drive *d, const float *speeds, bool overridden, uint
 
 void roburoc4_drive_status(drive *d, const roburoc4_config *config, const float *speeds,
                            bool overridden, uint64_t now_us, uint32_t *events) {
+    bool zero = true;
     age_envelope(d, config->robot_watchdog_ms * MS, now_us);
-    const bool ours = all_finite(speeds + TARGET_LINEAR, 1) &&
-                      all_finite(speeds + TARGET_ANGULAR, 1) &&
-                      within(speeds[TARGET_LINEAR], d, 0) && within(speeds[TARGET_ANGULAR], d, 2);
-    if (!all_finite(speeds, 4)) {
+    const bool ours = within(d, speeds);
+    d->moving = 0;
+    if (!roburoc4_all_finite(speeds, 2 * AXES)) {
         d->moving = 1;
         watch_foreign(d, config, overridden || ours, events);
         return;
     }
-    const bool zero = speeds[TARGET_LINEAR] == 0 && speeds[TARGET_ANGULAR] == 0;
-    d->moving = !zero || magnitude(speeds[CURRENT_LINEAR]) > STANDING_LINEAR_M_S ||
-                magnitude(speeds[CURRENT_ANGULAR]) > STANDING_ANGULAR_RAD_S;
+    for (uint32_t axis = 0; axis < AXES; axis++) {
+        zero = zero && is_zero(speeds[REPORTED_TARGET(axis)]);
+        if (!roburoc4_between(speeds[REPORTED_CURRENT(axis)], -standing[axis], standing[axis])) {
+            d->moving = 1;
+        }
+    }
+    d->moving = d->moving || !zero;
     d->confirmed = d->confirmed || (zero && d->zeros >= TRAIN_ZEROS);
     watch_foreign(d, config, overridden || ours, events);
     watch_inhibited(d, speeds, overridden, now_us, events);

@@ -170,7 +170,7 @@ void roburoc4_link_round_trip(link *l, uint64_t sent_us, uint64_t now_us) {
         l->round_trip_us == 0 ? sample : l->round_trip_us - l->round_trip_us / 8 + sample / 8;
 }
 
-bool roburoc4_link_fresh(const link *l, uint32_t index, uint64_t limit_us, uint64_t now_us) {
+bool roburoc4_link_fresh(const link *l, uint32_t index, uint32_t limit_us, uint64_t now_us) {
     const service *s = &l->services[index];
     return s->fresh && now_us - s->received_us < limit_us;
 }

@@ -16,8 +16,8 @@
 #include <stdbool.h>
 #include <string.h>
 
-#define MS ((uint64_t)1000)
-#define SECOND ((uint64_t)1000000)
+#define MS 1000U
+#define SECOND 1000000U
 /* The five services that have a status, as index of their tables: IO card 0 to differential 4. */
 #define STATUS_SERVICES 5
 #define STATUS_INDEX(service) ((service)-ROBUROC4_SERVICE_IOCARD)
@@ -32,16 +32,14 @@ static inline int32_t roburoc4_role_capacity(uint32_t role) {
 
 #define REQUEST_FOREVER 0 /* as max_tries */
 
-/** What to ask; the id is chosen when it is sent. */
-typedef struct ask {
-    uint8_t action;
-    uint8_t kind;      /* the service it is about, ROBUROC4_SERVICE_* */
-    uint8_t detail;    /* io_type of a QUERY, period_cycles of an INSERT */
-    uint8_t max_tries; /* or REQUEST_FOREVER */
-    uint16_t target;   /* service id on the wire */
-    uint16_t subject;  /* index of a QUERY, service id of an INSERT or DELETE */
-} ask;
-
+/** What to ask; the id is chosen when it is sent.
+ *    action              of the request
+ *    kind                the service it is about, ROBUROC4_SERVICE_*
+ *    detail              io_type of a QUERY, period_cycles of an INSERT
+ *    max_tries           or REQUEST_FOREVER
+ *    target              service id on the wire
+ *    subject             index of a QUERY, service id of an INSERT or DELETE */
+typedef roburoc4_private_ask ask;
 typedef roburoc4_private_slot slot;
 typedef roburoc4_private_requests requests;
 
@@ -51,7 +49,8 @@ void roburoc4_requests_clear(requests *r);
 bool roburoc4_requests_free(const requests *r, uint32_t keep);
 /** Whether this very question is open. */
 bool roburoc4_requests_open(const requests *r, const ask *a);
-void roburoc4_requests_begin(requests *r, const ask *a);
+/** Open a request, unless this very question is open or there is no room: then false. */
+bool roburoc4_requests_begin(requests *r, const ask *a);
 /** Close requests of this action and kind. */
 void roburoc4_requests_cancel(requests *r, uint8_t action, uint8_t kind);
 /** The next request that must be (re)sent now with a new id, or NULL; *given_up is set instead to a
@@ -78,44 +77,41 @@ verdict roburoc4_link_status(roburoc4_private_link *l, uint32_t index, uint64_t 
                              uint64_t now_us);
 void roburoc4_link_round_trip(roburoc4_private_link *l, uint64_t sent_us, uint64_t now_us);
 /** True while the last status is younger than `limit_us`. */
-bool roburoc4_link_fresh(const roburoc4_private_link *l, uint32_t index, uint64_t limit_us,
+bool roburoc4_link_fresh(const roburoc4_private_link *l, uint32_t index, uint32_t limit_us,
                          uint64_t now_us);
 void roburoc4_link_rebase(roburoc4_private_link *l, uint64_t now_us);
 
-/* ---- drive ---- */
+/* ---- speeds ---- */
 
-/** What the other machines know that motion depends on. */
-typedef struct conditions {
-    bool ready;              /* the client is in ROBUROC4_STATE_READY */
-    bool differential_fresh; /* its status is recent */
-    bool iocard_fresh;
-    bool override_exists; /* the robot has an input that is game pad [A] */
-    bool override_known;  /* and a status told its value */
-    bool overridden;
-} conditions;
+/** True where none of the values is NaN or infinite. */
+bool roburoc4_all_finite(const float *values, uint32_t count);
+/** The value, or the bound that it is beyond. */
+float roburoc4_clamp(float value, float low, float high);
+bool roburoc4_between(float value, float low, float high);
+
+/* ---- drive ---- */
 
 typedef roburoc4_private_drive drive;
 
 void roburoc4_drive_start(drive *d, uint64_t now_us);
-/** Why driving is not allowed now, or 0. `arming` asks for more: a robot that stands. */
-roburoc4_result roburoc4_drive_refusal(const drive *d, const roburoc4_config *config,
-                                       const float *limits, const conditions *now, bool arming);
+/** Whether the robot's limits can be believed. */
+bool roburoc4_drive_limits_valid(const float *limits);
 void roburoc4_drive_arm(drive *d, uint32_t *events);
 /** Take a lease, or say why not; the caller has checked that the speeds are finite. */
-roburoc4_result roburoc4_drive_grant(drive *d, const roburoc4_config *config, float linear,
-                                     float angular, uint32_t lease_us, uint64_t now_us,
-                                     uint32_t *events);
+roburoc4_result roburoc4_drive_grant(drive *d, const roburoc4_config *config, const float *target,
+                                     uint32_t lease_us, uint64_t now_us, uint32_t *events);
 /** Leave driving for this cause: disarm, and a zero train if a speed was ever sent. */
 void roburoc4_drive_interrupt(drive *d, const roburoc4_config *config, roburoc4_result cause,
                               uint32_t *events);
 /** End the lease and send a zero train in any case. */
 void roburoc4_drive_stop(drive *d);
-/** Let time pass: leases that are over, conditions that were lost or came back. */
+/** Let time pass: leases that are over; conditions of driving that were lost (a refusal) or came
+ *  back. */
 void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_result refusal,
-                         roburoc4_result arm_refusal, uint64_t now_us, uint32_t *events);
+                         uint64_t now_us, uint32_t *events);
 /** A speed command that must leave now: true, and the speeds. */
 bool roburoc4_drive_poll(drive *d, const roburoc4_config *config, const float *limits,
-                         uint64_t now_us, float *linear, float *angular, uint32_t *events);
+                         uint64_t now_us, float *speeds, uint32_t *events);
 /** A differential status: targets and currents, as in roburoc4_private_values.speeds. */
 void roburoc4_drive_status(drive *d, const roburoc4_config *config, const float *speeds,
                            bool overridden, uint64_t now_us, uint32_t *events);

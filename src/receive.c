@@ -20,15 +20,16 @@ static uint32_t subscribed_service(const client *c, uint16_t id) {
     return 0;
 }
 
-static void tell_drive(client *c, uint64_t now_us) {
+static void tell_drive(client *c) {
     const roburoc4_private_values *v = &c->private_values;
     roburoc4_drive_status(&c->private_drive, &c->private_config, v->speeds,
-                          v->override_known && v->overridden, now_us, &c->private_events);
+                          v->override_known && v->overridden, c->private_now_us,
+                          &c->private_events);
 }
 
-static roburoc4_result receive_status(client *c, const uint8_t *data, size_t size,
-                                      uint64_t now_us) {
+static roburoc4_result receive_status(client *c, const uint8_t *data, size_t size) {
     roburoc4_status_header head;
+    any_status status;
     roburoc4_result result = roburoc4_decode_status_header(data, size, &head);
     if (result < 0) {
         return result;
@@ -38,15 +39,15 @@ static roburoc4_result receive_status(client *c, const uint8_t *data, size_t siz
     if (service == 0) {
         return ROBUROC4_ERR_UNSUBSCRIBED;
     }
-    result = roburoc4_snapshot_status(c, service, data, size, false);
+    result = roburoc4_snapshot_decode(c, service, data, size, &status);
     if (result < 0) {
         return result;
     }
-    switch (
-        roburoc4_link_status(&c->private_link, STATUS_INDEX(service), head.robot_cycles, now_us)) {
+    switch (roburoc4_link_status(&c->private_link, STATUS_INDEX(service), head.robot_cycles,
+                                 c->private_now_us)) {
     case VERDICT_REBOOT:
         if (!closing) {
-            roburoc4_client_reboot(c, now_us);
+            roburoc4_client_reboot(c);
         }
         return ROBUROC4_ERR_OLD;
     case VERDICT_OLD:
@@ -54,17 +55,16 @@ static roburoc4_result receive_status(client *c, const uint8_t *data, size_t siz
     case VERDICT_NEW:
         break;
     }
-    roburoc4_snapshot_status(c, service, data, size, true);
+    roburoc4_snapshot_store(c, service, &status);
     if (c->private_state == ROBUROC4_STATE_SUBSCRIBING) {
         c->private_discovery.acked |= service_bit(service); /* as good as the acknowledgement */
     }
     raise_event(c, (uint32_t)ROBUROC4_EVENT_IOCARD << STATUS_INDEX(service));
     if (service == ROBUROC4_SERVICE_DIFFERENTIAL) {
-        tell_drive(c, now_us);
+        tell_drive(c);
     } else if (service == ROBUROC4_SERVICE_IOCARD && c->private_values.override_known &&
                c->private_values.overridden) {
-        roburoc4_drive_interrupt(&c->private_drive, &c->private_config, ROBUROC4_ERR_OVERRIDE,
-                                 &c->private_events);
+        roburoc4_client_interrupt(c, ROBUROC4_ERR_OVERRIDE);
     }
     return result;
 }
@@ -72,8 +72,7 @@ static roburoc4_result receive_status(client *c, const uint8_t *data, size_t siz
 /* ---- answers ---- */
 
 /** The directory is there: new services are discovered anew, known ones keep their texts. */
-static roburoc4_result take_directory(client *c, const uint8_t *data, size_t size,
-                                      uint64_t now_us) {
+static roburoc4_result take_directory(client *c, const uint8_t *data, size_t size) {
     discovery *d = &c->private_discovery;
     roburoc4_directory directory;
     const roburoc4_result result = roburoc4_decode_directory(data, size, &directory);
@@ -86,8 +85,7 @@ static roburoc4_result take_directory(client *c, const uint8_t *data, size_t siz
     }
     if (!same) {
         if (connected(c)) { /* else driving was left before, and for what cause is known */
-            roburoc4_drive_interrupt(&c->private_drive, &c->private_config, ROBUROC4_ERR_NOT_READY,
-                                     &c->private_events);
+            roburoc4_client_interrupt(c, ROBUROC4_ERR_NOT_READY);
         }
         roburoc4_discovery_clear(d);
         if (roburoc4_discovery_directory(d, &directory)) {
@@ -101,7 +99,7 @@ static roburoc4_result take_directory(client *c, const uint8_t *data, size_t siz
     roburoc4_discovery_restart(d);
     roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_QUERY,
                              ROBUROC4_SERVICE_DIRECTORY);
-    roburoc4_client_enter(c, ROBUROC4_STATE_DISCOVERING, now_us);
+    roburoc4_client_enter(c, ROBUROC4_STATE_DISCOVERING);
     return result;
 }
 
@@ -109,24 +107,25 @@ static roburoc4_result override_index(const client *c) {
     return roburoc4_client_role_index(c, ROBUROC4_ROLE_OVERRIDE);
 }
 
-static void take_text(client *c, const slot *s, const roburoc4_text *text, uint64_t now_us) {
+static void take_text(client *c, const slot *s, const roburoc4_text *text) {
     discovery *d = &c->private_discovery;
     const roburoc4_result before = override_index(c);
-    if (s->detail != LIST_DIRECTORY && c->private_requests.fixed_id) {
+    if (s->ask.detail != LIST_DIRECTORY && c->private_requests.fixed_id) {
         /* with one id for all, a late text may be another channel's: no input is chosen by it */
-        roburoc4_discovery_described(d, s->detail, s->subject);
-    } else if (roburoc4_discovery_text(d, s->detail, s->subject, text->text, text->length)) {
+        roburoc4_discovery_described(d, s->ask.detail, s->ask.subject);
+    } else if (roburoc4_discovery_text(d, s->ask.detail, s->ask.subject, text->text,
+                                       text->length)) {
         raise_event(c, ROBUROC4_EVENT_ROLE);
     }
     if (override_index(c) != before) {
         c->private_values.override_known = 0; /* until a status tells it from the right input */
     }
-    d->described_kind = (uint8_t)(s->detail + 1);
-    d->described_index = s->subject;
+    d->described_kind = (uint8_t)(s->ask.detail + 1);
+    d->described_index = s->ask.subject;
     raise_event(c, ROBUROC4_EVENT_DESCRIPTION);
-    if (s->detail == LIST_DIRECTORY && d->identified && roburoc4_discovery_identify(d)) {
+    if (s->ask.detail == LIST_DIRECTORY && d->identified && roburoc4_discovery_identify(d)) {
         roburoc4_discovery_restart(d); /* a late text told that a service is another one */
-        roburoc4_client_enter(c, ROBUROC4_STATE_DISCOVERING, now_us);
+        roburoc4_client_enter(c, ROBUROC4_STATE_DISCOVERING);
     }
 }
 
@@ -138,24 +137,24 @@ void roburoc4_client_relocalize_ends(client *c, roburoc4_result result) {
 
 void roburoc4_client_fail(client *c, const slot *s, roburoc4_result why) {
     discovery *d = &c->private_discovery;
-    switch (s->action) {
+    switch (s->ask.action) {
     case ROBUROC4_ACTION_GET:
-        d->refused |= service_bit(s->kind);
-        if (s->kind == ROBUROC4_SERVICE_DIFFERENTIAL && why != ROBUROC4_ERR_TIMEOUT) {
+        d->refused |= service_bit(s->ask.kind);
+        if (s->ask.kind == ROBUROC4_SERVICE_DIFFERENTIAL && why != ROBUROC4_ERR_TIMEOUT) {
             roburoc4_drive_service(&c->private_drive, false, c->private_drive.service);
         }
         break;
     case ROBUROC4_ACTION_QUERY:
-        roburoc4_discovery_described(d, s->detail, s->subject);
+        roburoc4_discovery_described(d, s->ask.detail, s->ask.subject);
         break;
     case ROBUROC4_ACTION_INSERT:
-        if ((d->declined & service_bit(s->kind)) == 0) {
+        if ((d->declined & service_bit(s->ask.kind)) == 0) {
             raise_event(c, ROBUROC4_EVENT_SUBSCRIPTION_REFUSED);
         }
-        d->declined |= service_bit(s->kind);
+        d->declined |= service_bit(s->ask.kind);
         break;
     case ROBUROC4_ACTION_DELETE:
-        d->leaving &= (uint8_t)~service_bit(s->kind);
+        d->leaving &= (uint8_t)~service_bit(s->ask.kind);
         break;
     default: /* REPLACE */
         roburoc4_client_relocalize_ends(c, why);
@@ -164,35 +163,34 @@ void roburoc4_client_fail(client *c, const slot *s, roburoc4_result why) {
 }
 
 /** A good answer: take what it says, or tell what is wrong with it. */
-static roburoc4_result take_answer(client *c, const slot *s, const uint8_t *data, size_t size,
-                                   uint64_t now_us) {
+static roburoc4_result take_answer(client *c, const slot *s, const uint8_t *data, size_t size) {
     discovery *d = &c->private_discovery;
     roburoc4_text text;
     roburoc4_result result = ROBUROC4_OK;
-    switch (s->action) {
+    switch (s->ask.action) {
     case ROBUROC4_ACTION_GET:
-        if (s->kind == ROBUROC4_SERVICE_DIRECTORY) {
-            return take_directory(c, data, size, now_us);
+        if (s->ask.kind == ROBUROC4_SERVICE_DIRECTORY) {
+            return take_directory(c, data, size);
         }
-        result = roburoc4_snapshot_properties(c, s->kind, data, size);
+        result = roburoc4_snapshot_properties(c, s->ask.kind, data, size);
         if (result >= 0) {
-            d->known |= service_bit(s->kind);
-            d->refused &= (uint8_t)~service_bit(s->kind);
+            d->known |= service_bit(s->ask.kind);
+            d->refused &= (uint8_t)~service_bit(s->ask.kind);
         }
         break;
     case ROBUROC4_ACTION_QUERY:
         result = roburoc4_decode_text(data, size, &text);
         if (result >= 0) {
-            take_text(c, s, &text, now_us);
+            take_text(c, s, &text);
         }
         break;
     case ROBUROC4_ACTION_INSERT:
-        roburoc4_link_expect(&c->private_link, STATUS_INDEX((uint32_t)s->kind));
-        d->acked |= service_bit(s->kind);
-        d->declined &= (uint8_t)~service_bit(s->kind);
+        roburoc4_link_expect(&c->private_link, STATUS_INDEX((uint32_t)s->ask.kind));
+        d->acked |= service_bit(s->ask.kind);
+        d->declined &= (uint8_t)~service_bit(s->ask.kind);
         break;
     case ROBUROC4_ACTION_DELETE:
-        d->leaving &= (uint8_t)~service_bit(s->kind);
+        d->leaving &= (uint8_t)~service_bit(s->ask.kind);
         break;
     default: /* REPLACE */
         roburoc4_client_relocalize_ends(c, ROBUROC4_OK);
@@ -201,24 +199,23 @@ static roburoc4_result take_answer(client *c, const slot *s, const uint8_t *data
     return result;
 }
 
-static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t size,
-                                      uint64_t now_us) {
+static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t size) {
     const bool bad = data[0] == ROBUROC4_HEADER_ERROR || (size >= 5 && data[4] != 0);
     if (size < 5 && !bad) {
         return ROBUROC4_ERR_SHORT;
     }
-    slot *s = roburoc4_requests_match(&c->private_requests, data, size, now_us);
+    slot *s = roburoc4_requests_match(&c->private_requests, data, size, c->private_now_us);
     if (s == NULL) {
         return ROBUROC4_ERR_UNMATCHED;
     }
     const slot request = *s;
-    roburoc4_link_round_trip(&c->private_link, s->sent_us, now_us);
-    if (bad && s->max_tries == REQUEST_FOREVER) {
+    roburoc4_link_round_trip(&c->private_link, s->sent_us, c->private_now_us);
+    if (bad && s->ask.max_tries == REQUEST_FOREVER) {
         count(c, ROBUROC4_COUNT_REFUSED);
         return ROBUROC4_OK; /* no directory, no robot: it stays open and is tried again in its time
                              */
     }
-    roburoc4_requests_close(&c->private_requests, s, now_us);
+    roburoc4_requests_close(&c->private_requests, s, c->private_now_us);
     if (c->private_requests.announce) {
         c->private_requests.announce = 0;
         raise_event(c, ROBUROC4_EVENT_FIXED_ID);
@@ -228,7 +225,7 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
         roburoc4_client_fail(c, &request, ROBUROC4_ERR_ROBOT);
         return ROBUROC4_OK;
     }
-    const roburoc4_result result = take_answer(c, &request, data, size, now_us);
+    const roburoc4_result result = take_answer(c, &request, data, size);
     if (result < 0) {
         roburoc4_client_fail(c, &request, result);
     }
@@ -267,9 +264,9 @@ roburoc4_result roburoc4_client_receive(client *c, const uint8_t *datagram, size
     if (size == 0) {
         result = ROBUROC4_ERR_SHORT;
     } else if (datagram[0] == ROBUROC4_HEADER_STATUS) {
-        result = receive_status(c, datagram, size, now_us);
+        result = receive_status(c, datagram, size);
     } else {
-        result = receive_answer(c, datagram, size, now_us);
+        result = receive_answer(c, datagram, size);
     }
     if (result < 0) {
         count_drop(c, result);

@@ -134,27 +134,26 @@ roburoc4_result roburoc4_client_description(const client *c, const uint8_t *data
 
 /* ---- statuses ---- */
 
-/** The bookkeeping of a service's latest status, or NULL before the first. */
-static const roburoc4_private_service *latest(const client *c, uint32_t service,
-                                              uint64_t *host_us) {
+/** Begin a copy of a service's latest status: all zero but its time, which stands first in every
+ *  status. False before the first. */
+static bool begin(const client *c, uint32_t service, void *out, size_t size, uint64_t *host_us) {
     const roburoc4_private_service *s = &c->private_link.services[STATUS_INDEX(service)];
     if (s->received == 0) {
-        return NULL;
+        return false;
     }
     if (host_us != NULL) {
         *host_us = s->received_us;
     }
-    return s;
+    memset(out, 0, size);
+    memcpy(out, &s->robot_cycles, sizeof s->robot_cycles);
+    return true;
 }
 
 roburoc4_result roburoc4_client_battery(const client *c, roburoc4_battery_status *out,
                                         uint64_t *host_us) {
-    const roburoc4_private_service *s = latest(c, ROBUROC4_SERVICE_BATTERY, host_us);
-    if (s == NULL) {
+    if (!begin(c, ROBUROC4_SERVICE_BATTERY, out, sizeof *out, host_us)) {
         return ROBUROC4_ERR_UNKNOWN;
     }
-    memset(out, 0, sizeof *out);
-    out->robot_cycles = s->robot_cycles;
     out->state = c->private_values.battery_state;
     out->remaining_percent = c->private_values.battery_percent;
     out->service = id_of(c, ROBUROC4_SERVICE_BATTERY);
@@ -163,12 +162,9 @@ roburoc4_result roburoc4_client_battery(const client *c, roburoc4_battery_status
 
 roburoc4_result roburoc4_client_localization(const client *c, roburoc4_localization_status *out,
                                              uint64_t *host_us) {
-    const roburoc4_private_service *s = latest(c, ROBUROC4_SERVICE_LOCALIZATION, host_us);
-    if (s == NULL) {
+    if (!begin(c, ROBUROC4_SERVICE_LOCALIZATION, out, sizeof *out, host_us)) {
         return ROBUROC4_ERR_UNKNOWN;
     }
-    memset(out, 0, sizeof *out);
-    out->robot_cycles = s->robot_cycles;
     load_pose(c->private_values.pose_bits, &out->x_m, &out->y_m, &out->theta_rad);
     out->flags = c->private_values.flags;
     out->service = id_of(c, ROBUROC4_SERVICE_LOCALIZATION);
@@ -177,27 +173,20 @@ roburoc4_result roburoc4_client_localization(const client *c, roburoc4_localizat
 
 roburoc4_result roburoc4_client_differential(const client *c, roburoc4_differential_status *out,
                                              uint64_t *host_us) {
-    const roburoc4_private_service *s = latest(c, ROBUROC4_SERVICE_DIFFERENTIAL, host_us);
-    if (s == NULL) {
+    if (!begin(c, ROBUROC4_SERVICE_DIFFERENTIAL, out, sizeof *out, host_us)) {
         return ROBUROC4_ERR_UNKNOWN;
     }
-    memset(out, 0, sizeof *out);
-    out->robot_cycles = s->robot_cycles;
-    out->target_linear_m_s = c->private_values.speeds[0];
-    out->current_linear_m_s = c->private_values.speeds[1];
-    out->target_angular_rad_s = c->private_values.speeds[2];
-    out->current_angular_rad_s = c->private_values.speeds[3];
+    memcpy((uint8_t *)out + offsetof(roburoc4_differential_status, target_linear_m_s),
+           c->private_values.speeds, sizeof c->private_values.speeds);
     out->service = id_of(c, ROBUROC4_SERVICE_DIFFERENTIAL);
     return ROBUROC4_OK;
 }
 
 roburoc4_result roburoc4_client_inputs(const client *c, roburoc4_inputs *out, uint64_t *host_us) {
-    const roburoc4_private_service *s = latest(c, ROBUROC4_SERVICE_IOCARD, host_us);
     const int32_t *counts = c->private_values.io_counts;
-    if (s == NULL) {
+    if (!begin(c, ROBUROC4_SERVICE_IOCARD, out, sizeof *out, host_us)) {
         return ROBUROC4_ERR_UNKNOWN;
     }
-    out->robot_cycles = s->robot_cycles;
     out->digital = c->private_values.digital;
     memcpy(out->analog, c->private_values.analog, sizeof out->analog);
     out->analog_count =
@@ -209,14 +198,11 @@ roburoc4_result roburoc4_client_inputs(const client *c, roburoc4_inputs *out, ui
 
 roburoc4_result roburoc4_client_distances(const client *c, roburoc4_distances *out,
                                           uint64_t *host_us) {
-    const roburoc4_private_service *s = latest(c, ROBUROC4_SERVICE_TELEMETER, host_us);
-    if (s == NULL) {
+    if (!begin(c, ROBUROC4_SERVICE_TELEMETER, out, sizeof *out, host_us)) {
         return ROBUROC4_ERR_UNKNOWN;
     }
-    out->robot_cycles = s->robot_cycles;
     memcpy(out->distance_m, c->private_values.distances, sizeof out->distance_m);
     out->count = c->private_values.distance_count;
-    out->reserved = 0;
     return ROBUROC4_OK;
 }
 
@@ -255,8 +241,8 @@ roburoc4_result roburoc4_client_facts(const client *c, uint64_t now_us, roburoc4
     out->arm_refusal = roburoc4_client_arm_refusal(c, now_us);
     out->relocalize_result = c->private_outputs.relocalize_result;
     out->lease_left_us = out->driving ? d->lease_us - (uint32_t)elapsed_us : 0;
-    out->linear_m_s = d->sent_linear;
-    out->angular_rad_s = d->sent_angular;
+    out->linear_m_s = d->sent[0];
+    out->angular_rad_s = d->sent[1];
     return ROBUROC4_OK;
 }
 

@@ -41,37 +41,32 @@ bool roburoc4_requests_free(const requests *r, uint32_t keep) {
 
 bool roburoc4_requests_open(const requests *r, const ask *a) {
     for (uint32_t i = 0; i < SLOTS; i++) {
-        const slot *s = &r->slots[i];
-        if (s->open && s->action == a->action && s->kind == a->kind && s->target == a->target &&
-            (a->action != ROBUROC4_ACTION_QUERY ||
-             (s->detail == a->detail && s->subject == a->subject))) {
+        /* how often it is tried does not make it another question */
+        if (r->slots[i].open && memcmp(&r->slots[i].ask, a, offsetof(ask, max_tries)) == 0) {
             return true;
         }
     }
     return false;
 }
 
-void roburoc4_requests_begin(requests *r, const ask *a) {
-    for (uint32_t i = 0; i < SLOTS; i++) {
-        slot *s = &r->slots[i];
-        if (!s->open) {
-            memset(s, 0, sizeof *s);
-            s->open = 1;
-            s->action = a->action;
-            s->kind = a->kind;
-            s->detail = a->detail;
-            s->max_tries = a->max_tries;
-            s->target = a->target;
-            s->subject = a->subject;
-            return;
-        }
+bool roburoc4_requests_begin(requests *r, const ask *a) {
+    uint32_t i = 0;
+    while (i < SLOTS && r->slots[i].open) {
+        i++;
     }
+    if (i == SLOTS || roburoc4_requests_open(r, a)) {
+        return false;
+    }
+    memset(&r->slots[i], 0, sizeof r->slots[i]);
+    r->slots[i].ask = *a;
+    r->slots[i].open = 1;
+    return true;
 }
 
 void roburoc4_requests_cancel(requests *r, uint8_t action, uint8_t kind) {
     for (uint32_t i = 0; i < SLOTS; i++) {
         slot *s = &r->slots[i];
-        if (s->action == action && s->kind == kind) {
+        if (s->ask.action == action && s->ask.kind == kind) {
             s->open = 0;
         }
     }
@@ -87,7 +82,8 @@ static bool id_in_use(const requests *r, uint8_t id) {
 }
 
 static uint8_t next_id(requests *r, const slot *s) {
-    const bool connecting = s->action == ROBUROC4_ACTION_GET && s->max_tries == REQUEST_FOREVER;
+    const bool connecting =
+        s->ask.action == ROBUROC4_ACTION_GET && s->ask.max_tries == REQUEST_FOREVER;
     if (r->fixed_id || (connecting && s->tries % MANUAL_ID_EVERY == MANUAL_ID_EVERY - 1)) {
         return ROBUROC4_HEADER_MANUAL;
     }
@@ -117,7 +113,7 @@ slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint64_t now_u
         if (!s->open || (s->tries > 0 && now_us - s->sent_us < s->wait_us)) {
             continue;
         }
-        if (s->max_tries != REQUEST_FOREVER && s->tries >= s->max_tries) {
+        if (s->ask.max_tries != REQUEST_FOREVER && s->tries >= s->ask.max_tries) {
             s->open = 0;
             *given_up = s;
             return NULL;
@@ -143,8 +139,8 @@ slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint64_t now_u
 
 /** As much of an error telegram as there is fits this request. */
 static bool error_fits(const slot *s, const uint8_t *datagram, size_t size) {
-    return (size < 2 || datagram[1] == s->action) &&
-           (size < 4 || (uint16_t)(datagram[2] | datagram[3] << 8) == s->target);
+    return (size < 2 || datagram[1] == s->ask.action) &&
+           (size < 4 || (uint16_t)(datagram[2] | datagram[3] << 8) == s->ask.target);
 }
 
 /** A robot that once echoed another id is not one that knows 0x01 only, however much is lost. */

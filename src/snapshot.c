@@ -170,53 +170,44 @@ static void take_pose(client *c, const roburoc4_localization_status *status) {
     c->private_values.flags = status->flags;
 }
 
-roburoc4_result roburoc4_snapshot_status(client *c, uint32_t service, const uint8_t *data,
-                                         size_t size, bool store) {
+roburoc4_result roburoc4_snapshot_decode(const client *c, uint32_t service, const uint8_t *data,
+                                         size_t size, any_status *out) {
     const int32_t *counts = c->private_values.io_counts;
-    roburoc4_result result = ROBUROC4_ERR_KIND;
-    union {
-        roburoc4_iocard_status iocard;
-        roburoc4_telemeter_status telemeter;
-        roburoc4_battery_status battery;
-        roburoc4_localization_status localization;
-        roburoc4_differential_status differential;
-    } s;
     switch (service) {
     case ROBUROC4_SERVICE_IOCARD:
-        result =
-            roburoc4_decode_iocard_status(data, size, (uint32_t)counts[ROBUROC4_IO_ANALOG_INPUT],
-                                          (uint32_t)counts[ROBUROC4_IO_DIGITAL_INPUT], &s.iocard);
-        if (store && result >= 0) {
-            take_inputs(c, &s.iocard);
-        }
+        return roburoc4_decode_iocard_status(data, size, (uint32_t)counts[ROBUROC4_IO_ANALOG_INPUT],
+                                             (uint32_t)counts[ROBUROC4_IO_DIGITAL_INPUT],
+                                             &out->iocard);
+    case ROBUROC4_SERVICE_TELEMETER:
+        return roburoc4_decode_telemeter_status(data, size, &out->telemeter);
+    case ROBUROC4_SERVICE_BATTERY:
+        return roburoc4_decode_battery_status(data, size, &out->battery);
+    case ROBUROC4_SERVICE_LOCALIZATION:
+        return roburoc4_decode_localization_status(data, size, &out->localization);
+    default:
+        return roburoc4_decode_differential_status(data, size, &out->differential);
+    }
+}
+
+void roburoc4_snapshot_store(client *c, uint32_t service, const any_status *status) {
+    switch (service) {
+    case ROBUROC4_SERVICE_IOCARD:
+        take_inputs(c, &status->iocard);
         break;
     case ROBUROC4_SERVICE_TELEMETER:
-        result = roburoc4_decode_telemeter_status(data, size, &s.telemeter);
-        if (store && result >= 0) {
-            take_distances(c, &s.telemeter);
-        }
+        take_distances(c, &status->telemeter);
         break;
     case ROBUROC4_SERVICE_BATTERY:
-        result = roburoc4_decode_battery_status(data, size, &s.battery);
-        if (store && result >= 0) {
-            take_charge(c, &s.battery);
-        }
+        take_charge(c, &status->battery);
         break;
     case ROBUROC4_SERVICE_LOCALIZATION:
-        result = roburoc4_decode_localization_status(data, size, &s.localization);
-        if (store && result >= 0) {
-            take_pose(c, &s.localization);
-        }
+        take_pose(c, &status->localization);
         break;
     default:
-        result = roburoc4_decode_differential_status(data, size, &s.differential);
-        if (store && result >= 0) {
-            memcpy(c->private_values.speeds,
-                   (const uint8_t *)&s.differential +
-                       offsetof(roburoc4_differential_status, target_linear_m_s),
-                   sizeof c->private_values.speeds);
-        }
+        memcpy(c->private_values.speeds,
+               (const uint8_t *)&status->differential +
+                   offsetof(roburoc4_differential_status, target_linear_m_s),
+               sizeof c->private_values.speeds);
         break;
     }
-    return result;
 }
