@@ -669,9 +669,12 @@ ROBUROC4_API const char *roburoc4_state_name(uint32_t state);
 #define ROBUROC4_RESUME_REBOOT 0x04
 
 /** Bits of roburoc4_config.options. */
-#define ROBUROC4_OPTION_TURN_KEEPING 0x01           /* slow down rather than turn less */
-#define ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE 0x02 /* a robot without the game pad's inputs */
-#define ROBUROC4_OPTION_IGNORE_FOREIGN 0x04         /* stay armed when somebody else commands */
+#define ROBUROC4_OPTION_TURN_KEEPING 0x01 /* slow down rather than turn less */
+/* for a robot without the game pad's inputs; an IO card that is listed must still give its counts
+ */
+#define ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE 0x02
+/* stay armed when somebody else commands; also for a robot that ramps the targets it reports */
+#define ROBUROC4_OPTION_IGNORE_FOREIGN 0x04
 
 /** Settings of a client. Fill it with roburoc4_config_init(), then change what you need. */
 typedef struct roburoc4_config {
@@ -872,7 +875,8 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
 /* Motion. A drive command is a lease: the target lives for lease_us and dies unless renewed. Every
  * exit from driving (lease over, stop, disarm, override, loss, reboot, clock fault) is followed by
  * a train of zero commands: one per drive period, at least three, until a status shows both targets
- * 0 or robot_watchdog_ms has passed. A new lease waits for the end of the train. */
+ * 0 or robot_watchdog_ms has passed. A new lease waits for the end of the train. The first zero
+ * after a speed leaves at once; all other commands are at least a robot cycle (10 ms) apart. */
 
 /** Allow driving. 0, or the first reason against it: ROBUROC4_ERR_NOT_READY, _NO_DIFFERENTIAL,
  *  _LIMITS, _STALE_DIFFERENTIAL, _STALE_IOCARD, _OVERRIDE_UNKNOWN, _OVERRIDE, _FOREIGN, _MOVING.
