@@ -23,6 +23,7 @@
 #define ARM_US 3000000u
 #define DRIVE_US 120000000u
 #define POSE_US 1000000u
+#define FAR_M 1e6 /* no robot comes so far; no NaN is less than anything */
 
 enum { EXIT_DROVE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_ABSENT = 3 };
 
@@ -124,7 +125,7 @@ static int arm(roburoc4_udp *udp, roburoc4_client *client) {
 
 /* A pose to steer by: a NaN would make every distance look covered. */
 static int usable(const roburoc4_localization_status *pose) {
-    return isfinite(pose->x_m) && isfinite(pose->y_m) && isfinite(pose->theta_rad) &&
+    return fabs(pose->x_m) < FAR_M && fabs(pose->y_m) < FAR_M && fabs(pose->theta_rad) < FAR_M &&
            !(pose->flags & (ROBUROC4_LOCALIZATION_INVALID | ROBUROC4_LOCALIZATION_ERROR));
 }
 
@@ -189,7 +190,11 @@ static int drive(roburoc4_udp *udp, roburoc4_client *client, drive_report *repor
 /* Everything between an open socket and the last zero command. */
 static int run(roburoc4_udp *udp, const char *host, drive_report *report) {
     roburoc4_client client;
-    roburoc4_client_init(&client, sizeof client, NULL);
+    roburoc4_config config;
+    roburoc4_config_init(&config, sizeof config);
+    config.max_linear_m_s = 0.8f; /* a ceiling that no mistake above can raise */
+    config.max_angular_rad_s = 1.3f;
+    roburoc4_client_init(&client, sizeof client, &config);
     roburoc4_client_start(&client, roburoc4_udp_now_us());
 
     int code = EXIT_ABSENT;

@@ -839,14 +839,15 @@ ROBUROC4_API size_t roburoc4_client_size(void);
 /** Prepare a client, whatever was in its memory before; it is idle and disarmed.
  *  client_size is sizeof(roburoc4_client); config may be NULL for all defaults.
  *  ROBUROC4_ERR_SIZE: header and library differ. ROBUROC4_ERR_CONFIG: roburoc4_config_error()
- *  names the value. After an error every other function refuses the client. */
+ *  names the value. After an error it is an idle client that cannot be started, armed or driven. */
 ROBUROC4_API roburoc4_result roburoc4_client_init(roburoc4_client *client, size_t client_size,
                                                   const roburoc4_config *config);
 /** Begin to connect. ROBUROC4_ERR_STATE unless idle. */
 ROBUROC4_API roburoc4_result roburoc4_client_start(roburoc4_client *client, uint64_t now_us);
 /** Begin to leave: disarms, and stays in ROBUROC4_STATE_CLOSING until the zero train (if one is
  *  due) has ended; go on with receive() and poll_transmit() until the state is idle, at most
- *  robot_watchdog_ms. Subscriptions are left alone: other clients may share them. */
+ *  robot_watchdog_ms or three drive periods. Subscriptions are left alone: other clients may share
+ *  them. */
 ROBUROC4_API roburoc4_result roburoc4_client_close(roburoc4_client *client, uint64_t now_us);
 
 /** One datagram of the robot. That it is the robot's is the caller's duty (connect the socket).

@@ -66,9 +66,10 @@ ROBUROC4_API roburoc4_pump *roburoc4_pump_create(const roburoc4_address *address
                                                  const roburoc4_config *config,
                                                  uint32_t queue_capacity, roburoc4_result *result);
 /** End the link: disarm, send the zero train where one is due, end the thread; wait for that, at
- *  most the configured robot_watchdog_ms and half a second. Whoever waits in another call gets
- *  ROBUROC4_ERR_CLOSED. Afterwards values and samples can still be read, commands return
- *  ROBUROC4_ERR_CLOSED. From any thread, several times: later calls return 0 when it is over. */
+ *  most the configured robot_watchdog_ms (or three drive periods) and half a second. Whoever waits
+ * in another call gets ROBUROC4_ERR_CLOSED. Afterwards values and samples can still be read,
+ * commands return ROBUROC4_ERR_CLOSED. From any thread, several times: later calls return 0 when it
+ * is over. */
 ROBUROC4_API roburoc4_result roburoc4_pump_stop(roburoc4_pump *pump);
 /** Stop, wait for those who were waiting, free the memory. NULL is fine. No thread may begin a call
  *  with this pump from here on. */

@@ -6,9 +6,10 @@
 #include "bytes.h"
 #include "client.h"
 
-/* A probe waits up to 0.8 s for its answer. */
+/* A probe waits up to 0.8 s for its answer (with the default first_retry_ms). */
 #define PROBE_TRIES 4
-/* Given up after 2.5 s, within a client's patience; a probe asks again later. */
+/* Given up after 2.5 s (with the default first_retry_ms), within a client's patience; a probe asks
+ * again later. */
 #define REQUEST_TRIES 5
 #define FIRST_STATUS_SERVICE ROBUROC4_SERVICE_IOCARD
 

@@ -68,16 +68,22 @@ roburoc4_result roburoc4_client_init(client *c, size_t client_size, const roburo
     return ROBUROC4_OK;
 }
 
-/** Ask for the directory; what was learned about services counts no more until it is read again. */
-static void connect(client *c, uint32_t state) {
+void roburoc4_client_forget_services(client *c, uint32_t state) {
     roburoc4_discovery_restart(&c->private_discovery);
-    roburoc4_requests_clear(&c->private_requests);
-    roburoc4_link_restart(&c->private_link);
+    roburoc4_requests_cancel_all(&c->private_requests);
+    roburoc4_link_spoil(&c->private_link);
     c->private_values.override_known = 0;
     if (c->private_outputs.relocalizing) {
         roburoc4_client_relocalize_ends(c, ROBUROC4_ERR_TIMEOUT);
     }
     roburoc4_client_enter(c, state);
+}
+
+/** Ask for the directory. */
+static void connect(client *c, uint32_t state) {
+    roburoc4_requests_clear(&c->private_requests);
+    roburoc4_link_restart(&c->private_link);
+    roburoc4_client_forget_services(c, state);
 }
 
 roburoc4_result roburoc4_client_start(client *c, uint64_t now_us) {
@@ -131,6 +137,7 @@ void roburoc4_client_reboot(client *c) {
     raise_event(c, ROBUROC4_EVENT_REBOOT);
     c->private_link.newest_cycles = 0;
     c->private_link.resubscribed = 0;
+    roburoc4_client_forget_outputs(c); /* its own are off again */
     roburoc4_discovery_clear(&c->private_discovery);
     connect(c, ROBUROC4_STATE_CONNECTING);
 }

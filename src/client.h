@@ -38,6 +38,8 @@ static inline bool connected(const roburoc4_client *c) {
 /* client.c */
 
 void roburoc4_client_enter(roburoc4_client *c, uint32_t state);
+/** What was learned about services counts no more until it is read again, from this state on. */
+void roburoc4_client_forget_services(roburoc4_client *c, uint32_t state);
 /** The robot restarted: it is discovered anew. */
 void roburoc4_client_reboot(roburoc4_client *c);
 /** Leave driving for this cause. */
@@ -54,6 +56,11 @@ roburoc4_result roburoc4_client_arm_refusal(const roburoc4_client *c, uint64_t n
 /** A request came to nothing: refused by the robot, answered with nonsense, or never answered. */
 void roburoc4_client_fail(roburoc4_client *c, const slot *s, roburoc4_result why);
 void roburoc4_client_relocalize_ends(roburoc4_client *c, roburoc4_result result);
+
+/* control.c */
+
+/** Outputs that were set are no more. */
+void roburoc4_client_forget_outputs(roburoc4_client *c);
 
 /* asking.c */
 

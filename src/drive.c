@@ -108,9 +108,11 @@ void roburoc4_drive_service(drive *d, bool known, uint16_t id) {
     if (!known && id == d->service) {
         leave(d); /* it is still there: the last that it hears must be zero */
     } else if (!known) {
+        /* zeros that are still owed go to whom is found next */
+        d->stop_latched = d->stop_latched || d->spoke || (d->train && d->zeros < TRAIN_ZEROS);
         d->leased = 0;
         d->spoke = 0;
-        d->train = 0; /* there is nobody to send it to */
+        d->train = 0;
     }
     d->known = known;
     d->service = id;
@@ -143,7 +145,9 @@ roburoc4_result roburoc4_drive_grant(drive *d, const roburoc4_config *config, co
                                      uint32_t lease_us, uint64_t now_us, uint32_t *events) {
     if (d->resuming == CAUSE_CLEARED) {
         const bool neutral = is_zero(target[LINEAR]) && is_zero(target[ANGULAR]);
-        if (!neutral && now_us - d->quiet_us < config->lease_ms * MS) {
+        const uint32_t own_us = config->lease_ms * MS;
+        /* a lease given before the cause may have been as long as this one */
+        if (!neutral && now_us - d->quiet_us < (lease_us > own_us ? lease_us : own_us)) {
             d->quiet_us = now_us;
             return ROBUROC4_ERR_NOT_NEUTRAL;
         }

@@ -30,7 +30,6 @@ void roburoc4_link_restart(link *l) {
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         service *s = &l->services[i];
         s->seen = 0;
-        s->fresh = 0;
         roburoc4_link_expect(l, i);
     }
     l->mapped = 0;
@@ -175,9 +174,15 @@ bool roburoc4_link_fresh(const link *l, uint32_t index, uint32_t limit_us, uint6
     return s->fresh && now_us - s->received_us < limit_us;
 }
 
-void roburoc4_link_rebase(link *l, uint64_t now_us) {
+void roburoc4_link_spoil(link *l) {
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
-        l->services[i].fresh = 0; /* their age is not known any more */
+        l->services[i].fresh = 0;
+    }
+}
+
+void roburoc4_link_rebase(link *l, uint64_t now_us) {
+    roburoc4_link_spoil(l); /* the age of statuses is not known any more */
+    for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         l->services[i].inserted_us = now_us;
     }
     l->last_used_us = now_us;

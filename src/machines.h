@@ -45,6 +45,7 @@ typedef roburoc4_private_requests requests;
 
 /** Close all and leave fixed-id mode. After going to it, `announce` is 1: the client takes it. */
 void roburoc4_requests_clear(requests *r);
+void roburoc4_requests_cancel_all(requests *r);
 /** Whether another request may be opened now, and `keep` more after it. */
 bool roburoc4_requests_free(const requests *r, uint32_t keep);
 /** Whether this very question is open. */
@@ -70,6 +71,8 @@ typedef enum verdict { VERDICT_NEW, VERDICT_OLD, VERDICT_REBOOT } verdict;
 
 /** Forget the order of statuses (of a lost or restarted robot), keep the totals. */
 void roburoc4_link_restart(roburoc4_private_link *l);
+/** The statuses that are there are of services that may be others now: none is fresh. */
+void roburoc4_link_spoil(roburoc4_private_link *l);
 /** The robot agreed to the asked period: measure loss against it until another is observed. */
 void roburoc4_link_expect(roburoc4_private_link *l, uint32_t index);
 /** Judge a status; a new one is taken into the figures. */

@@ -159,6 +159,12 @@ static void drop_meeting_points(roburoc4_pump *pump) {
     roburoc4_lock_destroy(&pump->lock);
 }
 
+/* The zeros end with the watchdog's time, but three are sent in any case. */
+static uint32_t longest_train_us(const roburoc4_config *config) {
+    const uint32_t zeros_ms = 3 * config->drive_period_ms;
+    return 1000u * (config->robot_watchdog_ms > zeros_ms ? config->robot_watchdog_ms : zeros_ms);
+}
+
 /* Socket, client and thread: all or none. */
 static roburoc4_result begin(roburoc4_pump *pump, const roburoc4_address *address,
                              const roburoc4_config *config) {
@@ -168,8 +174,7 @@ static roburoc4_result begin(roburoc4_pump *pump, const roburoc4_address *addres
         return result;
     }
     (void)roburoc4_config_init(&defaults, sizeof defaults);
-    pump->robot_watchdog_us =
-        1000u * (config != NULL ? config->robot_watchdog_ms : defaults.robot_watchdog_ms);
+    pump->train_us = longest_train_us(config != NULL ? config : &defaults);
     result = roburoc4_udp_open(&pump->udp, sizeof pump->udp, address);
     if (result < 0) {
         return result;
@@ -213,7 +218,7 @@ roburoc4_result roburoc4_pump_stop(roburoc4_pump *pump) {
     if (pump->phase == ROBUROC4_PUMP_RUNNING) {
         uint64_t now_us = roburoc4_udp_now_us();
         pump->phase = ROBUROC4_PUMP_STOPPING;
-        pump->stop_by_us = now_us + pump->robot_watchdog_us + STOP_MARGIN_US;
+        pump->stop_by_us = now_us + pump->train_us + STOP_MARGIN_US;
         (void)roburoc4_client_close(&pump->client, now_us);
         roburoc4_pump_flush(pump);
         roburoc4_wake_raise(&pump->wake);

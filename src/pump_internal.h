@@ -37,7 +37,7 @@ struct roburoc4_pump {
     uint32_t waiters;         /* threads inside a wait on `changed` */
     uint64_t stop_by_us;      /* STOPPING ends here, whatever the robot does */
     uint64_t asleep_until_us; /* what the thread waits for; 0 while it is awake */
-    uint32_t robot_watchdog_us;
+    uint32_t train_us;
 
     roburoc4_udp udp;
     roburoc4_client client;

@@ -85,7 +85,7 @@ static roburoc4_result take_directory(client *c, const uint8_t *data, size_t siz
     }
     if (!same) {
         if (connected(c)) { /* else driving was left before, and for what cause is known */
-            roburoc4_client_interrupt(c, ROBUROC4_ERR_NOT_READY);
+            roburoc4_client_interrupt(c, ROBUROC4_ERR_NO_DIFFERENTIAL);
         }
         roburoc4_discovery_clear(d);
         if (roburoc4_discovery_directory(d, &directory)) {
@@ -96,10 +96,7 @@ static roburoc4_result take_directory(client *c, const uint8_t *data, size_t siz
         }
         raise_event(c, ROBUROC4_EVENT_PROPERTIES);
     }
-    roburoc4_discovery_restart(d);
-    roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_QUERY,
-                             ROBUROC4_SERVICE_DIRECTORY);
-    roburoc4_client_enter(c, ROBUROC4_STATE_DISCOVERING);
+    roburoc4_client_forget_services(c, ROBUROC4_STATE_DISCOVERING);
     return result;
 }
 
@@ -124,8 +121,9 @@ static void take_text(client *c, const slot *s, const roburoc4_text *text) {
     d->described_index = s->ask.subject;
     raise_event(c, ROBUROC4_EVENT_DESCRIPTION);
     if (s->ask.detail == LIST_DIRECTORY && d->identified && roburoc4_discovery_identify(d)) {
-        roburoc4_discovery_restart(d); /* a late text told that a service is another one */
-        roburoc4_client_enter(c, ROBUROC4_STATE_DISCOVERING);
+        /* a late text told that a service is another one */
+        roburoc4_client_interrupt(c, ROBUROC4_ERR_NO_DIFFERENTIAL);
+        roburoc4_client_forget_services(c, ROBUROC4_STATE_DISCOVERING);
     }
 }
 

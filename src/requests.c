@@ -28,6 +28,12 @@ void roburoc4_requests_clear(requests *r) {
     r->suspect = any_id ? ANSWERED_ANY_ID : ANSWERED_NONE;
 }
 
+void roburoc4_requests_cancel_all(requests *r) {
+    for (uint32_t i = 0; i < SLOTS; i++) {
+        r->slots[i].open = 0;
+    }
+}
+
 bool roburoc4_requests_free(const requests *r, uint32_t keep) {
     uint32_t open = 0;
     for (uint32_t i = 0; i < SLOTS; i++) {
@@ -71,6 +77,9 @@ void roburoc4_requests_cancel(requests *r, uint8_t action, uint8_t kind) {
         }
     }
 }
+
+/* Tries are counted to here and then again and again through the last few, with 0x01 among them. */
+#define TRIES_WRAP (41 * MANUAL_ID_EVERY)
 
 static bool id_in_use(const requests *r, uint8_t id) {
     for (uint32_t i = 0; i < SLOTS; i++) {
@@ -129,9 +138,7 @@ slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint64_t now_u
         s->id = next_id(r, s);
         s->sent_us = now_us;
         s->ones &= 0x7F; /* this try has not seen an answer with 0x01 yet */
-        if (s->tries < UINT8_MAX) {
-            s->tries++;
-        }
+        s->tries = s->tries < TRIES_WRAP ? s->tries + 1U : TRIES_WRAP + 1 - MANUAL_ID_EVERY;
         return s;
     }
     return NULL;

@@ -35,7 +35,7 @@ static roburoc4_result take_iocard(client *c, const uint8_t *data, size_t size) 
         memset(d->role_texts, 0xFF, sizeof d->role_texts);
         d->done = 0;
         c->private_values.override_known = 0;
-        c->private_outputs.repeats = 0; /* they were set for another card */
+        roburoc4_client_forget_outputs(c); /* they were set for another card */
         c->private_events |= ROBUROC4_EVENT_PROPERTIES;
         exceed(c, p.analog_inputs > ROBUROC4_MAX_ANALOG_INPUTS ||
                       p.analog_outputs > ROBUROC4_MAX_ANALOG_OUTPUTS ||
@@ -99,7 +99,9 @@ static roburoc4_result take_differential(client *c, const uint8_t *data, size_t 
     if (result >= 0) {
         float *limits = c->private_values.limits;
         memcpy(limits, &p, 4 * sizeof *limits); /* the speeds of the moment are no property */
-        store(c, limits + 4, &p.max_linear_m_s, 9 * sizeof *limits);
+        store(c, limits + 4,
+              (const uint8_t *)&p + offsetof(roburoc4_differential_properties, max_linear_m_s),
+              9 * sizeof *limits);
         roburoc4_drive_service(&c->private_drive, true, p.service);
     }
     return result;

@@ -292,7 +292,7 @@ TEST(Disarms, WhenTheDirectoryChanges) {
     bench.armed();
     robot.services.push_back({0x1111, 99, 99, "new"});
     EXPECT_TRUE(bench.run_until([&] { return bench.facts().armed == 0; }, 10 * second));
-    EXPECT_EQ(ROBUROC4_ERR_NOT_READY, bench.facts().disarm_cause);
+    EXPECT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.facts().disarm_cause);
 }
 
 TEST(Disarms, WhenAnotherClientCommands) {

@@ -365,7 +365,11 @@ void Referee::note_answer(const Bytes &datagram, bool damaged) {
             listed_.insert(word(datagram, at + 2));
         if (differential_id_ && listed_.count(*differential_id_) == 0) {
             differential_id_.reset();
-            train_ = spoke_ = false; /* there is nobody to send it to */
+            if (spoke_ || (train_ && zeros_ < 3)) { /* owed to whom is found next */
+                stop_waits_ = true;
+                zeros_ = 0;
+            }
+            train_ = spoke_ = false;
         }
     } else if (kind(target) == ROBUROC4_SERVICE_DIFFERENTIAL) {
         roburoc4_differential_properties properties;

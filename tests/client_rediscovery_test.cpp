@@ -1,0 +1,156 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Another directory in mid-life: nothing that was asked or learned before counts for the services
+ * that are listed now.
+ */
+#include "client_bench.h"
+
+using namespace roburoc4_tests;
+
+namespace {
+
+/** Differential and telemeter change places, as after somebody else's configuration. */
+void swap_ids(ScriptedRobot &robot) {
+    std::swap(robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).id,
+              robot.service(ROBUROC4_SERVICE_TELEMETER).id);
+}
+
+TEST(Rediscovery, TakesNoPropertiesThatWereAskedOfAnotherService) {
+    ScriptedRobot robot;
+    std::vector<Bytes> kept;
+    Bench bench(robot);
+    bench.armed();
+    /* the answer of the old id 6 is held back until the new directory is known */
+    bool hold = false;
+    robot.instead = [&](const roburoc4_request &request, std::vector<Bytes> &answers) {
+        if (hold && request.action == ROBUROC4_ACTION_GET && request.service == 6) {
+            roburoc4_differential_properties wrong = robot.differential;
+            wrong.service = 6;
+            kept.push_back(encoded([&](std::uint8_t *b, std::size_t n) {
+                return roburoc4_encode_differential_properties(b, n, request.id, &wrong);
+            }));
+            return true;
+        }
+        (void)answers;
+        return false;
+    };
+    hold = true;
+    for (int i = 0; i < 1000 && kept.empty(); i++)
+        bench.run(10 * ms);
+    ASSERT_FALSE(kept.empty()) << "the probe never asked the differential service";
+    hold = false;
+    swap_ids(robot);
+    const std::size_t held = kept.size();
+    for (int i = 0; i < 1500; i++) {
+        for (std::size_t k = 0; k < held; k++)
+            bench.receive(kept[k]);
+        bench.run(10 * ms);
+        if (bench.facts().state == ROBUROC4_STATE_READY &&
+            roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_DIFFERENTIAL) == 3)
+            break;
+    }
+    ASSERT_EQ(3, roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_DIFFERENTIAL));
+    bench.run(2 * second);
+    bench.sent.clear();
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_arm(&bench.client, bench.client_us()));
+    ASSERT_EQ(ROBUROC4_OK, bench.drive(0.25F, 0, 200000));
+    bench.run(100 * ms);
+    int commands = 0;
+    for (const Bench::Datagram &datagram : bench.sent)
+        if (datagram.bytes.size() == 11 && datagram.bytes[0] == ROBUROC4_HEADER_STATUS) {
+            EXPECT_EQ(3, datagram.bytes[1] | datagram.bytes[2] << 8);
+            commands++;
+        }
+    EXPECT_GT(commands, 0);
+}
+
+TEST(Rediscovery, DisarmsAndDoesNotArmOnStatusesOfBefore) {
+    ScriptedRobot robot;
+    roburoc4_config config = default_config();
+    config.resume = ROBUROC4_RESUME_LOSS | ROBUROC4_RESUME_OVERRIDE | ROBUROC4_RESUME_REBOOT;
+    Bench bench(robot, config);
+    bench.armed();
+    swap_ids(robot);
+    robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true;
+    for (int i = 0; i < 1500 && bench.facts().armed != 0; i++)
+        bench.run(10 * ms);
+    ASSERT_EQ(0, bench.facts().armed);
+    for (int i = 0; i < 300; i++) {
+        bench.run(10 * ms);
+        EXPECT_LT(roburoc4_client_arm(&bench.client, bench.client_us()), 0);
+        EXPECT_LT(bench.drive(0, 0, 200000), 0) << "it resumed by itself";
+    }
+}
+
+TEST(Rediscovery, OutputsOfBeforeARebootStayOff) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_EQ(ROBUROC4_OK,
+              roburoc4_client_set_digital_output(&bench.client, 3, 1, bench.client_us()));
+    bench.run(500 * ms);
+    for (std::uint64_t i = 0; i < 3; i++)
+        bench.receive(robot.status_at(6, i));
+    robot.reboot();
+    bench.run(5 * second);
+    ASSERT_EQ(ROBUROC4_STATE_READY, bench.facts().state);
+    robot.output_commands.clear();
+    ASSERT_EQ(ROBUROC4_OK,
+              roburoc4_client_set_digital_output(&bench.client, 1, 1, bench.client_us()));
+    bench.run(500 * ms);
+    ASSERT_FALSE(robot.output_commands.empty());
+    for (const auto &command : robot.output_commands)
+        EXPECT_EQ(0x02, command.second.back());
+}
+
+TEST(Rediscovery, AStopIsNotForgottenWhenTheServiceGetsAnotherId) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    swap_ids(robot);
+    robot.texts_silent = true; /* discovering takes its time */
+    for (int i = 0; i < 15000 && bench.facts().state == ROBUROC4_STATE_READY; i++)
+        bench.run(1 * ms);
+    ASSERT_NE(ROBUROC4_STATE_READY, bench.facts().state);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_stop(&bench.client, bench.client_us()));
+    bench.sent.clear();
+    bench.run(3 * second);
+    ASSERT_EQ(3, roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_DIFFERENTIAL));
+    int zeros = 0;
+    for (const Bench::Datagram &datagram : bench.sent)
+        zeros += datagram.bytes == from_hex("ff 03 00 00 00 00 00 00 00 00 00") ? 1 : 0;
+    EXPECT_GE(zeros, 3);
+}
+
+TEST(Rediscovery, ARobotThatKnowsOnlyTheManualIdIsFoundHoweverLateItIsSwitchedOn) {
+    ScriptedRobot robot;
+    robot.only_manual_id = true;
+    robot.powered = false;
+    Bench bench(robot);
+    bench.start();
+    bench.run(1000 * second);
+    robot.powered = true;
+    bench.run(20 * second);
+    EXPECT_EQ(ROBUROC4_STATE_READY, bench.facts().state);
+    EXPECT_EQ(1, bench.facts().fixed_id);
+}
+
+TEST(Rediscovery, AResumingProgramMustPauseForALeaseAsLongAsItsOwn) {
+    ScriptedRobot robot;
+    roburoc4_config config = default_config();
+    config.resume = ROBUROC4_RESUME_OVERRIDE;
+    Bench bench(robot, config);
+    bench.armed();
+    ASSERT_EQ(ROBUROC4_OK, bench.drive(0.25F, 0, 1000000));
+    robot.press(ROBUROC4_DI_PAD_A);
+    bench.run(200 * ms);
+    robot.press(ROBUROC4_DI_PAD_A, false);
+    for (int i = 0; i < 20; i++) {
+        bench.run(400 * ms);
+        EXPECT_LT(bench.drive(0.25F, 0, 1000000), 0) << "revived after " << i;
+    }
+    bench.run(1100 * ms);
+    EXPECT_EQ(ROBUROC4_OK, bench.drive(0.25F, 0, 1000000));
+}
+
+} // namespace
