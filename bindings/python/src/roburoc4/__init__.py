@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: MIT
+"""Drive, watch and simulate a RobuROC4 mobile robot.
+
+    import roburoc4
+
+    with roburoc4.connect("192.168.0.2") as robot:
+        robot.arm()
+        robot.drive_for(0.5, 0.0, seconds=2)
+
+Units are SI and radians; X is forward, Y left, angles counter-clockwise.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+from . import _native, constants, errors, io, records
+from .codec import Batch, Layout, decode, decode_batch
+from .constants import *
+from .constants import CYCLE_S, DEFAULT_HOST, DEFAULT_PORT
+from .errors import *
+from .io import *
+from .records import *
+from .robot import ManualRobot, Robot, connect
+from .samples import Recording, Statuses
+from .settings import Settings
+from .simulator import SimSettings, Simulator
+
+__all__ = [
+    "CYCLE_S",
+    "DEFAULT_HOST",
+    "DEFAULT_PORT",
+    "Batch",
+    "Layout",
+    "ManualRobot",
+    "Recording",
+    "Robot",
+    "Settings",
+    "SimSettings",
+    "Simulator",
+    "Statuses",
+    "aio",
+    "connect",
+    "decode",
+    "decode_batch",
+]
+__all__ += constants.__all__
+__all__ += errors.__all__
+__all__ += io.__all__
+__all__ += records.__all__
+
+_native.record_register({**vars(records), **vars(constants)})
+__version__ = "{}.{}.{}".format(*_native.roburoc4_version().to_bytes(3, "big"))
+
+if TYPE_CHECKING:
+    from . import aio
+
+
+def __getattr__(name: str) -> Any:
+    # asyncio takes longer to import than all of the rest.
+    if name == "aio":
+        import importlib
+
+        return importlib.import_module(".aio", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,0 +1,270 @@
+# SPDX-License-Identifier: MIT
+"""The robot for asyncio.
+
+    async with roburoc4.aio.connect("192.168.0.2") as robot:
+        await robot.arm()
+        await robot.drive_for(0.5, 0.0, seconds=2)
+        async for status in robot.statuses("localization"):
+            ...
+
+The link is kept alive by the same native thread as that of :func:`roburoc4.connect`: a loop that
+hangs stops the robot. What does not wait is the same as on :class:`roburoc4.Robot`.
+"""
+
+import asyncio
+import contextlib
+import math
+import threading
+import weakref
+from collections.abc import AsyncIterator, Callable, Generator
+from types import TracebackType
+from typing import Self, TypeVar, Unpack, overload
+
+from .constants import DEFAULT_HOST, Event, Result, Service
+from .engine import ALL_EVENTS, Engine, Reader
+from .engine_pump import PumpEngine
+from .errors import ClosedError, RobotTimeoutError
+from .records import Status
+from .robot_base import LOOK_AGAIN_S, RELOCALIZE_S, RobotBase, name_of, true_or_unknown
+from .samples import Recording, StatusReader, mask_of
+from .settings import Settings, service_of
+
+__all__ = ["Robot", "Statuses", "connect"]
+
+_T = TypeVar("_T")
+
+
+class _Bell:
+    """Wakes coroutines when a pump has news: a thread waits for it without the interpreter."""
+
+    def __init__(self, engine: Engine) -> None:
+        self._loop = asyncio.get_running_loop()
+        self._waiting: set[asyncio.Future[None]] = set()
+        threading.Thread(
+            target=_listen,
+            args=(engine.reader(), weakref.ref(engine), self._loop, weakref.WeakMethod(self._ring)),
+            name="roburoc4-aio",
+            daemon=True,
+        ).start()
+
+    def _ring(self) -> None:
+        for future in self._waiting:
+            if not future.done():
+                future.set_result(None)
+        self._waiting.clear()
+
+    async def wait(self, seconds: float) -> None:
+        """Wait for news, at most so long."""
+        future = self._loop.create_future()
+        self._waiting.add(future)
+        try:
+            async with asyncio.timeout(seconds):
+                await future
+        except TimeoutError:
+            pass
+        finally:
+            self._waiting.discard(future)
+
+
+def _listen(
+    reader: Reader,
+    engine: "weakref.ref[Engine]",
+    loop: asyncio.AbstractEventLoop,
+    ring: "weakref.WeakMethod[Callable[[], None]]",
+) -> None:
+    """Run in a thread; it ends with the engine, its bell, or the loop."""
+    over = False
+    while not over and engine() is not None:
+        try:
+            news = reader.wait(ALL_EVENTS, 1.0)
+            reader.take_events()
+        except ClosedError:
+            news = over = True
+        bell = ring()
+        if bell is None:
+            return
+        if news:
+            try:
+                loop.call_soon_threadsafe(bell)
+            except RuntimeError:
+                return  # the loop is closed
+
+
+class Robot(RobotBase):
+    """A connected robot for asyncio; see :func:`connect`. Its loop is the one that made it."""
+
+    def __init__(self, engine: Engine, settings: Settings) -> None:
+        super().__init__(engine, settings)
+        self._bell = _Bell(engine)
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        await self.close()
+
+    async def close(self) -> None:
+        """Stop the robot where it was driven, and end the link; several times.
+
+        A cancelled close goes on by itself.
+        """
+        with contextlib.suppress(ClosedError):
+            self.stop_if_driving()
+        await asyncio.shield(asyncio.to_thread(self._engine.close))
+
+    def stop_if_driving(self) -> None:
+        """Send the first zero at once, where a speed was sent."""
+        facts = self.facts
+        if facts.driving or facts.stopping:
+            self.stop()
+
+    async def _wait_until(
+        self, condition: Callable[[], _T], timeout: float | None, what: object
+    ) -> _T:
+        reader = self._engine.reader()
+        end_s = math.inf if timeout is None else self._engine.now_s() + timeout
+        while True:
+            reader.take_events()
+            if found := condition():
+                return found
+            left_s = end_s - self._engine.now_s()
+            if left_s <= 0:
+                raise RobotTimeoutError(f"{name_of(what)} within {timeout:g} s", Result.TIMEOUT)
+            await self._bell.wait(min(left_s, LOOK_AGAIN_S))
+
+    async def wait_ready(self, timeout: float = 10.0) -> None:
+        """Wait until the robot is ready; after silence, close and raise."""
+        try:
+            await self._wait_until(self._readiness(timeout), None, None)
+        except BaseException:
+            await self.close()
+            raise
+
+    @overload
+    async def wait_for(self, condition: Event, timeout: float | None = ...) -> Event: ...
+    @overload
+    async def wait_for(self, condition: str | Service, timeout: float | None = ...) -> Status: ...
+    @overload
+    async def wait_for(
+        self, condition: "Callable[[Robot], _T]", timeout: float | None = ...
+    ) -> _T: ...
+
+    async def wait_for(
+        self,
+        condition: "Event | str | Service | Callable[[Robot], object]",
+        timeout: float | None = 10.0,
+    ) -> object:
+        """Wait for events, a status or a condition, as :meth:`roburoc4.Robot.wait_for` does."""
+        if isinstance(condition, Event):
+            events, reader = condition, self._engine.reader()
+            return await self._wait_until(
+                lambda: Event(reader.take_events()) & events, timeout, condition
+            )
+        if isinstance(condition, str | Service):
+            service = service_of(condition)
+            source = StatusReader(self._engine.reader(), 1 << service)
+            return await self._wait_until(source.next, timeout, service)
+        return await self._wait_until(true_or_unknown(condition, self), timeout, condition)
+
+    async def arm(self, timeout: float = 2.0) -> None:
+        """Allow driving, or raise NotArmedError; see :meth:`roburoc4.Robot.arm`."""
+        end_s = self._engine.now_s() + timeout
+        while left_s := self._try_to_arm(end_s):
+            await self._bell.wait(min(left_s, LOOK_AGAIN_S))
+
+    async def drive_for(self, linear_m_s: float, angular_rad_s: float, seconds: float) -> None:
+        """Drive for so long, and stop; a cancelled drive stops too."""
+        end_s = self._end_of_drive_s(seconds)
+        try:
+            while (left_s := end_s - self._engine.now_s()) > 0:
+                self.drive(linear_m_s, angular_rad_s)
+                await asyncio.sleep(min(left_s, self._renewal_s))
+        finally:
+            self.stop()
+
+    async def relocalize(self, x_m: float, y_m: float, theta_rad: float) -> None:
+        """Tell the robot where it is, and wait until it has taken that."""
+        self._engine.call("relocalize", x_m, y_m, theta_rad)
+        await self._wait_until(self._is_relocalized, RELOCALIZE_S, self.relocalize)
+
+    def statuses(self, *services: str | Service) -> "Statuses":
+        """Iterate over every status of these services; see :meth:`roburoc4.Robot.statuses`."""
+        return Statuses(StatusReader(self._engine.reader(), mask_of(services)), self._bell)
+
+    async def record(self, seconds: float, *services: str | Service) -> Recording:
+        """Collect the statuses of these services (none: of all) for so long, as columns."""
+        mask = mask_of(services)
+        source = StatusReader(self._engine.reader(), mask)
+        recording = Recording(mask)
+        end_s = self._engine.now_s() + seconds
+        while (left_s := end_s - self._engine.now_s()) > 0:
+            await self._bell.wait(min(left_s, LOOK_AGAIN_S))
+            source.drain(recording.add)
+        recording.lost = source.lost
+        return recording
+
+
+class Statuses(AsyncIterator[Status]):
+    """Every status from the moment that this was made, for ``async for``."""
+
+    def __init__(self, source: StatusReader, bell: _Bell) -> None:
+        self._source = source
+        self._bell = bell
+
+    @property
+    def lost(self) -> int:
+        """Statuses, of any service, that were overwritten before they were read."""
+        return self._source.lost
+
+    def __aiter__(self) -> "Statuses":
+        return self
+
+    async def __anext__(self) -> Status:
+        try:
+            while (status := self._source.next()) is None:
+                await self._bell.wait(LOOK_AGAIN_S)
+        except ClosedError:
+            raise StopAsyncIteration from None
+        return status
+
+
+class _Connecting:
+    """A robot for ``await``, which closes it afterwards in ``async with``."""
+
+    def __init__(self, host: str, timeout: float, settings: Settings) -> None:
+        self._host = host
+        self._timeout = timeout
+        self._settings = settings
+        self._robot: Robot | None = None
+
+    async def _connect(self) -> Robot:
+        engine = await asyncio.to_thread(PumpEngine, self._host, self._settings)
+        robot = Robot(engine, self._settings)
+        await robot.wait_ready(self._timeout)
+        return robot
+
+    def __await__(self) -> Generator[None, None, Robot]:
+        return self._connect().__await__()
+
+    async def __aenter__(self) -> Robot:
+        self._robot = await self._connect()
+        return self._robot
+
+    async def __aexit__(self, *_: object) -> None:
+        if self._robot is not None:
+            await self._robot.close()
+
+
+def connect(
+    host: str = DEFAULT_HOST, *, timeout: float = 10.0, **settings: Unpack[Settings]
+) -> _Connecting:
+    """Connect to a robot, with ``async with`` or ``await``.
+
+    The arguments are those of :func:`roburoc4.connect`.
+    """
+    return _Connecting(host, timeout, settings)

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: MIT
+"""The command `roburoc4`, part of the extra `cli`: look at a robot, check it, drive it.
+
+Each command has a file of its own; the other files are what they share.
+"""
+
+from __future__ import annotations
+
+import sys
+
+
+def main() -> None:
+    """Run the command line and exit with its code."""
+    from . import signals
+
+    signals.install()
+    try:
+        from .app import run
+
+        code = run(sys.argv[1:])
+    except signals.Signalled as ended:
+        code = ended.exit_code
+    except ModuleNotFoundError as missing:
+        if (missing.name or "").partition(".")[0] != "rich":
+            raise
+        print("roburoc4: Rich is not installed: pip install 'roburoc4[cli]'", file=sys.stderr)
+        code = 2
+    sys.exit(code)

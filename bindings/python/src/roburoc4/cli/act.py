@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: MIT
+"""Commands that tell the robot one thing: `stop`, `output`, `relocalize`."""
+
+from __future__ import annotations
+
+import argparse
+import time
+
+from . import session
+from .errors import ExitCode, refused
+from .options import Options, add_robot, metres, radians
+from .output import print_json
+
+_REST_S = 10.0
+# An output is sent three times, 50 ms or so apart: leaving earlier would keep the rest back.
+_SENT_S = 0.3
+
+
+class OutputOptions(Options):
+    """What `output` is given."""
+
+    index: int
+    state: str
+
+
+class RelocalizeOptions(Options):
+    """What `relocalize` is given."""
+
+    x: float
+    y: float
+    theta: float
+
+
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the commands."""
+    stop = commands.add_parser(
+        "stop",
+        help="stop the robot",
+        description="Send zero speeds until the robot stands. Another program that drives it, or "
+        "somebody at its game pad, goes on: this is no emergency stop.",
+    )
+    add_robot(stop)
+    stop.set_defaults(run=run_stop)
+
+    output = commands.add_parser(
+        "output",
+        help="switch a digital output",
+        description="Switch digital output INDEX. A command carries all outputs and nothing reads "
+        "them back: all others are switched off by it.",
+    )
+    output.add_argument("index", metavar="INDEX", type=_index, help="1 or more; 0 is the robot's")
+    output.add_argument("state", metavar="on|off", choices=("on", "off"))
+    add_robot(output)
+    output.set_defaults(run=run_output)
+
+    relocalize = commands.add_parser(
+        "relocalize",
+        help="tell the robot where it is",
+        description="Tell the robot where it is in the main frame: its odometry goes on from "
+        "there.",
+    )
+    relocalize.add_argument("x", metavar="X", type=metres, help="metres")
+    relocalize.add_argument("y", metavar="Y", type=metres, help="metres")
+    relocalize.add_argument("theta", metavar="THETA", type=radians, help="radians")
+    add_robot(relocalize)
+    relocalize.set_defaults(run=run_relocalize)
+
+
+def _index(text: str) -> int:
+    if not text.isdecimal() or int(text) == 0:
+        raise argparse.ArgumentTypeError(
+            f"'{text.strip()}' is not the number of an output: give 1 or more (0 is the robot's "
+            "own watchdog)"
+        )
+    return int(text)
+
+
+def run_stop(options: Options) -> int:
+    """Stop."""
+    with session.connected(options) as robot:
+        if robot.properties.differential is None:
+            raise refused(f"{robot.address} has no differential service to stop: see roburoc4 info")
+        robot.stop()
+        if not session.wait_for_rest(robot, _REST_S):
+            raise refused(
+                f"zeros were sent, but {robot.address} still moves after {_REST_S:g} s: another "
+                "program or its game pad drives it; press an emergency stop"
+            )
+        seen = session.latest(robot, "differential") is not None
+        _done(
+            options,
+            f"{robot.address} stands"
+            if seen
+            else f"{robot.address} was sent zeros; it does not report its speed",
+            {"robot": robot.address, "stopped": True if seen else None},
+        )
+    return ExitCode.FINE
+
+
+def run_output(options: OutputOptions) -> int:
+    """Switch an output."""
+    from roburoc4 import RobotError
+
+    on = options.state == "on"
+    with session.connected(options) as robot:
+        try:
+            robot.outputs[options.index] = on
+        except RobotError as error:
+            raise refused(f"output {options.index}: {error}") from None
+        time.sleep(_SENT_S)
+        _done(
+            options,
+            f"output {options.index} of {robot.address} is {options.state}",
+            {"robot": robot.address, "output": options.index, "on": on},
+        )
+    return ExitCode.FINE
+
+
+def run_relocalize(options: RelocalizeOptions) -> int:
+    """Give it a pose."""
+    pose = {"x_m": options.x, "y_m": options.y, "theta_rad": options.theta}
+    with session.connected(options) as robot:
+        robot.relocalize(options.x, options.y, options.theta)
+        _done(
+            options,
+            f"{robot.address} is at x {options.x:g} m, y {options.y:g} m, "
+            f"theta {options.theta:g} rad",
+            {"robot": robot.address, **pose},
+        )
+    return ExitCode.FINE
+
+
+def _done(options: Options, text: str, document: dict[str, object]) -> None:
+    if options.json:
+        print_json(document)
+    else:
+        print(text)

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: MIT
+"""The command line: which commands there are, and what their ends mean to the shell."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+
+from . import act, doctor, drive, info, monitor, record, sim, teleop
+from .errors import CommandError, ExitCode, of_library, refused, usage
+from .options import Parser, add_robot, shield_numbers
+
+_COMMANDS = (info, monitor, drive, teleop, act, doctor, record, sim)
+_EXAMPLES = """\
+try it without a robot:
+  roburoc4 sim                           in one terminal; it prints a line for the others
+  roburoc4 monitor                       in another
+  roburoc4 drive 0.3 0 --seconds 3
+
+exit codes: 0 fine, 1 the robot refused or was lost, 2 usage, 3 not reachable,
+130 and 143 after Ctrl-C and SIGTERM
+"""
+
+
+def parser() -> argparse.ArgumentParser:
+    """Make the whole command line."""
+    top = Parser(
+        prog="roburoc4",
+        description="Look at a RobuROC4 robot or its simulator, check it, drive it.",
+        epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    top.add_argument("--version", action="store_true", help="print the version and exit")
+    add_robot(top, top=True)
+    commands = top.add_subparsers(metavar="COMMAND", title="commands")
+    for command in _COMMANDS:
+        command.add(commands)
+    return top
+
+
+def run(arguments: list[str]) -> int:
+    """Run one command line; return its exit code."""
+    _prepare_streams()
+    try:
+        try:
+            code = _run(arguments)
+        except SystemExit as end:  # argparse has shown its help
+            code = int(end.code or 0)
+        sys.stdout.flush()
+    except CommandError as error:
+        return _complain(error)
+    except BrokenPipeError:
+        _let_go_of_stdout()
+        return ExitCode.FINE
+    except ModuleNotFoundError:
+        raise  # main() knows what to install
+    except Exception as error:
+        if os.environ.get("ROBUROC4_DEBUG"):
+            raise
+        return _complain(of_library(error) or _surprise(error))
+    return code
+
+
+def _prepare_streams() -> None:
+    """Have all three streams, whatever the shell closed, and no character that cannot be shown."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
+        elif mode == "w":
+            stream.reconfigure(errors="replace")
+
+
+def _let_go_of_stdout() -> None:
+    """Keep Python from complaining when it flushes at its end what nobody reads."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _surprise(error: Exception) -> CommandError:
+    if isinstance(error, OSError):
+        _let_go_of_stdout()
+        return refused(f"the output cannot be written ({error.strerror or error}): make room")
+    return refused(
+        f"unexpected {type(error).__name__} ({error}): please report it, with what this command "
+        "prints under ROBUROC4_DEBUG=1"
+    )
+
+
+def _run(arguments: list[str]) -> int:
+    top = parser()
+    options = top.parse_args(shield_numbers(arguments))
+    if options.version:
+        from roburoc4 import __version__
+
+        print(f"roburoc4 {__version__}")
+        return ExitCode.FINE
+    if "run" not in options:
+        raise usage("a command is missing: see roburoc4 --help")
+    code: int = options.run(options)
+    return code
+
+
+def _complain(error: CommandError) -> int:
+    print(f"roburoc4: {error.message}", file=sys.stderr)
+    return error.code

@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: MIT
+"""`roburoc4 doctor`: check the way to the robot step by step, and say what to mend first."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from . import session
+from .options import Options, add_robot, add_seconds
+from .output import print_json
+from .probe import Probe
+from .progress import Show, progress
+from .verdict import Findings, Stream, Verdict, judge
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from roburoc4 import Robot
+
+    Say = Callable[[str, str, str], None]
+
+_WATCH_S = 5.0
+_ASK_EVERY_S = 0.2
+_FIRST_CONTACT_TRIES = 8
+_FIRST_CONTACT_S = 0.5
+_SERVICES = ("iocard", "telemeter", "battery", "localization", "differential")
+_PERIODS_MS: dict[str, int | None] = {
+    "iocard": 50,
+    "telemeter": 100,
+    "battery": 1000,
+    "localization": 50,
+    "differential": 50,
+}
+_LOW = "the battery is low: charge it"
+
+
+class DoctorOptions(Options):
+    """What `doctor` is given."""
+
+    seconds: float | None
+
+
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command."""
+    parser = commands.add_parser(
+        "doctor",
+        help="check the link to the robot, and say what to do",
+        description="Check name, route, port, silence, discovery, and each subscription's rate, "
+        "loss and jitter. Ends in one verdict with a number (docs/cli.md lists them). Nothing is "
+        "commanded.",
+    )
+    add_seconds(parser, f"how long to watch the statuses (default {_WATCH_S:g})")
+    add_robot(parser)
+    parser.set_defaults(run=run)
+
+
+def run(options: DoctorOptions) -> int:
+    """Find out, and tell."""
+    say = _silent if options.json else _say
+    found = Findings(options.robot)
+    if _resolve(found, say):
+        host, _, port = found.address.rpartition(":")
+        with Probe((host.strip("[]"), int(port))) as probe:
+            if _contact(found, probe, say):
+                _watch(found, options, probe, say)
+    verdict = judge(found)
+    if options.json:
+        print_json(_document(found, verdict))
+    else:
+        _print_streams(found)
+        _print_verdict(verdict)
+    return verdict.code
+
+
+class _Mark:
+    OK = "ok  "
+    BAD = "BAD "
+    NOTE = "note"
+
+
+def _say(mark: str, check: str, text: str) -> None:
+    print(f"{mark}  {check:<10} {text}", flush=True)
+
+
+def _silent(mark: str, check: str, text: str) -> None:
+    del mark, check, text
+
+
+# ----------------------------------------------------------------------------------- the checks
+
+
+def _resolve(found: Findings, say: Say) -> bool:
+    from roburoc4 import ArgumentError, NetworkError
+
+    from .errors import usage
+
+    try:
+        found.address = session.address_of(found.robot)
+    except ArgumentError as error:
+        raise usage(f"--robot: {error}") from None
+    except NetworkError:
+        found.fault, found.fault_detail = "name", "unknown to this computer's name service"
+        say(_Mark.BAD, "name", f"{found.robot} is unknown")
+        return False
+    say(_Mark.OK, "name", found.address)
+    return True
+
+
+def _contact(found: Findings, probe: Probe, say: Say) -> bool:
+    for _ in range(_FIRST_CONTACT_TRIES):
+        probe.ask()
+        probe.listen(_FIRST_CONTACT_S)
+        if probe.fault or probe.answered >= _FIRST_CONTACT_TRIES // 2:
+            break
+    _note_probe(found, probe)
+    if probe.answered:
+        say(_Mark.OK, "answer", f"{found.answered} of {found.asked} requests")
+        return True
+    found.fault = probe.fault or ("refused" if probe.refused else "silence")
+    found.fault_detail = probe.fault_detail
+    texts = {
+        "route": f"none: {found.fault_detail}",
+        "denied": f"not allowed: {found.fault_detail}",
+        "refused": "refused: nothing listens there",
+        "silence": f"0 of {found.asked} requests",
+    }
+    check = "route" if probe.fault else "answer"
+    say(_Mark.BAD, check, texts[found.fault])
+    return False
+
+
+def _note_probe(found: Findings, probe: Probe) -> None:
+    found.asked, found.answered, found.foreign = probe.asked, probe.answered, probe.foreign
+    found.round_trip_ms = probe.round_trip_ms
+
+
+def _watch(found: Findings, options: DoctorOptions, probe: Probe, say: Say) -> None:
+    from .errors import CommandError
+
+    try:
+        with session.connected(options, periods_ms=_PERIODS_MS) as robot:
+            found.connected = True
+            _look_at_services(found, robot, say)
+            with progress("watching", options.seconds or _WATCH_S) as show:
+                _measure(found, robot, probe, options.seconds or _WATCH_S, show)
+            _look_at_robot(found, robot, say)
+    except CommandError as error:
+        say(_Mark.BAD, "discovery", error.message)
+
+
+def _look_at_services(found: Findings, robot: Robot, say: Say) -> None:
+    listed = {entry.kind for entry in robot.properties.services}
+    found.missing = [service for service in _SERVICES if service not in listed]
+    text = f"{len(robot.properties.services)} services"
+    if found.missing:
+        text += f", without {', '.join(found.missing)}"
+    say(_Mark.BAD if found.missing else _Mark.OK, "discovery", text)
+
+
+def _measure(found: Findings, robot: Robot, probe: Probe, length_s: float, show: Show) -> None:
+    from roburoc4 import Count
+
+    breaks = (Count.LOST, Count.REBOOTS)
+    services = [service for service in _SERVICES if service not in found.missing]
+    before = {service: robot.service_link(service) for service in services}
+    breaks_before = sum(robot.counts[count] for count in breaks)
+    begun_s = time.monotonic()
+    while (elapsed_s := time.monotonic() - begun_s) < length_s:
+        show(elapsed_s, "watching the statuses")
+        probe.ask()
+        probe.listen(_ASK_EVERY_S)
+        time.sleep(max(0.0, begun_s + elapsed_s + _ASK_EVERY_S - time.monotonic()))
+    _note_probe(found, probe)
+    found.interruptions = sum(robot.counts[count] for count in breaks) - breaks_before
+    for service in services:
+        after, old = robot.service_link(service), before[service]
+        found.streams.append(
+            Stream(
+                service,
+                1e3 / (_PERIODS_MS[service] or 1),
+                after.received - old.received,
+                max(0, after.lost - old.lost),
+                1e6 / after.period_us if after.period_us else 0.0,
+                after.jitter_us / 1e3,
+            )
+        )
+
+
+def _look_at_robot(found: Findings, robot: Robot, say: Say) -> None:
+    from roburoc4 import Result
+
+    facts = robot.facts
+    notes = {
+        "somebody drives with the game pad": facts.overridden,
+        "the robot does not report its game pad: it cannot be driven": not facts.override_known,
+        "another program drives the robot": facts.foreign,
+        "its speed limits are not usable: it cannot be driven": facts.arm_refusal == Result.LIMITS,
+        "the front bumper is pressed": facts.front_bumper,
+        "the rear bumper is pressed": facts.rear_bumper,
+        _LOW: facts.battery_low,
+    }
+    found.notes = [text for text, is_so in notes.items() if is_so]
+    for text in found.notes:
+        say(_Mark.NOTE, "robot", text)
+
+
+# ---------------------------------------------------------------------------------- the results
+
+
+def _document(found: Findings, verdict: Verdict) -> dict[str, object]:
+    return {
+        **asdict(found),
+        "loss": found.loss,
+        "streams": [{**asdict(stream), "loss": stream.loss} for stream in found.streams],
+        "verdict": asdict(verdict),
+    }
+
+
+def _print_streams(found: Findings) -> None:
+    if not found.streams:
+        return
+    print(f"\n{'service':<14}{'rate':>10}{'asked':>10}{'loss':>9}{'jitter':>12}")
+    for stream in found.streams:
+        print(
+            f"{stream.service:<14}{stream.rate_hz:>8.1f}/s{stream.asked_hz:>8.1f}/s"
+            f"{stream.loss:>9.1%}{stream.jitter_ms:>9.1f} ms"
+        )
+    print(f"round trip {found.round_trip_ms:.1f} ms, {found.answered} of {found.asked} answered")
+
+
+def _print_verdict(verdict: Verdict) -> None:
+    print(f"\nverdict {verdict.number}, {verdict.name}: {verdict.sentence}")
+    print(f"next: {verdict.remedy}")

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: MIT
+"""The keyboard of a terminal as key events, with releases where the terminal reports them."""
+
+from __future__ import annotations
+
+import os
+import re
+import select
+import signal
+import sys
+import time
+from dataclasses import dataclass
+from types import TracebackType
+from typing import TYPE_CHECKING, Literal, Self
+
+from .signals import Signalled
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+Action = Literal["press", "repeat", "release", "blur", "echo"]
+
+# The keyboard protocol that kitty began and foot, WezTerm, Ghostty, Konsole and others speak:
+# tell keys apart (1), report repeats and releases (2), of letters too (8).
+_ASK_RELEASES = "\x1b[>11u\x1b[?u"
+_END_RELEASES = "\x1b[<u"
+_ASK_DEVICE = "\x1b[c"  # every terminal answers it: no need to wait longer for the other answer
+_ASK_ECHO = "\x1b[5n"
+_FOCUS_ON, _FOCUS_OFF = "\x1b[?1004h", "\x1b[?1004l"
+_ANSWER_S = 0.3
+_ECHO_S = 0.2
+
+_SEQUENCE = re.compile(rb"\x1b(?:\[([0-9;:?<=>]*)([@-~])|O([A-Z]))")
+_LONGEST_SEQUENCE = 32
+_ARROWS = {b"A": "up", b"B": "down", b"C": "right", b"D": "left"}
+_ACTIONS: dict[bytes, Action] = {b"2": "repeat", b"3": "release"}
+_CTRL = 4
+_CTRL_C = "\x03"
+
+
+@dataclass(frozen=True)
+class Key:
+    """A key (`up`, `w`, ` `) and what happened to it.
+
+    Two are of no key: `blur`, the window lost the keyboard; `echo`, the line to the terminal lives.
+    """
+
+    name: str
+    action: Action = "press"
+
+
+class Decoder:
+    """Bytes of a terminal in, keys out; keeps what is not complete yet."""
+
+    def __init__(self) -> None:
+        self._rest = b""
+        self.reports_releases = False
+        self.answered = False
+
+    def feed(self, data: bytes) -> Iterator[Key]:
+        """Decode what came."""
+        self._rest += data
+        while self._rest:
+            match = _SEQUENCE.match(self._rest)
+            if match:
+                self._rest = self._rest[match.end() :]
+                key = self._sequence(*match.groups(default=b""))
+                if key is not None:
+                    yield key
+            elif self._rest[:1] != b"\x1b":
+                yield Key(chr(self._rest[0]).lower())
+                self._rest = self._rest[1:]
+            elif self._may_grow():
+                return
+            else:
+                self._rest = self._rest[2:]  # Alt and a key
+
+    def _may_grow(self) -> bool:
+        return self._rest[1:2] in (b"", b"[", b"O") and len(self._rest) < _LONGEST_SEQUENCE
+
+    def _sequence(self, parameters: bytes, final: bytes, arrow: bytes) -> Key | None:
+        if final == b"u" and parameters.startswith(b"?"):
+            self.reports_releases = int(b"0" + parameters[1:]) & 2 != 0
+            return None
+        if final == b"c":
+            self.answered = True
+            return None
+        if final in (b"O", b"n"):
+            return Key("", "blur" if final == b"O" else "echo")
+        code, _, modifiers = parameters.partition(b";")
+        modifier, _, event = modifiers.partition(b";")[0].partition(b":")
+        action = _ACTIONS.get(event, "press")
+        if final == b"u":
+            return self._letter(code, modifier, action)
+        name = _ARROWS.get(final or arrow)
+        return Key(name, action) if name else None
+
+    @staticmethod
+    def _letter(code: bytes, modifier: bytes, action: Action) -> Key | None:
+        number = code.partition(b":")[0]
+        if not number.isdigit() or int(number) > 0x7F:
+            return None
+        if modifier.isdigit() and (int(modifier) - 1) & _CTRL:
+            return Key(_CTRL_C, action) if int(number) == ord("c") else None
+        return Key(chr(int(number)).lower(), action)
+
+
+class Keyboard:
+    """The terminal on stdin, switched to give each key at once, and restored at the end."""
+
+    def __init__(self) -> None:
+        self._decoder = Decoder()
+        self._input = sys.stdin.fileno()
+        self._early: list[Key] = []
+        self._asked_s = 0.0
+
+    def __enter__(self) -> Self:
+        import termios
+        import tty
+
+        self._before = termios.tcgetattr(self._input)
+        tty.setcbreak(self._input)
+        self._write(_ASK_RELEASES + _ASK_DEVICE + _FOCUS_ON)
+        self._early = list(self._wait_for_answer())
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        import termios
+
+        self._write(_FOCUS_OFF + _END_RELEASES)
+        termios.tcsetattr(self._input, termios.TCSAFLUSH, self._before)
+
+    @property
+    def reports_releases(self) -> bool:
+        """Whether this terminal says when a key is let go."""
+        return self._decoder.reports_releases
+
+    def keys(self, wait_s: float) -> Iterator[Key]:
+        """Yield what was typed; wait for it, at most this long."""
+        early, self._early = self._early, []
+        yield from early
+        yield from self._read(wait_s)
+
+    def _read(self, wait_s: float) -> Iterator[Key]:
+        if not select.select([self._input], [], [], wait_s)[0]:
+            return
+        try:
+            data = os.read(self._input, 1024)
+        except OSError:
+            data = b""
+        if not data:
+            raise Signalled(signal.SIGHUP)  # the terminal is gone
+        yield from self._decoder.feed(data)
+
+    def ask_echo(self, now_s: float) -> None:
+        """Have the terminal send an `echo` now and then, where releases depend on its line."""
+        if self.reports_releases and now_s - self._asked_s >= _ECHO_S:
+            self._asked_s = now_s
+            self._write(_ASK_ECHO)
+
+    def _wait_for_answer(self) -> Iterator[Key]:
+        until = time.monotonic() + _ANSWER_S
+        while not self._decoder.answered and (left := until - time.monotonic()) > 0.0:
+            yield from self._read(left)
+
+    @staticmethod
+    def _write(text: str) -> None:
+        sys.stdout.write(text)
+        sys.stdout.flush()
+
+
+def is_ctrl_c(key: Key) -> bool:
+    """Ctrl-C as a key: a terminal that reports releases makes no signal of it."""
+    return key.name == _CTRL_C and key.action == "press"

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: MIT
+"""`roburoc4 monitor`: what the robot reports, as it comes. It never commands."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time
+from typing import TYPE_CHECKING, Any
+
+from . import session
+from .channels import names_of
+from .errors import ExitCode, refused
+from .options import Options, add_robot, add_seconds
+from .output import console, is_terminal, note, plain, print_json
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from roburoc4 import Robot, Status
+
+    from .snapshot import Snapshot
+
+_REFRESH_S = 0.1
+_LINE_S = 1.0
+
+
+class MonitorOptions(Options):
+    """What `monitor` is given."""
+
+    seconds: float | None
+
+
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command."""
+    parser = commands.add_parser(
+        "monitor",
+        help="show what the robot reports, live",
+        description="Show values, rates, ages and losses of all statuses until Ctrl-C. "
+        "With --json every status is an object in a line of its own.",
+    )
+    add_seconds(parser, "end after so long")
+    add_robot(parser)
+    parser.set_defaults(run=run)
+
+
+def run(options: MonitorOptions) -> int:
+    """Show it until the time is over."""
+    with session.connected(options) as robot:
+        watch = _Watch(robot, options.seconds or math.inf)
+        if options.json:
+            _print_statuses(watch)
+        elif is_terminal():
+            _show_table(watch)
+        else:
+            _print_lines(watch)
+        if robot.state.name != "READY":
+            raise refused(
+                f"{robot.address} fell silent and did not come back: look at its power and cable, "
+                "then run roburoc4 doctor"
+            )
+    return ExitCode.FINE
+
+
+class _Watch:
+    """The time of watching, and what is said about a link that breaks and heals."""
+
+    def __init__(self, robot: Robot, seconds: float) -> None:
+        self.robot = robot
+        self._begun_s = time.monotonic()
+        self._seconds = seconds
+        self._was_ready = True
+
+    @property
+    def elapsed_s(self) -> float:
+        return time.monotonic() - self._begun_s
+
+    @property
+    def left_s(self) -> float:
+        return self._seconds - self.elapsed_s
+
+    def tell_breaks(self) -> None:
+        ready = self.robot.state.name == "READY"
+        if ready != self._was_ready:
+            what = "is back" if ready else "fell silent; connecting again"
+            note(f"{self.robot.address} {what}")
+        self._was_ready = ready
+
+    def snapshot(self) -> Snapshot:
+        from .snapshot import take
+
+        return take(self.robot, self.elapsed_s, names_of(self.robot))
+
+
+def record_of(status: Status) -> dict[str, Any]:
+    """Make the JSON object of a status."""
+    from roburoc4 import BatteryStatus
+    from roburoc4.samples import SERVICE_NAMES
+
+    record = {"service": SERVICE_NAMES[type(status)], **plain(status)}
+    del record["host_us"]
+    if isinstance(status, BatteryStatus):
+        record["state_name"] = status.state_name
+    return record
+
+
+def _print_statuses(watch: _Watch) -> None:
+    for status in _statuses(watch):
+        print_json(record_of(status), line=True)
+
+
+def _statuses(watch: _Watch) -> Iterator[Status]:
+    from roburoc4 import SamplesLostError
+
+    source = session.status_reader(watch.robot)
+    while watch.left_s > 0.0:
+        watch.tell_breaks()
+        try:
+            while (status := source.next()) is not None:
+                yield status
+        except SamplesLostError as error:
+            note(f"{error.lost} statuses were lost: whoever reads this output is too slow")
+        source.wait(max(0.0, min(_REFRESH_S, watch.left_s)))
+
+
+def _print_lines(watch: _Watch) -> None:
+    from .view import line
+
+    while watch.left_s > 0.0:
+        time.sleep(min(_LINE_S, watch.left_s))
+        watch.tell_breaks()
+        print(line(watch.snapshot()), flush=True)
+
+
+def _show_table(watch: _Watch) -> None:
+    from rich.live import Live
+
+    from .view import render
+
+    with Live(render(watch.snapshot()), console=console(), auto_refresh=False) as live:
+        while watch.left_s > 0.0:
+            time.sleep(min(_REFRESH_S, max(0.0, watch.left_s)))
+            live.update(render(watch.snapshot()), refresh=True)

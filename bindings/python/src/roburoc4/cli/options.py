@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: MIT
+"""The options that commands share, and numbers that are checked before any contact."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+from collections.abc import Callable
+from typing import Any
+
+from .errors import usage
+
+DEFAULT_ROBOT = "192.168.0.2:60000"
+
+
+class Options(argparse.Namespace):
+    """What every command is given."""
+
+    robot: str
+    json: bool
+
+
+class Parser(argparse.ArgumentParser):
+    """An ArgumentParser whose complaint is one line, and which takes no half options."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(allow_abbrev=False, **settings)
+
+    def error(self, message: str) -> None:  # type: ignore[override] # it raises, too
+        """Refuse the command line."""
+        raise usage(f"{message}: see {self.prog} --help")
+
+
+def number(low: float, high: float, unit: str) -> Callable[[str], float]:
+    """Make a converter to a finite number in this range."""
+
+    def convert(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"'{text.strip()}' is not {low:g} to {high:g} {unit}")
+        return value
+
+    return convert
+
+
+linear_m_s = number(-20.0, 20.0, "m/s")
+angular_rad_s = number(-50.0, 50.0, "rad/s")
+metres = number(-1e9, 1e9, "m")
+radians = number(-1e9, 1e9, "rad")
+seconds = number(0.001, 1e6, "seconds")
+
+
+def shield_numbers(arguments: list[str]) -> list[str]:
+    """Put a blank before negative numbers, which keeps argparse from taking them for options."""
+    return [f" {text}" if text.startswith("-") and _is_number(text) else text for text in arguments]
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def add_robot(parser: argparse.ArgumentParser, *, top: bool = False) -> None:
+    """Add `--robot` and `--json`, which may stand before the command as well as behind it."""
+    parser.add_argument(
+        "--robot",
+        metavar="HOST[:PORT]",
+        default=(os.environ.get("ROBUROC4_ROBOT") or DEFAULT_ROBOT) if top else argparse.SUPPRESS,
+        help="the robot's address (default: $ROBUROC4_ROBOT, else " + DEFAULT_ROBOT + ")",
+    )
+    parser.add_argument(
+        "--json",
+        action="store_true",
+        default=False if top else argparse.SUPPRESS,
+        help="print JSON",
+    )
+
+
+def add_seconds(parser: argparse.ArgumentParser, text: str, *, required: bool = False) -> None:
+    """Add `--seconds`."""
+    parser.add_argument("--seconds", metavar="N", type=seconds, required=required, help=text)

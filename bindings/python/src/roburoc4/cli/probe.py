@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: MIT
+"""Requests of our own to a robot's port: who is there, and how fast they answer."""
+
+from __future__ import annotations
+
+import errno
+import select
+import socket
+import time
+from dataclasses import dataclass, field
+from types import TracebackType
+from typing import Self
+
+_FIRST_ID, _LAST_ID = 2, 254
+_DENIED = {errno.EACCES, errno.EPERM}
+_FULL = {errno.EAGAIN, errno.ENOBUFS}
+
+
+def _get_directory(request_id: int) -> bytes:
+    return bytes((request_id, 0, 0, 0))
+
+
+@dataclass
+class Probe:
+    """Asks for the directory, which changes nothing, and counts what comes back."""
+
+    address: tuple[str, int]
+    asked: int = 0
+    answered: int = 0
+    foreign: int = 0
+    refused: int = 0
+    fault: str = ""
+    fault_detail: str = ""
+    round_trips_s: list[float] = field(default_factory=list)
+
+    def __enter__(self) -> Self:
+        family = socket.AF_INET6 if ":" in self.address[0] else socket.AF_INET
+        self._socket = socket.socket(family, socket.SOCK_DGRAM)
+        self._socket.setblocking(False)
+        self._sent_s: dict[int, float] = {}
+        try:
+            self._socket.connect(self.address)
+        except OSError as error:
+            self._note(error)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._socket.close()
+
+    @property
+    def round_trip_ms(self) -> float:
+        """The mean time of an answer."""
+        return 1e3 * sum(self.round_trips_s) / max(1, len(self.round_trips_s))
+
+    def ask(self) -> None:
+        """Send one request."""
+        request_id = _FIRST_ID + self.asked % (_LAST_ID - _FIRST_ID + 1)
+        self.asked += 1
+        self._sent_s[request_id] = time.monotonic()
+        try:
+            self._socket.send(_get_directory(request_id))
+        except OSError as error:
+            self._note(error)
+
+    def listen(self, wait_s: float) -> bool:
+        """Take what comes for this long at most; end early, with True, after an answer."""
+        until_s = time.monotonic() + wait_s
+        before = self.answered
+        while self.answered == before and (left_s := until_s - time.monotonic()) > 0.0:
+            if select.select([self._socket], [], [], left_s)[0]:
+                self._take()
+        return self.answered > before
+
+    def _take(self) -> None:
+        try:
+            data = self._socket.recv(2048)
+        except OSError as error:
+            self._note(error)
+            return
+        self.answered += 1
+        if len(data) < 5 or data[1:4] != b"\0\0\0":
+            self.foreign += 1
+        elif (sent_s := self._sent_s.pop(data[0], None)) is not None:
+            self.round_trips_s.append(time.monotonic() - sent_s)
+
+    def _note(self, error: OSError) -> None:
+        if error.errno == errno.ECONNREFUSED:
+            self.refused += 1
+        elif error.errno not in _FULL and not self.fault:
+            self.fault = "denied" if error.errno in _DENIED else "route"
+            self.fault_detail = (error.strerror or str(error)).lower()

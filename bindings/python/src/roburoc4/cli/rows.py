@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: MIT
+"""Statuses as the rows of a table: one row for each robot cycle in which there was a status."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from .output import plain
+
+if TYPE_CHECKING:
+    from roburoc4 import Properties, Status
+
+Cell = float | int | None
+
+_CYCLES_IN_A_SECOND = 100
+_LATE_CYCLES = 50  # a status that comes later than this gets a row of its own
+_REBOOT_CYCLES = 100
+
+_FIXED = {
+    "LocalizationStatus": ("x_m", "y_m", "theta_rad", "flags"),
+    "DifferentialStatus": (
+        "target_linear_m_s",
+        "current_linear_m_s",
+        "target_angular_rad_s",
+        "current_angular_rad_s",
+    ),
+    "BatteryStatus": ("state", "remaining_percent"),
+}
+
+
+def columns(properties: Properties) -> list[str]:
+    """Name the columns: the time, then all that a robot with these properties reports."""
+    names = ["robot_s", "robot_cycles", *(name for fixed in _FIXED.values() for name in fixed)]
+    names += [f"distance_{index}_m" for index in range(len(properties.telemeters))]
+    if properties.iocard is not None:
+        names += [f"analog_input_{index}" for index in range(properties.iocard.analog_inputs)]
+        names += [f"digital_input_{index}" for index in range(properties.iocard.digital_inputs)]
+    return names
+
+
+def cells(status: Status) -> dict[str, Cell]:
+    """Give the values of one status by column."""
+    values: dict[str, Cell] = {}
+    for name, value in plain(status).items():
+        if name == "distances_m":
+            values.update({f"distance_{index}_m": item for index, item in enumerate(value)})
+        elif name in ("analog_inputs", "digital_inputs"):
+            # 1 and 0 rather than True and False: every reader of CSV takes them for numbers.
+            channel = name.removesuffix("s")
+            values.update(
+                {
+                    f"{channel}_{index}": None if item is None else +item
+                    for index, item in enumerate(value)
+                }
+            )
+        elif name not in ("robot_cycles", "host_us"):
+            values[name] = value
+    return values
+
+
+class Rows:
+    """Statuses in, rows out, in the robot's order."""
+
+    def __init__(self) -> None:
+        self._open: dict[int, dict[str, Cell]] = {}
+        self._newest = 0
+
+    def add(self, status: Status) -> Iterator[dict[str, Cell]]:
+        """Take a status; yield the rows to which nothing can be added any more."""
+        cycles = status.robot_cycles
+        if cycles + _REBOOT_CYCLES < self._newest:
+            yield from self.rest()
+            self._newest = 0
+        self._newest = max(self._newest, cycles)
+        self._open.setdefault(cycles, {}).update(cells(status))
+        for old in sorted(self._open):
+            if old + _LATE_CYCLES > self._newest:
+                break
+            yield self._close(old)
+
+    def rest(self) -> Iterator[dict[str, Cell]]:
+        """Yield the rows that are open at the end."""
+        for cycles in sorted(self._open):
+            yield self._close(cycles)
+
+    def _close(self, cycles: int) -> dict[str, Cell]:
+        return {
+            "robot_s": cycles / _CYCLES_IN_A_SECOND,
+            "robot_cycles": cycles,
+            **self._open.pop(cycles),
+        }

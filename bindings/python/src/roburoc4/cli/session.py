@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: MIT
+"""A connection for the time of a command, and what every command that moves the robot asks."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, Literal, overload
+
+from .errors import refused, unreachable, usage
+from .options import Options
+from .output import note
+from .signals import unsuspendable
+
+if TYPE_CHECKING:
+    from roburoc4 import (
+        BatteryStatus,
+        DifferentialStatus,
+        IoCardStatus,
+        LocalizationStatus,
+        Robot,
+        Status,
+        TelemeterStatus,
+    )
+    from roburoc4.samples import StatusReader
+
+SILENCE_S = 5.0  # as long as this a robot may say nothing at all before we give up
+_FIRST_INPUTS_S = 2.0
+_POLL_S = 0.02
+_STILL_M_S = 0.01
+_STILL_RAD_S = 0.02
+_NO_INPUT = 63  # the highest index of a digital input: where no RobuROC4 has its game pad
+
+
+class DrivingOptions(Options):
+    """What a command that moves the robot is given."""
+
+    yes: bool
+    ignore_override: bool
+
+
+def add_driving(parser: argparse.ArgumentParser) -> None:
+    """Add `--ignore-override` and `--yes`."""
+    parser.add_argument(
+        "--ignore-override",
+        action="store_true",
+        help="drive although the robot does not report whether its game pad is in use",
+    )
+    parser.add_argument("--yes", "-y", action="store_true", help="do not ask before it moves")
+
+
+def address_of(robot: str) -> str:
+    """Turn the text of `--robot` into an address in numbers."""
+    from roburoc4.engine_pump import resolve
+
+    return resolve(robot)[2]
+
+
+@contextmanager
+def connected(options: Options, **settings: Any) -> Iterator[Robot]:
+    """Connect, and leave the robot at rest however the block ends."""
+    from roburoc4 import ArgumentError, NetworkError, RobotTimeoutError, connect
+
+    try:
+        robot = connect(options.robot, timeout=SILENCE_S, **settings)
+    except ArgumentError as error:
+        raise usage(f"--robot: {error}") from None
+    except RobotTimeoutError as error:
+        raise unreachable(str(error)) from None
+    except NetworkError as error:
+        raise unreachable(f"{options.robot}: {error}; roburoc4 doctor looks closer") from None
+    with robot:
+        yield robot
+
+
+@contextmanager
+def driven(options: DrivingOptions) -> Iterator[Robot]:
+    """Connect to a robot that may be driven: its game pad is known to be at rest."""
+    with unsuspendable(), connected(options) as robot:
+        if _has_inputs(robot):
+            refuse_override(robot)
+            yield robot
+            return
+        if not options.ignore_override:
+            raise refused(
+                "the robot does not report its inputs, so nobody knows whether its game pad is in "
+                "use: run roburoc4 doctor, or drive all the same with --ignore-override"
+            )
+    note("driving without sight of the game pad: keep an emergency stop in your hand")
+    blind = {"allow_unknown_override": True, "override_index": _NO_INPUT}
+    with unsuspendable(), connected(options, **blind) as robot:
+        yield robot
+
+
+def _has_inputs(robot: Robot) -> bool:
+    until_s = time.monotonic() + _FIRST_INPUTS_S
+    while not robot.facts.override_known and time.monotonic() < until_s:
+        time.sleep(_POLL_S)
+    return robot.facts.override_known
+
+
+def refuse_override(robot: Robot) -> None:
+    """End the command if somebody drives with the game pad."""
+    if robot.facts.overridden:
+        raise refused(
+            "somebody holds [A] on the game pad and drives the robot: no speed was sent; wait "
+            "until it is released, then start again"
+        )
+
+
+def name_of(robot: Robot, options: Options) -> str:
+    """Name the robot as the user did, and its address."""
+    if options.robot in (robot.address, robot.address.rpartition(":")[0]):
+        return f"the robot at {robot.address}"
+    return f"the robot '{options.robot}' at {robot.address}"
+
+
+def confirm(robot: Robot, options: DrivingOptions, intention: str) -> None:
+    """Ask a person at the terminal once; who has none, or said --yes, has decided already."""
+    if options.yes or not sys.stdin.isatty():
+        return
+    print(
+        f"Drive {name_of(robot, options)} (140 kg) {intention}. Is the way clear? [y/N] ",
+        end="",
+        file=sys.stderr,
+        flush=True,
+    )
+    if sys.stdin.readline().strip().lower() not in ("y", "yes"):
+        raise usage("not confirmed: no speed was sent; answer y, or give --yes")
+
+
+def status_reader(robot: Robot) -> StatusReader:
+    """Read every status from now on, with waits that end: Robot.statuses() waits for the next."""
+    from roburoc4.samples import StatusReader, mask_of
+
+    return StatusReader(robot._engine.reader(), mask_of(()))
+
+
+_ATTRIBUTES = {"telemeter": "telemeters"}
+
+
+@overload
+def latest(robot: Robot, service: Literal["iocard"]) -> IoCardStatus | None: ...
+@overload
+def latest(robot: Robot, service: Literal["telemeter"]) -> TelemeterStatus | None: ...
+@overload
+def latest(robot: Robot, service: Literal["battery"]) -> BatteryStatus | None: ...
+@overload
+def latest(robot: Robot, service: Literal["localization"]) -> LocalizationStatus | None: ...
+@overload
+def latest(robot: Robot, service: Literal["differential"]) -> DifferentialStatus | None: ...
+def latest(robot: Robot, service: str) -> Status | None:
+    """Return the latest status of a service, or None before the first; never waits."""
+    if robot.service_link(service).age_us is None:
+        return None
+    status: Status = getattr(robot, _ATTRIBUTES.get(service, service))
+    return status
+
+
+def wait_for_rest(robot: Robot, patience_s: float) -> bool:
+    """Wait until the zeros have arrived and the wheels stand, as far as the robot tells."""
+    until_s = time.monotonic() + patience_s
+    while time.monotonic() < until_s:
+        if _is_at_rest(latest(robot, "differential")) and not robot.facts.stopping:
+            return True
+        time.sleep(_POLL_S)
+    return False
+
+
+@contextmanager
+def armed(robot: Robot) -> Iterator[None]:
+    """Arm for the block, and stop the robot however it ends."""
+    from roburoc4 import NotArmedError
+
+    robot.arm()
+    try:
+        yield
+    except NotArmedError:
+        if robot.facts.overridden:
+            raise refused(
+                "somebody took the robot over with [A] on the game pad, and the drive ended: wait "
+                "until it is released, then start again"
+            ) from None
+        raise
+    finally:
+        robot.stop()
+
+
+def _is_at_rest(speeds: DifferentialStatus | None) -> bool:
+    if speeds is None:
+        return True
+    return (
+        speeds.target_linear_m_s == speeds.target_angular_rad_s == 0.0
+        and abs(speeds.current_linear_m_s) < _STILL_M_S
+        and abs(speeds.current_angular_rad_s) < _STILL_RAD_S
+    )

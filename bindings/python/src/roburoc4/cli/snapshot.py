@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: MIT
+"""All that is known of a robot at one moment."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from . import session
+
+if TYPE_CHECKING:
+    from roburoc4 import (
+        BatteryStatus,
+        DifferentialStatus,
+        Facts,
+        IoCardStatus,
+        LocalizationStatus,
+        Robot,
+        TelemeterStatus,
+    )
+    from roburoc4.io import IoChannels
+
+SERVICES = ("iocard", "telemeter", "battery", "localization", "differential")
+
+
+@dataclass(frozen=True)
+class StreamFigures:
+    """How the statuses of one service come in; `age_s` is None before the first."""
+
+    service: str
+    rate_hz: float
+    age_s: float | None
+    loss: float
+    jitter_ms: float
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """What a person wants to see at once; a status is None before the first."""
+
+    address: str
+    elapsed_s: float
+    state: str
+    facts: Facts
+    round_trip_ms: float
+    loss: float
+    streams: list[StreamFigures]
+    channels: IoChannels
+    reaches_m: list[float]  # of the telemeters
+    iocard: IoCardStatus | None
+    telemeter: TelemeterStatus | None
+    battery: BatteryStatus | None
+    localization: LocalizationStatus | None
+    differential: DifferentialStatus | None
+
+
+def _stream(robot: Robot, service: str) -> StreamFigures:
+    figures = robot.service_link(service)
+    return StreamFigures(
+        service,
+        1e6 / figures.period_us if figures.period_us else 0.0,
+        None if figures.age_us is None else figures.age_us / 1e6,
+        figures.loss,
+        figures.jitter_us / 1e3,
+    )
+
+
+def take(robot: Robot, elapsed_s: float, channels: IoChannels) -> Snapshot:
+    """Look at everything."""
+    link = robot.link
+    return Snapshot(
+        robot.address,
+        elapsed_s,
+        robot.state.name.lower(),
+        robot.facts,
+        link.round_trip_us / 1e3,
+        link.loss,
+        [_stream(robot, service) for service in SERVICES],
+        channels,
+        [telemeter.max_distance_m for telemeter in robot.properties.telemeters],
+        session.latest(robot, "iocard"),
+        session.latest(robot, "telemeter"),
+        session.latest(robot, "battery"),
+        session.latest(robot, "localization"),
+        session.latest(robot, "differential"),
+    )

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: MIT
+"""Exceptions. Each carries the result of the C library as ``code`` and says what to do."""
+
+from . import _native
+from .constants import Result
+
+__all__ = [
+    "ArgumentError",
+    "ClosedError",
+    "DecodeError",
+    "NetworkError",
+    "NotArmedError",
+    "NotKnownError",
+    "RefusedError",
+    "RobotError",
+    "RobotTimeoutError",
+    "SamplesLostError",
+]
+
+
+class RobotError(Exception):
+    """Anything that went wrong with a robot; ``code`` is a :class:`~roburoc4.Result`."""
+
+    def __init__(self, message: str, code: int = Result.STATE) -> None:
+        super().__init__(message)
+        self.code: int = code
+
+    def __reduce__(self) -> tuple[type["RobotError"], tuple[str, int]]:
+        return type(self), (str(self), self.code)
+
+
+class ArgumentError(RobotError, ValueError):
+    """A value that cannot be used; the message names it and its range."""
+
+
+class DecodeError(RobotError, ValueError):
+    """Bytes that are no telegram."""
+
+
+class RefusedError(RobotError):
+    """The robot answered with an error."""
+
+
+class NotKnownError(RobotError):
+    """The robot has not said it (yet)."""
+
+
+class NotArmedError(RobotError):
+    """Arming or driving was refused; ``code`` is the reason."""
+
+
+class RobotTimeoutError(RobotError, TimeoutError):
+    """What was waited for did not happen in time."""
+
+
+class SamplesLostError(RobotError):
+    """Statuses came faster than they were read; ``lost`` says how many are gone."""
+
+    def __init__(self, lost: int) -> None:
+        super().__init__(
+            f"{lost} statuses were overwritten before they were read: read more often, or give "
+            "connect() a larger buffer=",
+            Result.BUFFER,
+        )
+        self.lost = lost
+
+    def __reduce__(self) -> tuple[type["SamplesLostError"], tuple[int]]:  # type: ignore[override]
+        return type(self), (self.lost,)
+
+
+class NetworkError(RobotError, OSError):
+    """The operating system or the network refused."""
+
+
+class ClosedError(RobotError):
+    """The robot object was closed, or belongs to the process that this one was forked from."""
+
+
+_ARM = "then call arm() again"
+_REMEDIES: dict[int, str] = {
+    Result.SHORT: "a telegram of this kind is longer",
+    Result.RESERVED: "use output 1 or above",
+    Result.NOT_FINITE: "give finite numbers",
+    Result.UNKNOWN: "wait for it with wait_for()",
+    Result.RESOLVE: "check the spelling, or give the address in numbers",
+    Result.CLOSED: "this robot was closed, or made before a fork; connect again",
+    Result.DISARMED: "call arm() before drive()",
+    Result.NOT_READY: f"wait until the robot answers, {_ARM}",
+    Result.NO_DIFFERENTIAL: "this robot cannot be driven; look at .properties",
+    Result.LIMITS: "look at .properties.differential",
+    Result.STALE_DIFFERENTIAL: f"check .link and the subscription's period, {_ARM}",
+    Result.STALE_IOCARD: f"check .link and the subscription's period, {_ARM}",
+    Result.OVERRIDE_UNKNOWN: "name the input with connect(override_index=...), or give up this "
+    "protection with allow_unknown_override=True",
+    Result.OVERRIDE: f"release [A] on the game pad, {_ARM}",
+    Result.MOVING: f"wait until the robot stands still, {_ARM}",
+    Result.FOREIGN: f"end the other program, {_ARM}",
+    Result.LOST: f"check cable and power, wait until it is ready, {_ARM}",
+    Result.REBOOT: f"look at the robot, {_ARM}",
+    Result.CLOCK: f"find out what sets this machine's clock, {_ARM}",
+    Result.NOT_NEUTRAL: "call drive(0, 0) once, or pause for one lease",
+}
+
+_CLASSES: dict[int, type[RobotError]] = {
+    Result.ARGUMENT: ArgumentError,
+    Result.CONFIG: ArgumentError,
+    Result.INDEX: ArgumentError,
+    Result.RESERVED: ArgumentError,
+    Result.NOT_FINITE: ArgumentError,
+    Result.SHORT: DecodeError,
+    Result.KIND: DecodeError,
+    Result.VALUE: DecodeError,
+    Result.ROBOT: RefusedError,
+    Result.UNKNOWN: NotKnownError,
+    Result.TIMEOUT: RobotTimeoutError,
+    Result.SYSTEM: NetworkError,
+    Result.RESOLVE: NetworkError,
+    Result.CLOSED: ClosedError,
+}
+
+
+def error_of(code: int) -> RobotError:
+    """Make the exception that stands for a result of the C library."""
+    text = _native.roburoc4_result_text(code)
+    remedy = _REMEDIES.get(code)
+    if Result.NOT_NEUTRAL <= code <= Result.DISARMED:
+        cause = text.partition(":")[0]
+        return NotArmedError(f"not armed: {cause}; {remedy}", code)
+    kind = _CLASSES.get(code, RobotError)
+    return kind(f"{text}: {remedy}" if remedy else text, code)
+
+
+_native.raise_register(error_of)

@@ -1,0 +1,409 @@
+# SPDX-License-Identifier: MIT
+"""What the robot says, as immutable records.
+
+All values are SI units and radians; X is forward, Y left, angles counter-clockwise.
+``robot_cycles`` counts the robot's cycles of 10 ms since power on. ``host_us`` is when a status
+was received, in microseconds of the robot object's clock (``Robot.now_s``); 0 in decoded bytes.
+Statuses, properties and figures are made by the extension: their fields are in its order.
+"""
+
+from typing import NamedTuple, TypeAlias
+
+from .constants import BatteryState, LocalizationFlag
+
+__all__ = [
+    "Answer",
+    "BatteryProperties",
+    "BatteryStatus",
+    "DifferentialCommand",
+    "DifferentialProperties",
+    "DifferentialStatus",
+    "DirectoryEntry",
+    "Facts",
+    "IoCardCommand",
+    "IoCardProperties",
+    "IoCardStatus",
+    "Link",
+    "LocalizationProperties",
+    "LocalizationStatus",
+    "Pose",
+    "Properties",
+    "Request",
+    "ServiceEntry",
+    "ServiceLink",
+    "SimState",
+    "Status",
+    "Subscription",
+    "Telegram",
+    "TelemeterProperties",
+    "TelemeterStatus",
+    "UnknownCommand",
+    "UnknownStatus",
+]
+
+
+# ------------------------------------------------------------------------------------ statuses
+
+
+class IoCardStatus(NamedTuple):
+    """All inputs of the IO card (4.2.4.4), by their index on the wire."""
+
+    robot_cycles: int
+    analog_inputs: tuple[float, ...]
+    """Generally volts; the game pad's axes are -1 to 1."""
+    digital_inputs: tuple[bool, ...]
+    host_us: int = 0
+
+
+class TelemeterStatus(NamedTuple):
+    """All ultrasonic distances (4.2.4.5); on a RobuROC4 front, then rear."""
+
+    robot_cycles: int
+    distances_m: tuple[float, ...]
+    host_us: int = 0
+
+
+class BatteryStatus(NamedTuple):
+    """The battery (4.2.4.6)."""
+
+    robot_cycles: int
+    state: BatteryState | int
+    """A plain integer where the manual knows no such state."""
+    remaining_percent: int
+    host_us: int = 0
+
+    @property
+    def state_name(self) -> str:
+        """The state's name in lower case, or its number."""
+        state = self.state
+        return state.name.lower() if isinstance(state, BatteryState) else str(state)
+
+
+class LocalizationStatus(NamedTuple):
+    """Where odometry believes the robot to be (4.2.4.7): far off after turns."""
+
+    robot_cycles: int
+    x_m: float
+    y_m: float
+    theta_rad: float
+    flags: LocalizationFlag | int
+    """A plain integer where it has bits that the manual does not know."""
+    host_us: int = 0
+
+
+class DifferentialStatus(NamedTuple):
+    """Speeds (4.2.4.8): what was asked for, and what the wheels do."""
+
+    robot_cycles: int
+    target_linear_m_s: float
+    current_linear_m_s: float
+    target_angular_rad_s: float
+    current_angular_rad_s: float
+    host_us: int = 0
+
+
+class UnknownStatus(NamedTuple):
+    """A status of a service that the layout does not name."""
+
+    robot_cycles: int
+    service: int
+    """Its id on the wire."""
+    payload: bytes
+
+
+Status: TypeAlias = (
+    IoCardStatus | TelemeterStatus | BatteryStatus | LocalizationStatus | DifferentialStatus
+)
+"""Any status that a robot object gives."""
+
+
+# ---------------------------------------------------------------------------------- properties
+
+
+class DirectoryEntry(NamedTuple):
+    """A service in the directory (4.2.2.2)."""
+
+    type: int
+    id: int
+
+
+class Subscription(NamedTuple):
+    """Who is subscribed (4.2.2.3)."""
+
+    service: int
+    period_cycles: int
+
+
+class IoCardProperties(NamedTuple):
+    """How many channels the IO card has (4.2.2.4)."""
+
+    analog_inputs: int
+    analog_outputs: int
+    digital_inputs: int
+    digital_outputs: int
+
+
+class TelemeterProperties(NamedTuple):
+    """Where a telemeter sits in the robot's frame, and what it can measure (4.2.2.5)."""
+
+    x_m: float
+    y_m: float
+    theta_rad: float
+    field_of_view_rad: float
+    min_distance_m: float
+    max_distance_m: float
+    distance_m: float
+    """Measured when the properties were read, or by the latest status of a connected robot."""
+
+
+class BatteryProperties(NamedTuple):
+    """The battery's data (4.2.2.6)."""
+
+    nominal_voltage_v: float
+    capacity_ah: float
+    minimum_percent: int
+
+
+class LocalizationProperties(NamedTuple):
+    """The pose at power on (4.2.2.7)."""
+
+    x_m: float
+    y_m: float
+    theta_rad: float
+    flags: LocalizationFlag | int
+
+
+class DifferentialProperties(NamedTuple):
+    """Speeds when the properties were read, and the robot's limits (4.2.2.8)."""
+
+    target_linear_speed_m_s: float
+    target_angular_speed_rad_s: float
+    current_linear_speed_m_s: float
+    current_angular_speed_rad_s: float
+    max_linear_speed_m_s: float
+    min_linear_speed_m_s: float
+    max_angular_speed_rad_s: float
+    min_angular_speed_rad_s: float
+    max_linear_acceleration_m_s2: float
+    min_linear_acceleration_m_s2: float
+    max_angular_acceleration_rad_s2: float
+    min_angular_acceleration_rad_s2: float
+    width_m: float
+
+
+class ServiceEntry(NamedTuple):
+    """A service of a connected robot."""
+
+    id: int
+    type: int
+    kind: str | None
+    """``iocard``, ``battery`` ...; None for one that this library does not know."""
+    name: str
+    """The robot's own text, else the manual's name, else empty."""
+
+
+class Properties(NamedTuple):
+    """All that a connected robot said about itself; None or empty for what it has not."""
+
+    services: tuple[ServiceEntry, ...]
+    iocard: IoCardProperties | None
+    telemeters: tuple[TelemeterProperties, ...]
+    battery: BatteryProperties | None
+    localization: LocalizationProperties | None
+    differential: DifferentialProperties | None
+
+
+# ---------------------------------------------------------------------- telegrams of tools only
+
+
+AnswerBody: TypeAlias = (
+    tuple[DirectoryEntry, ...]
+    | tuple[Subscription, ...]
+    | tuple[TelemeterProperties, ...]
+    | IoCardProperties
+    | BatteryProperties
+    | LocalizationProperties
+    | DifferentialProperties
+    | str
+    | bytes
+)
+
+
+class Answer(NamedTuple):
+    """The robot's answer to a request (4.2.2, 4.2.3)."""
+
+    id: int
+    """Echo of the request's; 0 for an error telegram."""
+    action: int
+    service: int
+    error: int
+    body: AnswerBody
+    """Properties for GET, a text for QUERY, else the bytes that follow."""
+
+
+class Request(NamedTuple):
+    """A client's request; fields that its action does not have are 0."""
+
+    id: int
+    action: int
+    service: int
+    subject: int
+    period_cycles: int
+    io_type: int
+    element: int
+    """Of the directory, or the IO channel."""
+    timestamp: int
+    x_m: float
+    y_m: float
+    theta_rad: float
+
+
+class IoCardCommand(NamedTuple):
+    """A client's command of all outputs (4.2.5.2)."""
+
+    analog_outputs: tuple[float, ...]
+    digital_outputs: tuple[bool, ...]
+
+
+class DifferentialCommand(NamedTuple):
+    """A client's speed command (4.2.5.6)."""
+
+    linear_m_s: float
+    angular_rad_s: float
+
+
+class UnknownCommand(NamedTuple):
+    """A command to a service that the layout does not name."""
+
+    service: int
+    payload: bytes
+
+
+Telegram: TypeAlias = (
+    Status | UnknownStatus | Answer | Request | IoCardCommand | DifferentialCommand | UnknownCommand
+)
+"""Whatever :func:`roburoc4.decode` can return."""
+
+
+# --------------------------------------------------------------------------- facts and figures
+
+
+class Facts(NamedTuple):
+    """What is true now."""
+
+    state: int
+    """A :class:`~roburoc4.State`."""
+    armed: bool
+    """``drive`` is accepted."""
+    driving: bool
+    """A drive command lives."""
+    stopping: bool
+    """Zero commands are on their way, or ``stop`` waits for the robot."""
+    override_known: bool
+    overridden: bool
+    """Somebody holds [A] on the game pad."""
+    foreign: bool
+    """Another client commands the robot."""
+    inhibited: bool
+    """A speed is asked for, but the robot stands still: emergency stop, brakes, bumper."""
+    fixed_id: bool
+    front_bumper: bool
+    rear_bumper: bool
+    descriptions_done: bool
+    battery_low: bool
+    disarm_cause: int
+    """A :class:`~roburoc4.Result`: why it is not armed; 0 while it is."""
+    arm_refusal: int
+    """A :class:`~roburoc4.Result`: what ``arm`` would raise; 0 for nothing."""
+    relocalize_result: int
+    lease_left_us: int
+    linear_m_s: float
+    """Speeds that were sent last; 0 after a zero."""
+    angular_rad_s: float
+
+
+class ServiceLink(NamedTuple):
+    """Figures of one service's statuses."""
+
+    subscribed: bool
+    received: int
+    lost: int
+    late: int
+    duplicates: int
+    period_us: int
+    jitter_us: int
+    age_us: int | None
+    """Since the last status; None before the first."""
+    loss: float
+    """Share of recent statuses that did not arrive, 0 to 1."""
+
+
+class Link(NamedTuple):
+    """Figures of the link."""
+
+    round_trip_us: int
+    """Smoothed, of answered requests; 0 before the first."""
+    round_trip_min_us: int
+    silence_us: int
+    """Since the last datagram that was of use."""
+    received: int
+    """Statuses of all services."""
+    lost: int
+    loss: float
+    """Share of recent statuses that did not arrive, 0 to 1."""
+
+
+class Pose(NamedTuple):
+    """A place and a direction in the plane."""
+
+    x_m: float
+    y_m: float
+    theta_rad: float
+
+
+class SimState(NamedTuple):
+    """All that can be known about a simulated robot; see ``roburoc4_sim.h``."""
+
+    battery_state: BatteryState | int
+    now_us: int
+    cycles: int
+    true_x_m: float
+    true_y_m: float
+    true_theta_rad: float
+    true_linear_m_s: float
+    true_angular_rad_s: float
+    odometry_x_m: float
+    odometry_y_m: float
+    odometry_theta_rad: float
+    wheel_linear_m_s: float
+    wheel_angular_rad_s: float
+    target_linear_m_s: float
+    target_angular_rad_s: float
+    last_linear_m_s: float
+    """The last speed command, accepted or not, as it was sent."""
+    last_angular_rad_s: float
+    last_command_us: int
+    telemeters_m: tuple[float, float]
+    battery_percent: float
+    battery_v: float
+    powered: bool
+    motors_enabled: bool
+    estop_local: bool
+    estop_remote: bool
+    brakes_released: bool
+    charger: bool
+    overridden: bool
+    watchdog_bitten: bool
+    bumper_front: bool
+    bumper_rear: bool
+    reboots: int
+    requests: int
+    errors: int
+    speed_commands: int
+    nonzero_speed_commands: int
+    refused_speed_commands: int
+    io_commands: int
+    ignored: int
+    dropped: int
+    peers: int
+    subscriptions: int

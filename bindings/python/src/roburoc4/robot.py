@@ -1,0 +1,246 @@
+# SPDX-License-Identifier: MIT
+"""The blocking robot, and how to connect to one."""
+
+import contextlib
+import math
+from collections.abc import Callable
+from types import TracebackType
+from typing import Literal, Self, TypeVar, Unpack, overload
+
+from .constants import DEFAULT_HOST, Event, Result, Service
+from .engine import ALL_EVENTS
+from .engine_pump import PumpEngine
+from .engine_udp import UdpEngine
+from .errors import NotKnownError, RobotTimeoutError
+from .records import Status
+from .robot_base import LOOK_AGAIN_S, RELOCALIZE_S, RobotBase, name_of, true_or_unknown
+from .samples import Recording, Statuses, StatusReader, mask_of
+from .settings import Settings, service_of
+
+__all__ = ["ManualRobot", "Robot", "connect"]
+
+_T = TypeVar("_T")
+
+
+class Robot(RobotBase):
+    """A connected robot, to be used in a ``with`` block; see :func:`connect`.
+
+    All methods can be called from any thread. Leaving the block, an exception, Ctrl-C and garbage
+    collection stop the robot.
+    """
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Stop the robot where it was driven, and end the link; from any thread, several times.
+
+        Latest values can still be read; commands raise ClosedError.
+        """
+        self._engine.close()
+
+    # ---- waiting ----
+
+    def _wait_until(self, condition: Callable[[], _T], timeout: float | None, what: object) -> _T:
+        reader = self._engine.reader()
+        end_s = math.inf if timeout is None else self._engine.now_s() + timeout
+        while True:
+            reader.take_events()
+            if found := condition():
+                return found
+            left_s = end_s - self._engine.now_s()
+            if left_s <= 0:
+                raise RobotTimeoutError(f"{name_of(what)} within {timeout:g} s", Result.TIMEOUT)
+            reader.wait(ALL_EVENTS, min(left_s, LOOK_AGAIN_S))
+
+    def wait_ready(self, timeout: float = 10.0) -> None:
+        """Wait until the robot is ready, as ``connect`` does; after silence, close and raise."""
+        try:
+            self._wait_until(self._readiness(timeout), None, None)
+        except BaseException:
+            self.close()
+            raise
+
+    @overload
+    def wait_for(self, condition: Event, timeout: float | None = ...) -> Event: ...
+    @overload
+    def wait_for(self, condition: str | Service, timeout: float | None = ...) -> Status: ...
+    @overload
+    def wait_for(self, condition: "Callable[[Robot], _T]", timeout: float | None = ...) -> _T: ...
+
+    def wait_for(
+        self,
+        condition: "Event | str | Service | Callable[[Robot], object]",
+        timeout: float | None = 10.0,
+    ) -> object:
+        """Wait for something, and return it; raises RobotTimeoutError after ``timeout`` seconds.
+
+        A service ("localization"): its next status. Events: those of them that happen from this
+        call on. A function of the robot: its first true value; it is called after every event.
+        What a function needs may be unknown at first: NotKnownError counts as not true.
+        """
+        if isinstance(condition, Event):
+            events, reader = condition, self._engine.reader()
+            return self._wait_until(
+                lambda: Event(reader.take_events()) & events, timeout, condition
+            )
+        if isinstance(condition, str | Service):
+            return self._wait_for_status(service_of(condition), timeout)
+        return self._wait_until(true_or_unknown(condition, self), timeout, condition)
+
+    def _wait_for_status(self, service: Service, timeout: float | None) -> Status | None:
+        source = StatusReader(self._engine.reader(), 1 << service)
+        return self._wait_until(source.next, timeout, service)
+
+    def _status(self, service: Service) -> Status:
+        """Return the latest status; the first one is waited for, for two of its periods."""
+        try:
+            return super()._status(service)
+        except NotKnownError:
+            left_s = self._first_status_until_s(service) - self._engine.now_s()
+            if left_s <= 0 or self.closed:
+                raise
+        with contextlib.suppress(RobotTimeoutError):  # it is told below
+            self._wait_for_status(service, left_s)
+        return super()._status(service)
+
+    # ---- driving ----
+
+    def arm(self, timeout: float = 2.0) -> None:
+        """Allow driving, or raise NotArmedError with the reason against it.
+
+        What time alone can mend is waited for: nothing heard yet, the robot still rolls.
+        """
+        end_s = self._engine.now_s() + timeout
+        reader = self._engine.reader()
+        while left_s := self._try_to_arm(end_s):
+            reader.take_events()
+            reader.wait(ALL_EVENTS, min(left_s, LOOK_AGAIN_S))
+
+    def drive_for(self, linear_m_s: float, angular_rad_s: float, seconds: float) -> None:
+        """Drive for so long, and stop: blocks, and renews the command from this thread.
+
+        Raises NotArmedError, after stopping, as soon as driving is not allowed any more.
+        """
+        end_s = self._end_of_drive_s(seconds)
+        try:
+            while (left_s := end_s - self._engine.now_s()) > 0:
+                self.drive(linear_m_s, angular_rad_s)
+                self.sleep(min(left_s, self._renewal_s))
+        finally:
+            self.stop()
+
+    def sleep(self, seconds: float) -> None:
+        """Let time pass on the robot's clock: ``time.sleep`` for any kind of link."""
+        end_s = self._engine.now_s() + seconds
+        while (left_s := end_s - self._engine.now_s()) > 0:
+            self._engine.sleep(left_s)
+
+    # ---- telling ----
+
+    def relocalize(self, x_m: float, y_m: float, theta_rad: float) -> None:
+        """Tell the robot where it is, and wait until it has taken that.
+
+        Raises RefusedError, or RobotTimeoutError after 3 s at most.
+        """
+        self._engine.call("relocalize", x_m, y_m, theta_rad)
+        self._wait_until(self._is_relocalized, RELOCALIZE_S, self.relocalize)
+
+    # ---- listening ----
+
+    def statuses(self, *services: str | Service) -> Statuses:
+        """Iterate over every status of these services (none: of all) from now on.
+
+        Waits for each; goes on over a loss of the link, and ends at ``close``. Statuses wait in a
+        buffer (``connect(buffer=10000)``); where it overflows, SamplesLostError is raised once,
+        and the next ``next()`` goes on with the oldest that is left.
+        """
+        return Statuses(StatusReader(self._engine.reader(), mask_of(services)))
+
+    def record(self, seconds: float, *services: str | Service) -> Recording:
+        """Collect the statuses of these services (none: of all) for so long, as columns."""
+        mask = mask_of(services)
+        source = StatusReader(self._engine.reader(), mask)
+        recording = Recording(mask)
+        end_s = self._engine.now_s() + seconds
+        while (left_s := end_s - self._engine.now_s()) > 0:
+            source.wait(left_s)
+            source.drain(recording.add)
+        recording.lost = source.lost
+        return recording
+
+
+class ManualRobot(Robot):
+    """A robot without a thread of its own: ``connect(threaded=False)``.
+
+    Somebody must call ``spin``, or any method that waits, again and again: nothing is received or
+    repeated otherwise. A program that hangs is stopped by the robot's own watchdog only (1 s).
+    """
+
+    def __init__(self, engine: UdpEngine, settings: Settings) -> None:
+        super().__init__(engine, settings)
+        self._udp = engine
+
+    def spin(self, timeout: float = 0.0) -> None:
+        """Receive and send for ``timeout`` seconds; 0 does what is due and returns."""
+        self._udp.spin(timeout)
+
+    def fileno(self) -> int:
+        """Return the socket, to be watched for reading: then call ``spin(0)``. Only watch it."""
+        return self._udp.fileno()
+
+    def next_deadline(self) -> float:
+        """Return the seconds until ``spin(0)`` is due if nothing can be read before."""
+        return self._udp.next_deadline_s()
+
+
+@overload
+def connect(
+    host: str = ...,
+    *,
+    timeout: float = ...,
+    threaded: Literal[True] = ...,
+    **settings: Unpack[Settings],
+) -> Robot: ...
+@overload
+def connect(
+    host: str = ...,
+    *,
+    timeout: float = ...,
+    threaded: Literal[False],
+    **settings: Unpack[Settings],
+) -> ManualRobot: ...
+def connect(
+    host: str = DEFAULT_HOST,
+    *,
+    timeout: float = 10.0,
+    threaded: bool = True,
+    **settings: Unpack[Settings],
+) -> Robot:
+    """Connect to the robot at "HOST" or "HOST:PORT", and wait until it is ready.
+
+    ``timeout`` counts silence, not progress: RobotTimeoutError says what was tried and what to
+    check. The settings are those of :class:`~roburoc4.Settings`.
+
+    With ``threaded`` a native thread keeps the link alive whatever Python does. It never renews a
+    drive command, so a program that hangs stops the robot. Without, see :class:`ManualRobot`.
+
+        with roburoc4.connect("192.168.0.2") as robot:
+            robot.arm()
+            robot.drive_for(0.5, 0.0, seconds=2)
+    """
+    robot: Robot
+    if threaded:
+        robot = Robot(PumpEngine(host, settings), settings)
+    else:
+        robot = ManualRobot(UdpEngine(host, settings), settings)
+    robot.wait_ready(timeout)
+    return robot

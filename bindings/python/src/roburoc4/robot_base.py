@@ -1,0 +1,339 @@
+# SPDX-License-Identifier: MIT
+"""What a blocking and an asyncio robot have in common: everything that does not wait."""
+
+import math
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
+from . import _native
+from .constants import Count, Event, Fault, Result, Service, State
+from .engine import Engine
+from .errors import (
+    ArgumentError,
+    NotArmedError,
+    NotKnownError,
+    RefusedError,
+    RobotTimeoutError,
+    error_of,
+)
+from .io import AnalogOutputs, IoCard, Outputs, decode_text
+from .records import (
+    BatteryStatus,
+    DifferentialStatus,
+    DirectoryEntry,
+    Facts,
+    IoCardStatus,
+    Link,
+    LocalizationStatus,
+    Properties,
+    ServiceEntry,
+    ServiceLink,
+    Status,
+    TelemeterStatus,
+)
+from .settings import Settings, service_of
+
+STATUS_CALLS = {
+    Service.IOCARD: "inputs",
+    Service.TELEMETER: "distances",
+    Service.BATTERY: "battery",
+    Service.LOCALIZATION: "localization",
+    Service.DIFFERENTIAL: "differential",
+}
+
+_R = TypeVar("_R")
+
+_TRANSIENT = frozenset(
+    (
+        Result.NOT_READY,
+        Result.STALE_DIFFERENTIAL,
+        Result.STALE_IOCARD,
+        Result.OVERRIDE_UNKNOWN,
+        Result.MOVING,
+    )
+)
+"""Reasons against arming that time alone may take away."""
+_RENEWALS_PER_LEASE = 4
+_STATUS_MARGIN_S = 0.5
+
+
+class RobotBase:
+    """A robot; see :func:`roburoc4.connect` and :mod:`roburoc4.aio`."""
+
+    def __init__(self, engine: Engine, settings: Settings) -> None:
+        self._engine = engine
+        self._lease_s = settings.get("lease_ms", 250) / 1000
+        self._ready_s = engine.now_s()
+        self._io = IoCard(engine)
+        self._outputs = Outputs(engine)
+        self._analog_outputs = AnalogOutputs(engine)
+
+    def __repr__(self) -> str:
+        state = "closed" if self.closed else self.state.name.lower()
+        return f"<{type(self).__module__}.{type(self).__name__} {self.address}, {state}>"
+
+    # ---- the link ----
+
+    @property
+    def address(self) -> str:
+        """The robot's address and port in numbers."""
+        return self._engine.address
+
+    @property
+    def closed(self) -> bool:
+        """Whether ``close`` was called."""
+        return self._engine.closed
+
+    @property
+    def state(self) -> State:
+        """Life of the client."""
+        return State(self._engine.call("state"))
+
+    @property
+    def facts(self) -> Facts:
+        """What is true now: armed, overridden, bumpers, speeds sent ..."""
+        return cast(Facts, self._engine.call("facts"))
+
+    @property
+    def link(self) -> Link:
+        """Figures of the link: round trip, silence, loss."""
+        return cast(Link, self._engine.call("link"))
+
+    def service_link(self, service: str | Service) -> ServiceLink:
+        """Return the figures of one service's statuses: period, jitter, age, loss."""
+        return cast(ServiceLink, self._engine.call("service_link", service_of(service)))
+
+    @property
+    def counts(self) -> dict[Count, int]:
+        """What became of datagrams."""
+        return {counter: self._engine.count(counter) for counter in Count}
+
+    @property
+    def fault(self) -> Fault:
+        """Why the network does not take or deliver datagrams; NONE as soon as one comes in."""
+        return Fault(self._engine.fault)
+
+    @property
+    def now_s(self) -> float:
+        """Seconds of the clock that ``host_us``, leases and timeouts go by; its zero is any."""
+        return self._engine.now_s()
+
+    def host_time_s(self, robot_cycles: int) -> float:
+        """Return when, on ``now_s``, the robot's clock showed ``robot_cycles``; an estimate."""
+        return cast(int, self._engine.call("host_time", robot_cycles)) / 1e6
+
+    # ---- what the robot is ----
+
+    def _known(self, name: str, *arguments: int) -> Any:
+        try:
+            return self._engine.call(name, *arguments)
+        except NotKnownError:
+            return None
+
+    def _service_entry(self, index: int, kinds: dict[int, Service]) -> ServiceEntry:
+        entry: DirectoryEntry = self._engine.call("service_at", index)
+        service = kinds.get(entry.id)
+        text = self._engine.description(-1, index)
+        name = decode_text(text) if text is not None else ""
+        if text is None and service is not None:
+            name = _native.roburoc4_service_name(service)
+        return ServiceEntry(
+            entry.id, entry.type, None if service is None else service.name.lower(), name
+        )
+
+    @property
+    def properties(self) -> Properties:
+        """All that the robot said about itself so far; its texts may come after it is ready."""
+        ids = {service: self._known("service_id", service) for service in Service}
+        kinds = {wire_id: service for service, wire_id in ids.items() if wire_id is not None}
+        return Properties(
+            tuple(
+                self._service_entry(index, kinds)
+                for index in range(self._engine.call("service_count"))
+            ),
+            self._known("iocard_properties"),
+            tuple(
+                self._engine.call("telemeter", index)
+                for index in range(self._engine.call("telemeter_count"))
+            ),
+            self._known("battery_properties"),
+            self._known("localization_properties"),
+            self._known("differential_properties"),
+        )
+
+    # ---- what the robot says ----
+
+    def _status(self, service: Service) -> Status:
+        try:
+            return cast(Status, self._engine.call(STATUS_CALLS[service]))
+        except NotKnownError as error:
+            name = service.name.lower()
+            raise NotKnownError(
+                f"the robot has sent no {name} status yet: wait_for({name!r})", error.code
+            ) from None
+
+    @property
+    def battery(self) -> BatteryStatus:
+        """The latest battery status."""
+        return cast(BatteryStatus, self._status(Service.BATTERY))
+
+    @property
+    def localization(self) -> LocalizationStatus:
+        """The latest localization status: odometry, far off after turns."""
+        return cast(LocalizationStatus, self._status(Service.LOCALIZATION))
+
+    @property
+    def differential(self) -> DifferentialStatus:
+        """The latest speeds, asked for and reached."""
+        return cast(DifferentialStatus, self._status(Service.DIFFERENTIAL))
+
+    @property
+    def telemeters(self) -> TelemeterStatus:
+        """The latest ultrasonic distances."""
+        return cast(TelemeterStatus, self._status(Service.TELEMETER))
+
+    @property
+    def iocard(self) -> IoCardStatus:
+        """The latest inputs of the IO card."""
+        return cast(IoCardStatus, self._status(Service.IOCARD))
+
+    @property
+    def io(self) -> IoCard:
+        """Inputs by name or index."""
+        return self._io
+
+    # ---- what it is told ----
+
+    @property
+    def outputs(self) -> Outputs:
+        """Digital outputs: ``robot.outputs[3] = True``."""
+        return self._outputs
+
+    @property
+    def analog_outputs(self) -> AnalogOutputs:
+        """Analog outputs."""
+        return self._analog_outputs
+
+    def drive(self, linear_m_s: float, angular_rad_s: float, *, lease_ms: int = 0) -> None:
+        """Drive at these speeds for one lease; call it again and again to go on.
+
+        Never waits. The command lives for ``lease_ms`` (20 to 1000; 0 means the setting's, 250 by
+        default), then the robot is stopped. Speeds are scaled and clamped to the robot's limits
+        and the settings' ceilings. Raises NotArmedError while disarmed, naming cause and remedy.
+        """
+        self._engine.call("drive", linear_m_s, angular_rad_s, lease_ms * 1000)
+
+    def stop(self) -> None:
+        """Stop the robot: end the drive command and send zeros, armed or not. Never waits."""
+        self._engine.call("stop")
+
+    def disarm(self) -> None:
+        """Forbid driving, and stop. Never waits."""
+        self._engine.call("disarm")
+
+    def subscribe(self, service: str | Service, period_ms: int) -> None:
+        """Subscribe to a service, or change its period: a multiple of 10, 10 to 2550."""
+        self._engine.call("subscribe", service_of(service), period_ms)
+
+    def unsubscribe(self, service: str | Service) -> None:
+        """End a subscription."""
+        self._engine.call("unsubscribe", service_of(service))
+
+    # ---- for the waiting that subclasses do ----
+
+    def _readiness(self, timeout_s: float) -> Callable[[], bool]:
+        """Return a look whether it is ready, which raises after too long a silence."""
+        heard_s = self._engine.now_s()
+
+        def look() -> bool:
+            nonlocal heard_s
+            now_s = self._engine.now_s()
+            if self._engine.call("state") == State.READY:
+                self._ready_s = now_s
+                return True
+            heard_s = max(heard_s, now_s - self.link.silence_us / 1e6)
+            if now_s - heard_s >= timeout_s:
+                raise RobotTimeoutError(self._silence_text(timeout_s), Result.TIMEOUT)
+            return False
+
+        return look
+
+    def _silence_text(self, timeout_s: float) -> str:
+        sent = self._engine.count(Count.SENT)
+        heard = self._engine.count(Count.RECEIVED)
+        if self.fault is not Fault.NONE:
+            check = _native.roburoc4_udp_fault_text(self.fault)
+        elif heard == 0:
+            check = (
+                "check that the robot is on, the cable is in, this machine has an address in the "
+                "robot's network, and no firewall drops UDP"
+            )
+        else:
+            check = "something answers there; check that it is a RobuROC4, and the link's loss"
+        return (
+            f"no answer from {self.address} for {timeout_s:g} s (state {self.state.name.lower()}, "
+            f"{sent} datagrams sent, {heard} received): {check}"
+        )
+
+    def _first_status_until_s(self, service: Service) -> float:
+        """Until when the first status of a service can be expected."""
+        return self._ready_s + 2 * self.service_link(service).period_us / 1e6 + _STATUS_MARGIN_S
+
+    def _try_to_arm(self, end_s: float) -> float:
+        """Arm, and return 0; or return the seconds for which it is worth to try again."""
+        try:
+            self._engine.call("arm")
+        except NotArmedError as error:
+            left_s = end_s - self._engine.now_s()
+            if error.code not in _TRANSIENT or left_s <= 0:
+                raise
+            return left_s
+        return 0.0
+
+    def _end_of_drive_s(self, seconds: float) -> float:
+        if not (math.isfinite(seconds) and seconds >= 0):
+            raise ArgumentError(f"seconds: {seconds} is not a duration", Result.ARGUMENT)
+        return self._engine.now_s() + seconds
+
+    @property
+    def _renewal_s(self) -> float:
+        """How often drive_for renews its command."""
+        return self._lease_s / _RENEWALS_PER_LEASE
+
+    def _is_relocalized(self) -> bool:
+        """Whether relocalize was answered; raises where it was refused."""
+        code = self.facts.relocalize_result
+        if code == Result.UNKNOWN:
+            return False
+        if code == Result.TIMEOUT:
+            raise RobotTimeoutError("relocalize was not answered", code)
+        if code != Result.OK:
+            raise RefusedError(f"relocalize: {error_of(code)}", code)
+        return True
+
+
+RELOCALIZE_S = 3.0
+"""Longer than the client asks for (2 s)."""
+LOOK_AGAIN_S = 0.1
+"""Conditions are looked at after every event, and so often because of those on time alone."""
+
+
+def true_or_unknown(condition: Callable[[_R], object], robot: _R) -> Callable[[], object]:
+    """Return a look at the condition, which what is not known yet does not fulfil."""
+
+    def look() -> object:
+        try:
+            return condition(robot)
+        except NotKnownError:
+            return None
+
+    return look
+
+
+def name_of(condition: object) -> str:
+    """Say what did not happen."""
+    if isinstance(condition, Event):
+        return f"no {condition.name or repr(condition)} event"
+    if isinstance(condition, Service):
+        return f"no {condition.name.lower()} status came"
+    return f"{getattr(condition, '__name__', 'the condition')} was not true"

@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: MIT
+"""Statuses one after the other, and columns of them."""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from .constants import Service
+from .engine import Reader, events_of_services
+from .errors import ClosedError, SamplesLostError
+from .records import (
+    BatteryStatus,
+    DifferentialStatus,
+    IoCardStatus,
+    LocalizationStatus,
+    Status,
+    TelemeterStatus,
+)
+from .settings import STATUS_SERVICES, service_of
+
+__all__ = ["Recording", "StatusReader", "Statuses"]
+
+Column = list[Any]
+_PATIENCE_S = 1.0
+
+SERVICE_NAMES: dict[type[Status], str] = {
+    IoCardStatus: "iocard",
+    TelemeterStatus: "telemeter",
+    BatteryStatus: "battery",
+    LocalizationStatus: "localization",
+    DifferentialStatus: "differential",
+}
+"""Whose status a record is: a key of :class:`Recording`, of ``periods_ms`` ..."""
+
+
+def mask_of(services: tuple[str | Service, ...]) -> int:
+    """Return bit k for service k; all that send statuses where none is named."""
+    return sum(1 << service for service in {service_of(s) for s in services}) or sum(
+        1 << service for service in STATUS_SERVICES.values()
+    )
+
+
+class StatusReader:
+    """Takes statuses from a reader, and tells what was lost before what comes after it."""
+
+    def __init__(self, reader: Reader, mask: int) -> None:
+        self._reader = reader
+        self._mask = mask
+        self._told = 0
+        self._waiting: list[Status] = []
+        self.events = events_of_services(mask)
+
+    @property
+    def lost(self) -> int:
+        """Statuses, of any service, that were overwritten before they were read."""
+        return self._reader.lost
+
+    def next(self) -> Status | None:
+        """Take the next status that is there; raises ClosedError at the end."""
+        while not self._waiting:
+            self._reader.take_events()
+            found = self._reader.statuses(self._mask)
+            if found is None:
+                return None
+            self._waiting = found[::-1]
+            if self._reader.lost > self._told:
+                lost = self._reader.lost - self._told
+                self._told = self._reader.lost
+                raise SamplesLostError(lost)
+        return self._waiting.pop()
+
+    def drain(self, use: Callable[[Status], None]) -> None:
+        """Pass on all that are there; what was lost is counted only."""
+        while True:
+            try:
+                status = self.next()
+            except SamplesLostError:
+                continue
+            if status is None:
+                return
+            use(status)
+
+    def wait(self, seconds: float) -> None:
+        """Wait for one; it may end early."""
+        self._reader.wait(self.events, seconds)
+
+
+class Statuses(Iterator[Status]):
+    """Every status from the moment that this was made; see :meth:`roburoc4.Robot.statuses`."""
+
+    def __init__(self, source: StatusReader) -> None:
+        self._source = source
+
+    @property
+    def lost(self) -> int:
+        """Statuses, of any service, that were overwritten before they were read."""
+        return self._source.lost
+
+    def __iter__(self) -> "Statuses":
+        return self
+
+    def __next__(self) -> Status:
+        try:
+            while (status := self._source.next()) is None:
+                self._source.wait(_PATIENCE_S)
+        except ClosedError:
+            raise StopIteration from None
+        return status
+
+
+def _flat(status: Status) -> Iterator[tuple[str, object]]:
+    if isinstance(status, IoCardStatus):
+        yield "robot_cycles", status.robot_cycles
+        for index, volts in enumerate(status.analog_inputs):
+            yield f"analog_input_{index}", volts
+        for index, on in enumerate(status.digital_inputs):
+            yield f"digital_input_{index}", on
+        yield "host_us", status.host_us
+    elif isinstance(status, TelemeterStatus):
+        yield "robot_cycles", status.robot_cycles
+        for index, distance_m in enumerate(status.distances_m):
+            yield f"distance_{index}_m", distance_m
+        yield "host_us", status.host_us
+    else:
+        yield from status._asdict().items()
+
+
+class Recording(dict[str, dict[str, Column]]):
+    """Columns of statuses: ``recording["localization"]["x_m"]`` is a list.
+
+    Lists become columns of their own: ``distance_0_m``, ``analog_input_3``, ``digital_input_8``.
+    All columns of a service have the same length. A service without statuses has no columns.
+    """
+
+    def __init__(self, mask: int) -> None:
+        super().__init__(
+            (name, {}) for name, service in STATUS_SERVICES.items() if mask >> service & 1
+        )
+        self.lost = 0
+        """Statuses that came too fast to be recorded."""
+
+    def add(self, status: Status) -> None:
+        """Append a status to the columns of its service."""
+        columns = self[SERVICE_NAMES[type(status)]]
+        length = len(columns.get("robot_cycles", ()))
+        for name, value in _flat(status):
+            # Another robot after a reboot may have more channels.
+            columns.setdefault(name, [None] * length).append(value)
+        for column in columns.values():
+            if len(column) == length:
+                column.append(None)

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: MIT
+"""Settings of a client: from keyword arguments to the C library's struct."""
+
+from collections.abc import Mapping
+from typing import TypedDict
+
+from . import _native
+from .constants import Result, Resume, Role, Service
+from .errors import ArgumentError
+
+__all__ = ["Settings"]
+
+
+class Settings(TypedDict, total=False):
+    """What ``connect`` and ``Simulator.connect`` take beside the address; all have defaults."""
+
+    periods_ms: Mapping[str, int | None]
+    """Status periods by service ("iocard", "telemeter", "battery", "localization",
+    "differential"): a multiple of 10, 10 to 2550; None to leave a service out. Defaults: 50, 100,
+    1000, 50, 50. Driving needs IO card and differential statuses more often than ``fresh_ms``."""
+    lease_ms: int
+    """Life of a drive command; 20 to 1000; 250."""
+    drive_period_ms: int
+    """Repetition of a living drive command; 10 to 500, at most half of ``lease_ms``; 50."""
+    fresh_ms: int
+    """Age to which a status counts for driving; 50 to 1000; 300."""
+    lost_ms: int
+    """Silence after which the robot is lost; 200 to 60000; 1000."""
+    first_retry_ms: int
+    """A request is repeated after this, doubling to 1 s; 10 to 100; 100."""
+    robot_watchdog_ms: int
+    """The robot's own watchdog; 100 to 60000; 1000."""
+    max_linear_m_s: float
+    """Ceiling of speed; 0.001 to 20; 2.6."""
+    max_angular_rad_s: float
+    """Ceiling of turn rate; 0.001 to 50; 6.5."""
+    scale_linear: float
+    """Multiplies what ``drive`` is given; 0.01 to 10; 1."""
+    scale_angular: float
+    turn_keeping: bool
+    """Slow down rather than turn less; off."""
+    allow_unknown_override: bool
+    """Arm although the game pad's input is not known; off. Gives up a protection."""
+    ignore_foreign: bool
+    """Stay armed while another client commands; off. Gives up a protection."""
+    resume: Resume
+    """After what to arm again by itself; after nothing."""
+    override_index: int
+    """Index of game pad [A] among the digital inputs, where the robot's texts do not tell it."""
+    front_bumper_index: int
+    rear_bumper_index: int
+    battery_voltage_index: int
+    """Likewise, among the analog inputs."""
+    buffer: int
+    """Statuses that are kept for who reads them late; 16 to 1000000; 10000."""
+
+
+BUFFER_DEFAULT = 10_000
+
+_PLAIN = frozenset(
+    (
+        "lease_ms",
+        "drive_period_ms",
+        "fresh_ms",
+        "lost_ms",
+        "first_retry_ms",
+        "robot_watchdog_ms",
+        "max_linear_m_s",
+        "max_angular_rad_s",
+        "scale_linear",
+        "scale_angular",
+    )
+)
+_OPTIONS = {"turn_keeping": 1, "allow_unknown_override": 2, "ignore_foreign": 4}
+_ROLES = {
+    "override_index": Role.OVERRIDE,
+    "front_bumper_index": Role.FRONT_BUMPER,
+    "rear_bumper_index": Role.REAR_BUMPER,
+    "battery_voltage_index": Role.BATTERY_V,
+}
+STATUS_SERVICES = {
+    "iocard": Service.IOCARD,
+    "telemeter": Service.TELEMETER,
+    "battery": Service.BATTERY,
+    "localization": Service.LOCALIZATION,
+    "differential": Service.DIFFERENTIAL,
+}
+
+
+def service_of(service: str | Service) -> Service:
+    """Return the service that sends statuses of this name, or say which there are."""
+    found = STATUS_SERVICES.get(service.lower()) if isinstance(service, str) else Service(service)
+    if found is None or found not in STATUS_SERVICES.values():
+        names = ", ".join(STATUS_SERVICES)
+        raise ArgumentError(
+            f"no service {service!r} with statuses: give one of {names}", Result.ARGUMENT
+        )
+    return found
+
+
+def _set_periods(config: "_native.Config", periods: Mapping[str, int | None]) -> None:
+    wanted = _native.roburoc4_config_subscriptions_get(config)
+    for name, period_ms in periods.items():
+        service = service_of(name)
+        if period_ms is None:
+            wanted &= ~(1 << service)
+        else:
+            _native.config_set_period(config, service, period_ms)
+    _native.roburoc4_config_subscriptions_set(config, wanted)
+
+
+def _set(config: "_native.Config", name: str, value: object) -> None:
+    if name in _PLAIN:
+        getattr(_native, f"roburoc4_config_{name}_set")(config, value)
+    elif name in _OPTIONS:
+        options = _native.roburoc4_config_options_get(config)
+        options = options | _OPTIONS[name] if value else options & ~_OPTIONS[name]
+        _native.roburoc4_config_options_set(config, options)
+    elif name in _ROLES:
+        _native.config_set_role(config, _ROLES[name], value)  # type: ignore[arg-type]
+    elif name == "resume":
+        _native.roburoc4_config_resume_set(config, int(value))  # type: ignore[call-overload]
+    elif name == "periods_ms":
+        _set_periods(config, value)  # type: ignore[arg-type]
+    elif name != "buffer":
+        known = ", ".join(sorted(Settings.__annotations__))
+        raise TypeError(f"no setting {name!r}: there are {known}")
+
+
+def config_of(settings: Settings) -> tuple["_native.Config", object]:
+    """Make the C struct, and its owner."""
+    config = _native.new_config()
+    owner = _native.own_memory(config)
+    for name, value in settings.items():
+        try:
+            _set(config, name, value)
+        except OverflowError as error:
+            raise ArgumentError(f"{name}: {value!r} is out of range", Result.CONFIG) from error
+    wrong = _native.roburoc4_config_error(config)
+    if wrong is not None:
+        raise ArgumentError(f"setting out of range: {wrong}", Result.CONFIG)
+    buffer_of(settings)
+    return config, owner
+
+
+def buffer_of(settings: Settings) -> int:
+    """Return how many statuses are kept for late readers."""
+    buffer = settings.get("buffer", BUFFER_DEFAULT)
+    if not 16 <= buffer <= 1_000_000:
+        raise ArgumentError(f"buffer: {buffer} is out of range: 16 to 1000000", Result.CONFIG)
+    return buffer

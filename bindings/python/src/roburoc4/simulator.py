@@ -1,0 +1,338 @@
+# SPDX-License-Identifier: MIT
+"""A simulated RobuROC4: in virtual time, or in real time behind a UDP port."""
+
+import os
+import threading
+from contextlib import AbstractContextManager
+from types import TracebackType
+from typing import Any, Literal, Self, TypedDict, Unpack
+
+from . import _native
+from .constants import Result, Service
+from .errors import ArgumentError, RobotError, error_of
+from .pad import EmergencyStop, GamePad
+from .records import Pose, SimState
+from .robot import Robot, connect
+from .settings import Settings
+from .world import SimEngine, World
+
+__all__ = ["SimSettings", "Simulator"]
+
+_FUNCTIONS = {
+    name.removeprefix("roburoc4_sim_"): getattr(_native, name)
+    for name in dir(_native)
+    if name.startswith("roburoc4_sim_")
+}
+_SIDES = {"front": 0, "rear": 1}
+_BRAKES = {"automatic": 0, "released": 1}
+
+
+class SimSettings(TypedDict, total=False):
+    """What a simulated robot can be; ``roburoc4_sim.h`` describes each. All have defaults."""
+
+    watchdog_cycles: int
+    service_ids: dict[str, int]
+    """Ids on the wire by service name, "iocard" to "differential"."""
+    plain_types: bool
+    hidden_services: int
+    refused_inserts: int
+    query_mode: int
+    answer_id_fixed: bool
+    only_id_fixed: bool
+    error_header: bool
+    start_safe: bool
+    analog_inputs: int
+    analog_outputs: int
+    digital_inputs: int
+    digital_outputs: int
+    max_linear_m_s: float
+    min_linear_m_s: float
+    max_angular_rad_s: float
+    min_angular_rad_s: float
+    max_linear_m_s2: float
+    min_linear_m_s2: float
+    max_angular_rad_s2: float
+    min_angular_rad_s2: float
+    width_m: float
+    slip: float
+    """Share of a turn that skidding eats, 0 (none, and no noise) to 0.9."""
+    nominal_voltage_v: float
+    capacity_ah: float
+    battery_percent: float
+    minimum_percent: int
+    start_x_m: float
+    start_y_m: float
+    start_theta_rad: float
+
+
+def _set(config: "_native.SimConfig", name: str, value: Any) -> None:
+    if name == "service_ids":
+        for service, wire_id in value.items():
+            _native.sim_config_set_id(config, Service[service.upper()], wire_id)
+    elif name in SimSettings.__annotations__:
+        value = int(value) if isinstance(value, bool) else value
+        getattr(_native, f"roburoc4_sim_config_{name}_set")(config, value)
+    else:
+        known = ", ".join(sorted(SimSettings.__annotations__))
+        raise TypeError(f"no setting {name!r}: there are {known}")
+
+
+def _config_of(seed: int, settings: SimSettings) -> tuple["_native.SimConfig", object]:
+    config = _native.new_sim_config()
+    owner = _native.own_memory(config)
+    _native.roburoc4_sim_config_seed_set(config, seed)
+    for name, value in settings.items():
+        try:
+            _set(config, name, value)
+        except OverflowError as error:
+            raise ArgumentError(f"{name}: {value!r} is out of range", Result.CONFIG) from error
+    wrong = _native.roburoc4_sim_config_error(config)
+    if wrong is not None:
+        raise ArgumentError(f"setting out of range: {wrong}", Result.CONFIG)
+    return config, owner
+
+
+class _HostLock:
+    """The lock that a serving simulator shares with its native thread."""
+
+    def __init__(self, host: "_native.Host") -> None:
+        self._host = host
+
+    def __enter__(self) -> None:
+        _native.sim_host_lock(self._host)
+
+    def __exit__(self, *_: object) -> None:
+        _native.sim_host_unlock(self._host)
+
+
+class Simulator:
+    """A simulated robot to try programs on, and to write tests with.
+
+    In virtual time (by default) nothing happens but by ``step`` and by what waits on a robot of
+    ``connect``: a test takes no real time and always goes the same way.
+
+        with roburoc4.Simulator() as sim, sim.connect() as robot:
+            robot.arm()
+            robot.drive_for(0.5, 0.0, seconds=2)
+            assert sim.true_pose.x_m > 0.5
+
+    With a port (0 picks a free one) it serves UDP in real time, on a thread that needs no Python;
+    ``address`` is where. ``sim.connect`` then returns a robot in real time.
+    """
+
+    def __init__(
+        self,
+        *,
+        port: int | None = None,
+        host: str = "127.0.0.1",
+        seed: int = 1,
+        **settings: Unpack[SimSettings],
+    ) -> None:
+        self._process = os.getpid()
+        self._closed = False
+        config, _owner = _config_of(seed, settings)
+        self._sim = _native.roburoc4_sim_create(config)
+        self._faults = _native.new_faults()
+        self._faults_owner = _native.own_memory(self._faults)
+        self._world: World | None = None
+        self._host: _native.Host | None = None
+        self._lock: AbstractContextManager[object]
+        if port is None:
+            self._owner = _native.own_sim(self._sim)
+            self._world = World(self._sim, self._owner, self._faults)
+            self._lock = self._world.lock
+            self._address = "virtual"
+        else:
+            if not 0 <= port <= 65535:
+                raise ArgumentError(f"port: {port} is out of range: 0 to 65535", Result.ARGUMENT)
+            self._host = _native.sim_host_open(self._sim, host, port)
+            self._owner = _native.own_host(self._host)
+            self._lock = _HostLock(self._host)
+            self._address = f"{host}:{_native.sim_host_port(self._host)}"
+        self._closing = threading.Lock()
+        self.pad = GamePad(self._call)
+        """The game pad's hands."""
+        self.estop = EmergencyStop(self._call)
+        """The emergency stops."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<roburoc4.Simulator {self._address}>"
+
+    def close(self) -> None:
+        """End it; several times. Its state can still be read."""
+        with self._closing:
+            if self._closed or self._process != os.getpid():
+                return
+            self._closed = True
+            if self._world is not None:
+                with self._world.lock:
+                    self._world.closed = True
+            elif self._host is not None:
+                _native.sim_host_stop(self._host)
+
+    def _call(self, name: str, *arguments: Any) -> Any:
+        if self._process != os.getpid():
+            raise error_of(Result.CLOSED)
+        with self._lock:
+            result = _FUNCTIONS[name](self._sim, *arguments)
+            if self._world is not None and not self._world.closed:
+                self._world.exchange()
+            return result
+
+    # ---- time and network ----
+
+    @property
+    def address(self) -> str:
+        """``HOST:PORT``, or "virtual"."""
+        return self._address
+
+    @property
+    def now_s(self) -> float:
+        """Seconds of the simulator's clock; its zero is any."""
+        return self.state.now_us / 1e6
+
+    def step(self, seconds: float) -> None:
+        """Let virtual time pass, for the robots of ``connect`` too."""
+        if self._world is None:
+            raise RobotError(
+                "a simulator on a port runs in real time: use time.sleep()", Result.STATE
+            )
+        if not 0 <= seconds < 1e9:
+            raise ArgumentError(f"seconds: {seconds} is not a duration", Result.ARGUMENT)
+        self._world.run(self._world.now_us + round(seconds * 1e6))
+
+    def connect(self, timeout: float = 10.0, **settings: Unpack[Settings]) -> Robot:
+        """Connect a robot object; in virtual time it lives on the simulator's clock."""
+        if self._world is None:
+            return connect(self._address, timeout=timeout, **settings)
+        robot = Robot(SimEngine(self._world, settings), settings)
+        robot.wait_ready(timeout)
+        return robot
+
+    def set_faults(
+        self,
+        *,
+        loss: float = 0.0,
+        duplicate: float = 0.0,
+        reorder: float = 0.0,
+        corrupt: float = 0.0,
+        delay_ms: float = 0.0,
+        jitter_ms: float = 0.0,
+    ) -> None:
+        """Make the network bad, in both directions; shares are 0 to 1. Without arguments: good."""
+        shares = {"loss": loss, "duplicate": duplicate, "reorder": reorder, "corrupt": corrupt}
+        times = {"delay_us": delay_ms * 1e3, "jitter_us": jitter_ms * 1e3}
+        for name, share in shares.items():
+            if not 0 <= share <= 1:
+                raise ArgumentError(f"{name}: {share} is out of range: 0 to 1", Result.ARGUMENT)
+            getattr(_native, f"roburoc4_sim_faults_{name}_set")(self._faults, share)
+        for name, time_us in times.items():
+            getattr(_native, f"roburoc4_sim_faults_{name}_set")(self._faults, round(time_us))
+        with self._lock:
+            if self._host is not None:
+                _native.sim_host_set_faults(self._host, self._faults)
+            elif self._world is not None:
+                for engine in self._world.engines():
+                    engine.network.set_faults(self._faults)
+
+    # ---- looking ----
+
+    @property
+    def state(self) -> SimState:
+        """All that can be known about the robot."""
+        with self._lock:
+            snapshot: SimState = _native.roburoc4_sim_snapshot(self._sim)
+        return snapshot
+
+    @property
+    def true_pose(self) -> Pose:
+        """Where the robot really is, whatever odometry says."""
+        state = self.state
+        return Pose(state.true_x_m, state.true_y_m, state.true_theta_rad)
+
+    def digital_output(self, index: int) -> bool:
+        """Return what was last commanded; output 0 is the robot's own watchdog."""
+        return bool(self._call("digital_output", index))
+
+    # ---- hands ----
+
+    def set_power(self, on: bool) -> None:
+        """Switch the main power; on after off is a reboot."""
+        self._call("set_power", int(on))
+
+    def reboot(self) -> None:
+        """Switch the power off and on."""
+        self.set_power(False)
+        self.set_power(True)
+
+    def press_motor_button(self) -> None:
+        """Give power to the motors; needs released emergency stops and automatic brakes."""
+        self._call("press_motor_button")
+
+    def set_brakes(self, position: Literal["automatic", "released"]) -> None:
+        """Turn the brakes selector; released cuts the motors' power."""
+        self._call("set_brakes", _BRAKES[position])
+
+    def set_charger(self, plugged: bool) -> None:
+        """Plug in or pull the charger."""
+        self._call("set_charger", int(plugged))
+
+    def set_battery(self, percent: float) -> None:
+        """Set the remaining energy, 0 to 100."""
+        self._call("set_battery_percent", percent)
+
+    def set_bumper(self, side: Literal["front", "rear"], pressed: bool) -> None:
+        """Press a bumper by hand, or let go."""
+        self._call("set_bumper", _SIDES[side], int(pressed))
+
+    def pin_input(self, index: int, value: float | bool) -> None:
+        """Pin what an input reports: bool for a digital one, float for an analog one."""
+        if isinstance(value, bool):
+            self._call("pin_digital_input", index, int(value))
+        else:
+            self._call("pin_analog_input", index, value)
+
+    def unpin_inputs(self) -> None:
+        """Let all inputs report what is."""
+        self._call("unpin_inputs")
+
+    # ---- the world ----
+
+    def add_box(
+        self, x_m: float, y_m: float, size_x_m: float, size_y_m: float, theta_rad: float = 0.0
+    ) -> int:
+        """Put a box on the floor, and return its number."""
+        return int(self._call("add_box", x_m, y_m, size_x_m, size_y_m, theta_rad))
+
+    def add_wall(self, x1_m: float, y1_m: float, x2_m: float, y2_m: float) -> int:
+        """Build a wall between two points, and return its number."""
+        return int(self._call("add_wall", x1_m, y1_m, x2_m, y2_m))
+
+    def clear_world(self) -> None:
+        """Remove all boxes and walls."""
+        self._call("clear_world")
+
+    def place(self, x_m: float, y_m: float, theta_rad: float = 0.0) -> None:
+        """Lift the robot to another place; its odometry notices nothing."""
+        self._call("place", x_m, y_m, theta_rad)
+
+    def panel(self, line: str) -> str:
+        """Obey a line such as "pad a down", and return the reply; "help" lists them all."""
+        with self._lock:
+            result, reply = _native.sim_panel(self._sim, line)
+            if self._world is not None and not self._world.closed:
+                self._world.exchange()
+        if result < 0:
+            raise ArgumentError(f"{line!r}: {reply}", result)
+        return reply

@@ -1,0 +1,396 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Which of the codec's decoders a datagram is for, and the record of what it says.
+ */
+#include "decode.h"
+
+#include <string.h>
+
+#include "raise.h"
+
+/* What bytes alone do not tell: ids of the services, and counts of the IO card's channels. */
+typedef struct layout {
+    uint32_t ids[ROBUROC4_SERVICE_COUNT];
+    uint32_t analog_inputs, analog_outputs, digital_inputs, digital_outputs;
+} layout;
+
+typedef struct datagram {
+    const uint8_t *data;
+    size_t size;
+    const layout *layout;
+} datagram;
+
+static const layout usual_layout = {{0, 1, 2, 3, 4, 5, 6}, 9, 0, 22, 8};
+
+/* ---------------------------------------------------------------------------------- layout --- */
+
+static int read_layout(PyObject *tuple, layout *out) {
+    uint32_t values[9];
+    Py_ssize_t i;
+    if (!PyTuple_Check(tuple) || PyTuple_Size(tuple) != 9) {
+        PyErr_SetString(PyExc_TypeError, "layout: give a roburoc4.Layout");
+        return -1;
+    }
+    for (i = 0; i < 9; i++) {
+        unsigned long value = PyLong_AsUnsignedLong(PyTuple_GetItem(tuple, i));
+        if (PyErr_Occurred() != NULL) {
+            return -1;
+        }
+        if (value > (i < 5 ? 65535u : 0x7FFFFFFFu)) {
+            PyErr_SetString(PyExc_OverflowError, "layout");
+            return -1;
+        }
+        values[i] = (uint32_t)value;
+    }
+    *out = usual_layout;
+    memcpy(&out->ids[ROBUROC4_SERVICE_IOCARD], values, 5 * sizeof values[0]);
+    out->analog_inputs = values[5];
+    out->analog_outputs = values[6];
+    out->digital_inputs = values[7];
+    out->digital_outputs = values[8];
+    return 0;
+}
+
+static uint32_t service_of_id(const layout *layout, uint32_t id) {
+    uint32_t service = 0;
+    while (service < ROBUROC4_SERVICE_COUNT && layout->ids[service] != id) {
+        service++;
+    }
+    return service;
+}
+
+/* -------------------------------------------------------------------------------- statuses --- */
+
+static PyObject *iocard_status(const datagram *d) {
+    roburoc4_iocard_status status;
+    PyObject *analog, *digital;
+    uint32_t i;
+    roburoc4_result result = roburoc4_decode_iocard_status(
+        d->data, d->size, d->layout->analog_inputs, d->layout->digital_inputs, &status);
+    if (result < 0) {
+        return raise_result(result);
+    }
+    analog = PyTuple_New(status.analog_inputs);
+    for (i = 0; analog != NULL && i < status.analog_inputs; i++) {
+        float value = 0.0F;
+        (void)roburoc4_analog_input_at(&status, i, &value);
+        (void)PyTuple_SetItem(analog, i, PyFloat_FromDouble(value));
+    }
+    digital = PyTuple_New(status.digital_inputs);
+    for (i = 0; digital != NULL && i < status.digital_inputs; i++) {
+        (void)PyTuple_SetItem(digital, i, PyBool_FromLong(roburoc4_digital_input_at(&status, i)));
+    }
+    return record_new(
+        RECORD_IOCARD_STATUS,
+        Py_BuildValue("(KNNi)", (unsigned long long)status.robot_cycles, analog, digital, 0));
+}
+
+static PyObject *telemeter_status(const datagram *d) {
+    roburoc4_telemeter_status status;
+    PyObject *distances;
+    uint32_t i;
+    roburoc4_result result = roburoc4_decode_telemeter_status(d->data, d->size, &status);
+    if (result < 0) {
+        return raise_result(result);
+    }
+    distances = PyTuple_New(status.count);
+    for (i = 0; distances != NULL && i < status.count; i++) {
+        float value = 0.0F;
+        (void)roburoc4_distance_at(&status, i, &value);
+        (void)PyTuple_SetItem(distances, i, PyFloat_FromDouble(value));
+    }
+    return record_new(
+        RECORD_TELEMETER_STATUS,
+        Py_BuildValue("(KNi)", (unsigned long long)status.robot_cycles, distances, 0));
+}
+
+static PyObject *battery_status(const datagram *d) {
+    roburoc4_battery_status status;
+    roburoc4_result result = roburoc4_decode_battery_status(d->data, d->size, &status);
+    return result < 0 ? raise_result(result) : record_of_battery(&status, 0);
+}
+
+static PyObject *localization_status(const datagram *d) {
+    roburoc4_localization_status status;
+    roburoc4_result result = roburoc4_decode_localization_status(d->data, d->size, &status);
+    return result < 0 ? raise_result(result) : record_of_localization(&status, 0);
+}
+
+static PyObject *differential_status(const datagram *d) {
+    roburoc4_differential_status status;
+    roburoc4_result result = roburoc4_decode_differential_status(d->data, d->size, &status);
+    return result < 0 ? raise_result(result) : record_of_differential(&status, 0);
+}
+
+static PyObject *unknown_status(const datagram *d, const roburoc4_status_header *header) {
+    return record_new(RECORD_UNKNOWN_STATUS,
+                      Py_BuildValue("(Kiy#)", (unsigned long long)header->robot_cycles,
+                                    (int)header->service, (const char *)d->data + 11,
+                                    (Py_ssize_t)d->size - 11));
+}
+
+static PyObject *status(const datagram *d) {
+    roburoc4_status_header header;
+    roburoc4_result result = roburoc4_decode_status_header(d->data, d->size, &header);
+    if (result < 0) {
+        return raise_result(result);
+    }
+    switch (service_of_id(d->layout, header.service)) {
+    case ROBUROC4_SERVICE_IOCARD:
+        return iocard_status(d);
+    case ROBUROC4_SERVICE_TELEMETER:
+        return telemeter_status(d);
+    case ROBUROC4_SERVICE_BATTERY:
+        return battery_status(d);
+    case ROBUROC4_SERVICE_LOCALIZATION:
+        return localization_status(d);
+    case ROBUROC4_SERVICE_DIFFERENTIAL:
+        return differential_status(d);
+    default:
+        return unknown_status(d, &header);
+    }
+}
+
+/* --------------------------------------------------------------------------------- answers --- */
+
+static PyObject *directory(const datagram *d) {
+    roburoc4_directory list;
+    PyObject *tuple;
+    uint32_t i;
+    roburoc4_result result = roburoc4_decode_directory(d->data, d->size, &list);
+    if (result < 0) {
+        return raise_result(result);
+    }
+    tuple = PyTuple_New(list.count);
+    for (i = 0; tuple != NULL && i < list.count; i++) {
+        roburoc4_directory_entry entry = {0, 0};
+        (void)roburoc4_directory_at(&list, i, &entry);
+        (void)PyTuple_SetItem(tuple, i, record_of_directory_entry(&entry));
+    }
+    return tuple;
+}
+
+static PyObject *notification(const datagram *d) {
+    roburoc4_notification list;
+    PyObject *tuple;
+    uint32_t i;
+    roburoc4_result result = roburoc4_decode_notification(d->data, d->size, &list);
+    if (result < 0) {
+        return raise_result(result);
+    }
+    tuple = PyTuple_New(list.count);
+    for (i = 0; tuple != NULL && i < list.count; i++) {
+        roburoc4_subscription entry = {0, 0, 0};
+        (void)roburoc4_notification_at(&list, i, &entry);
+        (void)PyTuple_SetItem(
+            tuple, i,
+            record_new(RECORD_SUBSCRIPTION,
+                       Py_BuildValue("(ii)", (int)entry.service, (int)entry.period_cycles)));
+    }
+    return tuple;
+}
+
+static PyObject *telemeters(const datagram *d) {
+    roburoc4_telemeter_list list;
+    PyObject *tuple;
+    uint32_t i;
+    roburoc4_result result = roburoc4_decode_telemeter_properties(d->data, d->size, &list);
+    if (result < 0) {
+        return raise_result(result);
+    }
+    tuple = PyTuple_New(list.count);
+    for (i = 0; tuple != NULL && i < list.count; i++) {
+        roburoc4_telemeter telemeter = {0};
+        (void)roburoc4_telemeter_at(&list, i, &telemeter);
+        (void)PyTuple_SetItem(tuple, i, record_of_telemeter(&telemeter));
+    }
+    return tuple;
+}
+
+static PyObject *iocard_properties(const datagram *d) {
+    roburoc4_iocard_properties properties;
+    roburoc4_result result = roburoc4_decode_iocard_properties(d->data, d->size, &properties);
+    return result < 0 ? raise_result(result) : record_of_iocard_properties(&properties);
+}
+
+static PyObject *battery_properties(const datagram *d) {
+    roburoc4_battery_properties properties;
+    roburoc4_result result = roburoc4_decode_battery_properties(d->data, d->size, &properties);
+    return result < 0 ? raise_result(result) : record_of_battery_properties(&properties);
+}
+
+static PyObject *localization_properties(const datagram *d) {
+    roburoc4_localization_properties properties;
+    roburoc4_result result = roburoc4_decode_localization_properties(d->data, d->size, &properties);
+    return result < 0 ? raise_result(result) : record_of_localization_properties(&properties);
+}
+
+static PyObject *differential_properties(const datagram *d) {
+    roburoc4_differential_properties properties;
+    roburoc4_result result = roburoc4_decode_differential_properties(d->data, d->size, &properties);
+    return result < 0 ? raise_result(result) : record_of_differential_properties(&properties);
+}
+
+static PyObject *payload(const roburoc4_answer *answer) {
+    return PyBytes_FromStringAndSize((const char *)answer->payload,
+                                     (Py_ssize_t)answer->payload_size);
+}
+
+static PyObject *properties(const datagram *d, const roburoc4_answer *answer) {
+    static PyObject *(*const decoders[ROBUROC4_SERVICE_COUNT])(const datagram *) = {
+        directory,
+        notification,
+        iocard_properties,
+        telemeters,
+        battery_properties,
+        localization_properties,
+        differential_properties};
+    uint32_t service = service_of_id(d->layout, answer->service);
+    return service < ROBUROC4_SERVICE_COUNT ? decoders[service](d) : payload(answer);
+}
+
+/* Its character set is not known: UTF-8 where it can be, else Latin-1, which any bytes are. */
+static PyObject *text(const roburoc4_answer *answer) {
+    const char *bytes = (const char *)answer->payload;
+    Py_ssize_t size = (Py_ssize_t)answer->payload_size;
+    PyObject *text = PyUnicode_DecodeUTF8(bytes, size, "strict");
+    if (text == NULL && PyErr_ExceptionMatches(PyExc_UnicodeDecodeError)) {
+        PyErr_Clear();
+        text = PyUnicode_DecodeLatin1(bytes, size, "strict");
+    }
+    return text;
+}
+
+static PyObject *body(const datagram *d, const roburoc4_answer *answer) {
+    if (answer->error == ROBUROC4_ERROR_NONE && answer->id != ROBUROC4_HEADER_ERROR) {
+        if (answer->action == ROBUROC4_ACTION_GET) {
+            return properties(d, answer);
+        }
+        if (answer->action == ROBUROC4_ACTION_QUERY) {
+            return text(answer);
+        }
+    }
+    return payload(answer);
+}
+
+static PyObject *answer(const datagram *d) {
+    roburoc4_answer answer;
+    PyObject *said;
+    roburoc4_result result = roburoc4_decode_answer(d->data, d->size, &answer);
+    if (result < 0) {
+        return raise_result(result);
+    }
+    said = body(d, &answer);
+    if (said == NULL) {
+        return NULL;
+    }
+    return record_new(RECORD_ANSWER, Py_BuildValue("(iiiiN)", (int)answer.id, (int)answer.action,
+                                                   (int)answer.service, (int)answer.error, said));
+}
+
+/* ------------------------------------------------------------------- what a client has sent --- */
+
+static PyObject *iocard_command(const datagram *d) {
+    roburoc4_iocard_command command;
+    PyObject *analog, *digital;
+    uint32_t i;
+    roburoc4_result result = roburoc4_decode_iocard_command(
+        d->data, d->size, d->layout->analog_outputs, d->layout->digital_outputs, &command);
+    if (result < 0) {
+        return raise_result(result);
+    }
+    analog = PyTuple_New(command.analog_outputs);
+    for (i = 0; analog != NULL && i < command.analog_outputs; i++) {
+        float value = 0.0F;
+        (void)roburoc4_analog_output_at(&command, i, &value);
+        (void)PyTuple_SetItem(analog, i, PyFloat_FromDouble(value));
+    }
+    digital = PyTuple_New(command.digital_outputs);
+    for (i = 0; digital != NULL && i < command.digital_outputs; i++) {
+        (void)PyTuple_SetItem(digital, i, PyBool_FromLong(roburoc4_digital_output_at(&command, i)));
+    }
+    return record_new(RECORD_IOCARD_COMMAND, Py_BuildValue("(NN)", analog, digital));
+}
+
+static PyObject *differential_command(const datagram *d) {
+    roburoc4_differential_command command;
+    roburoc4_result result = roburoc4_decode_differential_command(d->data, d->size, &command);
+    if (result < 0) {
+        return raise_result(result);
+    }
+    return record_new(RECORD_DIFFERENTIAL_COMMAND, Py_BuildValue("(dd)", (double)command.linear_m_s,
+                                                                 (double)command.angular_rad_s));
+}
+
+static PyObject *command(const datagram *d) {
+    roburoc4_status_header header;
+    roburoc4_result result = roburoc4_decode_command_header(d->data, d->size, &header);
+    uint32_t service;
+    if (result < 0) {
+        return raise_result(result);
+    }
+    service = service_of_id(d->layout, header.service);
+    if (service == ROBUROC4_SERVICE_IOCARD) {
+        return iocard_command(d);
+    }
+    if (service == ROBUROC4_SERVICE_DIFFERENTIAL) {
+        return differential_command(d);
+    }
+    return record_new(RECORD_UNKNOWN_COMMAND,
+                      Py_BuildValue("(iy#)", (int)header.service, (const char *)d->data + 3,
+                                    (Py_ssize_t)d->size - 3));
+}
+
+static PyObject *request(const datagram *d) {
+    roburoc4_request r;
+    roburoc4_result result = roburoc4_decode_request(d->data, d->size, &r);
+    if (result < 0) {
+        return raise_result(result);
+    }
+    return record_new(RECORD_REQUEST,
+                      Py_BuildValue("(iiiiiiiKddd)", (int)r.id, (int)r.action, (int)r.service,
+                                    (int)r.subject, (int)r.period_cycles, (int)r.io_type,
+                                    (int)r.index, (unsigned long long)r.timestamp, r.x_m, r.y_m,
+                                    r.theta_rad));
+}
+
+/* --------------------------------------------------------------------------------- choosing --- */
+
+static PyObject *decode(const datagram *d, int from_client) {
+    int is_marked = d->size > 0 && d->data[0] == ROBUROC4_HEADER_STATUS;
+    if (from_client) {
+        return is_marked ? command(d) : request(d);
+    }
+    return is_marked ? status(d) : answer(d);
+}
+
+PyObject *decode_telegram(PyObject *self, PyObject *const *arguments, Py_ssize_t count) {
+    layout given;
+    datagram d = {NULL, 0, &usual_layout};
+    Py_buffer view;
+    PyObject *record;
+    int from_client;
+    (void)self;
+    if (count != 3) {
+        PyErr_SetString(PyExc_TypeError, "decode takes data, layout and from_client");
+        return NULL;
+    }
+    from_client = PyObject_IsTrue(arguments[2]);
+    if (from_client < 0) {
+        return NULL;
+    }
+    if (arguments[1] != Py_None) {
+        if (read_layout(arguments[1], &given) < 0) {
+            return NULL;
+        }
+        d.layout = &given;
+    }
+    if (PyObject_GetBuffer(arguments[0], &view, PyBUF_SIMPLE) < 0) {
+        return NULL;
+    }
+    d.data = view.buf;
+    d.size = (size_t)view.len;
+    record = decode(&d, from_client);
+    PyBuffer_Release(&view);
+    return record;
+}

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: MIT
+"""A simulator behind a port, and programs as their users start them."""
+
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+import roburoc4
+
+pytest_plugins = ["pytester"]
+
+
+@pytest.fixture
+def served() -> Iterator[roburoc4.Simulator]:
+    """A simulator in real time; its clock is that of time.monotonic()."""
+    with roburoc4.Simulator(port=0) as simulator:
+        yield simulator
+
+
+@pytest.fixture
+def start() -> Iterator[Callable[..., subprocess.Popen[str]]]:
+    """Start a Python program with arguments; what still runs at the end is killed."""
+    running: list[subprocess.Popen[str]] = []
+
+    def start_program(program: str, *arguments: str) -> subprocess.Popen[str]:
+        process = subprocess.Popen(
+            [sys.executable, "-c", program, *arguments],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        running.append(process)
+        return process
+
+    yield start_program
+    for process in running:
+        if process.poll() is None:
+            process.kill()
+        process.communicate()
+
+
+def until(condition: Callable[[], object], seconds: float = 10.0) -> None:
+    """Look again and again; fail where it does not come true."""
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not come true"
+        time.sleep(0.001)
+
+
+def first_zero_s(simulator: roburoc4.Simulator, seconds: float = 10.0) -> float:
+    """When the first zero command came, on time.monotonic(), after a speed was seen."""
+    until(lambda: simulator.state.last_linear_m_s != 0, seconds)
+    until(lambda: simulator.state.last_linear_m_s == 0, seconds)
+    return simulator.state.last_command_us / 1e6
+
+
+def header(name: str = "roburoc4.h") -> str:
+    """The text of a C header, in a checkout or in an unpacked sdist."""
+    here = Path(__file__).resolve().parent
+    for folder in (here.parent / "core", here.parents[2]):
+        path = folder / "include" / name
+        if path.exists():
+            return path.read_text(encoding="utf-8")
+    raise FileNotFoundError(name)

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: MIT
+"""The robot for asyncio, on a real socket."""
+
+import asyncio
+import gc
+import itertools
+import threading
+import time
+
+import pytest
+from conftest import until
+
+import roburoc4
+from roburoc4 import Event, Simulator
+
+
+def test_aio_is_there_without_an_import_of_its_own() -> None:
+    assert callable(roburoc4.aio.connect)
+    with pytest.raises(AttributeError, match="coffee"):
+        _ = roburoc4.coffee
+
+
+def test_a_program_of_coroutines(served: Simulator) -> None:
+    async def program() -> None:
+        async with roburoc4.aio.connect(served.address) as robot:
+            await robot.arm()
+            await robot.drive_for(0.5, 0.0, seconds=0.5)
+            await robot.relocalize(1.0, 2.0, 0.5)
+            status = await robot.wait_for("localization")
+            assert isinstance(status, roburoc4.LocalizationStatus)
+            assert await robot.wait_for(lambda r: r.battery.remaining_percent) == 100
+            served.pad.press()
+            assert await robot.wait_for(Event.OVERRIDE) == Event.OVERRIDE
+            recording = await robot.record(0.5, "differential")
+            assert len(recording["differential"]["current_linear_m_s"]) >= 5
+            with pytest.raises(TimeoutError, match="LOST"):
+                await robot.wait_for(Event.LOST, timeout=0.1)
+
+    asyncio.run(program())
+    assert served.state.last_linear_m_s == 0
+    assert served.state.nonzero_speed_commands >= 5
+
+
+def test_statuses_are_iterated_without_loss(served: Simulator) -> None:
+    async def program() -> list[int]:
+        async with roburoc4.aio.connect(served.address) as robot:
+            cycles = []
+            statuses = robot.statuses("localization")
+            await asyncio.sleep(0.5)
+            async for status in statuses:
+                cycles.append(status.robot_cycles)
+                if len(cycles) == 20:
+                    break
+            assert statuses.lost == 0
+            return cycles
+
+    cycles = asyncio.run(program())
+    assert {after - before for before, after in itertools.pairwise(cycles)} == {5}
+
+
+def test_iteration_ends_at_close(served: Simulator) -> None:
+    async def program() -> int:
+        robot = await roburoc4.aio.connect(served.address)
+        asyncio.get_running_loop().call_later(0.3, lambda: asyncio.ensure_future(robot.close()))
+        count = 0
+        async for _ in robot.statuses():
+            count += 1
+        await robot.close()
+        return count
+
+    assert asyncio.run(program()) > 0
+
+
+def test_cancelling_a_drive_stops_the_robot(served: Simulator) -> None:
+    async def program() -> None:
+        async with roburoc4.aio.connect(served.address) as robot:
+            await robot.arm()
+            task = asyncio.create_task(robot.drive_for(0.5, 0.0, seconds=60))
+            await asyncio.to_thread(until, lambda: served.state.last_linear_m_s != 0)
+            task.cancel()
+            with pytest.raises(asyncio.CancelledError):
+                await task
+            assert not robot.facts.driving
+            await asyncio.to_thread(until, lambda: served.state.last_linear_m_s == 0)
+
+    asyncio.run(program())
+
+
+def test_cancelling_the_whole_block_stops_the_robot(served: Simulator) -> None:
+    async def drive() -> None:
+        async with roburoc4.aio.connect(served.address) as robot:
+            await robot.arm()
+            robot.drive(0.5, 0.0, lease_ms=1000)
+            await robot.wait_for(lambda r: False, timeout=60)
+
+    async def program() -> None:
+        task = asyncio.create_task(drive())
+        await asyncio.to_thread(until, lambda: served.state.last_linear_m_s != 0)
+        task.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await task
+
+    asyncio.run(program())
+    assert served.state.last_linear_m_s == 0
+    assert not served.state.watchdog_bitten
+
+
+def test_a_loop_that_hangs_stops_the_robot(served: Simulator) -> None:
+    async def program() -> None:
+        async with roburoc4.aio.connect(served.address) as robot:
+            await robot.arm()
+            robot.drive(0.5, 0.0)
+            time.sleep(0.8)
+            assert served.state.last_linear_m_s == 0
+            assert not served.state.watchdog_bitten
+
+    asyncio.run(program())
+
+
+def test_a_robot_that_nobody_keeps_ends_with_its_thread(served: Simulator) -> None:
+    async def program() -> None:
+        robot = await roburoc4.aio.connect(served.address)
+        await robot.arm()
+        robot.drive(0.5, 0.0, lease_ms=1000)
+        del robot
+        gc.collect()
+        await asyncio.to_thread(until, lambda: served.state.last_linear_m_s == 0)
+
+    asyncio.run(program())
+    until(lambda: not [t for t in threading.enumerate() if t.name == "roburoc4-aio"])
+
+
+def test_silence_is_told(served: Simulator) -> None:
+    async def program() -> None:
+        with pytest.raises(roburoc4.RobotTimeoutError, match="nothing listens"):
+            await roburoc4.aio.connect("127.0.0.1:9", timeout=0.5)
+        with pytest.raises(roburoc4.ArgumentError):
+            await roburoc4.aio.connect("")
+
+    asyncio.run(program())

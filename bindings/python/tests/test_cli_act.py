@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: MIT
+"""`roburoc4 stop`, `output`, `relocalize`: one thing told, one line said."""
+
+import pytest
+from cli_support import document, eventually, one_line, run, start
+
+import roburoc4
+
+
+def test_stop_ends_the_drive_of_another_program() -> None:
+    with roburoc4.Simulator(port=0) as sim, sim.connect(ignore_foreign=True) as robot:
+        robot.arm()
+        robot.drive(0.5, 0.0, lease_ms=1000)
+        eventually(lambda: sim.state.wheel_linear_m_s > 0.1)
+        done = run("stop", robot=sim.address)
+        assert (done.returncode, done.stderr) == (0, "")
+        assert done.stdout == f"{sim.address} stands\n"
+        assert sim.state.target_linear_m_s == 0.0
+        assert abs(sim.state.wheel_linear_m_s) < 0.05
+
+
+def test_stop_says_when_somebody_goes_on_driving() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        sim.pad.press("a")
+        sim.pad.move("rt", 0.0)
+        eventually(lambda: sim.state.wheel_linear_m_s > 0.1)
+        done = run("stop", robot=sim.address)
+    assert done.returncode == 1
+    assert "emergency stop" in one_line(done.stderr)
+
+
+def test_stop_always_sends_a_zero() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        assert document(run("stop", "--json", robot=sim.address)) == {
+            "robot": sim.address,
+            "stopped": True,
+        }
+        assert sim.state.speed_commands > 0
+        assert sim.state.nonzero_speed_commands == 0
+
+
+def test_stop_says_when_there_is_nothing_to_stop() -> None:
+    with roburoc4.Simulator(port=0, hidden_services=1 << 6) as sim:
+        done = run("stop", robot=sim.address)
+    assert done.returncode == 1
+    assert "no differential service" in one_line(done.stderr)
+
+
+def test_stop_does_not_claim_what_it_cannot_see() -> None:
+    with roburoc4.Simulator(port=0, refused_inserts=1 << 6) as sim:
+        done = run("stop", "--json", robot=sim.address)
+        assert document(done)["stopped"] is None
+        assert sim.state.speed_commands > 0
+
+
+def test_output_switches_and_tells() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        done = run("output", "3", "on", robot=sim.address)
+        assert (done.returncode, done.stderr) == (0, "")
+        assert done.stdout == f"output 3 of {sim.address} is on\n"
+        assert sim.digital_output(3)
+        assert document(run("output", "3", "off", "--json", robot=sim.address))["on"] is False
+        assert not sim.digital_output(3)
+
+
+def test_an_output_that_the_robot_lacks_is_refused() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        done = run("output", "8", "on", robot=sim.address)
+        assert sim.state.io_commands == 0
+    assert done.returncode == 1
+    assert "0 to 7" in one_line(done.stderr)
+
+
+def test_relocalize_takes_negative_numbers() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        done = run("relocalize", "1.5", "-2", "-0.5", "--json", robot=sim.address)
+        assert document(done) == {
+            "robot": sim.address,
+            "x_m": 1.5,
+            "y_m": -2.0,
+            "theta_rad": -0.5,
+        }
+        state = sim.state
+    assert (state.odometry_x_m, state.odometry_y_m) == (1.5, -2.0)
+    assert state.odometry_theta_rad == pytest.approx(-0.5)
+
+
+def test_relocalize_without_the_service_is_refused() -> None:
+    with roburoc4.Simulator(port=0, hidden_services=1 << 5) as sim:
+        done = run("relocalize", "1", "2", "3", robot=sim.address)
+    assert done.returncode == 1
+    one_line(done.stderr)
+
+
+def test_a_signal_ends_stop_with_its_code() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        sim.pad.press("a")
+        sim.pad.move("rt", 0.0)
+        process = start("stop", robot=sim.address)
+        eventually(lambda: sim.state.speed_commands > 0)
+        process.terminate()
+        _, stderr = process.communicate(timeout=30)
+    assert (process.returncode, stderr) == (143, "")

@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: MIT
+"""`roburoc4 doctor`: each staged fault has its own verdict."""
+
+import errno
+import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+from cli_support import one_line, run
+
+import roburoc4
+from roburoc4.cli import app
+
+
+def _verdict(*arguments: str, robot: str) -> dict[str, Any]:
+    import json
+
+    done = run("doctor", "--json", "--seconds", "3", *arguments, robot=robot)
+    assert done.stderr == ""
+    document = json.loads(done.stdout)
+    assert document["verdict"]["code"] == done.returncode
+    assert document["verdict"]["remedy"]
+    return {**document, "exit": done.returncode, "name": document["verdict"]["name"]}
+
+
+@contextmanager
+def _socket() -> Iterator[socket.socket]:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as somebody:
+        somebody.bind(("127.0.0.1", 0))
+        yield somebody
+
+
+def test_a_good_link_is_healthy() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        found = _verdict(robot=sim.address)
+        assert (sim.state.speed_commands, sim.state.io_commands) == (0, 0)
+    assert (found["name"], found["exit"], found["verdict"]["number"]) == ("healthy", 0, 0)
+    assert found["loss"] == 0.0
+    assert found["round_trip_ms"] < 50.0
+    assert [stream["service"] for stream in found["streams"]] == [
+        "iocard",
+        "telemeter",
+        "battery",
+        "localization",
+        "differential",
+    ]
+    for stream in found["streams"]:
+        assert stream["received"] >= 2
+        assert stream["rate_hz"] == pytest.approx(stream["asked_hz"], rel=0.05)
+
+
+# Six faults to stage, six verdicts ...
+
+
+def test_fault_name() -> None:
+    found = _verdict(robot="no-such-robot.invalid")
+    assert (found["name"], found["exit"]) == ("name", 3)
+
+
+def test_fault_refused() -> None:
+    with _socket() as somebody:
+        port = somebody.getsockname()[1]
+    found = _verdict(robot=f"127.0.0.1:{port}")
+    assert (found["name"], found["exit"]) == ("refused", 3)
+
+
+def test_fault_silence() -> None:
+    with _socket() as somebody:
+        found = _verdict(robot=f"127.0.0.1:{somebody.getsockname()[1]}")
+    assert (found["name"], found["exit"]) == ("silence", 3)
+    assert found["asked"] > 3
+    assert found["answered"] == 0
+
+
+def test_fault_no_statuses() -> None:
+    with roburoc4.Simulator(port=0, refused_inserts=1 << 5) as sim:
+        found = _verdict(robot=sim.address)
+    assert (found["name"], found["exit"]) == ("no statuses", 1)
+    assert "localization" in found["verdict"]["sentence"]
+
+
+def test_fault_loss() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        sim.set_faults(loss=0.2)
+        found = _verdict(robot=sim.address)
+    assert (found["name"], found["exit"]) == ("loss", 1)
+    assert 0.05 < found["loss"] < 0.4
+
+
+def test_fault_slow() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        sim.set_faults(delay_ms=60.0)
+        found = _verdict(robot=sim.address)
+    assert (found["name"], found["exit"]) == ("slow", 1)
+    assert found["round_trip_ms"] == pytest.approx(120.0, rel=0.3)
+
+
+# ... and more.
+
+
+def test_fault_jitter() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        sim.set_faults(jitter_ms=150.0)
+        found = _verdict(robot=sim.address)
+    assert (found["name"], found["exit"]) == ("jitter", 1)
+
+
+def test_fault_denied() -> None:
+    # A broadcast address needs a permission that nobody asked for.
+    found = _verdict(robot="127.255.255.255:60000")
+    assert (found["name"], found["exit"]) == ("denied", 3)
+
+
+def test_fault_route(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """No address is without a route on every machine, so the system's word is staged."""
+
+    def no_route(_self: socket.socket, _address: object) -> None:
+        raise OSError(errno.ENETUNREACH, "Network is unreachable")
+
+    monkeypatch.setattr("roburoc4.cli.probe.socket.socket.connect", no_route, raising=False)
+    options = app.parser().parse_args(["doctor", "--robot", "192.0.2.1"])
+    assert options.run(options) == 3
+    assert "verdict 2, route" in capsys.readouterr().out
+
+
+def test_fault_missing_service() -> None:
+    with roburoc4.Simulator(port=0, hidden_services=1 << 4) as sim:
+        found = _verdict(robot=sim.address)
+    assert (found["name"], found["exit"]) == ("service missing", 1)
+    assert found["missing"] == ["battery"]
+
+
+def test_fault_interrupted() -> None:
+    import threading
+
+    with roburoc4.Simulator(port=0) as sim:
+        timer = threading.Timer(1.5, sim.reboot)
+        timer.start()
+        found = _verdict(robot=sim.address)
+        timer.join()
+    assert (found["name"], found["exit"]) == ("interrupted", 1)
+
+
+def test_fault_something_else_is_there() -> None:
+    import threading
+
+    with _socket() as somebody:
+        somebody.settimeout(0.1)
+        ended = threading.Event()
+
+        def babble() -> None:
+            while not ended.is_set():
+                try:
+                    _, who = somebody.recvfrom(100)
+                except TimeoutError:
+                    continue
+                somebody.sendto(b"HTTP/1.1 400 Bad Request\r\n\r\n", who)
+
+        thread = threading.Thread(target=babble)
+        thread.start()
+        found = _verdict(robot=f"127.0.0.1:{somebody.getsockname()[1]}")
+        ended.set()
+        thread.join()
+    assert (found["name"], found["exit"]) == ("discovery", 1)
+    assert found["foreign"] == found["answered"] > 0
+
+
+def test_people_get_every_check_a_table_and_the_next_thing_to_try() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        sim.set_battery(5)
+        done = run("doctor", "--seconds", "1.5", robot=sim.address)
+    assert (done.returncode, done.stderr) == (0, "")
+    for text in (
+        "ok    name",
+        "ok    answer",
+        "ok    discovery",
+        "iocard",
+        "20.0/s",
+        "charge it",
+        "verdict 0, healthy",
+        "next: ",
+    ):
+        assert text in done.stdout
+
+
+def test_people_are_told_why_it_is_unreachable() -> None:
+    with _socket() as somebody:
+        port = somebody.getsockname()[1]
+    done = run("doctor", "--robot", f"127.0.0.1:{port}")
+    assert (done.returncode, done.stderr) == (3, "")
+    assert "BAD   answer" in done.stdout
+    assert "verdict 4, refused" in done.stdout
+
+
+def test_nonsense_is_bad_usage() -> None:
+    one_line(run("doctor", "--robot", "[::1").stderr)

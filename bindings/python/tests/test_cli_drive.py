@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: MIT
+"""`roburoc4 drive`: gently, for so long, and a zero at its end however it ends."""
+
+import itertools
+import signal
+import time
+from collections.abc import Iterator
+
+import pytest
+from cli_support import Terminal, document, eventually, one_line, run, start
+
+import roburoc4
+
+
+@pytest.fixture
+def sim() -> Iterator[roburoc4.Simulator]:
+    with roburoc4.Simulator(port=0) as simulator:
+        yield simulator
+
+
+def _stands(sim: roburoc4.Simulator) -> bool:
+    state = sim.state
+    return (state.target_linear_m_s, state.target_angular_rad_s) == (0.0, 0.0)
+
+
+def _last_command_is_zero(sim: roburoc4.Simulator) -> bool:
+    state = sim.state
+    return (state.last_linear_m_s, state.last_angular_rad_s) == (0.0, 0.0)
+
+
+def test_it_drives_for_the_time_and_reports(sim: roburoc4.Simulator) -> None:
+    begun_s = time.monotonic()
+    report = document(run("drive", "0.5", "0", "--seconds", "2", "--json", robot=sim.address))
+    # 1 s up to speed, 1 s along, 1 s down: 1 m.
+    assert 3.0 <= time.monotonic() - begun_s < 15.0
+    assert 0.9 < sim.true_pose.x_m < 1.1
+    assert report["distance_m"] == pytest.approx(1.0, abs=0.1)
+    assert report["linear_m_s"] == 0.5
+    assert (report["seconds"], report["total_s"]) == (2.0, 3.0)
+    assert set(report) == {
+        "robot",
+        "linear_m_s",
+        "angular_rad_s",
+        "seconds",
+        "total_s",
+        "begin",
+        "end",
+        "distance_m",
+    }
+    assert set(report["begin"]) == set(report["end"]) == {"x_m", "y_m", "theta_rad"}
+    assert _last_command_is_zero(sim)
+
+
+def test_negative_numbers_are_plain_arguments(sim: roburoc4.Simulator) -> None:
+    done = run("drive", "-0.3", "-2e-1", "--seconds", ".5", robot=sim.address)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("done: ")
+    assert sim.true_pose.x_m < -0.05
+    assert sim.true_pose.theta_rad < -0.01
+
+
+def test_it_accelerates_gently(sim: roburoc4.Simulator) -> None:
+    process = start("drive", "1", "0", "--seconds", "1", robot=sim.address)
+    targets = []
+    while process.poll() is None:
+        state = sim.state
+        targets.append((state.now_us / 1e6, state.target_linear_m_s))
+        time.sleep(0.005)
+    assert max(v for _, v in targets) == pytest.approx(0.5, abs=0.05)
+    steps = [b - a for (_, a), (_, b) in itertools.pairwise(targets)]
+    assert max(steps) < 0.2, "no step is larger than a hiccup of this machine explains"
+    assert process.communicate()[1] == ""
+
+
+def test_the_robots_lower_acceleration_counts() -> None:
+    with roburoc4.Simulator(port=0, max_linear_m_s2=0.2) as sim:
+        report = document(run("drive", "1", "0", "--seconds", "1", "--json", robot=sim.address))
+    assert report["linear_m_s"] == pytest.approx(0.2)
+
+
+def test_a_speed_above_the_limits_is_lowered_and_told() -> None:
+    with roburoc4.Simulator(port=0, max_linear_m_s=0.2) as sim:
+        done = run("drive", "1", "0", "--seconds", "0.5", "--json", robot=sim.address)
+    assert done.returncode == 0
+    assert "0.2 m/s" in one_line(done.stderr)
+
+
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)]
+)
+def test_signals_stop_the_robot(sim: roburoc4.Simulator, number: signal.Signals, code: int) -> None:
+    process = start("drive", "0.5", "0.2", "--seconds", "100", robot=sim.address)
+    eventually(lambda: sim.state.target_linear_m_s > 0.1)
+    process.send_signal(number)
+    _, stderr = process.communicate(timeout=30)
+    assert (process.returncode, stderr) == (code, "")
+    assert _last_command_is_zero(sim)
+    assert _stands(sim)
+
+
+def test_a_second_ctrl_c_does_not_keep_the_zero_back(sim: roburoc4.Simulator) -> None:
+    process = start("drive", "0.5", "0", "--seconds", "100", robot=sim.address)
+    eventually(lambda: sim.state.target_linear_m_s > 0.1)
+    for _ in range(3):
+        process.send_signal(signal.SIGINT)
+        time.sleep(0.005)
+    _, stderr = process.communicate(timeout=30)
+    assert (process.returncode, stderr) == (130, "")
+    assert _last_command_is_zero(sim)
+
+
+def test_killed_outright_it_leaves_the_robot_to_its_watchdog(sim: roburoc4.Simulator) -> None:
+    process = start("drive", "0.5", "0", "--seconds", "100", robot=sim.address)
+    eventually(lambda: sim.state.target_linear_m_s > 0.1)
+    process.kill()
+    process.communicate()
+    killed_s = time.monotonic()
+    eventually(lambda: sim.state.watchdog_bitten)
+    assert time.monotonic() - killed_s < 2.0
+    assert _stands(sim)
+
+
+def test_under_override_it_says_so_and_sends_no_speed(sim: roburoc4.Simulator) -> None:
+    sim.pad.press("a")
+    done = run("drive", "0.5", "0", "--seconds", "1", robot=sim.address)
+    assert done.returncode == 1
+    assert "[A]" in one_line(done.stderr)
+    assert sim.state.speed_commands == 0
+
+
+def test_an_override_on_the_way_ends_it(sim: roburoc4.Simulator) -> None:
+    process = start("drive", "0.5", "0", "--seconds", "100", robot=sim.address)
+    eventually(lambda: sim.state.target_linear_m_s > 0.1)
+    sim.pad.press("a")
+    _, stderr = process.communicate(timeout=30)
+    assert process.returncode == 1
+    assert "game pad" in one_line(stderr)
+    assert _last_command_is_zero(sim)
+
+
+def test_without_inputs_it_refuses_until_told_to_ignore_them() -> None:
+    with roburoc4.Simulator(port=0, refused_inserts=1 << 2) as sim:
+        refused = run("drive", "0.5", "0", "--seconds", "0.5", robot=sim.address)
+        assert refused.returncode == 1
+        assert "--ignore-override" in one_line(refused.stderr)
+        assert sim.state.speed_commands == 0
+        done = run("drive", "0.5", "0", "--seconds", "0.5", "--ignore-override", robot=sim.address)
+        assert done.returncode == 0, done.stderr
+        assert sim.true_pose.x_m > 0.02
+
+
+def test_a_refusal_is_told_in_the_words_of_the_command() -> None:
+    with roburoc4.Simulator(port=0, max_linear_m_s=float("nan")) as sim:
+        done = run("drive", "0.5", "0", "--seconds", "1", robot=sim.address)
+    assert done.returncode == 1
+    assert "see roburoc4 info" in one_line(done.stderr)
+
+
+def test_an_emergency_stop_ends_it(sim: roburoc4.Simulator) -> None:
+    sim.panel("estop local press")
+    done = run("drive", "0.5", "0", "--seconds", "20", robot=sim.address)
+    assert done.returncode == 1
+    assert "emergency stop" in one_line(done.stderr)
+    assert _last_command_is_zero(sim)
+
+
+def test_a_robot_that_is_lost_ends_it(sim: roburoc4.Simulator) -> None:
+    process = start("drive", "0.5", "0", "--seconds", "100", robot=sim.address)
+    eventually(lambda: sim.state.target_linear_m_s > 0.1)
+    sim.set_power(False)
+    _, stderr = process.communicate(timeout=30)
+    assert process.returncode == 1
+    one_line(stderr)
+
+
+def test_a_person_is_asked_once_with_name_and_address(sim: roburoc4.Simulator) -> None:
+    terminal = Terminal("drive", "0.3", "0", "--seconds", "0.5", robot=sim.address)
+    terminal.wait_for(rf"robot at {sim.address}.*\[y/N\]")
+    assert sim.state.speed_commands == 0
+    terminal.type("y\n")
+    assert terminal.wait() == 0
+    assert "done: " in terminal.text
+    assert sim.true_pose.x_m > 0.02
+
+
+def test_a_name_is_told_beside_the_address(sim: roburoc4.Simulator) -> None:
+    port = sim.address.rpartition(":")[2]
+    terminal = Terminal("drive", "0.3", "0", "--seconds", "1", "--robot", f"localhost:{port}")
+    terminal.wait_for(rf"'localhost:{port}' at {sim.address}")
+    terminal.type("n\n")
+    assert terminal.wait() == 2
+    assert "not confirmed" in terminal.text
+    assert sim.state.speed_commands == 0
+
+
+def test_a_person_sees_the_progress(sim: roburoc4.Simulator) -> None:
+    terminal = Terminal("drive", "0.3", "0", "--seconds", "2", "--yes", robot=sim.address)
+    terminal.wait_for(r"\+0\.\d+ m/s .*of 3 s")
+    assert terminal.wait() == 0
+    assert "[y/N]" not in terminal.text
+
+
+def test_ctrl_z_does_not_leave_a_driven_robot_alone(sim: roburoc4.Simulator) -> None:
+    terminal = Terminal("drive", "0.3", "0", "--seconds", "2", "--yes", robot=sim.address)
+    eventually(lambda: sim.state.target_linear_m_s > 0.1)
+    terminal.type("\x1a")
+    assert terminal.wait() == 0

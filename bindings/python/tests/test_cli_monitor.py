@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: MIT
+"""`roburoc4 monitor`: live, as lines of JSON, over a loss, into a pipe that closes."""
+
+import itertools
+import json
+import signal
+import subprocess
+import time
+from typing import Any
+
+import pytest
+from cli_support import COMMAND, Terminal, environment, eventually, one_line, run, start
+
+import roburoc4
+
+FIELDS = {
+    "iocard": {"analog_inputs", "digital_inputs"},
+    "telemeter": {"distances_m"},
+    "battery": {"state", "state_name", "remaining_percent"},
+    "localization": {"x_m", "y_m", "theta_rad", "flags"},
+    "differential": {
+        "target_linear_m_s",
+        "current_linear_m_s",
+        "target_angular_rad_s",
+        "current_angular_rad_s",
+    },
+}
+
+
+def _lines(stdout: str) -> list[dict[str, Any]]:
+    return [json.loads(line) for line in stdout.splitlines()]
+
+
+def test_every_line_of_json_is_a_status_with_its_fields() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        done = run("monitor", "--json", "--seconds", "2.5", robot=sim.address)
+    assert (done.returncode, done.stderr) == (0, "")
+    lines = _lines(done.stdout)
+    assert {line["service"] for line in lines} == set(FIELDS)
+    for line in lines:
+        assert set(line) == {"service", "robot_cycles"} | FIELDS[line["service"]]
+    battery = next(line for line in lines if line["service"] == "battery")
+    assert battery["state"] == 2
+    assert battery["state_name"] == "ok"
+    iocard = next(line for line in lines if line["service"] == "iocard")
+    assert len(iocard["analog_inputs"]) == 9
+    assert iocard["digital_inputs"] == [False] * 22
+    pose = next(line for line in lines if line["service"] == "localization")
+    assert pose["flags"] == 18
+
+
+def test_no_status_is_left_out() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        done = run("monitor", "--json", "--seconds", "2", robot=sim.address)
+    cycles = [line["robot_cycles"] for line in _lines(done.stdout) if line["service"] == "iocard"]
+    assert len(cycles) >= 35
+    assert [b - a for a, b in itertools.pairwise(cycles)] == [5] * (len(cycles) - 1)
+
+
+def test_a_value_that_is_no_number_is_null() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        sim.pin_input(2, float("nan"))
+        done = run("monitor", "--json", "--seconds", "0.5", robot=sim.address)
+    iocard = next(line for line in _lines(done.stdout) if line["service"] == "iocard")
+    assert iocard["analog_inputs"][2] is None
+
+
+def test_without_a_terminal_people_get_a_line_now_and_then() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        sim.pad.press("a")
+        done = run("monitor", "--seconds", "1.2", robot=sim.address)
+    assert done.returncode == 0
+    last = done.stdout.splitlines()[-1]
+    for text in ("ready", "battery 100 %", "override", "loss 0.0%"):
+        assert text in last
+
+
+def test_it_commands_nothing() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        run("monitor", "--seconds", "0.5", robot=sim.address)
+        assert (sim.state.speed_commands, sim.state.io_commands) == (0, 0)
+
+
+def test_a_terminal_shows_the_live_table() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        terminal = Terminal("monitor", robot=sim.address)
+        terminal.wait_for("○ FRONT BUMPER")
+        sim.set_bumper("front", True)
+        sim.pad.press("a")
+        terminal.wait_for("● OVERRIDE")
+        terminal.wait_for("● FRONT BUMPER")
+        terminal.wait_for(r"20\.0/s")
+        terminal.wait_for(r"█+░* 100 %  ok")
+        terminal.wait_for(r"5\.\d\d m  rear")
+        terminal.type("\x03")
+        assert terminal.wait() == 130
+    assert "Traceback" not in terminal.text
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_signals_end_it_without_a_word(number: signal.Signals, code: int) -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        process = start("monitor", "--json", robot=sim.address)
+        assert process.stdout is not None
+        process.stdout.readline()
+        process.send_signal(number)
+        _, stderr = process.communicate(timeout=30)
+    assert (process.returncode, stderr) == (code, "")
+
+
+def test_a_loss_that_heals_is_told_and_is_no_error() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        process = start("monitor", "--json", "--seconds", "8", robot=sim.address)
+        assert process.stdout is not None
+        process.stdout.readline()
+        sim.set_power(False)
+        time.sleep(2.5)
+        sim.set_power(True)
+        stdout, stderr = process.communicate(timeout=30)
+    assert process.returncode == 0, stderr
+    assert "fell silent" in stderr
+    assert "is back" in stderr
+    assert _lines(stdout)[-1]["robot_cycles"] < 600, "the robot began to count anew"
+
+
+def test_a_robot_that_stays_away_is_an_error() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        process = start("monitor", "--json", "--seconds", "3", robot=sim.address)
+        assert process.stdout is not None
+        process.stdout.readline()
+        sim.set_power(False)
+        _, stderr = process.communicate(timeout=30)
+    assert process.returncode == 1
+    assert "did not come back" in one_line(stderr.splitlines(keepends=True)[-1])
+
+
+@pytest.mark.parametrize("json_or_not", [["--json"], []])
+def test_a_closed_pipe_ends_it_quietly(json_or_not: list[str]) -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        done = subprocess.run(
+            f"{COMMAND} monitor {' '.join(json_or_not)} | head -n 1",
+            shell=True,
+            env=environment(sim.address),
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+        assert done.stdout.count("\n") == 1
+        assert done.stderr == ""
+        eventually(lambda: sim.state.peers <= 1)

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: MIT
+"""`roburoc4 sim`: the simulator, and the line that points the other commands at it."""
+
+import re
+import signal
+import subprocess
+
+import pytest
+from cli_support import COMMAND, environment, run, start
+
+
+def test_its_export_line_makes_the_other_commands_work() -> None:
+    process = start("sim", "--port", "0")
+    assert process.stdout is not None
+    try:
+        assert "ready on" in process.stdout.readline()
+        export = process.stdout.readline()
+        assert re.fullmatch(r"export ROBUROC4_ROBOT=127\.0\.0\.1:\d+\n", export)
+        done = subprocess.run(
+            ["sh", "-c", f"{export}exec {COMMAND} stop"],
+            env=environment(),
+            capture_output=True,
+            text=True,
+            timeout=30,
+            check=False,
+        )
+        assert (done.returncode, done.stderr) == (0, "")
+    finally:
+        process.terminate()
+        process.communicate(timeout=30)
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_signals_end_it_and_free_the_port(number: signal.Signals, code: int) -> None:
+    process = start("sim", "--port", "0")
+    assert process.stdout is not None
+    process.stdout.readline()
+    address = process.stdout.readline().strip().partition("=")[2]
+    process.send_signal(number)
+    _, stderr = process.communicate(timeout=30)
+    assert (process.returncode, stderr) == (code, "")
+    assert run("stop", "--robot", address).returncode == 3
+
+
+def test_its_arguments_are_the_simulators_own() -> None:
+    done = run("sim", "--help")
+    assert done.returncode == 0
+    assert "--loss SHARE" in done.stdout
+    done = run("sim", "--loss", "2")
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+
+
+def test_the_panel_can_be_used_through_it() -> None:
+    process = subprocess.Popen(
+        [COMMAND, "sim", "--port", "0", "--panel"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    stdout, _ = process.communicate("pad a down\nstatus\nquit\n", timeout=30)
+    assert process.returncode == 0
+    assert "game pad drives" in stdout
+
+
+def test_every_address_can_be_bound_and_one_of_them_is_told() -> None:
+    process = start("sim", "--port", "0", "--bind", "0.0.0.0")
+    assert process.stdout is not None
+    process.stdout.readline()
+    export = process.stdout.readline()
+    process.terminate()
+    process.communicate(timeout=30)
+    assert "=127.0.0.1:" in export

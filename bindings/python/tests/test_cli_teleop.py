@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: MIT
+"""`roburoc4 teleop`: the robot moves while a key is held, and only then."""
+
+import signal
+import time
+from collections.abc import Iterator
+
+import pytest
+from cli_support import Terminal, eventually
+
+import roburoc4
+
+RELEASES = "\x1b[?11u\x1b[?62;c"  # a terminal that reports releases
+NO_RELEASES = "\x1b[?62;c"
+ECHO = "\x1b[0n"
+
+
+@pytest.fixture
+def sim() -> Iterator[roburoc4.Simulator]:
+    with roburoc4.Simulator(port=0) as simulator:
+        yield simulator
+
+
+def _teleop(sim: roburoc4.Simulator, answer: str) -> Terminal:
+    terminal = Terminal("teleop", "--yes", robot=sim.address)
+    terminal.wait_for(r"\[c")
+    terminal.type(answer)
+    terminal.wait_for("keys held")
+    return terminal
+
+
+def _hold(terminal: Terminal, key: str, seconds: float, every_s: float = 0.05) -> None:
+    until_s = time.monotonic() + seconds
+    while time.monotonic() < until_s:
+        terminal.type(key)
+        terminal.read(0)
+        time.sleep(every_s)
+
+
+def _last_command_is_zero(sim: roburoc4.Simulator) -> bool:
+    state = sim.state
+    return (state.last_linear_m_s, state.last_angular_rad_s) == (0.0, 0.0)
+
+
+def test_a_repeating_key_drives_and_letting_go_stops(sim: roburoc4.Simulator) -> None:
+    terminal = _teleop(sim, NO_RELEASES)
+    _hold(terminal, "w", 1.5)
+    assert sim.state.target_linear_m_s == pytest.approx(0.3, abs=0.05)
+    let_go_s = time.monotonic()
+    eventually(lambda: _last_command_is_zero(sim), within_s=2.0)
+    assert time.monotonic() - let_go_s < 1.0
+    terminal.type("x")
+    assert terminal.wait() == 0
+    assert sim.true_pose.x_m > 0.1
+
+
+def test_one_press_lasts_no_longer_than_a_keyboard_needs_to_repeat(sim: roburoc4.Simulator) -> None:
+    terminal = _teleop(sim, NO_RELEASES)
+    terminal.type("a")
+    eventually(lambda: sim.state.target_angular_rad_s > 0.05)
+    pressed_s = time.monotonic()
+    eventually(lambda: _last_command_is_zero(sim), within_s=3.0)
+    assert 0.3 < time.monotonic() - pressed_s < 1.5
+    terminal.type("x")
+    assert terminal.wait() == 0
+
+
+def test_with_releases_one_press_lasts_until_the_release(sim: roburoc4.Simulator) -> None:
+    terminal = _teleop(sim, RELEASES)
+    terminal.type("\x1b[119;1:1u")
+    _hold(terminal, ECHO, 1.5)
+    assert sim.state.target_linear_m_s == pytest.approx(0.3, abs=0.05)
+    assert "until let go" in terminal.text
+    terminal.type("\x1b[119;1:3u")
+    eventually(lambda: _last_command_is_zero(sim), within_s=1.0)
+    terminal.type("\x1b[120;1:1u")
+    assert terminal.wait() == 0
+
+
+def test_with_releases_a_line_that_hangs_stops(sim: roburoc4.Simulator) -> None:
+    terminal = _teleop(sim, RELEASES)
+    terminal.type("\x1b[119;1:1u")
+    eventually(lambda: sim.state.target_linear_m_s > 0.1)
+    eventually(lambda: _last_command_is_zero(sim), within_s=2.0)
+    terminal.type("\x1b[99;5u")
+    assert terminal.wait() == 130
+
+
+def test_a_window_that_loses_the_keyboard_stops(sim: roburoc4.Simulator) -> None:
+    terminal = _teleop(sim, RELEASES)
+    terminal.type("\x1b[119;1:1u")
+    eventually(lambda: sim.state.target_linear_m_s > 0.05)
+    terminal.type("\x1b[O")
+    eventually(lambda: _last_command_is_zero(sim), within_s=0.5)
+    terminal.type("\x1b[120u")
+    assert terminal.wait() == 0
+
+
+def test_the_scale_of_speed_is_a_key_away(sim: roburoc4.Simulator) -> None:
+    terminal = _teleop(sim, NO_RELEASES)
+    terminal.type("---")
+    _hold(terminal, "s", 1.0)
+    assert sim.state.target_linear_m_s == pytest.approx(-0.1, abs=0.02)
+    terminal.type("+++++++")
+    terminal.wait_for(r"1\.0 m/s  1\.0 rad/s")
+    terminal.type("x")
+    assert terminal.wait() == 0
+
+
+def test_override_is_shown_and_ends_with_a_new_press(sim: roburoc4.Simulator) -> None:
+    terminal = _teleop(sim, NO_RELEASES)
+    sim.pad.press("a")
+    terminal.wait_for("● OVERRIDE")
+    _hold(terminal, "w", 0.5)
+    assert sim.state.nonzero_speed_commands == 0
+    sim.pad.release("a")
+    _hold(terminal, "w", 0.5)
+    assert sim.state.nonzero_speed_commands == 0, "the key is still that of before"
+    time.sleep(1.0)
+    terminal.read(0)
+    _hold(terminal, "w", 1.0)
+    assert sim.state.nonzero_speed_commands > 0
+    terminal.type("x")
+    assert terminal.wait() == 0
+
+
+def test_space_stops(sim: roburoc4.Simulator) -> None:
+    terminal = _teleop(sim, NO_RELEASES)
+    _hold(terminal, "w", 1.0)
+    terminal.type(" ")
+    eventually(lambda: _last_command_is_zero(sim), within_s=0.5)
+    terminal.type("x")
+    assert terminal.wait() == 0
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGHUP, 129)])
+def test_signals_stop_the_robot_and_restore_the_terminal(
+    sim: roburoc4.Simulator, number: signal.Signals, code: int
+) -> None:
+    terminal = _teleop(sim, NO_RELEASES)
+    _hold(terminal, "w", 0.5)
+    terminal.send_signal(number)
+    assert terminal.wait() == code
+    assert _last_command_is_zero(sim)
+    assert "\x1b[<u" in terminal.text
+    assert "\x1b[?1004l" in terminal.text
+
+
+def test_ctrl_c_stops_the_robot(sim: roburoc4.Simulator) -> None:
+    terminal = _teleop(sim, NO_RELEASES)
+    _hold(terminal, "w", 0.5)
+    terminal.type("\x03")
+    assert terminal.wait() == 130
+    assert _last_command_is_zero(sim)
+
+
+def test_a_person_is_asked_with_name_and_address(sim: roburoc4.Simulator) -> None:
+    terminal = Terminal("teleop", robot=sim.address)
+    terminal.wait_for(rf"robot at {sim.address}.*\[y/N\]")
+    terminal.type("n\n")
+    assert terminal.wait() == 2
+    assert sim.state.speed_commands == 0
+
+
+def test_it_does_not_begin_under_override(sim: roburoc4.Simulator) -> None:
+    sim.pad.press("a")
+    terminal = Terminal("teleop", "--yes", robot=sim.address)
+    assert terminal.wait() == 1
+    assert "[A]" in terminal.text
+    assert sim.state.speed_commands == 0

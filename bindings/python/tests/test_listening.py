@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: MIT
+"""Waiting, iterating, recording; losses and reboots; in virtual time."""
+
+import itertools
+
+import pytest
+
+import roburoc4
+from roburoc4 import Event, Simulator
+
+
+def test_statuses_come_one_by_one_and_none_is_missing(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        seen = list(itertools.islice(robot.statuses("localization"), 200))
+        cycles = [status.robot_cycles for status in seen]
+        assert all(isinstance(status, roburoc4.LocalizationStatus) for status in seen)
+        assert {b - a for a, b in itertools.pairwise(cycles)} == {5}
+
+
+def test_statuses_that_nobody_reads_wait_in_the_buffer(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        statuses = robot.statuses("differential", "battery")
+        roburoc4_simulator.step(20.0)
+        kinds = [type(next(statuses)) for _ in range(400)]
+        assert kinds.count(roburoc4.BatteryStatus) == pytest.approx(20, abs=2)
+        assert statuses.lost == 0
+
+
+def test_overflow_is_counted_raised_once_and_iteration_goes_on(
+    roburoc4_simulator: Simulator,
+) -> None:
+    with roburoc4_simulator.connect(buffer=100) as robot:
+        statuses = robot.statuses()
+        roburoc4_simulator.step(10.0)
+        with pytest.raises(roburoc4.SamplesLostError, match="buffer=") as caught:
+            next(statuses)
+        assert caught.value.lost > 400
+        assert statuses.lost == caught.value.lost
+        rest = [next(statuses) for _ in range(100)]
+        assert rest[-1].host_us <= robot.now_s * 1e6
+
+
+def test_two_readers_see_everything_each(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        one, other = robot.statuses(), robot.statuses()
+        roburoc4_simulator.step(1.0)
+        assert [next(one) for _ in range(50)] == [next(other) for _ in range(50)]
+
+
+def test_iteration_goes_on_over_a_loss_and_ends_at_close(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        statuses = robot.statuses("localization")
+        roburoc4_simulator.set_power(False)
+        robot.wait_for(lambda r: r.state is roburoc4.State.LOST)
+        roburoc4_simulator.set_power(True)
+        robot.wait_for(lambda r: r.state is roburoc4.State.READY)
+        assert next(itertools.islice(statuses, 40, None)) is not None
+        robot.close()
+        assert len(list(statuses)) < 1000  # what was there, then the end
+
+
+def test_wait_for_returns_what_it_waited_for(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        status = robot.wait_for("telemeter")
+        assert isinstance(status, roburoc4.TelemeterStatus)
+        assert robot.wait_for(lambda r: r.battery.remaining_percent) == 100
+        roburoc4_simulator.pad.press()
+        assert robot.wait_for(Event.OVERRIDE | Event.LOST) == Event.OVERRIDE
+
+
+def test_wait_for_ends_in_the_time_it_was_given(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        before_s = robot.now_s
+        with pytest.raises(TimeoutError, match="no LOST event within 3 s") as caught:
+            robot.wait_for(Event.LOST, timeout=3)
+        assert robot.now_s - before_s == pytest.approx(3, abs=0.01)
+        assert isinstance(caught.value, roburoc4.RobotError)
+        assert caught.value.code == roburoc4.Result.TIMEOUT
+
+        def dancing(r: roburoc4.Robot) -> bool:
+            return r.closed
+
+        with pytest.raises(TimeoutError, match="dancing"):
+            robot.wait_for(dancing, timeout=1)
+
+
+def test_record_gives_columns_of_equal_length(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.arm()
+        recording = robot.record(2.0, "localization", "telemeter", "iocard")
+        assert set(recording) == {"localization", "telemeter", "iocard"}
+        assert len(recording["localization"]["x_m"]) == pytest.approx(40, abs=1)
+        assert {"distance_0_m", "distance_1_m"} <= set(recording["telemeter"])
+        assert {"analog_input_8", "digital_input_21"} <= set(recording["iocard"])
+        for columns in recording.values():
+            assert len({len(column) for column in columns.values()}) == 1
+        assert recording.lost == 0
+
+
+def test_a_reboot_is_seen_and_outlived(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.arm()
+        robot.sleep(5.0)
+        roburoc4_simulator.reboot()
+        assert robot.wait_for(Event.REBOOT) == Event.REBOOT
+        robot.wait_for(lambda r: r.state is roburoc4.State.READY)
+        with pytest.raises(roburoc4.NotArmedError):
+            robot.drive(0.1, 0.0)
+        robot.arm()
+        robot.drive_for(0.2, 0.0, seconds=1)
+
+
+def test_other_ids_duplicates_loss_and_a_reboot_together() -> None:
+    ids = {"iocard": 12, "telemeter": 30, "battery": 3, "localization": 2, "differential": 77}
+    with Simulator(service_ids=ids, seed=5) as sim:
+        sim.set_faults(loss=0.2, duplicate=0.2, reorder=0.1, delay_ms=3, jitter_ms=10)
+        with sim.connect(lost_ms=3000) as robot:
+            assert {s.kind: s.id for s in robot.properties.services}["differential"] == 77
+            robot.arm()
+            robot.drive_for(0.5, 0.0, seconds=3)
+            robot.sleep(10.0)
+            assert 0.1 < robot.link.loss < 0.4
+            cycles = [s.robot_cycles for s in itertools.islice(robot.statuses("battery"), 5)]
+            assert cycles == sorted(set(cycles))
+            sim.reboot()
+            robot.wait_for(lambda r: r.counts[roburoc4.Count.REBOOTS] > 0, timeout=30)
+            robot.wait_for(lambda r: r.state is roburoc4.State.READY, timeout=30)
+            assert robot.counts[roburoc4.Count.OLD] > 0
+        assert sim.state.last_linear_m_s == 0
+
+
+def test_damaged_datagrams_are_dropped() -> None:
+    with Simulator(seed=9) as sim:
+        sim.set_faults(corrupt=0.3)
+        with sim.connect(lost_ms=5000) as robot:
+            robot.sleep(20.0)
+            dropped = robot.counts
+            assert dropped[roburoc4.Count.SHORT] + dropped[roburoc4.Count.MALFORMED] > 0
+            assert robot.state is roburoc4.State.READY
+
+
+def test_connecting_to_silence_says_what_was_tried() -> None:
+    with Simulator() as sim:
+        sim.set_power(False)
+        before_s = sim.now_s
+        with pytest.raises(TimeoutError, match=r"datagrams sent, 0 received.*firewall"):
+            sim.connect(timeout=5)
+        assert 5 <= sim.now_s - before_s < 6
+
+
+def test_the_timeout_of_connect_counts_silence_not_progress() -> None:
+    with Simulator() as sim:
+        sim.set_faults(delay_ms=80)
+        before_s = sim.now_s
+        with sim.connect(timeout=1.0, lost_ms=5000) as robot:
+            assert robot.state is roburoc4.State.READY
+            assert robot.now_s - before_s > 1.5

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: MIT
+"""threaded=False: the program spins, or another loop watches the socket."""
+
+import select
+import time
+
+import pytest
+from conftest import until
+
+import roburoc4
+from roburoc4 import Simulator
+
+
+def test_everything_that_waits_spins(served: Simulator) -> None:
+    with roburoc4.connect(served.address, threaded=False) as robot:
+        robot.arm()
+        robot.drive_for(0.5, 0.0, seconds=0.5)
+        robot.relocalize(1.0, 2.0, 0.5)
+        assert robot.wait_for("localization")
+        assert len(robot.record(0.5, "localization")["localization"]["x_m"]) >= 5
+        statuses = robot.statuses("differential")
+        assert [type(next(statuses)) for _ in range(3)] == [roburoc4.DifferentialStatus] * 3
+    assert served.state.last_linear_m_s == 0
+    assert served.state.nonzero_speed_commands >= 5
+
+
+def test_nothing_happens_without_spin(served: Simulator) -> None:
+    with roburoc4.connect(served.address, threaded=False) as robot:
+        robot.wait_for("localization")
+        before = robot.localization
+        time.sleep(0.3)
+        assert robot.localization == before
+        robot.spin(0.0)
+        assert robot.localization != before
+
+
+def test_a_hang_ends_in_the_robots_watchdog(served: Simulator) -> None:
+    with roburoc4.connect(served.address, threaded=False) as robot:
+        robot.arm()
+        robot.drive(0.5, 0.0, lease_ms=1000)
+        robot.spin(0.1)
+        until(lambda: served.state.watchdog_bitten)
+        assert served.state.last_linear_m_s == 0.5
+        robot.spin(0.1)
+        assert served.state.last_linear_m_s == 0  # the lease is long over
+
+
+def test_another_loop_can_watch_the_socket(served: Simulator) -> None:
+    with roburoc4.connect(served.address, threaded=False) as robot:
+        statuses = robot.service_link("localization").received
+        end = time.monotonic() + 10
+        while robot.service_link("localization").received < statuses + 10:
+            select.select([robot.fileno()], [], [], min(robot.next_deadline(), 1.0))
+            robot.spin(0)
+            assert time.monotonic() < end
+
+
+def test_nobody_there_is_told_in_time() -> None:
+    begun = time.monotonic()
+    with pytest.raises(TimeoutError, match="nothing listens"):
+        roburoc4.connect("127.0.0.1:9", timeout=0.5, threaded=False)
+    assert 0.4 < time.monotonic() - begun < 5
+
+
+@pytest.mark.parametrize("threaded", [True, False])
+@pytest.mark.parametrize(
+    ("host", "error"),
+    [
+        ("", roburoc4.ArgumentError),
+        ("127.0.0.1:0", roburoc4.ArgumentError),
+        ("127.0.0.1:99999", roburoc4.ArgumentError),
+        ("no.such.host.invalid", roburoc4.NetworkError),
+    ],
+)
+def test_addresses_that_are_none_are_named(
+    threaded: bool, host: str, error: type[Exception]
+) -> None:
+    with pytest.raises(error, match=repr(host)):
+        if threaded:
+            roburoc4.connect(host, timeout=1)
+        else:
+            roburoc4.connect(host, timeout=1, threaded=False)

@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: MIT
+"""What lets a robot move, and what stops it; all of it in virtual time."""
+
+import math
+
+import pytest
+
+import roburoc4
+from roburoc4 import Result, Simulator
+
+LEASE_S = 0.25
+
+
+def test_three_lines_drive_the_robot(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.arm()
+        robot.drive_for(0.5, 0.0, seconds=2)
+    assert 0.5 < roburoc4_simulator.true_pose.x_m < 1.2
+    assert roburoc4_simulator.state.last_linear_m_s == 0
+    assert roburoc4_simulator.state.target_linear_m_s == 0
+
+
+def test_drive_while_disarmed_names_cause_and_remedy(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        with pytest.raises(roburoc4.NotArmedError, match=r"arm\(\)") as caught:
+            robot.drive(0.5, 0.0)
+        assert caught.value.code == Result.DISARMED
+        robot.sleep(1.0)
+    assert roburoc4_simulator.state.speed_commands == 0
+
+
+def test_a_command_that_is_not_renewed_ends_with_its_lease(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.arm()
+        robot.drive(0.5, 0.0)
+        roburoc4_simulator.step(LEASE_S - 0.01)
+        assert roburoc4_simulator.state.last_linear_m_s == 0.5
+        roburoc4_simulator.step(0.02)
+        assert roburoc4_simulator.state.last_linear_m_s == 0
+
+
+def test_a_lease_can_be_given_with_the_command(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.arm()
+        robot.drive(0.5, 0.0, lease_ms=1000)
+        roburoc4_simulator.step(0.9)
+        assert robot.facts.driving
+        roburoc4_simulator.step(0.2)
+        assert not robot.facts.driving
+        with pytest.raises(roburoc4.ArgumentError):
+            robot.drive(0.5, 0.0, lease_ms=5)
+
+
+def test_override_disarms_and_its_release_does_not_bring_the_command_back(
+    roburoc4_simulator: Simulator,
+) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.arm()
+        with (
+            roburoc4_simulator.pad.held(),
+            pytest.raises(roburoc4.NotArmedError, match=r"release \[A\]") as caught,
+        ):
+            robot.drive_for(0.5, 0.0, seconds=5)
+        assert caught.value.code == Result.OVERRIDE
+        robot.wait_for(lambda r: not r.facts.overridden)
+        robot.sleep(1.0)
+        assert roburoc4_simulator.state.last_linear_m_s == 0
+        robot.arm()
+        robot.drive(0.1, 0.0)
+
+
+def test_arming_is_refused_with_its_reason(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.pad.held(), roburoc4_simulator.connect() as robot:
+        with pytest.raises(roburoc4.NotArmedError) as caught:
+            robot.arm()
+        assert caught.value.code == Result.OVERRIDE
+        assert not robot.facts.armed
+
+
+def test_arm_waits_for_what_the_next_status_brings(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        assert robot.facts.arm_refusal == Result.STALE_DIFFERENTIAL
+        robot.arm()
+        assert robot.facts.armed
+
+
+def test_arm_waits_until_the_robot_stands(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.arm()
+        robot.drive_for(0.5, 0.0, seconds=1)
+        robot.disarm()
+        with pytest.raises(roburoc4.NotArmedError) as caught:
+            robot.arm(timeout=0)
+        assert caught.value.code == Result.MOVING
+        robot.arm()
+        assert abs(robot.differential.current_linear_m_s) < 0.2
+
+
+def test_arm_gives_up_where_the_input_of_the_override_stays_unknown() -> None:
+    with Simulator(digital_inputs=12, query_mode=1) as sim:
+        with sim.connect() as robot:
+            with pytest.raises(roburoc4.NotArmedError, match="override_index") as caught:
+                robot.arm(timeout=1.0)
+            assert caught.value.code == Result.OVERRIDE_UNKNOWN
+        with sim.connect(allow_unknown_override=True) as robot:
+            robot.arm()
+
+
+def test_stop_sends_zeros_and_keeps_the_arming(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.arm()
+        robot.drive(0.5, 0.0)
+        roburoc4_simulator.step(0.1)
+        robot.stop()
+        assert roburoc4_simulator.state.last_linear_m_s == 0
+        assert robot.facts.armed
+        robot.wait_for(lambda r: not r.facts.stopping)
+        robot.drive(0.2, 0.0)
+        robot.disarm()
+        assert not robot.facts.armed
+        assert roburoc4_simulator.state.last_linear_m_s == 0
+
+
+@pytest.mark.parametrize("speed", [math.nan, math.inf, -math.inf])
+def test_speeds_must_be_finite(roburoc4_simulator: Simulator, speed: float) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.arm()
+        with pytest.raises(roburoc4.ArgumentError, match="finite"):
+            robot.drive(speed, 0.0)
+        assert roburoc4_simulator.state.nonzero_speed_commands == 0
+
+
+@pytest.mark.parametrize("seconds", [-1.0, math.nan, math.inf])
+def test_durations_must_be_durations(roburoc4_simulator: Simulator, seconds: float) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.arm()
+        with pytest.raises(roburoc4.ArgumentError, match="seconds"):
+            robot.drive_for(0.5, 0.0, seconds)
+        assert roburoc4_simulator.state.nonzero_speed_commands == 0
+
+
+def test_settings_bound_and_scale_speeds(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect(max_linear_m_s=0.3, scale_angular=0.5) as robot:
+        robot.arm()
+        robot.drive(2.0, 1.0)
+        assert math.isclose(roburoc4_simulator.state.last_linear_m_s, 0.3, rel_tol=1e-6)
+        assert math.isclose(roburoc4_simulator.state.last_angular_rad_s, 0.5, rel_tol=1e-6)
+
+
+def test_drive_for_ends_with_zero_on_any_exception(roburoc4_simulator: Simulator) -> None:
+    class OddError(Exception):
+        pass
+
+    with roburoc4_simulator.connect() as robot:
+        robot.arm()
+        robot.sleep = lambda seconds: (_ for _ in ()).throw(OddError)  # type: ignore[method-assign, assignment]
+        with pytest.raises(OddError):
+            robot.drive_for(0.5, 0.0, seconds=1)
+        assert roburoc4_simulator.state.last_linear_m_s == 0
+
+
+def test_resuming_is_off_unless_asked_for_and_needs_a_neutral_command() -> None:
+    with Simulator() as sim, sim.connect(resume=roburoc4.Resume.OVERRIDE) as robot:
+        robot.arm()
+        robot.drive(0.5, 0.0)
+        with sim.pad.held():
+            sim.step(0.5)
+        robot.wait_for(lambda r: not r.facts.overridden)
+        robot.wait_for(lambda r: not r.facts.stopping)
+        robot.drive(0, 0)
+        robot.drive(0.5, 0.0)
+        sim.step(0.2)
+        assert sim.state.last_linear_m_s == 0.5
+
+
+def test_standing_still_against_a_command_is_reported(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.arm()
+        roburoc4_simulator.estop.press()
+
+        def is_reported(r: roburoc4.Robot) -> bool:
+            r.drive(0.5, 0.0)
+            return r.facts.inhibited
+
+        robot.wait_for(is_reported)
+        robot.disarm()
+        roburoc4_simulator.estop.release()
+        roburoc4_simulator.press_motor_button()
+
+
+def test_another_commander_disarms(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as one, roburoc4_simulator.connect() as other:
+        one.arm()
+        other.arm()
+        other.drive_for(0.5, 0.0, seconds=1)
+        assert one.facts.disarm_cause == Result.FOREIGN
+        with pytest.raises(roburoc4.NotArmedError, match="other program"):
+            one.drive(0.1, 0.0)
+
+
+def test_a_monitor_never_commands(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.sleep(3.0)
+    assert roburoc4_simulator.state.speed_commands == 0
+
+
+def test_leaving_by_an_exception_stops_the_robot(roburoc4_simulator: Simulator) -> None:
+    with pytest.raises(ZeroDivisionError), roburoc4_simulator.connect() as robot:
+        robot.arm()
+        robot.drive(0.5, 0.0, lease_ms=1000)
+        _ = 1 / 0
+    assert roburoc4_simulator.state.last_linear_m_s == 0
+    assert not roburoc4_simulator.state.watchdog_bitten

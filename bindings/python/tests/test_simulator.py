@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: MIT
+"""The simulator as users write tests with it."""
+
+import math
+import time
+
+import pytest
+
+import roburoc4
+from roburoc4 import Simulator
+
+
+def test_virtual_time_passes_by_step_only() -> None:
+    with Simulator() as sim:
+        before = sim.now_s
+        time.sleep(0.05)
+        assert sim.now_s == before
+        begun = time.monotonic()
+        sim.step(60.0)
+        assert sim.now_s - before == pytest.approx(60.0)
+        assert time.monotonic() - begun < 20
+
+
+def test_the_same_seed_gives_the_same_run() -> None:
+    def run(seed: int) -> tuple[object, ...]:
+        with Simulator(seed=seed) as sim, sim.connect() as robot:
+            robot.arm()
+            robot.drive_for(0.5, 1.0, seconds=3)
+            return (*sim.true_pose, *robot.localization)
+
+    assert run(7) == run(7)
+    assert run(7) != run(8)
+
+
+def test_hands_on_the_robot() -> None:
+    with Simulator() as sim:
+        sim.pad.press()
+        sim.pad.move("rt", 1.0)
+        sim.step(2.0)
+        assert sim.true_pose.x_m > 1
+        assert sim.state.overridden
+        sim.pad.release_all()
+        sim.step(4.0)
+        assert abs(sim.state.true_linear_m_s) < 0.05
+        sim.estop.press("remote")
+        assert sim.state.estop_remote
+        with pytest.raises(roburoc4.RobotError):
+            sim.press_motor_button()
+        sim.estop.release("remote")
+        assert not sim.state.motors_enabled
+        sim.press_motor_button()
+        assert sim.state.motors_enabled
+        sim.set_brakes("released")
+        assert sim.state.brakes_released
+        sim.set_charger(True)
+        sim.set_bumper("rear", True)
+        assert (sim.state.charger, sim.state.bumper_rear) == (True, True)
+
+
+def test_the_world_is_seen() -> None:
+    with Simulator() as sim, sim.connect() as robot:
+        sim.clear_world()
+        sim.add_wall(2.0, -5.0, 2.0, 5.0)
+        sim.add_box(-3.0, 0.0, 1.0, 1.0)
+        sim.step(1.0)
+        front, rear = robot.telemeters.distances_m
+        assert front == pytest.approx(2.0 - 0.655, abs=0.1)
+        assert rear == pytest.approx(2.5 - 0.655, abs=0.1)
+        sim.place(-1.0, 0.0, math.pi)
+        assert sim.true_pose.x_m == -1.0
+        with pytest.raises(roburoc4.RobotError):
+            sim.place(2.0, 0.0)
+
+
+def test_inputs_can_be_pinned() -> None:
+    with Simulator() as sim, sim.connect() as robot:
+        sim.pin_input(2, 11.5)
+        sim.pin_input(21, True)
+        robot.wait_for("iocard")
+        assert robot.io["Battery voltage"] == 11.5
+        assert robot.io['Game pad "RB" button']
+        sim.unpin_inputs()
+        robot.wait_for("iocard")
+        assert not robot.io['Game pad "RB" button']
+
+
+def test_the_panel_obeys_lines() -> None:
+    with Simulator() as sim:
+        assert sim.panel("pad a down") == "ok"
+        assert sim.state.overridden
+        with pytest.raises(roburoc4.ArgumentError, match="dance"):
+            sim.panel("dance")
+
+
+def test_a_port_serves_in_real_time() -> None:
+    with Simulator(port=0) as sim:
+        before = sim.now_s
+        time.sleep(0.2)
+        assert sim.now_s - before >= 0.15
+        with pytest.raises(roburoc4.RobotError, match="real time"):
+            sim.step(1.0)
+        with sim.connect() as robot:
+            assert robot.address == sim.address
+            sim.set_faults(loss=1.0)
+            robot.wait_for(lambda r: r.state is roburoc4.State.LOST)
+            sim.set_faults()
+            robot.wait_for(lambda r: r.state is roburoc4.State.READY)
+
+
+def test_a_port_that_is_taken_is_an_os_error() -> None:
+    with Simulator(port=0) as sim, pytest.raises(OSError, match="in use"):
+        Simulator(port=int(sim.address.rpartition(":")[2]))
+
+
+def test_after_close_its_state_is_still_there_and_robots_are_closed() -> None:
+    sim = Simulator()
+    robot = sim.connect()
+    robot.arm()
+    sim.close()
+    sim.close()
+    assert sim.state.cycles > 0
+    with pytest.raises(roburoc4.ClosedError):
+        robot.drive(0.1, 0.0)
+    robot.close()
+    real = Simulator(port=0)
+    real.close()
+    real.close()
+    assert real.state.powered
+
+
+def test_settings_out_of_range_are_refused_by_name() -> None:
+    with pytest.raises(roburoc4.ArgumentError, match="slip"):
+        Simulator(slip=2.0)
+    with pytest.raises(roburoc4.ArgumentError, match="port"):
+        Simulator(port=70000)
+    with Simulator() as sim:
+        with pytest.raises(roburoc4.ArgumentError, match="loss"):
+            sim.set_faults(loss=1.5)
+        with pytest.raises(roburoc4.ArgumentError, match="there are a, b"):
+            sim.pad.press("q")
+        with pytest.raises(roburoc4.ArgumentError, match="duration"):
+            sim.step(-1.0)
+
+
+def test_a_robot_that_nobody_keeps_is_stopped() -> None:
+    with Simulator() as sim:
+        robot = sim.connect()
+        robot.arm()
+        robot.drive(0.5, 0.0)
+        del robot
+        assert sim.state.last_linear_m_s == 0
+
+
+def test_the_fixture_is_part_of_the_package(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        """
+        def test_drive(roburoc4_simulator):
+            with roburoc4_simulator.connect() as robot:
+                robot.arm()
+                robot.drive_for(0.5, 0.0, seconds=1)
+            assert roburoc4_simulator.true_pose.x_m > 0.1
+        """
+    )
+    pytester.runpytest_subprocess("-W", "error").assert_outcomes(passed=1)

@@ -1,0 +1,260 @@
+# SPDX-License-Identifier: MIT
+"""What a robot says: statuses, properties, names; and what it is told beside motion."""
+
+import math
+
+import pytest
+
+import roburoc4
+from roburoc4 import BatteryState, IoType, LocalizationFlag, Service, Simulator
+
+
+def test_statuses_are_typed_records_with_the_simulators_values(
+    roburoc4_simulator: Simulator,
+) -> None:
+    roburoc4_simulator.set_battery(42)
+    with roburoc4_simulator.connect() as robot:
+        battery = robot.battery
+        assert isinstance(battery, roburoc4.BatteryStatus)
+        assert battery.remaining_percent == 42
+        assert battery.state is BatteryState.OK
+        assert battery.state_name == "ok"
+        assert robot.localization.flags & LocalizationFlag.METRIC
+        assert isinstance(robot.localization.flags, LocalizationFlag)
+        assert len(robot.telemeters.distances_m) == 2
+        assert robot.differential.current_linear_m_s == 0
+        assert len(robot.iocard.analog_inputs) == 9
+        assert robot.battery.host_us <= robot.now_s * 1e6
+
+
+def test_records_cannot_be_changed(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot, pytest.raises(AttributeError):
+        robot.battery.remaining_percent = 99  # type: ignore[misc]
+
+
+def test_the_first_status_is_waited_for_and_later_ones_are_not(
+    roburoc4_simulator: Simulator,
+) -> None:
+    with roburoc4_simulator.connect() as robot:
+        assert robot.battery.remaining_percent == 100
+        before_s = roburoc4_simulator.now_s
+        assert robot.battery.remaining_percent == 100
+        assert roburoc4_simulator.now_s == before_s
+
+
+def test_what_was_never_said_names_the_remedy(roburoc4_simulator: Simulator) -> None:
+    robot = roburoc4_simulator.connect(periods_ms={"battery": None})
+    with robot, pytest.raises(roburoc4.NotKnownError, match=r"wait_for\('battery'\)") as caught:
+        _ = robot.battery
+    assert caught.value.code == roburoc4.Result.UNKNOWN
+
+
+def test_properties_have_everything_the_robot_said(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        properties = robot.properties
+        assert [service.kind for service in properties.services] == [
+            service.name.lower() for service in Service
+        ]
+        assert properties.services[2].name == "IOCard"
+        assert properties.battery is not None
+        assert properties.battery.nominal_voltage_v == 24
+        assert properties.iocard == (9, 0, 22, 8)
+        assert properties.differential is not None
+        assert math.isclose(properties.differential.max_linear_speed_m_s, 2.6, rel_tol=1e-6)
+        assert math.isclose(properties.differential.width_m, 0.68, rel_tol=1e-6)
+        assert [round(t.theta_rad, 3) for t in properties.telemeters] == [0, 3.142]
+
+
+def test_a_robot_without_a_service_has_none_of_its_properties() -> None:
+    hidden = 1 << Service.BATTERY
+    with Simulator(hidden_services=hidden) as sim, sim.connect() as robot:
+        assert robot.properties.battery is None
+        assert "battery" not in [service.kind for service in robot.properties.services]
+        assert robot.properties.localization is not None
+
+
+def test_the_manuals_names_find_inputs_in_any_case(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        roburoc4_simulator.set_bumper("front", True)
+        robot.wait_for("iocard")
+        assert robot.io["Front bumper"] is True
+        assert robot.io["rear BUMPER"] is False
+        assert 20 < robot.io["Battery voltage"] < 30
+        roburoc4_simulator.pad.press("lb")
+        robot.wait_for("iocard")
+        assert robot.io.digital('Game pad "LB" button')
+        assert robot.io.digital(20)
+
+
+def test_names_follow_a_card_whose_numbers_are_literal() -> None:
+    with Simulator(digital_inputs=23, analog_inputs=10) as sim, sim.connect() as robot:
+        sim.pad.press("b")
+        robot.wait_for("iocard")
+        assert robot.io['Game pad "B" button'] is True
+        assert robot.io.digital(10)
+        assert not robot.io.digital(9)
+
+
+def test_names_work_where_the_robot_gives_no_texts() -> None:
+    with Simulator(query_mode=1) as sim, sim.connect() as robot:
+        sim.set_bumper("rear", True)
+        robot.wait_for("iocard")
+        assert robot.io["Rear bumper"] is True
+        assert robot.io.channels.digital_inputs[1] == "Rear bumper"
+
+
+def test_unknown_names_and_numbers_say_what_there_is(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        with pytest.raises(roburoc4.ArgumentError, match="Front bumper"):
+            _ = robot.io["Coffee machine"]
+        with pytest.raises(roburoc4.ArgumentError, match="0 to 21"):
+            robot.io.digital(22)
+        with pytest.raises(roburoc4.ArgumentError, match="no analog outputs"):
+            robot.analog_outputs[0] = 1.0
+
+
+def test_outputs_reach_the_robot_and_output_0_is_its_own(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.outputs[3] = True
+        robot.outputs.set({4: True, 5: False})
+        assert [roburoc4_simulator.digital_output(i) for i in (3, 4, 5)] == [True, True, False]
+        assert robot.outputs[3]
+        with pytest.raises(roburoc4.ArgumentError, match="output 1 or above"):
+            robot.outputs[0] = True
+        with pytest.raises(roburoc4.ArgumentError, match="0 to 7"):
+            robot.outputs[8] = True
+        assert len(robot.outputs) == 8
+
+
+def test_analog_outputs_reach_the_robot() -> None:
+    with Simulator(analog_outputs=2) as sim, sim.connect() as robot:
+        robot.analog_outputs[1] = 2.5
+        assert robot.analog_outputs[1] == 2.5
+        assert sim.state.io_commands > 0
+        with pytest.raises(roburoc4.ArgumentError, match="NaN"):
+            robot.analog_outputs[1] = math.nan
+
+
+def test_relocalize_waits_until_the_robot_has_taken_it(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.relocalize(3.0, -4.0, 1.5)
+        robot.wait_for("localization")
+        assert robot.localization[1:4] == (3.0, -4.0, 1.5)
+        with pytest.raises(roburoc4.ArgumentError):
+            robot.relocalize(math.inf, 0, 0)
+
+
+def test_relocalize_that_nobody_answers_times_out(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect(lost_ms=60000) as robot:
+        roburoc4_simulator.set_faults(loss=1.0)
+        with pytest.raises(roburoc4.RobotTimeoutError):
+            robot.relocalize(0, 0, 0)
+
+
+def test_the_link_has_figures(roburoc4_simulator: Simulator) -> None:
+    roburoc4_simulator.set_faults(delay_ms=5)
+    with roburoc4_simulator.connect() as robot:
+        robot.sleep(2.0)
+        assert 9_000 < robot.link.round_trip_us < 30_000
+        figures = robot.service_link("localization")
+        assert figures.subscribed
+        assert figures.period_us == 50_000
+        assert figures.received >= 38
+        assert figures.lost == 0
+        assert robot.counts[roburoc4.Count.RECEIVED] > 100
+        assert robot.fault is roburoc4.Fault.NONE
+        assert abs(robot.host_time_s(robot.localization.robot_cycles) - robot.now_s) < 0.1
+
+
+def test_subscriptions_can_be_changed(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.subscribe("battery", 100)
+        before = robot.service_link("battery").received
+        robot.sleep(1.0)
+        assert robot.service_link("battery").received - before >= 8
+        robot.unsubscribe("battery")
+        assert not robot.service_link("battery").subscribed
+        with pytest.raises(roburoc4.ArgumentError):
+            robot.subscribe("battery", 15)
+        with pytest.raises(roburoc4.ArgumentError, match="localization"):
+            robot.subscribe("coffee", 100)
+
+
+@pytest.mark.parametrize(
+    ("settings", "name"),
+    [
+        ({"lease_ms": 5000}, "lease_ms"),
+        ({"lease_ms": -1}, "lease_ms"),
+        ({"max_linear_m_s": math.nan}, "max_linear_m_s"),
+        ({"periods_ms": {"battery": 15}}, "period_ms"),
+        ({"periods_ms": {"coffee": 50}}, "coffee"),
+        ({"override_index": 64}, "role_index"),
+        ({"buffer": 1}, "buffer"),
+    ],
+)
+def test_settings_out_of_range_are_refused_by_name(
+    roburoc4_simulator: Simulator, settings: dict[str, object], name: str
+) -> None:
+    with pytest.raises(ValueError, match=name):
+        roburoc4_simulator.connect(**settings)  # type: ignore[arg-type]
+
+
+def test_unknown_settings_are_refused(roburoc4_simulator: Simulator) -> None:
+    with pytest.raises(TypeError, match="lease_ms"):
+        roburoc4_simulator.connect(leese_ms=100)  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match="slip"):
+        Simulator(slipp=0.1)  # type: ignore[call-arg]
+
+
+def test_the_override_input_can_be_named() -> None:
+    with Simulator(query_mode=1) as sim, sim.connect(override_index=9) as robot:
+        robot.arm()
+        sim.pad.press("b")  # input 9
+        robot.wait_for(lambda r: not r.facts.armed)
+        assert robot.facts.disarm_cause == roburoc4.Result.OVERRIDE
+
+
+class FakeEngine:
+    """Just enough of an engine for names."""
+
+    def __init__(self, texts: dict[tuple[int, int], bytes]) -> None:
+        self.texts = texts
+
+    def call(self, name: str, *arguments: int) -> object:
+        del arguments
+        if name == "iocard_properties":
+            return roburoc4.IoCardProperties(9, 0, 22, 8)
+        raise roburoc4.NotKnownError(name)
+
+    def description(self, io_type: int, index: int) -> bytes | None:
+        return self.texts.get((io_type, index))
+
+
+def channels(texts: dict[tuple[int, int], bytes]) -> "roburoc4.io.Channels":
+    return roburoc4.io.Channels(FakeEngine(texts))  # type: ignore[arg-type]
+
+
+def test_the_robots_own_texts_work_where_they_are_unique() -> None:
+    found = channels({(IoType.DIGITAL_INPUT, 5): "Éclairage".encode()})
+    assert found.find("éclairage", IoType.DIGITAL_INPUT) == (IoType.DIGITAL_INPUT, 5)
+
+
+def test_an_ambiguous_name_lists_the_indices() -> None:
+    found = channels({(IoType.DIGITAL_INPUT, 5): b"spare", (IoType.DIGITAL_INPUT, 7): b"Spare"})
+    with pytest.raises(roburoc4.ArgumentError, match="digital_input 5, digital_input 7"):
+        found.find("spare", IoType.DIGITAL_INPUT)
+
+
+def test_texts_that_are_no_utf8_are_latin1() -> None:
+    found = channels({(IoType.DIGITAL_INPUT, 5): "Éclairage".encode("latin-1")})
+    assert found.names(IoType.DIGITAL_INPUT)[5] == "Éclairage"
+
+
+def test_the_manuals_name_works_where_the_robot_moved_the_channel() -> None:
+    found = channels({(IoType.DIGITAL_INPUT, 12): b'Game pad "B" button'})
+    assert found.find('game pad "b" button', IoType.DIGITAL_INPUT)[1] == 12
+
+
+def test_the_manuals_name_works_where_the_robot_gives_it_twice() -> None:
+    twice = {(IoType.DIGITAL_INPUT, i): b'Game pad "B" button' for i in (4, 5)}
+    assert channels(twice).find('Game pad "B" button', IoType.DIGITAL_INPUT)[1] == 9
