@@ -158,7 +158,8 @@ roburoc4_result roburoc4_drive_grant(drive *d, const roburoc4_config *config, co
     }
     const float bounded[AXES] = {roburoc4_clamp(target[LINEAR], -ANY_SPEED, ANY_SPEED),
                                  roburoc4_clamp(target[ANGULAR], -ANY_SPEED, ANY_SPEED)};
-    if (!d->leased || memcmp(d->target, bounded, sizeof bounded) != 0) {
+    if (!d->leased || bits_from_f32(d->target[LINEAR]) != bits_from_f32(bounded[LINEAR]) ||
+        bits_from_f32(d->target[ANGULAR]) != bits_from_f32(bounded[ANGULAR])) {
         d->changed = 1; /* until it has left, however often it is renewed before */
     }
     memcpy(d->target, bounded, sizeof bounded);
