@@ -1,8 +1,8 @@
 # shellcheck shell=sh
 # SPDX-License-Identifier: MIT
 #
-# What scripts/demo and scripts/test share: installing packages, and configuring a build folder
-# whatever generator made it. To be sourced from the top of the checkout.
+# What the scripts share: installing packages, configuring a build folder whatever generator made
+# it, and running stages. To be sourced from the top of the checkout.
 
 LC_ALL=C
 export LC_ALL
@@ -120,4 +120,38 @@ compile() {
         set -- --target "$@"
     fi
     cmake --build "$tree" --config RelWithDebInfo --parallel "$(jobs)" "$@"
+}
+
+# stage NAME COMMAND...: run it with its output in build/logs/NAME.log; say in a line how it went,
+# how long it took, and its summary: that of ctest, or its last line. A failure ends the script.
+stage() {
+    stage_name=$1
+    stage_log=build/logs/$stage_name.log
+    stage_begun=$(date +%s)
+    shift
+    mkdir -p build/logs
+    # Not as a condition, so that -e holds inside.
+    set +e
+    (
+        set -e
+        "$@"
+    ) >"$stage_log" 2>&1 </dev/null
+    stage_status=$?
+    set -e
+    stage_word=ok
+    [ "$stage_status" -eq 0 ] || stage_word=FAILED
+    printf '%-6s %-18s %4d s  %s\n' "$stage_word" "$stage_name" $(($(date +%s) - stage_begun)) \
+        "$(stage_summary "$stage_log")"
+    if [ "$stage_status" -ne 0 ]; then
+        grep -v -e ' Passed ' -e '^ *Start ' "$stage_log" | tail -n 60
+        fail "$stage_name failed; all of its output is in $stage_log"
+    fi
+}
+
+stage_summary() {
+    ctest_line "$1" | grep . || tail -n 1 "$1" | cut -c 1-120
+}
+
+ctest_line() {
+    grep 'tests passed' "$1" | tail -n 1
 }
