@@ -12,8 +12,7 @@
 
 typedef struct net_sockets net_sockets;
 
-/* Room for `sockets` sockets, all closed; also begins to listen for the wish to stop. NULL: no
- * memory, or the system refuses so many. */
+/* Room for `sockets` sockets, all closed. NULL: no memory, or the system refuses so many. */
 net_sockets *net_create(size_t sockets);
 void net_destroy(net_sockets *net);
 
@@ -44,7 +43,10 @@ ptrdiff_t net_read_input(net_sockets *net, char *buffer, size_t capacity);
 
 /* A clock in microseconds that never goes back. */
 uint64_t net_now_us(void);
-/* Whether somebody asked the program to end (SIGINT, SIGTERM, Ctrl-C). */
+/* From here on take SIGINT, SIGTERM and Ctrl-C as the wish to stop: for a program, never a library.
+ */
+void net_listen_for_stop(void);
+/* Whether somebody wished that. */
 bool net_stop_wanted(void);
 
 #endif

@@ -28,22 +28,6 @@ struct net_sockets {
     struct pollfd *polls; /* one for each socket, then standard input */
 };
 
-static volatile sig_atomic_t stop_wanted;
-
-static void want_stop(int signal_number) {
-    (void)signal_number;
-    stop_wanted = 1;
-}
-
-static void listen_for_stop(void) {
-    struct sigaction action;
-    memset(&action, 0, sizeof action);
-    action.sa_handler = want_stop;
-    (void)sigemptyset(&action.sa_mask);
-    (void)sigaction(SIGINT, &action, NULL);
-    (void)sigaction(SIGTERM, &action, NULL);
-}
-
 static bool allow_descriptors(size_t wanted) {
     struct rlimit limit;
     if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= wanted) {
@@ -74,7 +58,6 @@ net_sockets *net_create(size_t sockets) {
         created->polls[index].fd = -1;
         created->polls[index].events = POLLIN;
     }
-    listen_for_stop();
     return created;
 }
 
@@ -235,6 +218,22 @@ uint64_t net_now_us(void) {
     struct timespec now;
     (void)clock_gettime(CLOCK_MONOTONIC, &now);
     return (uint64_t)now.tv_sec * 1000000u + (uint64_t)now.tv_nsec / 1000u;
+}
+
+static volatile sig_atomic_t stop_wanted;
+
+static void want_stop(int signal_number) {
+    (void)signal_number;
+    stop_wanted = 1;
+}
+
+void net_listen_for_stop(void) {
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = want_stop;
+    (void)sigemptyset(&action.sa_mask);
+    (void)sigaction(SIGINT, &action, NULL);
+    (void)sigaction(SIGTERM, &action, NULL);
 }
 
 bool net_stop_wanted(void) {

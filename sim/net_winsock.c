@@ -30,14 +30,6 @@ struct net_sockets {
     char input[INPUT_BYTES];
 };
 
-static volatile LONG stop_wanted;
-
-static BOOL WINAPI want_stop(DWORD event) {
-    (void)event;
-    (void)InterlockedExchange(&stop_wanted, 1);
-    return TRUE;
-}
-
 net_sockets *net_create(size_t sockets) {
     WSADATA data;
     if (WSAStartup(MAKEWORD(2, 2), &data) != 0) {
@@ -58,7 +50,6 @@ net_sockets *net_create(size_t sockets) {
         polls[index].events = POLLRDNORM;
     }
     InitializeCriticalSection(&created->lock);
-    (void)SetConsoleCtrlHandler(want_stop, TRUE);
     return created;
 }
 
@@ -235,6 +226,18 @@ uint64_t net_now_us(void) {
     uint64_t ticks = (uint64_t)now.QuadPart;
     uint64_t per_s = (uint64_t)frequency.QuadPart;
     return ticks / per_s * 1000000u + ticks % per_s * 1000000u / per_s;
+}
+
+static volatile LONG stop_wanted;
+
+static BOOL WINAPI want_stop(DWORD event) {
+    (void)event;
+    (void)InterlockedExchange(&stop_wanted, 1);
+    return TRUE;
+}
+
+void net_listen_for_stop(void) {
+    (void)SetConsoleCtrlHandler(want_stop, TRUE);
 }
 
 bool net_stop_wanted(void) {

@@ -310,6 +310,7 @@ static void turn(server_state *server) {
 }
 
 static void serve(server_state *server) {
+    net_listen_for_stop();
     server->last_us = net_now_us();
     server->input = server->options->panel;
     turn(server);

@@ -10,7 +10,7 @@
 
 #include "roburoc4_pump.h"
 #include "roburoc4_sim.h"
-#include "sim_host.h"
+#include "host.h"
 
 /* Structs, zeroed or with their defaults; NULL without memory. Give each to own_memory(). */
 roburoc4_address *new_address(void);

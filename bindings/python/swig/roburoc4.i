@@ -17,7 +17,7 @@
 #include "roburoc4_pump.h"
 #include "roburoc4_sim.h"
 #include "samples.h"
-#include "sim_host.h"
+#include "host.h"
 %}
 
 /* Only what waits gives the interpreter away. */
@@ -66,7 +66,7 @@
 %include "roburoc4_sim.h"
 
 %ignore sim_host_destroy;
-%include "sim_host.h"
+%include "host.h"
 
 PyObject *record_register(PyObject *classes);
 PyObject *raise_register(PyObject *make);

@@ -21,8 +21,9 @@ def main() -> None:
     except signals.Signalled as ended:
         code = ended.exit_code
     except ModuleNotFoundError as missing:
-        if (missing.name or "").partition(".")[0] != "rich":
+        name = (missing.name or "").partition(".")[0]
+        if name not in ("rich", "telnetlib3"):
             raise
-        print("roburoc4: Rich is not installed: pip install 'roburoc4[cli]'", file=sys.stderr)
+        print(f"roburoc4: {name} is not installed: pip install 'roburoc4[cli]'", file=sys.stderr)
         code = 2
     sys.exit(code)

@@ -47,6 +47,17 @@ def number(low: float, high: float, unit: str) -> Callable[[str], float]:
     return convert
 
 
+def whole(low: int, high: int, what: str) -> Callable[[str], int]:
+    """Make a converter to a whole number in this range."""
+
+    def convert(text: str) -> int:
+        if not (text.strip().isdecimal() and low <= int(text) <= high):
+            raise argparse.ArgumentTypeError(f"'{text.strip()}' is not {what} ({low} to {high})")
+        return int(text)
+
+    return convert
+
+
 linear_m_s = number(-20.0, 20.0, "m/s")
 angular_rad_s = number(-50.0, 50.0, "rad/s")
 metres = number(-1e9, 1e9, "m")

@@ -8,11 +8,14 @@ import re
 import subprocess
 import sys
 
+from .errors import refused, usage
+
 _PROGRAM = [
     sys.executable,
     "-c",
     "import sys; from roburoc4.sim_program import main; sys.exit(main())",
 ]
+_HIGHEST_PORT = 65535
 _READY = re.compile(r"ready on ([^\s,]+)")
 
 
@@ -21,7 +24,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = commands.add_parser(
         "sim",
         help="start the simulator",
-        description="Start roburoc4-sim; all arguments are its own.",
+        description="Start roburoc4-sim; all arguments but --telnet are its own.",
         add_help=False,
         prefix_chars="\0",
     )
@@ -32,14 +35,40 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 def run(options: argparse.Namespace) -> int:
     """Relay what the simulator says; it ends with this program."""
     arguments = [text.lstrip() for text in options.arguments]
+    arguments, telnet_port = _without_telnet(arguments)
     with subprocess.Popen([*_PROGRAM, *arguments], stdout=subprocess.PIPE, text=True) as program:
         try:
-            return _relay(program)
+            return _relay(program, telnet_port)
         finally:
             program.terminate()
 
 
-def _relay(program: subprocess.Popen[str]) -> int:
+def _without_telnet(arguments: list[str]) -> tuple[list[str], int | None]:
+    """Take out --telnet PORT, the one option that is ours."""
+    if "--telnet" not in arguments:
+        return arguments, None
+    index = arguments.index("--telnet")
+    port = "".join(arguments[index + 1 : index + 2])
+    if not port.isdecimal() or not 0 <= int(port) <= _HIGHEST_PORT:
+        raise usage(f"--telnet: '{port}' is not a port: give 0 (any free one) to {_HIGHEST_PORT}")
+    return arguments[:index] + arguments[index + 2 :], int(port)
+
+
+def _serve_console(address: str, port: int) -> None:
+    """Serve the controller's telnet console, on which `set-ip` can be tried, beside the robot."""
+    from .sim_console import serve
+
+    host = address.rpartition(":")[0]
+    try:
+        bound = serve(host, port, lambda settings: print(f"telnet: {settings}", flush=True))
+    except OSError as error:
+        raise refused(
+            f"--telnet: {host}:{port} cannot be used ({error.strerror or error}): give another port"
+        ) from None
+    print(f"telnet console on {host}:{bound}", flush=True)
+
+
+def _relay(program: subprocess.Popen[str], telnet_port: int | None) -> int:
     assert program.stdout is not None
     for line in program.stdout:
         print(line, end="", flush=True)
@@ -47,4 +76,6 @@ def _relay(program: subprocess.Popen[str]) -> int:
             # 0.0.0.0 is all addresses of this machine: only some systems can send to it.
             address = ready[1].replace("0.0.0.0:", "127.0.0.1:")
             print(f"export ROBUROC4_ROBOT={address}", flush=True)
+            if telnet_port is not None:
+                _serve_console(address, telnet_port)
     return program.wait()

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * sim_host.h - a simulated robot in real time behind a UDP port, on a thread that needs no Python.
+ * A simulated robot in real time behind a UDP port, on a thread of its own: what a binding starts
+ * in its own process. The program roburoc4-sim has server.h instead, with its panel and many
+ * robots.
  */
-#ifndef ROBUROC4_PY_SIM_HOST_H
-#define ROBUROC4_PY_SIM_HOST_H
+#ifndef ROBUROC4_SIM_HOST_H
+#define ROBUROC4_SIM_HOST_H
 
 #include "roburoc4_sim.h"
 

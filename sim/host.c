@@ -3,15 +3,11 @@
  * One thread: it waits for datagrams or the next cycle, and carries both ways through a network
  * with faults.
  */
-#define _POSIX_C_SOURCE 200809L /* sigaction */
-#include "sim_host.h"
+#include "host.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#ifndef _WIN32
-#include <signal.h>
-#endif
 
 #include "net.h"
 #include "pump_threads.h"
@@ -33,8 +29,7 @@ struct sim_host {
     uint8_t buffer[65536];
 };
 
-/* ---------------------------------------------------------------------------------- carrying ---
- */
+/* --------------------------------------------------------------------------------- carrying --- */
 
 static void take_in(sim_host *host, uint64_t now_us) {
     int taken;
@@ -103,24 +98,7 @@ static void serve(void *argument) {
     }
 }
 
-/* -------------------------------------------------------------------------------------- life ---
- */
-
-/* net_create() also listens for the wish to stop a program, which is not ours to have here. */
-static net_sockets *create_net(void) {
-#ifdef _WIN32
-    return net_create(1);
-#else
-    struct sigaction interrupt, terminate;
-    net_sockets *net;
-    (void)sigaction(SIGINT, NULL, &interrupt);
-    (void)sigaction(SIGTERM, NULL, &terminate);
-    net = net_create(1);
-    (void)sigaction(SIGINT, &interrupt, NULL);
-    (void)sigaction(SIGTERM, &terminate, NULL);
-    return net;
-#endif
-}
+/* ------------------------------------------------------------------------------------- life --- */
 
 static void free_host(sim_host *host) {
     if (host->net != NULL) {
@@ -139,7 +117,7 @@ sim_host *sim_host_open(roburoc4_sim *sim, const char *address, uint16_t port, i
     }
     host->process = roburoc4_process_id();
     host->sim = sim;
-    host->net = create_net();
+    host->net = net_create(1);
     host->in = roburoc4_sim_channel_create(NULL, 1, FLIGHTS, LONGEST_FRAME);
     host->out = roburoc4_sim_channel_create(NULL, 2, FLIGHTS, LONGEST_FRAME);
     if (host->net != NULL && host->in != NULL && host->out != NULL) {
