@@ -64,6 +64,7 @@ class SamplesLostError(RobotError):
         )
         self.lost = lost
 
+    # It is made of a count, the others of a text and a code.
     def __reduce__(self) -> tuple[type["SamplesLostError"], tuple[int]]:  # type: ignore[override]
         return type(self), (self.lost,)
 

@@ -2,7 +2,7 @@
 """Settings of a client: from keyword arguments to the C library's struct."""
 
 from collections.abc import Mapping
-from typing import TypedDict
+from typing import Any, TypedDict
 
 from . import _native
 from .constants import Result, Resume, Role, Service
@@ -109,7 +109,8 @@ def _set_periods(config: "_native.Config", periods: Mapping[str, int | None]) ->
     _native.roburoc4_config_subscriptions_set(config, wanted)
 
 
-def _set(config: "_native.Config", name: str, value: object) -> None:
+# Settings gives each name its type.
+def _set(config: "_native.Config", name: str, value: Any) -> None:
     if name in _PLAIN:
         getattr(_native, f"roburoc4_config_{name}_set")(config, value)
     elif name in _OPTIONS:
@@ -117,11 +118,11 @@ def _set(config: "_native.Config", name: str, value: object) -> None:
         options = options | _OPTIONS[name] if value else options & ~_OPTIONS[name]
         _native.roburoc4_config_options_set(config, options)
     elif name in _ROLES:
-        _native.config_set_role(config, _ROLES[name], value)  # type: ignore[arg-type]
+        _native.config_set_role(config, _ROLES[name], value)
     elif name == "resume":
-        _native.roburoc4_config_resume_set(config, int(value))  # type: ignore[call-overload]
+        _native.roburoc4_config_resume_set(config, int(value))
     elif name == "periods_ms":
-        _set_periods(config, value)  # type: ignore[arg-type]
+        _set_periods(config, value)
     elif name != "buffer":
         known = ", ".join(sorted(Settings.__annotations__))
         raise TypeError(f"no setting {name!r}: there are {known}")
