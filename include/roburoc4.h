@@ -494,6 +494,11 @@ ROBUROC4_API roburoc4_result roburoc4_analog_input_at(const roburoc4_iocard_stat
 /** Digital input `index`: 1 or 0; ROBUROC4_ERR_INDEX beyond the last. */
 ROBUROC4_API roburoc4_result roburoc4_digital_input_at(const roburoc4_iocard_status *status,
                                                        uint32_t index);
+/** The first analog inputs at once, at most `capacity` of them into `out`; how many were copied. */
+ROBUROC4_API roburoc4_result roburoc4_analog_inputs(const roburoc4_iocard_status *status,
+                                                    float *out, uint32_t capacity);
+/** The first 64 digital inputs at once: bit i is input i, 0 where there is no such input. */
+ROBUROC4_API uint64_t roburoc4_digital_inputs(const roburoc4_iocard_status *status);
 /** digital: roburoc4_digital_blocks(digital_inputs) bytes; channel 8 k + b is bit b of byte k. */
 ROBUROC4_API roburoc4_result roburoc4_encode_iocard_status(
     uint8_t *buffer, size_t capacity, uint16_t service, uint64_t robot_cycles, const float *analog,
@@ -512,6 +517,9 @@ ROBUROC4_API roburoc4_result roburoc4_decode_telemeter_status(const uint8_t *dat
 /** Distance `index` in metres; ROBUROC4_ERR_INDEX beyond the last. */
 ROBUROC4_API roburoc4_result roburoc4_distance_at(const roburoc4_telemeter_status *status,
                                                   uint32_t index, float *out);
+/** The first distances at once, in metres, at most `capacity` into `out`; how many were copied. */
+ROBUROC4_API roburoc4_result roburoc4_telemeter_distances(const roburoc4_telemeter_status *status,
+                                                          float *out, uint32_t capacity);
 ROBUROC4_API roburoc4_result roburoc4_encode_telemeter_status(uint8_t *buffer, size_t capacity,
                                                               uint16_t service,
                                                               uint64_t robot_cycles,

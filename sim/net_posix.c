@@ -186,8 +186,12 @@ void net_send(net_sockets *net, size_t index, uint64_t peer, const uint8_t *data
 bool net_refused(net_sockets *net, size_t index, uint64_t *peer) {
 #ifdef IP_RECVERR
     struct sockaddr_in to;
+    uint8_t start; /* of what was refused; emulators do not take a message without a place */
+    struct iovec place = {&start, sizeof start};
     struct msghdr message;
     memset(&message, 0, sizeof message);
+    message.msg_iov = &place;
+    message.msg_iovlen = 1;
     memset(&to, 0, sizeof to);
     message.msg_name = &to;
     message.msg_namelen = sizeof to;

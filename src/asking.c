@@ -62,10 +62,12 @@ static bool open_first_insert(client *c) {
 static bool open_text(client *c, bool channels) {
     ask a;
     /* texts leave a request free for what is more urgent */
-    return roburoc4_requests_free(&c->private_requests, 1) &&
-           roburoc4_discovery_next_text(&c->private_discovery, &c->private_requests,
-                                        c->private_values.io_counts, channels, &a) &&
-           roburoc4_requests_begin(&c->private_requests, &a);
+    if (!roburoc4_requests_free(&c->private_requests, 1) ||
+        !roburoc4_discovery_next_text(&c->private_discovery, &c->private_requests,
+                                      c->private_values.io_counts, channels, &a)) {
+        return false;
+    }
+    return roburoc4_requests_begin(&c->private_requests, &a);
 }
 
 /** One question a second, to each service in turn: measures the round trip, keeps properties true,
@@ -80,7 +82,7 @@ static bool open_probe(client *c) {
         d->declined = 0;
     }
     do {
-        d->probe_kind = (uint8_t)((d->probe_kind + 1) % ROBUROC4_SERVICE_COUNT);
+        d->probe_kind = (uint8_t)((d->probe_kind + 1U) % ROBUROC4_SERVICE_COUNT);
     } while (d->probe_kind != 0 && (d->listed & service_bit(d->probe_kind)) == 0);
     return open_about(c, ROBUROC4_ACTION_GET, d->probe_kind, PROBE_TRIES);
 }
@@ -90,7 +92,7 @@ void roburoc4_client_renew_silent(client *c) {
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         roburoc4_private_service *s = &c->private_link.services[i];
         const uint8_t bit = service_bit(i + FIRST_STATUS_SERVICE);
-        const uint32_t limit_us = SECOND + 5U * ROBUROC4_CYCLE_US * s->asked_cycles;
+        const uint32_t limit_us = SECOND + 5U * (uint32_t)ROBUROC4_CYCLE_US * s->asked_cycles;
         if ((d->acked & d->wanted & bit) != 0 && c->private_now_us - s->inserted_us >= limit_us &&
             !roburoc4_link_fresh(&c->private_link, i, limit_us, c->private_now_us)) {
             d->acked &= (uint8_t)~bit;
@@ -102,9 +104,6 @@ void roburoc4_client_renew_silent(client *c) {
 static bool open_next(client *c) {
     discovery *d = &c->private_discovery;
     switch (c->private_state) {
-    case ROBUROC4_STATE_CONNECTING:
-    case ROBUROC4_STATE_LOST:
-        return open_about(c, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, REQUEST_FOREVER);
     case ROBUROC4_STATE_DISCOVERING:
         if (!d->identified) {
             return open_text(c, false);
@@ -118,8 +117,8 @@ static bool open_next(client *c) {
                            REQUEST_TRIES)) ||
                open_first_insert(c) || open_first(c, ROBUROC4_ACTION_DELETE, d->leaving) != 0 ||
                open_probe(c) || (!d->done && open_text(c, true));
-    default:
-        return false;
+    default: /* connecting, lost */
+        return open_about(c, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, REQUEST_FOREVER);
     }
 }
 

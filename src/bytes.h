@@ -15,19 +15,34 @@
 #include <stdint.h>
 #include <string.h>
 
+/* Where speed counts for more than size the cursors are part of whatever uses them: the compiler
+ * then sees that the length asked for before suffices, and drops the checks within it. */
+#if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#define CURSOR static inline __attribute__((always_inline))
+#else
+#define CURSOR static inline
+#endif
+
+/* Whether numbers lie in memory as on the wire, so that they can be moved as they are. */
+#if defined(__BYTE_ORDER__) && defined(__ORDER_LITTLE_ENDIAN__)
+#define WORDS_AS_ON_THE_WIRE (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__)
+#else
+#define WORDS_AS_ON_THE_WIRE 0
+#endif
+
 typedef struct reader {
     const uint8_t *at;
     size_t left;
     bool failed;
 } reader;
 
-static inline reader reader_of(const uint8_t *data, size_t size) {
+CURSOR reader reader_of(const uint8_t *data, size_t size) {
     reader r = {data, size, false};
     return r;
 }
 
 /** The next `count` bytes, or NULL when they are not all there. */
-static inline const uint8_t *read_bytes(reader *r, size_t count) {
+CURSOR const uint8_t *read_bytes(reader *r, size_t count) {
     const uint8_t *bytes = r->at;
     if (r->failed || count > r->left) {
         r->failed = true;
@@ -40,7 +55,7 @@ static inline const uint8_t *read_bytes(reader *r, size_t count) {
     return bytes;
 }
 
-static inline uint8_t read_u8(reader *r) {
+CURSOR uint8_t read_u8(reader *r) {
     const uint8_t *b = read_bytes(r, 1);
     return b != NULL ? b[0] : 0;
 }
@@ -57,17 +72,17 @@ static inline uint64_t load_u64(const uint8_t *b) {
     return (uint64_t)load_u32(b) | (uint64_t)load_u32(b + 4) << 32;
 }
 
-static inline uint16_t read_u16(reader *r) {
+CURSOR uint16_t read_u16(reader *r) {
     const uint8_t *b = read_bytes(r, 2);
     return b != NULL ? load_u16(b) : 0;
 }
 
-static inline uint32_t read_u32(reader *r) {
+CURSOR uint32_t read_u32(reader *r) {
     const uint8_t *b = read_bytes(r, 4);
     return b != NULL ? load_u32(b) : 0;
 }
 
-static inline uint64_t read_u64(reader *r) {
+CURSOR uint64_t read_u64(reader *r) {
     const uint8_t *b = read_bytes(r, 8);
     return b != NULL ? load_u64(b) : 0;
 }
@@ -172,12 +187,28 @@ static inline bool finite_f64_bits(uint64_t bits) {
     return (bits >> 52 & 0x7FF) != 0x7FF;
 }
 
-static inline float read_f32(reader *r) {
+CURSOR float read_f32(reader *r) {
     return f32_from_bits(read_u32(r));
 }
 
-static inline double read_f64(reader *r) {
+CURSOR double read_f64(reader *r) {
     return f64_from_bits(read_u64(r));
+}
+
+/** A run of 32-bit fields (floats or integers) as it is in memory. */
+CURSOR void read_words(reader *r, void *words, size_t count) {
+    const uint8_t *from = read_bytes(r, count * 4);
+    uint8_t *to = words;
+    if (from == NULL) {
+        memset(words, 0, count * 4);
+    } else if (WORDS_AS_ON_THE_WIRE) {
+        memcpy(words, from, count * 4);
+    } else {
+        for (size_t i = 0; i < count; i++) {
+            const uint32_t word = load_u32(from + i * 4);
+            memcpy(to + i * 4, &word, sizeof word);
+        }
+    }
 }
 
 typedef struct writer {
@@ -185,12 +216,12 @@ typedef struct writer {
     size_t left;
 } writer;
 
-static inline writer writer_of(uint8_t *buffer, size_t capacity) {
+CURSOR writer writer_of(uint8_t *buffer, size_t capacity) {
     writer w = {buffer, capacity};
     return w;
 }
 
-static inline void write_bytes(writer *w, const uint8_t *bytes, size_t count) {
+CURSOR void write_bytes(writer *w, const uint8_t *bytes, size_t count) {
     if (count > w->left) {
         w->left = 0;
     } else if (count > 0) {
@@ -200,31 +231,50 @@ static inline void write_bytes(writer *w, const uint8_t *bytes, size_t count) {
     }
 }
 
-static inline void write_u8(writer *w, uint8_t value) {
+CURSOR void write_u8(writer *w, uint8_t value) {
     write_bytes(w, &value, 1);
 }
 
-static inline void write_u16(writer *w, uint16_t value) {
+CURSOR void write_u16(writer *w, uint16_t value) {
     const uint8_t b[2] = {(uint8_t)value, (uint8_t)(value >> 8)};
     write_bytes(w, b, sizeof b);
 }
 
-static inline void write_u32(writer *w, uint32_t value) {
+CURSOR void write_u32(writer *w, uint32_t value) {
     const uint8_t b[4] = {(uint8_t)value, (uint8_t)(value >> 8), (uint8_t)(value >> 16),
                           (uint8_t)(value >> 24)};
     write_bytes(w, b, sizeof b);
 }
 
-static inline void write_u64(writer *w, uint64_t value) {
+CURSOR void write_u64(writer *w, uint64_t value) {
+    if (WORDS_AS_ON_THE_WIRE) {
+        uint8_t b[8];
+        memcpy(b, &value, sizeof b);
+        write_bytes(w, b, sizeof b);
+        return;
+    }
     write_u32(w, (uint32_t)value);
     write_u32(w, (uint32_t)(value >> 32));
 }
 
-static inline void write_f32(writer *w, float value) {
+CURSOR void write_words(writer *w, const void *words, size_t count) {
+    const uint8_t *from = words;
+    if (WORDS_AS_ON_THE_WIRE) {
+        write_bytes(w, from, count * 4);
+        return;
+    }
+    for (size_t i = 0; i < count; i++) {
+        uint32_t word;
+        memcpy(&word, from + i * 4, sizeof word);
+        write_u32(w, word);
+    }
+}
+
+CURSOR void write_f32(writer *w, float value) {
     write_u32(w, bits_from_f32(value));
 }
 
-static inline void write_f64(writer *w, double value) {
+CURSOR void write_f64(writer *w, double value) {
     write_u64(w, bits_from_f64(value));
 }
 

@@ -59,7 +59,7 @@ static bool sendable(size_t head, size_t count, size_t entry) {
 }
 
 /** The bytes that will be left after `length` more, or ROBUROC4_ERR_SHORT. */
-static roburoc4_result surplus(const reader *r, size_t length) {
+CURSOR roburoc4_result surplus(const reader *r, size_t length) {
     if (r->left < length) {
         return ROBUROC4_ERR_SHORT;
     }
@@ -68,38 +68,21 @@ static roburoc4_result surplus(const reader *r, size_t length) {
 }
 
 /** Take `length` bytes of the buffer, or none where they do not fit. */
-static roburoc4_result claim(writer *w, size_t length) {
+CURSOR roburoc4_result claim(writer *w, size_t length) {
     const bool fits = length <= w->left;
     w->left = fits ? length : 0;
     return fits ? (roburoc4_result)length : ROBUROC4_ERR_BUFFER;
 }
 
-/* Runs of 32-bit fields (floats or integers) and of poses, in memory as on the wire. */
+/* Poses. */
 
-static void write_words(writer *w, const void *words, size_t count) {
-    const uint8_t *from = words;
-    for (size_t i = 0; i < count; i++) {
-        uint32_t word;
-        memcpy(&word, from + i * sizeof word, sizeof word);
-        write_u32(w, word);
-    }
-}
-
-static void read_words(reader *r, void *words, size_t count) {
-    uint8_t *to = words;
-    for (size_t i = 0; i < count; i++) {
-        const uint32_t word = read_u32(r);
-        memcpy(to + i * sizeof word, &word, sizeof word);
-    }
-}
-
-static void write_pose(writer *w, const double *x_m, const double *y_m, const double *theta_rad) {
+CURSOR void write_pose(writer *w, const double *x_m, const double *y_m, const double *theta_rad) {
     write_f64(w, *x_m);
     write_f64(w, *y_m);
     write_f64(w, *theta_rad);
 }
 
-static void read_pose(reader *r, double *x_m, double *y_m, double *theta_rad) {
+CURSOR void read_pose(reader *r, double *x_m, double *y_m, double *theta_rad) {
     *x_m = read_f64(r);
     *y_m = read_f64(r);
     *theta_rad = read_f64(r);
@@ -107,7 +90,7 @@ static void read_pose(reader *r, double *x_m, double *y_m, double *theta_rad) {
 
 /* ---- requests ---- */
 
-static roburoc4_result write_request_head(writer *w, size_t body, uint8_t id, uint8_t action,
+CURSOR roburoc4_result write_request_head(writer *w, size_t body, uint8_t id, uint8_t action,
                                           uint16_t service) {
     if (id == ROBUROC4_HEADER_ERROR || id == ROBUROC4_HEADER_STATUS) {
         w->left = 0;
@@ -560,7 +543,7 @@ roburoc4_result roburoc4_encode_text(uint8_t *buffer, size_t capacity, uint8_t i
 
 /* ---- statuses and commands ---- */
 
-static roburoc4_result write_status_head(writer *w, size_t body, uint16_t service,
+CURSOR roburoc4_result write_status_head(writer *w, size_t body, uint16_t service,
                                          uint64_t robot_cycles) {
     const roburoc4_result result = claim(w, HEAD_STATUS + body);
     write_u8(w, ROBUROC4_HEADER_STATUS);
@@ -569,7 +552,7 @@ static roburoc4_result write_status_head(writer *w, size_t body, uint16_t servic
     return result;
 }
 
-static roburoc4_result write_command_head(writer *w, size_t body, uint16_t service) {
+CURSOR roburoc4_result write_command_head(writer *w, size_t body, uint16_t service) {
     const roburoc4_result result = claim(w, HEAD_COMMAND + body);
     write_u8(w, ROBUROC4_HEADER_STATUS);
     write_u16(w, service);
@@ -578,7 +561,7 @@ static roburoc4_result write_command_head(writer *w, size_t body, uint16_t servi
 
 /** Check the header of a status or command and its whole length; the reader is left at the
  *  service. */
-static roburoc4_result read_status_header(reader *r, size_t length) {
+CURSOR roburoc4_result read_status_header(reader *r, size_t length) {
     if (r->left < length) {
         return ROBUROC4_ERR_SHORT;
     }
@@ -612,7 +595,7 @@ roburoc4_result roburoc4_decode_command_header(const uint8_t *data, size_t size,
 }
 
 /** Take `analog` floats and the blocks of `digital` bits from a reader that has passed the head. */
-static roburoc4_result read_channels(reader *r, uint32_t analog, uint32_t digital,
+CURSOR roburoc4_result read_channels(reader *r, uint32_t analog, uint32_t digital,
                                      const uint8_t **analog_view, const uint8_t **digital_view) {
     if (analog > r->left / 4 || roburoc4_digital_blocks(digital) > r->left - (size_t)analog * 4) {
         return ROBUROC4_ERR_SHORT;
@@ -628,6 +611,15 @@ static roburoc4_result analog_at(const uint8_t *view, uint32_t count, uint32_t i
     }
     *out = f32_from_bits(load_u32(view + (size_t)index * 4));
     return ROBUROC4_OK;
+}
+
+/** The first floats of a view, as many as there are and as have room; how many. */
+CURSOR roburoc4_result analog_all(const uint8_t *view, uint32_t count, float *out,
+                                  uint32_t capacity) {
+    const uint32_t copied = count < capacity ? count : capacity;
+    reader r = reader_of(view, (size_t)copied * 4);
+    read_words(&r, out, copied);
+    return (roburoc4_result)copied;
 }
 
 static roburoc4_result digital_at(const uint8_t *view, uint32_t count, uint32_t index) {
@@ -670,6 +662,21 @@ roburoc4_result roburoc4_analog_input_at(const roburoc4_iocard_status *status, u
     return analog_at(status->analog, status->analog_inputs, index, out);
 }
 
+roburoc4_result roburoc4_analog_inputs(const roburoc4_iocard_status *status, float *out,
+                                       uint32_t capacity) {
+    return analog_all(status->analog, status->analog_inputs, out, capacity);
+}
+
+uint64_t roburoc4_digital_inputs(const roburoc4_iocard_status *status) {
+    const uint32_t inputs = status->digital_inputs < 64 ? status->digital_inputs : 64;
+    uint64_t bits = 0;
+    for (uint32_t i = 0; i < inputs; i += 8) {
+        bits |= (uint64_t)status->digital[i / 8] << i;
+    }
+    /* the last block may have bits that are no input */
+    return inputs < 64 ? bits & (((uint64_t)1 << inputs) - 1) : bits;
+}
+
 roburoc4_result roburoc4_digital_input_at(const roburoc4_iocard_status *status, uint32_t index) {
     return digital_at(status->digital, status->digital_inputs, index);
 }
@@ -707,6 +714,11 @@ roburoc4_result roburoc4_decode_telemeter_status(const uint8_t *data, size_t siz
 roburoc4_result roburoc4_distance_at(const roburoc4_telemeter_status *status, uint32_t index,
                                      float *out) {
     return analog_at(status->distances, status->count, index, out);
+}
+
+roburoc4_result roburoc4_telemeter_distances(const roburoc4_telemeter_status *status, float *out,
+                                             uint32_t capacity) {
+    return analog_all(status->distances, status->count, out, capacity);
 }
 
 roburoc4_result roburoc4_encode_telemeter_status(uint8_t *buffer, size_t capacity, uint16_t service,

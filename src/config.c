@@ -11,6 +11,12 @@ typedef struct setting {
     uint16_t offset, low, high, preset;
 } setting;
 
+typedef struct float_setting {
+    const char *range;
+    uint16_t offset;
+    float low, high, preset;
+} float_setting;
+
 #define AT(field) ((uint16_t)offsetof(roburoc4_config, field))
 
 /* clang-format off */
@@ -26,11 +32,11 @@ static const setting integers[] = {
     {"resume: unknown bit",             AT(resume),              0,     7,    0},
 };
 
-static const setting floats[] = { /* in thousandths */
-    {"max_linear_m_s: 0.001 to 20",     AT(max_linear_m_s),      1, 20000, 2600},
-    {"max_angular_rad_s: 0.001 to 50",  AT(max_angular_rad_s),   1, 50000, 6500},
-    {"scale_linear: 0.01 to 10",        AT(scale_linear),       10, 10000, 1000},
-    {"scale_angular: 0.01 to 10",       AT(scale_angular),      10, 10000, 1000},
+static const float_setting floats[] = {
+    {"max_linear_m_s: 0.001 to 20",     AT(max_linear_m_s),    0.001F, 20, 2.6F},
+    {"max_angular_rad_s: 0.001 to 50",  AT(max_angular_rad_s), 0.001F, 50, 6.5F},
+    {"scale_linear: 0.01 to 10",        AT(scale_linear),       0.01F, 10,    1},
+    {"scale_angular: 0.01 to 10",       AT(scale_angular),      0.01F, 10,    1},
 };
 /* clang-format on */
 
@@ -52,8 +58,7 @@ roburoc4_result roburoc4_config_init(roburoc4_config *config, size_t size) {
         memcpy(base + integers[i].offset, &value, sizeof value);
     }
     for (size_t i = 0; i < COUNT(floats); i++) {
-        const float value = (float)floats[i].preset / 1000.0F;
-        memcpy(base + floats[i].offset, &value, sizeof value);
+        memcpy(base + floats[i].offset, &floats[i].preset, sizeof floats[i].preset);
     }
     for (uint32_t role = 0; role < ROBUROC4_ROLE_COUNT; role++) {
         config->role_index[role] = ROBUROC4_INDEX_AUTO;
@@ -76,9 +81,8 @@ const char *roburoc4_config_error(const roburoc4_config *config) {
     for (size_t i = 0; i < COUNT(floats); i++) {
         float value;
         memcpy(&value, base + floats[i].offset, sizeof value);
-        /* rounding must not refuse a limit that was written as a decimal */
-        if (!finite_f32_bits(bits_from_f32(value)) || value < (float)floats[i].low * 0.000999F ||
-            value > (float)floats[i].high * 0.001001F) {
+        if (!finite_f32_bits(bits_from_f32(value)) ||
+            !roburoc4_between(value, floats[i].low, floats[i].high)) {
             return floats[i].range;
         }
     }

@@ -94,7 +94,6 @@ static uint32_t claim_strength(const discovery *d, uint32_t i, uint32_t kind) {
 }
 
 bool roburoc4_discovery_identify(discovery *d) {
-    const uint8_t listed_before = d->listed;
     bool changed = false;
     d->listed = 0;
     for (uint32_t kind = ROBUROC4_SERVICE_IOCARD; kind < ROBUROC4_SERVICE_COUNT; kind++) {
@@ -113,7 +112,7 @@ bool roburoc4_discovery_identify(discovery *d) {
         d->listed = (uint8_t)(d->listed | (best > 0 ? 1U << kind : 0U));
     }
     d->identified = 1;
-    return changed || d->listed != listed_before;
+    return changed; /* a service that is not listed has id 0 */
 }
 
 /* ---- texts ---- */
@@ -137,6 +136,7 @@ static bool contains(const uint8_t *text, uint32_t length, const char *word) {
     for (uint32_t start = 0; start < length; start++) {
         uint32_t at = start;
         uint32_t i = 0;
+        /*@ loop unroll 15; */
         while (word[i] != '\0' && next_letter(text, length, &at) == (uint8_t)word[i]) {
             i++;
         }

@@ -16,6 +16,8 @@
 #define STILL_US (500 * MS)
 /* How far reported targets may be from sent ones: rounding on the robot's side. */
 #define TARGET_TOLERANCE 0.02F
+/* A robot with less than this share of a target's speed does not follow it. */
+#define FOLLOWING_SHARE 0.05F
 /* Far above any robot's speed; keeps products finite. */
 #define ANY_SPEED 1000.0F
 
@@ -44,6 +46,11 @@ static bool is_zero(float value) {
 
 static float magnitude(float value) {
     return f32_from_bits(bits_from_f32(value) & 0x7FFFFFFFU);
+}
+
+/* Adding it subtracts: where floats are software, that is a function less. */
+static float opposite(float value) {
+    return f32_from_bits(bits_from_f32(value) ^ 0x80000000U);
 }
 
 void roburoc4_drive_start(drive *d, uint64_t now_us) {
@@ -210,7 +217,7 @@ static void shape(const drive *d, const roburoc4_config *config, const float *li
         roburoc4_between(width, WIDTH_MIN_M, WIDTH_MAX_M)) {
         const float outer = magnitude(speeds[ANGULAR]) * width / 2;
         low[LINEAR] = roburoc4_clamp(low[LINEAR] + outer, low[LINEAR], 0);
-        high[LINEAR] = roburoc4_clamp(high[LINEAR] - outer, 0, high[LINEAR]);
+        high[LINEAR] = roburoc4_clamp(high[LINEAR] + opposite(outer), 0, high[LINEAR]);
     }
     for (uint32_t axis = 0; axis < AXES; axis++) {
         speeds[axis] = roburoc4_clamp(speeds[axis], low[axis], high[axis]);
@@ -318,8 +325,8 @@ static bool within(const drive *d, const float *speeds) {
         if (!is_zero(target)) {
             const float low = roburoc4_clamp(d->low[axis], -ANY_SPEED, d->low_before[axis]);
             const float high = roburoc4_clamp(d->high[axis], d->high_before[axis], ANY_SPEED);
-            if (!roburoc4_all_finite(&target, 1) ||
-                !roburoc4_between(target, low - TARGET_TOLERANCE, high + TARGET_TOLERANCE)) {
+            if (!roburoc4_all_finite(&target, 1) || target + TARGET_TOLERANCE < low ||
+                target > high + TARGET_TOLERANCE) {
                 return false;
             }
         }
@@ -352,7 +359,7 @@ static bool stands_still(const drive *d, const float *speeds) {
             roburoc4_clamp(magnitude(speeds[REPORTED_TARGET(axis)]), sent, ANY_SPEED);
         if (target >= noticeable[axis]) {
             asked = true;
-            if (magnitude(speeds[REPORTED_CURRENT(axis)]) > target / 20) {
+            if (magnitude(speeds[REPORTED_CURRENT(axis)]) > target * FOLLOWING_SHARE) {
                 return false;
             }
         }

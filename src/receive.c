@@ -43,17 +43,13 @@ static roburoc4_result receive_status(client *c, const uint8_t *data, size_t siz
     if (result < 0) {
         return result;
     }
-    switch (roburoc4_link_status(&c->private_link, STATUS_INDEX(service), head.robot_cycles,
-                                 c->private_now_us)) {
-    case VERDICT_REBOOT:
-        if (!closing) {
-            roburoc4_client_reboot(c);
-        }
+    const verdict age = roburoc4_link_status(&c->private_link, STATUS_INDEX(service),
+                                             head.robot_cycles, c->private_now_us);
+    if (age == VERDICT_REBOOT && !closing) {
+        roburoc4_client_reboot(c);
+    }
+    if (age != VERDICT_NEW) {
         return ROBUROC4_ERR_OLD;
-    case VERDICT_OLD:
-        return ROBUROC4_ERR_OLD;
-    case VERDICT_NEW:
-        break;
     }
     roburoc4_snapshot_store(c, service, &status);
     if (c->private_state == ROBUROC4_STATE_SUBSCRIBING) {
@@ -91,10 +87,10 @@ static roburoc4_result take_directory(client *c, const uint8_t *data, size_t siz
         if (roburoc4_discovery_directory(d, &directory)) {
             raise_event(c, ROBUROC4_EVENT_CAPACITY);
         }
-        if (!roburoc4_discovery_may_drive(d, c->private_drive.service)) {
-            roburoc4_drive_service(&c->private_drive, false, 0);
-        }
         raise_event(c, ROBUROC4_EVENT_PROPERTIES);
+    }
+    if (!roburoc4_discovery_may_drive(d, c->private_drive.service)) { /* it may list nothing */
+        roburoc4_drive_service(&c->private_drive, false, 0);
     }
     roburoc4_client_forget_services(c, ROBUROC4_STATE_DISCOVERING);
     return result;
@@ -146,9 +142,7 @@ void roburoc4_client_fail(client *c, const slot *s, roburoc4_result why) {
         roburoc4_discovery_described(d, s->ask.detail, s->ask.subject);
         break;
     case ROBUROC4_ACTION_INSERT:
-        if ((d->declined & service_bit(s->ask.kind)) == 0) {
-            raise_event(c, ROBUROC4_EVENT_SUBSCRIPTION_REFUSED);
-        }
+        raise_event(c, ROBUROC4_EVENT_SUBSCRIPTION_REFUSED);
         d->declined |= service_bit(s->ask.kind);
         break;
     case ROBUROC4_ACTION_DELETE:

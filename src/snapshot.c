@@ -123,16 +123,8 @@ roburoc4_result roburoc4_snapshot_properties(client *c, uint32_t service, const 
 
 static void take_inputs(client *c, const roburoc4_iocard_status *status) {
     values *v = &c->private_values;
-    const uint32_t analog = at_most(status->analog_inputs, ROBUROC4_MAX_ANALOG_INPUTS);
-    const uint32_t blocks =
-        roburoc4_digital_blocks(at_most(status->digital_inputs, ROBUROC4_MAX_DIGITAL_INPUTS));
-    for (uint32_t i = 0; i < analog; i++) {
-        v->analog[i] = f32_from_bits(load_u32(status->analog + (size_t)i * 4));
-    }
-    v->digital = 0;
-    for (uint32_t i = 0; i < blocks; i++) {
-        v->digital |= (uint64_t)status->digital[i] << (8 * i);
-    }
+    roburoc4_analog_inputs(status, v->analog, ROBUROC4_MAX_ANALOG_INPUTS);
+    v->digital = roburoc4_digital_inputs(status); /* ROBUROC4_MAX_DIGITAL_INPUTS of them */
     const roburoc4_result override = roburoc4_client_role_index(c, ROBUROC4_ROLE_OVERRIDE);
     const uint8_t overridden = override >= 0 ? (uint8_t)(v->digital >> override & 1) : 0;
     if (overridden != (v->override_known && v->overridden)) {
@@ -161,10 +153,8 @@ static void take_charge(client *c, const roburoc4_battery_status *status) {
 
 static void take_distances(client *c, const roburoc4_telemeter_status *status) {
     values *v = &c->private_values;
-    v->distance_count = (uint8_t)at_most(status->count, ROBUROC4_MAX_TELEMETERS);
-    for (uint32_t i = 0; i < v->distance_count; i++) {
-        roburoc4_distance_at(status, i, &v->distances[i]);
-    }
+    v->distance_count =
+        (uint8_t)roburoc4_telemeter_distances(status, v->distances, ROBUROC4_MAX_TELEMETERS);
 }
 
 static void take_pose(client *c, const roburoc4_localization_status *status) {

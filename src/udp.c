@@ -147,10 +147,14 @@ static int is_open(const roburoc4_udp *udp) {
 }
 
 /* Chooses this end's address anew where there is none, or where it stopped working. */
-static void keep_connected(roburoc4_udp *udp, uint64_t now_us) {
+static void keep_connected(roburoc4_udp *udp) {
     roburoc4_os_outcome outcome;
-    if ((udp->private_connected && !udp->private_broken) ||
-        now_us - udp->private_tried_us < RECONNECT_US) {
+    uint64_t now_us;
+    if (udp->private_connected && !udp->private_broken) {
+        return;
+    }
+    now_us = roburoc4_udp_now_us();
+    if (now_us - udp->private_tried_us < RECONNECT_US) {
         return;
     }
     udp->private_tried_us = now_us;
@@ -254,45 +258,60 @@ static int take_datagram(roburoc4_udp *udp, size_t *size) {
     return ROBUROC4_OS_EMPTY;
 }
 
-roburoc4_result roburoc4_udp_receive_one(roburoc4_udp *udp, roburoc4_client *client,
-                                         const uint8_t **datagram, size_t *size) {
-    size_t received = 0;
+/* As roburoc4_udp_receive_one(); *now_us is set where a datagram came. */
+static roburoc4_result give_one(roburoc4_udp *udp, roburoc4_client *client, size_t *size,
+                                uint64_t *now_us) {
     int got = ROBUROC4_OS_EMPTY;
-    if (!is_open(udp)) {
-        return ROBUROC4_ERR_CLOSED;
-    }
     if (udp->private_connected) { /* before that, anybody's datagrams would come in */
-        got = take_datagram(udp, &received);
-    }
-    if (datagram != NULL) {
-        *datagram = udp->private_datagram;
-    }
-    if (size != NULL) {
-        *size = got == ROBUROC4_OS_DATAGRAM ? received : 0;
+        got = take_datagram(udp, size);
     }
     if (got != ROBUROC4_OS_DATAGRAM) {
+        *size = 0;
         return got == ROBUROC4_OS_BROKEN ? ROBUROC4_ERR_SYSTEM : ROBUROC4_UDP_NOTHING;
     }
     count(udp, ROBUROC4_UDP_COUNT_RECEIVED);
     udp->private_fault = ROBUROC4_FAULT_NONE;
     udp->private_system_error = 0;
-    return roburoc4_client_receive(client, udp->private_datagram, received, roburoc4_udp_now_us()) <
-                   0
+    *now_us = roburoc4_udp_now_us();
+    return roburoc4_client_receive(client, udp->private_datagram, *size, *now_us) < 0
                ? ROBUROC4_UDP_DROPPED
                : ROBUROC4_UDP_USED;
+}
+
+roburoc4_result roburoc4_udp_receive_one(roburoc4_udp *udp, roburoc4_client *client,
+                                         const uint8_t **datagram, size_t *size) {
+    roburoc4_result result;
+    size_t received = 0;
+    uint64_t now_us;
+    if (!is_open(udp)) {
+        return ROBUROC4_ERR_CLOSED;
+    }
+    result = give_one(udp, client, &received, &now_us);
+    if (datagram != NULL) {
+        *datagram = udp->private_datagram;
+    }
+    if (size != NULL) {
+        *size = received;
+    }
+    return result;
 }
 
 roburoc4_result roburoc4_udp_receive_all(roburoc4_udp *udp, roburoc4_client *client) {
     roburoc4_result used = 0;
     int taken;
+    if (!is_open(udp)) {
+        return ROBUROC4_ERR_CLOSED;
+    }
     for (taken = 0; taken < ROBUROC4_UDP_BURST; taken++) {
-        roburoc4_result got = roburoc4_udp_receive_one(udp, client, NULL, NULL);
+        size_t size = 0;
+        uint64_t now_us = 0;
+        roburoc4_result got = give_one(udp, client, &size, &now_us);
         if (got < 0) {
             return got;
         }
         used += got == ROBUROC4_UDP_USED;
-        if (got == ROBUROC4_UDP_NOTHING ||
-            roburoc4_client_next_deadline(client) <= roburoc4_udp_now_us()) {
+        /* the clock is not read once more: it was a microsecond ago */
+        if (got == ROBUROC4_UDP_NOTHING || roburoc4_client_next_deadline(client) <= now_us) {
             break;
         }
     }
@@ -328,7 +347,7 @@ roburoc4_result roburoc4_udp_transmit_all(roburoc4_udp *udp, roburoc4_client *cl
     if (!is_open(udp)) {
         return ROBUROC4_ERR_CLOSED;
     }
-    keep_connected(udp, roburoc4_udp_now_us());
+    keep_connected(udp);
     for (rounds = 0; rounds < ROBUROC4_UDP_BURST; rounds++) {
         length =
             roburoc4_client_poll_transmit(client, datagram, sizeof datagram, roburoc4_udp_now_us());

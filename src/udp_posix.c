@@ -13,6 +13,7 @@
 #include <netinet/in.h>
 #include <netinet/ip.h>
 #include <poll.h>
+#include <stdbool.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <time.h>
@@ -219,20 +220,35 @@ roburoc4_os_outcome roburoc4_os_send(int64_t socket, const uint8_t *datagram, si
     return send((int)socket, datagram, size, 0) < 0 ? failure(errno) : success;
 }
 
-int roburoc4_os_receive(int64_t socket, uint8_t *buffer, size_t capacity, size_t *size,
-                        roburoc4_os_outcome *outcome) {
+#ifdef __linux__
+/* Linux tells a datagram's whole length where it is asked: that is quicker than recvmsg(). */
+static ssize_t receive(int fd, uint8_t *buffer, size_t capacity, bool *truncated) {
+    const ssize_t got = recv(fd, buffer, capacity, MSG_TRUNC);
+    *truncated = got > 0 && (size_t)got > capacity;
+    return got;
+}
+#else
+static ssize_t receive(int fd, uint8_t *buffer, size_t capacity, bool *truncated) {
     struct iovec part;
     struct msghdr message;
-    ssize_t got;
     memset(&message, 0, sizeof message);
     part.iov_base = buffer;
     part.iov_len = capacity;
     message.msg_iov = &part;
     message.msg_iovlen = 1;
-    got = recvmsg((int)socket, &message, 0);
+    const ssize_t got = recvmsg(fd, &message, 0);
+    *truncated = (message.msg_flags & MSG_TRUNC) != 0;
+    return got;
+}
+#endif
+
+int roburoc4_os_receive(int64_t socket, uint8_t *buffer, size_t capacity, size_t *size,
+                        roburoc4_os_outcome *outcome) {
+    bool truncated = false;
+    const ssize_t got = receive((int)socket, buffer, capacity, &truncated);
     if (got >= 0) {
         *size = (size_t)got;
-        return (message.msg_flags & MSG_TRUNC) != 0 ? ROBUROC4_OS_OVERSIZED : ROBUROC4_OS_DATAGRAM;
+        return truncated ? ROBUROC4_OS_OVERSIZED : ROBUROC4_OS_DATAGRAM;
     }
     *outcome = failure(errno);
     if (outcome->system_error == EBADF || outcome->system_error == ENOTSOCK) {

@@ -195,7 +195,7 @@ roburoc4_result Referee::start(std::uint64_t now_us) {
     if (result >= 0) {
         now_us_ = now_us;
         armed_ = leased_ = spoke_ = train_ = stop_waits_ = zeros_allowed_ = false;
-        deceived_services_ = deceived_inputs_ = false;
+        deceived_services_ = deceived_inputs_ = deceived_ids_ = false;
         sent_us_.reset();
         forget_statuses();
         listed_.clear();
@@ -346,6 +346,7 @@ void Referee::note_doubt(const Bytes &datagram, bool damaged) {
 
 void Referee::note_answer(const Bytes &datagram, bool damaged) {
     note_doubt(datagram, damaged);
+    deceived_ids_ = deceived_ids_ || damaged; /* it may believe now that the robot knows any id */
     if (datagram.size() < 5 || datagram[0] == ROBUROC4_HEADER_ERROR || datagram[4] != 0) {
         if (damaged)
             deceived_services_ = deceived_inputs_ = true; /* told that a service is not there */
@@ -413,8 +414,10 @@ void Referee::note_status(const Bytes &datagram) {
         roburoc4_differential_status status;
         if (roburoc4_decode_differential_status(datagram.data(), datagram.size(), &status) >= 0 &&
             is_zero(status.target_linear_m_s, status.target_angular_rad_s)) {
+            const bool believable =
+                is_finite(status.current_linear_m_s) && is_finite(status.current_angular_rad_s);
             confirmed_ = confirmed_ || zeros_ > 0;
-            confirmed_late_ = confirmed_late_ || zeros_ >= train_zeros;
+            confirmed_late_ = confirmed_late_ || (believable && zeros_ >= train_zeros);
         }
     }
 }
@@ -437,10 +440,11 @@ roburoc4_result Referee::receive(const Bytes &datagram, bool damaged, std::uint6
     if (result >= 0 && !status)
         note_answer(datagram, damaged);
     if (result < 0 && !status)
-        doubt_ = doubt_ || damaged;
+        doubt_ = doubt_ || (damaged && result != ROBUROC4_ERR_UNMATCHED);
     if (iocard)
         newest_iocard_cycles_ = std::max(newest_iocard_cycles_, cycles);
-    if (newest && !deceived_inputs_ && shows_override(datagram) && facts().armed != 0)
+    if (newest && !damaged && result != ROBUROC4_ERR_UNSUBSCRIBED && !deceived_inputs_ &&
+        shows_override(datagram) && facts().armed != 0)
         complain("armed after the newest status of all showed the override");
     check_facts();
     return result;
@@ -599,7 +603,8 @@ void Referee::judge_deadline() {
         complain("the deadline misses the next zero");
     if (armed_ && lease_lives() && !train_ && !zeros_allowed_ && deadline > granted_us_ + lease_us_)
         complain("the deadline misses the end of the lease");
-    if (armed_ && lease_lives() && !train_ && sent_us_ && deadline > *sent_us_ + repeat_us())
+    if (armed_ && lease_lives() && !train_ && !zeros_allowed_ && sent_us_ &&
+        deadline > *sent_us_ + repeat_us())
         complain("the deadline misses the next repetition");
     if (armed_ && differential_us_ && deadline > *differential_us_ + config_.fresh_ms * ms)
         complain("the deadline misses that statuses grow old");

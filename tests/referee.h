@@ -54,7 +54,7 @@ class Referee {
         end();
         return result;
     }
-    /** `damaged`: the network changed it on its way. */
+    /** `damaged`: the network changed it on its way, or somebody else sent it. */
     roburoc4_result receive(const Bytes &datagram, bool damaged, std::uint64_t now_us);
     /** The next datagram to send, or an empty one. */
     Bytes poll(std::uint64_t now_us);
@@ -82,7 +82,7 @@ class Referee {
     /** What the client was told is wrong in a way that no client could notice: which promises are
      *  not judged any more. */
     [[nodiscard]] bool deceived() const {
-        return deceived_services_ || deceived_inputs_;
+        return deceived_services_ || deceived_inputs_ || deceived_ids_;
     }
 
   private:
@@ -164,7 +164,7 @@ class Referee {
     bool doubt_ = false; /* whether it can be driven: until its properties come again */
     roburoc4_differential_properties limits_{};
     bool limits_new_ = false; /* they count from the next command on */
-    bool deceived_services_ = false, deceived_inputs_ = false;
+    bool deceived_services_ = false, deceived_inputs_ = false, deceived_ids_ = false;
 };
 
 } // namespace roburoc4_tests

@@ -12,6 +12,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <vector>
 
 #include "roburoc4_sim.h"
 #include "walk_network.h"
@@ -32,7 +33,7 @@ constexpr std::uint64_t never_us = UINT64_MAX;
 /** What can go wrong in a life. */
 struct Menu {
     bool weather, long_delays, damage, power, renumber, pad, estop, bumper, clock, hang, foreign,
-        silence, subscriptions, restart;
+        silence, subscriptions, restart, bursts, spoof;
 };
 
 class Life {
@@ -84,6 +85,9 @@ class Life {
     void fault_of_clock();
     void fault_of_foreigner();
     void foreign_command(std::uint64_t until_us, std::uint64_t period_us);
+    void remember(const Bytes &datagram);
+    [[nodiscard]] Bytes forged();
+    void spoof(std::uint64_t until_us);
 
     /* the end */
     void mend();
@@ -100,6 +104,8 @@ class Life {
     Sim sim_;
     std::unique_ptr<Referee> client_;
     BadNetwork to_robot_, to_client_;
+    std::vector<Bytes> overheard_; /* by a forger: the last datagrams of both ways */
+    std::size_t overheard_next_ = 0;
     std::multimap<std::uint64_t, std::function<void()>> script_;
 
     std::uint64_t now_us_ = 100 * second;
@@ -153,6 +159,8 @@ void Life::draw_menu() {
     menu_.silence = some(0.5);
     menu_.subscriptions = some(0.3);
     menu_.restart = some(0.2);
+    menu_.bursts = some(0.3);
+    menu_.spoof = dice_.chance(0.2);
     report_.damaged = menu_.damage;
 }
 
@@ -237,6 +245,10 @@ void Life::draw_weather() {
             weather.delay_us = dice_.between(100 * ms, 3 * second);
         if (menu_.damage)
             weather.damage = dice_.chance(0.5) ? dice_.real(0, 0.005) : dice_.real(0, 0.1);
+        if (menu_.bursts && dice_.chance(0.5)) {
+            weather.burst = dice_.real(0, 0.1);
+            weather.burst_us = dice_.between(50 * ms, 2 * second);
+        }
         longest_delay_us_ = std::max(longest_delay_us_, weather.longest_us());
     }
     say("weather: loss to robot, to client", to_robot_.weather.loss, to_client_.weather.loss);
@@ -318,11 +330,49 @@ void Life::fault_of_foreigner() {
     foreign_command(now_us_ + dice_.between(0, 2 * second), dice_.between(20 * ms, 200 * ms));
 }
 
+/* A forger has the robot's address, hears what is said on the network, and speaks to the client:
+ * with what was said before, that slightly changed, what the client itself said, or noise. */
+
+void Life::remember(const Bytes &datagram) {
+    constexpr std::size_t most = 64;
+    if (!menu_.spoof)
+        return;
+    if (overheard_.size() < most)
+        overheard_.push_back(datagram);
+    else
+        overheard_[overheard_next_++ % most] = datagram;
+}
+
+Bytes Life::forged() {
+    Bytes bytes(dice_.between(1, 80));
+    if (!overheard_.empty() && dice_.chance(0.8)) {
+        bytes = overheard_[dice_.between(0, overheard_.size() - 1)];
+        const bool status = bytes[0] == ROBUROC4_HEADER_STATUS && bytes.size() >= 11;
+        if (dice_.chance(0.3) && status)
+            bytes[dice_.between(3, 10)] = static_cast<std::uint8_t>(dice_.next());
+        else if (dice_.chance(0.3))
+            bytes[0] = static_cast<std::uint8_t>(dice_.next());
+        else if (dice_.chance(0.5))
+            bytes[dice_.between(0, bytes.size() - 1)] = static_cast<std::uint8_t>(dice_.next());
+        return bytes;
+    }
+    for (std::uint8_t &byte : bytes)
+        byte = static_cast<std::uint8_t>(dice_.next());
+    return bytes;
+}
+
+void Life::spoof(std::uint64_t until_us) {
+    to_client_.forge(forged(), now_us_);
+    report_.forged++;
+    if (now_us_ < until_us)
+        at(now_us_ + dice_.between(ms / 10, 50 * ms), [=] { spoof(until_us); });
+}
+
 void Life::next_fault() {
     if (!faults_)
         return;
     at(now_us_ + dice_.between(50 * ms, 3 * second), [this] { next_fault(); });
-    switch (dice_.between(0, 8)) {
+    switch (dice_.between(0, 9)) {
     case 0:
     case 1:
         if (menu_.weather)
@@ -354,6 +404,12 @@ void Life::next_fault() {
         if (menu_.foreign)
             fault_of_foreigner();
         break;
+    case 8:
+        if (menu_.spoof) {
+            say("forger");
+            spoof(now_us_ + dice_.between(0, 3 * second));
+        }
+        break;
     default:
         if (menu_.bumper) {
             roburoc4_sim_set_bumper(sim_.get(), ROBUROC4_SIM_FRONT, 1);
@@ -379,6 +435,7 @@ void Life::transmit_all() {
     int count = 0;
     for (Bytes sent; !(sent = client_->poll(client_now())).empty() && fine();) {
         const std::uint64_t latest_us = to_robot_.push(sent, now_us_, dice_);
+        remember(sent);
         roburoc4_differential_command command{};
         if (sent.size() == 11 && sent[0] == ROBUROC4_HEADER_STATUS) {
             roburoc4_decode_differential_command(sent.data(), sent.size(), &command);
@@ -562,8 +619,11 @@ void Life::step_robot() {
     std::uint64_t peer = 0;
     roburoc4_result size = 0;
     while ((size = roburoc4_sim_poll_transmit(sim_.get(), &peer, bytes.data(), bytes.size())) > 0) {
-        if (peer == client_peer)
-            to_client_.push(Bytes(bytes.begin(), bytes.begin() + size), now_us_, dice_);
+        if (peer != client_peer)
+            continue;
+        const Bytes datagram(bytes.begin(), bytes.begin() + size);
+        to_client_.push(datagram, now_us_, dice_);
+        remember(datagram);
     }
     roburoc4_sim_state state{};
     state.size = sizeof state;

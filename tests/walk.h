@@ -28,6 +28,7 @@ struct LifeReport {
     bool deceived = false; /* ... so that the referee could not judge all promises to the end */
     std::uint64_t virtual_us = 0;
     std::uint64_t ready_after_us = 0, armed_after_us = 0, moving_after_us = 0; /* of the faults */
+    std::uint64_t forged = 0;             /* datagrams of somebody with the robot's address */
     std::uint64_t robot_moved_cycles = 0; /* cycles in which the robot had a target */
 };
 

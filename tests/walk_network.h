@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * walk_network.h - one direction of a bad network for the walk: it draws from the life's own seed,
- * delays up to seconds, and tells which datagrams it damaged.
+ * delays up to seconds, has outages, and tells which datagrams were damaged or forged.
  */
 #ifndef ROBUROC4_TESTS_WALK_NETWORK_H
 #define ROBUROC4_TESTS_WALK_NETWORK_H
@@ -48,6 +48,8 @@ class Dice {
 
 struct Weather {
     double loss = 0, duplicate = 0, reorder = 0, damage = 0;
+    double burst = 0; /* the chance that a datagram begins an outage, in which all are lost */
+    std::uint64_t burst_us = 0;                                /* the longest outage */
     std::uint64_t delay_us = 1000, jitter_us = 0, hold_us = 0; /* hold: what reordering adds */
 
     [[nodiscard]] std::uint64_t longest_us() const {
@@ -57,7 +59,7 @@ struct Weather {
 
 struct Arrival {
     Bytes bytes;
-    bool damaged = false;
+    bool damaged = false; /* or forged: it is not what its sender sent */
 };
 
 class BadNetwork {
@@ -67,8 +69,12 @@ class BadNetwork {
     /** Send at `now_us`; the latest time at which a copy arrives, or 0 when none does. */
     std::uint64_t push(const Bytes &bytes, std::uint64_t now_us, Dice &dice) {
         std::uint64_t latest_us = 0;
-        if (dice.chance(weather.loss))
+        if (now_us < outage_until_us_ || dice.chance(weather.loss))
             return latest_us;
+        if (weather.burst > 0 && dice.chance(weather.burst)) {
+            outage_until_us_ = now_us + dice.between(0, weather.burst_us);
+            return latest_us;
+        }
         for (int copies = dice.chance(weather.duplicate) ? 2 : 1; copies > 0; copies--) {
             std::uint64_t arrival_us =
                 now_us + weather.delay_us + dice.between(0, weather.jitter_us);
@@ -94,10 +100,14 @@ class BadNetwork {
     [[nodiscard]] std::uint64_t next_us() const {
         return flights_.empty() ? UINT64_MAX : flights_.begin()->first;
     }
+    /** Somebody else puts a datagram where it arrives at once. */
+    void forge(const Bytes &bytes, std::uint64_t now_us) {
+        flights_.emplace(now_us, Arrival{bytes, true});
+    }
     /** What is on its way is lost. */
     void clear() {
         flights_.clear();
-        in_order_us_ = 0;
+        in_order_us_ = outage_until_us_ = 0;
     }
 
   private:
@@ -113,7 +123,7 @@ class BadNetwork {
     }
 
     std::multimap<std::uint64_t, Arrival> flights_;
-    std::uint64_t in_order_us_ = 0;
+    std::uint64_t in_order_us_ = 0, outage_until_us_ = 0;
 };
 
 } // namespace roburoc4_tests

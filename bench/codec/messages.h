@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What the codecs that are compared have in common: six messages with the same fields and values,
+ * and what each codec offers for them. The structs of all peers name their fields alike, so that
+ * one template fills each.
+ */
+#ifndef BENCH_MESSAGES_H
+#define BENCH_MESSAGES_H
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+/** One message of one peer. Calls go through pointers, so that nothing is computed in advance. */
+struct message_codec {
+    const char *message;
+    const char *peer;
+    /** Encode the message's values: bytes written. */
+    size_t (*encode)(uint8_t *buffer, size_t capacity);
+    /** Decode: all values are then in a plain struct, where an application can use them. */
+    bool (*decode)(const uint8_t *wire, size_t size);
+    /** Whether what decode() left is what encode() was given. */
+    bool (*intact)();
+};
+
+using message_codecs = std::vector<message_codec>;
+
+message_codecs memcpy_codecs();
+message_codecs roburoc4_codecs();
+#ifdef BENCH_PEERS
+message_codecs lcm_codecs();
+message_codecs nanopb_codecs();
+message_codecs mavlink_codecs();
+#endif
+
+inline message_codecs all_codecs() {
+    message_codecs all;
+    for (const auto &of_peer : {
+             memcpy_codecs(),
+             roburoc4_codecs(),
+#ifdef BENCH_PEERS
+             lcm_codecs(),
+             nanopb_codecs(),
+             mavlink_codecs(),
+#endif
+         }) {
+        all.insert(all.end(), of_peer.begin(), of_peer.end());
+    }
+    return all;
+}
+
+/* ---- values ---- */
+
+template <class T> void fill_iocard(T &v) {
+    v.service = 2;
+    v.robot_cycles = 123456;
+    for (int i = 0; i < 9; i++) {
+        v.analog[i] = 0.5F * static_cast<float>(i + 1);
+    }
+    v.digital[0] = 0x01;
+    v.digital[1] = 0x83;
+    v.digital[2] = 0x3F;
+}
+
+template <class T> void fill_telemeter(T &v) {
+    v.service = 3;
+    v.robot_cycles = 123456;
+    v.distance_m[0] = 1.25F;
+    v.distance_m[1] = 3.5F;
+}
+
+template <class T> void fill_battery(T &v) {
+    v.service = 4;
+    v.robot_cycles = 123456;
+    v.state = 2;
+    v.remaining_percent = 80;
+}
+
+template <class T> void fill_localization(T &v) {
+    v.service = 5;
+    v.robot_cycles = 123456;
+    v.x_m = 1.5;
+    v.y_m = -2.25;
+    v.theta_rad = 0.75;
+    v.flags = 0x12;
+}
+
+template <class T> void fill_differential(T &v) {
+    v.service = 6;
+    v.robot_cycles = 123456;
+    v.target_linear_m_s = 1.0F;
+    v.current_linear_m_s = 0.75F;
+    v.target_angular_rad_s = -0.5F;
+    v.current_angular_rad_s = -0.25F;
+}
+
+template <class T> void fill_drive(T &v) {
+    v.service = 6;
+    v.linear_m_s = 0.5F;
+    v.angular_rad_s = -0.25F;
+}
+
+/** What a codec works on: the values that go in, and those that came out. */
+template <class T, void (*fill)(T &)> struct values {
+    static T &sent() {
+        static T in = filled();
+        return in;
+    }
+    static T &received() {
+        static T out{};
+        return out;
+    }
+    /* Whole structs: what lies between fields is 0 in both, or copied. */
+    static bool intact() {
+        return std::memcmp(&sent(), &received(), sizeof(T)) == 0;
+    }
+
+  private:
+    static T filled() {
+        T v;
+        std::memset(&v, 0, sizeof v);
+        fill(v);
+        return v;
+    }
+};
+
+#endif

@@ -1,0 +1,205 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""What `roburoc4 dashboard` costs, with real pages in Debian's Chromium before it.
+
+    dashboard.py cpu        the program's share of a core: 5 services at 50 Hz, three pages
+    dashboard.py memory     what an hour of driving leaves in program and page
+
+Run by scripts/test-dashboard and scripts/check-dashboard-memory, which make the environment that
+it needs: the package with its extra, and Playwright. Exit status: 0 kept, 1 broken.
+"""
+
+import argparse
+import contextlib
+import json
+import os
+import re
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+
+from playwright.sync_api import CDPSession, Page, sync_playwright
+
+PAGES = 3
+CPU_SHARE = 0.15
+SERVER_MB_PER_HOUR = 4.0
+PAGE_MB_PER_HOUR = 10.0
+CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
+PYTHON = [sys.executable, "-c"]
+COMMAND = [*PYTHON, "from roburoc4.cli import main; main()"]
+SIMULATOR = [*PYTHON, "import sys; from roburoc4.sim_program import main; sys.exit(main())"]
+
+FAKE_PAD = """
+window.pad = { id: "bench", index: 0, connected: true, mapping: "standard", axes: [-0.6, 0, 0, 0],
+  buttons: Array.from({ length: 17 }, () => ({ pressed: false, value: 0 })) };
+navigator.getGamepads = () => [window.pad];
+"""
+
+
+@contextlib.contextmanager
+def program(*command: str, ready: str) -> Iterator[tuple[int, str]]:
+    """Run a program; give its process and what its ready line says."""
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as running:
+        assert running.stdout is not None
+        for line in running.stdout:
+            if found := re.search(ready, line):
+                break
+        else:
+            sys.exit(f"{command[-1]} ended before it was ready")
+        try:
+            yield running.pid, found[1]
+        finally:
+            running.terminate()
+
+
+def cpu_s(pid: int) -> float:
+    """Return the processor time that a process has used."""
+    with open(f"/proc/{pid}/stat", encoding="ascii") as file:
+        fields = file.read().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def resident_mb(pid: int) -> float:
+    """Return the memory that a process holds."""
+    with open(f"/proc/{pid}/statm", encoding="ascii") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+@contextlib.contextmanager
+def pages(link: str) -> Iterator[list[Page]]:
+    """Open pages, each in a window of its own."""
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        opened = [browser.new_context().new_page() for _ in range(PAGES)]
+        for page in opened:
+            page.set_default_timeout(60_000)
+            page.add_init_script(FAKE_PAD)
+            page.goto(link)
+            page.get_by_text("the link is good").first.wait_for()
+        yield opened
+        browser.close()
+
+
+def drive(page: Page) -> None:
+    """Drive in circles."""
+    page.get_by_role("button", name="Take the seat").click()
+    page.get_by_role("button", name="Arm", exact=True).click()
+    page.get_by_text("Ready: hold").wait_for()
+    page.evaluate("pad.buttons[0] = { pressed: true, value: 1 }")
+    page.evaluate("pad.buttons[7] = { pressed: true, value: 0.8 }")
+
+
+def share_of_core(pid: int, seconds: float) -> float:
+    """Return how much of one core a process uses."""
+    begun_s, begun_cpu_s = time.monotonic(), cpu_s(pid)
+    time.sleep(seconds)
+    return (cpu_s(pid) - begun_cpu_s) / (time.monotonic() - begun_s)
+
+
+def write_results(path: str, shares: dict[str, float]) -> None:
+    """Leave the figures as bench/README.md asks for them."""
+    from platform import machine, system
+
+    results = [
+        {"name": f"processor time, {name}", "unit": "% of a core", "value": round(100 * share, 2)}
+        | {"aim": 100 * CPU_SHARE, "better": "lower"}
+        for name, share in shares.items()
+    ]
+    document = {
+        "part": "dashboard",
+        "title": "Dashboard",
+        "about": "What `roburoc4 dashboard` uses of one core: five services at 50 Hz, three pages "
+        "open in Chromium. By bench/dashboard.py.",
+        "measured": time.strftime("%Y-%m-%d"),
+        "machine": f"{os.cpu_count()} processors, {system()} {machine()}",
+        "results": results,
+    }
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(json.dumps(document, indent=2) + "\n")
+
+
+def bench_cpu(seconds: float, path: str | None) -> bool:
+    """Measure while watched, and while driven."""
+    with program(*SIMULATOR, "--port", "0", ready=r"ready on (\S+)") as (_, robot):
+        options = ("--robot", robot, "--period-ms", "20", "--allow-drive")
+        options += ("--port", "0", "--no-open")
+        with (
+            program(*COMMAND, "dashboard", *options, ready=r"(http\S+)") as (pid, link),
+            pages(link) as opened,
+        ):
+            time.sleep(2.0)
+            watched = share_of_core(pid, seconds)
+            drive(opened[0])
+            driven = share_of_core(pid, seconds)
+            drawn = opened[0].locator("#pages").text_content()
+    print(
+        f"dashboard, 5 services at 50 Hz, {drawn}: {watched:.1%} of a core watched, "
+        f"{driven:.1%} driven (at most {CPU_SHARE:.0%})"
+    )
+    if path is not None:
+        write_results(path, {"watched": watched, "driven": driven})
+    return max(watched, driven) < CPU_SHARE
+
+
+def heap_mb(session: CDPSession) -> float:
+    """Return what a page's scripts hold after a collection."""
+    session.send("HeapProfiler.collectGarbage")
+    return float(session.send("Runtime.getHeapUsage")["usedSize"]) / 1e6
+
+
+def mb_per_hour(times_s: list[float], values_mb: list[float]) -> float:
+    """Return the slope of the second half, where all that fills once is full."""
+    half = len(times_s) // 2
+    return statistics.linear_regression(times_s[half:], values_mb[half:]).slope * 3600.0
+
+
+def bench_memory(minutes: float, every_s: float) -> bool:
+    """Drive in circles, and look again and again."""
+    options = ("--sim", "--allow-drive", "--port", "0", "--no-open")
+    with (
+        program(*COMMAND, "dashboard", *options, ready=r"(http\S+)") as (pid, link),
+        pages(link) as opened,
+    ):
+        drive(opened[0])
+        session = opened[0].context.new_cdp_session(opened[0])
+        times_s: list[float] = []
+        server_mb: list[float] = []
+        page_mb: list[float] = []
+        end_s = time.monotonic() + 60.0 * minutes
+        while time.monotonic() < end_s:
+            time.sleep(every_s)
+            times_s.append(time.monotonic())
+            server_mb.append(resident_mb(pid))
+            page_mb.append(heap_mb(session))
+            minute = minutes - (end_s - times_s[-1]) / 60.0
+            print(f"{minute:5.1f} min  {server_mb[-1]:6.1f} MB  {page_mb[-1]:6.1f} MB", flush=True)
+        driving = opened[0].locator('[data-lamp="driving"]').text_content()
+    server, page = mb_per_hour(times_s, server_mb), mb_per_hour(times_s, page_mb)
+    print(
+        f"dashboard after {minutes:g} min, {driving}: program {server_mb[-1]:.1f} MB "
+        f"({server:+.2f} MB/h, at most {SERVER_MB_PER_HOUR:g}), page {page_mb[-1]:.1f} MB "
+        f"({page:+.2f} MB/h, at most {PAGE_MB_PER_HOUR:g})"
+    )
+    return server <= SERVER_MB_PER_HOUR and page <= PAGE_MB_PER_HOUR and driving == "DRIVING"
+
+
+def main() -> int:
+    """Run one of the two."""
+    parser = argparse.ArgumentParser(description="What roburoc4 dashboard costs.")
+    parser.add_argument("what", choices=("cpu", "memory"))
+    parser.add_argument("--seconds", type=float, default=15.0, help="of each measurement of cpu")
+    parser.add_argument("--minutes", type=float, default=60.0, help="of the run of memory")
+    parser.add_argument("--every", type=float, default=15.0, metavar="S", help="look so often")
+    parser.add_argument("--json", metavar="FILE", help="leave the figures of cpu there")
+    options = parser.parse_args()
+    if options.what == "cpu":
+        kept = bench_cpu(options.seconds, options.json)
+    else:
+        kept = bench_memory(options.minutes, options.every)
+    return 0 if kept else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

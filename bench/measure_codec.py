@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""The codec beside its peers: nanoseconds by Google Benchmark, instructions by callgrind."""
+
+import argparse
+import json
+import pathlib
+import re
+import tempfile
+
+import figures
+
+CALLS_COUNTED = 1000
+ABOUT_TIME = (
+    "Nanoseconds of processor time a message, through a function pointer: median of the "
+    "repetitions, and their smallest and largest. Decoding ends with every value in a plain "
+    "struct. `memcpy` moves the same bytes by hand and checks nothing: the limit. MAVLink also "
+    "frames, computes a checksum, and parses byte by byte as from a serial line; LCM prefixes a "
+    "type hash; nanopb writes tagged variable-length integers.")
+ABOUT_COUNT = (
+    "The same calls in machine instructions, counted by callgrind (less those of a call that does "
+    "nothing), which do not depend on what else the machine does.")
+# The robot's own message, and how much worse than the limit it may be; how much better than others.
+AIMS = {"memcpy": 1.5, "LCM": 1 / 1.5, "MAVLink": 1 / 10, "nanopb": 1 / 10}
+
+
+def versions(build):
+    """The compiler, and the peers as their own packages call themselves."""
+    cache = (build / "CMakeCache.txt").read_text(encoding="utf-8")
+    compiler = re.search(r"^CMAKE_C_COMPILER:\w+=(.*)$", cache, re.M).group(1)
+    found = [figures.first_line(compiler, "--version") + ", -O2"]
+    for package in ("liblcm-dev", "libbenchmark-dev", "valgrind"):
+        found.append(figures.run("dpkg-query", "-W", "-f", "${Package} ${Version}", package))
+    pinned = (figures.BENCH / "requirements.txt").read_text(encoding="utf-8")
+    for name in ("nanopb", "pymavlink"):
+        found.append(re.search(rf"^{name}==.*$", pinned, re.M).group(0).replace("==", " "))
+    return found
+
+
+MESSAGES = ("iocard", "telemeter", "battery", "localization", "differential", "drive")
+
+
+def place(name):
+    """Order of rows: decoding first, messages as the manual has them."""
+    direction, message, peer = name
+    return direction != "decode", MESSAGES.index(message), peer
+
+
+def add_all(part, unit, values):
+    """values: (direction, message, peer) -> value, low, high. Aims are stated as they compare."""
+    for (direction, message, peer) in sorted(values, key=place):
+        value, low, high = values[direction, message, peer]
+        more = {}
+        if peer == "roburoc4":
+            limits = {p: values[direction, message, p][0] * factor
+                      for p, factor in AIMS.items() if (direction, message, p) in values}
+            missed = [p for p, limit in limits.items() if value > limit]
+            more = {"aim": round(min(limits.values()), 2) if limits else None,
+                    "note": "misses " + ", ".join(missed) if missed else "all four aims"}
+        if low != high:
+            more.update(low=low, high=high)
+        part.add(f"{direction} {message}", peer, unit, value, **more)
+
+
+def measure_time(build, quick):
+    options = ["--benchmark_format=json", "--benchmark_enable_random_interleaving=true"]
+    options += (["--benchmark_min_time=0.001"] if quick else
+                ["--benchmark_min_time=0.02", "--benchmark_repetitions=21"])
+    runs = json.loads(figures.run(build / "bin/codec_bench", *options))["benchmarks"]
+    samples = {}
+    for one in runs:
+        if one["run_type"] == "iteration":
+            samples.setdefault(tuple(one["name"].split("/")), []).append(one["cpu_time"])
+    values = {}
+    for name, times in samples.items():
+        times.sort()
+        values[name] = [round(t, 2) for t in (times[len(times) // 2], times[0], times[-1])]
+    return values
+
+
+def measure_instructions(build):
+    counts = {}
+    with tempfile.TemporaryDirectory() as folder:
+        out = pathlib.Path(folder) / "count"
+        figures.run("valgrind", "-q", "--tool=callgrind", f"--callgrind-out-file={out}",
+                    build / "bin/codec_count")
+        for profile in pathlib.Path(folder).iterdir():
+            text = profile.read_text(encoding="utf-8")
+            trigger = re.search(r"^desc: Trigger: Client Request: (.*)$", text, re.M)
+            if trigger:
+                total = int(re.search(r"^(?:summary|totals): (\d+)", text, re.M).group(1))
+                counts[tuple(trigger.group(1).split("/"))] = total / CALLS_COUNTED
+    calls = {d: counts.pop((d, "nothing", "call")) for d in ("encode", "decode")}
+    return {name: [round(n - calls[name[0]], 1)] * 3 for name, n in counts.items()}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--build", type=pathlib.Path, required=True)
+    parser.add_argument("--out", type=pathlib.Path, required=True)
+    parser.add_argument("--quick", action="store_true")
+    given = parser.parse_args()
+    tools = versions(given.build)
+    time = figures.Part("codec", "Codec: time", ABOUT_TIME, tools)
+    add_all(time, "ns", measure_time(given.build, given.quick))
+    time.write(given.out)
+    count = figures.Part("instructions", "Codec: instructions", ABOUT_COUNT, tools)
+    add_all(count, "instructions", measure_instructions(given.build))
+    count.write(given.out)
+
+
+if __name__ == "__main__":
+    main()

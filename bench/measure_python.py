@@ -1,0 +1,182 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""The Python package beside what else Python has for the same bytes.
+
+Runs in the virtual environment of scripts/bench, where the package is installed from its wheel.
+"""
+
+import argparse
+import collections
+import importlib
+import pathlib
+import statistics
+import struct
+import subprocess
+import sys
+import time
+import timeit
+
+import figures
+
+ABOUT = (
+    "Microseconds: median of the repetitions, and their smallest and largest, of one interpreter "
+    "thread. All decode the same differential status to an object with typed fields, but for "
+    "`struct`, which gives a bare tuple. `lcm`, `construct` (compiled) and `pymavlink` decode their "
+    "own form of the same fields. drive() and reading a property are of a robot that is connected "
+    "to a simulator over UDP, with the pump running.")
+LAYOUT = struct.Struct("<BHQ4f")
+Tuple = collections.namedtuple(
+    "Tuple", "header service robot_cycles target_linear_m_s current_linear_m_s "
+             "target_angular_rad_s current_angular_rad_s")
+WIRE = LAYOUT.pack(0xFF, 6, 123456, 1.0, 0.75, -0.5, -0.25)
+BATCH = 100_000
+
+
+class Timer:
+    def __init__(self, quick):
+        self.repetitions = 3 if quick else 25
+        self.seconds = 0.005 if quick else 0.05
+
+    def us(self, work):
+        """Median, smallest and largest microseconds of a call."""
+        timer = timeit.Timer(work)
+        number = 1
+        while timer.timeit(number) < self.seconds:
+            number *= 2
+        times = [t / number * 1e6 for t in timer.repeat(self.repetitions, number)]
+        return [round(t, 4) for t in (statistics.median(times), min(times), max(times))]
+
+
+def add(part, name, subject, unit, found, **more):
+    part.add(name, subject, unit, found[0], low=found[1], high=found[2], **more)
+
+
+def peers(generated):
+    """Name -> function that decodes its own form of the same status, checked."""
+    import construct
+    sys.path.insert(0, str(generated / "python"))
+    import mavlink_peer
+    from peer import differential_t
+
+    form = construct.Struct(
+        "header" / construct.Int8ul, "service" / construct.Int16ul,
+        "robot_cycles" / construct.Int64ul,
+        "target_linear_m_s" / construct.Float32l, "current_linear_m_s" / construct.Float32l,
+        "target_angular_rad_s" / construct.Float32l,
+        "current_angular_rad_s" / construct.Float32l).compile()
+
+    message = differential_t()
+    message.service, message.robot_cycles = 6, 123456
+    message.target_linear_m_s, message.current_linear_m_s = 1.0, 0.75
+    message.target_angular_rad_s, message.current_angular_rad_s = -0.5, -0.25
+    lcm_wire = message.encode()
+
+    mav = mavlink_peer.MAVLink(None)
+    mav_wire = mav.differential_encode(6, 123456, 1.0, 0.75, -0.5, -0.25).pack(mav)
+
+    return {
+        "struct": lambda: LAYOUT.unpack(WIRE),
+        "struct + namedtuple": lambda: Tuple._make(LAYOUT.unpack(WIRE)),
+        "lcm": lambda: differential_t.decode(lcm_wire),
+        "construct, compiled": lambda: form.parse(WIRE),
+        "pymavlink": lambda: mav.decode(bytearray(mav_wire)),
+    }
+
+
+def check(name, decoded):
+    cycles = decoded[2] if isinstance(decoded, tuple) and len(decoded) == 7 else \
+        decoded.robot_cycles
+    if cycles != 123456:
+        raise SystemExit(f"measure_python: {name} does not decode what went in")
+
+
+def measure_decode(part, timer, generated):
+    import roburoc4
+    ways = {"roburoc4": lambda: roburoc4.decode(WIRE), **peers(generated)}
+    for name, work in ways.items():
+        check(name, work())
+        add(part, "decode to an object", name, "us", timer.us(work),
+            **({"aim": 0.6} if name == "roburoc4" else {}))
+
+
+def measure_batch(part, timer):
+    import numpy
+    import roburoc4
+    data = WIRE * BATCH
+    form = numpy.dtype([("header", "u1"), ("service", "<u2"), ("robot_cycles", "<u8"),
+                        ("speeds", "<f4", (4,))])
+    ways = {
+        "roburoc4": lambda: roburoc4.decode_batch("differential", data),
+        "NumPy frombuffer + copy": lambda: numpy.frombuffer(data, form).copy(),
+        "struct": lambda: list(LAYOUT.iter_unpack(data)),
+    }
+    for name, work in ways.items():
+        us, low, high = timer.us(work)
+        rate = [round(BATCH / t, 1) for t in (us, high, low)]
+        add(part, "batch decode", name, "million/s", rate, better="higher",
+            **({"aim": 20, "note": "each one checked"} if name == "roburoc4" else {}))
+
+
+def measure_robot(part, timer):
+    import roburoc4
+    with roburoc4.Simulator() as simulator, simulator.connect() as robot:
+        robot.arm()
+        add(part, "drive()", "roburoc4", "us", timer.us(lambda: robot.drive(0.0, 0.0)))
+        add(part, "read a property (robot.differential)", "roburoc4", "us",
+            timer.us(lambda: robot.differential))
+        add(part, "read a property (robot.state)", "roburoc4", "us", timer.us(lambda: robot.state))
+
+
+def import_ms(module, path, repetitions):
+    times = []
+    for _ in range(repetitions):
+        both = []
+        for code in ("pass", f"import {module}"):
+            begun = time.perf_counter()
+            subprocess.run([sys.executable, "-c", code], check=True, cwd=path)
+            both.append(time.perf_counter() - begun)
+        times.append((both[1] - both[0]) * 1e3)
+    return [round(t, 2) for t in (statistics.median(times), min(times), max(times))]
+
+
+def measure_imports(part, generated, quick):
+    for module, name in (("roburoc4", "roburoc4"), ("struct, collections", "struct + namedtuple"),
+                         ("lcm", "lcm"), ("construct", "construct"),
+                         ("mavlink_peer", "pymavlink"), ("numpy", "numpy")):
+        add(part, "import", name, "ms",
+            import_ms(module, generated / "python", 2 if quick else 15))
+
+
+def installed_kb(module):
+    """What a package takes on disk, where it is one folder or file."""
+    origin = pathlib.Path(importlib.import_module(module).__file__)
+    files = origin.parent.rglob("*") if origin.name == "__init__.py" else [origin]
+    return round(sum(f.stat().st_size for f in files
+                     if f.is_file() and "__pycache__" not in f.parts) / 1000)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=pathlib.Path, required=True)
+    parser.add_argument("--peers", type=pathlib.Path, required=True)
+    parser.add_argument("--wheel", type=pathlib.Path, required=True)
+    parser.add_argument("--quick", action="store_true")
+    given = parser.parse_args()
+    pinned = (figures.BENCH / "requirements.txt").read_text(encoding="utf-8")
+    versions = [f"Python {sys.version.split()[0]}"] + [
+        line.replace("==", " ") for line in pinned.splitlines()
+        if line.startswith(("construct", "lcm", "numpy", "pymavlink"))]
+    part = figures.Part("python", "Python", ABOUT, versions)
+    timer = Timer(given.quick)
+    measure_decode(part, timer, given.peers)
+    measure_batch(part, timer)
+    measure_robot(part, timer)
+    measure_imports(part, given.peers, given.quick)
+    part.add("wheel", "roburoc4", "kB", round(given.wheel.stat().st_size / 1000))
+    for module in ("roburoc4", "lcm", "construct", "pymavlink"):
+        part.add("installed", module, "kB", installed_kb(module))
+    part.write(given.out)
+
+
+if __name__ == "__main__":
+    main()

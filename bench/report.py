@@ -1,0 +1,294 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Write bench/RESULTS.md and docs/images/bench-*.svg from the figures in bench/results/*.json."""
+
+import argparse
+import json
+import pathlib
+
+import figures
+
+# What is shown first, in this order; other parts follow by name.
+ORDER = ("codec", "instructions", "client", "loopback", "footprint", "footprint_peers", "python", "growth", "payload")
+PEERS = ("roburoc4", "memcpy", "LCM", "nanopb", "MAVLink", "bare loop", "bare recv", "bare recvmmsg",
+         "Cortex-M0", "Cortex-M3", "Cortex-M4F", "RV32", "AVR")
+HEAD = """# Figures
+
+Written by `scripts/bench` from `bench/results/*.json`; [README.md](README.md) says what each part is.
+An aim is the project's; **missed** is said where it was missed. `×` is how many times roburoc4's figure the
+other's is. Not a promise for other machines: run it on yours.
+
+"""
+
+
+def number(value):
+    """Three significant digits, and thousands apart."""
+    if value is None:
+        return "-"
+    if isinstance(value, str):
+        return value
+    if abs(value) >= 100:
+        return f"{value:,.0f}"
+    return f"{value:.3g}"
+
+
+def reached(result):
+    if "aim" not in result or result["value"] is None:
+        return ""
+    if result.get("better", "lower") == "higher":
+        good = result["value"] >= result["aim"]
+    else:
+        good = result["value"] <= result["aim"]
+    return "reached" if good else "**missed**"
+
+
+def table(rows):
+    """Columns as wide as their widest cell; what is empty throughout is left out."""
+    kept = [i for i, _ in enumerate(rows[0]) if any(row[i] for row in rows[1:])]
+    rows = [[row[i] for i in kept] for row in rows]
+    widths = [max(len(row[i]) for row in rows) for i in range(len(kept))]
+    lines = ["| " + " | ".join(c.ljust(w) for c, w in zip(row, widths)) + " |" for row in rows]
+    lines.insert(1, "| " + " | ".join("-" * w for w in widths) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def by_name(part):
+    names = {}
+    for result in part["results"]:
+        names.setdefault(result["name"], {})[result.get("subject", "roburoc4")] = result
+    return names
+
+
+def compared(result, own):
+    """A peer's figure: how many times ours first, then the figure itself."""
+    if result is None:
+        return ""
+    if own is None or own is result or not own["value"] or result["value"] is None:
+        return number(result["value"])
+    return f"×{result['value'] / own['value']:.3g} ({number(result['value'])})"
+
+
+def section_table(part):
+    names = by_name(part)
+    subjects = list(dict.fromkeys(s for of_name in names.values() for s in of_name))
+    subjects.sort(key=lambda s: PEERS.index(s) if s in PEERS else len(PEERS))
+    rows = [["what", "unit", *subjects, "interval", "aim", "result", "note"]]
+    for name, of_name in names.items():
+        # The row's own figure: ours, or the first (sizes on several processors).
+        main = of_name.get("roburoc4") or next(iter(of_name.values()))
+        interval = f"{number(main['low'])} to {number(main['high'])}" if "low" in main else ""
+        rows.append([
+            name, main["unit"],
+            *(compared(of_name.get(s), of_name.get("roburoc4")) for s in subjects),
+            interval, number(main["aim"]) if "aim" in main else "", reached(main),
+            main.get("note", "")])
+    return table(rows)
+
+
+def function_table(part, most=40):
+    rows = [["bytes", "file", "function"]]
+    rows += [[str(size), file, f"`{name}`"] for size, file, name in part["functions"][:most]]
+    return (f"\n<details><summary>The {most} largest functions and tables on Cortex-M0</summary>\n\n"
+            + table(rows) + "\n</details>\n")
+
+
+def section(part):
+    lines = [f"## {part['title']}\n"]
+    if part.get("about"):
+        lines.append(part["about"] + "\n")
+    lines.append(section_table(part))
+    if "functions" in part:
+        lines.append(function_table(part))
+    measured = f"Measured {part['measured']}"
+    if part.get("quick"):
+        measured = f"A quick look (`--quick`), which judges nothing, {part['measured']}"
+    if part.get("machine"):
+        measured += f" on {part['machine']}"
+    if part.get("versions"):
+        measured += "; " + "; ".join(part["versions"])
+    lines.append(f"\n<sub>{measured}.</sub>\n")
+    return "\n".join(lines)
+
+
+def load(folder):
+    parts = {}
+    for path in sorted(pathlib.Path(folder).glob("*.json")):
+        part = json.loads(path.read_text(encoding="utf-8"))
+        missing = {"part", "title", "measured", "results"} - set(part)
+        if missing:
+            raise SystemExit(f"report: {path} has no {', '.join(sorted(missing))}: see "
+                             "bench/README.md for the format")
+        parts[part["part"]] = part
+    return parts
+
+
+def ordered(parts):
+    known = [parts[name] for name in ORDER if name in parts]
+    return known + [parts[name] for name in sorted(set(parts) - set(ORDER))]
+
+
+# ------------------------------------------------------------------------------------ pictures
+
+COLOURS = {"roburoc4": "#c0392b", "memcpy": "#7f8c8d", "LCM": "#2980b9", "nanopb": "#27ae60",
+           "MAVLink": "#8e44ad"}
+
+
+def errors(results):
+    """Distances below and above, for error bars."""
+    return [[r["value"] - r.get("low", r["value"]) for r in results],
+            [r.get("high", r["value"]) - r["value"] for r in results]]
+
+
+def grouped_bars(axes, names, subjects, log):
+    width = 0.8 / len(subjects)
+    for i, subject in enumerate(subjects):
+        found = [(x, of_name[subject]) for x, of_name in enumerate(names.values())
+                 if subject in of_name and of_name[subject]["value"]]
+        axes.bar([x + i * width - 0.4 + width / 2 for x, _ in found],
+                 [r["value"] for _, r in found], width, label=subject,
+                 color=COLOURS.get(subject), yerr=errors([r for _, r in found]), capsize=1.5,
+                 error_kw={"linewidth": 0.7})
+    axes.set_xticks(range(len(names)), list(names), rotation=20, ha="right")
+    if log:
+        axes.set_yscale("log")
+    axes.grid(axis="y", alpha=0.3)
+
+
+def draw_codec(plt, parts):
+    if "codec" not in parts:
+        return None
+    names = by_name(parts["codec"])
+    figure, both = plt.subplots(1, 2, figsize=(10, 4), sharey=True)
+    for axes, direction in zip(both, ("decode", "encode")):
+        chosen = {n.split(" ", 1)[1]: v for n, v in names.items() if n.startswith(direction)}
+        subjects = [s for s in PEERS if any(s in v for v in chosen.values())]
+        grouped_bars(axes, chosen, subjects, log=True)
+        axes.set_title(f"{direction} a message")
+    both[0].set_ylabel("ns, log")
+    both[0].legend(fontsize=8)
+    return figure
+
+
+def draw_python(plt, parts):
+    if "python" not in parts:
+        return None
+    decode = by_name(parts["python"])["decode to an object"]
+    figure, axes = plt.subplots(figsize=(7, 3.2))
+    found = list(decode.values())
+    axes.barh([r["subject"] for r in found], [r["value"] for r in found], xerr=errors(found),
+              capsize=2, color=[COLOURS.get(r["subject"], "#7f8c8d") for r in found])
+    axes.invert_yaxis()
+    axes.set_xscale("log")
+    axes.set_xlabel("us to decode a differential status to an object, log")
+    axes.grid(axis="x", alpha=0.3)
+    return figure
+
+
+def draw_footprint(plt, parts):
+    if "footprint" not in parts:
+        return None
+    names = by_name(parts["footprint"])
+    chosen = [n for n in ("codec, all of it", "codec of six messages, linked",
+                          "bare loop that drives, linked", "codec + client, all of it")
+              if n in names]
+    figure, axes = plt.subplots(figsize=(8, 3.8))
+    targets = [t for t in PEERS if any(t in names[n] for n in chosen)]
+    grouped_bars(axes, {n: names[n] for n in chosen}, targets, log=False)
+    axes.set_ylabel("bytes of text at -Os")
+    axes.legend(fontsize=8)
+    return figure
+
+
+def draw_loopback(plt, parts):
+    if "loopback" not in parts:
+        return None
+    names = {n: v for n, v in by_name(parts["loopback"]).items()
+             if "ratio" not in n and "second" not in n}
+    figure, axes = plt.subplots(figsize=(8, 3.6))
+    grouped_bars(axes, names, ["bare loop", "roburoc4"], log=True)
+    axes.set_ylabel("us, log; 95 % intervals")
+    axes.legend(fontsize=8)
+    return figure
+
+
+def line(axes, points, label=None):
+    points = sorted(points)
+    axes.errorbar([p[0] for p in points], [p[1]["value"] for p in points],
+                  yerr=errors([p[1] for p in points]), marker="o", markersize=3, linewidth=1,
+                  capsize=2, label=label)
+    axes.set_xscale("log")
+    axes.grid(alpha=0.3)
+
+
+def leading_number(name):
+    return int(name.split(" ", 1)[0])
+
+
+def draw_growth(plt, parts):
+    if not {"client", "growth", "payload"} <= set(parts):
+        return None
+    figure, ((clients, robots), (services, payload)) = plt.subplots(2, 2, figsize=(9, 6.4))
+    line(clients, [(leading_number(r["name"]), r) for r in parts["client"]["results"]
+                   if r["name"].endswith(" clients")])
+    clients.set_ylim(bottom=0)
+    clients.set(xlabel="clients in one process", ylabel="ns a status")
+    line(robots, [(leading_number(r["name"]), r) for r in parts["growth"]["results"]
+                  if r["name"].endswith(" robots")])
+    robots.set(xlabel="robots in one roburoc4-sim", ylabel="ms of processor a second",
+               yscale="log")
+    of_count = {}
+    for r in parts["growth"]["results"]:
+        if "services" in r["name"]:
+            count, period = r["name"].replace(" ms", "").split(" services, ")
+            of_count.setdefault(count, []).append((int(count) * 1000 / int(period), r))
+    for count, points in of_count.items():
+        line(services, points, f"{count} services")
+    services.set(xlabel="statuses a second", ylabel="ms of processor a second", yscale="log")
+    services.legend(fontsize=8)
+    line(payload, [(leading_number(r["name"]), r) for r in parts["payload"]["results"]])
+    payload.set(xlabel="bytes of an IO card's status", ylabel="ns to decode", yscale="log")
+    return figure
+
+
+def draw(parts, folder):
+    import matplotlib
+    matplotlib.use("svg")
+    matplotlib.rcParams.update({"svg.hashsalt": "roburoc4", "font.size": 9})
+    import matplotlib.pyplot as plt
+    drawn = []
+    for name, drawing in (("codec", draw_codec), ("loopback", draw_loopback),
+                          ("footprint", draw_footprint), ("python", draw_python),
+                          ("growth", draw_growth)):
+        figure = drawing(plt, parts)
+        if figure is not None:
+            figure.tight_layout()
+            figure.savefig(folder / f"bench-{name}.svg", metadata={"Date": None})
+            plt.close(figure)
+            drawn.append(name)
+    return drawn
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--results", type=pathlib.Path, default=figures.BENCH / "results")
+    parser.add_argument("--out", type=pathlib.Path, default=figures.BENCH / "RESULTS.md")
+    parser.add_argument("--images", type=pathlib.Path, default=figures.TOP / "docs/images")
+    given = parser.parse_args()
+    parts = load(given.results)
+    given.images.mkdir(parents=True, exist_ok=True)
+    drawn = draw(parts, given.images)
+    sections = []
+    for part in ordered(parts):
+        text = section(part)
+        picture = "growth" if part["part"] == "growth" else part["part"]
+        if picture in drawn:
+            title, rest = text.split("\n", 1)
+            text = f"{title}\n\n![{part['title']}](../docs/images/bench-{picture}.svg)\n{rest}"
+        sections.append(text)
+    changes = (figures.BENCH / "changes.md").read_text(encoding="utf-8")
+    given.out.write_text(HEAD + "\n".join([*sections, changes]), encoding="utf-8")
+    print(f"{given.out}: {len(parts)} parts, {len(drawn)} pictures")
+
+
+if __name__ == "__main__":
+    main()

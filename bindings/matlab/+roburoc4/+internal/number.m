@@ -1,0 +1,20 @@
+function checked = number(value, name, least, most)
+%NUMBER Check that a value is one finite real number within a range.
+%   CHECKED = roburoc4.internal.number(VALUE, NAME, LEAST, MOST) returns it as a double.
+%   NAME is how a message calls the value.
+%
+%   Example:
+%      roburoc4.internal.number(2.5, 'seconds', 0, Inf)
+%
+%   See also roburoc4.internal.text.
+
+% SPDX-License-Identifier: MIT
+if ~(isnumeric(value) || islogical(value)) || ~isscalar(value) || ~isreal(value)
+    error('roburoc4:badArgument', '%s: one real number is needed, this is %s %s', name, ...
+        sprintf('%dx', size(value)), class(value));
+end
+checked = double(value);
+if ~isfinite(checked) || checked < least || checked > most
+    error('roburoc4:badArgument', '%s: %g is out of range: %g to %g', name, checked, least, most);
+end
+end

@@ -1,0 +1,16 @@
+function varargout = roburoc4_mex(command, varargin) %#ok<STOUT,INUSD>
+%ROBUROC4_MEX The door to the C libraries; use roburoc4.Robot and roburoc4.Simulator instead.
+%   The MEX file of this name, beside this file, is run in its place. This text runs only where the
+%   MEX file was not built:
+%
+%      build_mex          in MATLAB or Octave, in the folder bindings/matlab
+%
+%   Example:
+%      roburoc4.internal.roburoc4_mex('living')     % how many robots and simulators there are
+%
+%   See also roburoc4.Robot, roburoc4.Simulator.
+
+% SPDX-License-Identifier: MIT
+error('roburoc4:notBuilt', ['the MEX file is not built for this program: run build_mex in the ' ...
+    'folder bindings/matlab']);
+end

@@ -1,0 +1,20 @@
+function row = text(value, name)
+%TEXT Make a char row of a text of either kind, or say what is wrong.
+%   ROW = roburoc4.internal.text(VALUE, NAME) takes 'abc' and, in MATLAB, "abc". NAME is how a
+%   message calls the value.
+%
+%   Example:
+%      roburoc4.internal.text('192.168.0.2', 'address')
+%
+%   See also roburoc4.internal.number.
+
+% SPDX-License-Identifier: MIT
+if isa(value, 'string') && isscalar(value)
+    value = char(value);
+end
+if ~ischar(value) || isempty(value) || size(value, 1) ~= 1
+    error('roburoc4:badArgument', '%s: a text is needed, such as ''abc''; this is %s %s', name, ...
+        sprintf('%dx', size(value)), class(value));
+end
+row = value;
+end

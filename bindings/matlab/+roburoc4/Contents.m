@@ -1,0 +1,23 @@
+% roburoc4: drive, watch and simulate a RobuROC4 mobile robot
+% Version 0.1.0 21-Nov-2026
+%
+% Objects
+%   Robot            - A RobuROC4: drive it, read it, record it
+%   Simulator        - A simulated RobuROC4, to try programs on without a robot
+%   Rate             - A control loop of a fixed rate, without a timer
+%
+% Constants
+%   BatteryState     - States of the battery
+%   LocalizationFlag - Bits of the localization's state
+%   Result           - Why a robot is not armed
+%   Resume           - After what a robot may be armed again by itself
+%   Service          - Names of the services that send statuses
+%
+% Example:
+%    r = roburoc4.Robot('192.168.0.2');
+%    r.arm();
+%    r.driveFor(0.3, 0, 2);
+%    data = r.record(1); plot(data.telemeter.time_s, data.telemeter.distances_m)
+%    delete(r)
+
+% SPDX-License-Identifier: MIT

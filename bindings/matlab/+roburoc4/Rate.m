@@ -1,0 +1,73 @@
+classdef Rate < handle
+%RATE A control loop of a fixed rate, without a timer.
+%   LOOP = roburoc4.Rate(R, HERTZ), or R.rate(HERTZ), begins now; 0.1 to 200 Hz. Between two waits
+%   the loop computes and drives; a wait ends at the next tick of the rate. Where the loop took
+%   longer than a period, the ticks that it missed are counted in overruns and left out: it does not
+%   run faster later. With the robot of a simulator in virtual time, it is that time which passes.
+%
+%   Rate methods:
+%      wait      - Wait for the next tick
+%
+%   Rate properties:
+%      period_s  - Seconds between two ticks
+%      overruns  - Ticks that were missed
+%      time_s    - Seconds since the loop began
+%
+%   Example:
+%      loop = r.rate(20);
+%      while loop.time_s < 5
+%          r.drive(0.3, 0.2 * sin(loop.time_s));
+%          loop.wait();
+%      end
+%      r.stop()
+%
+%   See also roburoc4.Robot.
+
+% SPDX-License-Identifier: MIT
+
+properties (SetAccess = private)
+    period_s
+    overruns = 0
+end
+
+properties (Access = private)
+    robot
+    begin_s
+    ticks = 0
+end
+
+properties (Dependent, SetAccess = private)
+    time_s
+end
+
+methods
+    function this = Rate(robot, hertz)
+        %RATE Begin a loop.
+        %   See the help of the class.
+        if ~isa(robot, 'roburoc4.Robot')
+            error('roburoc4:badArgument', 'a roburoc4.Robot is needed: use r.rate(20)');
+        end
+        this.period_s = 1 / roburoc4.internal.number(hertz, 'hertz', 0.1, 200);
+        this.robot = robot;
+        this.begin_s = robot.time_s;
+    end
+
+    function wait(this)
+        %WAIT Wait for the next tick; Ctrl-C stops the robot.
+        %
+        %   Example:
+        %      loop.wait()
+        past = floor((this.time_s + 1e-9) / this.period_s);
+        if past > this.ticks
+            this.overruns = this.overruns + past - this.ticks;
+            this.ticks = past;
+        end
+        this.ticks = this.ticks + 1;
+        this.robot.spin(max(0, this.ticks * this.period_s - this.time_s));
+    end
+
+    function seconds = get.time_s(this)
+        seconds = this.robot.time_s - this.begin_s;
+    end
+end
+end

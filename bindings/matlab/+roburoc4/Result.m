@@ -1,0 +1,27 @@
+classdef Result
+%RESULT Why a robot is not armed, as in status.disarm_cause: ROBUROC4_ERR_* of roburoc4.h.
+%
+%   Example:
+%      r.status.disarm_cause == roburoc4.Result.OVERRIDE
+%
+%   See also roburoc4.Robot.
+
+% SPDX-License-Identifier: MIT
+properties (Constant)
+    OK = 0
+    DISARMED = -20
+    NOT_READY = -21
+    NO_DIFFERENTIAL = -22
+    LIMITS = -23
+    STALE_DIFFERENTIAL = -24
+    STALE_IOCARD = -25
+    OVERRIDE_UNKNOWN = -26
+    OVERRIDE = -27
+    MOVING = -28
+    FOREIGN = -29
+    LOST = -30
+    REBOOT = -31
+    CLOCK = -32
+    NOT_NEUTRAL = -33
+end
+end

@@ -1,0 +1,437 @@
+classdef Robot < handle
+%ROBOT A RobuROC4: drive it, read it, record it.
+%   R = roburoc4.Robot(ADDRESS) connects to the robot at 'HOST' or 'HOST:PORT' ('192.168.0.2' where
+%   none is given) and waits until it is ready. R = roburoc4.Robot(ADDRESS, 'Name', value, ...)
+%   takes options:
+%
+%      timeout (10)              seconds of silence after which roburoc4:timeout is raised
+%      lease_ms (250)            life of a drive command, 20 to 1000
+%      drive_period_ms (50)      repetition of a living drive command, 10 to half of lease_ms
+%      max_linear_m_s (2.6)      ceiling of speed
+%      max_angular_rad_s (6.5)   ceiling of turn rate
+%      scale_linear (1), scale_angular (1)   multiply what drive is given
+%      turn_keeping (false)      slow down rather than turn less
+%      iocard_period_ms (50), telemeter_period_ms (100), battery_period_ms (1000),
+%      localization_period_ms (50), differential_period_ms (50)
+%                                how often the robot sends its statuses: a multiple of 10, 10 to
+%                                2550; 0 leaves them out
+%      buffer (50000)            statuses that are kept for record and log, 16 to 1000000
+%      fresh_ms (300), lost_ms (1000), first_retry_ms (100), robot_watchdog_ms (1000),
+%      override_index, front_bumper_index, rear_bumper_index, battery_voltage_index,
+%      allow_unknown_override, ignore_foreign, resume     see docs/matlab.md
+%
+%   A native thread keeps the link alive whatever MATLAB does. It never renews a drive command: the
+%   robot stops when drive is not called again within lease_ms. delete(R), clear R, Ctrl-C in a
+%   method that waits, an error in one, and the end of MATLAB stop it too.
+%
+%   Units are SI and radians; X is forward, Y left, angles counter-clockwise. Errors have the ids
+%   roburoc4:badArgument, :closed, :limit, :network, :notArmed, :protocol and :timeout.
+%
+%   Robot methods:
+%      drive           - Drive at two speeds, for one lease
+%      driveFor        - Drive for some seconds, and stop
+%      stop            - Stop now
+%      arm             - Allow driving
+%      disarm          - Forbid driving, and stop
+%      spin            - Let time pass
+%      rate            - A loop of a fixed rate
+%      io              - Inputs by name
+%      setOutput       - Set a digital output
+%      setAnalogOutput - Set an analog output
+%      relocalize      - Tell the robot where it is
+%      record          - Statuses of the next seconds as columns
+%      log             - All statuses so far to a MAT-file
+%      subscribe       - How often a service sends its status
+%      unsubscribe     - No more statuses of a service
+%      serviceLink     - Figures of one service's statuses
+%
+%   Robot properties:
+%      status          - The latest of everything: a scalar struct
+%      pose            - [x_m y_m theta_rad] of the odometry: far off after turns
+%      speeds          - [linear_m_s angular_rad_s] of the wheels
+%      info            - What the robot is: a scalar struct
+%      link            - Figures of the link: a scalar struct
+%      address         - Address and port
+%      time_s          - Seconds since the robot was connected
+%
+%   Example:
+%      r = roburoc4.Robot('192.168.0.2', 'max_linear_m_s', 0.5);
+%      r.arm();
+%      r.driveFor(0.3, 0, 2);
+%      s = r.status;
+%      fprintf('x %.2f m, y %.2f m\n', s.x_m, s.y_m);
+%      delete(r)
+%
+%   See also roburoc4.Simulator, roburoc4.Rate.
+
+% SPDX-License-Identifier: MIT
+
+properties (SetAccess = private, Hidden)
+    id = 0
+end
+
+properties (Dependent, SetAccess = private)
+    status
+    pose
+    speeds
+    info
+    link
+    address
+    time_s
+end
+
+methods
+    function this = Robot(address, varargin)
+        %ROBOT Connect, and wait until the robot is ready.
+        %   See the help of the class.
+        if nargin == 0
+            address = '192.168.0.2';
+        end
+        own = struct('timeout', 10);
+        [options, own] = roburoc4.internal.options(varargin, own);
+        timeout = roburoc4.internal.number(own.timeout, 'timeout', 0, 1e6);
+        if isa(address, 'roburoc4.Simulator')
+            this.id = roburoc4.internal.roburoc4_mex('simConnect', address.id, options);
+        else
+            address = roburoc4.internal.text(address, 'address');
+            this.id = roburoc4.internal.roburoc4_mex('open', address, options);
+        end
+        try
+            while ~roburoc4.internal.roburoc4_mex('connected', this.id, timeout)
+                roburoc4.internal.roburoc4_mex('wait', this.id, 0.01);
+            end
+        catch problem
+            roburoc4.internal.roburoc4_mex('close', this.id);
+            rethrow(problem);
+        end
+    end
+
+    function delete(this)
+        %DELETE Stop the robot where it was driven, and end the link.
+        %   delete(R) sends zeros and waits until the robot has confirmed them, at most for the
+        %   robot's watchdog time. What is called with R afterwards raises roburoc4:closed. It can
+        %   be called twice.
+        %
+        %   Example:
+        %      delete(r)
+        try
+            while roburoc4.internal.roburoc4_mex('leave', this.id)
+                roburoc4.internal.roburoc4_mex('wait', this.id, 0.02);
+            end
+            roburoc4.internal.roburoc4_mex('close', this.id);
+        catch
+            % Its simulator, or the whole program, is going: the MEX file stops what lives.
+        end
+    end
+
+    function disp(this)
+        %DISP Say where the robot is and how it does.
+        %
+        %   Example:
+        %      disp(r)
+        try
+            s = this.status;
+            words = {'not ready', 'ready'; 'disarmed', 'armed'};
+            fprintf('  roburoc4.Robot at %s, %s, %s\n', this.address, words{1, 1 + s.ready}, ...
+                words{2, 1 + s.armed});
+        catch
+            fprintf('  roburoc4.Robot, deleted\n');
+        end
+    end
+
+    % ---- driving ----
+
+    function drive(this, linear_m_s, angular_rad_s)
+        %DRIVE Drive at these speeds for one lease; call it again and again to go on.
+        %   drive(R, V, W) sends the speeds V in m/s and W in rad/s at once and returns. They are
+        %   scaled, and clamped to the robot's limits and the options' ceilings. After lease_ms
+        %   without another call the robot is stopped. Raises roburoc4:notArmed with the reason
+        %   where driving is not allowed.
+        %
+        %   Example:
+        %      r.drive(0.3, 0.1)
+        if nargin ~= 3 || ~isnumeric(linear_m_s) || ~isnumeric(angular_rad_s)
+            error('roburoc4:badArgument', 'two speeds are needed: drive(v in m/s, w in rad/s)');
+        end
+        roburoc4.internal.roburoc4_mex('drive', this.id, linear_m_s, angular_rad_s);
+    end
+
+    function driveFor(this, linear_m_s, angular_rad_s, seconds)
+        %DRIVEFOR Drive at these speeds for some seconds, and stop.
+        %   driveFor(R, V, W, SECONDS) renews the command meanwhile and returns at the end. Ctrl-C
+        %   or an error stops the robot at once.
+        %
+        %   Example:
+        %      r.driveFor(0.5, 0, 2)
+        if nargin ~= 4
+            error('roburoc4:badArgument', 'needed: driveFor(v in m/s, w in rad/s, seconds)');
+        end
+        seconds = roburoc4.internal.number(seconds, 'seconds', 0, 1e6);
+        cleanup = roburoc4.internal.guard(this.id); %#ok<NASGU>
+        renewal_s = roburoc4.internal.roburoc4_mex('lease', this.id) / 4;
+        left_s = seconds;
+        finish_s = this.time_s + seconds;
+        while left_s > 0
+            this.drive(linear_m_s, angular_rad_s);
+            now_s = roburoc4.internal.roburoc4_mex('wait', this.id, min([left_s renewal_s 0.05]));
+            left_s = finish_s - now_s;
+        end
+        this.stop();
+        roburoc4.internal.roburoc4_mex('busy', this.id, false);
+    end
+
+    function stop(this)
+        %STOP End the drive command and send zeros, armed or not. Never waits.
+        %
+        %   Example:
+        %      r.stop()
+        roburoc4.internal.roburoc4_mex('stop', this.id);
+    end
+
+    function arm(this, timeout)
+        %ARM Allow driving.
+        %   arm(R) raises roburoc4:notArmed with the reason against it. What time alone can mend (no
+        %   status yet, the robot still rolls) is waited for: 2 seconds, or arm(R, SECONDS).
+        %
+        %   Example:
+        %      r.arm()
+        if nargin < 2
+            timeout = 2;
+        end
+        timeout = roburoc4.internal.number(timeout, 'timeout', 0, 1e6);
+        finish_s = this.time_s + timeout;
+        while ~roburoc4.internal.roburoc4_mex('arm', this.id, this.time_s >= finish_s)
+            this.spin(0.02);
+        end
+    end
+
+    function disarm(this)
+        %DISARM Forbid driving, and stop. Never waits.
+        %
+        %   Example:
+        %      r.disarm()
+        roburoc4.internal.roburoc4_mex('disarm', this.id);
+    end
+
+    function spin(this, seconds)
+        %SPIN Let time pass, in slices short enough for Ctrl-C.
+        %   spin(R, SECONDS) returns after so many seconds. It renews nothing: a drive command ends
+        %   with its lease. Ctrl-C stops the robot at once. With the robot of a simulator in virtual
+        %   time, that time passes.
+        %
+        %   Example:
+        %      r.drive(0.3, 0); r.spin(0.2)
+        seconds = roburoc4.internal.number(seconds, 'seconds', 0, 1e6);
+        cleanup = roburoc4.internal.guard(this.id); %#ok<NASGU>
+        finish_s = this.time_s + seconds;
+        left_s = seconds;
+        while left_s > 0
+            left_s = finish_s - roburoc4.internal.roburoc4_mex('wait', this.id, min(left_s, 0.05));
+        end
+        roburoc4.internal.roburoc4_mex('busy', this.id, false);
+    end
+
+    function loop = rate(this, hertz)
+        %RATE A loop of a fixed rate, without a timer.
+        %   LOOP = rate(R, HERTZ) makes a roburoc4.Rate; its wait() ends at the next tick.
+        %
+        %   Example:
+        %      loop = r.rate(20);
+        %      while loop.time_s < 5
+        %          r.drive(0.3, 0.2 * sin(loop.time_s));
+        %          loop.wait();
+        %      end
+        loop = roburoc4.Rate(this, hertz);
+    end
+
+    % ---- reading ----
+
+    function s = get.status(this)
+        s = roburoc4.internal.roburoc4_mex('status', this.id);
+    end
+
+    function row = get.pose(this)
+        row = roburoc4.internal.roburoc4_mex('pose', this.id);
+    end
+
+    function row = get.speeds(this)
+        row = roburoc4.internal.roburoc4_mex('speeds', this.id);
+    end
+
+    function s = get.info(this)
+        s = roburoc4.internal.roburoc4_mex('info', this.id);
+    end
+
+    function s = get.link(this)
+        s = roburoc4.internal.roburoc4_mex('link', this.id);
+    end
+
+    function s = get.address(this)
+        s = roburoc4.internal.roburoc4_mex('address', this.id);
+    end
+
+    function s = get.time_s(this)
+        s = roburoc4.internal.roburoc4_mex('now', this.id);
+    end
+
+    function s = serviceLink(this, service)
+        %SERVICELINK Figures of one service's statuses: period, jitter, age, loss.
+        %   S = serviceLink(R, SERVICE) with 'iocard', 'telemeter', 'battery', 'localization' or
+        %   'differential' is a scalar struct; its times are in seconds, loss is 0 to 1.
+        %
+        %   Example:
+        %      s = r.serviceLink('localization'); s.period_s
+        service = roburoc4.internal.text(service, 'service');
+        s = roburoc4.internal.roburoc4_mex('serviceLink', this.id, service);
+    end
+
+    function value = io(this, name)
+        %IO Inputs of the IO card by name.
+        %   VALUE = io(R, NAME) is logical for a digital input, and a double, generally volts, for
+        %   an analog one. The manual's names (5.5.1) always work, the robot's own where they are
+        %   unique; upper and lower case are the same. S = io(R) is a scalar struct of all inputs,
+        %   by index on the wire, and of the names of all channels.
+        %
+        %   Example:
+        %      r.io('Front bumper')
+        %      r.io('Battery voltage')
+        if nargin < 2
+            value = roburoc4.internal.roburoc4_mex('inputs', this.id);
+        else
+            name = roburoc4.internal.text(name, 'name of an input');
+            value = roburoc4.internal.roburoc4_mex('io', this.id, name);
+        end
+    end
+
+    % ---- telling ----
+
+    function setOutput(this, channel, on)
+        %SETOUTPUT Set a digital output.
+        %   setOutput(R, CHANNEL, ON) takes an index on the wire (from 0) or a name. A command
+        %   carries all outputs: those that were never set are sent as off. Output 0 is the robot's
+        %   own and refused.
+        %
+        %   Example:
+        %      r.setOutput(3, true)
+        if nargin ~= 3
+            error('roburoc4:badArgument', 'needed: setOutput(index or name, true or false)');
+        end
+        if ~isnumeric(channel)
+            channel = roburoc4.internal.text(channel, 'channel');
+        end
+        roburoc4.internal.roburoc4_mex('digital', this.id, channel, on);
+    end
+
+    function setAnalogOutput(this, channel, volts)
+        %SETANALOGOUTPUT Set an analog output, generally in volts. A RobuROC4 has none.
+        %
+        %   Example:
+        %      r.setAnalogOutput(0, 2.5)
+        if nargin ~= 3
+            error('roburoc4:badArgument', 'needed: setAnalogOutput(index or name, volts)');
+        end
+        if ~isnumeric(channel)
+            channel = roburoc4.internal.text(channel, 'channel');
+        end
+        roburoc4.internal.roburoc4_mex('analog', this.id, channel, volts);
+    end
+
+    function relocalize(this, x_m, y_m, theta_rad)
+        %RELOCALIZE Tell the robot where it is, and wait until it has taken that.
+        %   relocalize(R, X, Y, THETA) takes metres and radians. Raises roburoc4:protocol where the
+        %   robot refuses, roburoc4:timeout where it does not answer within 2 seconds.
+        %
+        %   Example:
+        %      r.relocalize(0, 0, 0)
+        if nargin ~= 4
+            error('roburoc4:badArgument', 'needed: relocalize(x in m, y in m, theta in rad)');
+        end
+        roburoc4.internal.roburoc4_mex('relocalize', this.id, x_m, y_m, theta_rad);
+        while ~roburoc4.internal.roburoc4_mex('relocalized', this.id)
+            this.spin(0.01);
+        end
+    end
+
+    function subscribe(this, service, period_ms)
+        %SUBSCRIBE Say how often a service sends its status.
+        %   subscribe(R, SERVICE, PERIOD_MS) takes a multiple of 10, 10 to 2550.
+        %
+        %   Example:
+        %      r.subscribe('localization', 20)
+        service = roburoc4.internal.text(service, 'service');
+        period_ms = roburoc4.internal.number(period_ms, 'period_ms', 10, 2550);
+        roburoc4.internal.roburoc4_mex('subscribe', this.id, service, period_ms);
+    end
+
+    function unsubscribe(this, service)
+        %UNSUBSCRIBE No more statuses of a service.
+        %
+        %   Example:
+        %      r.unsubscribe('telemeter')
+        service = roburoc4.internal.text(service, 'service');
+        roburoc4.internal.roburoc4_mex('subscribe', this.id, service, 0);
+    end
+
+    % ---- recording ----
+
+    function data = record(this, seconds, varargin)
+        %RECORD Collect the statuses of the next seconds, as columns ready to plot.
+        %   DATA = record(R, SECONDS) is a struct with a struct of columns for each service: iocard,
+        %   telemeter, battery, localization, differential. All have time_s, seconds from now, and
+        %   robot_cycles, uint64 counts of 10 ms. DATA.lost is the number of statuses that came too
+        %   fast. record(R, SECONDS, SERVICE, ...) takes these services only. A drive command is
+        %   not renewed meanwhile.
+        %
+        %   Example:
+        %      data = r.record(2, 'localization');
+        %      plot(data.localization.time_s, data.localization.x_m)
+        seconds = roburoc4.internal.number(seconds, 'seconds', 0, 1e6);
+        services = roburoc4.Robot.texts(varargin);
+        cleanup = roburoc4.internal.guard(this.id); %#ok<NASGU>
+        roburoc4.internal.roburoc4_mex('record', this.id);
+        finish_s = this.time_s + seconds;
+        left_s = seconds;
+        while left_s > 0
+            left_s = finish_s - roburoc4.internal.roburoc4_mex('wait', this.id, min(left_s, 0.05));
+            roburoc4.internal.roburoc4_mex('recorded', this.id);
+        end
+        data = roburoc4.internal.roburoc4_mex('recording', this.id, services{:});
+        roburoc4.internal.roburoc4_mex('busy', this.id, false);
+    end
+
+    function data = log(this, file, varargin)
+        %LOG Write all statuses since the robot was connected to a MAT-file.
+        %   log(R, FILE) writes what came since R was made, or since the last log, with the fields
+        %   of record; time_s counts from when R was made. So a log before a drive begins a new
+        %   one. The option buffer says how many statuses are kept; where it was too small, the
+        %   oldest are gone, and a warning says how many. log(R, FILE, SERVICE, ...) writes these
+        %   services only. DATA = log(R, ...) returns what was written.
+        %
+        %   Example:
+        %      r.driveFor(0.3, 0, 2);
+        %      r.log('drive.mat');
+        %      data = load('drive.mat');
+        file = roburoc4.internal.text(file, 'file');
+        services = roburoc4.Robot.texts(varargin);
+        handle = fopen(file, 'w');
+        if handle < 0
+            error('roburoc4:badArgument', 'cannot write to ''%s'': give another file', file);
+        end
+        fclose(handle);
+        data = roburoc4.internal.roburoc4_mex('log', this.id, services{:});
+        save(file, '-struct', 'data', '-v7');
+        if data.lost > 0
+            warning('roburoc4:limit', ['%d statuses were overwritten before log: call it more ' ...
+                'often, or give roburoc4.Robot a larger buffer'], data.lost);
+        end
+    end
+end
+
+methods (Static, Access = private)
+    function names = texts(names)
+        for k = 1:numel(names)
+            names{k} = roburoc4.internal.text(names{k}, 'service');
+        end
+    end
+end
+end

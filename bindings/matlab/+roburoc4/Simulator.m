@@ -1,0 +1,298 @@
+classdef Simulator < handle
+%SIMULATOR A simulated RobuROC4, to try programs on without a robot.
+%   SIM = roburoc4.Simulator() is a robot in virtual time: nothing happens but by SIM.step and by
+%   what waits on a robot of SIM.connect, so a program runs as fast as it can, and always the same
+%   way. SIM = roburoc4.Simulator('port', PORT) serves UDP in real time on a thread of its own (0
+%   picks a free port); programs connect to SIM.address.
+%
+%   SIM = roburoc4.Simulator('Name', value, ...) takes options: port, host ('127.0.0.1'), seed (1),
+%   slip (0.12: the share of a turn that skidding eats), start_x_m, start_y_m, start_theta_rad,
+%   watchdog_cycles (100), battery_percent, digital_inputs, and all others of roburoc4_sim_config in
+%   roburoc4_sim.h that are numbers.
+%
+%   Simulator methods:
+%      connect       - A robot object in virtual time
+%      step          - Let virtual time pass
+%      panel         - Obey a line such as 'pad a down'; 'help' lists them all
+%      pad           - Press or move a control of the game pad
+%      estop         - Press or release an emergency stop
+%      motorButton   - Give power to the motors
+%      brakes        - Turn the brakes selector
+%      power         - Switch the main power
+%      bumper        - Press or release a bumper
+%      battery       - Set the remaining energy
+%      place         - Lift the robot to another place
+%      addBox        - Put a box on the floor
+%      addWall       - Build a wall
+%      clearWorld    - Remove all boxes and walls
+%      faults        - Make the network bad
+%      digitalOutput - What a digital output was set to
+%
+%   Simulator properties:
+%      state         - All that can be known about the robot: a scalar struct
+%      address       - 'HOST:PORT', or 'virtual'
+%
+%   Example:
+%      sim = roburoc4.Simulator();
+%      r = sim.connect();
+%      r.arm();
+%      r.driveFor(0.5, 0, 2);
+%      sim.state.true_x_m
+%
+%   See also roburoc4.Robot.
+
+% SPDX-License-Identifier: MIT
+
+properties (SetAccess = private, Hidden)
+    id = 0
+    host = ''
+end
+
+properties (Dependent, SetAccess = private)
+    state
+    address
+end
+
+methods
+    function this = Simulator(varargin)
+        %SIMULATOR Begin a simulated robot.
+        %   See the help of the class.
+        own = struct('port', [], 'host', '127.0.0.1');
+        [options, own] = roburoc4.internal.options(varargin, own);
+        if isempty(own.port)
+            this.id = roburoc4.internal.roburoc4_mex('simOpen', options);
+        else
+            this.host = roburoc4.internal.text(own.host, 'host');
+            port = roburoc4.internal.number(own.port, 'port', 0, 65535);
+            this.id = roburoc4.internal.roburoc4_mex('simOpen', options, this.host, port);
+        end
+    end
+
+    function delete(this)
+        %DELETE End the simulation. It can be called twice.
+        %
+        %   Example:
+        %      delete(sim)
+        try
+            roburoc4.internal.roburoc4_mex('simClose', this.id);
+        catch
+            % The whole program is going: the MEX file ends what lives.
+        end
+    end
+
+    function disp(this)
+        %DISP Say where the simulator is and what the robot does.
+        %
+        %   Example:
+        %      disp(sim)
+        try
+            fprintf('  roburoc4.Simulator, %s: %s\n', this.address, this.panel('status'));
+        catch
+            fprintf('  roburoc4.Simulator, deleted\n');
+        end
+    end
+
+    function robot = connect(this, varargin)
+        %CONNECT A robot object that talks with this simulator.
+        %   R = connect(SIM, 'Name', value, ...) takes the options of roburoc4.Robot. In virtual
+        %   time R lives on the simulator's clock.
+        %
+        %   Example:
+        %      r = sim.connect('max_linear_m_s', 0.5);
+        if isempty(this.host)
+            robot = roburoc4.Robot(this, varargin{:});
+        else
+            robot = roburoc4.Robot(this.address, varargin{:});
+        end
+    end
+
+    function step(this, seconds)
+        %STEP Let virtual time pass, for the robots of connect too.
+        %
+        %   Example:
+        %      sim.step(0.5)
+        left_s = roburoc4.internal.number(seconds, 'seconds', 0, 1e9);
+        while left_s > 0
+            part_s = min(left_s, 1);
+            roburoc4.internal.roburoc4_mex('simStep', this.id, part_s);
+            left_s = left_s - part_s;
+        end
+    end
+
+    % ---- looking ----
+
+    function s = get.state(this)
+        s = roburoc4.internal.roburoc4_mex('simState', this.id);
+    end
+
+    function s = get.address(this)
+        s = 'virtual';
+        if ~isempty(this.host)
+            port = roburoc4.internal.roburoc4_mex('simPort', this.id);
+            s = sprintf('%s:%d', this.host, port);
+        end
+    end
+
+    function on = digitalOutput(this, index)
+        %DIGITALOUTPUT What a digital output was set to; output 0 is the robot's own watchdog.
+        %
+        %   Example:
+        %      sim.digitalOutput(3)
+        on = roburoc4.internal.roburoc4_mex('simOutput', this.id, index);
+    end
+
+    % ---- hands ----
+
+    function reply = panel(this, line)
+        %PANEL Obey a line of text, and return the reply; panel(SIM, 'help') lists them all.
+        %
+        %   Example:
+        %      sim.panel('pin analog 2 24.5')
+        line = roburoc4.internal.text(line, 'line');
+        reply = roburoc4.internal.roburoc4_mex('simPanel', this.id, line);
+    end
+
+    function pad(this, control, value)
+        %PAD Press a button of the game pad (true, false), or move an axis (-1 to 1).
+        %   pad(SIM, 'a', true) takes the robot from every client. Buttons: a, b, x, y, back,
+        %   start, ddown, dleft, dright, dup, lj, rj, lb, rb. Axes: ljx, ljy, rjx, rjy rest at 0,
+        %   lt and rt at -1. pad(SIM, 'release') lets all go.
+        %
+        %   Example:
+        %      sim.pad('a', true); sim.pad('rt', 0.5)
+        control = lower(roburoc4.internal.text(control, 'control'));
+        if nargin < 3
+            this.panel(['pad ' control]);
+        elseif islogical(value)
+            this.choose(['pad ' control], value, 'down', 'up');
+        else
+            this.panel(sprintf('pad %s %.9g', control, ...
+                roburoc4.internal.number(value, 'value', -1, 1)));
+        end
+    end
+
+    function estop(this, which, pressed)
+        %ESTOP Press (true) or release (false) an emergency stop, 'local' or 'remote'.
+        %   Releasing alone brings no power back: then press motorButton.
+        %
+        %   Example:
+        %      sim.estop('remote', true)
+        this.choose(['estop ' roburoc4.internal.text(which, 'which')], pressed, 'press', ...
+            'release');
+    end
+
+    function motorButton(this)
+        %MOTORBUTTON Give power to the motors; needs released stops and automatic brakes.
+        %
+        %   Example:
+        %      sim.motorButton()
+        this.panel('motor on');
+    end
+
+    function brakes(this, position)
+        %BRAKES Turn the brakes selector: 'automatic', or 'released', which cuts the power.
+        %
+        %   Example:
+        %      sim.brakes('released')
+        this.panel(['brakes ' roburoc4.internal.text(position, 'position')]);
+    end
+
+    function power(this, on)
+        %POWER Switch the main power; on after off is a reboot.
+        %
+        %   Example:
+        %      sim.power(false); sim.power(true)
+        this.choose('power', on, 'on', 'off');
+    end
+
+    function bumper(this, side, pressed)
+        %BUMPER Press (true) or release (false) the 'front' or 'rear' bumper.
+        %
+        %   Example:
+        %      sim.bumper('front', true)
+        this.choose(['bumper ' roburoc4.internal.text(side, 'side')], pressed, 'press', 'release');
+    end
+
+    function battery(this, percent)
+        %BATTERY Set the remaining energy, 0 to 100 percent.
+        %
+        %   Example:
+        %      sim.battery(15)
+        this.tell('battery', {percent});
+    end
+
+    % ---- the world ----
+
+    function place(this, x_m, y_m, theta_rad)
+        %PLACE Lift the robot to another place; its odometry notices nothing.
+        %
+        %   Example:
+        %      sim.place(1, 2, pi / 2)
+        this.tell('place', {x_m, y_m, theta_rad});
+    end
+
+    function addBox(this, x_m, y_m, size_x_m, size_y_m, theta_rad)
+        %ADDBOX Put a box on the floor: its centre, its sizes and its orientation.
+        %
+        %   Example:
+        %      sim.addBox(3, 0, 0.5, 0.5, 0)
+        this.tell('box add', {x_m, y_m, size_x_m, size_y_m, theta_rad});
+    end
+
+    function addWall(this, x1_m, y1_m, x2_m, y2_m)
+        %ADDWALL Build a wall between two points.
+        %
+        %   Example:
+        %      sim.addWall(3, -1, 3, 1)
+        this.tell('box wall', {x1_m, y1_m, x2_m, y2_m});
+    end
+
+    function clearWorld(this)
+        %CLEARWORLD Remove all boxes and walls.
+        %
+        %   Example:
+        %      sim.clearWorld()
+        this.panel('box clear');
+    end
+
+    function faults(this, varargin)
+        %FAULTS Make the network bad, in both directions.
+        %   faults(SIM, 'Name', value, ...) takes loss, duplicate, reorder and corrupt, shares of 0
+        %   to 1, delay_ms and jitter_ms. Without arguments it is good again.
+        %
+        %   Example:
+        %      sim.faults('loss', 0.2, 'delay_ms', 10)
+        own = struct('loss', 0, 'duplicate', 0, 'reorder', 0, 'corrupt', 0, 'delay_ms', 0, ...
+            'jitter_ms', 0);
+        [unknown, own] = roburoc4.internal.options(varargin, own);
+        strangers = fieldnames(unknown);
+        if ~isempty(strangers)
+            error('roburoc4:badArgument', 'there is no fault ''%s'': there are %s', ...
+                strangers{1}, strjoin(fieldnames(own)', ', '));
+        end
+        values = struct2cell(own);
+        roburoc4.internal.roburoc4_mex('simFaults', this.id, values{:});
+    end
+end
+
+methods (Access = private)
+    function choose(this, words, yes, if_yes, if_no)
+        if ~(islogical(yes) || isnumeric(yes)) || ~isscalar(yes)
+            error('roburoc4:badArgument', '%s: give true or false', words);
+        end
+        if yes
+            this.panel([words ' ' if_yes]);
+        else
+            this.panel([words ' ' if_no]);
+        end
+    end
+
+    function tell(this, words, numbers)
+        for k = 1:numel(numbers)
+            number = roburoc4.internal.number(numbers{k}, sprintf('number %d', k), -1e9, 1e9);
+            words = sprintf('%s %.12f', words, number);
+        end
+        this.panel(words);
+    end
+end
+end

@@ -1,0 +1,96 @@
+function file = build_mex(api, folder)
+%BUILD_MEX Build the MEX file of the roburoc4 package, in MATLAB or Octave.
+%   build_mex() compiles the C sources of this checkout with the C compiler of mex (MATLAB) or
+%   mkoctfile (Octave), and puts the MEX file into +roburoc4/+internal. Then add this folder to the
+%   path. build_mex('-R2018a') builds for MATLAB's API with interleaved complex numbers; the default
+%   is '-R2017b'. No array here is complex, so that both are the same. Octave has one API only.
+%   FILE = build_mex(API, FOLDER) puts the MEX file into another folder.
+%
+%   In MATLAB nobody of this project has run it yet: it keeps to what is documented. Please tell how
+%   it went.
+%
+%   Example:
+%      build_mex
+%      addpath(pwd)
+%      sim = roburoc4.Simulator(); r = sim.connect()
+%
+%   See also mex, mkoctfile, roburoc4.Robot.
+
+% SPDX-License-Identifier: MIT
+here = fileparts(mfilename('fullpath'));
+top = fullfile(here, '..', '..');
+if nargin < 1 || isempty(api)
+    api = '-R2017b';
+end
+if ~any(strcmp(api, {'-R2017b', '-R2018a'}))
+    error('roburoc4:badArgument', 'api: ''%s'' is neither -R2017b nor -R2018a', api);
+end
+if nargin < 2
+    folder = fullfile(here, '+roburoc4', '+internal');
+end
+octave = exist('OCTAVE_VERSION', 'builtin') ~= 0;
+
+% Files of one name are in several folders: each folder has objects of its own.
+work = tempname();
+cleanup = onCleanup(@() remove(work)); %#ok<NASGU>
+include = {['-I' fullfile(top, 'include')], ['-I' fullfile(top, 'src')], ...
+    ['-I' fullfile(top, 'sim')], ['-I' fullfile(here, 'src')]};
+sources = {fullfile(top, 'src'), fullfile(top, 'sim'), fullfile(here, 'src')};
+if ispc()
+    foreign = {'udp_posix.c', 'pump_threads_posix.c', 'net_posix.c', 'main.c', 'server.c'};
+    libraries = {'-lws2_32'};
+else
+    foreign = {'udp_winsock.c', 'pump_threads_windows.c', 'net_winsock.c', 'main.c', 'server.c'};
+    libraries = {'-lpthread', '-lm'};
+end
+objects = {};
+for k = 1:numel(sources)
+    objects = [objects, compile(sources{k}, foreign, fullfile(work, num2str(k)), include, api, ...
+        octave)]; %#ok<AGROW>
+end
+
+file = fullfile(folder, ['roburoc4_mex.' mexext()]);
+if octave
+    linked = mkoctfile('--mex', '-o', file, objects{:}, libraries{:});
+    if ~isequal(linked, 0) && ~isempty(linked)
+        error('roburoc4:build', 'mkoctfile could not link %s', file);
+    end
+else
+    mex(api, '-outdir', folder, '-output', 'roburoc4_mex', objects{:}, libraries{:});
+end
+fprintf('built %s\n', file);
+end
+
+function objects = compile(source, foreign, folder, include, api, octave)
+mkdir(folder);
+files = dir(fullfile(source, '*.c'));
+objects = {};
+for k = 1:numel(files)
+    if any(strcmp(files(k).name, foreign))
+        continue
+    end
+    from = fullfile(source, files(k).name);
+    [~, name] = fileparts(from);
+    if octave
+        objects{end + 1} = fullfile(folder, [name '.o']); %#ok<AGROW>
+        failed = mkoctfile('-c', '-o', objects{end}, include{:}, from);
+        if ~isequal(failed, 0) && ~isempty(failed)
+            error('roburoc4:build', 'mkoctfile could not compile %s', from);
+        end
+    else
+        mex(api, '-c', '-outdir', folder, include{:}, from);
+        made = dir(fullfile(folder, [name '.o*']));
+        objects{end + 1} = fullfile(folder, made(1).name); %#ok<AGROW>
+    end
+end
+end
+
+function remove(folder)
+if exist(folder, 'dir')
+    % Octave asks before it removes a folder with files, unless it is told not to.
+    if exist('OCTAVE_VERSION', 'builtin')
+        confirm_recursive_rmdir(false, 'local');
+    end
+    rmdir(folder, 's');
+end
+end

@@ -1,0 +1,31 @@
+function plan = buildfile()
+%BUILDFILE What MATLAB's buildtool (R2022b and later) can do here: mex, test, toolbox.
+%   In MATLAB nobody of this project has run it yet.
+%
+%   Example:
+%      buildtool test
+%
+%   See also buildtool, build_mex, package_toolbox.
+
+% SPDX-License-Identifier: MIT
+plan = buildplan(localfunctions());
+plan.DefaultTasks = "test";
+plan("test").Dependencies = "mex";
+plan("toolbox").Dependencies = "mex";
+end
+
+function mexTask(~)
+% Build the MEX file
+build_mex('-R2018a');
+end
+
+function testTask(~)
+% Run the tests
+addpath(pwd);
+assertSuccess(runtests(fullfile('tests', 'matlab')));
+end
+
+function toolboxTask(~)
+% Make roburoc4.mltbx
+package_toolbox();
+end

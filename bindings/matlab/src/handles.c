@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: MIT */
+#include "handles.h"
+
+#include <stddef.h>
+
+#include "roburoc4_udp.h"
+
+static struct {
+    void *object; /* NULL: the place is free */
+    double id;
+    int kind;
+} table[HANDLES_MAX];
+
+static uint64_t generation;
+
+double handles_add(int kind, void *object) {
+    uint32_t place;
+    if (generation == 0) {
+        /* Milliseconds: above what an earlier life of this MEX file, in this MATLAB, gave out. */
+        generation = 1 + roburoc4_udp_now_us() / 1000;
+    }
+    for (place = 0; place < HANDLES_MAX; place++) {
+        if (table[place].object == NULL) {
+            table[place].object = object;
+            table[place].kind = kind;
+            table[place].id = (double)(generation++ * HANDLES_MAX + place);
+            return table[place].id;
+        }
+    }
+    return 0.0;
+}
+
+static uint32_t place_of(double id) {
+    uint32_t place;
+    for (place = 0; place < HANDLES_MAX; place++) {
+        if (table[place].object != NULL && table[place].id == id) {
+            break;
+        }
+    }
+    return place;
+}
+
+void *handles_find(int kind, double id) {
+    uint32_t place = place_of(id);
+    return place < HANDLES_MAX ? handles_at(kind, place) : NULL;
+}
+
+void handles_remove(double id) {
+    uint32_t place = place_of(id);
+    if (place < HANDLES_MAX) {
+        table[place].object = NULL;
+    }
+}
+
+void *handles_at(int kind, uint32_t place) {
+    return table[place].kind == kind ? table[place].object : NULL;
+}
+
+uint32_t handles_count(int kind) {
+    uint32_t place, count = 0;
+    for (place = 0; place < HANDLES_MAX; place++) {
+        count += handles_at(kind, place) != NULL;
+    }
+    return count;
+}

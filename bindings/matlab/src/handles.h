@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * handles.h - what MATLAB holds of a robot or a simulator: a number, never a pointer.
+ *
+ * An id is a place in a table and a generation that is used once: an id of something that was
+ * closed, of an earlier life of this MEX file, or made up, finds nothing.
+ */
+#ifndef ROBUROC4_MEX_HANDLES_H
+#define ROBUROC4_MEX_HANDLES_H
+
+#include <stdint.h>
+
+#define HANDLE_ROBOT 1
+#define HANDLE_SIMULATOR 2
+/** Robots and simulators at a time. */
+#define HANDLES_MAX 64
+
+/** Enter an object; its id (more than 0), or 0 where the table is full. */
+double handles_add(int kind, void *object);
+/** The object of this id and kind, or NULL. */
+void *handles_find(int kind, double id);
+/** Forget an id. */
+void handles_remove(double id);
+/** The object of this kind at a place (0 to HANDLES_MAX - 1), or NULL. */
+void *handles_at(int kind, uint32_t place);
+/** How many there are of a kind. */
+uint32_t handles_count(int kind);
+
+#endif

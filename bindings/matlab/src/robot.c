@@ -1,0 +1,288 @@
+/* SPDX-License-Identifier: MIT */
+#include "robot.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fail.h"
+
+/* Samples taken at a time. */
+#define CHUNK 256u
+
+/* -------------------------------------------------------------------------------------- life ---
+ */
+
+static robot *make(const robot_settings *settings) {
+    robot *made = calloc(1, sizeof *made);
+    if (made == NULL) {
+        (void)fail(FAIL_LIMIT, "no memory for another robot");
+        return NULL;
+    }
+    made->lease_us = settings->config.lease_ms * 1000;
+    return made;
+}
+
+static roburoc4_result resolve(const char *text, roburoc4_address *out) {
+    roburoc4_result result = roburoc4_udp_resolve(text, 0, out);
+    if (result == ROBUROC4_ERR_ARGUMENT) {
+        (void)fail(FAIL_ARGUMENT,
+                   "'%s' is no address: give HOST or HOST:PORT, such as 192.168.0.2:60000", text);
+    } else if (result < 0) {
+        (void)fail_result(text, result);
+    }
+    return result;
+}
+
+robot *robot_open(const char *address, const robot_settings *settings) {
+    roburoc4_address numbers;
+    roburoc4_result result;
+    robot *made;
+    if (resolve(address, &numbers) < 0) {
+        return NULL;
+    }
+    made = make(settings);
+    if (made == NULL) {
+        return NULL;
+    }
+    made->pump = roburoc4_pump_create(&numbers, &settings->config, settings->buffer, &result);
+    if (made->pump == NULL) {
+        (void)fail(FAIL_NETWORK, "%s: %s (%s)", address, roburoc4_result_text(result),
+                   strerror(errno));
+        free(made);
+        return NULL;
+    }
+    made->opened_us = robot_now_us(made);
+    return made;
+}
+
+robot *robot_join(world *home, const robot_settings *settings) {
+    robot *made = make(settings);
+    if (made == NULL) {
+        return NULL;
+    }
+    made->client = world_join(home, &settings->config, settings->buffer);
+    if (made->client == NULL) {
+        (void)fail(FAIL_LIMIT, "a simulator has room for %d robots: delete one", WORLD_CLIENTS);
+        free(made);
+        return NULL;
+    }
+    made->opened_us = robot_now_us(made);
+    return made;
+}
+
+void robot_close(robot *one) {
+    if (one->pump != NULL) {
+        roburoc4_pump_destroy(one->pump);
+    } else {
+        (void)roburoc4_client_disarm(&one->client->client, robot_now_us(one));
+        world_exchange(one->client->home);
+        world_leave(one->client);
+    }
+    samples_free(&one->recording);
+    free(one);
+}
+
+int robot_is_open(robot *one) {
+    return one->pump != NULL ? roburoc4_pump_running(one->pump) : !one->client->home->closed;
+}
+
+uint64_t robot_now_us(const robot *one) {
+    return one->pump != NULL ? roburoc4_udp_now_us() : one->client->home->now_us;
+}
+
+void robot_wait(robot *one, uint32_t duration_us) {
+    roburoc4_pump_reader nothing = {0};
+    if (one->pump != NULL) {
+        (void)roburoc4_pump_wait_events(one->pump, &nothing, 0, duration_us);
+    } else {
+        world_run(one->client->home, duration_us);
+    }
+}
+
+int robot_is_stopping(robot *one) {
+    roburoc4_facts facts = {.size = sizeof facts};
+    return robot_is_open(one) && robot_facts(one, &facts) == ROBUROC4_OK && facts.stopping;
+}
+
+/* ---------------------------------------------------------------------------------- commands ---
+ */
+
+/* In virtual time a command travels at once, like the pump's. */
+static roburoc4_result sent(robot *one, roburoc4_result result) {
+    world_exchange(one->client->home);
+    return result;
+}
+
+/* COMMAND(name, arguments): on the pump, or on the client, at its time. */
+#define COMMAND(name, ...)                                                                         \
+    (one->pump != NULL ? roburoc4_pump_##name(one->pump, __VA_ARGS__)                              \
+     : one->client->home->closed                                                                   \
+         ? ROBUROC4_ERR_CLOSED                                                                     \
+         : sent(one,                                                                               \
+                roburoc4_client_##name(&one->client->client, __VA_ARGS__, robot_now_us(one))))
+#define PLAIN_COMMAND(name, of_pump)                                                               \
+    (one->pump != NULL ? (of_pump)(one->pump)                                                      \
+     : one->client->home->closed                                                                   \
+         ? ROBUROC4_ERR_CLOSED                                                                     \
+         : sent(one, roburoc4_client_##name(&one->client->client, robot_now_us(one))))
+
+roburoc4_result robot_arm(robot *one) {
+    return PLAIN_COMMAND(arm, roburoc4_pump_arm);
+}
+
+roburoc4_result robot_disarm(robot *one) {
+    return PLAIN_COMMAND(disarm, roburoc4_pump_disarm);
+}
+
+roburoc4_result robot_stop(robot *one) {
+    return PLAIN_COMMAND(stop, roburoc4_pump_stop_robot);
+}
+
+roburoc4_result robot_drive(robot *one, float linear_m_s, float angular_rad_s, uint32_t lease_us) {
+    return COMMAND(drive, linear_m_s, angular_rad_s, lease_us);
+}
+
+roburoc4_result robot_set_digital_output(robot *one, uint32_t index, int32_t on) {
+    return COMMAND(set_digital_output, index, on);
+}
+
+roburoc4_result robot_set_analog_output(robot *one, uint32_t index, float value) {
+    return COMMAND(set_analog_output, index, value);
+}
+
+roburoc4_result robot_relocalize(robot *one, double x_m, double y_m, double theta_rad) {
+    return COMMAND(relocalize, x_m, y_m, theta_rad);
+}
+
+roburoc4_result robot_subscribe(robot *one, uint32_t service, uint32_t period_ms) {
+    return period_ms == 0 ? COMMAND(unsubscribe, service) : COMMAND(subscribe, service, period_ms);
+}
+
+/* -------------------------------------------------------------------------- facts and values ---
+ */
+
+#define LOOK(name, ...)                                                                            \
+    (one->pump != NULL ? roburoc4_pump_##name(one->pump, __VA_ARGS__)                              \
+                       : roburoc4_client_##name(&one->client->client, __VA_ARGS__))
+
+uint32_t robot_state(robot *one) {
+    return one->pump != NULL ? roburoc4_pump_state(one->pump)
+                             : roburoc4_client_state(&one->client->client);
+}
+
+uint32_t robot_count(robot *one, uint32_t counter) {
+    return LOOK(count, counter);
+}
+
+uint32_t robot_fault(robot *one) {
+    return one->pump != NULL ? roburoc4_pump_fault(one->pump) : ROBUROC4_FAULT_NONE;
+}
+
+void robot_address_text(robot *one, char *text, size_t capacity) {
+    roburoc4_address address;
+    if (one->pump == NULL || roburoc4_pump_address(one->pump, &address) < 0 ||
+        roburoc4_address_text(&address, text, capacity) < 0) {
+        (void)snprintf(text, capacity, "the simulator");
+    }
+}
+
+roburoc4_result robot_facts(robot *one, roburoc4_facts *out) {
+    return one->pump != NULL ? roburoc4_pump_facts(one->pump, out)
+                             : roburoc4_client_facts(&one->client->client, robot_now_us(one), out);
+}
+
+roburoc4_result robot_link(robot *one, roburoc4_link *out) {
+    return one->pump != NULL ? roburoc4_pump_link(one->pump, out)
+                             : roburoc4_client_link(&one->client->client, robot_now_us(one), out);
+}
+
+roburoc4_result robot_service_link(robot *one, uint32_t service, roburoc4_service_link *out) {
+    return one->pump != NULL ? roburoc4_pump_service_link(one->pump, service, out)
+                             : roburoc4_client_service_link(&one->client->client, service,
+                                                            robot_now_us(one), out);
+}
+
+uint32_t robot_service_count(robot *one) {
+    return one->pump != NULL ? roburoc4_pump_service_count(one->pump)
+                             : roburoc4_client_service_count(&one->client->client);
+}
+
+roburoc4_result robot_service_at(robot *one, uint32_t index, roburoc4_directory_entry *out) {
+    return LOOK(service_at, index, out);
+}
+
+roburoc4_result robot_iocard_properties(robot *one, roburoc4_iocard_properties *out) {
+    return LOOK(iocard_properties, out);
+}
+
+roburoc4_result robot_battery_properties(robot *one, roburoc4_battery_properties *out) {
+    return LOOK(battery_properties, out);
+}
+
+roburoc4_result robot_localization_properties(robot *one, roburoc4_localization_properties *out) {
+    return LOOK(localization_properties, out);
+}
+
+roburoc4_result robot_differential_properties(robot *one, roburoc4_differential_properties *out) {
+    return LOOK(differential_properties, out);
+}
+
+uint32_t robot_telemeter_count(robot *one) {
+    return one->pump != NULL ? roburoc4_pump_telemeter_count(one->pump)
+                             : roburoc4_client_telemeter_count(&one->client->client);
+}
+
+roburoc4_result robot_telemeter(robot *one, uint32_t index, roburoc4_telemeter *out) {
+    return LOOK(telemeter, index, out);
+}
+
+roburoc4_result robot_role_index(robot *one, uint32_t role) {
+    return LOOK(role_index, role);
+}
+
+roburoc4_result robot_description(robot *one, int32_t io_type, uint32_t index, char *buffer,
+                                  size_t capacity) {
+    return one->pump != NULL
+               ? roburoc4_pump_description(one->pump, io_type, index, buffer, capacity)
+               : ROBUROC4_ERR_UNKNOWN;
+}
+
+roburoc4_result robot_battery(robot *one, roburoc4_battery_status *out) {
+    return LOOK(battery, out, NULL);
+}
+
+roburoc4_result robot_localization(robot *one, roburoc4_localization_status *out) {
+    return LOOK(localization, out, NULL);
+}
+
+roburoc4_result robot_differential(robot *one, roburoc4_differential_status *out) {
+    return LOOK(differential, out, NULL);
+}
+
+roburoc4_result robot_inputs(robot *one, roburoc4_inputs *out) {
+    return LOOK(inputs, out, NULL);
+}
+
+roburoc4_result robot_distances(robot *one, roburoc4_distances *out) {
+    return LOOK(distances, out, NULL);
+}
+
+/* ----------------------------------------------------------------------------------- samples ---
+ */
+
+int robot_drain(robot *one, roburoc4_pump_reader *reader, sample_list *list) {
+    roburoc4_result got;
+    do {
+        roburoc4_sample *end = samples_reserve(list, CHUNK);
+        if (end == NULL) {
+            return fail(FAIL_LIMIT, "no room for more than %lu statuses: record for less long",
+                        (unsigned long)list->count);
+        }
+        got = one->pump != NULL ? roburoc4_pump_read_samples(one->pump, reader, end, CHUNK)
+                                : samples_read(&one->client->ring, reader, end, CHUNK);
+        list->count += got > 0 ? (uint32_t)got : 0;
+    } while (got > 0);
+    return 1;
+}

@@ -1,0 +1,235 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * One table for each struct says where an option goes, and what the C type can hold; which values
+ * make sense is left to roburoc4_config_error() and roburoc4_sim_config_error().
+ */
+#include "settings.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "arguments.h"
+#include "fail.h"
+
+typedef enum kind { U16, I16, U32, I32, U64, F32, F64, BIT } kind;
+
+typedef struct setting {
+    const char *name;
+    size_t offset;
+    kind type;
+    uint32_t bit; /* BIT: in a uint32_t */
+} setting;
+
+#define IN_ROBOT(name, type)                                                                       \
+    { #name, offsetof(robot_settings, config.name), type, 0 }
+#define PERIOD(name, service)                                                                      \
+    { name, offsetof(robot_settings, config.period_ms) + (service) * sizeof(uint16_t), U16, 0 }
+#define ROLE(name, role)                                                                           \
+    { name, offsetof(robot_settings, config.role_index) + (role) * sizeof(int16_t), I16, 0 }
+#define OPTION(name, bit)                                                                          \
+    { name, offsetof(robot_settings, config.options), BIT, bit }
+
+static const setting of_robot[] = {
+    IN_ROBOT(first_retry_ms, U32),
+    IN_ROBOT(lost_ms, U32),
+    IN_ROBOT(fresh_ms, U32),
+    IN_ROBOT(drive_period_ms, U32),
+    IN_ROBOT(lease_ms, U32),
+    IN_ROBOT(robot_watchdog_ms, U32),
+    IN_ROBOT(max_linear_m_s, F32),
+    IN_ROBOT(max_angular_rad_s, F32),
+    IN_ROBOT(scale_linear, F32),
+    IN_ROBOT(scale_angular, F32),
+    IN_ROBOT(resume, U32),
+    PERIOD("iocard_period_ms", ROBUROC4_SERVICE_IOCARD),
+    PERIOD("telemeter_period_ms", ROBUROC4_SERVICE_TELEMETER),
+    PERIOD("battery_period_ms", ROBUROC4_SERVICE_BATTERY),
+    PERIOD("localization_period_ms", ROBUROC4_SERVICE_LOCALIZATION),
+    PERIOD("differential_period_ms", ROBUROC4_SERVICE_DIFFERENTIAL),
+    OPTION("turn_keeping", ROBUROC4_OPTION_TURN_KEEPING),
+    OPTION("allow_unknown_override", ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE),
+    OPTION("ignore_foreign", ROBUROC4_OPTION_IGNORE_FOREIGN),
+    ROLE("override_index", ROBUROC4_ROLE_OVERRIDE),
+    ROLE("front_bumper_index", ROBUROC4_ROLE_FRONT_BUMPER),
+    ROLE("rear_bumper_index", ROBUROC4_ROLE_REAR_BUMPER),
+    ROLE("battery_voltage_index", ROBUROC4_ROLE_BATTERY_V),
+    {"buffer", offsetof(robot_settings, buffer), U32, 0},
+};
+
+#define IN_SIMULATOR(name, type)                                                                   \
+    { #name, offsetof(roburoc4_sim_config, name), type, 0 }
+
+static const setting of_simulator[] = {
+    IN_SIMULATOR(watchdog_cycles, U32),
+    IN_SIMULATOR(seed, U64),
+    IN_SIMULATOR(plain_types, U32),
+    IN_SIMULATOR(hidden_services, U32),
+    IN_SIMULATOR(refused_inserts, U32),
+    IN_SIMULATOR(query_mode, U32),
+    IN_SIMULATOR(answer_id_fixed, U32),
+    IN_SIMULATOR(only_id_fixed, U32),
+    IN_SIMULATOR(error_header, U32),
+    IN_SIMULATOR(start_safe, U32),
+    IN_SIMULATOR(analog_inputs, I32),
+    IN_SIMULATOR(analog_outputs, I32),
+    IN_SIMULATOR(digital_inputs, I32),
+    IN_SIMULATOR(digital_outputs, I32),
+    IN_SIMULATOR(max_linear_m_s, F32),
+    IN_SIMULATOR(min_linear_m_s, F32),
+    IN_SIMULATOR(max_angular_rad_s, F32),
+    IN_SIMULATOR(min_angular_rad_s, F32),
+    IN_SIMULATOR(max_linear_m_s2, F32),
+    IN_SIMULATOR(min_linear_m_s2, F32),
+    IN_SIMULATOR(max_angular_rad_s2, F32),
+    IN_SIMULATOR(min_angular_rad_s2, F32),
+    IN_SIMULATOR(width_m, F32),
+    IN_SIMULATOR(slip, F32),
+    IN_SIMULATOR(nominal_voltage_v, F32),
+    IN_SIMULATOR(capacity_ah, F32),
+    IN_SIMULATOR(battery_percent, F32),
+    IN_SIMULATOR(minimum_percent, U32),
+    IN_SIMULATOR(start_x_m, F64),
+    IN_SIMULATOR(start_y_m, F64),
+    IN_SIMULATOR(start_theta_rad, F64),
+};
+
+/* ------------------------------------------------------------------------------ one option --- */
+
+static int write_whole(const setting *to, char *place, const mxArray *value) {
+    static const int64_t least[] = {0, INT16_MIN, 0, INT32_MIN, 0};
+    static const int64_t most[] = {UINT16_MAX, INT16_MAX, UINT32_MAX, INT32_MAX, (int64_t)1 << 53};
+    static const size_t sizes[] = {2, 2, 4, 4, 8};
+    int64_t number;
+    uint16_t in_16;
+    uint32_t in_32;
+    const void *bytes = &number;
+    if (!take_whole(value, to->name, least[to->type], most[to->type], &number)) {
+        return 0;
+    }
+    /* Modulo 2^n: the bits of the signed types. */
+    in_16 = (uint16_t)number;
+    in_32 = (uint32_t)number;
+    if (sizes[to->type] == sizeof in_16) {
+        bytes = &in_16;
+    } else if (sizes[to->type] == sizeof in_32) {
+        bytes = &in_32;
+    }
+    memcpy(place, bytes, sizes[to->type]);
+    return 1;
+}
+
+static int write_float(const setting *to, char *place, const mxArray *value) {
+    double number;
+    float in_32;
+    if (!take_range(value, to->name, -1e30, 1e30, &number)) {
+        return 0;
+    }
+    in_32 = (float)number;
+    if (to->type == F32) {
+        memcpy(place, &in_32, sizeof in_32);
+    } else {
+        memcpy(place, &number, sizeof number);
+    }
+    return 1;
+}
+
+static int write_bit(const setting *to, char *place, const mxArray *value) {
+    uint32_t bits;
+    int on;
+    if (!take_flag(value, to->name, &on)) {
+        return 0;
+    }
+    memcpy(&bits, place, sizeof bits);
+    bits = on ? bits | to->bit : bits & ~to->bit;
+    memcpy(place, &bits, sizeof bits);
+    return 1;
+}
+
+static int write_option(const setting *to, void *base, const mxArray *value) {
+    char *place = (char *)base + to->offset;
+    if (to->type == BIT) {
+        return write_bit(to, place, value);
+    }
+    return to->type == F32 || to->type == F64 ? write_float(to, place, value)
+                                              : write_whole(to, place, value);
+}
+
+/* ---------------------------------------------------------------------------------- all of --- */
+
+static int fail_unknown(const char *name, const setting *settings, size_t count) {
+    char known[1536] = "";
+    size_t i, used = 0;
+    for (i = 0; i < count; i++) {
+        used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "",
+                                 settings[i].name);
+    }
+    return fail(FAIL_ARGUMENT, "there is no option '%s': there are %s", name, known);
+}
+
+static int write_all(const mxArray *options, const setting *settings, size_t count, void *base) {
+    int number, fields;
+    if (!mxIsStruct(options) || mxGetNumberOfElements(options) != 1) {
+        return fail(FAIL_ARGUMENT, "options: a scalar struct is needed");
+    }
+    fields = mxGetNumberOfFields(options);
+    for (number = 0; number < fields; number++) {
+        const char *name = mxGetFieldNameByNumber(options, number);
+        const mxArray *value = mxGetFieldByNumber(options, 0, number);
+        size_t i;
+        for (i = 0; i < count && strcmp(settings[i].name, name) != 0; i++) {
+        }
+        if (i == count) {
+            return fail_unknown(name, settings, count);
+        }
+        if (value == NULL || !write_option(&settings[i], base, value)) {
+            return value != NULL ? 0 : fail(FAIL_ARGUMENT, "%s: a value is missing", name);
+        }
+    }
+    return 1;
+}
+
+/* A period of 0 means: do not subscribe. */
+static void drop_unwanted(roburoc4_config *config) {
+    uint16_t usual_ms[8];
+    roburoc4_config defaults;
+    uint32_t service;
+    (void)roburoc4_config_init(&defaults, sizeof defaults);
+    memcpy(usual_ms, defaults.period_ms, sizeof usual_ms);
+    for (service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT; service++) {
+        if (config->period_ms[service] == 0) {
+            config->period_ms[service] = usual_ms[service];
+            config->subscriptions &= ~((uint32_t)1 << service);
+        }
+    }
+}
+
+#define BUFFER_DEFAULT 50000u
+
+int settings_of_robot(const mxArray *options, robot_settings *out) {
+    const char *wrong;
+    (void)roburoc4_config_init(&out->config, sizeof out->config);
+    out->buffer = BUFFER_DEFAULT;
+    if (!write_all(options, of_robot, sizeof of_robot / sizeof of_robot[0], out)) {
+        return 0;
+    }
+    drop_unwanted(&out->config);
+    wrong = roburoc4_config_error(&out->config);
+    if (wrong != NULL) {
+        return fail(FAIL_ARGUMENT, "option out of range: %s", wrong);
+    }
+    if (out->buffer < ROBUROC4_PUMP_QUEUE_MIN || out->buffer > ROBUROC4_PUMP_QUEUE_MAX) {
+        return fail(FAIL_ARGUMENT, "buffer: %lu is out of range: %d to %d",
+                    (unsigned long)out->buffer, ROBUROC4_PUMP_QUEUE_MIN, ROBUROC4_PUMP_QUEUE_MAX);
+    }
+    return 1;
+}
+
+int settings_of_simulator(const mxArray *options, roburoc4_sim_config *out) {
+    const char *wrong;
+    roburoc4_sim_config_init(out);
+    if (!write_all(options, of_simulator, sizeof of_simulator / sizeof of_simulator[0], out)) {
+        return 0;
+    }
+    wrong = roburoc4_sim_config_error(out);
+    return wrong == NULL ? 1 : fail(FAIL_ARGUMENT, "option out of range: %s", wrong);
+}

@@ -1,0 +1,25 @@
+function test_clear_with_live_robots()
+% SPDX-License-Identifier: MIT
+sim = roburoc4.Simulator('port', 0);
+r = sim.connect();
+r.arm();
+r.drive(0.3, 0);
+clear mex
+clear functions
+clear roburoc4.internal.roburoc4_mex
+check(living_robots() == 1, 'the MEX file was not locked');
+r.drive(0.3, 0);
+delete(r);
+check(sim.state.target_linear_m_s == 0 && sim.state.last_linear_m_s == 0, 'no zero at the robot');
+delete(r);
+clear r
+
+% An object that is forgotten stops its robot too.
+forgotten = sim.connect();
+forgotten.arm();
+forgotten.drive(0.3, 0);
+clear forgotten
+check(sim.state.target_linear_m_s == 0 && sim.state.last_linear_m_s == 0, 'no zero at the robot');
+check(living_robots() == 0, 'the robot lives on');
+delete(sim);
+end

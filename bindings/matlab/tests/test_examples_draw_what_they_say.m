@@ -1,0 +1,38 @@
+function test_examples_draw_what_they_say()
+% Each example runs without a display and writes its picture; what it drove is what it says.
+% SPDX-License-Identifier: MIT
+folder = getenv('ROBUROC4_PICTURES');
+if isempty(folder)
+    folder = tempdir();
+end
+if exist('OCTAVE_VERSION', 'builtin')
+    state = warning('off', 'all');       % about fonts, and about gnuplot
+    restored = onCleanup(@() warning(state)); %#ok<NASGU>
+    graphics_toolkit('gnuplot');
+end
+data = read_and_plot([], fullfile(folder, 'matlab-read-and-plot.png'));
+check(numel(data.localization.x_m) == 100 && max(data.differential.linear_m_s) > 0.3, 'nothing read');
+
+track = drive_square([], fullfile(folder, 'matlab-square.png'));
+check(abs(max(track(:, 1)) - 1.5) < 0.15 && abs(max(track(:, 2)) - 1.5) < 0.15, 'no square');
+check(norm(track(end, 1:2)) < 0.2, 'it does not close, by odometry: %g m', norm(track(end, 1:2)));
+
+fit = speed_response([], fullfile(folder, 'matlab-speed-response.png'));
+check(abs(fit.natural_rad_s - 2.46) < 0.02 * 2.46, 'omega_n %g', fit.natural_rad_s);
+check(abs(fit.damping - 0.79) < 0.02 * 0.79, 'zeta %g', fit.damping);
+check(fit.rms_m_s < 0.005, 'the model misses by %g m/s', fit.rms_m_s);
+
+[track, path] = pure_pursuit([], fullfile(folder, 'matlab-pure-pursuit.png'));
+check(norm(track(end, 1:2) - path(end, :)) < 0.15, 'it did not reach the end');
+worst_m = 0;
+for k = 1:size(track, 1)
+    worst_m = max(worst_m, sqrt(min(sum((path - repmat(track(k, 1:2), size(path, 1), 1)) .^ 2, 2))));
+end
+check(worst_m < 0.2, 'up to %g m beside the path', worst_m);
+
+names = {'read-and-plot', 'square', 'speed-response', 'pure-pursuit'};
+for k = 1:numel(names)
+    picture = dir(fullfile(folder, ['matlab-' names{k} '.png']));
+    check(numel(picture) == 1 && picture.bytes > 3000, 'no picture of %s', names{k});
+end
+end

@@ -1,0 +1,33 @@
+function test_help_of_every_file()
+% Each public file begins with an H1 line, has an example, and its methods have help.
+% SPDX-License-Identifier: MIT
+root = fileparts(fileparts(mfilename('fullpath')));
+folders = {fullfile(root, '+roburoc4'), fullfile(root, '+roburoc4', '+internal'), ...
+    fullfile(root, 'examples'), root};
+for f = 1:numel(folders)
+    files = dir(fullfile(folders{f}, '*.m'));
+    check(~isempty(files), 'no files in %s', folders{f});
+    for k = 1:numel(files)
+        name = files(k).name(1:end - 2);
+        text = fileread(fullfile(folders{f}, files(k).name));
+        if ~strcmp(name, 'Contents')
+            h1 = regexp(text, '^[^\n]*\n\s*%([A-Z0-9_]+) [^\n]+[^\n,]\n', 'tokens', 'once');
+            check(~isempty(h1) && strcmpi(h1{1}, name), '%s has no H1 line', name);
+        end
+        check(~isempty(strfind(text, 'Example:')), '%s has no example', name);
+        check(~isempty(strfind(text, 'SPDX-License-Identifier')), '%s has no licence', name);
+    end
+end
+classes = {'Robot', 'Simulator', 'Rate'};
+for k = 1:numel(classes)
+    text = fileread(fullfile(root, '+roburoc4', [classes{k} '.m']));
+    hidden = regexp(text, 'methods \((Static, )?Access = private\)', 'once');
+    text = text(1:min([numel(text), hidden]));
+    names = regexp(text, '\n    function [^\n]*?(\w+)\(this[^\n]*\)\n        %([A-Z]+) ', 'tokens');
+    all_names = regexp(text, '\n    function (?!\w+ = get\.)[^\n]*?(\w+)\(this', 'tokens');
+    check(numel(names) == numel(all_names), 'a method of %s has no help', classes{k});
+    for n = 1:numel(names)
+        check(strcmpi(names{n}{1}, names{n}{2}), 'help of %s.%s', classes{k}, names{n}{1});
+    end
+end
+end

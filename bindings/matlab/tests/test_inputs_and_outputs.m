@@ -1,0 +1,45 @@
+function test_inputs_and_outputs()
+% SPDX-License-Identifier: MIT
+sim = roburoc4.Simulator('port', 0);
+r = sim.connect();
+begun = tic();
+while r.status.robot_cycles < 10 && toc(begun) < 10
+    r.spin(0.05);
+end
+names = r.io();
+names = names.digital_input_names;
+check(strcmpi(names{1}, 'Front bumper') && numel(names) == 22, 'names');
+check(islogical(r.io('front bumper')) && ~r.io('Front bumper'), 'bumper');
+check(isa(r.io('Battery voltage'), 'double') && r.io('battery voltage') > 20, 'voltage');
+sim.bumper('front', true);
+wait_for(r, @() r.io('Front bumper'));
+check(r.status.front_bumper, 'status does not show the bumper');
+sim.panel('pin analog 2 12.5');
+wait_for(r, @() r.io('Battery voltage') == 12.5);
+r.setOutput(3, true);
+wait_for(r, @() sim.digitalOutput(3));
+check(~sim.digitalOutput(2), 'another output changed');
+r.setOutput(3, false);
+wait_for(r, @() ~sim.digitalOutput(3));
+r.relocalize(1, -2, 0.5);
+wait_for(r, @() norm(r.pose - [1 -2 0.5]) < 1e-9);
+sim.battery(10);
+wait_for(r, @() r.status.battery_low);
+sim.estop('local', true);
+wait_for(r, @() ~sim.state.motors_enabled);
+sim.estop('local', false);
+sim.motorButton();
+check(sim.state.motors_enabled, 'motor button');
+sim.power(false);
+wait_for(r, @() ~r.status.ready);
+delete(r);
+delete(sim);
+end
+
+function wait_for(r, condition)
+begun = tic();
+while ~condition()
+    check(toc(begun) < 10, 'not within 10 s: %s', func2str(condition));
+    r.spin(0.02);
+end
+end

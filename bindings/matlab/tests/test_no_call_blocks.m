@@ -1,0 +1,34 @@
+function test_no_call_blocks()
+% Each call of the MEX file returns within 100 ms, also while a robot that drives is deleted and its
+% link is dead. A loaded machine may be late, so that the shortest of some tries counts.
+% SPDX-License-Identifier: MIT
+mex = @roburoc4.internal.roburoc4_mex;
+longest_s = Inf(1, 3);
+for attempt = 1:3
+    sim = roburoc4.Simulator('port', 0);
+    r = sim.connect();
+    id = r.id;
+    r.arm();
+    r.drive(0.3, 0);
+    sim.faults('loss', 1);
+    longest_s(1) = min(longest_s(1), duration(@() mex('wait', id, 0.1)) - 0.1);
+    leave_s = 0;
+    waited = tic();
+    while mex('leave', id)
+        leave_s = max(leave_s, duration(@() mex('leave', id)));
+        mex('wait', id, 0.02);
+        check(toc(waited) < 10, 'the zero train does not end');
+    end
+    longest_s(2) = min(longest_s(2), leave_s);
+    longest_s(3) = min(longest_s(3), duration(@() mex('close', id)));
+    delete(r);
+    delete(sim);
+end
+check(longest_s < 0.1, 'blocked for %s s beyond', sprintf('%g ', longest_s));
+end
+
+function seconds = duration(action)
+begun = tic();
+action();
+seconds = toc(begun);
+end

@@ -1,0 +1,41 @@
+function test_records_and_logs()
+% SPDX-License-Identifier: MIT
+sim = roburoc4.Simulator();
+r = sim.connect('localization_period_ms', 20);
+r.arm();
+r.spin(0.5);
+data = r.record(2);
+check(isequal(sort(fieldnames(data))', {'battery', 'differential', 'iocard', 'localization', ...
+    'lost', 'telemeter'}), 'fields');
+check(numel(data.localization.x_m) == 100, '%d localizations', numel(data.localization.x_m));
+check(isa(data.localization.robot_cycles, 'uint64'), 'cycles');
+check(all(diff(double(data.localization.robot_cycles)) == 2), 'a status is missing');
+check(size(data.telemeter.distances_m, 2) == 2 && size(data.iocard.analog_inputs, 2) == 9, 'rows');
+check(islogical(data.iocard.digital_inputs) && size(data.iocard.digital_inputs, 2) == 22, 'inputs');
+check(all(data.localization.time_s > 0 & data.localization.time_s <= 2), 'times');
+check(data.lost == 0, 'lost');
+some = r.record(0.1, 'battery');
+check(isfield(some, 'battery') && ~isfield(some, 'iocard'), 'only one service was wanted');
+
+file = [tempname() '.mat'];
+r.log(file);
+r.driveFor(0.5, 0, 1);
+written = r.log(file);
+read = load(file);
+check(isequal(read, written), 'the file differs from what was written');
+check(max(read.differential.linear_m_s) > 0.3, 'the drive is not in the log');
+check(numel(read.localization.x_m) == 50, '%d in the log', numel(read.localization.x_m));
+delete(file);
+
+% Too small a buffer says what it lost.
+small = sim.connect('buffer', 16);
+small.spin(2);
+state = warning('off', 'roburoc4:limit');
+lossy = small.log(file);
+warning(state);
+check(lossy.lost > 50, 'lost %d', lossy.lost);
+delete(file);
+delete(small);
+delete(r);
+delete(sim);
+end

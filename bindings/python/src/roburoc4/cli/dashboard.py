@@ -1,0 +1,280 @@
+# SPDX-License-Identifier: MIT
+"""`roburoc4 dashboard`: the operator station in a browser."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import ipaddress
+import os
+import sys
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from .errors import ExitCode, usage
+from .options import Options, add_robot, number
+from .output import note
+from .session import address_of
+from .signals import unsuspendable
+
+if TYPE_CHECKING:
+    from roburoc4 import Robot, Simulator
+    from roburoc4.dashboard.server import Place
+
+_PORT = 8400
+_LEASE_MS = 250
+_CEILING_LINEAR_M_S = 1.0
+_CEILING_ANGULAR_RAD_S = 1.0
+_SHORTEST_TOKEN = 16
+_FREE_TOKEN = ""
+_DESKTOPS = ("DISPLAY", "WAYLAND_DISPLAY")
+
+
+class DashboardOptions(Options):
+    """What the command is given."""
+
+    sim: bool
+    port: int
+    bind: str
+    allow_drive: bool
+    ignore_override: bool
+    max_linear: float
+    max_angular: float
+    lease_ms: int
+    period_ms: int | None
+    token: str | None
+    tls_cert: str | None
+    tls_key: str | None
+    name: list[str]
+    no_open: bool
+
+
+def whole(low: int, high: int, unit: str) -> Any:
+    """Make a converter to a whole number in this range."""
+
+    def convert(text: str) -> int:
+        if not (text.strip().isdecimal() and low <= int(text) <= high):
+            raise argparse.ArgumentTypeError(f"'{text.strip()}' is not {low} to {high}{unit}")
+        return int(text)
+
+    return convert
+
+
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command."""
+    parser = commands.add_parser(
+        "dashboard",
+        help="look at the robot, and drive it, in a browser",
+        description="Serve a page that shows the robot and, with --allow-drive, drives it by game "
+        "pad, stick or keyboard. Needs roburoc4[dashboard]. Read docs/dashboard.md and "
+        "docs/SAFETY.md before you drive a robot.",
+    )
+    parser.add_argument("--sim", action="store_true", help="start a simulator, with its panel")
+    _add_driving(parser)
+    _add_serving(parser)
+    add_robot(parser)
+    parser.set_defaults(run=run)
+
+
+def _add_driving(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("driving")
+    group.add_argument("--allow-drive", action="store_true", help="let one page at a time drive")
+    group.add_argument(
+        "--max-linear",
+        metavar="M_S",
+        type=number(0.01, 20.0, "m/s"),
+        default=_CEILING_LINEAR_M_S,
+        help="speed at full deflection, at most the robot's own limit (default: 1 m/s)",
+    )
+    group.add_argument(
+        "--max-angular",
+        metavar="RAD_S",
+        type=number(0.01, 50.0, "rad/s"),
+        default=_CEILING_ANGULAR_RAD_S,
+        help="turn rate at full deflection, likewise (default: 1 rad/s)",
+    )
+    group.add_argument(
+        "--lease-ms",
+        metavar="MS",
+        type=whole(100, 1000, " ms"),
+        default=_LEASE_MS,
+        help="the robot stops so long after the driver's page saw it last (default: 250)",
+    )
+    group.add_argument(
+        "--ignore-override",
+        action="store_true",
+        help="drive although the robot does not report whether its game pad is in use",
+    )
+    group.add_argument(
+        "--period-ms",
+        metavar="MS",
+        type=whole(10, 2550, " ms"),
+        help="period of all statuses, a multiple of 10 (default: 50 to 1000 by service)",
+    )
+
+
+def _add_serving(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("serving")
+    group.add_argument(
+        "--port", metavar="N", type=whole(0, 65535, ""), default=_PORT, help="0: a free one"
+    )
+    group.add_argument(
+        "--bind",
+        metavar="ADDRESS",
+        default="127.0.0.1",
+        help="address to serve at; other than loopback needs --token",
+    )
+    group.add_argument(
+        "--token",
+        nargs="?",
+        const=_FREE_TOKEN,
+        metavar="TEXT",
+        help="let in only who has the link that is printed; TEXT, else $ROBUROC4_TOKEN, else a "
+        "new one at every start",
+    )
+    group.add_argument("--tls-cert", metavar="FILE", help="serve https with this certificate (PEM)")
+    group.add_argument("--tls-key", metavar="FILE", help="and its key (PEM)")
+    group.add_argument(
+        "--name",
+        metavar="HOST[:PORT]",
+        action="append",
+        default=[],
+        help="another name that it goes by: the certificate's, or a proxy's",
+    )
+    group.add_argument("--no-open", action="store_true", help="do not open a browser")
+
+
+def run(options: DashboardOptions) -> int:
+    """Serve until Ctrl-C."""
+    try:
+        from roburoc4.dashboard import server
+    except ModuleNotFoundError as missing:
+        if (missing.name or "").partition(".")[0] not in ("starlette", "uvicorn", "websockets"):
+            raise
+        raise usage(f"{missing.name} is not installed: pip install 'roburoc4[dashboard]'") from None
+    place = _place(options, server.Place)
+    token = _token(options, place.loopback)
+    try:
+        server.check_certificate(place)
+        opened = server.listen(place)
+    except server.ServeError as error:
+        raise usage(str(error)) from None
+    keep_awake = unsuspendable() if options.allow_drive else contextlib.nullcontext()
+    with opened, keep_awake, _simulator(options) as simulator, _robot(options, simulator) as robot:
+        _serve(options, server.link(place, opened, token), place, token, opened, robot, simulator)
+    return ExitCode.FINE
+
+
+def _serve(
+    options: DashboardOptions,
+    link: str,
+    place: Place,
+    token: str | None,
+    opened: Any,
+    robot: Robot,
+    simulator: Simulator | None,
+) -> None:
+    from roburoc4.dashboard.guard import Rules
+    from roburoc4.dashboard.hub import Hub
+    from roburoc4.dashboard.panel import Panel
+    from roburoc4.dashboard.server import make_server
+
+    hub = Hub(
+        robot,
+        options.lease_ms / 1000,
+        (options.max_linear, options.max_angular),
+        allow_drive=options.allow_drive,
+        panel=None if simulator is None else Panel(simulator),
+    )
+    rules = Rules(token, tuple(options.name), place.secure)
+    make_server(hub, place, rules, lambda: _tell(options, link)).run(sockets=[opened])
+
+
+def _tell(options: DashboardOptions, link: str) -> None:
+    """Say where it is, on stdout, and open it."""
+    print(f"roburoc4: dashboard at {link}", flush=True)
+    if ipaddress.ip_address(options.bind).is_unspecified:
+        note("from another machine, write this computer's address in the place of localhost")
+    if options.allow_drive and not options.sim:
+        note("a page can drive the robot (140 kg): keep an emergency stop in your hand")
+    if not options.no_open and _has_desktop():
+        import threading
+        import webbrowser
+
+        threading.Thread(target=webbrowser.open, args=(link,), daemon=True).start()
+
+
+def _has_desktop() -> bool:
+    return sys.platform in ("win32", "darwin") or any(os.environ.get(name) for name in _DESKTOPS)
+
+
+def _place(options: DashboardOptions, make: type[Place]) -> Place:
+    try:
+        ipaddress.ip_address(options.bind)
+    except ValueError:
+        raise usage(
+            f"--bind: '{options.bind}' is no address: give one of this computer in numbers, such "
+            "as 192.168.0.10, or 0.0.0.0 for all"
+        ) from None
+    if (options.tls_cert is None) != (options.tls_key is None):
+        raise usage("--tls-cert and --tls-key go together: give both")
+    if options.period_ms is not None and options.period_ms % 10:
+        raise usage(f"--period-ms: {options.period_ms} is no multiple of 10")
+    return make(options.bind, options.port, options.tls_cert, options.tls_key)
+
+
+def _token(options: DashboardOptions, loopback: bool) -> str | None:
+    if options.token is None:
+        if not loopback:
+            raise usage(
+                f"--bind {options.bind} lets others in: add --token, and open the link that is "
+                "printed"
+            )
+        return None
+    import secrets
+
+    token = options.token or os.environ.get("ROBUROC4_TOKEN") or secrets.token_urlsafe(24)
+    safe = token.isascii() and all(c.isalnum() or c in "-_.~" for c in token)
+    if len(token) < _SHORTEST_TOKEN or not safe:
+        raise usage(
+            f"--token: give {_SHORTEST_TOKEN} or more letters, digits, - _ . ~, or no text at all "
+            "for a new one at every start"
+        )
+    return token
+
+
+@contextlib.contextmanager
+def _simulator(options: DashboardOptions) -> Iterator[Simulator | None]:
+    if not options.sim:
+        yield None
+        return
+    from roburoc4 import Simulator
+
+    with Simulator(port=0) as simulator:
+        yield simulator
+
+
+@contextlib.contextmanager
+def _robot(options: DashboardOptions, simulator: Simulator | None) -> Iterator[Robot]:
+    """Connect without waiting: the page shows how that goes on."""
+    from roburoc4 import ArgumentError, NetworkError, Robot
+    from roburoc4.engine_pump import PumpEngine
+    from roburoc4.settings import STATUS_SERVICES, Settings
+
+    settings: Settings = {
+        "lease_ms": options.lease_ms,
+        "max_linear_m_s": options.max_linear,
+        "max_angular_rad_s": options.max_angular,
+    }
+    if options.period_ms is not None:
+        settings["periods_ms"] = dict.fromkeys(STATUS_SERVICES, options.period_ms)
+    if options.ignore_override:
+        settings["allow_unknown_override"] = True
+    address = options.robot if simulator is None else simulator.address
+    try:
+        address_of(address)
+        robot = Robot(PumpEngine(address, settings), settings)
+    except (ArgumentError, NetworkError) as error:
+        raise usage(f"--robot: {error}") from None
+    with robot:
+        yield robot

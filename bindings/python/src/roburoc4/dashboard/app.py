@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: MIT
+"""The page, its files and its WebSocket."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import mimetypes
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import FileResponse, Response
+from starlette.routing import Mount, Route, WebSocketRoute
+from starlette.staticfiles import StaticFiles
+from starlette.types import ASGIApp
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from .guard import Guard, Rules
+from .hub import MOST_PAGES, Hub, Page
+from .talk import BadTalkError, Talk
+
+STATIC = Path(__file__).parent / "static"
+_TRY_LATER = 1013
+_POLICY = 1008
+
+
+def application(hub: Hub, rules: Rules) -> ASGIApp:
+    """Make the whole web application, guarded."""
+    # What a Windows registry says of these may be wrong, and then no browser runs the page.
+    mimetypes.add_type("text/javascript", ".js")
+    mimetypes.add_type("text/css", ".css")
+    mimetypes.add_type("image/svg+xml", ".svg")
+
+    @contextlib.asynccontextmanager
+    async def lifespan(_app: Starlette) -> AsyncIterator[None]:
+        beating = asyncio.create_task(hub.beat())
+        beating.add_done_callback(_tell_end)
+        try:
+            yield
+        finally:
+            hub.seat.close()
+            beating.cancel()
+
+    async def page(_request: Request) -> Response:
+        return FileResponse(STATIC / "index.html", headers={"Cache-Control": "no-store"})
+
+    async def socket(websocket: WebSocket) -> None:
+        await _serve(hub, websocket)
+
+    routes = [
+        Route("/", page),
+        WebSocketRoute("/socket", socket),
+        Mount("/static", StaticFiles(directory=STATIC)),
+    ]
+    return Guard(Starlette(routes=routes, lifespan=lifespan), rules)
+
+
+def _tell_end(beating: asyncio.Task[None]) -> None:
+    """Say so where no pictures are made any more: without ticks nothing can be driven either."""
+    if not beating.cancelled() and (error := beating.exception()) is not None:
+        logging.getLogger("uvicorn.error").error("no more pictures", exc_info=error)
+
+
+async def _serve(hub: Hub, websocket: WebSocket) -> None:
+    """Talk with a page until it is gone."""
+    await websocket.accept()
+    if len(hub.pages) >= MOST_PAGES:
+        await websocket.close(_TRY_LATER, "too many pages are open")
+        return
+    page = hub.join()
+    sending = asyncio.create_task(_send(websocket, page))
+    try:
+        await _hear(hub, websocket, page)
+    finally:
+        hub.part(page)
+        sending.cancel()
+
+
+async def _hear(hub: Hub, websocket: WebSocket, page: Page) -> None:
+    talk = Talk(hub, page)
+    try:
+        while True:
+            talk.hear(await websocket.receive_text())
+    except BadTalkError as error:
+        hub.part(page)
+        await websocket.close(_POLICY, str(error))
+    except KeyError:  # bytes instead of text
+        hub.part(page)
+        await websocket.close(_POLICY, "not a text")
+    except WebSocketDisconnect:
+        pass
+
+
+async def _send(websocket: WebSocket, page: Page) -> None:
+    with contextlib.suppress(WebSocketDisconnect, RuntimeError):
+        while True:
+            await websocket.send_text(await page.outbox.get())

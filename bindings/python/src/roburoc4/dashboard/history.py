@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: MIT
+"""What a page that opens later still wants to see. All of it has a fixed size."""
+
+from __future__ import annotations
+
+import math
+from array import array
+from collections import deque
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from ..constants import Event
+
+SPEED_EVERY_S = 0.2
+SPEED_ROWS = 3000
+BATTERY_EVERY_S = 10.0
+BATTERY_ROWS = 4320
+PATH_STEP_M = 0.03
+PATH_ROWS = 4000
+EVENT_ROWS = 200
+_TREND_ROWS = 60
+_TREND_LEAST_ROWS = 6
+_DIGITS = 3
+
+
+class Ring:
+    """The latest rows of a table of numbers; its memory is taken once."""
+
+    def __init__(self, columns: int, rows: int) -> None:
+        self._columns = columns
+        self._rows = rows
+        self._data = array("d", bytes(8 * columns * rows))
+        self._written = 0
+
+    def __len__(self) -> int:
+        return min(self._written, self._rows)
+
+    def append(self, row: Sequence[float]) -> None:
+        """Add a row in the place of the oldest."""
+        place = self._written % self._rows * self._columns
+        self._data[place : place + self._columns] = array("d", row)
+        self._written += 1
+
+    def row(self, back: int) -> tuple[float, ...]:
+        """Return the row that is the ``back``-th before the latest."""
+        place = (self._written - 1 - back) % self._rows * self._columns
+        return tuple(self._data[place : place + self._columns])
+
+    def columns(self) -> list[list[float | None]]:
+        """Return all columns, oldest first, ready for JSON."""
+        rows = [self.row(back) for back in reversed(range(len(self)))]
+        return [[number(value) for value in column] for column in zip(*rows, strict=True)] or [
+            [] for _ in range(self._columns)
+        ]
+
+
+def number(value: float, digits: int = _DIGITS) -> float | None:
+    """Round for JSON, which has no NaN and no infinity."""
+    return round(value, digits) if math.isfinite(value) else None
+
+
+class Notice(NamedTuple):
+    """Something that happened."""
+
+    number: int
+    time_s: float
+    """Unix time."""
+    level: str
+    """bad, weak, good or plain."""
+    text: str
+
+
+_TEXTS: tuple[tuple[Event, str, str], ...] = (
+    (Event.LOST, "bad", "the robot fell silent: lost"),
+    (Event.REBOOT, "bad", "the robot was restarted"),
+    (Event.READY, "good", "the robot is ready"),
+    (Event.FOREIGN, "bad", "another program commands the robot"),
+    (Event.INHIBITED, "bad", "motion inhibited: a speed is asked for, but the robot stands still"),
+    (Event.DISARMED, "weak", "disarmed"),
+    (Event.ARMED, "good", "armed"),
+    (Event.LEASE_OVER, "weak", "no fresh input: the lease ended and the robot was stopped"),
+    (Event.BATTERY_LOW, "weak", "battery low"),
+    (Event.BATTERY_CRITICAL, "bad", "battery critical"),
+    (Event.RELOCALIZED, "plain", "odometry was set anew"),
+    (Event.SUBSCRIPTION_REFUSED, "weak", "the robot refused a subscription"),
+    (Event.FIXED_ID, "plain", "the robot answers every request with the id 1"),
+    (Event.CLOCK, "weak", "this computer slept, or its clock jumped"),
+    (Event.CAPACITY, "weak", "the robot has more channels than are shown"),
+)
+
+
+def texts_of(events: Event, *, overridden: bool) -> list[tuple[str, str]]:
+    """Name events for the list: level and text."""
+    found = [(level, text) for event, level, text in _TEXTS if events & event]
+    if events & Event.OVERRIDE:
+        found.append(
+            ("bad", "[A] is held on the robot's game pad: it drives")
+            if overridden
+            else ("plain", "[A] on the robot's game pad was released")
+        )
+    return found
+
+
+class History:
+    """Speeds, battery, path and events of late."""
+
+    def __init__(self) -> None:
+        self.speeds = Ring(5, SPEED_ROWS)
+        self.battery = Ring(3, BATTERY_ROWS)
+        self.path = Ring(2, PATH_ROWS)
+        self.events: deque[Notice] = deque(maxlen=EVENT_ROWS)
+        self._speed_due_s = -math.inf
+        self._battery_due_s = -math.inf
+        self._place = (math.inf, math.inf)
+
+    def note(self, time_s: float, level: str, text: str) -> None:
+        """Add to the list of events."""
+        last = self.events[-1].number if self.events else 0
+        self.events.append(Notice(last + 1, time_s, level, text))
+
+    def add_speeds(self, time_s: float, speeds: Sequence[float]) -> None:
+        """Keep target and current speeds, now and then."""
+        if time_s >= self._speed_due_s:
+            self._speed_due_s = time_s + SPEED_EVERY_S
+            self.speeds.append((time_s, *speeds))
+
+    def add_battery(self, time_s: float, percent: float, volts: float) -> None:
+        """Keep what the battery says, now and then."""
+        if time_s >= self._battery_due_s:
+            self._battery_due_s = time_s + BATTERY_EVERY_S
+            self.battery.append((time_s, percent, volts))
+
+    def add_place(self, x_m: float, y_m: float) -> None:
+        """Keep a place that is another than the last."""
+        moved_m = math.hypot(x_m - self._place[0], y_m - self._place[1])
+        if moved_m >= PATH_STEP_M:  # false for NaN
+            self._place = (x_m, y_m)
+            self.path.append(self._place)
+
+    def trend_percent_h(self) -> float | None:
+        """Return how the battery changes, in percent per hour; None while that is not known."""
+        count = min(len(self.battery), _TREND_ROWS)
+        if count < _TREND_LEAST_ROWS:
+            return None
+        rows = [self.battery.row(back) for back in range(count)]
+        mean_s = sum(row[0] for row in rows) / count
+        mean = sum(row[1] for row in rows) / count
+        spread = sum((row[0] - mean_s) ** 2 for row in rows)
+        slope = sum((row[0] - mean_s) * (row[1] - mean) for row in rows) / spread
+        return number(slope * 3600.0, 1)

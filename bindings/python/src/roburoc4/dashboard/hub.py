@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: MIT
+"""The open pages, and the beat at which they get a new picture.
+
+A page answers each picture that it has drawn, and gets no new one while it owes some answers: so
+nothing piles up for a slow page, the rate is that of its screen at most, and a hidden page, which
+draws nothing, costs nothing.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import time
+from collections.abc import Callable
+from typing import Any
+
+from .. import __version__
+from ..robot import Robot
+from .history import History, Notice
+from .panel import Panel
+from .picture import Picture
+from .seat import Occupant, Seat, limits_of
+from .ticks import Ticks
+
+FRAME_S = 1 / 30
+IDLE_S = 0.2
+"""The beat while no page is open, for history and events."""
+MOST_PAGES = 32
+_UNANSWERED = 3
+
+
+def encode(document: object) -> str:
+    """Make compact JSON; a number that is none would be a mistake of ours."""
+    return json.dumps(document, separators=(",", ":"), allow_nan=False)
+
+
+class Page(Occupant):
+    """An open page: what it was sent and has not drawn yet."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.outbox: asyncio.Queue[str] = asyncio.Queue(maxsize=64)
+        self.answered_tick = 0
+        self.seen_event = 0
+        self._owed: list[int] = []
+
+    @property
+    def ready(self) -> bool:
+        """Whether it may get another picture."""
+        return len(self._owed) < _UNANSWERED and self.outbox.qsize() < _UNANSWERED
+
+    def say(self, kind: str, document: dict[str, Any]) -> None:
+        """Send it something else than a picture; a page that takes nothing is not waited for."""
+        if not self.outbox.full():
+            self.outbox.put_nowait(encode({"type": kind, **document}))
+
+    def show(self, tick: int, text: str) -> None:
+        """Send it a picture."""
+        self.sent_tick = tick
+        self._owed.append(tick)
+        self.outbox.put_nowait(text)
+
+    def answer(self, tick: int, now_s: float) -> None:
+        """Note that it has drawn the picture of this tick."""
+        if tick in self._owed:
+            self._owed = [owed for owed in self._owed if owed > tick]
+            self.answered_tick = tick
+            self.heard_s = now_s
+
+
+class Hub:
+    """One robot, and everybody who looks at it."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        lease_s: float,
+        ceilings: tuple[float, float],
+        *,
+        allow_drive: bool,
+        panel: Panel | None = None,
+    ) -> None:
+        self.robot = robot
+        self.panel = panel
+        self.ticks = Ticks()
+        self.seat = Seat(robot, self.ticks, lease_s, offered=allow_drive)
+        self.pages: set[Page] = set()
+        self._lease_s = lease_s
+        self._ceilings = ceilings
+        self._history = History()
+        self._picture = Picture(robot, self._history)
+        self._numbers = 0
+        self._driver: int | None = None
+
+    @property
+    def now_s(self) -> float:
+        """Time on the robot object's clock, which leases go by."""
+        return self.robot.now_s
+
+    # ---- pages ----
+
+    def join(self) -> Page:
+        """Let a page in, with all that it needs to begin."""
+        self._numbers += 1
+        page = Page(self._numbers)
+        page.sent_tick = self.ticks.last
+        page.heard_s = self.now_s
+        page.say("hello", self._hello(page))
+        if self._picture.known:
+            page.say("about", self._about())
+        self.pages.add(page)
+        return page
+
+    def part(self, page: Page) -> None:
+        """Let a page go; if it drove, the robot is stopped."""
+        self.pages.discard(page)
+        self.seat.leave(page, "the driver's page was closed, or its connection broke")
+
+    def _hello(self, page: Page) -> dict[str, Any]:
+        history = self._history
+        page.seen_event = history.events[-1].number if history.events else 0
+        return {
+            "page": page.number,
+            "version": __version__,
+            "address": self.robot.address,
+            "allow_drive": self.seat.offered,
+            "simulated": self.panel is not None,
+            "lease_ms": round(self._lease_s * 1000),
+            "speeds": history.speeds.columns(),
+            "battery": history.battery.columns(),
+            "path": history.path.columns(),
+            "events": [notice._asdict() for notice in history.events],
+        }
+
+    def _about(self) -> dict[str, Any]:
+        limits = self.seat.limits
+        return {
+            **self._picture.known,
+            "full_linear_m_s": limits.linear_m_s,
+            "full_angular_rad_s": limits.angular_rad_s,
+        }
+
+    # ---- the beat ----
+
+    async def beat(self) -> None:
+        """Look at the robot and show it, again and again."""
+        loop = asyncio.get_running_loop()
+        due_s = loop.time()
+        while True:
+            self.step()
+            pause_s = FRAME_S if self.pages else IDLE_S
+            due_s = max(due_s + pause_s, loop.time())
+            await asyncio.sleep(due_s - loop.time())
+
+    def step(self) -> None:
+        """One beat."""
+        now_s, time_s = self.now_s, time.time()
+        self.seat.watch(now_s)
+        frame = self._picture.take(now_s, time_s)
+        frame["facts"]["inhibited"] |= self.seat.stood_still
+        self._note_driver(time_s)
+        if self._picture.about(now_s) is not None:
+            self.seat.limits = limits_of(self.robot, *self._ceilings)
+            self._to_all(lambda page: page.say("about", self._about()))
+        ready = [page for page in self.pages if page.ready]
+        if not ready:
+            return
+        tick = self.ticks.issue(now_s)
+        frame |= {
+            "type": "frame",
+            "tick": tick,
+            "pages": len(self.pages),
+            "driver": self._driver,
+            "why": self.seat.why,
+            "must_let_go": self.seat.must_let_go,
+            "dropped": self.seat.dropped,
+            "sim": None if self.panel is None else self.panel.now(),
+        }
+        text = encode(frame)
+        for page in ready:
+            self._tell_events(page)
+            page.show(tick, text)
+
+    def _to_all(self, tell: Callable[[Page], None]) -> None:
+        for page in self.pages:
+            tell(page)
+
+    def _note_driver(self, time_s: float) -> None:
+        driver = None if self.seat.driver is None else self.seat.driver.number
+        if driver != self._driver:
+            text = "nobody has the seat" if driver is None else f"page {driver} took the seat"
+            self._history.note(time_s, "plain", text)
+            self._driver = driver
+
+    def note(self, level: str, text: str) -> None:
+        """Add to the list of events on all pages."""
+        self._history.note(time.time(), level, text)
+
+    def _tell_events(self, page: Page) -> None:
+        news: list[Notice] = []
+        for notice in reversed(self._history.events):
+            if notice.number <= page.seen_event:
+                break
+            news.append(notice)
+        if news:
+            page.seen_event = news[0].number
+            page.say("events", {"events": [notice._asdict() for notice in reversed(news)]})

@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: MIT
+"""The robot as documents for the page: what it is, and how it is now."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, cast
+
+from ..constants import BatteryState, Count, Event, Role, Service, State
+from ..errors import NotKnownError
+from ..io import IoChannels
+from ..records import (
+    BatteryProperties,
+    BatteryStatus,
+    DifferentialProperties,
+    DifferentialStatus,
+    IoCardStatus,
+    LocalizationStatus,
+    TelemeterProperties,
+    TelemeterStatus,
+)
+from ..robot import Robot
+from ..robot_base import STATUS_CALLS
+from ..settings import STATUS_SERVICES
+from .history import History, number, texts_of
+from .words import advise, blocked, why_not_armed
+
+_LINK_EVERY_S = 0.2
+_ABOUT_EVERY_S = 1.0
+_OVERDUE_PERIODS = 3.0
+_CHANGES = Event.READY | Event.PROPERTIES | Event.DESCRIPTION | Event.DESCRIPTIONS_DONE | Event.ROLE
+
+Document = dict[str, Any]
+
+
+class Picture:
+    """Looks at a robot without ever waiting for it."""
+
+    def __init__(self, robot: Robot, history: History) -> None:
+        self._robot = robot
+        self._engine = robot._engine
+        self._reader = self._engine.reader()
+        self._history = history
+        self._link: Document = {}
+        self._link_due_s = -math.inf
+        self._about: Document = {}
+        self._about_due_s = -math.inf
+        self._about_old = True
+        self._volts_index: int | None = None
+
+    # ---- now ----
+
+    def take(self, now_s: float, time_s: float) -> Document:
+        """Return how the robot is now, and keep in the history what belongs there."""
+        events = Event(self._reader.take_events())
+        facts = self._robot.facts
+        for level, text in texts_of(events, overridden=facts.overridden):
+            self._history.note(time_s, level, text)
+        if events & _CHANGES:
+            self._about_old = True
+        if now_s >= self._link_due_s:
+            self._link_due_s = now_s + _LINK_EVERY_S
+            self._link = self._look_at_link()
+        return {
+            "time_s": round(time_s, 3),
+            "state": State(facts.state).name.lower(),
+            "link": self._link,
+            "facts": {
+                "armed": facts.armed,
+                "driving": facts.driving,
+                "stopping": facts.stopping,
+                "override_known": facts.override_known,
+                "overridden": facts.overridden,
+                "foreign": facts.foreign,
+                "inhibited": facts.inhibited,
+                "front_bumper": facts.front_bumper,
+                "rear_bumper": facts.rear_bumper,
+                "battery_low": facts.battery_low,
+                "cause": why_not_armed(facts.disarm_cause),
+                "blocked": blocked(facts),
+                "lease_left_ms": facts.lease_left_us // 1000,
+            },
+            "speeds": self._speeds(time_s),
+            "pose": self._pose(),
+            "distances_m": self._distances(),
+            **self._inputs(),
+            "battery": self._battery(time_s),
+        }
+
+    def _latest(self, service: Service) -> Any:
+        try:
+            return self._engine.call(STATUS_CALLS[service])
+        except NotKnownError:
+            return None
+
+    def _speeds(self, time_s: float) -> list[float | None] | None:
+        status = cast(DifferentialStatus | None, self._latest(Service.DIFFERENTIAL))
+        if status is None:
+            return None
+        self._history.add_speeds(time_s, status[1:5])
+        return [number(speed) for speed in status[1:5]]
+
+    def _pose(self) -> Document | None:
+        status = cast(LocalizationStatus | None, self._latest(Service.LOCALIZATION))
+        if status is None:
+            return None
+        self._history.add_place(status.x_m, status.y_m)
+        return {
+            "x_m": number(status.x_m),
+            "y_m": number(status.y_m),
+            "theta_rad": number(status.theta_rad, 4),
+            "flags": int(status.flags),
+        }
+
+    def _distances(self) -> list[float | None] | None:
+        status = cast(TelemeterStatus | None, self._latest(Service.TELEMETER))
+        return None if status is None else [number(metres) for metres in status.distances_m]
+
+    def _inputs(self) -> Document:
+        status = cast(IoCardStatus | None, self._latest(Service.IOCARD))
+        if status is None:
+            return {"analog": None, "digital": None}
+        return {
+            "analog": [number(value) for value in status.analog_inputs],
+            "digital": "".join("1" if on else "0" for on in status.digital_inputs),
+        }
+
+    def _battery(self, time_s: float) -> Document | None:
+        status = cast(BatteryStatus | None, self._latest(Service.BATTERY))
+        if status is None:
+            return None
+        volts = self._volts()
+        self._history.add_battery(time_s, status.remaining_percent, volts)
+        state = status.state
+        return {
+            "state": state.name.lower() if isinstance(state, BatteryState) else f"state {state}",
+            "percent": status.remaining_percent,
+            "volts": number(volts, 2),
+            "trend_percent_h": self._history.trend_percent_h(),
+        }
+
+    def _volts(self) -> float:
+        status = cast(IoCardStatus | None, self._latest(Service.IOCARD))
+        index = self._volts_index
+        if status is None or index is None or index >= len(status.analog_inputs):
+            return math.nan
+        return status.analog_inputs[index]
+
+    # ---- the link ----
+
+    def _look_at_link(self) -> Document:
+        link = self._robot.link
+        services = {}
+        oldest_ms = 0.0
+        for name, service in STATUS_SERVICES.items():
+            figures = self._robot.service_link(service)
+            age_ms = None if figures.age_us is None else figures.age_us / 1000
+            if age_ms is not None and figures.subscribed:
+                overdue = age_ms > _OVERDUE_PERIODS * figures.period_us / 1000
+                oldest_ms = max(oldest_ms, age_ms if overdue else 0.0)
+            services[name] = {
+                "period_ms": figures.period_us / 1000,
+                "age_ms": None if age_ms is None else round(age_ms),
+                "loss": number(figures.loss, 4),
+                "jitter_ms": round(figures.jitter_us / 1000, 1),
+            }
+        advice = advise(
+            self._robot.state,
+            self._robot.fault,
+            link,
+            self._engine.count(Count.RECEIVED),
+            self._robot.address,
+            oldest_ms,
+        )
+        return {
+            **advice._asdict(),
+            "loss": number(link.loss, 4),
+            "round_trip_ms": round(link.round_trip_us / 1000, 2),
+            "silence_ms": round(link.silence_us / 1000),
+            "services": services,
+        }
+
+    # ---- what it is ----
+
+    def about(self, now_s: float) -> Document | None:
+        """Return what the robot is, where that is not what was returned the last time."""
+        if not self._about_old or now_s < self._about_due_s:
+            return None
+        self._about_due_s = now_s + _ABOUT_EVERY_S
+        self._about_old = False
+        about = self._describe()
+        if about == self._about:
+            return None
+        self._about = about
+        return about
+
+    @property
+    def known(self) -> Document:
+        """What the robot is, as it was told last."""
+        return self._about
+
+    def _describe(self) -> Document:
+        properties = self._robot.properties
+        channels = self._channels()
+        self._volts_index = self._index_of(Role.BATTERY_V)
+        return {
+            "address": self._robot.address,
+            "telemeters": [_numbers(telemeter) for telemeter in properties.telemeters],
+            "battery": _numbers(properties.battery),
+            "differential": _numbers(properties.differential),
+            "channels": channels._asdict(),
+            "override_index": self._index_of(Role.OVERRIDE),
+        }
+
+    def _channels(self) -> IoChannels:
+        try:
+            return self._robot.io.channels
+        except NotKnownError:
+            return IoChannels((), (), (), ())
+
+    def _index_of(self, role: Role) -> int | None:
+        try:
+            return cast(int, self._engine.call("role_index", role))
+        except NotKnownError:
+            return None
+
+
+def _numbers(
+    properties: BatteryProperties | DifferentialProperties | TelemeterProperties | None,
+) -> Document | None:
+    """Make properties ready for JSON, whatever a robot says."""
+    if properties is None:
+        return None
+    return {name: number(value, 4) for name, value in properties._asdict().items()}

@@ -1,0 +1,242 @@
+# SPDX-License-Identifier: MIT
+"""Who drives, and which inputs count. Nothing else of the dashboard moves the robot.
+
+One page at a time has the seat. Its inputs answer to a tick: the number of the picture that its
+driver saw. An input that answers to the tick of `age` ago gets a lease of `lease - age`, so that
+the robot stops one lease after the driver saw it last, however late or often inputs arrive. No
+timer renews: only a valid input does.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from ..errors import NotArmedError
+from ..robot import Robot
+from .ticks import Ticks
+from .words import why_not_armed
+
+SHORTEST_LEASE_S = 0.02
+"""The client takes no shorter one."""
+FORGOTTEN_S = 30.0
+"""A driver's page that shows nothing for so long loses the seat."""
+
+
+class SeatError(Exception):
+    """Why a page may not do this; to be shown there."""
+
+
+@dataclass
+class Limits:
+    """What full deflection means: the lower of the robot's limit and the ceiling."""
+
+    linear_m_s: float
+    angular_rad_s: float
+
+
+@dataclass(frozen=True)
+class Input:
+    """The driver's hands: shares of -1 to 1 of the limits, X forward and counter-clockwise."""
+
+    tick: int
+    forward: float
+    left: float
+    scale: float
+
+    def __post_init__(self) -> None:
+        shares = (self.forward, self.left, self.scale)
+        if not all(math.isfinite(share) and -1.0 <= share <= 1.0 for share in shares):
+            raise ValueError(f"inputs are -1 to 1, not {shares}")
+        if not self.scale > 0.0:
+            raise ValueError(f"scale is above 0 and up to 1, not {self.scale}")
+
+    @property
+    def neutral(self) -> bool:
+        """Whether nothing is deflected."""
+        return self.forward == 0.0 and self.left == 0.0
+
+
+@dataclass(eq=False)
+class Occupant:
+    """A page, as the seat sees it."""
+
+    number: int
+    sent_tick: int = 0
+    """The newest that was sent to it."""
+    heard_s: float = field(default=-math.inf)
+    """When it last showed a picture."""
+
+
+class Seat:
+    """The driver's seat of a robot."""
+
+    def __init__(self, robot: Robot, ticks: Ticks, lease_s: float, *, offered: bool) -> None:
+        self._robot = robot
+        self._ticks = ticks
+        self._lease_s = lease_s
+        self.offered = offered
+        self.limits = Limits(0.0, 0.0)
+        self.driver: Occupant | None = None
+        self.why = ""
+        """Why the robot was stopped, or does not move; for the driver."""
+        self.dropped = 0
+        """Inputs that were too old, or answered to no tick of this page."""
+        self.stood_still = False
+        """It was disarmed because it did not move; until it is armed again."""
+        self._armed = False
+        self._floor = 0
+        self.must_let_go = True
+        """Hands must be off once before anything moves."""
+        self._lease_end_s: float | None = None
+
+    # ---- taking and giving up ----
+
+    def take(self, page: Occupant) -> None:
+        """Sit down, unless somebody else sits there."""
+        if not self.offered:
+            raise SeatError("this dashboard only watches: start it with --allow-drive to drive")
+        if self.driver not in (None, page):
+            raise SeatError("somebody else drives: wait until that page gives up the seat")
+        if self.driver is None:
+            self.driver = page
+            self._begin_anew("")
+
+    def leave(self, page: Occupant, why: str = "") -> None:
+        """Stand up, if this page sits there; the robot is stopped and disarmed."""
+        if self.driver is page:
+            self.driver = None
+            self.stood_still = False
+            self._end_driving(why)
+
+    def _begin_anew(self, why: str) -> None:
+        """Nothing from before counts, and hands must be off once."""
+        self._floor = self._ticks.last + 1
+        self.must_let_go = True
+        self._lease_end_s = None
+        self.why = why
+
+    def _end_driving(self, why: str) -> None:
+        self._armed = False
+        self._robot.disarm()
+        self._begin_anew(why)
+
+    # ---- arming and stopping ----
+
+    def arm(self, page: Occupant, tick: int, now_s: float) -> None:
+        """Allow driving; the page must have seen the robot a moment ago."""
+        self._check_driver(page)
+        if self._lease_left_s(page, tick, now_s) is None:
+            raise SeatError("the page is late: its link is slow or stalled; try again")
+        self._begin_anew("")
+        self.stood_still = False
+        try:
+            self._robot._engine.call("arm")
+        except NotArmedError as error:
+            raise SeatError(why_not_armed(error.code)) from None
+        self._armed = True
+
+    def disarm(self, page: Occupant, why: str = "") -> None:
+        """Forbid driving, and stop."""
+        self._check_driver(page)
+        self._end_driving(why)
+
+    def stop(self, page: Occupant) -> None:
+        """Stop and disarm: any page may, where driving is offered at all."""
+        if not self.offered:
+            raise SeatError("this dashboard only watches, and sends the robot no command at all")
+        self._robot.stop()
+        self._end_driving(f"STOP was pressed on page {page.number}")
+
+    def close(self) -> None:
+        """End it all."""
+        self.offered = False
+        if self.driver is not None:
+            self.leave(self.driver, "the dashboard ends")
+
+    # ---- driving ----
+
+    def drive(self, page: Occupant, hands: Input, now_s: float) -> None:
+        """One input: the only place that renews a drive command."""
+        self._check_driver(page)
+        left_s = self._lease_left_s(page, hands.tick, now_s)
+        if left_s is None:
+            self.dropped += 1
+            return
+        if hands.neutral:
+            self._let_go()
+            return
+        if not self._robot.facts.armed:
+            self.must_let_go = True
+            return
+        if self._lease_end_s is not None and now_s >= self._lease_end_s:
+            self.must_let_go = True
+            self._lease_end_s = None
+            self.why = "inputs came too late and the robot was stopped: let go, then drive on"
+        if not self.must_let_go:
+            self._command(hands, left_s, now_s)
+
+    def _let_go(self) -> None:
+        self.must_let_go = False
+        if self._lease_end_s is not None:
+            self._lease_end_s = None
+            self._robot.stop()
+
+    def _command(self, hands: Input, left_s: float, now_s: float) -> None:
+        try:
+            self._robot.drive(
+                hands.forward * hands.scale * self.limits.linear_m_s,
+                hands.left * hands.scale * self.limits.angular_rad_s,
+                lease_ms=int(left_s * 1000),
+            )
+        except NotArmedError as error:
+            self._begin_anew(why_not_armed(error.code))
+        else:
+            self._lease_end_s = now_s + left_s
+            self.why = ""
+
+    def _lease_left_s(self, page: Occupant, tick: int, now_s: float) -> float | None:
+        """Return what is left of the lease that began when this tick was issued."""
+        age_s = self._ticks.age_s(tick, now_s)
+        if age_s is None or not self._floor <= tick <= page.sent_tick:
+            return None
+        left_s = self._lease_s - age_s
+        return left_s if left_s >= SHORTEST_LEASE_S else None
+
+    def _check_driver(self, page: Occupant) -> None:
+        if self.driver is not page:
+            raise SeatError("this page has not taken the seat")
+
+    # ---- looking after it ----
+
+    def watch(self, now_s: float) -> None:
+        """Take driving away where it has become unsafe; called at each beat."""
+        facts = self._robot.facts
+        if self.driver is None:
+            return
+        if facts.armed and facts.inhibited:
+            self.stood_still = True
+            self._end_driving(
+                "the robot stood still against the command and was disarmed: look at emergency "
+                "stops, brakes and bumpers, then arm again"
+            )
+        elif self._armed and not facts.armed:
+            self._armed = False
+            self._begin_anew(why_not_armed(facts.disarm_cause))
+        if now_s - self.driver.heard_s > FORGOTTEN_S:
+            self.leave(self.driver, "the driver's page showed nothing for 30 s and lost the seat")
+
+
+def limits_of(robot: Robot, max_linear_m_s: float, max_angular_rad_s: float) -> Limits:
+    """Return what full deflection means on this robot; 0 while its limits are not known."""
+    found = robot.properties.differential
+    if found is None:
+        return Limits(0.0, 0.0)
+    return Limits(
+        _lowest(max_linear_m_s, found.max_linear_speed_m_s, found.min_linear_speed_m_s),
+        _lowest(max_angular_rad_s, found.max_angular_speed_rad_s, found.min_angular_speed_rad_s),
+    )
+
+
+def _lowest(ceiling: float, high: float, low: float) -> float:
+    return min(ceiling, abs(high), abs(low)) if math.isfinite(high + low) else 0.0

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: MIT
+"""The socket, TLS, and the end."""
+
+from __future__ import annotations
+
+import ipaddress
+import socket
+import ssl
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import uvicorn
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
+from websockets.exceptions import InvalidState
+
+from .app import application
+from .guard import Rules
+from .hub import Hub
+
+_PING_S = 5.0
+_END_S = 1
+_LONGEST_MESSAGE = 4096
+
+
+class ServeError(Exception):
+    """Why it cannot be served like this, and what to do."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where the dashboard is served."""
+
+    bind: str = "127.0.0.1"
+    port: int = 0
+    certificate: str | None = None
+    key: str | None = None
+
+    @property
+    def loopback(self) -> bool:
+        """Whether nobody but this machine reaches it."""
+        return ipaddress.ip_address(self.bind).is_loopback
+
+    @property
+    def secure(self) -> bool:
+        """Whether it speaks TLS."""
+        return self.certificate is not None
+
+
+def listen(place: Place) -> socket.socket:
+    """Open the socket, or say why not."""
+    version = ipaddress.ip_address(place.bind).version
+    family = socket.AF_INET6 if version == 6 else socket.AF_INET
+    try:
+        return socket.create_server((place.bind, place.port), family=family, backlog=64)
+    except OSError as error:
+        raise ServeError(
+            f"--bind {place.bind} --port {place.port}: {error.strerror or error}; choose another "
+            "port (0 takes a free one), or an address that this computer has"
+        ) from None
+
+
+def check_certificate(place: Place) -> None:
+    """Load certificate and key once, to say here what is wrong with them."""
+    if not place.secure:
+        return
+    try:
+        ssl.create_default_context(ssl.Purpose.CLIENT_AUTH).load_cert_chain(
+            str(place.certificate), place.key
+        )
+    except (OSError, ssl.SSLError) as error:
+        raise ServeError(
+            f"--tls-cert {place.certificate} --tls-key {place.key}: {error.strerror or error}; "
+            "give a certificate and its key as PEM files"
+        ) from None
+
+
+def link(place: Place, opened: socket.socket, token: str | None) -> str:
+    """Return what to open in a browser."""
+    address, port = opened.getsockname()[:2]
+    ip = ipaddress.ip_address(address)
+    host = "localhost" if ip.is_unspecified else (f"[{ip}]" if ip.version == 6 else str(ip))
+    query = "" if token is None else f"?token={token}"
+    return f"{'https' if place.secure else 'http'}://{host}:{port}/{query}"
+
+
+class WebSocketProtocol(WebSocketsSansIOProtocol):
+    """Uvicorn's, which would end its server with an exception where a page is just leaving."""
+
+    def shutdown(self) -> None:
+        """Say goodbye, if there is still somebody."""
+        try:
+            super().shutdown()
+        except InvalidState:
+            self.transport.close()
+
+
+class Server(uvicorn.Server):
+    """A server that says when it is ready."""
+
+    def __init__(self, config: uvicorn.Config, on_ready: Callable[[], None]) -> None:
+        super().__init__(config)
+        self._on_ready = on_ready
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Begin to serve."""
+        await super().startup(sockets)
+        if self.started:
+            self._on_ready()
+
+
+def make_server(hub: Hub, place: Place, rules: Rules, on_ready: Callable[[], None]) -> Server:
+    """Make a server of this hub; ``run(sockets=[...])`` serves until Ctrl-C or ``should_exit``."""
+    config = uvicorn.Config(
+        application(hub, rules),
+        log_level="warning",
+        access_log=False,
+        server_header=False,
+        proxy_headers=False,
+        ws=WebSocketProtocol,
+        ws_max_size=_LONGEST_MESSAGE,
+        ws_ping_interval=_PING_S,
+        ws_ping_timeout=_PING_S,
+        ws_per_message_deflate=False,
+        timeout_graceful_shutdown=_END_S,
+        ssl_certfile=place.certificate,
+        ssl_keyfile=place.key,
+        lifespan="on",
+    )
+    return Server(config, on_ready)

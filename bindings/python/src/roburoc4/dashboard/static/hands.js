@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+// The driver's hands: game pad, stick on the page, keyboard. A doubt counts as let go.
+//
+// The game pad is read as in the manual (4.1): [A] held is the dead-man, RT forward, LT backward,
+// LJ left and right to turn.
+
+const A = 0;
+const LT = 6;
+const RT = 7;
+const LJ_X = 0;
+const DEAD_ZONE = 0.12;
+const RISE_MS = 600;
+const MOTIONS = {
+  KeyW: [1, 0], ArrowUp: [1, 0], KeyS: [-1, 0], ArrowDown: [-1, 0],
+  KeyA: [0, 1], ArrowLeft: [0, 1], KeyD: [0, -1], ArrowRight: [0, -1],
+};
+const NEUTRAL = { forward: 0, left: 0, by: "" };
+
+const beyond = (value) => (Math.abs(value) < DEAD_ZONE ? 0 : (value - Math.sign(value) * DEAD_ZONE) / (1 - DEAD_ZONE));
+const within = (value) => Math.max(-1, Math.min(1, value || 0));
+
+/** Whether a key is meant for this element rather than for the robot. */
+const writes = (node) => node instanceof HTMLInputElement || node instanceof HTMLSelectElement;
+
+export class Hands {
+  constructor(stick, knob, onLetGo) {
+    this.stick = stick;
+    this.knob = knob;
+    this.onLetGo = onLetGo;
+    this.keys = new Set();
+    this.stickAt = null;
+    this.risen = 0;
+    this.looked = 0;
+    addEventListener("keydown", (event) => this.press(event));
+    addEventListener("keyup", (event) => { if (this.keys.delete(event.code)) this.tellIfFree(); });
+    addEventListener("blur", () => this.letGo());
+    document.addEventListener("visibilitychange", () => this.letGo());
+    addEventListener("gamepaddisconnected", () => this.letGo());
+    stick.addEventListener("pointerdown", (event) => { stick.setPointerCapture(event.pointerId); this.push(event); });
+    stick.addEventListener("pointermove", (event) => this.stickAt && this.push(event));
+    for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) stick.addEventListener(end, () => this.release());
+    stick.addEventListener("contextmenu", (event) => event.preventDefault());
+  }
+
+  press(event) {
+    if (!(event.code in MOTIONS) || event.ctrlKey || event.altKey || event.metaKey || writes(event.target)) return;
+    if (this.wanted) event.preventDefault();
+    this.keys.add(event.code);
+  }
+
+  push(event) {
+    const box = this.stick.getBoundingClientRect();
+    const radius = box.width / 2;
+    let x = (event.clientX - box.left - radius) / radius;
+    let y = (event.clientY - box.top - radius) / radius;
+    const far = Math.max(1, Math.hypot(x, y));
+    x /= far;
+    y /= far;
+    this.stickAt = { forward: beyond(-y), left: beyond(-x) };
+    this.knob.style.transform = `translate(${x * radius * 0.7}px, ${y * radius * 0.7}px)`;
+  }
+
+  release() {
+    if (!this.stickAt) return;
+    this.stickAt = null;
+    this.knob.style.transform = "";
+    this.tellIfFree();
+  }
+
+  letGo() {
+    this.keys.clear();
+    this.release();
+    this.onLetGo();
+  }
+
+  /** At once, and not with the next picture. */
+  tellIfFree() {
+    const hands = this.look();
+    if (hands.forward === 0 && hands.left === 0) this.onLetGo();
+  }
+
+  /** The first game pad whose layout is known. */
+  pad() {
+    let pads = [];
+    try { pads = [...(navigator.getGamepads?.() ?? [])].filter((pad) => pad?.connected); } catch { /* withheld */ }
+    return { pad: pads.find((pad) => pad.mapping === "standard") ?? null, strange: pads.length > 0 };
+  }
+
+  padText() {
+    const { pad, strange } = this.pad();
+    if (pad) {
+      const name = pad.id.replace(/\s*\(.*$/, "") || "game pad";
+      return pad.buttons[A]?.pressed ? `${name}: [A] held` : `${name}: hold [A], RT forward, LT back, LJ turn`;
+    }
+    if (!isSecureContext || !navigator.getGamepads) {
+      return "withheld: browsers may refuse game pads to plain HTTP of another machine. Start with --tls-cert and --tls-key";
+    }
+    return strange ? "its layout is not known to the browser: not used" : "none seen: plug it in, press a button";
+  }
+
+  fromPad() {
+    const { pad } = this.pad();
+    if (!pad?.buttons[A]?.pressed) return null;
+    return { forward: within((pad.buttons[RT]?.value ?? 0) - (pad.buttons[LT]?.value ?? 0)), left: within(-beyond(pad.axes[LJ_X] ?? 0)), by: "game pad" };
+  }
+
+  fromKeys(elapsed) {
+    const sum = [0, 0];
+    for (const code of this.keys) MOTIONS[code].forEach((part, index) => { sum[index] += part; });
+    this.risen = sum[0] || sum[1] ? Math.min(1, this.risen + elapsed / RISE_MS) : 0;
+    return { forward: within(sum[0]) * this.risen, left: within(sum[1]) * this.risen, by: this.keys.size ? "keys" : "" };
+  }
+
+  /** What is wanted now. */
+  look() {
+    const now = performance.now();
+    const elapsed = Math.min(now - this.looked, 50);
+    this.looked = now;
+    if (document.visibilityState !== "visible" || !document.hasFocus()) return NEUTRAL;
+    return this.fromPad() ?? (this.stickAt ? { ...this.stickAt, by: "stick" } : this.fromKeys(elapsed));
+  }
+}

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+// The WebSocket. Each picture that was drawn is answered with its tick; what the driver's hands do
+// goes along. A page that is hidden or frozen draws nothing, so it answers nothing.
+
+const RETRY_MS = 1000;
+const SILENCE_MS = 1000;
+
+export class Link {
+  /** handlers: by type of message; frame: draws, returns the hands or null; silent: told (true/false). */
+  constructor(handlers, frame, silent) {
+    this.tick = 0;
+    this.handlers = handlers;
+    this.frame = frame;
+    this.silent = silent;
+    this.heard = -Infinity;
+    this.latest = null;
+    this.wasSilent = null;
+    this.connect();
+    setInterval(() => this.look(), 200);
+    addEventListener("pagehide", () => this.socket?.close());
+    addEventListener("pageshow", (event) => event.persisted && this.connect());
+  }
+
+  connect() {
+    const scheme = location.protocol === "https:" ? "wss" : "ws";
+    const socket = new WebSocket(`${scheme}://${location.host}/socket`);
+    this.socket = socket;
+    socket.addEventListener("message", (event) => socket === this.socket && this.hear(event.data));
+    socket.addEventListener("close", () => {
+      if (socket !== this.socket) return;
+      this.socket = null;
+      this.latest = null;
+      this.heard = -Infinity;
+      this.look();
+      setTimeout(() => this.socket ?? this.connect(), RETRY_MS);
+    });
+  }
+
+  hear(text) {
+    const message = JSON.parse(text);
+    if (message.type !== "frame") {
+      this.handlers[message.type]?.(message);
+      return;
+    }
+    this.heard = performance.now();
+    const asked = this.latest !== null;
+    this.latest = message;
+    if (!asked) requestAnimationFrame(() => this.drawLatest());
+  }
+
+  drawLatest() {
+    const frame = this.latest;
+    this.latest = null;
+    if (frame === null) return;
+    this.look();
+    this.tick = frame.tick;
+    const hands = this.frame(frame);
+    this.send(hands ? { type: "drawn", tick: frame.tick, hands } : { type: "drawn", tick: frame.tick });
+  }
+
+  /** Say it now or never: what cannot be said now would be old later. */
+  send(message) {
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
+  }
+
+  look() {
+    const silent = performance.now() - this.heard > SILENCE_MS;
+    if (silent !== this.wasSilent && document.visibilityState === "visible") {
+      this.wasSilent = silent;
+      this.silent(silent);
+    }
+  }
+}

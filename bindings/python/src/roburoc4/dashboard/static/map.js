@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: MIT
+// The robot from above at its pose: X up and Y left where the view is not turned, as on paper.
+import { by, colour, figure, put } from "./text.js";
+
+const LENGTH = 1.31;
+const WIDTH = 0.75;
+const WHEEL = { x: 0.305, y: 0.34, length: 0.56, width: 0.14 };
+const MOST_PLACES = 8000;
+const STEP_M = 0.03;
+const COLOURS = ["--grid", "--grid-bold", "--text", "--soft", "--card", "--blue", "--orange", "--red", "--sky", "--body", "--wheel", "--box"];
+
+export class RobotMap {
+  constructor(canvas, onMoveBox) {
+    this.canvas = canvas;
+    this.pen = canvas.getContext("2d");
+    this.onMoveBox = onMoveBox;
+    this.path = [];
+    this.truth = [];
+    this.scale = 70;
+    this.centre = { x: 0, y: 0 };
+    this.follow = true;
+    this.drag = null;
+    this.fingers = new Map();
+    this.frame = null;
+    this.about = null;
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    addEventListener("theme", () => this.readColours());
+    this.readColours();
+    this.listen();
+  }
+
+  readColours() {
+    this.ink = Object.fromEntries(COLOURS.map((name) => [name.slice(2), colour(name)]));
+  }
+
+  resize() {
+    const dense = devicePixelRatio || 1;
+    this.width = this.canvas.clientWidth;
+    this.height = this.canvas.clientHeight;
+    this.canvas.width = Math.round(this.width * dense);
+    this.canvas.height = Math.round(this.height * dense);
+    this.dense = dense;
+    if (this.frame) this.paint();
+  }
+
+  // ---- from metres to pixels and back ----
+
+  at(x, y) {
+    return [this.width / 2 - (y - this.centre.y) * this.scale, this.height / 2 - (x - this.centre.x) * this.scale];
+  }
+
+  place(px, py) {
+    return { x: this.centre.x - (py - this.height / 2) / this.scale, y: this.centre.y - (px - this.width / 2) / this.scale };
+  }
+
+  zoom(factor) {
+    this.scale = Math.max(4, Math.min(400, this.scale * factor));
+  }
+
+  setFollow(on) {
+    this.follow = on;
+    by("map-follow").setAttribute("aria-pressed", String(on));
+  }
+
+  // ---- hands ----
+
+  listen() {
+    by("map-in").addEventListener("click", () => this.zoom(1.4));
+    by("map-out").addEventListener("click", () => this.zoom(1 / 1.4));
+    by("map-follow").addEventListener("click", () => this.setFollow(!this.follow));
+    by("map-clear").addEventListener("click", () => { this.path = []; this.truth = []; });
+    const canvas = this.canvas;
+    canvas.addEventListener("wheel", (event) => { event.preventDefault(); this.zoom(Math.exp(-event.deltaY / 500)); }, { passive: false });
+    canvas.addEventListener("pointerdown", (event) => this.press(event));
+    canvas.addEventListener("pointermove", (event) => this.move(event));
+    for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, (event) => { this.fingers.delete(event.pointerId); this.drag = null; });
+  }
+
+  press(event) {
+    this.canvas.setPointerCapture(event.pointerId);
+    this.fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
+    const { x, y } = this.place(event.offsetX, event.offsetY);
+    const boxes = this.frame?.sim?.boxes ?? [];
+    const index = boxes.findLastIndex(([bx, by, sx, sy]) => Math.abs(x - bx) <= sx / 2 + 0.05 && Math.abs(y - by) <= sy / 2 + 0.05);
+    this.drag = index >= 0 ? { box: index, dx: boxes[index][0] - x, dy: boxes[index][1] - y } : { x, y };
+  }
+
+  move(event) {
+    const here = this.place(event.offsetX, event.offsetY);
+    this.canvas.style.cursor = this.drag ? "grabbing" : "grab";
+    if (!this.fingers.has(event.pointerId)) return;
+    if (this.fingers.size === 2) {
+      const apart = () => { const [a, b] = [...this.fingers.values()]; return Math.hypot(a[0] - b[0], a[1] - b[1]); };
+      const before = apart();
+      this.fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
+      this.zoom(apart() / Math.max(before, 1));
+      return;
+    }
+    if (this.drag?.box !== undefined) {
+      this.onMoveBox(this.drag.box, here.x + this.drag.dx, here.y + this.drag.dy);
+    } else if (this.drag) {
+      this.setFollow(false);
+      this.centre.x += this.drag.x - here.x;
+      this.centre.y += this.drag.y - here.y;
+    }
+  }
+
+  // ---- what is known ----
+
+  begin(places) {
+    this.path = places[0].map((x, index) => [x, places[1][index]]);
+    this.truth = [];
+  }
+
+  keep(list, x, y) {
+    const last = list.at(-1);
+    if (last && Math.hypot(x - last[0], y - last[1]) < STEP_M) return;
+    list.push([x, y]);
+    if (list.length > MOST_PLACES) list.splice(0, MOST_PLACES / 4);
+  }
+
+  show(frame, about) {
+    this.frame = frame;
+    this.about = about;
+    const pose = frame.pose;
+    if (pose && pose.x_m !== null && pose.y_m !== null && pose.theta_rad !== null) {
+      this.keep(this.path, pose.x_m, pose.y_m);
+      if (this.follow) this.centre = { x: pose.x_m, y: pose.y_m };
+    }
+    if (frame.sim) this.keep(this.truth, frame.sim.pose.x_m, frame.sim.pose.y_m);
+    this.paint();
+    put(by("pose"), pose ? `x ${figure(pose.x_m, 2, "m")}   y ${figure(pose.y_m, 2, "m")}   θ ${figure((pose.theta_rad * 180) / Math.PI, 0, "°")}` : "pose not reported");
+    const slips = "odometry slips in turns";
+    put(by("map-legend"), frame.sim
+      ? `Solid: odometry (${slips}). Dashed: where the robot really is. Drag the grey obstacles.`
+      : `Place and path are the robot’s odometry: ${slips}.`);
+  }
+
+  // ---- painting ----
+
+  paint() {
+    if (!this.width) return;
+    const { pen, ink } = this;
+    pen.setTransform(this.dense, 0, 0, this.dense, 0, 0);
+    pen.clearRect(0, 0, this.width, this.height);
+    this.paintGrid();
+    for (const box of this.frame.sim?.boxes ?? []) this.paintBox(box);
+    this.paintPath(this.truth, ink.orange, [5, 5]);
+    this.paintPath(this.path, ink.blue, []);
+    const pose = this.frame.pose;
+    if (this.frame.sim) this.paintTruth(this.frame.sim.pose);
+    if (pose && pose.theta_rad !== null && pose.x_m !== null && pose.y_m !== null) {
+      this.inFrame(pose, () => this.paintCones());
+      this.inFrame(pose, () => this.paintRobot());
+      this.paintDistances(pose);
+    }
+    this.paintScale();
+  }
+
+  paintGrid() {
+    const { pen, ink } = this;
+    const cell = [0.5, 1, 2, 5, 10, 50].find((size) => size * this.scale >= 28) ?? 100;
+    const low = this.place(this.width, this.height);
+    const high = this.place(0, 0);
+    this.cell = cell;
+    pen.lineWidth = 1;
+    for (const axis of ["x", "y"]) {
+      for (let index = Math.ceil(low[axis] / cell); index * cell <= high[axis]; index++) {
+        const [px, py] = this.at(index * cell, index * cell);
+        pen.strokeStyle = index === 0 ? ink["grid-bold"] : ink.grid;
+        pen.beginPath();
+        if (axis === "x") { pen.moveTo(0, py); pen.lineTo(this.width, py); } else { pen.moveTo(px, 0); pen.lineTo(px, this.height); }
+        pen.stroke();
+      }
+    }
+  }
+
+  paintScale() {
+    const { pen, ink } = this;
+    const long = this.cell * this.scale;
+    const [x, y] = [12, this.height - 12];
+    pen.strokeStyle = pen.fillStyle = ink.soft;
+    pen.lineWidth = 2;
+    pen.beginPath();
+    pen.moveTo(x, y - 5); pen.lineTo(x, y); pen.lineTo(x + long, y); pen.lineTo(x + long, y - 5);
+    pen.stroke();
+    this.label(`${this.cell} m`, x + 4, y - 8, ink.soft, "left");
+    this.label("X ↑   Y ←", this.width - 10, this.height - 12, ink.soft, "right");
+  }
+
+  label(text, x, y, ink, align = "center") {
+    const { pen } = this;
+    pen.font = "600 12px system-ui, sans-serif";
+    pen.textAlign = align;
+    pen.lineWidth = 3.5;
+    pen.lineJoin = "round";
+    pen.strokeStyle = this.ink.card;
+    pen.strokeText(text, x, y);
+    pen.fillStyle = ink;
+    pen.fillText(text, x, y);
+  }
+
+  paintPath(places, ink, dashes) {
+    const { pen } = this;
+    pen.strokeStyle = ink;
+    pen.lineWidth = 2;
+    pen.lineJoin = "round";
+    pen.setLineDash(dashes);
+    pen.beginPath();
+    for (const [x, y] of places) pen.lineTo(...this.at(x, y));
+    pen.stroke();
+    pen.setLineDash([]);
+  }
+
+  paintBox([x, y, sizeX, sizeY]) {
+    const { pen, ink } = this;
+    const [px, py] = this.at(x + sizeX / 2, y + sizeY / 2);
+    pen.fillStyle = ink.box;
+    pen.strokeStyle = ink.soft;
+    pen.lineWidth = 1.5;
+    pen.beginPath();
+    pen.roundRect(px, py, sizeY * this.scale, sizeX * this.scale, 3);
+    pen.fill();
+    pen.stroke();
+  }
+
+  /** Draw in the robot's frame: its X to the right, its Y up, in metres. */
+  inFrame(pose, paint) {
+    const { pen } = this;
+    const [px, py] = this.at(pose.x_m, pose.y_m);
+    pen.save();
+    pen.translate(px, py);
+    pen.scale(this.scale, -this.scale);
+    pen.rotate(pose.theta_rad + Math.PI / 2);
+    paint();
+    pen.restore();
+  }
+
+  sensors() {
+    const distances = this.frame.distances_m ?? [];
+    return (this.about?.telemeters ?? []).map((sensor, index) => ({ ...sensor, distance: distances[index] ?? null }))
+      .filter((sensor) => [sensor.x_m, sensor.y_m, sensor.theta_rad, sensor.field_of_view_rad, sensor.max_distance_m].every((value) => value !== null));
+  }
+
+  paintCones() {
+    const { pen, ink } = this;
+    for (const { x_m, y_m, theta_rad, field_of_view_rad, max_distance_m, distance } of this.sensors()) {
+      const [from, to] = [theta_rad - field_of_view_rad / 2, theta_rad + field_of_view_rad / 2];
+      const cone = (radius) => { pen.beginPath(); pen.moveTo(x_m, y_m); pen.arc(x_m, y_m, radius, from, to); pen.closePath(); };
+      cone(max_distance_m);
+      pen.strokeStyle = ink.sky;
+      pen.globalAlpha = 0.45;
+      pen.lineWidth = 1 / this.scale;
+      pen.stroke();
+      if (distance !== null) {
+        const reach = Math.max(0, Math.min(distance, max_distance_m));
+        pen.globalAlpha = 0.2;
+        pen.fillStyle = ink.sky;
+        cone(reach);
+        pen.fill();
+        if (distance < max_distance_m) {
+          pen.globalAlpha = 1;
+          pen.lineWidth = 3.5 / this.scale;
+          pen.strokeStyle = distance < 0.5 ? ink.red : ink.sky;
+          pen.beginPath();
+          pen.arc(x_m, y_m, reach, from, to);
+          pen.stroke();
+        }
+      }
+      pen.globalAlpha = 1;
+    }
+  }
+
+  paintDistances(pose) {
+    for (const sensor of this.sensors()) {
+      const { distance, max_distance_m, theta_rad } = sensor;
+      const reach = Math.min(Math.max(distance ?? 0.7, 0.35), 1.6);
+      const [x, y] = [sensor.x_m + reach * Math.cos(theta_rad), sensor.y_m + reach * Math.sin(theta_rad)];
+      const [c, s] = [Math.cos(pose.theta_rad), Math.sin(pose.theta_rad)];
+      const [px, py] = this.at(pose.x_m + c * x - s * y, pose.y_m + s * x + c * y);
+      const text = distance === null ? "no distance" : distance >= max_distance_m ? `free to ${figure(max_distance_m, 1, "m")}` : figure(distance, 2, "m");
+      this.label(text, px, py + 4, distance !== null && distance < 0.5 ? this.ink.red : this.ink.text);
+    }
+  }
+
+  paintRobot() {
+    const { pen, ink } = this;
+    const { facts } = this.frame;
+    pen.fillStyle = ink.wheel;
+    for (const [sx, sy] of [[1, 1], [1, -1], [-1, 1], [-1, -1]]) {
+      pen.beginPath();
+      pen.roundRect(sx * WHEEL.x - WHEEL.length / 2, sy * WHEEL.y - WHEEL.width / 2, WHEEL.length, WHEEL.width, 0.04);
+      pen.fill();
+    }
+    pen.fillStyle = ink.body;
+    pen.strokeStyle = ink.text;
+    pen.lineWidth = 1.5 / this.scale;
+    pen.beginPath();
+    pen.roundRect(-LENGTH / 2 + 0.04, -WIDTH / 2 + 0.11, LENGTH - 0.08, WIDTH - 0.22, 0.08);
+    pen.fill();
+    pen.stroke();
+    pen.fillStyle = ink.blue;
+    pen.beginPath();
+    pen.moveTo(0.48, 0); pen.lineTo(0.22, 0.14); pen.lineTo(0.22, -0.14);
+    pen.fill();
+    this.paintBumper(1, facts.front_bumper);
+    this.paintBumper(-1, facts.rear_bumper);
+  }
+
+  paintBumper(side, pressed) {
+    const { pen, ink } = this;
+    const thick = pressed ? 0.1 : 0.05;
+    pen.fillStyle = pressed ? ink.red : ink.soft;
+    pen.beginPath();
+    pen.roundRect(side > 0 ? LENGTH / 2 - thick : -LENGTH / 2, -WIDTH / 2, thick, WIDTH, 0.02);
+    pen.fill();
+    if (pressed) {
+      pen.strokeStyle = ink.red;
+      pen.lineWidth = 2 / this.scale;
+      for (const ring of [0.12, 0.2]) {
+        pen.beginPath();
+        pen.arc((side * LENGTH) / 2, 0, ring + 0.2, side > 0 ? -0.7 : Math.PI - 0.7, side > 0 ? 0.7 : Math.PI + 0.7);
+        pen.stroke();
+      }
+    }
+  }
+
+  paintTruth(pose) {
+    const { pen, ink } = this;
+    this.inFrame(pose, () => {
+      pen.strokeStyle = ink.orange;
+      pen.lineWidth = 2.5 / this.scale;
+      pen.setLineDash([0.1, 0.07]);
+      pen.strokeRect(-LENGTH / 2, -WIDTH / 2, LENGTH, WIDTH);
+      pen.setLineDash([]);
+      pen.beginPath();
+      pen.moveTo(LENGTH / 2 - 0.05, 0); pen.lineTo(LENGTH / 2 - 0.25, 0.12); pen.lineTo(LENGTH / 2 - 0.25, -0.12);
+      pen.closePath();
+      pen.stroke();
+    });
+  }
+}

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+// The simulator's panel: everything that a person beside the robot could do, and faults of the network.
+import { by, figure, make, mark, put } from "./text.js";
+
+const SWITCHES = [
+  ["powered", "Main power", "power on", "power off"],
+  ["estop_local", "Emergency stop, local", "estop local press", "estop local release"],
+  ["estop_remote", "Emergency stop, remote", "estop remote press", "estop remote release"],
+  ["brakes_released", "Brakes selector: released", "brakes released", "brakes automatic"],
+  ["charger", "Charger plugged in", "charger on", "charger off"],
+  ["bumper_front", "Front bumper pressed", "bumper front press", "bumper front release"],
+  ["bumper_rear", "Rear bumper pressed", "bumper rear press", "bumper rear release"],
+  ["overridden", "Game pad: [A] held", "pad a down", "pad a up"],
+];
+const HOLD_MS = 600;
+const FAULTS = [
+  ["loss", "Loss", 100, 1, "%"],
+  ["duplicate", "Doubled", 100, 1, "%"],
+  ["reorder", "Out of order", 100, 1, "%"],
+  ["corrupt", "Broken bits", 100, 1, "%"],
+  ["delay_ms", "Delay", 500, 5, "ms"],
+  ["jitter_ms", "Jitter", 500, 5, "ms"],
+];
+const PAD = [["rt", "RT forward", 0, 100], ["lt", "LT backward", 0, 100], ["ljx", "LJ turn", -100, 100]];
+
+/** What a hand has just moved stays so until the simulator has heard of it. */
+const hold = (input) => { input.held = performance.now() + HOLD_MS; };
+const held = (input) => input === document.activeElement || performance.now() < (input.held ?? 0);
+
+export class Panel {
+  constructor(send) {
+    this.send = send;
+    this.switches = new Map();
+    this.sliders = new Map();
+    this.pending = null;
+  }
+
+  line(text) {
+    this.send({ type: "panel", line: text });
+  }
+
+  build() {
+    const switches = make("div", "switches");
+    for (const [name, text, on, off] of SWITCHES) {
+      const box = make("input");
+      box.type = "checkbox";
+      box.name = name;
+      box.addEventListener("change", () => { hold(box); this.line(box.checked ? on : off); box.blur(); });
+      this.switches.set(name, box);
+      switches.append(make("label", "switch", "", box, make("span", "", text)));
+    }
+    by("sim").replaceChildren(switches, this.buttons(), this.pad(), this.battery(), this.faults());
+  }
+
+  button(text, action, className = "") {
+    const button = make("button", className, text);
+    button.addEventListener("click", () => { action(); button.blur(); });
+    return button;
+  }
+
+  buttons() {
+    this.motor = this.button("Motor power button", () => this.line("motor on"));
+    return make("div", "buttons", "", this.motor,
+      this.button("Add an obstacle", () => this.addBox()),
+      this.button("Clear obstacles", () => this.send({ type: "clear" })),
+      this.button("Robot back to the origin", () => this.line("place 0 0 0")));
+  }
+
+  addBox() {
+    const { x_m: x, y_m: y, theta_rad: theta } = this.pose;
+    const far = 2.2;
+    this.send({ type: "box", x_m: x + far * Math.cos(theta), y_m: y + far * Math.sin(theta), size_x_m: 0.5, size_y_m: 0.8 });
+  }
+
+  slider(text, low, high, step, unit, onInput) {
+    const input = make("input");
+    Object.assign(input, { type: "range", min: low, max: high, step, value: Math.max(low, Math.min(0, high)) });
+    const output = make("output", "", `0 ${unit}`);
+    input.addEventListener("input", () => { hold(input); onInput(Number(input.value)); });
+    input.addEventListener("change", () => input.blur());
+    return { input, output, node: make("label", "slider", "", make("span", "", text), input, output) };
+  }
+
+  pad() {
+    const place = make("div", "group", "", make("h3", "", "The robot’s game pad"));
+    for (const [axis, text, low, high] of PAD) {
+      const slider = this.slider(text, low, high, 5, "%", (value) => {
+        put(slider.output, figure(value, 0, "%"));
+        this.line(`pad ${axis} ${low < 0 ? value / 100 : value / 50 - 1}`);
+      });
+      place.append(slider.node);
+    }
+    place.append(this.button("Let the pad go", () => {
+      this.line("pad release");
+      place.querySelectorAll("input").forEach((input) => { input.value = 0; });
+      place.querySelectorAll("output").forEach((output) => put(output, figure(0, 0, "%")));
+    }));
+    return place;
+  }
+
+  battery() {
+    const slider = this.slider("Battery charge", 0, 100, 1, "%", (value) => this.line(`battery ${value}`));
+    this.charge = slider;
+    return make("div", "group", "", make("h3", "", "Battery"), slider.node);
+  }
+
+  faults() {
+    const place = make("div", "group", "", make("h3", "", "Faults of the network"));
+    const tell = () => {
+      const faults = {};
+      for (const [name, , , , unit] of FAULTS) faults[name] = Number(this.sliders.get(name).input.value) / (unit === "%" ? 100 : 1);
+      this.send({ type: "faults", faults });
+    };
+    for (const [name, text, high, step, unit] of FAULTS) {
+      const slider = this.slider(text, 0, high, step, unit, tell);
+      slider.input.name = name;
+      this.sliders.set(name, slider);
+      place.append(slider.node);
+    }
+    place.append(this.button("A good network again", () => this.send({ type: "faults", faults: {} })));
+    return place;
+  }
+
+  /** Drag an obstacle: once with each picture, to the last place. */
+  moveBox(index, x, y) {
+    this.pending = { type: "move", index, x_m: x, y_m: y };
+  }
+
+  show(sim) {
+    if (this.pending) this.send(this.pending);
+    this.pending = null;
+    this.pose = sim.pose;
+    for (const [name, box] of this.switches) if (!held(box) && box.checked !== sim[name]) box.checked = sim[name];
+    mark(this.motor, "on", sim.motors_enabled ? "yes" : "no");
+    put(this.motor, sim.motors_enabled ? "Motor power is on" : "Press the motor power button");
+    this.follow(this.charge, sim.battery_percent, "%");
+    for (const [name, , , , unit] of FAULTS) this.follow(this.sliders.get(name), sim.faults[name] * (unit === "%" ? 100 : 1), unit);
+    put(by("sim-state"), `true pose x ${figure(sim.pose.x_m, 2, "m")}   y ${figure(sim.pose.y_m, 2, "m")}   θ ${figure((sim.pose.theta_rad * 180) / Math.PI, 0, "°")}${sim.watchdog_bitten ? "   watchdog: no command" : ""}`);
+  }
+
+  /** A slider shows what is, unless somebody holds it. */
+  follow(slider, value, unit) {
+    put(slider.output, figure(value, 0, unit));
+    if (!held(slider.input)) {
+      const text = String(Math.round(value));
+      if (slider.input.value !== text) slider.input.value = text;
+    }
+  }
+}

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// Numbers as people read them, and small help with the document.
+
+export const by = (id) => document.getElementById(id);
+
+/** A number with its unit; a dash where there is none. */
+export function figure(value, digits, unit = "") {
+  if (value === null || value === undefined || !Number.isFinite(value)) return unit ? `– ${unit}` : "–";
+  let text = value.toFixed(digits);
+  if (Number(text) === 0) text = (0).toFixed(digits);
+  return text.replace("-", "−") + (unit ? `\u202f${unit}` : "");
+}
+
+/** Set a text, where it is another: the browser then has nothing to lay out again. */
+export function put(node, text) {
+  if (node.textContent !== text) node.textContent = text;
+}
+
+export function show(node, visible) {
+  if (node.hidden === visible) node.hidden = !visible;
+}
+
+export function mark(node, name, value) {
+  if (node.dataset[name] !== String(value)) node.dataset[name] = value;
+}
+
+/** An element with a class, a text, and children. */
+export function make(tag, className = "", text = "", ...children) {
+  const node = document.createElement(tag);
+  if (className) node.className = className;
+  if (text) node.textContent = text;
+  node.append(...children);
+  return node;
+}
+
+const SVG = "http://www.w3.org/2000/svg";
+
+export function draw(tag, attributes = {}, text = "") {
+  const node = document.createElementNS(SVG, tag);
+  for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
+  if (text) node.textContent = text;
+  return node;
+}
+
+/** A colour of the theme, for a canvas. */
+export const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();

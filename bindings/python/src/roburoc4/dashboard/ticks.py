@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: MIT
+"""Numbers that are sent to the pages, and when: so old is what a page answers to."""
+
+from collections import deque
+
+_KEPT = 256
+
+
+class Ticks:
+    """Each is issued once; an input that names one is as old as that tick."""
+
+    def __init__(self) -> None:
+        self.last = 0
+        self._issued_s: deque[float] = deque(maxlen=_KEPT)
+
+    def issue(self, now_s: float) -> int:
+        """Make the next number."""
+        self.last += 1
+        self._issued_s.append(now_s)
+        return self.last
+
+    def age_s(self, tick: int, now_s: float) -> float | None:
+        """Return how long ago it was issued; None for one that never was, or long ago."""
+        back = self.last - tick
+        if not 0 <= back < len(self._issued_s):
+            return None
+        return now_s - self._issued_s[-1 - back]

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: MIT
+"""The link, and reasons, in plain words: what is wrong, and what to try."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from .. import _native
+from ..constants import Fault, Result, State
+from ..records import Facts, Link
+
+LOSS_SHARE = 0.02
+ROUND_TRIP_MS = 50.0
+STALE_MS = 300.0
+_SILENT_MS = 1000.0
+
+
+class Advice(NamedTuple):
+    """How good the link is."""
+
+    level: str
+    """good, weak or bad."""
+    say: str
+    attempt: str
+    """What to try; empty where nothing is wrong."""
+
+
+_FAULTS = {
+    Fault.REFUSED: "look whether the robot's UDP server runs, and whether the port is right",
+    Fault.UNREACHABLE: "give this computer an address of the robot's network (192.168.0.10/24)",
+    Fault.DOWN: "plug in the network cable, switch the network on",
+    Fault.DENIED: "let this program through the firewall",
+}
+_CABLE = "look at the robot's main power, the cable and the switches between"
+
+
+def advise(
+    state: State, fault: Fault, link: Link, heard: int, address: str, age_ms: float
+) -> Advice:
+    """Judge the link; ``age_ms`` is the age of the oldest status that is overdue, else 0."""
+    if state is not State.READY:
+        return _without_link(state, fault, link, heard, address)
+    if fault is not Fault.NONE:
+        return Advice("bad", _native.roburoc4_udp_fault_text(fault), _FAULTS.get(fault, _CABLE))
+    if age_ms > STALE_MS:
+        return Advice("bad", f"statuses are {age_ms / 1000:.1f} s old", _CABLE)
+    if link.loss > LOSS_SHARE:
+        return Advice(
+            "weak",
+            f"{link.loss:.0%} of the statuses are lost",
+            "use a cable instead of radio, end other heavy traffic, look at the plugs",
+        )
+    if link.round_trip_us > ROUND_TRIP_MS * 1000:
+        return Advice(
+            "weak",
+            f"answers take {link.round_trip_us / 1000:.0f} ms",
+            "use a cable instead of radio; do not drive through a network that buffers",
+        )
+    return Advice("good", "the link is good", "")
+
+
+def _without_link(state: State, fault: Fault, link: Link, heard: int, address: str) -> Advice:
+    if fault is not Fault.NONE:
+        text = _native.roburoc4_udp_fault_text(fault)
+        return Advice("bad", f"{address}: {text}", _FAULTS.get(fault, _CABLE))
+    if state is State.LOST or (heard and link.silence_us > _SILENT_MS * 1000):
+        return Advice(
+            "bad",
+            f"the robot fell silent {link.silence_us / 1e6:.0f} s ago; it is asked again and again",
+            _CABLE,
+        )
+    if not heard:
+        return Advice(
+            "bad",
+            f"no answer from {address} yet",
+            "switch the robot on, plug in the cable, give this computer an address of the "
+            "robot's network (192.168.0.10/24), let UDP through the firewall",
+        )
+    return Advice("weak", f"{state.name.lower()}: the robot answers", "wait a moment")
+
+
+_ARM_AGAIN = "then arm again"
+_REASONS: dict[int, str] = {
+    Result.NOT_READY: f"the robot is not connected yet: wait, {_ARM_AGAIN}",
+    Result.NO_DIFFERENTIAL: "this robot offers no speed commands, so it cannot be driven from here",
+    Result.LIMITS: "the robot reports speed limits that make no sense, so it is not driven",
+    Result.STALE_DIFFERENTIAL: f"the speeds reported are too old: mend the link, {_ARM_AGAIN}",
+    Result.STALE_IOCARD: f"the inputs reported are too old: mend the link, {_ARM_AGAIN}",
+    Result.OVERRIDE_UNKNOWN: "nobody knows whether the robot's game pad is in use: run roburoc4 "
+    "doctor, or start the dashboard with --ignore-override",
+    Result.OVERRIDE: f"somebody holds [A] on the robot's game pad: wait for the release, "
+    f"{_ARM_AGAIN}",
+    Result.FOREIGN: f"another program commands the robot: end it, {_ARM_AGAIN}",
+    Result.MOVING: f"the robot moves: wait until it stands, {_ARM_AGAIN}",
+    Result.LOST: f"the robot was lost: look at power and cable, {_ARM_AGAIN}",
+    Result.REBOOT: f"the robot was restarted: look at it, {_ARM_AGAIN}",
+    Result.CLOCK: f"this computer slept or its clock jumped: {_ARM_AGAIN[5:]}",
+}
+
+
+def why_not_armed(code: int) -> str:
+    """Say why the robot is not armed, and what to do; empty where nothing stands against it."""
+    if code in (Result.OK, Result.DISARMED):
+        return ""
+    return _REASONS.get(code) or _native.roburoc4_result_text(code)
+
+
+def blocked(facts: Facts) -> str:
+    """Say what stands against arming now."""
+    return why_not_armed(facts.arm_refusal)

@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: MIT
+"""A dashboard in this process, so that tests see the page, the server and the robot at once."""
+
+import os
+import socket
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+from playwright.sync_api import Page, expect
+
+import roburoc4
+from roburoc4.dashboard.guard import Rules
+from roburoc4.dashboard.hub import Hub
+from roburoc4.dashboard.panel import Panel
+from roburoc4.dashboard.server import Place, listen, make_server
+from roburoc4.engine_pump import PumpEngine
+
+CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
+LEASE_S = 0.5
+"""Longer than by default, so that pages on a loaded machine can answer in time."""
+WATCHDOG_S = 1.0
+"""The robot's own, which has nothing to do here: whoever stops later than this relied on it."""
+PATIENCE_S = 10.0
+
+FAKE_PAD = """
+window.pad = null;
+window.makePad = () => {
+  window.pad = {
+    id: "Test pad (STANDARD GAMEPAD)", index: 0, connected: true, mapping: "standard",
+    axes: [0, 0, 0, 0], buttons: Array.from({ length: 17 }, () => ({ pressed: false, value: 0 })),
+  };
+};
+window.hold = (button, value) => { window.pad.buttons[button] = { pressed: value > 0.5, value }; };
+navigator.getGamepads = () => [window.pad];
+"""
+A, LT, RT = 0, 6, 7
+
+
+def until(condition: Callable[[], object], seconds: float = PATIENCE_S) -> None:
+    """Look again and again; fail where it does not come true."""
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not come true"
+        time.sleep(0.002)
+
+
+class Station:
+    """A simulator, a robot object, and the dashboard's server in a thread."""
+
+    def __init__(
+        self,
+        *,
+        allow_drive: bool = True,
+        lease_s: float = LEASE_S,
+        panel: bool = False,
+        rules: Rules | None = None,
+        place: Place | None = None,
+        names: Callable[[int], tuple[str, ...]] | None = None,
+        **settings: Any,
+    ) -> None:
+        self.sim = roburoc4.Simulator(port=0, **settings)
+        client: roburoc4.Settings = {"lease_ms": round(lease_s * 1000)}
+        self.robot = roburoc4.Robot(PumpEngine(self.sim.address, client), client)
+        self.hub = Hub(
+            self.robot,
+            lease_s,
+            (1.0, 1.0),
+            allow_drive=allow_drive,
+            panel=Panel(self.sim) if panel else None,
+        )
+        place = place or Place()
+        self._socket = listen(place)
+        self.port = self._socket.getsockname()[1]
+        rules = rules or Rules(None, names(self.port) if names else ())
+        ready = threading.Event()
+        self.server = make_server(self.hub, place, rules, ready.set)
+        self._thread = threading.Thread(target=self.server.run, args=([self._socket],))
+        self._thread.start()
+        assert ready.wait(PATIENCE_S)
+        self.scheme = "https" if place.secure else "http"
+        self.url = f"{self.scheme}://127.0.0.1:{self.port}/"
+
+    def stop_serving(self) -> None:
+        """End the dashboard, and not the robot."""
+        self.server.should_exit = True
+        self._thread.join(PATIENCE_S)
+        assert not self._thread.is_alive()
+
+    def close(self) -> None:
+        """End everything."""
+        self.stop_serving()
+        self.robot.close()
+        self.sim.close()
+        self._socket.close()
+
+    # ---- what the robot was told ----
+
+    @property
+    def driven(self) -> bool:
+        """Whether the last speed command was a speed."""
+        state = self.sim.state
+        return (state.last_linear_m_s, state.last_angular_rad_s) != (0.0, 0.0)
+
+    def wait_until_driven(self) -> None:
+        """Wait until speeds come in, and go on to come in for a few leases."""
+        until(lambda: self.driven)
+        end = time.monotonic() + 2 * LEASE_S
+        while time.monotonic() < end:
+            time.sleep(0.01)
+        assert self.driven, "it was driven, but not on and on"
+
+    def wait_until_stopped(self, begun_s: float) -> float:
+        """Wait for the first zero; return how long after ``begun_s`` it came."""
+        until(lambda: not self.driven)
+        state = self.sim.state
+        assert not state.watchdog_bitten
+        return state.last_command_us / 1e6 - begun_s
+
+    def speeds_sent(self) -> int:
+        """How many commands carried a speed so far."""
+        return self.sim.state.nonzero_speed_commands
+
+
+def ready(page: Page) -> None:
+    """Wait until the page shows a robot that is ready."""
+    expect(page.locator("#quality-say")).to_have_text("the link is good")
+
+
+def take_seat(page: Page) -> None:
+    """Press the button."""
+    page.get_by_role("button", name="Take the seat").click()
+    expect(page.locator("#seat")).to_have_text("you have the seat")
+
+
+def arm(page: Page) -> None:
+    """Take the seat and arm."""
+    ready(page)
+    take_seat(page)
+    page.get_by_role("button", name="Arm", exact=True).click()
+    expect(page.locator("#drive-why")).to_contain_text("Ready:")
+
+
+def hold_pad(page: Page, **held: float) -> None:
+    """Plug a game pad in, and hold [A] and more."""
+    page.evaluate("window.pad ?? makePad()")
+    for button, value in (
+        (A, held.get("a", 1.0)),
+        (RT, held.get("rt", 0.0)),
+        (LT, held.get("lt", 0.0)),
+    ):
+        page.evaluate(f"hold({button}, {value})")
+    page.evaluate(f"window.pad.axes[0] = {held.get('lj', 0.0)}")
+
+
+def free_port() -> int:
+    """A port that nobody uses."""
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        return int(listening.getsockname()[1])

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: MIT
+"""Pictures of the main states; run by scripts/screenshots."""
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from playwright.sync_api import Browser, Page, sync_playwright
+from station import CHROMIUM, FAKE_PAD, Station, arm, hold_pad, ready, until
+
+LAPTOP: dict[str, Any] = {"viewport": {"width": 1440, "height": 900}}
+PHONE: dict[str, Any] = {
+    "viewport": {"width": 390, "height": 844},
+    "device_scale_factor": 2,
+    "has_touch": True,
+}
+
+
+@contextmanager
+def scene(browser: Browser, theme: str, size: dict[str, Any], **settings: Any) -> Iterator[Any]:
+    """A dashboard and a page before it."""
+    here = Station(battery_percent=68.0, lease_s=1.0, **settings)  # pictures take their time
+    context = browser.new_context(color_scheme=theme, **size)
+    context.add_init_script(FAKE_PAD)
+    page = context.new_page()
+    try:
+        page.goto(here.url)
+        yield here, page
+    finally:
+        context.close()
+        here.close()
+
+
+def drive_about(here: Station, page: Page, seconds: float) -> None:
+    """Leave a path: ahead, then a bend."""
+    arm(page)
+    page.locator("#scale").fill("70")
+    hold_pad(page, rt=1.0)
+    time.sleep(seconds / 2)
+    hold_pad(page, rt=0.8, lj=-0.6)
+    time.sleep(seconds / 2)
+
+
+def save(page: Page, folder: Path, name: str, *, whole: bool = False) -> None:
+    path = folder / f"dashboard-{name}.png"
+    page.screenshot(path=path, full_page=whole)
+    print(path)  # noqa: T201
+
+
+def driving(browser: Browser, folder: Path) -> None:
+    for theme, size, name in (
+        ("dark", LAPTOP, "driving-dark"),
+        ("light", LAPTOP, "driving-light"),
+        ("light", PHONE, "phone-driving"),
+    ):
+        with scene(browser, theme, size, panel=True) as (here, page):
+            drive_about(here, page, 7.0)
+            save(page, folder, name)
+
+
+def panel(browser: Browser, folder: Path) -> None:
+    with scene(browser, "light", LAPTOP, panel=True) as (here, page):
+        drive_about(here, page, 9.0)
+        here.sim.set_bumper("front", True)
+        time.sleep(0.6)
+        save(page, folder, "whole", whole=True)
+
+
+def override(browser: Browser, folder: Path) -> None:
+    for theme, size, name in (("dark", LAPTOP, "override"), ("dark", PHONE, "phone-override")):
+        with scene(browser, theme, size, allow_drive=False) as (here, page):
+            ready(page)
+            here.sim.pad.press("a")
+            here.sim.pad.move("rt", -0.2)
+            until(lambda here=here: here.sim.state.true_x_m > 1.0)
+            save(page, folder, name)
+
+
+def lost(browser: Browser, folder: Path) -> None:
+    with scene(browser, "light", LAPTOP) as (here, page):
+        drive_about(here, page, 4.0)
+        here.sim.set_power(False)
+        page.get_by_text("ROBOT LOST").wait_for()
+        time.sleep(1.0)
+        save(page, folder, "lost")
+
+
+def inhibited(browser: Browser, folder: Path) -> None:
+    with scene(browser, "dark", LAPTOP) as (here, page):
+        here.sim.estop.press("remote")
+        arm(page)
+        hold_pad(page, rt=1.0)
+        page.get_by_text("stood still against the command").first.wait_for()
+        save(page, folder, "inhibited")
+
+
+def main() -> None:
+    folder = Path(sys.argv[1])
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        for take in (driving, panel, override, lost, inhibited):
+            take(browser, folder)
+        browser.close()
+
+
+if __name__ == "__main__":
+    main()

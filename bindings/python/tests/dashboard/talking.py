@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: MIT
+"""A page without a browser: it says what it wants, and a proxy that can stall."""
+
+import json
+import select
+import socket
+import threading
+import time
+from types import TracebackType
+from typing import Any, Self
+
+from station import PATIENCE_S, Station
+from websockets.sync.client import ClientConnection, connect
+
+
+class Visitor:
+    """A WebSocket that answers pictures when it is told to."""
+
+    def __init__(self, station: Station, *, port: int | None = None, **settings: Any) -> None:
+        port = port or station.port
+        settings = {"origin": f"http://127.0.0.1:{port}"} | settings
+        connecting = connect(f"ws://127.0.0.1:{port}/socket", open_timeout=PATIENCE_S, **settings)
+        self.socket: ClientConnection = connecting.__enter__()
+        self.tick = 0
+        self.frame: dict[str, Any] = {}
+        self.refusals: list[str] = []
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.socket.close()
+
+    def say(self, kind: str, **rest: Any) -> None:
+        self.socket.send(json.dumps({"type": kind, **rest}))
+
+    def hear(self) -> dict[str, Any]:
+        """Wait for the next message."""
+        message: dict[str, Any] = json.loads(self.socket.recv(timeout=PATIENCE_S))
+        if message["type"] == "frame":
+            self.frame, self.tick = message, message["tick"]
+        if message["type"] == "refused":
+            self.refusals.append(message["text"])
+        return message
+
+    def draw(self, forward: float | None = None, **hands: float) -> None:
+        """Wait for a picture, and answer it."""
+        while self.hear()["type"] != "frame":
+            pass
+        self.answer(self.tick, forward, **hands)
+
+    def answer(self, tick: int, forward: float | None, **hands: float) -> None:
+        """Answer the picture of a tick."""
+        if forward is None:
+            self.say("drawn", tick=tick)
+        else:
+            given = {"forward": forward, "left": 0.0, "scale": 1.0} | hands
+            self.say("drawn", tick=tick, hands=given)
+
+    def draw_for(self, seconds: float, forward: float | None = None) -> None:
+        """Answer pictures for a while."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.draw(forward)
+
+    def arm(self) -> None:
+        """Take the seat and arm, hands off."""
+        end = time.monotonic() + PATIENCE_S
+        self.say("take")
+        while not self.frame.get("facts", {}).get("armed"):
+            assert time.monotonic() < end, self.refusals
+            self.draw(0.0)
+            self.say("arm", tick=self.tick)
+        self.draw_for(0.2, 0.0)
+
+
+class Proxy:
+    """Carries bytes between page and dashboard, until it stalls; then it keeps them for later."""
+
+    def __init__(self) -> None:
+        self._listening = socket.create_server(("127.0.0.1", 0))
+        self.port: int = self._listening.getsockname()[1]
+        self.flows = threading.Event()
+        self.flows.set()
+        self._to = 0
+        self._ended = False
+        self._threads: list[threading.Thread] = []
+
+    def serve(self, port: int) -> None:
+        """Begin, towards this port."""
+        self._to = port
+        self._start(self._accept)
+
+    def _start(self, target: Any, *arguments: Any) -> None:
+        thread = threading.Thread(target=target, args=arguments, daemon=True)
+        self._threads.append(thread)
+        thread.start()
+
+    def _accept(self) -> None:
+        while not self._ended:
+            if select.select([self._listening], [], [], 0.05)[0]:
+                near = self._listening.accept()[0]
+                far = socket.create_connection(("127.0.0.1", self._to))
+                self._start(self._carry, near, far)
+                self._start(self._carry, far, near)
+
+    def _carry(self, source: socket.socket, sink: socket.socket) -> None:
+        try:
+            while not self._ended:
+                if not select.select([source], [], [], 0.05)[0]:
+                    continue
+                self.flows.wait()
+                data = source.recv(65536)
+                self.flows.wait()
+                if not data:
+                    break
+                sink.sendall(data)
+        except (OSError, ValueError):  # the other direction has ended it
+            pass
+        finally:
+            source.close()
+            sink.close()
+
+    def close(self) -> None:
+        self._ended = True
+        self.flows.set()
+        for thread in self._threads:
+            thread.join(PATIENCE_S)
+        self._listening.close()

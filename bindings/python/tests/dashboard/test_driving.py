@@ -1,0 +1,324 @@
+# SPDX-License-Identifier: MIT
+"""Driving from the page: what moves the robot, and everything that stops it."""
+
+import time
+from collections.abc import Callable
+
+import pytest
+from playwright.sync_api import Page, expect
+from station import LEASE_S, RT, Station, arm, hold_pad, ready, take_seat, until
+
+MARGIN_S = 0.4
+"""What a loaded machine may take until a page, a thread or a socket gets its turn; lease and
+margin are well below the second after which the robot's own watchdog would have stopped it."""
+WITHIN_S = LEASE_S + MARGIN_S
+
+Visit = Callable[..., Page]
+Make = Callable[..., Station]
+
+
+def test_a_game_pad_drives_as_in_the_manual(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    scale = 0.3
+    for held, linear, angular in (
+        ({"rt": 1.0}, scale, 0.0),
+        ({"lt": 1.0}, -scale, 0.0),
+        ({"lj": -1.0}, 0.0, scale),
+        ({"lj": 1.0}, 0.0, -scale),
+    ):
+        hold_pad(page, **held)
+        until(
+            lambda linear=linear, angular=angular: (
+                here.sim.state.last_linear_m_s == pytest.approx(linear, abs=1e-3)
+                and here.sim.state.last_angular_rad_s == pytest.approx(angular, abs=1e-3)
+            )
+        )
+    expect(page.locator("#asked")).to_contain_text("by game pad")
+
+
+def test_keys_drive_and_letting_go_stops(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    page.keyboard.down("w")
+    page.keyboard.down("ArrowLeft")
+    here.wait_until_driven()
+    assert here.sim.state.last_linear_m_s > 0
+    assert here.sim.state.last_angular_rad_s > 0
+    expect(page.locator('[data-lamp="driving"]')).to_have_text("DRIVING")
+    page.keyboard.up("ArrowLeft")
+    until(lambda: here.sim.state.last_angular_rad_s == 0)
+    page.keyboard.up("w")
+    begun_s = time.monotonic()
+    assert here.wait_until_stopped(begun_s) < WITHIN_S
+
+
+def test_the_stick_drives_and_letting_go_stops(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    box = page.locator("#stick").bounding_box()
+    assert box is not None
+    middle = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    page.mouse.move(*middle)
+    page.mouse.down()
+    page.mouse.move(middle[0], middle[1] - 60)
+    here.wait_until_driven()
+    assert here.sim.state.last_linear_m_s == pytest.approx(0.3, abs=0.06)
+    page.mouse.up()
+    begun_s = time.monotonic()
+    assert here.wait_until_stopped(begun_s) < WITHIN_S
+
+
+# ---- everything that stops it ----
+
+
+def release_a(page: Page) -> None:
+    page.evaluate("hold(0, 0)")
+
+
+def unplug(page: Page) -> None:
+    page.evaluate("window.pad = null")
+
+
+def hide(page: Page) -> None:
+    # Headless pages count as visible whatever covers them, so the page is told as a browser would.
+    page.evaluate(
+        """() => {
+            Object.defineProperty(document, "visibilityState", { get: () => "hidden" });
+            document.dispatchEvent(new Event("visibilitychange"));
+        }"""
+    )
+
+
+def freeze(page: Page) -> None:
+    debugger = page.context.new_cdp_session(page)
+    debugger.send("Debugger.enable")
+    debugger.send("Debugger.pause")
+
+
+def hang(page: Page) -> None:
+    page.evaluate(
+        "setTimeout(() => { const end = Date.now() + 3000; while (Date.now() < end); }, 0)"
+    )
+
+
+def look_at_another_tab(page: Page) -> None:
+    page.context.new_cdp_session(page).send(
+        "Emulation.setFocusEmulationEnabled", {"enabled": False}
+    )
+    page.context.new_page().bring_to_front()
+
+
+def blur(page: Page) -> None:
+    page.evaluate("dispatchEvent(new Event('blur')); document.hasFocus = () => false")
+
+
+def close(page: Page) -> None:
+    page.close()
+
+
+def press_stop(page: Page) -> None:
+    page.locator("#stop").click()
+
+
+def press_space(page: Page) -> None:
+    page.keyboard.press("Space")
+
+
+def give_up(page: Page) -> None:
+    page.get_by_role("button", name="Give up the seat").click()
+
+
+def disarm(page: Page) -> None:
+    page.get_by_role("button", name="Disarm").click()
+
+
+@pytest.mark.parametrize(
+    "end",
+    [
+        release_a,
+        unplug,
+        hide,
+        look_at_another_tab,
+        blur,
+        freeze,
+        hang,
+        close,
+        press_stop,
+        press_space,
+        give_up,
+        disarm,
+    ],
+)
+def test_it_stops_within_the_lease(
+    end: Callable[[Page], None], station: Make, visit: Visit
+) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    hold_pad(page, rt=1.0)
+    here.wait_until_driven()
+    end(page)
+    begun_s = time.monotonic()
+    assert here.wait_until_stopped(begun_s) < WITHIN_S
+    time.sleep(2 * LEASE_S)
+    assert not here.driven, "it came back by itself"
+
+
+def test_a_closed_page_disarms_and_frees_the_seat(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    page.close()
+    until(lambda: not here.robot.facts.armed)
+    other = visit(here.url)
+    expect(other.locator("#seat")).to_have_text("the seat is free")
+
+
+def test_the_dashboard_s_end_stops_the_robot(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    hold_pad(page, rt=1.0)
+    here.wait_until_driven()
+    here.stop_serving()
+    assert here.wait_until_stopped(time.monotonic()) < WITHIN_S
+    expect(page.locator("#banner-title")).to_have_text("NO CONNECTION TO THE DASHBOARD")
+
+
+# ---- what does not move it ----
+
+
+def test_nothing_moves_it_before_arming(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    ready(page)
+    hold_pad(page, rt=1.0, lj=-1.0)
+    page.keyboard.down("w")
+    time.sleep(2 * LEASE_S)
+    take_seat(page)
+    time.sleep(2 * LEASE_S)
+    assert here.speeds_sent() == 0
+
+
+def test_hands_must_be_off_once_after_arming(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    ready(page)
+    take_seat(page)
+    hold_pad(page, rt=1.0)
+    page.get_by_role("button", name="Arm", exact=True).click()
+    until(lambda: here.robot.facts.armed)
+    time.sleep(2 * LEASE_S)
+    assert here.speeds_sent() == 0
+    page.evaluate(f"hold({RT}, 0)")
+    time.sleep(0.2)
+    page.evaluate(f"hold({RT}, 1)")
+    here.wait_until_driven()
+
+
+def test_the_pad_does_nothing_without_a(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    hold_pad(page, a=0.0, rt=1.0, lj=1.0)
+    time.sleep(2 * LEASE_S)
+    assert here.speeds_sent() == 0
+
+
+def test_a_second_driver_is_refused(station: Make, visit: Visit) -> None:
+    here = station()
+    first, second = visit(here.url), visit(here.url)
+    arm(first)
+    expect(second.locator("#seat")).to_have_text("page 1 drives")
+    expect(second.get_by_role("button", name="Take the seat")).to_be_disabled()
+    hold_pad(second, rt=1.0)
+    # Even where its script would ask for it.
+    second.evaluate("document.getElementById('take').disabled = false")
+    second.evaluate("document.getElementById('take').click()")
+    time.sleep(2 * LEASE_S)
+    assert here.speeds_sent() == 0
+    assert here.robot.facts.armed
+    first.get_by_role("button", name="Give up the seat").click()
+    take_seat(second)
+    assert not here.robot.facts.armed
+
+
+def test_every_page_can_stop(station: Make, visit: Visit) -> None:
+    here = station()
+    first, second = visit(here.url), visit(here.url)
+    arm(first)
+    hold_pad(first, rt=1.0)
+    here.wait_until_driven()
+    second.keyboard.press("Space")
+    begun_s = time.monotonic()
+    assert here.wait_until_stopped(begun_s) < WITHIN_S
+    assert not here.robot.facts.armed
+    expect(first.locator("#banner-text")).to_contain_text("STOP was pressed on page 2")
+
+
+def test_a_page_that_only_watches_sends_the_robot_nothing(station: Make, visit: Visit) -> None:
+    here = station(allow_drive=False)
+    page = visit(here.url)
+    ready(page)
+    expect(page.locator("#stop")).to_be_hidden()
+    expect(page.get_by_role("button", name="Take the seat")).to_be_hidden()
+    hold_pad(page, rt=1.0)
+    page.keyboard.press("Space")
+    page.keyboard.down("w")
+    time.sleep(2 * LEASE_S)
+    assert here.sim.state.speed_commands == 0
+
+
+# ---- when the robot says no ----
+
+
+def test_override_takes_the_robot_away_and_is_told(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    hold_pad(page, rt=1.0)
+    here.wait_until_driven()
+    here.sim.pad.press("a")
+    expect(page.locator("#banner-title")).to_have_text("OVERRIDE")
+    here.sim.pad.release("a")
+    expect(page.locator("#banner-title")).to_have_text("DISARMED")
+    before = here.speeds_sent()
+    time.sleep(2 * LEASE_S)
+    assert here.speeds_sent() == before, "the old command came back"
+
+
+def test_inhibited_motion_disarms_and_is_told(station: Make, visit: Visit) -> None:
+    here = station()
+    here.sim.estop.press("remote")
+    page = visit(here.url)
+    arm(page)
+    hold_pad(page, rt=1.0)
+    expect(page.locator("#banner-text")).to_contain_text("stood still against the command")
+    expect(page.locator("#banner-title")).to_have_text("MOTION INHIBITED")
+    expect(page.locator("#events")).to_contain_text("motion inhibited")
+    assert not here.robot.facts.armed
+    here.sim.estop.release("remote")
+    here.sim.press_motor_button()
+    time.sleep(2 * LEASE_S)
+    assert not here.driven
+
+
+def test_a_lost_robot_is_told_and_comes_back_disarmed(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    hold_pad(page, rt=1.0)
+    here.wait_until_driven()
+    here.sim.set_power(False)
+    expect(page.locator("#banner-title")).to_have_text("ROBOT LOST")
+    expect(page.locator('[data-lamp="lost"]')).to_have_attribute("data-lit", "yes")
+    here.sim.set_power(True)
+    ready(page)
+    expect(page.locator("#banner-title")).to_have_text("DISARMED")
+    before = here.speeds_sent()
+    time.sleep(2 * LEASE_S)
+    assert here.speeds_sent() == before

@@ -1,0 +1,259 @@
+# SPDX-License-Identifier: MIT
+"""What the page shows, compared with the simulator."""
+
+import re
+import time
+from collections.abc import Callable
+
+import pytest
+from playwright.sync_api import Page, expect
+from station import Station, ready, until
+
+Visit = Callable[..., Page]
+Make = Callable[..., Station]
+
+
+def number(text: str | None) -> float:
+    found = re.search(r"[\u2212-]?[\d.]+", text or "")
+    assert found is not None, text
+    return float(found[0].replace("\u2212", "-"))
+
+
+def test_it_shows_what_the_simulator_says(station: Make, visit: Visit) -> None:
+    here = station(start_x_m=1.5, start_y_m=-2.25, start_theta_rad=1.0, battery_percent=73.0)
+    here.sim.add_wall(6.0, -9.0, 6.0, 9.0)
+    here.sim.pad.move("rj_x", 0.5)
+    here.sim.pad.press("lb")
+    here.sim.set_bumper("rear", True)
+    page = visit(here.url)
+    ready(page)
+    expect(page.locator("#address")).to_have_text(here.sim.address)
+    expect(page.locator("#pose")).to_contain_text(re.compile(r"x 1\.50.m +y \u22122\.25.m +θ 57.°"))
+    expect(page.locator("#gauge-text")).to_contain_text("73")
+    expect(page.locator("#battery-state")).to_have_text("in use")
+    battery = page.locator('#analog-inputs li:has-text("Battery voltage") b')
+    until(lambda: abs(number(battery.text_content()) - here.sim.state.battery_v) < 0.02)
+    front = page.locator('#analog-inputs li:has-text("Front telemeter") b')
+    until(lambda: abs(number(front.text_content()) - here.robot.io.analog(0)) < 0.01)
+    expect(page.locator("#analog-inputs li[data-input='5'] b")).to_have_text("0.50")
+    expect(page.locator('#digital-inputs li:has-text("LB")')).to_have_attribute("data-on", "yes")
+    expect(page.locator('#digital-inputs li:has-text("RB")')).to_have_attribute("data-on", "no")
+    expect(page.locator('[data-lamp="bumper"]')).to_have_text("REAR BUMPER")
+    expect(page.locator("#digital-inputs li")).to_have_count(22)
+    expect(page.locator("#analog-inputs li")).to_have_count(9)
+    expect(page.locator("#outputs li")).to_have_count(8)
+
+
+def test_the_dials_show_the_robot_s_speeds_and_limits(station: Make, visit: Visit) -> None:
+    here = station(allow_drive=False, slip=0.0)
+    page = visit(here.url)
+    ready(page)
+    expect(page.locator("#dials-note")).to_contain_text("\u22122.6 to 2.6")
+    here.sim.pad.press("a")
+    here.sim.pad.move("lj_x", -0.2)
+    here.sim.pad.move("rt", -0.6)
+    shown = page.locator("#dial-linear .value"), page.locator("#dial-angular .value")
+    until(lambda: here.sim.state.wheel_linear_m_s > 0.51)
+    until(
+        lambda: (
+            abs(number(shown[0].text_content()) - here.sim.state.wheel_linear_m_s) < 0.05
+            and abs(number(shown[1].text_content()) - here.sim.state.wheel_angular_rad_s) < 0.1
+        )
+    )
+    expect(page.locator("#dial-linear .target")).to_have_text("target 0.52")
+
+
+def test_override_and_loss_are_unmistakable(station: Make, visit: Visit) -> None:
+    here = station(allow_drive=False)
+    page = visit(here.url)
+    ready(page)
+    here.sim.pad.press("a")
+    expect(page.locator("#banner-title")).to_have_text("OVERRIDE")
+    expect(page.locator('[data-lamp="override"]')).to_have_attribute("data-lit", "yes")
+    here.sim.pad.release("a")
+    expect(page.locator("#banner")).to_be_hidden()
+    here.sim.set_power(False)
+    expect(page.locator("#banner-title")).to_have_text("ROBOT LOST")
+    expect(page.locator("#link-try")).to_contain_text("cable")
+    here.sim.set_power(True)
+    ready(page)
+    expect(page.locator("#events")).to_contain_text("fell silent")
+
+
+def test_a_bad_link_is_told_in_plain_words(station: Make, visit: Visit) -> None:
+    here = station(allow_drive=False, panel=True)
+    page = visit(here.url)
+    ready(page)
+    page.locator("input[name=loss]").fill("20")
+    expect(page.locator("#quality-say")).to_contain_text("of the statuses are lost", timeout=30_000)
+    expect(page.locator("#link-try")).to_contain_text("cable instead of radio")
+    page.get_by_role("button", name="A good network again").click()
+    expect(page.locator("#quality-say")).to_have_text("the link is good", timeout=60_000)
+
+
+def test_a_page_that_opens_later_sees_what_happened(station: Make, visit: Visit) -> None:
+    here = station(allow_drive=False)
+    first = visit(here.url)
+    ready(first)
+    here.sim.pad.press("a")
+    here.sim.pad.move("rt", 0.0)
+    until(lambda: here.sim.state.true_x_m > 0.5)
+    second = visit(here.url)
+    ready(second)
+    expect(second.locator("#events")).to_contain_text("the robot is ready")
+    assert len(here.hub._history.path) > 10
+    assert len(here.hub._history.speeds) > 5
+
+
+def test_plots_scroll_pause_and_zoom(station: Make, visit: Visit) -> None:
+    here = station(allow_drive=False)
+    page = visit(here.url)
+    ready(page)
+    axis = page.locator("#plot-linear .u-legend")
+    expect(axis).to_contain_text("target")
+    expect(page.locator("#plot-span")).to_have_text("30 s")
+    page.locator("#plot-less").click()
+    expect(page.locator("#plot-span")).to_have_text("10 s")
+    page.locator("#plot-more").click(click_count=3)
+    expect(page.locator("#plot-span")).to_have_text("2 min")
+    pause = page.locator("#plot-pause")
+    pause.click()
+    expect(pause).to_have_text("go on")
+    pause.click()
+    over = page.locator("#plot-linear .u-over")
+    over.scroll_into_view_if_needed()
+    box = over.bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + 50, box["y"] + 20)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 200, box["y"] + 20, steps=4)
+    page.mouse.up()
+    expect(pause).to_have_text("go on")
+    page.mouse.dblclick(box["x"] + 100, box["y"] + 20)
+    expect(pause).to_have_text("pause")
+
+
+def test_the_theme_can_be_chosen_and_is_kept(station: Make, visit: Visit) -> None:
+    here = station(allow_drive=False)
+    page = visit(here.url, color_scheme="dark")
+    root = page.locator("html")
+    expect(root).to_have_attribute("data-theme", "dark")
+    page.locator("#theme").click()
+    expect(root).to_have_attribute("data-theme", "light")
+    page.reload()
+    expect(root).to_have_attribute("data-theme", "light")
+
+
+def test_the_page_fits_a_phone(station: Make, visit: Visit) -> None:
+    here = station(panel=True)
+    page = visit(here.url, viewport={"width": 360, "height": 740})
+    ready(page)
+    assert page.evaluate("document.documentElement.scrollWidth") <= 360
+    expect(page.locator("#stop")).to_be_in_viewport()
+
+
+def test_a_dashboard_without_a_robot_says_what_to_try(station: Make, visit: Visit) -> None:
+    here = station()
+    here.sim.set_power(False)
+    page = visit(here.url)
+    expect(page.locator("#banner-title")).to_have_text(re.compile("NO ROBOT YET|ROBOT LOST"))
+    expect(page.locator("#banner-text")).to_contain_text("Try: ")
+
+
+def test_numbers_that_are_none_are_dashes_and_the_page_goes_on(station: Make, visit: Visit) -> None:
+    here = station(allow_drive=False)
+    here.sim.pin_input(0, float("nan"))
+    here.sim.pin_input(2, float("inf"))
+    page = visit(here.url)
+    ready(page)
+    expect(page.locator("#analog-inputs li[data-input='0'] b")).to_contain_text("\u2013")
+    expect(page.locator("#battery-text")).not_to_contain_text("NaN")
+    here.sim.unpin_inputs()
+    expect(page.locator("#battery-text")).to_contain_text("V")
+
+
+# ---- the simulator's panel ----
+
+
+@pytest.mark.parametrize(
+    ("name", "fact"),
+    [
+        ("estop_local", "estop_local"),
+        ("estop_remote", "estop_remote"),
+        ("brakes_released", "brakes_released"),
+        ("charger", "charger"),
+        ("bumper_front", "bumper_front"),
+        ("bumper_rear", "bumper_rear"),
+        ("overridden", "overridden"),
+    ],
+)
+def test_switches_of_the_panel_do_what_they_say(
+    name: str, fact: str, station: Make, visit: Visit
+) -> None:
+    here = station(panel=True)
+    page = visit(here.url)
+    ready(page)
+    box = page.locator(f"#sim input[name={name}]")
+    box.check()
+    until(lambda: getattr(here.sim.state, fact))
+    box.uncheck()
+    until(lambda: not getattr(here.sim.state, fact))
+
+
+def test_motor_power_needs_what_the_manual_says(station: Make, visit: Visit) -> None:
+    here = station(panel=True)
+    page = visit(here.url)
+    ready(page)
+    page.locator("#sim input[name=estop_local]").check()
+    motor = page.get_by_role("button", name="Press the motor power button")
+    motor.click()
+    expect(page.locator("#drive-why")).to_contain_text("release both emergency stops")
+    page.locator("#sim input[name=estop_local]").uncheck()
+    motor.click()
+    until(lambda: here.sim.state.motors_enabled)
+    expect(page.get_by_role("button", name="Motor power is on")).to_be_visible()
+
+
+def test_power_off_and_on_is_a_reboot_with_the_same_page(station: Make, visit: Visit) -> None:
+    here = station(panel=True)
+    page = visit(here.url)
+    ready(page)
+    power = page.locator("#sim input[name=powered]")
+    power.uncheck()
+    expect(page.locator("#banner-title")).to_have_text("ROBOT LOST")
+    power.check()
+    ready(page)
+    assert here.sim.state.reboots == 1
+
+
+def test_an_obstacle_is_dragged_and_the_telemeter_sees_it(station: Make, visit: Visit) -> None:
+    here = station(panel=True)
+    page = visit(here.url)
+    ready(page)
+    free_m = here.sim.state.telemeters_m[0]
+    page.get_by_role("button", name="Add an obstacle").click()
+    until(lambda: here.sim.state.telemeters_m[0] < 2.0 < free_m)
+    near_m = here.sim.state.telemeters_m[0]
+    canvas = page.locator("#map")
+    canvas.scroll_into_view_if_needed()
+    box = canvas.bounding_box()
+    assert box is not None
+    middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(middle[0], middle[1] - 2.2 * 70)
+    page.mouse.down()
+    for step in range(1, 8):
+        page.mouse.move(middle[0], middle[1] - (2.2 - 0.08 * step) * 70)
+        time.sleep(0.05)
+    page.mouse.up()
+    until(lambda: here.sim.state.telemeters_m[0] < near_m - 0.3)
+    page.get_by_role("button", name="Clear obstacles").click()
+    until(lambda: here.sim.state.telemeters_m[0] > 5.0)
+
+
+def test_true_pose_stands_beside_odometry(station: Make, visit: Visit) -> None:
+    here = station(panel=True)
+    page = visit(here.url)
+    ready(page)
+    here.sim.place(1.0, 2.0, 0.5)
+    expect(page.locator("#sim-state")).to_contain_text(re.compile(r"x 1\.00.m +y 2\.00.m"))
+    expect(page.locator("#pose")).to_contain_text(re.compile(r"x 0\.00.m"))

@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: MIT
+"""The seat alone, in virtual time: whatever pages say and whenever, the lease holds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import roburoc4
+from roburoc4.dashboard.seat import FORGOTTEN_S, Input, Occupant, Seat, SeatError, limits_of
+from roburoc4.dashboard.ticks import Ticks
+
+LEASE_S = 0.25
+CYCLE_S = 0.011
+"""Until the simulator's state tells what arrived."""
+
+
+class Scene:
+    """A robot in virtual time, a seat, and two pages."""
+
+    def __init__(self) -> None:
+        self.sim = roburoc4.Simulator()
+        self.robot = self.sim.connect()
+        self.ticks = Ticks()
+        self.seat = Seat(self.robot, self.ticks, LEASE_S, offered=True)
+        self.seat.limits = limits_of(self.robot, 1.0, 1.0)
+        self.pages = [Occupant(1), Occupant(2)]
+        self.issued_s: dict[int, float] = {}
+
+    def show(self) -> int:
+        """Send both pages a picture."""
+        now_s = self.robot.now_s
+        tick = self.ticks.issue(now_s)
+        self.issued_s[tick] = now_s
+        for page in self.pages:
+            page.sent_tick = tick
+            page.heard_s = now_s
+        return tick
+
+    def drive(self, page: int, tick: int, forward: float) -> None:
+        self.seat.drive(self.pages[page], Input(tick, forward, 0.0, 1.0), self.robot.now_s)
+
+    def arm(self) -> None:
+        self.seat.take(self.pages[0])
+        self.robot.arm()
+        self.seat.arm(self.pages[0], self.show(), self.robot.now_s)
+        self.drive(0, self.show(), 0.0)
+
+    @property
+    def driven(self) -> bool:
+        return self.sim.state.last_linear_m_s != 0.0
+
+
+@pytest.fixture
+def scene() -> Iterator[Scene]:
+    one = Scene()
+    with one.sim, one.robot:
+        yield one
+
+
+def test_an_input_lives_until_one_lease_after_its_tick(scene: Scene) -> None:
+    scene.arm()
+    tick = scene.show()
+    scene.sim.step(0.1)
+    scene.drive(0, tick, 0.5)
+    scene.sim.step(0.1)
+    assert scene.driven
+    scene.sim.step(0.05 + CYCLE_S)
+    assert not scene.driven
+
+
+def test_an_input_that_is_older_than_the_lease_is_dropped(scene: Scene) -> None:
+    scene.arm()
+    tick = scene.show()
+    scene.sim.step(LEASE_S)
+    scene.drive(0, tick, 0.5)
+    scene.sim.step(0.1)
+    assert not scene.driven
+    assert scene.seat.dropped == 1
+
+
+def test_no_timer_renews(scene: Scene) -> None:
+    scene.arm()
+    scene.drive(0, scene.show(), 0.5)
+    for _ in range(30):
+        scene.show()
+        scene.seat.watch(scene.robot.now_s)
+        scene.sim.step(1 / 30)
+    assert not scene.driven
+
+
+def test_inputs_from_before_arming_are_dead(scene: Scene) -> None:
+    scene.arm()
+    old = scene.show()
+    scene.seat.arm(scene.pages[0], old, scene.robot.now_s)
+    scene.drive(0, old, 0.0)
+    scene.drive(0, old, 0.5)
+    scene.sim.step(0.05)
+    assert not scene.driven
+
+
+def test_arming_needs_a_fresh_tick(scene: Scene) -> None:
+    scene.seat.take(scene.pages[0])
+    tick = scene.show()
+    scene.sim.step(LEASE_S)
+    with pytest.raises(SeatError, match="late"):
+        scene.seat.arm(scene.pages[0], tick, scene.robot.now_s)
+    assert not scene.robot.facts.armed
+
+
+def test_a_refusal_to_arm_says_why(scene: Scene) -> None:
+    scene.seat.take(scene.pages[0])
+    scene.sim.pad.press("a")
+    scene.sim.step(0.2)
+    with pytest.raises(SeatError, match=r"holds \[A\]"):
+        scene.seat.arm(scene.pages[0], scene.show(), scene.robot.now_s)
+
+
+def test_a_driver_that_shows_nothing_for_long_loses_the_seat(scene: Scene) -> None:
+    scene.arm()
+    scene.sim.step(FORGOTTEN_S - 1.0)
+    scene.seat.watch(scene.robot.now_s)
+    assert scene.seat.driver is scene.pages[0]
+    scene.sim.step(2.0)
+    scene.seat.watch(scene.robot.now_s)
+    assert scene.seat.driver is None
+    assert not scene.robot.facts.armed
+
+
+def test_after_a_lease_that_ran_out_hands_must_be_off_once(scene: Scene) -> None:
+    scene.arm()
+    scene.drive(0, scene.show(), 0.5)
+    scene.sim.step(2 * LEASE_S)
+    scene.drive(0, scene.show(), 0.5)
+    scene.sim.step(0.05)
+    assert not scene.driven
+    scene.drive(0, scene.show(), 0.0)
+    scene.drive(0, scene.show(), 0.5)
+    scene.sim.step(1.1)  # the zero train first
+    scene.drive(0, scene.show(), 0.5)
+
+
+def test_limits_that_make_no_sense_allow_nothing() -> None:
+    with roburoc4.Simulator() as sim, sim.connect() as robot:
+        limits = limits_of(robot, 0.8, 9.0)
+        assert (limits.linear_m_s, limits.angular_rad_s) == (0.8, pytest.approx(6.5))
+
+
+_STEPS = st.lists(
+    st.one_of(
+        st.tuples(st.just("wait"), st.sampled_from((0.01, 0.03, 0.1, 0.2, 0.3))),
+        st.tuples(st.just("show"), st.just(0.0)),
+        st.tuples(st.just("drive"), st.sampled_from((0.0, 0.5, 1.0, -1.0))),
+        st.tuples(st.just("late"), st.integers(-3, 12)),
+        st.tuples(st.just("other"), st.just(1.0)),
+        st.tuples(st.sampled_from(("arm", "stop", "disarm", "leave", "take", "pad")), st.just(0.0)),
+    ),
+    min_size=5,
+    max_size=60,
+)
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(_STEPS)
+def test_whatever_pages_say_no_speed_outlives_the_lease_of_its_tick(
+    steps: list[tuple[str, float]],
+) -> None:
+    scene = Scene()
+    newest_s = float("-inf")  # issue of the newest tick that an accepted speed can answer to
+    with scene.sim, scene.robot:
+        scene.arm()
+        for what, value in steps:
+            page = scene.pages[0]
+            now_s = scene.robot.now_s
+            try:
+                if what == "wait":
+                    scene.sim.step(value)
+                elif what == "show":
+                    scene.show()
+                elif what == "drive":
+                    scene.drive(0, scene.ticks.last, value)
+                    newest_s = max(newest_s, scene.issued_s[scene.ticks.last])
+                elif what == "late":
+                    tick = scene.ticks.last - int(value)
+                    scene.drive(0, tick, 0.7)
+                    newest_s = max(newest_s, scene.issued_s.get(tick, newest_s))
+                elif what == "other":
+                    scene.drive(1, scene.ticks.last, value)
+                elif what == "arm":
+                    scene.seat.arm(page, scene.ticks.last, now_s)
+                elif what == "stop":
+                    scene.seat.stop(scene.pages[1])
+                elif what == "disarm":
+                    scene.seat.disarm(page)
+                elif what == "leave":
+                    scene.seat.leave(page)
+                elif what == "take":
+                    scene.seat.take(page)
+                else:
+                    scene.sim.pad.press("a")
+                    scene.sim.step(0.1)
+                    scene.sim.pad.release("a")
+            except SeatError:
+                pass
+            scene.sim.step(CYCLE_S)
+            if scene.driven:
+                assert scene.robot.now_s - newest_s <= LEASE_S + 2 * CYCLE_S
+            if what in ("stop", "disarm", "leave", "pad"):
+                assert not scene.robot.facts.driving

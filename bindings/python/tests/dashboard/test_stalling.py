@@ -1,0 +1,246 @@
+# SPDX-License-Identifier: MIT
+"""Inputs that are late, old, repeated or invented: none of them moves the robot."""
+
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+from playwright.sync_api import Page
+from station import LEASE_S, Station, arm, hold_pad, until
+from talking import Proxy, Visitor
+from test_driving import WITHIN_S
+
+Make = Callable[..., Station]
+
+
+@pytest.fixture
+def proxy() -> Iterator[Proxy]:
+    running = Proxy()
+    yield running
+    running.close()
+
+
+@pytest.fixture
+def behind(station: Make, proxy: Proxy) -> Station:
+    """A dashboard behind a proxy, by whose name it goes."""
+    here = station(names=lambda _: (f"127.0.0.1:{proxy.port}",))
+    proxy.serve(here.port)
+    return here
+
+
+def test_a_stalled_socket_stops_the_robot_and_what_it_held_back_counts_for_nothing(
+    behind: Station, proxy: Proxy
+) -> None:
+    with Visitor(behind, port=proxy.port) as driver:
+        driver.arm()
+        driver.draw_for(0.5, 0.4)
+        assert behind.driven
+        begun_s = time.monotonic()
+        proxy.flows.clear()
+        for _ in range(20):  # a page that goes on and on about the last picture it saw
+            driver.answer(driver.tick, 0.4)
+            time.sleep(0.02)
+        assert behind.wait_until_stopped(begun_s) < WITHIN_S
+        time.sleep(LEASE_S)
+        before, dropped = behind.speeds_sent(), behind.hub.seat.dropped
+        proxy.flows.set()
+        until(lambda: behind.hub.seat.dropped >= dropped + 15)
+        assert behind.speeds_sent() == before
+
+
+def test_after_a_stall_hands_must_be_off_once(behind: Station, proxy: Proxy) -> None:
+    with Visitor(behind, port=proxy.port) as driver:
+        driver.arm()
+        driver.draw_for(0.5, 0.4)
+        proxy.flows.clear()
+        until(lambda: not behind.driven)
+        time.sleep(LEASE_S)
+        proxy.flows.set()
+        before = behind.speeds_sent()
+        driver.draw_for(1.0, 0.4)
+        assert behind.speeds_sent() == before
+        assert "let go" in driver.frame["why"]
+        driver.draw_for(0.2, 0.0)
+        driver.draw_for(0.5, 0.4)
+        assert behind.driven
+
+
+def test_a_browser_behind_a_stalled_socket_stops_the_robot(
+    behind: Station, proxy: Proxy, visit: Callable[..., Page]
+) -> None:
+    page = visit(f"http://127.0.0.1:{proxy.port}/")
+    arm(page)
+    hold_pad(page, rt=1.0)
+    behind.wait_until_driven()
+    begun_s = time.monotonic()
+    proxy.flows.clear()
+    assert behind.wait_until_stopped(begun_s) < WITHIN_S
+    time.sleep(2 * LEASE_S)
+    before = behind.speeds_sent()
+    proxy.flows.set()
+    time.sleep(4 * LEASE_S)
+    assert behind.speeds_sent() == before, "it drove on with a button that was held all the time"
+
+
+def test_one_tick_feeds_one_lease_however_often_it_is_answered(station: Make) -> None:
+    here = station()
+    with Visitor(here) as driver:
+        driver.arm()
+        driver.draw(0.4)
+        begun_s = time.monotonic()
+        while time.monotonic() - begun_s < 4 * LEASE_S:
+            driver.answer(driver.tick, 0.4)
+            time.sleep(0.01)
+            if time.monotonic() - begun_s > WITHIN_S:
+                assert not here.driven
+        assert here.hub.seat.dropped > 0
+
+
+def test_ticks_that_were_never_sent_count_for_nothing(station: Make) -> None:
+    here = station()
+    with Visitor(here) as driver:
+        driver.arm()
+        before = here.speeds_sent()
+        for tick in (driver.tick + 1, driver.tick + 1000, 0, -1, 10**30):
+            driver.answer(tick, 1.0)
+        driver.draw_for(0.3)
+        assert here.speeds_sent() == before
+        assert here.hub.seat.dropped >= 5
+
+
+def test_ticks_of_another_connection_count_for_nothing(station: Make) -> None:
+    here = station()
+    with Visitor(here) as driver:
+        driver.arm()
+        old = driver.tick
+    until(lambda: here.hub.seat.driver is None)
+    with Visitor(here) as driver:
+        driver.say("take")
+        driver.say("arm", tick=old)
+        driver.answer(old, 1.0)
+        driver.draw_for(0.3)
+        assert not here.robot.facts.armed
+        assert here.speeds_sent() == 0
+
+
+def test_full_deflection_is_the_lower_of_limit_and_ceiling(station: Make) -> None:
+    here = station(max_linear_m_s=0.5, min_linear_m_s=-0.4)
+    with Visitor(here) as driver:
+        driver.arm()
+        driver.draw_for(0.3, 1.0)
+        assert here.sim.state.last_linear_m_s == pytest.approx(0.4, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    "hands",
+    [
+        {"forward": 1.01},
+        {"forward": 1e300},
+        {"forward": "1"},
+        {"forward": True},
+        {"left": -2.0},
+        {"left": None},
+        {"scale": 0.0},
+        {"scale": 1.5},
+        {"scale": []},
+    ],
+)
+def test_an_input_out_of_range_ends_the_connection_and_the_drive(
+    hands: dict[str, object], station: Make
+) -> None:
+    here = station()
+    with Visitor(here) as driver:
+        driver.arm()
+        driver.draw_for(0.2, 0.4)
+        whole = {"forward": 0.0, "left": 0.0, "scale": 1.0} | hands
+        driver.say("drawn", tick=driver.tick, hands=whole)
+        until(lambda: here.hub.seat.driver is None)
+        until(lambda: not here.driven)
+        assert not here.robot.facts.armed
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "{",
+        "[]",
+        "1",
+        '{"type":"fly"}',
+        '{"type":"drawn"}',
+        '{"type":"drawn","tick":true}',
+        '{"type":"drawn","tick":1,"hands":7}',
+        '{"type":"drawn","tick":1,"hands":{"forward":NaN,"left":0,"scale":1}}',
+        '{"type":"arm","tick":"1"}',
+        "[" * 1900,
+        "x" * 3000,
+        "x" * 100_000,
+    ],
+)
+def test_nonsense_ends_the_connection_and_nothing_else(text: str, station: Make) -> None:
+    here = station()
+    with Visitor(here) as other, Visitor(here) as visitor:
+        visitor.socket.send(text)
+        until(lambda: len(here.hub.pages) == 1)
+        other.draw_for(0.2)
+
+
+def test_a_flood_ends_the_connection(station: Make) -> None:
+    here = station()
+    with Visitor(here) as visitor:
+        for _ in range(400):
+            visitor.say("drawn", tick=1)
+        until(lambda: not here.hub.pages)
+
+
+def test_a_page_that_answers_nothing_gets_no_more_and_loses_nothing_of_the_others(
+    station: Make,
+) -> None:
+    here = station()
+    with Visitor(here) as silent, Visitor(here) as other:
+        other.draw_for(1.0)
+        seen = 0
+        silent.socket.recv(timeout=5)  # hello
+        while True:
+            try:
+                seen += '"type":"frame"' in str(silent.socket.recv(timeout=0.3))
+            except TimeoutError:
+                break
+        assert 1 <= seen <= 3
+        assert other.frame["pages"] == 2
+
+
+def test_only_the_seat_drives_arms_and_disarms(station: Make) -> None:
+    here = station()
+    with Visitor(here) as driver, Visitor(here) as other:
+        driver.arm()
+        for kind in ("arm", "disarm"):
+            other.draw()
+            other.say(kind, tick=other.tick)
+            until(lambda: other.hear()["type"] == "refused")
+        other.draw(1.0)
+        until(lambda: other.hear()["type"] == "refused")
+        driver.draw_for(0.3, 0.0)
+        assert here.robot.facts.armed
+        assert here.speeds_sent() == 0
+
+
+def test_without_allow_drive_nothing_that_a_page_says_sends_a_command(station: Make) -> None:
+    here = station(allow_drive=False)
+    with Visitor(here) as visitor:
+        for kind in ("take", "arm", "stop", "disarm", "leave"):
+            visitor.draw()
+            visitor.say(kind, tick=visitor.tick)
+        visitor.draw(1.0)
+        visitor.draw_for(0.3)
+        assert len(visitor.refusals) >= 4
+        assert here.sim.state.speed_commands == 0
+
+
+def test_without_a_simulator_there_is_no_panel(station: Make) -> None:
+    here = station()
+    with Visitor(here) as visitor:
+        visitor.draw()
+        visitor.say("panel", line="power off")
+        until(lambda: visitor.hear()["type"] == "refused")
+        assert here.sim.state.powered

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: MIT
+#
+# Sets ROBUROC4_LCM_FOUND and makes the target roburoc4_lcm_network (LCM's headers and library) and
+# ROBUROC4_LCM_GEN (its code generator), all three from one place. Looked for, in this order:
+#
+#   CMAKE_PREFIX_PATH   the prefix of an LCM, or the folder site-packages that pip installed lcm in
+#   the system          Debian: liblcm-dev and liblcm-bin
+#   python3             where `import lcm` finds PyPI's lcm, which brings all of it
+
+function(roburoc4_find_lcm)
+    set(hints)
+    find_program(ROBUROC4_LCM_PYTHON NAMES python3 python)
+    if(ROBUROC4_LCM_PYTHON)
+        execute_process(
+            COMMAND ${ROBUROC4_LCM_PYTHON} -c
+                "import lcm, os; print(os.path.dirname(os.path.dirname(lcm.__file__)))"
+            OUTPUT_VARIABLE hints OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+    endif()
+    find_path(ROBUROC4_LCM_INCLUDE lcm/lcm.h PATHS ${hints}/include)
+    if(ROBUROC4_LCM_INCLUDE)
+        cmake_path(GET ROBUROC4_LCM_INCLUDE PARENT_PATH prefix)
+        foreach(ending "" "/${CMAKE_LIBRARY_ARCHITECTURE}")
+            find_library(ROBUROC4_LCM_LIBRARY NAMES lcm PATHS ${prefix}/lib${ending} NO_DEFAULT_PATH)
+        endforeach()
+        find_library(ROBUROC4_LCM_LIBRARY NAMES lcm)
+        find_program(ROBUROC4_LCM_GEN NAMES lcm-gen PATHS ${prefix}/bin NO_DEFAULT_PATH)
+        find_program(ROBUROC4_LCM_GEN NAMES lcm-gen)
+    endif()
+    mark_as_advanced(ROBUROC4_LCM_PYTHON ROBUROC4_LCM_INCLUDE ROBUROC4_LCM_LIBRARY ROBUROC4_LCM_GEN)
+    set(ROBUROC4_LCM_FOUND OFF PARENT_SCOPE)
+    if(ROBUROC4_LCM_INCLUDE AND ROBUROC4_LCM_LIBRARY AND ROBUROC4_LCM_GEN)
+        add_library(roburoc4_lcm_network INTERFACE)
+        target_include_directories(roburoc4_lcm_network SYSTEM INTERFACE ${ROBUROC4_LCM_INCLUDE})
+        target_link_libraries(roburoc4_lcm_network INTERFACE ${ROBUROC4_LCM_LIBRARY})
+        set(ROBUROC4_LCM_FOUND ON PARENT_SCOPE)
+    endif()
+endfunction()
+
+set(ROBUROC4_LCM_FOUND OFF)
+if(ROBUROC4_WITH_LCM STREQUAL "ON" OR NOT CMAKE_CROSSCOMPILING)
+    roburoc4_find_lcm()
+endif()
+if(ROBUROC4_LCM_FOUND)
+    message(STATUS "LCM: ${ROBUROC4_LCM_LIBRARY}, ${ROBUROC4_LCM_GEN}")
+elseif(ROBUROC4_WITH_LCM STREQUAL "ON")
+    message(FATAL_ERROR "LCM was not found: install it (Debian: apt-get install liblcm-dev "
+        "liblcm-bin; or pip install lcm and give its site-packages as CMAKE_PREFIX_PATH), or "
+        "configure with -DROBUROC4_WITH_LCM=OFF")
+else()
+    message(STATUS "The LCM bridge is off: LCM was not found (Debian: apt-get install liblcm-dev "
+        "liblcm-bin; or pip install lcm)")
+endif()

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: MIT */
+#include "channels.h"
+
+#include <string.h>
+
+static const char *const keys[] = {
+    "DIFFERENTIAL", "LOCALIZATION",  "BATTERY",   "TELEMETER",      "IOCARD",
+    "PROPERTIES",   "BRIDGE_STATUS", "DRIVE_CMD", "RELOCALIZE_CMD", "OUTPUT_CMD",
+};
+
+bool channels_set_prefix(channel_names *names, const char *prefix) {
+    size_t length = strlen(prefix);
+    memset(names, 0, sizeof *names);
+    for (size_t at = 0; at < CHANNEL_POSE; at++) {
+        if (length + 1 + strlen(keys[at]) > CHANNEL_MAX_NAME) {
+            return false;
+        }
+        memcpy(names->name[at], prefix, length);
+        names->name[at][length] = '_';
+        memcpy(names->name[at] + length + 1, keys[at], strlen(keys[at]) + 1);
+    }
+    return true;
+}
+
+enum channel channels_find(const char *key, size_t length) {
+    size_t at = 0;
+    while (at < CHANNEL_POSE &&
+           (strlen(keys[at]) != length || memcmp(keys[at], key, length) != 0)) {
+        at++;
+    }
+    return at < CHANNEL_POSE ? (enum channel)at : CHANNELS;
+}
+
+bool channels_is_name(const char *name) {
+    static const char fit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-/";
+    size_t length = strlen(name);
+    return length > 0 && length <= CHANNEL_MAX_NAME && strspn(name, fit) == length;
+}
+
+bool channels_is_command(enum channel channel) {
+    return channel >= CHANNEL_DRIVE_CMD && channel <= CHANNEL_OUTPUT_CMD;
+}
+
+bool channels_ends_in_cmd(const char *name) {
+    size_t length = strlen(name);
+    return length >= 4 && strcmp(name + length - 4, "_CMD") == 0;
+}

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The channels of a robot and their names.
+ */
+#ifndef ROBUROC4_LCM_CHANNELS_H
+#define ROBUROC4_LCM_CHANNELS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum channel {
+    CHANNEL_DIFFERENTIAL,
+    CHANNEL_LOCALIZATION,
+    CHANNEL_BATTERY,
+    CHANNEL_TELEMETER,
+    CHANNEL_IOCARD,
+    CHANNEL_PROPERTIES,
+    CHANNEL_BRIDGE_STATUS,
+    CHANNEL_DRIVE_CMD, /* the commands, in the order of enum gate_kind */
+    CHANNEL_RELOCALIZE_CMD,
+    CHANNEL_OUTPUT_CMD,
+    CHANNEL_POSE, /* "" where it is not wanted */
+    CHANNELS
+};
+
+/* LCM's longest channel name, and room for it. */
+#define CHANNEL_MAX_NAME 63
+
+typedef struct channel_names {
+    char name[CHANNELS][CHANNEL_MAX_NAME + 1];
+} channel_names;
+
+/* Prefix and "_DIFFERENTIAL" and so on; no pose. False where the prefix makes a name too long. */
+bool channels_set_prefix(channel_names *names, const char *prefix);
+/* The channel with this key, such as "DRIVE_CMD", of `length` bytes; CHANNELS for none. */
+enum channel channels_find(const char *key, size_t length);
+/* Whether LCM, which takes names for patterns, understands this one as itself. */
+bool channels_is_name(const char *name);
+bool channels_is_command(enum channel channel);
+/* Whether a name is that of a command: it ends in _CMD. */
+bool channels_ends_in_cmd(const char *name);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * drive_to: drive to a point of the robot's own frame, by its odometry, through roburoc4-lcm.
+ *
+ *     drive_to X_M Y_M [CHANNEL_PREFIX]
+ *
+ * It steers by each ROBUROC4_LOCALIZATION that arrives, commands on ROBUROC4_DRIVE_CMD, and repeats
+ * what ROBUROC4_BRIDGE_STATUS has to say. Where somebody takes the robot over, or it is lost, it
+ * ends: to go on is for a person to decide. LCM's network is that of $LCM_DEFAULT_URL. Exit status:
+ * 0 arrived, 1 stopped, no statuses, or not within 60 s, 2 bad usage.
+ */
+#include <lcm/lcm.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/time.h>
+
+#include "roburoc4_lcm.h"
+
+#define NEAR_M 0.1
+#define MAX_LINEAR_M_S 0.5
+#define MAX_ANGULAR_RAD_S 0.8
+#define PATIENCE_S 60
+#define SILENCE_MS 2000
+
+typedef struct trip {
+    lcm_t *lcm;
+    char command_channel[64];
+    double goal_x_m;
+    double goal_y_m;
+    int driven; /* it was armed for us */
+    int arrived;
+    int stopped;
+    char said[256];
+} trip;
+
+static int64_t now_us(void) {
+    struct timeval now;
+    (void)gettimeofday(&now, NULL);
+    return (int64_t)now.tv_sec * 1000000 + now.tv_usec;
+}
+
+static double within(double value, double limit) {
+    return fmax(-limit, fmin(limit, value));
+}
+
+static void drive(trip *trip, double linear_m_s, double angular_rad_s) {
+    roburoc4_lcm_drive_command_t command = {
+        .utime = now_us(),
+        .sender = "drive_to",
+        .linear_m_s = linear_m_s,
+        .angular_rad_s = angular_rad_s,
+        .lease_us = 200000, /* a hung program stops the robot that soon */
+    };
+    (void)roburoc4_lcm_drive_command_t_publish(trip->lcm, trip->command_channel, &command);
+}
+
+static void on_localization(const lcm_recv_buf_t *buffer, const char *channel,
+                            const roburoc4_lcm_localization_status_t *pose, void *user) {
+    trip *trip = user;
+    (void)buffer;
+    (void)channel;
+    double x_m = trip->goal_x_m - pose->x_m;
+    double y_m = trip->goal_y_m - pose->y_m;
+    double distance_m = hypot(x_m, y_m);
+    /* How far to the left the goal lies, -pi to pi. */
+    double bearing_rad = remainder(atan2(y_m, x_m) - pose->theta_rad, 2.0 * acos(-1.0));
+    if (distance_m < NEAR_M) {
+        trip->arrived = 1;
+        drive(trip, 0.0, 0.0);
+        (void)printf("arrived at %.2f %.2f\n", pose->x_m, pose->y_m);
+        return;
+    }
+    /* Ahead only as far as it looks at the goal; gently at the end. */
+    double ahead = fmax(0.0, cos(bearing_rad));
+    drive(trip, within(0.6 * distance_m * ahead * ahead, MAX_LINEAR_M_S),
+          within(1.2 * bearing_rad, MAX_ANGULAR_RAD_S));
+}
+
+static void on_bridge_status(const lcm_recv_buf_t *buffer, const char *channel,
+                             const roburoc4_lcm_bridge_status_t *status, void *user) {
+    trip *trip = user;
+    (void)buffer;
+    (void)channel;
+    trip->stopped = trip->driven != 0 && status->waiting != 0;
+    trip->driven = trip->driven != 0 || status->driving != 0;
+    if (strcmp(status->message, trip->said) != 0) {
+        (void)snprintf(trip->said, sizeof trip->said, "%s", status->message);
+        (void)printf("bridge: %s\n", trip->said);
+    }
+}
+
+static int travel(trip *trip) {
+    int64_t begun_us = now_us();
+    while (trip->arrived == 0 && trip->stopped == 0) {
+        if (lcm_handle_timeout(trip->lcm, SILENCE_MS) <= 0) {
+            (void)fprintf(stderr,
+                          "drive_to: no message for %d ms: is roburoc4-lcm running, with "
+                          "--enable-drive and on this LCM network?\n",
+                          SILENCE_MS);
+            return 1;
+        }
+        if (now_us() - begun_us > PATIENCE_S * 1000000LL) {
+            (void)fprintf(stderr, "drive_to: not there after %d s\n", PATIENCE_S);
+            return 1;
+        }
+    }
+    return trip->arrived != 0 ? 0 : 1;
+}
+
+static int read_number(const char *text, double *value) {
+    char *end = NULL;
+    *value = strtod(text, &end);
+    return end != text && *end == '\0' && isfinite(*value);
+}
+
+int main(int count, char **arguments) {
+    trip trip;
+    memset(&trip, 0, sizeof trip);
+    if (count < 3 || count > 4 || !read_number(arguments[1], &trip.goal_x_m) ||
+        !read_number(arguments[2], &trip.goal_y_m)) {
+        (void)fprintf(stderr, "usage: drive_to X_M Y_M [CHANNEL_PREFIX], such as drive_to 2 1\n");
+        return 2;
+    }
+    const char *prefix = count == 4 ? arguments[3] : "ROBUROC4";
+    char channel[64];
+    (void)setvbuf(stdout, NULL, _IOLBF, BUFSIZ);
+    trip.lcm = lcm_create(NULL);
+    if (trip.lcm == NULL) {
+        (void)fprintf(stderr, "drive_to: no LCM network; see the manual page roburoc4-lcm(1)\n");
+        return 1;
+    }
+    (void)snprintf(trip.command_channel, sizeof trip.command_channel, "%s_DRIVE_CMD", prefix);
+    (void)snprintf(channel, sizeof channel, "%s_LOCALIZATION", prefix);
+    (void)roburoc4_lcm_localization_status_t_subscribe(trip.lcm, channel, on_localization, &trip);
+    (void)snprintf(channel, sizeof channel, "%s_BRIDGE_STATUS", prefix);
+    (void)roburoc4_lcm_bridge_status_t_subscribe(trip.lcm, channel, on_bridge_status, &trip);
+    int status = travel(&trip);
+    lcm_destroy(trip.lcm);
+    return status;
+}

@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: MIT */
+#include "gate.h"
+
+#include <string.h>
+
+#include "roburoc4.h"
+
+void gate_init(gate *gate, const gate_rules *rules, gate_time now) {
+    memset(gate, 0, sizeof *gate);
+    gate->rules = *rules;
+    gate->start = now;
+    gate->seat = GATE_SENDERS;
+    gate->fresh = true;
+    gate->arms_alone = true;
+}
+
+/* ------------------------------------------------------------------------------------- pauses ---
+ */
+
+void gate_hold(gate *gate, uint64_t now_us) {
+    gate->waiting = true;
+    gate->fresh = false;
+    gate->quiet_since_us = now_us;
+}
+
+bool gate_is_waiting(gate *gate, uint64_t now_us) {
+    if (gate->waiting && now_us - gate->quiet_since_us >= GATE_PAUSE_US) {
+        gate->waiting = false;
+    }
+    return gate->waiting;
+}
+
+void gate_armed(gate *gate) {
+    gate->fresh = false;
+    gate->arms_alone = false;
+}
+
+/* Refusals that end by themselves while a robot that nobody touches is being read. */
+static bool is_early(int32_t refusal) {
+    switch (refusal) {
+    case ROBUROC4_ERR_NOT_READY:
+    case ROBUROC4_ERR_NO_DIFFERENTIAL:
+    case ROBUROC4_ERR_LIMITS:
+    case ROBUROC4_ERR_STALE_DIFFERENTIAL:
+    case ROBUROC4_ERR_STALE_IOCARD:
+    case ROBUROC4_ERR_OVERRIDE_UNKNOWN:
+        return true;
+    default:
+        return false;
+    }
+}
+
+bool gate_wants_arming(gate *gate, const gate_robot *robot, uint64_t now_us) {
+    if (!gate->rules.enabled[GATE_DRIVE] || !gate->arms_alone || !robot->ready || robot->armed ||
+        gate_is_waiting(gate, now_us)) {
+        return false;
+    }
+    if (robot->arm_refusal < 0 && !is_early(robot->arm_refusal)) {
+        gate_hold(gate, now_us); /* in other hands: a planner that streams already must pause */
+    }
+    return robot->arm_refusal >= 0;
+}
+
+/* ------------------------------------------------------------------------------------ senders ---
+ */
+
+static uint32_t find_sender(const gate *gate, const gate_command *command) {
+    uint32_t at = 0;
+    while (at < GATE_SENDERS &&
+           (gate->senders[at].length != command->sender_length ||
+            memcmp(gate->senders[at].name, command->sender, command->sender_length) != 0)) {
+        at++;
+    }
+    return at;
+}
+
+/* What an old sender sent is rejected for its age already, so it may be forgotten. */
+static bool is_forgettable(const gate *gate, uint32_t at, gate_time now) {
+    const gate_sender *sender = &gate->senders[at];
+    if (sender->length == 0) {
+        return true;
+    }
+    if (gate->rules.max_age_us == 0 || (at == gate->seat && now.us < gate->seat_until_us)) {
+        return false;
+    }
+    for (uint32_t kind = 0; kind < GATE_KINDS; kind++) {
+        if (now.utime - sender->utime[kind] <= (int64_t)gate->rules.max_age_us) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* The sender's place, a new one where it has none; GATE_SENDERS where all are in use. */
+static uint32_t place_of(gate *gate, const gate_command *command, gate_time now) {
+    uint32_t at = find_sender(gate, command);
+    if (at < GATE_SENDERS) {
+        return at;
+    }
+    for (at = 0; at < GATE_SENDERS && !is_forgettable(gate, at, now); at++) {
+    }
+    if (at < GATE_SENDERS) {
+        gate_sender *sender = &gate->senders[at];
+        memset(sender, 0, sizeof *sender);
+        sender->length = (uint8_t)command->sender_length;
+        memcpy(sender->name, command->sender, command->sender_length);
+        if (gate->seat == at) {
+            gate->seat = GATE_SENDERS;
+        }
+    }
+    return at;
+}
+
+const char *gate_commander(const gate *gate, uint64_t now_us, size_t *length) {
+    if (gate->seat == GATE_SENDERS || now_us >= gate->seat_until_us) {
+        return NULL;
+    }
+    *length = gate->senders[gate->seat].length;
+    return gate->senders[gate->seat].name;
+}
+
+/* -------------------------------------------------------------------------------------- times ---
+ */
+
+void gate_clock_was_set(gate *gate, gate_time now) {
+    gate->start = now;
+    memset(gate->senders, 0, sizeof gate->senders);
+    gate->seat = GATE_SENDERS;
+    gate_hold(gate, now.us);
+}
+
+/* Whether a utime says that the command is alive. The values of a wire: no sum may overflow. */
+static enum gate_verdict judge_utime(const gate *gate, int64_t utime, gate_time now) {
+    int64_t max_age_us = (int64_t)gate->rules.max_age_us;
+    if (utime <= 0) {
+        return GATE_NO_UTIME;
+    }
+    if (now.us - gate->start.us < GATE_START_US) {
+        return GATE_STARTING;
+    }
+    if (max_age_us == 0) {
+        return GATE_TAKEN;
+    }
+    if (utime < now.utime - max_age_us) {
+        return GATE_TOO_OLD;
+    }
+    if (utime > now.utime + max_age_us) {
+        return GATE_IN_FUTURE;
+    }
+    return utime <= gate->start.utime + max_age_us ? GATE_STARTING : GATE_TAKEN;
+}
+
+/* What is left of a command's lease, which began when it arrived; 0 where it is over. */
+static uint32_t lease_left(const gate *gate, const gate_command *command, gate_time now) {
+    uint32_t lease_us = gate->rules.command_timeout_us;
+    if (command->lease_us > 0 && (uint32_t)command->lease_us < lease_us) {
+        lease_us = (uint32_t)command->lease_us;
+    }
+    if (lease_us < GATE_MIN_LEASE_US) {
+        lease_us = GATE_MIN_LEASE_US;
+    }
+    int64_t waited_us = now.utime - command->arrived_utime;
+    if (waited_us <= 0) {
+        return lease_us;
+    }
+    if (waited_us > (int64_t)lease_us) {
+        return 0;
+    }
+    lease_us -= (uint32_t)waited_us;
+    return lease_us < GATE_MIN_LEASE_US ? 0 : lease_us;
+}
+
+/* ------------------------------------------------------------------------------------ verdict ---
+ */
+
+/* What a command must have to be one. */
+static enum gate_verdict judge_form(const gate *gate, const gate_command *command) {
+    if (!gate->rules.enabled[command->kind]) {
+        return GATE_DISABLED;
+    }
+    if (command->sender_length == 0 || command->sender_length > GATE_MAX_SENDER) {
+        return GATE_SENDER;
+    }
+    return command->finite ? GATE_TAKEN : GATE_NOT_FINITE;
+}
+
+static enum gate_verdict judge_robot(gate *gate, const gate_command *command,
+                                     const gate_robot *robot, uint64_t now_us) {
+    if (!robot->ready) {
+        return GATE_NOT_READY;
+    }
+    if (gate_is_waiting(gate, now_us)) {
+        return GATE_DISARMED;
+    }
+    if (command->kind == GATE_DRIVE && !robot->armed && robot->arm_refusal < 0) {
+        return GATE_DISARMED;
+    }
+    return GATE_TAKEN;
+}
+
+static enum gate_verdict judge(gate *gate, const gate_command *command, const gate_robot *robot,
+                               gate_time now, uint32_t *lease_us) {
+    enum gate_verdict verdict = judge_form(gate, command);
+    if (verdict == GATE_TAKEN) {
+        verdict = judge_utime(gate, command->utime, now);
+    }
+    if (verdict != GATE_TAKEN) {
+        return verdict;
+    }
+    uint32_t place = place_of(gate, command, now);
+    if (place == GATE_SENDERS) {
+        return GATE_SENDER;
+    }
+    gate_sender *sender = &gate->senders[place];
+    if (command->utime <= sender->utime[command->kind]) {
+        return GATE_REPEATED;
+    }
+    sender->utime[command->kind] = command->utime;
+    *lease_us = lease_left(gate, command, now);
+    if (*lease_us == 0) {
+        return GATE_TOO_OLD;
+    }
+    if (gate->seat != GATE_SENDERS && gate->seat != place && now.us < gate->seat_until_us) {
+        return GATE_SEAT;
+    }
+    verdict = judge_robot(gate, command, robot, now.us);
+    if (verdict == GATE_TAKEN) {
+        uint64_t until_us = now.us + *lease_us;
+        /* A lamp that is switched does not shorten the seat of who drives. */
+        if (gate->seat != place || command->kind == GATE_DRIVE || until_us > gate->seat_until_us) {
+            gate->seat_until_us = until_us;
+        }
+        gate->seat = place;
+    }
+    return verdict;
+}
+
+enum gate_verdict gate_judge(gate *gate, const gate_command *command, const gate_robot *robot,
+                             gate_time now, uint32_t *lease_us) {
+    enum gate_verdict verdict = judge(gate, command, robot, now, lease_us);
+    if (verdict == GATE_TAKEN) {
+        return verdict;
+    }
+    gate_reject(gate, verdict);
+    /* Whoever is not silent keeps all waiting; and who goes on while the robot is away or in other
+     * hands must pause once it is back. */
+    bool away = !gate->fresh && judge_robot(gate, command, robot, now.us) != GATE_TAKEN;
+    if (!command->zero && away) {
+        gate_hold(gate, now.us);
+    }
+    return verdict;
+}
+
+void gate_count_taken(gate *gate, enum gate_kind kind) {
+    gate->taken[kind]++;
+}
+
+void gate_reject(gate *gate, enum gate_verdict verdict) {
+    gate->rejected[verdict]++;
+}
+
+int64_t gate_rejections(const gate *gate) {
+    int64_t sum = 0;
+    for (uint32_t cause = 0; cause < GATE_VERDICTS; cause++) {
+        sum += gate->rejected[cause];
+    }
+    return sum;
+}

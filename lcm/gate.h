@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The gate: which commands from the network may reach the robot, and the books of those that may
+ * not. A pure machine: times and facts in, a verdict out; no clock, no socket, no LCM.
+ *
+ * It promises that a command passes only if
+ *
+ *   its kind is enabled, and it has a sender, a utime, and finite values;
+ *   it is no older and no further in the future than max_age_us, its utime is later than the last
+ * of its sender and kind, and it was sent after the gate started: a log that is replayed moves
+ * nothing; nobody else's lease lives: one commander at a time, who keeps the seat until its lease
+ * is over; the robot is ready, and (to drive) armed, or can be armed; since the last disarm every
+ * sender has been silent, or has sent zero, for GATE_PAUSE_US.
+ *
+ * A replay within max_age_us of the original is caught by the sender's last utime, one across a
+ * restart by the start rule: what was sent before the start has a utime of at most
+ * start + max_age_us, even if the sender's clock is ahead.
+ */
+#ifndef ROBUROC4_LCM_GATE_H
+#define ROBUROC4_LCM_GATE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define GATE_PAUSE_US 500000u
+#define GATE_START_US 250000u
+#define GATE_MAX_SENDER 63
+#define GATE_SENDERS 32
+/* The shortest and the longest lease that the client can hold. */
+#define GATE_MIN_LEASE_US 20000u
+#define GATE_MAX_LEASE_US 1000000u
+
+enum gate_kind { GATE_DRIVE, GATE_RELOCALIZE, GATE_OUTPUT, GATE_KINDS };
+
+enum gate_verdict {
+    GATE_TAKEN,
+    GATE_MALFORMED,
+    GATE_DISABLED,
+    GATE_SENDER,
+    GATE_NO_UTIME,
+    GATE_NOT_FINITE,
+    GATE_STARTING,
+    GATE_TOO_OLD,
+    GATE_IN_FUTURE,
+    GATE_REPEATED,
+    GATE_SEAT,
+    GATE_NOT_READY,
+    GATE_DISARMED,
+    GATE_IMPOSSIBLE,
+    GATE_VERDICTS
+};
+
+typedef struct gate_rules {
+    bool enabled[GATE_KINDS];
+    uint32_t command_timeout_us; /* default and longest lease: GATE_MIN_ to GATE_MAX_LEASE_US */
+    uint32_t max_age_us;         /* 0: ages are not looked at */
+} gate_rules;
+
+/* Both clocks, read together. */
+typedef struct gate_time {
+    uint64_t us;   /* never goes back */
+    int64_t utime; /* microseconds since 1970 */
+} gate_time;
+
+/* What the gate has to know of a command. */
+typedef struct gate_command {
+    enum gate_kind kind;
+    const char *sender; /* sender_length bytes, no NUL needed */
+    size_t sender_length;
+    int64_t utime;
+    int64_t arrived_utime; /* this machine's clock when it came in */
+    int32_t lease_us;      /* its own; 0 or less for the default */
+    bool finite;
+    bool zero; /* asks for no motion */
+} gate_command;
+
+/* What the gate has to know of the robot. */
+typedef struct gate_robot {
+    bool ready;
+    bool armed;
+    int32_t arm_refusal; /* what arming would be refused for: ROBUROC4_ERR_*, or 0 */
+} gate_robot;
+
+/* A sender, and the latest utime of each kind that was heard from it. */
+typedef struct gate_sender {
+    uint8_t length; /* 0: free */
+    char name[GATE_MAX_SENDER];
+    int64_t utime[GATE_KINDS];
+} gate_sender;
+
+typedef struct gate {
+    gate_rules rules;
+    gate_time start;
+    gate_sender senders[GATE_SENDERS];
+    uint64_t seat_until_us;
+    uint64_t quiet_since_us; /* while waiting */
+    uint32_t seat;           /* index of the sender who has it, or GATE_SENDERS */
+    bool waiting;            /* after a disarm, until all have paused */
+    bool fresh;              /* neither armed nor disarmed yet */
+    bool arms_alone;         /* arms as soon as the robot can be: until the first arming */
+    int64_t taken[GATE_KINDS];
+    int64_t rejected[GATE_VERDICTS];
+} gate;
+
+/* A gate that starts now. */
+void gate_init(gate *gate, const gate_rules *rules, gate_time now);
+
+/* Judge one command, and count it unless it is taken: a caller who can take it says so with
+ * gate_count_taken(), else with gate_reject(). GATE_TAKEN of GATE_DRIVE for a robot that is not
+ * armed means: arm, then drive. *lease_us is set to how long the command lives from now. */
+enum gate_verdict gate_judge(gate *gate, const gate_command *command, const gate_robot *robot,
+                             gate_time now, uint32_t *lease_us);
+void gate_count_taken(gate *gate, enum gate_kind kind);
+/* Count a rejection that others decided on. */
+void gate_reject(gate *gate, enum gate_verdict verdict);
+
+/* The robot became armed. */
+void gate_armed(gate *gate);
+/* The robot was disarmed, overridden, lost or rebooted: wait until all senders have paused. */
+void gate_hold(gate *gate, uint64_t now_us);
+/* This machine's clock was set: all that is known of utimes is void. */
+void gate_clock_was_set(gate *gate, gate_time now);
+/* Whether to arm now although no command asks for it; may begin to wait where the robot is in
+ * other hands. */
+bool gate_wants_arming(gate *gate, const gate_robot *robot, uint64_t now_us);
+
+/* Whether commands are refused until all senders have paused. */
+bool gate_is_waiting(gate *gate, uint64_t now_us);
+/* The sender whose lease lives (*length bytes, no NUL), or NULL. */
+const char *gate_commander(const gate *gate, uint64_t now_us, size_t *length);
+/* How many commands were rejected, for all causes. */
+int64_t gate_rejections(const gate *gate);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

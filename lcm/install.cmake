@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: MIT
+#
+# What is installed of the LCM bridge; part of lcm/CMakeLists.txt.
+
+install(TARGETS roburoc4-lcm RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(FILES ${PROJECT_SOURCE_DIR}/docs/man/roburoc4-lcm.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+install(FILES ${types} DESTINATION ${CMAKE_INSTALL_DATADIR}/lcmtypes/roburoc4_lcm)
+install(DIRECTORY deploy/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/lcm)
+
+# The types for C: a static library, since LCM's generated code promises no ABI.
+install(TARGETS roburoc4_lcm_types
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT Development)
+install(DIRECTORY ${generated}/roburoc4_lcm/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/roburoc4_lcm
+    COMPONENT Development FILES_MATCHING PATTERN "*.h")
+set(PC_LIBDIR "${CMAKE_INSTALL_FULL_LIBDIR}")
+set(PC_INCLUDEDIR "${CMAKE_INSTALL_FULL_INCLUDEDIR}")
+if(NOT IS_ABSOLUTE "${CMAKE_INSTALL_LIBDIR}" AND NOT IS_ABSOLUTE "${CMAKE_INSTALL_INCLUDEDIR}")
+    file(RELATIVE_PATH up "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
+    set(PC_LIBDIR "\${pcfiledir}/${up}${CMAKE_INSTALL_LIBDIR}")
+    set(PC_INCLUDEDIR "\${pcfiledir}/${up}${CMAKE_INSTALL_INCLUDEDIR}")
+endif()
+configure_file(roburoc4-lcm.pc.in roburoc4-lcm.pc @ONLY)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/roburoc4-lcm.pc
+    DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT Development)
+
+# For Python: generated once by LCM 1.5 and kept, since 1.3.1's generator writes for Python 2.
+find_program(ROBUROC4_LCM_PYTHON NAMES python3 python)
+set(python_folder lib/python3/site-packages)
+if(ROBUROC4_LCM_PYTHON)
+    execute_process(
+        COMMAND ${ROBUROC4_LCM_PYTHON} -c
+            "import sysconfig as s; print(s.get_path('purelib', vars={'base': ''}).lstrip('/'))"
+        OUTPUT_VARIABLE python_folder OUTPUT_STRIP_TRAILING_WHITESPACE)
+    string(REGEX REPLACE "^local/" "" python_folder "${python_folder}")
+endif()
+set(ROBUROC4_PYTHON_DIR "${python_folder}" CACHE STRING
+    "Where the Python package roburoc4_lcm is installed, below the prefix")
+install(DIRECTORY python/roburoc4_lcm DESTINATION ${ROBUROC4_PYTHON_DIR}
+    FILES_MATCHING PATTERN "*.py" PATTERN "py.typed")
+
+# For Java, and with it MATLAB and lcm-spy, where there is a JDK and LCM's own jar.
+if(TARGET roburoc4_lcm_jar)
+    install(FILES ${CMAKE_CURRENT_BINARY_DIR}/lcmtypes_roburoc4.jar
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/java)
+endif()

@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * roburoc4-lcm: RobuROC4 robots on an LCM network. This file has the program's life and its loop:
+ * one poll() on LCM's descriptor and the robots' sockets.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include <lcm/lcm.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "clock.h"
+#include "log.h"
+#include "options.h"
+#include "robot.h"
+
+enum { EXIT_DONE = 0, EXIT_ERROR = 1, EXIT_USAGE = 2, EXIT_NO_LCM = 3 };
+
+/* A signal that comes right before poll() is seen at its end. */
+#define LONGEST_WAIT_US 200000u
+/* From a signal to the end; the zeros are sent at its beginning. */
+#define CLOSING_US 600000u
+/* Messages that are read before the robots have their turn again. */
+#define LCM_BURST 1000
+#define LCM_RETRY_US 1000000u
+/* Longer than this a command's lease may not begin late. */
+#define STALL_US 20000u
+
+static options settings;
+static robot robots[OPTIONS_MAX_ROBOTS];
+static uint32_t robot_count;
+static volatile sig_atomic_t stop_signal;
+
+static void on_signal(int number) {
+    stop_signal = number;
+}
+
+/* ----------------------------------------------------------------------------------------- LCM ---
+ */
+
+static void tell_remedy(void) {
+    log_line(LOG_ERROR, NULL, "no LCM network at %s",
+             settings.lcm_url != NULL ? settings.lcm_url : "LCM's default");
+    (void)fputs("LCM needs a route for multicast. For programs on this machine only:\n"
+                "    ip link set lo multicast on\n"
+                "    ip route add 224.0.0.0/4 dev lo\n"
+                "    roburoc4-lcm --lcm-url 'udpm://239.255.76.67:7667?ttl=0'\n"
+                "For a network, route it through its interface, and let packets travel one hop:\n"
+                "    ip route add 224.0.0.0/4 dev eth0\n"
+                "    roburoc4-lcm --lcm-url 'udpm://239.255.76.67:7667?ttl=1'\n"
+                "The other programs take the same URL from the variable LCM_DEFAULT_URL.\n",
+                stderr);
+}
+
+/* LCM works in a thread of its own, which must not take our signals. */
+static lcm_t *open_lcm(void) {
+    sigset_t stops;
+    sigset_t before;
+    (void)sigemptyset(&stops);
+    (void)sigaddset(&stops, SIGINT);
+    (void)sigaddset(&stops, SIGTERM);
+    (void)sigprocmask(SIG_BLOCK, &stops, &before);
+    lcm_t *lcm = lcm_create(settings.lcm_url);
+    for (uint32_t at = 0; lcm != NULL && at < settings.robot_count; at++) {
+        if (!robot_subscribe(&robots[at], lcm, &settings.robots[at])) {
+            lcm_destroy(lcm);
+            lcm = NULL;
+        }
+    }
+    (void)sigprocmask(SIG_SETMASK, &before, NULL);
+    return lcm;
+}
+
+/* Read what LCM has; false where it cannot be read. */
+static bool drain(lcm_t *lcm) {
+    int result = 1;
+    for (int count = 0; result > 0 && count < LCM_BURST; count++) {
+        result = lcm_handle_timeout(lcm, 0);
+    }
+    return result >= 0;
+}
+
+/* ---------------------------------------------------------------------------------------- loop ---
+ */
+
+static int wait_ms(uint64_t now_us, uint64_t until_us) {
+    for (uint32_t at = 0; at < robot_count; at++) {
+        uint64_t deadline_us = robot_deadline(&robots[at]);
+        until_us = deadline_us < until_us ? deadline_us : until_us;
+    }
+    return until_us <= now_us ? 0 : (int)((until_us - now_us + 999u) / 1000u);
+}
+
+/* Whether poll() took much longer than it was asked to: this process was stopped, or starved. */
+static void look_for_stall(gate_time before, uint64_t wait_us) {
+    gate_time now = clock_now();
+    if (now.us - before.us >= wait_us + STALL_US) {
+        for (uint32_t at = 0; at < robot_count; at++) {
+            robot_was_stalled(&robots[at], before.utime, now);
+        }
+    }
+}
+
+/* Wait, then serve whoever has something; false where a robot's socket is broken. */
+static bool turn(lcm_t *lcm, uint64_t *lcm_broken_us) {
+    struct pollfd watched[OPTIONS_MAX_ROBOTS + 1];
+    uint64_t now_us = clock_now().us;
+    bool good = true;
+    bool lcm_rests = *lcm_broken_us != 0 && now_us - *lcm_broken_us < LCM_RETRY_US;
+    for (uint32_t at = 0; at < robot_count; at++) {
+        watched[at].fd = (int)roburoc4_udp_fd(&robots[at].udp);
+        watched[at].events = POLLIN;
+        watched[at].revents = 0;
+    }
+    watched[robot_count].fd = lcm_rests ? -1 : lcm_get_fileno(lcm);
+    watched[robot_count].events = POLLIN;
+    watched[robot_count].revents = 0;
+    gate_time before = clock_now();
+    int wait = wait_ms(before.us, before.us + LONGEST_WAIT_US);
+    (void)poll(watched, robot_count + 1, wait);
+    look_for_stall(before, (uint64_t)wait * 1000u);
+
+    bool commands = watched[robot_count].revents != 0;
+    now_us = clock_now().us;
+    /* First what the robots say, [A] on the game pad above all, then what is asked of them. */
+    for (uint32_t at = 0; at < robot_count; at++) {
+        if (commands || watched[at].revents != 0 || robot_deadline(&robots[at]) <= now_us) {
+            good = robot_serve(&robots[at]) && good;
+        }
+    }
+    if (commands && !drain(lcm)) {
+        if (*lcm_broken_us == 0) {
+            log_line(LOG_ERROR, NULL, "LCM cannot be read: no commands; trying again each second");
+        }
+        *lcm_broken_us = now_us;
+    }
+    for (uint32_t at = 0; at < robot_count; at++) {
+        if (commands || watched[at].revents != 0 || robot_deadline(&robots[at]) <= now_us) {
+            robot_finish(&robots[at]);
+        }
+    }
+    return good;
+}
+
+static bool all_closed(void) {
+    for (uint32_t at = 0; at < robot_count; at++) {
+        if (!robot_is_closed(&robots[at])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Zeros, until the robots confirm them or the time is over. */
+static void close_robots(lcm_t *lcm) {
+    gate_time now = clock_now();
+    uint64_t lcm_broken_us = 0;
+    for (uint32_t at = 0; at < robot_count; at++) {
+        robot_close(&robots[at], now);
+        robot_finish(&robots[at]);
+    }
+    while (!all_closed() && clock_now().us - now.us < CLOSING_US && turn(lcm, &lcm_broken_us)) {
+    }
+    for (uint32_t at = 0; at < robot_count; at++) {
+        robot_end(&robots[at]);
+    }
+}
+
+static int run(lcm_t *lcm) {
+    gate_time now = clock_now();
+    uint64_t lcm_broken_us = 0;
+    bool good = true;
+    for (; good && robot_count < settings.robot_count; robot_count += good) {
+        good = robot_start(&robots[robot_count], &settings, &settings.robots[robot_count], now);
+    }
+    if (good) {
+        log_line(LOG_NOTE, NULL, "bridging %u robot%s; driving is %s", (unsigned)robot_count,
+                 robot_count == 1 ? "" : "s",
+                 settings.rules.enabled[GATE_DRIVE] ? "ON" : "off (--enable-drive)");
+    }
+    while (good && stop_signal == 0) {
+        good = turn(lcm, &lcm_broken_us);
+    }
+    close_robots(lcm);
+    return good ? EXIT_DONE : EXIT_ERROR;
+}
+
+static void catch_signals(void) {
+    struct sigaction action = {.sa_handler = on_signal};
+    (void)sigemptyset(&action.sa_mask);
+    (void)sigaction(SIGINT, &action, NULL);
+    (void)sigaction(SIGTERM, &action, NULL);
+}
+
+/* Where the command line asks for no bridge, or for none that can be. */
+static int end_early(enum options_result result, const char *error) {
+    switch (result) {
+    case OPTIONS_HELP:
+        (void)fputs(options_help, stdout);
+        return EXIT_DONE;
+    case OPTIONS_VERSION:
+        (void)printf("roburoc4-lcm %d.%d.%d\n", ROBUROC4_VERSION_MAJOR, ROBUROC4_VERSION_MINOR,
+                     ROBUROC4_VERSION_PATCH);
+        return EXIT_DONE;
+    default:
+        log_line(LOG_ERROR, NULL, "%s", error);
+        return result == OPTIONS_BAD ? EXIT_USAGE : EXIT_ERROR;
+    }
+}
+
+int main(int count, char **arguments) {
+    char error[OPTIONS_ERROR_SIZE];
+    enum options_result result = options_read(count, arguments, &settings, error, sizeof error);
+    if (result == OPTIONS_RUN) {
+        result = options_resolve(&settings, error, sizeof error);
+    }
+    if (result != OPTIONS_RUN) {
+        return end_early(result, error);
+    }
+    log_set_level(settings.level);
+    lcm_t *lcm = open_lcm();
+    if (lcm == NULL) {
+        tell_remedy();
+        return EXIT_NO_LCM;
+    }
+    catch_signals();
+    int code = run(lcm);
+    lcm_destroy(lcm);
+    return code;
+}

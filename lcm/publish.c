@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: MIT */
+#include "publish.h"
+
+#include <string.h>
+
+static uint8_t buffer[MAPPING_MAX_ENCODED];
+
+/* size: what an encoder returned. */
+static void send_bytes(robot *robot, enum channel channel, int size) {
+    if (size > 0 &&
+        lcm_publish(robot->lcm, robot->channels->name[channel], buffer, (unsigned)size) == 0) {
+        robot->published++;
+    } else {
+        robot->publish_errors++;
+    }
+}
+
+#define SEND(type, channel, message)                                                               \
+    send_bytes(robot, channel, type##_encode(buffer, 0, (int)sizeof buffer, &(message)))
+
+/* The robot's time on this machine's wall clock; now where the client cannot tell yet. */
+static int64_t wall_time(const robot *robot, uint64_t cycles, gate_time now) {
+    uint64_t host_us = 0;
+    if (roburoc4_client_host_time(&robot->client, cycles, &host_us) < 0) {
+        return now.utime;
+    }
+    return now.utime - (int64_t)(now.us - host_us);
+}
+
+static void publish_differential(robot *robot, gate_time now) {
+    roburoc4_lcm_differential_status_t out;
+    roburoc4_differential_status *in = &robot->speeds;
+    if (roburoc4_client_differential(&robot->client, in, NULL) >= 0) {
+        mapping_differential(in, wall_time(robot, in->robot_cycles, now), &out);
+        SEND(roburoc4_lcm_differential_status_t, CHANNEL_DIFFERENTIAL, out);
+    }
+}
+
+static void publish_localization(robot *robot, gate_time now) {
+    roburoc4_localization_status in;
+    roburoc4_lcm_localization_status_t out;
+    if (roburoc4_client_localization(&robot->client, &in, NULL) < 0) {
+        return;
+    }
+    int64_t utime = wall_time(robot, in.robot_cycles, now);
+    mapping_localization(&in, utime, &out);
+    SEND(roburoc4_lcm_localization_status_t, CHANNEL_LOCALIZATION, out);
+    if (robot->channels->name[CHANNEL_POSE][0] != '\0') {
+        bot_core_pose_t pose;
+        mapping_pose(&in, &robot->speeds, utime, &pose);
+        SEND(bot_core_pose_t, CHANNEL_POSE, pose);
+    }
+}
+
+static void publish_battery(robot *robot, gate_time now) {
+    roburoc4_battery_status in;
+    roburoc4_lcm_battery_status_t out;
+    if (roburoc4_client_battery(&robot->client, &in, NULL) >= 0) {
+        mapping_battery(&in, wall_time(robot, in.robot_cycles, now), &out);
+        SEND(roburoc4_lcm_battery_status_t, CHANNEL_BATTERY, out);
+    }
+}
+
+static void publish_telemeter(robot *robot, gate_time now) {
+    roburoc4_distances in;
+    roburoc4_lcm_telemeter_t storage[ROBUROC4_MAX_TELEMETERS];
+    roburoc4_lcm_telemeter_status_t out;
+    if (roburoc4_client_distances(&robot->client, &in, NULL) >= 0) {
+        mapping_telemeter(&in, robot->telemeters, robot->telemeter_count,
+                          wall_time(robot, in.robot_cycles, now), storage, &out);
+        SEND(roburoc4_lcm_telemeter_status_t, CHANNEL_TELEMETER, out);
+    }
+}
+
+static void publish_iocard(robot *robot, gate_time now) {
+    roburoc4_inputs in;
+    int8_t storage[ROBUROC4_MAX_DIGITAL_INPUTS];
+    roburoc4_lcm_iocard_status_t out;
+    if (roburoc4_client_inputs(&robot->client, &in, NULL) >= 0) {
+        mapping_iocard(&in, &robot->names, wall_time(robot, in.robot_cycles, now), storage, &out);
+        SEND(roburoc4_lcm_iocard_status_t, CHANNEL_IOCARD, out);
+    }
+}
+
+void publish_statuses(robot *robot, uint32_t events, gate_time now) {
+    static const struct {
+        uint32_t event;
+        void (*publish)(struct robot *robot, gate_time now);
+    } services[] = {
+        /* speeds before the pose that carries them */
+        {ROBUROC4_EVENT_DIFFERENTIAL, publish_differential},
+        {ROBUROC4_EVENT_LOCALIZATION, publish_localization},
+        {ROBUROC4_EVENT_BATTERY, publish_battery},
+        {ROBUROC4_EVENT_TELEMETER, publish_telemeter},
+        {ROBUROC4_EVENT_IOCARD, publish_iocard},
+    };
+    for (size_t at = 0; at < sizeof services / sizeof services[0]; at++) {
+        if (events & services[at].event) {
+            services[at].publish(robot, now);
+        }
+    }
+}
+
+void publish_properties(robot *robot, gate_time now) {
+    mapping_services storage;
+    roburoc4_lcm_robot_properties_t out;
+    mapping_properties(&robot->client, &robot->names, robot->address, now.utime, &storage, &out);
+    SEND(roburoc4_lcm_robot_properties_t, CHANNEL_PROPERTIES, out);
+}
+
+void publish_bridge_status(robot *robot, gate_time now) {
+    roburoc4_facts facts = {.size = sizeof facts};
+    roburoc4_link link = {.size = sizeof link};
+    mapping_texts storage;
+    roburoc4_lcm_bridge_status_t out;
+    (void)roburoc4_client_facts(&robot->client, now.us, &facts);
+    (void)roburoc4_client_link(&robot->client, now.us, &link);
+    mapping_view view = {
+        .now = now,
+        .robot = robot->address,
+        .facts = &facts,
+        .link = &link,
+        .gate = &robot->gate,
+        .fault = roburoc4_udp_fault(&robot->udp),
+        .heard = roburoc4_udp_count(&robot->udp, ROBUROC4_UDP_COUNT_RECEIVED) > 0,
+        .waiting = gate_is_waiting(&robot->gate, now.us),
+        .times_lost = roburoc4_client_count(&robot->client, ROBUROC4_COUNT_LOST),
+        .reboots = roburoc4_client_count(&robot->client, ROBUROC4_COUNT_REBOOTS),
+        .command_us = robot->command_us,
+        .superseded = robot->superseded,
+        .clamped = robot->clamped,
+        .published = robot->published,
+        .publish_errors = robot->publish_errors,
+    };
+    mapping_bridge_status(&view, &storage, &out);
+    SEND(roburoc4_lcm_bridge_status_t, CHANNEL_BRIDGE_STATUS, out);
+}

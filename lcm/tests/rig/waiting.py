@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: MIT
+"""Waiting for what must happen, and watching that something does not."""
+
+import time
+from collections.abc import Callable
+
+
+def until(condition: Callable[[], object], what: str, seconds: float = 10.0) -> None:
+    """Look again and again; fail where it does not come true."""
+    end = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > end:
+            raise AssertionError(f"did not happen within {seconds} s: {what}")
+        time.sleep(0.005)
+
+
+def holds(condition: Callable[[], object], what: str, seconds: float) -> None:
+    """Look again and again; fail where it does not stay true."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        assert condition(), f"no longer true: {what}"
+        time.sleep(0.005)

@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: MIT
+"""After a break nothing resumes by itself: commands that stream on are refused until they pause."""
+
+import signal
+import time
+from collections.abc import Callable
+
+import pytest
+import roburoc4_lcm
+from rig import Bridge, Bus, Planner, Robot, until
+from rig.bus import drive_command, now_us
+
+StartBridge = Callable[..., Bridge]
+Plan = Callable[..., Planner]
+Status = roburoc4_lcm.bridge_status_t
+
+
+def take_over(robot: Robot) -> None:
+    robot.tell("pad a down")
+    time.sleep(0.7)
+    robot.tell("pad a up")
+
+
+def reboot(robot: Robot) -> None:
+    robot.reboot()
+
+
+def pull_the_cable(robot: Robot) -> None:
+    robot.tap.cut = True
+    time.sleep(2.5)
+    robot.tap.cut = False
+
+
+BREAKS = {"override": take_over, "reboot": reboot, "cable": pull_the_cable}
+
+
+def break_off(robot: Robot, bridge: Bridge, kind: str) -> int:
+    """Break off while commands stream; when the bridge was ready again."""
+    until(robot.tap.moves, "a speed reaches the robot")
+    time.sleep(0.3)
+    BREAKS[kind](robot)
+    until(
+        lambda: (
+            bridge.status.waiting
+            and bridge.status.state == Status.STATE_READY
+            and not bridge.status.overridden
+        ),
+        "the bridge waits for a pause",
+        15,
+    )
+    return now_us()
+
+
+@pytest.mark.parametrize("kind", BREAKS)
+def test_after_a_break_it_stays_still_until_commands_pause(
+    robot: Robot, armed: Bridge, plan: Plan, kind: str
+) -> None:
+    planner = plan(linear=0.5, rate=20)
+    ready_us = break_off(robot, armed, kind)
+    refused = armed.status.rejected_disarmed
+    time.sleep(2.0)
+    assert robot.tap.moves(ready_us) == [], "commands stream, it stays still"
+    until(robot.stands, "the robot stands")
+    assert armed.status.rejected_disarmed > refused + 20
+    assert not armed.status.armed
+
+    planner.signal(signal.SIGSTOP)
+    until(lambda: armed.status.armed or not armed.status.waiting, "the pause is over")
+    assert robot.tap.moves(ready_us) == [], "a pause alone does not move it"
+    planner.signal(signal.SIGCONT)
+    until(lambda: robot.tap.moves(ready_us), "the next command drives")
+
+
+def test_a_break_stops_it_at_once(robot: Robot, armed: Bridge, plan: Plan) -> None:
+    plan(linear=0.5)
+    until(robot.tap.moves, "a speed reaches the robot")
+    time.sleep(0.3)
+    robot.tell("pad a down")
+    taken_us = now_us()
+    until(lambda: armed.status.overridden, "the bridge sees the override")
+    time.sleep(0.5)
+    # The IO card tells every 50 ms.
+    assert robot.tap.moves(taken_us + 250_000) == []
+    assert not armed.status.armed
+
+
+def test_zeros_are_a_pause_too(robot: Robot, bus: Bus, armed: Bridge, plan: Plan) -> None:
+    planner = plan(linear=0.5)
+    ready_us = break_off(robot, armed, "override")
+    planner.signal(signal.SIGKILL)
+    planner.ends()
+    for _ in range(20):
+        bus.publish("ROBUROC4_DRIVE_CMD", drive_command(0.0).encode())
+        time.sleep(0.05)
+    bus.publish("ROBUROC4_DRIVE_CMD", drive_command(0.5).encode())
+    until(lambda: robot.tap.moves(ready_us), "the next command drives")
+
+
+def test_every_sender_must_pause(robot: Robot, armed: Bridge, plan: Plan) -> None:
+    first = plan(linear=0.5, sender="first")
+    second = plan(linear=-0.5, sender="second")
+    ready_us = break_off(robot, armed, "override")
+    first.signal(signal.SIGKILL)
+    time.sleep(1.0)
+    assert armed.status.waiting
+    assert robot.tap.moves(ready_us) == []
+    second.signal(signal.SIGSTOP)
+    until(lambda: armed.status.armed or not armed.status.waiting, "the pause is over")
+    second.signal(signal.SIGCONT)
+    until(lambda: robot.tap.moves(ready_us), "the next command drives")
+
+
+def test_a_robot_that_is_absent_is_told_and_found(
+    robot: Robot, bus: Bus, start_bridge: StartBridge
+) -> None:
+    robot.tap.cut = True
+    bridge = start_bridge("--enable-drive")
+    until(
+        lambda: bridge.status and bridge.status.faults & Status.FAULT_SILENT,
+        "the bridge says that the robot is silent",
+    )
+    assert bridge.status.state == Status.STATE_CONNECTING
+    assert robot.address in bridge.status.message or "robot" in bridge.status.message.lower()
+    assert bridge.status.robot_age_us == -1
+    assert not bus.of("ROBUROC4_DIFFERENTIAL")
+    robot.tap.cut = False
+    bridge.connects()
+    until(lambda: bridge.status.armed, "the bridge arms")
+    assert bridge.status.faults == 0
+
+
+def test_a_port_where_nobody_listens_is_told(start_bridge: StartBridge) -> None:
+    bridge = start_bridge(address="127.0.0.1:9")
+    until(
+        lambda: bridge.status and bridge.status.faults & Status.FAULT_REFUSED,
+        "the bridge says that the port is closed",
+    )
+    assert bridge.running
+
+
+def test_commands_for_an_absent_robot_are_refused(
+    robot: Robot, start_bridge: StartBridge, plan: Plan
+) -> None:
+    robot.tap.cut = True
+    bridge = start_bridge("--enable-drive", "--enable-outputs")
+    planner = plan()
+    until(lambda: bridge.status and bridge.status.rejected_not_ready > 10, "commands are refused")
+    planner.end()
+    robot.tap.cut = False
+    bridge.connects()
+    time.sleep(1.0)
+    assert robot.tap.moves() == [], "what was said before is not driven later"
+
+
+def test_a_reboot_is_counted_and_statuses_go_on(
+    robot: Robot, bus: Bus, start_bridge: StartBridge
+) -> None:
+    bridge = start_bridge().connects()
+    time.sleep(0.5)
+    robot.reboot()
+    until(lambda: bridge.status.reboots == 1, "the reboot is counted", 15)
+    before = len(bus.of("ROBUROC4_LOCALIZATION"))
+    until(lambda: len(bus.of("ROBUROC4_LOCALIZATION")) > before + 10, "poses go on")
+    assert bus.last("ROBUROC4_LOCALIZATION").robot_cycles < 2000

@@ -1,0 +1,308 @@
+# SPDX-License-Identifier: MIT
+"""Commands that are taken, those that are not, and that each of these is told."""
+
+import math
+import struct
+import time
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+import roburoc4
+import roburoc4_lcm
+from rig import Bridge, Bus, Planner, Robot, until
+from rig.bus import drive_command, now_us
+
+StartBridge = Callable[..., Bridge]
+Plan = Callable[..., Planner]
+Status = roburoc4_lcm.bridge_status_t
+
+DRIVE = "ROBUROC4_DRIVE_CMD"
+REPLACE = 1
+"""The action of a relocalization on the wire."""
+
+
+def single(value: float) -> float:
+    return float(struct.unpack("f", struct.pack("f", value))[0])
+
+
+def wait_for_count(bridge: Bridge, counter: str, least: int) -> None:
+    until(
+        lambda: getattr(bridge.status, counter) >= least,
+        f"{counter} reaches {least}; the bridge said:\n{bridge.output}",
+    )
+
+
+def test_a_command_drives_the_robot(robot: Robot, armed: Bridge, plan: Plan) -> None:
+    plan(linear=0.4, angular=-0.3)
+    until(robot.tap.moves, "a speed reaches the robot")
+    time.sleep(1.0)
+    for command in robot.tap.moves():
+        assert command[1:] == (single(0.4), single(-0.3))
+    x_m, _, theta_rad = robot.true_pose()
+    assert x_m > 0.1
+    assert theta_rad < -0.05
+    assert armed.status.driving
+    assert armed.status.commander == "planner"
+    assert 0 < armed.status.lease_left_us <= 300_000
+    assert 0 <= armed.status.command_age_us < 300_000
+    assert armed.status.accepted_drive > 10
+
+
+def test_of_a_burst_of_100_commands_the_last_wins(robot: Robot, bus: Bus, armed: Bridge) -> None:
+    for index in range(100):
+        bus.publish(DRIVE, drive_command(-1.0 - index / 100, lease_us=300_000).encode())
+    last_us = now_us()
+    bus.publish(DRIVE, drive_command(0.5, lease_us=300_000).encode())
+    until(lambda: not armed.status.driving and armed.status.accepted_drive, "the lease is over")
+    status = armed.status
+    assert status.accepted_drive + status.superseded == 101
+    assert robot.tap.moves()[-1].linear_m_s == 0.5
+    later = [command for command in robot.tap.moves() if command.time_us > last_us + 100_000]
+    assert {command.linear_m_s for command in later} == {0.5}
+
+
+@pytest.mark.parametrize(
+    ("options", "asked_us", "lease_us"),
+    [
+        pytest.param([], 150_000, 150_000, id="its own"),
+        pytest.param([], 0, 300_000, id="the default"),
+        pytest.param([], -5, 300_000, id="negative: the default"),
+        pytest.param([], 2_000_000_000, 300_000, id="longer than allowed"),
+        pytest.param(["--command-timeout=120"], 0, 120_000, id="another default"),
+        pytest.param(["--command-timeout=120"], 200_000, 120_000, id="another cap"),
+    ],
+)
+def test_one_command_is_a_lease(
+    robot: Robot,
+    bus: Bus,
+    start_bridge: StartBridge,
+    options: list[str],
+    asked_us: int,
+    lease_us: int,
+) -> None:
+    start_bridge("--enable-drive", *options).arms()
+    given_us = now_us()
+    bus.publish(DRIVE, drive_command(0.3, lease_us=asked_us).encode())
+    until(robot.tap.moves, "a speed reaches the robot")
+    until(lambda: not robot.tap.commands()[-1].moves, "zero follows")
+    time.sleep(0.5)
+    commands = robot.tap.commands()
+    first_zero_us = next(command.time_us for command in commands if not command.moves)
+    assert lease_us - 5_000 <= first_zero_us - given_us <= lease_us + 150_000
+    assert not [command for command in robot.tap.moves() if command.time_us > first_zero_us]
+    # At least three zeros, or as many as the robot needs to confirm them.
+    assert len(commands) - len(robot.tap.moves()) >= 3
+    assert robot.speeds()[2:] == (0, 0)
+
+
+def test_speeds_are_clamped_to_the_limits_of_the_robot(
+    robot: Robot, bus: Bus, armed: Bridge
+) -> None:
+    bus.publish(DRIVE, drive_command(100.0, -100.0).encode())
+    until(robot.tap.moves, "a speed reaches the robot")
+    assert robot.tap.moves()[0][1:] == (single(2.6), single(-6.5))
+    wait_for_count(armed, "clamped", 1)
+
+
+COMMANDS: dict[str, Callable[[], Any]] = {
+    "DRIVE_CMD": lambda: drive_command(0.3),
+    "RELOCALIZE_CMD": lambda: relocalize_command(10.0),
+    "OUTPUT_CMD": lambda: output_command(3),
+}
+
+
+def relocalize_command(x_m: float) -> Any:
+    command = roburoc4_lcm.relocalize_command_t()
+    command.utime, command.sender = now_us(), "planner"
+    command.x_m, command.y_m, command.theta_rad = x_m, 5.0, 0.5
+    return command
+
+
+def output_command(index: int) -> Any:
+    command = roburoc4_lcm.output_command_t()
+    command.utime, command.sender = now_us(), "planner"
+    command.digital_count, command.digital_index, command.digital_on = 1, [index], [True]
+    return command
+
+
+def effects(robot: Robot) -> int:
+    """How many telegrams told the robot to do something."""
+    commands = [data for _, data in list(robot.tap.to_robot) if data[:1] == b"\xff"]
+    return len(commands) + len(relocalizations(robot))
+
+
+def relocalizations(robot: Robot) -> list[bytes]:
+    return [data for _, data in list(robot.tap.to_robot) if len(data) == 36 and data[0] != 0xFF]
+
+
+@pytest.mark.parametrize("kind", COMMANDS)
+@pytest.mark.parametrize(
+    ("fault", "counter"),
+    [
+        ({"utime": 0}, "rejected_no_utime"),
+        ({"utime": -5}, "rejected_no_utime"),
+        ({"ahead_us": -1_000_000}, "rejected_too_old"),
+        ({"ahead_us": 1_000_000}, "rejected_in_future"),
+        ({"sender": ""}, "rejected_sender"),
+        ({"sender": "x" * 64}, "rejected_sender"),
+    ],
+    ids=str,
+)
+def test_a_command_is_rejected_and_counted_by_cause(
+    robot: Robot, bus: Bus, willing: Bridge, kind: str, fault: dict[str, Any], counter: str
+) -> None:
+    command = COMMANDS[kind]()
+    for name, value in fault.items():
+        if name == "ahead_us":
+            command.utime += value
+        else:
+            setattr(command, name, value)
+    before = effects(robot)
+    bus.publish(f"ROBUROC4_{kind}", command.encode())
+    wait_for_count(willing, counter, 1)
+    time.sleep(0.1)
+    assert effects(robot) == before
+    assert getattr(willing.status, counter) == 1
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize(
+    ("kind", "field"),
+    [
+        ("DRIVE_CMD", "linear_m_s"),
+        ("DRIVE_CMD", "angular_rad_s"),
+        ("RELOCALIZE_CMD", "x_m"),
+        ("RELOCALIZE_CMD", "y_m"),
+        ("RELOCALIZE_CMD", "theta_rad"),
+    ],
+)
+def test_what_is_no_number_is_rejected(
+    robot: Robot, bus: Bus, willing: Bridge, kind: str, field: str, value: float
+) -> None:
+    command = COMMANDS[kind]()
+    setattr(command, field, value)
+    bus.publish(f"ROBUROC4_{kind}", command.encode())
+    wait_for_count(willing, "rejected_not_finite", 1)
+    assert effects(robot) == 0
+
+
+@pytest.mark.parametrize("kind", COMMANDS)
+def test_a_repeated_command_is_rejected(robot: Robot, bus: Bus, willing: Bridge, kind: str) -> None:
+    command = COMMANDS[kind]().encode()
+    bus.publish(f"ROBUROC4_{kind}", command)
+    until(lambda: effects(robot), "it is obeyed once")
+    bus.publish(f"ROBUROC4_{kind}", command)
+    wait_for_count(willing, "rejected_repeated", 1)
+
+
+def test_outputs_are_set(robot: Robot, bus: Bus, willing: Bridge) -> None:
+    bus.publish("ROBUROC4_OUTPUT_CMD", output_command(3).encode())
+    wait_for_count(willing, "accepted_output", 1)
+
+    def last() -> object:
+        said = [
+            roburoc4.decode(data, sender="client")
+            for _, data in list(robot.tap.to_robot)
+            if data[:1] == b"\xff"
+        ]
+        return said[-1] if said else None
+
+    until(lambda: isinstance(last(), roburoc4.IoCardCommand), "outputs reach the robot")
+    found = last()
+    assert isinstance(found, roburoc4.IoCardCommand)
+    assert [index for index, on in enumerate(found.digital_outputs) if on] == [3]
+
+
+@pytest.mark.parametrize("index", [0, 8, -1, 2**31 - 1])
+def test_outputs_that_do_not_exist_are_refused(
+    robot: Robot, bus: Bus, willing: Bridge, index: int
+) -> None:
+    bus.publish("ROBUROC4_OUTPUT_CMD", output_command(index).encode())
+    wait_for_count(willing, "rejected_impossible", 1)
+    assert effects(robot) == 0
+
+
+def test_the_robot_is_told_where_it_is(robot: Robot, bus: Bus, willing: Bridge) -> None:
+    bus.publish("ROBUROC4_RELOCALIZE_CMD", relocalize_command(10.0).encode())
+    until(
+        lambda: bus.last("ROBUROC4_LOCALIZATION").x_m == pytest.approx(10.0, abs=0.01),
+        "the new pose",
+    )
+    assert bus.last("ROBUROC4_LOCALIZATION").y_m == pytest.approx(5.0, abs=0.01)
+    assert bus.last("ROBUROC4_LOCALIZATION").theta_rad == pytest.approx(0.5, abs=0.01)
+    assert willing.status.accepted_relocalize == 1
+
+
+def test_without_enable_it_only_looks(
+    robot: Robot, bus: Bus, start_bridge: StartBridge, plan: Plan
+) -> None:
+    bridge = start_bridge().connects()
+    plan()
+    for _ in range(20):
+        for kind in ("RELOCALIZE_CMD", "OUTPUT_CMD"):
+            bus.publish(f"ROBUROC4_{kind}", COMMANDS[kind]().encode())
+        time.sleep(0.05)
+    wait_for_count(bridge, "rejected_disabled", 50)
+    assert effects(robot) == 0
+    bridge.end()
+    assert effects(robot) == 0, "not even a zero at the end"
+
+
+@pytest.mark.parametrize("enabled", ["drive", "outputs", "relocalize"])
+def test_each_kind_is_enabled_by_itself(
+    robot: Robot, bus: Bus, start_bridge: StartBridge, enabled: str
+) -> None:
+    bridge = start_bridge(f"--enable-{enabled}")
+    if enabled == "drive":
+        bridge.arms()
+    else:
+        bridge.connects()
+        until(lambda: bridge.status and bridge.status.state == Status.STATE_READY, "it is ready")
+    for kind, make in COMMANDS.items():
+        bus.publish(f"ROBUROC4_{kind}", make().encode())
+    wait_for_count(bridge, "rejected_disabled", 2)
+    until(lambda: effects(robot), "the third is obeyed")
+    status = bridge.status
+    assert status.accepted_drive == (enabled == "drive")
+    assert status.accepted_output == (enabled == "outputs")
+    assert status.accepted_relocalize == (enabled == "relocalize")
+
+
+def test_commands_right_after_the_start_are_not_taken(
+    robot: Robot, start_bridge: StartBridge, plan: Plan
+) -> None:
+    plan(rate=100)
+    started_us = now_us()
+    bridge = start_bridge("--enable-drive").connects()
+    until(robot.tap.moves, "in the end it drives")
+    assert robot.tap.moves()[0].time_us - started_us > 250_000
+    assert bridge.status.rejected_starting > 0
+
+
+def test_a_rejection_is_explained_once_in_the_log(bus: Bus, armed: Bridge) -> None:
+    for _ in range(5):
+        bus.publish(DRIVE, drive_command(0.3, utime=0).encode())
+    wait_for_count(armed, "rejected_no_utime", 5)
+    lines = [line for line in armed.output.splitlines() if "utime" in line]
+    assert len(lines) == 1, armed.output
+
+
+def test_different_clocks_are_hinted_at(bus: Bus, armed: Bridge) -> None:
+    bus.publish(DRIVE, drive_command(0.3, utime=now_us() - 3_600_000_000).encode())
+    wait_for_count(armed, "rejected_too_old", 1)
+    assert "clock" in armed.output
+    assert "--max-age" in armed.output
+
+
+def test_max_age_0_takes_commands_of_any_clock(
+    robot: Robot, start_bridge: StartBridge, plan: Plan
+) -> None:
+    start_bridge("--enable-drive", "--max-age=0").arms()
+    planner = plan(sender="slow", ahead_s=-3600)
+    until(robot.tap.moves, "it drives")
+    planner.end()
+    time.sleep(0.6)
+    before = len(robot.tap.moves())
+    plan(sender="fast", ahead_s=3600)
+    until(lambda: len(robot.tap.moves()) > before, "it drives again")

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: MIT
+"""lcm-logger records the robot, logs read back, and a replayed log moves nothing."""
+
+import signal
+import time
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+
+import lcm
+import pytest
+from rig import Bridge, Bus, Planner, Program, Programs, Robot, until
+from rig.bus import OUTPUTS, now_us
+
+Run = Callable[..., Program]
+StartBridge = Callable[..., Bridge]
+Plan = Callable[..., Planner]
+
+DRIVE = "ROBUROC4_DRIVE_CMD"
+
+
+@pytest.fixture
+def record(run: Run, bus: Bus, tmp_path: Path) -> Callable[[], tuple[Program, Path]]:
+    """Start lcm-logger, and wait until it has begun."""
+
+    def start() -> tuple[Program, Path]:
+        log = tmp_path / "lcmlog"
+        # Debian's lcm-logger knows the long option only.
+        logger = run(Programs.of_lcm("lcm-logger"), f"--lcm-url={bus.url}", log)
+        until(lambda: log.exists() and log.stat().st_size > 0, "lcm-logger writes")
+        return logger, log
+
+    return start
+
+
+def finish(logger: Program) -> None:
+    logger.signal(signal.SIGINT)
+    logger.ends()
+
+
+def replay(run: Run, bus: Bus, log: Path) -> None:
+    """Play all of a log to the bus, and wait for its end."""
+    player = run(Programs.of_lcm("lcm-logplayer"), f"--lcm-url={bus.url}", log)
+    assert player.ends(60) == 0, player.output
+
+
+def test_lcm_logger_records_and_the_log_reads_back(
+    robot: Robot, bus: Bus, armed: Bridge, plan: Plan, record: Callable[[], tuple[Program, Path]]
+) -> None:
+    logger, log = record()
+    begun_us = now_us()
+    plan()
+    time.sleep(2.0)
+    ended_us = now_us()
+    time.sleep(0.5)
+    finish(logger)
+    heard = [message for message in bus.messages if begun_us < message.time_us < ended_us]
+    events = list(lcm.EventLog(str(log), "r"))
+    recorded = Counter((event.channel, event.data) for event in events)
+    for message in heard:
+        assert recorded[message.channel, message.data] == 1, message.channel
+    assert {f"ROBUROC4_{end}" for end in OUTPUTS} | {DRIVE} <= {event.channel for event in events}
+    for event in events:
+        for end, kind in OUTPUTS.items():
+            if event.channel == f"ROBUROC4_{end}":
+                kind.decode(event.data)
+
+
+def rejected(bridge: Bridge) -> int:
+    status = bridge.status
+    return int(
+        status.rejected_too_old
+        + status.rejected_repeated
+        + status.rejected_in_future
+        + status.rejected_disarmed
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "ahead_s"),
+    [
+        pytest.param([], 0.0, id="good clock"),
+        pytest.param([], 0.15, id="sender's clock a little ahead"),
+        pytest.param(["--max-age=0"], 0.0, id="no max-age"),
+        pytest.param(["--max-age=0"], 3600.0, id="no max-age, sender an hour ahead"),
+        pytest.param(["--max-age=5000"], 4.0, id="long max-age, sender ahead"),
+    ],
+)
+def test_a_replayed_log_does_not_move_the_robot(
+    robot: Robot,
+    bus: Bus,
+    start_bridge: StartBridge,
+    plan: Plan,
+    run: Run,
+    record: Callable[[], tuple[Program, Path]],
+    options: list[str],
+    ahead_s: float,
+) -> None:
+    bridge = start_bridge("--enable-drive", *options).arms()
+    logger, log = record()
+    planner = plan(ahead_s=ahead_s)
+    until(robot.tap.moves, "live commands drive")
+    time.sleep(0.5)
+    planner.signal(signal.SIGKILL)
+    until(lambda: not bridge.status.driving, "the lease is over")
+    finish(logger)
+    time.sleep(0.3)
+    replayed_us = now_us()
+    before, heard = rejected(bridge), len(bus.of(DRIVE))
+    replay(run, bus, log)
+    time.sleep(0.5)
+    commands = len(bus.of(DRIVE)) - heard
+    assert commands > 5, "the log has commands"
+    assert robot.tap.moves(replayed_us) == []
+    assert rejected(bridge) - before == commands
+
+
+def test_a_log_replayed_within_max_age_does_not_move_the_robot(
+    robot: Robot, bus: Bus, armed: Bridge, plan: Plan
+) -> None:
+    planner = plan(ahead_s=0.15)
+    until(robot.tap.moves, "live commands drive")
+    planner.signal(signal.SIGKILL)
+    planner.ends()
+    robot_us = now_us()
+    time.sleep(0.05)
+    # Its utime is still later than now.
+    for message in bus.of(DRIVE):
+        bus.publish(DRIVE, message.data)
+    until(lambda: armed.status.rejected_repeated > 0, "they are refused")
+    time.sleep(0.5)
+    assert robot.tap.moves(robot_us + 450_000) == []
+
+
+def test_a_log_replayed_to_a_new_bridge_does_not_move_the_robot(
+    robot: Robot,
+    bus: Bus,
+    armed: Bridge,
+    start_bridge: StartBridge,
+    plan: Plan,
+    run: Run,
+    record: Callable[[], tuple[Program, Path]],
+) -> None:
+    logger, log = record()
+    planner = plan()
+    until(robot.tap.moves, "live commands drive")
+    time.sleep(0.5)
+    planner.end()
+    finish(logger)
+    armed.end()
+    bus.messages.clear()
+    bridge = start_bridge("--enable-drive").connects()
+    until(lambda: bridge.status and bridge.status.armed, "the new bridge arms")
+    replayed_us = now_us()
+    replay(run, bus, log)
+    time.sleep(0.5)
+    assert robot.tap.moves(replayed_us) == []

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: MIT
+"""Whatever comes in on the LCM port, the bridge lives, and the robot stays where it is."""
+
+import random
+import struct
+import time
+from collections.abc import Callable
+
+import pytest
+from rig import Bridge, Bus, Robot, until
+from rig.bus import drive_command, now_us
+from test_driving import COMMANDS
+
+MAGIC_SHORT = 0x4C433032
+MAGIC_LONG = 0x4C433033
+
+StartBridge = Callable[..., Bridge]
+
+
+def still_works(robot: Robot, bus: Bus, bridge: Bridge) -> None:
+    assert bridge.running, bridge.output
+    assert robot.tap.moves() == []
+    before = len(bus.of("ROBUROC4_LOCALIZATION"))
+    until(lambda: len(bus.of("ROBUROC4_LOCALIZATION")) > before + 3, "poses go on")
+    bus.publish("ROBUROC4_DRIVE_CMD", drive_command(0.3, sender="honest").encode())
+    until(robot.tap.moves, f"it can be driven; the bridge said:\n{bridge.output}")
+
+
+def short_packet(channel: bytes, payload: bytes) -> bytes:
+    return struct.pack(">II", MAGIC_SHORT, 1) + channel + b"\0" + payload
+
+
+def test_packets_that_are_not_of_lcm_are_survived(robot: Robot, bus: Bus, willing: Bridge) -> None:
+    channel = b"ROBUROC4_DRIVE_CMD"
+    good = drive_command(0.5, utime=now_us() + 3_600_000_000).encode()
+    packets = [
+        b"",
+        b"L",
+        b"\0" * 3,
+        struct.pack(">I", MAGIC_SHORT),
+        struct.pack(">II", MAGIC_SHORT, 0),
+        short_packet(b"", good),
+        short_packet(b"x" * 300, good),
+        struct.pack(">II", MAGIC_SHORT, 7) + b"no end of the channel" * 20,
+        short_packet(channel, b""),
+        # Fragments: a size of nothing, of too much, offsets beyond the end, and a last one only.
+        struct.pack(">IIIIHH", MAGIC_LONG, 1, 0, 0, 0, 1) + channel + b"\0" + good,
+        struct.pack(">IIIIHH", MAGIC_LONG, 2, 0xFFFFFFFF, 0, 0, 2) + channel + b"\0" + good,
+        struct.pack(">IIIIHH", MAGIC_LONG, 3, 100, 0xFFFFFFF0, 1, 2) + good,
+        struct.pack(">IIIIHH", MAGIC_LONG, 4, 100, 50, 7, 2) + good,
+        struct.pack(">IIIIHH", MAGIC_LONG, 5, 100, 0, 0, 0) + channel + b"\0" + good,
+        struct.pack(">IIII", MAGIC_LONG, 6, 100, 0),
+    ]
+    luck = random.Random(5)
+    for _ in range(2000):
+        packets.append(luck.randbytes(luck.randrange(200)))
+        magic = luck.choice([MAGIC_SHORT, MAGIC_LONG])
+        packets.append(struct.pack(">I", magic) + luck.randbytes(luck.randrange(200)))
+    with bus.deaf():
+        for packet in packets:
+            bus.raw(packet)
+        time.sleep(0.3)
+    still_works(robot, bus, willing)
+
+
+@pytest.mark.parametrize("kind", COMMANDS)
+def test_messages_that_are_no_commands_are_counted(
+    robot: Robot, bus: Bus, willing: Bridge, kind: str
+) -> None:
+    good = COMMANDS[kind]().encode()
+    sender = good.index(b"planner\0")
+    bad = [
+        b"",
+        good[:4],
+        good[:8],
+        b"\0" * len(good),
+        bytes([good[0] ^ 1]) + good[1:],
+        good[:-1],
+        good + b"\0",
+    ]
+    bad += [good[:length] for length in range(9, len(good), 3)]
+    # A string that says that it is longer, endless, negative, empty, or has no end.
+    for length in (9, 200, 2**31 - 1, -1, -(2**31), 0):
+        bad.append(good[: sender - 4] + struct.pack(">i", length) + good[sender:])
+    bad.append(good[: sender + 7] + b"x" + good[sender + 8 :])
+    for data in bad:
+        bus.publish(f"ROBUROC4_{kind}", data)
+        time.sleep(0.002)
+    until(lambda: willing.status.rejected_malformed >= len(bad), "all are counted", 5)
+    assert willing.status.rejected_malformed == len(bad)
+    still_works(robot, bus, willing)
+
+
+@pytest.mark.parametrize("count", [-1, 2**31 - 1, 65536, 3])
+def test_lists_of_any_length_are_survived(
+    robot: Robot, bus: Bus, willing: Bridge, count: int
+) -> None:
+    good = COMMANDS["OUTPUT_CMD"]().encode()
+    at = good.index(b"planner\0") + 8
+    assert good[at : at + 4] == struct.pack(">i", 1)
+    bus.publish("ROBUROC4_OUTPUT_CMD", good[:at] + struct.pack(">i", count) + good[at + 4 :])
+    until(lambda: willing.status.rejected_malformed == 1, "it is counted")
+    assert willing.status.accepted_output == 0
+    still_works(robot, bus, willing)
+
+
+def test_bits_that_flip_are_survived(robot: Robot, bus: Bus, willing: Bridge) -> None:
+    luck = random.Random(6)
+    sent = 0
+    for kind in ("RELOCALIZE_CMD", "OUTPUT_CMD"):
+        good = bytearray(COMMANDS[kind]().encode())
+        for _ in range(1500):
+            data = bytearray(good)
+            for _ in range(luck.randrange(1, 4)):
+                data[luck.randrange(len(data))] ^= 1 << luck.randrange(8)
+            bus.publish(f"ROBUROC4_{kind}", bytes(data))
+            sent += 1
+            if sent % 20 == 0:
+                time.sleep(0.002)
+    time.sleep(0.3)
+    still_works(robot, bus, willing)

@@ -1,0 +1,278 @@
+# SPDX-License-Identifier: MIT
+"""What the robot says is on the bus: all of it, once, as it was said, with the right time."""
+
+import importlib
+import itertools
+import math
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import roburoc4
+import roburoc4_lcm
+from rig import Bridge, Bus, Programs, Robot, until
+
+StartBridge = Callable[..., Bridge]
+
+CHANNELS = {
+    roburoc4.DifferentialStatus: "ROBUROC4_DIFFERENTIAL",
+    roburoc4.LocalizationStatus: "ROBUROC4_LOCALIZATION",
+    roburoc4.BatteryStatus: "ROBUROC4_BATTERY",
+    roburoc4.TelemeterStatus: "ROBUROC4_TELEMETER",
+    roburoc4.IoCardStatus: "ROBUROC4_IOCARD",
+}
+FAST = [
+    f"--period={service}=10"
+    for service in ("differential", "localization", "battery", "telemeter", "iocard")
+]
+
+
+def values_of(message: Any) -> tuple[Any, ...]:
+    """The record that the robot's status decodes to, from the message."""
+    match message:
+        case roburoc4_lcm.differential_status_t():
+            return (
+                message.robot_cycles,
+                message.target_linear_m_s,
+                message.current_linear_m_s,
+                message.target_angular_rad_s,
+                message.current_angular_rad_s,
+            )
+        case roburoc4_lcm.localization_status_t():
+            return (
+                message.robot_cycles,
+                message.x_m,
+                message.y_m,
+                message.theta_rad,
+                message.flags,
+            )
+        case roburoc4_lcm.battery_status_t():
+            return (message.robot_cycles, message.state, message.remaining_percent)
+        case roburoc4_lcm.telemeter_status_t():
+            return (message.robot_cycles, tuple(seen.distance_m for seen in message.telemeters))
+        case roburoc4_lcm.iocard_status_t():
+            return (
+                message.robot_cycles,
+                tuple(message.analog_inputs),
+                tuple(message.digital_inputs),
+            )
+    raise AssertionError(message)
+
+
+def said(robot: Robot, kind: type) -> list[tuple[Any, ...]]:
+    """All statuses of a service that were handed to the bridge, without the host's time."""
+    return [tuple(status[:-1]) for _, status in robot.tap.statuses() if type(status) is kind]
+
+
+def test_every_status_arrives_once_and_with_equal_values(
+    robot: Robot, bus: Bus, start_bridge: StartBridge
+) -> None:
+    bridge = start_bridge("--enable-drive", *FAST).arms()
+    # Something that changes, so that a wrong value cannot hide.
+    robot.tell("pad rt 0.25")
+    robot.tell("battery 37")
+    robot.tell("pad a down")
+    time.sleep(2.0)
+    robot.tell("pad release")
+    robot.tap.cut = True
+    time.sleep(0.3)
+    for kind, channel in CHANNELS.items():
+        heard = [values_of(message) for message in bus.decoded(channel)]
+        expected = said(robot, kind)
+        assert len(heard) > 150, channel
+        # What came before the bridge knew which service that was is not republished.
+        begin = expected.index(heard[0])
+        assert begin < 60, channel
+        assert heard == expected[begin:], channel
+    assert bridge.status.lost == 0
+
+
+def test_times_are_those_of_the_measurement(
+    robot: Robot, bus: Bus, start_bridge: StartBridge
+) -> None:
+    start_bridge("--period=localization=10").connects()
+    time.sleep(2.0)
+    messages = bus.decoded("ROBUROC4_LOCALIZATION")[100:]
+    arrival = {
+        status.robot_cycles: time_us
+        for time_us, status in robot.tap.statuses()
+        if isinstance(status, roburoc4.LocalizationStatus)
+    }
+    assert len(messages) > 50
+    for earlier, later in itertools.pairwise(messages):
+        cycles = later.robot_cycles - earlier.robot_cycles
+        # A cycle is 10 ms on the robot's clock, whatever the network did to its datagram.
+        assert later.utime - earlier.utime == pytest.approx(10_000 * cycles, abs=5_000)
+    # The quickest datagram tells how far the clocks are apart; a busy machine makes others late.
+    late_us = [arrival[message.robot_cycles] - message.utime for message in messages]
+    assert -20_000 < min(late_us) < 20_000
+
+
+def test_messages_are_no_larger_than_they_need_to_be(
+    robot: Robot, bus: Bus, start_bridge: StartBridge
+) -> None:
+    start_bridge().connects()
+    bus.hears("ROBUROC4_PROPERTIES")
+    bus.hears("ROBUROC4_BRIDGE_STATUS")
+    most = {
+        "DIFFERENTIAL": 40,
+        "LOCALIZATION": 52,
+        "BATTERY": 32,
+        "TELEMETER": 28 + 2 * 28,
+        "IOCARD": 1200,
+        "PROPERTIES": 1800,
+        "BRIDGE_STATUS": 700,
+    }
+    for end, size in most.items():
+        for message in bus.of(f"ROBUROC4_{end}"):
+            # One UDP packet of an Ethernet, so that no message is cut in fragments.
+            assert len(message.data) <= size, end
+
+
+def test_rates_are_those_that_were_asked_for(
+    robot: Robot, bus: Bus, start_bridge: StartBridge
+) -> None:
+    start_bridge("--period", "localization=20", "--period=battery=200").connects()
+    time.sleep(1.5)
+    # On the robot's clock, so that a busy machine does not matter.
+    for channel, cycles in {
+        "ROBUROC4_DIFFERENTIAL": 5,
+        "ROBUROC4_LOCALIZATION": 2,
+        "ROBUROC4_BATTERY": 20,
+        "ROBUROC4_TELEMETER": 10,
+        "ROBUROC4_IOCARD": 5,
+    }.items():
+        times = [message.robot_cycles for message in bus.decoded(channel)]
+        steps = {b - a for a, b in itertools.pairwise(times)}
+        assert steps == {cycles}, channel
+
+
+def test_the_bridge_tells_of_itself_five_times_a_second(
+    robot: Robot, bus: Bus, start_bridge: StartBridge
+) -> None:
+    bridge = start_bridge().connects()
+    until(
+        lambda: bridge.status and bridge.status.state == roburoc4_lcm.bridge_status_t.STATE_READY,
+        "ready",
+    )
+    before = len(bus.of("ROBUROC4_BRIDGE_STATUS"))
+    time.sleep(2.0)
+    assert 7 <= len(bus.of("ROBUROC4_BRIDGE_STATUS")) - before <= 14
+    status = bridge.status
+    assert status.robot == robot.address
+    assert not status.armed
+    assert not status.drive_enabled
+    assert status.message
+    assert 0 <= status.robot_age_us < 1_000_000
+    assert status.command_age_us == -1
+    assert abs(status.utime - bus.of("ROBUROC4_BRIDGE_STATUS")[-1].time_us) < 1_000_000
+
+
+def test_statuses_that_are_no_news_are_not_republished(
+    robot: Robot, bus: Bus, start_bridge: StartBridge
+) -> None:
+    start_bridge().connects()
+    until(lambda: len(bus.of("ROBUROC4_LOCALIZATION")) > 5, "poses")
+    old = next(
+        telegram.data
+        for telegram in robot.tap.from_robot
+        if telegram.data[:1] == b"\xff"
+        and isinstance(roburoc4.decode(telegram.data), roburoc4.LocalizationStatus)
+    )
+    for _ in range(20):
+        robot.tap.inject(old)
+    time.sleep(0.5)
+    times = [message.robot_cycles for message in bus.decoded("ROBUROC4_LOCALIZATION")]
+    assert times == sorted(set(times))
+
+
+def test_properties_are_those_of_the_robot(
+    robot: Robot, bus: Bus, start_bridge: StartBridge
+) -> None:
+    start_bridge().connects()
+    until(
+        lambda: (
+            (found := bus.last("ROBUROC4_PROPERTIES"))
+            and found.differential_known
+            and found.localization_known
+            and found.battery_known
+            and found.telemeter_known
+            and found.iocard_known
+        ),
+        "all properties",
+    )
+    found = bus.last("ROBUROC4_PROPERTIES")
+    with roburoc4.connect(robot.past_the_tap) as own:
+        known = own.properties
+    assert known.differential
+    assert known.battery
+    assert found.robot == robot.address
+    assert found.max_linear_m_s == known.differential.max_linear_speed_m_s
+    assert found.width_m == known.differential.width_m
+    assert found.nominal_voltage_v == known.battery.nominal_voltage_v
+    assert found.capacity_ah == known.battery.capacity_ah
+    assert found.minimum_percent == known.battery.minimum_percent
+    assert found.telemeter_count == 2
+    assert (found.analog_input_count, found.digital_input_count) == (9, 22)
+    assert "Front bumper" in found.digital_input_names
+    assert sorted(found.service_ids) == [0, 1, 2, 3, 4, 5, 6]
+
+
+def test_telemeters_can_be_drawn(robot: Robot, bus: Bus, start_bridge: StartBridge) -> None:
+    start_bridge().connects()
+    until(
+        lambda: not math.isnan(bus.last("ROBUROC4_TELEMETER").telemeters[0].x_m),
+        "the mounting pose",
+    )
+    front, rear = bus.last("ROBUROC4_TELEMETER").telemeters
+    assert front.x_m > 0 > rear.x_m
+    assert front.theta_rad == pytest.approx(0, abs=0.1)
+    assert abs(rear.theta_rad) == pytest.approx(math.pi, abs=0.1)
+    for seen in (front, rear):
+        assert 0 < seen.field_of_view_rad < math.pi
+        assert seen.min_distance_m <= seen.distance_m <= seen.max_distance_m
+
+
+def test_inputs_have_names(robot: Robot, bus: Bus, start_bridge: StartBridge) -> None:
+    start_bridge().connects()
+    status = bus.last("ROBUROC4_IOCARD")
+    assert status.digital_input_names[8].startswith("Game pad")
+    robot.tell("pad a down")
+    until(lambda: bus.last("ROBUROC4_IOCARD").digital_inputs[8], "[A] is on the bus")
+
+
+def test_channels_can_be_renamed(robot: Robot, bus: Bus, start_bridge: StartBridge) -> None:
+    start_bridge("--prefix", "PIONEER")
+    for end in ("DIFFERENTIAL", "BRIDGE_STATUS", "PROPERTIES"):
+        bus.hears(f"PIONEER_{end}")
+    assert not [message for message in bus.messages if message.channel.startswith("ROBUROC4")]
+
+
+def test_poses_can_be_shown_by_viewers_of_libbot2(
+    robot: Robot, bus: Bus, start_bridge: StartBridge, tmp_path: Path
+) -> None:
+    source = Programs.checkout() / "lcm" / "bot_core" / "pose_t.lcm"
+    lcm_gen = Path(sys.executable).with_name("lcm-gen")
+    subprocess.run([lcm_gen, "-p", "--ppath", tmp_path, source], check=True)
+    sys.path.insert(0, str(tmp_path))
+    try:
+        pose_t = importlib.import_module("bot_core").pose_t
+    finally:
+        sys.path.remove(str(tmp_path))
+    robot.tell("place 0 0 0")
+    robot.tell("pad ljx -1")
+    robot.tell("pad a down")
+    start_bridge("--pose-channel", "POSE").connects()
+    until(lambda: abs(bus.last("ROBUROC4_LOCALIZATION").theta_rad) > 0.5, "it turns")
+    known = {message.utime: message for message in bus.decoded("ROBUROC4_LOCALIZATION")}
+    poses = [pose_t.decode(message.data) for message in bus.of("POSE")]
+    found = [(pose, known[pose.utime]) for pose in poses if pose.utime in known]
+    assert len(found) > 5
+    for pose, message in found:
+        assert pose.pos == pytest.approx((message.x_m, message.y_m, 0))
+        half = message.theta_rad / 2
+        assert pose.orientation == pytest.approx((math.cos(half), 0, 0, math.sin(half)))

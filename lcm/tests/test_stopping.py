@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: MIT
+"""However somebody falls silent, the robot stands: measured where the robot hears it."""
+
+import signal
+import time
+from collections.abc import Callable
+
+import pytest
+from rig import Bridge, Bus, Planner, Robot, until
+from rig.bus import drive_command, now_us
+
+StartBridge = Callable[..., Bridge]
+Plan = Callable[..., Planner]
+
+DRIVE = "ROBUROC4_DRIVE_CMD"
+LEASE_US = 300_000
+MARGIN_US = 150_000
+"""For a loaded machine; the zero of a sleeping one comes within a millisecond."""
+
+
+def drives(robot: Robot) -> None:
+    until(robot.tap.moves, "a speed reaches the robot")
+    time.sleep(0.5)
+    assert robot.speeds()[2] != 0, "the robot has a target"
+
+
+def first_zero_us(robot: Robot) -> int:
+    """When the robot heard the first zero after the last speed; no speed may follow."""
+    until(lambda: not robot.tap.commands()[-1].moves, "zero reaches the robot")
+    time.sleep(0.8)
+    assert robot.speeds()[2:] == (0, 0)
+    commands = robot.tap.commands()
+    last = max(index for index, command in enumerate(commands) if command.moves)
+    return commands[last + 1].time_us
+
+
+def test_a_killed_planner_stops_the_robot_within_the_lease(
+    robot: Robot, bus: Bus, armed: Bridge, plan: Plan
+) -> None:
+    planner = plan(linear=0.5)
+    drives(robot)
+    planner.signal(signal.SIGKILL)
+    planner.ends()
+    time.sleep(0.05)
+    last_us = bus.of(DRIVE)[-1].time_us
+    assert first_zero_us(robot) - last_us < LEASE_US + MARGIN_US
+    until(robot.stands, "the robot stands")
+    assert not armed.status.driving
+    assert armed.status.armed, "a new command would drive again"
+
+
+def test_a_hung_planner_stops_the_robot_within_the_lease(
+    robot: Robot, bus: Bus, armed: Bridge, plan: Plan
+) -> None:
+    planner = plan(linear=0.5)
+    drives(robot)
+    planner.signal(signal.SIGSTOP)
+    time.sleep(0.05)
+    last_us = bus.of(DRIVE)[-1].time_us
+    assert first_zero_us(robot) - last_us < LEASE_US + MARGIN_US
+    continued_us = now_us()
+    planner.signal(signal.SIGCONT)
+    until(lambda: robot.tap.moves(continued_us), "a planner that wakes up drives on")
+
+
+def test_a_zero_stops_at_once(robot: Robot, bus: Bus, armed: Bridge, plan: Plan) -> None:
+    plan(linear=0.5).end()
+    bus.publish(DRIVE, drive_command(0.5, sender="planner", lease_us=LEASE_US).encode())
+    until(robot.tap.moves, "a speed reaches the robot")
+    stop_us = now_us()
+    bus.publish(DRIVE, drive_command(0.0, sender="planner").encode())
+    assert first_zero_us(robot) - stop_us < MARGIN_US
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_the_bridge_with_zeros_within_a_second(
+    robot: Robot, armed: Bridge, plan: Plan, number: signal.Signals
+) -> None:
+    plan(linear=0.5)
+    drives(robot)
+    signalled_us = now_us()
+    begun = time.monotonic()
+    armed.signal(number)
+    assert armed.ends(5) == 0
+    assert time.monotonic() - begun < 1.0
+    assert first_zero_us(robot) - signalled_us < MARGIN_US
+    assert len(robot.tap.commands(signalled_us)) >= 3
+    until(robot.stands, "the robot stands")
+
+
+def test_a_killed_bridge_leaves_the_robot_to_its_watchdog(
+    robot: Robot, armed: Bridge, plan: Plan
+) -> None:
+    plan(linear=0.5)
+    drives(robot)
+    armed.signal(signal.SIGKILL)
+    until(lambda: robot.speeds()[2] == 0, "the robot's watchdog bites", 2.0)
+    until(robot.stands, "the robot stands")
+
+
+@pytest.mark.parametrize("options", [[], ["--max-age=0"]], ids=["max-age", "no max-age"])
+def test_what_a_hung_bridge_missed_is_not_driven_later(
+    robot: Robot, start_bridge: StartBridge, plan: Plan, options: list[str]
+) -> None:
+    bridge = start_bridge("--enable-drive", *options).arms()
+    planner = plan(linear=0.5, rate=100)
+    drives(robot)
+    bridge.signal(signal.SIGSTOP)
+    # More than any queue holds, and the end of it is older than a lease.
+    time.sleep(1.0)
+    planner.signal(signal.SIGKILL)
+    time.sleep(0.6)
+    continued_us = now_us()
+    bridge.signal(signal.SIGCONT)
+    until(lambda: robot.tap.commands(continued_us), "it wakes up and sends zeros")
+    time.sleep(1.0)
+    assert robot.tap.moves(continued_us) == []
+    until(robot.stands, "the robot stands")
+
+
+def test_a_lease_runs_while_the_bridge_is_hung(robot: Robot, bus: Bus, armed: Bridge) -> None:
+    armed.signal(signal.SIGSTOP)
+    bus.publish(DRIVE, drive_command(0.5, lease_us=50_000).encode())
+    # Long enough for the lease, and too short for the robot to count as lost.
+    time.sleep(0.12)
+    armed.signal(signal.SIGCONT)
+    until(lambda: armed.status.rejected_too_old == 1, "it came too late")
+    assert robot.tap.moves() == []
+
+
+def test_an_overflowing_queue_does_not_drive_on_old_commands(
+    robot: Robot, bus: Bus, armed: Bridge
+) -> None:
+    armed.signal(signal.SIGSTOP)
+    # LCM keeps the first of what does not fit: ahead; the stop at the end may be lost.
+    for _ in range(5000):
+        bus.publish(DRIVE, drive_command(0.5, lease_us=LEASE_US).encode())
+    bus.publish(DRIVE, drive_command(0.0, lease_us=LEASE_US).encode())
+    time.sleep(0.5)
+    continued_us = now_us()
+    armed.signal(signal.SIGCONT)
+    time.sleep(1.0)
+    assert robot.tap.moves(continued_us) == []
+    # And it is awake.
+    bus.publish(DRIVE, drive_command(0.25, lease_us=LEASE_US).encode())
+    until(lambda: robot.tap.moves(continued_us), "a new command drives")
+
+
+def test_a_flood_of_commands_does_not_hold_up_a_stop(robot: Robot, bus: Bus, armed: Bridge) -> None:
+    end_us = now_us() + 1_500_000
+    while now_us() < end_us:
+        for _ in range(50):
+            bus.publish(DRIVE, drive_command(0.5, lease_us=LEASE_US).encode())
+        time.sleep(0.001)
+    stop_us = now_us()
+    bus.publish(DRIVE, drive_command(0.0).encode())
+    assert robot.tap.moves(), "it was driven"
+    assert first_zero_us(robot) - stop_us < LEASE_US + MARGIN_US
+    assert armed.status.publish_errors == 0

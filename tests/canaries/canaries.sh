@@ -1,0 +1,157 @@
+# shellcheck shell=sh
+# SPDX-License-Identifier: MIT
+#
+# Planted faults, sourced by scripts/verify: each kind of check is run on something that is broken,
+# and must say so. One line each: name, planted fault, caught.
+#
+# The variables $work and $clang are of scripts/verify.
+# shellcheck disable=SC2154
+
+canary_count=0
+
+# canary NAME FAULT SIGN COMMAND...: COMMAND must fail and its output must show SIGN (a pattern),
+# so that it failed for this fault and not because a tool was missing.
+canary() {
+    canary_name=$1
+    canary_fault=$2
+    canary_sign=$3
+    shift 3
+    canary_log=build/logs/canary-$canary_name.log
+    set +e
+    (
+        set -e
+        "$@"
+    ) >"$canary_log" 2>&1 </dev/null
+    canary_status=$?
+    set -e
+    if [ "$canary_status" -ne 0 ] && grep -q -e "$canary_sign" "$canary_log"; then
+        printf '%-14s %-66s caught\n' "$canary_name" "$canary_fault"
+        canary_count=$((canary_count + 1))
+        return 0
+    fi
+    printf '%-14s %-66s NOT CAUGHT\n' "$canary_name" "$canary_fault"
+    tail -n 20 "$canary_log"
+    fail "the check '$canary_name' did not find its planted fault; its output is in $canary_log"
+}
+
+# sanitized SANITIZER: the faults of tests/canaries/faults.c under it.
+sanitized() {
+    "clang-$clang" -O0 -g "-fsanitize=$1" -fno-sanitize-recover=all -pthread \
+        -o "$work/canary-$1" tests/canaries/faults.c
+    "$work/canary-$1" "$1"
+}
+
+valgrind_finds() {
+    "clang-$clang" -O0 -g -pthread -o "$work/canary-valgrind" tests/canaries/faults.c
+    valgrind --error-exitcode=9 "$work/canary-valgrind" memory
+}
+
+tidy_finds() {
+    tidy=clang-tidy-14
+    have "$tidy" || tidy=clang-tidy
+    "$tidy" --quiet --warnings-as-errors='*' tests/canaries/found.c -- -std=c99
+}
+
+# planted FILE SED: a copy of the core in build/verify/canary-core with one change.
+planted() {
+    canary_core=$work/canary-core
+    rm -rf "$canary_core"
+    mkdir -p "$canary_core"
+    cp -R src include "$canary_core"
+    sed "$2" "$1" >"$canary_core/$1"
+    if cmp -s "$1" "$canary_core/$1"; then
+        say "nothing was changed in $1: mend tests/canaries/canaries.sh"
+        exit 1
+    fi
+}
+
+# with_planted OUT FLAGS OBJECT...: a program of these objects or sources and the changed core.
+with_planted() {
+    canary_out=$1
+    canary_flags=$2
+    shift 2
+    canary_sources=
+    for file in $(core_sources); do
+        canary_sources="$canary_sources $canary_core/$file"
+    done
+    # shellcheck disable=SC2086
+    (cd "$work" && rm -rf canary-objects && mkdir canary-objects)
+    for file in $canary_sources; do
+        # shellcheck disable=SC2086
+        "clang-$clang" -std=c99 -O1 -g $canary_flags "-I$canary_core/include" "-I$canary_core/src" \
+            -c -o "$work/canary-objects/$(basename "$file").o" "$file"
+    done
+    # shellcheck disable=SC2086
+    "clang++-$clang" -std=c++17 $canary_flags -Iinclude -o "$canary_out" "$@" \
+        "$work"/canary-objects/*.o -lm
+}
+
+# life_finds FILE SED: the walk of lives on a core with that change.
+life_finds() {
+    planted "$1" "$2"
+    build_life
+    with_planted "$work/canary-life" "" "$work"/quick/tests/CMakeFiles/life.dir/*.o \
+        "$work"/quick/tests/CMakeFiles/life.dir/*/*.o "$work"/quick/libroburoc4_sim.a
+    "$work/canary-life" --hours 3 --first 1
+}
+
+# fuzz_finds HARNESS FILE SED SOURCE...: that harness, for at most a minute.
+fuzz_finds() {
+    canary_harness=$1
+    planted "$2" "$3"
+    shift 3
+    with_planted "$work/canary-fuzz" "-fsanitize=fuzzer,address" \
+        "tests/fuzz/$canary_harness.cpp" "$@"
+    "$work/canary-fuzz" -max_total_time=60 -seed=1 -artifact_prefix="$work/canary-found-" \
+        "tests/fuzz/corpus/$canary_harness"
+}
+
+# The coverage of one test alone is not that of all.
+coverage_finds() {
+    [ -f "$work/coverage.json" ] || coverage
+    find "$work/coverage" -name '*.gcda' -delete
+    "$work/coverage/bin/core_tests" --gtest_brief=1 --gtest_filter='Lease*'
+    "$(pip_program gcovr)" --root . --filter 'src/' --json "$work/canary-coverage.json" \
+        "$work/coverage/tests/CMakeFiles/roburoc4_core_alone.dir"
+    python3 tests/coverage/check.py "$work/canary-coverage.json" tests/coverage/unreachable.md
+}
+
+mcdc_finds() {
+    sed 's/"mcdc":{"count":\([0-9]*\),"covered":[0-9]*/"mcdc":{"count":\1,"covered":1/' \
+        "$work/mcdc.json" >"$work/canary-mcdc.json"
+    python3 tests/coverage/check.py --mcdc "$work/canary-mcdc.json"
+}
+
+# Tests that test next to nothing let mutants live.
+mutation_finds() {
+    GTEST_FILTER='Version.*' run_mutants --sample 12 --seed 1 --files src/speeds.c --at-least 75
+}
+
+canaries() {
+    canary asan "a byte behind a block is read" heap-buffer-overflow sanitized address
+    canary ubsan "a signed sum overflows" "signed integer overflow" sanitized undefined
+    canary msan "a decision on memory that nobody wrote" "use-of-uninitialized" sanitized memory
+    canary tsan "two threads write without a lock" "data race" sanitized thread
+    canary valgrind "a decision on memory that nobody wrote" "uninitialised" valgrind_finds
+    canary gcc-analyzer "memory is freed twice" "double-" analyse_gcc tests/canaries/found.c
+    canary scan-build "memory is freed twice" "bugs found\|bug found" \
+        analyse_scan tests/canaries/found.c
+    canary clang-tidy "memory is freed twice" "clang-analyzer" tidy_finds
+    canary cppcheck "memory is freed twice" doubleFree analyse_cppcheck tests/canaries/found.c
+    canary misra "a goto (rule 15.1)" "misra-c2012-15.1" \
+        analyse_cppcheck tests/canaries/misra.c
+    canary life "the lease never ends" "seed [0-9]*: " life_finds src/drive.c \
+        's/return d->leased && now_us - d->granted_us >= d->lease_us;/return false;/'
+    canary life-train "one zero is enough for a train" "seed [0-9]*: " life_finds src/drive.c \
+        's/#define TRAIN_ZEROS 3/#define TRAIN_ZEROS 1/'
+    canary fuzz-codec "the list of telemeters may be longer than its datagram" \
+        "AddressSanitizer\|a promise is broken" fuzz_finds codec src/codec.c \
+        's/count > r.left \/ SIZE_TELEMETER/count > SIZE_LIMIT/'
+    canary fuzz-client "a client that is disarmed drives on" "a promise is broken" \
+        fuzz_finds client src/drive.c 's/if (!d->known || !d->armed || !d->leased/if (!d->known/' \
+        tests/referee.cpp "$work"/quick/libroburoc4_sim.a
+    canary coverage "most tests are left out" "not reached" coverage_finds
+    canary mcdc "conditions that decide nothing" "conditions" mcdc_finds
+    canary mutation "most tests are left out" "NOT EXPLAINED" mutation_finds
+    say "$canary_count planted faults, all caught"
+}

@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What hardly ever happens to a client, and what it promises even then.
+ */
+#include "client_bench.h"
+
+using namespace roburoc4_tests;
+
+TEST(Seldom, ClosingTwiceIsClosing) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
+    EXPECT_EQ(ROBUROC4_OK, bench.close());
+    bench.take_events();
+    EXPECT_EQ(ROBUROC4_OK, bench.close());
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CLOSING), bench.state());
+    EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_STATE) << "the state is the same";
+    EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_IDLE));
+    EXPECT_EQ(ROBUROC4_ERR_STATE, bench.close());
+}
+
+TEST(Seldom, ARobotThatRestartsWhileTheClientClosesIsNotDiscoveredAnew) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
+    ASSERT_EQ(ROBUROC4_OK, bench.close());
+    ASSERT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CLOSING), bench.state());
+    for (std::uint64_t i = 0; i < 4; i++)
+        EXPECT_EQ(ROBUROC4_ERR_OLD,
+                  bench.receive(robot.status_at(ROBUROC4_SERVICE_DIFFERENTIAL, 10 + i)));
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CLOSING), bench.state());
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_REBOOTS));
+    EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_IDLE));
+}
+
+TEST(Seldom, ABumperThatIsChosenByHandDisturbsNobody) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_client_set_role_index(&bench.client, ROBUROC4_ROLE_FRONT_BUMPER,
+                                                          3, bench.client_us()));
+    EXPECT_EQ(3, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_FRONT_BUMPER));
+    EXPECT_EQ(1, bench.facts().armed);
+    EXPECT_EQ(1, bench.facts().override_known);
+    robot.press(3);
+    bench.run(100 * ms);
+    EXPECT_EQ(1, bench.facts().front_bumper);
+}
+
+TEST(Seldom, ADescriptionIsReadOnlyFromTheDatagramThatBroughtIt) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    Bytes text;
+    bench.drop_to_client = [&](const Bytes &bytes) {
+        if (text.empty() && bytes.size() > 5 && bytes[1] == ROBUROC4_ACTION_QUERY) {
+            text = bytes;
+            return true; /* it is given below */
+        }
+        return false;
+    };
+    bench.start();
+    ASSERT_TRUE(bench.run_until([&] { return !text.empty(); }));
+    ASSERT_GE(bench.receive(text), 0);
+    roburoc4_description description{};
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN,
+              roburoc4_client_description(&bench.client, text.data(), 4, &description))
+        << "another datagram";
+    EXPECT_EQ(ROBUROC4_OK,
+              roburoc4_client_description(&bench.client, text.data(), text.size(), &description));
+    EXPECT_EQ(text.size() - 5, description.length);
+    bench.receive({0x77});
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN,
+              roburoc4_client_description(&bench.client, text.data(), text.size(), &description));
+}
+
+TEST(Seldom, SilenceAndAgeBeyondAllMeasureAreTheLargestNumber) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    const std::uint64_t later_us = bench.client_us() + (std::uint64_t{1} << 33);
+    roburoc4_link link{};
+    link.size = sizeof link;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_link(&bench.client, later_us, &link));
+    EXPECT_EQ(UINT32_MAX, link.silence_us);
+    roburoc4_service_link service{};
+    service.size = sizeof service;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_service_link(&bench.client, ROBUROC4_SERVICE_IOCARD,
+                                                        later_us, &service));
+    EXPECT_EQ(UINT32_MAX, service.age_us);
+}
+
+TEST(Seldom, MoreChannelsThanCanBeStoredAreSaidOnce) {
+    for (const roburoc4_iocard_properties &card :
+         {roburoc4_iocard_properties{33, 0, 22, 8, 0, 0},
+          roburoc4_iocard_properties{9, 17, 22, 8, 0, 0},
+          roburoc4_iocard_properties{9, 0, 65, 8, 0, 0},
+          roburoc4_iocard_properties{9, 0, 22, 65, 0, 0}}) {
+        ScriptedRobot robot;
+        robot.iocard = card;
+        robot.analog.resize(static_cast<std::size_t>(card.analog_inputs));
+        robot.texts_refused = true;
+        Bench bench(robot);
+        bench.start();
+        ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+        EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
+        bench.run(20 * second); /* it is read again by the probe */
+        EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
+        const bool outputs = card.analog_outputs > 16 || card.digital_outputs > 64;
+        EXPECT_EQ(outputs ? ROBUROC4_ERR_INDEX : ROBUROC4_OK,
+                  roburoc4_client_set_digital_output(&bench.client, 1, 1, bench.client_us()))
+            << "a command carries all outputs";
+    }
+    for (const roburoc4_iocard_properties &card :
+         {roburoc4_iocard_properties{32, 16, 64, 64, 0, 0}}) {
+        ScriptedRobot robot;
+        robot.iocard = card;
+        robot.analog.resize(32);
+        Bench bench(robot);
+        bench.start();
+        ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+        EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_CAPACITY) << "as many as fit";
+    }
+}
+
+TEST(Seldom, MoreTelemetersThanCanBeStoredAreSaidOnce) {
+    ScriptedRobot robot;
+    robot.telemeters.resize(17, robot.telemeters[0]);
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
+    EXPECT_EQ(16U, roburoc4_client_telemeter_count(&bench.client));
+    bench.run(20 * second);
+    EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
+}
+
+TEST(Seldom, PropertiesThatAreCutShortAreNotKnown) {
+    const std::array<std::pair<std::uint32_t, std::size_t>, 5> cuts{
+        {{ROBUROC4_SERVICE_IOCARD, 20},
+         {ROBUROC4_SERVICE_TELEMETER, 40},
+         {ROBUROC4_SERVICE_BATTERY, 13},
+         {ROBUROC4_SERVICE_LOCALIZATION, 32},
+         {ROBUROC4_SERVICE_DIFFERENTIAL, 56}}};
+    for (const auto &[service, length] : cuts) {
+        SCOPED_TRACE(service);
+        ScriptedRobot robot;
+        robot.service(service).get_length = length;
+        Bench bench(robot);
+        bench.start();
+        ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+        EXPECT_GT(bench.count(ROBUROC4_COUNT_SHORT), 0U);
+        roburoc4_battery_properties battery{};
+        roburoc4_localization_properties localization{};
+        roburoc4_differential_properties differential{};
+        roburoc4_iocard_properties iocard{};
+        EXPECT_EQ(service == ROBUROC4_SERVICE_BATTERY,
+                  roburoc4_client_battery_properties(&bench.client, &battery) < 0);
+        EXPECT_EQ(service == ROBUROC4_SERVICE_LOCALIZATION,
+                  roburoc4_client_localization_properties(&bench.client, &localization) < 0);
+        EXPECT_EQ(service == ROBUROC4_SERVICE_DIFFERENTIAL,
+                  roburoc4_client_differential_properties(&bench.client, &differential) < 0);
+        EXPECT_EQ(service == ROBUROC4_SERVICE_IOCARD,
+                  roburoc4_client_iocard_properties(&bench.client, &iocard) < 0);
+        EXPECT_EQ(service == ROBUROC4_SERVICE_TELEMETER ? 0U : 2U,
+                  roburoc4_client_telemeter_count(&bench.client));
+    }
+}
+
+TEST(Seldom, ZerosAreOwedOnWhereADirectoryComesThatListsNothing) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
+    robot.instead = [](const roburoc4_request &r, std::vector<Bytes> &) {
+        return r.action == ROBUROC4_ACTION_GET && r.service == ROBUROC4_SERVICE_DIRECTORY;
+    };
+    for (std::uint64_t i = 0; i < 3; i++) /* it restarts in mid-drive */
+        bench.receive(robot.status_at(ROBUROC4_SERVICE_DIFFERENTIAL, 10 + i));
+    ASSERT_EQ(1U, bench.count(ROBUROC4_COUNT_REBOOTS));
+    bench.sent.clear();
+    const std::uint64_t first_us = bench.now_us;
+    bench.run(60 * ms);
+    ASSERT_EQ(2U, bench.commands().size()) << "two zeros of the train";
+
+    /* when the third is due, an answer comes that was cut short */
+    bench.now_us = first_us + 100 * ms;
+    const std::uint8_t id = robot.seen(ROBUROC4_ACTION_GET, 0).back().what.id;
+    ASSERT_EQ(ROBUROC4_OK, bench.receive(plain_answer(id, ROBUROC4_ACTION_GET, 0, 0)));
+    bench.pump();
+    EXPECT_EQ(2U, bench.commands().size()) << "a command to a service that is not listed";
+    EXPECT_EQ(1, bench.facts().stopping) << "the zeros are still owed";
+
+    robot.instead = nullptr;
+    bench.sent.clear();
+    ASSERT_TRUE(bench.run_until([&] { return bench.commands().size() >= 3; }));
+    EXPECT_EQ(0U, bench.speeds());
+}

@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * codec_lists_test.cpp - reading all of a status' list at once gives what reading it one by one
+ * does, never more than there is room for, and never a bit that is no input.
+ */
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "roburoc4.h"
+
+namespace {
+
+constexpr float untouched = -77.0F;
+
+/** A status of so many inputs; all bits of its blocks are set, those of no input too. */
+std::vector<uint8_t> iocard(uint32_t analog, uint32_t digital) {
+    std::vector<float> values;
+    for (uint32_t i = 0; i < analog; i++) {
+        values.push_back(static_cast<float>(i) + 0.5F);
+    }
+    const std::vector<uint8_t> blocks((digital + 7) / 8, 0xFF);
+    std::vector<uint8_t> bytes(1000);
+    const int32_t size = roburoc4_encode_iocard_status(
+        bytes.data(), bytes.size(), 2, 7, values.data(), values.size(), blocks.data(), digital);
+    EXPECT_GT(size, 0);
+    bytes.resize(static_cast<size_t>(size));
+    return bytes;
+}
+
+TEST(Lists, AllAnalogInputsAreThoseReadOneByOne) {
+    for (const uint32_t count : {0U, 1U, 9U, 32U, 100U}) {
+        const std::vector<uint8_t> bytes = iocard(count, 22);
+        roburoc4_iocard_status status;
+        ASSERT_EQ(0, roburoc4_decode_iocard_status(bytes.data(), bytes.size(), count, 22, &status));
+        std::vector<float> all(count + 1, untouched);
+        ASSERT_EQ(static_cast<int32_t>(count), roburoc4_analog_inputs(&status, all.data(), 200));
+        for (uint32_t i = 0; i < count; i++) {
+            float one = 0;
+            ASSERT_EQ(0, roburoc4_analog_input_at(&status, i, &one));
+            EXPECT_EQ(one, all[i]) << i << " of " << count;
+        }
+        EXPECT_EQ(untouched, all[count]) << "written beyond the last of " << count;
+    }
+}
+
+TEST(Lists, NoMoreInputsAreCopiedThanHaveRoom) {
+    const std::vector<uint8_t> bytes = iocard(9, 22);
+    roburoc4_iocard_status status;
+    ASSERT_EQ(0, roburoc4_decode_iocard_status(bytes.data(), bytes.size(), 9, 22, &status));
+    for (uint32_t room = 0; room <= 9; room++) {
+        std::vector<float> all(10, untouched);
+        EXPECT_EQ(static_cast<int32_t>(room), roburoc4_analog_inputs(&status, all.data(), room));
+        EXPECT_EQ(untouched, all[room]) << "room for " << room;
+    }
+}
+
+TEST(Lists, AllDigitalInputsAreThoseReadOneByOneAndNoOthers) {
+    for (uint32_t count = 0; count <= 80; count++) {
+        const std::vector<uint8_t> bytes = iocard(1, count);
+        roburoc4_iocard_status status;
+        ASSERT_EQ(0, roburoc4_decode_iocard_status(bytes.data(), bytes.size(), 1, count, &status));
+        const uint64_t all = roburoc4_digital_inputs(&status);
+        for (uint32_t i = 0; i < 64; i++) {
+            const int32_t one = roburoc4_digital_input_at(&status, i);
+            EXPECT_EQ(one < 0 ? 0U : static_cast<uint64_t>(one), all >> i & 1)
+                << "input " << i << " of " << count;
+        }
+    }
+    const std::vector<uint8_t> bytes = {0xFF, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x01, 0x82};
+    roburoc4_iocard_status status;
+    ASSERT_EQ(0, roburoc4_decode_iocard_status(bytes.data(), bytes.size(), 0, 15, &status));
+    EXPECT_EQ(0x0201U, roburoc4_digital_inputs(&status)); /* bit 15 is no input */
+}
+
+TEST(Lists, AllDistancesAreThoseReadOneByOneNotANumberToo) {
+    const float distances_m[3] = {1.25F, std::numeric_limits<float>::quiet_NaN(), 3.0F};
+    uint8_t bytes[64];
+    const int32_t size =
+        roburoc4_encode_telemeter_status(bytes, sizeof bytes, 3, 7, distances_m, 3);
+    roburoc4_telemeter_status status;
+    ASSERT_EQ(0, roburoc4_decode_telemeter_status(bytes, static_cast<size_t>(size), &status));
+    float all[4] = {untouched, untouched, untouched, untouched};
+    EXPECT_EQ(2, roburoc4_telemeter_distances(&status, all, 2));
+    EXPECT_EQ(untouched, all[2]);
+    EXPECT_EQ(3, roburoc4_telemeter_distances(&status, all, 4));
+    EXPECT_EQ(1.25F, all[0]);
+    EXPECT_TRUE(std::isnan(all[1]));
+    EXPECT_EQ(3.0F, all[2]);
+    EXPECT_EQ(untouched, all[3]);
+}
+
+} // namespace

@@ -1,0 +1,480 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What the client knows, as LCM messages: every field arrives with its value. Messages travel over
+ * memq://, LCM's network within one process.
+ */
+#include <gtest/gtest.h>
+#include <lcm/lcm.h>
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "client_bench.h"
+#include "mapping.h"
+#include "roburoc4_udp.h"
+
+using namespace roburoc4_tests;
+
+namespace {
+
+constexpr std::int64_t utime = 1790000000123456;
+constexpr std::uint64_t cycles = 0x123456789AULL;
+
+/** Through LCM and back: encoded, sent, received, decoded, and shown to `look`. */
+template <class Message, class Subscription>
+void travel(const Message &message,
+            Subscription *(*subscribe)(lcm_t *, const char *,
+                                       void (*)(const lcm_recv_buf_t *, const char *,
+                                                const Message *, void *),
+                                       void *),
+            int (*publish)(lcm_t *, const char *, const Message *),
+            const std::function<void(const Message &)> &look) {
+    struct State {
+        const std::function<void(const Message &)> *look;
+        int seen;
+    } state{&look, 0};
+    const std::unique_ptr<lcm_t, void (*)(lcm_t *)> lcm(lcm_create("memq://"), lcm_destroy);
+    ASSERT_NE(nullptr, lcm);
+    Subscription *subscription = subscribe(
+        lcm.get(), "CHANNEL",
+        [](const lcm_recv_buf_t *, const char *, const Message *in, void *user) {
+            auto *s = static_cast<State *>(user);
+            s->seen++;
+            (*s->look)(*in);
+        },
+        &state);
+    ASSERT_NE(nullptr, subscription);
+    ASSERT_EQ(0, publish(lcm.get(), "CHANNEL", &message));
+    EXPECT_EQ(1, lcm_handle_timeout(lcm.get(), 1000));
+    EXPECT_EQ(1, state.seen);
+    std::free(subscription);
+}
+
+#define TRAVEL(type, message, look)                                                                \
+    travel<type, type##_subscription_t>(message, type##_subscribe,                                 \
+                                        type##_publish, [&](const type &got) look)
+
+/** All that a bridge status is made from. */
+struct View {
+    View() {
+        facts.size = sizeof facts;
+        link.size = sizeof link;
+        gate_rules rules{};
+        rules.enabled[GATE_DRIVE] = true;
+        rules.command_timeout_us = 300000;
+        rules.max_age_us = 200000;
+        gate_init(&gate, &rules, {0, utime - 10000000});
+        view.now = {10000000, utime};
+        view.robot = address;
+        view.facts = &facts;
+        view.link = &link;
+        view.gate = &gate;
+        view.heard = true;
+        view.command_us = -1;
+        facts.state = ROBUROC4_STATE_READY;
+        facts.armed = 1;
+    }
+    void command(const char *sender) {
+        gate_command c{};
+        c.sender = sender;
+        c.sender_length = std::strlen(sender);
+        c.utime = c.arrived_utime = utime;
+        c.finite = true;
+        const gate_robot robot{true, true, 0};
+        std::uint32_t lease_us = 0;
+        ASSERT_EQ(GATE_TAKEN, gate_judge(&gate, &c, &robot, view.now, &lease_us));
+        facts.driving = 1;
+        facts.lease_left_us = lease_us;
+    }
+    std::string message() {
+        char room[MAPPING_MESSAGE_SIZE];
+        mapping_message(&view, room, sizeof room);
+        return room;
+    }
+    roburoc4_lcm_bridge_status_t status() {
+        roburoc4_lcm_bridge_status_t out;
+        mapping_bridge_status(&view, &texts, &out);
+        return out;
+    }
+
+    char address[20] = "10.0.0.1:60000";
+    roburoc4_facts facts{};
+    roburoc4_link link{};
+    struct gate gate {};
+    mapping_view view{};
+    mapping_texts texts{};
+};
+
+} // namespace
+
+TEST(LcmMapping, DifferentialStatus) {
+    roburoc4_differential_status in{};
+    in.robot_cycles = cycles;
+    in.target_linear_m_s = 1.25F;
+    in.current_linear_m_s = 0.1F;
+    in.target_angular_rad_s = -3.5F;
+    in.current_angular_rad_s = NAN;
+    roburoc4_lcm_differential_status_t out;
+    mapping_differential(&in, utime, &out);
+    TRAVEL(roburoc4_lcm_differential_status_t, out, {
+        EXPECT_EQ(utime, got.utime);
+        EXPECT_EQ(static_cast<std::int64_t>(cycles), got.robot_cycles);
+        EXPECT_EQ(1.25F, got.target_linear_m_s);
+        EXPECT_EQ(0.1F, got.current_linear_m_s);
+        EXPECT_EQ(-3.5F, got.target_angular_rad_s);
+        EXPECT_TRUE(std::isnan(got.current_angular_rad_s)) << "NaN is told as NaN";
+    });
+}
+
+TEST(LcmMapping, LocalizationStatus) {
+    roburoc4_localization_status in{};
+    in.robot_cycles = cycles;
+    in.x_m = 1e6;
+    in.y_m = -0.1;
+    in.theta_rad = 3.0;
+    in.flags = ROBUROC4_LOCALIZATION_METRIC | ROBUROC4_LOCALIZATION_PROPRIOCEPTIVE;
+    roburoc4_lcm_localization_status_t out;
+    mapping_localization(&in, utime, &out);
+    TRAVEL(roburoc4_lcm_localization_status_t, out, {
+        EXPECT_EQ(utime, got.utime);
+        EXPECT_EQ(static_cast<std::int64_t>(cycles), got.robot_cycles);
+        EXPECT_EQ(1e6, got.x_m);
+        EXPECT_EQ(-0.1, got.y_m);
+        EXPECT_EQ(3.0, got.theta_rad);
+        EXPECT_EQ(ROBUROC4_LCM_LOCALIZATION_STATUS_T_FLAG_METRIC |
+                      ROBUROC4_LCM_LOCALIZATION_STATUS_T_FLAG_PROPRIOCEPTIVE,
+                  got.flags);
+    });
+}
+
+TEST(LcmMapping, BatteryStatus) {
+    roburoc4_battery_status in{};
+    in.robot_cycles = cycles;
+    in.state = 200;
+    in.remaining_percent = 255;
+    roburoc4_lcm_battery_status_t out;
+    mapping_battery(&in, utime, &out);
+    TRAVEL(roburoc4_lcm_battery_status_t, out, {
+        EXPECT_EQ(utime, got.utime);
+        EXPECT_EQ(static_cast<std::int64_t>(cycles), got.robot_cycles);
+        EXPECT_EQ(200, got.state);
+        EXPECT_EQ(255, got.remaining_percent);
+    });
+}
+
+TEST(LcmMapping, TelemeterStatusHasTheMountingBesideEachDistance) {
+    roburoc4_distances in{};
+    in.robot_cycles = cycles;
+    in.count = 3;
+    in.distance_m[0] = 1.5F;
+    in.distance_m[1] = 2.5F;
+    in.distance_m[2] = 3.5F;
+    const roburoc4_telemeter known[] = {{0.1F, 0.2F, 0.3F, 0.4F, 0.5F, 0.6F, 9.0F},
+                                        {1.1F, 1.2F, 1.3F, 1.4F, 1.5F, 1.6F, 9.0F}};
+    roburoc4_lcm_telemeter_t storage[ROBUROC4_MAX_TELEMETERS];
+    roburoc4_lcm_telemeter_status_t out;
+    mapping_telemeter(&in, known, 2, utime, storage, &out);
+    TRAVEL(roburoc4_lcm_telemeter_status_t, out, {
+        EXPECT_EQ(utime, got.utime);
+        EXPECT_EQ(static_cast<std::int64_t>(cycles), got.robot_cycles);
+        ASSERT_EQ(3, got.count);
+        EXPECT_EQ(1.5F, got.telemeters[0].distance_m);
+        EXPECT_EQ(0.1F, got.telemeters[0].x_m);
+        EXPECT_EQ(0.2F, got.telemeters[0].y_m);
+        EXPECT_EQ(0.3F, got.telemeters[0].theta_rad);
+        EXPECT_EQ(0.4F, got.telemeters[0].field_of_view_rad);
+        EXPECT_EQ(0.5F, got.telemeters[0].min_distance_m);
+        EXPECT_EQ(0.6F, got.telemeters[0].max_distance_m);
+        EXPECT_EQ(2.5F, got.telemeters[1].distance_m);
+        EXPECT_EQ(1.1F, got.telemeters[1].x_m);
+        EXPECT_EQ(3.5F, got.telemeters[2].distance_m);
+        EXPECT_TRUE(std::isnan(got.telemeters[2].x_m)) << "properties that were not told";
+    });
+}
+
+TEST(LcmMapping, IoCardStatusHasANameBesideEachValue) {
+    auto names = std::make_unique<mapping_names>();
+    mapping_names_init(names.get());
+    const std::uint8_t text[] = "T\xE9l\xE9m\xE8tre";
+    mapping_names_set(names.get(), ROBUROC4_IO_ANALOG_INPUT, 1, text, sizeof text - 1);
+    mapping_names_set(names.get(), ROBUROC4_IO_DIGITAL_INPUT, 63, text, 1);
+    mapping_names_set(names.get(), ROBUROC4_IO_ANALOG_INPUT, 0, text, 0);
+    mapping_names_set(names.get(), ROBUROC4_IO_ANALOG_INPUT, 32, text, 1);
+    mapping_names_set(names.get(), -1, 0, text, 1);
+    mapping_names_set(names.get(), 4, 0, text, 1);
+    roburoc4_inputs in{};
+    in.robot_cycles = cycles;
+    in.analog_count = 32;
+    in.digital_count = 64;
+    in.digital = 1ULL << 63 | 1ULL << 8;
+    for (std::uint32_t at = 0; at < 32; at++)
+        in.analog[at] = static_cast<float>(at) * 0.25F;
+    std::int8_t storage[ROBUROC4_MAX_DIGITAL_INPUTS];
+    roburoc4_lcm_iocard_status_t out;
+    mapping_iocard(&in, names.get(), utime, storage, &out);
+    TRAVEL(roburoc4_lcm_iocard_status_t, out, {
+        EXPECT_EQ(utime, got.utime);
+        EXPECT_EQ(static_cast<std::int64_t>(cycles), got.robot_cycles);
+        ASSERT_EQ(32, got.analog_input_count);
+        ASSERT_EQ(64, got.digital_input_count);
+        for (int at = 0; at < 32; at++)
+            EXPECT_EQ(static_cast<float>(at) * 0.25F, got.analog_inputs[at]);
+        for (int at = 0; at < 64; at++)
+            EXPECT_EQ(at == 8 || at == 63, got.digital_inputs[at]) << at;
+        EXPECT_STREQ(roburoc4_channel_name(ROBUROC4_IO_ANALOG_INPUT, 0), got.analog_input_names[0]);
+        EXPECT_STREQ("Télémètre", got.analog_input_names[1]);
+        EXPECT_STREQ("", got.analog_input_names[31]);
+        EXPECT_STREQ("T", got.digital_input_names[63]);
+        EXPECT_STREQ(roburoc4_channel_name(ROBUROC4_IO_DIGITAL_INPUT, ROBUROC4_DI_PAD_A),
+                     got.digital_input_names[8]);
+    });
+}
+
+TEST(LcmMapping, PoseIsXForwardYLeftInTheMainFrame) {
+    roburoc4_localization_status in{};
+    roburoc4_differential_status speeds{};
+    in.x_m = 2.0;
+    in.y_m = -3.0;
+    in.theta_rad = M_PI / 2;
+    speeds.current_linear_m_s = 0.5F;
+    speeds.current_angular_rad_s = 0.25F;
+    bot_core_pose_t out;
+    mapping_pose(&in, &speeds, utime, &out);
+    TRAVEL(bot_core_pose_t, out, {
+        EXPECT_EQ(utime, got.utime);
+        EXPECT_EQ(2.0, got.pos[0]);
+        EXPECT_EQ(-3.0, got.pos[1]);
+        EXPECT_EQ(0.0, got.pos[2]);
+        EXPECT_NEAR(std::sqrt(0.5), got.orientation[0], 1e-12);
+        EXPECT_EQ(0.0, got.orientation[1]);
+        EXPECT_EQ(0.0, got.orientation[2]);
+        EXPECT_NEAR(std::sqrt(0.5), got.orientation[3], 1e-12);
+        EXPECT_NEAR(0.0, got.vel[0], 1e-12);
+        EXPECT_NEAR(0.5, got.vel[1], 1e-12);
+        EXPECT_EQ(0.25, got.rotation_rate[2]);
+    });
+    mapping_pose(&in, nullptr, utime, &out);
+    EXPECT_EQ(0.0, out.vel[1]);
+}
+
+TEST(LcmMapping, PropertiesAreThoseOfTheRobotAndFitTheBuffer) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    auto names = std::make_unique<mapping_names>();
+    auto storage = std::make_unique<mapping_services>();
+    char address[] = "10.0.0.1:60000";
+    mapping_names_init(names.get());
+    roburoc4_lcm_robot_properties_t out;
+    mapping_properties(&bench.client, names.get(), address, utime, storage.get(), &out);
+    roburoc4_differential_properties differential;
+    roburoc4_iocard_properties card;
+    ASSERT_EQ(0, roburoc4_client_differential_properties(&bench.client, &differential));
+    ASSERT_EQ(0, roburoc4_client_iocard_properties(&bench.client, &card));
+    TRAVEL(roburoc4_lcm_robot_properties_t, out, {
+        EXPECT_STREQ("10.0.0.1:60000", got.robot);
+        EXPECT_TRUE(got.differential_known);
+        EXPECT_EQ(differential.max_linear_m_s, got.max_linear_m_s);
+        EXPECT_EQ(differential.min_linear_m_s, got.min_linear_m_s);
+        EXPECT_EQ(differential.max_angular_rad_s, got.max_angular_rad_s);
+        EXPECT_EQ(differential.min_angular_rad_s2, got.min_angular_rad_s2);
+        EXPECT_EQ(differential.width_m, got.width_m);
+        EXPECT_TRUE(got.iocard_known);
+        EXPECT_EQ(card.digital_inputs, got.digital_input_count);
+        EXPECT_EQ(card.digital_outputs, got.digital_output_count);
+        ASSERT_EQ(static_cast<std::int32_t>(roburoc4_client_service_count(&bench.client)),
+                  got.service_count);
+        for (int at = 0; at < got.service_count; at++) {
+            if (got.service_ids[at] == ROBUROC4_SERVICE_DIFFERENTIAL) {
+                EXPECT_STREQ("Differential", got.service_names[at]);
+            }
+        }
+    });
+    for (auto &text : names->text)
+        std::memset(text, 'n', sizeof text - 1);
+    out.analog_input_count = ROBUROC4_MAX_ANALOG_INPUTS;
+    out.analog_output_count = ROBUROC4_MAX_ANALOG_OUTPUTS;
+    out.digital_input_count = ROBUROC4_MAX_DIGITAL_INPUTS;
+    out.digital_output_count = ROBUROC4_MAX_DIGITAL_OUTPUTS;
+    out.telemeter_count = ROBUROC4_MAX_TELEMETERS;
+    out.service_count = ROBUROC4_MAX_SERVICES;
+    for (int at = 0; at < ROBUROC4_MAX_SERVICES; at++)
+        storage->list[at] = names->text[at];
+    EXPECT_LE(roburoc4_lcm_robot_properties_t_encoded_size(&out), MAPPING_MAX_ENCODED);
+}
+
+TEST(LcmMapping, PropertiesOfARobotThatIsNotThereAreEmptyLists) {
+    auto client = std::make_unique<roburoc4_client>();
+    auto names = std::make_unique<mapping_names>();
+    auto storage = std::make_unique<mapping_services>();
+    char address[] = "";
+    mapping_names_init(names.get());
+    ASSERT_EQ(0, roburoc4_client_init(client.get(), sizeof *client, nullptr));
+    roburoc4_lcm_robot_properties_t out;
+    mapping_properties(client.get(), names.get(), address, utime, storage.get(), &out);
+    TRAVEL(roburoc4_lcm_robot_properties_t, out, {
+        EXPECT_EQ(utime, got.utime);
+        EXPECT_FALSE(got.differential_known || got.localization_known || got.battery_known ||
+                     got.telemeter_known || got.iocard_known);
+        EXPECT_EQ(0, got.service_count + got.telemeter_count + got.digital_input_count);
+    });
+}
+
+TEST(LcmMapping, BridgeStatusHasEveryCountUnderItsCause) {
+    View v;
+    v.gate.taken[GATE_DRIVE] = 101;
+    v.gate.taken[GATE_RELOCALIZE] = 102;
+    v.gate.taken[GATE_OUTPUT] = 103;
+    for (int cause = 0; cause < GATE_VERDICTS; cause++)
+        v.gate.rejected[cause] = 200 + cause;
+    v.view.superseded = 301;
+    v.view.clamped = 302;
+    v.view.published = 303;
+    v.view.publish_errors = 304;
+    v.view.times_lost = 305;
+    v.view.reboots = 306;
+    v.link.round_trip_us = 401;
+    v.link.round_trip_min_us = 402;
+    v.link.silence_us = 403;
+    v.link.received = 404;
+    v.link.lost = 405;
+    v.link.loss = 0.5F;
+    TRAVEL(roburoc4_lcm_bridge_status_t, v.status(), {
+        EXPECT_EQ(101, got.accepted_drive);
+        EXPECT_EQ(102, got.accepted_relocalize);
+        EXPECT_EQ(103, got.accepted_output);
+        EXPECT_EQ(200 + GATE_MALFORMED, got.rejected_malformed);
+        EXPECT_EQ(200 + GATE_DISABLED, got.rejected_disabled);
+        EXPECT_EQ(200 + GATE_SENDER, got.rejected_sender);
+        EXPECT_EQ(200 + GATE_NO_UTIME, got.rejected_no_utime);
+        EXPECT_EQ(200 + GATE_NOT_FINITE, got.rejected_not_finite);
+        EXPECT_EQ(200 + GATE_STARTING, got.rejected_starting);
+        EXPECT_EQ(200 + GATE_TOO_OLD, got.rejected_too_old);
+        EXPECT_EQ(200 + GATE_IN_FUTURE, got.rejected_in_future);
+        EXPECT_EQ(200 + GATE_REPEATED, got.rejected_repeated);
+        EXPECT_EQ(200 + GATE_SEAT, got.rejected_seat);
+        EXPECT_EQ(200 + GATE_NOT_READY, got.rejected_not_ready);
+        EXPECT_EQ(200 + GATE_DISARMED, got.rejected_disarmed);
+        EXPECT_EQ(200 + GATE_IMPOSSIBLE, got.rejected_impossible);
+        EXPECT_EQ(301, got.superseded);
+        EXPECT_EQ(302, got.clamped);
+        EXPECT_EQ(303, got.published);
+        EXPECT_EQ(304, got.publish_errors);
+        EXPECT_EQ(305, got.times_lost);
+        EXPECT_EQ(306, got.reboots);
+        EXPECT_EQ(401, got.round_trip_us);
+        EXPECT_EQ(402, got.round_trip_min_us);
+        EXPECT_EQ(403, got.robot_age_us);
+        EXPECT_EQ(404, got.received);
+        EXPECT_EQ(405, got.lost);
+        EXPECT_EQ(0.5F, got.loss);
+        EXPECT_EQ(300000, got.command_timeout_us);
+        EXPECT_EQ(200000, got.max_age_us);
+        EXPECT_TRUE(got.drive_enabled);
+        EXPECT_FALSE(got.outputs_enabled);
+        EXPECT_FALSE(got.relocalize_enabled);
+    });
+}
+
+TEST(LcmMapping, BridgeStatusTellsWhoDrivesAndWhyNobodyCan) {
+    View v;
+    EXPECT_STREQ("", v.status().commander);
+    EXPECT_EQ(-1, v.status().command_age_us);
+    v.command("planner");
+    v.view.command_us = 9999000;
+    const roburoc4_lcm_bridge_status_t driving = v.status();
+    EXPECT_STREQ("planner", driving.commander);
+    EXPECT_STREQ("driving for planner", driving.message);
+    EXPECT_EQ(1000, driving.command_age_us);
+    EXPECT_EQ(300000, driving.lease_left_us);
+    EXPECT_EQ(0, driving.reason);
+    v.facts.armed = v.facts.driving = 0;
+    v.facts.disarm_cause = ROBUROC4_ERR_LOST;
+    EXPECT_EQ(ROBUROC4_ERR_LOST, v.status().reason);
+    v.facts.arm_refusal = ROBUROC4_ERR_OVERRIDE;
+    v.facts.overridden = 1;
+    EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, v.status().reason) << "what stands in the way now";
+    EXPECT_TRUE(v.status().overridden);
+}
+
+TEST(LcmMapping, BridgeStatusHasABitForEachFault) {
+    const struct {
+        std::uint32_t fault;
+        std::int32_t bit;
+    } faults[] = {{ROBUROC4_FAULT_NONE, 0},
+                  {ROBUROC4_FAULT_REFUSED, ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_REFUSED},
+                  {ROBUROC4_FAULT_UNREACHABLE, ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_UNREACHABLE},
+                  {ROBUROC4_FAULT_DOWN, ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_DOWN},
+                  {ROBUROC4_FAULT_DENIED, ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_DENIED},
+                  {ROBUROC4_FAULT_FULL, ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_BUFFERS},
+                  {ROBUROC4_FAULT_OTHER, ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_NETWORK}};
+    for (const auto &each : faults) {
+        View v;
+        v.view.fault = each.fault;
+        EXPECT_EQ(each.bit, v.status().faults);
+    }
+    View v;
+    v.facts.foreign = v.facts.inhibited = v.facts.front_bumper = v.facts.rear_bumper =
+        v.facts.battery_low = 1;
+    v.link.silence_us = 1000000;
+    EXPECT_EQ(ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_FOREIGN |
+                  ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_INHIBITED |
+                  ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_FRONT_BUMPER |
+                  ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_REAR_BUMPER |
+                  ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_BATTERY_LOW |
+                  ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_SILENT,
+              v.status().faults);
+}
+
+TEST(LcmMapping, TheMessageSaysWhatToDo) {
+    View v;
+    EXPECT_EQ("ready, armed", v.message());
+    v.facts.inhibited = 1;
+    EXPECT_NE(std::string::npos, v.message().find("stands"));
+    v.facts.armed = 0;
+    v.view.waiting = true;
+    v.facts.disarm_cause = ROBUROC4_ERR_OVERRIDE;
+    EXPECT_NE(std::string::npos, v.message().find("pause")) << v.message();
+    v.view.waiting = false;
+    EXPECT_NE(std::string::npos, v.message().find("next command")) << v.message();
+    v.facts.arm_refusal = ROBUROC4_ERR_OVERRIDE;
+    EXPECT_NE(std::string::npos, v.message().find("[A]")) << v.message();
+    v.gate.rules.enabled[GATE_DRIVE] = false;
+    EXPECT_NE(std::string::npos, v.message().find("--enable-drive")) << v.message();
+    v.facts.state = ROBUROC4_STATE_CONNECTING;
+    v.view.heard = false;
+    EXPECT_NE(std::string::npos, v.message().find("10.0.0.1:60000")) << v.message();
+    EXPECT_EQ(-1, v.status().robot_age_us);
+    for (std::uint32_t fault = 0; fault <= ROBUROC4_FAULT_OTHER; fault++) {
+        v.view.fault = fault;
+        EXPECT_LT(v.message().size(), MAPPING_MESSAGE_SIZE - 20U) << "not cut";
+    }
+}
+
+TEST(LcmMapping, StatesAndFlagsAreNumberedAsInTheCore) {
+    EXPECT_EQ(ROBUROC4_STATE_IDLE, ROBUROC4_LCM_BRIDGE_STATUS_T_STATE_IDLE);
+    EXPECT_EQ(ROBUROC4_STATE_CONNECTING, ROBUROC4_LCM_BRIDGE_STATUS_T_STATE_CONNECTING);
+    EXPECT_EQ(ROBUROC4_STATE_DISCOVERING, ROBUROC4_LCM_BRIDGE_STATUS_T_STATE_DISCOVERING);
+    EXPECT_EQ(ROBUROC4_STATE_SUBSCRIBING, ROBUROC4_LCM_BRIDGE_STATUS_T_STATE_SUBSCRIBING);
+    EXPECT_EQ(ROBUROC4_STATE_READY, ROBUROC4_LCM_BRIDGE_STATUS_T_STATE_READY);
+    EXPECT_EQ(ROBUROC4_STATE_LOST, ROBUROC4_LCM_BRIDGE_STATUS_T_STATE_LOST);
+    EXPECT_EQ(ROBUROC4_STATE_CLOSING, ROBUROC4_LCM_BRIDGE_STATUS_T_STATE_CLOSING);
+    EXPECT_EQ(ROBUROC4_BATTERY_CHARGING, ROBUROC4_LCM_BATTERY_STATUS_T_STATE_CHARGING);
+    EXPECT_EQ(ROBUROC4_BATTERY_CHARGED, ROBUROC4_LCM_BATTERY_STATUS_T_STATE_CHARGED);
+    EXPECT_EQ(ROBUROC4_BATTERY_OK, ROBUROC4_LCM_BATTERY_STATUS_T_STATE_OK);
+    EXPECT_EQ(ROBUROC4_BATTERY_CRITICAL, ROBUROC4_LCM_BATTERY_STATUS_T_STATE_CRITICAL);
+    EXPECT_EQ(ROBUROC4_LOCALIZATION_INVALID, ROBUROC4_LCM_LOCALIZATION_STATUS_T_FLAG_INVALID);
+    EXPECT_EQ(ROBUROC4_LOCALIZATION_METRIC, ROBUROC4_LCM_LOCALIZATION_STATUS_T_FLAG_METRIC);
+    EXPECT_EQ(ROBUROC4_LOCALIZATION_DECIMETRIC, ROBUROC4_LCM_LOCALIZATION_STATUS_T_FLAG_DECIMETRIC);
+    EXPECT_EQ(ROBUROC4_LOCALIZATION_CENTIMETRIC,
+              ROBUROC4_LCM_LOCALIZATION_STATUS_T_FLAG_CENTIMETRIC);
+    EXPECT_EQ(ROBUROC4_LOCALIZATION_PROPRIOCEPTIVE,
+              ROBUROC4_LCM_LOCALIZATION_STATUS_T_FLAG_PROPRIOCEPTIVE);
+    EXPECT_EQ(ROBUROC4_LOCALIZATION_EXTEROCEPTIVE,
+              ROBUROC4_LCM_LOCALIZATION_STATUS_T_FLAG_EXTEROCEPTIVE);
+    EXPECT_EQ(ROBUROC4_LOCALIZATION_ERROR, ROBUROC4_LCM_LOCALIZATION_STATUS_T_FLAG_ERROR);
+}

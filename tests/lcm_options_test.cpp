@@ -1,0 +1,224 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The LCM bridge's command line and its texts.
+ */
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "options.h"
+#include "text.h"
+
+namespace {
+
+struct Read {
+    std::shared_ptr<options> out = std::make_shared<options>();
+    options_result result = OPTIONS_BAD;
+    std::string error;
+};
+
+Read read(std::vector<std::string> arguments) {
+    Read r;
+    char error[OPTIONS_ERROR_SIZE] = "";
+    std::vector<char *> pointers;
+    arguments.insert(arguments.begin(), "roburoc4-lcm");
+    for (std::string &argument : arguments)
+        pointers.push_back(argument.data());
+    pointers.push_back(nullptr);
+    static std::vector<std::vector<std::string>> kept; /* options point into arguments */
+    r.result = options_read(static_cast<int>(arguments.size()), pointers.data(), r.out.get(), error,
+                            sizeof error);
+    r.error = error;
+    kept.push_back(std::move(arguments));
+    return r;
+}
+
+std::string channel_of(const Read &r, int robot, enum channel which) {
+    return r.out->robots[robot].channels.name[which];
+}
+
+std::string copied(const std::string &text, std::size_t capacity) {
+    std::string room(capacity, 'x');
+    text_copy(room.data(), capacity, reinterpret_cast<const std::uint8_t *>(text.data()),
+              text.size());
+    return room.c_str();
+}
+
+} // namespace
+
+TEST(LcmOptions, OnlyWatchByDefault) {
+    const Read r = read({});
+    ASSERT_EQ(OPTIONS_RUN, r.result) << r.error;
+    for (const bool enabled : r.out->rules.enabled)
+        EXPECT_FALSE(enabled);
+    EXPECT_EQ(300000U, r.out->rules.command_timeout_us);
+    EXPECT_EQ(200000U, r.out->rules.max_age_us);
+    EXPECT_EQ(nullptr, r.out->lcm_url);
+    EXPECT_EQ(1U, r.out->robot_count);
+    EXPECT_STREQ(ROBUROC4_DEFAULT_HOST, r.out->robots[0].host);
+    EXPECT_EQ("ROBUROC4_DIFFERENTIAL", channel_of(r, 0, CHANNEL_DIFFERENTIAL));
+    EXPECT_EQ("ROBUROC4_BRIDGE_STATUS", channel_of(r, 0, CHANNEL_BRIDGE_STATUS));
+    EXPECT_EQ("ROBUROC4_DRIVE_CMD", channel_of(r, 0, CHANNEL_DRIVE_CMD));
+    EXPECT_EQ("ROBUROC4_RELOCALIZE_CMD", channel_of(r, 0, CHANNEL_RELOCALIZE_CMD));
+    EXPECT_EQ("ROBUROC4_OUTPUT_CMD", channel_of(r, 0, CHANNEL_OUTPUT_CMD));
+    EXPECT_EQ("", channel_of(r, 0, CHANNEL_POSE));
+}
+
+TEST(LcmOptions, EachEnablesItsOwnKind) {
+    EXPECT_TRUE(read({"--enable-drive"}).out->rules.enabled[GATE_DRIVE]);
+    EXPECT_TRUE(read({"--enable-outputs"}).out->rules.enabled[GATE_OUTPUT]);
+    EXPECT_TRUE(read({"--enable-relocalize"}).out->rules.enabled[GATE_RELOCALIZE]);
+    EXPECT_FALSE(read({"--enable-outputs"}).out->rules.enabled[GATE_DRIVE]);
+}
+
+TEST(LcmOptions, NameSeveralRobotsAndTheirChannels) {
+    const Read r = read({"-r", "A=10.0.0.1", "--robot=B=10.0.0.2:6001", "--channel",
+                         "B:DRIVE_CMD=GO_CMD", "--pose-channel", "A:POSE"});
+    ASSERT_EQ(OPTIONS_RUN, r.result) << r.error;
+    EXPECT_STREQ("10.0.0.2:6001", r.out->robots[1].host);
+    EXPECT_EQ("A_DIFFERENTIAL", channel_of(r, 0, CHANNEL_DIFFERENTIAL));
+    EXPECT_EQ("GO_CMD", channel_of(r, 1, CHANNEL_DRIVE_CMD));
+    EXPECT_EQ("POSE", channel_of(r, 0, CHANNEL_POSE));
+    EXPECT_EQ("", channel_of(r, 1, CHANNEL_POSE));
+}
+
+TEST(LcmOptions, TakeValuesInEveryForm) {
+    const Read r = read({"-p", "LAB", "-l", "udpm://", "--period", "battery=0",
+                         "--period=iocard=10", "--command-timeout=20", "--max-age", "0", "-q"});
+    ASSERT_EQ(OPTIONS_RUN, r.result) << r.error;
+    EXPECT_EQ("LAB_DRIVE_CMD", channel_of(r, 0, CHANNEL_DRIVE_CMD));
+    EXPECT_STREQ("udpm://", r.out->lcm_url);
+    EXPECT_EQ(0U, r.out->config.subscriptions & 1U << ROBUROC4_SERVICE_BATTERY);
+    EXPECT_EQ(10U, r.out->config.period_ms[ROBUROC4_SERVICE_IOCARD]);
+    EXPECT_EQ(20000U, r.out->rules.command_timeout_us);
+    EXPECT_EQ(0U, r.out->rules.max_age_us);
+    EXPECT_EQ(LOG_ERROR, r.out->level);
+    EXPECT_EQ(nullptr, roburoc4_config_error(&r.out->config));
+}
+
+TEST(LcmOptions, RefuseWhatCannotBeMeantAndNameIt) {
+    const struct {
+        std::vector<std::string> arguments;
+        const char *told;
+    } cases[] = {
+        {{"--fly"}, "--fly"},
+        {{"-x"}, "-x"},
+        {{"stray"}, "stray"},
+        {{"--robot"}, "--robot"},
+        {{"-r", "a", "-r", "b"}, "need a name"},
+        {{"-r", "A=a", "-r", "A=b"}, "two channels"},
+        {{"-r", "A=a", "-p", "B"}, "--prefix B"},
+        {{"-r", "A.B=a"}, "A.B"},
+        {{"-r", "=a"}, "''"},
+        {{"-p", std::string(49, 'p')}, "ppp"},
+        {{"--period", "battery"}, "battery"},
+        {{"--period", "battery=15"}, "battery=15"},
+        {{"--period", "battery=2560"}, "battery=2560"},
+        {{"--period", "batteries=10"}, "batteries=10"},
+        {{"--period", "battery=-10"}, "battery=-10"},
+        {{"--command-timeout", "19"}, "19"},
+        {{"--command-timeout", "1001"}, "1001"},
+        {{"--command-timeout", "0.5"}, "0.5"},
+        {{"--max-age", "-1"}, "-1"},
+        {{"--max-age", "3600001"}, "3600001"},
+        {{"--max-age", "99999999999999999999"}, "9999"},
+        {{"--channel", "DRIVE_CMD=GO"}, "_CMD"},
+        {{"--channel", "BATTERY=X_CMD"}, "_CMD"},
+        {{"--channel", "BATTERY=.*"}, ".*"},
+        {{"--channel", "BATTERY"}, "BATTERY"},
+        {{"--channel", "NOTHING=X"}, "NOTHING"},
+        {{"--channel", "X:BATTERY=Y"}, "X:BATTERY"},
+        {{"-r", "A=a", "-r", "B=b", "--channel", "BATTERY=X"}, "which robot"},
+        {{"--channel", "BATTERY=ROBUROC4_IOCARD"}, "two channels"},
+        {{"--pose-channel", "P_CMD"}, "P_CMD"},
+        {{"--pose-channel", ""}, "--pose-channel"},
+        {{"--enable-drive", "--period", "iocard=0"}, "iocard"},
+        {{"--enable-drive", "--period", "differential=300"}, "differential"},
+    };
+    for (const auto &each : cases) {
+        const Read r = read(each.arguments);
+        EXPECT_EQ(OPTIONS_BAD, r.result) << each.told;
+        EXPECT_NE(std::string::npos, r.error.find(each.told)) << r.error;
+        EXPECT_LT(r.error.size() + 1, static_cast<std::size_t>(OPTIONS_ERROR_SIZE)) << r.error;
+    }
+}
+
+TEST(LcmOptions, FindTheRobotsAddresses) {
+    char error[OPTIONS_ERROR_SIZE] = "";
+    Read r = read({"-r", "A=127.0.0.1", "-r", "B=[::1]:6001"});
+    ASSERT_EQ(OPTIONS_RUN, r.result) << r.error;
+    ASSERT_EQ(OPTIONS_RUN, options_resolve(r.out.get(), error, sizeof error));
+    EXPECT_EQ(ROBUROC4_DEFAULT_PORT, r.out->robots[0].address.port);
+    EXPECT_EQ(6001, r.out->robots[1].address.port);
+    for (const char *bad : {"host:99999", "host:0", "host:x", ""}) {
+        r = read({"-r", bad});
+        EXPECT_EQ(OPTIONS_BAD, options_resolve(r.out.get(), error, sizeof error)) << bad;
+        EXPECT_NE(nullptr, std::strstr(error, "65535")) << error;
+    }
+    r = read({"-r", "no-such-robot.invalid"});
+    EXPECT_EQ(OPTIONS_NO_ADDRESS, options_resolve(r.out.get(), error, sizeof error));
+    EXPECT_NE(nullptr, std::strstr(error, "no-such-robot.invalid")) << error;
+}
+
+TEST(LcmOptions, AtMost32Robots) {
+    std::vector<std::string> arguments;
+    for (int i = 0; i < OPTIONS_MAX_ROBOTS; i++)
+        arguments.push_back("--robot=R" + std::to_string(i) + "=10.0.0.1");
+    EXPECT_EQ(OPTIONS_RUN, read(arguments).result);
+    arguments.push_back("--robot=TOO_MANY=10.0.0.1");
+    EXPECT_EQ(OPTIONS_BAD, read(arguments).result);
+}
+
+TEST(LcmOptions, HelpAndVersionWinOverWhatFollows) {
+    EXPECT_EQ(OPTIONS_HELP, read({"-h", "--fly"}).result);
+    EXPECT_EQ(OPTIONS_VERSION, read({"--version"}).result);
+}
+
+TEST(LcmText, IsUtf8WhereItIsAndLatin1Elsewhere) {
+    EXPECT_EQ("Télémètre", copied("Télémètre", 64));
+    EXPECT_EQ("Télémètre", copied("T\xE9l\xE9m\xE8tre", 64));
+    EXPECT_EQ("cut", copied(std::string("cut\0here", 8), 64));
+    EXPECT_EQ("", copied("", 1));
+    EXPECT_EQ("", copied("x", 1));
+}
+
+TEST(LcmText, IsNeverCutWithinACharacter) {
+    EXPECT_EQ("T", copied("Télémètre", 3));
+    EXPECT_EQ("Té", copied("Télémètre", 4));
+    EXPECT_EQ("T", copied("T\xE9", 3));
+}
+
+TEST(LcmText, TellsUtf8FromWhatOnlyLooksLikeIt) {
+    const struct {
+        const char *text;
+        bool good;
+    } cases[] = {{"plain", true},
+                 {"\xC3\xA9", true},
+                 {"\xE2\x82\xAC", true},
+                 {"\xF0\x9F\xA4\x96", true},
+                 {"\xC3", false},
+                 {"\xC0\xAF", false},
+                 {"\xE0\x80\xAF", false},
+                 {"\xED\xA0\x80", false},
+                 {"\xF4\x90\x80\x80", false},
+                 {"\xF0\x80\x80\xAF", false},
+                 {"\xFF", false},
+                 {"\xA9", false},
+                 {"\xE2\x82", false},
+                 {"\xE2\x28\xA1", false}};
+    for (const auto &each : cases)
+        EXPECT_EQ(each.good, text_is_utf8(reinterpret_cast<const std::uint8_t *>(each.text),
+                                          std::strlen(each.text)));
+    EXPECT_FALSE(text_is_utf8(reinterpret_cast<const std::uint8_t *>("a\0b"), 3));
+}
+
+TEST(LcmText, CommandsNoTerminal) {
+    char room[16];
+    text_for_terminal(room, sizeof room, "a\x1B[2J\n\x7F", 7);
+    EXPECT_STREQ("a?[2J??", room);
+    text_for_terminal(room, 3, "abcdef", 6);
+    EXPECT_STREQ("ab", room);
+}

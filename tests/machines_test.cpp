@@ -1,0 +1,376 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The small machines of the client, each alone: what they promise to whoever calls them, also in
+ * situations from which the joined client keeps them away.
+ */
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+
+extern "C" {
+#include "machines.h"
+}
+
+namespace {
+
+constexpr std::uint64_t ms = 1000;
+constexpr std::uint64_t second = 1000000;
+constexpr std::uint64_t begin_us = 100 * second;
+constexpr float nan32 = std::numeric_limits<float>::quiet_NaN();
+
+/** A drive machine that may drive: known service, armed. */
+struct Driver {
+    roburoc4_private_drive d{};
+    roburoc4_config config{};
+    std::uint32_t events = 0;
+    /* speeds of the moment (4), limits: max and min linear, max and min angular, accelerations,
+     * width */
+    std::array<float, 13> limits{0, 0, 0, 0, 2, -2, 6, -6, 3, -3, 8, -8, 0.68F};
+    std::array<float, 2> out{};
+
+    Driver() {
+        roburoc4_config_init(&config, sizeof config);
+        roburoc4_drive_start(&d, begin_us);
+        roburoc4_drive_service(&d, true, 6);
+        roburoc4_drive_arm(&d, &events);
+        events = 0;
+    }
+    roburoc4_result grant(float linear, float angular, std::uint64_t now_us,
+                          std::uint32_t lease_us = 250000) {
+        const std::array<float, 2> target{linear, angular};
+        return roburoc4_drive_grant(&d, &config, target.data(), lease_us, now_us, &events);
+    }
+    bool poll(std::uint64_t now_us) {
+        return roburoc4_drive_poll(&d, &config, limits.data(), now_us, out.data(), &events);
+    }
+    [[nodiscard]] bool speaks() const {
+        return out[0] != 0 || out[1] != 0;
+    }
+    void status(std::array<float, 4> speeds, std::uint64_t now_us, bool overridden = false) {
+        roburoc4_drive_status(&d, &config, speeds.data(), overridden, now_us, &events);
+    }
+    void tick(std::uint64_t now_us, roburoc4_result refusal = ROBUROC4_OK) {
+        roburoc4_drive_tick(&d, &config, refusal, now_us, &events);
+    }
+    /** Let a speed out, and leave driving after it. */
+    void spoke(std::uint64_t now_us) {
+        grant(0.5F, 0, now_us);
+        ASSERT_TRUE(poll(now_us));
+        ASSERT_TRUE(speaks());
+    }
+};
+
+} // namespace
+
+/* ---- drive ---- */
+
+TEST(DriveMachine, LetsNoSpeedOutAfterTheLeaseEvenWhenNobodyToldItTheTime) {
+    Driver driver;
+    ASSERT_EQ(ROBUROC4_OK, driver.grant(0.5F, 0, begin_us));
+    EXPECT_FALSE(driver.poll(begin_us + 250 * ms));
+    EXPECT_FALSE(driver.poll(begin_us - 1)) << "a clock that went back";
+    EXPECT_TRUE(driver.poll(begin_us + 250 * ms - 1));
+    EXPECT_FLOAT_EQ(0.5F, driver.out[0]);
+}
+
+TEST(DriveMachine, LetsNoSpeedOutWhileDisarmedUnknownOrWithoutALease) {
+    for (int without = 0; without < 3; without++) {
+        Driver driver;
+        ASSERT_EQ(ROBUROC4_OK, driver.grant(0.5F, 0, begin_us));
+        driver.d.known = without != 0;
+        driver.d.armed = without != 1;
+        driver.d.leased = without != 2;
+        EXPECT_FALSE(driver.poll(begin_us)) << without;
+        EXPECT_FALSE(driver.speaks());
+    }
+}
+
+TEST(DriveMachine, OwesItsZerosToTheServiceThatIsFoundNext) {
+    /* a speed was sent and the service is gone */
+    Driver spoke;
+    spoke.spoke(begin_us);
+    roburoc4_drive_service(&spoke.d, false, 0);
+    EXPECT_EQ(1, spoke.d.stop_latched);
+    EXPECT_EQ(0, spoke.d.leased);
+    EXPECT_FALSE(spoke.poll(begin_us + second));
+    roburoc4_drive_service(&spoke.d, false, 9);
+    EXPECT_EQ(1, spoke.d.stop_latched) << "gone twice: still owed";
+    roburoc4_drive_service(&spoke.d, true, 16);
+    EXPECT_TRUE(spoke.poll(begin_us + second));
+    EXPECT_FALSE(spoke.speaks());
+
+    /* a train had sent two of its three zeros */
+    Driver train;
+    train.spoke(begin_us);
+    roburoc4_drive_stop(&train.d);
+    ASSERT_TRUE(train.poll(begin_us));
+    ASSERT_TRUE(train.poll(begin_us + 50 * ms));
+    roburoc4_drive_service(&train.d, false, 0);
+    EXPECT_EQ(1, train.d.stop_latched);
+    EXPECT_EQ(0, train.d.train);
+
+    /* ... and a train that had sent all three owes nothing, nor does one that never spoke */
+    Driver done;
+    done.spoke(begin_us);
+    roburoc4_drive_stop(&done.d);
+    for (std::uint64_t i = 0; i < 3; i++)
+        ASSERT_TRUE(done.poll(begin_us + i * 50 * ms));
+    roburoc4_drive_service(&done.d, false, 0);
+    EXPECT_EQ(0, done.d.stop_latched);
+    Driver silent;
+    roburoc4_drive_service(&silent.d, false, 0);
+    EXPECT_EQ(0, silent.d.stop_latched);
+    EXPECT_EQ(0, silent.d.known);
+}
+
+TEST(DriveMachine, ATrainThatWasConfirmedWantsToBePolledNow) {
+    Driver driver;
+    driver.spoke(begin_us);
+    roburoc4_drive_stop(&driver.d);
+    for (std::uint64_t i = 0; i < 3; i++)
+        ASSERT_TRUE(driver.poll(begin_us + i * 50 * ms));
+    EXPECT_EQ(begin_us + 150 * ms, roburoc4_drive_deadline(&driver.d, &driver.config));
+    driver.status({0, 0, 0, 0}, begin_us + 101 * ms);
+    EXPECT_EQ(0U, roburoc4_drive_deadline(&driver.d, &driver.config));
+    EXPECT_FALSE(driver.poll(begin_us + 102 * ms));
+    EXPECT_TRUE(driver.events & ROBUROC4_EVENT_STOPPED);
+    EXPECT_EQ(UINT64_MAX, roburoc4_drive_deadline(&driver.d, &driver.config));
+}
+
+TEST(DriveMachine, OnlyStatusesAfterTheThirdZeroConfirmATrain) {
+    Driver driver;
+    driver.spoke(begin_us);
+    roburoc4_drive_stop(&driver.d);
+    ASSERT_TRUE(driver.poll(begin_us));
+    ASSERT_TRUE(driver.poll(begin_us + 50 * ms));
+    driver.status({0, 0, 0, 0}, begin_us + 60 * ms);
+    EXPECT_TRUE(driver.poll(begin_us + 100 * ms));
+    EXPECT_TRUE(driver.poll(begin_us + 150 * ms)) << "not confirmed since the third";
+    for (const std::array<float, 4> speeds :
+         {std::array<float, 4>{0.1F, 0, 0, 0}, std::array<float, 4>{0, 0, 0.1F, 0}}) {
+        driver.status(speeds, begin_us + 160 * ms);
+        EXPECT_EQ(0, driver.d.confirmed);
+    }
+    driver.status({-0.0F, 0.3F, -0.0F, 0.3F}, begin_us + 160 * ms);
+    EXPECT_EQ(1, driver.d.confirmed) << "its targets count, not what it does";
+}
+
+TEST(DriveMachine, ARobotThatReportsATargetOrASpeedIsNotAtRest) {
+    Driver driver;
+    driver.status({0, 0.05F, 0, 0.1F}, begin_us);
+    EXPECT_EQ(0, driver.d.moving) << "noise";
+    for (const std::array<float, 4> speeds :
+         {std::array<float, 4>{0.1F, 0, 0, 0}, std::array<float, 4>{0, 0, 0.1F, 0},
+          std::array<float, 4>{0, -0.2F, 0, 0}, std::array<float, 4>{0, 0, 0, 0.3F}}) {
+        driver.status(speeds, begin_us);
+        EXPECT_EQ(1, driver.d.moving);
+        driver.status({0, 0, 0, 0}, begin_us);
+        EXPECT_EQ(0, driver.d.moving);
+    }
+}
+
+TEST(DriveMachine, ATargetThatIsNoNumberIsNobodysOfOurs) {
+    for (const std::array<float, 4> speeds :
+         {std::array<float, 4>{nan32, 0, 0, 0}, std::array<float, 4>{0, 0, nan32, 0},
+          std::array<float, 4>{std::numeric_limits<float>::infinity(), 0, 0, 0}}) {
+        Driver driver;
+        for (std::uint64_t i = 0; i < 2; i++)
+            driver.status(speeds, begin_us + i * 50 * ms);
+        EXPECT_EQ(0, driver.d.foreign);
+        driver.status(speeds, begin_us + 100 * ms);
+        EXPECT_EQ(1, driver.d.foreign);
+        EXPECT_EQ(0, driver.d.armed);
+        EXPECT_EQ(1, driver.d.moving) << "it cannot be said to stand";
+        EXPECT_EQ(ROBUROC4_ERR_FOREIGN, driver.d.disarm_cause);
+    }
+}
+
+TEST(DriveMachine, WhatIsNoNumberIsNotForeignUnderTheOverrideOrWhereTargetsAreOurs) {
+    Driver overridden;
+    for (std::uint64_t i = 0; i < 5; i++)
+        overridden.status({nan32, 0, 0, 0}, begin_us + i * 50 * ms, true);
+    EXPECT_EQ(0, overridden.d.foreign);
+    EXPECT_EQ(1, overridden.d.moving);
+    Driver ours;
+    for (std::uint64_t i = 0; i < 5; i++)
+        ours.status({0, nan32, 0, 0}, begin_us + i * 50 * ms);
+    EXPECT_EQ(0, ours.d.foreign);
+    EXPECT_EQ(1, ours.d.moving);
+    EXPECT_EQ(1, ours.d.armed);
+}
+
+/* ---- requests ---- */
+
+namespace {
+
+constexpr ask get_directory{
+    0, 0, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, 0, REQUEST_FOREVER};
+
+ask get(std::uint8_t kind) {
+    return {kind, 0, ROBUROC4_ACTION_GET, kind, 0, 3};
+}
+
+} // namespace
+
+TEST(Requests, HaveRoomForFourAndNoneTwice) {
+    requests r{};
+    for (std::uint8_t kind = 2; kind < 6; kind++) {
+        const ask a = get(kind);
+        EXPECT_TRUE(roburoc4_requests_free(&r, 0));
+        EXPECT_TRUE(roburoc4_requests_begin(&r, &a));
+        EXPECT_FALSE(roburoc4_requests_begin(&r, &a)) << "it is open";
+    }
+    EXPECT_FALSE(roburoc4_requests_free(&r, 0));
+    const ask fifth = get(6);
+    EXPECT_FALSE(roburoc4_requests_begin(&r, &fifth));
+    roburoc4_requests_cancel(&r, ROBUROC4_ACTION_GET, 3);
+    EXPECT_TRUE(roburoc4_requests_free(&r, 0));
+    EXPECT_FALSE(roburoc4_requests_free(&r, 1));
+    EXPECT_TRUE(roburoc4_requests_begin(&r, &fifth));
+}
+
+TEST(Requests, NeverShareAnId) {
+    requests r{};
+    slot *given_up = nullptr;
+    const ask first = get(2);
+    const ask second_ask = get(3);
+    ASSERT_TRUE(roburoc4_requests_begin(&r, &first));
+    const slot *one = roburoc4_requests_due(&r, 100, begin_us, &given_up);
+    ASSERT_NE(nullptr, one);
+    const std::uint8_t taken = one->id;
+    ASSERT_TRUE(roburoc4_requests_begin(&r, &second_ask));
+    r.last_id = static_cast<std::uint8_t>(taken - 1); /* a whole round later */
+    const slot *two = roburoc4_requests_due(&r, 100, begin_us, &given_up);
+    ASSERT_NE(nullptr, two);
+    EXPECT_EQ(taken + 1, two->id);
+}
+
+TEST(Requests, UseAllIdsButThoseWithAMeaning) {
+    requests r{};
+    slot *given_up = nullptr;
+    const ask a = get(2);
+    std::array<int, 256> used{};
+    for (int i = 0; i < 253; i++) {
+        ASSERT_TRUE(roburoc4_requests_begin(&r, &a));
+        slot *s = roburoc4_requests_due(&r, 100, begin_us, &given_up);
+        ASSERT_NE(nullptr, s);
+        used[s->id]++;
+        roburoc4_requests_close(&r, s, begin_us);
+    }
+    for (int id = 0; id < 256; id++)
+        EXPECT_EQ(id >= 2 && id <= 254 ? 1 : 0, used[static_cast<std::size_t>(id)]) << id;
+}
+
+TEST(Requests, ThatWereNotSentMatchNothingAndAreDueNow) {
+    requests r{};
+    const ask a = get(2);
+    ASSERT_TRUE(roburoc4_requests_begin(&r, &a));
+    EXPECT_EQ(0U, roburoc4_requests_deadline(&r));
+    const std::array<std::uint8_t, 5> answer{0, ROBUROC4_ACTION_GET, 2, 0, 0};
+    EXPECT_EQ(nullptr, roburoc4_requests_match(&r, answer.data(), answer.size(), begin_us));
+    slot *given_up = nullptr;
+    ASSERT_NE(nullptr, roburoc4_requests_due(&r, 100, begin_us, &given_up));
+    EXPECT_EQ(begin_us + 100 * ms, roburoc4_requests_deadline(&r));
+}
+
+TEST(Requests, AShortDatagramThatIsNoErrorBelongsToNone) {
+    requests r{};
+    slot *given_up = nullptr;
+    ASSERT_TRUE(roburoc4_requests_begin(&r, &get_directory));
+    const slot *open = roburoc4_requests_due(&r, 100, begin_us, &given_up);
+    ASSERT_NE(nullptr, open);
+    const std::array<std::uint8_t, 4> cut{ROBUROC4_HEADER_MANUAL, ROBUROC4_ACTION_GET, 0, 0};
+    for (int i = 0; i < 5; i++)
+        EXPECT_EQ(nullptr, roburoc4_requests_match(&r, cut.data(), cut.size(), begin_us));
+    EXPECT_EQ(0, r.fixed_id);
+    const std::array<std::uint8_t, 4> own{open->id, ROBUROC4_ACTION_GET, 0, 0};
+    EXPECT_EQ(nullptr, roburoc4_requests_match(&r, own.data(), own.size(), begin_us));
+    const std::array<std::uint8_t, 1> error{ROBUROC4_HEADER_ERROR};
+    EXPECT_EQ(open, roburoc4_requests_match(&r, error.data(), error.size(), begin_us));
+}
+
+TEST(Requests, WithOneIdForAllWaitForLateAnswersOfTheLast) {
+    requests r{};
+    r.fixed_id = 1;
+    slot *given_up = nullptr;
+    const ask a = get(2);
+    ASSERT_TRUE(roburoc4_requests_begin(&r, &a));
+    slot *s = roburoc4_requests_due(&r, 100, begin_us, &given_up);
+    ASSERT_EQ(s, roburoc4_requests_due(&r, 100, begin_us + 100 * ms, &given_up)) << "second try";
+    EXPECT_EQ(ROBUROC4_HEADER_MANUAL, s->id);
+    roburoc4_requests_close(&r, s, begin_us + 110 * ms);
+    EXPECT_FALSE(roburoc4_requests_free(&r, 0));
+    EXPECT_EQ(begin_us + 210 * ms, roburoc4_requests_deadline(&r));
+    ASSERT_TRUE(roburoc4_requests_begin(&r, &a));
+    EXPECT_EQ(0U, roburoc4_requests_deadline(&r)) << "what is open counts";
+    roburoc4_requests_cancel_all(&r);
+    EXPECT_EQ(nullptr, roburoc4_requests_due(&r, 100, begin_us + 210 * ms, &given_up));
+    EXPECT_TRUE(roburoc4_requests_free(&r, 0));
+    EXPECT_EQ(UINT64_MAX, roburoc4_requests_deadline(&r));
+}
+
+/* ---- link ---- */
+
+TEST(Link, ARoundTripBeyondAllMeasureIsTheLargestNumber) {
+    roburoc4_private_link l{};
+    roburoc4_link_round_trip(&l, begin_us, begin_us + (std::uint64_t{1} << 40));
+    EXPECT_EQ(UINT32_MAX, l.round_trip_us);
+    EXPECT_EQ(UINT32_MAX, l.round_trip_min_us);
+    roburoc4_link_round_trip(&l, begin_us, begin_us);
+    EXPECT_EQ(1U, l.round_trip_min_us) << "0 would mean that there is none";
+    EXPECT_EQ(UINT32_MAX - UINT32_MAX / 8, l.round_trip_us);
+}
+
+/* ---- discovery ---- */
+
+namespace {
+
+struct Directory {
+    std::array<std::uint8_t, 64> bytes{};
+    roburoc4_directory view{};
+
+    Directory(std::initializer_list<roburoc4_directory_entry> entries) {
+        std::array<roburoc4_directory_entry, 8> list{};
+        std::copy(entries.begin(), entries.end(), list.begin());
+        const roburoc4_result size = roburoc4_encode_directory(bytes.data(), bytes.size(), 2, 0,
+                                                               list.data(), entries.size());
+        EXPECT_EQ(ROBUROC4_OK,
+                  roburoc4_decode_directory(bytes.data(), static_cast<std::size_t>(size), &view));
+    }
+};
+
+} // namespace
+
+TEST(Discovery, ADirectoryThatDiffersInAnyWayIsAnother) {
+    discovery d{};
+    roburoc4_discovery_clear(&d);
+    const Directory known{{0, 0}, {0, 1}, {ROBUROC4_TYPE_DIFFERENTIAL, 6}};
+    EXPECT_FALSE(roburoc4_discovery_directory(&d, &known.view));
+    EXPECT_TRUE(roburoc4_discovery_same(&d, &known.view));
+    const Directory shorter{{0, 0}, {0, 1}};
+    const Directory longer{{0, 0}, {0, 1}, {ROBUROC4_TYPE_DIFFERENTIAL, 6}, {0, 4}};
+    const Directory other_id{{0, 0}, {0, 1}, {ROBUROC4_TYPE_DIFFERENTIAL, 7}};
+    const Directory other_type{{0, 0}, {0, 1}, {ROBUROC4_TYPE_DRIVE, 6}};
+    for (const Directory *other : {&shorter, &longer, &other_id, &other_type})
+        EXPECT_FALSE(roburoc4_discovery_same(&d, &other->view));
+}
+
+TEST(Discovery, TheSameTextOfTheSameInputAgainIsNotAmbiguous) {
+    discovery d{};
+    roburoc4_discovery_clear(&d);
+    const char text[] = "Front bumper";
+    const auto *bytes = reinterpret_cast<const std::uint8_t *>(text);
+    const auto take = [&](std::uint32_t index) {
+        return roburoc4_discovery_text(&d, ROBUROC4_IO_DIGITAL_INPUT, index, bytes, 12);
+    };
+    EXPECT_TRUE(take(7));
+    EXPECT_TRUE(take(7));
+    EXPECT_EQ(7, d.role_texts[ROBUROC4_ROLE_FRONT_BUMPER]);
+    EXPECT_TRUE(take(8));
+    EXPECT_EQ(ROLE_TEXT_AMBIGUOUS, d.role_texts[ROBUROC4_ROLE_FRONT_BUMPER]);
+    EXPECT_TRUE(take(7));
+    EXPECT_EQ(ROLE_TEXT_AMBIGUOUS, d.role_texts[ROBUROC4_ROLE_FRONT_BUMPER]) << "and stays so";
+}

@@ -1,0 +1,264 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Plant faults in the core, one at a time, and see whether a test notices.
+
+universalmutator writes the changed sources; this program builds each into the small library of the
+core alone, runs the program with all of the core's tests against it, and keeps what came out. A
+change that the compiler turns into the same code is none; one that does not compile is none either.
+"""
+
+from __future__ import annotations
+
+import argparse
+import concurrent.futures
+import difflib
+import hashlib
+import json
+import os
+import random
+import re
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+SURVIVORS = Path(__file__).resolve().parent / "SURVIVORS.md"
+EXPOSED = ROOT / "tests" / "bytes_exposed.c"
+HEADERS = ("src/bytes.h", "src/client.h", "src/machines.h")
+FLAGS = ["-std=c99", "-O1", "-fPIC", "-w", f"-I{ROOT}/include", f"-I{ROOT}/src"]
+TIMEOUT_S = 30
+LIVES = "3"
+
+KILLED, SURVIVED, SAME, INVALID = "killed", "survived", "same code", "does not compile"
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """One planted fault: a file's whole new text."""
+
+    file: str
+    line: int
+    before: str
+    after: str
+    text: str
+
+    @property
+    def key(self) -> str:
+        """The same for the same change of the same text of the file."""
+        return hashlib.sha256((self.file + "\0" + self.text).encode()).hexdigest()[:16]
+
+
+def core_files() -> list[str]:
+    """The core's sources as CMakeLists.txt lists them, and its private headers."""
+    text = (ROOT / "CMakeLists.txt").read_text()
+    listed = re.search(r"set\(core_sources\s+([^)]*)\)", text)
+    if listed is None:
+        sys.exit("mutation: CMakeLists.txt has no list core_sources")
+    return listed.group(1).split() + list(HEADERS)
+
+
+def mutants_of(file: str, mutate: str) -> list[Mutant]:
+    """All changes that universalmutator knows for one file."""
+    source = (ROOT / file).read_text()
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run(
+            [mutate, str(ROOT / file), "c", "--noCheck", "--mutantDir", folder],
+            check=True,
+            stdout=subprocess.DEVNULL,
+            cwd=folder,
+        )
+        texts = sorted({path.read_text() for path in Path(folder).iterdir()})
+    lines = source.splitlines()
+    found = []
+    for text in texts:
+        changed = text.splitlines()
+        match = difflib.SequenceMatcher(None, lines, changed, autojunk=False)
+        codes = [code for code in match.get_opcodes() if code[0] != "equal"]
+        if not codes:
+            continue
+        _, a, b, c, d = codes[0]
+        found.append(
+            Mutant(file, a + 1, " ".join(lines[a:b]).strip(), " ".join(changed[c:d]).strip(), text)
+        )
+    return found
+
+
+class Bench:
+    """Builds and runs mutants."""
+
+    def __init__(self, program: Path, compiler: str, work: Path) -> None:
+        self.program, self.compiler, self.work = program, compiler, work
+        self.sources = [f for f in core_files() if f.endswith(".c")]
+        work.mkdir(parents=True, exist_ok=True)
+        for file in [*(ROOT / s for s in self.sources), EXPOSED]:
+            if not self.compile(file, self.object_of(file)):
+                sys.exit(f"mutation: {file} does not compile")
+
+    def object_of(self, file: Path) -> Path:
+        return self.work / (file.stem + ".o")
+
+    def compile(self, file: Path, out: Path, first: Path | None = None) -> bool:
+        """`first`: a folder whose headers come before those of the checkout."""
+        include = [] if first is None else [f"-I{first}"]
+        command = [self.compiler, *include, *FLAGS, "-c", "-o", str(out), str(file)]
+        return subprocess.run(command, capture_output=True, check=False).returncode == 0
+
+    def build(self, mutant: Mutant, folder: Path) -> dict[Path, Path] | None:
+        """Objects that differ, by the object in whose place they come; None: does not compile."""
+        place = folder / Path(mutant.file).name
+        place.write_text(mutant.text)
+        sources = [place]
+        if mutant.file.endswith(".h"):
+            # A quoted include looks beside the including file first: copy those too.
+            sources = []
+            for file in [*(ROOT / s for s in self.sources), EXPOSED, EXPOSED.with_suffix(".h")]:
+                (folder / file.name).write_text(file.read_text())
+                if file.suffix == ".c":
+                    sources.append(folder / file.name)
+        changed = {}
+        for source in sources:
+            out = folder / (source.stem + ".o")
+            if not self.compile(source, out, folder):
+                return None
+            if out.read_bytes() != self.object_of(source).read_bytes():
+                changed[self.object_of(source)] = out
+        return changed
+
+    def judge(self, mutant: Mutant) -> str:
+        with tempfile.TemporaryDirectory(dir=self.work) as name:
+            folder = Path(name)
+            changed = self.build(mutant, folder)
+            if changed is None:
+                return INVALID
+            if not changed:
+                return SAME
+            objects = [self.object_of(ROOT / s) for s in self.sources] + [self.object_of(EXPOSED)]
+            library = folder / "libroburoc4_core_alone.so"
+            link = [self.compiler, "-shared", "-o", str(library)]
+            link += [str(changed.get(o, o)) for o in objects]
+            if subprocess.run(link, capture_output=True, check=False).returncode != 0:
+                return INVALID
+            return self.run(folder)
+
+    def run(self, folder: Path) -> str:
+        environment = dict(
+            os.environ,
+            LD_LIBRARY_PATH=str(folder),
+            GTEST_FAIL_FAST="1",
+            GTEST_BRIEF="1",
+            ROBUROC4_WALK_LIVES=LIVES,
+        )
+        try:
+            done = subprocess.run(
+                [str(self.program)],
+                env=environment,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                timeout=TIMEOUT_S,
+                check=False,
+            )
+        except subprocess.TimeoutExpired:
+            return KILLED  # a loop without end would be noticed
+        return SURVIVED if done.returncode == 0 else KILLED
+
+
+def explained() -> set[str]:
+    """Keys of survivors that SURVIVORS.md explains: the code word that begins each of its rows."""
+    if not SURVIVORS.exists():
+        return set()
+    return set(re.findall(r"^\| `([0-9a-f]{16})`", SURVIVORS.read_text(), re.MULTILINE))
+
+
+def report(results: list[dict[str, object]], planned: int) -> float:
+    """Print the score and the survivors; the score in percent."""
+    counts = Counter(str(r["result"]) for r in results)
+    real = counts[KILLED] + counts[SURVIVED]
+    score = 100.0 * counts[KILLED] / real if real else 0.0
+    known = explained()
+    by_file: dict[str, Counter[str]] = {}
+    for r in results:
+        by_file.setdefault(str(r["file"]), Counter())[str(r["result"])] += 1
+    for file, c in sorted(by_file.items()):
+        print(
+            f"{file:22} {c[KILLED]:6} killed {c[SURVIVED]:5} survived {c[SAME]:6} same code "
+            f"{c[INVALID]:6} do not compile"
+        )
+    for r in sorted(
+        (r for r in results if r["result"] == SURVIVED),
+        key=lambda r: (str(r["file"]), int(str(r["line"]))),
+    ):
+        word = "explained" if r["key"] in known else "NOT EXPLAINED"
+        print(
+            f"survived, {word}: {r['key']} {r['file']}:{r['line']}\n"
+            f"    - {r['before']}\n    + {r['after']}"
+        )
+    print(
+        f"{len(results)} of {planned} mutants tried: {real} compiled to other code, "
+        f"{counts[KILLED]} killed, {counts[SURVIVED]} survived: score {score:.1f} %"
+    )
+    return score
+
+
+def options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--program", type=Path, required=True, help="the built core_tests")
+    parser.add_argument("--compiler", default="gcc")
+    parser.add_argument("--mutate", default="mutate", help="universalmutator's program")
+    parser.add_argument("--work", type=Path, required=True, help="folder for what is built")
+    parser.add_argument("--state", type=Path, help="file of results: what is there is not repeated")
+    parser.add_argument("--sample", type=int, help="so many, drawn by --seed (default: all)")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--files", nargs="*", help="of these files only")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--at-least", type=float, default=0.0, help="the score that is enough")
+    parser.add_argument("--only-report", action="store_true", help="of what is in --state")
+    return parser.parse_args()
+
+
+def main() -> int:
+    args = options()
+    mutants = [m for f in args.files or core_files() for m in mutants_of(f, args.mutate)]
+    random.Random(args.seed).shuffle(mutants)
+    chosen = mutants[: args.sample] if args.sample else mutants
+    wanted = {m.key: m for m in chosen}
+    before: dict[str, dict[str, object]] = {}
+    if args.state and args.state.exists():
+        for line in args.state.read_text().splitlines():
+            result = json.loads(line)
+            if result["key"] in wanted:
+                before[result["key"]] = result
+    results = list(before.values())
+    todo = [] if args.only_report else [m for m in wanted.values() if m.key not in before]
+    print(
+        f"seed {args.seed}: {len(mutants)} mutants, {len(wanted)} chosen, "
+        f"{len(before)} known, {len(todo)} to try",
+        flush=True,
+    )
+    if todo:
+        bench = Bench(args.program.resolve(), args.compiler, args.work.resolve())
+        if bench.run(args.program.resolve().parent) != SURVIVED:
+            sys.exit("mutation: the tests fail without any mutant")
+        with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
+            futures = {pool.submit(bench.judge, m): m for m in todo}
+            for future in concurrent.futures.as_completed(futures):
+                m = futures[future]
+                result = {
+                    "key": m.key,
+                    "file": m.file,
+                    "line": m.line,
+                    "before": m.before,
+                    "after": m.after,
+                    "result": future.result(),
+                }
+                results.append(result)
+                if args.state:
+                    with args.state.open("a") as out:
+                        out.write(json.dumps(result) + "\n")
+    return 0 if report(results, len(wanted)) >= args.at_least else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
