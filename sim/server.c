@@ -310,7 +310,6 @@ static void turn(server_state *server) {
 }
 
 static void serve(server_state *server) {
-    net_listen_for_stop();
     server->last_us = net_now_us();
     server->input = server->options->panel;
     turn(server);
@@ -329,6 +328,7 @@ int server_run(const server_options *options) {
         return 1;
     }
     running->options = options;
+    net_listen_for_stop(); /* before it says that it is ready: what follows may be a signal */
     bool opened = open_all(running);
     if (opened) {
         say_ready(running);
