@@ -20,8 +20,6 @@ ABOUT_TIME = (
 ABOUT_COUNT = (
     "The same calls in machine instructions, counted by callgrind (less those of a call that does "
     "nothing), which do not depend on what else the machine does.")
-# The robot's own message, and how much worse than the limit it may be; how much better than others.
-AIMS = {"memcpy": 1.5, "LCM": 1 / 1.5, "MAVLink": 1 / 10, "nanopb": 1 / 10}
 
 
 def versions(build):
@@ -47,18 +45,10 @@ def place(name):
 
 
 def add_all(part, unit, values):
-    """values: (direction, message, peer) -> value, low, high. Aims are stated as they compare."""
+    """values: (direction, message, peer) -> value, low, high. bench/aims.py judges the ratios."""
     for (direction, message, peer) in sorted(values, key=place):
         value, low, high = values[direction, message, peer]
-        more = {}
-        if peer == "roburoc4":
-            limits = {p: values[direction, message, p][0] * factor
-                      for p, factor in AIMS.items() if (direction, message, p) in values}
-            missed = [p for p, limit in limits.items() if value > limit]
-            more = {"aim": round(min(limits.values()), 2) if limits else None,
-                    "note": "misses " + ", ".join(missed) if missed else "all four aims"}
-        if low != high:
-            more.update(low=low, high=high)
+        more = {"low": low, "high": high} if low != high else {}
         part.add(f"{direction} {message}", peer, unit, value, **more)
 
 

@@ -6,19 +6,21 @@ import argparse
 import json
 import pathlib
 
+import aims
 import figures
 
 # What is shown first, in this order; other parts follow by name.
-ORDER = ("codec", "instructions", "client", "loopback", "footprint", "footprint_peers", "python", "growth", "payload")
-PEERS = ("roburoc4", "memcpy", "LCM", "nanopb", "MAVLink", "bare loop", "bare recv", "bare recvmmsg",
-         "Cortex-M0", "Cortex-M3", "Cortex-M4F", "RV32", "AVR")
+ORDER = ("codec", "instructions", "client", "loopback", "footprint", "footprint_peers", "python",
+         "matlab", "lcm", "dashboard", "growth", "payload")
+PEERS = ("roburoc4", "memcpy", "LCM", "nanopb", "MAVLink", "bare loop", "bare recv",
+         "bare recvmmsg", "Cortex-M0", "Cortex-M3", "Cortex-M4F", "RV32", "AVR")
 HEAD = """# Figures
 
-Written by `scripts/bench` from `bench/results/*.json`; [README.md](README.md) says what each part is.
-An aim is the project's; **missed** is said where it was missed. `×` is how many times roburoc4's figure the
-other's is. Not a promise for other machines: run it on yours.
+Written by `scripts/bench` from `bench/results/*.json`; [README.md](README.md) says what each part
+is. Not a promise for other machines: run it on yours.
 
 """
+RATIOS = "`×` in a peer's column is how many times roburoc4's figure the peer's is.\n"
 
 
 def number(value):
@@ -30,16 +32,6 @@ def number(value):
     if abs(value) >= 100:
         return f"{value:,.0f}"
     return f"{value:.3g}"
-
-
-def reached(result):
-    if "aim" not in result or result["value"] is None:
-        return ""
-    if result.get("better", "lower") == "higher":
-        good = result["value"] >= result["aim"]
-    else:
-        good = result["value"] <= result["aim"]
-    return "reached" if good else "**missed**"
 
 
 def table(rows):
@@ -80,8 +72,8 @@ def section_table(part):
         rows.append([
             name, main["unit"],
             *(compared(of_name.get(s), of_name.get("roburoc4")) for s in subjects),
-            interval, number(main["aim"]) if "aim" in main else "", reached(main),
-            main.get("note", "")])
+            interval, number(main["aim"]) if "aim" in main else "",
+            "" if part.get("quick") else aims.verdict(aims.met(main)), main.get("note", "")])
     return table(rows)
 
 
@@ -107,6 +99,28 @@ def section(part):
     if part.get("versions"):
         measured += "; " + "; ".join(part["versions"])
     lines.append(f"\n<sub>{measured}.</sub>\n")
+    return "\n".join(lines)
+
+
+def header(parts, failed):
+    """What it was measured on and with, and the aims."""
+    machines = dict.fromkeys(p["machine"] for p in parts if "machine" in p)
+    versions = dict.fromkeys(v for p in parts for v in p.get("versions", []))
+    lines = [HEAD + f"- Machine: {'; '.join(machines)}",
+             f"- Compilers, and what is compared with: {'; '.join(versions)}",
+             f"- Measured: {', '.join(sorted({p['measured'] for p in parts}))}\n"]
+    if failed:
+        lines.append(f"**Not measured this time, for an error: {', '.join(failed)}.** Their figures, "
+                     "where there are any, are of an earlier run.\n")
+    judged = list(aims.rows([p for p in parts if not p.get("quick")], number))
+    lines.append("## The aims\n")
+    if judged:
+        good = sum(row[-1] == "met" for row in judged)
+        lines.append(f"{good} of {len(judged)} are met. Why the others are not is at the end.\n")
+        lines.append(table([["part", "aim", "figure", "verdict"], *judged]))
+    else:
+        lines.append("A quick look judges nothing.\n")
+    lines.append(RATIOS)
     return "\n".join(lines)
 
 
@@ -273,6 +287,7 @@ def main():
     parser.add_argument("--results", type=pathlib.Path, default=figures.BENCH / "results")
     parser.add_argument("--out", type=pathlib.Path, default=figures.BENCH / "RESULTS.md")
     parser.add_argument("--images", type=pathlib.Path, default=figures.TOP / "docs/images")
+    parser.add_argument("--failed", nargs="*", default=[], help="parts that were not measured")
     given = parser.parse_args()
     parts = load(given.results)
     given.images.mkdir(parents=True, exist_ok=True)
@@ -280,13 +295,14 @@ def main():
     sections = []
     for part in ordered(parts):
         text = section(part)
-        picture = "growth" if part["part"] == "growth" else part["part"]
-        if picture in drawn:
+        if part["part"] in drawn:
             title, rest = text.split("\n", 1)
-            text = f"{title}\n\n![{part['title']}](../docs/images/bench-{picture}.svg)\n{rest}"
+            text = (f"{title}\n\n![{part['title']}](../docs/images/bench-{part['part']}.svg)\n"
+                    + rest)
         sections.append(text)
     changes = (figures.BENCH / "changes.md").read_text(encoding="utf-8")
-    given.out.write_text(HEAD + "\n".join([*sections, changes]), encoding="utf-8")
+    head = header(ordered(parts), given.failed)
+    given.out.write_text("\n".join([head, *sections, changes]), encoding="utf-8")
     print(f"{given.out}: {len(parts)} parts, {len(drawn)} pictures")
 
 

@@ -9,8 +9,7 @@
 #define MAX_DIGITAL ROBUROC4_MAX_DIGITAL_OUTPUTS
 #define MAX_ANALOG ROBUROC4_MAX_ANALOG_OUTPUTS
 
-/* ------------------------------------------------------------------------------------- reader ---
- */
+/* ---------------------------------------------------------------------------------- reader --- */
 
 /* LCM is big-endian. Once a read fails, all later ones fail too and give 0. */
 typedef struct reader {
@@ -81,8 +80,7 @@ static uint32_t read_count(reader *reader, uint32_t max) {
     return reader->failed ? 0 : (uint32_t)count;
 }
 
-/* ------------------------------------------------------------------------------------- bodies ---
- */
+/* ---------------------------------------------------------------------------------- bodies --- */
 
 static void read_drive(reader *reader, command *out) {
     out->linear_m_s = read_double(reader);
@@ -160,8 +158,7 @@ bool command_decode(enum gate_kind kind, const void *data, size_t size, command 
     return !reader.failed && reader.left == 0;
 }
 
-/* ----------------------------------------------------------------------------------- for gate ---
- */
+/* -------------------------------------------------------------------------------- for gate --- */
 
 /* By the bits, so that no compiler's option can assume NaN away. */
 static bool is_finite(double value) {

@@ -9,8 +9,7 @@
 
 static const char *const kinds[] = {"drive", "relocalize", "output"};
 
-/* ---------------------------------------------------------------------------------- rejections ---
- */
+/* ------------------------------------------------------------------------------ rejections --- */
 
 static const char *reason(enum gate_verdict verdict) {
     switch (verdict) {
@@ -28,8 +27,7 @@ static const char *reason(enum gate_verdict verdict) {
         return "the bridge has just started, and cannot tell it from an old one; go on sending";
     case GATE_REPEATED:
         return "its utime is not later than the sender's last: a replayed log, or two programs "
-               "with "
-               "one sender";
+               "with one sender";
     case GATE_SEAT:
         return "another sender's lease still lives; one commander at a time";
     case GATE_NOT_READY:
@@ -48,6 +46,13 @@ static const char *flag(enum gate_kind kind) {
     static const char *const flags[] = {"--enable-drive", "--enable-relocalize",
                                         "--enable-outputs"};
     return flags[kind];
+}
+
+/* Whether it was rejected for its utime, which is positive then: the difference cannot overflow. */
+static bool is_about_time(enum gate_verdict verdict, const command *command,
+                          const gate_rules *rules, gate_time now) {
+    return verdict == GATE_IN_FUTURE || (verdict == GATE_TOO_OLD && rules->max_age_us != 0 &&
+                                         now.utime - command->utime > (int64_t)rules->max_age_us);
 }
 
 static void explain_time(char *room, size_t capacity, const command *command,
@@ -70,11 +75,9 @@ void explain_rejection(const char *robot, enum gate_verdict verdict, const comma
     if (command != NULL) {
         text_for_terminal(sender, sizeof sender, command->sender, command->sender_length);
     }
-    int64_t age_us = command != NULL ? now.utime - command->utime : 0;
     if (verdict == GATE_DISABLED && command != NULL) {
         (void)snprintf(why, sizeof why, "start the bridge with %s to take it", flag(command->kind));
-    } else if (command != NULL && (verdict == GATE_IN_FUTURE ||
-                                   (verdict == GATE_TOO_OLD && age_us > rules->max_age_us))) {
+    } else if (command != NULL && is_about_time(verdict, command, rules, now)) {
         explain_time(why, sizeof why, command, rules, now);
     } else {
         (void)snprintf(why, sizeof why, "%s", reason(verdict));
@@ -83,8 +86,7 @@ void explain_rejection(const char *robot, enum gate_verdict verdict, const comma
              first ? " (told once; bridge status counts them)" : "");
 }
 
-/* -------------------------------------------------------------------------------------- events ---
- */
+/* ---------------------------------------------------------------------------------- events --- */
 
 void explain_absence(const char *robot, const char *address, uint32_t fault) {
     log_line(LOG_NOTE, robot, "no answer from %s yet (%s); going on trying", address,

@@ -14,8 +14,7 @@ void gate_init(gate *gate, const gate_rules *rules, gate_time now) {
     gate->arms_alone = true;
 }
 
-/* ------------------------------------------------------------------------------------- pauses ---
- */
+/* ---------------------------------------------------------------------------------- pauses --- */
 
 void gate_hold(gate *gate, uint64_t now_us) {
     gate->waiting = true;
@@ -61,8 +60,7 @@ bool gate_wants_arming(gate *gate, const gate_robot *robot, uint64_t now_us) {
     return robot->arm_refusal >= 0;
 }
 
-/* ------------------------------------------------------------------------------------ senders ---
- */
+/* --------------------------------------------------------------------------------- senders --- */
 
 static uint32_t find_sender(const gate *gate, const gate_command *command) {
     uint32_t at = 0;
@@ -119,8 +117,7 @@ const char *gate_commander(const gate *gate, uint64_t now_us, size_t *length) {
     return gate->senders[gate->seat].name;
 }
 
-/* -------------------------------------------------------------------------------------- times ---
- */
+/* ----------------------------------------------------------------------------------- times --- */
 
 void gate_clock_was_set(gate *gate, gate_time now) {
     gate->start = now;
@@ -150,7 +147,8 @@ static enum gate_verdict judge_utime(const gate *gate, int64_t utime, gate_time 
     return utime <= gate->start.utime + max_age_us ? GATE_STARTING : GATE_TAKEN;
 }
 
-/* What is left of a command's lease, which began when it arrived; 0 where it is over. */
+/* What is left of a command's lease, which began when it arrived; 0 where it is over. The shortest
+ * lease is not shortened by the moment that it takes to read a command. */
 static uint32_t lease_left(const gate *gate, const gate_command *command, gate_time now) {
     uint32_t lease_us = gate->rules.command_timeout_us;
     if (command->lease_us > 0 && (uint32_t)command->lease_us < lease_us) {
@@ -167,11 +165,13 @@ static uint32_t lease_left(const gate *gate, const gate_command *command, gate_t
         return 0;
     }
     lease_us -= (uint32_t)waited_us;
-    return lease_us < GATE_MIN_LEASE_US ? 0 : lease_us;
+    if (lease_us >= GATE_MIN_LEASE_US) {
+        return lease_us;
+    }
+    return waited_us < GATE_READ_US ? GATE_MIN_LEASE_US : 0;
 }
 
-/* ------------------------------------------------------------------------------------ verdict ---
- */
+/* --------------------------------------------------------------------------------- verdict --- */
 
 /* What a command must have to be one. */
 static enum gate_verdict judge_form(const gate *gate, const gate_command *command) {

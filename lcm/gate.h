@@ -34,6 +34,8 @@ extern "C" {
 /* The shortest and the longest lease that the client can hold. */
 #define GATE_MIN_LEASE_US 20000u
 #define GATE_MAX_LEASE_US 1000000u
+/* A command is read within this, but on a machine that is too busy. */
+#define GATE_READ_US 10000
 
 enum gate_kind { GATE_DRIVE, GATE_RELOCALIZE, GATE_OUTPUT, GATE_KINDS };
 

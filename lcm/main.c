@@ -31,13 +31,15 @@ static options settings;
 static robot robots[OPTIONS_MAX_ROBOTS];
 static uint32_t robot_count;
 static volatile sig_atomic_t stop_signal;
+/* SIGHUP: the terminal was closed. */
+static const int stop_signals[] = {SIGINT, SIGTERM, SIGHUP};
+#define STOP_SIGNALS (sizeof stop_signals / sizeof stop_signals[0])
 
 static void on_signal(int number) {
     stop_signal = number;
 }
 
-/* ----------------------------------------------------------------------------------------- LCM ---
- */
+/* ------------------------------------------------------------------------------------- LCM --- */
 
 static void tell_remedy(void) {
     log_line(LOG_ERROR, NULL, "no LCM network at %s",
@@ -58,8 +60,9 @@ static lcm_t *open_lcm(void) {
     sigset_t stops;
     sigset_t before;
     (void)sigemptyset(&stops);
-    (void)sigaddset(&stops, SIGINT);
-    (void)sigaddset(&stops, SIGTERM);
+    for (size_t at = 0; at < STOP_SIGNALS; at++) {
+        (void)sigaddset(&stops, stop_signals[at]);
+    }
     (void)sigprocmask(SIG_BLOCK, &stops, &before);
     lcm_t *lcm = lcm_create(settings.lcm_url);
     for (uint32_t at = 0; lcm != NULL && at < settings.robot_count; at++) {
@@ -81,8 +84,7 @@ static bool drain(lcm_t *lcm) {
     return result >= 0;
 }
 
-/* ---------------------------------------------------------------------------------------- loop ---
- */
+/* ------------------------------------------------------------------------------------ loop --- */
 
 static int wait_ms(uint64_t now_us, uint64_t until_us) {
     for (uint32_t at = 0; at < robot_count; at++) {
@@ -102,12 +104,13 @@ static void look_for_stall(gate_time before, uint64_t wait_us) {
     }
 }
 
-/* Wait, then serve whoever has something; false where a robot's socket is broken. */
-static bool turn(lcm_t *lcm, uint64_t *lcm_broken_us) {
+/* Wait, then serve whoever has something; false where a robot's socket is broken. LCM is left alone
+ * for a second from *rests_since_us on, unless that is 0. */
+static bool turn(lcm_t *lcm, uint64_t *rests_since_us) {
     struct pollfd watched[OPTIONS_MAX_ROBOTS + 1];
     uint64_t now_us = clock_now().us;
     bool good = true;
-    bool lcm_rests = *lcm_broken_us != 0 && now_us - *lcm_broken_us < LCM_RETRY_US;
+    bool lcm_rests = *rests_since_us != 0 && now_us - *rests_since_us < LCM_RETRY_US;
     for (uint32_t at = 0; at < robot_count; at++) {
         watched[at].fd = (int)roburoc4_udp_fd(&robots[at].udp);
         watched[at].events = POLLIN;
@@ -130,10 +133,10 @@ static bool turn(lcm_t *lcm, uint64_t *lcm_broken_us) {
         }
     }
     if (commands && !drain(lcm)) {
-        if (*lcm_broken_us == 0) {
+        if (*rests_since_us == 0) {
             log_line(LOG_ERROR, NULL, "LCM cannot be read: no commands; trying again each second");
         }
-        *lcm_broken_us = now_us;
+        *rests_since_us = now_us;
     }
     for (uint32_t at = 0; at < robot_count; at++) {
         if (commands || watched[at].revents != 0 || robot_deadline(&robots[at]) <= now_us) {
@@ -152,15 +155,15 @@ static bool all_closed(void) {
     return true;
 }
 
-/* Zeros, until the robots confirm them or the time is over. */
+/* Zeros, until the robots confirm them or the time is over. No command is read any more. */
 static void close_robots(lcm_t *lcm) {
     gate_time now = clock_now();
-    uint64_t lcm_broken_us = 0;
+    uint64_t rests_since_us = now.us;
     for (uint32_t at = 0; at < robot_count; at++) {
         robot_close(&robots[at], now);
         robot_finish(&robots[at]);
     }
-    while (!all_closed() && clock_now().us - now.us < CLOSING_US && turn(lcm, &lcm_broken_us)) {
+    while (!all_closed() && clock_now().us - now.us < CLOSING_US && turn(lcm, &rests_since_us)) {
     }
     for (uint32_t at = 0; at < robot_count; at++) {
         robot_end(&robots[at]);
@@ -169,7 +172,7 @@ static void close_robots(lcm_t *lcm) {
 
 static int run(lcm_t *lcm) {
     gate_time now = clock_now();
-    uint64_t lcm_broken_us = 0;
+    uint64_t rests_since_us = 0;
     bool good = true;
     for (; good && robot_count < settings.robot_count; robot_count += good) {
         good = robot_start(&robots[robot_count], &settings, &settings.robots[robot_count], now);
@@ -180,7 +183,7 @@ static int run(lcm_t *lcm) {
                  settings.rules.enabled[GATE_DRIVE] ? "ON" : "off (--enable-drive)");
     }
     while (good && stop_signal == 0) {
-        good = turn(lcm, &lcm_broken_us);
+        good = turn(lcm, &rests_since_us);
     }
     close_robots(lcm);
     return good ? EXIT_DONE : EXIT_ERROR;
@@ -188,9 +191,17 @@ static int run(lcm_t *lcm) {
 
 static void catch_signals(void) {
     struct sigaction action = {.sa_handler = on_signal};
+    struct sigaction before;
     (void)sigemptyset(&action.sa_mask);
-    (void)sigaction(SIGINT, &action, NULL);
-    (void)sigaction(SIGTERM, &action, NULL);
+    for (size_t at = 0; at < STOP_SIGNALS; at++) {
+        (void)sigaction(stop_signals[at], NULL, &before);
+        if (before.sa_handler != SIG_IGN) { /* as nohup leaves SIGHUP */
+            (void)sigaction(stop_signals[at], &action, NULL);
+        }
+    }
+    /* Whoever read the log is gone: that is no reason to leave a robot without its zeros. */
+    action.sa_handler = SIG_IGN;
+    (void)sigaction(SIGPIPE, &action, NULL);
 }
 
 /* Where the command line asks for no bridge, or for none that can be. */
@@ -198,11 +209,11 @@ static int end_early(enum options_result result, const char *error) {
     switch (result) {
     case OPTIONS_HELP:
         (void)fputs(options_help, stdout);
-        return EXIT_DONE;
+        return fflush(stdout) == 0 ? EXIT_DONE : EXIT_ERROR;
     case OPTIONS_VERSION:
         (void)printf("roburoc4-lcm %d.%d.%d\n", ROBUROC4_VERSION_MAJOR, ROBUROC4_VERSION_MINOR,
                      ROBUROC4_VERSION_PATCH);
-        return EXIT_DONE;
+        return fflush(stdout) == 0 ? EXIT_DONE : EXIT_ERROR;
     default:
         log_line(LOG_ERROR, NULL, "%s", error);
         return result == OPTIONS_BAD ? EXIT_USAGE : EXIT_ERROR;

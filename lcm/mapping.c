@@ -6,8 +6,7 @@
 
 #include "text.h"
 
-/* ------------------------------------------------------------------------------- channel names ---
- */
+/* --------------------------------------------------------------------------- channel names --- */
 
 /* Where the names of a ROBUROC4_IO_* begin. */
 static const uint32_t first_name[] = {
@@ -47,8 +46,7 @@ char **mapping_names_of(mapping_names *names, int32_t io_type) {
     return names->list + first_name[io_type];
 }
 
-/* ------------------------------------------------------------------------------------ statuses ---
- */
+/* -------------------------------------------------------------------------------- statuses --- */
 
 void mapping_differential(const roburoc4_differential_status *in, int64_t utime,
                           roburoc4_lcm_differential_status_t *out) {
@@ -132,8 +130,7 @@ void mapping_pose(const roburoc4_localization_status *in,
     }
 }
 
-/* ---------------------------------------------------------------------------------- properties ---
- */
+/* ------------------------------------------------------------------------------ properties --- */
 
 static void map_differential_properties(const roburoc4_client *client,
                                         roburoc4_lcm_robot_properties_t *out) {

@@ -23,8 +23,7 @@ extern "C" {
 /* Room for the longest message: properties with every name at its longest. */
 #define MAPPING_MAX_ENCODED 20000
 
-/* ------------------------------------------------------------------------------- channel names ---
- */
+/* --------------------------------------------------------------------------- channel names --- */
 
 /* Names of the IO card's channels, by ROBUROC4_IO_* and index: UTF-8. */
 typedef struct mapping_names {
@@ -41,8 +40,7 @@ void mapping_names_set(mapping_names *names, int32_t io_type, uint32_t index, co
 /* All names of a ROBUROC4_IO_*, from index 0 on. */
 char **mapping_names_of(mapping_names *names, int32_t io_type);
 
-/* ------------------------------------------------------------------------------------ statuses ---
- */
+/* -------------------------------------------------------------------------------- statuses --- */
 
 void mapping_differential(const roburoc4_differential_status *in, int64_t utime,
                           roburoc4_lcm_differential_status_t *out);
@@ -66,8 +64,7 @@ void mapping_iocard(const roburoc4_inputs *in, mapping_names *names, int64_t uti
 void mapping_pose(const roburoc4_localization_status *in,
                   const roburoc4_differential_status *speeds, int64_t utime, bot_core_pose_t *out);
 
-/* ---------------------------------------------------------------------------------- properties ---
- */
+/* ------------------------------------------------------------------------------ properties --- */
 
 typedef struct mapping_services {
     int32_t ids[ROBUROC4_MAX_SERVICES];
@@ -82,8 +79,7 @@ void mapping_properties(const roburoc4_client *client, mapping_names *names, cha
                         int64_t utime, mapping_services *storage,
                         roburoc4_lcm_robot_properties_t *out);
 
-/* ------------------------------------------------------------------------------- bridge status ---
- */
+/* --------------------------------------------------------------------------- bridge status --- */
 
 /* What the bridge knows of one robot and its commands. */
 typedef struct mapping_view {

@@ -134,8 +134,7 @@ void mapping_bridge_status(const mapping_view *view, mapping_texts *storage,
     map_link(view, out);
 }
 
-/* ------------------------------------------------------------------------------------ sentence ---
- */
+/* -------------------------------------------------------------------------------- sentence --- */
 
 static void tell_absent(const mapping_view *view, char *room, size_t capacity) {
     const char *state = roburoc4_state_name(view->facts->state);

@@ -74,8 +74,7 @@ complain(reading *reading, const char *format, ...) {
     return false;
 }
 
-/* ------------------------------------------------------------------------------ option values ---
- */
+/* --------------------------------------------------------------------------- option values --- */
 
 static bool whole(const char *text, uint32_t min, uint32_t max, uint32_t *out) {
     uint32_t value = 0;
@@ -146,8 +145,7 @@ static bool set_max_age(reading *reading, const char *value) {
     return true;
 }
 
-/* --------------------------------------------------------------------------------- the robots ---
- */
+/* ------------------------------------------------------------------------------ the robots --- */
 
 static bool set_robot(reading *reading, options_robot *robot, const char *value) {
     const char *equals = strchr(value, '=');
@@ -197,8 +195,7 @@ static bool set_robots(reading *reading) {
     return true;
 }
 
-/* ------------------------------------------------------------------------------- the channels ---
- */
+/* ---------------------------------------------------------------------------- the channels --- */
 
 /* The robot that `[NAME:]REST` is about, and REST; NULL (and said why) for none. */
 static options_robot *robot_meant(reading *reading, const char *option, const char *value,
@@ -311,8 +308,7 @@ static bool can_drive(reading *reading) {
     return true;
 }
 
-/* -------------------------------------------------------------------------------- command line ---
- */
+/* ---------------------------------------------------------------------------- command line --- */
 
 enum long_option {
     OPTION_CHANNEL = 256,

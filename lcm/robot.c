@@ -26,8 +26,7 @@ static gate_robot robot_for_gate(const robot *robot, uint64_t now_us) {
     return for_gate;
 }
 
-/* ------------------------------------------------------------------------------------ commands ---
- */
+/* -------------------------------------------------------------------------------- commands --- */
 
 static void reject(robot *robot, enum gate_verdict verdict, const command *command, gate_time now) {
     uint32_t bit = 1u << verdict;
@@ -127,8 +126,7 @@ static void on_message(const lcm_recv_buf_t *message, const char *channel, void 
     }
 }
 
-/* -------------------------------------------------------------------------------------- motion ---
- */
+/* ---------------------------------------------------------------------------------- motion --- */
 
 static float to_float(double value) {
     const double far = 1e6; /* beyond any limit; the client clamps to the robot's own */
@@ -167,8 +165,7 @@ static void apply_drive(robot *robot, gate_time now) {
     gate_count_taken(&robot->gate, GATE_DRIVE);
 }
 
-/* ----------------------------------------------------------------------------------- the robot ---
- */
+/* ------------------------------------------------------------------------------- the robot --- */
 
 static void learn_telemeters(robot *robot) {
     uint32_t count = roburoc4_client_telemeter_count(&robot->client);
@@ -331,8 +328,7 @@ uint64_t robot_deadline(const robot *robot) {
     return first;
 }
 
-/* ---------------------------------------------------------------------------------------- life ---
- */
+/* ------------------------------------------------------------------------------------ life --- */
 
 bool robot_subscribe(robot *robot, lcm_t *lcm, const options_robot *settings) {
     memset(robot, 0, sizeof *robot);
@@ -372,7 +368,6 @@ bool robot_start(robot *robot, const options *options, const options_robot *sett
 }
 
 void robot_close(robot *robot, gate_time now) {
-    memset(robot->gate.rules.enabled, 0, sizeof robot->gate.rules.enabled);
     robot->has_drive = false;
     (void)roburoc4_client_close(&robot->client, now.us);
 }

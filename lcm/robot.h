@@ -69,7 +69,7 @@ bool robot_serve(robot *robot);
 /* After LCM was drained: apply the newest drive command, send what is due, publish the states. */
 void robot_finish(robot *robot);
 
-/* Begin to end: no command is taken any more, zeros are sent. */
+/* Begin to end: zeros are sent. LCM must not be read any more. */
 void robot_close(robot *robot, gate_time now);
 bool robot_is_closed(const robot *robot);
 /* Publish the last state and close the socket. */

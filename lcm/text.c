@@ -62,9 +62,15 @@ void text_copy(char *room, size_t capacity, const uint8_t *text, size_t length) 
 
 void text_for_terminal(char *room, size_t capacity, const char *text, size_t length) {
     size_t at = 0;
+    bool after_c2 = false; /* U+0080 to U+009F are control characters, too */
     for (; at < length && at + 1 < capacity && text[at] != '\0'; at++) {
         uint8_t byte = (uint8_t)text[at];
-        room[at] = byte < 0x20 || byte == 0x7F ? '?' : text[at];
+        bool control = byte < 0x20 || byte == 0x7F || (after_c2 && byte < 0xA0);
+        room[at] = control ? '?' : text[at];
+        if (control && after_c2) {
+            room[at - 1] = '?';
+        }
+        after_c2 = byte == 0xC2;
     }
     room[at] = '\0';
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * The small machines that make up a client, and what they tell each other. Each keeps its own part
- * of roburoc4_client and knows nothing of the others; client.c joins them.
+ * of roburoc4_client and reads none of another's (discovery is shown the open requests, to ask
+ * nothing twice); client.c joins them.
  *
  *   requests   request ids, retries, matching of answers
  *   link       statuses in order, loss, jitter, clock mapping, reboot

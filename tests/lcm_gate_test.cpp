@@ -106,7 +106,7 @@ class GateWithoutAges : public Gate {
 
 } // namespace
 
-/* ------------------------------------------------------------------------------------- form --- */
+/* ------------------------------------------------------------------------------------ form --- */
 
 TEST_F(Gate, TakesAGoodCommandAndCountsItByKind) {
     for (int kind = 0; kind < GATE_KINDS; kind++) {
@@ -152,8 +152,7 @@ TEST_F(Gate, RejectsNaNAndInfinityAndAllUtimesThatAreNone) {
     }
 }
 
-/* ------------------------------------------------------------------------------------- times ---
- */
+/* ----------------------------------------------------------------------------------- times --- */
 
 TEST_F(Gate, TakesNothingInTheFirst250Milliseconds) {
     restart();
@@ -303,8 +302,7 @@ TEST_F(Gate, AClockThatIsSetMakesAllPause) {
         << "utimes of the other time are forgotten";
 }
 
-/* ------------------------------------------------------------------------------------- lease ---
- */
+/* ----------------------------------------------------------------------------------- lease --- */
 
 TEST_F(Gate, ALeaseIsItsOwnOrTheDefaultAndNeverLonger) {
     const struct {
@@ -343,8 +341,7 @@ TEST_F(GateWithoutAges, WhatWaitedLongerThanItsLeaseIsDead) {
     EXPECT_EQ(GATE_TOO_OLD, judge(c));
 }
 
-/* -------------------------------------------------------------------------------------- seat ---
- */
+/* ------------------------------------------------------------------------------------ seat --- */
 
 TEST_F(Gate, OneCommanderAtATimeUntilItsLeaseHasRunOut) {
     ASSERT_EQ(GATE_TAKEN, judge(command("first")));
@@ -391,8 +388,7 @@ TEST_F(Gate, ARejectedCommandTakesNoSeat) {
     EXPECT_EQ("", commander());
 }
 
-/* ------------------------------------------------------------------------------------ pauses ---
- */
+/* ---------------------------------------------------------------------------------- pauses --- */
 
 TEST_F(Gate, AfterADisarmItWaitsUntilAllHavePausedFor500Milliseconds) {
     ASSERT_EQ(GATE_TAKEN, judge(command()));
@@ -471,8 +467,7 @@ TEST_F(Gate, ThatIsNotReadyTakesNothingOfAnyKind) {
     EXPECT_EQ(3, gate.rejected[GATE_NOT_READY]);
 }
 
-/* ------------------------------------------------------------------------------------ arming ---
- */
+/* ---------------------------------------------------------------------------------- arming --- */
 
 TEST_F(Gate, ArmsAloneOnceTheRobotIsReadyAndNeverAgain) {
     EXPECT_FALSE(gate_wants_arming(&gate, &absent, us()));
@@ -523,8 +518,7 @@ TEST_F(Gate, ARobotThatWasAbsentAtTheStartWaitsForAPause) {
     EXPECT_TRUE(gate_wants_arming(&gate, &armable, us())) << "silent: it arms once it is ready";
 }
 
-/* ---------------------------------------------------------------------------------- a referee ---
- */
+/* ------------------------------------------------------------------------------- a referee --- */
 
 /** Thousands of random commands; books kept otherwise than by the gate say which may not pass. */
 TEST_F(Gate, NothingPassesThatAPlainRefereeForbids) {

@@ -12,7 +12,7 @@ namespace {
 
 using iocard = values<iocard_values, fill_iocard>;
 using telemeter = values<telemeter_values, fill_telemeter>;
-using drive = values<drive_values, fill_drive>;
+using drive = values<roburoc4_differential_command, fill_drive>;
 
 size_t length(roburoc4_result result) {
     return result > 0 ? static_cast<size_t>(result) : 0;
@@ -57,21 +57,13 @@ bool decode_telemeter(const uint8_t *wire, size_t size) {
 }
 
 size_t encode_drive(uint8_t *buffer, size_t capacity) {
-    const drive_values &v = drive::sent();
+    const roburoc4_differential_command &v = drive::sent();
     return length(roburoc4_encode_differential_command(buffer, capacity, v.service, v.linear_m_s,
                                                        v.angular_rad_s));
 }
 
 bool decode_drive(const uint8_t *wire, size_t size) {
-    drive_values &v = drive::received();
-    roburoc4_differential_command command;
-    if (roburoc4_decode_differential_command(wire, size, &command) != 0) {
-        return false;
-    }
-    v.service = command.service;
-    v.linear_m_s = command.linear_m_s;
-    v.angular_rad_s = command.angular_rad_s;
-    return true;
+    return roburoc4_decode_differential_command(wire, size, &drive::received()) == 0;
 }
 
 /** The statuses without lists: decoded to roburoc4's struct, which is the application's too. */

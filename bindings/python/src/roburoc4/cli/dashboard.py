@@ -8,11 +8,12 @@ import contextlib
 import ipaddress
 import os
 import sys
+import threading
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from .errors import ExitCode, usage
-from .options import Options, add_robot, number
+from .options import Options, add_robot, number, whole
 from .output import note
 from .session import address_of
 from .signals import unsuspendable
@@ -47,17 +48,6 @@ class DashboardOptions(Options):
     tls_key: str | None
     name: list[str]
     no_open: bool
-
-
-def whole(low: int, high: int, unit: str) -> Any:
-    """Make a converter to a whole number in this range."""
-
-    def convert(text: str) -> int:
-        if not (text.strip().isdecimal() and low <= int(text) <= high):
-            raise argparse.ArgumentTypeError(f"'{text.strip()}' is not {low} to {high}{unit}")
-        return int(text)
-
-    return convert
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -96,7 +86,7 @@ def _add_driving(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--lease-ms",
         metavar="MS",
-        type=whole(100, 1000, " ms"),
+        type=whole(100, 1000, "milliseconds"),
         default=_LEASE_MS,
         help="the robot stops so long after the driver's page saw it last (default: 250)",
     )
@@ -108,7 +98,7 @@ def _add_driving(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--period-ms",
         metavar="MS",
-        type=whole(10, 2550, " ms"),
+        type=whole(10, 2550, "milliseconds"),
         help="period of all statuses, a multiple of 10 (default: 50 to 1000 by service)",
     )
 
@@ -116,7 +106,11 @@ def _add_driving(parser: argparse.ArgumentParser) -> None:
 def _add_serving(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("serving")
     group.add_argument(
-        "--port", metavar="N", type=whole(0, 65535, ""), default=_PORT, help="0: a free one"
+        "--port",
+        metavar="N",
+        type=whole(0, 65535, "a port"),
+        default=_PORT,
+        help="port to serve at, 0 for a free one (default: 8400)",
     )
     group.add_argument(
         "--bind",
@@ -188,6 +182,8 @@ def _serve(
     )
     rules = Rules(token, tuple(options.name), place.secure)
     make_server(hub, place, rules, lambda: _tell(options, link)).run(sockets=[opened])
+    if hub.failure is not None:
+        raise hub.failure
 
 
 def _tell(options: DashboardOptions, link: str) -> None:
@@ -198,10 +194,14 @@ def _tell(options: DashboardOptions, link: str) -> None:
     if options.allow_drive and not options.sim:
         note("a page can drive the robot (140 kg): keep an emergency stop in your hand")
     if not options.no_open and _has_desktop():
-        import threading
-        import webbrowser
+        threading.Thread(target=_open, args=(link,), daemon=True).start()
 
-        threading.Thread(target=webbrowser.open, args=(link,), daemon=True).start()
+
+def _open(link: str) -> None:
+    import webbrowser
+
+    if not webbrowser.open(link):
+        note("no browser could be started: open the link yourself")
 
 
 def _has_desktop() -> bool:

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import logging
 import mimetypes
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -37,7 +36,7 @@ def application(hub: Hub, rules: Rules) -> ASGIApp:
     @contextlib.asynccontextmanager
     async def lifespan(_app: Starlette) -> AsyncIterator[None]:
         beating = asyncio.create_task(hub.beat())
-        beating.add_done_callback(_tell_end)
+        beating.add_done_callback(lambda ended: _note_end(hub, ended))
         try:
             yield
         finally:
@@ -58,10 +57,11 @@ def application(hub: Hub, rules: Rules) -> ASGIApp:
     return Guard(Starlette(routes=routes, lifespan=lifespan), rules)
 
 
-def _tell_end(beating: asyncio.Task[None]) -> None:
-    """Say so where no pictures are made any more: without ticks nothing can be driven either."""
+def _note_end(hub: Hub, beating: asyncio.Task[None]) -> None:
+    """Where no pictures are made any more, nothing is driven, and the server ends."""
     if not beating.cancelled() and (error := beating.exception()) is not None:
-        logging.getLogger("uvicorn.error").error("no more pictures", exc_info=error)
+        hub.failure = error
+        hub.seat.close()
 
 
 async def _serve(hub: Hub, websocket: WebSocket) -> None:

@@ -41,6 +41,10 @@ class Ring:
         self._data[place : place + self._columns] = array("d", row)
         self._written += 1
 
+    def clear(self) -> None:
+        """Forget all rows."""
+        self._written = 0
+
     def row(self, back: int) -> tuple[float, ...]:
         """Return the row that is the ``back``-th before the latest."""
         place = (self._written - 1 - back) % self._rows * self._columns
@@ -109,6 +113,7 @@ class History:
         self.battery = Ring(3, BATTERY_ROWS)
         self.path = Ring(2, PATH_ROWS)
         self.events: deque[Notice] = deque(maxlen=EVENT_ROWS)
+        self._latest_s = -math.inf
         self._speed_due_s = -math.inf
         self._battery_due_s = -math.inf
         self._place = (math.inf, math.inf)
@@ -120,15 +125,25 @@ class History:
 
     def add_speeds(self, time_s: float, speeds: Sequence[float]) -> None:
         """Keep target and current speeds, now and then."""
+        self._look_at_clock(time_s)
         if time_s >= self._speed_due_s:
             self._speed_due_s = time_s + SPEED_EVERY_S
             self.speeds.append((time_s, *speeds))
 
     def add_battery(self, time_s: float, percent: float, volts: float) -> None:
         """Keep what the battery says, now and then."""
+        self._look_at_clock(time_s)
         if time_s >= self._battery_due_s:
             self._battery_due_s = time_s + BATTERY_EVERY_S
             self.battery.append((time_s, percent, volts))
+
+    def _look_at_clock(self, time_s: float) -> None:
+        """Begin anew where the system's clock was set back: plots need times that rise."""
+        if time_s < self._latest_s:
+            self.speeds.clear()
+            self.battery.clear()
+            self._speed_due_s = self._battery_due_s = -math.inf
+        self._latest_s = time_s
 
     def add_place(self, x_m: float, y_m: float) -> None:
         """Keep a place that is another than the last."""

@@ -85,6 +85,8 @@ class Hub:
         self.ticks = Ticks()
         self.seat = Seat(robot, self.ticks, lease_s, offered=allow_drive)
         self.pages: set[Page] = set()
+        self.failure: BaseException | None = None
+        """Why no more pictures are made."""
         self._lease_s = lease_s
         self._ceilings = ceilings
         self._history = History()

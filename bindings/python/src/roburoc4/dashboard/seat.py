@@ -19,6 +19,9 @@ from .words import why_not_armed
 
 SHORTEST_LEASE_S = 0.02
 """The client takes no shorter one."""
+HELD_UP_S = 0.02
+"""A command that took longer to give has a lease that is too long by that, and is given again."""
+_ATTEMPTS = 3
 FORGOTTEN_S = 30.0
 """A driver's page that shows nothing for so long loses the seat."""
 
@@ -128,6 +131,8 @@ class Seat:
         self._check_driver(page)
         if self._lease_left_s(page, tick, now_s) is None:
             raise SeatError("the page is late: its link is slow or stalled; try again")
+        if self._lease_end_s is not None:
+            self._robot.stop()
         self._begin_anew("")
         self.stood_still = False
         try:
@@ -174,7 +179,7 @@ class Seat:
             self._lease_end_s = None
             self.why = "inputs came too late and the robot was stopped: let go, then drive on"
         if not self.must_let_go:
-            self._command(hands, left_s, now_s)
+            self._command(hands, now_s + left_s)
 
     def _let_go(self) -> None:
         self.must_let_go = False
@@ -182,18 +187,28 @@ class Seat:
             self._lease_end_s = None
             self._robot.stop()
 
-    def _command(self, hands: Input, left_s: float, now_s: float) -> None:
-        try:
-            self._robot.drive(
-                hands.forward * hands.scale * self.limits.linear_m_s,
-                hands.left * hands.scale * self.limits.angular_rad_s,
-                lease_ms=int(left_s * 1000),
-            )
-        except NotArmedError as error:
-            self._begin_anew(why_not_armed(error.code))
-        else:
-            self._lease_end_s = now_s + left_s
-            self.why = ""
+    def _command(self, hands: Input, end_s: float) -> None:
+        """Drive until then, and no longer where this process is held up just here."""
+        for _ in range(_ATTEMPTS):
+            now_s = self._robot.now_s
+            left_s = end_s - now_s
+            if left_s < SHORTEST_LEASE_S:
+                break
+            try:
+                self._robot.drive(
+                    hands.forward * hands.scale * self.limits.linear_m_s,
+                    hands.left * hands.scale * self.limits.angular_rad_s,
+                    lease_ms=int(left_s * 1000),
+                )
+            except NotArmedError as error:
+                self._begin_anew(why_not_armed(error.code))
+                return
+            if self._robot.now_s - now_s <= HELD_UP_S:
+                self._lease_end_s = end_s
+                self.why = ""
+                return
+        self._robot.stop()
+        self._begin_anew("this computer was held up while it drove: let go, then drive on")
 
     def _lease_left_s(self, page: Occupant, tick: int, now_s: float) -> float | None:
         """Return what is left of the lease that began when this tick was issued."""

@@ -65,13 +65,18 @@ def check_certificate(place: Place) -> None:
         return
     try:
         ssl.create_default_context(ssl.Purpose.CLIENT_AUTH).load_cert_chain(
-            str(place.certificate), place.key
+            str(place.certificate), place.key, password=_no_password
         )
-    except (OSError, ssl.SSLError) as error:
+    except (OSError, ValueError) as error:  # an SSLError is an OSError
+        reason = getattr(error, "strerror", None) or error
         raise ServeError(
-            f"--tls-cert {place.certificate} --tls-key {place.key}: {error.strerror or error}; "
-            "give a certificate and its key as PEM files"
+            f"--tls-cert {place.certificate} --tls-key {place.key}: {reason}; give a certificate "
+            "and its key as PEM files, the key without a password"
         ) from None
+
+
+def _no_password() -> str:
+    raise ValueError("the key asks for a password")
 
 
 def link(place: Place, opened: socket.socket, token: str | None) -> str:
@@ -95,10 +100,11 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
 
 
 class Server(uvicorn.Server):
-    """A server that says when it is ready."""
+    """A server that says when it is ready, and stops the robot before it ends."""
 
-    def __init__(self, config: uvicorn.Config, on_ready: Callable[[], None]) -> None:
+    def __init__(self, config: uvicorn.Config, hub: Hub, on_ready: Callable[[], None]) -> None:
         super().__init__(config)
+        self._hub = hub
         self._on_ready = on_ready
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
@@ -107,11 +113,22 @@ class Server(uvicorn.Server):
         if self.started:
             self._on_ready()
 
+    async def on_tick(self, counter: int) -> bool:
+        """Say whether to end: where it was told to, or has nothing to show any more."""
+        return await super().on_tick(counter) or self._hub.failure is not None
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """End: first of all the robot is stopped, then connections are closed."""
+        self._hub.seat.close()
+        await super().shutdown(sockets)
+
 
 def make_server(hub: Hub, place: Place, rules: Rules, on_ready: Callable[[], None]) -> Server:
     """Make a server of this hub; ``run(sockets=[...])`` serves until Ctrl-C or ``should_exit``."""
     config = uvicorn.Config(
         application(hub, rules),
+        loop="asyncio",
+        http="h11",
         log_level="warning",
         access_log=False,
         server_header=False,
@@ -126,4 +143,4 @@ def make_server(hub: Hub, place: Place, rules: Rules, on_ready: Callable[[], Non
         ssl_keyfile=place.key,
         lifespan="on",
     )
-    return Server(config, on_ready)
+    return Server(config, hub, on_ready)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The driver's hands: game pad, stick on the page, keyboard. A doubt counts as let go.
+// The driver's hands: game pad, stick on the page, keyboard. A doubt counts as let go, and whatever
+// was held when the page was left, or another pad came, must be let go before it counts again.
 //
 // The game pad is read as in the manual (4.1): [A] held is the dead-man, RT forward, LT backward,
 // LJ left and right to turn.
@@ -31,11 +32,13 @@ export class Hands {
     this.stickAt = null;
     this.risen = 0;
     this.looked = 0;
+    this.stuck = true;
+    this.padIndex = null;
     addEventListener("keydown", (event) => this.press(event));
     addEventListener("keyup", (event) => { if (this.keys.delete(event.code)) this.tellIfFree(); });
     addEventListener("blur", () => this.letGo());
     document.addEventListener("visibilitychange", () => this.letGo());
-    addEventListener("gamepaddisconnected", () => this.letGo());
+    for (const event of ["gamepadconnected", "gamepaddisconnected"]) addEventListener(event, () => this.letGo());
     stick.addEventListener("pointerdown", (event) => { stick.setPointerCapture(event.pointerId); this.push(event); });
     stick.addEventListener("pointermove", (event) => this.stickAt && this.push(event));
     for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) stick.addEventListener(end, () => this.release());
@@ -45,7 +48,8 @@ export class Hands {
   press(event) {
     if (!(event.code in MOTIONS) || event.ctrlKey || event.altKey || event.metaKey || writes(event.target)) return;
     if (this.wanted) event.preventDefault();
-    this.keys.add(event.code);
+    // A repeat whose beginning this page has not seen began somewhere else.
+    if (!event.repeat) this.keys.add(event.code);
   }
 
   push(event) {
@@ -68,6 +72,7 @@ export class Hands {
   }
 
   letGo() {
+    this.stuck = true;
     this.keys.clear();
     this.release();
     this.onLetGo();
@@ -90,7 +95,7 @@ export class Hands {
     const { pad, strange } = this.pad();
     if (pad) {
       const name = pad.id.replace(/\s*\(.*$/, "") || "game pad";
-      return pad.buttons[A]?.pressed ? `${name}: [A] held` : `${name}: hold [A], RT forward, LT back, LJ turn`;
+      return pad.buttons[A]?.pressed ? `${name}: ${this.stuck ? "let [A] go once" : "[A] held"}` : `${name}: hold [A], RT forward, LT back, LJ turn`;
     }
     if (!isSecureContext || !navigator.getGamepads) {
       return "withheld: browsers may refuse game pads to plain HTTP of another machine. Start with --tls-cert and --tls-key";
@@ -98,8 +103,7 @@ export class Hands {
     return strange ? "its layout is not known to the browser: not used" : "none seen: plug it in, press a button";
   }
 
-  fromPad() {
-    const { pad } = this.pad();
+  fromPad(pad) {
     if (!pad?.buttons[A]?.pressed) return null;
     return { forward: within((pad.buttons[RT]?.value ?? 0) - (pad.buttons[LT]?.value ?? 0)), left: within(-beyond(pad.axes[LJ_X] ?? 0)), by: "game pad" };
   }
@@ -116,7 +120,13 @@ export class Hands {
     const now = performance.now();
     const elapsed = Math.min(now - this.looked, 50);
     this.looked = now;
-    if (document.visibilityState !== "visible" || !document.hasFocus()) return NEUTRAL;
-    return this.fromPad() ?? (this.stickAt ? { ...this.stickAt, by: "stick" } : this.fromKeys(elapsed));
+    const { pad } = this.pad();
+    const held = pad?.buttons[A]?.pressed ?? false;
+    const away = document.visibilityState !== "visible" || !document.hasFocus();
+    if (away || (pad?.index ?? null) !== this.padIndex) this.stuck = true;
+    this.padIndex = pad?.index ?? null;
+    if (this.stuck) this.stuck = away || held;
+    if (this.stuck) return NEUTRAL;
+    return this.fromPad(pad) ?? (this.stickAt ? { ...this.stickAt, by: "stick" } : this.fromKeys(elapsed));
   }
 }

@@ -46,7 +46,7 @@ function worst(frame, mine, about) {
 
 export function showLamps(frame, mine, about) {
   const { facts } = frame;
-  light("lost", frame.state !== "ready", frame.state === "ready" ? "LOST" : frame.state === "lost" ? "LOST" : frame.state.toUpperCase());
+  light("lost", frame.state !== "ready", ["ready", "lost"].includes(frame.state) ? "LOST" : frame.state.toUpperCase());
   light("override", facts.overridden, facts.override_known || frame.state !== "ready" ? "OVERRIDE" : "OVERRIDE ?");
   light("inhibited", facts.inhibited);
   light("disarmed", !facts.armed);
@@ -54,7 +54,7 @@ export function showLamps(frame, mine, about) {
   const bumpers = [facts.front_bumper && "FRONT", facts.rear_bumper && "REAR"].filter(Boolean).join(" + ");
   light("bumper", Boolean(bumpers), bumpers ? `${bumpers} BUMPER` : "BUMPER");
   light("battery", facts.battery_low);
-  light("driving", facts.armed, facts.driving ? "DRIVING" : facts.armed ? "ARMED" : "ARMED");
+  light("driving", facts.armed, facts.driving ? "DRIVING" : "ARMED");
   banner(...worst(frame, mine, about));
 }
 

@@ -32,11 +32,16 @@ export class Panel {
     this.send = send;
     this.switches = new Map();
     this.sliders = new Map();
-    this.pending = null;
+    this.pending = new Map();
   }
 
   line(text) {
     this.send({ type: "panel", line: text });
+  }
+
+  /** Say it with the next picture, unless the same is moved again before: hands are faster. */
+  soon(what, message) {
+    this.pending.set(what, message);
   }
 
   build() {
@@ -86,7 +91,7 @@ export class Panel {
     for (const [axis, text, low, high] of PAD) {
       const slider = this.slider(text, low, high, 5, "%", (value) => {
         put(slider.output, figure(value, 0, "%"));
-        this.line(`pad ${axis} ${low < 0 ? value / 100 : value / 50 - 1}`);
+        this.soon(axis, { type: "panel", line: `pad ${axis} ${low < 0 ? value / 100 : value / 50 - 1}` });
       });
       place.append(slider.node);
     }
@@ -99,7 +104,7 @@ export class Panel {
   }
 
   battery() {
-    const slider = this.slider("Battery charge", 0, 100, 1, "%", (value) => this.line(`battery ${value}`));
+    const slider = this.slider("Battery charge", 0, 100, 1, "%", (value) => this.soon("battery", { type: "panel", line: `battery ${value}` }));
     this.charge = slider;
     return make("div", "group", "", make("h3", "", "Battery"), slider.node);
   }
@@ -109,7 +114,7 @@ export class Panel {
     const tell = () => {
       const faults = {};
       for (const [name, , , , unit] of FAULTS) faults[name] = Number(this.sliders.get(name).input.value) / (unit === "%" ? 100 : 1);
-      this.send({ type: "faults", faults });
+      this.soon("faults", { type: "faults", faults });
     };
     for (const [name, text, high, step, unit] of FAULTS) {
       const slider = this.slider(text, 0, high, step, unit, tell);
@@ -121,14 +126,13 @@ export class Panel {
     return place;
   }
 
-  /** Drag an obstacle: once with each picture, to the last place. */
   moveBox(index, x, y) {
-    this.pending = { type: "move", index, x_m: x, y_m: y };
+    this.soon("box", { type: "move", index, x_m: x, y_m: y });
   }
 
   show(sim) {
-    if (this.pending) this.send(this.pending);
-    this.pending = null;
+    for (const message of this.pending.values()) this.send(message);
+    this.pending.clear();
     this.pose = sim.pose;
     for (const [name, box] of this.switches) if (!held(box) && box.checked !== sim[name]) box.checked = sim[name];
     mark(this.motor, "on", sim.motors_enabled ? "yes" : "no");
