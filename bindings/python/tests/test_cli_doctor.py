@@ -3,6 +3,7 @@
 
 import errno
 import socket
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -34,7 +35,10 @@ def _socket() -> Iterator[socket.socket]:
 
 def test_a_good_link_is_healthy() -> None:
     with roburoc4.Simulator(port=0) as sim:
-        found = _verdict(robot=sim.address)
+        for _ in range(3):  # a computer that is busy elsewhere is no good link
+            found = _verdict(robot=sim.address)
+            if found["name"] != "jitter":
+                break
         assert (sim.state.speed_commands, sim.state.io_commands) == (0, 0)
     assert (found["name"], found["exit"], found["verdict"]["number"]) == ("healthy", 0, 0)
     assert found["loss"] == 0.0
@@ -136,10 +140,17 @@ def test_fault_interrupted() -> None:
     import threading
 
     with roburoc4.Simulator(port=0) as sim:
-        timer = threading.Timer(1.5, sim.reboot)
-        timer.start()
+
+        def reboot_in_the_midst() -> None:
+            while sim.state.subscriptions < 5:
+                time.sleep(0.02)
+            time.sleep(1.0)
+            sim.reboot()
+
+        thread = threading.Thread(target=reboot_in_the_midst)
+        thread.start()
         found = _verdict(robot=sim.address)
-        timer.join()
+        thread.join()
     assert (found["name"], found["exit"]) == ("interrupted", 1)
 
 

@@ -26,9 +26,9 @@ PATIENCE_S = 10.0
 
 FAKE_PAD = """
 window.pad = null;
-window.makePad = () => {
+window.makePad = (index = 0) => {
   window.pad = {
-    id: "Test pad (STANDARD GAMEPAD)", index: 0, connected: true, mapping: "standard",
+    id: "Test pad (STANDARD GAMEPAD)", index, connected: true, mapping: "standard",
     axes: [0, 0, 0, 0], buttons: Array.from({ length: 17 }, () => ({ pressed: false, value: 0 })),
   };
 };
@@ -85,6 +85,10 @@ class Station:
     def stop_serving(self) -> None:
         """End the dashboard, and not the robot."""
         self.server.should_exit = True
+        self.wait_for_end()
+
+    def wait_for_end(self) -> None:
+        """Wait until the dashboard has ended."""
         self._thread.join(PATIENCE_S)
         assert not self._thread.is_alive()
 
@@ -144,7 +148,10 @@ def arm(page: Page) -> None:
 
 def hold_pad(page: Page, **held: float) -> None:
     """Plug a game pad in, and hold [A] and more."""
-    page.evaluate("window.pad ?? makePad()")
+    if page.evaluate("window.pad === null"):
+        page.evaluate("makePad()")
+        if page.locator("#hands").is_visible():
+            expect(page.locator("#pad-text")).to_contain_text("hold [A]")
     for button, value in (
         (A, held.get("a", 1.0)),
         (RT, held.get("rt", 0.0)),

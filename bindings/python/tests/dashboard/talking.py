@@ -16,8 +16,8 @@ from websockets.sync.client import ClientConnection, connect
 class Visitor:
     """A WebSocket that answers pictures when it is told to."""
 
-    def __init__(self, station: Station, *, port: int | None = None, **settings: Any) -> None:
-        port = port or station.port
+    def __init__(self, station: Station | None = None, *, port: int = 0, **settings: Any) -> None:
+        port = station.port if station and not port else port
         settings = {"origin": f"http://127.0.0.1:{port}"} | settings
         connecting = connect(f"ws://127.0.0.1:{port}/socket", open_timeout=PATIENCE_S, **settings)
         self.socket: ClientConnection = connecting.__enter__()

@@ -1,18 +1,32 @@
 # SPDX-License-Identifier: MIT
 """The command as a person starts it."""
 
+import contextlib
 import json
 import re
 import signal
 import subprocess
 import sys
+import threading
+import time
 import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from station import WATCHDOG_S, free_port, until
+from talking import Visitor
+from test_driving import MARGIN_S
+from websockets.exceptions import ConnectionClosed
+
+import roburoc4
+from roburoc4.cli import dashboard
 
 COMMAND = [sys.executable, "-c", "from roburoc4.cli import main; main()", "dashboard", "--no-open"]
 LONG_S = 30.0
+WITHIN_S = 0.25 + MARGIN_S
+"""The default lease."""
 
 
 def start(*arguments: str) -> subprocess.Popen[str]:
@@ -21,6 +35,8 @@ def start(*arguments: str) -> subprocess.Popen[str]:
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
+        # As from a terminal, whatever these tests were started from.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
 
 
@@ -41,6 +57,10 @@ def link_of(running: subprocess.Popen[str]) -> str:
     return found[1]
 
 
+def port_of(link: str) -> int:
+    return int(link.rstrip("/").rpartition(":")[2])
+
+
 @pytest.mark.parametrize(
     ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)], ids=["ctrl-c", "sigterm"]
 )
@@ -53,6 +73,94 @@ def test_it_prints_its_link_serves_and_ends_quietly(number: signal.Signals, code
         _, complaints = running.communicate(timeout=LONG_S)
     assert running.returncode == code
     assert complaints == ""
+
+
+@contextmanager
+def driven(*arguments: str) -> Iterator[tuple[subprocess.Popen[str], roburoc4.Simulator]]:
+    """A dashboard of its own process that drives a robot, by a page that goes on and on."""
+    with (
+        roburoc4.Simulator(port=0) as sim,
+        start("--robot", sim.address, "--allow-drive", *arguments) as running,
+    ):
+        try:
+            with Visitor(port=port_of(link_of(running))) as driver:
+                driver.arm()
+                driver.draw_for(0.5, 0.4)
+                assert sim.state.last_linear_m_s > 0.3
+                driving = threading.Thread(target=drive_on, args=[driver])
+                driving.start()
+                yield running, sim
+                driving.join()
+        finally:
+            running.kill()
+
+
+def drive_on(driver: Visitor) -> None:
+    with contextlib.suppress(ConnectionClosed, TimeoutError, OSError):
+        while True:
+            driver.draw(0.4)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["ctrl-c", "sigterm"])
+def test_ending_it_while_it_drives_stops_the_robot(number: signal.Signals) -> None:
+    with driven() as (running, sim):
+        running.send_signal(number)
+        begun_s = time.monotonic()
+        until(lambda: sim.state.last_linear_m_s == 0.0)
+        assert time.monotonic() - begun_s < WITHIN_S
+        assert not sim.state.watchdog_bitten
+        assert running.wait(LONG_S) == 128 + number
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "frozen"])
+def test_the_robot_s_watchdog_stops_it_where_the_program_cannot(number: signal.Signals) -> None:
+    with driven() as (running, sim):
+        running.send_signal(number)
+        begun_s = time.monotonic()
+        until(lambda: sim.state.watchdog_bitten)
+        assert time.monotonic() - begun_s < WATCHDOG_S + MARGIN_S
+        before = sim.state.nonzero_speed_commands
+        running.send_signal(signal.SIGCONT)
+        until(lambda: abs(sim.state.wheel_linear_m_s) < 0.01)
+        time.sleep(1.0)
+        assert sim.state.nonzero_speed_commands == before, "it woke, and drove on"
+        running.kill()
+
+
+def test_an_unreachable_robot_is_told_and_not_armed() -> None:
+    with start("--robot", f"127.0.0.1:{free_port()}", "--allow-drive") as running:
+        with Visitor(port=port_of(link_of(running))) as visitor:
+            visitor.say("take")
+            visitor.draw_for(1.0)
+            assert visitor.frame["state"] == "connecting"
+            assert visitor.frame["link"]["level"] == "bad"
+            assert "UDP server" in visitor.frame["link"]["attempt"]
+            visitor.say("arm", tick=visitor.tick)
+            until(lambda: visitor.hear()["type"] == "refused")
+            assert "not connected" in visitor.refusals[-1]
+        running.terminate()
+
+
+def test_without_a_browser_it_says_so(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("webbrowser.open", lambda _: False)
+    dashboard._open("http://127.0.0.1:1/")
+    assert "open the link yourself" in capsys.readouterr().err
+
+
+def test_a_key_with_a_password_is_refused_and_not_asked_for(tmp_path: Path) -> None:
+    certificate, key = str(tmp_path / "cert.pem"), str(tmp_path / "key.pem")
+    subprocess.run(
+        [
+            *("openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256"),
+            *("-passout", "pass:secret", "-days", "2", "-subj", "/CN=127.0.0.1"),
+            *("-out", certificate, "-keyout", key),
+        ],
+        check=True,
+        capture_output=True,
+    )
+    assert "without a password" in refused("--sim", "--tls-cert", certificate, "--tls-key", key)
 
 
 def test_a_token_is_made_and_printed_as_a_link() -> None:
@@ -90,8 +198,8 @@ def test_what_cannot_be_used_is_told_with_the_remedy(arguments: tuple[str, ...],
 
 def test_a_port_that_is_taken_is_told() -> None:
     with start("--sim") as running:
-        port = link_of(running).rstrip("/").rpartition(":")[2]
-        assert "choose another port" in refused("--sim", "--port", port)
+        port = port_of(link_of(running))
+        assert "choose another port" in refused("--sim", "--port", str(port))
         running.terminate()
 
 

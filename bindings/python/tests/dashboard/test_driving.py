@@ -6,7 +6,9 @@ from collections.abc import Callable
 
 import pytest
 from playwright.sync_api import Page, expect
-from station import LEASE_S, RT, Station, arm, hold_pad, ready, take_seat, until
+from station import LEASE_S, Station, arm, hold_pad, ready, take_seat, until
+
+from roburoc4.dashboard.server import Place
 
 MARGIN_S = 0.4
 """What a loaded machine may take until a page, a thread or a socket gets its turn; lease and
@@ -72,6 +74,29 @@ def test_the_stick_drives_and_letting_go_stops(station: Make, visit: Visit) -> N
     assert here.wait_until_stopped(begun_s) < WITHIN_S
 
 
+def test_the_stick_drives_by_touch_on_a_phone(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url, viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
+    arm(page)
+    page.locator("#stick").scroll_into_view_if_needed()
+    box = page.locator("#stick").bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    finger = page.context.new_cdp_session(page)
+
+    def touch(kind: str, *points: tuple[float, float]) -> None:
+        spots = [{"x": px, "y": py} for px, py in points]
+        finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": spots})
+
+    touch("touchStart", (x, y))
+    touch("touchMove", (x, y - 60))
+    here.wait_until_driven()
+    assert here.sim.state.last_linear_m_s > 0
+    touch("touchEnd")
+    begun_s = time.monotonic()
+    assert here.wait_until_stopped(begun_s) < WITHIN_S
+
+
 # ---- everything that stops it ----
 
 
@@ -133,7 +158,7 @@ def give_up(page: Page) -> None:
 
 
 def disarm(page: Page) -> None:
-    page.get_by_role("button", name="Disarm").click()
+    page.get_by_role("button", name="Disarm", exact=True).click()
 
 
 @pytest.mark.parametrize(
@@ -189,7 +214,114 @@ def test_the_dashboard_s_end_stops_the_robot(station: Make, visit: Visit) -> Non
     expect(page.locator("#banner-title")).to_have_text("NO CONNECTION TO THE DASHBOARD")
 
 
+def test_a_server_that_hangs_stops_the_robot_within_the_lease(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    hold_pad(page, rt=1.0)
+    here.wait_until_driven()
+    step = here.hub.step
+    begun_s = time.monotonic()
+
+    def hang() -> None:
+        here.hub.step = step  # type: ignore[method-assign]
+        time.sleep(1.5)
+
+    here.hub.step = hang  # type: ignore[method-assign]
+    assert here.wait_until_stopped(begun_s) < WITHIN_S
+    time.sleep(1.5)
+    assert not here.driven, "it drove on with a button that was held all the time"
+
+
+def test_an_error_in_the_server_stops_the_robot_and_ends_it(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    hold_pad(page, rt=1.0)
+    here.wait_until_driven()
+    begun_s = time.monotonic()
+
+    def fail() -> None:
+        raise RuntimeError("of this test")
+
+    here.hub.step = fail  # type: ignore[method-assign]
+    assert here.wait_until_stopped(begun_s) < WITHIN_S
+    until(lambda: not here.robot.facts.armed)
+    here.wait_for_end()
+    assert str(here.hub.failure) == "of this test"
+
+
+def test_a_page_comes_back_to_a_new_dashboard_and_moves_nothing(
+    station: Make, visit: Visit
+) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    hold_pad(page, rt=1.0)
+    here.wait_until_driven()
+    here.stop_serving()
+    again = station(place=Place(port=here.port))
+    ready(page)
+    expect(page.locator("#seat")).to_have_text("the seat is free")
+    expect(page.locator("#address")).to_have_text(again.sim.address)
+    time.sleep(2 * LEASE_S)
+    assert again.speeds_sent() == 0
+    assert not again.robot.facts.armed
+
+
 # ---- what does not move it ----
+
+
+def let_go_and_hold(page: Page) -> None:
+    page.evaluate("hold(0, 0)")
+    expect(page.locator("#pad-text")).to_contain_text("hold [A]")
+    page.evaluate("hold(0, 1)")
+
+
+def test_what_was_held_while_the_page_was_left_must_be_let_go_first(
+    station: Make, visit: Visit
+) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    hold_pad(page, rt=1.0)
+    here.wait_until_driven()
+    page.evaluate("document.hasFocus = () => false; dispatchEvent(new Event('blur'))")
+    until(lambda: not here.driven)
+    before = here.speeds_sent()
+    page.evaluate("document.hasFocus = () => true; dispatchEvent(new Event('focus'))")
+    expect(page.locator("#pad-text")).to_contain_text("let [A] go once")
+    time.sleep(2 * LEASE_S)
+    assert here.speeds_sent() == before
+    let_go_and_hold(page)
+    here.wait_until_driven()
+
+
+def test_another_pad_must_be_let_go_first(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    hold_pad(page, rt=1.0)
+    here.wait_until_driven()
+    page.evaluate("makePad(1); hold(0, 1); hold(7, 1)")
+    until(lambda: not here.driven)
+    before = here.speeds_sent()
+    time.sleep(2 * LEASE_S)
+    assert here.speeds_sent() == before
+    let_go_and_hold(page)
+    here.wait_until_driven()
+
+
+def test_a_key_that_was_held_elsewhere_does_nothing(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    page.evaluate(
+        "for (let count = 0; count < 20; count++)"
+        " dispatchEvent(new KeyboardEvent('keydown', { code: 'KeyW', repeat: true }))"
+    )
+    time.sleep(2 * LEASE_S)
+    assert here.speeds_sent() == 0
 
 
 def test_nothing_moves_it_before_arming(station: Make, visit: Visit) -> None:
@@ -214,9 +346,7 @@ def test_hands_must_be_off_once_after_arming(station: Make, visit: Visit) -> Non
     until(lambda: here.robot.facts.armed)
     time.sleep(2 * LEASE_S)
     assert here.speeds_sent() == 0
-    page.evaluate(f"hold({RT}, 0)")
-    time.sleep(0.2)
-    page.evaluate(f"hold({RT}, 1)")
+    let_go_and_hold(page)
     here.wait_until_driven()
 
 

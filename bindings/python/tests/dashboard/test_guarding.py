@@ -13,7 +13,7 @@ from station import Station, ready
 from talking import Visitor
 from websockets.exceptions import InvalidStatus
 
-from roburoc4.dashboard.guard import Rules
+from roburoc4.dashboard.guard import Guard, Rules
 from roburoc4.dashboard.server import Place
 
 Make = Callable[..., Station]
@@ -115,7 +115,9 @@ def test_a_page_of_another_site_can_neither_read_nor_drive(
     station: Make, visit: Callable[..., Page]
 ) -> None:
     here, elsewhere = station(), station(allow_drive=False)
-    page = visit(elsewhere.url.replace("127.0.0.1", "localhost"), forgive=r"asked|Failed to load")
+    page = visit(
+        elsewhere.url.replace("127.0.0.1", "localhost"), forgive=r"asked|Failed to load|CORS"
+    )
     ready(page)
     # Without the other site's own policy, which would not even let it ask.
     page.context.new_cdp_session(page).send("Page.setBypassCSP", {"enabled": True})
@@ -135,6 +137,37 @@ def test_a_page_of_another_site_can_neither_read_nor_drive(
     )
     assert heard == ["error", "refused"]
     assert not here.hub.pages
+
+
+@pytest.mark.parametrize(
+    ("served", "secure", "host", "fine"),
+    [
+        (("::1", 8400), False, "[::1]:8400", True),
+        (("::1", 8400), False, "localhost:8400", True),
+        (("::1", 8400), False, "[::2]:8400", False),
+        (("::ffff:127.0.0.1", 8400), False, "127.0.0.1:8400", True),
+        (("192.168.0.10", 8400), False, "192.168.0.10:8400", True),
+        (("192.168.0.10", 8400), False, "localhost:8400", False),
+        (("192.168.0.10", 8400), False, "LAB-PC:8400", True),
+        (("192.168.0.10", 8400), False, "proxy.example:99", True),
+        (("192.168.0.10", 8400), False, "proxy.example:8400", False),
+        (("127.0.0.1", 80), False, "127.0.0.1", True),
+        (("127.0.0.1", 80), True, "127.0.0.1", False),
+        (("127.0.0.1", 443), True, "127.0.0.1", True),
+    ],
+)
+def test_it_goes_by_its_own_names_only(
+    served: tuple[str, int], secure: bool, host: str, fine: bool
+) -> None:
+    async def nothing(*_: object) -> None:
+        pass
+
+    guard = Guard(nothing, Rules(None, ("lab-pc", "proxy.example:99"), secure))
+    scheme = "https" if secure else "http"
+    for name in (host, host.upper()):
+        headers = [(b"host", name.encode()), (b"origin", f"{scheme}://{name}".encode())]
+        request = {"type": "http", "method": "GET", "path": "/", "server": served}
+        assert (guard.complaint({**request, "headers": headers}) == "") is fine
 
 
 def test_every_answer_has_the_security_headers(station: Make) -> None:

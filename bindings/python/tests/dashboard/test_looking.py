@@ -4,6 +4,7 @@
 import re
 import time
 from collections.abc import Callable
+from types import SimpleNamespace
 
 import pytest
 from playwright.sync_api import Page, expect
@@ -131,6 +132,68 @@ def test_plots_scroll_pause_and_zoom(station: Make, visit: Visit) -> None:
     expect(pause).to_have_text("go on")
     page.mouse.dblclick(box["x"] + 100, box["y"] + 20)
     expect(pause).to_have_text("pause")
+
+
+def right_edge(page: Page) -> float:
+    """The newest time that the first plot shows."""
+    return float(page.evaluate("document.getElementById('plot-linear').dataset.until"))
+
+
+def test_plots_go_on_until_they_are_paused(station: Make, visit: Visit) -> None:
+    here = station(allow_drive=False)
+    page = visit(here.url)
+    ready(page)
+    begun_s = right_edge(page)
+    until(lambda: right_edge(page) > begun_s + 0.5)
+    page.locator("#plot-pause").click()
+    paused_s = right_edge(page)
+    time.sleep(1.0)
+    assert right_edge(page) == paused_s
+    page.locator("#plot-pause").click()
+    until(lambda: right_edge(page) > paused_s + 1.0)
+
+
+def test_the_battery_s_trend_is_told_in_words(station: Make, visit: Visit) -> None:
+    here = station(allow_drive=False, battery_percent=60.0)
+    here.hub._history.trend_percent_h = lambda: -20.0  # type: ignore[method-assign]
+    page = visit(here.url)
+    ready(page)
+    text = page.locator("#battery-text")
+    expect(text).to_contain_text("\u2198 \u221220\u202f% per hour")
+    expect(text).to_contain_text("2.0\u202fh to its least")
+
+
+def test_the_page_asks_no_other_host_for_anything(station: Make, visit: Visit) -> None:
+    here = station(panel=True)
+    page = visit(here.url)
+    ready(page)
+    asked = page.evaluate("performance.getEntriesByType('resource').map((entry) => entry.name)")
+    assert len(asked) > 10
+    assert [url for url in asked if not url.startswith(here.url)] == []
+    refused = page.evaluate(
+        """async () => {
+            const told = new Promise((resolve) => {
+                addEventListener("securitypolicyviolation", (event) => resolve(event.blockedURI));
+            });
+            fetch("http://127.0.0.1:9/").catch(() => {});
+            return told;
+        }"""
+    )
+    assert "127.0.0.1:9" in refused
+
+
+def test_a_clock_that_is_set_back_leaves_the_page_alive(
+    station: Make, visit: Visit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here = station(allow_drive=False)
+    page = visit(here.url)
+    ready(page)
+    now = time.time
+    monkeypatch.setattr("roburoc4.dashboard.hub.time", SimpleNamespace(time=lambda: now() - 86400))
+    until(lambda: right_edge(page) < now() - 80000)
+    edge_s = right_edge(page)
+    until(lambda: right_edge(page) > edge_s + 0.5)
+    visit(here.url)
 
 
 def test_the_theme_can_be_chosen_and_is_kept(station: Make, visit: Visit) -> None:

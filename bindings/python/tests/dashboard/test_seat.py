@@ -92,6 +92,41 @@ def test_no_timer_renews(scene: Scene) -> None:
     assert not scene.driven
 
 
+def test_being_held_up_while_a_command_is_given_makes_no_lease_longer(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene.arm()
+    give = scene.robot.drive
+
+    def slowly(linear_m_s: float, angular_rad_s: float, *, lease_ms: int = 0) -> None:
+        scene.sim.step(held_s.pop() if held_s else 0.0)
+        give(linear_m_s, angular_rad_s, lease_ms=lease_ms)
+
+    monkeypatch.setattr(scene.robot, "drive", slowly)
+    held_s = [0.15]
+    scene.drive(0, scene.show(), 0.5)
+    scene.sim.step(0.05)
+    assert scene.driven
+    scene.sim.step(0.05 + CYCLE_S)
+    assert not scene.driven
+    scene.drive(0, scene.show(), 0.0)
+    held_s = [0.24]
+    scene.drive(0, scene.show(), 0.5)
+    scene.sim.step(CYCLE_S)
+    assert not scene.driven
+    assert scene.seat.must_let_go
+
+
+def test_arming_again_in_mid_drive_stops(scene: Scene) -> None:
+    scene.arm()
+    scene.drive(0, scene.show(), 0.5)
+    scene.sim.step(0.05)
+    assert scene.driven
+    scene.seat.arm(scene.pages[0], scene.show(), scene.robot.now_s)
+    scene.sim.step(2 * CYCLE_S)
+    assert not scene.driven
+
+
 def test_inputs_from_before_arming_are_dead(scene: Scene) -> None:
     scene.arm()
     old = scene.show()

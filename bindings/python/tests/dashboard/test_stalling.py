@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Inputs that are late, old, repeated or invented: none of them moves the robot."""
 
+import contextlib
 import time
 from collections.abc import Callable, Iterator
 
@@ -9,6 +10,9 @@ from playwright.sync_api import Page
 from station import LEASE_S, Station, arm, hold_pad, until
 from talking import Proxy, Visitor
 from test_driving import WITHIN_S
+from websockets.exceptions import ConnectionClosed
+
+from roburoc4.dashboard.hub import MOST_PAGES
 
 Make = Callable[..., Station]
 
@@ -191,6 +195,16 @@ def test_a_flood_ends_the_connection(station: Make) -> None:
         for _ in range(400):
             visitor.say("drawn", tick=1)
         until(lambda: not here.hub.pages)
+
+
+def test_no_more_pages_than_can_be_served_are_let_in(station: Make) -> None:
+    here = station()
+    with contextlib.ExitStack() as opened:
+        for _ in range(MOST_PAGES):
+            opened.enter_context(Visitor(here)).hear()
+        with Visitor(here) as late, pytest.raises(ConnectionClosed, match="too many pages"):
+            late.hear()
+        assert len(here.hub.pages) == MOST_PAGES
 
 
 def test_a_page_that_answers_nothing_gets_no_more_and_loses_nothing_of_the_others(
