@@ -2,12 +2,36 @@
 """Robots, networks, bridges and planners for each test, and an end for all of them after it."""
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
-from rig import Bridge, Bus, Planner, Program, Programs, Robot
+from rig import Bridge, Bus, MachineTooBusyError, Planner, Program, Programs, Robot, Strain
+
+strain = Strain()
+
+
+def explained(item: pytest.Item) -> Generator[None, object, object]:
+    """A step of a test, whose failure on a machine that was too busy is told as that."""
+    try:
+        return (yield)
+    except Exception as error:
+        why = strain.found(getattr(item, "funcargs", {}).get("tmp_path"))
+        if why:
+            raise MachineTooBusyError(why) from error
+        raise
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_setup(item: pytest.Item) -> Generator[None, object, object]:
+    strain.begin()
+    return (yield from explained(item))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Generator[None, object, object]:
+    return (yield from explained(item))
 
 
 @pytest.fixture(scope="session")

@@ -96,6 +96,16 @@ def test_one_command_is_a_lease(
     assert robot.speeds()[2:] == (0, 0)
 
 
+@pytest.mark.parametrize("lease_us", [1, 20_000])
+def test_the_shortest_lease_drives(robot: Robot, bus: Bus, armed: Bridge, lease_us: int) -> None:
+    def moves() -> bool:
+        bus.publish(DRIVE, drive_command(0.3, lease_us=lease_us).encode())
+        time.sleep(0.05)
+        return bool(robot.tap.moves())
+
+    until(moves, f"a speed reaches the robot; the bridge said:\n{armed.output}")
+
+
 def test_speeds_are_clamped_to_the_limits_of_the_robot(
     robot: Robot, bus: Bus, armed: Bridge
 ) -> None:
@@ -142,6 +152,7 @@ def relocalizations(robot: Robot) -> list[bytes]:
     [
         ({"utime": 0}, "rejected_no_utime"),
         ({"utime": -5}, "rejected_no_utime"),
+        ({"utime": -(2**63), "lease_us": -(2**31)}, "rejected_no_utime"),
         ({"ahead_us": -1_000_000}, "rejected_too_old"),
         ({"ahead_us": 1_000_000}, "rejected_in_future"),
         ({"sender": ""}, "rejected_sender"),
@@ -156,7 +167,7 @@ def test_a_command_is_rejected_and_counted_by_cause(
     for name, value in fault.items():
         if name == "ahead_us":
             command.utime += value
-        else:
+        elif hasattr(command, name):
             setattr(command, name, value)
     before = effects(robot)
     bus.publish(f"ROBUROC4_{kind}", command.encode())

@@ -36,13 +36,8 @@ def test_the_python_example_has_ten_lines() -> None:
 def test_the_c_example_drives_to_a_point(
     programs: Programs, robot: Robot, bus: Bus, armed: Bridge, run: Run
 ) -> None:
-    for _ in range(5):
-        example = run(programs("drive_to"), "1.0", "0.5", LCM_DEFAULT_URL=bus.url)
-        # On a machine that is too busy to read statuses in time, the bridge stops the robot.
-        if example.ends(70) == 0 or "no recent" not in example.output:
-            break
-        time.sleep(1.0)
-    assert example.ends() == 0, example.output
+    example = run(programs("drive_to"), "1.0", "0.5", LCM_DEFAULT_URL=bus.url)
+    assert example.ends(70) == 0, example.output
     pose = bus.last("ROBUROC4_LOCALIZATION")
     assert abs(pose.x_m - 1.0) < 0.25
     assert abs(pose.y_m - 0.5) < 0.25

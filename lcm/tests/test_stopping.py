@@ -1,18 +1,23 @@
 # SPDX-License-Identifier: MIT
 """However somebody falls silent, the robot stands: measured where the robot hears it."""
 
+import contextlib
+import os
 import signal
+import subprocess
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 
 import pytest
-from rig import Bridge, Bus, Planner, Robot, until
+from rig import Bridge, Bus, Planner, Programs, Robot, until
 from rig.bus import drive_command, now_us
 
 StartBridge = Callable[..., Bridge]
 Plan = Callable[..., Planner]
 
 DRIVE = "ROBUROC4_DRIVE_CMD"
+STATUS = "ROBUROC4_BRIDGE_STATUS"
 LEASE_US = 300_000
 MARGIN_US = 150_000
 """For a loaded machine; the zero of a sleeping one comes within a millisecond."""
@@ -72,7 +77,7 @@ def test_a_zero_stops_at_once(robot: Robot, bus: Bus, armed: Bridge, plan: Plan)
     assert first_zero_us(robot) - stop_us < MARGIN_US
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_ends_the_bridge_with_zeros_within_a_second(
     robot: Robot, armed: Bridge, plan: Plan, number: signal.Signals
 ) -> None:
@@ -86,6 +91,41 @@ def test_a_signal_ends_the_bridge_with_zeros_within_a_second(
     assert first_zero_us(robot) - signalled_us < MARGIN_US
     assert len(robot.tap.commands(signalled_us)) >= 3
     until(robot.stands, "the robot stands")
+    assert "rejected" not in armed.output, "the planner did nothing wrong"
+
+
+@pytest.mark.parametrize("reader", ["hangs", "is gone"])
+def test_a_log_that_nobody_reads_does_not_hold_up_a_stop(
+    programs: Programs,
+    robot: Robot,
+    bus: Bus,
+    ends: ExitStack,
+    plan: Plan,
+    reader: str,
+) -> None:
+    reading, writing = os.pipe()
+    if reader == "hangs":
+        ends.callback(os.close, reading)
+        os.set_blocking(writing, False)
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                os.write(writing, b"x" * 4096)
+        os.set_blocking(writing, True)
+    else:
+        os.close(reading)
+    options = ["-v", "--enable-drive", "--lcm-url", bus.url, "--robot", robot.address]
+    with subprocess.Popen([programs("roburoc4-lcm"), *options], stderr=writing) as bridge:
+        ends.callback(bridge.kill)
+        os.close(writing)
+        until(lambda: (status := bus.last(STATUS)) and status.armed, "the bridge arms")
+        planner = plan(linear=0.5)
+        drives(robot)
+        planner.signal(signal.SIGKILL)
+        time.sleep(0.05)
+        last_us = bus.of(DRIVE)[-1].time_us
+        assert first_zero_us(robot) - last_us < LEASE_US + MARGIN_US
+        bridge.terminate()
+        assert bridge.wait(5) == 0
 
 
 def test_a_killed_bridge_leaves_the_robot_to_its_watchdog(

@@ -405,7 +405,8 @@ methods
         %   of record; time_s counts from when R was made. So a log before a drive begins a new
         %   one. The option buffer says how many statuses are kept; where it was too small, the
         %   oldest are gone, and a warning says how many. log(R, FILE, SERVICE, ...) writes these
-        %   services only. DATA = log(R, ...) returns what was written.
+        %   services only. DATA = log(R, ...) returns what was written. Where the disk is full an
+        %   error says so, a file that was there stays as it was, and no status is lost.
         %
         %   Example:
         %      r.driveFor(0.3, 0, 2);
@@ -413,13 +414,9 @@ methods
         %      data = load('drive.mat');
         file = roburoc4.internal.text(file, 'file');
         services = roburoc4.Robot.texts(varargin);
-        handle = fopen(file, 'w');
-        if handle < 0
-            error('roburoc4:badArgument', 'cannot write to ''%s'': give another file', file);
-        end
-        fclose(handle);
         data = roburoc4.internal.roburoc4_mex('log', this.id, services{:});
-        save(file, '-struct', 'data', '-v7');
+        roburoc4.internal.write(file, data);
+        roburoc4.internal.roburoc4_mex('logged', this.id);
         if data.lost > 0
             warning('roburoc4:limit', ['%d statuses were overwritten before log: call it more ' ...
                 'often, or give roburoc4.Robot a larger buffer'], data.lost);

@@ -2,7 +2,8 @@ function track = drive_square(robot, picture, side_m)
 %DRIVE_SQUARE Drive a square by odometry, and draw the way while driving.
 %   TRACK = drive_square(ROBOT) drives a square of 1.5 m with a roburoc4.Robot: IT NEEDS FREE SPACE.
 %   Without a robot it takes a simulated one. drive_square(ROBOT, PICTURE, SIDE_M) writes the plot to
-%   a PNG file instead of a window. TRACK has the poses, [x_m y_m theta_rad] by row.
+%   a PNG file instead of a window. TRACK has the poses, [x_m y_m theta_rad] by row, seen from the
+%   start.
 %
 %   The odometry of this robot is far off after turns: on the floor the square does not close.
 %
@@ -21,25 +22,25 @@ if nargin < 3
     side_m = 1.5;
 end
 live = nargin < 2;
-shown = figure('visible', visible_if(live), 'Position', [100 100 800 600], ...
-    'PaperPositionMode', 'auto');
-way = plot([0 0], [0 0], 'b-', 'LineWidth', 1.5);
-axis([-0.4 1.4 -0.4 1.4] * side_m, 'equal'); grid on; xlabel('x, m'); ylabel('y, m'); title('A square, by odometry');
+shown = canvas(live, 800, 600);
+way = plot([0 0], [0 0], 'b-');
+axis([-0.4 1.4 -0.4 1.4] * side_m, 'equal');
+grid on; xlabel('x, m'); ylabel('y, m'); title('A square, by odometry');
 
 robot.arm();
 loop = robot.rate(20);
 robot.spin(0.2);
 start = robot.pose;
-track = start;
+track = [0 0 0];                         % seen from the start
 for corner = 1:4
-    heading_rad = start(3) + (corner - 1) * pi / 2;
+    heading_rad = (corner - 1) * pi / 2;
     from = track(end, :);
     % Ahead, keeping the heading, and slower towards the end.
     left_m = side_m;
     while left_m > 0.02
-        pose = robot.pose;
+        pose = seen_from(start, robot.pose);
         left_m = side_m - [cos(heading_rad) sin(heading_rad)] * (pose(1:2) - from(1:2))';
-        v = min(0.5, 0.8 * left_m);
+        v = min(0.5, 0.5 * left_m);
         robot.drive(max(v, 0.03), 1.5 * wrapped(heading_rad - pose(3)));
         loop.wait();
         track = drawn(track, pose, way, live);
@@ -47,7 +48,7 @@ for corner = 1:4
     % Turn left by 90 degrees, until the robot stands in the new heading.
     turned = false;
     while ~turned
-        pose = robot.pose;
+        pose = seen_from(start, robot.pose);
         speeds = robot.speeds;
         error_rad = wrapped(heading_rad + pi / 2 - pose(3));
         robot.drive(0, max(-0.8, min(0.8, 1.2 * error_rad)));
@@ -72,13 +73,11 @@ if live && mod(size(track, 1), 5) == 0
 end
 end
 
-function angle_rad = wrapped(angle_rad)
-angle_rad = atan2(sin(angle_rad), cos(angle_rad));
+function pose = seen_from(start, pose)
+turn = [cos(start(3)), -sin(start(3)); sin(start(3)), cos(start(3))];
+pose = [(pose(1:2) - start(1:2)) * turn, wrapped(pose(3) - start(3))];
 end
 
-function text = visible_if(yes)
-text = 'off';
-if yes
-    text = 'on';
-end
+function angle_rad = wrapped(angle_rad)
+angle_rad = atan2(sin(angle_rad), cos(angle_rad));
 end

@@ -55,20 +55,14 @@ while loop.time_s < 60 && norm(path(end, :) - track(end, 1:2)) > 0.1
 end
 robot.stop();
 
-shown = figure('visible', visible_if(nargin < 2), 'Position', [100 100 800 600], ...
-    'PaperPositionMode', 'auto');
-plot(path(:, 1), path(:, 2), 'k--', track(:, 1), track(:, 2), 'b', 'LineWidth', 1.5);
+shown = canvas(nargin < 2, 800, 600);
+plot(path(:, 1), path(:, 2), 'Color', [0.6 0.6 0.6]);
+hold on
+plot(track(:, 1), track(:, 2), 'b');
 axis equal; grid on; xlabel('x, m'); ylabel('y, m'); title('Pure pursuit of a path, by odometry');
 legend({'path', 'robot'}, 'Location', 'southeast');
 if nargin > 1
     print(shown, picture, '-dpng', '-r100');
     close(shown);
-end
-end
-
-function text = visible_if(yes)
-text = 'off';
-if yes
-    text = 'on';
 end
 end

@@ -20,32 +20,24 @@ end
 
 data = robot.record(5);
 
-shown = figure('visible', visible_if(nargin < 2), 'Position', [100 100 900 700], ...
-    'PaperPositionMode', 'auto');
+shown = canvas(nargin < 2, 900, 700);
 subplot(2, 2, 1);
-plot(data.localization.x_m, data.localization.y_m, 'b', 'LineWidth', 1.5);
+plot(data.localization.x_m, data.localization.y_m, 'b');
 axis equal; grid on; xlabel('x, m'); ylabel('y, m'); title('Odometry');
 subplot(2, 2, 2);
 plot(data.differential.time_s, data.differential.linear_m_s, 'b', ...
-    data.differential.time_s, data.differential.angular_rad_s, 'r', 'LineWidth', 1.5);
+    data.differential.time_s, data.differential.angular_rad_s, 'r');
 grid on; xlabel('time, s'); title('Speeds');
 legend({'linear, m/s', 'angular, rad/s'}, 'Location', 'southeast');
 subplot(2, 2, 3);
-plot(data.telemeter.time_s, data.telemeter.distances_m, 'LineWidth', 1.5);
+plot(data.telemeter.time_s, data.telemeter.distances_m);
 ylim([0 6.5]); grid on; xlabel('time, s'); ylabel('m'); title('Telemeters');
 legend({'front', 'rear'}, 'Location', 'southeast');
 subplot(2, 2, 4);
-plot(data.iocard.time_s, data.iocard.analog_inputs(:, 3), 'LineWidth', 1.5);
+plot(data.iocard.time_s, data.iocard.analog_inputs(:, 3));
 grid on; xlabel('time, s'); ylabel('V'); title('Battery voltage');
 if nargin > 1
     print(shown, picture, '-dpng', '-r100');
     close(shown);
-end
-end
-
-function text = visible_if(yes)
-text = 'off';
-if yes
-    text = 'on';
 end
 end

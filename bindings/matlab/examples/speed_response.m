@@ -46,10 +46,10 @@ fit.damping = exp(found(2));
 fit.delay_s = found(3);
 fit.rms_m_s = sqrt(cost(found) / numel(measured));
 
-shown = figure('visible', visible_if(nargin < 2), 'Position', [100 100 800 600], ...
-    'PaperPositionMode', 'auto');
-plot(time_s, measured, 'b.', time_s, ...
-    model(fit.natural_rad_s, fit.damping, fit.delay_s, step_m_s, time_s), 'r', 'LineWidth', 1.5);
+shown = canvas(nargin < 2, 800, 600);
+plot(time_s, measured, '.', 'Color', [0.6 0.6 0.6], 'MarkerSize', 14);
+hold on
+plot(time_s, model(fit.natural_rad_s, fit.damping, fit.delay_s, step_m_s, time_s), 'r');
 grid on; xlabel('time, s'); ylabel('linear speed, m/s');
 title(sprintf('Speed response: \\omega_n = %.2f rad/s, \\zeta = %.2f', fit.natural_rad_s, ...
     fit.damping));
@@ -67,11 +67,4 @@ root = natural * sqrt(complex(damping ^ 2 - 1));
 root = root + (abs(root) < 1e-9) * 1e-9;
 decay = exp(-damping * natural * t);
 y = step * real(1 - decay .* (cosh(root * t) + damping * natural / root * sinh(root * t)));
-end
-
-function text = visible_if(yes)
-text = 'off';
-if yes
-    text = 'on';
-end
 end

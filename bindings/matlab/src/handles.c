@@ -48,8 +48,12 @@ void *handles_find(int kind, double id) {
 void handles_remove(double id) {
     uint32_t place = place_of(id);
     if (place < HANDLES_MAX) {
-        table[place].object = NULL;
+        handles_clear(place);
     }
+}
+
+void handles_clear(uint32_t place) {
+    table[place].object = NULL;
 }
 
 void *handles_at(int kind, uint32_t place) {

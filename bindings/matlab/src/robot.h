@@ -18,8 +18,9 @@ typedef struct robot {
     uint64_t opened_us;
     uint32_t lease_us;
     int busy; /* a method that waits is running: when it ends early, the robot stops */
-    roburoc4_pump_reader log;
-    roburoc4_pump_reader reader; /* of record() */
+    roburoc4_pump_reader log;     /* of log(): what was written ends here */
+    roburoc4_pump_reader log_end; /* where it will end, once the file is there */
+    roburoc4_pump_reader reader;  /* of record() */
     sample_list recording;
     uint64_t recording_us;
 } robot;

@@ -108,6 +108,8 @@ void close_robots(void) {
     for (place = 0; place < HANDLES_MAX; place++) {
         one = handles_at(HANDLE_ROBOT, place);
         if (one != NULL) {
+            /* Objects may outlive this: their ids must find nothing. */
+            handles_clear(place);
             robot_close(one);
         }
     }

@@ -411,18 +411,32 @@ static int end_recording(const call *told) {
     return 1;
 }
 
-/* log(id, service, ...): all since the robot was made, or since the last of these calls */
+/* log(id, service, ...): all since the robot was made, or since the last logged() */
 static int look_log(const call *told) {
     robot *one = told_robot(told);
     sample_list list = {0};
     uint32_t mask;
-    if (one == NULL || !take_mask(told, &mask) || !robot_drain(one, &one->log, &list)) {
+    if (one == NULL || !take_mask(told, &mask)) {
+        return 0;
+    }
+    one->log_end = one->log;
+    if (!robot_drain(one, &one->log_end, &list)) {
         samples_free(&list);
         return 0;
     }
-    told->results[0] = samples_columns(&list, mask, one->opened_us, one->log.lost);
-    one->log.lost = 0;
+    told->results[0] = samples_columns(&list, mask, one->opened_us, one->log_end.lost);
     samples_free(&list);
+    return 1;
+}
+
+/* logged(id): the file of log() is written; the next one begins after it */
+static int end_log(const call *told) {
+    robot *one = told_robot(told);
+    if (one == NULL) {
+        return 0;
+    }
+    one->log = one->log_end;
+    one->log.lost = 0;
     return 1;
 }
 
@@ -440,5 +454,6 @@ const command robot_look_commands[] = {
     {"recorded", go_on_recording, 1},
     {"recording", end_recording, -1},
     {"log", look_log, -1},
+    {"logged", end_log, 1},
     {NULL, NULL, 0},
 };

@@ -63,6 +63,7 @@ void close_simulators(void) {
     for (place = 0; place < HANDLES_MAX; place++) {
         simulator *one = handles_at(HANDLE_SIMULATOR, place);
         if (one != NULL) {
+            handles_clear(place);
             close_simulator(one);
         }
     }

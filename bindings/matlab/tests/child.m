@@ -1,19 +1,15 @@
-function pid = child(address, code)
+function pid = child(address, options, code)
 %CHILD Start another Octave that drives a robot.
-%   PID = child(ADDRESS, CODE) starts a program that connects R to the robot at ADDRESS, arms it, and
-%   runs CODE.
+%   PID = child(ADDRESS, OPTIONS, CODE) starts a program that connects R to the robot at ADDRESS with
+%   the options in this text, arms it, and runs CODE.
 %
 %   Example:
-%      pid = child(sim.address, 'r.drive(0.3, 0); exit(0)')
+%      pid = child(sim.address, '''lease_ms'', 1000', 'r.drive(0.3, 0); exit(0)')
+%
+%   See also watch_stop, run_code.
 
 % SPDX-License-Identifier: MIT
-toolbox = fileparts(fileparts(which('roburoc4.Simulator')));
-if isempty(toolbox)
-    toolbox = getenv('ROBUROC4_TOOLBOX');
-end
-program = fullfile(OCTAVE_HOME(), 'bin', 'octave-cli');
-script = sprintf('sigterm_dumps_octave_core(false); addpath(''%s''); r = roburoc4.Robot(''%s''); r.arm(10); %s', toolbox, address, ...
-    code);
-pid = system(sprintf('exec "%s" -q --no-init-file --eval "%s" >/dev/null 2>&1', program, script), ...
-    false, 'async');
+code = sprintf('sigterm_dumps_octave_core(false); r = roburoc4.Robot(''%s'', %s); r.arm(10); %s', ...
+    address, options, code);
+pid = system(['exec ' octave_command(code) ' >/dev/null 2>&1'], false, 'async');
 end

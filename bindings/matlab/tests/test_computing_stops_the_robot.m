@@ -6,7 +6,8 @@ if ~exist('OCTAVE_VERSION', 'builtin')
     return
 end
 sim = roburoc4.Simulator('port', 0);
-pid = child(sim.address, 'r.drive(0.3, 0); x = 0; while true, x = x + 1; end');
+pid = child(sim.address, '''lease_ms'', 250', ...
+    'r.drive(0.3, 0); x = 0; while true, x = x + 1; end');
 cleanup = onCleanup(@() kill(pid, 9));
 driven_s = watch_stop(sim);
 check(driven_s > 0.15, 'stopped after %g s, before the end of the lease', driven_s);

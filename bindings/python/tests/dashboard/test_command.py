@@ -101,7 +101,7 @@ def drive_on(driver: Visitor) -> None:
             driver.draw(0.4)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["ctrl-c", "sigterm"])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_ending_it_while_it_drives_stops_the_robot(number: signal.Signals) -> None:
     with driven() as (running, sim):
         running.send_signal(number)

@@ -224,10 +224,10 @@ def test_a_server_that_hangs_stops_the_robot_within_the_lease(station: Make, vis
     begun_s = time.monotonic()
 
     def hang() -> None:
-        here.hub.step = step  # type: ignore[method-assign]
+        here.hub.step = step
         time.sleep(1.5)
 
-    here.hub.step = hang  # type: ignore[method-assign]
+    here.hub.step = hang
     assert here.wait_until_stopped(begun_s) < WITHIN_S
     time.sleep(1.5)
     assert not here.driven, "it drove on with a button that was held all the time"
@@ -244,7 +244,7 @@ def test_an_error_in_the_server_stops_the_robot_and_ends_it(station: Make, visit
     def fail() -> None:
         raise RuntimeError("of this test")
 
-    here.hub.step = fail  # type: ignore[method-assign]
+    here.hub.step = fail
     assert here.wait_until_stopped(begun_s) < WITHIN_S
     until(lambda: not here.robot.facts.armed)
     here.wait_for_end()

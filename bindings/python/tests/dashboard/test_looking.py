@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What the page shows, compared with the simulator."""
 
+import math
 import re
 import time
 from collections.abc import Callable
@@ -155,7 +156,7 @@ def test_plots_go_on_until_they_are_paused(station: Make, visit: Visit) -> None:
 
 def test_the_battery_s_trend_is_told_in_words(station: Make, visit: Visit) -> None:
     here = station(allow_drive=False, battery_percent=60.0)
-    here.hub._history.trend_percent_h = lambda: -20.0  # type: ignore[method-assign]
+    here.hub._history.trend_percent_h = lambda: -20.0
     page = visit(here.url)
     ready(page)
     text = page.locator("#battery-text")
@@ -165,7 +166,7 @@ def test_the_battery_s_trend_is_told_in_words(station: Make, visit: Visit) -> No
 
 def test_the_page_asks_no_other_host_for_anything(station: Make, visit: Visit) -> None:
     here = station(panel=True)
-    page = visit(here.url)
+    page = visit(here.url, forgive="Content Security Policy")
     ready(page)
     asked = page.evaluate("performance.getEntriesByType('resource').map((entry) => entry.name)")
     assert len(asked) > 10
@@ -320,3 +321,58 @@ def test_true_pose_stands_beside_odometry(station: Make, visit: Visit) -> None:
     here.sim.place(1.0, 2.0, 0.5)
     expect(page.locator("#sim-state")).to_contain_text(re.compile(r"x 1\.00.m +y 2\.00.m"))
     expect(page.locator("#pose")).to_contain_text(re.compile(r"x 0\.00.m"))
+
+
+def test_faults_of_the_network_reach_the_simulator(station: Make, visit: Visit) -> None:
+    here = station(panel=True)
+    page = visit(here.url)
+    ready(page)
+    for name, moved, fault in (
+        ("duplicate", "10", 0.1),
+        ("reorder", "5", 0.05),
+        ("corrupt", "1", 0.01),
+        ("delay_ms", "40", 40.0),
+        ("jitter_ms", "5", 5.0),
+    ):
+        page.locator(f"input[name={name}]").fill(moved)
+        until(lambda name=name, fault=fault: here.hub.panel.now()["faults"][name] == fault)
+
+
+def test_the_robot_s_own_game_pad_drives_the_simulator(station: Make, visit: Visit) -> None:
+    here = station(panel=True)
+    page = visit(here.url)
+    ready(page)
+    page.locator("#sim input[name=overridden]").check()
+    page.get_by_label("RT forward").fill("50")
+    until(lambda: here.sim.state.wheel_linear_m_s > 0.3)
+    page.get_by_role("button", name="Let the pad go").click()
+    until(lambda: not here.sim.state.overridden)
+    until(lambda: abs(here.sim.state.wheel_linear_m_s) < 0.05)
+
+
+# ---- the view from above ----
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_telemeter_cones_stand_where_they_are_mounted(
+    turned: bool, station: Make, visit: Visit
+) -> None:
+    here = station(start_theta_rad=math.pi / 2 if turned else 0.0)
+    page = visit(here.url)
+    ready(page)
+
+    def painted(right_px: int, down_px: int) -> bool:
+        """Look beside the robot, which is in the middle, and away from the grid."""
+        alpha = page.evaluate(
+            """([x, y]) => {
+                const { width, height } = document.getElementById("map");
+                const pen = document.getElementById("map").getContext("2d");
+                return pen.getImageData(width / 2 + x, height / 2 + y, 1, 1).data[3];
+            }""",
+            [right_px, down_px],
+        )
+        return bool(alpha)
+
+    ahead, left = (4, -88), (-88, 4)
+    until(lambda: painted(*(left if turned else ahead)))
+    assert not painted(*(ahead if turned else left))

@@ -87,6 +87,11 @@ class Picture:
             "battery": self._battery(time_s),
         }
 
+    @property
+    def _fresh(self) -> bool:
+        """Whether it still says something: the latest of a lost robot goes on for nobody."""
+        return self._robot.state is State.READY
+
     def _latest(self, service: Service) -> Any:
         try:
             return self._engine.call(STATUS_CALLS[service])
@@ -97,7 +102,7 @@ class Picture:
         status = cast(DifferentialStatus | None, self._latest(Service.DIFFERENTIAL))
         if status is None:
             return None
-        self._history.add_speeds(time_s, status[1:5])
+        self._history.add_speeds(time_s, status[1:5] if self._fresh else (math.nan,) * 4)
         return [number(speed) for speed in status[1:5]]
 
     def _pose(self) -> Document | None:
@@ -130,7 +135,8 @@ class Picture:
         if status is None:
             return None
         volts = self._volts()
-        self._history.add_battery(time_s, status.remaining_percent, volts)
+        if self._fresh:
+            self._history.add_battery(time_s, status.remaining_percent, volts)
         state = status.state
         return {
             "state": state.name.lower() if isinstance(state, BatteryState) else f"state {state}",

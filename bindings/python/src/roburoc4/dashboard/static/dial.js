@@ -27,7 +27,7 @@ export class Dial {
   constructor(place, { name, unit, sign, sides }) {
     this.unit = unit;
     this.sign = sign;
-    const picture = draw("svg", { viewBox: "-120 -106 240 196", role: "img", "aria-label": name });
+    const picture = draw("svg", { viewBox: "-100 -103 200 178", role: "img", "aria-label": name });
     this.scale = picture.appendChild(draw("g"));
     this.swing = picture.appendChild(draw("path", { class: "swing" }));
     this.bug = picture.appendChild(draw("path", { class: "bug", d: "M0 -84l8 -14h-16z" }));
@@ -37,7 +37,7 @@ export class Dial {
     this.value = picture.appendChild(draw("text", { class: "value", y: 16 }));
     picture.append(draw("text", { class: "unit", y: 32 }, unit));
     this.target = picture.appendChild(draw("text", { class: "target", y: 50 }));
-    picture.append(draw("text", { class: "side", x: -66, y: 84 }, sides[0]), draw("text", { class: "side", x: 66, y: 84 }, sides[1]));
+    picture.append(draw("text", { class: "side", x: -70, y: 71 }, sides[0]), draw("text", { class: "side", x: 70, y: 71 }, sides[1]));
     place.append(picture);
     this.setLimits(null, null, 0);
   }

@@ -95,6 +95,7 @@ export class Drive {
     show(by("disarm"), armed);
     show(by("hands"), this.mine);
     by("hands").classList.toggle("armed", armed);
+    document.body.classList.toggle("seated", this.mine);
     put(by("drive-why"), this.why(frame, armed));
     if (!this.mine) return null;
     put(by("pad-text"), this.hands.padText());

@@ -119,7 +119,7 @@ function trend({ trend_percent_h: slope, percent }, low) {
   return `${slope > 0 ? "↗ +" : "↘ "}${figure(slope, 0, "% per hour")}${left}`;
 }
 
-function frame(picture) {
+function drawFrame(picture) {
   document.body.classList.toggle("stale", picture.state !== "ready");
   about.everReady ||= picture.state === "ready";
   const hands = drive.show(picture);
@@ -147,4 +147,4 @@ function silent(on) {
   put(by("quality-figures"), "");
 }
 
-const link = new Link({ hello, about: describe, events: addEvents, refused: (message) => drive.refused(message) }, frame, silent);
+const link = new Link({ hello, about: describe, events: addEvents, refused: (message) => drive.refused(message) }, drawFrame, silent);

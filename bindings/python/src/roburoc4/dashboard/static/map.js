@@ -81,7 +81,7 @@ export class RobotMap {
     this.fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
     const { x, y } = this.place(event.offsetX, event.offsetY);
     const boxes = this.frame?.sim?.boxes ?? [];
-    const index = boxes.findLastIndex(([bx, by, sx, sy]) => Math.abs(x - bx) <= sx / 2 + 0.05 && Math.abs(y - by) <= sy / 2 + 0.05);
+    const index = boxes.findLastIndex(([boxX, boxY, sizeX, sizeY]) => Math.abs(x - boxX) <= sizeX / 2 + 0.05 && Math.abs(y - boxY) <= sizeY / 2 + 0.05);
     this.drag = index >= 0 ? { box: index, dx: boxes[index][0] - x, dy: boxes[index][1] - y } : { x, y };
   }
 
@@ -200,6 +200,12 @@ export class RobotMap {
     pen.fillText(text, x, y);
   }
 
+  /** A middle from which all of a text is seen. */
+  inside(text, x, y) {
+    const half = this.pen.measureText(text).width / 2 + 8;
+    return [Math.max(half, Math.min(this.width - half, x)), Math.max(16, Math.min(this.height - 8, y))];
+  }
+
   paintPath(places, ink, dashes) {
     const { pen } = this;
     pen.strokeStyle = ink;
@@ -279,7 +285,7 @@ export class RobotMap {
       const [c, s] = [Math.cos(pose.theta_rad), Math.sin(pose.theta_rad)];
       const [px, py] = this.at(pose.x_m + c * x - s * y, pose.y_m + s * x + c * y);
       const text = distance === null ? "no distance" : distance >= max_distance_m ? `free to ${figure(max_distance_m, 1, "m")}` : figure(distance, 2, "m");
-      this.label(text, px, py + 4, distance !== null && distance < 0.5 ? this.ink.red : this.ink.text);
+      this.label(text, ...this.inside(text, px, py + 4), distance !== null && distance < 0.5 ? this.ink.red : this.ink.text);
     }
   }
 

@@ -54,7 +54,7 @@ export class Panel {
       this.switches.set(name, box);
       switches.append(make("label", "switch", "", box, make("span", "", text)));
     }
-    by("sim").replaceChildren(switches, this.buttons(), this.pad(), this.battery(), this.faults());
+    by("sim").replaceChildren(switches, this.buttons(), make("div", "switches", "", this.pad(), this.battery()), this.faults());
   }
 
   button(text, action, className = "") {

@@ -1,14 +1,30 @@
 // SPDX-License-Identifier: MIT
 // What happened over time. uPlot draws; this feeds it, and lets it scroll, stand and zoom.
-import { by, colour, figure, put } from "./text.js";
+import { by, colour, figure, mark, put } from "./text.js";
 
 const MOST = 12000;
 const EVERY_S = 0.06;
 const BATTERY_EVERY_S = 5;
 const REDRAW_S = 0.1;
+const TIME_STEPS_S = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200];
+const LEAST_SPEED = 0.2;
+const HEIGHT = 132;
 const SPANS = [10, 30, 60, 120, 300, 600];
 
 const clock = new Intl.DateTimeFormat(undefined, { hour: "2-digit", minute: "2-digit", second: "2-digit", hourCycle: "h23" });
+
+const reading = (digits, unit) => (_, number) => figure(number, digits, unit);
+
+const speedScale = { y: { range: (_, low, high) => [Math.min(-LEAST_SPEED, (low ?? 0) * 1.1), Math.max(LEAST_SPEED, (high ?? 0) * 1.1)] } };
+
+const batteryScales = { y: { range: [0, 100] }, volts: { range: (_, low, high) => [Math.floor((low ?? 20) - 0.5), Math.ceil((high ?? 28) + 0.5)] } };
+
+const side = (label) => ({ label, labelSize: 18, labelFont: "11px system-ui" });
+const voltSide = { scale: "volts", side: 1, grid: { show: false }, values: (_, volts) => volts.map((value) => `${value} V`), size: 44 };
+
+const line = (label, ink, value, rest) => ({ label, stroke: colour(ink), width: 2, points: { show: false }, value, ...rest });
+const speedLines = (unit) => [line("target", "--orange", reading(2, unit), { dash: [6, 4] }), line("current", "--blue", reading(2, unit))];
+const batteryLines = () => [line("charge", "--blue", reading(0, "%")), line("voltage", "--orange", reading(2, "V"), { scale: "volts", dash: [2, 3] })];
 
 class Columns {
   constructor(count, every) {
@@ -60,15 +76,15 @@ export class Plots {
     this.redraw();
   }
 
-  options(place, series, axes, scales, height) {
+  options(place, series, axes, scales) {
     const soft = colour("--soft");
     const grid = { stroke: colour("--grid"), width: 1 };
     const style = { stroke: soft, grid, ticks: { show: false }, font: "11px system-ui, sans-serif" };
     return {
       width: Math.max(place.clientWidth, 200),
-      height,
+      height: HEIGHT,
       series: [{ label: "time", value: (_, time) => (time === null ? "–" : clock.format(time * 1000)) }, ...series],
-      axes: [{ ...style, space: 70, size: 26, values: (_, times) => times.map((time) => clock.format(time * 1000)) }, ...axes.map((axis) => ({ ...style, size: 52, space: 26, ...axis }))],
+      axes: [{ ...style, space: 70, size: 26, incrs: TIME_STEPS_S, values: (_, times) => times.map((time) => clock.format(time * 1000)) }, ...axes.map((axis) => ({ ...style, size: 52, space: 26, ...axis }))],
       scales: { x: { time: false }, ...scales },
       cursor: { drag: { x: true, y: false }, bind: { dblclick: () => () => { this.pause(false); return null; } } },
       legend: { live: true },
@@ -76,24 +92,16 @@ export class Plots {
     };
   }
 
+  plot(id, series, axes, scales, data) {
+    return new globalThis.uPlot(this.options(by(id), series, axes, scales), data, by(id));
+  }
+
   build() {
     this.plots.forEach((plot) => plot.destroy());
-    const value = (digits, unit) => (_, number) => figure(number, digits, unit);
-    const pair = (unit) => [
-      { label: "target", stroke: colour("--orange"), dash: [6, 4], width: 2, value: value(2, unit), points: { show: false } },
-      { label: "current", stroke: colour("--blue"), width: 2, value: value(2, unit), points: { show: false } },
-    ];
-    const speedScale = (least) => ({ y: { range: (_, low, high) => [Math.min(-least, (low ?? 0) * 1.1), Math.max(least, (high ?? 0) * 1.1)] } });
-    const make = (id, options, data) => new globalThis.uPlot(options, data, by(id));
-    const height = 132;
     this.plots = [
-      make("plot-linear", this.options(by("plot-linear"), pair("m/s"), [{ label: "linear, m/s", labelSize: 18, labelFont: "11px system-ui" }], speedScale(0.2), height), this.view(0)),
-      make("plot-angular", this.options(by("plot-angular"), pair("rad/s"), [{ label: "turn, rad/s", labelSize: 18, labelFont: "11px system-ui" }], speedScale(0.2), height), this.view(1)),
-      make("plot-battery", this.options(by("plot-battery"), [
-        { label: "charge", scale: "y", stroke: colour("--green"), width: 2, value: value(0, "%"), points: { show: false } },
-        { label: "voltage", scale: "volts", stroke: colour("--violet"), dash: [2, 3], width: 2, value: value(2, "V"), points: { show: false } },
-      ], [{ label: "charge, %", labelSize: 18, labelFont: "11px system-ui" }, { scale: "volts", side: 1, grid: { show: false }, values: (_, volts) => volts.map((value) => `${value} V`), size: 44 }],
-      { y: { range: [0, 100] }, volts: { range: (_, low, high) => [Math.floor((low ?? 20) - 0.5), Math.ceil((high ?? 28) + 0.5)] } }, height), this.view(2)),
+      this.plot("plot-linear", speedLines("m/s"), [side("linear, m/s")], speedScale, this.view(0)),
+      this.plot("plot-angular", speedLines("rad/s"), [side("turn, rad/s")], speedScale, this.view(1)),
+      this.plot("plot-battery", batteryLines(), [side("charge, %"), voltSide], batteryScales, this.view(2)),
     ];
     this.zoom(0);
   }
@@ -115,8 +123,10 @@ export class Plots {
 
   show(frame) {
     this.now = frame.time_s;
-    if (frame.speeds) this.speeds.add([frame.time_s, ...frame.speeds]);
-    if (frame.battery) this.battery.add([frame.time_s, frame.battery.percent, frame.battery.volts]);
+    // What a lost robot said last goes on for nobody: a gap.
+    const fresh = frame.state === "ready";
+    if (frame.speeds) this.speeds.add([frame.time_s, ...(fresh ? frame.speeds : [null, null, null, null])]);
+    if (frame.battery) this.battery.add([frame.time_s, ...(fresh ? [frame.battery.percent, frame.battery.volts] : [null, null])]);
     if (!this.paused && (this.now - this.drawn > REDRAW_S || this.now < this.drawn)) this.redraw();
   }
 
@@ -129,6 +139,9 @@ export class Plots {
       const span = index === 2 ? Math.max(this.span, this.now - first) : this.span;
       plot.setData(this.view(index), false);
       plot.setScale("x", { min: this.now - span, max: this.now });
+      // The legend says the newest, unless somebody points at something else.
+      if (plot.cursor.left < 0) plot.setLegend({ idx: plot.data[0].length ? plot.data[0].length - 1 : null });
     });
+    mark(by("plot-linear"), "until", this.now);
   }
 }

@@ -1,0 +1,47 @@
+function write(file, data)
+%WRITE Write the fields of a scalar struct to a MAT-file: all of it, or nothing.
+%   roburoc4.internal.write(FILE, DATA) writes to FILE.part, reads that back, and only then gives it
+%   its name: a full disk, which Octave's save does not notice, is an error and leaves the FILE
+%   that was there. '.mat' is added where FILE has no extension.
+%
+%   Example:
+%      roburoc4.internal.write('drive.mat', data)
+%
+%   See also save, roburoc4.Robot.
+
+% SPDX-License-Identifier: MIT
+[~, ~, extension] = fileparts(file);
+if isempty(extension)
+    file = [file '.mat'];
+end
+part = [file '.part'];
+handle = -1;
+if ~exist(file, 'dir')
+    handle = fopen(part, 'w');
+end
+if handle < 0
+    error('roburoc4:badArgument', 'cannot write to ''%s'': give another file', file);
+end
+fclose(handle);
+cleanup = onCleanup(@() remove(part)); %#ok<NASGU>
+try
+    save(part, '-struct', 'data', '-v7');
+    whole = isequaln(load(part, '-mat'), data);
+catch
+    whole = false;
+end
+if ~whole
+    error('roburoc4:limit', ['''%s'' could not be written whole: is the disk full? Nothing is ' ...
+        'lost: call log again with another file'], file);
+end
+[moved, why] = movefile(part, file, 'f');
+if ~moved
+    error('roburoc4:badArgument', 'cannot write to ''%s'' (%s): give another file', file, why);
+end
+end
+
+function remove(part)
+if exist(part, 'file')
+    delete(part);
+end
+end

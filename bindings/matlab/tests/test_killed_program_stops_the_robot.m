@@ -1,0 +1,28 @@
+function test_killed_program_stops_the_robot()
+% Of a program that is killed nobody sends a zero: the robot's own watchdog stops it, a second after
+% the last command. The margin is for a loaded machine.
+% SPDX-License-Identifier: MIT
+if ~exist('OCTAVE_VERSION', 'builtin')
+    return
+end
+sim = roburoc4.Simulator('port', 0);
+pid = child(sim.address, '''lease_ms'', 250', 'r.driveFor(0.3, 0, 30)');
+cleanup = onCleanup(@() kill(pid, 9));
+begun = tic();
+while sim.state.wheel_linear_m_s < 0.05
+    check(toc(begun) < 60, 'nobody drove within a minute');
+    pause(0.01);
+end
+kill(pid, 9);
+begun = tic();
+s = sim.state;
+while s.target_linear_m_s ~= 0
+    check(toc(begun) < 60, 'the robot drives on');
+    pause(0.01);
+    s = sim.state;
+end
+check(s.watchdog_bitten && s.last_linear_m_s ~= 0, 'somebody sent a zero: who?');
+check(s.time_s - s.last_command_s < 1.5, 'stopped only after %g s', s.time_s - s.last_command_s);
+clear cleanup
+delete(sim);
+end

@@ -1,0 +1,112 @@
+function test_only_what_both_programs_have()
+% Each .m file keeps to the language and the functions that MATLAB R2018a and Octave 7 share: no
+% syntax of one of them alone, and no function that is not in functions.txt.
+% SPDX-License-Identifier: MIT
+root = fileparts(fileparts(mfilename('fullpath')));
+folders = {'', '+roburoc4', fullfile('+roburoc4', '+internal'), 'examples', 'tests', ...
+    fullfile('tests', 'matlab')};
+known = listed(fullfile(root, 'tests', 'functions.txt'));
+files = {};
+for f = 1:numel(folders)
+    found = dir(fullfile(root, folders{f}, '*.m'));
+    files = [files, fullfile(root, folders{f}, {found.name})]; %#ok<AGROW>
+end
+check(numel(files) > 40, 'only %d files were found', numel(files));
+[~, own] = cellfun(@fileparts, files, 'UniformOutput', false);
+used = {};
+for k = 1:numel(files)
+    text = fileread(files{k});
+    check_syntax(own{k}, text);
+    used = [used, check_functions(own{k}, text, known, own)]; %#ok<AGROW>
+end
+check_catches_what_is_foreign(known);
+idle = setdiff(known(:, 1)', used);
+check(isempty(idle) || ~exist('OCTAVE_VERSION', 'builtin'), ...
+    'listed in functions.txt, but not used: %s', strjoin(idle, ', '));
+end
+
+% Comments and texts are not code. A quote after a word or a bracket transposes.
+function code = stripped(code)
+code = regexprep(code, '(?<![\w\)\]\}''.])''(?:[^''\n]|'''')*''', '''''');
+code = regexprep(code, '"[^"\n]*"', '""');
+code = regexprep(code, '%[^\n]*', '');
+code = regexprep(code, '\.\.\.[^\n]*', '...');
+end
+
+function check_syntax(name, text)
+% Octave's alone, then MATLAB's after R2018a or not in Octave 7.
+foreign = {'#', 'a comment with #'; ...
+    '\<(end(if|while|for|function|switch|_try_catch|parfor|classdef|methods|properties)|until)\>', ...
+        'an end with a name'; ...
+    '\<(unwind_protect\w*|end_unwind_protect)\>', 'unwind_protect'; ...
+    '(?<![=<>~])[-+*/^|&]=(?!=)|\+\+|(?<!-)--(?!-)', 'an operator of C'; ...
+    '!', 'a not of Octave'; ...
+    '\)\s?\(|\)\s?\{', 'an index of a result'; ...
+    '^\s*(arguments|enumeration|events)\>', 'a block that one of them lacks'; ...
+    '^(?!\s*(properties|methods|classdef)\>).*\(\s*(\w+\s*,\s*)*[A-Za-z]\w*\s*=[^=]', ...
+        'name=value in a call'; ...
+    '^\s*import\>', 'import'};
+row_texts = strsplit(stripped(text), sprintf('\n'));
+for n = 1:numel(row_texts)
+    for k = 1:size(foreign, 1)
+        check(isempty(regexp(row_texts{n}, foreign{k, 1}, 'once')), '%s, line %d: %s: %s', name, n, ...
+            foreign{k, 2}, strtrim(row_texts{n}));
+    end
+end
+end
+
+function check_catches_what_is_foreign(known)
+% The rules above find what they are for.
+bad = {'x = 1; # one', 'endif', 'until x', 'unwind_protect', 'x += 1;', 'x++;', 'if !x', ...
+    'x != 2', 'y = f(x)(2);', 'arguments', 'plot(x, LineWidth=2)', '    events'};
+for k = 1:numel(bad)
+    check_raises('roburoc4:check', @() check_syntax('a test', bad{k}));
+end
+if exist('OCTAVE_VERSION', 'builtin')
+    check_raises('roburoc4:check', @() check_functions('a test', 'printf(1)', known, {}));
+    check_raises('roburoc4:check', @() check_functions('a test', 'x = kill(1, 2)', known, {}));
+end
+check_syntax('a test', 'x = a'' + b.''; y = ''don''''t != #''; % it''s # fine');
+end
+
+function names = check_functions(file, text, known, own)
+% Words of the code that Octave knows as functions; fields and methods aside, and the lines that
+% define functions; OWN are the files of this project.
+names = {};
+if ~exist('OCTAVE_VERSION', 'builtin')
+    return
+end
+code = regexprep(stripped(text), 'function [^\n]*', '');
+words = unique(regexp(code, '(?<![\w.])[A-Za-z]\w*', 'match'));
+words = words(~cellfun(@iskeyword, words));
+for k = 1:numel(words)
+    kind = exist(words{k});
+    if kind ~= 2 && kind ~= 5 || any(strcmp(words{k}, own))
+        continue
+    end
+    place = find(strcmp(words{k}, known(:, 1)), 1);
+    check(~isempty(place), '%s: %s is not in functions.txt: does MATLAB R2018a have it?', file, ...
+        words{k});
+    check(~strcmp(known{place, 2}, 'octave') || ~isempty(strfind(text, 'OCTAVE_')), ...
+        '%s: %s is Octave''s alone, and the file does not ask where it runs', file, words{k});
+    call = ['(?<![\w.])' words{k} '\('];
+    check(~strcmp(known{place, 2}, 'variable') || isempty(regexp(code, call, 'once')), ...
+        '%s: %s is called, but a variable in functions.txt', file, words{k});
+    names{end + 1} = words{k}; %#ok<AGROW>
+end
+end
+
+function known = listed(file)
+% Names, and 'octave' behind those of Octave alone.
+row_texts = strsplit(fileread(file), sprintf('\n'));
+row_texts = row_texts(~cellfun(@(line) isempty(line) || line(1) == '#', row_texts));
+known = cell(numel(row_texts), 2);
+for k = 1:numel(row_texts)
+    words = strsplit(strtrim(row_texts{k}), ' ');
+    known{k, 1} = words{1};
+    known{k, 2} = '';
+    if numel(words) > 1
+        known{k, 2} = words{2};
+    end
+end
+end

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: MIT
+"""Whether this machine was too busy for a test to mean anything."""
+
+import threading
+import time
+from pathlib import Path
+
+_NAP_S = 0.01
+_TOO_LATE_S = 0.1
+"""The tightest promise that is tested leaves 150 ms for the machine."""
+
+
+class MachineTooBusyError(Exception):
+    """Not a failure: the test is to be run again. Only after several such runs it is one."""
+
+
+class Strain:
+    """Takes naps in a thread of its own: how long it oversleeps tells how busy the machine is."""
+
+    def __init__(self) -> None:
+        self.worst_s = 0.0
+        threading.Thread(target=self._nap, daemon=True).start()
+
+    def _nap(self) -> None:
+        while True:
+            begun = time.monotonic()
+            time.sleep(_NAP_S)
+            self.worst_s = max(self.worst_s, time.monotonic() - begun - _NAP_S)
+
+    def begin(self) -> None:
+        self.worst_s = 0.0
+
+    def found(self, folder: Path | None) -> str:
+        """What shows that the machine was too busy since begin(), or "".
+
+        folder: where the test's bridges left their logs. A bridge that has to wait 300 ms for a
+        status of a simulator that sends it every 50 ms disarms, as it should.
+        """
+        if self.worst_s > _TOO_LATE_S:
+            return f"a nap of {_NAP_S} s took {self.worst_s:.2f} s more"
+        for log in folder.rglob("bridge.log") if folder else ():
+            if "no recent" in log.read_text(errors="replace"):
+                return f"{log}: statuses were late"
+        return ""
