@@ -114,11 +114,12 @@ methods
         %
         %   Example:
         %      delete(r)
+        id = this.id;
+        cleanup = onCleanup(@() roburoc4.internal.roburoc4_mex('close', id)); %#ok<NASGU>
         try
-            while roburoc4.internal.roburoc4_mex('leave', this.id)
-                roburoc4.internal.roburoc4_mex('wait', this.id, 0.02);
+            while roburoc4.internal.roburoc4_mex('leave', id)
+                roburoc4.internal.roburoc4_mex('wait', id, 0.02);
             end
-            roburoc4.internal.roburoc4_mex('close', this.id);
         catch
             % Its simulator, or the whole program, is going: the MEX file stops what lives.
         end
@@ -138,8 +139,6 @@ methods
             fprintf('  roburoc4.Robot, deleted\n');
         end
     end
-
-    % ---- driving ----
 
     function drive(this, linear_m_s, angular_rad_s)
         %DRIVE Drive at these speeds for one lease; call it again and again to go on.
@@ -244,8 +243,6 @@ methods
         loop = roburoc4.Rate(this, hertz);
     end
 
-    % ---- reading ----
-
     function s = get.status(this)
         s = roburoc4.internal.roburoc4_mex('status', this.id);
     end
@@ -302,8 +299,6 @@ methods
             value = roburoc4.internal.roburoc4_mex('io', this.id, name);
         end
     end
-
-    % ---- telling ----
 
     function setOutput(this, channel, on)
         %SETOUTPUT Set a digital output.
@@ -371,8 +366,6 @@ methods
         service = roburoc4.internal.text(service, 'service');
         roburoc4.internal.roburoc4_mex('subscribe', this.id, service, 0);
     end
-
-    % ---- recording ----
 
     function data = record(this, seconds, varargin)
         %RECORD Collect the statuses of the next seconds, as columns ready to plot.

@@ -119,8 +119,6 @@ methods
         end
     end
 
-    % ---- looking ----
-
     function s = get.state(this)
         s = roburoc4.internal.roburoc4_mex('simState', this.id);
     end
@@ -140,8 +138,6 @@ methods
         %      sim.digitalOutput(3)
         on = roburoc4.internal.roburoc4_mex('simOutput', this.id, index);
     end
-
-    % ---- hands ----
 
     function reply = panel(this, line)
         %PANEL Obey a line of text, and return the reply; panel(SIM, 'help') lists them all.
@@ -220,8 +216,6 @@ methods
         %      sim.battery(15)
         this.tell('battery', {percent});
     end
-
-    % ---- the world ----
 
     function place(this, x_m, y_m, theta_rad)
         %PLACE Lift the robot to another place; its odometry notices nothing.

@@ -28,6 +28,16 @@ for k = 1:numel(classes)
     check(numel(names) == numel(all_names), 'a method of %s has no help', classes{k});
     for n = 1:numel(names)
         check(strcmpi(names{n}{1}, names{n}{2}), 'help of %s.%s', classes{k}, names{n}{1});
+        check_shown(classes{k}, names{n}{1});
     end
+end
+end
+
+function check_shown(class_name, method)
+% What help says. Octave takes the comment before a method, where there is one, and of a method with
+% the name of a function in a file, that function.
+if exist(method) ~= 2 %#ok<EXIST>
+    shown = evalc(['help roburoc4.' class_name '.' method]);
+    check(~isempty(strfind(shown, [upper(method) ' '])), 'help shows %s', shown);
 end
 end

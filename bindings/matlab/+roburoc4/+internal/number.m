@@ -10,8 +10,8 @@ function checked = number(value, name, least, most)
 
 % SPDX-License-Identifier: MIT
 if ~(isnumeric(value) || islogical(value)) || ~isscalar(value) || ~isreal(value)
-    error('roburoc4:badArgument', '%s: one real number is needed, this is %s %s', name, ...
-        sprintf('%dx', size(value)), class(value));
+    error('roburoc4:badArgument', '%s: one real number is needed, this is %s', name, ...
+        roburoc4.internal.kind(value));
 end
 checked = double(value);
 if ~isfinite(checked) || checked < least || checked > most

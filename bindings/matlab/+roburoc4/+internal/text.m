@@ -13,8 +13,8 @@ if isa(value, 'string') && isscalar(value)
     value = char(value);
 end
 if ~ischar(value) || isempty(value) || size(value, 1) ~= 1
-    error('roburoc4:badArgument', '%s: a text is needed, such as ''abc''; this is %s %s', name, ...
-        sprintf('%dx', size(value)), class(value));
+    error('roburoc4:badArgument', '%s: a text is needed, such as ''abc''; this is %s', name, ...
+        roburoc4.internal.kind(value));
 end
 row = value;
 end
