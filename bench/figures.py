@@ -13,7 +13,7 @@ BENCH = pathlib.Path(__file__).resolve().parent
 TOP = BENCH.parent
 
 
-def run(*command, cwd=None, env=None, timeout=1800):
+def run(*command, cwd=None, env=None, timeout=600):
     """Output of a command; its errors are shown, and end the program, where it fails."""
     return subprocess.run(
         [str(word) for word in command], check=True, text=True, stdout=subprocess.PIPE,
@@ -46,7 +46,7 @@ class Part:
             "part": part,
             "title": title,
             "about": about,
-            "measured": datetime.datetime.now(datetime.timezone.utc).date().isoformat(),
+            "measured": datetime.datetime.now(datetime.UTC).date().isoformat(),
             "machine": machine(),
             "versions": versions,
             "quick": "--quick" in sys.argv,

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
  * loopback: what the UDP adapter and the client add to a bare recv/send loop, on this machine's
- * loopback interface, in interleaved pairs: each datagram goes once through a plain socket and
- * once through roburoc4, in changing order. Prints one line a pair: nanoseconds bare, nanoseconds
- * roburoc4. bench/measure_loopback.py makes figures of it.
+ * loopback interface, interleaved: each datagram goes once each way, one right after the other, in
+ * changing order. Prints one line for each, in nanoseconds: a plain socket and roburoc4; of
+ * statuses in between a plain socket that is waited for with a limit of time, as who must also send
+ * has to. bench/measure_loopback.py makes figures of it.
  *
- *   loopback status PAIRS   status sent by the robot -> value in the application
- *   loopback drive PAIRS    drive() -> datagram at the robot
+ *   loopback status TIMES   status sent by the robot -> value in the application
+ *   loopback drive TIMES    drive() -> datagram at the robot
  *   loopback rate ROUNDS    nanoseconds of processor time a status, of reading 64 that wait; bare
  * is recv(), a third column recvmmsg()
  */
@@ -35,7 +36,8 @@
 #define COMMAND_GAP_US 11000 /* the client sends commands at most each 10 ms */
 
 typedef enum mode { SERVE, STATUS, DRIVE, STOP } mode;
-typedef enum way { BARE, OWN } way;
+/* Ways of a status; a command has no use for waiting. */
+typedef enum way { BARE, WAITING, OWN, WAYS } way;
 
 /* The robot's thread and the application's meet here only; all of it by __atomic functions. */
 static int shared_mode = SERVE;
@@ -133,26 +135,26 @@ static void wait_acknowledged(uint32_t before) {
     }
 }
 
-/** The same status to both, one after the other, the first one changing. */
-static void deliver_pair(const uint8_t *datagram, size_t size) {
-    static uint32_t pair;
+/** The same status on each way, one after the other, in changing order. */
+static void deliver(const uint8_t *datagram, size_t size) {
+    static uint32_t round;
     roburoc4_status_header header;
     if (roburoc4_decode_status_header(datagram, size, &header) < 0 ||
         header.service != ROBUROC4_SERVICE_DIFFERENTIAL) {
         return;
     }
-    for (uint32_t half = 0; half < 2; half++) {
-        const way to = (way)((pair + half) & 1);
+    for (uint32_t i = 0; i < WAYS; i++) {
+        const way to = (way)((round + i) % WAYS);
         const uint32_t before = __atomic_load_n(&shared_acknowledged, __ATOMIC_ACQUIRE);
         spin_ns(SLEEPY_NS);
         store(&shared_cycles, header.robot_cycles);
         store(&shared_sent_ns, now_ns());
-        if (send(to == BARE ? bare_robot_fd : robot_fd, datagram, size, 0) < 0) {
+        if (send(to == OWN ? robot_fd : bare_robot_fd, datagram, size, 0) < 0) {
             die("the robot cannot send");
         }
         wait_acknowledged(before);
     }
-    pair++;
+    round++;
 }
 
 static void take_commands(roburoc4_sim *robot) {
@@ -191,7 +193,7 @@ static void *robot_main(void *unused) {
         while ((size = (size_t)roburoc4_sim_poll_transmit(robot, &peer, datagram,
                                                           sizeof datagram)) > 0) {
             if (now == STATUS && datagram[0] == ROBUROC4_HEADER_STATUS) {
-                deliver_pair(datagram, size);
+                deliver(datagram, size);
             } else {
                 (void)send(robot_fd, datagram, size, 0);
             }
@@ -231,6 +233,16 @@ static uint64_t bare_status(void) {
     return now_ns();
 }
 
+/** The same, waiting as long as a program that has something else to do may. */
+static uint64_t waiting_status(void) {
+    struct pollfd watched = {bare_fd, POLLIN, 0};
+    const struct timespec limit = {0, 100000000};
+    if (ppoll(&watched, 1, &limit, NULL) < 0) {
+        die("the bare loop cannot wait");
+    }
+    return bare_status(); /* which waits where the limit has passed */
+}
+
 /** When the value was there; 0 where the client did not take it: on a machine that is too busy it
  * may have lost the robot meanwhile. */
 static uint64_t own_status(void) {
@@ -250,15 +262,21 @@ static uint64_t own_status(void) {
     return now_ns();
 }
 
-/** A line for a pair, where both ways came to an end. */
-static void print_pair(const uint64_t *ns) {
-    if (ns[BARE] != 0 && ns[OWN] != 0) {
-        printf("%llu %llu\n", (unsigned long long)ns[BARE], (unsigned long long)ns[OWN]);
+/** A line, where all ways came to an end. */
+static void print_times(const uint64_t *ns, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++) {
+        if (ns[i] == 0) {
+            return;
+        }
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        printf("%llu%c", (unsigned long long)ns[i], i + 1 == count ? '\n' : ' ');
     }
 }
 
-static void measure_status(uint32_t pairs) {
-    uint64_t ns[2];
+static void measure_status(uint32_t rounds) {
+    static uint64_t (*const receivers[WAYS])(void) = {bare_status, waiting_status, own_status};
+    uint64_t ns[WAYS];
     for (uint32_t s = ROBUROC4_SERVICE_IOCARD; s < ROBUROC4_SERVICE_DIFFERENTIAL; s++) {
         roburoc4_client_unsubscribe(&client, s, roburoc4_udp_now_us());
     }
@@ -267,17 +285,17 @@ static void measure_status(uint32_t pairs) {
         roburoc4_udp_wait(&udp, &client, 10000);
     }
     __atomic_store_n(&shared_mode, STATUS, __ATOMIC_RELEASE);
-    for (uint32_t pair = 0; pair < pairs; pair++) {
-        for (uint32_t half = 0; half < 2; half++) {
-            const way from = (way)((pair + half) & 1);
-            const uint64_t arrived = from == BARE ? bare_status() : own_status();
+    for (uint32_t round = 0; round < rounds; round++) {
+        for (uint32_t i = 0; i < WAYS; i++) {
+            const way from = (way)((round + i) % WAYS);
+            const uint64_t arrived = receivers[from]();
             ns[from] = arrived == 0 ? 0 : arrived - load(&shared_sent_ns);
-            if (pair + 1 == pairs && half == 1) { /* no further pair is begun */
+            if (round + 1 == rounds && i + 1 == WAYS) { /* no further round is begun */
                 __atomic_store_n(&shared_mode, SERVE, __ATOMIC_RELEASE);
             }
             __atomic_add_fetch(&shared_acknowledged, 1, __ATOMIC_RELEASE);
         }
-        printf("%llu %llu\n", (unsigned long long)ns[BARE], (unsigned long long)ns[OWN]);
+        print_times(ns, WAYS);
     }
 }
 
@@ -299,11 +317,11 @@ static bool own_drive(float linear_m_s) {
 }
 
 /** Nanoseconds from the call to the datagram at the robot; 0 where none was sent. */
-static uint64_t command_ns(way by, float linear_m_s) {
+static uint64_t command_ns(bool own, float linear_m_s) {
     uint64_t sent, arrived;
     store(&shared_arrived_ns, 0);
     sent = now_ns();
-    if (by == BARE) {
+    if (!own) {
         bare_drive(linear_m_s);
     } else if (!own_drive(linear_m_s)) {
         return 0;
@@ -330,20 +348,20 @@ static void rest(uint64_t us) {
     }
 }
 
-static void measure_drive(uint32_t pairs) {
-    uint64_t ns[2];
-    for (uint32_t pair = 0; pair < pairs; pair++) {
+static void measure_drive(uint32_t rounds) {
+    uint64_t ns[2]; /* bare, own */
+    for (uint32_t round = 0; round < rounds; round++) {
         /* Another speed each time: a change leaves at once. */
-        const float linear_m_s = 0.1f + 0.1f * (float)(pair & 1);
+        const float linear_m_s = 0.1f + 0.1f * (float)(round & 1);
         for (uint32_t half = 0; half < 2; half++) {
-            const way by = (way)((pair + half) & 1);
+            const uint32_t own = (round + half) & 1;
             do {
                 rest(COMMAND_GAP_US);
             } while (roburoc4_client_arm(&client, roburoc4_udp_now_us()) < 0);
             spin_ns(SLEEPY_NS);
-            ns[by] = command_ns(by, linear_m_s);
+            ns[own] = command_ns(own != 0, linear_m_s);
         }
-        printf("%llu %llu\n", (unsigned long long)ns[BARE], (unsigned long long)ns[OWN]);
+        print_times(ns, 2);
     }
     roburoc4_client_close(&client, roburoc4_udp_now_us());
     while (roburoc4_client_state(&client) != ROBUROC4_STATE_IDLE) {

@@ -27,15 +27,16 @@ SMALL = ["-std=c99", "-Os", "-ffunction-sections", "-fdata-sections"]
 ABOUT = (
     "Bytes at -Os. *All of it* is every function of the library. *Linked* is a whole program with "
     "`--gc-sections`, less one that does nothing: what it really takes, the compiler's own "
-    "functions (64-bit arithmetic, floats) included: *bare loop that drives* receives, arms, drives "
-    "and reads three statuses.")
+    "functions (64-bit arithmetic, floats) included: *bare loop that drives* receives, arms, "
+    "drives and reads three statuses. *Stack* is the deepest path of calls.")
 ABOUT_PEERS = (
     "Encode and decode of the five statuses and the drive command, linked with `--gc-sections`, at "
-    "-Os, less a program that does nothing. Each is rebuilt here; coreSNTP, a protocol of like size, "
-    "is in no package registry: its figure is its own documentation's.")
+    "-Os, less a program that does nothing. Each is rebuilt here; coreSNTP, a protocol of like "
+    "size, is in no package registry: its figure is its own documentation's.")
 # part of the table -> bytes aimed at, on the Cortex-M0
-AIMS = {"codec, all of it": 2560, "codec + client, all of it": 8192,
-        "bare loop that drives, linked": 8192, "a client's memory": 1024}
+AIMS = {"codec, all of it": 2560, "codec of six messages, linked": 2560,
+        "codec + client, all of it": 8192, "bare loop that drives, linked": 8192,
+        "a client's memory": 1024}
 
 
 def core_sources():
@@ -52,6 +53,8 @@ class Target:
         self.prefix, self.flags = TARGETS[name]
         self.folder = folder / name
         self.folder.mkdir()
+        # AVR's gcc is too old for call graphs: stack_depth.py makes do with frames.
+        self.frames = "-fstack-usage" if name == "AVR" else "-fcallgraph-info=su"
 
     def tool(self, name, *arguments):
         return figures.run(self.prefix + name, *arguments)
@@ -62,21 +65,30 @@ class Target:
                   "-o", out)
         return out
 
+    def core(self):
+        return [self.compile(source, self.frames) for source in core_sources()]
+
     def sizes(self, path):
         """text, data, bss"""
         return [int(n) for n in self.tool("size", path).splitlines()[1].split()[:3]]
 
+    def link(self, name, objects, *more):
+        """A program without start-up code and system: main() is where it begins."""
+        out = self.folder / name
+        self.tool("gcc", *self.flags, "-nostartfiles", *more, *objects, "-o", out)
+        return out
+
     def linked(self, source, objects, *more):
         """Size of a program of `source` and what it uses of `objects`, less the empty program's."""
-        def link(name, objs):
-            out = self.folder / name
-            # No start-up code and no system: main() is where it begins.
-            self.tool("gcc", *self.flags, "-nostartfiles", "-Wl,--gc-sections", "-Wl,--entry=main",
-                      *objs, "-o", out)
-            return self.sizes(out)
+        used = ("-Wl,--gc-sections", "-Wl,--entry=main", "-Wl,-Map=" + str(self.map_of(source)))
         own = self.compile(source, *more)
-        nothing = link("nothing", [self.compile(figures.BENCH / "size/nothing.c")])
-        return [a - b for a, b in zip(link(own.stem, [own, *objects]), nothing)]
+        whole = self.sizes(self.link(own.stem, [own, *objects], *used))
+        empty = self.compile(figures.BENCH / "size/nothing.c")
+        nothing = self.sizes(self.link("nothing", [empty], *used[:2]))
+        return [a - b for a, b in zip(whole, nothing, strict=True)]
+
+    def map_of(self, source):
+        return self.folder / (pathlib.Path(source).stem + ".map")
 
     def client_bytes(self):
         probe = self.folder / "probe.c"
@@ -84,11 +96,22 @@ class Target:
         return self.sizes(self.compile(probe, "-fno-common"))[2]
 
 
-def stack(target, sources):
-    """The deepest path of stack, by gcc's call graphs (ARM), and the path as text."""
-    objects = [target.compile(s, "-fcallgraph-info=su") for s in sources]
-    program = target.folder / "core"
-    target.tool("gcc", *target.flags, "-nostartfiles", "-Wl,--entry=0", *objects, "-o", program)
+def linked_files(target, source):
+    """Bytes of a linked program by where they come from, largest first, by the linker's map."""
+    text = target.map_of(source).read_text(encoding="utf-8")
+    text = text.split("Linker script and memory map")[1]  # before it: what was left out
+    found = {}
+    for size, origin in re.findall(
+            r"^ \.(?:text|rodata)\S*\s+0x[0-9a-f]+\s+0x([0-9a-f]+)\s+(\S+)$", text, re.M):
+        library = re.search(r"(lib\w+\.a)\(", origin)
+        name = library.group(1) if library else pathlib.Path(origin).stem + ".c"
+        found[name] = found.get(name, 0) + int(size, 16)
+    return sorted(((size, name) for name, size in found.items() if size), reverse=True)
+
+
+def stack(target, objects):
+    """The deepest path of stack, and the path as text."""
+    program = target.link("core", objects, "-Wl,--no-gc-sections", "-Wl,--entry=0")
     done = subprocess.run(
         [sys.executable, figures.BENCH / "size/stack_depth.py", "--tools", target.prefix,
          "--program", program, *objects], text=True, capture_output=True, check=False)
@@ -107,48 +130,81 @@ def functions(target, objects):
     return sorted(rows, reverse=True)
 
 
-def measure_target(part, target, sources):
-    objects = [target.compile(s) for s in sources]
+def measure_target(part, target):
+    """All figures of one processor; the objects of the core."""
+    objects = target.core()
     sizes = {o.stem: target.sizes(o) for o in objects}
-    text = sum(s[0] for s in sizes.values())
     m0 = target.name == "Cortex-M0"
 
     def add(name, value, note=None):
         part.add(name, target.name, "bytes", value, aim=AIMS.get(name) if m0 else None, note=note)
 
     add("codec, all of it", sizes["codec"][0])
-    add("codec + client, all of it", text)
-    add("data + bss, all of it", sum(s[1] + s[2] for s in sizes.values()))
     add("codec of six messages, linked",
         target.linked(figures.BENCH / "size/codec_roburoc4.c", objects)[0])
+    add("codec + client, all of it", sum(s[0] for s in sizes.values()))
     add("bare loop that drives, linked",
         target.linked(figures.BENCH / "size/client_drive.c", objects)[0])
+    add("data + bss, all of it", sum(s[1] + s[2] for s in sizes.values()))
     add("a client's memory", target.client_bytes())
-    if target.prefix.startswith("arm"):
-        depth, _ = stack(target, sources)
-        add("deepest stack", depth)
-    else:
-        add("deepest stack", None, "no call graph from this compiler")
+    depth, path = stack(target, objects)
+    add("stack", depth, None if depth else path)
     return objects
 
 
-def measure_peers(part, target, peers):
-    """The same messages by others, on one processor."""
+def measure_peers(part, target, peers, objects):
+    """The same messages by others."""
     quiet = ["-w", "-I", peers / "nanopb", "-I", peers / "mavlink"]
-    nanopb = [target.compile(s, *quiet) for s in sorted((peers / "nanopb").glob("*.c"))]
     size = figures.BENCH / "size"
 
     def add(name, subject, value, note=None):
-        part.add(name, subject, "bytes", value, note=note)
+        part.add(f"{name}, {target.name}", subject, "bytes", value, note=note)
 
-    name = "codec of six messages, Cortex-M0"
-    add(name, "roburoc4", target.linked(size / "codec_roburoc4.c", [
-        target.compile(s) for s in core_sources()])[0])
-    add(name, "nanopb", target.linked(size / "codec_nanopb.cpp", nanopb, *quiet)[0])
-    add(name, "MAVLink", target.linked(size / "codec_mavlink.cpp", [], "-DALL_MESSAGES", *quiet)[0])
-    add("codec of the drive command alone, Cortex-M0", "MAVLink",
+    def add_linked(subject, *program):
+        text, data, bss = target.linked(*program)
+        add("codec of six messages", subject, text)
+        add("its data + bss", subject, data + bss)
+
+    add_linked("roburoc4", size / "codec_roburoc4.c", objects)
+    if target.name == "AVR":
+        add("codec of six messages", "nanopb", None, "needs a double of 8 bytes")
+    else:
+        nanopb = [target.compile(s, *quiet) for s in sorted((peers / "nanopb").glob("*.c"))]
+        add_linked("nanopb", size / "codec_nanopb.cpp", nanopb, *quiet)
+    add_linked("MAVLink", size / "codec_mavlink.cpp", [], "-DALL_MESSAGES", *quiet)
+    add("codec of the drive command alone", "MAVLink",
         target.linked(size / "codec_mavlink.cpp", [], *quiet)[0])
-    add("SNTP codec and client, Cortex-M, as documented", "coreSNTP", 2048, "not rebuilt")
+
+
+def print_m0(target, only_functions):
+    if only_functions:
+        for size, file, function in functions(target, target.core()):
+            print(f"{size:6}  {file:14} {function}")
+        return
+    part = figures.Part("footprint", "Footprint", ABOUT, [])
+    measure_target(part, target)
+    for result in part.results:
+        aim = f"aim {result['aim']}" if "aim" in result else ""
+        print(f"{result['name']:32} {result['value']:6} {aim}")
+
+
+def measure_all(folder, given):
+    versions = sorted({figures.first_line(p + "gcc", "--version") for p, _ in TARGETS.values()})
+    part = figures.Part("footprint", "Footprint", ABOUT, versions)
+    beside = figures.Part("footprint_peers", "Footprint beside peers", ABOUT_PEERS, [])
+    for target_name in ("Cortex-M0",) if given.quick else TARGETS:
+        target = Target(target_name, folder)
+        objects = measure_target(part, target)
+        if target_name == "Cortex-M0":
+            part.head["functions"] = functions(target, objects)
+            part.head["linked"] = linked_files(target, "client_drive.c")
+            part.head["stack_path"] = stack(target, objects)[1]
+        if given.peers:
+            measure_peers(beside, target, given.peers, objects)
+    part.write(given.out)
+    if given.peers:
+        beside.add("SNTP codec and client, Cortex-M", "coreSNTP", "bytes", 2048, note="not rebuilt")
+        beside.write(given.out)
 
 
 def main():
@@ -161,36 +217,10 @@ def main():
     parser.add_argument("--quick", action="store_true", help="Cortex-M0 only")
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
-        folder = pathlib.Path(name)
-        if given.functions:
-            target = Target("Cortex-M0", folder)
-            for size, file, function in functions(target, map(target.compile, core_sources())):
-                print(f"{size:6}  {file:14} {function}")
-            return
-        if given.print:
-            part = figures.Part("footprint", "Footprint", ABOUT, [])
-            measure_target(part, Target("Cortex-M0", folder), core_sources())
-            for result in part.results:
-                aim = f"aim {result['aim']}" if "aim" in result else ""
-                print(f"{result['name']:32} {result['value']:6} {aim}")
-            return
-        versions = sorted({figures.first_line(p + "gcc", "--version") for p, _ in TARGETS.values()})
-        part = figures.Part("footprint", "Footprint", ABOUT, versions)
-        for target_name in TARGETS:
-            if given.quick and target_name != "Cortex-M0":
-                continue
-            target = Target(target_name, folder)
-            objects = measure_target(part, target, core_sources())
-            if target_name == "Cortex-M0":
-                table = functions(target, objects)
-                part.head["functions"] = table
-                part.head["stack_path"] = stack(target, core_sources())[1]
-        part.write(given.out)
-        if given.peers:
-            (folder / "peers").mkdir()
-            beside = figures.Part("footprint_peers", "Footprint beside peers", ABOUT_PEERS, [])
-            measure_peers(beside, Target("Cortex-M0", folder / "peers"), given.peers)
-            beside.write(given.out)
+        if given.functions or given.print:
+            print_m0(Target("Cortex-M0", pathlib.Path(name)), given.functions)
+        else:
+            measure_all(pathlib.Path(name), given)
 
 
 if __name__ == "__main__":

@@ -21,14 +21,22 @@ import figures
 ABOUT = (
     "Microseconds: median of the repetitions, and their smallest and largest, of one interpreter "
     "thread. All decode the same differential status to an object with typed fields, but for "
-    "`struct`, which gives a bare tuple. `lcm`, `construct` (compiled) and `pymavlink` decode their "
-    "own form of the same fields. drive() and reading a property are of a robot that is connected "
-    "to a simulator over UDP, with the pump running.")
+    "`struct`, which gives a bare tuple; the other statuses follow. `lcm`, `construct` (compiled) "
+    "and `pymavlink` decode their own form of the same fields. drive() and reading a property are "
+    "of a robot that is connected to a simulator over UDP, with the pump running.")
 LAYOUT = struct.Struct("<BHQ4f")
 Tuple = collections.namedtuple(
     "Tuple", "header service robot_cycles target_linear_m_s current_linear_m_s "
              "target_angular_rad_s current_angular_rad_s")
 WIRE = LAYOUT.pack(0xFF, 6, 123456, 1.0, 0.75, -0.5, -0.25)
+# The other four, each with its own layout.
+OTHERS = {
+    "IO card": (struct.Struct("<BHQ9f3s"), (0xFF, 2, 123456, *[0.5] * 9, b"\x01\x83\x3f")),
+    "telemeter": (struct.Struct("<BHQ2f"), (0xFF, 3, 123456, 1.25, 3.5)),
+    "battery": (struct.Struct("<BHQBB"), (0xFF, 4, 123456, 2, 80)),
+    "localization": (struct.Struct("<BHQ3dI"), (0xFF, 5, 123456, 1.5, -2.25, 0.75, 0x12)),
+}
+AIM_US = 0.6
 BATCH = 100_000
 
 
@@ -96,7 +104,13 @@ def measure_decode(part, timer, generated):
     for name, work in ways.items():
         check(name, work())
         add(part, "decode to an object", name, "us", timer.us(work),
-            **({"aim": 0.6} if name == "roburoc4" else {}))
+            **({"aim": AIM_US} if name == "roburoc4" else {}))
+    for service, (form, values) in OTHERS.items():
+        wire = form.pack(*values)
+        check(service, roburoc4.decode(wire))
+        name = f"decode to an object: {service}"
+        add(part, name, "roburoc4", "us", timer.us(lambda w=wire: roburoc4.decode(w)), aim=AIM_US)
+        add(part, name, "struct", "us", timer.us(lambda w=wire, f=form: f.unpack(w)))
 
 
 def measure_batch(part, timer):
@@ -141,8 +155,8 @@ def import_ms(module, path, repetitions):
 
 def measure_imports(part, generated, quick):
     for module, name in (("roburoc4", "roburoc4"), ("struct, collections", "struct + namedtuple"),
-                         ("lcm", "lcm"), ("construct", "construct"),
-                         ("mavlink_peer", "pymavlink"), ("numpy", "numpy")):
+                         ("lcm", "lcm"), ("construct", "construct, compiled"),
+                         ("mavlink_peer", "pymavlink"), ("numpy", "NumPy frombuffer + copy")):
         add(part, "import", name, "ms",
             import_ms(module, generated / "python", 2 if quick else 15))
 
@@ -173,8 +187,9 @@ def main():
     measure_robot(part, timer)
     measure_imports(part, given.peers, given.quick)
     part.add("wheel", "roburoc4", "kB", round(given.wheel.stat().st_size / 1000))
-    for module in ("roburoc4", "lcm", "construct", "pymavlink"):
-        part.add("installed", module, "kB", installed_kb(module))
+    for module, name in (("roburoc4", "roburoc4"), ("lcm", "lcm"),
+                         ("construct", "construct, compiled"), ("pymavlink", "pymavlink")):
+        part.add("installed", name, "kB", installed_kb(module))
     part.write(given.out)
 
 

@@ -12,8 +12,8 @@ import figures
 # What is shown first, in this order; other parts follow by name.
 ORDER = ("codec", "instructions", "client", "loopback", "footprint", "footprint_peers", "python",
          "matlab", "lcm", "dashboard", "growth", "payload")
-PEERS = ("roburoc4", "memcpy", "LCM", "nanopb", "MAVLink", "bare loop", "bare recv",
-         "bare recvmmsg", "Cortex-M0", "Cortex-M3", "Cortex-M4F", "RV32", "AVR")
+PEERS = ("roburoc4", "memcpy", "LCM", "nanopb", "MAVLink", "bare loop", "bare ppoll loop",
+         "bare recv", "bare recvmmsg", "Cortex-M0", "Cortex-M3", "Cortex-M4F", "RV32", "AVR")
 HEAD = """# Figures
 
 Written by `scripts/bench` from `bench/results/*.json`; [README.md](README.md) says what each part
@@ -39,7 +39,8 @@ def table(rows):
     kept = [i for i, _ in enumerate(rows[0]) if any(row[i] for row in rows[1:])]
     rows = [[row[i] for i in kept] for row in rows]
     widths = [max(len(row[i]) for row in rows) for i in range(len(kept))]
-    lines = ["| " + " | ".join(c.ljust(w) for c, w in zip(row, widths)) + " |" for row in rows]
+    lines = ["| " + " | ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)) + " |"
+             for row in rows]
     lines.insert(1, "| " + " | ".join("-" * w for w in widths) + " |")
     return "\n".join(lines) + "\n"
 
@@ -77,11 +78,20 @@ def section_table(part):
     return table(rows)
 
 
-def function_table(part, most=40):
-    rows = [["bytes", "file", "function"]]
-    rows += [[str(size), file, f"`{name}`"] for size, file, name in part["functions"][:most]]
-    return (f"\n<details><summary>The {most} largest functions and tables on Cortex-M0</summary>\n\n"
-            + table(rows) + "\n</details>\n")
+def details(summary, text):
+    return f"\n<details><summary>{summary}</summary>\n\n{text}\n</details>\n"
+
+
+def footprint_details(part, most=40):
+    """Where the bytes are."""
+    functions = [[str(size), file, f"`{name}`"] for size, file, name in part["functions"][:most]]
+    linked = [[str(size), name] for size, name in part["linked"]]
+    return (details(f"The {most} largest functions and tables on Cortex-M0",
+                    table([["bytes", "file", "function"], *functions]))
+            + details("The bare loop that drives on Cortex-M0: what is linked, by where it is from",
+                      table([["bytes", "from"], *linked]))
+            + details("The deepest stack on Cortex-M0",
+                      f"```\n{part['stack_path'].rstrip()}\n```\n"))
 
 
 def section(part):
@@ -90,7 +100,7 @@ def section(part):
         lines.append(part["about"] + "\n")
     lines.append(section_table(part))
     if "functions" in part:
-        lines.append(function_table(part))
+        lines.append(footprint_details(part))
     measured = f"Measured {part['measured']}"
     if part.get("quick"):
         measured = f"A quick look (`--quick`), which judges nothing, {part['measured']}"
@@ -110,8 +120,8 @@ def header(parts, failed):
              f"- Compilers, and what is compared with: {'; '.join(versions)}",
              f"- Measured: {', '.join(sorted({p['measured'] for p in parts}))}\n"]
     if failed:
-        lines.append(f"**Not measured this time, for an error: {', '.join(failed)}.** Their figures, "
-                     "where there are any, are of an earlier run.\n")
+        lines.append(f"**Not measured this time, for an error: {', '.join(failed)}.** Their "
+                     "figures, where there are any, are of an earlier run.\n")
     judged = list(aims.rows([p for p in parts if not p.get("quick")], number))
     lines.append("## The aims\n")
     if judged:
@@ -148,9 +158,25 @@ COLOURS = {"roburoc4": "#c0392b", "memcpy": "#7f8c8d", "LCM": "#2980b9", "nanopb
 
 
 def errors(results):
-    """Distances below and above, for error bars."""
+    """Distances below and above, for error bars; None where nothing varies."""
+    if not any("low" in r for r in results):
+        return None
     return [[r["value"] - r.get("low", r["value"]) for r in results],
             [r.get("high", r["value"]) - r["value"] for r in results]]
+
+
+def plain_numbers(axis):
+    """100 instead of a power of ten; steps between where there are few."""
+    from matplotlib.ticker import LogFormatter
+    axis.set_major_formatter(LogFormatter(minor_thresholds=(1, 0.4)))
+    axis.set_minor_formatter(LogFormatter(labelOnlyBase=False, minor_thresholds=(1, 0.4)))
+
+
+def legend_above(figure, axes, columns):
+    """A legend that hides no bar."""
+    figure.legend(*axes.get_legend_handles_labels(), loc="upper center", ncol=columns,
+                  frameon=False)
+    figure.tight_layout(rect=(0, 0, 1, 0.94))
 
 
 def grouped_bars(axes, names, subjects, log):
@@ -165,6 +191,7 @@ def grouped_bars(axes, names, subjects, log):
     axes.set_xticks(range(len(names)), list(names), rotation=20, ha="right")
     if log:
         axes.set_yscale("log")
+        plain_numbers(axes.yaxis)
     axes.grid(axis="y", alpha=0.3)
 
 
@@ -173,13 +200,13 @@ def draw_codec(plt, parts):
         return None
     names = by_name(parts["codec"])
     figure, both = plt.subplots(1, 2, figsize=(10, 4), sharey=True)
-    for axes, direction in zip(both, ("decode", "encode")):
+    for axes, direction in zip(both, ("decode", "encode"), strict=True):
         chosen = {n.split(" ", 1)[1]: v for n, v in names.items() if n.startswith(direction)}
         subjects = [s for s in PEERS if any(s in v for v in chosen.values())]
         grouped_bars(axes, chosen, subjects, log=True)
         axes.set_title(f"{direction} a message")
     both[0].set_ylabel("ns, log")
-    both[0].legend(fontsize=8)
+    legend_above(figure, both[0], len(subjects))
     return figure
 
 
@@ -193,23 +220,32 @@ def draw_python(plt, parts):
               capsize=2, color=[COLOURS.get(r["subject"], "#7f8c8d") for r in found])
     axes.invert_yaxis()
     axes.set_xscale("log")
+    plain_numbers(axes.xaxis)
     axes.set_xlabel("us to decode a differential status to an object, log")
     axes.grid(axis="x", alpha=0.3)
+    figure.tight_layout()
     return figure
 
 
 def draw_footprint(plt, parts):
-    if "footprint" not in parts:
+    if not {"footprint", "footprint_peers"} <= set(parts):
         return None
     names = by_name(parts["footprint"])
     chosen = [n for n in ("codec, all of it", "codec of six messages, linked",
                           "bare loop that drives, linked", "codec + client, all of it")
               if n in names]
-    figure, axes = plt.subplots(figsize=(8, 3.8))
+    figure, (axes, peers) = plt.subplots(1, 2, figsize=(10, 4.2), width_ratios=(3, 2))
     targets = [t for t in PEERS if any(t in names[n] for n in chosen)]
     grouped_bars(axes, {n: names[n] for n in chosen}, targets, log=False)
     axes.set_ylabel("bytes of text at -Os")
     axes.legend(fontsize=8)
+    start = "codec of six messages, "
+    beside = {n[len(start):]: v for n, v in by_name(parts["footprint_peers"]).items()
+              if n.startswith(start)}
+    grouped_bars(peers, beside, ["roburoc4", "nanopb", "MAVLink"], log=False)
+    peers.set_title(f"{start}linked")
+    peers.legend(fontsize=8)
+    figure.tight_layout()
     return figure
 
 
@@ -219,9 +255,9 @@ def draw_loopback(plt, parts):
     names = {n: v for n, v in by_name(parts["loopback"]).items()
              if "ratio" not in n and "second" not in n}
     figure, axes = plt.subplots(figsize=(8, 3.6))
-    grouped_bars(axes, names, ["bare loop", "roburoc4"], log=True)
+    grouped_bars(axes, names, ["bare loop", "bare ppoll loop", "roburoc4"], log=True)
     axes.set_ylabel("us, log; 95 % intervals")
-    axes.legend(fontsize=8)
+    legend_above(figure, axes, 3)
     return figure
 
 
@@ -231,6 +267,7 @@ def line(axes, points, label=None):
                   yerr=errors([p[1] for p in points]), marker="o", markersize=3, linewidth=1,
                   capsize=2, label=label)
     axes.set_xscale("log")
+    plain_numbers(axes.xaxis)
     axes.grid(alpha=0.3)
 
 
@@ -261,6 +298,9 @@ def draw_growth(plt, parts):
     services.legend(fontsize=8)
     line(payload, [(leading_number(r["name"]), r) for r in parts["payload"]["results"]])
     payload.set(xlabel="bytes of an IO card's status", ylabel="ns to decode", yscale="log")
+    for axes in (robots, services, payload):
+        plain_numbers(axes.yaxis)
+    figure.tight_layout()
     return figure
 
 
@@ -275,7 +315,6 @@ def draw(parts, folder):
                           ("growth", draw_growth)):
         figure = drawing(plt, parts)
         if figure is not None:
-            figure.tight_layout()
             figure.savefig(folder / f"bench-{name}.svg", metadata={"Date": None})
             plt.close(figure)
             drawn.append(name)

@@ -724,8 +724,13 @@ roburoc4_result roburoc4_telemeter_distances(const roburoc4_telemeter_status *st
 roburoc4_result roburoc4_encode_telemeter_status(uint8_t *buffer, size_t capacity, uint16_t service,
                                                  uint64_t robot_cycles, const float *distances_m,
                                                  size_t count) {
-    return roburoc4_encode_iocard_status(buffer, capacity, service, robot_cycles, distances_m,
-                                         count, NULL, 0);
+    if (!sendable(HEAD_STATUS, count, 4)) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    writer w = writer_of(buffer, capacity);
+    const roburoc4_result result = write_status_head(&w, count * 4, service, robot_cycles);
+    write_words(&w, distances_m, count);
+    return result;
 }
 
 roburoc4_result roburoc4_decode_battery_status(const uint8_t *data, size_t size,

@@ -3,10 +3,11 @@
 """The deepest path of stack through the core.
 
 Reads the call graphs that gcc writes beside each object (-fcallgraph-info=su), joins them across
-files, and looks for the longest path. The compiler's own functions and memcpy are not in these
-graphs: their stack is read from the machine code of the core linked with them. A loop in the graph
-(recursion), a frame of unknown size or a function of unknown stack is an error, since then there is
-no deepest path to tell.
+files, and looks for the longest path. From a gcc that is too old for them (AVR's) it takes frames
+(-fstack-usage) and the calls in the object's machine code. The compiler's own functions and memcpy
+are in neither: their stack is read from the machine code of the core linked with them. A loop in
+the graph (recursion), a frame of unknown size or a function of unknown stack is an error, since
+then there is no deepest path to tell. Knows ARM, RISC-V and AVR.
 """
 import argparse
 import pathlib
@@ -17,11 +18,18 @@ import sys
 NODE = re.compile(r'node: \{ title: "([^"]*)" label: "([^"]*)"')
 EDGE = re.compile(r'edge: \{ sourcename: "([^"]*)" targetname: "([^"]*)"')
 FRAME = re.compile(r"(\d+) bytes \(([^)]*)\)")
+USAGE = re.compile(r"^[^\t]*:([^:\t]+)\t(\d+)\t(\S+)$", re.M)
 INDIRECT = "__indirect_call"
+CALLING = re.compile(r"(b|bl|blx|b[a-z]{2,4}|j|jal|r?call|r?jmp)(\.[nw])?$")
+AVR_RETURN_ADDRESS = 3  # bytes, where flash is larger than 128 kB
 
 
 class Unknown(Exception):
     """No deepest path can be told."""
+
+
+def said(*command):
+    return subprocess.run(command, check=True, text=True, capture_output=True).stdout
 
 
 class CallGraph:
@@ -45,17 +53,42 @@ class CallGraph:
         for caller, callee in EDGE.findall(text):
             self.calls.setdefault(caller, set()).add(callee)
 
+    def read_usage(self, objdump, nm, obj):
+        """The same from frames and the object's own machine code."""
+        symbols = dict(line.split()[:-3:-1] for line in said(nm, obj).splitlines())
+
+        def title(name):
+            # gcc gives copies of a function their last number after it has written the frames.
+            if name not in symbols:
+                name = next((s for s in symbols if s.startswith(f"{name}.")), name)
+            return f"{obj.stem}.c:{name}" if symbols.get(name) == "t" else name
+
+        for name, frame, kind in USAGE.findall(obj.with_suffix(".su").read_text(encoding="utf-8")):
+            if kind == "dynamic":
+                raise Unknown(f"{name}: its frame has no fixed size")
+            self.frames[title(name)] = int(frame)
+            self.calls.setdefault(title(name), set())
+        caller = None
+        for line in said(objdump, "-dr", obj).splitlines():
+            head = re.match(r"[0-9a-f]+ <([^>]*)>:", line)
+            call = re.search(r"R_AVR_(?:CALL|13_PCREL)\t(?:\.text\.)?([^+\s]+)", line)
+            if head:
+                caller = title(head.group(1))
+            elif call and title(call.group(1)) != caller:
+                self.calls[caller].add(title(call.group(1)))
+            elif re.search(r"\te?icall", line):
+                self.calls[caller].add(INDIRECT)
+
     def note_addresses(self, objdump, obj):
         """Functions whose address an object takes: any of them may be called indirectly."""
         here = {t.rsplit(":", 1)[-1]: t for t in self.frames
                 if ":" not in t or pathlib.Path(t.rsplit(":", 1)[0]).stem == obj.stem}
-        listing = subprocess.run([objdump, "-r", obj], check=True, text=True,
-                                 capture_output=True).stdout
-        for line in listing.splitlines():
+        for line in said(objdump, "-r", obj).splitlines():
             fields = line.split()
+            # With an offset it is a place within a function: a case of a switch.
             if len(fields) == 3 and fields[1].startswith("R_") and \
-                    not re.search(r"CALL|JUMP|PLT", fields[1]):
-                title = here.get(re.sub(r"[+-]0x[0-9a-f]+$", "", fields[2]))
+                    not re.search(r"CALL|JUMP|PLT|BRANCH|\d_PCREL", fields[1]):
+                title = here.get(re.sub(r"^\.text\.", "", fields[2]))
                 if title is not None:
                     self.address_taken.add(title)
 
@@ -66,42 +99,46 @@ class MachineCode:
 
     def __init__(self, objdump, nm, program):
         self.address = {}
-        for line in subprocess.run([nm, program], check=True, text=True,
-                                   capture_output=True).stdout.splitlines():
+        for line in said(nm, program).splitlines():
             fields = line.split()
             if len(fields) == 3 and fields[1] in "tTwW":
                 self.address[fields[2]] = int(fields[0], 16) & ~1
         self.frames = {}
         self.reaches = {}
+        self.by_register = {}
+        listing = said(objdump, "-d", program)
+        at_entry = AVR_RETURN_ADDRESS if "elf32-avr" in listing else 0
         function = None
-        for line in subprocess.run([objdump, "-d", program], check=True, text=True,
-                                   capture_output=True).stdout.splitlines():
+        for line in listing.splitlines():
             head = re.match(r"([0-9a-f]+) <[^>]*>:", line)
             if head:
                 function = int(head.group(1), 16)
-                self.frames[function] = 0
+                self.frames[function] = at_entry
                 self.reaches[function] = set()
-            elif function is not None:
-                self._instruction(function, line.split("\t"))
+            elif function is not None and line.count("\t") >= 3:
+                _, _, mnemonic, operands = line.split("\t", 3)
+                self.frames[function] += self._taken(
+                    function, line, mnemonic.strip(), operands)
+                target = re.search(r"<([^>+]*)", operands)
+                if CALLING.match(mnemonic.strip()) and target:
+                    self.reaches[function].add(target.group(1))
 
-    def _instruction(self, function, columns):
-        if len(columns) < 4:
-            return
-        mnemonic, operands = columns[2].strip(), columns[3]
+    def _taken(self, function, line, mnemonic, operands):
+        """Bytes of stack that an instruction takes."""
+        if mnemonic == "push" and operands.startswith("r"):  # AVR
+            return 1
         if re.match(r"v?push|stmdb", mnemonic) and (mnemonic.endswith("push") or
                                                     operands.startswith("sp!")):
-            self.frames[function] += self._registers(operands) * (8 if "{d" in operands else 4)
-        down = re.match(r"sp, (?:sp, )?#(\d+)", operands)
-        if mnemonic.startswith("sub") and operands.startswith("sp,"):
-            if down is None:
-                raise Unknown(f"{columns[0].strip()} takes stack by a register: {operands}")
-            self.frames[function] += int(down.group(1))
+            return self._registers(operands) * (8 if "{d" in operands else 4)
+        down = re.match(r"sp, ?(?:sp, ?)?(?:#|-)(\d+)", operands)
+        if down and (mnemonic.startswith("sub") or "sp,sp,-" in operands):
+            return int(down.group(1))
+        if (mnemonic.startswith("sub") and operands.startswith("sp,")) or \
+                re.match(r"out\t0x3d", f"{mnemonic}\t{operands}"):
+            self.by_register[function] = line.strip()
+            return 0
         push_one = re.search(r"\[sp, #-(\d+)\]!", operands)
-        if push_one:
-            self.frames[function] += int(push_one.group(1))
-        target = re.match(r"(?:\w+, )?([0-9a-f]+) <([^>+]*)", operands)
-        if re.match(r"(b|bl|blx|b[a-z]{2})(\.[nw])?$", mnemonic) and target:
-            self.reaches[function].add(target.group(2))
+        return int(push_one.group(1)) if push_one else 0
 
     @staticmethod
     def _registers(operands):
@@ -118,6 +155,8 @@ class MachineCode:
         waiting = [self.address[name]]
         while waiting:
             at = waiting.pop()
+            if at in self.by_register:
+                raise Unknown(f"{name} takes stack by a register: {self.by_register[at]}")
             if at not in seen and at in self.frames:
                 seen.add(at)
                 waiting += [self.address[n] for n in self.reaches[at] if n in self.address]
@@ -162,7 +201,7 @@ def short(title):
 
 def main():
     parser = argparse.ArgumentParser(description="The deepest path of stack through objects that "
-                                     "were compiled with -fcallgraph-info=su.")
+                                     "were compiled with -fcallgraph-info=su or -fstack-usage.")
     parser.add_argument("--program", required=True, help="the objects linked with their helpers")
     parser.add_argument("--tools", default="", help="prefix of objdump and nm")
     parser.add_argument("--entries", type=int, default=0, metavar="N",
@@ -173,7 +212,10 @@ def main():
 
     graph = CallGraph()
     for obj in arguments.objects:
-        graph.read(obj.with_suffix(".ci"))
+        if obj.with_suffix(".ci").exists():
+            graph.read(obj.with_suffix(".ci"))
+        else:
+            graph.read_usage(objdump, nm, obj)
     for obj in arguments.objects:
         graph.note_addresses(objdump, obj)
     known = deepest(graph, MachineCode(objdump, nm, arguments.program))
