@@ -5,12 +5,13 @@
  *
  * It promises that a command passes only if
  *
- *   its kind is enabled, and it has a sender, a utime, and finite values;
- *   it is no older and no further in the future than max_age_us, its utime is later than the last
- * of its sender and kind, and it was sent after the gate started: a log that is replayed moves
- * nothing; nobody else's lease lives: one commander at a time, who keeps the seat until its lease
- * is over; the robot is ready, and (to drive) armed, or can be armed; since the last disarm every
- * sender has been silent, or has sent zero, for GATE_PAUSE_US.
+ * - its kind is enabled, and it has a sender, a utime, and finite values;
+ * - it is no older and no further in the future than max_age_us, its utime is later than the last
+ *   of its sender and kind, and it was sent after the gate started: a log that is replayed moves
+ *   nothing;
+ * - nobody else's lease lives: one commander at a time, who keeps the seat until its lease is over;
+ * - the robot is ready, and (to drive) armed, or can be armed;
+ * - since the last disarm every sender has been silent, or has sent zero, for GATE_PAUSE_US.
  *
  * A replay within max_age_us of the original is caught by the sender's last utime, one across a
  * restart by the start rule: what was sent before the start has a utime of at most

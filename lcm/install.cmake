@@ -19,6 +19,16 @@ if(NOT IS_ABSOLUTE "${CMAKE_INSTALL_LIBDIR}" AND NOT IS_ABSOLUTE "${CMAKE_INSTAL
     set(PC_LIBDIR "\${pcfiledir}/${up}${CMAKE_INSTALL_LIBDIR}")
     set(PC_INCLUDEDIR "\${pcfiledir}/${up}${CMAKE_INSTALL_INCLUDEDIR}")
 endif()
+# An LCM outside of the system's folders, as pip's.
+cmake_path(GET ROBUROC4_LCM_LIBRARY PARENT_PATH lcm_folder)
+set(PC_LCM "-llcm")
+if(NOT lcm_folder IN_LIST CMAKE_C_IMPLICIT_LINK_DIRECTORIES)
+    set(PC_LCM "-L${lcm_folder} -Wl,-rpath,${lcm_folder} -llcm")
+endif()
+set(PC_LCM_INCLUDE "")
+if(NOT ROBUROC4_LCM_INCLUDE IN_LIST CMAKE_C_IMPLICIT_INCLUDE_DIRECTORIES)
+    set(PC_LCM_INCLUDE "-I${ROBUROC4_LCM_INCLUDE}")
+endif()
 configure_file(roburoc4-lcm.pc.in roburoc4-lcm.pc @ONLY)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/roburoc4-lcm.pc
     DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT Development)

@@ -4,11 +4,13 @@
  * one poll() on LCM's descriptor and the robots' sockets.
  */
 #define _POSIX_C_SOURCE 200809L
+#include <fcntl.h>
 #include <lcm/lcm.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #include "clock.h"
 #include "log.h"
@@ -42,8 +44,8 @@ static void on_signal(int number) {
 /* ------------------------------------------------------------------------------------- LCM --- */
 
 static void tell_remedy(void) {
-    log_line(LOG_ERROR, NULL, "no LCM network at %s",
-             settings.lcm_url != NULL ? settings.lcm_url : "LCM's default");
+    const char *url = settings.lcm_url != NULL ? settings.lcm_url : getenv("LCM_DEFAULT_URL");
+    log_line(LOG_ERROR, NULL, "no LCM network at %s", url != NULL ? url : "LCM's default");
     (void)fputs("LCM needs a route for multicast. For programs on this machine only:\n"
                 "    ip link set lo multicast on\n"
                 "    ip route add 224.0.0.0/4 dev lo\n"
@@ -194,14 +196,25 @@ static void catch_signals(void) {
     struct sigaction before;
     (void)sigemptyset(&action.sa_mask);
     for (size_t at = 0; at < STOP_SIGNALS; at++) {
-        (void)sigaction(stop_signals[at], NULL, &before);
-        if (before.sa_handler != SIG_IGN) { /* as nohup leaves SIGHUP */
-            (void)sigaction(stop_signals[at], &action, NULL);
+        (void)sigaction(stop_signals[at], &action, &before);
+        if (stop_signals[at] == SIGHUP && before.sa_handler == SIG_IGN) { /* nohup */
+            (void)sigaction(SIGHUP, &before, NULL);
         }
     }
     /* Whoever read the log is gone: that is no reason to leave a robot without its zeros. */
     action.sa_handler = SIG_IGN;
     (void)sigaction(SIGPIPE, &action, NULL);
+}
+
+/* Descriptors 0 to 2 that whoever started us closed, so that no socket becomes our stderr. */
+static void fill_standard_files(void) {
+    int file = 0;
+    while (file >= 0 && file <= STDERR_FILENO) {
+        file = open("/dev/null", O_RDWR);
+    }
+    if (file > STDERR_FILENO) {
+        (void)close(file);
+    }
 }
 
 /* Where the command line asks for no bridge, or for none that can be. */
@@ -222,6 +235,7 @@ static int end_early(enum options_result result, const char *error) {
 
 int main(int count, char **arguments) {
     char error[OPTIONS_ERROR_SIZE];
+    fill_standard_files();
     enum options_result result = options_read(count, arguments, &settings, error, sizeof error);
     if (result == OPTIONS_RUN) {
         result = options_resolve(&settings, error, sizeof error);

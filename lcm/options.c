@@ -46,8 +46,8 @@ const char options_help[] =
     "  -h, --help           print this and exit\n"
     "      --version        print the version and exit\n"
     "\n"
-    "SIGINT and SIGTERM stop the robot and end the bridge. Exit status: 0 ended on request,\n"
-    "1 error, 2 bad usage, 3 no LCM network.\n";
+    "SIGINT, SIGTERM and SIGHUP stop the robot and end the bridge. Exit status: 0 ended on\n"
+    "request, 1 error, 2 bad usage, 3 no LCM network.\n";
 
 /* What was read and can only be judged once all is read. */
 typedef struct reading {

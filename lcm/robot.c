@@ -355,8 +355,8 @@ bool robot_start(robot *robot, const options *options, const options_robot *sett
                  gate_time now) {
     (void)roburoc4_address_text(&settings->address, robot->address, sizeof robot->address);
     if (roburoc4_udp_open(&robot->udp, sizeof robot->udp, &settings->address) < 0) {
-        log_line(LOG_ERROR, robot->name, "no socket for %s (error %d)", robot->address,
-                 (int)roburoc4_udp_system_error(&robot->udp));
+        log_line(LOG_ERROR, robot->name, "no socket for %s: %s", robot->address,
+                 strerror((int)roburoc4_udp_system_error(&robot->udp)));
         return false;
     }
     (void)roburoc4_client_init(&robot->client, sizeof robot->client, &options->config);

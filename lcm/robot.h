@@ -33,8 +33,7 @@ typedef struct robot {
     mapping_names names;
     robot_input inputs[GATE_KINDS];
 
-    bool has_drive; /* `drive` is to be applied at the end of this wake */
-    command drive;
+    command drive; /* where has_drive: to be applied at the end of this wake */
     uint32_t drive_lease_us;
 
     roburoc4_telemeter telemeters[ROBUROC4_MAX_TELEMETERS];
@@ -44,6 +43,7 @@ typedef struct robot {
     int64_t stalled_utime;     /* the bridge hung from here ... */
     uint64_t stalled_until_us; /* ... and may still read what came meanwhile, until here */
     uint32_t told;             /* verdicts that were explained in the log, a bit each */
+    bool has_drive;
     bool told_absent;
     bool status_due, properties_due;
     uint64_t status_us, properties_us; /* when these were published */

@@ -219,6 +219,8 @@ TEST(LcmText, CommandsNoTerminal) {
     char room[16];
     text_for_terminal(room, sizeof room, "a\x1B[2J\n\x7F", 7);
     EXPECT_STREQ("a?[2J??", room);
+    text_for_terminal(room, sizeof room, "\xC2\x9BJ \xC3\xA9", 6);
+    EXPECT_STREQ("??J \xC3\xA9", room) << "U+009B begins a command, too";
     text_for_terminal(room, 3, "abcdef", 6);
     EXPECT_STREQ("ab", room);
 }

@@ -133,10 +133,14 @@ int main(int count, char **arguments) {
     }
     (void)snprintf(trip.command_channel, sizeof trip.command_channel, "%s_DRIVE_CMD", prefix);
     (void)snprintf(channel, sizeof channel, "%s_LOCALIZATION", prefix);
-    (void)roburoc4_lcm_localization_status_t_subscribe(trip.lcm, channel, on_localization, &trip);
+    roburoc4_lcm_localization_status_t_subscription_t *poses =
+        roburoc4_lcm_localization_status_t_subscribe(trip.lcm, channel, on_localization, &trip);
     (void)snprintf(channel, sizeof channel, "%s_BRIDGE_STATUS", prefix);
-    (void)roburoc4_lcm_bridge_status_t_subscribe(trip.lcm, channel, on_bridge_status, &trip);
+    roburoc4_lcm_bridge_status_t_subscription_t *states =
+        roburoc4_lcm_bridge_status_t_subscribe(trip.lcm, channel, on_bridge_status, &trip);
     int status = travel(&trip);
+    (void)roburoc4_lcm_localization_status_t_unsubscribe(trip.lcm, poses);
+    (void)roburoc4_lcm_bridge_status_t_unsubscribe(trip.lcm, states);
     lcm_destroy(trip.lcm);
     return status;
 }

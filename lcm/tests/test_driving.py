@@ -242,7 +242,7 @@ def test_the_robot_is_told_where_it_is(robot: Robot, bus: Bus, willing: Bridge) 
     )
     assert bus.last("ROBUROC4_LOCALIZATION").y_m == pytest.approx(5.0, abs=0.01)
     assert bus.last("ROBUROC4_LOCALIZATION").theta_rad == pytest.approx(0.5, abs=0.01)
-    assert willing.status.accepted_relocalize == 1
+    wait_for_count(willing, "accepted_relocalize", 1)
 
 
 def test_without_enable_it_only_looks(
@@ -274,6 +274,12 @@ def test_each_kind_is_enabled_by_itself(
         bus.publish(f"ROBUROC4_{kind}", make().encode())
     wait_for_count(bridge, "rejected_disabled", 2)
     until(lambda: effects(robot), "the third is obeyed")
+
+    def accepted() -> int:
+        status = bridge.status
+        return int(status.accepted_drive + status.accepted_output + status.accepted_relocalize)
+
+    until(accepted, "the bridge tells that it took one")
     status = bridge.status
     assert status.accepted_drive == (enabled == "drive")
     assert status.accepted_output == (enabled == "outputs")

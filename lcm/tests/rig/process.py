@@ -8,6 +8,9 @@ from pathlib import Path
 
 from .waiting import until
 
+# Where the tests run in the background or with nohup, these are ignored, and would be by programs.
+_AS_IN_A_TERMINAL = ("env", "--default-signal=INT,HUP")
+
 
 class Program:
     """A running program; what it says is in a file, so that no pipe can hold it up."""
@@ -17,7 +20,7 @@ class Program:
         self.log = log
         with log.open("wb") as output:
             self.process = subprocess.Popen(
-                self.command,
+                [*_AS_IN_A_TERMINAL, *self.command],
                 stdin=subprocess.PIPE,
                 stdout=output,
                 stderr=subprocess.STDOUT,
