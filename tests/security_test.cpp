@@ -111,7 +111,8 @@ TEST(Security, StatusesFromAFarFutureAreOvercome) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
-    for (const std::uint32_t kind : {ROBUROC4_SERVICE_DIFFERENTIAL, ROBUROC4_SERVICE_IOCARD})
+    for (const std::uint32_t kind :
+         std::vector<std::uint32_t>{ROBUROC4_SERVICE_DIFFERENTIAL, ROBUROC4_SERVICE_IOCARD})
         bench.receive(robot.status_at(kind, robot.cycles() + 1000000000));
     bench.run(1 * second);
     EXPECT_EQ(0, bench.facts().armed); /* the robot's own statuses seem old, then it is a restart */

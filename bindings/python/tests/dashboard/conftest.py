@@ -6,8 +6,10 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
-from station import CHROMIUM, FAKE_PAD, Station
+from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
+from station import CHROMIUM, FAKE_PAD, PATIENCE_S, Station
+
+expect.set_options(timeout=1000 * PATIENCE_S)
 
 
 @pytest.fixture
@@ -48,7 +50,7 @@ def visit(browser: Browser) -> Iterator[Callable[..., Page]]:
         contexts.append(context)
         context.add_init_script(FAKE_PAD)
         page = context.new_page()
-        page.set_default_timeout(15_000)
+        page.set_default_timeout(1000 * PATIENCE_S)
         host = url.split("/")[2]
         page.on("pageerror", lambda error: complaints.append(str(error)))
         page.on("console", lambda said: said.type == "error" and complaints.append(said.text))

@@ -6,6 +6,7 @@ import select
 import socket
 import threading
 import time
+from collections.abc import Callable
 from types import TracebackType
 from typing import Any, Self
 
@@ -67,6 +68,16 @@ class Visitor:
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             self.draw(forward)
+
+    def drive(self, driven: Callable[[], bool], forward: float = 0.4) -> None:
+        """Drive; where a stall of this machine ends that, hands must be off once: then again."""
+        end = time.monotonic() + PATIENCE_S
+        while not driven():
+            assert time.monotonic() < end, self.frame["why"]
+            if not self.frame["facts"]["armed"]:
+                self.arm()
+            self.draw_for(0.2, 0.0)
+            self.draw_for(0.5, forward)
 
     def arm(self) -> None:
         """Take the seat and arm, hands off."""

@@ -35,9 +35,14 @@ def start(*arguments: str) -> subprocess.Popen[str]:
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        # As from a terminal, whatever these tests were started from.
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        preexec_fn=hear_signals,
     )
+
+
+def hear_signals() -> None:
+    """As from a terminal, whatever these tests were started from."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
 
 
 def refused(*arguments: str) -> str:
@@ -85,8 +90,7 @@ def driven(*arguments: str) -> Iterator[tuple[subprocess.Popen[str], roburoc4.Si
         try:
             with Visitor(port=port_of(link_of(running))) as driver:
                 driver.arm()
-                driver.draw_for(0.5, 0.4)
-                assert sim.state.last_linear_m_s > 0.3
+                driver.drive(lambda: sim.state.last_linear_m_s > 0.3)
                 driving = threading.Thread(target=drive_on, args=[driver])
                 driving.start()
                 yield running, sim
@@ -172,6 +176,13 @@ def test_a_token_is_made_and_printed_as_a_link() -> None:
         running.terminate()
 
 
+def test_its_link_is_json_where_json_is_asked_for() -> None:
+    with start("--sim", "--json") as running:
+        assert running.stdout is not None
+        assert json.loads(running.stdout.readline())["link"].startswith("http://127.0.0.1:")
+        running.terminate()
+
+
 def test_other_than_loopback_needs_a_token() -> None:
     assert "add --token" in refused("--sim", "--bind", "0.0.0.0")
 
@@ -190,10 +201,25 @@ def test_other_than_loopback_needs_a_token() -> None:
         (("--tls-cert", "x.pem"), "go together"),
         (("--tls-cert", "no.pem", "--tls-key", "no.pem"), "PEM"),
         (("--robot", "no such name.invalid"), "--robot"),
+        (("--robot", "192.168.0.3", "--sim"), "leave out --robot"),
     ],
 )
 def test_what_cannot_be_used_is_told_with_the_remedy(arguments: tuple[str, ...], text: str) -> None:
     assert text in refused(*arguments)
+
+
+@pytest.mark.parametrize("missing", ["starlette", "uvicorn", "websockets"])
+def test_without_its_extra_it_says_what_to_install(missing: str) -> None:
+    without = f"import sys; sys.modules['{missing}'] = None; from roburoc4.cli import main; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", without, "dashboard", "--no-open"],
+        capture_output=True,
+        text=True,
+        timeout=LONG_S,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert "pip install 'roburoc4[dashboard]'" in done.stderr
 
 
 def test_a_port_that_is_taken_is_told() -> None:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 from playwright.sync_api import Page, expect
-from station import LEASE_S, Station, arm, hold_pad, ready, take_seat, until
+from station import LEASE_S, Station, arm, drive, hold_pad, ready, take_seat, until
 
 from roburoc4.dashboard.server import Place
 
@@ -20,7 +20,7 @@ Make = Callable[..., Station]
 
 
 def test_a_game_pad_drives_as_in_the_manual(station: Make, visit: Visit) -> None:
-    here = station()
+    here = station(lease_s=1.0)
     page = visit(here.url)
     arm(page)
     scale = 0.3
@@ -30,7 +30,7 @@ def test_a_game_pad_drives_as_in_the_manual(station: Make, visit: Visit) -> None
         ({"lj": -1.0}, 0.0, scale),
         ({"lj": 1.0}, 0.0, -scale),
     ):
-        hold_pad(page, **held)
+        drive(here, page, **held)
         until(
             lambda linear=linear, angular=angular: (
                 here.sim.state.last_linear_m_s == pytest.approx(linear, abs=1e-3)
@@ -44,9 +44,16 @@ def test_keys_drive_and_letting_go_stops(station: Make, visit: Visit) -> None:
     here = station()
     page = visit(here.url)
     arm(page)
-    page.keyboard.down("w")
-    page.keyboard.down("ArrowLeft")
-    here.wait_until_driven()
+
+    def hold() -> None:
+        page.keyboard.down("w")
+        page.keyboard.down("ArrowLeft")
+
+    def let_go() -> None:
+        page.keyboard.up("w")
+        page.keyboard.up("ArrowLeft")
+
+    here.wait_until_driven(page, hold, let_go)
     assert here.sim.state.last_linear_m_s > 0
     assert here.sim.state.last_angular_rad_s > 0
     expect(page.locator('[data-lamp="driving"]')).to_have_text("DRIVING")
@@ -64,10 +71,13 @@ def test_the_stick_drives_and_letting_go_stops(station: Make, visit: Visit) -> N
     box = page.locator("#stick").bounding_box()
     assert box is not None
     middle = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
-    page.mouse.move(*middle)
-    page.mouse.down()
-    page.mouse.move(middle[0], middle[1] - 60)
-    here.wait_until_driven()
+
+    def hold() -> None:
+        page.mouse.move(*middle)
+        page.mouse.down()
+        page.mouse.move(middle[0], middle[1] - 60)
+
+    here.wait_until_driven(page, hold, page.mouse.up)
     assert here.sim.state.last_linear_m_s == pytest.approx(0.3, abs=0.06)
     page.mouse.up()
     begun_s = time.monotonic()
@@ -88,9 +98,11 @@ def test_the_stick_drives_by_touch_on_a_phone(station: Make, visit: Visit) -> No
         spots = [{"x": px, "y": py} for px, py in points]
         finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": spots})
 
-    touch("touchStart", (x, y))
-    touch("touchMove", (x, y - 60))
-    here.wait_until_driven()
+    def hold() -> None:
+        touch("touchStart", (x, y))
+        touch("touchMove", (x, y - 60))
+
+    here.wait_until_driven(page, hold, lambda: touch("touchEnd"))
     assert here.sim.state.last_linear_m_s > 0
     touch("touchEnd")
     begun_s = time.monotonic()
@@ -184,8 +196,7 @@ def test_it_stops_within_the_lease(
     here = station()
     page = visit(here.url)
     arm(page)
-    hold_pad(page, rt=1.0)
-    here.wait_until_driven()
+    drive(here, page)
     end(page)
     begun_s = time.monotonic()
     assert here.wait_until_stopped(begun_s) < WITHIN_S
@@ -207,8 +218,7 @@ def test_the_dashboard_s_end_stops_the_robot(station: Make, visit: Visit) -> Non
     here = station()
     page = visit(here.url)
     arm(page)
-    hold_pad(page, rt=1.0)
-    here.wait_until_driven()
+    drive(here, page)
     here.stop_serving()
     assert here.wait_until_stopped(time.monotonic()) < WITHIN_S
     expect(page.locator("#banner-title")).to_have_text("NO CONNECTION TO THE DASHBOARD")
@@ -218,8 +228,7 @@ def test_a_server_that_hangs_stops_the_robot_within_the_lease(station: Make, vis
     here = station()
     page = visit(here.url)
     arm(page)
-    hold_pad(page, rt=1.0)
-    here.wait_until_driven()
+    drive(here, page)
     step = here.hub.step
     begun_s = time.monotonic()
 
@@ -237,8 +246,7 @@ def test_an_error_in_the_server_stops_the_robot_and_ends_it(station: Make, visit
     here = station()
     page = visit(here.url)
     arm(page)
-    hold_pad(page, rt=1.0)
-    here.wait_until_driven()
+    drive(here, page)
     begun_s = time.monotonic()
 
     def fail() -> None:
@@ -257,8 +265,7 @@ def test_a_page_comes_back_to_a_new_dashboard_and_moves_nothing(
     here = station()
     page = visit(here.url)
     arm(page)
-    hold_pad(page, rt=1.0)
-    here.wait_until_driven()
+    drive(here, page)
     here.stop_serving()
     again = station(place=Place(port=here.port))
     ready(page)
@@ -272,10 +279,9 @@ def test_a_page_comes_back_to_a_new_dashboard_and_moves_nothing(
 # ---- what does not move it ----
 
 
-def let_go_and_hold(page: Page) -> None:
+def let_go(page: Page) -> None:
     page.evaluate("hold(0, 0)")
     expect(page.locator("#pad-text")).to_contain_text("hold [A]")
-    page.evaluate("hold(0, 1)")
 
 
 def test_what_was_held_while_the_page_was_left_must_be_let_go_first(
@@ -284,8 +290,7 @@ def test_what_was_held_while_the_page_was_left_must_be_let_go_first(
     here = station()
     page = visit(here.url)
     arm(page)
-    hold_pad(page, rt=1.0)
-    here.wait_until_driven()
+    drive(here, page)
     page.evaluate("document.hasFocus = () => false; dispatchEvent(new Event('blur'))")
     until(lambda: not here.driven)
     before = here.speeds_sent()
@@ -293,23 +298,22 @@ def test_what_was_held_while_the_page_was_left_must_be_let_go_first(
     expect(page.locator("#pad-text")).to_contain_text("let [A] go once")
     time.sleep(2 * LEASE_S)
     assert here.speeds_sent() == before
-    let_go_and_hold(page)
-    here.wait_until_driven()
+    let_go(page)
+    drive(here, page)
 
 
 def test_another_pad_must_be_let_go_first(station: Make, visit: Visit) -> None:
     here = station()
     page = visit(here.url)
     arm(page)
-    hold_pad(page, rt=1.0)
-    here.wait_until_driven()
+    drive(here, page)
     page.evaluate("makePad(1); hold(0, 1); hold(7, 1)")
     until(lambda: not here.driven)
     before = here.speeds_sent()
     time.sleep(2 * LEASE_S)
     assert here.speeds_sent() == before
-    let_go_and_hold(page)
-    here.wait_until_driven()
+    let_go(page)
+    drive(here, page)
 
 
 def test_a_key_that_was_held_elsewhere_does_nothing(station: Make, visit: Visit) -> None:
@@ -346,8 +350,8 @@ def test_hands_must_be_off_once_after_arming(station: Make, visit: Visit) -> Non
     until(lambda: here.robot.facts.armed)
     time.sleep(2 * LEASE_S)
     assert here.speeds_sent() == 0
-    let_go_and_hold(page)
-    here.wait_until_driven()
+    let_go(page)
+    drive(here, page)
 
 
 def test_the_pad_does_nothing_without_a(station: Make, visit: Visit) -> None:
@@ -357,6 +361,16 @@ def test_the_pad_does_nothing_without_a(station: Make, visit: Visit) -> None:
     hold_pad(page, a=0.0, rt=1.0, lj=1.0)
     time.sleep(2 * LEASE_S)
     assert here.speeds_sent() == 0
+
+
+def test_the_page_says_where_a_browser_withholds_the_pad(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    ready(page)
+    # As on a page that came by plain HTTP from another machine.
+    page.evaluate("Object.defineProperty(window, 'isSecureContext', { get: () => false })")
+    take_seat(page)
+    expect(page.locator("#pad-text")).to_contain_text("Start with --tls-cert and --tls-key")
 
 
 def test_a_second_driver_is_refused(station: Make, visit: Visit) -> None:
@@ -381,8 +395,7 @@ def test_every_page_can_stop(station: Make, visit: Visit) -> None:
     here = station()
     first, second = visit(here.url), visit(here.url)
     arm(first)
-    hold_pad(first, rt=1.0)
-    here.wait_until_driven()
+    drive(here, first)
     second.keyboard.press("Space")
     begun_s = time.monotonic()
     assert here.wait_until_stopped(begun_s) < WITHIN_S
@@ -410,8 +423,7 @@ def test_override_takes_the_robot_away_and_is_told(station: Make, visit: Visit) 
     here = station()
     page = visit(here.url)
     arm(page)
-    hold_pad(page, rt=1.0)
-    here.wait_until_driven()
+    drive(here, page)
     here.sim.pad.press("a")
     expect(page.locator("#banner-title")).to_have_text("OVERRIDE")
     here.sim.pad.release("a")
@@ -441,8 +453,7 @@ def test_a_lost_robot_is_told_and_comes_back_disarmed(station: Make, visit: Visi
     here = station()
     page = visit(here.url)
     arm(page)
-    hold_pad(page, rt=1.0)
-    here.wait_until_driven()
+    drive(here, page)
     here.sim.set_power(False)
     expect(page.locator("#banner-title")).to_have_text("ROBOT LOST")
     expect(page.locator('[data-lamp="lost"]')).to_have_attribute("data-lit", "yes")

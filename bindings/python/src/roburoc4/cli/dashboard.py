@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import ipaddress
+import json
 import os
 import sys
 import threading
@@ -13,7 +14,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from .errors import ExitCode, usage
-from .options import Options, add_robot, number, whole
+from .options import DEFAULT_ROBOT, Options, add_robot, number, whole
 from .output import note
 from .session import address_of
 from .signals import unsuspendable
@@ -188,7 +189,8 @@ def _serve(
 
 def _tell(options: DashboardOptions, link: str) -> None:
     """Say where it is, on stdout, and open it."""
-    print(f"roburoc4: dashboard at {link}", flush=True)
+    text = json.dumps({"link": link}) if options.json else f"roburoc4: dashboard at {link}"
+    print(text, flush=True)
     if ipaddress.ip_address(options.bind).is_unspecified:
         note("from another machine, write this computer's address in the place of localhost")
     if options.allow_drive and not options.sim:
@@ -216,6 +218,8 @@ def _place(options: DashboardOptions, make: type[Place]) -> Place:
             f"--bind: '{options.bind}' is no address: give one of this computer in numbers, such "
             "as 192.168.0.10, or 0.0.0.0 for all"
         ) from None
+    if options.sim and options.robot not in (DEFAULT_ROBOT, os.environ.get("ROBUROC4_ROBOT")):
+        raise usage(f"--sim starts a robot of its own: leave out --robot {options.robot}, or --sim")
     if (options.tls_cert is None) != (options.tls_key is None):
         raise usage("--tls-cert and --tls-key go together: give both")
     if options.period_ms is not None and options.period_ms % 10:

@@ -108,7 +108,7 @@ function showBattery({ battery }) {
   by("gauge-least").style.left = `${low}%`;
   put(by("gauge-text"), figure(battery.percent, 0, "%"));
   put(by("battery-state"), STATES[battery.state] ?? battery.state);
-  put(by("battery-text"), [battery.volts === null ? "" : figure(battery.volts, 1, "V"), trend(battery, low), low ? `works down to ${figure(low, 0, "%")}` : ""].filter(Boolean).join(" · "));
+  put(by("battery-text"), [battery.volts === null ? "" : figure(battery.volts, 1, "V"), trend(battery, low), low ? `least ${figure(low, 0, "%")}` : ""].filter(Boolean).join(" · "));
 }
 
 function trend({ trend_percent_h: slope, percent }, low) {

@@ -203,7 +203,7 @@ export class RobotMap {
   /** A middle from which all of a text is seen. */
   inside(text, x, y) {
     const half = this.pen.measureText(text).width / 2 + 8;
-    return [Math.max(half, Math.min(this.width - half, x)), Math.max(16, Math.min(this.height - 8, y))];
+    return [Math.max(half, Math.min(this.width - half, x)), Math.max(16, Math.min(this.height - 42, y))];
   }
 
   paintPath(places, ink, dashes) {
