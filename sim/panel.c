@@ -260,8 +260,7 @@ static roburoc4_result do_status(roburoc4_sim *sim, const words *line, panel_ans
     if (line->count != 0) {
         return NOT_UNDERSTOOD;
     }
-    roburoc4_sim_state state;
-    state.size = sizeof state;
+    roburoc4_sim_state state = {.size = sizeof state};
     (void)roburoc4_sim_snapshot(sim, &state);
     (void)snprintf(
         answer->text, answer->capacity,

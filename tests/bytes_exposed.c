@@ -54,3 +54,9 @@ size_t exposed_write(uint8_t *buffer, size_t capacity, size_t width, uint64_t va
     }
     return w.left;
 }
+
+bool exposed_read_words(const uint8_t *data, size_t size, uint32_t *words, size_t count) {
+    reader r = reader_of(data, size);
+    read_words(&r, words, count);
+    return !r.failed;
+}

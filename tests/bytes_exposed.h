@@ -20,6 +20,8 @@ uint64_t exposed_widen_bits(uint32_t bits);
 size_t exposed_read(const uint8_t *data, size_t size, size_t width, uint64_t *value, bool *failed);
 /** Write a number of 1, 2, 4 or 8 bytes; the room that is left. */
 size_t exposed_write(uint8_t *buffer, size_t capacity, size_t width, uint64_t value);
+/** Read a run of 32-bit words; whether they were all there. */
+bool exposed_read_words(const uint8_t *data, size_t size, uint32_t *words, size_t count);
 
 #ifdef __cplusplus
 }

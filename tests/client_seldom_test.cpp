@@ -2,6 +2,8 @@
  *
  * What hardly ever happens to a client, and what it promises even then.
  */
+#include <cstring>
+
 #include "client_bench.h"
 
 using namespace roburoc4_tests;
@@ -196,4 +198,49 @@ TEST(Seldom, ZerosAreOwedOnWhereADirectoryComesThatListsNothing) {
     bench.sent.clear();
     ASSERT_TRUE(bench.run_until([&] { return bench.commands().size() >= 3; }));
     EXPECT_EQ(0U, bench.speeds());
+}
+
+TEST(Seldom, WhatIsReservedIsZero) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    roburoc4_iocard_properties iocard;
+    roburoc4_battery_properties battery;
+    roburoc4_localization_properties localization;
+    roburoc4_differential_properties differential;
+    std::memset(&iocard, 0xA5, sizeof iocard);
+    std::memset(&battery, 0xA5, sizeof battery);
+    std::memset(&localization, 0xA5, sizeof localization);
+    std::memset(&differential, 0xA5, sizeof differential);
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_client_iocard_properties(&bench.client, &iocard));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_client_battery_properties(&bench.client, &battery));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_client_localization_properties(&bench.client, &localization));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_client_differential_properties(&bench.client, &differential));
+    EXPECT_EQ(0, iocard.reserved);
+    EXPECT_EQ(0, battery.reserved);
+    EXPECT_EQ(0, localization.reserved);
+    EXPECT_EQ(0, differential.reserved);
+    roburoc4_link link;
+    std::memset(&link, 0xA5, sizeof link);
+    link.size = sizeof link;
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_client_link(&bench.client, bench.client_us(), &link));
+    EXPECT_EQ(0U, link.reserved);
+}
+
+TEST(Seldom, AClockThatStepsBackLeavesNoRequestWaitingForTheOldTime) {
+    ScriptedRobot robot;
+    robot.powered = false;
+    Bench bench(robot);
+    bench.start();
+    bench.run(5 * second);
+    bench.skew_us -= 900000000;
+    EXPECT_LT(bench.receive({1}), 0); /* whichever call comes first sees the step */
+    EXPECT_LE(roburoc4_client_next_deadline(&bench.client), bench.client_us())
+        << "who sleeps until then would sleep for a quarter of an hour";
+}
+
+TEST(Seldom, NoPoseWasSetBeforeOneIsSet) {
+    ScriptedRobot robot;
+    const Bench bench(robot);
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result);
 }

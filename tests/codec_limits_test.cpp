@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <vector>
 
@@ -128,6 +129,80 @@ TEST(CodecLimits, ALengthBeyondEveryDatagramIsClippedToWhatAResultCanSay) {
     }
     EXPECT_EQ(INT32_MAX - 1,
               roburoc4_decode_status_header(status.data(), status.size() + INT32_MAX - 1, &header));
+}
+
+namespace {
+
+/** What a decoder makes of these bytes, where the output was full of something else. */
+template <class Output>
+Output decoded(roburoc4_result (*decode)(const std::uint8_t *, std::size_t, Output *),
+               const std::vector<std::uint8_t> &bytes) {
+    Output out;
+    std::memset(&out, 0xA5, sizeof out);
+    EXPECT_GE(decode(bytes.data(), bytes.size(), &out), 0);
+    return out;
+}
+
+template <class Output, class Encode>
+Output both_ways(roburoc4_result (*decode)(const std::uint8_t *, std::size_t, Output *),
+                 Encode encode) {
+    std::vector<std::uint8_t> bytes(100);
+    const roburoc4_result size = encode(bytes.data(), bytes.size());
+    EXPECT_GT(size, 0);
+    bytes.resize(static_cast<std::size_t>(size));
+    return decoded(decode, bytes);
+}
+
+} // namespace
+
+TEST(CodecLimits, WhatIsReservedIsZero) {
+    const roburoc4_directory_entry entry{5, 6};
+    const auto directory =
+        both_ways(roburoc4_decode_directory, [&](std::uint8_t *b, std::size_t n) {
+            return roburoc4_encode_directory(b, n, 2, 0, &entry, 1);
+        });
+    EXPECT_EQ(0, directory.reserved);
+    const roburoc4_subscription subscribed{5, 6, 0};
+    const auto notification =
+        both_ways(roburoc4_decode_notification, [&](std::uint8_t *b, std::size_t n) {
+            return roburoc4_encode_notification(b, n, 2, 1, &subscribed, 1);
+        });
+    EXPECT_EQ(0, notification.reserved);
+    roburoc4_subscription subscription{0, 0, 0xA5};
+    const std::vector<std::uint8_t> one{2, 0x00, 1, 0, 0, 5, 0, 6};
+    roburoc4_notification list = decoded(roburoc4_decode_notification, one);
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_notification_at(&list, 0, &subscription));
+    EXPECT_EQ(0, subscription.reserved);
+    const auto text = both_ways(roburoc4_decode_text, [](std::uint8_t *b, std::size_t n) {
+        return roburoc4_encode_text(b, n, 2, 0, "text", 4);
+    });
+    EXPECT_EQ(0, text.reserved);
+    const roburoc4_iocard_properties counts{1, 2, 3, 4, 5, 0};
+    const auto iocard =
+        both_ways(roburoc4_decode_iocard_properties, [&](std::uint8_t *b, std::size_t n) {
+            return roburoc4_encode_iocard_properties(b, n, 2, &counts);
+        });
+    EXPECT_EQ(0, iocard.reserved);
+    const auto telemeters =
+        both_ways(roburoc4_decode_telemeter_properties, [](std::uint8_t *b, std::size_t n) {
+            return roburoc4_encode_telemeter_properties(b, n, 2, 3, nullptr, 0);
+        });
+    EXPECT_EQ(0, telemeters.reserved);
+
+    const std::array<std::uint16_t, 3> zeros{0, 0, 0};
+    std::array<std::uint8_t, 32> card{};
+    roburoc4_iocard_status status;
+    std::memset(&status, 0xA5, sizeof status);
+    ASSERT_GT(roburoc4_encode_iocard_status(card.data(), card.size(), 2, 1, nullptr, 0, nullptr, 0),
+              0);
+    EXPECT_GE(roburoc4_decode_iocard_status(card.data(), card.size(), 0, 0, &status), 0);
+    EXPECT_EQ(0, std::memcmp(status.reserved, zeros.data(), sizeof status.reserved));
+    roburoc4_iocard_command command;
+    std::memset(&command, 0xA5, sizeof command);
+    ASSERT_GT(roburoc4_encode_iocard_command(card.data(), card.size(), 2, nullptr, 0, nullptr, 0),
+              0);
+    EXPECT_GE(roburoc4_decode_iocard_command(card.data(), card.size(), 0, 0, &command), 0);
+    EXPECT_EQ(0, std::memcmp(command.reserved, zeros.data(), sizeof command.reserved));
 }
 
 TEST(Version, OfTheLibraryIsThatOfItsHeader) {

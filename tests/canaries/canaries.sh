@@ -34,22 +34,29 @@ canary() {
     fail "the check '$canary_name' did not find its planted fault; its output is in $canary_log"
 }
 
-# sanitized SANITIZER: the faults of tests/canaries/faults.c under it.
-sanitized() {
-    "clang-$clang" -O0 -g "-fsanitize=$1" -fno-sanitize-recover=all -pthread \
-        -o "$work/canary-$1" tests/canaries/faults.c
-    "$work/canary-$1" "$1"
+# preset_finds NAME FAULT: a fault of tests/canaries/faults.c, built by that preset as scripts/test
+# does.
+preset_finds() {
+    configure "$work/canary-$1" -- --preset "$1"
+    compile "$work/canary-$1" canary_faults
+    "$work/canary-$1/bin/canary_faults" "$2"
+}
+
+msan_finds() {
+    msan_tree
+    compile "$work/msan" canary_faults
+    "$work/msan/bin/canary_faults" memory
 }
 
 valgrind_finds() {
-    "clang-$clang" -O0 -g -pthread -o "$work/canary-valgrind" tests/canaries/faults.c
-    valgrind --error-exitcode=9 "$work/canary-valgrind" memory
+    # shellcheck disable=SC2086
+    tree quick $quick
+    compile "$work/quick" canary_faults
+    $watched "$work/quick/bin/canary_faults" memory
 }
 
 tidy_finds() {
-    tidy=clang-tidy-14
-    have "$tidy" || tidy=clang-tidy
-    "$tidy" --quiet --warnings-as-errors='*' tests/canaries/found.c -- -std=c99
+    clang-tidy-14 --quiet --warnings-as-errors='*' tests/canaries/found.c -- -std=c99
 }
 
 # planted FILE SED: a copy of the core in build/verify/canary-core with one change.
@@ -57,7 +64,7 @@ planted() {
     canary_core=$work/canary-core
     rm -rf "$canary_core"
     mkdir -p "$canary_core"
-    cp -R src include "$canary_core"
+    cp -R src sim include "$canary_core"
     sed "$2" "$1" >"$canary_core/$1"
     if cmp -s "$1" "$canary_core/$1"; then
         say "nothing was changed in $1: mend tests/canaries/canaries.sh"
@@ -65,21 +72,18 @@ planted() {
     fi
 }
 
-# with_planted OUT FLAGS OBJECT...: a program of these objects or sources and the changed core.
+# with_planted OUT FLAGS OBJECT...: a program of these objects or sources and the changed core and
+# simulator.
 with_planted() {
     canary_out=$1
     canary_flags=$2
     shift 2
-    canary_sources=
-    for file in $(core_sources); do
-        canary_sources="$canary_sources $canary_core/$file"
-    done
-    # shellcheck disable=SC2086
-    (cd "$work" && rm -rf canary-objects && mkdir canary-objects)
-    for file in $canary_sources; do
+    rm -rf "$work/canary-objects" "$work/canary-corpus"
+    mkdir "$work/canary-objects"
+    for file in $(core_sources) $(sim_sources); do
         # shellcheck disable=SC2086
         "clang-$clang" -std=c99 -O1 -g $canary_flags "-I$canary_core/include" "-I$canary_core/src" \
-            -c -o "$work/canary-objects/$(basename "$file").o" "$file"
+            -c -o "$work/canary-objects/$(echo "$file" | tr / -).o" "$canary_core/$file"
     done
     # shellcheck disable=SC2086
     "clang++-$clang" -std=c++17 $canary_flags -Iinclude -o "$canary_out" "$@" \
@@ -91,7 +95,7 @@ life_finds() {
     planted "$1" "$2"
     build_life
     with_planted "$work/canary-life" "" "$work"/quick/tests/CMakeFiles/life.dir/*.o \
-        "$work"/quick/tests/CMakeFiles/life.dir/*/*.o "$work"/quick/libroburoc4_sim.a
+        "$work"/quick/tests/CMakeFiles/life.dir/*/*.o
     "$work/canary-life" --hours 3 --first 1
 }
 
@@ -102,24 +106,18 @@ fuzz_finds() {
     shift 3
     with_planted "$work/canary-fuzz" "-fsanitize=fuzzer,address" \
         "tests/fuzz/$canary_harness.cpp" "$@"
+    mkdir -p "$work/canary-corpus"
     "$work/canary-fuzz" -max_total_time=60 -seed=1 -artifact_prefix="$work/canary-found-" \
-        "tests/fuzz/corpus/$canary_harness"
+        "$work/canary-corpus" "tests/fuzz/corpus/$canary_harness"
 }
 
-# The coverage of one test alone is not that of all.
+# The coverage of some tests is not that of all.
 coverage_finds() {
-    [ -f "$work/coverage.json" ] || coverage
-    find "$work/coverage" -name '*.gcda' -delete
-    "$work/coverage/bin/core_tests" --gtest_brief=1 --gtest_filter='Lease*'
-    "$(pip_program gcovr)" --root . --filter 'src/' --json "$work/canary-coverage.json" \
-        "$work/coverage/tests/CMakeFiles/roburoc4_core_alone.dir"
-    python3 tests/coverage/check.py "$work/canary-coverage.json" tests/coverage/unreachable.md
+    GTEST_FILTER='Lease*' coverage
 }
 
 mcdc_finds() {
-    sed 's/"mcdc":{"count":\([0-9]*\),"covered":[0-9]*/"mcdc":{"count":\1,"covered":1/' \
-        "$work/mcdc.json" >"$work/canary-mcdc.json"
-    python3 tests/coverage/check.py --mcdc "$work/canary-mcdc.json"
+    GTEST_FILTER='Lease*' mcdc
 }
 
 # Tests that test next to nothing let mutants live.
@@ -127,11 +125,31 @@ mutation_finds() {
     GTEST_FILTER='Version.*' run_mutants --sample 12 --seed 1 --files src/speeds.c --at-least 75
 }
 
+# canaries_of NAME COMMAND...: those of a check that has a script of its own, which says a line of
+# each that was caught.
+canaries_of() {
+    canary_name=$1
+    canary_log=build/logs/canary-$1.log
+    shift
+    if ! "$@" >"$canary_log" 2>&1 </dev/null; then
+        tail -n 20 "$canary_log"
+        fail "a planted fault was not found, or '$*' failed: $canary_log"
+    fi
+    grep -e '^caught ' -e ' caught by ' -e ' found:' "$canary_log" | sed "s/^/$canary_name: /" \
+        >"$work/canary-lines"
+    cat "$work/canary-lines"
+    canary_lines=$(grep -c . "$work/canary-lines") ||
+        fail "'$*' names no planted fault: $canary_log"
+    canary_count=$((canary_count + canary_lines))
+}
+
 canaries() {
-    canary asan "a byte behind a block is read" heap-buffer-overflow sanitized address
-    canary ubsan "a signed sum overflows" "signed integer overflow" sanitized undefined
-    canary msan "a decision on memory that nobody wrote" "use-of-uninitialized" sanitized memory
-    canary tsan "two threads write without a lock" "data race" sanitized thread
+    canary asan "a byte behind a block is read" heap-buffer-overflow \
+        preset_finds asan-ubsan address
+    canary ubsan "a signed sum overflows" "signed integer overflow" \
+        preset_finds asan-ubsan undefined
+    canary tsan "two threads write without a lock" "data race" preset_finds tsan thread
+    canary msan "a decision on memory that nobody wrote" "use-of-uninitialized" msan_finds
     canary valgrind "a decision on memory that nobody wrote" "uninitialised" valgrind_finds
     canary gcc-analyzer "memory is freed twice" "double-" analyse_gcc tests/canaries/found.c
     canary scan-build "memory is freed twice" "bugs found\|bug found" \
@@ -149,9 +167,29 @@ canaries() {
         's/count > r.left \/ SIZE_TELEMETER/count > SIZE_LIMIT/'
     canary fuzz-client "a client that is disarmed drives on" "a promise is broken" \
         fuzz_finds client src/drive.c 's/if (!d->known || !d->armed || !d->leased/if (!d->known/' \
-        tests/referee.cpp "$work"/quick/libroburoc4_sim.a
+        tests/referee.cpp
+    canary fuzz-simulator "the watchdog of the robot lets it turn on" \
+        "a promise is broken" fuzz_finds simulator sim/motion.c \
+        's/    sim->target.angular_rad_s = 0.0;//'
+    canary fuzz-config "a value of the configuration is not checked" "a promise is broken" \
+        fuzz_finds config sim/config_file.c 's/ || cycles == 0) {/) {/'
     canary coverage "most tests are left out" "not reached" coverage_finds
-    canary mcdc "conditions that decide nothing" "conditions" mcdc_finds
+    canary mcdc "most tests are left out" "of [0-9]* conditions" mcdc_finds
     canary mutation "most tests are left out" "NOT EXPLAINED" mutation_finds
+    canaries_of abi tests/abi/check --canaries
+    if [ "$full" = yes ]; then
+        canaries_of proofs tests/proof/mutants
+    else
+        canaries_of proofs tests/proof/mutants reader
+    fi
+    # Alone, "canaries" is all of them; else the stage of the model tells its own, and CI has no time
+    # for those of other machines.
+    case $only in
+    *model*) ;;
+    *)
+        canaries_of model tests/model/run --canaries
+        canaries_of portability scripts/test-portability --canaries
+        ;;
+    esac
     say "$canary_count planted faults, all caught"
 }

@@ -33,7 +33,7 @@ static void race(void) {
 int main(int argc, char **argv) {
     const char *fault = argc > 1 ? argv[1] : "";
     volatile int one = 1;
-    int *block = malloc(4 * sizeof *block);
+    int *volatile block = malloc(4 * sizeof *block); /* volatile: its size is not known below */
     if (block == NULL) {
         return 2;
     }

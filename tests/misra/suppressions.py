@@ -18,7 +18,9 @@ def main() -> int:
         return 2
     rows = ROW.findall(Path(sys.argv[1]).read_text())
     if [int(number) for number, *_ in rows] != list(range(1, len(rows) + 1)) or not rows:
-        print("the deviations are not numbered D1, D2, ..., or a reason is missing", file=sys.stderr)
+        print(
+            "the deviations are not numbered D1, D2, ..., or a reason is missing", file=sys.stderr
+        )
         return 1
     for _, rule, files, _ in rows:
         for file in ["*"] if files == "all" else files.replace("`", "").split(", "):
