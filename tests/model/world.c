@@ -111,6 +111,11 @@ static size_t take(world *w, int to, uint8_t *data) {
     return size;
 }
 
+/** Cut off, a directory lists fewer services and is good: that deceives, and is not walked here. */
+static int is_directory(const uint8_t *data) {
+    return data[0] != ROBUROC4_HEADER_STATUS && data[1] == ROBUROC4_ACTION_GET && data[2] == 0;
+}
+
 static void send(world *w, int to, treatment *how, const uint8_t *data, size_t size) {
     uint8_t bytes[NETWORK_LONGEST];
     const uint64_t at_us = w->now_us + TRANSIT_US + how->delay_us;
@@ -128,9 +133,10 @@ static void send(world *w, int to, treatment *how, const uint8_t *data, size_t s
     if (how->refuse && data[0] != ROBUROC4_HEADER_STATUS && size >= 5) {
         bytes[4] = 1;
     }
-    put(w, to, bytes, size - how->cut, at_us);
+    size -= how->cut && !is_directory(data);
+    put(w, to, bytes, size, at_us);
     if (how->twice) {
-        put(w, to, bytes, size - how->cut, at_us + TWICE_US);
+        put(w, to, bytes, size, at_us + TWICE_US);
     }
     if (at_us - w->now_us + TWICE_US > w->delay_us) {
         w->delay_us = (uint32_t)(at_us - w->now_us + TWICE_US);
@@ -205,10 +211,12 @@ static void user_closes(world *w) {
     }
 }
 
-/** Where nobody is known to be driven, a stop() waits; the small referee does not judge that. */
+/** Where it is not known whom to drive, a stop() waits; the small referee does not judge that. */
 static void user_stops(world *w) {
-    const uint32_t state = roburoc4_client_state(&w->referee.client);
-    if (state == ROBUROC4_STATE_READY) {
+    roburoc4_facts facts;
+    facts.size = sizeof facts;
+    (void)roburoc4_client_facts(&w->referee.client, world_clock_us(w), &facts);
+    if (facts.state == ROBUROC4_STATE_READY && facts.arm_refusal != ROBUROC4_ERR_NO_DIFFERENTIAL) {
         referee_stop(&w->referee, world_clock_us(w));
     }
 }

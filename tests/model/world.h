@@ -62,10 +62,10 @@ typedef struct world {
     uint64_t clock_us; /* what the client's clock shows at time 0 */
     uint64_t hung_until_us, outage_until_us, foreign_until_us;
     uint64_t drove_us;  /* the last drive() that was accepted */
+    uint64_t closed_us; /* the last close(), and the phase: of the end, in search.c */
+    uint32_t phase;
     uint32_t delay_us;  /* the longest that happened */
-    uint32_t phase;     /* of the end: search.c */
     uint32_t on_way[2]; /* flights by TO_CLIENT, TO_ROBOT, the earliest first */
-    uint32_t reserved;
     flight flights[2][FLIGHTS];
 } world;
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Contracts of src/codec.c and src/link.c that WP proves (wp/cursor.c, wp/gap.c) and that Eva, which
- * does not relate one value to another, believes where it analyses the client (eva/client.c). To be
- * included after codec.c and link.c.
+ * Contracts of src/codec.c and src/link.c that WP proves (wp/cursor.c, wp/gap.c) and that Eva,
+ * which does not relate one value to another, believes where it analyses the client (eva/client.c).
+ * To be included after codec.c and link.c.
  */
 #ifndef PROOF_BELIEVED_H
 #define PROOF_BELIEVED_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * For Frama-C's Eva: the real requests, on any requests whose questions fulfil ask_holds(), give out
- * only such, and keep it so. What requests_stub.c may do is no less. Never run.
+ * For Frama-C's Eva: the real requests, on any requests whose questions fulfil ask_holds(), give
+ * out only such, and keep it so. What requests_stub.c may do is no less. Never run.
  */
 #include "any.h"
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * For Frama-C's WP: what src/drive.c promises about speeds. A command that roburoc4_drive_poll()
- * gives out is one of a zero train (that it is zero then, eva/train.c shows), or it belongs to a
- * lease that lives; and a lease lives only where it was taken while armed, for the time that was
- * asked for, and not after it was left. Never compiled.
+ * gives out is a zero of a train, or it belongs to a lease that lives; and a lease lives only where
+ * it was taken while armed, for the time that was asked for, and not after it was left. Never
+ * compiled.
  */
 #include "bytes.h"
 #include "machines.h"
@@ -13,8 +13,11 @@
     assigns to[0 .. 1] \from from[0 .. 1];
     ensures to[0] == \old(from[0]) && to[1] == \old(from[1]); */
 void copy_pair(float *to, const float *from);
+/*@ axiomatic cleared { logic real cleared; } // the float that memset() makes: 0
+ */
 /*@ requires \valid(to + (0 .. 1));
-    assigns to[0 .. 1]; */
+    assigns to[0 .. 1];
+    ensures to[0] == cleared && to[1] == cleared; */
 void clear_speeds(float *to);
 /*@ assigns *d; */
 void clear_d(drive *d);
@@ -153,6 +156,8 @@ static bool poll_train(drive *d, const roburoc4_config *config, uint64_t now_us)
     requires \separated(d, config, limits + (0 .. 12), speeds + (0 .. 1), events);
     assigns *d, speeds[0 .. 1], *events;
     ensures train_or_leased: \result != 0 ==> d->train != 0 || \old(may_move(d, now_us));
+    ensures a_train_is_zero: d->train != 0 ==> speeds[0] == cleared && speeds[1] == cleared;
+    ensures nothing_is_zero: \result == 0 ==> speeds[0] == cleared && speeds[1] == cleared;
     ensures no_new_lease: d->leased == \old(d->leased) && d->armed == \old(d->armed) &&
         d->granted_us == \old(d->granted_us) && d->lease_us == \old(d->lease_us); */
 bool roburoc4_drive_poll(drive *d, const roburoc4_config *config, const float *limits,
