@@ -168,8 +168,8 @@ class ScriptedRobot : public Partner {
         return encoded([&](std::uint8_t *b, std::size_t n) -> roburoc4_result {
             switch (kind) {
             case ROBUROC4_SERVICE_IOCARD: {
-                std::array<std::uint8_t, 8> blocks{};
-                for (std::size_t i = 0; i < blocks.size(); i++)
+                Bytes blocks((static_cast<std::size_t>(iocard.digital_inputs) + 7) / 8);
+                for (std::size_t i = 0; i < std::min(blocks.size(), sizeof digital); i++)
                     blocks[i] = static_cast<std::uint8_t>(digital >> (8 * i));
                 return roburoc4_encode_iocard_status(
                     b, n, id, at_cycles, analog.data(), analog.size(), blocks.data(),
