@@ -11,7 +11,7 @@
 #include <limits>
 
 extern "C" {
-#include "machines.h"
+#include "client.h"
 }
 
 namespace {
@@ -322,6 +322,78 @@ TEST(Link, ARoundTripBeyondAllMeasureIsTheLargestNumber) {
     roburoc4_link_round_trip(&l, begin_us, begin_us);
     EXPECT_EQ(1U, l.round_trip_min_us) << "0 would mean that there is none";
     EXPECT_EQ(UINT32_MAX - UINT32_MAX / 8, l.round_trip_us);
+}
+
+namespace {
+
+/** A link with one service at 50 ms, which has brought a status of cycle 1000. */
+struct Linked {
+    roburoc4_private_link l{};
+    std::uint64_t now_us = begin_us;
+
+    Linked() {
+        for (roburoc4_private_service &service : l.services)
+            service.asked_cycles = 5;
+        roburoc4_link_restart(&l);
+        status(1000);
+    }
+    verdict status(std::uint64_t robot_cycles) {
+        now_us += 50 * ms;
+        return roburoc4_link_status(&l, 0, robot_cycles, now_us);
+    }
+};
+
+} // namespace
+
+TEST(Link, StatusesFromThePastAreCountedAnewAfterARestart) {
+    Linked linked;
+    EXPECT_EQ(VERDICT_OLD, linked.status(500));
+    EXPECT_EQ(VERDICT_OLD, linked.status(505));
+    roburoc4_link_restart(&linked.l);
+    EXPECT_EQ(VERDICT_NEW, linked.status(510)) << "the first of the past, not the third";
+    EXPECT_EQ(VERDICT_NEW, linked.status(515));
+    EXPECT_EQ(VERDICT_REBOOT, linked.status(520));
+}
+
+TEST(Link, LossIsOfTheLastTwoHundredStatusesAtMostAlsoWhereHalfAreLost) {
+    Linked linked;
+    const roburoc4_private_service &service = linked.l.services[0];
+    std::uint64_t robot_cycles = 1000;
+    std::uint32_t most = 0;
+    for (int i = 0; i < 1000; i++) {
+        robot_cycles += i % 2 == 0 ? 5 : 15; /* two received, two lost */
+        EXPECT_EQ(VERDICT_NEW, linked.status(robot_cycles));
+        most = std::max(most, service.recent_received + service.recent_lost);
+    }
+    EXPECT_LT(most, 200U);
+    EXPECT_GE(most, 190U) << "and not of much fewer";
+    EXPECT_NEAR(service.recent_received, service.recent_lost, 2);
+}
+
+/* ---- snapshot ---- */
+
+TEST(Snapshot, PropertiesThatAreAllZeroAreNewsTheFirstTime) {
+    roburoc4_client client{};
+    std::array<std::uint8_t, 128> bytes{};
+    const auto events_of = [&](std::uint32_t service, roburoc4_result size) {
+        EXPECT_GT(size, 0);
+        client.private_events = 0;
+        EXPECT_GE(roburoc4_snapshot_properties(&client, service, bytes.data(),
+                                               static_cast<std::size_t>(size)),
+                  0);
+        return client.private_events;
+    };
+    const roburoc4_battery_properties battery{};
+    const roburoc4_localization_properties localization{};
+    const roburoc4_result battery_size =
+        roburoc4_encode_battery_properties(bytes.data(), bytes.size(), 2, &battery);
+    EXPECT_EQ(ROBUROC4_EVENT_PROPERTIES, events_of(ROBUROC4_SERVICE_BATTERY, battery_size));
+    client.private_discovery.known = 1U << ROBUROC4_SERVICE_BATTERY;
+    EXPECT_EQ(0U, events_of(ROBUROC4_SERVICE_BATTERY, battery_size)) << "and not again";
+    EXPECT_EQ(ROBUROC4_EVENT_PROPERTIES,
+              events_of(ROBUROC4_SERVICE_LOCALIZATION,
+                        roburoc4_encode_localization_properties(bytes.data(), bytes.size(), 2,
+                                                                &localization)));
 }
 
 /* ---- discovery ---- */
