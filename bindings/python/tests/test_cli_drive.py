@@ -4,12 +4,17 @@
 import itertools
 import signal
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import SimpleNamespace
+from typing import ClassVar
 
 import pytest
 from cli_support import Terminal, document, eventually, one_line, run, start
 
 import roburoc4
+from roburoc4.cli import drive
+from roburoc4.cli.ramp import Ramp
 
 
 @pytest.fixture
@@ -72,6 +77,29 @@ def test_it_accelerates_gently(sim: roburoc4.Simulator) -> None:
     assert process.communicate()[1] == ""
 
 
+def test_it_begins_from_rest_after_this_computer_was_busy(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Robot:
+        facts = SimpleNamespace(inhibited=False)
+        speeds: ClassVar[list[float]] = []
+
+        def drive(self, linear_m_s: float, _angular_rad_s: float) -> None:
+            self.speeds.append(linear_m_s)
+
+    busy = [0.0] * 20 + [0.6]
+
+    @contextmanager
+    def no_progress(_what: str, _seconds: float) -> Iterator[Callable[..., None]]:
+        yield lambda *_: time.sleep(busy.pop(0) if busy else 0.0)
+
+    monkeypatch.setattr("roburoc4.cli.drive.progress", no_progress)
+    monkeypatch.setattr("roburoc4.cli.drive._speed", lambda _robot: "")
+    drive._follow(Robot(), Ramp(0.5, 0.0, 2.5))  # type: ignore[arg-type]
+    assert Robot.speeds[19] > 0.3
+    after = next(index for index, speed in enumerate(Robot.speeds[20:], 20) if speed == 0.0)
+    steps = [b - a for a, b in itertools.pairwise(Robot.speeds[after:])]
+    assert max(steps) < 0.15
+
+
 def test_the_robots_lower_acceleration_counts() -> None:
     with roburoc4.Simulator(port=0, max_linear_m_s2=0.2) as sim:
         report = document(run("drive", "1", "0", "--seconds", "1", "--json", robot=sim.address))
@@ -86,7 +114,13 @@ def test_a_speed_above_the_limits_is_lowered_and_told() -> None:
 
 
 @pytest.mark.parametrize(
-    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)]
+    ("number", "code"),
+    [
+        (signal.SIGINT, 130),
+        (signal.SIGQUIT, 131),
+        (signal.SIGTERM, 143),
+        (signal.SIGHUP, 129),
+    ],
 )
 def test_signals_stop_the_robot(sim: roburoc4.Simulator, number: signal.Signals, code: int) -> None:
     process = start("drive", "0.5", "0.2", "--seconds", "100", robot=sim.address)

@@ -124,6 +124,24 @@ def test_override_is_shown_and_ends_with_a_new_press(sim: roburoc4.Simulator) ->
     assert terminal.wait() == 0
 
 
+def test_keys_that_waited_behind_a_frozen_terminal_do_not_drive(sim: roburoc4.Simulator) -> None:
+    terminal = _teleop(sim, NO_RELEASES)
+    terminal.type("+++")
+    terminal.wait_for(r"1\.0 m/s  1\.0 rad/s")
+    terminal.type("\x13")  # Ctrl-S: what it shows waits, and so does the program
+    time.sleep(0.5)
+    terminal.type("w")
+    time.sleep(1.5)
+    terminal.type("\x11")
+    for _ in range(20):
+        terminal.read(0.05)
+    assert sim.state.nonzero_speed_commands == 0
+    _hold(terminal, "w", 1.0)
+    assert sim.state.nonzero_speed_commands > 0
+    terminal.type("x")
+    assert terminal.wait() == 0
+
+
 def test_space_stops(sim: roburoc4.Simulator) -> None:
     terminal = _teleop(sim, NO_RELEASES)
     _hold(terminal, "w", 1.0)

@@ -192,7 +192,8 @@ def test_after_a_fork_the_childs_object_raises_and_the_parents_works(
         "if child == 0:\n"
         "    for mine in robots:\n"
         "        for use in (lambda: mine.drive(0.1, 0), lambda: mine.facts, mine.arm,"
-        " lambda: next(mine.statuses()), lambda: mine.wait_for('battery')):\n"
+        " lambda: next(mine.statuses()), lambda: mine.wait_for('battery'), lambda: mine.state,"
+        " lambda: mine.counts):\n"
         "            try:\n"
         "                use()\n"
         "            except (roburoc4.ClosedError, StopIteration):\n"
@@ -210,6 +211,55 @@ def test_after_a_fork_the_childs_object_raises_and_the_parents_works(
     assert process.returncode == 0
     assert "Traceback" not in errors
     assert served.state.nonzero_speed_commands > 0
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
+def test_a_fork_while_another_thread_spins_leaves_no_lock_behind(
+    served: Simulator, start: Start
+) -> None:
+    program = CONNECT + (
+        "import threading, time\n"
+        "mine = roburoc4.connect(sys.argv[1], threaded=False)\n"
+        "threading.Thread(target=mine.spin, args=(2.0,)).start()\n"
+        "time.sleep(0.2)\n"
+        "child = os.fork()\n"
+        "if child == 0:\n"
+        "    signal.alarm(10)\n"
+        "    try:\n"
+        "        mine.drive(0.1, 0)\n"
+        "    except roburoc4.ClosedError:\n"
+        "        mine.close()\n"
+        "        os._exit(0)\n"
+        "    os._exit(1)\n"
+        "sys.exit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))\n"
+    )
+    process = start("import signal\n" + program, served.address)
+    process.communicate(timeout=30)
+    assert process.returncode == 0
+
+
+def test_a_close_that_was_interrupted_is_ended_by_the_next(served: Simulator) -> None:
+    robot = roburoc4.connect(served.address, threaded=False)
+    robot.arm()
+    robot.drive(0.3, 0.0)
+    robot.spin(0.2)
+    assert served.state.target_linear_m_s == pytest.approx(0.3)
+    served.set_faults(loss=1.0)
+    with pytest.raises(KeyboardInterrupt):
+        _interrupt_close(robot)
+    served.set_faults(loss=0.0)
+    robot.close()
+    state = served.state
+    assert (state.last_linear_m_s, state.target_linear_m_s) == (0.0, 0.0)
+
+
+def _interrupt_close(robot: roburoc4.ManualRobot) -> None:
+    before = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    signal.setitimer(signal.ITIMER_REAL, 0.2)
+    try:
+        robot.close()
+    finally:
+        signal.signal(signal.SIGALRM, before)
 
 
 def test_drive_never_waits(served: Simulator) -> None:

@@ -2,6 +2,7 @@
 """Waiting, iterating, recording; losses and reboots; in virtual time."""
 
 import itertools
+import time
 
 import pytest
 
@@ -82,6 +83,21 @@ def test_wait_for_ends_in_the_time_it_was_given(roburoc4_simulator: Simulator) -
 
         with pytest.raises(TimeoutError, match="dancing"):
             robot.wait_for(dancing, timeout=1)
+
+
+def test_what_came_before_the_end_is_still_read_after_it(
+    roburoc4_simulator: Simulator, served: Simulator
+) -> None:
+    with roburoc4_simulator.connect() as virtual, roburoc4.connect(served.address) as real:
+        for robot, rest in ((virtual, virtual.sleep), (real, time.sleep)):
+            statuses = robot.statuses()
+            before = robot.link.received
+            rest(2.5)
+            came = robot.link.received - before
+            robot.close()
+            assert came > 100
+            assert len(list(statuses)) >= came
+            assert statuses.lost == 0
 
 
 def test_record_gives_columns_of_equal_length(roburoc4_simulator: Simulator) -> None:

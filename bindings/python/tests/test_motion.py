@@ -139,6 +139,14 @@ def test_durations_must_be_durations(roburoc4_simulator: Simulator, seconds: flo
         assert roburoc4_simulator.state.nonzero_speed_commands == 0
 
 
+def test_numbers_beyond_all_measure_are_told_as_such(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.arm()
+        for speed, lease_ms in ((0.1, -1), (0.1, 10**9), (1e300, 0)):
+            with pytest.raises(roburoc4.ArgumentError, match="lease_ms"):
+                robot.drive(speed, 0.0, lease_ms=lease_ms)
+
+
 def test_settings_bound_and_scale_speeds(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect(max_linear_m_s=0.3, scale_angular=0.5) as robot:
         robot.arm()

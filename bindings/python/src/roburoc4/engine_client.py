@@ -3,6 +3,7 @@
 
 import os
 import threading
+import weakref
 from abc import abstractmethod
 from collections.abc import Callable
 from typing import Any
@@ -100,6 +101,8 @@ class ClientEngine(Engine):
         self.log = Log(buffer_of(settings))
         self._process = os.getpid()
         self._closed = True  # until the subclass has started the client
+        self._left = True
+        _engines.add(self)
         self._client = _native.new_client()
         self._client_owner = _native.own_memory(self._client)
         config, _owner = config_of(settings)
@@ -128,10 +131,13 @@ class ClientEngine(Engine):
         if self._closed or self._process != os.getpid():
             raise error_of(Result.CLOSED)
 
+    def _check_process(self) -> None:
+        if self._process != os.getpid():
+            raise error_of(Result.CLOSED)
+
     def call(self, name: str, *arguments: Any) -> Any:
         with self.lock:
-            if self._process != os.getpid():
-                raise error_of(Result.CLOSED)
+            self._check_process()
             if name in _COMMANDS:
                 self.check_open()
             if name in _TIMED:
@@ -161,6 +167,7 @@ class ClientEngine(Engine):
 
     def count(self, counter: int) -> int:
         with self.lock:
+            self._check_process()
             return _native.roburoc4_client_count(self._client, counter)
 
     def description(self, io_type: int, index: int) -> bytes | None:
@@ -173,6 +180,7 @@ class ClientEngine(Engine):
     def _start(self) -> None:
         _native.roburoc4_client_start(self._client, self._now_us())
         self._closed = False
+        self._left = False
 
     def _begin_to_leave(self) -> bool:
         """Disarm and send the first zero where one is due; False where that was done before."""
@@ -184,9 +192,17 @@ class ClientEngine(Engine):
         return True
 
     def close(self) -> None:
+        if self._process != os.getpid():
+            return
         with self.lock:
-            if self._begin_to_leave():
+            self._begin_to_leave()
+            if not self._left:  # also where Ctrl-C cut short a close() before
                 self._leave()
+                self._left = True
+
+    def unlock_in_child(self) -> None:
+        """Make the lock anew: the thread that held it may not be in the child of a fork."""
+        self.lock = threading.RLock()
 
     def _is_idle(self) -> bool:
         return _native.roburoc4_client_state(self._client) == State.IDLE
@@ -198,3 +214,15 @@ class ClientEngine(Engine):
     @property
     def closed(self) -> bool:
         return self._closed or self._process != os.getpid()
+
+
+_engines: weakref.WeakSet[ClientEngine] = weakref.WeakSet()
+
+
+def _unlock_in_child() -> None:
+    for engine in list(_engines):
+        engine.unlock_in_child()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_unlock_in_child)

@@ -7,13 +7,14 @@ the objects here, so dropping the last reference ends it, with zero commands whe
 
 import atexit
 import contextlib
+import os
 import weakref
 from typing import Any
 
 from . import _native
 from .constants import Result
 from .engine import Engine, Reader
-from .errors import ArgumentError, ClosedError, NetworkError, NotKnownError
+from .errors import ArgumentError, ClosedError, NetworkError, NotKnownError, error_of
 from .records import Status
 from .settings import Settings, buffer_of, config_of
 
@@ -77,15 +78,24 @@ class PumpEngine(Engine):
         address, _address_owner, self.address = resolve(host)
         self._pump = _native.roburoc4_pump_create(address, config, buffer_of(settings))
         self._pump_owner = _native.own_pump(self._pump)
+        self._orphaned = False
         _living.add(self)
 
     def now_s(self) -> float:
         return _native.roburoc4_udp_now_us() / 1e6
 
+    def orphan(self) -> None:
+        """Be of no use from now on: the thread stayed in the process that forked."""
+        self._orphaned = True
+
     def call(self, name: str, *arguments: Any) -> Any:
+        if self._orphaned:
+            raise error_of(Result.CLOSED)
         return _FUNCTIONS[name](self._pump, *arguments)
 
     def count(self, counter: int) -> int:
+        if self._orphaned:
+            raise error_of(Result.CLOSED)
         return _native.roburoc4_pump_count(self._pump, counter)
 
     def description(self, io_type: int, index: int) -> bytes | None:
@@ -110,6 +120,8 @@ class PumpEngine(Engine):
 
     @property
     def fault(self) -> int:
+        if self._orphaned:
+            raise error_of(Result.CLOSED)
         return _native.roburoc4_pump_fault(self._pump)
 
 
@@ -120,3 +132,12 @@ _living: weakref.WeakSet[PumpEngine] = weakref.WeakSet()
 def _close_all() -> None:
     for engine in list(_living):
         engine.close()
+
+
+def _orphan_all() -> None:
+    for engine in list(_living):
+        engine.orphan()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_orphan_all)

@@ -6,6 +6,7 @@ stopped by the robot's own watchdog only.
 """
 
 import atexit
+import contextlib
 import math
 import select
 import weakref
@@ -14,6 +15,7 @@ from collections.abc import Callable
 from . import _native
 from .engine_client import ClientEngine
 from .engine_pump import resolve
+from .errors import NetworkError
 from .settings import Settings
 
 _SLICE_US = 50_000
@@ -45,7 +47,7 @@ class UdpEngine(ClientEngine):
         _living.add(self)
 
     def __del__(self) -> None:
-        if not getattr(self, "_closed", True):
+        if not getattr(self, "_left", True):
             self.close()
 
     def _now_us(self) -> int:
@@ -106,12 +108,14 @@ class UdpEngine(ClientEngine):
     def _leave(self) -> None:
         end_s = self.now_s() + self._watchdog_s + _MARGIN_S
         while not self._is_idle() and self.now_s() < end_s:
-            self._turn(_SLICE_US)
+            with contextlib.suppress(NetworkError):  # a network that is down may come back
+                self._turn(_SLICE_US)
         _native.roburoc4_udp_close(self._udp)
 
     @property
     def fault(self) -> int:
         with self.lock:
+            self._check_process()
             return _native.roburoc4_udp_fault(self._udp)
 
 

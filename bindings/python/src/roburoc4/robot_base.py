@@ -221,7 +221,14 @@ class RobotBase:
         default), then the robot is stopped. Speeds are scaled and clamped to the robot's limits
         and the settings' ceilings. Raises NotArmedError while disarmed, naming cause and remedy.
         """
-        self._engine.call("drive", linear_m_s, angular_rad_s, lease_ms * 1000)
+        try:
+            self._engine.call("drive", linear_m_s, angular_rad_s, lease_ms * 1000)
+        except OverflowError:
+            raise ArgumentError(
+                f"drive({linear_m_s}, {angular_rad_s}, lease_ms={lease_ms}): give speeds that a "
+                "float holds, and a lease of 20 to 1000 ms",
+                Result.ARGUMENT,
+            ) from None
 
     def stop(self) -> None:
         """Stop the robot: end the drive command and send zeros, armed or not. Never waits."""

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Statuses one after the other, and columns of them."""
 
+import contextlib
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -57,7 +58,8 @@ class StatusReader:
     def next(self) -> Status | None:
         """Take the next status that is there; raises ClosedError at the end."""
         while not self._waiting:
-            self._reader.take_events()
+            with contextlib.suppress(ClosedError):  # statuses() tells of the end, when all are read
+                self._reader.take_events()
             found = self._reader.statuses(self._mask)
             if found is None:
                 return None

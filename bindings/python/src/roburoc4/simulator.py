@@ -130,6 +130,8 @@ class Simulator:
     ) -> None:
         self._process = os.getpid()
         self._closed = False
+        if port is not None and not 0 <= port <= 65535:
+            raise ArgumentError(f"port: {port} is out of range: 0 to 65535", Result.ARGUMENT)
         config, _owner = _config_of(seed, settings)
         self._sim = _native.roburoc4_sim_create(config)
         self._faults = _native.new_faults()
@@ -143,9 +145,11 @@ class Simulator:
             self._lock = self._world.lock
             self._address = "virtual"
         else:
-            if not 0 <= port <= 65535:
-                raise ArgumentError(f"port: {port} is out of range: 0 to 65535", Result.ARGUMENT)
-            self._host = _native.sim_host_open(self._sim, host, port)
+            try:
+                self._host = _native.sim_host_open(self._sim, host, port)
+            except BaseException:
+                self._owner = _native.own_sim(self._sim)  # it was not taken over
+                raise
             self._owner = _native.own_host(self._host)
             self._lock = _HostLock(self._host)
             self._address = f"{host}:{_native.sim_host_port(self._host)}"

@@ -124,6 +124,10 @@ class SimEngine(ClientEngine):
     def _now_us(self) -> int:
         return self._world.now_us
 
+    def unlock_in_child(self) -> None:
+        super().unlock_in_child()
+        self._world.lock = self.lock
+
     def check_open(self) -> None:
         super().check_open()
         if self._world.closed:

@@ -29,6 +29,9 @@ WITHIN_S = 0.25 + MARGIN_S
 """The default lease."""
 
 
+ENDING = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT]
+
+
 def start(*arguments: str) -> subprocess.Popen[str]:
     return subprocess.Popen(
         [*COMMAND, "--port", "0", *arguments],
@@ -41,7 +44,7 @@ def start(*arguments: str) -> subprocess.Popen[str]:
 
 def hear_signals() -> None:
     """As from a terminal, whatever these tests were started from."""
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+    for number in ENDING:
         signal.signal(number, signal.SIG_DFL)
 
 
@@ -105,7 +108,7 @@ def drive_on(driver: Visitor) -> None:
             driver.draw(0.4)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", ENDING)
 def test_ending_it_while_it_drives_stops_the_robot(number: signal.Signals) -> None:
     with driven() as (running, sim):
         running.send_signal(number)

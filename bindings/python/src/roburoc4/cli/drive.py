@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from roburoc4 import LocalizationStatus, Robot
 
 _STEP_S = 0.05
+_LEASE_S = 0.25  # the client's, unless it is told another
 _STOP_S = 5.0
 
 
@@ -113,9 +114,14 @@ def _intention(ramp: Ramp) -> str:
 
 def _follow(robot: Robot, ramp: Ramp) -> None:
     begun_s = time.monotonic()
+    share = last_s = 0.0
     with progress("driving", ramp.total_s) as show:
         while (elapsed_s := time.monotonic() - begun_s) < ramp.total_s:
-            robot.drive(*ramp.at(elapsed_s))
+            if elapsed_s - last_s > _LEASE_S:  # this computer was busy: the robot was stopped
+                share, last_s = 0.0, elapsed_s
+            risen = (elapsed_s - last_s) / ramp.rise_s if ramp.rise_s > 0.0 else 1.0
+            share, last_s = min(ramp.share(elapsed_s), share + risen), elapsed_s
+            robot.drive(*ramp.speeds(share))
             if robot.facts.inhibited:
                 raise refused(
                     "the robot stands still although it is asked to move: look at its emergency "

@@ -57,6 +57,10 @@ class Decoder:
         self.reports_releases = False
         self.answered = False
 
+    def forget(self) -> None:
+        """Drop what is not complete yet."""
+        self._rest = b""
+
     def feed(self, data: bytes) -> Iterator[Key]:
         """Decode what came."""
         self._rest += data
@@ -156,6 +160,14 @@ class Keyboard:
         if not data:
             raise Signalled(signal.SIGHUP)  # the terminal is gone
         yield from self._decoder.feed(data)
+
+    def forget(self) -> None:
+        """Drop what was typed and not taken yet."""
+        import termios
+
+        termios.tcflush(self._input, termios.TCIFLUSH)
+        self._decoder.forget()
+        self._early = []
 
     def ask_echo(self, now_s: float) -> None:
         """Have the terminal send an `echo` now and then, where releases depend on its line."""

@@ -45,10 +45,14 @@ class Ramp:
 
     def at(self, elapsed_s: float) -> tuple[float, float]:
         """Linear and angular speed at this time."""
-        share = self._share(elapsed_s)
+        return self.speeds(self.share(elapsed_s))
+
+    def speeds(self, share: float) -> tuple[float, float]:
+        """Linear and angular speed at this share of those that were asked for."""
         return self.linear_m_s * share, self.angular_rad_s * share
 
-    def _share(self, elapsed_s: float) -> float:
+    def share(self, elapsed_s: float) -> float:
+        """Return how much of the asked speeds to drive with at this time: 0 to 1."""
         if not 0.0 <= elapsed_s < self.total_s:
             return 0.0
         if self.rise_s == 0.0:

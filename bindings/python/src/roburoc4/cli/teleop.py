@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from .keyboard import Key
 
 _STEP_S = 0.05
+_HELD_UP_S = 0.25  # the lease is over then, and keys that wait are old
 _FULL_LINEAR_M_S = 1.0
 _FULL_ANGULAR_RAD_S = 1.0
 _SCALES = (0.1, 0.2, 0.3, 0.5, 0.7, 1.0)
@@ -103,14 +104,26 @@ class _Teleop:
         with Live(console=console(), auto_refresh=False, transient=True) as live:
             last_s = time.monotonic()
             while not self._ended:
-                for key in self._keyboard.keys(_STEP_S):
-                    self._press(key, time.monotonic())
+                keys = list(self._keyboard.keys(_STEP_S))
                 now_s = time.monotonic()
+                if now_s - last_s > _HELD_UP_S:
+                    keys = self._forget(keys)
+                    last_s = now_s
+                for key in keys:
+                    self._press(key, now_s)
                 if now_s - last_s >= _STEP_S:
                     self._keyboard.ask_echo(now_s)
                     self._step(now_s, now_s - last_s)
                     live.update(self._picture(now_s), refresh=True)
                     last_s = now_s
+
+    def _forget(self, keys: list[Key]) -> list[Key]:
+        """Stop after a frozen terminal, or the like; keep the keys that end and stop."""
+        self._keyboard.forget()
+        self._man.let_go()
+        self._speeds = (0.0, 0.0)
+        self._robot.stop()
+        return [key for key in keys if is_ctrl_c(key) or key.name in ("x", " ")]
 
     def _press(self, key: Key, now_s: float) -> None:
         if is_ctrl_c(key):

@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import ipaddress
+import signal
 import socket
 import ssl
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import uvicorn
@@ -20,6 +23,9 @@ from .hub import Hub
 _PING_S = 5.0
 _END_S = 1
 _LONGEST_MESSAGE = 4096
+# Uvicorn hears SIGINT and SIGTERM. An exception, as the command raises for these, would end in
+# whatever callback the loop is at, and not the program.
+_MORE_SIGNALS = [getattr(signal, name) for name in ("SIGHUP", "SIGQUIT") if hasattr(signal, name)]
 
 
 class ServeError(Exception):
@@ -112,6 +118,21 @@ class Server(uvicorn.Server):
         await super().startup(sockets)
         if self.started:
             self._on_ready()
+
+    @contextlib.contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """End by these signals too; the command hears of them when all is closed."""
+        with super().capture_signals():
+            before = {}
+            if threading.current_thread() is threading.main_thread():
+                for number in _MORE_SIGNALS:
+                    if signal.getsignal(number) is not signal.SIG_IGN:
+                        before[number] = signal.signal(number, self.handle_exit)
+            try:
+                yield
+            finally:
+                for number, handler in before.items():
+                    signal.signal(number, handler)
 
     async def on_tick(self, counter: int) -> bool:
         """Say whether to end: where it was told to, or has nothing to show any more."""
