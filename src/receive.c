@@ -103,8 +103,8 @@ static roburoc4_result override_index(const client *c) {
 static void take_text(client *c, const slot *s, const roburoc4_text *text) {
     discovery *d = &c->private_discovery;
     const roburoc4_result before = override_index(c);
-    if (s->ask.detail != LIST_DIRECTORY && c->private_requests.fixed_id) {
-        /* with one id for all, a late text may be another channel's: no input is chosen by it */
+    if (c->private_requests.fixed_id) {
+        /* with one id for all, a late text may be another's: no service or input is chosen by it */
         roburoc4_discovery_described(d, s->ask.detail, s->ask.subject);
     } else if (roburoc4_discovery_text(d, s->ask.detail, s->ask.subject, text->text,
                                        text->length)) {

@@ -350,6 +350,26 @@ TEST(FixedId, IsFoundForARobotThatIgnoresAllOtherIds) {
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
 }
 
+TEST(FixedId, ATextThatMayBeAnothersNamesNoService) {
+    ScriptedRobot robot;
+    robot.always_manual_id = true;
+    /* as where the text of service 1 comes once more, late, and is taken for that of service 2 ...
+     */
+    robot.service(ROBUROC4_SERVICE_TELEMETER).text = robot.service(ROBUROC4_SERVICE_IOCARD).text;
+    robot.service(ROBUROC4_SERVICE_IOCARD).text = "Notification";
+    for (ScriptedService &service : robot.services)
+        service.type = 0x7100; /* of another maker */
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    Bench bench(robot, config);
+    bench.ready();
+    EXPECT_EQ(1, bench.facts().fixed_id);
+    EXPECT_EQ(2, roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_IOCARD));
+    robot.press(ROBUROC4_DI_PAD_A);
+    EXPECT_TRUE(bench.run_until([&] { return bench.facts().overridden == 1; }, 1 * second));
+    EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, bench.arm());
+}
+
 TEST(FixedId, WorksWithTheSimulatorsTwoDialects) {
     for (int dialect = 0; dialect < 2; dialect++) {
         roburoc4_sim_config config;

@@ -194,7 +194,7 @@ roburoc4_result Referee::start(std::uint64_t now_us) {
     const roburoc4_result result = roburoc4_client_start(&client_, now_us);
     if (result >= 0) {
         now_us_ = now_us;
-        armed_ = leased_ = spoke_ = train_ = stop_waits_ = zeros_allowed_ = false;
+        armed_ = leased_ = spoke_ = train_ = stop_waits_ = zeros_allowed_ = train_anew_ = false;
         deceived_services_ = deceived_inputs_ = deceived_ids_ = false;
         sent_us_.reset();
         forget_statuses();
@@ -379,6 +379,7 @@ void Referee::note_answer(const Bytes &datagram, bool damaged) {
             limits_ = properties;
             limits_new_ = true;
             differential_id_ = target;
+            train_anew_ = train_anew_ || (doubt_ && train_);
             doubt_ = false;
             zeros_allowed_ = zeros_allowed_ || (stop_waits_ && zeros_ > 0);
             if (stop_waits_ && zeros_ == 0)
@@ -545,9 +546,10 @@ void Referee::judge_speed(const Bytes &datagram) {
     const bool first = first_zero_owed();
     if (!first && sent_us_ && now_us_ - *sent_us_ < spacing_us)
         complain("speed commands nearer than a robot cycle");
-    if (train_ && zeros_ > 0 && sent_us_ && !train_may_end() &&
+    if (train_ && zeros_ > 0 && sent_us_ && !train_may_end() && !train_anew_ &&
         now_us_ - *sent_us_ < config_.drive_period_ms * ms)
         complain("a zero train faster than the drive period");
+    train_anew_ = false;
     if (is_zero(command.linear_m_s, command.angular_rad_s))
         judge_zero();
     else
