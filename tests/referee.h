@@ -147,7 +147,7 @@ class Referee {
     /* the zero train */
     bool train_ = false;
     bool stop_waits_ = false;    /* a stop() came when it was in doubt whom to send it to */
-    bool train_anew_ = false; /* its service was in doubt, and is known again */
+    bool train_anew_ = false;    /* its service was in doubt, and is known again */
     bool zeros_allowed_ = false; /* it may, but need not, have kept that stop() for later */
     int zeros_ = 0;
     bool confirmed_ = false;      /* a status showed targets of 0 since the first zero */
