@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """What `roburoc4 dashboard` costs, with real pages in Debian's Chromium before it.
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """One part's figures, and the file that keeps them (the format is in bench/README.md)."""
 
+import argparse
 import datetime
 import json
 import os
@@ -23,6 +24,16 @@ def run(*command, cwd=None, env=None, timeout=600):
 def first_line(*command):
     """First line that a tool says of itself."""
     return run(*command).splitlines()[0].strip()
+
+
+def arguments(doc):
+    """What scripts/bench gives to a measuring program of a build folder."""
+    parser = argparse.ArgumentParser(
+        description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", type=pathlib.Path, required=True)
+    parser.add_argument("--out", type=pathlib.Path, required=True)
+    parser.add_argument("--quick", action="store_true")
+    return parser.parse_args()
 
 
 def machine():

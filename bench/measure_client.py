@@ -1,10 +1,7 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """What the client's state machine costs: a status, what it refuses, and many clients."""
 
-import argparse
 import json
-import pathlib
 
 import figures
 
@@ -41,11 +38,7 @@ def place(item):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--build", type=pathlib.Path, required=True)
-    parser.add_argument("--out", type=pathlib.Path, required=True)
-    parser.add_argument("--quick", action="store_true")
-    given = parser.parse_args()
+    given = figures.arguments(__doc__)
     values, payload_bytes = measure(given.build, given.quick)
     part = figures.Part("client", "Client", ABOUT, [])
     one = values["clients", "1"][0]

@@ -1,8 +1,6 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """The codec beside its peers: nanoseconds by Google Benchmark, instructions by callgrind."""
 
-import argparse
 import json
 import pathlib
 import re
@@ -25,13 +23,13 @@ ABOUT_COUNT = (
 def versions(build):
     """The compiler, and the peers as their own packages call themselves."""
     cache = (build / "CMakeCache.txt").read_text(encoding="utf-8")
-    compiler = re.search(r"^CMAKE_C_COMPILER:\w+=(.*)$", cache, re.M).group(1)
+    compiler = re.search(r"^CMAKE_C_COMPILER:\w+=(.*)$", cache, re.MULTILINE).group(1)
     found = [figures.first_line(compiler, "--version") + ", -O2"]
     for package in ("liblcm-dev", "libbenchmark-dev", "valgrind"):
         found.append(figures.run("dpkg-query", "-W", "-f", "${Package} ${Version}", package))
     pinned = (figures.BENCH / "requirements.txt").read_text(encoding="utf-8")
     for name in ("nanopb", "pymavlink"):
-        found.append(re.search(rf"^{name}==.*$", pinned, re.M).group(0).replace("==", " "))
+        found.append(re.search(rf"^{name}==.*$", pinned, re.MULTILINE).group(0).replace("==", " "))
     return found
 
 
@@ -76,20 +74,16 @@ def measure_instructions(build):
                     build / "bin/codec_count")
         for profile in pathlib.Path(folder).iterdir():
             text = profile.read_text(encoding="utf-8")
-            trigger = re.search(r"^desc: Trigger: Client Request: (.*)$", text, re.M)
+            trigger = re.search(r"^desc: Trigger: Client Request: (.*)$", text, re.MULTILINE)
             if trigger:
-                total = int(re.search(r"^(?:summary|totals): (\d+)", text, re.M).group(1))
+                total = int(re.search(r"^(?:summary|totals): (\d+)", text, re.MULTILINE).group(1))
                 counts[tuple(trigger.group(1).split("/"))] = total / CALLS_COUNTED
     calls = {d: counts.pop((d, "nothing", "call")) for d in ("encode", "decode")}
     return {name: [round(n - calls[name[0]], 1)] * 3 for name, n in counts.items()}
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--build", type=pathlib.Path, required=True)
-    parser.add_argument("--out", type=pathlib.Path, required=True)
-    parser.add_argument("--quick", action="store_true")
-    given = parser.parse_args()
+    given = figures.arguments(__doc__)
     tools = versions(given.build)
     time = figures.Part("codec", "Codec: time", ABOUT_TIME, tools)
     add_all(time, "ns", measure_time(given.build, given.quick))

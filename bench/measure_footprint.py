@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """Bytes of text, data, bss and stack on small processors; the same messages by other codecs.
 
@@ -41,7 +40,7 @@ AIMS = {"codec, all of it": 2560, "codec of six messages, linked": 2560,
 
 def core_sources():
     text = (figures.TOP / "CMakeLists.txt").read_text(encoding="utf-8")
-    block = re.search(r"^set\(core_sources(.*?)\)", text, re.M | re.S).group(1)
+    block = re.search(r"^set\(core_sources(.*?)\)", text, re.MULTILINE | re.DOTALL).group(1)
     return [figures.TOP / name for name in block.split()]
 
 
@@ -102,7 +101,7 @@ def linked_files(target, source):
     text = text.split("Linker script and memory map")[1]  # before it: what was left out
     found = {}
     for size, origin in re.findall(
-            r"^ \.(?:text|rodata)\S*\s+0x[0-9a-f]+\s+0x([0-9a-f]+)\s+(\S+)$", text, re.M):
+            r"^ \.(?:text|rodata)\S*\s+0x[0-9a-f]+\s+0x([0-9a-f]+)\s+(\S+)$", text, re.MULTILINE):
         library = re.search(r"(lib\w+\.a)\(", origin)
         name = library.group(1) if library else pathlib.Path(origin).stem + ".c"
         found[name] = found.get(name, 0) + int(size, 16)

@@ -1,11 +1,9 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """How cost grows: robots in one simulator, and services × rate through one client.
 
 Runs in the virtual environment of scripts/bench, where the Python package is installed.
 """
 
-import argparse
 import contextlib
 import pathlib
 import re
@@ -85,12 +83,7 @@ def measure_services(part, program, periods_ms, seconds):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--build", type=pathlib.Path, required=True)
-    parser.add_argument("--out", type=pathlib.Path, required=True)
-    parser.add_argument("--quick", action="store_true")
-    given = parser.parse_args()
+    given = figures.arguments(__doc__)
     program = given.build / "bin/roburoc4-sim"
     part = figures.Part("growth", "Growth: robots, services × rate", ABOUT, [])
     measure_robots(part, program, (1, 10) if given.quick else (1, 3, 10, 30, 100, 300, 1000),

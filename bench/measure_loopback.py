@@ -1,9 +1,6 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """End to end over loopback: what roburoc4 adds to a bare recv/send loop, in interleaved pairs."""
 
-import argparse
-import pathlib
 import random
 
 import figures
@@ -91,11 +88,7 @@ def add_rate(part, program, rounds):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--build", type=pathlib.Path, required=True)
-    parser.add_argument("--out", type=pathlib.Path, required=True)
-    parser.add_argument("--quick", action="store_true")
-    given = parser.parse_args()
+    given = figures.arguments(__doc__)
     program = given.build / "bin/loopback"
     part = figures.Part("loopback", "End to end on loopback", ABOUT, [])
     add_latency(part, program, "status", "status to value", 100 if given.quick else 20000)

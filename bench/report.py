@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """Write bench/RESULTS.md and docs/images/bench-*.svg from the figures in bench/results/*.json."""
 

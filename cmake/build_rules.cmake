@@ -112,12 +112,9 @@ function(roburoc4_library name)
     endif()
 endfunction()
 
-# The pkg-config file of a library. Its paths start from its own place, so that an installed tree
-# can be moved.
-function(roburoc4_pkg_config name PC_REQUIRES PC_DESCRIPTION PC_PRIVATE)
-    set(PC_LIBRARY ${name})
-    string(REPLACE "_" "-" PC_NAME ${name})
-    string(REPLACE ";" " " PC_PRIVATE "${PC_PRIVATE}")
+# PC_LIBDIR and PC_INCLUDEDIR of a pkg-config file: they start from its own place, so that an
+# installed tree can be moved.
+macro(roburoc4_pkg_paths)
     set(PC_LIBDIR "${CMAKE_INSTALL_FULL_LIBDIR}")
     set(PC_INCLUDEDIR "${CMAKE_INSTALL_FULL_INCLUDEDIR}")
     if(NOT IS_ABSOLUTE "${CMAKE_INSTALL_LIBDIR}" AND NOT IS_ABSOLUTE "${CMAKE_INSTALL_INCLUDEDIR}")
@@ -125,6 +122,14 @@ function(roburoc4_pkg_config name PC_REQUIRES PC_DESCRIPTION PC_PRIVATE)
         set(PC_LIBDIR "\${pcfiledir}/${up}${CMAKE_INSTALL_LIBDIR}")
         set(PC_INCLUDEDIR "\${pcfiledir}/${up}${CMAKE_INSTALL_INCLUDEDIR}")
     endif()
+endmacro()
+
+# The pkg-config file of a library.
+function(roburoc4_pkg_config name PC_REQUIRES PC_DESCRIPTION PC_PRIVATE)
+    set(PC_LIBRARY ${name})
+    string(REPLACE "_" "-" PC_NAME ${name})
+    string(REPLACE ";" " " PC_PRIVATE "${PC_PRIVATE}")
+    roburoc4_pkg_paths()
     configure_file(${PROJECT_SOURCE_DIR}/cmake/roburoc4.pc.in
         ${PROJECT_BINARY_DIR}/${PC_NAME}.pc @ONLY)
     install(FILES ${PROJECT_BINARY_DIR}/${PC_NAME}.pc

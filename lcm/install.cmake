@@ -12,13 +12,7 @@ install(TARGETS roburoc4_lcm_types
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT Development)
 install(DIRECTORY ${generated}/roburoc4_lcm/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/roburoc4_lcm
     COMPONENT Development FILES_MATCHING PATTERN "*.h")
-set(PC_LIBDIR "${CMAKE_INSTALL_FULL_LIBDIR}")
-set(PC_INCLUDEDIR "${CMAKE_INSTALL_FULL_INCLUDEDIR}")
-if(NOT IS_ABSOLUTE "${CMAKE_INSTALL_LIBDIR}" AND NOT IS_ABSOLUTE "${CMAKE_INSTALL_INCLUDEDIR}")
-    file(RELATIVE_PATH up "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
-    set(PC_LIBDIR "\${pcfiledir}/${up}${CMAKE_INSTALL_LIBDIR}")
-    set(PC_INCLUDEDIR "\${pcfiledir}/${up}${CMAKE_INSTALL_INCLUDEDIR}")
-endif()
+roburoc4_pkg_paths()
 # An LCM outside of the system's folders, as pip's.
 cmake_path(GET ROBUROC4_LCM_LIBRARY PARENT_PATH lcm_folder)
 set(PC_LCM "-llcm")

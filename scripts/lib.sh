@@ -45,6 +45,27 @@ builds() {
     have ninja || have make
 }
 
+# What more than one script needs.
+need_lcm() {
+    need liblcm-bin have lcm-gen
+    need liblcm-dev cxx_includes g++ lcm/lcm.h
+    need libglib2.0-dev test -d /usr/include/glib-2.0
+}
+
+need_octave() {
+    need octave have octave-cli
+    need octave-dev have mkoctfile
+    # What Octave draws pictures with where there is no display.
+    need gnuplot-nox have gnuplot
+    need ghostscript have gs
+    need fonts-freefont-otf test -e /usr/share/fonts/opentype/freefont/FreeSans.otf
+}
+
+need_python() {
+    need python3 have "${PYTHON:-python3}"
+    need python3-venv "${PYTHON:-python3}" -c 'import venv, ensurepip'
+}
+
 # Install what need() found missing, or say it and end.
 install_missing() {
     [ -n "$missing" ] || return 0
@@ -69,6 +90,25 @@ install_missing() {
         fail "apt-get could not install:$missing (all of it: build/packages.log)"
     fi
     missing=
+}
+
+# pinned_venv DIR REQUIREMENTS: a virtual environment with these, made anew where they changed.
+pinned_venv() {
+    if ! cmp -s "$2" "$1/requirements.txt"; then
+        rm -rf "$1"
+        "${PYTHON:-python3}" -m venv "$1"
+        "$1/bin/pip" install -q --disable-pip-version-check -r "$2"
+        cp "$2" "$1/requirements.txt"
+    fi
+}
+
+# The files of the core, and of the simulator's library.
+core_sources() {
+    sed -n '/^set(core_sources/,/)/p' CMakeLists.txt | grep -o 'src/[a-z_0-9]*\.c'
+}
+
+sim_sources() {
+    sed -n '/^roburoc4_library(roburoc4_sim$/,/)/p' CMakeLists.txt | grep -o 'sim/[a-z_0-9]*\.c'
 }
 
 # The value of a variable in a build folder's cache.
@@ -122,6 +162,20 @@ compile() {
     cmake --build "$tree" --config RelWithDebInfo --parallel "$(jobs)" "$@"
 }
 
+# logged LOG COMMAND...: run it with its output in LOG; its exit status is $logged_status.
+logged() {
+    logged_log=$1
+    shift
+    # Not as a condition, so that -e holds inside.
+    set +e
+    (
+        set -e
+        "$@"
+    ) >"$logged_log" 2>&1 </dev/null
+    logged_status=$?
+    set -e
+}
+
 # stage NAME COMMAND...: run it with its output in build/logs/NAME.log; say in a line how it went,
 # how long it took, and its summary: that of ctest, or its last line. A failure ends the script.
 stage() {
@@ -130,19 +184,12 @@ stage() {
     stage_begun=$(date +%s)
     shift
     mkdir -p build/logs
-    # Not as a condition, so that -e holds inside.
-    set +e
-    (
-        set -e
-        "$@"
-    ) >"$stage_log" 2>&1 </dev/null
-    stage_status=$?
-    set -e
+    logged "$stage_log" "$@"
     stage_word=ok
-    [ "$stage_status" -eq 0 ] || stage_word=FAILED
+    [ "$logged_status" -eq 0 ] || stage_word=FAILED
     printf '%-6s %-18s %4d s  %s\n' "$stage_word" "$stage_name" $(($(date +%s) - stage_begun)) \
         "$(stage_summary "$stage_log")"
-    if [ "$stage_status" -ne 0 ]; then
+    if [ "$logged_status" -ne 0 ]; then
         grep -v -e ' Passed ' -e '^ *Start ' "$stage_log" | tail -n 60
         fail "$stage_name failed; all of its output is in $stage_log"
     fi

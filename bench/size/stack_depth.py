@@ -18,7 +18,7 @@ import sys
 NODE = re.compile(r'node: \{ title: "([^"]*)" label: "([^"]*)"')
 EDGE = re.compile(r'edge: \{ sourcename: "([^"]*)" targetname: "([^"]*)"')
 FRAME = re.compile(r"(\d+) bytes \(([^)]*)\)")
-USAGE = re.compile(r"^[^\t]*:([^:\t]+)\t(\d+)\t(\S+)$", re.M)
+USAGE = re.compile(r"^[^\t]*:([^:\t]+)\t(\d+)\t(\S+)$", re.MULTILINE)
 INDIRECT = "__indirect_call"
 CALLING = re.compile(r"(b|bl|blx|b[a-z]{2,4}|j|jal|r?call|r?jmp)(\.[nw])?$")
 AVR_RETURN_ADDRESS = 3  # bytes, where flash is larger than 128 kB

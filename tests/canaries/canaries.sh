@@ -4,7 +4,7 @@
 # Planted faults, sourced by scripts/verify: each kind of check is run on something that is broken,
 # and must say so. One line each: name, planted fault, caught.
 #
-# The variables $work and $clang are of scripts/verify.
+# The variables $work and $clang are of scripts/verify, $logged_status is of scripts/lib.sh.
 # shellcheck disable=SC2154
 
 canary_count=0
@@ -17,14 +17,8 @@ canary() {
     canary_sign=$3
     shift 3
     canary_log=build/logs/canary-$canary_name.log
-    set +e
-    (
-        set -e
-        "$@"
-    ) >"$canary_log" 2>&1 </dev/null
-    canary_status=$?
-    set -e
-    if [ "$canary_status" -ne 0 ] && grep -q -e "$canary_sign" "$canary_log"; then
+    logged "$canary_log" "$@"
+    if [ "$logged_status" -ne 0 ] && grep -q -e "$canary_sign" "$canary_log"; then
         printf '%-14s %-66s caught\n' "$canary_name" "$canary_fault"
         canary_count=$((canary_count + 1))
         return 0

@@ -88,14 +88,16 @@ class PumpEngine(Engine):
         """Be of no use from now on: the thread stayed in the process that forked."""
         self._orphaned = True
 
-    def call(self, name: str, *arguments: Any) -> Any:
+    def _check_process(self) -> None:
         if self._orphaned:
             raise error_of(Result.CLOSED)
+
+    def call(self, name: str, *arguments: Any) -> Any:
+        self._check_process()
         return _FUNCTIONS[name](self._pump, *arguments)
 
     def count(self, counter: int) -> int:
-        if self._orphaned:
-            raise error_of(Result.CLOSED)
+        self._check_process()
         return _native.roburoc4_pump_count(self._pump, counter)
 
     def description(self, io_type: int, index: int) -> bytes | None:
@@ -120,8 +122,7 @@ class PumpEngine(Engine):
 
     @property
     def fault(self) -> int:
-        if self._orphaned:
-            raise error_of(Result.CLOSED)
+        self._check_process()
         return _native.roburoc4_pump_fault(self._pump)
 
 

@@ -52,7 +52,7 @@ def save(page: Page, folder: Path, name: str, *, whole: bool = False) -> None:
     taken = Image.open(io.BytesIO(page.screenshot(full_page=whole))).convert("RGB")
     few = taken.quantize(256, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
     few.save(path, optimize=True)
-    print(f"{path}: {path.stat().st_size // 1000} kB")  # noqa: T201
+    print(f"{path}: {path.stat().st_size // 1000} kB")  # noqa: T201  (a program's output)
 
 
 def driving(browser: Browser, folder: Path) -> None:
