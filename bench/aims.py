@@ -34,8 +34,9 @@ def codec_rows(part, number):
             aim, ratios = "at most ×1.5 of memcpy", [1 / ratio for ratio in ratios]
         else:
             aim = f"at least ×{least:g} faster than {peer}"
-        figure = (f"×{number(min(ratios))} to ×{number(max(ratios))}; "
-                  f"{good} of {len(ratios)} messages")
+        figure = (
+            f"×{number(min(ratios))} to ×{number(max(ratios))}; {good} of {len(ratios)} messages"
+        )
         yield [part["title"], aim, figure, verdict(good == len(ratios))]
 
 
@@ -55,5 +56,9 @@ def rows(parts, number):
             figure = f"{number(result['value'])} {result['unit']}"
             if "low" in result and result["low"] != result["high"]:
                 figure += f" ({number(result['low'])} to {number(result['high'])})"
-            yield [part["title"], f"{what}: {bound} {number(result['aim'])}", figure,
-                   verdict(met(result))]
+            yield [
+                part["title"],
+                f"{what}: {bound} {number(result['aim'])}",
+                figure,
+                verdict(met(result)),
+            ]

@@ -17,8 +17,14 @@ TOP = BENCH.parent
 def run(*command, cwd=None, env=None, timeout=600):
     """Output of a command; its errors are shown, and end the program, where it fails."""
     return subprocess.run(
-        [str(word) for word in command], check=True, text=True, stdout=subprocess.PIPE,
-        cwd=cwd, env=env, timeout=timeout).stdout
+        [str(word) for word in command],
+        check=True,
+        text=True,
+        stdout=subprocess.PIPE,
+        cwd=cwd,
+        env=env,
+        timeout=timeout,
+    ).stdout
 
 
 def first_line(*command):
@@ -29,7 +35,8 @@ def first_line(*command):
 def arguments(doc):
     """What scripts/bench gives to a measuring program of a build folder."""
     parser = argparse.ArgumentParser(
-        description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
+        description=doc, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--build", type=pathlib.Path, required=True)
     parser.add_argument("--out", type=pathlib.Path, required=True)
     parser.add_argument("--quick", action="store_true")
@@ -66,8 +73,15 @@ class Part:
 
     def add(self, name, subject, unit, value, **more):
         """One figure; `more` is low, high, aim, better, note."""
-        self.results.append({"name": name, "subject": subject, "unit": unit, "value": value,
-                             **{k: v for k, v in more.items() if v is not None}})
+        self.results.append(
+            {
+                "name": name,
+                "subject": subject,
+                "unit": unit,
+                "value": value,
+                **{k: v for k, v in more.items() if v is not None},
+            }
+        )
 
     def write(self, folder):
         """Leave the figures in FOLDER/PART.json."""

@@ -8,14 +8,18 @@ import figures
 ABOUT = (
     "Nanoseconds of processor time for `receive` and the `poll_transmit` after it: median of the "
     "repetitions, and their smallest and largest. `N clients`: a differential status through each "
-    "of N clients in turn, in one process.")
+    "of N clients in turn, in one process."
+)
 ONE_CLIENT = 60  # ns: what a status through the client should cost at most
 
 
 def measure(build, quick):
     options = ["--benchmark_format=json", "--benchmark_enable_random_interleaving=true"]
-    options += (["--benchmark_min_time=0.001"] if quick else
-                ["--benchmark_min_time=0.05", "--benchmark_repetitions=15"])
+    options += (
+        ["--benchmark_min_time=0.001"]
+        if quick
+        else ["--benchmark_min_time=0.05", "--benchmark_repetitions=15"]
+    )
     samples, payload_bytes = {}, {}
     for one in json.loads(figures.run(build / "bin/client_bench", *options))["benchmarks"]:
         if one["run_type"] == "iteration":
@@ -56,12 +60,16 @@ def main():
         part.add(name, "roburoc4", "ns", value, **more)
     part.write(given.out)
     payload = figures.Part(
-        "payload", "Growth: payload",
-        "An IO card's status of so many bytes, decoded and every analog input copied out.", [])
+        "payload",
+        "Growth: payload",
+        "An IO card's status of so many bytes, decoded and every analog input copied out.",
+        [],
+    )
     for (group, case), (value, low, high) in sorted(values.items(), key=place):
         if group == "payload":
-            payload.add(f"{payload_bytes[group, case]} bytes", "roburoc4", "ns", value,
-                        low=low, high=high)
+            payload.add(
+                f"{payload_bytes[group, case]} bytes", "roburoc4", "ns", value, low=low, high=high
+            )
     payload.write(given.out)
 
 

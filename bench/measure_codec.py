@@ -14,10 +14,12 @@ ABOUT_TIME = (
     "repetitions, and their smallest and largest. Decoding ends with every value in a plain "
     "struct. `memcpy` moves the same bytes by hand and checks nothing: the limit. MAVLink also "
     "frames, computes a checksum, and parses byte by byte as from a serial line; LCM prefixes a "
-    "type hash; nanopb writes tagged variable-length integers.")
+    "type hash; nanopb writes tagged variable-length integers."
+)
 ABOUT_COUNT = (
     "The same calls in machine instructions, counted by callgrind (less those of a call that does "
-    "nothing), which do not depend on what else the machine does.")
+    "nothing), which do not depend on what else the machine does."
+)
 
 
 def versions(build):
@@ -44,7 +46,7 @@ def place(name):
 
 def add_all(part, unit, values):
     """values: (direction, message, peer) -> value, low, high. bench/aims.py judges the ratios."""
-    for (direction, message, peer) in sorted(values, key=place):
+    for direction, message, peer in sorted(values, key=place):
         value, low, high = values[direction, message, peer]
         more = {"low": low, "high": high} if low != high else {}
         part.add(f"{direction} {message}", peer, unit, value, **more)
@@ -52,8 +54,11 @@ def add_all(part, unit, values):
 
 def measure_time(build, quick):
     options = ["--benchmark_format=json", "--benchmark_enable_random_interleaving=true"]
-    options += (["--benchmark_min_time=0.001"] if quick else
-                ["--benchmark_min_time=0.02", "--benchmark_repetitions=21"])
+    options += (
+        ["--benchmark_min_time=0.001"]
+        if quick
+        else ["--benchmark_min_time=0.02", "--benchmark_repetitions=21"]
+    )
     runs = json.loads(figures.run(build / "bin/codec_bench", *options))["benchmarks"]
     samples = {}
     for one in runs:
@@ -70,8 +75,13 @@ def measure_instructions(build):
     counts = {}
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "count"
-        figures.run("valgrind", "-q", "--tool=callgrind", f"--callgrind-out-file={out}",
-                    build / "bin/codec_count")
+        figures.run(
+            "valgrind",
+            "-q",
+            "--tool=callgrind",
+            f"--callgrind-out-file={out}",
+            build / "bin/codec_count",
+        )
         for profile in pathlib.Path(folder).iterdir():
             text = profile.read_text(encoding="utf-8")
             trigger = re.search(r"^desc: Trigger: Client Request: (.*)$", text, re.MULTILINE)

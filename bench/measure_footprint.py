@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Bytes of text, data, bss and stack on small processors; the same messages by other codecs.
 
-    bench/measure_footprint.py --functions    list the functions of the Cortex-M0, largest first
-    bench/measure_footprint.py --print        print its figures, and keep none
+bench/measure_footprint.py --functions    list the functions of the Cortex-M0, largest first
+bench/measure_footprint.py --print        print its figures, and keep none
 """
 
 import argparse
@@ -17,8 +17,10 @@ import figures
 TARGETS = {
     "Cortex-M0": ("arm-none-eabi-", ["-mthumb", "-mcpu=cortex-m0"]),
     "Cortex-M3": ("arm-none-eabi-", ["-mthumb", "-mcpu=cortex-m3"]),
-    "Cortex-M4F": ("arm-none-eabi-", ["-mthumb", "-mcpu=cortex-m4", "-mfloat-abi=hard",
-                                      "-mfpu=fpv4-sp-d16"]),
+    "Cortex-M4F": (
+        "arm-none-eabi-",
+        ["-mthumb", "-mcpu=cortex-m4", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"],
+    ),
     "RV32": ("riscv64-unknown-elf-", ["-march=rv32imac", "-mabi=ilp32", "--specs=picolibc.specs"]),
     "AVR": ("avr-", ["-mmcu=atmega2560"]),
 }
@@ -27,15 +29,21 @@ ABOUT = (
     "Bytes at -Os. *All of it* is every function of the library. *Linked* is a whole program with "
     "`--gc-sections`, less one that does nothing: what it really takes, the compiler's own "
     "functions (64-bit arithmetic, floats) included: *bare loop that drives* receives, arms, "
-    "drives and reads three statuses. *Stack* is the deepest path of calls.")
+    "drives and reads three statuses. *Stack* is the deepest path of calls."
+)
 ABOUT_PEERS = (
     "Encode and decode of the five statuses and the drive command, linked with `--gc-sections`, at "
     "-Os, less a program that does nothing. Each is rebuilt here; coreSNTP, a protocol of like "
-    "size, is in no package registry: its figure is its own documentation's.")
+    "size, is in no package registry: its figure is its own documentation's."
+)
 # part of the table -> bytes aimed at, on the Cortex-M0
-AIMS = {"codec, all of it": 2560, "codec of six messages, linked": 2560,
-        "codec + client, all of it": 8192, "bare loop that drives, linked": 8192,
-        "a client's memory": 1024}
+AIMS = {
+    "codec, all of it": 2560,
+    "codec of six messages, linked": 2560,
+    "codec + client, all of it": 8192,
+    "bare loop that drives, linked": 8192,
+    "a client's memory": 1024,
+}
 
 
 def core_sources():
@@ -60,8 +68,18 @@ class Target:
 
     def compile(self, source, *more):
         out = self.folder / (pathlib.Path(source).stem + ".o")
-        self.tool("gcc", *SMALL, *self.flags, "-I", figures.TOP / "include", *more, "-c", source,
-                  "-o", out)
+        self.tool(
+            "gcc",
+            *SMALL,
+            *self.flags,
+            "-I",
+            figures.TOP / "include",
+            *more,
+            "-c",
+            source,
+            "-o",
+            out,
+        )
         return out
 
     def core(self):
@@ -101,7 +119,8 @@ def linked_files(target, source):
     text = text.split("Linker script and memory map")[1]  # before it: what was left out
     found = {}
     for size, origin in re.findall(
-            r"^ \.(?:text|rodata)\S*\s+0x[0-9a-f]+\s+0x([0-9a-f]+)\s+(\S+)$", text, re.MULTILINE):
+        r"^ \.(?:text|rodata)\S*\s+0x[0-9a-f]+\s+0x([0-9a-f]+)\s+(\S+)$", text, re.MULTILINE
+    ):
         library = re.search(r"(lib\w+\.a)\(", origin)
         name = library.group(1) if library else pathlib.Path(origin).stem + ".c"
         found[name] = found.get(name, 0) + int(size, 16)
@@ -112,8 +131,19 @@ def stack(target, objects):
     """The deepest path of stack, and the path as text."""
     program = target.link("core", objects, "-Wl,--no-gc-sections", "-Wl,--entry=0")
     done = subprocess.run(
-        [sys.executable, figures.BENCH / "size/stack_depth.py", "--tools", target.prefix,
-         "--program", program, *objects], text=True, capture_output=True, check=False)
+        [
+            sys.executable,
+            figures.BENCH / "size/stack_depth.py",
+            "--tools",
+            target.prefix,
+            "--program",
+            program,
+            *objects,
+        ],
+        text=True,
+        capture_output=True,
+        check=False,
+    )
     if done.returncode != 0:
         return None, done.stderr.strip().splitlines()[-1]
     return int(done.stdout.split()[-1]), done.stdout
@@ -139,11 +169,15 @@ def measure_target(part, target):
         part.add(name, target.name, "bytes", value, aim=AIMS.get(name) if m0 else None, note=note)
 
     add("codec, all of it", sizes["codec"][0])
-    add("codec of six messages, linked",
-        target.linked(figures.BENCH / "size/codec_roburoc4.c", objects)[0])
+    add(
+        "codec of six messages, linked",
+        target.linked(figures.BENCH / "size/codec_roburoc4.c", objects)[0],
+    )
     add("codec + client, all of it", sum(s[0] for s in sizes.values()))
-    add("bare loop that drives, linked",
-        target.linked(figures.BENCH / "size/client_drive.c", objects)[0])
+    add(
+        "bare loop that drives, linked",
+        target.linked(figures.BENCH / "size/client_drive.c", objects)[0],
+    )
     add("data + bss, all of it", sum(s[1] + s[2] for s in sizes.values()))
     add("a client's memory", target.client_bytes())
     depth, path = stack(target, objects)
@@ -171,8 +205,11 @@ def measure_peers(part, target, peers, objects):
         nanopb = [target.compile(s, *quiet) for s in sorted((peers / "nanopb").glob("*.c"))]
         add_linked("nanopb", size / "codec_nanopb.cpp", nanopb, *quiet)
     add_linked("MAVLink", size / "codec_mavlink.cpp", [], "-DALL_MESSAGES", *quiet)
-    add("codec of the drive command alone", "MAVLink",
-        target.linked(size / "codec_mavlink.cpp", [], *quiet)[0])
+    add(
+        "codec of the drive command alone",
+        "MAVLink",
+        target.linked(size / "codec_mavlink.cpp", [], *quiet)[0],
+    )
 
 
 def print_m0(target, only_functions):
@@ -207,8 +244,9 @@ def measure_all(folder, given):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--out", type=pathlib.Path)
     parser.add_argument("--peers", type=pathlib.Path, help="folder of bench/codec/generate")
     parser.add_argument("--print", action="store_true", help="print the Cortex-M0's figures only")

@@ -18,7 +18,8 @@ ABOUT = (
     "Processor time in milliseconds for each second, of one process. *simulator*: `roburoc4-sim "
     "--robots N`, every robot sending the five services at the client's usual periods (71 statuses "
     "a second). *client*: a program with the pump, the UDP adapter and the client, for 1 to 5 "
-    "services at several periods.")
+    "services at several periods."
+)
 # service -> period in cycles of 10 ms
 USUAL = {2: 5, 3: 10, 4: 100, 5: 5, 6: 5}
 SERVICES = ("differential", "localization", "iocard", "telemeter", "battery")
@@ -33,8 +34,9 @@ def processor_s(pid):
 @contextlib.contextmanager
 def simulator(program, robots):
     """A simulator, and its robots' ports."""
-    process = subprocess.Popen([program, "--port", "0", "--robots", str(robots)], text=True,
-                               stdout=subprocess.PIPE)
+    process = subprocess.Popen(
+        [program, "--port", "0", "--robots", str(robots)], text=True, stdout=subprocess.PIPE
+    )
     try:
         ports = [int(p) for p in re.findall(r"127\.0\.0\.1:(\d+)", process.stdout.readline())]
         if len(ports) != robots:
@@ -47,8 +49,10 @@ def simulator(program, robots):
 
 def measure_robots(part, program, counts, seconds):
     for robots in counts:
-        with simulator(program, robots) as (pid, ports), \
-                socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as subscriber:
+        with (
+            simulator(program, robots) as (pid, ports),
+            socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as subscriber,
+        ):
             for port in ports:
                 for service, period in USUAL.items():
                     insert = struct.pack("<BBHHB", 1, 4, 1, service, period)
@@ -58,12 +62,18 @@ def measure_robots(part, program, counts, seconds):
             before, begun = processor_s(pid), time.monotonic()
             time.sleep(seconds)
             used = (processor_s(pid) - before) / (time.monotonic() - begun)
-        part.add(f"{robots} robots", "simulator", "ms/s", round(used * 1000, 2),
-                 note=f"{used * 1e6 / robots:.0f} us for each")
+        part.add(
+            f"{robots} robots",
+            "simulator",
+            "ms/s",
+            round(used * 1000, 2),
+            note=f"{used * 1e6 / robots:.0f} us for each",
+        )
 
 
 def measure_services(part, program, periods_ms, seconds):
     import roburoc4
+
     with simulator(program, 1) as (_, ports):
         for count in (1, 3, 5):
             for period_ms in periods_ms:
@@ -77,19 +87,28 @@ def measure_services(part, program, periods_ms, seconds):
                     time.sleep(seconds)
                     used = (time.process_time() - before) / (time.monotonic() - begun)
                 rate = count * 1000 / period_ms
-                part.add(f"{count} services, {period_ms} ms", "client", "ms/s",
-                         round(used * 1000, 3), note=f"{used * 1e6 / rate:.1f} us for each of "
-                                                     f"{rate:.0f} statuses a second")
+                part.add(
+                    f"{count} services, {period_ms} ms",
+                    "client",
+                    "ms/s",
+                    round(used * 1000, 3),
+                    note=f"{used * 1e6 / rate:.1f} us for each of {rate:.0f} statuses a second",
+                )
 
 
 def main():
     given = figures.arguments(__doc__)
     program = given.build / "bin/roburoc4-sim"
     part = figures.Part("growth", "Growth: robots, services × rate", ABOUT, [])
-    measure_robots(part, program, (1, 10) if given.quick else (1, 3, 10, 30, 100, 300, 1000),
-                   0.3 if given.quick else 4)
-    measure_services(part, program, (100,) if given.quick else (10, 20, 50, 100),
-                     0.3 if given.quick else 2)
+    measure_robots(
+        part,
+        program,
+        (1, 10) if given.quick else (1, 3, 10, 30, 100, 300, 1000),
+        0.3 if given.quick else 4,
+    )
+    measure_services(
+        part, program, (100,) if given.quick else (10, 20, 50, 100), 0.3 if given.quick else 2
+    )
     part.write(given.out)
 
 

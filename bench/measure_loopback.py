@@ -11,7 +11,8 @@ ABOUT = (
     "bare loop with `ppoll` before its `recv`, which can wake in time to send a command. "
     "Microseconds from sending to the value (or the datagram) on the other side, which sleeps "
     "until it comes. Intervals: 95 %, by bootstrap over the rounds. Statuses a second: by "
-    "processor time of one core for reading 64 that wait; quartiles.")
+    "processor time of one core for reading 64 that wait; quartiles."
+)
 BARE, WAITING = "bare loop", "bare ppoll loop"
 RESAMPLINGS = 400
 QUANTILES = (("p50", 0.5, 1.03), ("p99", 0.99, 1.10), ("p99.9", 0.999, None))
@@ -44,11 +45,16 @@ def ratio_interval(bare, own, share, chance):
     ratios = []
     for _ in range(min(RESAMPLINGS, 200)):
         drawn = chance.choices(range(n), k=n)
-        ratios.append(quantile(sorted(own[i] for i in drawn), share) /
-                      quantile(sorted(bare[i] for i in drawn), share))
+        ratios.append(
+            quantile(sorted(own[i] for i in drawn), share)
+            / quantile(sorted(bare[i] for i in drawn), share)
+        )
     ratios.sort()
-    return (quantile(sorted(own), share) / quantile(sorted(bare), share),
-            ratios[len(ratios) // 40], ratios[-1 - len(ratios) // 40])
+    return (
+        quantile(sorted(own), share) / quantile(sorted(bare), share),
+        ratios[len(ratios) // 40],
+        ratios[-1 - len(ratios) // 40],
+    )
 
 
 def add_latency(part, program, which, name, count):
@@ -57,34 +63,64 @@ def add_latency(part, program, which, name, count):
     bare, own = columns[0], columns[-1]
     subjects = (BARE, "roburoc4") if len(columns) == 2 else (BARE, WAITING, "roburoc4")
     if len(own) < count / 2:
-        raise SystemExit(f"measure_loopback: only {len(own)} of {count} rounds came to an end: the "
-                         "machine is too busy")
+        raise SystemExit(
+            f"measure_loopback: only {len(own)} of {count} rounds came to an end: the "
+            "machine is too busy"
+        )
     for label, share, aim in QUANTILES:
         for subject, samples in zip(subjects, columns, strict=True):
             value, low, high = quantile_interval(samples, share, chance)
-            part.add(f"{name}, {label}", subject, "us", round(value / 1000, 2),
-                     low=round(low / 1000, 2), high=round(high / 1000, 2),
-                     note=f"{len(own)} rounds" if label == "p50" else None)
+            part.add(
+                f"{name}, {label}",
+                subject,
+                "us",
+                round(value / 1000, 2),
+                low=round(low / 1000, 2),
+                high=round(high / 1000, 2),
+                note=f"{len(own)} rounds" if label == "p50" else None,
+            )
         if aim is None:
             continue
         value, low, high = ratio_interval(bare, own, share, chance)
-        part.add(f"{name}, {label}, ratio to bare", "roburoc4", "×", round(value, 3),
-                 low=round(low, 3), high=round(high, 3), aim=aim)
+        part.add(
+            f"{name}, {label}, ratio to bare",
+            "roburoc4",
+            "×",
+            round(value, 3),
+            low=round(low, 3),
+            high=round(high, 3),
+            aim=aim,
+        )
         if len(columns) == 3:
             value, low, high = ratio_interval(columns[1], own, share, chance)
-            part.add(f"{name}, {label}, ratio to bare with ppoll", "roburoc4", "×",
-                     round(value, 3), low=round(low, 3), high=round(high, 3))
+            part.add(
+                f"{name}, {label}, ratio to bare with ppoll",
+                "roburoc4",
+                "×",
+                round(value, 3),
+                low=round(low, 3),
+                high=round(high, 3),
+            )
 
 
 def add_rate(part, program, rounds):
     columns = pairs_of(program, "rate", rounds)
-    for subject, samples in zip(("bare recv", "roburoc4", "bare recvmmsg"), columns,
-                                strict=True):
+    for subject, samples in zip(("bare recv", "roburoc4", "bare recvmmsg"), columns, strict=True):
         ordered = sorted(samples)
-        value, low, high = (ordered[len(ordered) // 2], quantile(ordered, 0.25),
-                            quantile(ordered, 0.75))
-        part.add("statuses a second on one core", subject, "1/s", round(1e9 / value),
-                 low=round(1e9 / high), high=round(1e9 / low), better="higher")
+        value, low, high = (
+            ordered[len(ordered) // 2],
+            quantile(ordered, 0.25),
+            quantile(ordered, 0.75),
+        )
+        part.add(
+            "statuses a second on one core",
+            subject,
+            "1/s",
+            round(1e9 / value),
+            low=round(1e9 / high),
+            high=round(1e9 / low),
+            better="higher",
+        )
 
 
 def main():

@@ -7,20 +7,29 @@ import figures
 
 ABOUT = (
     "Microseconds a call from GNU Octave, by `bench/matlab`: median, and fastest, of 300 rounds of "
-    "20 calls, with a simulated robot on a port of this machine.")
+    "20 calls, with a simulated robot on a port of this machine."
+)
 ROW = re.compile(r"^(\S.*?) {2,}(\d+\.\d) +(\d+\.\d)(?: +(\d+))? *$", re.MULTILINE)
 
 
 def main():
     given = figures.arguments(__doc__)
-    part = figures.Part("matlab", "MATLAB and Octave", ABOUT,
-                        [figures.first_line("octave-cli", "--version")])
+    part = figures.Part(
+        "matlab", "MATLAB and Octave", ABOUT, [figures.first_line("octave-cli", "--version")]
+    )
     rows = ROW.findall(figures.run(figures.BENCH / "matlab", given.build))
     if not rows:
         raise SystemExit("measure_matlab: bench/matlab printed no figures")
     for name, fastest, median, aim in rows:
-        part.add(name, "roburoc4", "us", float(median), low=float(fastest), high=float(median),
-                 aim=float(aim) if aim else None)
+        part.add(
+            name,
+            "roburoc4",
+            "us",
+            float(median),
+            low=float(fastest),
+            high=float(median),
+            aim=float(aim) if aim else None,
+        )
     part.write(given.out)
 
 

@@ -22,11 +22,14 @@ ABOUT = (
     "thread. All decode the same differential status to an object with typed fields, but for "
     "`struct`, which gives a bare tuple; the other statuses follow. `lcm`, `construct` (compiled) "
     "and `pymavlink` decode their own form of the same fields. drive() and reading a property are "
-    "of a robot that is connected to a simulator over UDP, with the pump running.")
+    "of a robot that is connected to a simulator over UDP, with the pump running."
+)
 LAYOUT = struct.Struct("<BHQ4f")
 Tuple = collections.namedtuple(
-    "Tuple", "header service robot_cycles target_linear_m_s current_linear_m_s "
-             "target_angular_rad_s current_angular_rad_s")
+    "Tuple",
+    "header service robot_cycles target_linear_m_s current_linear_m_s "
+    "target_angular_rad_s current_angular_rad_s",
+)
 WIRE = LAYOUT.pack(0xFF, 6, 123456, 1.0, 0.75, -0.5, -0.25)
 # The other four, each with its own layout.
 OTHERS = {
@@ -61,16 +64,20 @@ def add(part, name, subject, unit, found, **more):
 def peers(generated):
     """Name -> function that decodes its own form of the same status, checked."""
     import construct
+
     sys.path.insert(0, str(generated / "python"))
     import mavlink_peer
     from peer import differential_t
 
     form = construct.Struct(
-        "header" / construct.Int8ul, "service" / construct.Int16ul,
+        "header" / construct.Int8ul,
+        "service" / construct.Int16ul,
         "robot_cycles" / construct.Int64ul,
-        "target_linear_m_s" / construct.Float32l, "current_linear_m_s" / construct.Float32l,
+        "target_linear_m_s" / construct.Float32l,
+        "current_linear_m_s" / construct.Float32l,
         "target_angular_rad_s" / construct.Float32l,
-        "current_angular_rad_s" / construct.Float32l).compile()
+        "current_angular_rad_s" / construct.Float32l,
+    ).compile()
 
     message = differential_t()
     message.service, message.robot_cycles = 6, 123456
@@ -91,19 +98,27 @@ def peers(generated):
 
 
 def check(name, decoded):
-    cycles = decoded[2] if isinstance(decoded, tuple) and len(decoded) == 7 else \
-        decoded.robot_cycles
+    cycles = (
+        decoded[2] if isinstance(decoded, tuple) and len(decoded) == 7 else decoded.robot_cycles
+    )
     if cycles != 123456:
         raise SystemExit(f"measure_python: {name} does not decode what went in")
 
 
 def measure_decode(part, timer, generated):
     import roburoc4
+
     ways = {"roburoc4": lambda: roburoc4.decode(WIRE), **peers(generated)}
     for name, work in ways.items():
         check(name, work())
-        add(part, "decode to an object", name, "us", timer.us(work),
-            **({"aim": AIM_US} if name == "roburoc4" else {}))
+        add(
+            part,
+            "decode to an object",
+            name,
+            "us",
+            timer.us(work),
+            **({"aim": AIM_US} if name == "roburoc4" else {}),
+        )
     for service, (form, values) in OTHERS.items():
         wire = form.pack(*values)
         check(service, roburoc4.decode(wire))
@@ -115,9 +130,11 @@ def measure_decode(part, timer, generated):
 def measure_batch(part, timer):
     import numpy
     import roburoc4
+
     data = WIRE * BATCH
-    form = numpy.dtype([("header", "u1"), ("service", "<u2"), ("robot_cycles", "<u8"),
-                        ("speeds", "<f4", (4,))])
+    form = numpy.dtype(
+        [("header", "u1"), ("service", "<u2"), ("robot_cycles", "<u8"), ("speeds", "<f4", (4,))]
+    )
     ways = {
         "roburoc4": lambda: roburoc4.decode_batch("differential", data),
         "NumPy frombuffer + copy": lambda: numpy.frombuffer(data, form).copy(),
@@ -126,17 +143,30 @@ def measure_batch(part, timer):
     for name, work in ways.items():
         us, low, high = timer.us(work)
         rate = [round(BATCH / t, 1) for t in (us, high, low)]
-        add(part, "batch decode", name, "million/s", rate, better="higher",
-            **({"aim": 20, "note": "each one checked"} if name == "roburoc4" else {}))
+        add(
+            part,
+            "batch decode",
+            name,
+            "million/s",
+            rate,
+            better="higher",
+            **({"aim": 20, "note": "each one checked"} if name == "roburoc4" else {}),
+        )
 
 
 def measure_robot(part, timer):
     import roburoc4
+
     with roburoc4.Simulator() as simulator, simulator.connect() as robot:
         robot.arm()
         add(part, "drive()", "roburoc4", "us", timer.us(lambda: robot.drive(0.0, 0.0)))
-        add(part, "read a property (robot.differential)", "roburoc4", "us",
-            timer.us(lambda: robot.differential))
+        add(
+            part,
+            "read a property (robot.differential)",
+            "roburoc4",
+            "us",
+            timer.us(lambda: robot.differential),
+        )
         add(part, "read a property (robot.state)", "roburoc4", "us", timer.us(lambda: robot.state))
 
 
@@ -153,19 +183,24 @@ def import_ms(module, path, repetitions):
 
 
 def measure_imports(part, generated, quick):
-    for module, name in (("roburoc4", "roburoc4"), ("struct, collections", "struct + namedtuple"),
-                         ("lcm", "lcm"), ("construct", "construct, compiled"),
-                         ("mavlink_peer", "pymavlink"), ("numpy", "NumPy frombuffer + copy")):
-        add(part, "import", name, "ms",
-            import_ms(module, generated / "python", 2 if quick else 15))
+    for module, name in (
+        ("roburoc4", "roburoc4"),
+        ("struct, collections", "struct + namedtuple"),
+        ("lcm", "lcm"),
+        ("construct", "construct, compiled"),
+        ("mavlink_peer", "pymavlink"),
+        ("numpy", "NumPy frombuffer + copy"),
+    ):
+        add(part, "import", name, "ms", import_ms(module, generated / "python", 2 if quick else 15))
 
 
 def installed_kb(module):
     """What a package takes on disk, where it is one folder or file."""
     origin = pathlib.Path(importlib.import_module(module).__file__)
     files = origin.parent.rglob("*") if origin.name == "__init__.py" else [origin]
-    return round(sum(f.stat().st_size for f in files
-                     if f.is_file() and "__pycache__" not in f.parts) / 1000)
+    return round(
+        sum(f.stat().st_size for f in files if f.is_file() and "__pycache__" not in f.parts) / 1000
+    )
 
 
 def main():
@@ -177,8 +212,10 @@ def main():
     given = parser.parse_args()
     pinned = (figures.BENCH / "requirements.txt").read_text(encoding="utf-8")
     versions = [f"Python {sys.version.split()[0]}"] + [
-        line.replace("==", " ") for line in pinned.splitlines()
-        if line.startswith(("construct", "lcm", "numpy", "pymavlink"))]
+        line.replace("==", " ")
+        for line in pinned.splitlines()
+        if line.startswith(("construct", "lcm", "numpy", "pymavlink"))
+    ]
     part = figures.Part("python", "Python", ABOUT, versions)
     timer = Timer(given.quick)
     measure_decode(part, timer, given.peers)
@@ -186,8 +223,12 @@ def main():
     measure_robot(part, timer)
     measure_imports(part, given.peers, given.quick)
     part.add("wheel", "roburoc4", "kB", round(given.wheel.stat().st_size / 1000))
-    for module, name in (("roburoc4", "roburoc4"), ("lcm", "lcm"),
-                         ("construct", "construct, compiled"), ("pymavlink", "pymavlink")):
+    for module, name in (
+        ("roburoc4", "roburoc4"),
+        ("lcm", "lcm"),
+        ("construct", "construct, compiled"),
+        ("pymavlink", "pymavlink"),
+    ):
         part.add("installed", name, "kB", installed_kb(module))
     part.write(given.out)
 

@@ -9,10 +9,36 @@ import aims
 import figures
 
 # What is shown first, in this order; other parts follow by name.
-ORDER = ("codec", "instructions", "client", "loopback", "footprint", "footprint_peers", "python",
-         "matlab", "lcm", "dashboard", "growth", "payload")
-PEERS = ("roburoc4", "memcpy", "LCM", "nanopb", "MAVLink", "bare loop", "bare ppoll loop",
-         "bare recv", "bare recvmmsg", "Cortex-M0", "Cortex-M3", "Cortex-M4F", "RV32", "AVR")
+ORDER = (
+    "codec",
+    "instructions",
+    "client",
+    "loopback",
+    "footprint",
+    "footprint_peers",
+    "python",
+    "matlab",
+    "lcm",
+    "dashboard",
+    "growth",
+    "payload",
+)
+PEERS = (
+    "roburoc4",
+    "memcpy",
+    "LCM",
+    "nanopb",
+    "MAVLink",
+    "bare loop",
+    "bare ppoll loop",
+    "bare recv",
+    "bare recvmmsg",
+    "Cortex-M0",
+    "Cortex-M3",
+    "Cortex-M4F",
+    "RV32",
+    "AVR",
+)
 HEAD = """# Figures
 
 Written by `scripts/bench` from `bench/results/*.json`; [README.md](README.md) says what each part
@@ -38,8 +64,10 @@ def table(rows):
     kept = [i for i, _ in enumerate(rows[0]) if any(row[i] for row in rows[1:])]
     rows = [[row[i] for i in kept] for row in rows]
     widths = [max(len(row[i]) for row in rows) for i in range(len(kept))]
-    lines = ["| " + " | ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)) + " |"
-             for row in rows]
+    lines = [
+        "| " + " | ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)) + " |"
+        for row in rows
+    ]
     lines.insert(1, "| " + " | ".join("-" * w for w in widths) + " |")
     return "\n".join(lines) + "\n"
 
@@ -69,11 +97,17 @@ def section_table(part):
         # The row's own figure: ours, or the first (sizes on several processors).
         main = of_name.get("roburoc4") or next(iter(of_name.values()))
         interval = f"{number(main['low'])} to {number(main['high'])}" if "low" in main else ""
-        rows.append([
-            name, main["unit"],
-            *(compared(of_name.get(s), of_name.get("roburoc4")) for s in subjects),
-            interval, number(main["aim"]) if "aim" in main else "",
-            "" if part.get("quick") else aims.verdict(aims.met(main)), main.get("note", "")])
+        rows.append(
+            [
+                name,
+                main["unit"],
+                *(compared(of_name.get(s), of_name.get("roburoc4")) for s in subjects),
+                interval,
+                number(main["aim"]) if "aim" in main else "",
+                "" if part.get("quick") else aims.verdict(aims.met(main)),
+                main.get("note", ""),
+            ]
+        )
     return table(rows)
 
 
@@ -85,12 +119,17 @@ def footprint_details(part, most=40):
     """Where the bytes are."""
     functions = [[str(size), file, f"`{name}`"] for size, file, name in part["functions"][:most]]
     linked = [[str(size), name] for size, name in part["linked"]]
-    return (details(f"The {most} largest functions and tables on Cortex-M0",
-                    table([["bytes", "file", "function"], *functions]))
-            + details("The bare loop that drives on Cortex-M0: what is linked, by where it is from",
-                      table([["bytes", "from"], *linked]))
-            + details("The deepest stack on Cortex-M0",
-                      f"```\n{part['stack_path'].rstrip()}\n```\n"))
+    return (
+        details(
+            f"The {most} largest functions and tables on Cortex-M0",
+            table([["bytes", "file", "function"], *functions]),
+        )
+        + details(
+            "The bare loop that drives on Cortex-M0: what is linked, by where it is from",
+            table([["bytes", "from"], *linked]),
+        )
+        + details("The deepest stack on Cortex-M0", f"```\n{part['stack_path'].rstrip()}\n```\n")
+    )
 
 
 def section(part):
@@ -115,12 +154,16 @@ def header(parts, failed):
     """What it was measured on and with, and the aims."""
     machines = dict.fromkeys(p["machine"] for p in parts if "machine" in p)
     versions = dict.fromkeys(v for p in parts for v in p.get("versions", []))
-    lines = [HEAD + f"- Machine: {'; '.join(machines)}",
-             f"- Compilers, and what is compared with: {'; '.join(versions)}",
-             f"- Measured: {', '.join(sorted({p['measured'] for p in parts}))}\n"]
+    lines = [
+        HEAD + f"- Machine: {'; '.join(machines)}",
+        f"- Compilers, and what is compared with: {'; '.join(versions)}",
+        f"- Measured: {', '.join(sorted({p['measured'] for p in parts}))}\n",
+    ]
     if failed:
-        lines.append(f"**Not measured this time, for an error: {', '.join(failed)}.** Their "
-                     "figures, where there are any, are of an earlier run.\n")
+        lines.append(
+            f"**Not measured this time, for an error: {', '.join(failed)}.** Their "
+            "figures, where there are any, are of an earlier run.\n"
+        )
     judged = list(aims.rows([p for p in parts if not p.get("quick")], number))
     lines.append("## The aims\n")
     if judged:
@@ -139,8 +182,10 @@ def load(folder):
         part = json.loads(path.read_text(encoding="utf-8"))
         missing = {"part", "title", "measured", "results"} - set(part)
         if missing:
-            raise SystemExit(f"report: {path} has no {', '.join(sorted(missing))}: see "
-                             "bench/README.md for the format")
+            raise SystemExit(
+                f"report: {path} has no {', '.join(sorted(missing))}: see "
+                "bench/README.md for the format"
+            )
         parts[part["part"]] = part
     return parts
 
@@ -152,41 +197,59 @@ def ordered(parts):
 
 # ------------------------------------------------------------------------------------ pictures
 
-COLOURS = {"roburoc4": "#c0392b", "memcpy": "#7f8c8d", "LCM": "#2980b9", "nanopb": "#27ae60",
-           "MAVLink": "#8e44ad"}
+COLOURS = {
+    "roburoc4": "#c0392b",
+    "memcpy": "#7f8c8d",
+    "LCM": "#2980b9",
+    "nanopb": "#27ae60",
+    "MAVLink": "#8e44ad",
+}
 
 
 def errors(results):
     """Distances below and above, for error bars; None where nothing varies."""
     if not any("low" in r for r in results):
         return None
-    return [[r["value"] - r.get("low", r["value"]) for r in results],
-            [r.get("high", r["value"]) - r["value"] for r in results]]
+    return [
+        [r["value"] - r.get("low", r["value"]) for r in results],
+        [r.get("high", r["value"]) - r["value"] for r in results],
+    ]
 
 
 def plain_numbers(axis):
     """100 instead of a power of ten; steps between where there are few."""
     from matplotlib.ticker import LogFormatter
+
     axis.set_major_formatter(LogFormatter(minor_thresholds=(1, 0.4)))
     axis.set_minor_formatter(LogFormatter(labelOnlyBase=False, minor_thresholds=(1, 0.4)))
 
 
 def legend_above(figure, axes, columns):
     """A legend that hides no bar."""
-    figure.legend(*axes.get_legend_handles_labels(), loc="upper center", ncol=columns,
-                  frameon=False)
+    figure.legend(
+        *axes.get_legend_handles_labels(), loc="upper center", ncol=columns, frameon=False
+    )
     figure.tight_layout(rect=(0, 0, 1, 0.94))
 
 
 def grouped_bars(axes, names, subjects, log):
     width = 0.8 / len(subjects)
     for i, subject in enumerate(subjects):
-        found = [(x, of_name[subject]) for x, of_name in enumerate(names.values())
-                 if subject in of_name and of_name[subject]["value"]]
-        axes.bar([x + i * width - 0.4 + width / 2 for x, _ in found],
-                 [r["value"] for _, r in found], width, label=subject,
-                 color=COLOURS.get(subject), yerr=errors([r for _, r in found]), capsize=1.5,
-                 error_kw={"linewidth": 0.7})
+        found = [
+            (x, of_name[subject])
+            for x, of_name in enumerate(names.values())
+            if subject in of_name and of_name[subject]["value"]
+        ]
+        axes.bar(
+            [x + i * width - 0.4 + width / 2 for x, _ in found],
+            [r["value"] for _, r in found],
+            width,
+            label=subject,
+            color=COLOURS.get(subject),
+            yerr=errors([r for _, r in found]),
+            capsize=1.5,
+            error_kw={"linewidth": 0.7},
+        )
     axes.set_xticks(range(len(names)), list(names), rotation=20, ha="right")
     if log:
         axes.set_yscale("log")
@@ -215,8 +278,13 @@ def draw_python(plt, parts):
     decode = by_name(parts["python"])["decode to an object"]
     figure, axes = plt.subplots(figsize=(7, 3.2))
     found = list(decode.values())
-    axes.barh([r["subject"] for r in found], [r["value"] for r in found], xerr=errors(found),
-              capsize=2, color=[COLOURS.get(r["subject"], "#7f8c8d") for r in found])
+    axes.barh(
+        [r["subject"] for r in found],
+        [r["value"] for r in found],
+        xerr=errors(found),
+        capsize=2,
+        color=[COLOURS.get(r["subject"], "#7f8c8d") for r in found],
+    )
     axes.invert_yaxis()
     axes.set_xscale("log")
     plain_numbers(axes.xaxis)
@@ -230,17 +298,27 @@ def draw_footprint(plt, parts):
     if not {"footprint", "footprint_peers"} <= set(parts):
         return None
     names = by_name(parts["footprint"])
-    chosen = [n for n in ("codec, all of it", "codec of six messages, linked",
-                          "bare loop that drives, linked", "codec + client, all of it")
-              if n in names]
+    chosen = [
+        n
+        for n in (
+            "codec, all of it",
+            "codec of six messages, linked",
+            "bare loop that drives, linked",
+            "codec + client, all of it",
+        )
+        if n in names
+    ]
     figure, (axes, peers) = plt.subplots(1, 2, figsize=(10, 4.2), width_ratios=(3, 2))
     targets = [t for t in PEERS if any(t in names[n] for n in chosen)]
     grouped_bars(axes, {n: names[n] for n in chosen}, targets, log=False)
     axes.set_ylabel("bytes of text at -Os")
     axes.legend(fontsize=8)
     start = "codec of six messages, "
-    beside = {n[len(start):]: v for n, v in by_name(parts["footprint_peers"]).items()
-              if n.startswith(start)}
+    beside = {
+        n[len(start) :]: v
+        for n, v in by_name(parts["footprint_peers"]).items()
+        if n.startswith(start)
+    }
     grouped_bars(peers, beside, ["roburoc4", "nanopb", "MAVLink"], log=False)
     peers.set_title(f"{start}linked")
     peers.legend(fontsize=8)
@@ -251,8 +329,11 @@ def draw_footprint(plt, parts):
 def draw_loopback(plt, parts):
     if "loopback" not in parts:
         return None
-    names = {n: v for n, v in by_name(parts["loopback"]).items()
-             if "ratio" not in n and "second" not in n}
+    names = {
+        n: v
+        for n, v in by_name(parts["loopback"]).items()
+        if "ratio" not in n and "second" not in n
+    }
     figure, axes = plt.subplots(figsize=(8, 3.6))
     grouped_bars(axes, names, ["bare loop", "bare ppoll loop", "roburoc4"], log=True)
     axes.set_ylabel("us, log; 95 % intervals")
@@ -262,9 +343,16 @@ def draw_loopback(plt, parts):
 
 def line(axes, points, label=None):
     points = sorted(points)
-    axes.errorbar([p[0] for p in points], [p[1]["value"] for p in points],
-                  yerr=errors([p[1] for p in points]), marker="o", markersize=3, linewidth=1,
-                  capsize=2, label=label)
+    axes.errorbar(
+        [p[0] for p in points],
+        [p[1]["value"] for p in points],
+        yerr=errors([p[1] for p in points]),
+        marker="o",
+        markersize=3,
+        linewidth=1,
+        capsize=2,
+        label=label,
+    )
     axes.set_xscale("log")
     plain_numbers(axes.xaxis)
     axes.grid(alpha=0.3)
@@ -278,14 +366,25 @@ def draw_growth(plt, parts):
     if not {"client", "growth", "payload"} <= set(parts):
         return None
     figure, ((clients, robots), (services, payload)) = plt.subplots(2, 2, figsize=(9, 6.4))
-    line(clients, [(leading_number(r["name"]), r) for r in parts["client"]["results"]
-                   if r["name"].endswith(" clients")])
+    line(
+        clients,
+        [
+            (leading_number(r["name"]), r)
+            for r in parts["client"]["results"]
+            if r["name"].endswith(" clients")
+        ],
+    )
     clients.set_ylim(bottom=0)
     clients.set(xlabel="clients in one process", ylabel="ns a status")
-    line(robots, [(leading_number(r["name"]), r) for r in parts["growth"]["results"]
-                  if r["name"].endswith(" robots")])
-    robots.set(xlabel="robots in one roburoc4-sim", ylabel="ms of processor a second",
-               yscale="log")
+    line(
+        robots,
+        [
+            (leading_number(r["name"]), r)
+            for r in parts["growth"]["results"]
+            if r["name"].endswith(" robots")
+        ],
+    )
+    robots.set(xlabel="robots in one roburoc4-sim", ylabel="ms of processor a second", yscale="log")
     of_count = {}
     for r in parts["growth"]["results"]:
         if "services" in r["name"]:
@@ -305,13 +404,19 @@ def draw_growth(plt, parts):
 
 def draw(parts, folder):
     import matplotlib
+
     matplotlib.use("svg")
     matplotlib.rcParams.update({"svg.hashsalt": "roburoc4", "font.size": 9})
     import matplotlib.pyplot as plt
+
     drawn = []
-    for name, drawing in (("codec", draw_codec), ("loopback", draw_loopback),
-                          ("footprint", draw_footprint), ("python", draw_python),
-                          ("growth", draw_growth)):
+    for name, drawing in (
+        ("codec", draw_codec),
+        ("loopback", draw_loopback),
+        ("footprint", draw_footprint),
+        ("python", draw_python),
+        ("growth", draw_growth),
+    ):
         figure = drawing(plt, parts)
         if figure is not None:
             figure.savefig(folder / f"bench-{name}.svg", metadata={"Date": None})
@@ -335,8 +440,9 @@ def main():
         text = section(part)
         if part["part"] in drawn:
             title, rest = text.split("\n", 1)
-            text = (f"{title}\n\n![{part['title']}](../docs/images/bench-{part['part']}.svg)\n"
-                    + rest)
+            text = (
+                f"{title}\n\n![{part['title']}](../docs/images/bench-{part['part']}.svg)\n" + rest
+            )
         sections.append(text)
     changes = (figures.BENCH / "changes.md").read_text(encoding="utf-8")
     head = header(ordered(parts), given.failed)

@@ -9,6 +9,7 @@ are in neither: their stack is read from the machine code of the core linked wit
 the graph (recursion), a frame of unknown size or a function of unknown stack is an error, since
 then there is no deepest path to tell. Knows ARM, RISC-V and AVR.
 """
+
 import argparse
 import pathlib
 import re
@@ -24,7 +25,7 @@ CALLING = re.compile(r"(b|bl|blx|b[a-z]{2,4}|j|jal|r?call|r?jmp)(\.[nw])?$")
 AVR_RETURN_ADDRESS = 3  # bytes, where flash is larger than 128 kB
 
 
-class Unknown(Exception):
+class UnknownDepthError(Exception):
     """No deepest path can be told."""
 
 
@@ -47,7 +48,7 @@ class CallGraph:
             if frame is None:
                 continue  # called here, defined elsewhere
             if frame.group(2) == "dynamic":
-                raise Unknown(f"{title}: its frame has no fixed size")
+                raise UnknownDepthError(f"{title}: its frame has no fixed size")
             self.frames[title] = int(frame.group(1))
             self.calls.setdefault(title, set())
         for caller, callee in EDGE.findall(text):
@@ -65,7 +66,7 @@ class CallGraph:
 
         for name, frame, kind in USAGE.findall(obj.with_suffix(".su").read_text(encoding="utf-8")):
             if kind == "dynamic":
-                raise Unknown(f"{name}: its frame has no fixed size")
+                raise UnknownDepthError(f"{name}: its frame has no fixed size")
             self.frames[title(name)] = int(frame)
             self.calls.setdefault(title(name), set())
         caller = None
@@ -81,13 +82,19 @@ class CallGraph:
 
     def note_addresses(self, objdump, obj):
         """Functions whose address an object takes: any of them may be called indirectly."""
-        here = {t.rsplit(":", 1)[-1]: t for t in self.frames
-                if ":" not in t or pathlib.Path(t.rsplit(":", 1)[0]).stem == obj.stem}
+        here = {
+            t.rsplit(":", 1)[-1]: t
+            for t in self.frames
+            if ":" not in t or pathlib.Path(t.rsplit(":", 1)[0]).stem == obj.stem
+        }
         for line in said(objdump, "-r", obj).splitlines():
             fields = line.split()
             # With an offset it is a place within a function: a case of a switch.
-            if len(fields) == 3 and fields[1].startswith("R_") and \
-                    not re.search(r"CALL|JUMP|PLT|BRANCH|\d_PCREL", fields[1]):
+            if (
+                len(fields) == 3
+                and fields[1].startswith("R_")
+                and not re.search(r"CALL|JUMP|PLT|BRANCH|\d_PCREL", fields[1])
+            ):
                 title = here.get(re.sub(r"^\.text\.", "", fields[2]))
                 if title is not None:
                     self.address_taken.add(title)
@@ -117,8 +124,7 @@ class MachineCode:
                 self.reaches[function] = set()
             elif function is not None and line.count("\t") >= 3:
                 _, _, mnemonic, operands = line.split("\t", 3)
-                self.frames[function] += self._taken(
-                    function, line, mnemonic.strip(), operands)
+                self.frames[function] += self._taken(function, line, mnemonic.strip(), operands)
                 target = re.search(r"<([^>+]*)", operands)
                 if CALLING.match(mnemonic.strip()) and target:
                     self.reaches[function].add(target.group(1))
@@ -127,14 +133,16 @@ class MachineCode:
         """Bytes of stack that an instruction takes."""
         if mnemonic == "push" and operands.startswith("r"):  # AVR
             return 1
-        if re.match(r"v?push|stmdb", mnemonic) and (mnemonic.endswith("push") or
-                                                    operands.startswith("sp!")):
+        if re.match(r"v?push|stmdb", mnemonic) and (
+            mnemonic.endswith("push") or operands.startswith("sp!")
+        ):
             return self._registers(operands) * (8 if "{d" in operands else 4)
         down = re.match(r"sp, ?(?:sp, ?)?(?:#|-)(\d+)", operands)
         if down and (mnemonic.startswith("sub") or "sp,sp,-" in operands):
             return int(down.group(1))
-        if (mnemonic.startswith("sub") and operands.startswith("sp,")) or \
-                re.match(r"out\t0x3d", f"{mnemonic}\t{operands}"):
+        if (mnemonic.startswith("sub") and operands.startswith("sp,")) or re.match(
+            r"out\t0x3d", f"{mnemonic}\t{operands}"
+        ):
             self.by_register[function] = line.strip()
             return 0
         push_one = re.search(r"\[sp, #-(\d+)\]!", operands)
@@ -150,13 +158,13 @@ class MachineCode:
 
     def stack(self, name):
         if name not in self.address:
-            raise Unknown(f"{name}: neither a call graph nor machine code")
+            raise UnknownDepthError(f"{name}: neither a call graph nor machine code")
         seen = set()
         waiting = [self.address[name]]
         while waiting:
             at = waiting.pop()
             if at in self.by_register:
-                raise Unknown(f"{name} takes stack by a register: {self.by_register[at]}")
+                raise UnknownDepthError(f"{name} takes stack by a register: {self.by_register[at]}")
             if at not in seen and at in self.frames:
                 seen.add(at)
                 waiting += [self.address[n] for n in self.reaches[at] if n in self.address]
@@ -172,7 +180,9 @@ def deepest(graph, code):
         if title in known:
             return known[title]
         if title in entered:
-            raise Unknown("recursion: " + " > ".join(entered[entered.index(title):] + [title]))
+            raise UnknownDepthError(
+                "recursion: " + " > ".join([*entered[entered.index(title) :], title])
+            )
         if title not in graph.frames:
             known[title] = (code.stack(title), [(title, code.stack(title))])
             return known[title]
@@ -183,7 +193,7 @@ def deepest(graph, code):
             if callee == INDIRECT:
                 targets = sorted(graph.address_taken)
                 if not targets:
-                    raise Unknown(f"{title}: calls a function that nothing names")
+                    raise UnknownDepthError(f"{title}: calls a function that nothing names")
             below = max([below] + [visit(t) for t in targets], key=lambda b: b[0])
         entered.pop()
         frame = graph.frames[title]
@@ -200,12 +210,19 @@ def short(title):
 
 
 def main():
-    parser = argparse.ArgumentParser(description="The deepest path of stack through objects that "
-                                     "were compiled with -fcallgraph-info=su or -fstack-usage.")
+    parser = argparse.ArgumentParser(
+        description="The deepest path of stack through objects that "
+        "were compiled with -fcallgraph-info=su or -fstack-usage."
+    )
     parser.add_argument("--program", required=True, help="the objects linked with their helpers")
     parser.add_argument("--tools", default="", help="prefix of objdump and nm")
-    parser.add_argument("--entries", type=int, default=0, metavar="N",
-                        help="list the N deepest public functions too")
+    parser.add_argument(
+        "--entries",
+        type=int,
+        default=0,
+        metavar="N",
+        help="list the N deepest public functions too",
+    )
     parser.add_argument("objects", nargs="+", type=pathlib.Path)
     arguments = parser.parse_args()
     objdump, nm = arguments.tools + "objdump", arguments.tools + "nm"
@@ -221,7 +238,7 @@ def main():
     known = deepest(graph, MachineCode(objdump, nm, arguments.program))
 
     ranking = sorted((t for t in graph.frames if ":" not in t), key=lambda t: (-known[t][0], t))
-    for title in ranking[:arguments.entries]:
+    for title in ranking[: arguments.entries]:
         print(f"  {known[title][0]:5}  {title}")
     total, path = known[ranking[0]]
     for title, frame in path:
@@ -229,8 +246,10 @@ def main():
         print(f"  {frame:5}  {short(title)}{where}")
     indirect = sorted(t for t in graph.calls if INDIRECT in graph.calls[t])
     for title in indirect:
-        print(f"  {short(title)} calls one of: "
-              + ", ".join(sorted(short(t) for t in graph.address_taken)))
+        print(
+            f"  {short(title)} calls one of: "
+            + ", ".join(sorted(short(t) for t in graph.address_taken))
+        )
     print(f"  no recursion, {len(indirect)} function(s) with indirect calls")
     print(f"stack {total}")
 
@@ -238,5 +257,5 @@ def main():
 if __name__ == "__main__":
     try:
         main()
-    except Unknown as error:
+    except UnknownDepthError as error:
         sys.exit(f"stack_depth: {error}")
