@@ -91,7 +91,7 @@ static double axis_of(const roburoc4_sim *sim, uint32_t axis) {
     return (double)sim->axes[axis - ROBUROC4_AI_PAD_LJ_X];
 }
 
-sim_speed sim_pad_speed(const roburoc4_sim *sim) {
+static sim_speed pad_speed(const roburoc4_sim *sim) {
     double forward = (axis_of(sim, ROBUROC4_AI_PAD_RT) + 1.0) / 2.0;
     double backward = (axis_of(sim, ROBUROC4_AI_PAD_LT) + 1.0) / 2.0;
     double right = axis_of(sim, ROBUROC4_AI_PAD_LJ_X);
@@ -104,6 +104,12 @@ sim_speed sim_pad_speed(const roburoc4_sim *sim) {
         speed.angular_rad_s = -right * sim->angular.max_speed;
     }
     return speed;
+}
+
+void sim_cockpit_cycle(roburoc4_sim *sim) {
+    if (sim_pad_drives(sim)) {
+        sim->target = pad_speed(sim);
+    }
 }
 
 roburoc4_result roburoc4_sim_set_pad_button(roburoc4_sim *sim, uint32_t button, int32_t down) {

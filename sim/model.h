@@ -7,6 +7,7 @@
 #define ROBUROC4_SIM_MODEL_H
 
 #include <float.h>
+#include <math.h>
 #include <stdbool.h>
 
 #include "roburoc4_sim.h"
@@ -118,6 +119,12 @@ static inline bool sim_is_finite(double value) {
     return value >= -DBL_MAX && value <= DBL_MAX;
 }
 
+/* To -pi..pi. */
+static inline double sim_wrap(double angle_rad) {
+    return angle_rad > SIM_PI || angle_rad < -SIM_PI ? remainder(angle_rad, 2.0 * SIM_PI)
+                                                     : angle_rad;
+}
+
 /* random.c: a small generator, seeded per robot and per channel. */
 uint64_t sim_random(uint64_t *state);
 double sim_random_unit(uint64_t *state);   /* 0 to 1, without 1 */
@@ -162,14 +169,13 @@ bool sim_bumper(const roburoc4_sim *sim, uint32_t which);
 void sim_cockpit_power_up(roburoc4_sim *sim);
 void sim_cockpit_power_down(roburoc4_sim *sim);
 bool sim_pad_drives(const roburoc4_sim *sim);
-sim_speed sim_pad_speed(const roburoc4_sim *sim);
+void sim_cockpit_cycle(roburoc4_sim *sim); /* the pad sets the target where it has the say */
 
 /* motion.c */
 void sim_motion_init(roburoc4_sim *sim); /* take the limits of the configuration */
 void sim_motion_cycle(roburoc4_sim *sim);
 void sim_motion_command(roburoc4_sim *sim, double linear_m_s, double angular_rad_s);
 void sim_motion_forget(roburoc4_sim *sim); /* target 0 until the next command */
-double sim_wrap(double angle_rad);         /* to -pi..pi */
 
 /* world.c */
 void sim_world_init(roburoc4_sim *sim);

@@ -24,11 +24,6 @@
 #define REST_SPEED 1e-4
 #define REST_SLOPE 1e-3
 
-double sim_wrap(double angle_rad) {
-    return angle_rad > SIM_PI || angle_rad < -SIM_PI ? remainder(angle_rad, 2.0 * SIM_PI)
-                                                     : angle_rad;
-}
-
 /* The solution of e'' + 2 zeta omega e' + omega^2 e = 0 after one cycle. */
 static sim_response sample_response(double omega, double zeta) {
     double sigma = zeta * omega;
@@ -87,9 +82,7 @@ void sim_motion_forget(roburoc4_sim *sim) {
 }
 
 static void watch(roburoc4_sim *sim) {
-    if (sim_pad_drives(sim)) {
-        sim->target = sim_pad_speed(sim);
-    } else if (sim->fed && ++sim->cycles_since_command >= sim->config.watchdog_cycles) {
+    if (sim->fed && ++sim->cycles_since_command >= sim->config.watchdog_cycles) {
         sim_motion_forget(sim);
     }
 }

@@ -65,6 +65,7 @@ void roburoc4_sim_receive(roburoc4_sim *sim, uint64_t peer, const uint8_t *data,
 
 static void run_cycle(roburoc4_sim *sim) {
     sim->cycles += sim->powered ? 1u : 0u;
+    sim_cockpit_cycle(sim);
     sim_motion_cycle(sim);
     sim_battery_cycle(sim);
     if (sim->powered) {

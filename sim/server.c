@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The simulator in real time behind UDP sockets. Its one job is the loop: wait, let time go on,
- * carry datagrams both ways (through bad networks, if asked for), obey the panel.
+ * The simulator in real time behind UDP sockets. Its one job is the loop: wait, give each robot its
+ * turn, obey the panel.
  */
 #include "server.h"
 
@@ -9,24 +9,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "net.h"
+#include "carrier.h"
 #include "number.h"
 
-#define LONGEST_UDP 65536
-/* What passes through a faulty network: one Ethernet frame. */
-#define LONGEST_FRAME 1472
 #define FLIGHTS_OF_ALL 65536u
 #define FLIGHTS_MIN 256u
 #define FLIGHTS_MAX 4096u
-/* Datagrams taken from one robot before the others have their turn. */
-#define DATAGRAMS_PER_TURN 256
 /* After a longer gap (a debugger, a sleeping machine) the robots go on where they were. */
 #define LONGEST_GAP_US 1000000u
 #define MAX_INPUT_LINE 256
 
 typedef struct served_robot {
-    roburoc4_sim *sim;
-    roburoc4_sim_channel *in, *out; /* NULL: a perfect network */
+    sim_carrier carrier;
     uint16_t port;
 } served_robot;
 
@@ -39,7 +33,7 @@ typedef struct server_state {
     char line[MAX_INPUT_LINE];
     size_t line_used;
     bool line_too_long;
-    uint8_t buffer[LONGEST_UDP];
+    uint8_t buffer[SIM_LONGEST_UDP];
 } server_state;
 
 /* ------------------------------------------------------------------------------------- setup ---
@@ -50,7 +44,7 @@ static bool has_faults(const roburoc4_sim_faults *faults) {
            faults->corrupt > 0.0 || faults->delay_us > 0 || faults->jitter_us > 0;
 }
 
-static bool create_robot(const server_options *options, uint32_t index, served_robot *robot) {
+static bool create_robot(const server_options *options, uint32_t index, sim_carrier *robot) {
     roburoc4_sim_config config = options->config;
     /* Every robot has its own luck, and each the same in every run. */
     config.seed += (uint64_t)index * 3;
@@ -61,7 +55,7 @@ static bool create_robot(const server_options *options, uint32_t index, served_r
     uint32_t flights = FLIGHTS_OF_ALL / options->robots;
     flights = flights < FLIGHTS_MIN ? FLIGHTS_MIN : flights > FLIGHTS_MAX ? FLIGHTS_MAX : flights;
     robot->in =
-        roburoc4_sim_channel_create(&options->faults, config.seed + 1, flights, LONGEST_FRAME);
+        roburoc4_sim_channel_create(&options->faults, config.seed + 1, flights, SIM_LONGEST_FRAME);
     robot->out = roburoc4_sim_channel_create(&options->faults, config.seed + 2, flights,
                                              ROBUROC4_SIM_MAX_TRANSMIT);
     return robot->in != NULL && robot->out != NULL;
@@ -71,7 +65,10 @@ static bool open_robot(server_state *server, uint32_t index) {
     const server_options *options = server->options;
     served_robot *robot = &server->robots[index];
     uint16_t port = options->port == 0 ? 0 : (uint16_t)(options->port + index);
-    if (!create_robot(options, index, robot)) {
+    robot->carrier.net = server->net;
+    robot->carrier.index = index;
+    robot->carrier.buffer = server->buffer;
+    if (!create_robot(options, index, &robot->carrier)) {
         (void)fprintf(stderr, "roburoc4-sim: out of memory: ask for fewer --robots\n");
         return false;
     }
@@ -107,9 +104,9 @@ static bool open_all(server_state *server) {
 
 static void close_all(server_state *server) {
     for (uint32_t index = 0; server->robots != NULL && index < server->options->robots; index++) {
-        roburoc4_sim_destroy(server->robots[index].sim);
-        roburoc4_sim_channel_destroy(server->robots[index].in);
-        roburoc4_sim_channel_destroy(server->robots[index].out);
+        roburoc4_sim_destroy(server->robots[index].carrier.sim);
+        roburoc4_sim_channel_destroy(server->robots[index].carrier.in);
+        roburoc4_sim_channel_destroy(server->robots[index].carrier.out);
     }
     free(server->robots);
     if (server->net != NULL) {
@@ -124,56 +121,6 @@ static void say_ready(const server_state *server) {
     }
     (void)printf("\n");
     (void)fflush(stdout);
-}
-
-/* -------------------------------------------------------------------------------- datagrams --- */
-
-static void take_in(server_state *server, uint32_t index, uint64_t now_us) {
-    served_robot *robot = &server->robots[index];
-    uint64_t peer = 0;
-    for (int taken = 0; taken < DATAGRAMS_PER_TURN; taken++) {
-        ptrdiff_t size =
-            net_receive(server->net, index, &peer, server->buffer, sizeof server->buffer);
-        if (size < 0) {
-            break;
-        }
-        if (robot->in != NULL) {
-            roburoc4_sim_channel_push(robot->in, peer, server->buffer, (size_t)size, now_us);
-        } else {
-            roburoc4_sim_receive(robot->sim, peer, server->buffer, (size_t)size);
-        }
-    }
-    while (net_refused(server->net, index, &peer)) {
-        roburoc4_sim_peer_unreachable(robot->sim, peer);
-    }
-}
-
-static void deliver_in(server_state *server, served_robot *robot, uint64_t now_us) {
-    uint64_t peer = 0;
-    roburoc4_result size = 0;
-    while ((size = roburoc4_sim_channel_poll(robot->in, now_us, &peer, server->buffer,
-                                             sizeof server->buffer)) > 0) {
-        roburoc4_sim_receive(robot->sim, peer, server->buffer, (size_t)size);
-    }
-}
-
-static void send_out(server_state *server, uint32_t index, uint64_t now_us) {
-    served_robot *robot = &server->robots[index];
-    uint64_t peer = 0;
-    roburoc4_result size = 0;
-    while ((size = roburoc4_sim_poll_transmit(robot->sim, &peer, server->buffer,
-                                              sizeof server->buffer)) > 0) {
-        if (robot->out != NULL) {
-            roburoc4_sim_channel_push(robot->out, peer, server->buffer, (size_t)size, now_us);
-        } else {
-            net_send(server->net, index, peer, server->buffer, (size_t)size);
-        }
-    }
-    while (robot->out != NULL &&
-           (size = roburoc4_sim_channel_poll(robot->out, now_us, &peer, server->buffer,
-                                             sizeof server->buffer)) > 0) {
-        net_send(server->net, index, peer, server->buffer, (size_t)size);
-    }
 }
 
 /* ------------------------------------------------------------------------------------ panel --- */
@@ -211,7 +158,7 @@ static void obey(server_state *server, const char *line) {
     }
     for (uint32_t number = first; number <= last; number++) {
         roburoc4_result result =
-            roburoc4_sim_panel(server->robots[number - 1].sim, line, reply, sizeof reply);
+            roburoc4_sim_panel(server->robots[number - 1].carrier.sim, line, reply, sizeof reply);
         bool each = strstr(line, "status") != NULL && server->options->robots > 1;
         if (result < 0) {
             (void)printf("error: %s\n", reply);
@@ -276,15 +223,8 @@ static uint64_t robot_time_us(server_state *server) {
 static uint64_t next_deadline(const server_state *server) {
     uint64_t next_us = UINT64_MAX;
     for (uint32_t index = 0; index < server->options->robots; index++) {
-        const served_robot *robot = &server->robots[index];
-        uint64_t due_us = roburoc4_sim_next_deadline(robot->sim);
+        uint64_t due_us = sim_carrier_next_deadline(&server->robots[index].carrier);
         next_us = due_us < next_us ? due_us : next_us;
-        if (robot->in != NULL) {
-            due_us = roburoc4_sim_channel_next_deadline(robot->in);
-            next_us = due_us < next_us ? due_us : next_us;
-            due_us = roburoc4_sim_channel_next_deadline(robot->out);
-            next_us = due_us < next_us ? due_us : next_us;
-        }
     }
     return next_us;
 }
@@ -292,17 +232,7 @@ static uint64_t next_deadline(const server_state *server) {
 static void turn(server_state *server) {
     uint64_t now_us = robot_time_us(server);
     for (uint32_t index = 0; index < server->options->robots; index++) {
-        served_robot *robot = &server->robots[index];
-        /* Datagrams first: after a stall of this process its robots must not find their watchdogs
-         * hungry while the food lies in the socket. */
-        if (net_is_ready(server->net, index)) {
-            take_in(server, index, now_us);
-        }
-        if (robot->in != NULL) {
-            deliver_in(server, robot, now_us);
-        }
-        roburoc4_sim_advance(robot->sim, now_us);
-        send_out(server, index, now_us);
+        sim_carrier_turn(&server->robots[index].carrier, now_us);
     }
     if (server->input) {
         read_panel(server);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * What is asked next: from the directory to the last channel's text, subscriptions, the probe; and
- * when a state has nothing left to wait for.
+ * What is asked next: from the directory to the last channel's text, subscriptions, the probe; what
+ * a request that failed leaves behind; and when a state has nothing left to wait for.
  */
 #include "bytes.h"
-#include "client.h"
+#include "joined.h"
 
 /* A probe waits up to 0.8 s for its answer (with the default first_retry_ms). */
 #define PROBE_TRIES 4
@@ -97,6 +97,31 @@ void roburoc4_client_renew_silent(client *c) {
             !roburoc4_link_fresh(&c->private_link, i, limit_us, c->private_now_us)) {
             d->acked &= (uint8_t)~bit;
         }
+    }
+}
+
+void roburoc4_client_fail(client *c, const slot *s, roburoc4_result why) {
+    discovery *d = &c->private_discovery;
+    switch (s->ask.action) {
+    case ROBUROC4_ACTION_GET:
+        d->refused |= service_bit(s->ask.kind);
+        if (s->ask.kind == ROBUROC4_SERVICE_DIFFERENTIAL && why != ROBUROC4_ERR_TIMEOUT) {
+            roburoc4_drive_service(&c->private_drive, false, c->private_drive.service);
+        }
+        break;
+    case ROBUROC4_ACTION_QUERY:
+        roburoc4_discovery_described(d, s->ask.detail, s->ask.subject);
+        break;
+    case ROBUROC4_ACTION_INSERT:
+        raise_event(c, ROBUROC4_EVENT_SUBSCRIPTION_REFUSED);
+        d->declined |= service_bit(s->ask.kind);
+        break;
+    case ROBUROC4_ACTION_DELETE:
+        d->leaving &= (uint8_t)~service_bit(s->ask.kind);
+        break;
+    default: /* REPLACE */
+        roburoc4_client_relocalize_ends(c, why);
+        break;
     }
 }
 

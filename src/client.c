@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The life of a client (connect, discover, subscribe, ready, lost), and in which order things are
- * sent: zeros and speeds, outputs, requests. Motion itself is in drive.c.
+ * A client from init to close, and in which order things are sent: zeros and speeds, outputs,
+ * requests.
  */
-#include "client.h"
+#include "joined.h"
 
 /* Layout promises of a struct that callers declare. */
 #define LAYOUT(name, condition) typedef char assert_##name[(condition) ? 1 : -1]
@@ -28,27 +28,11 @@ LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1192);
 
 typedef roburoc4_client client;
 
-void roburoc4_client_enter(client *c, uint32_t state) {
-    if (c->private_state != state) {
-        c->private_state = state;
-        raise_event(c, ROBUROC4_EVENT_STATE);
-        raise_event(c, state == ROBUROC4_STATE_READY ? ROBUROC4_EVENT_READY : 0);
-    }
-    if (state != ROBUROC4_STATE_READY) {
-        c->private_outputs.repeats = 0; /* what is an IO card, and of what size, is to be seen */
-    }
-    c->private_discovery.phase_us = c->private_now_us;
-}
-
 size_t roburoc4_client_size(void) {
     return sizeof(client);
 }
 
-void roburoc4_client_interrupt(client *c, roburoc4_result cause) {
-    roburoc4_drive_interrupt(&c->private_drive, &c->private_config, cause, &c->private_events);
-}
-
-/* ---- life ---- */
+/* ---- init, start, close ---- */
 
 roburoc4_result roburoc4_client_init(client *c, size_t client_size, const roburoc4_config *config) {
     memset(c, 0, client_size < sizeof *c ? client_size : sizeof *c); /* idle, should it be used */
@@ -66,24 +50,6 @@ roburoc4_result roburoc4_client_init(client *c, size_t client_size, const roburo
     c->private_drive.disarm_cause = ROBUROC4_ERR_DISARMED;
     c->private_outputs.relocalize_result = ROBUROC4_ERR_UNKNOWN;
     return ROBUROC4_OK;
-}
-
-void roburoc4_client_forget_services(client *c, uint32_t state) {
-    roburoc4_discovery_restart(&c->private_discovery);
-    roburoc4_requests_cancel_all(&c->private_requests);
-    roburoc4_link_spoil(&c->private_link);
-    c->private_values.override_known = 0;
-    if (c->private_outputs.relocalizing) {
-        roburoc4_client_relocalize_ends(c, ROBUROC4_ERR_TIMEOUT);
-    }
-    roburoc4_client_enter(c, state);
-}
-
-/** Ask for the directory. */
-static void connect(client *c, uint32_t state) {
-    roburoc4_requests_clear(&c->private_requests);
-    roburoc4_link_restart(&c->private_link);
-    roburoc4_client_forget_services(c, state);
 }
 
 roburoc4_result roburoc4_client_start(client *c, uint64_t now_us) {
@@ -106,7 +72,7 @@ roburoc4_result roburoc4_client_start(client *c, uint64_t now_us) {
     c->private_link.last_used_us = now_us;
     c->private_requests.suspect = 0; /* it may be another robot */
     roburoc4_drive_start(&c->private_drive, now_us);
-    connect(c, ROBUROC4_STATE_CONNECTING);
+    roburoc4_client_connect(c, ROBUROC4_STATE_CONNECTING);
     return ROBUROC4_OK;
 }
 
@@ -120,42 +86,6 @@ roburoc4_result roburoc4_client_close(client *c, uint64_t now_us) {
     roburoc4_requests_clear(&c->private_requests);
     roburoc4_client_enter(c, c->private_drive.train ? ROBUROC4_STATE_CLOSING : ROBUROC4_STATE_IDLE);
     return ROBUROC4_OK;
-}
-
-static void lose(client *c) {
-    const bool was_ready = c->private_state == ROBUROC4_STATE_READY;
-    roburoc4_client_interrupt(c, ROBUROC4_ERR_LOST);
-    count(c, ROBUROC4_COUNT_LOST);
-    raise_event(c, ROBUROC4_EVENT_LOST);
-    c->private_link.resubscribed = 1;
-    connect(c, was_ready ? ROBUROC4_STATE_LOST : ROBUROC4_STATE_CONNECTING);
-}
-
-void roburoc4_client_reboot(client *c) {
-    roburoc4_client_interrupt(c, ROBUROC4_ERR_REBOOT);
-    count(c, ROBUROC4_COUNT_REBOOTS);
-    raise_event(c, ROBUROC4_EVENT_REBOOT);
-    c->private_link.newest_cycles = 0;
-    c->private_link.resubscribed = 0;
-    roburoc4_client_forget_outputs(c); /* its own are off again */
-    roburoc4_discovery_clear(&c->private_discovery);
-    connect(c, ROBUROC4_STATE_CONNECTING);
-}
-
-void roburoc4_client_clock(client *c, uint64_t now_us) {
-    if (now_us < c->private_now_us) {
-        roburoc4_client_interrupt(c, ROBUROC4_ERR_CLOCK);
-        roburoc4_drive_rebase(&c->private_drive, now_us);
-        roburoc4_requests_rebase(&c->private_requests, now_us);
-        roburoc4_link_rebase(&c->private_link, now_us);
-        c->private_discovery.phase_us = now_us;
-        c->private_discovery.probe_us = now_us;
-        c->private_outputs.sent_us = now_us;
-        c->private_outputs.relocalize_us = now_us;
-        count(c, ROBUROC4_COUNT_CLOCK_FAULTS);
-        raise_event(c, ROBUROC4_EVENT_CLOCK);
-    }
-    c->private_now_us = now_us;
 }
 
 /** Silence that makes the robot lost: never less than three of the shortest period. */
@@ -173,66 +103,6 @@ static uint32_t patience_us(const client *c) {
         }
     }
     return patience_us > 3 * shortest_us ? patience_us : 3 * shortest_us;
-}
-
-/* ---- motion ---- */
-
-static bool fresh(const client *c, uint32_t service, uint64_t now_us) {
-    return roburoc4_link_fresh(&c->private_link, STATUS_INDEX(service),
-                               c->private_config.fresh_ms * MS, now_us);
-}
-
-/** Whether an input is the game pad's [A]; a card that is listed may well have one until its
- *  properties tell. */
-static bool may_have_pad(const client *c) {
-    const discovery *d = &c->private_discovery;
-    const uint32_t unread = d->listed & ~(uint32_t)d->known;
-    return (unread & service_bit(ROBUROC4_SERVICE_IOCARD)) != 0 ||
-           roburoc4_client_role_index(c, ROBUROC4_ROLE_OVERRIDE) >= 0;
-}
-
-/** Why driving is not allowed now, or 0. */
-static roburoc4_result refusal(const client *c, uint64_t now_us) {
-    const roburoc4_private_values *v = &c->private_values;
-    const uint32_t options = c->private_config.options;
-    if (c->private_state != ROBUROC4_STATE_READY) {
-        return ROBUROC4_ERR_NOT_READY;
-    }
-    if (!c->private_drive.known) {
-        return ROBUROC4_ERR_NO_DIFFERENTIAL;
-    }
-    if (!roburoc4_drive_limits_valid(v->limits)) {
-        return ROBUROC4_ERR_LIMITS;
-    }
-    if (!fresh(c, ROBUROC4_SERVICE_DIFFERENTIAL, now_us)) {
-        return ROBUROC4_ERR_STALE_DIFFERENTIAL;
-    }
-    if ((options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) == 0 || may_have_pad(c)) {
-        if (!fresh(c, ROBUROC4_SERVICE_IOCARD, now_us)) {
-            return ROBUROC4_ERR_STALE_IOCARD;
-        }
-        if (!v->override_known) {
-            return ROBUROC4_ERR_OVERRIDE_UNKNOWN;
-        }
-    }
-    if (v->override_known && v->overridden) {
-        return ROBUROC4_ERR_OVERRIDE;
-    }
-    if (c->private_drive.foreign && (options & ROBUROC4_OPTION_IGNORE_FOREIGN) == 0) {
-        return ROBUROC4_ERR_FOREIGN;
-    }
-    return ROBUROC4_OK;
-}
-
-roburoc4_result roburoc4_client_arm_refusal(const client *c, uint64_t now_us) {
-    const roburoc4_result why = refusal(c, now_us);
-    const drive *d = &c->private_drive;
-    return why >= 0 && !d->armed && d->moving ? ROBUROC4_ERR_MOVING : why;
-}
-
-void roburoc4_client_tick_drive(client *c) {
-    roburoc4_drive_tick(&c->private_drive, &c->private_config, refusal(c, c->private_now_us),
-                        c->private_now_us, &c->private_events);
 }
 
 /* ---- sending ---- */
@@ -258,7 +128,7 @@ static roburoc4_result poll_outputs(client *c, uint8_t *buffer, size_t capacity)
 
 static void tick(client *c) {
     if (connected(c) && c->private_now_us - c->private_link.last_used_us >= patience_us(c)) {
-        lose(c);
+        roburoc4_client_lose(c);
     }
     roburoc4_client_tick_drive(c);
     if (c->private_outputs.relocalizing &&

@@ -3,7 +3,7 @@
  * What a user asks of a client: arm and drive, outputs, relocalization, subscriptions, roles.
  */
 #include "bytes.h"
-#include "client.h"
+#include "joined.h"
 
 typedef roburoc4_client client;
 
@@ -99,12 +99,6 @@ static roburoc4_result output_count(const client *c, uint32_t io_type, int32_t c
         return ROBUROC4_ERR_INDEX;
     }
     return counts[io_type] < capacity ? counts[io_type] : capacity;
-}
-
-void roburoc4_client_forget_outputs(client *c) {
-    c->private_outputs.repeats = 0;
-    c->private_outputs.digital = 0;
-    memset(c->private_outputs.analog, 0, sizeof c->private_outputs.analog);
 }
 
 static void send_outputs(client *c, uint64_t now_us) {

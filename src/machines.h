@@ -2,7 +2,7 @@
  *
  * The small machines that make up a client, and what they tell each other. Each keeps its own part
  * of roburoc4_client and reads none of another's (discovery is shown the open requests, to ask
- * nothing twice); client.c joins them.
+ * nothing twice); the files of joined.h join them.
  *
  *   requests   request ids, retries, matching of answers
  *   link       statuses in order, loss, jitter, clock mapping, reboot

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * pump_internal.h - the pump's memory, shared by its three files: pump.c (life and thread),
- * pump_store.c (samples, events, descriptions) and pump_calls.c (the client's calls behind the
- * lock). Not public.
+ * pump_internal.h - the pump's memory, and what its files offer each other, from the ground up:
+ * pump_guard.c (the lock), pump_store.c (samples, events, descriptions), pump.c (life and thread),
+ * pump_calls.c (the client's calls behind the lock). Not public.
  */
 #ifndef ROBUROC4_PUMP_INTERNAL_H
 #define ROBUROC4_PUMP_INTERNAL_H
@@ -50,17 +50,24 @@ struct roburoc4_pump {
     roburoc4_pump_text texts[ROBUROC4_PUMP_TEXTS];
 };
 
+/* pump_guard.c */
+
 /** Takes the lock; 0 in a forked child, where it must not be touched. */
 int roburoc4_pump_enter(roburoc4_pump *pump);
 void roburoc4_pump_leave(roburoc4_pump *pump);
 /** Waits for `changed`, at most until until_us. Between enter and leave. */
 void roburoc4_pump_wait(roburoc4_pump *pump, uint64_t until_us);
-/** Sends what the client has to send, stores its events, and shortens the thread's sleep where the
- *  client wants to be called earlier now. Between enter and leave. */
-void roburoc4_pump_flush(roburoc4_pump *pump);
+
+/* pump_store.c */
 
 /** Take the client's events and, while running, the samples that they tell of. datagram is the one
  *  that was just received, or NULL. Between enter and leave. */
 void roburoc4_pump_collect(roburoc4_pump *pump, const uint8_t *datagram, size_t size);
+
+/* pump.c */
+
+/** Sends what the client has to send, stores its events, and shortens the thread's sleep where the
+ *  client wants to be called earlier now. Between enter and leave. */
+void roburoc4_pump_flush(roburoc4_pump *pump);
 
 #endif

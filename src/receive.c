@@ -3,7 +3,7 @@
  * Where a datagram goes that came in: statuses into the snapshot and to the link and the drive
  * machine, answers to the request that they belong to.
  */
-#include "client.h"
+#include "joined.h"
 
 typedef roburoc4_client client;
 
@@ -97,7 +97,7 @@ static roburoc4_result take_directory(client *c, const uint8_t *data, size_t siz
 }
 
 static roburoc4_result override_index(const client *c) {
-    return roburoc4_client_role_index(c, ROBUROC4_ROLE_OVERRIDE);
+    return index_of_role(c, ROBUROC4_ROLE_OVERRIDE);
 }
 
 static void take_text(client *c, const slot *s, const roburoc4_text *text) {
@@ -120,37 +120,6 @@ static void take_text(client *c, const slot *s, const roburoc4_text *text) {
         /* a late text told that a service is another one */
         roburoc4_client_interrupt(c, ROBUROC4_ERR_NO_DIFFERENTIAL);
         roburoc4_client_forget_services(c, ROBUROC4_STATE_DISCOVERING);
-    }
-}
-
-void roburoc4_client_relocalize_ends(client *c, roburoc4_result result) {
-    c->private_outputs.relocalizing = 0;
-    c->private_outputs.relocalize_result = result;
-    raise_event(c, result < 0 ? ROBUROC4_EVENT_RELOCALIZE_FAILED : ROBUROC4_EVENT_RELOCALIZED);
-}
-
-void roburoc4_client_fail(client *c, const slot *s, roburoc4_result why) {
-    discovery *d = &c->private_discovery;
-    switch (s->ask.action) {
-    case ROBUROC4_ACTION_GET:
-        d->refused |= service_bit(s->ask.kind);
-        if (s->ask.kind == ROBUROC4_SERVICE_DIFFERENTIAL && why != ROBUROC4_ERR_TIMEOUT) {
-            roburoc4_drive_service(&c->private_drive, false, c->private_drive.service);
-        }
-        break;
-    case ROBUROC4_ACTION_QUERY:
-        roburoc4_discovery_described(d, s->ask.detail, s->ask.subject);
-        break;
-    case ROBUROC4_ACTION_INSERT:
-        raise_event(c, ROBUROC4_EVENT_SUBSCRIPTION_REFUSED);
-        d->declined |= service_bit(s->ask.kind);
-        break;
-    case ROBUROC4_ACTION_DELETE:
-        d->leaving &= (uint8_t)~service_bit(s->ask.kind);
-        break;
-    default: /* REPLACE */
-        roburoc4_client_relocalize_ends(c, why);
-        break;
     }
 }
 

@@ -3,7 +3,7 @@
  * What a user reads of a client: services, properties, statuses, facts, figures of the link.
  */
 #include "bytes.h"
-#include "client.h"
+#include "joined.h"
 
 typedef roburoc4_client client;
 typedef roburoc4_private_values values;
@@ -114,8 +114,7 @@ roburoc4_result roburoc4_client_role_index(const client *c, uint32_t role) {
     if (role >= ROBUROC4_ROLE_COUNT) {
         return ROBUROC4_ERR_ARGUMENT;
     }
-    return roburoc4_discovery_role(&c->private_discovery, &c->private_config,
-                                   c->private_values.io_counts, role);
+    return index_of_role(c, role);
 }
 
 roburoc4_result roburoc4_client_description(const client *c, const uint8_t *datagram, size_t size,
@@ -209,7 +208,7 @@ roburoc4_result roburoc4_client_distances(const client *c, roburoc4_distances *o
 /* ---- facts and figures ---- */
 
 static uint8_t input_of_role(const client *c, uint32_t role) {
-    const roburoc4_result index = roburoc4_client_role_index(c, role);
+    const roburoc4_result index = index_of_role(c, role);
     return index >= 0 ? (uint8_t)(c->private_values.digital >> index & 1) : 0;
 }
 

@@ -3,7 +3,7 @@
  * Into the snapshot: the latest properties and statuses of the robot. report.c reads it.
  */
 #include "bytes.h"
-#include "client.h"
+#include "joined.h"
 
 typedef roburoc4_client client;
 typedef roburoc4_private_values values;
@@ -125,7 +125,7 @@ static void take_inputs(client *c, const roburoc4_iocard_status *status) {
     values *v = &c->private_values;
     roburoc4_analog_inputs(status, v->analog, ROBUROC4_MAX_ANALOG_INPUTS);
     v->digital = roburoc4_digital_inputs(status); /* ROBUROC4_MAX_DIGITAL_INPUTS of them */
-    const roburoc4_result override = roburoc4_client_role_index(c, ROBUROC4_ROLE_OVERRIDE);
+    const roburoc4_result override = index_of_role(c, ROBUROC4_ROLE_OVERRIDE);
     const uint8_t overridden = override >= 0 ? (uint8_t)(v->digital >> override & 1) : 0;
     if (overridden != (v->override_known && v->overridden)) {
         c->private_events |= ROBUROC4_EVENT_OVERRIDE;

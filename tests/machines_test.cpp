@@ -11,7 +11,7 @@
 #include <limits>
 
 extern "C" {
-#include "client.h"
+#include "joined.h"
 }
 
 namespace {

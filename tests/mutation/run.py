@@ -25,7 +25,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 SURVIVORS = Path(__file__).resolve().parent / "survivors.md"
 EXPOSED = ROOT / "tests" / "bytes_exposed.c"
-HEADERS = ("src/bytes.h", "src/client.h", "src/machines.h")
+HEADERS = ("src/bytes.h", "src/joined.h", "src/machines.h")
 FLAGS = ["-std=c99", "-O1", "-fPIC", "-w", f"-I{ROOT}/include", f"-I{ROOT}/src"]
 CPU_S = 20  # of the processor: by the clock, a busy machine would kill for us
 LIVES = "20"

@@ -6,7 +6,7 @@
 #ifndef PROOF_ANY_H
 #define PROOF_ANY_H
 
-#include "client.h"
+#include "joined.h"
 
 #include <__fc_builtin.h>
 

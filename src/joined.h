@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the files of the joined client share: client.c (life, and what is sent), receive.c, asking.c
- * (requests), snapshot.c (values in), report.c (values out), control.c (what a user asks for).
+ * What the files of the joined client share, from the ground up: each calls only what stands above
+ * it here. client.c, receive.c, control.c and report.c are the public calls.
  */
-#ifndef ROBUROC4_CLIENT_H
-#define ROBUROC4_CLIENT_H
+#ifndef ROBUROC4_JOINED_H
+#define ROBUROC4_JOINED_H
 
 #include "machines.h"
 
@@ -30,46 +30,44 @@ static inline bool connected(const roburoc4_client *c) {
            c->private_state <= ROBUROC4_STATE_READY;
 }
 
+/** Index of the input with a role, or ROBUROC4_ERR_UNKNOWN. */
+static inline roburoc4_result index_of_role(const roburoc4_client *c, uint32_t role) {
+    return roburoc4_discovery_role(&c->private_discovery, &c->private_config,
+                                   c->private_values.io_counts, role);
+}
+
 /* How long to wait for the texts of the directory before the manual's ids are believed. */
 #define IDENTIFY_US SECOND
 /* One question a second goes to each service in turn. */
 #define PROBE_US SECOND
 
-/* client.c */
+/* ---- lifecycle.c: the states, and what ends with them ---- */
 
 void roburoc4_client_enter(roburoc4_client *c, uint32_t state);
-/** What was learned about services counts no more until it is read again, from this state on. */
-void roburoc4_client_forget_services(roburoc4_client *c, uint32_t state);
-/** The robot restarted: it is discovered anew. */
-void roburoc4_client_reboot(roburoc4_client *c);
 /** Leave driving for this cause. */
 void roburoc4_client_interrupt(roburoc4_client *c, roburoc4_result cause);
-/** Every public call that knows the time begins here: a clock that went back is a fault. */
-void roburoc4_client_clock(roburoc4_client *c, uint64_t now_us);
-/** Let the drive machine see the time and the conditions. */
-void roburoc4_client_tick_drive(roburoc4_client *c);
-/** The reason against arming, or 0. */
-roburoc4_result roburoc4_client_arm_refusal(const roburoc4_client *c, uint64_t now_us);
-
-/* receive.c */
-
-/** A request came to nothing: refused by the robot, answered with nonsense, or never answered. */
-void roburoc4_client_fail(roburoc4_client *c, const slot *s, roburoc4_result why);
-void roburoc4_client_relocalize_ends(roburoc4_client *c, roburoc4_result result);
-
-/* control.c */
-
 /** Outputs that were set are no more. */
 void roburoc4_client_forget_outputs(roburoc4_client *c);
+void roburoc4_client_relocalize_ends(roburoc4_client *c, roburoc4_result result);
+/** What was learned about services counts no more until it is read again, from this state on. */
+void roburoc4_client_forget_services(roburoc4_client *c, uint32_t state);
+/** Ask for the directory. */
+void roburoc4_client_connect(roburoc4_client *c, uint32_t state);
+/** The robot has been silent for too long. */
+void roburoc4_client_lose(roburoc4_client *c);
+/** The robot restarted: it is discovered anew. */
+void roburoc4_client_reboot(roburoc4_client *c);
+/** Every public call that knows the time begins here: a clock that went back is a fault. */
+void roburoc4_client_clock(roburoc4_client *c, uint64_t now_us);
 
-/* asking.c */
+/* ---- arming.c: whether the robot may be driven now ---- */
 
-/** The next request that must leave now: its length, or 0. */
-roburoc4_result roburoc4_client_poll_requests(roburoc4_client *c, uint8_t *buffer, size_t capacity);
-/** Services that were subscribed to and send nothing are subscribed to again. */
-void roburoc4_client_renew_silent(roburoc4_client *c);
+/** The reason against arming, or 0. */
+roburoc4_result roburoc4_client_arm_refusal(const roburoc4_client *c, uint64_t now_us);
+/** Let the drive machine see the time and the conditions. */
+void roburoc4_client_tick_drive(roburoc4_client *c);
 
-/* snapshot.c */
+/* ---- snapshot.c: values in ---- */
 
 /** Take the properties of a service from a good answer: 0 or more, or what is wrong with it. */
 roburoc4_result roburoc4_snapshot_properties(roburoc4_client *c, uint32_t service,
@@ -87,5 +85,14 @@ typedef union any_status {
 roburoc4_result roburoc4_snapshot_decode(const roburoc4_client *c, uint32_t service,
                                          const uint8_t *data, size_t size, any_status *out);
 void roburoc4_snapshot_store(roburoc4_client *c, uint32_t service, const any_status *status);
+
+/* ---- asking.c: requests ---- */
+
+/** A request came to nothing: refused by the robot, answered with nonsense, or never answered. */
+void roburoc4_client_fail(roburoc4_client *c, const slot *s, roburoc4_result why);
+/** Services that were subscribed to and send nothing are subscribed to again. */
+void roburoc4_client_renew_silent(roburoc4_client *c);
+/** The next request that must leave now: its length, or 0. */
+roburoc4_result roburoc4_client_poll_requests(roburoc4_client *c, uint8_t *buffer, size_t capacity);
 
 #endif

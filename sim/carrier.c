@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * One turn of a simulated robot in real time.
+ */
+#include "carrier.h"
+
+/* Datagrams taken from one robot's socket before the others have their turn. */
+#define DATAGRAMS_PER_TURN 256
+
+static void take_in(const sim_carrier *c, uint64_t now_us) {
+    uint64_t peer = 0;
+    for (int taken = 0; taken < DATAGRAMS_PER_TURN; taken++) {
+        ptrdiff_t size = net_receive(c->net, c->index, &peer, c->buffer, SIM_LONGEST_UDP);
+        if (size < 0) {
+            break;
+        }
+        if (c->in != NULL) {
+            roburoc4_sim_channel_push(c->in, peer, c->buffer, (size_t)size, now_us);
+        } else {
+            roburoc4_sim_receive(c->sim, peer, c->buffer, (size_t)size);
+        }
+    }
+    while (net_refused(c->net, c->index, &peer)) {
+        roburoc4_sim_peer_unreachable(c->sim, peer);
+    }
+}
+
+static void deliver_in(const sim_carrier *c, uint64_t now_us) {
+    uint64_t peer = 0;
+    roburoc4_result size = 0;
+    while ((size = roburoc4_sim_channel_poll(c->in, now_us, &peer, c->buffer, SIM_LONGEST_UDP)) >
+           0) {
+        roburoc4_sim_receive(c->sim, peer, c->buffer, (size_t)size);
+    }
+}
+
+static void send_out(const sim_carrier *c, uint64_t now_us) {
+    uint64_t peer = 0;
+    roburoc4_result size = 0;
+    while ((size = roburoc4_sim_poll_transmit(c->sim, &peer, c->buffer, SIM_LONGEST_UDP)) > 0) {
+        if (c->out != NULL) {
+            roburoc4_sim_channel_push(c->out, peer, c->buffer, (size_t)size, now_us);
+        } else {
+            net_send(c->net, c->index, peer, c->buffer, (size_t)size);
+        }
+    }
+    while (c->out != NULL && (size = roburoc4_sim_channel_poll(c->out, now_us, &peer, c->buffer,
+                                                               SIM_LONGEST_UDP)) > 0) {
+        net_send(c->net, c->index, peer, c->buffer, (size_t)size);
+    }
+}
+
+void sim_carrier_turn(const sim_carrier *c, uint64_t now_us) {
+    /* Datagrams first: after a stall of this process its robots must not find their watchdogs
+     * hungry while the food lies in the socket. */
+    if (net_is_ready(c->net, c->index)) {
+        take_in(c, now_us);
+    }
+    if (c->in != NULL) {
+        deliver_in(c, now_us);
+    }
+    roburoc4_sim_advance(c->sim, now_us);
+    send_out(c, now_us);
+}
+
+static uint64_t sooner(uint64_t one, uint64_t other) {
+    return one < other ? one : other;
+}
+
+uint64_t sim_carrier_next_deadline(const sim_carrier *c) {
+    uint64_t next_us = roburoc4_sim_next_deadline(c->sim);
+    if (c->in != NULL) {
+        next_us = sooner(next_us, roburoc4_sim_channel_next_deadline(c->in));
+        next_us = sooner(next_us, roburoc4_sim_channel_next_deadline(c->out));
+    }
+    return next_us;
+}
