@@ -92,6 +92,16 @@ install_missing() {
     missing=
 }
 
+# heeding COMMAND...: with the signals heard that nohup and a shell's & leave ignored; tests send
+# them to what they start.
+heeding() {
+    if env --default-signal true 2>/dev/null; then
+        env --default-signal "$@"
+    else
+        "$@"
+    fi
+}
+
 # pinned_venv DIR REQUIREMENTS: a virtual environment with these, made anew where they changed.
 pinned_venv() {
     if ! cmp -s "$2" "$1/requirements.txt"; then
