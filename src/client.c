@@ -126,9 +126,20 @@ static roburoc4_result poll_outputs(client *c, uint8_t *buffer, size_t capacity)
                                           blocks, (size_t)counts[ROBUROC4_IO_DIGITAL_OUTPUT]);
 }
 
+/** On a bad link a robot that echoes every id can be taken for one that knows 0x01 only, and then
+ * no text names its services: where that leaves nothing to drive, the robot is met anew. */
+static bool doubts_fixed_id(const client *c) {
+    const discovery *d = &c->private_discovery;
+    return c->private_requests.fixed_id && c->private_state == ROBUROC4_STATE_READY &&
+           (d->listed & service_bit(ROBUROC4_SERVICE_DIFFERENTIAL)) == 0 &&
+           c->private_now_us - d->phase_us >= PATIENCE_US;
+}
+
 static void tick(client *c) {
     if (connected(c) && c->private_now_us - c->private_link.last_used_us >= patience_us(c)) {
         roburoc4_client_lose(c);
+    } else if (doubts_fixed_id(c)) {
+        roburoc4_client_meet_anew(c);
     }
     roburoc4_client_tick_drive(c);
     if (c->private_outputs.relocalizing &&

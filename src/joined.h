@@ -55,6 +55,8 @@ void roburoc4_client_forget_services(roburoc4_client *c, uint32_t state);
 void roburoc4_client_connect(roburoc4_client *c, uint32_t state);
 /** The robot has been silent for too long. */
 void roburoc4_client_lose(roburoc4_client *c);
+/** Nothing is known of the robot. */
+void roburoc4_client_meet_anew(roburoc4_client *c);
 /** The robot restarted: it is discovered anew. */
 void roburoc4_client_reboot(roburoc4_client *c);
 /** Every public call that knows the time begins here: a clock that went back is a fault. */

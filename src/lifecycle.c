@@ -61,6 +61,11 @@ void roburoc4_client_lose(client *c) {
     roburoc4_client_connect(c, was_ready ? ROBUROC4_STATE_LOST : ROBUROC4_STATE_CONNECTING);
 }
 
+void roburoc4_client_meet_anew(client *c) {
+    roburoc4_discovery_clear(&c->private_discovery);
+    roburoc4_client_connect(c, ROBUROC4_STATE_CONNECTING);
+}
+
 void roburoc4_client_reboot(client *c) {
     roburoc4_client_interrupt(c, ROBUROC4_ERR_REBOOT);
     count(c, ROBUROC4_COUNT_REBOOTS);
@@ -68,8 +73,7 @@ void roburoc4_client_reboot(client *c) {
     c->private_link.newest_cycles = 0;
     c->private_link.resubscribed = 0;
     roburoc4_client_forget_outputs(c); /* its own are off again */
-    roburoc4_discovery_clear(&c->private_discovery);
-    roburoc4_client_connect(c, ROBUROC4_STATE_CONNECTING);
+    roburoc4_client_meet_anew(c);
 }
 
 void roburoc4_client_clock(client *c, uint64_t now_us) {

@@ -370,6 +370,58 @@ TEST(FixedId, ATextThatMayBeAnothersNamesNoService) {
     EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, bench.arm());
 }
 
+namespace {
+
+/** Only texts tell which service is which. */
+void name_services_by_text(ScriptedRobot &robot) {
+    for (ScriptedService &service : robot.services) {
+        service.type = 0x7100; /* of another maker */
+        if (service.id > ROBUROC4_SERVICE_NOTIFICATION)
+            service.id = static_cast<std::uint16_t>(service.id + 50);
+    }
+}
+
+} // namespace
+
+TEST(FixedId, IsDoubtedWhereItLeavesNothingToDrive) {
+    ScriptedRobot robot;
+    name_services_by_text(robot);
+    robot.only_manual_id = true; /* as on a link that loses all but one answer */
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 10 * second));
+    robot.only_manual_id = false;
+    ASSERT_EQ(1, bench.facts().fixed_id);
+    ASSERT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.facts().arm_refusal);
+    bench.run(4900 * ms);
+    EXPECT_EQ(1, bench.facts().fixed_id);
+    EXPECT_TRUE(bench.run_until([&] { return bench.arm() == ROBUROC4_OK; }, 3 * second));
+    EXPECT_EQ(0, bench.facts().fixed_id);
+}
+
+TEST(FixedId, IsBelievedAgainWhereTheRobotKnowsNoOther) {
+    ScriptedRobot robot;
+    name_services_by_text(robot);
+    robot.only_manual_id = true;
+    Bench bench(robot);
+    bench.ready();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_CONNECTING, 7 * second));
+    EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 7 * second));
+    EXPECT_EQ(1, bench.facts().fixed_id);
+    EXPECT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.arm());
+}
+
+TEST(FixedId, IsNotDoubtedWhereAllIsThereToDrive) {
+    ScriptedRobot robot;
+    robot.only_manual_id = true;
+    Bench bench(robot);
+    bench.ready();
+    bench.take_events();
+    bench.run(20 * second);
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_STATE);
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+}
+
 TEST(FixedId, WorksWithTheSimulatorsTwoDialects) {
     for (int dialect = 0; dialect < 2; dialect++) {
         roburoc4_sim_config config;
