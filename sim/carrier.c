@@ -6,6 +6,8 @@
 
 /* Datagrams taken from one robot's socket before the others have their turn. */
 #define DATAGRAMS_PER_TURN 256
+/* What lies in the socket came no longer ago than this: less than the robot's watchdog. */
+#define LONGEST_WAIT_US 900000u
 
 static void take_in(const sim_carrier *c, uint64_t now_us) {
     uint64_t peer = 0;
@@ -51,9 +53,10 @@ static void send_out(const sim_carrier *c, uint64_t now_us) {
 }
 
 void sim_carrier_turn(const sim_carrier *c, uint64_t now_us) {
-    /* Datagrams first: after a stall of this process its robots must not find their watchdogs
-     * hungry while the food lies in the socket. */
+    /* Datagrams before the time in which they came: after a stall of this process its robots must
+     * not find their watchdogs hungry while the food lies in the socket. */
     if (net_is_ready(c->net, c->index)) {
+        roburoc4_sim_advance(c->sim, now_us - LONGEST_WAIT_US);
         take_in(c, now_us);
     }
     if (c->in != NULL) {

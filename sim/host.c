@@ -63,6 +63,7 @@ sim_host *sim_host_open(roburoc4_sim *sim, const char *address, uint16_t port, i
     host->carrier.sim = sim;
     host->carrier.buffer = host->buffer;
     host->carrier.net = net_create(1);
+    *error = host->carrier.net == NULL ? EMFILE : ENOMEM; /* should anything be missing here */
     host->carrier.in = roburoc4_sim_channel_create(NULL, 1, FLIGHTS, SIM_LONGEST_FRAME);
     host->carrier.out = roburoc4_sim_channel_create(NULL, 2, FLIGHTS, SIM_LONGEST_FRAME);
     if (host->carrier.net != NULL && host->carrier.in != NULL && host->carrier.out != NULL) {

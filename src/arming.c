@@ -12,13 +12,16 @@ static bool fresh(const client *c, uint32_t service, uint64_t now_us) {
                                c->private_config.fresh_ms * MS, now_us);
 }
 
-/** Whether an input is the game pad's [A]; a card that is listed may well have one until its
- *  properties tell. */
+/** Whether an input may be the game pad's [A]: a service that is not known yet may be the card, and
+ *  a card may have one until its properties tell. */
 static bool may_have_pad(const client *c) {
     const discovery *d = &c->private_discovery;
-    const uint32_t unread = d->listed & ~(uint32_t)d->known;
-    return (unread & service_bit(ROBUROC4_SERVICE_IOCARD)) != 0 ||
-           index_of_role(c, ROBUROC4_ROLE_OVERRIDE) >= 0;
+    const bool listed = (d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) != 0;
+    if (listed) {
+        return (d->known & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0 ||
+               index_of_role(c, ROBUROC4_ROLE_OVERRIDE) >= 0;
+    }
+    return roburoc4_discovery_unseen(d);
 }
 
 /** Why driving is not allowed now, or 0. */
@@ -54,13 +57,13 @@ static roburoc4_result refusal(const client *c, uint64_t now_us) {
     return ROBUROC4_OK;
 }
 
-roburoc4_result roburoc4_client_arm_refusal(const client *c, uint64_t now_us) {
+roburoc4_result roburoc4_arming_refusal(const client *c, uint64_t now_us) {
     const roburoc4_result why = refusal(c, now_us);
     const drive *d = &c->private_drive;
     return why >= 0 && !d->armed && d->moving ? ROBUROC4_ERR_MOVING : why;
 }
 
-void roburoc4_client_tick_drive(client *c) {
+void roburoc4_arming_tick(client *c) {
     roburoc4_drive_tick(&c->private_drive, &c->private_config, refusal(c, c->private_now_us),
                         c->private_now_us, &c->private_events);
 }

@@ -87,7 +87,7 @@ static bool open_probe(client *c) {
     return open_about(c, ROBUROC4_ACTION_GET, d->probe_kind, PROBE_TRIES);
 }
 
-void roburoc4_client_renew_silent(client *c) {
+void roburoc4_asking_renew_silent(client *c) {
     discovery *d = &c->private_discovery;
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         roburoc4_private_service *s = &c->private_link.services[i];
@@ -100,7 +100,7 @@ void roburoc4_client_renew_silent(client *c) {
     }
 }
 
-void roburoc4_client_fail(client *c, const slot *s, roburoc4_result why) {
+void roburoc4_asking_failed(client *c, const slot *s, roburoc4_result why) {
     discovery *d = &c->private_discovery;
     switch (s->ask.action) {
     case ROBUROC4_ACTION_GET:
@@ -120,7 +120,7 @@ void roburoc4_client_fail(client *c, const slot *s, roburoc4_result why) {
         d->leaving &= (uint8_t)~service_bit(s->ask.kind);
         break;
     default: /* REPLACE */
-        roburoc4_client_relocalize_ends(c, why);
+        roburoc4_lifecycle_relocalize_ends(c, why);
         break;
     }
 }
@@ -169,11 +169,11 @@ static void advance(client *c) {
         if ((d->known & service_bit(ROBUROC4_SERVICE_DIFFERENTIAL)) == 0) {
             roburoc4_drive_service(&c->private_drive, false, c->private_drive.service);
         }
-        roburoc4_client_enter(c, ROBUROC4_STATE_SUBSCRIBING);
+        roburoc4_lifecycle_enter(c, ROBUROC4_STATE_SUBSCRIBING);
     }
     if (c->private_state == ROBUROC4_STATE_SUBSCRIBING && subscriptions_due(c) == 0) {
         d->probe_us = c->private_now_us;
-        roburoc4_client_enter(c, ROBUROC4_STATE_READY);
+        roburoc4_lifecycle_enter(c, ROBUROC4_STATE_READY);
     }
     if (c->private_state == ROBUROC4_STATE_READY && !d->done &&
         roburoc4_discovery_texts_done(d, io_counts, true)) {
@@ -208,7 +208,7 @@ static roburoc4_result encode_request(const client *c, const slot *s, uint8_t *b
     }
 }
 
-roburoc4_result roburoc4_client_poll_requests(client *c, uint8_t *buffer, size_t capacity) {
+roburoc4_result roburoc4_asking_poll(client *c, uint8_t *buffer, size_t capacity) {
     for (;;) {
         slot *given_up;
         advance(c);
@@ -222,7 +222,7 @@ roburoc4_result roburoc4_client_poll_requests(client *c, uint8_t *buffer, size_t
         }
         if (given_up != NULL) {
             count(c, ROBUROC4_COUNT_ABANDONED);
-            roburoc4_client_fail(c, given_up, ROBUROC4_ERR_TIMEOUT);
+            roburoc4_asking_failed(c, given_up, ROBUROC4_ERR_TIMEOUT);
             continue;
         }
         if (!roburoc4_requests_free(&c->private_requests, 0) || !open_next(c)) {

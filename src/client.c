@@ -72,7 +72,7 @@ roburoc4_result roburoc4_client_start(client *c, uint64_t now_us) {
     c->private_link.last_used_us = now_us;
     c->private_requests.suspect = 0; /* it may be another robot */
     roburoc4_drive_start(&c->private_drive, now_us);
-    roburoc4_client_connect(c, ROBUROC4_STATE_CONNECTING);
+    roburoc4_lifecycle_connect(c, ROBUROC4_STATE_CONNECTING);
     return ROBUROC4_OK;
 }
 
@@ -80,11 +80,12 @@ roburoc4_result roburoc4_client_close(client *c, uint64_t now_us) {
     if (c->private_state == ROBUROC4_STATE_IDLE) {
         return ROBUROC4_ERR_STATE;
     }
-    roburoc4_client_clock(c, now_us);
-    roburoc4_client_interrupt(c, ROBUROC4_ERR_DISARMED);
+    roburoc4_lifecycle_clock(c, now_us);
+    roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_DISARMED);
     c->private_drive.stop_latched = 0;
     roburoc4_requests_clear(&c->private_requests);
-    roburoc4_client_enter(c, c->private_drive.train ? ROBUROC4_STATE_CLOSING : ROBUROC4_STATE_IDLE);
+    roburoc4_lifecycle_enter(c,
+                             c->private_drive.train ? ROBUROC4_STATE_CLOSING : ROBUROC4_STATE_IDLE);
     return ROBUROC4_OK;
 }
 
@@ -126,30 +127,19 @@ static roburoc4_result poll_outputs(client *c, uint8_t *buffer, size_t capacity)
                                           blocks, (size_t)counts[ROBUROC4_IO_DIGITAL_OUTPUT]);
 }
 
-/** On a bad link a robot that echoes every id can be taken for one that knows 0x01 only, and then
- * no text names its services: where that leaves nothing to drive, the robot is met anew. */
-static bool doubts_fixed_id(const client *c) {
-    const discovery *d = &c->private_discovery;
-    return c->private_requests.fixed_id && c->private_state == ROBUROC4_STATE_READY &&
-           (d->listed & service_bit(ROBUROC4_SERVICE_DIFFERENTIAL)) == 0 &&
-           c->private_now_us - d->phase_us >= PATIENCE_US;
-}
-
 static void tick(client *c) {
     if (connected(c) && c->private_now_us - c->private_link.last_used_us >= patience_us(c)) {
-        roburoc4_client_lose(c);
-    } else if (doubts_fixed_id(c)) {
-        roburoc4_client_meet_anew(c);
+        roburoc4_lifecycle_lose(c);
     }
-    roburoc4_client_tick_drive(c);
+    roburoc4_arming_tick(c);
     if (c->private_outputs.relocalizing &&
         c->private_now_us - c->private_outputs.relocalize_us >= RELOCALIZE_US) {
         roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_REPLACE,
                                  ROBUROC4_SERVICE_LOCALIZATION);
-        roburoc4_client_relocalize_ends(c, ROBUROC4_ERR_TIMEOUT);
+        roburoc4_lifecycle_relocalize_ends(c, ROBUROC4_ERR_TIMEOUT);
     }
     if (c->private_state == ROBUROC4_STATE_READY) {
-        roburoc4_client_renew_silent(c);
+        roburoc4_asking_renew_silent(c);
     }
 }
 
@@ -163,7 +153,7 @@ roburoc4_result roburoc4_client_poll_transmit(client *c, uint8_t *buffer, size_t
     if (c->private_state == ROBUROC4_STATE_IDLE) {
         return 0;
     }
-    roburoc4_client_clock(c, now_us);
+    roburoc4_lifecycle_clock(c, now_us);
     tick(c);
     if (roburoc4_drive_poll(&c->private_drive, &c->private_config, c->private_values.limits, now_us,
                             speeds, &c->private_events)) {
@@ -171,12 +161,12 @@ roburoc4_result roburoc4_client_poll_transmit(client *c, uint8_t *buffer, size_t
                                                       speeds[0], speeds[1]);
     } else if (c->private_state == ROBUROC4_STATE_CLOSING) {
         if (!c->private_drive.train) {
-            roburoc4_client_enter(c, ROBUROC4_STATE_IDLE);
+            roburoc4_lifecycle_enter(c, ROBUROC4_STATE_IDLE);
         }
     } else {
         length = poll_outputs(c, buffer, capacity);
         if (length == 0) {
-            length = roburoc4_client_poll_requests(c, buffer, capacity);
+            length = roburoc4_asking_poll(c, buffer, capacity);
         }
     }
     c->private_counters[ROBUROC4_COUNT_SENT] += length > 0;

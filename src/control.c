@@ -21,9 +21,9 @@ roburoc4_result roburoc4_client_arm(client *c, uint64_t now_us) {
     if (!started(c)) {
         return ROBUROC4_ERR_NOT_READY;
     }
-    roburoc4_client_clock(c, now_us);
-    roburoc4_client_tick_drive(c);
-    const roburoc4_result refusal = roburoc4_client_arm_refusal(c, now_us);
+    roburoc4_lifecycle_clock(c, now_us);
+    roburoc4_arming_tick(c);
+    const roburoc4_result refusal = roburoc4_arming_refusal(c, now_us);
     if (refusal >= 0) {
         roburoc4_drive_arm(&c->private_drive, &c->private_events);
     }
@@ -31,8 +31,8 @@ roburoc4_result roburoc4_client_arm(client *c, uint64_t now_us) {
 }
 
 roburoc4_result roburoc4_client_disarm(client *c, uint64_t now_us) {
-    roburoc4_client_clock(c, now_us);
-    roburoc4_client_interrupt(c, ROBUROC4_ERR_DISARMED);
+    roburoc4_lifecycle_clock(c, now_us);
+    roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_DISARMED);
     return ROBUROC4_OK;
 }
 
@@ -52,8 +52,8 @@ roburoc4_result roburoc4_client_drive(client *c, float linear_m_s, float angular
     if (lease_us < LEASE_MIN_US || lease_us > LEASE_MAX_US) {
         return ROBUROC4_ERR_ARGUMENT;
     }
-    roburoc4_client_clock(c, now_us);
-    roburoc4_client_tick_drive(c);
+    roburoc4_lifecycle_clock(c, now_us);
+    roburoc4_arming_tick(c);
     return roburoc4_drive_grant(&c->private_drive, &c->private_config, target, lease_us, now_us,
                                 &c->private_events);
 }
@@ -62,7 +62,7 @@ roburoc4_result roburoc4_client_stop(client *c, uint64_t now_us) {
     if (!started(c)) {
         return ROBUROC4_ERR_STATE;
     }
-    roburoc4_client_clock(c, now_us);
+    roburoc4_lifecycle_clock(c, now_us);
     roburoc4_drive_stop(&c->private_drive);
     return ROBUROC4_OK;
 }
@@ -73,11 +73,11 @@ roburoc4_result roburoc4_client_set_role_index(client *c, uint32_t role, int32_t
         index >= roburoc4_role_capacity(role)) {
         return ROBUROC4_ERR_ARGUMENT;
     }
-    roburoc4_client_clock(c, now_us);
+    roburoc4_lifecycle_clock(c, now_us);
     c->private_config.role_index[role] = (int16_t)index;
     if (role == ROBUROC4_ROLE_OVERRIDE) {
         c->private_values.override_known = 0;
-        roburoc4_client_tick_drive(c);
+        roburoc4_arming_tick(c);
     }
     return ROBUROC4_OK;
 }
@@ -102,7 +102,7 @@ static roburoc4_result output_count(const client *c, uint32_t io_type, int32_t c
 }
 
 static void send_outputs(client *c, uint64_t now_us) {
-    roburoc4_client_clock(c, now_us);
+    roburoc4_lifecycle_clock(c, now_us);
     c->private_outputs.repeats = OUTPUT_REPEATS;
     c->private_outputs.sent_us = now_us - SECOND;
 }
@@ -170,7 +170,7 @@ roburoc4_result roburoc4_client_relocalize(client *c, double x_m, double y_m, do
     if ((c->private_discovery.listed & service_bit(ROBUROC4_SERVICE_LOCALIZATION)) == 0) {
         return ROBUROC4_ERR_UNKNOWN;
     }
-    roburoc4_client_clock(c, now_us);
+    roburoc4_lifecycle_clock(c, now_us);
     roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_REPLACE,
                              ROBUROC4_SERVICE_LOCALIZATION);
     memcpy(o->pose_bits, bits, sizeof bits);
@@ -200,7 +200,7 @@ roburoc4_result roburoc4_client_subscribe(client *c, uint32_t service, uint32_t 
     if (!has_status(service) || period_ms < 10 || period_ms > 2550 || period_ms % 10 != 0) {
         return ROBUROC4_ERR_ARGUMENT;
     }
-    roburoc4_client_clock(c, now_us);
+    roburoc4_lifecycle_clock(c, now_us);
     forget_subscription(c, service);
     c->private_discovery.wanted |= service_bit(service);
     c->private_config.subscriptions |= service_bit(service);
@@ -214,7 +214,7 @@ roburoc4_result roburoc4_client_unsubscribe(client *c, uint32_t service, uint64_
     if (!has_status(service)) {
         return ROBUROC4_ERR_ARGUMENT;
     }
-    roburoc4_client_clock(c, now_us);
+    roburoc4_lifecycle_clock(c, now_us);
     forget_subscription(c, service);
     if ((d->inserted & service_bit(service)) != 0) {
         d->leaving |= service_bit(service);

@@ -5,6 +5,9 @@
  */
 #include "machines.h"
 
+/* Words are looked for in so much of a text: it may be as long as a datagram. */
+#define TEXT_SEARCHED 255U
+
 void roburoc4_discovery_clear(discovery *d) {
     const uint8_t wanted = d->wanted; /* what to subscribe to is the user's, not the robot's */
     memset(d, 0, sizeof *d);
@@ -23,6 +26,11 @@ void roburoc4_discovery_restart(discovery *d) {
     d->acked = 0;
     d->declined = 0;
     d->leaving = 0;
+    d->done = 0;
+}
+
+void roburoc4_discovery_read_texts_again(discovery *d) {
+    memset(d->described, 0, sizeof d->described);
     d->done = 0;
 }
 
@@ -87,10 +95,20 @@ static uint32_t claim_strength(const discovery *d, uint32_t i, uint32_t kind) {
     if (type != CLAIM_NONE) {
         return type == kind ? 3 : 0;
     }
-    if (d->claims[i] != CLAIM_NONE) {
+    if (d->claims[i] < ROBUROC4_SERVICE_COUNT) {
         return d->claims[i] == kind ? 2 : 0;
     }
     return d->ids[i] == kind ? 1 : 0;
+}
+
+bool roburoc4_discovery_unseen(const discovery *d) {
+    for (uint32_t i = 0; i < d->service_count; i++) {
+        if (d->ids[i] > ROBUROC4_SERVICE_NOTIFICATION && kind_of_type(d->types[i]) == CLAIM_NONE &&
+            d->claims[i] == CLAIM_NONE) {
+            return true;
+        }
+    }
+    return false;
 }
 
 bool roburoc4_discovery_identify(discovery *d) {
@@ -117,30 +135,32 @@ bool roburoc4_discovery_identify(discovery *d) {
 
 /* ---- texts ---- */
 
-/** The next letter (small) or digit of a text at *at, or 0 at its end. */
-static uint8_t next_letter(const uint8_t *text, uint32_t length, uint32_t *at) {
-    while (*at < length) {
-        const uint8_t c = text[(*at)++];
-        if (c >= 'A' && c <= 'Z') {
-            return (uint8_t)(c - 'A' + 'a');
-        }
-        if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9')) {
-            return c;
-        }
+/** A letter (as a small one) or digit, or 0 for any other character. */
+static uint8_t letter(uint8_t c) {
+    if (c >= 'A' && c <= 'Z') {
+        return (uint8_t)(c - 'A' + 'a');
     }
-    return 0;
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ? c : 0;
 }
 
-/** Whether the letters and digits of a text contain `word`, written in small letters. */
+/** Whether a text that begins with a letter or digit begins with `word`, in small letters, blanks
+ *  and signs between them left out. */
+static bool begins(const uint8_t *text, uint32_t length, const char *word) {
+    uint32_t i = 0;
+    for (uint32_t at = 0; at < length && word[i] != '\0'; at++) {
+        const uint8_t c = letter(text[at]);
+        if (c != 0 && c != (uint8_t)word[i]) {
+            return false;
+        }
+        i += c != 0;
+    }
+    return word[i] == '\0';
+}
+
+/** Whether the letters and digits of a text contain `word`. */
 static bool contains(const uint8_t *text, uint32_t length, const char *word) {
     for (uint32_t start = 0; start < length; start++) {
-        uint32_t at = start;
-        uint32_t i = 0;
-        /*@ loop unroll 15; */
-        while (word[i] != '\0' && next_letter(text, length, &at) == (uint8_t)word[i]) {
-            i++;
-        }
-        if (word[i] == '\0') {
+        if (letter(text[start]) != 0 && begins(text + start, length - start, word)) {
             return true;
         }
     }
@@ -154,7 +174,7 @@ static uint8_t kind_of_text(const uint8_t *text, uint32_t length) {
             return (uint8_t)(ROBUROC4_SERVICE_IOCARD + i);
         }
     }
-    return CLAIM_NONE;
+    return CLAIM_OTHER;
 }
 
 static bool is_role(uint32_t role, const uint8_t *text, uint32_t length) {
@@ -174,6 +194,7 @@ void roburoc4_discovery_described(discovery *d, uint32_t list, uint32_t index) {
 bool roburoc4_discovery_text(discovery *d, uint32_t list, uint32_t index, const uint8_t *text,
                              uint32_t length) {
     bool found = false;
+    length = length < TEXT_SEARCHED ? length : TEXT_SEARCHED;
     roburoc4_discovery_described(d, list, index);
     if (list == LIST_DIRECTORY) {
         d->claims[index] = kind_of_text(text, length);

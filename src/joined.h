@@ -43,31 +43,29 @@ static inline roburoc4_result index_of_role(const roburoc4_client *c, uint32_t r
 
 /* ---- lifecycle.c: the states, and what ends with them ---- */
 
-void roburoc4_client_enter(roburoc4_client *c, uint32_t state);
+void roburoc4_lifecycle_enter(roburoc4_client *c, uint32_t state);
 /** Leave driving for this cause. */
-void roburoc4_client_interrupt(roburoc4_client *c, roburoc4_result cause);
+void roburoc4_lifecycle_interrupt(roburoc4_client *c, roburoc4_result cause);
 /** Outputs that were set are no more. */
-void roburoc4_client_forget_outputs(roburoc4_client *c);
-void roburoc4_client_relocalize_ends(roburoc4_client *c, roburoc4_result result);
+void roburoc4_lifecycle_forget_outputs(roburoc4_client *c);
+void roburoc4_lifecycle_relocalize_ends(roburoc4_client *c, roburoc4_result result);
 /** What was learned about services counts no more until it is read again, from this state on. */
-void roburoc4_client_forget_services(roburoc4_client *c, uint32_t state);
+void roburoc4_lifecycle_forget_services(roburoc4_client *c, uint32_t state);
 /** Ask for the directory. */
-void roburoc4_client_connect(roburoc4_client *c, uint32_t state);
+void roburoc4_lifecycle_connect(roburoc4_client *c, uint32_t state);
 /** The robot has been silent for too long. */
-void roburoc4_client_lose(roburoc4_client *c);
-/** Nothing is known of the robot. */
-void roburoc4_client_meet_anew(roburoc4_client *c);
+void roburoc4_lifecycle_lose(roburoc4_client *c);
 /** The robot restarted: it is discovered anew. */
-void roburoc4_client_reboot(roburoc4_client *c);
+void roburoc4_lifecycle_reboot(roburoc4_client *c);
 /** Every public call that knows the time begins here: a clock that went back is a fault. */
-void roburoc4_client_clock(roburoc4_client *c, uint64_t now_us);
+void roburoc4_lifecycle_clock(roburoc4_client *c, uint64_t now_us);
 
 /* ---- arming.c: whether the robot may be driven now ---- */
 
 /** The reason against arming, or 0. */
-roburoc4_result roburoc4_client_arm_refusal(const roburoc4_client *c, uint64_t now_us);
+roburoc4_result roburoc4_arming_refusal(const roburoc4_client *c, uint64_t now_us);
 /** Let the drive machine see the time and the conditions. */
-void roburoc4_client_tick_drive(roburoc4_client *c);
+void roburoc4_arming_tick(roburoc4_client *c);
 
 /* ---- snapshot.c: values in ---- */
 
@@ -91,10 +89,10 @@ void roburoc4_snapshot_store(roburoc4_client *c, uint32_t service, const any_sta
 /* ---- asking.c: requests ---- */
 
 /** A request came to nothing: refused by the robot, answered with nonsense, or never answered. */
-void roburoc4_client_fail(roburoc4_client *c, const slot *s, roburoc4_result why);
+void roburoc4_asking_failed(roburoc4_client *c, const slot *s, roburoc4_result why);
 /** Services that were subscribed to and send nothing are subscribed to again. */
-void roburoc4_client_renew_silent(roburoc4_client *c);
+void roburoc4_asking_renew_silent(roburoc4_client *c);
 /** The next request that must leave now: its length, or 0. */
-roburoc4_result roburoc4_client_poll_requests(roburoc4_client *c, uint8_t *buffer, size_t capacity);
+roburoc4_result roburoc4_asking_poll(roburoc4_client *c, uint8_t *buffer, size_t capacity);
 
 #endif

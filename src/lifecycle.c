@@ -7,7 +7,7 @@
 
 typedef roburoc4_client client;
 
-void roburoc4_client_enter(client *c, uint32_t state) {
+void roburoc4_lifecycle_enter(client *c, uint32_t state) {
     if (c->private_state != state) {
         c->private_state = state;
         raise_event(c, ROBUROC4_EVENT_STATE);
@@ -19,66 +19,62 @@ void roburoc4_client_enter(client *c, uint32_t state) {
     c->private_discovery.phase_us = c->private_now_us;
 }
 
-void roburoc4_client_interrupt(client *c, roburoc4_result cause) {
+void roburoc4_lifecycle_interrupt(client *c, roburoc4_result cause) {
     roburoc4_drive_interrupt(&c->private_drive, &c->private_config, cause, &c->private_events);
 }
 
-void roburoc4_client_forget_outputs(client *c) {
+void roburoc4_lifecycle_forget_outputs(client *c) {
     c->private_outputs.repeats = 0;
     c->private_outputs.digital = 0;
     memset(c->private_outputs.analog, 0, sizeof c->private_outputs.analog);
 }
 
-void roburoc4_client_relocalize_ends(client *c, roburoc4_result result) {
+void roburoc4_lifecycle_relocalize_ends(client *c, roburoc4_result result) {
     c->private_outputs.relocalizing = 0;
     c->private_outputs.relocalize_result = result;
     raise_event(c, result < 0 ? ROBUROC4_EVENT_RELOCALIZE_FAILED : ROBUROC4_EVENT_RELOCALIZED);
 }
 
-void roburoc4_client_forget_services(client *c, uint32_t state) {
+void roburoc4_lifecycle_forget_services(client *c, uint32_t state) {
     roburoc4_discovery_restart(&c->private_discovery);
     roburoc4_requests_cancel_all(&c->private_requests);
     roburoc4_link_spoil(&c->private_link);
     c->private_values.override_known = 0;
     if (c->private_outputs.relocalizing) {
-        roburoc4_client_relocalize_ends(c, ROBUROC4_ERR_TIMEOUT);
+        roburoc4_lifecycle_relocalize_ends(c, ROBUROC4_ERR_TIMEOUT);
     }
-    roburoc4_client_enter(c, state);
+    roburoc4_lifecycle_enter(c, state);
 }
 
-void roburoc4_client_connect(client *c, uint32_t state) {
+void roburoc4_lifecycle_connect(client *c, uint32_t state) {
     roburoc4_requests_clear(&c->private_requests);
     roburoc4_link_restart(&c->private_link);
-    roburoc4_client_forget_services(c, state);
+    roburoc4_lifecycle_forget_services(c, state);
 }
 
-void roburoc4_client_lose(client *c) {
+void roburoc4_lifecycle_lose(client *c) {
     const bool was_ready = c->private_state == ROBUROC4_STATE_READY;
-    roburoc4_client_interrupt(c, ROBUROC4_ERR_LOST);
+    roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_LOST);
     count(c, ROBUROC4_COUNT_LOST);
     raise_event(c, ROBUROC4_EVENT_LOST);
     c->private_link.resubscribed = 1;
-    roburoc4_client_connect(c, was_ready ? ROBUROC4_STATE_LOST : ROBUROC4_STATE_CONNECTING);
+    roburoc4_lifecycle_connect(c, was_ready ? ROBUROC4_STATE_LOST : ROBUROC4_STATE_CONNECTING);
 }
 
-void roburoc4_client_meet_anew(client *c) {
-    roburoc4_discovery_clear(&c->private_discovery);
-    roburoc4_client_connect(c, ROBUROC4_STATE_CONNECTING);
-}
-
-void roburoc4_client_reboot(client *c) {
-    roburoc4_client_interrupt(c, ROBUROC4_ERR_REBOOT);
+void roburoc4_lifecycle_reboot(client *c) {
+    roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_REBOOT);
     count(c, ROBUROC4_COUNT_REBOOTS);
     raise_event(c, ROBUROC4_EVENT_REBOOT);
     c->private_link.newest_cycles = 0;
     c->private_link.resubscribed = 0;
-    roburoc4_client_forget_outputs(c); /* its own are off again */
-    roburoc4_client_meet_anew(c);
+    roburoc4_lifecycle_forget_outputs(c); /* its own are off again */
+    roburoc4_discovery_clear(&c->private_discovery);
+    roburoc4_lifecycle_connect(c, ROBUROC4_STATE_CONNECTING);
 }
 
-void roburoc4_client_clock(client *c, uint64_t now_us) {
+void roburoc4_lifecycle_clock(client *c, uint64_t now_us) {
     if (now_us < c->private_now_us) {
-        roburoc4_client_interrupt(c, ROBUROC4_ERR_CLOCK);
+        roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_CLOCK);
         roburoc4_drive_rebase(&c->private_drive, now_us);
         roburoc4_requests_rebase(&c->private_requests, now_us);
         roburoc4_link_rebase(&c->private_link, now_us);

@@ -129,7 +129,8 @@ void roburoc4_drive_rebase(drive *d, uint64_t now_us);
 
 typedef roburoc4_private_discovery discovery;
 
-#define CLAIM_NONE 0xFF
+#define CLAIM_NONE 0xFF  /* of a service whose text was not read, or not believed */
+#define CLAIM_OTHER 0xFE /* its text names none of those that a client uses */
 #define ROLE_TEXT_NONE (-1)
 #define ROLE_TEXT_AMBIGUOUS (-2)
 
@@ -137,12 +138,16 @@ typedef roburoc4_private_discovery discovery;
 void roburoc4_discovery_clear(discovery *d);
 /** Ask again for all but the texts. */
 void roburoc4_discovery_restart(discovery *d);
+/** Ask again for the texts. */
+void roburoc4_discovery_read_texts_again(discovery *d);
 /** Whether the directory is the one that is stored. */
 bool roburoc4_discovery_same(const discovery *d, const roburoc4_directory *directory);
 /** Store the directory; true if it had more services than can be stored. */
 bool roburoc4_discovery_directory(discovery *d, const roburoc4_directory *directory);
 /** Whether the directory lists this id for what may be the differential service. */
 bool roburoc4_discovery_may_drive(const discovery *d, uint16_t id);
+/** Whether the directory has a service of which neither type nor text tells what it is. */
+bool roburoc4_discovery_unseen(const discovery *d);
 /** Which service each id is; true if that changed. */
 bool roburoc4_discovery_identify(discovery *d);
 /** A text came for an element of the directory, or (io_type 0 to 3) a channel. True if an input of

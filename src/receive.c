@@ -46,7 +46,7 @@ static roburoc4_result receive_status(client *c, const uint8_t *data, size_t siz
     const verdict age = roburoc4_link_status(&c->private_link, STATUS_INDEX(service),
                                              head.robot_cycles, c->private_now_us);
     if (age == VERDICT_REBOOT && !closing) {
-        roburoc4_client_reboot(c);
+        roburoc4_lifecycle_reboot(c);
     }
     if (age != VERDICT_NEW) {
         return ROBUROC4_ERR_OLD;
@@ -60,7 +60,7 @@ static roburoc4_result receive_status(client *c, const uint8_t *data, size_t siz
         tell_drive(c);
     } else if (service == ROBUROC4_SERVICE_IOCARD && c->private_values.override_known &&
                c->private_values.overridden) {
-        roburoc4_client_interrupt(c, ROBUROC4_ERR_OVERRIDE);
+        roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_OVERRIDE);
     }
     return result;
 }
@@ -81,7 +81,7 @@ static roburoc4_result take_directory(client *c, const uint8_t *data, size_t siz
     }
     if (!same) {
         if (connected(c)) { /* else driving was left before, and for what cause is known */
-            roburoc4_client_interrupt(c, ROBUROC4_ERR_NO_DIFFERENTIAL);
+            roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_NO_DIFFERENTIAL);
         }
         roburoc4_discovery_clear(d);
         if (roburoc4_discovery_directory(d, &directory)) {
@@ -92,7 +92,7 @@ static roburoc4_result take_directory(client *c, const uint8_t *data, size_t siz
     if (!roburoc4_discovery_may_drive(d, c->private_drive.service)) { /* it may list nothing */
         roburoc4_drive_service(&c->private_drive, false, 0);
     }
-    roburoc4_client_forget_services(c, ROBUROC4_STATE_DISCOVERING);
+    roburoc4_lifecycle_forget_services(c, ROBUROC4_STATE_DISCOVERING);
     return result;
 }
 
@@ -118,8 +118,8 @@ static void take_text(client *c, const slot *s, const roburoc4_text *text) {
     raise_event(c, ROBUROC4_EVENT_DESCRIPTION);
     if (s->ask.detail == LIST_DIRECTORY && d->identified && roburoc4_discovery_identify(d)) {
         /* a late text told that a service is another one */
-        roburoc4_client_interrupt(c, ROBUROC4_ERR_NO_DIFFERENTIAL);
-        roburoc4_client_forget_services(c, ROBUROC4_STATE_DISCOVERING);
+        roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_NO_DIFFERENTIAL);
+        roburoc4_lifecycle_forget_services(c, ROBUROC4_STATE_DISCOVERING);
     }
 }
 
@@ -154,7 +154,7 @@ static roburoc4_result take_answer(client *c, const slot *s, const uint8_t *data
         d->leaving &= (uint8_t)~service_bit(s->ask.kind);
         break;
     default: /* REPLACE */
-        roburoc4_client_relocalize_ends(c, ROBUROC4_OK);
+        roburoc4_lifecycle_relocalize_ends(c, ROBUROC4_OK);
         break;
     }
     return result;
@@ -165,7 +165,11 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
     if (size < 5 && !bad) {
         return ROBUROC4_ERR_SHORT;
     }
+    const bool fixed_id = c->private_requests.fixed_id;
     slot *s = roburoc4_requests_match(&c->private_requests, data, size, c->private_now_us);
+    if (fixed_id && !c->private_requests.fixed_id) {
+        roburoc4_discovery_read_texts_again(&c->private_discovery);
+    }
     if (s == NULL) {
         return ROBUROC4_ERR_UNMATCHED;
     }
@@ -183,12 +187,12 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
     }
     if (bad) {
         count(c, ROBUROC4_COUNT_REFUSED);
-        roburoc4_client_fail(c, &request, ROBUROC4_ERR_ROBOT);
+        roburoc4_asking_failed(c, &request, ROBUROC4_ERR_ROBOT);
         return ROBUROC4_OK;
     }
     const roburoc4_result result = take_answer(c, &request, data, size);
     if (result < 0) {
-        roburoc4_client_fail(c, &request, result);
+        roburoc4_asking_failed(c, &request, result);
     }
     return result;
 }
@@ -219,7 +223,7 @@ roburoc4_result roburoc4_client_receive(client *c, const uint8_t *datagram, size
     if (c->private_state == ROBUROC4_STATE_IDLE) {
         return ROBUROC4_ERR_STATE;
     }
-    roburoc4_client_clock(c, now_us);
+    roburoc4_lifecycle_clock(c, now_us);
     count(c, ROBUROC4_COUNT_RECEIVED);
     c->private_discovery.described_kind = 0;
     if (size == 0) {

@@ -237,7 +237,7 @@ roburoc4_result roburoc4_client_facts(const client *c, uint64_t now_us, roburoc4
     out->descriptions_done = c->private_discovery.done;
     out->battery_low = v->battery_low != 0;
     out->disarm_cause = d->armed ? ROBUROC4_OK : d->disarm_cause;
-    out->arm_refusal = roburoc4_client_arm_refusal(c, now_us);
+    out->arm_refusal = roburoc4_arming_refusal(c, now_us);
     out->relocalize_result = c->private_outputs.relocalize_result;
     out->lease_left_us = out->driving ? d->lease_us - (uint32_t)elapsed_us : 0;
     out->linear_m_s = d->sent[0];

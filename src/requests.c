@@ -2,7 +2,8 @@
  *
  * Requests: every try has a new id, so that only the answer to the last try counts; a few are open
  * at once. A robot that answers everything with 0x01, as the manual prints it, is recognised after
- * three tries and served one request at a time.
+ * three tries and served one request at a time. A bad link can look like such a robot: the probe
+ * of the directory tries another id first, and an answer to it ends the mode.
  */
 #include "machines.h"
 
@@ -91,9 +92,12 @@ static bool id_in_use(const requests *r, uint8_t id) {
 }
 
 static uint8_t next_id(requests *r, const slot *s) {
-    const bool connecting =
-        s->ask.action == ROBUROC4_ACTION_GET && s->ask.max_tries == REQUEST_FOREVER;
-    if (r->fixed_id || (connecting && s->tries % MANUAL_ID_EVERY == MANUAL_ID_EVERY - 1)) {
+    const bool directory =
+        s->ask.action == ROBUROC4_ACTION_GET && s->ask.kind == ROBUROC4_SERVICE_DIRECTORY;
+    const bool connecting = directory && s->ask.max_tries == REQUEST_FOREVER;
+    const bool doubting = directory && s->tries == 0;
+    if ((r->fixed_id && !doubting) ||
+        (connecting && s->tries % MANUAL_ID_EVERY == MANUAL_ID_EVERY - 1)) {
         return ROBUROC4_HEADER_MANUAL;
     }
     do {
@@ -152,11 +156,9 @@ static bool error_fits(const slot *s, const uint8_t *datagram, size_t size) {
 
 /** A robot that once echoed another id is not one that knows 0x01 only, however much is lost. */
 static void note_answered_id(requests *r, const slot *s) {
-    if (r->fixed_id) {
-        return;
-    }
     if (s->id != ROBUROC4_HEADER_MANUAL) {
         r->suspect = ANSWERED_ANY_ID;
+        r->fixed_id = 0;
     } else if (r->suspect != ANSWERED_ANY_ID || s->tries >= DOUBT_AFTER) {
         r->suspect = ANSWERED_MANUAL_ID;
     }
@@ -188,10 +190,13 @@ slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size,
     if (oldest == NULL || datagram[0] == ROBUROC4_HEADER_ERROR) {
         return oldest;
     }
-    if (size >= 5 && datagram[0] == ROBUROC4_HEADER_MANUAL && only_manual_id(oldest)) {
-        return go_to_fixed_id(r, oldest);
+    if (size < 5 || datagram[0] != ROBUROC4_HEADER_MANUAL) {
+        return NULL;
     }
-    return NULL;
+    if (r->fixed_id) {
+        return oldest; /* it was asked with another id, in doubt */
+    }
+    return only_manual_id(oldest) ? go_to_fixed_id(r, oldest) : NULL;
 }
 
 void roburoc4_requests_close(requests *r, slot *s, uint64_t now_us) {

@@ -35,7 +35,7 @@ static roburoc4_result take_iocard(client *c, const uint8_t *data, size_t size) 
         memset(d->role_texts, 0xFF, sizeof d->role_texts);
         d->done = 0;
         c->private_values.override_known = 0;
-        roburoc4_client_forget_outputs(c); /* they were set for another card */
+        roburoc4_lifecycle_forget_outputs(c); /* they were set for another card */
         c->private_events |= ROBUROC4_EVENT_PROPERTIES;
         exceed(c, p.analog_inputs > ROBUROC4_MAX_ANALOG_INPUTS ||
                       p.analog_outputs > ROBUROC4_MAX_ANALOG_OUTPUTS ||

@@ -383,43 +383,48 @@ void name_services_by_text(ScriptedRobot &robot) {
 
 } // namespace
 
-TEST(FixedId, IsDoubtedWhereItLeavesNothingToDrive) {
+TEST(FixedId, EndsWhereTheRobotEchoesAnotherIdAfterAll) {
     ScriptedRobot robot;
     name_services_by_text(robot);
     robot.only_manual_id = true; /* as on a link that loses all but one answer */
-    Bench bench(robot);
-    bench.start();
-    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 10 * second));
-    robot.only_manual_id = false;
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    Bench bench(robot, config);
+    bench.ready();
     ASSERT_EQ(1, bench.facts().fixed_id);
-    ASSERT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.facts().arm_refusal);
-    bench.run(4900 * ms);
-    EXPECT_EQ(1, bench.facts().fixed_id);
-    EXPECT_TRUE(bench.run_until([&] { return bench.arm() == ROBUROC4_OK; }, 3 * second));
+    ASSERT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.arm());
+    robot.only_manual_id = false;
+    EXPECT_TRUE(bench.run_until([&] { return bench.arm() == ROBUROC4_OK; }, 4 * second));
     EXPECT_EQ(0, bench.facts().fixed_id);
+    EXPECT_EQ(1, bench.facts().override_known);
 }
 
-TEST(FixedId, IsBelievedAgainWhereTheRobotKnowsNoOther) {
-    ScriptedRobot robot;
-    name_services_by_text(robot);
-    robot.only_manual_id = true;
-    Bench bench(robot);
-    bench.ready();
-    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_CONNECTING, 7 * second));
-    EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 7 * second));
-    EXPECT_EQ(1, bench.facts().fixed_id);
-    EXPECT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.arm());
+TEST(FixedId, StaysForARobotThatKnowsNoOther) {
+    for (int dialect = 0; dialect < 2; dialect++) {
+        ScriptedRobot robot;
+        name_services_by_text(robot); /* none of which is found */
+        (dialect == 0 ? robot.only_manual_id : robot.always_manual_id) = true;
+        Bench bench(robot);
+        bench.ready();
+        bench.run(20 * second);
+        EXPECT_EQ(1, bench.facts().fixed_id) << dialect;
+        EXPECT_EQ(0U, bench.take_events() & (ROBUROC4_EVENT_STATE | ROBUROC4_EVENT_FIXED_ID));
+        EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_ABANDONED)) << dialect;
+    }
 }
 
-TEST(FixedId, IsNotDoubtedWhereAllIsThereToDrive) {
+/* An unknown card under an unknown id, and a differential service that is found by its type. */
+TEST(FixedId, NoUnseenCardIsTakenForNone) {
     ScriptedRobot robot;
-    robot.only_manual_id = true;
-    Bench bench(robot);
+    robot.service(ROBUROC4_SERVICE_IOCARD).type = 0x7100;
+    robot.service(ROBUROC4_SERVICE_IOCARD).id = 20;
+    robot.always_manual_id = true;
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    Bench bench(robot, config);
     bench.ready();
-    bench.take_events();
-    bench.run(20 * second);
-    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_STATE);
-    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+    ASSERT_EQ(1, bench.facts().fixed_id);
+    EXPECT_EQ(ROBUROC4_ERR_STALE_IOCARD, bench.arm());
 }
 
 TEST(FixedId, WorksWithTheSimulatorsTwoDialects) {

@@ -350,6 +350,26 @@ TEST(UnknownOverride, CanBeAllowed) {
     }
 }
 
+/* A card of unknown type and under another id than the manual's may be there until texts tell. */
+TEST(UnknownOverride, IsNotAllowedWhileAServiceIsNotKnown) {
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    ScriptedRobot robot;
+    robot.service(ROBUROC4_SERVICE_IOCARD).type = 0x7100;
+    robot.service(ROBUROC4_SERVICE_IOCARD).id = 20;
+    robot.texts_silent = true;
+    Bench bench(robot, config);
+    bench.ready();
+    EXPECT_EQ(ROBUROC4_ERR_STALE_IOCARD, bench.arm());
+    bench.run(20 * second); /* they were given up */
+    EXPECT_EQ(ROBUROC4_ERR_STALE_IOCARD, bench.arm());
+    robot.service(ROBUROC4_SERVICE_IOCARD).text = "Camera"; /* it is none */
+    robot.texts_silent = false;
+    bench.close();
+    bench.ready();
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+}
+
 TEST(UnknownOverride, AllowedStillHeedsAnOverrideThatIsKnown) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;

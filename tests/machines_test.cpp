@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <string>
 
 extern "C" {
 #include "joined.h"
@@ -428,6 +429,21 @@ TEST(Discovery, ADirectoryThatDiffersInAnyWayIsAnother) {
     const Directory other_type{{0, 0}, {0, 1}, {ROBUROC4_TYPE_DRIVE, 6}};
     for (const Directory *other : {&shorter, &longer, &other_id, &other_type})
         EXPECT_FALSE(roburoc4_discovery_same(&d, &other->view));
+}
+
+TEST(Discovery, WordsAreLookedForInTheFirst255BytesOfAText) {
+    const std::string word = "- Front. BUMPER"; /* signs and blanks do not count */
+    const auto found = [&](std::size_t before) {
+        roburoc4_private_discovery d{};
+        roburoc4_discovery_clear(&d);
+        const std::string text = std::string(before, ' ') + word + std::string(65000, ' ');
+        return roburoc4_discovery_text(&d, ROBUROC4_IO_DIGITAL_INPUT, 3,
+                                       reinterpret_cast<const std::uint8_t *>(text.data()),
+                                       static_cast<std::uint32_t>(text.size()));
+    };
+    EXPECT_TRUE(found(0));
+    EXPECT_TRUE(found(255 - word.size()));
+    EXPECT_FALSE(found(256 - word.size()));
 }
 
 TEST(Discovery, TheSameTextOfTheSameInputAgainIsNotAmbiguous) {
