@@ -678,8 +678,8 @@ ROBUROC4_API const char *roburoc4_state_name(uint32_t state);
 
 /** Bits of roburoc4_config.options. */
 #define ROBUROC4_OPTION_TURN_KEEPING 0x01 /* slow down rather than turn less */
-/* for a robot without the game pad's inputs; an IO card that is listed must still give its counts
- */
+/* for a robot without the game pad's inputs; an IO card that is listed must still give its counts,
+ * and where none is listed, every service must be known by its type or its text */
 #define ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE 0x02
 /* stay armed when somebody else commands; also for a robot that ramps the targets it reports */
 #define ROBUROC4_OPTION_IGNORE_FOREIGN 0x04
