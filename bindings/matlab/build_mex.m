@@ -51,10 +51,7 @@ end
 
 file = fullfile(folder, ['roburoc4_mex.' mexext()]);
 if octave
-    linked = mkoctfile('--mex', '-o', file, objects{:}, libraries{:});
-    if ~isequal(linked, 0) && ~isempty(linked)
-        error('roburoc4:build', 'mkoctfile could not link %s', file);
-    end
+    make('link', file, '--mex', '-o', file, objects{:}, libraries{:});
 else
     mex(api, '-outdir', folder, '-output', 'roburoc4_mex', objects{:}, libraries{:});
 end
@@ -73,15 +70,21 @@ for k = 1:numel(files)
     [~, name] = fileparts(from);
     if octave
         objects{end + 1} = fullfile(folder, [name '.o']); %#ok<AGROW>
-        failed = mkoctfile('-c', '-o', objects{end}, include{:}, from);
-        if ~isequal(failed, 0) && ~isempty(failed)
-            error('roburoc4:build', 'mkoctfile could not compile %s', from);
-        end
+        % Nobody else may see our functions, or take his for ours: as mex does it.
+        make('compile', from, '-c', '-fvisibility=hidden', '-o', objects{end}, include{:}, from);
     else
         mex(api, '-c', '-outdir', folder, include{:}, from);
         made = dir(fullfile(folder, [name '.o*']));
         objects{end + 1} = fullfile(folder, made(1).name); %#ok<AGROW>
     end
+end
+end
+
+function make(action, file, varargin)
+% With results mkoctfile only warns.
+[~, status] = mkoctfile(varargin{:});
+if status ~= 0
+    error('roburoc4:build', 'mkoctfile could not %s %s', action, file);
 end
 end
 

@@ -4,6 +4,7 @@ classdef Rate < handle
 %   the loop computes and drives; a wait ends at the next tick of the rate. Where the loop took
 %   longer than a period, the ticks that it missed are counted in overruns and left out: it does not
 %   run faster later. With the robot of a simulator in virtual time, it is that time which passes.
+%   A loop does not keep its robot: once R is deleted or forgotten, wait raises roburoc4:closed.
 %
 %   Rate methods:
 %      wait      - Wait for the next tick
@@ -30,8 +31,11 @@ properties (SetAccess = private)
     overruns = 0
 end
 
+properties (Access = private, Transient)
+    id = 0     % not the object: forgetting that must stop the robot
+end
+
 properties (Access = private)
-    robot
     begin_s
     ticks = 0
 end
@@ -44,11 +48,10 @@ methods
     function this = Rate(robot, hertz)
         %RATE Begin a loop.
         %   See the help of the class.
-        if ~isa(robot, 'roburoc4.Robot')
-            error('roburoc4:badArgument', 'a roburoc4.Robot is needed: use r.rate(20)');
-        end
+        roburoc4.internal.needed(nargin == 2 && isa(robot, 'roburoc4.Robot'), ...
+            'Rate(a roburoc4.Robot, hertz), or r.rate(hertz)');
         this.period_s = 1 / roburoc4.internal.number(hertz, 'hertz', 0.1, 200);
-        this.robot = robot;
+        this.id = robot.id;
         this.begin_s = robot.time_s;
     end
 
@@ -63,11 +66,11 @@ methods
             this.ticks = past;
         end
         this.ticks = this.ticks + 1;
-        this.robot.spin(max(0, this.ticks * this.period_s - this.time_s));
+        roburoc4.internal.spin(this.id, max(0, this.ticks * this.period_s - this.time_s));
     end
 
     function seconds = get.time_s(this)
-        seconds = this.robot.time_s - this.begin_s;
+        seconds = roburoc4.internal.roburoc4_mex('now', this.id) - this.begin_s;
     end
 end
 end

@@ -1,10 +1,11 @@
 classdef Robot < handle
 %ROBOT A RobuROC4: drive it, read it, record it.
-%   R = roburoc4.Robot(ADDRESS) connects to the robot at 'HOST' or 'HOST:PORT' ('192.168.0.2' where
-%   none is given) and waits until it is ready. R = roburoc4.Robot(ADDRESS, 'Name', value, ...)
+%   R = roburoc4.Robot(ADDRESS) connects to the robot at 'HOST' or 'HOST:PORT' (from the factory
+%   '192.168.0.2') and waits until it is ready. R = roburoc4.Robot(ADDRESS, 'Name', value, ...)
 %   takes options:
 %
-%      timeout (10)              seconds of silence after which roburoc4:timeout is raised
+%      timeout (10)              seconds of silence, or without coming nearer to ready, after which
+%                                roburoc4:timeout is raised
 %      lease_ms (250)            life of a drive command, 20 to 1000
 %      drive_period_ms (50)      repetition of a living drive command, 10 to half of lease_ms
 %      max_linear_m_s (2.6)      ceiling of speed
@@ -22,7 +23,8 @@ classdef Robot < handle
 %
 %   A native thread keeps the link alive whatever MATLAB does. It never renews a drive command: the
 %   robot stops when drive is not called again within lease_ms. delete(R), clear R, Ctrl-C in a
-%   method that waits, an error in one, and the end of MATLAB stop it too.
+%   method that waits, an error in one, and the end of MATLAB stop it too, if R drives it: an object
+%   that only watches sends no command, not even a zero.
 %
 %   Units are SI and radians; X is forward, Y left, angles counter-clockwise. Errors have the ids
 %   roburoc4:badArgument, :closed, :limit, :network, :notArmed, :protocol and :timeout.
@@ -46,13 +48,15 @@ classdef Robot < handle
 %      serviceLink     - Figures of one service's statuses
 %
 %   Robot properties:
-%      status          - The latest of everything: a scalar struct
+%      status          - The latest of everything, with its age: a scalar struct
 %      pose            - [x_m y_m theta_rad] of the odometry: far off after turns
 %      speeds          - [linear_m_s angular_rad_s] of the wheels
 %      info            - What the robot is: a scalar struct
 %      link            - Figures of the link: a scalar struct
 %      address         - Address and port
 %      time_s          - Seconds since the robot was connected
+%   pose and speeds are NaN when they are older than fresh_ms (300). docs/matlab.md explains the
+%   fields of the structs.
 %
 %   Example:
 %      r = roburoc4.Robot('192.168.0.2', 'max_linear_m_s', 0.5);
@@ -66,7 +70,7 @@ classdef Robot < handle
 
 % SPDX-License-Identifier: MIT
 
-properties (SetAccess = private, Hidden)
+properties (SetAccess = private, Hidden, Transient)
     id = 0
 end
 
@@ -84,9 +88,7 @@ methods
     function this = Robot(address, varargin)
         %ROBOT Connect, and wait until the robot is ready.
         %   See the help of the class.
-        if nargin == 0
-            address = '192.168.0.2';
-        end
+        roburoc4.internal.needed(nargin > 0, 'Robot(address), such as Robot(''192.168.0.2'')');
         own = struct('timeout', 10);
         [options, own] = roburoc4.internal.options(varargin, own);
         timeout = roburoc4.internal.number(own.timeout, 'timeout', 0, 1e6);
@@ -150,7 +152,7 @@ methods
         %   Example:
         %      r.drive(0.3, 0.1)
         if nargin ~= 3 || ~isnumeric(linear_m_s) || ~isnumeric(angular_rad_s)
-            error('roburoc4:badArgument', 'two speeds are needed: drive(v in m/s, w in rad/s)');
+            roburoc4.internal.needed(false, 'drive(v in m/s, w in rad/s)');
         end
         roburoc4.internal.roburoc4_mex('drive', this.id, linear_m_s, angular_rad_s);
     end
@@ -158,14 +160,14 @@ methods
     function driveFor(this, linear_m_s, angular_rad_s, seconds)
         %DRIVEFOR Drive at these speeds for some seconds, and stop.
         %   driveFor(R, V, W, SECONDS) renews the command meanwhile and returns at the end. Ctrl-C
-        %   or an error stops the robot at once.
+        %   or an error stops the robot at once. Where the motors are inhibited (emergency stop,
+        %   brakes) it goes on until its end: look at status.inhibited in a loop of your own.
         %
         %   Example:
         %      r.driveFor(0.5, 0, 2)
-        if nargin ~= 4
-            error('roburoc4:badArgument', 'needed: driveFor(v in m/s, w in rad/s, seconds)');
-        end
+        roburoc4.internal.needed(nargin == 4, 'driveFor(v in m/s, w in rad/s, seconds)');
         seconds = roburoc4.internal.number(seconds, 'seconds', 0, 1e6);
+        % It stops the robot at the end, too.
         cleanup = roburoc4.internal.guard(this.id); %#ok<NASGU>
         renewal_s = roburoc4.internal.roburoc4_mex('lease', this.id) / 4;
         left_s = seconds;
@@ -175,8 +177,6 @@ methods
             now_s = roburoc4.internal.roburoc4_mex('wait', this.id, min([left_s renewal_s 0.05]));
             left_s = finish_s - now_s;
         end
-        this.stop();
-        roburoc4.internal.roburoc4_mex('busy', this.id, false);
     end
 
     function stop(this)
@@ -215,19 +215,14 @@ methods
     function spin(this, seconds)
         %SPIN Let time pass, in slices short enough for Ctrl-C.
         %   spin(R, SECONDS) returns after so many seconds. It renews nothing: a drive command ends
-        %   with its lease. Ctrl-C stops the robot at once. With the robot of a simulator in virtual
-        %   time, that time passes.
+        %   with its lease. Ctrl-C stops a robot that R drives at once. With the robot of a
+        %   simulator in virtual time, that time passes.
         %
         %   Example:
         %      r.drive(0.3, 0); r.spin(0.2)
+        roburoc4.internal.needed(nargin == 2, 'spin(seconds)');
         seconds = roburoc4.internal.number(seconds, 'seconds', 0, 1e6);
-        cleanup = roburoc4.internal.guard(this.id); %#ok<NASGU>
-        finish_s = this.time_s + seconds;
-        left_s = seconds;
-        while left_s > 0
-            left_s = finish_s - roburoc4.internal.roburoc4_mex('wait', this.id, min(left_s, 0.05));
-        end
-        roburoc4.internal.roburoc4_mex('busy', this.id, false);
+        roburoc4.internal.spin(this.id, seconds);
     end
 
     function loop = rate(this, hertz)
@@ -240,6 +235,7 @@ methods
         %          r.drive(0.3, 0.2 * sin(loop.time_s));
         %          loop.wait();
         %      end
+        roburoc4.internal.needed(nargin == 2, 'rate(hertz)');
         loop = roburoc4.Rate(this, hertz);
     end
 
@@ -278,6 +274,7 @@ methods
         %
         %   Example:
         %      s = r.serviceLink('localization'); s.period_s
+        roburoc4.internal.needed(nargin == 2, 'serviceLink(service)');
         service = roburoc4.internal.text(service, 'service');
         s = roburoc4.internal.roburoc4_mex('serviceLink', this.id, service);
     end
@@ -286,8 +283,9 @@ methods
         %IO Inputs of the IO card by name.
         %   VALUE = io(R, NAME) is logical for a digital input, and a double, generally volts, for
         %   an analog one. The manual's names (5.5.1) always work, the robot's own where they are
-        %   unique; upper and lower case are the same. S = io(R) is a scalar struct of all inputs,
-        %   by index on the wire, and of the names of all channels.
+        %   unique (not in virtual time); upper and lower case are the same. S = io(R) is a scalar
+        %   struct of all inputs, by index on the wire, and of the names of all channels. These are
+        %   the last values: status.iocard_age_s is their age.
         %
         %   Example:
         %      r.io('Front bumper')
@@ -308,9 +306,7 @@ methods
         %
         %   Example:
         %      r.setOutput(3, true)
-        if nargin ~= 3
-            error('roburoc4:badArgument', 'needed: setOutput(index or name, true or false)');
-        end
+        roburoc4.internal.needed(nargin == 3, 'setOutput(index or name, true or false)');
         if ~isnumeric(channel)
             channel = roburoc4.internal.text(channel, 'channel');
         end
@@ -322,9 +318,7 @@ methods
         %
         %   Example:
         %      r.setAnalogOutput(0, 2.5)
-        if nargin ~= 3
-            error('roburoc4:badArgument', 'needed: setAnalogOutput(index or name, volts)');
-        end
+        roburoc4.internal.needed(nargin == 3, 'setAnalogOutput(index or name, volts)');
         if ~isnumeric(channel)
             channel = roburoc4.internal.text(channel, 'channel');
         end
@@ -334,13 +328,12 @@ methods
     function relocalize(this, x_m, y_m, theta_rad)
         %RELOCALIZE Tell the robot where it is, and wait until it has taken that.
         %   relocalize(R, X, Y, THETA) takes metres and radians. Raises roburoc4:protocol where the
-        %   robot refuses, roburoc4:timeout where it does not answer within 2 seconds.
+        %   robot refuses, roburoc4:timeout where it does not answer within 2 seconds. It need not
+        %   be armed.
         %
         %   Example:
         %      r.relocalize(0, 0, 0)
-        if nargin ~= 4
-            error('roburoc4:badArgument', 'needed: relocalize(x in m, y in m, theta in rad)');
-        end
+        roburoc4.internal.needed(nargin == 4, 'relocalize(x in m, y in m, theta in rad)');
         roburoc4.internal.roburoc4_mex('relocalize', this.id, x_m, y_m, theta_rad);
         while ~roburoc4.internal.roburoc4_mex('relocalized', this.id)
             this.spin(0.01);
@@ -349,10 +342,12 @@ methods
 
     function subscribe(this, service, period_ms)
         %SUBSCRIBE Say how often a service sends its status.
-        %   subscribe(R, SERVICE, PERIOD_MS) takes a multiple of 10, 10 to 2550.
+        %   subscribe(R, SERVICE, PERIOD_MS) takes a multiple of 10, 10 to 2550. A robot that does
+        %   not answer is asked once it is there again.
         %
         %   Example:
         %      r.subscribe('localization', 20)
+        roburoc4.internal.needed(nargin == 3, 'subscribe(service, period_ms)');
         service = roburoc4.internal.text(service, 'service');
         period_ms = roburoc4.internal.number(period_ms, 'period_ms', 10, 2550);
         roburoc4.internal.roburoc4_mex('subscribe', this.id, service, period_ms);
@@ -363,6 +358,7 @@ methods
         %
         %   Example:
         %      r.unsubscribe('telemeter')
+        roburoc4.internal.needed(nargin == 2, 'unsubscribe(service)');
         service = roburoc4.internal.text(service, 'service');
         roburoc4.internal.roburoc4_mex('subscribe', this.id, service, 0);
     end
@@ -373,22 +369,24 @@ methods
         %   telemeter, battery, localization, differential. All have time_s, seconds from now, and
         %   robot_cycles, uint64 counts of 10 ms. DATA.lost is the number of statuses that came too
         %   fast. record(R, SECONDS, SERVICE, ...) takes these services only. A drive command is
-        %   not renewed meanwhile.
+        %   not renewed meanwhile. Raises roburoc4:timeout where nothing came, because the robot does
+        %   not answer.
         %
         %   Example:
         %      data = r.record(2, 'localization');
         %      plot(data.localization.time_s, data.localization.x_m)
+        roburoc4.internal.needed(nargin >= 2, 'record(seconds)');
         seconds = roburoc4.internal.number(seconds, 'seconds', 0, 1e6);
         services = roburoc4.Robot.texts(varargin);
         cleanup = roburoc4.internal.guard(this.id); %#ok<NASGU>
-        roburoc4.internal.roburoc4_mex('record', this.id);
+        roburoc4.internal.roburoc4_mex('record', this.id, services{:});
         finish_s = this.time_s + seconds;
         left_s = seconds;
         while left_s > 0
             left_s = finish_s - roburoc4.internal.roburoc4_mex('wait', this.id, min(left_s, 0.05));
             roburoc4.internal.roburoc4_mex('recorded', this.id);
         end
-        data = roburoc4.internal.roburoc4_mex('recording', this.id, services{:});
+        data = roburoc4.internal.roburoc4_mex('recording', this.id);
         roburoc4.internal.roburoc4_mex('busy', this.id, false);
     end
 
@@ -405,6 +403,7 @@ methods
         %      r.driveFor(0.3, 0, 2);
         %      r.log('drive.mat');
         %      data = load('drive.mat');
+        roburoc4.internal.needed(nargin >= 2, 'log(file)');
         file = roburoc4.internal.text(file, 'file');
         services = roburoc4.Robot.texts(varargin);
         data = roburoc4.internal.roburoc4_mex('log', this.id, services{:});

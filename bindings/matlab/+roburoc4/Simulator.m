@@ -5,7 +5,8 @@ classdef Simulator < handle
 %   way. SIM = roburoc4.Simulator('port', PORT) serves UDP in real time on a thread of its own (0
 %   picks a free port); programs connect to SIM.address.
 %
-%   SIM = roburoc4.Simulator('Name', value, ...) takes options: port, host ('127.0.0.1'), seed (1),
+%   SIM = roburoc4.Simulator('Name', value, ...) takes options: port, host ('127.0.0.1'; the address
+%   of this machine to serve on, with port), seed (1),
 %   slip (0.12: the share of a turn that skidding eats), start_x_m, start_y_m, start_theta_rad,
 %   watchdog_cycles (100), battery_percent, digital_inputs, and all others of roburoc4_sim_config in
 %   roburoc4_sim.h that are numbers.
@@ -43,7 +44,7 @@ classdef Simulator < handle
 
 % SPDX-License-Identifier: MIT
 
-properties (SetAccess = private, Hidden)
+properties (SetAccess = private, Hidden, Transient)
     id = 0
     host = ''
 end
@@ -57,11 +58,16 @@ methods
     function this = Simulator(varargin)
         %SIMULATOR Begin a simulated robot.
         %   See the help of the class.
-        own = struct('port', [], 'host', '127.0.0.1');
+        own = struct('port', [], 'host', '');
         [options, own] = roburoc4.internal.options(varargin, own);
         if isempty(own.port)
+            roburoc4.internal.needed(isempty(own.host), ...
+                '''port'' beside ''host'': without it nothing is served; 0 picks a free one');
             this.id = roburoc4.internal.roburoc4_mex('simOpen', options);
         else
+            if isempty(own.host)
+                own.host = '127.0.0.1';
+            end
             this.host = roburoc4.internal.text(own.host, 'host');
             port = roburoc4.internal.number(own.port, 'port', 0, 65535);
             this.id = roburoc4.internal.roburoc4_mex('simOpen', options, this.host, port);
@@ -111,6 +117,7 @@ methods
         %
         %   Example:
         %      sim.step(0.5)
+        roburoc4.internal.needed(nargin == 2, 'step(seconds)');
         left_s = roburoc4.internal.number(seconds, 'seconds', 0, 1e9);
         while left_s > 0
             part_s = min(left_s, 1);
@@ -136,6 +143,7 @@ methods
         %
         %   Example:
         %      sim.digitalOutput(3)
+        roburoc4.internal.needed(nargin == 2, 'digitalOutput(index)');
         on = roburoc4.internal.roburoc4_mex('simOutput', this.id, index);
     end
 
@@ -144,6 +152,7 @@ methods
         %
         %   Example:
         %      sim.panel('pin analog 2 24.5')
+        roburoc4.internal.needed(nargin == 2, 'panel(line), such as panel(''help'')');
         line = roburoc4.internal.text(line, 'line');
         reply = roburoc4.internal.roburoc4_mex('simPanel', this.id, line);
     end
@@ -156,6 +165,7 @@ methods
         %
         %   Example:
         %      sim.pad('a', true); sim.pad('rt', 0.5)
+        roburoc4.internal.needed(nargin >= 2, 'pad(control, value)');
         control = lower(roburoc4.internal.text(control, 'control'));
         if nargin < 3
             this.panel(['pad ' control]);
@@ -173,6 +183,7 @@ methods
         %
         %   Example:
         %      sim.estop('remote', true)
+        roburoc4.internal.needed(nargin == 3, 'estop(which, true or false)');
         this.choose(['estop ' roburoc4.internal.text(which, 'which')], pressed, 'press', ...
             'release');
     end
@@ -190,6 +201,7 @@ methods
         %
         %   Example:
         %      sim.brakes('released')
+        roburoc4.internal.needed(nargin == 2, 'brakes(position)');
         this.panel(['brakes ' roburoc4.internal.text(position, 'position')]);
     end
 
@@ -198,6 +210,7 @@ methods
         %
         %   Example:
         %      sim.power(false); sim.power(true)
+        roburoc4.internal.needed(nargin == 2, 'power(true or false)');
         this.choose('power', on, 'on', 'off');
     end
 
@@ -206,6 +219,7 @@ methods
         %
         %   Example:
         %      sim.bumper('front', true)
+        roburoc4.internal.needed(nargin == 3, 'bumper(side, true or false)');
         this.choose(['bumper ' roburoc4.internal.text(side, 'side')], pressed, 'press', 'release');
     end
 
@@ -214,6 +228,7 @@ methods
         %
         %   Example:
         %      sim.battery(15)
+        roburoc4.internal.needed(nargin == 2, 'battery(percent)');
         this.tell('battery', {percent});
     end
 
@@ -222,6 +237,7 @@ methods
         %
         %   Example:
         %      sim.place(1, 2, pi / 2)
+        roburoc4.internal.needed(nargin == 4, 'place(x_m, y_m, theta_rad)');
         this.tell('place', {x_m, y_m, theta_rad});
     end
 
@@ -230,6 +246,7 @@ methods
         %
         %   Example:
         %      sim.addBox(3, 0, 0.5, 0.5, 0)
+        roburoc4.internal.needed(nargin == 6, 'addBox(x_m, y_m, size_x_m, size_y_m, theta_rad)');
         this.tell('box add', {x_m, y_m, size_x_m, size_y_m, theta_rad});
     end
 
@@ -238,6 +255,7 @@ methods
         %
         %   Example:
         %      sim.addWall(3, -1, 3, 1)
+        roburoc4.internal.needed(nargin == 5, 'addWall(x1_m, y1_m, x2_m, y2_m)');
         this.tell('box wall', {x1_m, y1_m, x2_m, y2_m});
     end
 

@@ -7,12 +7,13 @@ function [track, path] = pure_pursuit(robot, picture)
 %
 %   Twenty times a second: find the point of the path that is LOOK_M ahead, and take the curve that
 %   leads to it, omega = 2 v sin(alpha) / LOOK_M. The speed response lags behind by more than half
-%   a second, so the speed is low and the look ahead long.
+%   a second, so the speed is low and the look ahead long. It gives up, and disarms, when the motors
+%   are inhibited, the pose is old, or after a minute.
 %
 %   Example:
 %      pure_pursuit(roburoc4.Robot('192.168.0.2', 'max_linear_m_s', 0.5))
 %
-%   See also roburoc4.Rate.
+%   See also roburoc4.Rate, pose_or_stop.
 
 % SPDX-License-Identifier: MIT
 if nargin < 1 || isempty(robot)
@@ -22,20 +23,21 @@ if nargin < 1 || isempty(robot)
 end
 look_m = 0.6;
 speed_m_s = 0.4;
+longest_s = 60;
 
 robot.arm();
+loop = robot.rate(20);
 robot.spin(0.2);
-start = robot.pose;
+start = pose_or_stop(robot, loop, longest_s);
 along = (0:0.02:6)';
 wave = [along, 0.6 * sin(2 * pi * along / 4) .* min(1, along)];
 turn = [cos(start(3)), sin(start(3)); -sin(start(3)), cos(start(3))];
 path = wave * turn + repmat(start(1:2), numel(along), 1);
 
-loop = robot.rate(20);
 track = start;
 nearest = 1;
-while loop.time_s < 60 && norm(path(end, :) - track(end, 1:2)) > 0.1
-    pose = robot.pose;
+while norm(path(end, :) - track(end, 1:2)) > 0.1
+    pose = pose_or_stop(robot, loop, longest_s);
     distance_m = sqrt(sum((path - repmat(pose(1:2), size(path, 1), 1)) .^ 2, 2));
     % Only forward along the path: a path may cross itself.
     window = nearest:min(nearest + 50, numel(distance_m));

@@ -19,6 +19,8 @@ if nargin < 1 || isempty(robot)
 end
 
 data = robot.record(5);
+channels = robot.io();
+voltage = strcmpi(channels.analog_input_names, 'Battery voltage');
 
 shown = canvas(nargin < 2, 900, 700);
 subplot(2, 2, 1);
@@ -34,7 +36,7 @@ plot(data.telemeter.time_s, data.telemeter.distances_m);
 ylim([0 6.5]); grid on; xlabel('time, s'); ylabel('m'); title('Telemeters');
 legend({'front', 'rear'}, 'Location', 'southeast');
 subplot(2, 2, 4);
-plot(data.iocard.time_s, data.iocard.analog_inputs(:, 3));
+plot(data.iocard.time_s, data.iocard.analog_inputs(:, voltage));
 grid on; xlabel('time, s'); ylabel('V'); title('Battery voltage');
 if nargin > 1
     print(shown, picture, '-dpng', '-r100');

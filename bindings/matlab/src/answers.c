@@ -4,16 +4,17 @@
  */
 #include "answers.h"
 
+#include <assert.h>
+
 void answer_begin(answer *out) {
     out->count = 0;
 }
 
 void answer_add(answer *out, const char *name, mxArray *value) {
-    if (out->count < ANSWER_FIELDS) {
-        out->names[out->count] = name;
-        out->values[out->count] = value;
-        out->count++;
-    }
+    assert(out->count < ANSWER_FIELDS);
+    out->names[out->count] = name;
+    out->values[out->count] = value;
+    out->count++;
 }
 
 void answer_number(answer *out, const char *name, double value) {

@@ -20,7 +20,7 @@ typedef struct answer {
 
 /** An answer without fields. */
 void answer_begin(answer *out);
-/** Add a field; what is beyond ANSWER_FIELDS is dropped. */
+/** Add a field: no more than ANSWER_FIELDS. */
 void answer_add(answer *out, const char *name, mxArray *value);
 void answer_number(answer *out, const char *name, double value);
 void answer_flag(answer *out, const char *name, int value);

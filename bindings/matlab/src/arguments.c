@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "arguments.h"
 
+#include <string.h>
+
 #include "fail.h"
 
 static int is_finite(double value) {
@@ -61,6 +63,9 @@ int take_text(const mxArray *value, const char *name, char out[TEXT_SIZE]) {
     if (mxGetNumberOfElements(value) >= TEXT_SIZE || mxGetString(value, out, TEXT_SIZE) != 0) {
         return fail(FAIL_ARGUMENT, "%s: the text is longer than %d characters", name,
                     TEXT_SIZE - 1);
+    }
+    if (strlen(out) < mxGetNumberOfElements(value)) {
+        return fail(FAIL_ARGUMENT, "%s: there is a character 0 in '%s'", name, out);
     }
     return 1;
 }

@@ -2,7 +2,6 @@
 #include "channels.h"
 
 #include <stdio.h>
-#include <string.h>
 
 #include "fail.h"
 

@@ -12,8 +12,6 @@
 
 /** Bits of a set of channel types, ROBUROC4_IO_*. */
 #define CHANNEL_INPUTS ((1u << ROBUROC4_IO_ANALOG_INPUT) | (1u << ROBUROC4_IO_DIGITAL_INPUT))
-#define CHANNEL_DIGITAL_OUTPUTS (1u << ROBUROC4_IO_DIGITAL_OUTPUT)
-#define CHANNEL_ANALOG_OUTPUTS (1u << ROBUROC4_IO_ANALOG_OUTPUT)
 
 typedef struct channel {
     uint32_t io_type, index;

@@ -26,6 +26,8 @@ extern const command simulator_commands[];
 
 /** The robot whose id is the first argument, or NULL after noting why. */
 robot *told_robot(const call *told);
+/** Enter a robot and answer its id; NULL is one that could not be made. 0 after noting why not. */
+int give_robot(const call *told, robot *made);
 /** The service with statuses that a text names. */
 int take_service(const mxArray *value, uint32_t *out);
 /** End all that lives: robots first, their zeros together. */

@@ -21,6 +21,7 @@ static robot *make(const robot_settings *settings) {
         return NULL;
     }
     made->lease_us = settings->config.lease_ms * 1000;
+    made->fresh_us = settings->config.fresh_ms * 1000;
     return made;
 }
 
@@ -53,7 +54,7 @@ robot *robot_open(const char *address, const robot_settings *settings) {
         free(made);
         return NULL;
     }
-    made->opened_us = robot_now_us(made);
+    made->opened_us = made->furthest_us = robot_now_us(made);
     return made;
 }
 
@@ -68,7 +69,7 @@ robot *robot_join(world *home, const robot_settings *settings) {
         free(made);
         return NULL;
     }
-    made->opened_us = robot_now_us(made);
+    made->opened_us = made->furthest_us = robot_now_us(made);
     return made;
 }
 
@@ -106,6 +107,11 @@ int robot_is_stopping(robot *one) {
     return robot_is_open(one) && robot_facts(one, &facts) == ROBUROC4_OK && facts.stopping;
 }
 
+int robot_is_driving(robot *one) {
+    roburoc4_facts facts = {.size = sizeof facts};
+    return robot_facts(one, &facts) == ROBUROC4_OK && (facts.driving || facts.stopping);
+}
+
 /* ---------------------------------------------------------------------------------- commands ---
  */
 
@@ -140,8 +146,8 @@ roburoc4_result robot_stop(robot *one) {
     return PLAIN_COMMAND(stop, roburoc4_pump_stop_robot);
 }
 
-roburoc4_result robot_drive(robot *one, float linear_m_s, float angular_rad_s, uint32_t lease_us) {
-    return COMMAND(drive, linear_m_s, angular_rad_s, lease_us);
+roburoc4_result robot_drive(robot *one, float linear_m_s, float angular_rad_s) {
+    return COMMAND(drive, linear_m_s, angular_rad_s, 0);
 }
 
 roburoc4_result robot_set_digital_output(robot *one, uint32_t index, int32_t on) {
@@ -249,28 +255,39 @@ roburoc4_result robot_description(robot *one, int32_t io_type, uint32_t index, c
                : ROBUROC4_ERR_UNKNOWN;
 }
 
-roburoc4_result robot_battery(robot *one, roburoc4_battery_status *out) {
-    return LOOK(battery, out, NULL);
+roburoc4_result robot_battery(robot *one, roburoc4_battery_status *out, uint64_t *host_us) {
+    return LOOK(battery, out, host_us);
 }
 
-roburoc4_result robot_localization(robot *one, roburoc4_localization_status *out) {
-    return LOOK(localization, out, NULL);
+roburoc4_result robot_localization(robot *one, roburoc4_localization_status *out,
+                                   uint64_t *host_us) {
+    return LOOK(localization, out, host_us);
 }
 
-roburoc4_result robot_differential(robot *one, roburoc4_differential_status *out) {
-    return LOOK(differential, out, NULL);
+roburoc4_result robot_differential(robot *one, roburoc4_differential_status *out,
+                                   uint64_t *host_us) {
+    return LOOK(differential, out, host_us);
 }
 
-roburoc4_result robot_inputs(robot *one, roburoc4_inputs *out) {
-    return LOOK(inputs, out, NULL);
+roburoc4_result robot_inputs(robot *one, roburoc4_inputs *out, uint64_t *host_us) {
+    return LOOK(inputs, out, host_us);
 }
 
-roburoc4_result robot_distances(robot *one, roburoc4_distances *out) {
-    return LOOK(distances, out, NULL);
+roburoc4_result robot_distances(robot *one, roburoc4_distances *out, uint64_t *host_us) {
+    return LOOK(distances, out, host_us);
 }
 
 /* ----------------------------------------------------------------------------------- samples ---
  */
+
+void robot_begin_reading(robot *one, roburoc4_pump_reader *reader) {
+    if (one->pump != NULL) {
+        (void)roburoc4_pump_reader_init(one->pump, reader);
+    } else {
+        reader->next_sample = one->client->ring.next;
+        reader->lost = 0;
+    }
+}
 
 int robot_drain(robot *one, roburoc4_pump_reader *reader, sample_list *list) {
     roburoc4_result got;

@@ -16,13 +16,17 @@ typedef struct robot {
     roburoc4_pump *pump;  /* in real time, or NULL */
     world_client *client; /* in virtual time, or NULL */
     uint64_t opened_us;
+    uint64_t furthest_us; /* when it came to the state below */
+    uint32_t furthest;    /* the last state on the way to ready that it came to */
     uint32_t lease_us;
-    int busy; /* a method that waits is running: when it ends early, the robot stops */
+    uint32_t fresh_us; /* age to which a status counts */
+    int busy;          /* a method that waits is running: when it ends early, the robot stops */
     roburoc4_pump_reader log;     /* of log(): what was written ends here */
     roburoc4_pump_reader log_end; /* where it will end, once the file is there */
     roburoc4_pump_reader reader;  /* of record() */
     sample_list recording;
     uint64_t recording_us;
+    uint32_t recording_mask; /* of services */
 } robot;
 
 /** Open a link in real time. NULL after noting why (fail.h); an absent robot is no error. */
@@ -41,10 +45,12 @@ uint64_t robot_now_us(const robot *one);
 void robot_wait(robot *one, uint32_t duration_us);
 /** Whether zeros are on their way. */
 int robot_is_stopping(robot *one);
+/** Whether this object drives, or zeros of its drive are on their way. */
+int robot_is_driving(robot *one);
 
 roburoc4_result robot_arm(robot *one);
 roburoc4_result robot_disarm(robot *one);
-roburoc4_result robot_drive(robot *one, float linear_m_s, float angular_rad_s, uint32_t lease_us);
+roburoc4_result robot_drive(robot *one, float linear_m_s, float angular_rad_s);
 roburoc4_result robot_stop(robot *one);
 roburoc4_result robot_set_digital_output(robot *one, uint32_t index, int32_t on);
 roburoc4_result robot_set_analog_output(robot *one, uint32_t index, float value);
@@ -75,12 +81,17 @@ roburoc4_result robot_role_index(robot *one, uint32_t role);
 roburoc4_result robot_description(robot *one, int32_t io_type, uint32_t index, char *buffer,
                                   size_t capacity);
 
-roburoc4_result robot_battery(robot *one, roburoc4_battery_status *out);
-roburoc4_result robot_localization(robot *one, roburoc4_localization_status *out);
-roburoc4_result robot_differential(robot *one, roburoc4_differential_status *out);
-roburoc4_result robot_inputs(robot *one, roburoc4_inputs *out);
-roburoc4_result robot_distances(robot *one, roburoc4_distances *out);
+/* host_us may be NULL. */
+roburoc4_result robot_battery(robot *one, roburoc4_battery_status *out, uint64_t *host_us);
+roburoc4_result robot_localization(robot *one, roburoc4_localization_status *out,
+                                   uint64_t *host_us);
+roburoc4_result robot_differential(robot *one, roburoc4_differential_status *out,
+                                   uint64_t *host_us);
+roburoc4_result robot_inputs(robot *one, roburoc4_inputs *out, uint64_t *host_us);
+roburoc4_result robot_distances(robot *one, roburoc4_distances *out, uint64_t *host_us);
 
+/** Let a reader begin with the next status. */
+void robot_begin_reading(robot *one, roburoc4_pump_reader *reader);
 /** Append what a reader has not read to a list. 0 after noting that there is no room. */
 int robot_drain(robot *one, roburoc4_pump_reader *reader, sample_list *list);
 

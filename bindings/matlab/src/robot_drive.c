@@ -2,9 +2,6 @@
  *
  * Commands that tell the robot something. None of them waits.
  */
-#include <stdio.h>
-#include <string.h>
-
 #include "answers.h"
 #include "channels.h"
 #include "commands.h"
@@ -15,6 +12,16 @@
 
 static int done(const char *what, roburoc4_result result) {
     return result >= 0 ? 1 : fail_result(what, result);
+}
+
+/* For what needs a robot that answers, but not that it is armed. */
+static int done_there(const char *what, roburoc4_result result) {
+    if (result == ROBUROC4_ERR_NOT_READY) {
+        return fail(FAIL_TIMEOUT,
+                    "%s: the robot does not answer; look at link, and try again when status.ready",
+                    what);
+    }
+    return done(what, result);
 }
 
 /* Reasons against arming that time alone may take away. */
@@ -56,7 +63,7 @@ static int drive(const call *told) {
     return one != NULL &&
            take_range(told->arguments[1], "linear speed", -FASTEST, FASTEST, &linear_m_s) &&
            take_range(told->arguments[2], "angular speed", -FASTEST, FASTEST, &angular_rad_s) &&
-           done("not driving", robot_drive(one, (float)linear_m_s, (float)angular_rad_s, 0));
+           done("not driving", robot_drive(one, (float)linear_m_s, (float)angular_rad_s));
 }
 
 /* lease(id): seconds for which a drive command lives */
@@ -93,7 +100,7 @@ static int outcome(robot *one, uint32_t io_type, uint32_t index, roburoc4_result
                     io_type == ROBUROC4_IO_DIGITAL_OUTPUT ? "digital" : "analog",
                     (unsigned long)index, (unsigned long)channels_count(one, io_type));
     }
-    return done("output", result);
+    return done_there("output", result);
 }
 
 /* digital(id, channel, on) */
@@ -125,7 +132,7 @@ static int relocalize(const call *told) {
     return one != NULL && take_range(told->arguments[1], "x", -1e9, 1e9, &x_m) &&
            take_range(told->arguments[2], "y", -1e9, 1e9, &y_m) &&
            take_range(told->arguments[3], "theta", -1e9, 1e9, &theta_rad) &&
-           done("relocalize", robot_relocalize(one, x_m, y_m, theta_rad));
+           done_there("relocalize", robot_relocalize(one, x_m, y_m, theta_rad));
 }
 
 /* relocalized(id): true when the robot took it; false while it did not answer */

@@ -2,7 +2,6 @@
  *
  * Commands that open, wait for and close robots.
  */
-#include <stdio.h>
 #include <string.h>
 
 #include "answers.h"
@@ -24,16 +23,14 @@ robot *told_robot(const call *told) {
 }
 
 int take_service(const mxArray *value, uint32_t *out) {
-    static const char *const names[] = {"iocard", "telemeter", "battery", "localization",
-                                        "differential"};
     char text[TEXT_SIZE];
-    uint32_t i;
+    uint32_t service;
     if (!take_text(value, "service", text)) {
         return 0;
     }
-    for (i = 0; i < sizeof names / sizeof names[0]; i++) {
-        if (strcmp(text, names[i]) == 0) {
-            *out = ROBUROC4_SERVICE_IOCARD + i;
+    for (service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT; service++) {
+        if (strcmp(text, samples_service(service)) == 0) {
+            *out = service;
             return 1;
         }
     }
@@ -43,7 +40,7 @@ int take_service(const mxArray *value, uint32_t *out) {
                 text);
 }
 
-static int give_id(const call *told, robot *made) {
+int give_robot(const call *told, robot *made) {
     double id;
     if (made == NULL) {
         return 0;
@@ -63,7 +60,7 @@ static int open_robot(const call *told) {
     robot_settings settings;
     return take_text(told->arguments[0], "address", address) &&
            settings_of_robot(told->arguments[1], &settings) &&
-           give_id(told, robot_open(address, &settings));
+           give_robot(told, robot_open(address, &settings));
 }
 
 /* close(id): for an id that is closed already it does nothing, as delete() can be called twice. */
@@ -139,11 +136,45 @@ static int fail_silent(robot *one, double timeout_s) {
                 (unsigned long)robot_count(one, ROBUROC4_COUNT_RECEIVED), what_to_check(one));
 }
 
-/* connected(id, timeout_s): true when ready; an error after so long a silence */
-static int is_connected(const call *told) {
+static int fail_refused(robot *one, double timeout_s) {
+    char address[ROBUROC4_ADDRESS_TEXT_SIZE];
+    robot_address_text(one, address, sizeof address);
+    return fail(
+        FAIL_TIMEOUT,
+        "%s is not ready: it answers, but refuses or leaves out what is needed (no progress "
+        "for %g s, state %s, %lu datagrams received, %lu of them refusals): check that it is "
+        "a RobuROC4 and what the way to it loses, or give a longer timeout",
+        address, timeout_s, roburoc4_state_name(robot_state(one)),
+        (unsigned long)robot_count(one, ROBUROC4_COUNT_RECEIVED),
+        (unsigned long)robot_count(one, ROBUROC4_COUNT_REFUSED));
+}
+
+/* For how long there was nothing from the robot. */
+static double silence_s(robot *one) {
     roburoc4_link link = {.size = sizeof link};
+    const double open_s = (double)(robot_now_us(one) - one->opened_us) / 1e6;
+    if (robot_count(one, ROBUROC4_COUNT_RECEIVED) > 0 && robot_link(one, &link) == ROBUROC4_OK &&
+        (double)link.silence_us / 1e6 < open_s) {
+        return (double)link.silence_us / 1e6;
+    }
+    return open_s;
+}
+
+/* For how long it came no nearer to ready. */
+static double standstill_s(robot *one) {
+    const uint32_t state = robot_state(one);
+    const uint64_t now_us = robot_now_us(one);
+    if (state > one->furthest && state <= ROBUROC4_STATE_READY) {
+        one->furthest = state;
+        one->furthest_us = now_us;
+    }
+    return (double)(now_us - one->furthest_us) / 1e6;
+}
+
+/* connected(id, timeout_s): true when ready; an error after so long a silence or standstill */
+static int is_connected(const call *told) {
     robot *one = told_robot(told);
-    double timeout_s, silence_s;
+    double timeout_s;
     if (one == NULL || !take_range(told->arguments[1], "timeout", 0.0, 1e6, &timeout_s)) {
         return 0;
     }
@@ -151,12 +182,10 @@ static int is_connected(const call *told) {
     if (robot_state(one) == ROBUROC4_STATE_READY) {
         return 1;
     }
-    silence_s = (double)(robot_now_us(one) - one->opened_us) / 1e6;
-    if (robot_count(one, ROBUROC4_COUNT_RECEIVED) > 0 && robot_link(one, &link) == ROBUROC4_OK &&
-        (double)link.silence_us / 1e6 < silence_s) {
-        silence_s = (double)link.silence_us / 1e6;
+    if (silence_s(one) >= timeout_s) {
+        return fail_silent(one, timeout_s);
     }
-    return silence_s >= timeout_s ? fail_silent(one, timeout_s) : 1;
+    return standstill_s(one) >= timeout_s ? fail_refused(one, timeout_s) : 1;
 }
 
 /* now(id): seconds on the robot's clock */
@@ -178,7 +207,9 @@ static int pass_time(const call *told) {
         return 0;
     }
     if (!robot_is_open(one)) {
-        return fail(FAIL_CLOSED, "the simulator of this robot was deleted");
+        return fail(FAIL_CLOSED, one->pump != NULL
+                                     ? "the link of this robot was ended; make a new one"
+                                     : "the simulator of this robot was deleted");
     }
     duration_us = (uint32_t)(seconds * 1e6);
     /* Rounded up, or who waits for the rest of a rounded time waits forever. */
@@ -192,7 +223,8 @@ static int set_busy(const call *told) {
     return one != NULL && take_flag(told->arguments[1], "busy", &one->busy);
 }
 
-/* interrupted(id): stop the robot if the method that waits did not come to its end */
+/* interrupted(id): stop the robot if the method that waits did not come to its end. Only where this
+ * object drives: a monitor would take the robot from whoever does. */
 static int interrupt(const call *told) {
     robot *one;
     double id;
@@ -202,7 +234,9 @@ static int interrupt(const call *told) {
     one = handles_find(HANDLE_ROBOT, id);
     if (one != NULL && one->busy) {
         one->busy = 0;
-        (void)robot_stop(one);
+        if (robot_is_driving(one)) {
+            (void)robot_stop(one);
+        }
     }
     return 1;
 }

@@ -14,6 +14,17 @@
 /* ------------------------------------------------------------------------------------ status ---
  */
 
+/* How old a value is that was received then; read the value first. */
+static uint64_t age_us(const robot *one, uint64_t received_us) {
+    const uint64_t now_us = robot_now_us(one);
+    return now_us > received_us ? now_us - received_us : 0;
+}
+
+static void add_age(answer *out, const char *name, const robot *one, int known,
+                    uint64_t received_us) {
+    answer_number(out, name, known ? (double)age_us(one, received_us) / 1e6 : mxGetInf());
+}
+
 static void add_facts(answer *out, robot *one) {
     roburoc4_facts facts = {.size = sizeof facts};
     (void)robot_facts(one, &facts);
@@ -33,38 +44,55 @@ static void add_facts(answer *out, robot *one) {
 
 static uint64_t add_localization(answer *out, robot *one) {
     roburoc4_localization_status status = {0};
-    const int known = robot_localization(one, &status) >= 0;
+    uint64_t received_us = 0;
+    const int known = robot_localization(one, &status, &received_us) >= 0;
     answer_number(out, "x_m", known ? status.x_m : mxGetNaN());
     answer_number(out, "y_m", known ? status.y_m : mxGetNaN());
     answer_number(out, "theta_rad", known ? status.theta_rad : mxGetNaN());
     answer_byte(out, "localization_flags", (uint8_t)(status.flags & 0xFFu));
+    add_age(out, "localization_age_s", one, known, received_us);
     return status.robot_cycles;
 }
 
 static uint64_t add_speeds(answer *out, robot *one) {
     roburoc4_differential_status status = {0};
-    const int known = robot_differential(one, &status) >= 0;
+    uint64_t received_us = 0;
+    const int known = robot_differential(one, &status, &received_us) >= 0;
     const double unknown = mxGetNaN();
     answer_number(out, "target_linear_m_s", known ? (double)status.target_linear_m_s : unknown);
     answer_number(out, "linear_m_s", known ? (double)status.current_linear_m_s : unknown);
     answer_number(out, "target_angular_rad_s",
                   known ? (double)status.target_angular_rad_s : unknown);
     answer_number(out, "angular_rad_s", known ? (double)status.current_angular_rad_s : unknown);
+    add_age(out, "differential_age_s", one, known, received_us);
     return status.robot_cycles;
 }
 
 static uint64_t add_distances(answer *out, robot *one) {
     roburoc4_distances status = {0};
-    (void)robot_distances(one, &status);
+    uint64_t received_us = 0;
+    const int known = robot_distances(one, &status, &received_us) >= 0;
     answer_row(out, "distances_m", status.distance_m, status.count);
+    add_age(out, "telemeter_age_s", one, known, received_us);
     return status.robot_cycles;
 }
 
 static uint64_t add_battery(answer *out, robot *one) {
     roburoc4_battery_status status = {0};
-    const int known = robot_battery(one, &status) >= 0;
+    uint64_t received_us = 0;
+    const int known = robot_battery(one, &status, &received_us) >= 0;
     answer_byte(out, "battery_state", known ? status.state : NOT_KNOWN);
     answer_byte(out, "remaining_percent", known ? status.remaining_percent : NOT_KNOWN);
+    add_age(out, "battery_age_s", one, known, received_us);
+    return status.robot_cycles;
+}
+
+/* Overridden and the bumpers are with the facts. */
+static uint64_t add_inputs_age(answer *out, robot *one) {
+    roburoc4_inputs status = {0};
+    uint64_t received_us = 0;
+    const int known = robot_inputs(one, &status, &received_us) >= 0;
+    add_age(out, "iocard_age_s", one, known, received_us);
     return status.robot_cycles;
 }
 
@@ -75,7 +103,6 @@ static uint64_t later(uint64_t one, uint64_t other) {
 /* status(id) */
 static int look_status(const call *told) {
     robot *one = told_robot(told);
-    roburoc4_inputs inputs = {0};
     uint64_t cycles;
     answer out;
     if (one == NULL) {
@@ -84,26 +111,32 @@ static int look_status(const call *told) {
     answer_begin(&out);
     answer_number(&out, "time_s", (double)(robot_now_us(one) - one->opened_us) / 1e6);
     add_facts(&out, one);
-    cycles = add_localization(&out, one);
+    cycles = add_inputs_age(&out, one);
+    cycles = later(cycles, add_localization(&out, one));
     cycles = later(cycles, add_speeds(&out, one));
     cycles = later(cycles, add_distances(&out, one));
     cycles = later(cycles, add_battery(&out, one));
-    (void)robot_inputs(one, &inputs);
-    answer_cycles(&out, "robot_cycles", later(cycles, inputs.robot_cycles));
+    answer_cycles(&out, "robot_cycles", cycles);
     told->results[0] = answer_finish(&out);
     return 1;
 }
 
-/* pose(id): x_m, y_m, theta_rad, for loops that need no more: a row costs a tenth of a struct */
+/* What steers a robot must be fresh: pose() and speeds() are NaN where it is not. */
+static int is_fresh(const robot *one, uint64_t received_us) {
+    return age_us(one, received_us) < one->fresh_us;
+}
+
+/* pose(id): x_m, y_m, theta_rad, for loops that need no more: a row costs a third of a struct */
 static int look_pose(const call *told) {
     roburoc4_localization_status status = {0};
     robot *one = told_robot(told);
+    uint64_t received_us = 0;
     double *row;
     int known;
     if (one == NULL) {
         return 0;
     }
-    known = robot_localization(one, &status) >= 0;
+    known = robot_localization(one, &status, &received_us) >= 0 && is_fresh(one, received_us);
     row = make_doubles(&told->results[0], 1, 3);
     row[0] = known ? status.x_m : mxGetNaN();
     row[1] = known ? status.y_m : mxGetNaN();
@@ -115,12 +148,13 @@ static int look_pose(const call *told) {
 static int look_speeds(const call *told) {
     roburoc4_differential_status status = {0};
     robot *one = told_robot(told);
+    uint64_t received_us = 0;
     double *row;
     int known;
     if (one == NULL) {
         return 0;
     }
-    known = robot_differential(one, &status) >= 0;
+    known = robot_differential(one, &status, &received_us) >= 0 && is_fresh(one, received_us);
     row = make_doubles(&told->results[0], 1, 2);
     row[0] = known ? (double)status.current_linear_m_s : mxGetNaN();
     row[1] = known ? (double)status.current_angular_rad_s : mxGetNaN();
@@ -298,7 +332,7 @@ static int look_input(const call *told) {
         !channels_find(one, name, CHANNEL_INPUTS, &found)) {
         return 0;
     }
-    if (robot_inputs(one, &inputs) < 0) {
+    if (robot_inputs(one, &inputs, NULL) < 0) {
         return fail_no_inputs();
     }
     if (found.io_type == ROBUROC4_IO_DIGITAL_INPUT && found.index < inputs.digital_count) {
@@ -338,7 +372,7 @@ static int look_inputs(const call *told) {
     if (one == NULL) {
         return 0;
     }
-    if (robot_inputs(one, &inputs) < 0) {
+    if (robot_inputs(one, &inputs, NULL) < 0) {
         return fail_no_inputs();
     }
     answer_begin(&out);
@@ -362,29 +396,6 @@ static int look_inputs(const call *told) {
 
 #define ALL_SERVICES 0x7Cu
 
-/* record(id): forget what was recorded, and begin now */
-static int begin_recording(const call *told) {
-    robot *one = told_robot(told);
-    if (one == NULL) {
-        return 0;
-    }
-    samples_free(&one->recording);
-    /* What is there already is read and dropped. */
-    if (!robot_drain(one, &one->reader, &one->recording)) {
-        return 0;
-    }
-    one->recording.count = 0;
-    one->reader.lost = 0;
-    one->recording_us = robot_now_us(one);
-    return 1;
-}
-
-/* recorded(id): take what has come since */
-static int go_on_recording(const call *told) {
-    robot *one = told_robot(told);
-    return one != NULL && robot_drain(one, &one->reader, &one->recording);
-}
-
 static int take_mask(const call *told, uint32_t *mask) {
     int i;
     *mask = told->count > 1 ? 0 : ALL_SERVICES;
@@ -398,15 +409,37 @@ static int take_mask(const call *told, uint32_t *mask) {
     return 1;
 }
 
-/* recording(id, service, ...): all that was recorded, as columns */
-static int end_recording(const call *told) {
+/* record(id, service, ...): forget what was recorded, and begin now */
+static int begin_recording(const call *told) {
     robot *one = told_robot(told);
     uint32_t mask;
-    if (one == NULL || !take_mask(told, &mask) ||
-        !robot_drain(one, &one->reader, &one->recording)) {
+    if (one == NULL || !take_mask(told, &mask)) {
         return 0;
     }
-    told->results[0] = samples_columns(&one->recording, mask, one->recording_us, one->reader.lost);
+    samples_free(&one->recording);
+    robot_begin_reading(one, &one->reader);
+    one->recording_us = robot_now_us(one);
+    one->recording_mask = mask;
+    return 1;
+}
+
+/* recorded(id): take what has come since */
+static int go_on_recording(const call *told) {
+    robot *one = told_robot(told);
+    return one != NULL && robot_drain(one, &one->reader, &one->recording);
+}
+
+/* recording(id): all that was recorded, as columns */
+static int end_recording(const call *told) {
+    robot *one = told_robot(told);
+    if (one == NULL || !robot_drain(one, &one->reader, &one->recording)) {
+        return 0;
+    }
+    if (one->recording.count == 0 && robot_state(one) != ROBUROC4_STATE_READY) {
+        return fail(FAIL_TIMEOUT, "nothing was recorded: the robot does not answer; look at link");
+    }
+    told->results[0] =
+        samples_columns(&one->recording, one->recording_mask, one->recording_us, one->reader.lost);
     samples_free(&one->recording);
     return 1;
 }
@@ -450,9 +483,9 @@ const command robot_look_commands[] = {
     {"serviceLink", look_service_link, 2},
     {"io", look_input, 2},
     {"inputs", look_inputs, 1},
-    {"record", begin_recording, 1},
+    {"record", begin_recording, -1},
     {"recorded", go_on_recording, 1},
-    {"recording", end_recording, -1},
+    {"recording", end_recording, 1},
     {"log", look_log, -1},
     {"logged", end_log, 1},
     {NULL, NULL, 0},

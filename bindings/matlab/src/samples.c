@@ -34,32 +34,41 @@ void samples_free(sample_list *list) {
     memset(list, 0, sizeof *list);
 }
 
-void samples_store(sample_ring *ring, const roburoc4_client *client, uint32_t service) {
-    roburoc4_sample *to = &ring->samples[ring->next % ring->capacity];
-    memset(to, 0, sizeof *to);
-    to->sequence = ring->next++;
-    to->service = service;
-    switch (service) {
+static roburoc4_result read_value(const roburoc4_client *client, roburoc4_sample *to) {
+    roburoc4_result result;
+    switch (to->service) {
     case ROBUROC4_SERVICE_IOCARD:
-        (void)roburoc4_client_inputs(client, &to->value.inputs, &to->host_us);
+        result = roburoc4_client_inputs(client, &to->value.inputs, &to->host_us);
         to->robot_cycles = to->value.inputs.robot_cycles;
         break;
     case ROBUROC4_SERVICE_TELEMETER:
-        (void)roburoc4_client_distances(client, &to->value.distances, &to->host_us);
+        result = roburoc4_client_distances(client, &to->value.distances, &to->host_us);
         to->robot_cycles = to->value.distances.robot_cycles;
         break;
     case ROBUROC4_SERVICE_BATTERY:
-        (void)roburoc4_client_battery(client, &to->value.battery, &to->host_us);
+        result = roburoc4_client_battery(client, &to->value.battery, &to->host_us);
         to->robot_cycles = to->value.battery.robot_cycles;
         break;
     case ROBUROC4_SERVICE_LOCALIZATION:
-        (void)roburoc4_client_localization(client, &to->value.localization, &to->host_us);
+        result = roburoc4_client_localization(client, &to->value.localization, &to->host_us);
         to->robot_cycles = to->value.localization.robot_cycles;
         break;
     default:
-        (void)roburoc4_client_differential(client, &to->value.differential, &to->host_us);
+        result = roburoc4_client_differential(client, &to->value.differential, &to->host_us);
         to->robot_cycles = to->value.differential.robot_cycles;
         break;
+    }
+    return result;
+}
+
+void samples_store(sample_ring *ring, const roburoc4_client *client, uint32_t service) {
+    roburoc4_sample sample;
+    memset(&sample, 0, sizeof sample);
+    sample.sequence = ring->next;
+    sample.service = service;
+    if (read_value(client, &sample) >= 0) {
+        ring->samples[ring->next % ring->capacity] = sample;
+        ring->next++;
     }
 }
 
@@ -78,6 +87,12 @@ roburoc4_result samples_read(const sample_ring *ring, roburoc4_pump_reader *read
 }
 
 /* ---------------------------------------------------------------------------------- columns --- */
+
+const char *samples_service(uint32_t service) {
+    static const char *const names[] = {"iocard", "telemeter", "battery", "localization",
+                                        "differential"};
+    return names[service - ROBUROC4_SERVICE_IOCARD];
+}
 
 /* The samples of one service. */
 typedef struct pick {
@@ -219,8 +234,6 @@ static mxArray *columns_of(const pick *from, uint32_t service) {
 }
 
 mxArray *samples_columns(const sample_list *list, uint32_t mask, uint64_t begin_us, uint64_t lost) {
-    static const char *const names[] = {"iocard", "telemeter", "battery", "localization",
-                                        "differential"};
     /* mxMalloc: given back by MATLAB, should it run out of memory on the way. */
     pick from = {mxMalloc((list->count + (size_t)1) * sizeof(const roburoc4_sample *)), 0,
                  begin_us};
@@ -235,7 +248,7 @@ mxArray *samples_columns(const sample_list *list, uint32_t mask, uint64_t begin_
                     from.at[from.count++] = &list->samples[i];
                 }
             }
-            answer_add(&out, names[service - ROBUROC4_SERVICE_IOCARD], columns_of(&from, service));
+            answer_add(&out, samples_service(service), columns_of(&from, service));
         }
     }
     answer_number(&out, "lost", (double)lost);

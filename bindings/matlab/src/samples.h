@@ -21,6 +21,9 @@ typedef struct sample_list {
 roburoc4_sample *samples_reserve(sample_list *list, uint32_t more);
 void samples_free(sample_list *list);
 
+/** The name of a service with statuses, in calls and in columns. */
+const char *samples_service(uint32_t service);
+
 /** A ring as the pump has one, for a client in virtual time. */
 typedef struct sample_ring {
     roburoc4_sample *samples;
@@ -28,7 +31,7 @@ typedef struct sample_ring {
     uint32_t capacity;
 } sample_ring;
 
-/** Store the newest status of a service. */
+/** Store the newest status of a service, where there is one. */
 void samples_store(sample_ring *ring, const roburoc4_client *client, uint32_t service);
 /** What roburoc4_pump_read_samples() does. */
 roburoc4_result samples_read(const sample_ring *ring, roburoc4_pump_reader *reader,

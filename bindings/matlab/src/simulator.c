@@ -2,15 +2,15 @@
  *
  * Commands of simulated robots: in virtual time, or in real time on a port and a thread of its own.
  */
-#include <stdio.h>
+#include <errno.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "answers.h"
 #include "commands.h"
 #include "fail.h"
 #include "handles.h"
 #include "host.h"
+#include "net.h"
 
 typedef struct simulator {
     roburoc4_sim *sim; /* belongs to one of these */
@@ -88,8 +88,15 @@ static int begin_host(simulator *one, const roburoc4_sim_config *config, const c
     one->host = sim_host_open(one->sim, address, port, &error);
     if (one->host == NULL) {
         roburoc4_sim_destroy(one->sim);
-        return fail(FAIL_NETWORK, "cannot serve on %s:%u: %s; give another port, or 0 for any",
-                    address, port, strerror(error));
+        const char *remedy = "";
+        char text[128];
+        net_error_text(error, text, sizeof text);
+        if (port != 0 && (error == EADDRINUSE || error == EACCES)) {
+            remedy = "; give another port, or 0 for any";
+        } else if (error == EADDRNOTAVAIL) {
+            remedy = "; give an address of this machine";
+        }
+        return fail(FAIL_NETWORK, "cannot serve on %s:%u: %s%s", address, port, text, remedy);
     }
     return 1;
 }
@@ -164,32 +171,20 @@ static int fail_real_time(void) {
 static int connect_robot(const call *told) {
     simulator *one = told_simulator(told);
     robot_settings settings;
-    robot *made;
-    double id;
     if (one == NULL || !settings_of_robot(told->arguments[1], &settings)) {
         return 0;
     }
     if (one->home == NULL) {
         return fail_real_time();
     }
-    made = robot_join(one->home, &settings);
-    if (made == NULL) {
-        return 0;
-    }
-    id = handles_add(HANDLE_ROBOT, made);
-    if (id == 0.0) {
-        robot_close(made);
-        return fail(FAIL_LIMIT, "%d robots and simulators live already: delete one", HANDLES_MAX);
-    }
-    told->results[0] = mxCreateDoubleScalar(id);
-    return 1;
+    return give_robot(told, robot_join(one->home, &settings));
 }
 
 /* -------------------------------------------------------------------------------------- time ---
  */
 
-/* So much virtual time takes well below LONGEST_WAIT_S. */
-#define LONGEST_STEP_S 10.0
+/* So much virtual time takes well below LONGEST_WAIT_S, also with as many robots as can be. */
+#define LONGEST_STEP_S 1.0
 
 /* simStep(id, seconds) */
 static int step(const call *told) {

@@ -2,7 +2,6 @@
 #include "world.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #define START_US 1000000u
 #define FLIGHTS 4096u

@@ -6,25 +6,36 @@ if ~exist('OCTAVE_VERSION', 'builtin')
     return
 end
 long = '''lease_ms'', 1000';
-usual = '''lease_ms'', 250';
+usual = '''lease_ms'', 500';
 ways = {'driveFor', long, 0.8, 'INT', 'r.driveFor(0.3, 0, 30)'; ...
     'spin', long, 0.8, 'INT', 'while true, r.drive(0.3, 0); r.spin(0.2); end'; ...
     'a loop of a rate', long, 0.8, 'INT', ...
         'l = r.rate(5); while true, r.drive(0.3, 0); l.wait(); end'; ...
     'record', long, 0.8, 'INT', 'while true, r.drive(0.3, 0); r.record(0.2); end'; ...
-    'drive', usual, 0.25 + 2 * 0.05 + 0.15, 'INT', 'while true, r.drive(0.3, 0); end'; ...
+    'drive', usual, 0.5 + 2 * 0.05 + 0.15, 'INT', 'while true, r.drive(0.3, 0); end'; ...
     'driveFor, terminated', long, 0.8, 'TERM', 'r.driveFor(0.3, 0, 30)'};
 numbers = SIG();
 for k = 1:size(ways, 1)
-    sim = roburoc4.Simulator('port', 0);
-    % The program goes on after Ctrl-C, as a console does: its end would send the zero, too.
-    pid = child(sim.address, ways{k, 2}, sprintf( ...
-        'unwind_protect, %s; unwind_protect_cleanup, pause(5); end_unwind_protect', ways{k, 5}));
-    cleanup = onCleanup(@() kill(pid, 9));
-    stop_s = watch_stop(sim, @() kill(pid, numbers.(ways{k, 4})));
+    stop_s = NaN;
+    attempt = 0;
+    while isnan(stop_s)
+        attempt = attempt + 1;
+        check(attempt <= 5, '%s: it always stops by itself, before Ctrl-C', ways{k, 1});
+        stop_s = stopped(ways{k, 2}, ways{k, 5}, numbers.(ways{k, 4}));
+    end
     fprintf('       Ctrl-C in %s: zero after %.0f ms\n', ways{k, 1}, 1000 * stop_s);
-    check(~(stop_s >= ways{k, 3}), '%s: zero only after %g s', ways{k, 1}, stop_s);
-    clear cleanup
-    delete(sim);
+    check(stop_s < ways{k, 3}, '%s: zero only after %g s', ways{k, 1}, stop_s);
 end
+end
+
+function stop_s = stopped(options, code, number)
+% From the signal to the zero; NaN where a busy machine let the lease end before the signal.
+sim = roburoc4.Simulator('port', 0);
+% The program goes on after Ctrl-C, as a console does: its end would send the zero, too.
+pid = child(sim.address, options, sprintf( ...
+    'unwind_protect, %s; unwind_protect_cleanup, pause(5); end_unwind_protect', code));
+cleanup = onCleanup(@() kill(pid, 9));
+stop_s = watch_stop(sim, @() kill(pid, number));
+clear cleanup
+delete(sim);
 end

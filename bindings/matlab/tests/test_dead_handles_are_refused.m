@@ -1,6 +1,11 @@
 function test_dead_handles_are_refused()
 % SPDX-License-Identifier: MIT
 closed = 'roburoc4:closed';
+% MATLAB itself refuses to read a property of what was deleted.
+dead_id = closed;
+if ~exist('OCTAVE_VERSION', 'builtin')
+    dead_id = 'MATLAB:class:InvalidHandle';
+end
 mex = @roburoc4.internal.roburoc4_mex;
 sim = roburoc4.Simulator();
 r = sim.connect();
@@ -21,7 +26,7 @@ for attempt = 1:2
         @() r.record(0.1), @() r.log([tempname() '.mat']), @() r.io('x'), @() r.pose, ...
         @() r.driveFor(0.1, 0, 1), @() r.disarm(), @() r.relocalize(0, 0, 0), @() r.rate(10)};
     for k = 1:numel(dead)
-        check_raises(closed, dead{k});
+        check_raises(dead_id, dead{k});
     end
     mex('close', id);
     if attempt == 1
@@ -34,8 +39,8 @@ clear r
 
 % The simulator first, the robot later.
 delete(sim);
-check_raises(closed, @() sim.state);
-check_raises(closed, @() sim.step(1));
+check_raises(dead_id, @() sim.state);
+check_raises(dead_id, @() sim.step(1));
 check_raises(closed, @() again.drive(0.1, 0));
 check_raises(closed, @() again.spin(0.1));
 delete(again);

@@ -5,11 +5,7 @@ folder = getenv('ROBUROC4_PICTURES');
 if isempty(folder)
     folder = tempdir();
 end
-if exist('OCTAVE_VERSION', 'builtin')
-    state = warning('off', 'all');       % about fonts, and about gnuplot
-    restored = onCleanup(@() warning(state)); %#ok<NASGU>
-    graphics_toolkit('gnuplot');
-end
+restored = without_display(); %#ok<NASGU>
 data = read_and_plot([], fullfile(folder, 'matlab-read-and-plot.png'));
 check(numel(data.localization.x_m) == 100 && max(data.differential.linear_m_s) > 0.3, 'nothing read');
 

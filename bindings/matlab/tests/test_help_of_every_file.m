@@ -1,5 +1,6 @@
 function test_help_of_every_file()
-% Each public file begins with an H1 line, has an example, and its methods have help.
+% Each public file begins with an H1 line, has an example, and its methods have help; the page in docs
+% tells each field of a struct.
 % SPDX-License-Identifier: MIT
 root = fileparts(fileparts(mfilename('fullpath')));
 folders = {fullfile(root, '+roburoc4'), fullfile(root, '+roburoc4', '+internal'), ...
@@ -31,6 +32,18 @@ for k = 1:numel(classes)
         check_shown(classes{k}, names{n}{1});
     end
 end
+check_fields(fileread(fullfile(root, '..', '..', 'docs', 'matlab.md')));
+end
+
+function check_fields(page)
+sim = roburoc4.Simulator();
+r = sim.connect();
+told = [fieldnames(r.status); fieldnames(r.link); fieldnames(r.info)];
+for k = 1:numel(told)
+    check(~isempty(strfind(page, ['`' told{k} '`'])), 'docs/matlab.md does not tell %s', told{k});
+end
+delete(r);
+delete(sim);
 end
 
 function check_shown(class_name, method)

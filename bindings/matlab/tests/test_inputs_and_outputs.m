@@ -32,6 +32,17 @@ sim.motorButton();
 check(sim.state.motors_enabled, 'motor button');
 sim.power(false);
 wait_for(r, @() ~r.status.ready);
+
+% A robot that is away: its remedy is not to arm.
+away = {@() r.setOutput(3, true), @() r.relocalize(0, 0, 0)};
+for k = 1:numel(away)
+    check_raises('roburoc4:timeout', away{k});
+    try
+        away{k}();
+    catch problem
+        check(isempty(strfind(problem.message, 'arm')), '%s', problem.message);
+    end
+end
 delete(r);
 delete(sim);
 end

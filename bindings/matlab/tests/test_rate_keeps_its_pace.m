@@ -24,6 +24,13 @@ end
 check(loop.time_s >= 0.399, '20 ticks in %g s', loop.time_s);
 delete(real);
 delete(host);
-delete(r);
+
+% A loop that is left over does not keep the robot driving, nor the object alive.
+loop = r.rate(20);
+r.arm();
+r.drive(0.3, 0);
+clear r
+check(sim.state.target_linear_m_s == 0 && living_robots() == 0, 'the loop kept the robot');
+check_raises('roburoc4:closed', @() loop.wait());
 delete(sim);
 end

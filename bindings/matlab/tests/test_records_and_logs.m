@@ -16,6 +16,9 @@ check(all(data.localization.time_s > 0 & data.localization.time_s <= 2), 'times'
 check(data.lost == 0, 'lost');
 some = r.record(0.1, 'battery');
 check(isfield(some, 'battery') && ~isfield(some, 'iocard'), 'only one service was wanted');
+begun_s = sim.state.time_s;
+check_raises('roburoc4:badArgument', @() r.record(5, 'localisation'));
+check(sim.state.time_s == begun_s, 'a wrong name was noticed only after the recording');
 
 file = [tempname() '.mat'];
 r.log(file);
@@ -36,6 +39,11 @@ warning(state);
 check(lossy.lost > 50, 'lost %d', lossy.lost);
 delete(file);
 delete(small);
+
+% No robot, no silent lack of data.
+sim.power(false);
+r.spin(3);
+check_raises('roburoc4:timeout', @() r.record(0.5));
 delete(r);
 delete(sim);
 end

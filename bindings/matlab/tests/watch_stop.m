@@ -2,7 +2,8 @@ function driven_s = watch_stop(sim, then)
 %WATCH_STOP Wait until a simulated robot is driven and then told to stand; for how long was that?
 %   DRIVEN_S = watch_stop(SIM) is the time between the first speed and the first zero, by the clock of
 %   the simulator on a port; NaN where both fell between two looks, on a busy machine.
-%   watch_stop(SIM, THEN) calls THEN once it is driven for 0.3 s, and counts from there.
+%   watch_stop(SIM, THEN) calls THEN once it is driven for 0.3 s, and counts from there; NaN where it
+%   was told to stand before, so that THEN was not called.
 %
 %   Example:
 %      driven_s = watch_stop(sim)
@@ -32,6 +33,8 @@ end
 driven_s = s.last_command_s - first_s;
 if ~isempty(called_s)
     driven_s = s.last_command_s - called_s;
+elseif nargin > 1
+    driven_s = NaN;
 end
 check(s.target_linear_m_s == 0, 'a zero was sent, but the target is %g', s.target_linear_m_s);
 end

@@ -34,14 +34,31 @@ if ~whole
     error('roburoc4:limit', ['''%s'' could not be written whole: is the disk full? Nothing is ' ...
         'lost: call log again with another file'], file);
 end
-[moved, why] = movefile(part, file, 'f');
+[moved, why] = move(part, file);
 if ~moved
     error('roburoc4:badArgument', 'cannot write to ''%s'' (%s): give another file', file, why);
 end
 end
 
+% Octave's movefile and delete take a name for a pattern, and movefile gives it to a shell.
+function [moved, why] = move(part, file)
+if exist('OCTAVE_VERSION', 'builtin')
+    [failed, why] = rename(part, file);
+    if failed && ispc()
+        % There a file that exists is in the way.
+        [~, ~] = unlink(file);
+        [failed, why] = rename(part, file);
+    end
+    moved = failed == 0;
+else
+    [moved, why] = movefile(part, file, 'f');
+end
+end
+
 function remove(part)
-if exist(part, 'file')
+if exist('OCTAVE_VERSION', 'builtin')
+    [~, ~] = unlink(part);
+elseif exist(part, 'file')
     delete(part);
 end
 end

@@ -1,0 +1,19 @@
+function spin(id, seconds)
+%SPIN Let time pass for a robot, in slices short enough for Ctrl-C.
+%   roburoc4.internal.spin(ID, SECONDS) takes the id and not the object: who waits with it does not
+%   keep the object alive, so that forgetting the object stops the robot.
+%
+%   Example:
+%      roburoc4.internal.spin(id, 0.2)
+%
+%   See also roburoc4.Robot, roburoc4.Rate.
+
+% SPDX-License-Identifier: MIT
+cleanup = roburoc4.internal.guard(id); %#ok<NASGU>
+finish_s = roburoc4.internal.roburoc4_mex('now', id) + seconds;
+left_s = seconds;
+while left_s > 0
+    left_s = finish_s - roburoc4.internal.roburoc4_mex('wait', id, min(left_s, 0.05));
+end
+roburoc4.internal.roburoc4_mex('busy', id, false);
+end

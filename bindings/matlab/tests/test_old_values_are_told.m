@@ -1,0 +1,44 @@
+function test_old_values_are_told()
+% What a robot said last is told with its age; for loops that steer by it, too old is NaN.
+% SPDX-License-Identifier: MIT
+sim = roburoc4.Simulator('start_x_m', 1.5);
+r = sim.connect();
+patient = sim.connect('fresh_ms', 1000);
+r.spin(1.5);
+ages = {'iocard_age_s', 'telemeter_age_s', 'battery_age_s', 'localization_age_s', ...
+    'differential_age_s'};
+longest_s = [0.06 0.11 1.01 0.06 0.06];
+for k = 1:numel(ages)
+    age_s = r.status.(ages{k});
+    check(age_s >= 0 && age_s <= longest_s(k), '%s is %g', ages{k}, age_s);
+end
+
+% One service falls silent; the robot can still be driven.
+r.unsubscribe('localization');
+r.spin(0.2);
+check(isequal(r.pose, [1.5 0 0]), 'a pose of 0.2 s is fresh');
+r.spin(0.5);
+check(isequal(isnan(r.pose), true(1, 3)), 'a pose of 0.7 s is no NaN');
+check(~any(isnan(r.speeds)), 'speeds are fresh');
+check(r.status.x_m == 1.5 && abs(r.status.localization_age_s - 0.7) < 0.06, ...
+    'status has the last pose and its age: %g s', r.status.localization_age_s);
+
+% All of them do.
+sim.faults('loss', 1);
+r.spin(0.5);
+check(all(isnan(r.speeds)) && r.status.differential_age_s > 0.4, 'old speeds');
+check(~any(isnan([patient.pose, patient.speeds])), 'fresh_ms 1000 was not heeded');
+patient.spin(0.6);
+check(all(isnan([patient.pose, patient.speeds])), 'old values, with fresh_ms 1000');
+sim.faults();
+r.spin(3);
+check(~any(isnan(r.speeds)), 'the robot is there again');
+
+% Never said.
+quiet = sim.connect('localization_period_ms', 0);
+check(quiet.status.localization_age_s == Inf, 'the age of nothing');
+delete(quiet);
+delete(patient);
+delete(r);
+delete(sim);
+end
