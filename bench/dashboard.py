@@ -124,7 +124,7 @@ def share_while_driving(page: Page, pid: int, seconds: float) -> float:
 
 def write_results(path: str, shares: dict[str, float]) -> None:
     """Leave the figures as bench/README.md asks for them."""
-    from platform import machine, system
+    import figures
 
     results = [
         {"name": f"processor time, {name}", "unit": "% of a core", "value": round(100 * share, 2)}
@@ -135,9 +135,12 @@ def write_results(path: str, shares: dict[str, float]) -> None:
         "part": "dashboard",
         "title": "Dashboard",
         "about": "What `roburoc4 dashboard` uses of one core: five services at 50 Hz, three pages "
-        "open in Chromium. By bench/dashboard.py.",
+        "open in Chromium, driving with a lease of 1 s (`--lease-ms 1000`; the default is 250), so "
+        "that a stall of the machine does not end it. By bench/dashboard.py.",
         "measured": time.strftime("%Y-%m-%d"),
-        "machine": f"{os.cpu_count()} processors, {system()} {machine()}",
+        "machine": figures.machine(),
+        "code": figures.code(),
+        "source": figures.source(),
         "results": results,
     }
     with open(path, "w", encoding="utf-8") as file:

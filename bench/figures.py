@@ -3,10 +3,14 @@
 
 import argparse
 import datetime
+import hashlib
 import json
+import math
 import os
 import pathlib
 import platform
+import re
+import statistics
 import subprocess
 import sys
 
@@ -30,6 +34,57 @@ def run(*command, cwd=None, env=None, timeout=600):
 def first_line(*command):
     """First line that a tool says of itself."""
     return run(*command).splitlines()[0].strip()
+
+
+def packaged(name):
+    """A Debian package and its version."""
+    return run("dpkg-query", "-W", "-f", "${Package} ${Version}", name)
+
+
+def pinned(*names):
+    """What is compared with, as bench/requirements.txt has it."""
+    text = (BENCH / "requirements.txt").read_text(encoding="utf-8")
+    return [
+        re.search(rf"^{name}==.*$", text, re.MULTILINE).group(0).replace("==", " ")
+        for name in names
+    ]
+
+
+def compiler(build):
+    """The C compiler of a build folder."""
+    cache = (build / "CMakeCache.txt").read_text(encoding="utf-8")
+    found = re.search(r"^CMAKE_C_COMPILER:\w+=(.*)$", cache, re.MULTILINE)
+    return first_line(found.group(1), "--version") + ", -O2"
+
+
+def code():
+    """Which code this is: the commit, and whether anything but figures differs from it."""
+    git = ("git", "-C", TOP)
+    try:
+        commit = first_line(*git, "describe", "--always", "--tags")
+        kept = (":!bench/results", ":!bench/RESULTS.md", ":!docs/images")
+        changed = run(*git, "status", "--porcelain", "--untracked-files=no", "--", TOP, *kept)
+    except (OSError, subprocess.CalledProcessError):
+        return "no commit"  # an archive of the sources
+    return commit + ("-dirty" if changed else "")
+
+
+def source():
+    """A checksum of src/ and include/: of what figures are, whatever is committed when."""
+    digest = hashlib.sha256()
+    for path in sorted(p for folder in ("src", "include") for p in (TOP / folder).rglob("*.[ch]")):
+        digest.update(path.relative_to(TOP).as_posix().encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def median_interval(samples):
+    """Median, and the ends of its 95 % interval, by the order of the samples."""
+    ordered = sorted(samples)
+    count = len(ordered)
+    # How many lie below the median is binomial: 1.96 deviations of it to each side.
+    aside = 0.98 * count**0.5
+    low = max(0, math.floor((count - 1) / 2 - aside))
+    return statistics.median(ordered), ordered[low], ordered[count - 1 - low]
 
 
 def arguments(doc):
@@ -66,6 +121,8 @@ class Part:
             "about": about,
             "measured": datetime.datetime.now(datetime.UTC).date().isoformat(),
             "machine": machine(),
+            "code": code(),
+            "source": source(),
             "versions": versions,
             "quick": "--quick" in sys.argv,
         }

@@ -7,10 +7,10 @@ import figures
 
 ABOUT = (
     "Nanoseconds of processor time for `receive` and the `poll_transmit` after it: median of the "
-    "repetitions, and their smallest and largest. `N clients`: a differential status through each "
-    "of N clients in turn, in one process."
+    "repetitions, and its 95 % interval. `N clients`: a differential status through each of N "
+    "clients in turn, in one process; its ratio to one client, with an interval as wide as both "
+    "allow."
 )
-ONE_CLIENT = 60  # ns: what a status through the client should cost at most
 
 
 def measure(build, quick):
@@ -29,8 +29,7 @@ def measure(build, quick):
                 payload_bytes[group, case.split("/repeats")[0]] = int(one["bytes"])
     values = {}
     for name, times in samples.items():
-        times.sort()
-        values[name] = [round(t, 2) for t in (times[len(times) // 2], times[0], times[-1])]
+        values[name] = [round(t, 2) for t in figures.median_interval(times)]
     return values, payload_bytes
 
 
@@ -44,26 +43,33 @@ def place(item):
 def main():
     given = figures.arguments(__doc__)
     values, payload_bytes = measure(given.build, given.quick)
-    part = figures.Part("client", "Client", ABOUT, [])
-    one = values["clients", "1"][0]
+    versions = [figures.compiler(given.build), figures.packaged("libbenchmark-dev")]
+    part = figures.Part("client", "Client", ABOUT, versions)
+    one = values["clients", "1"]
     for (group, case), (value, low, high) in sorted(values.items(), key=place):
-        more = {"low": low, "high": high}
-        if group == "status":
-            more["aim"] = ONE_CLIENT
-        elif group == "clients" and case != "1":
-            # 256 clients of 2 kB are within a second-level cache, 4096 beyond it.
-            more["aim"] = round(one * (1.1 if int(case) <= 256 else 2), 2)
-            more["note"] = f"× {value / one:.2f} of one client"
         if group == "payload":
             continue
-        name = {"status": f"status, {case}", "clients": f"{case} clients"}.get(group, case)
-        part.add(name, "roburoc4", "ns", value, **more)
+        many = f"{case} client" + ("" if case == "1" else "s")
+        name = {"status": f"status, {case}", "clients": many}.get(group, case)
+        part.add(name, "roburoc4", "ns", value, low=low, high=high)
+        if group == "clients" and case != "1":
+            part.add(
+                f"{many}, ratio to one",
+                "roburoc4",
+                "×",
+                round(value / one[0], 3),
+                low=round(low / one[2], 3),
+                high=round(high / one[1], 3),
+                # 256 clients of 2 kB are within a second-level cache, 4096 beyond it.
+                aim=1.1 if int(case) <= 256 else 2,
+            )
     part.write(given.out)
     payload = figures.Part(
         "payload",
         "Growth: payload",
-        "An IO card's status of so many bytes, decoded and every analog input copied out.",
-        [],
+        "An IO card's status of so many bytes, decoded and every analog input copied out: "
+        "nanoseconds, median of the repetitions, and its 95 % interval.",
+        versions,
     )
     for (group, case), (value, low, high) in sorted(values.items(), key=place):
         if group == "payload":

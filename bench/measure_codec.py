@@ -11,7 +11,7 @@ import figures
 CALLS_COUNTED = 1000
 ABOUT_TIME = (
     "Nanoseconds of processor time a message, through a function pointer: median of the "
-    "repetitions, and their smallest and largest. Decoding ends with every value in a plain "
+    "repetitions, and its 95 % interval. Decoding ends with every value in a plain "
     "struct. `memcpy` moves the same bytes by hand and checks nothing: the limit. MAVLink also "
     "frames, computes a checksum, and parses byte by byte as from a serial line; LCM prefixes a "
     "type hash; nanopb writes tagged variable-length integers."
@@ -24,15 +24,10 @@ ABOUT_COUNT = (
 
 def versions(build):
     """The compiler, and the peers as their own packages call themselves."""
-    cache = (build / "CMakeCache.txt").read_text(encoding="utf-8")
-    compiler = re.search(r"^CMAKE_C_COMPILER:\w+=(.*)$", cache, re.MULTILINE).group(1)
-    found = [figures.first_line(compiler, "--version") + ", -O2"]
+    found = [figures.compiler(build)]
     for package in ("liblcm-dev", "libbenchmark-dev", "valgrind"):
-        found.append(figures.run("dpkg-query", "-W", "-f", "${Package} ${Version}", package))
-    pinned = (figures.BENCH / "requirements.txt").read_text(encoding="utf-8")
-    for name in ("nanopb", "pymavlink"):
-        found.append(re.search(rf"^{name}==.*$", pinned, re.MULTILINE).group(0).replace("==", " "))
-    return found
+        found.append(figures.packaged(package))
+    return found + figures.pinned("nanopb", "pymavlink")
 
 
 MESSAGES = ("iocard", "telemeter", "battery", "localization", "differential", "drive")
@@ -66,8 +61,7 @@ def measure_time(build, quick):
             samples.setdefault(tuple(one["name"].split("/")), []).append(one["cpu_time"])
     values = {}
     for name, times in samples.items():
-        times.sort()
-        values[name] = [round(t, 2) for t in (times[len(times) // 2], times[0], times[-1])]
+        values[name] = [round(t, 2) for t in figures.median_interval(times)]
     return values
 
 

@@ -10,8 +10,8 @@ ABOUT = (
     "adapter and client, one right after the other, in changing order; a status also through a "
     "bare loop with `ppoll` before its `recv`, which can wake in time to send a command. "
     "Microseconds from sending to the value (or the datagram) on the other side, which sleeps "
-    "until it comes. Intervals: 95 %, by bootstrap over the rounds. Statuses a second: by "
-    "processor time of one core for reading 64 that wait; quartiles."
+    "until it comes; each side has a processor of its own. Intervals: 95 %, by bootstrap over the "
+    "rounds. Statuses a second: by processor time of one core for reading 64 that wait; quartiles."
 )
 BARE, WAITING = "bare loop", "bare ppoll loop"
 RESAMPLINGS = 400
@@ -126,7 +126,8 @@ def add_rate(part, program, rounds):
 def main():
     given = figures.arguments(__doc__)
     program = given.build / "bin/loopback"
-    part = figures.Part("loopback", "End to end on loopback", ABOUT, [])
+    versions = [figures.compiler(given.build)]
+    part = figures.Part("loopback", "End to end on loopback", ABOUT, versions)
     add_latency(part, program, "status", "status to value", 100 if given.quick else 20000)
     add_latency(part, program, "drive", "drive() to datagram", 20 if given.quick else 2000)
     add_rate(part, program, 20 if given.quick else 2000)

@@ -26,9 +26,8 @@ def main():
             "roburoc4",
             "us",
             float(median),
-            low=float(fastest),
-            high=float(median),
             aim=float(aim) if aim else None,
+            note=f"fastest {fastest}",
         )
     part.write(given.out)
 

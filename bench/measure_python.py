@@ -6,9 +6,8 @@ Runs in the virtual environment of scripts/bench, where the package is installed
 
 import argparse
 import collections
-import importlib
+import importlib.metadata
 import pathlib
-import statistics
 import struct
 import subprocess
 import sys
@@ -18,11 +17,14 @@ import timeit
 import figures
 
 ABOUT = (
-    "Microseconds: median of the repetitions, and their smallest and largest, of one interpreter "
-    "thread. All decode the same differential status to an object with typed fields, but for "
-    "`struct`, which gives a bare tuple; the other statuses follow. `lcm`, `construct` (compiled) "
-    "and `pymavlink` decode their own form of the same fields. drive() and reading a property are "
-    "of a robot that is connected to a simulator over UDP, with the pump running."
+    "Microseconds: median of the repetitions, and its 95 % interval, of one interpreter thread. "
+    "All decode the same differential status to an object with typed fields, but for `struct`, "
+    "which gives a bare tuple; the other statuses follow. `lcm`, `construct` (compiled) and "
+    "`pymavlink` decode their own form of the same fields. *Batch*: roburoc4 checks each status, "
+    "and reports the bad ones; NumPy (`frombuffer`, which needs one buffer: a list is joined "
+    "first) copies the bytes and checks nothing; `struct` makes a tuple of each. drive() and "
+    "reading a property are of a robot that is connected to a simulator over UDP, with the pump "
+    "running. *Installed* is every file of the distribution but bytecode."
 )
 LAYOUT = struct.Struct("<BHQ4f")
 Tuple = collections.namedtuple(
@@ -48,13 +50,13 @@ class Timer:
         self.seconds = 0.005 if quick else 0.05
 
     def us(self, work):
-        """Median, smallest and largest microseconds of a call."""
+        """Microseconds of a call: the median, and its interval."""
         timer = timeit.Timer(work)
         number = 1
         while timer.timeit(number) < self.seconds:
             number *= 2
         times = [t / number * 1e6 for t in timer.repeat(self.repetitions, number)]
-        return [round(t, 4) for t in (statistics.median(times), min(times), max(times))]
+        return [round(t, 4) for t in figures.median_interval(times)]
 
 
 def add(part, name, subject, unit, found, **more):
@@ -131,33 +133,39 @@ def measure_batch(part, timer):
     import numpy
     import roburoc4
 
-    data = WIRE * BATCH
+    buffer = WIRE * BATCH
+    datagrams = [bytes(bytearray(WIRE)) for _ in range(BATCH)]  # each an object of its own
     form = numpy.dtype(
         [("header", "u1"), ("service", "<u2"), ("robot_cycles", "<u8"), ("speeds", "<f4", (4,))]
     )
+    copied = "NumPy frombuffer + copy"
     ways = {
-        "roburoc4": lambda: roburoc4.decode_batch("differential", data),
-        "NumPy frombuffer + copy": lambda: numpy.frombuffer(data, form).copy(),
-        "struct": lambda: list(LAYOUT.iter_unpack(data)),
+        "batch decode, one buffer": {
+            "roburoc4": lambda: roburoc4.decode_batch("differential", buffer),
+            copied: lambda: numpy.frombuffer(buffer, form).copy(),
+            "struct": lambda: list(LAYOUT.iter_unpack(buffer)),
+        },
+        "batch decode, a list of datagrams": {
+            "roburoc4": lambda: roburoc4.decode_batch("differential", datagrams),
+            copied: lambda: numpy.frombuffer(b"".join(datagrams), form).copy(),
+            "struct": lambda: [LAYOUT.unpack(datagram) for datagram in datagrams],
+        },
     }
-    for name, work in ways.items():
-        us, low, high = timer.us(work)
-        rate = [round(BATCH / t, 1) for t in (us, high, low)]
-        add(
-            part,
-            "batch decode",
-            name,
-            "million/s",
-            rate,
-            better="higher",
-            **({"aim": 20, "note": "each one checked"} if name == "roburoc4" else {}),
-        )
+    for name, subjects in ways.items():
+        for subject, work in subjects.items():
+            us, low, high = timer.us(work)
+            rate = [round(BATCH / t, 1) for t in (us, high, low)]
+            aim = {"aim": 20, "note": "each one checked"} if subject == "roburoc4" else {}
+            add(part, name, subject, "million/s", rate, better="higher", **aim)
 
 
 def measure_robot(part, timer):
     import roburoc4
+    from roburoc4.engine_pump import PumpEngine
 
-    with roburoc4.Simulator() as simulator, simulator.connect() as robot:
+    with roburoc4.Simulator(port=0) as simulator, simulator.connect() as robot:
+        if not isinstance(robot._engine, PumpEngine):
+            raise SystemExit("measure_python: the robot has no pump")
         robot.arm()
         add(part, "drive()", "roburoc4", "us", timer.us(lambda: robot.drive(0.0, 0.0)))
         add(
@@ -179,7 +187,7 @@ def import_ms(module, path, repetitions):
             subprocess.run([sys.executable, "-c", code], check=True, cwd=path)
             both.append(time.perf_counter() - begun)
         times.append((both[1] - both[0]) * 1e3)
-    return [round(t, 2) for t in (statistics.median(times), min(times), max(times))]
+    return [round(t, 2) for t in figures.median_interval(times)]
 
 
 def measure_imports(part, generated, quick):
@@ -194,13 +202,13 @@ def measure_imports(part, generated, quick):
         add(part, "import", name, "ms", import_ms(module, generated / "python", 2 if quick else 15))
 
 
-def installed_kb(module):
-    """What a package takes on disk, where it is one folder or file."""
-    origin = pathlib.Path(importlib.import_module(module).__file__)
-    files = origin.parent.rglob("*") if origin.name == "__init__.py" else [origin]
-    return round(
-        sum(f.stat().st_size for f in files if f.is_file() and "__pycache__" not in f.parts) / 1000
-    )
+def installed_kb(name):
+    """What a distribution takes on disk: all of its files, less the bytecode that pip makes."""
+    files = importlib.metadata.files(name)
+    if not files:
+        raise SystemExit(f"measure_python: {name} does not say which files it has")
+    kept = [f.locate() for f in files if "__pycache__" not in f.parts]
+    return round(sum(path.stat().st_size for path in kept if path.is_file()) / 1000)
 
 
 def main():
@@ -210,11 +218,10 @@ def main():
     parser.add_argument("--wheel", type=pathlib.Path, required=True)
     parser.add_argument("--quick", action="store_true")
     given = parser.parse_args()
-    pinned = (figures.BENCH / "requirements.txt").read_text(encoding="utf-8")
-    versions = [f"Python {sys.version.split()[0]}"] + [
-        line.replace("==", " ")
-        for line in pinned.splitlines()
-        if line.startswith(("construct", "lcm", "numpy", "pymavlink"))
+    versions = [
+        f"Python {sys.version.split()[0]}",
+        figures.first_line("cc", "--version"),
+        *figures.pinned("construct", "lcm", "numpy", "pymavlink"),
     ]
     part = figures.Part("python", "Python", ABOUT, versions)
     timer = Timer(given.quick)
@@ -223,13 +230,13 @@ def main():
     measure_robot(part, timer)
     measure_imports(part, given.peers, given.quick)
     part.add("wheel", "roburoc4", "kB", round(given.wheel.stat().st_size / 1000))
-    for module, name in (
+    for distribution, name in (
         ("roburoc4", "roburoc4"),
         ("lcm", "lcm"),
         ("construct", "construct, compiled"),
         ("pymavlink", "pymavlink"),
     ):
-        part.add("installed", name, "kB", installed_kb(module))
+        part.add("installed", name, "kB", installed_kb(distribution))
     part.write(given.out)
 
 

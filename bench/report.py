@@ -3,7 +3,9 @@
 
 import argparse
 import json
+import os
 import pathlib
+import re
 
 import aims
 import figures
@@ -104,7 +106,7 @@ def section_table(part):
                 *(compared(of_name.get(s), of_name.get("roburoc4")) for s in subjects),
                 interval,
                 number(main["aim"]) if "aim" in main else "",
-                "" if part.get("quick") else aims.verdict(aims.met(main)),
+                "" if part.get("quick") else aims.verdict(main),
                 main.get("note", ""),
             ]
         )
@@ -132,6 +134,11 @@ def footprint_details(part, most=40):
     )
 
 
+def older(part):
+    """Whether the library is no longer what these figures are of."""
+    return part.get("source") != figures.source()
+
+
 def section(part):
     lines = [f"## {part['title']}\n"]
     if part.get("about"):
@@ -144,6 +151,9 @@ def section(part):
         measured = f"A quick look (`--quick`), which judges nothing, {part['measured']}"
     if part.get("machine"):
         measured += f" on {part['machine']}"
+    measured += f"; code: {part.get('code', 'not noted')}"
+    if older(part):
+        measured += ", **older than `src/`**"
     if part.get("versions"):
         measured += "; " + "; ".join(part["versions"])
     lines.append(f"\n<sub>{measured}.</sub>\n")
@@ -164,11 +174,20 @@ def header(parts, failed):
             f"**Not measured this time, for an error: {', '.join(failed)}.** Their "
             "figures, where there are any, are of an earlier run.\n"
         )
+    titles = [part["title"] for part in parts if older(part)]
+    if titles:
+        lines.append(
+            f"**Of other code than `src/` is now, or not noted of which: {', '.join(titles)}.** "
+            "Measure them again before you rely on them.\n"
+        )
     judged = list(aims.rows([p for p in parts if not p.get("quick")], number))
     lines.append("## The aims\n")
     if judged:
-        good = sum(row[-1] == "met" for row in judged)
-        lines.append(f"{good} of {len(judged)} are met. Why the others are not is at the end.\n")
+        counts = {word: sum(row[-1] == word for row in judged) for word in aims.WORDS}
+        lines.append(
+            f"Of {len(judged)}, {counts[aims.MET]} are met; {counts[aims.MISSED]} are missed, why "
+            f"is at the end; {counts[aims.UNDECIDED]} are undecided: the aim is in the interval.\n"
+        )
         lines.append(table([["part", "aim", "figure", "verdict"], *judged]))
     else:
         lines.append("A quick look judges nothing.\n")
@@ -195,6 +214,17 @@ def ordered(parts):
     return known + [parts[name] for name in sorted(set(parts) - set(ORDER))]
 
 
+def filled(text, parts):
+    """Put the figure into each {PART/NAME/SUBJECT}."""
+
+    def figure(place):
+        part, name, subject = place.groups()
+        result = by_name(parts[part])[name][subject] if part in parts else {"value": None}
+        return number(result["value"])
+
+    return re.sub(r"\{(\w+)/([^{}/]+)/([^{}/]+)\}", figure, text)
+
+
 # ------------------------------------------------------------------------------------ pictures
 
 COLOURS = {
@@ -203,6 +233,12 @@ COLOURS = {
     "LCM": "#2980b9",
     "nanopb": "#27ae60",
     "MAVLink": "#8e44ad",
+    # Processors are no peers: shades of one colour.
+    "Cortex-M0": "#0b3c5d",
+    "Cortex-M3": "#1f6f8b",
+    "Cortex-M4F": "#3aa6b9",
+    "RV32": "#8fc9c2",
+    "AVR": "#cfe3d4",
 }
 
 
@@ -217,11 +253,15 @@ def errors(results):
 
 
 def plain_numbers(axis):
-    """100 instead of a power of ten; steps between where there are few."""
-    from matplotlib.ticker import LogFormatter
+    """100 and 0.2 instead of powers of ten; 2 and 5 between them where decades are few."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-    axis.set_major_formatter(LogFormatter(minor_thresholds=(1, 0.4)))
-    axis.set_minor_formatter(LogFormatter(labelOnlyBase=False, minor_thresholds=(1, 0.4)))
+    plain = FuncFormatter(lambda value, _: f"{value:g}")
+    low, high = sorted(axis.get_view_interval())
+    few = high / low < 1000
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5) if few else (1,)))
+    axis.set_major_formatter(plain)
+    axis.set_minor_formatter(NullFormatter())
 
 
 def legend_above(figure, axes, columns):
@@ -371,7 +411,7 @@ def draw_growth(plt, parts):
         [
             (leading_number(r["name"]), r)
             for r in parts["client"]["results"]
-            if r["name"].endswith(" clients")
+            if re.fullmatch(r"\d+ clients?", r["name"])
         ],
     )
     clients.set_ylim(bottom=0)
@@ -381,17 +421,17 @@ def draw_growth(plt, parts):
         [
             (leading_number(r["name"]), r)
             for r in parts["growth"]["results"]
-            if r["name"].endswith(" robots")
+            if re.fullmatch(r"\d+ robots?", r["name"])
         ],
     )
     robots.set(xlabel="robots in one roburoc4-sim", ylabel="ms of processor a second", yscale="log")
     of_count = {}
     for r in parts["growth"]["results"]:
-        if "services" in r["name"]:
-            count, period = r["name"].replace(" ms", "").split(" services, ")
-            of_count.setdefault(count, []).append((int(count) * 1000 / int(period), r))
+        if found := re.fullmatch(r"((\d+) services?), (\d+) ms", r["name"]):
+            rate = int(found[2]) * 1000 / int(found[3])
+            of_count.setdefault(found[1], []).append((rate, r))
     for count, points in of_count.items():
-        line(services, points, f"{count} services")
+        line(services, points, count)
     services.set(xlabel="statuses a second", ylabel="ms of processor a second", yscale="log")
     services.legend(fontsize=8)
     line(payload, [(leading_number(r["name"]), r) for r in parts["payload"]["results"]])
@@ -435,16 +475,17 @@ def main():
     parts = load(given.results)
     given.images.mkdir(parents=True, exist_ok=True)
     drawn = draw(parts, given.images)
+    pictures = {name: f"bench-{name}.svg" for name in drawn} | {"lcm": "lcm-latency.svg"}
+    images = os.path.relpath(given.images, given.out.parent)
     sections = []
     for part in ordered(parts):
         text = section(part)
-        if part["part"] in drawn:
+        picture = pictures.get(part["part"], "")
+        if picture and (given.images / picture).exists():
             title, rest = text.split("\n", 1)
-            text = (
-                f"{title}\n\n![{part['title']}](../docs/images/bench-{part['part']}.svg)\n" + rest
-            )
+            text = f"{title}\n\n![{part['title']}]({images}/{picture})\n{rest}"
         sections.append(text)
-    changes = (figures.BENCH / "changes.md").read_text(encoding="utf-8")
+    changes = filled((figures.BENCH / "changes.md").read_text(encoding="utf-8"), parts)
     head = header(ordered(parts), given.failed)
     given.out.write_text("\n".join([head, *sections, changes]), encoding="utf-8")
     print(f"{given.out}: {len(parts)} parts, {len(drawn)} pictures")

@@ -103,25 +103,27 @@ template <class T> void fill_drive(T &v) {
 
 /** What a codec works on: the values that go in, and those that came out. */
 template <class T, void (*fill)(T &)> struct values {
-    static T &sent() {
-        static T in = filled();
-        return in;
-    }
-    static T &received() {
-        static T out{};
-        return out;
-    }
-    /* Whole structs: what lies between fields is 0 in both, or copied. */
-    static bool intact() {
-        return std::memcmp(&sent(), &received(), sizeof(T)) == 0;
-    }
-
   private:
     static T filled() {
         T v;
         std::memset(&v, 0, sizeof v);
         fill(v);
         return v;
+    }
+    /* Not in a function: there each call would ask whether they are initialized. */
+    static inline T in = filled();
+    static inline T out{};
+
+  public:
+    static T &sent() {
+        return in;
+    }
+    static T &received() {
+        return out;
+    }
+    /* Whole structs: what lies between fields is 0 in both, or copied. */
+    static bool intact() {
+        return std::memcmp(&in, &out, sizeof(T)) == 0;
     }
 };
 

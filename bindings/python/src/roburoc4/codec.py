@@ -124,7 +124,9 @@ def decode_batch(
         import numpy as np
     except ImportError as error:
         raise ImportError(
-            'decode_batch needs NumPy: pip install "roburoc4[numpy]"', name="numpy"
+            "decode_batch needs NumPy: install roburoc4 with its extra [numpy] "
+            "(docs/python.md tells how)",
+            name="numpy",
         ) from error
 
     which = service_of(service)

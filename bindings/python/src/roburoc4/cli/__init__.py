@@ -24,6 +24,10 @@ def main() -> None:
         name = (missing.name or "").partition(".")[0]
         if name not in ("rich", "telnetlib3"):
             raise
-        print(f"roburoc4: {name} is not installed: pip install 'roburoc4[cli]'", file=sys.stderr)
+        print(
+            f"roburoc4: {name} is not installed: install roburoc4 with its extra [cli] "
+            "(docs/python.md tells how)",
+            file=sys.stderr,
+        )
         code = 2
     sys.exit(code)

@@ -19,7 +19,7 @@ try it without a robot:
   roburoc4 drive 0.3 0 --seconds 3
 
 exit codes: 0 fine, 1 the robot refused or was lost, 2 usage, 3 not reachable,
-130 and 143 after Ctrl-C and SIGTERM
+129, 130, 131 and 143 after SIGHUP, Ctrl-C, Ctrl-\\ and SIGTERM
 """
 
 

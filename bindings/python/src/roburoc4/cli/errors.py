@@ -7,7 +7,7 @@ from enum import IntEnum
 
 
 class ExitCode(IntEnum):
-    """What the command returns to the shell; 130 and 143 are added by signals."""
+    """What the command returns to the shell; signals add 129, 130, 131 and 143."""
 
     FINE = 0
     REFUSED = 1  # the robot refused or was lost

@@ -16,7 +16,11 @@ _PROGRAM = [
     "import sys; from roburoc4.sim_program import main; sys.exit(main())",
 ]
 _HIGHEST_PORT = 65535
-_READY = re.compile(r"ready on ([^\s,]+)")
+_READY = re.compile(r"^roburoc4-sim: ready on ([^\s,]+:\d+)")
+_TELNET_HELP = """
+One option more, of roburoc4 sim only:
+  --telnet PORT    serve the controller's telnet console, too, to try roburoc4 set-ip on
+                   (0 picks a free port)"""
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -38,9 +42,12 @@ def run(options: argparse.Namespace) -> int:
     arguments, telnet_port = _without_telnet(arguments)
     with subprocess.Popen([*_PROGRAM, *arguments], stdout=subprocess.PIPE, text=True) as program:
         try:
-            return _relay(program, telnet_port)
+            code = _relay(program, telnet_port)
         finally:
             program.terminate()
+    if code == 0 and "--help" in arguments:
+        print(_TELNET_HELP)
+    return code
 
 
 def _without_telnet(arguments: list[str]) -> tuple[list[str], int | None]:
@@ -72,7 +79,7 @@ def _relay(program: subprocess.Popen[str], telnet_port: int | None) -> int:
     assert program.stdout is not None
     for line in program.stdout:
         print(line, end="", flush=True)
-        if ready := _READY.search(line):
+        if ready := _READY.match(line):
             # 0.0.0.0 is all addresses of this machine: only some systems can send to it.
             address = ready[1].replace("0.0.0.0:", "127.0.0.1:")
             print(f"export ROBUROC4_ROBOT={address}", flush=True)
