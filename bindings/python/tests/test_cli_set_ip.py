@@ -36,7 +36,8 @@ def console() -> Iterator[tuple[str, Callable[[], str]]]:
 class Scripted:
     """A telnet console that says one thing at the start, and one after a line."""
 
-    def __init__(self, welcome: bytes, answer: bytes | None = None) -> None:
+    def __init__(self, welcome: bytes, answer: bytes | None = None, *, ends: bool = False) -> None:
+        self._ends = ends
         self.heard = b""
         self._texts = (welcome, answer)
         self._listener = socket.create_server(("127.0.0.1", 0))
@@ -54,7 +55,8 @@ class Scripted:
                 self.heard += heard
             if answer is not None:
                 connection.sendall(answer)
-                connection.recv(1000)
+                if not self._ends:
+                    connection.recv(1000)
 
     def set(self) -> str:
         return netcfg.set_address("127.0.0.1", self.port, checked(*NEW), lambda _: None)
@@ -158,22 +160,34 @@ def test_what_is_no_controller_is_sent_nothing(welcome: bytes, complaint: str) -
 @pytest.mark.parametrize(
     ("answer", "complaint"),
     [
-        (ASKED + b"'netcfg' is not recognized as a command\r\n\\> ", "keeps its address"),
+        (ASKED + b"'netcfg' is not recognized as a command\r\n\\> ", "not recognized"),
+        (ASKED + b"IP settings saved, 0 errors\r\n\\> ", "saved, 0 errors"),
+        (ASKED + b"Please wait\r\n", "said 'Please wait' and did not finish"),
         (b"", "did not confirm"),
         (ASKED + b"\\> ", "did not confirm"),
     ],
 )
-def test_no_confirmation_is_no_success(answer: bytes, complaint: str) -> None:
+def test_no_confirmation_is_neither_success_nor_failure(answer: bytes, complaint: str) -> None:
     robot = Scripted(b"Welcome\r\n\\> ", answer)
-    with pytest.raises(CommandError, match=complaint):
+    with pytest.raises(CommandError, match=complaint) as raised:
         robot.set()
+    assert raised.value.code == 1
+    assert "whether the address was changed is not known" in raised.value.message
     assert robot.heard == ASKED
 
 
 @pytest.mark.usefixtures("hurried")
+def test_a_session_that_ends_before_anything_was_sent_changed_nothing() -> None:
+    robot = Scripted(b"")
+    with pytest.raises(CommandError, match="nothing was changed") as raised:
+        robot.set()
+    assert "not known" not in raised.value.message
+
+
+@pytest.mark.usefixtures("hurried")
 def test_a_session_that_breaks_off_leaves_it_open() -> None:
-    robot = Scripted(b"Welcome\r\n\\> ")
-    with pytest.raises(CommandError, match="broke off"):
+    robot = Scripted(b"Welcome\r\n\\> ", b"", ends=True)
+    with pytest.raises(CommandError, match=r"broke off .*is not known"):
         robot.set()
 
 

@@ -162,3 +162,9 @@ def test_the_fixture_is_part_of_the_package(pytester: pytest.Pytester) -> None:
         """
     )
     pytester.runpytest_subprocess("-W", "error").assert_outcomes(passed=1)
+
+
+@pytest.mark.parametrize("line", ["pad \ud800", "estop l\u00f6cal press", "fly"])
+def test_a_panel_line_that_is_none_is_an_argument_error(line: str) -> None:
+    with roburoc4.Simulator() as sim, pytest.raises(roburoc4.ArgumentError):
+        sim.panel(line)

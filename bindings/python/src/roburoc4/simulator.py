@@ -333,6 +333,8 @@ class Simulator:
 
     def panel(self, line: str) -> str:
         """Obey a line such as "pad a down", and return the reply; "help" lists them all."""
+        if not line.isascii():
+            raise ArgumentError(f"{line!r}: give letters without accents", Result.ARGUMENT)
         with self._lock:
             result, reply = _native.sim_panel(self._sim, line)
             if self._world is not None and not self._world.closed:

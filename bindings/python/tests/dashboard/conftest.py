@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
-from station import CHROMIUM, FAKE_PAD, PATIENCE_S, Station
+from station import CHROMIUM, FAKE_PAD, PATIENCE_S, REPEATS, Station
 
 expect.set_options(timeout=1000 * PATIENCE_S)
 
@@ -41,14 +41,14 @@ def visit(browser: Browser) -> Iterator[Callable[..., Page]]:
     contexts: list[BrowserContext] = []
     complaints: list[str] = []
     # A page whose dashboard went away says so; that is what some tests are about.
-    forgiven = ["WebSocket connection to"]
+    forgiven = ["WebSocket connection to", "net::ERR_CONNECTION", "net::ERR_EMPTY"]
 
     def open_page(url: str, *, forgive: str | None = None, **settings: Any) -> Page:
         if forgive is not None:
             forgiven.append(forgive)
         context = browser.new_context(**settings)
         contexts.append(context)
-        context.add_init_script(FAKE_PAD)
+        context.add_init_script(FAKE_PAD + REPEATS)
         page = context.new_page()
         page.set_default_timeout(1000 * PATIENCE_S)
         host = url.split("/")[2]

@@ -37,6 +37,21 @@ navigator.getGamepads = () => [window.pad];
 """
 A, LT, RT = 0, 6, 7
 
+# Keys that the browser is told to press do not repeat by themselves, as those of a keyboard do: the
+# one that was pressed last, until it is let go.
+REPEATS = """
+window.repeats = true;
+{
+  let last = "";
+  addEventListener("keydown", (event) => { if (event.isTrusted) last = event.code; }, true);
+  addEventListener("keyup", (event) => { if (event.code === last) last = ""; }, true);
+  setInterval(() => {
+    if (!last || !window.repeats) return;
+    dispatchEvent(new KeyboardEvent("keydown", { code: last, repeat: true }));
+  }, 30);
+}
+"""
+
 
 def until(condition: Callable[[], object], seconds: float = PATIENCE_S) -> None:
     """Look again and again; fail where it does not come true."""

@@ -39,6 +39,12 @@ def colours(theme: str) -> dict[str, Colour]:
     return found
 
 
+def mixed(one: Colour, other: Colour, share: float) -> Colour:
+    """What is seen where one covers so much of the other; browsers mix before linear RGB."""
+    pairs = zip(one, other, strict=True)
+    return tuple((share * a ** (1 / 2.2) + (1 - share) * b ** (1 / 2.2)) ** 2.2 for a, b in pairs)
+
+
 def contrast(one: Colour, other: Colour) -> float:
     """As in WCAG 2."""
     low, high = sorted(0.2126 * r + 0.7152 * g + 0.0722 * b for r, g, b in (one, other))
@@ -83,10 +89,15 @@ def test_lines_and_signs_can_be_seen(theme: str) -> None:
         ("red", "blue"),  # a warning, and driving
         ("red", "green"),  # bad and good
         ("red", "sky"),  # near and far obstacles
+        ("red", "orange"),  # bad and weak
+        ("orange", "green"),  # weak and good
+        ("blue", "full"),  # current, and full deflection below it
+        ("orange", "full"),  # target, and full deflection
     ],
 )
 def test_colours_that_mean_different_things_look_different_to_everybody(
     one: str, other: str, theme: str, eyes: str
 ) -> None:
     ink = colours(theme)
+    ink["full"] = mixed(ink["sky"], ink["line"], 0.4)  # as a dial has it: style.css, .full
     assert math.dist(lab(ink[one], eyes), lab(ink[other], eyes)) > 20.0

@@ -61,7 +61,7 @@ def refused(*arguments: str) -> str:
 def link_of(running: subprocess.Popen[str]) -> str:
     assert running.stdout is not None
     found = re.search(r"dashboard at (\S+)", running.stdout.readline())
-    assert found is not None
+    assert found is not None, running.communicate()
     return found[1]
 
 
@@ -170,6 +170,48 @@ def test_a_key_with_a_password_is_refused_and_not_asked_for(tmp_path: Path) -> N
     assert "without a password" in refused("--sim", "--tls-cert", certificate, "--tls-key", key)
 
 
+def test_its_output_may_be_closed_and_it_ends_quietly() -> None:
+    with start("--sim") as running:
+        assert running.stdout is not None
+        running.stdout.close()
+        assert running.wait(LONG_S) == 0
+        assert running.stderr is not None
+        assert running.stderr.read() == ""
+
+
+def test_the_token_is_not_told_to_all_who_see_the_browser_s_command_line() -> None:
+    link = "http://127.0.0.1:1/?token=0123456789abcdef"
+    with dashboard._private(link) as opened:
+        assert "0123456789abcdef" not in opened
+        path = Path(urllib.request.url2pathname(opened.removeprefix("file://")))
+        assert link in path.read_text(encoding="utf-8")
+        assert path.stat().st_mode & 0o077 == 0
+        assert path.parent.stat().st_mode & 0o077 == 0
+    assert not path.parent.exists()
+    with dashboard._private("http://127.0.0.1:1/") as opened:
+        assert opened == "http://127.0.0.1:1/", "there is nothing to hide"
+
+
+def test_a_token_on_the_command_line_is_warned_of() -> None:
+    with start("--sim", "--token", "0123456789abcdef") as running:
+        link_of(running)
+        running.terminate()
+        _, complaints = running.communicate(timeout=LONG_S)
+    assert "$ROBUROC4_TOKEN" in complaints
+
+
+def test_its_link_has_the_name_that_it_goes_by() -> None:
+    with start("--sim", "--name", "localhost", "--name", "lab-pc") as running:
+        link = link_of(running)
+        assert link.startswith("http://localhost:")
+        with urllib.request.urlopen(link, timeout=LONG_S) as answer:
+            assert answer.status == 200
+        running.terminate()
+    with start("--sim", "--name", "lab-pc:99") as running:
+        assert link_of(running) == "http://lab-pc:99/"
+        running.terminate()
+
+
 def test_a_token_is_made_and_printed_as_a_link() -> None:
     with start("--sim", "--bind", "127.0.0.1", "--token") as running:
         link = link_of(running)
@@ -201,6 +243,11 @@ def test_other_than_loopback_needs_a_token() -> None:
         (("--lease-ms", "50"), "100 to 1000"),
         (("--max-linear", "nan"), "m/s"),
         (("--period-ms", "25"), "multiple of 10"),
+        (("--period-ms", "210", "--allow-drive"), "200 or less"),
+        (("--name", "http://p"), "--name"),
+        (("--name", "lab-pc/page"), "--name"),
+        (("--name", "lab-pc:x"), "--name"),
+        (("--name", ""), "--name"),
         (("--tls-cert", "x.pem"), "go together"),
         (("--tls-cert", "no.pem", "--tls-key", "no.pem"), "PEM"),
         (("--robot", "no such name.invalid"), "--robot"),

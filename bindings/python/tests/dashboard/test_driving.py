@@ -1,19 +1,25 @@
 # SPDX-License-Identifier: MIT
 """Driving from the page: what moves the robot, and everything that stops it."""
 
+import contextlib
 import time
 from collections.abc import Callable
 
 import pytest
 from playwright.sync_api import Page, expect
 from station import LEASE_S, Station, arm, drive, hold_pad, ready, take_seat, until
+from talking import Visitor
 
+from roburoc4.dashboard.guard import Rules
+from roburoc4.dashboard.hub import MOST_PAGES
 from roburoc4.dashboard.server import Place
 
 MARGIN_S = 0.4
 """What a loaded machine may take until a page, a thread or a socket gets its turn; lease and
 margin are well below the second after which the robot's own watchdog would have stopped it."""
 WITHIN_S = LEASE_S + MARGIN_S
+FIRST_S = 0.7
+"""What a key has until its first repeat."""
 
 Visit = Callable[..., Page]
 Make = Callable[..., Station]
@@ -62,6 +68,101 @@ def test_keys_drive_and_letting_go_stops(station: Make, visit: Visit) -> None:
     page.keyboard.up("w")
     begun_s = time.monotonic()
     assert here.wait_until_stopped(begun_s) < WITHIN_S
+
+
+def drive_by_keys(here: Station, page: Page) -> None:
+    here.wait_until_driven(page, lambda: page.keyboard.down("w"), lambda: page.keyboard.up("w"))
+
+
+def stays_stopped(here: Station) -> None:
+    before = here.speeds_sent()
+    time.sleep(2 * LEASE_S)
+    assert here.speeds_sent() == before, "it came back by itself"
+
+
+def test_a_key_that_repeats_no_more_counts_as_let_go(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    drive_by_keys(here, page)
+    page.evaluate("repeats = false")  # its release was lost
+    begun_s = time.monotonic()
+    assert here.wait_until_stopped(begun_s) < WITHIN_S
+    expect(page.locator("#drive-why")).to_contain_text("Where the system repeats no keys")
+    page.evaluate("repeats = true")
+    stays_stopped(here)
+    page.keyboard.up("w")
+    drive_by_keys(here, page)
+
+
+def test_a_key_that_never_repeats_counts_for_a_moment_only(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    page.evaluate("repeats = false")
+    page.keyboard.down("w")
+    begun_s = time.monotonic()
+    until(lambda: here.speeds_sent() > 0)
+    assert here.wait_until_stopped(begun_s) < FIRST_S + MARGIN_S
+    stays_stopped(here)
+
+
+def test_a_key_is_held_on_for_a_moment_when_the_one_that_repeated_is_let_go(
+    station: Make, visit: Visit
+) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+
+    def hold() -> None:
+        page.keyboard.down("w")
+        page.keyboard.down("a")
+
+    def let_go() -> None:
+        page.keyboard.up("w")
+        page.keyboard.up("a")
+
+    here.wait_until_driven(page, hold, let_go)
+    assert here.sim.state.last_linear_m_s > 0, "the first key no longer counts"
+    page.keyboard.up("a")
+    begun_s = time.monotonic()
+    until(lambda: here.sim.state.last_angular_rad_s == 0)
+    assert here.sim.state.last_linear_m_s > 0
+    assert here.wait_until_stopped(begun_s) < FIRST_S + MARGIN_S
+    stays_stopped(here)
+
+
+def right_click(page: Page) -> None:
+    page.evaluate("addEventListener('contextmenu', (event) => { window.menu = event })")
+    page.locator("#map").click(button="right")
+    assert page.evaluate("menu.defaultPrevented"), "a menu would hear the key's release"
+
+
+def drag_a_text(page: Page) -> None:
+    assert not page.evaluate(
+        "document.body.dispatchEvent("
+        "new DragEvent('dragstart', { bubbles: true, cancelable: true }))"
+    ), "what is dragged would hear the key's release"
+
+
+def press_command(page: Page) -> None:
+    page.evaluate(
+        "dispatchEvent(new KeyboardEvent('keydown', { code: 'MetaLeft', metaKey: true }))"
+    )
+
+
+@pytest.mark.parametrize("lose", [right_click, drag_a_text, press_command])
+def test_what_may_hide_a_key_s_release_counts_as_its_release(
+    lose: Callable[[Page], None], station: Make, visit: Visit
+) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    drive_by_keys(here, page)
+    lose(page)
+    begun_s = time.monotonic()
+    assert here.wait_until_stopped(begun_s) < WITHIN_S
+    stays_stopped(here)
 
 
 def test_the_stick_drives_and_letting_go_stops(station: Make, visit: Visit) -> None:
@@ -136,9 +237,10 @@ def freeze(page: Page) -> None:
     debugger.send("Debugger.pause")
 
 
-def hang(page: Page) -> None:
+def hang(page: Page, seconds: float = 3.0) -> None:
     page.evaluate(
-        "setTimeout(() => { const end = Date.now() + 3000; while (Date.now() < end); }, 0)"
+        "(ms) => setTimeout(() => { const end = Date.now() + ms; while (Date.now() < end); }, 0)",
+        1000 * seconds,
     )
 
 
@@ -202,6 +304,60 @@ def test_it_stops_within_the_lease(
     assert here.wait_until_stopped(begun_s) < WITHIN_S
     time.sleep(2 * LEASE_S)
     assert not here.driven, "it came back by itself"
+
+
+def test_a_hidden_page_disarms(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    hide(page)
+    until(lambda: not here.robot.facts.armed)
+
+
+def test_a_page_that_hung_does_not_drive_on_with_a_button_that_was_held(
+    station: Make, visit: Visit
+) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    drive(here, page)
+    hang(page, 1.5)
+    until(lambda: not here.driven)
+    before = here.speeds_sent()
+    page.evaluate("0")  # answered when it hangs no more
+    stays_stopped(here)
+    assert here.speeds_sent() == before
+
+
+def test_one_press_of_stop_is_one(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    stops = page.locator("#events li", has_text="STOP was pressed")
+    page.locator("#stop").click()
+    expect(stops).to_have_count(1)
+    page.locator("#stop").focus()
+    page.keyboard.press("Enter")
+    expect(stops).to_have_count(2)
+    time.sleep(0.5)
+    assert stops.count() == 2
+
+
+def test_a_robot_that_only_drives_ahead_can_be_driven(station: Make, visit: Visit) -> None:
+    here = station(min_linear_m_s=0.0)
+    page = visit(here.url)
+    arm(page)
+    drive(here, page)
+    expect(page.locator("#asked")).to_contain_text("0.30")
+
+
+def test_disarmed_is_told_on_every_page(station: Make, visit: Visit) -> None:
+    here = station()
+    first, second = visit(here.url), visit(here.url)
+    ready(second)
+    expect(second.locator("#banner-title")).to_have_text("DISARMED")
+    arm(first)
+    expect(second.locator("#banner")).to_be_hidden()
 
 
 def test_a_closed_page_disarms_and_frees_the_seat(station: Make, visit: Visit) -> None:
@@ -274,6 +430,25 @@ def test_a_page_comes_back_to_a_new_dashboard_and_moves_nothing(
     time.sleep(2 * LEASE_S)
     assert again.speeds_sent() == 0
     assert not again.robot.facts.armed
+
+
+def test_a_page_without_the_new_token_says_what_to_do(station: Make, visit: Visit) -> None:
+    here = station(rules=Rules("the-token-of-before"))
+    page = visit(f"{here.url}?token=the-token-of-before", forgive="403")
+    ready(page)
+    here.stop_serving()
+    station(place=Place(port=here.port), rules=Rules("the-token-of-now"))
+    expect(page.locator("#banner-text")).to_contain_text("open the link that the dashboard printed")
+
+
+def test_a_page_that_is_one_too_many_says_so(station: Make, visit: Visit) -> None:
+    here = station()
+    with contextlib.ExitStack() as opened:
+        for _ in range(MOST_PAGES):
+            opened.enter_context(Visitor(here)).hear()
+        page = visit(here.url)
+        expect(page.locator("#banner-text")).to_contain_text("oo many pages are open")
+    ready(page)
 
 
 # ---- what does not move it ----

@@ -2,6 +2,7 @@
 """What is kept for pages that open later: of fixed size, and in order."""
 
 import math
+from dataclasses import dataclass
 
 import pytest
 
@@ -65,7 +66,32 @@ def test_a_clock_that_is_set_back_begins_anew() -> None:
     assert len(history.battery) == 0
 
 
+@dataclass
+class Facts:
+    overridden: bool = False
+    foreign: bool = False
+    inhibited: bool = False
+
+
 def test_every_event_that_matters_has_words() -> None:
-    told = {text for event in Event for _, text in texts_of(event, overridden=True)}
+    told = {text for event in Event for _, text in texts_of(event, Facts(), Facts())}
     assert len(told) >= 16
-    assert texts_of(Event.OVERRIDE, overridden=True) != texts_of(Event.OVERRIDE, overridden=False)
+
+
+@pytest.mark.parametrize(
+    ("event", "fact"),
+    [
+        (Event.OVERRIDE, "overridden"),
+        (Event.FOREIGN, "foreign"),
+        (Event.INHIBITED, "inhibited"),
+    ],
+)
+def test_the_end_of_a_danger_is_not_told_as_the_danger(event: Event, fact: str) -> None:
+    quiet, danger = Facts(), Facts(**{fact: True})
+    begun = texts_of(event, quiet, danger)
+    ended = texts_of(event, danger, quiet)
+    assert [level for level, _ in begun] == ["bad"]
+    assert [level for level, _ in ended] == ["plain"]
+    assert begun[0][1] != ended[0][1]
+    assert texts_of(event, quiet, quiet) == begun + ended, "one that came and went is lost"
+    assert texts_of(event, danger, danger) == begun, "one that went and came is lost"

@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -172,16 +175,33 @@ def test_after_a_lease_that_ran_out_hands_must_be_off_once(scene: Scene) -> None
     scene.drive(0, scene.show(), 0.5)
     scene.sim.step(0.05)
     assert not scene.driven
+    assert "let go" in scene.seat.why
     scene.drive(0, scene.show(), 0.0)
+    assert scene.seat.why == ""
     scene.drive(0, scene.show(), 0.5)
-    scene.sim.step(1.1)  # the zero train first
-    scene.drive(0, scene.show(), 0.5)
+    scene.sim.step(0.1)
+    assert scene.driven
 
 
-def test_limits_that_make_no_sense_allow_nothing() -> None:
-    with roburoc4.Simulator() as sim, sim.connect() as robot:
+def test_full_deflection_is_the_lower_of_limit_and_ceiling_in_each_direction() -> None:
+    with roburoc4.Simulator(min_linear_m_s=0.0) as sim, sim.connect() as robot:
         limits = limits_of(robot, 0.8, 9.0)
-        assert (limits.linear_m_s, limits.angular_rad_s) == (0.8, pytest.approx(6.5))
+        assert limits.linear_m_s == (0.0, 0.8)
+        assert limits.angular_rad_s == pytest.approx((6.5, 6.5))
+
+
+@pytest.mark.parametrize("high", [math.nan, math.inf, -0.5, None])
+def test_limits_that_make_no_sense_allow_nothing(high: float | None) -> None:
+    found = None
+    if high is not None:
+        found = SimpleNamespace(
+            min_linear_speed_m_s=-1.0,
+            max_linear_speed_m_s=high,
+            min_angular_speed_rad_s=-1.0,
+            max_angular_speed_rad_s=high,
+        )
+    robot = SimpleNamespace(properties=SimpleNamespace(differential=found))
+    assert limits_of(cast(roburoc4.Robot, robot), 1.0, 1.0) == ((0.0, 0.0), (0.0, 0.0))
 
 
 _STEPS = st.lists(

@@ -9,10 +9,11 @@ import pytest
 from playwright.sync_api import Page
 from station import LEASE_S, Station, arm, drive, until
 from talking import Proxy, Visitor
-from test_driving import WITHIN_S
+from test_driving import MARGIN_S, WITHIN_S
 from websockets.exceptions import ConnectionClosed
 
 from roburoc4.dashboard.hub import MOST_PAGES
+from roburoc4.dashboard.talk import BadTalkError, Talk
 
 Make = Callable[..., Station]
 
@@ -123,12 +124,29 @@ def test_ticks_of_another_connection_count_for_nothing(station: Make) -> None:
         assert here.speeds_sent() == 0
 
 
-def test_full_deflection_is_the_lower_of_limit_and_ceiling(station: Make) -> None:
+@pytest.mark.parametrize(("forward", "linear_m_s"), [(1.0, 0.5), (-1.0, -0.4)])
+def test_full_deflection_is_the_lower_of_limit_and_ceiling(
+    forward: float, linear_m_s: float, station: Make
+) -> None:
     here = station(max_linear_m_s=0.5, min_linear_m_s=-0.4)
     with Visitor(here) as driver:
         driver.arm()
-        driver.drive(lambda: here.driven, 1.0)
-        assert here.sim.state.last_linear_m_s == pytest.approx(0.4, abs=1e-4)
+        driver.drive(lambda: here.driven, forward)
+        assert here.sim.state.last_linear_m_s == pytest.approx(linear_m_s, abs=1e-4)
+
+
+def test_a_lease_counts_from_the_picture_and_not_from_its_answer(station: Make) -> None:
+    here = station(lease_s=1.0)
+    with Visitor(here) as driver:
+        driver.arm()
+        driver.drive(lambda: here.driven)
+        driver.draw(0.4)
+        age_s = here.hub.ticks.age_s(driver.tick, here.hub.now_s)
+        assert age_s is not None
+        begun_s = time.monotonic() - age_s
+        time.sleep(0.8 - age_s)
+        driver.answer(driver.tick, 0.4)
+        assert here.wait_until_stopped(begun_s) < 1.0 + MARGIN_S
 
 
 @pytest.mark.parametrize(
@@ -175,14 +193,58 @@ def test_an_input_out_of_range_ends_the_connection_and_the_drive(
         "[" * 1900,
         "x" * 3000,
         "x" * 100_000,
+        '{"type":"faults","faults":{"' + 200 * "x" + '":"1"}}',
     ],
 )
-def test_nonsense_ends_the_connection_and_nothing_else(text: str, station: Make) -> None:
-    here = station()
+def test_nonsense_ends_the_connection_and_nothing_else(
+    text: str, station: Make, caplog: pytest.LogCaptureFixture
+) -> None:
+    here = station(panel=True)
     with Visitor(here) as other, Visitor(here) as visitor:
         visitor.socket.send(text)
         until(lambda: len(here.hub.pages) == 1)
         other.draw_for(0.2)
+        with pytest.raises(ConnectionClosed):
+            while True:
+                visitor.hear()
+    assert not caplog.records
+
+
+@pytest.mark.parametrize("line", ["pad \ud800", "estop l\u00f6cal press", "\ud800"])
+def test_a_panel_line_of_other_letters_is_refused(
+    line: str, station: Make, caplog: pytest.LogCaptureFixture
+) -> None:
+    here = station(panel=True)
+    with Visitor(here) as visitor:
+        visitor.say("panel", line=line)
+        until(lambda: visitor.hear()["type"] == "refused")
+        visitor.draw_for(0.2)
+    assert not caplog.records
+
+
+def test_a_page_that_takes_no_answers_is_not_kept(station: Make) -> None:
+    here = station()
+    page = here.hub.join()
+    with pytest.raises(BadTalkError, match="answers"):
+        for _ in range(100):
+            Talk(here.hub, page).hear('{"type":"clear"}')
+    here.hub.part(page)
+
+
+def test_pages_that_draw_nothing_cost_little(station: Make) -> None:
+    here = station()
+    beats = []
+    step = here.hub.step
+    with Visitor(here) as silent:
+        here.hub.step = lambda: (beats.append(time.monotonic()), step())[1]
+        time.sleep(2.0)
+        beats.clear()
+        time.sleep(2.0)
+        assert len(beats) < 20
+        silent.draw_for(0.5)
+        beats.clear()
+        silent.draw_for(1.0)
+        assert len(beats) > 10
 
 
 def test_a_flood_ends_the_connection(station: Make) -> None:
@@ -228,10 +290,27 @@ def test_only_the_seat_drives_arms_and_disarms(station: Make) -> None:
             other.draw()
             other.say(kind, tick=other.tick)
             until(lambda: other.hear()["type"] == "refused")
-        other.draw(1.0)
-        until(lambda: other.hear()["type"] == "refused")
+        other.draw_for(0.3, 1.0)
         driver.draw_for(0.3, 0.0)
         assert here.robot.facts.armed
+        assert here.speeds_sent() == 0
+
+
+def test_a_driver_that_gives_up_the_seat_with_hands_on_goes_on_being_shown_pictures(
+    station: Make,
+) -> None:
+    here = station()
+    with Visitor(here) as driver:
+        driver.arm()
+        driver.refusals.clear()
+        for _ in range(3):  # as many as a page may owe
+            while driver.hear()["type"] != "frame":
+                pass
+        driver.say("leave")
+        for back in (2, 1, 0):
+            driver.answer(driver.tick - back, 0.4)
+        driver.draw_for(0.5)
+        assert driver.refusals == []
         assert here.speeds_sent() == 0
 
 

@@ -5,12 +5,16 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import html
 import ipaddress
 import json
 import os
+import re
 import sys
+import tempfile
 import threading
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .errors import ExitCode, usage
@@ -21,6 +25,7 @@ from .signals import unsuspendable
 
 if TYPE_CHECKING:
     from roburoc4 import Robot, Simulator
+    from roburoc4.dashboard.guard import Rules
     from roburoc4.dashboard.server import Place
 
 _PORT = 8400
@@ -29,6 +34,9 @@ _CEILING_LINEAR_M_S = 1.0
 _CEILING_ANGULAR_RAD_S = 1.0
 _SHORTEST_TOKEN = 16
 _FREE_TOKEN = ""
+_SLOWEST_DRIVEN_MS = 200
+"""Statuses must be fresh, 300 ms, to arm."""
+_NAME = re.compile(r"([\w.-]+|\[[0-9a-f:]+\])(:\d{1,5})?", re.ASCII | re.IGNORECASE)
 _DESKTOPS = ("DISPLAY", "WAYLAND_DISPLAY")
 
 
@@ -100,7 +108,8 @@ def _add_driving(parser: argparse.ArgumentParser) -> None:
         "--period-ms",
         metavar="MS",
         type=whole(10, 2550, "milliseconds"),
-        help="period of all statuses, a multiple of 10 (default: 50 to 1000 by service)",
+        help="period of all statuses, a multiple of 10; to drive, at most 200 (default: 50 to 1000 "
+        "by service)",
     )
 
 
@@ -124,8 +133,8 @@ def _add_serving(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         const=_FREE_TOKEN,
         metavar="TEXT",
-        help="let in only who has the link that is printed; TEXT, else $ROBUROC4_TOKEN, else a "
-        "new one at every start",
+        help="let in only who has the link that is printed; TEXT (other users of this computer "
+        "can read it), else $ROBUROC4_TOKEN, else a new one at every start",
     )
     group.add_argument("--tls-cert", metavar="FILE", help="serve https with this certificate (PEM)")
     group.add_argument("--tls-key", metavar="FILE", help="and its key (PEM)")
@@ -134,7 +143,7 @@ def _add_serving(parser: argparse.ArgumentParser) -> None:
         metavar="HOST[:PORT]",
         action="append",
         default=[],
-        help="another name that it goes by: the certificate's, or a proxy's",
+        help="another name that it goes by, such as the certificate's; the first is in the link",
     )
     group.add_argument("--no-open", action="store_true", help="do not open a browser")
 
@@ -147,29 +156,34 @@ def run(options: DashboardOptions) -> int:
         if (missing.name or "").partition(".")[0] not in ("starlette", "uvicorn", "websockets"):
             raise
         raise usage(f"{missing.name} is not installed: pip install 'roburoc4[dashboard]'") from None
+    from roburoc4.dashboard.guard import Rules
+
     place = _place(options, server.Place)
-    token = _token(options, place.loopback)
+    rules = Rules(_token(options, place.loopback), _names(options), place.secure)
     try:
         server.check_certificate(place)
         opened = server.listen(place)
     except server.ServeError as error:
         raise usage(str(error)) from None
     keep_awake = unsuspendable() if options.allow_drive else contextlib.nullcontext()
+    link = server.link(place, opened, rules)
     with opened, keep_awake, _simulator(options) as simulator, _robot(options, simulator) as robot:
-        _serve(options, server.link(place, opened, token), place, token, opened, robot, simulator)
+        _tell(options, link)
+        opens = not options.no_open and _has_desktop()
+        with _private(link) if opens else contextlib.nullcontext() as to_open:
+            _serve(options, to_open, place, rules, opened, robot, simulator)
     return ExitCode.FINE
 
 
 def _serve(
     options: DashboardOptions,
-    link: str,
+    to_open: str | None,
     place: Place,
-    token: str | None,
+    rules: Rules,
     opened: Any,
     robot: Robot,
     simulator: Simulator | None,
 ) -> None:
-    from roburoc4.dashboard.guard import Rules
     from roburoc4.dashboard.hub import Hub
     from roburoc4.dashboard.panel import Panel
     from roburoc4.dashboard.server import make_server
@@ -181,22 +195,44 @@ def _serve(
         allow_drive=options.allow_drive,
         panel=None if simulator is None else Panel(simulator),
     )
-    rules = Rules(token, tuple(options.name), place.secure)
-    make_server(hub, place, rules, lambda: _tell(options, link)).run(sockets=[opened])
+
+    def open_it() -> None:
+        if to_open is not None:
+            threading.Thread(target=_open, args=(to_open,), daemon=True).start()
+
+    make_server(hub, place, rules, open_it).run(sockets=[opened])
     if hub.failure is not None:
         raise hub.failure
 
 
 def _tell(options: DashboardOptions, link: str) -> None:
-    """Say where it is, on stdout, and open it."""
-    text = json.dumps({"link": link}) if options.json else f"roburoc4: dashboard at {link}"
-    print(text, flush=True)
-    if ipaddress.ip_address(options.bind).is_unspecified:
+    """Say what to mind and, on stdout, where it is."""
+    if ipaddress.ip_address(options.bind).is_unspecified and not options.name:
         note("from another machine, write this computer's address in the place of localhost")
+    if options.token:
+        note("other users of this computer can read --token TEXT: put it into $ROBUROC4_TOKEN")
     if options.allow_drive and not options.sim:
         note("a page can drive the robot (140 kg): keep an emergency stop in your hand")
-    if not options.no_open and _has_desktop():
-        threading.Thread(target=_open, args=(link,), daemon=True).start()
+    text = json.dumps({"link": link}) if options.json else f"roburoc4: dashboard at {link}"
+    print(text, flush=True)
+
+
+@contextlib.contextmanager
+def _private(link: str) -> Iterator[str]:
+    """Give what a browser may be started with: everybody sees its command line, and no token."""
+    if "?token=" not in link:
+        yield link
+        return
+    with tempfile.TemporaryDirectory(prefix="roburoc4-") as folder:  # for this user alone
+        page = Path(folder, "open.html")
+        target = html.escape(link)
+        page.write_text(
+            f'<!doctype html><meta http-equiv="refresh" content="0; url={target}">'
+            f'<a href="{target}">the dashboard</a>\n',
+            encoding="utf-8",
+        )
+        page.chmod(0o600)
+        yield page.as_uri()
 
 
 def _open(link: str) -> None:
@@ -224,7 +260,19 @@ def _place(options: DashboardOptions, make: type[Place]) -> Place:
         raise usage("--tls-cert and --tls-key go together: give both")
     if options.period_ms is not None and options.period_ms % 10:
         raise usage(f"--period-ms: {options.period_ms} is no multiple of 10")
+    if options.allow_drive and (options.period_ms or 0) > _SLOWEST_DRIVEN_MS:
+        raise usage(
+            f"--period-ms: at {options.period_ms} the statuses are too old to drive by: give "
+            f"{_SLOWEST_DRIVEN_MS} or less, or leave out --allow-drive"
+        )
     return make(options.bind, options.port, options.tls_cert, options.tls_key)
+
+
+def _names(options: DashboardOptions) -> tuple[str, ...]:
+    for name in options.name:
+        if not _NAME.fullmatch(name):
+            raise usage(f"--name: '{name}' is no host: give one as lab-pc or lab-pc:8400")
+    return tuple(options.name)
 
 
 def _token(options: DashboardOptions, loopback: bool) -> str | None:

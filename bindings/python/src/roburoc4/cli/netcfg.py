@@ -21,6 +21,10 @@ _ANSWER_S = 20.0
 # As long as this after its last words, the console waits for ours.
 _QUIET_S = 1.0
 _LONGEST = 20_000
+_NOT_KNOWN = (
+    "whether the address was changed is not known; try both, after the robot was switched off "
+    "and on"
+)
 
 _PROMPT = re.compile(r"[>#$] ?\Z")
 _LOGIN = re.compile(r"(login|user ?name|password) ?: ?\Z", re.IGNORECASE)
@@ -42,17 +46,22 @@ def set_address(
     console = _open(host, port)
     try:
         tell("2/3 wait for its prompt")
-        _wait_for_prompt(console, where)
+        try:
+            _wait_for_prompt(console, where)
+        except (OSError, EOFError) as error:
+            raise refused(f"{_broke_off(where, error)}: nothing was changed") from None
         command = f"netcfg {interface.ip} {interface.netmask} {gateway}"
         tell(f"3/3 {command}")
-        return _ask(console, command, where)
-    except (OSError, EOFError) as error:
-        raise refused(
-            f"the telnet session to {where} broke off ({error or 'closed'}): whether the address "
-            "was changed is not known; try both, after the robot was switched off and on"
-        ) from None
+        try:
+            return _ask(console, command, where)
+        except (OSError, EOFError) as error:
+            raise refused(f"{_broke_off(where, error)}: {_NOT_KNOWN}") from None
     finally:
         console.close()
+
+
+def _broke_off(where: str, error: OSError | EOFError) -> str:
+    return f"the telnet session to {where} broke off ({error or 'closed'})"
 
 
 def _open(host: str, port: int) -> Telnet:
@@ -104,14 +113,14 @@ def _ask(console: Telnet, command: str, where: str) -> str:
     def answered(text: str) -> bool:
         return bool(_words(text, command)) and bool(_PROMPT.search(text))
 
-    answer = _words(_hear(console, _ANSWER_S, answered), command)
+    heard = _hear(console, _ANSWER_S, answered)
+    answer = _words(heard, command)
     if not answer:
-        raise refused(
-            f"{where} did not confirm within {_ANSWER_S:g} s: whether the address was changed is "
-            "not known; try both, after the robot was switched off and on"
-        )
+        raise refused(f"{where} did not confirm within {_ANSWER_S:g} s: {_NOT_KNOWN}")
+    if not answered(heard):
+        raise refused(f"{where} said '{answer}' and did not finish: {_NOT_KNOWN}")
     if _REFUSAL.search(answer):
-        raise refused(f"{where} refused: '{answer}'; the robot keeps its address")
+        raise refused(f"{where} said '{answer}': {_NOT_KNOWN}")
     return answer
 
 

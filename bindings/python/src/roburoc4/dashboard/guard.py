@@ -43,7 +43,7 @@ class Rules:
 
     token: str | None = None
     names: tuple[str, ...] = ()
-    """Further hosts by which it is reached, "HOST" or "HOST:PORT"; a proxy's, a certificate's."""
+    """Further hosts by which it is reached, "HOST" or "HOST:PORT": a certificate's, a tunnel's."""
     secure: bool = False
     """It speaks TLS itself."""
 
@@ -104,8 +104,8 @@ class Guard:
         if ip.is_loopback:
             hosts.add("localhost")
         default = 443 if self._rules.secure else 80
-        return {host.lower() for host in hosts if _has_port(host) or port == default} | {
-            f"{host}:{port}".lower() for host in hosts if not _has_port(host)
+        return {host.lower() for host in hosts if has_port(host) or port == default} | {
+            f"{host}:{port}".lower() for host in hosts if not has_port(host)
         }
 
     def _has_token(self, scope: Scope, headers: Headers) -> bool:
@@ -177,5 +177,6 @@ def _same(one: str, other: str) -> bool:
     return hmac.compare_digest(one.encode(), other.encode())
 
 
-def _has_port(host: str) -> bool:
+def has_port(host: str) -> bool:
+    """Whether a host as browsers name it has a port."""
     return ":" in host.rpartition("]")[2]

@@ -7,7 +7,7 @@ import math
 from array import array
 from collections import deque
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from ..constants import Event
 
@@ -78,8 +78,6 @@ _TEXTS: tuple[tuple[Event, str, str], ...] = (
     (Event.LOST, "bad", "the robot fell silent: lost"),
     (Event.REBOOT, "bad", "the robot was restarted"),
     (Event.READY, "good", "the robot is ready"),
-    (Event.FOREIGN, "bad", "another program commands the robot"),
-    (Event.INHIBITED, "bad", "motion inhibited: a speed is asked for, but the robot stands still"),
     (Event.DISARMED, "weak", "disarmed"),
     (Event.ARMED, "good", "armed"),
     (Event.LEASE_OVER, "weak", "no fresh input: the lease ended and the robot was stopped"),
@@ -93,15 +91,55 @@ _TEXTS: tuple[tuple[Event, str, str], ...] = (
 )
 
 
-def texts_of(events: Event, *, overridden: bool) -> list[tuple[str, str]]:
-    """Name events for the list: level and text."""
+# These events say that a fact changed, and not how.
+_CHANGES: tuple[tuple[Event, str, str, str], ...] = (
+    (
+        Event.OVERRIDE,
+        "overridden",
+        "[A] is held on the robot's game pad: it drives",
+        "[A] on the robot's game pad was released",
+    ),
+    (
+        Event.FOREIGN,
+        "foreign",
+        "another program commands the robot",
+        "no other program commands the robot any more",
+    ),
+    (
+        Event.INHIBITED,
+        "inhibited",
+        "motion inhibited: a speed is asked for, but the robot stands still",
+        "the robot moves again, or no speed is asked for any more",
+    ),
+)
+
+
+class Dangers(Protocol):
+    """Those of the robot's facts that are dangers, and end."""
+
+    @property
+    def overridden(self) -> bool:
+        """Somebody drives with the robot's own game pad."""
+
+    @property
+    def foreign(self) -> bool:
+        """Another program commands it."""
+
+    @property
+    def inhibited(self) -> bool:
+        """It stands still against a command."""
+
+
+def texts_of(events: Event, before: Dangers, now: Dangers) -> list[tuple[str, str]]:
+    """Name events between two looks at the robot for the list: level and text."""
     found = [(level, text) for event, level, text in _TEXTS if events & event]
-    if events & Event.OVERRIDE:
-        found.append(
-            ("bad", "[A] is held on the robot's game pad: it drives")
-            if overridden
-            else ("plain", "[A] on the robot's game pad was released")
-        )
+    for event, fact, begun, ended in _CHANGES:
+        if events & event:
+            was, is_now = getattr(before, fact), getattr(now, fact)
+            if is_now or not was:  # it may have come and gone between the two
+                found.append(("bad", begun))
+            if not is_now:
+                found.append(("plain", ended))
     return found
 
 
@@ -118,10 +156,14 @@ class History:
         self._battery_due_s = -math.inf
         self._place = (math.inf, math.inf)
 
+    @property
+    def last_event(self) -> int:
+        """The newest event's number; 0 where nothing happened yet."""
+        return self.events[-1].number if self.events else 0
+
     def note(self, time_s: float, level: str, text: str) -> None:
         """Add to the list of events."""
-        last = self.events[-1].number if self.events else 0
-        self.events.append(Notice(last + 1, time_s, level, text))
+        self.events.append(Notice(self.last_event + 1, time_s, level, text))
 
     def add_speeds(self, time_s: float, speeds: Sequence[float]) -> None:
         """Keep target and current speeds, now and then."""

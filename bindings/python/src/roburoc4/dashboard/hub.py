@@ -2,8 +2,8 @@
 """The open pages, and the beat at which they get a new picture.
 
 A page answers each picture that it has drawn, and gets no new one while it owes some answers: so
-nothing piles up for a slow page, the rate is that of its screen at most, and a hidden page, which
-draws nothing, costs nothing.
+nothing piles up for a slow page, the rate is that of its screen at most, and hidden pages, which
+draw nothing, cost next to nothing.
 """
 
 from __future__ import annotations
@@ -24,7 +24,9 @@ from .ticks import Ticks
 
 FRAME_S = 1 / 30
 IDLE_S = 0.2
-"""The beat while no page is open, for history and events."""
+"""The beat while no page draws, for history and events."""
+_AWAKE_S = 1.0
+"""A page that has drawn nothing for so long is hidden, or frozen."""
 MOST_PAGES = 32
 _UNANSWERED = 3
 
@@ -40,7 +42,6 @@ class Page(Occupant):
     def __init__(self, number: int) -> None:
         super().__init__(number)
         self.outbox: asyncio.Queue[str] = asyncio.Queue(maxsize=64)
-        self.answered_tick = 0
         self.seen_event = 0
         self._owed: list[int] = []
 
@@ -49,10 +50,16 @@ class Page(Occupant):
         """Whether it may get another picture."""
         return len(self._owed) < _UNANSWERED and self.outbox.qsize() < _UNANSWERED
 
-    def say(self, kind: str, document: dict[str, Any]) -> None:
-        """Send it something else than a picture; a page that takes nothing is not waited for."""
-        if not self.outbox.full():
-            self.outbox.put_nowait(encode({"type": kind, **document}))
+    def draws(self, now_s: float) -> bool:
+        """Whether it draws what it gets, as far as is known."""
+        return self.ready or now_s - self.heard_s < _AWAKE_S
+
+    def say(self, kind: str, document: dict[str, Any]) -> bool:
+        """Send it something else than a picture; false where it takes nothing any more."""
+        if self.outbox.full():
+            return False
+        self.outbox.put_nowait(encode({"type": kind, **document}))
+        return True
 
     def show(self, tick: int, text: str) -> None:
         """Send it a picture."""
@@ -64,7 +71,6 @@ class Page(Occupant):
         """Note that it has drawn the picture of this tick."""
         if tick in self._owed:
             self._owed = [owed for owed in self._owed if owed > tick]
-            self.answered_tick = tick
             self.heard_s = now_s
 
 
@@ -87,7 +93,6 @@ class Hub:
         self.pages: set[Page] = set()
         self.failure: BaseException | None = None
         """Why no more pictures are made."""
-        self._lease_s = lease_s
         self._ceilings = ceilings
         self._history = History()
         self._picture = Picture(robot, self._history)
@@ -107,6 +112,7 @@ class Hub:
         page = Page(self._numbers)
         page.sent_tick = self.ticks.last
         page.heard_s = self.now_s
+        page.seen_event = self._history.last_event
         page.say("hello", self._hello(page))
         if self._picture.known:
             page.say("about", self._about())
@@ -120,14 +126,12 @@ class Hub:
 
     def _hello(self, page: Page) -> dict[str, Any]:
         history = self._history
-        page.seen_event = history.events[-1].number if history.events else 0
         return {
             "page": page.number,
             "version": __version__,
             "address": self.robot.address,
             "allow_drive": self.seat.offered,
             "simulated": self.panel is not None,
-            "lease_ms": round(self._lease_s * 1000),
             "speeds": history.speeds.columns(),
             "battery": history.battery.columns(),
             "path": history.path.columns(),
@@ -150,7 +154,8 @@ class Hub:
         due_s = loop.time()
         while True:
             self.step()
-            pause_s = FRAME_S if self.pages else IDLE_S
+            now_s = self.now_s
+            pause_s = FRAME_S if any(page.draws(now_s) for page in self.pages) else IDLE_S
             due_s = max(due_s + pause_s, loop.time())
             await asyncio.sleep(due_s - loop.time())
 
@@ -175,7 +180,6 @@ class Hub:
             "driver": self._driver,
             "why": self.seat.why,
             "must_let_go": self.seat.must_let_go,
-            "dropped": self.seat.dropped,
             "sim": None if self.panel is None else self.panel.now(),
         }
         text = encode(frame)
@@ -183,7 +187,7 @@ class Hub:
             self._tell_events(page)
             page.show(tick, text)
 
-    def _to_all(self, tell: Callable[[Page], None]) -> None:
+    def _to_all(self, tell: Callable[[Page], object]) -> None:
         for page in self.pages:
             tell(page)
 

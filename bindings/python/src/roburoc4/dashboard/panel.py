@@ -63,8 +63,6 @@ class Panel:
                 "y_m": number(state.true_y_m),
                 "theta_rad": number(state.true_theta_rad, 4),
             },
-            "linear_m_s": number(state.true_linear_m_s),
-            "angular_rad_s": number(state.true_angular_rad_s),
             "boxes": self._boxes,
             "faults": self._faults,
         }

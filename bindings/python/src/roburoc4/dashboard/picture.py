@@ -23,7 +23,7 @@ from ..robot import Robot
 from ..robot_base import STATUS_CALLS
 from ..settings import STATUS_SERVICES
 from .history import History, number, texts_of
-from .words import advise, blocked, why_not_armed
+from .words import advise, blocked
 
 _LINK_EVERY_S = 0.2
 _ABOUT_EVERY_S = 1.0
@@ -46,6 +46,7 @@ class Picture:
         self._about: Document = {}
         self._about_due_s = -math.inf
         self._about_old = True
+        self._facts = robot.facts
         self._volts_index: int | None = None
 
     # ---- now ----
@@ -54,8 +55,9 @@ class Picture:
         """Return how the robot is now, and keep in the history what belongs there."""
         events = Event(self._reader.take_events())
         facts = self._robot.facts
-        for level, text in texts_of(events, overridden=facts.overridden):
+        for level, text in texts_of(events, self._facts, facts):
             self._history.note(time_s, level, text)
+        self._facts = facts
         if events & _CHANGES:
             self._about_old = True
         if now_s >= self._link_due_s:
@@ -68,7 +70,6 @@ class Picture:
             "facts": {
                 "armed": facts.armed,
                 "driving": facts.driving,
-                "stopping": facts.stopping,
                 "override_known": facts.override_known,
                 "overridden": facts.overridden,
                 "foreign": facts.foreign,
@@ -76,9 +77,7 @@ class Picture:
                 "front_bumper": facts.front_bumper,
                 "rear_bumper": facts.rear_bumper,
                 "battery_low": facts.battery_low,
-                "cause": why_not_armed(facts.disarm_cause),
                 "blocked": blocked(facts),
-                "lease_left_ms": facts.lease_left_us // 1000,
             },
             "speeds": self._speeds(time_s),
             "pose": self._pose(),
@@ -114,7 +113,6 @@ class Picture:
             "x_m": number(status.x_m),
             "y_m": number(status.y_m),
             "theta_rad": number(status.theta_rad, 4),
-            "flags": int(status.flags),
         }
 
     def _distances(self) -> list[float | None] | None:
@@ -167,8 +165,8 @@ class Picture:
             services[name] = {
                 "period_ms": figures.period_us / 1000,
                 "age_ms": None if age_ms is None else round(age_ms),
-                "loss": number(figures.loss, 4),
-                "jitter_ms": round(figures.jitter_us / 1000, 1),
+                "loss": self._measured(figures.loss),
+                "jitter_ms": self._measured(figures.jitter_us / 1000),
             }
         advice = advise(
             self._robot.state,
@@ -180,11 +178,15 @@ class Picture:
         )
         return {
             **advice._asdict(),
-            "loss": number(link.loss, 4),
-            "round_trip_ms": round(link.round_trip_us / 1000, 2),
+            "loss": self._measured(link.loss),
+            "round_trip_ms": self._measured(link.round_trip_us / 1000 or math.nan),
             "silence_ms": round(link.silence_us / 1000),
             "services": services,
         }
+
+    def _measured(self, value: float) -> float | None:
+        """Round a figure of the link; None where a robot that is silent has none."""
+        return number(value, 4) if self._fresh else None
 
     # ---- what it is ----
 
@@ -215,7 +217,6 @@ class Picture:
             "battery": _numbers(properties.battery),
             "differential": _numbers(properties.differential),
             "channels": channels._asdict(),
-            "override_index": self._index_of(Role.OVERRIDE),
         }
 
     def _channels(self) -> IoChannels:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from ..errors import NotArmedError
 from ..robot import Robot
@@ -30,12 +31,18 @@ class SeatError(Exception):
     """Why a page may not do this; to be shown there."""
 
 
-@dataclass
-class Limits:
+Sides = tuple[float, float]
+"""How fast at full deflection backward or right, and forward or left; both 0 or more."""
+
+
+class Limits(NamedTuple):
     """What full deflection means: the lower of the robot's limit and the ceiling."""
 
-    linear_m_s: float
-    angular_rad_s: float
+    linear_m_s: Sides
+    angular_rad_s: Sides
+
+
+NO_LIMITS = Limits((0.0, 0.0), (0.0, 0.0))
 
 
 @dataclass(frozen=True)
@@ -79,7 +86,7 @@ class Seat:
         self._ticks = ticks
         self._lease_s = lease_s
         self.offered = offered
-        self.limits = Limits(0.0, 0.0)
+        self.limits = NO_LIMITS
         self.driver: Occupant | None = None
         self.why = ""
         """Why the robot was stopped, or does not move; for the driver."""
@@ -182,6 +189,8 @@ class Seat:
             self._command(hands, now_s + left_s)
 
     def _let_go(self) -> None:
+        if self.must_let_go and self._robot.facts.armed:
+            self.why = ""
         self.must_let_go = False
         if self._lease_end_s is not None:
             self._lease_end_s = None
@@ -196,8 +205,8 @@ class Seat:
                 break
             try:
                 self._robot.drive(
-                    hands.forward * hands.scale * self.limits.linear_m_s,
-                    hands.left * hands.scale * self.limits.angular_rad_s,
+                    _speed(hands.forward * hands.scale, self.limits.linear_m_s),
+                    _speed(hands.left * hands.scale, self.limits.angular_rad_s),
                     lease_ms=int(left_s * 1000),
                 )
             except NotArmedError as error:
@@ -246,12 +255,18 @@ def limits_of(robot: Robot, max_linear_m_s: float, max_angular_rad_s: float) -> 
     """Return what full deflection means on this robot; 0 while its limits are not known."""
     found = robot.properties.differential
     if found is None:
-        return Limits(0.0, 0.0)
+        return NO_LIMITS
     return Limits(
-        _lowest(max_linear_m_s, found.max_linear_speed_m_s, found.min_linear_speed_m_s),
-        _lowest(max_angular_rad_s, found.max_angular_speed_rad_s, found.min_angular_speed_rad_s),
+        _sides(max_linear_m_s, found.min_linear_speed_m_s, found.max_linear_speed_m_s),
+        _sides(max_angular_rad_s, found.min_angular_speed_rad_s, found.max_angular_speed_rad_s),
     )
 
 
-def _lowest(ceiling: float, high: float, low: float) -> float:
-    return min(ceiling, abs(high), abs(low)) if math.isfinite(high + low) else 0.0
+def _sides(ceiling: float, low: float, high: float) -> Sides:
+    if not (math.isfinite(low + high) and low <= 0.0 <= high):
+        return NO_LIMITS.linear_m_s
+    return min(ceiling, -low), min(ceiling, high)
+
+
+def _speed(share: float, sides: Sides) -> float:
+    return share * sides[share > 0.0]

@@ -17,7 +17,7 @@ from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIO
 from websockets.exceptions import InvalidState
 
 from .app import application
-from .guard import Rules
+from .guard import Rules, has_port
 from .hub import Hub
 
 _PING_S = 5.0
@@ -85,13 +85,15 @@ def _no_password() -> str:
     raise ValueError("the key asks for a password")
 
 
-def link(place: Place, opened: socket.socket, token: str | None) -> str:
-    """Return what to open in a browser."""
+def link(place: Place, opened: socket.socket, rules: Rules) -> str:
+    """Return what to open in a browser: by the first name that it goes by, where it has one."""
     address, port = opened.getsockname()[:2]
     ip = ipaddress.ip_address(address)
     host = "localhost" if ip.is_unspecified else (f"[{ip}]" if ip.version == 6 else str(ip))
-    query = "" if token is None else f"?token={token}"
-    return f"{'https' if place.secure else 'http'}://{host}:{port}/{query}"
+    host = rules.names[0] if rules.names else host
+    where = host if has_port(host) else f"{host}:{port}"
+    query = "" if rules.token is None else f"?token={rules.token}"
+    return f"{'https' if place.secure else 'http'}://{where}/{query}"
 
 
 class WebSocketProtocol(WebSocketsSansIOProtocol):

@@ -18,7 +18,7 @@ _RATE_HZ = 120.0
 
 
 class BadTalkError(Exception):
-    """Not what our page would say: the connection ends."""
+    """Not what our page would say: the connection ends, with this text, which is short and ours."""
 
 
 class Talk:
@@ -55,7 +55,8 @@ class Talk:
         try:
             handler(said)
         except (SeatError, PanelError) as error:
-            self._page.say("refused", {"text": str(error), "what": said["type"]})
+            if not self._page.say("refused", {"text": str(error), "what": said["type"]}):
+                raise BadTalkError("it takes no answers") from None
 
     def _count(self) -> None:
         now_s = self._hub.now_s
@@ -67,12 +68,12 @@ class Talk:
     def _drawn(self, said: dict[str, Any]) -> None:
         """Take an answer to a picture; the driver's says what the hands did, seeing it."""
         tick, now_s = _tick(said), self._hub.now_s
+        self._page.answer(tick, now_s)
         hands = said.get("hands")
         if hands is not None:
             if not isinstance(hands, dict):
                 raise BadTalkError("hands is an object")
             self._drive(tick, hands, now_s)
-        self._page.answer(tick, now_s)
 
     def _drive(self, tick: int, hands: dict[str, Any], now_s: float) -> None:
         try:
@@ -81,10 +82,9 @@ class Talk:
             )
         except ValueError as error:
             raise BadTalkError(str(error)) from None
+        # A page that has just given up the seat, or lost it, may not know yet.
         if self._hub.seat.driver is self._page:
             self._hub.seat.drive(self._page, wanted, now_s)
-        elif not wanted.neutral:
-            raise SeatError("this page has not taken the seat")
 
     def _arm(self, said: dict[str, Any]) -> None:
         self._hub.seat.arm(self._page, _tick(said), self._hub.now_s)
@@ -115,7 +115,7 @@ class Talk:
         wanted = said.get("faults")
         if not isinstance(wanted, dict):
             raise BadTalkError("faults is an object")
-        self._panel.set_faults({name: _number(wanted, name) for name in wanted})
+        self._panel.set_faults({name: _number(wanted, name, "a fault") for name in wanted})
 
 
 def _parse(text: str) -> dict[str, Any]:
@@ -137,10 +137,10 @@ def _tick(said: dict[str, Any]) -> int:
     return tick
 
 
-def _number(said: dict[str, Any], name: str) -> float:
+def _number(said: dict[str, Any], name: str, what: str = "") -> float:
     value = said.get(name)
     if not isinstance(value, int | float) or isinstance(value, bool) or not abs(value) < 1e9:
-        raise BadTalkError(f"{name} is a number")
+        raise BadTalkError(f"{what or name} is a number")
     return float(value)
 
 

@@ -39,7 +39,7 @@ export class Dial {
     this.target = picture.appendChild(draw("text", { class: "target", y: 50 }));
     picture.append(draw("text", { class: "side", x: -70, y: 71 }, sides[0]), draw("text", { class: "side", x: 70, y: 71 }, sides[1]));
     place.append(picture);
-    this.setLimits(null, null, 0);
+    this.setLimits(null, null, [0, 0]);
   }
 
   angle(value) {
@@ -54,10 +54,8 @@ export class Dial {
     const known = Number.isFinite(low) && Number.isFinite(high) && low !== null && high !== null;
     this.reach = known ? Math.max(-low, high, 0.01) : 1;
     this.scale.replaceChildren(draw("path", { class: "track", d: arc(-SWEEP, SWEEP, RADIUS) }));
-    if (full > 0) {
-      const angle = Math.min(SWEEP, Math.abs(this.angle(full)));
-      this.scale.append(draw("path", { class: "full", d: arc(-angle, angle, RADIUS) }));
-    }
+    const [one, other] = [this.angle(-full[0]), this.angle(full[1])];
+    if (one !== other) this.scale.append(draw("path", { class: "full", d: arc(one, other, RADIUS) }));
     const size = step(this.reach);
     for (let value = 0; value <= this.reach + 1e-6; value += size) {
       for (const signed of value ? [-value, value] : [0]) this.tick(signed, "tick", figure(signed, size < 1 ? 1 : 0));

@@ -11,12 +11,13 @@ export class Drive {
     this.tick = 0;
     this.offered = false;
     this.refusal = "";
-    this.full = [0, 0];
+    this.full = [[0, 0], [0, 0]];
     this.hands = new Hands(by("stick"), by("knob"), () => this.letGo());
     for (const what of ["take", "leave", "disarm"]) by(what).addEventListener("click", () => this.ask({ type: what }));
     by("arm").addEventListener("click", () => this.ask({ type: "arm", tick: this.tick }));
     by("stop").addEventListener("pointerdown", () => this.stop());
-    by("stop").addEventListener("click", () => this.stop());
+    // A click by key has no pointer before it.
+    by("stop").addEventListener("click", (event) => event.detail === 0 && this.stop());
     by("scale").addEventListener("input", () => this.showScale());
     by("scale").addEventListener("change", () => by("scale").blur());
     addEventListener("keydown", (event) => this.key(event), true);
@@ -42,7 +43,7 @@ export class Drive {
   }
 
   showScale() {
-    put(by("scale-text"), `${figure(this.scale * 100, 0, "%")}: ${figure(this.scale * this.full[0], 2, "m/s")}, ${figure(this.scale * this.full[1], 2, "rad/s")}`);
+    put(by("scale-text"), `${figure(this.scale * 100, 0, "%")}: ${figure(this.scale * Math.max(...this.full[0]), 2, "m/s")}, ${figure(this.scale * Math.max(...this.full[1]), 2, "rad/s")}`);
   }
 
   ask(message) {
@@ -101,7 +102,8 @@ export class Drive {
     put(by("pad-text"), this.hands.padText());
     const { forward, left, by: source } = this.hands.look();
     const scale = this.scale;
-    put(by("asked"), `${figure(forward * scale * this.full[0], 2, "m/s")}, ${figure(left * scale * this.full[1], 2, "rad/s")}${source ? ` by ${source}` : ""}`);
+    const speed = (share, [low, high]) => share * scale * (share > 0 ? high : low);
+    put(by("asked"), `${figure(speed(forward, this.full[0]), 2, "m/s")}, ${figure(speed(left, this.full[1]), 2, "rad/s")}${source ? ` by ${source}` : ""}`);
     return { forward, left, scale };
   }
 
@@ -111,6 +113,7 @@ export class Drive {
     if (!this.mine) return frame.driver === null ? "One page at a time can drive: take the seat, then arm." : "Somebody else drives. STOP works from every page.";
     if (frame.why) return frame.why;
     if (armed && frame.must_let_go) return "Armed: let go of everything once, then drive.";
+    if (armed && this.hands.unrepeated) return "Ready: the key no longer repeated, so it counts as let go. Press it anew. Where the system repeats no keys, drive with the game pad or the stick.";
     if (armed) return "Ready: hold [A] on the game pad, drag the stick, or hold a key. Letting go stops.";
     return frame.facts.blocked || "Is the way clear, is the emergency stop in somebody’s hand? Then arm.";
   }

@@ -4,6 +4,10 @@
 //
 // The game pad is read as in the manual (4.1): [A] held is the dead-man, RT forward, LT backward,
 // LJ left and right to turn.
+//
+// A page may never hear that a key was let go: a menu, a drag or the Command key keep it. So a key
+// is held no longer than the keyboard repeats, as in cli/deadman.py. Only the key that was pressed
+// last repeats; it speaks for the others.
 
 const A = 0;
 const LT = 6;
@@ -11,6 +15,8 @@ const RT = 7;
 const LJ_X = 0;
 const DEAD_ZONE = 0.12;
 const RISE_MS = 600;
+const FIRST_MS = 700; // a keyboard waits up to so long before it repeats a key
+const REPEAT_MS = 200; // and then repeats it more often than this
 const MOTIONS = {
   KeyW: [1, 0], ArrowUp: [1, 0], KeyS: [-1, 0], ArrowDown: [-1, 0],
   KeyA: [0, 1], ArrowLeft: [0, 1], KeyD: [0, -1], ArrowRight: [0, -1],
@@ -19,6 +25,9 @@ const NEUTRAL = { forward: 0, left: 0, by: "" };
 
 const beyond = (value) => (Math.abs(value) < DEAD_ZONE ? 0 : (value - Math.sign(value) * DEAD_ZONE) / (1 - DEAD_ZONE));
 const within = (value) => Math.max(-1, Math.min(1, value || 0));
+
+/** Whether the Command key is in it: while that is down, a Mac reports no releases of others. */
+const commands = (event) => event.metaKey || /^(Meta|OS)/.test(event.code);
 
 /** Whether a key is meant for this element rather than for the robot. */
 const writes = (node) => node instanceof HTMLInputElement || node instanceof HTMLSelectElement;
@@ -29,27 +38,62 @@ export class Hands {
     this.knob = knob;
     this.onLetGo = onLetGo;
     this.keys = new Set();
+    this.heard = 0;
+    this.repeats = false;
+    this.unrepeated = false;
     this.stickAt = null;
     this.risen = 0;
     this.looked = 0;
     this.stuck = true;
     this.padIndex = null;
     addEventListener("keydown", (event) => this.press(event));
-    addEventListener("keyup", (event) => { if (this.keys.delete(event.code)) this.tellIfFree(); });
+    addEventListener("keyup", (event) => this.lift(event));
+    for (const event of ["contextmenu", "dragstart"]) document.addEventListener(event, (begun) => this.refuse(begun));
     addEventListener("blur", () => this.letGo());
     document.addEventListener("visibilitychange", () => this.letGo());
     for (const event of ["gamepadconnected", "gamepaddisconnected"]) addEventListener(event, () => this.letGo());
     stick.addEventListener("pointerdown", (event) => { stick.setPointerCapture(event.pointerId); this.push(event); });
     stick.addEventListener("pointermove", (event) => this.stickAt && this.push(event));
     for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) stick.addEventListener(end, () => this.release());
-    stick.addEventListener("contextmenu", (event) => event.preventDefault());
+    // A finger that rests on the stick asks for a menu, too.
+    stick.addEventListener("contextmenu", (event) => { event.preventDefault(); event.stopPropagation(); });
   }
 
   press(event) {
+    if (commands(event)) this.letGo();
     if (!(event.code in MOTIONS) || event.ctrlKey || event.altKey || event.metaKey || writes(event.target)) return;
     if (this.wanted) event.preventDefault();
+    this.listen();
     // A repeat whose beginning this page has not seen began somewhere else.
-    if (!event.repeat) this.keys.add(event.code);
+    if (event.repeat && !this.keys.has(event.code)) return;
+    this.keys.add(event.code);
+    this.hear(event.repeat);
+  }
+
+  lift(event) {
+    if (commands(event)) this.letGo();
+    if (!this.keys.delete(event.code)) return;
+    this.hear(false);
+    this.tellIfFree();
+  }
+
+  hear(repeats) {
+    this.heard = performance.now();
+    this.repeats = repeats;
+    this.unrepeated = false;
+  }
+
+  /** A keyboard that is silent may have been so for long. */
+  listen() {
+    if (!this.keys.size || performance.now() - this.heard <= (this.repeats ? REPEAT_MS : FIRST_MS)) return;
+    this.keys.clear();
+    this.unrepeated = true;
+  }
+
+  /** What begins here would keep the release of a key to itself. */
+  refuse(begun) {
+    this.letGo();
+    if (this.wanted) begun.preventDefault();
   }
 
   push(event) {
@@ -117,6 +161,7 @@ export class Hands {
 
   /** What is wanted now. */
   look() {
+    this.listen();
     const now = performance.now();
     const elapsed = Math.min(now - this.looked, 50);
     this.looked = now;

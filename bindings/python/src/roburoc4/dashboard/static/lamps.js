@@ -24,7 +24,7 @@ const end = (text) => (text ? text[0].toUpperCase() + text.slice(1) + (/[.!?]$/.
 const said = ({ say, attempt }) => end(say) + (attempt ? ` Try: ${attempt}.` : "");
 
 /** What is worst, as [level, title, text]. */
-function worst(frame, mine, about) {
+function worst(frame, { mine, offered }, about) {
   const { facts, link, state } = frame;
   if (state !== "ready") {
     const lost = state === "lost" || about.everReady;
@@ -41,10 +41,11 @@ function worst(frame, mine, about) {
   if (mine && !facts.armed) return ["weak", "DISARMED", facts.blocked ? `Not ready to arm: ${facts.blocked}.` : "The robot takes no speed. Look around, then arm."];
   if (link.level !== "good") return [link.level, "LINK", said(link)];
   if (facts.battery_low) return ["weak", "BATTERY LOW", "Bring the robot to its charger. Charger and platform off before plugging it in."];
+  if (offered && !facts.armed) return ["weak", "DISARMED", frame.driver === null ? "Nobody has the seat: the robot takes no speed from here." : "The driver has not armed the robot: it takes no speed."];
   return ["", "", ""];
 }
 
-export function showLamps(frame, mine, about) {
+export function showLamps(frame, drive, about) {
   const { facts } = frame;
   light("lost", frame.state !== "ready", ["ready", "lost"].includes(frame.state) ? "LOST" : frame.state.toUpperCase());
   light("override", facts.overridden, facts.override_known || frame.state !== "ready" ? "OVERRIDE" : "OVERRIDE ?");
@@ -55,11 +56,11 @@ export function showLamps(frame, mine, about) {
   light("bumper", Boolean(bumpers), bumpers ? `${bumpers} BUMPER` : "BUMPER");
   light("battery", facts.battery_low);
   light("driving", facts.armed, facts.driving ? "DRIVING" : "ARMED");
-  banner(...worst(frame, mine, about));
+  banner(...worst(frame, drive, about));
 }
 
-export function showSilence() {
+export function showSilence(why) {
   for (const name of Object.keys(lamps)) light(name, false);
   light("lost", true, "NO DASHBOARD");
-  banner("bad", "NO CONNECTION TO THE DASHBOARD", "What you see is old, and nothing can be driven from here. Is the program roburoc4 dashboard still running? Is the network up? This page connects again by itself.");
+  banner("bad", "NO CONNECTION TO THE DASHBOARD", `What you see is old, and nothing can be driven from here. ${why ? `The dashboard says: ${end(why)}` : "Is the program roburoc4 dashboard still running? Is the network up? This page connects again by itself."}`);
 }

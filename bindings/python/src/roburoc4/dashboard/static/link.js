@@ -4,9 +4,11 @@
 
 const RETRY_MS = 1000;
 const SILENCE_MS = 1000;
+const SAYS_WHY = [1008, 1013]; // it closed the connection for what this page did, or for all the others
+const REFUSED = 403;
 
 export class Link {
-  /** handlers: by type of message; frame: draws, returns the hands or null; silent: told (true/false). */
+  /** handlers: by type of message; frame: draws, returns the hands or null; silent: told (true/false) and why. */
   constructor(handlers, frame, silent) {
     this.tick = 0;
     this.handlers = handlers;
@@ -15,6 +17,7 @@ export class Link {
     this.heard = -Infinity;
     this.latest = null;
     this.wasSilent = null;
+    this.why = "";
     this.connect();
     setInterval(() => this.look(), 200);
     addEventListener("pagehide", () => this.socket?.close());
@@ -26,14 +29,28 @@ export class Link {
     const socket = new WebSocket(`${scheme}://${location.host}/socket`);
     this.socket = socket;
     socket.addEventListener("message", (event) => socket === this.socket && this.hear(event.data));
-    socket.addEventListener("close", () => {
+    socket.addEventListener("close", (closed) => {
       if (socket !== this.socket) return;
       this.socket = null;
       this.latest = null;
       this.heard = -Infinity;
       this.look();
       setTimeout(() => this.socket ?? this.connect(), RETRY_MS);
+      this.askWhy(closed);
     });
+  }
+
+  /** A refused WebSocket tells a page nothing; a refused request says what to do. */
+  async askWhy({ code, reason }) {
+    let why = SAYS_WHY.includes(code) ? reason : "";
+    if (!why) {
+      const answer = await fetch("/", { cache: "no-store" }).catch(() => null);
+      if (answer?.status === REFUSED) why = await answer.text();
+    }
+    if (why === this.why) return;
+    this.why = why;
+    this.wasSilent = null;
+    this.look();
   }
 
   hear(text) {
@@ -43,6 +60,7 @@ export class Link {
       return;
     }
     this.heard = performance.now();
+    this.why = "";
     const asked = this.latest !== null;
     this.latest = message;
     if (!asked) requestAnimationFrame(() => this.drawLatest());
@@ -67,7 +85,7 @@ export class Link {
     const silent = performance.now() - this.heard > SILENCE_MS;
     if (silent !== this.wasSilent && document.visibilityState === "visible") {
       this.wasSilent = silent;
-      this.silent(silent);
+      this.silent(silent, this.why.trim());
     }
   }
 }

@@ -69,19 +69,21 @@ function addEvents({ events }) {
 
 // ---- what is drawn with each picture ----
 
+const lossText = (share) => figure(share === null ? null : share * 100, 1, "%");
+
 function showQuality(frame) {
   const { level, say, round_trip_ms, loss } = frame.link;
   mark(by("quality"), "level", level);
   put(by("quality-say"), say);
   const newest = Math.min(...Object.values(frame.link.services).map(({ age_ms }) => age_ms ?? Infinity));
-  put(by("quality-figures"), frame.state === "ready" ? `${figure(round_trip_ms, 1, "ms")} round trip · ${figure(loss * 100, 1, "%")} lost · ${figure(newest, 0, "ms")} old` : "");
+  put(by("quality-figures"), frame.state === "ready" ? `${figure(round_trip_ms, 1, "ms")} round trip · ${lossText(loss)} lost · ${figure(newest, 0, "ms")} old` : "");
 }
 
 function showLink(frame) {
   const { say, attempt, services, silence_ms, round_trip_ms, loss } = frame.link;
   put(by("link-say"), say);
   put(by("link-try"), attempt ? `Try: ${attempt}.` : "");
-  put(by("link-figures"), `${frame.state} · round trip ${figure(round_trip_ms, 1, "ms")} · loss ${figure(loss * 100, 1, "%")} · silent for ${figure(silence_ms, 0, "ms")}`);
+  put(by("link-figures"), `${frame.state} · round trip ${figure(round_trip_ms, 1, "ms")} · loss ${lossText(loss)} · silent for ${figure(silence_ms, 0, "ms")}`);
   const rows = by("services");
   if (!rows.childElementCount) {
     rows.append(...Object.keys(services).map((name) => make("tr", "", "", make("th", "", SERVICES[name]), make("td"), make("td"), make("td"), make("td"))));
@@ -90,7 +92,7 @@ function showLink(frame) {
     const [, every, age, share, jitter] = rows.children[index].children;
     put(every, figure(period_ms, 0, "ms"));
     put(age, figure(age_ms, 0, "ms"));
-    put(share, figure(lost === null ? null : lost * 100, 1, "%"));
+    put(share, lossText(lost));
     put(jitter, figure(jitter_ms, 1, "ms"));
   });
 }
@@ -123,7 +125,7 @@ function drawFrame(picture) {
   document.body.classList.toggle("stale", picture.state !== "ready");
   about.everReady ||= picture.state === "ready";
   const hands = drive.show(picture);
-  showLamps(picture, drive.mine, about);
+  showLamps(picture, drive, about);
   showQuality(picture);
   showLink(picture);
   showBattery(picture);
@@ -137,11 +139,11 @@ function drawFrame(picture) {
   return hands;
 }
 
-function silent(on) {
+function silent(on, why) {
   document.body.classList.toggle("silent", on);
   drive.silent(on);
   if (!on) return;
-  showSilence();
+  showSilence(why);
   mark(by("quality"), "level", "bad");
   put(by("quality-say"), "no connection to the dashboard");
   put(by("quality-figures"), "");
