@@ -49,13 +49,13 @@ static const char *flag(enum gate_kind kind) {
 }
 
 /* Whether it was rejected for its utime, which is positive then: the difference cannot overflow. */
-static bool is_about_time(enum gate_verdict verdict, const command *command,
+static bool is_about_time(enum gate_verdict verdict, const explain_command *command,
                           const gate_rules *rules, gate_time now) {
     return verdict == GATE_IN_FUTURE || (verdict == GATE_TOO_OLD && rules->max_age_us != 0 &&
                                          now.utime - command->utime > (int64_t)rules->max_age_us);
 }
 
-static void explain_time(char *room, size_t capacity, const command *command,
+static void explain_time(char *room, size_t capacity, const explain_command *command,
                          const gate_rules *rules, gate_time now) {
     double age_s = (double)(now.utime - command->utime) / 1e6;
     (void)snprintf(
@@ -66,23 +66,23 @@ static void explain_time(char *room, size_t capacity, const command *command,
         age_s < 0 ? -age_s : age_s, age_s < 0 ? "in the future" : "old", rules->max_age_us / 1000u);
 }
 
-void explain_rejection(const char *robot, enum gate_verdict verdict, const command *command,
+void explain_rejection(const char *robot, enum gate_verdict verdict, const explain_command *command,
                        const gate_rules *rules, gate_time now, bool first) {
-    char sender[GATE_MAX_SENDER + 1] = "?";
+    char sender[GATE_MAX_SENDER + 1] = "";
     char why[300];
-    const char *kind = command != NULL ? kinds[command->kind] : "a";
-    enum log_level level = first ? LOG_NOTE : LOG_DETAIL;
-    if (command != NULL) {
+    bool known = command->sender != NULL;
+    if (known) {
         text_for_terminal(sender, sizeof sender, command->sender, command->sender_length);
     }
-    if (verdict == GATE_DISABLED && command != NULL) {
+    if (verdict == GATE_DISABLED) {
         (void)snprintf(why, sizeof why, "start the bridge with %s to take it", flag(command->kind));
-    } else if (command != NULL && is_about_time(verdict, command, rules, now)) {
+    } else if (is_about_time(verdict, command, rules, now)) {
         explain_time(why, sizeof why, command, rules, now);
     } else {
         (void)snprintf(why, sizeof why, "%s", reason(verdict));
     }
-    log_line(level, robot, "%s command of '%s' rejected: %s%s", kind, sender, why,
+    log_line(first ? LOG_NOTE : LOG_DETAIL, robot, "%s command %s '%s' rejected: %s%s",
+             kinds[command->kind], known ? "of" : "on", known ? sender : command->channel, why,
              first ? " (told once; bridge status counts them)" : "");
 }
 

@@ -5,11 +5,20 @@
 #ifndef ROBUROC4_LCM_EXPLAIN_H
 #define ROBUROC4_LCM_EXPLAIN_H
 
-#include "commands.h"
+#include "gate.h"
+#include "roburoc4.h"
 
-/* Why a command was rejected, and what to do: a note the first time, else a detail. command: NULL
- * where it could not be read. */
-void explain_rejection(const char *robot, enum gate_verdict verdict, const command *command,
+/* A command that was rejected, as far as it could be read. */
+typedef struct explain_command {
+    enum gate_kind kind;
+    const char *channel;
+    const char *sender; /* NULL where it could not be read; else sender_length bytes */
+    size_t sender_length;
+    int64_t utime;
+} explain_command;
+
+/* Why a command was rejected, and what to do: a note the first time, else a detail. */
+void explain_rejection(const char *robot, enum gate_verdict verdict, const explain_command *command,
                        const gate_rules *rules, gate_time now, bool first);
 /* What ROBUROC4_EVENT_* bits mean for the person who runs the bridge. */
 void explain_events(const char *robot, const char *address, const roburoc4_client *client,

@@ -17,16 +17,13 @@ void gate_init(gate *gate, const gate_rules *rules, gate_time now) {
 /* ---------------------------------------------------------------------------------- pauses --- */
 
 void gate_hold(gate *gate, uint64_t now_us) {
-    gate->waiting = true;
+    gate->held = true;
     gate->fresh = false;
     gate->quiet_since_us = now_us;
 }
 
-bool gate_is_waiting(gate *gate, uint64_t now_us) {
-    if (gate->waiting && now_us - gate->quiet_since_us >= GATE_PAUSE_US) {
-        gate->waiting = false;
-    }
-    return gate->waiting;
+bool gate_is_waiting(const gate *gate, uint64_t now_us) {
+    return gate->held && now_us - gate->quiet_since_us < GATE_PAUSE_US;
 }
 
 void gate_armed(gate *gate) {
@@ -49,15 +46,21 @@ static bool is_early(int32_t refusal) {
     }
 }
 
-bool gate_wants_arming(gate *gate, const gate_robot *robot, uint64_t now_us) {
-    if (!gate->rules.enabled[GATE_DRIVE] || !gate->arms_alone || !robot->ready || robot->armed ||
-        gate_is_waiting(gate, now_us)) {
-        return false;
-    }
-    if (robot->arm_refusal < 0 && !is_early(robot->arm_refusal)) {
+/* Whether only the robot itself can stand in the way of its first arming. */
+static bool may_arm_alone(const gate *gate, const gate_robot *robot, uint64_t now_us) {
+    return gate->rules.enabled[GATE_DRIVE] && gate->arms_alone && robot->ready && !robot->armed &&
+           !gate_is_waiting(gate, now_us);
+}
+
+void gate_tick(gate *gate, const gate_robot *robot, uint64_t now_us) {
+    if (may_arm_alone(gate, robot, now_us) && robot->arm_refusal < 0 &&
+        !is_early(robot->arm_refusal)) {
         gate_hold(gate, now_us); /* in other hands: a planner that streams already must pause */
     }
-    return robot->arm_refusal >= 0;
+}
+
+bool gate_wants_arming(const gate *gate, const gate_robot *robot, uint64_t now_us) {
+    return may_arm_alone(gate, robot, now_us) && robot->arm_refusal >= 0;
 }
 
 /* --------------------------------------------------------------------------------- senders --- */
@@ -72,14 +75,19 @@ static uint32_t find_sender(const gate *gate, const gate_command *command) {
     return at;
 }
 
-/* What an old sender sent is rejected for its age already, so it may be forgotten. */
+/* What an old sender sent is rejected for its age already, so it may be forgotten. Without ages a
+ * sender must be forgotten some day, or programs with names of their own would lock all others out;
+ * from then on its log is as good as new, which --max-age 0 says. */
 static bool is_forgettable(const gate *gate, uint32_t at, gate_time now) {
     const gate_sender *sender = &gate->senders[at];
     if (sender->length == 0) {
         return true;
     }
-    if (gate->rules.max_age_us == 0 || (at == gate->seat && now.us < gate->seat_until_us)) {
+    if (at == gate->seat && now.us < gate->seat_until_us) {
         return false;
+    }
+    if (gate->rules.max_age_us == 0) {
+        return now.us - sender->heard_us >= GATE_FORGET_US;
     }
     for (uint32_t kind = 0; kind < GATE_KINDS; kind++) {
         if (now.utime - sender->utime[kind] <= (int64_t)gate->rules.max_age_us) {
@@ -89,13 +97,18 @@ static bool is_forgettable(const gate *gate, uint32_t at, gate_time now) {
     return true;
 }
 
-/* The sender's place, a new one where it has none; GATE_SENDERS where all are in use. */
+/* The sender's place; where it has none, a free one, or that of who was silent for longest;
+ * GATE_SENDERS where all are in use. */
 static uint32_t place_of(gate *gate, const gate_command *command, gate_time now) {
     uint32_t at = find_sender(gate, command);
     if (at < GATE_SENDERS) {
         return at;
     }
-    for (at = 0; at < GATE_SENDERS && !is_forgettable(gate, at, now); at++) {
+    for (uint32_t other = 0; other < GATE_SENDERS; other++) {
+        if (is_forgettable(gate, other, now) &&
+            (at == GATE_SENDERS || gate->senders[other].heard_us < gate->senders[at].heard_us)) {
+            at = other;
+        }
     }
     if (at < GATE_SENDERS) {
         gate_sender *sender = &gate->senders[at];
@@ -184,7 +197,7 @@ static enum gate_verdict judge_form(const gate *gate, const gate_command *comman
     return command->finite ? GATE_TAKEN : GATE_NOT_FINITE;
 }
 
-static enum gate_verdict judge_robot(gate *gate, const gate_command *command,
+static enum gate_verdict judge_robot(const gate *gate, const gate_command *command,
                                      const gate_robot *robot, uint64_t now_us) {
     if (!robot->ready) {
         return GATE_NOT_READY;
@@ -212,6 +225,7 @@ static enum gate_verdict judge(gate *gate, const gate_command *command, const ga
         return GATE_SENDER;
     }
     gate_sender *sender = &gate->senders[place];
+    sender->heard_us = now.us;
     if (command->utime <= sender->utime[command->kind]) {
         return GATE_REPEATED;
     }
@@ -224,13 +238,10 @@ static enum gate_verdict judge(gate *gate, const gate_command *command, const ga
         return GATE_SEAT;
     }
     verdict = judge_robot(gate, command, robot, now.us);
-    if (verdict == GATE_TAKEN) {
-        uint64_t until_us = now.us + *lease_us;
-        /* A lamp that is switched does not shorten the seat of who drives. */
-        if (gate->seat != place || command->kind == GATE_DRIVE || until_us > gate->seat_until_us) {
-            gate->seat_until_us = until_us;
-        }
+    /* Who switches a lamp takes no seat, and neither prolongs nor shortens its own. */
+    if (verdict == GATE_TAKEN && command->kind == GATE_DRIVE) {
         gate->seat = place;
+        gate->seat_until_us = now.us + *lease_us;
     }
     return verdict;
 }
@@ -242,10 +253,12 @@ enum gate_verdict gate_judge(gate *gate, const gate_command *command, const gate
         return verdict;
     }
     gate_reject(gate, verdict);
-    /* Whoever is not silent keeps all waiting; and who goes on while the robot is away or in other
-     * hands must pause once it is back. */
+    /* Whoever asks for motion keeps all waiting; and who goes on while the robot is away or in
+     * other hands must pause once it is back. */
+    bool asks_for_motion =
+        command->kind == GATE_DRIVE && gate->rules.enabled[GATE_DRIVE] && !command->zero;
     bool away = !gate->fresh && judge_robot(gate, command, robot, now.us) != GATE_TAKEN;
-    if (!command->zero && away) {
+    if (asks_for_motion && away) {
         gate_hold(gate, now.us);
     }
     return verdict;

@@ -9,9 +9,10 @@
  * - it is no older and no further in the future than max_age_us, its utime is later than the last
  *   of its sender and kind, and it was sent after the gate started: a log that is replayed moves
  *   nothing;
- * - nobody else's lease lives: one commander at a time, who keeps the seat until its lease is over;
+ * - nobody else's lease to drive lives: one commander at a time, who keeps the seat until its lease
+ *   is over. Commands of the other kinds take no seat;
  * - the robot is ready, and (to drive) armed, or can be armed;
- * - since the last disarm every sender has been silent, or has sent zero, for GATE_PAUSE_US.
+ * - since the last disarm nobody has commanded a speed for GATE_PAUSE_US.
  *
  * A replay within max_age_us of the original is caught by the sender's last utime, one across a
  * restart by the start rule: what was sent before the start has a utime of at most
@@ -32,6 +33,8 @@ extern "C" {
 #define GATE_START_US 250000u
 #define GATE_MAX_SENDER 63
 #define GATE_SENDERS 32
+/* Where ages are not looked at, a sender is remembered for so long after its last command. */
+#define GATE_FORGET_US 60000000u
 /* The shortest and the longest lease that the client can hold. */
 #define GATE_MIN_LEASE_US 20000u
 #define GATE_MAX_LEASE_US 1000000u
@@ -94,6 +97,7 @@ typedef struct gate_sender {
     uint8_t length; /* 0: free */
     char name[GATE_MAX_SENDER];
     int64_t utime[GATE_KINDS];
+    uint64_t heard_us;
 } gate_sender;
 
 typedef struct gate {
@@ -101,9 +105,9 @@ typedef struct gate {
     gate_time start;
     gate_sender senders[GATE_SENDERS];
     uint64_t seat_until_us;
-    uint64_t quiet_since_us; /* while waiting */
+    uint64_t quiet_since_us; /* the disarm, or the last command of a speed after it */
     uint32_t seat;           /* index of the sender who has it, or GATE_SENDERS */
-    bool waiting;            /* after a disarm, until all have paused */
+    bool held;               /* there was a disarm: see quiet_since_us */
     bool fresh;              /* neither armed nor disarmed yet */
     bool arms_alone;         /* arms as soon as the robot can be: until the first arming */
     int64_t taken[GATE_KINDS];
@@ -128,12 +132,14 @@ void gate_armed(gate *gate);
 void gate_hold(gate *gate, uint64_t now_us);
 /* This machine's clock was set: all that is known of utimes is void. */
 void gate_clock_was_set(gate *gate, gate_time now);
-/* Whether to arm now although no command asks for it; may begin to wait where the robot is in
- * other hands. */
-bool gate_wants_arming(gate *gate, const gate_robot *robot, uint64_t now_us);
+/* Look at the robot: where it is in other hands before it was ever armed, begin to wait. To be
+ * called before gate_wants_arming(). */
+void gate_tick(gate *gate, const gate_robot *robot, uint64_t now_us);
 
+/* Whether to arm now although no command asks for it. */
+bool gate_wants_arming(const gate *gate, const gate_robot *robot, uint64_t now_us);
 /* Whether commands are refused until all senders have paused. */
-bool gate_is_waiting(gate *gate, uint64_t now_us);
+bool gate_is_waiting(const gate *gate, uint64_t now_us);
 /* The sender whose lease lives (*length bytes, no NUL), or NULL. */
 const char *gate_commander(const gate *gate, uint64_t now_us, size_t *length);
 /* How many commands were rejected, for all causes. */

@@ -40,7 +40,7 @@ endif()
 set(ROBUROC4_PYTHON_DIR "${python_folder}" CACHE STRING
     "Where the Python package roburoc4_lcm is installed, below the prefix")
 install(DIRECTORY python/roburoc4_lcm DESTINATION ${ROBUROC4_PYTHON_DIR}
-    FILES_MATCHING PATTERN "*.py" PATTERN "py.typed")
+    FILES_MATCHING PATTERN "*.py")
 
 # For Java, and with it MATLAB and lcm-spy, where there is a JDK and LCM's own jar.
 if(TARGET roburoc4_lcm_jar)

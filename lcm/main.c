@@ -32,6 +32,8 @@ enum { EXIT_DONE = 0, EXIT_ERROR = 1, EXIT_USAGE = 2, EXIT_NO_LCM = 3 };
 static options settings;
 static robot robots[OPTIONS_MAX_ROBOTS];
 static uint32_t robot_count;
+static gate_time last_look;
+static uint64_t lcm_rests_until_us; /* LCM is not read before; 0: it could always be read */
 static volatile sig_atomic_t stop_signal;
 /* SIGHUP: the terminal was closed. */
 static const int stop_signals[] = {SIGINT, SIGTERM, SIGHUP};
@@ -43,9 +45,11 @@ static void on_signal(int number) {
 
 /* ------------------------------------------------------------------------------------- LCM --- */
 
+/* The URL is one of multicast: options_read() takes no other. */
 static void tell_remedy(void) {
-    const char *url = settings.lcm_url != NULL ? settings.lcm_url : getenv("LCM_DEFAULT_URL");
-    log_line(LOG_ERROR, NULL, "no LCM network at %s", url != NULL ? url : "LCM's default");
+    const char *source = NULL;
+    const char *url = options_lcm_url(&settings, &source);
+    log_line(LOG_ERROR, NULL, "no LCM network at %s", url[0] != '\0' ? url : "LCM's default");
     (void)fputs("LCM needs a route for multicast. For programs on this machine only:\n"
                 "    ip link set lo multicast on\n"
                 "    ip route add 224.0.0.0/4 dev lo\n"
@@ -77,18 +81,37 @@ static lcm_t *open_lcm(void) {
     return lcm;
 }
 
-/* Read what LCM has; false where it cannot be read. */
-static bool drain(lcm_t *lcm) {
+/* Where more time went by since the last look than was asked for, this process was stopped, or
+ * starved: what it reads from now on may have come long ago. */
+static void look_for_stall(uint64_t asked_us) {
+    gate_time now = clock_now();
+    if (now.us - last_look.us >= asked_us + STALL_US) {
+        for (uint32_t at = 0; at < robot_count; at++) {
+            robot_was_stalled(&robots[at], last_look.utime, now);
+        }
+    }
+    last_look = now;
+}
+
+/* Read what LCM has. Where that fails, it is tried again after a second. */
+static void read_commands(lcm_t *lcm) {
     int result = 1;
     for (int count = 0; result > 0 && count < LCM_BURST; count++) {
+        look_for_stall(0);
         result = lcm_handle_timeout(lcm, 0);
     }
-    return result >= 0;
+    if (result < 0) {
+        if (lcm_rests_until_us == 0) {
+            log_line(LOG_ERROR, NULL, "LCM cannot be read: no commands; trying again each second");
+        }
+        lcm_rests_until_us = clock_now().us + LCM_RETRY_US;
+    }
 }
 
 /* ------------------------------------------------------------------------------------ loop --- */
 
-static int wait_ms(uint64_t now_us, uint64_t until_us) {
+static int wait_ms(uint64_t now_us) {
+    uint64_t until_us = now_us + LONGEST_WAIT_US;
     for (uint32_t at = 0; at < robot_count; at++) {
         uint64_t deadline_us = robot_deadline(&robots[at]);
         until_us = deadline_us < until_us ? deadline_us : until_us;
@@ -96,52 +119,40 @@ static int wait_ms(uint64_t now_us, uint64_t until_us) {
     return until_us <= now_us ? 0 : (int)((until_us - now_us + 999u) / 1000u);
 }
 
-/* Whether poll() took much longer than it was asked to: this process was stopped, or starved. */
-static void look_for_stall(gate_time before, uint64_t wait_us) {
-    gate_time now = clock_now();
-    if (now.us - before.us >= wait_us + STALL_US) {
-        for (uint32_t at = 0; at < robot_count; at++) {
-            robot_was_stalled(&robots[at], before.utime, now);
-        }
-    }
-}
-
-/* Wait, then serve whoever has something; false where a robot's socket is broken. LCM is left alone
- * for a second from *rests_since_us on, unless that is 0. */
-static bool turn(lcm_t *lcm, uint64_t *rests_since_us) {
-    struct pollfd watched[OPTIONS_MAX_ROBOTS + 1];
-    uint64_t now_us = clock_now().us;
-    bool good = true;
-    bool lcm_rests = *rests_since_us != 0 && now_us - *rests_since_us < LCM_RETRY_US;
+/* Wait until somebody has something, or something is due. The last of `watched` is LCM. */
+static void wait_for_work(lcm_t *lcm, struct pollfd *watched) {
     for (uint32_t at = 0; at < robot_count; at++) {
         watched[at].fd = (int)roburoc4_udp_fd(&robots[at].udp);
+    }
+    look_for_stall(0);
+    watched[robot_count].fd = last_look.us < lcm_rests_until_us ? -1 : lcm_get_fileno(lcm);
+    for (uint32_t at = 0; at <= robot_count; at++) {
         watched[at].events = POLLIN;
         watched[at].revents = 0;
     }
-    watched[robot_count].fd = lcm_rests ? -1 : lcm_get_fileno(lcm);
-    watched[robot_count].events = POLLIN;
-    watched[robot_count].revents = 0;
-    gate_time before = clock_now();
-    int wait = wait_ms(before.us, before.us + LONGEST_WAIT_US);
+    int wait = wait_ms(last_look.us);
     (void)poll(watched, robot_count + 1, wait);
-    look_for_stall(before, (uint64_t)wait * 1000u);
+    look_for_stall((uint64_t)wait * 1000u);
+}
 
-    bool commands = watched[robot_count].revents != 0;
-    now_us = clock_now().us;
+/* Wait, then serve whoever has something; false where a robot's socket is broken. */
+static bool turn(lcm_t *lcm) {
+    struct pollfd watched[OPTIONS_MAX_ROBOTS + 1];
+    bool due[OPTIONS_MAX_ROBOTS] = {false};
+    bool good = true;
+    wait_for_work(lcm, watched);
+    bool reads_lcm = watched[robot_count].revents != 0;
     /* First what the robots say, [A] on the game pad above all, then what is asked of them. */
     for (uint32_t at = 0; at < robot_count; at++) {
-        if (commands || watched[at].revents != 0 || robot_deadline(&robots[at]) <= now_us) {
-            good = robot_serve(&robots[at]) && good;
-        }
+        due[at] =
+            reads_lcm || watched[at].revents != 0 || robot_deadline(&robots[at]) <= last_look.us;
+        good = (!due[at] || robot_serve(&robots[at])) && good;
     }
-    if (commands && !drain(lcm)) {
-        if (*rests_since_us == 0) {
-            log_line(LOG_ERROR, NULL, "LCM cannot be read: no commands; trying again each second");
-        }
-        *rests_since_us = now_us;
+    if (reads_lcm) {
+        read_commands(lcm);
     }
     for (uint32_t at = 0; at < robot_count; at++) {
-        if (commands || watched[at].revents != 0 || robot_deadline(&robots[at]) <= now_us) {
+        if (due[at]) {
             robot_finish(&robots[at]);
         }
     }
@@ -160,12 +171,12 @@ static bool all_closed(void) {
 /* Zeros, until the robots confirm them or the time is over. No command is read any more. */
 static void close_robots(lcm_t *lcm) {
     gate_time now = clock_now();
-    uint64_t rests_since_us = now.us;
+    lcm_rests_until_us = UINT64_MAX;
     for (uint32_t at = 0; at < robot_count; at++) {
         robot_close(&robots[at], now);
         robot_finish(&robots[at]);
     }
-    while (!all_closed() && clock_now().us - now.us < CLOSING_US && turn(lcm, &rests_since_us)) {
+    while (!all_closed() && clock_now().us - now.us < CLOSING_US && turn(lcm)) {
     }
     for (uint32_t at = 0; at < robot_count; at++) {
         robot_end(&robots[at]);
@@ -174,8 +185,8 @@ static void close_robots(lcm_t *lcm) {
 
 static int run(lcm_t *lcm) {
     gate_time now = clock_now();
-    uint64_t rests_since_us = 0;
     bool good = true;
+    last_look = now;
     for (; good && robot_count < settings.robot_count; robot_count += good) {
         good = robot_start(&robots[robot_count], &settings, &settings.robots[robot_count], now);
     }
@@ -185,7 +196,7 @@ static int run(lcm_t *lcm) {
                  settings.rules.enabled[GATE_DRIVE] ? "ON" : "off (--enable-drive)");
     }
     while (good && stop_signal == 0) {
-        good = turn(lcm, &rests_since_us);
+        good = turn(lcm);
     }
     close_robots(lcm);
     return good ? EXIT_DONE : EXIT_ERROR;

@@ -144,6 +144,11 @@ static void tell_absent(const mapping_view *view, char *room, size_t capacity) {
                                                       : "is it on, and on this network?");
 }
 
+/* The cause without what to do against it, which is past. */
+static int cause_length(const char *text) {
+    return (int)strcspn(text, ":");
+}
+
 static void tell_disarmed(const mapping_view *view, char *room, size_t capacity) {
     int32_t cause = view->facts->disarm_cause;
     if (view->facts->arm_refusal < 0) {
@@ -151,11 +156,15 @@ static void tell_disarmed(const mapping_view *view, char *room, size_t capacity)
                        roburoc4_result_text(view->facts->arm_refusal));
         return;
     }
-    (void)snprintf(room, capacity, "ready, disarmed%s%s; %s",
-                   cause == ROBUROC4_ERR_DISARMED ? "" : ": ",
-                   cause == ROBUROC4_ERR_DISARMED ? "" : roburoc4_result_text(cause),
-                   view->waiting ? "all senders must pause (or send zero) for 500 ms"
-                                 : "the next command arms it");
+    const char *next = view->waiting ? "all senders must pause (or send zero) for 500 ms"
+                                     : "the next command arms it";
+    if (cause == 0 || cause == ROBUROC4_ERR_DISARMED) {
+        (void)snprintf(room, capacity, "ready, disarmed; %s", next);
+    } else {
+        const char *text = roburoc4_result_text(cause);
+        (void)snprintf(room, capacity, "ready, was disarmed (%.*s); %s", cause_length(text), text,
+                       next);
+    }
 }
 
 static void tell_armed(const mapping_view *view, char *room, size_t capacity) {

@@ -5,6 +5,7 @@
 #include <getopt.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define MAX_CHANNEL_OPTIONS 64
@@ -21,7 +22,8 @@ const char options_help[] =
     "                       channels are NAME_DIFFERENTIAL and so on, and the option may be\n"
     "                       given up to 32 times\n"
     "  -l, --lcm-url URL    the LCM network (default: LCM's own, see LCM_DEFAULT_URL), such as\n"
-    "                       'udpm://239.255.76.67:7667?ttl=0' for this machine only\n"
+    "                       'udpm://239.255.76.67:7667?ttl=0' for this machine only; LCM's tcpq\n"
+    "                       and file are refused: they can hang the bridge, or drive from a log\n"
     "  -p, --prefix PREFIX  of a robot's channels that has no NAME (default ROBUROC4)\n"
     "      --channel [NAME:]KEY=CHANNEL  another name for one channel; KEY is DIFFERENTIAL,\n"
     "                       LOCALIZATION, BATTERY, TELEMETER, IOCARD, PROPERTIES,\n"
@@ -32,7 +34,8 @@ const char options_help[] =
     "                       SERVICE is iocard, telemeter, battery, localization or differential\n"
     "\n"
     "Commands; without these the bridge only watches:\n"
-    "      --enable-drive       obey PREFIX_DRIVE_CMD: THE ROBOT CAN MOVE\n"
+    "      --enable-drive       obey PREFIX_DRIVE_CMD: THE ROBOT CAN MOVE. Statuses of iocard and\n"
+    "                           differential must come at least every 250 ms\n"
     "      --enable-outputs     obey PREFIX_OUTPUT_CMD\n"
     "      --enable-relocalize  obey PREFIX_RELOCALIZE_CMD\n"
     "      --command-timeout MS longest lease of a command, and that of one without its own\n"
@@ -76,17 +79,23 @@ complain(reading *reading, const char *format, ...) {
 
 /* --------------------------------------------------------------------------- option values --- */
 
-static bool whole(const char *text, uint32_t min, uint32_t max, uint32_t *out) {
+/* A number of at most `max` at *text, which is moved behind it. */
+static bool number(const char **text, uint32_t max, uint32_t *out) {
     uint32_t value = 0;
-    size_t length = strspn(text, "0123456789");
-    if (length == 0 || length > 9 || text[length] != '\0') {
+    size_t length = strspn(*text, "0123456789");
+    if (length == 0 || length > 9) {
         return false;
     }
     for (size_t at = 0; at < length; at++) {
-        value = value * 10 + (uint32_t)(text[at] - '0');
+        value = value * 10 + (uint32_t)((*text)[at] - '0');
     }
+    *text += length;
     *out = value;
-    return value >= min && value <= max;
+    return value <= max;
+}
+
+static bool whole(const char *text, uint32_t min, uint32_t max, uint32_t *out) {
+    return number(&text, max, out) && *text == '\0' && *out >= min;
 }
 
 static bool keep(reading *reading, const char **list, uint32_t *count, uint32_t capacity,
@@ -143,6 +152,57 @@ static bool set_max_age(reading *reading, const char *value) {
     }
     reading->out->rules.max_age_us = (uint32_t)(ms * 1000u);
     return true;
+}
+
+/* ----------------------------------------------------------------------------- the network --- */
+
+const char *options_lcm_url(const options *options, const char **source) {
+    const char *url = options->lcm_url;
+    *source = "--lcm-url";
+    if (url == NULL || url[0] == '\0') { /* as LCM does */
+        *source = "LCM_DEFAULT_URL";
+        url = getenv(*source);
+    }
+    return url != NULL ? url : "";
+}
+
+/* ADDRESS or ADDRESS:PORT of a multicast group, or nothing, up to the URL's end or '?'. */
+static bool is_group(const char *text) {
+    uint32_t part = 0;
+    if (*text == '\0' || *text == '?') {
+        return true;
+    }
+    for (int at = 0; at < 4; at++) {
+        if ((at > 0 && *text++ != '.') || !number(&text, 255, &part) ||
+            (at == 0 && (part < 224 || part > 239))) {
+            return false;
+        }
+    }
+    if (*text == ':') {
+        text++;
+        if (!number(&text, 65535, &part) || part == 0) {
+            return false;
+        }
+    }
+    return *text == '\0' || *text == '?';
+}
+
+/* LCM's other networks, tcpq and file, wait within LCM for others for as long as these like: no
+ * zero would leave meanwhile, and no signal would be heard. And a file is a log, which must not
+ * drive. */
+static bool set_network(reading *reading) {
+    static const char udpm[] = "udpm://";
+    static const char memq[] = "memq://";
+    const char *source = NULL;
+    const char *url = options_lcm_url(reading->out, &source);
+    if (url[0] == '\0' || strncmp(url, memq, strlen(memq)) == 0 ||
+        (strncmp(url, udpm, strlen(udpm)) == 0 && is_group(url + strlen(udpm)))) {
+        return true;
+    }
+    return complain(reading,
+                    "%s %s: the bridge has no such LCM network; give udpm://ADDRESS:PORT?ttl=N, "
+                    "such as 'udpm://239.255.76.67:7667?ttl=0'",
+                    source, url);
 }
 
 /* ------------------------------------------------------------------------------ the robots --- */
@@ -341,6 +401,22 @@ static const struct option known[] = {
     {NULL, 0, NULL, 0},
 };
 
+static const char short_options[] = ":r:l:p:vqh";
+
+/* option: '?' or ':', as getopt_long() returned it; last: the argument before those to come. */
+static void complain_of_option(reading *reading, int option, const char *last) {
+    bool is_short = optopt > 0 && optopt < 256 && strchr(short_options, optopt) == NULL;
+    if (is_short) { /* it may stand within `-vx`, whose end is still to come */
+        (void)complain(reading, "unknown option '-%c': see roburoc4-lcm --help", optopt);
+    } else {
+        (void)complain(reading, "%s '%s': see roburoc4-lcm --help",
+                       option == ':' ? "a value is missing after"
+                       : optopt == 0 ? "unknown option"
+                                     : "no value belongs to",
+                       last);
+    }
+}
+
 static bool set_value(reading *reading, int option, const char *value) {
     switch (option) {
     case 'r':
@@ -405,8 +481,7 @@ enum options_result options_read(int count, char **arguments, options *out, char
     optind = 1;
     opterr = 0;
     for (int option = 0; option != -1;) {
-        int at = optind;
-        option = getopt_long(count, arguments, ":r:l:p:vqh", known, NULL);
+        option = getopt_long(count, arguments, short_options, known, NULL);
         if (option == 'h') {
             return OPTIONS_HELP;
         }
@@ -414,9 +489,7 @@ enum options_result options_read(int count, char **arguments, options *out, char
             return OPTIONS_VERSION;
         }
         if (option == '?' || option == ':') {
-            (void)complain(&reading, "%s '%s': see roburoc4-lcm --help",
-                           option == '?' ? "unknown option" : "a value is missing after",
-                           arguments[at]);
+            complain_of_option(&reading, option, arguments[optind - 1]);
             return OPTIONS_BAD;
         }
         if (option != -1 && !set_flag(out, option) && !set_value(&reading, option, optarg)) {
@@ -427,8 +500,24 @@ enum options_result options_read(int count, char **arguments, options *out, char
         (void)complain(&reading, "cannot use '%s': see roburoc4-lcm --help", arguments[optind]);
         return OPTIONS_BAD;
     }
-    return set_robots(&reading) && set_channels(&reading) && can_drive(&reading) ? OPTIONS_RUN
-                                                                                 : OPTIONS_BAD;
+    return set_network(&reading) && set_robots(&reading) && set_channels(&reading) &&
+                   can_drive(&reading)
+               ? OPTIONS_RUN
+               : OPTIONS_BAD;
+}
+
+/* Another robot before this one that has its address, or NULL: two gates would command one robot,
+ * each unaware of the other. */
+static const options_robot *doubled_robot(const options *out, uint32_t at) {
+    const roburoc4_address *address = &out->robots[at].address;
+    for (uint32_t other = 0; other < at; other++) {
+        const roburoc4_address *same = &out->robots[other].address;
+        if (same->family == address->family && same->port == address->port &&
+            same->scope == address->scope && memcmp(same->ip, address->ip, sizeof same->ip) == 0) {
+            return &out->robots[other];
+        }
+    }
+    return NULL;
 }
 
 enum options_result options_resolve(options *out, char *error, size_t error_size) {
@@ -442,6 +531,13 @@ enum options_result options_resolve(options *out, char *error, size_t error_size
                                : "the name has no address; give the address in numbers, such as "
                                  "192.168.0.2, or mend the name");
             return bad ? OPTIONS_BAD : OPTIONS_NO_ADDRESS;
+        }
+        const options_robot *doubled = doubled_robot(out, at);
+        if (doubled != NULL) {
+            (void)snprintf(error, error_size,
+                           "--robot %s=%s: %s has this address already; name each robot once",
+                           robot->name, robot->host, doubled->name);
+            return OPTIONS_BAD;
         }
     }
     return OPTIONS_RUN;

@@ -42,8 +42,11 @@ enum options_result { OPTIONS_RUN, OPTIONS_HELP, OPTIONS_VERSION, OPTIONS_BAD, O
 /* Read the command line. With OPTIONS_BAD `error` says what is wrong and what to do. */
 enum options_result options_read(int count, char **arguments, options *out, char *error,
                                  size_t error_size);
-/* Turn the robots' names into addresses: OPTIONS_RUN, _BAD (a port that is none), or _NO_ADDRESS.
- * Asks the name server where there are names. */
+/* The URL that LCM is going to use, "" for its own default, and where it is from: "--lcm-url" or
+ * the variable's name. */
+const char *options_lcm_url(const options *options, const char **source);
+/* Turn the robots' names into addresses: OPTIONS_RUN, _BAD (a port that is none, or two robots with
+ * one address), or _NO_ADDRESS. Asks the name server where there are names. */
 enum options_result options_resolve(options *out, char *error, size_t error_size);
 /* What --help prints. */
 extern const char options_help[];

@@ -3,20 +3,44 @@
 
 #include <string.h>
 
+#include "log.h"
+
+/* LCM works again when it took all messages for so long. */
+#define MENDED_US 1000000u
+
 static uint8_t buffer[MAPPING_MAX_ENCODED];
+static bool failing;
+static uint64_t failed_us; /* while failing: the last time */
+
+/* Say it once where LCM's network went away, and once where it is back. */
+static void look_at_result(bool good, uint64_t now_us) {
+    if (!good) {
+        if (!failing) {
+            log_line(LOG_ERROR, NULL,
+                     "LCM cannot send: is there still a route for multicast? going on trying");
+        }
+        failing = true;
+        failed_us = now_us;
+    } else if (failing && now_us - failed_us >= MENDED_US) {
+        failing = false;
+        log_line(LOG_NOTE, NULL, "LCM can send again");
+    }
+}
 
 /* size: what an encoder returned. */
-static void send_bytes(robot *robot, enum channel channel, int size) {
-    if (size > 0 &&
-        lcm_publish(robot->lcm, robot->channels->name[channel], buffer, (unsigned)size) == 0) {
-        robot->published++;
-    } else {
-        robot->publish_errors++;
+static void send_bytes(robot *robot, enum channel channel, int size, uint64_t now_us) {
+    bool encoded = size > 0;
+    bool sent = encoded && lcm_publish(robot->lcm, robot->channels->name[channel], buffer,
+                                       (unsigned)size) == 0;
+    robot->published += sent;
+    robot->publish_errors += !sent;
+    if (encoded) {
+        look_at_result(sent, now_us);
     }
 }
 
 #define SEND(type, channel, message)                                                               \
-    send_bytes(robot, channel, type##_encode(buffer, 0, (int)sizeof buffer, &(message)))
+    send_bytes(robot, channel, type##_encode(buffer, 0, (int)sizeof buffer, &(message)), now.us)
 
 /* The robot's time on this machine's wall clock; now where the client cannot tell yet. */
 static int64_t wall_time(const robot *robot, uint64_t cycles, gate_time now) {

@@ -28,12 +28,31 @@ static gate_robot robot_for_gate(const robot *robot, uint64_t now_us) {
 
 /* -------------------------------------------------------------------------------- commands --- */
 
-static void reject(robot *robot, enum gate_verdict verdict, const command *command, gate_time now) {
+/* Tell of a rejection that was counted. */
+static void tell_rejection(robot *robot, enum gate_verdict verdict, const explain_command *command,
+                           gate_time now) {
     uint32_t bit = 1u << verdict;
     robot->status_due = robot->status_due || (robot->told & bit) == 0;
     explain_rejection(robot->name, verdict, command, &robot->gate.rules, now,
                       (robot->told & bit) == 0);
     robot->told |= bit;
+}
+
+static void tell_rejected_message(robot *robot, enum gate_verdict verdict, const command *command,
+                                  gate_time now) {
+    explain_command told = {.kind = command->kind,
+                            .channel = robot->channels->name[CHANNEL_DRIVE_CMD + command->kind]};
+    if (verdict != GATE_MALFORMED) {
+        told.sender = command->sender;
+        told.sender_length = command->sender_length;
+        told.utime = command->utime;
+    }
+    tell_rejection(robot, verdict, &told, now);
+}
+
+static float to_float(double value) {
+    const double far = 1e6; /* beyond any limit; the client clamps to the robot's own */
+    return (float)(value > far ? far : value < -far ? -far : value);
 }
 
 /* All of the outputs, or none. */
@@ -69,8 +88,9 @@ static void take(robot *robot, const command *command, uint32_t lease_us, gate_t
     if (command->kind == GATE_DRIVE) {
         robot->superseded += robot->has_drive;
         robot->has_drive = true;
-        robot->drive = *command;
-        robot->drive_lease_us = lease_us;
+        robot->drive.linear_m_s = to_float(command->linear_m_s);
+        robot->drive.angular_rad_s = to_float(command->angular_rad_s);
+        robot->drive.lease_us = lease_us;
         return;
     }
     if (command->kind == GATE_RELOCALIZE) {
@@ -81,15 +101,15 @@ static void take(robot *robot, const command *command, uint32_t lease_us, gate_t
     }
     if (result < 0) {
         gate_reject(&robot->gate, GATE_IMPOSSIBLE);
-        reject(robot, GATE_IMPOSSIBLE, command, now);
+        tell_rejected_message(robot, GATE_IMPOSSIBLE, command, now);
         return;
     }
     robot->command_us = (int64_t)now.us;
     gate_count_taken(&robot->gate, command->kind);
 }
 
-/* When a message came, at the earliest: LCM stamps it when it reads it, which is late where this
- * process was stopped or starved. */
+/* When a message came, at the earliest: LCM's thread stamps it when it reads it, which is late
+ * where this process was stopped or starved. */
 static int64_t arrival(const robot *robot, int64_t recv_utime, gate_time now) {
     return now.us < robot->stalled_until_us && robot->stalled_utime < recv_utime
                ? robot->stalled_utime
@@ -110,10 +130,10 @@ static void on_message(const lcm_recv_buf_t *message, const char *channel, void 
     gate_time now = clock_now();
     uint32_t lease_us = 0;
     command command;
-    (void)channel;
+    (void)channel; /* it is that of the input */
     if (!command_decode(input->kind, message->data, message->data_size, &command)) {
         gate_reject(&robot->gate, GATE_MALFORMED);
-        reject(robot, GATE_MALFORMED, NULL, now);
+        tell_rejected_message(robot, GATE_MALFORMED, &command, now);
         return;
     }
     gate_command for_gate = command_for_gate(&command, arrival(robot, message->recv_utime, now));
@@ -122,24 +142,24 @@ static void on_message(const lcm_recv_buf_t *message, const char *channel, void 
     if (verdict == GATE_TAKEN) {
         take(robot, &command, lease_us, now);
     } else {
-        reject(robot, verdict, &command, now);
+        tell_rejected_message(robot, verdict, &command, now);
     }
 }
 
 /* ---------------------------------------------------------------------------------- motion --- */
 
-static float to_float(double value) {
-    const double far = 1e6; /* beyond any limit; the client clamps to the robot's own */
-    return (float)(value > far ? far : value < -far ? -far : value);
+/* By the robot's limits, or by the ceiling that always applies too. */
+static bool is_beyond(float asked, float min, float max, float ceiling) {
+    return asked > max || asked < min || asked > ceiling || asked < -ceiling;
 }
 
 static bool is_clamped(const robot *robot) {
     roburoc4_differential_properties limits;
     return roburoc4_client_differential_properties(&robot->client, &limits) >= 0 &&
-           (robot->drive.linear_m_s > (double)limits.max_linear_m_s ||
-            robot->drive.linear_m_s < (double)limits.min_linear_m_s ||
-            robot->drive.angular_rad_s > (double)limits.max_angular_rad_s ||
-            robot->drive.angular_rad_s < (double)limits.min_angular_rad_s);
+           (is_beyond(robot->drive.linear_m_s, limits.min_linear_m_s, limits.max_linear_m_s,
+                      robot->config->max_linear_m_s) ||
+            is_beyond(robot->drive.angular_rad_s, limits.min_angular_rad_s,
+                      limits.max_angular_rad_s, robot->config->max_angular_rad_s));
 }
 
 static bool arm(robot *robot, gate_time now) {
@@ -151,13 +171,17 @@ static bool arm(robot *robot, gate_time now) {
 }
 
 static void apply_drive(robot *robot, gate_time now) {
+    const robot_drive *drive = &robot->drive;
     robot->has_drive = false;
-    if (!arm(robot, now) || roburoc4_client_drive(&robot->client, to_float(robot->drive.linear_m_s),
-                                                  to_float(robot->drive.angular_rad_s),
-                                                  robot->drive_lease_us, now.us) < 0) {
+    if (!arm(robot, now) ||
+        roburoc4_client_drive(&robot->client, drive->linear_m_s, drive->angular_rad_s,
+                              drive->lease_us, now.us) < 0) {
+        explain_command told = {.kind = GATE_DRIVE,
+                                .channel = robot->channels->name[CHANNEL_DRIVE_CMD]};
+        told.sender = gate_commander(&robot->gate, now.us, &told.sender_length);
         gate_hold(&robot->gate, now.us);
         gate_reject(&robot->gate, GATE_DISARMED);
-        reject(robot, GATE_DISARMED, NULL, now);
+        tell_rejection(robot, GATE_DISARMED, &told, now);
         return;
     }
     robot->command_us = (int64_t)now.us;
@@ -283,6 +307,7 @@ bool robot_serve(robot *robot) {
     look_at_clock(robot, now);
     if (robot->gate.arms_alone) {
         gate_robot state = robot_for_gate(robot, now.us);
+        gate_tick(&robot->gate, &state, now.us);
         if (gate_wants_arming(&robot->gate, &state, now.us)) {
             (void)arm(robot, now);
         }
@@ -362,6 +387,7 @@ bool robot_start(robot *robot, const options *options, const options_robot *sett
     (void)roburoc4_client_init(&robot->client, sizeof robot->client, &options->config);
     (void)roburoc4_client_start(&robot->client, now.us);
     gate_init(&robot->gate, &options->rules, now);
+    robot->config = &options->config;
     robot->started = now;
     robot->clock_offset_us = now.utime - (int64_t)now.us;
     return true;

@@ -21,9 +21,16 @@ typedef struct robot_input {
     enum gate_kind kind;
 } robot_input;
 
+/* The newest drive command of a wake. Its sender has the seat. */
+typedef struct robot_drive {
+    float linear_m_s, angular_rad_s;
+    uint32_t lease_us;
+} robot_drive;
+
 typedef struct robot {
     const char *name; /* "" for the only one */
     const channel_names *channels;
+    const roburoc4_config *config;
     lcm_t *lcm;
     roburoc4_client client;
     roburoc4_udp udp;
@@ -33,8 +40,7 @@ typedef struct robot {
     mapping_names names;
     robot_input inputs[GATE_KINDS];
 
-    command drive; /* where has_drive: to be applied at the end of this wake */
-    uint32_t drive_lease_us;
+    robot_drive drive; /* where has_drive: to be applied at the end of this wake */
 
     roburoc4_telemeter telemeters[ROBUROC4_MAX_TELEMETERS];
     uint32_t telemeter_count;

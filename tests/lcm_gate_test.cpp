@@ -71,6 +71,11 @@ class Gate : public testing::Test {
             gate_count_taken(&gate, c.kind);
         return verdict;
     }
+    /** What the bridge asks on each wake: whether to arm. */
+    bool wants_arming(const gate_robot &robot) {
+        gate_tick(&gate, &robot, us());
+        return gate_wants_arming(&gate, &robot, us());
+    }
     /** Send a good command every 50 ms for some time; the verdict of the last. */
     gate_verdict stream(std::int64_t for_us, const gate_robot &robot, bool zero = false) {
         gate_verdict last = GATE_VERDICTS;
@@ -254,13 +259,48 @@ TEST_F(GateWithoutAges, TakesAllAgesButNoRepetition) {
     EXPECT_EQ(GATE_NO_UTIME, judge(c));
 }
 
-TEST_F(GateWithoutAges, ForgetsNoSenderAndTakesNoMoreThanItCanRemember) {
+TEST_F(GateWithoutAges, ForgetsNoSenderWithinAMinuteAndTakesNoMoreThanItCanRemember) {
     for (int i = 0; i < GATE_SENDERS; i++) {
         EXPECT_EQ(GATE_TAKEN, judge(command(("sender " + std::to_string(i)).c_str())));
         run(second);
     }
     EXPECT_EQ(GATE_SENDER, judge(command("one more")));
     EXPECT_EQ(GATE_TAKEN, judge(command("sender 0")));
+}
+
+TEST_F(GateWithoutAges, ForgetsTheSenderThatWasSilentForLongestWhereItMust) {
+    std::vector<std::string> names;
+    std::vector<gate_command> log;
+    for (int i = 0; i < GATE_SENDERS; i++)
+        names.push_back("sender " + std::to_string(i));
+    for (const std::string &name : names) {
+        log.push_back(command(name.c_str()));
+        EXPECT_EQ(GATE_TAKEN, judge(log.back()));
+        run(second);
+    }
+    EXPECT_EQ(GATE_TAKEN, judge(command("sender 0")));
+    run(59 * second);
+    EXPECT_EQ(GATE_TAKEN, judge(command("a new program")));
+    EXPECT_EQ("a new program", commander());
+    run(second);
+    log.erase(log.begin() + 1); /* who was silent for longest: its log is as good as new */
+    for (gate_command &c : log) {
+        c.arrived_utime = time().utime;
+        EXPECT_EQ(GATE_REPEATED, judge(c)) << c.sender;
+    }
+}
+
+TEST_F(GateWithoutAges, ForgetsNobodyWhoHasTheSeat) {
+    rules_.command_timeout_us = GATE_MAX_LEASE_US;
+    restart();
+    run(second);
+    for (int i = 0; i < GATE_SENDERS; i++)
+        (void)judge(command(("sender " + std::to_string(i)).c_str()));
+    EXPECT_EQ("sender 0", commander());
+    gate.seat_until_us += 100 * static_cast<std::uint64_t>(second);
+    run(61 * second);
+    EXPECT_EQ(GATE_SEAT, judge(command("one more")));
+    EXPECT_EQ("sender 0", commander());
 }
 
 TEST_F(Gate, ForgetsSendersOnceTheirAgeSpeaksAgainstReplays) {
@@ -399,6 +439,23 @@ TEST_F(Gate, OutputsAndRelocalizationsObeyTheSeatButDoNotShortenIt) {
     EXPECT_EQ(GATE_SEAT, judge(command("second")));
 }
 
+TEST_F(Gate, OutputsAndRelocalizationsTakeNoSeat) {
+    for (const gate_kind kind : {GATE_OUTPUT, GATE_RELOCALIZE}) {
+        gate_command c = command("lamp");
+        c.kind = kind;
+        EXPECT_EQ(GATE_TAKEN, judge(c));
+        EXPECT_EQ("", commander());
+    }
+    EXPECT_EQ(GATE_TAKEN, judge(command("planner")));
+    EXPECT_EQ("planner", commander());
+    run(200 * ms);
+    gate_command c = command("planner");
+    c.kind = GATE_OUTPUT;
+    EXPECT_EQ(GATE_TAKEN, judge(c));
+    run(100 * ms);
+    EXPECT_EQ("", commander()) << "nor do they prolong it";
+}
+
 TEST_F(Gate, ARejectedCommandTakesNoSeat) {
     EXPECT_EQ(GATE_DISARMED, judge(command("first"), overridden));
     EXPECT_EQ("", commander());
@@ -452,6 +509,25 @@ TEST_F(Gate, EverySenderMustPauseAlsoOneThatWouldBeRejected) {
     EXPECT_EQ(GATE_TAKEN, judge(command(), armable));
 }
 
+TEST_F(Gate, OnlyWhoAsksForMotionProlongsAPause) {
+    for (int kind = 0; kind < GATE_KINDS; kind++) {
+        for (const bool enabled : {true, false}) {
+            rules_ = default_rules();
+            rules_.enabled[kind] = enabled;
+            restart();
+            run(second);
+            gate_hold(&gate, us());
+            for (int i = 0; i < 10; i++) {
+                gate_command c = command();
+                c.kind = static_cast<gate_kind>(kind);
+                EXPECT_NE(GATE_TAKEN, judge(c));
+                run(50 * ms);
+            }
+            EXPECT_EQ(kind == GATE_DRIVE && enabled, gate_is_waiting(&gate, us())) << kind;
+        }
+    }
+}
+
 TEST_F(Gate, AllKindsOfCommandsAreRefusedDuringAPause) {
     gate_armed(&gate);
     gate_hold(&gate, us());
@@ -486,27 +562,27 @@ TEST_F(Gate, ThatIsNotReadyTakesNothingOfAnyKind) {
 /* ---------------------------------------------------------------------------------- arming --- */
 
 TEST_F(Gate, ArmsAloneOnceTheRobotIsReadyAndNeverAgain) {
-    EXPECT_FALSE(gate_wants_arming(&gate, &absent, us()));
-    EXPECT_TRUE(gate_wants_arming(&gate, &armable, us()));
+    EXPECT_FALSE(wants_arming(absent));
+    EXPECT_TRUE(wants_arming(armable));
     gate_armed(&gate);
-    EXPECT_FALSE(gate_wants_arming(&gate, &armable, us()));
+    EXPECT_FALSE(wants_arming(armable));
     gate_hold(&gate, us());
     run(10 * second);
-    EXPECT_FALSE(gate_wants_arming(&gate, &armable, us())) << "after a disarm a command arms";
+    EXPECT_FALSE(wants_arming(armable)) << "after a disarm a command arms";
 }
 
 TEST_F(Gate, ArmsNothingWhereDrivingIsNotEnabled) {
     rules_.enabled[GATE_DRIVE] = false;
     restart();
-    EXPECT_FALSE(gate_wants_arming(&gate, &armable, us()));
+    EXPECT_FALSE(wants_arming(armable));
 }
 
 TEST_F(Gate, APlannerThatStreamsBeforeTheRobotIsReadyDrivesOnceItIs) {
     EXPECT_EQ(GATE_NOT_READY, stream(second, absent));
     const gate_robot reading{true, false, ROBUROC4_ERR_STALE_IOCARD};
-    EXPECT_FALSE(gate_wants_arming(&gate, &reading, us()));
+    EXPECT_FALSE(wants_arming(reading));
     EXPECT_EQ(GATE_DISARMED, stream(100 * ms, reading));
-    EXPECT_TRUE(gate_wants_arming(&gate, &armable, us()));
+    EXPECT_TRUE(wants_arming(armable));
     EXPECT_EQ(GATE_TAKEN, stream(50 * ms, armed));
 }
 
@@ -516,22 +592,22 @@ TEST_F(Gate, ARobotInOtherHandsAtTheStartWaitsForAPause) {
         restart();
         run(second);
         const gate_robot taken{true, false, refusal};
-        EXPECT_FALSE(gate_wants_arming(&gate, &taken, us()));
+        EXPECT_FALSE(wants_arming(taken));
         EXPECT_NE(GATE_TAKEN, stream(second, taken));
-        EXPECT_FALSE(gate_wants_arming(&gate, &armable, us()));
+        EXPECT_FALSE(wants_arming(armable));
         EXPECT_EQ(GATE_DISARMED, stream(second, armable));
         run(500 * ms);
-        EXPECT_TRUE(gate_wants_arming(&gate, &armable, us()));
+        EXPECT_TRUE(wants_arming(armable));
     }
 }
 
 TEST_F(Gate, ARobotThatWasAbsentAtTheStartWaitsForAPause) {
     gate_hold(&gate, us()); /* what the bridge does after a second without an answer */
     EXPECT_EQ(GATE_NOT_READY, stream(5 * second, absent));
-    EXPECT_FALSE(gate_wants_arming(&gate, &armable, us()));
+    EXPECT_FALSE(wants_arming(armable));
     EXPECT_EQ(GATE_DISARMED, stream(second, armable));
     run(500 * ms);
-    EXPECT_TRUE(gate_wants_arming(&gate, &armable, us())) << "silent: it arms once it is ready";
+    EXPECT_TRUE(wants_arming(armable)) << "silent: it arms once it is ready";
 }
 
 /* ------------------------------------------------------------------------------- a referee --- */
@@ -585,10 +661,11 @@ TEST_F(Gate, NothingPassesThatAPlainRefereeForbids) {
             const std::int64_t read_at_once = waited < 10 * ms ? 20 * ms : 0;
             ASSERT_LE(static_cast<std::int64_t>(lease_us), std::max(asked - waited, read_at_once));
             books[who].utime[c.kind] = c.utime;
-            if (who != seat || c.kind == GATE_DRIVE || now_ + lease_us > seat_until)
+            if (c.kind == GATE_DRIVE) {
                 seat_until = now_ + lease_us;
-            seat = who;
-        } else if (!c.zero && (hold || !robot.ready) && !gate.fresh) {
+                seat = who;
+            }
+        } else if (c.kind == GATE_DRIVE && !c.zero && (hold || !robot.ready) && !gate.fresh) {
             hold = true;
             noise = now_;
         }

@@ -15,7 +15,9 @@ poses.setMaxMessages(1000);
 network.subscribe('ROBUROC4_LOCALIZATION', poses);
 
 command = javaObject('roburoc4_lcm.drive_command_t');
-command.sender = 'drive_lcm.m';
+% A name of its own: two programs with one name would both drive.
+id = javaMethod('randomUUID', 'java.util.UUID');
+command.sender = ['drive_lcm.m ', char(id.toString())];
 command.linear_m_s = 0.3;
 command.angular_rad_s = 0.2;
 

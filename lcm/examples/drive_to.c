@@ -6,15 +6,19 @@
  *
  * It steers by each ROBUROC4_LOCALIZATION that arrives, commands on ROBUROC4_DRIVE_CMD, and repeats
  * what ROBUROC4_BRIDGE_STATUS has to say. Where somebody takes the robot over, or it is lost, it
- * ends: to go on is for a person to decide. LCM's network is that of $LCM_DEFAULT_URL. Exit status:
- * 0 arrived, 1 stopped, no statuses, or not within 60 s, 2 bad usage.
+ * ends: to go on is for a person to decide. It steers by poses of now only: by those of a log that
+ * somebody replays it would drive a real robot to a place where that one never was. LCM's network
+ * is that of $LCM_DEFAULT_URL. Exit status: 0 arrived, 1 stopped, no poses, or not within 60 s, 2
+ * bad usage.
  */
+#define _POSIX_C_SOURCE 200809L
 #include <lcm/lcm.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/time.h>
+#include <unistd.h>
 
 #include "roburoc4_lcm.h"
 
@@ -22,11 +26,16 @@
 #define MAX_LINEAR_M_S 0.5
 #define MAX_ANGULAR_RAD_S 0.8
 #define PATIENCE_S 60
-#define SILENCE_MS 2000
+#define SILENCE_US 2000000
+#define LOOK_MS 200
+/* A pose that is further from now than this is not one of now. */
+#define FRESH_US 500000
 
 typedef struct trip {
     lcm_t *lcm;
     char command_channel[64];
+    char sender[64];
+    int64_t posed_us; /* when the last pose of now came */
     double goal_x_m;
     double goal_y_m;
     int driven; /* it was armed for us */
@@ -48,7 +57,7 @@ static double within(double value, double limit) {
 static void drive(trip *trip, double linear_m_s, double angular_rad_s) {
     roburoc4_lcm_drive_command_t command = {
         .utime = now_us(),
-        .sender = "drive_to",
+        .sender = trip->sender,
         .linear_m_s = linear_m_s,
         .angular_rad_s = angular_rad_s,
         .lease_us = 200000, /* a hung program stops the robot that soon */
@@ -61,6 +70,11 @@ static void on_localization(const lcm_recv_buf_t *buffer, const char *channel,
     trip *trip = user;
     (void)buffer;
     (void)channel;
+    int64_t now = now_us();
+    if (pose->utime < now - FRESH_US || pose->utime > now + FRESH_US) {
+        return;
+    }
+    trip->posed_us = now;
     double x_m = trip->goal_x_m - pose->x_m;
     double y_m = trip->goal_y_m - pose->y_m;
     double distance_m = hypot(x_m, y_m);
@@ -93,12 +107,14 @@ static void on_bridge_status(const lcm_recv_buf_t *buffer, const char *channel,
 
 static int travel(trip *trip) {
     int64_t begun_us = now_us();
+    trip->posed_us = begun_us;
     while (trip->arrived == 0 && trip->stopped == 0) {
-        if (lcm_handle_timeout(trip->lcm, SILENCE_MS) <= 0) {
-            (void)fprintf(stderr,
-                          "drive_to: no message for %d ms: is roburoc4-lcm running, with "
-                          "--enable-drive and on this LCM network?\n",
-                          SILENCE_MS);
+        if (lcm_handle_timeout(trip->lcm, LOOK_MS) < 0 || now_us() - trip->posed_us > SILENCE_US) {
+            (void)fprintf(
+                stderr,
+                "drive_to: no pose of now for %d s: is roburoc4-lcm running, with "
+                "--enable-drive and on this LCM network? do both machines' clocks agree?\n",
+                SILENCE_US / 1000000);
             return 1;
         }
         if (now_us() - begun_us > PATIENCE_S * 1000000LL) {
@@ -107,6 +123,13 @@ static int travel(trip *trip) {
         }
     }
     return trip->arrived != 0 ? 0 : 1;
+}
+
+/* Its own for each run: two programs with one name would share the seat, and both drive. */
+static void set_sender(trip *trip) {
+    char host[33] = "";
+    (void)gethostname(host, sizeof host - 1);
+    (void)snprintf(trip->sender, sizeof trip->sender, "drive_to %ld on %s", (long)getpid(), host);
 }
 
 static int read_number(const char *text, double *value) {
@@ -123,6 +146,7 @@ int main(int count, char **arguments) {
         (void)fprintf(stderr, "usage: drive_to X_M Y_M [CHANNEL_PREFIX], such as drive_to 2 1\n");
         return 2;
     }
+    set_sender(&trip);
     const char *prefix = count == 4 ? arguments[3] : "ROBUROC4";
     char channel[64];
     (void)setvbuf(stdout, NULL, _IOLBF, BUFSIZ);

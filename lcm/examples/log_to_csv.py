@@ -5,14 +5,18 @@
     python log_to_csv.py lcmlog-2026-11-21.00 run --plot run/path.svg     (needs matplotlib)
 
 makes run/ROBUROC4_LOCALIZATION.csv and so on, with a column for each field, named as in
-lcm/types/*.lcm; lists get a column for each element. ``log_utime`` is when lcm-logger heard it.
+lcm/types/*.lcm; lists get a column for each element. What no file name should have, such as the
+slash of LAB/ROBUROC4_LOCALIZATION, becomes ``_``. ``log_utime`` is when lcm-logger heard it.
 """
 
 import argparse
 import csv
+import re
 import struct
 import sys
+from collections import Counter
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -39,10 +43,9 @@ def columns(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
         yield name, value
 
 
-def read(path: Path) -> dict[str, list[dict[str, Any]]]:
-    """All messages of our types, by channel; others are left out."""
-    tables: dict[str, list[dict[str, Any]]] = {}
-    for event in lcm.EventLog(str(path), "r"):
+def rows(log: Path) -> Iterator[tuple[str, Any, dict[str, Any]]]:
+    """Channel, type and fields of each message of our types; others are left out."""
+    for event in lcm.EventLog(str(log), "r"):
         kind = BY_FINGERPRINT.get(event.data[:8])
         if kind is None:
             continue
@@ -51,45 +54,65 @@ def read(path: Path) -> dict[str, list[dict[str, Any]]]:
         except (struct.error, ValueError) as error:
             print(f"{event.channel}: event {event.eventnum} left out: {error}", file=sys.stderr)
             continue
-        tables.setdefault(event.channel, []).append({"log_utime": event.timestamp, **row})
-    return tables
+        yield event.channel, kind, {"log_utime": event.timestamp, **row}
 
 
-def write(folder: Path, tables: dict[str, list[dict[str, Any]]]) -> None:
-    """One CSV a channel; its columns are those of all of its rows."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for channel, rows in sorted(tables.items()):
-        names = list(dict.fromkeys(name for row in rows for name in row))
-        path = folder / f"{channel}.csv"
-        with path.open("w", newline="", encoding="utf-8") as file:
-            table = csv.DictWriter(file, names)
-            table.writeheader()
-            table.writerows(rows)
-        print(f"{path}: {len(rows)} rows, {len(names)} columns")
+def file_of(folder: Path, channel: str) -> Path:
+    """Whatever a channel is called, its file is in the folder."""
+    return folder / (re.sub(r"[^A-Za-z0-9_.-]", "_", channel) + ".csv")
 
 
-def plot(path: Path, tables: dict[str, list[dict[str, Any]]]) -> None:
+def write(log: Path, folder: Path) -> int:
+    """One CSV a channel; its columns are those of all of its rows. How many files there are."""
+    names: dict[Path, dict[str, None]] = {}
+    counts: Counter[Path] = Counter()
+    for channel, _, row in rows(log):
+        names.setdefault(file_of(folder, channel), {}).update(dict.fromkeys(row))
+    if names:
+        folder.mkdir(parents=True, exist_ok=True)
+    with ExitStack() as files:
+        tables = {}
+        for path, columns_of_it in names.items():
+            file = files.enter_context(path.open("w", newline="", encoding="utf-8"))
+            tables[path] = csv.DictWriter(file, list(columns_of_it))
+            tables[path].writeheader()
+        for channel, _, row in rows(log):  # a second time: logs may be larger than memory
+            path = file_of(folder, channel)
+            tables[path].writerow(row)
+            counts[path] += 1
+    for path in sorted(names):
+        print(f"{path}: {counts[path]} rows, {len(names[path])} columns")
+    return len(names)
+
+
+def plot(log: Path, picture: Path) -> None:
     """Draw the way of every robot in the log, by its odometry."""
     import matplotlib as mpl
 
     mpl.use("Agg")
     from matplotlib import pyplot as plt
 
+    ways: dict[str, tuple[list[float], list[float]]] = {}
+    for channel, kind, row in rows(log):
+        if kind is roburoc4_lcm.localization_status_t:
+            x_m, y_m = ways.setdefault(channel, ([], []))
+            x_m.append(row["x_m"])
+            y_m.append(row["y_m"])
+    if not ways:
+        sys.exit(f"{log}: no localization_status_t to draw")
     figure, axes = plt.subplots(figsize=(6, 6), layout="constrained")
-    for channel, rows in sorted(tables.items()):
-        if channel.endswith("_LOCALIZATION"):
-            x_m, y_m = ([row[name] for row in rows] for name in ("x_m", "y_m"))
-            (line,) = axes.plot(x_m, y_m, label=channel.removesuffix("_LOCALIZATION"))
-            axes.plot(x_m[0], y_m[0], "o", color=line.get_color())
-            axes.plot(x_m[-1], y_m[-1], "s", color=line.get_color())
+    for channel, (x_m, y_m) in sorted(ways.items()):
+        (line,) = axes.plot(x_m, y_m, label=channel.removesuffix("_LOCALIZATION"))
+        axes.plot(x_m[0], y_m[0], "o", color=line.get_color())
+        axes.plot(x_m[-1], y_m[-1], "s", color=line.get_color())
     axes.set(
         xlabel="x (m), ahead", ylabel="y (m), left", title="From \u25cf to \u25a0, by odometry"
     )
     axes.set_aspect("equal", adjustable="datalim")
     axes.grid(visible=True, alpha=0.3)
     axes.legend()
-    figure.savefig(path)
-    print(path)
+    figure.savefig(picture)
+    print(picture)
 
 
 def main() -> None:
@@ -100,12 +123,13 @@ def main() -> None:
     options = parser.parse_args()
     if not options.log.is_file():
         parser.error(f"{options.log}: no such file; give a log of lcm-logger")
-    tables = read(options.log)
-    if not tables:
-        sys.exit(f"{options.log}: no message of roburoc4_lcm; was it another LCM network's?")
-    write(options.folder, tables)
-    if options.plot:
-        plot(options.plot, tables)
+    try:
+        if write(options.log, options.folder) == 0:
+            sys.exit(f"{options.log}: no message of roburoc4_lcm; was it another LCM network's?")
+        if options.plot:
+            plot(options.log, options.plot)
+    except (OSError, ValueError) as error:
+        sys.exit(f"{Path(__file__).name}: {error}")
 
 
 if __name__ == "__main__":

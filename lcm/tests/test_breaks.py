@@ -4,10 +4,11 @@
 import signal
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 import roburoc4_lcm
-from rig import Bridge, Bus, Planner, Robot, until
+from rig import Bridge, Bus, Planner, Programs, Robot, until
 from rig.bus import drive_command, now_us
 
 StartBridge = Callable[..., Bridge]
@@ -82,6 +83,37 @@ def test_a_break_stops_it_at_once(robot: Robot, armed: Bridge, plan: Plan) -> No
     # The IO card tells every 50 ms.
     assert robot.tap.moves(taken_us + 250_000) == []
     assert not armed.status.armed
+
+
+def test_what_is_past_is_told_as_past(robot: Robot, armed: Bridge) -> None:
+    robot.tell("pad a down")
+    until(lambda: "release [A]" in armed.status.message, "it says what to do")
+    robot.tell("pad a up")
+    until(lambda: "next command" in armed.status.message, "it says what comes next")
+    assert "was disarmed (game pad override)" in armed.status.message
+    assert "release" not in armed.status.message
+
+
+def test_a_clock_that_is_set_makes_all_pause(
+    programs: Programs, robot: Robot, start_bridge: StartBridge, plan: Plan, tmp_path: Path
+) -> None:
+    step = tmp_path / "step"
+    clock = {"LD_PRELOAD": str(programs("clock_step.so")), "CLOCK_STEP_FILE": str(step)}
+    bridge = start_bridge("--enable-drive", "--max-age=0", environment=clock).arms()
+    planner = plan(linear=0.5)
+    until(robot.tap.moves, "a speed reaches the robot")
+    step.touch()
+    set_us = now_us()
+    bridge.says("clock was set by -2.0")
+    until(lambda: bridge.status.waiting, "the bridge waits for a pause")
+    time.sleep(1.0)
+    # What was given before ends with its lease.
+    assert robot.tap.moves(set_us + 450_000) == [], "commands stream, it stays still"
+    planner.signal(signal.SIGSTOP)
+    until(lambda: not bridge.status.waiting, "the pause is over")
+    paused_us = now_us()
+    planner.signal(signal.SIGCONT)
+    until(lambda: robot.tap.moves(paused_us), "the next command drives")
 
 
 def test_zeros_are_a_pause_too(robot: Robot, bus: Bus, armed: Bridge, plan: Plan) -> None:

@@ -2,13 +2,36 @@
 """One commander at a time."""
 
 import signal
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
-from rig import Bridge, Planner, Robot, until
+from rig import Bridge, Bus, Planner, Robot, until
 from rig.bus import now_us
+from test_driving import output_command
 
 Plan = Callable[..., Planner]
+
+
+@contextmanager
+def lamp(bus: Bus) -> Iterator[None]:
+    """A program that switches an output five times a second."""
+    ended = threading.Event()
+
+    def switch() -> None:
+        while not ended.wait(0.2):
+            command = output_command(3)
+            command.sender = "lamp"
+            bus.publish("ROBUROC4_OUTPUT_CMD", command.encode())
+
+    thread = threading.Thread(target=switch)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
 
 
 def test_of_two_commanders_the_first_keeps_the_seat(
@@ -43,3 +66,40 @@ def test_who_stops_leaves_the_seat_when_the_lease_is_over(
     time.sleep(0.5)
     assert armed.status.commander == "second"
     assert robot.tap.moves()[-1].linear_m_s < 0
+
+
+def test_outputs_take_no_seat_from_a_planner(
+    robot: Robot, bus: Bus, willing: Bridge, plan: Plan
+) -> None:
+    with lamp(bus):
+        until(lambda: willing.status.accepted_output > 1, "the lamp is switched")
+        assert willing.status.commander == "", "nobody drives"
+        plan(sender="planner", linear=0.3)
+        until(robot.tap.moves, "the planner drives")
+        until(lambda: willing.status.rejected_seat > 1, "the lamp is refused while another drives")
+        until(lambda: willing.status.accepted_drive > 5, "the planner goes on")
+        assert willing.status.commander == "planner"
+
+
+def test_outputs_do_not_prolong_a_pause(robot: Robot, bus: Bus, willing: Bridge) -> None:
+    """An output command cannot say zero."""
+    with lamp(bus):
+        robot.tell("pad a down")
+        until(lambda: willing.status.overridden, "the bridge sees the override")
+        robot.tell("pad a up")
+        until(lambda: not willing.status.overridden, "the bridge sees its end")
+        until(lambda: not willing.status.waiting, "the pause is over", 2)
+        before = willing.status.accepted_output
+        until(lambda: willing.status.accepted_output > before + 1, "the lamp is switched again")
+
+
+def test_drive_commands_that_are_not_enabled_hold_nothing_up(
+    robot: Robot, bus: Bus, start_bridge: Callable[..., Bridge], plan: Plan
+) -> None:
+    bridge = start_bridge("--enable-outputs").connects()
+    plan(linear=0.3)
+    robot.reboot()
+    until(lambda: bridge.status.reboots == 1, "the reboot is counted", 15)
+    with lamp(bus):
+        until(lambda: bridge.status.accepted_output > 1, "the lamp is switched")
+    assert robot.tap.moves() == []

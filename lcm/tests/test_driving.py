@@ -115,6 +115,12 @@ def test_speeds_are_clamped_to_the_limits_of_the_robot(
     wait_for_count(armed, "clamped", 1)
 
 
+def test_a_speed_at_the_limit_is_not_counted_as_clamped(bus: Bus, armed: Bridge) -> None:
+    bus.publish(DRIVE, drive_command(2.6, -6.5).encode())
+    wait_for_count(armed, "accepted_drive", 1)
+    assert armed.status.clamped == 0
+
+
 COMMANDS: dict[str, Callable[[], Any]] = {
     "DRIVE_CMD": lambda: drive_command(0.3),
     "RELOCALIZE_CMD": lambda: relocalize_command(10.0),

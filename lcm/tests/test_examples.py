@@ -2,6 +2,7 @@
 """The examples do what they say, as their users run them."""
 
 import csv
+import math
 import os
 import shutil
 import signal
@@ -10,8 +11,11 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import lcm
 import pytest
+import roburoc4_lcm
 from rig import Bridge, Bus, Program, Programs, Robot, until
+from rig.bus import drive_command, now_us
 
 Run = Callable[..., Program]
 EXAMPLES = Programs.checkout() / "lcm" / "examples"
@@ -60,6 +64,48 @@ def test_the_c_example_says_when_there_is_no_bridge(programs: Programs, bus: Bus
     assert example.ends(30) == 1
     assert "roburoc4-lcm" in example.output
     assert run(programs("drive_to"), "1", "here").ends(10) == 2
+
+
+def test_the_c_example_steers_by_poses_of_now_only(programs: Programs, bus: Bus, run: Run) -> None:
+    example = run(programs("drive_to"), "1", "0", LCM_DEFAULT_URL=bus.url)
+    bridge_status, pose = roburoc4_lcm.bridge_status_t(), roburoc4_lcm.localization_status_t()
+    bridge_status.message = "heard"
+
+    def hears(ahead_us: int) -> str:
+        bus.publish("ROBUROC4_BRIDGE_STATUS", bridge_status.encode())
+        pose.utime = now_us() + ahead_us
+        bus.publish("ROBUROC4_LOCALIZATION", pose.encode())
+        time.sleep(0.05)
+        return example.output
+
+    until(lambda: "heard" in hears(-1_500_000), "it hears")
+    for _ in range(10):
+        hears(-1_500_000)
+        hears(1_500_000)
+    assert not bus.of("ROBUROC4_DRIVE_CMD"), "a log that is replayed does not steer"
+    until(lambda: hears(0) and bus.of("ROBUROC4_DRIVE_CMD"), "a pose of now steers")
+    for _ in range(60):
+        hears(-1_500_000)
+    assert example.ends(1) == 1, "poses of a log do not keep it waiting"
+
+
+@pytest.mark.parametrize("name", ["drive.py", "drive_to"])
+def test_of_two_runs_of_an_example_one_drives(
+    programs: Programs, robot: Robot, bus: Bus, armed: Bridge, run: Run, name: str
+) -> None:
+    command = {
+        "drive.py": [sys.executable, EXAMPLES / "drive.py"],
+        "drive_to": [programs("drive_to"), "3", "0"] if name == "drive_to" else [],
+    }
+    run(*command[name], LCM_DEFAULT_URL=bus.url)
+    run(*command[name], LCM_DEFAULT_URL=bus.url)
+    until(lambda: armed.status.rejected_seat > 10, "the other is refused")
+    found = [
+        roburoc4_lcm.drive_command_t.decode(message.data).sender
+        for message in bus.of("ROBUROC4_DRIVE_CMD")
+    ]
+    assert len(set(found)) == 2
+    assert all(sender.startswith(name + " ") for sender in found)
 
 
 @pytest.mark.java
@@ -112,6 +158,67 @@ def test_a_log_becomes_csv_and_a_picture(
     with (folder / "ROBUROC4_TELEMETER.csv").open() as file:
         assert float(next(csv.DictReader(file))["telemeters_0_distance_m"]) > 0
     with (folder / "ROBUROC4_DRIVE_CMD.csv").open() as file:
-        assert {row["sender"] for row in csv.DictReader(file)} == {"drive.py"}
+        senders = {row["sender"] for row in csv.DictReader(file)}
+    assert [sender.split()[0] for sender in senders] == ["drive.py"]
     assert "<svg" in picture.read_text()
     assert run(sys.executable, EXAMPLES / "log_to_csv.py", tmp_path / "none", folder).ends(30) == 2
+
+
+def log_with(path: Path, *messages: tuple[str, bytes]) -> Path:
+    log = lcm.EventLog(str(path), "w", overwrite=True)
+    for channel, data in messages:
+        log.write_event(now_us(), channel, data)
+    log.close()
+    return path
+
+
+def test_no_channel_of_a_log_gets_out_of_the_folder(run: Run, tmp_path: Path) -> None:
+    data = drive_command(0.1).encode()
+    channels = ["../evil", "/tmp/evil", "LAB/A_LOCALIZATION", "..", "a b\n"]
+    log = log_with(tmp_path / "lcmlog", *((channel, data) for channel in channels))
+    folder = tmp_path / "deep" / "run"
+    example = run(sys.executable, EXAMPLES / "log_to_csv.py", log, folder)
+    assert example.ends(30) == 0, example.output
+    assert sorted(path.name for path in folder.iterdir()) == [
+        "...csv",
+        ".._evil.csv",
+        "LAB_A_LOCALIZATION.csv",
+        "_tmp_evil.csv",
+        "a_b_.csv",
+    ]
+    assert [path.name for path in (tmp_path / "deep").iterdir()] == ["run"]
+
+
+@pytest.mark.parametrize("fault", ["no localization", "picture", "folder"])
+def test_what_cannot_be_made_of_a_log_is_told(run: Run, tmp_path: Path, fault: str) -> None:
+    pose = roburoc4_lcm.localization_status_t()
+    pose.x_m = math.pi
+    # Poses are known by their type, whatever the channel is called.
+    messages = [("A_LOCALIZATION", drive_command(0.1).encode())]
+    if fault != "no localization":
+        messages += [("ODOMETRY", pose.encode())]
+    log = log_with(tmp_path / "lcmlog", *messages)
+    folder, picture = tmp_path / "run", tmp_path / "path.svg"
+    if fault == "folder":
+        folder.write_text("a file")
+    if fault == "picture":
+        picture = tmp_path / "path.xyz"
+    arguments = [EXAMPLES / "log_to_csv.py", log, folder, "--plot", picture]
+    example = run(sys.executable, *arguments, MPLCONFIGDIR=str(tmp_path))
+    assert example.ends(60) == 1, example.output
+    assert "Traceback" not in example.output
+    assert not picture.exists()
+
+
+def test_a_path_is_drawn_whatever_its_channel_is_called(run: Run, tmp_path: Path) -> None:
+    pose = roburoc4_lcm.localization_status_t()
+    log = log_with(
+        tmp_path / "lcmlog",
+        ("A_LOCALIZATION", drive_command(0.1).encode()),
+        ("ODOMETRY", pose.encode()),
+    )
+    picture = tmp_path / "path.svg"
+    arguments = [EXAMPLES / "log_to_csv.py", log, tmp_path / "run", "--plot", picture]
+    example = run(sys.executable, *arguments, MPLCONFIGDIR=str(tmp_path))
+    assert example.ends(60) == 0, example.output
+    assert "<svg" in picture.read_text()

@@ -72,6 +72,7 @@ def rejected(bridge: Bridge) -> int:
         status.rejected_too_old
         + status.rejected_repeated
         + status.rejected_in_future
+        + status.rejected_starting
         + status.rejected_disarmed
     )
 
@@ -132,26 +133,40 @@ def test_a_log_replayed_within_max_age_does_not_move_the_robot(
     assert robot.tap.moves(robot_us + 450_000) == []
 
 
+@pytest.mark.parametrize(
+    ("options", "ahead_s"),
+    [
+        pytest.param([], 0.0, id="good clock"),
+        # By its age alone the log would drive: its commands seem to be from now on.
+        pytest.param(["--max-age=5000"], 4.0, id="long max-age, sender ahead"),
+    ],
+)
 def test_a_log_replayed_to_a_new_bridge_does_not_move_the_robot(
     robot: Robot,
     bus: Bus,
-    armed: Bridge,
     start_bridge: StartBridge,
     plan: Plan,
     run: Run,
     record: Callable[[], tuple[Program, Path]],
+    options: list[str],
+    ahead_s: float,
 ) -> None:
-    logger, log = record()
-    planner = plan()
+    before = start_bridge("--enable-drive", *options).arms()
+    planner = plan(ahead_s=ahead_s)
     until(robot.tap.moves, "live commands drive")
+    logger, log = record()
     time.sleep(0.5)
     planner.end()
     finish(logger)
-    armed.end()
+    before.end()
     bus.messages.clear()
-    bridge = start_bridge("--enable-drive").connects()
+    bridge = start_bridge("--enable-drive", *options).connects()
     until(lambda: bridge.status and bridge.status.armed, "the new bridge arms")
     replayed_us = now_us()
     replay(run, bus, log)
+    until(lambda: bus.of(DRIVE), "the log is heard")
     time.sleep(0.5)
     assert robot.tap.moves(replayed_us) == []
+    commands = len(bus.of(DRIVE))
+    assert commands > 5, "the log has commands"
+    assert rejected(bridge) == commands

@@ -88,6 +88,8 @@ def test_messages_that_are_no_commands_are_counted(
         time.sleep(0.002)
     until(lambda: willing.status.rejected_malformed >= len(bad), "all are counted", 5)
     assert willing.status.rejected_malformed == len(bad)
+    name = {"DRIVE_CMD": "drive", "RELOCALIZE_CMD": "relocalize", "OUTPUT_CMD": "output"}[kind]
+    assert f"{name} command on 'ROBUROC4_{kind}' rejected" in willing.output
     still_works(robot, bus, willing)
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The program from outside: options, exit codes, and what it says when something is missing."""
 
+import os
 import re
 import shutil
 import subprocess
@@ -13,13 +14,14 @@ from rig.bus import drive_command
 StartBridge = Callable[..., Bridge]
 
 
-def said(programs: Programs, *options: str) -> subprocess.CompletedProcess[str]:
+def said(programs: Programs, *options: str, **environment: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [programs("roburoc4-lcm"), *options],
         capture_output=True,
         text=True,
-        timeout=20,
+        timeout=10,
         check=False,
+        env={**os.environ, **environment},
     )
 
 
@@ -31,6 +33,7 @@ def test_help_names_every_option(programs: Programs) -> None:
             "--lcm-url",
             "--robot",
             "--prefix",
+            "--channel",
             "--period",
             "--enable-drive",
             "--enable-outputs",
@@ -38,6 +41,9 @@ def test_help_names_every_option(programs: Programs) -> None:
             "--command-timeout",
             "--max-age",
             "--pose-channel",
+            "--verbose",
+            "--quiet",
+            "--help",
             "--version",
         ):
             assert name in done.stdout, name
@@ -62,6 +68,11 @@ def test_version(programs: Programs) -> None:
         (["-r", "127.0.0.1", "--command-timeout", "soon"], "soon"),
         (["-r", "127.0.0.1", "--max-age", "-1"], "-1"),
         (["-r", "127.0.0.1", "surplus"], "surplus"),
+        (["surplus", "--bad"], "unknown option '--bad'"),
+        (["surplus", "-qx"], "unknown option '-x'"),
+        (["surplus", "--robot"], "missing after '--robot'"),
+        (["--enable-drive=1"], "no value belongs to '--enable-drive=1'"),
+        (["-r", "A=127.0.0.1", "-r", "B=127.0.0.1:60000"], "A has this address already"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else None,
 )
@@ -102,11 +113,61 @@ def test_the_remedy_helps(programs: Programs, run: Callable[..., Program]) -> No
         bridge.ends(1.0)
 
 
-@pytest.mark.parametrize("url", ["nonsense", "udpm://1.2.3:4", "smoke://"])
-def test_an_lcm_url_that_cannot_be_used_ends_with_3(programs: Programs, url: str) -> None:
-    done = said(programs, "-r", "127.0.0.1", "-l", url)
-    assert done.returncode == 3, done.stdout + done.stderr
-    assert url in done.stderr
+@pytest.mark.parametrize("by", ["--lcm-url", "LCM_DEFAULT_URL"])
+@pytest.mark.parametrize(
+    "url",
+    [
+        "tcpq://127.0.0.1:7700",
+        "file:///nonexist?mode=r",
+        "smoke://",
+        "nonsense",
+        "udp://239.255.76.67:7667",
+        "udpm://1.2.3:4",
+        "udpm://127.0.0.1:7667",
+        "udpm://239.255.76.67:99999",
+        "udpm://239.255.76.67:",
+        "udpm://239.255.76.256:7667",
+        "udpm://lab:7667",
+    ],
+)
+def test_an_lcm_url_that_is_not_of_multicast_ends_with_2(
+    programs: Programs, url: str, by: str
+) -> None:
+    """LCM's other networks wait within LCM: no zero, and no end on SIGTERM."""
+    if by == "--lcm-url":
+        done = said(programs, "-r", "127.0.0.1", "-l", url)
+    else:
+        done = said(programs, "-r", "127.0.0.1", LCM_DEFAULT_URL=url)
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert f"{by} {url}" in done.stderr
+    assert "udpm://ADDRESS:PORT?ttl=N" in done.stderr
+    assert "ip route" not in done.stderr, "a route does not help"
+
+
+@pytest.mark.parametrize("url", ["udpm://", "udpm://?ttl=0", "memq://"])
+def test_short_lcm_urls_are_taken(
+    programs: Programs, run: Callable[..., Program], url: str
+) -> None:
+    bridge = run(programs("roburoc4-lcm"), "-r", "127.0.0.1:9", "-l", url)
+    bridge.says("bridging 1 robot")
+
+
+def test_a_route_that_goes_away_is_told_once_and_so_is_its_return(
+    programs: Programs, run: Callable[..., Program]
+) -> None:
+    route = "224.0.0.0/4 dev lo"
+    bridge = run(
+        str(shutil.which("unshare")),
+        "-rn",
+        "sh",
+        "-c",
+        f"ip link set lo up multicast on && ip route add {route} || exit 9\n"
+        f"{programs('roburoc4-lcm')} -r 127.0.0.1:9 & sleep 1; ip route del {route}\n"
+        f"sleep 2; ip route add {route}; sleep 3; kill $!; wait $!",
+    )
+    assert bridge.ends(20) == 0, bridge.output
+    assert bridge.output.count("LCM cannot send") == 1, bridge.output
+    assert bridge.output.count("LCM can send again") == 1, bridge.output
 
 
 @pytest.mark.parametrize(("option", "lines"), [("-q", 0), ("", 1), ("-v", 3)])

@@ -138,15 +138,19 @@ def test_a_killed_bridge_leaves_the_robot_to_its_watchdog(
     until(robot.stands, "the robot stands")
 
 
-@pytest.mark.parametrize("options", [[], ["--max-age=0"]], ids=["max-age", "no max-age"])
+MAX_AGES = pytest.mark.parametrize("options", [[], ["--max-age=0"]], ids=["max-age", "no max-age"])
+
+
+@MAX_AGES
 def test_what_a_hung_bridge_missed_is_not_driven_later(
     robot: Robot, start_bridge: StartBridge, plan: Plan, options: list[str]
 ) -> None:
+    """Here all that disarms helps, too; in the next tests only how long the bridge hung."""
     bridge = start_bridge("--enable-drive", *options).arms()
     planner = plan(linear=0.5, rate=100)
     drives(robot)
     bridge.signal(signal.SIGSTOP)
-    # More than any queue holds, and the end of it is older than a lease.
+    # More than LCM's own queue holds, and the end of it is older than a lease.
     time.sleep(1.0)
     planner.signal(signal.SIGKILL)
     time.sleep(0.6)
@@ -158,13 +162,17 @@ def test_what_a_hung_bridge_missed_is_not_driven_later(
     until(robot.stands, "the robot stands")
 
 
-def test_a_lease_runs_while_the_bridge_is_hung(robot: Robot, bus: Bus, armed: Bridge) -> None:
-    armed.signal(signal.SIGSTOP)
+@MAX_AGES
+def test_a_lease_runs_while_the_bridge_is_hung(
+    robot: Robot, bus: Bus, start_bridge: StartBridge, options: list[str]
+) -> None:
+    bridge = start_bridge("--enable-drive", *options).arms()
+    bridge.signal(signal.SIGSTOP)
     bus.publish(DRIVE, drive_command(0.5, lease_us=50_000).encode())
     # Long enough for the lease, and too short for the robot to count as lost.
     time.sleep(0.12)
-    armed.signal(signal.SIGCONT)
-    until(lambda: armed.status.rejected_too_old == 1, "it came too late")
+    bridge.signal(signal.SIGCONT)
+    until(lambda: bridge.status.rejected_too_old == 1, "it came too late")
     assert robot.tap.moves() == []
 
 
@@ -172,18 +180,38 @@ def test_an_overflowing_queue_does_not_drive_on_old_commands(
     robot: Robot, bus: Bus, armed: Bridge
 ) -> None:
     armed.signal(signal.SIGSTOP)
-    # LCM keeps the first of what does not fit: ahead; the stop at the end may be lost.
-    for _ in range(5000):
-        bus.publish(DRIVE, drive_command(0.5, lease_us=LEASE_US).encode())
+    stopped_us = now_us()
+    # The first of what does not fit is kept: ahead; the stop at the end is lost.
+    while now_us() - stopped_us < 100_000:
+        bus.publish(DRIVE, drive_command(0.5, lease_us=20_000).encode())
     bus.publish(DRIVE, drive_command(0.0, lease_us=LEASE_US).encode())
-    time.sleep(0.5)
+    # Longer than the lease, and too short for the robot to count as lost: it stays armed.
+    time.sleep(0.04)
     continued_us = now_us()
     armed.signal(signal.SIGCONT)
-    time.sleep(1.0)
+    until(lambda: armed.status.rejected_too_old > 30, "they came too late")
+    time.sleep(0.5)
     assert robot.tap.moves(continued_us) == []
+    assert "disarmed" not in armed.output
     # And it is awake.
     bus.publish(DRIVE, drive_command(0.25, lease_us=LEASE_US).encode())
     until(lambda: robot.tap.moves(continued_us), "a new command drives")
+
+
+def test_the_last_of_what_came_while_the_bridge_was_hung_counts(
+    robot: Robot, bus: Bus, armed: Bridge
+) -> None:
+    """The queue is long enough for what comes within a lease: the newest is not lost."""
+    armed.signal(signal.SIGSTOP)
+    for _ in range(150):
+        bus.publish(DRIVE, drive_command(0.5, lease_us=LEASE_US).encode())
+    bus.publish(DRIVE, drive_command(-0.25, lease_us=LEASE_US).encode())
+    armed.signal(signal.SIGCONT)
+    until(robot.tap.moves, "a speed reaches the robot")
+    until(lambda: not robot.tap.commands()[-1].moves, "the lease is over")
+    assert robot.tap.moves()[-1].linear_m_s == -0.25
+    status = armed.status
+    assert status.accepted_drive + status.superseded == 151
 
 
 def test_a_flood_of_commands_does_not_hold_up_a_stop(robot: Robot, bus: Bus, armed: Bridge) -> None:

@@ -109,7 +109,7 @@ class bridge_status_t(object):
 
         self.waiting = False
         """
-        After a disarm: commands are refused until all have paused for 500 ms
+        After a disarm: commands are refused until nobody has asked for a speed for 500 ms
         LCM Type: boolean
         """
 
@@ -189,7 +189,7 @@ class bridge_status_t(object):
 
         self.clamped = 0
         """
-        Of accepted_drive: the robot's limits were lower
+        Of accepted_drive: the robot's limits, or those of the bridge, were lower
         LCM Type: int64_t
         """
 
@@ -249,7 +249,7 @@ class bridge_status_t(object):
 
         self.rejected_seat = 0
         """
-        Another sender's lease still lives
+        Another sender's lease to drive still lives
         LCM Type: int64_t
         """
 

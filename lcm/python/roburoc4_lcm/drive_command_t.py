@@ -29,7 +29,8 @@ class drive_command_t(object):
 
         self.sender = ""
         """
-        Who sends: 1 to 63 bytes, its own for every program that commands
+        Who sends: 1 to 63 bytes, its own for every run of a program, such as one with its host and
+        process id: two programs with one name share the seat, and both drive
         LCM Type: string
         """
 

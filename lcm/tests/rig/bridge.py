@@ -14,7 +14,13 @@ class Bridge(Program):
     """A bridge of one robot, on channels that begin with ``prefix``."""
 
     def __init__(
-        self, programs: Programs, folder: Path, bus: Bus, robot: str, *options: str
+        self,
+        programs: Programs,
+        folder: Path,
+        bus: Bus,
+        robot: str,
+        *options: str,
+        environment: dict[str, str] | None = None,
     ) -> None:
         self.bus = bus
         self.prefix = "ROBUROC4"
@@ -26,6 +32,7 @@ class Bridge(Program):
             "--robot",
             robot,
             *options,
+            environment=environment,
         )
 
     def channel(self, end: str) -> str:
