@@ -149,10 +149,13 @@ static bool begins(const uint8_t *text, uint32_t length, const char *word) {
     uint32_t i = 0;
     for (uint32_t at = 0; at < length && word[i] != '\0'; at++) {
         const uint8_t c = letter(text[at]);
-        if (c != 0 && c != (uint8_t)word[i]) {
+        if (c == 0) {
+            continue;
+        }
+        if (c != (uint8_t)word[i]) {
             return false;
         }
-        i += c != 0;
+        i++;
     }
     return word[i] == '\0';
 }
