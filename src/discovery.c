@@ -143,11 +143,10 @@ static uint8_t letter(uint8_t c) {
     return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ? c : 0;
 }
 
-/** Whether a text that begins with a letter or digit begins with `word`, in small letters, blanks
- *  and signs between them left out. */
-static bool begins(const uint8_t *text, uint32_t length, const char *word) {
+/** Whether the letters and digits of a text from here on begin with `word`. */
+static bool begins(const uint8_t *text, uint32_t length, uint32_t start, const char *word) {
     uint32_t i = 0;
-    for (uint32_t at = 0; at < length && word[i] != '\0'; at++) {
+    for (uint32_t at = start; at < length && word[i] != '\0'; at++) {
         const uint8_t c = letter(text[at]);
         if (c == 0) {
             continue;
@@ -163,7 +162,7 @@ static bool begins(const uint8_t *text, uint32_t length, const char *word) {
 /** Whether the letters and digits of a text contain `word`. */
 static bool contains(const uint8_t *text, uint32_t length, const char *word) {
     for (uint32_t start = 0; start < length; start++) {
-        if (letter(text[start]) != 0 && begins(text + start, length - start, word)) {
+        if (letter(text[start]) != 0 && begins(text, length, start, word)) {
             return true;
         }
     }
