@@ -31,6 +31,7 @@ static void serve(void *argument) {
     while (!stopping) {
         uint64_t due_us, now_us;
         roburoc4_lock_take(&host->lock);
+        net_wait(host->carrier.net, false, 0); /* somebody may have held the lock for long */
         sim_carrier_turn(&host->carrier, net_now_us());
         due_us = sim_carrier_next_deadline(&host->carrier);
         stopping = host->stopping;

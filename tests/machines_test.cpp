@@ -462,3 +462,29 @@ TEST(Discovery, TheSameTextOfTheSameInputAgainIsNotAmbiguous) {
     EXPECT_TRUE(take(7));
     EXPECT_EQ(ROLE_TEXT_AMBIGUOUS, d.role_texts[ROBUROC4_ROLE_FRONT_BUMPER]) << "and stays so";
 }
+
+TEST(Discovery, OnlyLettersAndDigitsMakeWords) {
+    const auto found = [](char between) {
+        discovery d{};
+        roburoc4_discovery_clear(&d);
+        const std::string text = std::string("Front ") + between + " bumper";
+        return roburoc4_discovery_text(&d, ROBUROC4_IO_DIGITAL_INPUT, 3,
+                                       reinterpret_cast<const std::uint8_t *>(text.data()),
+                                       static_cast<std::uint32_t>(text.size()));
+    };
+    for (const char sign : std::string(" /:@[`{")) /* those beside letters and digits, too */
+        EXPECT_TRUE(found(sign)) << sign;
+    for (const char other : std::string("09AZaz"))
+        EXPECT_FALSE(found(other)) << other;
+}
+
+TEST(Discovery, TextsThatAreReadAgainAreAllReadAgain) {
+    discovery d{};
+    roburoc4_discovery_clear(&d);
+    std::fill(std::begin(d.described), std::end(d.described), UINT64_MAX);
+    d.done = 1;
+    roburoc4_discovery_read_texts_again(&d);
+    for (const std::uint64_t list : d.described)
+        EXPECT_EQ(0U, list);
+    EXPECT_EQ(0, d.done);
+}

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * walk.cpp - the life: world, caller, user, faults, and the judge on the robot's side.
+ *
+ * A seed is the same life with every compiler: nothing is drawn twice within one list of arguments
+ * or one expression, whose order is the compiler's choice.
  */
 #include "walk.h"
 
@@ -86,6 +89,7 @@ class Life {
     void fault_of_foreigner();
     void foreign_command(std::uint64_t until_us, std::uint64_t period_us);
     void remember(const Bytes &datagram);
+    void change_byte(Bytes &bytes, std::size_t first, std::size_t last);
     [[nodiscard]] Bytes forged();
     void spoof(std::uint64_t until_us);
 
@@ -301,7 +305,8 @@ void Life::fault_of_estop() {
 
 void Life::fault_of_clock() {
     static const std::uint64_t sizes[] = {1, 100, 20 * ms, 300 * ms, 2 * second, 3600 * second};
-    const std::uint64_t size = dice_.between(1, sizes[dice_.between(0, 5)]);
+    const std::uint64_t largest = sizes[dice_.between(0, 5)];
+    const std::uint64_t size = dice_.between(1, largest);
     stepped_ = true;
     if (dice_.chance(0.5)) {
         offset_us_ += size;
@@ -315,10 +320,11 @@ void Life::fault_of_clock() {
 void Life::foreign_command(std::uint64_t until_us, std::uint64_t period_us) {
     Bytes command(11);
     const bool zero = dice_.chance(0.3);
+    const float linear = zero ? 0 : static_cast<float>(dice_.real(-1, 1));
+    const float angular = zero ? 0 : static_cast<float>(dice_.real(-1, 1));
     roburoc4_encode_differential_command(command.data(), command.size(),
-                                         robot_.service_ids[ROBUROC4_SERVICE_DIFFERENTIAL],
-                                         zero ? 0 : static_cast<float>(dice_.real(-1, 1)),
-                                         zero ? 0 : static_cast<float>(dice_.real(-1, 1)));
+                                         robot_.service_ids[ROBUROC4_SERVICE_DIFFERENTIAL], linear,
+                                         angular);
     roburoc4_sim_receive(sim_.get(), foreign_peer, command.data(), command.size());
     foreign_until_us_ = now_us_ + watchdog_us + robot_slack_us;
     if (now_us_ < until_us)
@@ -327,7 +333,9 @@ void Life::foreign_command(std::uint64_t until_us, std::uint64_t period_us) {
 
 void Life::fault_of_foreigner() {
     say("foreign commander");
-    foreign_command(now_us_ + dice_.between(0, 2 * second), dice_.between(20 * ms, 200 * ms));
+    const std::uint64_t until_us = now_us_ + dice_.between(0, 2 * second);
+    const std::uint64_t period_us = dice_.between(20 * ms, 200 * ms);
+    foreign_command(until_us, period_us);
 }
 
 /* A forger has the robot's address, hears what is said on the network, and speaks to the client:
@@ -343,17 +351,23 @@ void Life::remember(const Bytes &datagram) {
         overheard_[overheard_next_++ % most] = datagram;
 }
 
+void Life::change_byte(Bytes &bytes, std::size_t first, std::size_t last) {
+    const auto value = static_cast<std::uint8_t>(dice_.next());
+    const std::size_t which = dice_.between(first, last);
+    bytes[which] = value;
+}
+
 Bytes Life::forged() {
     Bytes bytes(dice_.between(1, 80));
     if (!overheard_.empty() && dice_.chance(0.8)) {
         bytes = overheard_[dice_.between(0, overheard_.size() - 1)];
         const bool status = bytes[0] == ROBUROC4_HEADER_STATUS && bytes.size() >= 11;
         if (dice_.chance(0.3) && status)
-            bytes[dice_.between(3, 10)] = static_cast<std::uint8_t>(dice_.next());
+            change_byte(bytes, 3, 10);
         else if (dice_.chance(0.3))
             bytes[0] = static_cast<std::uint8_t>(dice_.next());
         else if (dice_.chance(0.5))
-            bytes[dice_.between(0, bytes.size() - 1)] = static_cast<std::uint8_t>(dice_.next());
+            change_byte(bytes, 0, bytes.size() - 1);
         return bytes;
     }
     for (std::uint8_t &byte : bytes)

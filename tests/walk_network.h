@@ -117,9 +117,11 @@ class BadNetwork {
             arrival.bytes.resize(dice.between(1, arrival.bytes.size()));
             return;
         }
-        for (std::uint64_t flips = dice.between(1, 4); flips > 0; flips--)
-            arrival.bytes[dice.between(0, arrival.bytes.size() - 1)] ^=
-                static_cast<std::uint8_t>(1U << dice.between(0, 7));
+        for (std::uint64_t flips = dice.between(1, 4); flips > 0; flips--) {
+            const auto flip = static_cast<std::uint8_t>(1U << dice.between(0, 7));
+            const std::size_t which = dice.between(0, arrival.bytes.size() - 1);
+            arrival.bytes[which] ^= flip;
+        }
     }
 
     std::multimap<std::uint64_t, Arrival> flights_;

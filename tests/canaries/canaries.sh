@@ -4,7 +4,7 @@
 # Planted faults, sourced by scripts/verify: each kind of check is run on something that is broken,
 # and must say so. One line each: name, planted fault, caught.
 #
-# The variables $work and $clang are of scripts/verify, $logged_status is of scripts/lib.sh.
+# The variables $work, $clang and $longest_input are of scripts/verify, $logged_status is of scripts/lib.sh.
 # shellcheck disable=SC2154
 
 canary_count=0
@@ -101,8 +101,45 @@ fuzz_finds() {
     with_planted "$work/canary-fuzz" "-fsanitize=fuzzer,address" \
         "tests/fuzz/$canary_harness.cpp" "$@"
     mkdir -p "$work/canary-corpus"
-    "$work/canary-fuzz" -max_total_time=60 -seed=1 -artifact_prefix="$work/canary-found-" \
+    "$work/canary-fuzz" -max_total_time=60 -seed=1 -max_len="$longest_input" \
+        -artifact_prefix="$work/canary-found-" \
         "$work/canary-corpus" "tests/fuzz/corpus/$canary_harness"
+}
+
+# Somebody reads all of a datagram before asking what it is.
+flood_finds() {
+    planted src/receive.c 's/^    count(c, ROBUROC4_COUNT_RECEIVED);$/&\
+    static volatile uint8_t canary;\
+    for (size_t i = 0; i < size; i++) { canary ^= datagram[i]; }/'
+    bench/flood-cost --source "$canary_core" longest-nonsense
+}
+
+# What is measured is no function's any more.
+flood_is_blind() {
+    FLOOD_FUNCTION=roburoc4_client_is_received bench/flood-cost longest-nonsense
+}
+
+# The order of two draws is the compiler's choice.
+order_finds() {
+    # shellcheck disable=SC2086
+    tree quick $quick
+    compile "$work/quick" life
+    rm -rf "$work/canary-tests"
+    mkdir "$work/canary-tests"
+    cp -R tests/walk* tests/referee* tests/hex.h tests/life "$work/canary-tests"
+    sed 's/^    foreign_command(until_us, period_us);$/    foreign_command(now_us_ + dice_.between(0, 2 * second), dice_.between(20 * ms, 200 * ms));/' \
+        tests/walk.cpp >"$work/canary-tests/walk.cpp"
+    if cmp -s tests/walk.cpp "$work/canary-tests/walk.cpp"; then
+        say "nothing was changed in tests/walk.cpp: mend tests/canaries/canaries.sh"
+        exit 1
+    fi
+    for compiler in "clang++-$clang" g++; do
+        "$compiler" -std=c++17 -O1 -Iinclude "-I$work/canary-tests" \
+            -o "$work/canary-life-$compiler" "$work/canary-tests/walk.cpp" \
+            "$work/canary-tests/referee.cpp" "$work/canary-tests/life/life.cpp" \
+            "$work/quick/libroburoc4_sim.a" "$work/quick/libroburoc4.a" -lm
+    done
+    compare_lives "$work/canary-life-clang++-$clang" "$work/canary-life-g++"
 }
 
 # The coverage of some tests is not that of all.
@@ -156,6 +193,11 @@ canaries() {
         's/return d->leased && now_us - d->granted_us >= d->lease_us;/return false;/'
     canary life-train "one zero is enough for a train" "seed [0-9]*: " life_finds src/drive.c \
         's/#define TRAIN_ZEROS 3/#define TRAIN_ZEROS 1/'
+    canary life-order "two draws in one list of arguments" \
+        "another life with another compiler" order_finds
+    canary flood "all bytes of a datagram are looked at" "longest-nonsense .*MORE THAN" flood_finds
+    canary flood-blind "the function that is measured has another name" \
+        "NOTHING WAS MEASURED" flood_is_blind
     canary fuzz-codec "the list of telemeters may be longer than its datagram" \
         "AddressSanitizer\|a promise is broken" fuzz_finds codec src/codec.c \
         's/count > r.left \/ SIZE_TELEMETER/count > SIZE_LIMIT/'
@@ -174,7 +216,7 @@ canaries() {
     if [ "$full" = yes ]; then
         canaries_of proofs tests/proof/mutants
     else
-        canaries_of proofs tests/proof/mutants reader
+        canaries_of proofs tests/proof/mutants reader counts
     fi
     # Alone, "canaries" is all of them; else the stage of the model tells its own, and CI has no time
     # for those of other machines.

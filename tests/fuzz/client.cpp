@@ -180,7 +180,8 @@ void World::act(std::uint8_t what) {
             waiting_.pop_front();
         return;
     case 9:
-        return receive(in_.bytes(in_.byte()), true);
+        /* of up to 255 bytes, or now and then of any length */
+        return receive(in_.bytes(what < 180 ? in_.byte() : in_.number<std::uint16_t>()), true);
     case 10:
         client_.arm(client_us());
         break;

@@ -118,9 +118,12 @@ class Bench:
         place.write_text(mutant.text)
         sources = [place]
         if mutant.file.endswith(".h"):
-            # A quoted include looks beside the including file first: copy those too.
+            # A quoted include looks beside the including file first: copy those too, and the
+            # other headers, as one includes the other.
             sources = []
-            for file in [*(ROOT / s for s in self.sources), EXPOSED, EXPOSED.with_suffix(".h")]:
+            others = [ROOT / header for header in HEADERS if header != mutant.file]
+            exposed = [EXPOSED, EXPOSED.with_suffix(".h")]
+            for file in [*(ROOT / s for s in self.sources), *exposed, *others]:
                 (folder / file.name).write_text(file.read_text())
                 if file.suffix == ".c":
                     sources.append(folder / file.name)
@@ -175,12 +178,13 @@ def explained() -> set[str]:
     return set(re.findall(r"^\| `([0-9a-f]{10})`", SURVIVORS.read_text(), re.MULTILINE))
 
 
-def report(results: list[dict[str, object]], planned: int) -> float:
-    """Print the score and the survivors; the score in percent."""
+def report(results: list[dict[str, object]], planned: int) -> tuple[float, int]:
+    """Print the score and the survivors; the score in percent, and how many are not explained."""
     counts = Counter(str(r["result"]) for r in results)
     real = counts[KILLED] + counts[SURVIVED]
     score = 100.0 * counts[KILLED] / real if real else 0.0
     known = explained()
+    unexplained = sum(1 for r in results if r["result"] == SURVIVED and r["name"] not in known)
     by_file: dict[str, Counter[str]] = {}
     for r in results:
         by_file.setdefault(str(r["file"]), Counter())[str(r["result"])] += 1
@@ -200,9 +204,10 @@ def report(results: list[dict[str, object]], planned: int) -> float:
         )
     print(
         f"{len(results)} of {planned} mutants tried: {real} compiled to other code, "
-        f"{counts[KILLED]} killed, {counts[SURVIVED]} survived: score {score:.1f} %"
+        f"{counts[KILLED]} killed, {counts[SURVIVED]} survived ({unexplained} not explained): "
+        f"score {score:.1f} %"
     )
-    return score
+    return score, unexplained
 
 
 def options() -> argparse.Namespace:
@@ -218,6 +223,9 @@ def options() -> argparse.Namespace:
     parser.add_argument("--files", nargs="*", help="of these files only")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--at-least", type=float, default=0.0, help="the score that is enough")
+    parser.add_argument(
+        "--all-explained", action="store_true", help="fail for a survivor without a reason"
+    )
     parser.add_argument("--only-report", action="store_true", help="of what is in --state")
     return parser.parse_args()
 
@@ -265,7 +273,11 @@ def main() -> int:
                 if args.state:
                     with args.state.open("a") as out:
                         out.write(json.dumps(result) + "\n")
-    return 0 if report(results, len(wanted)) >= args.at_least else 1
+    score, unexplained = report(results, len(wanted))
+    if args.all_explained and unexplained:
+        print(f"mutation: test them, or say why not in {SURVIVORS.relative_to(ROOT)}")
+        return 1
+    return 0 if score >= args.at_least else 1
 
 
 if __name__ == "__main__":

@@ -142,6 +142,63 @@ void main_client_receive_outputs(void) {
     receive();
 }
 
+/* ---- who holds [A] drives: nobody is armed where the client knows of an override ---- */
+
+/** A client that keeps this promise. */
+static void any_client_that_yields(void) {
+    roburoc4_private_values *v = &client.private_values;
+    any_running_client();
+    switch (up_to(2)) {
+    case 0:
+        client.private_drive.armed = 0;
+        v->override_known = 1;
+        v->overridden = 1;
+        break;
+    case 1:
+        client.private_drive.armed = Frama_C_nondet(0, 1);
+        v->override_known = 1;
+        v->overridden = 0;
+        break;
+    default:
+        client.private_drive.armed = Frama_C_nondet(0, 1);
+        v->override_known = 0;
+        v->overridden = Frama_C_nondet(0, 1);
+        break;
+    }
+    //@ dynamic_split client.private_drive.armed;
+    //@ dynamic_split client.private_values.override_known;
+    //@ dynamic_split client.private_values.overridden;
+}
+
+static void check_yields(void) {
+    const roburoc4_private_values *v = &client.private_values;
+    if (v->override_known != 0 && v->overridden != 0) {
+        /*@ assert yields: client.private_drive.armed == 0; */
+    }
+    /*@ assert yes_or_no: v->override_known <= 1 && v->overridden <= 1; */
+}
+
+/** A status of another service than the IO card. Of the card's own Eva does not see that the client
+ *  is disarmed before the call ends; that is tested and walked. */
+void main_client_receive_others(void) {
+    static uint8_t datagram[64];
+    any_client_that_yields();
+    client.private_discovery.service_ids[ROBUROC4_SERVICE_IOCARD] = 0;
+    Frama_C_make_unknown((char *)datagram, sizeof datagram);
+    datagram[0] = ROBUROC4_HEADER_STATUS;
+    datagram[1] = 2;
+    datagram[2] = 0;
+    roburoc4_client_receive(&client, datagram, sizeof datagram, any_u64());
+    check_yields();
+}
+
+void main_client_transmit_override(void) {
+    uint8_t buffer[ROBUROC4_MAX_TRANSMIT];
+    any_client_that_yields();
+    roburoc4_client_poll_transmit(&client, buffer, sizeof buffer, any_u64());
+    check_yields();
+}
+
 /** Whether bytes are there is checked before they are looked at, also outside of the codec: the
  * byte after these datagrams is no object's. */
 static void receive_short(size_t size) {

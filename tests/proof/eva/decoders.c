@@ -236,12 +236,46 @@ HARNESS(differential_command, FIXED)
 
 static void iocard_status(const uint8_t *data, size_t size) {
     roburoc4_iocard_status out;
-    roburoc4_decode_iocard_status(data, size, any_u32(), any_u32(), &out);
+    if (roburoc4_decode_iocard_status(data, size, any_u32(), any_u32(), &out) >= 0) {
+        READ(out.robot_cycles);
+        READ(out.service + out.analog_inputs + out.digital_inputs);
+    }
 }
 HARNESS(iocard_status, LIST)
 
 static void iocard_command(const uint8_t *data, size_t size) {
     roburoc4_iocard_command out;
-    roburoc4_decode_iocard_command(data, size, any_u32(), any_u32(), &out);
+    if (roburoc4_decode_iocard_command(data, size, any_u32(), any_u32(), &out) >= 0) {
+        READ(out.service + out.analog_outputs + out.digital_outputs);
+    }
 }
 HARNESS(iocard_command, LIST)
+
+/** Channels are read where Eva takes each count and each length by itself: how many bytes there are
+ *  for more channels it does not relate to their number (wp/cursor.c does). */
+static void iocard_channels(const uint8_t *data, size_t size) {
+    const uint32_t analog = Frama_C_unsigned_int_interval(0, 2);
+    const uint32_t digital =
+        8 * Frama_C_unsigned_int_interval(0, 2) + Frama_C_unsigned_int_interval(0, 1);
+    roburoc4_iocard_status status;
+    roburoc4_iocard_command command;
+    float value;
+    if (size > 24) {
+        return;
+    }
+    //@ split analog;
+    //@ split digital;
+    if (roburoc4_decode_iocard_status(data, size, analog, digital, &status) >= 0) {
+        if (roburoc4_analog_input_at(&status, any_u32(), &value) >= 0) {
+            READ(value);
+        }
+        READ(roburoc4_digital_input_at(&status, any_u32()));
+    }
+    if (roburoc4_decode_iocard_command(data, size, analog, digital, &command) >= 0) {
+        if (roburoc4_analog_output_at(&command, any_u32(), &value) >= 0) {
+            READ(value);
+        }
+        READ(roburoc4_digital_output_at(&command, any_u32()));
+    }
+}
+HARNESS(iocard_channels, LIST)

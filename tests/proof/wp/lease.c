@@ -31,6 +31,9 @@ void clear_d(drive *d);
       d->armed != 0 && d->known != 0 && d->leased != 0 &&
       (uint64_t)(now_us - d->granted_us) < d->lease_us; */
 
+/* Who is not armed has an error to be told: grant() gives it back in place of a lease. */
+/*@ predicate caused(drive *d) = d->armed == 0 ==> d->disarm_cause < 0; */
+
 /* ---- what speeds.c and bytes.h do, as far as it matters here ---- */
 
 /*@ assigns \nothing; */
@@ -65,8 +68,11 @@ static uint32_t resume_bit(roburoc4_result cause);
 
 /*@ requires \valid(d) && \valid_read(config) && \valid(events);
     requires \separated(d, config, events);
+    requires an_error: cause < 0;
+    requires caused(d);
     assigns d->leased, d->train, d->zeros, d->confirmed, d->spoke, d->resuming, d->disarm_cause,
             d->armed, *events;
+    ensures a_cause_is_an_error: caused(d);
     ensures no_lease: d->leased == 0;
     ensures disarmed: d->armed == 0;
     ensures a_train_if_it_spoke: \old(d->spoke) != 0 ==> d->train == 1 && d->zeros == 0; */
@@ -83,13 +89,15 @@ void roburoc4_drive_stop(drive *d);
 
 /*@ requires \valid(d) && \valid(events) && \separated(d, events);
     assigns d->armed, d->resuming, d->disarm_cause, *events;
+    ensures a_cause_is_an_error: caused(d);
     ensures d->armed == 1; */
 void roburoc4_drive_arm(drive *d, uint32_t *events);
 
 /*@ requires \valid(d) && \valid_read(config) && \valid_read(target + (0 .. 1)) && \valid(events);
     requires \separated(d, config, target + (0 .. 1), events);
-    requires a_cause_is_an_error: d->armed == 0 ==> d->disarm_cause < 0;
+    requires caused(d);
     assigns *d, *events;
+    ensures a_cause_is_an_error: caused(d);
     ensures only_armed: \result == 0 ==> d->armed != 0 && d->leased == 1 &&
         d->granted_us == now_us && d->lease_us == lease_us;
     ensures refused: \result != 0 ==> d->leased == \old(d->leased) &&
@@ -111,8 +119,10 @@ static bool lease_over(const drive *d, uint64_t now_us);
 
 /*@ requires \valid(d) && \valid_read(config) && \valid(events);
     requires \separated(d, config, events);
+    requires caused(d);
     assigns d->leased, d->train, d->zeros, d->confirmed, d->spoke, d->resuming, d->disarm_cause,
             d->armed, d->quiet_us, *events;
+    ensures a_cause_is_an_error: caused(d);
     ensures over_is_left: \old(d->leased) != 0 &&
         (uint64_t)(now_us - \old(d->granted_us)) >= \old(d->lease_us) ==> d->leased == 0;
     ensures a_refusal_disarms: refusal < 0 ==> d->armed == 0;
