@@ -18,7 +18,6 @@
 #include <netinet/in.h>
 #include <poll.h>
 #include <pthread.h>
-#include <sched.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -72,23 +71,6 @@ static void spin_ns(uint64_t ns) {
     const uint64_t begun = now_ns();
     while (now_ns() - begun < ns) {
     }
-}
-
-/** A processor of its own for each thread: else one that spins is at times in the way of the one
- * that it waits for, and what is measured is the scheduler's time slice. Where there is only one
- * it has to do with sched_yield(). */
-static void stay_on_processor(int which) {
-    cpu_set_t allowed, chosen;
-    if (sched_getaffinity(0, sizeof allowed, &allowed) != 0 || CPU_COUNT(&allowed) < 2) {
-        return;
-    }
-    CPU_ZERO(&chosen);
-    for (int cpu = 0; cpu < CPU_SETSIZE && CPU_COUNT(&chosen) == 0; cpu++) {
-        if (CPU_ISSET(cpu, &allowed) && which-- == 0) {
-            CPU_SET(cpu, &chosen);
-        }
-    }
-    (void)pthread_setaffinity_np(pthread_self(), sizeof chosen, &chosen);
 }
 
 static uint64_t load(uint64_t *shared) {
@@ -150,7 +132,6 @@ static void wait_acknowledged(uint32_t before) {
             (void)fprintf(stderr, "loopback: a datagram did not arrive\n");
             exit(1);
         }
-        (void)sched_yield();
     }
 }
 
@@ -197,7 +178,6 @@ static void *robot_main(void *unused) {
     uint8_t datagram[ROBUROC4_SIM_MAX_TRANSMIT];
     struct pollfd watched[2] = {{robot_fd, POLLIN, 0}, {bare_robot_fd, POLLIN, 0}};
     (void)unused;
-    stay_on_processor(1);
     for (;;) {
         const int now = __atomic_load_n(&shared_mode, __ATOMIC_ACQUIRE);
         size_t size;
@@ -351,7 +331,6 @@ static uint64_t command_ns(bool own, float linear_m_s) {
             (void)fprintf(stderr, "loopback: a command did not arrive\n");
             exit(1);
         }
-        (void)sched_yield();
     }
     return arrived - sent;
 }
@@ -488,7 +467,6 @@ int main(int argc, char **argv) {
     if (pthread_create(&robot, NULL, robot_main, NULL) != 0) {
         die("cannot start a thread");
     }
-    stay_on_processor(0); /* only now: a thread inherits it */
     get_ready();
     measurements[which]((uint32_t)times);
     __atomic_store_n(&shared_mode, STOP, __ATOMIC_RELEASE);

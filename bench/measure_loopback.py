@@ -10,7 +10,7 @@ ABOUT = (
     "adapter and client, one right after the other, in changing order; a status also through a "
     "bare loop with `ppoll` before its `recv`, which can wake in time to send a command. "
     "Microseconds from sending to the value (or the datagram) on the other side, which sleeps "
-    "until it comes; each side has a processor of its own. Intervals: 95 %, by bootstrap over the "
+    "until it comes. Intervals: 95 %, by bootstrap over the "
     "rounds. Statuses a second: by processor time of one core for reading 64 that wait; quartiles."
 )
 BARE, WAITING = "bare loop", "bare ppoll loop"
