@@ -81,25 +81,19 @@ def add_latency(part, program, which, name, count):
             )
         if aim is None:
             continue
-        value, low, high = ratio_interval(bare, own, share, chance)
-        part.add(
-            f"{name}, {label}, ratio to bare",
-            "roburoc4",
-            "×",
-            round(value, 3),
-            low=round(low, 3),
-            high=round(high, 3),
-            aim=aim,
-        )
+        peers = [("bare", bare, aim)]
         if len(columns) == 3:
-            value, low, high = ratio_interval(columns[1], own, share, chance)
+            peers.append(("bare with ppoll", columns[1], None))
+        for peer, samples, peer_aim in peers:
+            value, low, high = ratio_interval(samples, own, share, chance)
             part.add(
-                f"{name}, {label}, ratio to bare with ppoll",
+                f"{name}, {label}, ratio to {peer}",
                 "roburoc4",
                 "×",
                 round(value, 3),
                 low=round(low, 3),
                 high=round(high, 3),
+                aim=peer_aim,
             )
 
 
