@@ -25,6 +25,14 @@ Visit = Callable[..., Page]
 Make = Callable[..., Station]
 
 
+def armed(station: Make, visit: Visit) -> tuple[Station, Page]:
+    """A dashboard, and a page that has taken its seat and armed the robot."""
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    return here, page
+
+
 def test_a_game_pad_drives_as_in_the_manual(station: Make, visit: Visit) -> None:
     here = station(lease_s=1.0)
     page = visit(here.url)
@@ -47,9 +55,7 @@ def test_a_game_pad_drives_as_in_the_manual(station: Make, visit: Visit) -> None
 
 
 def test_keys_drive_and_letting_go_stops(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
 
     def hold() -> None:
         page.keyboard.down("w")
@@ -81,9 +87,7 @@ def stays_stopped(here: Station) -> None:
 
 
 def test_a_key_that_repeats_no_more_counts_as_let_go(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     drive_by_keys(here, page)
     page.evaluate("repeats = false")  # its release was lost
     begun_s = time.monotonic()
@@ -96,9 +100,7 @@ def test_a_key_that_repeats_no_more_counts_as_let_go(station: Make, visit: Visit
 
 
 def test_a_key_that_never_repeats_counts_for_a_moment_only(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     page.evaluate("repeats = false")
     page.keyboard.down("w")
     begun_s = time.monotonic()
@@ -110,9 +112,7 @@ def test_a_key_that_never_repeats_counts_for_a_moment_only(station: Make, visit:
 def test_a_key_is_held_on_for_a_moment_when_the_one_that_repeated_is_let_go(
     station: Make, visit: Visit
 ) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
 
     def hold() -> None:
         page.keyboard.down("w")
@@ -155,9 +155,7 @@ def press_command(page: Page) -> None:
 def test_what_may_hide_a_key_s_release_counts_as_its_release(
     lose: Callable[[Page], None], station: Make, visit: Visit
 ) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     drive_by_keys(here, page)
     lose(page)
     begun_s = time.monotonic()
@@ -166,9 +164,7 @@ def test_what_may_hide_a_key_s_release_counts_as_its_release(
 
 
 def test_the_stick_drives_and_letting_go_stops(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     box = page.locator("#stick").bounding_box()
     assert box is not None
     middle = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
@@ -295,9 +291,7 @@ def disarm(page: Page) -> None:
 def test_it_stops_within_the_lease(
     end: Callable[[Page], None], station: Make, visit: Visit
 ) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     drive(here, page)
     end(page)
     begun_s = time.monotonic()
@@ -307,9 +301,7 @@ def test_it_stops_within_the_lease(
 
 
 def test_a_hidden_page_disarms(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     hide(page)
     until(lambda: not here.robot.facts.armed)
 
@@ -317,9 +309,7 @@ def test_a_hidden_page_disarms(station: Make, visit: Visit) -> None:
 def test_a_page_that_hung_does_not_drive_on_with_a_button_that_was_held(
     station: Make, visit: Visit
 ) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     drive(here, page)
     hang(page, 1.5)
     until(lambda: not here.driven)
@@ -330,9 +320,7 @@ def test_a_page_that_hung_does_not_drive_on_with_a_button_that_was_held(
 
 
 def test_one_press_of_stop_is_one(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    _, page = armed(station, visit)
     stops = page.locator("#events li", has_text="STOP was pressed")
     page.locator("#stop").click()
     expect(stops).to_have_count(1)
@@ -361,9 +349,7 @@ def test_disarmed_is_told_on_every_page(station: Make, visit: Visit) -> None:
 
 
 def test_a_closed_page_disarms_and_frees_the_seat(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     page.close()
     until(lambda: not here.robot.facts.armed)
     other = visit(here.url)
@@ -371,9 +357,7 @@ def test_a_closed_page_disarms_and_frees_the_seat(station: Make, visit: Visit) -
 
 
 def test_the_dashboard_s_end_stops_the_robot(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     drive(here, page)
     here.stop_serving()
     assert here.wait_until_stopped(time.monotonic()) < WITHIN_S
@@ -381,9 +365,7 @@ def test_the_dashboard_s_end_stops_the_robot(station: Make, visit: Visit) -> Non
 
 
 def test_a_server_that_hangs_stops_the_robot_within_the_lease(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     drive(here, page)
     step = here.hub.step
     begun_s = time.monotonic()
@@ -399,9 +381,7 @@ def test_a_server_that_hangs_stops_the_robot_within_the_lease(station: Make, vis
 
 
 def test_an_error_in_the_server_stops_the_robot_and_ends_it(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     drive(here, page)
     begun_s = time.monotonic()
 
@@ -418,9 +398,7 @@ def test_an_error_in_the_server_stops_the_robot_and_ends_it(station: Make, visit
 def test_a_page_comes_back_to_a_new_dashboard_and_moves_nothing(
     station: Make, visit: Visit
 ) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     drive(here, page)
     here.stop_serving()
     again = station(place=Place(port=here.port))
@@ -462,9 +440,7 @@ def let_go(page: Page) -> None:
 def test_what_was_held_while_the_page_was_left_must_be_let_go_first(
     station: Make, visit: Visit
 ) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     drive(here, page)
     page.evaluate("document.hasFocus = () => false; dispatchEvent(new Event('blur'))")
     until(lambda: not here.driven)
@@ -478,9 +454,7 @@ def test_what_was_held_while_the_page_was_left_must_be_let_go_first(
 
 
 def test_another_pad_must_be_let_go_first(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     drive(here, page)
     page.evaluate("makePad(1); hold(0, 1); hold(7, 1)")
     until(lambda: not here.driven)
@@ -492,9 +466,7 @@ def test_another_pad_must_be_let_go_first(station: Make, visit: Visit) -> None:
 
 
 def test_a_key_that_was_held_elsewhere_does_nothing(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     page.evaluate(
         "for (let count = 0; count < 20; count++)"
         " dispatchEvent(new KeyboardEvent('keydown', { code: 'KeyW', repeat: true }))"
@@ -530,9 +502,7 @@ def test_hands_must_be_off_once_after_arming(station: Make, visit: Visit) -> Non
 
 
 def test_the_pad_does_nothing_without_a(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     hold_pad(page, a=0.0, rt=1.0, lj=1.0)
     time.sleep(2 * LEASE_S)
     assert here.speeds_sent() == 0
@@ -595,9 +565,7 @@ def test_a_page_that_only_watches_sends_the_robot_nothing(station: Make, visit: 
 
 
 def test_override_takes_the_robot_away_and_is_told(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     drive(here, page)
     here.sim.pad.press("a")
     expect(page.locator("#banner-title")).to_have_text("OVERRIDE")
@@ -625,9 +593,7 @@ def test_inhibited_motion_disarms_and_is_told(station: Make, visit: Visit) -> No
 
 
 def test_a_lost_robot_is_told_and_comes_back_disarmed(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url)
-    arm(page)
+    here, page = armed(station, visit)
     drive(here, page)
     here.sim.set_power(False)
     expect(page.locator("#banner-title")).to_have_text("ROBOT LOST")
