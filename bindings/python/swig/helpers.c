@@ -161,6 +161,16 @@ PyObject *client_describe(const roburoc4_client *client, PyObject *datagram) {
     return described;
 }
 
+PyObject *sim_host_call(sim_host *host, PyObject *function, PyObject *arguments) {
+    PyObject *result;
+    Py_BEGIN_ALLOW_THREADS;
+    sim_host_lock(host);
+    Py_END_ALLOW_THREADS;
+    result = PyObject_CallObject(function, arguments);
+    sim_host_unlock(host);
+    return result;
+}
+
 PyObject *sim_panel(roburoc4_sim *sim, const char *line) {
     char reply[ROBUROC4_SIM_REPLY] = "";
     roburoc4_result result = roburoc4_sim_panel(sim, line, reply, sizeof reply);

@@ -40,6 +40,9 @@ uint64_t reader_lost(const roburoc4_pump_reader *reader);
 PyObject *udp_receive(roburoc4_udp *udp, roburoc4_client *client);
 /* (io_type, index, text as bytes) of a datagram that was just received; None if it is no text. */
 PyObject *client_describe(const roburoc4_client *client, PyObject *datagram);
+/* function(*arguments), a function of this module, with the host's lock, which is free again
+ * whatever a signal handler raises. */
+PyObject *sim_host_call(sim_host *host, PyObject *function, PyObject *arguments);
 /* (result, reply) of a line for the simulator's panel. */
 PyObject *sim_panel(roburoc4_sim *sim, const char *line);
 /* The program roburoc4-sim with these arguments (a list of str); its exit status. */

@@ -26,7 +26,6 @@
 %thread roburoc4_udp_wait;
 %thread roburoc4_pump_stop;
 %thread roburoc4_pump_wait_events;
-%thread sim_host_lock;
 %thread sim_host_stop;
 
 %include <stdint.i>
@@ -66,6 +65,8 @@
 %include "roburoc4_sim.h"
 
 %ignore sim_host_destroy;
+%ignore sim_host_lock;
+%ignore sim_host_unlock;
 %include "host.h"
 
 PyObject *record_register(PyObject *classes);

@@ -262,6 +262,38 @@ def _interrupt_close(robot: roburoc4.ManualRobot) -> None:
         signal.signal(signal.SIGALRM, before)
 
 
+def test_a_simulator_that_was_interrupted_anywhere_still_closes(start: Start) -> None:
+    program = """
+import contextlib, signal, time, roburoc4
+
+def interrupt(*_):
+    global inside
+    if inside:
+        inside = False
+        raise KeyboardInterrupt
+
+inside = False
+sim = roburoc4.Simulator(port=0)
+signal.signal(signal.SIGALRM, interrupt)
+signal.setitimer(signal.ITIMER_REAL, 3e-4, 3e-4)
+end = time.monotonic() + 2.0
+while time.monotonic() < end:
+    with contextlib.suppress(KeyboardInterrupt):
+        inside = True
+        while time.monotonic() < end:
+            sim.state
+            sim.set_battery(80.0)
+            sim.panel("help")
+            sim.set_faults()
+        inside = False
+signal.setitimer(signal.ITIMER_REAL, 0)
+sim.close()
+"""
+    process = start(program, "")
+    _, complaints = process.communicate(timeout=30)
+    assert (process.returncode, complaints) == (0, "")
+
+
 def test_drive_never_waits(served: Simulator) -> None:
     with roburoc4.connect(served.address) as robot:
         robot.arm()

@@ -3,7 +3,7 @@
 
 import os
 import threading
-from contextlib import AbstractContextManager
+from collections.abc import Callable
 from types import TracebackType
 from typing import Any, Literal, Self, TypedDict, Unpack
 
@@ -92,19 +92,6 @@ def _config_of(seed: int, settings: SimSettings) -> tuple["_native.SimConfig", o
     return config, owner
 
 
-class _HostLock:
-    """The lock that a serving simulator shares with its native thread."""
-
-    def __init__(self, host: "_native.Host") -> None:
-        self._host = host
-
-    def __enter__(self) -> None:
-        _native.sim_host_lock(self._host)
-
-    def __exit__(self, *_: object) -> None:
-        _native.sim_host_unlock(self._host)
-
-
 class Simulator:
     """A simulated robot to try programs on, and to write tests with.
 
@@ -138,11 +125,9 @@ class Simulator:
         self._faults_owner = _native.own_memory(self._faults)
         self._world: World | None = None
         self._host: _native.Host | None = None
-        self._lock: AbstractContextManager[object]
         if port is None:
             self._owner = _native.own_sim(self._sim)
             self._world = World(self._sim, self._owner, self._faults)
-            self._lock = self._world.lock
             self._address = "virtual"
         else:
             try:
@@ -151,7 +136,6 @@ class Simulator:
                 self._owner = _native.own_sim(self._sim)  # it was not taken over
                 raise
             self._owner = _native.own_host(self._host)
-            self._lock = _HostLock(self._host)
             self._address = f"{host}:{_native.sim_host_port(self._host)}"
         self._closing = threading.Lock()
         self.pad = GamePad(self._call)
@@ -188,9 +172,24 @@ class Simulator:
     def _call(self, name: str, *arguments: Any) -> Any:
         if self._process != os.getpid():
             raise error_of(Result.CLOSED)
-        with self._lock:
-            result = _FUNCTIONS[name](self._sim, *arguments)
-            if self._world is not None and not self._world.closed:
+        return self._act(_FUNCTIONS[name], *arguments)
+
+    def _alone(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """Call a native function while nobody else uses the simulator."""
+        if self._host is not None:
+            # Taken and given back in C: an exception of a signal handler cannot come in between.
+            return _native.sim_host_call(self._host, function, arguments)
+        assert self._world is not None
+        with self._world.lock:
+            return function(*arguments)
+
+    def _act(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """Call a native function that does something to the simulator."""
+        if self._world is None:
+            return self._alone(function, self._sim, *arguments)
+        with self._world.lock:
+            result = function(self._sim, *arguments)
+            if not self._world.closed:
                 self._world.exchange()
             return result
 
@@ -243,20 +242,19 @@ class Simulator:
             getattr(_native, f"roburoc4_sim_faults_{name}_set")(self._faults, share)
         for name, time_us in times.items():
             getattr(_native, f"roburoc4_sim_faults_{name}_set")(self._faults, round(time_us))
-        with self._lock:
-            if self._host is not None:
-                _native.sim_host_set_faults(self._host, self._faults)
-            elif self._world is not None:
-                for engine in self._world.engines():
-                    engine.network.set_faults(self._faults)
+        if self._world is None:
+            self._alone(_native.sim_host_set_faults, self._host, self._faults)
+            return
+        with self._world.lock:
+            for engine in self._world.engines():
+                engine.network.set_faults(self._faults)
 
     # ---- looking ----
 
     @property
     def state(self) -> SimState:
         """All that can be known about the robot."""
-        with self._lock:
-            snapshot: SimState = _native.roburoc4_sim_snapshot(self._sim)
+        snapshot: SimState = self._alone(_native.roburoc4_sim_snapshot, self._sim)
         return snapshot
 
     @property
@@ -335,10 +333,7 @@ class Simulator:
         """Obey a line such as "pad a down", and return the reply; "help" lists them all."""
         if not line.isascii():
             raise ArgumentError(f"{line!r}: give letters without accents", Result.ARGUMENT)
-        with self._lock:
-            result, reply = _native.sim_panel(self._sim, line)
-            if self._world is not None and not self._world.closed:
-                self._world.exchange()
+        result, reply = self._act(_native.sim_panel, line)
         if result < 0:
             raise ArgumentError(f"{line!r}: {reply}", result)
         return reply
