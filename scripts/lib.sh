@@ -92,6 +92,9 @@ install_missing() {
     missing=
 }
 
+# What a test may take at the most: one that hangs fails, and the log says where.
+longest_test_s=600
+
 # heeding COMMAND...: with the signals heard that nohup and a shell's & leave ignored; tests send
 # them to what they start.
 heeding() {
@@ -100,6 +103,14 @@ heeding() {
     else
         "$@"
     fi
+}
+
+# run_pytest PYTHON ARGUMENT...; the limit is watched by a thread, as tests have signals of their own.
+run_pytest() {
+    pytest_python=$1
+    shift
+    heeding "$pytest_python" -m pytest -q -p no:cacheprovider -o faulthandler_timeout=120 \
+        --timeout "$longest_test_s" --timeout-method thread "$@"
 }
 
 # pinned_venv DIR REQUIREMENTS: a virtual environment with these, made anew where they changed.

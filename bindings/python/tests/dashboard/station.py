@@ -91,7 +91,7 @@ class Station:
         rules = rules or Rules(None, names(self.port) if names else ())
         ready = threading.Event()
         self.server = make_server(self.hub, place, rules, ready.set)
-        self._thread = threading.Thread(target=self.server.run, args=([self._socket],))
+        self._thread = threading.Thread(target=self.server.run, args=([self._socket],), daemon=True)
         self._thread.start()
         assert ready.wait(PATIENCE_S)
         self.scheme = "https" if place.secure else "http"
