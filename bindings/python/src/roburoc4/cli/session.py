@@ -71,7 +71,8 @@ def connected(options: Options, **settings: Any) -> Iterator[Robot]:
     except RobotTimeoutError as error:
         raise unreachable(str(error)) from None
     except NetworkError as error:
-        raise unreachable(f"{options.robot}: {error}; roburoc4 doctor looks closer") from None
+        named = str(error) if options.robot in str(error) else f"{options.robot}: {error}"
+        raise unreachable(f"{named}; roburoc4 doctor looks closer") from None
     with robot:
         yield robot
 
