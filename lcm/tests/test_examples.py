@@ -31,6 +31,35 @@ def test_the_python_example_drives(robot: Robot, bus: Bus, armed: Bridge, run: R
     until(robot.stands, "the robot stands")
 
 
+def test_the_lines_of_the_readme_log_a_drive(programs: Programs, run: Run, tmp_path: Path) -> None:
+    """As they are there but for pip, in a network of their own, which has the robot's port free."""
+    readme = (Programs.checkout() / "README.md").read_text()
+    told = readme.split("## On an LCM network")[1].split("```sh\n")[1].split("```")[0]
+    lines = [line for line in told.splitlines() if not line.startswith("pip install")]
+    assert len(lines) == 5
+    (tmp_path / "build").mkdir()
+    (tmp_path / "build" / "bin").symlink_to(programs.folder.resolve())
+    (tmp_path / "lcm").symlink_to(Programs.checkout() / "lcm")
+    folders = [Path(sys.executable).parent, Programs.of_lcm("lcm-logger").parent]
+    script = [
+        "ip link set lo up multicast on && ip route add 224.0.0.0/4 dev lo || exit 9",
+        f"cd {tmp_path}",
+        *lines,
+        "sleep 2; trap '' TERM; kill 0; wait",
+    ]
+    path = ":".join([*map(str, folders), os.environ["PATH"]])
+    done = run("setsid", "unshare", "-rn", "sh", "-c", "\n".join(script), PATH=path)
+    done.ends(30)
+    events = list(lcm.EventLog(str(tmp_path / "run.lcmlog"), "r"))
+    speeds = [
+        roburoc4_lcm.differential_status_t.decode(event.data).current_linear_m_s
+        for event in events
+        if event.channel == "ROBUROC4_DIFFERENTIAL"
+    ]
+    assert max(speeds) == pytest.approx(0.3, abs=0.05), done.output
+    assert speeds[-1] == pytest.approx(0.0, abs=0.05)
+
+
 def test_the_python_example_has_ten_lines() -> None:
     text = (EXAMPLES / "drive.py").read_text()
     code = [line for line in text.split('"""')[2].splitlines() if line.strip()]
