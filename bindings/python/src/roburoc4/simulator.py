@@ -333,7 +333,8 @@ class Simulator:
         """Obey a line such as "pad a down", and return the reply; "help" lists them all."""
         if not line.isascii():
             raise ArgumentError(f"{line!r}: give letters without accents", Result.ARGUMENT)
-        result, reply = self._act(_native.sim_panel, line)
+        answer: tuple[int, str] = self._act(_native.sim_panel, line)
+        result, reply = answer
         if result < 0:
             raise ArgumentError(f"{line!r}: {reply}", result)
         return reply
