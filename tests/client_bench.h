@@ -2,7 +2,8 @@
  *
  * client_bench.h - a client and a partner in virtual time. The bench polls exactly when the client
  * asks to be polled, keeps what was sent, and checks at every step what must always hold: a speed
- * leaves only under a living lease of an armed client, and no deadline makes a loop spin.
+ * leaves only under a living lease of an armed client, no deadline makes a loop spin, and nothing
+ * is due before it.
  */
 #ifndef ROBUROC4_TESTS_CLIENT_BENCH_H
 #define ROBUROC4_TESTS_CLIENT_BENCH_H
@@ -64,7 +65,7 @@ class Bench {
     void run_to(std::uint64_t end_us) {
         pump();
         while (now_us < end_us) {
-            now_us = std::min(next_us(), end_us);
+            sleep_to(std::min(next_us(), end_us));
             pump();
         }
     }
@@ -78,7 +79,7 @@ class Bench {
         while (!so()) {
             if (now_us >= end_us)
                 return false;
-            now_us = std::min(next_us(), end_us);
+            sleep_to(std::min(next_us(), end_us));
             pump();
         }
         return true;
@@ -232,6 +233,22 @@ class Bench {
     }
 
   private:
+    /** Who polls just before would have got nothing, and changed nothing. */
+    void sleep_to(std::uint64_t later_us) {
+        roburoc4_client poller = client;
+        ExactBlock buffer(ROBUROC4_MAX_TRANSMIT);
+        now_us = later_us - 1;
+        EXPECT_EQ(0,
+                  roburoc4_client_poll_transmit(&poller, buffer.data(), buffer.size(), client_us()))
+            << "due before the deadline, at " << now_us << " in state " << state();
+        EXPECT_EQ(state(), roburoc4_client_state(&poller)) << "before the deadline, at " << now_us;
+        /* A lease that ends while zeros are sent anyhow is told with the next of them. */
+        EXPECT_EQ(client.private_events & ~ROBUROC4_EVENT_LEASE_OVER,
+                  poller.private_events & ~ROBUROC4_EVENT_LEASE_OVER)
+            << "before the deadline, at " << now_us;
+        now_us = later_us;
+    }
+
     Partner &partner_;
     std::multimap<std::uint64_t, Bytes> flight_;
 };
