@@ -160,7 +160,10 @@ void Referee::take_events() {
         totals_.reboots++;
         lose_arming(totals_.disarms, ROBUROC4_RESUME_REBOOT);
         forget_statuses();
-        zeros_allowed_ = zeros_allowed_ || deceived_services_;
+        if (deceived_services_) { /* what was owed may have gone to whom it took for the service */
+            zeros_allowed_ = true;
+            stop_waits_ = false;
+        }
         deceived_services_ = deceived_inputs_ = false; /* all is read again */
     }
     if ((events & ROBUROC4_EVENT_FOREIGN) != 0 && armed_ && facts().foreign != 0 &&
@@ -387,6 +390,16 @@ void Referee::note_answer(const Bytes &datagram, bool damaged) {
             stop_waits_ = false;
         }
     }
+}
+
+/** Only the answer with a text does not say what it is about. */
+void Referee::note_damaged_request(const Bytes &request) {
+    if (request.size() < 4 || request[1] != ROBUROC4_ACTION_QUERY)
+        return;
+    const std::uint16_t target = word(request, 2);
+    const bool service = target == ROBUROC4_SERVICE_DIRECTORY;
+    deceived_services_ = deceived_services_ || service;
+    deceived_inputs_ = deceived_inputs_ || service || kind(target) == ROBUROC4_SERVICE_IOCARD;
 }
 
 bool Referee::shows_override(const Bytes &datagram) const {

@@ -56,6 +56,9 @@ class Referee {
     }
     /** `damaged`: the network changed it on its way, or somebody else sent it. */
     roburoc4_result receive(const Bytes &datagram, bool damaged, std::uint64_t now_us);
+    /** A request that the network changed came to the robot: the answer is whole, and to something
+     *  that nobody asked. */
+    void note_damaged_request(const Bytes &request);
     /** The next datagram to send, or an empty one. */
     Bytes poll(std::uint64_t now_us);
     [[nodiscard]] std::uint64_t next_deadline() const;

@@ -608,8 +608,10 @@ std::uint64_t Life::caller_wakes_us() const {
 void Life::deliver_to_robot() {
     while (const auto arrival = to_robot_.pop(now_us_)) {
         roburoc4_sim_receive(sim_.get(), client_peer, arrival->bytes.data(), arrival->bytes.size());
-        if (arrival->damaged)
+        if (arrival->damaged) {
             damaged_until_us_ = now_us_ + watchdog_us + robot_slack_us;
+            client_->note_damaged_request(arrival->bytes);
+        }
     }
 }
 
