@@ -16,6 +16,8 @@ constexpr std::uint64_t ms = 1000;
 constexpr std::uint64_t spacing_us = ROBUROC4_CYCLE_US;
 constexpr int train_zeros = 3;
 constexpr std::size_t speed_command_size = 11;
+/* Between its wheels; a robot that tells another width turns as one that tells none. */
+constexpr double narrowest_m = 0.01F, widest_m = 10;
 
 std::uint16_t word(const Bytes &bytes, std::size_t at) {
     return static_cast<std::uint16_t>(bytes[at] | bytes[at + 1] << 8);
@@ -474,7 +476,8 @@ std::array<double, 2> Referee::shaped() const {
     double v = static_cast<double>(linear_) * config_.scale_linear;
     const double w = static_cast<double>(angular_) * config_.scale_angular;
     const double width = limits_.width_m;
-    if ((config_.options & ROBUROC4_OPTION_TURN_KEEPING) != 0 && width > 0 && width < 10) {
+    const bool believable = width >= narrowest_m && width <= widest_m;
+    if ((config_.options & ROBUROC4_OPTION_TURN_KEEPING) != 0 && believable) {
         const double outer = std::fabs(w) * width / 2;
         v = between(v, std::min(0.0, v_low + outer), std::max(0.0, v_high - outer));
     }
