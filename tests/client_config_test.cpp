@@ -69,6 +69,8 @@ TEST(Config, Defaults) {
     const std::uint16_t periods[5] = {50, 100, 1000, 50, 50};
     for (std::size_t i = 0; i < 5; i++)
         EXPECT_EQ(periods[i], c.period_ms[i + 2]) << i;
+    for (const std::size_t unused : {0U, 1U, 7U})
+        EXPECT_EQ(0U, c.period_ms[unused]) << unused;
     EXPECT_EQ(100U, c.first_retry_ms);
     EXPECT_EQ(1000U, c.lost_ms);
     EXPECT_EQ(300U, c.fresh_ms);
@@ -114,6 +116,36 @@ TEST(Config, EveryRangeEndsWhereTheHeaderSays) {
     check_range("max_angular_rad_s", &roburoc4_config::max_angular_rad_s, 0.001F, 50);
     check_range("scale_linear", &roburoc4_config::scale_linear, 0.01F, 10);
     check_range("scale_angular", &roburoc4_config::scale_angular, 0.01F, 10);
+}
+
+TEST(Config, ErrorIsTheNameAndTheRange) {
+    const std::vector<std::pair<const char *, Change>> errors{
+        {"size: set by roburoc4_config_init()", [](roburoc4_config &c) { c.size = 0; }},
+        {"subscriptions: bits 2 to 6", [](roburoc4_config &c) { c.subscriptions = 0x80; }},
+        {"subscriptions: bits 2 to 6", [](roburoc4_config &c) { c.subscriptions = 1; }},
+        {"first_retry_ms: 10 to 100", [](roburoc4_config &c) { c.first_retry_ms = 0; }},
+        {"lost_ms: 200 to 60000", [](roburoc4_config &c) { c.lost_ms = 0; }},
+        {"fresh_ms: 50 to 1000", [](roburoc4_config &c) { c.fresh_ms = 0; }},
+        {"drive_period_ms: 10 to 500", [](roburoc4_config &c) { c.drive_period_ms = 0; }},
+        {"lease_ms: 20 to 1000", [](roburoc4_config &c) { c.lease_ms = 0; }},
+        {"robot_watchdog_ms: 100 to 60000", [](roburoc4_config &c) { c.robot_watchdog_ms = 0; }},
+        {"options: unknown bit", [](roburoc4_config &c) { c.options = 8; }},
+        {"resume: unknown bit", [](roburoc4_config &c) { c.resume = 8; }},
+        {"max_linear_m_s: 0.001 to 20", [](roburoc4_config &c) { c.max_linear_m_s = 0; }},
+        {"max_angular_rad_s: 0.001 to 50", [](roburoc4_config &c) { c.max_angular_rad_s = 0; }},
+        {"scale_linear: 0.01 to 10", [](roburoc4_config &c) { c.scale_linear = 0; }},
+        {"scale_angular: 0.01 to 10", [](roburoc4_config &c) { c.scale_angular = 0; }},
+        {"drive_period_ms: at most half of lease_ms",
+         [](roburoc4_config &c) { c.drive_period_ms = 126; }},
+        {"period_ms: multiples of 10, 10 to 2550", [](roburoc4_config &c) { c.period_ms[6] = 0; }},
+        {"role_index: -1, or an index to 63 (battery voltage: 31)",
+         [](roburoc4_config &c) { c.role_index[0] = 64; }},
+    };
+    for (const auto &[error, change] : errors) {
+        roburoc4_config config = default_config();
+        change(config);
+        EXPECT_STREQ(error, roburoc4_config_error(&config));
+    }
 }
 
 TEST(Config, DrivePeriodIsAtMostHalfOfTheLease) {
@@ -221,6 +253,15 @@ TEST(Struct, OfAnotherSizeIsRefused) {
     EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_client_facts(&bench.client, 1, &facts));
     EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_client_link(&bench.client, 1, &link));
     EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_client_service_link(&bench.client, 2, 1, &service));
+    for (const int more : {-4, -1, 1, 4}) {
+        facts.size = static_cast<std::uint32_t>(static_cast<int>(sizeof facts) + more);
+        link.size = static_cast<std::uint32_t>(static_cast<int>(sizeof link) + more);
+        service.size = static_cast<std::uint32_t>(static_cast<int>(sizeof service) + more);
+        EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_client_facts(&bench.client, 1, &facts)) << more;
+        EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_client_link(&bench.client, 1, &link)) << more;
+        EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_client_service_link(&bench.client, 2, 1, &service))
+            << more;
+    }
     service.size = sizeof service;
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_client_service_link(&bench.client, 1, 1, &service));
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_client_service_link(&bench.client, 7, 1, &service));

@@ -80,6 +80,33 @@ TEST(Link, PeriodIsTheObservedOneWhereTheRobotUsesAnother) {
     }
 }
 
+TEST(Link, LossOfBeforeIsKeptWhereThePeriodTurnsOutToBeLonger) {
+    struct Periods {
+        std::uint8_t asked, used;
+    };
+    for (const Periods &cycles : {Periods{6, 10}, Periods{2, 10}, Periods{1, 25}}) {
+        SCOPED_TRACE(int{cycles.asked});
+        ScriptedRobot robot;
+        roburoc4_config config = default_config();
+        config.lost_ms = 5000;
+        Bench bench(robot, config);
+        bench.ready();
+        int to_drop = 3;
+        bench.drop_to_client = [&](const Bytes &bytes) {
+            return bytes[0] == 0xFF && bytes[1] == 6 && to_drop-- > 0;
+        };
+        bench.run(second);
+        ASSERT_EQ(3U, bench.service_link(differential).lost);
+        ASSERT_TRUE(bench.run_until([&] { return robot.cycles() % 50 == 2; }));
+        robot.forced_period = cycles.used;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_client_subscribe(&bench.client, differential,
+                                                         cycles.asked * 10U, bench.client_us()));
+        bench.run(20 * second);
+        EXPECT_EQ(cycles.used * 10000U, bench.service_link(differential).period_us);
+        EXPECT_EQ(3U, bench.service_link(differential).lost) << "what was never sent";
+    }
+}
+
 TEST(Link, CountsDuplicatesAndLateOnesAndTakesLateOnesOffTheLost) {
     ScriptedRobot robot;
     Bench bench(robot);
@@ -97,8 +124,32 @@ TEST(Link, CountsDuplicatesAndLateOnesAndTakesLateOnesOffTheLost) {
     EXPECT_EQ(1U, bench.service_link(differential).late);
     EXPECT_EQ(2U, bench.service_link(differential).duplicates);
     EXPECT_EQ(1U, bench.service_link(differential).lost);
+    EXPECT_GT(bench.service_link(differential).loss, 0.0F);
     EXPECT_EQ(ROBUROC4_ERR_OLD, bench.receive(robot.status_at(differential, base + 5)));
     EXPECT_EQ(0U, bench.service_link(differential).lost);
+    EXPECT_EQ(0.0F, bench.service_link(differential).loss) << "all of them arrived";
+    EXPECT_EQ(ROBUROC4_ERR_OLD, bench.receive(robot.status_at(differential, base + 13)));
+    EXPECT_EQ(0U, bench.service_link(differential).lost) << "one that nobody missed";
+}
+
+TEST(Link, AStatusThatIsVeryLateIsLateAndNoDuplicate) {
+    ScriptedRobot robot;
+    roburoc4_config config = default_config();
+    config.period_ms[differential] = 10;
+    Bench bench(robot, config);
+    bench.ready();
+    Bytes held;
+    bench.drop_to_client = [&](const Bytes &bytes) {
+        const bool hold = held.empty() && bytes[0] == 0xFF && bytes[1] == 6;
+        if (hold)
+            held = bytes;
+        return hold;
+    };
+    bench.run(700 * ms);
+    ASSERT_FALSE(held.empty());
+    EXPECT_EQ(ROBUROC4_ERR_OLD, bench.receive(held));
+    EXPECT_EQ(1U, bench.service_link(differential).late);
+    EXPECT_EQ(0U, bench.service_link(differential).duplicates);
 }
 
 TEST(Link, JitterIsTheSmoothedDeviationOfArrivals) {
@@ -166,6 +217,19 @@ TEST(HostTime, IsUnknownBeforeTheFirstStatus) {
     std::uint64_t host_us = 3;
     EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, roburoc4_client_host_time(&bench.client, 5, &host_us));
     EXPECT_EQ(3U, host_us);
+}
+
+TEST(HostTime, IsThatOfTheArrivalLessHalfOfTheShortestRoundTrip) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    const std::uint64_t power_on_us = bench.now_us - 1000 * ROBUROC4_CYCLE_US;
+    bench.delay_to_client = [] { return 20 * ms; };
+    bench.ready();
+    for (const std::uint64_t cycles : {std::uint64_t{0}, robot.cycles(), robot.cycles() + 77}) {
+        std::uint64_t host_us = 0;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_client_host_time(&bench.client, cycles, &host_us));
+        EXPECT_EQ(power_on_us + cycles * ROBUROC4_CYCLE_US + 20 * ms - 10 * ms, host_us);
+    }
 }
 
 TEST(HostTime, IsWithinTenMillisecondsPlusTheJitter) {

@@ -182,6 +182,19 @@ TEST(Relocalize, ThatIsNotAnsweredEndsAfterTwoSeconds) {
     EXPECT_TRUE(robot.seen(ROBUROC4_ACTION_REPLACE).empty());
 }
 
+TEST(Relocalize, EndsToTheMicrosecondForWhoPollsAtTheDeadlineOnly) {
+    ScriptedRobot robot;
+    robot.replace_silent = true;
+    Bench bench(robot);
+    bench.ready();
+    bench.run(3700); /* so that neither a status nor a question falls on its end */
+    const std::uint64_t since_us = bench.now_us;
+    ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
+    ASSERT_TRUE(
+        bench.run_until([&] { return bench.facts().relocalize_result == ROBUROC4_ERR_TIMEOUT; }));
+    EXPECT_EQ(2 * second, bench.now_us - since_us);
+}
+
 TEST(Relocalize, LaterOneReplacesAnOpenOne) {
     ScriptedRobot robot;
     robot.replace_silent = true;
@@ -318,6 +331,23 @@ TEST(Unsubscribe, SurvivesARefusalAndDropsWhatComesAllTheSame) {
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
 }
 
+/* It may be another client's: whether they share them is not known. */
+TEST(Unsubscribe, EndsNothingThatThisClientNeverSubscribedTo) {
+    ScriptedRobot robot;
+    roburoc4_config config = default_config();
+    config.subscriptions &= ~(1U << ROBUROC4_SERVICE_TELEMETER);
+    Bench bench(robot, config);
+    bench.ready();
+    EXPECT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_TELEMETER));
+    bench.run(2 * second);
+    EXPECT_EQ(0U, robot.seen(ROBUROC4_ACTION_DELETE).size());
+    EXPECT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_BATTERY));
+    bench.run(2 * second);
+    EXPECT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_BATTERY)) << "once is enough";
+    bench.run(2 * second);
+    EXPECT_EQ(1U, robot.seen(ROBUROC4_ACTION_DELETE).size());
+}
+
 TEST(Unsubscribe, ThenSubscribeBringsTheStatusesBack) {
     ScriptedRobot robot;
     Bench bench(robot);
@@ -329,4 +359,41 @@ TEST(Unsubscribe, ThenSubscribeBringsTheStatusesBack) {
     bench.run(second);
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_TELEMETER);
     EXPECT_EQ(5, robot.subscriptions[3]);
+}
+
+TEST(Subscribe, AsksAtOnceWhateverWasRefusedUnansweredOrEndedBefore) {
+    for (int way = 0; way < 4; way++) {
+        SCOPED_TRACE(way);
+        ScriptedRobot robot;
+        ScriptedService &telemeter = robot.service(ROBUROC4_SERVICE_TELEMETER);
+        telemeter.insert_refused = way == 0;
+        Bench bench(robot);
+        bench.ready();
+        telemeter.insert_refused = false;
+        if (way == 1) { /* is asked for with another period, in vain so far */
+            telemeter.insert_silent = true;
+            ASSERT_EQ(ROBUROC4_OK, subscribe(bench, ROBUROC4_SERVICE_TELEMETER, 200));
+            bench.run(450 * ms);
+            telemeter.insert_silent = false;
+        } else if (way == 2) { /* its end is owed, and not sent yet */
+            ASSERT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_TELEMETER));
+        } else if (way == 3) { /* its end is sent, and not answered yet */
+            bench.drop_to_robot = [](const Bytes &) { return true; };
+            ASSERT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_TELEMETER));
+            bench.pump();
+            bench.drop_to_robot = nullptr;
+        }
+        robot.requests.clear();
+        const auto cycles = [&] {
+            const auto found = robot.subscriptions.find(3);
+            return found == robot.subscriptions.end() ? 0 : int{found->second};
+        };
+        ASSERT_EQ(ROBUROC4_OK, subscribe(bench, ROBUROC4_SERVICE_TELEMETER, 70));
+        bench.pump();
+        EXPECT_EQ(7, cycles());
+        bench.run(2 * second);
+        EXPECT_EQ(7, cycles()) << "nothing of before ends it";
+        EXPECT_EQ(1U, robot.seen(ROBUROC4_ACTION_INSERT).size());
+        EXPECT_EQ(0U, robot.seen(ROBUROC4_ACTION_DELETE).size());
+    }
 }

@@ -122,6 +122,60 @@ TEST(Rediscovery, AStopIsNotForgottenWhenTheServiceGetsAnotherId) {
     EXPECT_GE(zeros, 3);
 }
 
+/* Where no type tells, the directory alone does not say that the old id is another service. */
+TEST(Rediscovery, AStopGoesToNoServiceThatIsKnownToBeAnother) {
+    for (const std::uint16_t before : {std::uint16_t{6}, std::uint16_t{3}}) {
+        SCOPED_TRACE(before);
+        const std::uint16_t after = before == 6 ? 3 : 6;
+        ScriptedRobot robot;
+        for (ScriptedService &s : robot.services)
+            s.type = static_cast<std::uint16_t>(0x5000 + s.kind);
+        if (before != 6)
+            swap_ids(robot);
+        Bench bench(robot);
+        bench.ready();
+        ASSERT_EQ(before, roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_DIFFERENTIAL));
+        swap_ids(robot);
+        robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).get_silent = true;
+        ASSERT_TRUE(bench.run_until([&] {
+            return roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_DIFFERENTIAL) ==
+                   after;
+        }));
+        ASSERT_EQ(ROBUROC4_OK, bench.stop());
+        bench.sent.clear();
+        bench.run(200 * ms);
+        EXPECT_TRUE(bench.commands().empty()) << "to the telemeters";
+        robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).get_silent = false;
+        ASSERT_TRUE(bench.run_until([&] { return bench.commands().size() >= 3; }));
+        EXPECT_EQ(0U, bench.speeds());
+    }
+}
+
+/* Its limits are those of before: another program may run there now. */
+TEST(Rediscovery, WhatGaveItsPropertiesOnceIsNotDrivenWhereItNoLongerDoes) {
+    const std::array<std::function<void(ScriptedService &)>, 3> ways{
+        [](ScriptedService &s) { s.get_silent = true; },
+        [](ScriptedService &s) { s.get_refused = true; },
+        [](ScriptedService &s) { s.get_length = 40; }};
+    for (std::size_t i = 0; i < ways.size(); i++) {
+        SCOPED_TRACE(i);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.armed();
+        robot.powered = false;
+        ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+        robot.powered = true;
+        ways[i](robot.service(ROBUROC4_SERVICE_DIFFERENTIAL));
+        ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+        bench.run(500 * ms);
+        EXPECT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.arm());
+        EXPECT_LT(bench.drive(0.25F, 0), 0);
+        robot.service(ROBUROC4_SERVICE_DIFFERENTIAL) = usual_services().back();
+        bench.run(8 * second); /* the probe asks again */
+        EXPECT_EQ(ROBUROC4_OK, bench.arm());
+    }
+}
+
 TEST(Rediscovery, ARobotThatKnowsOnlyTheManualIdIsFoundHoweverLateItIsSwitchedOn) {
     ScriptedRobot robot;
     robot.only_manual_id = true;

@@ -235,6 +235,73 @@ TEST(ErrorTelegram, ThatFitsNothingIsCounted) {
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_REFUSED));
 }
 
+TEST(ErrorTelegram, BelongsToARequestByEveryByteThatItHas) {
+    const Bytes fitting{0, ROBUROC4_ACTION_GET, 0, 0, ROBUROC4_ERROR_TARGET};
+    for (std::size_t length = 1; length <= fitting.size(); length++)
+        for (std::size_t wrong = 1; wrong < 4; wrong++) {
+            SCOPED_TRACE(std::to_string(length) + " bytes, wrong one " + std::to_string(wrong));
+            ScriptedRobot robot;
+            robot.instead = [](const roburoc4_request &, std::vector<Bytes> &) { return true; };
+            Bench bench(robot);
+            bench.start(); /* the directory is asked for */
+            Bytes error(fitting.begin(), fitting.begin() + static_cast<std::ptrdiff_t>(length));
+            if (wrong < length)
+                error[wrong] ^= 1;
+            /* of the target both bytes or none tell */
+            const bool seen = wrong < length && (wrong == 1 || length >= 4);
+            EXPECT_EQ(seen ? ROBUROC4_ERR_UNMATCHED : ROBUROC4_OK, bench.receive(error));
+            EXPECT_EQ(seen ? 0U : 1U, bench.count(ROBUROC4_COUNT_REFUSED));
+        }
+}
+
+/* Four of them would leave no room for anything else. */
+TEST(Probe, ThatIsNeverAnsweredIsGivenUpAndHoldsNothingUp) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    for (ScriptedService &s : robot.services)
+        s.get_silent = true;
+    for (int i = 0; i < 10; i++) {
+        bench.run(6 * second);
+        ASSERT_EQ(ROBUROC4_OK,
+                  roburoc4_client_relocalize(&bench.client, i, 0, 0, bench.client_us()));
+        bench.pump();
+        EXPECT_EQ(static_cast<double>(i), robot.pose[0]) << "it was sent at once";
+    }
+    EXPECT_GE(bench.count(ROBUROC4_COUNT_ABANDONED), 45U) << "five of six questions in a minute";
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+}
+
+TEST(Answer, WithSurplusBytesIsUsedWhateverItIs) {
+    for (const std::size_t surplus : {std::size_t{1}, std::size_t{9}}) {
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.drop_to_client = [&](const Bytes &bytes) {
+            if (bytes[0] == ROBUROC4_HEADER_STATUS)
+                return false;
+            Bytes longer = bytes;
+            longer.resize(bytes.size() + surplus, 0x5A);
+            EXPECT_GE(bench.receive(longer), 0) << to_hex(longer);
+            return true;
+        };
+        bench.ready();
+        bench.run(10 * second);
+        EXPECT_EQ(5U, robot.seen(ROBUROC4_ACTION_INSERT).size());
+        EXPECT_EQ(1, bench.facts().descriptions_done);
+        EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_RETRIES)) << "none is asked for again";
+        EXPECT_GE(bench.count(ROBUROC4_COUNT_SURPLUS), 6U);
+        roburoc4_iocard_properties iocard;
+        roburoc4_battery_properties battery;
+        roburoc4_localization_properties localization;
+        EXPECT_EQ(ROBUROC4_OK, roburoc4_client_iocard_properties(&bench.client, &iocard));
+        EXPECT_EQ(ROBUROC4_OK, roburoc4_client_battery_properties(&bench.client, &battery));
+        EXPECT_EQ(ROBUROC4_OK,
+                  roburoc4_client_localization_properties(&bench.client, &localization));
+        EXPECT_EQ(2U, roburoc4_client_telemeter_count(&bench.client));
+        EXPECT_EQ(ROBUROC4_OK, bench.arm());
+    }
+}
+
 TEST(ErrorTelegram, IsAnErrorEvenWhenItsErrorByteIsZero) {
     ScriptedRobot robot;
     robot.instead = [](const roburoc4_request &r, std::vector<Bytes> &answers) {

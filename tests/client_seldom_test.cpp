@@ -114,11 +114,11 @@ TEST(Seldom, MoreChannelsThanCanBeStoredAreSaidOnce) {
                   roburoc4_client_set_digital_output(&bench.client, 1, 1, bench.client_us()))
             << "a command carries all outputs";
     }
-    for (const roburoc4_iocard_properties &card :
-         {roburoc4_iocard_properties{32, 16, 64, 64, 0, 0}}) {
+    for (const roburoc4_iocard_properties &card : {roburoc4_iocard_properties{32, 16, 64, 64, 0, 0},
+                                                   roburoc4_iocard_properties{9, 0, 22, 8, 0, 0}}) {
         ScriptedRobot robot;
         robot.iocard = card;
-        robot.analog.resize(32);
+        robot.analog.resize(static_cast<std::size_t>(card.analog_inputs));
         Bench bench(robot);
         bench.start();
         ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
@@ -167,7 +167,49 @@ TEST(Seldom, PropertiesThatAreCutShortAreNotKnown) {
                   roburoc4_client_iocard_properties(&bench.client, &iocard) < 0);
         EXPECT_EQ(service == ROBUROC4_SERVICE_TELEMETER ? 0U : 2U,
                   roburoc4_client_telemeter_count(&bench.client));
+        bench.take_events();
+        bench.run(20 * second);
+        EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_PROPERTIES) << "however often it is read";
     }
+}
+
+TEST(Seldom, PropertiesThatAreCutShortLeaveThoseOfBefore) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    std::array<roburoc4_telemeter, 2> before{};
+    for (std::uint32_t i = 0; i < 2; i++)
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_client_telemeter(&bench.client, i, &before[i]));
+    robot.service(ROBUROC4_SERVICE_TELEMETER).get_length = 8;
+    bench.drop_to_client = [](const Bytes &) {
+        /* what is left on the stack would be read where nothing was decoded */
+        volatile std::uint8_t litter[16384];
+        for (volatile std::uint8_t &byte : litter)
+            byte = 1;
+        return false;
+    };
+    bench.run(20 * second);
+    EXPECT_GT(bench.count(ROBUROC4_COUNT_SHORT), 0U);
+    EXPECT_EQ(2U, roburoc4_client_telemeter_count(&bench.client));
+    for (std::uint32_t i = 0; i < 2; i++) {
+        roburoc4_telemeter now;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_client_telemeter(&bench.client, i, &now));
+        EXPECT_EQ(0, std::memcmp(&before[i], &now, sizeof now)) << i;
+    }
+    EXPECT_FALSE(bench.take_events() & (ROBUROC4_EVENT_PROPERTIES | ROBUROC4_EVENT_CAPACITY));
+}
+
+TEST(Seldom, AnotherCardHasNoKnownOverrideBeforeItsFirstStatus) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    ASSERT_EQ(1, bench.facts().override_known);
+    robot.service(ROBUROC4_SERVICE_IOCARD).mute = true;
+    robot.iocard.digital_outputs = 9; /* so that the input of the override has the same index */
+    ASSERT_TRUE(bench.run_until(
+        [&] { return (bench.take_events() & ROBUROC4_EVENT_PROPERTIES) != 0; }, 20 * second));
+    EXPECT_EQ(0, bench.facts().override_known);
+    EXPECT_EQ(0, bench.facts().overridden);
 }
 
 TEST(Seldom, ZerosAreOwedOnWhereADirectoryComesThatListsNothing) {
@@ -243,4 +285,55 @@ TEST(Seldom, NoPoseWasSetBeforeOneIsSet) {
     ScriptedRobot robot;
     const Bench bench(robot);
     EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result);
+}
+
+TEST(Seldom, AClockThatStepsBackChangesNoCounterButItsOwn) {
+    ScriptedRobot robot;
+    robot.service(ROBUROC4_SERVICE_BATTERY).get_silent = true; /* retries are counted */
+    Bench bench(robot);
+    bench.ready();
+    for (const Bytes &bad : {Bytes{}, Bytes{7, 0, 0, 0, 0}, Bytes{0xFF, 9, 0}})
+        EXPECT_LT(bench.receive(bad), 0);
+    std::array<std::uint32_t, ROBUROC4_COUNTERS> before{};
+    for (std::uint32_t i = 0; i < ROBUROC4_COUNTERS; i++)
+        before[i] = bench.count(i);
+    bench.skew_us -= 900000000;
+    EXPECT_EQ(ROBUROC4_OK, bench.disarm());
+    for (std::uint32_t i = 0; i < ROBUROC4_COUNTERS; i++)
+        EXPECT_EQ(before[i] + (i == ROBUROC4_COUNT_CLOCK_FAULTS ? 1 : 0), bench.count(i)) << i;
+}
+
+/* But for the next request's id, which goes on, and for events that nobody has taken yet. */
+TEST(Seldom, AClientThatStartsAgainIsAsOneThatStartsForTheFirstTime) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0.5F, 200 * ms));
+    ASSERT_EQ(ROBUROC4_OK,
+              roburoc4_client_set_digital_output(&bench.client, 3, 1, bench.client_us()));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_relocalize(&bench.client, 1, 2, 3, bench.client_us()));
+    bench.run(10 * ms);
+    robot.powered = false;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+    EXPECT_EQ(ROBUROC4_OK, bench.stop());
+    EXPECT_EQ(ROBUROC4_OK, bench.close());
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_IDLE));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_start(&bench.client, bench.client_us()));
+    roburoc4_client first{};
+    const roburoc4_config config = default_config();
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_init(&first, sizeof first, &config));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_start(&first, bench.client_us()));
+    first.private_requests.last_id = bench.client.private_requests.last_id;
+    first.private_events = bench.client.private_events;
+    EXPECT_EQ(0, std::memcmp(&first, &bench.client, sizeof first));
+}
+
+TEST(Seldom, SilenceBeforeTheFirstDatagramCountsFromTheStart) {
+    ScriptedRobot robot;
+    robot.powered = false;
+    Bench bench(robot);
+    bench.start();
+    EXPECT_EQ(0U, bench.link().silence_us);
+    bench.run(3 * second);
+    EXPECT_EQ(3 * second, bench.link().silence_us);
 }

@@ -307,4 +307,7 @@ TEST(Capacity, TelemetersBeyondAreReportedAndNotStored) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_distances(&bench.client, &distances, nullptr));
     EXPECT_EQ(16U, distances.count);
     EXPECT_EQ(0.5F, distances.distance_m[15]);
+    EXPECT_EQ(0U, bench.client.private_values.reserved) << "what lies behind the last";
+    for (const std::uint32_t reserved : bench.client.private_reserved)
+        EXPECT_EQ(0U, reserved);
 }

@@ -17,6 +17,51 @@ Bytes longer(Bytes bytes, std::size_t by) {
     return bytes;
 }
 
+/** Ids that are not the manual's. */
+void renumber(ScriptedRobot &robot) {
+    for (ScriptedService &service : robot.services)
+        service.id =
+            static_cast<std::uint16_t>(service.kind < 2 ? service.kind : 0x1230 + service.kind);
+}
+
+/** The getter gives these bytes, whatever was in its memory before. None of the structs has gaps.
+ */
+template <typename T, typename Getter> void expect_all(const T &expected, Getter getter) {
+    T given;
+    memset(&given, 0xA5, sizeof given);
+    ASSERT_EQ(ROBUROC4_OK, getter(&given));
+    const auto bytes = [](const T &of) {
+        const auto *from = reinterpret_cast<const std::uint8_t *>(&of);
+        return to_hex(Bytes(from, from + sizeof of));
+    };
+    EXPECT_EQ(bytes(expected), bytes(given));
+}
+
+/** Each property that the client gives is the robot's. */
+void expect_properties(const Bench &bench, const ScriptedRobot &robot) {
+    const roburoc4_client *client = &bench.client;
+    expect_all(robot.iocard, [&](roburoc4_iocard_properties *out) {
+        return roburoc4_client_iocard_properties(client, out);
+    });
+    expect_all(robot.battery, [&](roburoc4_battery_properties *out) {
+        return roburoc4_client_battery_properties(client, out);
+    });
+    expect_all(robot.localization, [&](roburoc4_localization_properties *out) {
+        return roburoc4_client_localization_properties(client, out);
+    });
+    expect_all(robot.differential, [&](roburoc4_differential_properties *out) {
+        return roburoc4_client_differential_properties(client, out);
+    });
+    ASSERT_EQ(robot.telemeters.size(), roburoc4_client_telemeter_count(client));
+    for (std::uint32_t i = 0; i < robot.telemeters.size(); i++) {
+        roburoc4_telemeter telemeter = robot.telemeters[i];
+        telemeter.distance_m = robot.distances[i]; /* the latest status's */
+        expect_all(telemeter, [&](roburoc4_telemeter *out) {
+            return roburoc4_client_telemeter(client, i, out);
+        });
+    }
+}
+
 } // namespace
 
 TEST(Value, IsUnknownBeforeTheFirstStatus) {
@@ -83,6 +128,69 @@ TEST(Value, IsTheLatestStatusWithItsRobotTimeAndHostTime) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_differential(&bench.client, &speeds, nullptr));
     EXPECT_EQ(0.05F, speeds.current_linear_m_s);
     EXPECT_EQ(-0.0625F, speeds.current_angular_rad_s);
+}
+
+TEST(Value, IsAllThatTheStatusSaidAndNothingElse) {
+    ScriptedRobot robot;
+    renumber(robot);
+    robot.follows = false;
+    robot.target_linear = 0.125F;
+    robot.current_linear = -0.25F;
+    robot.target_angular = 0.5F;
+    robot.current_angular = -1;
+    robot.pose = {1.5, -2.5, 3.125};
+    robot.digital = 0x2A5A5A;
+    for (std::size_t i = 0; i < robot.analog.size(); i++)
+        robot.analog[i] = 0.5F + static_cast<float>(i);
+    Bench bench(robot);
+    bench.ready();
+    std::uint64_t host_us = 0;
+    Bytes bytes;
+    const auto receive = [&](std::uint32_t service) {
+        bench.now_us += 100;
+        bytes = robot.status_at(service, robot.cycles() + 1);
+        EXPECT_EQ(0, bench.receive(bytes));
+        host_us = 0;
+    };
+
+    receive(ROBUROC4_SERVICE_BATTERY);
+    roburoc4_battery_status battery;
+    ASSERT_EQ(0, roburoc4_decode_battery_status(bytes.data(), bytes.size(), &battery));
+    expect_all(battery, [&](roburoc4_battery_status *out) {
+        return roburoc4_client_battery(&bench.client, out, &host_us);
+    });
+    EXPECT_EQ(bench.now_us, host_us);
+
+    receive(ROBUROC4_SERVICE_LOCALIZATION);
+    roburoc4_localization_status pose;
+    ASSERT_EQ(0, roburoc4_decode_localization_status(bytes.data(), bytes.size(), &pose));
+    expect_all(pose, [&](roburoc4_localization_status *out) {
+        return roburoc4_client_localization(&bench.client, out, &host_us);
+    });
+    EXPECT_EQ(bench.now_us, host_us);
+
+    receive(ROBUROC4_SERVICE_DIFFERENTIAL);
+    roburoc4_differential_status speeds;
+    ASSERT_EQ(0, roburoc4_decode_differential_status(bytes.data(), bytes.size(), &speeds));
+    expect_all(speeds, [&](roburoc4_differential_status *out) {
+        return roburoc4_client_differential(&bench.client, out, &host_us);
+    });
+    EXPECT_EQ(bench.now_us, host_us);
+
+    receive(ROBUROC4_SERVICE_IOCARD);
+    roburoc4_inputs inputs{robot.cycles() + 1, robot.digital, {}, 9, 22};
+    std::copy(robot.analog.begin(), robot.analog.end(), inputs.analog);
+    expect_all(inputs, [&](roburoc4_inputs *out) {
+        return roburoc4_client_inputs(&bench.client, out, &host_us);
+    });
+    EXPECT_EQ(bench.now_us, host_us);
+
+    receive(ROBUROC4_SERVICE_TELEMETER);
+    const roburoc4_distances distances{robot.cycles() + 1, {1.5F, 2.5F}, 2, 0};
+    expect_all(distances, [&](roburoc4_distances *out) {
+        return roburoc4_client_distances(&bench.client, out, &host_us);
+    });
+    EXPECT_EQ(bench.now_us, host_us);
 }
 
 TEST(Value, RaisesTheEventOfItsServiceAndNoOther) {
@@ -195,24 +303,78 @@ TEST(Properties, AreUnknownFirstThenTheRobots) {
     EXPECT_EQ(2.5F, telemeter.distance_m);
 }
 
-TEST(Properties, ThatChangeRaiseTheEvent) {
+TEST(Properties, AreAllThatTheRobotSaidAndNothingElse) {
+    ScriptedRobot robot;
+    renumber(robot);
+    robot.iocard.analog_outputs = 3;
+    robot.telemeters = {{0.5F, 0.25F, 1, 0.125F, 0.75F, 6, 0}, {-1, -2, -3, 4, 5, 7, 0}};
+    robot.localization = {1, 2, 3, 0x5A, 0, 0};
+    robot.differential = {0.1F, 0.2F, 0.3F, 0.4F, 2.6F,  -2.5F, 6.5F, -6.25F,
+                          3,    -4,   8,    -9,   0.68F, 0,     0};
+    Bench bench(robot);
+    bench.ready();
+    expect_properties(bench, robot);
+}
+
+TEST(Properties, OfWhichAnyFieldChangesRaiseTheEvent) {
     const std::vector<std::function<void(ScriptedRobot &)>> changes{
-        [](ScriptedRobot &r) { r.iocard.digital_outputs = 9; },
-        [](ScriptedRobot &r) { r.telemeters[0].x_m = 0.7F; },
-        [](ScriptedRobot &r) { r.battery.minimum_percent = 30; },
-        [](ScriptedRobot &r) { r.localization.x_m = 4; },
-        [](ScriptedRobot &r) { r.differential.max_linear_m_s = 1.5F; },
+        [](ScriptedRobot &r) {
+            r.iocard.analog_inputs++;
+            r.analog.push_back(1);
+        },
+        [](ScriptedRobot &r) { r.iocard.analog_outputs++; },
+        [](ScriptedRobot &r) { r.iocard.digital_inputs++; },
+        [](ScriptedRobot &r) { r.iocard.digital_outputs++; },
+        [](ScriptedRobot &r) { r.telemeters[0].x_m++; },
+        [](ScriptedRobot &r) { r.telemeters[0].y_m++; },
+        [](ScriptedRobot &r) { r.telemeters[0].theta_rad++; },
+        [](ScriptedRobot &r) { r.telemeters[0].field_of_view_rad++; },
+        [](ScriptedRobot &r) { r.telemeters[0].min_distance_m++; },
+        [](ScriptedRobot &r) { r.telemeters[0].max_distance_m++; },
+        [](ScriptedRobot &r) { r.telemeters[1].max_distance_m++; },
+        [](ScriptedRobot &r) { r.telemeters.pop_back(); },
+        [](ScriptedRobot &r) { r.telemeters.clear(); },
+        [](ScriptedRobot &r) { r.battery.nominal_voltage_v++; },
+        [](ScriptedRobot &r) { r.battery.capacity_ah++; },
+        [](ScriptedRobot &r) { r.battery.minimum_percent++; },
+        [](ScriptedRobot &r) { r.localization.x_m++; },
+        [](ScriptedRobot &r) { r.localization.y_m++; },
+        [](ScriptedRobot &r) { r.localization.theta_rad++; },
+        [](ScriptedRobot &r) { r.localization.flags++; },
+        [](ScriptedRobot &r) { r.differential.max_linear_m_s++; },
+        [](ScriptedRobot &r) { r.differential.min_linear_m_s--; },
+        [](ScriptedRobot &r) { r.differential.max_angular_rad_s++; },
+        [](ScriptedRobot &r) { r.differential.min_angular_rad_s--; },
+        [](ScriptedRobot &r) { r.differential.max_linear_m_s2++; },
+        [](ScriptedRobot &r) { r.differential.min_linear_m_s2--; },
+        [](ScriptedRobot &r) { r.differential.max_angular_rad_s2++; },
+        [](ScriptedRobot &r) { r.differential.min_angular_rad_s2--; },
+        [](ScriptedRobot &r) { r.differential.width_m++; },
     };
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
     for (std::size_t i = 0; i < changes.size(); i++) {
-        ScriptedRobot robot;
-        Bench bench(robot);
-        bench.ready();
+        SCOPED_TRACE(i);
         bench.run(10 * second);
         EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_PROPERTIES) << "nothing changed yet";
         changes[i](robot);
         bench.run(10 * second);
-        EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_PROPERTIES) << i;
+        EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_PROPERTIES);
+        expect_properties(bench, robot);
     }
+    /* what is true of a moment only is no property */
+    robot.telemeters.push_back({});
+    bench.run(10 * second);
+    bench.take_events();
+    robot.telemeters[0].distance_m++;
+    robot.differential.target_linear_m_s++;
+    robot.differential.current_linear_m_s++;
+    robot.differential.target_angular_rad_s++;
+    robot.differential.current_angular_rad_s++;
+    bench.run(10 * second);
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_PROPERTIES);
+    expect_properties(bench, robot);
 }
 
 /* ---- texts ---- */
@@ -347,6 +509,33 @@ TEST(Role, OfTheUserBeatsTextAndTable) {
     EXPECT_EQ(1, bench.facts().overridden);
 }
 
+TEST(Role, MayBeTheVeryFirstInput) {
+    for (const bool by_text : {false, true}) {
+        SCOPED_TRACE(by_text);
+        ScriptedRobot robot;
+        roburoc4_config config = default_config();
+        if (by_text)
+            robot.channel_text = [](std::uint32_t io_type, std::uint32_t index) -> std::string {
+                return io_type == ROBUROC4_IO_DIGITAL_INPUT && index == 0 ? "Game pad A button"
+                                                                          : "?";
+            };
+        else
+            config.role_index[ROBUROC4_ROLE_OVERRIDE] = 0;
+        Bench bench(robot, config);
+        bench.ready();
+        EXPECT_EQ(0, role(bench, ROBUROC4_ROLE_OVERRIDE));
+        EXPECT_EQ(1, bench.facts().override_known);
+        EXPECT_EQ(ROBUROC4_OK, bench.arm());
+        bench.take_events();
+        robot.press(0);
+        bench.run(100 * ms);
+        EXPECT_EQ(1, bench.facts().overridden);
+        EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_OVERRIDE);
+        EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, bench.facts().disarm_cause);
+        EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, bench.arm());
+    }
+}
+
 TEST(Role, BeyondTheRobotsInputsIsUnknownAndBeyondTheRangeRefused) {
     ScriptedRobot robot;
     Bench bench(robot);
@@ -376,6 +565,22 @@ TEST(Role, BumpersAreFacts) {
     bench.run(100 * ms);
     EXPECT_EQ(0, bench.facts().front_bumper);
     EXPECT_EQ(1, bench.facts().rear_bumper);
+}
+
+/* ---- speeds ---- */
+
+TEST(Facts, TellTheSpeedsThatWereSentLast) {
+    ScriptedRobot robot;
+    roburoc4_config config = default_config();
+    config.max_angular_rad_s = 0.75F;
+    Bench bench(robot, config);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, -2, 100 * ms));
+    EXPECT_EQ(0.5F, bench.facts().linear_m_s);
+    EXPECT_EQ(-0.75F, bench.facts().angular_rad_s) << "as it was clamped";
+    bench.run(second);
+    EXPECT_EQ(0.0F, bench.facts().linear_m_s);
+    EXPECT_EQ(0.0F, bench.facts().angular_rad_s);
 }
 
 /* ---- battery ---- */
@@ -415,6 +620,40 @@ TEST(Battery, CriticalIsAnEventAndLow) {
     robot.battery_percent = 19;
     bench.run(1100 * ms);
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_BATTERY_LOW) << "low after critical";
+}
+
+TEST(Battery, CriticalAfterLowIsAnEvent) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.battery_percent = 19;
+    bench.run(1100 * ms);
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_EVENT_BATTERY_LOW),
+              bench.take_events() & (ROBUROC4_EVENT_BATTERY_LOW | ROBUROC4_EVENT_BATTERY_CRITICAL));
+    robot.battery_state = ROBUROC4_BATTERY_CRITICAL;
+    bench.run(1100 * ms);
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_EVENT_BATTERY_CRITICAL),
+              bench.take_events() & (ROBUROC4_EVENT_BATTERY_LOW | ROBUROC4_EVENT_BATTERY_CRITICAL));
+}
+
+TEST(Battery, HasNoMinimumWhereTheRobotDoesNotSayItAnyMore) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.service(ROBUROC4_SERVICE_BATTERY).get_refused = true;
+    robot.powered = false;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+    robot.reboot();
+    robot.powered = true;
+    ASSERT_TRUE(bench.run_until([&] { return bench.count(ROBUROC4_COUNT_REBOOTS) == 1; }));
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    bench.take_events();
+    robot.battery_percent = 5;
+    bench.run(2 * second);
+    roburoc4_battery_properties properties;
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, roburoc4_client_battery_properties(&bench.client, &properties));
+    EXPECT_EQ(0, bench.facts().battery_low);
+    EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_BATTERY_LOW);
 }
 
 TEST(Battery, CriticalAndLowFromTheFirstStatusAreEvents) {

@@ -205,6 +205,66 @@ TEST(CodecLimits, WhatIsReservedIsZero) {
     EXPECT_EQ(0, std::memcmp(command.reserved, zeros.data(), sizeof command.reserved));
 }
 
+namespace {
+
+/** Decoded, it is this and nothing else, whatever was in its memory before: no struct here has
+ *  gaps. */
+template <typename T, typename Decode, std::size_t size>
+void expect_decoded(const T &expected, Decode decode, const std::array<std::uint8_t, size> &bytes) {
+    T decoded;
+    std::memset(&decoded, 0xA5, sizeof decoded);
+    EXPECT_GE(decode(bytes.data(), bytes.size(), &decoded), 0);
+    EXPECT_EQ(0, std::memcmp(&expected, &decoded, sizeof decoded)) << size << " bytes";
+}
+
+} // namespace
+
+TEST(CodecLimits, WhatATelegramDoesNotSayIsZero) {
+    expect_decoded(
+        roburoc4_answer{7, 4, 5, 0, 0x0201, 0, nullptr, 0},
+        [](const std::uint8_t *data, std::size_t size, roburoc4_answer *out) {
+            const auto result = roburoc4_decode_answer(data, size, out);
+            EXPECT_EQ(data + 5, out->payload);
+            out->payload = nullptr;
+            return result;
+        },
+        std::array<std::uint8_t, 5>{7, 4, 1, 2, 5});
+    const std::array<std::uint8_t, 11> head{0xFF, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
+    expect_decoded(roburoc4_status_header{0x0A09080706050403, 0x0201, {}},
+                   roburoc4_decode_status_header, head);
+    expect_decoded(roburoc4_status_header{0, 0x0201, {}}, roburoc4_decode_command_header, head);
+    expect_decoded(roburoc4_differential_command{0, 2, 0x0201, 0},
+                   roburoc4_decode_differential_command,
+                   std::array<std::uint8_t, 11>{0xFF, 1, 2, 0, 0, 0, 0, 0, 0, 0, 0x40});
+    expect_decoded(roburoc4_battery_status{3, 2, 80, 0x0201, 0}, roburoc4_decode_battery_status,
+                   std::array<std::uint8_t, 13>{0xFF, 1, 2, 3, 0, 0, 0, 0, 0, 0, 0, 2, 80});
+    expect_decoded(roburoc4_localization_status{3, 0, 0, 0, 0, 0x0201, 0},
+                   roburoc4_decode_localization_status,
+                   std::array<std::uint8_t, 39>{0xFF, 1, 2, 3});
+    expect_decoded(roburoc4_differential_status{3, 0, 0, 0, 0, 0x0201, {}},
+                   roburoc4_decode_differential_status,
+                   std::array<std::uint8_t, 27>{0xFF, 1, 2, 3});
+    expect_decoded(
+        roburoc4_telemeter_status{3, nullptr, 0, 0x0201, 0},
+        [](const std::uint8_t *data, std::size_t size, roburoc4_telemeter_status *out) {
+            const auto result = roburoc4_decode_telemeter_status(data, size, out);
+            EXPECT_EQ(data + 11, out->distances);
+            out->distances = nullptr;
+            return result;
+        },
+        std::array<std::uint8_t, 11>{0xFF, 1, 2, 3});
+    expect_decoded(roburoc4_battery_properties{0, 0, 20, 0, 0x0201},
+                   roburoc4_decode_battery_properties,
+                   std::array<std::uint8_t, 14>{7, 0, 1, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 20});
+    expect_decoded(roburoc4_localization_properties{0, 0, 0, 0, 0x0201, 0},
+                   roburoc4_decode_localization_properties,
+                   std::array<std::uint8_t, 33>{7, 0, 1, 2});
+    roburoc4_differential_properties differential{};
+    differential.service = 0x0201;
+    expect_decoded(differential, roburoc4_decode_differential_properties,
+                   std::array<std::uint8_t, 57>{7, 0, 1, 2});
+}
+
 TEST(Version, OfTheLibraryIsThatOfItsHeader) {
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_VERSION), roburoc4_version());
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_ABI_VERSION), roburoc4_abi_version());

@@ -125,6 +125,19 @@ TEST(ArmRefused, WithLimitsThatAreNotUsable) {
     }
 }
 
+TEST(Arm, AsksForLimitsOfSpeedOnly) {
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    ScriptedRobot robot;
+    robot.differential.max_linear_m_s2 = robot.differential.min_linear_m_s2 = nan;
+    robot.differential.max_angular_rad_s2 = robot.differential.min_angular_rad_s2 = nan;
+    robot.differential.width_m = nan;
+    robot.differential.target_linear_m_s = robot.differential.current_linear_m_s = nan;
+    robot.differential.target_angular_rad_s = robot.differential.current_angular_rad_s = nan;
+    Bench bench(robot);
+    bench.ready();
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+}
+
 TEST(ArmRefused, WithoutAFreshDifferentialStatus) {
     ScriptedRobot robot;
     Bench bench(robot);

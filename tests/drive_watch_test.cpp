@@ -4,6 +4,8 @@
  */
 #include "client_bench.h"
 
+#include <limits>
+
 using namespace roburoc4_tests;
 
 /* ---- another commander ---- */
@@ -99,6 +101,18 @@ TEST(Foreign, IsSeenAlsoBetweenZeroAndOurTarget) {
     EXPECT_EQ(0, bench.facts().armed);
 }
 
+TEST(Foreign, MayUseTheSpeedThatWeUsedLongAgo) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
+    bench.run(5 * second);
+    robot.follows = false;
+    robot.target_linear = 1;
+    bench.run(200 * ms);
+    EXPECT_EQ(1, bench.facts().foreign) << "nothing was sent for seconds";
+}
+
 TEST(Foreign, CanBeIgnored) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_IGNORE_FOREIGN;
@@ -157,6 +171,20 @@ TEST(Inhibited, IsReportedWhenATargetIsSetButTheRobotStands) {
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
     EXPECT_EQ(0, bench.facts().inhibited);
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_INHIBITED) << "and no longer";
+}
+
+TEST(Inhibited, IsNotForARobotWhoseSpeedIsNoNumber) {
+    for (const bool turning : {false, true}) {
+        ScriptedRobot robot;
+        robot.follows = false;
+        Bench bench(robot);
+        bench.armed();
+        (turning ? robot.target_angular : robot.target_linear) = 1;
+        (turning ? robot.current_angular : robot.current_linear) =
+            std::numeric_limits<float>::quiet_NaN();
+        ASSERT_NO_FATAL_FAILURE(bench.driving(turning ? 0 : 1, turning ? 1 : 0, 2 * second));
+        EXPECT_EQ(0, bench.facts().inhibited) << "nobody knows whether it stands";
+    }
 }
 
 TEST(Inhibited, IsReportedForATurnToo) {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <string>
 
@@ -231,6 +232,84 @@ TEST(Requests, HaveRoomForFourAndNoneTwice) {
     EXPECT_TRUE(roburoc4_requests_free(&r, 0));
     EXPECT_FALSE(roburoc4_requests_free(&r, 1));
     EXPECT_TRUE(roburoc4_requests_begin(&r, &fifth));
+}
+
+/* Behind the four stands, as if it were a fifth, an open one: whoever looks too far finds it. */
+TEST(Requests, NothingBehindTheFourIsReadOrChanged) {
+    struct {
+        requests r;
+        slot behind;
+    } memory{};
+    const ask asked = get(2);
+    memory.behind = {asked, 1, 2, 1, 0, 100000, begin_us};
+    const slot before = memory.behind;
+    requests *r = &memory.r;
+    slot *given_up = nullptr;
+    EXPECT_TRUE(roburoc4_requests_free(r, 3));
+    r->fixed_id = 1;
+    EXPECT_TRUE(roburoc4_requests_free(r, 0));
+    r->fixed_id = 0;
+    EXPECT_FALSE(roburoc4_requests_open(r, &asked));
+    EXPECT_EQ(UINT64_MAX, roburoc4_requests_deadline(r));
+    const std::array<std::uint8_t, 5> answer{2, ROBUROC4_ACTION_GET, 2, 0, 0};
+    EXPECT_EQ(nullptr, roburoc4_requests_match(r, answer.data(), answer.size(), begin_us));
+    EXPECT_EQ(nullptr, roburoc4_requests_due(r, 100, begin_us + second, &given_up));
+    EXPECT_EQ(nullptr, given_up);
+    roburoc4_requests_cancel(r, ROBUROC4_ACTION_GET, 2);
+    roburoc4_requests_cancel_all(r);
+    roburoc4_requests_rebase(r, begin_us - second);
+    roburoc4_requests_clear(r);
+    r->last_id = 1;
+    ASSERT_TRUE(roburoc4_requests_begin(r, &asked)) << "it is not open";
+    const slot *own = roburoc4_requests_due(r, 100, begin_us, &given_up);
+    ASSERT_NE(nullptr, own);
+    EXPECT_EQ(2, own->id) << "no open one has it";
+    for (std::uint8_t kind = 3; kind < 6; kind++) {
+        const ask a = get(kind);
+        EXPECT_TRUE(roburoc4_requests_begin(r, &a));
+    }
+    const ask fifth = get(6);
+    EXPECT_FALSE(roburoc4_requests_begin(r, &fifth));
+    EXPECT_EQ(0, std::memcmp(&before, &memory.behind, sizeof before));
+}
+
+TEST(Requests, AreCancelledByActionAndKindWhereverTheyStand) {
+    for (std::uint8_t cancelled = 2; cancelled < 6; cancelled++) {
+        requests r{};
+        for (std::uint8_t kind = 2; kind < 6; kind++) {
+            const ask a = get(kind);
+            ASSERT_TRUE(roburoc4_requests_begin(&r, &a));
+        }
+        roburoc4_requests_cancel(&r, ROBUROC4_ACTION_INSERT, cancelled);
+        EXPECT_FALSE(roburoc4_requests_free(&r, 0)) << "that was another question";
+        roburoc4_requests_cancel(&r, ROBUROC4_ACTION_GET, cancelled);
+        for (std::uint8_t kind = 2; kind < 6; kind++) {
+            const ask a = get(kind);
+            EXPECT_EQ(kind != cancelled, roburoc4_requests_open(&r, &a)) << int{kind};
+        }
+        roburoc4_requests_cancel_all(&r);
+        EXPECT_TRUE(roburoc4_requests_free(&r, 3));
+    }
+}
+
+TEST(Requests, AreTriedAsOftenAsTheySayAndThenGivenUp) {
+    for (std::uint8_t tries = 1; tries < 12; tries++) {
+        requests r{};
+        ask a = get(2);
+        a.max_tries = tries;
+        ASSERT_TRUE(roburoc4_requests_begin(&r, &a));
+        slot *given_up = nullptr;
+        std::uint64_t now_us = begin_us;
+        for (int i = 0; i < tries; i++, now_us = roburoc4_requests_deadline(&r)) {
+            ASSERT_NE(nullptr, roburoc4_requests_due(&r, 100, now_us, &given_up)) << i;
+            EXPECT_EQ(nullptr, given_up);
+        }
+        EXPECT_EQ(nullptr, roburoc4_requests_due(&r, 100, now_us - 1, &given_up));
+        EXPECT_EQ(nullptr, given_up) << "the last try is waited for, too";
+        EXPECT_EQ(nullptr, roburoc4_requests_due(&r, 100, now_us, &given_up));
+        EXPECT_EQ(&r.slots[0], given_up);
+        EXPECT_TRUE(roburoc4_requests_free(&r, 3));
+    }
 }
 
 TEST(Requests, NeverShareAnId) {
@@ -487,4 +566,65 @@ TEST(Discovery, TextsThatAreReadAgainAreAllReadAgain) {
     for (const std::uint64_t list : d.described)
         EXPECT_EQ(0U, list);
     EXPECT_EQ(0, d.done);
+}
+
+TEST(Discovery, OfARobotThatIsForgottenOnlyTheUsersWishesStay) {
+    discovery d;
+    std::memset(&d, 0xA5, sizeof d);
+    discovery fresh{};
+    fresh.wanted = 0xA5;
+    std::fill(std::begin(fresh.claims), std::end(fresh.claims), std::uint8_t{CLAIM_NONE});
+    std::fill(std::begin(fresh.role_texts), std::end(fresh.role_texts),
+              std::int16_t{ROLE_TEXT_NONE});
+    roburoc4_discovery_clear(&d);
+    EXPECT_EQ(0, std::memcmp(&fresh, &d, sizeof d));
+}
+
+TEST(Discovery, ARestartForgetsWhatWasAgreedAndNoText) {
+    discovery d;
+    std::memset(&d, 0xA5, sizeof d);
+    discovery wanted = d;
+    for (std::uint8_t *field :
+         {&wanted.identified, &wanted.known, &wanted.refused, &wanted.inserted, &wanted.acked,
+          &wanted.declined, &wanted.leaving, &wanted.done})
+        *field = 0;
+    roburoc4_discovery_restart(&d);
+    EXPECT_EQ(0, std::memcmp(&wanted, &d, sizeof d));
+}
+
+TEST(Discovery, ATextClaimsTheServiceThatItNamesAndElseNone) {
+    const std::array<std::pair<const char *, int>, 8> texts{
+        {{"IO card", ROBUROC4_SERVICE_IOCARD},
+         {"Telemeters", ROBUROC4_SERVICE_TELEMETER},
+         {"battery", ROBUROC4_SERVICE_BATTERY},
+         {"Localisation", ROBUROC4_SERVICE_LOCALIZATION},
+         {"Localization", ROBUROC4_SERVICE_LOCALIZATION},
+         {"The DIFFERENTIAL", ROBUROC4_SERVICE_DIFFERENTIAL},
+         {"Camera", CLAIM_OTHER},
+         {"", CLAIM_OTHER}}};
+    for (const auto &[text, claim] : texts) {
+        discovery d{};
+        roburoc4_discovery_clear(&d);
+        const std::string copy(text);
+        EXPECT_FALSE(roburoc4_discovery_text(&d, LIST_DIRECTORY, 31,
+                                             reinterpret_cast<const std::uint8_t *>(copy.data()),
+                                             static_cast<std::uint32_t>(copy.size())));
+        EXPECT_EQ(claim, d.claims[31]) << text;
+    }
+}
+
+TEST(Discovery, AServiceThatTurnsOutToBeAnotherIsListedNoMore) {
+    discovery d{};
+    roburoc4_discovery_clear(&d);
+    const Directory known{{0x7001, ROBUROC4_SERVICE_IOCARD}};
+    EXPECT_FALSE(roburoc4_discovery_directory(&d, &known.view));
+    EXPECT_TRUE(roburoc4_discovery_identify(&d));
+    EXPECT_EQ(1U << ROBUROC4_SERVICE_IOCARD, d.listed) << "by the manual's number";
+    const char text[] = "Battery";
+    roburoc4_discovery_text(&d, LIST_DIRECTORY, 0, reinterpret_cast<const std::uint8_t *>(text), 7);
+    EXPECT_TRUE(roburoc4_discovery_identify(&d));
+    EXPECT_EQ(1U << ROBUROC4_SERVICE_BATTERY, d.listed);
+    EXPECT_EQ(0, d.service_ids[ROBUROC4_SERVICE_IOCARD]);
+    EXPECT_EQ(ROBUROC4_SERVICE_IOCARD, d.service_ids[ROBUROC4_SERVICE_BATTERY]);
+    EXPECT_FALSE(roburoc4_discovery_identify(&d)) << "nothing changed";
 }
