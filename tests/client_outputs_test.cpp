@@ -84,6 +84,23 @@ TEST(Outputs, AreSentAtOnceAndTwiceMore) {
     EXPECT_LT(robot.output_commands[2].first, start_us + 500 * ms);
 }
 
+TEST(Outputs, AreNotRepeatedToACardThatTurnsOutToBeAnother) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    ASSERT_NO_FATAL_FAILURE(bench.ready());
+    const auto asked = [&] {
+        return robot.seen(ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_IOCARD).size();
+    };
+    bench.delay_to_client = [] { return 20 * ms; };
+    robot.iocard.digital_inputs++;
+    const std::size_t before = asked();
+    ASSERT_TRUE(bench.run_until([&] { return asked() > before; })) << "by the probe";
+    ASSERT_EQ(ROBUROC4_OK,
+              roburoc4_client_set_digital_outputs(&bench.client, 2, 2, bench.client_us()));
+    bench.run(500 * ms);
+    EXPECT_EQ(1U, robot.output_commands.size());
+}
+
 TEST(Outputs, ThatWereNeverSetAreZeroAndTheOthersAreKept) {
     ScriptedRobot robot;
     robot.iocard.analog_outputs = 3;

@@ -593,7 +593,7 @@ TEST(Discovery, ARestartForgetsWhatWasAgreedAndNoText) {
 }
 
 TEST(Discovery, ATextClaimsTheServiceThatItNamesAndElseNone) {
-    const std::array<std::pair<const char *, int>, 8> texts{
+    const std::array<std::pair<const char *, int>, 10> texts{
         {{"IO card", ROBUROC4_SERVICE_IOCARD},
          {"Telemeters", ROBUROC4_SERVICE_TELEMETER},
          {"battery", ROBUROC4_SERVICE_BATTERY},
@@ -601,6 +601,8 @@ TEST(Discovery, ATextClaimsTheServiceThatItNamesAndElseNone) {
          {"Localization", ROBUROC4_SERVICE_LOCALIZATION},
          {"The DIFFERENTIAL", ROBUROC4_SERVICE_DIFFERENTIAL},
          {"Camera", CLAIM_OTHER},
+         {"000000000000000", CLAIM_OTHER},
+         {"zzzzzzzzzzzzzzz", CLAIM_OTHER},
          {"", CLAIM_OTHER}}};
     for (const auto &[text, claim] : texts) {
         discovery d{};
