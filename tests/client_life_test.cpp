@@ -146,6 +146,16 @@ TEST(Life, IsLostAfterTheConfiguredSilenceAndReturnsByItself) {
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_REBOOTS)) << "the same robot, its clock went on";
 }
 
+TEST(Life, WhileItStaysReadyItTellsOfStatusesOnly) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    ASSERT_NO_FATAL_FAILURE(bench.ready());
+    bench.run(10 * second); /* every probe */
+    const std::uint32_t news = ROBUROC4_EVENT_STATE | ROBUROC4_EVENT_READY |
+                               ROBUROC4_EVENT_PROPERTIES | ROBUROC4_EVENT_CAPACITY;
+    EXPECT_EQ(0U, bench.take_events() & news);
+}
+
 TEST(Life, IsNeverLostBeforeThreeOfTheShortestPeriod) {
     ScriptedRobot robot;
     roburoc4_config config = default_config();

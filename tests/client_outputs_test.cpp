@@ -84,6 +84,21 @@ TEST(Outputs, AreSentAtOnceAndTwiceMore) {
     EXPECT_LT(robot.output_commands[2].first, start_us + 500 * ms);
 }
 
+TEST(Outputs, AreKeptOverALossOfTheSameRobot) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    ASSERT_NO_FATAL_FAILURE(bench.ready());
+    ASSERT_EQ(ROBUROC4_OK, set_one(bench, 3, 1));
+    bench.run(second);
+    robot.powered = false;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+    robot.powered = true;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    ASSERT_EQ(ROBUROC4_OK, set_one(bench, 1, 1));
+    bench.run(second);
+    EXPECT_EQ(from_hex("FF 02 00 0A"), robot.output_commands.back().second);
+}
+
 TEST(Outputs, AreNotRepeatedToACardThatTurnsOutToBeAnother) {
     ScriptedRobot robot;
     Bench bench(robot);

@@ -90,6 +90,16 @@ TEST(Disarm, IsAlwaysPossible) {
 
 /* ---- refused, each reason alone ---- */
 
+TEST(Arm, TwiceIsOneEvent) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    ASSERT_NO_FATAL_FAILURE(bench.ready());
+    ASSERT_EQ(ROBUROC4_OK, bench.arm());
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_EVENT_ARMED), bench.take_events());
+    ASSERT_EQ(ROBUROC4_OK, bench.arm());
+    EXPECT_EQ(0U, bench.take_events());
+}
+
 TEST(ArmRefused, BeforeReady) {
     ScriptedRobot robot;
     Bench bench(robot);
