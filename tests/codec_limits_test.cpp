@@ -219,6 +219,14 @@ void expect_decoded(const T &expected, Decode decode, const std::array<std::uint
 
 } // namespace
 
+TEST(CodecLimits, ATextMayBeEmpty) {
+    std::uint8_t buffer[8];
+    EXPECT_EQ(5, roburoc4_encode_text(buffer, sizeof buffer, 7, 2, "", 0));
+    roburoc4_text text{};
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_decode_text(buffer, 5, &text));
+    EXPECT_EQ(0U, text.length);
+}
+
 TEST(CodecLimits, WhatATelegramDoesNotSayIsZero) {
     expect_decoded(
         roburoc4_answer{7, 4, 5, 0, 0x0201, 0, nullptr, 0},

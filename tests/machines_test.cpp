@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <string>
 
@@ -590,6 +591,19 @@ TEST(Discovery, ARestartForgetsWhatWasAgreedAndNoText) {
         *field = 0;
     roburoc4_discovery_restart(&d);
     EXPECT_EQ(0, std::memcmp(&wanted, &d, sizeof d));
+}
+
+TEST(Requests, AreDueWhenTheSoonestIsWhereverItStands) {
+    for (std::size_t soonest = 0; soonest < std::size(requests{}.slots); soonest++) {
+        requests r{};
+        for (std::size_t i = 0; i < std::size(r.slots); i++) {
+            r.slots[i].open = 1;
+            r.slots[i].tries = 1;
+            r.slots[i].sent_us = 5000000;
+            r.slots[i].wait_us = i == soonest ? 100000 : 200000;
+        }
+        EXPECT_EQ(5100000U, roburoc4_requests_deadline(&r)) << soonest;
+    }
 }
 
 TEST(Discovery, ATextClaimsTheServiceThatItNamesAndElseNone) {
