@@ -105,6 +105,14 @@ heeding() {
     fi
 }
 
+# run_ctest DIR [ARGUMENT...]
+run_ctest() {
+    tree=$1
+    shift
+    ctest --test-dir "$tree" -C RelWithDebInfo --parallel "$(jobs)" --timeout "$longest_test_s" \
+        --output-on-failure --no-tests=error "$@"
+}
+
 # run_pytest PYTHON ARGUMENT...; the limit is watched by a thread, as tests have signals of their own.
 run_pytest() {
     pytest_python=$1
