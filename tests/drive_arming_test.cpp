@@ -244,21 +244,26 @@ TEST(Disarms, WhenTheIoCardStatusesStop) {
 }
 
 TEST(Disarms, ExactlyWhenAStatusIsTooOld) {
-    for (const std::uint32_t fresh_ms : {50U, 300U, 1000U}) {
-        roburoc4_config config = default_config();
-        config.fresh_ms = fresh_ms;
-        config.period_ms[ROBUROC4_SERVICE_IOCARD] = 20;
-        config.period_ms[ROBUROC4_SERVICE_DIFFERENTIAL] = 20;
-        ScriptedRobot robot;
-        Bench bench(robot, config);
-        bench.armed();
-        robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true;
-        const std::uint64_t last_us =
-            bench.now_us - bench.service_link(ROBUROC4_SERVICE_DIFFERENTIAL).age_us;
-        bench.run_to(last_us + fresh_ms * ms - 1);
-        EXPECT_EQ(1, bench.facts().armed) << fresh_ms;
-        bench.run_to(last_us + fresh_ms * ms);
-        EXPECT_EQ(0, bench.facts().armed) << fresh_ms;
+    for (const int muted : {ROBUROC4_SERVICE_IOCARD, ROBUROC4_SERVICE_DIFFERENTIAL}) {
+        const auto service = static_cast<std::uint32_t>(muted);
+        for (const std::uint32_t fresh_ms : {50U, 333U, 1000U}) {
+            SCOPED_TRACE(testing::Message() << "service " << service << ", " << fresh_ms << " ms");
+            roburoc4_config config = default_config();
+            config.fresh_ms = fresh_ms;
+            config.period_ms[ROBUROC4_SERVICE_IOCARD] = 20;
+            config.period_ms[ROBUROC4_SERVICE_DIFFERENTIAL] = 20;
+            ScriptedRobot robot;
+            Bench bench(robot, config);
+            bench.armed();
+            robot.service(service).mute = true;
+            const std::uint64_t too_old_us =
+                bench.now_us - bench.service_link(service).age_us + fresh_ms * ms;
+            bench.run_to(too_old_us - 1);
+            EXPECT_EQ(1, bench.facts().armed);
+            EXPECT_EQ(too_old_us, bench.next_us());
+            bench.run_to(too_old_us);
+            EXPECT_EQ(0, bench.facts().armed);
+        }
     }
 }
 

@@ -234,6 +234,7 @@ TEST(Clock, StepBackSeenFirstByAnyCallEndsTheLease) {
             b.receive({1, 2});
         },
         [](Bench &b) { roburoc4_client_subscribe(&b.client, 3, 100, b.client_us()); },
+        [](Bench &b) { roburoc4_client_unsubscribe(&b.client, 3, b.client_us()); },
         [](Bench &b) { roburoc4_client_set_digital_output(&b.client, 1, 1, b.client_us()); },
         [](Bench &b) { roburoc4_client_relocalize(&b.client, 0, 0, 0, b.client_us()); },
         [](Bench &b) { b.stop(); },
