@@ -17,6 +17,7 @@ import hashlib
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -34,11 +35,13 @@ FLAGS = ["-std=c99", "-fPIC", "-w", f"-I{ROOT}/include", f"-I{ROOT}/src"]
 COMPARED = ["-O2"]
 RUN = ["-O1", "-fsanitize=undefined", "-fsanitize-trap=undefined"]
 CPU_S = 20  # of the processor: by the clock, a busy machine would kill for us
-SUSPECTS_CPU_S = 10  # some ten times what the slowest of such choices takes
+MEMORY_KB = 1_000_000
 SUSPECTS = 12
 LIVES = "20"
+PROGRESS = 1000
 FUNCTION = re.compile(r"^[A-Za-z].*\(")
 FAILED = re.compile(r"^\[ +FAILED +\] ([^\s,]+)", re.MULTILINE)
+PASSED = re.compile(r"^\[ +OK +\] (\S+) \((\d+) ms\)", re.MULTILINE)
 STARTED = re.compile(r"^\[ RUN +\] (\S+)", re.MULTILINE)
 
 KILLED, SURVIVED, INVALID = "killed", "survived", "does not compile"
@@ -133,11 +136,15 @@ class Bench:
     """Builds and runs mutants."""
 
     def __init__(self, program: Path, compiler: str, work: Path) -> None:
-        self.program, self.compiler, self.work = program, compiler, work
+        self.compiler, self.work = compiler, work
+        work.mkdir(parents=True, exist_ok=True)
+        # A program that is built anew meanwhile would be missing for a moment, and kill for us.
+        self.program = Path(shutil.copy2(program, work))
         self.sources = [ROOT / f for f in core_files() if f.endswith(".c")] + [EXPOSED]
         self.lock = threading.Lock()
         self.suspects = Suspects()
         self.first_of_code: dict[str, str] = {}
+        self.takes_ms: dict[str, int] = {}
         self.includes: dict[Path, str] = {}
         for kind in (COMPARED, RUN):
             self.folder_of(kind).mkdir(parents=True, exist_ok=True)
@@ -155,12 +162,14 @@ class Bench:
             if r["test"]:
                 self.suspects.add(str(r["file"]), str(r["function"]), str(r["test"]))
 
-    def unchanged(self) -> tuple[bool, str]:
-        """Whether a test fails with the core as it is."""
+    def fails_unchanged(self) -> bool:
+        """Whether the tests fail with the core as it is; how long each takes."""
         with tempfile.TemporaryDirectory(dir=self.work) as folder:
             if not self.linked(Path(folder), set()):
                 sys.exit("mutation: the core does not link")
-            return self.run(Path(folder), CPU_S)
+            done = self.run(Path(folder), CPU_S)
+        self.takes_ms = {test: int(ms) for test, ms in PASSED.findall(done.stdout)}
+        return done.returncode != 0
 
     def folder_of(self, kind: list[str]) -> Path:
         return self.work / ("compared" if kind is COMPARED else "run")
@@ -221,17 +230,21 @@ class Bench:
                 if self.first_of_code.setdefault(code, mutant.key) != mutant.key:
                     return Outcome(TWIN, code=code)
                 suspects = self.suspects.of(mutant)
+            # Ten times as long as without a fault is a loop without end.
+            loops_s = 2 + sum(self.takes_ms.get(test, 0) for test in suspects) // 100
             if not self.linked(folder, set(changed)):
                 return Outcome(INVALID)
-            noticed, test = False, ""
-            if suspects:
-                noticed, test = self.run(folder, SUSPECTS_CPU_S, suspects)
-            if not noticed:
-                noticed, test = self.run(folder, CPU_S)
+            done = self.run(folder, loops_s, suspects) if suspects else None
+            if done is None or done.returncode == 0:
+                done = self.run(folder, CPU_S)
+            if done.returncode == 0:
+                return Outcome(SURVIVED, code=code)
+            # A test that crashed, or was stopped in a loop without end, is the last that began.
+            names = FAILED.findall(done.stdout)[:1] or STARTED.findall(done.stdout)[-1:]
             with self.lock:
-                if test:
+                for test in names:
                     self.suspects.add(mutant.file, mutant.function, test)
-            return Outcome(KILLED if noticed else SURVIVED, test, code)
+            return Outcome(KILLED, "".join(names), code)
 
     def linked(self, folder: Path, changed: set[Path]) -> bool:
         objects = []
@@ -244,8 +257,10 @@ class Bench:
         library = folder / "libroburoc4_core_alone.so"
         return self.call("-shared", "-o", str(library), *objects).returncode == 0
 
-    def run(self, folder: Path, cpu_s: int, tests: Iterable[str] = ()) -> tuple[bool, str]:
-        """Whether a test fails with a folder's library, and which."""
+    def run(
+        self, folder: Path, cpu_s: int, tests: Iterable[str] = ()
+    ) -> subprocess.CompletedProcess[str]:
+        """All tests, or these, with a folder's library."""
         environment = dict(
             os.environ,
             LD_LIBRARY_PATH=str(folder),
@@ -254,8 +269,9 @@ class Bench:
         )
         if tests:
             environment["GTEST_FILTER"] = ":".join(tests)
-        done = subprocess.run(
-            ["sh", "-c", f'ulimit -t {cpu_s}; exec "$0"', str(self.program)],
+        limits = f"ulimit -t {cpu_s} && ulimit -v {MEMORY_KB}"
+        return subprocess.run(
+            ["sh", "-c", f'{limits} && exec "$0"', str(self.program)],
             env=environment,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
@@ -263,11 +279,6 @@ class Bench:
             errors="replace",
             check=False,
         )
-        if done.returncode == 0:
-            return False, ""
-        # A test that crashed, or was stopped in a loop without end, is the last that began.
-        names = FAILED.findall(done.stdout)[:1] or STARTED.findall(done.stdout)[-1:]
-        return True, "".join(names)
 
 
 def explained() -> set[str]:
@@ -354,9 +365,8 @@ def main() -> int:
     if todo:
         bench = Bench(args.program.resolve(), args.compiler, args.work.resolve())
         bench.remember(before.values())
-        noticed, test = bench.unchanged()
-        if noticed:
-            sys.exit(f"mutation: {test or 'the program'} fails without any mutant")
+        if bench.fails_unchanged():
+            sys.exit("mutation: the tests fail without any mutant")
         with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
             futures = {pool.submit(bench.judge, m): m for m in todo}
             for future in concurrent.futures.as_completed(futures):
@@ -374,6 +384,8 @@ def main() -> int:
                     "code": outcome.code,
                 }
                 results.append(result)
+                if len(results) % PROGRESS == 0:
+                    print(f"{len(results)} of {len(wanted)} tried", flush=True)
                 if args.state:
                     with args.state.open("a") as out:
                         out.write(json.dumps(result) + "\n")
