@@ -567,7 +567,71 @@ TEST(Role, BumpersAreFacts) {
     EXPECT_EQ(1, bench.facts().rear_bumper);
 }
 
-/* ---- speeds ---- */
+/* ---- facts ---- */
+
+TEST(Facts, AreAllThatIsTrueNowAndNothingElse) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    roburoc4_facts facts{};
+    facts.size = sizeof facts;
+    const auto expect_facts = [&] {
+        expect_all(facts, [&](roburoc4_facts *out) {
+            out->size = sizeof *out;
+            return roburoc4_client_facts(&bench.client, bench.client_us(), out);
+        });
+    };
+    facts.disarm_cause = ROBUROC4_ERR_DISARMED;
+    facts.arm_refusal = ROBUROC4_ERR_NOT_READY;
+    facts.relocalize_result = ROBUROC4_ERR_UNKNOWN;
+    expect_facts();
+    bench.ready();
+    facts.state = ROBUROC4_STATE_READY;
+    facts.override_known = 1;
+    facts.descriptions_done = 1;
+    facts.arm_refusal = ROBUROC4_OK;
+    expect_facts();
+    ASSERT_EQ(ROBUROC4_OK, bench.arm());
+    facts.armed = 1;
+    facts.disarm_cause = ROBUROC4_OK;
+    expect_facts();
+    ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, -0.25F, 200000));
+    bench.run(30 * ms);
+    facts.driving = 1;
+    facts.lease_left_us = 170000;
+    facts.linear_m_s = 0.5F;
+    facts.angular_rad_s = -0.25F;
+    expect_facts();
+    ASSERT_EQ(ROBUROC4_OK, bench.stop());
+    bench.pump();
+    facts.driving = 0;
+    facts.stopping = 1;
+    facts.lease_left_us = 0;
+    facts.linear_m_s = facts.angular_rad_s = 0;
+    expect_facts();
+    bench.run(second);
+    facts.stopping = 0;
+    expect_facts();
+    robot.press(ROBUROC4_DI_PAD_A);
+    bench.run(100 * ms);
+    facts.armed = 0;
+    facts.overridden = 1;
+    facts.disarm_cause = facts.arm_refusal = ROBUROC4_ERR_OVERRIDE;
+    expect_facts();
+}
+
+TEST(Facts, ALeaseIsOverAtItsEndAlsoBeforeAPoll) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0, 200000));
+    bench.pump();
+    bench.now_us += 199999;
+    EXPECT_EQ(1, bench.facts().driving);
+    EXPECT_EQ(1U, bench.facts().lease_left_us);
+    bench.now_us += 1;
+    EXPECT_EQ(0, bench.facts().driving);
+    EXPECT_EQ(0U, bench.facts().lease_left_us);
+}
 
 TEST(Facts, TellTheSpeedsThatWereSentLast) {
     ScriptedRobot robot;
