@@ -16,6 +16,25 @@ std::uint64_t true_us(const ScriptedRobot &robot, const Bench &bench, std::uint6
     return bench.now_us - (robot.cycles() - cycles) * ROBUROC4_CYCLE_US;
 }
 
+/** The link's figures, in a struct that was full of something else. */
+roburoc4_link figures(const Bench &bench) {
+    roburoc4_link link;
+    memset(&link, 0xA5, sizeof link);
+    link.size = sizeof link;
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_client_link(&bench.client, bench.client_us(), &link));
+    return link;
+}
+
+/** Drops two statuses of each ten, of all services. */
+std::function<bool(const Bytes &)> lossy() {
+    return [seen = 0U](const Bytes &bytes) mutable {
+        if (bytes[0] != ROBUROC4_HEADER_STATUS)
+            return false;
+        seen++;
+        return seen % 10 == 3 || seen % 10 == 4;
+    };
+}
+
 } // namespace
 
 TEST(Link, IsCleanOnACleanNetwork) {
@@ -61,6 +80,37 @@ TEST(Link, LossIsTheShareThatDidNotArrive) {
     bench.drop_to_client = nullptr;
     bench.run(60 * second);
     EXPECT_LT(bench.service_link(differential).loss, 0.01F) << "recent statuses only";
+}
+
+TEST(Link, TotalsAreTheSumsOfAllServices) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    bench.drop_to_client = lossy();
+    bench.run(10 * second);
+    std::uint32_t received = 0;
+    std::uint32_t lost = 0;
+    for (std::uint32_t service = 2; service < 7; service++) {
+        received += bench.service_link(service).received;
+        lost += bench.service_link(service).lost;
+    }
+    const roburoc4_link link = figures(bench);
+    EXPECT_EQ(received, link.received);
+    EXPECT_EQ(lost, link.lost);
+    EXPECT_GT(lost, 100U);
+    EXPECT_EQ(0U, link.reserved);
+}
+
+TEST(Link, LossOfTheOnlyServiceIsThatOfTheLink) {
+    ScriptedRobot robot;
+    roburoc4_config config = default_config();
+    config.subscriptions = 1U << differential;
+    Bench bench(robot, config);
+    bench.ready();
+    bench.drop_to_client = lossy();
+    bench.run(2 * second);
+    EXPECT_NEAR(0.15, bench.service_link(differential).loss, 0.05);
+    EXPECT_EQ(bench.service_link(differential).loss, figures(bench).loss);
 }
 
 TEST(Link, PeriodIsTheObservedOneWhereTheRobotUsesAnother) {
@@ -197,6 +247,26 @@ TEST(Link, AgeAndSilenceGrowWhileNothingComes) {
     EXPECT_GE(bench.link().silence_us, 500000U);
     bench.run(3 * second);
     EXPECT_EQ(before_us + 3500000U, bench.service_link(differential).age_us);
+}
+
+TEST(Link, AgeIsThatOfTheVeryFirstStatus) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(bench.run_until([&] { return bench.service_link(differential).received == 1; }));
+    EXPECT_EQ(0U, bench.service_link(differential).age_us);
+    bench.run(20 * ms);
+    ASSERT_EQ(1U, bench.service_link(differential).received);
+    EXPECT_EQ(20000U, bench.service_link(differential).age_us);
+}
+
+TEST(Link, AgeAndSilenceBeyondAllMeasureAreTheLargestNumber) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    bench.now_us += std::uint64_t{UINT32_MAX} + 5 * second;
+    EXPECT_EQ(UINT32_MAX, bench.service_link(differential).age_us);
+    EXPECT_EQ(UINT32_MAX, figures(bench).silence_us);
 }
 
 TEST(Link, SilenceIsNotEndedByWhatWasDropped) {

@@ -175,11 +175,13 @@ TEST(ServiceList, GivesTheDirectory) {
     Bench bench(robot);
     bench.ready();
     ASSERT_EQ(7U, roburoc4_client_service_count(&bench.client));
-    roburoc4_directory_entry entry;
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_service_at(&bench.client, 6, &entry));
-    EXPECT_EQ(ROBUROC4_TYPE_DIFFERENTIAL, entry.type);
-    EXPECT_EQ(6, entry.id);
-    EXPECT_LT(roburoc4_client_service_at(&bench.client, 7, &entry), 0);
+    roburoc4_directory_entry entry{7, 7};
+    for (std::uint32_t i = 0; i < 7; i++) {
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_client_service_at(&bench.client, i, &entry));
+        EXPECT_EQ(robot.services[i].type, entry.type) << i;
+        EXPECT_EQ(robot.services[i].id, entry.id) << i;
+    }
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_client_service_at(&bench.client, 7, &entry));
 }
 
 /* ---- robots of another kind ---- */
