@@ -267,7 +267,7 @@ const struct {
 TEST(ResultText, IsAnOwnSentenceForEachCode) {
     std::set<std::string> texts = {"ok", "unknown error"};
     std::set<roburoc4_result> unused;
-    for (roburoc4_result code = -60; code < 0; code++)
+    for (roburoc4_result code = -1000; code < 0; code++)
         unused.insert(code);
     for (const auto &[code, text] : sentences) {
         EXPECT_STREQ(text, roburoc4_result_text(code)) << code;
