@@ -37,6 +37,14 @@ TEST(ServiceId, FirstTwoAreFixed) {
         EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, id_of(bench, service));
 }
 
+TEST(ServiceId, OfANumberThatIsNoServiceIsUnknown) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    for (const std::uint32_t service : {7U, 8U, 31U, 32U, 34U, 38U, UINT32_MAX})
+        EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, id_of(bench, service)) << service;
+}
+
 TEST(ServiceId, IsTakenByTypeCodeWhereItIsKnown) {
     ScriptedRobot robot;
     const std::vector<int> ids{0, 1, 300, 0x1203, 40, 0xFFFF, 9};
@@ -181,7 +189,8 @@ TEST(ServiceList, GivesTheDirectory) {
         EXPECT_EQ(robot.services[i].type, entry.type) << i;
         EXPECT_EQ(robot.services[i].id, entry.id) << i;
     }
-    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_client_service_at(&bench.client, 7, &entry));
+    for (const std::uint32_t beyond : {7U, 8U, 32U, UINT32_MAX})
+        EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_client_service_at(&bench.client, beyond, &entry));
 }
 
 /* ---- robots of another kind ---- */

@@ -301,6 +301,8 @@ TEST(Properties, AreUnknownFirstThenTheRobots) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_telemeter(&bench.client, 1, &telemeter));
     EXPECT_EQ(-0.6F, telemeter.x_m);
     EXPECT_EQ(2.5F, telemeter.distance_m);
+    for (const std::uint32_t beyond : {2U, 3U, 16U, UINT32_MAX})
+        EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_client_telemeter(&bench.client, beyond, &telemeter));
 }
 
 TEST(Properties, AreAllThatTheRobotSaidAndNothingElse) {
@@ -381,11 +383,16 @@ TEST(Properties, OfWhichAnyFieldChangesRaiseTheEvent) {
 
 TEST(Description, IsAViewOnTheDatagramThatRaisedTheEvent) {
     ScriptedRobot robot;
+    robot.iocard.analog_outputs = 3;
     std::vector<Bytes> held;
+    const auto text_of = [](int io_type, std::uint32_t index) {
+        return "text " + std::to_string(index) + " of list " + std::to_string(io_type);
+    };
     robot.instead = [&](const roburoc4_request &r, std::vector<Bytes> &) {
         if (r.action != ROBUROC4_ACTION_QUERY)
             return false;
-        const std::string text = "text " + std::to_string(r.index);
+        const int list = r.service == ROBUROC4_SERVICE_DIRECTORY ? -1 : r.io_type;
+        const std::string text = text_of(list, static_cast<std::uint32_t>(r.index));
         held.push_back(encoded([&](std::uint8_t *b, std::size_t n) {
             return roburoc4_encode_text(b, n, r.id, r.service, text.data(), text.size());
         }));
@@ -393,8 +400,7 @@ TEST(Description, IsAViewOnTheDatagramThatRaisedTheEvent) {
     };
     Bench bench(robot);
     bench.start();
-    int services = 0;
-    int channels = 0;
+    std::map<int, int> texts;
     while (!held.empty()) {
         const Bytes bytes = held.front();
         held.erase(held.begin());
@@ -405,16 +411,12 @@ TEST(Description, IsAViewOnTheDatagramThatRaisedTheEvent) {
         ASSERT_EQ(ROBUROC4_OK,
                   roburoc4_client_description(&bench.client, bytes.data(), bytes.size(), &d));
         EXPECT_EQ(bytes.data() + 5, d.text);
-        EXPECT_EQ("text " + std::to_string(d.index),
+        EXPECT_EQ(text_of(d.io_type, d.index),
                   std::string(reinterpret_cast<const char *>(d.text), d.length));
-        EXPECT_GE(d.io_type, -1);
-        EXPECT_LE(d.io_type, 3);
-        services += d.io_type == -1;
-        channels += d.io_type >= 0;
+        texts[d.io_type]++;
         bench.pump();
     }
-    EXPECT_EQ(7, services);
-    EXPECT_EQ(9 + 22 + 8, channels);
+    EXPECT_EQ((std::map<int, int>{{-1, 7}, {0, 9}, {1, 3}, {2, 22}, {3, 8}}), texts);
     const Bytes status = robot.status(6);
     bench.receive(status);
     roburoc4_description d;
@@ -454,7 +456,8 @@ TEST(Role, IsFoundByText) {
     EXPECT_EQ(31, role(bench, ROBUROC4_ROLE_FRONT_BUMPER));
     EXPECT_EQ(2, role(bench, ROBUROC4_ROLE_REAR_BUMPER));
     EXPECT_EQ(7, role(bench, ROBUROC4_ROLE_BATTERY_V));
-    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, role(bench, ROBUROC4_ROLE_COUNT));
+    for (const std::uint32_t none : {4U, 5U, 32U, UINT32_MAX})
+        EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, role(bench, none)) << none;
 }
 
 TEST(Role, IsFoundByTheManualsTableWhereThereAreNoTexts) {
