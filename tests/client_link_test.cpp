@@ -238,6 +238,8 @@ TEST(Link, AgeAndSilenceGrowWhileNothingComes) {
     ScriptedRobot robot;
     Bench bench(robot);
     EXPECT_EQ(UINT32_MAX, bench.service_link(differential).age_us);
+    EXPECT_EQ(0.0F, bench.service_link(differential).loss);
+    EXPECT_EQ(0.0F, bench.link().loss);
     bench.ready();
     robot.powered = false;
     const std::uint32_t before_us = bench.service_link(differential).age_us;
@@ -335,6 +337,32 @@ TEST(HostTime, FollowsARobotWhoseClockDrifts) {
     std::uint64_t host_us = 0;
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_host_time(&bench.client, robot.cycles(), &host_us));
     EXPECT_NEAR(static_cast<double>(bench.now_us), static_cast<double>(host_us), 15000);
+}
+
+TEST(HostTime, IsThatOfTheFastestStatusOfTheLastSeconds) {
+    for (std::uint64_t phase = 0; phase < 5; phase++) {
+        SCOPED_TRACE(phase);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.ready();
+        const auto error_us = [&] {
+            const std::uint64_t cycles = robot.cycles();
+            std::uint64_t host_us = 0;
+            EXPECT_EQ(ROBUROC4_OK, roburoc4_client_host_time(&bench.client, cycles, &host_us));
+            return host_us - true_us(robot, bench, cycles);
+        };
+        bench.run((5 + phase) * second);
+        bench.delay_to_client = [] { return 40 * ms; };
+        for (int i = 0; i < 40; i++) {
+            bench.run(100 * ms);
+            ASSERT_EQ(0U, error_us()) << "the fast ones count for seconds, " << i;
+        }
+        bench.run(8 * second);
+        EXPECT_EQ(40 * ms, error_us()) << "but not for ever";
+        bench.delay_to_client = nullptr;
+        bench.run(200 * ms);
+        EXPECT_EQ(0U, error_us()) << "the first fast one counts";
+    }
 }
 
 TEST(HostTime, OfTheSimulatorIsRight) {
