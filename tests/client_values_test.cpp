@@ -631,9 +631,24 @@ TEST(Facts, ALeaseIsOverAtItsEndAlsoBeforeAPoll) {
     bench.now_us += 199999;
     EXPECT_EQ(1, bench.facts().driving);
     EXPECT_EQ(1U, bench.facts().lease_left_us);
-    bench.now_us += 1;
-    EXPECT_EQ(0, bench.facts().driving);
-    EXPECT_EQ(0U, bench.facts().lease_left_us);
+    for (const std::uint64_t later_us : {1U, 1U, 50000U}) {
+        bench.now_us += later_us;
+        EXPECT_EQ(0, bench.facts().driving);
+        EXPECT_EQ(0U, bench.facts().lease_left_us);
+    }
+}
+
+TEST(Facts, AnOverrideThatIsNotKnownAnyMoreIsNotHeld) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.press(ROBUROC4_DI_PAD_A);
+    bench.run(100 * ms);
+    ASSERT_EQ(1, bench.facts().overridden);
+    robot.powered = false;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+    EXPECT_EQ(0, bench.facts().override_known);
+    EXPECT_EQ(0, bench.facts().overridden);
 }
 
 TEST(Facts, TellTheSpeedsThatWereSentLast) {
