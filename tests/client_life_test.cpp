@@ -64,6 +64,48 @@ TEST(Life, GoesFromIdleOverConnectingDiscoveringSubscribingToReady) {
     EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_READY) << "events are cleared when taken";
 }
 
+TEST(Life, TellsOfEveryNewStateAndThatItIsReadyOnlyWhenItIs) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.delay_to_client = [] { return 1 * ms; };
+    std::vector<std::uint32_t> told;
+    const auto reaches = [&](std::uint32_t wanted) {
+        return bench.run_until([&] {
+            const std::uint32_t events =
+                bench.take_events() & (ROBUROC4_EVENT_STATE | ROBUROC4_EVENT_READY);
+            if (told.empty() || told.back() != bench.state()) {
+                told.push_back(bench.state());
+                EXPECT_EQ(bench.state() == ROBUROC4_STATE_READY
+                              ? ROBUROC4_EVENT_STATE | ROBUROC4_EVENT_READY
+                              : ROBUROC4_EVENT_STATE,
+                          static_cast<int>(events))
+                    << roburoc4_state_name(bench.state());
+            } else {
+                EXPECT_EQ(0U, events) << "still " << roburoc4_state_name(bench.state());
+            }
+            return bench.state() == wanted;
+        });
+    };
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_start(&bench.client, bench.client_us()));
+    ASSERT_TRUE(reaches(ROBUROC4_STATE_READY));
+    robot.powered = false;
+    ASSERT_TRUE(reaches(ROBUROC4_STATE_LOST));
+    robot.powered = true;
+    ASSERT_TRUE(reaches(ROBUROC4_STATE_READY));
+    bench.run(second);
+    ASSERT_EQ(ROBUROC4_OK, bench.arm());
+    ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
+    bench.run(50 * ms);
+    ASSERT_EQ(ROBUROC4_OK, bench.close());
+    ASSERT_TRUE(reaches(ROBUROC4_STATE_IDLE));
+    const std::vector<std::uint32_t> wanted{ROBUROC4_STATE_CONNECTING,  ROBUROC4_STATE_DISCOVERING,
+                                            ROBUROC4_STATE_SUBSCRIBING, ROBUROC4_STATE_READY,
+                                            ROBUROC4_STATE_LOST,        ROBUROC4_STATE_DISCOVERING,
+                                            ROBUROC4_STATE_SUBSCRIBING, ROBUROC4_STATE_READY,
+                                            ROBUROC4_STATE_CLOSING,     ROBUROC4_STATE_IDLE};
+    EXPECT_EQ(wanted, told);
+}
+
 TEST(Life, WorksWithTheSimulatorToo) {
     SimPartner sim;
     Bench bench(sim);

@@ -99,6 +99,22 @@ TEST(Outputs, AreKeptOverALossOfTheSameRobot) {
     EXPECT_EQ(from_hex("FF 02 00 0A"), robot.output_commands.back().second);
 }
 
+TEST(Outputs, AreNotRepeatedToARobotThatIsLost) {
+    ScriptedRobot robot;
+    roburoc4_config config = default_config();
+    config.lost_ms = 200;
+    Bench bench(robot, config);
+    ASSERT_NO_FATAL_FAILURE(bench.ready());
+    robot.powered = false;
+    bench.run_to(bench.now_us - bench.link().silence_us + 180 * ms);
+    ASSERT_EQ(ROBUROC4_OK, set_one(bench, 1, 1));
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+    bench.sent.clear();
+    bench.run(500 * ms);
+    for (const Bench::Datagram &datagram : bench.sent)
+        EXPECT_NE(ROBUROC4_HEADER_STATUS, datagram.bytes[0]) << "whose card is it now?";
+}
+
 TEST(Outputs, AreNotRepeatedToACardThatTurnsOutToBeAnother) {
     ScriptedRobot robot;
     Bench bench(robot);

@@ -718,6 +718,22 @@ TEST(Battery, CriticalAfterLowIsAnEvent) {
               bench.take_events() & (ROBUROC4_EVENT_BATTERY_LOW | ROBUROC4_EVENT_BATTERY_CRITICAL));
 }
 
+TEST(Battery, IsCriticalInNoOtherState) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    for (int state = 0; state < 256; state++) {
+        robot.battery_state = static_cast<std::uint8_t>(state);
+        bench.now_us += 10 * ms;
+        ASSERT_EQ(0, bench.receive(
+                         robot.status_at(ROBUROC4_SERVICE_BATTERY,
+                                         robot.cycles() + 1 + static_cast<std::uint64_t>(state))));
+        const bool critical = state == ROBUROC4_BATTERY_CRITICAL;
+        EXPECT_EQ(critical, bench.facts().battery_low == 1) << state;
+        EXPECT_EQ(critical, (bench.take_events() & ROBUROC4_EVENT_BATTERY_CRITICAL) != 0) << state;
+    }
+}
+
 TEST(Battery, HasNoMinimumWhereTheRobotDoesNotSayItAnyMore) {
     ScriptedRobot robot;
     Bench bench(robot);

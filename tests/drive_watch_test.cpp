@@ -247,6 +247,26 @@ TEST(Override, IsAnEventOnBothEdges) {
     EXPECT_EQ(0, bench.facts().overridden);
 }
 
+TEST(Override, IsAnEventWhereItIsKnownAgainAndStillPressed) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.press(ROBUROC4_DI_PAD_A);
+    bench.run(60 * ms);
+    ASSERT_EQ(1, bench.facts().overridden);
+    for (const bool pressed : {true, false}) {
+        robot.press(ROBUROC4_DI_PAD_A, pressed);
+        ASSERT_EQ(ROBUROC4_OK,
+                  roburoc4_client_set_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE,
+                                                 ROBUROC4_DI_PAD_A, bench.client_us()));
+        EXPECT_EQ(0, bench.facts().overridden) << "for all that is known";
+        bench.take_events();
+        bench.run(60 * ms);
+        EXPECT_EQ(pressed, bench.facts().overridden == 1);
+        EXPECT_EQ(pressed, (bench.take_events() & ROBUROC4_EVENT_OVERRIDE) != 0);
+    }
+}
+
 TEST(Override, LetsNoSpeedOutAfterTheStatusThatShowedIt) {
     for (int offset = 0; offset < 60; offset += 7) {
         ScriptedRobot robot;
