@@ -337,3 +337,98 @@ TEST(Seldom, SilenceBeforeTheFirstDatagramCountsFromTheStart) {
     bench.run(3 * second);
     EXPECT_EQ(3 * second, bench.link().silence_us);
 }
+
+TEST(Seldom, AfterAClockThatSteppedBackAnOutputIsStillRepeatedAtTheDeadline) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    ASSERT_EQ(ROBUROC4_OK,
+              roburoc4_client_set_digital_output(&bench.client, 3, 1, bench.client_us()));
+    bench.pump();
+    ASSERT_EQ(1U, robot.output_commands.size());
+    bench.skew_us -= 900000000;
+    ASSERT_EQ(ROBUROC4_OK, bench.disarm()); /* whichever call comes first sees the step */
+    for (std::size_t i = 2; i <= 3; i++) {
+        const std::uint64_t wait_us =
+            roburoc4_client_next_deadline(&bench.client) - bench.client_us();
+        ASSERT_LT(wait_us, 200 * ms);
+        bench.now_us += wait_us - 1;
+        EXPECT_FALSE(bench.poll()) << "before the deadline";
+        bench.now_us += 1;
+        EXPECT_TRUE(bench.poll());
+        EXPECT_EQ(i, robot.output_commands.size());
+    }
+}
+
+TEST(Seldom, AClockThatStepsBackEndsNoRelocalization) {
+    ScriptedRobot robot;
+    robot.replace_silent = true;
+    Bench bench(robot);
+    bench.ready();
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_relocalize(&bench.client, 1, 2, 3, bench.client_us()));
+    bench.run(200 * ms);
+    bench.skew_us -= 900000000;
+    bench.run(500 * ms);
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result) << "it has its two seconds";
+    robot.replace_silent = false;
+    bench.run(second);
+    EXPECT_EQ(ROBUROC4_OK, bench.facts().relocalize_result);
+    EXPECT_EQ(1, robot.pose[0]);
+}
+
+TEST(Seldom, AStatusFromBeforeAClockThatSteppedBackNeverCountsAsRecentAgain) {
+    for (const bool card : {false, true}) {
+        SCOPED_TRACE(card);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.armed();
+        robot.service(card ? ROBUROC4_SERVICE_IOCARD : ROBUROC4_SERVICE_DIFFERENTIAL).mute = true;
+        bench.skew_us -= 2000000;
+        bench.run(100 * ms);
+        for (int i = 0; i < 400; i++) { /* past the time at which it was received */
+            ASSERT_EQ(card ? ROBUROC4_ERR_STALE_IOCARD : ROBUROC4_ERR_STALE_DIFFERENTIAL,
+                      bench.arm())
+                << i;
+            bench.run(10 * ms);
+        }
+    }
+}
+
+/* What the robot said stays known; only that [A] is not pressed must be said anew after a loss. */
+TEST(Seldom, NeitherAClockThatStepsBackNorALossChangesAValue) {
+    for (const bool loss : {false, true}) {
+        SCOPED_TRACE(loss);
+        ScriptedRobot robot;
+        robot.digital = 0x20003;
+        robot.pose = {1.5, -2.5, 3.125};
+        Bench bench(robot);
+        bench.ready();
+        roburoc4_private_values before = bench.client.private_values;
+        robot.powered = false;
+        if (loss) {
+            ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+            before.override_known = 0;
+        } else {
+            bench.skew_us -= 900000000;
+            EXPECT_EQ(ROBUROC4_OK, bench.disarm());
+            ASSERT_EQ(1U, bench.count(ROBUROC4_COUNT_CLOCK_FAULTS));
+        }
+        EXPECT_EQ(0, std::memcmp(&before, &bench.client.private_values, sizeof before));
+    }
+}
+
+TEST(Seldom, AnEmptyDatagramIsShortWhateverStandsWhereItWouldBegin) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_start(&bench.client, bench.client_us()));
+    ASSERT_TRUE(bench.poll()); /* a question is open, which an error telegram would end */
+    roburoc4_client before = bench.client;
+    for (unsigned first = 0; first < 256; first++) {
+        const auto byte = static_cast<std::uint8_t>(first);
+        EXPECT_EQ(ROBUROC4_ERR_SHORT,
+                  roburoc4_client_receive(&bench.client, &byte, 0, bench.client_us()));
+        before.private_counters[ROBUROC4_COUNT_RECEIVED]++;
+        before.private_counters[ROBUROC4_COUNT_SHORT]++;
+        EXPECT_EQ(0, std::memcmp(&before, &bench.client, sizeof before)) << first;
+    }
+}
