@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <iterator>
@@ -449,6 +450,173 @@ TEST(Link, LossIsOfTheLastTwoHundredStatusesAtMostAlsoWhereHalfAreLost) {
     EXPECT_LT(most, 200U);
     EXPECT_GE(most, 190U) << "and not of much fewer";
     EXPECT_NEAR(service.recent_received, service.recent_lost, 2);
+}
+
+namespace {
+
+/** A link that is full of figures, and what stands behind its last service. */
+struct LinkInMemory {
+    roburoc4_private_link l;
+    roburoc4_private_values behind;
+};
+
+LinkInMemory full_link() {
+    LinkInMemory link;
+    std::memset(&link, 0xA5, sizeof link);
+    return link;
+}
+
+} // namespace
+
+TEST(Link, ARestartForgetsTheOrderOfStatusesAndKeepsTheTotals) {
+    LinkInMemory link = full_link();
+    LinkInMemory wanted = link;
+    wanted.l.mapped = 0;
+    wanted.l.back_count = 0;
+    wanted.l.round_trip_us = 0;
+    wanted.l.round_trip_min_us = 0;
+    for (roburoc4_private_service &service : wanted.l.services) {
+        service.seen = 0;
+        service.period_cycles = service.asked_cycles;
+        service.gap_count = 0;
+        service.gap_min = UINT16_MAX;
+    }
+    roburoc4_link_restart(&link.l);
+    EXPECT_EQ(0, std::memcmp(&wanted, &link, sizeof link));
+}
+
+TEST(Link, SpoiltItHasNoFreshStatusAndAllItsFigures) {
+    LinkInMemory link = full_link();
+    LinkInMemory wanted = link;
+    for (roburoc4_private_service &service : wanted.l.services)
+        service.fresh = 0;
+    roburoc4_link_spoil(&link.l);
+    EXPECT_EQ(0, std::memcmp(&wanted, &link, sizeof link));
+    /* ... and on another clock, all that waits for something begins to wait now */
+    for (roburoc4_private_service &service : wanted.l.services)
+        service.inserted_us = begin_us;
+    wanted.l.last_used_us = begin_us;
+    wanted.l.mapped = 0;
+    link = full_link();
+    roburoc4_link_rebase(&link.l, begin_us);
+    EXPECT_EQ(0, std::memcmp(&wanted, &link, sizeof link));
+}
+
+TEST(Link, JitterIsThatOfRfc3550) {
+    Linked linked;
+    const roburoc4_private_service &service = linked.l.services[0];
+    const std::uint64_t origin_us = linked.now_us;
+    std::uint64_t robot_cycles = 1000;
+    double before_us = 0;
+    double jitter_us = 0;
+    std::uint32_t x = 1;
+    for (int i = 0; i < 500; i++) {
+        x = x * 1664525U + 1013904223U;
+        const std::uint64_t delay_us = i % 100 < 60 ? x / 65536U % 30000U : 0;
+        robot_cycles += 1 + x % 10U; /* that some are lost makes no difference */
+        const std::uint64_t now_us =
+            origin_us + (robot_cycles - 1000) * ROBUROC4_CYCLE_US + delay_us;
+        ASSERT_EQ(VERDICT_NEW, roburoc4_link_status(&linked.l, 0, robot_cycles, now_us));
+        const auto transit_us = static_cast<double>(delay_us);
+        jitter_us += (std::abs(transit_us - before_us) - jitter_us) / 16;
+        before_us = transit_us;
+        EXPECT_NEAR(jitter_us, service.jitter_us, 16) << i << ": in whole microseconds";
+    }
+}
+
+TEST(Link, OnlyAnOlderCountAfterANewSubscriptionOfASilentServiceIsARestart) {
+    struct Case {
+        std::uint64_t subscribed_us, silence_us, robot_cycles; /* since the last status, 1000 */
+        verdict wanted;
+    };
+    for (const Case &c : {Case{1200 * ms, 1500 * ms, 999, VERDICT_REBOOT},
+                          Case{1200 * ms, 1500 * ms, 1000, VERDICT_OLD}, /* a copy of the last */
+                          Case{1200 * ms, 1500 * ms, 1001, VERDICT_NEW},
+                          Case{50 * ms, 100 * ms, 999, VERDICT_OLD}, /* it never was silent */
+                          Case{0, 1500 * ms, 999, VERDICT_OLD}}) {   /* nor subscribed to anew */
+        SCOPED_TRACE(testing::Message() << c.silence_us << " us, cycle " << c.robot_cycles);
+        Linked linked;
+        roburoc4_private_service &service = linked.l.services[0];
+        if (c.subscribed_us > 0)
+            service.inserted_us = linked.now_us + c.subscribed_us;
+        const std::uint64_t now_us = linked.now_us + c.silence_us;
+        EXPECT_EQ(c.wanted, roburoc4_link_status(&linked.l, 0, c.robot_cycles, now_us));
+    }
+}
+
+TEST(Link, OnlyAnOlderCountAfterALossIsARestart) {
+    for (const std::uint64_t back : {1U, 0U}) {
+        Linked linked;
+        roburoc4_link_restart(&linked.l);
+        linked.l.resubscribed = 1;
+        EXPECT_EQ(back > 0 ? VERDICT_REBOOT : VERDICT_NEW, linked.status(1000 - back)) << back;
+    }
+    /* the first one that is good ends the suspicion, for all services */
+    Linked linked;
+    linked.l.resubscribed = 1;
+    EXPECT_EQ(VERDICT_NEW, linked.status(1001));
+    EXPECT_EQ(VERDICT_NEW, roburoc4_link_status(&linked.l, 1, 990, linked.now_us));
+    EXPECT_EQ(VERDICT_OLD, linked.status(1000));
+}
+
+TEST(Link, WhatCameBeforeTheFirstStatusIsLateAndNoCopy) {
+    Linked linked;
+    const roburoc4_private_service &service = linked.l.services[0];
+    for (std::uint64_t back = 1; back <= 70; back++)
+        EXPECT_EQ(VERDICT_OLD, linked.status(1000 - back));
+    EXPECT_EQ(70U, service.late);
+    EXPECT_EQ(0U, service.duplicates);
+}
+
+TEST(Link, ACopyIsACopyWhateverCameBetween) {
+    for (std::uint64_t gap = 1; gap <= 63; gap++) {
+        Linked linked;
+        const roburoc4_private_service &service = linked.l.services[0];
+        EXPECT_EQ(VERDICT_NEW, linked.status(1000 + gap));
+        EXPECT_EQ(VERDICT_OLD, linked.status(1000 + gap));
+        EXPECT_EQ(VERDICT_OLD, linked.status(1000));
+        EXPECT_EQ(2U, service.duplicates) << gap;
+        EXPECT_EQ(0U, service.late) << gap;
+    }
+}
+
+TEST(Link, AVeryLateCopyTakesNoLossBack) {
+    for (const std::uint64_t behind : {64U, 65U, 90U}) {
+        Linked linked;
+        const roburoc4_private_service &service = linked.l.services[0];
+        EXPECT_EQ(VERDICT_NEW, linked.status(1000 + behind));
+        const std::uint32_t lost = service.lost;
+        EXPECT_GT(lost, 0U);
+        EXPECT_EQ(VERDICT_OLD, linked.status(1000)); /* which had arrived long ago */
+        EXPECT_EQ(lost, service.lost) << behind;
+        EXPECT_EQ(VERDICT_OLD, linked.status(1000 + behind));
+        EXPECT_EQ(1U, service.duplicates) << "the newest once more";
+    }
+}
+
+TEST(Link, APauseOfTheRobotIsNoLoss) {
+    for (const std::uint64_t gap : {std::uint64_t{6001}, std::uint64_t{65536 + 5},
+                                    std::uint64_t{1} << 32, std::uint64_t{1} << 60}) {
+        Linked linked;
+        const roburoc4_private_service &service = linked.l.services[0];
+        EXPECT_EQ(VERDICT_NEW, linked.status(1000 + gap));
+        EXPECT_EQ(VERDICT_NEW, linked.status(1005 + gap));
+        EXPECT_EQ(0U, service.lost) << gap;
+        EXPECT_EQ(5U, service.period_cycles);
+        EXPECT_EQ(3U, service.received);
+    }
+}
+
+TEST(Link, TheFirstRoundTripIsTakenWholeAndOfAllTheShortestIsKept) {
+    roburoc4_private_link l{};
+    roburoc4_link_round_trip(&l, 1000, 9000);
+    EXPECT_EQ(8000U, l.round_trip_us);
+    EXPECT_EQ(8000U, l.round_trip_min_us);
+    roburoc4_link_round_trip(&l, 1000, 17000);
+    EXPECT_EQ(9000U, l.round_trip_us) << "an eighth of the way";
+    EXPECT_EQ(8000U, l.round_trip_min_us);
+    roburoc4_link_round_trip(&l, 1000, 1000);
+    EXPECT_EQ(1U, l.round_trip_min_us) << "0 would be none";
 }
 
 /* ---- snapshot ---- */
