@@ -132,6 +132,46 @@ TEST(Outputs, AreNotRepeatedToACardThatTurnsOutToBeAnother) {
     EXPECT_EQ(1U, robot.output_commands.size());
 }
 
+TEST(Outputs, OfBeforeARebootOrOfAnotherCardAreForgotten) {
+    for (const bool reboot : {false, true}) {
+        SCOPED_TRACE(reboot);
+        ScriptedRobot robot;
+        robot.iocard.analog_outputs = 2;
+        Bench bench(robot);
+        ASSERT_NO_FATAL_FAILURE(bench.ready());
+        ASSERT_EQ(ROBUROC4_OK, set_volts(bench, 1, 2.5F));
+        ASSERT_EQ(ROBUROC4_OK, set_one(bench, 3, 1));
+        bench.run(second);
+        if (reboot)
+            robot.reboot();
+        else
+            robot.iocard.digital_inputs++;
+        bench.run(20 * second);
+        ASSERT_EQ(reboot ? 1U : 0U, bench.count(ROBUROC4_COUNT_REBOOTS));
+        ASSERT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+        ASSERT_EQ(ROBUROC4_OK, set_one(bench, 1, 1));
+        bench.pump();
+        EXPECT_EQ(from_hex("FF 02 00  00 00 00 00  00 00 00 00  02"),
+                  robot.output_commands.back().second);
+    }
+}
+
+TEST(Outputs, AreNotRepeatedWhileAnotherDirectoryIsDiscovered) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    ASSERT_NO_FATAL_FAILURE(bench.ready());
+    const auto asked = [&] { return robot.seen(ROBUROC4_ACTION_GET, 0).size(); };
+    bench.delay_to_client = [] { return 20 * ms; };
+    robot.texts_silent = true; /* so that it takes its time */
+    robot.services.push_back({0x1234, 77, 99, "Coffee machine"});
+    const std::size_t before = asked();
+    ASSERT_TRUE(bench.run_until([&] { return asked() > before; })) << "by the probe";
+    ASSERT_EQ(ROBUROC4_OK, set_one(bench, 1, 1));
+    bench.run(500 * ms);
+    ASSERT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_DISCOVERING), bench.state());
+    EXPECT_EQ(1U, robot.output_commands.size()) << "which id has the card now?";
+}
+
 TEST(Outputs, ThatWereNeverSetAreZeroAndTheOthersAreKept) {
     ScriptedRobot robot;
     robot.iocard.analog_outputs = 3;

@@ -62,6 +62,33 @@ void expect_properties(const Bench &bench, const ScriptedRobot &robot) {
     }
 }
 
+/** What the client gives as a service's latest status, as bytes. */
+std::string value_of(const Bench &bench, std::uint32_t service) {
+    const auto bytes = [](auto getter, auto out) {
+        EXPECT_EQ(ROBUROC4_OK, getter(&out));
+        const auto *from = reinterpret_cast<const std::uint8_t *>(&out);
+        return to_hex(Bytes(from, from + sizeof out));
+    };
+    const roburoc4_client *client = &bench.client;
+    switch (service) {
+    case ROBUROC4_SERVICE_IOCARD:
+        return bytes([&](auto *out) { return roburoc4_client_inputs(client, out, nullptr); },
+                     roburoc4_inputs{});
+    case ROBUROC4_SERVICE_TELEMETER:
+        return bytes([&](auto *out) { return roburoc4_client_distances(client, out, nullptr); },
+                     roburoc4_distances{});
+    case ROBUROC4_SERVICE_BATTERY:
+        return bytes([&](auto *out) { return roburoc4_client_battery(client, out, nullptr); },
+                     roburoc4_battery_status{});
+    case ROBUROC4_SERVICE_LOCALIZATION:
+        return bytes([&](auto *out) { return roburoc4_client_localization(client, out, nullptr); },
+                     roburoc4_localization_status{});
+    default:
+        return bytes([&](auto *out) { return roburoc4_client_differential(client, out, nullptr); },
+                     roburoc4_differential_status{});
+    }
+}
+
 } // namespace
 
 TEST(Value, IsUnknownBeforeTheFirstStatus) {
@@ -191,6 +218,30 @@ TEST(Value, IsAllThatTheStatusSaidAndNothingElse) {
         return roburoc4_client_distances(&bench.client, out, &host_us);
     });
     EXPECT_EQ(bench.now_us, host_us);
+}
+
+TEST(Value, IsChangedByTheStatusesOfItsServiceOnly) {
+    ScriptedRobot robot;
+    robot.follows = false;
+    Bench bench(robot);
+    bench.ready();
+    robot.digital = 0x2A0003;
+    robot.analog.assign(9, 3.5F);
+    robot.distances = {5.5F, 6.5F};
+    robot.battery_state = ROBUROC4_BATTERY_CHARGED;
+    robot.battery_percent = 99;
+    robot.pose = {1.5, -2.5, 3.125};
+    robot.target_linear = robot.current_linear = 0.5F;
+    robot.target_angular = robot.current_angular = -0.5F;
+    for (std::uint32_t received = 2; received < ROBUROC4_SERVICE_COUNT; received++) {
+        std::array<std::string, ROBUROC4_SERVICE_COUNT> before;
+        for (std::uint32_t service = 2; service < ROBUROC4_SERVICE_COUNT; service++)
+            before[service] = value_of(bench, service);
+        EXPECT_EQ(0, bench.receive(robot.status_at(received, robot.cycles() + 1)));
+        for (std::uint32_t service = 2; service < ROBUROC4_SERVICE_COUNT; service++)
+            EXPECT_EQ(service != received, before[service] == value_of(bench, service))
+                << received << " " << service;
+    }
 }
 
 TEST(Value, RaisesTheEventOfItsServiceAndNoOther) {

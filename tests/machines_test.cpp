@@ -607,6 +607,21 @@ TEST(Link, APauseOfTheRobotIsNoLoss) {
     }
 }
 
+TEST(Link, WhatWasNeverSentIsNoLossHoweverOftenThePeriodGrows) {
+    Linked linked;
+    const roburoc4_private_service &service = linked.l.services[0];
+    std::uint64_t robot_cycles = 1000;
+    for (const std::uint64_t period : {5U, 10U, 40U, 80U}) {
+        for (int i = 0; i < 16; i++) { /* after so many it is believed */
+            robot_cycles += period == 5 && i == 7 ? 3 * period : period; /* two are lost */
+            EXPECT_EQ(VERDICT_NEW, linked.status(robot_cycles));
+        }
+        EXPECT_EQ(period, service.period_cycles);
+        EXPECT_EQ(2U, service.lost);
+        EXPECT_EQ(2U, service.recent_lost);
+    }
+}
+
 TEST(Link, TheFirstRoundTripIsTakenWholeAndOfAllTheShortestIsKept) {
     roburoc4_private_link l{};
     roburoc4_link_round_trip(&l, 1000, 9000);
