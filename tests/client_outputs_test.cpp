@@ -339,6 +339,44 @@ TEST(Relocalize, ThatALossInterruptsEndsInAnEvent) {
     EXPECT_EQ(ROBUROC4_ERR_TIMEOUT, bench.facts().relocalize_result);
 }
 
+TEST(Relocalize, EndsWithTheRobotThatItWasMeantFor) {
+    for (int way = 0; way < 3; way++) {
+        SCOPED_TRACE(way);
+        ScriptedRobot robot;
+        robot.replace_silent = true;
+        roburoc4_config config = default_config();
+        config.lost_ms = 200;
+        Bench bench(robot, config);
+        bench.ready();
+        const auto asked = [&] { return robot.seen(ROBUROC4_ACTION_GET, 0).size(); };
+        const std::size_t before = asked();
+        if (way == 2) { /* another directory, found by the next probe */
+            bench.delay_to_client = [] { return 20 * ms; };
+            robot.remove(ROBUROC4_SERVICE_LOCALIZATION);
+            ASSERT_TRUE(bench.run_until([&] { return asked() > before; }));
+        }
+        ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
+        bench.run(10 * ms);
+        ASSERT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result);
+        if (way == 0) {
+            robot.powered = false;
+            ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST, 250 * ms));
+            robot.powered = true;
+        } else if (way == 1) {
+            for (std::uint64_t i = 0; i < 3; i++)
+                bench.receive(robot.status_at(ROBUROC4_SERVICE_DIFFERENTIAL, i));
+            ASSERT_EQ(1U, bench.count(ROBUROC4_COUNT_REBOOTS));
+        } else {
+            ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_DISCOVERING, 50 * ms));
+        }
+        EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_RELOCALIZE_FAILED);
+        EXPECT_EQ(ROBUROC4_ERR_TIMEOUT, bench.facts().relocalize_result);
+        robot.requests.clear();
+        bench.run(3 * second);
+        EXPECT_TRUE(robot.seen(ROBUROC4_ACTION_REPLACE).empty());
+    }
+}
+
 /* ---- subscriptions ---- */
 
 TEST(Subscribe, ChangesThePeriodAtRunTime) {

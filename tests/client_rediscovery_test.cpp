@@ -64,6 +64,27 @@ TEST(Rediscovery, TakesNoPropertiesThatWereAskedOfAnotherService) {
     EXPECT_GT(commands, 0);
 }
 
+TEST(Rediscovery, TakesNoAnswerToAQuestionOfBefore) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.instead = [](const roburoc4_request &r, std::vector<Bytes> &) {
+        return (r.action == ROBUROC4_ACTION_GET && r.service == 6) ||
+               r.action == ROBUROC4_ACTION_QUERY;
+    };
+    const auto asked = [&] { return robot.seen(ROBUROC4_ACTION_GET, 6); };
+    const std::size_t before = asked().size();
+    ASSERT_TRUE(bench.run_until([&] { return asked().size() > before; })) << "by the probe";
+    swap_ids(robot); /* which the next probe finds */
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_DISCOVERING, 1200 * ms));
+    roburoc4_differential_properties wrong = robot.differential;
+    wrong.service = 6;
+    const Bytes late = encoded([&](std::uint8_t *b, std::size_t n) {
+        return roburoc4_encode_differential_properties(b, n, asked().back().what.id, &wrong);
+    });
+    EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive(late)) << "6 are the telemeters now";
+}
+
 TEST(Rediscovery, DisarmsAndDoesNotArmOnStatusesOfBefore) {
     ScriptedRobot robot;
     roburoc4_config config = default_config();

@@ -466,6 +466,27 @@ TEST(FixedId, EndsWhereTheRobotEchoesAnotherIdAfterAll) {
     EXPECT_EQ(1, bench.facts().override_known);
 }
 
+TEST(FixedId, IsNotTakenOverToTheRobotThatIsFoundAfterALoss) {
+    ScriptedRobot robot;
+    robot.only_manual_id = true;
+    Bench bench(robot);
+    bench.ready();
+    ASSERT_EQ(1, bench.facts().fixed_id);
+    robot.powered = false;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+    EXPECT_EQ(0, bench.facts().fixed_id);
+    robot.only_manual_id = false; /* another robot, whose first answer is lost */
+    robot.requests.clear();
+    bench.drop_to_client = [&](const Bytes &) { return robot.requests.size() == 1; };
+    robot.powered = true;
+    bench.take_events();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    EXPECT_EQ(0, bench.facts().fixed_id);
+    EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_FIXED_ID);
+    for (const Request &r : robot.requests)
+        EXPECT_NE(ROBUROC4_HEADER_MANUAL, r.what.id);
+}
+
 TEST(FixedId, StaysForARobotThatKnowsNoOther) {
     for (int dialect = 0; dialect < 2; dialect++) {
         ScriptedRobot robot;

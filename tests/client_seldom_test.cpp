@@ -376,6 +376,27 @@ TEST(Seldom, AClockThatStepsBackEndsNoRelocalization) {
     EXPECT_EQ(1, robot.pose[0]);
 }
 
+TEST(Seldom, AClockThatStepsBackDoesNotHurryDiscovery) {
+    ScriptedRobot robot;
+    for (ScriptedService &s : robot.services)
+        s.type = static_cast<std::uint16_t>(0x5000 + s.kind); /* only texts tell */
+    std::swap(robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).id,
+              robot.service(ROBUROC4_SERVICE_TELEMETER).id);
+    robot.texts_silent = true;
+    Bench bench(robot);
+    bench.start();
+    bench.run(300 * ms);
+    bench.skew_us -= 900000000;
+    bench.run(300 * ms);
+    robot.texts_silent = false;
+    ASSERT_TRUE(bench.run_until([&] {
+        EXPECT_NE(6, roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_DIFFERENTIAL))
+            << "the manual's, before a second is over";
+        return bench.state() == ROBUROC4_STATE_READY;
+    }));
+    EXPECT_EQ(3, roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_DIFFERENTIAL));
+}
+
 TEST(Seldom, AStatusFromBeforeAClockThatSteppedBackNeverCountsAsRecentAgain) {
     for (const bool card : {false, true}) {
         SCOPED_TRACE(card);
