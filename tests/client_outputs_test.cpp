@@ -31,14 +31,38 @@ roburoc4_result unsubscribe(Bench &bench, std::uint32_t service) {
 
 } // namespace
 
-TEST(Outputs, AreRefusedUntilTheClientIsReady) {
+TEST(Outputs, AndPosesAreRefusedWheneverTheClientIsNotReady) {
     ScriptedRobot robot;
+    robot.iocard.analog_outputs = 1;
     Bench bench(robot);
-    EXPECT_LT(set_one(bench, 1, 1), 0);
-    robot.powered = false;
+    const auto expect_refused_in = [&](int state) {
+        ASSERT_EQ(static_cast<std::uint32_t>(state), bench.state());
+        EXPECT_EQ(ROBUROC4_ERR_NOT_READY, set_one(bench, 1, 1)) << state;
+        EXPECT_EQ(ROBUROC4_ERR_NOT_READY, set_many(bench, 2, 2)) << state;
+        EXPECT_EQ(ROBUROC4_ERR_NOT_READY, set_volts(bench, 0, 1)) << state;
+        EXPECT_EQ(ROBUROC4_ERR_NOT_READY, relocalize(bench, 1, 2, 3)) << state;
+    };
+    bench.delay_to_client = [] { return 1 * ms; }; /* so that each state lasts */
+    expect_refused_in(ROBUROC4_STATE_IDLE);
     bench.start();
-    EXPECT_LT(set_one(bench, 1, 1), 0);
-    EXPECT_LT(set_volts(bench, 0, 1), 0);
+    expect_refused_in(ROBUROC4_STATE_CONNECTING);
+    for (const int state : {ROBUROC4_STATE_DISCOVERING, ROBUROC4_STATE_SUBSCRIBING}) {
+        ASSERT_TRUE(bench.run_until_state(static_cast<std::uint32_t>(state)));
+        expect_refused_in(state);
+    }
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    robot.powered = false;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+    expect_refused_in(ROBUROC4_STATE_LOST);
+    robot.powered = true;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    EXPECT_EQ(ROBUROC4_OK, bench.stop());
+    EXPECT_EQ(ROBUROC4_OK, bench.close());
+    expect_refused_in(ROBUROC4_STATE_CLOSING);
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_IDLE));
+    expect_refused_in(ROBUROC4_STATE_IDLE);
+    EXPECT_TRUE(robot.output_commands.empty());
+    EXPECT_TRUE(robot.seen(ROBUROC4_ACTION_REPLACE).empty());
 }
 
 TEST(Outputs, AreUnknownWithoutTheCardsProperties) {
@@ -69,6 +93,26 @@ TEST(Outputs, RefuseWhatTheRobotDoesNotHave) {
     EXPECT_TRUE(robot.output_commands.empty());
 }
 
+TEST(Outputs, BeyondTheLastAreRefusedWhateverTheCardHas) {
+    for (const std::int32_t count : {0, 1, 3, 16}) {
+        SCOPED_TRACE(count);
+        ScriptedRobot robot;
+        robot.iocard.analog_outputs = count;
+        robot.iocard.digital_outputs = count;
+        Bench bench(robot);
+        bench.ready();
+        const auto beyond = static_cast<std::uint32_t>(count);
+        for (const std::uint32_t index : {beyond, beyond + 1, beyond + 2, 63U, 64U, UINT32_MAX}) {
+            EXPECT_EQ(ROBUROC4_ERR_INDEX, set_volts(bench, index, 1)) << index;
+            EXPECT_EQ(index == 0 ? ROBUROC4_ERR_RESERVED : ROBUROC4_ERR_INDEX,
+                      set_one(bench, index, 1))
+                << index;
+        }
+        bench.run(second);
+        EXPECT_TRUE(robot.output_commands.empty());
+    }
+}
+
 TEST(Outputs, AreSentAtOnceAndTwiceMore) {
     ScriptedRobot robot;
     Bench bench(robot);
@@ -80,8 +124,26 @@ TEST(Outputs, AreSentAtOnceAndTwiceMore) {
     EXPECT_EQ(start_us, robot.output_commands[0].first);
     for (const auto &[at_us, bytes] : robot.output_commands)
         EXPECT_EQ(from_hex("FF 02 00 08"), bytes);
-    EXPECT_GT(robot.output_commands[1].first, start_us);
-    EXPECT_LT(robot.output_commands[2].first, start_us + 500 * ms);
+    EXPECT_EQ(start_us + 50 * ms, robot.output_commands[1].first);
+    EXPECT_EQ(start_us + 100 * ms, robot.output_commands[2].first);
+}
+
+TEST(Outputs, AreSentToTheMicrosecondForWhoPollsAtTheDeadlineOnly) {
+    ScriptedRobot robot;
+    robot.iocard.analog_outputs = 1;
+    Bench bench(robot);
+    bench.ready();
+    bench.run(3700); /* so that neither a status nor a question falls on it */
+    for (const bool analog : {false, true}) {
+        robot.output_commands.clear();
+        const std::uint64_t start_us = bench.now_us;
+        ASSERT_EQ(ROBUROC4_OK, analog ? set_volts(bench, 0, 1) : set_one(bench, 3, 1));
+        EXPECT_LE(roburoc4_client_next_deadline(&bench.client), bench.client_us()) << "now";
+        bench.run(second);
+        ASSERT_EQ(3U, robot.output_commands.size());
+        for (std::size_t i = 0; i < 3; i++)
+            EXPECT_EQ(start_us + i * 50 * ms, robot.output_commands[i].first);
+    }
 }
 
 TEST(Outputs, AreKeptOverALossOfTheSameRobot) {
