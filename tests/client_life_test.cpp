@@ -215,6 +215,25 @@ TEST(Life, IsNeverLostBeforeThreeOfTheShortestPeriod) {
     EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_LOST));
 }
 
+TEST(Life, WhicheverPeriodIsTheShortestCounts) {
+    for (std::uint32_t service = 2; service < ROBUROC4_SERVICE_COUNT; service++) {
+        SCOPED_TRACE(service);
+        ScriptedRobot robot;
+        roburoc4_config config = default_config();
+        config.lost_ms = 200;
+        for (std::uint32_t other = 2; other < ROBUROC4_SERVICE_COUNT; other++)
+            config.period_ms[other] = other == service ? 100 : 700;
+        Bench bench(robot, config);
+        bench.ready();
+        const std::uint64_t lost_us = bench.now_us - bench.link().silence_us + 300 * ms;
+        robot.powered = false;
+        bench.run_to(lost_us - 1);
+        EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+        bench.run_to(lost_us);
+        EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_LOST), bench.state());
+    }
+}
+
 TEST(Life, AClientWithoutSubscriptionsStaysReady) {
     ScriptedRobot robot;
     roburoc4_config config = default_config();
@@ -281,6 +300,14 @@ TEST(ReadyWithout, TheAnswersOfAService) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_BATTERY).get_silent = true;
     expect_ready_within(robot, 4 * second);
+}
+
+TEST(ReadyWithout, DescriptionsAndTheAnswersOfMostServices) {
+    ScriptedRobot robot;
+    robot.texts_silent = true;
+    for (std::uint32_t service = 2; service < ROBUROC4_SERVICE_DIFFERENTIAL; service++)
+        robot.service(service).get_silent = true;
+    expect_ready_within(robot, 5 * second);
 }
 
 TEST(ReadyWithout, PropertiesThatAreRefusedOrShort) {
