@@ -221,6 +221,29 @@ TEST(Init, OfASmallerSizeTouchesNothingBeyondIt) {
               roburoc4_client_init(reinterpret_cast<roburoc4_client *>(block.data()), 64, nullptr));
 }
 
+TEST(Init, OfASmallerSizeLeavesNothingThatStartingArmingOrDrivingWouldTouch) {
+    roburoc4_client c;
+    memset(&c, 0x5A, sizeof c); /* what stands behind the smaller one is not the client's */
+    EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_client_init(&c, 64, nullptr));
+    const roburoc4_client before = c;
+    EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_client_start(&c, 1));
+    EXPECT_EQ(ROBUROC4_ERR_NOT_READY, roburoc4_client_arm(&c, 1));
+    EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_client_drive(&c, 1, 0, 100000, 1));
+    EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_client_stop(&c, 1));
+    EXPECT_EQ(0, memcmp(&before, &c, sizeof c));
+}
+
+TEST(Init, ByABuildWithAnotherStructIsNoneOfOurs) {
+    for (const std::size_t size : {sizeof(roburoc4_client) - 8, sizeof(roburoc4_client) + 8}) {
+        roburoc4_client c;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_client_init(&c, sizeof c, nullptr));
+        c.private_size = static_cast<std::uint32_t>(size);
+        EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_client_start(&c, 1));
+        EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_client_drive(&c, 1, 0, 100000, 1));
+        EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_IDLE), roburoc4_client_state(&c));
+    }
+}
+
 TEST(Init, AfterAnErrorEveryOtherFunctionRefusesTheClient) {
     for (int error = 0; error < 2; error++) {
         SCOPED_TRACE(error);
