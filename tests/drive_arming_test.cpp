@@ -217,6 +217,25 @@ TEST(ArmRefused, WhileItMovesUnasked) {
     }
 }
 
+TEST(ArmRefused, FromATenthOfAMetreOrTwoTenthsOfARadianPerSecondOn) {
+    struct Speed {
+        float linear, angular;
+        bool stands;
+    };
+    for (const Speed &speed :
+         {Speed{0.09F, 0.19F, true}, Speed{-0.09F, -0.19F, true}, Speed{0.11F, 0, false},
+          Speed{-0.11F, 0, false}, Speed{0, 0.21F, false}, Speed{0, -0.21F, false}}) {
+        SCOPED_TRACE(testing::Message() << speed.linear << " m/s, " << speed.angular << " rad/s");
+        ScriptedRobot robot;
+        robot.follows = false;
+        robot.current_linear = speed.linear;
+        robot.current_angular = speed.angular;
+        Bench bench(robot);
+        bench.ready();
+        EXPECT_EQ(speed.stands ? ROBUROC4_OK : ROBUROC4_ERR_MOVING, bench.arm());
+    }
+}
+
 TEST(ArmRefused, WhileItReportsASpeedThatIsNone) {
     ScriptedRobot robot;
     robot.current_linear = nan_f;
@@ -398,17 +417,37 @@ TEST(UnknownOverride, IsNotAllowedWhileAServiceIsNotKnown) {
     EXPECT_EQ(ROBUROC4_OK, bench.arm());
 }
 
-TEST(UnknownOverride, AllowedStillHeedsAnOverrideThatIsKnown) {
+TEST(UnknownOverride, IsNotAllowedWhileAListedCardHasNotGivenItsCounts) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
-    ScriptedRobot robot;
-    Bench bench(robot, config);
-    bench.armed();
-    robot.press(ROBUROC4_DI_PAD_A);
-    bench.run(60 * ms);
-    EXPECT_EQ(0, bench.facts().armed);
-    expect_refused(bench, ROBUROC4_ERR_OVERRIDE);
-    robot.service(ROBUROC4_SERVICE_IOCARD).mute = true;
-    bench.run(400 * ms);
-    EXPECT_EQ(ROBUROC4_ERR_STALE_IOCARD, bench.arm()) << "the robot has a game pad";
+    for (int way = 0; way < 3; way++) {
+        SCOPED_TRACE(way);
+        ScriptedRobot robot;
+        ScriptedService &card = robot.service(ROBUROC4_SERVICE_IOCARD);
+        card.get_refused = way == 0;
+        card.get_silent = way == 1;
+        card.get_length = way == 2 ? 20 : 0;
+        Bench bench(robot, config);
+        bench.ready();
+        expect_refused(bench, ROBUROC4_ERR_STALE_IOCARD);
+    }
+}
+
+TEST(UnknownOverride, AllowedStillHeedsAnOverrideThatIsKnown) {
+    for (const int input : {ROBUROC4_DI_PAD_A, 0, 1}) {
+        SCOPED_TRACE(input);
+        roburoc4_config config = default_config();
+        config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+        config.role_index[ROBUROC4_ROLE_OVERRIDE] = static_cast<std::int16_t>(input);
+        ScriptedRobot robot;
+        Bench bench(robot, config);
+        bench.armed();
+        robot.press(static_cast<std::uint32_t>(input));
+        bench.run(60 * ms);
+        EXPECT_EQ(0, bench.facts().armed);
+        expect_refused(bench, ROBUROC4_ERR_OVERRIDE);
+        robot.service(ROBUROC4_SERVICE_IOCARD).mute = true;
+        bench.run(400 * ms);
+        EXPECT_EQ(ROBUROC4_ERR_STALE_IOCARD, bench.arm()) << "the robot has a game pad";
+    }
 }
