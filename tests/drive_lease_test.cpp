@@ -236,12 +236,18 @@ TEST(Clock, StepBackSeenFirstByAnyCallEndsTheLease) {
         [](Bench &b) { roburoc4_client_subscribe(&b.client, 3, 100, b.client_us()); },
         [](Bench &b) { roburoc4_client_unsubscribe(&b.client, 3, b.client_us()); },
         [](Bench &b) { roburoc4_client_set_digital_output(&b.client, 1, 1, b.client_us()); },
+        [](Bench &b) { roburoc4_client_set_analog_output(&b.client, 0, 1, b.client_us()); },
         [](Bench &b) { roburoc4_client_relocalize(&b.client, 0, 0, 0, b.client_us()); },
+        [](Bench &b) { roburoc4_client_set_role_index(&b.client, 1, 3, b.client_us()); },
         [](Bench &b) { b.stop(); },
+        [](Bench &b) { b.disarm(); },
+        [](Bench &b) { b.close(); },
+        [](Bench &b) { b.poll(); },
     };
     for (std::size_t i = 0; i < calls.size(); i++) {
         SCOPED_TRACE(i);
         ScriptedRobot robot;
+        robot.iocard.analog_outputs = 1;
         Bench bench(robot);
         bench.armed();
         ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0, 1000000));
@@ -251,6 +257,9 @@ TEST(Clock, StepBackSeenFirstByAnyCallEndsTheLease) {
         calls[i](bench);
         EXPECT_EQ(0, bench.facts().driving);
         EXPECT_EQ(0, bench.facts().armed);
+        EXPECT_EQ(ROBUROC4_ERR_CLOCK, bench.facts().disarm_cause);
+        EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_CLOCK);
+        EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_CLOCK_FAULTS));
         const std::uint64_t at_us = bench.now_us;
         bench.run(2 * second);
         EXPECT_EQ(0U, bench.speeds(at_us));
