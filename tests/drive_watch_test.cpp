@@ -113,6 +113,17 @@ TEST(Foreign, MayUseTheSpeedThatWeUsedLongAgo) {
     EXPECT_EQ(1, bench.facts().foreign) << "nothing was sent for seconds";
 }
 
+TEST(Foreign, IsNotARobotThatDropsItsTargetsItself) {
+    ScriptedRobot robot;
+    robot.follows = false; /* its targets stay 0 */
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, -1, 5 * second));
+    EXPECT_EQ(0, bench.facts().foreign);
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_FOREIGN);
+    EXPECT_EQ(1, bench.facts().armed);
+}
+
 TEST(Foreign, CanBeIgnored) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_IGNORE_FOREIGN;
@@ -195,6 +206,18 @@ TEST(Inhibited, IsReportedForATurnToo) {
     robot.target_angular = -1;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0, -1, second));
     EXPECT_EQ(1, bench.facts().inhibited);
+}
+
+TEST(Inhibited, IsReportedForASlowSpeedToo) {
+    for (const bool turning : {false, true}) {
+        SCOPED_TRACE(turning);
+        ScriptedRobot robot;
+        robot.follows = false;
+        Bench bench(robot);
+        bench.armed();
+        ASSERT_NO_FATAL_FAILURE(bench.driving(turning ? 0 : 0.03F, turning ? 0.06F : 0, 800 * ms));
+        EXPECT_EQ(1, bench.facts().inhibited);
+    }
 }
 
 TEST(Inhibited, IsReportedWhereTheRobotDropsTheTargetItself) {

@@ -162,6 +162,19 @@ TEST(DriveMachine, OnlyStatusesAfterTheThirdZeroConfirmATrain) {
     EXPECT_EQ(1, driver.d.confirmed) << "its targets count, not what it does";
 }
 
+TEST(DriveMachine, WhatWasSentBeforeAFaultOfTheClockIsStillOurs) {
+    Driver driver;
+    driver.spoke(begin_us);
+    const std::uint64_t late_us = begin_us + driver.config.robot_watchdog_ms * ms;
+    driver.grant(0.1F, 0, late_us);
+    ASSERT_TRUE(driver.poll(late_us));
+    roburoc4_drive_rebase(&driver.d, begin_us);
+    for (std::uint64_t i = 1; i < 5; i++)
+        driver.status({0.5F, 0, 0, 0}, begin_us + i * 50 * ms); /* these were on their way */
+    EXPECT_EQ(0, driver.d.foreign);
+    EXPECT_EQ(1, driver.d.armed);
+}
+
 TEST(DriveMachine, ARobotThatReportsATargetOrASpeedIsNotAtRest) {
     Driver driver;
     driver.status({0, 0.05F, 0, 0.1F}, begin_us);
