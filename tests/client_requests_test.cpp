@@ -53,6 +53,20 @@ TEST(Retry, ComesFirstAfterTheConfiguredTime) {
     EXPECT_EQ(wanted, waits_ms(robot.requests));
 }
 
+TEST(Retry, NeverComesSoonerThanASecondAgainHoweverLongNobodyAnswers) {
+    ScriptedRobot robot;
+    bool silent = true;
+    silence(robot, ROBUROC4_ACTION_GET, silent);
+    Bench bench(robot);
+    bench.start();
+    bench.run(1000 * second);
+    const std::vector<std::uint64_t> waits = waits_ms(robot.requests);
+    ASSERT_GT(waits.size(), 990U);
+    for (std::size_t i = 4; i < waits.size(); i++)
+        EXPECT_EQ(1000U, waits[i]) << i;
+    EXPECT_EQ(waits.size(), bench.count(ROBUROC4_COUNT_RETRIES));
+}
+
 TEST(Retry, HasANewIdEveryTime) {
     ScriptedRobot robot;
     bool silent = true;
@@ -254,6 +268,76 @@ TEST(ErrorTelegram, BelongsToARequestByEveryByteThatItHas) {
         }
 }
 
+/* With the default of first_retry_ms that is 2.5 s. */
+TEST(Request, ThatIsNeverAnsweredIsGivenUpAfterFiveTries) {
+    const std::vector<std::uint64_t> wanted{100, 200, 400, 800};
+    for (const std::uint8_t action :
+         Bytes{ROBUROC4_ACTION_GET, ROBUROC4_ACTION_INSERT, ROBUROC4_ACTION_DELETE}) {
+        SCOPED_TRACE(int{action});
+        ScriptedRobot robot;
+        const auto tries = [&] { return robot.seen(action, ROBUROC4_SERVICE_BATTERY); };
+        std::size_t seen = 0;
+        robot.instead = [&](const roburoc4_request &, std::vector<Bytes> &) {
+            const std::size_t before = seen;
+            seen = tries().size();
+            return seen > before;
+        };
+        Bench bench(robot);
+        bench.start();
+        if (action == ROBUROC4_ACTION_DELETE) {
+            ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+            ASSERT_EQ(ROBUROC4_OK, roburoc4_client_unsubscribe(
+                                       &bench.client, ROBUROC4_SERVICE_BATTERY, bench.client_us()));
+        }
+        ASSERT_TRUE(bench.run_until([&] { return !tries().empty(); }));
+        const std::uint64_t first_us = tries().front().at_us;
+        bench.run_to(first_us + 2500 * ms - 1);
+        EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_ABANDONED)) << "the last try is waited for";
+        EXPECT_EQ(action == ROBUROC4_ACTION_DELETE, bench.state() == ROBUROC4_STATE_READY);
+        EXPECT_EQ(wanted, waits_ms(tries()));
+        bench.run_to(first_us + 2500 * ms);
+        EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_ABANDONED));
+        EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+        EXPECT_EQ(5U, tries().size());
+    }
+}
+
+TEST(Description, ThatIsNotAnsweredHoldsNothingElseUp) {
+    ScriptedRobot robot;
+    robot.texts_silent = true;
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    for (int i = 1; i < 10; i++) {
+        bench.run(450 * ms);
+        ASSERT_EQ(ROBUROC4_OK,
+                  roburoc4_client_relocalize(&bench.client, i, 0, 0, bench.client_us()));
+        bench.pump();
+        EXPECT_EQ(static_cast<double>(i), robot.pose[0]) << "it was sent at once";
+    }
+    EXPECT_EQ(0, bench.facts().descriptions_done);
+}
+
+TEST(Probe, AsksOncePerRoundForASubscriptionThatWasRefused) {
+    ScriptedRobot robot;
+    ScriptedService &battery = robot.service(ROBUROC4_SERVICE_BATTERY);
+    battery.insert_refused = true;
+    Bench bench(robot);
+    bench.ready();
+    robot.requests.clear();
+    bench.run(60 * second);
+    const std::size_t again = robot.seen(ROBUROC4_ACTION_INSERT).size();
+    EXPECT_EQ(again, robot.seen(ROBUROC4_ACTION_INSERT, battery.id).size()) << "for no other";
+    EXPECT_GE(again, 9U) << "a round takes six seconds";
+    EXPECT_LE(again, 11U);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_SUBSCRIPTION_REFUSED);
+    EXPECT_EQ(0U, bench.service_link(ROBUROC4_SERVICE_BATTERY).subscribed);
+    battery.insert_refused = false;
+    bench.run(8 * second);
+    EXPECT_EQ(1U, bench.service_link(ROBUROC4_SERVICE_BATTERY).subscribed);
+    EXPECT_GT(bench.service_link(ROBUROC4_SERVICE_BATTERY).received, 0U);
+}
+
 /* Four of them would leave no room for anything else. */
 TEST(Probe, ThatIsNeverAnsweredIsGivenUpAndHoldsNothingUp) {
     ScriptedRobot robot;
@@ -415,6 +499,44 @@ TEST(FixedId, IsFoundForARobotThatIgnoresAllOtherIds) {
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_FIXED_ID);
     bench.run(10 * second);
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+}
+
+/* The sixth try has the manual's id, and is the first whose answer arrives. */
+TEST(FixedId, IsNotTakenForARobotThatEchoedAnotherHoweverMuchIsLost) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.powered = false;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+    robot.powered = true;
+    robot.requests.clear();
+    robot.instead = [&](const roburoc4_request &r, std::vector<Bytes> &) {
+        const auto same = [&](const Request &other) {
+            return other.what.action == r.action && other.what.service == r.service &&
+                   other.what.subject == r.subject;
+        };
+        const auto tries = std::count_if(robot.requests.begin(), robot.requests.end(), same);
+        return r.service == 0 && r.action == ROBUROC4_ACTION_GET
+                   ? r.id != ROBUROC4_HEADER_MANUAL
+                   : r.action != ROBUROC4_ACTION_QUERY && tries <= 4; /* and so is all else */
+    };
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    EXPECT_EQ(0, bench.facts().fixed_id);
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_FIXED_ID);
+}
+
+TEST(FixedId, IsFoundForAnotherRobotThatComesInThePlaceOfTheFirst) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.powered = false;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+    bench.run(60 * second);
+    robot.only_manual_id = true;
+    robot.powered = true;
+    EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 10 * second));
+    EXPECT_EQ(1, bench.facts().fixed_id);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_FIXED_ID);
 }
 
 TEST(FixedId, ATextThatMayBeAnothersNamesNoService) {

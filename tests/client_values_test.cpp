@@ -511,6 +511,33 @@ TEST(Role, IsFoundByText) {
         EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, role(bench, none)) << none;
 }
 
+/* The same words stand at outputs and at inputs of the other type. */
+TEST(Role, IsFoundByTextOfAnInputOfItsTypeOnly) {
+    const std::array<std::string, ROBUROC4_ROLE_COUNT> texts{"Game pad A button", "Front bumper",
+                                                             "Rear bumper", "Battery voltage"};
+    const std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> right{
+        {{ROBUROC4_IO_DIGITAL_INPUT, 7}, ROBUROC4_ROLE_OVERRIDE},
+        {{ROBUROC4_IO_DIGITAL_INPUT, 6}, ROBUROC4_ROLE_FRONT_BUMPER},
+        {{ROBUROC4_IO_DIGITAL_INPUT, 5}, ROBUROC4_ROLE_REAR_BUMPER},
+        {{ROBUROC4_IO_ANALOG_INPUT, 4}, ROBUROC4_ROLE_BATTERY_V}};
+    ScriptedRobot robot;
+    robot.iocard.analog_outputs = 4;
+    robot.channel_text = [&](std::uint32_t io_type, std::uint32_t index) -> std::string {
+        const auto found = right.find({io_type, index});
+        if (found != right.end())
+            return texts[found->second];
+        const std::uint32_t wrong = io_type == ROBUROC4_IO_DIGITAL_INPUT  ? ROBUROC4_ROLE_BATTERY_V
+                                    : io_type == ROBUROC4_IO_ANALOG_INPUT ? index % 3
+                                                                          : index % 4;
+        return texts[wrong];
+    };
+    Bench bench(robot);
+    bench.ready();
+    ASSERT_EQ(1, bench.facts().descriptions_done);
+    for (const auto &[channel, which] : right)
+        EXPECT_EQ(static_cast<roburoc4_result>(channel.second), role(bench, which)) << which;
+}
+
 TEST(Role, IsFoundByTheManualsTableWhereThereAreNoTexts) {
     struct Case {
         std::int32_t digital, analog, pad_a, battery;
@@ -526,6 +553,7 @@ TEST(Role, IsFoundByTheManualsTableWhereThereAreNoTexts) {
         bench.ready();
         EXPECT_EQ(c.pad_a, role(bench, ROBUROC4_ROLE_OVERRIDE)) << c.digital;
         EXPECT_EQ(c.battery, role(bench, ROBUROC4_ROLE_BATTERY_V)) << c.analog;
+        EXPECT_EQ(c.pad_a > 0 ? 0 : -10, role(bench, ROBUROC4_ROLE_FRONT_BUMPER)) << c.digital;
         EXPECT_EQ(c.pad_a > 0 ? 1 : -10, role(bench, ROBUROC4_ROLE_REAR_BUMPER)) << c.digital;
     }
 }

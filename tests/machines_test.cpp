@@ -307,6 +307,19 @@ TEST(Requests, AreCancelledByActionAndKindWhereverTheyStand) {
     }
 }
 
+TEST(Requests, OfOneActionAndKindAreAllCancelled) {
+    requests r{};
+    const ask other = get(2);
+    ASSERT_TRUE(roburoc4_requests_begin(&r, &other));
+    for (std::uint16_t index = 0; index < 3; index++) {
+        const ask text{0, index, ROBUROC4_ACTION_QUERY, ROBUROC4_SERVICE_DIRECTORY, 4, 10};
+        ASSERT_TRUE(roburoc4_requests_begin(&r, &text));
+    }
+    roburoc4_requests_cancel(&r, ROBUROC4_ACTION_QUERY, ROBUROC4_SERVICE_DIRECTORY);
+    EXPECT_TRUE(roburoc4_requests_free(&r, 2));
+    EXPECT_TRUE(roburoc4_requests_open(&r, &other));
+}
+
 TEST(Requests, AreTriedAsOftenAsTheySayAndThenGivenUp) {
     for (std::uint8_t tries = 1; tries < 12; tries++) {
         requests r{};
@@ -327,20 +340,33 @@ TEST(Requests, AreTriedAsOftenAsTheySayAndThenGivenUp) {
     }
 }
 
+/* A whole round of ids later the next ones are those of requests that are still open. */
 TEST(Requests, NeverShareAnId) {
     requests r{};
     slot *given_up = nullptr;
-    const ask first = get(2);
-    const ask second_ask = get(3);
-    ASSERT_TRUE(roburoc4_requests_begin(&r, &first));
-    const slot *one = roburoc4_requests_due(&r, 100, begin_us, &given_up);
-    ASSERT_NE(nullptr, one);
-    const std::uint8_t taken = one->id;
-    ASSERT_TRUE(roburoc4_requests_begin(&r, &second_ask));
-    r.last_id = static_cast<std::uint8_t>(taken - 1); /* a whole round later */
-    const slot *two = roburoc4_requests_due(&r, 100, begin_us, &given_up);
-    ASSERT_NE(nullptr, two);
-    EXPECT_EQ(taken + 1, two->id);
+    for (std::uint8_t kind = 2; kind < 5; kind++) {
+        const ask a = get(kind);
+        ASSERT_TRUE(roburoc4_requests_begin(&r, &a));
+        ASSERT_NE(nullptr, roburoc4_requests_due(&r, 100, begin_us, &given_up));
+    }
+    const std::uint8_t first = r.slots[0].id;
+    const ask last = get(5);
+    ASSERT_TRUE(roburoc4_requests_begin(&r, &last));
+    for (std::uint8_t before = 0; before < 3; before++) {
+        requests later = r;
+        later.last_id = static_cast<std::uint8_t>(first - 1 + before);
+        const slot *s = roburoc4_requests_due(&later, 100, begin_us, &given_up);
+        ASSERT_NE(nullptr, s);
+        EXPECT_EQ(first + 3, s->id) << int{before};
+    }
+    for (int own = 0; own < 3; own++) { /* those of closed ones are free again */
+        requests later = r;
+        later.last_id = static_cast<std::uint8_t>(first - 1);
+        later.slots[own].open = 0;
+        const slot *s = roburoc4_requests_due(&later, 100, begin_us, &given_up);
+        ASSERT_NE(nullptr, s);
+        EXPECT_EQ(first + own, s->id);
+    }
 }
 
 TEST(Requests, UseAllIdsButThoseWithAMeaning) {
@@ -385,6 +411,23 @@ TEST(Requests, AShortDatagramThatIsNoErrorBelongsToNone) {
     EXPECT_EQ(nullptr, roburoc4_requests_match(&r, own.data(), own.size(), begin_us));
     const std::array<std::uint8_t, 1> error{ROBUROC4_HEADER_ERROR};
     EXPECT_EQ(open, roburoc4_requests_match(&r, error.data(), error.size(), begin_us));
+}
+
+/* Also on a clock that has just begun. */
+TEST(Requests, AnErrorThatFitsSeveralEndsTheOneThatHasWaitedLongest) {
+    for (std::size_t longest = 0; longest < std::size(requests{}.slots); longest++) {
+        for (std::uint64_t sent_us = 0; sent_us < 4; sent_us++) {
+            requests r{};
+            for (std::uint8_t i = 0; i < 4; i++) {
+                r.slots[i] = {get(2), 1, static_cast<std::uint8_t>(i + 2), 1, 0, 100000, 0};
+                r.slots[i].sent_us = i == longest ? sent_us : 10 + i;
+            }
+            const std::array<std::uint8_t, 1> error{ROBUROC4_HEADER_ERROR};
+            EXPECT_EQ(&r.slots[longest],
+                      roburoc4_requests_match(&r, error.data(), error.size(), 20))
+                << longest << " " << sent_us;
+        }
+    }
 }
 
 TEST(Requests, WithOneIdForAllWaitForLateAnswersOfTheLast) {
@@ -694,17 +737,48 @@ struct Directory {
 } // namespace
 
 TEST(Discovery, ADirectoryThatDiffersInAnyWayIsAnother) {
-    discovery d{};
-    roburoc4_discovery_clear(&d);
+    const Directory none{};
     const Directory known{{0, 0}, {0, 1}, {ROBUROC4_TYPE_DIFFERENTIAL, 6}};
-    EXPECT_FALSE(roburoc4_discovery_directory(&d, &known.view));
-    EXPECT_TRUE(roburoc4_discovery_same(&d, &known.view));
     const Directory shorter{{0, 0}, {0, 1}};
     const Directory longer{{0, 0}, {0, 1}, {ROBUROC4_TYPE_DIFFERENTIAL, 6}, {0, 4}};
-    const Directory other_id{{0, 0}, {0, 1}, {ROBUROC4_TYPE_DIFFERENTIAL, 7}};
-    const Directory other_type{{0, 0}, {0, 1}, {ROBUROC4_TYPE_DRIVE, 6}};
-    for (const Directory *other : {&shorter, &longer, &other_id, &other_type})
-        EXPECT_FALSE(roburoc4_discovery_same(&d, &other->view));
+    const Directory first_id{{0, 2}, {0, 1}, {ROBUROC4_TYPE_DIFFERENTIAL, 6}};
+    const Directory first_type{{1, 0}, {0, 1}, {ROBUROC4_TYPE_DIFFERENTIAL, 6}};
+    const Directory second_id{{0, 0}, {0, 2}, {ROBUROC4_TYPE_DIFFERENTIAL, 6}};
+    const Directory last_id{{0, 0}, {0, 1}, {ROBUROC4_TYPE_DIFFERENTIAL, 7}};
+    const Directory last_type{{0, 0}, {0, 1}, {ROBUROC4_TYPE_DRIVE, 6}};
+    const std::array<const Directory *, 9> all{
+        &none, &known, &shorter, &longer, &first_id, &first_type, &second_id, &last_id, &last_type};
+    for (const Directory *one : all) {
+        discovery d{};
+        roburoc4_discovery_clear(&d);
+        EXPECT_FALSE(roburoc4_discovery_directory(&d, &one->view)) << "there is room for it";
+        for (const Directory *other : all)
+            EXPECT_EQ(one == other, roburoc4_discovery_same(&d, &other->view));
+    }
+}
+
+/* Only of those above the first two ids something may be unseen, wherever it stands. */
+TEST(Discovery, AServiceIsUnseenUntilItsTypeOrTextTellsWhatItIs) {
+    for (std::uint32_t place = 0; place < 3; place++) {
+        for (const std::uint16_t id : {std::uint16_t{1}, std::uint16_t{2}, std::uint16_t{99}}) {
+            SCOPED_TRACE(std::to_string(place) + " " + std::to_string(id));
+            std::array<roburoc4_directory_entry, 3> entries{};
+            for (roburoc4_directory_entry &entry : entries)
+                entry = {ROBUROC4_TYPE_LASER, 50};
+            entries[place] = {0x7100, id};
+            const Directory directory{entries[0], entries[1], entries[2]};
+            discovery d{};
+            roburoc4_discovery_clear(&d);
+            EXPECT_FALSE(roburoc4_discovery_unseen(&d)) << "nothing is listed";
+            EXPECT_FALSE(roburoc4_discovery_directory(&d, &directory.view));
+            EXPECT_EQ(id > 1, roburoc4_discovery_unseen(&d));
+            roburoc4_discovery_described(&d, LIST_DIRECTORY, place);
+            EXPECT_EQ(id > 1, roburoc4_discovery_unseen(&d)) << "its text was not believed";
+            const std::uint8_t text[] = "Camera";
+            roburoc4_discovery_text(&d, LIST_DIRECTORY, place, text, 6);
+            EXPECT_FALSE(roburoc4_discovery_unseen(&d)) << "its text says that it is another";
+        }
+    }
 }
 
 TEST(Discovery, WordsAreLookedForInTheFirst255BytesOfAText) {
