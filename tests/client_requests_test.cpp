@@ -401,6 +401,58 @@ TEST(ErrorTelegram, IsAnErrorEvenWhenItsErrorByteIsZero) {
     EXPECT_EQ(5U, bench.count(ROBUROC4_COUNT_REFUSED));
 }
 
+/* Refused, or never answered. */
+TEST(Request, ThatComesToNothingIsToldAsWhatItWasAndEndsNoOther) {
+    const std::uint32_t told = ROBUROC4_EVENT_SUBSCRIPTION_REFUSED | ROBUROC4_EVENT_RELOCALIZED |
+                               ROBUROC4_EVENT_RELOCALIZE_FAILED;
+    for (std::size_t i = 0; i < 10; i++) {
+        const std::uint8_t action =
+            Bytes{ROBUROC4_ACTION_GET, ROBUROC4_ACTION_QUERY, ROBUROC4_ACTION_INSERT,
+                  ROBUROC4_ACTION_DELETE, ROBUROC4_ACTION_REPLACE}[i / 2];
+        const bool refused = i % 2 == 0;
+        SCOPED_TRACE(std::to_string(action) + (refused ? " refused" : " never answered"));
+        ScriptedRobot robot;
+        robot.instead = [&](const roburoc4_request &r, std::vector<Bytes> &answers) {
+            if (r.action != action || (r.action == ROBUROC4_ACTION_GET && r.service != 4) ||
+                (r.action == ROBUROC4_ACTION_INSERT && r.subject != 4))
+                return false;
+            if (refused)
+                answers.push_back(plain_answer(r.id, r.action, r.service, ROBUROC4_ERROR_DATA));
+            return true;
+        };
+        Bench bench(robot);
+        bench.start();
+        ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+        for (std::uint32_t service = 2; service < 4; service++)
+            ASSERT_EQ(ROBUROC4_OK,
+                      roburoc4_client_unsubscribe(&bench.client, service, bench.client_us()));
+        bench.run(second);
+        ASSERT_EQ(ROBUROC4_OK,
+                  roburoc4_client_relocalize(&bench.client, 1, 2, 3, bench.client_us()));
+        bench.run(150 * second);
+        const bool end = action == ROBUROC4_ACTION_DELETE;
+        const bool replace = action == ROBUROC4_ACTION_REPLACE;
+        EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+        const std::uint32_t ended =
+            replace ? ROBUROC4_EVENT_RELOCALIZE_FAILED : ROBUROC4_EVENT_RELOCALIZED;
+        const bool insert = action == ROBUROC4_ACTION_INSERT;
+        EXPECT_EQ(insert ? ended | ROBUROC4_EVENT_SUBSCRIPTION_REFUSED : ended,
+                  bench.take_events() & told);
+        const roburoc4_result why = refused ? ROBUROC4_ERR_ROBOT : ROBUROC4_ERR_TIMEOUT;
+        EXPECT_EQ(replace ? why : ROBUROC4_OK, bench.facts().relocalize_result);
+        EXPECT_EQ(end && !refused ? 10U : 2U, robot.seen(ROBUROC4_ACTION_DELETE).size());
+        EXPECT_EQ(end                                ? 5U
+                  : action == ROBUROC4_ACTION_INSERT ? 2U
+                                                     : 3U,
+                  robot.subscriptions.size());
+        EXPECT_EQ(1, bench.facts().descriptions_done);
+        std::set<std::tuple<int, int, int>> texts;
+        for (const Request &r : robot.seen(ROBUROC4_ACTION_QUERY))
+            texts.insert({r.what.service, r.what.io_type, r.what.index});
+        EXPECT_EQ(7U + 9U + 22U + 8U, texts.size());
+    }
+}
+
 TEST(ErrorTelegram, OfTheSimulatorIsUnderstood) {
     roburoc4_sim_config config;
     roburoc4_sim_config_init(&config);

@@ -240,7 +240,8 @@ TEST(Requests, HaveRoomForFourAndNoneTwice) {
         EXPECT_TRUE(roburoc4_requests_begin(&r, &a));
         EXPECT_FALSE(roburoc4_requests_begin(&r, &a)) << "it is open";
     }
-    EXPECT_FALSE(roburoc4_requests_free(&r, 0));
+    for (std::uint32_t keep = 0; keep < 5; keep++)
+        EXPECT_FALSE(roburoc4_requests_free(&r, keep)) << keep;
     const ask fifth = get(6);
     EXPECT_FALSE(roburoc4_requests_begin(&r, &fifth));
     roburoc4_requests_cancel(&r, ROBUROC4_ACTION_GET, 3);
@@ -383,6 +384,32 @@ TEST(Requests, UseAllIdsButThoseWithAMeaning) {
     }
     for (int id = 0; id < 256; id++)
         EXPECT_EQ(id >= 2 && id <= 254 ? 1 : 0, used[static_cast<std::size_t>(id)]) << id;
+}
+
+TEST(Requests, OnlyWhoConnectsTriesTheManualId) {
+    const auto uses_it = [](const ask &a) {
+        requests r{};
+        slot *given_up = nullptr;
+        EXPECT_TRUE(roburoc4_requests_begin(&r, &a));
+        bool used = false;
+        for (std::uint64_t i = 0; i < 20; i++) {
+            const slot *s = roburoc4_requests_due(&r, 100, begin_us + i * second, &given_up);
+            EXPECT_NE(nullptr, s);
+            used = used || (s != nullptr && s->id == ROBUROC4_HEADER_MANUAL);
+        }
+        return used;
+    };
+    EXPECT_TRUE(uses_it(get_directory));
+    for (const std::uint8_t tries : std::array<std::uint8_t, 2>{REQUEST_FOREVER, 100}) {
+        ask battery = get(4);
+        battery.max_tries = tries;
+        EXPECT_FALSE(uses_it(battery));
+        ask text{0, 1, ROBUROC4_ACTION_QUERY, ROBUROC4_SERVICE_DIRECTORY, 4, tries};
+        EXPECT_FALSE(uses_it(text));
+    }
+    ask probe = get_directory;
+    probe.max_tries = 100;
+    EXPECT_FALSE(uses_it(probe)) << "that the robot is there is known";
 }
 
 TEST(Requests, ThatWereNotSentMatchNothingAndAreDueNow) {
@@ -757,6 +784,63 @@ TEST(Discovery, ADirectoryThatDiffersInAnyWayIsAnother) {
     }
 }
 
+TEST(Discovery, WhatADirectoryListsNoMoreCountsNoMore) {
+    discovery d{};
+    roburoc4_discovery_clear(&d);
+    const Directory longer{{0, 0}, {ROBUROC4_TYPE_TELEMETER, 3}, {0x7100, 6}};
+    const Directory shorter{{0, 0}, {ROBUROC4_TYPE_TELEMETER, 3}};
+    EXPECT_FALSE(roburoc4_discovery_directory(&d, &longer.view));
+    EXPECT_TRUE(roburoc4_discovery_may_drive(&d, 6));
+    EXPECT_FALSE(roburoc4_discovery_may_drive(&d, 3)) << "telemeters";
+    EXPECT_TRUE(roburoc4_discovery_unseen(&d));
+    EXPECT_TRUE(roburoc4_discovery_identify(&d));
+    EXPECT_EQ(1U << ROBUROC4_SERVICE_TELEMETER | 1U << ROBUROC4_SERVICE_DIFFERENTIAL, d.listed);
+    EXPECT_FALSE(roburoc4_discovery_directory(&d, &shorter.view));
+    EXPECT_FALSE(roburoc4_discovery_may_drive(&d, 6));
+    EXPECT_FALSE(roburoc4_discovery_unseen(&d));
+    EXPECT_TRUE(roburoc4_discovery_identify(&d));
+    EXPECT_EQ(1U << ROBUROC4_SERVICE_TELEMETER, d.listed);
+    EXPECT_EQ(0, d.service_ids[ROBUROC4_SERVICE_DIFFERENTIAL]);
+}
+
+/* Of equals the one with the manual's id, else the first. */
+TEST(Discovery, AServiceIsChosenByTypeThenByTextThenByTheManualsId) {
+    struct Claimant {
+        roburoc4_directory_entry entry;
+        std::string text;
+    };
+    const std::array<Claimant, 6> ranks{{{{ROBUROC4_TYPE_DIFFERENTIAL, 6}, "?"},
+                                         {{ROBUROC4_TYPE_DIFFERENTIAL, 70}, "?"},
+                                         {{0x7100, 6}, "Differential"},
+                                         {{0x7100, 80}, "Differential"},
+                                         {{0x7100, 6}, "?"},
+                                         {{ROBUROC4_TYPE_LASER, 6}, "Differential"}}};
+    for (std::size_t better = 0; better < ranks.size(); better++) {
+        for (std::size_t worse = better; worse < ranks.size(); worse++) {
+            for (const auto &[first, second] :
+                 {std::pair{better, worse}, std::pair{worse, better}}) {
+                SCOPED_TRACE(std::to_string(first) + " " + std::to_string(second));
+                const Directory directory{ranks[first].entry, ranks[second].entry};
+                discovery d{};
+                roburoc4_discovery_clear(&d);
+                EXPECT_FALSE(roburoc4_discovery_directory(&d, &directory.view));
+                for (std::uint32_t i = 0; i < 2; i++) {
+                    const std::string &text = ranks[i == 0 ? first : second].text;
+                    roburoc4_discovery_text(&d, LIST_DIRECTORY, i,
+                                            reinterpret_cast<const std::uint8_t *>(text.data()),
+                                            static_cast<std::uint32_t>(text.size()));
+                }
+                const bool none = better + 1 == ranks.size();
+                EXPECT_EQ(!none, roburoc4_discovery_identify(&d));
+                EXPECT_EQ(none ? 0 : 1 << ROBUROC4_SERVICE_DIFFERENTIAL, d.listed);
+                EXPECT_EQ(none ? 0 : ranks[better].entry.id,
+                          d.service_ids[ROBUROC4_SERVICE_DIFFERENTIAL]);
+                EXPECT_EQ(1, d.identified);
+            }
+        }
+    }
+}
+
 /* Only of those above the first two ids something may be unseen, wherever it stands. */
 TEST(Discovery, AServiceIsUnseenUntilItsTypeOrTextTellsWhatItIs) {
     for (std::uint32_t place = 0; place < 3; place++) {
@@ -826,6 +910,42 @@ TEST(Discovery, OnlyLettersAndDigitsMakeWords) {
         EXPECT_TRUE(found(sign)) << sign;
     for (const char other : std::string("09AZaz"))
         EXPECT_FALSE(found(other)) << other;
+}
+
+TEST(Discovery, AWordCountsOnlyWithAllOfItsLetters) {
+    const auto claim = [](const std::string &text) {
+        discovery d{};
+        roburoc4_discovery_clear(&d);
+        roburoc4_discovery_text(&d, LIST_DIRECTORY, 0,
+                                reinterpret_cast<const std::uint8_t *>(text.data()),
+                                static_cast<std::uint32_t>(text.size()));
+        return d.claims[0] != CLAIM_OTHER;
+    };
+    const auto role = [](const std::string &text) {
+        discovery d{};
+        roburoc4_discovery_clear(&d);
+        const auto *bytes = reinterpret_cast<const std::uint8_t *>(text.data());
+        const auto length = static_cast<std::uint32_t>(text.size());
+        const bool digital =
+            roburoc4_discovery_text(&d, ROBUROC4_IO_DIGITAL_INPUT, 0, bytes, length);
+        return roburoc4_discovery_text(&d, ROBUROC4_IO_ANALOG_INPUT, 0, bytes, length) || digital;
+    };
+    const auto expect_all = [](const auto &found, const std::string &word) {
+        EXPECT_TRUE(found(word)) << word;
+        EXPECT_TRUE(found("my " + word + "s")) << word;
+        for (std::size_t i = 0; i < word.size(); i++) {
+            std::string other = word;
+            other[i] = 'q';
+            EXPECT_FALSE(found(other)) << other;
+            other = word;
+            other.erase(i, 1);
+            EXPECT_FALSE(found(other)) << other;
+        }
+    };
+    for (const char *word : {"iocard", "telemeter", "battery", "locali", "differential"})
+        expect_all(claim, word);
+    for (const char *word : {"gamepadabutton", "frontbumper", "rearbumper", "batteryvoltage"})
+        expect_all(role, word);
 }
 
 TEST(Discovery, TextsThatAreReadAgainAreAllReadAgain) {
