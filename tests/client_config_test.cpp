@@ -34,6 +34,7 @@ void expect_bad(const char *name, const Change &change) {
 
 template <typename T> using Member = T roburoc4_config::*;
 
+/** Just beyond its ends, and far beyond, the error is this range. */
 void check_range(
     const char *name, Member<std::uint32_t> member, std::uint32_t low, std::uint32_t high,
     const Change &with = [](roburoc4_config &) {}) {
@@ -104,18 +105,18 @@ TEST(Config, SizeMustBeTheLibrarys) {
 }
 
 TEST(Config, EveryRangeEndsWhereTheHeaderSays) {
-    check_range("first_retry_ms", &roburoc4_config::first_retry_ms, 10, 100);
-    check_range("lost_ms", &roburoc4_config::lost_ms, 200, 60000);
-    check_range("fresh_ms", &roburoc4_config::fresh_ms, 50, 1000);
-    check_range("drive_period_ms", &roburoc4_config::drive_period_ms, 10, 500,
+    check_range("first_retry_ms: 10 to 100", &roburoc4_config::first_retry_ms, 10, 100);
+    check_range("lost_ms: 200 to 60000", &roburoc4_config::lost_ms, 200, 60000);
+    check_range("fresh_ms: 50 to 1000", &roburoc4_config::fresh_ms, 50, 1000);
+    check_range("drive_period_ms: 10 to 500", &roburoc4_config::drive_period_ms, 10, 500,
                 [](roburoc4_config &c) { c.lease_ms = 1000; });
-    check_range("lease_ms", &roburoc4_config::lease_ms, 20, 1000,
+    check_range("lease_ms: 20 to 1000", &roburoc4_config::lease_ms, 20, 1000,
                 [](roburoc4_config &c) { c.drive_period_ms = 10; });
-    check_range("robot_watchdog_ms", &roburoc4_config::robot_watchdog_ms, 100, 60000);
-    check_range("max_linear_m_s", &roburoc4_config::max_linear_m_s, 0.001F, 20);
-    check_range("max_angular_rad_s", &roburoc4_config::max_angular_rad_s, 0.001F, 50);
-    check_range("scale_linear", &roburoc4_config::scale_linear, 0.01F, 10);
-    check_range("scale_angular", &roburoc4_config::scale_angular, 0.01F, 10);
+    check_range("robot_watchdog_ms: 100 to 60000", &roburoc4_config::robot_watchdog_ms, 100, 60000);
+    check_range("max_linear_m_s: 0.001 to 20", &roburoc4_config::max_linear_m_s, 0.001F, 20);
+    check_range("max_angular_rad_s: 0.001 to 50", &roburoc4_config::max_angular_rad_s, 0.001F, 50);
+    check_range("scale_linear: 0.01 to 10", &roburoc4_config::scale_linear, 0.01F, 10);
+    check_range("scale_angular: 0.01 to 10", &roburoc4_config::scale_angular, 0.01F, 10);
 }
 
 TEST(Config, ErrorIsTheNameAndTheRange) {
