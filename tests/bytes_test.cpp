@@ -128,17 +128,17 @@ TEST(Bytes, AReaderThatRunsOutGivesZeroAndReadsNoMore) {
 
 TEST(Bytes, ARunOfWordsIsReadWholeOrGivesZeros) {
     const Bytes bytes = from_hex("01 02 03 04 05 06 07 08");
-    const std::array<std::uint32_t, 3> untouched{99, 99, 99};
+    const std::array<std::uint32_t, 3> untouched{0xA5A5A5A5, 0xA5A5A5A5, 0xA5A5A5A5};
     for (std::size_t size = 0; size < bytes.size(); size++) {
         ExactBlock block(Bytes(bytes.begin(), bytes.begin() + static_cast<long>(size)));
         auto words = untouched;
         EXPECT_FALSE(exposed_read_words(block.data(), size, words.data(), 2));
-        EXPECT_EQ((std::array<std::uint32_t, 3>{0, 0, 99}), words);
+        EXPECT_EQ((std::array<std::uint32_t, 3>{0, 0, untouched[2]}), words);
     }
     ExactBlock block(bytes);
     auto words = untouched;
     EXPECT_TRUE(exposed_read_words(block.data(), bytes.size(), words.data(), 2));
-    EXPECT_EQ((std::array<std::uint32_t, 3>{0x04030201, 0x08070605, 99}), words);
+    EXPECT_EQ((std::array<std::uint32_t, 3>{0x04030201, 0x08070605, untouched[2]}), words);
 }
 
 TEST(Bytes, AWriterThatRunsOutWritesNothing) {
