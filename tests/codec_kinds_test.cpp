@@ -236,8 +236,10 @@ TEST(Values, AnAnswerIsNotSentUnderTheHeaderOfAStatus) {
     expect_refused([&](uint8_t *b, size_t n) {
         return roburoc4_encode_differential_properties(b, n, id, &limits);
     });
-    expect_refused(
-        [&](uint8_t *b, size_t n) { return roburoc4_encode_text(b, n, id, 0, "text", 4); });
+    for (const size_t length : {0U, 1U, 4U})
+        expect_refused([&](uint8_t *b, size_t n) {
+            return roburoc4_encode_text(b, n, id, 0, "text", length);
+        });
 }
 
 TEST(Values, APeriodOf0IsNotSent) {

@@ -140,6 +140,20 @@ TEST(Vectors, FieldsThatAnActionDoesNotHaveAreZero) {
     EXPECT_EQ(0.0, out.theta_rad);
 }
 
+TEST(Vectors, SurplusBytesOfARequestAreNoFields) {
+    for (const char *const name :
+         {"get", "query-directory", "query-analog-input", "query-digital-output", "insert",
+          "delete", "replace-localization"}) {
+        roburoc4_request out;
+        std::memset(&out, 0xA5, sizeof out);
+        Bytes bytes = vector_bytes(name);
+        bytes.insert(bytes.end(), 64, 0xEE);
+        EXPECT_EQ(64, roburoc4_decode_request(bytes.data(), bytes.size(), &out)) << name;
+        const roburoc4_request alone = request(name);
+        EXPECT_EQ(0, std::memcmp(&alone, &out, sizeof out)) << name;
+    }
+}
+
 TEST(Vectors, ActionsWithoutALayoutAreGivenWithHeaderFieldsOnly) {
     for (const int action : {ROBUROC4_ACTION_UPDATE, ROBUROC4_ACTION_SUBMIT, 7, 255}) {
         const Bytes bytes = {9, static_cast<uint8_t>(action), 0x34, 0x12};
