@@ -110,7 +110,7 @@ TEST(Link, LossOfTheOnlyServiceIsThatOfTheLink) {
     bench.drop_to_client = lossy();
     bench.run(2 * second);
     EXPECT_NEAR(0.15, bench.service_link(differential).loss, 0.05);
-    EXPECT_EQ(bench.service_link(differential).loss, figures(bench).loss);
+    EXPECT_FLOAT_EQ(bench.service_link(differential).loss, figures(bench).loss);
 }
 
 TEST(Link, PeriodIsTheObservedOneWhereTheRobotUsesAnother) {
