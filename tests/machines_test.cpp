@@ -609,22 +609,30 @@ TEST(Link, JitterIsThatOfRfc3550) {
 
 TEST(Link, OnlyAnOlderCountAfterANewSubscriptionOfASilentServiceIsARestart) {
     struct Case {
-        std::uint64_t subscribed_us, silence_us, robot_cycles; /* since the last status, 1000 */
+        std::int64_t subscribed_us; /* after the last status, which was 1000 */
+        std::uint64_t silence_us, robot_cycles;
         verdict wanted;
     };
-    for (const Case &c : {Case{1200 * ms, 1500 * ms, 999, VERDICT_REBOOT},
-                          Case{1200 * ms, 1500 * ms, 1000, VERDICT_OLD}, /* a copy of the last */
-                          Case{1200 * ms, 1500 * ms, 1001, VERDICT_NEW},
-                          Case{50 * ms, 100 * ms, 999, VERDICT_OLD}, /* it never was silent */
-                          Case{0, 1500 * ms, 999, VERDICT_OLD}}) {   /* nor subscribed to anew */
-        SCOPED_TRACE(testing::Message() << c.silence_us << " us, cycle " << c.robot_cycles);
+    for (const Case &c : {Case{1200000, 1500 * ms, 999, VERDICT_REBOOT},
+                          Case{1200000, 1500 * ms, 1000, VERDICT_OLD}, /* a copy of the last */
+                          Case{1200000, 1500 * ms, 1001, VERDICT_NEW},
+                          Case{50000, 100 * ms, 999, VERDICT_OLD}, /* it never was silent */
+                          Case{0, 1500 * ms, 999, VERDICT_OLD},    /* nor subscribed to anew */
+                          Case{-1000000, 1500 * ms, 999, VERDICT_OLD}}) {
+        SCOPED_TRACE(testing::Message() << c.subscribed_us << " us, cycle " << c.robot_cycles);
         Linked linked;
-        roburoc4_private_service &service = linked.l.services[0];
-        if (c.subscribed_us > 0)
-            service.inserted_us = linked.now_us + c.subscribed_us;
+        linked.l.services[0].inserted_us =
+            linked.now_us + static_cast<std::uint64_t>(c.subscribed_us);
         const std::uint64_t now_us = linked.now_us + c.silence_us;
         EXPECT_EQ(c.wanted, roburoc4_link_status(&linked.l, 0, c.robot_cycles, now_us));
     }
+}
+
+TEST(Link, ARestartIsToldUntilItIsHeeded) {
+    Linked linked;
+    for (std::uint64_t i = 0; i < 10; i++)
+        EXPECT_EQ(i < 2 ? VERDICT_OLD : VERDICT_REBOOT, linked.status(500 + i)) << i;
+    EXPECT_EQ(1U, linked.l.services[0].received);
 }
 
 TEST(Link, OnlyAnOlderCountAfterALossIsARestart) {
@@ -687,6 +695,74 @@ TEST(Link, APauseOfTheRobotIsNoLoss) {
         EXPECT_EQ(0U, service.lost) << gap;
         EXPECT_EQ(5U, service.period_cycles);
         EXPECT_EQ(3U, service.received);
+    }
+}
+
+TEST(Link, ThePeriodIsTheShortestGapWhereverItStands) {
+    for (int at = 0; at < 16; at++) {
+        for (const bool once : {false, true}) {
+            Linked linked;
+            std::uint64_t robot_cycles = 1000;
+            for (int i = 0; i < 16; i++) {
+                robot_cycles += (i == at) == once ? 10 : 20;
+                EXPECT_EQ(VERDICT_NEW, linked.status(robot_cycles));
+            }
+            EXPECT_EQ(10U, linked.l.services[0].period_cycles) << at << " " << once;
+        }
+    }
+}
+
+TEST(Link, LossOfBeforeIsKeptWhereThePeriodTurnsOutToBeShorter) {
+    for (const std::uint64_t period : {4U, 3U, 2U, 1U}) {
+        Linked linked;
+        const roburoc4_private_service &service = linked.l.services[0];
+        EXPECT_EQ(VERDICT_NEW, linked.status(1020)); /* three are lost */
+        for (std::uint64_t i = 1; i <= 20; i++)
+            EXPECT_EQ(VERDICT_NEW, linked.status(1020 + i * period));
+        EXPECT_EQ(period, service.period_cycles);
+        EXPECT_EQ(3U, service.lost);
+        EXPECT_EQ(3U, service.recent_lost);
+    }
+}
+
+TEST(Link, WhatComesLateAfterALongGapIsLateAndNoCopy) {
+    Linked linked;
+    const roburoc4_private_service &service = linked.l.services[0];
+    EXPECT_EQ(VERDICT_NEW, linked.status(1100)); /* 19 are lost */
+    for (std::uint64_t i = 1; i <= 12; i++) {
+        EXPECT_EQ(VERDICT_OLD, linked.status(1100 - 5 * i));
+        EXPECT_EQ(19 - i, service.lost);
+    }
+    EXPECT_EQ(12U, service.late);
+    EXPECT_EQ(0U, service.duplicates);
+}
+
+TEST(Link, ANetworkThatSwapsEveryTwoStatusesLosesNone) {
+    Linked linked;
+    const roburoc4_private_service &service = linked.l.services[0];
+    for (std::uint64_t i = 1; i <= 200; i++) {
+        EXPECT_EQ(VERDICT_NEW, linked.status(1000 + 10 * i));
+        EXPECT_LE(service.lost, 1U) << "the one that is on its way";
+        EXPECT_LE(service.recent_lost, 1U);
+        EXPECT_EQ(VERDICT_OLD, linked.status(1000 + 10 * i - 5));
+        EXPECT_EQ(0U, service.lost) << i;
+        EXPECT_EQ(0U, service.recent_lost) << i;
+    }
+    EXPECT_EQ(200U, service.late);
+}
+
+TEST(Link, ALateStatusTakesBackNoMoreLossThanThereIs) {
+    for (std::uint64_t missing = 180; missing < 205; missing++) {
+        Linked linked;
+        const roburoc4_private_service &service = linked.l.services[0];
+        for (std::uint64_t i = 1; i <= missing + 10; i++)
+            if (i != missing)
+                EXPECT_EQ(VERDICT_NEW, linked.status(1000 + 5 * i));
+        EXPECT_LE(service.recent_lost, 1U);
+        EXPECT_EQ(VERDICT_OLD, linked.status(1000 + 5 * missing));
+        EXPECT_EQ(0U, service.recent_lost) << missing;
+        EXPECT_EQ(0U, service.lost);
+        EXPECT_EQ(missing + 10, service.received + service.late - 1);
     }
 }
 
