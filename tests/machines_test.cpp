@@ -756,8 +756,9 @@ TEST(Link, ALateStatusTakesBackNoMoreLossThanThereIs) {
         Linked linked;
         const roburoc4_private_service &service = linked.l.services[0];
         for (std::uint64_t i = 1; i <= missing + 10; i++)
-            if (i != missing)
+            if (i != missing) {
                 EXPECT_EQ(VERDICT_NEW, linked.status(1000 + 5 * i));
+            }
         EXPECT_LE(service.recent_lost, 1U);
         EXPECT_EQ(VERDICT_OLD, linked.status(1000 + 5 * missing));
         EXPECT_EQ(0U, service.recent_lost) << missing;
