@@ -465,6 +465,20 @@ TEST(Subscribe, RefusesPeriodsAndServicesThatMakeNoSense) {
     }
 }
 
+TEST(Subscribe, AsksForTheNewPeriodWhileStatusesOfTheOldOneCome) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.service(ROBUROC4_SERVICE_LOCALIZATION).insert_silent = true;
+    ASSERT_EQ(ROBUROC4_OK, subscribe(bench, ROBUROC4_SERVICE_LOCALIZATION, 100));
+    bench.run(5 * second); /* it is given up */
+    robot.service(ROBUROC4_SERVICE_LOCALIZATION).insert_silent = false;
+    bench.run(10 * second); /* and tried again later */
+    EXPECT_EQ(10, robot.subscriptions[5]);
+    EXPECT_EQ(100000U, bench.service_link(ROBUROC4_SERVICE_LOCALIZATION).period_us);
+    EXPECT_EQ(1U, bench.service_link(ROBUROC4_SERVICE_LOCALIZATION).subscribed);
+}
+
 TEST(Subscribe, IsKeptOverALossAndANewStart) {
     ScriptedRobot robot;
     roburoc4_config config = default_config();

@@ -451,3 +451,26 @@ TEST(UnknownOverride, AllowedStillHeedsAnOverrideThatIsKnown) {
         EXPECT_EQ(ROBUROC4_ERR_STALE_IOCARD, bench.arm()) << "the robot has a game pad";
     }
 }
+
+TEST(UnknownOverride, IsNotThatOfACardThatIsGone) {
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    ScriptedRobot robot;
+    Bench bench(robot, config);
+    bench.ready();
+    robot.press(ROBUROC4_DI_PAD_A);
+    bench.run(60 * ms);
+    ASSERT_EQ(1, bench.facts().overridden);
+    robot.remove(ROBUROC4_SERVICE_IOCARD);
+    ASSERT_TRUE(bench.run_until(
+        [&] { return roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_IOCARD) < 0; }));
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    bench.run(second);
+    ASSERT_EQ(ROBUROC4_OK, bench.arm());
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
+    robot.follows = false;
+    robot.target_linear = -1; /* somebody else's */
+    bench.run(second);
+    EXPECT_EQ(1, bench.facts().foreign);
+    EXPECT_EQ(ROBUROC4_ERR_FOREIGN, bench.facts().disarm_cause);
+}
