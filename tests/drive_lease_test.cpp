@@ -227,22 +227,37 @@ TEST(Clock, StepBackEndsTheLeaseDisarmsAndNeverRevivesIt) {
 }
 
 TEST(Clock, StepBackSeenFirstByAnyCallEndsTheLease) {
-    const std::vector<std::function<void(Bench &)>> calls{
-        [](Bench &b) { b.drive(0.5F, 0); },
-        [](Bench &b) { b.arm(); },
-        [](Bench &b) {
-            b.receive({1, 2});
-        },
-        [](Bench &b) { roburoc4_client_subscribe(&b.client, 3, 100, b.client_us()); },
-        [](Bench &b) { roburoc4_client_unsubscribe(&b.client, 3, b.client_us()); },
-        [](Bench &b) { roburoc4_client_set_digital_output(&b.client, 1, 1, b.client_us()); },
-        [](Bench &b) { roburoc4_client_set_analog_output(&b.client, 0, 1, b.client_us()); },
-        [](Bench &b) { roburoc4_client_relocalize(&b.client, 0, 0, 0, b.client_us()); },
-        [](Bench &b) { roburoc4_client_set_role_index(&b.client, 1, 3, b.client_us()); },
-        [](Bench &b) { b.stop(); },
-        [](Bench &b) { b.disarm(); },
-        [](Bench &b) { b.close(); },
-        [](Bench &b) { b.poll(); },
+    struct Call {
+        roburoc4_result result;
+        std::function<roburoc4_result(Bench &)> of;
+    };
+    const std::vector<Call> calls{
+        {ROBUROC4_ERR_CLOCK, [](Bench &b) { return b.drive(0.5F, 0); }},
+        {ROBUROC4_ERR_STALE_DIFFERENTIAL, [](Bench &b) { return b.arm(); }},
+        {ROBUROC4_ERR_SHORT,
+         [](Bench &b) {
+             return b.receive({1, 2});
+         }},
+        {ROBUROC4_OK,
+         [](Bench &b) { return roburoc4_client_subscribe(&b.client, 3, 100, b.client_us()); }},
+        {ROBUROC4_OK,
+         [](Bench &b) { return roburoc4_client_unsubscribe(&b.client, 3, b.client_us()); }},
+        {ROBUROC4_OK,
+         [](Bench &b) {
+             return roburoc4_client_set_digital_output(&b.client, 1, 1, b.client_us());
+         }},
+        {ROBUROC4_OK,
+         [](Bench &b) {
+             return roburoc4_client_set_analog_output(&b.client, 0, 1, b.client_us());
+         }},
+        {ROBUROC4_OK,
+         [](Bench &b) { return roburoc4_client_relocalize(&b.client, 0, 0, 0, b.client_us()); }},
+        {ROBUROC4_OK,
+         [](Bench &b) { return roburoc4_client_set_role_index(&b.client, 1, 3, b.client_us()); }},
+        {ROBUROC4_OK, [](Bench &b) { return b.stop(); }},
+        {ROBUROC4_OK, [](Bench &b) { return b.disarm(); }},
+        {ROBUROC4_OK, [](Bench &b) { return b.close(); }},
+        {1, [](Bench &b) { return b.poll() ? 1 : 0; }},
     };
     for (std::size_t i = 0; i < calls.size(); i++) {
         SCOPED_TRACE(i);
@@ -254,7 +269,7 @@ TEST(Clock, StepBackSeenFirstByAnyCallEndsTheLease) {
         bench.pump();
         bench.now_us++;
         bench.skew_us -= 100000;
-        calls[i](bench);
+        EXPECT_EQ(calls[i].result, calls[i].of(bench));
         EXPECT_EQ(0, bench.facts().driving);
         EXPECT_EQ(0, bench.facts().armed);
         EXPECT_EQ(ROBUROC4_ERR_CLOCK, bench.facts().disarm_cause);
