@@ -360,8 +360,38 @@ TEST(Disarms, WhenTheInputOfTheOverrideIsChanged) {
                       roburoc4_client_set_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE, 5,
                                                      bench.client_us()));
             EXPECT_EQ(0, bench.facts().override_known);
+            EXPECT_EQ(0, bench.facts().armed) << "at once";
         },
         1);
+}
+
+TEST(Disarms, InWhicheverCallComesFirst) {
+    const std::vector<std::function<void(Bench &)>> calls{
+        [](Bench &b) { EXPECT_EQ(ROBUROC4_ERR_STALE_DIFFERENTIAL, b.arm()); },
+        [](Bench &b) { EXPECT_EQ(ROBUROC4_ERR_STALE_DIFFERENTIAL, b.drive(0.25F, 0)); },
+        [](Bench &b) {
+            EXPECT_EQ(ROBUROC4_OK,
+                      roburoc4_client_set_role_index(&b.client, ROBUROC4_ROLE_OVERRIDE,
+                                                     ROBUROC4_DI_PAD_A, b.client_us()));
+        },
+        [](Bench &b) { EXPECT_TRUE(b.poll()); },
+    };
+    for (std::size_t i = 0; i < calls.size(); i++) {
+        SCOPED_TRACE(i);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.armed();
+        ASSERT_EQ(ROBUROC4_OK, bench.drive(0.25F, 0, 1000000));
+        bench.pump();
+        bench.take_events();
+        bench.now_us += 400 * ms; /* and nothing came meanwhile */
+        calls[i](bench);
+        EXPECT_EQ(0, bench.facts().armed);
+        EXPECT_EQ(0, bench.facts().driving);
+        EXPECT_EQ(1, bench.facts().stopping);
+        EXPECT_EQ(ROBUROC4_ERR_STALE_DIFFERENTIAL, bench.facts().disarm_cause);
+        EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_DISARMED);
+    }
 }
 
 TEST(Disarms, WhenALateTextFindsTheOverrideElsewhere) {

@@ -379,8 +379,9 @@ TEST(Close, SendsItsTrainThenIsIdle) {
     const std::uint64_t start_us = bench.now_us;
     ASSERT_EQ(ROBUROC4_OK, bench.close());
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CLOSING), bench.state());
-    EXPECT_LT(bench.drive(0.5F, 0), 0);
+    EXPECT_EQ(ROBUROC4_ERR_DISARMED, bench.drive(0.5F, 0));
     EXPECT_EQ(ROBUROC4_ERR_NOT_READY, bench.arm());
+    EXPECT_EQ(ROBUROC4_ERR_STATE, bench.stop());
     EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_client_start(&bench.client, bench.client_us()));
     bench.run(400 * ms);
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_IDLE), bench.state());
