@@ -94,16 +94,18 @@ TEST(Outputs, RefuseWhatTheRobotDoesNotHave) {
 }
 
 TEST(Outputs, BeyondTheLastAreRefusedWhateverTheCardHas) {
-    for (const std::int32_t count : {0, 1, 3, 16}) {
+    for (const std::int32_t count : {0, 1, 3, 16, 63}) {
         SCOPED_TRACE(count);
         ScriptedRobot robot;
-        robot.iocard.analog_outputs = count;
+        robot.iocard.analog_outputs = std::min(count, 16);
         robot.iocard.digital_outputs = count;
         Bench bench(robot);
         bench.ready();
         const auto beyond = static_cast<std::uint32_t>(count);
         for (const std::uint32_t index : {beyond, beyond + 1, beyond + 2, 63U, 64U, UINT32_MAX}) {
-            EXPECT_EQ(ROBUROC4_ERR_INDEX, set_volts(bench, index, 1)) << index;
+            if (index >= 16 || count < 16) {
+                EXPECT_EQ(ROBUROC4_ERR_INDEX, set_volts(bench, index, 1)) << index;
+            }
             EXPECT_EQ(index == 0 ? ROBUROC4_ERR_RESERVED : ROBUROC4_ERR_INDEX,
                       set_one(bench, index, 1))
                 << index;
@@ -144,6 +146,31 @@ TEST(Outputs, AreSentToTheMicrosecondForWhoPollsAtTheDeadlineOnly) {
         for (std::size_t i = 0; i < 3; i++)
             EXPECT_EQ(start_us + i * 50 * ms, robot.output_commands[i].first);
     }
+}
+
+TEST(Outputs, AreSentAtOnceAtTimeZeroToo) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.skew_us = -static_cast<std::int64_t>(bench.now_us);
+    bench.start();
+    ASSERT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+    ASSERT_EQ(ROBUROC4_OK, set_one(bench, 3, 1));
+    bench.pump();
+    EXPECT_EQ(1U, robot.output_commands.size());
+}
+
+TEST(Outputs, AreLeftAloneByAPose) {
+    ScriptedRobot robot;
+    robot.iocard.analog_outputs = 2;
+    Bench bench(robot);
+    bench.ready();
+    ASSERT_EQ(ROBUROC4_OK, set_volts(bench, 0, 2.5F));
+    ASSERT_EQ(ROBUROC4_OK, set_volts(bench, 1, 2.5F));
+    ASSERT_EQ(ROBUROC4_OK, set_one(bench, 3, 1));
+    ASSERT_EQ(ROBUROC4_OK, relocalize(bench, -1.5, -2.5, -3.5));
+    bench.run(second);
+    EXPECT_EQ(from_hex("FF 02 00  00 00 20 40  00 00 20 40  08"),
+              robot.output_commands.back().second);
 }
 
 TEST(Outputs, AreKeptOverALossOfTheSameRobot) {
@@ -362,6 +389,20 @@ TEST(Relocalize, LaterOneReplacesAnOpenOne) {
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_RELOCALIZED);
 }
 
+TEST(Relocalize, HasNoResultWhileItIsOpen) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
+    bench.run(10 * ms);
+    ASSERT_EQ(ROBUROC4_OK, bench.facts().relocalize_result);
+    robot.replace_silent = true;
+    ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 4, 5, 6));
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result) << "that was of another";
+    bench.run(2 * second - 1);
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result);
+}
+
 TEST(Relocalize, IsRefusedWhereItCannotBe) {
     ScriptedRobot robot;
     robot.remove(ROBUROC4_SERVICE_LOCALIZATION);
@@ -531,6 +572,59 @@ TEST(Unsubscribe, SurvivesARefusalAndDropsWhatComesAllTheSame) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_distances(&bench.client, &after, nullptr));
     EXPECT_EQ(before.robot_cycles, after.robot_cycles);
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+}
+
+TEST(Unsubscribe, IsKeptOverALossAndANewStart) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    ASSERT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_TELEMETER));
+    bench.run(second);
+    robot.powered = false;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+    robot.reboot();
+    robot.powered = true;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    bench.run(5 * second);
+    EXPECT_EQ(0U, robot.subscriptions.count(3));
+    EXPECT_EQ(4U, robot.subscriptions.size());
+    ASSERT_EQ(ROBUROC4_OK, bench.close());
+    robot.subscriptions.clear();
+    bench.ready();
+    EXPECT_EQ(0U, robot.subscriptions.count(3));
+    EXPECT_EQ(4U, robot.subscriptions.size());
+}
+
+TEST(Unsubscribe, EndsAlsoASubscriptionThatIsStillAskedFor) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.service(ROBUROC4_SERVICE_TELEMETER).insert_silent = true;
+    ASSERT_EQ(ROBUROC4_OK, subscribe(bench, ROBUROC4_SERVICE_TELEMETER, 70));
+    bench.run(150 * ms);
+    ASSERT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_TELEMETER));
+    robot.service(ROBUROC4_SERVICE_TELEMETER).insert_silent = false;
+    robot.requests.clear();
+    bench.take_events();
+    bench.run(5 * second);
+    EXPECT_EQ(0U, robot.seen(ROBUROC4_ACTION_INSERT).size());
+    EXPECT_EQ(1U, robot.seen(ROBUROC4_ACTION_DELETE, ROBUROC4_SERVICE_TELEMETER).size());
+    EXPECT_EQ(0U, robot.subscriptions.count(3));
+    EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_SUBSCRIPTION_REFUSED);
+}
+
+TEST(Unsubscribe, TakesThePeriodOutOfTheSilenceThatIsALoss) {
+    ScriptedRobot robot;
+    roburoc4_config config = default_config();
+    config.lost_ms = 200;
+    config.subscriptions = 1U << ROBUROC4_SERVICE_TELEMETER | 1U << ROBUROC4_SERVICE_BATTERY;
+    config.period_ms[ROBUROC4_SERVICE_TELEMETER] = 50;
+    config.period_ms[ROBUROC4_SERVICE_BATTERY] = 600;
+    Bench bench(robot, config);
+    bench.ready();
+    ASSERT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_TELEMETER));
+    bench.run(10 * second);
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST)) << "three of 600 ms";
 }
 
 /* It may be another client's: whether they share them is not known. */

@@ -80,6 +80,17 @@ TEST(DriveMachine, LetsNoSpeedOutAfterTheLeaseEvenWhenNobodyToldItTheTime) {
     EXPECT_FLOAT_EQ(0.5F, driver.out[0]);
 }
 
+TEST(DriveMachine, LetsTheFirstSpeedOutAtOnceWhateverTheTime) {
+    for (const std::uint64_t now_us : {std::uint64_t{0}, std::uint64_t{1}, second - 1, second,
+                                       begin_us + 5, std::uint64_t{1} << 40, UINT64_MAX}) {
+        Driver driver;
+        roburoc4_drive_rebase(&driver.d, now_us);
+        EXPECT_EQ(ROBUROC4_OK, driver.grant(0.5F, 0, now_us));
+        EXPECT_TRUE(driver.poll(now_us)) << now_us;
+        EXPECT_FALSE(driver.poll(now_us)) << "and only once";
+    }
+}
+
 TEST(DriveMachine, LetsNoSpeedOutWhileDisarmedUnknownOrWithoutALease) {
     for (int without = 0; without < 3; without++) {
         Driver driver;
