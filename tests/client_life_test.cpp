@@ -216,21 +216,43 @@ TEST(Life, IsNeverLostBeforeThreeOfTheShortestPeriod) {
 }
 
 TEST(Life, WhicheverPeriodIsTheShortestCounts) {
-    for (std::uint32_t service = 2; service < ROBUROC4_SERVICE_COUNT; service++) {
-        SCOPED_TRACE(service);
+    for (std::uint32_t i = 0; i < 30; i++) {
+        const std::uint32_t service = 2 + i % 5;
+        const std::uint32_t lost_ms = std::array{200U, 250U, 299U, 301U, 350U, 450U}[i / 5];
+        SCOPED_TRACE(testing::Message() << "service " << service << ", " << lost_ms << " ms");
         ScriptedRobot robot;
         roburoc4_config config = default_config();
-        config.lost_ms = 200;
+        config.lost_ms = lost_ms;
         for (std::uint32_t other = 2; other < ROBUROC4_SERVICE_COUNT; other++)
             config.period_ms[other] = other == service ? 100 : 700;
         Bench bench(robot, config);
         bench.ready();
-        const std::uint64_t lost_us = bench.now_us - bench.link().silence_us + 300 * ms;
+        const std::uint64_t lost_us =
+            bench.now_us - bench.link().silence_us + std::max(lost_ms, 300U) * ms;
         robot.powered = false;
         bench.run_to(lost_us - 1);
         EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
         bench.run_to(lost_us);
         EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_LOST), bench.state());
+    }
+}
+
+TEST(Life, APeriodThatIsRefusedOrNotListedShortensNothing) {
+    for (const bool refused : {false, true}) {
+        SCOPED_TRACE(refused);
+        ScriptedRobot robot;
+        if (refused)
+            robot.service(ROBUROC4_SERVICE_TELEMETER).insert_refused = true;
+        else
+            robot.remove(ROBUROC4_SERVICE_TELEMETER);
+        roburoc4_config config = default_config();
+        config.lost_ms = 200;
+        for (std::uint32_t service = 2; service < ROBUROC4_SERVICE_COUNT; service++)
+            config.period_ms[service] = service == ROBUROC4_SERVICE_TELEMETER ? 50 : 600;
+        Bench bench(robot, config);
+        bench.ready();
+        bench.run(10 * second);
+        EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST)) << "three of 600 ms";
     }
 }
 

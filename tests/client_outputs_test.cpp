@@ -357,6 +357,25 @@ TEST(Relocalize, ThatIsNotAnsweredEndsAfterTwoSeconds) {
     robot.requests.clear();
     bench.run(5 * second);
     EXPECT_TRUE(robot.seen(ROBUROC4_ACTION_REPLACE).empty());
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_RELOCALIZE_FAILED) << "once";
+}
+
+TEST(Relocalize, EndsAfterTwoSecondsFromAnyTimeOn) {
+    for (const std::uint64_t since_us : {std::uint64_t{0}, std::uint64_t{1}, second, 4 * second}) {
+        SCOPED_TRACE(since_us);
+        ScriptedRobot robot;
+        robot.replace_silent = true;
+        Bench bench(robot);
+        bench.skew_us = -static_cast<std::int64_t>(bench.now_us);
+        bench.start();
+        ASSERT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+        bench.run(since_us);
+        ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
+        bench.run(2 * second - 1);
+        EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result);
+        bench.run(1);
+        EXPECT_EQ(ROBUROC4_ERR_TIMEOUT, bench.facts().relocalize_result);
+    }
 }
 
 TEST(Relocalize, EndsToTheMicrosecondForWhoPollsAtTheDeadlineOnly) {

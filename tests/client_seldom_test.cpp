@@ -37,6 +37,71 @@ TEST(Seldom, ARobotThatRestartsWhileTheClientClosesIsNotDiscoveredAnew) {
     EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_IDLE));
 }
 
+TEST(Seldom, AnAnswerThatComesWhileTheClientClosesIsUnmatched) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    robot.instead = [](const roburoc4_request &r, std::vector<Bytes> &) {
+        return r.action == ROBUROC4_ACTION_GET;
+    };
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 1500 * ms));
+    const auto asked = robot.seen(ROBUROC4_ACTION_GET).back().what;
+    ASSERT_EQ(ROBUROC4_OK, bench.close());
+    ASSERT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CLOSING), bench.state());
+    EXPECT_EQ(ROBUROC4_ERR_UNMATCHED,
+              bench.receive(plain_answer(asked.id, asked.action, asked.service, 0)));
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CLOSING), bench.state());
+    EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_IDLE));
+}
+
+TEST(Seldom, AStopThatWaitsForTheRobotEndsWithTheClient) {
+    ScriptedRobot robot;
+    robot.powered = false;
+    Bench bench(robot);
+    bench.start();
+    ASSERT_EQ(ROBUROC4_OK, bench.stop());
+    ASSERT_EQ(1, bench.facts().stopping);
+    ASSERT_EQ(ROBUROC4_OK, bench.close());
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_IDLE), bench.state()) << "nothing is due";
+    EXPECT_EQ(0, bench.facts().stopping);
+    EXPECT_EQ(UINT64_MAX, roburoc4_client_next_deadline(&bench.client));
+}
+
+TEST(Seldom, EveryDatagramThatIsGivenOutIsCounted) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.start();
+    bench.run(5 * second);
+    ASSERT_EQ(ROBUROC4_OK, bench.arm());
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
+    ASSERT_EQ(ROBUROC4_OK,
+              roburoc4_client_set_digital_output(&bench.client, 3, 1, bench.client_us()));
+    bench.run(5 * second);
+    EXPECT_EQ(bench.sent.size(), bench.count(ROBUROC4_COUNT_SENT));
+}
+
+/* The bench checks each deadline itself: nothing is due before it, and no loop spins. */
+TEST(Seldom, DeadlinesAreRightWhateverTheRobotKeepsSilentAbout) {
+    for (std::uint32_t silent = 0; silent < 32; silent++) {
+        SCOPED_TRACE(silent);
+        ScriptedRobot robot;
+        robot.texts_silent = (silent & 1) != 0;
+        robot.service(ROBUROC4_SERVICE_TELEMETER).get_silent = (silent & 2) != 0;
+        robot.service(ROBUROC4_SERVICE_BATTERY).insert_silent = (silent & 4) != 0;
+        robot.replace_silent = (silent & 8) != 0;
+        robot.always_manual_id = (silent & 16) != 0;
+        Bench bench(robot, default_config(), 1000 * second + 3700);
+        bench.start();
+        bench.now_us += 2100; /* no more in step with the robot's cycles */
+        ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+        bench.run(1234567);
+        ASSERT_EQ(ROBUROC4_OK,
+                  roburoc4_client_relocalize(&bench.client, 1, 2, 3, bench.client_us()));
+        bench.run(10 * second);
+        EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST));
+    }
+}
+
 TEST(Seldom, ABumperThatIsChosenByHandDisturbsNobody) {
     ScriptedRobot robot;
     Bench bench(robot);
@@ -305,27 +370,32 @@ TEST(Seldom, AClockThatStepsBackChangesNoCounterButItsOwn) {
 
 /* But for the next request's id, which goes on, and for events that nobody has taken yet. */
 TEST(Seldom, AClientThatStartsAgainIsAsOneThatStartsForTheFirstTime) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
-    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0.5F, 200 * ms));
-    ASSERT_EQ(ROBUROC4_OK,
-              roburoc4_client_set_digital_output(&bench.client, 3, 1, bench.client_us()));
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_relocalize(&bench.client, 1, 2, 3, bench.client_us()));
-    bench.run(10 * ms);
-    robot.powered = false;
-    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
-    EXPECT_EQ(ROBUROC4_OK, bench.stop());
-    EXPECT_EQ(ROBUROC4_OK, bench.close());
-    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_IDLE));
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_start(&bench.client, bench.client_us()));
-    roburoc4_client first{};
-    const roburoc4_config config = default_config();
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_init(&first, sizeof first, &config));
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_start(&first, bench.client_us()));
-    first.private_requests.last_id = bench.client.private_requests.last_id;
-    first.private_events = bench.client.private_events;
-    EXPECT_EQ(0, std::memcmp(&first, &bench.client, sizeof first));
+    for (const std::int64_t pause_us : {std::int64_t{0}, std::int64_t{5000000}, -900000000L}) {
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.armed();
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0.5F, 200 * ms));
+        ASSERT_EQ(ROBUROC4_OK,
+                  roburoc4_client_set_digital_output(&bench.client, 3, 1, bench.client_us()));
+        ASSERT_EQ(ROBUROC4_OK,
+                  roburoc4_client_relocalize(&bench.client, 1, 2, 3, bench.client_us()));
+        bench.run(10 * ms);
+        robot.powered = false;
+        ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+        EXPECT_EQ(ROBUROC4_OK, bench.stop());
+        EXPECT_EQ(ROBUROC4_OK, bench.close());
+        ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_IDLE));
+        EXPECT_EQ(0, bench.facts().stopping);
+        bench.skew_us += pause_us;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_client_start(&bench.client, bench.client_us()));
+        roburoc4_client first{};
+        const roburoc4_config config = default_config();
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_client_init(&first, sizeof first, &config));
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_client_start(&first, bench.client_us()));
+        first.private_requests.last_id = bench.client.private_requests.last_id;
+        first.private_events = bench.client.private_events;
+        EXPECT_EQ(0, std::memcmp(&first, &bench.client, sizeof first));
+    }
 }
 
 TEST(Seldom, SilenceBeforeTheFirstDatagramCountsFromTheStart) {

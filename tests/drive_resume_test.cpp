@@ -140,6 +140,34 @@ TEST(Resume, OrAPauseOfALease) {
     }
 }
 
+TEST(Resume, PauseIsThatOfTheLongerLease) {
+    for (const std::uint32_t lease_us : {20000U, 100000U, 250000U, 1000000U}) {
+        SCOPED_TRACE(lease_us);
+        const std::uint64_t pause_us = std::max<std::uint64_t>(lease_us, 250 * ms);
+        ScriptedRobot robot;
+        Bench bench(robot, resuming(ROBUROC4_RESUME_OVERRIDE));
+        drive_into(bench, robot, causes[0]);
+        clear_cause(bench, robot, causes[0]);
+        EXPECT_EQ(ROBUROC4_ERR_NOT_NEUTRAL, bench.drive(0.25F, 0, lease_us));
+        bench.run(pause_us - 1);
+        EXPECT_EQ(ROBUROC4_ERR_NOT_NEUTRAL, bench.drive(0.25F, 0, lease_us));
+        bench.run(pause_us);
+        EXPECT_EQ(ROBUROC4_OK, bench.drive(0.25F, 0, lease_us));
+    }
+}
+
+TEST(Resume, NeutralIsNeitherADriveNorATurn) {
+    ScriptedRobot robot;
+    Bench bench(robot, resuming(ROBUROC4_RESUME_OVERRIDE));
+    drive_into(bench, robot, causes[0]);
+    clear_cause(bench, robot, causes[0]);
+    for (const auto &[linear, angular] :
+         {std::pair<float, float>{0.25F, 0}, {-0.25F, 0}, {0, 0.25F}, {0, -0.25F}, {0, 1e-6F}})
+        EXPECT_EQ(ROBUROC4_ERR_NOT_NEUTRAL, bench.drive(linear, angular));
+    EXPECT_EQ(ROBUROC4_OK, bench.drive(-0.0F, -0.0F));
+    EXPECT_EQ(1, bench.facts().armed);
+}
+
 TEST(Resume, CommandFromBeforeTheCauseIsDead) {
     for (const Cause &cause : causes) {
         SCOPED_TRACE(cause.name);
@@ -224,4 +252,44 @@ TEST(Resume, WaitsAgainWhereTheCauseComesBack) {
     robot.press(ROBUROC4_DI_PAD_A, false);
     bench.run(100 * ms);
     EXPECT_EQ(ROBUROC4_OK, bench.drive(0, 0));
+}
+
+TEST(Resume, WaitsAgainWhereAnotherReasonComes) {
+    struct Reason {
+        const char *name;
+        std::function<void(ScriptedRobot &)> begin, end;
+    };
+    const std::vector<Reason> reasons{
+        {"moving", [](ScriptedRobot &r) { r.current_linear = 0.5F; },
+         [](ScriptedRobot &r) { r.current_linear = 0; }},
+        {"turning", [](ScriptedRobot &r) { r.current_angular = -0.5F; },
+         [](ScriptedRobot &r) { r.current_angular = 0; }},
+        {"no inputs", [](ScriptedRobot &r) { r.service(ROBUROC4_SERVICE_IOCARD).mute = true; },
+         [](ScriptedRobot &r) { r.service(ROBUROC4_SERVICE_IOCARD).mute = false; }},
+        {"no speeds",
+         [](ScriptedRobot &r) { r.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true; },
+         [](ScriptedRobot &r) { r.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = false; }},
+    };
+    for (const Reason &reason : reasons)
+        for (const bool before_it_cleared : {false, true}) {
+            SCOPED_TRACE(testing::Message() << reason.name << ", " << before_it_cleared);
+            ScriptedRobot robot;
+            Bench bench(robot, resuming(ROBUROC4_RESUME_OVERRIDE));
+            drive_into(bench, robot, causes[0]);
+            robot.follows = false;
+            bench.run(second);
+            if (before_it_cleared)
+                reason.begin(robot);
+            bench.run(400 * ms);
+            causes[0].end(robot);
+            bench.run(100 * ms);
+            if (!before_it_cleared)
+                reason.begin(robot);
+            bench.run(400 * ms);
+            EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, bench.drive(0, 0));
+            EXPECT_EQ(0, bench.facts().armed);
+            reason.end(robot);
+            bench.run(400 * ms);
+            EXPECT_EQ(ROBUROC4_OK, bench.drive(0, 0));
+        }
 }

@@ -31,6 +31,19 @@ TEST(Foreign, IsReportedAfterThreeStatusesWithTargetsOfSomebodyElse) {
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_FOREIGN) << "and when it ends";
 }
 
+TEST(Foreign, IsAlsoWhoCommandsSlowly) {
+    for (const float speed : {0.05F, -0.05F})
+        for (const bool turning : {false, true}) {
+            ScriptedRobot robot;
+            robot.follows = false;
+            Bench bench(robot);
+            bench.ready();
+            (turning ? robot.target_angular : robot.target_linear) = speed;
+            bench.run(200 * ms);
+            EXPECT_EQ(1, bench.facts().foreign) << speed << (turning ? " rad/s" : " m/s");
+        }
+}
+
 TEST(Foreign, IsNotTwoStatuses) {
     ScriptedRobot robot;
     robot.follows = false;

@@ -103,19 +103,107 @@ TEST(DriveMachine, LetsNoSpeedOutWhileDisarmedUnknownOrWithoutALease) {
     }
 }
 
+TEST(DriveMachine, EveryChangeOfTheTargetLeavesAtOnceAndNoRenewalDoes) {
+    const std::array<float, 2> first{0.5F, -0.5F};
+    for (const std::array<float, 2> &next :
+         {std::array<float, 2>{0.5F, -0.5F}, std::array<float, 2>{0.4F, -0.5F},
+          std::array<float, 2>{0.6F, -0.5F}, std::array<float, 2>{-0.5F, -0.5F},
+          std::array<float, 2>{0.5F, -0.4F}, std::array<float, 2>{0.5F, -0.6F},
+          std::array<float, 2>{0.5F, 0.5F}, std::array<float, 2>{0, 0}}) {
+        SCOPED_TRACE(testing::Message() << next[0] << " " << next[1]);
+        Driver driver;
+        driver.grant(first[0], first[1], begin_us);
+        ASSERT_TRUE(driver.poll(begin_us));
+        driver.grant(next[0], next[1], begin_us + 5 * ms);
+        const bool changed = next != first;
+        const std::uint64_t due_us = begin_us + (changed ? 10 : 50) * ms;
+        EXPECT_EQ(due_us, roburoc4_drive_deadline(&driver.d, &driver.config));
+        EXPECT_FALSE(driver.poll(due_us - 1));
+        EXPECT_TRUE(driver.poll(due_us));
+        EXPECT_EQ(next, driver.out);
+    }
+}
+
+TEST(DriveMachine, RepeatsACommandAtThePeriodOrHalfOfItsLease) {
+    for (const std::uint32_t lease_ms : {20U, 40U, 60U, 80U, 98U, 100U, 102U, 120U, 150U, 1000U}) {
+        SCOPED_TRACE(lease_ms);
+        Driver driver;
+        driver.grant(0.5F, 0, begin_us, lease_ms * 1000);
+        ASSERT_TRUE(driver.poll(begin_us));
+        const std::uint64_t due_us = begin_us + std::min(lease_ms / 2, 50U) * ms;
+        EXPECT_EQ(due_us, roburoc4_drive_deadline(&driver.d, &driver.config));
+        EXPECT_FALSE(driver.poll(due_us - 1));
+        EXPECT_TRUE(driver.poll(due_us));
+        EXPECT_TRUE(driver.speaks());
+    }
+}
+
+TEST(DriveMachine, AnySpeedIsFollowedByZerosOfWhichTheFirstLeavesAtOnce) {
+    for (const std::array<float, 2> &speed :
+         {std::array<float, 2>{0.5F, 0}, std::array<float, 2>{-0.5F, 0},
+          std::array<float, 2>{0, 0.5F}, std::array<float, 2>{0, -0.5F}}) {
+        SCOPED_TRACE(testing::Message() << speed[0] << " " << speed[1]);
+        Driver driver;
+        driver.grant(speed[0], speed[1], begin_us);
+        ASSERT_TRUE(driver.poll(begin_us));
+        EXPECT_EQ(speed, driver.out);
+        roburoc4_drive_interrupt(&driver.d, &driver.config, ROBUROC4_ERR_DISARMED, &driver.events);
+        EXPECT_EQ(begin_us, roburoc4_drive_deadline(&driver.d, &driver.config));
+        EXPECT_TRUE(driver.poll(begin_us)) << "though a speed just left";
+        EXPECT_FALSE(driver.speaks());
+        EXPECT_FALSE(driver.poll(begin_us + 50 * ms - 1));
+        EXPECT_TRUE(driver.poll(begin_us + 50 * ms));
+    }
+}
+
+TEST(DriveMachine, ResumesAfterTheChosenCausesOnly) {
+    for (roburoc4_result cause = ROBUROC4_ERR_NOT_NEUTRAL; cause < 0; cause++) {
+        std::uint32_t bit = 0;
+        switch (cause) {
+        case ROBUROC4_ERR_OVERRIDE:
+            bit = ROBUROC4_RESUME_OVERRIDE;
+            break;
+        case ROBUROC4_ERR_REBOOT:
+            bit = ROBUROC4_RESUME_REBOOT;
+            break;
+        case ROBUROC4_ERR_LOST:
+        case ROBUROC4_ERR_NOT_READY:
+        case ROBUROC4_ERR_STALE_DIFFERENTIAL:
+        case ROBUROC4_ERR_STALE_IOCARD:
+            bit = ROBUROC4_RESUME_LOSS;
+            break;
+        default:
+            break;
+        }
+        for (std::uint32_t resume = 0; resume < 8; resume++) {
+            SCOPED_TRACE(testing::Message() << "cause " << cause << ", resume " << resume);
+            Driver driver;
+            driver.config.resume = resume;
+            roburoc4_drive_interrupt(&driver.d, &driver.config, cause, &driver.events);
+            EXPECT_EQ(0, driver.d.armed);
+            driver.tick(begin_us);
+            const bool resumes = (resume & bit) != 0;
+            EXPECT_EQ(resumes ? ROBUROC4_OK : cause, driver.grant(0, 0, begin_us));
+            EXPECT_EQ(resumes ? 1 : 0, driver.d.armed);
+        }
+    }
+}
+
 TEST(DriveMachine, OwesItsZerosToTheServiceThatIsFoundNext) {
     /* a speed was sent and the service is gone */
-    Driver spoke;
-    spoke.spoke(begin_us);
-    roburoc4_drive_service(&spoke.d, false, 0);
-    EXPECT_EQ(1, spoke.d.stop_latched);
-    EXPECT_EQ(0, spoke.d.leased);
-    EXPECT_FALSE(spoke.poll(begin_us + second));
-    roburoc4_drive_service(&spoke.d, false, 9);
-    EXPECT_EQ(1, spoke.d.stop_latched) << "gone twice: still owed";
-    roburoc4_drive_service(&spoke.d, true, 16);
-    EXPECT_TRUE(spoke.poll(begin_us + second));
-    EXPECT_FALSE(spoke.speaks());
+    for (const std::uint16_t id : {std::uint16_t{0}, std::uint16_t{9}}) {
+        Driver spoke;
+        spoke.spoke(begin_us);
+        roburoc4_drive_service(&spoke.d, false, id);
+        EXPECT_EQ(1, spoke.d.stop_latched);
+        EXPECT_EQ(0, spoke.d.leased);
+        EXPECT_FALSE(spoke.poll(begin_us + second));
+        roburoc4_drive_service(&spoke.d, false, static_cast<std::uint16_t>(9 - id));
+        EXPECT_EQ(1, spoke.d.stop_latched) << "gone twice: still owed";
+        roburoc4_drive_service(&spoke.d, true, 16);
+        EXPECT_TRUE(spoke.poll(begin_us + second));
+        EXPECT_FALSE(spoke.speaks());
+    }
 
     /* a train had sent two of its three zeros */
     Driver train;
@@ -171,6 +259,91 @@ TEST(DriveMachine, OnlyStatusesAfterTheThirdZeroConfirmATrain) {
     }
     driver.status({-0.0F, 0.3F, -0.0F, 0.3F}, begin_us + 160 * ms);
     EXPECT_EQ(1, driver.d.confirmed) << "its targets count, not what it does";
+}
+
+namespace {
+
+/** A driver on one axis, whose commander or robot may be another. */
+struct OnOneAxis {
+    Driver driver;
+    std::size_t axis;
+    float sign;
+    std::uint64_t now_us = begin_us;
+
+    OnOneAxis(std::uint32_t watchdog_ms, std::size_t axis_, float sign_)
+        : axis(axis_), sign(sign_) {
+        driver.config.robot_watchdog_ms = watchdog_ms;
+    }
+    /** Another target, 10 ms after the last. */
+    void steer(float speed) {
+        now_us += 10 * ms;
+        driver.grant(axis == 0 ? sign * speed : 0, axis == 1 ? sign * speed : 0, now_us);
+        EXPECT_TRUE(driver.poll(now_us));
+    }
+    void steer_at_half_for(std::uint64_t span_us) {
+        for (const std::uint64_t end_us = now_us + span_us; now_us < end_us;)
+            steer(now_us % 20000 == 0 ? 0.5F : 0.5001F);
+    }
+    [[nodiscard]] bool is_ours(float target) const {
+        Driver copy = driver;
+        std::array<float, 4> speeds{};
+        speeds[2 * axis] = sign * target;
+        for (std::uint64_t i = 0; i < 3; i++)
+            copy.status(speeds, now_us + i * ms);
+        return copy.d.foreign == 0;
+    }
+};
+
+} // namespace
+
+TEST(DriveMachine, TargetsAreOursWhereTheyAreZeroOrWhatWasSent) {
+    for (const std::size_t axis : {std::size_t{0}, std::size_t{1}})
+        for (const float sign : {1.0F, -1.0F}) {
+            SCOPED_TRACE(testing::Message() << "axis " << axis << ", sign " << sign);
+            OnOneAxis robot(1000, axis, sign);
+            robot.steer_at_half_for(3 * second);
+            for (const float target : {0.0F, 0.5F, 0.49F, 0.51F}) /* it may round */
+                EXPECT_TRUE(robot.is_ours(target)) << target;
+            for (const float target : {0.45F, 0.55F, 0.05F, -0.05F, -0.5F, 1.0F})
+                EXPECT_FALSE(robot.is_ours(target)) << target;
+        }
+}
+
+/* The smallest box around all that was sent in the last one to two watchdog times. */
+TEST(DriveMachine, TargetsAreOursForAWatchdogTimeAndNotForTwo) {
+    for (const std::uint32_t watchdog_ms : {100U, 1000U, 2500U})
+        for (const std::size_t axis : {std::size_t{0}, std::size_t{1}})
+            for (const float sign : {1.0F, -1.0F}) {
+                SCOPED_TRACE(testing::Message()
+                             << watchdog_ms << " ms, axis " << axis << ", sign " << sign);
+                OnOneAxis robot(watchdog_ms, axis, sign);
+                robot.steer_at_half_for(3 * watchdog_ms * ms);
+                robot.steer(1);
+                robot.steer(0.25F);
+                robot.steer(0.5F);
+                for (const float target : {0.25F, 0.3F, 0.7F, 1.0F})
+                    EXPECT_TRUE(robot.is_ours(target)) << target;
+                for (const float target : {0.2F, 1.05F})
+                    EXPECT_FALSE(robot.is_ours(target)) << target;
+                robot.steer_at_half_for(watchdog_ms * ms - 40 * ms);
+                for (const float target : {0.25F, 1.0F})
+                    EXPECT_TRUE(robot.is_ours(target)) << target;
+                robot.steer_at_half_for(watchdog_ms * ms + 40 * ms);
+                for (const float target : {0.25F, 1.0F})
+                    EXPECT_FALSE(robot.is_ours(target)) << target;
+            }
+}
+
+TEST(DriveMachine, AFaultOfTheClockInhibitsNobody) {
+    Driver driver;
+    driver.status({0.5F, 0, 0, 0}, begin_us);
+    driver.status({0.5F, 0, 0, 0}, begin_us + 100 * ms);
+    roburoc4_drive_rebase(&driver.d, begin_us - 10 * second);
+    driver.status({0.5F, 0, 0, 0}, begin_us - 10 * second + 100 * ms);
+    EXPECT_EQ(0, driver.d.inhibited) << "it had a fifth of a second to move";
+    EXPECT_EQ(0U, driver.events & ROBUROC4_EVENT_INHIBITED);
+    driver.status({0.5F, 0, 0, 0}, begin_us - 9 * second);
+    EXPECT_EQ(1, driver.d.inhibited);
 }
 
 TEST(DriveMachine, WhatWasSentBeforeAFaultOfTheClockIsStillOurs) {
