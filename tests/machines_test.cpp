@@ -641,24 +641,58 @@ TEST(Requests, AnErrorThatFitsSeveralEndsTheOneThatHasWaitedLongest) {
     }
 }
 
+/* Also on a clock that has just begun. */
 TEST(Requests, WithOneIdForAllWaitForLateAnswersOfTheLast) {
-    requests r{};
-    r.fixed_id = 1;
-    slot *given_up = nullptr;
-    const ask a = get(2);
-    ASSERT_TRUE(roburoc4_requests_begin(&r, &a));
-    slot *s = roburoc4_requests_due(&r, 100, begin_us, &given_up);
-    ASSERT_EQ(s, roburoc4_requests_due(&r, 100, begin_us + 100 * ms, &given_up)) << "second try";
-    EXPECT_EQ(ROBUROC4_HEADER_MANUAL, s->id);
-    roburoc4_requests_close(&r, s, begin_us + 110 * ms);
-    EXPECT_FALSE(roburoc4_requests_free(&r, 0));
-    EXPECT_EQ(begin_us + 210 * ms, roburoc4_requests_deadline(&r));
-    ASSERT_TRUE(roburoc4_requests_begin(&r, &a));
-    EXPECT_EQ(0U, roburoc4_requests_deadline(&r)) << "what is open counts";
-    roburoc4_requests_cancel_all(&r);
-    EXPECT_EQ(nullptr, roburoc4_requests_due(&r, 100, begin_us + 210 * ms, &given_up));
-    EXPECT_TRUE(roburoc4_requests_free(&r, 0));
-    EXPECT_EQ(UINT64_MAX, roburoc4_requests_deadline(&r));
+    for (const std::uint64_t start_us : {std::uint64_t{0}, begin_us}) {
+        SCOPED_TRACE(start_us);
+        requests r{};
+        r.fixed_id = 1;
+        slot *given_up = nullptr;
+        const ask a = get(2);
+        ASSERT_TRUE(roburoc4_requests_begin(&r, &a));
+        slot *s = roburoc4_requests_due(&r, 10, start_us, &given_up);
+        ASSERT_NE(nullptr, s);
+        EXPECT_EQ(ROBUROC4_HEADER_MANUAL, s->id);
+        roburoc4_requests_close(&r, s, start_us);
+        EXPECT_TRUE(roburoc4_requests_free(&r, 0)) << "of a single try no answer is late";
+        EXPECT_EQ(UINT64_MAX, roburoc4_requests_deadline(&r));
+
+        ASSERT_TRUE(roburoc4_requests_begin(&r, &a));
+        ASSERT_EQ(s, roburoc4_requests_due(&r, 10, start_us, &given_up));
+        ASSERT_EQ(s, roburoc4_requests_due(&r, 10, start_us + 10 * ms, &given_up)) << "second try";
+        EXPECT_EQ(ROBUROC4_HEADER_MANUAL, s->id);
+        roburoc4_requests_close(&r, s, start_us + 20 * ms);
+        for (const std::uint64_t wait_us : {20 * ms, 40 * ms, 120 * ms - 1}) {
+            EXPECT_EQ(nullptr, roburoc4_requests_due(&r, 10, start_us + wait_us, &given_up));
+            EXPECT_FALSE(roburoc4_requests_free(&r, 0)) << wait_us;
+            EXPECT_EQ(start_us + 120 * ms, roburoc4_requests_deadline(&r));
+        }
+        ASSERT_TRUE(roburoc4_requests_begin(&r, &a));
+        EXPECT_EQ(0U, roburoc4_requests_deadline(&r)) << "what is open counts";
+        roburoc4_requests_cancel_all(&r);
+        EXPECT_EQ(nullptr, roburoc4_requests_due(&r, 10, start_us + 120 * ms, &given_up));
+        EXPECT_TRUE(roburoc4_requests_free(&r, 0));
+        EXPECT_EQ(UINT64_MAX, roburoc4_requests_deadline(&r));
+    }
+}
+
+TEST(Requests, AnswersWithAnyOtherIdThanTheManualsLeadToNoFixedId) {
+    for (int id = 2; id < 256; id++) {
+        requests r{};
+        slot *given_up = nullptr;
+        ask a = get(2);
+        a.max_tries = 10;
+        ASSERT_TRUE(roburoc4_requests_begin(&r, &a));
+        for (std::uint64_t i = 0; i < 5; i++) {
+            slot *s = roburoc4_requests_due(&r, 100, begin_us + i * second, &given_up);
+            ASSERT_NE(nullptr, s);
+            const std::array<std::uint8_t, 5> late{static_cast<std::uint8_t>(id),
+                                                   ROBUROC4_ACTION_GET, 2, 0, 0};
+            EXPECT_EQ(s->id == id ? s : nullptr,
+                      roburoc4_requests_match(&r, late.data(), late.size(), begin_us + i * second));
+        }
+        EXPECT_EQ(0, r.fixed_id) << id;
+    }
 }
 
 /* ---- link ---- */
@@ -1117,6 +1151,8 @@ TEST(Discovery, AServiceIsUnseenUntilItsTypeOrTextTellsWhatItIs) {
             EXPECT_FALSE(roburoc4_discovery_unseen(&d)) << "nothing is listed";
             EXPECT_FALSE(roburoc4_discovery_directory(&d, &directory.view));
             EXPECT_EQ(id > 1, roburoc4_discovery_unseen(&d));
+            EXPECT_TRUE(roburoc4_discovery_may_drive(&d, id)) << "it may be anything";
+            EXPECT_FALSE(roburoc4_discovery_may_drive(&d, 50));
             roburoc4_discovery_described(&d, LIST_DIRECTORY, place);
             EXPECT_EQ(id > 1, roburoc4_discovery_unseen(&d)) << "its text was not believed";
             const std::uint8_t text[] = "Camera";
