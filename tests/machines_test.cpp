@@ -1245,6 +1245,44 @@ TEST(Discovery, AWordCountsOnlyWithAllOfItsLetters) {
         expect_all(role, word);
 }
 
+/* Services, digital inputs (among them is the override), analog ones, then outputs; of each no more
+ * than a client stores. */
+TEST(Discovery, EachTextIsAskedForOnceAndInItsTurn) {
+    const std::array<std::int32_t, 4> none{}, usual{9, 2, 22, 8}, full{32, 16, 64, 64},
+        beyond{33, 17, 65, std::numeric_limits<std::int32_t>::max()};
+    for (const std::array<std::int32_t, 4> &counts : {none, usual, full, beyond}) {
+        discovery d{};
+        roburoc4_discovery_clear(&d);
+        d.service_count = 3;
+        d.service_ids[ROBUROC4_SERVICE_IOCARD] = 0x1234;
+        const requests nothing_open{};
+        for (const std::uint8_t list : std::array<std::uint8_t, 5>{4, 2, 0, 3, 1}) {
+            const std::int32_t capacity = list > 1 ? 64 : 32 >> list;
+            const std::int32_t length = list == 4 ? 3 : std::min(counts[list], capacity);
+            for (std::int32_t i = 0; i < length; i++) {
+                SCOPED_TRACE(std::to_string(list) + " " + std::to_string(i));
+                ask a{};
+                ASSERT_TRUE(
+                    roburoc4_discovery_next_text(&d, &nothing_open, counts.data(), true, &a));
+                EXPECT_EQ(ROBUROC4_ACTION_QUERY, a.action);
+                EXPECT_EQ(list, a.detail);
+                EXPECT_EQ(i, a.subject);
+                EXPECT_EQ(list == 4 ? ROBUROC4_SERVICE_DIRECTORY : ROBUROC4_SERVICE_IOCARD, a.kind);
+                EXPECT_EQ(list == 4 ? 0 : 0x1234, a.target);
+                EXPECT_EQ(10, a.max_tries);
+                EXPECT_FALSE(roburoc4_discovery_texts_done(&d, counts.data(), true));
+                EXPECT_EQ(list != 4, roburoc4_discovery_texts_done(&d, counts.data(), false));
+                EXPECT_EQ(list == 4, roburoc4_discovery_next_text(&d, &nothing_open, counts.data(),
+                                                                  false, &a));
+                roburoc4_discovery_described(&d, list, static_cast<std::uint32_t>(i));
+            }
+        }
+        ask a{};
+        EXPECT_FALSE(roburoc4_discovery_next_text(&d, &nothing_open, counts.data(), true, &a));
+        EXPECT_TRUE(roburoc4_discovery_texts_done(&d, counts.data(), true));
+    }
+}
+
 TEST(Discovery, TextsThatAreReadAgainAreAllReadAgain) {
     discovery d{};
     roburoc4_discovery_clear(&d);
@@ -1278,6 +1316,48 @@ TEST(Discovery, ARestartForgetsWhatWasAgreedAndNoText) {
         *field = 0;
     roburoc4_discovery_restart(&d);
     EXPECT_EQ(0, std::memcmp(&wanted, &d, sizeof d));
+}
+
+/* The next id, so that late answers of before do not fit; and that a robot echoed one of ours. */
+TEST(Requests, ThatAreClearedLeaveNothingButWhatLaterOnesNeed) {
+    for (std::uint8_t suspect = 0; suspect < 3; suspect++) {
+        requests r;
+        std::memset(&r, 0xA5, sizeof r);
+        r.suspect = suspect;
+        requests wanted{};
+        wanted.last_id = 0xA5;
+        wanted.suspect = suspect == 2 ? 2 : 0;
+        roburoc4_requests_clear(&r);
+        EXPECT_EQ(0, std::memcmp(&wanted, &r, sizeof r)) << int{suspect};
+    }
+}
+
+TEST(Requests, AreAllDueAtOnceAfterAFaultOfTheClock) {
+    requests r{};
+    slot *given_up = nullptr;
+    for (std::uint8_t kind = 2; kind < 6; kind++) {
+        const ask a = get(kind);
+        ASSERT_TRUE(roburoc4_requests_begin(&r, &a));
+        ASSERT_NE(nullptr, roburoc4_requests_due(&r, 100, begin_us, &given_up));
+    }
+    EXPECT_EQ(nullptr, roburoc4_requests_due(&r, 100, begin_us, &given_up));
+    const std::uint64_t earlier_us = begin_us - 50 * second;
+    roburoc4_requests_rebase(&r, earlier_us);
+    EXPECT_LE(roburoc4_requests_deadline(&r), earlier_us);
+    for (std::uint8_t kind = 2; kind < 6; kind++) {
+        const slot *s = roburoc4_requests_due(&r, 100, earlier_us, &given_up);
+        ASSERT_NE(nullptr, s);
+        EXPECT_EQ(kind, s->ask.kind);
+        EXPECT_EQ(2, s->tries) << "what was asked before counts";
+    }
+    EXPECT_EQ(nullptr, roburoc4_requests_due(&r, 100, earlier_us, &given_up));
+    EXPECT_EQ(earlier_us + 200 * ms, roburoc4_requests_deadline(&r));
+    r.fixed_id = 1;
+    roburoc4_requests_cancel_all(&r);
+    roburoc4_requests_close(&r, &r.slots[0], earlier_us);
+    ASSERT_FALSE(roburoc4_requests_free(&r, 0));
+    roburoc4_requests_rebase(&r, earlier_us - second);
+    EXPECT_TRUE(roburoc4_requests_free(&r, 0)) << "nor is a late answer waited for";
 }
 
 TEST(Requests, AreDueWhenTheSoonestIsWhereverItStands) {
