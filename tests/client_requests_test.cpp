@@ -318,6 +318,32 @@ TEST(Description, ThatIsNotAnsweredHoldsNothingElseUp) {
     EXPECT_EQ(0, bench.facts().descriptions_done);
 }
 
+TEST(Probe, AsksOneServiceASecondInTurn) {
+    for (const bool all : {true, false}) {
+        ScriptedRobot robot;
+        if (!all) {
+            robot.remove(ROBUROC4_SERVICE_TELEMETER);
+            robot.remove(ROBUROC4_SERVICE_DIFFERENTIAL);
+        }
+        for (ScriptedService &s : robot.services)
+            s.id = static_cast<std::uint16_t>(s.kind < 2 ? s.kind : 0x300 + s.kind);
+        Bench bench(robot);
+        bench.start();
+        ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+        const std::uint64_t ready_us = bench.now_us;
+        robot.requests.clear();
+        bench.run(60 * second);
+        const auto probes = robot.seen(ROBUROC4_ACTION_GET);
+        ASSERT_EQ(60U, probes.size());
+        const std::vector<int> round = all ? std::vector<int>{0x302, 0x303, 0x304, 0x305, 0x306, 0}
+                                           : std::vector<int>{0x302, 0x304, 0x305, 0};
+        for (std::size_t i = 0; i < probes.size(); i++) {
+            EXPECT_EQ(ready_us + (i + 1) * second, probes[i].at_us);
+            EXPECT_EQ(round[i % round.size()], probes[i].what.service) << i;
+        }
+    }
+}
+
 TEST(Probe, AsksOncePerRoundForASubscriptionThatWasRefused) {
     ScriptedRobot robot;
     ScriptedService &battery = robot.service(ROBUROC4_SERVICE_BATTERY);
@@ -539,6 +565,32 @@ TEST(FixedId, HasOneRequestInFlight) {
         EXPECT_EQ(ROBUROC4_HEADER_MANUAL, robot.requests[i].what.id);
         EXPECT_GE(robot.requests[i].at_us - robot.requests[i - 1].at_us, 5 * ms);
     }
+}
+
+TEST(FixedId, LetsWhatIsUrgentGoFirst) {
+    ScriptedRobot robot;
+    robot.always_manual_id = true;
+    Bench bench(robot);
+    bench.delay_to_client = [] { return 5 * ms; };
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    bench.run(12 * ms); /* a text was asked for */
+    ASSERT_EQ(ROBUROC4_ACTION_QUERY, robot.requests.back().what.action);
+    robot.requests.clear();
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_unsubscribe(&bench.client, ROBUROC4_SERVICE_BATTERY,
+                                                       bench.client_us()));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_subscribe(&bench.client, ROBUROC4_SERVICE_TELEMETER, 50,
+                                                     bench.client_us()));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_relocalize(&bench.client, 1, 2, 3, bench.client_us()));
+    bench.run(30 * ms);
+    std::vector<int> actions;
+    for (const Request &r : robot.requests)
+        actions.push_back(r.what.action);
+    ASSERT_GE(actions.size(), 4U);
+    actions.resize(4);
+    const std::vector<int> wanted{ROBUROC4_ACTION_REPLACE, ROBUROC4_ACTION_INSERT,
+                                  ROBUROC4_ACTION_DELETE, ROBUROC4_ACTION_QUERY};
+    EXPECT_EQ(wanted, actions);
 }
 
 TEST(FixedId, IsFoundForARobotThatIgnoresAllOtherIds) {
