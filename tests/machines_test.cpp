@@ -676,6 +676,40 @@ TEST(Requests, WithOneIdForAllWaitForLateAnswersOfTheLast) {
     }
 }
 
+/* Of any length; of several answers to one try one counts; of what is open only this is kept. */
+TEST(Requests, ThreeTriesThatSawOnlyTheManualIdLeadToFixedId) {
+    for (const std::size_t size : {std::size_t{5}, std::size_t{6}, std::size_t{60}}) {
+        requests r{};
+        slot *given_up = nullptr;
+        const ask other = get(2);
+        const ask asked = get(3);
+        ASSERT_TRUE(roburoc4_requests_begin(&r, &other));
+        ASSERT_TRUE(roburoc4_requests_begin(&r, &asked));
+        std::array<std::uint8_t, 60> answer{ROBUROC4_HEADER_MANUAL, ROBUROC4_ACTION_GET, 3, 0, 0};
+        for (std::uint64_t i = 0; i < 3; i++) {
+            const std::uint64_t now_us = begin_us + i * 200 * ms;
+            EXPECT_EQ(nullptr, roburoc4_requests_match(&r, answer.data(), size, now_us)) << i;
+            for (int both = 0; both < 2; both++)
+                ASSERT_NE(nullptr, roburoc4_requests_due(&r, 100, now_us, &given_up));
+            for (int again = 0; i < 2 && again < 5; again++)
+                EXPECT_EQ(nullptr, roburoc4_requests_match(&r, answer.data(), size, now_us)) << i;
+        }
+        EXPECT_EQ(0, r.fixed_id);
+        const slot before = r.slots[1];
+        slot *s = roburoc4_requests_match(&r, answer.data(), size, begin_us + second);
+        ASSERT_NE(nullptr, s);
+        EXPECT_EQ(0, std::memcmp(&asked, &s->ask, sizeof asked));
+        EXPECT_EQ(before.sent_us, s->sent_us) << "of the round trip";
+        EXPECT_EQ(1, r.fixed_id);
+        EXPECT_EQ(1, r.announce);
+        EXPECT_TRUE(roburoc4_requests_open(&r, &asked));
+        EXPECT_FALSE(roburoc4_requests_open(&r, &other));
+        EXPECT_FALSE(roburoc4_requests_free(&r, 0));
+        roburoc4_requests_cancel_all(&r);
+        EXPECT_TRUE(roburoc4_requests_free(&r, 0));
+    }
+}
+
 TEST(Requests, AnswersWithAnyOtherIdThanTheManualsLeadToNoFixedId) {
     for (int id = 2; id < 256; id++) {
         requests r{};
@@ -1139,7 +1173,7 @@ TEST(Discovery, AServiceIsChosenByTypeThenByTextThenByTheManualsId) {
 /* Only of those above the first two ids something may be unseen, wherever it stands. */
 TEST(Discovery, AServiceIsUnseenUntilItsTypeOrTextTellsWhatItIs) {
     for (std::uint32_t place = 0; place < 3; place++) {
-        for (const std::uint16_t id : {std::uint16_t{1}, std::uint16_t{2}, std::uint16_t{99}}) {
+        for (const std::uint16_t id : std::array<std::uint16_t, 4>{0, 1, 2, 99}) {
             SCOPED_TRACE(std::to_string(place) + " " + std::to_string(id));
             std::array<roburoc4_directory_entry, 3> entries{};
             for (roburoc4_directory_entry &entry : entries)
