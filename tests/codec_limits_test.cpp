@@ -22,47 +22,54 @@ constexpr std::size_t huge = std::numeric_limits<std::size_t>::max();
 
 struct Encoder {
     const char *name;
-    std::size_t most; /* entries that fit a datagram */
-    roburoc4_result (*encode)(std::uint8_t *, std::size_t, std::size_t count);
+    std::size_t most;       /* entries that fit a datagram */
+    roburoc4_result length; /* of a telegram with so many */
+    roburoc4_result (*encode)(std::uint8_t *, std::size_t, const void *entries, std::size_t count);
 };
 
-/* Whether a count is refused is decided without a look at the entries: there are none here. */
+template <class Entry> const Entry *as(const void *entries) {
+    return static_cast<const Entry *>(entries);
+}
+
 const Encoder encoders[] = {
-    {"directory", (datagram - answer_head) / 4,
-     [](std::uint8_t *b, std::size_t n, std::size_t count) {
-         return roburoc4_encode_directory(b, n, 2, 0, nullptr, count);
+    {"directory", (datagram - answer_head) / 4, 65505,
+     [](std::uint8_t *b, std::size_t n, const void *entries, std::size_t count) {
+         return roburoc4_encode_directory(b, n, 2, 0, as<roburoc4_directory_entry>(entries), count);
      }},
-    {"notification", (datagram - answer_head) / 3,
-     [](std::uint8_t *b, std::size_t n, std::size_t count) {
-         return roburoc4_encode_notification(b, n, 2, 1, nullptr, count);
+    {"notification", (datagram - answer_head) / 3, 65507,
+     [](std::uint8_t *b, std::size_t n, const void *entries, std::size_t count) {
+         return roburoc4_encode_notification(b, n, 2, 1, as<roburoc4_subscription>(entries), count);
      }},
-    {"telemeters", (datagram - answer_head - 4) / 28,
-     [](std::uint8_t *b, std::size_t n, std::size_t count) {
-         return roburoc4_encode_telemeter_properties(b, n, 2, 3, nullptr, count);
+    {"telemeters", (datagram - answer_head - 4) / 28, 65501,
+     [](std::uint8_t *b, std::size_t n, const void *entries, std::size_t count) {
+         return roburoc4_encode_telemeter_properties(b, n, 2, 3, as<roburoc4_telemeter>(entries),
+                                                     count);
      }},
-    {"text", datagram - answer_head,
-     [](std::uint8_t *b, std::size_t n, std::size_t count) {
-         return roburoc4_encode_text(b, n, 2, 0, nullptr, count);
+    {"text", datagram - answer_head, 65507,
+     [](std::uint8_t *b, std::size_t n, const void *entries, std::size_t count) {
+         return roburoc4_encode_text(b, n, 2, 0, as<char>(entries), count);
      }},
-    {"analog inputs", (datagram - status_head) / 4,
-     [](std::uint8_t *b, std::size_t n, std::size_t count) {
-         return roburoc4_encode_iocard_status(b, n, 2, 1, nullptr, count, nullptr, 0);
+    {"analog inputs", (datagram - status_head) / 4, 65507,
+     [](std::uint8_t *b, std::size_t n, const void *entries, std::size_t count) {
+         return roburoc4_encode_iocard_status(b, n, 2, 1, as<float>(entries), count, nullptr, 0);
      }},
-    {"digital inputs", (datagram - status_head) * 8,
-     [](std::uint8_t *b, std::size_t n, std::size_t count) {
-         return roburoc4_encode_iocard_status(b, n, 2, 1, nullptr, 0, nullptr, count);
+    {"digital inputs", (datagram - status_head) * 8, 65507,
+     [](std::uint8_t *b, std::size_t n, const void *entries, std::size_t count) {
+         return roburoc4_encode_iocard_status(b, n, 2, 1, nullptr, 0, as<std::uint8_t>(entries),
+                                              count);
      }},
-    {"distances", (datagram - status_head) / 4,
-     [](std::uint8_t *b, std::size_t n, std::size_t count) {
-         return roburoc4_encode_telemeter_status(b, n, 3, 1, nullptr, count);
+    {"distances", (datagram - status_head) / 4, 65507,
+     [](std::uint8_t *b, std::size_t n, const void *entries, std::size_t count) {
+         return roburoc4_encode_telemeter_status(b, n, 3, 1, as<float>(entries), count);
      }},
-    {"analog outputs", (datagram - status_head) / 4,
-     [](std::uint8_t *b, std::size_t n, std::size_t count) {
-         return roburoc4_encode_iocard_command(b, n, 2, nullptr, count, nullptr, 0);
+    {"analog outputs", (datagram - status_head) / 4, 65499,
+     [](std::uint8_t *b, std::size_t n, const void *entries, std::size_t count) {
+         return roburoc4_encode_iocard_command(b, n, 2, as<float>(entries), count, nullptr, 0);
      }},
-    {"digital outputs", (datagram - status_head) * 8,
-     [](std::uint8_t *b, std::size_t n, std::size_t count) {
-         return roburoc4_encode_iocard_command(b, n, 2, nullptr, 0, nullptr, count);
+    {"digital outputs", (datagram - status_head) * 8, 65499,
+     [](std::uint8_t *b, std::size_t n, const void *entries, std::size_t count) {
+         return roburoc4_encode_iocard_command(b, n, 2, nullptr, 0, as<std::uint8_t>(entries),
+                                               count);
      }},
 };
 
@@ -74,28 +81,25 @@ TEST(CodecLimits, MoreEntriesThanADatagramCarriesAreRefused) {
         SCOPED_TRACE(e.name);
         for (const std::size_t count : {e.most + 1, e.most * 2, huge / 2, huge}) {
             buffer.fill(0xAA);
-            EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, e.encode(buffer.data(), buffer.size(), count));
+            /* decided without a look at the entries: there are none here */
+            EXPECT_EQ(ROBUROC4_ERR_ARGUMENT,
+                      e.encode(buffer.data(), buffer.size(), nullptr, count));
             EXPECT_EQ(0xAA, buffer[0]) << "something was written";
         }
     }
 }
 
 TEST(CodecLimits, AsManyAsADatagramCarriesAreOnlyTooLongForAShortBuffer) {
-    std::vector<std::uint8_t> entries(std::size_t{2} * datagram);
-    std::array<std::uint8_t, 16> buffer{};
-    EXPECT_EQ(ROBUROC4_ERR_BUFFER,
-              roburoc4_encode_text(buffer.data(), buffer.size(), 2, 0,
-                                   reinterpret_cast<const char *>(entries.data()),
-                                   datagram - answer_head));
+    const std::vector<roburoc4_telemeter> entries(datagram); /* more than enough of any kind */
     std::vector<std::uint8_t> large(datagram);
-    EXPECT_EQ(static_cast<roburoc4_result>(datagram),
-              roburoc4_encode_text(large.data(), large.size(), 2, 0,
-                                   reinterpret_cast<const char *>(entries.data()),
-                                   datagram - answer_head));
-    const std::vector<float> analog((datagram - status_head) / 4 + 1);
-    EXPECT_EQ(static_cast<roburoc4_result>(status_head + 4 * ((datagram - status_head) / 4)),
-              roburoc4_encode_telemeter_status(large.data(), large.size(), 3, 1, analog.data(),
-                                               (datagram - status_head) / 4));
+    for (const Encoder &e : encoders) {
+        SCOPED_TRACE(e.name);
+        EXPECT_EQ(e.length, e.encode(large.data(), large.size(), entries.data(), e.most));
+        for (const roburoc4_result capacity : {16, e.length - 1})
+            EXPECT_EQ(
+                ROBUROC4_ERR_BUFFER,
+                e.encode(large.data(), static_cast<std::size_t>(capacity), entries.data(), e.most));
+    }
 }
 
 TEST(CodecLimits, AnalogAndDigitalChannelsShareOneDatagram) {
