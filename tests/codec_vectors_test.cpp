@@ -40,6 +40,12 @@ roburoc4_request request(const std::string &name) {
     return out;
 }
 
+/** All of a request as it is in memory. */
+std::string bytes_of(const roburoc4_request &request) {
+    const auto *from = reinterpret_cast<const std::uint8_t *>(&request);
+    return to_hex(Bytes(from, from + sizeof request));
+}
+
 roburoc4_answer answer(const Bytes &bytes) {
     roburoc4_answer out{};
     EXPECT_EQ(0, roburoc4_decode_answer(bytes.data(), bytes.size(), &out)) << to_hex(bytes);
@@ -150,7 +156,7 @@ TEST(Vectors, SurplusBytesOfARequestAreNoFields) {
         bytes.insert(bytes.end(), 64, 0xEE);
         EXPECT_EQ(64, roburoc4_decode_request(bytes.data(), bytes.size(), &out)) << name;
         const roburoc4_request alone = request(name);
-        EXPECT_EQ(0, std::memcmp(&alone, &out, sizeof out)) << name;
+        EXPECT_EQ(bytes_of(alone), bytes_of(out)) << name;
     }
 }
 
