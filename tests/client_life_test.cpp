@@ -408,6 +408,22 @@ TEST(Directory, AnotherOneIsNoticedAndDiscovered) {
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_PROPERTIES);
 }
 
+TEST(Directory, IsAPropertyWhoseNewsAreAnEvent) {
+    ScriptedRobot robot;
+    robot.services.resize(2); /* itself and notification, which have no others */
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 1 * second));
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_PROPERTIES);
+    EXPECT_EQ(2U, roburoc4_client_service_count(&bench.client));
+    bench.run(10 * second);
+    EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_PROPERTIES);
+    robot.services.push_back({0x1234, 77, 99, "Coffee machine"});
+    bench.run(10 * second);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_PROPERTIES);
+    EXPECT_EQ(3U, roburoc4_client_service_count(&bench.client));
+}
+
 TEST(Directory, AnIoCardThatIsGoneIsNotAsked) {
     ScriptedRobot robot;
     Bench bench(robot);
