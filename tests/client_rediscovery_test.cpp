@@ -124,6 +124,27 @@ TEST(Rediscovery, OutputsOfBeforeARebootStayOff) {
         EXPECT_EQ(0x02, command.second.back());
 }
 
+TEST(Rediscovery, OfTheSameRobotAfterALossAsksForNoTextAgain) {
+    ScriptedRobot robot;
+    robot.channel_text = [](std::uint32_t io_type, std::uint32_t index) -> std::string {
+        return io_type == ROBUROC4_IO_DIGITAL_INPUT && index == 3 ? "Game pad A button" : "?";
+    };
+    Bench bench(robot);
+    bench.ready();
+    ASSERT_EQ(3, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
+    robot.powered = false;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+    robot.powered = true;
+    robot.requests.clear();
+    ASSERT_TRUE(bench.run_until([&] {
+        EXPECT_EQ(3, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
+        return bench.state() == ROBUROC4_STATE_READY;
+    }));
+    EXPECT_EQ(1, bench.facts().descriptions_done);
+    bench.run(second);
+    EXPECT_EQ(0U, robot.seen(ROBUROC4_ACTION_QUERY).size());
+}
+
 TEST(Rediscovery, AStopIsNotForgottenWhenTheServiceGetsAnotherId) {
     ScriptedRobot robot;
     Bench bench(robot);
