@@ -395,15 +395,42 @@ TEST(Disarms, InWhicheverCallComesFirst) {
 }
 
 TEST(Disarms, WhenALateTextFindsTheOverrideElsewhere) {
+    const std::array<std::pair<std::set<std::uint32_t>, int>, 3> cases{
+        {{{5}, 5}, {{15}, 15}, {{5, 15}, ROBUROC4_ERR_UNKNOWN}}}; /* by the table it is 8 */
+    for (const auto &[inputs, found] : cases) {
+        SCOPED_TRACE(found);
+        ScriptedRobot robot;
+        robot.texts_silent = true;
+        robot.channel_text = [&texts = inputs](std::uint32_t io_type, std::uint32_t index) {
+            return io_type == ROBUROC4_IO_DIGITAL_INPUT && texts.count(index) > 0
+                       ? "Game pad \"A\" button"
+                       : "";
+        };
+        Bench bench(robot);
+        expect_disarmed(
+            bench, ROBUROC4_ERR_OVERRIDE_UNKNOWN, [&] { robot.texts_silent = false; }, 10 * second);
+        EXPECT_EQ(found, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
+    }
+}
+
+TEST(Disarms, WhenALateTextTellsThatAServiceIsAnotherAndDoesNotResume) {
     ScriptedRobot robot;
+    robot.service(ROBUROC4_SERVICE_BATTERY).text = "Camera";
+    robot.services.push_back({0x7100, 50, 99, "Battery"});
     robot.texts_silent = true;
-    robot.channel_text = [](std::uint32_t io_type, std::uint32_t index) {
-        return io_type == ROBUROC4_IO_DIGITAL_INPUT && index == 5 ? "Game pad \"A\" button" : "";
-    };
-    Bench bench(robot);
-    expect_disarmed(
-        bench, ROBUROC4_ERR_OVERRIDE_UNKNOWN, [&] { robot.texts_silent = false; }, 10 * second);
-    EXPECT_EQ(5, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
+    roburoc4_config config = default_config();
+    config.resume = ROBUROC4_RESUME_LOSS | ROBUROC4_RESUME_OVERRIDE | ROBUROC4_RESUME_REBOOT;
+    Bench bench(robot, config);
+    bench.armed();
+    ASSERT_EQ(4, roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_BATTERY));
+    robot.texts_silent = false;
+    EXPECT_TRUE(bench.run_until([&] { return bench.facts().armed == 0; }, 10 * second));
+    EXPECT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.facts().disarm_cause);
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    EXPECT_EQ(50, roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_BATTERY));
+    bench.run(second);
+    EXPECT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.drive(0, 0));
+    EXPECT_EQ(ROBUROC4_OK, bench.arm()) << "who asks may";
 }
 
 /* ---- a robot without the game pad's inputs ---- */
