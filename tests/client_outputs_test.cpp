@@ -573,6 +573,7 @@ TEST(Unsubscribe, EndsTheStatuses) {
     bench.run(10 * second);
     EXPECT_EQ(1U, robot.seen(ROBUROC4_ACTION_DELETE).size());
     EXPECT_EQ(1U, robot.seen(ROBUROC4_ACTION_INSERT, 3).size());
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result) << "its answer is no other's";
 }
 
 TEST(Unsubscribe, SurvivesARefusalAndDropsWhatComesAllTheSame) {

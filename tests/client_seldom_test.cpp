@@ -3,6 +3,7 @@
  * What hardly ever happens to a client, and what it promises even then.
  */
 #include <cstring>
+#include <tuple>
 
 #include "client_bench.h"
 
@@ -522,4 +523,99 @@ TEST(Seldom, AnEmptyDatagramIsShortWhateverStandsWhereItWouldBegin) {
         before.private_counters[ROBUROC4_COUNT_SHORT]++;
         EXPECT_EQ(0, std::memcmp(&before, &bench.client, sizeof before)) << first;
     }
+}
+
+TEST(Seldom, EveryDroppedDatagramIsCountedOnceAndForWhatItIs) {
+    ScriptedRobot robot;
+    roburoc4_config config = default_config();
+    config.subscriptions &= ~(1U << ROBUROC4_SERVICE_BATTERY);
+    Bench bench(robot, config);
+    bench.ready();
+    const auto counts = [&] {
+        std::array<std::uint32_t, ROBUROC4_COUNTERS> all{};
+        for (std::uint32_t i = 0; i < ROBUROC4_COUNTERS; i++)
+            all[i] = bench.count(i);
+        return all;
+    };
+    const Bytes status = robot.status_at(ROBUROC4_SERVICE_DIFFERENTIAL, robot.cycles() + 1);
+    Bytes longer = status;
+    longer.push_back(0);
+    struct Case {
+        Bytes datagram;
+        roburoc4_result result;
+        std::uint32_t counter;
+    };
+    for (const Case &c :
+         {Case{{}, ROBUROC4_ERR_SHORT, ROBUROC4_COUNT_SHORT},
+          Case{{9, 0, 0, 0}, ROBUROC4_ERR_SHORT, ROBUROC4_COUNT_SHORT},
+          Case{Bytes(status.begin(), status.end() - 1), ROBUROC4_ERR_SHORT, ROBUROC4_COUNT_SHORT},
+          Case{{9, 0, 0, 0, 0}, ROBUROC4_ERR_UNMATCHED, ROBUROC4_COUNT_UNMATCHED},
+          Case{{0}, ROBUROC4_ERR_UNMATCHED, ROBUROC4_COUNT_UNMATCHED},
+          Case{robot.status(ROBUROC4_SERVICE_BATTERY), ROBUROC4_ERR_UNSUBSCRIBED,
+               ROBUROC4_COUNT_UNSUBSCRIBED},
+          Case{longer, 1, ROBUROC4_COUNT_SURPLUS},
+          Case{status, ROBUROC4_ERR_OLD, ROBUROC4_COUNT_OLD}}) {
+        SCOPED_TRACE(to_hex(c.datagram));
+        auto wanted = counts();
+        wanted[ROBUROC4_COUNT_RECEIVED]++;
+        wanted[c.counter]++;
+        EXPECT_EQ(c.result, bench.receive(c.datagram));
+        EXPECT_EQ(wanted, counts());
+    }
+    /* an answer with an impossible value, to the probe */
+    bool told = false;
+    robot.instead = [&](const roburoc4_request &r, std::vector<Bytes> &) {
+        if (r.action != ROBUROC4_ACTION_GET || r.service != ROBUROC4_SERVICE_IOCARD || told)
+            return false;
+        roburoc4_iocard_properties properties = robot.iocard;
+        properties.service = ROBUROC4_SERVICE_IOCARD;
+        Bytes answer = encoded([&](std::uint8_t *b, std::size_t n) {
+            return roburoc4_encode_iocard_properties(b, n, r.id, &properties);
+        });
+        answer[8] = 0x80; /* the count of analog inputs is below 0 */
+        auto wanted = counts();
+        wanted[ROBUROC4_COUNT_RECEIVED]++;
+        wanted[ROBUROC4_COUNT_MALFORMED]++;
+        EXPECT_EQ(ROBUROC4_ERR_VALUE, bench.receive(answer));
+        EXPECT_EQ(wanted, counts());
+        told = true;
+        return true;
+    };
+    ASSERT_TRUE(bench.run_until([&] { return told; }));
+    roburoc4_iocard_properties properties{};
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_client_iocard_properties(&bench.client, &properties));
+    EXPECT_EQ(9, properties.analog_inputs) << "as it was before";
+}
+
+TEST(Seldom, AnotherCardHasOtherTextsAndTheSameServices) {
+    ScriptedRobot robot;
+    robot.iocard.analog_outputs = 2;
+    bool tells = true;
+    robot.channel_text = [&](std::uint32_t io_type, std::uint32_t index) -> std::string {
+        const std::array<const char *, 3> words{"Game pad A button", "Front bumper", "Rear bumper"};
+        if (tells && io_type == ROBUROC4_IO_DIGITAL_INPUT && index >= 10 && index < 13)
+            return words[index - 10];
+        return tells && io_type == ROBUROC4_IO_ANALOG_INPUT && index == 7 ? "Battery voltage" : "";
+    };
+    Bench bench(robot);
+    bench.ready();
+    const auto roles = [&] {
+        std::array<roburoc4_result, ROBUROC4_ROLE_COUNT> all{};
+        for (std::uint32_t role = 0; role < ROBUROC4_ROLE_COUNT; role++)
+            all[role] = roburoc4_client_role_index(&bench.client, role);
+        return all;
+    };
+    EXPECT_EQ((std::array<roburoc4_result, 4>{10, 11, 12, 7}), roles());
+    tells = false;
+    robot.iocard.digital_outputs++;
+    robot.requests.clear();
+    ASSERT_TRUE(
+        bench.run_until([&] { return !robot.seen(ROBUROC4_ACTION_QUERY).empty(); }, 20 * second));
+    ASSERT_TRUE(bench.run_until([&] { return bench.facts().descriptions_done == 1; }));
+    std::set<std::tuple<int, int, int>> asked;
+    for (const auto &r : robot.seen(ROBUROC4_ACTION_QUERY))
+        asked.emplace(r.what.service, r.what.io_type, r.what.index);
+    EXPECT_EQ(9U + 2U + 22U + 9U, asked.size());
+    EXPECT_EQ(ROBUROC4_SERVICE_IOCARD, std::get<0>(*asked.begin())) << "and none of the directory";
+    EXPECT_EQ((std::array<roburoc4_result, 4>{8, 0, 1, 2}), roles()) << "by the table";
 }
