@@ -369,6 +369,19 @@ TEST(Properties, AreAllThatTheRobotSaidAndNothingElse) {
     expect_properties(bench, robot);
 }
 
+TEST(Properties, WithSurplusBytesAreAllThatTheRobotSaidToo) {
+    ScriptedRobot robot;
+    robot.service(ROBUROC4_SERVICE_IOCARD).get_length = 5 + 4 * 4 + 3;
+    robot.service(ROBUROC4_SERVICE_TELEMETER).get_length = 5 + 4 + 2 * 28 + 3;
+    robot.service(ROBUROC4_SERVICE_BATTERY).get_length = 5 + 9 + 3;
+    robot.service(ROBUROC4_SERVICE_LOCALIZATION).get_length = 5 + 28 + 3;
+    robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).get_length = 5 + 13 * 4 + 3;
+    Bench bench(robot);
+    bench.ready();
+    expect_properties(bench, robot);
+    EXPECT_GE(bench.count(ROBUROC4_COUNT_SURPLUS), 5U);
+}
+
 TEST(Properties, OfWhichAnyFieldChangesRaiseTheEvent) {
     const std::vector<std::function<void(ScriptedRobot &)>> changes{
         [](ScriptedRobot &r) {

@@ -303,6 +303,19 @@ TEST(Override, IsAnEventWhereItIsKnownAgainAndStillPressed) {
     }
 }
 
+TEST(Override, IsNoEventWhereItIsNotKnown) {
+    ScriptedRobot robot;
+    robot.iocard.digital_inputs = 4;
+    robot.digital = 0xF;
+    robot.texts_refused = true;
+    Bench bench(robot);
+    bench.start();
+    bench.run(3 * second);
+    EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_OVERRIDE);
+    EXPECT_EQ(0, bench.facts().override_known);
+    EXPECT_EQ(0, bench.facts().overridden);
+}
+
 TEST(Override, LetsNoSpeedOutAfterTheStatusThatShowedIt) {
     for (int offset = 0; offset < 60; offset += 7) {
         ScriptedRobot robot;

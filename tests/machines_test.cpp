@@ -1049,27 +1049,29 @@ TEST(Link, TheFirstRoundTripIsTakenWholeAndOfAllTheShortestIsKept) {
 /* ---- snapshot ---- */
 
 TEST(Snapshot, PropertiesThatAreAllZeroAreNewsTheFirstTime) {
-    roburoc4_client client{};
-    std::array<std::uint8_t, 128> bytes{};
-    const auto events_of = [&](std::uint32_t service, roburoc4_result size) {
-        EXPECT_GT(size, 0);
-        client.private_events = 0;
-        EXPECT_GE(roburoc4_snapshot_properties(&client, service, bytes.data(),
-                                               static_cast<std::size_t>(size)),
-                  0);
-        return client.private_events;
-    };
-    const roburoc4_battery_properties battery{};
-    const roburoc4_localization_properties localization{};
-    const roburoc4_result battery_size =
-        roburoc4_encode_battery_properties(bytes.data(), bytes.size(), 2, &battery);
-    EXPECT_EQ(ROBUROC4_EVENT_PROPERTIES, events_of(ROBUROC4_SERVICE_BATTERY, battery_size));
-    client.private_discovery.known = 1U << ROBUROC4_SERVICE_BATTERY;
-    EXPECT_EQ(0U, events_of(ROBUROC4_SERVICE_BATTERY, battery_size)) << "and not again";
-    EXPECT_EQ(ROBUROC4_EVENT_PROPERTIES,
-              events_of(ROBUROC4_SERVICE_LOCALIZATION,
-                        roburoc4_encode_localization_properties(bytes.data(), bytes.size(), 2,
-                                                                &localization)));
+    for (const std::size_t surplus : {0U, 3U}) {
+        roburoc4_client client{};
+        std::array<std::uint8_t, 128> bytes{};
+        const auto events_of = [&](std::uint32_t service, roburoc4_result size) {
+            EXPECT_GT(size, 0);
+            client.private_events = 0;
+            EXPECT_GE(roburoc4_snapshot_properties(&client, service, bytes.data(),
+                                                   static_cast<std::size_t>(size) + surplus),
+                      0);
+            return client.private_events;
+        };
+        const roburoc4_battery_properties battery{};
+        const roburoc4_localization_properties localization{};
+        const roburoc4_result battery_size =
+            roburoc4_encode_battery_properties(bytes.data(), bytes.size(), 2, &battery);
+        EXPECT_EQ(ROBUROC4_EVENT_PROPERTIES, events_of(ROBUROC4_SERVICE_BATTERY, battery_size));
+        client.private_discovery.known = 1U << ROBUROC4_SERVICE_BATTERY;
+        EXPECT_EQ(0U, events_of(ROBUROC4_SERVICE_BATTERY, battery_size)) << "and not again";
+        EXPECT_EQ(ROBUROC4_EVENT_PROPERTIES,
+                  events_of(ROBUROC4_SERVICE_LOCALIZATION,
+                            roburoc4_encode_localization_properties(bytes.data(), bytes.size(), 2,
+                                                                    &localization)));
+    }
 }
 
 /* ---- discovery ---- */
