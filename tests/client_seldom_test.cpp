@@ -267,6 +267,7 @@ TEST(Seldom, PropertiesThatAreCutShortLeaveThoseOfBefore) {
 
 TEST(Seldom, AnotherCardHasNoKnownOverrideBeforeItsFirstStatus) {
     ScriptedRobot robot;
+    robot.digital = 0x20003;
     Bench bench(robot);
     bench.ready();
     ASSERT_EQ(1, bench.facts().override_known);
@@ -276,6 +277,9 @@ TEST(Seldom, AnotherCardHasNoKnownOverrideBeforeItsFirstStatus) {
         [&] { return (bench.take_events() & ROBUROC4_EVENT_PROPERTIES) != 0; }, 20 * second));
     EXPECT_EQ(0, bench.facts().override_known);
     EXPECT_EQ(0, bench.facts().overridden);
+    roburoc4_inputs inputs;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_inputs(&bench.client, &inputs, nullptr));
+    EXPECT_EQ(0x20003U, inputs.digital) << "the latest status is still that of before";
 }
 
 TEST(Seldom, ZerosAreOwedOnWhereADirectoryComesThatListsNothing) {
