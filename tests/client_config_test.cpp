@@ -177,6 +177,20 @@ TEST(Config, PeriodsAreMultiplesOfTenUpTo2550) {
     });
 }
 
+TEST(Config, PeriodsThatAreNotUsedMakeNoDifference) {
+    roburoc4_client with{};
+    roburoc4_client without{};
+    roburoc4_config config = default_config();
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_init(&without, sizeof without, &config));
+    for (const std::size_t unused : {0U, 1U, 7U})
+        config.period_ms[unused] = 2550;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_init(&with, sizeof with, &config));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_client_start(&with, second));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_client_start(&without, second));
+    without.private_config = config;
+    EXPECT_EQ(0, memcmp(&with, &without, sizeof with));
+}
+
 TEST(Config, UnknownBitsAreRefused) {
     for (std::uint32_t bit = 0; bit < 32; bit++) {
         const std::uint32_t value = 1U << bit;
