@@ -205,7 +205,9 @@ TEST(Resume, EndsWhenSomebodyDisarms) {
     ScriptedRobot robot;
     Bench bench(robot, resuming(7));
     drive_into(bench, robot, causes[0]);
+    bench.take_events();
     bench.disarm();
+    EXPECT_EQ(0U, bench.take_events()) << "it was disarmed before";
     clear_cause(bench, robot, causes[0]);
     EXPECT_EQ(ROBUROC4_ERR_DISARMED, bench.drive(0, 0));
     EXPECT_EQ(0, bench.facts().armed);

@@ -233,6 +233,18 @@ TEST(Inhibited, IsReportedForASlowSpeedToo) {
     }
 }
 
+TEST(Inhibited, IsARobotToWhoseSpeedNoiseIsAdded) {
+    ScriptedRobot robot;
+    robot.follows = false;
+    Bench bench(robot);
+    bench.armed();
+    robot.target_linear = 1;
+    robot.current_linear = -0.01F;
+    robot.current_angular = 0.01F;
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
+    EXPECT_EQ(1, bench.facts().inhibited);
+}
+
 TEST(Inhibited, IsReportedWhereTheRobotDropsTheTargetItself) {
     ScriptedRobot robot;
     robot.follows = false; /* target and speed stay 0 */

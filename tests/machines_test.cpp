@@ -84,10 +84,15 @@ TEST(DriveMachine, LetsTheFirstSpeedOutAtOnceWhateverTheTime) {
     for (const std::uint64_t now_us : {std::uint64_t{0}, std::uint64_t{1}, second - 1, second,
                                        begin_us + 5, std::uint64_t{1} << 40, UINT64_MAX}) {
         Driver driver;
-        roburoc4_drive_rebase(&driver.d, now_us);
-        EXPECT_EQ(ROBUROC4_OK, driver.grant(0.5F, 0, now_us));
-        EXPECT_TRUE(driver.poll(now_us)) << now_us;
-        EXPECT_FALSE(driver.poll(now_us)) << "and only once";
+        roburoc4_drive_start(&driver.d, now_us);
+        roburoc4_drive_service(&driver.d, true, 6);
+        roburoc4_drive_arm(&driver.d, &driver.events);
+        for (int i = 0; i < 2; i++) {
+            EXPECT_EQ(ROBUROC4_OK, driver.grant(0.5F, 0, now_us));
+            EXPECT_TRUE(driver.poll(now_us)) << now_us;
+            EXPECT_FALSE(driver.poll(now_us)) << "and only once";
+            roburoc4_drive_rebase(&driver.d, now_us); /* after a fault of the clock likewise */
+        }
     }
 }
 
@@ -198,6 +203,8 @@ TEST(DriveMachine, OwesItsZerosToTheServiceThatIsFoundNext) {
         EXPECT_EQ(1, spoke.d.stop_latched);
         EXPECT_EQ(0, spoke.d.leased);
         EXPECT_FALSE(spoke.poll(begin_us + second));
+        roburoc4_drive_interrupt(&spoke.d, &spoke.config, ROBUROC4_ERR_LOST, &spoke.events);
+        EXPECT_FALSE(spoke.poll(begin_us + second)) << "to whom?";
         roburoc4_drive_service(&spoke.d, false, static_cast<std::uint16_t>(9 - id));
         EXPECT_EQ(1, spoke.d.stop_latched) << "gone twice: still owed";
         roburoc4_drive_service(&spoke.d, true, 16);
