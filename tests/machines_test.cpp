@@ -276,20 +276,21 @@ struct OnOneAxis {
     std::size_t axis;
     float sign;
     std::uint64_t now_us = begin_us;
+    bool more = false;
 
     OnOneAxis(std::uint32_t watchdog_ms, std::size_t axis_, float sign_)
         : axis(axis_), sign(sign_) {
         driver.config.robot_watchdog_ms = watchdog_ms;
     }
-    /** Another target, 10 ms after the last. */
+    /** Another target, 10 ms and a little after the last. */
     void steer(float speed) {
-        now_us += 10 * ms;
+        now_us += 10 * ms + 7;
         driver.grant(axis == 0 ? sign * speed : 0, axis == 1 ? sign * speed : 0, now_us);
         EXPECT_TRUE(driver.poll(now_us));
     }
     void steer_at_half_for(std::uint64_t span_us) {
-        for (const std::uint64_t end_us = now_us + span_us; now_us < end_us;)
-            steer(now_us % 20000 == 0 ? 0.5F : 0.5001F);
+        for (const std::uint64_t end_us = now_us + span_us; now_us < end_us; more = !more)
+            steer(more ? 0.5001F : 0.5F);
     }
     [[nodiscard]] bool is_ours(float target) const {
         Driver copy = driver;
@@ -327,7 +328,7 @@ TEST(DriveMachine, TargetsAreOursForAWatchdogTimeAndNotForTwo) {
                 robot.steer_at_half_for(3 * watchdog_ms * ms);
                 robot.steer(1);
                 robot.steer(0.25F);
-                robot.steer(0.5F);
+                robot.steer(0.6F);
                 for (const float target : {0.25F, 0.3F, 0.7F, 1.0F})
                     EXPECT_TRUE(robot.is_ours(target)) << target;
                 for (const float target : {0.2F, 1.05F})
@@ -339,6 +340,21 @@ TEST(DriveMachine, TargetsAreOursForAWatchdogTimeAndNotForTwo) {
                 for (const float target : {0.25F, 1.0F})
                     EXPECT_FALSE(robot.is_ours(target)) << target;
             }
+}
+
+TEST(DriveMachine, ARobotThatStandsForASecondIsInhibitedWhateverTheTime) {
+    for (const std::uint64_t since_us :
+         {std::uint64_t{0}, 100 * ms, 300 * ms, second, 3 * second, begin_us}) {
+        SCOPED_TRACE(since_us);
+        Driver driver;
+        roburoc4_drive_start(&driver.d, since_us);
+        driver.status({0, 0, -0.5F, 0}, since_us);
+        EXPECT_EQ(0, driver.d.inhibited);
+        driver.status({0, 0, -0.5F, 0}, since_us + 10 * ms);
+        EXPECT_EQ(0, driver.d.inhibited);
+        driver.status({0, 0, -0.5F, 0}, since_us + second);
+        EXPECT_EQ(1, driver.d.inhibited);
+    }
 }
 
 TEST(DriveMachine, AFaultOfTheClockInhibitsNobody) {
