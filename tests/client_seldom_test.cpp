@@ -375,7 +375,7 @@ TEST(Seldom, AClockThatStepsBackChangesNoCounterButItsOwn) {
 
 /* But for the next request's id, which goes on, and for events that nobody has taken yet. */
 TEST(Seldom, AClientThatStartsAgainIsAsOneThatStartsForTheFirstTime) {
-    for (const std::int64_t pause_us : {std::int64_t{0}, std::int64_t{5000000}, -900000000L}) {
+    for (const std::int64_t pause_us : {0, 5000000, -900000000}) {
         ScriptedRobot robot;
         Bench bench(robot);
         bench.armed();
