@@ -128,6 +128,23 @@ TEST(Life, WorksFromTimeZero) {
     EXPECT_GE(bench.speeds(), 5U);
 }
 
+TEST(Life, BelievesTheManualsIdsAfterASecondWithoutTexts) {
+    for (const std::uint64_t start_us : {std::uint64_t{0}, 1000 * second}) {
+        ScriptedRobot robot;
+        robot.texts_silent = true;
+        Bench bench(robot, default_config(), start_us);
+        bench.start();
+        bench.run_to(start_us + second - 1);
+        EXPECT_EQ(1U, robot.seen(ROBUROC4_ACTION_GET).size()) << "the directory";
+        EXPECT_EQ(ROBUROC4_ERR_UNKNOWN,
+                  roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_BATTERY));
+        bench.run_to(start_us + second);
+        EXPECT_EQ(6U, robot.seen(ROBUROC4_ACTION_GET).size());
+        EXPECT_EQ(4, roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_BATTERY));
+        EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+    }
+}
+
 TEST(Life, SubscribesWithTheConfiguredPeriods) {
     roburoc4_config config = default_config();
     config.period_ms[ROBUROC4_SERVICE_TELEMETER] = 2550;
@@ -365,6 +382,34 @@ TEST(Ready, StatusesBeforeTheAcknowledgementAreTaken) {
         << "a status is as good as an acknowledgement";
 }
 
+/* The robot may have lost the subscription; one lost status or two are no reason. */
+TEST(Ready, AServiceThatFallsSilentIsSubscribedToAgain) {
+    for (std::uint32_t service = 2; service < ROBUROC4_SERVICE_COUNT; service++) {
+        for (const bool from_the_first : {true, false}) {
+            SCOPED_TRACE(std::to_string(service) + (from_the_first ? " from the first" : ""));
+            ScriptedRobot robot;
+            robot.service(service).mute = from_the_first;
+            Bench bench(robot, default_config(), from_the_first ? 0 : 1000 * second);
+            bench.start();
+            ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+            bench.run(from_the_first ? 0 : 1500 * ms);
+            robot.service(service).mute = true;
+            const std::uint64_t silent_us = bench.now_us;
+            const std::uint64_t period_us = default_config().period_ms[service] * ms;
+            const auto asked = [&] { return robot.seen(ROBUROC4_ACTION_INSERT).size(); };
+            bench.run_to(silent_us + 3 * period_us);
+            EXPECT_EQ(5U, asked());
+            bench.run_to(silent_us + 8 * period_us + second);
+            EXPECT_EQ(6U, asked());
+            EXPECT_EQ(service, robot.seen(ROBUROC4_ACTION_INSERT).back().what.subject);
+            robot.service(service).mute = false;
+            bench.run(8 * period_us + 2 * second);
+            EXPECT_EQ(6U, asked());
+            EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
+        }
+    }
+}
+
 TEST(Ready, DescriptionsAreStillFetchedAfterIt) {
     ScriptedRobot robot;
     Bench bench(robot);
@@ -438,6 +483,7 @@ TEST(Directory, AnIoCardThatIsGoneIsNotAsked) {
     for (const auto &r : robot.seen(ROBUROC4_ACTION_QUERY, 0))
         EXPECT_LT(r.what.index, 6) << "a question about a channel went to the directory";
     EXPECT_EQ(1, bench.facts().descriptions_done);
+    EXPECT_EQ(0, bench.facts().override_known);
     EXPECT_EQ(ROBUROC4_ERR_UNKNOWN,
               roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
 }

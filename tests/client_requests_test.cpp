@@ -321,13 +321,14 @@ TEST(Description, ThatIsNotAnsweredHoldsNothingElseUp) {
 TEST(Probe, AsksOneServiceASecondInTurn) {
     for (const bool all : {true, false}) {
         ScriptedRobot robot;
+        const std::uint64_t start_us = all ? 0 : 1000 * second;
         if (!all) {
             robot.remove(ROBUROC4_SERVICE_TELEMETER);
             robot.remove(ROBUROC4_SERVICE_DIFFERENTIAL);
         }
         for (ScriptedService &s : robot.services)
             s.id = static_cast<std::uint16_t>(s.kind < 2 ? s.kind : 0x300 + s.kind);
-        Bench bench(robot);
+        Bench bench(robot, default_config(), start_us);
         bench.start();
         ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
         const std::uint64_t ready_us = bench.now_us;
@@ -342,6 +343,24 @@ TEST(Probe, AsksOneServiceASecondInTurn) {
             EXPECT_EQ(round[i % round.size()], probes[i].what.service) << i;
         }
     }
+}
+
+TEST(Probe, ThatIsLostIsRepeatedAsEveryRequest) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    const std::uint32_t retries = bench.count(ROBUROC4_COUNT_RETRIES);
+    robot.requests.clear();
+    robot.instead = [&](const roburoc4_request &, std::vector<Bytes> &) {
+        return robot.requests.size() < 3;
+    };
+    bench.run(1500 * ms);
+    ASSERT_GE(robot.requests.size(), 3U);
+    robot.requests.resize(3);
+    EXPECT_EQ((std::vector<std::uint64_t>{100, 200}), waits_ms(robot.requests));
+    EXPECT_EQ(robot.requests[0].what.service, robot.requests[2].what.service);
+    EXPECT_EQ(retries + 2, bench.count(ROBUROC4_COUNT_RETRIES));
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_ABANDONED));
 }
 
 TEST(Probe, AsksOncePerRoundForASubscriptionThatWasRefused) {

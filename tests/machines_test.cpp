@@ -699,6 +699,40 @@ TEST(Requests, WithOneIdForAllWaitForLateAnswersOfTheLast) {
     }
 }
 
+/* Once a directory came for 0x01, what was tried three times or more is tried with it, too. */
+TEST(Requests, UseTheManualIdWhereNoOtherWasEverAnswered) {
+    for (std::uint64_t begun = 0; begun < 6; begun++) {
+        requests r{};
+        slot *given_up = nullptr;
+        ask other = get(2);
+        other.max_tries = 20;
+        const slot *directory = nullptr;
+        ASSERT_TRUE(roburoc4_requests_begin(&r, &get_directory));
+        for (std::uint64_t i = 0; i < 6; i++) {
+            if (i == begun)
+                ASSERT_TRUE(roburoc4_requests_begin(&r, &other));
+            while (const slot *s =
+                       roburoc4_requests_due(&r, 100, begin_us + i * second, &given_up)) {
+                directory = s->ask.kind == 0 ? s : directory;
+                EXPECT_EQ(s == directory && i == 5, s->id == ROBUROC4_HEADER_MANUAL) << i;
+            }
+        }
+        const std::array<std::uint8_t, 5> answer{ROBUROC4_HEADER_MANUAL, 0, 0, 0, 0};
+        slot *answered =
+            roburoc4_requests_match(&r, answer.data(), answer.size(), begin_us + 5 * second);
+        ASSERT_EQ(directory, answered);
+        roburoc4_requests_close(&r, answered, begin_us + 5 * second);
+        std::uint64_t tries = 6 - begun;
+        for (std::uint64_t i = 6; i < 10; i++, tries++) {
+            const slot *s = roburoc4_requests_due(&r, 100, begin_us + i * second, &given_up);
+            ASSERT_NE(nullptr, s);
+            EXPECT_EQ(tries >= 3, s->id == ROBUROC4_HEADER_MANUAL) << begun << " " << i;
+            EXPECT_EQ(tries >= 3, r.fixed_id == 1);
+            EXPECT_EQ(r.fixed_id, r.announce);
+        }
+    }
+}
+
 /* Of any length; of several answers to one try one counts; of what is open only this is kept. */
 TEST(Requests, ThreeTriesThatSawOnlyTheManualIdLeadToFixedId) {
     for (const std::size_t size : {std::size_t{5}, std::size_t{6}, std::size_t{60}}) {
