@@ -709,8 +709,9 @@ TEST(Requests, UseTheManualIdWhereNoOtherWasEverAnswered) {
         const slot *directory = nullptr;
         ASSERT_TRUE(roburoc4_requests_begin(&r, &get_directory));
         for (std::uint64_t i = 0; i < 6; i++) {
-            if (i == begun)
+            if (i == begun) {
                 ASSERT_TRUE(roburoc4_requests_begin(&r, &other));
+            }
             while (const slot *s =
                        roburoc4_requests_due(&r, 100, begin_us + i * second, &given_up)) {
                 directory = s->ask.kind == 0 ? s : directory;
