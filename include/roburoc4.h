@@ -625,7 +625,7 @@ ROBUROC4_API roburoc4_result roburoc4_encode_iocard_command(uint8_t *buffer, siz
 #define ROBUROC4_STATE_DISCOVERING 2 /* reading texts of the directory, then properties */
 #define ROBUROC4_STATE_SUBSCRIBING 3
 #define ROBUROC4_STATE_READY 4
-#define ROBUROC4_STATE_LOST 5    /* was connected, fell silent: asking for the directory again */
+#define ROBUROC4_STATE_LOST 5    /* was ready, fell silent: asking for the directory again */
 #define ROBUROC4_STATE_CLOSING 6 /* sending the last zero commands */
 
 /** The state's name in lower case, "connecting"; NULL for a number that is none. */
@@ -952,7 +952,8 @@ ROBUROC4_API roburoc4_result roburoc4_client_differential_properties(
     const roburoc4_client *client, roburoc4_differential_properties *out);
 /** Number of telemeters with properties, at most ROBUROC4_MAX_TELEMETERS. */
 ROBUROC4_API uint32_t roburoc4_client_telemeter_count(const roburoc4_client *client);
-/** Telemeter `index`: mounting, range, and the latest distance (0 before the first status). */
+/** Telemeter `index`: mounting, range, and the latest distance (0 before the first status).
+ *  ROBUROC4_ERR_INDEX from the count on, which is 0 until the robot has told its telemeters. */
 ROBUROC4_API roburoc4_result roburoc4_client_telemeter(const roburoc4_client *client,
                                                        uint32_t index, roburoc4_telemeter *out);
 

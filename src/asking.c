@@ -87,17 +87,36 @@ static bool open_probe(client *c) {
     return open_about(c, ROBUROC4_ACTION_GET, d->probe_kind, PROBE_TRIES);
 }
 
+/** Silence after which a service is subscribed to anew. */
+static uint32_t silence_us(const roburoc4_private_service *s) {
+    return SECOND + 5U * (uint32_t)ROBUROC4_CYCLE_US * s->asked_cycles;
+}
+
 void roburoc4_asking_renew_silent(client *c) {
     discovery *d = &c->private_discovery;
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         roburoc4_private_service *s = &c->private_link.services[i];
         const uint8_t bit = service_bit(i + FIRST_STATUS_SERVICE);
-        const uint32_t limit_us = SECOND + 5U * (uint32_t)ROBUROC4_CYCLE_US * s->asked_cycles;
+        const uint32_t limit_us = silence_us(s);
         if ((d->acked & d->wanted & bit) != 0 && c->private_now_us - s->inserted_us >= limit_us &&
             !roburoc4_link_fresh(&c->private_link, i, limit_us, c->private_now_us)) {
             d->acked &= (uint8_t)~bit;
         }
     }
+}
+
+uint64_t roburoc4_asking_deadline(const client *c) {
+    const discovery *d = &c->private_discovery;
+    uint64_t deadline = UINT64_MAX;
+    for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
+        const roburoc4_private_service *s = &c->private_link.services[i];
+        if ((d->acked & d->wanted & service_bit(i + FIRST_STATUS_SERVICE)) != 0) {
+            const bool heard = s->fresh && s->received_us > s->inserted_us;
+            const uint64_t due_us = (heard ? s->received_us : s->inserted_us) + silence_us(s);
+            deadline = due_us < deadline ? due_us : deadline;
+        }
+    }
+    return deadline;
 }
 
 void roburoc4_asking_failed(client *c, const slot *s, roburoc4_result why) {
@@ -223,6 +242,10 @@ roburoc4_result roburoc4_asking_poll(client *c, uint8_t *buffer, size_t capacity
         if (given_up != NULL) {
             count(c, ROBUROC4_COUNT_ABANDONED);
             roburoc4_asking_failed(c, given_up, ROBUROC4_ERR_TIMEOUT);
+            if (c->private_state != ROBUROC4_STATE_READY) {
+                /* is it this service that is silent, or the robot? */
+                open_about(c, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, REQUEST_TRIES);
+            }
             continue;
         }
         if (!roburoc4_requests_free(&c->private_requests, 0) || !open_next(c)) {

@@ -181,10 +181,10 @@ static uint64_t sooner(uint64_t deadline, const uint64_t *since_us, uint32_t spa
 
 uint64_t roburoc4_client_next_deadline(const client *c) {
     const discovery *d = &c->private_discovery;
-    const uint64_t requests_us = roburoc4_requests_deadline(&c->private_requests);
     if (c->private_state == ROBUROC4_STATE_IDLE) {
         return UINT64_MAX;
     }
+    const uint64_t requests_us = roburoc4_requests_deadline(&c->private_requests);
     uint64_t deadline = roburoc4_drive_deadline(&c->private_drive, &c->private_config);
     if (c->private_state == ROBUROC4_STATE_CLOSING) {
         return deadline;
@@ -199,9 +199,12 @@ uint64_t roburoc4_client_next_deadline(const client *c) {
     if (c->private_state == ROBUROC4_STATE_DISCOVERING && !d->identified) {
         deadline = sooner(deadline, &d->phase_us, IDENTIFY_US);
     }
-    if (c->private_state == ROBUROC4_STATE_READY &&
-        roburoc4_requests_free(&c->private_requests, 0)) {
-        deadline = sooner(deadline, &d->probe_us, PROBE_US);
+    if (c->private_state == ROBUROC4_STATE_READY) {
+        const uint64_t silent_us = roburoc4_asking_deadline(c);
+        deadline = sooner(deadline, &silent_us, 0);
+        if (roburoc4_requests_free(&c->private_requests, 0)) {
+            deadline = sooner(deadline, &d->probe_us, PROBE_US);
+        }
     }
     if (c->private_outputs.relocalizing) {
         deadline = sooner(deadline, &c->private_outputs.relocalize_us, RELOCALIZE_US);

@@ -92,6 +92,8 @@ void roburoc4_snapshot_store(roburoc4_client *c, uint32_t service, const any_sta
 void roburoc4_asking_failed(roburoc4_client *c, const slot *s, roburoc4_result why);
 /** Services that were subscribed to and send nothing are subscribed to again. */
 void roburoc4_asking_renew_silent(roburoc4_client *c);
+/** When the first of them has been silent for long enough. */
+uint64_t roburoc4_asking_deadline(const roburoc4_client *c);
 /** The next request that must leave now: its length, or 0. */
 roburoc4_result roburoc4_asking_poll(roburoc4_client *c, uint8_t *buffer, size_t capacity);
 

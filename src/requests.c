@@ -131,7 +131,7 @@ slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint64_t now_u
             *given_up = s;
             return NULL;
         }
-        if (r->suspect == ANSWERED_MANUAL_ID && s->tries >= FIXED_AFTER) {
+        if (!r->fixed_id && r->suspect == ANSWERED_MANUAL_ID && s->tries >= FIXED_AFTER) {
             s = go_to_fixed_id(r, s); /* only 0x01 was ever answered */
         }
         if (s->tries == 0) {

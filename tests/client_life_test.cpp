@@ -293,6 +293,27 @@ TEST(ReadyWithout, Descriptions) {
     expect_ready_within(robot, 2 * second);
 }
 
+TEST(ReadyWithout, TheAnswersOfAnyServicesWhicheverIdsTheRobotKnows) {
+    for (unsigned silent = 1; silent < 32; silent++) {
+        for (int ids = 0; ids < 3; ids++) {
+            for (const bool properties : {true, false}) {
+                if (silent == 31 && !properties)
+                    continue; /* who never sends anything is lost */
+                SCOPED_TRACE(testing::Message() << silent << " " << ids << " " << properties);
+                ScriptedRobot robot;
+                robot.always_manual_id = ids == 1;
+                robot.only_manual_id = ids == 2;
+                for (std::uint32_t i = 0; i < 5; i++) {
+                    ScriptedService &service = robot.service(ROBUROC4_SERVICE_IOCARD + i);
+                    if ((silent & (1U << i)) != 0)
+                        (properties ? service.get_silent : service.insert_silent) = true;
+                }
+                expect_ready_within(robot, 20 * second);
+            }
+        }
+    }
+}
+
 TEST(ReadyWithout, DescriptionsThatAreRefused) {
     ScriptedRobot robot;
     robot.texts_refused = true;

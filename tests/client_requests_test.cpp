@@ -660,6 +660,21 @@ TEST(FixedId, IsNotTakenForARobotThatEchoesAnotherHoweverMuchIsLost) {
     }
 }
 
+TEST(FixedId, IsToldOnce) {
+    ScriptedRobot robot;
+    robot.only_manual_id = true;
+    Bench bench(robot);
+    bench.ready();
+    robot.requests.clear();
+    robot.instead = [&](const roburoc4_request &, std::vector<Bytes> &) {
+        return robot.requests.size() < 4;
+    };
+    bench.run(3 * second);
+    ASSERT_GE(robot.requests.size(), 4U);
+    EXPECT_EQ(1, bench.facts().fixed_id);
+    EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_FIXED_ID);
+}
+
 TEST(FixedId, IsFoundForAnotherRobotThatComesInThePlaceOfTheFirst) {
     ScriptedRobot robot;
     Bench bench(robot);

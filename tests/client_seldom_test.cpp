@@ -83,7 +83,7 @@ TEST(Seldom, EveryDatagramThatIsGivenOutIsCounted) {
 
 /* The bench checks each deadline itself: nothing is due before it, and no loop spins. */
 TEST(Seldom, DeadlinesAreRightWhateverTheRobotKeepsSilentAbout) {
-    for (std::uint32_t silent = 0; silent < 32; silent++) {
+    for (std::uint32_t silent = 0; silent < 64; silent++) {
         SCOPED_TRACE(silent);
         ScriptedRobot robot;
         robot.texts_silent = (silent & 1) != 0;
@@ -91,6 +91,7 @@ TEST(Seldom, DeadlinesAreRightWhateverTheRobotKeepsSilentAbout) {
         robot.service(ROBUROC4_SERVICE_BATTERY).insert_silent = (silent & 4) != 0;
         robot.replace_silent = (silent & 8) != 0;
         robot.always_manual_id = (silent & 16) != 0;
+        robot.service(ROBUROC4_SERVICE_LOCALIZATION).mute = (silent & 32) != 0;
         Bench bench(robot, default_config(), 1000 * second + 3700);
         bench.start();
         bench.now_us += 2100; /* no more in step with the robot's cycles */
