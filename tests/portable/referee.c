@@ -85,8 +85,10 @@ static void end(referee *f) {
     if ((events & ROBUROC4_EVENT_DISARMED) != 0) {
         lose_arming(f);
     }
-    if ((events & ROBUROC4_EVENT_READY) != 0) {
-        f->known = 1;
+    if (roburoc4_client_state(&f->client) == ROBUROC4_STATE_SUBSCRIBING ||
+        roburoc4_client_state(&f->client) == ROBUROC4_STATE_READY) {
+        roburoc4_differential_properties properties; /* which a bad link may leave unanswered */
+        f->known = roburoc4_client_differential_properties(&f->client, &properties) == 0;
     }
     CHECK((events & ROBUROC4_EVENT_ARMED) == 0 || f->calling); /* it never arms by itself */
     CHECK(facts.armed == f->armed);
