@@ -116,7 +116,8 @@ def test_a_loss_that_heals_is_told_and_is_no_error() -> None:
         sim.set_power(False)
         time.sleep(2.5)
         sim.set_power(True)
-        stdout, stderr = process.communicate(timeout=30)
+        stdout = process.stdout.read()  # communicate() would leave out what readline() read ahead
+        _, stderr = process.communicate(timeout=30)
     assert process.returncode == 0, stderr
     assert "fell silent" in stderr
     assert "is back" in stderr
