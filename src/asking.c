@@ -87,34 +87,33 @@ static bool open_probe(client *c) {
     return open_about(c, ROBUROC4_ACTION_GET, d->probe_kind, PROBE_TRIES);
 }
 
-/** Silence after which a service is subscribed to anew. */
-static uint32_t silence_us(const roburoc4_private_service *s) {
-    return SECOND + 5U * (uint32_t)ROBUROC4_CYCLE_US * s->asked_cycles;
+/** When a service's silence is long enough to subscribe to it anew. */
+static uint64_t renewal_us(const client *c, uint32_t i) {
+    const discovery *d = &c->private_discovery;
+    const roburoc4_private_service *s = &c->private_link.services[i];
+    const bool heard = s->fresh && s->received_us > s->inserted_us;
+    if ((d->acked & d->wanted & service_bit(i + FIRST_STATUS_SERVICE)) == 0) {
+        return UINT64_MAX;
+    }
+    return (heard ? s->received_us : s->inserted_us) + SECOND +
+           5U * (uint32_t)ROBUROC4_CYCLE_US * s->asked_cycles;
 }
 
 void roburoc4_asking_renew_silent(client *c) {
     discovery *d = &c->private_discovery;
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
-        roburoc4_private_service *s = &c->private_link.services[i];
         const uint8_t bit = service_bit(i + FIRST_STATUS_SERVICE);
-        const uint32_t limit_us = silence_us(s);
-        if ((d->acked & d->wanted & bit) != 0 && c->private_now_us - s->inserted_us >= limit_us &&
-            !roburoc4_link_fresh(&c->private_link, i, limit_us, c->private_now_us)) {
+        if (c->private_now_us >= renewal_us(c, i)) {
             d->acked &= (uint8_t)~bit;
         }
     }
 }
 
 uint64_t roburoc4_asking_deadline(const client *c) {
-    const discovery *d = &c->private_discovery;
     uint64_t deadline = UINT64_MAX;
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
-        const roburoc4_private_service *s = &c->private_link.services[i];
-        if ((d->acked & d->wanted & service_bit(i + FIRST_STATUS_SERVICE)) != 0) {
-            const bool heard = s->fresh && s->received_us > s->inserted_us;
-            const uint64_t due_us = (heard ? s->received_us : s->inserted_us) + silence_us(s);
-            deadline = due_us < deadline ? due_us : deadline;
-        }
+        const uint64_t due_us = renewal_us(c, i);
+        deadline = due_us < deadline ? due_us : deadline;
     }
     return deadline;
 }

@@ -70,7 +70,7 @@ def report(results: list[dict[str, object]], planned: int) -> tuple[float, int]:
 def options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--program", type=Path, required=True, help="the built core_tests")
-    parser.add_argument("--compiler", default="gcc")
+    parser.add_argument("--compiler", default="clang", help="a clang: gcc has other traps")
     parser.add_argument("--mutate", default="mutate", help="universalmutator's program")
     parser.add_argument("--work", type=Path, required=True, help="folder for what is built")
     parser.add_argument("--state", type=Path, help="file of results: what is there is not repeated")

@@ -21,8 +21,11 @@ from mutants import HEADERS, ROOT, Mutant, core_files
 
 EXPOSED = ROOT / "tests" / "bytes_exposed.c"
 FLAGS = ["-std=c99", "-fPIC", "-w", f"-I{ROOT}/include", f"-I{ROOT}/src"]
-COMPARED = ["-O2"]
-RUN = ["-O1", "-fsanitize=undefined", "-fsanitize-trap=undefined"]
+COMPARED, RUN = "compared", "run"
+FLAGS_OF = {
+    COMPARED: ["-O2"],
+    RUN: ["-O1", "-fsanitize=undefined", "-fsanitize-trap=undefined"],
+}
 CPU_S = 20  # of the processor: by the clock, a busy machine would kill for us
 MEMORY_KB = 1_000_000
 SUSPECTS = 12
@@ -75,11 +78,11 @@ class Bench:
         self.takes_ms: dict[str, int] = {}
         self.includes: dict[Path, str] = {}
         for kind in (COMPARED, RUN):
-            self.folder_of(kind).mkdir(parents=True, exist_ok=True)
+            (work / kind).mkdir(exist_ok=True)
         for file in self.sources:
             self.includes[file] = self.call("-MM", *FLAGS, str(file)).stdout
             for kind in (COMPARED, RUN):
-                if not self.compile(file, self.folder_of(kind) / (file.stem + ".o"), kind):
+                if not self.compile(file, work / kind / (file.stem + ".o"), kind):
                     sys.exit(f"mutation: {file} does not compile")
 
     def remember(self, results: Iterable[dict[str, object]]) -> None:
@@ -99,17 +102,14 @@ class Bench:
         self.takes_ms = {test: int(ms) for test, ms in PASSED.findall(done.stdout)}
         return done.returncode != 0
 
-    def folder_of(self, kind: list[str]) -> Path:
-        return self.work / ("compared" if kind is COMPARED else "run")
-
     def call(self, *arguments: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
             [self.compiler, *arguments], capture_output=True, text=True, check=False
         )
 
-    def compile(self, file: Path, out: Path, kind: list[str]) -> bool:
+    def compile(self, file: Path, out: Path, kind: str) -> bool:
         """Headers beside the file come before those of the checkout."""
-        arguments = [f"-I{file.parent}", *FLAGS, *kind, "-c", "-o", str(out), str(file)]
+        arguments = [f"-I{file.parent}", *FLAGS, *FLAGS_OF[kind], "-c", "-o", str(out), str(file)]
         return self.call(*arguments).returncode == 0
 
     def written(self, mutant: Mutant, folder: Path) -> list[Path]:
@@ -139,7 +139,7 @@ class Bench:
             if not self.parses(source) or not self.compile(source, out, COMPARED):
                 return None
             code = out.read_bytes()
-            if code != (self.folder_of(COMPARED) / out.name).read_bytes():
+            if code != (self.work / COMPARED / out.name).read_bytes():
                 found[source] = code
         return found
 
@@ -178,7 +178,7 @@ class Bench:
         objects = []
         for file in self.sources:
             own = folder / file.name
-            out = (folder if own in changed else self.folder_of(RUN)) / (file.stem + ".o")
+            out = (folder if own in changed else self.work / RUN) / (file.stem + ".o")
             if own in changed and not self.compile(own, out, RUN):
                 return False
             objects.append(str(out))
