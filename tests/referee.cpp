@@ -165,6 +165,7 @@ void Referee::take_events() {
         if (deceived_services_) { /* what was owed may have gone to whom it took for the service */
             zeros_allowed_ = true;
             stop_waits_ = false;
+            misled_ = true;
         }
         deceived_services_ = deceived_inputs_ = false; /* all is read again */
     }
@@ -205,7 +206,7 @@ roburoc4_result Referee::start(std::uint64_t now_us) {
         forget_statuses();
         listed_.clear();
         differential_id_.reset();
-        doubt_ = false;
+        doubt_ = misled_ = false;
         newest_iocard_cycles_ = 0;
     }
     end();
@@ -384,6 +385,7 @@ void Referee::note_answer(const Bytes &datagram, bool damaged) {
             limits_ = properties;
             limits_new_ = true;
             differential_id_ = target;
+            misled_ = false;
             train_anew_ = train_anew_ || (doubt_ && train_);
             doubt_ = false;
             zeros_allowed_ = zeros_allowed_ || (stop_waits_ && zeros_ > 0);
@@ -555,8 +557,10 @@ void Referee::judge_speed(const Bytes &datagram) {
     roburoc4_decode_differential_command(datagram.data(), datagram.size(), &command);
     if (!is_finite(command.linear_m_s) || !is_finite(command.angular_rad_s))
         complain("a speed left that is not finite");
-    if (!deceived_services_ && (!differential_id_ || command.service != *differential_id_ ||
-                                listed_.count(command.service) == 0))
+    const bool zero = is_zero(command.linear_m_s, command.angular_rad_s);
+    if (!deceived_services_ && !(misled_ && zero) &&
+        (!differential_id_ || command.service != *differential_id_ ||
+         listed_.count(command.service) == 0))
         complain("a speed command left for service " + std::to_string(command.service) +
                  ", which is not the listed differential service");
     const bool first = first_zero_owed();
@@ -566,7 +570,7 @@ void Referee::judge_speed(const Bytes &datagram) {
         now_us_ - *sent_us_ < config_.drive_period_ms * ms)
         complain("a zero train faster than the drive period");
     train_anew_ = false;
-    if (is_zero(command.linear_m_s, command.angular_rad_s))
+    if (zero)
         judge_zero();
     else
         judge_nonzero(command.linear_m_s, command.angular_rad_s);

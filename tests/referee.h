@@ -169,6 +169,7 @@ class Referee {
     roburoc4_differential_properties limits_{};
     bool limits_new_ = false; /* they count from the next command on */
     bool deceived_services_ = false, deceived_inputs_ = false, deceived_ids_ = false;
+    bool misled_ = false; /* before a restart: zeros go on to whom it took for the service */
 };
 
 } // namespace roburoc4_tests
