@@ -47,6 +47,9 @@ void roburoc4_lifecycle_forget_services(client *c, uint32_t state) {
 }
 
 void roburoc4_lifecycle_connect(client *c, uint32_t state) {
+    if (c->private_requests.fixed_id) { /* what was read in that mode names nothing */
+        roburoc4_discovery_read_texts_again(&c->private_discovery);
+    }
     roburoc4_requests_clear(&c->private_requests);
     roburoc4_link_restart(&c->private_link);
     roburoc4_lifecycle_forget_services(c, state);

@@ -759,6 +759,24 @@ TEST(FixedId, IsNotTakenOverToTheRobotThatIsFoundAfterALoss) {
         EXPECT_NE(ROBUROC4_HEADER_MANUAL, r.what.id);
 }
 
+/* A text that was read while one id stood for all named nothing: it has to come once more. */
+TEST(FixedId, HidesNoServiceFromTheClientThatFindsTheRobotWithoutItAfterALoss) {
+    ScriptedRobot robot;
+    name_services_by_text(robot);
+    robot.only_manual_id = true; /* as on a link that loses all but one answer */
+    Bench bench(robot);
+    bench.ready();
+    bench.run(10 * second); /* all texts are read */
+    ASSERT_EQ(1, bench.facts().fixed_id);
+    robot.powered = false;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+    robot.only_manual_id = false;
+    robot.powered = true;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    ASSERT_EQ(0, bench.facts().fixed_id);
+    EXPECT_TRUE(bench.run_until([&] { return bench.arm() == ROBUROC4_OK; }, 4 * second));
+}
+
 TEST(FixedId, StaysForARobotThatKnowsNoOther) {
     for (int dialect = 0; dialect < 2; dialect++) {
         ScriptedRobot robot;
