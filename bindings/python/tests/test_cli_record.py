@@ -2,11 +2,13 @@
 """`roburoc4 record`: statuses as columns, complete however it ends."""
 
 import csv
+import resource
 import signal
+import subprocess
 from pathlib import Path
 
 import pytest
-from cli_support import Terminal, document, eventually, one_line, run, start
+from cli_support import COMMAND, Terminal, document, environment, eventually, one_line, run, start
 
 import roburoc4
 from roburoc4.cli.rows import Rows
@@ -75,6 +77,30 @@ def test_a_file_with_contents_is_not_replaced_unasked(tmp_path: Path) -> None:
         done = run("record", str(path), "--seconds", "0.3", "--force", robot=sim.address)
     assert done.returncode == 0
     assert _read(path)
+
+
+def test_where_no_more_fits_the_file_ends_after_a_whole_row(tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    room = 4001
+    with roburoc4.Simulator(port=0) as sim:
+        done = subprocess.run(
+            [COMMAND, "record", str(path), "--seconds", "20"],
+            env=environment(sim.address),
+            capture_output=True,
+            text=True,
+            timeout=30,
+            check=False,
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (room, room)),
+        )
+    rows = _read(path)
+    assert path.stat().st_size < room
+    assert path.read_bytes().endswith(b"\r\n")
+    assert len(rows) > 5
+    assert None not in rows[-1].values()
+    complaint = one_line(done.stderr)
+    assert done.returncode == 1
+    assert f"the {len(rows)} rows" in complaint
+    assert "make room" in complaint
 
 
 def test_a_folder_that_is_not_there_is_one_line(tmp_path: Path) -> None:

@@ -5,11 +5,12 @@ from __future__ import annotations
 
 import argparse
 import csv
+import io
 import math
 import time
-from contextlib import contextmanager
+from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING
 
 from . import session
 from .errors import ExitCode, refused, usage
@@ -19,7 +20,9 @@ from .progress import progress
 from .rows import Rows, columns
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable
+    from io import FileIO
+    from typing import Self
 
     from roburoc4 import Robot
 
@@ -57,8 +60,8 @@ def run(options: RecordOptions) -> int:
         raise usage(f"{options.file} exists: give another name, or --force to replace it")
     recording = _Recording(options)
     with session.connected(options) as robot:
-        with _file(options.file) as file:
-            recording.run(robot, file)
+        with _Sheet(options.file, columns(robot.properties)) as sheet:
+            recording.run(robot, sheet)
         lost = robot.state.name != "READY"
     recording.report()
     if lost:
@@ -69,17 +72,53 @@ def run(options: RecordOptions) -> int:
     return ExitCode.FINE
 
 
-@contextmanager
-def _file(path: Path) -> Iterator[TextIO]:
-    from roburoc4 import RobotError
+class _Sheet:
+    """A CSV file that has whole rows only, on a full disk too."""
 
-    try:
-        with path.open("w", newline="", encoding="utf-8") as file:
-            yield file
-    except RobotError:
-        raise  # some are an OSError, too
-    except OSError as error:
-        raise usage(f"{path} cannot be written ({error.strerror}): give another name") from None
+    def __init__(self, path: Path, header: list[str]) -> None:
+        self._path = path
+        self._line = io.StringIO()
+        self._csv = csv.DictWriter(self._line, header, extrasaction="ignore")
+        self._bytes = 0
+        self.rows = 0
+        self.full = False
+        try:
+            self._file: FileIO = path.open("wb", buffering=0)
+        except OSError as error:
+            raise usage(f"{path} cannot be written ({error.strerror}): give another name") from None
+
+    def __enter__(self) -> Self:
+        self._csv.writeheader()
+        self._append()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._file.close()
+
+    def write(self, rows: Iterable[dict[str, Cell]]) -> None:
+        """Append rows."""
+        for row in rows:
+            self._csv.writerow(row)
+            self._append()
+            self.rows += 1
+
+    def _append(self) -> None:
+        left = self._line.getvalue().encode()
+        self._line.seek(0)
+        self._line.truncate()
+        length = len(left)
+        try:
+            while left:
+                left = left[self._file.write(left) :]
+        except OSError as error:
+            self.full = True
+            with suppress(OSError):  # a pipe
+                self._file.truncate(self._bytes)
+            raise refused(
+                f"{self._path} cannot be written any more ({error.strerror}): the {self.rows} rows "
+                "in it are whole; make room, then record again"
+            ) from None
+        self._bytes += length
 
 
 class _Recording:
@@ -91,18 +130,17 @@ class _Recording:
         self._statuses = 0
         self._lost = 0
 
-    def run(self, robot: Robot, file: TextIO) -> None:
+    def run(self, robot: Robot, sheet: _Sheet) -> None:
         """Write until the time is over; what is left is written however this ends."""
-        header = columns(robot.properties)
-        writer = csv.DictWriter(file, header, extrasaction="ignore")
-        writer.writeheader()
         rows = Rows()
         try:
-            self._read(robot, rows, writer)
+            self._read(robot, rows, sheet)
         finally:
-            self._write(writer, rows.rest())
+            if not sheet.full:
+                sheet.write(rows.rest())
+            self._rows = sheet.rows
 
-    def _read(self, robot: Robot, rows: Rows, writer: csv.DictWriter[str]) -> None:
+    def _read(self, robot: Robot, rows: Rows, sheet: _Sheet) -> None:
         from roburoc4 import SamplesLostError
 
         source = session.status_reader(robot)
@@ -114,15 +152,10 @@ class _Recording:
                 try:
                     while (status := source.next()) is not None:
                         self._statuses += 1
-                        self._write(writer, rows.add(status))
+                        sheet.write(rows.add(status))
                 except SamplesLostError as error:
                     self._lost += error.lost
-                show(elapsed_s, f"recording  {self._rows} rows")
-
-    def _write(self, writer: csv.DictWriter[str], rows: Iterable[dict[str, Cell]]) -> None:
-        for row in rows:
-            writer.writerow(row)
-            self._rows += 1
+                show(elapsed_s, f"recording  {sheet.rows} rows")
 
     def report(self) -> None:
         """Say what is in the file."""
