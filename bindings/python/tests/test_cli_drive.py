@@ -64,6 +64,12 @@ def test_negative_numbers_are_plain_arguments(sim: roburoc4.Simulator) -> None:
     assert sim.true_pose.theta_rad < -0.01
 
 
+def test_more_than_the_robot_allows_is_said_to_be_cut(sim: roburoc4.Simulator) -> None:
+    done = run("drive", "0", "20", "--seconds", "0.1", robot=sim.address)
+    assert done.returncode == 0
+    assert "asked for" in one_line(done.stderr)
+
+
 def test_it_accelerates_gently(sim: roburoc4.Simulator) -> None:
     process = start("drive", "1", "0", "--seconds", "1", robot=sim.address)
     targets = []

@@ -151,6 +151,18 @@ def test_space_stops(sim: roburoc4.Simulator) -> None:
     assert terminal.wait() == 0
 
 
+def test_a_robot_that_was_lost_is_told_in_words_for_drivers(sim: roburoc4.Simulator) -> None:
+    terminal = _teleop(sim, NO_RELEASES)
+    sim.set_power(False)
+    terminal.wait_for("not armed|not ready")
+    terminal.wait_for("lost")
+    terminal.type("x")
+    assert terminal.wait() == 1
+    assert "power and cable" in terminal.text
+    assert "arm()" not in terminal.text
+    assert ".link" not in terminal.text
+
+
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGHUP, 129)])
 def test_signals_stop_the_robot_and_restore_the_terminal(
     sim: roburoc4.Simulator, number: signal.Signals, code: int

@@ -250,12 +250,24 @@ def test_other_than_loopback_needs_a_token() -> None:
         (("--name", ""), "--name"),
         (("--tls-cert", "x.pem"), "go together"),
         (("--tls-cert", "no.pem", "--tls-key", "no.pem"), "PEM"),
-        (("--robot", "no such name.invalid"), "--robot"),
         (("--robot", "192.168.0.3", "--sim"), "leave out --robot"),
     ],
 )
 def test_what_cannot_be_used_is_told_with_the_remedy(arguments: tuple[str, ...], text: str) -> None:
     assert text in refused(*arguments)
+
+
+def test_a_name_without_an_address_ends_it_as_in_the_other_commands() -> None:
+    done = subprocess.run(
+        [*COMMAND, "--robot", "nosuch.invalid"],
+        capture_output=True,
+        text=True,
+        timeout=LONG_S,
+        check=False,
+    )
+    assert done.returncode == 3
+    assert done.stderr.startswith("roburoc4: --robot: ")
+    assert done.stderr.count("\n") == 1
 
 
 @pytest.mark.parametrize("missing", ["starlette", "uvicorn", "websockets"])

@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .errors import ExitCode, usage
+from .errors import ExitCode, unreachable, usage
 from .options import DEFAULT_ROBOT, Options, add_robot, number, whole
 from .output import note
 from .session import address_of
@@ -326,7 +326,9 @@ def _robot(options: DashboardOptions, simulator: Simulator | None) -> Iterator[R
     try:
         address_of(address)
         robot = Robot(PumpEngine(address, settings), settings)
-    except (ArgumentError, NetworkError) as error:
+    except ArgumentError as error:
         raise usage(f"--robot: {error}") from None
+    except NetworkError as error:
+        raise unreachable(f"--robot: {error}") from None
     with robot:
         yield robot

@@ -100,7 +100,7 @@ def _soften(robot: Robot, asked: Ramp) -> Ramp:
 def _clamp(value: float, low: float, high: float, unit: str) -> float:
     within = max(low, min(high, value)) if low <= 0.0 <= high else value
     if within != value:
-        note(f"{value:g} {unit} is more than the robot allows: {within:g} {unit}")
+        note(f"{value:g} {unit} is more than the robot allows: it is asked for {within:g} {unit}")
     return within
 
 

@@ -4,6 +4,10 @@
 from __future__ import annotations
 
 from enum import IntEnum
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from roburoc4 import NotArmedError
 
 
 class ExitCode(IntEnum):
@@ -55,12 +59,19 @@ _REMEDIES = {
 }
 
 
+def why_not_armed(error: NotArmedError) -> str:
+    """Name the cause, for people who can see and mend it, without advice for programs."""
+    from roburoc4 import _native
+
+    return str(_native.roburoc4_result_text(error.code))
+
+
 def of_library(error: Exception) -> CommandError | None:
     """Translate an exception of the library; None for one that nobody expects."""
-    from roburoc4 import NotArmedError, Result, RobotError, _native
+    from roburoc4 import NotArmedError, Result, RobotError
 
     if isinstance(error, NotArmedError):
         # Its own text advises people who write programs.
         remedy = _REMEDIES.get(Result(error.code).name, _START_AGAIN.removeprefix("then "))
-        return refused(f"{_native.roburoc4_result_text(error.code)}: {remedy}")
+        return refused(f"{why_not_armed(error)}: {remedy}")
     return refused(str(error)) if isinstance(error, RobotError) else None

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from . import session
 from .deadman import DeadMan
-from .errors import ExitCode, usage
+from .errors import ExitCode, refused, usage, why_not_armed
 from .keyboard import Keyboard, is_ctrl_c
 from .options import add_robot
 from .output import console
@@ -82,6 +82,11 @@ def run(options: session.DrivingOptions) -> int:
                 _Teleop(robot, keyboard).loop()
             finally:
                 robot.stop()
+        lost = robot.state.name != "READY"
+    if lost:
+        raise refused(
+            f"{options.robot} fell silent and did not come back: look at its power and cable"
+        )
     return ExitCode.FINE
 
 
@@ -158,7 +163,7 @@ class _Teleop:
             try:
                 self._robot.arm(timeout=0.0)
             except NotArmedError as error:
-                self._trouble = str(error)
+                self._trouble = f"{why_not_armed(error)}: drive on when it is over"
                 return
         if wanted != (0.0, 0.0):
             self._trouble = ""
@@ -172,7 +177,7 @@ class _Teleop:
             elif self._robot.facts.driving:
                 self._robot.stop()
         except NotArmedError as error:
-            self._trouble = str(error)
+            self._trouble = why_not_armed(error)
 
     def _wanted(self, now_s: float) -> tuple[float, float]:
         motions = [_MOTIONS[name] for name in self._man.held(now_s)]
