@@ -261,7 +261,10 @@ int main(int argc, char **argv) {
         result = roburoc4_udp_open(&udp, sizeof udp, &address);
     }
     if (result < 0) {
-        fprintf(stderr, "drive_square: '%s': %s\n", host, roburoc4_result_text(result));
+        fprintf(stderr,
+                "drive_square: '%s': %s; give the robot's name or address, and :PORT (1 to 65535) "
+                "if it is not %d\n",
+                host, roburoc4_result_text(result), ROBUROC4_DEFAULT_PORT);
         return result == ROBUROC4_ERR_ARGUMENT ? EXIT_USAGE : EXIT_ABSENT;
     }
     if (!drive_report_begin(&report, csv)) {
