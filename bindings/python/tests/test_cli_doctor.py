@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import pytest
-from cli_support import one_line, run
+from cli_support import eventually, one_line, run
 
 import roburoc4
 from roburoc4.cli import app
@@ -147,9 +147,11 @@ def test_fault_interrupted() -> None:
             time.sleep(1.0)
             sim.reboot()
 
+        # Its clock must go back for all to see: it was on for longer than the silence lasts.
+        eventually(lambda: sim.state.cycles > 300)
         thread = threading.Thread(target=reboot_in_the_midst)
         thread.start()
-        found = _verdict(robot=sim.address)
+        found = _verdict("--seconds", "6", robot=sim.address)
         thread.join()
     assert (found["name"], found["exit"]) == ("interrupted", 1)
 
