@@ -11,6 +11,7 @@ from .tap import Tap
 from .waiting import until
 
 _POSE = re.compile(r" pose (\S+) (\S+) (\S+), odometry")
+_LONG_ON_S = 3.0  # longer than the silence until its statuses come again
 _SPEED = re.compile(r" speed (\S+) m/s (\S+) rad/s, target (\S+) m/s (\S+) rad/s")
 
 
@@ -27,6 +28,7 @@ class Robot:
         self.past_the_tap = addresses[0]
         self.taps = [Tap(address) for address in addresses]
         self.tap = self.taps[0]
+        self._on_s = time.monotonic()
 
     @property
     def address(self) -> str:
@@ -50,9 +52,12 @@ class Robot:
         return reply
 
     def reboot(self, dark_s: float = 0.3) -> None:
+        """Switch it off and on, so late that its clock goes back for all to see."""
+        time.sleep(max(0.0, self._on_s + _LONG_ON_S - time.monotonic()))
         self.tell("power off")
         time.sleep(dark_s)
         self.tell("power on")
+        self._on_s = time.monotonic()
 
     def true_pose(self) -> tuple[float, float, float]:
         found = _POSE.search(self.tell("status"))
