@@ -417,3 +417,24 @@ TEST(HostTime, OfTheSimulatorIsRight) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_host_time(&bench.client, sim.state().cycles, &host_us));
     EXPECT_NEAR(static_cast<double>(bench.now_us), static_cast<double>(host_us), 10000);
 }
+
+TEST(HostTime, IsAsGoodAsTheBestStatusOfTheLastSeconds) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    std::uint64_t delay_us = 30 * ms;
+    bench.delay_to_client = [&] { return delay_us; };
+    for (int i = 0; i < 4; i++) {
+        bench.run(11300 * ms); /* what came before is forgotten */
+        std::uint64_t host_us = 0;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_client_host_time(&bench.client, robot.cycles(), &host_us));
+        EXPECT_EQ(true_us(robot, bench, robot.cycles()) + 30 * ms, host_us);
+        delay_us = 4 * ms;
+        bench.run(50 * ms);
+        delay_us = 30 * ms;
+        bench.run(3 * second);
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_client_host_time(&bench.client, robot.cycles(), &host_us));
+        EXPECT_EQ(true_us(robot, bench, robot.cycles()) + 4 * ms, host_us)
+            << "delays only ever add";
+    }
+}
