@@ -27,6 +27,16 @@ ask get(std::uint8_t kind) {
     return {kind, 0, ROBUROC4_ACTION_GET, kind, 0, 3};
 }
 
+/** Ask the services from 2 to before `end`, each once. */
+void send_each(requests &r, std::uint8_t end) {
+    slot *given_up = nullptr;
+    for (std::uint8_t kind = 2; kind < end; kind++) {
+        const ask a = get(kind);
+        ASSERT_TRUE(roburoc4_requests_begin(&r, &a));
+        ASSERT_NE(nullptr, roburoc4_requests_due(&r, 100, begin_us, &given_up));
+    }
+}
+
 } // namespace
 
 TEST(Requests, HaveRoomForFourAndNoneTwice) {
@@ -142,11 +152,7 @@ TEST(Requests, AreTriedAsOftenAsTheySayAndThenGivenUp) {
 TEST(Requests, NeverShareAnId) {
     requests r{};
     slot *given_up = nullptr;
-    for (std::uint8_t kind = 2; kind < 5; kind++) {
-        const ask a = get(kind);
-        ASSERT_TRUE(roburoc4_requests_begin(&r, &a));
-        ASSERT_NE(nullptr, roburoc4_requests_due(&r, 100, begin_us, &given_up));
-    }
+    ASSERT_NO_FATAL_FAILURE(send_each(r, 5));
     const std::uint8_t first = r.slots[0].id;
     const ask last = get(5);
     ASSERT_TRUE(roburoc4_requests_begin(&r, &last));
@@ -393,11 +399,7 @@ TEST(Requests, ThatAreClearedLeaveNothingButWhatLaterOnesNeed) {
 TEST(Requests, AreAllDueAtOnceAfterAFaultOfTheClock) {
     requests r{};
     slot *given_up = nullptr;
-    for (std::uint8_t kind = 2; kind < 6; kind++) {
-        const ask a = get(kind);
-        ASSERT_TRUE(roburoc4_requests_begin(&r, &a));
-        ASSERT_NE(nullptr, roburoc4_requests_due(&r, 100, begin_us, &given_up));
-    }
+    ASSERT_NO_FATAL_FAILURE(send_each(r, 6));
     EXPECT_EQ(nullptr, roburoc4_requests_due(&r, 100, begin_us, &given_up));
     const std::uint64_t earlier_us = begin_us - 50 * second;
     roburoc4_requests_rebase(&r, earlier_us);

@@ -11,8 +11,8 @@ from .tap import Tap
 from .waiting import until
 
 _POSE = re.compile(r" pose (\S+) (\S+) (\S+), odometry")
-_LONG_ON_S = 3.0  # longer than the silence until its statuses come again
 _SPEED = re.compile(r" speed (\S+) m/s (\S+) rad/s, target (\S+) m/s (\S+) rad/s")
+_LONG_ON_S = 3.0  # longer than the silence until its statuses come again
 
 
 class Robot:
