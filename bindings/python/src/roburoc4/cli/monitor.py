@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import session
 from .channels import names_of
-from .errors import ExitCode, refused
+from .errors import ExitCode
 from .options import Options, add_robot, add_seconds
 from .output import console, is_terminal, note, plain, print_json
 
@@ -54,11 +54,9 @@ def run(options: MonitorOptions) -> int:
             _show_table(watch)
         else:
             _print_lines(watch)
-        if robot.state.name != "READY":
-            raise refused(
-                f"{robot.address} fell silent and did not come back: look at its power and cable, "
-                "then run roburoc4 doctor"
-            )
+        session.refuse_loss(
+            robot, robot.address, "look at its power and cable, then run roburoc4 doctor"
+        )
     return ExitCode.FINE
 
 

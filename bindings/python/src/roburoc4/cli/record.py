@@ -62,12 +62,9 @@ def run(options: RecordOptions) -> int:
     with session.connected(options) as robot:
         with _Sheet(options.file, columns(robot.properties)) as sheet:
             recording.run(robot, sheet)
-        lost = robot.state.name != "READY"
-    recording.report()
-    if lost:
-        raise refused(
-            f"{options.robot} fell silent and did not come back: the file ends there; look at the "
-            "robot's power and cable"
+        recording.report(sheet.rows)
+        session.refuse_loss(
+            robot, options.robot, "the file ends there; look at the robot's power and cable"
         )
     return ExitCode.FINE
 
@@ -81,11 +78,15 @@ class _Sheet:
         self._csv = csv.DictWriter(self._line, header, extrasaction="ignore")
         self._bytes = 0
         self.rows = 0
-        self.full = False
         try:
             self._file: FileIO = path.open("wb", buffering=0)
         except OSError as error:
             raise usage(f"{path} cannot be written ({error.strerror}): give another name") from None
+
+    @property
+    def full(self) -> bool:
+        """Whether no more fits: what was last written is closed."""
+        return self._file.closed
 
     def __enter__(self) -> Self:
         self._csv.writeheader()
@@ -111,9 +112,9 @@ class _Sheet:
             while left:
                 left = left[self._file.write(left) :]
         except OSError as error:
-            self.full = True
             with suppress(OSError):  # a pipe
                 self._file.truncate(self._bytes)
+            self._file.close()
             raise refused(
                 f"{self._path} cannot be written any more ({error.strerror}): the {self.rows} rows "
                 "in it are whole; make room, then record again"
@@ -126,7 +127,6 @@ class _Recording:
 
     def __init__(self, options: RecordOptions) -> None:
         self._options = options
-        self._rows = 0
         self._statuses = 0
         self._lost = 0
 
@@ -138,7 +138,6 @@ class _Recording:
         finally:
             if not sheet.full:
                 sheet.write(rows.rest())
-            self._rows = sheet.rows
 
     def _read(self, robot: Robot, rows: Rows, sheet: _Sheet) -> None:
         from roburoc4 import SamplesLostError
@@ -157,18 +156,18 @@ class _Recording:
                     self._lost += error.lost
                 show(elapsed_s, f"recording  {sheet.rows} rows")
 
-    def report(self) -> None:
+    def report(self, rows: int) -> None:
         """Say what is in the file."""
         if self._options.json:
             print_json(
                 {
                     "file": str(self._options.file),
-                    "rows": self._rows,
+                    "rows": rows,
                     "statuses": self._statuses,
                     "lost": self._lost,
                 }
             )
         else:
-            print(f"{self._options.file}: {self._rows} rows of {self._statuses} statuses")
+            print(f"{self._options.file}: {rows} rows of {self._statuses} statuses")
         if self._lost:
             note(f"{self._lost} statuses came faster than they could be written")

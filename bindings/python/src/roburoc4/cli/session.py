@@ -112,6 +112,12 @@ def refuse_override(robot: Robot) -> None:
         )
 
 
+def refuse_loss(robot: Robot, name: str, remedy: str) -> None:
+    """End the command if the robot fell silent and is still not back."""
+    if robot.state.name != "READY":
+        raise refused(f"{name} fell silent and did not come back: {remedy}")
+
+
 def name_of(robot: Robot, options: Options) -> str:
     """Name the robot as the user did, and its address."""
     if options.robot in (robot.address, robot.address.rpartition(":")[0]):

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from . import session
 from .deadman import DeadMan
-from .errors import ExitCode, refused, usage, why_not_armed
+from .errors import ExitCode, usage, why_not_armed
 from .keyboard import Keyboard, is_ctrl_c
 from .options import add_robot
 from .output import console
@@ -82,11 +82,7 @@ def run(options: session.DrivingOptions) -> int:
                 _Teleop(robot, keyboard).loop()
             finally:
                 robot.stop()
-        lost = robot.state.name != "READY"
-    if lost:
-        raise refused(
-            f"{options.robot} fell silent and did not come back: look at its power and cable"
-        )
+        session.refuse_loss(robot, options.robot, "look at its power and cable")
     return ExitCode.FINE
 
 
