@@ -26,7 +26,7 @@
  *                 readers as there are. A slow one loses the oldest samples, and is told how many;
  *                 it never holds back the pump, the robot or another reader.
  *   No callback   into your code, ever.
- *   The end       roburoc4_pump_stop() disarms, sends the zero train where one is due, ends the
+ *   The end       roburoc4_pump_close() disarms, sends the zero train where one is due, ends the
  *                 thread, and wakes whoever waits.
  *
  * Threads: all functions can be called from any thread at any time between create and destroy. A
@@ -70,10 +70,23 @@ ROBUROC4_API roburoc4_pump *roburoc4_pump_create(const roburoc4_address *address
  * in another call gets ROBUROC4_ERR_CLOSED. Afterwards values and samples can still be read,
  * commands return ROBUROC4_ERR_CLOSED. From any thread, several times: later calls return 0 when it
  * is over. */
-ROBUROC4_API roburoc4_result roburoc4_pump_stop(roburoc4_pump *pump);
+ROBUROC4_API roburoc4_result roburoc4_pump_close(roburoc4_pump *pump);
 /** Stop, wait for those who were waiting, free the memory. NULL is fine. No thread may begin a call
  *  with this pump from here on. */
 ROBUROC4_API void roburoc4_pump_destroy(roburoc4_pump *pump);
+/** Take the pump's lock and get its client, for any roburoc4_client_*() call; NULL in a forked child
+ *  (then there is nothing to unlock). Pass roburoc4_udp_now_us(), read while the lock is held, as the
+ *  time. Hold the lock for a few calls and never wait with it: the robot's link waits meanwhile.
+ *  Do not call receive(), poll_transmit(), take_events(), start() or close(), which are the pump's,
+ *  nor another function of the same pump. The pointer is valid until the unlock. After
+ *  roburoc4_pump_close() the client is idle: its values can still be read. Not from signal handlers. */
+ROBUROC4_API roburoc4_client *roburoc4_pump_lock(roburoc4_pump *pump);
+/** The pump's socket, for roburoc4_udp_fault(), _count() and _address(); valid between lock and
+ *  unlock. */
+ROBUROC4_API const roburoc4_udp *roburoc4_pump_udp(roburoc4_pump *pump);
+/** Send what the client has to send now, wake the thread where something is due earlier than it
+ *  expects, and give the lock back. Only after a successful roburoc4_pump_lock(), by the same thread. */
+ROBUROC4_API void roburoc4_pump_unlock(roburoc4_pump *pump);
 /** 1 while the thread runs, 0 once stop() was called, or in a forked child. */
 ROBUROC4_API int32_t roburoc4_pump_running(roburoc4_pump *pump);
 
@@ -144,7 +157,7 @@ ROBUROC4_API roburoc4_result roburoc4_pump_disarm(roburoc4_pump *pump);
 /** lease_us: 0 for the configured lease. */
 ROBUROC4_API roburoc4_result roburoc4_pump_drive(roburoc4_pump *pump, float linear_m_s,
                                                  float angular_rad_s, uint32_t lease_us);
-/** Stop the robot (roburoc4_pump_stop() ends the pump). */
+/** Stop the robot (roburoc4_pump_close() ends the pump). */
 ROBUROC4_API roburoc4_result roburoc4_pump_stop_robot(roburoc4_pump *pump);
 ROBUROC4_API roburoc4_result roburoc4_pump_set_digital_output(roburoc4_pump *pump, uint32_t index,
                                                               int32_t on);
@@ -161,7 +174,7 @@ ROBUROC4_API roburoc4_result roburoc4_pump_set_role_index(roburoc4_pump *pump, u
                                                           int32_t index);
 
 /* ------------------------------------------------------------------------ facts and values --- */
-/* As their namesakes; still readable after roburoc4_pump_stop(). Those that return a
+/* As their namesakes; still readable after roburoc4_pump_close(). Those that return a
  * roburoc4_result return ROBUROC4_ERR_CLOSED in a forked child, the others 0. */
 
 /** ROBUROC4_STATE_*. */

@@ -88,6 +88,23 @@ static void run(void *argument) {
     roburoc4_pump_leave(pump);
 }
 
+/* -------------------------------------------------------------------- the client, locked --- */
+
+roburoc4_client *roburoc4_pump_lock(roburoc4_pump *pump) {
+    return roburoc4_pump_enter(pump) ? &pump->client : NULL;
+}
+
+const roburoc4_udp *roburoc4_pump_udp(roburoc4_pump *pump) {
+    return &pump->udp;
+}
+
+void roburoc4_pump_unlock(roburoc4_pump *pump) {
+    if (pump->phase != ROBUROC4_PUMP_JOINED) {
+        roburoc4_pump_flush(pump);
+    }
+    roburoc4_pump_leave(pump);
+}
+
 /* ------------------------------------------------------------------------------------ life --- */
 
 static void free_memory(roburoc4_pump *pump) {
@@ -184,7 +201,7 @@ roburoc4_pump *roburoc4_pump_create(const roburoc4_address *address, const robur
     return pump;
 }
 
-roburoc4_result roburoc4_pump_stop(roburoc4_pump *pump) {
+roburoc4_result roburoc4_pump_close(roburoc4_pump *pump) {
     if (!roburoc4_pump_enter(pump)) {
         return ROBUROC4_ERR_CLOSED;
     }
@@ -213,7 +230,7 @@ void roburoc4_pump_destroy(roburoc4_pump *pump) {
     if (pump == NULL) {
         return;
     }
-    if (roburoc4_pump_stop(pump) == ROBUROC4_OK) {
+    if (roburoc4_pump_close(pump) == ROBUROC4_OK) {
         roburoc4_lock_take(&pump->lock);
         while (pump->waiters > 0) {
             roburoc4_signal_wait(&pump->changed, &pump->lock, STOP_MARGIN_US);

@@ -457,7 +457,7 @@ TEST(Samples, ASlowReaderLosesTheOldestAndIsTold) {
         return newest.next_sample >= 5 * ROBUROC4_PUMP_QUEUE_MIN;
     }));
     EXPECT_EQ(newest.lost, 0u);
-    ASSERT_EQ(roburoc4_pump_stop(pump.get()), ROBUROC4_OK); /* nothing comes in between */
+    ASSERT_EQ(roburoc4_pump_close(pump.get()), ROBUROC4_OK); /* nothing comes in between */
     roburoc4_pump_reader_init(pump.get(), &newest);
     std::vector<roburoc4_sample> samples(100);
     EXPECT_EQ(roburoc4_pump_wait_samples(pump.get(), &slow, 0), ROBUROC4_PUMP_QUEUE_MIN);
@@ -514,18 +514,18 @@ TEST(PumpStop, SendsTheZeroTrainOfADrivingRobot) {
         sleep_ms(5);
         return speeds_in(robot.commands()) >= 2;
     }));
-    ASSERT_EQ(roburoc4_pump_stop(pump.get()), ROBUROC4_OK);
+    ASSERT_EQ(roburoc4_pump_close(pump.get()), ROBUROC4_OK);
     EXPECT_EQ(roburoc4_pump_running(pump.get()), 0);
     EXPECT_EQ(roburoc4_pump_state(pump.get()), uint32_t{ROBUROC4_STATE_IDLE});
     EXPECT_TRUE(eventually([&] { return zeros_at_the_end(robot.commands()) >= 3; }));
-    EXPECT_EQ(roburoc4_pump_stop(pump.get()), ROBUROC4_OK) << "a second time";
+    EXPECT_EQ(roburoc4_pump_close(pump.get()), ROBUROC4_OK) << "a second time";
 }
 
 TEST(PumpStop, OfAMonitorCommandsNothing) {
     UdpRobot robot;
     Pump pump = make_pump(robot.address());
     ASSERT_TRUE(becomes_ready(pump.get()));
-    ASSERT_EQ(roburoc4_pump_stop(pump.get()), ROBUROC4_OK);
+    ASSERT_EQ(roburoc4_pump_close(pump.get()), ROBUROC4_OK);
     pump.reset();
     sleep_ms(50);
     EXPECT_EQ(robot.state().speed_commands, 0u);
@@ -537,7 +537,7 @@ TEST(PumpStop, LeavesValuesReadableAndRefusesCommands) {
     roburoc4_pump_reader reader{};
     ASSERT_TRUE(becomes_ready(pump.get()));
     ASSERT_GT(roburoc4_pump_wait_samples(pump.get(), &reader, kPatience), 0);
-    ASSERT_EQ(roburoc4_pump_stop(pump.get()), ROBUROC4_OK);
+    ASSERT_EQ(roburoc4_pump_close(pump.get()), ROBUROC4_OK);
     roburoc4_pump *p = pump.get();
     EXPECT_EQ(roburoc4_pump_arm(p), ROBUROC4_ERR_CLOSED);
     EXPECT_EQ(roburoc4_pump_disarm(p), ROBUROC4_ERR_CLOSED);
@@ -566,7 +566,7 @@ TEST(PumpStop, IsBoundedWhereTheRobotIsSilent) {
     ASSERT_EQ(roburoc4_pump_drive(pump.get(), 0.5f, 0.0f, 1000000), ROBUROC4_OK);
     robot.fall_silent();
     uint64_t before_us = roburoc4_udp_now_us();
-    EXPECT_EQ(roburoc4_pump_stop(pump.get()), ROBUROC4_OK);
+    EXPECT_EQ(roburoc4_pump_close(pump.get()), ROBUROC4_OK);
     EXPECT_LT(roburoc4_udp_now_us() - before_us, 10000000u);
 }
 
@@ -592,8 +592,8 @@ TEST(PumpStop, WakesAllWhoWait) {
         sleep_ms(1);
     }
     sleep_ms(20);
-    std::thread other([&] { EXPECT_EQ(roburoc4_pump_stop(p), ROBUROC4_OK); });
-    EXPECT_EQ(roburoc4_pump_stop(p), ROBUROC4_OK);
+    std::thread other([&] { EXPECT_EQ(roburoc4_pump_close(p), ROBUROC4_OK); });
+    EXPECT_EQ(roburoc4_pump_close(p), ROBUROC4_OK);
     other.join();
     for (std::thread &thread : threads) {
         thread.join();
@@ -636,7 +636,7 @@ TEST(Fork, LeavesTheChildWithoutAPumpAndTheParentWithIts) {
         int wrong = roburoc4_pump_drive(p, 0.1f, 0.0f, 0) != ROBUROC4_ERR_CLOSED;
         wrong += roburoc4_pump_running(p) != 0;
         wrong += roburoc4_pump_state(p) != 0;
-        wrong += roburoc4_pump_stop(p) != ROBUROC4_ERR_CLOSED;
+        wrong += roburoc4_pump_close(p) != ROBUROC4_ERR_CLOSED;
         wrong += roburoc4_pump_wait_samples(p, &reader, UINT32_MAX) != ROBUROC4_ERR_CLOSED;
         wrong += roburoc4_pump_read_samples(p, &reader, &sample, 1) != ROBUROC4_ERR_CLOSED;
         roburoc4_pump_destroy(p);
@@ -692,7 +692,7 @@ TEST(Threads, CanAllCallEverythingAtOnce) {
     for (std::thread &thread : threads) {
         thread.join();
     }
-    EXPECT_EQ(roburoc4_pump_stop(p), ROBUROC4_OK);
+    EXPECT_EQ(roburoc4_pump_close(p), ROBUROC4_OK);
     EXPECT_TRUE(eventually([&] { return zeros_at_the_end(robot.commands()) >= 3; }));
 }
 

@@ -116,7 +116,7 @@ static int test_pump(const roburoc4_address *robot) {
     moved = pump_until(pump, &reader, 1);
     roburoc4_pump_disarm(pump);
     stopped = moved && pump_until(pump, &reader, 0);
-    result = roburoc4_pump_stop(pump);
+    result = roburoc4_pump_close(pump);
     roburoc4_pump_destroy(pump);
     if (!moved) {
         return failed("pump: the robot does not move");

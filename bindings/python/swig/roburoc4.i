@@ -24,7 +24,7 @@
 %nothread;
 %thread roburoc4_udp_resolve;
 %thread roburoc4_udp_wait;
-%thread roburoc4_pump_stop;
+%thread roburoc4_pump_close;
 %thread roburoc4_pump_wait_events;
 %thread sim_host_stop;
 

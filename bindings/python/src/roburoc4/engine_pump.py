@@ -114,7 +114,7 @@ class PumpEngine(Engine):
 
     def close(self) -> None:
         with contextlib.suppress(ClosedError):  # a forked child has nothing to end
-            _native.roburoc4_pump_stop(self._pump)
+            _native.roburoc4_pump_close(self._pump)
 
     @property
     def closed(self) -> bool:
