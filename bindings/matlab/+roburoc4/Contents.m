@@ -10,7 +10,6 @@
 %   BatteryState     - States of the battery
 %   LocalizationFlag - Bits of the localization's state
 %   Result           - Why a robot is not armed
-%   Resume           - After what a robot may be armed again by itself
 %   Service          - Names of the services that send statuses
 %
 % Example:

@@ -19,7 +19,7 @@ classdef Robot < handle
 %      buffer (50000)            statuses that are kept for record and log, 16 to 1000000
 %      fresh_ms (300), lost_ms (1000), first_retry_ms (100), robot_watchdog_ms (1000),
 %      override_index, front_bumper_index, rear_bumper_index, battery_voltage_index,
-%      allow_unknown_override, ignore_foreign, resume     see docs/matlab.md
+%      allow_unknown_override, ignore_other_commander     see docs/matlab.md
 %
 %   A native thread keeps the link alive whatever MATLAB does. It never renews a drive command: the
 %   robot stops when drive is not called again within lease_ms. delete(R), clear R, Ctrl-C in a

@@ -35,7 +35,6 @@ static const struct {
     {ROBUROC4_ERR_LOST, "check cable and power, wait until it is ready, then call arm() again"},
     {ROBUROC4_ERR_REBOOT, "look at the robot, then call arm() again"},
     {ROBUROC4_ERR_CLOCK, "find out what sets this machine's clock, then call arm() again"},
-    {ROBUROC4_ERR_NOT_NEUTRAL, "call drive(0, 0) once, or pause for one lease"},
 };
 
 static const char *remedy_of(roburoc4_result result) {
@@ -69,8 +68,8 @@ static const char *id_of(roburoc4_result result) {
     default:
         break;
     }
-    return result <= ROBUROC4_ERR_DISARMED && result >= ROBUROC4_ERR_NOT_NEUTRAL ? FAIL_NOT_ARMED
-                                                                                 : FAIL_PROTOCOL;
+    return result <= ROBUROC4_ERR_DISARMED && result > ROBUROC4_ERR_SYSTEM ? FAIL_NOT_ARMED
+                                                                           : FAIL_PROTOCOL;
 }
 
 int fail(const char *id, const char *format, ...) {

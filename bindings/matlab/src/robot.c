@@ -93,6 +93,18 @@ uint64_t robot_now_us(const robot *one) {
     return one->pump != NULL ? roburoc4_udp_now_us() : one->client->home->now_us;
 }
 
+roburoc4_client *robot_lock(robot *one) {
+    return one->pump != NULL ? roburoc4_pump_lock(one->pump) : &one->client->client;
+}
+
+void robot_unlock(robot *one) {
+    if (one->pump != NULL) {
+        roburoc4_pump_unlock(one->pump);
+    } else {
+        world_exchange(one->client->home);
+    }
+}
+
 void robot_wait(robot *one, uint32_t duration_us) {
     roburoc4_pump_reader nothing = {0};
     if (one->pump != NULL) {
@@ -112,140 +124,159 @@ int robot_is_driving(robot *one) {
     return robot_facts(one, &facts) == ROBUROC4_OK && (facts.driving || facts.stopping);
 }
 
-/* ---------------------------------------------------------------------------------- commands ---
+/* --------------------------------------------------------------------------------- the client ---
  */
 
-/* In virtual time a command travels at once, like the pump's. */
-static roburoc4_result sent(robot *one, roburoc4_result result) {
-    world_exchange(one->client->home);
-    return result;
-}
-
-/* COMMAND(name, arguments): on the pump, or on the client, at its time. */
-#define COMMAND(name, ...)                                                                         \
-    (one->pump != NULL ? roburoc4_pump_##name(one->pump, __VA_ARGS__)                              \
-     : one->client->home->closed                                                                   \
-         ? ROBUROC4_ERR_CLOSED                                                                     \
-         : sent(one,                                                                               \
-                roburoc4_client_##name(&one->client->client, __VA_ARGS__, robot_now_us(one))))
-#define PLAIN_COMMAND(name, of_pump)                                                               \
-    (one->pump != NULL ? (of_pump)(one->pump)                                                      \
-     : one->client->home->closed                                                                   \
-         ? ROBUROC4_ERR_CLOSED                                                                     \
-         : sent(one, roburoc4_client_##name(&one->client->client, robot_now_us(one))))
+/* What `call`, which uses `client`, returns: made between lock and unlock. */
+#define RETURN_LOCKED(type, call)                                                                  \
+    do {                                                                                           \
+        roburoc4_client *client = robot_lock(one);                                                 \
+        type returned = (call);                                                                    \
+        robot_unlock(one);                                                                         \
+        return returned;                                                                           \
+    } while (0)
 
 roburoc4_result robot_arm(robot *one) {
-    return PLAIN_COMMAND(arm, roburoc4_pump_arm);
+    if (!robot_is_open(one)) {
+        return ROBUROC4_ERR_CLOSED;
+    }
+    RETURN_LOCKED(roburoc4_result, roburoc4_client_arm(client, robot_now_us(one)));
 }
 
 roburoc4_result robot_disarm(robot *one) {
-    return PLAIN_COMMAND(disarm, roburoc4_pump_disarm);
+    if (!robot_is_open(one)) {
+        return ROBUROC4_ERR_CLOSED;
+    }
+    RETURN_LOCKED(roburoc4_result, roburoc4_client_disarm(client, robot_now_us(one)));
 }
 
 roburoc4_result robot_stop(robot *one) {
-    return PLAIN_COMMAND(stop, roburoc4_pump_stop_robot);
+    if (!robot_is_open(one)) {
+        return ROBUROC4_ERR_CLOSED;
+    }
+    RETURN_LOCKED(roburoc4_result, roburoc4_client_stop(client, robot_now_us(one)));
 }
 
 roburoc4_result robot_drive(robot *one, float linear_m_s, float angular_rad_s) {
-    return COMMAND(drive, linear_m_s, angular_rad_s, 0);
+    if (!robot_is_open(one)) {
+        return ROBUROC4_ERR_CLOSED;
+    }
+    RETURN_LOCKED(roburoc4_result,
+                  roburoc4_client_drive(client, linear_m_s, angular_rad_s, 0, robot_now_us(one)));
 }
 
 roburoc4_result robot_set_digital_output(robot *one, uint32_t index, int32_t on) {
-    return COMMAND(set_digital_output, index, on);
+    if (!robot_is_open(one)) {
+        return ROBUROC4_ERR_CLOSED;
+    }
+    RETURN_LOCKED(roburoc4_result, index < 64 ? roburoc4_client_set_digital_outputs(
+                                                    client, (uint64_t)1 << index,
+                                                    (uint64_t)(on != 0) << index, robot_now_us(one))
+                                              : ROBUROC4_ERR_INDEX);
 }
 
 roburoc4_result robot_set_analog_output(robot *one, uint32_t index, float value) {
-    return COMMAND(set_analog_output, index, value);
+    if (!robot_is_open(one)) {
+        return ROBUROC4_ERR_CLOSED;
+    }
+    RETURN_LOCKED(roburoc4_result,
+                  roburoc4_client_set_analog_output(client, index, value, robot_now_us(one)));
 }
 
 roburoc4_result robot_relocalize(robot *one, double x_m, double y_m, double theta_rad) {
-    return COMMAND(relocalize, x_m, y_m, theta_rad);
+    if (!robot_is_open(one)) {
+        return ROBUROC4_ERR_CLOSED;
+    }
+    RETURN_LOCKED(roburoc4_result,
+                  roburoc4_client_relocalize(client, x_m, y_m, theta_rad, robot_now_us(one)));
 }
 
 roburoc4_result robot_subscribe(robot *one, uint32_t service, uint32_t period_ms) {
-    return period_ms == 0 ? COMMAND(unsubscribe, service) : COMMAND(subscribe, service, period_ms);
+    if (!robot_is_open(one)) {
+        return ROBUROC4_ERR_CLOSED;
+    }
+    RETURN_LOCKED(roburoc4_result,
+                  period_ms == 0
+                      ? roburoc4_client_unsubscribe(client, service, robot_now_us(one))
+                      : roburoc4_client_subscribe(client, service, period_ms, robot_now_us(one)));
 }
 
-/* -------------------------------------------------------------------------- facts and values ---
- */
-
-#define LOOK(name, ...)                                                                            \
-    (one->pump != NULL ? roburoc4_pump_##name(one->pump, __VA_ARGS__)                              \
-                       : roburoc4_client_##name(&one->client->client, __VA_ARGS__))
-
 uint32_t robot_state(robot *one) {
-    return one->pump != NULL ? roburoc4_pump_state(one->pump)
-                             : roburoc4_client_state(&one->client->client);
+    RETURN_LOCKED(uint32_t, roburoc4_client_state(client));
 }
 
 uint32_t robot_count(robot *one, uint32_t counter) {
-    return LOOK(count, counter);
+    RETURN_LOCKED(uint32_t, roburoc4_client_count(client, counter));
 }
 
 uint32_t robot_fault(robot *one) {
-    return one->pump != NULL ? roburoc4_pump_fault(one->pump) : ROBUROC4_FAULT_NONE;
+    uint32_t fault = ROBUROC4_FAULT_NONE;
+    if (one->pump != NULL) {
+        (void)roburoc4_pump_lock(one->pump);
+        fault = roburoc4_udp_fault(roburoc4_pump_udp(one->pump));
+        roburoc4_pump_unlock(one->pump);
+    }
+    return fault;
 }
 
 void robot_address_text(robot *one, char *text, size_t capacity) {
     roburoc4_address address;
-    if (one->pump == NULL || roburoc4_pump_address(one->pump, &address) < 0 ||
-        roburoc4_address_text(&address, text, capacity) < 0) {
-        (void)snprintf(text, capacity, "the simulator");
+    (void)snprintf(text, capacity, "the simulator");
+    if (one->pump != NULL) {
+        (void)roburoc4_pump_lock(one->pump);
+        (void)roburoc4_udp_address(roburoc4_pump_udp(one->pump), &address);
+        roburoc4_pump_unlock(one->pump);
+        (void)roburoc4_address_text(&address, text, capacity);
     }
 }
 
 roburoc4_result robot_facts(robot *one, roburoc4_facts *out) {
-    return one->pump != NULL ? roburoc4_pump_facts(one->pump, out)
-                             : roburoc4_client_facts(&one->client->client, robot_now_us(one), out);
+    RETURN_LOCKED(roburoc4_result, roburoc4_client_facts(client, robot_now_us(one), out));
 }
 
 roburoc4_result robot_link(robot *one, roburoc4_link *out) {
-    return one->pump != NULL ? roburoc4_pump_link(one->pump, out)
-                             : roburoc4_client_link(&one->client->client, robot_now_us(one), out);
+    RETURN_LOCKED(roburoc4_result, roburoc4_client_link(client, robot_now_us(one), out));
 }
 
 roburoc4_result robot_service_link(robot *one, uint32_t service, roburoc4_service_link *out) {
-    return one->pump != NULL ? roburoc4_pump_service_link(one->pump, service, out)
-                             : roburoc4_client_service_link(&one->client->client, service,
-                                                            robot_now_us(one), out);
+    RETURN_LOCKED(roburoc4_result,
+                  roburoc4_client_service_link(client, service, robot_now_us(one), out));
 }
 
 uint32_t robot_service_count(robot *one) {
-    return one->pump != NULL ? roburoc4_pump_service_count(one->pump)
-                             : roburoc4_client_service_count(&one->client->client);
+    RETURN_LOCKED(uint32_t, roburoc4_client_service_count(client));
 }
 
 roburoc4_result robot_service_at(robot *one, uint32_t index, roburoc4_directory_entry *out) {
-    return LOOK(service_at, index, out);
+    RETURN_LOCKED(roburoc4_result, roburoc4_client_service_at(client, index, out));
 }
 
 roburoc4_result robot_iocard_properties(robot *one, roburoc4_iocard_properties *out) {
-    return LOOK(iocard_properties, out);
+    RETURN_LOCKED(roburoc4_result, roburoc4_client_iocard_properties(client, out));
 }
 
 roburoc4_result robot_battery_properties(robot *one, roburoc4_battery_properties *out) {
-    return LOOK(battery_properties, out);
+    RETURN_LOCKED(roburoc4_result, roburoc4_client_battery_properties(client, out));
 }
 
 roburoc4_result robot_localization_properties(robot *one, roburoc4_localization_properties *out) {
-    return LOOK(localization_properties, out);
+    RETURN_LOCKED(roburoc4_result, roburoc4_client_localization_properties(client, out));
 }
 
 roburoc4_result robot_differential_properties(robot *one, roburoc4_differential_properties *out) {
-    return LOOK(differential_properties, out);
+    RETURN_LOCKED(roburoc4_result, roburoc4_client_differential_properties(client, out));
 }
 
 uint32_t robot_telemeter_count(robot *one) {
-    return one->pump != NULL ? roburoc4_pump_telemeter_count(one->pump)
-                             : roburoc4_client_telemeter_count(&one->client->client);
+    RETURN_LOCKED(uint32_t, roburoc4_client_telemeter_count(client));
 }
 
 roburoc4_result robot_telemeter(robot *one, uint32_t index, roburoc4_telemeter *out) {
-    return LOOK(telemeter, index, out);
+    RETURN_LOCKED(roburoc4_result, roburoc4_client_telemeter(client, index, out));
 }
 
 roburoc4_result robot_role_index(robot *one, uint32_t role) {
-    return LOOK(role_index, role);
+    RETURN_LOCKED(roburoc4_result, roburoc4_client_role_index(client, role));
 }
 
 roburoc4_result robot_description(robot *one, int32_t io_type, uint32_t index, char *buffer,
@@ -256,25 +287,25 @@ roburoc4_result robot_description(robot *one, int32_t io_type, uint32_t index, c
 }
 
 roburoc4_result robot_battery(robot *one, roburoc4_battery_status *out, uint64_t *host_us) {
-    return LOOK(battery, out, host_us);
+    RETURN_LOCKED(roburoc4_result, roburoc4_client_battery(client, out, host_us));
 }
 
 roburoc4_result robot_localization(robot *one, roburoc4_localization_status *out,
                                    uint64_t *host_us) {
-    return LOOK(localization, out, host_us);
+    RETURN_LOCKED(roburoc4_result, roburoc4_client_localization(client, out, host_us));
 }
 
 roburoc4_result robot_differential(robot *one, roburoc4_differential_status *out,
                                    uint64_t *host_us) {
-    return LOOK(differential, out, host_us);
+    RETURN_LOCKED(roburoc4_result, roburoc4_client_differential(client, out, host_us));
 }
 
 roburoc4_result robot_inputs(robot *one, roburoc4_inputs *out, uint64_t *host_us) {
-    return LOOK(inputs, out, host_us);
+    RETURN_LOCKED(roburoc4_result, roburoc4_client_inputs(client, out, host_us));
 }
 
 roburoc4_result robot_distances(robot *one, roburoc4_distances *out, uint64_t *host_us) {
-    return LOOK(distances, out, host_us);
+    RETURN_LOCKED(roburoc4_result, roburoc4_client_distances(client, out, host_us));
 }
 
 /* ----------------------------------------------------------------------------------- samples ---

@@ -41,6 +41,10 @@ void robot_close(robot *one);
 int robot_is_open(robot *one);
 /** The clock that the robot's times go by. */
 uint64_t robot_now_us(const robot *one);
+/** Its client, for any roburoc4_client_*() call at robot_now_us(), until robot_unlock(): then what
+ * it has to send is sent. Nothing between the two may wait, or raise an error of MATLAB. */
+roburoc4_client *robot_lock(robot *one);
+void robot_unlock(robot *one);
 /** Let so much of the robot's time pass. */
 void robot_wait(robot *one, uint32_t duration_us);
 /** Whether zeros are on their way. */

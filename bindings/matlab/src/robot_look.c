@@ -34,7 +34,7 @@ static void add_facts(answer *out, robot *one) {
     answer_flag(out, "stopping", facts.stopping);
     answer_flag(out, "override_known", facts.override_known);
     answer_flag(out, "overridden", facts.overridden);
-    answer_flag(out, "foreign", facts.foreign);
+    answer_flag(out, "other_commander", facts.foreign);
     answer_flag(out, "inhibited", facts.inhibited);
     answer_flag(out, "front_bumper", facts.front_bumper);
     answer_flag(out, "rear_bumper", facts.rear_bumper);

@@ -5,7 +5,6 @@ root = fileparts(fileparts(mfilename('fullpath')));
 header = fileread(fullfile(root, '..', '..', 'include', 'roburoc4.h'));
 same('BatteryState', header, 'BATTERY', '\d+', {'NOT_KNOWN'});
 same('LocalizationFlag', header, 'LOCALIZATION', '0x\w+', {});
-same('Resume', header, 'RESUME', '0x\w+', {});
 same('Result', header, 'ERR', '\(-[23]\d\)', {'OK'});
 check(roburoc4.Result.OK == 0 && roburoc4.BatteryState.NOT_KNOWN == 255, 'those of this package');
 end

@@ -7,11 +7,12 @@ include = fullfile(root, '..', '..', 'include');
 header = fileread(fullfile(include, 'roburoc4.h'));
 
 % The arrays of the struct are options by service, by role and by bit.
-wanted = fields_of(header, 'roburoc4_config', {'size', 'subscriptions', 'options'});
+wanted = fields_of(header, 'roburoc4_config', {'size', 'subscriptions', 'options', 'resume'});
 services = {'iocard', 'telemeter', 'battery', 'localization', 'differential'};
 roles = strrep(setdiff(defined(header, 'ROLE'), {'count'}), 'battery_v', 'battery_voltage');
 wanted = [wanted, strcat(services, '_period_ms'), strcat(roles, '_index'), ...
-    defined(header, 'OPTION'), {'buffer', 'timeout'}];
+    strrep(defined(header, 'OPTION'), 'ignore_foreign', 'ignore_other_commander'), ...
+    {'buffer', 'timeout'}];
 check(numel(wanted) > 22, 'only %d settings in the header', numel(wanted));
 for k = 1:numel(wanted)
     refused(wanted{k}, @() roburoc4.Robot('127.0.0.1:9', wanted{k}, 1e12));
