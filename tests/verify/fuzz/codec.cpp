@@ -1,0 +1,355 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Fuzzing every decoder: the first byte chooses one, the rest is its datagram, in a block of
+ * exactly its size. What was decoded is encoded again and must give the same bytes; what was
+ * refused must have left the output alone.
+ */
+#include <functional>
+
+#include "fuzz.h"
+#include "roburoc4.h"
+
+using namespace roburoc4_tests;
+
+namespace {
+
+using Encoder = std::function<roburoc4_result(std::uint8_t *, std::size_t)>;
+
+/** An encoder writes exactly as much as it returns, and nothing into a buffer that is shorter. */
+void encodes_to(const Bytes &expected, const Encoder &encode) {
+    ExactBlock block(expected.size(), 0xAA);
+    const roburoc4_result size = encode(block.data(), block.size());
+    expect(size == static_cast<roburoc4_result>(expected.size()), "encoded again: same length");
+    expect(block.bytes() == expected, "encoded again: same bytes");
+    ExactBlock tight(expected.size() - 1, 0xAA);
+    expect(encode(tight.data(), tight.size()) == ROBUROC4_ERR_BUFFER, "too short is said");
+    expect(tight.bytes() == Bytes(tight.size(), 0xAA), "too short: nothing is written");
+}
+
+/** Decode `datagram` to `out`; false and an untouched output where it is refused. With success,
+ *  *used is what the telegram is made of: the datagram without the surplus at its end. */
+template <class Out, class Decoder>
+bool decodes(const Bytes &datagram, Out &out, Bytes &used, Decoder decode) {
+    Out before;
+    std::memset(static_cast<void *>(&out), 0x5A, sizeof out);
+    std::memcpy(static_cast<void *>(&before), &out, sizeof out);
+    const roburoc4_result result = decode(datagram.data(), datagram.size(), &out);
+    if (result < 0) {
+        expect(std::memcmp(static_cast<void *>(&before), &out, sizeof out) == 0,
+               "what is refused writes nothing");
+        expect(std::strcmp(roburoc4_result_text(result), "unknown error") != 0, "a known error");
+        return false;
+    }
+    expect(static_cast<std::size_t>(result) <= datagram.size(), "no more surplus than bytes");
+    used = Bytes(datagram.begin(), datagram.end() - result);
+    return true;
+}
+
+/** The first byte of an answer is its id, of an error none that a request could have. */
+std::uint8_t id_of(const Bytes &datagram) {
+    return datagram[0];
+}
+
+/** Floats are moved bit by bit, so that a vector of them is good for encoding them again. */
+template <class View, class Accessor>
+std::vector<float> all_floats(const View &view, std::uint32_t count, Accessor at) {
+    std::vector<float> values(count);
+    for (std::uint32_t i = 0; i < count; i++)
+        expect(at(&view, i, &values[i]) == ROBUROC4_OK, "each listed float can be read");
+    float beyond = 0;
+    expect(at(&view, count, &beyond) == ROBUROC4_ERR_INDEX, "none beyond the last");
+    return values;
+}
+
+void request(const Bytes &datagram) {
+    roburoc4_request r;
+    Bytes used;
+    if (!decodes(datagram, r, used, roburoc4_decode_request))
+        return;
+    switch (r.action) {
+    case ROBUROC4_ACTION_GET:
+        return encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
+            return roburoc4_encode_get(b, n, r.id, r.service);
+        });
+    case ROBUROC4_ACTION_QUERY:
+        return encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
+            return r.service == ROBUROC4_SERVICE_DIRECTORY
+                       ? roburoc4_encode_query_directory(b, n, r.id,
+                                                         static_cast<std::uint16_t>(r.index))
+                       : roburoc4_encode_query_iocard(b, n, r.id, r.service, r.io_type, r.index);
+        });
+    case ROBUROC4_ACTION_INSERT:
+        if (r.service == ROBUROC4_SERVICE_NOTIFICATION && r.period_cycles != 0)
+            encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
+                return roburoc4_encode_insert(b, n, r.id, r.subject, r.period_cycles);
+            });
+        return;
+    case ROBUROC4_ACTION_DELETE:
+        if (r.service == ROBUROC4_SERVICE_NOTIFICATION)
+            encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
+                return roburoc4_encode_delete(b, n, r.id, r.subject);
+            });
+        return;
+    case ROBUROC4_ACTION_REPLACE:
+        return encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
+            return roburoc4_encode_replace_localization(b, n, r.id, r.service, r.timestamp, r.x_m,
+                                                        r.y_m, r.theta_rad);
+        });
+    default:
+        return;
+    }
+}
+
+void answer(const Bytes &datagram) {
+    roburoc4_answer a;
+    Bytes used;
+    if (!decodes(datagram, a, used, roburoc4_decode_answer))
+        return;
+    expect(a.payload == datagram.data() + 5 && a.payload_size == datagram.size() - 5,
+           "the payload is what follows the head");
+    encodes_to(Bytes(datagram.begin(), datagram.begin() + 5), [&](std::uint8_t *b, std::size_t n) {
+        return roburoc4_encode_answer(b, n, a.id, a.action, a.service, a.error);
+    });
+}
+
+void directory(const Bytes &datagram) {
+    roburoc4_directory d;
+    Bytes used;
+    if (!decodes(datagram, d, used, roburoc4_decode_directory))
+        return;
+    std::vector<roburoc4_directory_entry> entries(d.count);
+    for (std::uint32_t i = 0; i < d.count; i++)
+        expect(roburoc4_directory_at(&d, i, &entries[i]) == ROBUROC4_OK, "each entry can be read");
+    roburoc4_directory_entry beyond;
+    expect(roburoc4_directory_at(&d, d.count, &beyond) == ROBUROC4_ERR_INDEX, "none beyond");
+    encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
+        return roburoc4_encode_directory(b, n, id_of(datagram), d.service, entries.data(), d.count);
+    });
+}
+
+void notification(const Bytes &datagram) {
+    roburoc4_notification v;
+    Bytes used;
+    if (!decodes(datagram, v, used, roburoc4_decode_notification))
+        return;
+    std::vector<roburoc4_subscription> entries(v.count);
+    for (std::uint32_t i = 0; i < v.count; i++)
+        expect(roburoc4_notification_at(&v, i, &entries[i]) == ROBUROC4_OK, "each can be read");
+    roburoc4_subscription beyond;
+    expect(roburoc4_notification_at(&v, v.count, &beyond) == ROBUROC4_ERR_INDEX, "none beyond");
+    encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
+        return roburoc4_encode_notification(b, n, id_of(datagram), v.service, entries.data(),
+                                            v.count);
+    });
+}
+
+void iocard_properties(const Bytes &datagram) {
+    roburoc4_iocard_properties p;
+    Bytes used;
+    if (!decodes(datagram, p, used, roburoc4_decode_iocard_properties))
+        return;
+    expect(p.analog_inputs >= 0 && p.analog_outputs >= 0 && p.digital_inputs >= 0 &&
+               p.digital_outputs >= 0,
+           "counts are not negative");
+    encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
+        return roburoc4_encode_iocard_properties(b, n, id_of(datagram), &p);
+    });
+}
+
+void telemeter_properties(const Bytes &datagram) {
+    roburoc4_telemeter_list list;
+    Bytes used;
+    if (!decodes(datagram, list, used, roburoc4_decode_telemeter_properties))
+        return;
+    std::vector<roburoc4_telemeter> all(list.count);
+    for (std::uint32_t i = 0; i < list.count; i++)
+        expect(roburoc4_telemeter_at(&list, i, &all[i]) == ROBUROC4_OK, "each can be read");
+    roburoc4_telemeter beyond;
+    expect(roburoc4_telemeter_at(&list, list.count, &beyond) == ROBUROC4_ERR_INDEX, "none beyond");
+    encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
+        return roburoc4_encode_telemeter_properties(b, n, id_of(datagram), list.service, all.data(),
+                                                    list.count);
+    });
+}
+
+void battery_properties(const Bytes &datagram) {
+    roburoc4_battery_properties p;
+    Bytes used;
+    if (decodes(datagram, p, used, roburoc4_decode_battery_properties))
+        encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
+            return roburoc4_encode_battery_properties(b, n, id_of(datagram), &p);
+        });
+}
+
+void localization_properties(const Bytes &datagram) {
+    roburoc4_localization_properties p;
+    Bytes used;
+    if (decodes(datagram, p, used, roburoc4_decode_localization_properties))
+        encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
+            return roburoc4_encode_localization_properties(b, n, id_of(datagram), &p);
+        });
+}
+
+void differential_properties(const Bytes &datagram) {
+    roburoc4_differential_properties p;
+    Bytes used;
+    if (decodes(datagram, p, used, roburoc4_decode_differential_properties))
+        encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
+            return roburoc4_encode_differential_properties(b, n, id_of(datagram), &p);
+        });
+}
+
+void text(const Bytes &datagram) {
+    roburoc4_text t;
+    Bytes used;
+    if (!decodes(datagram, t, used, roburoc4_decode_text))
+        return;
+    expect(t.text == datagram.data() + 5 && t.length == datagram.size() - 5, "all of the text");
+    encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
+        return roburoc4_encode_text(b, n, id_of(datagram), t.service,
+                                    reinterpret_cast<const char *>(t.text), t.length);
+    });
+}
+
+void status_header(const Bytes &datagram) {
+    roburoc4_status_header h;
+    Bytes used;
+    if (decodes(datagram, h, used, roburoc4_decode_status_header))
+        expect(used.size() == 11, "a status has a head of 11 bytes");
+}
+
+void command_header(const Bytes &datagram) {
+    roburoc4_status_header h;
+    Bytes used;
+    if (decodes(datagram, h, used, roburoc4_decode_command_header))
+        expect(used.size() == 3 && h.robot_cycles == 0, "a command has a head of 3 bytes");
+}
+
+/** How many channels the robot has is in the first bytes. */
+void iocard_status(const Bytes &input) {
+    Input in(input.data(), input.size());
+    const auto analog = in.number<std::uint32_t>();
+    const auto digital = in.number<std::uint32_t>();
+    const ExactBlock block(in.rest());
+    const Bytes datagram = block.bytes();
+    roburoc4_iocard_status s;
+    Bytes used;
+    /* `analog` and `digital` may be written before the refusal, they mean nothing then */
+    const roburoc4_result result =
+        roburoc4_decode_iocard_status(datagram.data(), datagram.size(), analog, digital, &s);
+    if (result < 0)
+        return;
+    const auto floats = all_floats(s, analog, roburoc4_analog_input_at);
+    for (std::uint32_t i = 0; i < digital; i++)
+        expect((roburoc4_digital_input_at(&s, i) & ~1) == 0, "a digital input is 0 or 1");
+    expect(roburoc4_digital_input_at(&s, digital) == ROBUROC4_ERR_INDEX, "none beyond");
+    used = Bytes(datagram.begin(), datagram.end() - result);
+    encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
+        return roburoc4_encode_iocard_status(b, n, s.service, s.robot_cycles, floats.data(), analog,
+                                             s.digital, digital);
+    });
+}
+
+void iocard_command(const Bytes &input) {
+    Input in(input.data(), input.size());
+    const auto analog = in.number<std::uint32_t>();
+    const auto digital = in.number<std::uint32_t>();
+    const Bytes datagram = in.rest();
+    roburoc4_iocard_command c;
+    const roburoc4_result result =
+        roburoc4_decode_iocard_command(datagram.data(), datagram.size(), analog, digital, &c);
+    if (result < 0)
+        return;
+    const auto floats = all_floats(c, analog, roburoc4_analog_output_at);
+    for (std::uint32_t i = 0; i < digital; i++)
+        expect((roburoc4_digital_output_at(&c, i) & ~1) == 0, "a digital output is 0 or 1");
+    expect(roburoc4_digital_output_at(&c, digital) == ROBUROC4_ERR_INDEX, "none beyond");
+    const Bytes used(datagram.begin(), datagram.end() - result);
+    encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
+        return roburoc4_encode_iocard_command(b, n, c.service, floats.data(), analog, c.digital,
+                                              digital);
+    });
+}
+
+void telemeter_status(const Bytes &datagram) {
+    roburoc4_telemeter_status s;
+    Bytes used;
+    if (!decodes(datagram, s, used, roburoc4_decode_telemeter_status))
+        return;
+    const auto floats = all_floats(s, s.count, roburoc4_distance_at);
+    encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
+        return roburoc4_encode_telemeter_status(b, n, s.service, s.robot_cycles, floats.data(),
+                                                s.count);
+    });
+}
+
+void battery_status(const Bytes &datagram) {
+    roburoc4_battery_status s;
+    Bytes used;
+    if (decodes(datagram, s, used, roburoc4_decode_battery_status))
+        encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
+            return roburoc4_encode_battery_status(b, n, &s);
+        });
+}
+
+void localization_status(const Bytes &datagram) {
+    roburoc4_localization_status s;
+    Bytes used;
+    if (decodes(datagram, s, used, roburoc4_decode_localization_status))
+        encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
+            return roburoc4_encode_localization_status(b, n, &s);
+        });
+}
+
+void differential_status(const Bytes &datagram) {
+    roburoc4_differential_status s;
+    Bytes used;
+    if (decodes(datagram, s, used, roburoc4_decode_differential_status))
+        encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
+            return roburoc4_encode_differential_status(b, n, &s);
+        });
+}
+
+void differential_command(const Bytes &datagram) {
+    roburoc4_differential_command c;
+    Bytes used;
+    if (decodes(datagram, c, used, roburoc4_decode_differential_command))
+        encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
+            return roburoc4_encode_differential_command(b, n, c.service, c.linear_m_s,
+                                                        c.angular_rad_s);
+        });
+}
+
+/* By the first byte of the input; tests/verify/fuzz/corpus/codec has one or more of each. */
+void (*const decoders[])(const Bytes &) = {
+    request,
+    answer,
+    directory,
+    notification,
+    iocard_properties,
+    telemeter_properties,
+    battery_properties,
+    localization_properties,
+    differential_properties,
+    text,
+    status_header,
+    command_header,
+    iocard_status,
+    iocard_command,
+    telemeter_status,
+    battery_status,
+    localization_status,
+    differential_status,
+    differential_command,
+};
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size) {
+    if (size == 0)
+        return 0;
+    /* a vector of exactly its size, so that the address sanitizer sees a byte too much */
+    const Bytes datagram(data + 1, data + size);
+    decoders[data[0] % (sizeof decoders / sizeof decoders[0])](datagram);
+    return 0;
+}
