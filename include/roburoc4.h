@@ -973,6 +973,20 @@ ROBUROC4_API roburoc4_result roburoc4_client_description(const roburoc4_client *
 /** The index on the wire of the input with ROBUROC4_ROLE_*, or ROBUROC4_ERR_UNKNOWN. */
 ROBUROC4_API roburoc4_result roburoc4_client_role_index(const roburoc4_client *client,
                                                         uint32_t role);
+/** The manual's name of a channel of this robot's card, for one that has no text of its own: by
+ *  where the manual's table is on a card with so many channels, and by what the roles above are.
+ *  NULL where the manual says nothing of it, "" where it "exists but is not used". */
+ROBUROC4_API const char *roburoc4_client_channel_name(const roburoc4_client *client,
+                                                      uint32_t io_type, uint32_t index);
+/** The index of the channel with this name. Names are compared by words: case, punctuation and
+ *  order do not matter. A channel is called by the robot's own text, texts[index] (NUL-terminated;
+ *  NULL or "" where there is none; texts may be NULL), else as above; the manual's name of an input
+ *  with a role always finds that input. ROBUROC4_ERR_INDEX where no channel has the name, _VALUE
+ *  where several do, _UNKNOWN before the robot reported its channels. */
+ROBUROC4_API roburoc4_result roburoc4_client_channel_find(const roburoc4_client *client,
+                                                          uint32_t io_type, const char *name,
+                                                          const char *const *texts,
+                                                          uint32_t text_count);
 /** Say which input has a role (ROBUROC4_INDEX_AUTO: find it). The override is unknown until the
  *  next IO card status; a client that is armed disarms. */
 ROBUROC4_API roburoc4_result roburoc4_client_set_role_index(roburoc4_client *client, uint32_t role,

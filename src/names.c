@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * The manual's names and this library's words: numbers to text. Nothing else of the core uses this
- * file, so a linker leaves it out where nobody asks for a name.
+ * Names: numbers to text, and the channels of a robot's IO card by name. Nothing else of the core
+ * uses this file, so a linker leaves it out where nobody asks for a name.
  */
+#include <stdbool.h>
+
 #include "roburoc4.h"
 
 uint32_t roburoc4_version(void) {
@@ -119,4 +121,176 @@ const char *roburoc4_channel_name(uint32_t io_type, uint32_t index) {
     default:
         return NULL; /* analog outputs: the robot has none */
     }
+}
+
+/* ---- the channels of a robot's card ---- */
+
+/** Inputs that the client itself looks for, by their place in the manual's table. */
+static const struct {
+    uint8_t io_type, place;
+} roles[ROBUROC4_ROLE_COUNT] = {
+    {ROBUROC4_IO_DIGITAL_INPUT, ROBUROC4_DI_PAD_A},
+    {ROBUROC4_IO_DIGITAL_INPUT, ROBUROC4_DI_FRONT_BUMPER},
+    {ROBUROC4_IO_DIGITAL_INPUT, ROBUROC4_DI_REAR_BUMPER},
+    {ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_AI_BATTERY_V},
+};
+
+/** How many channels of a type the card has, or an error. */
+static roburoc4_result channel_count(const roburoc4_client *client, uint32_t io_type) {
+    roburoc4_iocard_properties card;
+    const roburoc4_result result = roburoc4_client_iocard_properties(client, &card);
+    if (io_type > ROBUROC4_IO_DIGITAL_OUTPUT) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    if (result < 0) {
+        return result;
+    }
+    switch (io_type) {
+    case ROBUROC4_IO_ANALOG_INPUT:
+        return card.analog_inputs;
+    case ROBUROC4_IO_ANALOG_OUTPUT:
+        return card.analog_outputs;
+    case ROBUROC4_IO_DIGITAL_INPUT:
+        return card.digital_inputs;
+    default:
+        return card.digital_outputs;
+    }
+}
+
+/** The place in the manual's table that a channel has, by how many there are: the table skips
+ *  number 02, so on a card with one channel more its numbers are literal. -1: none. */
+static int32_t manual_place(uint32_t io_type, int32_t count, uint32_t index) {
+    static const uint8_t places[] = {ROBUROC4_AI_COUNT, ROBUROC4_AO_COUNT, ROBUROC4_DI_COUNT,
+                                     ROBUROC4_DO_COUNT};
+    const int32_t place = (int32_t)index;
+    if (places[io_type] == 0 || index >= (uint32_t)count) {
+        return -1;
+    }
+    if (count == places[io_type] || (count == places[io_type] + 1 && place < 2)) {
+        return place;
+    }
+    return count == places[io_type] + 1 && place > 2 ? place - 1 : -1;
+}
+
+const char *roburoc4_client_channel_name(const roburoc4_client *client, uint32_t io_type,
+                                         uint32_t index) {
+    const int32_t count = channel_count(client, io_type);
+    int32_t place = count > 0 ? manual_place(io_type, count, index) : -1;
+    for (uint32_t role = 0; count > 0 && role < ROBUROC4_ROLE_COUNT; role++) {
+        const int32_t found = roburoc4_client_role_index(client, role);
+        if (roles[role].io_type != io_type || found < 0) {
+            continue;
+        }
+        if ((uint32_t)found == index) {
+            place = roles[role].place;
+        } else if (place == roles[role].place) {
+            place = -1; /* the input that the table has here is elsewhere */
+        }
+    }
+    return place < 0 ? NULL : roburoc4_channel_name(io_type, (uint32_t)place);
+}
+
+/** A word of a name: letters and digits, and bytes beyond ASCII. */
+typedef struct word {
+    const char *text;
+    uint32_t length;
+} word;
+
+static char lower(char c) {
+    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
+}
+
+static bool in_word(char c) {
+    const char small = lower(c);
+    return (small >= 'a' && small <= 'z') || (c >= '0' && c <= '9') || ((uint8_t)c & 0x80U) != 0;
+}
+
+static bool same_word(word a, word b) {
+    uint32_t i = 0;
+    while (i < a.length && i < b.length && lower(a.text[i]) == lower(b.text[i])) {
+        i++;
+    }
+    return i == a.length && i == b.length;
+}
+
+/** The next run of letters, which *text is moved behind; of length 0 at the end. */
+static word next_run(const char **text) {
+    word run = {*text, 0};
+    while (*run.text != '\0' && !in_word(*run.text)) {
+        run.text++;
+    }
+    while (in_word(run.text[run.length])) {
+        run.length++;
+    }
+    *text = run.text + run.length;
+    return run;
+}
+
+/** The same with what robots write in several ways made one: "game pad" and "joystick" are
+ *  "gamepad", and "button" says nothing. */
+static word next_word(const char **text) {
+    static const word button = {"button", 6}, game = {"game", 4}, pad = {"pad", 3},
+                      joystick = {"joystick", 8}, gamepad = {"gamepad", 7};
+    word found = next_run(text);
+    while (same_word(found, button)) {
+        found = next_run(text);
+    }
+    if (same_word(found, game)) {
+        const char *behind = *text;
+        if (same_word(next_run(&behind), pad)) {
+            *text = behind;
+            return gamepad;
+        }
+    }
+    return same_word(found, joystick) ? gamepad : found;
+}
+
+/** How often a text has a word; any word where `wanted` is NULL. */
+static uint32_t count_words(const char *text, const word *wanted) {
+    uint32_t count = 0;
+    for (word found = next_word(&text); found.length > 0; found = next_word(&text)) {
+        count += wanted == NULL || same_word(found, *wanted);
+    }
+    return count;
+}
+
+static bool same_words(const char *a, const char *b) {
+    const char *rest = a;
+    for (word found = next_word(&rest); found.length > 0; found = next_word(&rest)) {
+        if (count_words(a, &found) != count_words(b, &found)) {
+            return false;
+        }
+    }
+    return count_words(a, NULL) == count_words(b, NULL);
+}
+
+roburoc4_result roburoc4_client_channel_find(const roburoc4_client *client, uint32_t io_type,
+                                             const char *name, const char *const *texts,
+                                             uint32_t text_count) {
+    const int32_t count = channel_count(client, io_type);
+    roburoc4_result found = ROBUROC4_ERR_INDEX;
+    if (count < 0 || count_words(name, NULL) == 0) {
+        return count < 0 ? count : ROBUROC4_ERR_INDEX;
+    }
+    for (uint32_t role = 0; role < ROBUROC4_ROLE_COUNT; role++) {
+        const int32_t index = roburoc4_client_role_index(client, role);
+        if (roles[role].io_type == io_type && index >= 0 &&
+            same_words(name, roburoc4_channel_name(io_type, roles[role].place))) {
+            return index;
+        }
+    }
+    for (uint32_t index = 0; index < (uint32_t)count && index < ROBUROC4_MAX_DIGITAL_INPUTS;
+         index++) {
+        const char *own = index < text_count && texts != NULL ? texts[index] : NULL;
+        if (own == NULL || own[0] == '\0') {
+            own = roburoc4_client_channel_name(client, io_type, index);
+        }
+        if (own != NULL && same_words(name, own)) {
+            if (found >= 0) {
+                return ROBUROC4_ERR_VALUE;
+            }
+            found = (roburoc4_result)index;
+        }
+    }
+    return found;
 }

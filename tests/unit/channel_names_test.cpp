@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Names of the channels of a robot's card, and channels by their names.
+ */
+#include "client_bench.h"
+
+using namespace roburoc4_tests;
+
+namespace {
+
+constexpr std::uint32_t analog = ROBUROC4_IO_ANALOG_INPUT;
+constexpr std::uint32_t digital = ROBUROC4_IO_DIGITAL_INPUT;
+
+/** A robot that gives no texts, with so many inputs. */
+ScriptedRobot silent_robot(std::int32_t digital_inputs, std::int32_t analog_inputs) {
+    ScriptedRobot robot;
+    robot.texts_refused = true;
+    robot.iocard.digital_inputs = digital_inputs;
+    robot.iocard.analog_inputs = analog_inputs;
+    robot.analog.resize(static_cast<std::size_t>(analog_inputs));
+    return robot;
+}
+
+std::string name(const Bench &bench, std::uint32_t io_type, std::uint32_t index) {
+    const char *found = roburoc4_client_channel_name(&bench.client, io_type, index);
+    return found != nullptr ? found : "none";
+}
+
+roburoc4_result find(const Bench &bench, const char *wanted, std::uint32_t io_type = digital,
+                     const std::vector<const char *> &texts = {}) {
+    return roburoc4_client_channel_find(&bench.client, io_type, wanted, texts.data(),
+                                        static_cast<std::uint32_t>(texts.size()));
+}
+
+TEST(ChannelName, IsTheManualsAtItsIndexOnTheUsualCard) {
+    ScriptedRobot robot = silent_robot(22, 9);
+    Bench bench(robot);
+    bench.ready();
+    for (std::uint32_t index = 0; index < 22; index++)
+        EXPECT_STREQ(roburoc4_channel_name(digital, index),
+                     roburoc4_client_channel_name(&bench.client, digital, index));
+    EXPECT_EQ("Game pad \"A\" button", name(bench, digital, 8));
+    EXPECT_EQ("Battery voltage", name(bench, analog, 2));
+    EXPECT_EQ("Watchdog", name(bench, ROBUROC4_IO_DIGITAL_OUTPUT, 0));
+    EXPECT_EQ("none", name(bench, digital, 22));
+    EXPECT_EQ("none", name(bench, ROBUROC4_IO_ANALOG_OUTPUT, 0));
+    EXPECT_EQ("none", name(bench, 4, 0));
+}
+
+TEST(ChannelName, HasTheManualsNumberOnACardWithOneInputMore) {
+    ScriptedRobot robot = silent_robot(23, 10);
+    Bench bench(robot);
+    bench.ready();
+    EXPECT_EQ("Rear bumper", name(bench, digital, 1));
+    EXPECT_EQ("none", name(bench, digital, 2));
+    EXPECT_EQ("", name(bench, digital, 8));
+    EXPECT_EQ("Game pad \"A\" button", name(bench, digital, 9));
+    EXPECT_EQ("Game pad \"RB\" button", name(bench, digital, 22));
+    EXPECT_EQ("Battery voltage", name(bench, analog, 3));
+    EXPECT_EQ(9, find(bench, "Game pad \"A\" button"));
+}
+
+TEST(ChannelName, IsNoneOnACardThatTheManualDoesNotKnow) {
+    for (const std::int32_t inputs : {0, 8, 21, 24, 40}) {
+        ScriptedRobot robot = silent_robot(inputs, inputs);
+        Bench bench(robot);
+        bench.ready();
+        for (std::uint32_t index = 0; index < 64; index++)
+            EXPECT_EQ("none", name(bench, digital, index)) << inputs;
+        EXPECT_EQ(ROBUROC4_ERR_INDEX, find(bench, "Front bumper"));
+    }
+}
+
+TEST(ChannelName, OfTheManualGoesToTheInputWithTheRole) {
+    ScriptedRobot robot;
+    robot.channel_text = [](std::uint32_t io_type, std::uint32_t index) -> std::string {
+        return io_type == digital && index == 12 ? "Game pad A button" : "?";
+    };
+    Bench bench(robot);
+    bench.ready();
+    EXPECT_EQ("Game pad \"A\" button", name(bench, digital, 12));
+    EXPECT_EQ("none", name(bench, digital, 8));
+    EXPECT_EQ(12, find(bench, "Game pad \"A\" button"));
+}
+
+TEST(ChannelName, IsUnknownBeforeTheRobotReportsItsCard) {
+    ScriptedRobot robot;
+    robot.powered = false;
+    Bench bench(robot);
+    bench.run(second);
+    EXPECT_EQ("none", name(bench, digital, 0));
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, find(bench, "Front bumper"));
+}
+
+TEST(ChannelFind, ComparesWordsWhateverTheirFormAndOrder) {
+    ScriptedRobot robot = silent_robot(22, 9);
+    Bench bench(robot);
+    bench.ready();
+    for (const char *wanted : {"Game pad \"B\" button", "gamepad b", "Button B, game-pad",
+                               "Joystick button B", "  B (GAMEPAD)"})
+        EXPECT_EQ(9, find(bench, wanted)) << wanted;
+    EXPECT_EQ(0, find(bench, "bumper, front"));
+    EXPECT_EQ(4, find(bench, "gamepad lj up/down", analog));
+    for (const char *wanted : {"", " ", "?", "button", "bumper", "front front bumper", "gamepad",
+                               "frontbumper", "game b", "pad b", "front bumpe", "gamepad b b"})
+        EXPECT_EQ(ROBUROC4_ERR_INDEX, find(bench, wanted)) << wanted;
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, find(bench, "Front bumper", analog));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, find(bench, "Front bumper", 4));
+}
+
+TEST(ChannelFind, BelievesTheRobotsOwnTextsFirst) {
+    ScriptedRobot robot = silent_robot(22, 9);
+    Bench bench(robot);
+    bench.ready();
+    std::vector<const char *> texts(22, nullptr);
+    texts[9] = "Gamepad X";  // which the manual has at 10
+    texts[10] = "Gamepad B"; // which the manual has at 9
+    texts[15] = "Grüne Lampe";
+    texts[16] = "";
+    EXPECT_EQ(9, find(bench, "Game pad \"X\" button", digital, texts));
+    EXPECT_EQ(10, find(bench, "Game pad \"B\" button", digital, texts));
+    EXPECT_EQ(15, find(bench, "lampe grüne", digital, texts));
+    EXPECT_EQ(16, find(bench, "game pad \"D\" right", digital, texts)) << "an empty text is none";
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, find(bench, "game pad \"D\" left", digital, texts));
+}
+
+TEST(ChannelFind, TellsANameThatTwoChannelsHave) {
+    ScriptedRobot robot = silent_robot(22, 9);
+    Bench bench(robot);
+    bench.ready();
+    std::vector<const char *> texts(22, "Spare");
+    EXPECT_EQ(ROBUROC4_ERR_VALUE, find(bench, "spare", digital, texts));
+}
+
+} // namespace
