@@ -104,11 +104,10 @@ typedef int32_t roburoc4_result;
 #define ROBUROC4_ERR_OVERRIDE_UNKNOWN (-26)   /* the input of game pad [A] is not known */
 #define ROBUROC4_ERR_OVERRIDE (-27)           /* somebody holds [A] on the game pad */
 #define ROBUROC4_ERR_MOVING (-28)             /* the robot has a speed that was not asked for */
-#define ROBUROC4_ERR_FOREIGN (-29)            /* another client commands the robot */
+#define ROBUROC4_ERR_OTHER_COMMANDER (-29)            /* another client commands the robot */
 #define ROBUROC4_ERR_LOST (-30)               /* the robot fell silent */
 #define ROBUROC4_ERR_REBOOT (-31)             /* the robot restarted */
 #define ROBUROC4_ERR_CLOCK (-32)              /* the clock went back */
-#define ROBUROC4_ERR_NOT_NEUTRAL (-33) /* resuming: first drive(0, 0) or a pause of a lease */
 /* of the UDP adapter and the pump (roburoc4_udp.h, roburoc4_pump.h) */
 #define ROBUROC4_ERR_SYSTEM (-40)  /* the operating system refused; errno says why */
 #define ROBUROC4_ERR_RESOLVE (-41) /* a host name has no address */
@@ -648,7 +647,7 @@ ROBUROC4_API const char *roburoc4_state_name(uint32_t state);
 #define ROBUROC4_EVENT_LEASE_OVER 0x00002000        /* a drive lease ran out unrenewed */
 #define ROBUROC4_EVENT_STOPPED 0x00004000           /* a zero train ended */
 #define ROBUROC4_EVENT_OVERRIDE 0x00008000          /* game pad [A] was pressed or released */
-#define ROBUROC4_EVENT_FOREIGN 0x00010000           /* another client commands, or no longer */
+#define ROBUROC4_EVENT_OTHER_COMMANDER 0x00010000           /* another client commands, or no longer */
 #define ROBUROC4_EVENT_INHIBITED 0x00020000         /* commanded but standing still, or no longer */
 #define ROBUROC4_EVENT_BATTERY_LOW 0x00040000       /* remaining fell below minimum_percent */
 #define ROBUROC4_EVENT_BATTERY_CRITICAL 0x00080000  /* the battery's state became Critical */
@@ -671,18 +670,13 @@ ROBUROC4_API const char *roburoc4_state_name(uint32_t state);
 /** In role_index: find the input by the robot's text, else by the manual's table. */
 #define ROBUROC4_INDEX_AUTO (-1)
 
-/** Bits of roburoc4_config.resume. */
-#define ROBUROC4_RESUME_OVERRIDE 0x01
-#define ROBUROC4_RESUME_LOSS 0x02
-#define ROBUROC4_RESUME_REBOOT 0x04
-
 /** Bits of roburoc4_config.options. */
 #define ROBUROC4_OPTION_TURN_KEEPING 0x01 /* slow down rather than turn less */
 /* for a robot without the game pad's inputs; an IO card that is listed must still give its counts,
  * and where none is listed, every service must be known by its type or its text */
 #define ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE 0x02
 /* stay armed when somebody else commands; also for a robot that ramps the targets it reports */
-#define ROBUROC4_OPTION_IGNORE_FOREIGN 0x04
+#define ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER 0x04
 
 /** Settings of a client. Fill it with roburoc4_config_init(), then change what you need. */
 typedef struct roburoc4_config {
@@ -708,8 +702,6 @@ typedef struct roburoc4_config {
     float scale_linear;         /* multiplies what drive() is given; 0.01 to 10; default 1 */
     float scale_angular;        /* likewise */
     uint32_t options;           /* ROBUROC4_OPTION_*; default 0 */
-    uint32_t resume;            /* ROBUROC4_RESUME_*, after what the client arms itself again;
-                                   default 0 */
     /** By ROBUROC4_ROLE_*: index of the input on the wire, or ROBUROC4_INDEX_AUTO (default);
      *  to 63 for the digital ones, 31 for the analog one. */
     int16_t role_index[4];
@@ -781,12 +773,12 @@ typedef struct roburoc4_private_link {
 } roburoc4_private_link;
 
 typedef struct roburoc4_private_drive {
-    uint8_t known, armed, leased, resuming, moving, spoke;
+    uint8_t known, armed, leased, moving, spoke;
     uint8_t train, zeros, confirmed, stop_latched;
-    uint8_t foreign_count, foreign, still, inhibited;
-    uint8_t changed, reserved[7];
+    uint8_t other_count, other_commander, still, inhibited;
+    uint8_t changed;
     uint16_t service;
-    uint64_t granted_us, sent_us, train_us, quiet_us, still_us, envelope_us;
+    uint64_t granted_us, sent_us, train_us, still_us, envelope_us;
     uint32_t lease_us;
     int32_t disarm_cause;
     float target[2], sent[2];
@@ -888,7 +880,7 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
  * after a speed leaves at once; all other commands are at least a robot cycle (10 ms) apart. */
 
 /** Allow driving. 0, or the first reason against it: ROBUROC4_ERR_NOT_READY, _NO_DIFFERENTIAL,
- *  _LIMITS, _STALE_DIFFERENTIAL, _STALE_IOCARD, _OVERRIDE_UNKNOWN, _OVERRIDE, _FOREIGN, _MOVING.
+ *  _LIMITS, _STALE_DIFFERENTIAL, _STALE_IOCARD, _OVERRIDE_UNKNOWN, _OVERRIDE, _OTHER_COMMANDER, _MOVING.
  * The client disarms itself when one of these conditions is lost. Arming twice is fine. */
 ROBUROC4_API roburoc4_result roburoc4_client_arm(roburoc4_client *client, uint64_t now_us);
 /** Forbid driving and stop. Always possible. */
@@ -896,7 +888,7 @@ ROBUROC4_API roburoc4_result roburoc4_client_disarm(roburoc4_client *client, uin
 /** Drive at these speeds for lease_us (0: the configured lease; else 20000 to 1000000) from now.
  *  Scaled, then (by option) kept on its curve, then clamped to the robot's limits and the
  *  ceilings. ROBUROC4_ERR_NOT_FINITE, _ARGUMENT (lease), or why the client is not armed: then
- *  nothing is stored. ROBUROC4_ERR_NOT_NEUTRAL: resuming needs drive(0, 0) or a pause first. */
+ *  nothing is stored. */
 ROBUROC4_API roburoc4_result roburoc4_client_drive(roburoc4_client *client, float linear_m_s,
                                                    float angular_rad_s, uint32_t lease_us,
                                                    uint64_t now_us);
@@ -913,7 +905,7 @@ typedef struct roburoc4_facts {
     uint8_t stopping;       /* 1: a zero train is on its way, or a stop() waits for the robot */
     uint8_t override_known; /* 1: `overridden` means something */
     uint8_t overridden;     /* 1: game pad [A] is held */
-    uint8_t foreign;        /* 1: another client commands the robot */
+    uint8_t other_commander;      /* 1: another client commands the robot */
     uint8_t inhibited;      /* 1: a speed is asked for, but the robot stands still: emergency stop,
                                brakes, bumper */
     uint8_t fixed_id;       /* 1: the robot answers every request with 0x01 */

@@ -63,7 +63,7 @@ typedef struct roburoc4_address {
     uint8_t reserved; /* 0 */
 } roburoc4_address;
 
-/** Room for every text of roburoc4_address_text(), its NUL included. */
+/** Room for every text of roburoc4_udp_address_text(), its NUL included. */
 #define ROBUROC4_ADDRESS_TEXT_SIZE 72
 
 /** Turn "HOST", "HOST:PORT", "[IPV6]", "[IPV6]:PORT" or a bare IPv6 address into numbers.
@@ -77,7 +77,7 @@ ROBUROC4_API roburoc4_result roburoc4_udp_resolve(const char *host, uint16_t def
                                                   roburoc4_address *out);
 /** The address as text with a NUL, "192.168.0.2:60000" or "[fe80::1%2]:60000". Returns its length,
  *  or ROBUROC4_ERR_BUFFER, or ROBUROC4_ERR_ARGUMENT for an address of neither family. */
-ROBUROC4_API roburoc4_result roburoc4_address_text(const roburoc4_address *address, char *buffer,
+ROBUROC4_API roburoc4_result roburoc4_udp_address_text(const roburoc4_address *address, char *buffer,
                                                    size_t capacity);
 
 /* ----------------------------------------------------------------------------------- clock --- */

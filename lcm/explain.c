@@ -125,9 +125,9 @@ static void explain_motion(const char *robot, const roburoc4_facts *facts, uint3
                  facts->overridden ? "[A] is held on the game pad"
                                    : "[A] on the game pad was let go");
     }
-    if (events & ROBUROC4_EVENT_FOREIGN) {
+    if (events & ROBUROC4_EVENT_OTHER_COMMANDER) {
         log_line(LOG_NOTE, robot,
-                 facts->foreign ? "another program commands the robot"
+                 facts->other_commander ? "another program commands the robot"
                                 : "the other program ended to command the robot");
     }
     if (events & ROBUROC4_EVENT_INHIBITED && facts->inhibited) {

@@ -40,7 +40,7 @@ static int32_t fault_bits(const mapping_view *view) {
     const roburoc4_facts *facts = view->facts;
     int32_t bits = network_fault(view->fault);
     bits |= is_silent(view) ? FAULT(SILENT) : 0;
-    bits |= facts->foreign ? FAULT(FOREIGN) : 0;
+    bits |= facts->other_commander ? FAULT(OTHER_COMMANDER) : 0;
     bits |= facts->inhibited ? FAULT(INHIBITED) : 0;
     bits |= facts->front_bumper ? FAULT(FRONT_BUMPER) : 0;
     bits |= facts->rear_bumper ? FAULT(REAR_BUMPER) : 0;

@@ -378,7 +378,7 @@ bool robot_subscribe(robot *robot, lcm_t *lcm, const options_robot *settings) {
 
 bool robot_start(robot *robot, const options *options, const options_robot *settings,
                  gate_time now) {
-    (void)roburoc4_address_text(&settings->address, robot->address, sizeof robot->address);
+    (void)roburoc4_udp_address_text(&settings->address, robot->address, sizeof robot->address);
     if (roburoc4_udp_open(&robot->udp, sizeof robot->udp, &settings->address) < 0) {
         log_line(LOG_ERROR, robot->name, "no socket for %s: %s", robot->address,
                  strerror((int)roburoc4_udp_system_error(&robot->udp)));

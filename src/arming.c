@@ -51,8 +51,8 @@ static roburoc4_result refusal(const client *c, uint64_t now_us) {
     if (v->override_known && v->overridden) {
         return ROBUROC4_ERR_OVERRIDE;
     }
-    if (c->private_drive.foreign && (options & ROBUROC4_OPTION_IGNORE_FOREIGN) == 0) {
-        return ROBUROC4_ERR_FOREIGN;
+    if (c->private_drive.other_commander && (options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0) {
+        return ROBUROC4_ERR_OTHER_COMMANDER;
     }
     return ROBUROC4_OK;
 }
@@ -64,6 +64,6 @@ roburoc4_result roburoc4_arming_refusal(const client *c, uint64_t now_us) {
 }
 
 void roburoc4_arming_tick(client *c) {
-    roburoc4_drive_tick(&c->private_drive, &c->private_config, refusal(c, c->private_now_us),
-                        c->private_now_us, &c->private_events);
+    roburoc4_drive_tick(&c->private_drive, refusal(c, c->private_now_us), c->private_now_us,
+                        &c->private_events);
 }

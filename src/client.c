@@ -11,15 +11,15 @@ LAYOUT(slot, sizeof(roburoc4_private_slot) == 24);
 LAYOUT(requests, sizeof(roburoc4_private_requests) == 112);
 LAYOUT(service, sizeof(roburoc4_private_service) == 72);
 LAYOUT(link, sizeof(roburoc4_private_link) == 416);
-LAYOUT(drive, sizeof(roburoc4_private_drive) == 128);
+LAYOUT(drive, sizeof(roburoc4_private_drive) == 112);
 LAYOUT(discovery, sizeof(roburoc4_private_discovery) == 256);
 LAYOUT(values, sizeof(roburoc4_private_values) == 744);
 LAYOUT(outputs, sizeof(roburoc4_private_outputs) == 120);
-LAYOUT(config, sizeof(roburoc4_config) == 80);
-LAYOUT(client, sizeof(roburoc4_client) == 1968);
+LAYOUT(config, sizeof(roburoc4_config) == 76);
+LAYOUT(client, sizeof(roburoc4_client) == 1952);
 LAYOUT(client_drive, offsetof(roburoc4_client, private_drive) == 104);
-LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 776);
-LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1192);
+LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 760);
+LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1176);
 
 /* Before it is ready, a client is patient: requests are repeated each second at the latest. */
 #define PATIENCE_US (5 * SECOND)

@@ -29,7 +29,6 @@ static const setting integers[] = {
     {"lease_ms: 20 to 1000",            AT(lease_ms),           20,  1000,  250},
     {"robot_watchdog_ms: 100 to 60000", AT(robot_watchdog_ms), 100, 60000, 1000},
     {"options: unknown bit",            AT(options),             0,     7,    0},
-    {"resume: unknown bit",             AT(resume),              0,     7,    0},
 };
 
 static const float_setting floats[] = {

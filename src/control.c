@@ -54,8 +54,7 @@ roburoc4_result roburoc4_client_drive(client *c, float linear_m_s, float angular
     }
     roburoc4_lifecycle_clock(c, now_us);
     roburoc4_arming_tick(c);
-    return roburoc4_drive_grant(&c->private_drive, &c->private_config, target, lease_us, now_us,
-                                &c->private_events);
+    return roburoc4_drive_grant(&c->private_drive, target, lease_us, now_us);
 }
 
 roburoc4_result roburoc4_client_stop(client *c, uint64_t now_us) {

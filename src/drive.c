@@ -12,7 +12,7 @@
 /* A changed target leaves at once, but not more often than the robot looks. */
 #define SPACING_US ROBUROC4_CYCLE_US
 #define TRAIN_ZEROS 3
-#define FOREIGN_STATUSES 3
+#define OTHER_STATUSES 3
 #define STILL_US (500 * MS)
 /* How far reported targets may be from sent ones: rounding on the robot's side. */
 #define TARGET_TOLERANCE 0.02F
@@ -37,8 +37,6 @@ static const float noticeable[AXES] = {0.02F, 0.05F};
 #define LIMIT_WIDTH 12
 #define REPORTED_TARGET(axis) (2 * (axis))
 #define REPORTED_CURRENT(axis) (2 * (axis) + 1)
-/* Values of resuming. */
-enum { NOT_RESUMING, CAUSE_LASTS, CAUSE_CLEARED };
 
 static bool is_zero(float value) {
     return bits_from_f32(value) << 1 == 0; /* of either sign */
@@ -75,29 +73,11 @@ static void leave(drive *d) {
     }
 }
 
-static uint32_t resume_bit(roburoc4_result cause) {
-    switch (cause) {
-    case ROBUROC4_ERR_OVERRIDE:
-        return ROBUROC4_RESUME_OVERRIDE;
-    case ROBUROC4_ERR_REBOOT:
-        return ROBUROC4_RESUME_REBOOT;
-    case ROBUROC4_ERR_LOST:
-    case ROBUROC4_ERR_NOT_READY:
-    case ROBUROC4_ERR_STALE_DIFFERENTIAL:
-    case ROBUROC4_ERR_STALE_IOCARD:
-        return ROBUROC4_RESUME_LOSS;
-    default:
-        return 0;
-    }
-}
-
-void roburoc4_drive_interrupt(drive *d, const roburoc4_config *config, roburoc4_result cause,
-                              uint32_t *events) {
+void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events) {
     leave(d);
-    if (d->armed || d->resuming) {
-        d->resuming = (config->resume & resume_bit(cause)) != 0 ? CAUSE_LASTS : NOT_RESUMING;
+    if (d->armed) {
         d->disarm_cause = cause;
-        *events |= d->armed ? ROBUROC4_EVENT_DISARMED : 0;
+        *events |= ROBUROC4_EVENT_DISARMED;
         d->armed = 0;
     }
 }
@@ -144,22 +124,11 @@ bool roburoc4_drive_limits_valid(const float *limits) {
 void roburoc4_drive_arm(drive *d, uint32_t *events) {
     *events |= d->armed ? 0 : ROBUROC4_EVENT_ARMED;
     d->armed = 1;
-    d->resuming = NOT_RESUMING;
     d->disarm_cause = ROBUROC4_OK;
 }
 
-roburoc4_result roburoc4_drive_grant(drive *d, const roburoc4_config *config, const float *target,
-                                     uint32_t lease_us, uint64_t now_us, uint32_t *events) {
-    if (d->resuming == CAUSE_CLEARED) {
-        const bool neutral = is_zero(target[LINEAR]) && is_zero(target[ANGULAR]);
-        const uint32_t own_us = config->lease_ms * MS;
-        /* a lease given before the cause may have been as long as this one */
-        if (!neutral && now_us - d->quiet_us < (lease_us > own_us ? lease_us : own_us)) {
-            d->quiet_us = now_us;
-            return ROBUROC4_ERR_NOT_NEUTRAL;
-        }
-        roburoc4_drive_arm(d, events);
-    }
+roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lease_us,
+                                     uint64_t now_us) {
     if (!d->armed) {
         return d->disarm_cause;
     }
@@ -180,21 +149,13 @@ static bool lease_over(const drive *d, uint64_t now_us) {
     return d->leased && now_us - d->granted_us >= d->lease_us;
 }
 
-void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_result refusal,
-                         uint64_t now_us, uint32_t *events) {
-    const bool may_arm = refusal >= 0 && !d->moving;
+void roburoc4_drive_tick(drive *d, roburoc4_result refusal, uint64_t now_us, uint32_t *events) {
     if (lease_over(d, now_us)) {
         leave(d);
         *events |= ROBUROC4_EVENT_LEASE_OVER;
     }
     if (refusal < 0 && d->armed) {
-        roburoc4_drive_interrupt(d, config, refusal, events);
-    }
-    if (d->resuming == CAUSE_LASTS && may_arm) {
-        d->resuming = CAUSE_CLEARED;
-        d->quiet_us = now_us;
-    } else if (d->resuming == CAUSE_CLEARED && !may_arm) {
-        d->resuming = CAUSE_LASTS;
+        roburoc4_drive_interrupt(d, refusal, events);
     }
 }
 
@@ -334,18 +295,18 @@ static bool within(const drive *d, const float *speeds) {
     return true;
 }
 
-static void watch_foreign(drive *d, const roburoc4_config *config, bool ours, uint32_t *events) {
+static void watch_other_commander(drive *d, const roburoc4_config *config, bool ours, uint32_t *events) {
     if (ours) {
-        d->foreign_count = 0;
-    } else if (d->foreign_count < FOREIGN_STATUSES) {
-        d->foreign_count++;
+        d->other_count = 0;
+    } else if (d->other_count < OTHER_STATUSES) {
+        d->other_count++;
     }
-    const bool foreign = ours ? false : d->foreign || d->foreign_count >= FOREIGN_STATUSES;
-    if (foreign != (d->foreign != 0)) {
-        d->foreign = foreign;
-        *events |= ROBUROC4_EVENT_FOREIGN;
-        if (foreign && (config->options & ROBUROC4_OPTION_IGNORE_FOREIGN) == 0) {
-            roburoc4_drive_interrupt(d, config, ROBUROC4_ERR_FOREIGN, events);
+    const bool other_commander = ours ? false : d->other_commander || d->other_count >= OTHER_STATUSES;
+    if (other_commander != (d->other_commander != 0)) {
+        d->other_commander = other_commander;
+        *events |= ROBUROC4_EVENT_OTHER_COMMANDER;
+        if (other_commander && (config->options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0) {
+            roburoc4_drive_interrupt(d, ROBUROC4_ERR_OTHER_COMMANDER, events);
         }
     }
 }
@@ -389,7 +350,7 @@ void roburoc4_drive_status(drive *d, const roburoc4_config *config, const float 
     d->moving = 0;
     if (!roburoc4_all_finite(speeds, 2 * AXES)) {
         d->moving = 1;
-        watch_foreign(d, config, overridden || ours, events);
+        watch_other_commander(d, config, overridden || ours, events);
         return;
     }
     for (uint32_t axis = 0; axis < AXES; axis++) {
@@ -400,7 +361,7 @@ void roburoc4_drive_status(drive *d, const roburoc4_config *config, const float 
     }
     d->moving = d->moving || !zero;
     d->confirmed = d->confirmed || (zero && d->zeros >= TRAIN_ZEROS);
-    watch_foreign(d, config, overridden || ours, events);
+    watch_other_commander(d, config, overridden || ours, events);
     watch_inhibited(d, speeds, overridden, now_us, events);
 }
 
@@ -408,7 +369,6 @@ void roburoc4_drive_status(drive *d, const roburoc4_config *config, const float 
 void roburoc4_drive_rebase(drive *d, uint64_t now_us) {
     d->sent_us = now_us - SECOND;
     d->train_us = now_us;
-    d->quiet_us = now_us;
     d->still_us = now_us;
     d->envelope_us = now_us;
 }

@@ -20,7 +20,7 @@ void roburoc4_lifecycle_enter(client *c, uint32_t state) {
 }
 
 void roburoc4_lifecycle_interrupt(client *c, roburoc4_result cause) {
-    roburoc4_drive_interrupt(&c->private_drive, &c->private_config, cause, &c->private_events);
+    roburoc4_drive_interrupt(&c->private_drive, cause, &c->private_events);
 }
 
 void roburoc4_lifecycle_forget_outputs(client *c) {

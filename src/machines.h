@@ -102,17 +102,14 @@ void roburoc4_drive_start(drive *d, uint64_t now_us);
 bool roburoc4_drive_limits_valid(const float *limits);
 void roburoc4_drive_arm(drive *d, uint32_t *events);
 /** Take a lease, or say why not; the caller has checked that the speeds are finite. */
-roburoc4_result roburoc4_drive_grant(drive *d, const roburoc4_config *config, const float *target,
-                                     uint32_t lease_us, uint64_t now_us, uint32_t *events);
+roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lease_us,
+                                     uint64_t now_us);
 /** Leave driving for this cause: disarm, and a zero train if a speed was ever sent. */
-void roburoc4_drive_interrupt(drive *d, const roburoc4_config *config, roburoc4_result cause,
-                              uint32_t *events);
+void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events);
 /** End the lease and send a zero train in any case. */
 void roburoc4_drive_stop(drive *d);
-/** Let time pass: leases that are over; conditions of driving that were lost (a refusal) or came
- *  back. */
-void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_result refusal,
-                         uint64_t now_us, uint32_t *events);
+/** Let time pass: leases that are over; conditions of driving that were lost (a refusal). */
+void roburoc4_drive_tick(drive *d, roburoc4_result refusal, uint64_t now_us, uint32_t *events);
 /** A speed command that must leave now: true, and the speeds. */
 bool roburoc4_drive_poll(drive *d, const roburoc4_config *config, const float *limits,
                          uint64_t now_us, float *speeds, uint32_t *events);

@@ -229,7 +229,7 @@ roburoc4_result roburoc4_client_facts(const client *c, uint64_t now_us, roburoc4
     out->stopping = d->train || d->stop_latched;
     out->override_known = v->override_known;
     out->overridden = v->override_known && v->overridden;
-    out->foreign = d->foreign;
+    out->other_commander = d->other_commander;
     out->inhibited = d->inhibited;
     out->fixed_id = c->private_requests.fixed_id;
     out->front_bumper = input_of_role(c, ROBUROC4_ROLE_FRONT_BUMPER);

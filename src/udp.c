@@ -77,7 +77,7 @@ roburoc4_result roburoc4_udp_resolve(const char *host, uint16_t default_port,
     return roburoc4_os_resolve(name, port, out);
 }
 
-roburoc4_result roburoc4_address_text(const roburoc4_address *address, char *buffer,
+roburoc4_result roburoc4_udp_address_text(const roburoc4_address *address, char *buffer,
                                       size_t capacity) {
     char ip[48], zone[12] = "";
     int length;

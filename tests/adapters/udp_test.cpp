@@ -63,7 +63,7 @@ std::string text_of(const char *host) {
     roburoc4_address address{};
     char text[ROBUROC4_ADDRESS_TEXT_SIZE];
     if (roburoc4_udp_resolve(host, 1234, &address) < 0 ||
-        roburoc4_address_text(&address, text, sizeof text) < 0) {
+        roburoc4_udp_address_text(&address, text, sizeof text) < 0) {
         return "";
     }
     return text;
@@ -127,11 +127,11 @@ TEST(Resolve, NamesTheLackOfAnAddress) {
 TEST(AddressText, NeedsRoomForItsNul) {
     roburoc4_address address = address_of(80);
     char text[ROBUROC4_ADDRESS_TEXT_SIZE];
-    EXPECT_EQ(roburoc4_address_text(&address, text, sizeof text), 12);
-    EXPECT_EQ(roburoc4_address_text(&address, text, 13), 12);
-    EXPECT_EQ(roburoc4_address_text(&address, text, 12), ROBUROC4_ERR_BUFFER);
+    EXPECT_EQ(roburoc4_udp_address_text(&address, text, sizeof text), 12);
+    EXPECT_EQ(roburoc4_udp_address_text(&address, text, 13), 12);
+    EXPECT_EQ(roburoc4_udp_address_text(&address, text, 12), ROBUROC4_ERR_BUFFER);
     address.family = 5;
-    EXPECT_EQ(roburoc4_address_text(&address, text, sizeof text), ROBUROC4_ERR_ARGUMENT);
+    EXPECT_EQ(roburoc4_udp_address_text(&address, text, sizeof text), ROBUROC4_ERR_ARGUMENT);
 }
 
 TEST(AddressText, ShowsTheZoneOfALinkLocalAddress) {
@@ -143,7 +143,7 @@ TEST(AddressText, ShowsTheZoneOfALinkLocalAddress) {
     address.scope = 4294967295u;
     address.port = 60000;
     char text[ROBUROC4_ADDRESS_TEXT_SIZE];
-    ASSERT_GT(roburoc4_address_text(&address, text, sizeof text), 0);
+    ASSERT_GT(roburoc4_udp_address_text(&address, text, sizeof text), 0);
     EXPECT_STREQ(text, "[fe80::1%4294967295]:60000");
 }
 

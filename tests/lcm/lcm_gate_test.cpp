@@ -588,7 +588,7 @@ TEST_F(Gate, APlannerThatStreamsBeforeTheRobotIsReadyDrivesOnceItIs) {
 
 TEST_F(Gate, ARobotInOtherHandsAtTheStartWaitsForAPause) {
     for (const std::int32_t refusal :
-         {ROBUROC4_ERR_OVERRIDE, ROBUROC4_ERR_FOREIGN, ROBUROC4_ERR_MOVING}) {
+         {ROBUROC4_ERR_OVERRIDE, ROBUROC4_ERR_OTHER_COMMANDER, ROBUROC4_ERR_MOVING}) {
         restart();
         run(second);
         const gate_robot taken{true, false, refusal};

@@ -418,10 +418,10 @@ TEST(LcmMapping, BridgeStatusHasABitForEachFault) {
         EXPECT_EQ(each.bit, v.status().faults);
     }
     View v;
-    v.facts.foreign = v.facts.inhibited = v.facts.front_bumper = v.facts.rear_bumper =
+    v.facts.other_commander = v.facts.inhibited = v.facts.front_bumper = v.facts.rear_bumper =
         v.facts.battery_low = 1;
     v.link.silence_us = 1000000;
-    EXPECT_EQ(ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_FOREIGN |
+    EXPECT_EQ(ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_OTHER_COMMANDER |
                   ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_INHIBITED |
                   ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_FRONT_BUMPER |
                   ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_REAR_BUMPER |

@@ -83,7 +83,6 @@ TEST(Config, Defaults) {
     EXPECT_EQ(1.0F, c.scale_linear);
     EXPECT_EQ(1.0F, c.scale_angular);
     EXPECT_EQ(0U, c.options);
-    EXPECT_EQ(0U, c.resume);
     for (const std::int16_t index : c.role_index)
         EXPECT_EQ(ROBUROC4_INDEX_AUTO, index);
     EXPECT_EQ(nullptr, roburoc4_config_error(&c));
@@ -131,7 +130,6 @@ TEST(Config, ErrorIsTheNameAndTheRange) {
         {"lease_ms: 20 to 1000", [](roburoc4_config &c) { c.lease_ms = 0; }},
         {"robot_watchdog_ms: 100 to 60000", [](roburoc4_config &c) { c.robot_watchdog_ms = 0; }},
         {"options: unknown bit", [](roburoc4_config &c) { c.options = 8; }},
-        {"resume: unknown bit", [](roburoc4_config &c) { c.resume = 8; }},
         {"max_linear_m_s: 0.001 to 20", [](roburoc4_config &c) { c.max_linear_m_s = 0; }},
         {"max_angular_rad_s: 0.001 to 50", [](roburoc4_config &c) { c.max_angular_rad_s = 0; }},
         {"scale_linear: 0.01 to 10", [](roburoc4_config &c) { c.scale_linear = 0; }},
@@ -202,7 +200,6 @@ TEST(Config, UnknownBitsAreRefused) {
         };
         check("subscriptions", bit >= 2 && bit <= 6, &roburoc4_config::subscriptions);
         check("options", bit < 3, &roburoc4_config::options);
-        check("resume", bit < 3, &roburoc4_config::resume);
     }
     expect_good("subscriptions", [](roburoc4_config &c) { c.subscriptions = 0; });
 }

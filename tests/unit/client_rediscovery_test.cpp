@@ -88,7 +88,6 @@ TEST(Rediscovery, TakesNoAnswerToAQuestionOfBefore) {
 TEST(Rediscovery, DisarmsAndDoesNotArmOnStatusesOfBefore) {
     ScriptedRobot robot;
     roburoc4_config config = default_config();
-    config.resume = ROBUROC4_RESUME_LOSS | ROBUROC4_RESUME_OVERRIDE | ROBUROC4_RESUME_REBOOT;
     Bench bench(robot, config);
     bench.armed();
     swap_ids(robot);
@@ -99,7 +98,7 @@ TEST(Rediscovery, DisarmsAndDoesNotArmOnStatusesOfBefore) {
     for (int i = 0; i < 300; i++) {
         bench.run(10 * ms);
         EXPECT_LT(roburoc4_client_arm(&bench.client, bench.client_us()), 0);
-        EXPECT_LT(bench.drive(0, 0, 200000), 0) << "it resumed by itself";
+        EXPECT_LT(bench.drive(0, 0, 200000), 0) << "it armed by itself";
     }
 }
 
@@ -229,24 +228,6 @@ TEST(Rediscovery, ARobotThatKnowsOnlyTheManualIdIsFoundHoweverLateItIsSwitchedOn
     bench.run(20 * second);
     EXPECT_EQ(ROBUROC4_STATE_READY, bench.facts().state);
     EXPECT_EQ(1, bench.facts().fixed_id);
-}
-
-TEST(Rediscovery, AResumingProgramMustPauseForALeaseAsLongAsItsOwn) {
-    ScriptedRobot robot;
-    roburoc4_config config = default_config();
-    config.resume = ROBUROC4_RESUME_OVERRIDE;
-    Bench bench(robot, config);
-    bench.armed();
-    ASSERT_EQ(ROBUROC4_OK, bench.drive(0.25F, 0, 1000000));
-    robot.press(ROBUROC4_DI_PAD_A);
-    bench.run(200 * ms);
-    robot.press(ROBUROC4_DI_PAD_A, false);
-    for (int i = 0; i < 20; i++) {
-        bench.run(400 * ms);
-        EXPECT_LT(bench.drive(0.25F, 0, 1000000), 0) << "revived after " << i;
-    }
-    bench.run(1100 * ms);
-    EXPECT_EQ(ROBUROC4_OK, bench.drive(0.25F, 0, 1000000));
 }
 
 } // namespace

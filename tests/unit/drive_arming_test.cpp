@@ -202,8 +202,8 @@ TEST(ArmRefused, WhileAnotherClientCommands) {
     robot.target_linear = 0.5F;
     Bench bench(robot);
     bench.ready();
-    EXPECT_EQ(1, bench.facts().foreign);
-    expect_refused(bench, ROBUROC4_ERR_FOREIGN);
+    EXPECT_EQ(1, bench.facts().other_commander);
+    expect_refused(bench, ROBUROC4_ERR_OTHER_COMMANDER);
 }
 
 TEST(ArmRefused, WhileItMovesUnasked) {
@@ -347,7 +347,7 @@ TEST(Disarms, WhenAnotherClientCommands) {
     robot.follows = false;
     Bench bench(robot);
     expect_disarmed(
-        bench, ROBUROC4_ERR_FOREIGN, [&] { robot.target_linear = -1.5F; }, 200 * ms);
+        bench, ROBUROC4_ERR_OTHER_COMMANDER, [&] { robot.target_linear = -1.5F; }, 200 * ms);
 }
 
 TEST(Disarms, WhenTheInputOfTheOverrideIsChanged) {
@@ -413,13 +413,12 @@ TEST(Disarms, WhenALateTextFindsTheOverrideElsewhere) {
     }
 }
 
-TEST(Disarms, WhenALateTextTellsThatAServiceIsAnotherAndDoesNotResume) {
+TEST(Disarms, WhenALateTextTellsThatAServiceIsAnotherAndDoesNotArmAgain) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_BATTERY).text = "Camera";
     robot.services.push_back({0x7100, 50, 99, "Battery"});
     robot.texts_silent = true;
     roburoc4_config config = default_config();
-    config.resume = ROBUROC4_RESUME_LOSS | ROBUROC4_RESUME_OVERRIDE | ROBUROC4_RESUME_REBOOT;
     Bench bench(robot, config);
     bench.armed();
     ASSERT_EQ(4, roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_BATTERY));
@@ -528,6 +527,6 @@ TEST(UnknownOverride, IsNotThatOfACardThatIsGone) {
     robot.follows = false;
     robot.target_linear = -1; /* somebody else's */
     bench.run(second);
-    EXPECT_EQ(1, bench.facts().foreign);
-    EXPECT_EQ(ROBUROC4_ERR_FOREIGN, bench.facts().disarm_cause);
+    EXPECT_EQ(1, bench.facts().other_commander);
+    EXPECT_EQ(ROBUROC4_ERR_OTHER_COMMANDER, bench.facts().disarm_cause);
 }

@@ -173,7 +173,7 @@ TEST_F(DriveSimulator, WhoHoldsAOnThePadHasTheRobot) {
     roburoc4_sim_set_pad_axis(robot.get(), ROBUROC4_AI_PAD_RT, 0.0F);
     bench.run(3 * second);
     EXPECT_NEAR(1.3, robot.state().true_linear_m_s, 0.1);
-    EXPECT_EQ(0, bench.facts().foreign) << "the pad is no other client";
+    EXPECT_EQ(0, bench.facts().other_commander) << "the pad is no other client";
 }
 
 TEST_F(DriveSimulator, SpeedsOfOthersDoNotReachAnOverriddenRobot) {
@@ -328,6 +328,6 @@ TEST_F(DriveSimulator, AnotherCommanderDisarmsWhoDrives) {
         bench.run(10 * ms);
     }
     EXPECT_EQ(0, bench.facts().armed);
-    EXPECT_EQ(ROBUROC4_ERR_FOREIGN, bench.facts().disarm_cause);
+    EXPECT_EQ(ROBUROC4_ERR_OTHER_COMMANDER, bench.facts().disarm_cause);
     expect_stop();
 }

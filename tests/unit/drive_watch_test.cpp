@@ -10,7 +10,7 @@ using namespace roburoc4_tests;
 
 /* ---- another commander ---- */
 
-TEST(Foreign, IsReportedAfterThreeStatusesWithTargetsOfSomebodyElse) {
+TEST(OtherCommander, IsReportedAfterThreeStatusesWithTargetsOfSomebodyElse) {
     ScriptedRobot robot;
     robot.follows = false;
     Bench bench(robot);
@@ -18,20 +18,20 @@ TEST(Foreign, IsReportedAfterThreeStatusesWithTargetsOfSomebodyElse) {
     robot.target_angular = 0.5F;
     for (std::uint64_t i = 1; i <= 2; i++)
         bench.receive(robot.status_at(6, robot.cycles() + i));
-    EXPECT_EQ(0, bench.facts().foreign);
-    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_FOREIGN);
+    EXPECT_EQ(0, bench.facts().other_commander);
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_OTHER_COMMANDER);
     bench.receive(robot.status_at(6, robot.cycles() + 3));
-    EXPECT_EQ(1, bench.facts().foreign);
-    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_FOREIGN);
+    EXPECT_EQ(1, bench.facts().other_commander);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_OTHER_COMMANDER);
     bench.run(second);
-    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_FOREIGN) << "once";
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_OTHER_COMMANDER) << "once";
     robot.target_angular = 0;
     bench.run(200 * ms);
-    EXPECT_EQ(0, bench.facts().foreign);
-    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_FOREIGN) << "and when it ends";
+    EXPECT_EQ(0, bench.facts().other_commander);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_OTHER_COMMANDER) << "and when it ends";
 }
 
-TEST(Foreign, IsAlsoWhoCommandsSlowly) {
+TEST(OtherCommander, IsAlsoWhoCommandsSlowly) {
     for (const float speed : {0.05F, -0.05F})
         for (const bool turning : {false, true}) {
             ScriptedRobot robot;
@@ -40,11 +40,11 @@ TEST(Foreign, IsAlsoWhoCommandsSlowly) {
             bench.ready();
             (turning ? robot.target_angular : robot.target_linear) = speed;
             bench.run(200 * ms);
-            EXPECT_EQ(1, bench.facts().foreign) << speed << (turning ? " rad/s" : " m/s");
+            EXPECT_EQ(1, bench.facts().other_commander) << speed << (turning ? " rad/s" : " m/s");
         }
 }
 
-TEST(Foreign, IsNotTwoStatuses) {
+TEST(OtherCommander, IsNotTwoStatuses) {
     ScriptedRobot robot;
     robot.follows = false;
     Bench bench(robot);
@@ -53,10 +53,10 @@ TEST(Foreign, IsNotTwoStatuses) {
         robot.target_linear = i % 3 == 0 ? 0.0F : 0.5F;
         bench.receive(robot.status_at(6, robot.cycles() + i));
     }
-    EXPECT_EQ(0, bench.facts().foreign);
+    EXPECT_EQ(0, bench.facts().other_commander);
 }
 
-TEST(Foreign, IsNeverTheClientItself) {
+TEST(OtherCommander, IsNeverTheClientItself) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.delay_to_client = [] { return 120 * ms; }; /* what it reports is old */
@@ -67,11 +67,11 @@ TEST(Foreign, IsNeverTheClientItself) {
         bench.run(30 * ms);
     }
     bench.run(3 * second);
-    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_FOREIGN);
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_OTHER_COMMANDER);
     EXPECT_EQ(1, bench.facts().armed);
 }
 
-TEST(Foreign, IsNeverTheGamePad) {
+TEST(OtherCommander, IsNeverTheGamePad) {
     ScriptedRobot robot;
     robot.follows = false;
     Bench bench(robot);
@@ -80,11 +80,11 @@ TEST(Foreign, IsNeverTheGamePad) {
     bench.run(100 * ms);
     robot.target_linear = robot.current_linear = 1;
     bench.run(5 * second);
-    EXPECT_EQ(0, bench.facts().foreign);
-    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_FOREIGN);
+    EXPECT_EQ(0, bench.facts().other_commander);
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_OTHER_COMMANDER);
 }
 
-TEST(Foreign, DisarmsAndSendsTheTrain) {
+TEST(OtherCommander, DisarmsAndSendsTheTrain) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
@@ -95,11 +95,11 @@ TEST(Foreign, DisarmsAndSendsTheTrain) {
     ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0, 1000000));
     bench.run(200 * ms);
     EXPECT_EQ(0, bench.facts().armed);
-    EXPECT_EQ(ROBUROC4_ERR_FOREIGN, bench.facts().disarm_cause);
+    EXPECT_EQ(ROBUROC4_ERR_OTHER_COMMANDER, bench.facts().disarm_cause);
     EXPECT_TRUE(bench.commands().back().zero());
 }
 
-TEST(Foreign, IsSeenAlsoBetweenZeroAndOurTarget) {
+TEST(OtherCommander, IsSeenAlsoBetweenZeroAndOurTarget) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
@@ -110,11 +110,11 @@ TEST(Foreign, IsSeenAlsoBetweenZeroAndOurTarget) {
         bench.drive(1, 0);
         bench.run(50 * ms);
     }
-    EXPECT_EQ(1, bench.facts().foreign);
+    EXPECT_EQ(1, bench.facts().other_commander);
     EXPECT_EQ(0, bench.facts().armed);
 }
 
-TEST(Foreign, MayUseTheSpeedThatWeUsedLongAgo) {
+TEST(OtherCommander, MayUseTheSpeedThatWeUsedLongAgo) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
@@ -123,35 +123,35 @@ TEST(Foreign, MayUseTheSpeedThatWeUsedLongAgo) {
     robot.follows = false;
     robot.target_linear = 1;
     bench.run(200 * ms);
-    EXPECT_EQ(1, bench.facts().foreign) << "nothing was sent for seconds";
+    EXPECT_EQ(1, bench.facts().other_commander) << "nothing was sent for seconds";
 }
 
-TEST(Foreign, IsNotARobotThatDropsItsTargetsItself) {
+TEST(OtherCommander, IsNotARobotThatDropsItsTargetsItself) {
     ScriptedRobot robot;
     robot.follows = false; /* its targets stay 0 */
     Bench bench(robot);
     bench.armed();
     ASSERT_NO_FATAL_FAILURE(bench.driving(1, -1, 5 * second));
-    EXPECT_EQ(0, bench.facts().foreign);
-    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_FOREIGN);
+    EXPECT_EQ(0, bench.facts().other_commander);
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_OTHER_COMMANDER);
     EXPECT_EQ(1, bench.facts().armed);
 }
 
-TEST(Foreign, CanBeIgnored) {
+TEST(OtherCommander, CanBeIgnored) {
     roburoc4_config config = default_config();
-    config.options = ROBUROC4_OPTION_IGNORE_FOREIGN;
+    config.options = ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER;
     ScriptedRobot robot;
     robot.follows = false;
     Bench bench(robot, config);
     bench.armed();
     robot.target_linear = -1;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
-    EXPECT_EQ(1, bench.facts().foreign);
-    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_FOREIGN);
+    EXPECT_EQ(1, bench.facts().other_commander);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_OTHER_COMMANDER);
     EXPECT_EQ(1, bench.facts().armed);
 }
 
-TEST(Foreign, IsNotAScaledOrClampedTargetOfOurs) {
+TEST(OtherCommander, IsNotAScaledOrClampedTargetOfOurs) {
     roburoc4_config config = default_config();
     config.scale_linear = 1.3F;
     ScriptedRobot robot;
@@ -160,10 +160,10 @@ TEST(Foreign, IsNotAScaledOrClampedTargetOfOurs) {
     bench.armed();
     ASSERT_NO_FATAL_FAILURE(bench.driving(2, 0.5F, 3 * second));
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0.5F, 3 * second));
-    EXPECT_EQ(0, bench.facts().foreign);
+    EXPECT_EQ(0, bench.facts().other_commander);
 }
 
-TEST(Foreign, IsSeenInTheSimulator) {
+TEST(OtherCommander, IsSeenInTheSimulator) {
     SimPartner sim;
     Bench bench(sim);
     bench.ready();
@@ -173,8 +173,8 @@ TEST(Foreign, IsSeenInTheSimulator) {
         roburoc4_sim_receive(sim.get(), 2, command.data(), command.size());
         bench.run(50 * ms);
     }
-    EXPECT_EQ(1, bench.facts().foreign);
-    EXPECT_EQ(ROBUROC4_ERR_FOREIGN, bench.arm());
+    EXPECT_EQ(1, bench.facts().other_commander);
+    EXPECT_EQ(ROBUROC4_ERR_OTHER_COMMANDER, bench.arm());
 }
 
 /* ---- motion inhibited ---- */

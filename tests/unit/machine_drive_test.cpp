@@ -41,7 +41,7 @@ struct Driver {
     roburoc4_result grant(float linear, float angular, std::uint64_t now_us,
                           std::uint32_t lease_us = 250000) {
         const std::array<float, 2> target{linear, angular};
-        return roburoc4_drive_grant(&d, &config, target.data(), lease_us, now_us, &events);
+        return roburoc4_drive_grant(&d, target.data(), lease_us, now_us);
     }
     bool poll(std::uint64_t now_us) {
         return roburoc4_drive_poll(&d, &config, limits.data(), now_us, out.data(), &events);
@@ -53,7 +53,7 @@ struct Driver {
         roburoc4_drive_status(&d, &config, speeds.data(), overridden, now_us, &events);
     }
     void tick(std::uint64_t now_us, roburoc4_result refusal = ROBUROC4_OK) {
-        roburoc4_drive_tick(&d, &config, refusal, now_us, &events);
+        roburoc4_drive_tick(&d, refusal, now_us, &events);
     }
     /** Let a speed out, and leave driving after it. */
     void spoke(std::uint64_t now_us) {
@@ -146,45 +146,12 @@ TEST(DriveMachine, AnySpeedIsFollowedByZerosOfWhichTheFirstLeavesAtOnce) {
         driver.grant(speed[0], speed[1], begin_us);
         ASSERT_TRUE(driver.poll(begin_us));
         EXPECT_EQ(speed, driver.out);
-        roburoc4_drive_interrupt(&driver.d, &driver.config, ROBUROC4_ERR_DISARMED, &driver.events);
+        roburoc4_drive_interrupt(&driver.d, ROBUROC4_ERR_DISARMED, &driver.events);
         EXPECT_EQ(begin_us, roburoc4_drive_deadline(&driver.d, &driver.config));
         EXPECT_TRUE(driver.poll(begin_us)) << "though a speed just left";
         EXPECT_FALSE(driver.speaks());
         EXPECT_FALSE(driver.poll(begin_us + 50 * ms - 1));
         EXPECT_TRUE(driver.poll(begin_us + 50 * ms));
-    }
-}
-
-TEST(DriveMachine, ResumesAfterTheChosenCausesOnly) {
-    for (roburoc4_result cause = ROBUROC4_ERR_NOT_NEUTRAL; cause < 0; cause++) {
-        std::uint32_t bit = 0;
-        switch (cause) {
-        case ROBUROC4_ERR_OVERRIDE:
-            bit = ROBUROC4_RESUME_OVERRIDE;
-            break;
-        case ROBUROC4_ERR_REBOOT:
-            bit = ROBUROC4_RESUME_REBOOT;
-            break;
-        case ROBUROC4_ERR_LOST:
-        case ROBUROC4_ERR_NOT_READY:
-        case ROBUROC4_ERR_STALE_DIFFERENTIAL:
-        case ROBUROC4_ERR_STALE_IOCARD:
-            bit = ROBUROC4_RESUME_LOSS;
-            break;
-        default:
-            break;
-        }
-        for (std::uint32_t resume = 0; resume < 8; resume++) {
-            SCOPED_TRACE(testing::Message() << "cause " << cause << ", resume " << resume);
-            Driver driver;
-            driver.config.resume = resume;
-            roburoc4_drive_interrupt(&driver.d, &driver.config, cause, &driver.events);
-            EXPECT_EQ(0, driver.d.armed);
-            driver.tick(begin_us);
-            const bool resumes = (resume & bit) != 0;
-            EXPECT_EQ(resumes ? ROBUROC4_OK : cause, driver.grant(0, 0, begin_us));
-            EXPECT_EQ(resumes ? 1 : 0, driver.d.armed);
-        }
     }
 }
 
@@ -197,7 +164,7 @@ TEST(DriveMachine, OwesItsZerosToTheServiceThatIsFoundNext) {
         EXPECT_EQ(1, spoke.d.stop_latched);
         EXPECT_EQ(0, spoke.d.leased);
         EXPECT_FALSE(spoke.poll(begin_us + second));
-        roburoc4_drive_interrupt(&spoke.d, &spoke.config, ROBUROC4_ERR_LOST, &spoke.events);
+        roburoc4_drive_interrupt(&spoke.d, ROBUROC4_ERR_LOST, &spoke.events);
         EXPECT_FALSE(spoke.poll(begin_us + second)) << "to whom?";
         roburoc4_drive_service(&spoke.d, false, static_cast<std::uint16_t>(9 - id));
         EXPECT_EQ(1, spoke.d.stop_latched) << "gone twice: still owed";
@@ -292,7 +259,7 @@ struct OnOneAxis {
         speeds[2 * axis] = sign * target;
         for (std::uint64_t i = 0; i < 3; i++)
             copy.status(speeds, now_us + i * ms);
-        return copy.d.foreign == 0;
+        return copy.d.other_commander == 0;
     }
 };
 
@@ -372,7 +339,7 @@ TEST(DriveMachine, WhatWasSentBeforeAFaultOfTheClockIsStillOurs) {
     roburoc4_drive_rebase(&driver.d, begin_us);
     for (std::uint64_t i = 1; i < 5; i++)
         driver.status({0.5F, 0, 0, 0}, begin_us + i * 50 * ms); /* these were on their way */
-    EXPECT_EQ(0, driver.d.foreign);
+    EXPECT_EQ(0, driver.d.other_commander);
     EXPECT_EQ(1, driver.d.armed);
 }
 
@@ -397,12 +364,12 @@ TEST(DriveMachine, ATargetThatIsNoNumberIsNobodysOfOurs) {
         Driver driver;
         for (std::uint64_t i = 0; i < 2; i++)
             driver.status(speeds, begin_us + i * 50 * ms);
-        EXPECT_EQ(0, driver.d.foreign);
+        EXPECT_EQ(0, driver.d.other_commander);
         driver.status(speeds, begin_us + 100 * ms);
-        EXPECT_EQ(1, driver.d.foreign);
+        EXPECT_EQ(1, driver.d.other_commander);
         EXPECT_EQ(0, driver.d.armed);
         EXPECT_EQ(1, driver.d.moving) << "it cannot be said to stand";
-        EXPECT_EQ(ROBUROC4_ERR_FOREIGN, driver.d.disarm_cause);
+        EXPECT_EQ(ROBUROC4_ERR_OTHER_COMMANDER, driver.d.disarm_cause);
     }
 }
 
@@ -410,12 +377,12 @@ TEST(DriveMachine, WhatIsNoNumberIsNotForeignUnderTheOverrideOrWhereTargetsAreOu
     Driver overridden;
     for (std::uint64_t i = 0; i < 5; i++)
         overridden.status({nan32, 0, 0, 0}, begin_us + i * 50 * ms, true);
-    EXPECT_EQ(0, overridden.d.foreign);
+    EXPECT_EQ(0, overridden.d.other_commander);
     EXPECT_EQ(1, overridden.d.moving);
     Driver ours;
     for (std::uint64_t i = 0; i < 5; i++)
         ours.status({0, nan32, 0, 0}, begin_us + i * 50 * ms);
-    EXPECT_EQ(0, ours.d.foreign);
+    EXPECT_EQ(0, ours.d.other_commander);
     EXPECT_EQ(1, ours.d.moving);
     EXPECT_EQ(1, ours.d.armed);
 }

@@ -18,10 +18,9 @@ properties (Constant)
     OVERRIDE_UNKNOWN = -26
     OVERRIDE = -27
     MOVING = -28
-    FOREIGN = -29
+    OTHER_COMMANDER = -29
     LOST = -30
     REBOOT = -31
     CLOCK = -32
-    NOT_NEUTRAL = -33
 end
 end

@@ -31,7 +31,7 @@ static const struct {
      "allow_unknown_override"},
     {ROBUROC4_ERR_OVERRIDE, "release [A] on the game pad, then call arm() again"},
     {ROBUROC4_ERR_MOVING, "wait until the robot stands still, then call arm() again"},
-    {ROBUROC4_ERR_FOREIGN, "end the other program, then call arm() again"},
+    {ROBUROC4_ERR_OTHER_COMMANDER, "end the other program, then call arm() again"},
     {ROBUROC4_ERR_LOST, "check cable and power, wait until it is ready, then call arm() again"},
     {ROBUROC4_ERR_REBOOT, "look at the robot, then call arm() again"},
     {ROBUROC4_ERR_CLOCK, "find out what sets this machine's clock, then call arm() again"},

@@ -226,7 +226,7 @@ void robot_address_text(robot *one, char *text, size_t capacity) {
         (void)roburoc4_pump_lock(one->pump);
         (void)roburoc4_udp_address(roburoc4_pump_udp(one->pump), &address);
         roburoc4_pump_unlock(one->pump);
-        (void)roburoc4_address_text(&address, text, capacity);
+        (void)roburoc4_udp_address_text(&address, text, capacity);
     }
 }
 

@@ -47,7 +47,7 @@ static const setting of_robot[] = {
     PERIOD("differential_period_ms", ROBUROC4_SERVICE_DIFFERENTIAL),
     OPTION("turn_keeping", ROBUROC4_OPTION_TURN_KEEPING),
     OPTION("allow_unknown_override", ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE),
-    OPTION("ignore_other_commander", ROBUROC4_OPTION_IGNORE_FOREIGN),
+    OPTION("ignore_other_commander", ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER),
     ROLE("override_index", ROBUROC4_ROLE_OVERRIDE),
     ROLE("front_bumper_index", ROBUROC4_ROLE_FRONT_BUMPER),
     ROLE("rear_bumper_index", ROBUROC4_ROLE_REAR_BUMPER),

@@ -7,11 +7,11 @@ include = fullfile(root, '..', '..', 'include');
 header = fileread(fullfile(include, 'roburoc4.h'));
 
 % The arrays of the struct are options by service, by role and by bit.
-wanted = fields_of(header, 'roburoc4_config', {'size', 'subscriptions', 'options', 'resume'});
+wanted = fields_of(header, 'roburoc4_config', {'size', 'subscriptions', 'options'});
 services = {'iocard', 'telemeter', 'battery', 'localization', 'differential'};
 roles = strrep(setdiff(defined(header, 'ROLE'), {'count'}), 'battery_v', 'battery_voltage');
 wanted = [wanted, strcat(services, '_period_ms'), strcat(roles, '_index'), ...
-    strrep(defined(header, 'OPTION'), 'ignore_foreign', 'ignore_other_commander'), ...
+    defined(header, 'OPTION'), ...
     {'buffer', 'timeout'}];
 check(numel(wanted) > 22, 'only %d settings in the header', numel(wanted));
 for k = 1:numel(wanted)

@@ -229,7 +229,7 @@ PyObject *record_of_facts(const roburoc4_facts *f) {
     return record_new(RECORD_FACTS,
                       Py_BuildValue("(INNNNNNNNNNNNiiiIdd)", f->state, yes(f->armed),
                                     yes(f->driving), yes(f->stopping), yes(f->override_known),
-                                    yes(f->overridden), yes(f->foreign), yes(f->inhibited),
+                                    yes(f->overridden), yes(f->other_commander), yes(f->inhibited),
                                     yes(f->fixed_id), yes(f->front_bumper), yes(f->rear_bumper),
                                     yes(f->descriptions_done), yes(f->battery_low), f->disarm_cause,
                                     f->arm_refusal, f->relocalize_result, f->lease_left_us,

@@ -8,7 +8,7 @@ import roburoc4
 
 
 def test_stop_ends_the_drive_of_another_program() -> None:
-    with roburoc4.Simulator(port=0) as sim, sim.connect(ignore_foreign=True) as robot:
+    with roburoc4.Simulator(port=0) as sim, sim.connect(ignore_other_commander=True) as robot:
         robot.arm()
         robot.drive(0.5, 0.0, lease_ms=1000)
         eventually(lambda: sim.state.wheel_linear_m_s > 0.1)

@@ -22,7 +22,6 @@ FAMILIES = {
     "STATE": (constants.State, set()),
     "ROLE": (constants.Role, {"COUNT"}),
     "EVENT": (constants.Event, set()),
-    "RESUME": (constants.Resume, set()),
     "COUNT": (constants.Count, set()),
     "ERR": (constants.Result, set()),
 }
@@ -76,7 +75,7 @@ def test_every_result_becomes_an_exception_with_its_code() -> None:
 
 def test_every_reason_against_driving_has_a_remedy() -> None:
     for result in constants.Result:
-        if constants.Result.NOT_NEUTRAL <= result <= constants.Result.DISARMED:
+        if constants.Result.CLOCK <= result <= constants.Result.DISARMED:
             error = roburoc4.errors.error_of(result)
             assert isinstance(error, roburoc4.NotArmedError)
             assert "None" not in str(error)

@@ -167,20 +167,6 @@ def test_drive_for_ends_with_zero_on_any_exception(roburoc4_simulator: Simulator
         assert roburoc4_simulator.state.last_linear_m_s == 0
 
 
-def test_resuming_is_off_unless_asked_for_and_needs_a_neutral_command() -> None:
-    with Simulator() as sim, sim.connect(resume=roburoc4.Resume.OVERRIDE) as robot:
-        robot.arm()
-        robot.drive(0.5, 0.0)
-        with sim.pad.held():
-            sim.step(0.5)
-        robot.wait_for(lambda r: not r.facts.overridden)
-        robot.wait_for(lambda r: not r.facts.stopping)
-        robot.drive(0, 0)
-        robot.drive(0.5, 0.0)
-        sim.step(0.2)
-        assert sim.state.last_linear_m_s == 0.5
-
-
 def test_standing_still_against_a_command_is_reported(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         robot.arm()
@@ -201,7 +187,7 @@ def test_another_commander_disarms(roburoc4_simulator: Simulator) -> None:
         one.arm()
         other.arm()
         other.drive_for(0.5, 0.0, seconds=1)
-        assert one.facts.disarm_cause == Result.FOREIGN
+        assert one.facts.disarm_cause == Result.OTHER_COMMANDER
         with pytest.raises(roburoc4.NotArmedError, match="other program"):
             one.drive(0.1, 0.0)
 

@@ -44,7 +44,7 @@ class bridge_status_t(object):
     """ Another error of the network """
     FAULT_SILENT = 0x0040
     """ No datagram of the robot for a second """
-    FAULT_FOREIGN = 0x0100
+    FAULT_OTHER_COMMANDER = 0x0100
     """ Another program commands it """
     FAULT_INHIBITED = 0x0200
     """ Asked to move, but stands: stop, brakes, bumper """

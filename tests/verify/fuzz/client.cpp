@@ -24,7 +24,6 @@ roburoc4_config config_from(Input &in) {
     roburoc4_config_init(&config, sizeof config);
     const std::uint8_t choice = in.byte();
     config.options = choice & 7;
-    config.resume = choice >> 3 & 7;
     if ((choice & 0x40) != 0) {
         config.lease_ms = 20 + in.byte() % 200U;
         config.drive_period_ms = 10;

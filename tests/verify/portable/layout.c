@@ -11,8 +11,8 @@
 #define PART "layout.c"
 
 static void test_fixed_sizes(void) {
-    CHECK(sizeof(roburoc4_client) == 1968);
-    CHECK(sizeof(roburoc4_config) == 80);
+    CHECK(sizeof(roburoc4_client) == 1952);
+    CHECK(sizeof(roburoc4_config) == 76);
     CHECK(sizeof(roburoc4_facts) == 44);
     CHECK(sizeof(roburoc4_inputs) == 152);
     CHECK(sizeof(roburoc4_distances) == 80);
@@ -33,15 +33,15 @@ static void test_fixed_sizes(void) {
 static void test_offsets(void) {
     CHECK(offsetof(roburoc4_client, private_config) == 24);
     CHECK(offsetof(roburoc4_client, private_drive) == 104);
-    CHECK(offsetof(roburoc4_client, private_discovery) == 232);
-    CHECK(offsetof(roburoc4_client, private_requests) == 488);
-    CHECK(offsetof(roburoc4_client, private_counters) == 600);
-    CHECK(offsetof(roburoc4_client, private_outputs) == 656);
-    CHECK(offsetof(roburoc4_client, private_link) == 776);
-    CHECK(offsetof(roburoc4_client, private_values) == 1192);
+    CHECK(offsetof(roburoc4_client, private_discovery) == 216);
+    CHECK(offsetof(roburoc4_client, private_requests) == 472);
+    CHECK(offsetof(roburoc4_client, private_counters) == 584);
+    CHECK(offsetof(roburoc4_client, private_outputs) == 640);
+    CHECK(offsetof(roburoc4_client, private_link) == 760);
+    CHECK(offsetof(roburoc4_client, private_values) == 1176);
     CHECK(offsetof(roburoc4_config, period_ms) == 8);
     CHECK(offsetof(roburoc4_config, max_linear_m_s) == 48);
-    CHECK(offsetof(roburoc4_config, role_index) == 72);
+    CHECK(offsetof(roburoc4_config, role_index) == 68);
     CHECK(offsetof(roburoc4_facts, disarm_cause) == 20);
     CHECK(offsetof(roburoc4_facts, linear_m_s) == 36);
     CHECK(offsetof(roburoc4_inputs, analog) == 16);

@@ -90,9 +90,8 @@ void Referee::leave() {
         begin_train();
 }
 
-void Referee::lose_arming(std::uint64_t &total, std::uint32_t cause) {
+void Referee::lose_arming(std::uint64_t &total) {
     total += armed_ ? 1 : 0;
-    causes_ = armed_ ? cause : causes_ | cause;
     armed_ = false;
     leave();
 }
@@ -107,12 +106,11 @@ void Referee::forget_statuses() {
 void Referee::begin(std::uint64_t now_us) {
     if (now_us < now_us_) {
         totals_.clock_faults++;
-        lose_arming(totals_.disarms, never);
+        lose_arming(totals_.disarms);
         differential_us_.reset(); /* their age is not known any more */
         iocard_us_.reset();
         sent_us_.reset(); /* what is due is due at once */
         first_zero_us_ = now_us;
-        last_push_us_.reset();
     }
     now_us_ = now_us;
 }
@@ -131,7 +129,7 @@ void Referee::tick() {
     const bool fresh = differential_us_ && now_us_ - *differential_us_ < fresh_us &&
                        (deceived_inputs_ || (iocard_us_ && now_us_ - *iocard_us_ < fresh_us));
     if (armed_ && !fresh)
-        lose_arming(totals_.stale, ROBUROC4_RESUME_LOSS);
+        lose_arming(totals_.stale);
 }
 
 /** Once it has asked for all, a client may find that there is nobody to command. */
@@ -155,12 +153,12 @@ void Referee::take_events() {
     events_ |= events;
     if ((events & ROBUROC4_EVENT_LOST) != 0) {
         totals_.losses++;
-        lose_arming(totals_.disarms, ROBUROC4_RESUME_LOSS);
+        lose_arming(totals_.disarms);
         forget_statuses();
     }
     if ((events & ROBUROC4_EVENT_REBOOT) != 0) {
         totals_.reboots++;
-        lose_arming(totals_.disarms, ROBUROC4_RESUME_REBOOT);
+        lose_arming(totals_.disarms);
         forget_statuses();
         if (deceived_services_) { /* what was owed may have gone to whom it took for the service */
             zeros_allowed_ = true;
@@ -169,11 +167,11 @@ void Referee::take_events() {
         }
         deceived_services_ = deceived_inputs_ = false; /* all is read again */
     }
-    if ((events & ROBUROC4_EVENT_FOREIGN) != 0 && armed_ && facts().foreign != 0 &&
-        (config_.options & ROBUROC4_OPTION_IGNORE_FOREIGN) == 0)
-        lose_arming(totals_.foreign, never);
+    if ((events & ROBUROC4_EVENT_OTHER_COMMANDER) != 0 && armed_ && facts().other_commander != 0 &&
+        (config_.options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0)
+        lose_arming(totals_.foreign);
     if ((events & ROBUROC4_EVENT_DISARMED) != 0)
-        lose_arming(totals_.disarms, 0);
+        lose_arming(totals_.disarms);
     note_withdrawal();
     if ((events & ROBUROC4_EVENT_ARMED) != 0 && !arming_call_)
         complain("armed itself without being asked");
@@ -217,7 +215,7 @@ roburoc4_result Referee::close(std::uint64_t now_us) {
     if (state() == ROBUROC4_STATE_IDLE)
         return roburoc4_client_close(&client_, now_us);
     begin(now_us);
-    lose_arming(totals_.disarms, never);
+    lose_arming(totals_.disarms);
     stop_waits_ = false;
     const roburoc4_result result = roburoc4_client_close(&client_, now_us);
     end();
@@ -250,7 +248,7 @@ roburoc4_result Referee::arm(std::uint64_t now_us) {
 
 roburoc4_result Referee::disarm(std::uint64_t now_us) {
     begin(now_us);
-    lose_arming(totals_.disarms, never);
+    lose_arming(totals_.disarms);
     const roburoc4_result result = roburoc4_client_disarm(&client_, now_us);
     if (result != ROBUROC4_OK)
         complain("disarm() was refused");
@@ -279,17 +277,10 @@ roburoc4_result Referee::drive(float linear, float angular, std::uint32_t lease_
     tick();
     const roburoc4_result result =
         roburoc4_client_drive(&client_, linear, angular, lease_us, now_us);
-    arming_call_ = true;
     take_events();
-    arming_call_ = false;
-    const bool neutral = is_zero(linear, angular);
     if (result >= 0) {
-        if (!armed_ && (config_.resume == 0 || (causes_ & ~config_.resume) != 0))
+        if (!armed_)
             complain("drive() was accepted while disarmed");
-        if (!armed_ && !neutral && last_push_us_ &&
-            now_us_ - *last_push_us_ < config_.lease_ms * ms)
-            complain("resumed with a speed, without drive(0, 0) or a pause before it");
-        totals_.resumptions += armed_ ? 0 : 1;
         totals_.grants++;
         armed_ = true;
         leased_ = true;
@@ -300,8 +291,6 @@ roburoc4_result Referee::drive(float linear, float angular, std::uint32_t lease_
     } else if (armed_) {
         complain("drive() was refused while armed");
     }
-    if (!neutral)
-        last_push_us_ = now_us;
     check_facts();
     return result;
 }
@@ -425,7 +414,7 @@ void Referee::note_status(const Bytes &datagram) {
         overridden_ = !deceived_inputs_ && shows_override(datagram);
         if (overridden_) {
             totals_.overrides++;
-            lose_arming(totals_.disarms, ROBUROC4_RESUME_OVERRIDE);
+            lose_arming(totals_.disarms);
         }
     } else if (kind(id) == ROBUROC4_SERVICE_DIFFERENTIAL) {
         differential_us_ = now_us_;

@@ -28,7 +28,7 @@ struct RobotTruth {
 
 /** How often something happened: to see that a run was not empty. */
 struct RefereeTotals {
-    std::uint64_t grants = 0, resumptions = 0, armings = 0;
+    std::uint64_t grants = 0, armings = 0;
     std::uint64_t speeds = 0, zeros = 0, trains = 0;
     std::uint64_t leases_over = 0, disarms = 0, stops = 0;
     std::uint64_t overrides = 0, stale = 0, losses = 0, reboots = 0, foreign = 0, clock_faults = 0;
@@ -96,9 +96,7 @@ class Referee {
     void take_events();
     void check_facts();
     void leave();
-    /** `cause`: the ROBUROC4_RESUME_* bit that it takes to resume after this, or `never`. */
-    void lose_arming(std::uint64_t &total, std::uint32_t cause);
-    static constexpr std::uint32_t never = 0x80;
+    void lose_arming(std::uint64_t &total);
     void begin_train();
     void forget_statuses();
     void note_withdrawal();
@@ -135,12 +133,10 @@ class Referee {
     /* arming and lease */
     bool armed_ = false;
     bool arming_call_ = false; /* a call that may arm is on its way */
-    std::uint32_t causes_ = 0; /* of losing the arming, and since */
     bool leased_ = false;
     std::uint64_t granted_us_ = 0;
     std::uint32_t lease_us_ = 0;
     float linear_ = 0, angular_ = 0;
-    std::optional<std::uint64_t> last_push_us_; /* last drive() of a speed, accepted or not */
 
     /* what was sent */
     std::optional<std::uint64_t> sent_us_; /* last speed command */

@@ -186,7 +186,6 @@ roburoc4_config Life::draw_config() {
     config.max_linear_m_s = dice_.chance(0.3) ? static_cast<float>(dice_.real(0.5, 5)) : 2.6F;
     config.max_angular_rad_s = dice_.chance(0.3) ? static_cast<float>(dice_.real(0.5, 9)) : 6.5F;
     config.options = dice_.chance(0.3) ? static_cast<std::uint32_t>(dice_.between(0, 7)) : 0;
-    config.resume = dice_.chance(0.4) ? static_cast<std::uint32_t>(dice_.between(0, 7)) : 0;
     return config;
 }
 
@@ -492,9 +491,7 @@ void Life::push_target() {
     say("drive", static_cast<double>(linear), result);
     if (client_->totals().grants > grants)
         grant_bound_us_ = std::max(grant_bound_us_, now_us_ + client_->last_lease_us());
-    if (result == ROBUROC4_ERR_NOT_NEUTRAL && dice_.chance(0.3))
-        linear_ = angular_ = 0;
-    if (result < 0 && dice_.chance(config_.resume != 0 ? 0.02 : 0.5))
+    if (result < 0 && dice_.chance(0.5))
         say("arm", client_->arm(client_now()));
 }
 

@@ -31,7 +31,6 @@ struct WalkSum {
         visit("deceived", sum.deceived, true);
         visit("forged", sum.forged, true);
         visit("grants", t.grants, true);
-        visit("resumptions", t.resumptions, true);
         visit("armings", t.armings, true);
         visit("speeds", t.speeds, true);
         visit("zeros", t.zeros, true);

@@ -44,7 +44,6 @@ void expect_full(const WalkSum &sum) {
     for (const std::uint64_t seldom :
          {totals.stale, totals.losses, totals.reboots, totals.clock_faults, totals.foreign})
         EXPECT_GE(seldom, lives / 10);
-    EXPECT_GE(totals.resumptions, lives / 50);
     EXPECT_GE(sum.monitors, lives / 50);
     EXPECT_GE(sum.forged, lives);
     EXPECT_LE(sum.deceived, lives / 5); /* else much was not judged */

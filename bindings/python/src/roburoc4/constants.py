@@ -15,7 +15,6 @@ __all__ = [
     "IoType",
     "LocalizationFlag",
     "Result",
-    "Resume",
     "Role",
     "Service",
     "State",
@@ -134,7 +133,7 @@ class Event(IntFlag):
     LEASE_OVER = 0x00002000
     STOPPED = 0x00004000
     OVERRIDE = 0x00008000
-    FOREIGN = 0x00010000
+    OTHER_COMMANDER = 0x00010000
     INHIBITED = 0x00020000
     BATTERY_LOW = 0x00040000
     BATTERY_CRITICAL = 0x00080000
@@ -146,14 +145,6 @@ class Event(IntFlag):
     CAPACITY = 0x02000000
     DESCRIPTIONS_DONE = 0x04000000
     ROLE = 0x08000000
-
-
-class Resume(IntFlag):
-    """After what the client may arm itself again; off unless asked for."""
-
-    OVERRIDE = 0x01
-    LOSS = 0x02
-    REBOOT = 0x04
 
 
 class Fault(IntEnum):
@@ -217,11 +208,10 @@ class Result(IntEnum):
     OVERRIDE_UNKNOWN = -26
     OVERRIDE = -27
     MOVING = -28
-    FOREIGN = -29
+    OTHER_COMMANDER = -29
     LOST = -30
     REBOOT = -31
     CLOCK = -32
-    NOT_NEUTRAL = -33
     SYSTEM = -40
     RESOLVE = -41
     CLOSED = -42

@@ -42,7 +42,7 @@ def resolve(host: str) -> tuple["_native.Address", object, str]:
         ) from None
     except NetworkError as error:
         raise NetworkError(f"{host!r}: {error}", error.code) from None
-    return address, owner, _native.roburoc4_address_text(address).decode("ascii")
+    return address, owner, _native.roburoc4_udp_address_text(address).decode("ascii")
 
 
 class PumpReader(Reader):

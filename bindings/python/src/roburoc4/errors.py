@@ -95,11 +95,10 @@ _REMEDIES: dict[int, str] = {
     "protection with allow_unknown_override=True",
     Result.OVERRIDE: f"release [A] on the game pad, {_ARM}",
     Result.MOVING: f"wait until the robot stands still, {_ARM}",
-    Result.FOREIGN: f"end the other program, {_ARM}",
+    Result.OTHER_COMMANDER: f"end the other program, {_ARM}",
     Result.LOST: f"check cable and power, wait until it is ready, {_ARM}",
     Result.REBOOT: f"look at the robot, {_ARM}",
     Result.CLOCK: f"find out what sets this machine's clock, {_ARM}",
-    Result.NOT_NEUTRAL: "call drive(0, 0) once, or pause for one lease",
 }
 
 _CLASSES: dict[int, type[RobotError]] = {
@@ -124,7 +123,7 @@ def error_of(code: int) -> RobotError:
     """Make the exception that stands for a result of the C library."""
     text = _native.roburoc4_result_text(code)
     remedy = _REMEDIES.get(code)
-    if Result.NOT_NEUTRAL <= code <= Result.DISARMED:
+    if Result.CLOCK <= code <= Result.DISARMED:
         cause = text.partition(":")[0]
         return NotArmedError(f"not armed: {cause}; {remedy}", code)
     kind = _CLASSES.get(code, RobotError)

@@ -302,7 +302,7 @@ class Facts(NamedTuple):
     override_known: bool
     overridden: bool
     """Somebody holds [A] on the game pad."""
-    foreign: bool
+    other_commander: bool
     """Another client commands the robot."""
     inhibited: bool
     """A speed is asked for, but the robot stands still: emergency stop, brakes, bumper."""

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Any, TypedDict
 
 from . import _native
-from .constants import Result, Resume, Role, Service
+from .constants import Result, Role, Service
 from .errors import ArgumentError
 
 __all__ = ["Settings"]
@@ -41,9 +41,8 @@ class Settings(TypedDict, total=False):
     """Slow down rather than turn less; off."""
     allow_unknown_override: bool
     """Arm although the game pad's input is not known; off. Gives up a protection."""
-    ignore_foreign: bool
+    ignore_other_commander: bool
     """Stay armed while another client commands; off. Gives up a protection."""
-    resume: Resume
     """After what to arm again by itself; after nothing."""
     override_index: int
     """Index of game pad [A] among the digital inputs, where the robot's texts do not tell it."""
@@ -71,7 +70,7 @@ _PLAIN = frozenset(
         "scale_angular",
     )
 )
-_OPTIONS = {"turn_keeping": 1, "allow_unknown_override": 2, "ignore_foreign": 4}
+_OPTIONS = {"turn_keeping": 1, "allow_unknown_override": 2, "ignore_other_commander": 4}
 _ROLES = {
     "override_index": Role.OVERRIDE,
     "front_bumper_index": Role.FRONT_BUMPER,
@@ -119,8 +118,6 @@ def _set(config: "_native.Config", name: str, value: Any) -> None:
         _native.roburoc4_config_options_set(config, options)
     elif name in _ROLES:
         _native.config_set_role(config, _ROLES[name], value)
-    elif name == "resume":
-        _native.roburoc4_config_resume_set(config, int(value))
     elif name == "periods_ms":
         _set_periods(config, value)
     elif name != "buffer":

@@ -69,7 +69,7 @@ def test_a_clock_that_is_set_back_begins_anew() -> None:
 @dataclass
 class Facts:
     overridden: bool = False
-    foreign: bool = False
+    other_commander: bool = False
     inhibited: bool = False
 
 
@@ -82,7 +82,7 @@ def test_every_event_that_matters_has_words() -> None:
     ("event", "fact"),
     [
         (Event.OVERRIDE, "overridden"),
-        (Event.FOREIGN, "foreign"),
+        (Event.OTHER_COMMANDER, "other_commander"),
         (Event.INHIBITED, "inhibited"),
     ],
 )

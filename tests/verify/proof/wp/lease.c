@@ -63,21 +63,17 @@ static void begin_train(drive *d);
     ensures else_as_before: \old(d->spoke) == 0 ==> d->train == \old(d->train); */
 static void leave(drive *d);
 
-/*@ assigns \nothing; */
-static uint32_t resume_bit(roburoc4_result cause);
-
-/*@ requires \valid(d) && \valid_read(config) && \valid(events);
-    requires \separated(d, config, events);
+/*@ requires \valid(d) && \valid(events);
+    requires \separated(d, events);
     requires an_error: cause < 0;
     requires caused(d);
-    assigns d->leased, d->train, d->zeros, d->confirmed, d->spoke, d->resuming, d->disarm_cause,
+    assigns d->leased, d->train, d->zeros, d->confirmed, d->spoke, d->disarm_cause,
             d->armed, *events;
     ensures a_cause_is_an_error: caused(d);
     ensures no_lease: d->leased == 0;
     ensures disarmed: d->armed == 0;
     ensures a_train_if_it_spoke: \old(d->spoke) != 0 ==> d->train == 1 && d->zeros == 0; */
-void roburoc4_drive_interrupt(drive *d, const roburoc4_config *config, roburoc4_result cause,
-                              uint32_t *events);
+void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events);
 
 /*@ requires \valid(d);
     assigns d->leased, d->train, d->zeros, d->confirmed, d->spoke, d->stop_latched;
@@ -88,15 +84,15 @@ void roburoc4_drive_stop(drive *d);
 /* ---- taking a lease ---- */
 
 /*@ requires \valid(d) && \valid(events) && \separated(d, events);
-    assigns d->armed, d->resuming, d->disarm_cause, *events;
+    assigns d->armed, d->disarm_cause, *events;
     ensures a_cause_is_an_error: caused(d);
     ensures d->armed == 1; */
 void roburoc4_drive_arm(drive *d, uint32_t *events);
 
-/*@ requires \valid(d) && \valid_read(config) && \valid_read(target + (0 .. 1)) && \valid(events);
-    requires \separated(d, config, target + (0 .. 1), events);
+/*@ requires \valid(d) && \valid_read(target + (0 .. 1));
+    requires \separated(d, target + (0 .. 1));
     requires caused(d);
-    assigns *d, *events;
+    assigns *d;
     ensures a_cause_is_an_error: caused(d);
     ensures only_armed: \result == 0 ==> d->armed != 0 && d->leased == 1 &&
         d->granted_us == now_us && d->lease_us == lease_us;
@@ -104,10 +100,10 @@ void roburoc4_drive_arm(drive *d, uint32_t *events);
         d->granted_us == \old(d->granted_us) && d->lease_us == \old(d->lease_us) &&
         d->target[0] == \old(d->target[0]) && d->target[1] == \old(d->target[1]) &&
         d->armed == \old(d->armed);
-    ensures disarmed_stays: \old(d->armed) == 0 && \old(d->resuming) != 2 ==>
+    ensures disarmed_stays: \old(d->armed) == 0 ==>
         \result != 0 && d->armed == 0; */
-roburoc4_result roburoc4_drive_grant(drive *d, const roburoc4_config *config, const float *target,
-                                     uint32_t lease_us, uint64_t now_us, uint32_t *events);
+roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lease_us,
+                                     uint64_t now_us);
 
 /* ---- time passes ---- */
 
@@ -117,11 +113,11 @@ roburoc4_result roburoc4_drive_grant(drive *d, const roburoc4_config *config, co
         (d->leased != 0 && (uint64_t)(now_us - d->granted_us) >= d->lease_us); */
 static bool lease_over(const drive *d, uint64_t now_us);
 
-/*@ requires \valid(d) && \valid_read(config) && \valid(events);
-    requires \separated(d, config, events);
+/*@ requires \valid(d) && \valid(events);
+    requires \separated(d, events);
     requires caused(d);
-    assigns d->leased, d->train, d->zeros, d->confirmed, d->spoke, d->resuming, d->disarm_cause,
-            d->armed, d->quiet_us, *events;
+    assigns d->leased, d->train, d->zeros, d->confirmed, d->spoke, d->disarm_cause,
+            d->armed, *events;
     ensures a_cause_is_an_error: caused(d);
     ensures over_is_left: \old(d->leased) != 0 &&
         (uint64_t)(now_us - \old(d->granted_us)) >= \old(d->lease_us) ==> d->leased == 0;
@@ -129,8 +125,7 @@ static bool lease_over(const drive *d, uint64_t now_us);
     ensures disarming_ends_the_lease: \old(d->armed) != 0 && d->armed == 0 ==> d->leased == 0;
     ensures never_arms: \old(d->armed) == 0 ==> d->armed == 0;
     ensures never_leases: \old(d->leased) == 0 ==> d->leased == 0; */
-void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_result refusal,
-                         uint64_t now_us, uint32_t *events);
+void roburoc4_drive_tick(drive *d, roburoc4_result refusal, uint64_t now_us, uint32_t *events);
 
 /* ---- sending ---- */
 

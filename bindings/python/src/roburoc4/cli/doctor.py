@@ -196,7 +196,7 @@ def _look_at_robot(found: Findings, robot: Robot, say: Say) -> None:
     notes = {
         "somebody drives with the game pad": facts.overridden,
         "the robot does not report its game pad: it cannot be driven": not facts.override_known,
-        "another program drives the robot": facts.foreign,
+        "another program drives the robot": facts.other_commander,
         "its speed limits are not usable: it cannot be driven": facts.arm_refusal == Result.LIMITS,
         "the front bumper is pressed": facts.front_bumper,
         "the rear bumper is pressed": facts.rear_bumper,

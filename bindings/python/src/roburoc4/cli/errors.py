@@ -53,7 +53,7 @@ _REMEDIES = {
     "OVERRIDE_UNKNOWN": "run roburoc4 doctor, or drive all the same with --ignore-override",
     "OVERRIDE": f"wait until [A] is released, {_START_AGAIN}",
     "MOVING": f"run roburoc4 stop, {_START_AGAIN}",
-    "FOREIGN": f"end the other program, {_START_AGAIN}",
+    "OTHER_COMMANDER": f"end the other program, {_START_AGAIN}",
     "LOST": f"look at power and cable, {_START_AGAIN}",
     "REBOOT": f"look at the robot, {_START_AGAIN}",
 }

@@ -76,7 +76,7 @@ def lamps(facts: Facts) -> Text:
             lamp("FRONT BUMPER", facts.front_bumper if known else None, "red"),
             lamp("REAR BUMPER", facts.rear_bumper if known else None, "red"),
             lamp("BATTERY LOW", facts.battery_low, "yellow"),
-            lamp("ANOTHER DRIVER", facts.foreign, "yellow"),
+            lamp("ANOTHER DRIVER", facts.other_commander, "yellow"),
         ]
     )
 

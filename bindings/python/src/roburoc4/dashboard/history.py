@@ -100,8 +100,8 @@ _CHANGES: tuple[tuple[Event, str, str, str], ...] = (
         "[A] on the robot's game pad was released",
     ),
     (
-        Event.FOREIGN,
-        "foreign",
+        Event.OTHER_COMMANDER,
+        "other_commander",
         "another program commands the robot",
         "no other program commands the robot any more",
     ),
@@ -122,7 +122,7 @@ class Dangers(Protocol):
         """Somebody drives with the robot's own game pad."""
 
     @property
-    def foreign(self) -> bool:
+    def other_commander(self) -> bool:
         """Another program commands it."""
 
     @property

@@ -72,7 +72,7 @@ class Picture:
                 "driving": facts.driving,
                 "override_known": facts.override_known,
                 "overridden": facts.overridden,
-                "foreign": facts.foreign,
+                "other_commander": facts.other_commander,
                 "inhibited": facts.inhibited,
                 "front_bumper": facts.front_bumper,
                 "rear_bumper": facts.rear_bumper,

@@ -90,7 +90,7 @@ _REASONS: dict[int, str] = {
     "doctor, or start the dashboard with --ignore-override",
     Result.OVERRIDE: f"somebody holds [A] on the robot's game pad: wait for the release, "
     f"{_ARM_AGAIN}",
-    Result.FOREIGN: f"another program commands the robot: end it, {_ARM_AGAIN}",
+    Result.OTHER_COMMANDER: f"another program commands the robot: end it, {_ARM_AGAIN}",
     Result.MOVING: f"the robot moves: wait until it stands, {_ARM_AGAIN}",
     Result.LOST: f"the robot was lost: look at power and cable, {_ARM_AGAIN}",
     Result.REBOOT: f"the robot was restarted: look at it, {_ARM_AGAIN}",

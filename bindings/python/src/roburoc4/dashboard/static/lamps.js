@@ -33,7 +33,7 @@ function worst(frame, { mine, offered }, about) {
   if (facts.overridden) {
     return ["bad", "OVERRIDE", "Somebody holds [A] on the robot’s game pad and drives it. Commands from here are ignored."];
   }
-  if (facts.foreign) return ["bad", "ANOTHER PROGRAM COMMANDS THE ROBOT", "Two drivers at once are dangerous: end one of them."];
+  if (facts.other_commander) return ["bad", "ANOTHER PROGRAM COMMANDS THE ROBOT", "Two drivers at once are dangerous: end one of them."];
   if (facts.inhibited) {
     return ["bad", "MOTION INHIBITED", end(frame.why) || "A speed is asked for, but the robot stands still: look at emergency stops, brakes selector and bumpers."];
   }
@@ -51,7 +51,7 @@ export function showLamps(frame, drive, about) {
   light("override", facts.overridden, facts.override_known || frame.state !== "ready" ? "OVERRIDE" : "OVERRIDE ?");
   light("inhibited", facts.inhibited);
   light("disarmed", !facts.armed);
-  light("foreign", facts.foreign);
+  light("other_commander", facts.other_commander);
   const bumpers = [facts.front_bumper && "FRONT", facts.rear_bumper && "REAR"].filter(Boolean).join(" + ");
   light("bumper", Boolean(bumpers), bumpers ? `${bumpers} BUMPER` : "BUMPER");
   light("battery", facts.battery_low);
