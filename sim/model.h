@@ -177,11 +177,11 @@ void sim_motion_cycle(roburoc4_sim *sim);
 void sim_motion_command(roburoc4_sim *sim, double linear_m_s, double angular_rad_s);
 void sim_motion_forget(roburoc4_sim *sim); /* target 0 until the next command */
 
-/* world.c */
-void sim_world_init(roburoc4_sim *sim);
+/* obstacles.c */
+void sim_obstacles_init(roburoc4_sim *sim);
 /* Move the body from its true pose as far towards `goal` as obstacles allow, and find which
  * bumpers touch. */
-void sim_world_move(roburoc4_sim *sim, const sim_pose *goal);
+void sim_obstacles_move(roburoc4_sim *sim, const sim_pose *goal);
 
 /* telemeter.c */
 void sim_telemeter_describe(const roburoc4_sim *sim, uint32_t which, roburoc4_telemeter *out);

@@ -154,7 +154,7 @@ static void move_body(roburoc4_sim *sim, sim_speed wheels) {
     sim_pose before = sim->truth;
     sim_speed wanted = slip(sim, wheels);
     sim_pose goal = along_arc(&before, wanted.linear_m_s * CYCLE_S, wanted.angular_rad_s * CYCLE_S);
-    sim_world_move(sim, &goal);
+    sim_obstacles_move(sim, &goal);
 
     double turned = sim_wrap(sim->truth.theta_rad - before.theta_rad);
     double heading = before.theta_rad + 0.5 * turned;

@@ -14,7 +14,7 @@ static void begin(roburoc4_sim *sim, const roburoc4_sim_config *config) {
     sim->truth.y_m = config->start_y_m;
     sim->truth.theta_rad = sim_wrap(config->start_theta_rad);
     sim_motion_init(sim);
-    sim_world_init(sim);
+    sim_obstacles_init(sim);
     sim_battery_set(sim, config->battery_percent);
     roburoc4_sim_unpin_inputs(sim);
     roburoc4_sim_release_pad(sim);

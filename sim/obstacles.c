@@ -103,7 +103,7 @@ static void approach(roburoc4_sim *sim, const sim_pose *goal) {
     }
 }
 
-void sim_world_move(roburoc4_sim *sim, const sim_pose *goal) {
+void sim_obstacles_move(roburoc4_sim *sim, const sim_pose *goal) {
     if (is_free(sim, goal)) {
         sim->truth = *goal;
     } else {
@@ -203,7 +203,7 @@ typedef struct furniture {
     double x_m, y_m, size_x_m, size_y_m, theta_rad;
 } furniture;
 
-void sim_world_init(roburoc4_sim *sim) {
+void sim_obstacles_init(roburoc4_sim *sim) {
     /* Seen from the start pose. The first box and the wall behind are in the telemeters' sight;
      * nothing is nearer to the body than 5 m. */
     static const furniture room[] = {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * sim_world_test.cpp - the world around the simulated robot: free room at the start, walls that no
+ * sim_obstacles_test.cpp - the obstacles around the simulated robot: free room at the start, walls that no
  * body passes, bumpers, telemeters.
  */
 #include <gtest/gtest.h>
