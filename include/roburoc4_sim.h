@@ -341,6 +341,55 @@ typedef struct roburoc4_sim_channel_counts {
 ROBUROC4_SIM_API void roburoc4_sim_channel_count(const roburoc4_sim_channel *channel,
                                                  roburoc4_sim_channel_counts *counts);
 
+/* ---------------------------------------------------------------------------- virtual time --- */
+/*
+ * A robot, the clients that talk with it, and a network for each of them, in a time that goes on
+ * only in roburoc4_world_step(): no sockets and no waiting, and the same calls give the same bytes.
+ *
+ *     roburoc4_world *world = roburoc4_world_create(NULL);
+ *     roburoc4_client_init(&client, sizeof client, NULL);
+ *     roburoc4_world_join(world, &client);
+ *     while (roburoc4_world_step(world, 5000000, NULL, NULL) != 0) {
+ *         events |= roburoc4_client_take_events(&client);
+ *     }
+ *     roburoc4_client_arm(&client, roburoc4_world_now_us(world));
+ */
+
+typedef struct roburoc4_world roburoc4_world;
+
+/** Clients that a world has room for. */
+#define ROBUROC4_WORLD_CLIENTS 16
+
+/** A world with one robot, which is on, and without clients; its time begins at 1 s. config is that
+ *  of roburoc4_sim_create(). NULL: a bad configuration, or no memory. */
+ROBUROC4_SIM_API roburoc4_world *roburoc4_world_create(const roburoc4_sim_config *config);
+/** Free it, and its robot; the clients are yours. NULL is ignored. */
+ROBUROC4_SIM_API void roburoc4_world_destroy(roburoc4_world *world);
+/** The robot, to act as the person beside it. Leave its datagrams and its time to the world. */
+ROBUROC4_SIM_API roburoc4_sim *roburoc4_world_robot(roburoc4_world *world);
+/** The time, which every call of a client is given. */
+ROBUROC4_SIM_API uint64_t roburoc4_world_now_us(const roburoc4_world *world);
+/** Start a client (after roburoc4_client_init()) and carry its datagrams from now on. It must stay
+ *  where it is until roburoc4_world_leave(). Returns its number, 1 or more, which no other client
+ *  of this world gets; ROBUROC4_ERR_BUFFER (the world is full), ROBUROC4_ERR_SYSTEM (no memory), or
+ *  what roburoc4_client_start() returns. */
+ROBUROC4_SIM_API roburoc4_result roburoc4_world_join(roburoc4_world *world,
+                                                     roburoc4_client *client);
+/** Carry no more datagrams of this client: what is under way is lost. To let it stop its robot,
+ *  call roburoc4_client_close() and let time pass before. */
+ROBUROC4_SIM_API void roburoc4_world_leave(roburoc4_world *world, const roburoc4_client *client);
+/** What goes wrong on all networks from now on. Result of roburoc4_sim_channel_set_faults(). */
+ROBUROC4_SIM_API roburoc4_result roburoc4_world_set_faults(roburoc4_world *world,
+                                                           const roburoc4_sim_faults *faults);
+/** Let time go on to the next moment at which a client has news, but not beyond until_us: it was
+ *  given a datagram, or it was due. Returns the client's number; take its events and read its
+ *  values now, as the next step may bring others. Returns 0 when it is until_us and everything that
+ *  happens by then has happened. A time that is not ahead only sends what clients have to send, as
+ *  after roburoc4_client_drive(). datagram and size (each may be NULL) are set to what the client
+ *  was given, a view that lives until the next step; size is 0 where there was none. */
+ROBUROC4_SIM_API uint32_t roburoc4_world_step(roburoc4_world *world, uint64_t until_us,
+                                              const uint8_t **datagram, size_t *size);
+
 #ifdef __cplusplus
 }
 #endif

@@ -72,10 +72,14 @@ static bool is_share(double value) {
     return value >= 0.0 && value <= 1.0;
 }
 
+bool sim_faults_are_valid(const roburoc4_sim_faults *faults) {
+    return is_share(faults->loss) && is_share(faults->duplicate) && is_share(faults->reorder) &&
+           is_share(faults->corrupt);
+}
+
 roburoc4_result roburoc4_sim_channel_set_faults(roburoc4_sim_channel *channel,
                                                 const roburoc4_sim_faults *faults) {
-    if (!is_share(faults->loss) || !is_share(faults->duplicate) || !is_share(faults->reorder) ||
-        !is_share(faults->corrupt)) {
+    if (!sim_faults_are_valid(faults)) {
         return ROBUROC4_ERR_ARGUMENT;
     }
     channel->faults = *faults;

@@ -196,4 +196,7 @@ uint8_t sim_battery_remaining(const roburoc4_sim *sim); /* the percentage as it 
 float sim_battery_voltage(const roburoc4_sim *sim);
 uint8_t sim_battery_state(const roburoc4_sim *sim);
 
+/* faults.c */
+bool sim_faults_are_valid(const roburoc4_sim_faults *faults);
+
 #endif
