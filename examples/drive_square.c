@@ -18,8 +18,9 @@
 
 #define PI 3.14159265358979323846
 #define SIDE_M 2.0
-#define ANSWER_S 0.4 /* about what a RobuROC4 takes to follow a speed */
-#define CONNECT_US 10000000u
+#define ANSWER_S 0.4        /* about what a RobuROC4 takes to follow a speed */
+#define CONNECT_US 5000000u /* silence */
+#define FAULT_US 1500000u   /* nobody on the port, no route, cable out: known at once */
 #define ARM_US 3000000u
 #define DRIVE_US 120000000u
 #define POSE_US 1000000u
@@ -107,6 +108,23 @@ static uint32_t wait_for(roburoc4_udp *udp, roburoc4_client *client, uint32_t ev
         seen |= roburoc4_client_take_events(client);
     }
     return seen;
+}
+
+/* Wait for the robot; EXIT_ABSENT, with a message, where there is none. */
+static int connect_robot(roburoc4_udp *udp, roburoc4_client *client, const char *host) {
+    uint64_t begun_us = roburoc4_udp_now_us();
+    uint32_t seen = 0, fault = 0;
+    while (!interrupted && !(seen & ROBUROC4_EVENT_READY) &&
+           roburoc4_udp_now_us() - begun_us < (fault ? FAULT_US : CONNECT_US)) {
+        seen = wait_for(udp, client, ROBUROC4_EVENT_READY, roburoc4_udp_now_us() + 100000);
+        fault = roburoc4_udp_fault(udp);
+    }
+    if (!(seen & ROBUROC4_EVENT_READY) && !interrupted) {
+        fprintf(stderr, "drive_square: no robot answers at %s: %s\n", host,
+                fault ? roburoc4_udp_fault_text(fault)
+                      : "silence for 5 s; is it on, is the cable in, is this its address?");
+    }
+    return seen & ROBUROC4_EVENT_READY ? EXIT_DROVE : EXIT_ABSENT;
 }
 
 static int arm(roburoc4_udp *udp, roburoc4_client *client) {
@@ -197,17 +215,12 @@ static int run(roburoc4_udp *udp, const char *host, drive_report *report) {
     roburoc4_client_init(&client, sizeof client, &config);
     roburoc4_client_start(&client, roburoc4_udp_now_us());
 
-    int code = EXIT_ABSENT;
-    wait_for(udp, &client, ROBUROC4_EVENT_READY, roburoc4_udp_now_us() + CONNECT_US);
-    if (roburoc4_client_state(&client) == ROBUROC4_STATE_READY) {
+    int code = connect_robot(udp, &client, host);
+    if (code == EXIT_DROVE) {
         code = arm(udp, &client);
-        if (code == EXIT_DROVE) {
-            code = drive(udp, &client, report);
-        }
-    } else if (!interrupted) {
-        fprintf(stderr, "drive_square: no robot answers at %s (%s)\n", host,
-                roburoc4_udp_fault(udp) ? roburoc4_udp_fault_text(roburoc4_udp_fault(udp))
-                                        : "no answer within 10 s; is it on, is the cable in?");
+    }
+    if (code == EXIT_DROVE) {
+        code = drive(udp, &client, report);
     }
 
     roburoc4_client_close(&client, roburoc4_udp_now_us());

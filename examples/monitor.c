@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * monitor: connect, and print every status that comes, by name and unit. It never commands.
+ * monitor: connect, and show what the robot reports. It never commands.
  *
- * A pump's thread keeps the link; this thread reads each sample from its queue.
+ * A pump's thread keeps the link. This thread copies the latest values a few times a second, or,
+ * with --all, reads every status from the pump's queue.
  */
 #include <inttypes.h>
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,15 +14,38 @@
 
 #include "roburoc4_pump.h"
 
+#ifndef _WIN32
+#include <unistd.h>
+#endif
+
 enum { EXIT_DONE = 0, EXIT_USAGE = 2, EXIT_ABSENT = 3 };
 
-#define CONNECT_US 10000000u
+#define CONNECT_US 5000000u /* silence */
+#define FAULT_US 1500000u   /* nobody on the port, no route, cable out: known at once */
 #define WAIT_US 200000u
+#define LINE_US 1000000u
+#define DEGREES_PER_RADIAN 57.29577951308232
 
 static volatile sig_atomic_t interrupted;
 
 static void on_signal(int number) {
     interrupted = number;
+}
+
+/* Windows' consoles may not know how to move up: there it is a line each second. */
+static int is_terminal(void) {
+#ifdef _WIN32
+    return 0;
+#else
+    return isatty(STDOUT_FILENO);
+#endif
+}
+
+/* ROBUROC4_STATE_*. */
+static uint32_t state_of(roburoc4_pump *pump) {
+    uint32_t state = roburoc4_client_state(roburoc4_pump_lock(pump));
+    roburoc4_pump_unlock(pump);
+    return state;
 }
 
 /* A channel's name: the robot's own text, else the manual's, else its number. */
@@ -40,22 +65,37 @@ static const char *channel(roburoc4_pump *pump, int32_t io_type, uint32_t index,
     return room;
 }
 
-static void print_inputs(roburoc4_pump *pump, const roburoc4_inputs *inputs) {
+/* The names of the inputs that are on, or "none", cut where the room ends. */
+static const char *pressed(roburoc4_pump *pump, const roburoc4_inputs *inputs, char *out,
+                           size_t size) {
     char room[ROBUROC4_PUMP_DESCRIPTION_MAX + 1];
-    const char *pressed = "";
+    size_t length = 0;
+    snprintf(out, size, "none");
+    for (uint32_t i = 0; i < inputs->digital_count && length < size; i++) {
+        if (inputs->digital >> i & 1) {
+            length +=
+                (size_t)snprintf(out + length, size - length, "%s%s", length > 0 ? ", " : "",
+                                 channel(pump, ROBUROC4_IO_DIGITAL_INPUT, i, room, sizeof room));
+        }
+    }
+    return out;
+}
+
+static void print_inputs(roburoc4_pump *pump, const roburoc4_inputs *inputs) {
+    char room[ROBUROC4_PUMP_DESCRIPTION_MAX + 1], on[1024];
     for (uint32_t i = 0; i < inputs->analog_count; i++) {
         const char *name = channel(pump, ROBUROC4_IO_ANALOG_INPUT, i, room, sizeof room);
         printf("%s %.2f%s; ", name, (double)inputs->analog[i], strstr(name, "olt") ? " V" : "");
     }
-    printf("on:");
-    for (uint32_t i = 0; i < inputs->digital_count; i++) {
-        if (inputs->digital >> i & 1) {
-            printf("%s %s", pressed,
-                   channel(pump, ROBUROC4_IO_DIGITAL_INPUT, i, room, sizeof room));
-            pressed = ",";
-        }
+    printf("on: %s\n", pressed(pump, inputs, on, sizeof on));
+}
+
+static void print_distances(const roburoc4_distances *distances) {
+    static const char *const ends[] = {"front", "rear"};
+    for (uint32_t i = 0; i < distances->count; i++) {
+        printf("%s%s %.2f m", i > 0 ? ", " : "", i < 2 ? ends[i] : "next",
+               (double)distances->distance_m[i]);
     }
-    printf("%s\n", pressed[0] ? "" : " none");
 }
 
 static void print_localization(const roburoc4_localization_status *pose) {
@@ -72,7 +112,6 @@ static void print_localization(const roburoc4_localization_status *pose) {
 }
 
 static void print_sample(roburoc4_pump *pump, const roburoc4_sample *sample) {
-    static const char *const ends[] = {"front", "rear"};
     const roburoc4_sample_value *value = &sample->value;
     const char *state = NULL;
 
@@ -83,9 +122,7 @@ static void print_sample(roburoc4_pump *pump, const roburoc4_sample *sample) {
         print_inputs(pump, &value->inputs);
         break;
     case ROBUROC4_SERVICE_TELEMETER:
-        for (uint32_t i = 0; i < value->distances.count; i++) {
-            printf("%s %.2f m  ", i < 2 ? ends[i] : "next", (double)value->distances.distance_m[i]);
-        }
+        print_distances(&value->distances);
         printf("\n");
         break;
     case ROBUROC4_SERVICE_BATTERY:
@@ -105,23 +142,113 @@ static void print_sample(roburoc4_pump *pump, const roburoc4_sample *sample) {
     }
 }
 
-/* Until a signal, or the end of the time. */
-static int watch(roburoc4_pump *pump, const char *host, uint64_t until_us) {
+/* ------------------------------------------------------------------------- the latest values ---
+ */
+
+/* What was not reported yet is 0, or NaN where 0 would mean something. */
+typedef struct latest {
+    roburoc4_localization_status pose;
+    roburoc4_differential_status motion;
+    char battery[40];
+    roburoc4_distances distances;
+    roburoc4_inputs inputs;
+    roburoc4_facts facts;
+    roburoc4_link link;
+} latest;
+
+/* The pump's link waits while its lock is held: copy, then print. */
+static void look(roburoc4_pump *pump, latest *out) {
+    roburoc4_battery_status battery;
+    memset(out, 0, sizeof *out);
+    out->facts.size = sizeof out->facts;
+    out->link.size = sizeof out->link;
+    const roburoc4_client *client = roburoc4_pump_lock(pump);
+    uint64_t now_us = roburoc4_udp_now_us();
+    roburoc4_client_facts(client, now_us, &out->facts);
+    roburoc4_client_link(client, now_us, &out->link);
+    if (roburoc4_client_localization(client, &out->pose, NULL) < 0) {
+        out->pose.x_m = out->pose.y_m = out->pose.theta_rad = NAN;
+    }
+    if (roburoc4_client_differential(client, &out->motion, NULL) < 0) {
+        out->motion.current_linear_m_s = out->motion.current_angular_rad_s = NAN;
+        out->motion.target_linear_m_s = out->motion.target_angular_rad_s = NAN;
+    }
+    snprintf(out->battery, sizeof out->battery, "not reported yet");
+    if (roburoc4_client_battery(client, &battery, NULL) == 0) {
+        const char *state = roburoc4_battery_state_name(battery.state);
+        snprintf(out->battery, sizeof out->battery, "%u %%, %s",
+                 (unsigned)battery.remaining_percent, state != NULL ? state : "unknown state");
+    }
+    roburoc4_client_distances(client, &out->distances, NULL);
+    roburoc4_client_inputs(client, &out->inputs, NULL);
+    roburoc4_pump_unlock(pump);
+}
+
+static void print_line(const latest *now) {
+    if (now->facts.state != ROBUROC4_STATE_READY) {
+        printf("%s\n", roburoc4_state_name(now->facts.state));
+        return;
+    }
+    printf("x %.2f m, y %.2f m, %.1f deg; %.2f m/s, %.2f rad/s; ", now->pose.x_m, now->pose.y_m,
+           now->pose.theta_rad * DEGREES_PER_RADIAN, (double)now->motion.current_linear_m_s,
+           (double)now->motion.current_angular_rad_s);
+    print_distances(&now->distances);
+    printf("; battery %s%s%s%s\n", now->battery, now->facts.overridden ? "; game pad [A] held" : "",
+           now->facts.front_bumper ? "; front bumper" : "",
+           now->facts.rear_bumper ? "; rear bumper" : "");
+}
+
+/* Eight lines, each of which clears what stood there. */
+#define BLOCK_LINES 8
+static void print_block(roburoc4_pump *pump, const char *host, const latest *now) {
+    const char *end = "\x1b[K\n";
+    char on[66];
+    printf("%s  %s%s", host, roburoc4_state_name(now->facts.state), end);
+    printf("pose       x %.2f m, y %.2f m, %.1f deg%s", now->pose.x_m, now->pose.y_m,
+           now->pose.theta_rad * DEGREES_PER_RADIAN, end);
+    printf("linear     %.2f m/s, target %.2f%s", (double)now->motion.current_linear_m_s,
+           (double)now->motion.target_linear_m_s, end);
+    printf("angular    %.2f rad/s, target %.2f%s", (double)now->motion.current_angular_rad_s,
+           (double)now->motion.target_angular_rad_s, end);
+    printf("distances  ");
+    print_distances(&now->distances);
+    printf("%sbattery    %s%s", end, now->battery, end);
+    printf("inputs on  %s%s", pressed(pump, &now->inputs, on, sizeof on), end);
+    printf("link       %" PRIu32 " statuses, %" PRIu32 " lost, round trip %.2f ms%s",
+           now->link.received, now->link.lost, now->link.round_trip_us * 1e-3, end);
+    fflush(stdout);
+}
+
+static void show_latest(roburoc4_pump *pump, const char *host, uint64_t until_us) {
+    roburoc4_pump_reader reader;
+    int shown = 0;
+    roburoc4_pump_reader_init(pump, &reader);
+    roburoc4_pump_wait_events(pump, &reader, ROBUROC4_EVENT_TELEMETER, WAIT_US);
+    for (uint64_t line_us = 0; !interrupted && roburoc4_udp_now_us() < until_us;) {
+        latest now;
+        look(pump, &now);
+        if (is_terminal()) {
+            if (shown) {
+                printf("\x1b[%dF", BLOCK_LINES);
+            }
+            print_block(pump, host, &now);
+            shown = 1;
+        } else if (roburoc4_udp_now_us() - line_us >= LINE_US) {
+            line_us = roburoc4_udp_now_us();
+            print_line(&now);
+            fflush(stdout);
+        }
+        roburoc4_pump_wait_events(pump, &reader, ROBUROC4_EVENT_STATE, WAIT_US);
+        roburoc4_pump_take_events(pump, &reader);
+    }
+}
+
+/* ------------------------------------------------------------------------------ every status ---
+ */
+
+static void show_all(roburoc4_pump *pump, uint64_t until_us) {
     roburoc4_pump_reader reader;
     roburoc4_pump_reader_init(pump, &reader);
-    for (uint64_t begun_us = roburoc4_udp_now_us();
-         roburoc4_pump_state(pump) != ROBUROC4_STATE_READY;) {
-        if (interrupted) {
-            return EXIT_DONE;
-        }
-        if (roburoc4_udp_now_us() - begun_us >= CONNECT_US) {
-            uint32_t fault = roburoc4_pump_fault(pump);
-            fprintf(stderr, "monitor: no robot answers at %s (%s)\n", host,
-                    fault ? roburoc4_udp_fault_text(fault) : "no answer within 10 s; is it on?");
-            return EXIT_ABSENT;
-        }
-        roburoc4_pump_wait_events(pump, &reader, ROBUROC4_EVENT_READY, WAIT_US);
-    }
     while (!interrupted && roburoc4_udp_now_us() < until_us) {
         roburoc4_sample sample;
         roburoc4_pump_wait_samples(pump, &reader, WAIT_US);
@@ -129,22 +256,44 @@ static int watch(roburoc4_pump *pump, const char *host, uint64_t until_us) {
             print_sample(pump, &sample);
         }
         if (roburoc4_pump_take_events(pump, &reader) & ROBUROC4_EVENT_STATE) {
-            printf("%s\n", roburoc4_state_name(roburoc4_pump_state(pump)));
+            printf("%s\n", roburoc4_state_name(state_of(pump)));
         }
         fflush(stdout);
     }
-    return EXIT_DONE;
+}
+
+/* Until the robot is ready. Returns 0, with a message, where there is none. */
+static int connected(roburoc4_pump *pump, const char *host) {
+    roburoc4_pump_reader reader = {0, 0, 0};
+    uint64_t begun_us = roburoc4_udp_now_us();
+    while (!interrupted &&
+           roburoc4_pump_wait_events(pump, &reader, ROBUROC4_EVENT_READY, WAIT_US) == 0) {
+        roburoc4_pump_lock(pump);
+        uint32_t fault = roburoc4_udp_fault(roburoc4_pump_udp(pump));
+        roburoc4_pump_unlock(pump);
+        if (roburoc4_udp_now_us() - begun_us >= (fault ? FAULT_US : CONNECT_US)) {
+            fprintf(stderr, "monitor: no robot answers at %s: %s\n", host,
+                    fault ? roburoc4_udp_fault_text(fault)
+                          : "silence for 5 s; is it on, is the cable in, is this its address?");
+            return 0;
+        }
+    }
+    return 1;
 }
 
 int main(int argc, char **argv) {
     const char *host = ROBUROC4_DEFAULT_HOST;
     double seconds = 0.0;
-    int hosts = 0;
+    int hosts = 0, all = 0;
     for (int i = 1; i < argc; i++) {
         char *end = NULL;
         if (strcmp(argv[i], "--help") == 0) {
-            printf("Usage: monitor [--seconds N] [HOST[:PORT]]\n"
-                   "Print every status of a RobuROC4 (default %s:%d), until Ctrl-C or for N s.\n"
+            printf("Usage: monitor [--all] [--seconds N] [HOST[:PORT]]\n"
+                   "Show what a RobuROC4 (default %s:%d) reports: live in a terminal, a line each\n"
+                   "second elsewhere. It never commands the robot. Ctrl-C ends it.\n"
+                   "  --all        print every status as it arrives, about 75 lines a second\n"
+                   "  --seconds N  end after N s\n"
+                   "  --help, --version\n"
                    "Exit status: 0 done, 2 bad usage, 3 no robot there.\n",
                    ROBUROC4_DEFAULT_HOST, ROBUROC4_DEFAULT_PORT);
             return EXIT_DONE;
@@ -153,6 +302,10 @@ int main(int argc, char **argv) {
             printf("monitor %d.%d.%d\n", ROBUROC4_VERSION_MAJOR, ROBUROC4_VERSION_MINOR,
                    ROBUROC4_VERSION_PATCH);
             return EXIT_DONE;
+        }
+        if (strcmp(argv[i], "--all") == 0) {
+            all = 1;
+            continue;
         }
         if (strcmp(argv[i], "--seconds") == 0 && i + 1 < argc) {
             seconds = strtod(argv[++i], &end);
@@ -179,8 +332,16 @@ int main(int argc, char **argv) {
     }
     signal(SIGINT, on_signal);
     signal(SIGTERM, on_signal);
-    int code = watch(
-        pump, host, seconds > 0.0 ? roburoc4_udp_now_us() + (uint64_t)(seconds * 1e6) : UINT64_MAX);
+    int code = connected(pump, host) ? EXIT_DONE : EXIT_ABSENT;
+    if (code == EXIT_DONE) {
+        uint64_t until_us =
+            seconds > 0.0 ? roburoc4_udp_now_us() + (uint64_t)(seconds * 1e6) : UINT64_MAX;
+        if (all) {
+            show_all(pump, until_us);
+        } else {
+            show_latest(pump, host, until_us);
+        }
+    }
     roburoc4_pump_destroy(pump);
     return code;
 }

@@ -45,7 +45,7 @@ const char *roburoc4_result_text(roburoc4_result result) {
                                            "status not newer than the last\0"
                                            "no answer in all tries";
     static const char motion[] = "disarmed: call arm\0"
-                                 "not ready: wait for the robot\0"
+                                 "not connected: the robot has not answered yet\0"
                                  "no usable differential service\0"
                                  "the robot's speed limits are not usable\0"
                                  "no recent differential status\0"

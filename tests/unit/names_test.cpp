@@ -246,7 +246,7 @@ const struct {
     {ROBUROC4_ERR_OLD, "status not newer than the last"},
     {ROBUROC4_ERR_TIMEOUT, "no answer in all tries"},
     {ROBUROC4_ERR_DISARMED, "disarmed: call arm"},
-    {ROBUROC4_ERR_NOT_READY, "not ready: wait for the robot"},
+    {ROBUROC4_ERR_NOT_READY, "not connected: the robot has not answered yet"},
     {ROBUROC4_ERR_NO_DIFFERENTIAL, "no usable differential service"},
     {ROBUROC4_ERR_LIMITS, "the robot's speed limits are not usable"},
     {ROBUROC4_ERR_STALE_DIFFERENTIAL, "no recent differential status"},
