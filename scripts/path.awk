@@ -149,13 +149,13 @@ function draw(    i, width, height, y) {
     RIGHT = floor_to(RIGHT, 0.5) + 0.5; TOP = floor_to(TOP, 0.5) + 0.5
     SCALE = 600 / (RIGHT - LEFT > TOP - BOTTOM ? RIGHT - LEFT : TOP - BOTTOM)
     width = X(RIGHT) + 30
-    height = Y(BOTTOM) + 130
+    height = Y(BOTTOM) + (m ? 200 : 130)
 
     printf "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" ", width, height > SVG
     print "font-family=\"sans-serif\" font-size=\"14\" fill=\"#222\">" > SVG
-    print "<title>RobuROC4: a square of 2 m by odometry</title>" > SVG
+    print "<title>RobuROC4: a square of 2 m, driven by odometry</title>" > SVG
     print "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>" > SVG
-    print "<text x=\"60\" y=\"34\" font-size=\"20\">RobuROC4: a square of " SIDE " m by odometry</text>" > SVG
+    print "<text x=\"60\" y=\"34\" font-size=\"20\">A square of " SIDE " m, driven by the robot\047s odometry</text>" > SVG
     for (i = LEFT; i <= RIGHT + 0.01; i += 0.5) {
         printf "<line x1=\"%s\" y1=\"%s\" x2=\"%s\" y2=\"%s\" stroke=\"#ddd\"/>\n", X(i), Y(BOTTOM), X(i), Y(TOP) > SVG
         text(X(i), Y(BOTTOM) + 20, "middle", i)
@@ -177,11 +177,15 @@ function draw(    i, width, height, y) {
     printf "<circle cx=\"%s\" cy=\"%s\" r=\"9\" fill=\"none\" stroke=\"#2a2\" stroke-width=\"3\"/>\n", X(0), Y(0) > SVG
 
     y = Y(BOTTOM) + 72
-    legend(60, y, "#1f77b4", sprintf("odometry: %.2f m, dot: its end", total))
-    if (m)
-        legend(60, y + 24, "#d95f02", "true path: what slip made of it, dot: its end")
-    legend(420, y, "#2a2", "ring: start")
+    legend(60, y, "#1f77b4", "where the robot believes it was (odometry)")
+    legend(420, y, "#2a2", "ring: start; dots: ends")
     legend(420, y + 24, "#888", "dashed: the square")
+    if (m) {
+        legend(60, y + 24, "#d95f02", "where it really was (simulated)")
+        text(60, y + 58, "start", "The program steers by odometry, that is by how far the wheels rolled. They slip")
+        text(60, y + 78, "start", "when the robot turns, so it really turns less than it believes, and the true path")
+        text(60, y + 98, "start", "does not close. A real RobuROC4 does the same: it is no fault of the program.")
+    }
     print "</svg>" > SVG
     close(SVG)
 }
