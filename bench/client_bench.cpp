@@ -166,10 +166,10 @@ void payload(benchmark::State &state) {
     int32_t copied = 0;
     must_be(static_cast<size_t>(size) == d.size(), "a status was not encoded");
     for (auto _ : state) {
-        roburoc4_iocard_status s;
+        roburoc4_channels s;
         if (roburoc4_decode_iocard_status(d.data(), d.size(), static_cast<uint32_t>(inputs), 22,
                                           &s) == ROBUROC4_OK) {
-            copied = roburoc4_analog_inputs(&s, analog.data(), static_cast<uint32_t>(inputs));
+            copied = roburoc4_analog_values(&s, analog.data(), static_cast<uint32_t>(inputs));
         }
         benchmark::DoNotOptimize(analog.data());
         benchmark::ClobberMemory();

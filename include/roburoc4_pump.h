@@ -159,8 +159,6 @@ ROBUROC4_API roburoc4_result roburoc4_pump_drive(roburoc4_pump *pump, float line
                                                  float angular_rad_s, uint32_t lease_us);
 /** Stop the robot (roburoc4_pump_close() ends the pump). */
 ROBUROC4_API roburoc4_result roburoc4_pump_stop_robot(roburoc4_pump *pump);
-ROBUROC4_API roburoc4_result roburoc4_pump_set_digital_output(roburoc4_pump *pump, uint32_t index,
-                                                              int32_t on);
 ROBUROC4_API roburoc4_result roburoc4_pump_set_digital_outputs(roburoc4_pump *pump, uint64_t mask,
                                                                uint64_t values);
 ROBUROC4_API roburoc4_result roburoc4_pump_set_analog_output(roburoc4_pump *pump, uint32_t index,

@@ -199,16 +199,14 @@ static bool command_differential(roburoc4_sim *sim, const uint8_t *data, size_t 
 static bool command_iocard(roburoc4_sim *sim, const uint8_t *data, size_t size) {
     uint32_t analog_outputs = (uint32_t)sim->config.analog_outputs;
     uint32_t digital_outputs = (uint32_t)sim->config.digital_outputs;
-    roburoc4_iocard_command command;
+    roburoc4_channels command;
     if (roburoc4_decode_iocard_command(data, size, analog_outputs, digital_outputs, &command) < 0) {
         return false;
     }
     sim->counts.io_commands++;
-    for (uint32_t index = 0; index < analog_outputs; index++) {
-        (void)roburoc4_analog_output_at(&command, index, &sim->analog_outputs[index]);
-    }
+    (void)roburoc4_analog_values(&command, sim->analog_outputs, ROBUROC4_SIM_MAX_ANALOG);
     for (uint32_t index = 0; index < digital_outputs; index++) {
-        sim->digital_outputs[index] = roburoc4_digital_output_at(&command, index) > 0 ? 1 : 0;
+        sim->digital_outputs[index] = command.digital[index / 8] >> (index % 8) & 1;
     }
     return true;
 }

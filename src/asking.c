@@ -206,24 +206,23 @@ static roburoc4_result encode_request(const client *c, const slot *s, uint8_t *b
                                       size_t capacity) {
     const uint64_t *pose = c->private_outputs.pose_bits;
     const uint64_t cycles = c->private_link.newest_cycles;
-    switch (s->ask.action) {
-    case ROBUROC4_ACTION_GET:
-        return roburoc4_encode_get(buffer, capacity, s->id, s->ask.target);
-    case ROBUROC4_ACTION_QUERY:
-        if (s->ask.detail == LIST_DIRECTORY) {
-            return roburoc4_encode_query_directory(buffer, capacity, s->id, s->ask.subject);
-        }
-        return roburoc4_encode_query_iocard(buffer, capacity, s->id, s->ask.target, s->ask.detail,
-                                            s->ask.subject);
-    case ROBUROC4_ACTION_INSERT:
-        return roburoc4_encode_insert(buffer, capacity, s->id, s->ask.subject, s->ask.detail);
-    case ROBUROC4_ACTION_DELETE:
-        return roburoc4_encode_delete(buffer, capacity, s->id, s->ask.subject);
-    default: /* REPLACE; a timestamp of 0 is said to be refused by some robots */
-        return roburoc4_encode_replace_localization(buffer, capacity, s->id, s->ask.target,
-                                                    cycles > 0 ? cycles : 1, f64_from_bits(pose[0]),
-                                                    f64_from_bits(pose[1]), f64_from_bits(pose[2]));
+    roburoc4_request request;
+    memset(&request, 0, sizeof request);
+    request.id = s->id;
+    request.action = s->ask.action;
+    request.service = s->ask.target;
+    request.subject = s->ask.subject;
+    if (s->ask.action == ROBUROC4_ACTION_INSERT) {
+        request.period_cycles = s->ask.detail;
+    } else {
+        request.io_type = s->ask.detail;
+        request.index = s->ask.subject;
     }
+    request.timestamp = cycles > 0 ? cycles : 1; /* 0 is said to be refused by some robots */
+    request.x_m = f64_from_bits(pose[0]);
+    request.y_m = f64_from_bits(pose[1]);
+    request.theta_rad = f64_from_bits(pose[2]);
+    return roburoc4_encode_request(buffer, capacity, &request);
 }
 
 roburoc4_result roburoc4_asking_poll(client *c, uint8_t *buffer, size_t capacity) {

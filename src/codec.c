@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * The codec: every telegram of the manual, both directions. Pure functions; see roburoc4.h for
- * their contract. Requests first, then answers, statuses and commands, each as encoder and decoder
+ * The codec: every telegram of the manual, both directions. Pure functions; see roburoc4_codec.h
+ * for their contract. Requests first, then answers, statuses and commands, each as encoder and decoder
  * side by side, in the order of the manual.
  */
-#include "roburoc4.h"
+#include "roburoc4_codec.h"
 
 #include "bytes.h"
 
@@ -90,77 +90,6 @@ CURSOR void read_pose(reader *r, double *x_m, double *y_m, double *theta_rad) {
 
 /* ---- requests ---- */
 
-CURSOR roburoc4_result write_request_head(writer *w, size_t body, uint8_t id, uint8_t action,
-                                          uint16_t service) {
-    if (id == ROBUROC4_HEADER_ERROR || id == ROBUROC4_HEADER_STATUS) {
-        w->left = 0;
-        return ROBUROC4_ERR_ARGUMENT;
-    }
-    const roburoc4_result result = claim(w, HEAD_REQUEST + body);
-    write_u8(w, id);
-    write_u8(w, action);
-    write_u16(w, service);
-    return result;
-}
-
-roburoc4_result roburoc4_encode_get(uint8_t *buffer, size_t capacity, uint8_t id,
-                                    uint16_t service) {
-    writer w = writer_of(buffer, capacity);
-    return write_request_head(&w, 0, id, ROBUROC4_ACTION_GET, service);
-}
-
-roburoc4_result roburoc4_encode_query_directory(uint8_t *buffer, size_t capacity, uint8_t id,
-                                                uint16_t index) {
-    writer w = writer_of(buffer, capacity);
-    const roburoc4_result result = write_request_head(
-        &w, BODY_QUERY_DIRECTORY, id, ROBUROC4_ACTION_QUERY, ROBUROC4_SERVICE_DIRECTORY);
-    write_u16(&w, index);
-    return result;
-}
-
-roburoc4_result roburoc4_encode_query_iocard(uint8_t *buffer, size_t capacity, uint8_t id,
-                                             uint16_t service, uint8_t io_type, int32_t index) {
-    writer w = writer_of(buffer, capacity);
-    const roburoc4_result result =
-        write_request_head(&w, BODY_QUERY_IOCARD, id, ROBUROC4_ACTION_QUERY, service);
-    write_u8(&w, io_type);
-    write_u32(&w, (uint32_t)index);
-    return result;
-}
-
-roburoc4_result roburoc4_encode_insert(uint8_t *buffer, size_t capacity, uint8_t id,
-                                       uint16_t subject, uint8_t period_cycles) {
-    if (period_cycles == 0) {
-        return ROBUROC4_ERR_ARGUMENT;
-    }
-    writer w = writer_of(buffer, capacity);
-    const roburoc4_result result = write_request_head(&w, BODY_INSERT, id, ROBUROC4_ACTION_INSERT,
-                                                      ROBUROC4_SERVICE_NOTIFICATION);
-    write_u16(&w, subject);
-    write_u8(&w, period_cycles);
-    return result;
-}
-
-roburoc4_result roburoc4_encode_delete(uint8_t *buffer, size_t capacity, uint8_t id,
-                                       uint16_t subject) {
-    writer w = writer_of(buffer, capacity);
-    const roburoc4_result result = write_request_head(&w, BODY_DELETE, id, ROBUROC4_ACTION_DELETE,
-                                                      ROBUROC4_SERVICE_NOTIFICATION);
-    write_u16(&w, subject);
-    return result;
-}
-
-roburoc4_result roburoc4_encode_replace_localization(uint8_t *buffer, size_t capacity, uint8_t id,
-                                                     uint16_t service, uint64_t timestamp,
-                                                     double x_m, double y_m, double theta_rad) {
-    writer w = writer_of(buffer, capacity);
-    const roburoc4_result result =
-        write_request_head(&w, BODY_REPLACE, id, ROBUROC4_ACTION_REPLACE, service);
-    write_u64(&w, timestamp);
-    write_pose(&w, &x_m, &y_m, &theta_rad);
-    return result;
-}
-
 /** Bytes after the head; 0 for GET and for actions whose layout nobody published. */
 static size_t request_body(uint8_t action, uint16_t service) {
     switch (action) {
@@ -175,6 +104,62 @@ static size_t request_body(uint8_t action, uint16_t service) {
     default:
         return 0;
     }
+}
+
+/** Whether the fields of a request can be sent. */
+static bool request_valid(const roburoc4_request *q) {
+    if (q->id == ROBUROC4_HEADER_ERROR || q->id == ROBUROC4_HEADER_STATUS) {
+        return false;
+    }
+    switch (q->action) {
+    case ROBUROC4_ACTION_GET:
+    case ROBUROC4_ACTION_REPLACE:
+    case ROBUROC4_ACTION_DELETE:
+        return true;
+    case ROBUROC4_ACTION_QUERY:
+        return q->service != ROBUROC4_SERVICE_DIRECTORY || (q->index >= 0 && q->index <= 0xFFFF);
+    case ROBUROC4_ACTION_INSERT:
+        return q->period_cycles != 0;
+    default:
+        return false;
+    }
+}
+
+roburoc4_result roburoc4_encode_request(uint8_t *buffer, size_t capacity,
+                                        const roburoc4_request *request) {
+    const roburoc4_request *q = request;
+    writer w = writer_of(buffer, capacity);
+    if (!request_valid(q)) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    const roburoc4_result result = claim(&w, HEAD_REQUEST + request_body(q->action, q->service));
+    write_u8(&w, q->id);
+    write_u8(&w, q->action);
+    write_u16(&w, q->service);
+    switch (q->action) {
+    case ROBUROC4_ACTION_QUERY:
+        if (q->service == ROBUROC4_SERVICE_DIRECTORY) {
+            write_u16(&w, (uint16_t)q->index);
+        } else {
+            write_u8(&w, q->io_type);
+            write_u32(&w, (uint32_t)q->index);
+        }
+        break;
+    case ROBUROC4_ACTION_REPLACE:
+        write_u64(&w, q->timestamp);
+        write_pose(&w, &q->x_m, &q->y_m, &q->theta_rad);
+        break;
+    case ROBUROC4_ACTION_INSERT:
+        write_u16(&w, q->subject);
+        write_u8(&w, q->period_cycles);
+        break;
+    case ROBUROC4_ACTION_DELETE:
+        write_u16(&w, q->subject);
+        break;
+    default: /* GET */
+        break;
+    }
+    return result;
 }
 
 roburoc4_result roburoc4_decode_request(const uint8_t *data, size_t size, roburoc4_request *out) {
@@ -595,38 +580,28 @@ roburoc4_result roburoc4_decode_command_header(const uint8_t *data, size_t size,
 }
 
 /** Take `analog` floats and the blocks of `digital` bits from a reader that has passed the head. */
-CURSOR roburoc4_result read_channels(reader *r, uint32_t analog, uint32_t digital,
-                                     const uint8_t **analog_view, const uint8_t **digital_view) {
+CURSOR roburoc4_result read_channels(reader *r, uint32_t analog, uint32_t digital, uint16_t service,
+                                     uint64_t robot_cycles, roburoc4_channels *out) {
     if (analog > r->left / 4 || roburoc4_digital_blocks(digital) > r->left - (size_t)analog * 4) {
         return ROBUROC4_ERR_SHORT;
     }
-    *analog_view = read_bytes(r, (size_t)analog * 4);
-    *digital_view = read_bytes(r, (size_t)roburoc4_digital_blocks(digital));
+    out->robot_cycles = robot_cycles;
+    out->analog = read_bytes(r, (size_t)analog * 4);
+    out->digital = read_bytes(r, (size_t)roburoc4_digital_blocks(digital));
+    out->analog_count = analog;
+    out->digital_count = digital;
+    out->service = service;
+    memset(out->reserved, 0, sizeof out->reserved);
     return surplus(r, 0);
 }
 
-static roburoc4_result analog_at(const uint8_t *view, uint32_t count, uint32_t index, float *out) {
-    if (index >= count) {
-        return ROBUROC4_ERR_INDEX;
-    }
-    *out = f32_from_bits(load_u32(view + (size_t)index * 4));
-    return ROBUROC4_OK;
-}
-
 /** The first floats of a view, as many as there are and as have room; how many. */
-CURSOR roburoc4_result analog_all(const uint8_t *view, uint32_t count, float *out,
-                                  uint32_t capacity) {
+CURSOR roburoc4_result read_floats(const uint8_t *view, uint32_t count, float *out,
+                                   uint32_t capacity) {
     const uint32_t copied = count < capacity ? count : capacity;
     reader r = reader_of(view, (size_t)copied * 4);
     read_words(&r, out, copied);
     return (roburoc4_result)copied;
-}
-
-static roburoc4_result digital_at(const uint8_t *view, uint32_t count, uint32_t index) {
-    if (index >= count) {
-        return ROBUROC4_ERR_INDEX;
-    }
-    return view[index / 8] >> (index % 8) & 1;
 }
 
 /** Whether a datagram can carry these channels after a head; their bytes in *body. */
@@ -638,47 +613,30 @@ static bool channels_sendable(size_t analog, size_t digital, size_t *body) {
 
 roburoc4_result roburoc4_decode_iocard_status(const uint8_t *data, size_t size,
                                               uint32_t analog_inputs, uint32_t digital_inputs,
-                                              roburoc4_iocard_status *out) {
+                                              roburoc4_channels *out) {
     reader r = reader_of(data, size);
-    roburoc4_result result = read_status_header(&r, HEAD_STATUS);
+    const roburoc4_result result = read_status_header(&r, HEAD_STATUS);
     if (result < 0) {
         return result;
     }
     const uint16_t service = read_u16(&r);
     const uint64_t robot_cycles = read_u64(&r);
-    result = read_channels(&r, analog_inputs, digital_inputs, &out->analog, &out->digital);
-    if (result >= 0) {
-        out->analog_inputs = analog_inputs;
-        out->digital_inputs = digital_inputs;
-        out->service = service;
-        memset(out->reserved, 0, sizeof out->reserved);
-        out->robot_cycles = robot_cycles;
-    }
-    return result;
+    return read_channels(&r, analog_inputs, digital_inputs, service, robot_cycles, out);
 }
 
-roburoc4_result roburoc4_analog_input_at(const roburoc4_iocard_status *status, uint32_t index,
-                                         float *out) {
-    return analog_at(status->analog, status->analog_inputs, index, out);
-}
-
-roburoc4_result roburoc4_analog_inputs(const roburoc4_iocard_status *status, float *out,
+roburoc4_result roburoc4_analog_values(const roburoc4_channels *channels, float *out,
                                        uint32_t capacity) {
-    return analog_all(status->analog, status->analog_inputs, out, capacity);
+    return read_floats(channels->analog, channels->analog_count, out, capacity);
 }
 
-uint64_t roburoc4_digital_inputs(const roburoc4_iocard_status *status) {
-    const uint32_t inputs = status->digital_inputs < 64 ? status->digital_inputs : 64;
+uint64_t roburoc4_digital_values(const roburoc4_channels *channels) {
+    const uint32_t count = channels->digital_count < 64 ? channels->digital_count : 64;
     uint64_t bits = 0;
-    for (uint32_t i = 0; i < inputs; i += 8) {
-        bits |= (uint64_t)status->digital[i / 8] << i;
+    for (uint32_t i = 0; i < count; i += 8) {
+        bits |= (uint64_t)channels->digital[i / 8] << i;
     }
-    /* the last block may have bits that are no input */
-    return inputs < 64 ? bits & (((uint64_t)1 << inputs) - 1) : bits;
-}
-
-roburoc4_result roburoc4_digital_input_at(const roburoc4_iocard_status *status, uint32_t index) {
-    return digital_at(status->digital, status->digital_inputs, index);
+    /* the last block may have bits that are no channel */
+    return count < 64 ? bits & (((uint64_t)1 << count) - 1) : bits;
 }
 
 roburoc4_result roburoc4_encode_iocard_status(uint8_t *buffer, size_t capacity, uint16_t service,
@@ -711,14 +669,9 @@ roburoc4_result roburoc4_decode_telemeter_status(const uint8_t *data, size_t siz
     return (roburoc4_result)(r.left % 4);
 }
 
-roburoc4_result roburoc4_distance_at(const roburoc4_telemeter_status *status, uint32_t index,
-                                     float *out) {
-    return analog_at(status->distances, status->count, index, out);
-}
-
 roburoc4_result roburoc4_telemeter_distances(const roburoc4_telemeter_status *status, float *out,
                                              uint32_t capacity) {
-    return analog_all(status->distances, status->count, out, capacity);
+    return read_floats(status->distances, status->count, out, capacity);
 }
 
 roburoc4_result roburoc4_encode_telemeter_status(uint8_t *buffer, size_t capacity, uint16_t service,
@@ -828,31 +781,14 @@ roburoc4_result roburoc4_encode_differential_command(uint8_t *buffer, size_t cap
 
 roburoc4_result roburoc4_decode_iocard_command(const uint8_t *data, size_t size,
                                                uint32_t analog_outputs, uint32_t digital_outputs,
-                                               roburoc4_iocard_command *out) {
+                                               roburoc4_channels *out) {
     reader r = reader_of(data, size);
-    roburoc4_result result = read_status_header(&r, HEAD_COMMAND);
+    const roburoc4_result result = read_status_header(&r, HEAD_COMMAND);
     if (result < 0) {
         return result;
     }
     const uint16_t service = read_u16(&r);
-
-    result = read_channels(&r, analog_outputs, digital_outputs, &out->analog, &out->digital);
-    if (result >= 0) {
-        out->analog_outputs = analog_outputs;
-        out->digital_outputs = digital_outputs;
-        out->service = service;
-        memset(out->reserved, 0, sizeof out->reserved);
-    }
-    return result;
-}
-
-roburoc4_result roburoc4_analog_output_at(const roburoc4_iocard_command *command, uint32_t index,
-                                          float *out) {
-    return analog_at(command->analog, command->analog_outputs, index, out);
-}
-
-roburoc4_result roburoc4_digital_output_at(const roburoc4_iocard_command *command, uint32_t index) {
-    return digital_at(command->digital, command->digital_outputs, index);
+    return read_channels(&r, analog_outputs, digital_outputs, service, 0, out);
 }
 
 roburoc4_result roburoc4_encode_iocard_command(uint8_t *buffer, size_t capacity, uint16_t service,

@@ -124,18 +124,6 @@ roburoc4_result roburoc4_client_set_digital_outputs(client *c, uint64_t mask, ui
     return ROBUROC4_OK;
 }
 
-roburoc4_result roburoc4_client_set_digital_output(client *c, uint32_t index, int32_t on,
-                                                   uint64_t now_us) {
-    if (on != 0 && on != 1) {
-        return ROBUROC4_ERR_ARGUMENT;
-    }
-    if (index >= ROBUROC4_MAX_DIGITAL_OUTPUTS) {
-        return ROBUROC4_ERR_INDEX;
-    }
-    return roburoc4_client_set_digital_outputs(c, (uint64_t)1 << index, (uint64_t)on << index,
-                                               now_us);
-}
-
 roburoc4_result roburoc4_client_set_analog_output(client *c, uint32_t index, float value,
                                                   uint64_t now_us) {
     const roburoc4_result count =

@@ -75,7 +75,7 @@ roburoc4_result roburoc4_snapshot_properties(roburoc4_client *c, uint32_t servic
 /** A status of any service; each begins with its time. */
 typedef union any_status {
     uint64_t robot_cycles;
-    roburoc4_iocard_status iocard;
+    roburoc4_channels iocard;
     roburoc4_telemeter_status telemeter;
     roburoc4_battery_status battery;
     roburoc4_localization_status localization;

@@ -54,14 +54,6 @@ roburoc4_result roburoc4_pump_stop_robot(roburoc4_pump *pump) {
     return send_and_leave(pump, roburoc4_client_stop(&pump->client, roburoc4_udp_now_us()));
 }
 
-roburoc4_result roburoc4_pump_set_digital_output(roburoc4_pump *pump, uint32_t index, int32_t on) {
-    if (!enter_running(pump)) {
-        return ROBUROC4_ERR_CLOSED;
-    }
-    return send_and_leave(
-        pump, roburoc4_client_set_digital_output(&pump->client, index, on, roburoc4_udp_now_us()));
-}
-
 roburoc4_result roburoc4_pump_set_digital_outputs(roburoc4_pump *pump, uint64_t mask,
                                                   uint64_t values) {
     if (!enter_running(pump)) {

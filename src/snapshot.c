@@ -121,10 +121,10 @@ roburoc4_result roburoc4_snapshot_properties(client *c, uint32_t service, const 
 
 /* ---- statuses in ---- */
 
-static void take_inputs(client *c, const roburoc4_iocard_status *status) {
+static void take_inputs(client *c, const roburoc4_channels *status) {
     values *v = &c->private_values;
-    roburoc4_analog_inputs(status, v->analog, ROBUROC4_MAX_ANALOG_INPUTS);
-    v->digital = roburoc4_digital_inputs(status); /* ROBUROC4_MAX_DIGITAL_INPUTS of them */
+    roburoc4_analog_values(status, v->analog, ROBUROC4_MAX_ANALOG_INPUTS);
+    v->digital = roburoc4_digital_values(status); /* ROBUROC4_MAX_DIGITAL_INPUTS of them */
     const roburoc4_result override = index_of_role(c, ROBUROC4_ROLE_OVERRIDE);
     const uint8_t overridden = override >= 0 ? (uint8_t)(v->digital >> override & 1) : 0;
     if (overridden != (v->override_known && v->overridden)) {

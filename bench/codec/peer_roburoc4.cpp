@@ -26,14 +26,14 @@ size_t encode_iocard(uint8_t *buffer, size_t capacity) {
 
 bool decode_iocard(const uint8_t *wire, size_t size) {
     iocard_values &v = iocard::received();
-    roburoc4_iocard_status status;
+    roburoc4_channels status;
     if (roburoc4_decode_iocard_status(wire, size, 9, 22, &status) != 0) {
         return false;
     }
     v.service = status.service;
     v.robot_cycles = status.robot_cycles;
-    roburoc4_analog_inputs(&status, v.analog, 9);
-    const uint64_t bits = roburoc4_digital_inputs(&status);
+    roburoc4_analog_values(&status, v.analog, 9);
+    const uint64_t bits = roburoc4_digital_values(&status);
     std::memcpy(v.digital, &bits, 3);
     return true;
 }

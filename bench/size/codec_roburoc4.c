@@ -10,7 +10,7 @@ static uint8_t digital[3];
 static volatile int32_t result;
 
 static union {
-    roburoc4_iocard_status iocard;
+    roburoc4_channels iocard;
     roburoc4_telemeter_status telemeter;
     roburoc4_battery_status battery;
     roburoc4_localization_status localization;
@@ -20,8 +20,8 @@ static union {
 
 int main(void) {
     result = roburoc4_decode_iocard_status(buffer, sizeof buffer, 9, 22, &v.iocard);
-    result = roburoc4_analog_inputs(&v.iocard, analog, 9);
-    result = (int32_t)roburoc4_digital_inputs(&v.iocard);
+    result = roburoc4_analog_values(&v.iocard, analog, 9);
+    result = (int32_t)roburoc4_digital_values(&v.iocard);
     result = roburoc4_decode_telemeter_status(buffer, sizeof buffer, &v.telemeter);
     result = roburoc4_telemeter_distances(&v.telemeter, analog, 2);
     result = roburoc4_decode_battery_status(buffer, sizeof buffer, &v.battery);

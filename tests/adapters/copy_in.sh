@@ -10,7 +10,7 @@ shift 2
 
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-cp "$root/include/roburoc4.h" "$folder"
+cp "$root/include/roburoc4.h" "$root/include/roburoc4_codec.h" "$folder"
 for file in "$@"; do
     cp "$root/$file" "$folder"
 done

@@ -341,7 +341,7 @@ TEST(Pump, SendsCommandsBeforeTheCallReturns) {
     Pump pump = make_pump(robot.address());
     ASSERT_TRUE(becomes_armed(pump.get()));
     uint32_t before = roburoc4_pump_udp_count(pump.get(), ROBUROC4_UDP_COUNT_SENT);
-    ASSERT_EQ(roburoc4_pump_set_digital_output(pump.get(), 3, 1), ROBUROC4_OK);
+    ASSERT_EQ(roburoc4_pump_set_digital_outputs(pump.get(), uint64_t{1} << 3, uint64_t{1} << 3), ROBUROC4_OK);
     EXPECT_GT(roburoc4_pump_udp_count(pump.get(), ROBUROC4_UDP_COUNT_SENT), before);
     before = roburoc4_pump_udp_count(pump.get(), ROBUROC4_UDP_COUNT_SENT);
     ASSERT_EQ(roburoc4_pump_drive(pump.get(), 0.1f, 0.0f, 0), ROBUROC4_OK);
@@ -354,7 +354,7 @@ TEST(Pump, PassesEveryCommandOn) {
     ASSERT_TRUE(becomes_ready(pump.get()));
     roburoc4_pump_reader reader{};
     EXPECT_EQ(roburoc4_pump_drive(pump.get(), 0.1f, 0.0f, 0), ROBUROC4_ERR_DISARMED);
-    EXPECT_EQ(roburoc4_pump_set_digital_output(pump.get(), 0, 1), ROBUROC4_ERR_RESERVED);
+    EXPECT_EQ(roburoc4_pump_set_digital_outputs(pump.get(), uint64_t{1} << 0, uint64_t{1} << 0), ROBUROC4_ERR_RESERVED);
     EXPECT_EQ(roburoc4_pump_set_digital_outputs(pump.get(), 0x06, 0x02), ROBUROC4_OK);
     EXPECT_EQ(roburoc4_pump_set_analog_output(pump.get(), 0, 1.0f), ROBUROC4_ERR_INDEX);
     EXPECT_EQ(roburoc4_pump_relocalize(pump.get(), 1.0, 2.0, 0.5), ROBUROC4_OK);
@@ -543,7 +543,7 @@ TEST(PumpStop, LeavesValuesReadableAndRefusesCommands) {
     EXPECT_EQ(roburoc4_pump_disarm(p), ROBUROC4_ERR_CLOSED);
     EXPECT_EQ(roburoc4_pump_drive(p, 0.0f, 0.0f, 0), ROBUROC4_ERR_CLOSED);
     EXPECT_EQ(roburoc4_pump_stop_robot(p), ROBUROC4_ERR_CLOSED);
-    EXPECT_EQ(roburoc4_pump_set_digital_output(p, 1, 1), ROBUROC4_ERR_CLOSED);
+    EXPECT_EQ(roburoc4_pump_set_digital_outputs(p, 2, 2), ROBUROC4_ERR_CLOSED);
     EXPECT_EQ(roburoc4_pump_relocalize(p, 0.0, 0.0, 0.0), ROBUROC4_ERR_CLOSED);
     EXPECT_EQ(roburoc4_pump_service_count(p), uint32_t{ROBUROC4_SERVICE_COUNT});
     roburoc4_sample samples[64];

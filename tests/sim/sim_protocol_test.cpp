@@ -11,6 +11,7 @@
 #include <string>
 
 #include "sim_support.h"
+#include "telegrams.h"
 
 using namespace roburoc4_tests;
 
@@ -39,7 +40,7 @@ std::string channel_text(SimRobot &robot, std::uint8_t type, std::uint8_t index)
 Bytes replace_localization(double x, double y, double theta) {
     Bytes bytes(36);
     EXPECT_EQ(36,
-              roburoc4_encode_replace_localization(bytes.data(), bytes.size(), 0x24,
+              encode_replace_localization(bytes.data(), bytes.size(), 0x24,
                                                    ROBUROC4_SERVICE_LOCALIZATION, 1, x, y, theta));
     return bytes;
 }
@@ -432,16 +433,16 @@ TEST(SimInputs, ShowPadBumpersAndVoltages) {
     robot.run(1);
     const auto statuses = robot.take();
     ASSERT_EQ(1U, statuses.size());
-    roburoc4_iocard_status status{};
+    roburoc4_channels status{};
     ASSERT_EQ(0, roburoc4_decode_iocard_status(statuses[0].bytes.data(), statuses[0].bytes.size(),
                                                9, 22, &status));
     for (std::uint32_t index = 0; index < 22; index++) {
         const bool expected = index == ROBUROC4_DI_PAD_RB || index == ROBUROC4_DI_REAR_BUMPER;
-        EXPECT_EQ(expected ? 1 : 0, roburoc4_digital_input_at(&status, index)) << index;
+        EXPECT_EQ(expected ? 1 : 0, digital_at(&status, index)) << index;
     }
     const auto analog = [&](std::uint32_t index) {
         float value = 0.0F;
-        EXPECT_EQ(0, roburoc4_analog_input_at(&status, index, &value));
+        EXPECT_EQ(0, analog_at(&status, index, &value));
         return value;
     };
     const auto state = robot.state();

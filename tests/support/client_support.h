@@ -36,6 +36,13 @@ class Partner {
     [[nodiscard]] virtual std::uint64_t next_us() const = 0;
 };
 
+/** Set one digital output. */
+inline roburoc4_result set_digital_output(roburoc4_client *client, std::uint32_t index, int on,
+                                          std::uint64_t now_us) {
+    return roburoc4_client_set_digital_outputs(client, std::uint64_t{1} << index,
+                                               static_cast<std::uint64_t>(on) << index, now_us);
+}
+
 /** Call an encoder with a buffer and give what it wrote. */
 template <typename Encoder> Bytes encoded(Encoder encoder) {
     std::array<std::uint8_t, 2048> buffer{};

@@ -272,7 +272,7 @@ TEST(Init, AfterAnErrorEveryOtherFunctionRefusesTheClient) {
         EXPECT_LT(roburoc4_client_close(&c, 1), 0);
         EXPECT_LT(roburoc4_client_receive(&c, buffer, 5, 1), 0);
         EXPECT_LE(roburoc4_client_poll_transmit(&c, buffer, sizeof buffer, 1), 0);
-        EXPECT_LT(roburoc4_client_set_digital_output(&c, 1, 1, 1), 0);
+        EXPECT_LT(set_digital_output(&c, 1, 1, 1), 0);
         EXPECT_LT(roburoc4_client_set_analog_output(&c, 1, 1, 1), 0);
         EXPECT_LT(roburoc4_client_relocalize(&c, 0, 0, 0, 1), 0);
         EXPECT_EQ(UINT64_MAX, roburoc4_client_next_deadline(&c));

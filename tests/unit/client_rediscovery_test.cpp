@@ -107,7 +107,7 @@ TEST(Rediscovery, OutputsOfBeforeARebootStayOff) {
     Bench bench(robot);
     bench.armed();
     ASSERT_EQ(ROBUROC4_OK,
-              roburoc4_client_set_digital_output(&bench.client, 3, 1, bench.client_us()));
+              set_digital_output(&bench.client, 3, 1, bench.client_us()));
     bench.run(500 * ms);
     for (std::uint64_t i = 0; i < 3; i++)
         bench.receive(robot.status_at(6, i));
@@ -116,7 +116,7 @@ TEST(Rediscovery, OutputsOfBeforeARebootStayOff) {
     ASSERT_EQ(ROBUROC4_STATE_READY, bench.facts().state);
     robot.output_commands.clear();
     ASSERT_EQ(ROBUROC4_OK,
-              roburoc4_client_set_digital_output(&bench.client, 1, 1, bench.client_us()));
+              set_digital_output(&bench.client, 1, 1, bench.client_us()));
     bench.run(500 * ms);
     ASSERT_FALSE(robot.output_commands.empty());
     for (const auto &command : robot.output_commands)

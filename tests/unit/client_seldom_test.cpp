@@ -76,7 +76,7 @@ TEST(Seldom, EveryDatagramThatIsGivenOutIsCounted) {
     ASSERT_EQ(ROBUROC4_OK, bench.arm());
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
     ASSERT_EQ(ROBUROC4_OK,
-              roburoc4_client_set_digital_output(&bench.client, 3, 1, bench.client_us()));
+              set_digital_output(&bench.client, 3, 1, bench.client_us()));
     bench.run(5 * second);
     EXPECT_EQ(bench.sent.size(), bench.count(ROBUROC4_COUNT_SENT));
 }
@@ -194,7 +194,7 @@ TEST(Seldom, MoreChannelsThanCanBeStoredAreSaidOnce) {
         EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
         const bool outputs = card.analog_outputs > 16 || card.digital_outputs > 64;
         EXPECT_EQ(outputs ? ROBUROC4_ERR_INDEX : ROBUROC4_OK,
-                  roburoc4_client_set_digital_output(&bench.client, 1, 1, bench.client_us()))
+                  set_digital_output(&bench.client, 1, 1, bench.client_us()))
             << "a command carries all outputs";
     }
     for (const roburoc4_iocard_properties &card : {roburoc4_iocard_properties{32, 16, 64, 64, 0, 0},
@@ -398,7 +398,7 @@ TEST(Seldom, AClientThatStartsAgainIsAsOneThatStartsForTheFirstTime) {
         bench.armed();
         ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0.5F, 200 * ms));
         ASSERT_EQ(ROBUROC4_OK,
-                  roburoc4_client_set_digital_output(&bench.client, 3, 1, bench.client_us()));
+                  set_digital_output(&bench.client, 3, 1, bench.client_us()));
         ASSERT_EQ(ROBUROC4_OK,
                   roburoc4_client_relocalize(&bench.client, 1, 2, 3, bench.client_us()));
         bench.run(10 * ms);
@@ -435,7 +435,7 @@ TEST(Seldom, AfterAClockThatSteppedBackAnOutputIsStillRepeatedAtTheDeadline) {
     Bench bench(robot);
     bench.ready();
     ASSERT_EQ(ROBUROC4_OK,
-              roburoc4_client_set_digital_output(&bench.client, 3, 1, bench.client_us()));
+              set_digital_output(&bench.client, 3, 1, bench.client_us()));
     bench.pump();
     ASSERT_EQ(1U, robot.output_commands.size());
     bench.skew_us -= 900000000;

@@ -257,7 +257,7 @@ TEST(Capacity, ARobotThatClaimsTwoBillionInputsCostsNothing) {
     EXPECT_EQ(7U + 32U + 16U + 64U + 64U, robot.seen(ROBUROC4_ACTION_QUERY).size());
     EXPECT_EQ(ROBUROC4_ERR_SHORT, bench.receive(from_hex("FF 02 00 FF FF 00 00 00 00 00 00 01")));
     EXPECT_EQ(ROBUROC4_ERR_INDEX,
-              roburoc4_client_set_digital_output(&bench.client, 3, 1, bench.client_us()));
+              set_digital_output(&bench.client, 3, 1, bench.client_us()));
 }
 
 TEST(Capacity, InputsBeyondAreReportedAndNotStored) {

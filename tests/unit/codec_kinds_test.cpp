@@ -12,6 +12,7 @@
 #include "hex.h"
 #include "roburoc4.h"
 #include "vectors.h"
+#include "telegrams.h"
 
 using namespace roburoc4_tests;
 
@@ -123,13 +124,13 @@ TEST(Kinds, StatusesAndCommandsHaveHeader255) {
                     diff = with_header("differential-status"),
                     drive = with_header("differential-command"),
                     out = with_header("iocard-command");
-        roburoc4_iocard_status io_status{};
+        roburoc4_channels io_status{};
         roburoc4_telemeter_status tele_status{};
         roburoc4_battery_status battery_status{};
         roburoc4_localization_status pose_status{};
         roburoc4_differential_status diff_status{};
         roburoc4_differential_command drive_command{};
-        roburoc4_iocard_command io_command{};
+        roburoc4_channels io_command{};
         roburoc4_status_header head{};
         const roburoc4_result kind = ROBUROC4_ERR_KIND;
         EXPECT_EQ(kind, roburoc4_decode_iocard_status(io.data(), io.size(), 9, 22, &io_status));
@@ -193,16 +194,16 @@ template <class Encode> void expect_refused(Encode encode) {
 TEST(Values, RequestsAreNotSentWithAReservedId) {
     for (const int reserved : {ROBUROC4_HEADER_ERROR, ROBUROC4_HEADER_STATUS}) {
         const auto id = static_cast<uint8_t>(reserved);
-        expect_refused([&](uint8_t *b, size_t n) { return roburoc4_encode_get(b, n, id, 6); });
+        expect_refused([&](uint8_t *b, size_t n) { return encode_get(b, n, id, 6); });
         expect_refused(
-            [&](uint8_t *b, size_t n) { return roburoc4_encode_query_directory(b, n, id, 0); });
+            [&](uint8_t *b, size_t n) { return encode_query_directory(b, n, id, 0); });
         expect_refused(
-            [&](uint8_t *b, size_t n) { return roburoc4_encode_query_iocard(b, n, id, 2, 0, 0); });
+            [&](uint8_t *b, size_t n) { return encode_query_iocard(b, n, id, 2, 0, 0); });
         expect_refused(
-            [&](uint8_t *b, size_t n) { return roburoc4_encode_insert(b, n, id, 6, 5); });
-        expect_refused([&](uint8_t *b, size_t n) { return roburoc4_encode_delete(b, n, id, 6); });
+            [&](uint8_t *b, size_t n) { return encode_insert(b, n, id, 6, 5); });
+        expect_refused([&](uint8_t *b, size_t n) { return encode_delete(b, n, id, 6); });
         expect_refused([&](uint8_t *b, size_t n) {
-            return roburoc4_encode_replace_localization(b, n, id, 5, 1, 0, 0, 0);
+            return encode_replace_localization(b, n, id, 5, 1, 0, 0, 0);
         });
     }
 }
@@ -244,9 +245,9 @@ TEST(Values, AnAnswerIsNotSentUnderTheHeaderOfAStatus) {
 
 TEST(Values, APeriodOf0IsNotSent) {
     uint8_t b[64];
-    expect_refused([](uint8_t *to, size_t n) { return roburoc4_encode_insert(to, n, 1, 6, 0); });
-    EXPECT_EQ(7, roburoc4_encode_insert(b, sizeof b, 1, 6, 1));
-    EXPECT_EQ(7, roburoc4_encode_insert(b, sizeof b, 1, 6, 255));
+    expect_refused([](uint8_t *to, size_t n) { return encode_insert(to, n, 1, 6, 0); });
+    EXPECT_EQ(7, encode_insert(b, sizeof b, 1, 6, 1));
+    EXPECT_EQ(7, encode_insert(b, sizeof b, 1, 6, 255));
 }
 
 } // namespace

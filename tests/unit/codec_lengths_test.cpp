@@ -13,6 +13,7 @@
 #include "hex.h"
 #include "roburoc4.h"
 #include "vectors.h"
+#include "telegrams.h"
 
 using namespace roburoc4_tests;
 
@@ -144,12 +145,12 @@ TEST(Lengths, StatusesAndCommandsOfFixedSize) {
 }
 
 TEST(Lengths, StatusesAndCommandsOfTheCard) {
-    check_fixed<roburoc4_iocard_status>(
-        "iocard-status", [](const uint8_t *data, size_t size, roburoc4_iocard_status *out) {
+    check_fixed<roburoc4_channels>(
+        "iocard-status", [](const uint8_t *data, size_t size, roburoc4_channels *out) {
             return roburoc4_decode_iocard_status(data, size, 9, 22, out);
         });
-    check_fixed<roburoc4_iocard_command>(
-        "iocard-command", [](const uint8_t *data, size_t size, roburoc4_iocard_command *out) {
+    check_fixed<roburoc4_channels>(
+        "iocard-command", [](const uint8_t *data, size_t size, roburoc4_channels *out) {
             return roburoc4_decode_iocard_command(data, size, 0, 8, out);
         });
 }
@@ -208,15 +209,15 @@ TEST(DigitalBlocks, EveryNumberOfChannelsIsReadInItsExactLength) {
             const std::size_t blocks = digital == 0 ? 0 : (digital - 1) / 8 + 1;
             Bytes status(11 + 4 * analog + blocks, 0xFF);
             Bytes command(3 + 4 * analog + blocks, 0xFF);
-            check_lengths<roburoc4_iocard_status>(
+            check_lengths<roburoc4_channels>(
                 "status", status,
-                [=](const uint8_t *data, size_t size, roburoc4_iocard_status *out) {
+                [=](const uint8_t *data, size_t size, roburoc4_channels *out) {
                     return roburoc4_decode_iocard_status(data, size, analog, digital, out);
                 },
                 status.size());
-            check_lengths<roburoc4_iocard_command>(
+            check_lengths<roburoc4_channels>(
                 "command", command,
-                [=](const uint8_t *data, size_t size, roburoc4_iocard_command *out) {
+                [=](const uint8_t *data, size_t size, roburoc4_channels *out) {
                     return roburoc4_decode_iocard_command(data, size, analog, digital, out);
                 },
                 command.size());
@@ -227,11 +228,10 @@ TEST(DigitalBlocks, EveryNumberOfChannelsIsReadInItsExactLength) {
 TEST(DigitalBlocks, OneBlockTooManyIsSurplusAndNotAChannel) {
     Bytes bytes = vector_bytes("iocard-status");
     bytes.push_back(0xFF);
-    roburoc4_iocard_status out{};
+    roburoc4_channels out{};
     ASSERT_EQ(1, roburoc4_decode_iocard_status(bytes.data(), bytes.size(), 9, 22, &out));
-    EXPECT_EQ(1, roburoc4_digital_input_at(&out, 21));
-    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_digital_input_at(&out, 22));
-    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_digital_input_at(&out, 24));
+    EXPECT_EQ(1, digital_at(&out, 21));
+    EXPECT_EQ(0U, roburoc4_digital_values(&out) >> 22);
 }
 
 TEST(Claims, CountsBeyondTheDatagramAreShortWithoutOverflow) {
@@ -245,20 +245,20 @@ TEST(Claims, CountsBeyondTheDatagramAreShortWithoutOverflow) {
         for (const auto &[ai, di] :
              {std::pair{count, 0u}, {count, 22u}, {9u, digital}, {0u, digital}, {count, digital}}) {
             bool untouched = false;
-            EXPECT_EQ(ROBUROC4_ERR_SHORT, decode_exact<roburoc4_iocard_status>(
+            EXPECT_EQ(ROBUROC4_ERR_SHORT, decode_exact<roburoc4_channels>(
                                               status,
                                               [a = ai, d = di](const uint8_t *data, size_t size,
-                                                               roburoc4_iocard_status *out) {
+                                                               roburoc4_channels *out) {
                                                   return roburoc4_decode_iocard_status(data, size,
                                                                                        a, d, out);
                                               },
                                               &untouched))
                 << ai << " analog, " << di << " digital";
             EXPECT_TRUE(untouched);
-            EXPECT_EQ(ROBUROC4_ERR_SHORT, decode_exact<roburoc4_iocard_command>(
+            EXPECT_EQ(ROBUROC4_ERR_SHORT, decode_exact<roburoc4_channels>(
                                               command,
                                               [a = ai, d = di](const uint8_t *data, size_t size,
-                                                               roburoc4_iocard_command *out) {
+                                                               roburoc4_channels *out) {
                                                   return roburoc4_decode_iocard_command(data, size,
                                                                                         a, d, out);
                                               },
@@ -331,24 +331,8 @@ TEST(Views, EndAtTheirCount) {
     roburoc4_telemeter_status distances{};
     ASSERT_EQ(0, roburoc4_decode_telemeter_status(distance_bytes.data(), distance_bytes.size(),
                                                   &distances));
-    check_beyond<float>("distances", distances, 2, roburoc4_distance_at);
-}
-
-TEST(Views, OfTheCardEndAtItsCounts) {
-    ExactBlock status_bytes(vector_bytes("iocard-status"));
-    roburoc4_iocard_status status{};
-    ASSERT_EQ(
-        0, roburoc4_decode_iocard_status(status_bytes.data(), status_bytes.size(), 9, 22, &status));
-    check_beyond<float>("analog inputs", status, 9, roburoc4_analog_input_at);
-    ExactBlock command_bytes(from_hex("FF 02 00  00 00 80 3F  FF"));
-    roburoc4_iocard_command command{};
-    ASSERT_EQ(0, roburoc4_decode_iocard_command(command_bytes.data(), command_bytes.size(), 1, 7,
-                                                &command));
-    check_beyond<float>("analog outputs", command, 1, roburoc4_analog_output_at);
-    for (const uint32_t index : {22u, 23u, 24u, 0x7FFFFFFFu, 0xFFFFFFFFu})
-        EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_digital_input_at(&status, index)) << index;
-    for (const uint32_t index : {7u, 8u, 0x7FFFFFFFu, 0xFFFFFFFFu})
-        EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_digital_output_at(&command, index)) << index;
+    float beyond[3];
+    EXPECT_EQ(2, roburoc4_telemeter_distances(&distances, beyond, 3));
 }
 
 /* ------------------------------------------------------------------------------ encoders --- */
@@ -372,19 +356,19 @@ template <class Encode> void check_capacities(const char *name, Encode encode) {
 }
 
 TEST(Capacities, OfRequests) {
-    check_capacities("get", [](uint8_t *b, size_t n) { return roburoc4_encode_get(b, n, 1, 6); });
+    check_capacities("get", [](uint8_t *b, size_t n) { return encode_get(b, n, 1, 6); });
     check_capacities("query-directory", [](uint8_t *b, size_t n) {
-        return roburoc4_encode_query_directory(b, n, 42, 3);
+        return encode_query_directory(b, n, 42, 3);
     });
     check_capacities("query-digital-input", [](uint8_t *b, size_t n) {
-        return roburoc4_encode_query_iocard(b, n, 45, 2, ROBUROC4_IO_DIGITAL_INPUT, 8);
+        return encode_query_iocard(b, n, 45, 2, ROBUROC4_IO_DIGITAL_INPUT, 8);
     });
     check_capacities("insert",
-                     [](uint8_t *b, size_t n) { return roburoc4_encode_insert(b, n, 47, 6, 5); });
+                     [](uint8_t *b, size_t n) { return encode_insert(b, n, 47, 6, 5); });
     check_capacities("delete",
-                     [](uint8_t *b, size_t n) { return roburoc4_encode_delete(b, n, 48, 6); });
+                     [](uint8_t *b, size_t n) { return encode_delete(b, n, 48, 6); });
     check_capacities("replace-localization", [](uint8_t *b, size_t n) {
-        return roburoc4_encode_replace_localization(b, n, 49, 5, 12345, 10.0, -4.5, 1.5);
+        return encode_replace_localization(b, n, 49, 5, 12345, 10.0, -4.5, 1.5);
     });
 }
 

@@ -195,13 +195,13 @@ TEST(CodecLimits, WhatIsReservedIsZero) {
 
     const std::array<std::uint16_t, 3> zeros{0, 0, 0};
     std::array<std::uint8_t, 32> card{};
-    roburoc4_iocard_status status;
+    roburoc4_channels status;
     std::memset(&status, 0xA5, sizeof status);
     ASSERT_GT(roburoc4_encode_iocard_status(card.data(), card.size(), 2, 1, nullptr, 0, nullptr, 0),
               0);
     EXPECT_GE(roburoc4_decode_iocard_status(card.data(), card.size(), 0, 0, &status), 0);
     EXPECT_EQ(0, std::memcmp(status.reserved, zeros.data(), sizeof status.reserved));
-    roburoc4_iocard_command command;
+    roburoc4_channels command;
     std::memset(&command, 0xA5, sizeof command);
     ASSERT_GT(roburoc4_encode_iocard_command(card.data(), card.size(), 2, nullptr, 0, nullptr, 0),
               0);

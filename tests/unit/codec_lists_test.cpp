@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "roburoc4.h"
+#include "telegrams.h"
 
 namespace {
 
@@ -34,13 +35,13 @@ std::vector<uint8_t> iocard(uint32_t analog, uint32_t digital) {
 TEST(Lists, AllAnalogInputsAreThoseReadOneByOne) {
     for (const uint32_t count : {0U, 1U, 9U, 32U, 100U}) {
         const std::vector<uint8_t> bytes = iocard(count, 22);
-        roburoc4_iocard_status status;
+        roburoc4_channels status;
         ASSERT_EQ(0, roburoc4_decode_iocard_status(bytes.data(), bytes.size(), count, 22, &status));
         std::vector<float> all(count + 1, untouched);
-        ASSERT_EQ(static_cast<int32_t>(count), roburoc4_analog_inputs(&status, all.data(), 200));
+        ASSERT_EQ(static_cast<int32_t>(count), roburoc4_analog_values(&status, all.data(), 200));
         for (uint32_t i = 0; i < count; i++) {
             float one = 0;
-            ASSERT_EQ(0, roburoc4_analog_input_at(&status, i, &one));
+            ASSERT_EQ(0, analog_at(&status, i, &one));
             EXPECT_EQ(one, all[i]) << i << " of " << count;
         }
         EXPECT_EQ(untouched, all[count]) << "written beyond the last of " << count;
@@ -49,11 +50,11 @@ TEST(Lists, AllAnalogInputsAreThoseReadOneByOne) {
 
 TEST(Lists, NoMoreInputsAreCopiedThanHaveRoom) {
     const std::vector<uint8_t> bytes = iocard(9, 22);
-    roburoc4_iocard_status status;
+    roburoc4_channels status;
     ASSERT_EQ(0, roburoc4_decode_iocard_status(bytes.data(), bytes.size(), 9, 22, &status));
     for (uint32_t room = 0; room <= 9; room++) {
         std::vector<float> all(10, untouched);
-        EXPECT_EQ(static_cast<int32_t>(room), roburoc4_analog_inputs(&status, all.data(), room));
+        EXPECT_EQ(static_cast<int32_t>(room), roburoc4_analog_values(&status, all.data(), room));
         EXPECT_EQ(untouched, all[room]) << "room for " << room;
     }
 }
@@ -61,19 +62,19 @@ TEST(Lists, NoMoreInputsAreCopiedThanHaveRoom) {
 TEST(Lists, AllDigitalInputsAreThoseReadOneByOneAndNoOthers) {
     for (uint32_t count = 0; count <= 80; count++) {
         const std::vector<uint8_t> bytes = iocard(1, count);
-        roburoc4_iocard_status status;
+        roburoc4_channels status;
         ASSERT_EQ(0, roburoc4_decode_iocard_status(bytes.data(), bytes.size(), 1, count, &status));
-        const uint64_t all = roburoc4_digital_inputs(&status);
+        const uint64_t all = roburoc4_digital_values(&status);
         for (uint32_t i = 0; i < 64; i++) {
-            const int32_t one = roburoc4_digital_input_at(&status, i);
+            const int32_t one = digital_at(&status, i);
             EXPECT_EQ(one < 0 ? 0U : static_cast<uint64_t>(one), all >> i & 1)
                 << "input " << i << " of " << count;
         }
     }
     const std::vector<uint8_t> bytes = {0xFF, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x01, 0x82};
-    roburoc4_iocard_status status;
+    roburoc4_channels status;
     ASSERT_EQ(0, roburoc4_decode_iocard_status(bytes.data(), bytes.size(), 0, 15, &status));
-    EXPECT_EQ(0x0201U, roburoc4_digital_inputs(&status)); /* bit 15 is no input */
+    EXPECT_EQ(0x0201U, roburoc4_digital_values(&status)); /* bit 15 is no input */
 }
 
 TEST(Lists, AllDistancesAreThoseReadOneByOneNotANumberToo) {

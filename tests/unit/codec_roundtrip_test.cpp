@@ -15,6 +15,7 @@
 
 #include "hex.h"
 #include "roburoc4.h"
+#include "telegrams.h"
 
 using namespace roburoc4_tests;
 
@@ -131,26 +132,26 @@ TEST(RoundTrip, Requests) {
         const auto service = source.integer<std::uint16_t>();
         const auto index16 = source.integer<std::uint16_t>();
         ExactBlock get =
-            telegram([&](auto *b, auto n) { return roburoc4_encode_get(b, n, id, service); });
+            telegram([&](auto *b, auto n) { return encode_get(b, n, id, service); });
         roburoc4_request out = decoded(get);
         EXPECT_EQ(id, out.id);
         EXPECT_EQ(ROBUROC4_ACTION_GET, out.action);
         EXPECT_EQ(service, out.service);
         ExactBlock query = telegram(
-            [&](auto *b, auto n) { return roburoc4_encode_query_directory(b, n, id, index16); });
+            [&](auto *b, auto n) { return encode_query_directory(b, n, id, index16); });
         out = decoded(query);
         EXPECT_EQ(id, out.id);
         EXPECT_EQ(ROBUROC4_ACTION_QUERY, out.action);
         EXPECT_EQ(index16, out.index);
         const auto period = static_cast<std::uint8_t>(1 + source.up_to(254));
         ExactBlock insert = telegram(
-            [&](auto *b, auto n) { return roburoc4_encode_insert(b, n, id, service, period); });
+            [&](auto *b, auto n) { return encode_insert(b, n, id, service, period); });
         out = decoded(insert);
         EXPECT_EQ(ROBUROC4_ACTION_INSERT, out.action);
         EXPECT_EQ(service, out.subject);
         EXPECT_EQ(period, out.period_cycles);
         ExactBlock del =
-            telegram([&](auto *b, auto n) { return roburoc4_encode_delete(b, n, id, service); });
+            telegram([&](auto *b, auto n) { return encode_delete(b, n, id, service); });
         out = decoded(del);
         EXPECT_EQ(ROBUROC4_ACTION_DELETE, out.action);
         EXPECT_EQ(service, out.subject);
@@ -165,7 +166,7 @@ TEST(RoundTrip, QueriesOfTheCard) {
         const auto io_type = static_cast<std::uint8_t>(source.up_to(3));
         const std::int32_t index = source.count();
         ExactBlock wire = telegram([&](auto *b, auto n) {
-            return roburoc4_encode_query_iocard(b, n, id, service, io_type, index);
+            return encode_query_iocard(b, n, id, service, io_type, index);
         });
         const roburoc4_request out = decoded(wire);
         EXPECT_EQ(id, out.id);
@@ -184,7 +185,7 @@ TEST(RoundTrip, Replace) {
         const auto timestamp = source.integer<std::uint64_t>();
         const double x = source.real64(), y = source.real64(), theta = source.real64();
         ExactBlock wire = telegram([&](auto *b, auto n) {
-            return roburoc4_encode_replace_localization(b, n, id, service, timestamp, x, y, theta);
+            return encode_replace_localization(b, n, id, service, timestamp, x, y, theta);
         });
         const roburoc4_request out = decoded(wire);
         EXPECT_EQ(id, out.id);
@@ -377,7 +378,7 @@ TEST(RoundTrip, TelemeterStatusOfAnyLength) {
         ASSERT_EQ(distances.size(), out.count);
         for (std::uint32_t i = 0; i < out.count; i++) {
             float value = 0;
-            ASSERT_EQ(0, roburoc4_distance_at(&out, i, &value));
+            ASSERT_EQ(0, distance_at(&out, i, &value));
             EXPECT_TRUE(same(distances[i], value));
         }
     }
@@ -425,22 +426,22 @@ TEST(RoundTrip, StatusesAndCommandsOfAnyCard) {
             return roburoc4_encode_iocard_status(b, n, service, cycles, sent.analog.data(), analog,
                                                  sent.blocks.data(), sent.digital);
         });
-        roburoc4_iocard_status status{};
+        roburoc4_channels status{};
         ASSERT_EQ(0, roburoc4_decode_iocard_status(status_wire.data(), status_wire.size(), analog,
                                                    sent.digital, &status));
         EXPECT_EQ(service, status.service);
         EXPECT_EQ(cycles, status.robot_cycles);
-        check_channels(sent, status, roburoc4_analog_input_at, roburoc4_digital_input_at);
+        check_channels(sent, status, analog_at, digital_at);
 
         ExactBlock command_wire = telegram([&](auto *b, auto n) {
             return roburoc4_encode_iocard_command(b, n, service, sent.analog.data(), analog,
                                                   sent.blocks.data(), sent.digital);
         });
-        roburoc4_iocard_command command{};
+        roburoc4_channels command{};
         ASSERT_EQ(0, roburoc4_decode_iocard_command(command_wire.data(), command_wire.size(),
                                                     analog, sent.digital, &command));
         EXPECT_EQ(service, command.service);
-        check_channels(sent, command, roburoc4_analog_output_at, roburoc4_digital_output_at);
+        check_channels(sent, command, analog_at, digital_at);
     }
 }
 

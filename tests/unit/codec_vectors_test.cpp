@@ -14,6 +14,7 @@
 #include "hex.h"
 #include "roburoc4.h"
 #include "vectors.h"
+#include "telegrams.h"
 
 using namespace roburoc4_tests;
 
@@ -60,7 +61,7 @@ TEST(Vectors, Get) { // 4.2.2.1
     EXPECT_EQ(ROBUROC4_ACTION_GET, get.action);
     EXPECT_EQ(6, get.service);
     EXPECT_EQ(wire("get"),
-              encoded([](uint8_t *b, size_t n) { return roburoc4_encode_get(b, n, 1, 6); }));
+              encoded([](uint8_t *b, size_t n) { return encode_get(b, n, 1, 6); }));
 }
 
 TEST(Vectors, QueryDirectory) { // 4.2.3.1
@@ -70,7 +71,7 @@ TEST(Vectors, QueryDirectory) { // 4.2.3.1
     EXPECT_EQ(0, query.service);
     EXPECT_EQ(3, query.index);
     EXPECT_EQ(wire("query-directory"), encoded([](uint8_t *b, size_t n) {
-                  return roburoc4_encode_query_directory(b, n, 42, 3);
+                  return encode_query_directory(b, n, 42, 3);
               }));
 }
 
@@ -91,7 +92,7 @@ TEST(Vectors, QueryOfTheFourElementTypes) { // 4.2.3.3
         EXPECT_EQ(row.io_type, query.io_type);
         EXPECT_EQ(row.index, query.index);
         EXPECT_EQ(wire(row.name), encoded([&row](uint8_t *b, size_t n) {
-                      return roburoc4_encode_query_iocard(b, n, row.id, 2, row.io_type, row.index);
+                      return encode_query_iocard(b, n, row.id, 2, row.io_type, row.index);
                   }));
     }
 }
@@ -104,7 +105,7 @@ TEST(Vectors, Insert) { // 4.2.4.1
     EXPECT_EQ(6, insert.subject);
     EXPECT_EQ(5, insert.period_cycles);
     EXPECT_EQ(wire("insert"),
-              encoded([](uint8_t *b, size_t n) { return roburoc4_encode_insert(b, n, 47, 6, 5); }));
+              encoded([](uint8_t *b, size_t n) { return encode_insert(b, n, 47, 6, 5); }));
 }
 
 TEST(Vectors, Delete) {
@@ -114,7 +115,7 @@ TEST(Vectors, Delete) {
     EXPECT_EQ(ROBUROC4_SERVICE_NOTIFICATION, del.service);
     EXPECT_EQ(6, del.subject);
     EXPECT_EQ(wire("delete"),
-              encoded([](uint8_t *b, size_t n) { return roburoc4_encode_delete(b, n, 48, 6); }));
+              encoded([](uint8_t *b, size_t n) { return encode_delete(b, n, 48, 6); }));
 }
 
 TEST(Vectors, ReplaceLocalization) { // 4.2.6.5
@@ -127,7 +128,7 @@ TEST(Vectors, ReplaceLocalization) { // 4.2.6.5
     EXPECT_EQ(-4.5, replace.y_m);
     EXPECT_EQ(1.5, replace.theta_rad);
     EXPECT_EQ(wire("replace-localization"), encoded([](uint8_t *b, size_t n) {
-                  return roburoc4_encode_replace_localization(b, n, 49, 5, 12345, 10.0, -4.5, 1.5);
+                  return encode_replace_localization(b, n, 49, 5, 12345, 10.0, -4.5, 1.5);
               }));
 }
 
@@ -374,21 +375,21 @@ TEST(Vectors, IocardStatus) { // 4.2.4.4
     ASSERT_EQ(50u, bytes.size());
     const float analog[9] = {0.75F, 1.25F, 25.5F, -1.0F, -0.5F, 0.0F, 0.5F, 1.0F, -0.25F};
     const uint8_t digital[3] = {0x01, 0x01, 0x20};
-    roburoc4_iocard_status out{};
+    roburoc4_channels out{};
     ASSERT_EQ(0, roburoc4_decode_iocard_status(bytes.data(), bytes.size(), 9, 22, &out));
     EXPECT_EQ(2, out.service);
     EXPECT_EQ(360000u, out.robot_cycles);
-    EXPECT_EQ(9u, out.analog_inputs);
-    EXPECT_EQ(22u, out.digital_inputs);
+    EXPECT_EQ(9u, out.analog_count);
+    EXPECT_EQ(22u, out.digital_count);
     for (uint32_t i = 0; i < 9; i++) {
         float value = 99.0F;
-        ASSERT_EQ(0, roburoc4_analog_input_at(&out, i, &value));
+        ASSERT_EQ(0, analog_at(&out, i, &value));
         EXPECT_EQ(analog[i], value) << i;
     }
     for (uint32_t i = 0; i < 22; i++) {
         const bool set =
             i == ROBUROC4_DI_FRONT_BUMPER || i == ROBUROC4_DI_PAD_A || i == ROBUROC4_DI_PAD_RB;
-        EXPECT_EQ(set ? 1 : 0, roburoc4_digital_input_at(&out, i)) << i;
+        EXPECT_EQ(set ? 1 : 0, digital_at(&out, i)) << i;
     }
     EXPECT_EQ(wire("iocard-status"), encoded([&](uint8_t *b, size_t n) {
                   return roburoc4_encode_iocard_status(b, n, 2, 360000, analog, 9, digital, 22);
@@ -406,7 +407,7 @@ TEST(Vectors, TelemeterStatus) { // 4.2.4.5
     ASSERT_EQ(2u, out.count);
     for (uint32_t i = 0; i < 2; i++) {
         float value = 99.0F;
-        ASSERT_EQ(0, roburoc4_distance_at(&out, i, &value));
+        ASSERT_EQ(0, distance_at(&out, i, &value));
         EXPECT_EQ(distances[i], value) << i;
     }
     EXPECT_EQ(wire("telemeter-status"), encoded([&distances](uint8_t *b, size_t n) {
@@ -501,13 +502,13 @@ TEST(Vectors, DifferentialCommand) { // 4.2.5.6
 TEST(Vectors, IocardCommand) { // 4.2.5.2
     const Bytes bytes = vector_bytes("iocard-command");
     const uint8_t digital[] = {0x82};
-    roburoc4_iocard_command out{};
+    roburoc4_channels out{};
     ASSERT_EQ(0, roburoc4_decode_iocard_command(bytes.data(), bytes.size(), 0, 8, &out));
     EXPECT_EQ(2, out.service);
-    EXPECT_EQ(0u, out.analog_outputs);
-    EXPECT_EQ(8u, out.digital_outputs);
+    EXPECT_EQ(0u, out.analog_count);
+    EXPECT_EQ(8u, out.digital_count);
     for (uint32_t i = 0; i < 8; i++)
-        EXPECT_EQ(i == 1 || i == 7 ? 1 : 0, roburoc4_digital_output_at(&out, i)) << i;
+        EXPECT_EQ(i == 1 || i == 7 ? 1 : 0, digital_at(&out, i)) << i;
     EXPECT_EQ(wire("iocard-command"), encoded([&digital](uint8_t *b, size_t n) {
                   return roburoc4_encode_iocard_command(b, n, 2, nullptr, 0, digital, 8);
               }));
@@ -517,15 +518,15 @@ TEST(Vectors, IocardCommandWithAnalogOutputsAndASecondBlock) { // 4.2.5.2
     const Bytes bytes = from_hex("FF 02 00  00 00 80 3F  00 00 20 C0  80 01");
     const float analog[] = {1.0F, -2.5F};
     const uint8_t digital[] = {0x80, 0x01};
-    roburoc4_iocard_command out{};
+    roburoc4_channels out{};
     ASSERT_EQ(0, roburoc4_decode_iocard_command(bytes.data(), bytes.size(), 2, 9, &out));
     for (uint32_t i = 0; i < 2; i++) {
         float value = 99.0F;
-        ASSERT_EQ(0, roburoc4_analog_output_at(&out, i, &value));
+        ASSERT_EQ(0, analog_at(&out, i, &value));
         EXPECT_EQ(analog[i], value) << i;
     }
     for (uint32_t i = 0; i < 9; i++)
-        EXPECT_EQ(i >= 7 ? 1 : 0, roburoc4_digital_output_at(&out, i)) << i;
+        EXPECT_EQ(i >= 7 ? 1 : 0, digital_at(&out, i)) << i;
     EXPECT_EQ(to_hex(bytes), encoded([&](uint8_t *b, size_t n) {
                   return roburoc4_encode_iocard_command(b, n, 2, analog, 2, digital, 9);
               }));

@@ -2,7 +2,8 @@ function test_constants_are_those_of_the_header()
 % The classes with constants have the names and the values of roburoc4.h, all of them, and these only.
 % SPDX-License-Identifier: MIT
 root = fileparts(fileparts(mfilename('fullpath')));
-header = fileread(fullfile(root, '..', '..', 'include', 'roburoc4.h'));
+include = fullfile(root, '..', '..', 'include');
+header = [fileread(fullfile(include, 'roburoc4_codec.h')), fileread(fullfile(include, 'roburoc4.h'))];
 same('BatteryState', header, 'BATTERY', '\d+', {'NOT_KNOWN'});
 same('LocalizationFlag', header, 'LOCALIZATION', '0x\w+', {});
 same('Result', header, 'ERR', '\(-[23]\d\)', {'OK'});

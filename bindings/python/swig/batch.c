@@ -7,6 +7,8 @@
 
 #include <string.h>
 
+#include "decode.h"
+
 typedef struct batch {
     batch_shape shape;
     uint8_t *rows;
@@ -24,7 +26,7 @@ static uint8_t *put(uint8_t *at, const void *value, size_t size) {
 
 static roburoc4_result iocard_row(const batch_shape *shape, const uint8_t *data, size_t size,
                                   uint8_t *row) {
-    roburoc4_iocard_status status;
+    roburoc4_channels status;
     uint32_t i;
     roburoc4_result result =
         roburoc4_decode_iocard_status(data, size, shape->analog, shape->digital, &status);
@@ -33,12 +35,11 @@ static roburoc4_result iocard_row(const batch_shape *shape, const uint8_t *data,
     }
     row = put(row, &status.robot_cycles, sizeof status.robot_cycles);
     for (i = 0; i < shape->analog; i++) {
-        float value = 0.0F;
-        (void)roburoc4_analog_input_at(&status, i, &value);
+        const float value = channels_analog(&status, i);
         row = put(row, &value, sizeof value);
     }
     for (i = 0; i < shape->digital; i++) {
-        *row++ = (uint8_t)roburoc4_digital_input_at(&status, i);
+        *row++ = (uint8_t)channels_digital(&status, i);
     }
     return ROBUROC4_OK;
 }
@@ -53,8 +54,7 @@ static roburoc4_result telemeter_row(const batch_shape *shape, const uint8_t *da
     }
     row = put(row, &status.robot_cycles, sizeof status.robot_cycles);
     for (i = 0; i < shape->analog; i++) {
-        float value = 0.0F;
-        (void)roburoc4_distance_at(&status, i, &value);
+        const float value = distances_at(&status, i);
         row = put(row, &value, sizeof value);
     }
     return ROBUROC4_OK;

@@ -62,7 +62,7 @@ static uint32_t service_of_id(const layout *layout, uint32_t id) {
 /* -------------------------------------------------------------------------------- statuses --- */
 
 static PyObject *iocard_status(const datagram *d) {
-    roburoc4_iocard_status status;
+    roburoc4_channels status;
     PyObject *analog, *digital;
     uint32_t i;
     roburoc4_result result = roburoc4_decode_iocard_status(
@@ -70,15 +70,14 @@ static PyObject *iocard_status(const datagram *d) {
     if (result < 0) {
         return raise_result(result);
     }
-    analog = PyTuple_New(status.analog_inputs);
-    for (i = 0; analog != NULL && i < status.analog_inputs; i++) {
-        float value = 0.0F;
-        (void)roburoc4_analog_input_at(&status, i, &value);
+    analog = PyTuple_New(status.analog_count);
+    for (i = 0; analog != NULL && i < status.analog_count; i++) {
+        const float value = channels_analog(&status, i);
         (void)PyTuple_SetItem(analog, i, PyFloat_FromDouble(value));
     }
-    digital = PyTuple_New(status.digital_inputs);
-    for (i = 0; digital != NULL && i < status.digital_inputs; i++) {
-        (void)PyTuple_SetItem(digital, i, PyBool_FromLong(roburoc4_digital_input_at(&status, i)));
+    digital = PyTuple_New(status.digital_count);
+    for (i = 0; digital != NULL && i < status.digital_count; i++) {
+        (void)PyTuple_SetItem(digital, i, PyBool_FromLong(channels_digital(&status, i)));
     }
     return record_new(
         RECORD_IOCARD_STATUS,
@@ -95,8 +94,7 @@ static PyObject *telemeter_status(const datagram *d) {
     }
     distances = PyTuple_New(status.count);
     for (i = 0; distances != NULL && i < status.count; i++) {
-        float value = 0.0F;
-        (void)roburoc4_distance_at(&status, i, &value);
+        const float value = distances_at(&status, i);
         (void)PyTuple_SetItem(distances, i, PyFloat_FromDouble(value));
     }
     return record_new(
@@ -291,7 +289,7 @@ static PyObject *answer(const datagram *d) {
 /* ------------------------------------------------------------------- what a client has sent --- */
 
 static PyObject *iocard_command(const datagram *d) {
-    roburoc4_iocard_command command;
+    roburoc4_channels command;
     PyObject *analog, *digital;
     uint32_t i;
     roburoc4_result result = roburoc4_decode_iocard_command(
@@ -299,15 +297,14 @@ static PyObject *iocard_command(const datagram *d) {
     if (result < 0) {
         return raise_result(result);
     }
-    analog = PyTuple_New(command.analog_outputs);
-    for (i = 0; analog != NULL && i < command.analog_outputs; i++) {
-        float value = 0.0F;
-        (void)roburoc4_analog_output_at(&command, i, &value);
+    analog = PyTuple_New(command.analog_count);
+    for (i = 0; analog != NULL && i < command.analog_count; i++) {
+        const float value = channels_analog(&command, i);
         (void)PyTuple_SetItem(analog, i, PyFloat_FromDouble(value));
     }
-    digital = PyTuple_New(command.digital_outputs);
-    for (i = 0; digital != NULL && i < command.digital_outputs; i++) {
-        (void)PyTuple_SetItem(digital, i, PyBool_FromLong(roburoc4_digital_output_at(&command, i)));
+    digital = PyTuple_New(command.digital_count);
+    for (i = 0; digital != NULL && i < command.digital_count; i++) {
+        (void)PyTuple_SetItem(digital, i, PyBool_FromLong(channels_digital(&command, i)));
     }
     return record_new(RECORD_IOCARD_COMMAND, Py_BuildValue("(NN)", analog, digital));
 }

@@ -55,10 +55,11 @@
 %ignore roburoc4_sim_channel_destroy;
 %ignore roburoc4_sim_panel;
 %ignore roburoc4_sim_analog_output;
-%rename("$ignore", regextarget=1) "^roburoc4_(decode_|encode_|directory_at|notification_at|telemeter_at|analog_|digital_(input|output)_at|distance_at)";
+%rename("$ignore", regextarget=1) "^roburoc4_(decode_|encode_|directory_at|notification_at|telemeter_at|analog_values|digital_values|telemeter_distances)";
 
 #define ROBUROC4_API
 #define ROBUROC4_SIM_API
+%include "roburoc4_codec.h"
 %include "roburoc4.h"
 %include "roburoc4_udp.h"
 %include "roburoc4_pump.h"

@@ -58,8 +58,10 @@ def first_zero_s(simulator: roburoc4.Simulator, seconds: float = 10.0) -> float:
     return simulator.state.last_command_us / 1e6
 
 
-def header(name: str = "roburoc4.h") -> str:
-    """The text of a C header, in a checkout or in an unpacked sdist."""
+def header(name: str = "") -> str:
+    """The text of a C header (the core's two by default), in a checkout or an unpacked sdist."""
+    if not name:
+        return header("roburoc4_codec.h") + header("roburoc4.h")
     here = Path(__file__).resolve().parent
     for folder in (here.parent / "core", here.parents[2]):
         path = folder / "include" / name

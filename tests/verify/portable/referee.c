@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "check.h"
+#include "../../support/telegrams.h"
 
 #define PART "referee.c"
 #define MS 1000UL
@@ -176,11 +177,11 @@ void referee_close(referee *f, uint64_t now_us) {
 /** A status that the client used. */
 static void note_status(referee *f, const uint8_t *data, size_t size) {
     roburoc4_differential_status speed;
-    roburoc4_iocard_status inputs;
+    roburoc4_channels inputs;
     if (roburoc4_decode_iocard_status(data, size, ROBUROC4_AI_COUNT, ROBUROC4_DI_COUNT, &inputs) >=
             0 &&
         inputs.service == f->iocard_id) {
-        f->overridden = roburoc4_digital_input_at(&inputs, ROBUROC4_DI_PAD_A) == 1;
+        f->overridden = digital_at(&inputs, ROBUROC4_DI_PAD_A) == 1;
         if (f->overridden) {
             f->overrides++;
             lose_arming(f);

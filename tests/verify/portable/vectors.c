@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "check.h"
+#include "../../support/telegrams.h"
 #include "roburoc4.h"
 
 #define PART "vectors.c"
@@ -66,7 +67,7 @@ static void test_query(const char *name, uint8_t id, uint8_t io_type, int32_t in
     CHECK(roburoc4_decode_request(WIRE, &r) == 0);
     CHECK(r.id == id && r.action == ROBUROC4_ACTION_QUERY && r.service == 2);
     CHECK(r.io_type == io_type && r.index == index);
-    CHECK(ENCODED(roburoc4_encode_query_iocard(MADE, id, 2, io_type, index)));
+    CHECK(ENCODED(encode_query_iocard(MADE, id, 2, io_type, index)));
 }
 
 static void test_requests(void) {
@@ -74,11 +75,11 @@ static void test_requests(void) {
     load("get");
     CHECK(roburoc4_decode_request(WIRE, &r) == 0);
     CHECK(r.id == 1 && r.action == ROBUROC4_ACTION_GET && r.service == 6);
-    CHECK(ENCODED(roburoc4_encode_get(MADE, 1, 6)));
+    CHECK(ENCODED(encode_get(MADE, 1, 6)));
     load("query-directory");
     CHECK(roburoc4_decode_request(WIRE, &r) == 0);
     CHECK(r.id == 42 && r.action == ROBUROC4_ACTION_QUERY && r.service == 0 && r.index == 3);
-    CHECK(ENCODED(roburoc4_encode_query_directory(MADE, 42, 3)));
+    CHECK(ENCODED(encode_query_directory(MADE, 42, 3)));
     test_query("query-analog-input", 43, ROBUROC4_IO_ANALOG_INPUT, 8);
     test_query("query-analog-output", 44, ROBUROC4_IO_ANALOG_OUTPUT, 1);
     test_query("query-digital-input", 45, ROBUROC4_IO_DIGITAL_INPUT, 8);
@@ -87,16 +88,16 @@ static void test_requests(void) {
     CHECK(roburoc4_decode_request(WIRE, &r) == 0);
     CHECK(r.id == 47 && r.action == ROBUROC4_ACTION_INSERT && r.service == 1);
     CHECK(r.subject == 6 && r.period_cycles == 5);
-    CHECK(ENCODED(roburoc4_encode_insert(MADE, 47, 6, 5)));
+    CHECK(ENCODED(encode_insert(MADE, 47, 6, 5)));
     load("delete");
     CHECK(roburoc4_decode_request(WIRE, &r) == 0);
     CHECK(r.id == 48 && r.action == ROBUROC4_ACTION_DELETE && r.subject == 6);
-    CHECK(ENCODED(roburoc4_encode_delete(MADE, 48, 6)));
+    CHECK(ENCODED(encode_delete(MADE, 48, 6)));
     load("replace-localization");
     CHECK(roburoc4_decode_request(WIRE, &r) == 0);
     CHECK(r.id == 49 && r.action == ROBUROC4_ACTION_REPLACE && r.service == 5);
     CHECK(r.timestamp == 12345 && r.x_m == 10 && r.y_m == -4.5 && r.theta_rad == 1.5);
-    CHECK(ENCODED(roburoc4_encode_replace_localization(MADE, 49, 5, 12345, 10, -4.5, 1.5)));
+    CHECK(ENCODED(encode_replace_localization(MADE, 49, 5, 12345, 10, -4.5, 1.5)));
 }
 
 /* ------------------------------------------------------------------------------- answers --- */
@@ -220,17 +221,17 @@ static void test_other_answers(void) {
 static void test_iocard_status(void) {
     static const float analog[9] = {0.75f, 1.25f, 25.5f, -1, -0.5f, 0, 0.5f, 1, -0.25f};
     static const uint8_t digital[3] = {0x01, 0x01, 0x20};
-    roburoc4_iocard_status s;
+    roburoc4_channels s;
     uint32_t i;
     load("iocard-status");
     CHECK(roburoc4_decode_iocard_status(WIRE, 9, 22, &s) == 0);
     CHECK(s.service == 2 && s.robot_cycles == 360000);
     for (i = 0; i < 9; i++) {
         float value = 99;
-        CHECK(roburoc4_analog_input_at(&s, i, &value) == 0 && value == analog[i]);
+        CHECK(analog_at(&s, i, &value) == 0 && value == analog[i]);
     }
     for (i = 0; i < 22; i++) {
-        CHECK(roburoc4_digital_input_at(&s, i) == (i == 0 || i == 8 || i == 21));
+        CHECK(digital_at(&s, i) == (i == 0 || i == 8 || i == 21));
     }
     CHECK(ENCODED(roburoc4_encode_iocard_status(MADE, 2, 360000, analog, 9, digital, 22)));
 }
@@ -246,7 +247,7 @@ static void test_small_statuses(void) {
     CHECK(telemeter.service == 3 && telemeter.robot_cycles == 360000 && telemeter.count == 2);
     for (i = 0; i < 2; i++) {
         float value = 99;
-        CHECK(roburoc4_distance_at(&telemeter, i, &value) == 0 && value == distances[i]);
+        CHECK(distance_at(&telemeter, i, &value) == 0 && value == distances[i]);
     }
     CHECK(ENCODED(roburoc4_encode_telemeter_status(MADE, 3, 360000, distances, 2)));
     load("battery-status");
@@ -277,7 +278,7 @@ static void test_pose_and_speed_statuses(void) {
 static void test_commands(void) {
     static const uint8_t outputs[] = {0x82};
     roburoc4_differential_command command;
-    roburoc4_iocard_command io;
+    roburoc4_channels io;
     uint32_t i;
     load("differential-command");
     CHECK(roburoc4_decode_differential_command(WIRE, &command) == 0);
@@ -285,9 +286,9 @@ static void test_commands(void) {
     CHECK(ENCODED(roburoc4_encode_differential_command(MADE, 6, 0.5f, -0.25f)));
     load("iocard-command");
     CHECK(roburoc4_decode_iocard_command(WIRE, 0, 8, &io) == 0);
-    CHECK(io.service == 2 && io.analog_outputs == 0 && io.digital_outputs == 8);
+    CHECK(io.service == 2 && io.analog_count == 0 && io.digital_count == 8);
     for (i = 0; i < 8; i++) {
-        CHECK(roburoc4_digital_output_at(&io, i) == (i == 1 || i == 7));
+        CHECK(digital_at(&io, i) == (i == 1 || i == 7));
     }
     CHECK(ENCODED(roburoc4_encode_iocard_command(MADE, 2, NULL, 0, outputs, 8)));
 }

@@ -3,6 +3,7 @@
  * referee.cpp - the referee's books and its judgement of each datagram that leaves the client.
  */
 #include "referee.h"
+#include "../../support/telegrams.h"
 
 #include <algorithm>
 #include <cmath>
@@ -396,10 +397,10 @@ void Referee::note_damaged_request(const Bytes &request) {
 }
 
 bool Referee::shows_override(const Bytes &datagram) const {
-    roburoc4_iocard_status status;
+    roburoc4_channels status;
     return roburoc4_decode_iocard_status(datagram.data(), datagram.size(), truth_.analog_inputs,
                                          truth_.digital_inputs, &status) >= 0 &&
-           roburoc4_digital_input_at(&status, truth_.override_index) == 1;
+           digital_at(&status, truth_.override_index) == 1;
 }
 
 /** A status that the client used. */

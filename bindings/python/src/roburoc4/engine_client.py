@@ -27,7 +27,6 @@ _COMMANDS = frozenset(
         "disarm",
         "drive",
         "stop",
-        "set_digital_output",
         "set_digital_outputs",
         "set_analog_output",
         "relocalize",

@@ -94,8 +94,8 @@ HARNESS(notification, LIST)
 static void iocard_properties(const uint8_t *data, size_t size) {
     roburoc4_iocard_properties out;
     if (roburoc4_decode_iocard_properties(data, size, &out) >= 0) {
-        /*@ assert counts_are_none_below_0: out.analog_inputs >= 0 && out.analog_outputs >= 0 &&
-                   out.digital_inputs >= 0 && out.digital_outputs >= 0; */
+        /*@ assert counts_are_none_below_0: out.analog_count >= 0 && out.analog_count >= 0 &&
+                   out.digital_count >= 0 && out.digital_count >= 0; */
         READ(out.service);
     }
 }
@@ -181,13 +181,11 @@ HARNESS(command_header, FIXED)
 
 static void telemeter_status(const uint8_t *data, size_t size) {
     roburoc4_telemeter_status out;
-    float distance_m;
     if (roburoc4_decode_telemeter_status(data, size, &out) >= 0) {
         READ(out.robot_cycles);
         READ(out.service);
-        if (roburoc4_distance_at(&out, any_u32(), &distance_m) >= 0) {
-            READ(distance_m);
-        }
+        float distances[2];
+        READ(roburoc4_telemeter_distances(&out, distances, 2));
     }
 }
 HARNESS(telemeter_status, LIST)
@@ -235,18 +233,18 @@ HARNESS(differential_command, FIXED)
 /* ---- channels: their counts are the caller's, and as arbitrary as the bytes ---- */
 
 static void iocard_status(const uint8_t *data, size_t size) {
-    roburoc4_iocard_status out;
+    roburoc4_channels out;
     if (roburoc4_decode_iocard_status(data, size, any_u32(), any_u32(), &out) >= 0) {
         READ(out.robot_cycles);
-        READ(out.service + out.analog_inputs + out.digital_inputs);
+        READ(out.service + out.analog_count + out.digital_count);
     }
 }
 HARNESS(iocard_status, LIST)
 
 static void iocard_command(const uint8_t *data, size_t size) {
-    roburoc4_iocard_command out;
+    roburoc4_channels out;
     if (roburoc4_decode_iocard_command(data, size, any_u32(), any_u32(), &out) >= 0) {
-        READ(out.service + out.analog_outputs + out.digital_outputs);
+        READ(out.service + out.analog_count + out.digital_count);
     }
 }
 HARNESS(iocard_command, LIST)
@@ -257,25 +255,21 @@ static void iocard_channels(const uint8_t *data, size_t size) {
     const uint32_t analog = Frama_C_unsigned_int_interval(0, 2);
     const uint32_t digital =
         8 * Frama_C_unsigned_int_interval(0, 2) + Frama_C_unsigned_int_interval(0, 1);
-    roburoc4_iocard_status status;
-    roburoc4_iocard_command command;
-    float value;
+    roburoc4_channels status;
+    roburoc4_channels command;
+    float values[2];
     if (size > 24) {
         return;
     }
     //@ split analog;
     //@ split digital;
     if (roburoc4_decode_iocard_status(data, size, analog, digital, &status) >= 0) {
-        if (roburoc4_analog_input_at(&status, any_u32(), &value) >= 0) {
-            READ(value);
-        }
-        READ(roburoc4_digital_input_at(&status, any_u32()));
+        READ(roburoc4_analog_values(&status, values, 2));
+        READ(roburoc4_digital_values(&status));
     }
     if (roburoc4_decode_iocard_command(data, size, analog, digital, &command) >= 0) {
-        if (roburoc4_analog_output_at(&command, any_u32(), &value) >= 0) {
-            READ(value);
-        }
-        READ(roburoc4_digital_output_at(&command, any_u32()));
+        READ(roburoc4_analog_values(&command, values, 2));
+        READ(roburoc4_digital_values(&command));
     }
 }
 HARNESS(iocard_channels, LIST)

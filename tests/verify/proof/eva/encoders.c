@@ -67,15 +67,7 @@ typedef float two_floats[2];
 #define TO buffer, capacity
 #define NOTHING (void)0
 
-HARNESS(get, NOTHING, 4U, roburoc4_encode_get(TO, any_u8(), any_u16()))
-HARNESS(query_directory, NOTHING, 6U, roburoc4_encode_query_directory(TO, any_u8(), any_u16()))
-HARNESS(query_iocard, NOTHING, 9U,
-        roburoc4_encode_query_iocard(TO, any_u8(), any_u16(), any_u8(), (int32_t)up_to(INT32_MAX)))
-HARNESS(insert, NOTHING, 7U, roburoc4_encode_insert(TO, any_u8(), any_u16(), any_u8()))
-HARNESS(delete, NOTHING, 6U, roburoc4_encode_delete(TO, any_u8(), any_u16()))
-HARNESS(replace_localization, ANY(three_doubles, any), 36U,
-        roburoc4_encode_replace_localization(TO, any_u8(), any_u16(), any_u64(), any[0], any[1],
-                                             any[2]))
+HARNESS(request, ANY(roburoc4_request, any), 36U, roburoc4_encode_request(TO, &any))
 HARNESS(answer, NOTHING, 5U, roburoc4_encode_answer(TO, any_u8(), any_u8(), any_u16(), any_u8()))
 HARNESS(directory, TWO(roburoc4_directory_entry, any), 5U + 4U * count,
         roburoc4_encode_directory(TO, any_u8(), any_u16(), any, count))
