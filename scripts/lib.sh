@@ -2,7 +2,10 @@
 # SPDX-License-Identifier: MIT
 #
 # What the scripts share: installing packages, configuring a build folder whatever generator made
-# it, and running stages. To be sourced from the top of the checkout.
+# it, and running stages.
+#
+# Lists of packages are words:
+# shellcheck disable=SC2086
 
 LC_ALL=C
 export LC_ALL
@@ -24,12 +27,31 @@ jobs() {
     getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2
 }
 
+# only_help ARGUMENT...: for scripts without options; help() is theirs.
+only_help() {
+    case ${1:-} in
+    -h | --help)
+        help
+        exit 0
+        ;;
+    ?*)
+        echo "$(basename "$0"): cannot use '$1'; see scripts/$(basename "$0") --help" >&2
+        exit 2
+        ;;
+    esac
+}
+
+# ------------------------------------------------------------------------------- packages
+
 missing=
 
 # need PACKAGE COMMAND...: note PACKAGE as missing where COMMAND fails.
 need() {
     need_package=$1
     shift
+    case " $missing " in
+    *" $need_package "*) return 0 ;;
+    esac
     "$@" >/dev/null 2>&1 || missing="$missing $need_package"
 }
 
@@ -46,6 +68,19 @@ builds() {
 }
 
 # What more than one script needs.
+need_build() {
+    need cmake have cmake
+    need ninja-build builds
+    need gcc have gcc
+    need libc6-dev c_compiles gcc
+}
+
+need_tests() {
+    need g++ have g++
+    need libgtest-dev cxx_includes g++ gtest/gtest.h
+    need pkg-config have pkg-config
+}
+
 need_lcm() {
     need liblcm-bin have lcm-gen
     need liblcm-dev cxx_includes g++ lcm/lcm.h
@@ -66,31 +101,44 @@ need_python() {
     need python3-venv "${PYTHON:-python3}" -c 'import venv, ensurepip'
 }
 
-# Install what need() found missing, or say it and end.
+# What pip needs to build bindings/python.
+need_python_build() {
+    need gcc have gcc
+    need libc6-dev c_compiles gcc
+    need_python
+    need python3-dev "${PYTHON:-python3}" -c \
+        'import os, sysconfig; os.stat(sysconfig.get_config_h_filename())'
+}
+
+need_python_tests() {
+    need_python_build
+    need binutils have readelf
+    need swig have swig
+}
+
+# Install what need() found missing, and say first how much; or say what to install, and end.
 install_missing() {
     [ -n "$missing" ] || return 0
+    have apt-get || fail "missing here (by their Debian names):$missing"
+    install="apt-get install --no-install-recommends$missing"
     as_root=
     if [ "$(id -u)" -ne 0 ]; then
+        have sudo || fail "packages are missing; as root (apt-get update first, if that fails):
+$install"
         as_root=sudo
     fi
-    if ! have apt-get; then
-        fail "missing here (by their Debian names):$missing; install them and start again"
-    fi
-    if [ -n "$as_root" ] && ! have sudo; then
-        fail "missing here:$missing; as root: apt-get install$missing"
-    fi
-    say "installing:$missing"
     mkdir -p build
-    # The list holds package names only, one a word.
-    # shellcheck disable=SC2086
-    if ! { $as_root apt-get update && $as_root env DEBIAN_FRONTEND=noninteractive \
-        apt-get install -y --no-install-recommends $missing; } >build/packages.log 2>&1 </dev/null
-    then
+    say "installing:$missing"
+    $as_root apt-get update >build/packages.log 2>&1 </dev/null || :
+    $install --assume-no 2>/dev/null </dev/null | sed -n 's/^Need to get \(.*\) of archives.*/downloading \1/p'
+    if ! $as_root env DEBIAN_FRONTEND=noninteractive $install -y >>build/packages.log 2>&1 </dev/null; then
         tail -n 20 build/packages.log >&2
-        fail "apt-get could not install:$missing (all of it: build/packages.log)"
+        fail "could not install these packages (all of it: build/packages.log)"
     fi
     missing=
 }
+
+# ---------------------------------------------------------------------- tests and builds
 
 # What a test may take at the most: one that hangs fails, and the log says where.
 longest_test_s=600
