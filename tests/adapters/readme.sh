@@ -1,0 +1,155 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+#
+# readme.sh CASE ROOT BUILD [CMAKE]: the C program of README.md, compiled as it says there, against
+# the simulator as real processes. CASE is what happens: drives, silent, closed, lost, killed; or
+# installed: it is built by the lines of docs/c.md from what is installed.
+set -eu
+LC_ALL=C
+export LC_ALL
+case_name=$1
+root=$2
+build=$3
+
+folder=$(mktemp -d)
+simulator=
+clean_up() {
+    [ -z "$simulator" ] || kill "$simulator" 2>/dev/null || :
+    rm -rf "$folder"
+}
+trap clean_up EXIT
+cd "$folder"
+
+# block LANGUAGE PAGE: the first block of code in that language.
+block() {
+    awk -v first="\`\`\`$1" '$0 == "```" && inside { exit } inside; $0 == first { inside = 1 }' "$2"
+}
+
+# As in a checkout: build/drive.
+compile() {
+    mkdir examples
+    ln -s "$root/include" include
+    mkdir build
+    for library in roburoc4_udp roburoc4; do
+        ln -s "$build/lib$library.a" build/
+    done
+    block c "$root/README.md" >examples/drive.c
+    sed '1,/^ \*\/$/d' "$root/examples/drive.c" | cmp - examples/drive.c
+    line=$(grep '^cc -Iinclude ' "$root/README.md")
+    eval "$line -std=c99 -Wall -Wextra -Werror"
+}
+
+# start: a simulator whose panel is file descriptor 3; sets $robot.
+start() {
+    mkfifo panel
+    exec 3<>panel
+    "$build/bin/roburoc4-sim" --port 0 --panel <&3 >log &
+    simulator=$!
+    until grep -q ready log; do
+        kill -0 "$simulator"
+        sleep 1
+    done
+    robot=$(sed -n 's/.* \([0-9.]*:[0-9]*\)$/\1/p' log)
+}
+
+# drive STATUS PROGRAM: its exit status has to be that.
+drive() {
+    status=0
+    "$2" "$robot" 2>errors || status=$?
+    cat errors
+    if [ "$status" -ne "$1" ]; then
+        echo "exit status $status, not $1"
+        exit 1
+    fi
+}
+
+state() {
+    echo status >&3
+    sleep 1
+    tail -n 1 log
+}
+
+stands_after_a_drive() {
+    state | tee state
+    grep -q 'target 0.000 m/s 0.000 rad/s' state
+    grep -q 'odometry 0\.[4-7]' state
+}
+
+# In the background, until the robot moves.
+drive_until_it_moves() {
+    build/drive "$robot" 2>errors &
+    driver=$!
+    until grep -q ' target [0-9.]*[1-9]' log; do
+        echo status >&3
+        kill -0 "$driver"
+        sleep 0.2 2>/dev/null || sleep 1
+    done
+}
+
+case $case_name in
+drives)
+    compile
+    start
+    drive 0 build/drive
+    stands_after_a_drive
+    ;;
+silent)
+    # A stopped process has its port, and says nothing.
+    compile
+    start
+    kill -STOP "$simulator"
+    drive 1 build/drive
+    kill -CONT "$simulator"
+    grep -q 'gave up: not connected' errors
+    ;;
+closed)
+    compile
+    robot=127.0.0.1:9
+    drive 1 build/drive
+    grep -q 'nothing listens on this port' errors
+    ;;
+lost)
+    compile
+    start
+    drive_until_it_moves
+    kill "$simulator"
+    simulator=
+    status=0
+    wait "$driver" || status=$?
+    cat errors
+    test "$status" -eq 1
+    grep -q 'gave up' errors
+    ;;
+killed)
+    # Nothing more is sent: the robot's own watchdog stops it after a second.
+    compile
+    start
+    drive_until_it_moves
+    kill "$driver"
+    wait "$driver" || :
+    sleep 1
+    state | grep 'target 0.000 m/s 0.000 rad/s'
+    ;;
+installed)
+    cmake=$4
+    "$cmake" --install "$build" --config RelWithDebInfo --prefix "$folder/installed" >install.log
+    mkdir project
+    block c "$root/README.md" >project/drive.c
+    block cmake "$root/docs/c.md" >project/CMakeLists.txt
+    "$cmake" -S project -B project/build "-DCMAKE_PREFIX_PATH=$folder/installed" >cmake.log
+    "$cmake" --build project/build >>cmake.log
+    PKG_CONFIG_PATH=$(dirname "$(find "$folder/installed" -name roburoc4-udp.pc)")
+    LD_LIBRARY_PATH=$(dirname "$PKG_CONFIG_PATH")
+    export PKG_CONFIG_PATH LD_LIBRARY_PATH
+    line=$(grep '^cc drive.c ' "$root/docs/c.md")
+    (cd project && eval "$line")
+    start
+    drive 0 project/build/drive
+    stands_after_a_drive
+    drive 0 project/drive
+    ;;
+*)
+    echo "no such case: $case_name"
+    exit 1
+    ;;
+esac
