@@ -27,8 +27,8 @@ subplot(2, 2, 1);
 plot(data.localization.x_m, data.localization.y_m, 'b');
 axis equal; grid on; xlabel('x, m'); ylabel('y, m'); title('Odometry');
 subplot(2, 2, 2);
-plot(data.differential.time_s, data.differential.linear_m_s, 'b', ...
-    data.differential.time_s, data.differential.angular_rad_s, 'r');
+plot(data.differential.time_s, data.differential.current_linear_m_s, 'b', ...
+    data.differential.time_s, data.differential.current_angular_rad_s, 'r');
 grid on; xlabel('time, s'); title('Speeds');
 legend({'linear, m/s', 'angular, rad/s'}, 'Location', 'southeast');
 subplot(2, 2, 3);

@@ -45,7 +45,7 @@ time_s = double(speed.robot_cycles) * roburoc4.Service.CYCLE_S;
 begun = find(speed.target_linear_m_s > 0, 1);
 last = find(speed.target_linear_m_s > 0, 1, 'last');
 time_s = time_s(begun:last) - time_s(begun);
-measured = speed.linear_m_s(begun:last);
+measured = speed.current_linear_m_s(begun:last);
 
 % Logarithms keep the two parameters positive.
 cost = @(p) sum((model(exp(p(1)), exp(p(2)), p(3), step_m_s, time_s) - measured) .^ 2);

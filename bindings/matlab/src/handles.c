@@ -30,30 +30,23 @@ double handles_add(int kind, void *object) {
     return 0.0;
 }
 
-static uint32_t place_of(double id) {
+void *handles_find(int kind, double id) {
     uint32_t place;
     for (place = 0; place < HANDLES_MAX; place++) {
-        if (table[place].object != NULL && table[place].id == id) {
-            break;
+        if (handles_at(kind, place) != NULL && table[place].id == id) {
+            return table[place].object;
         }
     }
-    return place;
+    return NULL;
 }
 
-void *handles_find(int kind, double id) {
-    uint32_t place = place_of(id);
-    return place < HANDLES_MAX ? handles_at(kind, place) : NULL;
-}
-
-void handles_remove(double id) {
-    uint32_t place = place_of(id);
-    if (place < HANDLES_MAX) {
-        handles_clear(place);
+void handles_remove(const void *object) {
+    uint32_t place;
+    for (place = 0; place < HANDLES_MAX; place++) {
+        if (table[place].object == object) {
+            table[place].object = NULL;
+        }
     }
-}
-
-void handles_clear(uint32_t place) {
-    table[place].object = NULL;
 }
 
 void *handles_at(int kind, uint32_t place) {

@@ -19,10 +19,8 @@
 double handles_add(int kind, void *object);
 /** The object of this id and kind, or NULL. */
 void *handles_find(int kind, double id);
-/** Forget an id. */
-void handles_remove(double id);
-/** Forget what is at a place (0 to HANDLES_MAX - 1). */
-void handles_clear(uint32_t place);
+/** Forget an object. */
+void handles_remove(const void *object);
 /** The object of this kind at a place (0 to HANDLES_MAX - 1), or NULL. */
 void *handles_at(int kind, uint32_t place);
 /** How many there are of a kind. */

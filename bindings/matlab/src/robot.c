@@ -7,17 +7,17 @@
 #include <string.h>
 
 #include "fail.h"
+#include "handles.h"
 
 /* Samples taken at a time. */
 #define CHUNK 256u
 
-/* -------------------------------------------------------------------------------------- life ---
- */
+/* ----------------------------------------------------------------------------------- life --- */
 
 static robot *make(const robot_settings *settings) {
     robot *made = calloc(1, sizeof *made);
     if (made == NULL) {
-        (void)fail(FAIL_LIMIT, "no memory for another robot");
+        (void)fail(FAIL_LIMIT, "there is no memory for another robot");
         return NULL;
     }
     made->lease_us = settings->config.lease_ms * 1000;
@@ -25,25 +25,25 @@ static robot *make(const robot_settings *settings) {
     return made;
 }
 
-static roburoc4_result resolve(const char *text, roburoc4_address *out) {
+static robot *begin(robot *made) {
+    made->opened_us = made->furthest_us = robot_now_us(made);
+    return made;
+}
+
+static int resolve(const char *text, roburoc4_address *out) {
     roburoc4_result result = roburoc4_udp_resolve(text, 0, out);
     if (result == ROBUROC4_ERR_ARGUMENT) {
-        (void)fail(FAIL_ARGUMENT,
-                   "'%s' is no address: give HOST or HOST:PORT, such as 192.168.0.2:60000", text);
-    } else if (result < 0) {
-        (void)fail_result(text, result);
+        return fail(FAIL_ARGUMENT,
+                    "'%s' is not an address; give HOST or HOST:PORT, such as 192.168.0.2:60000",
+                    text);
     }
-    return result;
+    return result < 0 ? fail_result(text, result) : 1;
 }
 
 robot *robot_open(const char *address, const robot_settings *settings) {
     roburoc4_address numbers;
     roburoc4_result result;
-    robot *made;
-    if (resolve(address, &numbers) < 0) {
-        return NULL;
-    }
-    made = make(settings);
+    robot *made = resolve(address, &numbers) ? make(settings) : NULL;
     if (made == NULL) {
         return NULL;
     }
@@ -54,282 +54,267 @@ robot *robot_open(const char *address, const robot_settings *settings) {
         free(made);
         return NULL;
     }
-    made->opened_us = made->furthest_us = robot_now_us(made);
-    return made;
+    return begin(made);
 }
 
-robot *robot_join(world *home, const robot_settings *settings) {
+static void free_simulated(virtual_robot *v) {
+    if (v != NULL) {
+        free(v->samples);
+        free(v);
+    }
+}
+
+/* NULL without memory, or where the world is full. */
+static virtual_robot *join(roburoc4_world *world, const robot_settings *settings) {
+    virtual_robot *v = calloc(1, sizeof *v);
+    roburoc4_result number = ROBUROC4_ERR_SYSTEM;
+    if (v == NULL) {
+        return NULL;
+    }
+    v->world = world;
+    v->capacity = settings->buffer;
+    v->samples = calloc(v->capacity, sizeof *v->samples);
+    if (v->samples != NULL &&
+        roburoc4_client_init(&v->client, sizeof v->client, &settings->config) >= 0) {
+        number = roburoc4_world_join(world, &v->client);
+    }
+    if (number < 0) {
+        free_simulated(v);
+        return NULL;
+    }
+    v->number = (uint32_t)number;
+    return v;
+}
+
+robot *robot_join(roburoc4_world *world, const robot_settings *settings) {
     robot *made = make(settings);
     if (made == NULL) {
         return NULL;
     }
-    made->client = world_join(home, &settings->config, settings->buffer);
-    if (made->client == NULL) {
-        (void)fail(FAIL_LIMIT, "a simulator has room for %d robots: delete one", WORLD_CLIENTS);
+    made->simulated = join(world, settings);
+    if (made->simulated == NULL) {
+        (void)fail(FAIL_LIMIT, "a simulator has room for %d robots; delete one",
+                   ROBUROC4_WORLD_CLIENTS);
         free(made);
         return NULL;
     }
-    made->opened_us = made->furthest_us = robot_now_us(made);
-    return made;
+    return begin(made);
 }
 
-void robot_close(robot *one) {
-    if (one->pump != NULL) {
-        roburoc4_pump_destroy(one->pump);
-    } else {
-        (void)roburoc4_client_disarm(&one->client->client, robot_now_us(one));
-        world_exchange(one->client->home);
-        world_leave(one->client);
+void robot_close(robot *r) {
+    if (r->pump != NULL) {
+        roburoc4_pump_destroy(r->pump);
+    } else if (r->simulated->world != NULL) {
+        robot_disarm(r);
+        roburoc4_world_leave(r->simulated->world, &r->simulated->client);
     }
-    samples_free(&one->recording);
-    free(one);
+    free_simulated(r->simulated);
+    samples_free(&r->recording);
+    free(r);
 }
 
-int robot_is_open(robot *one) {
-    return one->pump != NULL ? roburoc4_pump_running(one->pump) : !one->client->home->closed;
+int robot_is_open(const robot *r) {
+    return r->pump != NULL ? roburoc4_pump_running(r->pump) : r->simulated->world != NULL;
 }
 
-uint64_t robot_now_us(const robot *one) {
-    return one->pump != NULL ? roburoc4_udp_now_us() : one->client->home->now_us;
+int robot_can(const robot *r, int be_commanded) {
+    if (robot_is_open(r)) {
+        return 1;
+    }
+    if (r->pump != NULL) {
+        return fail(FAIL_CLOSED, "this robot belongs to the process before a fork; make a new one");
+    }
+    return !be_commanded ||
+           fail(FAIL_CLOSED, "the simulator of this robot was deleted; make a new one");
 }
 
-roburoc4_client *robot_lock(robot *one) {
-    return one->pump != NULL ? roburoc4_pump_lock(one->pump) : &one->client->client;
+/* ----------------------------------------------------------------------------- virtual time --- */
+
+static void keep_text(virtual_robot *v, const uint8_t *datagram, size_t size) {
+    roburoc4_description text;
+    char *to;
+    if (roburoc4_client_description(&v->client, datagram, size, &text) < 0 || text.io_type < 0 ||
+        text.io_type >= CHANNEL_TYPES || text.index >= CHANNELS_MAX) {
+        return;
+    }
+    to = v->texts[text.io_type][text.index];
+    (void)snprintf(to, CHANNEL_TEXT, "%.*s", (int)text.length, (const char *)text.text);
 }
 
-void robot_unlock(robot *one) {
-    if (one->pump != NULL) {
-        roburoc4_pump_unlock(one->pump);
-    } else {
-        world_exchange(one->client->home);
+/* Take the client's events, and what they announce. */
+static void collect(virtual_robot *v, const uint8_t *datagram, size_t size) {
+    const uint32_t events = roburoc4_client_take_events(&v->client);
+    uint32_t i;
+    for (i = 0; i < SERVICES; i++) {
+        roburoc4_sample sample;
+        if ((events & (uint32_t)ROBUROC4_EVENT_IOCARD << i) != 0 &&
+            samples_latest(&v->client, FIRST_SERVICE + i, &sample)) {
+            sample.sequence = v->next_sample;
+            v->samples[v->next_sample++ % v->capacity] = sample;
+        }
+    }
+    if ((events & ROBUROC4_EVENT_DESCRIPTION) != 0) {
+        keep_text(v, datagram, size);
     }
 }
 
-void robot_wait(robot *one, uint32_t duration_us) {
-    roburoc4_pump_reader nothing = {0};
-    if (one->pump != NULL) {
-        (void)roburoc4_pump_wait_events(one->pump, &nothing, 0, duration_us);
-    } else {
-        world_run(one->client->home, duration_us);
+/* The robot at a place of the table, if it is in this world. */
+static virtual_robot *robot_in(const roburoc4_world *world, uint32_t place) {
+    const robot *r = handles_at(HANDLE_ROBOT, place);
+    return r != NULL && r->simulated != NULL && r->simulated->world == world ? r->simulated : NULL;
+}
+
+void robots_run(roburoc4_world *world, uint64_t until_us) {
+    const uint8_t *datagram;
+    size_t size;
+    uint32_t number, place;
+    while ((number = roburoc4_world_step(world, until_us, &datagram, &size)) != 0) {
+        for (place = 0; place < HANDLES_MAX; place++) {
+            virtual_robot *v = robot_in(world, place);
+            if (v != NULL && v->number == number) {
+                collect(v, datagram, size);
+            }
+        }
     }
 }
 
-int robot_is_stopping(robot *one) {
+void robots_lose(const roburoc4_world *world) {
+    uint32_t place;
+    for (place = 0; place < HANDLES_MAX; place++) {
+        virtual_robot *v = robot_in(world, place);
+        if (v != NULL) {
+            v->now_us = roburoc4_world_now_us(world);
+            v->world = NULL;
+        }
+    }
+}
+
+/* ------------------------------------------------------------------------- time and client --- */
+
+uint64_t robot_now_us(const robot *r) {
+    if (r->pump != NULL) {
+        return roburoc4_udp_now_us();
+    }
+    return r->simulated->world != NULL ? roburoc4_world_now_us(r->simulated->world)
+                                       : r->simulated->now_us;
+}
+
+roburoc4_client *robot_lock(robot *r, uint64_t *now_us) {
+    roburoc4_client *client = r->pump != NULL ? roburoc4_pump_lock(r->pump) : &r->simulated->client;
+    /* With the lock held, so that time never goes back from one call to the next. */
+    *now_us = robot_now_us(r);
+    return client;
+}
+
+void robot_unlock(robot *r) {
+    if (r->pump != NULL) {
+        roburoc4_pump_unlock(r->pump);
+    } else if (r->simulated->world != NULL) {
+        robots_run(r->simulated->world, robot_now_us(r));
+    }
+}
+
+void robot_wait(robot *r, uint32_t duration_us) {
+    const roburoc4_pump_reader nothing = {0};
+    if (r->pump != NULL) {
+        (void)roburoc4_pump_wait_events(r->pump, &nothing, 0, duration_us);
+    } else {
+        robots_run(r->simulated->world, robot_now_us(r) + duration_us);
+    }
+}
+
+const roburoc4_client *robot_copy(robot *r, uint64_t *now_us) {
+    static roburoc4_client copy;
+    copy = *robot_lock(r, now_us);
+    robot_unlock(r);
+    return &copy;
+}
+
+roburoc4_facts robot_facts(robot *r) {
     roburoc4_facts facts = {.size = sizeof facts};
-    return robot_is_open(one) && robot_facts(one, &facts) == ROBUROC4_OK && facts.stopping;
+    uint64_t now_us;
+    const roburoc4_client *client = robot_copy(r, &now_us);
+    (void)roburoc4_client_facts(client, now_us, &facts);
+    return facts;
 }
 
-int robot_is_driving(robot *one) {
-    roburoc4_facts facts = {.size = sizeof facts};
-    return robot_facts(one, &facts) == ROBUROC4_OK && (facts.driving || facts.stopping);
+void robot_disarm(robot *r) {
+    uint64_t now_us;
+    roburoc4_client *client = robot_lock(r, &now_us);
+    (void)roburoc4_client_disarm(client, now_us);
+    robot_unlock(r);
 }
 
-/* --------------------------------------------------------------------------------- the client ---
- */
-
-/* What `call`, which uses `client`, returns: made between lock and unlock. */
-#define RETURN_LOCKED(type, call)                                                                  \
-    do {                                                                                           \
-        roburoc4_client *client = robot_lock(one);                                                 \
-        type returned = (call);                                                                    \
-        robot_unlock(one);                                                                         \
-        return returned;                                                                           \
-    } while (0)
-
-roburoc4_result robot_arm(robot *one) {
-    if (!robot_is_open(one)) {
-        return ROBUROC4_ERR_CLOSED;
-    }
-    RETURN_LOCKED(roburoc4_result, roburoc4_client_arm(client, robot_now_us(one)));
-}
-
-roburoc4_result robot_disarm(robot *one) {
-    if (!robot_is_open(one)) {
-        return ROBUROC4_ERR_CLOSED;
-    }
-    RETURN_LOCKED(roburoc4_result, roburoc4_client_disarm(client, robot_now_us(one)));
-}
-
-roburoc4_result robot_stop(robot *one) {
-    if (!robot_is_open(one)) {
-        return ROBUROC4_ERR_CLOSED;
-    }
-    RETURN_LOCKED(roburoc4_result, roburoc4_client_stop(client, robot_now_us(one)));
-}
-
-roburoc4_result robot_drive(robot *one, float linear_m_s, float angular_rad_s) {
-    if (!robot_is_open(one)) {
-        return ROBUROC4_ERR_CLOSED;
-    }
-    RETURN_LOCKED(roburoc4_result,
-                  roburoc4_client_drive(client, linear_m_s, angular_rad_s, 0, robot_now_us(one)));
-}
-
-roburoc4_result robot_set_digital_output(robot *one, uint32_t index, int32_t on) {
-    if (!robot_is_open(one)) {
-        return ROBUROC4_ERR_CLOSED;
-    }
-    RETURN_LOCKED(roburoc4_result, index < 64 ? roburoc4_client_set_digital_outputs(
-                                                    client, (uint64_t)1 << index,
-                                                    (uint64_t)(on != 0) << index, robot_now_us(one))
-                                              : ROBUROC4_ERR_INDEX);
-}
-
-roburoc4_result robot_set_analog_output(robot *one, uint32_t index, float value) {
-    if (!robot_is_open(one)) {
-        return ROBUROC4_ERR_CLOSED;
-    }
-    RETURN_LOCKED(roburoc4_result,
-                  roburoc4_client_set_analog_output(client, index, value, robot_now_us(one)));
-}
-
-roburoc4_result robot_relocalize(robot *one, double x_m, double y_m, double theta_rad) {
-    if (!robot_is_open(one)) {
-        return ROBUROC4_ERR_CLOSED;
-    }
-    RETURN_LOCKED(roburoc4_result,
-                  roburoc4_client_relocalize(client, x_m, y_m, theta_rad, robot_now_us(one)));
-}
-
-roburoc4_result robot_subscribe(robot *one, uint32_t service, uint32_t period_ms) {
-    if (!robot_is_open(one)) {
-        return ROBUROC4_ERR_CLOSED;
-    }
-    RETURN_LOCKED(roburoc4_result,
-                  period_ms == 0
-                      ? roburoc4_client_unsubscribe(client, service, robot_now_us(one))
-                      : roburoc4_client_subscribe(client, service, period_ms, robot_now_us(one)));
-}
-
-uint32_t robot_state(robot *one) {
-    RETURN_LOCKED(uint32_t, roburoc4_client_state(client));
-}
-
-uint32_t robot_count(robot *one, uint32_t counter) {
-    RETURN_LOCKED(uint32_t, roburoc4_client_count(client, counter));
-}
-
-uint32_t robot_fault(robot *one) {
+uint32_t robot_fault(robot *r) {
     uint32_t fault = ROBUROC4_FAULT_NONE;
-    if (one->pump != NULL) {
-        (void)roburoc4_pump_lock(one->pump);
-        fault = roburoc4_udp_fault(roburoc4_pump_udp(one->pump));
-        roburoc4_pump_unlock(one->pump);
+    if (r->pump != NULL) {
+        (void)roburoc4_pump_lock(r->pump);
+        fault = roburoc4_udp_fault(roburoc4_pump_udp(r->pump));
+        roburoc4_pump_unlock(r->pump);
     }
     return fault;
 }
 
-void robot_address_text(robot *one, char *text, size_t capacity) {
+void robot_address_text(robot *r, char *text, size_t capacity) {
     roburoc4_address address;
     (void)snprintf(text, capacity, "the simulator");
-    if (one->pump != NULL) {
-        (void)roburoc4_pump_lock(one->pump);
-        (void)roburoc4_udp_address(roburoc4_pump_udp(one->pump), &address);
-        roburoc4_pump_unlock(one->pump);
+    if (r->pump != NULL) {
+        (void)roburoc4_pump_lock(r->pump);
+        (void)roburoc4_udp_address(roburoc4_pump_udp(r->pump), &address);
+        roburoc4_pump_unlock(r->pump);
         (void)roburoc4_udp_address_text(&address, text, capacity);
     }
 }
 
-roburoc4_result robot_facts(robot *one, roburoc4_facts *out) {
-    RETURN_LOCKED(roburoc4_result, roburoc4_client_facts(client, robot_now_us(one), out));
+void robot_texts(robot *r, uint32_t io_type, channel_texts out) {
+    uint32_t i;
+    if (r->pump == NULL) {
+        memcpy(out, r->simulated->texts[io_type], sizeof(channel_texts));
+        return;
+    }
+    for (i = 0; i < CHANNELS_MAX; i++) {
+        if (roburoc4_pump_description(r->pump, (int32_t)io_type, i, out[i], CHANNEL_TEXT) < 0) {
+            out[i][0] = '\0';
+        }
+    }
 }
 
-roburoc4_result robot_link(robot *one, roburoc4_link *out) {
-    RETURN_LOCKED(roburoc4_result, roburoc4_client_link(client, robot_now_us(one), out));
-}
+/* -------------------------------------------------------------------------------- samples --- */
 
-roburoc4_result robot_service_link(robot *one, uint32_t service, roburoc4_service_link *out) {
-    RETURN_LOCKED(roburoc4_result,
-                  roburoc4_client_service_link(client, service, robot_now_us(one), out));
-}
-
-uint32_t robot_service_count(robot *one) {
-    RETURN_LOCKED(uint32_t, roburoc4_client_service_count(client));
-}
-
-roburoc4_result robot_service_at(robot *one, uint32_t index, roburoc4_directory_entry *out) {
-    RETURN_LOCKED(roburoc4_result, roburoc4_client_service_at(client, index, out));
-}
-
-roburoc4_result robot_iocard_properties(robot *one, roburoc4_iocard_properties *out) {
-    RETURN_LOCKED(roburoc4_result, roburoc4_client_iocard_properties(client, out));
-}
-
-roburoc4_result robot_battery_properties(robot *one, roburoc4_battery_properties *out) {
-    RETURN_LOCKED(roburoc4_result, roburoc4_client_battery_properties(client, out));
-}
-
-roburoc4_result robot_localization_properties(robot *one, roburoc4_localization_properties *out) {
-    RETURN_LOCKED(roburoc4_result, roburoc4_client_localization_properties(client, out));
-}
-
-roburoc4_result robot_differential_properties(robot *one, roburoc4_differential_properties *out) {
-    RETURN_LOCKED(roburoc4_result, roburoc4_client_differential_properties(client, out));
-}
-
-uint32_t robot_telemeter_count(robot *one) {
-    RETURN_LOCKED(uint32_t, roburoc4_client_telemeter_count(client));
-}
-
-roburoc4_result robot_telemeter(robot *one, uint32_t index, roburoc4_telemeter *out) {
-    RETURN_LOCKED(roburoc4_result, roburoc4_client_telemeter(client, index, out));
-}
-
-roburoc4_result robot_role_index(robot *one, uint32_t role) {
-    RETURN_LOCKED(roburoc4_result, roburoc4_client_role_index(client, role));
-}
-
-roburoc4_result robot_description(robot *one, int32_t io_type, uint32_t index, char *buffer,
-                                  size_t capacity) {
-    return one->pump != NULL
-               ? roburoc4_pump_description(one->pump, io_type, index, buffer, capacity)
-               : ROBUROC4_ERR_UNKNOWN;
-}
-
-roburoc4_result robot_battery(robot *one, roburoc4_battery_status *out, uint64_t *host_us) {
-    RETURN_LOCKED(roburoc4_result, roburoc4_client_battery(client, out, host_us));
-}
-
-roburoc4_result robot_localization(robot *one, roburoc4_localization_status *out,
-                                   uint64_t *host_us) {
-    RETURN_LOCKED(roburoc4_result, roburoc4_client_localization(client, out, host_us));
-}
-
-roburoc4_result robot_differential(robot *one, roburoc4_differential_status *out,
-                                   uint64_t *host_us) {
-    RETURN_LOCKED(roburoc4_result, roburoc4_client_differential(client, out, host_us));
-}
-
-roburoc4_result robot_inputs(robot *one, roburoc4_inputs *out, uint64_t *host_us) {
-    RETURN_LOCKED(roburoc4_result, roburoc4_client_inputs(client, out, host_us));
-}
-
-roburoc4_result robot_distances(robot *one, roburoc4_distances *out, uint64_t *host_us) {
-    RETURN_LOCKED(roburoc4_result, roburoc4_client_distances(client, out, host_us));
-}
-
-/* ----------------------------------------------------------------------------------- samples ---
- */
-
-void robot_begin_reading(robot *one, roburoc4_pump_reader *reader) {
-    if (one->pump != NULL) {
-        (void)roburoc4_pump_reader_init(one->pump, reader);
+void robot_begin_reading(robot *r, roburoc4_pump_reader *reader) {
+    if (r->pump != NULL) {
+        (void)roburoc4_pump_reader_init(r->pump, reader);
     } else {
-        reader->next_sample = one->client->ring.next;
+        reader->next_sample = r->simulated->next_sample;
         reader->lost = 0;
     }
 }
 
-int robot_drain(robot *one, roburoc4_pump_reader *reader, sample_list *list) {
+/* What roburoc4_pump_read_samples() does. */
+static roburoc4_result read_samples(const virtual_robot *v, roburoc4_pump_reader *reader,
+                                    roburoc4_sample *samples, uint32_t capacity) {
+    const uint64_t oldest = v->next_sample > v->capacity ? v->next_sample - v->capacity : 0;
+    uint32_t copied = 0;
+    if (reader->next_sample < oldest) {
+        reader->lost += oldest - reader->next_sample;
+        reader->next_sample = oldest;
+    }
+    while (copied < capacity && reader->next_sample < v->next_sample) {
+        samples[copied++] = v->samples[reader->next_sample++ % v->capacity];
+    }
+    return (roburoc4_result)copied;
+}
+
+int robot_drain(robot *r, roburoc4_pump_reader *reader, sample_list *list) {
     roburoc4_result got;
     do {
         roburoc4_sample *end = samples_reserve(list, CHUNK);
         if (end == NULL) {
-            return fail(FAIL_LIMIT, "no room for more than %lu statuses: record for less long",
+            return fail(FAIL_LIMIT, "there is no room for more than %lu statuses; record less long",
                         (unsigned long)list->count);
         }
-        got = one->pump != NULL ? roburoc4_pump_read_samples(one->pump, reader, end, CHUNK)
-                                : samples_read(&one->client->ring, reader, end, CHUNK);
+        got = r->pump != NULL ? roburoc4_pump_read_samples(r->pump, reader, end, CHUNK)
+                              : read_samples(r->simulated, reader, end, CHUNK);
         list->count += got > 0 ? (uint32_t)got : 0;
     } while (got > 0);
     return 1;

@@ -1,26 +1,44 @@
 /* SPDX-License-Identifier: MIT
  *
- * robot.h - one robot, in real time on a pump (whose thread calls nothing of MATLAB) or in the
- * virtual time of a simulator: the same calls for both.
- *
- * Functions without a comment do what their namesakes of roburoc4.h do.
+ * robot.h - one robot: in real time on a pump, whose thread calls nothing of MATLAB, or in the
+ * virtual time of a simulator. Both give out a client, and what is done with it is the same.
  */
 #ifndef ROBUROC4_MEX_ROBOT_H
 #define ROBUROC4_MEX_ROBOT_H
 
+#include "roburoc4_sim.h"
 #include "samples.h"
 #include "settings.h"
-#include "world.h"
+
+/** The most channels of a type that have names. */
+#define CHANNELS_MAX ROBUROC4_MAX_DIGITAL_INPUTS
+#define CHANNEL_TYPES (ROBUROC4_IO_DIGITAL_OUTPUT + 1)
+#define CHANNEL_TEXT (ROBUROC4_PUMP_DESCRIPTION_MAX + 1)
+
+/** The robot's own texts for the channels of one type; "" where there is none. */
+typedef char channel_texts[CHANNELS_MAX][CHANNEL_TEXT];
+
+/** What a robot in virtual time has in the place of a pump. */
+typedef struct virtual_robot {
+    roburoc4_world *world; /* NULL: the simulator is gone */
+    uint32_t number;       /* the client's in the world */
+    uint64_t now_us;       /* the time when the simulator went */
+    roburoc4_client client;
+    roburoc4_sample *samples; /* a ring: sequence s is at s modulo capacity */
+    uint64_t next_sample;
+    uint32_t capacity;
+    channel_texts texts[CHANNEL_TYPES];
+} virtual_robot;
 
 typedef struct robot {
-    roburoc4_pump *pump;  /* in real time, or NULL */
-    world_client *client; /* in virtual time, or NULL */
+    roburoc4_pump *pump;      /* in real time, or NULL */
+    virtual_robot *simulated; /* in virtual time, or NULL */
     uint64_t opened_us;
     uint64_t furthest_us; /* when it came to the state below */
     uint32_t furthest;    /* the last state on the way to ready that it came to */
     uint32_t lease_us;
     uint32_t fresh_us; /* age to which a status counts */
-    int busy;          /* a method that waits is running: when it ends early, the robot stops */
+    int busy;          /* a method that waits is running: if it ends early, the robot stops */
     roburoc4_pump_reader log;     /* of log(): what was written ends here */
     roburoc4_pump_reader log_end; /* where it will end, once the file is there */
     roburoc4_pump_reader reader;  /* of record() */
@@ -32,71 +50,42 @@ typedef struct robot {
 /** Open a link in real time. NULL after noting why (fail.h); an absent robot is no error. */
 robot *robot_open(const char *address, const robot_settings *settings);
 /** Join a world. NULL after noting why. */
-robot *robot_join(world *home, const robot_settings *settings);
-/** End the link. Waits for a zero train that is on its way, in real time only: see
- *  robot_is_stopping(). */
-void robot_close(robot *one);
+robot *robot_join(roburoc4_world *world, const robot_settings *settings);
+/** End the link. In real time it waits until the stop sequence is over: see robot_facts(). */
+void robot_close(robot *r);
 
-/** 0 when commands get ROBUROC4_ERR_CLOSED. */
-int robot_is_open(robot *one);
+/** Whether it takes commands: not when its simulator is gone, or in a fork. */
+int robot_is_open(const robot *r);
+/** 0 after noting why the robot cannot be read, or cannot be commanded. */
+int robot_can(const robot *r, int be_commanded);
 /** The clock that the robot's times go by. */
-uint64_t robot_now_us(const robot *one);
-/** Its client, for any roburoc4_client_*() call at robot_now_us(), until robot_unlock(): then what
- * it has to send is sent. Nothing between the two may wait, or raise an error of MATLAB. */
-roburoc4_client *robot_lock(robot *one);
-void robot_unlock(robot *one);
+uint64_t robot_now_us(const robot *r);
+/** A copy of its client, for whatever only reads, and the time. Valid until the next call. */
+const roburoc4_client *robot_copy(robot *r, uint64_t *now_us);
+/** Its client and the time, for any roburoc4_client_*() call until robot_unlock(): then what it has
+ *  to send is sent. Nothing between the two may wait, or call MATLAB, which may not return. Only
+ *  for a robot that was open at the beginning of the command, or is in virtual time. */
+roburoc4_client *robot_lock(robot *r, uint64_t *now_us);
+void robot_unlock(robot *r);
 /** Let so much of the robot's time pass. */
-void robot_wait(robot *one, uint32_t duration_us);
-/** Whether zeros are on their way. */
-int robot_is_stopping(robot *one);
-/** Whether this object drives, or zeros of its drive are on their way. */
-int robot_is_driving(robot *one);
+void robot_wait(robot *r, uint32_t duration_us);
+/** Let virtual time pass in a world, for all its robots. */
+void robots_run(roburoc4_world *world, uint64_t until_us);
+/** A world is about to be destroyed: its robots keep what they know. */
+void robots_lose(const roburoc4_world *world);
 
-roburoc4_result robot_arm(robot *one);
-roburoc4_result robot_disarm(robot *one);
-roburoc4_result robot_drive(robot *one, float linear_m_s, float angular_rad_s);
-roburoc4_result robot_stop(robot *one);
-roburoc4_result robot_set_digital_output(robot *one, uint32_t index, int32_t on);
-roburoc4_result robot_set_analog_output(robot *one, uint32_t index, float value);
-roburoc4_result robot_relocalize(robot *one, double x_m, double y_m, double theta_rad);
-/** period_ms 0 ends a subscription. */
-roburoc4_result robot_subscribe(robot *one, uint32_t service, uint32_t period_ms);
-
-uint32_t robot_state(robot *one);
-uint32_t robot_count(robot *one, uint32_t counter);
+roburoc4_facts robot_facts(robot *r);
+void robot_disarm(robot *r);
 /** ROBUROC4_FAULT_*; in virtual time there is none. */
-uint32_t robot_fault(robot *one);
+uint32_t robot_fault(robot *r);
 /** Where the robot is, or "the simulator". */
-void robot_address_text(robot *one, char *text, size_t capacity);
-roburoc4_result robot_facts(robot *one, roburoc4_facts *out);
-roburoc4_result robot_link(robot *one, roburoc4_link *out);
-roburoc4_result robot_service_link(robot *one, uint32_t service, roburoc4_service_link *out);
-
-uint32_t robot_service_count(robot *one);
-roburoc4_result robot_service_at(robot *one, uint32_t index, roburoc4_directory_entry *out);
-roburoc4_result robot_iocard_properties(robot *one, roburoc4_iocard_properties *out);
-roburoc4_result robot_battery_properties(robot *one, roburoc4_battery_properties *out);
-roburoc4_result robot_localization_properties(robot *one, roburoc4_localization_properties *out);
-roburoc4_result robot_differential_properties(robot *one, roburoc4_differential_properties *out);
-uint32_t robot_telemeter_count(robot *one);
-roburoc4_result robot_telemeter(robot *one, uint32_t index, roburoc4_telemeter *out);
-roburoc4_result robot_role_index(robot *one, uint32_t role);
-/** In virtual time the robot's texts are not kept: ROBUROC4_ERR_UNKNOWN. */
-roburoc4_result robot_description(robot *one, int32_t io_type, uint32_t index, char *buffer,
-                                  size_t capacity);
-
-/* host_us may be NULL. */
-roburoc4_result robot_battery(robot *one, roburoc4_battery_status *out, uint64_t *host_us);
-roburoc4_result robot_localization(robot *one, roburoc4_localization_status *out,
-                                   uint64_t *host_us);
-roburoc4_result robot_differential(robot *one, roburoc4_differential_status *out,
-                                   uint64_t *host_us);
-roburoc4_result robot_inputs(robot *one, roburoc4_inputs *out, uint64_t *host_us);
-roburoc4_result robot_distances(robot *one, roburoc4_distances *out, uint64_t *host_us);
+void robot_address_text(robot *r, char *text, size_t capacity);
+/** The robot's texts for the channels of a type, by index. Not between lock and unlock. */
+void robot_texts(robot *r, uint32_t io_type, channel_texts out);
 
 /** Let a reader begin with the next status. */
-void robot_begin_reading(robot *one, roburoc4_pump_reader *reader);
+void robot_begin_reading(robot *r, roburoc4_pump_reader *reader);
 /** Append what a reader has not read to a list. 0 after noting that there is no room. */
-int robot_drain(robot *one, roburoc4_pump_reader *reader, sample_list *list);
+int robot_drain(robot *r, roburoc4_pump_reader *reader, sample_list *list);
 
 #endif

@@ -1,21 +1,20 @@
 /* SPDX-License-Identifier: MIT
  *
- * Commands that tell the robot something. None of them waits.
+ * Commands that are sent to the robot. None of them waits.
  */
-#include "answers.h"
-#include "channels.h"
 #include "commands.h"
 #include "fail.h"
 
 /* Beyond every robot, and well within a float. */
 #define FASTEST 1e6
+#define FARTHEST_M 1e9
 
 static int done(const char *what, roburoc4_result result) {
-    return result >= 0 ? 1 : fail_result(what, result);
+    return result >= 0 || fail_result(what, result);
 }
 
 /* For what needs a robot that answers, but not that it is armed. */
-static int done_there(const char *what, roburoc4_result result) {
+static int done_unarmed(const char *what, roburoc4_result result) {
     if (result == ROBUROC4_ERR_NOT_READY) {
         return fail(FAIL_TIMEOUT,
                     "%s: the robot does not answer; look at link, and try again when status.ready",
@@ -32,146 +31,170 @@ static int is_transient(roburoc4_result result) {
 }
 
 /* arm(id, last_try): true when armed; false where time may help, unless this is the last try */
-static int arm(const call *told) {
-    robot *one = told_robot(told);
+static int arm(const call *in) {
+    roburoc4_client *client;
     roburoc4_result result;
+    uint64_t now_us;
     int last_try;
-    if (one == NULL || !take_flag(told->arguments[1], "last_try", &last_try)) {
+    if (!take_flag(in->arguments[0], "last_try", &last_try)) {
         return 0;
     }
-    result = robot_arm(one);
-    told->results[0] = mxCreateLogicalScalar(result >= 0);
-    return !last_try && is_transient(result) ? 1 : done("not armed", result);
+    client = robot_lock(in->object, &now_us);
+    result = roburoc4_client_arm(client, now_us);
+    robot_unlock(in->object);
+    in->results[0] = mxCreateLogicalScalar(result >= 0);
+    return (!last_try && is_transient(result)) || done("not armed", result);
 }
 
 /* disarm(id) */
-static int disarm(const call *told) {
-    robot *one = told_robot(told);
-    return one != NULL && done("disarm", robot_disarm(one));
+static int disarm(const call *in) {
+    robot_disarm(in->object);
+    return 1;
 }
 
 /* stop(id) */
-static int stop(const call *told) {
-    robot *one = told_robot(told);
-    return one != NULL && done("stop", robot_stop(one));
+static int stop(const call *in) {
+    uint64_t now_us;
+    roburoc4_client *client = robot_lock(in->object, &now_us);
+    const roburoc4_result result = roburoc4_client_stop(client, now_us);
+    robot_unlock(in->object);
+    return done("stop", result);
 }
 
 /* drive(id, linear_m_s, angular_rad_s) */
-static int drive(const call *told) {
-    robot *one = told_robot(told);
+static int drive(const call *in) {
+    roburoc4_client *client;
+    roburoc4_result result;
+    uint64_t now_us;
     double linear_m_s, angular_rad_s;
-    return one != NULL &&
-           take_range(told->arguments[1], "linear speed", -FASTEST, FASTEST, &linear_m_s) &&
-           take_range(told->arguments[2], "angular speed", -FASTEST, FASTEST, &angular_rad_s) &&
-           done("not driving", robot_drive(one, (float)linear_m_s, (float)angular_rad_s));
+    if (!take_range(in->arguments[0], "linear speed", -FASTEST, FASTEST, &linear_m_s) ||
+        !take_range(in->arguments[1], "angular speed", -FASTEST, FASTEST, &angular_rad_s)) {
+        return 0;
+    }
+    client = robot_lock(in->object, &now_us);
+    result = roburoc4_client_drive(client, (float)linear_m_s, (float)angular_rad_s, 0, now_us);
+    robot_unlock(in->object);
+    return done("not driving", result);
 }
 
 /* lease(id): seconds for which a drive command lives */
-static int tell_lease(const call *told) {
-    robot *one = told_robot(told);
-    if (one == NULL) {
-        return 0;
-    }
-    told->results[0] = mxCreateDoubleScalar((double)one->lease_us / 1e6);
+static int look_lease(const call *in) {
+    in->results[0] = mxCreateDoubleScalar(((const robot *)in->object)->lease_us / 1e6);
     return 1;
 }
 
-/* A channel by its name, or by its index on the wire. */
-static int take_channel(const call *told, robot *one, uint32_t io_type, uint32_t *out) {
-    char name[TEXT_SIZE];
-    channel found = {0};
-    int64_t index = 0;
-    if (!mxIsChar(told->arguments[1])) {
-        int fine = take_whole(told->arguments[1], "channel", 0, UINT16_MAX, &index);
-        *out = (uint32_t)index;
-        return fine;
+/* An output by its name, or by its index on the wire. */
+static int take_output(const call *in, uint32_t io_type, uint32_t *index) {
+    int64_t number;
+    uint32_t found_type;
+    if (mxIsChar(in->arguments[0])) {
+        return take_channel(in, 1u << io_type, &found_type, index);
     }
-    if (!take_text(told->arguments[1], "channel", name) ||
-        !channels_find(one, name, 1u << io_type, &found)) {
+    if (!take_whole(in->arguments[0], "channel", 0, UINT16_MAX, &number)) {
         return 0;
     }
-    *out = found.index;
+    *index = (uint32_t)number;
     return 1;
 }
 
-static int outcome(robot *one, uint32_t io_type, uint32_t index, roburoc4_result result) {
-    if (result == ROBUROC4_ERR_INDEX) {
-        return fail(FAIL_ARGUMENT, "the robot has no %s output %lu: it has %lu, from 0 on",
-                    io_type == ROBUROC4_IO_DIGITAL_OUTPUT ? "digital" : "analog",
-                    (unsigned long)index, (unsigned long)channels_count(one, io_type));
+static int done_output(const call *in, uint32_t io_type, uint32_t index, roburoc4_result result) {
+    if (result != ROBUROC4_ERR_INDEX) {
+        return done_unarmed("output", result);
     }
-    return done_there("output", result);
+    return fail(FAIL_ARGUMENT, "the robot has no %s output %lu: it has %lu, from 0 on",
+                io_type == ROBUROC4_IO_DIGITAL_OUTPUT ? "digital" : "analog", (unsigned long)index,
+                (unsigned long)count_channels(in->object, io_type));
 }
 
 /* digital(id, channel, on) */
-static int set_digital(const call *told) {
-    robot *one = told_robot(told);
+static int set_digital(const call *in) {
+    roburoc4_result result = ROBUROC4_ERR_INDEX;
     uint32_t index;
     int on;
-    return one != NULL && take_channel(told, one, ROBUROC4_IO_DIGITAL_OUTPUT, &index) &&
-           take_flag(told->arguments[2], "on", &on) &&
-           outcome(one, ROBUROC4_IO_DIGITAL_OUTPUT, index,
-                   robot_set_digital_output(one, index, on));
+    if (!take_output(in, ROBUROC4_IO_DIGITAL_OUTPUT, &index) ||
+        !take_flag(in->arguments[1], "on", &on)) {
+        return 0;
+    }
+    if (index < ROBUROC4_MAX_DIGITAL_OUTPUTS) {
+        const uint64_t bit = (uint64_t)1 << index;
+        uint64_t now_us;
+        roburoc4_client *client = robot_lock(in->object, &now_us);
+        result = roburoc4_client_set_digital_outputs(client, bit, on ? bit : 0, now_us);
+        robot_unlock(in->object);
+    }
+    return done_output(in, ROBUROC4_IO_DIGITAL_OUTPUT, index, result);
 }
 
 /* analog(id, channel, value) */
-static int set_analog(const call *told) {
-    robot *one = told_robot(told);
+static int set_analog(const call *in) {
+    roburoc4_client *client;
+    roburoc4_result result;
+    uint64_t now_us;
     uint32_t index;
     double value;
-    return one != NULL && take_channel(told, one, ROBUROC4_IO_ANALOG_OUTPUT, &index) &&
-           take_range(told->arguments[2], "value", -1e9, 1e9, &value) &&
-           outcome(one, ROBUROC4_IO_ANALOG_OUTPUT, index,
-                   robot_set_analog_output(one, index, (float)value));
+    if (!take_output(in, ROBUROC4_IO_ANALOG_OUTPUT, &index) ||
+        !take_range(in->arguments[1], "value", -1e9, 1e9, &value)) {
+        return 0;
+    }
+    client = robot_lock(in->object, &now_us);
+    result = roburoc4_client_set_analog_output(client, index, (float)value, now_us);
+    robot_unlock(in->object);
+    return done_output(in, ROBUROC4_IO_ANALOG_OUTPUT, index, result);
 }
 
 /* relocalize(id, x_m, y_m, theta_rad) */
-static int relocalize(const call *told) {
-    robot *one = told_robot(told);
+static int relocalize(const call *in) {
+    roburoc4_client *client;
+    roburoc4_result result;
+    uint64_t now_us;
     double x_m, y_m, theta_rad;
-    return one != NULL && take_range(told->arguments[1], "x", -1e9, 1e9, &x_m) &&
-           take_range(told->arguments[2], "y", -1e9, 1e9, &y_m) &&
-           take_range(told->arguments[3], "theta", -1e9, 1e9, &theta_rad) &&
-           done_there("relocalize", robot_relocalize(one, x_m, y_m, theta_rad));
+    if (!take_range(in->arguments[0], "x", -FARTHEST_M, FARTHEST_M, &x_m) ||
+        !take_range(in->arguments[1], "y", -FARTHEST_M, FARTHEST_M, &y_m) ||
+        !take_range(in->arguments[2], "theta", -FARTHEST_M, FARTHEST_M, &theta_rad)) {
+        return 0;
+    }
+    client = robot_lock(in->object, &now_us);
+    result = roburoc4_client_relocalize(client, x_m, y_m, theta_rad, now_us);
+    robot_unlock(in->object);
+    return done_unarmed("relocalize", result);
 }
 
 /* relocalized(id): true when the robot took it; false while it did not answer */
-static int is_relocalized(const call *told) {
-    roburoc4_facts facts = {.size = sizeof facts};
-    robot *one = told_robot(told);
-    roburoc4_result result;
-    if (one == NULL) {
-        return 0;
-    }
-    result = robot_facts(one, &facts);
-    if (result == ROBUROC4_OK) {
-        result = facts.relocalize_result;
-    }
-    told->results[0] = mxCreateLogicalScalar(result == ROBUROC4_OK);
-    return result == ROBUROC4_ERR_UNKNOWN ? 1 : done("relocalize", result);
+static int is_relocalized(const call *in) {
+    const roburoc4_result result = robot_facts(in->object).relocalize_result;
+    in->results[0] = mxCreateLogicalScalar(result == ROBUROC4_OK);
+    return result == ROBUROC4_ERR_UNKNOWN || done("relocalize", result);
 }
 
-/* subscribe(id, service, period_ms) */
-static int subscribe(const call *told) {
-    robot *one = told_robot(told);
+/* subscribe(id, service, period_ms): a period of 0 ends a subscription */
+static int subscribe(const call *in) {
+    roburoc4_client *client;
+    roburoc4_result result;
+    uint64_t now_us;
     uint32_t service;
     int64_t period_ms;
-    return one != NULL && take_service(told->arguments[1], &service) &&
-           take_whole(told->arguments[2], "period_ms", 0, 2550, &period_ms) &&
-           done("period_ms: 0, or a multiple of 10 to 2550",
-                robot_subscribe(one, service, (uint32_t)period_ms));
+    if (!take_service(in->arguments[0], &service) ||
+        !take_whole(in->arguments[1], "period_ms", 0, 2550, &period_ms)) {
+        return 0;
+    }
+    client = robot_lock(in->object, &now_us);
+    result = period_ms == 0
+                 ? roburoc4_client_unsubscribe(client, service, now_us)
+                 : roburoc4_client_subscribe(client, service, (uint32_t)period_ms, now_us);
+    robot_unlock(in->object);
+    return done("period_ms: give a multiple of 10, 10 to 2550", result);
 }
 
 const command robot_drive_commands[] = {
-    {"drive", drive, 3},
-    {"arm", arm, 2},
-    {"disarm", disarm, 1},
-    {"stop", stop, 1},
-    {"lease", tell_lease, 1},
-    {"digital", set_digital, 3},
-    {"analog", set_analog, 3},
-    {"relocalize", relocalize, 4},
-    {"relocalized", is_relocalized, 1},
-    {"subscribe", subscribe, 3},
-    {NULL, NULL, 0},
+    {"drive", OPEN_ROBOT, 2, drive},
+    {"arm", OPEN_ROBOT, 1, arm},
+    {"disarm", OPEN_ROBOT, 0, disarm},
+    {"stop", OPEN_ROBOT, 0, stop},
+    {"lease", ROBOT, 0, look_lease},
+    {"digital", OPEN_ROBOT, 2, set_digital},
+    {"analog", OPEN_ROBOT, 2, set_analog},
+    {"relocalize", OPEN_ROBOT, 3, relocalize},
+    {"relocalized", ROBOT, 0, is_relocalized},
+    {"subscribe", OPEN_ROBOT, 2, subscribe},
+    {NULL, NO_ID, 0, NULL},
 };

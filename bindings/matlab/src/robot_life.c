@@ -2,45 +2,14 @@
  *
  * Commands that open, wait for and close robots.
  */
-#include <string.h>
-
-#include "answers.h"
 #include "commands.h"
 #include "fail.h"
-#include "handles.h"
 
-robot *told_robot(const call *told) {
-    robot *found;
-    double id;
-    if (!take_number(told->arguments[0], "id", &id)) {
-        return NULL;
-    }
-    found = handles_find(HANDLE_ROBOT, id);
-    if (found == NULL) {
-        (void)fail(FAIL_CLOSED, "this robot was deleted; make a new one with roburoc4.Robot");
-    }
-    return found;
+int fail_too_many(void) {
+    return fail(FAIL_LIMIT, "there are %d robots and simulators; delete one", HANDLES_MAX);
 }
 
-int take_service(const mxArray *value, uint32_t *out) {
-    char text[TEXT_SIZE];
-    uint32_t service;
-    if (!take_text(value, "service", text)) {
-        return 0;
-    }
-    for (service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT; service++) {
-        if (strcmp(text, samples_service(service)) == 0) {
-            *out = service;
-            return 1;
-        }
-    }
-    return fail(FAIL_ARGUMENT,
-                "no service '%s' with statuses: give one of iocard, telemeter, "
-                "battery, localization, differential",
-                text);
-}
-
-int give_robot(const call *told, robot *made) {
+int give_robot(const call *in, robot *made) {
     double id;
     if (made == NULL) {
         return 0;
@@ -48,201 +17,186 @@ int give_robot(const call *told, robot *made) {
     id = handles_add(HANDLE_ROBOT, made);
     if (id == 0.0) {
         robot_close(made);
-        return fail(FAIL_LIMIT, "%d robots and simulators live already: delete one", HANDLES_MAX);
+        return fail_too_many();
     }
-    told->results[0] = mxCreateDoubleScalar(id);
+    in->results[0] = mxCreateDoubleScalar(id);
     return 1;
 }
 
 /* open(address, options): id */
-static int open_robot(const call *told) {
+static int open_robot(const call *in) {
     char address[TEXT_SIZE];
     robot_settings settings;
-    return take_text(told->arguments[0], "address", address) &&
-           settings_of_robot(told->arguments[1], &settings) &&
-           give_robot(told, robot_open(address, &settings));
+    return take_text(in->arguments[0], "address", address) &&
+           settings_of_robot(in->arguments[1], &settings) &&
+           give_robot(in, robot_open(address, &settings));
 }
 
-/* close(id): for an id that is closed already it does nothing, as delete() can be called twice. */
-static int close_one(const call *told) {
-    robot *one;
-    double id;
-    if (!take_number(told->arguments[0], "id", &id)) {
-        return 0;
-    }
-    one = handles_find(HANDLE_ROBOT, id);
-    if (one != NULL) {
-        handles_remove(id);
-        robot_close(one);
+/* close(id): delete() can be called twice */
+static int close_one(const call *in) {
+    if (in->object != NULL) {
+        handles_remove(in->object);
+        robot_close(in->object);
     }
     return 1;
 }
 
-/* leave(id): disarm; true while zeros are on their way */
-static int leave(const call *told) {
-    robot *one;
-    double id;
-    if (!take_number(told->arguments[0], "id", &id)) {
-        return 0;
+/* leave(id): disarm; true while the stop sequence runs */
+static int leave(const call *in) {
+    robot *r = in->object;
+    int stopping = 0;
+    if (r != NULL && robot_is_open(r)) {
+        robot_disarm(r);
+        stopping = robot_facts(r).stopping;
     }
-    one = handles_find(HANDLE_ROBOT, id);
-    if (one != NULL) {
-        (void)robot_disarm(one);
-    }
-    told->results[0] = mxCreateLogicalScalar(one != NULL && robot_is_stopping(one));
+    in->results[0] = mxCreateLogicalScalar(stopping != 0);
     return 1;
 }
 
 void close_robots(void) {
-    robot *one;
     uint32_t place;
     for (place = 0; place < HANDLES_MAX; place++) {
-        one = handles_at(HANDLE_ROBOT, place);
-        if (one != NULL) {
-            (void)robot_disarm(one);
+        robot *r = handles_at(HANDLE_ROBOT, place);
+        if (r != NULL && robot_is_open(r)) {
+            robot_disarm(r);
         }
     }
     for (place = 0; place < HANDLES_MAX; place++) {
-        one = handles_at(HANDLE_ROBOT, place);
-        if (one != NULL) {
+        robot *r = handles_at(HANDLE_ROBOT, place);
+        if (r != NULL) {
             /* Objects may outlive this: their ids must find nothing. */
-            handles_clear(place);
-            robot_close(one);
+            handles_remove(r);
+            robot_close(r);
         }
     }
 }
 
-/* ----------------------------------------------------------------------------------- waiting ---
- */
+/* -------------------------------------------------------------------------------- waiting --- */
 
-static const char *what_to_check(robot *one) {
-    if (robot_fault(one) != ROBUROC4_FAULT_NONE) {
-        return roburoc4_udp_fault_text(robot_fault(one));
+static const char *what_to_check(robot *r, uint32_t received) {
+    const uint32_t fault = robot_fault(r);
+    if (fault != ROBUROC4_FAULT_NONE) {
+        return roburoc4_udp_fault_text(fault);
     }
-    if (robot_count(one, ROBUROC4_COUNT_RECEIVED) == 0) {
-        return "check that the robot is on, the cable is in, this machine has an address in the "
-               "robot's network, and no firewall drops UDP";
-    }
-    return "something answers there; check that it is a RobuROC4, and look at link";
+    return received == 0
+               ? "check that the robot is on, the cable is in, this machine has an address in the "
+                 "robot's network, and no firewall drops UDP"
+               : "something answers there; check that it is a RobuROC4, and look at link";
 }
 
-static int fail_silent(robot *one, double timeout_s) {
+static int fail_silent(robot *r, const roburoc4_client *client, double timeout_s) {
     char address[ROBUROC4_ADDRESS_TEXT_SIZE];
-    robot_address_text(one, address, sizeof address);
+    const uint32_t received = roburoc4_client_count(client, ROBUROC4_COUNT_RECEIVED);
+    robot_address_text(r, address, sizeof address);
     return fail(FAIL_TIMEOUT,
                 "no answer from %s for %g s (state %s, %lu datagrams sent, %lu received): %s",
-                address, timeout_s, roburoc4_state_name(robot_state(one)),
-                (unsigned long)robot_count(one, ROBUROC4_COUNT_SENT),
-                (unsigned long)robot_count(one, ROBUROC4_COUNT_RECEIVED), what_to_check(one));
+                address, timeout_s, roburoc4_state_name(roburoc4_client_state(client)),
+                (unsigned long)roburoc4_client_count(client, ROBUROC4_COUNT_SENT),
+                (unsigned long)received, what_to_check(r, received));
 }
 
-static int fail_refused(robot *one, double timeout_s) {
+static int fail_refused(robot *r, const roburoc4_client *client, double timeout_s) {
     char address[ROBUROC4_ADDRESS_TEXT_SIZE];
-    robot_address_text(one, address, sizeof address);
-    return fail(
-        FAIL_TIMEOUT,
-        "%s is not ready: it answers, but refuses or leaves out what is needed (no progress "
-        "for %g s, state %s, %lu datagrams received, %lu of them refusals): check that it is "
-        "a RobuROC4 and what the way to it loses, or give a longer timeout",
-        address, timeout_s, roburoc4_state_name(robot_state(one)),
-        (unsigned long)robot_count(one, ROBUROC4_COUNT_RECEIVED),
-        (unsigned long)robot_count(one, ROBUROC4_COUNT_REFUSED));
+    robot_address_text(r, address, sizeof address);
+    return fail(FAIL_TIMEOUT,
+                "%s is not ready: it answers, but refuses or leaves out what is needed (no "
+                "progress for %g s, state %s, %lu datagrams received, %lu of them refusals); check "
+                "that it is a RobuROC4 and that the network loses little, or give a longer timeout",
+                address, timeout_s, roburoc4_state_name(roburoc4_client_state(client)),
+                (unsigned long)roburoc4_client_count(client, ROBUROC4_COUNT_RECEIVED),
+                (unsigned long)roburoc4_client_count(client, ROBUROC4_COUNT_REFUSED));
 }
 
-/* For how long there was nothing from the robot. */
-static double silence_s(robot *one) {
+/* For how long nothing came from the robot. */
+static double silence_s(const robot *r, const roburoc4_client *client, uint64_t now_us) {
     roburoc4_link link = {.size = sizeof link};
-    const double open_s = (double)(robot_now_us(one) - one->opened_us) / 1e6;
-    if (robot_count(one, ROBUROC4_COUNT_RECEIVED) > 0 && robot_link(one, &link) == ROBUROC4_OK &&
-        (double)link.silence_us / 1e6 < open_s) {
-        return (double)link.silence_us / 1e6;
+    const double open_s = (double)(now_us - r->opened_us) / 1e6;
+    if (roburoc4_client_count(client, ROBUROC4_COUNT_RECEIVED) > 0 &&
+        roburoc4_client_link(client, now_us, &link) >= 0 && link.silence_us / 1e6 < open_s) {
+        return link.silence_us / 1e6;
     }
     return open_s;
 }
 
 /* For how long it came no nearer to ready. */
-static double standstill_s(robot *one) {
-    const uint32_t state = robot_state(one);
-    const uint64_t now_us = robot_now_us(one);
-    if (state > one->furthest && state <= ROBUROC4_STATE_READY) {
-        one->furthest = state;
-        one->furthest_us = now_us;
+static double standstill_s(robot *r, uint32_t state, uint64_t now_us) {
+    if (state > r->furthest && state <= ROBUROC4_STATE_READY) {
+        r->furthest = state;
+        r->furthest_us = now_us;
     }
-    return (double)(now_us - one->furthest_us) / 1e6;
+    return (double)(now_us - r->furthest_us) / 1e6;
 }
 
 /* connected(id, timeout_s): true when ready; an error after so long a silence or standstill */
-static int is_connected(const call *told) {
-    robot *one = told_robot(told);
+static int is_connected(const call *in) {
+    robot *r = in->object;
+    uint64_t now_us;
+    const roburoc4_client *client = robot_copy(r, &now_us);
+    const uint32_t state = roburoc4_client_state(client);
     double timeout_s;
-    if (one == NULL || !take_range(told->arguments[1], "timeout", 0.0, 1e6, &timeout_s)) {
+    if (!take_range(in->arguments[0], "timeout", 0.0, 1e6, &timeout_s)) {
         return 0;
     }
-    told->results[0] = mxCreateLogicalScalar(robot_state(one) == ROBUROC4_STATE_READY);
-    if (robot_state(one) == ROBUROC4_STATE_READY) {
+    in->results[0] = mxCreateLogicalScalar(state == ROBUROC4_STATE_READY);
+    if (state == ROBUROC4_STATE_READY) {
         return 1;
     }
-    if (silence_s(one) >= timeout_s) {
-        return fail_silent(one, timeout_s);
+    if (silence_s(r, client, now_us) >= timeout_s) {
+        return fail_silent(r, client, timeout_s);
     }
-    return standstill_s(one) >= timeout_s ? fail_refused(one, timeout_s) : 1;
+    return standstill_s(r, state, now_us) < timeout_s || fail_refused(r, client, timeout_s);
 }
 
 /* now(id): seconds on the robot's clock */
-static int tell_time(const call *told) {
-    robot *one = told_robot(told);
-    if (one == NULL) {
-        return 0;
-    }
-    told->results[0] = mxCreateDoubleScalar((double)(robot_now_us(one) - one->opened_us) / 1e6);
+static int look_time(const call *in) {
+    const robot *r = in->object;
+    in->results[0] = mxCreateDoubleScalar((double)(robot_now_us(r) - r->opened_us) / 1e6);
     return 1;
 }
 
 /* wait(id, seconds): seconds on the robot's clock afterwards */
-static int pass_time(const call *told) {
-    robot *one = told_robot(told);
+static int wait(const call *in) {
     uint32_t duration_us;
     double seconds;
-    if (one == NULL || !take_range(told->arguments[1], "seconds", 0.0, LONGEST_WAIT_S, &seconds)) {
+    if (!take_range(in->arguments[0], "seconds", 0.0, LONGEST_WAIT_S, &seconds)) {
         return 0;
-    }
-    if (!robot_is_open(one)) {
-        return fail(FAIL_CLOSED, one->pump != NULL
-                                     ? "the link of this robot was ended; make a new one"
-                                     : "the simulator of this robot was deleted");
     }
     duration_us = (uint32_t)(seconds * 1e6);
     /* Rounded up, or who waits for the rest of a rounded time waits forever. */
-    robot_wait(one, duration_us + ((double)duration_us < seconds * 1e6));
-    return tell_time(told);
+    robot_wait(in->object, duration_us + ((double)duration_us < seconds * 1e6));
+    return look_time(in);
 }
 
 /* busy(id, on): a method that waits begins, or came to its end */
-static int set_busy(const call *told) {
-    robot *one = told_robot(told);
-    return one != NULL && take_flag(told->arguments[1], "busy", &one->busy);
+static int set_busy(const call *in) {
+    return take_flag(in->arguments[0], "busy", &((robot *)in->object)->busy);
 }
 
 /* interrupted(id): stop the robot if the method that waits did not come to its end. Only where this
  * object drives: a monitor would take the robot from whoever does. */
-static int interrupt(const call *told) {
-    robot *one;
-    double id;
-    if (!take_number(told->arguments[0], "id", &id)) {
-        return 0;
-    }
-    one = handles_find(HANDLE_ROBOT, id);
-    if (one != NULL && one->busy) {
-        one->busy = 0;
-        if (robot_is_driving(one)) {
-            (void)robot_stop(one);
+static int interrupt(const call *in) {
+    robot *r = in->object;
+    if (r != NULL && r->busy && robot_is_open(r)) {
+        const roburoc4_facts facts = robot_facts(r);
+        r->busy = 0;
+        if (facts.driving || facts.stopping) {
+            uint64_t now_us;
+            roburoc4_client *client = robot_lock(r, &now_us);
+            (void)roburoc4_client_stop(client, now_us);
+            robot_unlock(r);
         }
     }
     return 1;
 }
 
 const command robot_life_commands[] = {
-    {"open", open_robot, 2}, {"close", close_one, 1},        {"leave", leave, 1},
-    {"now", tell_time, 1},   {"connected", is_connected, 2}, {"wait", pass_time, 2},
-    {"busy", set_busy, 2},   {"interrupted", interrupt, 1},  {NULL, NULL, 0},
+    {"open", NO_ID, 2, open_robot},
+    {"close", ANY_ROBOT, 0, close_one},
+    {"leave", ANY_ROBOT, 0, leave},
+    {"now", ROBOT, 0, look_time},
+    {"connected", ROBOT, 1, is_connected},
+    {"wait", OPEN_ROBOT, 1, wait},
+    {"busy", ROBOT, 1, set_busy},
+    {"interrupted", ANY_ROBOT, 0, interrupt},
+    {NULL, NO_ID, 0, NULL},
 };

@@ -2,406 +2,352 @@
  *
  * Commands that read: the latest of everything, what the robot is, the link, and columns.
  */
-#include <string.h>
-
-#include "answers.h"
-#include "channels.h"
 #include "commands.h"
 #include "fail.h"
 
-#define NOT_KNOWN 255
+/* --------------------------------------------------------------------------------- status --- */
 
-/* ------------------------------------------------------------------------------------ status ---
- */
+static const field facts_fields[] = {
+    FIELD(roburoc4_facts, armed, FLAG8),       FIELD(roburoc4_facts, driving, FLAG8),
+    FIELD(roburoc4_facts, stopping, FLAG8),    FIELD(roburoc4_facts, override_known, FLAG8),
+    FIELD(roburoc4_facts, overridden, FLAG8),  FIELD(roburoc4_facts, other_commander, FLAG8),
+    FIELD(roburoc4_facts, inhibited, FLAG8),   FIELD(roburoc4_facts, front_bumper, FLAG8),
+    FIELD(roburoc4_facts, rear_bumper, FLAG8), FIELD(roburoc4_facts, battery_low, FLAG8),
+    FIELD(roburoc4_facts, disarm_cause, I32),
+};
 
-/* How old a value is that was received then; read the value first. */
-static uint64_t age_us(const robot *one, uint64_t received_us) {
-    const uint64_t now_us = robot_now_us(one);
-    return now_us > received_us ? now_us - received_us : 0;
-}
-
-static void add_age(answer *out, const char *name, const robot *one, int known,
-                    uint64_t received_us) {
-    answer_number(out, name, known ? (double)age_us(one, received_us) / 1e6 : mxGetInf());
-}
-
-static void add_facts(answer *out, robot *one) {
-    roburoc4_facts facts = {.size = sizeof facts};
-    (void)robot_facts(one, &facts);
-    answer_flag(out, "ready", facts.state == ROBUROC4_STATE_READY);
-    answer_flag(out, "armed", facts.armed);
-    answer_flag(out, "driving", facts.driving);
-    answer_flag(out, "stopping", facts.stopping);
-    answer_flag(out, "override_known", facts.override_known);
-    answer_flag(out, "overridden", facts.overridden);
-    answer_flag(out, "other_commander", facts.foreign);
-    answer_flag(out, "inhibited", facts.inhibited);
-    answer_flag(out, "front_bumper", facts.front_bumper);
-    answer_flag(out, "rear_bumper", facts.rear_bumper);
-    answer_flag(out, "battery_low", facts.battery_low);
-    answer_number(out, "disarm_cause", facts.disarm_cause);
-}
-
-static uint64_t add_localization(answer *out, robot *one) {
-    roburoc4_localization_status status = {0};
-    uint64_t received_us = 0;
-    const int known = robot_localization(one, &status, &received_us) >= 0;
-    answer_number(out, "x_m", known ? status.x_m : mxGetNaN());
-    answer_number(out, "y_m", known ? status.y_m : mxGetNaN());
-    answer_number(out, "theta_rad", known ? status.theta_rad : mxGetNaN());
-    answer_byte(out, "localization_flags", (uint8_t)(status.flags & 0xFFu));
-    add_age(out, "localization_age_s", one, known, received_us);
-    return status.robot_cycles;
-}
-
-static uint64_t add_speeds(answer *out, robot *one) {
-    roburoc4_differential_status status = {0};
-    uint64_t received_us = 0;
-    const int known = robot_differential(one, &status, &received_us) >= 0;
-    const double unknown = mxGetNaN();
-    answer_number(out, "target_linear_m_s", known ? (double)status.target_linear_m_s : unknown);
-    answer_number(out, "linear_m_s", known ? (double)status.current_linear_m_s : unknown);
-    answer_number(out, "target_angular_rad_s",
-                  known ? (double)status.target_angular_rad_s : unknown);
-    answer_number(out, "angular_rad_s", known ? (double)status.current_angular_rad_s : unknown);
-    add_age(out, "differential_age_s", one, known, received_us);
-    return status.robot_cycles;
-}
-
-static uint64_t add_distances(answer *out, robot *one) {
-    roburoc4_distances status = {0};
-    uint64_t received_us = 0;
-    const int known = robot_distances(one, &status, &received_us) >= 0;
-    answer_row(out, "distances_m", status.distance_m, status.count);
-    add_age(out, "telemeter_age_s", one, known, received_us);
-    return status.robot_cycles;
-}
-
-static uint64_t add_battery(answer *out, robot *one) {
-    roburoc4_battery_status status = {0};
-    uint64_t received_us = 0;
-    const int known = robot_battery(one, &status, &received_us) >= 0;
-    answer_byte(out, "battery_state", known ? status.state : NOT_KNOWN);
-    answer_byte(out, "remaining_percent", known ? status.remaining_percent : NOT_KNOWN);
-    add_age(out, "battery_age_s", one, known, received_us);
-    return status.robot_cycles;
-}
-
-/* Overridden and the bumpers are with the facts. */
-static uint64_t add_inputs_age(answer *out, robot *one) {
-    roburoc4_inputs status = {0};
-    uint64_t received_us = 0;
-    const int known = robot_inputs(one, &status, &received_us) >= 0;
-    add_age(out, "iocard_age_s", one, known, received_us);
-    return status.robot_cycles;
-}
-
-static uint64_t later(uint64_t one, uint64_t other) {
-    return one > other ? one : other;
+/* How old a status is; Inf before the first. */
+static double age_s(const roburoc4_sample *latest, uint64_t now_us) {
+    if (latest->service == 0) {
+        return mxGetInf();
+    }
+    return now_us > latest->host_us ? (double)(now_us - latest->host_us) / 1e6 : 0.0;
 }
 
 /* status(id) */
-static int look_status(const call *told) {
-    robot *one = told_robot(told);
-    uint64_t cycles;
+static int look_status(const call *in) {
+    static const char *const ages[SERVICES] = {"iocard_age_s", "telemeter_age_s", "battery_age_s",
+                                               "localization_age_s", "differential_age_s"};
+    static const field cycles = FIELD(roburoc4_sample, robot_cycles, CYCLES);
+    const robot *r = in->object;
+    const roburoc4_facts facts = robot_facts(in->object);
+    uint64_t now_us;
+    const roburoc4_client *client = robot_copy(in->object, &now_us);
+    roburoc4_sample latest, newest = {0};
     answer out;
-    if (one == NULL) {
-        return 0;
-    }
+    uint32_t i;
     answer_begin(&out);
-    answer_number(&out, "time_s", (double)(robot_now_us(one) - one->opened_us) / 1e6);
-    add_facts(&out, one);
-    cycles = add_inputs_age(&out, one);
-    cycles = later(cycles, add_localization(&out, one));
-    cycles = later(cycles, add_speeds(&out, one));
-    cycles = later(cycles, add_distances(&out, one));
-    cycles = later(cycles, add_battery(&out, one));
-    answer_cycles(&out, "robot_cycles", cycles);
-    told->results[0] = answer_finish(&out);
-    return 1;
-}
-
-/* What steers a robot must be fresh: pose() and speeds() are NaN where it is not. */
-static int is_fresh(const robot *one, uint64_t received_us) {
-    return age_us(one, received_us) < one->fresh_us;
-}
-
-/* pose(id): x_m, y_m, theta_rad, for loops that need no more: a row costs a third of a struct */
-static int look_pose(const call *told) {
-    roburoc4_localization_status status = {0};
-    robot *one = told_robot(told);
-    uint64_t received_us = 0;
-    double *row;
-    int known;
-    if (one == NULL) {
-        return 0;
+    answer_number(&out, "time_s", (double)(now_us - r->opened_us) / 1e6);
+    answer_flag(&out, "ready", facts.state == ROBUROC4_STATE_READY);
+    answer_fields(&out, facts_fields, COUNT_OF(facts_fields), &facts);
+    for (i = 0; i < SERVICES; i++) {
+        (void)samples_latest(client, FIRST_SERVICE + i, &latest);
+        if (FIRST_SERVICE + i != ROBUROC4_SERVICE_IOCARD) {
+            samples_answer(&out, FIRST_SERVICE + i, &latest);
+        }
+        answer_number(&out, ages[i], age_s(&latest, now_us));
+        newest = latest.robot_cycles > newest.robot_cycles ? latest : newest;
     }
-    known = robot_localization(one, &status, &received_us) >= 0 && is_fresh(one, received_us);
-    row = make_doubles(&told->results[0], 1, 3);
-    row[0] = known ? status.x_m : mxGetNaN();
-    row[1] = known ? status.y_m : mxGetNaN();
-    row[2] = known ? status.theta_rad : mxGetNaN();
+    answer_fields(&out, &cycles, 1, &newest);
+    in->results[0] = answer_finish(&out);
     return 1;
 }
 
-/* speeds(id): linear_m_s, angular_rad_s */
-static int look_speeds(const call *told) {
-    roburoc4_differential_status status = {0};
-    robot *one = told_robot(told);
-    uint64_t received_us = 0;
-    double *row;
-    int known;
-    if (one == NULL) {
-        return 0;
-    }
-    known = robot_differential(one, &status, &received_us) >= 0 && is_fresh(one, received_us);
-    row = make_doubles(&told->results[0], 1, 2);
-    row[0] = known ? (double)status.current_linear_m_s : mxGetNaN();
-    row[1] = known ? (double)status.current_angular_rad_s : mxGetNaN();
-    return 1;
-}
-
-/* -------------------------------------------------------------------------------------- info ---
- */
-
-static double known_or_nan(int known, float value) {
-    return known ? (double)value : mxGetNaN();
-}
-
-static void add_limits(answer *out, robot *one) {
-    roburoc4_differential_properties it = {0};
-    const int known = robot_differential_properties(one, &it) >= 0;
-    answer_number(out, "max_linear_m_s", known_or_nan(known, it.max_linear_m_s));
-    answer_number(out, "min_linear_m_s", known_or_nan(known, it.min_linear_m_s));
-    answer_number(out, "max_angular_rad_s", known_or_nan(known, it.max_angular_rad_s));
-    answer_number(out, "min_angular_rad_s", known_or_nan(known, it.min_angular_rad_s));
-    answer_number(out, "max_linear_m_s2", known_or_nan(known, it.max_linear_m_s2));
-    answer_number(out, "min_linear_m_s2", known_or_nan(known, it.min_linear_m_s2));
-    answer_number(out, "max_angular_rad_s2", known_or_nan(known, it.max_angular_rad_s2));
-    answer_number(out, "min_angular_rad_s2", known_or_nan(known, it.min_angular_rad_s2));
-    answer_number(out, "width_m", known_or_nan(known, it.width_m));
-}
-
-static void add_battery_data(answer *out, robot *one) {
-    roburoc4_battery_properties it = {0};
-    const int known = robot_battery_properties(one, &it) >= 0;
-    answer_number(out, "nominal_voltage_v", known_or_nan(known, it.nominal_voltage_v));
-    answer_number(out, "capacity_ah", known_or_nan(known, it.capacity_ah));
-    answer_byte(out, "minimum_percent", known ? it.minimum_percent : NOT_KNOWN);
-}
-
-static void add_start(answer *out, robot *one) {
-    roburoc4_localization_properties it = {0};
-    const int known = robot_localization_properties(one, &it) >= 0;
-    answer_number(out, "initial_x_m", known ? it.x_m : mxGetNaN());
-    answer_number(out, "initial_y_m", known ? it.y_m : mxGetNaN());
-    answer_number(out, "initial_theta_rad", known ? it.theta_rad : mxGetNaN());
-}
-
-static void add_telemeters(answer *out, robot *one) {
-    static const char *const names[] = {"telemeter_x_m",
-                                        "telemeter_y_m",
-                                        "telemeter_theta_rad",
-                                        "telemeter_field_of_view_rad",
-                                        "telemeter_min_distance_m",
-                                        "telemeter_max_distance_m"};
-    float rows[6][ROBUROC4_MAX_TELEMETERS];
-    uint32_t count = robot_telemeter_count(one), i;
+/* Two or three members of the latest status of a service, for loops that steer by it and need no
+ * more: a row costs a third of a struct. NaN where it is older than fresh_ms. */
+static int look_row(const call *in, uint32_t service, const field *fields, size_t count) {
+    uint64_t now_us;
+    const roburoc4_client *client = robot_copy(in->object, &now_us);
+    const double fresh_s = ((const robot *)in->object)->fresh_us / 1e6;
+    double *row = make_doubles(&in->results[0], 1, count);
+    roburoc4_sample latest;
+    size_t i;
+    (void)samples_latest(client, service, &latest);
     for (i = 0; i < count; i++) {
-        roburoc4_telemeter it = {0};
-        (void)robot_telemeter(one, i, &it);
-        rows[0][i] = it.x_m;
-        rows[1][i] = it.y_m;
-        rows[2][i] = it.theta_rad;
-        rows[3][i] = it.field_of_view_rad;
-        rows[4][i] = it.min_distance_m;
-        rows[5][i] = it.max_distance_m;
+        row[i] =
+            age_s(&latest, now_us) < fresh_s ? field_value(&fields[i], &latest.value) : mxGetNaN();
     }
-    for (i = 0; i < 6; i++) {
-        answer_row(out, names[i], rows[i], count);
-    }
+    return 1;
 }
 
-static void add_directory(answer *out, robot *one) {
-    float ids[ROBUROC4_MAX_SERVICES], types[ROBUROC4_MAX_SERVICES];
-    uint32_t count = robot_service_count(one), i;
-    for (i = 0; i < count; i++) {
-        roburoc4_directory_entry it = {0};
-        (void)robot_service_at(one, i, &it);
-        ids[i] = (float)it.id;
-        types[i] = (float)it.type;
-    }
-    answer_row(out, "service_ids", ids, count);
-    answer_row(out, "service_types", types, count);
+/* pose(id): x_m, y_m, theta_rad */
+static int look_pose(const call *in) {
+    static const field pose[] = {FIELD(roburoc4_localization_status, x_m, F64),
+                                 FIELD(roburoc4_localization_status, y_m, F64),
+                                 FIELD(roburoc4_localization_status, theta_rad, F64)};
+    return look_row(in, ROBUROC4_SERVICE_LOCALIZATION, pose, COUNT_OF(pose));
 }
+
+/* speeds(id): current_linear_m_s, current_angular_rad_s */
+static int look_speeds(const call *in) {
+    static const field speeds[] = {FIELD(roburoc4_differential_status, current_linear_m_s, F32),
+                                   FIELD(roburoc4_differential_status, current_angular_rad_s, F32)};
+    return look_row(in, ROBUROC4_SERVICE_DIFFERENTIAL, speeds, COUNT_OF(speeds));
+}
+
+/* ----------------------------------------------------------------------------------- info --- */
+
+static const field limits[] = {
+    FIELD(roburoc4_differential_properties, max_linear_m_s, F32),
+    FIELD(roburoc4_differential_properties, min_linear_m_s, F32),
+    FIELD(roburoc4_differential_properties, max_angular_rad_s, F32),
+    FIELD(roburoc4_differential_properties, min_angular_rad_s, F32),
+    FIELD(roburoc4_differential_properties, max_linear_m_s2, F32),
+    FIELD(roburoc4_differential_properties, min_linear_m_s2, F32),
+    FIELD(roburoc4_differential_properties, max_angular_rad_s2, F32),
+    FIELD(roburoc4_differential_properties, min_angular_rad_s2, F32),
+    FIELD(roburoc4_differential_properties, width_m, F32),
+};
+static const field battery[] = {
+    FIELD(roburoc4_battery_properties, nominal_voltage_v, F32),
+    FIELD(roburoc4_battery_properties, capacity_ah, F32),
+    FIELD(roburoc4_battery_properties, minimum_percent, BYTE),
+};
+static const field start[] = {
+    FIELD_AS("initial_x_m", roburoc4_localization_properties, x_m, F64),
+    FIELD_AS("initial_y_m", roburoc4_localization_properties, y_m, F64),
+    FIELD_AS("initial_theta_rad", roburoc4_localization_properties, theta_rad, F64),
+};
+/* By ROBUROC4_IO_*. */
+static const field channels[CHANNEL_TYPES] = {
+    FIELD(roburoc4_iocard_properties, analog_inputs, I32),
+    FIELD(roburoc4_iocard_properties, analog_outputs, I32),
+    FIELD(roburoc4_iocard_properties, digital_inputs, I32),
+    FIELD(roburoc4_iocard_properties, digital_outputs, I32),
+};
+static const field telemeter[] = {
+    FIELD_AS("telemeter_x_m", roburoc4_telemeter, x_m, F32),
+    FIELD_AS("telemeter_y_m", roburoc4_telemeter, y_m, F32),
+    FIELD_AS("telemeter_theta_rad", roburoc4_telemeter, theta_rad, F32),
+    FIELD_AS("telemeter_field_of_view_rad", roburoc4_telemeter, field_of_view_rad, F32),
+    FIELD_AS("telemeter_min_distance_m", roburoc4_telemeter, min_distance_m, F32),
+    FIELD_AS("telemeter_max_distance_m", roburoc4_telemeter, max_distance_m, F32),
+};
+static const field directory[] = {
+    FIELD_AS("service_ids", roburoc4_directory_entry, id, U16),
+    FIELD_AS("service_types", roburoc4_directory_entry, type, U16),
+};
 
 /* info(id) */
-static int look_info(const call *told) {
-    robot *one = told_robot(told);
+static int look_info(const call *in) {
+    uint64_t now_us;
+    const roburoc4_client *client = robot_copy(in->object, &now_us);
+    roburoc4_differential_properties drive;
+    roburoc4_battery_properties energy;
+    roburoc4_localization_properties pose;
+    roburoc4_iocard_properties card = {0};
+    roburoc4_telemeter telemeters[ROBUROC4_MAX_TELEMETERS] = {{0}};
+    roburoc4_directory_entry entries[ROBUROC4_MAX_SERVICES] = {{0}};
+    const int has_drive = roburoc4_client_differential_properties(client, &drive) >= 0;
+    const int has_energy = roburoc4_client_battery_properties(client, &energy) >= 0;
+    const int has_pose = roburoc4_client_localization_properties(client, &pose) >= 0;
+    const uint32_t telemeter_count = roburoc4_client_telemeter_count(client);
+    const uint32_t entry_count = roburoc4_client_service_count(client);
     answer out;
-    if (one == NULL) {
-        return 0;
+    uint32_t i;
+    for (i = 0; i < telemeter_count; i++) {
+        (void)roburoc4_client_telemeter(client, i, &telemeters[i]);
     }
+    for (i = 0; i < entry_count; i++) {
+        (void)roburoc4_client_service_at(client, i, &entries[i]);
+    }
+    (void)roburoc4_client_iocard_properties(client, &card);
     answer_begin(&out);
-    add_limits(&out, one);
-    add_battery_data(&out, one);
-    add_start(&out, one);
-    answer_number(&out, "analog_inputs", channels_count(one, ROBUROC4_IO_ANALOG_INPUT));
-    answer_number(&out, "analog_outputs", channels_count(one, ROBUROC4_IO_ANALOG_OUTPUT));
-    answer_number(&out, "digital_inputs", channels_count(one, ROBUROC4_IO_DIGITAL_INPUT));
-    answer_number(&out, "digital_outputs", channels_count(one, ROBUROC4_IO_DIGITAL_OUTPUT));
-    add_telemeters(&out, one);
-    add_directory(&out, one);
-    told->results[0] = answer_finish(&out);
+    answer_fields(&out, limits, COUNT_OF(limits), has_drive ? &drive : NULL);
+    answer_fields(&out, battery, COUNT_OF(battery), has_energy ? &energy : NULL);
+    answer_fields(&out, start, COUNT_OF(start), has_pose ? &pose : NULL);
+    answer_fields(&out, channels, COUNT_OF(channels), &card);
+    answer_rows(&out, telemeter, COUNT_OF(telemeter), telemeters, sizeof *telemeters,
+                telemeter_count);
+    answer_rows(&out, directory, COUNT_OF(directory), entries, sizeof *entries, entry_count);
+    in->results[0] = answer_finish(&out);
     return 1;
 }
 
 /* address(id) */
-static int look_address(const call *told) {
-    robot *one = told_robot(told);
+static int look_address(const call *in) {
     char address[ROBUROC4_ADDRESS_TEXT_SIZE];
-    if (one == NULL) {
-        return 0;
-    }
-    robot_address_text(one, address, sizeof address);
-    told->results[0] = make_text(address, strlen(address));
+    robot_address_text(in->object, address, sizeof address);
+    in->results[0] = make_text(address);
     return 1;
 }
 
-/* -------------------------------------------------------------------------------------- link ---
- */
+/* ----------------------------------------------------------------------------------- link --- */
+
+static const field link_fields[] = {
+    FIELD_AS("round_trip_s", roburoc4_link, round_trip_us, US32),
+    FIELD_AS("round_trip_min_s", roburoc4_link, round_trip_min_us, US32),
+    FIELD_AS("silence_s", roburoc4_link, silence_us, US32),
+    FIELD(roburoc4_link, received, U32),
+    FIELD(roburoc4_link, lost, U32),
+    FIELD(roburoc4_link, loss, F32),
+};
+static const field service_link_fields[] = {
+    FIELD(roburoc4_service_link, subscribed, FLAG32),
+    FIELD(roburoc4_service_link, received, U32),
+    FIELD(roburoc4_service_link, lost, U32),
+    FIELD(roburoc4_service_link, late, U32),
+    FIELD(roburoc4_service_link, duplicates, U32),
+    FIELD_AS("period_s", roburoc4_service_link, period_us, US32),
+    FIELD_AS("jitter_s", roburoc4_service_link, jitter_us, US32),
+    FIELD(roburoc4_service_link, loss, F32),
+};
 
 /* link(id) */
-static int look_link(const call *told) {
+static int look_link(const call *in) {
     roburoc4_link link = {.size = sizeof link};
-    robot *one = told_robot(told);
+    uint64_t now_us;
+    const roburoc4_client *client = robot_copy(in->object, &now_us);
     answer out;
-    if (one == NULL) {
-        return 0;
-    }
-    (void)robot_link(one, &link);
+    (void)roburoc4_client_link(client, now_us, &link);
     answer_begin(&out);
-    answer_number(&out, "round_trip_s", link.round_trip_us / 1e6);
-    answer_number(&out, "round_trip_min_s", link.round_trip_min_us / 1e6);
-    answer_number(&out, "silence_s", link.silence_us / 1e6);
-    answer_number(&out, "received", link.received);
-    answer_number(&out, "lost", link.lost);
-    answer_number(&out, "loss", (double)link.loss);
-    told->results[0] = answer_finish(&out);
+    answer_fields(&out, link_fields, COUNT_OF(link_fields), &link);
+    in->results[0] = answer_finish(&out);
     return 1;
 }
 
 /* serviceLink(id, service) */
-static int look_service_link(const call *told) {
+static int look_service_link(const call *in) {
     roburoc4_service_link link = {.size = sizeof link};
-    robot *one = told_robot(told);
+    uint64_t now_us;
+    const roburoc4_client *client = robot_copy(in->object, &now_us);
     uint32_t service;
     answer out;
-    if (one == NULL || !take_service(told->arguments[1], &service)) {
+    if (!take_service(in->arguments[0], &service)) {
         return 0;
     }
-    (void)robot_service_link(one, service, &link);
+    (void)roburoc4_client_service_link(client, service, now_us, &link);
     answer_begin(&out);
-    answer_flag(&out, "subscribed", link.subscribed != 0);
-    answer_number(&out, "received", link.received);
-    answer_number(&out, "lost", link.lost);
-    answer_number(&out, "late", link.late);
-    answer_number(&out, "duplicates", link.duplicates);
-    answer_number(&out, "period_s", link.period_us / 1e6);
-    answer_number(&out, "jitter_s", link.jitter_us / 1e6);
+    answer_fields(&out, service_link_fields, COUNT_OF(service_link_fields), &link);
     answer_number(&out, "age_s", link.age_us == UINT32_MAX ? mxGetInf() : link.age_us / 1e6);
-    answer_number(&out, "loss", (double)link.loss);
-    told->results[0] = answer_finish(&out);
+    in->results[0] = answer_finish(&out);
     return 1;
 }
 
-/* ---------------------------------------------------------------------------------------- io ---
- */
+/* ------------------------------------------------------------------------------ the IO card --- */
 
-static int fail_no_inputs(void) {
-    return fail(FAIL_PROTOCOL, "the robot has sent no IO card status yet: wait with spin(0.1)");
+uint32_t count_channels(robot *r, uint32_t io_type) {
+    uint64_t now_us;
+    roburoc4_iocard_properties card = {0};
+    (void)roburoc4_client_iocard_properties(robot_copy(r, &now_us), &card);
+    return (uint32_t)field_value(&channels[io_type], &card);
+}
+
+/* The index of a channel, or what roburoc4_client_channel_find() returns. */
+static roburoc4_result find_channel(robot *r, uint32_t io_type, const char *name) {
+    static channel_texts texts;
+    const char *pointers[CHANNELS_MAX];
+    uint64_t now_us;
+    uint32_t i;
+    robot_texts(r, io_type, texts);
+    for (i = 0; i < CHANNELS_MAX; i++) {
+        pointers[i] = texts[i];
+    }
+    return roburoc4_client_channel_find(robot_copy(r, &now_us), io_type, name, pointers,
+                                        CHANNELS_MAX);
+}
+
+int take_channel(const call *in, uint32_t io_types, uint32_t *io_type, uint32_t *index) {
+    char name[TEXT_SIZE];
+    uint32_t found = 0, type;
+    if (!take_text(in->arguments[0], "channel", name)) {
+        return 0;
+    }
+    for (type = 0; type < CHANNEL_TYPES; type++) {
+        const roburoc4_result at = (io_types >> type & 1u) != 0
+                                       ? find_channel(in->object, type, name)
+                                       : ROBUROC4_ERR_INDEX;
+        if (at >= 0) {
+            *io_type = type;
+            *index = (uint32_t)at;
+            found++;
+        }
+        found += at == ROBUROC4_ERR_VALUE ? 2 : 0;
+    }
+    if (found > 1) {
+        return fail(FAIL_ARGUMENT,
+                    "'%s' is ambiguous: several channels have this name; use io() and an index",
+                    name);
+    }
+    return found == 1 ||
+           fail(FAIL_ARGUMENT, "the robot has no channel '%s'; io() lists the names", name);
+}
+
+/* The latest inputs. 0 after noting that there are none yet. */
+static int read_inputs(const call *in, roburoc4_sample *out) {
+    uint64_t now_us;
+    return samples_latest(robot_copy(in->object, &now_us), ROBUROC4_SERVICE_IOCARD, out) ||
+           fail(FAIL_PROTOCOL, "the robot has sent no IO card status yet; wait with spin(0.1)");
 }
 
 /* io(id, name): double of an analog input, logical of a digital one */
-static int look_input(const call *told) {
-    robot *one = told_robot(told);
-    char name[TEXT_SIZE];
-    roburoc4_inputs inputs;
-    channel found;
-    if (one == NULL || !take_text(told->arguments[1], "channel", name) ||
-        !channels_find(one, name, CHANNEL_INPUTS, &found)) {
+static int look_input(const call *in) {
+    const uint32_t types = 1u << ROBUROC4_IO_ANALOG_INPUT | 1u << ROBUROC4_IO_DIGITAL_INPUT;
+    roburoc4_sample sample;
+    const roburoc4_inputs *inputs = &sample.value.inputs;
+    uint32_t io_type, index;
+    if (!take_channel(in, types, &io_type, &index) || !read_inputs(in, &sample)) {
         return 0;
     }
-    if (robot_inputs(one, &inputs, NULL) < 0) {
-        return fail_no_inputs();
-    }
-    if (found.io_type == ROBUROC4_IO_DIGITAL_INPUT && found.index < inputs.digital_count) {
-        told->results[0] = mxCreateLogicalScalar((inputs.digital >> found.index & 1u) != 0);
+    if (io_type == ROBUROC4_IO_DIGITAL_INPUT && index < inputs->digital_count) {
+        in->results[0] = mxCreateLogicalScalar((inputs->digital >> index & 1u) != 0);
         return 1;
     }
-    if (found.io_type == ROBUROC4_IO_ANALOG_INPUT && found.index < inputs.analog_count) {
-        told->results[0] = mxCreateDoubleScalar((double)inputs.analog[found.index]);
+    if (io_type == ROBUROC4_IO_ANALOG_INPUT && index < inputs->analog_count) {
+        in->results[0] = mxCreateDoubleScalar((double)inputs->analog[index]);
         return 1;
     }
-    return fail(FAIL_LIMIT, "'%s' lies beyond the inputs that the client keeps", name);
+    return fail(FAIL_LIMIT, "input %lu is beyond those that the client stores",
+                (unsigned long)index);
 }
 
-static void add_names(answer *out, const char *field, robot *one, uint32_t io_type) {
-    uint32_t count = channels_count(one, io_type), i;
-    char name[CHANNEL_NAME];
-    mxArray *names;
-    if (count > ROBUROC4_MAX_DIGITAL_INPUTS) {
-        count = ROBUROC4_MAX_DIGITAL_INPUTS;
-    }
-    names = mxCreateCellMatrix(1, count);
+/* The names of all channels of a type: the robot's own, else the manual's. */
+static mxArray *make_names(robot *r, uint32_t io_type) {
+    static channel_texts texts;
+    const uint32_t all = count_channels(r, io_type);
+    const uint32_t count = all < CHANNELS_MAX ? all : CHANNELS_MAX;
+    mxArray *names = mxCreateCellMatrix(1, count);
+    uint64_t now_us;
+    const roburoc4_client *client = robot_copy(r, &now_us);
+    uint32_t i;
+    robot_texts(r, io_type, texts);
     for (i = 0; i < count; i++) {
-        channels_name(one, io_type, i, name);
-        mxSetCell(names, i, make_text(name, strlen(name)));
+        const char *manual = roburoc4_client_channel_name(client, io_type, i);
+        mxSetCell(names, i, make_text(texts[i][0] != '\0' || manual == NULL ? texts[i] : manual));
     }
-    answer_add(out, field, names);
+    return names;
 }
 
 /* inputs(id): all of them, with the names of all channels */
-static int look_inputs(const call *told) {
-    robot *one = told_robot(told);
-    roburoc4_inputs inputs;
-    mxArray *digital;
-    mxLogical *on;
+static int look_inputs(const call *in) {
+    static const char *const names[CHANNEL_TYPES] = {"analog_input_names", "analog_output_names",
+                                                     "digital_input_names", "digital_output_names"};
+    static const field cycles = FIELD(roburoc4_sample, robot_cycles, CYCLES);
+    roburoc4_sample sample;
     uint32_t i;
     answer out;
-    if (one == NULL) {
+    if (!read_inputs(in, &sample)) {
         return 0;
     }
-    if (robot_inputs(one, &inputs, NULL) < 0) {
-        return fail_no_inputs();
-    }
     answer_begin(&out);
-    answer_cycles(&out, "robot_cycles", inputs.robot_cycles);
-    answer_row(&out, "analog_inputs", inputs.analog, inputs.analog_count);
-    on = make_logicals(&digital, 1, inputs.digital_count);
-    for (i = 0; i < inputs.digital_count; i++) {
-        on[i] = (inputs.digital >> i & 1u) != 0;
+    answer_fields(&out, &cycles, 1, &sample);
+    samples_answer(&out, ROBUROC4_SERVICE_IOCARD, &sample);
+    for (i = 0; i < CHANNEL_TYPES; i++) {
+        answer_add(&out, names[i], make_names(in->object, i));
     }
-    answer_add(&out, "digital_inputs", digital);
-    add_names(&out, "analog_input_names", one, ROBUROC4_IO_ANALOG_INPUT);
-    add_names(&out, "digital_input_names", one, ROBUROC4_IO_DIGITAL_INPUT);
-    add_names(&out, "analog_output_names", one, ROBUROC4_IO_ANALOG_OUTPUT);
-    add_names(&out, "digital_output_names", one, ROBUROC4_IO_DIGITAL_OUTPUT);
-    told->results[0] = answer_finish(&out);
+    in->results[0] = answer_finish(&out);
     return 1;
 }
 
-/* ----------------------------------------------------------------------------------- columns ---
- */
+/* -------------------------------------------------------------------------------- columns --- */
 
-#define ALL_SERVICES 0x7Cu
-
-static int take_mask(const call *told, uint32_t *mask) {
+/* The services that the arguments name; all where there are none. */
+static int take_mask(const call *in, uint32_t *mask) {
     int i;
-    *mask = told->count > 1 ? 0 : ALL_SERVICES;
-    for (i = 1; i < told->count; i++) {
+    *mask = in->count > 0 ? 0 : ALL_SERVICES;
+    for (i = 0; i < in->count; i++) {
         uint32_t service;
-        if (!take_service(told->arguments[i], &service)) {
+        if (!take_service(in->arguments[i], &service)) {
             return 0;
         }
         *mask |= 1u << service;
@@ -410,83 +356,80 @@ static int take_mask(const call *told, uint32_t *mask) {
 }
 
 /* record(id, service, ...): forget what was recorded, and begin now */
-static int begin_recording(const call *told) {
-    robot *one = told_robot(told);
+static int begin_recording(const call *in) {
+    robot *r = in->object;
     uint32_t mask;
-    if (one == NULL || !take_mask(told, &mask)) {
+    if (!take_mask(in, &mask)) {
         return 0;
     }
-    samples_free(&one->recording);
-    robot_begin_reading(one, &one->reader);
-    one->recording_us = robot_now_us(one);
-    one->recording_mask = mask;
+    samples_free(&r->recording);
+    robot_begin_reading(r, &r->reader);
+    r->recording_us = robot_now_us(r);
+    r->recording_mask = mask;
     return 1;
 }
 
 /* recorded(id): take what has come since */
-static int go_on_recording(const call *told) {
-    robot *one = told_robot(told);
-    return one != NULL && robot_drain(one, &one->reader, &one->recording);
+static int go_on_recording(const call *in) {
+    robot *r = in->object;
+    return robot_drain(r, &r->reader, &r->recording);
 }
 
 /* recording(id): all that was recorded, as columns */
-static int end_recording(const call *told) {
-    robot *one = told_robot(told);
-    if (one == NULL || !robot_drain(one, &one->reader, &one->recording)) {
+static int end_recording(const call *in) {
+    robot *r = in->object;
+    if (!robot_drain(r, &r->reader, &r->recording)) {
         return 0;
     }
-    if (one->recording.count == 0 && robot_state(one) != ROBUROC4_STATE_READY) {
+    if (r->recording.count == 0 && robot_facts(r).state != ROBUROC4_STATE_READY) {
         return fail(FAIL_TIMEOUT, "nothing was recorded: the robot does not answer; look at link");
     }
-    told->results[0] =
-        samples_columns(&one->recording, one->recording_mask, one->recording_us, one->reader.lost);
-    samples_free(&one->recording);
+    in->results[0] =
+        samples_columns(&r->recording, r->recording_mask, r->recording_us, r->reader.lost);
+    samples_free(&r->recording);
     return 1;
 }
 
 /* log(id, service, ...): all since the robot was made, or since the last logged() */
-static int look_log(const call *told) {
-    robot *one = told_robot(told);
+static int look_log(const call *in) {
+    robot *r = in->object;
     sample_list list = {0};
     uint32_t mask;
-    if (one == NULL || !take_mask(told, &mask)) {
+    int fine;
+    if (!take_mask(in, &mask)) {
         return 0;
     }
-    one->log_end = one->log;
-    if (!robot_drain(one, &one->log_end, &list)) {
-        samples_free(&list);
-        return 0;
+    r->log_end = r->log;
+    fine = robot_drain(r, &r->log_end, &list);
+    if (fine) {
+        in->results[0] = samples_columns(&list, mask, r->opened_us, r->log_end.lost);
     }
-    told->results[0] = samples_columns(&list, mask, one->opened_us, one->log_end.lost);
     samples_free(&list);
-    return 1;
+    return fine;
 }
 
 /* logged(id): the file of log() is written; the next one begins after it */
-static int end_log(const call *told) {
-    robot *one = told_robot(told);
-    if (one == NULL) {
-        return 0;
-    }
-    one->log = one->log_end;
-    one->log.lost = 0;
+static int end_log(const call *in) {
+    robot *r = in->object;
+    r->log = r->log_end;
+    r->log.lost = 0;
     return 1;
 }
 
 const command robot_look_commands[] = {
-    {"status", look_status, 1},
-    {"pose", look_pose, 1},
-    {"speeds", look_speeds, 1},
-    {"info", look_info, 1},
-    {"address", look_address, 1},
-    {"link", look_link, 1},
-    {"serviceLink", look_service_link, 2},
-    {"io", look_input, 2},
-    {"inputs", look_inputs, 1},
-    {"record", begin_recording, -1},
-    {"recorded", go_on_recording, 1},
-    {"recording", end_recording, 1},
-    {"log", look_log, -1},
-    {"logged", end_log, 1},
-    {NULL, NULL, 0},
+    {"status", ROBOT, 0, look_status},
+    {"pose", ROBOT, 0, look_pose},
+    {"speeds", ROBOT, 0, look_speeds},
+    {"info", ROBOT, 0, look_info},
+    {"address", ROBOT, 0, look_address},
+    {"link", ROBOT, 0, look_link},
+    {"serviceLink", ROBOT, 1, look_service_link},
+    {"io", ROBOT, 1, look_input},
+    {"inputs", ROBOT, 0, look_inputs},
+    {"record", ROBOT, -1, begin_recording},
+    {"recorded", ROBOT, 0, go_on_recording},
+    {"recording", ROBOT, 0, end_recording},
+    {"log", ROBOT, -1, look_log},
+    {"logged", ROBOT, 0, end_log},
+    {NULL, NO_ID, 0, NULL},
 };

@@ -9,25 +9,32 @@
  */
 #include <string.h>
 
-#include "answers.h"
 #include "commands.h"
 #include "fail.h"
-#include "handles.h"
-
-#define TABLES 4
-
-static const command *const tables[TABLES] = {robot_drive_commands, robot_look_commands,
-                                              robot_life_commands, simulator_commands};
 
 static void at_exit(void) {
     close_robots();
     close_simulators();
 }
 
+/* living(): how many robots and simulators there are */
+static int look_living(const call *in) {
+    answer out;
+    answer_begin(&out);
+    answer_number(&out, "robots", handles_count(HANDLE_ROBOT));
+    answer_number(&out, "simulators", handles_count(HANDLE_SIMULATOR));
+    in->results[0] = answer_finish(&out);
+    return 1;
+}
+
+static const command own_commands[] = {{"living", NO_ID, 0, look_living}, {NULL, NO_ID, 0, NULL}};
+
 static const command *find(const char *name) {
+    static const command *const tables[] = {robot_drive_commands, robot_look_commands,
+                                            robot_life_commands, simulator_commands, own_commands};
     const command *found;
-    int i;
-    for (i = 0; i < TABLES; i++) {
+    size_t i;
+    for (i = 0; i < COUNT_OF(tables); i++) {
         for (found = tables[i]; found->name != NULL; found++) {
             if (strcmp(found->name, name) == 0) {
                 return found;
@@ -37,13 +44,24 @@ static const command *find(const char *name) {
     return NULL;
 }
 
-/* living(): how many robots and simulators there are */
-static mxArray *living(void) {
-    answer out;
-    answer_begin(&out);
-    answer_number(&out, "robots", handles_count(HANDLE_ROBOT));
-    answer_number(&out, "simulators", handles_count(HANDLE_SIMULATOR));
-    return answer_finish(&out);
+/* The robot or simulator of an id. */
+static int take_object(subject of, const mxArray *value, void **out) {
+    const int simulated = of == SIMULATOR || of == ANY_SIMULATOR;
+    double id;
+    if (!take_number(value, "id", &id)) {
+        return 0;
+    }
+    *out = handles_find(simulated ? HANDLE_SIMULATOR : HANDLE_ROBOT, id);
+    if (of == ANY_ROBOT || of == ANY_SIMULATOR) {
+        return 1;
+    }
+    if (*out == NULL) {
+        return simulated ? fail(FAIL_CLOSED, "this simulator was deleted; make a new one with "
+                                             "roburoc4.Simulator")
+                         : fail(FAIL_CLOSED,
+                                "this robot was deleted; make a new one with roburoc4.Robot");
+    }
+    return simulated || robot_can(*out, of == OPEN_ROBOT);
 }
 
 /* Lock the MEX file while there is anything, once. */
@@ -61,25 +79,31 @@ static void lock_while_living(void) {
 static int run(int result_count, mxArray **results, int count, const mxArray **arguments) {
     char name[TEXT_SIZE] = "";
     const command *found;
-    call told = {results, count - 1, arguments + 1};
+    call in = {results, count - 1, arguments + 1, NULL};
+    int wanted;
     if (count < 1 || !take_text(arguments[0], "command", name)) {
-        return fail(FAIL_ARGUMENT, "a command is needed: use roburoc4.Robot");
+        return fail(FAIL_ARGUMENT, "this is no command; use roburoc4.Robot");
+    }
+    found = find(name);
+    if (found == NULL) {
+        return fail(FAIL_ARGUMENT, "there is no command '%s'; use roburoc4.Robot", name);
     }
     if (result_count > 1) {
         return fail(FAIL_ARGUMENT, "%s: it has one result at most", name);
     }
-    if (strcmp(name, "living") == 0) {
-        results[0] = living();
-        return 1;
+    wanted =
+        (found->arguments < 0 ? -found->arguments - 1 : found->arguments) + (found->of != NO_ID);
+    if (in.count < wanted || (in.count > wanted && found->arguments >= 0)) {
+        return fail(FAIL_ARGUMENT, "%s: %d arguments are too few or too many", name, in.count);
     }
-    found = find(name);
-    if (found == NULL) {
-        return fail(FAIL_ARGUMENT, "there is no command '%s'", name);
+    if (found->of != NO_ID) {
+        if (!take_object(found->of, in.arguments[0], &in.object)) {
+            return 0;
+        }
+        in.arguments++;
+        in.count--;
     }
-    if (found->arguments >= 0 ? told.count != found->arguments : told.count < -found->arguments) {
-        return fail(FAIL_ARGUMENT, "%s: %d arguments are too few or too many", name, told.count);
-    }
-    return found->run(&told);
+    return found->run(&in);
 }
 
 #ifdef __GNUC__

@@ -8,28 +8,17 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "arguments.h"
 #include "fail.h"
 
-typedef enum kind { U16, I16, U32, I32, U64, F32, F64, BIT } kind;
-
-typedef struct setting {
-    const char *name;
-    size_t offset;
-    kind type;
-    uint32_t bit; /* BIT: in a uint32_t */
-} setting;
-
-#define IN_ROBOT(name, type)                                                                       \
-    { #name, offsetof(robot_settings, config.name), type, 0 }
-#define PERIOD(name, service)                                                                      \
-    { name, offsetof(robot_settings, config.period_ms) + (service) * sizeof(uint16_t), U16, 0 }
-#define ROLE(name, role)                                                                           \
-    { name, offsetof(robot_settings, config.role_index) + (role) * sizeof(int16_t), I16, 0 }
+#define IN_ROBOT(name, type) FIELD_AS(#name, robot_settings, config.name, type)
+#define IN_ARRAY(name, member, index, size, type)                                                  \
+    { name, offsetof(robot_settings, config.member) + (index) * (size), FIELD_##type, 0 }
+#define PERIOD(name, service) IN_ARRAY(name, period_ms, service, sizeof(uint16_t), U16)
+#define ROLE(name, role) IN_ARRAY(name, role_index, role, sizeof(int16_t), I16)
 #define OPTION(name, bit)                                                                          \
-    { name, offsetof(robot_settings, config.options), BIT, bit }
+    { name, offsetof(robot_settings, config.options), FIELD_BIT, bit }
 
-static const setting of_robot[] = {
+static const field of_robot[] = {
     IN_ROBOT(first_retry_ms, U32),
     IN_ROBOT(lost_ms, U32),
     IN_ROBOT(fresh_ms, U32),
@@ -52,13 +41,12 @@ static const setting of_robot[] = {
     ROLE("front_bumper_index", ROBUROC4_ROLE_FRONT_BUMPER),
     ROLE("rear_bumper_index", ROBUROC4_ROLE_REAR_BUMPER),
     ROLE("battery_voltage_index", ROBUROC4_ROLE_BATTERY_V),
-    {"buffer", offsetof(robot_settings, buffer), U32, 0},
+    FIELD(robot_settings, buffer, U32),
 };
 
-#define IN_SIMULATOR(name, type)                                                                   \
-    { #name, offsetof(roburoc4_sim_config, name), type, 0 }
+#define IN_SIMULATOR(name, type) FIELD(roburoc4_sim_config, name, type)
 
-static const setting of_simulator[] = {
+static const field of_simulator[] = {
     IN_SIMULATOR(watchdog_cycles, U32),
     IN_SIMULATOR(seed, U64),
     IN_SIMULATOR(plain_types, U32),
@@ -92,83 +80,23 @@ static const setting of_simulator[] = {
     IN_SIMULATOR(start_theta_rad, F64),
 };
 
-/* ------------------------------------------------------------------------------ one option --- */
+/* ------------------------------------------------------------------------------- all of them ---
+ */
 
-static int write_whole(const setting *to, char *place, const mxArray *value) {
-    static const int64_t least[] = {0, INT16_MIN, 0, INT32_MIN, 0};
-    static const int64_t most[] = {UINT16_MAX, INT16_MAX, UINT32_MAX, INT32_MAX, (int64_t)1 << 53};
-    static const size_t sizes[] = {2, 2, 4, 4, 8};
-    int64_t number;
-    uint16_t in_16;
-    uint32_t in_32;
-    const void *bytes = &number;
-    if (!take_whole(value, to->name, least[to->type], most[to->type], &number)) {
-        return 0;
-    }
-    /* Modulo 2^n: the bits of the signed types. */
-    in_16 = (uint16_t)number;
-    in_32 = (uint32_t)number;
-    if (sizes[to->type] == sizeof in_16) {
-        bytes = &in_16;
-    } else if (sizes[to->type] == sizeof in_32) {
-        bytes = &in_32;
-    }
-    memcpy(place, bytes, sizes[to->type]);
-    return 1;
-}
-
-static int write_float(const setting *to, char *place, const mxArray *value) {
-    double number;
-    float in_32;
-    if (!take_range(value, to->name, -1e30, 1e30, &number)) {
-        return 0;
-    }
-    in_32 = (float)number;
-    if (to->type == F32) {
-        memcpy(place, &in_32, sizeof in_32);
-    } else {
-        memcpy(place, &number, sizeof number);
-    }
-    return 1;
-}
-
-static int write_bit(const setting *to, char *place, const mxArray *value) {
-    uint32_t bits;
-    int on;
-    if (!take_flag(value, to->name, &on)) {
-        return 0;
-    }
-    memcpy(&bits, place, sizeof bits);
-    bits = on ? bits | to->bit : bits & ~to->bit;
-    memcpy(place, &bits, sizeof bits);
-    return 1;
-}
-
-static int write_option(const setting *to, void *base, const mxArray *value) {
-    char *place = (char *)base + to->offset;
-    if (to->type == BIT) {
-        return write_bit(to, place, value);
-    }
-    return to->type == F32 || to->type == F64 ? write_float(to, place, value)
-                                              : write_whole(to, place, value);
-}
-
-/* ---------------------------------------------------------------------------------- all of --- */
-
-static int fail_unknown(const char *name, const setting *settings, size_t count) {
+static int fail_unknown(const char *name, const field *settings, size_t count) {
     char known[1536] = "";
     size_t i, used = 0;
     for (i = 0; i < count; i++) {
         used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "",
                                  settings[i].name);
     }
-    return fail(FAIL_ARGUMENT, "there is no option '%s': there are %s", name, known);
+    return fail(FAIL_ARGUMENT, "there is no option '%s'; there are %s", name, known);
 }
 
-static int write_all(const mxArray *options, const setting *settings, size_t count, void *base) {
+static int write_all(const mxArray *options, const field *settings, size_t count, void *base) {
     int number, fields;
     if (!mxIsStruct(options) || mxGetNumberOfElements(options) != 1) {
-        return fail(FAIL_ARGUMENT, "options: a scalar struct is needed");
+        return fail(FAIL_ARGUMENT, "options: give a scalar struct");
     }
     fields = mxGetNumberOfFields(options);
     for (number = 0; number < fields; number++) {
@@ -180,7 +108,7 @@ static int write_all(const mxArray *options, const setting *settings, size_t cou
         if (i == count) {
             return fail_unknown(name, settings, count);
         }
-        if (value == NULL || !write_option(&settings[i], base, value)) {
+        if (value == NULL || !field_take(&settings[i], base, value)) {
             return value != NULL ? 0 : fail(FAIL_ARGUMENT, "%s: a value is missing", name);
         }
     }
@@ -208,7 +136,7 @@ int settings_of_robot(const mxArray *options, robot_settings *out) {
     const char *wrong;
     (void)roburoc4_config_init(&out->config, sizeof out->config);
     out->buffer = BUFFER_DEFAULT;
-    if (!write_all(options, of_robot, sizeof of_robot / sizeof of_robot[0], out)) {
+    if (!write_all(options, of_robot, COUNT_OF(of_robot), out)) {
         return 0;
     }
     drop_unwanted(&out->config);
@@ -217,7 +145,7 @@ int settings_of_robot(const mxArray *options, robot_settings *out) {
         return fail(FAIL_ARGUMENT, "option out of range: %s", wrong);
     }
     if (out->buffer < ROBUROC4_PUMP_QUEUE_MIN || out->buffer > ROBUROC4_PUMP_QUEUE_MAX) {
-        return fail(FAIL_ARGUMENT, "buffer: %lu is out of range: %d to %d",
+        return fail(FAIL_ARGUMENT, "buffer: %lu is out of range; give %d to %d",
                     (unsigned long)out->buffer, ROBUROC4_PUMP_QUEUE_MIN, ROBUROC4_PUMP_QUEUE_MAX);
     }
     return 1;
@@ -226,7 +154,7 @@ int settings_of_robot(const mxArray *options, robot_settings *out) {
 int settings_of_simulator(const mxArray *options, roburoc4_sim_config *out) {
     const char *wrong;
     roburoc4_sim_config_init(out);
-    if (!write_all(options, of_simulator, sizeof of_simulator / sizeof of_simulator[0], out)) {
+    if (!write_all(options, of_simulator, COUNT_OF(of_simulator), out)) {
         return 0;
     }
     wrong = roburoc4_sim_config_error(out);

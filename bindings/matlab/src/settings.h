@@ -5,7 +5,7 @@
 #ifndef ROBUROC4_MEX_SETTINGS_H
 #define ROBUROC4_MEX_SETTINGS_H
 
-#include "mex.h"
+#include "convert.h"
 #include "roburoc4_pump.h"
 #include "roburoc4_sim.h"
 

@@ -8,7 +8,7 @@ r.driveFor(0.5, 0, 2);
 r.spin(3);
 moved_m = sim.state.true_x_m;
 check(moved_m > 0.8 && moved_m < 1.1, 'moved %g m', moved_m);
-check(r.speeds(1) == r.status.linear_m_s, 'speeds and status differ');
+check(r.speeds(1) == r.status.current_linear_m_s, 'speeds and status differ');
 check(abs(r.pose(1) - moved_m) < 0.1, 'odometry says %g', r.pose(1));
 
 % A lease ends by itself, virtual time or not.

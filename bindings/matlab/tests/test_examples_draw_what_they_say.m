@@ -7,7 +7,7 @@ if isempty(folder)
 end
 restored = without_display(); %#ok<NASGU>
 data = read_and_plot([], fullfile(folder, 'matlab-read-and-plot.png'));
-check(numel(data.localization.x_m) == 100 && max(data.differential.linear_m_s) > 0.3, 'nothing read');
+check(numel(data.localization.x_m) == 100 && max(data.differential.current_linear_m_s) > 0.3, 'nothing read');
 
 track = drive_square([], fullfile(folder, 'matlab-square.png'));
 check(abs(max(track(:, 1)) - 1.5) < 0.05 && abs(max(track(:, 2)) - 1.5) < 0.05, 'no square');

@@ -26,7 +26,7 @@ r.driveFor(0.5, 0, 1);
 written = r.log(file);
 read = load(file);
 check(isequal(read, written), 'the file differs from what was written');
-check(max(read.differential.linear_m_s) > 0.3, 'the drive is not in the log');
+check(max(read.differential.current_linear_m_s) > 0.3, 'the drive is not in the log');
 check(numel(read.localization.x_m) == 50, '%d in the log', numel(read.localization.x_m));
 delete(file);
 

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * convert.h - values from MATLAB to C and back.
+ *
+ * What MATLAB passes is checked here once more: the .m files are not the last line. mxGetData() and
+ * mxGetLogicals() mean the same under both of MATLAB's APIs, -R2017b and -R2018a.
+ */
+#ifndef ROBUROC4_MEX_CONVERT_H
+#define ROBUROC4_MEX_CONVERT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "mex.h"
+
+#define COUNT_OF(array) (sizeof(array) / sizeof *(array))
+
+/* ------------------------------------------------------------------------------ arguments --- */
+/* Functions return 1 and write *out, or note what is wrong with the value (fail.h) and return 0.
+ * `name` is what the message calls the argument. */
+
+/** A call of a command. */
+typedef struct call {
+    mxArray **results;
+    int count;
+    const mxArray **arguments; /* behind the name of the command and the id */
+    void *object;              /* the robot or simulator of the id */
+} call;
+
+/** Room for every text that is taken: addresses, names, lines of the simulator's panel. */
+#define TEXT_SIZE 512
+
+/** A real number, finite or not. */
+int take_number(const mxArray *value, const char *name, double *out);
+/** A finite number within a range. */
+int take_range(const mxArray *value, const char *name, double least, double most, double *out);
+/** A whole number within a range. */
+int take_whole(const mxArray *value, const char *name, int64_t least, int64_t most, int64_t *out);
+/** true or false, 1 or 0. */
+int take_flag(const mxArray *value, const char *name, int *out);
+/** A char row of less than TEXT_SIZE bytes. */
+int take_text(const mxArray *value, const char *name, char out[TEXT_SIZE]);
+
+/* ------------------------------------------------------------------------- members of structs ---
+ */
+
+/** How a member is stored, and what it is in MATLAB: a double unless it says otherwise. */
+typedef enum kind {
+    FIELD_U16,
+    FIELD_I16,
+    FIELD_U32,
+    FIELD_I32,
+    FIELD_U64,
+    FIELD_F32,
+    FIELD_F64,
+    FIELD_US32,   /* a uint32_t of microseconds; seconds */
+    FIELD_US64,   /* a uint64_t of microseconds; seconds */
+    FIELD_BYTE,   /* a uint8_t; uint8, 255 where it is not known */
+    FIELD_BYTE32, /* a uint32_t; likewise */
+    FIELD_FLAG8,  /* a uint8_t; logical */
+    FIELD_FLAG32, /* a uint32_t or int32_t; logical */
+    FIELD_CYCLES, /* a uint64_t of robot cycles; uint64 */
+    FIELD_BIT,    /* one bit of a uint32_t; options only */
+    FIELD_FLOATS, /* float array of a status; see samples.c */
+    FIELD_BITS    /* bits of a uint64_t of a status; logicals, likewise */
+} kind;
+
+typedef struct field {
+    const char *name; /* in MATLAB */
+    size_t offset;
+    kind type;
+    uint32_t bit; /* FIELD_BIT */
+} field;
+
+/** A row of a table: a member under its own name, or under another one. */
+#define FIELD(of, member, type)                                                                    \
+    { #member, offsetof(of, member), FIELD_##type, 0 }
+#define FIELD_AS(name, of, member, type)                                                           \
+    { name, offsetof(of, member), FIELD_##type, 0 }
+
+/** The value of a member, as a double. */
+double field_value(const field *from, const void *base);
+/** Set a member. 1, or 0 after noting why the value does not fit. */
+int field_take(const field *to, void *base, const mxArray *value);
+
+/* -------------------------------------------------------------------------------- answers --- */
+
+#define ANSWER_FIELDS 64
+
+/** A scalar struct for MATLAB, field by field: no more than ANSWER_FIELDS. */
+typedef struct answer {
+    int count;
+    const char *names[ANSWER_FIELDS]; /* must outlive the call of answer_finish() */
+    mxArray *values[ANSWER_FIELDS];
+} answer;
+
+void answer_begin(answer *out);
+void answer_add(answer *out, const char *name, mxArray *value);
+void answer_number(answer *out, const char *name, double value);
+void answer_flag(answer *out, const char *name, int value);
+/** Members of a struct; base is NULL where it is not known: NaN, 255, false. */
+void answer_fields(answer *out, const field *fields, size_t count, const void *base);
+/** For each member a row, over an array of `count` structs of this size. */
+void answer_rows(answer *out, const field *fields, size_t members, const void *base, size_t size,
+                 uint32_t count);
+/** The struct. */
+mxArray *answer_finish(const answer *in);
+
+/** A char row; bytes that are not printable ASCII become '?', as their character set is unknown. */
+mxArray *make_text(const char *text);
+/** Doubles or uint64 of this size, all 0, and where their memory is. */
+double *make_doubles(mxArray **out, size_t rows, size_t columns);
+uint64_t *make_cycles(mxArray **out, size_t rows);
+
+#endif
