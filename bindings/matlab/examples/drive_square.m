@@ -66,6 +66,9 @@ set(way, 'XData', track(:, 1), 'YData', track(:, 2));
 if ~live
     print(shown, picture, '-dpng', '-r100');
 end
+if nargout == 0
+    clear track;                            % nobody asked for hundreds of rows
+end
 end
 
 function leave(shown, live)

@@ -67,4 +67,7 @@ if nargin > 1
     print(shown, picture, '-dpng', '-r100');
     close(shown);
 end
+if nargout == 0
+    clear track;                            % nobody asked for hundreds of rows
+end
 end

@@ -42,4 +42,7 @@ if nargin > 1
     print(shown, picture, '-dpng', '-r100');
     close(shown);
 end
+if nargout == 0
+    clear data;                            % nobody asked for hundreds of rows
+end
 end

@@ -32,7 +32,7 @@ def test_the_blocks_of_a_page_run(page: Path, capsys: pytest.CaptureFixture[str]
     reader: dict[str, object] = {"__name__": "reader"}
     with Simulator(port=0) as simulator:
         for block in code:
-            text = block.replace("192.168.0.2", simulator.address)
+            text = re.sub(r"127\.0\.0\.1|192\.168\.0\.2", simulator.address, block)
             exec(compile(text, page.name, "exec"), reader)
             assert simulator.state.last_linear_m_s == 0
         assert simulator.state.nonzero_speed_commands > 0
