@@ -6,7 +6,7 @@ import math
 import pytest
 
 import roburoc4
-from roburoc4 import BatteryState, IoType, LocalizationFlag, Service, Simulator
+from roburoc4 import BatteryState, IoType, LocalizationFlag, Service, Simulator, _native
 
 
 def test_statuses_are_typed_records_with_the_simulators_values(
@@ -21,7 +21,7 @@ def test_statuses_are_typed_records_with_the_simulators_values(
         assert battery.state_name == "ok"
         assert robot.localization.flags & LocalizationFlag.METRIC
         assert isinstance(robot.localization.flags, LocalizationFlag)
-        assert len(robot.telemeters.distances_m) == 2
+        assert len(robot.telemeter.distances_m) == 2
         assert robot.differential.current_linear_m_s == 0
         assert len(robot.iocard.analog_inputs) == 9
         assert robot.battery.host_us <= robot.now_s * 1e6
@@ -60,7 +60,7 @@ def test_properties_have_everything_the_robot_said(roburoc4_simulator: Simulator
         assert properties.battery.nominal_voltage_v == 24
         assert properties.iocard == (9, 0, 22, 8)
         assert properties.differential is not None
-        assert math.isclose(properties.differential.max_linear_speed_m_s, 2.6, rel_tol=1e-6)
+        assert math.isclose(properties.differential.max_linear_m_s, 2.6, rel_tol=1e-6)
         assert math.isclose(properties.differential.width_m, 0.68, rel_tol=1e-6)
         assert [round(t.theta_rad, 3) for t in properties.telemeters] == [0, 3.142]
 
@@ -214,24 +214,24 @@ def test_the_override_input_can_be_named() -> None:
         assert robot.facts.disarm_cause == roburoc4.Result.OVERRIDE
 
 
-class FakeEngine:
-    """Just enough of an engine for names."""
+class FakeConnection:
+    """Just enough of a connection for names."""
 
     def __init__(self, texts: dict[tuple[int, int], bytes]) -> None:
+        self.handle = _native.connect_virtual(_native.new_config(), 0)
         self.texts = texts
-
-    def call(self, name: str, *arguments: int) -> object:
-        del arguments
-        if name == "iocard_properties":
-            return roburoc4.IoCardProperties(9, 0, 22, 8)
-        raise roburoc4.NotKnownError(name)
 
     def description(self, io_type: int, index: int) -> bytes | None:
         return self.texts.get((io_type, index))
 
 
-def channels(texts: dict[tuple[int, int], bytes]) -> "roburoc4.io.Channels":
-    return roburoc4.io.Channels(FakeEngine(texts))  # type: ignore[arg-type]
+class UsualChannels(roburoc4.iocard.Channels):
+    def count(self, io_type: IoType) -> int:
+        return roburoc4.IoCardProperties(9, 0, 22, 8)[io_type]
+
+
+def channels(texts: dict[tuple[int, int], bytes]) -> "roburoc4.iocard.Channels":
+    return UsualChannels(FakeConnection(texts))  # type: ignore[arg-type]
 
 
 def test_the_robots_own_texts_work_where_they_are_unique() -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 from . import _native
 from .constants import Result, Service
 from .errors import ArgumentError, DecodeError
-from .records import Telegram
+from .records import BatteryStatus, DifferentialStatus, LocalizationStatus, Telegram
 from .settings import service_of
 
 if TYPE_CHECKING:
@@ -33,6 +33,11 @@ class Layout(NamedTuple):
     digital_outputs: int = 8
 
 
+_RECORDS: dict[Service, Any] = {
+    Service.BATTERY: BatteryStatus,
+    Service.LOCALIZATION: LocalizationStatus,
+    Service.DIFFERENTIAL: DifferentialStatus,
+}
 _USUAL = Layout()
 _native_decode = _native.decode
 
@@ -63,7 +68,7 @@ class Batch(NamedTuple):
     """Indices of those that are no such status."""
 
 
-def _fields(service: Service, layout: Layout, distances: int) -> list[tuple[Any, ...]]:
+def _columns(service: Service, layout: Layout, distances: int) -> list[tuple[Any, ...]]:
     if service is Service.IOCARD:
         return [
             ("robot_cycles", "=u8"),
@@ -72,23 +77,8 @@ def _fields(service: Service, layout: Layout, distances: int) -> list[tuple[Any,
         ]
     if service is Service.TELEMETER:
         return [("robot_cycles", "=u8"), ("distances_m", "=f4", (distances,))]
-    if service is Service.BATTERY:
-        return [("robot_cycles", "=u8"), ("state", "=u1"), ("remaining_percent", "=u1")]
-    if service is Service.LOCALIZATION:
-        return [
-            ("robot_cycles", "=u8"),
-            ("x_m", "=f8"),
-            ("y_m", "=f8"),
-            ("theta_rad", "=f8"),
-            ("flags", "=u4"),
-        ]
-    return [
-        ("robot_cycles", "=u8"),
-        ("target_linear_m_s", "=f4"),
-        ("current_linear_m_s", "=f4"),
-        ("target_angular_rad_s", "=f4"),
-        ("current_angular_rad_s", "=f4"),
-    ]
+    formats = _native.packed_formats(service - Service.IOCARD)
+    return list(zip(_RECORDS[service]._fields, formats, strict=False))
 
 
 def _length(service: Service, layout: Layout, telemeters: int) -> int:
@@ -145,7 +135,7 @@ def decode_batch(
         size, count = 0, len(data)
     if not 0 <= telemeters <= 0xFFFF:
         raise ArgumentError(f"telemeters: {telemeters} is out of range", Result.ARGUMENT)
-    rows = np.empty(count, dtype=_fields(which, layout, telemeters))
+    rows = np.empty(count, dtype=_columns(which, layout, telemeters))
     channels = telemeters if which is Service.TELEMETER else layout.analog_inputs
     wire_id = layout[which - Service.IOCARD]
     bad = _native.batch_decode(

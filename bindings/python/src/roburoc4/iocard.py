@@ -5,10 +5,10 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from . import _native
+from .connection import Connection
 from .constants import IoType, Result, Role
-from .engine import Engine
 from .errors import ArgumentError, NotKnownError
-from .records import IoCardProperties, IoCardStatus
+from .records import IoCardStatus
 
 __all__ = ["AnalogOutputs", "IoCard", "IoChannels", "Outputs"]
 
@@ -52,18 +52,17 @@ def _same(name: str) -> str:
 
 
 class Channels:
-    """Names of one engine's channels, and what they mean."""
+    """Names of one connection's channels, and what they mean."""
 
-    def __init__(self, engine: Engine) -> None:
-        self._engine = engine
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
 
     def count(self, io_type: IoType) -> int:
         """Return how many channels of this type the card has."""
-        properties: IoCardProperties = self._engine.call("iocard_properties")
-        return properties[io_type]
+        return _native.roburoc4_client_iocard_properties(self._connection.handle)[io_type]
 
     def _text(self, io_type: IoType, index: int) -> str | None:
-        text = self._engine.description(io_type, index)
+        text = self._connection.description(io_type, index)
         return None if text is None else decode_text(text)
 
     def _manual_index(self, io_type: IoType, index: int) -> int:
@@ -96,7 +95,7 @@ class Channels:
         role = _ROLES.get((io_type, number))
         if role is not None:
             try:
-                return int(self._engine.call("role_index", role))
+                return _native.roburoc4_client_role_index(self._connection.handle, role)
             except NotKnownError:
                 pass
         if len(said) == 1:
@@ -152,9 +151,9 @@ class IoCard:
     texts where they are unique. Upper and lower case are the same.
     """
 
-    def __init__(self, engine: Engine) -> None:
-        self._engine = engine
-        self._channels = Channels(engine)
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+        self._channels = Channels(connection)
 
     @property
     def channels(self) -> IoChannels:
@@ -162,8 +161,7 @@ class IoCard:
         return IoChannels(*(self._channels.names(io_type) for io_type in IoType))
 
     def _status(self) -> IoCardStatus:
-        status: IoCardStatus = self._engine.call("inputs")
-        return status
+        return _native.roburoc4_client_inputs(self._connection.handle)
 
     def __getitem__(self, name: str) -> float | bool:
         io_type, index = self._channels.find(name, IoType.DIGITAL_INPUT, IoType.ANALOG_INPUT)
@@ -187,9 +185,9 @@ class Outputs:
     as off, and reading one returns what this object has set. Output 0 is the robot's own.
     """
 
-    def __init__(self, engine: Engine) -> None:
-        self._engine = engine
-        self._channels = Channels(engine)
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+        self._channels = Channels(connection)
         self._set: dict[int, bool] = {}
 
     def __len__(self) -> int:
@@ -208,18 +206,17 @@ class Outputs:
             for channel, on in values.items()
         }
         mask = sum(1 << index for index in indices)
-        self._engine.call(
-            "set_digital_outputs", mask, sum(1 << index for index, on in indices.items() if on)
-        )
+        wanted = sum(1 << index for index, on in indices.items() if on)
+        self._connection.command(_native.roburoc4_client_set_digital_outputs, mask, wanted)
         self._set.update(indices)
 
 
 class AnalogOutputs:
     """Analog outputs, generally volts: ``robot.analog_outputs[0] = 2.5``; see :class:`Outputs`."""
 
-    def __init__(self, engine: Engine) -> None:
-        self._engine = engine
-        self._channels = Channels(engine)
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+        self._channels = Channels(connection)
         self._set: dict[int, float] = {}
 
     def __len__(self) -> int:
@@ -230,5 +227,5 @@ class AnalogOutputs:
 
     def __setitem__(self, channel: int | str, value: float) -> None:
         index = self._channels.index_of(channel, IoType.ANALOG_OUTPUT)
-        self._engine.call("set_analog_output", index, value)
+        self._connection.command(_native.roburoc4_client_set_analog_output, index, value)
         self._set[index] = float(value)

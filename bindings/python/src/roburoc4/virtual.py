@@ -5,13 +5,13 @@ import math
 import threading
 import weakref
 from collections.abc import Callable
+from typing import Any, Concatenate, ParamSpec
 
 from . import _native
-from .constants import Result
-from .engine_client import ClientEngine
-from .errors import error_of
-from .settings import Settings
+from .manual import ManualConnection
+from .settings import Settings, config_of
 
+_P = ParamSpec("_P")
 _FLIGHTS = 4096
 _LONGEST = 1472
 _START_US = 1_000_000
@@ -24,9 +24,7 @@ class Network:
 
     def __init__(self, seed: int, faults: "_native.Faults") -> None:
         self.up = _native.roburoc4_sim_channel_create(faults, seed, _FLIGHTS, _LONGEST)
-        self._up_owner = _native.own_channel(self.up)
         self.down = _native.roburoc4_sim_channel_create(faults, seed + 1, _FLIGHTS, _LONGEST)
-        self._down_owner = _native.own_channel(self.down)
 
     def set_faults(self, faults: "_native.Faults") -> None:
         """Change both directions."""
@@ -44,51 +42,52 @@ class Network:
 class World:
     """The clock, the simulator, and who talks with it."""
 
-    def __init__(self, sim: "_native.Sim", sim_owner: object, faults: "_native.Faults") -> None:
+    def __init__(self, sim: "_native.Simulation", faults: "_native.Faults") -> None:
         self.lock = threading.RLock()
         self.sim = sim
-        self._sim_owner = sim_owner
         self.faults = faults
         self.now_us = _START_US
         self.closed = False
         self._peers = 0
-        self._engines: dict[int, weakref.ref[SimEngine]] = {}
+        self._connections: dict[int, weakref.ref[VirtualConnection]] = {}
         _native.roburoc4_sim_advance(sim, self.now_us)
 
-    def add(self, engine: "SimEngine") -> int:
+    def add(self, connection: "VirtualConnection") -> int:
         """Let a client in; return its number."""
         self._peers += 1
-        self._engines[self._peers] = weakref.ref(engine)
+        self._connections[self._peers] = weakref.ref(connection)
         return self._peers
 
-    def engines(self) -> "list[SimEngine]":
+    def connections(self) -> "list[VirtualConnection]":
         """Return the clients that still live, in the order in which they came."""
-        living = {peer: ref() for peer, ref in self._engines.items()}
-        for peer in [peer for peer, engine in living.items() if engine is None]:
-            del self._engines[peer]
-        return [engine for engine in living.values() if engine is not None]
+        living = {peer: ref() for peer, ref in self._connections.items()}
+        for peer in [peer for peer, connection in living.items() if connection is None]:
+            del self._connections[peer]
+        return [connection for connection in living.values() if connection is not None]
 
     def exchange(self) -> None:
         """Carry all that can arrive at this moment."""
         _native.roburoc4_sim_advance(self.sim, self.now_us)
-        engines = self.engines()
+        connections = self.connections()
         moved = True
         while moved:
-            moved = sum(engine.send() for engine in engines) > 0
+            moved = sum(connection.send() for connection in connections) > 0
             while (sent := _native.roburoc4_sim_poll_transmit(self.sim)) is not None:
                 moved = True
-                ref = self._engines.get(sent[0])
-                engine = ref() if ref else None
-                if engine is not None:
+                ref = self._connections.get(sent[0])
+                connection = ref() if ref else None
+                if connection is not None:
                     _native.roburoc4_sim_channel_push(
-                        engine.network.down, sent[0], sent[1], self.now_us
+                        connection.network.down, sent[0], sent[1], self.now_us
                     )
-            moved |= sum(engine.receive() for engine in engines) > 0
+            moved |= sum(connection.receive() for connection in connections) > 0
 
     def _next_us(self, end_us: int) -> int:
         next_us = min(end_us, _native.roburoc4_sim_next_deadline(self.sim))
-        for engine in self.engines():
-            next_us = min(next_us, engine.next_deadline_us(), engine.network.next_deadline_us())
+        for connection in self.connections():
+            next_us = min(
+                next_us, connection.next_deadline_us(), connection.network.next_deadline_us()
+            )
         return next_us if next_us > self.now_us else min(end_us, self.now_us + _STUCK_US)
 
     def run(self, end_us: int, until: Callable[[], object] = lambda: False) -> None:
@@ -97,50 +96,65 @@ class World:
             self.exchange()
             while self.now_us < end_us and not self.closed and not until():
                 self.now_us = self._next_us(end_us)
+                for connection in self.connections():
+                    connection.set_time(self.now_us)
                 self.exchange()
 
 
-class SimEngine(ClientEngine):
+class VirtualConnection(ManualConnection):
     """A client in a world's time."""
 
     def __init__(self, world: World, settings: Settings) -> None:
-        super().__init__(settings)
+        super().__init__(_native.connect_virtual(config_of(settings), world.now_us), settings)
+        self.address = "the simulator"
         self.lock = world.lock
         self._world = world
         self._watchdog_us = settings.get("robot_watchdog_ms", 1000) * 1000
         with self.lock:
             self._peer = world.add(self)
             self.network = Network(2 * self._peer, world.faults)
-            self.address = "the simulator"
-            self._start()
             world.exchange()
 
     def __del__(self) -> None:
         # Time does not go on because of garbage: one zero is sent, the watchdog does the rest.
-        if not getattr(self, "_closed", True) and not self._world.closed:
+        if hasattr(self, "network") and not self._world.closed:
             with self.lock:
-                self._begin_to_leave()
-
-    def _now_us(self) -> int:
-        return self._world.now_us
+                self.disarm_for_good()
 
     def unlock_in_child(self) -> None:
         super().unlock_in_child()
         self._world.lock = self.lock
 
-    def check_open(self) -> None:
-        super().check_open()
-        if self._world.closed:
-            raise error_of(Result.CLOSED)
+    @property
+    def closed(self) -> bool:
+        return self._world.closed or super().closed
+
+    def command(
+        self,
+        function: "Callable[Concatenate[_native.Connection, _P], Any]",
+        *arguments: _P.args,
+        **names: _P.kwargs,
+    ) -> None:
+        with self.lock:
+            if self._world.closed:
+                self.check_open()
+            try:
+                super().command(function, *arguments, **names)
+            finally:
+                self.flush()
+
+    def set_time(self, now_us: int) -> None:
+        """Set the client's clock."""
+        _native.connection_set_time(self.handle, now_us)
 
     def send(self) -> bool:
         """Push what is due, and give the simulator what has arrived; whether there was any."""
         now_us = self._world.now_us
         moved = False
-        while (datagram := _native.roburoc4_client_poll_transmit(self._client, now_us)) is not None:
+        while (datagram := _native.roburoc4_client_poll_transmit(self.handle)) is not None:
             _native.roburoc4_sim_channel_push(self.network.up, self._peer, datagram, now_us)
             moved = True
-        self.collect(b"")
+        self.collect()
         while (sent := _native.roburoc4_sim_channel_poll(self.network.up, now_us)) is not None:
             _native.roburoc4_sim_receive(self._world.sim, self._peer, sent[1])
             moved = True
@@ -151,16 +165,16 @@ class SimEngine(ClientEngine):
         now_us = self._world.now_us
         moved = False
         while (came := _native.roburoc4_sim_channel_poll(self.network.down, now_us)) is not None:
-            _native.roburoc4_client_receive(self._client, came[1], now_us)
+            _native.roburoc4_client_receive(self.handle, came[1])
             self.collect(came[1])
             moved = True
         return moved
 
     def next_deadline_us(self) -> int:
         """Return when the client wants to be called."""
-        return _native.roburoc4_client_next_deadline(self._client)
+        return _native.roburoc4_client_next_deadline(self.handle)
 
-    def _flush(self) -> None:
+    def flush(self) -> None:
         self.send()
         self._world.exchange()
 
