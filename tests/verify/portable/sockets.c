@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * link_life HOST:PORT [SECONDS]: the UDP adapter, then the pump, on this target's sockets, threads
+ * portable_sockets HOST:PORT [SECONDS]: the UDP adapter, then the pump, on this target's sockets, threads
  * and clock, against roburoc4-sim: connect, arm, drive until the robot moves, stop, leave. Its last
- * line is "link: ok", or says what did not happen within SECONDS.
+ * line is "sockets: ok", or says what did not happen within SECONDS.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +16,7 @@
 static uint64_t patience_us = PATIENCE_S * UINT64_C(1000000);
 
 static int failed(const char *what) {
-    printf("link: FAILED: %s\n", what);
+    printf("sockets: FAILED: %s\n", what);
     return 1;
 }
 
@@ -86,19 +86,30 @@ static int test_adapter(const roburoc4_address *robot) {
 
 /* ---------------------------------------------------------------------------------- pump --- */
 
+/** Arm and drive where the robot is to move; whether it does what is wanted. */
+static int pump_turn(roburoc4_pump *pump, int moving) {
+    roburoc4_differential_status speed;
+    roburoc4_client *of_pump = roburoc4_pump_lock(pump);
+    int done;
+    if (moving) {
+        (void)roburoc4_client_arm(of_pump, roburoc4_udp_now_us());
+        (void)roburoc4_client_drive(of_pump, SPEED_M_S, 0, 0, roburoc4_udp_now_us());
+    } else {
+        roburoc4_client_disarm(of_pump, roburoc4_udp_now_us());
+    }
+    done = roburoc4_client_differential(of_pump, &speed, NULL) == 0 &&
+           (speed.current_linear_m_s > 0.1f) == moving;
+    roburoc4_pump_unlock(pump);
+    return done;
+}
+
 static int pump_until(roburoc4_pump *pump, roburoc4_pump_reader *reader, int moving) {
     const uint64_t begun_us = roburoc4_udp_now_us();
     while (!is_late(begun_us)) {
-        roburoc4_differential_status speed;
         roburoc4_sample samples[16];
-        if (moving) {
-            (void)roburoc4_pump_arm(pump);
-            (void)roburoc4_pump_drive(pump, SPEED_M_S, 0, 0);
-        }
         (void)roburoc4_pump_wait_samples(pump, reader, STEP_US);
         (void)roburoc4_pump_read_samples(pump, reader, samples, 16);
-        if (roburoc4_pump_differential(pump, &speed, NULL) == 0 &&
-            (speed.current_linear_m_s > 0.1f) == moving) {
+        if (pump_turn(pump, moving)) {
             return 1;
         }
     }
@@ -114,7 +125,6 @@ static int test_pump(const roburoc4_address *robot) {
         return failed(roburoc4_result_text(result));
     }
     moved = pump_until(pump, &reader, 1);
-    roburoc4_pump_disarm(pump);
     stopped = moved && pump_until(pump, &reader, 0);
     result = roburoc4_pump_close(pump);
     roburoc4_pump_destroy(pump);
@@ -130,7 +140,7 @@ static int test_pump(const roburoc4_address *robot) {
 int main(int argc, char **argv) {
     roburoc4_address robot;
     if (argc < 2 || argc > 3 || roburoc4_udp_resolve(argv[1], 0, &robot) < 0) {
-        printf("Usage: link_life HOST:PORT [SECONDS] (of roburoc4-sim)\n");
+        printf("Usage: portable_sockets HOST:PORT [SECONDS] (of roburoc4-sim)\n");
         return 2;
     }
     if (argc == 3) {
@@ -139,6 +149,6 @@ int main(int argc, char **argv) {
     if (test_adapter(&robot) != 0 || test_pump(&robot) != 0) {
         return 1;
     }
-    printf("link: ok\n");
+    printf("sockets: ok\n");
     return 0;
 }
