@@ -12,11 +12,12 @@
 #define SAMPLES_AT_ONCE 64
 
 struct connection {
-    roburoc4_pump *pump;    /* has a client and a socket of its own; or NULL, then: */
+    roburoc4_pump *pump; /* has a client and a socket of its own; or NULL, then: */
     roburoc4_client client;
-    roburoc4_udp udp;       /* not used in virtual time */
-    int is_virtual;
-    uint64_t virtual_us;
+    roburoc4_world *world; /* moves the client; or NULL, then: */
+    roburoc4_udp udp;
+    PyObject *world_owner;
+    uint32_t number; /* in the world */
     uint32_t forks; /* of the process that made it */
     char address[ROBUROC4_ADDRESS_TEXT_SIZE];
 };
@@ -92,15 +93,31 @@ connection *connect_socket(const char *host, const roburoc4_config *config) {
     return connect_host(host, config, 0, open_socket);
 }
 
-connection *connect_virtual(const roburoc4_config *config, uint64_t now_us) {
-    connection *c = allocate();
-    if (c != NULL) {
-        c->is_virtual = 1;
-        c->virtual_us = now_us;
-        (void)roburoc4_client_init(&c->client, sizeof c->client, config);
-        (void)roburoc4_client_start(&c->client, now_us);
+connection *connect_virtual(PyObject *owner, const roburoc4_config *config) {
+    simulation *simulation = PyCapsule_GetPointer(owner, "simulation");
+    connection *c = simulation != NULL ? allocate() : NULL;
+    roburoc4_result result;
+    if (c == NULL) {
+        return NULL;
     }
+    result = roburoc4_client_init(&c->client, sizeof c->client, config);
+    if (result >= 0) {
+        result = roburoc4_world_join(simulation_world(simulation), &c->client);
+    }
+    if (result < 0) {
+        (void)raise_result(result);
+        free(c);
+        return NULL;
+    }
+    c->world = simulation_world(simulation);
+    c->number = (uint32_t)result;
+    Py_INCREF(owner);
+    c->world_owner = owner;
     return c;
+}
+
+uint32_t connection_number(const connection *c) {
+    return c->number;
 }
 
 void connection_destroy(connection *c) {
@@ -108,7 +125,10 @@ void connection_destroy(connection *c) {
         Py_BEGIN_ALLOW_THREADS;
         roburoc4_pump_destroy(c->pump);
         Py_END_ALLOW_THREADS;
-    } else if (!c->is_virtual) {
+    } else if (c->world != NULL) {
+        roburoc4_world_leave(c->world, &c->client);
+        Py_DECREF(c->world_owner);
+    } else {
         (void)roburoc4_udp_close(&c->udp);
     }
     free(c);
@@ -136,14 +156,10 @@ void connections_forked(void) {
     forks++;
 }
 
-void connection_set_time(connection *c, uint64_t now_us) {
-    c->virtual_us = now_us;
-}
-
 /* ---------------------------------------------------------------------------------- one call --- */
 
 uint64_t connection_now_us(const connection *c) {
-    return c->is_virtual ? c->virtual_us : roburoc4_udp_now_us();
+    return c->world != NULL ? roburoc4_world_now_us(c->world) : roburoc4_udp_now_us();
 }
 
 static roburoc4_client *lock(connection *c) {
@@ -187,7 +203,7 @@ void connection_leave(void) {
     connection *c = entered;
     if (c != NULL) {
         entered = NULL;
-        if (entered_for_command && c->pump == NULL && !c->is_virtual) {
+        if (entered_for_command && c->pump == NULL && c->world == NULL) {
             (void)roburoc4_udp_transmit_all(&c->udp, &c->client);
         }
         unlock(c);
@@ -204,7 +220,7 @@ roburoc4_udp *connection_udp(connection *c) {
 
 uint32_t connection_fault(connection *c) {
     uint32_t fault = ROBUROC4_FAULT_NONE;
-    if (!c->is_virtual && lock(c) != NULL) {
+    if (c->world == NULL && lock(c) != NULL) {
         fault = roburoc4_udp_fault(c->pump != NULL ? roburoc4_pump_udp(c->pump) : &c->udp);
         unlock(c);
     }

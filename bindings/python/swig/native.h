@@ -89,10 +89,34 @@ PyObject *decode_telegram(PyObject *self, PyObject *const *arguments, Py_ssize_t
 PyObject *batch_decode(PyObject *source, size_t size, uint32_t service, uint32_t id,
                        uint32_t analog, uint32_t digital, PyObject *rows, size_t row);
 
+/* ---- the simulator (simulator.c) ---- */
+
+/* A simulated robot, in virtual time or on a port. All roburoc4_sim_*() calls are made on a
+ * simulation, by simulation_enter() and simulation_leave(). */
+typedef struct simulation simulation;
+simulation *new_world(const roburoc4_sim_config *config);
+/* On an IPv4 address and a port (0: a free one); OSError. */
+simulation *new_host(const roburoc4_sim_config *config, const char *address, uint16_t port);
+void simulation_destroy(simulation *s);
+/* Its world, or NULL. */
+roburoc4_world *simulation_world(simulation *s);
+uint16_t simulation_port(const simulation *s);
+/* Serve no longer; its robot can still be looked at. */
+PyObject *simulation_stop(simulation *s);
+PyObject *simulation_set_faults(simulation *s, const roburoc4_sim_faults *faults);
+/* Lock the simulator for one call, and give it back; the latter does nothing where none is
+ * entered. */
+roburoc4_sim *simulation_enter(simulation *s);
+void simulation_leave(void);
+/* (result, reply) of a line for the simulator's panel. */
+PyObject *simulation_panel(simulation *s, const char *line);
+/* The program roburoc4-sim with these arguments (a list of str); its exit status. */
+PyObject *run_sim(PyObject *arguments);
+
 /* ---- a client, and who moves its datagrams (connection.c) ---- */
 
 /*
- * A client with its pump, its socket, or a clock in virtual time. All roburoc4_client_*() calls
+ * A client with its pump, its socket, or in the world of a simulation. All roburoc4_client_*() calls
  * are made on a connection, by connection_enter() and connection_leave(), whatever moves it.
  */
 typedef struct connection connection;
@@ -100,7 +124,8 @@ typedef struct connection connection;
 /* Open one to "HOST" or "HOST:PORT". */
 connection *connect_pump(const char *host, const roburoc4_config *config, uint32_t capacity);
 connection *connect_socket(const char *host, const roburoc4_config *config);
-connection *connect_virtual(const roburoc4_config *config, uint64_t now_us);
+/* `simulation`: a capsule, which lives as long as the connection. */
+connection *connect_virtual(PyObject *simulation, const roburoc4_config *config);
 void connection_destroy(connection *c);
 /* "HOST" or "HOST:PORT" in numbers. */
 PyObject *resolve_address(const char *host);
@@ -125,8 +150,8 @@ uint32_t connection_fault(connection *c);
 /* (io_type, index, text) of a datagram that was just received; None where it is no text. */
 PyObject *connection_description(const connection *c, PyObject *datagram);
 uint64_t connection_now_us(const connection *c);
-/* Set the clock of one in virtual time. */
-void connection_set_time(connection *c, uint64_t now_us);
+/* The number of a client in its world; 0 for others. */
+uint32_t connection_number(const connection *c);
 /* Every connection that exists belongs to the parent process from now on. */
 void connections_forked(void);
 
@@ -134,25 +159,5 @@ void connections_forked(void);
 PyObject *read_samples(roburoc4_pump *pump, roburoc4_pump_reader *reader, uint32_t mask);
 roburoc4_pump_reader *new_reader(void);
 uint64_t reader_lost(const roburoc4_pump_reader *reader);
-
-/* ---- the simulator (simulator.c) ---- */
-
-/* A simulator, alone or served on a port by a thread. All roburoc4_sim_*() calls are made on a
- * simulation, by simulation_enter() and simulation_leave(). */
-typedef struct simulation simulation;
-simulation *new_simulation(const roburoc4_sim_config *config);
-void simulation_destroy(simulation *s);
-/* Serve it on an IPv4 address and a port (0: a free one), which is returned; OSError. Once. */
-PyObject *simulation_serve(simulation *s, const char *address, uint16_t port);
-PyObject *simulation_stop(simulation *s);
-PyObject *simulation_set_faults(simulation *s, const roburoc4_sim_faults *faults);
-/* Lock the simulator for one call, and give it back; the latter does nothing where none is
- * entered. */
-roburoc4_sim *simulation_enter(simulation *s);
-void simulation_leave(void);
-/* (result, reply) of a line for the simulator's panel. */
-PyObject *simulation_panel(simulation *s, const char *line);
-/* The program roburoc4-sim with these arguments (a list of str); its exit status. */
-PyObject *run_sim(PyObject *arguments);
 
 #endif

@@ -12,27 +12,49 @@
 int roburoc4_sim_main(int count, char **arguments); /* main() of sim/main.c */
 
 struct simulation {
+    roburoc4_world *world; /* has its robot, in virtual time; or NULL, then: */
     roburoc4_sim *sim;
-    sim_host *host; /* serves it on a port, from a thread of its own; or NULL */
+    sim_host *host; /* serves the robot on a port, from a thread of its own */
 };
 
-/* The one whose simulator is being called; the interpreter lock is held meanwhile. */
+/* The one whose robot is being called; the interpreter lock is held meanwhile. */
 static simulation *entered;
 
-simulation *new_simulation(const roburoc4_sim_config *config) {
+static simulation *allocate(void) {
     simulation *s = calloc(1, sizeof *s);
-    if (s != NULL) {
-        s->sim = roburoc4_sim_create(config);
-    }
-    if (s == NULL || s->sim == NULL) {
-        free(s);
+    if (s == NULL) {
         (void)PyErr_NoMemory();
-        return NULL;
+    }
+    return s;
+}
+
+simulation *new_world(const roburoc4_sim_config *config) {
+    simulation *s = allocate();
+    if (s != NULL && (s->world = roburoc4_world_create(config)) == NULL) {
+        (void)PyErr_NoMemory();
+        free(s);
+        s = NULL;
+    }
+    return s;
+}
+
+simulation *new_host(const roburoc4_sim_config *config, const char *address, uint16_t port) {
+    simulation *s = allocate();
+    int error = ENOMEM;
+    if (s != NULL && (s->sim = roburoc4_sim_create(config)) != NULL) {
+        s->host = sim_host_open(s->sim, address, port, &error);
+    }
+    if (s != NULL && s->host == NULL) {
+        errno = error;
+        (void)PyErr_SetFromErrno(PyExc_OSError);
+        simulation_destroy(s);
+        s = NULL;
     }
     return s;
 }
 
 void simulation_destroy(simulation *s) {
+    roburoc4_world_destroy(s->world);
     if (s->host != NULL) {
         Py_BEGIN_ALLOW_THREADS;
         sim_host_destroy(s->host);
@@ -43,14 +65,12 @@ void simulation_destroy(simulation *s) {
     free(s);
 }
 
-PyObject *simulation_serve(simulation *s, const char *address, uint16_t port) {
-    int error = 0;
-    s->host = sim_host_open(s->sim, address, port, &error);
-    if (s->host == NULL) {
-        errno = error;
-        return PyErr_SetFromErrno(PyExc_OSError);
-    }
-    return PyLong_FromLong(sim_host_port(s->host));
+roburoc4_world *simulation_world(simulation *s) {
+    return s->world;
+}
+
+uint16_t simulation_port(const simulation *s) {
+    return sim_host_port(s->host);
 }
 
 PyObject *simulation_stop(simulation *s) {
@@ -61,9 +81,13 @@ PyObject *simulation_stop(simulation *s) {
 }
 
 PyObject *simulation_set_faults(simulation *s, const roburoc4_sim_faults *faults) {
-    (void)simulation_enter(s);
-    (void)sim_host_set_faults(s->host, faults);
-    simulation_leave();
+    if (s->world != NULL) {
+        (void)roburoc4_world_set_faults(s->world, faults);
+    } else {
+        (void)simulation_enter(s);
+        (void)sim_host_set_faults(s->host, faults);
+        simulation_leave();
+    }
     Py_RETURN_NONE;
 }
 
@@ -72,7 +96,7 @@ roburoc4_sim *simulation_enter(simulation *s) {
         sim_host_lock(s->host);
     }
     entered = s;
-    return s->sim;
+    return s->world != NULL ? roburoc4_world_robot(s->world) : s->sim;
 }
 
 void simulation_leave(void) {

@@ -68,25 +68,7 @@ ROBUROC4_OUTPUT(roburoc4_sim_state, value.size = sizeof value, RECORD_SIM_STATE)
 }
 
 /* ---- datagrams ---- */
-%typemap(in) (const uint8_t *datagram, size_t size), (const uint8_t *data, size_t size) {
-    char *bytes;
-    Py_ssize_t length;
-    if (PyBytes_AsStringAndSize($input, &bytes, &length) < 0) {
-        SWIG_fail;
-    }
-    $1 = ($1_ltype)bytes;
-    $2 = (size_t)length;
-}
-/* The datagram, or None where there is none. */
-%typemap(in, numinputs=0) (uint8_t *buffer, size_t capacity) (uint8_t space[2048]) {
-    $1 = space;
-    $2 = sizeof space;
-}
-%typemap(argout) (uint8_t *buffer, size_t capacity) {
-    Py_XDECREF($result);
-    $result = result > 0 ? PyBytes_FromStringAndSize((const char *)$1, result) : Py_BuildValue("");
-}
-/* ROBUROC4_UDP_* and the datagram. */
+/* A result and the datagram. */
 %typemap(in, numinputs=0) (const uint8_t **datagram, size_t *size)
     (uint8_t *view = NULL, size_t length = 0) {
     $1 = &view;
@@ -106,18 +88,17 @@ ROBUROC4_OUTPUT(roburoc4_sim_state, value.size = sizeof value, RECORD_SIM_STATE)
     Py_XDECREF($result);
     $result = PyBytes_FromStringAndSize($1, result);
 }
-/* The peer and the datagram, or None. */
-%typemap(in, numinputs=0) (uint64_t *peer, uint8_t *buffer, size_t capacity)
-    (uint64_t peer, uint8_t space[2048]) {
-    $1 = &peer;
-    $2 = space;
-    $3 = sizeof space;
-}
-%typemap(argout) (uint64_t *peer, uint8_t *buffer, size_t capacity) {
-    Py_XDECREF($result);
-    $result = result > 0 ? Py_BuildValue("(Ky#)", (unsigned long long)*$1, (const char *)$2,
-                                         (Py_ssize_t)result)
-                         : Py_BuildValue("");
+/* Texts, some of them empty. */
+%typemap(in) (const char *const *texts, uint32_t text_count) (char *texts[256]) {
+    Py_ssize_t count = PyList_Size($input), i;
+    for (i = 0; i < count && i < 256; i++) {
+        texts[i] = PyBytes_AsString(PyList_GetItem($input, i));
+    }
+    if (PyErr_Occurred() != NULL) {
+        SWIG_fail;
+    }
+    $1 = texts;
+    $2 = (uint32_t)i;
 }
 
 /* ---- pointers ---- */
@@ -146,15 +127,14 @@ static void capsule_free_##TYPE(PyObject *capsule) {
 ROBUROC4_CAPSULE(roburoc4_config, free)
 ROBUROC4_CAPSULE(roburoc4_sim_config, free)
 ROBUROC4_CAPSULE(roburoc4_sim_faults, free)
-ROBUROC4_CAPSULE(roburoc4_sim_channel, roburoc4_sim_channel_destroy)
 ROBUROC4_CAPSULE(connection, connection_destroy)
 ROBUROC4_CAPSULE(roburoc4_pump_reader, free)
 ROBUROC4_CAPSULE(simulation, simulation_destroy)
 
 /* Where the headers take a client or a simulator, Python gives a connection or a simulation. It is
  * locked when all arguments are read, and the time after that. Only commands change a client. */
-%typemap(out) roburoc4_result roburoc4_client_receive {
-    $result = PyLong_FromLong($1); /* below 0 for a datagram that was dropped */
+%typemap(out) roburoc4_result roburoc4_client_channel_find {
+    $result = PyLong_FromLong($1); /* who calls it explains what is below 0 */
 }
 %typemap(in) roburoc4_client * (connection *handle), const roburoc4_client * (connection *handle) {
     handle = PyCapsule_GetPointer($input, "connection");
@@ -180,6 +160,13 @@ ROBUROC4_CAPSULE(simulation, simulation_destroy)
         SWIG_fail;
     }
     $1 = connection_udp(handle);
+}
+%typemap(in) roburoc4_world *, const roburoc4_world * {
+    simulation *handle = PyCapsule_GetPointer($input, "simulation");
+    if (handle == NULL) {
+        SWIG_fail;
+    }
+    $1 = simulation_world(handle);
 }
 %typemap(in) roburoc4_pump * {
     connection *handle = PyCapsule_GetPointer($input, "connection");

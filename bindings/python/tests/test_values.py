@@ -2,11 +2,12 @@
 """What a robot says: statuses, properties, names; and what it is told beside motion."""
 
 import math
+from collections.abc import Callable
 
 import pytest
 
 import roburoc4
-from roburoc4 import BatteryState, IoType, LocalizationFlag, Service, Simulator, _native
+from roburoc4 import BatteryState, IoType, LocalizationFlag, Service, Simulator
 
 
 def test_statuses_are_typed_records_with_the_simulators_values(
@@ -215,46 +216,48 @@ def test_the_override_input_can_be_named() -> None:
 
 
 class FakeConnection:
-    """Just enough of a connection for names."""
+    """A connection of a robot that gives these texts."""
 
-    def __init__(self, texts: dict[tuple[int, int], bytes]) -> None:
-        self.handle = _native.connect_virtual(_native.new_config(), 0)
-        self.texts = texts
+    def __init__(self, robot: roburoc4.Robot, texts: dict[tuple[int, int], bytes]) -> None:
+        self.handle = robot._connection.handle
+        self._texts = texts
 
     def description(self, io_type: int, index: int) -> bytes | None:
-        return self.texts.get((io_type, index))
+        return self._texts.get((io_type, index))
 
 
-class UsualChannels(roburoc4.iocard.Channels):
-    def count(self, io_type: IoType) -> int:
-        return roburoc4.IoCardProperties(9, 0, 22, 8)[io_type]
+@pytest.fixture
+def channels(
+    roburoc4_simulator: Simulator,
+) -> Callable[[dict[tuple[int, int], bytes]], roburoc4.iocard.Channels]:
+    robot = roburoc4_simulator.connect()
+
+    def channels_of(texts: dict[tuple[int, int], bytes]) -> roburoc4.iocard.Channels:
+        assert robot.state is roburoc4.State.READY
+        return roburoc4.iocard.Channels(FakeConnection(robot, texts))  # type: ignore[arg-type]
+
+    return channels_of
 
 
-def channels(texts: dict[tuple[int, int], bytes]) -> "roburoc4.iocard.Channels":
-    return UsualChannels(FakeConnection(texts))  # type: ignore[arg-type]
+Named = Callable[[dict[tuple[int, int], bytes]], roburoc4.iocard.Channels]
 
 
-def test_the_robots_own_texts_work_where_they_are_unique() -> None:
+def test_the_robots_own_texts_work(channels: Named) -> None:
     found = channels({(IoType.DIGITAL_INPUT, 5): "Éclairage".encode()})
     assert found.find("éclairage", IoType.DIGITAL_INPUT) == (IoType.DIGITAL_INPUT, 5)
 
 
-def test_an_ambiguous_name_lists_the_indices() -> None:
+def test_an_ambiguous_name_is_refused(channels: Named) -> None:
     found = channels({(IoType.DIGITAL_INPUT, 5): b"spare", (IoType.DIGITAL_INPUT, 7): b"Spare"})
-    with pytest.raises(roburoc4.ArgumentError, match="digital_input 5, digital_input 7"):
+    with pytest.raises(roburoc4.ArgumentError, match="ambiguous"):
         found.find("spare", IoType.DIGITAL_INPUT)
 
 
-def test_texts_that_are_no_utf8_are_latin1() -> None:
+def test_texts_that_are_not_utf8_are_latin1(channels: Named) -> None:
     found = channels({(IoType.DIGITAL_INPUT, 5): "Éclairage".encode("latin-1")})
     assert found.names(IoType.DIGITAL_INPUT)[5] == "Éclairage"
 
 
-def test_the_manuals_name_works_where_the_robot_moved_the_channel() -> None:
-    found = channels({(IoType.DIGITAL_INPUT, 12): b'Game pad "B" button'})
-    assert found.find('game pad "b" button', IoType.DIGITAL_INPUT)[1] == 12
-
-
-def test_the_manuals_name_works_where_the_robot_gives_it_twice() -> None:
-    twice = {(IoType.DIGITAL_INPUT, i): b'Game pad "B" button' for i in (4, 5)}
-    assert channels(twice).find('Game pad "B" button', IoType.DIGITAL_INPUT)[1] == 9
+def test_a_name_of_the_manual_works_where_the_robot_has_it(channels: Named) -> None:
+    moved = {(IoType.DIGITAL_INPUT, 9): b"spare", (IoType.DIGITAL_INPUT, 12): b"Game pad B button"}
+    assert channels(moved).find('Game pad "B" button', IoType.DIGITAL_INPUT)[1] == 12

@@ -6,28 +6,11 @@ from typing import NamedTuple
 
 from . import _native
 from .connection import Connection
-from .constants import IoType, Result, Role
-from .errors import ArgumentError, NotKnownError
+from .constants import IoType, Result
+from .errors import ArgumentError
 from .records import IoCardStatus
 
 __all__ = ["AnalogOutputs", "IoCard", "IoChannels", "Outputs"]
-
-_ROLES = {
-    (IoType.ANALOG_INPUT, 2): Role.BATTERY_V,
-    (IoType.DIGITAL_INPUT, 0): Role.FRONT_BUMPER,
-    (IoType.DIGITAL_INPUT, 1): Role.REAR_BUMPER,
-    (IoType.DIGITAL_INPUT, 8): Role.OVERRIDE,
-}
-_MANUAL = {
-    io_type: tuple(
-        name
-        for index in range(64)
-        if (name := _native.roburoc4_channel_name(io_type, index)) is not None
-    )
-    for io_type in IoType
-}
-_FIRST_SHIFTED = 2
-"""The manual's tables skip number 02; on a card with one channel more they are literal."""
 
 
 class IoChannels(NamedTuple):
@@ -40,19 +23,15 @@ class IoChannels(NamedTuple):
 
 
 def decode_text(text: bytes) -> str:
-    """Decode a robot's text, whose character set nobody told: UTF-8, else Latin-1."""
+    """Decode a robot's text, whose character set is not specified: UTF-8, else Latin-1."""
     try:
         return text.decode("utf-8")
     except UnicodeDecodeError:
         return text.decode("latin-1")
 
 
-def _same(name: str) -> str:
-    return name.strip().casefold()
-
-
 class Channels:
-    """Names of one connection's channels, and what they mean."""
+    """Names of one connection's channels: the robot's texts, where it gave none the manual's."""
 
     def __init__(self, connection: Connection) -> None:
         self._connection = connection
@@ -61,67 +40,39 @@ class Channels:
         """Return how many channels of this type the card has."""
         return _native.roburoc4_client_iocard_properties(self._connection.handle)[io_type]
 
-    def _text(self, io_type: IoType, index: int) -> str | None:
-        text = self._connection.description(io_type, index)
-        return None if text is None else decode_text(text)
-
-    def _manual_index(self, io_type: IoType, index: int) -> int:
-        """Where the manual's channel is on this card, if its tables are right."""
-        literal = self.count(io_type) == len(_MANUAL[io_type]) + 1
-        return index + 1 if literal and index >= _FIRST_SHIFTED else index
+    def _text(self, io_type: IoType, index: int) -> str:
+        return decode_text(self._connection.description(io_type, index) or b"")
 
     def names(self, io_type: IoType) -> tuple[str, ...]:
         """Return a name for each channel of this type; some are empty."""
-        count = self.count(io_type)
-        names = [""] * count
-        for number, name in enumerate(_MANUAL[io_type]):
-            index = self._manual_index(io_type, number)
-            if index < count:
-                names[index] = name
-        for index in range(count):
-            text = self._text(io_type, index)
-            if text is not None:
-                names[index] = text
-        return tuple(names)
-
-    def _said(self, name: str, io_type: IoType) -> list[int]:
-        return [
-            index
+        handle = self._connection.handle
+        return tuple(
+            self._text(io_type, index)
+            or _native.roburoc4_client_channel_name(handle, io_type, index)
+            or ""
             for index in range(self.count(io_type))
-            if _same(self._text(io_type, index) or "") == name
+        )
+
+    def _find(self, name: str, io_type: IoType) -> int:
+        texts = [
+            self._text(io_type, index).casefold().encode() for index in range(self.count(io_type))
         ]
-
-    def _of_manual(self, io_type: IoType, number: int, said: list[int]) -> int:
-        role = _ROLES.get((io_type, number))
-        if role is not None:
-            try:
-                return _native.roburoc4_client_role_index(self._connection.handle, role)
-            except NotKnownError:
-                pass
-        if len(said) == 1:
-            return said[0]
-        return self._manual_index(io_type, number)
-
-    def find(self, name: str, *io_types: IoType) -> tuple[IoType, int]:
-        """Return type and index of the channel with this name, or say what is wrong with it."""
-        wanted = _same(name)
-        matches: list[tuple[IoType, int]] = []
-        for io_type in io_types:
-            said = self._said(wanted, io_type) if wanted else []
-            for number, manual in enumerate(_MANUAL[io_type]):
-                if wanted and _same(manual) == wanted:
-                    index = self._of_manual(io_type, number, said)
-                    if index < self.count(io_type):
-                        return io_type, index
-            matches += [(io_type, index) for index in said]
-        if len(matches) == 1:
-            return matches[0]
-        if matches:
-            places = ", ".join(f"{kind.name.lower()} {index}" for kind, index in matches)
+        index = _native.roburoc4_client_channel_find(
+            self._connection.handle, io_type, name.casefold(), texts
+        )
+        if index == Result.VALUE:
             raise ArgumentError(
-                f"{name!r} is ambiguous: the robot gives this name to {places}; use an index",
+                f"{name!r} is ambiguous: several channels have this name; use an index",
                 Result.INDEX,
             )
+        return index
+
+    def find(self, name: str, *io_types: IoType) -> tuple[IoType, int]:
+        """Return type and index of the channel with this name, or say which there are."""
+        for io_type in io_types:
+            index = self._find(name, io_type)
+            if index >= 0:
+                return io_type, index
         known = sorted({n for kind in io_types for n in self.names(kind) if n})
         raise ArgumentError(
             f"the robot has no channel {name!r}: it has {', '.join(known) or 'none with a name'}",
@@ -147,8 +98,9 @@ class Channels:
 class IoCard:
     """Latest inputs of the IO card: ``robot.io["Front bumper"]``, ``robot.io.digital(8)``.
 
-    The manual's names (5.5.1) always work, wherever this robot has the channel; the robot's own
-    texts where they are unique. Upper and lower case are the same.
+    Names are the robot's own texts; a channel without one has its name of the manual (5.5.1). The
+    manual's names of bumpers, game pad [A] and battery voltage always work. Case, punctuation and
+    order of the words do not matter.
     """
 
     def __init__(self, connection: Connection) -> None:

@@ -114,14 +114,15 @@ class Simulator:
         self._closed = False
         if port is not None and not 0 <= port <= 65535:
             raise ArgumentError(f"port: {port} is out of range: 0 to 65535", Result.ARGUMENT)
-        self._sim = _native.new_simulation(_config_of(seed, settings))
-        self._faults = _native.new_sim_faults()
+        config = _config_of(seed, settings)
         self._world: World | None = None
         if port is None:
-            self._world = World(self._sim, self._faults)
+            self._sim = _native.new_world(config)
+            self._world = World(self._sim)
             self._address = "virtual"
         else:
-            self._address = f"{host}:{_native.simulation_serve(self._sim, host, port)}"
+            self._sim = _native.new_host(config, host, port)
+            self._address = f"{host}:{_native.simulation_port(self._sim)}"
         self._closing = threading.Lock()
         self.pad = GamePad(self._act)
         """The game pad's hands."""
@@ -214,18 +215,14 @@ class Simulator:
         """Make the network bad, in both directions; shares are 0 to 1. Without arguments: good."""
         shares = {"loss": loss, "duplicate": duplicate, "reorder": reorder, "corrupt": corrupt}
         times = {"delay_us": delay_ms * 1e3, "jitter_us": jitter_ms * 1e3}
+        faults = _native.new_sim_faults()
         for name, share in shares.items():
             if not 0 <= share <= 1:
                 raise ArgumentError(f"{name}: {share} is out of range: 0 to 1", Result.ARGUMENT)
-            _native.set_sim_faults(self._faults, name, share)
+            _native.set_sim_faults(faults, name, share)
         for name, time_us in times.items():
-            _native.set_sim_faults(self._faults, name, round(time_us))
-        if self._world is None:
-            _native.simulation_set_faults(self._sim, self._faults)
-            return
-        with self._world.lock:
-            for connection in self._world.connections():
-                connection.network.set_faults(self._faults)
+            _native.set_sim_faults(faults, name, round(time_us))
+        _native.simulation_set_faults(self._sim, faults)
 
     # ---- looking ----
 
