@@ -19,10 +19,12 @@ enum channel {
     CHANNEL_TELEMETER,
     CHANNEL_IOCARD,
     CHANNEL_PROPERTIES,
-    CHANNEL_BRIDGE_STATUS,
+    CHANNEL_BRIDGE_STATE,
+    CHANNEL_BRIDGE_STATISTICS,
     CHANNEL_DRIVE_CMD, /* the commands, in the order of enum gate_kind */
     CHANNEL_RELOCALIZE_CMD,
     CHANNEL_OUTPUT_CMD,
+    CHANNEL_STOP_CMD,
     CHANNEL_POSE, /* "" where it is not wanted */
     CHANNELS
 };

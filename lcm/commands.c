@@ -61,15 +61,15 @@ static float read_float(reader *reader) {
 }
 
 /* A string's length counts its NUL, which must be there and the only one. */
-static void read_sender(reader *reader, command *out) {
+static const char *read_text(reader *reader, size_t *text_length) {
     int32_t length = read_int32(reader);
     const uint8_t *text = length > 0 ? take(reader, (size_t)length) : NULL;
     if (text == NULL || text[length - 1] != 0 || !text_is_utf8(text, (size_t)length - 1)) {
         reader->failed = true;
-        return;
+        return NULL;
     }
-    out->sender = (const char *)text;
-    out->sender_length = (size_t)length - 1;
+    *text_length = (size_t)length - 1;
+    return (const char *)text;
 }
 
 static uint32_t read_count(reader *reader, uint32_t max) {
@@ -128,8 +128,26 @@ static int64_t fingerprint(enum gate_kind kind) {
         return __roburoc4_lcm_drive_command_t_get_hash();
     case GATE_RELOCALIZE:
         return __roburoc4_lcm_relocalize_command_t_get_hash();
-    default:
+    case GATE_OUTPUT:
         return __roburoc4_lcm_output_command_t_get_hash();
+    default:
+        return __roburoc4_lcm_stop_command_t_get_hash();
+    }
+}
+
+static void read_body(reader *reader, command *out) {
+    switch (out->kind) {
+    case GATE_DRIVE:
+        read_drive(reader, out);
+        break;
+    case GATE_RELOCALIZE:
+        read_relocalize(reader, out);
+        break;
+    case GATE_OUTPUT:
+        read_outputs(reader, out);
+        break;
+    default:
+        break;
     }
 }
 
@@ -137,25 +155,29 @@ bool command_decode(enum gate_kind kind, const void *data, size_t size, command 
     reader reader = {data, size, false};
     memset(out, 0, sizeof *out);
     out->kind = kind;
-    if (size > COMMAND_MAX_SIZE) {
+    if (size > COMMANDS_MAX_SIZE || read_int64(&reader) != fingerprint(kind)) {
         return false;
     }
-    if (read_int64(&reader) != fingerprint(kind)) {
+    if (kind != GATE_STOP) {
+        out->utime = read_int64(&reader);
+    }
+    out->sender = read_text(&reader, &out->sender_length);
+    read_body(&reader, out);
+    return !reader.failed && reader.left == 0;
+}
+
+bool bridge_identity_decode(const void *data, size_t size, bridge_identity *out) {
+    reader reader = {data, size, false};
+    size_t length = 0;
+    if (size > COMMANDS_MAX_SIZE ||
+        read_int64(&reader) != __roburoc4_lcm_bridge_state_t_get_hash()) {
         return false;
     }
     out->utime = read_int64(&reader);
-    read_sender(&reader, out);
-    switch (kind) {
-    case GATE_DRIVE:
-        read_drive(&reader, out);
-        break;
-    case GATE_RELOCALIZE:
-        read_relocalize(&reader, out);
-        break;
-    default:
-        read_outputs(&reader, out);
-    }
-    return !reader.failed && reader.left == 0;
+    out->robot = read_text(&reader, &length);
+    out->bridge = read_text(&reader, &length);
+    out->started_utime = read_int64(&reader);
+    return !reader.failed;
 }
 
 /* -------------------------------------------------------------------------------- for gate --- */

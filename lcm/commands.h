@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Commands from LCM messages.
+ * What the bridge reads from LCM: commands, and what other bridges say of themselves.
  *
- * The decoders that lcm-gen makes allocate by, and trust, lengths on the wire; here anybody on the
- * network may send anything. These read within the message, allocate nothing, and take all or
- * nothing. The fingerprints are lcm-gen's own.
+ * The decoders that lcm-gen generates allocate by lengths that they read from the network, and
+ * believe them. These read within the message, allocate nothing, and accept all or nothing. The
+ * fingerprints are lcm-gen's own.
  */
 #ifndef ROBUROC4_LCM_COMMANDS_H
 #define ROBUROC4_LCM_COMMANDS_H
@@ -20,8 +20,8 @@
 extern "C" {
 #endif
 
-/* No command is longer. LCM hands on some broken packets with a size of almost 4 GB. */
-#define COMMAND_MAX_SIZE 4096
+/* No message is longer. LCM hands on some broken packets with a size of almost 4 GB. */
+#define COMMANDS_MAX_SIZE 4096
 
 typedef struct command_analog {
     int32_t index;
@@ -44,10 +44,19 @@ typedef struct command {
     command_analog analog[ROBUROC4_MAX_ANALOG_OUTPUTS];
 } command;
 
-/* Read a message of a kind's type; false, and nothing of use in *out, where it is none. */
+/* Read a message of a kind's type; false, and nothing of use in *out, where it is none. A stop
+ * command has a sender only. */
 bool command_decode(enum gate_kind kind, const void *data, size_t size, command *out);
 /* What the gate has to know of it. */
 gate_command command_for_gate(const command *command, int64_t arrived_utime);
+
+/* The first fields of a bridge_state_t: which bridge serves which robot. */
+typedef struct bridge_identity {
+    int64_t utime, started_utime;
+    const char *robot, *bridge; /* views on the message, UTF-8 with a NUL */
+} bridge_identity;
+
+bool bridge_identity_decode(const void *data, size_t size, bridge_identity *out);
 
 #ifdef __cplusplus
 }

@@ -3,64 +3,33 @@
 
 #include <string.h>
 
-#include "roburoc4.h"
-
 void gate_init(gate *gate, const gate_rules *rules, gate_time now) {
     memset(gate, 0, sizeof *gate);
     gate->rules = *rules;
     gate->start = now;
-    gate->seat = GATE_SENDERS;
-    gate->fresh = true;
-    gate->arms_alone = true;
+    gate->owner = GATE_SENDERS;
+    gate_hold(gate, now.us);
 }
 
 /* ---------------------------------------------------------------------------------- pauses --- */
 
 void gate_hold(gate *gate, uint64_t now_us) {
-    gate->held = true;
-    gate->fresh = false;
     gate->quiet_since_us = now_us;
 }
 
 bool gate_is_waiting(const gate *gate, uint64_t now_us) {
-    return gate->held && now_us - gate->quiet_since_us < GATE_PAUSE_US;
+    return now_us - gate->quiet_since_us < GATE_PAUSE_US;
 }
 
-void gate_armed(gate *gate) {
-    gate->fresh = false;
-    gate->arms_alone = false;
-}
-
-/* Refusals that end by themselves while a robot that nobody touches is being read. */
-static bool is_early(int32_t refusal) {
-    switch (refusal) {
-    case ROBUROC4_ERR_NOT_READY:
-    case ROBUROC4_ERR_NO_DIFFERENTIAL:
-    case ROBUROC4_ERR_LIMITS:
-    case ROBUROC4_ERR_STALE_DIFFERENTIAL:
-    case ROBUROC4_ERR_STALE_IOCARD:
-    case ROBUROC4_ERR_OVERRIDE_UNKNOWN:
-        return true;
-    default:
-        return false;
+void gate_stop(gate *gate, const char *sender, size_t length, uint64_t now_us) {
+    length = length < GATE_MAX_SENDER ? length : GATE_MAX_SENDER;
+    gate_hold(gate, now_us);
+    gate->owner = GATE_SENDERS;
+    gate->stopped = true;
+    memset(gate->stopped_by, 0, sizeof gate->stopped_by);
+    if (length > 0) {
+        memcpy(gate->stopped_by, sender, length);
     }
-}
-
-/* Whether only the robot itself can stand in the way of its first arming. */
-static bool may_arm_alone(const gate *gate, const gate_robot *robot, uint64_t now_us) {
-    return gate->rules.enabled[GATE_DRIVE] && gate->arms_alone && robot->ready && !robot->armed &&
-           !gate_is_waiting(gate, now_us);
-}
-
-void gate_tick(gate *gate, const gate_robot *robot, uint64_t now_us) {
-    if (may_arm_alone(gate, robot, now_us) && robot->arm_refusal < 0 &&
-        !is_early(robot->arm_refusal)) {
-        gate_hold(gate, now_us); /* in other hands: a planner that streams already must pause */
-    }
-}
-
-bool gate_wants_arming(const gate *gate, const gate_robot *robot, uint64_t now_us) {
-    return may_arm_alone(gate, robot, now_us) && robot->arm_refusal >= 0;
 }
 
 /* --------------------------------------------------------------------------------- senders --- */
@@ -75,15 +44,15 @@ static uint32_t find_sender(const gate *gate, const gate_command *command) {
     return at;
 }
 
-/* What an old sender sent is rejected for its age already, so it may be forgotten. Without ages a
- * sender must be forgotten some day, or programs with names of their own would lock all others out;
- * from then on its log is as good as new, which --max-age 0 says. */
+/* What an old sender sent is rejected for its age already, so it may be forgotten. Where ages are
+ * not checked, senders are forgotten after a while, or 32 names would lock all others out; from
+ * then on a log of that sender is obeyed like new commands: the documented price of --max-age 0. */
 static bool is_forgettable(const gate *gate, uint32_t at, gate_time now) {
     const gate_sender *sender = &gate->senders[at];
     if (sender->length == 0) {
         return true;
     }
-    if (at == gate->seat && now.us < gate->seat_until_us) {
+    if (at == gate->owner && now.us < gate->control_until_us) {
         return false;
     }
     if (gate->rules.max_age_us == 0) {
@@ -97,8 +66,8 @@ static bool is_forgettable(const gate *gate, uint32_t at, gate_time now) {
     return true;
 }
 
-/* The sender's place; where it has none, a free one, or that of who was silent for longest;
- * GATE_SENDERS where all are in use. */
+/* The sender's place; where it has none, a free one, or that of the sender that was silent for
+ * longest; GATE_SENDERS where all are in use. */
 static uint32_t place_of(gate *gate, const gate_command *command, gate_time now) {
     uint32_t at = find_sender(gate, command);
     if (at < GATE_SENDERS) {
@@ -115,19 +84,19 @@ static uint32_t place_of(gate *gate, const gate_command *command, gate_time now)
         memset(sender, 0, sizeof *sender);
         sender->length = (uint8_t)command->sender_length;
         memcpy(sender->name, command->sender, command->sender_length);
-        if (gate->seat == at) {
-            gate->seat = GATE_SENDERS;
+        if (gate->owner == at) {
+            gate->owner = GATE_SENDERS;
         }
     }
     return at;
 }
 
-const char *gate_commander(const gate *gate, uint64_t now_us, size_t *length) {
-    if (gate->seat == GATE_SENDERS || now_us >= gate->seat_until_us) {
+const char *gate_control_owner(const gate *gate, uint64_t now_us, size_t *length) {
+    if (gate->owner == GATE_SENDERS || now_us >= gate->control_until_us) {
         return NULL;
     }
-    *length = gate->senders[gate->seat].length;
-    return gate->senders[gate->seat].name;
+    *length = gate->senders[gate->owner].length;
+    return gate->senders[gate->owner].name;
 }
 
 /* ----------------------------------------------------------------------------------- times --- */
@@ -135,18 +104,15 @@ const char *gate_commander(const gate *gate, uint64_t now_us, size_t *length) {
 void gate_clock_was_set(gate *gate, gate_time now) {
     gate->start = now;
     memset(gate->senders, 0, sizeof gate->senders);
-    gate->seat = GATE_SENDERS;
+    gate->owner = GATE_SENDERS;
     gate_hold(gate, now.us);
 }
 
-/* Whether a utime says that the command is alive. The values of a wire: no sum may overflow. */
+/* Whether a command is of now, by its utime. It may hold any value: no sum may overflow. */
 static enum gate_verdict judge_utime(const gate *gate, int64_t utime, gate_time now) {
     int64_t max_age_us = (int64_t)gate->rules.max_age_us;
     if (utime <= 0) {
         return GATE_NO_UTIME;
-    }
-    if (now.us - gate->start.us < GATE_START_US) {
-        return GATE_STARTING;
     }
     if (max_age_us == 0) {
         return GATE_TAKEN;
@@ -160,8 +126,8 @@ static enum gate_verdict judge_utime(const gate *gate, int64_t utime, gate_time 
     return utime <= gate->start.utime + max_age_us ? GATE_STARTING : GATE_TAKEN;
 }
 
-/* What is left of a command's lease, which began when it arrived; 0 where it is over. The shortest
- * lease is not shortened by the moment that it takes to read a command. */
+/* What is left of a command's lease, which began when it arrived; 0 where it has ended. The
+ * shortest lease is not shortened by the moment that it takes to read a command. */
 static uint32_t lease_left(const gate *gate, const gate_command *command, gate_time now) {
     uint32_t lease_us = gate->rules.command_timeout_us;
     if (command->lease_us > 0 && (uint32_t)command->lease_us < lease_us) {
@@ -186,7 +152,7 @@ static uint32_t lease_left(const gate *gate, const gate_command *command, gate_t
 
 /* --------------------------------------------------------------------------------- verdict --- */
 
-/* What a command must have to be one. */
+/* What every command must have. */
 static enum gate_verdict judge_form(const gate *gate, const gate_command *command) {
     if (!gate->rules.enabled[command->kind]) {
         return GATE_DISABLED;
@@ -209,6 +175,13 @@ static enum gate_verdict judge_robot(const gate *gate, const gate_command *comma
         return GATE_DISARMED;
     }
     return GATE_TAKEN;
+}
+
+/* A speed takes control for its lease; a zero gives it up. */
+static void give_control(gate *gate, uint32_t place, bool zero, uint64_t until_us) {
+    gate->owner = zero ? GATE_SENDERS : place;
+    gate->control_until_us = until_us;
+    gate->stopped = gate->stopped && zero;
 }
 
 static enum gate_verdict judge(gate *gate, const gate_command *command, const gate_robot *robot,
@@ -234,14 +207,12 @@ static enum gate_verdict judge(gate *gate, const gate_command *command, const ga
     if (*lease_us == 0) {
         return GATE_TOO_OLD;
     }
-    if (gate->seat != GATE_SENDERS && gate->seat != place && now.us < gate->seat_until_us) {
-        return GATE_SEAT;
+    if (gate->owner != GATE_SENDERS && gate->owner != place && now.us < gate->control_until_us) {
+        return GATE_CONTROL;
     }
     verdict = judge_robot(gate, command, robot, now.us);
-    /* Who switches a lamp takes no seat, and neither prolongs nor shortens its own. */
     if (verdict == GATE_TAKEN && command->kind == GATE_DRIVE) {
-        gate->seat = place;
-        gate->seat_until_us = now.us + *lease_us;
+        give_control(gate, place, command->zero, now.us + *lease_us);
     }
     return verdict;
 }
@@ -253,12 +224,10 @@ enum gate_verdict gate_judge(gate *gate, const gate_command *command, const gate
         return verdict;
     }
     gate_reject(gate, verdict);
-    /* Whoever asks for motion keeps all waiting; and who goes on while the robot is away or in
-     * other hands must pause once it is back. */
+    /* Whoever asks for motion prolongs the hold for all, and must pause once the robot is back. */
     bool asks_for_motion =
         command->kind == GATE_DRIVE && gate->rules.enabled[GATE_DRIVE] && !command->zero;
-    bool away = !gate->fresh && judge_robot(gate, command, robot, now.us) != GATE_TAKEN;
-    if (asks_for_motion && away) {
+    if (asks_for_motion && judge_robot(gate, command, robot, now.us) != GATE_TAKEN) {
         gate_hold(gate, now.us);
     }
     return verdict;
@@ -272,10 +241,8 @@ void gate_reject(gate *gate, enum gate_verdict verdict) {
     gate->rejected[verdict]++;
 }
 
-int64_t gate_rejections(const gate *gate) {
-    int64_t sum = 0;
-    for (uint32_t cause = 0; cause < GATE_VERDICTS; cause++) {
-        sum += gate->rejected[cause];
-    }
-    return sum;
+bool gate_can_drive(const gate *gate, const gate_robot *robot, uint64_t now_us) {
+    static const gate_command drive = {.kind = GATE_DRIVE};
+    return gate->rules.enabled[GATE_DRIVE] &&
+           judge_robot(gate, &drive, robot, now_us) == GATE_TAKEN;
 }

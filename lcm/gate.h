@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The gate: which commands from the network may reach the robot, and the books of those that may
- * not. A pure machine: times and facts in, a verdict out; no clock, no socket, no LCM.
+ * The gate: which commands from the network may reach the robot, and how many may not, by cause. A
+ * pure state machine: times and facts in, a verdict out; no clock, no socket, no LCM.
  *
  * It promises that a command passes only if
  *
@@ -9,10 +9,11 @@
  * - it is no older and no further in the future than max_age_us, its utime is later than the last
  *   of its sender and kind, and it was sent after the gate started: a log that is replayed moves
  *   nothing;
- * - nobody else's lease to drive lives: one commander at a time, who keeps the seat until its lease
- *   is over. Commands of the other kinds take no seat;
+ * - no other sender is in control. A speed takes control until its lease ends; zeros and commands
+ *   of the other kinds neither take nor keep it;
  * - the robot is ready, and (to drive) armed, or can be armed;
- * - since the last disarm nobody has commanded a speed for GATE_PAUSE_US.
+ * - nobody has asked for a speed for GATE_PAUSE_US since the start, the last disarm and the last
+ *   stop command.
  *
  * A replay within max_age_us of the original is caught by the sender's last utime, one across a
  * restart by the start rule: what was sent before the start has a utime of at most
@@ -30,18 +31,18 @@ extern "C" {
 #endif
 
 #define GATE_PAUSE_US 500000u
-#define GATE_START_US 250000u
 #define GATE_MAX_SENDER 63
 #define GATE_SENDERS 32
-/* Where ages are not looked at, a sender is remembered for so long after its last command. */
+/* Where ages are not checked, a sender is remembered for this long after its last command. */
 #define GATE_FORGET_US 60000000u
-/* The shortest and the longest lease that the client can hold. */
+/* The shortest and the longest lease that the client accepts. */
 #define GATE_MIN_LEASE_US 20000u
 #define GATE_MAX_LEASE_US 1000000u
-/* A command is read within this, but on a machine that is too busy. */
+/* A command is read within this time, except on a machine that is too busy. */
 #define GATE_READ_US 10000
 
-enum gate_kind { GATE_DRIVE, GATE_RELOCALIZE, GATE_OUTPUT, GATE_KINDS };
+/* The kinds of command; a stop is obeyed without being judged. */
+enum gate_kind { GATE_DRIVE, GATE_RELOCALIZE, GATE_OUTPUT, GATE_STOP, GATE_KINDS };
 
 enum gate_verdict {
     GATE_TAKEN,
@@ -54,7 +55,7 @@ enum gate_verdict {
     GATE_TOO_OLD,
     GATE_IN_FUTURE,
     GATE_REPEATED,
-    GATE_SEAT,
+    GATE_CONTROL,
     GATE_NOT_READY,
     GATE_DISARMED,
     GATE_IMPOSSIBLE,
@@ -64,7 +65,7 @@ enum gate_verdict {
 typedef struct gate_rules {
     bool enabled[GATE_KINDS];
     uint32_t command_timeout_us; /* default and longest lease: GATE_MIN_ to GATE_MAX_LEASE_US */
-    uint32_t max_age_us;         /* 0: ages are not looked at */
+    uint32_t max_age_us;         /* 0: ages are not checked */
 } gate_rules;
 
 /* Both clocks, read together. */
@@ -89,10 +90,10 @@ typedef struct gate_command {
 typedef struct gate_robot {
     bool ready;
     bool armed;
-    int32_t arm_refusal; /* what arming would be refused for: ROBUROC4_ERR_*, or 0 */
+    int32_t arm_refusal; /* why arming would be refused: ROBUROC4_ERR_*, or 0 */
 } gate_robot;
 
-/* A sender, and the latest utime of each kind that was heard from it. */
+/* A sender, and the latest utime of each kind that was received from it. */
 typedef struct gate_sender {
     uint8_t length; /* 0: free */
     char name[GATE_MAX_SENDER];
@@ -104,46 +105,43 @@ typedef struct gate {
     gate_rules rules;
     gate_time start;
     gate_sender senders[GATE_SENDERS];
-    uint64_t seat_until_us;
-    uint64_t quiet_since_us; /* the disarm, or the last command of a speed after it */
-    uint32_t seat;           /* index of the sender who has it, or GATE_SENDERS */
-    bool held;               /* there was a disarm: see quiet_since_us */
-    bool fresh;              /* neither armed nor disarmed yet */
-    bool arms_alone;         /* arms as soon as the robot can be: until the first arming */
+    uint64_t control_until_us;
+    uint64_t quiet_since_us; /* the last hold, or the last request for a speed while held */
+    uint32_t owner;          /* index of the sender in control, or GATE_SENDERS */
+    bool stopped;            /* by a stop command, and no speed was obeyed since */
+    char stopped_by[GATE_MAX_SENDER + 1];
     int64_t taken[GATE_KINDS];
     int64_t rejected[GATE_VERDICTS];
 } gate;
 
-/* A gate that starts now. */
+/* A gate that starts now: commands are held until all senders have paused, because a planner may
+ * be streaming since before a restart. */
 void gate_init(gate *gate, const gate_rules *rules, gate_time now);
 
-/* Judge one command, and count it unless it is taken: a caller who can take it says so with
- * gate_count_taken(), else with gate_reject(). GATE_TAKEN of GATE_DRIVE for a robot that is not
- * armed means: arm, then drive. *lease_us is set to how long the command lives from now. */
+/* Judge one command, and count it unless it is taken: a caller who could obey it reports that by
+ * gate_count_taken(), else by gate_reject(). GATE_TAKEN of GATE_DRIVE for a robot that is not
+ * armed means: arm, then drive. *lease_us is set to what is left of the command's lease. */
 enum gate_verdict gate_judge(gate *gate, const gate_command *command, const gate_robot *robot,
                              gate_time now, uint32_t *lease_us);
 void gate_count_taken(gate *gate, enum gate_kind kind);
-/* Count a rejection that others decided on. */
+/* Count a rejection that was decided elsewhere. */
 void gate_reject(gate *gate, enum gate_verdict verdict);
 
-/* The robot became armed. */
-void gate_armed(gate *gate);
-/* The robot was disarmed, overridden, lost or rebooted: wait until all senders have paused. */
+/* A stop command of this sender (length bytes, which may be 0): nobody is in control, and drive
+ * commands are held. */
+void gate_stop(gate *gate, const char *sender, size_t length, uint64_t now_us);
+/* The robot was disarmed, overridden, lost or restarted: hold commands until all senders have
+ * paused. */
 void gate_hold(gate *gate, uint64_t now_us);
 /* This machine's clock was set: all that is known of utimes is void. */
 void gate_clock_was_set(gate *gate, gate_time now);
-/* Look at the robot: where it is in other hands before it was ever armed, begin to wait. To be
- * called before gate_wants_arming(). */
-void gate_tick(gate *gate, const gate_robot *robot, uint64_t now_us);
 
-/* Whether to arm now although no command asks for it. */
-bool gate_wants_arming(const gate *gate, const gate_robot *robot, uint64_t now_us);
-/* Whether commands are refused until all senders have paused. */
+/* Whether the next drive command, of whoever may be in control, would move the robot. */
+bool gate_can_drive(const gate *gate, const gate_robot *robot, uint64_t now_us);
+/* Whether commands are held until all senders have paused. */
 bool gate_is_waiting(const gate *gate, uint64_t now_us);
-/* The sender whose lease lives (*length bytes, no NUL), or NULL. */
-const char *gate_commander(const gate *gate, uint64_t now_us, size_t *length);
-/* How many commands were rejected, for all causes. */
-int64_t gate_rejections(const gate *gate);
+/* The sender in control (*length bytes, no NUL), or NULL. */
+const char *gate_control_owner(const gate *gate, uint64_t now_us, size_t *length);
 
 #ifdef __cplusplus
 }

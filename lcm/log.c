@@ -9,14 +9,19 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "roburoc4_udp.h"
+#include "text.h"
+
+/* ----------------------------------------------------------------------------------- lines --- */
+
 static enum log_level highest = LOG_NOTE;
 
 void log_set_level(enum log_level level) {
     highest = level;
 }
 
-/* A pager that nobody scrolls, or a terminal that was stopped, must not hold up a robot's zeros:
- * what cannot be written at once is dropped. */
+/* A pager that nobody scrolls, or a terminal that was stopped, must not delay a stop sequence: what
+ * cannot be written at once is dropped. */
 static void write_line(const char *line) {
     struct pollfd end = {.fd = STDERR_FILENO, .events = POLLOUT};
     if (poll(&end, 1, 0) == 1 && (end.revents & POLLOUT) != 0) {
@@ -40,4 +45,170 @@ void log_line(enum log_level level, const char *robot, const char *format, ...) 
     (void)snprintf(line, sizeof line, "roburoc4-lcm: %s%s%s\n", named ? robot : "",
                    named ? ": " : "", text);
     write_line(line);
+}
+
+static const char *const kinds[] = {"drive", "relocalize", "output", "stop"};
+
+/* ------------------------------------------------------------------------------ rejections --- */
+
+static const char *reason(enum gate_verdict verdict) {
+    switch (verdict) {
+    case GATE_MALFORMED:
+        return "it is not a message of the channel's type; are its .lcm types those of this "
+               "bridge?";
+    case GATE_SENDER:
+        return "its sender is empty or longer than 63 bytes, or there are more than 32 senders; "
+               "name each program once";
+    case GATE_NO_UTIME:
+        return "its utime is 0 or less; set it to the microseconds since 1970 when it is sent";
+    case GATE_NOT_FINITE:
+        return "it has NaN or infinity in it";
+    case GATE_STARTING:
+        return "the bridge has just started, and it may be from before; pause for 500 ms";
+    case GATE_REPEATED:
+        return "its utime is not later than the sender's last: a replayed log, or two programs "
+               "with one sender";
+    case GATE_CONTROL:
+        return "another sender is in control until its lease ends; a stop command needs no control";
+    case GATE_NOT_READY:
+        return "the robot is not connected";
+    case GATE_DISARMED:
+        return "the robot cannot be armed, or not all senders have paused since the bridge "
+               "started, a stop, or a disarm; pause (or send zero) for 500 ms";
+    case GATE_IMPOSSIBLE:
+        return "the robot has no such output or service; digital output 0 is its own";
+    default:
+        return "its lease ended before it could be read";
+    }
+}
+
+static const char *flag(enum gate_kind kind) {
+    static const char *const flags[] = {"--enable-drive", "--enable-relocalize", "--enable-outputs",
+                                        ""};
+    return flags[kind];
+}
+
+/* Whether its utime is the cause, which is positive then: the difference cannot overflow. */
+static bool is_about_time(enum gate_verdict verdict, const log_command *command,
+                          const gate_rules *rules, gate_time now) {
+    return verdict == GATE_IN_FUTURE || (verdict == GATE_TOO_OLD && rules->max_age_us != 0 &&
+                                         now.utime - command->utime > (int64_t)rules->max_age_us);
+}
+
+static void write_age(char *room, size_t capacity, const log_command *command,
+                      const gate_rules *rules, gate_time now) {
+    double age_s = (double)(now.utime - command->utime) / 1e6;
+    (void)snprintf(
+        room, capacity,
+        "by its utime it is %.3f s %s (--max-age %u ms): a replayed log, a slow network, "
+        "or clocks that differ: set both by NTP (--max-age 0 takes all ages, replays "
+        "too)",
+        age_s < 0 ? -age_s : age_s, age_s < 0 ? "in the future" : "old", rules->max_age_us / 1000u);
+}
+
+void log_rejection(const char *robot, enum gate_verdict verdict, const log_command *command,
+                   const gate_rules *rules, gate_time now, bool first) {
+    char sender[GATE_MAX_SENDER + 1] = "";
+    char why[300];
+    bool known = command->sender != NULL;
+    if (known) {
+        text_for_terminal(sender, sizeof sender, command->sender, command->sender_length);
+    }
+    if (verdict == GATE_DISABLED) {
+        (void)snprintf(why, sizeof why, "start the bridge with %s to take it", flag(command->kind));
+    } else if (is_about_time(verdict, command, rules, now)) {
+        write_age(why, sizeof why, command, rules, now);
+    } else {
+        (void)snprintf(why, sizeof why, "%s", reason(verdict));
+    }
+    log_line(first ? LOG_NOTE : LOG_DETAIL, robot, "%s command %s '%s' rejected: %s%s",
+             kinds[command->kind], known ? "of" : "on", known ? sender : command->channel, why,
+             first ? " (logged once; the statistics count them)" : "");
+}
+
+/* ---------------------------------------------------------------------------------- events --- */
+
+void log_absence(const char *robot, const char *address, uint32_t fault) {
+    log_line(LOG_NOTE, robot, "no answer from %s yet (%s); still trying", address,
+             fault != ROBUROC4_FAULT_NONE ? roburoc4_udp_fault_text(fault)
+                                          : "is it on, and on this network?");
+}
+
+static void log_link(const char *robot, const char *address, uint32_t events) {
+    if (events & ROBUROC4_EVENT_LOST) {
+        log_line(LOG_NOTE, robot, "%s fell silent; still trying", address);
+    }
+    if (events & ROBUROC4_EVENT_REBOOT) {
+        log_line(LOG_NOTE, robot, "the robot restarted");
+    }
+    if (events & ROBUROC4_EVENT_READY) {
+        log_line(LOG_NOTE, robot, "connected to %s", address);
+    }
+    if (events & ROBUROC4_EVENT_SUBSCRIPTION_REFUSED) {
+        log_line(LOG_NOTE, robot,
+                 "the robot refused a subscription: some statuses will be missing");
+    }
+    if (events & ROBUROC4_EVENT_CAPACITY) {
+        log_line(LOG_NOTE, robot, "the robot has more channels than the bridge can store");
+    }
+}
+
+static void log_motion(const char *robot, const roburoc4_facts *facts, uint32_t events) {
+    if (events & ROBUROC4_EVENT_DISARMED && facts->disarm_cause != ROBUROC4_ERR_DISARMED) {
+        log_line(LOG_NOTE, robot, "disarmed: %s", roburoc4_result_text(facts->disarm_cause));
+    }
+    if (events & ROBUROC4_EVENT_ARMED && facts->armed) {
+        log_line(LOG_NOTE, robot, "armed: drive commands move the robot");
+    }
+    if (events & ROBUROC4_EVENT_OVERRIDE) {
+        log_line(LOG_NOTE, robot,
+                 facts->overridden ? "[A] is held on the game pad"
+                                   : "[A] on the game pad was released");
+    }
+    if (events & ROBUROC4_EVENT_OTHER_COMMANDER) {
+        log_line(LOG_NOTE, robot,
+                 facts->other_commander ? "another program commands the robot"
+                                        : "the other program stopped commanding the robot");
+    }
+    if (events & ROBUROC4_EVENT_INHIBITED && facts->inhibited) {
+        log_line(LOG_NOTE, robot,
+                 "asked to move, but the robot stands: emergency stop, brakes, bumper?");
+    }
+    if (events & ROBUROC4_EVENT_LEASE_OVER) {
+        log_line(LOG_DETAIL, robot, "the lease of the last command ended: stopping");
+    }
+}
+
+static void log_rest(const char *robot, const roburoc4_facts *facts, uint32_t events) {
+    if (events & ROBUROC4_EVENT_RELOCALIZED) {
+        log_line(LOG_NOTE, robot, "the robot accepted its new pose");
+    }
+    if (events & ROBUROC4_EVENT_RELOCALIZE_FAILED) {
+        log_line(LOG_NOTE, robot, "the robot did not accept its new pose: %s",
+                 roburoc4_result_text(facts->relocalize_result));
+    }
+    if (events & ROBUROC4_EVENT_BATTERY_LOW) {
+        log_line(LOG_NOTE, robot, "the battery is low");
+    }
+    if (events & ROBUROC4_EVENT_BATTERY_CRITICAL) {
+        log_line(LOG_NOTE, robot, "the battery is critical");
+    }
+}
+
+void log_events(const char *robot, const char *address, const roburoc4_client *client,
+                uint32_t events, uint64_t now_us) {
+    roburoc4_facts facts = {.size = sizeof facts};
+    (void)roburoc4_client_facts(client, now_us, &facts);
+    log_link(robot, address, events);
+    log_motion(robot, &facts, events);
+    log_rest(robot, &facts, events);
+}
+
+void log_stop(const char *robot, const log_command *command, bool first) {
+    char sender[GATE_MAX_SENDER + 1] = "";
+    if (command->sender != NULL) {
+        text_for_terminal(sender, sizeof sender, command->sender, command->sender_length);
+    }
+    log_line(first ? LOG_NOTE : LOG_DETAIL, robot,
+             "stopped by '%s'; drive commands are refused until all senders have paused", sender);
 }

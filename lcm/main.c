@@ -10,18 +10,20 @@
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "clock.h"
 #include "log.h"
 #include "options.h"
 #include "robot.h"
+#include "text.h"
 
 enum { EXIT_DONE = 0, EXIT_ERROR = 1, EXIT_USAGE = 2, EXIT_NO_LCM = 3 };
 
 /* A signal that comes right before poll() is seen at its end. */
 #define LONGEST_WAIT_US 200000u
-/* From a signal to the end; the zeros are sent at its beginning. */
+/* From a signal to the end; the stop sequence begins at once. */
 #define CLOSING_US 600000u
 /* Messages that are read before the robots have their turn again. */
 #define LCM_BURST 1000
@@ -31,9 +33,10 @@ enum { EXIT_DONE = 0, EXIT_ERROR = 1, EXIT_USAGE = 2, EXIT_NO_LCM = 3 };
 
 static options settings;
 static robot robots[OPTIONS_MAX_ROBOTS];
-static uint32_t robot_count;
+static uint32_t robot_count; /* those that were started */
+static robot_bridge this_bridge;
 static gate_time last_look;
-static uint64_t lcm_rests_until_us; /* LCM is not read before; 0: it could always be read */
+static uint64_t lcm_rests_until_us; /* LCM is not read before this; 0: it could always be read */
 static volatile sig_atomic_t stop_signal;
 /* SIGHUP: the terminal was closed. */
 static const int stop_signals[] = {SIGINT, SIGTERM, SIGHUP};
@@ -46,7 +49,7 @@ static void on_signal(int number) {
 /* ------------------------------------------------------------------------------------- LCM --- */
 
 /* The URL is one of multicast: options_read() takes no other. */
-static void tell_remedy(void) {
+static void explain_no_lcm(void) {
     const char *source = NULL;
     const char *url = options_lcm_url(&settings, &source);
     log_line(LOG_ERROR, NULL, "no LCM network at %s", url[0] != '\0' ? url : "LCM's default");
@@ -61,6 +64,48 @@ static void tell_remedy(void) {
                 stderr);
 }
 
+/* Only newer libraries have it: the one that is loaded need not be the one that was built with. */
+extern int lcm_subscription_get_queue_size(lcm_subscription_t *handler) __attribute__((weak));
+
+/* LCM before 1.5 has no check for a fragment whose offset wraps: it writes outside of its buffer.
+ */
+static void warn_of_old_lcm(void) {
+    if (ROBUROC4_LCM_IS_OLD || &lcm_subscription_get_queue_size == NULL) {
+        log_line(LOG_NOTE, NULL,
+                 "this LCM is older than 1.5: one malformed packet of 59 bytes on its network ends "
+                 "the bridge, and a moving robot then stops by its own watchdog only. Build with "
+                 "LCM 1.5 (pip install lcm)");
+    }
+}
+
+static void on_bridge_state(const lcm_recv_buf_t *message, const char *channel, void *user) {
+    gate_time now = clock_now();
+    bridge_identity other;
+    (void)user;
+    if (!bridge_identity_decode(message->data, message->data_size, &other) ||
+        (strcmp(other.bridge, this_bridge.name) == 0 &&
+         other.started_utime == this_bridge.started_utime)) {
+        return;
+    }
+    for (uint32_t at = 0; at < robot_count; at++) {
+        robot_hear_bridge(&robots[at], &other, channel, now);
+    }
+}
+
+/* Other bridges' states, under their usual names and under ours. */
+static bool subscribe_to_bridges(lcm_t *lcm) {
+    static const char usual[] = ".*_BRIDGE_STATE";
+    bool good = lcm_subscribe(lcm, usual, on_bridge_state, NULL) != NULL;
+    for (uint32_t at = 0; good && at < settings.robot_count; at++) {
+        const char *name = settings.robots[at].channels.name[CHANNEL_BRIDGE_STATE];
+        const char *end = strstr(name, usual + 2);
+        if (end == NULL || end[strlen(usual + 2)] != '\0') {
+            good = lcm_subscribe(lcm, name, on_bridge_state, NULL) != NULL;
+        }
+    }
+    return good;
+}
+
 /* LCM works in a thread of its own, which must not take our signals. */
 static lcm_t *open_lcm(void) {
     sigset_t stops;
@@ -71,11 +116,13 @@ static lcm_t *open_lcm(void) {
     }
     (void)sigprocmask(SIG_BLOCK, &stops, &before);
     lcm_t *lcm = lcm_create(settings.lcm_url);
-    for (uint32_t at = 0; lcm != NULL && at < settings.robot_count; at++) {
-        if (!robot_subscribe(&robots[at], lcm, &settings.robots[at])) {
-            lcm_destroy(lcm);
-            lcm = NULL;
-        }
+    bool good = lcm != NULL && subscribe_to_bridges(lcm);
+    for (uint32_t at = 0; good && at < settings.robot_count; at++) {
+        good = robot_subscribe(&robots[at], lcm, &settings.robots[at]);
+    }
+    if (lcm != NULL && !good) {
+        lcm_destroy(lcm);
+        lcm = NULL;
     }
     (void)sigprocmask(SIG_SETMASK, &before, NULL);
     return lcm;
@@ -135,18 +182,19 @@ static void wait_for_work(lcm_t *lcm, struct pollfd *watched) {
     look_for_stall((uint64_t)wait * 1000u);
 }
 
-/* Wait, then serve whoever has something; false where a robot's socket is broken. */
-static bool turn(lcm_t *lcm) {
+/* Wait, then serve whoever has something. */
+static void turn(lcm_t *lcm) {
     struct pollfd watched[OPTIONS_MAX_ROBOTS + 1];
     bool due[OPTIONS_MAX_ROBOTS] = {false};
-    bool good = true;
     wait_for_work(lcm, watched);
     bool reads_lcm = watched[robot_count].revents != 0;
-    /* First what the robots say, [A] on the game pad above all, then what is asked of them. */
+    /* First what the robots report, [A] on the game pad above all, then commands. */
     for (uint32_t at = 0; at < robot_count; at++) {
         due[at] =
             reads_lcm || watched[at].revents != 0 || robot_deadline(&robots[at]) <= last_look.us;
-        good = (!due[at] || robot_serve(&robots[at])) && good;
+        if (due[at]) {
+            robot_serve(&robots[at]);
+        }
     }
     if (reads_lcm) {
         read_commands(lcm);
@@ -156,7 +204,6 @@ static bool turn(lcm_t *lcm) {
             robot_finish(&robots[at]);
         }
     }
-    return good;
 }
 
 static bool all_closed(void) {
@@ -168,7 +215,7 @@ static bool all_closed(void) {
     return true;
 }
 
-/* Zeros, until the robots confirm them or the time is over. No command is read any more. */
+/* Stop sequences, until the robots confirm them or the time has passed. No command is read. */
 static void close_robots(lcm_t *lcm) {
     gate_time now = clock_now();
     lcm_rests_until_us = UINT64_MAX;
@@ -176,30 +223,40 @@ static void close_robots(lcm_t *lcm) {
         robot_close(&robots[at], now);
         robot_finish(&robots[at]);
     }
-    while (!all_closed() && clock_now().us - now.us < CLOSING_US && turn(lcm)) {
+    while (!all_closed() && clock_now().us - now.us < CLOSING_US) {
+        turn(lcm);
     }
     for (uint32_t at = 0; at < robot_count; at++) {
         robot_end(&robots[at]);
     }
 }
 
-static int run(lcm_t *lcm) {
+static void introduce_bridge(gate_time now) {
+    char host[64] = "";
+    (void)gethostname(host, sizeof host - 1);
+    host[strcspn(host, " ")] = '\0';
+    if (!text_is_utf8((const uint8_t *)host, strlen(host))) {
+        host[0] = '\0';
+    }
+    (void)snprintf(this_bridge.name, sizeof this_bridge.name, "%s %ld", host, (long)getpid());
+    this_bridge.started_utime = now.utime;
+}
+
+static void run(lcm_t *lcm) {
     gate_time now = clock_now();
-    bool good = true;
     last_look = now;
-    for (; good && robot_count < settings.robot_count; robot_count += good) {
-        good = robot_start(&robots[robot_count], &settings, &settings.robots[robot_count], now);
+    introduce_bridge(now);
+    for (; robot_count < settings.robot_count; robot_count++) {
+        robot_start(&robots[robot_count], &settings, &settings.robots[robot_count], &this_bridge,
+                    now);
     }
-    if (good) {
-        log_line(LOG_NOTE, NULL, "bridging %u robot%s; driving is %s", (unsigned)robot_count,
-                 robot_count == 1 ? "" : "s",
-                 settings.rules.enabled[GATE_DRIVE] ? "ON" : "off (--enable-drive)");
-    }
-    while (good && stop_signal == 0) {
-        good = turn(lcm);
+    log_line(LOG_NOTE, NULL, "bridging %u robot%s; driving is %s", (unsigned)robot_count,
+             robot_count == 1 ? "" : "s",
+             settings.rules.enabled[GATE_DRIVE] ? "ON" : "off (--enable-drive)");
+    while (stop_signal == 0) {
+        turn(lcm);
     }
     close_robots(lcm);
-    return good ? EXIT_DONE : EXIT_ERROR;
 }
 
 static void catch_signals(void) {
@@ -212,7 +269,7 @@ static void catch_signals(void) {
             (void)sigaction(SIGHUP, &before, NULL);
         }
     }
-    /* Whoever read the log is gone: that is no reason to leave a robot without its zeros. */
+    /* A log that nobody reads any more is no reason to leave a robot without a stop sequence. */
     action.sa_handler = SIG_IGN;
     (void)sigaction(SIGPIPE, &action, NULL);
 }
@@ -235,8 +292,8 @@ static int end_early(enum options_result result, const char *error) {
         (void)fputs(options_help, stdout);
         return fflush(stdout) == 0 ? EXIT_DONE : EXIT_ERROR;
     case OPTIONS_VERSION:
-        (void)printf("roburoc4-lcm %d.%d.%d\n", ROBUROC4_VERSION_MAJOR, ROBUROC4_VERSION_MINOR,
-                     ROBUROC4_VERSION_PATCH);
+        (void)printf("roburoc4-lcm %d.%d.%d (built with LCM %s)\n", ROBUROC4_VERSION_MAJOR,
+                     ROBUROC4_VERSION_MINOR, ROBUROC4_VERSION_PATCH, ROBUROC4_LCM_VERSION);
         return fflush(stdout) == 0 ? EXIT_DONE : EXIT_ERROR;
     default:
         log_line(LOG_ERROR, NULL, "%s", error);
@@ -257,11 +314,12 @@ int main(int count, char **arguments) {
     log_set_level(settings.level);
     lcm_t *lcm = open_lcm();
     if (lcm == NULL) {
-        tell_remedy();
+        explain_no_lcm();
         return EXIT_NO_LCM;
     }
     catch_signals();
-    int code = run(lcm);
+    warn_of_old_lcm();
+    run(lcm);
     lcm_destroy(lcm);
-    return code;
+    return EXIT_DONE;
 }

@@ -17,22 +17,6 @@ static const uint32_t first_name[] = {
     MAPPING_NAMES,
 };
 
-void mapping_names_init(mapping_names *names) {
-    memset(names, 0, sizeof *names);
-    for (uint32_t at = 0; at < MAPPING_NAMES; at++) {
-        names->list[at] = names->text[at];
-    }
-    for (int32_t io_type = 0; io_type <= ROBUROC4_IO_DIGITAL_OUTPUT; io_type++) {
-        for (uint32_t index = 0; index < first_name[io_type + 1] - first_name[io_type]; index++) {
-            const char *name = roburoc4_channel_name((uint32_t)io_type, index);
-            if (name != NULL) {
-                mapping_names_set(names, io_type, index, (const uint8_t *)name,
-                                  (uint32_t)strlen(name));
-            }
-        }
-    }
-}
-
 void mapping_names_set(mapping_names *names, int32_t io_type, uint32_t index, const uint8_t *text,
                        uint32_t length) {
     if (io_type < 0 || io_type > ROBUROC4_IO_DIGITAL_OUTPUT || length == 0 ||
@@ -42,7 +26,15 @@ void mapping_names_set(mapping_names *names, int32_t io_type, uint32_t index, co
     text_copy(names->text[first_name[io_type] + index], MAPPING_NAME_SIZE, text, length);
 }
 
-char **mapping_names_of(mapping_names *names, int32_t io_type) {
+char **mapping_names_of(mapping_names *names, const roburoc4_client *client, int32_t io_type) {
+    for (uint32_t at = first_name[io_type]; at < first_name[io_type + 1]; at++) {
+        const char *name = names->text[at];
+        if (name[0] == '\0') {
+            name =
+                roburoc4_client_channel_name(client, (uint32_t)io_type, at - first_name[io_type]);
+        }
+        names->list[at] = (char *)(name != NULL ? name : ""); /* LCM's encoders only read */
+    }
     return names->list + first_name[io_type];
 }
 
@@ -100,19 +92,19 @@ void mapping_telemeter(const roburoc4_distances *in, const roburoc4_telemeter *k
     out->telemeters = storage;
 }
 
-void mapping_iocard(const roburoc4_inputs *in, mapping_names *names, int64_t utime, int8_t *storage,
-                    roburoc4_lcm_iocard_status_t *out) {
+void mapping_iocard(const roburoc4_inputs *in, const roburoc4_client *client, mapping_names *names,
+                    int64_t utime, int8_t *storage, roburoc4_lcm_iocard_status_t *out) {
     for (uint32_t at = 0; at < in->digital_count; at++) {
         storage[at] = (int8_t)(in->digital >> at & 1);
     }
     out->utime = utime;
     out->robot_cycles = (int64_t)in->robot_cycles;
     out->analog_input_count = (int32_t)in->analog_count;
-    out->analog_inputs = (float *)in->analog; /* LCM's encoders only read, but do not say so */
-    out->analog_input_names = mapping_names_of(names, ROBUROC4_IO_ANALOG_INPUT);
+    out->analog_inputs = (float *)in->analog; /* LCM's encoders only read */
+    out->analog_input_names = mapping_names_of(names, client, ROBUROC4_IO_ANALOG_INPUT);
     out->digital_input_count = (int32_t)in->digital_count;
     out->digital_inputs = storage;
-    out->digital_input_names = mapping_names_of(names, ROBUROC4_IO_DIGITAL_INPUT);
+    out->digital_input_names = mapping_names_of(names, client, ROBUROC4_IO_DIGITAL_INPUT);
 }
 
 void mapping_pose(const roburoc4_localization_status *in,
@@ -191,10 +183,10 @@ static int32_t at_most(int32_t count, int32_t max) {
 static void map_iocard_properties(const roburoc4_client *client, mapping_names *names,
                                   roburoc4_lcm_robot_properties_t *out) {
     roburoc4_iocard_properties in;
-    out->analog_input_names = mapping_names_of(names, ROBUROC4_IO_ANALOG_INPUT);
-    out->analog_output_names = mapping_names_of(names, ROBUROC4_IO_ANALOG_OUTPUT);
-    out->digital_input_names = mapping_names_of(names, ROBUROC4_IO_DIGITAL_INPUT);
-    out->digital_output_names = mapping_names_of(names, ROBUROC4_IO_DIGITAL_OUTPUT);
+    out->analog_input_names = mapping_names_of(names, client, ROBUROC4_IO_ANALOG_INPUT);
+    out->analog_output_names = mapping_names_of(names, client, ROBUROC4_IO_ANALOG_OUTPUT);
+    out->digital_input_names = mapping_names_of(names, client, ROBUROC4_IO_DIGITAL_INPUT);
+    out->digital_output_names = mapping_names_of(names, client, ROBUROC4_IO_DIGITAL_OUTPUT);
     if (roburoc4_client_iocard_properties(client, &in) < 0) {
         return;
     }

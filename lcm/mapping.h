@@ -25,20 +25,19 @@ extern "C" {
 
 /* --------------------------------------------------------------------------- channel names --- */
 
-/* Names of the IO card's channels, by ROBUROC4_IO_* and index: UTF-8. */
+/* The robot's own texts for the IO card's channels, by ROBUROC4_IO_* and index: UTF-8, "" where it
+ * gave none. All 0 at first. */
 typedef struct mapping_names {
     char text[MAPPING_NAMES][MAPPING_NAME_SIZE];
-    char *list[MAPPING_NAMES]; /* the same, as LCM wants them */
+    char *list[MAPPING_NAMES];
 } mapping_names;
 
-/* The manual's names, for a robot that has not told its own. Call it where the struct has its final
- * place: `list` points into it. */
-void mapping_names_init(mapping_names *names);
 /* A text of the robot for one channel; an empty one, or one for no channel, changes nothing. */
 void mapping_names_set(mapping_names *names, int32_t io_type, uint32_t index, const uint8_t *text,
                        uint32_t length);
-/* All names of a ROBUROC4_IO_*, from index 0 on. */
-char **mapping_names_of(mapping_names *names, int32_t io_type);
+/* A name for each channel of a ROBUROC4_IO_*, from index 0 on: the robot's own text, else the
+ * manual's name for this robot's card, else "". */
+char **mapping_names_of(mapping_names *names, const roburoc4_client *client, int32_t io_type);
 
 /* -------------------------------------------------------------------------------- statuses --- */
 
@@ -55,8 +54,8 @@ void mapping_telemeter(const roburoc4_distances *in, const roburoc4_telemeter *k
                        roburoc4_lcm_telemeter_status_t *out);
 
 /* storage: ROBUROC4_MAX_DIGITAL_INPUTS. `in` and `names` are pointed into, too. */
-void mapping_iocard(const roburoc4_inputs *in, mapping_names *names, int64_t utime, int8_t *storage,
-                    roburoc4_lcm_iocard_status_t *out);
+void mapping_iocard(const roburoc4_inputs *in, const roburoc4_client *client, mapping_names *names,
+                    int64_t utime, int8_t *storage, roburoc4_lcm_iocard_status_t *out);
 
 /* Position and heading of a localization status in the main frame, which is the local frame of
  * libbot2's viewers; z, roll and pitch are 0. speeds (NULL: 0) are turned from the robot's frame
@@ -79,30 +78,36 @@ void mapping_properties(const roburoc4_client *client, mapping_names *names, cha
                         int64_t utime, mapping_services *storage,
                         roburoc4_lcm_robot_properties_t *out);
 
-/* --------------------------------------------------------------------------- bridge status --- */
+/* ------------------------------------------------------------------------------ the bridge --- */
 
 /* What the bridge knows of one robot and its commands. */
 typedef struct mapping_view {
     gate_time now;
-    char *robot; /* address as text */
+    char *robot;        /* address as text */
+    const char *bridge; /* this bridge: host and process */
+    int64_t started_utime;
     const roburoc4_facts *facts;
     const roburoc4_link *link;
     const struct gate *gate;
-    uint32_t fault; /* ROBUROC4_FAULT_* */
-    bool heard;     /* a datagram of the robot ever came */
-    bool waiting;   /* the gate waits for a pause */
+    gate_robot for_gate;
+    uint32_t fault;    /* ROBUROC4_FAULT_* */
+    bool heard;        /* a datagram of the robot ever came */
+    bool no_socket;    /* it broke, or could not be opened */
+    bool other_bridge; /* another one serves this robot, or publishes on its channels */
     uint32_t times_lost, reboots;
     int64_t command_us; /* on the clock that never goes back; -1 before the first */
     int64_t superseded, clamped, published, publish_errors;
 } mapping_view;
 
 typedef struct mapping_texts {
-    char commander[GATE_MAX_SENDER + 1];
+    char owner[GATE_MAX_SENDER + 1];
+    char stopped_by[GATE_MAX_SENDER + 1];
     char message[MAPPING_MESSAGE_SIZE];
 } mapping_texts;
 
-void mapping_bridge_status(const mapping_view *view, mapping_texts *storage,
-                           roburoc4_lcm_bridge_status_t *out);
+void mapping_bridge_state(const mapping_view *view, mapping_texts *storage,
+                          roburoc4_lcm_bridge_state_t *out);
+void mapping_bridge_statistics(const mapping_view *view, roburoc4_lcm_bridge_statistics_t *out);
 /* The state in a sentence without a full stop. */
 void mapping_message(const mapping_view *view, char *room, size_t capacity);
 

@@ -8,10 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MAX_CHANNEL_OPTIONS 64
+#define MAX_LIST 64
 /* Statuses that are older than this do not count for driving (roburoc4_config.fresh_ms). */
 #define SLOWEST_DRIVING_MS 250u
-#define MAX_AGE_LIMIT_MS 3600000u
 
 const char options_help[] =
     "Usage: roburoc4-lcm [OPTION]...\n"
@@ -23,17 +22,17 @@ const char options_help[] =
     "                       given up to 32 times\n"
     "  -l, --lcm-url URL    the LCM network (default: LCM's own, see LCM_DEFAULT_URL), such as\n"
     "                       'udpm://239.255.76.67:7667?ttl=0' for this machine only; LCM's tcpq\n"
-    "                       and file are refused: they can hang the bridge, or drive from a log\n"
+    "                       and file are refused: they can block the bridge, or drive from a log\n"
     "  -p, --prefix PREFIX  of a robot's channels that has no NAME (default ROBUROC4)\n"
     "      --channel [NAME:]KEY=CHANNEL  another name for one channel; KEY is DIFFERENTIAL,\n"
     "                       LOCALIZATION, BATTERY, TELEMETER, IOCARD, PROPERTIES,\n"
-    "                       BRIDGE_STATUS, DRIVE_CMD, RELOCALIZE_CMD or OUTPUT_CMD; the last\n"
-    "                       three must go on ending in _CMD\n"
+    "                       BRIDGE_STATE, BRIDGE_STATISTICS, DRIVE_CMD, RELOCALIZE_CMD,\n"
+    "                       OUTPUT_CMD or STOP_CMD; names of the _CMDs must end in _CMD\n"
     "      --pose-channel [NAME:]CHANNEL  also publish each localization as bot_core.pose_t\n"
     "      --period SERVICE=MS  time between statuses, 10 to 2550 in steps of 10, or 0 for none;\n"
     "                       SERVICE is iocard, telemeter, battery, localization or differential\n"
     "\n"
-    "Commands; without these the bridge only watches:\n"
+    "Commands; without these the bridge only watches, and obeys PREFIX_STOP_CMD:\n"
     "      --enable-drive       obey PREFIX_DRIVE_CMD: THE ROBOT CAN MOVE. Statuses of iocard and\n"
     "                           differential must come at least every 250 ms\n"
     "      --enable-outputs     obey PREFIX_OUTPUT_CMD\n"
@@ -44,22 +43,22 @@ const char options_help[] =
     "                       3600000). 0 obeys all ages, for clocks that cannot be set; then a\n"
     "                       replayed log can move the robot\n"
     "\n"
-    "  -v, --verbose        tell more: each rejected command\n"
-    "  -q, --quiet          tell errors only\n"
+    "  -v, --verbose        log more: each rejected command\n"
+    "  -q, --quiet          log errors only\n"
     "  -h, --help           print this and exit\n"
     "      --version        print the version and exit\n"
     "\n"
     "SIGINT, SIGTERM and SIGHUP stop the robot and end the bridge. Exit status: 0 ended on\n"
     "request, 1 error, 2 bad usage, 3 no LCM network.\n";
 
-/* What was read and can only be judged once all is read. */
+enum list { LIST_ROBOTS, LIST_CHANNELS, LIST_POSES, LISTS };
+
+/* Values that are kept until all options were read, because they depend on one another. */
 typedef struct reading {
     options *out;
     const char *prefix;
-    const char *robots[OPTIONS_MAX_ROBOTS];
-    const char *channels[MAX_CHANNEL_OPTIONS];
-    const char *poses[OPTIONS_MAX_ROBOTS];
-    uint32_t robot_count, channel_count, pose_count;
+    const char *list[LISTS][MAX_LIST];
+    uint32_t count[LISTS];
     char *error;
     size_t error_size;
 } reading;
@@ -81,78 +80,125 @@ complain(reading *reading, const char *format, ...) {
 
 /* A number of at most `max` at *text, which is moved behind it. */
 static bool number(const char **text, uint32_t max, uint32_t *out) {
-    uint32_t value = 0;
     size_t length = strspn(*text, "0123456789");
     if (length == 0 || length > 9) {
         return false;
     }
-    for (size_t at = 0; at < length; at++) {
-        value = value * 10 + (uint32_t)((*text)[at] - '0');
-    }
+    *out = (uint32_t)strtoul(*text, NULL, 10);
     *text += length;
-    *out = value;
-    return value <= max;
+    return *out <= max;
 }
 
 static bool whole(const char *text, uint32_t min, uint32_t max, uint32_t *out) {
     return number(&text, max, out) && *text == '\0' && *out >= min;
 }
 
-static bool keep(reading *reading, const char **list, uint32_t *count, uint32_t capacity,
-                 const char *option, const char *value) {
-    if (*count == capacity) {
-        return complain(reading, "%s %s: at most %u of these; start another bridge", option, value,
-                        (unsigned)capacity);
+/* An option of the command line; `which` and the limits mean what `set` says. */
+typedef struct known_option {
+    const char *name;
+    char letter; /* 0: none */
+    int has_value;
+    bool (*set)(reading *reading, const struct known_option *option, const char *value);
+    uint32_t which, min, max;
+} known_option;
+
+/* Append to list `which`, which holds `max`. */
+static bool set_list(reading *reading, const known_option *option, const char *value) {
+    uint32_t *count = &reading->count[option->which];
+    if (*count == option->max) {
+        return complain(reading, "--%s %s: at most %u of these; start another bridge", option->name,
+                        value, (unsigned)option->max);
     }
-    list[(*count)++] = value;
+    reading->list[option->which][(*count)++] = value;
     return true;
 }
 
-static bool set_period(reading *reading, const char *value) {
+/* Enable commands of the kind `which`. */
+static bool set_enabled(reading *reading, const known_option *option, const char *value) {
+    (void)value;
+    reading->out->rules.enabled[option->which] = true;
+    return true;
+}
+
+static bool set_level(reading *reading, const known_option *option, const char *value) {
+    (void)value;
+    reading->out->level = (enum log_level)option->which;
+    return true;
+}
+
+static bool set_url(reading *reading, const known_option *option, const char *value) {
+    (void)option;
+    reading->out->lcm_url = value;
+    return true;
+}
+
+static bool set_prefix(reading *reading, const known_option *option, const char *value) {
+    (void)option;
+    reading->prefix = value;
+    return true;
+}
+
+/* A time of `min` to `max` milliseconds: the longest lease, or (`which` 1) the greatest age. */
+static bool set_time(reading *reading, const known_option *option, const char *value) {
+    gate_rules *rules = &reading->out->rules;
+    uint32_t ms = 0;
+    if (!whole(value, option->min, option->max, &ms)) {
+        return complain(reading, "--%s %s: give milliseconds, %u to %u", option->name, value,
+                        (unsigned)option->min, (unsigned)option->max);
+    }
+    *(option->which == 1 ? &rules->max_age_us : &rules->command_timeout_us) = ms * 1000u;
+    return true;
+}
+
+static bool set_period(reading *reading, const known_option *option, const char *value) {
     static const char *const services[] = {"iocard", "telemeter", "battery", "localization",
                                            "differential"};
+    roburoc4_config *config = &reading->out->config;
     uint32_t period_ms = 0;
+    uint32_t at = 0;
     size_t length = strcspn(value, "=");
-    for (uint32_t at = 0; at < sizeof services / sizeof services[0]; at++) {
-        uint32_t service = ROBUROC4_SERVICE_IOCARD + at;
-        if (strlen(services[at]) != length || strncmp(services[at], value, length) != 0) {
-            continue;
-        }
-        if (value[length] == '\0' || !whole(value + length + 1, 0, 2550, &period_ms) ||
-            period_ms % 10 != 0) {
-            break;
-        }
-        if (period_ms == 0) {
-            reading->out->config.subscriptions &= ~(1u << service);
-        } else {
-            reading->out->config.subscriptions |= 1u << service;
-            reading->out->config.period_ms[service] = (uint16_t)period_ms;
-        }
-        return true;
+    while (at < 5 && (strlen(services[at]) != length || memcmp(services[at], value, length) != 0)) {
+        at++;
     }
-    return complain(reading,
-                    "--period %s: give SERVICE=MS; SERVICE is iocard, telemeter, battery, "
-                    "localization or differential, MS is 0 or 10 to 2550 in steps of 10",
-                    value);
-}
-
-static bool set_command_timeout(reading *reading, const char *value) {
-    uint32_t ms = 0;
-    if (!whole(value, GATE_MIN_LEASE_US / 1000u, GATE_MAX_LEASE_US / 1000u, &ms)) {
-        return complain(reading, "--command-timeout %s: give milliseconds, 20 to 1000", value);
+    if (at == 5 || value[length] == '\0' || !whole(value + length + 1, 0, 2550, &period_ms) ||
+        period_ms % 10 != 0) {
+        return complain(reading,
+                        "--%s %s: give SERVICE=MS; SERVICE is iocard, telemeter, battery, "
+                        "localization or differential, MS is 0 or 10 to 2550 in steps of 10",
+                        option->name, value);
     }
-    reading->out->rules.command_timeout_us = ms * 1000u;
+    uint32_t service = ROBUROC4_SERVICE_IOCARD + at;
+    if (period_ms == 0) {
+        config->subscriptions &= ~(1u << service);
+    } else {
+        config->subscriptions |= 1u << service;
+        config->period_ms[service] = (uint16_t)period_ms;
+    }
     return true;
 }
 
-static bool set_max_age(reading *reading, const char *value) {
-    uint32_t ms = 0;
-    if (!whole(value, 0, MAX_AGE_LIMIT_MS, &ms)) {
-        return complain(reading, "--max-age %s: give milliseconds, 0 (off) to 3600000", value);
-    }
-    reading->out->rules.max_age_us = (uint32_t)(ms * 1000u);
-    return true;
-}
+/* Those without a setter end the reading. */
+static const known_option known[] = {
+    {"robot", 'r', 1, set_list, LIST_ROBOTS, 0, OPTIONS_MAX_ROBOTS},
+    {"lcm-url", 'l', 1, set_url, 0, 0, 0},
+    {"prefix", 'p', 1, set_prefix, 0, 0, 0},
+    {"channel", 0, 1, set_list, LIST_CHANNELS, 0, MAX_LIST},
+    {"pose-channel", 0, 1, set_list, LIST_POSES, 0, OPTIONS_MAX_ROBOTS},
+    {"period", 0, 1, set_period, 0, 0, 0},
+    {"enable-drive", 0, 0, set_enabled, GATE_DRIVE, 0, 0},
+    {"enable-outputs", 0, 0, set_enabled, GATE_OUTPUT, 0, 0},
+    {"enable-relocalize", 0, 0, set_enabled, GATE_RELOCALIZE, 0, 0},
+    {"command-timeout", 0, 1, set_time, 0, GATE_MIN_LEASE_US / 1000u, GATE_MAX_LEASE_US / 1000u},
+    {"max-age", 0, 1, set_time, 1, 0, 3600000u},
+    {"verbose", 'v', 0, set_level, LOG_DETAIL, 0, 0},
+    {"quiet", 'q', 0, set_level, LOG_ERROR, 0, 0},
+    {"help", 'h', 0, NULL, OPTIONS_HELP, 0, 0},
+    {"version", 0, 0, NULL, OPTIONS_VERSION, 0, 0},
+};
+#define KNOWN (sizeof known / sizeof known[0])
+static const char letters[] = ":r:l:p:vqh";
+/* What getopt_long() returns for the long form of known[0]. */
+#define FIRST_LONG 256
 
 /* ----------------------------------------------------------------------------- the network --- */
 
@@ -187,9 +233,8 @@ static bool is_group(const char *text) {
     return *text == '\0' || *text == '?';
 }
 
-/* LCM's other networks, tcpq and file, wait within LCM for others for as long as these like: no
- * zero would leave meanwhile, and no signal would be heard. And a file is a log, which must not
- * drive. */
+/* LCM's other networks, tcpq and file, can block inside LCM: no stop would leave meanwhile, and no
+ * signal would be noticed. And a file is a log, which must not drive. */
 static bool set_network(reading *reading) {
     static const char udpm[] = "udpm://";
     static const char memq[] = "memq://";
@@ -207,7 +252,7 @@ static bool set_network(reading *reading) {
 
 /* ------------------------------------------------------------------------------ the robots --- */
 
-static bool set_robot(reading *reading, options_robot *robot, const char *value) {
+static bool add_robot(reading *reading, options_robot *robot, const char *value) {
     const char *equals = strchr(value, '=');
     const char *prefix = reading->prefix != NULL ? reading->prefix : "ROBUROC4";
     memset(robot, 0, sizeof *robot);
@@ -221,14 +266,14 @@ static bool set_robot(reading *reading, options_robot *robot, const char *value)
         memcpy(robot->name, value, length);
         robot->host = equals + 1;
         prefix = robot->name;
-    } else if (reading->robot_count > 1) {
+    } else if (reading->count[LIST_ROBOTS] > 1) {
         return complain(reading,
                         "--robot %s: several robots need a name each, such as --robot A=%s", value,
                         value);
     }
     if (!channels_is_name(prefix) || !channels_set_prefix(&robot->channels, prefix)) {
         return complain(reading,
-                        "'%s' cannot be the start of a channel's name; give at most 48 letters, "
+                        "'%s' cannot be the start of a channel's name; give at most 45 letters, "
                         "digits, _, - or /",
                         prefix);
     }
@@ -237,11 +282,12 @@ static bool set_robot(reading *reading, options_robot *robot, const char *value)
 
 static bool set_robots(reading *reading) {
     options *out = reading->out;
-    if (reading->robot_count == 0) {
-        reading->robots[reading->robot_count++] = ROBUROC4_DEFAULT_HOST;
+    uint32_t *count = &reading->count[LIST_ROBOTS];
+    if (*count == 0) {
+        reading->list[LIST_ROBOTS][(*count)++] = ROBUROC4_DEFAULT_HOST;
     }
-    for (uint32_t at = 0; at < reading->robot_count; at++) {
-        if (!set_robot(reading, &out->robots[at], reading->robots[at])) {
+    for (uint32_t at = 0; at < *count; at++) {
+        if (!add_robot(reading, &out->robots[at], reading->list[LIST_ROBOTS][at])) {
             return false;
         }
         if (reading->prefix != NULL && out->robots[at].name[0] != '\0') {
@@ -251,7 +297,7 @@ static bool set_robots(reading *reading) {
                             reading->prefix);
         }
     }
-    out->robot_count = reading->robot_count;
+    out->robot_count = *count;
     return true;
 }
 
@@ -279,7 +325,7 @@ static options_robot *robot_meant(reading *reading, const char *option, const ch
     return NULL;
 }
 
-static bool set_channel(reading *reading, const char *value) {
+static bool name_channel(reading *reading, const char *value) {
     const char *rest = NULL;
     options_robot *robot = robot_meant(reading, "--channel", value, &rest);
     if (robot == NULL) {
@@ -305,7 +351,7 @@ static bool set_channel(reading *reading, const char *value) {
     return true;
 }
 
-static bool set_pose(reading *reading, const char *value) {
+static bool name_pose(reading *reading, const char *value) {
     const char *name = NULL;
     options_robot *robot = robot_meant(reading, "--pose-channel", value, &name);
     if (robot == NULL) {
@@ -337,13 +383,13 @@ static const char *doubled_channel(const options *out) {
 }
 
 static bool set_channels(reading *reading) {
-    for (uint32_t at = 0; at < reading->channel_count; at++) {
-        if (!set_channel(reading, reading->channels[at])) {
+    for (uint32_t at = 0; at < reading->count[LIST_CHANNELS]; at++) {
+        if (!name_channel(reading, reading->list[LIST_CHANNELS][at])) {
             return false;
         }
     }
-    for (uint32_t at = 0; at < reading->pose_count; at++) {
-        if (!set_pose(reading, reading->poses[at])) {
+    for (uint32_t at = 0; at < reading->count[LIST_POSES]; at++) {
+        if (!name_pose(reading, reading->list[LIST_POSES][at])) {
             return false;
         }
     }
@@ -352,7 +398,7 @@ static bool set_channels(reading *reading) {
            complain(reading, "two channels are named %s: give each its own name", doubled);
 }
 
-/* Who drives must know soon whether the robot moves, and whether [A] is held. */
+/* To drive, the bridge must soon notice whether the robot moves, and whether [A] is held. */
 static bool can_drive(reading *reading) {
     const options *out = reading->out;
     static const uint32_t needed[] = {ROBUROC4_SERVICE_IOCARD, ROBUROC4_SERVICE_DIFFERENTIAL};
@@ -370,42 +416,9 @@ static bool can_drive(reading *reading) {
 
 /* ---------------------------------------------------------------------------- command line --- */
 
-enum long_option {
-    OPTION_CHANNEL = 256,
-    OPTION_POSE,
-    OPTION_PERIOD,
-    OPTION_DRIVE,
-    OPTION_OUTPUTS,
-    OPTION_RELOCALIZE,
-    OPTION_TIMEOUT,
-    OPTION_MAX_AGE,
-    OPTION_VERSION
-};
-
-static const struct option known[] = {
-    {"robot", required_argument, NULL, 'r'},
-    {"lcm-url", required_argument, NULL, 'l'},
-    {"prefix", required_argument, NULL, 'p'},
-    {"channel", required_argument, NULL, OPTION_CHANNEL},
-    {"pose-channel", required_argument, NULL, OPTION_POSE},
-    {"period", required_argument, NULL, OPTION_PERIOD},
-    {"enable-drive", no_argument, NULL, OPTION_DRIVE},
-    {"enable-outputs", no_argument, NULL, OPTION_OUTPUTS},
-    {"enable-relocalize", no_argument, NULL, OPTION_RELOCALIZE},
-    {"command-timeout", required_argument, NULL, OPTION_TIMEOUT},
-    {"max-age", required_argument, NULL, OPTION_MAX_AGE},
-    {"verbose", no_argument, NULL, 'v'},
-    {"quiet", no_argument, NULL, 'q'},
-    {"help", no_argument, NULL, 'h'},
-    {"version", no_argument, NULL, OPTION_VERSION},
-    {NULL, 0, NULL, 0},
-};
-
-static const char short_options[] = ":r:l:p:vqh";
-
 /* option: '?' or ':', as getopt_long() returned it; last: the argument before those to come. */
 static void complain_of_option(reading *reading, int option, const char *last) {
-    bool is_short = optopt > 0 && optopt < 256 && strchr(short_options, optopt) == NULL;
+    bool is_short = optopt > 0 && optopt < 256 && strchr(letters, optopt) == NULL;
     if (is_short) { /* it may stand within `-vx`, whose end is still to come */
         (void)complain(reading, "unknown option '-%c': see roburoc4-lcm --help", optopt);
     } else {
@@ -417,53 +430,13 @@ static void complain_of_option(reading *reading, int option, const char *last) {
     }
 }
 
-static bool set_value(reading *reading, int option, const char *value) {
-    switch (option) {
-    case 'r':
-        return keep(reading, reading->robots, &reading->robot_count, OPTIONS_MAX_ROBOTS, "--robot",
-                    value);
-    case 'l':
-        reading->out->lcm_url = value;
-        return true;
-    case 'p':
-        reading->prefix = value;
-        return true;
-    case OPTION_CHANNEL:
-        return keep(reading, reading->channels, &reading->channel_count, MAX_CHANNEL_OPTIONS,
-                    "--channel", value);
-    case OPTION_POSE:
-        return keep(reading, reading->poses, &reading->pose_count, OPTIONS_MAX_ROBOTS,
-                    "--pose-channel", value);
-    case OPTION_PERIOD:
-        return set_period(reading, value);
-    case OPTION_TIMEOUT:
-        return set_command_timeout(reading, value);
-    default:
-        return set_max_age(reading, value);
+/* option: what getopt_long() returned, but not '?', ':' or -1. */
+static const known_option *find_option(int option) {
+    size_t at = 0;
+    while (at + 1 < KNOWN && option != FIRST_LONG + (int)at && option != known[at].letter) {
+        at++;
     }
-}
-
-/* Options without a value; false for others. */
-static bool set_flag(options *out, int option) {
-    switch (option) {
-    case OPTION_DRIVE:
-        out->rules.enabled[GATE_DRIVE] = true;
-        return true;
-    case OPTION_OUTPUTS:
-        out->rules.enabled[GATE_OUTPUT] = true;
-        return true;
-    case OPTION_RELOCALIZE:
-        out->rules.enabled[GATE_RELOCALIZE] = true;
-        return true;
-    case 'v':
-        out->level = LOG_DETAIL;
-        return true;
-    case 'q':
-        out->level = LOG_ERROR;
-        return true;
-    default:
-        return false;
-    }
+    return &known[at];
 }
 
 static void set_defaults(options *out) {
@@ -477,22 +450,28 @@ static void set_defaults(options *out) {
 enum options_result options_read(int count, char **arguments, options *out, char *error,
                                  size_t error_size) {
     reading reading = {.out = out, .error = error, .error_size = error_size};
+    struct option long_options[KNOWN + 1] = {{NULL, 0, NULL, 0}};
     set_defaults(out);
     optind = 1;
     opterr = 0;
-    for (int option = 0; option != -1;) {
-        option = getopt_long(count, arguments, short_options, known, NULL);
-        if (option == 'h') {
-            return OPTIONS_HELP;
-        }
-        if (option == OPTION_VERSION) {
-            return OPTIONS_VERSION;
+    for (size_t at = 0; at < KNOWN; at++) {
+        long_options[at] =
+            (struct option){known[at].name, known[at].has_value, NULL, FIRST_LONG + (int)at};
+    }
+    for (;;) {
+        int option = getopt_long(count, arguments, letters, long_options, NULL);
+        if (option == -1) {
+            break;
         }
         if (option == '?' || option == ':') {
             complain_of_option(&reading, option, arguments[optind - 1]);
             return OPTIONS_BAD;
         }
-        if (option != -1 && !set_flag(out, option) && !set_value(&reading, option, optarg)) {
+        const known_option *found = find_option(option);
+        if (found->set == NULL) {
+            return (enum options_result)found->which;
+        }
+        if (!found->set(&reading, found, optarg)) {
             return OPTIONS_BAD;
         }
     }
@@ -506,8 +485,7 @@ enum options_result options_read(int count, char **arguments, options *out, char
                : OPTIONS_BAD;
 }
 
-/* Another robot before this one that has its address, or NULL: two gates would command one robot,
- * each unaware of the other. */
+/* An earlier robot with the same address, or NULL: two gates would command one robot. */
 static const options_robot *doubled_robot(const options *out, uint32_t at) {
     const roburoc4_address *address = &out->robots[at].address;
     for (uint32_t other = 0; other < at; other++) {

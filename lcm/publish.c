@@ -5,19 +5,19 @@
 
 #include "log.h"
 
-/* LCM works again when it took all messages for so long. */
+/* LCM works again when it has taken all messages for this long. */
 #define MENDED_US 1000000u
 
 static uint8_t buffer[MAPPING_MAX_ENCODED];
 static bool failing;
 static uint64_t failed_us; /* while failing: the last time */
 
-/* Say it once where LCM's network went away, and once where it is back. */
+/* Log once that LCM's network went away, and once that it is back. */
 static void look_at_result(bool good, uint64_t now_us) {
     if (!good) {
         if (!failing) {
             log_line(LOG_ERROR, NULL,
-                     "LCM cannot send: is there still a route for multicast? going on trying");
+                     "LCM cannot send: is there still a route for multicast? still trying");
         }
         failing = true;
         failed_us = now_us;
@@ -101,7 +101,8 @@ static void publish_iocard(robot *robot, gate_time now) {
     int8_t storage[ROBUROC4_MAX_DIGITAL_INPUTS];
     roburoc4_lcm_iocard_status_t out;
     if (roburoc4_client_inputs(&robot->client, &in, NULL) >= 0) {
-        mapping_iocard(&in, &robot->names, wall_time(robot, in.robot_cycles, now), storage, &out);
+        mapping_iocard(&in, &robot->client, &robot->names, wall_time(robot, in.robot_cycles, now),
+                       storage, &out);
         SEND(roburoc4_lcm_iocard_status_t, CHANNEL_IOCARD, out);
     }
 }
@@ -132,22 +133,25 @@ void publish_properties(robot *robot, gate_time now) {
     SEND(roburoc4_lcm_robot_properties_t, CHANNEL_PROPERTIES, out);
 }
 
-void publish_bridge_status(robot *robot, gate_time now) {
+/* Publish what is true now, or the statistics: both come from the same facts. */
+static void publish_bridge(robot *robot, bool statistics, gate_time now) {
     roburoc4_facts facts = {.size = sizeof facts};
     roburoc4_link link = {.size = sizeof link};
-    mapping_texts storage;
-    roburoc4_lcm_bridge_status_t out;
     (void)roburoc4_client_facts(&robot->client, now.us, &facts);
     (void)roburoc4_client_link(&robot->client, now.us, &link);
     mapping_view view = {
         .now = now,
         .robot = robot->address,
+        .bridge = robot->bridge->name,
+        .started_utime = robot->bridge->started_utime,
         .facts = &facts,
         .link = &link,
         .gate = &robot->gate,
+        .for_gate = {facts.state == ROBUROC4_STATE_READY, facts.armed != 0, facts.arm_refusal},
         .fault = roburoc4_udp_fault(&robot->udp),
-        .heard = roburoc4_udp_count(&robot->udp, ROBUROC4_UDP_COUNT_RECEIVED) > 0,
-        .waiting = gate_is_waiting(&robot->gate, now.us),
+        .heard = robot->heard,
+        .no_socket = roburoc4_udp_fd(&robot->udp) < 0,
+        .other_bridge = robot->other_until_us != 0,
         .times_lost = roburoc4_client_count(&robot->client, ROBUROC4_COUNT_LOST),
         .reboots = roburoc4_client_count(&robot->client, ROBUROC4_COUNT_REBOOTS),
         .command_us = robot->command_us,
@@ -156,6 +160,22 @@ void publish_bridge_status(robot *robot, gate_time now) {
         .published = robot->published,
         .publish_errors = robot->publish_errors,
     };
-    mapping_bridge_status(&view, &storage, &out);
-    SEND(roburoc4_lcm_bridge_status_t, CHANNEL_BRIDGE_STATUS, out);
+    if (statistics) {
+        roburoc4_lcm_bridge_statistics_t out;
+        mapping_bridge_statistics(&view, &out);
+        SEND(roburoc4_lcm_bridge_statistics_t, CHANNEL_BRIDGE_STATISTICS, out);
+    } else {
+        mapping_texts storage;
+        roburoc4_lcm_bridge_state_t out;
+        mapping_bridge_state(&view, &storage, &out);
+        SEND(roburoc4_lcm_bridge_state_t, CHANNEL_BRIDGE_STATE, out);
+    }
+}
+
+void publish_bridge_state(robot *robot, gate_time now) {
+    publish_bridge(robot, false, now);
+}
+
+void publish_bridge_statistics(robot *robot, gate_time now) {
+    publish_bridge(robot, true, now);
 }

@@ -1,21 +1,27 @@
 /* SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
 #include "robot.h"
 
 #include <string.h>
 
 #include "clock.h"
-#include "explain.h"
+#include "log.h"
 #include "publish.h"
+#include "text.h"
 
-#define STATUS_PERIOD_US 200000u
-#define STATUS_SOONEST_US 50000u
+#define SOONEST_US 50000u /* after a change */
+#define STATE_PERIOD_US 200000u
+#define STATISTICS_PERIOD_US 1000000u
 #define PROPERTIES_PERIOD_US 1000000u
 #define ABSENT_US 1000000u
+#define REOPEN_US 1000000u
+/* Another bridge is gone when its state was not heard for this long; older states are replays. */
+#define OTHER_BRIDGE_US 2000000u
 /* The wall clock was set when it moved by more than this against the other one. */
 #define CLOCK_SET_US 100000
-/* LCM drops what comes after so many messages that were not read, and keeps the old ones. */
+/* LCM drops what comes after this many messages that were not read, and keeps the old ones. */
 #define QUEUE_CAPACITY 1000
-/* So long after a stall LCM's thread may still hand on what came during it. */
+/* For this long after a stall LCM's thread may still hand on what came during it. */
 #define STALL_ECHO_US 50000u
 
 static gate_robot robot_for_gate(const robot *robot, uint64_t now_us) {
@@ -28,26 +34,32 @@ static gate_robot robot_for_gate(const robot *robot, uint64_t now_us) {
 
 /* -------------------------------------------------------------------------------- commands --- */
 
-/* Tell of a rejection that was counted. */
-static void tell_rejection(robot *robot, enum gate_verdict verdict, const explain_command *command,
-                           gate_time now) {
+/* Log a rejection that was counted. */
+static void log_rejected(robot *robot, enum gate_verdict verdict, const log_command *command,
+                         gate_time now) {
     uint32_t bit = 1u << verdict;
-    robot->status_due = robot->status_due || (robot->told & bit) == 0;
-    explain_rejection(robot->name, verdict, command, &robot->gate.rules, now,
-                      (robot->told & bit) == 0);
-    robot->told |= bit;
+    bool first = (robot->logged & bit) == 0;
+    robot->statistics.due = robot->statistics.due || first;
+    log_rejection(robot->name, verdict, command, &robot->gate.rules, now, first);
+    robot->logged |= bit;
 }
 
-static void tell_rejected_message(robot *robot, enum gate_verdict verdict, const command *command,
-                                  gate_time now) {
-    explain_command told = {.kind = command->kind,
-                            .channel = robot->channels->name[CHANNEL_DRIVE_CMD + command->kind]};
-    if (verdict != GATE_MALFORMED) {
-        told.sender = command->sender;
-        told.sender_length = command->sender_length;
-        told.utime = command->utime;
+/* readable: the message was one of its kind. */
+static log_command for_log(const robot *robot, const command *command, bool readable) {
+    log_command for_log = {.kind = command->kind,
+                           .channel = robot->channels->name[CHANNEL_DRIVE_CMD + command->kind]};
+    if (readable) {
+        for_log.sender = command->sender;
+        for_log.sender_length = command->sender_length;
+        for_log.utime = command->utime;
     }
-    tell_rejection(robot, verdict, &told, now);
+    return for_log;
+}
+
+static void log_rejected_message(robot *robot, enum gate_verdict verdict, const command *command,
+                                 gate_time now) {
+    log_command rejected = for_log(robot, command, verdict != GATE_MALFORMED);
+    log_rejected(robot, verdict, &rejected, now);
 }
 
 static float to_float(double value) {
@@ -101,7 +113,7 @@ static void take(robot *robot, const command *command, uint32_t lease_us, gate_t
     }
     if (result < 0) {
         gate_reject(&robot->gate, GATE_IMPOSSIBLE);
-        tell_rejected_message(robot, GATE_IMPOSSIBLE, command, now);
+        log_rejected_message(robot, GATE_IMPOSSIBLE, command, now);
         return;
     }
     robot->command_us = (int64_t)now.us;
@@ -123,6 +135,17 @@ void robot_was_stalled(robot *robot, int64_t since_utime, gate_time now) {
     robot->stalled_until_us = now.us + STALL_ECHO_US;
 }
 
+/* Whatever comes on the stop channel stops the robot, even a message of another type. */
+static void stop(robot *robot, const command *command, bool readable, gate_time now) {
+    log_command stopping = for_log(robot, command, readable);
+    log_stop(robot->name, &stopping, !robot->gate.stopped);
+    robot->has_drive = false;
+    robot->state.due = robot->state.due || !robot->gate.stopped;
+    (void)roburoc4_client_stop(&robot->client, now.us);
+    gate_stop(&robot->gate, stopping.sender, stopping.sender_length, now.us);
+    gate_count_taken(&robot->gate, GATE_STOP);
+}
+
 /* LCM calls this for each message on the channel of a command. */
 static void on_message(const lcm_recv_buf_t *message, const char *channel, void *user) {
     const robot_input *input = user;
@@ -131,9 +154,15 @@ static void on_message(const lcm_recv_buf_t *message, const char *channel, void 
     uint32_t lease_us = 0;
     command command;
     (void)channel; /* it is that of the input */
-    if (!command_decode(input->kind, message->data, message->data_size, &command)) {
+    bool readable = command_decode(input->kind, message->data, message->data_size, &command);
+    if (!readable) {
         gate_reject(&robot->gate, GATE_MALFORMED);
-        tell_rejected_message(robot, GATE_MALFORMED, &command, now);
+        log_rejected_message(robot, GATE_MALFORMED, &command, now);
+    }
+    if (input->kind == GATE_STOP) {
+        stop(robot, &command, readable, now);
+    }
+    if (!readable || input->kind == GATE_STOP) {
         return;
     }
     gate_command for_gate = command_for_gate(&command, arrival(robot, message->recv_utime, now));
@@ -142,7 +171,7 @@ static void on_message(const lcm_recv_buf_t *message, const char *channel, void 
     if (verdict == GATE_TAKEN) {
         take(robot, &command, lease_us, now);
     } else {
-        tell_rejected_message(robot, verdict, &command, now);
+        log_rejected_message(robot, verdict, &command, now);
     }
 }
 
@@ -162,26 +191,29 @@ static bool is_clamped(const robot *robot) {
                       limits.max_angular_rad_s, robot->config->max_angular_rad_s));
 }
 
-static bool arm(robot *robot, gate_time now) {
-    if (roburoc4_client_arm(&robot->client, now.us) < 0) {
-        return false;
+/* A zero arms nothing: a robot that is not armed stands, or is being stopped. */
+static roburoc4_result drive(robot *robot, gate_time now) {
+    const robot_drive *drive = &robot->drive;
+    bool zero = drive->linear_m_s == 0.0f && drive->angular_rad_s == 0.0f;
+    if (!robot_for_gate(robot, now.us).armed) {
+        roburoc4_result result = zero ? 0 : roburoc4_client_arm(&robot->client, now.us);
+        if (zero || result < 0) {
+            return result;
+        }
     }
-    gate_armed(&robot->gate);
-    return true;
+    return roburoc4_client_drive(&robot->client, drive->linear_m_s, drive->angular_rad_s,
+                                 drive->lease_us, now.us);
 }
 
 static void apply_drive(robot *robot, gate_time now) {
-    const robot_drive *drive = &robot->drive;
     robot->has_drive = false;
-    if (!arm(robot, now) ||
-        roburoc4_client_drive(&robot->client, drive->linear_m_s, drive->angular_rad_s,
-                              drive->lease_us, now.us) < 0) {
-        explain_command told = {.kind = GATE_DRIVE,
+    if (drive(robot, now) < 0) {
+        log_command rejected = {.kind = GATE_DRIVE,
                                 .channel = robot->channels->name[CHANNEL_DRIVE_CMD]};
-        told.sender = gate_commander(&robot->gate, now.us, &told.sender_length);
+        rejected.sender = gate_control_owner(&robot->gate, now.us, &rejected.sender_length);
         gate_hold(&robot->gate, now.us);
         gate_reject(&robot->gate, GATE_DISARMED);
-        tell_rejection(robot, GATE_DISARMED, &told, now);
+        log_rejected(robot, GATE_DISARMED, &rejected, now);
         return;
     }
     robot->command_us = (int64_t)now.us;
@@ -227,17 +259,18 @@ static void handle_change(robot *robot, uint32_t events, gate_time now) {
         gate_hold(&robot->gate, now.us);
     }
     if (events & ROBUROC4_EVENT_REBOOT) {
-        mapping_names_init(&robot->names);
+        memset(&robot->names, 0, sizeof robot->names);
     }
     if (events & ROBUROC4_EVENT_PROPERTIES) {
         learn_telemeters(robot);
     }
-    robot->properties_due =
-        robot->properties_due ||
-        (events & (ROBUROC4_EVENT_PROPERTIES | ROBUROC4_EVENT_DESCRIPTIONS_DONE)) != 0;
-    robot->status_due = robot->status_due ||
-                        (events & ~(status_events | (uint32_t)ROBUROC4_EVENT_DESCRIPTION)) != 0;
-    explain_events(robot->name, robot->address, &robot->client, events, now.us);
+    if (events & (ROBUROC4_EVENT_PROPERTIES | ROBUROC4_EVENT_DESCRIPTIONS_DONE)) {
+        robot->properties.due = true;
+    }
+    if (events & ~(status_events | (uint32_t)ROBUROC4_EVENT_DESCRIPTION)) {
+        robot->state.due = true;
+    }
+    log_events(robot->name, robot->address, &robot->client, events, now.us);
 }
 
 static void handle_events(robot *robot, const uint8_t *datagram, size_t size, gate_time now) {
@@ -251,40 +284,130 @@ static void handle_events(robot *robot, const uint8_t *datagram, size_t size, ga
     }
 }
 
+/* ------------------------------------------------------------------------------- the socket --- */
+
+static void open_socket(robot *robot, uint64_t now_us) {
+    if (roburoc4_udp_open(&robot->udp, sizeof robot->udp, &robot->to) >= 0) {
+        if (robot->logged_no_socket) {
+            log_line(LOG_NOTE, robot->name, "has a socket again");
+        }
+        robot->logged_no_socket = false;
+        return;
+    }
+    robot->open_us = now_us + REOPEN_US;
+    if (!robot->logged_no_socket) {
+        robot->logged_no_socket = true;
+        log_line(LOG_ERROR, robot->name, "no socket for %s: %s; trying again each second",
+                 robot->address, strerror((int)roburoc4_udp_system_error(&robot->udp)));
+    }
+}
+
+/* The socket is unusable, not the network: try another one. The other robots go on. */
+static void lose_socket(robot *robot, roburoc4_result why, gate_time now) {
+    log_line(LOG_ERROR, robot->name,
+             "its socket broke (%s, error %d): stopped; trying another one each second",
+             roburoc4_result_text(why), (int)roburoc4_udp_system_error(&robot->udp));
+    robot->logged_no_socket = true;
+    robot->has_drive = false;
+    robot->state.due = true;
+    robot->open_us = now.us + REOPEN_US;
+    (void)roburoc4_client_stop(&robot->client, now.us);
+    gate_hold(&robot->gate, now.us);
+    (void)roburoc4_udp_transmit_all(&robot->udp, &robot->client); /* it may still send */
+    (void)roburoc4_udp_close(&robot->udp);
+}
+
 /* Each datagram is published before the next is read, so that no status is missed. What the client
  * has to send goes out in between. */
-static bool receive(robot *robot) {
+static void receive(robot *robot) {
     for (uint32_t count = 0; count < ROBUROC4_UDP_BURST; count++) {
         const uint8_t *datagram = NULL;
         size_t size = 0;
         roburoc4_result result =
             roburoc4_udp_receive_one(&robot->udp, &robot->client, &datagram, &size);
+        gate_time now = clock_now();
         if (result < 0) {
-            log_line(LOG_ERROR, robot->name, "its socket cannot be used any more (%s, error %d)",
-                     roburoc4_result_text(result), (int)roburoc4_udp_system_error(&robot->udp));
-            return false;
+            lose_socket(robot, result, now);
         }
-        if (result == ROBUROC4_UDP_NOTHING) {
-            return true;
+        if (result < 0 || result == ROBUROC4_UDP_NOTHING) {
+            return;
         }
+        robot->heard = true;
         if (result == ROBUROC4_UDP_USED) {
-            gate_time now = clock_now();
             handle_events(robot, datagram, size, now);
             if (roburoc4_client_next_deadline(&robot->client) <= now.us) {
                 (void)roburoc4_udp_transmit_all(&robot->udp, &robot->client);
             }
         }
     }
-    return true;
 }
 
-/* A robot that is absent at the start counts as lost: who streams commands then must pause. */
+/* Without a socket the client goes on, so that it notices the silence; what it sends is dropped. */
+static void transmit(robot *robot, gate_time now) {
+    uint8_t dropped[ROBUROC4_MAX_TRANSMIT];
+    if (roburoc4_udp_transmit_all(&robot->udp, &robot->client) == ROBUROC4_ERR_CLOSED) {
+        for (uint32_t count = 0; count < ROBUROC4_UDP_BURST; count++) {
+            if (roburoc4_client_poll_transmit(&robot->client, dropped, sizeof dropped, now.us) <=
+                0) {
+                return;
+            }
+        }
+    }
+}
+
+/* ---------------------------------------------------------------------------- other bridges --- */
+
+/* "HOST PROCESS": whether both run on the same host. */
+static bool same_host(const char *one, const char *other) {
+    size_t length = strcspn(one, " ");
+    return strncmp(one, other, length) == 0 && other[length] == ' ';
+}
+
+static bool same_robot(const robot *robot, const bridge_identity *other) {
+    bool local =
+        strncmp(robot->address, "127.", 4) == 0 || strncmp(robot->address, "[::1]", 5) == 0;
+    return strcmp(robot->address, other->robot) == 0 &&
+           (!local || same_host(robot->bridge->name, other->bridge));
+}
+
+/* A replayed log must not look like another bridge. */
+static bool is_recent(const gate_rules *rules, int64_t utime, gate_time now) {
+    int64_t allowed_us = (int64_t)OTHER_BRIDGE_US + rules->max_age_us;
+    return rules->max_age_us == 0 ||
+           (utime > now.utime - allowed_us && utime < now.utime + allowed_us);
+}
+
+void robot_hear_bridge(robot *robot, const bridge_identity *other, const char *channel,
+                       gate_time now) {
+    bool shares_robot = same_robot(robot, other);
+    if ((!shares_robot && strcmp(channel, robot->channels->name[CHANNEL_BRIDGE_STATE]) != 0) ||
+        !is_recent(&robot->gate.rules, other->utime, now)) {
+        return;
+    }
+    if (robot->other_until_us == 0) {
+        char name[100];
+        text_for_terminal(name, sizeof name, other->bridge, strlen(other->bridge));
+        log_line(LOG_ERROR, robot->name, "another bridge (%s) %s, too: end one of them", name,
+                 shares_robot ? "serves this robot" : "publishes on these channels");
+        robot->state.due = true;
+    }
+    robot->other_until_us = now.us + OTHER_BRIDGE_US;
+}
+
+static void look_for_other_bridge(robot *robot, gate_time now) {
+    if (robot->other_until_us != 0 && now.us >= robot->other_until_us) {
+        robot->other_until_us = 0;
+        robot->state.due = true;
+        log_line(LOG_NOTE, robot->name, "the other bridge is gone");
+    }
+}
+
+/* ------------------------------------------------------------------------------------ turns --- */
+
 static void look_for_absence(robot *robot, gate_time now) {
-    if (!robot->told_absent && now.us - robot->started.us >= ABSENT_US &&
-        roburoc4_udp_count(&robot->udp, ROBUROC4_UDP_COUNT_RECEIVED) == 0) {
-        robot->told_absent = true;
-        gate_hold(&robot->gate, now.us);
-        explain_absence(robot->name, robot->address, roburoc4_udp_fault(&robot->udp));
+    if (!robot->logged_absent && !robot->heard && now.us - robot->started.us >= ABSENT_US) {
+        robot->logged_absent = true;
+        log_absence(robot->name, robot->address, roburoc4_udp_fault(&robot->udp));
     }
 }
 
@@ -300,29 +423,31 @@ static void look_at_clock(robot *robot, gate_time now) {
     }
 }
 
-bool robot_serve(robot *robot) {
-    bool good = receive(robot);
+void robot_serve(robot *robot) {
     gate_time now = clock_now();
-    look_for_absence(robot, now);
-    look_at_clock(robot, now);
-    if (robot->gate.arms_alone) {
-        gate_robot state = robot_for_gate(robot, now.us);
-        gate_tick(&robot->gate, &state, now.us);
-        if (gate_wants_arming(&robot->gate, &state, now.us)) {
-            (void)arm(robot, now);
-        }
+    if (roburoc4_udp_fd(&robot->udp) >= 0) {
+        receive(robot);
+    } else if (now.us >= robot->open_us) {
+        open_socket(robot, now.us);
     }
-    return good;
+    now = clock_now();
+    look_for_absence(robot, now);
+    look_for_other_bridge(robot, now);
+    look_at_clock(robot, now);
 }
 
-/* Soon after a change, else in their period. */
-static uint64_t status_deadline(const robot *robot) {
-    return robot->status_us + (robot->status_due ? STATUS_SOONEST_US : STATUS_PERIOD_US);
+static uint64_t deadline_of(const robot_publication *publication, uint32_t period_us) {
+    return publication->last_us + (publication->due ? SOONEST_US : period_us);
 }
 
-static uint64_t properties_deadline(const robot *robot) {
-    return robot->properties_us +
-           (robot->properties_due ? STATUS_SOONEST_US : PROPERTIES_PERIOD_US);
+/* Whether to publish now; if so, it counts as done. */
+static bool take_due(robot_publication *publication, uint32_t period_us, gate_time now) {
+    bool due = now.us >= deadline_of(publication, period_us);
+    if (due) {
+        publication->last_us = now.us;
+        publication->due = false;
+    }
+    return due;
 }
 
 void robot_finish(robot *robot) {
@@ -330,30 +455,33 @@ void robot_finish(robot *robot) {
     if (robot->has_drive) {
         apply_drive(robot, now);
     }
-    (void)roburoc4_udp_transmit_all(&robot->udp, &robot->client);
+    transmit(robot, now);
     handle_events(robot, NULL, 0, now); /* what time alone changed */
-    if (now.us >= status_deadline(robot)) {
-        robot->status_us = now.us;
-        robot->status_due = false;
-        publish_bridge_status(robot, now);
+    if (take_due(&robot->state, STATE_PERIOD_US, now)) {
+        publish_bridge_state(robot, now);
     }
-    if (now.us >= properties_deadline(robot)) {
-        robot->properties_us = now.us;
-        robot->properties_due = false;
+    if (take_due(&robot->statistics, STATISTICS_PERIOD_US, now)) {
+        publish_bridge_statistics(robot, now);
+    }
+    if (take_due(&robot->properties, PROPERTIES_PERIOD_US, now)) {
         publish_properties(robot, now);
     }
 }
 
 uint64_t robot_deadline(const robot *robot) {
     uint64_t first = roburoc4_client_next_deadline(&robot->client);
-    uint64_t others[] = {status_deadline(robot), properties_deadline(robot)};
+    uint64_t others[] = {deadline_of(&robot->state, STATE_PERIOD_US),
+                         deadline_of(&robot->statistics, STATISTICS_PERIOD_US),
+                         deadline_of(&robot->properties, PROPERTIES_PERIOD_US),
+                         roburoc4_udp_fd(&robot->udp) < 0 ? robot->open_us : UINT64_MAX};
     for (size_t at = 0; at < sizeof others / sizeof others[0]; at++) {
         first = others[at] < first ? others[at] : first;
     }
     return first;
 }
 
-/* ------------------------------------------------------------------------------------ life --- */
+/* ----------------------------------------------------------------------------- start and end ---
+ */
 
 bool robot_subscribe(robot *robot, lcm_t *lcm, const options_robot *settings) {
     memset(robot, 0, sizeof *robot);
@@ -361,7 +489,6 @@ bool robot_subscribe(robot *robot, lcm_t *lcm, const options_robot *settings) {
     robot->channels = &settings->channels;
     robot->lcm = lcm;
     robot->command_us = -1;
-    mapping_names_init(&robot->names);
     for (uint32_t kind = 0; kind < GATE_KINDS; kind++) {
         robot_input *input = &robot->inputs[kind];
         input->robot = robot;
@@ -376,21 +503,18 @@ bool robot_subscribe(robot *robot, lcm_t *lcm, const options_robot *settings) {
     return true;
 }
 
-bool robot_start(robot *robot, const options *options, const options_robot *settings,
-                 gate_time now) {
+void robot_start(robot *robot, const options *options, const options_robot *settings,
+                 const robot_bridge *bridge, gate_time now) {
     (void)roburoc4_udp_address_text(&settings->address, robot->address, sizeof robot->address);
-    if (roburoc4_udp_open(&robot->udp, sizeof robot->udp, &settings->address) < 0) {
-        log_line(LOG_ERROR, robot->name, "no socket for %s: %s", robot->address,
-                 strerror((int)roburoc4_udp_system_error(&robot->udp)));
-        return false;
-    }
+    robot->to = settings->address;
+    robot->config = &options->config;
+    robot->bridge = bridge;
+    robot->started = now;
+    robot->clock_offset_us = now.utime - (int64_t)now.us;
     (void)roburoc4_client_init(&robot->client, sizeof robot->client, &options->config);
     (void)roburoc4_client_start(&robot->client, now.us);
     gate_init(&robot->gate, &options->rules, now);
-    robot->config = &options->config;
-    robot->started = now;
-    robot->clock_offset_us = now.utime - (int64_t)now.us;
-    return true;
+    open_socket(robot, now.us);
 }
 
 void robot_close(robot *robot, gate_time now) {
@@ -403,6 +527,8 @@ bool robot_is_closed(const robot *robot) {
 }
 
 void robot_end(robot *robot) {
-    publish_bridge_status(robot, clock_now());
+    gate_time now = clock_now();
+    publish_bridge_statistics(robot, now);
+    publish_bridge_state(robot, now);
     (void)roburoc4_udp_close(&robot->udp);
 }

@@ -4,12 +4,12 @@
  *
  *     drive_to X_M Y_M [CHANNEL_PREFIX]
  *
- * It steers by each ROBUROC4_LOCALIZATION that arrives, commands on ROBUROC4_DRIVE_CMD, and repeats
- * what ROBUROC4_BRIDGE_STATUS has to say. Where somebody takes the robot over, or it is lost, it
- * ends: to go on is for a person to decide. It steers by poses of now only: by those of a log that
- * somebody replays it would drive a real robot to a place where that one never was. LCM's network
- * is that of $LCM_DEFAULT_URL. Exit status: 0 arrived, 1 stopped, no poses, or not within 60 s, 2
- * bad usage.
+ * It waits until the bridge reports that the robot can be driven, steers by each
+ * ROBUROC4_LOCALIZATION that arrives, commands on ROBUROC4_DRIVE_CMD, and prints the messages of
+ * ROBUROC4_BRIDGE_STATE. When the robot is stopped, overridden or lost, it ends: a person decides
+ * whether to go on. It steers by fresh poses only: those of a log that somebody replays would send
+ * the real robot to a wrong place. LCM's network is that of $LCM_DEFAULT_URL. Exit status: 0
+ * arrived, 1 stopped, no poses, or not within 60 s, 2 bad usage.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <lcm/lcm.h>
@@ -28,17 +28,18 @@
 #define PATIENCE_S 60
 #define SILENCE_US 2000000
 #define LOOK_MS 200
-/* A pose that is further from now than this is not one of now. */
+/* A pose that is further from now than this is not fresh. */
 #define FRESH_US 500000
 
 typedef struct trip {
     lcm_t *lcm;
     char command_channel[64];
     char sender[64];
-    int64_t posed_us; /* when the last pose of now came */
+    int64_t posed_us; /* when the last fresh pose came */
     double goal_x_m;
     double goal_y_m;
-    int driven; /* it was armed for us */
+    int ready;  /* the robot can be driven */
+    int driven; /* it was driven */
     int arrived;
     int stopped;
     char said[256];
@@ -75,6 +76,9 @@ static void on_localization(const lcm_recv_buf_t *buffer, const char *channel,
         return;
     }
     trip->posed_us = now;
+    if (trip->ready == 0) {
+        return;
+    }
     double x_m = trip->goal_x_m - pose->x_m;
     double y_m = trip->goal_y_m - pose->y_m;
     double distance_m = hypot(x_m, y_m);
@@ -92,15 +96,16 @@ static void on_localization(const lcm_recv_buf_t *buffer, const char *channel,
           within(1.2 * bearing_rad, MAX_ANGULAR_RAD_S));
 }
 
-static void on_bridge_status(const lcm_recv_buf_t *buffer, const char *channel,
-                             const roburoc4_lcm_bridge_status_t *status, void *user) {
+static void on_bridge_state(const lcm_recv_buf_t *buffer, const char *channel,
+                            const roburoc4_lcm_bridge_state_t *state, void *user) {
     trip *trip = user;
     (void)buffer;
     (void)channel;
-    trip->stopped = trip->driven != 0 && status->waiting != 0;
-    trip->driven = trip->driven != 0 || status->driving != 0;
-    if (strcmp(status->message, trip->said) != 0) {
-        (void)snprintf(trip->said, sizeof trip->said, "%s", status->message);
+    trip->ready = trip->ready != 0 || state->can_drive != 0;
+    trip->stopped = trip->driven != 0 && state->waiting != 0;
+    trip->driven = trip->driven != 0 || state->driving != 0;
+    if (strcmp(state->message, trip->said) != 0) {
+        (void)snprintf(trip->said, sizeof trip->said, "%s", state->message);
         (void)printf("bridge: %s\n", trip->said);
     }
 }
@@ -112,7 +117,7 @@ static int travel(trip *trip) {
         if (lcm_handle_timeout(trip->lcm, LOOK_MS) < 0 || now_us() - trip->posed_us > SILENCE_US) {
             (void)fprintf(
                 stderr,
-                "drive_to: no pose of now for %d s: is roburoc4-lcm running, with "
+                "drive_to: no fresh pose for %d s: is roburoc4-lcm running, with "
                 "--enable-drive and on this LCM network? do both machines' clocks agree?\n",
                 SILENCE_US / 1000000);
             return 1;
@@ -125,7 +130,7 @@ static int travel(trip *trip) {
     return trip->arrived != 0 ? 0 : 1;
 }
 
-/* Its own for each run: two programs with one name would share the seat, and both drive. */
+/* Different for each run: two programs with one name would share control, and both drive. */
 static void set_sender(trip *trip) {
     char host[33] = "";
     (void)gethostname(host, sizeof host - 1);
@@ -159,12 +164,12 @@ int main(int count, char **arguments) {
     (void)snprintf(channel, sizeof channel, "%s_LOCALIZATION", prefix);
     roburoc4_lcm_localization_status_t_subscription_t *poses =
         roburoc4_lcm_localization_status_t_subscribe(trip.lcm, channel, on_localization, &trip);
-    (void)snprintf(channel, sizeof channel, "%s_BRIDGE_STATUS", prefix);
-    roburoc4_lcm_bridge_status_t_subscription_t *states =
-        roburoc4_lcm_bridge_status_t_subscribe(trip.lcm, channel, on_bridge_status, &trip);
+    (void)snprintf(channel, sizeof channel, "%s_BRIDGE_STATE", prefix);
+    roburoc4_lcm_bridge_state_t_subscription_t *states =
+        roburoc4_lcm_bridge_state_t_subscribe(trip.lcm, channel, on_bridge_state, &trip);
     int status = travel(&trip);
     (void)roburoc4_lcm_localization_status_t_unsubscribe(trip.lcm, poses);
-    (void)roburoc4_lcm_bridge_status_t_unsubscribe(trip.lcm, states);
+    (void)roburoc4_lcm_bridge_state_t_unsubscribe(trip.lcm, states);
     lcm_destroy(trip.lcm);
     return status;
 }

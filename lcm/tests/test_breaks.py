@@ -13,7 +13,7 @@ from rig.bus import drive_command, now_us
 
 StartBridge = Callable[..., Bridge]
 Plan = Callable[..., Planner]
-Status = roburoc4_lcm.bridge_status_t
+State = roburoc4_lcm.bridge_state_t
 
 
 def take_over(robot: Robot) -> None:
@@ -42,9 +42,9 @@ def break_off(robot: Robot, bridge: Bridge, kind: str) -> int:
     BREAKS[kind](robot)
     until(
         lambda: (
-            bridge.status.waiting
-            and bridge.status.state == Status.STATE_READY
-            and not bridge.status.overridden
+            bridge.state.waiting
+            and bridge.state.state == State.STATE_READY
+            and not bridge.state.overridden
         ),
         "the bridge waits for a pause",
         15,
@@ -58,15 +58,15 @@ def test_after_a_break_it_stays_still_until_commands_pause(
 ) -> None:
     planner = plan(linear=0.5, rate=20)
     ready_us = break_off(robot, armed, kind)
-    refused = armed.status.rejected_disarmed
+    refused = armed.statistics.rejected_disarmed
     time.sleep(2.0)
     assert robot.tap.moves(ready_us) == [], "commands stream, it stays still"
     until(robot.stands, "the robot stands")
-    assert armed.status.rejected_disarmed > refused + 20
-    assert not armed.status.armed
+    assert armed.statistics.rejected_disarmed > refused + 20
+    assert not armed.state.armed
 
     planner.signal(signal.SIGSTOP)
-    until(lambda: armed.status.armed or not armed.status.waiting, "the pause is over")
+    until(lambda: not armed.state.waiting, "the pause is over")
     assert robot.tap.moves(ready_us) == [], "a pause alone does not move it"
     planner.signal(signal.SIGCONT)
     until(lambda: robot.tap.moves(ready_us), "the next command drives")
@@ -78,20 +78,23 @@ def test_a_break_stops_it_at_once(robot: Robot, armed: Bridge, plan: Plan) -> No
     time.sleep(0.3)
     robot.tell("pad a down")
     taken_us = now_us()
-    until(lambda: armed.status.overridden, "the bridge sees the override")
+    until(lambda: armed.state.overridden, "the bridge sees the override")
     time.sleep(0.5)
     # The IO card tells every 50 ms.
     assert robot.tap.moves(taken_us + 250_000) == []
-    assert not armed.status.armed
+    assert not armed.state.armed
 
 
-def test_what_is_past_is_told_as_past(robot: Robot, armed: Bridge) -> None:
+def test_what_is_past_is_told_as_past(robot: Robot, armed: Bridge, plan: Plan) -> None:
+    planner = plan(linear=0.3)
+    until(robot.tap.moves, "a speed reaches the robot")
+    planner.end()
     robot.tell("pad a down")
-    until(lambda: "release [A]" in armed.status.message, "it says what to do")
+    until(lambda: "release [A]" in armed.state.message, "it says what to do")
     robot.tell("pad a up")
-    until(lambda: "next command" in armed.status.message, "it says what comes next")
-    assert "was disarmed (game pad override)" in armed.status.message
-    assert "release" not in armed.status.message
+    until(lambda: "next command" in armed.state.message, "it says what comes next")
+    assert "was disarmed (game pad override)" in armed.state.message
+    assert "release" not in armed.state.message
 
 
 def test_a_clock_that_is_set_makes_all_pause(
@@ -105,12 +108,12 @@ def test_a_clock_that_is_set_makes_all_pause(
     step.touch()
     set_us = now_us()
     bridge.says("clock was set by -2.0")
-    until(lambda: bridge.status.waiting, "the bridge waits for a pause")
+    until(lambda: bridge.state.waiting, "the bridge waits for a pause")
     time.sleep(1.0)
     # What was given before ends with its lease.
     assert robot.tap.moves(set_us + 450_000) == [], "commands stream, it stays still"
     planner.signal(signal.SIGSTOP)
-    until(lambda: not bridge.status.waiting, "the pause is over")
+    until(lambda: not bridge.state.waiting, "the pause is over")
     paused_us = now_us()
     planner.signal(signal.SIGCONT)
     until(lambda: robot.tap.moves(paused_us), "the next command drives")
@@ -134,10 +137,10 @@ def test_every_sender_must_pause(robot: Robot, armed: Bridge, plan: Plan) -> Non
     ready_us = break_off(robot, armed, "override")
     first.signal(signal.SIGKILL)
     time.sleep(1.0)
-    assert armed.status.waiting
+    assert armed.state.waiting
     assert robot.tap.moves(ready_us) == []
     second.signal(signal.SIGSTOP)
-    until(lambda: armed.status.armed or not armed.status.waiting, "the pause is over")
+    until(lambda: not armed.state.waiting, "the pause is over")
     second.signal(signal.SIGCONT)
     until(lambda: robot.tap.moves(ready_us), "the next command drives")
 
@@ -148,23 +151,23 @@ def test_a_robot_that_is_absent_is_told_and_found(
     robot.tap.cut = True
     bridge = start_bridge("--enable-drive")
     until(
-        lambda: bridge.status and bridge.status.faults & Status.FAULT_SILENT,
+        lambda: bridge.state and bridge.state.faults & State.FAULT_SILENT,
         "the bridge says that the robot is silent",
     )
-    assert bridge.status.state == Status.STATE_CONNECTING
-    assert robot.address in bridge.status.message or "robot" in bridge.status.message.lower()
-    assert bridge.status.robot_age_us == -1
+    assert bridge.state.state == State.STATE_CONNECTING
+    assert robot.address in bridge.state.message or "robot" in bridge.state.message.lower()
+    assert bridge.state.robot_age_us == -1
     assert not bus.of("ROBUROC4_DIFFERENTIAL")
     robot.tap.cut = False
     bridge.connects()
-    until(lambda: bridge.status.armed, "the bridge arms")
-    assert bridge.status.faults == 0
+    until(lambda: bridge.state.can_drive, "it can be driven")
+    assert bridge.state.faults == 0
 
 
 def test_a_port_where_nobody_listens_is_told(start_bridge: StartBridge) -> None:
     bridge = start_bridge(address="127.0.0.1:9")
     until(
-        lambda: bridge.status and bridge.status.faults & Status.FAULT_REFUSED,
+        lambda: bridge.state and bridge.state.faults & State.FAULT_REFUSED,
         "the bridge says that the port is closed",
     )
     assert bridge.running
@@ -176,7 +179,9 @@ def test_commands_for_an_absent_robot_are_refused(
     robot.tap.cut = True
     bridge = start_bridge("--enable-drive", "--enable-outputs")
     planner = plan()
-    until(lambda: bridge.status and bridge.status.rejected_not_ready > 10, "commands are refused")
+    until(
+        lambda: bridge.state and bridge.statistics.rejected_not_ready > 10, "commands are refused"
+    )
     planner.end()
     robot.tap.cut = False
     bridge.connects()
@@ -190,7 +195,7 @@ def test_a_reboot_is_counted_and_statuses_go_on(
     bridge = start_bridge().connects()
     time.sleep(0.5)
     robot.reboot()
-    until(lambda: bridge.status.reboots == 1, "the reboot is counted", 15)
+    until(lambda: bridge.statistics.reboots == 1, "the reboot is counted", 15)
     before = len(bus.of("ROBUROC4_LOCALIZATION"))
     until(lambda: len(bus.of("ROBUROC4_LOCALIZATION")) > before + 10, "poses go on")
     assert bus.last("ROBUROC4_LOCALIZATION").robot_cycles < 2000

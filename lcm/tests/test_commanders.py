@@ -34,63 +34,62 @@ def lamp(bus: Bus) -> Iterator[None]:
         thread.join()
 
 
-def test_of_two_commanders_the_first_keeps_the_seat(
-    robot: Robot, armed: Bridge, plan: Plan
-) -> None:
+def test_of_two_commanders_the_first_keeps_control(robot: Robot, armed: Bridge, plan: Plan) -> None:
     first = plan(sender="first", linear=0.3)
     until(robot.tap.moves, "the first drives")
     plan(sender="second", linear=-0.3)
-    until(lambda: armed.status.rejected_seat > 10, "the second is refused")
+    until(lambda: armed.statistics.rejected_control > 10, "the second is refused")
     assert min(command.linear_m_s for command in robot.tap.moves()) > 0
-    assert armed.status.commander == "first"
+    assert armed.state.control_owner == "first"
 
     first.signal(signal.SIGKILL)
     killed_us = now_us()
-    until(lambda: armed.status.commander == "second", "the seat is free")
+    until(lambda: armed.state.control_owner == "second", "control is free")
     until(lambda: robot.tap.moves()[-1].linear_m_s < 0, "the second drives")
     # Not before the first one's lease was over, the last of which began 50 ms ago at most.
     changed = next(command for command in robot.tap.moves() if command.linear_m_s < 0)
     assert changed.time_us - killed_us > 200_000
 
 
-def test_who_stops_leaves_the_seat_when_the_lease_is_over(
-    robot: Robot, armed: Bridge, plan: Plan
-) -> None:
+def test_control_ends_with_the_lease(robot: Robot, armed: Bridge, plan: Plan) -> None:
     first = plan(sender="first", linear=0.3)
     until(robot.tap.moves, "the first drives")
     first.signal(signal.SIGSTOP)
-    until(lambda: armed.status.commander == "", "nobody commands")
+    until(lambda: armed.state.control_owner == "", "nobody commands")
     plan(sender="second", linear=-0.3)
-    until(lambda: armed.status.commander == "second", "the second commands")
+    until(lambda: armed.state.control_owner == "second", "the second commands")
     first.signal(signal.SIGCONT)
     time.sleep(0.5)
-    assert armed.status.commander == "second"
+    assert armed.state.control_owner == "second"
     assert robot.tap.moves()[-1].linear_m_s < 0
 
 
-def test_outputs_take_no_seat_from_a_planner(
+def test_outputs_take_no_control_from_a_planner(
     robot: Robot, bus: Bus, willing: Bridge, plan: Plan
 ) -> None:
     with lamp(bus):
-        until(lambda: willing.status.accepted_output > 1, "the lamp is switched")
-        assert willing.status.commander == "", "nobody drives"
+        until(lambda: willing.statistics.accepted_output > 1, "the lamp is switched")
+        assert willing.state.control_owner == "", "nobody drives"
         plan(sender="planner", linear=0.3)
         until(robot.tap.moves, "the planner drives")
-        until(lambda: willing.status.rejected_seat > 1, "the lamp is refused while another drives")
-        until(lambda: willing.status.accepted_drive > 5, "the planner goes on")
-        assert willing.status.commander == "planner"
+        until(
+            lambda: willing.statistics.rejected_control > 1,
+            "the lamp is refused while another drives",
+        )
+        until(lambda: willing.statistics.accepted_drive > 5, "the planner goes on")
+        assert willing.state.control_owner == "planner"
 
 
 def test_outputs_do_not_prolong_a_pause(robot: Robot, bus: Bus, willing: Bridge) -> None:
     """An output command cannot say zero."""
     with lamp(bus):
         robot.tell("pad a down")
-        until(lambda: willing.status.overridden, "the bridge sees the override")
+        until(lambda: willing.state.overridden, "the bridge sees the override")
         robot.tell("pad a up")
-        until(lambda: not willing.status.overridden, "the bridge sees its end")
-        until(lambda: not willing.status.waiting, "the pause is over", 2)
-        before = willing.status.accepted_output
-        until(lambda: willing.status.accepted_output > before + 1, "the lamp is switched again")
+        until(lambda: not willing.state.overridden, "the bridge sees its end")
+        until(lambda: not willing.state.waiting, "the pause is over", 2)
+        before = willing.statistics.accepted_output
+        until(lambda: willing.statistics.accepted_output > before + 1, "the lamp is switched again")
 
 
 def test_drive_commands_that_are_not_enabled_hold_nothing_up(
@@ -99,7 +98,7 @@ def test_drive_commands_that_are_not_enabled_hold_nothing_up(
     bridge = start_bridge("--enable-outputs").connects()
     plan(linear=0.3)
     robot.reboot()
-    until(lambda: bridge.status.reboots == 1, "the reboot is counted", 15)
+    until(lambda: bridge.statistics.reboots == 1, "the reboot is counted", 15)
     with lamp(bus):
-        until(lambda: bridge.status.accepted_output > 1, "the lamp is switched")
+        until(lambda: bridge.statistics.accepted_output > 1, "the lamp is switched")
     assert robot.tap.moves() == []

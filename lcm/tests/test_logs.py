@@ -67,13 +67,13 @@ def test_lcm_logger_records_and_the_log_reads_back(
 
 
 def rejected(bridge: Bridge) -> int:
-    status = bridge.status
+    counted = bridge.statistics
     return int(
-        status.rejected_too_old
-        + status.rejected_repeated
-        + status.rejected_in_future
-        + status.rejected_starting
-        + status.rejected_disarmed
+        counted.rejected_too_old
+        + counted.rejected_repeated
+        + counted.rejected_in_future
+        + counted.rejected_starting
+        + counted.rejected_disarmed
     )
 
 
@@ -103,7 +103,7 @@ def test_a_replayed_log_does_not_move_the_robot(
     until(robot.tap.moves, "live commands drive")
     time.sleep(0.5)
     planner.signal(signal.SIGKILL)
-    until(lambda: not bridge.status.driving, "the lease is over")
+    until(lambda: not bridge.state.driving, "the lease is over")
     finish(logger)
     time.sleep(0.3)
     replayed_us = now_us()
@@ -128,7 +128,7 @@ def test_a_log_replayed_within_max_age_does_not_move_the_robot(
     # Its utime is still later than now.
     for message in bus.of(DRIVE):
         bus.publish(DRIVE, message.data)
-    until(lambda: armed.status.rejected_repeated > 0, "they are refused")
+    until(lambda: armed.statistics.rejected_repeated > 0, "they are refused")
     time.sleep(0.5)
     assert robot.tap.moves(robot_us + 450_000) == []
 
@@ -161,7 +161,7 @@ def test_a_log_replayed_to_a_new_bridge_does_not_move_the_robot(
     before.end()
     bus.messages.clear()
     bridge = start_bridge("--enable-drive", *options).connects()
-    until(lambda: bridge.status and bridge.status.armed, "the new bridge arms")
+    until(lambda: bridge.state and bridge.state.can_drive, "the new bridge can drive")
     replayed_us = now_us()
     replay(run, bus, log)
     until(lambda: bus.of(DRIVE), "the log is heard")

@@ -11,7 +11,7 @@ from rig import Bridge, Bus, Planner, Programs, Robot, until
 
 Plan = Callable[..., Planner]
 
-ENDS = ("DIFFERENTIAL", "LOCALIZATION", "BATTERY", "TELEMETER", "IOCARD", "BRIDGE_STATUS")
+ENDS = ("DIFFERENTIAL", "LOCALIZATION", "BATTERY", "TELEMETER", "IOCARD", "BRIDGE_STATE")
 
 
 def test_ten_robots_in_one_bridge(
@@ -36,18 +36,20 @@ def test_ten_robots_in_one_bridge(
         for end in ENDS:
             bus.hears(f"{name}_{end}", 20)
     until(
-        lambda: all(bus.last(f"{name}_BRIDGE_STATUS").armed for name in names), "all are armed", 20
+        lambda: all(bus.last(f"{name}_BRIDGE_STATE").can_drive for name in names),
+        "all can be driven",
+        20,
     )
 
     # Each has its own gate: R3 is driven, R7's game pad is held, the others stand.
     robots.tell("robot 8 pad a down")
     plan(channel="R3_DRIVE_CMD", linear=0.5)
     until(robots.taps[3].moves, "R3 drives")
-    until(lambda: bus.last("R7_BRIDGE_STATUS").overridden, "R7 is overridden")
+    until(lambda: bus.last("R7_BRIDGE_STATE").overridden, "R7 is overridden")
     time.sleep(1.0)
     for index, tap in enumerate(robots.taps):
         assert bool(tap.moves()) == (index == 3), index
-        assert bus.last(f"R{index}_BRIDGE_STATUS").armed == (index != 7)
+        assert bus.last(f"R{index}_BRIDGE_STATE").can_drive == (index != 7)
 
     # Nothing gets lost or mixed up: each robot's cycles go on in even steps.
     for name in names:
@@ -56,7 +58,7 @@ def test_ten_robots_in_one_bridge(
 
     robots.tell("robot 5 power off")
     until(
-        lambda: bus.last("R4_BRIDGE_STATUS").state != bus.last("R5_BRIDGE_STATUS").state,
+        lambda: bus.last("R4_BRIDGE_STATE").state != bus.last("R5_BRIDGE_STATE").state,
         "the loss of one is the loss of one",
     )
-    assert bus.last("R3_BRIDGE_STATUS").driving
+    assert bus.last("R3_BRIDGE_STATE").driving

@@ -177,7 +177,13 @@ def test_quiet_tells_nothing_and_verbose_tells_each_rejection(
     bridge = start_bridge("--enable-drive", *option.split()).connects()
     for _ in range(3):
         bus.publish("ROBUROC4_DRIVE_CMD", drive_command(0.3, utime=0).encode())
-    until(lambda: bridge.status.rejected_no_utime == 3, "all are counted")
+    until(lambda: bridge.statistics.rejected_no_utime == 3, "all are counted")
     bridge.end()
     assert bridge.output.count("utime") == lines
     assert bool(bridge.output) == (option != "-q")
+
+
+def test_an_old_lcm_is_warned_of(start_bridge: StartBridge) -> None:
+    bridge = start_bridge()
+    bridge.says("bridging")
+    assert ("older than 1.5" in bridge.output) == (bridge.lcm_version < (1, 5))

@@ -88,7 +88,7 @@ def test_every_status_arrives_once_and_with_equal_values(
         begin = expected.index(heard[0])
         assert begin < 60, channel
         assert heard == expected[begin:], channel
-    assert bridge.status.lost == 0
+    assert bridge.statistics.lost == 0
 
 
 def test_times_are_those_of_the_measurement(
@@ -117,7 +117,7 @@ def test_messages_are_no_larger_than_they_need_to_be(
 ) -> None:
     start_bridge().connects()
     bus.hears("ROBUROC4_PROPERTIES")
-    bus.hears("ROBUROC4_BRIDGE_STATUS")
+    bus.hears("ROBUROC4_BRIDGE_STATE")
     most = {
         "DIFFERENTIAL": 40,
         "LOCALIZATION": 52,
@@ -125,7 +125,7 @@ def test_messages_are_no_larger_than_they_need_to_be(
         "TELEMETER": 28 + 2 * 28,
         "IOCARD": 1200,
         "PROPERTIES": 1800,
-        "BRIDGE_STATUS": 700,
+        "BRIDGE_STATE": 700,
     }
     for end, size in most.items():
         for message in bus.of(f"ROBUROC4_{end}"):
@@ -156,20 +156,20 @@ def test_the_bridge_tells_of_itself_five_times_a_second(
 ) -> None:
     bridge = start_bridge().connects()
     until(
-        lambda: bridge.status and bridge.status.state == roburoc4_lcm.bridge_status_t.STATE_READY,
+        lambda: bridge.state and bridge.state.state == roburoc4_lcm.bridge_state_t.STATE_READY,
         "ready",
     )
-    before = len(bus.of("ROBUROC4_BRIDGE_STATUS"))
+    before = len(bus.of("ROBUROC4_BRIDGE_STATE"))
     time.sleep(2.0)
-    assert 7 <= len(bus.of("ROBUROC4_BRIDGE_STATUS")) - before <= 14
-    status = bridge.status
+    assert 7 <= len(bus.of("ROBUROC4_BRIDGE_STATE")) - before <= 14
+    status = bridge.state
     assert status.robot == robot.address
     assert not status.armed
     assert not status.drive_enabled
     assert status.message
     assert 0 <= status.robot_age_us < 1_000_000
     assert status.command_age_us == -1
-    assert abs(status.utime - bus.of("ROBUROC4_BRIDGE_STATUS")[-1].time_us) < 1_000_000
+    assert abs(status.utime - bus.of("ROBUROC4_BRIDGE_STATE")[-1].time_us) < 1_000_000
 
 
 def test_statuses_that_are_no_news_are_not_republished(
@@ -247,7 +247,7 @@ def test_inputs_have_names(robot: Robot, bus: Bus, start_bridge: StartBridge) ->
 
 def test_channels_can_be_renamed(robot: Robot, bus: Bus, start_bridge: StartBridge) -> None:
     start_bridge("--prefix", "PIONEER")
-    for end in ("DIFFERENTIAL", "BRIDGE_STATUS", "PROPERTIES"):
+    for end in ("DIFFERENTIAL", "BRIDGE_STATE", "PROPERTIES"):
         bus.hears(f"PIONEER_{end}")
     assert not [message for message in bus.messages if message.channel.startswith("ROBUROC4")]
 

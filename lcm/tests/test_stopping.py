@@ -17,7 +17,7 @@ StartBridge = Callable[..., Bridge]
 Plan = Callable[..., Planner]
 
 DRIVE = "ROBUROC4_DRIVE_CMD"
-STATUS = "ROBUROC4_BRIDGE_STATUS"
+STATE = "ROBUROC4_BRIDGE_STATE"
 LEASE_US = 300_000
 MARGIN_US = 150_000
 """For a loaded machine; the zero of a sleeping one comes within a millisecond."""
@@ -50,8 +50,8 @@ def test_a_killed_planner_stops_the_robot_within_the_lease(
     last_us = bus.of(DRIVE)[-1].time_us
     assert first_zero_us(robot) - last_us < LEASE_US + MARGIN_US
     until(robot.stands, "the robot stands")
-    assert not armed.status.driving
-    assert armed.status.armed, "a new command would drive again"
+    assert not armed.state.driving
+    assert armed.state.armed, "a new command would drive again"
 
 
 def test_a_hung_planner_stops_the_robot_within_the_lease(
@@ -117,7 +117,7 @@ def test_a_log_that_nobody_reads_does_not_hold_up_a_stop(
     with subprocess.Popen([programs("roburoc4-lcm"), *options], stderr=writing) as bridge:
         ends.callback(bridge.kill)
         os.close(writing)
-        until(lambda: (status := bus.last(STATUS)) and status.armed, "the bridge arms")
+        until(lambda: (state := bus.last(STATE)) and state.can_drive, "it can be driven")
         planner = plan(linear=0.5)
         drives(robot)
         planner.signal(signal.SIGKILL)
@@ -134,7 +134,7 @@ def test_a_killed_bridge_leaves_the_robot_to_its_watchdog(
     plan(linear=0.5)
     drives(robot)
     armed.signal(signal.SIGKILL)
-    until(lambda: robot.speeds()[2] == 0, "the robot's watchdog bites", 2.0)
+    until(lambda: robot.speeds()[2] == 0, "the robot's watchdog trips", 2.0)
     until(robot.stands, "the robot stands")
 
 
@@ -172,7 +172,7 @@ def test_a_lease_runs_while_the_bridge_is_hung(
     # Long enough for the lease, and too short for the robot to count as lost.
     time.sleep(0.12)
     bridge.signal(signal.SIGCONT)
-    until(lambda: bridge.status.rejected_too_old == 1, "it came too late")
+    until(lambda: bridge.statistics.rejected_too_old == 1, "it came too late")
     assert robot.tap.moves() == []
 
 
@@ -189,7 +189,7 @@ def test_an_overflowing_queue_does_not_drive_on_old_commands(
     time.sleep(0.04)
     continued_us = now_us()
     armed.signal(signal.SIGCONT)
-    until(lambda: armed.status.rejected_too_old > 30, "they came too late")
+    until(lambda: armed.statistics.rejected_too_old > 30, "they came too late")
     time.sleep(0.5)
     assert robot.tap.moves(continued_us) == []
     assert "disarmed" not in armed.output
@@ -210,8 +210,8 @@ def test_the_last_of_what_came_while_the_bridge_was_hung_counts(
     until(robot.tap.moves, "a speed reaches the robot")
     until(lambda: not robot.tap.commands()[-1].moves, "the lease is over")
     assert robot.tap.moves()[-1].linear_m_s == -0.25
-    status = armed.status
-    assert status.accepted_drive + status.superseded == 151
+    counted = armed.statistics
+    assert counted.accepted_drive + counted.superseded == 151
 
 
 def test_a_flood_of_commands_does_not_hold_up_a_stop(robot: Robot, bus: Bus, armed: Bridge) -> None:
@@ -224,4 +224,4 @@ def test_a_flood_of_commands_does_not_hold_up_a_stop(robot: Robot, bus: Bus, arm
     bus.publish(DRIVE, drive_command(0.0).encode())
     assert robot.tap.moves(), "it was driven"
     assert first_zero_us(robot) - stop_us < LEASE_US + MARGIN_US
-    assert armed.status.publish_errors == 0
+    assert armed.statistics.publish_errors == 0

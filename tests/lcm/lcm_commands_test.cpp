@@ -70,6 +70,23 @@ Bytes outputs(std::vector<std::int32_t> index, std::vector<std::int8_t> on,
                    roburoc4_lcm_output_command_t_encode);
 }
 
+Bytes stop(std::string sender) {
+    roburoc4_lcm_stop_command_t m{};
+    m.sender = sender.data();
+    return encoded(m, roburoc4_lcm_stop_command_t_encoded_size, roburoc4_lcm_stop_command_t_encode);
+}
+
+Bytes bridge_state(std::string robot = "10.0.0.1:60000", std::string bridge = "lab 17") {
+    std::string text;
+    roburoc4_lcm_bridge_state_t m{};
+    m.utime = 8;
+    m.robot = robot.data();
+    m.bridge = bridge.data();
+    m.started_utime = 9;
+    m.message = m.stopped_by = m.control_owner = text.data();
+    return encoded(m, roburoc4_lcm_bridge_state_t_encoded_size, roburoc4_lcm_bridge_state_t_encode);
+}
+
 /** Decoded from memory of exactly that size, so that a sanitizer sees each byte beyond. */
 bool decode(gate_kind kind, const Bytes &bytes, command *out) {
     const Bytes exact(bytes);
@@ -124,6 +141,35 @@ TEST(LcmCommands, ReadWhatTheGeneratedEncodersWrite) {
     ASSERT_EQ(2U, c.analog_count);
     EXPECT_EQ(3, c.analog[1].index);
     EXPECT_EQ(-2.0F, c.analog[1].value);
+}
+
+TEST(LcmCommands, AStopHasASenderOnlyWhichMayBeEmpty) {
+    command c;
+    for (const std::string sender : {"", "operator"}) {
+        const Bytes bytes = stop(sender);
+        ASSERT_TRUE(command_decode(GATE_STOP, bytes.data(), bytes.size(), &c));
+        EXPECT_EQ(sender, std::string(c.sender, c.sender_length));
+        EXPECT_FALSE(command_decode(GATE_STOP, bytes.data(), bytes.size() - 1, &c));
+        EXPECT_FALSE(command_decode(GATE_DRIVE, bytes.data(), bytes.size(), &c));
+    }
+    EXPECT_FALSE(decode(GATE_STOP, drive(), &c));
+}
+
+TEST(LcmCommands, TellWhichBridgeServesWhichRobot) {
+    const Bytes bytes = bridge_state();
+    bridge_identity found{};
+    ASSERT_TRUE(bridge_identity_decode(bytes.data(), bytes.size(), &found));
+    EXPECT_EQ(8, found.utime);
+    EXPECT_EQ(9, found.started_utime);
+    EXPECT_STREQ("10.0.0.1:60000", found.robot);
+    EXPECT_STREQ("lab 17", found.bridge);
+    for (std::size_t size = 0; size < 8 + 8 + 4 + 15 + 4 + 7 + 8; size++) {
+        const Bytes cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+        EXPECT_FALSE(bridge_identity_decode(cut.data(), cut.size(), &found)) << size;
+    }
+    EXPECT_FALSE(bridge_identity_decode(bytes.data(), 0xFFFFFFF8U, &found));
+    const Bytes other = drive();
+    EXPECT_FALSE(bridge_identity_decode(other.data(), other.size(), &found));
 }
 
 TEST(LcmCommands, OfSeveralValuesForOneOutputTheLaterCounts) {
@@ -188,7 +234,7 @@ TEST(LcmCommands, RejectSizesThatNoCommandHas) {
     const Bytes good = drive(std::string(3000, 's'));
     command c;
     ASSERT_TRUE(decode(GATE_DRIVE, good, &c)) << "for the gate to judge";
-    EXPECT_FALSE(decode(GATE_DRIVE, drive(std::string(COMMAND_MAX_SIZE, 's')), &c));
+    EXPECT_FALSE(decode(GATE_DRIVE, drive(std::string(COMMANDS_MAX_SIZE, 's')), &c));
     Bytes lies = good;
     put_int32(&lies, sender_at, INT32_MAX);
     for (const std::uint32_t size : {0xFFFFFFFFU, 0xFFFFFFF8U, 0x80000000U, 4097U})

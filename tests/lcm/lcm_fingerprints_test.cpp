@@ -24,10 +24,11 @@ const std::filesystem::path root = ROBUROC4_SOURCE_DIR;
 
 std::map<std::string, std::uint64_t> compiled() {
     return {
-        TYPE(battery_status_t),   TYPE(bridge_status_t),      TYPE(differential_status_t),
-        TYPE(drive_command_t),    TYPE(iocard_status_t),      TYPE(localization_status_t),
-        TYPE(output_command_t),   TYPE(relocalize_command_t), TYPE(robot_properties_t),
-        TYPE(telemeter_status_t), TYPE(telemeter_t),
+        TYPE(battery_status_t),      TYPE(bridge_state_t),   TYPE(bridge_statistics_t),
+        TYPE(differential_status_t), TYPE(drive_command_t),  TYPE(iocard_status_t),
+        TYPE(localization_status_t), TYPE(output_command_t), TYPE(relocalize_command_t),
+        TYPE(robot_properties_t),    TYPE(stop_command_t),   TYPE(telemeter_status_t),
+        TYPE(telemeter_t),
     };
 }
 

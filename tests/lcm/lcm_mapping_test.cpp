@@ -58,7 +58,7 @@ void travel(const Message &message,
     travel<type, type##_subscription_t>(message, type##_subscribe,                                 \
                                         type##_publish, [&](const type &got) look)
 
-/** All that a bridge status is made from. */
+/** All that the bridge's state and statistics are made from. */
 struct View {
     View() {
         facts.size = sizeof facts;
@@ -70,6 +70,9 @@ struct View {
         gate_init(&gate, &rules, {0, utime - 10000000});
         view.now = {10000000, utime};
         view.robot = address;
+        view.bridge = "lab 17";
+        view.started_utime = utime - 10000000;
+        view.for_gate = {true, true, 0};
         view.facts = &facts;
         view.link = &link;
         view.gate = &gate;
@@ -95,9 +98,14 @@ struct View {
         mapping_message(&view, room, sizeof room);
         return room;
     }
-    roburoc4_lcm_bridge_status_t status() {
-        roburoc4_lcm_bridge_status_t out;
-        mapping_bridge_status(&view, &texts, &out);
+    roburoc4_lcm_bridge_state_t state() {
+        roburoc4_lcm_bridge_state_t out;
+        mapping_bridge_state(&view, &texts, &out);
+        return out;
+    }
+    roburoc4_lcm_bridge_statistics_t statistics() {
+        roburoc4_lcm_bridge_statistics_t out;
+        mapping_bridge_statistics(&view, &out);
         return out;
     }
 
@@ -192,13 +200,16 @@ TEST(LcmMapping, TelemeterStatusHasTheMountingBesideEachDistance) {
         EXPECT_EQ(2.5F, got.telemeters[1].distance_m);
         EXPECT_EQ(1.1F, got.telemeters[1].x_m);
         EXPECT_EQ(3.5F, got.telemeters[2].distance_m);
-        EXPECT_TRUE(std::isnan(got.telemeters[2].x_m)) << "properties that were not told";
+        EXPECT_TRUE(std::isnan(got.telemeters[2].x_m)) << "properties that were not reported";
     });
 }
 
 TEST(LcmMapping, IoCardStatusHasANameBesideEachValue) {
+    ScriptedRobot robot;
+    robot.texts_refused = true;
+    Bench bench(robot);
+    bench.ready();
     auto names = std::make_unique<mapping_names>();
-    mapping_names_init(names.get());
     const std::uint8_t text[] = "T\xE9l\xE9m\xE8tre";
     mapping_names_set(names.get(), ROBUROC4_IO_ANALOG_INPUT, 1, text, sizeof text - 1);
     mapping_names_set(names.get(), ROBUROC4_IO_DIGITAL_INPUT, 63, text, 1);
@@ -215,7 +226,7 @@ TEST(LcmMapping, IoCardStatusHasANameBesideEachValue) {
         in.analog[at] = static_cast<float>(at) * 0.25F;
     std::int8_t storage[ROBUROC4_MAX_DIGITAL_INPUTS];
     roburoc4_lcm_iocard_status_t out;
-    mapping_iocard(&in, names.get(), utime, storage, &out);
+    mapping_iocard(&in, &bench.client, names.get(), utime, storage, &out);
     TRAVEL(roburoc4_lcm_iocard_status_t, out, {
         EXPECT_EQ(utime, got.utime);
         EXPECT_EQ(static_cast<std::int64_t>(cycles), got.robot_cycles);
@@ -232,6 +243,19 @@ TEST(LcmMapping, IoCardStatusHasANameBesideEachValue) {
         EXPECT_STREQ(roburoc4_channel_name(ROBUROC4_IO_DIGITAL_INPUT, ROBUROC4_DI_PAD_A),
                      got.digital_input_names[8]);
     });
+}
+
+TEST(LcmMapping, OnACardWithOneInputMoreTheButtonAIsOneInput) {
+    ScriptedRobot robot;
+    robot.texts_refused = true;
+    robot.iocard.digital_inputs = 23;
+    Bench bench(robot);
+    bench.ready();
+    auto names = std::make_unique<mapping_names>();
+    char **list = mapping_names_of(names.get(), &bench.client, ROBUROC4_IO_DIGITAL_INPUT);
+    EXPECT_STREQ("", list[8]);
+    EXPECT_STREQ("Game pad \"A\" button", list[9]);
+    EXPECT_STREQ("Game pad \"RB\" button", list[22]);
 }
 
 TEST(LcmMapping, PoseIsXForwardYLeftInTheMainFrame) {
@@ -268,7 +292,6 @@ TEST(LcmMapping, PropertiesAreThoseOfTheRobotAndFitTheBuffer) {
     auto names = std::make_unique<mapping_names>();
     auto storage = std::make_unique<mapping_services>();
     char address[] = "10.0.0.1:60000";
-    mapping_names_init(names.get());
     roburoc4_lcm_robot_properties_t out;
     mapping_properties(&bench.client, names.get(), address, utime, storage.get(), &out);
     roburoc4_differential_properties differential;
@@ -312,7 +335,6 @@ TEST(LcmMapping, PropertiesOfARobotThatIsNotThereAreEmptyLists) {
     auto names = std::make_unique<mapping_names>();
     auto storage = std::make_unique<mapping_services>();
     char address[] = "";
-    mapping_names_init(names.get());
     ASSERT_EQ(0, roburoc4_client_init(client.get(), sizeof *client, nullptr));
     roburoc4_lcm_robot_properties_t out;
     mapping_properties(client.get(), names.get(), address, utime, storage.get(), &out);
@@ -324,11 +346,12 @@ TEST(LcmMapping, PropertiesOfARobotThatIsNotThereAreEmptyLists) {
     });
 }
 
-TEST(LcmMapping, BridgeStatusHasEveryCountUnderItsCause) {
+TEST(LcmMapping, StatisticsHaveEveryCountUnderItsCause) {
     View v;
     v.gate.taken[GATE_DRIVE] = 101;
     v.gate.taken[GATE_RELOCALIZE] = 102;
     v.gate.taken[GATE_OUTPUT] = 103;
+    v.gate.taken[GATE_STOP] = 104;
     for (int cause = 0; cause < GATE_VERDICTS; cause++)
         v.gate.rejected[cause] = 200 + cause;
     v.view.superseded = 301;
@@ -339,14 +362,15 @@ TEST(LcmMapping, BridgeStatusHasEveryCountUnderItsCause) {
     v.view.reboots = 306;
     v.link.round_trip_us = 401;
     v.link.round_trip_min_us = 402;
-    v.link.silence_us = 403;
     v.link.received = 404;
     v.link.lost = 405;
     v.link.loss = 0.5F;
-    TRAVEL(roburoc4_lcm_bridge_status_t, v.status(), {
+    TRAVEL(roburoc4_lcm_bridge_statistics_t, v.statistics(), {
         EXPECT_EQ(101, got.accepted_drive);
         EXPECT_EQ(102, got.accepted_relocalize);
+        EXPECT_STREQ("10.0.0.1:60000", got.robot);
         EXPECT_EQ(103, got.accepted_output);
+        EXPECT_EQ(104, got.accepted_stop);
         EXPECT_EQ(200 + GATE_MALFORMED, got.rejected_malformed);
         EXPECT_EQ(200 + GATE_DISABLED, got.rejected_disabled);
         EXPECT_EQ(200 + GATE_SENDER, got.rejected_sender);
@@ -356,7 +380,7 @@ TEST(LcmMapping, BridgeStatusHasEveryCountUnderItsCause) {
         EXPECT_EQ(200 + GATE_TOO_OLD, got.rejected_too_old);
         EXPECT_EQ(200 + GATE_IN_FUTURE, got.rejected_in_future);
         EXPECT_EQ(200 + GATE_REPEATED, got.rejected_repeated);
-        EXPECT_EQ(200 + GATE_SEAT, got.rejected_seat);
+        EXPECT_EQ(200 + GATE_CONTROL, got.rejected_control);
         EXPECT_EQ(200 + GATE_NOT_READY, got.rejected_not_ready);
         EXPECT_EQ(200 + GATE_DISARMED, got.rejected_disarmed);
         EXPECT_EQ(200 + GATE_IMPOSSIBLE, got.rejected_impossible);
@@ -368,10 +392,21 @@ TEST(LcmMapping, BridgeStatusHasEveryCountUnderItsCause) {
         EXPECT_EQ(306, got.reboots);
         EXPECT_EQ(401, got.round_trip_us);
         EXPECT_EQ(402, got.round_trip_min_us);
-        EXPECT_EQ(403, got.robot_age_us);
         EXPECT_EQ(404, got.received);
         EXPECT_EQ(405, got.lost);
         EXPECT_EQ(0.5F, got.loss);
+    });
+}
+
+TEST(LcmMapping, StateTellsTheBridgeAndItsRules) {
+    View v;
+    v.link.silence_us = 403;
+    TRAVEL(roburoc4_lcm_bridge_state_t, v.state(), {
+        EXPECT_STREQ("10.0.0.1:60000", got.robot);
+        EXPECT_STREQ("lab 17", got.bridge);
+        EXPECT_EQ(utime - 10000000, got.started_utime);
+        EXPECT_EQ(403, got.robot_age_us);
+        EXPECT_TRUE(got.can_drive);
         EXPECT_EQ(300000, got.command_timeout_us);
         EXPECT_EQ(200000, got.max_age_us);
         EXPECT_TRUE(got.drive_enabled);
@@ -380,66 +415,81 @@ TEST(LcmMapping, BridgeStatusHasEveryCountUnderItsCause) {
     });
 }
 
-TEST(LcmMapping, BridgeStatusTellsWhoDrivesAndWhyNobodyCan) {
+TEST(LcmMapping, StateTellsWhoStoppedTheRobot) {
     View v;
-    EXPECT_STREQ("", v.status().commander);
-    EXPECT_EQ(-1, v.status().command_age_us);
+    gate_stop(&v.gate, "operator", 8, v.view.now.us);
+    const roburoc4_lcm_bridge_state_t state = v.state();
+    EXPECT_TRUE(state.stopped && state.waiting);
+    EXPECT_FALSE(state.can_drive);
+    EXPECT_STREQ("operator", state.stopped_by);
+    EXPECT_NE(std::string::npos, v.message().find("stopped by operator; all senders must pause"));
+    v.view.now.us += GATE_PAUSE_US;
+    EXPECT_EQ("stopped by operator; the next command drives", v.message());
+}
+
+TEST(LcmMapping, StateTellsWhoDrivesAndWhyNobodyCan) {
+    View v;
+    EXPECT_STREQ("", v.state().control_owner);
+    EXPECT_EQ(-1, v.state().command_age_us);
     v.command("planner");
     v.view.command_us = 9999000;
-    const roburoc4_lcm_bridge_status_t driving = v.status();
-    EXPECT_STREQ("planner", driving.commander);
+    const roburoc4_lcm_bridge_state_t driving = v.state();
+    EXPECT_STREQ("planner", driving.control_owner);
     EXPECT_STREQ("driving for planner", driving.message);
     EXPECT_EQ(1000, driving.command_age_us);
     EXPECT_EQ(300000, driving.lease_left_us);
-    EXPECT_EQ(0, driving.reason);
+    EXPECT_EQ(0, driving.cause);
     v.facts.armed = v.facts.driving = 0;
     v.facts.disarm_cause = ROBUROC4_ERR_LOST;
-    EXPECT_EQ(ROBUROC4_ERR_LOST, v.status().reason);
+    EXPECT_EQ(ROBUROC4_ERR_LOST, v.state().cause);
     v.facts.arm_refusal = ROBUROC4_ERR_OVERRIDE;
     v.facts.overridden = 1;
-    EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, v.status().reason) << "what stands in the way now";
-    EXPECT_TRUE(v.status().overridden);
+    EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, v.state().cause) << "what prevents it now";
+    EXPECT_TRUE(v.state().overridden);
 }
 
-TEST(LcmMapping, BridgeStatusHasABitForEachFault) {
+TEST(LcmMapping, StateHasABitForEachFault) {
     const struct {
         std::uint32_t fault;
         std::int32_t bit;
     } faults[] = {{ROBUROC4_FAULT_NONE, 0},
-                  {ROBUROC4_FAULT_REFUSED, ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_REFUSED},
-                  {ROBUROC4_FAULT_UNREACHABLE, ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_UNREACHABLE},
-                  {ROBUROC4_FAULT_DOWN, ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_DOWN},
-                  {ROBUROC4_FAULT_DENIED, ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_DENIED},
-                  {ROBUROC4_FAULT_FULL, ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_BUFFERS},
-                  {ROBUROC4_FAULT_OTHER, ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_NETWORK}};
+                  {ROBUROC4_FAULT_REFUSED, ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_REFUSED},
+                  {ROBUROC4_FAULT_UNREACHABLE, ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_UNREACHABLE},
+                  {ROBUROC4_FAULT_DOWN, ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_DOWN},
+                  {ROBUROC4_FAULT_DENIED, ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_DENIED},
+                  {ROBUROC4_FAULT_FULL, ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_BUFFERS},
+                  {ROBUROC4_FAULT_OTHER, ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_NETWORK}};
     for (const auto &each : faults) {
         View v;
         v.view.fault = each.fault;
-        EXPECT_EQ(each.bit, v.status().faults);
+        EXPECT_EQ(each.bit, v.state().faults);
     }
     View v;
     v.facts.other_commander = v.facts.inhibited = v.facts.front_bumper = v.facts.rear_bumper =
         v.facts.battery_low = 1;
     v.link.silence_us = 1000000;
-    EXPECT_EQ(ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_OTHER_COMMANDER |
-                  ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_INHIBITED |
-                  ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_FRONT_BUMPER |
-                  ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_REAR_BUMPER |
-                  ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_BATTERY_LOW |
-                  ROBUROC4_LCM_BRIDGE_STATUS_T_FAULT_SILENT,
-              v.status().faults);
+    v.view.no_socket = v.view.other_bridge = true;
+    EXPECT_EQ(ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_SOCKET |
+                  ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_OTHER_BRIDGE |
+                  ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_OTHER_COMMANDER |
+                  ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_INHIBITED |
+                  ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_FRONT_BUMPER |
+                  ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_REAR_BUMPER |
+                  ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_BATTERY_LOW |
+                  ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_SILENT,
+              v.state().faults);
 }
 
 TEST(LcmMapping, TheMessageSaysWhatToDo) {
     View v;
-    EXPECT_EQ("ready, armed", v.message());
+    EXPECT_EQ("ready; the next command drives", v.message());
     v.facts.inhibited = 1;
     EXPECT_NE(std::string::npos, v.message().find("stands"));
     v.facts.armed = 0;
-    v.view.waiting = true;
+    gate_hold(&v.gate, v.view.now.us);
     v.facts.disarm_cause = ROBUROC4_ERR_OVERRIDE;
     EXPECT_NE(std::string::npos, v.message().find("pause")) << v.message();
-    v.view.waiting = false;
+    v.view.now.us += GATE_PAUSE_US;
     EXPECT_NE(std::string::npos, v.message().find("next command")) << v.message();
     v.facts.arm_refusal = ROBUROC4_ERR_OVERRIDE;
     EXPECT_NE(std::string::npos, v.message().find("[A]")) << v.message();
@@ -448,21 +498,24 @@ TEST(LcmMapping, TheMessageSaysWhatToDo) {
     v.facts.state = ROBUROC4_STATE_CONNECTING;
     v.view.heard = false;
     EXPECT_NE(std::string::npos, v.message().find("10.0.0.1:60000")) << v.message();
-    EXPECT_EQ(-1, v.status().robot_age_us);
+    EXPECT_EQ(-1, v.state().robot_age_us);
     for (std::uint32_t fault = 0; fault <= ROBUROC4_FAULT_OTHER; fault++) {
         v.view.fault = fault;
         EXPECT_LT(v.message().size(), MAPPING_MESSAGE_SIZE - 20U) << "not cut";
     }
+    v.view.no_socket = v.view.other_bridge = true;
+    EXPECT_NE(std::string::npos, v.message().find("no socket for 10.0.0.1:60000")) << v.message();
+    EXPECT_NE(std::string::npos, v.message().find("ANOTHER BRIDGE")) << v.message();
 }
 
 TEST(LcmMapping, StatesAndFlagsAreNumberedAsInTheCore) {
-    EXPECT_EQ(ROBUROC4_STATE_IDLE, ROBUROC4_LCM_BRIDGE_STATUS_T_STATE_IDLE);
-    EXPECT_EQ(ROBUROC4_STATE_CONNECTING, ROBUROC4_LCM_BRIDGE_STATUS_T_STATE_CONNECTING);
-    EXPECT_EQ(ROBUROC4_STATE_DISCOVERING, ROBUROC4_LCM_BRIDGE_STATUS_T_STATE_DISCOVERING);
-    EXPECT_EQ(ROBUROC4_STATE_SUBSCRIBING, ROBUROC4_LCM_BRIDGE_STATUS_T_STATE_SUBSCRIBING);
-    EXPECT_EQ(ROBUROC4_STATE_READY, ROBUROC4_LCM_BRIDGE_STATUS_T_STATE_READY);
-    EXPECT_EQ(ROBUROC4_STATE_LOST, ROBUROC4_LCM_BRIDGE_STATUS_T_STATE_LOST);
-    EXPECT_EQ(ROBUROC4_STATE_CLOSING, ROBUROC4_LCM_BRIDGE_STATUS_T_STATE_CLOSING);
+    EXPECT_EQ(ROBUROC4_STATE_IDLE, ROBUROC4_LCM_BRIDGE_STATE_T_STATE_IDLE);
+    EXPECT_EQ(ROBUROC4_STATE_CONNECTING, ROBUROC4_LCM_BRIDGE_STATE_T_STATE_CONNECTING);
+    EXPECT_EQ(ROBUROC4_STATE_DISCOVERING, ROBUROC4_LCM_BRIDGE_STATE_T_STATE_DISCOVERING);
+    EXPECT_EQ(ROBUROC4_STATE_SUBSCRIBING, ROBUROC4_LCM_BRIDGE_STATE_T_STATE_SUBSCRIBING);
+    EXPECT_EQ(ROBUROC4_STATE_READY, ROBUROC4_LCM_BRIDGE_STATE_T_STATE_READY);
+    EXPECT_EQ(ROBUROC4_STATE_LOST, ROBUROC4_LCM_BRIDGE_STATE_T_STATE_LOST);
+    EXPECT_EQ(ROBUROC4_STATE_CLOSING, ROBUROC4_LCM_BRIDGE_STATE_T_STATE_CLOSING);
     EXPECT_EQ(ROBUROC4_BATTERY_CHARGING, ROBUROC4_LCM_BATTERY_STATUS_T_STATE_CHARGING);
     EXPECT_EQ(ROBUROC4_BATTERY_CHARGED, ROBUROC4_LCM_BATTERY_STATUS_T_STATE_CHARGED);
     EXPECT_EQ(ROBUROC4_BATTERY_OK, ROBUROC4_LCM_BATTERY_STATUS_T_STATE_OK);

@@ -60,10 +60,12 @@ TEST(LcmOptions, OnlyWatchByDefault) {
     EXPECT_EQ(1U, r.out->robot_count);
     EXPECT_STREQ(ROBUROC4_DEFAULT_HOST, r.out->robots[0].host);
     EXPECT_EQ("ROBUROC4_DIFFERENTIAL", channel_of(r, 0, CHANNEL_DIFFERENTIAL));
-    EXPECT_EQ("ROBUROC4_BRIDGE_STATUS", channel_of(r, 0, CHANNEL_BRIDGE_STATUS));
+    EXPECT_EQ("ROBUROC4_BRIDGE_STATE", channel_of(r, 0, CHANNEL_BRIDGE_STATE));
+    EXPECT_EQ("ROBUROC4_BRIDGE_STATISTICS", channel_of(r, 0, CHANNEL_BRIDGE_STATISTICS));
     EXPECT_EQ("ROBUROC4_DRIVE_CMD", channel_of(r, 0, CHANNEL_DRIVE_CMD));
     EXPECT_EQ("ROBUROC4_RELOCALIZE_CMD", channel_of(r, 0, CHANNEL_RELOCALIZE_CMD));
     EXPECT_EQ("ROBUROC4_OUTPUT_CMD", channel_of(r, 0, CHANNEL_OUTPUT_CMD));
+    EXPECT_EQ("ROBUROC4_STOP_CMD", channel_of(r, 0, CHANNEL_STOP_CMD));
     EXPECT_EQ("", channel_of(r, 0, CHANNEL_POSE));
 }
 
@@ -113,7 +115,7 @@ TEST(LcmOptions, RefuseWhatCannotBeMeantAndNameIt) {
         {{"-r", "A=a", "-p", "B"}, "--prefix B"},
         {{"-r", "A.B=a"}, "A.B"},
         {{"-r", "=a"}, "''"},
-        {{"-p", std::string(49, 'p')}, "ppp"},
+        {{"-p", std::string(46, 'p')}, "ppp"},
         {{"--period", "battery"}, "battery"},
         {{"--period", "battery=15"}, "battery=15"},
         {{"--period", "battery=2560"}, "battery=2560"},

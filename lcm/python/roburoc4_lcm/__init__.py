@@ -5,7 +5,8 @@ lcm-gen 1.5.3
 """
 
 from .battery_status_t import battery_status_t as battery_status_t
-from .bridge_status_t import bridge_status_t as bridge_status_t
+from .bridge_state_t import bridge_state_t as bridge_state_t
+from .bridge_statistics_t import bridge_statistics_t as bridge_statistics_t
 from .differential_status_t import differential_status_t as differential_status_t
 from .drive_command_t import drive_command_t as drive_command_t
 from .iocard_status_t import iocard_status_t as iocard_status_t
@@ -13,5 +14,6 @@ from .localization_status_t import localization_status_t as localization_status_
 from .output_command_t import output_command_t as output_command_t
 from .relocalize_command_t import relocalize_command_t as relocalize_command_t
 from .robot_properties_t import robot_properties_t as robot_properties_t
+from .stop_command_t import stop_command_t as stop_command_t
 from .telemeter_status_t import telemeter_status_t as telemeter_status_t
 from .telemeter_t import telemeter_t as telemeter_t

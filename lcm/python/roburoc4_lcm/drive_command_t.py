@@ -11,7 +11,8 @@ import struct
 class drive_command_t(object):
     """
     Drive at these speeds until lease_us after this message arrived, then stop. Nothing else keeps
-    the robot moving, so send it again before the lease ends. Channel ROBUROC4_DRIVE_CMD.
+    the robot moving, so send it again before the lease ends. A speed takes control for its lease;
+    zeros neither take nor keep it. Channel ROBUROC4_DRIVE_CMD.
     """
 
     __slots__ = ["utime", "sender", "linear_m_s", "angular_rad_s", "lease_us"]
@@ -29,8 +30,8 @@ class drive_command_t(object):
 
         self.sender = ""
         """
-        Who sends: 1 to 63 bytes, its own for every run of a program, such as one with its host and
-        process id: two programs with one name share the seat, and both drive
+        Who sends: 1 to 63 bytes, different for every run of a program, for example with host and
+        process id in it: two programs with one name share control, and both drive
         LCM Type: string
         """
 

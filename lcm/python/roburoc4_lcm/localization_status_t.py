@@ -10,7 +10,7 @@ import struct
 
 class localization_status_t(object):
     """
-    Where the robot thinks that it is (manual 4.2.4.7): odometry, "highly inaccurate, especially when
+    Where the robot believes it is (manual 4.2.4.7): odometry, "highly inaccurate, especially when
     turning". Channel ROBUROC4_LOCALIZATION.
     """
 

@@ -30,7 +30,7 @@ class output_command_t(object):
 
         self.sender = ""
         """
-        Who sends: 1 to 63 bytes, its own for every program that commands
+        Who sends: 1 to 63 bytes, different for every program
         LCM Type: string
         """
 

@@ -12,8 +12,8 @@ import roburoc4_lcm
 
 class robot_properties_t(object):
     """
-    What the robot says that it is (manual 4.2.2), once a second and whenever it changes. Values of a
-    service that the robot does not have, or has not told of yet, are 0. Channel ROBUROC4_PROPERTIES.
+    The robot's properties (manual 4.2.2), once a second and whenever they change. Values of a
+    service that the robot does not have, or has not reported yet, are 0. Channel ROBUROC4_PROPERTIES.
     """
 
     __slots__ = ["utime", "robot", "differential_known", "max_linear_m_s", "min_linear_m_s", "max_angular_rad_s", "min_angular_rad_s", "max_linear_m_s2", "min_linear_m_s2", "max_angular_rad_s2", "min_angular_rad_s2", "width_m", "localization_known", "power_on_x_m", "power_on_y_m", "power_on_theta_rad", "power_on_flags", "battery_known", "nominal_voltage_v", "capacity_ah", "minimum_percent", "telemeter_known", "telemeter_count", "telemeters", "iocard_known", "analog_input_count", "analog_input_names", "analog_output_count", "analog_output_names", "digital_input_count", "digital_input_names", "digital_output_count", "digital_output_names", "service_count", "service_ids", "service_types", "service_names"]
@@ -77,7 +77,7 @@ class robot_properties_t(object):
         """ LCM Type: double """
         self.power_on_flags = 0
         """
-        Bits of localization_status_t.FLAG_* bits
+        FLAG_* bits of localization_status_t
         LCM Type: int32_t
         """
 
@@ -109,8 +109,8 @@ class robot_properties_t(object):
 
         self.iocard_known = False
         """
-        Channels of the IO card by their index on the wire: the robot's own text, else the manual's,
-        else "".
+        Channels of the IO card by their index on the wire: the robot's own text, else the manual's
+        name for a card with so many channels, else ""
         LCM Type: boolean
         """
 
@@ -132,7 +132,7 @@ class robot_properties_t(object):
         """ LCM Type: string[digital_output_count] """
         self.service_count = 0
         """
-        The directory: which services there are.
+        The directory: the services of the robot
         LCM Type: int32_t
         """
 
@@ -150,7 +150,7 @@ class robot_properties_t(object):
 
         self.service_names = []
         """
-        The manual's, "" for one that nobody knows
+        The manual's; "" for a service that is not in it
         LCM Type: string[service_count]
         """
 

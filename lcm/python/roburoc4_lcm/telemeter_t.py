@@ -11,7 +11,7 @@ import struct
 class telemeter_t(object):
     """
     One distance sensor: what it measured, and what a viewer needs to draw it (manual 4.2.2.5). All
-    but the distance are NaN while the robot has not said them.
+    but the distance are NaN until the robot has reported them.
     """
 
     __slots__ = ["distance_m", "x_m", "y_m", "theta_rad", "field_of_view_rad", "min_distance_m", "max_distance_m"]

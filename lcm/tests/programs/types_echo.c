@@ -14,10 +14,11 @@
 #define MAX_MESSAGE 65536
 
 #define ALL_TYPES(type)                                                                            \
-    type(battery_status_t) type(bridge_status_t) type(differential_status_t) type(drive_command_t) \
-        type(iocard_status_t) type(localization_status_t) type(output_command_t)                   \
-            type(relocalize_command_t) type(robot_properties_t) type(telemeter_status_t)           \
-                type(telemeter_t)
+    type(battery_status_t) type(bridge_state_t) type(bridge_statistics_t)                          \
+        type(differential_status_t) type(drive_command_t) type(iocard_status_t)                    \
+            type(localization_status_t) type(output_command_t) type(relocalize_command_t)          \
+                type(robot_properties_t) type(stop_command_t) type(telemeter_status_t)             \
+                    type(telemeter_t)
 
 /* Decodes `in` and encodes it into `out`: the length, or less than 0. */
 #define DEFINE_ECHO(name)                                                                          \

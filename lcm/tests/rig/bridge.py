@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """roburoc4-lcm as a process."""
 
+import re
+import subprocess
 from pathlib import Path
 from typing import Any, Self
 
@@ -24,9 +26,10 @@ class Bridge(Program):
     ) -> None:
         self.bus = bus
         self.prefix = "ROBUROC4"
+        self.program = programs("roburoc4-lcm")
         super().__init__(
             folder / "bridge.log",
-            programs("roburoc4-lcm"),
+            self.program,
             "--lcm-url",
             bus.url,
             "--robot",
@@ -39,9 +42,25 @@ class Bridge(Program):
         return f"{self.prefix}_{end}"
 
     @property
-    def status(self) -> Any:
-        """The last bridge_status_t, or None."""
-        return self.bus.last(self.channel("BRIDGE_STATUS"))
+    def state(self) -> Any:
+        """The last bridge_state_t, or None."""
+        return self.bus.last(self.channel("BRIDGE_STATE"))
+
+    @property
+    def statistics(self) -> Any:
+        """A bridge_statistics_t that was published from now on: it counts all that was."""
+        channel = self.channel("BRIDGE_STATISTICS")
+        before = len(self.bus.of(channel))
+        until(lambda: len(self.bus.of(channel)) > before, "statistics")
+        return self.bus.last(channel)
+
+    @property
+    def lcm_version(self) -> tuple[int, ...]:
+        """The version of LCM that it was built with."""
+        said = subprocess.run([self.program, "--version"], capture_output=True, text=True)
+        found = re.search(r"LCM (\d+)\.(\d+)", said.stdout)
+        assert found, said.stdout
+        return int(found[1]), int(found[2])
 
     def connects(self, seconds: float = 10.0) -> Self:
         """Wait until statuses of all five services are on the bus."""
@@ -58,19 +77,10 @@ class Bridge(Program):
         return self
 
     def arms(self) -> Self:
-        """Wait until the next drive command would drive.
-
-        On a machine that is too busy to read statuses in time it may have been armed and disarmed
-        since; then the next command arms it again.
-        """
+        """Wait until the next drive command would drive."""
         self.connects()
-
-        def ready() -> bool:
-            status = self.status
-            return status and (status.armed or ("armed: " in self.output and not status.waiting))
-
         until(
-            ready,
-            f"the bridge arms; it said:\n{self.output}",
+            lambda: self.state and self.state.can_drive,
+            f"the robot can be driven; the bridge said:\n{self.output}",
         )
         return self

@@ -24,7 +24,8 @@ OUTPUTS = {
     "TELEMETER": roburoc4_lcm.telemeter_status_t,
     "IOCARD": roburoc4_lcm.iocard_status_t,
     "PROPERTIES": roburoc4_lcm.robot_properties_t,
-    "BRIDGE_STATUS": roburoc4_lcm.bridge_status_t,
+    "BRIDGE_STATE": roburoc4_lcm.bridge_state_t,
+    "BRIDGE_STATISTICS": roburoc4_lcm.bridge_statistics_t,
 }
 
 
@@ -128,6 +129,12 @@ def drive_command(
     command.linear_m_s = linear_m_s
     command.angular_rad_s = angular_rad_s
     command.lease_us = lease_us
+    return command
+
+
+def stop_command(sender: str = "") -> Any:
+    command = roburoc4_lcm.stop_command_t()
+    command.sender = sender
     return command
 
 

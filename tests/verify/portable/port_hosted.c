@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a target with a C library and a terminal lends to the walk.
+ * What a target with a C library and a terminal lends to the runner.
  */
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "port.h"
+#include "check.h"
 
 void port_begin(void) {}
 

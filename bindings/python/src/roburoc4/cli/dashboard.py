@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 from .errors import ExitCode, unreachable, usage
 from .options import DEFAULT_ROBOT, Options, add_robot, number, whole
 from .output import note
+from .session import address_of
 from .signals import unsuspendable
 
 if TYPE_CHECKING:
@@ -308,7 +309,8 @@ def _simulator(options: DashboardOptions) -> Iterator[Simulator | None]:
 @contextlib.contextmanager
 def _robot(options: DashboardOptions, simulator: Simulator | None) -> Iterator[Robot]:
     """Connect without waiting: the page shows how that goes on."""
-    from roburoc4 import ArgumentError, NetworkError, connect
+    from roburoc4 import ArgumentError, NetworkError, Robot
+    from roburoc4.engine_pump import PumpEngine
     from roburoc4.settings import STATUS_SERVICES, Settings
 
     settings: Settings = {
@@ -322,7 +324,8 @@ def _robot(options: DashboardOptions, simulator: Simulator | None) -> Iterator[R
         settings["allow_unknown_override"] = True
     address = options.robot if simulator is None else simulator.address
     try:
-        robot = connect(address, wait=False, **settings)
+        address_of(address)
+        robot = Robot(PumpEngine(address, settings), settings)
     except ArgumentError as error:
         raise usage(f"--robot: {error}") from None
     except NetworkError as error:

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: MIT
+"""Anyone can stop the robot at any time, and nobody keeps others from driving by zeros."""
+
+import signal
+import time
+from collections.abc import Callable
+
+import pytest
+from rig import Bridge, Bus, Planner, Robot, until
+from rig.bus import drive_command, now_us, stop_command
+
+StartBridge = Callable[..., Bridge]
+Plan = Callable[..., Planner]
+
+DRIVE = "ROBUROC4_DRIVE_CMD"
+STOP = "ROBUROC4_STOP_CMD"
+MARGIN_US = 150_000
+
+
+def drives(robot: Robot) -> None:
+    until(robot.tap.moves, "a speed reaches the robot")
+    until(lambda: robot.speeds()[0] > 0.1, "the robot moves")
+
+
+def stops_for_good(robot: Robot, since_us: int) -> None:
+    """Zeros reach the robot at once, no speed does, and it stands."""
+    until(lambda: robot.tap.commands(since_us), "a command reaches the robot")
+    time.sleep(1.5)
+    zeros = [command for command in robot.tap.commands(since_us) if not command.moves]
+    assert len(zeros) >= 3, "a stop sequence"
+    assert zeros[0].time_us - since_us < MARGIN_US
+    assert robot.tap.moves(since_us + MARGIN_US) == []
+    until(robot.stands, "the robot stands")
+
+
+@pytest.mark.parametrize("sender", ["", "operator", "planner"])
+def test_a_stop_is_obeyed_while_another_drives(
+    robot: Robot, bus: Bus, armed: Bridge, plan: Plan, sender: str
+) -> None:
+    plan(linear=0.5)
+    drives(robot)
+    stop_us = now_us()
+    bus.publish(STOP, stop_command(sender).encode())
+    stops_for_good(robot, stop_us)
+
+
+def test_a_stop_holds_until_a_command_after_a_pause(
+    robot: Robot, bus: Bus, armed: Bridge, plan: Plan
+) -> None:
+    planner = plan(linear=0.5)
+    drives(robot)
+    stop_us = now_us()
+    bus.publish(STOP, stop_command("operator").encode())
+    stops_for_good(robot, stop_us)
+    planner.signal(signal.SIGSTOP)
+    paused_us = now_us()
+    time.sleep(0.8)
+    assert robot.tap.moves(paused_us) == [], "a pause alone does not move it"
+    planner.signal(signal.SIGCONT)
+    until(lambda: robot.tap.moves(paused_us), "the next command drives")
+
+
+@pytest.mark.parametrize(
+    "message",
+    [b"", b"stop!", stop_command("x" * 300).encode(), drive_command(0.5).encode()],
+    ids=["empty", "text", "long", "drive"],
+)
+def test_a_stop_works_whatever_its_message_is(
+    robot: Robot, bus: Bus, armed: Bridge, plan: Plan, message: bytes
+) -> None:
+    plan(linear=0.5)
+    drives(robot)
+    stop_us = now_us()
+    bus.publish(STOP, message)
+    stops_for_good(robot, stop_us)
+
+
+def test_a_stop_right_after_a_command_wins(robot: Robot, bus: Bus, armed: Bridge) -> None:
+    for _ in range(5):
+        bus.publish(DRIVE, drive_command(0.5).encode())
+        bus.publish(STOP, stop_command().encode())
+        stop_us = now_us()
+        bus.publish(DRIVE, drive_command(0.5).encode())
+        time.sleep(0.8)
+        assert robot.tap.moves(stop_us + MARGIN_US) == []
+        assert robot.speeds()[2:] == (0, 0)
+
+
+def test_a_bridge_that_only_watches_stops_the_robot_too(
+    robot: Robot, bus: Bus, start_bridge: StartBridge
+) -> None:
+    start_bridge().connects()
+    assert robot.tap.commands() == []
+    bus.publish(STOP, stop_command("operator").encode())
+    until(lambda: len(robot.tap.commands()) >= 3, "zeros reach the robot")
+    assert robot.tap.moves() == []
+
+
+def test_zeros_of_an_idle_joystick_keep_nobody_out(
+    robot: Robot, bus: Bus, armed: Bridge, plan: Plan
+) -> None:
+    plan(sender="joystick", linear=0.0)
+    time.sleep(1.0)
+    begun_us = now_us()
+    plan(sender="planner", linear=0.5)
+    until(lambda: robot.tap.moves(begun_us), "the planner drives", 2.0)
+    time.sleep(1.0)
+    # And the joystick's zeros do not make it stutter.
+    commands = robot.tap.commands(robot.tap.moves(begun_us)[0].time_us)
+    assert all(command.moves for command in commands)
+
+
+def test_a_zero_of_who_drives_gives_up_control(robot: Robot, bus: Bus, armed: Bridge) -> None:
+    bus.publish(DRIVE, drive_command(0.5, sender="first", lease_us=300_000).encode())
+    until(robot.tap.moves, "the first drives")
+    bus.publish(DRIVE, drive_command(0.0, sender="first", lease_us=300_000).encode())
+    bus.publish(DRIVE, drive_command(-0.5, sender="second", lease_us=300_000).encode())
+    until(lambda: robot.tap.moves()[-1].linear_m_s < 0, "the second drives at once", 0.25)

@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * roburoc4_pump.h - a native thread that keeps one robot's link alive for a program of many
+ * threads.
+ *
+ * A roburoc4_client needs somebody who moves its datagrams in time. The pump is that somebody: one
+ * thread of its own, which receives, sends, repeats a living drive command, and sends the zero
+ * train when the command's lease is over. It is what language bindings stand on: their
+ * interpreter may compute, collect garbage or wait for a lock while the link lives on.
+ *
+ *     roburoc4_pump *pump = roburoc4_pump_create(&address, NULL, 0, &result);
+ *     roburoc4_pump_reader reader = {0};
+ *     roburoc4_pump_wait_events(pump, &reader, ROBUROC4_EVENT_READY, 5000000);
+ *     roburoc4_pump_arm(pump);
+ *     while (...)
+ *         roburoc4_pump_drive(pump, 0.5f, 0.0f, 0);
+ *     roburoc4_pump_destroy(pump);
+ *
+ * WHAT IT PROMISES
+ *
+ *   Motion        the pump never renews a lease: only roburoc4_pump_drive() does, for lease_us from
+ *                 the moment of the call. A program that hangs stops the robot.
+ *   At once       drive(), stop() and the like send before they return; they never wait for the
+ *                 network.
+ *   Readers       have cursors of their own: each sees every sample and every event, as many
+ *                 readers as there are. A slow one loses the oldest samples, and is told how many;
+ *                 it never holds back the pump, the robot or another reader.
+ *   No callback   into your code, ever.
+ *   The end       roburoc4_pump_stop() disarms, sends the zero train where one is due, ends the
+ *                 thread, and wakes whoever waits.
+ *
+ * Threads: all functions can be called from any thread at any time between create and destroy. A
+ * roburoc4_pump_reader is used by one thread at a time. After a fork() the child has no pump: there
+ * every function returns ROBUROC4_ERR_CLOSED, and destroy only gives the memory back.
+ *
+ * Times are those of roburoc4_udp_now_us(). Where a function has the name of one of
+ * roburoc4_client_*(), it does the same, with the same results.
+ */
+#ifndef ROBUROC4_PUMP_H
+#define ROBUROC4_PUMP_H
+
+#include "roburoc4_udp.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ------------------------------------------------------------------------------------ life --- */
+
+/** A client, its socket and its thread. */
+typedef struct roburoc4_pump roburoc4_pump;
+
+/** Samples that are kept for readers unless roburoc4_pump_create() is told otherwise, and the range
+ *  of what it can be told. One sample takes 192 bytes or less. */
+#define ROBUROC4_PUMP_QUEUE_DEFAULT 10000
+#define ROBUROC4_PUMP_QUEUE_MIN 16
+#define ROBUROC4_PUMP_QUEUE_MAX 1000000
+
+/** Open a socket to `address`, start a client with `config` (NULL: all defaults) and the thread,
+ *  which connects by itself. queue_capacity is the number of samples to keep (0: the default).
+ *  Returns NULL on an error; *result (result may be NULL) then says which: ROBUROC4_ERR_ARGUMENT
+ *  (address or capacity), ROBUROC4_ERR_CONFIG (roburoc4_config_error() names the value),
+ *  ROBUROC4_ERR_SYSTEM (no socket, thread or memory; errno says why). An absent robot is no error.
+ *  Give the pump back with roburoc4_pump_destroy(). */
+ROBUROC4_API roburoc4_pump *roburoc4_pump_create(const roburoc4_address *address,
+                                                 const roburoc4_config *config,
+                                                 uint32_t queue_capacity, roburoc4_result *result);
+/** End the link: disarm, send the zero train where one is due, end the thread; wait for that, at
+ *  most the configured robot_watchdog_ms (or three drive periods) and half a second. Whoever waits
+ * in another call gets ROBUROC4_ERR_CLOSED. Afterwards values and samples can still be read,
+ * commands return ROBUROC4_ERR_CLOSED. From any thread, several times: later calls return 0 when it
+ * is over. */
+ROBUROC4_API roburoc4_result roburoc4_pump_stop(roburoc4_pump *pump);
+/** Stop, wait for those who were waiting, free the memory. NULL is fine. No thread may begin a call
+ *  with this pump from here on. */
+ROBUROC4_API void roburoc4_pump_destroy(roburoc4_pump *pump);
+/** 1 while the thread runs, 0 once stop() was called, or in a forked child. */
+ROBUROC4_API int32_t roburoc4_pump_running(roburoc4_pump *pump);
+
+/* --------------------------------------------------------------------- samples and events --- */
+
+/** The value of a sample: the member of its service. */
+typedef union roburoc4_sample_value {
+    roburoc4_inputs inputs;
+    roburoc4_distances distances;
+    roburoc4_battery_status battery;
+    roburoc4_localization_status localization;
+    roburoc4_differential_status differential;
+} roburoc4_sample_value;
+
+/** One status (frozen: this struct never changes). */
+typedef struct roburoc4_sample {
+    uint64_t sequence;     /* 0, 1, 2 ... over all services, in the order of arrival */
+    uint64_t robot_cycles; /* when, on the robot's clock */
+    uint64_t host_us;      /* when it was received, on roburoc4_udp_now_us() */
+    uint32_t service;      /* ROBUROC4_SERVICE_IOCARD (inputs), _TELEMETER (distances), _BATTERY,
+                              _LOCALIZATION, _DIFFERENTIAL */
+    uint32_t reserved;
+    roburoc4_sample_value value;
+} roburoc4_sample;
+
+/** How far somebody has read. Declare as many as you like; nothing needs to be given back. A reader
+ *  whose bytes are all zero begins at the beginning: with all events since create, and with the
+ *  first sample (what was overwritten since counts as lost). */
+typedef struct roburoc4_pump_reader {
+    uint64_t next_sample; /* sequence of the next sample to read */
+    uint64_t lost;        /* samples that this reader came too late for */
+    uint64_t next_event;  /* private */
+} roburoc4_pump_reader;
+
+/** Begin here instead: only samples and events from now on. ROBUROC4_ERR_CLOSED in a forked child
+ * only. */
+ROBUROC4_API roburoc4_result roburoc4_pump_reader_init(roburoc4_pump *pump,
+                                                       roburoc4_pump_reader *reader);
+/** Copy up to `capacity` samples, oldest first; never waits. Returns their number, 0 when all were
+ *  read; ROBUROC4_ERR_CLOSED when all were read and none will come. reader->lost grows by the
+ *  samples that were overwritten before this call. */
+ROBUROC4_API roburoc4_result roburoc4_pump_read_samples(roburoc4_pump *pump,
+                                                        roburoc4_pump_reader *reader,
+                                                        roburoc4_sample *samples,
+                                                        uint32_t capacity);
+/** Wait until there is a sample to read, at most timeout_us. Returns how many there are, 0 when the
+ *  time is over, ROBUROC4_ERR_CLOSED when none is left and none will come. */
+ROBUROC4_API roburoc4_result roburoc4_pump_wait_samples(roburoc4_pump *pump,
+                                                        const roburoc4_pump_reader *reader,
+                                                        uint32_t timeout_us);
+/** ROBUROC4_EVENT_* bits since this reader's last take; other readers keep theirs. 0 when there is
+ *  none; ROBUROC4_ERR_CLOSED when there is none and none will come. */
+ROBUROC4_API roburoc4_result roburoc4_pump_take_events(roburoc4_pump *pump,
+                                                       roburoc4_pump_reader *reader);
+/** Wait until one of the events in `mask` is there to take, at most timeout_us. Returns those of
+ *  the mask that are, without taking them; 0 when the time is over; ROBUROC4_ERR_CLOSED when there
+ *  is none and none will come. */
+ROBUROC4_API roburoc4_result roburoc4_pump_wait_events(roburoc4_pump *pump,
+                                                       const roburoc4_pump_reader *reader,
+                                                       uint32_t mask, uint32_t timeout_us);
+
+/* -------------------------------------------------------------------------------- commands --- */
+/* Each does what its namesake of roburoc4.h does, and sends at once. All of them also return
+ * ROBUROC4_ERR_CLOSED. */
+
+ROBUROC4_API roburoc4_result roburoc4_pump_arm(roburoc4_pump *pump);
+ROBUROC4_API roburoc4_result roburoc4_pump_disarm(roburoc4_pump *pump);
+/** lease_us: 0 for the configured lease. */
+ROBUROC4_API roburoc4_result roburoc4_pump_drive(roburoc4_pump *pump, float linear_m_s,
+                                                 float angular_rad_s, uint32_t lease_us);
+/** Stop the robot (roburoc4_pump_stop() ends the pump). */
+ROBUROC4_API roburoc4_result roburoc4_pump_stop_robot(roburoc4_pump *pump);
+ROBUROC4_API roburoc4_result roburoc4_pump_set_digital_output(roburoc4_pump *pump, uint32_t index,
+                                                              int32_t on);
+ROBUROC4_API roburoc4_result roburoc4_pump_set_digital_outputs(roburoc4_pump *pump, uint64_t mask,
+                                                               uint64_t values);
+ROBUROC4_API roburoc4_result roburoc4_pump_set_analog_output(roburoc4_pump *pump, uint32_t index,
+                                                             float value);
+ROBUROC4_API roburoc4_result roburoc4_pump_relocalize(roburoc4_pump *pump, double x_m, double y_m,
+                                                      double theta_rad);
+ROBUROC4_API roburoc4_result roburoc4_pump_subscribe(roburoc4_pump *pump, uint32_t service,
+                                                     uint32_t period_ms);
+ROBUROC4_API roburoc4_result roburoc4_pump_unsubscribe(roburoc4_pump *pump, uint32_t service);
+ROBUROC4_API roburoc4_result roburoc4_pump_set_role_index(roburoc4_pump *pump, uint32_t role,
+                                                          int32_t index);
+
+/* ------------------------------------------------------------------------ facts and values --- */
+/* As their namesakes; still readable after roburoc4_pump_stop(). Those that return a
+ * roburoc4_result return ROBUROC4_ERR_CLOSED in a forked child, the others 0. */
+
+/** ROBUROC4_STATE_*. */
+ROBUROC4_API uint32_t roburoc4_pump_state(roburoc4_pump *pump);
+ROBUROC4_API roburoc4_result roburoc4_pump_facts(roburoc4_pump *pump, roburoc4_facts *facts);
+ROBUROC4_API roburoc4_result roburoc4_pump_link(roburoc4_pump *pump, roburoc4_link *link);
+ROBUROC4_API roburoc4_result roburoc4_pump_service_link(roburoc4_pump *pump, uint32_t service,
+                                                        roburoc4_service_link *link);
+ROBUROC4_API roburoc4_result roburoc4_pump_host_time(roburoc4_pump *pump, uint64_t robot_cycles,
+                                                     uint64_t *host_us);
+/** One of ROBUROC4_COUNT_*. */
+ROBUROC4_API uint32_t roburoc4_pump_count(roburoc4_pump *pump, uint32_t counter);
+/** One of ROBUROC4_UDP_COUNT_*. */
+ROBUROC4_API uint32_t roburoc4_pump_udp_count(roburoc4_pump *pump, uint32_t counter);
+/** ROBUROC4_FAULT_*; its text is roburoc4_udp_fault_text(). */
+ROBUROC4_API uint32_t roburoc4_pump_fault(roburoc4_pump *pump);
+/** The robot's address. */
+ROBUROC4_API roburoc4_result roburoc4_pump_address(roburoc4_pump *pump, roburoc4_address *out);
+
+ROBUROC4_API uint32_t roburoc4_pump_service_count(roburoc4_pump *pump);
+ROBUROC4_API roburoc4_result roburoc4_pump_service_at(roburoc4_pump *pump, uint32_t index,
+                                                      roburoc4_directory_entry *out);
+ROBUROC4_API roburoc4_result roburoc4_pump_service_id(roburoc4_pump *pump, uint32_t service);
+ROBUROC4_API roburoc4_result roburoc4_pump_iocard_properties(roburoc4_pump *pump,
+                                                             roburoc4_iocard_properties *out);
+ROBUROC4_API roburoc4_result roburoc4_pump_battery_properties(roburoc4_pump *pump,
+                                                              roburoc4_battery_properties *out);
+ROBUROC4_API roburoc4_result
+roburoc4_pump_localization_properties(roburoc4_pump *pump, roburoc4_localization_properties *out);
+ROBUROC4_API roburoc4_result
+roburoc4_pump_differential_properties(roburoc4_pump *pump, roburoc4_differential_properties *out);
+ROBUROC4_API uint32_t roburoc4_pump_telemeter_count(roburoc4_pump *pump);
+ROBUROC4_API roburoc4_result roburoc4_pump_telemeter(roburoc4_pump *pump, uint32_t index,
+                                                     roburoc4_telemeter *out);
+ROBUROC4_API roburoc4_result roburoc4_pump_role_index(roburoc4_pump *pump, uint32_t role);
+
+ROBUROC4_API roburoc4_result roburoc4_pump_battery(roburoc4_pump *pump,
+                                                   roburoc4_battery_status *out, uint64_t *host_us);
+ROBUROC4_API roburoc4_result roburoc4_pump_localization(roburoc4_pump *pump,
+                                                        roburoc4_localization_status *out,
+                                                        uint64_t *host_us);
+ROBUROC4_API roburoc4_result roburoc4_pump_differential(roburoc4_pump *pump,
+                                                        roburoc4_differential_status *out,
+                                                        uint64_t *host_us);
+ROBUROC4_API roburoc4_result roburoc4_pump_inputs(roburoc4_pump *pump, roburoc4_inputs *out,
+                                                  uint64_t *host_us);
+ROBUROC4_API roburoc4_result roburoc4_pump_distances(roburoc4_pump *pump, roburoc4_distances *out,
+                                                     uint64_t *host_us);
+
+/** Bytes that are kept of a description; a longer text is cut there. */
+#define ROBUROC4_PUMP_DESCRIPTION_MAX 63
+
+/** The text that the robot gave for an IO channel (io_type ROBUROC4_IO_*, index on the wire) or for
+ *  entry `index` of its directory (io_type -1). Writes it with a NUL after it and returns its
+ *  length; the text's character set is the robot's secret, and it may be empty. A buffer of
+ *  ROBUROC4_PUMP_DESCRIPTION_MAX + 1 always suffices. ROBUROC4_ERR_UNKNOWN: the robot gave none
+ *  (yet); ROBUROC4_ERR_INDEX: beyond the client's capacities; ROBUROC4_ERR_ARGUMENT: no such
+ *  io_type; ROBUROC4_ERR_BUFFER. */
+ROBUROC4_API roburoc4_result roburoc4_pump_description(roburoc4_pump *pump, int32_t io_type,
+                                                       uint32_t index, char *buffer,
+                                                       size_t capacity);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

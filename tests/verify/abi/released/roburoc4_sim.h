@@ -1,0 +1,348 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * roburoc4_sim.h - a simulated RobuROC4: the robot's side of the UDP protocol, its motion, its
+ * sensors and its control panel, to try clients on without a robot.
+ *
+ * THE MODEL
+ *
+ * Like the client it is a state machine without socket, clock or thread. You move the datagrams
+ * and tell it the time; in between you act as the person beside the robot:
+ *
+ *     roburoc4_sim_receive()        a datagram came in from a peer
+ *     roburoc4_sim_advance()        time went on: run the 10 ms low level cycles up to now
+ *     roburoc4_sim_poll_transmit()  the next datagram to send and to whom, until 0
+ *     roburoc4_sim_next_deadline()  when to call advance() next
+ *     roburoc4_sim_set_...()        power, game pad, emergency stops, bumpers, boxes ...
+ *     roburoc4_sim_snapshot()       all that an observer could know, the true pose too
+ *
+ * The same configuration, seed and calls give the same bytes. roburoc4-sim is this model behind
+ * a UDP socket.
+ *
+ * CONVENTIONS
+ *
+ *   Units, frame and results as in roburoc4.h. A `peer` is any 64-bit number by which you know a
+ *   sender (an address and port, or just 1); answers and statuses go to the peer that asked.
+ *   Memory is allocated by the create functions only and freed by the destroy functions.
+ *   One simulator is used by one thread at a time; different ones by any threads.
+ *   Setters that cannot do what is asked return an error and change nothing.
+ */
+#ifndef ROBUROC4_SIM_H
+#define ROBUROC4_SIM_H
+
+#include "roburoc4.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#ifndef ROBUROC4_SIM_API
+#define ROBUROC4_SIM_API
+#endif
+
+/* -------------------------------------------------------------------------- configuration --- */
+
+/** The longest datagram that the simulator sends. */
+#define ROBUROC4_SIM_MAX_TRANSMIT 512
+/** Peers that it remembers at once; each can subscribe to every service. */
+#define ROBUROC4_SIM_MAX_PEERS 64
+/** Boxes and walls of its world. */
+#define ROBUROC4_SIM_MAX_BOXES 64
+/** The most channels that it can be given, of each type. */
+#define ROBUROC4_SIM_MAX_ANALOG 64
+#define ROBUROC4_SIM_MAX_DIGITAL 256
+
+/** What a QUERY (4.2.3) gets. */
+#define ROBUROC4_SIM_QUERY_ANSWERED 0
+#define ROBUROC4_SIM_QUERY_SILENT 1  /* no answer at all */
+#define ROBUROC4_SIM_QUERY_REFUSED 2 /* error 2: action not supported */
+
+/** Configuration of a simulated robot. Fill it with roburoc4_sim_config_init(), then change what
+ *  you need. Arrays by service use ROBUROC4_SERVICE_* as index, masks `1u << ROBUROC4_SERVICE_*`.
+ */
+typedef struct roburoc4_sim_config {
+    uint32_t size;             /* sizeof(roburoc4_sim_config), set by init */
+    uint32_t watchdog_cycles;  /* cycles without speed command until it stops: 1 to 1000000; 100 */
+    uint64_t seed;             /* of all its noise; 1 */
+    uint16_t service_ids[8];   /* wire ids; 0 to 6. The first two stay 0 and 1, all differ */
+    uint16_t service_types[8]; /* type codes in the directory */
+    uint32_t plain_types;      /* 1: every type code is one that nobody knows */
+    uint32_t hidden_services;  /* mask of services that the robot lacks (not the first two); 0 */
+    uint32_t refused_inserts;  /* mask of services that cannot be subscribed to; 0 */
+    uint32_t query_mode;       /* ROBUROC4_SIM_QUERY_* */
+    uint32_t answer_id_fixed;  /* 1: every answer carries id 0x01, as the manual prints it */
+    uint32_t only_id_fixed;    /* 1: requests whose id is not 0x01 are ignored */
+    uint32_t error_header;     /* 1: an error answer carries header 0x00, not the request's id */
+    uint32_t start_safe;       /* 1: power on leaves the motors off until the motor button; 0 */
+    /* IO card. With 10 analog or 23 digital inputs the manual's numbers (5.5.1) are literal: all
+     * from 03 on lie one index higher than on a robot with the usual 9 and 22. */
+    int32_t analog_inputs, analog_outputs;   /* 9 and 0; up to ROBUROC4_SIM_MAX_ANALOG */
+    int32_t digital_inputs, digital_outputs; /* 22 and 8; up to ROBUROC4_SIM_MAX_DIGITAL */
+    /* Speed limits, accelerations and width that its properties report (4.2.2.8). The robot obeys
+     * them where they are finite with min <= 0 <= max, else the defaults: +-2.6 m/s, +-6.5 rad/s,
+     * +-3 m/s2, +-8 rad/s2, 0.68 m. The accelerations leave a step from rest to full speed
+     * untouched and flatten larger ones, such as from full ahead to full astern. */
+    float max_linear_m_s, min_linear_m_s;
+    float max_angular_rad_s, min_angular_rad_s;
+    float max_linear_m_s2, min_linear_m_s2;
+    float max_angular_rad_s2, min_angular_rad_s2;
+    float width_m;
+    float slip; /* share of a turn that skidding eats, 0 (no slip, no noise) to 0.9; 0.12 */
+    /* Battery (4.2.2.6): 24 V, 60 Ah, cannot operate below 20 %; starts with 100 %. */
+    float nominal_voltage_v; /* 1 to 1000 */
+    float capacity_ah;       /* 0.001 to 100000 */
+    float battery_percent;   /* 0 to 100 */
+    uint32_t minimum_percent;
+    double start_x_m, start_y_m, start_theta_rad; /* true pose and odometry at creation; 0, 0, 0 */
+} roburoc4_sim_config;
+
+/** Fill with the defaults: a RobuROC4 as the manual describes it. */
+ROBUROC4_SIM_API void roburoc4_sim_config_init(roburoc4_sim_config *config);
+/** What is wrong with a configuration and how to mend it, as one English sentence; NULL if nothing
+ *  is. Lives as long as the program. */
+ROBUROC4_SIM_API const char *roburoc4_sim_config_error(const roburoc4_sim_config *config);
+/** Read the text of an `udpserver.cfg` (4.2.5.6): an INI file of which `Watchdog` of the section
+ *  `DifferentialService` is used (in cycles of 10 ms); everything else is skipped.
+ *  ROBUROC4_ERR_VALUE: `error` (capacity bytes, may be NULL with 0) names line and remedy, and the
+ *  configuration is unchanged. */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_config_read(roburoc4_sim_config *config,
+                                                          const char *text, size_t length,
+                                                          char *error, size_t capacity);
+
+/* ------------------------------------------------------------------------------- the robot --- */
+
+typedef struct roburoc4_sim roburoc4_sim;
+
+/** A powered robot at its start pose in its default world: a room with a few boxes, of which none
+ *  is nearer than 5 m. Every knob is released, the brakes are AUTOMATIC, the motors are on (unless
+ *  start_safe). config may be NULL for the defaults. NULL: a bad configuration (see
+ *  roburoc4_sim_config_error()), or no memory. */
+ROBUROC4_SIM_API roburoc4_sim *roburoc4_sim_create(const roburoc4_sim_config *config);
+/** Free it; NULL is ignored. */
+ROBUROC4_SIM_API void roburoc4_sim_destroy(roburoc4_sim *sim);
+
+/** Give it another configuration, as if it had been changed while the power was off: a robot that
+ *  is on reboots. Its place, its battery and the world stay; pinned inputs are let go.
+ * ROBUROC4_ERR_CONFIG: a bad configuration, nothing was changed. */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_reconfigure(roburoc4_sim *sim,
+                                                          const roburoc4_sim_config *config);
+
+/** A datagram of any content and length came from `peer`, at the time of the last advance(). */
+ROBUROC4_SIM_API void roburoc4_sim_receive(roburoc4_sim *sim, uint64_t peer, const uint8_t *data,
+                                           size_t size);
+/** Run all cycles that are due at now_us. The first call sets when cycle 0 was and runs none. A
+ *  time before the last is ignored. After a long step, datagrams that find the transmit queue full
+ *  (32 KiB) are dropped and counted: step by next_deadline() to have them all. */
+ROBUROC4_SIM_API void roburoc4_sim_advance(roburoc4_sim *sim, uint64_t now_us);
+/** Take the next datagram to send: its length, or 0 when there is none. ROBUROC4_ERR_BUFFER leaves
+ *  it where it is; ROBUROC4_SIM_MAX_TRANSMIT bytes are always enough. */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_poll_transmit(roburoc4_sim *sim, uint64_t *peer,
+                                                            uint8_t *buffer, size_t capacity);
+/** When the next cycle is due: 0 before the first advance(). */
+ROBUROC4_SIM_API uint64_t roburoc4_sim_next_deadline(const roburoc4_sim *sim);
+/** The network says that nobody listens at the peer's address (ICMP port unreachable). Reports at
+ *  least 2 s apart, of a peer that sent nothing for 5 s, end its subscriptions. */
+ROBUROC4_SIM_API void roburoc4_sim_peer_unreachable(roburoc4_sim *sim, uint64_t peer);
+
+/* --------------------------------------------- the control panel, remote control (5.1, 5.2) --- */
+
+/** Main power switch. Off (0): silent, motors off, all subscriptions gone. On (1) after off is a
+ *  reboot: cycles from 0, odometry at the start pose, targets 0. The robot stays where it is. */
+ROBUROC4_SIM_API void roburoc4_sim_set_power(roburoc4_sim *sim, int32_t on);
+
+#define ROBUROC4_SIM_ESTOP_LOCAL 0
+#define ROBUROC4_SIM_ESTOP_REMOTE 1
+/** Press (1) or release (0) an emergency stop; pressed, it cuts the motors' power and the robot
+ *  brakes. Releasing alone brings no power back. ROBUROC4_ERR_ARGUMENT for an unknown one. */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_set_estop(roburoc4_sim *sim, uint32_t which,
+                                                        int32_t pressed);
+
+#define ROBUROC4_SIM_BRAKES_AUTOMATIC 0
+#define ROBUROC4_SIM_BRAKES_RELEASED 1
+/** Brakes selector. RELEASED cuts the motors' power, and the robot rolls out instead of braking.
+ *  ROBUROC4_ERR_ARGUMENT for an unknown position. */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_set_brakes(roburoc4_sim *sim, uint32_t position);
+/** Press the motor-power button. ROBUROC4_ERR_STATE, and still no power, unless the main power is
+ *  on, both emergency stops are released and the brakes are AUTOMATIC. */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_press_motor_button(roburoc4_sim *sim);
+/** Plug in (1) or pull (0) the battery charger. */
+ROBUROC4_SIM_API void roburoc4_sim_set_charger(roburoc4_sim *sim, int32_t plugged);
+/** Remaining energy, 0 to 100; else ROBUROC4_ERR_ARGUMENT. An empty battery stays at 0 and the
+ *  robot goes on, so that a test decides when the power goes. */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_set_battery_percent(roburoc4_sim *sim, float percent);
+
+/* -------------------------------------------------------- the game pad (4.1, 5.4), the inputs ---
+ */
+
+/** Press (1) or release (0) a button: ROBUROC4_DI_PAD_A to ROBUROC4_DI_PAD_RB, on any robot. While
+ *  [A] is held the pad's axes drive and speed commands are ignored; after it the target is 0 until
+ *  the next command. ROBUROC4_ERR_INDEX for another number. */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_set_pad_button(roburoc4_sim *sim, uint32_t button,
+                                                             int32_t down);
+/** Move an axis: ROBUROC4_AI_PAD_LJ_X to ROBUROC4_AI_PAD_RT, on any robot, to -1..1. Sticks rest at
+ *  0 and go to 1 at right and up; the triggers LT and RT rest at -1 and reach 1 fully pressed. RT
+ *  drives forward, LT backward, LJ_X turns (right is clockwise); full means the robot's limit.
+ *  ROBUROC4_ERR_INDEX, ROBUROC4_ERR_ARGUMENT. */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_set_pad_axis(roburoc4_sim *sim, uint32_t axis,
+                                                           float value);
+/** Let all buttons and axes go. */
+ROBUROC4_SIM_API void roburoc4_sim_release_pad(roburoc4_sim *sim);
+
+#define ROBUROC4_SIM_FRONT 0
+#define ROBUROC4_SIM_REAR 1
+/** Press (1) a bumper by hand, or let go (0); contact with an obstacle presses it as well. A
+ *  pressed bumper stops motion towards it; the other direction is free. ROBUROC4_ERR_ARGUMENT. */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_set_bumper(roburoc4_sim *sim, uint32_t which,
+                                                         int32_t pressed);
+/** Pin the value that an input reports, whatever the model says (it does not drive by it): any
+ *  float, NaN too. index is that on the wire; ROBUROC4_ERR_INDEX beyond the last. */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_pin_analog_input(roburoc4_sim *sim, uint32_t index,
+                                                               float value);
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_pin_digital_input(roburoc4_sim *sim, uint32_t index,
+                                                                int32_t on);
+/** Unpin all inputs. */
+ROBUROC4_SIM_API void roburoc4_sim_unpin_inputs(roburoc4_sim *sim);
+
+/* ----------------------------------------------------------------------------- the world --- */
+/*
+ * Boxes on the floor, seen by the telemeters and hit by the bumpers. The robot's body, 1.310 m
+ * long and 0.750 m wide around its pose, is never inside of one.
+ */
+
+/** Add a box by its centre, its sizes (0.01 to 10000 m) along its own axes, and its orientation.
+ *  Its number (0 or more), ROBUROC4_ERR_ARGUMENT (a value), ROBUROC4_ERR_STATE (the robot stands
+ *  there), ROBUROC4_ERR_BUFFER (the world is full). */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_add_box(roburoc4_sim *sim, double x_m, double y_m,
+                                                      double size_x_m, double size_y_m,
+                                                      double theta_rad);
+/** Add a wall, 0.1 m thick, between two points. Results of roburoc4_sim_add_box(). */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_add_wall(roburoc4_sim *sim, double x1_m, double y1_m,
+                                                       double x2_m, double y2_m);
+/** Move box `number`. ROBUROC4_ERR_INDEX, or the results of roburoc4_sim_add_box(). */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_move_box(roburoc4_sim *sim, uint32_t number,
+                                                       double x_m, double y_m, double theta_rad);
+/** Remove all boxes and walls. */
+ROBUROC4_SIM_API void roburoc4_sim_clear_world(roburoc4_sim *sim);
+/** Lift the robot to another true pose, at rest; its odometry notices nothing.
+ *  ROBUROC4_ERR_ARGUMENT (not finite), ROBUROC4_ERR_STATE (an obstacle is there). */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_place(roburoc4_sim *sim, double x_m, double y_m,
+                                                    double theta_rad);
+
+/* --------------------------------------------------------------------------- observation --- */
+
+/** All that can be known about the robot. */
+typedef struct roburoc4_sim_state {
+    uint32_t size;          /* set it to sizeof(roburoc4_sim_state) before the call */
+    uint32_t battery_state; /* ROBUROC4_BATTERY_* */
+    uint64_t now_us;        /* time of the last advance() */
+    uint64_t cycles;        /* low level cycles since power on */
+    /* where it is, and how its body moves */
+    double true_x_m, true_y_m, true_theta_rad;
+    double true_linear_m_s, true_angular_rad_s;
+    /* what its wheels say: the localization and differential services */
+    double odometry_x_m, odometry_y_m, odometry_theta_rad;
+    double wheel_linear_m_s, wheel_angular_rad_s;
+    double target_linear_m_s, target_angular_rad_s;
+    /* the last differential command that had the right length, accepted or not, as it was sent */
+    double last_linear_m_s, last_angular_rad_s;
+    uint64_t last_command_us;
+    float telemeters_m[2]; /* ROBUROC4_TELEMETER_* */
+    float battery_percent, battery_v;
+    /* 1 or 0 */
+    int32_t powered, motors_enabled;
+    int32_t estop_local, estop_remote, brakes_released, charger;
+    int32_t overridden;      /* [A] is held */
+    int32_t watchdog_bitten; /* no speed command for too long, or none since power on */
+    int32_t bumper_front, bumper_rear;
+    /* since creation, reboots included */
+    uint32_t reboots;                /* power on after power off */
+    uint32_t requests, errors;       /* requests received; answered with an error */
+    uint32_t speed_commands;         /* differential commands of the right length */
+    uint32_t nonzero_speed_commands; /* of these: not both speeds 0 */
+    uint32_t refused_speed_commands; /* of these: not finite, or [A] was held */
+    uint32_t io_commands;            /* IO card commands of the right length */
+    uint32_t ignored;                /* datagrams that mean nothing to it */
+    uint32_t dropped;                /* datagrams that it could not queue */
+    /* now */
+    uint32_t peers;         /* with at least one subscription */
+    uint32_t subscriptions; /* of all peers */
+} roburoc4_sim_state;
+
+/** Read the state. ROBUROC4_ERR_SIZE: state->size is not the library's. */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_snapshot(const roburoc4_sim *sim,
+                                                       roburoc4_sim_state *state);
+/** The last commanded value of an output (0 before the first command and after a reboot);
+ *  ROBUROC4_ERR_INDEX beyond the last. Digital output 0 is the robot's own: 1 while speed
+ *  commands feed its watchdog. */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_analog_output(const roburoc4_sim *sim, uint32_t index,
+                                                            float *value);
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_digital_output(const roburoc4_sim *sim,
+                                                             uint32_t index);
+/** The period in cycles at which `peer` is sent the statuses of a service (ROBUROC4_SERVICE_*, not
+ *  its wire id); 0 if it did not subscribe. */
+ROBUROC4_SIM_API uint32_t roburoc4_sim_subscription(const roburoc4_sim *sim, uint64_t peer,
+                                                    uint32_t service);
+
+/** Obey one line of text, such as `pad a down`, `pad rt 0.5`, `estop local press`, `power off`;
+ *  `help` lists them all. `reply` (capacity bytes, at least 1) gets "ok", the text that was asked
+ *  for, or what is wrong; ROBUROC4_SIM_REPLY bytes hold the longest. An empty line, or one that
+ *  begins with `#`, does nothing. ROBUROC4_ERR_ARGUMENT: not understood, nothing was changed.
+ *  ROBUROC4_ERR_STATE: understood, but it cannot be done now. */
+#define ROBUROC4_SIM_REPLY 2048
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_panel(roburoc4_sim *sim, const char *line,
+                                                    char *reply, size_t capacity);
+
+/* ------------------------------------------------------------------- a network with faults --- */
+/*
+ * One direction of a bad network in virtual time: push what is sent, poll what arrives. Use two,
+ * one for each direction, between a client and a simulator, or between any two.
+ */
+
+/** Faults; the shares are 0 to 1, each datagram's luck is drawn on its own. */
+typedef struct roburoc4_sim_faults {
+    double loss;        /* never arrives */
+    double duplicate;   /* arrives twice */
+    double reorder;     /* is held back 1 to 40 ms longer, so that later ones overtake it */
+    double corrupt;     /* one to four bits are flipped, or (one in four) its end is cut off */
+    uint32_t delay_us;  /* of every datagram */
+    uint32_t jitter_us; /* and up to so much more; jitter alone never changes the order */
+} roburoc4_sim_faults;
+
+typedef struct roburoc4_sim_channel roburoc4_sim_channel;
+
+/** A channel that holds up to `datagrams` (1 to 65536) in flight, of up to `longest` (1 to 65507)
+ *  bytes each. NULL: an argument outside its range, or no memory. faults may be NULL for none. */
+ROBUROC4_SIM_API roburoc4_sim_channel *
+roburoc4_sim_channel_create(const roburoc4_sim_faults *faults, uint64_t seed, uint32_t datagrams,
+                            uint32_t longest);
+/** Free it; NULL is ignored. */
+ROBUROC4_SIM_API void roburoc4_sim_channel_destroy(roburoc4_sim_channel *channel);
+/** Other faults from now on; what is in flight stays so. ROBUROC4_ERR_ARGUMENT: a share that is
+ *  not within 0 to 1, nothing was changed. */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_channel_set_faults(roburoc4_sim_channel *channel,
+                                                                 const roburoc4_sim_faults *faults);
+/** Send a datagram at now_us. What finds the channel full, or is empty or too long for it, is
+ *  dropped and counted. `peer` is any number; it comes out with the datagram. */
+ROBUROC4_SIM_API void roburoc4_sim_channel_push(roburoc4_sim_channel *channel, uint64_t peer,
+                                                const uint8_t *data, size_t size, uint64_t now_us);
+/** Take the next datagram that has arrived at now_us: its length, or 0 when there is none.
+ *  ROBUROC4_ERR_BUFFER leaves it where it is. peer may be NULL. */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_channel_poll(roburoc4_sim_channel *channel,
+                                                           uint64_t now_us, uint64_t *peer,
+                                                           uint8_t *buffer, size_t capacity);
+/** When the next datagram arrives; UINT64_MAX when none is in flight. */
+ROBUROC4_SIM_API uint64_t roburoc4_sim_channel_next_deadline(const roburoc4_sim_channel *channel);
+
+/** What a channel did so far. */
+typedef struct roburoc4_sim_channel_counts {
+    uint64_t pushed, delivered;
+    uint64_t lost, duplicated, reordered, corrupted; /* by its faults */
+    uint64_t dropped;                                /* full, empty or too long */
+} roburoc4_sim_channel_counts;
+ROBUROC4_SIM_API void roburoc4_sim_channel_count(const roburoc4_sim_channel *channel,
+                                                 roburoc4_sim_channel_counts *counts);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

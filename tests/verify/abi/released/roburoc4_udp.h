@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * roburoc4_udp.h - a roburoc4_client on a UDP socket and a clock: Linux, macOS, BSD, Windows.
+ *
+ * The client of roburoc4.h knows neither sockets nor clocks; this adapter lends it both, and keeps
+ * nothing else. A program is a loop around one call:
+ *
+ *     roburoc4_address address;
+ *     roburoc4_udp udp;
+ *     roburoc4_client client;
+ *
+ *     roburoc4_udp_resolve("192.168.0.2", ROBUROC4_DEFAULT_PORT, &address);
+ *     roburoc4_udp_open(&udp, sizeof udp, &address);
+ *     roburoc4_client_init(&client, sizeof client, NULL);
+ *     roburoc4_client_start(&client, roburoc4_udp_now_us());
+ *     while (running) {
+ *         roburoc4_udp_wait(&udp, &client, 50000);
+ *         uint32_t events = roburoc4_client_take_events(&client);
+ *         ...
+ *     }
+ *     roburoc4_client_close(&client, roburoc4_udp_now_us());
+ *     while (roburoc4_client_state(&client) != ROBUROC4_STATE_IDLE)
+ *         roburoc4_udp_wait(&udp, &client, 50000);
+ *     roburoc4_udp_close(&udp);
+ *
+ * A program with a loop of its own (poll, epoll, select, Qt, libuv) watches roburoc4_udp_fd() and
+ * roburoc4_client_next_deadline(), and calls roburoc4_udp_receive_all() and then
+ * roburoc4_udp_transmit_all() when either is due.
+ *
+ * WHAT IT PROMISES
+ *
+ *   Whose datagrams   the socket is connected: the system passes on only what comes from the
+ *                     robot's own address and port.
+ *   Fresh commands    the clock is read right before each roburoc4_client_poll_transmit(), and the
+ *                     datagram is sent at once. What the socket does not take is dropped and
+ *                     counted, never kept for later. The send buffer is kept small for the same
+ *                     reason.
+ *   An absent robot   nobody on the port, no route, cable pulled, firewall: all of these are states
+ *                     (roburoc4_udp_fault()), in which the client goes on trying at its own pace.
+ *                     When the machine's own address changes, the socket is connected anew.
+ *   A flood           of datagrams does not hold back what is due to be sent.
+ *
+ * Results, units and conventions are those of roburoc4.h. One roburoc4_udp is used by one thread at
+ * a time; roburoc4_pump.h serves many threads.
+ */
+#ifndef ROBUROC4_UDP_H
+#define ROBUROC4_UDP_H
+
+#include "roburoc4.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ------------------------------------------------------------------------------- addresses --- */
+
+/** A numeric address and port (frozen: this struct never changes). */
+typedef struct roburoc4_address {
+    uint8_t ip[16];   /* as on the network; IPv4 uses the first four bytes, the others are 0 */
+    uint32_t scope;   /* IPv6: the zone (interface number) of a link-local address, else 0 */
+    uint16_t port;    /* 1 to 65535, in the host's byte order */
+    uint8_t family;   /* 4 or 6 */
+    uint8_t reserved; /* 0 */
+} roburoc4_address;
+
+/** Room for every text of roburoc4_address_text(), its NUL included. */
+#define ROBUROC4_ADDRESS_TEXT_SIZE 72
+
+/** Turn "HOST", "HOST:PORT", "[IPV6]", "[IPV6]:PORT" or a bare IPv6 address into numbers.
+ *  HOST is a name or an address; a name that has both gives its IPv4 address, as the robot has one.
+ *  default_port (0: ROBUROC4_DEFAULT_PORT) is used where the text names no port.
+ *  THIS CALL BLOCKS on names (for seconds, with a slow name server), never on addresses: call it
+ *  once, before driving; everything after it uses the numbers.
+ *  ROBUROC4_ERR_ARGUMENT: the text has none of these forms, or its port is not 1 to 65535.
+ *  ROBUROC4_ERR_RESOLVE: the name has no address. *out is then not written. Any thread. */
+ROBUROC4_API roburoc4_result roburoc4_udp_resolve(const char *host, uint16_t default_port,
+                                                  roburoc4_address *out);
+/** The address as text with a NUL, "192.168.0.2:60000" or "[fe80::1%2]:60000". Returns its length,
+ *  or ROBUROC4_ERR_BUFFER, or ROBUROC4_ERR_ARGUMENT for an address of neither family. */
+ROBUROC4_API roburoc4_result roburoc4_address_text(const roburoc4_address *address, char *buffer,
+                                                   size_t capacity);
+
+/* ----------------------------------------------------------------------------------- clock --- */
+
+/** Microseconds of a clock that never goes back and goes on while the machine sleeps: the now_us
+ *  for all client calls. Its zero has no meaning. Linux: CLOCK_BOOTTIME; macOS:
+ *  mach_continuous_time; Windows: QueryInterruptTimePrecise, or GetTickCount64 (10 to 16 ms steps)
+ *  before Windows 10; elsewhere CLOCK_MONOTONIC. Any thread. */
+ROBUROC4_API uint64_t roburoc4_udp_now_us(void);
+
+/* ---------------------------------------------------------------------------------- socket --- */
+
+/** Why the network did not take or deliver a datagram: the last reason, 0 again as soon as a
+ *  datagram comes in. */
+#define ROBUROC4_FAULT_NONE 0
+#define ROBUROC4_FAULT_REFUSED 1     /* the host is there, nothing listens on the port */
+#define ROBUROC4_FAULT_UNREACHABLE 2 /* no route to the host or its network */
+#define ROBUROC4_FAULT_DOWN 3        /* this machine's interface is down, or its address is gone */
+#define ROBUROC4_FAULT_DENIED 4      /* this machine's firewall or rights forbid it */
+#define ROBUROC4_FAULT_FULL 5        /* the socket's or the system's buffers are full */
+#define ROBUROC4_FAULT_OTHER 6       /* see roburoc4_udp_system_error() */
+
+/** What a ROBUROC4_FAULT_* means and what to check, one English sentence without a full stop;
+ *  "no fault" for 0, "unknown fault" for a number that is none. Lives as long as the program. */
+ROBUROC4_API const char *roburoc4_udp_fault_text(uint32_t fault);
+
+/** Counters of roburoc4_udp_count(); they wrap around. */
+#define ROBUROC4_UDP_COUNT_SENT 0       /* datagrams that the system took */
+#define ROBUROC4_UDP_COUNT_RECEIVED 1   /* datagrams given to the client */
+#define ROBUROC4_UDP_COUNT_DROPPED 2    /* datagrams to send that the system did not take */
+#define ROBUROC4_UDP_COUNT_REFUSED 3    /* times that the robot's host said: nobody on this port */
+#define ROBUROC4_UDP_COUNT_FAULTS 4     /* errors of the network of any other kind */
+#define ROBUROC4_UDP_COUNT_OVERSIZED 5  /* received and thrown away: longer than _MAX_RECEIVE */
+#define ROBUROC4_UDP_COUNT_RECONNECTS 6 /* times that the socket was connected anew */
+#define ROBUROC4_UDP_COUNTERS 7
+
+/** The longest datagram that is received; a RobuROC4's longest is 65 bytes, and one that used every
+ *  capacity of the client is below 1000. */
+#define ROBUROC4_UDP_MAX_RECEIVE 2048
+/** The most datagrams that one roburoc4_udp_receive_all() or roburoc4_udp_wait() takes. */
+#define ROBUROC4_UDP_BURST 64
+
+/** A connected socket. Declare one and use functions only; it may be moved but not copied. */
+typedef struct roburoc4_udp {
+    uint32_t private_size;
+    uint32_t private_fault;
+    int64_t private_socket;
+    uint64_t private_tried_us;
+    int32_t private_system_error;
+    uint32_t private_reserved0;
+    roburoc4_address private_address;
+    uint32_t private_counters[8];
+    uint8_t private_connected, private_broken;
+    uint8_t private_reserved[38];
+    uint8_t private_datagram[2048];
+} roburoc4_udp;
+
+/** sizeof(roburoc4_udp) of the library. */
+ROBUROC4_API size_t roburoc4_udp_size(void);
+
+/** Open a non-blocking socket that talks with `address` only. udp_size is sizeof(roburoc4_udp).
+ *  A network that is not reachable now is no error: the fault says so and connecting is tried again
+ *  by later calls, at most once a second. The socket is not inherited by programs that this one
+ *  starts.
+ *  ROBUROC4_ERR_SIZE: header and library differ. ROBUROC4_ERR_ARGUMENT: not an address of
+ *  roburoc4_udp_resolve(). ROBUROC4_ERR_SYSTEM: no socket; roburoc4_udp_system_error() says why.
+ *  After an error the socket counts as closed. */
+ROBUROC4_API roburoc4_result roburoc4_udp_open(roburoc4_udp *udp, size_t udp_size,
+                                               const roburoc4_address *address);
+/** Close the socket. It sends nothing: end the client first, as in the loop at the top.
+ *  ROBUROC4_ERR_CLOSED where it is closed already. */
+ROBUROC4_API roburoc4_result roburoc4_udp_close(roburoc4_udp *udp);
+
+/** The descriptor to watch for reading (Windows: the SOCKET), or -1 when closed. It stays the same
+ *  from open to close. Only watch it: reading, writing or closing it is the adapter's. */
+ROBUROC4_API intptr_t roburoc4_udp_fd(const roburoc4_udp *udp);
+/** The robot's address. ROBUROC4_ERR_CLOSED. */
+ROBUROC4_API roburoc4_result roburoc4_udp_address(const roburoc4_udp *udp, roburoc4_address *out);
+/** ROBUROC4_FAULT_*. */
+ROBUROC4_API uint32_t roburoc4_udp_fault(const roburoc4_udp *udp);
+/** The system's own number of the last fault or error (errno, or WSAGetLastError()), else 0. */
+ROBUROC4_API int32_t roburoc4_udp_system_error(const roburoc4_udp *udp);
+/** One of ROBUROC4_UDP_COUNT_*; 0 for another number. */
+ROBUROC4_API uint32_t roburoc4_udp_count(const roburoc4_udp *udp, uint32_t counter);
+
+/* ------------------------------------------------------------------------------ datagrams --- */
+
+/** Results of roburoc4_udp_receive_one(). */
+#define ROBUROC4_UDP_NOTHING 0 /* no datagram is there */
+#define ROBUROC4_UDP_USED 1    /* the client used one */
+#define ROBUROC4_UDP_DROPPED 2 /* the client dropped one, and counted why */
+
+/** Take one datagram, if one is there, and give it to the client; never waits. Who wants every
+ *  status reads the client's values after each ROBUROC4_UDP_USED. datagram and size (each may be
+ *  NULL) are set to the datagram, a view that lives until the next call with this udp; size is 0
+ *  with ROBUROC4_UDP_NOTHING.
+ *  ROBUROC4_ERR_CLOSED; ROBUROC4_ERR_SYSTEM: the socket itself is unusable (not: the network). */
+ROBUROC4_API roburoc4_result roburoc4_udp_receive_one(roburoc4_udp *udp, roburoc4_client *client,
+                                                      const uint8_t **datagram, size_t *size);
+/** Take all datagrams that are there, but stop after ROBUROC4_UDP_BURST, or as soon as the client
+ *  has something to send; never waits. Returns how many the client used. Errors as above. */
+ROBUROC4_API roburoc4_result roburoc4_udp_receive_all(roburoc4_udp *udp, roburoc4_client *client);
+/** Send all that the client has to send now; never waits. Returns how many datagrams the system
+ *  took. ROBUROC4_ERR_CLOSED. Call it after every client call that changes something (drive(),
+ *  stop(), set_digital_output() ...), or let roburoc4_udp_wait() do it. */
+ROBUROC4_API roburoc4_result roburoc4_udp_transmit_all(roburoc4_udp *udp, roburoc4_client *client);
+
+/** The convenience call: send what is due, then wait until a datagram comes, the client's deadline
+ *  is reached, timeout_us has passed or a signal handler ran, then receive and send as above.
+ *  timeout_us 0 does not wait. Returns how many datagrams the client used, 0 where none came.
+ *  ROBUROC4_ERR_CLOSED; ROBUROC4_ERR_SYSTEM as for roburoc4_udp_receive_one(), then it has not
+ *  waited. Windows rounds waiting times up to its timer's step (at most 16 ms). */
+ROBUROC4_API roburoc4_result roburoc4_udp_wait(roburoc4_udp *udp, roburoc4_client *client,
+                                               uint32_t timeout_us);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
