@@ -161,11 +161,8 @@ def measure_batch(part, timer):
 
 def measure_robot(part, timer):
     import roburoc4
-    from roburoc4.engine_pump import PumpEngine
 
     with roburoc4.Simulator(port=0) as simulator, simulator.connect() as robot:
-        if not isinstance(robot._engine, PumpEngine):
-            raise SystemExit("measure_python: the robot has no pump")
         robot.arm()
         add(part, "drive()", "roburoc4", "us", timer.us(lambda: robot.drive(0.0, 0.0)))
         add(

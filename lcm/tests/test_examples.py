@@ -31,12 +31,12 @@ def test_the_python_example_drives(robot: Robot, bus: Bus, armed: Bridge, run: R
     until(robot.stands, "the robot stands")
 
 
-def test_the_lines_of_the_readme_log_a_drive(programs: Programs, run: Run, tmp_path: Path) -> None:
+def test_the_lines_of_the_readme_drive(programs: Programs, run: Run, tmp_path: Path) -> None:
     """As they are there, in a network of their own, which has the robot's port free."""
     readme = (Programs.checkout() / "README.md").read_text().splitlines()
     simulator = next(line for line in readme if line.startswith("build/bin/roburoc4-sim &"))
     first = next(n for n, line in enumerate(readme) if line.startswith("build/bin/roburoc4-lcm "))
-    drive, example, end = readme[first : readme.index("```", first)]
+    bridge, example, end = readme[first : readme.index("```", first)]
     (tmp_path / "build").mkdir()
     (tmp_path / "build" / "bin").symlink_to(programs.folder.resolve())
     (tmp_path / "lcm").symlink_to(Programs.checkout() / "lcm")
@@ -45,14 +45,14 @@ def test_the_lines_of_the_readme_log_a_drive(programs: Programs, run: Run, tmp_p
         "ip link set lo up multicast on && ip route add 224.0.0.0/4 dev lo || exit 9",
         f"cd {tmp_path}",
         "set -m",
-        *[simulator, drive, example, "sleep 2", end],
+        *[simulator, bridge, "timeout 7 lcm-logger drive.lcmlog &", example, "wait %3", end],
         "wait",
         'test -z "$(jobs -r)"',
     ]
     path = ":".join([*map(str, folders), os.environ["PATH"]])
     done = run("setsid", "unshare", "-rn", "bash", "-c", "\n".join(script), PATH=path)
     assert done.ends(30) == 0, done.output
-    events = list(lcm.EventLog(str(tmp_path / "build" / "drive.lcmlog"), "r"))
+    events = list(lcm.EventLog(str(tmp_path / "drive.lcmlog"), "r"))
     speeds = [
         roburoc4_lcm.differential_status_t.decode(event.data).current_linear_m_s
         for event in events

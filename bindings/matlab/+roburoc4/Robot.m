@@ -99,9 +99,7 @@ methods
             this.id = roburoc4.internal.roburoc4_mex('open', address, options);
         end
         try
-            while ~roburoc4.internal.roburoc4_mex('connected', this.id, timeout)
-                roburoc4.internal.roburoc4_mex('wait', this.id, 0.01);
-            end
+            roburoc4.internal.connect(this.id, timeout, this.address);
         catch problem
             roburoc4.internal.roburoc4_mex('close', this.id);
             rethrow(problem);
@@ -307,10 +305,7 @@ methods
         %   Example:
         %      r.setOutput(3, true)
         roburoc4.internal.needed(nargin == 3, 'setOutput(index or name, true or false)');
-        if ~isnumeric(channel)
-            channel = roburoc4.internal.text(channel, 'channel');
-        end
-        roburoc4.internal.roburoc4_mex('digital', this.id, channel, on);
+        roburoc4.internal.roburoc4_mex('digital', this.id, this.output(channel), on);
     end
 
     function setAnalogOutput(this, channel, volts)
@@ -319,10 +314,7 @@ methods
         %   Example:
         %      r.setAnalogOutput(0, 2.5)
         roburoc4.internal.needed(nargin == 3, 'setAnalogOutput(index or name, volts)');
-        if ~isnumeric(channel)
-            channel = roburoc4.internal.text(channel, 'channel');
-        end
-        roburoc4.internal.roburoc4_mex('analog', this.id, channel, volts);
+        roburoc4.internal.roburoc4_mex('analog', this.id, this.output(channel), volts);
     end
 
     function relocalize(this, x_m, y_m, theta_rad)
@@ -412,6 +404,16 @@ methods
         if data.lost > 0
             warning('roburoc4:limit', ['%d statuses were overwritten before log: call it more ' ...
                 'often, or give roburoc4.Robot a larger buffer'], data.lost);
+        end
+    end
+end
+
+methods (Access = private)
+    function index = output(this, channel)
+        index = channel;
+        if ~isnumeric(channel)
+            channel = roburoc4.internal.text(channel, 'channel');
+            index = roburoc4.internal.roburoc4_mex('output', this.id, channel);
         end
     end
 end

@@ -12,38 +12,61 @@
 
 #define LONGEST_WAIT_S 0.1
 
-/** What a command is called with. */
+/** What the first argument is. */
 typedef enum subject {
     NO_ID,
-    ROBOT,      /* the id of a robot */
-    OPEN_ROBOT, /* likewise, of one that takes commands */
-    ANY_ROBOT,  /* likewise; of a robot that is gone the object is NULL */
-    SIMULATOR,  /* the id of a simulator */
-    ANY_SIMULATOR
+    READ_ROBOT,    /* the id of a robot; call.client is a copy of its client */
+    CONTROL_ROBOT, /* the id of a robot that takes commands; call.client is locked and its own: a
+                      command may not wait, nor make a value for MATLAB */
+    WAIT_ROBOT,    /* the id of a robot that takes commands; call.client is NULL */
+    ANY_ROBOT,     /* likewise, or of a robot that is gone: call.object is NULL */
+    SIMULATOR,     /* the id of a simulator */
+    ANY_SIMULATOR  /* likewise, or of one that is gone: call.object is NULL */
 } subject;
+
+/** What the result is. */
+typedef enum result_kind {
+    NOTHING,
+    NUMBER, /* call.number */
+    FLAG,   /* call.number, as a logical */
+    STRUCT, /* call.out */
+    OTHER   /* the command has made it */
+} result_kind;
+
+/** A call of a command. */
+typedef struct call {
+    mxArray **results;
+    int count;
+    const mxArray **arguments; /* behind the name of the command and the id */
+    void *object;              /* the robot or simulator of the id */
+    roburoc4_client *client;
+    uint64_t now_us; /* the robot's time */
+    double number;
+    answer out;
+} call;
 
 typedef struct command {
     const char *name;
     subject of;
     int arguments; /* how many follow the id; as many as -arguments - 1 or more where negative */
-    int (*run)(const call *in);
+    result_kind result;
+    int (*run)(call *in);
 } command;
 
 /** Tables that end with a name of NULL. */
 extern const command robot_life_commands[];
 extern const command robot_drive_commands[];
-extern const command robot_look_commands[];
+extern const command robot_read_commands[];
 extern const command simulator_commands[];
 
-/** Enter a robot and answer its id; NULL is one that could not be made. 0 after noting why not. */
-int give_robot(const call *in, robot *made);
-/** Note that there is no place for another object. 0. */
-int fail_too_many(void);
-/** The channel that the first argument names, among those of some types (bits by ROBUROC4_IO_*).
- *  0 after noting why there is none. */
-int take_channel(const call *in, uint32_t io_types, uint32_t *io_type, uint32_t *index);
+/** Enter a robot or simulator, whose id is the result. 0 after noting that there is no place. */
+int give_id(call *in, int kind, void *made);
+/** The same for a robot, which is closed where there is no place; NULL is one that was not made. */
+int give_robot(call *in, robot *made);
+/** Facts of call.client. */
+roburoc4_facts call_facts(const call *in);
 /** How many channels of a type the robot has; 0 before it is known. */
-uint32_t count_channels(robot *r, uint32_t io_type);
+uint32_t count_channels(const roburoc4_client *client, uint32_t io_type);
 /** End all that lives: robots first, and their stop sequences run together. */
 void close_robots(void);
 void close_simulators(void);

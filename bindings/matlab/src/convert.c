@@ -176,10 +176,6 @@ int field_take(const field *to, void *base, const mxArray *value) {
 
 /* -------------------------------------------------------------------------------- answers --- */
 
-void answer_begin(answer *out) {
-    out->count = 0;
-}
-
 void answer_add(answer *out, const char *name, mxArray *value) {
     assert(out->count < ANSWER_FIELDS);
     out->names[out->count] = name;

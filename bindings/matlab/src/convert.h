@@ -19,14 +19,6 @@
 /* Functions return 1 and write *out, or note what is wrong with the value (fail.h) and return 0.
  * `name` is what the message calls the argument. */
 
-/** A call of a command. */
-typedef struct call {
-    mxArray **results;
-    int count;
-    const mxArray **arguments; /* behind the name of the command and the id */
-    void *object;              /* the robot or simulator of the id */
-} call;
-
 /** Room for every text that is taken: addresses, names, lines of the simulator's panel. */
 #define TEXT_SIZE 512
 
@@ -87,14 +79,13 @@ int field_take(const field *to, void *base, const mxArray *value);
 
 #define ANSWER_FIELDS 64
 
-/** A scalar struct for MATLAB, field by field: no more than ANSWER_FIELDS. */
+/** A scalar struct for MATLAB, field by field: no more than ANSWER_FIELDS. count 0: without any. */
 typedef struct answer {
     int count;
     const char *names[ANSWER_FIELDS]; /* must outlive the call of answer_finish() */
     mxArray *values[ANSWER_FIELDS];
 } answer;
 
-void answer_begin(answer *out);
 void answer_add(answer *out, const char *name, mxArray *value);
 void answer_number(answer *out, const char *name, double value);
 void answer_flag(answer *out, const char *name, int value);

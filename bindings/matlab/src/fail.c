@@ -13,64 +13,40 @@ static char noted_text[2560];
 
 static const struct {
     roburoc4_result result;
-    const char *remedy;
-} remedies[] = {
-    {ROBUROC4_ERR_RESERVED, "use output 1 or above"},
-    {ROBUROC4_ERR_NOT_FINITE, "give finite numbers"},
-    {ROBUROC4_ERR_UNKNOWN, "wait with spin(0.1) and look again"},
-    {ROBUROC4_ERR_RESOLVE, "check the spelling, or give the address in numbers"},
-    {ROBUROC4_ERR_CLOSED, "make a new one"},
-    {ROBUROC4_ERR_DISARMED, "call arm() before drive()"},
-    {ROBUROC4_ERR_NOT_READY, "wait until the robot answers, then call arm() again"},
-    {ROBUROC4_ERR_NO_DIFFERENTIAL, "this robot cannot be driven; look at info"},
-    {ROBUROC4_ERR_LIMITS, "look at the limits in info"},
-    {ROBUROC4_ERR_STALE_DIFFERENTIAL, "check link and the status period, then call arm() again"},
-    {ROBUROC4_ERR_STALE_IOCARD, "check link and the status period, then call arm() again"},
-    {ROBUROC4_ERR_OVERRIDE_UNKNOWN,
+    const char *id, *remedy;
+} known[] = {
+    {ROBUROC4_ERR_ARGUMENT, FAIL_ARGUMENT, NULL},
+    {ROBUROC4_ERR_CONFIG, FAIL_ARGUMENT, NULL},
+    {ROBUROC4_ERR_STATE, FAIL_ARGUMENT, NULL},
+    {ROBUROC4_ERR_INDEX, FAIL_ARGUMENT, NULL},
+    {ROBUROC4_ERR_RESERVED, FAIL_ARGUMENT, "use output 1 or above"},
+    {ROBUROC4_ERR_NOT_FINITE, FAIL_ARGUMENT, "give finite numbers"},
+    {ROBUROC4_ERR_UNKNOWN, FAIL_PROTOCOL, "wait with spin(0.1) and look again"},
+    {ROBUROC4_ERR_TIMEOUT, FAIL_TIMEOUT, "look at link, and try again"},
+    {ROBUROC4_ERR_SYSTEM, FAIL_NETWORK, NULL},
+    {ROBUROC4_ERR_RESOLVE, FAIL_NETWORK, "check the spelling, or give the address in numbers"},
+    {ROBUROC4_ERR_CLOSED, FAIL_CLOSED, "make a new one"},
+    {ROBUROC4_ERR_DISARMED, FAIL_NOT_ARMED, "call arm() before drive()"},
+    {ROBUROC4_ERR_NOT_READY, FAIL_NOT_ARMED, "wait until the robot answers, then call arm() again"},
+    {ROBUROC4_ERR_NO_DIFFERENTIAL, FAIL_NOT_ARMED, "this robot cannot be driven; look at info"},
+    {ROBUROC4_ERR_LIMITS, FAIL_LIMIT, "look at the limits in info"},
+    {ROBUROC4_ERR_STALE_DIFFERENTIAL, FAIL_NOT_ARMED,
+     "check link and the status period, then call arm() again"},
+    {ROBUROC4_ERR_STALE_IOCARD, FAIL_NOT_ARMED,
+     "check link and the status period, then call arm() again"},
+    {ROBUROC4_ERR_OVERRIDE_UNKNOWN, FAIL_NOT_ARMED,
      "name the input with the option override_index, or give up this protection with "
      "allow_unknown_override"},
-    {ROBUROC4_ERR_OVERRIDE, "release [A] on the game pad, then call arm() again"},
-    {ROBUROC4_ERR_MOVING, "wait until the robot stands still, then call arm() again"},
-    {ROBUROC4_ERR_OTHER_COMMANDER, "end the other program, then call arm() again"},
-    {ROBUROC4_ERR_LOST, "check cable and power, wait until it is ready, then call arm() again"},
-    {ROBUROC4_ERR_REBOOT, "look at the robot, then call arm() again"},
-    {ROBUROC4_ERR_CLOCK, "find out what sets this machine's clock, then call arm() again"},
+    {ROBUROC4_ERR_OVERRIDE, FAIL_NOT_ARMED, "release [A] on the game pad, then call arm() again"},
+    {ROBUROC4_ERR_MOVING, FAIL_NOT_ARMED,
+     "wait until the robot stands still, then call arm() again"},
+    {ROBUROC4_ERR_OTHER_COMMANDER, FAIL_NOT_ARMED, "end the other program, then call arm() again"},
+    {ROBUROC4_ERR_LOST, FAIL_NOT_ARMED,
+     "check cable and power, wait until it is ready, then call arm() again"},
+    {ROBUROC4_ERR_REBOOT, FAIL_NOT_ARMED, "look at the robot, then call arm() again"},
+    {ROBUROC4_ERR_CLOCK, FAIL_NOT_ARMED,
+     "find out what sets this machine's clock, then call arm() again"},
 };
-
-static const char *remedy_of(roburoc4_result result) {
-    size_t i;
-    for (i = 0; i < sizeof remedies / sizeof remedies[0]; i++) {
-        if (remedies[i].result == result) {
-            return remedies[i].remedy;
-        }
-    }
-    return NULL;
-}
-
-static const char *id_of(roburoc4_result result) {
-    switch (result) {
-    case ROBUROC4_ERR_ARGUMENT:
-    case ROBUROC4_ERR_CONFIG:
-    case ROBUROC4_ERR_STATE:
-    case ROBUROC4_ERR_INDEX:
-    case ROBUROC4_ERR_RESERVED:
-    case ROBUROC4_ERR_NOT_FINITE:
-        return FAIL_ARGUMENT;
-    case ROBUROC4_ERR_TIMEOUT:
-        return FAIL_TIMEOUT;
-    case ROBUROC4_ERR_SYSTEM:
-    case ROBUROC4_ERR_RESOLVE:
-        return FAIL_NETWORK;
-    case ROBUROC4_ERR_CLOSED:
-        return FAIL_CLOSED;
-    case ROBUROC4_ERR_LIMITS:
-        return FAIL_LIMIT;
-    default:
-        break;
-    }
-    return result <= ROBUROC4_ERR_DISARMED && result > ROBUROC4_ERR_SYSTEM ? FAIL_NOT_ARMED
-                                                                           : FAIL_PROTOCOL;
-}
 
 int fail(const char *id, const char *format, ...) {
     va_list arguments;
@@ -82,12 +58,17 @@ int fail(const char *id, const char *format, ...) {
 }
 
 int fail_result(const char *what, roburoc4_result result) {
-    const char *text = roburoc4_result_text(result);
-    const char *remedy = remedy_of(result);
+    const char *text = roburoc4_result_text(result), *id = FAIL_PROTOCOL, *remedy = NULL;
+    size_t i;
+    for (i = 0; i < sizeof known / sizeof *known; i++) {
+        if (known[i].result == result) {
+            id = known[i].id;
+            remedy = known[i].remedy;
+        }
+    }
     /* Reasons against arming bring a short remedy of their own, after a colon. */
-    size_t length = remedy != NULL ? strcspn(text, ":") : strlen(text);
-    return fail(id_of(result), "%s: %.*s%s%s", what, (int)length, text, remedy != NULL ? "; " : "",
-                remedy != NULL ? remedy : "");
+    return remedy == NULL ? fail(id, "%s: %s", what, text)
+                          : fail(id, "%s: %.*s; %s", what, (int)strcspn(text, ":"), text, remedy);
 }
 
 const char *fail_id(void) {

@@ -223,7 +223,7 @@ void robot_wait(robot *r, uint32_t duration_us) {
     }
 }
 
-const roburoc4_client *robot_copy(robot *r, uint64_t *now_us) {
+roburoc4_client *robot_copy(robot *r, uint64_t *now_us) {
     static roburoc4_client copy;
     copy = *robot_lock(r, now_us);
     robot_unlock(r);

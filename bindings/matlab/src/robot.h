@@ -61,7 +61,7 @@ int robot_can(const robot *r, int be_commanded);
 /** The clock that the robot's times go by. */
 uint64_t robot_now_us(const robot *r);
 /** A copy of its client, for whatever only reads, and the time. Valid until the next call. */
-const roburoc4_client *robot_copy(robot *r, uint64_t *now_us);
+roburoc4_client *robot_copy(robot *r, uint64_t *now_us);
 /** Its client and the time, for any roburoc4_client_*() call until robot_unlock(): then what it has
  *  to send is sent. Nothing between the two may wait, or call MATLAB, which may not return. Only
  *  for a robot that was open at the beginning of the command, or is in virtual time. */

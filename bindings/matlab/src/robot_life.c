@@ -5,26 +5,16 @@
 #include "commands.h"
 #include "fail.h"
 
-int fail_too_many(void) {
-    return fail(FAIL_LIMIT, "there are %d robots and simulators; delete one", HANDLES_MAX);
-}
-
-int give_robot(const call *in, robot *made) {
-    double id;
-    if (made == NULL) {
+int give_robot(call *in, robot *made) {
+    if (made != NULL && !give_id(in, HANDLE_ROBOT, made)) {
+        robot_close(made);
         return 0;
     }
-    id = handles_add(HANDLE_ROBOT, made);
-    if (id == 0.0) {
-        robot_close(made);
-        return fail_too_many();
-    }
-    in->results[0] = mxCreateDoubleScalar(id);
-    return 1;
+    return made != NULL;
 }
 
 /* open(address, options): id */
-static int open_robot(const call *in) {
+static int open_robot(call *in) {
     char address[TEXT_SIZE];
     robot_settings settings;
     return take_text(in->arguments[0], "address", address) &&
@@ -33,7 +23,7 @@ static int open_robot(const call *in) {
 }
 
 /* close(id): delete() can be called twice */
-static int close_one(const call *in) {
+static int close_one(call *in) {
     if (in->object != NULL) {
         handles_remove(in->object);
         robot_close(in->object);
@@ -42,14 +32,12 @@ static int close_one(const call *in) {
 }
 
 /* leave(id): disarm; true while the stop sequence runs */
-static int leave(const call *in) {
+static int leave(call *in) {
     robot *r = in->object;
-    int stopping = 0;
     if (r != NULL && robot_is_open(r)) {
         robot_disarm(r);
-        stopping = robot_facts(r).stopping;
+        in->number = robot_facts(r).stopping;
     }
-    in->results[0] = mxCreateLogicalScalar(stopping != 0);
     return 1;
 }
 
@@ -73,89 +61,42 @@ void close_robots(void) {
 
 /* -------------------------------------------------------------------------------- waiting --- */
 
-static const char *what_to_check(robot *r, uint32_t received) {
-    const uint32_t fault = robot_fault(r);
-    if (fault != ROBUROC4_FAULT_NONE) {
-        return roburoc4_udp_fault_text(fault);
-    }
-    return received == 0
-               ? "check that the robot is on, the cable is in, this machine has an address in the "
-                 "robot's network, and no firewall drops UDP"
-               : "something answers there; check that it is a RobuROC4, and look at link";
+static uint32_t count(const call *in, uint32_t counter) {
+    return roburoc4_client_count(in->client, counter);
 }
 
-static int fail_silent(robot *r, const roburoc4_client *client, double timeout_s) {
-    char address[ROBUROC4_ADDRESS_TEXT_SIZE];
-    const uint32_t received = roburoc4_client_count(client, ROBUROC4_COUNT_RECEIVED);
-    robot_address_text(r, address, sizeof address);
-    return fail(FAIL_TIMEOUT,
-                "no answer from %s for %g s (state %s, %lu datagrams sent, %lu received): %s",
-                address, timeout_s, roburoc4_state_name(roburoc4_client_state(client)),
-                (unsigned long)roburoc4_client_count(client, ROBUROC4_COUNT_SENT),
-                (unsigned long)received, what_to_check(r, received));
-}
-
-static int fail_refused(robot *r, const roburoc4_client *client, double timeout_s) {
-    char address[ROBUROC4_ADDRESS_TEXT_SIZE];
-    robot_address_text(r, address, sizeof address);
-    return fail(FAIL_TIMEOUT,
-                "%s is not ready: it answers, but refuses or leaves out what is needed (no "
-                "progress for %g s, state %s, %lu datagrams received, %lu of them refusals); check "
-                "that it is a RobuROC4 and that the network loses little, or give a longer timeout",
-                address, timeout_s, roburoc4_state_name(roburoc4_client_state(client)),
-                (unsigned long)roburoc4_client_count(client, ROBUROC4_COUNT_RECEIVED),
-                (unsigned long)roburoc4_client_count(client, ROBUROC4_COUNT_REFUSED));
-}
-
-/* For how long nothing came from the robot. */
-static double silence_s(const robot *r, const roburoc4_client *client, uint64_t now_us) {
+/* progress(id): how far a robot came that is not ready */
+static int read_progress(call *in) {
     roburoc4_link link = {.size = sizeof link};
-    const double open_s = (double)(now_us - r->opened_us) / 1e6;
-    if (roburoc4_client_count(client, ROBUROC4_COUNT_RECEIVED) > 0 &&
-        roburoc4_client_link(client, now_us, &link) >= 0 && link.silence_us / 1e6 < open_s) {
-        return link.silence_us / 1e6;
-    }
-    return open_s;
-}
-
-/* For how long it came no nearer to ready. */
-static double standstill_s(robot *r, uint32_t state, uint64_t now_us) {
+    robot *r = in->object;
+    const uint32_t state = roburoc4_client_state(in->client);
+    const uint32_t fault = robot_fault(r);
+    (void)roburoc4_client_link(in->client, in->now_us, &link);
     if (state > r->furthest && state <= ROBUROC4_STATE_READY) {
         r->furthest = state;
-        r->furthest_us = now_us;
+        r->furthest_us = in->now_us;
     }
-    return (double)(now_us - r->furthest_us) / 1e6;
-}
-
-/* connected(id, timeout_s): true when ready; an error after so long a silence or standstill */
-static int is_connected(const call *in) {
-    robot *r = in->object;
-    uint64_t now_us;
-    const roburoc4_client *client = robot_copy(r, &now_us);
-    const uint32_t state = roburoc4_client_state(client);
-    double timeout_s;
-    if (!take_range(in->arguments[0], "timeout", 0.0, 1e6, &timeout_s)) {
-        return 0;
-    }
-    in->results[0] = mxCreateLogicalScalar(state == ROBUROC4_STATE_READY);
-    if (state == ROBUROC4_STATE_READY) {
-        return 1;
-    }
-    if (silence_s(r, client, now_us) >= timeout_s) {
-        return fail_silent(r, client, timeout_s);
-    }
-    return standstill_s(r, state, now_us) < timeout_s || fail_refused(r, client, timeout_s);
+    answer_flag(&in->out, "ready", state == ROBUROC4_STATE_READY);
+    answer_add(&in->out, "state", make_text(roburoc4_state_name(state)));
+    answer_number(&in->out, "open_s", (double)(in->now_us - r->opened_us) / 1e6);
+    answer_number(&in->out, "standstill_s", (double)(in->now_us - r->furthest_us) / 1e6);
+    answer_number(&in->out, "silence_s", link.silence_us / 1e6);
+    answer_number(&in->out, "sent", count(in, ROBUROC4_COUNT_SENT));
+    answer_number(&in->out, "received", count(in, ROBUROC4_COUNT_RECEIVED));
+    answer_number(&in->out, "refused", count(in, ROBUROC4_COUNT_REFUSED));
+    answer_add(&in->out, "fault", make_text(fault != 0 ? roburoc4_udp_fault_text(fault) : ""));
+    return 1;
 }
 
 /* now(id): seconds on the robot's clock */
-static int look_time(const call *in) {
+static int read_time(call *in) {
     const robot *r = in->object;
-    in->results[0] = mxCreateDoubleScalar((double)(robot_now_us(r) - r->opened_us) / 1e6);
+    in->number = (double)(robot_now_us(r) - r->opened_us) / 1e6;
     return 1;
 }
 
 /* wait(id, seconds): seconds on the robot's clock afterwards */
-static int wait(const call *in) {
+static int wait(call *in) {
     uint32_t duration_us;
     double seconds;
     if (!take_range(in->arguments[0], "seconds", 0.0, LONGEST_WAIT_S, &seconds)) {
@@ -164,17 +105,23 @@ static int wait(const call *in) {
     duration_us = (uint32_t)(seconds * 1e6);
     /* Rounded up, or who waits for the rest of a rounded time waits forever. */
     robot_wait(in->object, duration_us + ((double)duration_us < seconds * 1e6));
-    return look_time(in);
+    return read_time(in);
+}
+
+/* lease(id): seconds for which a drive command lives */
+static int read_lease(call *in) {
+    in->number = ((const robot *)in->object)->lease_us / 1e6;
+    return 1;
 }
 
 /* busy(id, on): a method that waits begins, or came to its end */
-static int set_busy(const call *in) {
+static int set_busy(call *in) {
     return take_flag(in->arguments[0], "busy", &((robot *)in->object)->busy);
 }
 
 /* interrupted(id): stop the robot if the method that waits did not come to its end. Only where this
  * object drives: a monitor would take the robot from whoever does. */
-static int interrupt(const call *in) {
+static int interrupt(call *in) {
     robot *r = in->object;
     if (r != NULL && r->busy && robot_is_open(r)) {
         const roburoc4_facts facts = robot_facts(r);
@@ -190,13 +137,14 @@ static int interrupt(const call *in) {
 }
 
 const command robot_life_commands[] = {
-    {"open", NO_ID, 2, open_robot},
-    {"close", ANY_ROBOT, 0, close_one},
-    {"leave", ANY_ROBOT, 0, leave},
-    {"now", ROBOT, 0, look_time},
-    {"connected", ROBOT, 1, is_connected},
-    {"wait", OPEN_ROBOT, 1, wait},
-    {"busy", ROBOT, 1, set_busy},
-    {"interrupted", ANY_ROBOT, 0, interrupt},
-    {NULL, NO_ID, 0, NULL},
+    {"open", NO_ID, 2, NUMBER, open_robot},
+    {"close", ANY_ROBOT, 0, NOTHING, close_one},
+    {"leave", ANY_ROBOT, 0, FLAG, leave},
+    {"now", READ_ROBOT, 0, NUMBER, read_time},
+    {"progress", READ_ROBOT, 0, STRUCT, read_progress},
+    {"wait", WAIT_ROBOT, 1, NUMBER, wait},
+    {"lease", READ_ROBOT, 0, NUMBER, read_lease},
+    {"busy", READ_ROBOT, 1, NOTHING, set_busy},
+    {"interrupted", ANY_ROBOT, 0, NOTHING, interrupt},
+    {NULL, NO_ID, 0, NOTHING, NULL},
 };

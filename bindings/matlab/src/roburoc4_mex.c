@@ -18,19 +18,29 @@ static void at_exit(void) {
 }
 
 /* living(): how many robots and simulators there are */
-static int look_living(const call *in) {
-    answer out;
-    answer_begin(&out);
-    answer_number(&out, "robots", handles_count(HANDLE_ROBOT));
-    answer_number(&out, "simulators", handles_count(HANDLE_SIMULATOR));
-    in->results[0] = answer_finish(&out);
+static int count_living(call *in) {
+    answer_number(&in->out, "robots", handles_count(HANDLE_ROBOT));
+    answer_number(&in->out, "simulators", handles_count(HANDLE_SIMULATOR));
     return 1;
 }
 
-static const command own_commands[] = {{"living", NO_ID, 0, look_living}, {NULL, NO_ID, 0, NULL}};
+static const command own_commands[] = {{"living", NO_ID, 0, STRUCT, count_living},
+                                       {NULL, NO_ID, 0, NOTHING, NULL}};
+
+int give_id(call *in, int kind, void *made) {
+    in->number = handles_add(kind, made);
+    return in->number != 0.0 ||
+           fail(FAIL_LIMIT, "there are %d robots and simulators; delete one", HANDLES_MAX);
+}
+
+roburoc4_facts call_facts(const call *in) {
+    roburoc4_facts facts = {.size = sizeof facts};
+    (void)roburoc4_client_facts(in->client, in->now_us, &facts);
+    return facts;
+}
 
 static const command *find(const char *name) {
-    static const command *const tables[] = {robot_drive_commands, robot_look_commands,
+    static const command *const tables[] = {robot_drive_commands, robot_read_commands,
                                             robot_life_commands, simulator_commands, own_commands};
     const command *found;
     size_t i;
@@ -45,23 +55,48 @@ static const command *find(const char *name) {
 }
 
 /* The robot or simulator of an id. */
-static int take_object(subject of, const mxArray *value, void **out) {
+static int take_object(call *in, subject of) {
     const int simulated = of == SIMULATOR || of == ANY_SIMULATOR;
     double id;
-    if (!take_number(value, "id", &id)) {
+    if (!take_number(in->arguments[0], "id", &id)) {
         return 0;
     }
-    *out = handles_find(simulated ? HANDLE_SIMULATOR : HANDLE_ROBOT, id);
+    in->object = handles_find(simulated ? HANDLE_SIMULATOR : HANDLE_ROBOT, id);
+    in->arguments++;
+    in->count--;
     if (of == ANY_ROBOT || of == ANY_SIMULATOR) {
         return 1;
     }
-    if (*out == NULL) {
-        return simulated ? fail(FAIL_CLOSED, "this simulator was deleted; make a new one with "
-                                             "roburoc4.Simulator")
-                         : fail(FAIL_CLOSED,
-                                "this robot was deleted; make a new one with roburoc4.Robot");
+    if (in->object == NULL) {
+        return fail(FAIL_CLOSED, "this %s was deleted; make a new one with roburoc4.%s",
+                    simulated ? "simulator" : "robot", simulated ? "Simulator" : "Robot");
     }
-    return simulated || robot_can(*out, of == OPEN_ROBOT);
+    return simulated || robot_can(in->object, of != READ_ROBOT);
+}
+
+/* Run a command with the client that it is to have. */
+static int run_with_client(const command *found, call *in) {
+    int fine;
+    if (found->of == READ_ROBOT) {
+        in->client = robot_copy(in->object, &in->now_us);
+    } else if (found->of == CONTROL_ROBOT) {
+        in->client = robot_lock(in->object, &in->now_us);
+    }
+    fine = found->run(in);
+    if (found->of == CONTROL_ROBOT) {
+        robot_unlock(in->object);
+    }
+    return fine;
+}
+
+static void give_result(const call *in, result_kind kind) {
+    if (kind == NUMBER) {
+        in->results[0] = mxCreateDoubleScalar(in->number);
+    } else if (kind == FLAG) {
+        in->results[0] = mxCreateLogicalScalar(in->number != 0.0);
+    } else if (kind == STRUCT) {
+        in->results[0] = answer_finish(&in->out);
+    }
 }
 
 /* Lock the MEX file while there is anything, once. */
@@ -79,31 +114,26 @@ static void lock_while_living(void) {
 static int run(int result_count, mxArray **results, int count, const mxArray **arguments) {
     char name[TEXT_SIZE] = "";
     const command *found;
-    call in = {results, count - 1, arguments + 1, NULL};
-    int wanted;
+    call in = {.results = results, .count = count - 1, .arguments = arguments + 1};
+    int least, fine;
     if (count < 1 || !take_text(arguments[0], "command", name)) {
         return fail(FAIL_ARGUMENT, "this is no command; use roburoc4.Robot");
     }
     found = find(name);
-    if (found == NULL) {
-        return fail(FAIL_ARGUMENT, "there is no command '%s'; use roburoc4.Robot", name);
+    if (found == NULL || result_count > 1) {
+        return fail(FAIL_ARGUMENT, "there is no command '%s' with %d results; use roburoc4.Robot",
+                    name, result_count);
     }
-    if (result_count > 1) {
-        return fail(FAIL_ARGUMENT, "%s: it has one result at most", name);
-    }
-    wanted =
+    least =
         (found->arguments < 0 ? -found->arguments - 1 : found->arguments) + (found->of != NO_ID);
-    if (in.count < wanted || (in.count > wanted && found->arguments >= 0)) {
+    if (in.count < least || (in.count > least && found->arguments >= 0)) {
         return fail(FAIL_ARGUMENT, "%s: %d arguments are too few or too many", name, in.count);
     }
-    if (found->of != NO_ID) {
-        if (!take_object(found->of, in.arguments[0], &in.object)) {
-            return 0;
-        }
-        in.arguments++;
-        in.count--;
+    fine = (found->of == NO_ID || take_object(&in, found->of)) && run_with_client(found, &in);
+    if (fine) {
+        give_result(&in, found->result);
     }
-    return found->run(&in);
+    return fine;
 }
 
 #ifdef __GNUC__

@@ -229,9 +229,8 @@ void samples_answer(answer *out, uint32_t service, const roburoc4_sample *latest
 }
 
 static mxArray *columns_of(const rows *from, uint32_t service, uint64_t begin_us) {
-    answer out;
+    answer out = {0};
     size_t i;
-    answer_begin(&out);
     add_times(&out, from, begin_us);
     for (i = 0; i < services[service - FIRST_SERVICE].count; i++) {
         add_matrix(&out, from, &services[service - FIRST_SERVICE].fields[i]);
@@ -242,9 +241,8 @@ static mxArray *columns_of(const rows *from, uint32_t service, uint64_t begin_us
 mxArray *samples_columns(const sample_list *list, uint32_t mask, uint64_t begin_us, uint64_t lost) {
     /* mxMalloc: given back by MATLAB, should it run out of memory meanwhile. */
     rows from = {mxMalloc((list->count + (size_t)1) * sizeof(const roburoc4_sample *)), 0};
-    answer out;
+    answer out = {0};
     uint32_t service, i;
-    answer_begin(&out);
     for (service = FIRST_SERVICE; service < ROBUROC4_SERVICE_COUNT; service++) {
         if ((mask >> service & 1u) != 0) {
             from.count = 0;

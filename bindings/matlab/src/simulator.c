@@ -79,12 +79,11 @@ static int begin_world(simulator *s, const roburoc4_sim_config *config) {
 }
 
 /* simOpen(options) or simOpen(options, host, port): id */
-static int open_simulator(const call *in) {
+static int open_simulator(call *in) {
     roburoc4_sim_config config;
     char address[TEXT_SIZE];
     int64_t port = -1;
     simulator *made;
-    double id;
     if (!settings_of_simulator(in->arguments[0], &config)) {
         return 0;
     }
@@ -99,17 +98,15 @@ static int open_simulator(const call *in) {
         free(made);
         return 0;
     }
-    id = handles_add(HANDLE_SIMULATOR, made);
-    if (id == 0.0) {
+    if (!give_id(in, HANDLE_SIMULATOR, made)) {
         close_simulator(made);
-        return fail_too_many();
+        return 0;
     }
-    in->results[0] = mxCreateDoubleScalar(id);
     return 1;
 }
 
 /* simClose(id): delete() can be called twice */
-static int close_one(const call *in) {
+static int close_one(call *in) {
     if (in->object != NULL) {
         handles_remove(in->object);
         close_simulator(in->object);
@@ -118,9 +115,9 @@ static int close_one(const call *in) {
 }
 
 /* simPort(id): 0 in virtual time */
-static int look_port(const call *in) {
+static int read_port(call *in) {
     const simulator *s = in->object;
-    in->results[0] = mxCreateDoubleScalar(s->host != NULL ? (double)sim_host_port(s->host) : 0.0);
+    in->number = s->host != NULL ? (double)sim_host_port(s->host) : 0.0;
     return 1;
 }
 
@@ -132,7 +129,7 @@ static int fail_real_time(void) {
 }
 
 /* simConnect(id, options): id of a robot in virtual time */
-static int connect_robot(const call *in) {
+static int connect_robot(call *in) {
     const simulator *s = in->object;
     robot_settings settings;
     if (!settings_of_robot(in->arguments[0], &settings)) {
@@ -145,7 +142,7 @@ static int connect_robot(const call *in) {
 #define LONGEST_STEP_S 1.0
 
 /* simStep(id, seconds) */
-static int step(const call *in) {
+static int step(call *in) {
     const simulator *s = in->object;
     double seconds;
     if (!take_range(in->arguments[0], "seconds", 0.0, LONGEST_STEP_S, &seconds)) {
@@ -159,7 +156,7 @@ static int step(const call *in) {
 }
 
 /* simFaults(id, loss, duplicate, reorder, corrupt, delay_ms, jitter_ms) */
-static int set_faults(const call *in) {
+static int set_faults(call *in) {
     static const char *const names[] = {"loss",    "duplicate", "reorder",
                                         "corrupt", "delay_ms",  "jitter_ms"};
     const simulator *s = in->object;
@@ -231,21 +228,18 @@ static const field state_fields[] = {
 static const field telemeters = {"telemeters_m", 0, FIELD_F32, 0};
 
 /* simState(id) */
-static int look_state(const call *in) {
+static int read_state(call *in) {
     roburoc4_sim_state state = {.size = sizeof state};
-    answer out;
     (void)roburoc4_sim_snapshot(begin(in->object), &state);
     end(in->object);
-    answer_begin(&out);
-    answer_fields(&out, state_fields, COUNT_OF(state_fields), &state);
-    answer_rows(&out, &telemeters, 1, state.telemeters_m, sizeof *state.telemeters_m,
+    answer_fields(&in->out, state_fields, COUNT_OF(state_fields), &state);
+    answer_rows(&in->out, &telemeters, 1, state.telemeters_m, sizeof *state.telemeters_m,
                 COUNT_OF(state.telemeters_m));
-    in->results[0] = answer_finish(&out);
     return 1;
 }
 
 /* simOutput(id, index): what a digital output was last set to */
-static int look_output(const call *in) {
+static int read_output(call *in) {
     roburoc4_result on;
     int64_t index;
     if (!take_whole(in->arguments[0], "index", 0, UINT16_MAX, &index)) {
@@ -253,12 +247,12 @@ static int look_output(const call *in) {
     }
     on = roburoc4_sim_digital_output(begin(in->object), (uint32_t)index);
     end(in->object);
-    in->results[0] = mxCreateLogicalScalar(on > 0);
+    in->number = on;
     return on >= 0 || fail_result("output", on);
 }
 
 /* simPanel(id, line): the reply */
-static int panel(const call *in) {
+static int panel(call *in) {
     static char reply[ROBUROC4_SIM_REPLY];
     char line[TEXT_SIZE];
     roburoc4_result result;
@@ -275,9 +269,14 @@ static int panel(const call *in) {
 }
 
 const command simulator_commands[] = {
-    {"simOpen", NO_ID, -2, open_simulator}, {"simClose", ANY_SIMULATOR, 0, close_one},
-    {"simPort", SIMULATOR, 0, look_port},   {"simConnect", SIMULATOR, 1, connect_robot},
-    {"simStep", SIMULATOR, 1, step},        {"simFaults", SIMULATOR, 6, set_faults},
-    {"simState", SIMULATOR, 0, look_state}, {"simOutput", SIMULATOR, 1, look_output},
-    {"simPanel", SIMULATOR, 1, panel},      {NULL, NO_ID, 0, NULL},
+    {"simOpen", NO_ID, -2, NUMBER, open_simulator},
+    {"simClose", ANY_SIMULATOR, 0, NOTHING, close_one},
+    {"simPort", SIMULATOR, 0, NUMBER, read_port},
+    {"simConnect", SIMULATOR, 1, NUMBER, connect_robot},
+    {"simStep", SIMULATOR, 1, NOTHING, step},
+    {"simFaults", SIMULATOR, 6, NOTHING, set_faults},
+    {"simState", SIMULATOR, 0, STRUCT, read_state},
+    {"simOutput", SIMULATOR, 1, FLAG, read_output},
+    {"simPanel", SIMULATOR, 1, OTHER, panel},
+    {NULL, NO_ID, 0, NOTHING, NULL},
 };

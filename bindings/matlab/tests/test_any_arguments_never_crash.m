@@ -70,7 +70,8 @@ folder = fullfile(fileparts(fileparts(mfilename('fullpath'))), 'src');
 files = dir(fullfile(folder, '*.c'));
 names = {'living'};
 for k = 1:numel(files)
-    found = regexp(fileread(fullfile(folder, files(k).name)), '\{"(\w+)", [A-Z_]+, -?\d, \w+\}', 'tokens');
+    text = fileread(fullfile(folder, files(k).name));
+    found = regexp(text, '\{"(\w+)", [A-Z_]+, -?\d, [A-Z]+, \w+\}', 'tokens');
     names = [names, cellfun(@(one) one{1}, found, 'UniformOutput', false)]; %#ok<AGROW>
 end
 names = setdiff(names, {'open'});

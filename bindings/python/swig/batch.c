@@ -1,134 +1,100 @@
 /* SPDX-License-Identifier: MIT
  *
- * Rows are packed and in the machine's byte order, as codec.py tells NumPy: robot_cycles, then the
- * fields of the service in the manual's order; a digital input takes a byte.
+ * Many statuses of one service to the rows of a NumPy table. Rows are packed and in the machine's
+ * byte order: robot_cycles, then the fields of the service in the manual's order; a digital input
+ * takes a byte.
  */
-#include "batch.h"
+#include "native.h"
 
 #include <string.h>
 
-#include "decode.h"
+typedef struct batch batch;
 
-typedef struct batch {
-    batch_shape shape;
+/* Write the row of a status; 0 where it is none of this service. */
+typedef int (*row_writer)(batch *b, const uint8_t *data, size_t size, uint8_t *row);
+
+struct batch {
+    row_writer write;
+    uint32_t id; /* of the service, on the wire */
+    uint32_t analog, digital; /* channels of the IO card; analog: telemeters */
+    float *floats;            /* room for `analog` */
     uint8_t *rows;
-    size_t capacity; /* rows that there is room for */
+    size_t row, capacity; /* bytes of a row, rows that there is room for */
     size_t good, index;
     PyObject *bad;
-} batch;
+};
+
+/* ------------------------------------------------------------------------- a row by service --- */
 
 static uint8_t *put(uint8_t *at, const void *value, size_t size) {
     memcpy(at, value, size);
     return at + size;
 }
 
-/* ------------------------------------------------------------------------- a row by service --- */
-
-static roburoc4_result iocard_row(const batch_shape *shape, const uint8_t *data, size_t size,
-                                  uint8_t *row) {
+static int write_iocard(batch *b, const uint8_t *data, size_t size, uint8_t *row) {
     roburoc4_channels status;
     uint32_t i;
-    roburoc4_result result =
-        roburoc4_decode_iocard_status(data, size, shape->analog, shape->digital, &status);
-    if (result < 0 || status.service != shape->id) {
-        return ROBUROC4_ERR_KIND;
+    if (roburoc4_decode_iocard_status(data, size, b->analog, b->digital, &status) < 0 ||
+        status.service != b->id) {
+        return 0;
     }
+    (void)roburoc4_analog_values(&status, b->floats, b->analog);
     row = put(row, &status.robot_cycles, sizeof status.robot_cycles);
-    for (i = 0; i < shape->analog; i++) {
-        const float value = channels_analog(&status, i);
-        row = put(row, &value, sizeof value);
+    row = put(row, b->floats, b->analog * sizeof *b->floats);
+    for (i = 0; i < b->digital; i++) {
+        *row++ = status.digital[i / 8] >> i % 8 & 1;
     }
-    for (i = 0; i < shape->digital; i++) {
-        *row++ = (uint8_t)channels_digital(&status, i);
-    }
-    return ROBUROC4_OK;
+    return 1;
 }
 
-static roburoc4_result telemeter_row(const batch_shape *shape, const uint8_t *data, size_t size,
-                                     uint8_t *row) {
+static int write_telemeter(batch *b, const uint8_t *data, size_t size, uint8_t *row) {
     roburoc4_telemeter_status status;
-    uint32_t i;
-    roburoc4_result result = roburoc4_decode_telemeter_status(data, size, &status);
-    if (result < 0 || status.service != shape->id || status.count != shape->analog) {
-        return ROBUROC4_ERR_KIND;
+    if (roburoc4_decode_telemeter_status(data, size, &status) < 0 || status.service != b->id ||
+        status.count != b->analog) {
+        return 0;
     }
+    (void)roburoc4_telemeter_distances(&status, b->floats, b->analog);
     row = put(row, &status.robot_cycles, sizeof status.robot_cycles);
-    for (i = 0; i < shape->analog; i++) {
-        const float value = distances_at(&status, i);
-        row = put(row, &value, sizeof value);
-    }
-    return ROBUROC4_OK;
+    (void)put(row, b->floats, b->analog * sizeof *b->floats);
+    return 1;
 }
 
-static roburoc4_result battery_row(const batch_shape *shape, const uint8_t *data, size_t size,
-                                   uint8_t *row) {
-    roburoc4_battery_status status;
-    roburoc4_result result = roburoc4_decode_battery_status(data, size, &status);
-    if (result < 0 || status.service != shape->id) {
-        return ROBUROC4_ERR_KIND;
+/* write_name() for a status that is one struct. */
+#define WRITE(NAME, KIND)                                                                          \
+    static int write_##NAME(batch *b, const uint8_t *data, size_t size, uint8_t *row) {            \
+        roburoc4_##NAME##_status status;                                                           \
+        if (roburoc4_decode_##NAME##_status(data, size, &status) < 0 || status.service != b->id) { \
+            return 0;                                                                              \
+        }                                                                                          \
+        (void)pack(KIND, &status, row);                                                            \
+        return 1;                                                                                  \
     }
-    row = put(row, &status.robot_cycles, sizeof status.robot_cycles);
-    row = put(row, &status.state, 1);
-    (void)put(row, &status.remaining_percent, 1);
-    return ROBUROC4_OK;
-}
+WRITE(battery, RECORD_BATTERY_STATUS)
+WRITE(localization, RECORD_LOCALIZATION_STATUS)
+WRITE(differential, RECORD_DIFFERENTIAL_STATUS)
 
-static roburoc4_result localization_row(const batch_shape *shape, const uint8_t *data, size_t size,
-                                        uint8_t *row) {
-    roburoc4_localization_status status;
-    roburoc4_result result = roburoc4_decode_localization_status(data, size, &status);
-    if (result < 0 || status.service != shape->id) {
-        return ROBUROC4_ERR_KIND;
-    }
-    row = put(row, &status.robot_cycles, sizeof status.robot_cycles);
-    row = put(row, &status.x_m, sizeof status.x_m);
-    row = put(row, &status.y_m, sizeof status.y_m);
-    row = put(row, &status.theta_rad, sizeof status.theta_rad);
-    (void)put(row, &status.flags, sizeof status.flags);
-    return ROBUROC4_OK;
-}
-
-static roburoc4_result differential_row(const batch_shape *shape, const uint8_t *data, size_t size,
-                                        uint8_t *row) {
-    roburoc4_differential_status status;
-    roburoc4_result result = roburoc4_decode_differential_status(data, size, &status);
-    if (result < 0 || status.service != shape->id) {
-        return ROBUROC4_ERR_KIND;
-    }
-    row = put(row, &status.robot_cycles, sizeof status.robot_cycles);
-    row = put(row, &status.target_linear_m_s, sizeof(float));
-    row = put(row, &status.current_linear_m_s, sizeof(float));
-    row = put(row, &status.target_angular_rad_s, sizeof(float));
-    (void)put(row, &status.current_angular_rad_s, sizeof(float));
-    return ROBUROC4_OK;
-}
-
-typedef roburoc4_result (*row_writer)(const batch_shape *, const uint8_t *, size_t, uint8_t *);
-
-static row_writer writer_of(const batch_shape *shape, size_t *row) {
-    switch (shape->service) {
+/* What writes the rows of a service, and how long they are. */
+static row_writer writer_of(uint32_t service, const batch *b, size_t *row) {
+    switch (service) {
     case ROBUROC4_SERVICE_IOCARD:
-        *row = 8 + (size_t)4 * shape->analog + shape->digital;
-        return iocard_row;
+        *row = 8 + sizeof(float) * b->analog + b->digital;
+        return write_iocard;
     case ROBUROC4_SERVICE_TELEMETER:
-        *row = 8 + (size_t)4 * shape->analog;
-        return telemeter_row;
+        *row = 8 + sizeof(float) * b->analog;
+        return write_telemeter;
     case ROBUROC4_SERVICE_BATTERY:
-        *row = 8 + 2;
-        return battery_row;
+        *row = pack(RECORD_BATTERY_STATUS, NULL, NULL);
+        return write_battery;
     case ROBUROC4_SERVICE_LOCALIZATION:
-        *row = 8 + 3 * 8 + 4;
-        return localization_row;
-    case ROBUROC4_SERVICE_DIFFERENTIAL:
-        *row = 8 + 4 * 4;
-        return differential_row;
+        *row = pack(RECORD_LOCALIZATION_STATUS, NULL, NULL);
+        return write_localization;
     default:
-        return NULL;
+        *row = pack(RECORD_DIFFERENTIAL_STATUS, NULL, NULL);
+        return write_differential;
     }
 }
 
-/* ------------------------------------------------------------------------------- all of them ---
- */
+/* ----------------------------------------------------------------------------- all of them --- */
 
 static int note_bad(batch *b) {
     PyObject *index = PyLong_FromSize_t(b->index);
@@ -137,10 +103,9 @@ static int note_bad(batch *b) {
     return result;
 }
 
-static int take(batch *b, row_writer write, const uint8_t *data, size_t size) {
+static int take(batch *b, const uint8_t *data, size_t size) {
     int result = 0;
-    if (b->good < b->capacity &&
-        write(&b->shape, data, size, b->rows + b->good * b->shape.row) >= 0) {
+    if (b->good < b->capacity && b->write(b, data, size, b->rows + b->good * b->row)) {
         b->good++;
     } else {
         result = note_bad(b);
@@ -149,7 +114,7 @@ static int take(batch *b, row_writer write, const uint8_t *data, size_t size) {
     return result;
 }
 
-static int take_buffer(batch *b, row_writer write, PyObject *source, size_t size) {
+static int take_buffer(batch *b, PyObject *source, size_t size) {
     Py_buffer view;
     size_t at;
     int result = 0;
@@ -157,13 +122,13 @@ static int take_buffer(batch *b, row_writer write, PyObject *source, size_t size
         return -1;
     }
     for (at = 0; result == 0 && at + size <= (size_t)view.len; at += size) {
-        result = take(b, write, (const uint8_t *)view.buf + at, size);
+        result = take(b, (const uint8_t *)view.buf + at, size);
     }
     PyBuffer_Release(&view);
     return result;
 }
 
-static int take_sequence(batch *b, row_writer write, PyObject *source) {
+static int take_sequence(batch *b, PyObject *source) {
     Py_ssize_t count = PySequence_Size(source), i;
     int result = count < 0 ? -1 : 0;
     for (i = 0; result == 0 && i < count; i++) {
@@ -174,7 +139,7 @@ static int take_sequence(batch *b, row_writer write, PyObject *source) {
         }
         result = PyObject_GetBuffer(item, &view, PyBUF_SIMPLE);
         if (result == 0) {
-            result = take(b, write, view.buf, (size_t)view.len);
+            result = take(b, view.buf, (size_t)view.len);
             PyBuffer_Release(&view);
         }
         Py_DECREF(item);
@@ -187,16 +152,14 @@ PyObject *batch_decode(PyObject *source, size_t size, uint32_t service, uint32_t
     batch b;
     Py_buffer view;
     size_t needed = 0;
-    row_writer write;
     int result;
     memset(&b, 0, sizeof b);
-    b.shape.service = service;
-    b.shape.id = id;
-    b.shape.analog = analog;
-    b.shape.digital = digital;
-    b.shape.row = row;
-    write = writer_of(&b.shape, &needed);
-    if (write == NULL || needed != row) {
+    b.id = id;
+    b.analog = analog;
+    b.digital = digital;
+    b.row = row;
+    b.write = writer_of(service, &b, &needed);
+    if (needed != row) {
         PyErr_SetString(PyExc_ValueError, "batch_decode: rows do not fit the service");
         return NULL;
     }
@@ -206,9 +169,14 @@ PyObject *batch_decode(PyObject *source, size_t size, uint32_t service, uint32_t
     b.rows = view.buf;
     b.capacity = (size_t)view.len / row;
     b.bad = PyList_New(0);
-    result = b.bad == NULL ? -1
-             : size > 0    ? take_buffer(&b, write, source, size)
-                           : take_sequence(&b, write, source);
+    b.floats = PyMem_Malloc(((size_t)analog + 1) * sizeof *b.floats);
+    if (b.floats == NULL) {
+        (void)PyErr_NoMemory();
+    }
+    result = b.bad == NULL || b.floats == NULL ? -1
+             : size > 0                        ? take_buffer(&b, source, size)
+                                               : take_sequence(&b, source);
+    PyMem_Free(b.floats);
     PyBuffer_Release(&view);
     if (result < 0) {
         Py_CLEAR(b.bad);

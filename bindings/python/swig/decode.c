@@ -2,11 +2,9 @@
  *
  * Which of the codec's decoders a datagram is for, and the record of what it says.
  */
-#include "decode.h"
+#include "native.h"
 
 #include <string.h>
-
-#include "raise.h"
 
 /* What bytes alone do not tell: ids of the services, and counts of the IO card's channels. */
 typedef struct layout {
@@ -59,65 +57,110 @@ static uint32_t service_of_id(const layout *layout, uint32_t id) {
     return service;
 }
 
+/* ------------------------------------------------------------------------- structs and lists --- */
+
+/* name() decodes a telegram that is one struct. */
+#define STRUCT(NAME, KIND)                                                                         \
+    static PyObject *NAME(const datagram *d) {                                                     \
+        roburoc4_##NAME value;                                                                     \
+        roburoc4_result result = roburoc4_decode_##NAME(d->data, d->size, &value);                 \
+        return result < 0 ? raise_result(result) : record_of(KIND, &value);                        \
+    }
+/* The same of a status, which has a time of arrival: 0 here. */
+#define STATUS(NAME, KIND)                                                                         \
+    static PyObject *NAME(const datagram *d) {                                                     \
+        roburoc4_##NAME value;                                                                     \
+        roburoc4_result result = roburoc4_decode_##NAME(d->data, d->size, &value);                 \
+        return result < 0 ? raise_result(result) : record_of_status(KIND, &value, 0);              \
+    }
+/* name() decodes a telegram that is a list. */
+#define LIST(NAME, VIEW, ITEM, AT, KIND)                                                           \
+    static PyObject *NAME(const datagram *d) {                                                     \
+        VIEW list;                                                                                 \
+        PyObject *tuple;                                                                           \
+        uint32_t i;                                                                                \
+        roburoc4_result result = roburoc4_decode_##NAME(d->data, d->size, &list);                  \
+        if (result < 0) {                                                                          \
+            return raise_result(result);                                                           \
+        }                                                                                          \
+        tuple = PyTuple_New(list.count);                                                           \
+        for (i = 0; tuple != NULL && i < list.count; i++) {                                        \
+            ITEM item;                                                                             \
+            (void)AT(&list, i, &item);                                                             \
+            (void)PyTuple_SetItem(tuple, i, record_of(KIND, &item));                               \
+        }                                                                                          \
+        return tuple;                                                                              \
+    }
+
+STATUS(battery_status, RECORD_BATTERY_STATUS)
+STATUS(localization_status, RECORD_LOCALIZATION_STATUS)
+STATUS(differential_status, RECORD_DIFFERENTIAL_STATUS)
+STRUCT(iocard_properties, RECORD_IOCARD_PROPERTIES)
+STRUCT(battery_properties, RECORD_BATTERY_PROPERTIES)
+STRUCT(localization_properties, RECORD_LOCALIZATION_PROPERTIES)
+STRUCT(differential_properties, RECORD_DIFFERENTIAL_PROPERTIES)
+STRUCT(differential_command, RECORD_DIFFERENTIAL_COMMAND)
+STRUCT(request, RECORD_REQUEST)
+LIST(directory, roburoc4_directory, roburoc4_directory_entry, roburoc4_directory_at,
+     RECORD_DIRECTORY_ENTRY)
+LIST(notification, roburoc4_notification, roburoc4_subscription, roburoc4_notification_at,
+     RECORD_SUBSCRIPTION)
+LIST(telemeter_properties, roburoc4_telemeter_list, roburoc4_telemeter, roburoc4_telemeter_at,
+     RECORD_TELEMETER_PROPERTIES)
+
 /* -------------------------------------------------------------------------------- statuses --- */
+
+/* Room for the floats of a datagram, whose number is bounded by its size. */
+static float *room_for_floats(uint32_t count) {
+    float *floats = PyMem_Malloc((count + 1) * sizeof *floats);
+    if (floats == NULL) {
+        (void)PyErr_NoMemory();
+    }
+    return floats;
+}
+
+static PyObject *analog_values(const roburoc4_channels *channels) {
+    float *values = room_for_floats(channels->analog_count);
+    PyObject *tuple = NULL;
+    if (values != NULL) {
+        (void)roburoc4_analog_values(channels, values, channels->analog_count);
+        tuple = tuple_of_floats(values, channels->analog_count);
+        PyMem_Free(values);
+    }
+    return tuple;
+}
 
 static PyObject *iocard_status(const datagram *d) {
     roburoc4_channels status;
-    PyObject *analog, *digital;
-    uint32_t i;
     roburoc4_result result = roburoc4_decode_iocard_status(
         d->data, d->size, d->layout->analog_inputs, d->layout->digital_inputs, &status);
     if (result < 0) {
         return raise_result(result);
     }
-    analog = PyTuple_New(status.analog_count);
-    for (i = 0; analog != NULL && i < status.analog_count; i++) {
-        const float value = channels_analog(&status, i);
-        (void)PyTuple_SetItem(analog, i, PyFloat_FromDouble(value));
-    }
-    digital = PyTuple_New(status.digital_count);
-    for (i = 0; digital != NULL && i < status.digital_count; i++) {
-        (void)PyTuple_SetItem(digital, i, PyBool_FromLong(channels_digital(&status, i)));
-    }
-    return record_new(
-        RECORD_IOCARD_STATUS,
-        Py_BuildValue("(KNNi)", (unsigned long long)status.robot_cycles, analog, digital, 0));
+    return record_new(RECORD_IOCARD_STATUS,
+                      Py_BuildValue("(KNNi)", (unsigned long long)status.robot_cycles,
+                                    analog_values(&status),
+                                    tuple_of_bits(status.digital, status.digital_count), 0));
 }
 
 static PyObject *telemeter_status(const datagram *d) {
     roburoc4_telemeter_status status;
+    float *values;
     PyObject *distances;
-    uint32_t i;
     roburoc4_result result = roburoc4_decode_telemeter_status(d->data, d->size, &status);
     if (result < 0) {
         return raise_result(result);
     }
-    distances = PyTuple_New(status.count);
-    for (i = 0; distances != NULL && i < status.count; i++) {
-        const float value = distances_at(&status, i);
-        (void)PyTuple_SetItem(distances, i, PyFloat_FromDouble(value));
+    values = room_for_floats(status.count);
+    if (values == NULL) {
+        return NULL;
     }
+    (void)roburoc4_telemeter_distances(&status, values, status.count);
+    distances = tuple_of_floats(values, status.count);
+    PyMem_Free(values);
     return record_new(
         RECORD_TELEMETER_STATUS,
         Py_BuildValue("(KNi)", (unsigned long long)status.robot_cycles, distances, 0));
-}
-
-static PyObject *battery_status(const datagram *d) {
-    roburoc4_battery_status status;
-    roburoc4_result result = roburoc4_decode_battery_status(d->data, d->size, &status);
-    return result < 0 ? raise_result(result) : record_of_battery(&status, 0);
-}
-
-static PyObject *localization_status(const datagram *d) {
-    roburoc4_localization_status status;
-    roburoc4_result result = roburoc4_decode_localization_status(d->data, d->size, &status);
-    return result < 0 ? raise_result(result) : record_of_localization(&status, 0);
-}
-
-static PyObject *differential_status(const datagram *d) {
-    roburoc4_differential_status status;
-    roburoc4_result result = roburoc4_decode_differential_status(d->data, d->size, &status);
-    return result < 0 ? raise_result(result) : record_of_differential(&status, 0);
 }
 
 static PyObject *unknown_status(const datagram *d, const roburoc4_status_header *header) {
@@ -151,84 +194,6 @@ static PyObject *status(const datagram *d) {
 
 /* --------------------------------------------------------------------------------- answers --- */
 
-static PyObject *directory(const datagram *d) {
-    roburoc4_directory list;
-    PyObject *tuple;
-    uint32_t i;
-    roburoc4_result result = roburoc4_decode_directory(d->data, d->size, &list);
-    if (result < 0) {
-        return raise_result(result);
-    }
-    tuple = PyTuple_New(list.count);
-    for (i = 0; tuple != NULL && i < list.count; i++) {
-        roburoc4_directory_entry entry = {0, 0};
-        (void)roburoc4_directory_at(&list, i, &entry);
-        (void)PyTuple_SetItem(tuple, i, record_of_directory_entry(&entry));
-    }
-    return tuple;
-}
-
-static PyObject *notification(const datagram *d) {
-    roburoc4_notification list;
-    PyObject *tuple;
-    uint32_t i;
-    roburoc4_result result = roburoc4_decode_notification(d->data, d->size, &list);
-    if (result < 0) {
-        return raise_result(result);
-    }
-    tuple = PyTuple_New(list.count);
-    for (i = 0; tuple != NULL && i < list.count; i++) {
-        roburoc4_subscription entry = {0, 0, 0};
-        (void)roburoc4_notification_at(&list, i, &entry);
-        (void)PyTuple_SetItem(
-            tuple, i,
-            record_new(RECORD_SUBSCRIPTION,
-                       Py_BuildValue("(ii)", (int)entry.service, (int)entry.period_cycles)));
-    }
-    return tuple;
-}
-
-static PyObject *telemeters(const datagram *d) {
-    roburoc4_telemeter_list list;
-    PyObject *tuple;
-    uint32_t i;
-    roburoc4_result result = roburoc4_decode_telemeter_properties(d->data, d->size, &list);
-    if (result < 0) {
-        return raise_result(result);
-    }
-    tuple = PyTuple_New(list.count);
-    for (i = 0; tuple != NULL && i < list.count; i++) {
-        roburoc4_telemeter telemeter = {0};
-        (void)roburoc4_telemeter_at(&list, i, &telemeter);
-        (void)PyTuple_SetItem(tuple, i, record_of_telemeter(&telemeter));
-    }
-    return tuple;
-}
-
-static PyObject *iocard_properties(const datagram *d) {
-    roburoc4_iocard_properties properties;
-    roburoc4_result result = roburoc4_decode_iocard_properties(d->data, d->size, &properties);
-    return result < 0 ? raise_result(result) : record_of_iocard_properties(&properties);
-}
-
-static PyObject *battery_properties(const datagram *d) {
-    roburoc4_battery_properties properties;
-    roburoc4_result result = roburoc4_decode_battery_properties(d->data, d->size, &properties);
-    return result < 0 ? raise_result(result) : record_of_battery_properties(&properties);
-}
-
-static PyObject *localization_properties(const datagram *d) {
-    roburoc4_localization_properties properties;
-    roburoc4_result result = roburoc4_decode_localization_properties(d->data, d->size, &properties);
-    return result < 0 ? raise_result(result) : record_of_localization_properties(&properties);
-}
-
-static PyObject *differential_properties(const datagram *d) {
-    roburoc4_differential_properties properties;
-    roburoc4_result result = roburoc4_decode_differential_properties(d->data, d->size, &properties);
-    return result < 0 ? raise_result(result) : record_of_differential_properties(&properties);
-}
-
 static PyObject *payload(const roburoc4_answer *answer) {
     return PyBytes_FromStringAndSize((const char *)answer->payload,
                                      (Py_ssize_t)answer->payload_size);
@@ -239,7 +204,7 @@ static PyObject *properties(const datagram *d, const roburoc4_answer *answer) {
         directory,
         notification,
         iocard_properties,
-        telemeters,
+        telemeter_properties,
         battery_properties,
         localization_properties,
         differential_properties};
@@ -290,33 +255,14 @@ static PyObject *answer(const datagram *d) {
 
 static PyObject *iocard_command(const datagram *d) {
     roburoc4_channels command;
-    PyObject *analog, *digital;
-    uint32_t i;
     roburoc4_result result = roburoc4_decode_iocard_command(
         d->data, d->size, d->layout->analog_outputs, d->layout->digital_outputs, &command);
     if (result < 0) {
         return raise_result(result);
     }
-    analog = PyTuple_New(command.analog_count);
-    for (i = 0; analog != NULL && i < command.analog_count; i++) {
-        const float value = channels_analog(&command, i);
-        (void)PyTuple_SetItem(analog, i, PyFloat_FromDouble(value));
-    }
-    digital = PyTuple_New(command.digital_count);
-    for (i = 0; digital != NULL && i < command.digital_count; i++) {
-        (void)PyTuple_SetItem(digital, i, PyBool_FromLong(channels_digital(&command, i)));
-    }
-    return record_new(RECORD_IOCARD_COMMAND, Py_BuildValue("(NN)", analog, digital));
-}
-
-static PyObject *differential_command(const datagram *d) {
-    roburoc4_differential_command command;
-    roburoc4_result result = roburoc4_decode_differential_command(d->data, d->size, &command);
-    if (result < 0) {
-        return raise_result(result);
-    }
-    return record_new(RECORD_DIFFERENTIAL_COMMAND, Py_BuildValue("(dd)", (double)command.linear_m_s,
-                                                                 (double)command.angular_rad_s));
+    return record_new(RECORD_IOCARD_COMMAND,
+                      Py_BuildValue("(NN)", analog_values(&command),
+                                    tuple_of_bits(command.digital, command.digital_count)));
 }
 
 static PyObject *command(const datagram *d) {
@@ -336,19 +282,6 @@ static PyObject *command(const datagram *d) {
     return record_new(RECORD_UNKNOWN_COMMAND,
                       Py_BuildValue("(iy#)", (int)header.service, (const char *)d->data + 3,
                                     (Py_ssize_t)d->size - 3));
-}
-
-static PyObject *request(const datagram *d) {
-    roburoc4_request r;
-    roburoc4_result result = roburoc4_decode_request(d->data, d->size, &r);
-    if (result < 0) {
-        return raise_result(result);
-    }
-    return record_new(RECORD_REQUEST,
-                      Py_BuildValue("(iiiiiiiKddd)", (int)r.id, (int)r.action, (int)r.service,
-                                    (int)r.subject, (int)r.period_cycles, (int)r.io_type,
-                                    (int)r.index, (unsigned long long)r.timestamp, r.x_m, r.y_m,
-                                    r.theta_rad));
 }
 
 /* --------------------------------------------------------------------------------- choosing --- */

@@ -1,83 +1,195 @@
 /* SPDX-License-Identifier: MIT
  *
- * The typed records. tuple.__new__ is called directly: the __new__ that a NamedTuple has costs
- * more than all of the rest.
+ * C structs to the records of records.py, and Python values to settings. A record's class says
+ * which fields of its struct it has, and in which order: they are looked up by name, once.
  */
-#include "records.h"
+#include "native.h"
 
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
-static const char *const record_names[RECORD_KINDS] = {"IoCardStatus",
-                                                       "TelemeterStatus",
-                                                       "BatteryStatus",
-                                                       "LocalizationStatus",
-                                                       "DifferentialStatus",
-                                                       "UnknownStatus",
-                                                       "Answer",
-                                                       "DirectoryEntry",
-                                                       "Subscription",
-                                                       "IoCardProperties",
-                                                       "TelemeterProperties",
-                                                       "BatteryProperties",
-                                                       "LocalizationProperties",
-                                                       "DifferentialProperties",
-                                                       "Request",
-                                                       "IoCardCommand",
-                                                       "DifferentialCommand",
-                                                       "UnknownCommand",
-                                                       "Facts",
-                                                       "Link",
-                                                       "ServiceLink",
-                                                       "SimState"};
+/* How a field becomes a Python value: as the number that it is, or as something that C has no type
+ * for. records.py has the same letters. */
+typedef enum meaning {
+    PLAIN = '.',
+    FLAG = '?',
+    AGE = 'a',     /* UINT32_MAX is None */
+    BATTERY = 'b', /* a BatteryState, or an integer */
+    QUALITY = 'l'  /* a LocalizationFlag, or an integer */
+} meaning;
+
+typedef struct field {
+    const char *name; /* struct.member */
+    char type;        /* u, i or f */
+    uint8_t size;
+    uint32_t offset, count; /* count: of an array, else 0 */
+} field;
+
+/* fields.h is written by make_fields.py from the headers. */
+#define TYPE_OF(X) _Generic((X), float: 'f', double: 'f', int16_t: 'i', int32_t: 'i', default: 'u')
+#define FIELD(S, NAME)                                                                             \
+    {#S "." #NAME, TYPE_OF(((S *)0)->NAME), sizeof(((S *)0)->NAME), offsetof(S, NAME), 0},
+#define ARRAY(S, NAME)                                                                             \
+    {#S "." #NAME, TYPE_OF(((S *)0)->NAME[0]), sizeof(((S *)0)->NAME[0]), offsetof(S, NAME),       \
+     sizeof(((S *)0)->NAME) / sizeof(((S *)0)->NAME[0])},
+static const field all_fields[] = {
+#include "fields.h"
+    {NULL, 0, 0, 0, 0}};
+
+typedef struct column {
+    const field *field;
+    meaning meaning;
+} column;
+
+#define COLUMNS_MAX 64
+
+typedef struct record_class {
+    PyObject *class;
+    column columns[COLUMNS_MAX];
+    int count;
+} record_class;
 
 #define BATTERY_STATES 4
-#define LOCALIZATION_FLAGS 128
+#define QUALITIES 128
 
-static PyObject *types[RECORD_KINDS];
+static record_class classes[RECORD_KINDS];
 static PyObject *battery_states[BATTERY_STATES];
-static PyObject *localization_flag_type;
-static PyObject *localization_flags[LOCALIZATION_FLAGS];
+static PyObject *qualities[QUALITIES];
+static PyObject *battery_state_class, *quality_class, *make_error;
 static newfunc tuple_new;
 
-static int learn(PyObject *classes, const char *name, PyObject **place) {
-    PyObject *found = PyDict_GetItemString(classes, name);
-    if (found == NULL) {
-        PyErr_Format(PyExc_KeyError, "%s", name);
-        return -1;
+/* ---------------------------------------------------------------------------- registration --- */
+
+static const field *find_field(const char *structure, const char *member) {
+    size_t length = strlen(structure);
+    const field *f = all_fields;
+    while (f->name != NULL && (strncmp(f->name, structure, length) != 0 || f->name[length] != '.' ||
+                               strcmp(f->name + length + 1, member) != 0)) {
+        f++;
     }
-    Py_XDECREF(*place);
-    Py_INCREF(found);
-    *place = found;
-    return 0;
+    if (f->name == NULL) {
+        PyErr_Format(PyExc_AttributeError, "%s has no field %s", structure, member);
+        return NULL;
+    }
+    return f;
 }
 
-PyObject *record_register(PyObject *classes) {
-    PyObject *battery_state_type = NULL;
-    int kind;
+PyObject *register_record(uint32_t kind, PyObject *type, const char *structure,
+                          PyObject *members) {
+    record_class *record = &classes[kind < RECORD_KINDS ? kind : 0];
+    Py_ssize_t count = PyList_Size(members), i;
     void *slot = PyType_GetSlot(&PyTuple_Type, Py_tp_new);
-    memcpy(&tuple_new, &slot, sizeof tuple_new); /* C has no cast for it */
-    for (kind = 0; kind < RECORD_KINDS; kind++) {
-        if (learn(classes, record_names[kind], &types[kind]) < 0) {
+    if (kind >= RECORD_KINDS || count < 0 || count > COLUMNS_MAX) {
+        PyErr_SetString(PyExc_ValueError, "register_record");
+        return NULL;
+    }
+    for (i = 0; i < count; i++) {
+        const char *name;
+        int letter;
+        if (!PyArg_ParseTuple(PyList_GetItem(members, i), "sC", &name, &letter)) {
+            return NULL;
+        }
+        record->columns[i].meaning = (meaning)letter;
+        record->columns[i].field = find_field(structure, name);
+        if (record->columns[i].field == NULL) {
             return NULL;
         }
     }
-    if (learn(classes, "LocalizationFlag", &localization_flag_type) < 0 ||
-        learn(classes, "BatteryState", &battery_state_type) < 0) {
-        return NULL;
-    }
-    for (kind = 0; kind < BATTERY_STATES; kind++) {
-        battery_states[kind] = PyObject_CallFunction(battery_state_type, "i", kind);
-        if (battery_states[kind] == NULL) {
-            break;
-        }
-    }
-    Py_DECREF(battery_state_type);
-    if (PyErr_Occurred() != NULL) {
-        return NULL;
-    }
+    memcpy(&tuple_new, &slot, sizeof tuple_new); /* C has no cast for it */
+    Py_INCREF(type);
+    record->class = type;
+    record->count = (int)count;
     Py_RETURN_NONE;
 }
 
+PyObject *register_enumerations(PyObject *battery_state, PyObject *quality) {
+    Py_INCREF(battery_state);
+    battery_state_class = battery_state;
+    Py_INCREF(quality);
+    quality_class = quality;
+    Py_RETURN_NONE;
+}
+
+PyObject *register_errors(PyObject *error_of) {
+    Py_INCREF(error_of);
+    make_error = error_of;
+    Py_RETURN_NONE;
+}
+
+PyObject *raise_result(roburoc4_result result) {
+    PyObject *exception = PyObject_CallFunction(make_error, "i", (int)result);
+    if (exception != NULL) {
+        PyErr_SetObject((PyObject *)Py_TYPE(exception), exception);
+        Py_DECREF(exception);
+    }
+    return NULL;
+}
+
+/* --------------------------------------------------------------------------------- records --- */
+
+/* A member of an enumeration; a plain integer for a value that the manual does not have. */
+static PyObject *member_of(PyObject *type, PyObject **members, uint64_t count, uint64_t value) {
+    if (value >= count) {
+        return PyLong_FromUnsignedLongLong(value);
+    }
+    if (members[value] == NULL) {
+        members[value] = PyObject_CallFunction(type, "I", (unsigned)value);
+    }
+    Py_XINCREF(members[value]);
+    return members[value];
+}
+
+static uint64_t unsigned_at(const void *at, size_t size) {
+    switch (size) {
+    case 1:
+        return *(const uint8_t *)at;
+    case 2:
+        return *(const uint16_t *)at;
+    case 4:
+        return *(const uint32_t *)at;
+    default:
+        return *(const uint64_t *)at;
+    }
+}
+
+static PyObject *number_at(const field *f, const void *at) {
+    if (f->type == 'f') {
+        return PyFloat_FromDouble(f->size == 4 ? *(const float *)at : *(const double *)at);
+    }
+    if (f->type == 'i') {
+        return PyLong_FromLong(f->size == 2 ? *(const int16_t *)at : *(const int32_t *)at);
+    }
+    return PyLong_FromUnsignedLongLong(unsigned_at(at, f->size));
+}
+
+static PyObject *value_of(const column *column, const void *structure) {
+    const field *f = column->field;
+    const void *at = (const uint8_t *)structure + f->offset;
+    if (f->count > 0) {
+        return tuple_of_floats(at, f->count);
+    }
+    switch (column->meaning) {
+    case FLAG:
+        return PyBool_FromLong(unsigned_at(at, f->size) != 0);
+    case BATTERY:
+        return member_of(battery_state_class, battery_states, BATTERY_STATES,
+                         unsigned_at(at, f->size));
+    case QUALITY:
+        return member_of(quality_class, qualities, QUALITIES, unsigned_at(at, f->size));
+    case AGE:
+        if (unsigned_at(at, f->size) == UINT32_MAX) {
+            Py_RETURN_NONE;
+        }
+        break;
+    default:
+        break;
+    }
+    return number_at(f, at);
+}
+
+/* tuple.__new__ is called directly: the __new__ of a NamedTuple costs more than all the rest. */
 PyObject *record_new(record_kind kind, PyObject *values) {
     PyObject *arguments, *record;
     if (values == NULL) {
@@ -88,33 +200,37 @@ PyObject *record_new(record_kind kind, PyObject *values) {
     if (arguments == NULL) {
         return NULL;
     }
-    record = tuple_new((PyTypeObject *)types[kind], arguments, NULL);
+    record = tuple_new((PyTypeObject *)classes[kind].class, arguments, NULL);
     Py_DECREF(arguments);
     return record;
 }
 
-PyObject *record_battery_state(uint8_t state) {
-    if (state >= BATTERY_STATES) {
-        return PyLong_FromLong(state);
+/* A tuple of the values, and of `last` unless it is NULL, which it takes over. */
+static PyObject *values_of(record_kind kind, const void *structure, PyObject *last) {
+    const record_class *record = &classes[kind];
+    PyObject *tuple = PyTuple_New(record->count + (last != NULL));
+    int i;
+    for (i = 0; tuple != NULL && i < record->count; i++) {
+        PyObject *value = value_of(&record->columns[i], structure);
+        if (value == NULL) {
+            Py_CLEAR(tuple);
+        } else {
+            (void)PyTuple_SetItem(tuple, i, value);
+        }
     }
-    Py_INCREF(battery_states[state]);
-    return battery_states[state];
+    if (tuple != NULL && last != NULL) {
+        (void)PyTuple_SetItem(tuple, record->count, last);
+    } else {
+        Py_XDECREF(last);
+    }
+    return tuple;
 }
 
-PyObject *record_localization_flags(uint32_t flags) {
-    if (flags >= LOCALIZATION_FLAGS) {
-        return PyLong_FromUnsignedLong(flags);
-    }
-    if (localization_flags[flags] == NULL) {
-        localization_flags[flags] = PyObject_CallFunction(localization_flag_type, "I", flags);
-    }
-    Py_XINCREF(localization_flags[flags]);
-    return localization_flags[flags];
+PyObject *record_of(record_kind kind, const void *value) {
+    return record_new(kind, values_of(kind, value, NULL));
 }
 
-/* -------------------------------------------------------------------------------- statuses --- */
-
-static PyObject *floats(const float *values, uint32_t count) {
+PyObject *tuple_of_floats(const float *values, uint32_t count) {
     PyObject *tuple = PyTuple_New(count);
     uint32_t i;
     for (i = 0; tuple != NULL && i < count; i++) {
@@ -128,153 +244,166 @@ static PyObject *floats(const float *values, uint32_t count) {
     return tuple;
 }
 
-static PyObject *bits(uint64_t values, uint32_t count) {
+PyObject *tuple_of_bits(const uint8_t *blocks, uint32_t count) {
     PyObject *tuple = PyTuple_New(count);
     uint32_t i;
     for (i = 0; tuple != NULL && i < count; i++) {
-        (void)PyTuple_SetItem(tuple, i, PyBool_FromLong((long)(values >> i & 1)));
+        (void)PyTuple_SetItem(tuple, i, PyBool_FromLong(blocks[i / 8] >> i % 8 & 1));
     }
     return tuple;
 }
 
-PyObject *record_of_inputs(const roburoc4_inputs *inputs, uint64_t host_us) {
+static PyObject *record_of_inputs(const roburoc4_inputs *inputs, PyObject *host_us) {
+    uint8_t blocks[8];
+    int i;
+    for (i = 0; i < 8; i++) {
+        blocks[i] = (uint8_t)(inputs->digital >> 8 * i);
+    }
     return record_new(RECORD_IOCARD_STATUS,
-                      Py_BuildValue("(KNNK)", (unsigned long long)inputs->robot_cycles,
-                                    floats(inputs->analog, inputs->analog_count),
-                                    bits(inputs->digital, inputs->digital_count),
-                                    (unsigned long long)host_us));
+                      Py_BuildValue("(KNNN)", (unsigned long long)inputs->robot_cycles,
+                                    tuple_of_floats(inputs->analog, inputs->analog_count),
+                                    tuple_of_bits(blocks, inputs->digital_count), host_us));
 }
 
-PyObject *record_of_distances(const roburoc4_distances *distances, uint64_t host_us) {
-    return record_new(RECORD_TELEMETER_STATUS,
-                      Py_BuildValue("(KNK)", (unsigned long long)distances->robot_cycles,
-                                    floats(distances->distance_m, distances->count),
-                                    (unsigned long long)host_us));
+PyObject *record_of_status(record_kind kind, const void *status, uint64_t host_us) {
+    PyObject *time = PyLong_FromUnsignedLongLong(host_us);
+    if (time == NULL) {
+        return NULL;
+    }
+    if (kind == RECORD_IOCARD_STATUS) {
+        return record_of_inputs(status, time);
+    }
+    if (kind == RECORD_TELEMETER_STATUS) {
+        const roburoc4_distances *d = status;
+        return record_new(kind, Py_BuildValue("(KNN)", (unsigned long long)d->robot_cycles,
+                                              tuple_of_floats(d->distance_m, d->count), time));
+    }
+    return record_new(kind, values_of(kind, status, time));
 }
 
-PyObject *record_of_battery(const roburoc4_battery_status *status, uint64_t host_us) {
-    return record_new(RECORD_BATTERY_STATUS,
-                      Py_BuildValue("(KNiK)", (unsigned long long)status->robot_cycles,
-                                    record_battery_state(status->state),
-                                    (int)status->remaining_percent, (unsigned long long)host_us));
+/* ---------------------------------------------------------------------------- rows of NumPy --- */
+
+size_t pack(record_kind kind, const void *value, uint8_t *row) {
+    const record_class *record = &classes[kind];
+    size_t size = 0;
+    int i;
+    for (i = 0; i < record->count; i++) {
+        const field *f = record->columns[i].field;
+        if (row != NULL) {
+            memcpy(row + size, (const uint8_t *)value + f->offset, f->size);
+        }
+        size += f->size;
+    }
+    return size;
 }
 
-PyObject *record_of_localization(const roburoc4_localization_status *status, uint64_t host_us) {
-    return record_new(RECORD_LOCALIZATION_STATUS,
-                      Py_BuildValue("(KdddNK)", (unsigned long long)status->robot_cycles,
-                                    status->x_m, status->y_m, status->theta_rad,
-                                    record_localization_flags(status->flags),
-                                    (unsigned long long)host_us));
+PyObject *packed_formats(uint32_t kind) {
+    const record_class *record = &classes[kind < RECORD_KINDS ? kind : 0];
+    PyObject *formats = PyList_New(0);
+    int i;
+    for (i = 0; formats != NULL && i < record->count; i++) {
+        const field *f = record->columns[i].field;
+        PyObject *format = PyUnicode_FromFormat("=%c%d", f->type, (int)f->size);
+        if (format == NULL || PyList_Append(formats, format) < 0) {
+            Py_CLEAR(formats);
+        }
+        Py_XDECREF(format);
+    }
+    return formats;
 }
 
-PyObject *record_of_differential(const roburoc4_differential_status *status, uint64_t host_us) {
-    return record_new(
-        RECORD_DIFFERENTIAL_STATUS,
-        Py_BuildValue("(KddddK)", (unsigned long long)status->robot_cycles,
-                      (double)status->target_linear_m_s, (double)status->current_linear_m_s,
-                      (double)status->target_angular_rad_s, (double)status->current_angular_rad_s,
-                      (unsigned long long)host_us));
+/* -------------------------------------------------------------------------------- settings --- */
+
+static int out_of_range(void) {
+    PyErr_SetString(PyExc_OverflowError, "out of range");
+    return -1;
 }
 
-/* ------------------------------------------------------------------------------ properties --- */
-
-PyObject *record_of_directory_entry(const roburoc4_directory_entry *entry) {
-    return record_new(RECORD_DIRECTORY_ENTRY, Py_BuildValue("(ii)", entry->type, entry->id));
+static int take_float(PyObject *value, const field *f, void *at) {
+    double number = PyFloat_AsDouble(value);
+    float single;
+    if (PyErr_Occurred() != NULL) {
+        return -1;
+    }
+    if (f->size == 8) {
+        memcpy(at, &number, sizeof number);
+        return 0;
+    }
+    if (isfinite(number) && fabs(number) > (double)FLT_MAX) {
+        return out_of_range();
+    }
+    single = (float)number;
+    memcpy(at, &single, sizeof single);
+    return 0;
 }
 
-PyObject *record_of_iocard_properties(const roburoc4_iocard_properties *p) {
-    return record_new(RECORD_IOCARD_PROPERTIES,
-                      Py_BuildValue("(iiii)", p->analog_inputs, p->analog_outputs,
-                                    p->digital_inputs, p->digital_outputs));
-}
-
-PyObject *record_of_telemeter(const roburoc4_telemeter *t) {
-    return record_new(RECORD_TELEMETER_PROPERTIES,
-                      Py_BuildValue("(ddddddd)", (double)t->x_m, (double)t->y_m,
-                                    (double)t->theta_rad, (double)t->field_of_view_rad,
-                                    (double)t->min_distance_m, (double)t->max_distance_m,
-                                    (double)t->distance_m));
-}
-
-PyObject *record_of_battery_properties(const roburoc4_battery_properties *p) {
-    return record_new(RECORD_BATTERY_PROPERTIES,
-                      Py_BuildValue("(ddi)", (double)p->nominal_voltage_v, (double)p->capacity_ah,
-                                    (int)p->minimum_percent));
-}
-
-PyObject *record_of_localization_properties(const roburoc4_localization_properties *p) {
-    return record_new(
-        RECORD_LOCALIZATION_PROPERTIES,
-        Py_BuildValue("(dddN)", p->x_m, p->y_m, p->theta_rad, record_localization_flags(p->flags)));
-}
-
-PyObject *record_of_differential_properties(const roburoc4_differential_properties *p) {
-    return record_new(RECORD_DIFFERENTIAL_PROPERTIES,
-                      Py_BuildValue("(ddddddddddddd)", (double)p->target_linear_m_s,
-                                    (double)p->target_angular_rad_s, (double)p->current_linear_m_s,
-                                    (double)p->current_angular_rad_s, (double)p->max_linear_m_s,
-                                    (double)p->min_linear_m_s, (double)p->max_angular_rad_s,
-                                    (double)p->min_angular_rad_s, (double)p->max_linear_m_s2,
-                                    (double)p->min_linear_m_s2, (double)p->max_angular_rad_s2,
-                                    (double)p->min_angular_rad_s2, (double)p->width_m));
-}
-
-/* ------------------------------------------------------------------------ facts and figures --- */
-
-static PyObject *yes(int value) {
-    return PyBool_FromLong(value);
-}
-
-PyObject *record_of_facts(const roburoc4_facts *f) {
-    return record_new(RECORD_FACTS,
-                      Py_BuildValue("(INNNNNNNNNNNNiiiIdd)", f->state, yes(f->armed),
-                                    yes(f->driving), yes(f->stopping), yes(f->override_known),
-                                    yes(f->overridden), yes(f->other_commander), yes(f->inhibited),
-                                    yes(f->fixed_id), yes(f->front_bumper), yes(f->rear_bumper),
-                                    yes(f->descriptions_done), yes(f->battery_low), f->disarm_cause,
-                                    f->arm_refusal, f->relocalize_result, f->lease_left_us,
-                                    (double)f->linear_m_s, (double)f->angular_rad_s));
-}
-
-PyObject *record_of_link(const roburoc4_link *l) {
-    return record_new(RECORD_LINK,
-                      Py_BuildValue("(IIIIId)", l->round_trip_us, l->round_trip_min_us,
-                                    l->silence_us, l->received, l->lost, (double)l->loss));
-}
-
-PyObject *record_of_service_link(const roburoc4_service_link *l) {
-    PyObject *age = Py_None;
-    if (l->age_us != UINT32_MAX) {
-        age = PyLong_FromUnsignedLong(l->age_us);
+static int take_integer(PyObject *value, const field *f, void *at) {
+    int bits = 8 * f->size - (f->type == 'i' || f->size == 8);
+    int overflow = 0;
+    int64_t number = PyLong_AsLongLongAndOverflow(value, &overflow);
+    int64_t most = (int64_t)(((uint64_t)1 << bits) - 1), least = f->type == 'i' ? -most - 1 : 0;
+    if (PyErr_Occurred() != NULL) {
+        return -1;
+    }
+    if (overflow != 0 || number < least || number > most) {
+        return out_of_range();
+    }
+    if (f->size == 2) {
+        *(uint16_t *)at = (uint16_t)number;
+    } else if (f->size == 4) {
+        *(uint32_t *)at = (uint32_t)number;
     } else {
-        Py_INCREF(age);
+        *(uint64_t *)at = (uint64_t)number;
     }
-    return record_new(RECORD_SERVICE_LINK,
-                      Py_BuildValue("(NIIIIIINd)", yes(l->subscribed != 0), l->received, l->lost,
-                                    l->late, l->duplicates, l->period_us, l->jitter_us, age,
-                                    (double)l->loss));
+    return 0;
 }
 
-PyObject *record_of_sim_state(const roburoc4_sim_state *s) {
-    PyObject *motion = Py_BuildValue(
-        "(NKKddddddddddddddK(dd)dd)", record_battery_state((uint8_t)s->battery_state),
-        (unsigned long long)s->now_us, (unsigned long long)s->cycles, s->true_x_m, s->true_y_m,
-        s->true_theta_rad, s->true_linear_m_s, s->true_angular_rad_s, s->odometry_x_m,
-        s->odometry_y_m, s->odometry_theta_rad, s->wheel_linear_m_s, s->wheel_angular_rad_s,
-        s->target_linear_m_s, s->target_angular_rad_s, s->last_linear_m_s, s->last_angular_rad_s,
-        (unsigned long long)s->last_command_us, (double)s->telemeters_m[0],
-        (double)s->telemeters_m[1], (double)s->battery_percent, (double)s->battery_v);
-    PyObject *rest = Py_BuildValue(
-        "(NNNNNNNNNNIIIIIIIIIII)", yes(s->powered), yes(s->motors_enabled), yes(s->estop_local),
-        yes(s->estop_remote), yes(s->brakes_released), yes(s->charger), yes(s->overridden),
-        yes(s->watchdog_bitten), yes(s->bumper_front), yes(s->bumper_rear), s->reboots, s->requests,
-        s->errors, s->speed_commands, s->nonzero_speed_commands, s->refused_speed_commands,
-        s->io_commands, s->ignored, s->dropped, s->peers, s->subscriptions);
-    PyObject *both = NULL;
-    if (motion != NULL && rest != NULL) {
-        both = PySequence_Concat(motion, rest);
+static PyObject *set_field(const char *structure, void *at, const char *name, PyObject *value,
+                           uint32_t index) {
+    const field *f = find_field(structure, name);
+    if (f == NULL) {
+        return NULL;
     }
-    Py_XDECREF(motion);
-    Py_XDECREF(rest);
-    return record_new(RECORD_SIM_STATE, both);
+    if (index > 0 && index >= f->count) {
+        PyErr_SetString(PyExc_IndexError, name);
+        return NULL;
+    }
+    at = (uint8_t *)at + f->offset + (size_t)index * f->size;
+    if ((f->type == 'f' ? take_float(value, f, at) : take_integer(value, f, at)) < 0) {
+        return NULL;
+    }
+    Py_RETURN_NONE;
+}
+
+PyObject *set_config(roburoc4_config *config, const char *name, PyObject *value, uint32_t index) {
+    return set_field("roburoc4_config", config, name, value, index);
+}
+
+PyObject *set_sim_config(roburoc4_sim_config *config, const char *name, PyObject *value,
+                         uint32_t index) {
+    return set_field("roburoc4_sim_config", config, name, value, index);
+}
+
+PyObject *set_sim_faults(roburoc4_sim_faults *faults, const char *name, PyObject *value) {
+    return set_field("roburoc4_sim_faults", faults, name, value, 0);
+}
+
+roburoc4_config *new_config(void) {
+    roburoc4_config *config = calloc(1, sizeof *config);
+    if (config != NULL) {
+        (void)roburoc4_config_init(config, sizeof *config);
+    }
+    return config;
+}
+
+roburoc4_sim_config *new_sim_config(void) {
+    roburoc4_sim_config *config = calloc(1, sizeof *config);
+    if (config != NULL) {
+        roburoc4_sim_config_init(config);
+    }
+    return config;
+}
+
+roburoc4_sim_faults *new_sim_faults(void) {
+    return calloc(1, sizeof(roburoc4_sim_faults));
 }

@@ -1,81 +1,59 @@
 /* SPDX-License-Identifier: MIT
  *
- * roburoc4.i - the private module roburoc4._native: the headers as they are, functions only, and
- * the few helpers that hand out memory or read many things in one call.
+ * roburoc4.i - the private module roburoc4._native: the functions of the headers that Python
+ * needs, and native.h.
  */
 %module(package="roburoc4") _native
 
 %{
-#include <errno.h>
-#include <string.h>
-
-#include "batch.h"
-#include "decode.h"
-#include "helpers.h"
-#include "raise.h"
-#include "records.h"
-#include "roburoc4_pump.h"
-#include "roburoc4_sim.h"
-#include "samples.h"
-#include "host.h"
+#include "native.h"
 %}
 
-/* Only what waits gives the interpreter away. */
+/* Only what waits gives the interpreter's lock away. */
 %nothread;
-%thread roburoc4_udp_resolve;
-%thread roburoc4_udp_wait;
 %thread roburoc4_pump_close;
 %thread roburoc4_pump_wait_events;
-%thread sim_host_stop;
 
 %include <stdint.i>
 %include "typemaps.i"
 
-/* Structs are passed whole, but for the settings. */
+/* Structs are passed whole. */
 %nodefaultctor;
 %nodefaultdtor;
-%rename("$ignore", regextarget=1, fullname=1) "^(?!roburoc4_config::|roburoc4_sim_config::|roburoc4_sim_faults::).*::.*";
-%immutable roburoc4_config::size;
-%immutable roburoc4_sim_config::size;
+%rename("$ignore", regextarget=1, fullname=1) ".*::.*";
 
-/* Arrays; see the setters below. */
-%ignore roburoc4_config::period_ms;
-%ignore roburoc4_config::role_index;
-%ignore roburoc4_sim_config::service_ids;
-%ignore roburoc4_sim_config::service_types;
-
-/* Of no use from Python: the codec is behind decode(), encoders have arrays. */
-%ignore roburoc4_client_description;
-%ignore roburoc4_udp_receive_one;
-%ignore roburoc4_pump_read_samples;
-%ignore roburoc4_pump_wait_samples;
-%ignore roburoc4_sim_config_read;
-%ignore roburoc4_pump_destroy;
-%ignore roburoc4_sim_destroy;
-%ignore roburoc4_sim_channel_destroy;
-%ignore roburoc4_sim_panel;
-%ignore roburoc4_sim_analog_output;
-%rename("$ignore", regextarget=1) "^roburoc4_(decode_|encode_|directory_at|notification_at|telemeter_at|analog_values|digital_values|telemeter_distances)";
+/* Of no use from Python: the codec is behind decode(), and native.h opens connections. */
+%rename("$ignore", regextarget=1) "^roburoc4_(decode_|encode_|directory_at|notification_at|telemeter_(at|distances)|(analog|digital)_values|config_init|abi_version)";
+%rename("$ignore", regextarget=1) "^roburoc4_(client_(size|init|start|receive|poll_transmit|description)|udp_(resolve|open|count|address|receive_all|wait|system_error)|address_text|udp_address_text)$";
+%rename("$ignore", regextarget=1) "^roburoc4_pump_(?!close|running|description|reader_init|take_events|wait_events).*";
+%rename("$ignore", regextarget=1) "^roburoc4_(sim_(config_init|config_read|create|destroy|reconfigure|receive|advance|poll_transmit|next_deadline|panel|analog_output|subscription|channel_.*|peer_unreachable)|world_(?!step$|now_us$).*)$";
 
 #define ROBUROC4_API
 #define ROBUROC4_SIM_API
+/* A client or simulator is locked by a typemap before the call, and free again after it. */
+%exception {
+    $action
+    connection_leave();
+    simulation_leave();
+}
+/* These move a client's datagrams; all others that change one are commands. */
+roburoc4_result roburoc4_client_close(roburoc4_client *mover, uint64_t now_us);
+uint32_t roburoc4_client_take_events(roburoc4_client *mover);
+roburoc4_result roburoc4_udp_transmit_all(roburoc4_udp *udp, roburoc4_client *mover);
+roburoc4_result roburoc4_udp_receive_one(roburoc4_udp *udp, roburoc4_client *mover,
+                                         const uint8_t **datagram, size_t *size);
+#pragma SWIG nowarn=322
 %include "roburoc4_codec.h"
 %include "roburoc4.h"
+%clear uint64_t now_us; /* from here on it is an argument */
 %include "roburoc4_udp.h"
-%include "roburoc4_pump.h"
 %include "roburoc4_sim.h"
+%exception;
+%include "roburoc4_pump.h"
 
-%ignore sim_host_destroy;
-%ignore sim_host_lock;
-%ignore sim_host_unlock;
-%include "host.h"
-
-PyObject *record_register(PyObject *classes);
-PyObject *raise_register(PyObject *make);
-PyObject *samples_read(roburoc4_pump *pump, roburoc4_pump_reader *reader, uint32_t mask);
-PyObject *batch_decode(PyObject *source, size_t size, uint32_t service, uint32_t id,
-                       uint32_t analog, uint32_t digital, PyObject *rows, size_t row);
-%include "helpers.h"
+%ignore raise_result;
+%rename("$ignore", regextarget=1) "^(record_|pack$|decode_telegram|tuple_of|(connection|simulation)_(enter|leave|entered_us|destroy|pump|udp|world)$)";
+%include "native.h"
 
 /* The hottest call: without SWIG's unpacking of arguments. */
 %init %{

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * How the header's idioms look in Python: a result below 0 raises, an output struct is returned as
- * a typed record, a datagram is bytes.
+ * How C looks in Python: a result below 0 raises, an output struct is returned as a typed record,
+ * a datagram is bytes, and a pointer is a capsule that frees what it owns.
  */
 
 /* ---- results ---- */
@@ -12,10 +12,6 @@
     }
     $result = PyLong_FromLong($1);
 }
-/* These tell by their result what became of a datagram. */
-%typemap(out) roburoc4_result roburoc4_client_receive, roburoc4_result raw {
-    $result = PyLong_FromLong($1);
-}
 %typemap(out) PyObject * {
     $result = $1;
 }
@@ -24,46 +20,44 @@
 }
 
 /* ---- output structs ---- */
-%define ROBUROC4_OUTPUT(TYPE, PREPARE, RECORD)
-%typemap(in, numinputs=0) TYPE *out (TYPE value), TYPE *facts (TYPE value), TYPE *link (TYPE value),
-    TYPE *state (TYPE value) {
+%define ROBUROC4_OUTPUT(TYPE, PREPARE, KIND)
+%typemap(in, numinputs=0) TYPE * (TYPE value) {
     memset(&value, 0, sizeof value);
     PREPARE;
     $1 = &value;
 }
-%typemap(argout) TYPE *out, TYPE *facts, TYPE *link, TYPE *state {
+%typemap(argout) TYPE * {
     Py_XDECREF($result);
-    $result = RECORD;
+    $result = record_of(KIND, $1);
 }
 %enddef
-
-%define ROBUROC4_STATUS(TYPE, RECORD)
+%define ROBUROC4_STATUS(TYPE, KIND)
 %typemap(in, numinputs=0) (TYPE *out, uint64_t *host_us) (TYPE value, uint64_t host) {
     $1 = &value;
     $2 = &host;
 }
 %typemap(argout) (TYPE *out, uint64_t *host_us) {
     Py_XDECREF($result);
-    $result = RECORD($1, *$2);
+    $result = record_of_status(KIND, $1, *$2);
 }
 %enddef
 
-ROBUROC4_STATUS(roburoc4_inputs, record_of_inputs)
-ROBUROC4_STATUS(roburoc4_distances, record_of_distances)
-ROBUROC4_STATUS(roburoc4_battery_status, record_of_battery)
-ROBUROC4_STATUS(roburoc4_localization_status, record_of_localization)
-ROBUROC4_STATUS(roburoc4_differential_status, record_of_differential)
+ROBUROC4_STATUS(roburoc4_inputs, RECORD_IOCARD_STATUS)
+ROBUROC4_STATUS(roburoc4_distances, RECORD_TELEMETER_STATUS)
+ROBUROC4_STATUS(roburoc4_battery_status, RECORD_BATTERY_STATUS)
+ROBUROC4_STATUS(roburoc4_localization_status, RECORD_LOCALIZATION_STATUS)
+ROBUROC4_STATUS(roburoc4_differential_status, RECORD_DIFFERENTIAL_STATUS)
 
-ROBUROC4_OUTPUT(roburoc4_directory_entry, (void)0, record_of_directory_entry($1))
-ROBUROC4_OUTPUT(roburoc4_iocard_properties, (void)0, record_of_iocard_properties($1))
-ROBUROC4_OUTPUT(roburoc4_telemeter, (void)0, record_of_telemeter($1))
-ROBUROC4_OUTPUT(roburoc4_battery_properties, (void)0, record_of_battery_properties($1))
-ROBUROC4_OUTPUT(roburoc4_localization_properties, (void)0, record_of_localization_properties($1))
-ROBUROC4_OUTPUT(roburoc4_differential_properties, (void)0, record_of_differential_properties($1))
-ROBUROC4_OUTPUT(roburoc4_facts, value.size = sizeof value, record_of_facts($1))
-ROBUROC4_OUTPUT(roburoc4_link, value.size = sizeof value, record_of_link($1))
-ROBUROC4_OUTPUT(roburoc4_service_link, value.size = sizeof value, record_of_service_link($1))
-ROBUROC4_OUTPUT(roburoc4_sim_state, value.size = sizeof value, record_of_sim_state($1))
+ROBUROC4_OUTPUT(roburoc4_directory_entry, , RECORD_DIRECTORY_ENTRY)
+ROBUROC4_OUTPUT(roburoc4_iocard_properties, , RECORD_IOCARD_PROPERTIES)
+ROBUROC4_OUTPUT(roburoc4_telemeter, , RECORD_TELEMETER_PROPERTIES)
+ROBUROC4_OUTPUT(roburoc4_battery_properties, , RECORD_BATTERY_PROPERTIES)
+ROBUROC4_OUTPUT(roburoc4_localization_properties, , RECORD_LOCALIZATION_PROPERTIES)
+ROBUROC4_OUTPUT(roburoc4_differential_properties, , RECORD_DIFFERENTIAL_PROPERTIES)
+ROBUROC4_OUTPUT(roburoc4_facts, value.size = sizeof value, RECORD_FACTS)
+ROBUROC4_OUTPUT(roburoc4_link, value.size = sizeof value, RECORD_LINK)
+ROBUROC4_OUTPUT(roburoc4_service_link, value.size = sizeof value, RECORD_SERVICE_LINK)
+ROBUROC4_OUTPUT(roburoc4_sim_state, value.size = sizeof value, RECORD_SIM_STATE)
 
 %typemap(in, numinputs=0) uint64_t *host_us (uint64_t value) {
     $1 = &value;
@@ -74,56 +68,19 @@ ROBUROC4_OUTPUT(roburoc4_sim_state, value.size = sizeof value, record_of_sim_sta
 }
 
 /* ---- datagrams ---- */
-%typemap(in) (const uint8_t *datagram, size_t size) (Py_buffer view, int held),
-    (const uint8_t *data, size_t size) (Py_buffer view, int held) {
-    held = PyObject_GetBuffer($input, &view, PyBUF_SIMPLE) == 0;
-    if (!held) {
-        SWIG_fail;
-    }
-    $1 = ($1_ltype)view.buf;
-    $2 = (size_t)view.len;
+/* A result and the datagram. */
+%typemap(in, numinputs=0) (const uint8_t **datagram, size_t *size)
+    (uint8_t *view = NULL, size_t length = 0) {
+    $1 = &view;
+    $2 = &length;
 }
-%typemap(freearg) (const uint8_t *datagram, size_t size), (const uint8_t *data, size_t size) {
-    if (held$argnum) {
-        PyBuffer_Release(&view$argnum);
-    }
-}
-%typemap(arginit) (const uint8_t *datagram, size_t size), (const uint8_t *data, size_t size) {
-    held$argnum = 0;
-}
-/* The datagram, or None where there is none. */
-%typemap(in, numinputs=0) (uint8_t *buffer, size_t capacity) (uint8_t space[2048]) {
-    $1 = space;
-    $2 = sizeof space;
-}
-%typemap(argout) (uint8_t *buffer, size_t capacity) {
+%typemap(argout) (const uint8_t **datagram, size_t *size) {
     Py_XDECREF($result);
-    if (result > 0) {
-        $result = PyBytes_FromStringAndSize((const char *)$1, result);
-    } else {
-        $result = Py_None;
-        Py_INCREF(Py_None);
-    }
-}
-/* The peer and the datagram, or None. */
-%typemap(in, numinputs=0) (uint64_t *peer, uint8_t *buffer, size_t capacity)
-    (uint64_t peer, uint8_t space[2048]) {
-    $1 = &peer;
-    $2 = space;
-    $3 = sizeof space;
-}
-%typemap(argout) (uint64_t *peer, uint8_t *buffer, size_t capacity) {
-    Py_XDECREF($result);
-    if (result > 0) {
-        $result = Py_BuildValue("(Ky#)", (unsigned long long)*$1, (const char *)$2,
-                                (Py_ssize_t)result);
-    } else {
-        $result = Py_None;
-        Py_INCREF(Py_None);
-    }
+    $result = Py_BuildValue("(iy#)", (int)result, *$2 > 0 ? (const char *)*$1 : "",
+                            (Py_ssize_t)*$2);
 }
 /* A text of unknown character set. */
-%typemap(in, numinputs=0) (char *buffer, size_t capacity) (char space[2048]) {
+%typemap(in, numinputs=0) (char *buffer, size_t capacity) (char space[64]) {
     $1 = space;
     $2 = sizeof space;
 }
@@ -131,41 +88,105 @@ ROBUROC4_OUTPUT(roburoc4_sim_state, value.size = sizeof value, record_of_sim_sta
     Py_XDECREF($result);
     $result = PyBytes_FromStringAndSize($1, result);
 }
-
-/* ---- why something was not made ---- */
-%typemap(in, numinputs=0) roburoc4_result *result (roburoc4_result why) {
-    why = 0;
-    $1 = &why;
-}
-%typemap(argout) roburoc4_result *result {
-    if (*$1 < 0) {
-        Py_CLEAR($result);
-        (void)raise_result(*$1);
+/* Texts, some of them empty. */
+%typemap(in) (const char *const *texts, uint32_t text_count) (char *texts[256]) {
+    Py_ssize_t count = PyList_Size($input), i;
+    for (i = 0; i < count && i < 256; i++) {
+        texts[i] = PyBytes_AsString(PyList_GetItem($input, i));
+    }
+    if (PyErr_Occurred() != NULL) {
         SWIG_fail;
     }
-}
-%typemap(in, numinputs=0) int *error (int why) {
-    why = 0;
-    $1 = &why;
-}
-%typemap(argout) int *error {
-    if (*$1 != 0) {
-        Py_CLEAR($result);
-        errno = *$1;
-        (void)PyErr_SetFromErrno(PyExc_OSError);
-        SWIG_fail;
-    }
+    $1 = texts;
+    $2 = (uint32_t)i;
 }
 
 /* ---- pointers ---- */
-%typemap(check) SWIGTYPE *NOT_NULL {
+%define ROBUROC4_CAPSULE(TYPE, FREE)
+%{
+static void capsule_free_##TYPE(PyObject *capsule) {
+    FREE(PyCapsule_GetPointer(capsule, #TYPE));
+}
+%}
+%typemap(in) TYPE *, const TYPE * {
+    $1 = PyCapsule_GetPointer($input, #TYPE);
     if ($1 == NULL) {
-        PyErr_SetString(PyExc_ValueError, "$symname: an object is missing");
         SWIG_fail;
     }
 }
-%apply SWIGTYPE *NOT_NULL {
-    roburoc4_address *, roburoc4_config *config, roburoc4_client *, roburoc4_udp *,
-    roburoc4_pump *, roburoc4_pump_reader *, roburoc4_sim *, roburoc4_sim_config *,
-    roburoc4_sim_faults *, roburoc4_sim_channel *, sim_host *
+%typemap(out) TYPE * {
+    if ($1 == NULL) {
+        if (PyErr_Occurred() == NULL) {
+            (void)PyErr_NoMemory();
+        }
+        SWIG_fail;
+    }
+    $result = PyCapsule_New($1, #TYPE, capsule_free_##TYPE);
+}
+%enddef
+ROBUROC4_CAPSULE(roburoc4_config, free)
+ROBUROC4_CAPSULE(roburoc4_sim_config, free)
+ROBUROC4_CAPSULE(roburoc4_sim_faults, free)
+ROBUROC4_CAPSULE(connection, connection_destroy)
+ROBUROC4_CAPSULE(roburoc4_pump_reader, free)
+ROBUROC4_CAPSULE(simulation, simulation_destroy)
+
+/* Where the headers take a client or a simulator, Python gives a connection or a simulation. It is
+ * locked when all arguments are read, and the time after that. Only commands change a client. */
+%typemap(out) roburoc4_result roburoc4_client_channel_find {
+    $result = PyLong_FromLong($1); /* who calls it explains what is below 0 */
+}
+%typemap(in) roburoc4_client * (connection *handle), const roburoc4_client * (connection *handle) {
+    handle = PyCapsule_GetPointer($input, "connection");
+    if (handle == NULL) {
+        SWIG_fail;
+    }
+}
+%typemap(check) roburoc4_client * {
+    $1 = connection_enter(handle$argnum, 1);
+    if ($1 == NULL) {
+        SWIG_fail;
+    }
+}
+%typemap(check) const roburoc4_client *, roburoc4_client *mover {
+    $1 = connection_enter(handle$argnum, 0);
+    if ($1 == NULL) {
+        SWIG_fail;
+    }
+}
+%typemap(in) roburoc4_udp *, const roburoc4_udp * {
+    connection *handle = PyCapsule_GetPointer($input, "connection");
+    if (handle == NULL) {
+        SWIG_fail;
+    }
+    $1 = connection_udp(handle);
+}
+%typemap(in) roburoc4_world *, const roburoc4_world * {
+    simulation *handle = PyCapsule_GetPointer($input, "simulation");
+    if (handle == NULL) {
+        SWIG_fail;
+    }
+    $1 = simulation_world(handle);
+}
+%typemap(in) roburoc4_pump * {
+    connection *handle = PyCapsule_GetPointer($input, "connection");
+    if (handle == NULL) {
+        SWIG_fail;
+    }
+    $1 = connection_pump(handle);
+}
+%typemap(in, numinputs=0) uint64_t now_us {
+    $1 = 0;
+}
+%typemap(check) uint64_t now_us {
+    $1 = connection_entered_us();
+}
+%typemap(in) roburoc4_sim * (simulation *handle), const roburoc4_sim * (simulation *handle) {
+    handle = PyCapsule_GetPointer($input, "simulation");
+    if (handle == NULL) {
+        SWIG_fail;
+    }
+}
+%typemap(check) roburoc4_sim *, const roburoc4_sim * {
+    $1 = simulation_enter(handle$argnum);
 }

@@ -8,18 +8,18 @@ from cli_support import document, one_line, run
 import roburoc4
 
 DIFFERENTIAL = {
-    "target_linear_speed_m_s": 0.0,
-    "target_angular_speed_rad_s": 0.0,
-    "current_linear_speed_m_s": 0.0,
-    "current_angular_speed_rad_s": 0.0,
-    "max_linear_speed_m_s": 2.6,
-    "min_linear_speed_m_s": -2.6,
-    "max_angular_speed_rad_s": 6.5,
-    "min_angular_speed_rad_s": -6.5,
-    "max_linear_acceleration_m_s2": 3.0,
-    "min_linear_acceleration_m_s2": -3.0,
-    "max_angular_acceleration_rad_s2": 8.0,
-    "min_angular_acceleration_rad_s2": -8.0,
+    "target_linear_m_s": 0.0,
+    "target_angular_rad_s": 0.0,
+    "current_linear_m_s": 0.0,
+    "current_angular_rad_s": 0.0,
+    "max_linear_m_s": 2.6,
+    "min_linear_m_s": -2.6,
+    "max_angular_rad_s": 6.5,
+    "min_angular_rad_s": -6.5,
+    "max_linear_m_s2": 3.0,
+    "min_linear_m_s2": -3.0,
+    "max_angular_rad_s2": 8.0,
+    "min_angular_rad_s2": -8.0,
     "width_m": 0.68,
 }
 
@@ -121,7 +121,7 @@ def test_people_get_names_values_and_units() -> None:
     with roburoc4.Simulator(port=0) as sim:
         done = run("info", robot=sim.address)
     assert (done.returncode, done.stderr) == (0, "")
-    for text in (r"max linear speed +2\.6 m/s", "nominal voltage +24 V", "0 +Front bumper"):
+    for text in (r"max linear +2\.6 m/s", "nominal voltage +24 V", "0 +Front bumper"):
         assert re.search(text, done.stdout)
 
 

@@ -154,7 +154,7 @@ def test_space_stops(sim: roburoc4.Simulator) -> None:
 def test_a_robot_that_was_lost_is_told_in_words_for_drivers(sim: roburoc4.Simulator) -> None:
     terminal = _teleop(sim, NO_RELEASES)
     sim.set_power(False)
-    terminal.wait_for("not armed|not ready")
+    terminal.wait_for("not armed|not ready|not connected")
     terminal.wait_for("lost")
     terminal.type("x")
     assert terminal.wait() == 1

@@ -83,7 +83,7 @@ def test_every_reason_against_driving_has_a_remedy() -> None:
 
 
 def test_events_of_the_library_fit_what_is_waited_for() -> None:
-    from roburoc4.engine import ALL_EVENTS
+    from roburoc4.connection import ALL_EVENTS
 
     assert sum(constants.Event) == ALL_EVENTS
 

@@ -63,7 +63,7 @@ def test_the_world_is_seen() -> None:
         sim.add_wall(2.0, -5.0, 2.0, 5.0)
         sim.add_box(-3.0, 0.0, 1.0, 1.0)
         sim.step(1.0)
-        front, rear = robot.telemeters.distances_m
+        front, rear = robot.telemeter.distances_m
         assert front == pytest.approx(2.0 - 0.655, abs=0.1)
         assert rear == pytest.approx(2.5 - 0.655, abs=0.1)
         sim.place(-1.0, 0.0, math.pi)

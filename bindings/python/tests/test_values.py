@@ -2,6 +2,7 @@
 """What a robot says: statuses, properties, names; and what it is told beside motion."""
 
 import math
+from collections.abc import Callable
 
 import pytest
 
@@ -21,7 +22,7 @@ def test_statuses_are_typed_records_with_the_simulators_values(
         assert battery.state_name == "ok"
         assert robot.localization.flags & LocalizationFlag.METRIC
         assert isinstance(robot.localization.flags, LocalizationFlag)
-        assert len(robot.telemeters.distances_m) == 2
+        assert len(robot.telemeter.distances_m) == 2
         assert robot.differential.current_linear_m_s == 0
         assert len(robot.iocard.analog_inputs) == 9
         assert robot.battery.host_us <= robot.now_s * 1e6
@@ -60,7 +61,7 @@ def test_properties_have_everything_the_robot_said(roburoc4_simulator: Simulator
         assert properties.battery.nominal_voltage_v == 24
         assert properties.iocard == (9, 0, 22, 8)
         assert properties.differential is not None
-        assert math.isclose(properties.differential.max_linear_speed_m_s, 2.6, rel_tol=1e-6)
+        assert math.isclose(properties.differential.max_linear_m_s, 2.6, rel_tol=1e-6)
         assert math.isclose(properties.differential.width_m, 0.68, rel_tol=1e-6)
         assert [round(t.theta_rad, 3) for t in properties.telemeters] == [0, 3.142]
 
@@ -214,47 +215,49 @@ def test_the_override_input_can_be_named() -> None:
         assert robot.facts.disarm_cause == roburoc4.Result.OVERRIDE
 
 
-class FakeEngine:
-    """Just enough of an engine for names."""
+class FakeConnection:
+    """A connection of a robot that gives these texts."""
 
-    def __init__(self, texts: dict[tuple[int, int], bytes]) -> None:
-        self.texts = texts
-
-    def call(self, name: str, *arguments: int) -> object:
-        del arguments
-        if name == "iocard_properties":
-            return roburoc4.IoCardProperties(9, 0, 22, 8)
-        raise roburoc4.NotKnownError(name)
+    def __init__(self, robot: roburoc4.Robot, texts: dict[tuple[int, int], bytes]) -> None:
+        self.handle = robot._connection.handle
+        self._texts = texts
 
     def description(self, io_type: int, index: int) -> bytes | None:
-        return self.texts.get((io_type, index))
+        return self._texts.get((io_type, index))
 
 
-def channels(texts: dict[tuple[int, int], bytes]) -> "roburoc4.io.Channels":
-    return roburoc4.io.Channels(FakeEngine(texts))  # type: ignore[arg-type]
+@pytest.fixture
+def channels(
+    roburoc4_simulator: Simulator,
+) -> Callable[[dict[tuple[int, int], bytes]], roburoc4.iocard.Channels]:
+    robot = roburoc4_simulator.connect()
+
+    def channels_of(texts: dict[tuple[int, int], bytes]) -> roburoc4.iocard.Channels:
+        assert robot.state is roburoc4.State.READY
+        return roburoc4.iocard.Channels(FakeConnection(robot, texts))  # type: ignore[arg-type]
+
+    return channels_of
 
 
-def test_the_robots_own_texts_work_where_they_are_unique() -> None:
+Named = Callable[[dict[tuple[int, int], bytes]], roburoc4.iocard.Channels]
+
+
+def test_the_robots_own_texts_work(channels: Named) -> None:
     found = channels({(IoType.DIGITAL_INPUT, 5): "Éclairage".encode()})
     assert found.find("éclairage", IoType.DIGITAL_INPUT) == (IoType.DIGITAL_INPUT, 5)
 
 
-def test_an_ambiguous_name_lists_the_indices() -> None:
+def test_an_ambiguous_name_is_refused(channels: Named) -> None:
     found = channels({(IoType.DIGITAL_INPUT, 5): b"spare", (IoType.DIGITAL_INPUT, 7): b"Spare"})
-    with pytest.raises(roburoc4.ArgumentError, match="digital_input 5, digital_input 7"):
+    with pytest.raises(roburoc4.ArgumentError, match="ambiguous"):
         found.find("spare", IoType.DIGITAL_INPUT)
 
 
-def test_texts_that_are_no_utf8_are_latin1() -> None:
+def test_texts_that_are_not_utf8_are_latin1(channels: Named) -> None:
     found = channels({(IoType.DIGITAL_INPUT, 5): "Éclairage".encode("latin-1")})
     assert found.names(IoType.DIGITAL_INPUT)[5] == "Éclairage"
 
 
-def test_the_manuals_name_works_where_the_robot_moved_the_channel() -> None:
-    found = channels({(IoType.DIGITAL_INPUT, 12): b'Game pad "B" button'})
-    assert found.find('game pad "b" button', IoType.DIGITAL_INPUT)[1] == 12
-
-
-def test_the_manuals_name_works_where_the_robot_gives_it_twice() -> None:
-    twice = {(IoType.DIGITAL_INPUT, i): b'Game pad "B" button' for i in (4, 5)}
-    assert channels(twice).find('Game pad "B" button', IoType.DIGITAL_INPUT)[1] == 9
+def test_a_name_of_the_manual_works_where_the_robot_has_it(channels: Named) -> None:
+    moved = {(IoType.DIGITAL_INPUT, 9): b"spare", (IoType.DIGITAL_INPUT, 12): b"Game pad B button"}
+    assert channels(moved).find('Game pad "B" button', IoType.DIGITAL_INPUT)[1] == 12

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a target with a C library and a terminal lends to the runner.
+ * What a target with a C library and a terminal lends to the walk.
  */
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "check.h"
+#include "port.h"
 
 void port_begin(void) {}
 

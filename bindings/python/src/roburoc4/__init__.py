@@ -12,17 +12,17 @@ Units are SI and radians; X is forward, Y left, angles counter-clockwise.
 
 from typing import TYPE_CHECKING, Any
 
-from . import _native, constants, errors, io, records
-from .codec import Batch, Layout, decode, decode_batch
+from . import _native, constants, errors, iocard, records
 from .constants import *
 from .constants import CYCLE_S, DEFAULT_HOST, DEFAULT_PORT
 from .errors import *
-from .io import *
+from .iocard import *
 from .records import *
-from .robot import ManualRobot, Robot, connect
-from .samples import Recording, Statuses
+from .robot import ManualRobot, Robot, connect, resolve
+from .samples import Reader, Recording, Statuses
 from .settings import Settings
 from .simulator import SimSettings, Simulator
+from .telegrams import Batch, Layout, decode, decode_batch
 
 __all__ = [
     "CYCLE_S",
@@ -31,6 +31,7 @@ __all__ = [
     "Batch",
     "Layout",
     "ManualRobot",
+    "Reader",
     "Recording",
     "Robot",
     "Settings",
@@ -41,13 +42,13 @@ __all__ = [
     "connect",
     "decode",
     "decode_batch",
+    "resolve",
 ]
 __all__ += constants.__all__
 __all__ += errors.__all__
-__all__ += io.__all__
+__all__ += iocard.__all__
 __all__ += records.__all__
 
-_native.record_register({**vars(records), **vars(constants)})
 __version__ = "{}.{}.{}".format(*_native.roburoc4_version().to_bytes(3, "big"))
 
 if TYPE_CHECKING:

@@ -20,13 +20,14 @@ from collections.abc import AsyncIterator, Callable, Generator
 from types import TracebackType
 from typing import Self, TypeVar, Unpack, overload
 
+from . import _native
+from .connection import ALL_EVENTS, Connection, EventReader
 from .constants import DEFAULT_HOST, Event, Result, Service
-from .engine import ALL_EVENTS, Engine, Reader
-from .engine_pump import PumpEngine
 from .errors import ClosedError, RobotTimeoutError
+from .pump import PumpConnection
 from .records import Status
 from .robot_base import LOOK_AGAIN_S, RELOCALIZE_S, RobotBase, name_of, true_or_unknown
-from .samples import Recording, StatusReader, mask_of
+from .samples import Reader, Recording, mask_of
 from .settings import Settings, service_of
 
 __all__ = ["Robot", "Statuses", "connect"]
@@ -37,12 +38,17 @@ _T = TypeVar("_T")
 class _Bell:
     """Wakes coroutines when a pump has news: a thread waits for it without the interpreter."""
 
-    def __init__(self, engine: Engine) -> None:
+    def __init__(self, connection: Connection) -> None:
         self._loop = asyncio.get_running_loop()
         self._waiting: set[asyncio.Future[None]] = set()
         threading.Thread(
             target=_listen,
-            args=(engine.reader(), weakref.ref(engine), self._loop, weakref.WeakMethod(self._ring)),
+            args=(
+                connection.reader(),
+                weakref.ref(connection),
+                self._loop,
+                weakref.WeakMethod(self._ring),
+            ),
             name="roburoc4-aio",
             daemon=True,
         ).start()
@@ -67,14 +73,14 @@ class _Bell:
 
 
 def _listen(
-    reader: Reader,
-    engine: "weakref.ref[Engine]",
+    reader: EventReader,
+    connection: "weakref.ref[Connection]",
     loop: asyncio.AbstractEventLoop,
     ring: "weakref.WeakMethod[Callable[[], None]]",
 ) -> None:
-    """Run in a thread; it ends with the engine, its bell, or the loop."""
+    """Run in a thread; it ends with the connection, its bell, or the loop."""
     over = False
-    while not over and engine() is not None:
+    while not over and connection() is not None:
         try:
             news = reader.wait(ALL_EVENTS, 1.0)
             reader.take_events()
@@ -93,9 +99,9 @@ def _listen(
 class Robot(RobotBase):
     """A connected robot for asyncio; see :func:`connect`. Its loop is the one that made it."""
 
-    def __init__(self, engine: Engine, settings: Settings) -> None:
-        super().__init__(engine, settings)
-        self._bell = _Bell(engine)
+    def __init__(self, connection: Connection, settings: Settings) -> None:
+        super().__init__(connection, settings)
+        self._bell = _Bell(connection)
 
     async def __aenter__(self) -> Self:
         return self
@@ -115,7 +121,7 @@ class Robot(RobotBase):
         """
         with contextlib.suppress(ClosedError):
             self.stop_if_driving()
-        await asyncio.shield(asyncio.to_thread(self._engine.close))
+        await asyncio.shield(asyncio.to_thread(self._connection.close))
 
     def stop_if_driving(self) -> None:
         """Send the first zero at once, where a speed was sent."""
@@ -126,13 +132,13 @@ class Robot(RobotBase):
     async def _wait_until(
         self, condition: Callable[[], _T], timeout: float | None, what: object
     ) -> _T:
-        reader = self._engine.reader()
-        end_s = math.inf if timeout is None else self._engine.now_s() + timeout
+        reader = self._connection.reader()
+        end_s = math.inf if timeout is None else self._connection.now_s() + timeout
         while True:
             reader.take_events()
             if found := condition():
                 return found
-            left_s = end_s - self._engine.now_s()
+            left_s = end_s - self._connection.now_s()
             if left_s <= 0:
                 raise RobotTimeoutError(f"{name_of(what)} within {timeout:g} s", Result.TIMEOUT)
             await self._bell.wait(min(left_s, LOOK_AGAIN_S))
@@ -161,19 +167,19 @@ class Robot(RobotBase):
     ) -> object:
         """Wait for events, a status or a condition, as :meth:`roburoc4.Robot.wait_for` does."""
         if isinstance(condition, Event):
-            events, reader = condition, self._engine.reader()
+            events, reader = condition, self._connection.reader()
             return await self._wait_until(
                 lambda: Event(reader.take_events()) & events, timeout, condition
             )
         if isinstance(condition, str | Service):
             service = service_of(condition)
-            source = StatusReader(self._engine.reader(), 1 << service)
+            source = Reader(self._connection.reader(), 1 << service)
             return await self._wait_until(source.next, timeout, service)
         return await self._wait_until(true_or_unknown(condition, self), timeout, condition)
 
     async def arm(self, timeout: float = 2.0) -> None:
         """Allow driving, or raise NotArmedError; see :meth:`roburoc4.Robot.arm`."""
-        end_s = self._engine.now_s() + timeout
+        end_s = self._connection.now_s() + timeout
         while left_s := self._try_to_arm(end_s):
             await self._bell.wait(min(left_s, LOOK_AGAIN_S))
 
@@ -181,7 +187,7 @@ class Robot(RobotBase):
         """Drive for so long, and stop; a cancelled drive stops too."""
         end_s = self._end_of_drive_s(seconds)
         try:
-            while (left_s := end_s - self._engine.now_s()) > 0:
+            while (left_s := end_s - self._connection.now_s()) > 0:
                 self.drive(linear_m_s, angular_rad_s)
                 await asyncio.sleep(min(left_s, self._renewal_s))
         finally:
@@ -189,20 +195,20 @@ class Robot(RobotBase):
 
     async def relocalize(self, x_m: float, y_m: float, theta_rad: float) -> None:
         """Tell the robot where it is, and wait until it has taken that."""
-        self._engine.call("relocalize", x_m, y_m, theta_rad)
+        self._connection.command(_native.roburoc4_client_relocalize, x_m, y_m, theta_rad)
         await self._wait_until(self._is_relocalized, RELOCALIZE_S, self.relocalize)
 
     def statuses(self, *services: str | Service) -> "Statuses":
         """Iterate over every status of these services; see :meth:`roburoc4.Robot.statuses`."""
-        return Statuses(StatusReader(self._engine.reader(), mask_of(services)), self._bell)
+        return Statuses(Reader(self._connection.reader(), mask_of(services)), self._bell)
 
     async def record(self, seconds: float, *services: str | Service) -> Recording:
         """Collect the statuses of these services (none: of all) for so long, as columns."""
         mask = mask_of(services)
-        source = StatusReader(self._engine.reader(), mask)
+        source = Reader(self._connection.reader(), mask)
         recording = Recording(mask)
-        end_s = self._engine.now_s() + seconds
-        while (left_s := end_s - self._engine.now_s()) > 0:
+        end_s = self._connection.now_s() + seconds
+        while (left_s := end_s - self._connection.now_s()) > 0:
             await self._bell.wait(min(left_s, LOOK_AGAIN_S))
             source.drain(recording.add)
         recording.lost = source.lost
@@ -212,7 +218,7 @@ class Robot(RobotBase):
 class Statuses(AsyncIterator[Status]):
     """Every status from the moment that this was made, for ``async for``."""
 
-    def __init__(self, source: StatusReader, bell: _Bell) -> None:
+    def __init__(self, source: Reader, bell: _Bell) -> None:
         self._source = source
         self._bell = bell
 
@@ -243,8 +249,8 @@ class _Connecting:
         self._robot: Robot | None = None
 
     async def _connect(self) -> Robot:
-        engine = await asyncio.to_thread(PumpEngine, self._host, self._settings)
-        robot = Robot(engine, self._settings)
+        connection = await asyncio.to_thread(PumpConnection, self._host, self._settings)
+        robot = Robot(connection, self._settings)
         await robot.wait_ready(self._timeout)
         return robot
 

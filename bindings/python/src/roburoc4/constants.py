@@ -6,6 +6,8 @@ Each class mirrors a family of ``ROBUROC4_*`` constants of ``roburoc4.h``; a tes
 
 from enum import IntEnum, IntFlag
 
+from . import _native
+
 __all__ = [
     "Action",
     "BatteryState",
@@ -158,6 +160,11 @@ class Fault(IntEnum):
     FULL = 5
     OTHER = 6
 
+    @property
+    def text(self) -> str:
+        """What it means and what to check, in one sentence."""
+        return _native.roburoc4_udp_fault_text(self)
+
 
 class Count(IntEnum):
     """Counters of what became of datagrams."""
@@ -215,3 +222,8 @@ class Result(IntEnum):
     SYSTEM = -40
     RESOLVE = -41
     CLOSED = -42
+
+    @property
+    def text(self) -> str:
+        """What it means, in one sentence."""
+        return _native.roburoc4_result_text(self)

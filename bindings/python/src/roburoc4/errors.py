@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Exceptions. Each carries the result of the C library as ``code`` and says what to do."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 from . import _native
 from .constants import Result
 
@@ -130,4 +133,22 @@ def error_of(code: int) -> RobotError:
     return kind(f"{text}: {remedy}" if remedy else text, code)
 
 
-_native.raise_register(error_of)
+@contextmanager
+def address_errors(host: str) -> Iterator[None]:
+    """Name the host in errors of the block that are about it."""
+    try:
+        yield
+    except ArgumentError as error:
+        if error.code != Result.ARGUMENT:
+            raise
+        raise ArgumentError(
+            f"{host!r} is not an address: give HOST or HOST:PORT, such as 192.168.0.2:60000",
+            Result.ARGUMENT,
+        ) from None
+    except NetworkError as error:
+        if error.code != Result.RESOLVE:
+            raise
+        raise NetworkError(f"{host!r}: {error}", error.code) from None
+
+
+_native.register_errors(error_of)

@@ -5,12 +5,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, Literal
 
+from . import _native
 from .constants import Result
 from .errors import ArgumentError
 
 __all__ = ["EmergencyStop", "GamePad"]
 
-Call = Callable[..., Any]
+Act = Callable[..., Any]
 
 _BUTTONS = {
     "a": 8,
@@ -41,16 +42,16 @@ def _find(names: dict[str, int], name: str, what: str) -> int:
 class GamePad:
     """The game pad (manual 4.1, 5.4). Holding [A] takes the robot from every client."""
 
-    def __init__(self, call: Call) -> None:
-        self._call = call
+    def __init__(self, act: Act) -> None:
+        self._act = act
 
     def press(self, button: str = "a") -> None:
         """Press a button: a, b, x, y, back, start, d_down, ..., lj, rj, lb, rb."""
-        self._call("set_pad_button", _find(_BUTTONS, button, "button"), 1)
+        self._act(_native.roburoc4_sim_set_pad_button, _find(_BUTTONS, button, "button"), 1)
 
     def release(self, button: str = "a") -> None:
         """Let a button go."""
-        self._call("set_pad_button", _find(_BUTTONS, button, "button"), 0)
+        self._act(_native.roburoc4_sim_set_pad_button, _find(_BUTTONS, button, "button"), 0)
 
     @contextmanager
     def held(self, button: str = "a") -> Iterator[None]:
@@ -66,26 +67,26 @@ class GamePad:
 
         With [A] held, rt drives forward, lt backward, and lj_x turns (right is clockwise).
         """
-        self._call("set_pad_axis", _find(_AXES, axis, "axis"), value)
+        self._act(_native.roburoc4_sim_set_pad_axis, _find(_AXES, axis, "axis"), value)
 
     def release_all(self) -> None:
         """Let all buttons and axes go."""
-        self._call("release_pad")
+        self._act(_native.roburoc4_sim_release_pad)
 
 
 class EmergencyStop:
     """The emergency stops: local (5.1) and remote (5.2). Pressed, the robot brakes."""
 
-    def __init__(self, call: Call) -> None:
-        self._call = call
+    def __init__(self, act: Act) -> None:
+        self._act = act
 
     def press(self, which: Literal["local", "remote"] = "local") -> None:
         """Press one: motor power goes."""
-        self._call("set_estop", _WHICH[which], 1)
+        self._act(_native.roburoc4_sim_set_estop, _WHICH[which], 1)
 
     def release(self, which: Literal["local", "remote"] = "local") -> None:
         """Release one; power comes back with ``Simulator.press_motor_button`` only."""
-        self._call("set_estop", _WHICH[which], 0)
+        self._act(_native.roburoc4_sim_set_estop, _WHICH[which], 0)
 
 
 _WHICH = {"local": 0, "remote": 1}

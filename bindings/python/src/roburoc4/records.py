@@ -4,11 +4,12 @@
 All values are SI units and radians; X is forward, Y left, angles counter-clockwise.
 ``robot_cycles`` counts the robot's cycles of 10 ms since power on. ``host_us`` is when a status
 was received, in microseconds of the robot object's clock (``Robot.now_s``); 0 in decoded bytes.
-Statuses, properties and figures are made by the extension: their fields are in its order.
+Fields are those of the C structs in the headers, in any order.
 """
 
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
+from . import _native
 from .constants import BatteryState, LocalizationFlag
 
 __all__ = [
@@ -176,18 +177,18 @@ class LocalizationProperties(NamedTuple):
 class DifferentialProperties(NamedTuple):
     """Speeds when the properties were read, and the robot's limits (4.2.2.8)."""
 
-    target_linear_speed_m_s: float
-    target_angular_speed_rad_s: float
-    current_linear_speed_m_s: float
-    current_angular_speed_rad_s: float
-    max_linear_speed_m_s: float
-    min_linear_speed_m_s: float
-    max_angular_speed_rad_s: float
-    min_angular_speed_rad_s: float
-    max_linear_acceleration_m_s2: float
-    min_linear_acceleration_m_s2: float
-    max_angular_acceleration_rad_s2: float
-    min_angular_acceleration_rad_s2: float
+    target_linear_m_s: float
+    target_angular_rad_s: float
+    current_linear_m_s: float
+    current_angular_rad_s: float
+    max_linear_m_s: float
+    min_linear_m_s: float
+    max_angular_rad_s: float
+    min_angular_rad_s: float
+    max_linear_m_s2: float
+    min_linear_m_s2: float
+    max_angular_rad_s2: float
+    min_angular_rad_s2: float
     width_m: float
 
 
@@ -407,3 +408,56 @@ class SimState(NamedTuple):
     dropped: int
     peers: int
     subscriptions: int
+
+
+# -------------------------------------------------------------------------- made by the extension
+
+
+_MEANINGS: dict[object, str] = {
+    bool: "?",
+    BatteryState | int: "b",
+    LocalizationFlag | int: "l",
+    int | None: "a",
+}
+"""What a number of C becomes, by the type of the field; "." for the number that it is."""
+
+# In the order of record_kind in native.h. Records without a struct are made field by field there.
+_MADE: tuple[tuple[Any, str | None], ...] = (
+    (IoCardStatus, None),
+    (TelemeterStatus, None),
+    (BatteryStatus, "roburoc4_battery_status"),
+    (LocalizationStatus, "roburoc4_localization_status"),
+    (DifferentialStatus, "roburoc4_differential_status"),
+    (DirectoryEntry, "roburoc4_directory_entry"),
+    (Subscription, "roburoc4_subscription"),
+    (IoCardProperties, "roburoc4_iocard_properties"),
+    (TelemeterProperties, "roburoc4_telemeter"),
+    (BatteryProperties, "roburoc4_battery_properties"),
+    (LocalizationProperties, "roburoc4_localization_properties"),
+    (DifferentialProperties, "roburoc4_differential_properties"),
+    (Request, "roburoc4_request"),
+    (DifferentialCommand, "roburoc4_differential_command"),
+    (Facts, "roburoc4_facts"),
+    (Link, "roburoc4_link"),
+    (ServiceLink, "roburoc4_service_link"),
+    (SimState, "roburoc4_sim_state"),
+    (UnknownStatus, None),
+    (Answer, None),
+    (IoCardCommand, None),
+    (UnknownCommand, None),
+)
+
+
+def _register() -> None:
+    for kind, (record, struct) in enumerate(_MADE):
+        members = [
+            # tuples have a method named index
+            ("index" if name == "element" else name, _MEANINGS.get(type_, "."))
+            for name, type_ in record.__annotations__.items()
+            if struct is not None and name != "host_us"
+        ]
+        _native.register_record(kind, record, struct or "", members)
+    _native.register_enumerations(BatteryState, LocalizationFlag)
+
+
+_register()

@@ -7,17 +7,18 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Literal, Self, TypeVar, Unpack, overload
 
+from . import _native
+from .connection import ALL_EVENTS
 from .constants import DEFAULT_HOST, Event, Result, Service
-from .engine import ALL_EVENTS
-from .engine_pump import PumpEngine
-from .engine_udp import UdpEngine
-from .errors import NotKnownError, RobotTimeoutError
+from .errors import NotKnownError, RobotTimeoutError, address_errors
+from .pump import PumpConnection
 from .records import Status
 from .robot_base import LOOK_AGAIN_S, RELOCALIZE_S, RobotBase, name_of, true_or_unknown
-from .samples import Recording, Statuses, StatusReader, mask_of
+from .samples import Reader, Recording, Statuses, mask_of
 from .settings import Settings, service_of
+from .udp import SocketConnection
 
-__all__ = ["ManualRobot", "Robot", "connect"]
+__all__ = ["ManualRobot", "Robot", "connect", "resolve"]
 
 _T = TypeVar("_T")
 
@@ -45,18 +46,18 @@ class Robot(RobotBase):
 
         Latest values can still be read; commands raise ClosedError.
         """
-        self._engine.close()
+        self._connection.close()
 
     # ---- waiting ----
 
     def _wait_until(self, condition: Callable[[], _T], timeout: float | None, what: object) -> _T:
-        reader = self._engine.reader()
-        end_s = math.inf if timeout is None else self._engine.now_s() + timeout
+        reader = self._connection.reader()
+        end_s = math.inf if timeout is None else self._connection.now_s() + timeout
         while True:
             reader.take_events()
             if found := condition():
                 return found
-            left_s = end_s - self._engine.now_s()
+            left_s = end_s - self._connection.now_s()
             if left_s <= 0:
                 raise RobotTimeoutError(f"{name_of(what)} within {timeout:g} s", Result.TIMEOUT)
             reader.wait(ALL_EVENTS, min(left_s, LOOK_AGAIN_S))
@@ -88,7 +89,7 @@ class Robot(RobotBase):
         What a function needs may be unknown at first: NotKnownError counts as not true.
         """
         if isinstance(condition, Event):
-            events, reader = condition, self._engine.reader()
+            events, reader = condition, self._connection.reader()
             return self._wait_until(
                 lambda: Event(reader.take_events()) & events, timeout, condition
             )
@@ -97,20 +98,20 @@ class Robot(RobotBase):
         return self._wait_until(true_or_unknown(condition, self), timeout, condition)
 
     def _wait_for_status(self, service: Service, timeout: float | None) -> Status | None:
-        source = StatusReader(self._engine.reader(), 1 << service)
+        source = self.reader(service)
         return self._wait_until(source.next, timeout, service)
 
-    def _status(self, service: Service) -> Status:
-        """Return the latest status; the first one is waited for, for two of its periods."""
+    def _first(self, read: "Callable[[_native.Connection], _T]", service: Service) -> _T:
+        """Read the latest status; the first one is waited for, for two of its periods."""
         try:
-            return super()._status(service)
+            return super()._first(read, service)
         except NotKnownError:
-            left_s = self._first_status_until_s(service) - self._engine.now_s()
+            left_s = self._first_status_until_s(service) - self._connection.now_s()
             if left_s <= 0 or self.closed:
                 raise
-        with contextlib.suppress(RobotTimeoutError):  # it is told below
+        with contextlib.suppress(RobotTimeoutError):  # super() raises an error that says more
             self._wait_for_status(service, left_s)
-        return super()._status(service)
+        return super()._first(read, service)
 
     # ---- driving ----
 
@@ -119,8 +120,8 @@ class Robot(RobotBase):
 
         What time alone can mend is waited for: nothing heard yet, the robot still rolls.
         """
-        end_s = self._engine.now_s() + timeout
-        reader = self._engine.reader()
+        end_s = self._connection.now_s() + timeout
+        reader = self._connection.reader()
         while left_s := self._try_to_arm(end_s):
             reader.take_events()
             reader.wait(ALL_EVENTS, min(left_s, LOOK_AGAIN_S))
@@ -132,7 +133,7 @@ class Robot(RobotBase):
         """
         end_s = self._end_of_drive_s(seconds)
         try:
-            while (left_s := end_s - self._engine.now_s()) > 0:
+            while (left_s := end_s - self._connection.now_s()) > 0:
                 self.drive(linear_m_s, angular_rad_s)
                 self.sleep(min(left_s, self._renewal_s))
         finally:
@@ -140,9 +141,9 @@ class Robot(RobotBase):
 
     def sleep(self, seconds: float) -> None:
         """Let time pass on the robot's clock: ``time.sleep`` for any kind of link."""
-        end_s = self._engine.now_s() + seconds
-        while (left_s := end_s - self._engine.now_s()) > 0:
-            self._engine.sleep(left_s)
+        end_s = self._connection.now_s() + seconds
+        while (left_s := end_s - self._connection.now_s()) > 0:
+            self._connection.sleep(left_s)
 
     # ---- telling ----
 
@@ -151,10 +152,14 @@ class Robot(RobotBase):
 
         Raises RefusedError, or RobotTimeoutError after 3 s at most.
         """
-        self._engine.call("relocalize", x_m, y_m, theta_rad)
+        self._connection.command(_native.roburoc4_client_relocalize, x_m, y_m, theta_rad)
         self._wait_until(self._is_relocalized, RELOCALIZE_S, self.relocalize)
 
     # ---- listening ----
+
+    def reader(self, *services: str | Service) -> Reader:
+        """Read events, and every status of these services (none: of all), without waiting."""
+        return Reader(self._connection.reader(), mask_of(services))
 
     def statuses(self, *services: str | Service) -> Statuses:
         """Iterate over every status of these services (none: of all) from now on.
@@ -163,15 +168,14 @@ class Robot(RobotBase):
         buffer (``connect(buffer=10000)``); where it overflows, SamplesLostError is raised once,
         and the next ``next()`` goes on with the oldest that is left.
         """
-        return Statuses(StatusReader(self._engine.reader(), mask_of(services)))
+        return Statuses(self.reader(*services))
 
     def record(self, seconds: float, *services: str | Service) -> Recording:
         """Collect the statuses of these services (none: of all) for so long, as columns."""
-        mask = mask_of(services)
-        source = StatusReader(self._engine.reader(), mask)
-        recording = Recording(mask)
-        end_s = self._engine.now_s() + seconds
-        while (left_s := end_s - self._engine.now_s()) > 0:
+        source = self.reader(*services)
+        recording = Recording(mask_of(services))
+        end_s = self._connection.now_s() + seconds
+        while (left_s := end_s - self._connection.now_s()) > 0:
             source.wait(left_s)
             source.drain(recording.add)
         recording.lost = source.lost
@@ -185,21 +189,21 @@ class ManualRobot(Robot):
     repeated otherwise. A program that hangs is stopped by the robot's own watchdog only (1 s).
     """
 
-    def __init__(self, engine: UdpEngine, settings: Settings) -> None:
-        super().__init__(engine, settings)
-        self._udp = engine
+    def __init__(self, connection: SocketConnection, settings: Settings) -> None:
+        super().__init__(connection, settings)
+        self._socket = connection
 
     def spin(self, timeout: float = 0.0) -> None:
         """Receive and send for ``timeout`` seconds; 0 does what is due and returns."""
-        self._udp.spin(timeout)
+        self._socket.spin(timeout)
 
     def fileno(self) -> int:
         """Return the socket, to be watched for reading: then call ``spin(0)``. Only watch it."""
-        return self._udp.fileno()
+        return self._socket.fileno()
 
     def next_deadline(self) -> float:
         """Return the seconds until ``spin(0)`` is due if nothing can be read before."""
-        return self._udp.next_deadline_s()
+        return self._socket.next_deadline_s()
 
 
 @overload
@@ -207,6 +211,7 @@ def connect(
     host: str = ...,
     *,
     timeout: float = ...,
+    wait: bool = ...,
     threaded: Literal[True] = ...,
     **settings: Unpack[Settings],
 ) -> Robot: ...
@@ -215,6 +220,7 @@ def connect(
     host: str = ...,
     *,
     timeout: float = ...,
+    wait: bool = ...,
     threaded: Literal[False],
     **settings: Unpack[Settings],
 ) -> ManualRobot: ...
@@ -222,13 +228,15 @@ def connect(
     host: str = DEFAULT_HOST,
     *,
     timeout: float = 10.0,
+    wait: bool = True,
     threaded: bool = True,
     **settings: Unpack[Settings],
 ) -> Robot:
     """Connect to the robot at "HOST" or "HOST:PORT", and wait until it is ready.
 
     ``timeout`` counts silence, not progress: RobotTimeoutError says what was tried and what to
-    check. The settings are those of :class:`~roburoc4.Settings`.
+    check. With ``wait=False`` the robot is returned at once, while it connects. The settings are
+    those of :class:`~roburoc4.Settings`.
 
     With ``threaded`` a native thread keeps the link alive whatever Python does. It never renews a
     drive command, so a program that hangs stops the robot. Without, see :class:`ManualRobot`.
@@ -239,8 +247,15 @@ def connect(
     """
     robot: Robot
     if threaded:
-        robot = Robot(PumpEngine(host, settings), settings)
+        robot = Robot(PumpConnection(host, settings), settings)
     else:
-        robot = ManualRobot(UdpEngine(host, settings), settings)
-    robot.wait_ready(timeout)
+        robot = ManualRobot(SocketConnection(host, settings), settings)
+    if wait:
+        robot.wait_ready(timeout)
     return robot
+
+
+def resolve(host: str) -> str:
+    """Turn "HOST", "HOST:PORT" or "[IPV6]:PORT" into an address in numbers; asks the network."""
+    with address_errors(host):
+        return _native.resolve_address(host)

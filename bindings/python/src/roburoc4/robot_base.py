@@ -3,11 +3,11 @@
 
 import math
 from collections.abc import Callable
-from typing import Any, TypeVar, cast
+from typing import Literal, ParamSpec, TypeVar, overload
 
 from . import _native
-from .constants import Count, Event, Fault, Result, Service, State
-from .engine import Engine
+from .connection import READ_STATUS, Connection
+from .constants import Count, Event, Fault, Result, Role, Service, State
 from .errors import (
     ArgumentError,
     NotArmedError,
@@ -16,11 +16,10 @@ from .errors import (
     RobotTimeoutError,
     error_of,
 )
-from .io import AnalogOutputs, IoCard, Outputs, decode_text
+from .iocard import AnalogOutputs, IoCard, Outputs, decode_text
 from .records import (
     BatteryStatus,
     DifferentialStatus,
-    DirectoryEntry,
     Facts,
     IoCardStatus,
     Link,
@@ -33,14 +32,7 @@ from .records import (
 )
 from .settings import Settings, service_of
 
-STATUS_CALLS = {
-    Service.IOCARD: "inputs",
-    Service.TELEMETER: "distances",
-    Service.BATTERY: "battery",
-    Service.LOCALIZATION: "localization",
-    Service.DIFFERENTIAL: "differential",
-}
-
+_P = ParamSpec("_P")
 _R = TypeVar("_R")
 
 _TRANSIENT = frozenset(
@@ -60,13 +52,13 @@ _STATUS_MARGIN_S = 0.5
 class RobotBase:
     """A robot; see :func:`roburoc4.connect` and :mod:`roburoc4.aio`."""
 
-    def __init__(self, engine: Engine, settings: Settings) -> None:
-        self._engine = engine
+    def __init__(self, connection: Connection, settings: Settings) -> None:
+        self._connection = connection
         self._lease_s = settings.get("lease_ms", 250) / 1000
-        self._ready_s = engine.now_s()
-        self._io = IoCard(engine)
-        self._outputs = Outputs(engine)
-        self._analog_outputs = AnalogOutputs(engine)
+        self._ready_s = connection.now_s()
+        self._io = IoCard(connection)
+        self._outputs = Outputs(connection)
+        self._analog_outputs = AnalogOutputs(connection)
 
     def __repr__(self) -> str:
         state = "closed" if self.closed else self.state.name.lower()
@@ -77,63 +69,60 @@ class RobotBase:
     @property
     def address(self) -> str:
         """The robot's address and port in numbers."""
-        return self._engine.address
+        return self._connection.address
 
     @property
     def closed(self) -> bool:
         """Whether ``close`` was called."""
-        return self._engine.closed
+        return self._connection.closed
 
     @property
     def state(self) -> State:
         """Life of the client."""
-        return State(self._engine.call("state"))
+        return State(_native.roburoc4_client_state(self._connection.handle))
 
     @property
     def facts(self) -> Facts:
         """What is true now: armed, overridden, bumpers, speeds sent ..."""
-        return cast(Facts, self._engine.call("facts"))
+        return _native.roburoc4_client_facts(self._connection.handle)
 
     @property
     def link(self) -> Link:
         """Figures of the link: round trip, silence, loss."""
-        return cast(Link, self._engine.call("link"))
+        return _native.roburoc4_client_link(self._connection.handle)
 
     def service_link(self, service: str | Service) -> ServiceLink:
         """Return the figures of one service's statuses: period, jitter, age, loss."""
-        return cast(ServiceLink, self._engine.call("service_link", service_of(service)))
+        return _native.roburoc4_client_service_link(self._connection.handle, service_of(service))
 
     @property
     def counts(self) -> dict[Count, int]:
         """What became of datagrams."""
-        return {counter: self._engine.count(counter) for counter in Count}
+        return {
+            counter: _native.roburoc4_client_count(self._connection.handle, counter)
+            for counter in Count
+        }
 
     @property
     def fault(self) -> Fault:
         """Why the network does not take or deliver datagrams; NONE as soon as one comes in."""
-        return Fault(self._engine.fault)
+        return Fault(_native.connection_fault(self._connection.handle))
 
     @property
     def now_s(self) -> float:
         """Seconds of the clock that ``host_us``, leases and timeouts go by; its zero is any."""
-        return self._engine.now_s()
+        return self._connection.now_s()
 
     def host_time_s(self, robot_cycles: int) -> float:
         """Return when, on ``now_s``, the robot's clock showed ``robot_cycles``; an estimate."""
-        return cast(int, self._engine.call("host_time", robot_cycles)) / 1e6
+        return _native.roburoc4_client_host_time(self._connection.handle, robot_cycles) / 1e6
 
     # ---- what the robot is ----
 
-    def _known(self, name: str, *arguments: int) -> Any:
-        try:
-            return self._engine.call(name, *arguments)
-        except NotKnownError:
-            return None
-
     def _service_entry(self, index: int, kinds: dict[int, Service]) -> ServiceEntry:
-        entry: DirectoryEntry = self._engine.call("service_at", index)
+        entry = _native.roburoc4_client_service_at(self._connection.handle, index)
         service = kinds.get(entry.id)
-        text = self._engine.description(-1, index)
+        text = self._connection.description(-1, index)
         name = decode_text(text) if text is not None else ""
         if text is None and service is not None:
             name = _native.roburoc4_service_name(service)
@@ -144,28 +133,50 @@ class RobotBase:
     @property
     def properties(self) -> Properties:
         """All that the robot said about itself so far; its texts may come after it is ready."""
-        ids = {service: self._known("service_id", service) for service in Service}
-        kinds = {wire_id: service for service, wire_id in ids.items() if wire_id is not None}
+        handle = self._connection.handle
+        ids = {_known(_native.roburoc4_client_service_id, handle, s): s for s in Service}
+        kinds = {wire_id: service for wire_id, service in ids.items() if wire_id is not None}
         return Properties(
             tuple(
                 self._service_entry(index, kinds)
-                for index in range(self._engine.call("service_count"))
+                for index in range(_native.roburoc4_client_service_count(handle))
             ),
-            self._known("iocard_properties"),
+            _known(_native.roburoc4_client_iocard_properties, handle),
             tuple(
-                self._engine.call("telemeter", index)
-                for index in range(self._engine.call("telemeter_count"))
+                _native.roburoc4_client_telemeter(handle, index)
+                for index in range(_native.roburoc4_client_telemeter_count(handle))
             ),
-            self._known("battery_properties"),
-            self._known("localization_properties"),
-            self._known("differential_properties"),
+            _known(_native.roburoc4_client_battery_properties, handle),
+            _known(_native.roburoc4_client_localization_properties, handle),
+            _known(_native.roburoc4_client_differential_properties, handle),
         )
+
+    def role_index(self, role: Role) -> int | None:
+        """Return the index on the wire of the input with this role; None where it is not known."""
+        return _known(_native.roburoc4_client_role_index, self._connection.handle, role)
 
     # ---- what the robot says ----
 
-    def _status(self, service: Service) -> Status:
+    @overload
+    def latest(self, service: Literal["iocard"]) -> IoCardStatus | None: ...
+    @overload
+    def latest(self, service: Literal["telemeter"]) -> TelemeterStatus | None: ...
+    @overload
+    def latest(self, service: Literal["battery"]) -> BatteryStatus | None: ...
+    @overload
+    def latest(self, service: Literal["localization"]) -> LocalizationStatus | None: ...
+    @overload
+    def latest(self, service: Literal["differential"]) -> DifferentialStatus | None: ...
+    @overload
+    def latest(self, service: Service) -> Status | None: ...
+    def latest(self, service: str | Service) -> Status | None:
+        """Return the latest status of a service, None before the first; never waits."""
+        return _known(READ_STATUS[service_of(service)], self._connection.handle)
+
+    def _first(self, read: "Callable[[_native.Connection], _R]", service: Service) -> _R:
+        """Read the latest status, or say what to do before the first."""
         try:
-            return cast(Status, self._engine.call(STATUS_CALLS[service]))
+            return read(self._connection.handle)
         except NotKnownError as error:
             name = service.name.lower()
             raise NotKnownError(
@@ -175,27 +186,27 @@ class RobotBase:
     @property
     def battery(self) -> BatteryStatus:
         """The latest battery status."""
-        return cast(BatteryStatus, self._status(Service.BATTERY))
+        return self._first(_native.roburoc4_client_battery, Service.BATTERY)
 
     @property
     def localization(self) -> LocalizationStatus:
         """The latest localization status: odometry, far off after turns."""
-        return cast(LocalizationStatus, self._status(Service.LOCALIZATION))
+        return self._first(_native.roburoc4_client_localization, Service.LOCALIZATION)
 
     @property
     def differential(self) -> DifferentialStatus:
         """The latest speeds, asked for and reached."""
-        return cast(DifferentialStatus, self._status(Service.DIFFERENTIAL))
+        return self._first(_native.roburoc4_client_differential, Service.DIFFERENTIAL)
 
     @property
-    def telemeters(self) -> TelemeterStatus:
+    def telemeter(self) -> TelemeterStatus:
         """The latest ultrasonic distances."""
-        return cast(TelemeterStatus, self._status(Service.TELEMETER))
+        return self._first(_native.roburoc4_client_distances, Service.TELEMETER)
 
     @property
     def iocard(self) -> IoCardStatus:
         """The latest inputs of the IO card."""
-        return cast(IoCardStatus, self._status(Service.IOCARD))
+        return self._first(_native.roburoc4_client_inputs, Service.IOCARD)
 
     @property
     def io(self) -> IoCard:
@@ -222,7 +233,9 @@ class RobotBase:
         and the settings' ceilings. Raises NotArmedError while disarmed, naming cause and remedy.
         """
         try:
-            self._engine.call("drive", linear_m_s, angular_rad_s, lease_ms * 1000)
+            self._connection.command(
+                _native.roburoc4_client_drive, linear_m_s, angular_rad_s, lease_ms * 1000
+            )
         except OverflowError:
             raise ArgumentError(
                 f"drive({linear_m_s}, {angular_rad_s}, lease_ms={lease_ms}): give speeds that a "
@@ -232,30 +245,30 @@ class RobotBase:
 
     def stop(self) -> None:
         """Stop the robot: end the drive command and send zeros, armed or not. Never waits."""
-        self._engine.call("stop")
+        self._connection.command(_native.roburoc4_client_stop)
 
     def disarm(self) -> None:
         """Forbid driving, and stop. Never waits."""
-        self._engine.call("disarm")
+        self._connection.command(_native.roburoc4_client_disarm)
 
     def subscribe(self, service: str | Service, period_ms: int) -> None:
         """Subscribe to a service, or change its period: a multiple of 10, 10 to 2550."""
-        self._engine.call("subscribe", service_of(service), period_ms)
+        self._connection.command(_native.roburoc4_client_subscribe, service_of(service), period_ms)
 
     def unsubscribe(self, service: str | Service) -> None:
         """End a subscription."""
-        self._engine.call("unsubscribe", service_of(service))
+        self._connection.command(_native.roburoc4_client_unsubscribe, service_of(service))
 
     # ---- for the waiting that subclasses do ----
 
     def _readiness(self, timeout_s: float) -> Callable[[], bool]:
         """Return a look whether it is ready, which raises after too long a silence."""
-        heard_s = self._engine.now_s()
+        heard_s = self._connection.now_s()
 
         def look() -> bool:
             nonlocal heard_s
-            now_s = self._engine.now_s()
-            if self._engine.call("state") == State.READY:
+            now_s = self._connection.now_s()
+            if self.state is State.READY:
                 self._ready_s = now_s
                 return True
             heard_s = max(heard_s, now_s - self.link.silence_us / 1e6)
@@ -266,10 +279,10 @@ class RobotBase:
         return look
 
     def _silence_text(self, timeout_s: float) -> str:
-        sent = self._engine.count(Count.SENT)
-        heard = self._engine.count(Count.RECEIVED)
+        counts = self.counts
+        sent, heard = counts[Count.SENT], counts[Count.RECEIVED]
         if self.fault is not Fault.NONE:
-            check = _native.roburoc4_udp_fault_text(self.fault)
+            check = self.fault.text
         elif heard == 0:
             check = (
                 "check that the robot is on, the cable is in, this machine has an address in the "
@@ -289,9 +302,9 @@ class RobotBase:
     def _try_to_arm(self, end_s: float) -> float:
         """Arm, and return 0; or return the seconds for which it is worth to try again."""
         try:
-            self._engine.call("arm")
+            self._connection.command(_native.roburoc4_client_arm)
         except NotArmedError as error:
-            left_s = end_s - self._engine.now_s()
+            left_s = end_s - self._connection.now_s()
             if error.code not in _TRANSIENT or left_s <= 0:
                 raise
             return left_s
@@ -300,7 +313,7 @@ class RobotBase:
     def _end_of_drive_s(self, seconds: float) -> float:
         if not (math.isfinite(seconds) and seconds >= 0):
             raise ArgumentError(f"seconds: {seconds} is not a duration", Result.ARGUMENT)
-        return self._engine.now_s() + seconds
+        return self._connection.now_s() + seconds
 
     @property
     def _renewal_s(self) -> float:
@@ -317,6 +330,14 @@ class RobotBase:
         if code != Result.OK:
             raise RefusedError(f"relocalize: {error_of(code)}", code)
         return True
+
+
+def _known(function: Callable[_P, _R], *arguments: _P.args, **names: _P.kwargs) -> _R | None:
+    """Call a function of the client; None for what the robot has not reported yet."""
+    try:
+        return function(*arguments, **names)
+    except NotKnownError:
+        return None
 
 
 RELOCALIZE_S = 3.0

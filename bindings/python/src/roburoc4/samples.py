@@ -5,8 +5,8 @@ import contextlib
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from .constants import Service
-from .engine import Reader, events_of_services
+from .connection import EventReader, events_of_services
+from .constants import Event, Service
 from .errors import ClosedError, SamplesLostError
 from .records import (
     BatteryStatus,
@@ -18,7 +18,7 @@ from .records import (
 )
 from .settings import STATUS_SERVICES, service_of
 
-__all__ = ["Recording", "StatusReader", "Statuses"]
+__all__ = ["Reader", "Recording", "Statuses"]
 
 Column = list[Any]
 _PATIENCE_S = 1.0
@@ -40,15 +40,18 @@ def mask_of(services: tuple[str | Service, ...]) -> int:
     )
 
 
-class StatusReader:
-    """Takes statuses from a reader, and tells what was lost before what comes after it."""
+class Reader:
+    """Events and statuses, one after the other, from the moment that this was made.
 
-    def __init__(self, reader: Reader, mask: int) -> None:
+    Used by one thread at a time; see :meth:`roburoc4.Robot.reader`.
+    """
+
+    def __init__(self, reader: EventReader, mask: int) -> None:
         self._reader = reader
         self._mask = mask
-        self._told = 0
+        self._reported = 0
         self._waiting: list[Status] = []
-        self.events = events_of_services(mask)
+        self._taken = Event(0)
 
     @property
     def lost(self) -> int:
@@ -58,17 +61,22 @@ class StatusReader:
     def next(self) -> Status | None:
         """Take the next status that is there; raises ClosedError at the end."""
         while not self._waiting:
-            with contextlib.suppress(ClosedError):  # statuses() tells of the end, when all are read
-                self._reader.take_events()
+            with contextlib.suppress(ClosedError):  # statuses() raises it, when all are read
+                self._taken |= Event(self._reader.take_events())
             found = self._reader.statuses(self._mask)
             if found is None:
                 return None
             self._waiting = found[::-1]
-            if self._reader.lost > self._told:
-                lost = self._reader.lost - self._told
-                self._told = self._reader.lost
+            if self._reader.lost > self._reported:
+                lost = self._reader.lost - self._reported
+                self._reported = self._reader.lost
                 raise SamplesLostError(lost)
         return self._waiting.pop()
+
+    def take_events(self) -> Event:
+        """Take what happened since the last time; raises ClosedError after the end."""
+        events, self._taken = self._taken, Event(0)
+        return events or Event(self._reader.take_events())
 
     def drain(self, use: Callable[[Status], None]) -> None:
         """Pass on all that are there; what was lost is counted only."""
@@ -82,14 +90,14 @@ class StatusReader:
             use(status)
 
     def wait(self, seconds: float) -> None:
-        """Wait for one; it may end early."""
-        self._reader.wait(self.events, seconds)
+        """Wait for a status; it may end early."""
+        self._reader.wait(events_of_services(self._mask), seconds)
 
 
 class Statuses(Iterator[Status]):
     """Every status from the moment that this was made; see :meth:`roburoc4.Robot.statuses`."""
 
-    def __init__(self, source: StatusReader) -> None:
+    def __init__(self, source: Reader) -> None:
         self._source = source
 
     @property

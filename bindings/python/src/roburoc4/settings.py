@@ -43,7 +43,6 @@ class Settings(TypedDict, total=False):
     """Arm although the game pad's input is not known; off. Gives up a protection."""
     ignore_other_commander: bool
     """Stay armed while another client commands; off. Gives up a protection."""
-    """After what to arm again by itself; after nothing."""
     override_index: int
     """Index of game pad [A] among the digital inputs, where the robot's texts do not tell it."""
     front_bumper_index: int
@@ -77,6 +76,8 @@ _ROLES = {
     "rear_bumper_index": Role.REAR_BUMPER,
     "battery_voltage_index": Role.BATTERY_V,
 }
+STATUS_MASK = 0x7C
+"""Bit k set: service k sends statuses."""
 STATUS_SERVICES = {
     "iocard": Service.IOCARD,
     "telemeter": Service.TELEMETER,
@@ -98,47 +99,44 @@ def service_of(service: str | Service) -> Service:
 
 
 def _set_periods(config: "_native.Config", periods: Mapping[str, int | None]) -> None:
-    wanted = _native.roburoc4_config_subscriptions_get(config)
+    wanted = STATUS_MASK
     for name, period_ms in periods.items():
         service = service_of(name)
         if period_ms is None:
             wanted &= ~(1 << service)
         else:
-            _native.config_set_period(config, service, period_ms)
-    _native.roburoc4_config_subscriptions_set(config, wanted)
+            _native.set_config(config, "period_ms", period_ms, service)
+    _native.set_config(config, "subscriptions", wanted, 0)
 
 
 # Settings gives each name its type.
 def _set(config: "_native.Config", name: str, value: Any) -> None:
     if name in _PLAIN:
-        getattr(_native, f"roburoc4_config_{name}_set")(config, value)
-    elif name in _OPTIONS:
-        options = _native.roburoc4_config_options_get(config)
-        options = options | _OPTIONS[name] if value else options & ~_OPTIONS[name]
-        _native.roburoc4_config_options_set(config, options)
+        _native.set_config(config, name, value, 0)
     elif name in _ROLES:
-        _native.config_set_role(config, _ROLES[name], value)
+        _native.set_config(config, "role_index", value, _ROLES[name])
     elif name == "periods_ms":
         _set_periods(config, value)
-    elif name != "buffer":
+    elif name not in _OPTIONS and name != "buffer":
         known = ", ".join(sorted(Settings.__annotations__))
         raise TypeError(f"no setting {name!r}: there are {known}")
 
 
-def config_of(settings: Settings) -> tuple["_native.Config", object]:
-    """Make the C struct, and its owner."""
+def config_of(settings: Settings) -> "_native.Config":
+    """Make the C struct."""
     config = _native.new_config()
-    owner = _native.own_memory(config)
     for name, value in settings.items():
         try:
             _set(config, name, value)
         except OverflowError as error:
             raise ArgumentError(f"{name}: {value!r} is out of range", Result.CONFIG) from error
+    options = sum(bit for name, bit in _OPTIONS.items() if settings.get(name))
+    _native.set_config(config, "options", options, 0)
     wrong = _native.roburoc4_config_error(config)
     if wrong is not None:
         raise ArgumentError(f"setting out of range: {wrong}", Result.CONFIG)
     buffer_of(settings)
-    return config, owner
+    return config
 
 
 def buffer_of(settings: Settings) -> int:

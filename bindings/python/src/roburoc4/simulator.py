@@ -5,7 +5,7 @@ import os
 import threading
 from collections.abc import Callable
 from types import TracebackType
-from typing import Any, Literal, Self, TypedDict, Unpack
+from typing import Any, Concatenate, Literal, ParamSpec, Self, TypedDict, TypeVar, Unpack
 
 from . import _native
 from .constants import Result, Service
@@ -14,15 +14,12 @@ from .pad import EmergencyStop, GamePad
 from .records import Pose, SimState
 from .robot import Robot, connect
 from .settings import Settings
-from .world import SimEngine, World
+from .virtual import VirtualConnection, World
 
 __all__ = ["SimSettings", "Simulator"]
 
-_FUNCTIONS = {
-    name.removeprefix("roburoc4_sim_"): getattr(_native, name)
-    for name in dir(_native)
-    if name.startswith("roburoc4_sim_")
-}
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
 _SIDES = {"front": 0, "rear": 1}
 _BRAKES = {"automatic": 0, "released": 1}
 
@@ -68,19 +65,17 @@ class SimSettings(TypedDict, total=False):
 def _set(config: "_native.SimConfig", name: str, value: Any) -> None:
     if name == "service_ids":
         for service, wire_id in value.items():
-            _native.sim_config_set_id(config, Service[service.upper()], wire_id)
+            _native.set_sim_config(config, "service_ids", wire_id, Service[service.upper()])
     elif name in SimSettings.__annotations__:
-        value = int(value) if isinstance(value, bool) else value
-        getattr(_native, f"roburoc4_sim_config_{name}_set")(config, value)
+        _native.set_sim_config(config, name, value, 0)
     else:
         known = ", ".join(sorted(SimSettings.__annotations__))
         raise TypeError(f"no setting {name!r}: there are {known}")
 
 
-def _config_of(seed: int, settings: SimSettings) -> tuple["_native.SimConfig", object]:
+def _config_of(seed: int, settings: SimSettings) -> "_native.SimConfig":
     config = _native.new_sim_config()
-    owner = _native.own_memory(config)
-    _native.roburoc4_sim_config_seed_set(config, seed)
+    _native.set_sim_config(config, "seed", seed, 0)
     for name, value in settings.items():
         try:
             _set(config, name, value)
@@ -89,7 +84,7 @@ def _config_of(seed: int, settings: SimSettings) -> tuple["_native.SimConfig", o
     wrong = _native.roburoc4_sim_config_error(config)
     if wrong is not None:
         raise ArgumentError(f"setting out of range: {wrong}", Result.CONFIG)
-    return config, owner
+    return config
 
 
 class Simulator:
@@ -119,28 +114,19 @@ class Simulator:
         self._closed = False
         if port is not None and not 0 <= port <= 65535:
             raise ArgumentError(f"port: {port} is out of range: 0 to 65535", Result.ARGUMENT)
-        config, _owner = _config_of(seed, settings)
-        self._sim = _native.roburoc4_sim_create(config)
-        self._faults = _native.new_faults()
-        self._faults_owner = _native.own_memory(self._faults)
+        config = _config_of(seed, settings)
         self._world: World | None = None
-        self._host: _native.Host | None = None
         if port is None:
-            self._owner = _native.own_sim(self._sim)
-            self._world = World(self._sim, self._owner, self._faults)
+            self._sim = _native.new_world(config)
+            self._world = World(self._sim)
             self._address = "virtual"
         else:
-            try:
-                self._host = _native.sim_host_open(self._sim, host, port)
-            except BaseException:
-                self._owner = _native.own_sim(self._sim)  # it was not taken over
-                raise
-            self._owner = _native.own_host(self._host)
-            self._address = f"{host}:{_native.sim_host_port(self._host)}"
+            self._sim = _native.new_host(config, host, port)
+            self._address = f"{host}:{_native.simulation_port(self._sim)}"
         self._closing = threading.Lock()
-        self.pad = GamePad(self._call)
+        self.pad = GamePad(self._act)
         """The game pad's hands."""
-        self.estop = EmergencyStop(self._call)
+        self.estop = EmergencyStop(self._act)
         """The emergency stops."""
 
     def __enter__(self) -> Self:
@@ -166,29 +152,22 @@ class Simulator:
             if self._world is not None:
                 with self._world.lock:
                     self._world.closed = True
-            elif self._host is not None:
-                _native.sim_host_stop(self._host)
+            else:
+                _native.simulation_stop(self._sim)
 
-    def _call(self, name: str, *arguments: Any) -> Any:
+    def _act(
+        self,
+        function: "Callable[Concatenate[_native.Simulation, _P], _R]",
+        *arguments: _P.args,
+        **names: _P.kwargs,
+    ) -> _R:
+        """Call a native function that does something to the simulator."""
         if self._process != os.getpid():
             raise error_of(Result.CLOSED)
-        return self._act(_FUNCTIONS[name], *arguments)
-
-    def _alone(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        """Call a native function while nobody else uses the simulator."""
-        if self._host is not None:
-            # Taken and given back in C: an exception of a signal handler cannot come in between.
-            return _native.sim_host_call(self._host, function, arguments)
-        assert self._world is not None
-        with self._world.lock:
-            return function(*arguments)
-
-    def _act(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        """Call a native function that does something to the simulator."""
         if self._world is None:
-            return self._alone(function, self._sim, *arguments)
+            return function(self._sim, *arguments, **names)
         with self._world.lock:
-            result = function(self._sim, *arguments)
+            result = function(self._sim, *arguments, **names)
             if not self._world.closed:
                 self._world.exchange()
             return result
@@ -219,7 +198,7 @@ class Simulator:
         """Connect a robot object; in virtual time it lives on the simulator's clock."""
         if self._world is None:
             return connect(self._address, timeout=timeout, **settings)
-        robot = Robot(SimEngine(self._world, settings), settings)
+        robot = Robot(VirtualConnection(self._world, settings), settings)
         robot.wait_ready(timeout)
         return robot
 
@@ -236,26 +215,21 @@ class Simulator:
         """Make the network bad, in both directions; shares are 0 to 1. Without arguments: good."""
         shares = {"loss": loss, "duplicate": duplicate, "reorder": reorder, "corrupt": corrupt}
         times = {"delay_us": delay_ms * 1e3, "jitter_us": jitter_ms * 1e3}
+        faults = _native.new_sim_faults()
         for name, share in shares.items():
             if not 0 <= share <= 1:
                 raise ArgumentError(f"{name}: {share} is out of range: 0 to 1", Result.ARGUMENT)
-            getattr(_native, f"roburoc4_sim_faults_{name}_set")(self._faults, share)
+            _native.set_sim_faults(faults, name, share)
         for name, time_us in times.items():
-            getattr(_native, f"roburoc4_sim_faults_{name}_set")(self._faults, round(time_us))
-        if self._world is None:
-            self._alone(_native.sim_host_set_faults, self._host, self._faults)
-            return
-        with self._world.lock:
-            for engine in self._world.engines():
-                engine.network.set_faults(self._faults)
+            _native.set_sim_faults(faults, name, round(time_us))
+        _native.simulation_set_faults(self._sim, faults)
 
     # ---- looking ----
 
     @property
     def state(self) -> SimState:
         """All that can be known about the robot."""
-        snapshot: SimState = self._alone(_native.roburoc4_sim_snapshot, self._sim)
-        return snapshot
+        return _native.roburoc4_sim_snapshot(self._sim)
 
     @property
     def true_pose(self) -> Pose:
@@ -265,13 +239,13 @@ class Simulator:
 
     def digital_output(self, index: int) -> bool:
         """Return what was last commanded; output 0 is the robot's own watchdog."""
-        return bool(self._call("digital_output", index))
+        return bool(self._act(_native.roburoc4_sim_digital_output, index))
 
     # ---- hands ----
 
     def set_power(self, on: bool) -> None:
         """Switch the main power; on after off is a reboot."""
-        self._call("set_power", int(on))
+        self._act(_native.roburoc4_sim_set_power, int(on))
 
     def reboot(self) -> None:
         """Switch the power off and on."""
@@ -280,34 +254,34 @@ class Simulator:
 
     def press_motor_button(self) -> None:
         """Give power to the motors; needs released emergency stops and automatic brakes."""
-        self._call("press_motor_button")
+        self._act(_native.roburoc4_sim_press_motor_button)
 
     def set_brakes(self, position: Literal["automatic", "released"]) -> None:
         """Turn the brakes selector; released cuts the motors' power."""
-        self._call("set_brakes", _BRAKES[position])
+        self._act(_native.roburoc4_sim_set_brakes, _BRAKES[position])
 
     def set_charger(self, plugged: bool) -> None:
         """Plug in or pull the charger."""
-        self._call("set_charger", int(plugged))
+        self._act(_native.roburoc4_sim_set_charger, int(plugged))
 
     def set_battery(self, percent: float) -> None:
         """Set the remaining energy, 0 to 100."""
-        self._call("set_battery_percent", percent)
+        self._act(_native.roburoc4_sim_set_battery_percent, percent)
 
     def set_bumper(self, side: Literal["front", "rear"], pressed: bool) -> None:
         """Press a bumper by hand, or let go."""
-        self._call("set_bumper", _SIDES[side], int(pressed))
+        self._act(_native.roburoc4_sim_set_bumper, _SIDES[side], int(pressed))
 
     def pin_input(self, index: int, value: float | bool) -> None:
         """Pin what an input reports: bool for a digital one, float for an analog one."""
         if isinstance(value, bool):
-            self._call("pin_digital_input", index, int(value))
+            self._act(_native.roburoc4_sim_pin_digital_input, index, int(value))
         else:
-            self._call("pin_analog_input", index, value)
+            self._act(_native.roburoc4_sim_pin_analog_input, index, value)
 
     def unpin_inputs(self) -> None:
         """Let all inputs report what is."""
-        self._call("unpin_inputs")
+        self._act(_native.roburoc4_sim_unpin_inputs)
 
     # ---- the world ----
 
@@ -315,26 +289,25 @@ class Simulator:
         self, x_m: float, y_m: float, size_x_m: float, size_y_m: float, theta_rad: float = 0.0
     ) -> int:
         """Put a box on the floor, and return its number."""
-        return int(self._call("add_box", x_m, y_m, size_x_m, size_y_m, theta_rad))
+        return self._act(_native.roburoc4_sim_add_box, x_m, y_m, size_x_m, size_y_m, theta_rad)
 
     def add_wall(self, x1_m: float, y1_m: float, x2_m: float, y2_m: float) -> int:
         """Build a wall between two points, and return its number."""
-        return int(self._call("add_wall", x1_m, y1_m, x2_m, y2_m))
+        return self._act(_native.roburoc4_sim_add_wall, x1_m, y1_m, x2_m, y2_m)
 
     def clear_world(self) -> None:
         """Remove all boxes and walls."""
-        self._call("clear_world")
+        self._act(_native.roburoc4_sim_clear_world)
 
     def place(self, x_m: float, y_m: float, theta_rad: float = 0.0) -> None:
         """Lift the robot to another place; its odometry notices nothing."""
-        self._call("place", x_m, y_m, theta_rad)
+        self._act(_native.roburoc4_sim_place, x_m, y_m, theta_rad)
 
     def panel(self, line: str) -> str:
         """Obey a line such as "pad a down", and return the reply; "help" lists them all."""
         if not line.isascii():
             raise ArgumentError(f"{line!r}: give letters without accents", Result.ARGUMENT)
-        answer: tuple[int, str] = self._act(_native.sim_panel, line)
-        result, reply = answer
+        result, reply = self._act(_native.simulation_panel, line)
         if result < 0:
             raise ArgumentError(f"{line!r}: {reply}", result)
         return reply

@@ -15,7 +15,6 @@ from roburoc4.dashboard.guard import Rules
 from roburoc4.dashboard.hub import Hub
 from roburoc4.dashboard.panel import Panel
 from roburoc4.dashboard.server import Place, listen, make_server
-from roburoc4.engine_pump import PumpEngine
 
 CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
 LEASE_S = 0.5
@@ -77,7 +76,7 @@ class Station:
     ) -> None:
         self.sim = roburoc4.Simulator(port=0, **settings)
         client: roburoc4.Settings = {"lease_ms": round(lease_s * 1000)}
-        self.robot = roburoc4.Robot(PumpEngine(self.sim.address, client), client)
+        self.robot = roburoc4.connect(self.sim.address, wait=False, **client)
         self.hub = Hub(
             self.robot,
             lease_s,

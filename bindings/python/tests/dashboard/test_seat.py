@@ -195,10 +195,10 @@ def test_limits_that_make_no_sense_allow_nothing(high: float | None) -> None:
     found = None
     if high is not None:
         found = SimpleNamespace(
-            min_linear_speed_m_s=-1.0,
-            max_linear_speed_m_s=high,
-            min_angular_speed_rad_s=-1.0,
-            max_angular_speed_rad_s=high,
+            min_linear_m_s=-1.0,
+            max_linear_m_s=high,
+            min_angular_rad_s=-1.0,
+            max_angular_rad_s=high,
         )
     robot = SimpleNamespace(properties=SimpleNamespace(differential=found))
     assert limits_of(cast(roburoc4.Robot, robot), 1.0, 1.0) == ((0.0, 0.0), (0.0, 0.0))

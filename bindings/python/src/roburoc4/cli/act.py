@@ -86,7 +86,7 @@ def run_stop(options: Options) -> int:
                 f"zeros were sent, but {robot.address} still moves after {_REST_S:g} s: another "
                 "program or its game pad drives it; press an emergency stop"
             )
-        seen = session.latest(robot, "differential") is not None
+        seen = robot.latest("differential") is not None
         _done(
             options,
             f"{robot.address} stands"

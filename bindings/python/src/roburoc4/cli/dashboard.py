@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, Any
 from .errors import ExitCode, unreachable, usage
 from .options import DEFAULT_ROBOT, Options, add_robot, number, whole
 from .output import note
-from .session import address_of
 from .signals import unsuspendable
 
 if TYPE_CHECKING:
@@ -309,8 +308,7 @@ def _simulator(options: DashboardOptions) -> Iterator[Simulator | None]:
 @contextlib.contextmanager
 def _robot(options: DashboardOptions, simulator: Simulator | None) -> Iterator[Robot]:
     """Connect without waiting: the page shows how that goes on."""
-    from roburoc4 import ArgumentError, NetworkError, Robot
-    from roburoc4.engine_pump import PumpEngine
+    from roburoc4 import ArgumentError, NetworkError, connect
     from roburoc4.settings import STATUS_SERVICES, Settings
 
     settings: Settings = {
@@ -324,8 +322,7 @@ def _robot(options: DashboardOptions, simulator: Simulator | None) -> Iterator[R
         settings["allow_unknown_override"] = True
     address = options.robot if simulator is None else simulator.address
     try:
-        address_of(address)
-        robot = Robot(PumpEngine(address, settings), settings)
+        robot = connect(address, wait=False, **settings)
     except ArgumentError as error:
         raise usage(f"--robot: {error}") from None
     except NetworkError as error:

@@ -76,23 +76,23 @@ def _soften(robot: Robot, asked: Ramp) -> Ramp:
     if limits is None:
         raise refused("this robot has no differential service to drive with: see roburoc4 info")
     return Ramp(
-        _clamp(asked.linear_m_s, limits.min_linear_speed_m_s, limits.max_linear_speed_m_s, "m/s"),
+        _clamp(asked.linear_m_s, limits.min_linear_m_s, limits.max_linear_m_s, "m/s"),
         _clamp(
             asked.angular_rad_s,
-            limits.min_angular_speed_rad_s,
-            limits.max_angular_speed_rad_s,
+            limits.min_angular_rad_s,
+            limits.max_angular_rad_s,
             "rad/s",
         ),
         asked.seconds,
         gentle(
             GENTLE_LINEAR_M_S2,
-            limits.max_linear_acceleration_m_s2,
-            limits.min_linear_acceleration_m_s2,
+            limits.max_linear_m_s2,
+            limits.min_linear_m_s2,
         ),
         gentle(
             GENTLE_ANGULAR_RAD_S2,
-            limits.max_angular_acceleration_rad_s2,
-            limits.min_angular_acceleration_rad_s2,
+            limits.max_angular_rad_s2,
+            limits.min_angular_rad_s2,
         ),
     )
 
@@ -132,7 +132,7 @@ def _follow(robot: Robot, ramp: Ramp) -> None:
 
 
 def _speed(robot: Robot) -> str:
-    speeds = session.latest(robot, "differential")
+    speeds = robot.latest("differential")
     if speeds is None:
         return "driving"
     return f"{speeds.current_linear_m_s:+.2f} m/s {speeds.current_angular_rad_s:+.2f} rad/s"

@@ -61,9 +61,9 @@ _REMEDIES = {
 
 def why_not_armed(error: NotArmedError) -> str:
     """Name the cause, for people who can see and mend it, without advice for programs."""
-    from roburoc4 import _native
+    from roburoc4 import Result
 
-    return str(_native.roburoc4_result_text(error.code))
+    return Result(error.code).text
 
 
 def of_library(error: Exception) -> CommandError | None:

@@ -15,7 +15,7 @@ from .output import console, note, print_json, printable
 
 if TYPE_CHECKING:
     from roburoc4 import Properties, Robot
-    from roburoc4.io import IoChannels
+    from roburoc4.iocard import IoChannels
 
 _NEXT_TEXT_S = 4.0  # texts are asked for again and again: whoever knows one has answered by then
 

@@ -110,7 +110,7 @@ def _print_statuses(watch: _Watch) -> None:
 def _statuses(watch: _Watch) -> Iterator[Status]:
     from roburoc4 import SamplesLostError
 
-    source = session.status_reader(watch.robot)
+    source = watch.robot.reader()
     while watch.left_s > 0.0:
         watch.tell_breaks()
         try:

@@ -142,7 +142,7 @@ class _Recording:
     def _read(self, robot: Robot, rows: Rows, sheet: _Sheet) -> None:
         from roburoc4 import SamplesLostError
 
-        source = session.status_reader(robot)
+        source = robot.reader()
         length_s = self._options.seconds or math.inf
         begun_s = time.monotonic()
         with progress("recording", self._options.seconds) as show:

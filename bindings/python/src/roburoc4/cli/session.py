@@ -8,7 +8,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Literal, overload
+from typing import TYPE_CHECKING, Any
 
 from .errors import refused, unreachable, usage
 from .options import Options
@@ -16,16 +16,7 @@ from .output import note
 from .signals import unsuspendable
 
 if TYPE_CHECKING:
-    from roburoc4 import (
-        BatteryStatus,
-        DifferentialStatus,
-        IoCardStatus,
-        LocalizationStatus,
-        Robot,
-        Status,
-        TelemeterStatus,
-    )
-    from roburoc4.samples import StatusReader
+    from roburoc4 import DifferentialStatus, Robot
 
 SILENCE_S = 5.0  # as long as this a robot may say nothing at all before we give up
 _FIRST_INPUTS_S = 2.0
@@ -54,9 +45,9 @@ def add_driving(parser: argparse.ArgumentParser) -> None:
 
 def address_of(robot: str) -> str:
     """Turn the text of `--robot` into an address in numbers."""
-    from roburoc4.engine_pump import resolve
+    from roburoc4 import resolve
 
-    return resolve(robot)[2]
+    return resolve(robot)
 
 
 @contextmanager
@@ -139,39 +130,11 @@ def confirm(robot: Robot, options: DrivingOptions, intention: str) -> None:
         raise usage("not confirmed: no speed was sent; answer y, or give --yes")
 
 
-def status_reader(robot: Robot) -> StatusReader:
-    """Read every status from now on, with waits that end: Robot.statuses() waits for the next."""
-    from roburoc4.samples import StatusReader, mask_of
-
-    return StatusReader(robot._engine.reader(), mask_of(()))
-
-
-_ATTRIBUTES = {"telemeter": "telemeters"}
-
-
-@overload
-def latest(robot: Robot, service: Literal["iocard"]) -> IoCardStatus | None: ...
-@overload
-def latest(robot: Robot, service: Literal["telemeter"]) -> TelemeterStatus | None: ...
-@overload
-def latest(robot: Robot, service: Literal["battery"]) -> BatteryStatus | None: ...
-@overload
-def latest(robot: Robot, service: Literal["localization"]) -> LocalizationStatus | None: ...
-@overload
-def latest(robot: Robot, service: Literal["differential"]) -> DifferentialStatus | None: ...
-def latest(robot: Robot, service: str) -> Status | None:
-    """Return the latest status of a service, or None before the first; never waits."""
-    if robot.service_link(service).age_us is None:
-        return None
-    status: Status = getattr(robot, _ATTRIBUTES.get(service, service))
-    return status
-
-
 def wait_for_rest(robot: Robot, patience_s: float) -> bool:
     """Wait until the zeros have arrived and the wheels stand, as far as the robot tells."""
     until_s = time.monotonic() + patience_s
     while time.monotonic() < until_s:
-        if _is_at_rest(latest(robot, "differential")) and not robot.facts.stopping:
+        if _is_at_rest(robot.latest("differential")) and not robot.facts.stopping:
             return True
         time.sleep(_POLL_S)
     return False

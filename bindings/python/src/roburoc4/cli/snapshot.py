@@ -6,8 +6,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from . import session
-
 if TYPE_CHECKING:
     from roburoc4 import (
         BatteryStatus,
@@ -18,7 +16,7 @@ if TYPE_CHECKING:
         Robot,
         TelemeterStatus,
     )
-    from roburoc4.io import IoChannels
+    from roburoc4.iocard import IoChannels
 
 SERVICES = ("iocard", "telemeter", "battery", "localization", "differential")
 
@@ -78,9 +76,9 @@ def take(robot: Robot, elapsed_s: float, channels: IoChannels) -> Snapshot:
         [_stream(robot, service) for service in SERVICES],
         channels,
         [telemeter.max_distance_m for telemeter in robot.properties.telemeters],
-        session.latest(robot, "iocard"),
-        session.latest(robot, "telemeter"),
-        session.latest(robot, "battery"),
-        session.latest(robot, "localization"),
-        session.latest(robot, "differential"),
+        robot.latest("iocard"),
+        robot.latest("telemeter"),
+        robot.latest("battery"),
+        robot.latest("localization"),
+        robot.latest("differential"),
     )

@@ -191,7 +191,7 @@ class _Teleop:
         scale = _SCALES[self._scale]
         held = ", ".join(self._man.held(now_s)) or "none"
         how = "until let go" if self._keyboard.reports_releases else "while it repeats"
-        measured = session.latest(self._robot, "differential")
+        measured = self._robot.latest("differential")
         return Group(
             Text(f"{self._robot.address}  {self._robot.state.name.lower()}", "bold"),
             lamps(self._robot.facts),

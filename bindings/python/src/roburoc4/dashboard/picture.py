@@ -4,23 +4,17 @@
 from __future__ import annotations
 
 import math
-from typing import Any, cast
+from typing import Any
 
-from ..constants import BatteryState, Count, Event, Role, Service, State
+from ..constants import BatteryState, Count, Event, Role, State
 from ..errors import NotKnownError
-from ..io import IoChannels
+from ..iocard import IoChannels
 from ..records import (
     BatteryProperties,
-    BatteryStatus,
     DifferentialProperties,
-    DifferentialStatus,
-    IoCardStatus,
-    LocalizationStatus,
     TelemeterProperties,
-    TelemeterStatus,
 )
 from ..robot import Robot
-from ..robot_base import STATUS_CALLS
 from ..settings import STATUS_SERVICES
 from .history import History, number, texts_of
 from .words import advise, blocked
@@ -38,8 +32,7 @@ class Picture:
 
     def __init__(self, robot: Robot, history: History) -> None:
         self._robot = robot
-        self._engine = robot._engine
-        self._reader = self._engine.reader()
+        self._reader = robot.reader()
         self._history = history
         self._link: Document = {}
         self._link_due_s = -math.inf
@@ -53,7 +46,7 @@ class Picture:
 
     def take(self, now_s: float, time_s: float) -> Document:
         """Return how the robot is now, and keep in the history what belongs there."""
-        events = Event(self._reader.take_events())
+        events = self._reader.take_events()
         facts = self._robot.facts
         for level, text in texts_of(events, self._facts, facts):
             self._history.note(time_s, level, text)
@@ -91,21 +84,15 @@ class Picture:
         """Whether it still says something: the latest of a lost robot goes on for nobody."""
         return self._robot.state is State.READY
 
-    def _latest(self, service: Service) -> Any:
-        try:
-            return self._engine.call(STATUS_CALLS[service])
-        except NotKnownError:
-            return None
-
     def _speeds(self, time_s: float) -> list[float | None] | None:
-        status = cast(DifferentialStatus | None, self._latest(Service.DIFFERENTIAL))
+        status = self._robot.latest("differential")
         if status is None:
             return None
         self._history.add_speeds(time_s, status[1:5] if self._fresh else (math.nan,) * 4)
         return [number(speed) for speed in status[1:5]]
 
     def _pose(self) -> Document | None:
-        status = cast(LocalizationStatus | None, self._latest(Service.LOCALIZATION))
+        status = self._robot.latest("localization")
         if status is None:
             return None
         self._history.add_place(status.x_m, status.y_m)
@@ -116,11 +103,11 @@ class Picture:
         }
 
     def _distances(self) -> list[float | None] | None:
-        status = cast(TelemeterStatus | None, self._latest(Service.TELEMETER))
+        status = self._robot.latest("telemeter")
         return None if status is None else [number(metres) for metres in status.distances_m]
 
     def _inputs(self) -> Document:
-        status = cast(IoCardStatus | None, self._latest(Service.IOCARD))
+        status = self._robot.latest("iocard")
         if status is None:
             return {"analog": None, "digital": None}
         return {
@@ -129,7 +116,7 @@ class Picture:
         }
 
     def _battery(self, time_s: float) -> Document | None:
-        status = cast(BatteryStatus | None, self._latest(Service.BATTERY))
+        status = self._robot.latest("battery")
         if status is None:
             return None
         volts = self._volts()
@@ -144,7 +131,7 @@ class Picture:
         }
 
     def _volts(self) -> float:
-        status = cast(IoCardStatus | None, self._latest(Service.IOCARD))
+        status = self._robot.latest("iocard")
         index = self._volts_index
         if status is None or index is None or index >= len(status.analog_inputs):
             return math.nan
@@ -172,7 +159,7 @@ class Picture:
             self._robot.state,
             self._robot.fault,
             link,
-            self._engine.count(Count.RECEIVED),
+            self._robot.counts[Count.RECEIVED],
             self._robot.address,
             oldest_ms,
         )
@@ -210,7 +197,7 @@ class Picture:
     def _describe(self) -> Document:
         properties = self._robot.properties
         channels = self._channels()
-        self._volts_index = self._index_of(Role.BATTERY_V)
+        self._volts_index = self._robot.role_index(Role.BATTERY_V)
         return {
             "address": self._robot.address,
             "telemeters": [_numbers(telemeter) for telemeter in properties.telemeters],
@@ -224,12 +211,6 @@ class Picture:
             return self._robot.io.channels
         except NotKnownError:
             return IoChannels((), (), (), ())
-
-    def _index_of(self, role: Role) -> int | None:
-        try:
-            return cast(int, self._engine.call("role_index", role))
-        except NotKnownError:
-            return None
 
 
 def _numbers(

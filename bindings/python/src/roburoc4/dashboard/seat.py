@@ -143,7 +143,7 @@ class Seat:
         self._begin_anew("")
         self.stood_still = False
         try:
-            self._robot._engine.call("arm")
+            self._robot.arm(timeout=0.0)
         except NotArmedError as error:
             raise SeatError(why_not_armed(error.code)) from None
         self._armed = True
@@ -257,8 +257,8 @@ def limits_of(robot: Robot, max_linear_m_s: float, max_angular_rad_s: float) -> 
     if found is None:
         return NO_LIMITS
     return Limits(
-        _sides(max_linear_m_s, found.min_linear_speed_m_s, found.max_linear_speed_m_s),
-        _sides(max_angular_rad_s, found.min_angular_speed_rad_s, found.max_angular_speed_rad_s),
+        _sides(max_linear_m_s, found.min_linear_m_s, found.max_linear_m_s),
+        _sides(max_angular_rad_s, found.min_angular_rad_s, found.max_angular_rad_s),
     )
 
 

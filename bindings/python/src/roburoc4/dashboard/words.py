@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from .. import _native
 from ..constants import Fault, Result, State
 from ..records import Facts, Link
 
@@ -41,7 +40,7 @@ def advise(
     if state is not State.READY:
         return _without_link(state, fault, link, heard, address)
     if fault is not Fault.NONE:
-        return Advice("bad", _native.roburoc4_udp_fault_text(fault), _FAULTS.get(fault, _CABLE))
+        return Advice("bad", fault.text, _FAULTS.get(fault, _CABLE))
     if age_ms > STALE_MS:
         return Advice("bad", f"statuses are {age_ms / 1000:.1f} s old", _CABLE)
     if link.loss > LOSS_SHARE:
@@ -61,7 +60,7 @@ def advise(
 
 def _without_link(state: State, fault: Fault, link: Link, heard: int, address: str) -> Advice:
     if fault is not Fault.NONE:
-        text = _native.roburoc4_udp_fault_text(fault)
+        text = fault.text
         return Advice("bad", f"{address}: {text}", _FAULTS.get(fault, _CABLE))
     if state is State.LOST or (heard and link.silence_us > _SILENT_MS * 1000):
         return Advice(
@@ -102,7 +101,7 @@ def why_not_armed(code: int) -> str:
     """Say why the robot is not armed, and what to do; empty where nothing stands against it."""
     if code in (Result.OK, Result.DISARMED):
         return ""
-    return _REASONS.get(code) or _native.roburoc4_result_text(code)
+    return _REASONS.get(code) or Result(code).text
 
 
 def blocked(facts: Facts) -> str:

@@ -52,9 +52,9 @@ function describe(message) {
   channels.build(message.channels);
   drive.describe(message);
   const limits = message.differential;
-  dials[0].setLimits(limits?.min_linear_speed_m_s, limits?.max_linear_speed_m_s, message.full_linear_m_s);
-  dials[1].setLimits(limits?.min_angular_speed_rad_s, limits?.max_angular_speed_rad_s, message.full_angular_rad_s);
-  put(by("dials-note"), limits ? `robot’s limits ${figure(limits.min_linear_speed_m_s, 1)} to ${figure(limits.max_linear_speed_m_s, 1, "m/s")}, ${figure(limits.min_angular_speed_rad_s, 1)} to ${figure(limits.max_angular_speed_rad_s, 1, "rad/s")}` : "");
+  dials[0].setLimits(limits?.min_linear_m_s, limits?.max_linear_m_s, message.full_linear_m_s);
+  dials[1].setLimits(limits?.min_angular_rad_s, limits?.max_angular_rad_s, message.full_angular_rad_s);
+  put(by("dials-note"), limits ? `robot’s limits ${figure(limits.min_linear_m_s, 1)} to ${figure(limits.max_linear_m_s, 1, "m/s")}, ${figure(limits.min_angular_rad_s, 1)} to ${figure(limits.max_angular_rad_s, 1, "rad/s")}` : "");
 }
 
 function addEvents({ events }) {

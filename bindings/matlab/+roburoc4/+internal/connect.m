@@ -1,0 +1,45 @@
+function connect(id, timeout, address)
+%CONNECT Wait until a robot is ready.
+%   roburoc4.internal.connect(ID, TIMEOUT, ADDRESS) raises roburoc4:timeout after TIMEOUT seconds in
+%   which nothing came from the robot, or in which it came no nearer to ready. ADDRESS is for the
+%   message.
+%
+%   Example:
+%      roburoc4.internal.connect(id, 10, '192.168.0.2:60000')
+%
+%   See also roburoc4.Robot.
+
+% SPDX-License-Identifier: MIT
+while true
+    p = roburoc4.internal.roburoc4_mex('progress', id);
+    if p.ready
+        return
+    end
+    silence_s = p.open_s;
+    if p.received > 0
+        silence_s = min(p.silence_s, p.open_s);
+    end
+    if silence_s >= timeout
+        error('roburoc4:timeout', ['no answer from %s for %g s (state %s, %d datagrams sent, %d ' ...
+            'received): %s'], address, timeout, p.state, p.sent, p.received, remedy(p));
+    end
+    if p.standstill_s >= timeout
+        error('roburoc4:timeout', ['%s is not ready: it answers, but refuses or leaves out what ' ...
+            'is needed (no progress for %g s, state %s, %d datagrams received, %d of them ' ...
+            'refusals). Check that it is a RobuROC4 and that the network loses little, or give ' ...
+            'a longer timeout'], address, timeout, p.state, p.received, p.refused);
+    end
+    roburoc4.internal.roburoc4_mex('wait', id, 0.01);
+end
+end
+
+function text = remedy(p)
+if ~isempty(p.fault)
+    text = p.fault;
+elseif p.received == 0
+    text = ['check that the robot is on, the cable is in, this machine has an address in the ' ...
+        'robot''s network, and no firewall drops UDP'];
+else
+    text = 'something answers there; check that it is a RobuROC4, and look at link';
+end
+end

@@ -1,0 +1,411 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Commands that read: the latest of everything, what the robot is, the link, and columns.
+ */
+#include "commands.h"
+#include "fail.h"
+
+/* --------------------------------------------------------------------------------- status --- */
+
+static const field facts_fields[] = {
+    FIELD(roburoc4_facts, armed, FLAG8),       FIELD(roburoc4_facts, driving, FLAG8),
+    FIELD(roburoc4_facts, stopping, FLAG8),    FIELD(roburoc4_facts, override_known, FLAG8),
+    FIELD(roburoc4_facts, overridden, FLAG8),  FIELD(roburoc4_facts, other_commander, FLAG8),
+    FIELD(roburoc4_facts, inhibited, FLAG8),   FIELD(roburoc4_facts, front_bumper, FLAG8),
+    FIELD(roburoc4_facts, rear_bumper, FLAG8), FIELD(roburoc4_facts, battery_low, FLAG8),
+    FIELD(roburoc4_facts, disarm_cause, I32),
+};
+
+/* How old a status is; Inf before the first. */
+static double age_s(const roburoc4_sample *latest, uint64_t now_us) {
+    if (latest->service == 0) {
+        return mxGetInf();
+    }
+    return now_us > latest->host_us ? (double)(now_us - latest->host_us) / 1e6 : 0.0;
+}
+
+/* status(id) */
+static int read_status(call *in) {
+    static const char *const ages[SERVICES] = {"iocard_age_s", "telemeter_age_s", "battery_age_s",
+                                               "localization_age_s", "differential_age_s"};
+    static const field cycles = FIELD(roburoc4_sample, robot_cycles, CYCLES);
+    const roburoc4_facts facts = call_facts(in);
+    roburoc4_sample latest, newest = {0};
+    uint32_t i;
+    answer_number(&in->out, "time_s",
+                  (double)(in->now_us - ((const robot *)in->object)->opened_us) / 1e6);
+    answer_flag(&in->out, "ready", facts.state == ROBUROC4_STATE_READY);
+    answer_fields(&in->out, facts_fields, COUNT_OF(facts_fields), &facts);
+    for (i = 0; i < SERVICES; i++) {
+        (void)samples_latest(in->client, FIRST_SERVICE + i, &latest);
+        if (FIRST_SERVICE + i != ROBUROC4_SERVICE_IOCARD) {
+            samples_answer(&in->out, FIRST_SERVICE + i, &latest);
+        }
+        answer_number(&in->out, ages[i], age_s(&latest, in->now_us));
+        newest = latest.robot_cycles > newest.robot_cycles ? latest : newest;
+    }
+    answer_fields(&in->out, &cycles, 1, &newest);
+    return 1;
+}
+
+/* Members of the latest status of a service, for loops that steer by it and need no more: a row
+ * costs a third of a struct. NaN where it is older than fresh_ms. */
+static int read_row(call *in, uint32_t service, const field *fields, size_t count) {
+    double *row = make_doubles(&in->results[0], 1, count);
+    roburoc4_sample latest;
+    size_t i;
+    (void)samples_latest(in->client, service, &latest);
+    for (i = 0; i < count; i++) {
+        row[i] = age_s(&latest, in->now_us) < ((const robot *)in->object)->fresh_us / 1e6
+                     ? field_value(&fields[i], &latest.value)
+                     : mxGetNaN();
+    }
+    return 1;
+}
+
+/* pose(id): x_m, y_m, theta_rad */
+static int read_pose(call *in) {
+    static const field pose[] = {FIELD(roburoc4_localization_status, x_m, F64),
+                                 FIELD(roburoc4_localization_status, y_m, F64),
+                                 FIELD(roburoc4_localization_status, theta_rad, F64)};
+    return read_row(in, ROBUROC4_SERVICE_LOCALIZATION, pose, COUNT_OF(pose));
+}
+
+/* speeds(id): current_linear_m_s, current_angular_rad_s */
+static int read_speeds(call *in) {
+    static const field speeds[] = {FIELD(roburoc4_differential_status, current_linear_m_s, F32),
+                                   FIELD(roburoc4_differential_status, current_angular_rad_s, F32)};
+    return read_row(in, ROBUROC4_SERVICE_DIFFERENTIAL, speeds, COUNT_OF(speeds));
+}
+
+/* ----------------------------------------------------------------------------------- info --- */
+
+static const field limits[] = {
+    FIELD(roburoc4_differential_properties, max_linear_m_s, F32),
+    FIELD(roburoc4_differential_properties, min_linear_m_s, F32),
+    FIELD(roburoc4_differential_properties, max_angular_rad_s, F32),
+    FIELD(roburoc4_differential_properties, min_angular_rad_s, F32),
+    FIELD(roburoc4_differential_properties, max_linear_m_s2, F32),
+    FIELD(roburoc4_differential_properties, min_linear_m_s2, F32),
+    FIELD(roburoc4_differential_properties, max_angular_rad_s2, F32),
+    FIELD(roburoc4_differential_properties, min_angular_rad_s2, F32),
+    FIELD(roburoc4_differential_properties, width_m, F32),
+};
+static const field battery[] = {
+    FIELD(roburoc4_battery_properties, nominal_voltage_v, F32),
+    FIELD(roburoc4_battery_properties, capacity_ah, F32),
+    FIELD(roburoc4_battery_properties, minimum_percent, BYTE),
+};
+static const field start[] = {
+    FIELD_AS("initial_x_m", roburoc4_localization_properties, x_m, F64),
+    FIELD_AS("initial_y_m", roburoc4_localization_properties, y_m, F64),
+    FIELD_AS("initial_theta_rad", roburoc4_localization_properties, theta_rad, F64),
+};
+/* By ROBUROC4_IO_*. */
+static const field channels[CHANNEL_TYPES] = {
+    FIELD(roburoc4_iocard_properties, analog_inputs, I32),
+    FIELD(roburoc4_iocard_properties, analog_outputs, I32),
+    FIELD(roburoc4_iocard_properties, digital_inputs, I32),
+    FIELD(roburoc4_iocard_properties, digital_outputs, I32),
+};
+static const field telemeter[] = {
+    FIELD_AS("telemeter_x_m", roburoc4_telemeter, x_m, F32),
+    FIELD_AS("telemeter_y_m", roburoc4_telemeter, y_m, F32),
+    FIELD_AS("telemeter_theta_rad", roburoc4_telemeter, theta_rad, F32),
+    FIELD_AS("telemeter_field_of_view_rad", roburoc4_telemeter, field_of_view_rad, F32),
+    FIELD_AS("telemeter_min_distance_m", roburoc4_telemeter, min_distance_m, F32),
+    FIELD_AS("telemeter_max_distance_m", roburoc4_telemeter, max_distance_m, F32),
+};
+static const field directory[] = {
+    FIELD_AS("service_ids", roburoc4_directory_entry, id, U16),
+    FIELD_AS("service_types", roburoc4_directory_entry, type, U16),
+};
+
+/* info(id) */
+static int read_info(call *in) {
+    roburoc4_differential_properties drive;
+    roburoc4_battery_properties energy;
+    roburoc4_localization_properties pose;
+    roburoc4_iocard_properties card = {0};
+    roburoc4_telemeter telemeters[ROBUROC4_MAX_TELEMETERS] = {{0}};
+    roburoc4_directory_entry entries[ROBUROC4_MAX_SERVICES] = {{0}};
+    const int has_drive = roburoc4_client_differential_properties(in->client, &drive) >= 0;
+    const int has_energy = roburoc4_client_battery_properties(in->client, &energy) >= 0;
+    const int has_pose = roburoc4_client_localization_properties(in->client, &pose) >= 0;
+    const uint32_t telemeter_count = roburoc4_client_telemeter_count(in->client);
+    const uint32_t entry_count = roburoc4_client_service_count(in->client);
+    uint32_t i;
+    for (i = 0; i < telemeter_count; i++) {
+        (void)roburoc4_client_telemeter(in->client, i, &telemeters[i]);
+    }
+    for (i = 0; i < entry_count; i++) {
+        (void)roburoc4_client_service_at(in->client, i, &entries[i]);
+    }
+    (void)roburoc4_client_iocard_properties(in->client, &card);
+    answer_fields(&in->out, limits, COUNT_OF(limits), has_drive ? &drive : NULL);
+    answer_fields(&in->out, battery, COUNT_OF(battery), has_energy ? &energy : NULL);
+    answer_fields(&in->out, start, COUNT_OF(start), has_pose ? &pose : NULL);
+    answer_fields(&in->out, channels, COUNT_OF(channels), &card);
+    answer_rows(&in->out, telemeter, COUNT_OF(telemeter), telemeters, sizeof *telemeters,
+                telemeter_count);
+    answer_rows(&in->out, directory, COUNT_OF(directory), entries, sizeof *entries, entry_count);
+    return 1;
+}
+
+/* address(id) */
+static int read_address(call *in) {
+    char address[ROBUROC4_ADDRESS_TEXT_SIZE];
+    robot_address_text(in->object, address, sizeof address);
+    in->results[0] = make_text(address);
+    return 1;
+}
+
+/* ----------------------------------------------------------------------------------- link --- */
+
+static const field link_fields[] = {
+    FIELD_AS("round_trip_s", roburoc4_link, round_trip_us, US32),
+    FIELD_AS("round_trip_min_s", roburoc4_link, round_trip_min_us, US32),
+    FIELD_AS("silence_s", roburoc4_link, silence_us, US32),
+    FIELD(roburoc4_link, received, U32),
+    FIELD(roburoc4_link, lost, U32),
+    FIELD(roburoc4_link, loss, F32),
+};
+static const field service_link_fields[] = {
+    FIELD(roburoc4_service_link, subscribed, FLAG32),
+    FIELD(roburoc4_service_link, received, U32),
+    FIELD(roburoc4_service_link, lost, U32),
+    FIELD(roburoc4_service_link, late, U32),
+    FIELD(roburoc4_service_link, duplicates, U32),
+    FIELD_AS("period_s", roburoc4_service_link, period_us, US32),
+    FIELD_AS("jitter_s", roburoc4_service_link, jitter_us, US32),
+    FIELD(roburoc4_service_link, loss, F32),
+};
+
+/* link(id) */
+static int read_link(call *in) {
+    roburoc4_link link = {.size = sizeof link};
+    (void)roburoc4_client_link(in->client, in->now_us, &link);
+    answer_fields(&in->out, link_fields, COUNT_OF(link_fields), &link);
+    return 1;
+}
+
+/* serviceLink(id, service) */
+static int read_service_link(call *in) {
+    roburoc4_service_link link = {.size = sizeof link};
+    uint32_t service;
+    if (!take_service(in->arguments[0], &service)) {
+        return 0;
+    }
+    (void)roburoc4_client_service_link(in->client, service, in->now_us, &link);
+    answer_fields(&in->out, service_link_fields, COUNT_OF(service_link_fields), &link);
+    answer_number(&in->out, "age_s", link.age_us == UINT32_MAX ? mxGetInf() : link.age_us / 1e6);
+    return 1;
+}
+
+/* ------------------------------------------------------------------------------ the IO card --- */
+
+uint32_t count_channels(const roburoc4_client *client, uint32_t io_type) {
+    roburoc4_iocard_properties card = {0};
+    (void)roburoc4_client_iocard_properties(client, &card);
+    return (uint32_t)field_value(&channels[io_type], &card);
+}
+
+/* The index of a channel of one of two types. 0 after noting why there is none. */
+static int take_channel(const call *in, uint32_t analog, uint32_t digital, uint32_t *io_type,
+                        uint32_t *index) {
+    static channel_texts texts;
+    const char *pointers[CHANNELS_MAX];
+    const uint32_t types[2] = {analog, digital};
+    char name[TEXT_SIZE];
+    uint32_t found = 0, i, k;
+    if (!take_text(in->arguments[0], "channel", name)) {
+        return 0;
+    }
+    for (k = 0; k < 2; k++) {
+        roburoc4_result at;
+        robot_texts(in->object, types[k], texts);
+        for (i = 0; i < CHANNELS_MAX; i++) {
+            pointers[i] = texts[i];
+        }
+        at = roburoc4_client_channel_find(in->client, types[k], name, pointers, CHANNELS_MAX);
+        if (at >= 0) {
+            *io_type = types[k];
+            *index = (uint32_t)at;
+            found++;
+        }
+        found += at == ROBUROC4_ERR_VALUE ? 2 : 0;
+    }
+    if (found > 1) {
+        return fail(FAIL_ARGUMENT,
+                    "'%s' is ambiguous: several channels have this name; use io() and an index",
+                    name);
+    }
+    return found == 1 ||
+           fail(FAIL_ARGUMENT, "the robot has no channel '%s'; io() lists the names", name);
+}
+
+/* output(id, name): the index of an output; call digital() or analog() with it */
+static int find_output(call *in) {
+    uint32_t io_type, index;
+    if (!take_channel(in, ROBUROC4_IO_ANALOG_OUTPUT, ROBUROC4_IO_DIGITAL_OUTPUT, &io_type,
+                      &index)) {
+        return 0;
+    }
+    in->number = index;
+    return 1;
+}
+
+/* The latest inputs. 0 after noting that there are none yet. */
+static int read_sample(const call *in, roburoc4_sample *out) {
+    return samples_latest(in->client, ROBUROC4_SERVICE_IOCARD, out) ||
+           fail(FAIL_PROTOCOL, "the robot has sent no IO card status yet; wait with spin(0.1)");
+}
+
+/* io(id, name): double of an analog input, logical of a digital one */
+static int read_input(call *in) {
+    roburoc4_sample sample;
+    const roburoc4_inputs *inputs = &sample.value.inputs;
+    uint32_t io_type, index;
+    if (!take_channel(in, ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_IO_DIGITAL_INPUT, &io_type, &index) ||
+        !read_sample(in, &sample)) {
+        return 0;
+    }
+    if (io_type == ROBUROC4_IO_DIGITAL_INPUT && index < inputs->digital_count) {
+        in->results[0] = mxCreateLogicalScalar((inputs->digital >> index & 1u) != 0);
+    } else if (io_type == ROBUROC4_IO_ANALOG_INPUT && index < inputs->analog_count) {
+        in->results[0] = mxCreateDoubleScalar((double)inputs->analog[index]);
+    } else {
+        return fail(FAIL_LIMIT, "input %lu is beyond those that the client stores",
+                    (unsigned long)index);
+    }
+    return 1;
+}
+
+/* The names of all channels of a type: the robot's own, else the manual's. */
+static mxArray *make_names(const call *in, uint32_t io_type) {
+    static channel_texts texts;
+    const uint32_t all = count_channels(in->client, io_type);
+    const uint32_t count = all < CHANNELS_MAX ? all : CHANNELS_MAX;
+    mxArray *names = mxCreateCellMatrix(1, count);
+    uint32_t i;
+    robot_texts(in->object, io_type, texts);
+    for (i = 0; i < count; i++) {
+        const char *manual = roburoc4_client_channel_name(in->client, io_type, i);
+        mxSetCell(names, i, make_text(texts[i][0] != '\0' || manual == NULL ? texts[i] : manual));
+    }
+    return names;
+}
+
+/* inputs(id): all of them, with the names of all channels */
+static int read_inputs(call *in) {
+    static const char *const names[CHANNEL_TYPES] = {"analog_input_names", "analog_output_names",
+                                                     "digital_input_names", "digital_output_names"};
+    static const field cycles = FIELD(roburoc4_sample, robot_cycles, CYCLES);
+    roburoc4_sample sample;
+    uint32_t i;
+    if (!read_sample(in, &sample)) {
+        return 0;
+    }
+    answer_fields(&in->out, &cycles, 1, &sample);
+    samples_answer(&in->out, ROBUROC4_SERVICE_IOCARD, &sample);
+    for (i = 0; i < CHANNEL_TYPES; i++) {
+        answer_add(&in->out, names[i], make_names(in, i));
+    }
+    return 1;
+}
+
+/* -------------------------------------------------------------------------------- columns --- */
+
+/* The services that the arguments name; all where there are none. */
+static int take_mask(const call *in, uint32_t *mask) {
+    int i;
+    *mask = in->count > 0 ? 0 : ALL_SERVICES;
+    for (i = 0; i < in->count; i++) {
+        uint32_t service;
+        if (!take_service(in->arguments[i], &service)) {
+            return 0;
+        }
+        *mask |= 1u << service;
+    }
+    return 1;
+}
+
+/* record(id, service, ...): forget what was recorded, and begin now */
+static int begin_recording(call *in) {
+    robot *r = in->object;
+    uint32_t mask;
+    if (!take_mask(in, &mask)) {
+        return 0;
+    }
+    samples_free(&r->recording);
+    robot_begin_reading(r, &r->reader);
+    r->recording_us = robot_now_us(r);
+    r->recording_mask = mask;
+    return 1;
+}
+
+/* recorded(id): take what has come since */
+static int go_on_recording(call *in) {
+    robot *r = in->object;
+    return robot_drain(r, &r->reader, &r->recording);
+}
+
+/* recording(id): all that was recorded, as columns */
+static int end_recording(call *in) {
+    robot *r = in->object;
+    if (!robot_drain(r, &r->reader, &r->recording)) {
+        return 0;
+    }
+    if (r->recording.count == 0 && roburoc4_client_state(in->client) != ROBUROC4_STATE_READY) {
+        return fail(FAIL_TIMEOUT, "nothing was recorded: the robot does not answer; look at link");
+    }
+    in->results[0] =
+        samples_columns(&r->recording, r->recording_mask, r->recording_us, r->reader.lost);
+    samples_free(&r->recording);
+    return 1;
+}
+
+/* log(id, service, ...): all since the robot was made, or since the last logged() */
+static int read_log(call *in) {
+    robot *r = in->object;
+    sample_list list = {0};
+    uint32_t mask;
+    int fine;
+    if (!take_mask(in, &mask)) {
+        return 0;
+    }
+    r->log_end = r->log;
+    fine = robot_drain(r, &r->log_end, &list);
+    if (fine) {
+        in->results[0] = samples_columns(&list, mask, r->opened_us, r->log_end.lost);
+    }
+    samples_free(&list);
+    return fine;
+}
+
+/* logged(id): the file of log() is written; the next one begins after it */
+static int end_log(call *in) {
+    robot *r = in->object;
+    r->log = r->log_end;
+    r->log.lost = 0;
+    return 1;
+}
+
+const command robot_read_commands[] = {
+    {"status", READ_ROBOT, 0, STRUCT, read_status},
+    {"pose", READ_ROBOT, 0, OTHER, read_pose},
+    {"speeds", READ_ROBOT, 0, OTHER, read_speeds},
+    {"info", READ_ROBOT, 0, STRUCT, read_info},
+    {"address", READ_ROBOT, 0, OTHER, read_address},
+    {"link", READ_ROBOT, 0, STRUCT, read_link},
+    {"serviceLink", READ_ROBOT, 1, STRUCT, read_service_link},
+    {"output", READ_ROBOT, 1, NUMBER, find_output},
+    {"io", READ_ROBOT, 1, OTHER, read_input},
+    {"inputs", READ_ROBOT, 0, STRUCT, read_inputs},
+    {"record", READ_ROBOT, -1, NOTHING, begin_recording},
+    {"recorded", READ_ROBOT, 0, NOTHING, go_on_recording},
+    {"recording", READ_ROBOT, 0, OTHER, end_recording},
+    {"log", READ_ROBOT, -1, OTHER, read_log},
+    {"logged", READ_ROBOT, 0, NOTHING, end_log},
+    {NULL, NO_ID, 0, NOTHING, NULL},
+};

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: MIT
+"""Telegrams of tools: bytes to typed records, and many statuses to a NumPy table."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
+
+from . import _native
+from .constants import Result, Service
+from .errors import ArgumentError, DecodeError
+from .records import BatteryStatus, DifferentialStatus, LocalizationStatus, Telegram
+from .settings import service_of
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+__all__ = ["Batch", "Layout", "decode", "decode_batch"]
+
+Bytes: TypeAlias = bytes | bytearray | memoryview
+
+
+class Layout(NamedTuple):
+    """What bytes alone do not tell: the services' ids, and the IO card's counts of channels."""
+
+    iocard: int = 2
+    telemeter: int = 3
+    battery: int = 4
+    localization: int = 5
+    differential: int = 6
+    analog_inputs: int = 9
+    analog_outputs: int = 0
+    digital_inputs: int = 22
+    digital_outputs: int = 8
+
+
+_RECORDS: dict[Service, Any] = {
+    Service.BATTERY: BatteryStatus,
+    Service.LOCALIZATION: LocalizationStatus,
+    Service.DIFFERENTIAL: DifferentialStatus,
+}
+_USUAL = Layout()
+_native_decode = _native.decode
+
+
+def decode(
+    data: Bytes, layout: Layout | None = None, sender: Literal["robot", "client"] = "robot"
+) -> Telegram:
+    """Decode one datagram that a robot (or, on request, a client) has sent.
+
+    A status becomes the record of its service, an answer an :class:`~roburoc4.Answer`, a client's
+    telegram a :class:`~roburoc4.Request` or a command. Raises DecodeError for anything else.
+    """
+    try:
+        return _native_decode(data, layout, sender != "robot")
+    except OverflowError:
+        raise ArgumentError(
+            f"{layout} is out of range: ids are 0 to 65535, counts 0 to 2147483647",
+            Result.ARGUMENT,
+        ) from None
+
+
+class Batch(NamedTuple):
+    """Result of :func:`decode_batch`."""
+
+    values: "npt.NDArray[np.void]"
+    """One row for each good status, in their order."""
+    bad: "npt.NDArray[np.intp]"
+    """Indices of those that are no such status."""
+
+
+def _columns(service: Service, layout: Layout, distances: int) -> list[tuple[Any, ...]]:
+    if service is Service.IOCARD:
+        return [
+            ("robot_cycles", "=u8"),
+            ("analog_inputs", "=f4", (layout.analog_inputs,)),
+            ("digital_inputs", "?", (layout.digital_inputs,)),
+        ]
+    if service is Service.TELEMETER:
+        return [("robot_cycles", "=u8"), ("distances_m", "=f4", (distances,))]
+    formats = _native.packed_formats(service - Service.IOCARD)
+    return list(zip(_RECORDS[service]._fields, formats, strict=False))
+
+
+def _length(service: Service, layout: Layout, telemeters: int) -> int:
+    """Bytes of a status of the manual's length (4.2.4)."""
+    head = 11
+    blocks = _native.roburoc4_digital_blocks(layout.digital_inputs)
+    return (
+        head
+        + {
+            Service.IOCARD: 4 * layout.analog_inputs + blocks,
+            Service.TELEMETER: 4 * telemeters,
+            Service.BATTERY: 2,
+            Service.LOCALIZATION: 28,
+            Service.DIFFERENTIAL: 16,
+        }[service]
+    )
+
+
+def decode_batch(
+    service: str | Service,
+    data: Sequence[Bytes] | Bytes,
+    layout: Layout | None = None,
+    *,
+    telemeters: int = 2,
+) -> Batch:
+    """Decode many statuses of one service into a NumPy structured array; needs NumPy.
+
+    ``data`` is a list of datagrams, or one buffer of statuses of the manual's length, one after
+    the other. Each is checked; the indices of those that are no status of this service (or of
+    another number of ``telemeters``) are reported. Fields are named as in the records.
+    """
+    try:
+        import numpy as np
+    except ImportError as error:
+        raise ImportError(
+            "decode_batch needs NumPy: install roburoc4 with its extra [numpy] "
+            "(docs/python.md tells how)",
+            name="numpy",
+        ) from error
+
+    which = service_of(service)
+    layout = layout or _USUAL
+    if isinstance(data, bytes | bytearray | memoryview):
+        size = _length(which, layout, telemeters)
+        total = memoryview(data).nbytes
+        if total % size:
+            raise DecodeError(
+                f"a buffer of {total} bytes is no whole number of {which.name.lower()} statuses "
+                f"of {size} bytes: give a list of datagrams",
+                Result.SHORT,
+            )
+        count = total // size
+    else:
+        size, count = 0, len(data)
+    if not 0 <= telemeters <= 0xFFFF:
+        raise ArgumentError(f"telemeters: {telemeters} is out of range", Result.ARGUMENT)
+    rows = np.empty(count, dtype=_columns(which, layout, telemeters))
+    channels = telemeters if which is Service.TELEMETER else layout.analog_inputs
+    wire_id = layout[which - Service.IOCARD]
+    bad = _native.batch_decode(
+        data,
+        size,
+        which,
+        wire_id,
+        channels,
+        layout.digital_inputs,
+        rows.view(np.uint8) if count else bytearray(),
+        rows.dtype.itemsize,
+    )
+    return Batch(rows[: count - len(bad)], np.array(bad, dtype=np.intp))

@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * native.h - what the files of roburoc4._native share, and what roburoc4.i wraps beside the C
+ * headers. Functions that return a pointer or PyObject * set a Python exception when it is NULL.
+ */
+#ifndef ROBUROC4_PY_NATIVE_H
+#define ROBUROC4_PY_NATIVE_H
+
+#define PY_SSIZE_T_CLEAN
+#include <Python.h>
+
+#include "host.h"
+#include "roburoc4_pump.h"
+#include "roburoc4_sim.h"
+
+/* ---- records, settings and exceptions (records.c) ---- */
+
+/* The classes of records.py that are made here; those of statuses in the order of the services.
+ * _MADE of records.py has the same order. */
+typedef enum record_kind {
+    RECORD_IOCARD_STATUS,
+    RECORD_TELEMETER_STATUS,
+    RECORD_BATTERY_STATUS,
+    RECORD_LOCALIZATION_STATUS,
+    RECORD_DIFFERENTIAL_STATUS,
+    RECORD_DIRECTORY_ENTRY,
+    RECORD_SUBSCRIPTION,
+    RECORD_IOCARD_PROPERTIES,
+    RECORD_TELEMETER_PROPERTIES,
+    RECORD_BATTERY_PROPERTIES,
+    RECORD_LOCALIZATION_PROPERTIES,
+    RECORD_DIFFERENTIAL_PROPERTIES,
+    RECORD_REQUEST,
+    RECORD_DIFFERENTIAL_COMMAND,
+    RECORD_FACTS,
+    RECORD_LINK,
+    RECORD_SERVICE_LINK,
+    RECORD_SIM_STATE,
+    RECORD_UNKNOWN_STATUS,
+    RECORD_ANSWER,
+    RECORD_IOCARD_COMMAND,
+    RECORD_UNKNOWN_COMMAND,
+    RECORD_KINDS
+} record_kind;
+
+/* Learn a class: which members of its C struct it has, a list of (name, letter of a meaning).
+ * AttributeError for a member that the struct does not have. */
+PyObject *register_record(uint32_t kind, PyObject *type, const char *structure,
+                          PyObject *members);
+PyObject *register_enumerations(PyObject *battery_state, PyObject *localization_flag);
+/* Learn the function that makes an exception of a result. */
+PyObject *register_errors(PyObject *error_of);
+/* Set the exception of a result below 0; always NULL. */
+PyObject *raise_result(roburoc4_result result);
+
+/* A record of these values, a tuple, which it takes over (NULL: an exception is set already). */
+PyObject *record_new(record_kind kind, PyObject *values);
+/* The record of a C struct of this kind. */
+PyObject *record_of(record_kind kind, const void *value);
+/* The record of a status: of its C struct, for the IO card roburoc4_inputs and for telemeters
+ * roburoc4_distances. */
+PyObject *record_of_status(record_kind kind, const void *status, uint64_t host_us);
+PyObject *tuple_of_floats(const float *values, uint32_t count);
+/* Channel 8 k + b is bit b of byte k. */
+PyObject *tuple_of_bits(const uint8_t *blocks, uint32_t count);
+/* Write the members of a C struct to `row` (NULL: only count), packed; returns how many bytes. */
+size_t pack(record_kind kind, const void *value, uint8_t *row);
+/* The formats that NumPy has for them. */
+PyObject *packed_formats(uint32_t kind);
+
+/* Settings, with their defaults; `set` changes the member `name` (of an array, the one at index).
+ * AttributeError, OverflowError. */
+roburoc4_config *new_config(void);
+roburoc4_sim_config *new_sim_config(void);
+roburoc4_sim_faults *new_sim_faults(void);
+PyObject *set_config(roburoc4_config *config, const char *name, PyObject *value, uint32_t index);
+PyObject *set_sim_config(roburoc4_sim_config *config, const char *name, PyObject *value,
+                         uint32_t index);
+PyObject *set_sim_faults(roburoc4_sim_faults *faults, const char *name, PyObject *value);
+
+/* ---- telegrams of tools (decode.c, batch.c) ---- */
+
+/* decode(data, layout, from_client): layout is None or the tuple of nine integers of Layout in
+ * telegrams.py. For METH_FASTCALL. */
+PyObject *decode_telegram(PyObject *self, PyObject *const *arguments, Py_ssize_t count);
+/* Write a row for each good status of `source` into `rows`, without gaps, and return the list of
+ * the indices of the bad ones. source: a sequence of bytes-like objects where size is 0, else one
+ * bytes-like object of statuses of that size, one after the other. */
+PyObject *batch_decode(PyObject *source, size_t size, uint32_t service, uint32_t id,
+                       uint32_t analog, uint32_t digital, PyObject *rows, size_t row);
+
+/* ---- the simulator (simulator.c) ---- */
+
+/* A simulated robot, in virtual time or on a port. All roburoc4_sim_*() calls are made on a
+ * simulation, by simulation_enter() and simulation_leave(). */
+typedef struct simulation simulation;
+simulation *new_world(const roburoc4_sim_config *config);
+/* On an IPv4 address and a port (0: a free one); OSError. */
+simulation *new_host(const roburoc4_sim_config *config, const char *address, uint16_t port);
+void simulation_destroy(simulation *s);
+/* Its world, or NULL. */
+roburoc4_world *simulation_world(simulation *s);
+uint16_t simulation_port(const simulation *s);
+/* Serve no longer; its robot can still be looked at. */
+PyObject *simulation_stop(simulation *s);
+PyObject *simulation_set_faults(simulation *s, const roburoc4_sim_faults *faults);
+/* Lock the simulator for one call, and give it back; the latter does nothing where none is
+ * entered. */
+roburoc4_sim *simulation_enter(simulation *s);
+void simulation_leave(void);
+/* (result, reply) of a line for the simulator's panel. */
+PyObject *simulation_panel(simulation *s, const char *line);
+/* The program roburoc4-sim with these arguments (a list of str); its exit status. */
+PyObject *run_sim(PyObject *arguments);
+
+/* ---- a client, and who moves its datagrams (connection.c) ---- */
+
+/*
+ * A client with its pump, its socket, or in the world of a simulation. All roburoc4_client_*() calls
+ * are made on a connection, by connection_enter() and connection_leave(), whatever moves it.
+ */
+typedef struct connection connection;
+
+/* Open one to "HOST" or "HOST:PORT". */
+connection *connect_pump(const char *host, const roburoc4_config *config, uint32_t capacity);
+connection *connect_socket(const char *host, const roburoc4_config *config);
+/* `simulation`: a capsule, which lives as long as the connection. */
+connection *connect_virtual(PyObject *simulation, const roburoc4_config *config);
+void connection_destroy(connection *c);
+/* "HOST" or "HOST:PORT" in numbers. */
+PyObject *resolve_address(const char *host);
+/* The robot's address in numbers; empty in virtual time. */
+const char *connection_address(const connection *c);
+
+/* Lock the client for one call. NULL: the connection belongs to the parent of a fork, or a command
+ * comes after connection_close(); ClosedError is set. */
+roburoc4_client *connection_enter(connection *c, int is_command);
+/* The time for that call. */
+uint64_t connection_entered_us(void);
+/* After the call: send what a command has to send, and unlock. Does nothing where none is
+ * entered. */
+void connection_leave(void);
+
+/* Its pump, or NULL; its socket. */
+roburoc4_pump *connection_pump(connection *c);
+roburoc4_udp *connection_udp(connection *c);
+
+/* ROBUROC4_FAULT_*. */
+uint32_t connection_fault(connection *c);
+/* (io_type, index, text) of a datagram that was just received; None where it is no text. */
+PyObject *connection_description(const connection *c, PyObject *datagram);
+uint64_t connection_now_us(const connection *c);
+/* The number of a client in its world; 0 for others. */
+uint32_t connection_number(const connection *c);
+/* Every connection that exists belongs to the parent process from now on. */
+void connections_forked(void);
+
+/* Some more samples of a pump, of the services in `mask`; None when all were read. */
+PyObject *read_samples(roburoc4_pump *pump, roburoc4_pump_reader *reader, uint32_t mask);
+roburoc4_pump_reader *new_reader(void);
+uint64_t reader_lost(const roburoc4_pump_reader *reader);
+
+#endif

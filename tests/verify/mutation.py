@@ -1,0 +1,132 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Change the core in random places and count how many of the changes the unit tests notice.
+
+universalmutator makes the changes. One that does not compile, or that compiles to the same code,
+does not count. Those that nobody noticed are printed: each is a test that is missing, or a change
+that makes no difference.
+"""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import os
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+COMPILE = ["gcc", "-std=c99", "-O2", "-fPIC", "-w", f"-I{ROOT}/include", "-c"]
+TEST_S = 120
+
+
+def changes(file: Path, mutate: str) -> list[str]:
+    """Each change of a file that universalmutator knows, as the file's whole text."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [mutate, str(file), "c", "--noCheck", "--mutantDir", folder]
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, cwd=folder)
+        return sorted({path.read_text() for path in Path(folder).iterdir()})
+
+
+def copy_sources(folder: Path) -> None:
+    for file in (ROOT / "src").glob("*.[ch]"):
+        shutil.copy(file, folder)
+
+
+def compile_core(folder: Path, sources: list[Path]) -> dict[str, bytes] | None:
+    """Compiles the files that are in the folder; None where one does not compile."""
+    objects = {}
+    for source in sources:
+        out = folder / (source.stem + ".o")
+        done = subprocess.run(
+            [*COMPILE, "-o", out, folder / source.name], capture_output=True, check=False
+        )
+        if done.returncode != 0:
+            return None
+        objects[source.name] = out.read_bytes()
+    return objects
+
+
+def pass_with(objects: dict[str, bytes], program: Path, folder: Path) -> bool:
+    """Whether the tests pass with a core of these objects."""
+    files = []
+    for source, code in objects.items():
+        files.append(folder / (source + ".o"))
+        files[-1].write_bytes(code)
+    library = folder / "core.so"
+    subprocess.run(["gcc", "-shared", "-o", library, *files], check=True)
+    command = [program, "--gtest_brief=1", "--gtest_fail_fast"]
+    preload = dict(os.environ, LD_PRELOAD=str(library))
+    try:
+        done = subprocess.run(
+            command, env=preload, capture_output=True, timeout=TEST_S, check=False
+        )
+    except subprocess.TimeoutExpired:
+        return False
+    return done.returncode == 0
+
+
+def verdict(
+    program: Path, sources: list[Path], sound: dict[str, bytes], file: Path, text: str
+) -> str:
+    """Whether the tests notice that a file has this text."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        copy_sources(folder)
+        (folder / file.name).write_text(text)
+        changed = compile_core(folder, [file] if file.suffix == ".c" else sources)
+        if changed is None:
+            return "invalid"
+        if all(sound[source] == code for source, code in changed.items()):
+            return "same"
+        return "missed" if pass_with(sound | changed, program, folder) else "noticed"
+
+
+def difference(before: str, after: str) -> str:
+    """The changed lines, as in a patch."""
+    lines = difflib.unified_diff(before.splitlines(), after.splitlines(), lineterm="", n=0)
+    return "\n".join("    " + line for line in list(lines)[2:])
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--mutate", required=True, help="universalmutator's program")
+    parser.add_argument("--program", type=Path, required=True, help="linked with the shared core")
+    parser.add_argument("--sample", type=int, default=200, help="changes to try")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--at-least", type=float, default=0, help="per cent that must be noticed")
+    parser.add_argument("sources", type=Path, nargs="+")
+    options = parser.parse_args()
+
+    sources = [source.resolve() for source in options.sources]
+    with tempfile.TemporaryDirectory() as name:
+        copy_sources(Path(name))
+        sound = compile_core(Path(name), sources)
+        if sound is None or not pass_with(sound, options.program, Path(name)):
+            sys.exit("mutation: the core as it is does not compile, or fails its tests")
+
+    mutants = [(f, text) for f in sources for text in changes(f, os.path.abspath(options.mutate))]
+    random.Random(options.seed).shuffle(mutants)
+    count = {"noticed": 0, "missed": 0, "invalid": 0, "same": 0}
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        tried = pool.map(lambda m: verdict(options.program, sources, sound, *m), mutants)
+        for (file, text), result in zip(mutants, tried):
+            count[result] += 1
+            if result == "missed":
+                print(f"missed: src/{file.name}\n{difference(file.read_text(), text)}", flush=True)
+            if count["noticed"] + count["missed"] >= options.sample:
+                break
+        pool.shutdown(cancel_futures=True)
+    tries = count["noticed"] + count["missed"]
+    score = 100 * count["noticed"] / max(tries, 1)
+    print(f"{tries} of {len(mutants)} changes tried: {score:.1f} % noticed")
+    return 0 if score >= options.at_least else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
