@@ -23,29 +23,26 @@ static const layout usual_layout = {{0, 1, 2, 3, 4, 5, 6}, 9, 0, 22, 8};
 /* ---------------------------------------------------------------------------------- layout --- */
 
 static int read_layout(PyObject *tuple, layout *out) {
-    uint32_t values[9];
-    Py_ssize_t i;
-    if (!PyTuple_Check(tuple) || PyTuple_Size(tuple) != 9) {
-        PyErr_SetString(PyExc_TypeError, "layout: give a roburoc4.Layout");
+    int values[9], i;
+    if (!PyArg_ParseTuple(tuple, "iiiiiiiii;layout: give a roburoc4.Layout", &values[0], &values[1],
+                          &values[2], &values[3], &values[4], &values[5], &values[6], &values[7],
+                          &values[8])) {
         return -1;
     }
+    *out = usual_layout;
     for (i = 0; i < 9; i++) {
-        unsigned long value = PyLong_AsUnsignedLong(PyTuple_GetItem(tuple, i));
-        if (PyErr_Occurred() != NULL) {
-            return -1;
-        }
-        if (value > (i < 5 ? 65535u : 0x7FFFFFFFu)) {
+        if (values[i] < 0 || (i < 5 && values[i] > UINT16_MAX)) {
             PyErr_SetString(PyExc_OverflowError, "layout");
             return -1;
         }
-        values[i] = (uint32_t)value;
     }
-    *out = usual_layout;
-    memcpy(&out->ids[ROBUROC4_SERVICE_IOCARD], values, 5 * sizeof values[0]);
-    out->analog_inputs = values[5];
-    out->analog_outputs = values[6];
-    out->digital_inputs = values[7];
-    out->digital_outputs = values[8];
+    for (i = 0; i < 5; i++) {
+        out->ids[ROBUROC4_SERVICE_IOCARD + i] = (uint32_t)values[i];
+    }
+    out->analog_inputs = (uint32_t)values[5];
+    out->analog_outputs = (uint32_t)values[6];
+    out->digital_inputs = (uint32_t)values[7];
+    out->digital_outputs = (uint32_t)values[8];
     return 0;
 }
 
@@ -59,19 +56,16 @@ static uint32_t service_of_id(const layout *layout, uint32_t id) {
 
 /* ------------------------------------------------------------------------- structs and lists --- */
 
-/* name() decodes a telegram that is one struct. */
-#define STRUCT(NAME, KIND)                                                                         \
+static PyObject *status_of(record_kind kind, const void *value) {
+    return record_of_status(kind, value, 0);
+}
+
+/* name() decodes a telegram that is one struct; a status did not arrive at any time. */
+#define STRUCT(NAME, MAKE, KIND)                                                                         \
     static PyObject *NAME(const datagram *d) {                                                     \
         roburoc4_##NAME value;                                                                     \
         roburoc4_result result = roburoc4_decode_##NAME(d->data, d->size, &value);                 \
-        return result < 0 ? raise_result(result) : record_of(KIND, &value);                        \
-    }
-/* The same of a status, which has a time of arrival: 0 here. */
-#define STATUS(NAME, KIND)                                                                         \
-    static PyObject *NAME(const datagram *d) {                                                     \
-        roburoc4_##NAME value;                                                                     \
-        roburoc4_result result = roburoc4_decode_##NAME(d->data, d->size, &value);                 \
-        return result < 0 ? raise_result(result) : record_of_status(KIND, &value, 0);              \
+        return result < 0 ? raise_result(result) : MAKE(KIND, &value);                             \
     }
 /* name() decodes a telegram that is a list. */
 #define LIST(NAME, VIEW, ITEM, AT, KIND)                                                           \
@@ -92,15 +86,15 @@ static uint32_t service_of_id(const layout *layout, uint32_t id) {
         return tuple;                                                                              \
     }
 
-STATUS(battery_status, RECORD_BATTERY_STATUS)
-STATUS(localization_status, RECORD_LOCALIZATION_STATUS)
-STATUS(differential_status, RECORD_DIFFERENTIAL_STATUS)
-STRUCT(iocard_properties, RECORD_IOCARD_PROPERTIES)
-STRUCT(battery_properties, RECORD_BATTERY_PROPERTIES)
-STRUCT(localization_properties, RECORD_LOCALIZATION_PROPERTIES)
-STRUCT(differential_properties, RECORD_DIFFERENTIAL_PROPERTIES)
-STRUCT(differential_command, RECORD_DIFFERENTIAL_COMMAND)
-STRUCT(request, RECORD_REQUEST)
+STRUCT(battery_status, status_of, RECORD_BATTERY_STATUS)
+STRUCT(localization_status, status_of, RECORD_LOCALIZATION_STATUS)
+STRUCT(differential_status, status_of, RECORD_DIFFERENTIAL_STATUS)
+STRUCT(iocard_properties, record_of, RECORD_IOCARD_PROPERTIES)
+STRUCT(battery_properties, record_of, RECORD_BATTERY_PROPERTIES)
+STRUCT(localization_properties, record_of, RECORD_LOCALIZATION_PROPERTIES)
+STRUCT(differential_properties, record_of, RECORD_DIFFERENTIAL_PROPERTIES)
+STRUCT(differential_command, record_of, RECORD_DIFFERENTIAL_COMMAND)
+STRUCT(request, record_of, RECORD_REQUEST)
 LIST(directory, roburoc4_directory, roburoc4_directory_entry, roburoc4_directory_at,
      RECORD_DIRECTORY_ENTRY)
 LIST(notification, roburoc4_notification, roburoc4_subscription, roburoc4_notification_at,

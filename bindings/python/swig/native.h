@@ -63,9 +63,7 @@ PyObject *record_of_status(record_kind kind, const void *status, uint64_t host_u
 PyObject *tuple_of_floats(const float *values, uint32_t count);
 /* Channel 8 k + b is bit b of byte k. */
 PyObject *tuple_of_bits(const uint8_t *blocks, uint32_t count);
-/* Write the members of a C struct to `row` (NULL: only count), packed; returns how many bytes. */
-size_t pack(record_kind kind, const void *value, uint8_t *row);
-/* The formats that NumPy has for them. */
+/* The formats that NumPy has for the members of a C struct, in the byte order of the wire. */
 PyObject *packed_formats(uint32_t kind);
 
 /* Settings, with their defaults; `set` changes the member `name` (of an array, the one at index).
@@ -78,16 +76,11 @@ PyObject *set_sim_config(roburoc4_sim_config *config, const char *name, PyObject
                          uint32_t index);
 PyObject *set_sim_faults(roburoc4_sim_faults *faults, const char *name, PyObject *value);
 
-/* ---- telegrams of tools (decode.c, batch.c) ---- */
+/* ---- telegrams of tools (decode.c) ---- */
 
 /* decode(data, layout, from_client): layout is None or the tuple of nine integers of Layout in
  * telegrams.py. For METH_FASTCALL. */
 PyObject *decode_telegram(PyObject *self, PyObject *const *arguments, Py_ssize_t count);
-/* Write a row for each good status of `source` into `rows`, without gaps, and return the list of
- * the indices of the bad ones. source: a sequence of bytes-like objects where size is 0, else one
- * bytes-like object of statuses of that size, one after the other. */
-PyObject *batch_decode(PyObject *source, size_t size, uint32_t service, uint32_t id,
-                       uint32_t analog, uint32_t digital, PyObject *rows, size_t row);
 
 /* ---- the simulator (simulator.c) ---- */
 

@@ -5,7 +5,6 @@
  */
 #include "native.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -70,7 +69,7 @@ static const field *find_field(const char *structure, const char *member) {
         f++;
     }
     if (f->name == NULL) {
-        PyErr_Format(PyExc_AttributeError, "%s has no field %s", structure, member);
+        (void)PyErr_Format(PyExc_AttributeError, "%s has no field %s", structure, member);
         return NULL;
     }
     return f;
@@ -283,27 +282,13 @@ PyObject *record_of_status(record_kind kind, const void *status, uint64_t host_u
 
 /* ---------------------------------------------------------------------------- rows of NumPy --- */
 
-size_t pack(record_kind kind, const void *value, uint8_t *row) {
-    const record_class *record = &classes[kind];
-    size_t size = 0;
-    int i;
-    for (i = 0; i < record->count; i++) {
-        const field *f = record->columns[i].field;
-        if (row != NULL) {
-            memcpy(row + size, (const uint8_t *)value + f->offset, f->size);
-        }
-        size += f->size;
-    }
-    return size;
-}
-
 PyObject *packed_formats(uint32_t kind) {
     const record_class *record = &classes[kind < RECORD_KINDS ? kind : 0];
     PyObject *formats = PyList_New(0);
     int i;
     for (i = 0; formats != NULL && i < record->count; i++) {
         const field *f = record->columns[i].field;
-        PyObject *format = PyUnicode_FromFormat("=%c%d", f->type, (int)f->size);
+        PyObject *format = PyUnicode_FromFormat("<%c%d", f->type, (int)f->size);
         if (format == NULL || PyList_Append(formats, format) < 0) {
             Py_CLEAR(formats);
         }
@@ -314,48 +299,33 @@ PyObject *packed_formats(uint32_t kind) {
 
 /* -------------------------------------------------------------------------------- settings --- */
 
-static int out_of_range(void) {
-    PyErr_SetString(PyExc_OverflowError, "out of range");
-    return -1;
-}
-
-static int take_float(PyObject *value, const field *f, void *at) {
-    double number = PyFloat_AsDouble(value);
-    float single;
+/* Write a number where it belongs; -1 with an exception where it is none, or does not fit. */
+static int store(const field *f, void *at, PyObject *value) {
+    const double real = f->type == 'f' ? PyFloat_AsDouble(value) : 0.0;
+    const long long whole = f->type == 'f' ? 0 : PyLong_AsLongLong(value);
+    int fits = 1;
     if (PyErr_Occurred() != NULL) {
         return -1;
     }
-    if (f->size == 8) {
-        memcpy(at, &number, sizeof number);
-        return 0;
-    }
-    if (isfinite(number) && fabs(number) > (double)FLT_MAX) {
-        return out_of_range();
-    }
-    single = (float)number;
-    memcpy(at, &single, sizeof single);
-    return 0;
-}
-
-static int take_integer(PyObject *value, const field *f, void *at) {
-    int bits = 8 * f->size - (f->type == 'i' || f->size == 8);
-    int overflow = 0;
-    int64_t number = PyLong_AsLongLongAndOverflow(value, &overflow);
-    int64_t most = (int64_t)(((uint64_t)1 << bits) - 1), least = f->type == 'i' ? -most - 1 : 0;
-    if (PyErr_Occurred() != NULL) {
-        return -1;
-    }
-    if (overflow != 0 || number < least || number > most) {
-        return out_of_range();
-    }
-    if (f->size == 2) {
-        *(uint16_t *)at = (uint16_t)number;
+    if (f->type == 'f' && f->size == 8) {
+        *(double *)at = real;
+    } else if (f->type == 'f') {
+        *(float *)at = (float)real;
+        fits = !isinf(*(float *)at) || isinf(real);
+    } else if (f->size == 2) {
+        *(int16_t *)at = (int16_t)whole;
+        fits = (f->type == 'i' ? *(int16_t *)at : *(uint16_t *)at) == whole;
     } else if (f->size == 4) {
-        *(uint32_t *)at = (uint32_t)number;
+        *(int32_t *)at = (int32_t)whole;
+        fits = (f->type == 'i' ? *(int32_t *)at : (long long)*(uint32_t *)at) == whole;
     } else {
-        *(uint64_t *)at = (uint64_t)number;
+        *(int64_t *)at = whole;
+        fits = whole >= 0;
     }
-    return 0;
+    if (!fits) {
+        PyErr_SetString(PyExc_OverflowError, "out of range");
+    }
+    return fits ? 0 : -1;
 }
 
 static PyObject *set_field(const char *structure, void *at, const char *name, PyObject *value,
@@ -365,11 +335,10 @@ static PyObject *set_field(const char *structure, void *at, const char *name, Py
         return NULL;
     }
     if (index > 0 && index >= f->count) {
-        PyErr_SetString(PyExc_IndexError, name);
-        return NULL;
+        return PyErr_Format(PyExc_IndexError, "%s[%u]", name, (unsigned)index);
     }
     at = (uint8_t *)at + f->offset + (size_t)index * f->size;
-    if ((f->type == 'f' ? take_float(value, f, at) : take_integer(value, f, at)) < 0) {
+    if (store(f, at, value) < 0) {
         return NULL;
     }
     Py_RETURN_NONE;

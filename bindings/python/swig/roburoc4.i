@@ -52,7 +52,7 @@ roburoc4_result roburoc4_udp_receive_one(roburoc4_udp *udp, roburoc4_client *mov
 %include "roburoc4_pump.h"
 
 %ignore raise_result;
-%rename("$ignore", regextarget=1) "^(record_|pack$|decode_telegram|tuple_of|(connection|simulation)_(enter|leave|entered_us|destroy|pump|udp|world)$)";
+%rename("$ignore", regextarget=1) "^(record_|decode_telegram|tuple_of|(connection|simulation)_(enter|leave|entered_us|destroy|pump|udp|world)$)";
 %include "native.h"
 
 /* The hottest call: without SWIG's unpacking of arguments. */

@@ -193,14 +193,3 @@ def register_enumerations(battery_state: object, localization_flag: object, /) -
 def register_errors(error_of: Callable[[int], BaseException], /) -> None: ...
 def packed_formats(kind: int, /) -> list[str]: ...
 def decode(data: object, layout: object, from_client: object, /) -> Telegram: ...
-def batch_decode(
-    source: object,
-    size: int,
-    service: int,
-    wire_id: int,
-    analog: int,
-    digital: int,
-    rows: object,
-    row: int,
-    /,
-) -> list[int]: ...

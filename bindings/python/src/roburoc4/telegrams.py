@@ -39,6 +39,7 @@ _RECORDS: dict[Service, Any] = {
     Service.DIFFERENTIAL: DifferentialStatus,
 }
 _USUAL = Layout()
+_STATUS = 0xFF
 _native_decode = _native.decode
 
 
@@ -68,33 +69,28 @@ class Batch(NamedTuple):
     """Indices of those that are no such status."""
 
 
-def _columns(service: Service, layout: Layout, distances: int) -> list[tuple[Any, ...]]:
+def _columns(service: Service, layout: Layout, telemeters: int) -> list[tuple[Any, ...]]:
+    """Name, format on the wire and shape of what a status says; digital inputs are bits there."""
     if service is Service.IOCARD:
+        blocks = _native.roburoc4_digital_blocks(layout.digital_inputs)
         return [
-            ("robot_cycles", "=u8"),
-            ("analog_inputs", "=f4", (layout.analog_inputs,)),
-            ("digital_inputs", "?", (layout.digital_inputs,)),
+            ("analog_inputs", "<f4", (layout.analog_inputs,)),
+            ("digital_inputs", "u1", (blocks,)),
         ]
     if service is Service.TELEMETER:
-        return [("robot_cycles", "=u8"), ("distances_m", "=f4", (distances,))]
+        return [("distances_m", "<f4", (telemeters,))]
     formats = _native.packed_formats(service - Service.IOCARD)
-    return list(zip(_RECORDS[service]._fields, formats, strict=False))
+    return list(zip(_RECORDS[service]._fields, formats, strict=False))[1:]
 
 
-def _length(service: Service, layout: Layout, telemeters: int) -> int:
-    """Bytes of a status of the manual's length (4.2.4)."""
-    head = 11
-    blocks = _native.roburoc4_digital_blocks(layout.digital_inputs)
-    return (
-        head
-        + {
-            Service.IOCARD: 4 * layout.analog_inputs + blocks,
-            Service.TELEMETER: 4 * telemeters,
-            Service.BATTERY: 2,
-            Service.LOCALIZATION: 28,
-            Service.DIFFERENTIAL: 16,
-        }[service]
-    )
+def _cut(datagram: Bytes, size: int, service: Service) -> Bytes:
+    """Return the first bytes of a longer status; zeros, which are no status, for a shorter one.
+
+    Three bytes after the distances mean nothing; a fourth makes one telemeter more.
+    """
+    view = memoryview(datagram).cast("B")
+    longest = size + 3 if service is Service.TELEMETER else len(view)
+    return view[:size] if size <= len(view) <= longest else bytes(size)
 
 
 def decode_batch(
@@ -121,31 +117,33 @@ def decode_batch(
 
     which = service_of(service)
     layout = layout or _USUAL
+    if not 0 <= telemeters <= 0xFFFF:
+        raise ArgumentError(f"telemeters: {telemeters} is out of range", Result.ARGUMENT)
+    columns = [("robot_cycles", "<u8"), *_columns(which, layout, telemeters)]
+    wire = np.dtype([("header", "u1"), ("service", "<u2"), *columns])
+    size = wire.itemsize
     if isinstance(data, bytes | bytearray | memoryview):
-        size = _length(which, layout, telemeters)
         total = memoryview(data).nbytes
         if total % size:
             raise DecodeError(
-                f"a buffer of {total} bytes is no whole number of {which.name.lower()} statuses "
+                f"a buffer of {total} bytes does not hold whole {which.name.lower()} statuses "
                 f"of {size} bytes: give a list of datagrams",
                 Result.SHORT,
             )
-        count = total // size
     else:
-        size, count = 0, len(data)
-    if not 0 <= telemeters <= 0xFFFF:
-        raise ArgumentError(f"telemeters: {telemeters} is out of range", Result.ARGUMENT)
-    rows = np.empty(count, dtype=_columns(which, layout, telemeters))
-    channels = telemeters if which is Service.TELEMETER else layout.analog_inputs
-    wire_id = layout[which - Service.IOCARD]
-    bad = _native.batch_decode(
-        data,
-        size,
-        which,
-        wire_id,
-        channels,
-        layout.digital_inputs,
-        rows.view(np.uint8) if count else bytearray(),
-        rows.dtype.itemsize,
-    )
-    return Batch(rows[: count - len(bad)], np.array(bad, dtype=np.intp))
+        data = b"".join(one if len(one) == size else _cut(one, size, which) for one in data)
+    found = np.frombuffer(data, dtype=wire)
+    good = (found["header"] == _STATUS) & (found["service"] == layout[which - Service.IOCARD])
+    found = found[good]
+    if which is Service.IOCARD:
+        columns[-1] = ("digital_inputs", "?", (layout.digital_inputs,))
+    values = np.empty(len(found), dtype=columns)
+    for name in values.dtype.names or ():
+        values[name] = (
+            np.unpackbits(
+                found[name], axis=1, count=layout.digital_inputs, bitorder="little"
+            ).astype(bool)
+            if name == "digital_inputs"
+            else found[name]
+        )
+    return Batch(values, np.flatnonzero(~good))
