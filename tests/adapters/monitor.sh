@@ -1,0 +1,41 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+#
+# monitor.sh SIMULATOR MONITOR: the example monitor against the simulator as real processes: a line
+# each second, every status with --all, and the reason at once where nobody listens.
+set -eu
+LC_ALL=C
+export LC_ALL
+simulator=$1
+monitor=$2
+
+folder=$(mktemp -d)
+trap 'kill "$process" 2>/dev/null || :; rm -rf "$folder"' EXIT
+"$simulator" --port 0 >"$folder/log" &
+process=$!
+until grep -q ready "$folder/log"; do
+    kill -0 "$process"
+    sleep 1
+done
+robot=$(sed -n 's/.* \([0-9.]*:[0-9]*\)$/\1/p' "$folder/log")
+
+"$monitor" --seconds 4 "$robot" >"$folder/lines"
+cat "$folder/lines"
+lines=$(wc -l <"$folder/lines")
+test "$lines" -ge 3
+test "$lines" -le 5
+grep -q 'x 0.00 m, y 0.00 m, 0.0 deg; 0.00 m/s, 0.00 rad/s; front .* battery 100 %' "$folder/lines"
+
+"$monitor" --all --seconds 2 "$robot" >"$folder/all"
+test "$(wc -l <"$folder/all")" -ge 80
+for service in IOCard Telemeter Battery Localization Differential; do
+    grep -q "$service" "$folder/all"
+done
+
+# Port 9 of this machine: nobody listens there.
+status=0
+begun=$(date +%s)
+"$monitor" 127.0.0.1:9 2>"$folder/errors" || status=$?
+test "$status" -eq 3
+test $(($(date +%s) - begun)) -le 4
+grep 'no robot answers at 127.0.0.1:9: .*nothing listens on this port' "$folder/errors"
