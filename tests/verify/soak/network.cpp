@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: MIT */
+#include "network.h"
+
+#include <algorithm>
+
+namespace soak {
+
+Weather draw_weather(Random &random) {
+    Weather weather;
+    weather.delay_us = random.between(100, 8000);
+    weather.jitter_us = random.between(0, 2000);
+    switch (random.between(0, 10)) {
+    case 0:
+    case 1: /* a good cable */
+        break;
+    case 2: /* steady loss */
+        weather.loss = random.uniform(0.01, 0.5);
+        break;
+    case 3:
+        weather.burst = 0.02;
+        weather.burst_us = random.between(50000, 1500000);
+        break;
+    case 4:
+        weather.reordering = random.uniform(0.02, 0.3);
+        weather.reorder_us = random.between(10000, 600000);
+        weather.duplicates = random.uniform(0, 0.3);
+        break;
+    case 5: /* far away: old before it arrives */
+        weather.delay_us = random.between(20000, 700000);
+        break;
+    case 6: /* a queue that grows fast */
+        weather.growth = random.uniform(0.02, 0.8);
+        weather.queue_us = random.between(100000, 4000000);
+        break;
+    case 7: /* a queue that grows slowly */
+        weather.growth = random.uniform(0.001, 0.02);
+        weather.queue_us = random.between(100000, 2000000);
+        break;
+    case 8:
+        weather.dark = true;
+        break;
+    case 9:
+        weather.jitter_us = random.between(10000, 400000);
+        break;
+    default: /* everything at once */
+        weather.loss = random.uniform(0, 0.2);
+        weather.duplicates = random.uniform(0, 0.2);
+        weather.reordering = random.uniform(0, 0.2);
+        weather.reorder_us = random.between(1000, 300000);
+        weather.growth = random.uniform(0, 0.2);
+        weather.queue_us = random.between(0, 1000000);
+        break;
+    }
+    return weather;
+}
+
+void Path::set_weather(const Weather &weather, std::uint64_t now_us) {
+    const bool drop = random_.chance(0.3);
+    for (Flight &flight : flights_) {
+        const std::uint64_t usual = now_us + weather.delay_us + weather.jitter_us;
+        flight.arrival_us = std::min(flight.arrival_us, usual);
+    }
+    if (drop)
+        flights_.clear();
+    std::make_heap(flights_.begin(), flights_.end(), Later());
+    weather_ = weather;
+    weather_since_us_ = now_us;
+    burst_until_us_ = 0;
+    last_arrival_us_ = 0;
+}
+
+void Path::send(const Datagram &datagram, std::uint64_t now_us) {
+    if (now_us < burst_until_us_ || weather_.dark || random_.chance(weather_.loss))
+        return;
+    if (weather_.burst > 0 && random_.chance(weather_.burst)) {
+        burst_until_us_ = now_us + weather_.burst_us;
+        return;
+    }
+    const double grown = weather_.growth * static_cast<double>(now_us - weather_since_us_);
+    const std::uint64_t queue = std::min(static_cast<std::uint64_t>(grown), weather_.queue_us);
+    std::uint64_t arrival = now_us + weather_.delay_us + queue;
+    if (weather_.jitter_us > 0)
+        arrival += random_.between(0, weather_.jitter_us);
+    arrival = std::max(arrival, last_arrival_us_);
+    if (weather_.reordering > 0 && random_.chance(weather_.reordering))
+        fly(datagram, arrival + random_.between(0, weather_.reorder_us));
+    else
+        fly(datagram, last_arrival_us_ = arrival);
+    if (weather_.duplicates > 0 && random_.chance(weather_.duplicates))
+        fly(datagram, arrival + random_.between(0, 50000));
+}
+
+void Path::fly(const Datagram &datagram, std::uint64_t arrival_us) {
+    flights_.push_back({arrival_us, sent_++, datagram});
+    std::push_heap(flights_.begin(), flights_.end(), Later());
+}
+
+std::uint64_t Path::next_arrival() const {
+    return flights_.empty() ? UINT64_MAX : flights_.front().arrival_us;
+}
+
+Datagram Path::take() {
+    std::pop_heap(flights_.begin(), flights_.end(), Later());
+    const Datagram datagram = flights_.back().datagram;
+    flights_.pop_back();
+    return datagram;
+}
+
+} // namespace soak

@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * network.h - one direction of a bad network, in virtual time: it loses, doubles, delays and
+ * reorders datagrams, loses them in bursts, goes dark, and queues: a queue delays everything by an
+ * amount that grows with time, as under a radio link that is slower than what is sent through it.
+ */
+#ifndef ROBUROC4_SOAK_NETWORK_H
+#define ROBUROC4_SOAK_NETWORK_H
+
+#include "random.h"
+#include "wire.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace soak {
+
+/** How the network is at the moment. */
+struct Weather {
+    std::uint64_t delay_us = 1000; /* of every datagram */
+    std::uint64_t jitter_us = 0;   /* added, evenly spread; does not reorder */
+    double loss = 0;               /* probability */
+    double duplicates = 0;         /* probability */
+    double reordering = 0;         /* probability that one is held back by up to reorder_us */
+    std::uint64_t reorder_us = 0;
+    double burst = 0; /* probability that a burst of losses begins at a datagram */
+    std::uint64_t burst_us = 0;
+    double growth = 0;          /* of the queue: seconds of delay for each second */
+    std::uint64_t queue_us = 0; /* the queue grows no longer than this */
+    bool dark = false;          /* nothing arrives */
+};
+
+/** Weather of some kind, drawn at random; every kind that the promises speak of comes up. */
+Weather draw_weather(Random &random);
+
+class Path {
+  public:
+    explicit Path(std::uint64_t seed) : random_(seed) {}
+
+    /** Changes the weather. A queue that had grown is delivered at once, or dropped. */
+    void set_weather(const Weather &weather, std::uint64_t now_us);
+    void send(const Datagram &datagram, std::uint64_t now_us);
+    /** Time of the next arrival; UINT64_MAX where nothing is under way. */
+    std::uint64_t next_arrival() const;
+    /** The datagram that arrives next. */
+    Datagram take();
+
+  private:
+    struct Flight {
+        std::uint64_t arrival_us;
+        std::uint64_t number;
+        Datagram datagram;
+    };
+    struct Later {
+        bool operator()(const Flight &a, const Flight &b) const {
+            return a.arrival_us != b.arrival_us ? a.arrival_us > b.arrival_us : a.number > b.number;
+        }
+    };
+    void fly(const Datagram &datagram, std::uint64_t arrival_us);
+
+    Random random_;
+    Weather weather_;
+    std::uint64_t weather_since_us_ = 0;
+    std::uint64_t burst_until_us_ = 0;
+    std::uint64_t last_arrival_us_ = 0;
+    std::uint64_t sent_ = 0;
+    std::vector<Flight> flights_; /* a heap: the next arrival first */
+};
+
+} // namespace soak
+
+#endif

@@ -1,0 +1,392 @@
+/* SPDX-License-Identifier: MIT */
+#include "scenario.h"
+
+#include "world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <string>
+
+namespace soak {
+
+namespace {
+
+constexpr std::uint64_t second = 1000000;
+
+/** How an application behaves: weights of what it does at each of its steps. */
+struct Manners {
+    double arms = 0, drives = 0, stops = 0, disarms = 0, odd = 0;
+    std::uint64_t shortest_us = 5000, longest_us = 120000; /* between its steps */
+    bool persists = false;                                 /* drives on although it is refused */
+};
+
+roburoc4_config draw_config(Random &random, const RobotPlan &plan) {
+    roburoc4_config config;
+    roburoc4_config_init(&config, sizeof config);
+    if (random.chance(0.5)) {
+        config.lease_ms = static_cast<std::uint32_t>(random.between(40, 1000));
+        config.drive_period_ms =
+            static_cast<std::uint32_t>(random.between(10, std::min(config.lease_ms / 2, 300U)));
+    }
+    if (random.chance(0.5))
+        config.fresh_ms = static_cast<std::uint32_t>(random.between(200, 1000));
+    if (random.chance(0.5))
+        config.lost_ms = static_cast<std::uint32_t>(random.between(500, 5000));
+    if (random.chance(0.3)) {
+        const std::uint16_t periods[] = {10, 20, 50};
+        config.period_ms[ROBUROC4_SERVICE_IOCARD] = random.pick(periods);
+        config.period_ms[ROBUROC4_SERVICE_DIFFERENTIAL] = random.pick(periods);
+    }
+    if (random.chance(0.3)) {
+        config.max_linear_m_s = static_cast<float>(random.uniform(0.1, 3));
+        config.max_angular_rad_s = static_cast<float>(random.uniform(0.1, 7));
+    }
+    if (random.chance(0.2)) {
+        config.scale_linear = static_cast<float>(random.uniform(0.5, 2));
+        config.scale_angular = static_cast<float>(random.uniform(0.5, 2));
+    }
+    if (random.chance(0.2))
+        config.options |= ROBUROC4_OPTION_TURN_KEEPING;
+    if (random.chance(0.1))
+        config.options |= ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    if (random.chance(0.1))
+        config.options |= ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER;
+    if (random.chance(0.05))
+        config.role_index[ROBUROC4_ROLE_OVERRIDE] = static_cast<std::int16_t>(plan.pad_a);
+    config.robot_watchdog_ms = static_cast<std::uint32_t>(plan.watchdog_us / 1000);
+    return config;
+}
+
+Manners draw_manners(Random &random) {
+    Manners manners;
+    switch (random.between(0, 5)) {
+    case 0: /* only watches */
+        break;
+    case 1: /* streams commands whatever comes back, and arms again and again */
+        manners = {0.2, 0.8, 0.005, 0.005, 0.005, 5000, 60000, true};
+        break;
+    case 2: /* does everything at random */
+        manners = {0.2, 0.5, 0.1, 0.05, 0.15, 1000, 400000, true};
+        break;
+    default: /* drives well */
+        manners = {0.05, 0.9, 0.02, 0.02, 0.01, 20000, 100000, false};
+        break;
+    }
+    return manners;
+}
+
+/** Can [A] be found by what this robot says? */
+bool override_can_be_known(const RobotPlan &plan, const roburoc4_config &config) {
+    OverrideRule rule;
+    rule.user_set(config.role_index[ROBUROC4_ROLE_OVERRIDE]);
+    rule.set_counts(plan.analog_inputs, plan.analog_outputs, plan.digital_inputs,
+                    plan.digital_outputs);
+    for (std::size_t i = 0; i < plan.input_texts.size(); i++) {
+        const auto index = static_cast<std::int32_t>(i);
+        if (plan.refused_texts[i])
+            rule.text_refused(index);
+        else if (!plan.unanswered_texts[i])
+            rule.text_read(index, plan.input_texts[i]);
+    }
+    return rule.index() >= 0;
+}
+
+class Scenario {
+  public:
+    Scenario(std::uint64_t seed, Client &client, const Promises &excluded, bool trace)
+        : random_(seed), plan_(draw_robot(random_)), config_(draw_config(random_, plan_)),
+          manners_(draw_manners(random_)), world_(plan_, config_, client, excluded, seed) {
+        world_.trace(trace);
+        if (trace)
+            print();
+    }
+
+    Outcome run(std::uint64_t seed) {
+        const std::uint64_t begin_us = world_.now_us();
+        const bool long_run = random_.chance(0.02);
+        const std::uint64_t end_us =
+            begin_us + (long_run ? 1200 : random_.between(60, 150)) * second;
+        world_.start();
+        if (random_.chance(0.1))
+            world_.stop();
+        next_mishap_us_ = begin_us + random_.between(1, 8) * second;
+        while (world_.now_us() < end_us && !violated())
+            step();
+        end_well();
+        Outcome outcome;
+        outcome.seed = seed;
+        outcome.violation = world_.oracle().violation();
+        outcome.lasted_us = world_.now_us() - begin_us;
+        outcome.speeds_sent = world_.oracle().speeds_sent();
+        outcome.armings = world_.oracle().armings();
+        outcome.friendly = friendly() ? 1 : 0;
+        return outcome;
+    }
+
+  private:
+    void print() const {
+        std::printf(
+            "lease %u ms, period %u ms, fresh %u ms, lost %u ms, options %u; ceilings %g %g, "
+            "scales %g %g\n",
+            config_.lease_ms, config_.drive_period_ms, config_.fresh_ms, config_.lost_ms,
+            config_.options, static_cast<double>(config_.max_linear_m_s),
+            static_cast<double>(config_.max_angular_rad_s),
+            static_cast<double>(config_.scale_linear), static_cast<double>(config_.scale_angular));
+        std::printf("limits v %g to %g, w %g to %g, width %g, noise %g, [A] is input %d of %d\n",
+                    static_cast<double>(plan_.min_v), static_cast<double>(plan_.max_v),
+                    static_cast<double>(plan_.min_w), static_cast<double>(plan_.max_w),
+                    static_cast<double>(plan_.width), static_cast<double>(plan_.noise), plan_.pad_a,
+                    plan_.digital_inputs);
+        for (std::size_t i = 0; i < plan_.input_texts.size(); i++)
+            std::printf("  input %zu: %s%s%s\n", i, plan_.input_texts[i].c_str(),
+                        plan_.refused_texts[i] ? " (refused)" : "",
+                        plan_.unanswered_texts[i] ? " (unanswered)" : "");
+    }
+
+    bool violated() {
+        return world_.oracle().over();
+    }
+
+    bool friendly() const {
+        return plan_.drivable() && override_can_be_known(plan_, config_);
+    }
+
+    void step() {
+        world_.run_for(random_.between(manners_.shortest_us, manners_.longest_us));
+        if (violated())
+            return;
+        continue_mishap();
+        if (world_.now_us() >= next_mishap_us_) {
+            begin_mishap();
+            next_mishap_us_ = world_.now_us() + random_.between(500, 8000) * 1000;
+        }
+        act();
+    }
+
+    /* ------------------------------------------------------------------------ the application */
+
+    void act() {
+        double draw = random_.unit();
+        if ((draw -= manners_.arms) < 0) {
+            armed_ = world_.arm() >= 0;
+        } else if ((draw -= manners_.drives) < 0) {
+            if (world_.report().armed || manners_.persists)
+                world_.drive(next_target(), draw_lease());
+            else
+                world_.arm();
+        } else if ((draw -= manners_.stops) < 0) {
+            world_.stop();
+        } else if ((draw -= manners_.disarms) < 0) {
+            world_.disarm();
+        } else if ((draw -= manners_.odd) < 0) {
+            act_oddly();
+        }
+    }
+
+    Speeds next_target() {
+        if (random_.chance(0.8)) /* most programs keep a target for a while */
+            return target_;
+        target_ = {static_cast<float>(random_.uniform(-1.2, 1.2)),
+                   static_cast<float>(random_.uniform(-2, 2))};
+        if (random_.chance(0.1))
+            target_ = {};
+        if (random_.chance(0.05))
+            target_ = {static_cast<float>(random_.uniform(-20, 20)),
+                       static_cast<float>(random_.uniform(-50, 50))};
+        if (random_.chance(0.01))
+            return {std::numeric_limits<float>::quiet_NaN(), 0};
+        if (random_.chance(0.01))
+            return {0, -std::numeric_limits<float>::infinity()};
+        return target_;
+    }
+
+    std::uint32_t draw_lease() {
+        if (random_.chance(0.9))
+            return 0;
+        if (random_.chance(0.1))
+            return static_cast<std::uint32_t>(random_.between(1000001, 100000000));
+        return static_cast<std::uint32_t>(random_.between(1000, 1000000));
+    }
+
+    void act_oddly() {
+        switch (random_.between(0, 6)) {
+        case 0:
+            world_.set_override_index(random_.chance(0.5) ? -1 : plan_.pad_a);
+            break;
+        case 1:
+            world_.set_outputs(2, random_.next());
+            break;
+        case 2:
+            world_.relocalize();
+            break;
+        case 3:
+            world_.subscribe(random_.chance(0.5) ? ROBUROC4_SERVICE_TELEMETER
+                                                 : ROBUROC4_SERVICE_DIFFERENTIAL,
+                             static_cast<std::uint32_t>(10 * random_.between(1, 10)));
+            break;
+        case 4:
+            world_.close();
+            world_.run_for(random_.between(0, 3000000));
+            if (world_.report().state == ROBUROC4_STATE_IDLE)
+                world_.start();
+            break;
+        case 5:
+            world_.stop();
+            world_.stop();
+            break;
+        default:
+            world_.freeze(random_.between(1000, 2000000));
+            break;
+        }
+        if (world_.report().state == ROBUROC4_STATE_IDLE)
+            world_.start();
+    }
+
+    /* ----------------------------------------------------------------------------- mishaps */
+
+    void begin_mishap() {
+        const Speeds pad = {static_cast<float>(random_.uniform(-1, 1)),
+                            static_cast<float>(random_.uniform(-1, 1))};
+        switch (random_.between(0, 11)) {
+        case 0:
+        case 1:
+        case 2:
+            world_.set_weather(draw_weather(random_), draw_weather(random_));
+            break;
+        case 3:
+            world_.set_weather(Weather(), draw_weather(random_));
+            break;
+        case 4:
+        case 5:
+            world_.set_weather(Weather(), Weather());
+            break;
+        case 6:
+            world_.hold_pad_a(true, random_.chance(0.5) ? Speeds() : pad);
+            pad_until_us_ = world_.now_us() + random_.between(50, 5000) * 1000;
+            break;
+        case 7:
+            world_.cut_motors(true);
+            dead_until_us_ = world_.now_us() + random_.between(100, 8000) * 1000;
+            break;
+        case 8:
+            if (random_.chance(0.5))
+                world_.reboot(random_.between(50, 4000) * 1000);
+            break;
+        case 9:
+            others_ = {random_.chance(0.5) ? 2.3F : -2.3F, random_.chance(0.5) ? 5.0F : -5.0F};
+            others_until_us_ = world_.now_us() + random_.between(50, 3000) * 1000;
+            break;
+        case 10:
+            step_clock();
+            break;
+        default:
+            world_.freeze(random_.between(1000, 3000000));
+            break;
+        }
+    }
+
+    void step_clock() {
+        const std::uint64_t sizes[] = {1, 1000, 50000, 300000, 5000000, 3600 * second};
+        const auto size = static_cast<std::int64_t>(random_.between(1, random_.pick(sizes)));
+        world_.step_clock(random_.chance(0.5) ? -size : size);
+    }
+
+    void continue_mishap() {
+        const std::uint64_t now = world_.now_us();
+        if (pad_until_us_ != 0 && now >= pad_until_us_) {
+            world_.hold_pad_a(false);
+            pad_until_us_ = 0;
+        }
+        if (dead_until_us_ != 0 && now >= dead_until_us_) {
+            world_.cut_motors(false);
+            dead_until_us_ = 0;
+        }
+        if (now < others_until_us_)
+            world_.other_commander(others_);
+    }
+
+    /* ------------------------------------------------------------------------------- the end */
+
+    void end_well() {
+        if (violated())
+            return;
+        world_.calm();
+        if (world_.report().state == ROBUROC4_STATE_CLOSING)
+            world_.run_for(70 * second);
+        if (world_.report().state == ROBUROC4_STATE_IDLE)
+            world_.start();
+        const std::uint64_t calm_us = world_.now_us();
+        const std::uint64_t patience_us = (friendly() ? 30 : 5) * second;
+        std::int32_t result = -1;
+        while (!violated() && result < 0 && world_.now_us() - calm_us < patience_us) {
+            world_.run_for(50000);
+            result = world_.arm();
+        }
+        if (violated() || !friendly())
+            return;
+        if (result < 0) {
+            const Promise broken =
+                result == ROBUROC4_ERR_OVERRIDE_UNKNOWN            ? Promise::override_by_texts
+                : plan_.noise > 0 && result == ROBUROC4_ERR_MOVING ? Promise::rounding_is_not_motion
+                                                                   : Promise::comes_back;
+            world_.oracle().violate(broken, world_.now_us(),
+                                    "arm() is still refused after 30 s in which all is well: " +
+                                        std::string(roburoc4_result_text(result)));
+            return;
+        }
+        drive_in_the_end();
+    }
+
+    /* Drives for 2 s. The client may have found out something meanwhile (a text that came late)
+     * that makes it look again: then it must be armed again. */
+    void drive_in_the_end() {
+        const std::uint64_t interval_us = std::min<std::uint64_t>(config_.lease_ms * 500, 50000);
+        const Speeds target = {plan_.max_v > 0 ? 0.3F : 0.0F, plan_.max_w > 0 ? 0.3F : 0.0F};
+        const std::uint64_t begin_us = world_.now_us();
+        std::uint64_t driven_us = 0;
+        const std::uint64_t before = world_.oracle().speeds_sent();
+        std::int32_t result = 0;
+        while (driven_us < 2 * second && !violated() && world_.now_us() - begin_us < 20 * second) {
+            result = world_.drive(target);
+            if (result < 0) {
+                world_.arm();
+                driven_us = 0;
+            }
+            world_.run_for(interval_us);
+            driven_us += interval_us;
+        }
+        const bool drove = target.zero() || world_.oracle().speeds_sent() > before;
+        if (!violated() && (result < 0 || !drove))
+            world_.oracle().violate(Promise::comes_back, world_.now_us(),
+                                    "it is armed and all is well, but it does not drive: " +
+                                        std::string(roburoc4_result_text(result)));
+        world_.stop();
+        world_.run_for(3 * second);
+        const Speeds moving = world_.robot().moving();
+        if (!violated() && (std::fabs(moving.v) > 0.01F || std::fabs(moving.w) > 0.01F))
+            world_.oracle().violate(Promise::stop_always_sends, world_.now_us(),
+                                    "the robot still moves 3 s after stop()");
+        world_.close();
+        world_.run_for(second);
+    }
+
+    Random random_;
+    RobotPlan plan_;
+    roburoc4_config config_;
+    Manners manners_;
+    World world_;
+    Speeds target_, others_;
+    bool armed_ = false;
+    std::uint64_t next_mishap_us_ = 0, pad_until_us_ = 0, dead_until_us_ = 0, others_until_us_ = 0;
+};
+
+} // namespace
+
+Outcome run_scenario(std::uint64_t seed, Client &client, const Promises &excluded, bool trace) {
+    Scenario scenario(seed, client, excluded, trace);
+    return scenario.run(seed);
+}
+
+} // namespace soak

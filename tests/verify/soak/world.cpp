@@ -1,0 +1,299 @@
+/* SPDX-License-Identifier: MIT */
+#include "world.h"
+
+#include <algorithm>
+#include <cstdarg>
+#include <cstdio>
+
+namespace soak {
+
+namespace {
+
+RobotTruth truth_of(const RobotPlan &plan) {
+    RobotTruth truth;
+    truth.differential_id = plan.short_properties ? std::uint16_t{0} : plan.ids[4];
+    truth.iocard_id = plan.ids[0];
+    truth.pad_a = plan.pad_a;
+    truth.only_texts_tell = !plan.type_codes;
+    truth.literal_ids = plan.literal_ids;
+    truth.rounds = plan.noise > 0;
+    return truth;
+}
+
+} // namespace
+
+World::World(const RobotPlan &plan, const roburoc4_config &config, Client &client,
+             const Promises &excluded, std::uint64_t seed)
+    : client_(client), robot_(plan, 1000000000), oracle_(config, truth_of(plan), excluded),
+      to_robot_(seed * 2 + 1), to_client_(seed * 2 + 2), offset_us_(seed % 7 * 123456789) {
+    client_.init(config);
+}
+
+void World::say(const char *format, ...) const {
+    if (!trace_)
+        return;
+    std::printf("%12.6f  ", static_cast<double>(now_us_ - 1000000000) * 1e-6);
+    va_list arguments;
+    va_start(arguments, format);
+    std::vprintf(format, arguments);
+    va_end(arguments);
+    std::printf("\n");
+}
+
+void World::say_datagram(const char *what, const Datagram &datagram, std::int32_t result) const {
+    if (!trace_)
+        return;
+    const bool status = datagram.origin.made_us != 0 && is_command(datagram);
+    if (datagram.origin.kind == Origin::Kind::differential_status)
+        say("%s differential status made %.6f: target (%g, %g), speed (%g, %g): %d", what,
+            static_cast<double>(datagram.origin.made_us - 1000000000) * 1e-6,
+            static_cast<double>(datagram.f32_at(11)), static_cast<double>(datagram.f32_at(19)),
+            static_cast<double>(datagram.f32_at(15)), static_cast<double>(datagram.f32_at(23)),
+            result);
+    else if (status)
+        say("%s status of service %u made %.6f: %d", what, datagram.u16_at(1),
+            static_cast<double>(datagram.origin.made_us - 1000000000) * 1e-6, result);
+    else if (is_command(datagram))
+        say("%s command to service %u: (%g, %g)", what, datagram.u16_at(1),
+            static_cast<double>(datagram.f32_at(3)), static_cast<double>(datagram.f32_at(7)));
+    else
+        say("%s id %u action %u service %u, %zu bytes: %d", what, datagram.bytes[0],
+            datagram.bytes[1], datagram.u16_at(2), datagram.size, result);
+}
+
+/* ------------------------------------------------------------------------------------- time */
+
+std::uint64_t World::deadline_true() const {
+    if (deadline_us_ == UINT64_MAX)
+        return UINT64_MAX;
+    return deadline_us_ <= client_now() ? now_us_ : deadline_us_ - offset_us_;
+}
+
+void World::run_robot() {
+    while (to_robot_.next_arrival() <= now_us_)
+        robot_.receive(to_robot_.take(), now_us_, false);
+    if (robot_.next_time() > now_us_)
+        return;
+    from_robot_.clear();
+    robot_.run(now_us_, from_robot_);
+    for (const Datagram &datagram : from_robot_)
+        to_client_.send(datagram, now_us_);
+}
+
+void World::run_until(std::uint64_t end_us) {
+    while (!oracle_.over()) {
+        const std::uint64_t arrival = to_client_.next_arrival();
+        const std::uint64_t deadline = deadline_true();
+        const std::uint64_t next = std::min(std::min(robot_.next_time(), to_robot_.next_arrival()),
+                                            std::min(arrival, deadline));
+        if (next >= end_us)
+            break;
+        now_us_ = std::max(now_us_, next);
+        if (arrival <= now_us_) {
+            deliver_to_client();
+            send_due();
+        } else if (deadline <= now_us_) {
+            send_due();
+        }
+        run_robot();
+    }
+    now_us_ = std::max(now_us_, end_us);
+}
+
+void World::freeze(std::uint64_t us) {
+    say("the client's machine freezes for %.3f s", static_cast<double>(us) * 1e-6);
+    const std::uint64_t end_us = now_us_ + us;
+    for (;;) {
+        const std::uint64_t next = std::min(robot_.next_time(), to_robot_.next_arrival());
+        if (next >= end_us)
+            break;
+        now_us_ = std::max(now_us_, next);
+        run_robot();
+    }
+    now_us_ = end_us;
+}
+
+void World::step_clock(std::int64_t us) {
+    say("the client's clock jumps by %.6f s", static_cast<double>(us) * 1e-6);
+    if (us < 0 && client_now() < static_cast<std::uint64_t>(-us))
+        return;
+    offset_us_ += static_cast<std::uint64_t>(us);
+}
+
+void World::deliver_to_client() {
+    while (to_client_.next_arrival() <= now_us_) {
+        const Datagram datagram = to_client_.take();
+        const std::int32_t result = client_.receive(datagram, client_now());
+        say_datagram("received", datagram, result);
+        oracle_.received(moment(), datagram, result);
+    }
+}
+
+void World::send_due() {
+    poll();
+    for (int again = 0; again < 3 && client_.next_deadline() <= client_now(); again++)
+        poll();
+    report_all();
+}
+
+void World::poll() {
+    for (int guard = 0;; guard++) {
+        Datagram datagram;
+        const std::int32_t length = client_.poll_transmit(datagram, client_now());
+        if (length <= 0)
+            break;
+        if (guard > 1000) {
+            oracle_.violate(Promise::deadlines, now_us_, "it sends without end");
+            break;
+        }
+        say_datagram("sent", datagram, length);
+        oracle_.sent(moment(), datagram);
+        if (is_command(datagram) && datagram.u16_at(1) == robot_.differential_id()) {
+            last_command_ = command_speeds(datagram);
+            commands_++;
+        }
+        to_robot_.send(datagram, now_us_);
+    }
+}
+
+void World::report_all() {
+    deadline_us_ = client_.next_deadline();
+    const Report report = client_.report(client_now());
+    events_ |= report.events;
+    if (trace_ && (report.state != report_.state || report.armed != report_.armed ||
+                   report.driving != report_.driving || report.stopping != report_.stopping))
+        say("reports %s%s%s%s", roburoc4_state_name(report.state), report.armed ? ", armed" : "",
+            report.driving ? ", driving" : "", report.stopping ? ", stopping" : "");
+    report_ = report;
+    if (trace_ && (report.events & ROBUROC4_EVENT_STOPPED) != 0)
+        say("reports STOPPED");
+    oracle_.reported(moment(), report, true, deadline_us_);
+}
+
+std::uint32_t World::take_events() {
+    const std::uint32_t events = events_;
+    events_ = 0;
+    return events;
+}
+
+/* ----------------------------------------------------------------------- the application's calls
+ */
+
+/* An application may call at any time, also before the client got to see what has arrived. */
+std::int32_t World::called(const char *call, std::int32_t result) {
+    say("%s: %d %s", call, result, result < 0 ? roburoc4_result_text(result) : "");
+    const Report report = client_.report(client_now());
+    events_ |= report.events;
+    oracle_.reported(moment(), report, false, UINT64_MAX);
+    send_due();
+    return result;
+}
+
+std::int32_t World::start() {
+    const std::int32_t result = client_.start(client_now());
+    if (result >= 0)
+        oracle_.started(moment());
+    return called("start", result);
+}
+
+std::int32_t World::close() {
+    const std::int32_t result = client_.close(client_now());
+    oracle_.closed(moment());
+    return called("close", result);
+}
+
+std::int32_t World::arm() {
+    const std::int32_t result = client_.arm(client_now());
+    oracle_.armed(moment(), result);
+    return called("arm", result);
+}
+
+std::int32_t World::disarm() {
+    const std::int32_t result = client_.disarm(client_now());
+    oracle_.disarmed(moment());
+    return called("disarm", result);
+}
+
+std::int32_t World::drive(Speeds speeds, std::uint32_t lease_us) {
+    say("drive(%g, %g) for %u us", static_cast<double>(speeds.v), static_cast<double>(speeds.w),
+        lease_us);
+    const std::int32_t result = client_.drive(speeds, lease_us, client_now());
+    oracle_.drove(moment(), speeds, lease_us, result);
+    return called("drive", result);
+}
+
+std::int32_t World::stop() {
+    const std::int32_t result = client_.stop(client_now());
+    oracle_.stopped(moment(), result);
+    return called("stop", result);
+}
+
+std::int32_t World::set_override_index(std::int32_t index) {
+    const std::int32_t result = client_.set_override_index(index, client_now());
+    oracle_.override_index_set(moment(), index, result);
+    return called("set_role_index", result);
+}
+
+std::int32_t World::set_outputs(std::uint64_t mask, std::uint64_t values) {
+    const std::int32_t result = client_.set_outputs(mask, values, client_now());
+    oracle_.outputs_set(moment());
+    return called("set_digital_outputs", result);
+}
+
+std::int32_t World::relocalize() {
+    return called("relocalize", client_.relocalize(client_now()));
+}
+
+std::int32_t World::subscribe(std::uint32_t service, std::uint32_t period_ms) {
+    return called("subscribe", client_.subscribe(service, period_ms, client_now()));
+}
+
+/* ---------------------------------------------------------------- what happens to robot and
+ * network */
+
+void World::set_weather(const Weather &to_robot, const Weather &to_client) {
+    say("the network changes: to the client %s delay %.3f s, loss %.2f, growth %.3f up to %.3f s",
+        to_client.dark ? "dark," : "", static_cast<double>(to_client.delay_us) * 1e-6,
+        to_client.loss, to_client.growth, static_cast<double>(to_client.queue_us) * 1e-6);
+    to_robot_.set_weather(to_robot, now_us_);
+    to_client_.set_weather(to_client, now_us_);
+}
+
+void World::hold_pad_a(bool held, Speeds speeds) {
+    say("[A] is %s", held ? "pressed" : "released");
+    robot_.hold_pad_a(held, speeds);
+    oracle_.pad_a_changed(held, now_us_);
+}
+
+void World::cut_motors(bool dead) {
+    say("the motors are %s", dead ? "dead" : "alive");
+    robot_.cut_motors(dead);
+    oracle_.motors_changed(dead);
+}
+
+void World::reboot(std::uint64_t off_us) {
+    say("the robot restarts, off for %.3f s", static_cast<double>(off_us) * 1e-6);
+    robot_.reboot(off_us, now_us_);
+    oracle_.pad_a_changed(false, now_us_);
+}
+
+void World::other_commander(Speeds speeds) {
+    say("another commander: (%g, %g)", static_cast<double>(speeds.v),
+        static_cast<double>(speeds.w));
+    Datagram command;
+    command.u8(header_status);
+    command.u16(robot_.differential_id());
+    command.f32(speeds.v);
+    command.f32(speeds.w);
+    robot_.receive(command, now_us_, true);
+}
+
+void World::calm() {
+    say("from now on all is well");
+    set_weather(Weather(), Weather());
+    hold_pad_a(false);
+    cut_motors(false);
+    oracle_.calm_from(now_us_);
+}
+
+} // namespace soak
