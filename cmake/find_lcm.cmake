@@ -9,6 +9,10 @@
 
 function(roburoc4_find_lcm)
     set(hints)
+    # A virtual environment may have been activated since the last search found nothing.
+    if("${ROBUROC4_LCM_INCLUDE}" STREQUAL "ROBUROC4_LCM_INCLUDE-NOTFOUND")
+        unset(ROBUROC4_LCM_PYTHON CACHE)
+    endif()
     find_program(ROBUROC4_LCM_PYTHON NAMES python3 python)
     if(ROBUROC4_LCM_PYTHON)
         execute_process(
