@@ -61,10 +61,17 @@ typedef struct roburoc4_pump roburoc4_pump;
  *  Returns NULL on an error; *result (result may be NULL) then says which: ROBUROC4_ERR_ARGUMENT
  *  (address or capacity), ROBUROC4_ERR_CONFIG (roburoc4_config_error() names the value),
  *  ROBUROC4_ERR_SYSTEM (no socket, thread or memory; errno says why). An absent robot is no error.
- *  Give the pump back with roburoc4_pump_destroy(). */
+ *  Give the pump back with roburoc4_pump_destroy().
+ *  With a NULL address the pump has neither socket nor thread, for who moves the client in another
+ *  way, as in the virtual time of roburoc4_sim.h: start the client and give it its datagrams with
+ *  the pump locked, and call roburoc4_pump_collect() after each. */
 ROBUROC4_API roburoc4_pump *roburoc4_pump_create(const roburoc4_address *address,
                                                  const roburoc4_config *config,
                                                  uint32_t queue_capacity, roburoc4_result *result);
+/** Keep the client's events, and the samples and texts that they announce, for readers: after the
+ *  client was given `datagram`, or was polled (NULL). Between lock and unlock, and only with a pump
+ *  that was made without an address. */
+ROBUROC4_API void roburoc4_pump_collect(roburoc4_pump *pump, const uint8_t *datagram, size_t size);
 /** End the link: disarm, send the zero train where one is due, end the thread; wait for that, at
  *  most the configured robot_watchdog_ms (or three drive periods) and half a second. Whoever waits
  * in another call gets ROBUROC4_ERR_CLOSED. Afterwards values and samples can still be read,
@@ -74,18 +81,20 @@ ROBUROC4_API roburoc4_result roburoc4_pump_close(roburoc4_pump *pump);
 /** Stop, wait for those who were waiting, free the memory. NULL is fine. No thread may begin a call
  *  with this pump from here on. */
 ROBUROC4_API void roburoc4_pump_destroy(roburoc4_pump *pump);
-/** Take the pump's lock and get its client, for any roburoc4_client_*() call; NULL in a forked child
- *  (then there is nothing to unlock). Pass roburoc4_udp_now_us(), read while the lock is held, as the
- *  time. Hold the lock for a few calls and never wait with it: the robot's link waits meanwhile.
- *  Do not call receive(), poll_transmit(), take_events(), start() or close(), which are the pump's,
- *  nor another function of the same pump. The pointer is valid until the unlock. After
- *  roburoc4_pump_close() the client is idle: its values can still be read. Not from signal handlers. */
+/** Take the pump's lock and get its client, for any roburoc4_client_*() call; NULL in a forked
+ * child (then there is nothing to unlock). Pass roburoc4_udp_now_us(), read while the lock is held,
+ * as the time. Hold the lock for a few calls and never wait with it: the robot's link waits
+ * meanwhile. Do not call receive(), poll_transmit(), take_events(), start() or close(), which are
+ * the pump's, nor another function of the same pump. The pointer is valid until the unlock. After
+ *  roburoc4_pump_close() the client is idle: its values can still be read. Not from signal
+ * handlers. */
 ROBUROC4_API roburoc4_client *roburoc4_pump_lock(roburoc4_pump *pump);
 /** The pump's socket, for roburoc4_udp_fault(), _count() and _address(); valid between lock and
  *  unlock. */
 ROBUROC4_API const roburoc4_udp *roburoc4_pump_udp(roburoc4_pump *pump);
 /** Send what the client has to send now, wake the thread where something is due earlier than it
- *  expects, and give the lock back. Only after a successful roburoc4_pump_lock(), by the same thread. */
+ *  expects, and give the lock back. Only after a successful roburoc4_pump_lock(), by the same
+ * thread. */
 ROBUROC4_API void roburoc4_pump_unlock(roburoc4_pump *pump);
 /** 1 while the thread runs, 0 once stop() was called, or in a forked child. */
 ROBUROC4_API int32_t roburoc4_pump_running(roburoc4_pump *pump);

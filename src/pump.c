@@ -155,7 +155,7 @@ static uint32_t longest_train_us(const roburoc4_config *config) {
     return 1000u * (config->robot_watchdog_ms > zeros_ms ? config->robot_watchdog_ms : zeros_ms);
 }
 
-/* Socket, client and thread: all or none. */
+/* Socket, client and thread: all or none. Without an address: the client. */
 static roburoc4_result begin(roburoc4_pump *pump, const roburoc4_address *address,
                              const roburoc4_config *config) {
     roburoc4_config defaults;
@@ -165,6 +165,10 @@ static roburoc4_result begin(roburoc4_pump *pump, const roburoc4_address *addres
     }
     (void)roburoc4_config_init(&defaults, sizeof defaults);
     pump->train_us = longest_train_us(config != NULL ? config : &defaults);
+    if (address == NULL) {
+        pump->manual = 1;
+        return make_meeting_points(pump) ? ROBUROC4_OK : ROBUROC4_ERR_SYSTEM;
+    }
     result = roburoc4_udp_open(&pump->udp, sizeof pump->udp, address);
     if (result < 0) {
         return result;
@@ -204,6 +208,10 @@ roburoc4_pump *roburoc4_pump_create(const roburoc4_address *address, const robur
 roburoc4_result roburoc4_pump_close(roburoc4_pump *pump) {
     if (!roburoc4_pump_enter(pump)) {
         return ROBUROC4_ERR_CLOSED;
+    }
+    if (pump->phase == ROBUROC4_PUMP_RUNNING && pump->manual) {
+        pump->phase = ROBUROC4_PUMP_JOINED;
+        roburoc4_signal_wake_all(&pump->changed);
     }
     if (pump->phase == ROBUROC4_PUMP_RUNNING) {
         uint64_t now_us = roburoc4_udp_now_us();

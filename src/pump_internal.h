@@ -37,6 +37,7 @@ struct roburoc4_pump {
     uint32_t waiters;         /* threads inside a wait on `changed` */
     uint64_t stop_by_us;      /* STOPPING ends here, whatever the robot does */
     uint64_t asleep_until_us; /* what the thread waits for; 0 while it is awake */
+    int manual;               /* without socket and thread */
     uint32_t train_us;
 
     roburoc4_udp udp;
@@ -57,12 +58,6 @@ int roburoc4_pump_enter(roburoc4_pump *pump);
 void roburoc4_pump_leave(roburoc4_pump *pump);
 /** Waits for `changed`, at most until until_us. Between enter and leave. */
 void roburoc4_pump_wait(roburoc4_pump *pump, uint64_t until_us);
-
-/* pump_store.c */
-
-/** Take the client's events and, while running, the samples that they tell of. datagram is the one
- *  that was just received, or NULL. Between enter and leave. */
-void roburoc4_pump_collect(roburoc4_pump *pump, const uint8_t *datagram, size_t size);
 
 /* pump.c */
 

@@ -341,7 +341,8 @@ TEST(Pump, SendsCommandsBeforeTheCallReturns) {
     Pump pump = make_pump(robot.address());
     ASSERT_TRUE(becomes_armed(pump.get()));
     uint32_t before = roburoc4_pump_udp_count(pump.get(), ROBUROC4_UDP_COUNT_SENT);
-    ASSERT_EQ(roburoc4_pump_set_digital_outputs(pump.get(), uint64_t{1} << 3, uint64_t{1} << 3), ROBUROC4_OK);
+    ASSERT_EQ(roburoc4_pump_set_digital_outputs(pump.get(), uint64_t{1} << 3, uint64_t{1} << 3),
+              ROBUROC4_OK);
     EXPECT_GT(roburoc4_pump_udp_count(pump.get(), ROBUROC4_UDP_COUNT_SENT), before);
     before = roburoc4_pump_udp_count(pump.get(), ROBUROC4_UDP_COUNT_SENT);
     ASSERT_EQ(roburoc4_pump_drive(pump.get(), 0.1f, 0.0f, 0), ROBUROC4_OK);
@@ -354,7 +355,8 @@ TEST(Pump, PassesEveryCommandOn) {
     ASSERT_TRUE(becomes_ready(pump.get()));
     roburoc4_pump_reader reader{};
     EXPECT_EQ(roburoc4_pump_drive(pump.get(), 0.1f, 0.0f, 0), ROBUROC4_ERR_DISARMED);
-    EXPECT_EQ(roburoc4_pump_set_digital_outputs(pump.get(), uint64_t{1} << 0, uint64_t{1} << 0), ROBUROC4_ERR_RESERVED);
+    EXPECT_EQ(roburoc4_pump_set_digital_outputs(pump.get(), uint64_t{1} << 0, uint64_t{1} << 0),
+              ROBUROC4_ERR_RESERVED);
     EXPECT_EQ(roburoc4_pump_set_digital_outputs(pump.get(), 0x06, 0x02), ROBUROC4_OK);
     EXPECT_EQ(roburoc4_pump_set_analog_output(pump.get(), 0, 1.0f), ROBUROC4_ERR_INDEX);
     EXPECT_EQ(roburoc4_pump_relocalize(pump.get(), 1.0, 2.0, 0.5), ROBUROC4_OK);
@@ -483,6 +485,39 @@ TEST(Samples, WaitingEndsWithItsTime) {
     EXPECT_EQ(roburoc4_pump_wait_samples(pump.get(), &reader, 0), 0);
     EXPECT_EQ(roburoc4_pump_read_samples(pump.get(), &reader, &sample, 1), 0);
     EXPECT_EQ(roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_READY, 1000), 0);
+}
+
+/** A pump without a thread, whose client a world moves. */
+TEST(PumpWithoutAddress, KeepsWhatItsClientIsGivenForReaders) {
+    roburoc4_result result = ROBUROC4_ERR_SYSTEM;
+    roburoc4_pump *pump = roburoc4_pump_create(nullptr, nullptr, 0, &result);
+    ASSERT_NE(pump, nullptr);
+    roburoc4_world *world = roburoc4_world_create(nullptr);
+    ASSERT_EQ(roburoc4_world_join(world, roburoc4_pump_lock(pump)), 1);
+    roburoc4_pump_unlock(pump);
+    const std::uint8_t *datagram = nullptr;
+    std::size_t size = 0;
+    while (roburoc4_world_step(world, 11000000, &datagram, &size) != 0) {
+        roburoc4_pump_lock(pump);
+        roburoc4_pump_collect(pump, datagram, size);
+        roburoc4_pump_unlock(pump);
+    }
+    roburoc4_pump_reader reader{};
+    std::vector<roburoc4_sample> samples(1000);
+    EXPECT_GT(roburoc4_pump_read_samples(pump, &reader, samples.data(), 1000), 600);
+    EXPECT_NE(roburoc4_pump_take_events(pump, &reader) & ROBUROC4_EVENT_READY, 0);
+    std::array<char, ROBUROC4_PUMP_DESCRIPTION_MAX + 1> text{};
+    EXPECT_GT(
+        roburoc4_pump_description(pump, ROBUROC4_IO_DIGITAL_INPUT, 0, text.data(), text.size()), 0);
+    EXPECT_STREQ(text.data(), "Front bumper");
+    EXPECT_EQ(roburoc4_pump_running(pump), 1);
+    EXPECT_EQ(roburoc4_pump_close(pump), ROBUROC4_OK);
+    EXPECT_EQ(roburoc4_pump_running(pump), 0);
+    EXPECT_EQ(roburoc4_pump_read_samples(pump, &reader, samples.data(), 1000), ROBUROC4_ERR_CLOSED);
+    EXPECT_EQ(roburoc4_client_state(roburoc4_pump_lock(pump)), ROBUROC4_STATE_READY);
+    roburoc4_pump_unlock(pump);
+    roburoc4_world_destroy(world);
+    roburoc4_pump_destroy(pump);
 }
 
 TEST(Events, AreTakenByEachReaderForItself) {
