@@ -65,8 +65,7 @@ typedef struct field {
 } field;
 
 /** A row of a table: a member under its own name, or under another one. */
-#define FIELD(of, member, type)                                                                    \
-    { #member, offsetof(of, member), FIELD_##type, 0 }
+#define FIELD(of, member, type) FIELD_AS(#member, of, member, type)
 #define FIELD_AS(name, of, member, type)                                                           \
     { name, offsetof(of, member), FIELD_##type, 0 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * robot.h - one robot: in real time on a pump, whose thread calls nothing of MATLAB, or in the
- * virtual time of a simulator. Both give out a client, and what is done with it is the same.
+ * robot.h - one robot on a pump: in real time, where the pump's thread calls nothing of MATLAB, or
+ * in the virtual time of a simulator, where the pump has no thread.
  */
 #ifndef ROBUROC4_MEX_ROBOT_H
 #define ROBUROC4_MEX_ROBOT_H
@@ -18,21 +18,12 @@
 /** The robot's own texts for the channels of one type; "" where there is none. */
 typedef char channel_texts[CHANNELS_MAX][CHANNEL_TEXT];
 
-/** What a robot in virtual time has in the place of a pump. */
-typedef struct virtual_robot {
-    roburoc4_world *world; /* NULL: the simulator is gone */
-    uint32_t number;       /* the client's in the world */
-    uint64_t now_us;       /* the time when the simulator went */
-    roburoc4_client client;
-    roburoc4_sample *samples; /* a ring: sequence s is at s modulo capacity */
-    uint64_t next_sample;
-    uint32_t capacity;
-    channel_texts texts[CHANNEL_TYPES];
-} virtual_robot;
-
 typedef struct robot {
-    roburoc4_pump *pump;      /* in real time, or NULL */
-    virtual_robot *simulated; /* in virtual time, or NULL */
+    roburoc4_pump *pump;   /* in virtual time one without a thread */
+    int simulated;         /* in virtual time */
+    roburoc4_world *world; /* of virtual time; NULL when the simulator is gone */
+    uint32_t number;       /* the client's in the world */
+    uint64_t left_us;      /* the time when the simulator went */
     uint64_t opened_us;
     uint64_t furthest_us; /* when it came to the state below */
     uint32_t furthest;    /* the last state on the way to ready that it came to */
@@ -83,8 +74,6 @@ void robot_address_text(robot *r, char *text, size_t capacity);
 /** The robot's texts for the channels of a type, by index. Not between lock and unlock. */
 void robot_texts(robot *r, uint32_t io_type, channel_texts out);
 
-/** Let a reader begin with the next status. */
-void robot_begin_reading(robot *r, roburoc4_pump_reader *reader);
 /** Append what a reader has not read to a list. 0 after noting that there is no room. */
 int robot_drain(robot *r, roburoc4_pump_reader *reader, sample_list *list);
 

@@ -7,14 +7,15 @@
 
 /* --------------------------------------------------------------------------------- status --- */
 
+#define FACT(member) FIELD(roburoc4_facts, member, FLAG8)
+
+/* clang-format off */
 static const field facts_fields[] = {
-    FIELD(roburoc4_facts, armed, FLAG8),       FIELD(roburoc4_facts, driving, FLAG8),
-    FIELD(roburoc4_facts, stopping, FLAG8),    FIELD(roburoc4_facts, override_known, FLAG8),
-    FIELD(roburoc4_facts, overridden, FLAG8),  FIELD(roburoc4_facts, other_commander, FLAG8),
-    FIELD(roburoc4_facts, inhibited, FLAG8),   FIELD(roburoc4_facts, front_bumper, FLAG8),
-    FIELD(roburoc4_facts, rear_bumper, FLAG8), FIELD(roburoc4_facts, battery_low, FLAG8),
-    FIELD(roburoc4_facts, disarm_cause, I32),
+    FACT(armed), FACT(driving), FACT(stopping), FACT(override_known), FACT(overridden),
+    FACT(other_commander), FACT(inhibited), FACT(front_bumper), FACT(rear_bumper),
+    FACT(battery_low), FIELD(roburoc4_facts, disarm_cause, I32),
 };
+/* clang-format on */
 
 /* How old a status is; Inf before the first. */
 static double age_s(const roburoc4_sample *latest, uint64_t now_us) {
@@ -80,16 +81,13 @@ static int read_speeds(call *in) {
 
 /* ----------------------------------------------------------------------------------- info --- */
 
+#define LIMIT(member) FIELD(roburoc4_differential_properties, member, F32)
+
+/* clang-format off */
 static const field limits[] = {
-    FIELD(roburoc4_differential_properties, max_linear_m_s, F32),
-    FIELD(roburoc4_differential_properties, min_linear_m_s, F32),
-    FIELD(roburoc4_differential_properties, max_angular_rad_s, F32),
-    FIELD(roburoc4_differential_properties, min_angular_rad_s, F32),
-    FIELD(roburoc4_differential_properties, max_linear_m_s2, F32),
-    FIELD(roburoc4_differential_properties, min_linear_m_s2, F32),
-    FIELD(roburoc4_differential_properties, max_angular_rad_s2, F32),
-    FIELD(roburoc4_differential_properties, min_angular_rad_s2, F32),
-    FIELD(roburoc4_differential_properties, width_m, F32),
+    LIMIT(max_linear_m_s), LIMIT(min_linear_m_s), LIMIT(max_angular_rad_s),
+    LIMIT(min_angular_rad_s), LIMIT(max_linear_m_s2), LIMIT(min_linear_m_s2),
+    LIMIT(max_angular_rad_s2), LIMIT(min_angular_rad_s2), LIMIT(width_m),
 };
 static const field battery[] = {
     FIELD(roburoc4_battery_properties, nominal_voltage_v, F32),
@@ -101,25 +99,28 @@ static const field start[] = {
     FIELD_AS("initial_y_m", roburoc4_localization_properties, y_m, F64),
     FIELD_AS("initial_theta_rad", roburoc4_localization_properties, theta_rad, F64),
 };
+/* clang-format on */
+#define CHANNELS(member) FIELD(roburoc4_iocard_properties, member, I32)
+
 /* By ROBUROC4_IO_*. */
+/* clang-format off */
 static const field channels[CHANNEL_TYPES] = {
-    FIELD(roburoc4_iocard_properties, analog_inputs, I32),
-    FIELD(roburoc4_iocard_properties, analog_outputs, I32),
-    FIELD(roburoc4_iocard_properties, digital_inputs, I32),
-    FIELD(roburoc4_iocard_properties, digital_outputs, I32),
+    CHANNELS(analog_inputs), CHANNELS(analog_outputs), CHANNELS(digital_inputs),
+    CHANNELS(digital_outputs),
 };
+/* clang-format on */
+#define TELEMETER(member) FIELD_AS("telemeter_" #member, roburoc4_telemeter, member, F32)
+
+/* clang-format off */
 static const field telemeter[] = {
-    FIELD_AS("telemeter_x_m", roburoc4_telemeter, x_m, F32),
-    FIELD_AS("telemeter_y_m", roburoc4_telemeter, y_m, F32),
-    FIELD_AS("telemeter_theta_rad", roburoc4_telemeter, theta_rad, F32),
-    FIELD_AS("telemeter_field_of_view_rad", roburoc4_telemeter, field_of_view_rad, F32),
-    FIELD_AS("telemeter_min_distance_m", roburoc4_telemeter, min_distance_m, F32),
-    FIELD_AS("telemeter_max_distance_m", roburoc4_telemeter, max_distance_m, F32),
+    TELEMETER(x_m), TELEMETER(y_m), TELEMETER(theta_rad), TELEMETER(field_of_view_rad),
+    TELEMETER(min_distance_m), TELEMETER(max_distance_m),
 };
 static const field directory[] = {
     FIELD_AS("service_ids", roburoc4_directory_entry, id, U16),
     FIELD_AS("service_types", roburoc4_directory_entry, type, U16),
 };
+/* clang-format on */
 
 /* info(id) */
 static int read_info(call *in) {
@@ -162,24 +163,23 @@ static int read_address(call *in) {
 
 /* ----------------------------------------------------------------------------------- link --- */
 
+/* clang-format off */
 static const field link_fields[] = {
     FIELD_AS("round_trip_s", roburoc4_link, round_trip_us, US32),
     FIELD_AS("round_trip_min_s", roburoc4_link, round_trip_min_us, US32),
     FIELD_AS("silence_s", roburoc4_link, silence_us, US32),
-    FIELD(roburoc4_link, received, U32),
-    FIELD(roburoc4_link, lost, U32),
+    FIELD(roburoc4_link, received, U32), FIELD(roburoc4_link, lost, U32),
     FIELD(roburoc4_link, loss, F32),
 };
 static const field service_link_fields[] = {
-    FIELD(roburoc4_service_link, subscribed, FLAG32),
-    FIELD(roburoc4_service_link, received, U32),
-    FIELD(roburoc4_service_link, lost, U32),
-    FIELD(roburoc4_service_link, late, U32),
+    FIELD(roburoc4_service_link, subscribed, FLAG32), FIELD(roburoc4_service_link, received, U32),
+    FIELD(roburoc4_service_link, lost, U32), FIELD(roburoc4_service_link, late, U32),
     FIELD(roburoc4_service_link, duplicates, U32),
     FIELD_AS("period_s", roburoc4_service_link, period_us, US32),
     FIELD_AS("jitter_s", roburoc4_service_link, jitter_us, US32),
     FIELD(roburoc4_service_link, loss, F32),
 };
+/* clang-format on */
 
 /* link(id) */
 static int read_link(call *in) {
@@ -338,7 +338,7 @@ static int begin_recording(call *in) {
         return 0;
     }
     samples_free(&r->recording);
-    robot_begin_reading(r, &r->reader);
+    (void)roburoc4_pump_reader_init(r->pump, &r->reader);
     r->recording_us = robot_now_us(r);
     r->recording_mask = mask;
     return 1;

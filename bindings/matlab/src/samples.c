@@ -160,42 +160,34 @@ static uint32_t widest(const rows *from, const field *member) {
 
 /* One of a member's numbers; NaN beyond its last. */
 static double number_at(const roburoc4_sample *sample, const field *member, uint32_t column) {
+    const char *place = (const char *)&sample->value + member->offset;
     float number;
+    if (member->type == FIELD_BITS) {
+        return (double)(sample->value.inputs.digital >> column & 1u);
+    }
     if (member->type != FIELD_FLOATS) {
         return field_value(member, &sample->value);
     }
-    if (column >= width_of(sample, member)) {
-        return mxGetNaN();
-    }
-    memcpy(&number, (const char *)&sample->value + member->offset + column * sizeof number,
-           sizeof number);
-    return (double)number;
-}
-
-static mxArray *make_digital(const rows *from, uint32_t width) {
-    mxArray *made = mxCreateLogicalMatrix(from->count, width);
-    mxLogical *to = mxGetLogicals(made);
-    uint32_t i, k;
-    for (k = 0; k < width; k++) {
-        for (i = 0; i < from->count; i++) {
-            *to++ = (from->at[i]->value.inputs.digital >> k & 1u) != 0;
-        }
-    }
-    return made;
+    memcpy(&number, place + column * sizeof number, sizeof number);
+    return column < width_of(sample, member) ? (double)number : mxGetNaN();
 }
 
 /* A row for each sample, and as many columns as the widest has numbers. */
 static void add_matrix(answer *out, const rows *from, const field *member) {
+    const int digital = member->type == FIELD_BITS;
     const uint32_t width = widest(from, member);
-    mxArray *made;
+    mxArray *made = digital ? mxCreateLogicalMatrix(from->count, width)
+                            : mxCreateDoubleMatrix(from->count, width, mxREAL);
+    mxLogical *bits = digital ? mxGetLogicals(made) : NULL;
+    double *numbers = digital ? NULL : mxGetData(made);
     uint32_t i, k;
-    if (member->type == FIELD_BITS) {
-        made = make_digital(from, width);
-    } else {
-        double *to = make_doubles(&made, from->count, width);
-        for (k = 0; k < width; k++) {
-            for (i = 0; i < from->count; i++) {
-                *to++ = number_at(from->at[i], member, k);
+    for (k = 0; k < width; k++) {
+        for (i = 0; i < from->count; i++) {
+            const double number = number_at(from->at[i], member, k);
+            if (digital) {
+                *bits++ = number != 0.0;
+            } else {
+                *numbers++ = number;
             }
         }
     }

@@ -10,75 +10,55 @@
 
 #include "fail.h"
 
-#define IN_ROBOT(name, type) FIELD_AS(#name, robot_settings, config.name, type)
+#define ROBOT_U32(name) FIELD_AS(#name, robot_settings, config.name, U32)
+#define ROBOT_F32(name) FIELD_AS(#name, robot_settings, config.name, F32)
 #define IN_ARRAY(name, member, index, size, type)                                                  \
     { name, offsetof(robot_settings, config.member) + (index) * (size), FIELD_##type, 0 }
-#define PERIOD(name, service) IN_ARRAY(name, period_ms, service, sizeof(uint16_t), U16)
-#define ROLE(name, role) IN_ARRAY(name, role_index, role, sizeof(int16_t), I16)
+#define PERIOD(name, service)                                                                      \
+    IN_ARRAY(name, period_ms, ROBUROC4_SERVICE_##service, sizeof(uint16_t), U16)
+#define ROLE(name, role) IN_ARRAY(name, role_index, ROBUROC4_ROLE_##role, sizeof(int16_t), I16)
 #define OPTION(name, bit)                                                                          \
     { name, offsetof(robot_settings, config.options), FIELD_BIT, bit }
 
+/* clang-format off */
 static const field of_robot[] = {
-    IN_ROBOT(first_retry_ms, U32),
-    IN_ROBOT(lost_ms, U32),
-    IN_ROBOT(fresh_ms, U32),
-    IN_ROBOT(drive_period_ms, U32),
-    IN_ROBOT(lease_ms, U32),
-    IN_ROBOT(robot_watchdog_ms, U32),
-    IN_ROBOT(max_linear_m_s, F32),
-    IN_ROBOT(max_angular_rad_s, F32),
-    IN_ROBOT(scale_linear, F32),
-    IN_ROBOT(scale_angular, F32),
-    PERIOD("iocard_period_ms", ROBUROC4_SERVICE_IOCARD),
-    PERIOD("telemeter_period_ms", ROBUROC4_SERVICE_TELEMETER),
-    PERIOD("battery_period_ms", ROBUROC4_SERVICE_BATTERY),
-    PERIOD("localization_period_ms", ROBUROC4_SERVICE_LOCALIZATION),
-    PERIOD("differential_period_ms", ROBUROC4_SERVICE_DIFFERENTIAL),
+    ROBOT_U32(first_retry_ms), ROBOT_U32(lost_ms), ROBOT_U32(fresh_ms), ROBOT_U32(drive_period_ms),
+    ROBOT_U32(lease_ms), ROBOT_U32(robot_watchdog_ms),
+    ROBOT_F32(max_linear_m_s), ROBOT_F32(max_angular_rad_s), ROBOT_F32(scale_linear),
+    ROBOT_F32(scale_angular),
+    PERIOD("iocard_period_ms", IOCARD), PERIOD("telemeter_period_ms", TELEMETER),
+    PERIOD("battery_period_ms", BATTERY), PERIOD("localization_period_ms", LOCALIZATION),
+    PERIOD("differential_period_ms", DIFFERENTIAL),
     OPTION("turn_keeping", ROBUROC4_OPTION_TURN_KEEPING),
     OPTION("allow_unknown_override", ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE),
     OPTION("ignore_other_commander", ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER),
-    ROLE("override_index", ROBUROC4_ROLE_OVERRIDE),
-    ROLE("front_bumper_index", ROBUROC4_ROLE_FRONT_BUMPER),
-    ROLE("rear_bumper_index", ROBUROC4_ROLE_REAR_BUMPER),
-    ROLE("battery_voltage_index", ROBUROC4_ROLE_BATTERY_V),
+    ROLE("override_index", OVERRIDE), ROLE("front_bumper_index", FRONT_BUMPER),
+    ROLE("rear_bumper_index", REAR_BUMPER), ROLE("battery_voltage_index", BATTERY_V),
     FIELD(robot_settings, buffer, U32),
 };
+/* clang-format on */
 
-#define IN_SIMULATOR(name, type) FIELD(roburoc4_sim_config, name, type)
+#define SIM_U32(name) FIELD(roburoc4_sim_config, name, U32)
+#define SIM_I32(name) FIELD(roburoc4_sim_config, name, I32)
+#define SIM_F32(name) FIELD(roburoc4_sim_config, name, F32)
+#define SIM_F64(name) FIELD(roburoc4_sim_config, name, F64)
 
+/* clang-format off */
 static const field of_simulator[] = {
-    IN_SIMULATOR(watchdog_cycles, U32),
-    IN_SIMULATOR(seed, U64),
-    IN_SIMULATOR(plain_types, U32),
-    IN_SIMULATOR(hidden_services, U32),
-    IN_SIMULATOR(refused_inserts, U32),
-    IN_SIMULATOR(query_mode, U32),
-    IN_SIMULATOR(answer_id_fixed, U32),
-    IN_SIMULATOR(only_id_fixed, U32),
-    IN_SIMULATOR(error_header, U32),
-    IN_SIMULATOR(start_safe, U32),
-    IN_SIMULATOR(analog_inputs, I32),
-    IN_SIMULATOR(analog_outputs, I32),
-    IN_SIMULATOR(digital_inputs, I32),
-    IN_SIMULATOR(digital_outputs, I32),
-    IN_SIMULATOR(max_linear_m_s, F32),
-    IN_SIMULATOR(min_linear_m_s, F32),
-    IN_SIMULATOR(max_angular_rad_s, F32),
-    IN_SIMULATOR(min_angular_rad_s, F32),
-    IN_SIMULATOR(max_linear_m_s2, F32),
-    IN_SIMULATOR(min_linear_m_s2, F32),
-    IN_SIMULATOR(max_angular_rad_s2, F32),
-    IN_SIMULATOR(min_angular_rad_s2, F32),
-    IN_SIMULATOR(width_m, F32),
-    IN_SIMULATOR(slip, F32),
-    IN_SIMULATOR(nominal_voltage_v, F32),
-    IN_SIMULATOR(capacity_ah, F32),
-    IN_SIMULATOR(battery_percent, F32),
-    IN_SIMULATOR(minimum_percent, U32),
-    IN_SIMULATOR(start_x_m, F64),
-    IN_SIMULATOR(start_y_m, F64),
-    IN_SIMULATOR(start_theta_rad, F64),
+    SIM_U32(watchdog_cycles),
+    FIELD(roburoc4_sim_config, seed, U64),
+    SIM_U32(plain_types), SIM_U32(hidden_services), SIM_U32(refused_inserts), SIM_U32(query_mode),
+    SIM_U32(answer_id_fixed), SIM_U32(only_id_fixed), SIM_U32(error_header), SIM_U32(start_safe),
+    SIM_I32(analog_inputs), SIM_I32(analog_outputs), SIM_I32(digital_inputs),
+    SIM_I32(digital_outputs),
+    SIM_F32(max_linear_m_s), SIM_F32(min_linear_m_s), SIM_F32(max_angular_rad_s),
+    SIM_F32(min_angular_rad_s), SIM_F32(max_linear_m_s2), SIM_F32(min_linear_m_s2),
+    SIM_F32(max_angular_rad_s2), SIM_F32(min_angular_rad_s2), SIM_F32(width_m), SIM_F32(slip),
+    SIM_F32(nominal_voltage_v), SIM_F32(capacity_ah), SIM_F32(battery_percent),
+    SIM_U32(minimum_percent),
+    SIM_F64(start_x_m), SIM_F64(start_y_m), SIM_F64(start_theta_rad),
 };
+/* clang-format on */
 
 /* ------------------------------------------------------------------------------- all of them ---
  */

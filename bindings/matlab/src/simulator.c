@@ -181,50 +181,28 @@ static int set_faults(call *in) {
 /* ------------------------------------------------------------------------ looking and acting ---
  */
 
-#define STATE(member, type) FIELD(roburoc4_sim_state, member, type)
+#define SI(member) FIELD(roburoc4_sim_state, member, F64)
+#define ON(member) FIELD(roburoc4_sim_state, member, FLAG32)
+#define COUNT(member) FIELD(roburoc4_sim_state, member, U32)
 
+/* clang-format off */
 static const field state_fields[] = {
     FIELD_AS("time_s", roburoc4_sim_state, now_us, US64),
     FIELD_AS("robot_cycles", roburoc4_sim_state, cycles, CYCLES),
-    STATE(true_x_m, F64),
-    STATE(true_y_m, F64),
-    STATE(true_theta_rad, F64),
-    STATE(true_linear_m_s, F64),
-    STATE(true_angular_rad_s, F64),
-    STATE(odometry_x_m, F64),
-    STATE(odometry_y_m, F64),
-    STATE(odometry_theta_rad, F64),
-    STATE(wheel_linear_m_s, F64),
-    STATE(wheel_angular_rad_s, F64),
-    STATE(target_linear_m_s, F64),
-    STATE(target_angular_rad_s, F64),
-    STATE(last_linear_m_s, F64),
-    STATE(last_angular_rad_s, F64),
+    SI(true_x_m), SI(true_y_m), SI(true_theta_rad), SI(true_linear_m_s), SI(true_angular_rad_s),
+    SI(odometry_x_m), SI(odometry_y_m), SI(odometry_theta_rad), SI(wheel_linear_m_s),
+    SI(wheel_angular_rad_s), SI(target_linear_m_s), SI(target_angular_rad_s), SI(last_linear_m_s),
+    SI(last_angular_rad_s),
     FIELD_AS("last_command_s", roburoc4_sim_state, last_command_us, US64),
-    STATE(battery_percent, F32),
-    STATE(battery_v, F32),
-    STATE(battery_state, BYTE32),
-    STATE(powered, FLAG32),
-    STATE(motors_enabled, FLAG32),
-    STATE(estop_local, FLAG32),
-    STATE(estop_remote, FLAG32),
-    STATE(brakes_released, FLAG32),
-    STATE(charger, FLAG32),
-    STATE(overridden, FLAG32),
-    STATE(watchdog_bitten, FLAG32),
-    STATE(bumper_front, FLAG32),
-    STATE(bumper_rear, FLAG32),
-    STATE(reboots, U32),
-    STATE(requests, U32),
-    STATE(errors, U32),
-    STATE(speed_commands, U32),
-    STATE(nonzero_speed_commands, U32),
-    STATE(refused_speed_commands, U32),
-    STATE(io_commands, U32),
-    STATE(ignored, U32),
-    STATE(peers, U32),
-    STATE(subscriptions, U32),
+    FIELD(roburoc4_sim_state, battery_percent, F32), FIELD(roburoc4_sim_state, battery_v, F32),
+    FIELD(roburoc4_sim_state, battery_state, BYTE32),
+    ON(powered), ON(motors_enabled), ON(estop_local), ON(estop_remote), ON(brakes_released),
+    ON(charger), ON(overridden), ON(watchdog_bitten), ON(bumper_front), ON(bumper_rear),
+    COUNT(reboots), COUNT(requests), COUNT(errors), COUNT(speed_commands),
+    COUNT(nonzero_speed_commands), COUNT(refused_speed_commands), COUNT(io_commands),
+    COUNT(ignored), COUNT(peers), COUNT(subscriptions),
 };
+/* clang-format on */
 static const field telemeters = {"telemeters_m", 0, FIELD_F32, 0};
 
 /* simState(id) */
