@@ -153,11 +153,11 @@ heeding() {
     fi
 }
 
-# run_ctest DIR [ARGUMENT...]
+# run_ctest DIR [ARGUMENT...]: more tests than cores, as some only wait.
 run_ctest() {
     tree=$1
     shift
-    ctest --test-dir "$tree" -C RelWithDebInfo --parallel "$(jobs)" --timeout "$longest_test_s" \
+    ctest --test-dir "$tree" -C RelWithDebInfo --parallel $(($(jobs) + 2)) --timeout "$longest_test_s" \
         --output-on-failure --no-tests=error "$@"
 }
 
