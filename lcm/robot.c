@@ -47,7 +47,8 @@ static void log_rejected(robot *robot, enum gate_verdict verdict, const log_comm
 /* readable: the message was one of its kind. */
 static log_command for_log(const robot *robot, const command *command, bool readable) {
     log_command for_log = {.kind = command->kind,
-                           .channel = robot->channels->name[CHANNEL_DRIVE_CMD + command->kind]};
+                           .channel =
+                               robot->channels->name[(int)CHANNEL_DRIVE_CMD + (int)command->kind]};
     if (readable) {
         for_log.sender = command->sender;
         for_log.sender_length = command->sender_length;
