@@ -192,9 +192,9 @@ TEST_F(World, FaultsHoldForClientsThatJoinLater) {
 
 TEST_F(World, HasRoomForAFixedNumberOfClients) {
     std::vector<roburoc4_client> others(ROBUROC4_WORLD_CLIENTS);
-    for (int i = 0; i + 1 < ROBUROC4_WORLD_CLIENTS; i++) {
+    for (size_t i = 0; i + 1 < ROBUROC4_WORLD_CLIENTS; i++) {
         roburoc4_client_init(&others[i], sizeof others[i], nullptr);
-        EXPECT_EQ(number + 1 + i, roburoc4_world_join(world.get(), &others[i]));
+        EXPECT_EQ(number + 1 + (int)i, roburoc4_world_join(world.get(), &others[i]));
     }
     roburoc4_client &last = others.back();
     roburoc4_client_init(&last, sizeof last, nullptr);
