@@ -6,8 +6,7 @@ function file = build_mex(api, folder)
 %   is '-R2017b'. No array here is complex, so that both are the same. Octave has one API only.
 %   FILE = build_mex(API, FOLDER) puts the MEX file into another folder.
 %
-%   In MATLAB nobody of this project has run it yet: it keeps to what is documented. Please tell how
-%   it went.
+%   This was not run in MATLAB yet: it uses only what is documented. Please report how it went.
 %
 %   Example:
 %      build_mex
@@ -30,22 +29,22 @@ if nargin < 2
 end
 octave = exist('OCTAVE_VERSION', 'builtin') ~= 0;
 
-% Files of one name are in several folders: each folder has objects of its own.
+% Several folders have files of the same name, so each folder has its own objects.
 work = tempname();
 cleanup = onCleanup(@() remove(work)); %#ok<NASGU>
 include = {['-I' fullfile(top, 'include')], ['-I' fullfile(top, 'src')], ...
     ['-I' fullfile(top, 'sim')], ['-I' fullfile(here, 'src')]};
 sources = {fullfile(top, 'src'), fullfile(top, 'sim'), fullfile(here, 'src')};
 if ispc()
-    foreign = {'udp_posix.c', 'pump_threads_posix.c', 'net_posix.c', 'main.c', 'server.c'};
+    others = {'udp_posix.c', 'pump_threads_posix.c', 'net_posix.c', 'main.c', 'server.c'};
     libraries = {'-lws2_32'};
 else
-    foreign = {'udp_winsock.c', 'pump_threads_windows.c', 'net_winsock.c', 'main.c', 'server.c'};
+    others = {'udp_winsock.c', 'pump_threads_windows.c', 'net_winsock.c', 'main.c', 'server.c'};
     libraries = {'-lpthread', '-lm'};
 end
 objects = {};
 for k = 1:numel(sources)
-    objects = [objects, compile(sources{k}, foreign, fullfile(work, num2str(k)), include, api, ...
+    objects = [objects, compile(sources{k}, others, fullfile(work, num2str(k)), include, api, ...
         octave)]; %#ok<AGROW>
 end
 
@@ -58,19 +57,19 @@ end
 fprintf('built %s\n', file);
 end
 
-function objects = compile(source, foreign, folder, include, api, octave)
+function objects = compile(source, others, folder, include, api, octave)
 mkdir(folder);
 files = dir(fullfile(source, '*.c'));
 objects = {};
 for k = 1:numel(files)
-    if any(strcmp(files(k).name, foreign))
+    if any(strcmp(files(k).name, others))
         continue
     end
     from = fullfile(source, files(k).name);
     [~, name] = fileparts(from);
     if octave
         objects{end + 1} = fullfile(folder, [name '.o']); %#ok<AGROW>
-        % Nobody else may see our functions, or take his for ours: as mex does it.
+        % As mex does: our functions are hidden from other libraries in the program.
         make('compile', from, '-c', '-fvisibility=hidden', '-o', objects{end}, include{:}, from);
     else
         mex(api, '-c', '-outdir', folder, include{:}, from);
@@ -81,7 +80,7 @@ end
 end
 
 function make(action, file, varargin)
-% With results mkoctfile only warns.
+% If mkoctfile is called with results it does not raise errors.
 [~, status] = mkoctfile(varargin{:});
 if status ~= 0
     error('roburoc4:build', 'mkoctfile could not %s %s', action, file);
@@ -90,7 +89,7 @@ end
 
 function remove(folder)
 if exist(folder, 'dir')
-    % Octave asks before it removes a folder with files, unless it is told not to.
+    % Or Octave asks before it removes a folder with files.
     if exist('OCTAVE_VERSION', 'builtin')
         confirm_recursive_rmdir(false, 'local');
     end

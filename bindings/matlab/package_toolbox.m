@@ -1,8 +1,8 @@
 function file = package_toolbox(file)
 %PACKAGE_TOOLBOX Make a toolbox file that MATLAB's Add-On manager installs.
 %   FILE = package_toolbox() writes roburoc4.mltbx into the current folder, with the MEX file of this
-%   platform: run build_mex first. It needs MATLAB R2023a or later, in which nobody of this project
-%   has run it yet. package_toolbox(FILE) writes to another file.
+%   platform: run build_mex first. It needs MATLAB R2023a or later, where it was not run yet.
+%   package_toolbox(FILE) writes to another file.
 %
 %   Example:
 %      build_mex('-R2018a'); package_toolbox()
@@ -11,7 +11,7 @@ function file = package_toolbox(file)
 
 % SPDX-License-Identifier: MIT
 if exist('OCTAVE_VERSION', 'builtin')
-    error('roburoc4:badArgument', ['Octave has no toolbox files: add the folder build/matlab of ' ...
+    error('roburoc4:badArgument', ['Octave has no toolbox files. Add the folder build/matlab of ' ...
         'this checkout to the path']);
 end
 if nargin < 1
@@ -19,9 +19,9 @@ if nargin < 1
 end
 here = fileparts(mfilename('fullpath'));
 if isempty(dir(fullfile(here, '+roburoc4', '+internal', ['roburoc4_mex.' mexext()])))
-    error('roburoc4:notBuilt', 'there is no MEX file yet: run build_mex first');
+    error('roburoc4:notBuilt', 'there is no MEX file yet. Run build_mex first');
 end
-% What this number names must not change: it is how MATLAB knows the toolbox.
+% Never change this number: MATLAB recognizes the toolbox by it.
 options = matlab.addons.toolbox.ToolboxOptions(here, '4f0d8a52-5d0b-4b83-9f0e-6c1a0b7a4c04');
 options.ToolboxName = 'roburoc4';
 options.ToolboxVersion = '0.1.0';

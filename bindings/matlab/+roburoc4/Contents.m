@@ -4,7 +4,7 @@
 % Objects
 %   Robot            - A RobuROC4: drive it, read it, record it
 %   Simulator        - A simulated RobuROC4, to try programs on without a robot
-%   Rate             - A control loop of a fixed rate, without a timer
+%   Rate             - A control loop with a fixed rate, without a timer
 %
 % Constants
 %   BatteryState     - States of the battery

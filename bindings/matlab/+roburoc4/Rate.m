@@ -1,10 +1,10 @@
 classdef Rate < handle
-%RATE A control loop of a fixed rate, without a timer.
-%   LOOP = roburoc4.Rate(R, HERTZ), or R.rate(HERTZ), begins now; 0.1 to 200 Hz. Between two waits
-%   the loop computes and drives; a wait ends at the next tick of the rate. Where the loop took
-%   longer than a period, the ticks that it missed are counted in overruns and left out: it does not
-%   run faster later. With the robot of a simulator in virtual time, it is that time which passes.
-%   A loop does not keep its robot: once R is deleted or forgotten, wait raises roburoc4:closed.
+%RATE A control loop with a fixed rate, without a timer.
+%   LOOP = roburoc4.Rate(R, HERTZ), or R.rate(HERTZ), starts now; 0.1 to 200 Hz. Between two waits
+%   the loop computes and drives; wait ends at the next tick of the rate. If the loop takes longer
+%   than a period, the ticks that it missed are counted in overruns and skipped: it does not run
+%   faster later. With a robot in virtual time, virtual time passes. A loop does not keep its robot
+%   from being deleted: when R is deleted or cleared, wait raises roburoc4:closed.
 %
 %   Rate methods:
 %      wait      - Wait for the next tick
@@ -12,7 +12,7 @@ classdef Rate < handle
 %   Rate properties:
 %      period_s  - Seconds between two ticks
 %      overruns  - Ticks that were missed
-%      time_s    - Seconds since the loop began
+%      time_s    - Seconds since the loop started
 %
 %   Example:
 %      loop = r.rate(20);
@@ -32,7 +32,7 @@ properties (SetAccess = private)
 end
 
 properties (Access = private, Transient)
-    id = 0     % not the object: forgetting that must stop the robot
+    id = 0     % not the object: clearing that must stop the robot
 end
 
 properties (Access = private)
@@ -46,7 +46,7 @@ end
 
 methods
     function this = Rate(robot, hertz)
-        %RATE Begin a loop.
+        %RATE Start a loop.
         %   See the help of the class.
         roburoc4.internal.needed(nargin == 2 && isa(robot, 'roburoc4.Robot'), ...
             'Rate(a roburoc4.Robot, hertz), or r.rate(hertz)');

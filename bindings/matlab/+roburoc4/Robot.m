@@ -4,27 +4,27 @@ classdef Robot < handle
 %   '192.168.0.2') and waits until it is ready. R = roburoc4.Robot(ADDRESS, 'Name', value, ...)
 %   takes options:
 %
-%      timeout (10)              seconds of silence, or without coming nearer to ready, after which
-%                                roburoc4:timeout is raised
-%      lease_ms (250)            life of a drive command, 20 to 1000
-%      drive_period_ms (50)      repetition of a living drive command, 10 to half of lease_ms
-%      max_linear_m_s (2.6)      ceiling of speed
-%      max_angular_rad_s (6.5)   ceiling of turn rate
-%      scale_linear (1), scale_angular (1)   multiply what drive is given
-%      turn_keeping (false)      slow down rather than turn less
+%      timeout (10)              seconds without an answer, or without progress towards ready, after
+%                                which roburoc4:timeout is raised
+%      lease_ms (250)            duration of a drive command, 20 to 1000
+%      drive_period_ms (50)      how often a drive command is repeated, 10 to half of lease_ms
+%      max_linear_m_s (2.6)      highest speed
+%      max_angular_rad_s (6.5)   highest turn rate
+%      scale_linear (1), scale_angular (1)   factors for the speeds given to drive
+%      turn_keeping (false)      where a limit applies, slow down so that the curve stays the same
 %      iocard_period_ms (50), telemeter_period_ms (100), battery_period_ms (1000),
 %      localization_period_ms (50), differential_period_ms (50)
-%                                how often the robot sends its statuses: a multiple of 10, 10 to
-%                                2550; 0 leaves them out
+%                                how often the robot sends each status: a multiple of 10, 10 to
+%                                2550, or 0 for never
 %      buffer (50000)            statuses that are kept for record and log, 16 to 1000000
 %      fresh_ms (300), lost_ms (1000), first_retry_ms (100), robot_watchdog_ms (1000),
 %      override_index, front_bumper_index, rear_bumper_index, battery_voltage_index,
 %      allow_unknown_override, ignore_other_commander     see docs/matlab.md
 %
 %   A native thread keeps the link alive whatever MATLAB does. It never renews a drive command: the
-%   robot stops when drive is not called again within lease_ms. delete(R), clear R, Ctrl-C in a
-%   method that waits, an error in one, and the end of MATLAB stop it too, if R drives it: an object
-%   that only watches sends no command, not even a zero.
+%   robot stops when drive is not called again within lease_ms. It also stops at delete(R), clear R,
+%   Ctrl-C or an error in a method that waits, and the end of MATLAB, if R drives it: an object that
+%   only reads never commands the robot.
 %
 %   Units are SI and radians; X is forward, Y left, angles counter-clockwise. Errors have the ids
 %   roburoc4:badArgument, :closed, :limit, :network, :notArmed, :protocol and :timeout.
@@ -35,24 +35,24 @@ classdef Robot < handle
 %      stop            - Stop now
 %      arm             - Allow driving
 %      disarm          - Forbid driving, and stop
-%      spin            - Let time pass
-%      rate            - A loop of a fixed rate
-%      io              - Inputs by name
+%      spin            - Wait
+%      rate            - Make a loop with a fixed rate
+%      io              - Read inputs by name
 %      setOutput       - Set a digital output
 %      setAnalogOutput - Set an analog output
-%      relocalize      - Tell the robot where it is
-%      record          - Statuses of the next seconds as columns
-%      log             - All statuses so far to a MAT-file
-%      subscribe       - How often a service sends its status
-%      unsubscribe     - No more statuses of a service
-%      serviceLink     - Figures of one service's statuses
+%      relocalize      - Set the pose of the odometry
+%      record          - Collect the statuses of the next seconds as columns
+%      log             - Write all statuses so far to a MAT-file
+%      subscribe       - Set how often a service sends its status
+%      unsubscribe     - End the statuses of a service
+%      serviceLink     - Quality of the link for one service
 %
 %   Robot properties:
-%      status          - The latest of everything, with its age: a scalar struct
-%      pose            - [x_m y_m theta_rad] of the odometry: far off after turns
-%      speeds          - [linear_m_s angular_rad_s] of the wheels
-%      info            - What the robot is: a scalar struct
-%      link            - Figures of the link: a scalar struct
+%      status          - Latest values of everything and their ages: a scalar struct
+%      pose            - [x_m y_m theta_rad] of the odometry, which is far off after turns
+%      speeds          - [current_linear_m_s current_angular_rad_s] of the wheels
+%      info            - Limits, sensors and services of the robot: a scalar struct
+%      link            - Quality of the link: a scalar struct
 %      address         - Address and port
 %      time_s          - Seconds since the robot was connected
 %   pose and speeds are NaN when they are older than fresh_ms (300). docs/matlab.md explains the
@@ -107,10 +107,9 @@ methods
     end
 
     function delete(this)
-        %DELETE Stop the robot where it was driven, and end the link.
-        %   delete(R) sends zeros and waits until the robot has confirmed them, at most for the
-        %   robot's watchdog time. What is called with R afterwards raises roburoc4:closed. It can
-        %   be called twice.
+        %DELETE Stop the robot if R drives it, and end the link.
+        %   delete(R) waits until the robot has confirmed the stop, at most for the robot's watchdog
+        %   time. Later calls with R raise roburoc4:closed; a second delete does nothing.
         %
         %   Example:
         %      delete(r)
@@ -121,31 +120,30 @@ methods
                 roburoc4.internal.roburoc4_mex('wait', id, 0.02);
             end
         catch
-            % Its simulator, or the whole program, is going: the MEX file stops what lives.
+            % Its simulator is gone, or the program ends: then the MEX file stops all robots.
         end
     end
 
     function disp(this)
-        %DISP Say where the robot is and how it does.
+        %DISP Show the address and the state.
         %
         %   Example:
         %      disp(r)
         try
             s = this.status;
-            words = {'not ready', 'ready'; 'disarmed', 'armed'};
-            fprintf('  roburoc4.Robot at %s, %s, %s\n', this.address, words{1, 1 + s.ready}, ...
-                words{2, 1 + s.armed});
+            states = {'not ready', 'ready'; 'disarmed', 'armed'};
+            fprintf('  roburoc4.Robot at %s, %s, %s\n', this.address, states{1, 1 + s.ready}, ...
+                states{2, 1 + s.armed});
         catch
             fprintf('  roburoc4.Robot, deleted\n');
         end
     end
 
     function drive(this, linear_m_s, angular_rad_s)
-        %DRIVE Drive at these speeds for one lease; call it again and again to go on.
+        %DRIVE Drive at these speeds for one lease; call it again and again to keep driving.
         %   drive(R, V, W) sends the speeds V in m/s and W in rad/s at once and returns. They are
-        %   scaled, and clamped to the robot's limits and the options' ceilings. After lease_ms
-        %   without another call the robot is stopped. Raises roburoc4:notArmed with the reason
-        %   where driving is not allowed.
+        %   scaled, and limited by the robot and by the options. After lease_ms without another call
+        %   the robot is stopped. Raises roburoc4:notArmed with the reason if driving is not allowed.
         %
         %   Example:
         %      r.drive(0.3, 0.1)
@@ -157,15 +155,15 @@ methods
 
     function driveFor(this, linear_m_s, angular_rad_s, seconds)
         %DRIVEFOR Drive at these speeds for some seconds, and stop.
-        %   driveFor(R, V, W, SECONDS) renews the command meanwhile and returns at the end. Ctrl-C
-        %   or an error stops the robot at once. Where the motors are inhibited (emergency stop,
-        %   brakes) it goes on until its end: look at status.inhibited in a loop of your own.
+        %   driveFor(R, V, W, SECONDS) renews the command and returns at the end. Ctrl-C or an error
+        %   stops the robot at once. It does not end early when the motors are inhibited (emergency
+        %   stop, brakes): for that, look at status.inhibited in a loop of your own.
         %
         %   Example:
         %      r.driveFor(0.5, 0, 2)
         roburoc4.internal.needed(nargin == 4, 'driveFor(v in m/s, w in rad/s, seconds)');
         seconds = roburoc4.internal.number(seconds, 'seconds', 0, 1e6);
-        % It stops the robot at the end, too.
+        % The guard also stops the robot at the end.
         cleanup = roburoc4.internal.guard(this.id); %#ok<NASGU>
         renewal_s = roburoc4.internal.roburoc4_mex('lease', this.id) / 4;
         left_s = seconds;
@@ -178,7 +176,7 @@ methods
     end
 
     function stop(this)
-        %STOP End the drive command and send zeros, armed or not. Never waits.
+        %STOP End the drive command and send the stop sequence, armed or not. Never waits.
         %
         %   Example:
         %      r.stop()
@@ -187,8 +185,8 @@ methods
 
     function arm(this, timeout)
         %ARM Allow driving.
-        %   arm(R) raises roburoc4:notArmed with the reason against it. What time alone can mend (no
-        %   status yet, the robot still rolls) is waited for: 2 seconds, or arm(R, SECONDS).
+        %   arm(R) raises roburoc4:notArmed with the reason if it is refused. It waits for 2 seconds,
+        %   or arm(R, SECONDS), if the reason can go away by itself: no status yet, the robot rolls.
         %
         %   Example:
         %      r.arm()
@@ -211,10 +209,10 @@ methods
     end
 
     function spin(this, seconds)
-        %SPIN Let time pass, in slices short enough for Ctrl-C.
+        %SPIN Wait, in slices short enough for Ctrl-C.
         %   spin(R, SECONDS) returns after so many seconds. It renews nothing: a drive command ends
-        %   with its lease. Ctrl-C stops a robot that R drives at once. With the robot of a
-        %   simulator in virtual time, that time passes.
+        %   with its lease. Ctrl-C stops a robot that R drives at once. With a robot in virtual time,
+        %   virtual time passes.
         %
         %   Example:
         %      r.drive(0.3, 0); r.spin(0.2)
@@ -224,7 +222,7 @@ methods
     end
 
     function loop = rate(this, hertz)
-        %RATE A loop of a fixed rate, without a timer.
+        %RATE Make a loop with a fixed rate, without a timer.
         %   LOOP = rate(R, HERTZ) makes a roburoc4.Rate; its wait() ends at the next tick.
         %
         %   Example:
@@ -266,7 +264,7 @@ methods
     end
 
     function s = serviceLink(this, service)
-        %SERVICELINK Figures of one service's statuses: period, jitter, age, loss.
+        %SERVICELINK Quality of the link for one service: period, jitter, age, loss.
         %   S = serviceLink(R, SERVICE) with 'iocard', 'telemeter', 'battery', 'localization' or
         %   'differential' is a scalar struct; its times are in seconds, loss is 0 to 1.
         %
@@ -278,12 +276,12 @@ methods
     end
 
     function value = io(this, name)
-        %IO Inputs of the IO card by name.
+        %IO Read inputs of the IO card by name.
         %   VALUE = io(R, NAME) is logical for a digital input, and a double, generally volts, for
-        %   an analog one. The manual's names (5.5.1) always work, the robot's own where they are
-        %   unique (not in virtual time); upper and lower case are the same. S = io(R) is a scalar
-        %   struct of all inputs, by index on the wire, and of the names of all channels. These are
-        %   the last values: status.iocard_age_s is their age.
+        %   an analog one. NAME is what the robot calls the input, or the manual (5.5.1) if the robot
+        %   does not name it; case, punctuation and the order of words do not matter. S = io(R) is a
+        %   scalar struct of all inputs, by their index in the protocol, and of the names of all
+        %   channels. These are the latest values; status.iocard_age_s is their age.
         %
         %   Example:
         %      r.io('Front bumper')
@@ -298,9 +296,9 @@ methods
 
     function setOutput(this, channel, on)
         %SETOUTPUT Set a digital output.
-        %   setOutput(R, CHANNEL, ON) takes an index on the wire (from 0) or a name. A command
-        %   carries all outputs: those that were never set are sent as off. Output 0 is the robot's
-        %   own and refused.
+        %   setOutput(R, CHANNEL, ON) takes the index in the protocol (from 0) or a name. Each command
+        %   sets all outputs: those that were never set are sent as off. Output 0 belongs to the
+        %   robot and is refused.
         %
         %   Example:
         %      r.setOutput(3, true)
@@ -318,10 +316,10 @@ methods
     end
 
     function relocalize(this, x_m, y_m, theta_rad)
-        %RELOCALIZE Tell the robot where it is, and wait until it has taken that.
-        %   relocalize(R, X, Y, THETA) takes metres and radians. Raises roburoc4:protocol where the
-        %   robot refuses, roburoc4:timeout where it does not answer within 2 seconds. It need not
-        %   be armed.
+        %RELOCALIZE Set the pose of the robot's odometry, and wait until the robot has confirmed it.
+        %   relocalize(R, X, Y, THETA) takes metres and radians. Raises roburoc4:protocol if the robot
+        %   refuses, roburoc4:timeout if it does not answer within 2 seconds. The robot need not be
+        %   armed.
         %
         %   Example:
         %      r.relocalize(0, 0, 0)
@@ -333,9 +331,9 @@ methods
     end
 
     function subscribe(this, service, period_ms)
-        %SUBSCRIBE Say how often a service sends its status.
-        %   subscribe(R, SERVICE, PERIOD_MS) takes a multiple of 10, 10 to 2550. A robot that does
-        %   not answer is asked once it is there again.
+        %SUBSCRIBE Set how often a service sends its status.
+        %   subscribe(R, SERVICE, PERIOD_MS) takes a multiple of 10, 10 to 2550. If the robot is away,
+        %   the request is sent when it answers again.
         %
         %   Example:
         %      r.subscribe('localization', 20)
@@ -346,7 +344,7 @@ methods
     end
 
     function unsubscribe(this, service)
-        %UNSUBSCRIBE No more statuses of a service.
+        %UNSUBSCRIBE End the statuses of a service.
         %
         %   Example:
         %      r.unsubscribe('telemeter')
@@ -359,10 +357,10 @@ methods
         %RECORD Collect the statuses of the next seconds, as columns ready to plot.
         %   DATA = record(R, SECONDS) is a struct with a struct of columns for each service: iocard,
         %   telemeter, battery, localization, differential. All have time_s, seconds from now, and
-        %   robot_cycles, uint64 counts of 10 ms. DATA.lost is the number of statuses that came too
-        %   fast. record(R, SECONDS, SERVICE, ...) takes these services only. A drive command is
-        %   not renewed meanwhile. Raises roburoc4:timeout where nothing came, because the robot does
-        %   not answer.
+        %   robot_cycles, uint64 counts of 10 ms. DATA.lost is the number of statuses that were
+        %   overwritten before they were read. record(R, SECONDS, SERVICE, ...) collects only these
+        %   services. It does not renew a drive command. Raises roburoc4:timeout if nothing arrived
+        %   because the robot does not answer.
         %
         %   Example:
         %      data = r.record(2, 'localization');
@@ -384,12 +382,12 @@ methods
 
     function data = log(this, file, varargin)
         %LOG Write all statuses since the robot was connected to a MAT-file.
-        %   log(R, FILE) writes what came since R was made, or since the last log, with the fields
-        %   of record; time_s counts from when R was made. So a log before a drive begins a new
-        %   one. The option buffer says how many statuses are kept; where it was too small, the
-        %   oldest are gone, and a warning says how many. log(R, FILE, SERVICE, ...) writes these
-        %   services only. DATA = log(R, ...) returns what was written. Where the disk is full an
-        %   error says so, a file that was there stays as it was, and no status is lost.
+        %   log(R, FILE) writes what arrived since R was made, or since the last log, with the fields
+        %   of record; time_s counts from when R was made. To log one drive, call log before it and
+        %   after it. The option buffer says how many statuses are kept; if it is too small, the
+        %   oldest are lost, and a warning says how many. log(R, FILE, SERVICE, ...) writes only these
+        %   services. DATA = log(R, ...) returns what was written. If the disk is full there is an
+        %   error, an existing file stays as it was, and no status is lost.
         %
         %   Example:
         %      r.driveFor(0.3, 0, 2);
@@ -402,8 +400,8 @@ methods
         roburoc4.internal.write(file, data);
         roburoc4.internal.roburoc4_mex('logged', this.id);
         if data.lost > 0
-            warning('roburoc4:limit', ['%d statuses were overwritten before log: call it more ' ...
-                'often, or give roburoc4.Robot a larger buffer'], data.lost);
+            warning('roburoc4:limit', ['%d statuses were overwritten before log was called. Call ' ...
+                'it more often, or give roburoc4.Robot a larger buffer'], data.lost);
         end
     end
 end

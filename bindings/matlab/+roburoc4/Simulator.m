@@ -1,20 +1,19 @@
 classdef Simulator < handle
 %SIMULATOR A simulated RobuROC4, to try programs on without a robot.
-%   SIM = roburoc4.Simulator() is a robot in virtual time: nothing happens but by SIM.step and by
-%   what waits on a robot of SIM.connect, so a program runs as fast as it can, and always the same
-%   way. SIM = roburoc4.Simulator('port', PORT) serves UDP in real time on a thread of its own (0
-%   picks a free port); programs connect to SIM.address.
+%   SIM = roburoc4.Simulator() is a robot in virtual time: time passes only in SIM.step and in the
+%   methods of a robot of SIM.connect that wait, so a program runs as fast as it can, and in the same
+%   way each time. SIM = roburoc4.Simulator('port', PORT) serves UDP in real time on a thread of its
+%   own (0 picks a free port); programs connect to SIM.address.
 %
 %   SIM = roburoc4.Simulator('Name', value, ...) takes options: port, host ('127.0.0.1'; the address
-%   of this machine to serve on, with port), seed (1),
-%   slip (0.12: the share of a turn that skidding eats), start_x_m, start_y_m, start_theta_rad,
-%   watchdog_cycles (100), battery_percent, digital_inputs, and all others of roburoc4_sim_config in
-%   roburoc4_sim.h that are numbers.
+%   of this machine to serve on, with port), seed (1), slip (0.12: the share of a turn that is lost
+%   to skidding), start_x_m, start_y_m, start_theta_rad, watchdog_cycles (100), battery_percent,
+%   digital_inputs, and all other numbers of roburoc4_sim_config in roburoc4_sim.h.
 %
 %   Simulator methods:
-%      connect       - A robot object in virtual time
+%      connect       - Make a robot object for this simulator
 %      step          - Let virtual time pass
-%      panel         - Obey a line such as 'pad a down'; 'help' lists them all
+%      panel         - Do what a line such as 'pad a down' says; 'help' lists all lines
 %      pad           - Press or move a control of the game pad
 %      estop         - Press or release an emergency stop
 %      motorButton   - Give power to the motors
@@ -22,15 +21,15 @@ classdef Simulator < handle
 %      power         - Switch the main power
 %      bumper        - Press or release a bumper
 %      battery       - Set the remaining energy
-%      place         - Lift the robot to another place
+%      place         - Move the robot to another place
 %      addBox        - Put a box on the floor
 %      addWall       - Build a wall
 %      clearWorld    - Remove all boxes and walls
-%      faults        - Make the network bad
-%      digitalOutput - What a digital output was set to
+%      faults        - Make the network worse
+%      digitalOutput - Read what a digital output was set to
 %
 %   Simulator properties:
-%      state         - All that can be known about the robot: a scalar struct
+%      state         - Everything about the simulated robot: a scalar struct
 %      address       - 'HOST:PORT', or 'virtual'
 %
 %   Example:
@@ -56,13 +55,13 @@ end
 
 methods
     function this = Simulator(varargin)
-        %SIMULATOR Begin a simulated robot.
+        %SIMULATOR Make a simulated robot.
         %   See the help of the class.
         own = struct('port', [], 'host', '');
         [options, own] = roburoc4.internal.options(varargin, own);
         if isempty(own.port)
             roburoc4.internal.needed(isempty(own.host), ...
-                '''port'' beside ''host'': without it nothing is served; 0 picks a free one');
+                '''port'' together with ''host''; 0 picks a free port');
             this.id = roburoc4.internal.roburoc4_mex('simOpen', options);
         else
             if isempty(own.host)
@@ -75,19 +74,19 @@ methods
     end
 
     function delete(this)
-        %DELETE End the simulation. It can be called twice.
+        %DELETE End the simulation; a second delete does nothing.
         %
         %   Example:
         %      delete(sim)
         try
             roburoc4.internal.roburoc4_mex('simClose', this.id);
         catch
-            % The whole program is going: the MEX file ends what lives.
+            % The program ends: then the MEX file ends all simulators.
         end
     end
 
     function disp(this)
-        %DISP Say where the simulator is and what the robot does.
+        %DISP Show the address and the state of the robot.
         %
         %   Example:
         %      disp(sim)
@@ -99,9 +98,9 @@ methods
     end
 
     function robot = connect(this, varargin)
-        %CONNECT A robot object that talks with this simulator.
+        %CONNECT Make a robot object for this simulator.
         %   R = connect(SIM, 'Name', value, ...) takes the options of roburoc4.Robot. In virtual
-        %   time R lives on the simulator's clock.
+        %   time R uses the simulator's clock.
         %
         %   Example:
         %      r = sim.connect('max_linear_m_s', 0.5);
@@ -113,7 +112,7 @@ methods
     end
 
     function step(this, seconds)
-        %STEP Let virtual time pass, for the robots of connect too.
+        %STEP Let virtual time pass, also for the robots of connect.
         %
         %   Example:
         %      sim.step(0.5)
@@ -139,7 +138,7 @@ methods
     end
 
     function on = digitalOutput(this, index)
-        %DIGITALOUTPUT What a digital output was set to; output 0 is the robot's own watchdog.
+        %DIGITALOUTPUT Read what a digital output was set to; output 0 is the robot's watchdog.
         %
         %   Example:
         %      sim.digitalOutput(3)
@@ -148,7 +147,7 @@ methods
     end
 
     function reply = panel(this, line)
-        %PANEL Obey a line of text, and return the reply; panel(SIM, 'help') lists them all.
+        %PANEL Do what a line of text says, and return the reply; panel(SIM, 'help') lists all lines.
         %
         %   Example:
         %      sim.panel('pin analog 2 24.5')
@@ -159,9 +158,9 @@ methods
 
     function pad(this, control, value)
         %PAD Press a button of the game pad (true, false), or move an axis (-1 to 1).
-        %   pad(SIM, 'a', true) takes the robot from every client. Buttons: a, b, x, y, back,
-        %   start, ddown, dleft, dright, dup, lj, rj, lb, rb. Axes: ljx, ljy, rjx, rjy rest at 0,
-        %   lt and rt at -1. pad(SIM, 'release') lets all go.
+        %   While pad(SIM, 'a', true) holds, the pad drives and no client does. Buttons: a, b, x, y,
+        %   back, start, ddown, dleft, dright, dup, lj, rj, lb, rb. Axes: ljx, ljy, rjx, rjy rest at
+        %   0, lt and rt at -1. pad(SIM, 'release') releases everything.
         %
         %   Example:
         %      sim.pad('a', true); sim.pad('rt', 0.5)
@@ -179,7 +178,7 @@ methods
 
     function estop(this, which, pressed)
         %ESTOP Press (true) or release (false) an emergency stop, 'local' or 'remote'.
-        %   Releasing alone brings no power back: then press motorButton.
+        %   After the release the motors still have no power: call motorButton.
         %
         %   Example:
         %      sim.estop('remote', true)
@@ -189,7 +188,7 @@ methods
     end
 
     function motorButton(this)
-        %MOTORBUTTON Give power to the motors; needs released stops and automatic brakes.
+        %MOTORBUTTON Give power to the motors; both stops must be released, the brakes automatic.
         %
         %   Example:
         %      sim.motorButton()
@@ -197,7 +196,7 @@ methods
     end
 
     function brakes(this, position)
-        %BRAKES Turn the brakes selector: 'automatic', or 'released', which cuts the power.
+        %BRAKES Turn the brakes selector: 'automatic', or 'released', which cuts the motors' power.
         %
         %   Example:
         %      sim.brakes('released')
@@ -229,16 +228,16 @@ methods
         %   Example:
         %      sim.battery(15)
         roburoc4.internal.needed(nargin == 2, 'battery(percent)');
-        this.tell('battery', {percent});
+        this.send('battery', {percent});
     end
 
     function place(this, x_m, y_m, theta_rad)
-        %PLACE Lift the robot to another place; its odometry notices nothing.
+        %PLACE Move the robot to another place; its odometry does not notice.
         %
         %   Example:
         %      sim.place(1, 2, pi / 2)
         roburoc4.internal.needed(nargin == 4, 'place(x_m, y_m, theta_rad)');
-        this.tell('place', {x_m, y_m, theta_rad});
+        this.send('place', {x_m, y_m, theta_rad});
     end
 
     function addBox(this, x_m, y_m, size_x_m, size_y_m, theta_rad)
@@ -247,7 +246,7 @@ methods
         %   Example:
         %      sim.addBox(3, 0, 0.5, 0.5, 0)
         roburoc4.internal.needed(nargin == 6, 'addBox(x_m, y_m, size_x_m, size_y_m, theta_rad)');
-        this.tell('box add', {x_m, y_m, size_x_m, size_y_m, theta_rad});
+        this.send('box add', {x_m, y_m, size_x_m, size_y_m, theta_rad});
     end
 
     function addWall(this, x1_m, y1_m, x2_m, y2_m)
@@ -256,7 +255,7 @@ methods
         %   Example:
         %      sim.addWall(3, -1, 3, 1)
         roburoc4.internal.needed(nargin == 5, 'addWall(x1_m, y1_m, x2_m, y2_m)');
-        this.tell('box wall', {x1_m, y1_m, x2_m, y2_m});
+        this.send('box wall', {x1_m, y1_m, x2_m, y2_m});
     end
 
     function clearWorld(this)
@@ -268,19 +267,19 @@ methods
     end
 
     function faults(this, varargin)
-        %FAULTS Make the network bad, in both directions.
+        %FAULTS Make the network worse, in both directions.
         %   faults(SIM, 'Name', value, ...) takes loss, duplicate, reorder and corrupt, shares of 0
-        %   to 1, delay_ms and jitter_ms. Without arguments it is good again.
+        %   to 1, delay_ms and jitter_ms. Without arguments the network is perfect again.
         %
         %   Example:
         %      sim.faults('loss', 0.2, 'delay_ms', 10)
         own = struct('loss', 0, 'duplicate', 0, 'reorder', 0, 'corrupt', 0, 'delay_ms', 0, ...
             'jitter_ms', 0);
         [unknown, own] = roburoc4.internal.options(varargin, own);
-        strangers = fieldnames(unknown);
-        if ~isempty(strangers)
-            error('roburoc4:badArgument', 'there is no fault ''%s'': there are %s', ...
-                strangers{1}, strjoin(fieldnames(own)', ', '));
+        unknown = fieldnames(unknown);
+        if ~isempty(unknown)
+            error('roburoc4:badArgument', 'there is no fault ''%s''; give one of %s', ...
+                unknown{1}, strjoin(fieldnames(own)', ', '));
         end
         values = struct2cell(own);
         roburoc4.internal.roburoc4_mex('simFaults', this.id, values{:});
@@ -288,23 +287,23 @@ methods
 end
 
 methods (Access = private)
-    function choose(this, words, yes, if_yes, if_no)
-        if ~(islogical(yes) || isnumeric(yes)) || ~isscalar(yes)
-            error('roburoc4:badArgument', '%s: give true or false', words);
+    function choose(this, line, on, if_on, if_off)
+        if ~(islogical(on) || isnumeric(on)) || ~isscalar(on)
+            error('roburoc4:badArgument', '%s: give true or false', line);
         end
-        if yes
-            this.panel([words ' ' if_yes]);
+        if on
+            this.panel([line ' ' if_on]);
         else
-            this.panel([words ' ' if_no]);
+            this.panel([line ' ' if_off]);
         end
     end
 
-    function tell(this, words, numbers)
+    function send(this, line, numbers)
         for k = 1:numel(numbers)
             number = roburoc4.internal.number(numbers{k}, sprintf('number %d', k), -1e9, 1e9);
-            words = sprintf('%s %.12f', words, number);
+            line = sprintf('%s %.12f', line, number);
         end
-        this.panel(words);
+        this.panel(line);
     end
 end
 end

@@ -1,5 +1,5 @@
 function track = drive_square(robot, picture, side_m)
-%DRIVE_SQUARE Drive a square by odometry, and draw the way while driving.
+%DRIVE_SQUARE Drive a square by odometry, and draw the path while driving.
 %   TRACK = drive_square(ROBOT) drives a square of 1.5 m with a roburoc4.Robot: IT NEEDS FREE SPACE.
 %   Without a robot it takes a simulated one. drive_square(ROBOT, PICTURE, SIDE_M) writes the plot to
 %   a PNG file instead of a window. TRACK has the poses, [x_m y_m theta_rad] by row, seen from the

@@ -1,9 +1,9 @@
 function pose = pose_or_stop(robot, loop, longest_s)
-%POSE_OR_STOP The pose, where the robot may be driven on; else disarm it, and say why.
+%POSE_OR_STOP Return the pose if it is safe to keep driving; else disarm and raise an error.
 %   POSE = pose_or_stop(ROBOT, LOOP, LONGEST_S) raises roburoc4:notArmed when the motors are
-%   inhibited: a robot that goes on being told to drive moves the moment somebody lets go of the
-%   emergency stop. It raises roburoc4:timeout when the pose is older than fresh_ms, or when LOOP has
-%   lasted for longer than LONGEST_S.
+%   inhibited: a robot that is still commanded to drive moves the moment its motors have power again.
+%   It raises roburoc4:timeout when the pose is older than fresh_ms, or when LOOP has lasted longer
+%   than LONGEST_S.
 %
 %   Example:
 %      loop = robot.rate(20);
@@ -19,14 +19,14 @@ function pose = pose_or_stop(robot, loop, longest_s)
 pose = robot.pose;
 if robot.status.inhibited
     robot.disarm();
-    error('roburoc4:notArmed', ['the robot was told to drive, but stands still: look at emergency ' ...
-        'stops, brakes and bumpers, then begin anew']);
+    error('roburoc4:notArmed', ['the robot is commanded to drive, but stands still. Look at the ' ...
+        'emergency stops, the brakes and the bumpers, then start again']);
 elseif any(isnan(pose))
     robot.disarm();
-    error('roburoc4:timeout', ['there is no pose that is fresh: look at link, and at the period ' ...
-        'of the localization''s statuses']);
+    error('roburoc4:timeout', ['the pose is old. Look at link, and at the period of the ' ...
+        'localization''s statuses']);
 elseif loop.time_s > longest_s
     robot.disarm();
-    error('roburoc4:timeout', 'not there after %g s: is the robot too slow, or held?', longest_s);
+    error('roburoc4:timeout', 'the path was not finished after %g s. Is the robot too slow, or blocked?', longest_s);
 end
 end

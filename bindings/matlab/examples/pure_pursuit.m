@@ -1,14 +1,14 @@
 function [track, path] = pure_pursuit(robot, picture)
 %PURE_PURSUIT Follow a path with the pure pursuit law.
 %   [TRACK, PATH] = pure_pursuit(ROBOT) follows a wave of 6 m with a roburoc4.Robot: IT NEEDS FREE
-%   SPACE of 7 m by 3 m. Without a robot it takes a simulated one. TRACK has the poses of the
+%   SPACE of 7 m by 3 m. Without a robot it makes a simulated one. TRACK has the poses of the
 %   odometry by row, PATH the points of the path. pure_pursuit(ROBOT, PICTURE) writes the plot to a
 %   PNG file.
 %
 %   Twenty times a second: find the point of the path that is LOOK_M ahead, and take the curve that
 %   leads to it, omega = 2 v sin(alpha) / LOOK_M. The speed response lags behind by more than half
-%   a second, so the speed is low and the look ahead long. It gives up, and disarms, when the motors
-%   are inhibited, the pose is old, or after a minute.
+%   a second, so the speed is low and LOOK_M is long. It gives up and disarms when the motors are
+%   inhibited, the pose is old, or after a minute.
 %
 %   Example:
 %      pure_pursuit(roburoc4.Robot('192.168.0.2', 'max_linear_m_s', 0.5))

@@ -1,7 +1,7 @@
 function data = read_and_plot(robot, picture)
-%READ_AND_PLOT Record five seconds of a robot and plot what it said.
+%READ_AND_PLOT Record five seconds of a robot and plot them.
 %   DATA = read_and_plot(ROBOT) takes a roburoc4.Robot and never moves it. Without one it makes a
-%   simulated robot that somebody drives with the game pad. read_and_plot(ROBOT, PICTURE) writes the
+%   simulated robot that is driven with its game pad. read_and_plot(ROBOT, PICTURE) writes the
 %   plot to a PNG file.
 %
 %   Example:

@@ -3,10 +3,10 @@ function fit = speed_response(robot, picture, step_m_s)
 %   FIT = speed_response(ROBOT) drives ahead at 0.5 m/s for four seconds with a roburoc4.Robot, which
 %   NEEDS 3 M OF FREE SPACE, and fits a model of second order with unit gain to the speed:
 %   FIT.natural_rad_s (omega_n), FIT.damping (zeta), FIT.delay_s, FIT.rms_m_s. Without a robot it
-%   takes a simulated one. speed_response(ROBOT, PICTURE, STEP_M_S) writes the plot to a PNG file and
+%   makes a simulated one. speed_response(ROBOT, PICTURE, STEP_M_S) writes the plot to a PNG file and
 %   drives at another speed: IT NEEDS ABOUT 6 x STEP_M_S METRES.
 %
-%   It gives up, and disarms, when the motors are inhibited or the pose is old.
+%   It gives up and disarms when the motors are inhibited or the pose is old.
 %
 %   Connect with 'differential_period_ms', 10 for a sample in each cycle of the robot.
 %
@@ -28,7 +28,7 @@ end
 robot.arm();
 robot.driveFor(0, 0, 0.5);
 file = [tempname() '.mat'];
-robot.log(file);                         % what came before is not wanted
+robot.log(file);                         % the next log starts here
 loop = robot.rate(20);
 while loop.time_s < 4
     pose_or_stop(robot, loop, 5);

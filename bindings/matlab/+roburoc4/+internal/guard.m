@@ -1,8 +1,8 @@
 function cleanup = guard(id)
-%GUARD Stop a robot when the method that waits is left before its end, as by Ctrl-C.
-%   CLEANUP = roburoc4.internal.guard(ID) marks the robot as busy. When CLEANUP goes and the mark
-%   is still there, the robot is told to stop, if it was this object that drove it: one that only
-%   watches never commands. A method that comes to its end takes the mark away:
+%GUARD Stop a robot when a method that waits ends early, as by Ctrl-C.
+%   CLEANUP = roburoc4.internal.guard(ID) marks the robot as busy. If it is still marked when CLEANUP
+%   is cleared, the robot is stopped, but only if this object drives it: one that only reads never
+%   commands. A method that reaches its end removes the mark:
 %
 %   Example:
 %      cleanup = roburoc4.internal.guard(id);

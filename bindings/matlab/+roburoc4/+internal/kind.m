@@ -1,5 +1,5 @@
 function text = kind(value)
-%KIND What a value is, for a message: its size and its class.
+%KIND Describe a value for a message: its size and its class.
 %   TEXT = roburoc4.internal.kind(VALUE) is '1x3 double' for [1 2 3].
 %
 %   Example:

@@ -1,7 +1,7 @@
 function needed(enough, call)
-%NEEDED Say what a call needs, unless it has that.
-%   roburoc4.internal.needed(ENOUGH, CALL) raises roburoc4:badArgument with the text CALL where
-%   ENOUGH is false.
+%NEEDED Raise an error with what a call needs, unless it has that.
+%   roburoc4.internal.needed(ENOUGH, CALL) raises roburoc4:badArgument with the text CALL if ENOUGH
+%   is false.
 %
 %   Example:
 %      roburoc4.internal.needed(nargin == 2, 'spin(seconds)')
@@ -10,6 +10,6 @@ function needed(enough, call)
 
 % SPDX-License-Identifier: MIT
 if ~enough
-    error('roburoc4:badArgument', 'needed: %s', call);
+    error('roburoc4:badArgument', 'arguments are missing or of the wrong kind; give %s', call);
 end
 end

@@ -10,11 +10,11 @@ function checked = number(value, name, least, most)
 
 % SPDX-License-Identifier: MIT
 if ~(isnumeric(value) || islogical(value)) || ~isscalar(value) || ~isreal(value)
-    error('roburoc4:badArgument', '%s: one real number is needed, this is %s', name, ...
+    error('roburoc4:badArgument', '%s: this is %s; give one real number', name, ...
         roburoc4.internal.kind(value));
 end
 checked = double(value);
 if ~isfinite(checked) || checked < least || checked > most
-    error('roburoc4:badArgument', '%s: %g is out of range: %g to %g', name, checked, least, most);
+    error('roburoc4:badArgument', '%s: %g is out of range; give %g to %g', name, checked, least, most);
 end
 end

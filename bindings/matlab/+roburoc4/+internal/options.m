@@ -2,7 +2,7 @@ function [others, own] = options(given, names)
 %OPTIONS Make a scalar struct of 'Name', value pairs.
 %   [OTHERS, OWN] = roburoc4.internal.options(GIVEN, NAMES) takes a cell row of pairs. Those whose
 %   name is a field of the struct NAMES, which holds their defaults, go to OWN; all others go to
-%   OTHERS, for the C library to judge. Upper and lower case are the same.
+%   OTHERS, which the C library checks. Case does not matter.
 %
 %   Example:
 %      [others, own] = roburoc4.internal.options({'lease_ms', 200}, struct('timeout', 10))

@@ -1,7 +1,7 @@
 function spin(id, seconds)
-%SPIN Let time pass for a robot, in slices short enough for Ctrl-C.
-%   roburoc4.internal.spin(ID, SECONDS) takes the id and not the object: who waits with it does not
-%   keep the object alive, so that forgetting the object stops the robot.
+%SPIN Wait with a robot, in slices short enough for Ctrl-C.
+%   roburoc4.internal.spin(ID, SECONDS) takes the id and not the object, so that it does not keep the
+%   object from being deleted: clearing the object stops the robot.
 %
 %   Example:
 %      roburoc4.internal.spin(id, 0.2)

@@ -1,5 +1,5 @@
 function row = text(value, name)
-%TEXT Make a char row of a text of either kind, or say what is wrong.
+%TEXT Make a char row of a text of either kind, or raise an error.
 %   ROW = roburoc4.internal.text(VALUE, NAME) takes 'abc' and, in MATLAB, "abc". NAME is how a
 %   message calls the value.
 %
@@ -13,7 +13,7 @@ if isa(value, 'string') && isscalar(value)
     value = char(value);
 end
 if ~ischar(value) || isempty(value) || size(value, 1) ~= 1
-    error('roburoc4:badArgument', '%s: a text is needed, such as ''abc''; this is %s', name, ...
+    error('roburoc4:badArgument', '%s: this is %s; give a text, such as ''abc''', name, ...
         roburoc4.internal.kind(value));
 end
 row = value;

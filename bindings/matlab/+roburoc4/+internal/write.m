@@ -1,8 +1,8 @@
 function write(file, data)
-%WRITE Write the fields of a scalar struct to a MAT-file: all of it, or nothing.
-%   roburoc4.internal.write(FILE, DATA) writes to FILE.part, reads that back, and only then gives it
-%   its name: a full disk, which Octave's save does not notice, is an error and leaves the FILE
-%   that was there. '.mat' is added where FILE has no extension.
+%WRITE Write the fields of a scalar struct to a MAT-file, completely or not at all.
+%   roburoc4.internal.write(FILE, DATA) writes to FILE.part, reads that back, and only then renames
+%   it: Octave's save does not notice a full disk. On an error an existing FILE stays as it was.
+%   '.mat' is added if FILE has no extension.
 %
 %   Example:
 %      roburoc4.internal.write('drive.mat', data)
@@ -20,7 +20,7 @@ if ~exist(file, 'dir')
     handle = fopen(part, 'w');
 end
 if handle < 0
-    error('roburoc4:badArgument', 'cannot write to ''%s'': give another file', file);
+    error('roburoc4:badArgument', 'cannot write to ''%s''; give another file', file);
 end
 fclose(handle);
 cleanup = onCleanup(@() remove(part)); %#ok<NASGU>
@@ -31,21 +31,21 @@ catch
     whole = false;
 end
 if ~whole
-    error('roburoc4:limit', ['''%s'' could not be written whole: is the disk full? Nothing is ' ...
+    error('roburoc4:limit', ['''%s'' could not be written completely. Is the disk full? Nothing is ' ...
         'lost: call log again with another file'], file);
 end
 [moved, why] = move(part, file);
 if ~moved
-    error('roburoc4:badArgument', 'cannot write to ''%s'' (%s): give another file', file, why);
+    error('roburoc4:badArgument', 'cannot write to ''%s'' (%s); give another file', file, why);
 end
 end
 
-% Octave's movefile and delete take a name for a pattern, and movefile gives it to a shell.
+% Octave's movefile and delete take the name as a pattern, and movefile passes it to a shell.
 function [moved, why] = move(part, file)
 if exist('OCTAVE_VERSION', 'builtin')
     [failed, why] = rename(part, file);
     if failed && ispc()
-        % There a file that exists is in the way.
+        % There rename does not replace an existing file.
         [~, ~] = unlink(file);
         [failed, why] = rename(part, file);
     end
