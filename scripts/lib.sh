@@ -63,6 +63,10 @@ cxx_includes() {
     printf '#include <%s>\n' "$2" | "$1" -x c++ -E -o /dev/null -
 }
 
+sanitizes() {
+    printf 'int main(void) { return 0; }\n' | "$1" -fsanitize=address -x c -o /dev/null -
+}
+
 builds() {
     have ninja || have make
 }
