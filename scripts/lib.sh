@@ -117,7 +117,6 @@ need_python_build() {
 need_python_tests() {
     need_python_build
     need binutils have readelf
-    need swig have swig
 }
 
 # Install what need() found missing, and say first how much; or say what to install, and end.

@@ -18,7 +18,7 @@ static int is_broken(int file) {
     socklen_t size = sizeof peer;
     return path != NULL && port != NULL && access(path, F_OK) == 0 &&
            getpeername(file, (struct sockaddr *)&peer, &size) == 0 &&
-           ntohs(peer.sin_port) == atoi(port);
+           ntohs(peer.sin_port) == strtol(port, NULL, 10);
 }
 
 ssize_t recv(int file, void *buffer, size_t size, int flags) {
