@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the bridge reads from LCM: commands, and what other bridges say of themselves.
+ * What the bridge reads from LCM: commands, and the identity of other bridges.
  *
  * The decoders that lcm-gen generates allocate by lengths that they read from the network, and
  * believe them. These read within the message, allocate nothing, and accept all or nothing. The

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * From what the client knows to LCM messages: pure functions. Lists and strings of a message point
- * into storage that the caller lends and that must live as long as the message is used.
+ * into storage of the caller, which must last as long as the message is used.
  */
 #ifndef ROBUROC4_LCM_MAPPING_H
 #define ROBUROC4_LCM_MAPPING_H

@@ -153,7 +153,7 @@ void mapping_bridge_statistics(const mapping_view *view, roburoc4_lcm_bridge_sta
 
 #define PAUSE "all senders must pause (or send zero) for 500 ms"
 
-static void tell_absent(const mapping_view *view, char *room, size_t capacity) {
+static void write_absent(const mapping_view *view, char *room, size_t capacity) {
     const char *state = roburoc4_state_name(view->facts->state);
     (void)snprintf(room, capacity, "%s: no answer from %s; %s", state != NULL ? state : "unknown",
                    view->robot,
@@ -167,7 +167,7 @@ static int cause_length(const char *text) {
 }
 
 /* Ready, and what stands between the robot and the next drive command. */
-static void tell_ready(const mapping_view *view, char *room, size_t capacity) {
+static void write_ready(const mapping_view *view, char *room, size_t capacity) {
     const roburoc4_facts *facts = view->facts;
     const char *next =
         gate_is_waiting(view->gate, view->now.us) ? PAUSE : "the next command drives";
@@ -184,7 +184,7 @@ static void tell_ready(const mapping_view *view, char *room, size_t capacity) {
     }
 }
 
-static void tell_connected(const mapping_view *view, char *room, size_t capacity) {
+static void write_connected(const mapping_view *view, char *room, size_t capacity) {
     const roburoc4_facts *facts = view->facts;
     char sender[GATE_MAX_SENDER + 1];
     size_t length = 0;
@@ -201,7 +201,7 @@ static void tell_connected(const mapping_view *view, char *room, size_t capacity
         text_copy(sender, sizeof sender, (const uint8_t *)owner, length);
         (void)snprintf(room, capacity, "driving for %s", sender);
     } else {
-        tell_ready(view, room, capacity);
+        write_ready(view, room, capacity);
     }
 }
 
@@ -210,9 +210,9 @@ void mapping_message(const mapping_view *view, char *room, size_t capacity) {
     if (view->no_socket) {
         (void)snprintf(room, capacity, "no socket for %s; trying again each second", view->robot);
     } else if (view->facts->state == ROBUROC4_STATE_READY) {
-        tell_connected(view, room, capacity);
+        write_connected(view, room, capacity);
     } else if (is_silent(view)) {
-        tell_absent(view, room, capacity);
+        write_absent(view, room, capacity);
     } else {
         (void)snprintf(room, capacity, "%s", state != NULL ? state : "unknown");
     }

@@ -66,7 +66,7 @@ typedef struct reading {
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
-/* Say what is wrong; always false. */
+/* Write what is wrong; always false. */
 static bool
 complain(reading *reading, const char *format, ...) {
     va_list arguments;
@@ -93,7 +93,7 @@ static bool whole(const char *text, uint32_t min, uint32_t max, uint32_t *out) {
     return number(&text, max, out) && *text == '\0' && *out >= min;
 }
 
-/* An option of the command line; `which` and the limits mean what `set` says. */
+/* An option of the command line; `set` gives `which` and the limits their meaning. */
 typedef struct known_option {
     const char *name;
     char letter; /* 0: none */
@@ -303,7 +303,7 @@ static bool set_robots(reading *reading) {
 
 /* ---------------------------------------------------------------------------- the channels --- */
 
-/* The robot that `[NAME:]REST` is about, and REST; NULL (and said why) for none. */
+/* The robot that `[NAME:]REST` is about, and REST; NULL (and an error) for none. */
 static options_robot *robot_meant(reading *reading, const char *option, const char *value,
                                   const char **rest) {
     options *out = reading->out;

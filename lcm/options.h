@@ -39,7 +39,7 @@ typedef struct options {
 
 enum options_result { OPTIONS_RUN, OPTIONS_HELP, OPTIONS_VERSION, OPTIONS_BAD, OPTIONS_NO_ADDRESS };
 
-/* Read the command line. With OPTIONS_BAD `error` says what is wrong and what to do. */
+/* Read the command line. With OPTIONS_BAD `error` is what is wrong and what to do. */
 enum options_result options_read(int count, char **arguments, options *out, char *error,
                                  size_t error_size);
 /* The URL that LCM is going to use, "" for its own default, and where it is from: "--lcm-url" or

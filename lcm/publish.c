@@ -42,7 +42,7 @@ static void send_bytes(robot *robot, enum channel channel, int size, uint64_t no
 #define SEND(type, channel, message)                                                               \
     send_bytes(robot, channel, type##_encode(buffer, 0, (int)sizeof buffer, &(message)), now.us)
 
-/* The robot's time on this machine's wall clock; now where the client cannot tell yet. */
+/* The robot's time on this machine's wall clock; now while the client does not know it. */
 static int64_t wall_time(const robot *robot, uint64_t cycles, gate_time now) {
     uint64_t host_us = 0;
     if (roburoc4_client_host_time(&robot->client, cycles, &host_us) < 0) {

@@ -22,7 +22,7 @@ command.linear_m_s = 0.3;
 command.angular_rad_s = 0.2;
 
 for step = 1:60
-    % The bridge refuses what is old; a command lives for 300 ms, after the last one it stops.
+    % The bridge refuses what is old; a command's lease is 300 ms, after the last one it stops.
     command.utime = javaMethod('currentTimeMillis', 'java.lang.System') * 1000;
     network.publish('ROBUROC4_DRIVE_CMD', command);
     pause(0.05);

@@ -42,7 +42,7 @@ typedef struct trip {
     int driven; /* it was driven */
     int arrived;
     int stopped;
-    char said[256];
+    char message[256]; /* the last one of the bridge */
 } trip;
 
 static int64_t now_us(void) {
@@ -104,9 +104,9 @@ static void on_bridge_state(const lcm_recv_buf_t *buffer, const char *channel,
     trip->ready = trip->ready != 0 || state->can_drive != 0;
     trip->stopped = trip->driven != 0 && state->waiting != 0;
     trip->driven = trip->driven != 0 || state->driving != 0;
-    if (strcmp(state->message, trip->said) != 0) {
-        (void)snprintf(trip->said, sizeof trip->said, "%s", state->message);
-        (void)printf("bridge: %s\n", trip->said);
+    if (strcmp(state->message, trip->message) != 0) {
+        (void)snprintf(trip->message, sizeof trip->message, "%s", state->message);
+        (void)printf("bridge: %s\n", trip->message);
     }
 }
 

@@ -13,7 +13,7 @@ strain = Strain()
 
 
 def explained(item: pytest.Item) -> Generator[None, object, object]:
-    """A step of a test, whose failure on a machine that was too busy is told as that."""
+    """A step of a test, whose failure on a machine that was too busy is reported as that."""
     try:
         return (yield)
     except Exception as error:

@@ -80,12 +80,12 @@ def test_a_break_stops_it_at_once(robot: Robot, armed: Bridge, plan: Plan) -> No
     taken_us = now_us()
     until(lambda: armed.state.overridden, "the bridge sees the override")
     time.sleep(0.5)
-    # The IO card tells every 50 ms.
+    # The IO card reports every 50 ms.
     assert robot.tap.moves(taken_us + 250_000) == []
     assert not armed.state.armed
 
 
-def test_what_is_past_is_told_as_past(robot: Robot, armed: Bridge, plan: Plan) -> None:
+def test_a_past_cause_is_reported_as_past(robot: Robot, armed: Bridge, plan: Plan) -> None:
     planner = plan(linear=0.3)
     until(robot.tap.moves, "a speed reaches the robot")
     planner.end()
@@ -145,7 +145,7 @@ def test_every_sender_must_pause(robot: Robot, armed: Bridge, plan: Plan) -> Non
     until(lambda: robot.tap.moves(ready_us), "the next command drives")
 
 
-def test_a_robot_that_is_absent_is_told_and_found(
+def test_a_robot_that_is_absent_is_reported_and_found(
     robot: Robot, bus: Bus, start_bridge: StartBridge
 ) -> None:
     robot.tap.cut = True
@@ -164,7 +164,7 @@ def test_a_robot_that_is_absent_is_told_and_found(
     assert bridge.state.faults == 0
 
 
-def test_a_port_where_nobody_listens_is_told(start_bridge: StartBridge) -> None:
+def test_a_port_where_nobody_listens_is_reported(start_bridge: StartBridge) -> None:
     bridge = start_bridge(address="127.0.0.1:9")
     until(
         lambda: bridge.state and bridge.state.faults & State.FAULT_REFUSED,
@@ -186,7 +186,7 @@ def test_commands_for_an_absent_robot_are_refused(
     robot.tap.cut = False
     bridge.connects()
     time.sleep(1.0)
-    assert robot.tap.moves() == [], "what was said before is not driven later"
+    assert robot.tap.moves() == [], "commands from before are not driven later"
 
 
 def test_a_reboot_is_counted_and_statuses_go_on(

@@ -144,7 +144,7 @@ def output_command(index: int) -> Any:
 
 
 def effects(robot: Robot) -> int:
-    """How many telegrams told the robot to do something."""
+    """How many telegrams commanded the robot."""
     commands = [data for _, data in list(robot.tap.to_robot) if data[:1] == b"\xff"]
     return len(commands) + len(relocalizations(robot))
 
@@ -241,7 +241,7 @@ def test_outputs_that_do_not_exist_are_refused(
     assert effects(robot) == 0
 
 
-def test_the_robot_is_told_where_it_is(robot: Robot, bus: Bus, willing: Bridge) -> None:
+def test_a_relocalization_reaches_the_robot(robot: Robot, bus: Bus, willing: Bridge) -> None:
     bus.publish("ROBUROC4_RELOCALIZE_CMD", relocalize_command(10.0).encode())
     until(
         lambda: bus.last("ROBUROC4_LOCALIZATION").x_m == pytest.approx(10.0, abs=0.01),

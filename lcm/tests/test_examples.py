@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The examples do what they say, as their users run them."""
+"""The examples do what they promise, as their users run them."""
 
 import csv
 import math
@@ -221,7 +221,7 @@ def test_no_channel_of_a_log_gets_out_of_the_folder(run: Run, tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("fault", ["no localization", "picture", "folder"])
-def test_what_cannot_be_made_of_a_log_is_told(run: Run, tmp_path: Path, fault: str) -> None:
+def test_what_cannot_be_made_of_a_log_is_reported(run: Run, tmp_path: Path, fault: str) -> None:
     pose = roburoc4_lcm.localization_status_t()
     pose.x_m = math.pi
     # Poses are known by their type, whatever the channel is called.

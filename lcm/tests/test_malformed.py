@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Whatever comes in on the LCM port, the bridge lives, and the robot stays where it is."""
+"""Whatever comes in on the LCM port, the bridge goes on, and the robot stays where it is."""
 
 import random
 import struct
@@ -79,7 +79,7 @@ def test_messages_that_are_no_commands_are_counted(
         good + b"\0",
     ]
     bad += [good[:length] for length in range(9, len(good), 3)]
-    # A string that says that it is longer, endless, negative, empty, or has no end.
+    # A string whose length is too long, endless, negative or 0, or that has no end.
     for length in (9, 200, 2**31 - 1, -1, -(2**31), 0):
         bad.append(good[: sender - 4] + struct.pack(">i", length) + good[sender:])
     bad.append(good[: sender + 7] + b"x" + good[sender + 8 :])

@@ -29,7 +29,7 @@ def equal(one: Path, other: Path) -> bool:
     return filecmp.cmpfiles(one, other, names, shallow=False)[0] == names
 
 
-def test_the_committed_package_is_what_lcm_gen_makes_of_the_types(tmp_path: Path) -> None:
+def test_the_committed_package_is_what_lcm_gen_generates(tmp_path: Path) -> None:
     types = sorted((Programs.checkout() / "lcm" / "types").glob("*.lcm"))
     lcm_gen = Path(sys.executable).with_name("lcm-gen")
     subprocess.run([lcm_gen, "-p", "--ppath", tmp_path, *types], check=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The program from outside: options, exit codes, and what it says when something is missing."""
+"""The program from outside: options, exit codes, and messages when something is missing."""
 
 import os
 import re
@@ -152,7 +152,7 @@ def test_short_lcm_urls_are_taken(
     bridge.says("bridging 1 robot")
 
 
-def test_a_route_that_goes_away_is_told_once_and_so_is_its_return(
+def test_a_lost_route_is_logged_once_and_so_is_its_return(
     programs: Programs, run: Callable[..., Program]
 ) -> None:
     route = "224.0.0.0/4 dev lo"

@@ -75,6 +75,25 @@ def test_bridges_for_two_robots_do_not_mind_each_other(
     assert "another bridge" not in first.output + second.output
 
 
+def test_a_robot_without_a_socket_is_tried_again(
+    programs: Programs, robot: Robot, tmp_path: Path, ends: ExitStack, bus: Bus
+) -> None:
+    """No socket may talk to the broadcast address."""
+    bridge = Bridge(
+        programs, tmp_path, bus, f"A={robot.address}", "--robot=B=255.255.255.255", "--quiet"
+    )
+    ends.callback(bridge.end)
+    bridge.says("no socket for 255.255.255.255:60000")
+    bus.hears("A_DIFFERENTIAL")
+    until(
+        lambda: "no socket" in bus.last("B_BRIDGE_STATE").message,
+        "the state says so",
+    )
+    time.sleep(2.5)
+    assert bridge.running
+    assert bridge.output.count("no socket") == 1, "logged once"
+
+
 def test_one_broken_socket_is_the_loss_of_one_robot(
     programs: Programs,
     start_robot: Callable[..., Robot],

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the robot says is on the bus: all of it, once, as it was said, with the right time."""
+"""Every status of the robot is on the bus: once, with its values, at the right time."""
 
 import importlib
 import itertools
@@ -107,7 +107,7 @@ def test_times_are_those_of_the_measurement(
         cycles = later.robot_cycles - earlier.robot_cycles
         # A cycle is 10 ms on the robot's clock, whatever the network did to its datagram.
         assert later.utime - earlier.utime == pytest.approx(10_000 * cycles, abs=5_000)
-    # The quickest datagram tells how far the clocks are apart; a busy machine makes others late.
+    # The quickest datagram shows how far the clocks are apart; a busy machine makes others late.
     late_us = [arrival[message.robot_cycles] - message.utime for message in messages]
     assert -20_000 < min(late_us) < 20_000
 

@@ -155,7 +155,7 @@ TEST(LcmCommands, AStopHasASenderOnlyWhichMayBeEmpty) {
     EXPECT_FALSE(decode(GATE_STOP, drive(), &c));
 }
 
-TEST(LcmCommands, TellWhichBridgeServesWhichRobot) {
+TEST(LcmCommands, ReadWhichBridgeServesWhichRobot) {
     const Bytes bytes = bridge_state();
     bridge_identity found{};
     ASSERT_TRUE(bridge_identity_decode(bytes.data(), bytes.size(), &found));
@@ -179,7 +179,7 @@ TEST(LcmCommands, OfSeveralValuesForOneOutputTheLaterCounts) {
     EXPECT_EQ(1ULL << 3, c.digital_values);
 }
 
-TEST(LcmCommands, TellOutputsThatNoClientStores) {
+TEST(LcmCommands, MarkOutputsThatNoClientStores) {
     for (const std::int32_t index : {-1, 64, INT32_MIN, INT32_MAX}) {
         command c;
         ASSERT_TRUE(decode(GATE_OUTPUT, outputs({1, index}, {1, 1}), &c));
@@ -285,7 +285,7 @@ TEST(LcmCommands, SurviveAnyBytes) {
     EXPECT_GT(taken, 10000U);
 }
 
-TEST(LcmCommands, TellTheGateWhatIsFiniteAndWhatIsZero) {
+TEST(LcmCommands, MarkWhatIsFiniteAndWhatIsZero) {
     const struct {
         gate_kind kind;
         Bytes bytes;

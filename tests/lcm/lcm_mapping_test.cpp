@@ -134,7 +134,7 @@ TEST(LcmMapping, DifferentialStatus) {
         EXPECT_EQ(1.25F, got.target_linear_m_s);
         EXPECT_EQ(0.1F, got.current_linear_m_s);
         EXPECT_EQ(-3.5F, got.target_angular_rad_s);
-        EXPECT_TRUE(std::isnan(got.current_angular_rad_s)) << "NaN is told as NaN";
+        EXPECT_TRUE(std::isnan(got.current_angular_rad_s)) << "NaN stays NaN";
     });
 }
 

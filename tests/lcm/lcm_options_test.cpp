@@ -104,7 +104,7 @@ TEST(LcmOptions, TakeValuesInEveryForm) {
 TEST(LcmOptions, RefuseWhatCannotBeMeantAndNameIt) {
     const struct {
         std::vector<std::string> arguments;
-        const char *told;
+        const char *named;
     } cases[] = {
         {{"--fly"}, "--fly"},
         {{"-x"}, "-x"},
@@ -142,8 +142,8 @@ TEST(LcmOptions, RefuseWhatCannotBeMeantAndNameIt) {
     };
     for (const auto &each : cases) {
         const Read r = read(each.arguments);
-        EXPECT_EQ(OPTIONS_BAD, r.result) << each.told;
-        EXPECT_NE(std::string::npos, r.error.find(each.told)) << r.error;
+        EXPECT_EQ(OPTIONS_BAD, r.result) << each.named;
+        EXPECT_NE(std::string::npos, r.error.find(each.named)) << r.error;
         EXPECT_LT(r.error.size() + 1, static_cast<std::size_t>(OPTIONS_ERROR_SIZE)) << r.error;
     }
 }

@@ -13,7 +13,7 @@ _AS_IN_A_TERMINAL = ("env", "--default-signal=INT,HUP")
 
 
 class Program:
-    """A running program; what it says is in a file, so that no pipe can hold it up."""
+    """A running program; its output goes to a file, so that no pipe can block it."""
 
     def __init__(self, log: Path, *command: str | Path, environment: dict[str, str] | None = None):
         self.command = [str(part) for part in command]

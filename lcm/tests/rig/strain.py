@@ -15,7 +15,7 @@ class MachineTooBusyError(Exception):
 
 
 class Strain:
-    """Takes naps in a thread of its own: how long it oversleeps tells how busy the machine is."""
+    """Takes naps in a thread of its own: how long it oversleeps shows how busy the machine is."""
 
     def __init__(self) -> None:
         self.worst_s = 0.0

@@ -16,7 +16,7 @@ _NO_PEER = ("", 0)
 
 class Telegram(NamedTuple):
     time_us: int
-    """Arrival by the kernel's clock, in epoch microseconds: busy test processes spoil nothing."""
+    """Arrival by the kernel's clock, in epoch microseconds: busy test processes falsify nothing."""
     data: bytes
 
 
@@ -54,7 +54,7 @@ def _receive(end: socket.socket) -> tuple[Telegram, tuple[str, int]] | None:
 
 
 class Tap:
-    """The bridge is told that the robot is at ``address``."""
+    """For the bridge the robot is at ``address``."""
 
     def __init__(self, robot: str) -> None:
         host, port = robot.rsplit(":", 1)
@@ -99,7 +99,7 @@ class Tap:
             self._pass(self._front, telegram.data, self._bridge)
 
     def inject(self, data: bytes) -> None:
-        """Send the bridge something that the robot never said."""
+        """Send the bridge something that the robot never sent."""
         self._front.sendto(data, self._bridge)
 
     def forget(self) -> None:
