@@ -288,15 +288,9 @@ static void handle_events(robot *robot, const uint8_t *datagram, size_t size, ga
 /* ------------------------------------------------------------------------------- the socket --- */
 
 static void open_socket(robot *robot, uint64_t now_us) {
-    if (roburoc4_udp_open(&robot->udp, sizeof robot->udp, &robot->to) >= 0) {
-        if (robot->logged_no_socket) {
-            log_line(LOG_NOTE, robot->name, "has a socket again");
-        }
-        robot->logged_no_socket = false;
-        return;
-    }
     robot->open_us = now_us + REOPEN_US;
-    if (!robot->logged_no_socket) {
+    if (roburoc4_udp_open(&robot->udp, sizeof robot->udp, &robot->to) < 0 &&
+        !robot->logged_no_socket) {
         robot->logged_no_socket = true;
         log_line(LOG_ERROR, robot->name, "no socket for %s: %s; trying again each second",
                  robot->address, strerror((int)roburoc4_udp_system_error(&robot->udp)));
@@ -305,9 +299,11 @@ static void open_socket(robot *robot, uint64_t now_us) {
 
 /* The socket is unusable, not the network: try another one. The other robots go on. */
 static void lose_socket(robot *robot, roburoc4_result why, gate_time now) {
-    log_line(LOG_ERROR, robot->name,
-             "its socket broke (%s, error %d): stopped; trying another one each second",
-             roburoc4_result_text(why), (int)roburoc4_udp_system_error(&robot->udp));
+    if (!robot->logged_no_socket) {
+        log_line(LOG_ERROR, robot->name,
+                 "its socket broke (%s, error %d): stopped; trying another one each second",
+                 roburoc4_result_text(why), (int)roburoc4_udp_system_error(&robot->udp));
+    }
     robot->logged_no_socket = true;
     robot->has_drive = false;
     robot->state.due = true;
@@ -334,6 +330,10 @@ static void receive(robot *robot) {
             return;
         }
         robot->heard = true;
+        if (robot->logged_no_socket) {
+            robot->logged_no_socket = false;
+            log_line(LOG_NOTE, robot->name, "its socket works again");
+        }
         if (result == ROBUROC4_UDP_USED) {
             handle_events(robot, datagram, size, now);
             if (roburoc4_client_next_deadline(&robot->client) <= now.us) {

@@ -134,6 +134,7 @@ def test_one_broken_socket_is_the_loss_of_one_robot(
     assert robots[0].tap.commands()[-1].moves, "A drives on"
     assert robots[1].tap.moves(broken_us + 450_000) == []
     assert robots[1].stands()
+    assert bridge.output.count("socket broke") == 1, "logged once"
     # It comes back, and stays still until B's planner has paused.
     broken.unlink()
     mended_us = now_us()
