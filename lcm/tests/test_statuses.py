@@ -211,7 +211,7 @@ def test_properties_are_those_of_the_robot(
     assert known.differential
     assert known.battery
     assert found.robot == robot.address
-    assert found.max_linear_m_s == known.differential.max_linear_speed_m_s
+    assert found.max_linear_m_s == known.differential.max_linear_m_s
     assert found.width_m == known.differential.width_m
     assert found.nominal_voltage_v == known.battery.nominal_voltage_v
     assert found.capacity_ah == known.battery.capacity_ah
