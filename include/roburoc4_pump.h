@@ -121,6 +121,12 @@ typedef struct roburoc4_sample {
     roburoc4_sample_value value;
 } roburoc4_sample;
 
+/** The latest status of a service (ROBUROC4_SERVICE_*) that a client has; its sequence is 0.
+ *  ROBUROC4_ERR_UNKNOWN: there is none yet, and *out is 0 but for its service.
+ *  ROBUROC4_ERR_ARGUMENT: a service without statuses. */
+ROBUROC4_API roburoc4_result roburoc4_sample_latest(const roburoc4_client *client, uint32_t service,
+                                                    roburoc4_sample *out);
+
 /** How far somebody has read. Declare as many as you like; nothing needs to be given back. A reader
  *  whose bytes are all zero begins at the beginning: with all events since create, and with the
  *  first sample (what was overwritten since counts as lost). */

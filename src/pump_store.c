@@ -12,42 +12,39 @@
 
 /* ------------------------------------------------------------------------------- the writer --- */
 
-static roburoc4_result read_value(const roburoc4_client *client, roburoc4_sample *sample) {
-    roburoc4_sample_value *value = &sample->value;
-    roburoc4_result result = ROBUROC4_ERR_UNKNOWN;
-    switch (sample->service) {
+roburoc4_result roburoc4_sample_latest(const roburoc4_client *client, uint32_t service,
+                                       roburoc4_sample *out) {
+    roburoc4_sample_value *value = &out->value;
+    roburoc4_result result = ROBUROC4_ERR_ARGUMENT;
+    memset(out, 0, sizeof *out);
+    out->service = service;
+    switch (service) {
     case ROBUROC4_SERVICE_IOCARD:
-        result = roburoc4_client_inputs(client, &value->inputs, &sample->host_us);
-        sample->robot_cycles = value->inputs.robot_cycles;
+        result = roburoc4_client_inputs(client, &value->inputs, &out->host_us);
         break;
     case ROBUROC4_SERVICE_TELEMETER:
-        result = roburoc4_client_distances(client, &value->distances, &sample->host_us);
-        sample->robot_cycles = value->distances.robot_cycles;
+        result = roburoc4_client_distances(client, &value->distances, &out->host_us);
         break;
     case ROBUROC4_SERVICE_BATTERY:
-        result = roburoc4_client_battery(client, &value->battery, &sample->host_us);
-        sample->robot_cycles = value->battery.robot_cycles;
+        result = roburoc4_client_battery(client, &value->battery, &out->host_us);
         break;
     case ROBUROC4_SERVICE_LOCALIZATION:
-        result = roburoc4_client_localization(client, &value->localization, &sample->host_us);
-        sample->robot_cycles = value->localization.robot_cycles;
+        result = roburoc4_client_localization(client, &value->localization, &out->host_us);
         break;
     case ROBUROC4_SERVICE_DIFFERENTIAL:
-        result = roburoc4_client_differential(client, &value->differential, &sample->host_us);
-        sample->robot_cycles = value->differential.robot_cycles;
+        result = roburoc4_client_differential(client, &value->differential, &out->host_us);
         break;
     default:
         break;
     }
+    out->robot_cycles = value->inputs.robot_cycles; /* every status begins with it */
     return result;
 }
 
 static void store_sample(roburoc4_pump *pump, uint32_t service) {
     roburoc4_sample sample;
-    memset(&sample, 0, sizeof sample);
-    sample.service = service;
-    sample.sequence = pump->next_sample;
-    if (read_value(&pump->client, &sample) >= 0) {
+    if (roburoc4_sample_latest(&pump->client, service, &sample) >= 0) {
+        sample.sequence = pump->next_sample;
         pump->samples[pump->next_sample % pump->capacity] = sample;
         pump->next_sample++;
     }

@@ -514,7 +514,18 @@ TEST(PumpWithoutAddress, KeepsWhatItsClientIsGivenForReaders) {
     EXPECT_EQ(roburoc4_pump_close(pump), ROBUROC4_OK);
     EXPECT_EQ(roburoc4_pump_running(pump), 0);
     EXPECT_EQ(roburoc4_pump_read_samples(pump, &reader, samples.data(), 1000), ROBUROC4_ERR_CLOSED);
-    EXPECT_EQ(roburoc4_client_state(roburoc4_pump_lock(pump)), ROBUROC4_STATE_READY);
+    roburoc4_client *client = roburoc4_pump_lock(pump);
+    EXPECT_EQ(roburoc4_client_state(client), ROBUROC4_STATE_READY);
+    roburoc4_sample latest;
+    for (std::uint32_t service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT;
+         service++) {
+        EXPECT_EQ(roburoc4_sample_latest(client, service, &latest), ROBUROC4_OK);
+        EXPECT_EQ(latest.service, service);
+        EXPECT_GT(latest.robot_cycles, 0U);
+        EXPECT_GT(latest.host_us, 0U);
+    }
+    EXPECT_EQ(roburoc4_sample_latest(client, ROBUROC4_SERVICE_DIRECTORY, &latest),
+              ROBUROC4_ERR_ARGUMENT);
     roburoc4_pump_unlock(pump);
     roburoc4_world_destroy(world);
     roburoc4_pump_destroy(pump);
