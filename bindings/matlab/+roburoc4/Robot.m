@@ -376,7 +376,7 @@ methods
             left_s = finish_s - roburoc4.internal.roburoc4_mex('wait', this.id, min(left_s, 0.05));
             roburoc4.internal.roburoc4_mex('recorded', this.id);
         end
-        data = roburoc4.internal.roburoc4_mex('recording', this.id);
+        data = roburoc4.internal.roburoc4_mex('recording', this.id, services{:});
         roburoc4.internal.roburoc4_mex('busy', this.id, false);
     end
 

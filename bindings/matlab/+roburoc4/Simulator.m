@@ -273,16 +273,8 @@ methods
         %
         %   Example:
         %      sim.faults('loss', 0.2, 'delay_ms', 10)
-        own = struct('loss', 0, 'duplicate', 0, 'reorder', 0, 'corrupt', 0, 'delay_ms', 0, ...
-            'jitter_ms', 0);
-        [unknown, own] = roburoc4.internal.options(varargin, own);
-        unknown = fieldnames(unknown);
-        if ~isempty(unknown)
-            error('roburoc4:badArgument', 'there is no fault ''%s''; give one of %s', ...
-                unknown{1}, strjoin(fieldnames(own)', ', '));
-        end
-        values = struct2cell(own);
-        roburoc4.internal.roburoc4_mex('simFaults', this.id, values{:});
+        faults = roburoc4.internal.options(varargin, struct());
+        roburoc4.internal.roburoc4_mex('simFaults', this.id, faults);
     end
 end
 

@@ -88,7 +88,7 @@ typedef union member {
 } member;
 
 static size_t size_of(kind type) {
-    static const uint8_t sizes[] = {2, 2, 4, 4, 8, 4, 8, 4, 8, 1, 4, 1, 4, 8, 4};
+    static const uint8_t sizes[] = {2, 2, 4, 4, 8, 4, 8, 4, 8, 1, 4, 1, 4, 8, 4, 4};
     return sizes[type];
 }
 
@@ -121,57 +121,55 @@ double field_value(const field *from, const void *base) {
     }
 }
 
-static int take_integer(const field *to, member *out, const mxArray *value) {
-    static const int64_t least[] = {0, INT16_MIN, 0, INT32_MIN, 0};
-    static const int64_t most[] = {UINT16_MAX, INT16_MAX, UINT32_MAX, INT32_MAX, (int64_t)1 << 53};
-    int64_t number;
-    if (!take_whole(value, to->name, least[to->type], most[to->type], &number)) {
-        return 0;
-    }
-    /* Modulo 2^n: the bits of the signed types. */
-    switch (size_of(to->type)) {
-    case 2:
-        out->u16 = (uint16_t)number;
-        break;
-    case 4:
-        out->u32 = (uint32_t)number;
-        break;
-    default:
-        out->u64 = (uint64_t)number;
-        break;
-    }
-    return 1;
-}
+/* The least and the most of the integers, from FIELD_U16 to FIELD_U64. */
+static const int64_t least[] = {0, INT16_MIN, 0, INT32_MIN, 0};
+static const int64_t most[] = {UINT16_MAX, INT16_MAX, UINT32_MAX, INT32_MAX, (int64_t)1 << 53};
 
-static int take_float(const field *to, member *out, const mxArray *value) {
+static int take_member(const field *to, member *out, const mxArray *value) {
+    int64_t whole;
     double number;
-    if (!take_range(value, to->name, -1e30, 1e30, &number)) {
-        return 0;
+    int on;
+    switch (to->type) {
+    case FIELD_BIT:
+        if (!take_flag(value, to->name, &on)) {
+            return 0;
+        }
+        out->u32 = on ? out->u32 | to->bit : out->u32 & ~to->bit;
+        return 1;
+    case FIELD_MS32:
+        if (!take_range(value, to->name, 0, 60000.0, &number)) {
+            return 0;
+        }
+        out->u32 = (uint32_t)(number * 1e3);
+        return 1;
+    case FIELD_F32:
+    case FIELD_F64:
+        if (!take_range(value, to->name, -1e30, 1e30, &number)) {
+            return 0;
+        }
+        *out = to->type == FIELD_F32 ? (member){.f32 = (float)number} : (member){.f64 = number};
+        return 1;
+    default:
+        if (!take_whole(value, to->name, least[to->type], most[to->type], &whole)) {
+            return 0;
+        }
+        /* Modulo 2^n: the bits of the signed types. */
+        *out = size_of(to->type) == 2   ? (member){.u16 = (uint16_t)whole}
+               : size_of(to->type) == 4 ? (member){.u32 = (uint32_t)whole}
+                                        : (member){.u64 = (uint64_t)whole};
+        return 1;
     }
-    if (to->type == FIELD_F32) {
-        out->f32 = (float)number;
-    } else {
-        out->f64 = number;
-    }
-    return 1;
 }
 
 int field_take(const field *to, void *base, const mxArray *value) {
     char *place = (char *)base + to->offset;
     member m;
-    int fine, on;
     memcpy(&m, place, size_of(to->type));
-    if (to->type == FIELD_BIT) {
-        fine = take_flag(value, to->name, &on);
-        m.u32 = fine && on ? m.u32 | to->bit : m.u32 & ~to->bit;
-    } else {
-        fine = to->type == FIELD_F32 || to->type == FIELD_F64 ? take_float(to, &m, value)
-                                                              : take_integer(to, &m, value);
+    if (!take_member(to, &m, value)) {
+        return 0;
     }
-    if (fine) {
-        memcpy(place, &m, size_of(to->type));
-    }
-    return fine;
+    memcpy(place, &m, size_of(to->type));
+    return 1;
 }
 
 /* -------------------------------------------------------------------------------- answers --- */

@@ -52,6 +52,7 @@ typedef enum kind {
     FIELD_FLAG8,  /* a uint8_t; logical */
     FIELD_FLAG32, /* a uint32_t or int32_t; logical */
     FIELD_CYCLES, /* a uint64_t of robot cycles; uint64 */
+    FIELD_MS32,   /* a uint32_t of microseconds; milliseconds; options only */
     FIELD_BIT,    /* one bit of a uint32_t; options only */
     FIELD_FLOATS, /* float array of a status; see samples.c */
     FIELD_BITS    /* bits of a uint64_t of a status; logicals, likewise */

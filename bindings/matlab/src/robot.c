@@ -9,8 +9,8 @@
 #include "fail.h"
 #include "handles.h"
 
-/* Samples taken at a time. */
-#define CHUNK 256u
+/* The most that is recorded: 192 bytes each. */
+#define SAMPLES_MAX 4000000u
 
 /* ----------------------------------------------------------------------------------- life --- */
 
@@ -84,7 +84,8 @@ void robot_close(robot *r) {
         robot_unlock(r);
     }
     roburoc4_pump_destroy(r->pump);
-    samples_free(&r->recording);
+    recording_end(&r->logged);
+    recording_end(&r->recorded);
     free(r);
 }
 
@@ -218,16 +219,29 @@ void robot_texts(robot *r, uint32_t io_type, channel_texts out) {
     }
 }
 
-int robot_drain(robot *r, roburoc4_pump_reader *reader, sample_list *list) {
+int recording_go_on(recording *rec, roburoc4_pump *pump) {
+    const roburoc4_result waiting = roburoc4_pump_wait_samples(pump, &rec->reader, 0);
+    const uint32_t needed = rec->list.count + (waiting > 0 ? (uint32_t)waiting : 0);
     roburoc4_result got;
-    do {
-        roburoc4_sample *end = samples_reserve(list, CHUNK);
-        if (end == NULL) {
+    if (needed > rec->list.capacity) {
+        void *bigger = needed <= SAMPLES_MAX
+                           ? realloc(rec->list.samples, 2 * needed * sizeof(roburoc4_sample))
+                           : NULL;
+        if (bigger == NULL) {
             return fail(FAIL_LIMIT, "there is no room for more than %lu statuses; record less long",
-                        (unsigned long)list->count);
+                        (unsigned long)rec->list.count);
         }
-        got = roburoc4_pump_read_samples(r->pump, reader, end, CHUNK);
-        list->count += got > 0 ? (uint32_t)got : 0;
-    } while (got > 0);
+        rec->list.samples = bigger;
+        rec->list.capacity = 2 * needed;
+    }
+    got = roburoc4_pump_read_samples(pump, &rec->reader, rec->list.samples + rec->list.count,
+                                     needed - rec->list.count);
+    rec->list.count += got > 0 ? (uint32_t)got : 0;
     return 1;
+}
+
+void recording_end(recording *rec) {
+    free(rec->list.samples);
+    memset(&rec->list, 0, sizeof rec->list);
+    rec->reader.lost = 0;
 }

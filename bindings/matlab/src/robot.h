@@ -18,6 +18,12 @@
 /** The robot's own texts for the channels of one type; "" where there is none. */
 typedef char channel_texts[CHANNELS_MAX][CHANNEL_TEXT];
 
+/** What came since a moment. All bytes zero: since the pump was made. */
+typedef struct recording {
+    roburoc4_pump_reader reader;
+    sample_list list;
+} recording;
+
 typedef struct robot {
     roburoc4_pump *pump;   /* in virtual time one without a thread */
     int simulated;         /* in virtual time */
@@ -28,14 +34,11 @@ typedef struct robot {
     uint64_t furthest_us; /* when it came to the state below */
     uint32_t furthest;    /* the last state on the way to ready that it came to */
     uint32_t lease_us;
-    uint32_t fresh_us; /* age to which a status counts */
-    int busy;          /* a method that waits is running: if it ends early, the robot stops */
-    roburoc4_pump_reader log;     /* of log(): what was written ends here */
-    roburoc4_pump_reader log_end; /* where it will end, once the file is there */
-    roburoc4_pump_reader reader;  /* of record() */
-    sample_list recording;
-    uint64_t recording_us;
-    uint32_t recording_mask; /* of services */
+    uint32_t fresh_us;  /* age to which a status counts */
+    int busy;           /* a method that waits is running: if it ends early, the robot stops */
+    recording logged;   /* since the robot was made, or since the last log() */
+    recording recorded; /* of record(), which began then */
+    uint64_t recorded_us;
 } robot;
 
 /** Open a link in real time. NULL after noting why (fail.h); an absent robot is no error. */
@@ -74,7 +77,9 @@ void robot_address_text(robot *r, char *text, size_t capacity);
 /** The robot's texts for the channels of a type, by index. Not between lock and unlock. */
 void robot_texts(robot *r, uint32_t io_type, channel_texts out);
 
-/** Append what a reader has not read to a list. 0 after noting that there is no room. */
-int robot_drain(robot *r, roburoc4_pump_reader *reader, sample_list *list);
+/** Take what has come since. 0 after noting that there is no room. */
+int recording_go_on(recording *rec, roburoc4_pump *pump);
+/** Forget what was recorded; the next sample is the one after. */
+void recording_end(recording *rec);
 
 #endif

@@ -19,7 +19,7 @@ static const field facts_fields[] = {
 
 /* How old a status is; Inf before the first. */
 static double age_s(const roburoc4_sample *latest, uint64_t now_us) {
-    if (latest->service == 0) {
+    if (latest->host_us == 0) {
         return mxGetInf();
     }
     return now_us > latest->host_us ? (double)(now_us - latest->host_us) / 1e6 : 0.0;
@@ -38,7 +38,7 @@ static int read_status(call *in) {
     answer_flag(&in->out, "ready", facts.state == ROBUROC4_STATE_READY);
     answer_fields(&in->out, facts_fields, COUNT_OF(facts_fields), &facts);
     for (i = 0; i < SERVICES; i++) {
-        (void)samples_latest(in->client, FIRST_SERVICE + i, &latest);
+        (void)roburoc4_sample_latest(in->client, FIRST_SERVICE + i, &latest);
         if (FIRST_SERVICE + i != ROBUROC4_SERVICE_IOCARD) {
             samples_answer(&in->out, FIRST_SERVICE + i, &latest);
         }
@@ -55,7 +55,7 @@ static int read_row(call *in, uint32_t service, const field *fields, size_t coun
     double *row = make_doubles(&in->results[0], 1, count);
     roburoc4_sample latest;
     size_t i;
-    (void)samples_latest(in->client, service, &latest);
+    (void)roburoc4_sample_latest(in->client, service, &latest);
     for (i = 0; i < count; i++) {
         row[i] = age_s(&latest, in->now_us) < ((const robot *)in->object)->fresh_us / 1e6
                      ? field_value(&fields[i], &latest.value)
@@ -257,7 +257,7 @@ static int find_output(call *in) {
 
 /* The latest inputs. 0 after noting that there are none yet. */
 static int read_sample(const call *in, roburoc4_sample *out) {
-    return samples_latest(in->client, ROBUROC4_SERVICE_IOCARD, out) ||
+    return roburoc4_sample_latest(in->client, ROBUROC4_SERVICE_IOCARD, out) >= 0 ||
            fail(FAIL_PROTOCOL, "the robot has sent no IO card status yet; wait with spin(0.1)");
 }
 
@@ -330,64 +330,55 @@ static int take_mask(const call *in, uint32_t *mask) {
     return 1;
 }
 
-/* record(id, service, ...): forget what was recorded, and begin now */
+/* record(id, service, ...): record from now on; the services are only checked */
 static int begin_recording(call *in) {
     robot *r = in->object;
     uint32_t mask;
     if (!take_mask(in, &mask)) {
         return 0;
     }
-    samples_free(&r->recording);
-    (void)roburoc4_pump_reader_init(r->pump, &r->reader);
-    r->recording_us = robot_now_us(r);
-    r->recording_mask = mask;
+    recording_end(&r->recorded);
+    (void)roburoc4_pump_reader_init(r->pump, &r->recorded.reader);
+    r->recorded_us = in->now_us;
     return 1;
 }
 
 /* recorded(id): take what has come since */
 static int go_on_recording(call *in) {
     robot *r = in->object;
-    return robot_drain(r, &r->reader, &r->recording);
+    return recording_go_on(&r->recorded, r->pump);
 }
 
-/* recording(id): all that was recorded, as columns */
+/* recording(id, service, ...): all that was recorded, as columns */
 static int end_recording(call *in) {
     robot *r = in->object;
-    if (!robot_drain(r, &r->reader, &r->recording)) {
+    uint32_t mask;
+    if (!take_mask(in, &mask) || !recording_go_on(&r->recorded, r->pump)) {
         return 0;
     }
-    if (r->recording.count == 0 && roburoc4_client_state(in->client) != ROBUROC4_STATE_READY) {
+    if (r->recorded.list.count == 0 && roburoc4_client_state(in->client) != ROBUROC4_STATE_READY) {
         return fail(FAIL_TIMEOUT, "nothing was recorded: the robot does not answer; look at link");
     }
     in->results[0] =
-        samples_columns(&r->recording, r->recording_mask, r->recording_us, r->reader.lost);
-    samples_free(&r->recording);
+        samples_columns(&r->recorded.list, mask, r->recorded_us, r->recorded.reader.lost);
+    recording_end(&r->recorded);
     return 1;
 }
 
 /* log(id, service, ...): all since the robot was made, or since the last logged() */
 static int read_log(call *in) {
     robot *r = in->object;
-    sample_list list = {0};
     uint32_t mask;
-    int fine;
-    if (!take_mask(in, &mask)) {
+    if (!take_mask(in, &mask) || !recording_go_on(&r->logged, r->pump)) {
         return 0;
     }
-    r->log_end = r->log;
-    fine = robot_drain(r, &r->log_end, &list);
-    if (fine) {
-        in->results[0] = samples_columns(&list, mask, r->opened_us, r->log_end.lost);
-    }
-    samples_free(&list);
-    return fine;
+    in->results[0] = samples_columns(&r->logged.list, mask, r->opened_us, r->logged.reader.lost);
+    return 1;
 }
 
 /* logged(id): the file of log() is written; the next one begins after it */
 static int end_log(call *in) {
-    robot *r = in->object;
-    r->log = r->log_end;
-    r->log.lost = 0;
+    recording_end(&((robot *)in->object)->logged);
     return 1;
 }
 
@@ -404,7 +395,7 @@ const command robot_read_commands[] = {
     {"inputs", READ_ROBOT, 0, STRUCT, read_inputs},
     {"record", READ_ROBOT, -1, NOTHING, begin_recording},
     {"recorded", READ_ROBOT, 0, NOTHING, go_on_recording},
-    {"recording", READ_ROBOT, 0, OTHER, end_recording},
+    {"recording", READ_ROBOT, -1, OTHER, end_recording},
     {"log", READ_ROBOT, -1, OTHER, read_log},
     {"logged", READ_ROBOT, 0, NOTHING, end_log},
     {NULL, NO_ID, 0, NOTHING, NULL},

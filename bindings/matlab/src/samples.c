@@ -1,13 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "samples.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "fail.h"
-
-/* The most that a list holds: 192 bytes each. */
-#define SAMPLES_MAX 4000000u
 
 /* ------------------------------------------------------------------------------- services --- */
 
@@ -68,65 +64,6 @@ int take_service(const mxArray *value, uint32_t *out) {
                 "there is no service '%s' with statuses; give iocard, telemeter, battery, "
                 "localization or differential",
                 text);
-}
-
-/* --------------------------------------------------------------------------------- latest --- */
-
-int samples_latest(const roburoc4_client *client, uint32_t service, roburoc4_sample *out) {
-    roburoc4_sample_value *value = &out->value;
-    roburoc4_result result;
-    memset(out, 0, sizeof *out);
-    switch (service) {
-    case ROBUROC4_SERVICE_IOCARD:
-        result = roburoc4_client_inputs(client, &value->inputs, &out->host_us);
-        break;
-    case ROBUROC4_SERVICE_TELEMETER:
-        result = roburoc4_client_distances(client, &value->distances, &out->host_us);
-        break;
-    case ROBUROC4_SERVICE_BATTERY:
-        result = roburoc4_client_battery(client, &value->battery, &out->host_us);
-        break;
-    case ROBUROC4_SERVICE_LOCALIZATION:
-        result = roburoc4_client_localization(client, &value->localization, &out->host_us);
-        break;
-    default:
-        result = roburoc4_client_differential(client, &value->differential, &out->host_us);
-        break;
-    }
-    if (result < 0) {
-        return 0;
-    }
-    /* Every status begins with it. */
-    out->robot_cycles = value->inputs.robot_cycles;
-    out->service = service;
-    return 1;
-}
-
-/* ----------------------------------------------------------------------------------- list --- */
-
-roburoc4_sample *samples_reserve(sample_list *list, uint32_t more) {
-    if (list->count + more > list->capacity) {
-        uint32_t capacity = 2 * list->capacity + more;
-        roburoc4_sample *bigger;
-        if (capacity > SAMPLES_MAX) {
-            capacity = SAMPLES_MAX;
-        }
-        if (list->count + more > capacity) {
-            return NULL;
-        }
-        bigger = realloc(list->samples, capacity * sizeof *bigger);
-        if (bigger == NULL) {
-            return NULL;
-        }
-        list->samples = bigger;
-        list->capacity = capacity;
-    }
-    return list->samples + list->count;
-}
-
-void samples_free(sample_list *list) {
-    free(list->samples);
-    memset(list, 0, sizeof *list);
 }
 
 /* -------------------------------------------------------------------------------- columns --- */
@@ -215,7 +152,7 @@ void samples_answer(answer *out, uint32_t service, const roburoc4_sample *latest
         if (at->type == FIELD_FLOATS || at->type == FIELD_BITS) {
             add_matrix(out, &one_row, at);
         } else {
-            answer_fields(out, at, 1, latest->service != 0 ? &latest->value : NULL);
+            answer_fields(out, at, 1, latest->host_us != 0 ? &latest->value : NULL);
         }
     }
 }

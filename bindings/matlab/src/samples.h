@@ -18,9 +18,8 @@ const char *service_name(uint32_t service);
 /** The service with statuses that a text names. 0 after noting that there is none. */
 int take_service(const mxArray *value, uint32_t *out);
 
-/** The latest status of a service. 0 where there is none yet: then sample->service is 0. */
-int samples_latest(const roburoc4_client *client, uint32_t service, roburoc4_sample *out);
-/** Its values, as scalars and rows; those that are not known are NaN, 255 or empty. */
+/** Values of roburoc4_sample_latest(), as scalars and rows; those that are not known are NaN, 255
+ *  or empty. */
 void samples_answer(answer *out, uint32_t service, const roburoc4_sample *latest);
 
 /** A list that grows. All bytes zero: empty. */
@@ -29,9 +28,6 @@ typedef struct sample_list {
     uint32_t count, capacity;
 } sample_list;
 
-/** Make room for `more` samples at the end; where the first of it is, or NULL. */
-roburoc4_sample *samples_reserve(sample_list *list, uint32_t more);
-void samples_free(sample_list *list);
 /** A scalar struct with a struct of columns for each service whose bit is set in `mask`; times are
  *  counted from begin_us. */
 mxArray *samples_columns(const sample_list *list, uint32_t mask, uint64_t begin_us, uint64_t lost);

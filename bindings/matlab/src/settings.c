@@ -60,6 +60,15 @@ static const field of_simulator[] = {
 };
 /* clang-format on */
 
+static const field of_faults[] = {
+    FIELD(roburoc4_sim_faults, loss, F64),
+    FIELD(roburoc4_sim_faults, duplicate, F64),
+    FIELD(roburoc4_sim_faults, reorder, F64),
+    FIELD(roburoc4_sim_faults, corrupt, F64),
+    FIELD_AS("delay_ms", roburoc4_sim_faults, delay_us, MS32),
+    FIELD_AS("jitter_ms", roburoc4_sim_faults, jitter_us, MS32),
+};
+
 /* ------------------------------------------------------------------------------- all of them ---
  */
 
@@ -70,7 +79,7 @@ static int fail_unknown(const char *name, const field *settings, size_t count) {
         used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "",
                                  settings[i].name);
     }
-    return fail(FAIL_ARGUMENT, "there is no option '%s'; there are %s", name, known);
+    return fail(FAIL_ARGUMENT, "there is no '%s'; there are %s", name, known);
 }
 
 static int write_all(const mxArray *options, const field *settings, size_t count, void *base) {
@@ -139,4 +148,9 @@ int settings_of_simulator(const mxArray *options, roburoc4_sim_config *out) {
     }
     wrong = roburoc4_sim_config_error(out);
     return wrong == NULL ? 1 : fail(FAIL_ARGUMENT, "option out of range: %s", wrong);
+}
+
+int settings_of_faults(const mxArray *options, roburoc4_sim_faults *out) {
+    *out = (roburoc4_sim_faults){0};
+    return write_all(options, of_faults, COUNT_OF(of_faults), out);
 }

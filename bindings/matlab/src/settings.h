@@ -18,5 +18,6 @@ typedef struct robot_settings {
 /** 1; or 0 after noting which option is unknown or out of range. */
 int settings_of_robot(const mxArray *options, robot_settings *out);
 int settings_of_simulator(const mxArray *options, roburoc4_sim_config *out);
+int settings_of_faults(const mxArray *options, roburoc4_sim_faults *out);
 
 #endif

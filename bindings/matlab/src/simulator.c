@@ -155,27 +155,19 @@ static int step(call *in) {
     return 1;
 }
 
-/* simFaults(id, loss, duplicate, reorder, corrupt, delay_ms, jitter_ms) */
+/* simFaults(id, faults) */
 static int set_faults(call *in) {
-    static const char *const names[] = {"loss",    "duplicate", "reorder",
-                                        "corrupt", "delay_ms",  "jitter_ms"};
     const simulator *s = in->object;
     roburoc4_sim_faults faults;
     roburoc4_result result;
-    double v[6];
-    int i;
-    for (i = 0; i < 6; i++) {
-        if (!take_range(in->arguments[i], names[i], 0.0, i < 4 ? 1.0 : 60000.0, &v[i])) {
-            return 0;
-        }
+    if (!settings_of_faults(in->arguments[0], &faults)) {
+        return 0;
     }
-    faults = (roburoc4_sim_faults){
-        v[0], v[1], v[2], v[3], (uint32_t)(v[4] * 1e3), (uint32_t)(v[5] * 1e3)};
     (void)begin(s);
     result = s->host != NULL ? sim_host_set_faults(s->host, &faults)
                              : roburoc4_world_set_faults(s->world, &faults);
     end(s);
-    return result >= 0 || fail_result("faults", result);
+    return result >= 0 || fail_result("the shares of faults: give 0 to 1", result);
 }
 
 /* ------------------------------------------------------------------------ looking and acting ---
@@ -252,7 +244,7 @@ const command simulator_commands[] = {
     {"simPort", SIMULATOR, 0, NUMBER, read_port},
     {"simConnect", SIMULATOR, 1, NUMBER, connect_robot},
     {"simStep", SIMULATOR, 1, NOTHING, step},
-    {"simFaults", SIMULATOR, 6, NOTHING, set_faults},
+    {"simFaults", SIMULATOR, 1, NOTHING, set_faults},
     {"simState", SIMULATOR, 0, STRUCT, read_state},
     {"simOutput", SIMULATOR, 1, FLAG, read_output},
     {"simPanel", SIMULATOR, 1, OTHER, panel},

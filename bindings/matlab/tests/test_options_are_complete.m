@@ -34,7 +34,7 @@ try
     action();
 catch problem
     check(strcmp(problem.identifier, 'roburoc4:badArgument'), '%s: %s', option, problem.message);
-    check(isempty(strfind(problem.message, 'there is no option')), '%s is no option', option);
+    check(isempty(strfind(problem.message, 'there is no ')), '%s is no option', option);
     return
 end
 check(false, '%s: any value is taken', option);
