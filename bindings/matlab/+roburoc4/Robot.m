@@ -303,7 +303,7 @@ methods
         %   Example:
         %      r.setOutput(3, true)
         roburoc4.internal.needed(nargin == 3, 'setOutput(index or name, true or false)');
-        roburoc4.internal.roburoc4_mex('digital', this.id, this.output(channel), on);
+        roburoc4.internal.roburoc4_mex('digital', this.id, this.output(channel, true), on);
     end
 
     function setAnalogOutput(this, channel, volts)
@@ -312,7 +312,7 @@ methods
         %   Example:
         %      r.setAnalogOutput(0, 2.5)
         roburoc4.internal.needed(nargin == 3, 'setAnalogOutput(index or name, volts)');
-        roburoc4.internal.roburoc4_mex('analog', this.id, this.output(channel), volts);
+        roburoc4.internal.roburoc4_mex('analog', this.id, this.output(channel, false), volts);
     end
 
     function relocalize(this, x_m, y_m, theta_rad)
@@ -407,11 +407,11 @@ methods
 end
 
 methods (Access = private)
-    function index = output(this, channel)
+    function index = output(this, channel, digital)
         index = channel;
         if ~isnumeric(channel)
             channel = roburoc4.internal.text(channel, 'channel');
-            index = roburoc4.internal.roburoc4_mex('output', this.id, channel);
+            index = roburoc4.internal.roburoc4_mex('output', this.id, channel, digital);
         end
     end
 end

@@ -210,8 +210,7 @@ static mxArray *make_field(const field *from, const void *base) {
 }
 
 void answer_fields(answer *out, const field *fields, size_t count, const void *base) {
-    size_t i;
-    for (i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; i++) {
         answer_add(out, fields[i].name, make_field(&fields[i], base));
     }
 }
@@ -233,10 +232,9 @@ void answer_rows(answer *out, const field *fields, size_t members, const void *b
 mxArray *answer_finish(const answer *in) {
     const char *names[ANSWER_FIELDS];
     mxArray *made;
-    int i;
     memcpy(names, in->names, sizeof names);
     made = mxCreateStructMatrix(1, 1, in->count, names);
-    for (i = 0; i < in->count; i++) {
+    for (int i = 0; i < in->count; i++) {
         mxSetFieldByNumber(made, 0, i, in->values[i]);
     }
     return made;

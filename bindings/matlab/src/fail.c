@@ -59,8 +59,7 @@ int fail(const char *id, const char *format, ...) {
 
 int fail_result(const char *what, roburoc4_result result) {
     const char *text = roburoc4_result_text(result), *id = FAIL_PROTOCOL, *remedy = NULL;
-    size_t i;
-    for (i = 0; i < sizeof known / sizeof *known; i++) {
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         if (known[i].result == result) {
             id = known[i].id;
             remedy = known[i].remedy;

@@ -14,12 +14,11 @@ static struct {
 static uint64_t generation;
 
 double handles_add(int kind, void *object) {
-    uint32_t place;
     if (generation == 0) {
         /* Milliseconds: above what an earlier life of this MEX file, in this MATLAB, gave out. */
         generation = 1 + roburoc4_udp_now_us() / 1000;
     }
-    for (place = 0; place < HANDLES_MAX; place++) {
+    for (uint32_t place = 0; place < HANDLES_MAX; place++) {
         if (table[place].object == NULL) {
             table[place].object = object;
             table[place].kind = kind;
@@ -31,8 +30,7 @@ double handles_add(int kind, void *object) {
 }
 
 void *handles_find(int kind, double id) {
-    uint32_t place;
-    for (place = 0; place < HANDLES_MAX; place++) {
+    for (uint32_t place = 0; place < HANDLES_MAX; place++) {
         if (handles_at(kind, place) != NULL && table[place].id == id) {
             return table[place].object;
         }
@@ -41,8 +39,7 @@ void *handles_find(int kind, double id) {
 }
 
 void handles_remove(const void *object) {
-    uint32_t place;
-    for (place = 0; place < HANDLES_MAX; place++) {
+    for (uint32_t place = 0; place < HANDLES_MAX; place++) {
         if (table[place].object == object) {
             table[place].object = NULL;
         }

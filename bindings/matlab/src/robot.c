@@ -112,9 +112,9 @@ static robot *robot_in(const roburoc4_world *world, uint32_t place) {
 void robots_run(roburoc4_world *world, uint64_t until_us) {
     const uint8_t *datagram;
     size_t size;
-    uint32_t number, place;
+    uint32_t number;
     while ((number = roburoc4_world_step(world, until_us, &datagram, &size)) != 0) {
-        for (place = 0; place < HANDLES_MAX; place++) {
+        for (uint32_t place = 0; place < HANDLES_MAX; place++) {
             robot *r = robot_in(world, place);
             if (r != NULL && r->number == number) {
                 (void)roburoc4_pump_lock(r->pump);
@@ -126,8 +126,7 @@ void robots_run(roburoc4_world *world, uint64_t until_us) {
 }
 
 void robots_lose(const roburoc4_world *world) {
-    uint32_t place;
-    for (place = 0; place < HANDLES_MAX; place++) {
+    for (uint32_t place = 0; place < HANDLES_MAX; place++) {
         robot *r = robot_in(world, place);
         if (r != NULL) {
             r->left_us = robot_now_us(r);
@@ -211,8 +210,7 @@ void robot_address_text(robot *r, char *text, size_t capacity) {
 }
 
 void robot_texts(robot *r, uint32_t io_type, channel_texts out) {
-    uint32_t i;
-    for (i = 0; i < CHANNELS_MAX; i++) {
+    for (uint32_t i = 0; i < CHANNELS_MAX; i++) {
         if (roburoc4_pump_description(r->pump, (int32_t)io_type, i, out[i], CHANNEL_TEXT) < 0) {
             out[i][0] = '\0';
         }

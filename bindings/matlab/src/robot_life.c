@@ -42,14 +42,13 @@ static int leave(call *in) {
 }
 
 void close_robots(void) {
-    uint32_t place;
-    for (place = 0; place < HANDLES_MAX; place++) {
+    for (uint32_t place = 0; place < HANDLES_MAX; place++) {
         robot *r = handles_at(HANDLE_ROBOT, place);
         if (r != NULL && robot_is_open(r)) {
             robot_disarm(r);
         }
     }
-    for (place = 0; place < HANDLES_MAX; place++) {
+    for (uint32_t place = 0; place < HANDLES_MAX; place++) {
         robot *r = handles_at(HANDLE_ROBOT, place);
         if (r != NULL) {
             /* Objects may outlive this: their ids must find nothing. */

@@ -32,12 +32,11 @@ static int read_status(call *in) {
     static const field cycles = FIELD(roburoc4_sample, robot_cycles, CYCLES);
     const roburoc4_facts facts = call_facts(in);
     roburoc4_sample latest, newest = {0};
-    uint32_t i;
     answer_number(&in->out, "time_s",
                   (double)(in->now_us - ((const robot *)in->object)->opened_us) / 1e6);
     answer_flag(&in->out, "ready", facts.state == ROBUROC4_STATE_READY);
     answer_fields(&in->out, facts_fields, COUNT_OF(facts_fields), &facts);
-    for (i = 0; i < SERVICES; i++) {
+    for (uint32_t i = 0; i < SERVICES; i++) {
         (void)roburoc4_sample_latest(in->client, FIRST_SERVICE + i, &latest);
         if (FIRST_SERVICE + i != ROBUROC4_SERVICE_IOCARD) {
             samples_answer(&in->out, FIRST_SERVICE + i, &latest);
@@ -54,9 +53,8 @@ static int read_status(call *in) {
 static int read_row(call *in, uint32_t service, const field *fields, size_t count) {
     double *row = make_doubles(&in->results[0], 1, count);
     roburoc4_sample latest;
-    size_t i;
     (void)roburoc4_sample_latest(in->client, service, &latest);
-    for (i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; i++) {
         row[i] = age_s(&latest, in->now_us) < ((const robot *)in->object)->fresh_us / 1e6
                      ? field_value(&fields[i], &latest.value)
                      : mxGetNaN();
@@ -135,11 +133,10 @@ static int read_info(call *in) {
     const int has_pose = roburoc4_client_localization_properties(in->client, &pose) >= 0;
     const uint32_t telemeter_count = roburoc4_client_telemeter_count(in->client);
     const uint32_t entry_count = roburoc4_client_service_count(in->client);
-    uint32_t i;
-    for (i = 0; i < telemeter_count; i++) {
+    for (uint32_t i = 0; i < telemeter_count; i++) {
         (void)roburoc4_client_telemeter(in->client, i, &telemeters[i]);
     }
-    for (i = 0; i < entry_count; i++) {
+    for (uint32_t i = 0; i < entry_count; i++) {
         (void)roburoc4_client_service_at(in->client, i, &entries[i]);
     }
     (void)roburoc4_client_iocard_properties(in->client, &card);
@@ -210,26 +207,28 @@ uint32_t count_channels(const roburoc4_client *client, uint32_t io_type) {
     return (uint32_t)field_value(&channels[io_type], &card);
 }
 
-/* The index of a channel of one of two types. 0 after noting why there is none. */
-static int take_channel(const call *in, uint32_t analog, uint32_t digital, uint32_t *io_type,
-                        uint32_t *index) {
+static roburoc4_result find_channel(const call *in, uint32_t io_type, const char *name) {
     static channel_texts texts;
     const char *pointers[CHANNELS_MAX];
-    const uint32_t types[2] = {analog, digital};
+    robot_texts(in->object, io_type, texts);
+    for (uint32_t i = 0; i < CHANNELS_MAX; i++) {
+        pointers[i] = texts[i];
+    }
+    return roburoc4_client_channel_find(in->client, io_type, name, pointers, CHANNELS_MAX);
+}
+
+/* A channel of some types (bits by ROBUROC4_IO_*). 0 after noting why there is none. */
+static int take_channel(const call *in, uint32_t types, uint32_t *io_type, uint32_t *index) {
     char name[TEXT_SIZE];
-    uint32_t found = 0, i, k;
+    uint32_t found = 0;
     if (!take_text(in->arguments[0], "channel", name)) {
         return 0;
     }
-    for (k = 0; k < 2; k++) {
-        roburoc4_result at;
-        robot_texts(in->object, types[k], texts);
-        for (i = 0; i < CHANNELS_MAX; i++) {
-            pointers[i] = texts[i];
-        }
-        at = roburoc4_client_channel_find(in->client, types[k], name, pointers, CHANNELS_MAX);
+    for (uint32_t type = 0; type < CHANNEL_TYPES; type++) {
+        const roburoc4_result at =
+            (types >> type & 1u) != 0 ? find_channel(in, type, name) : ROBUROC4_ERR_INDEX;
         if (at >= 0) {
-            *io_type = types[k];
+            *io_type = type;
             *index = (uint32_t)at;
             found++;
         }
@@ -244,11 +243,13 @@ static int take_channel(const call *in, uint32_t analog, uint32_t digital, uint3
            fail(FAIL_ARGUMENT, "the robot has no channel '%s'; io() lists the names", name);
 }
 
-/* output(id, name): the index of an output; call digital() or analog() with it */
+/* output(id, name, digital): the index of an output; call digital() or analog() with it */
 static int find_output(call *in) {
     uint32_t io_type, index;
-    if (!take_channel(in, ROBUROC4_IO_ANALOG_OUTPUT, ROBUROC4_IO_DIGITAL_OUTPUT, &io_type,
-                      &index)) {
+    int digital;
+    if (!take_flag(in->arguments[1], "digital", &digital) ||
+        !take_channel(in, 1u << (digital ? ROBUROC4_IO_DIGITAL_OUTPUT : ROBUROC4_IO_ANALOG_OUTPUT),
+                      &io_type, &index)) {
         return 0;
     }
     in->number = index;
@@ -263,11 +264,11 @@ static int read_sample(const call *in, roburoc4_sample *out) {
 
 /* io(id, name): double of an analog input, logical of a digital one */
 static int read_input(call *in) {
+    const uint32_t types = 1u << ROBUROC4_IO_ANALOG_INPUT | 1u << ROBUROC4_IO_DIGITAL_INPUT;
     roburoc4_sample sample;
     const roburoc4_inputs *inputs = &sample.value.inputs;
     uint32_t io_type, index;
-    if (!take_channel(in, ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_IO_DIGITAL_INPUT, &io_type, &index) ||
-        !read_sample(in, &sample)) {
+    if (!take_channel(in, types, &io_type, &index) || !read_sample(in, &sample)) {
         return 0;
     }
     if (io_type == ROBUROC4_IO_DIGITAL_INPUT && index < inputs->digital_count) {
@@ -287,9 +288,8 @@ static mxArray *make_names(const call *in, uint32_t io_type) {
     const uint32_t all = count_channels(in->client, io_type);
     const uint32_t count = all < CHANNELS_MAX ? all : CHANNELS_MAX;
     mxArray *names = mxCreateCellMatrix(1, count);
-    uint32_t i;
     robot_texts(in->object, io_type, texts);
-    for (i = 0; i < count; i++) {
+    for (uint32_t i = 0; i < count; i++) {
         const char *manual = roburoc4_client_channel_name(in->client, io_type, i);
         mxSetCell(names, i, make_text(texts[i][0] != '\0' || manual == NULL ? texts[i] : manual));
     }
@@ -302,13 +302,12 @@ static int read_inputs(call *in) {
                                                      "digital_input_names", "digital_output_names"};
     static const field cycles = FIELD(roburoc4_sample, robot_cycles, CYCLES);
     roburoc4_sample sample;
-    uint32_t i;
     if (!read_sample(in, &sample)) {
         return 0;
     }
     answer_fields(&in->out, &cycles, 1, &sample);
     samples_answer(&in->out, ROBUROC4_SERVICE_IOCARD, &sample);
-    for (i = 0; i < CHANNEL_TYPES; i++) {
+    for (uint32_t i = 0; i < CHANNEL_TYPES; i++) {
         answer_add(&in->out, names[i], make_names(in, i));
     }
     return 1;
@@ -318,9 +317,8 @@ static int read_inputs(call *in) {
 
 /* The services that the arguments name; all where there are none. */
 static int take_mask(const call *in, uint32_t *mask) {
-    int i;
     *mask = in->count > 0 ? 0 : ALL_SERVICES;
-    for (i = 0; i < in->count; i++) {
+    for (int i = 0; i < in->count; i++) {
         uint32_t service;
         if (!take_service(in->arguments[i], &service)) {
             return 0;
@@ -390,7 +388,7 @@ const command robot_read_commands[] = {
     {"address", READ_ROBOT, 0, OTHER, read_address},
     {"link", READ_ROBOT, 0, STRUCT, read_link},
     {"serviceLink", READ_ROBOT, 1, STRUCT, read_service_link},
-    {"output", READ_ROBOT, 1, NUMBER, find_output},
+    {"output", READ_ROBOT, 2, NUMBER, find_output},
     {"io", READ_ROBOT, 1, OTHER, read_input},
     {"inputs", READ_ROBOT, 0, STRUCT, read_inputs},
     {"record", READ_ROBOT, -1, NOTHING, begin_recording},

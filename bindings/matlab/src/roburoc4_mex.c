@@ -43,8 +43,7 @@ static const command *find(const char *name) {
     static const command *const tables[] = {robot_drive_commands, robot_read_commands,
                                             robot_life_commands, simulator_commands, own_commands};
     const command *found;
-    size_t i;
-    for (i = 0; i < COUNT_OF(tables); i++) {
+    for (size_t i = 0; i < COUNT_OF(tables); i++) {
         for (found = tables[i]; found->name != NULL; found++) {
             if (strcmp(found->name, name) == 0) {
                 return found;

@@ -117,9 +117,8 @@ static void add_matrix(answer *out, const rows *from, const field *member) {
                             : mxCreateDoubleMatrix(from->count, width, mxREAL);
     mxLogical *bits = digital ? mxGetLogicals(made) : NULL;
     double *numbers = digital ? NULL : mxGetData(made);
-    uint32_t i, k;
-    for (k = 0; k < width; k++) {
-        for (i = 0; i < from->count; i++) {
+    for (uint32_t k = 0; k < width; k++) {
+        for (uint32_t i = 0; i < from->count; i++) {
             const double number = number_at(from->at[i], member, k);
             if (digital) {
                 *bits++ = number != 0.0;
@@ -135,8 +134,7 @@ static void add_times(answer *out, const rows *from, uint64_t begin_us) {
     mxArray *time, *cycles;
     double *time_s = make_doubles(&time, from->count, 1);
     uint64_t *robot_cycles = make_cycles(&cycles, from->count);
-    uint32_t i;
-    for (i = 0; i < from->count; i++) {
+    for (uint32_t i = 0; i < from->count; i++) {
         time_s[i] = ((double)from->at[i]->host_us - (double)begin_us) / 1e6;
         robot_cycles[i] = from->at[i]->robot_cycles;
     }
@@ -159,9 +157,8 @@ void samples_answer(answer *out, uint32_t service, const roburoc4_sample *latest
 
 static mxArray *columns_of(const rows *from, uint32_t service, uint64_t begin_us) {
     answer out = {0};
-    size_t i;
     add_times(&out, from, begin_us);
-    for (i = 0; i < services[service - FIRST_SERVICE].count; i++) {
+    for (size_t i = 0; i < services[service - FIRST_SERVICE].count; i++) {
         add_matrix(&out, from, &services[service - FIRST_SERVICE].fields[i]);
     }
     return answer_finish(&out);
@@ -171,11 +168,10 @@ mxArray *samples_columns(const sample_list *list, uint32_t mask, uint64_t begin_
     /* mxMalloc: given back by MATLAB, should it run out of memory meanwhile. */
     rows from = {mxMalloc((list->count + (size_t)1) * sizeof(const roburoc4_sample *)), 0};
     answer out = {0};
-    uint32_t service, i;
-    for (service = FIRST_SERVICE; service < ROBUROC4_SERVICE_COUNT; service++) {
+    for (uint32_t service = FIRST_SERVICE; service < ROBUROC4_SERVICE_COUNT; service++) {
         if ((mask >> service & 1u) != 0) {
             from.count = 0;
-            for (i = 0; i < list->count; i++) {
+            for (uint32_t i = 0; i < list->count; i++) {
                 if (list->samples[i].service == service) {
                     from.at[from.count++] = &list->samples[i];
                 }

@@ -83,12 +83,12 @@ static int fail_unknown(const char *name, const field *settings, size_t count) {
 }
 
 static int write_all(const mxArray *options, const field *settings, size_t count, void *base) {
-    int number, fields;
+    int fields;
     if (!mxIsStruct(options) || mxGetNumberOfElements(options) != 1) {
         return fail(FAIL_ARGUMENT, "options: give a scalar struct");
     }
     fields = mxGetNumberOfFields(options);
-    for (number = 0; number < fields; number++) {
+    for (int number = 0; number < fields; number++) {
         const char *name = mxGetFieldNameByNumber(options, number);
         const mxArray *value = mxGetFieldByNumber(options, 0, number);
         size_t i;
@@ -108,10 +108,9 @@ static int write_all(const mxArray *options, const field *settings, size_t count
 static void drop_unwanted(roburoc4_config *config) {
     uint16_t usual_ms[8];
     roburoc4_config defaults;
-    uint32_t service;
     (void)roburoc4_config_init(&defaults, sizeof defaults);
     memcpy(usual_ms, defaults.period_ms, sizeof usual_ms);
-    for (service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT; service++) {
+    for (uint32_t service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT; service++) {
         if (config->period_ms[service] == 0) {
             config->period_ms[service] = usual_ms[service];
             config->subscriptions &= ~((uint32_t)1 << service);

@@ -42,8 +42,7 @@ static void close_simulator(simulator *s) {
 }
 
 void close_simulators(void) {
-    uint32_t place;
-    for (place = 0; place < HANDLES_MAX; place++) {
+    for (uint32_t place = 0; place < HANDLES_MAX; place++) {
         simulator *s = handles_at(HANDLE_SIMULATOR, place);
         if (s != NULL) {
             handles_remove(s);

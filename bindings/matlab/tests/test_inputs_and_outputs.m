@@ -19,6 +19,7 @@ wait_for(r, @() r.io('Battery voltage') == 12.5);
 r.setOutput(3, true);
 wait_for(r, @() sim.digitalOutput(3));
 check(~sim.digitalOutput(2), 'another output changed');
+check_raises('roburoc4:badArgument', @() r.setAnalogOutput('Watchdog', 1));
 r.setOutput(3, false);
 wait_for(r, @() ~sim.digitalOutput(3));
 r.relocalize(1, -2, 0.5);
