@@ -87,7 +87,7 @@ def pages(link: str) -> Iterator[list[Page]]:
 
 def drive(page: Page) -> None:
     """Drive in circles."""
-    page.get_by_role("button", name="Take the seat").click()
+    page.get_by_role("button", name="Take control").click()
     page.get_by_role("button", name="Arm", exact=True).click()
     page.get_by_text("Ready: hold").wait_for()
     page.evaluate("pad.buttons[0] = { pressed: true, value: 1 }")
@@ -95,7 +95,7 @@ def drive(page: Page) -> None:
 
 
 def drives_on(page: Page) -> bool:
-    """Return whether it still drives; a stall may have ended that: then hands off, and on again."""
+    """Return whether it still drives; a stall may have ended that: then inputs off, and on again."""
     if page.locator('[data-lamp="driving"]').text_content() == "DRIVING":
         return True
     page.evaluate("pad.buttons[0] = { pressed: false, value: 0 }")

@@ -35,7 +35,7 @@ def test_json_has_every_property_under_its_name_and_unit() -> None:
         "battery",
         "localization",
         "differential",
-        "io_channels",
+        "channels",
     ]
     assert info["robot"] == sim.address
     assert info["iocard"] == {
@@ -52,7 +52,7 @@ def test_json_has_every_property_under_its_name_and_unit() -> None:
     assert info["localization"] == {"x_m": 0.0, "y_m": 0.0, "theta_rad": 0.0, "flags": 18}
     assert info["differential"] == DIFFERENTIAL
     assert info["telemeter"]["count"] == 2
-    front = info["telemeter"]["telemeters"][0]
+    front = info["telemeter"][0]
     assert front["x_m"] == 0.655
     assert set(front) == {
         "x_m",
@@ -80,7 +80,7 @@ def test_json_lists_services_with_their_ids_and_channels_by_name() -> None:
     for service in info["services"]:
         assert set(service) == {"id", "type", "kind", "name"}
         assert service["name"]
-    channels = info["io_channels"]
+    channels = info["channels"]
     assert channels["digital_inputs"][0] == "Front bumper"
     assert channels["digital_inputs"][8] == 'Game pad "A" button'
     assert channels["analog_inputs"][2] == "Battery voltage"
@@ -91,7 +91,7 @@ def test_json_lists_services_with_their_ids_and_channels_by_name() -> None:
 def test_a_robot_without_texts_has_the_manuals_names() -> None:
     with roburoc4.Simulator(port=0, query_mode=2) as sim:
         info = document(run("info", "--json", robot=sim.address))
-    assert info["io_channels"]["digital_inputs"][1] == "Rear bumper"
+    assert info["channels"]["digital_inputs"][1] == "Rear bumper"
     assert {service["name"] for service in info["services"]} >= {"IOCard", "Battery"}
 
 
@@ -99,14 +99,14 @@ def test_a_robot_that_never_answers_for_a_text_is_told_and_is_no_error() -> None
     with roburoc4.Simulator(port=0, query_mode=1) as sim:
         done = run("info", "--json", robot=sim.address)
     assert "no more texts" in one_line(done.stderr)
-    assert document(done)["io_channels"]["digital_inputs"][1] == "Rear bumper"
+    assert document(done)["channels"]["digital_inputs"][1] == "Rear bumper"
 
 
 def test_texts_are_waited_for_over_a_bad_link() -> None:
     with roburoc4.Simulator(port=0) as sim:
         sim.set_faults(loss=0.2)
         info = document(run("info", "--json", robot=sim.address))
-    assert info["io_channels"]["digital_inputs"][21] == 'Game pad "RB" button'
+    assert info["channels"]["digital_inputs"][21] == 'Game pad "RB" button'
 
 
 def test_a_service_that_the_robot_lacks_is_null() -> None:

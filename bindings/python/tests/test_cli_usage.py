@@ -211,3 +211,29 @@ def test_a_surprise_is_one_line_too_and_the_traceback_is_an_option_away() -> Non
     assert done.returncode == 1
     assert "ZeroDivisionError" in one_line(done.stderr)
     assert "Traceback" in loud.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"), [(["mo"], "monitor"), (["drive", "--sec"], "--seconds")]
+)
+def test_bash_completes_commands_and_options(words: list[str], expected: str) -> None:
+    script = run("completion", "bash").stdout
+    line = " ".join(["roburoc4", *words])
+    before, last = (["roburoc4", *words][-2], words[-1])
+    asked = (
+        f"COMP_WORDS=({line}); COMP_CWORD={len(words)}; COMP_LINE='{line}'\n"
+        "complete_with=$(complete -p roburoc4 | sed 's/.*-F \\([^ ]*\\).*/\\1/')\n"
+        f'"$complete_with" roburoc4 "{last}" "{before}"\n'
+        'echo "${COMPREPLY[@]}"\n'
+    )
+    done = subprocess.run(
+        ["bash", "-c", script + asked], capture_output=True, text=True, check=True, timeout=20
+    )
+    assert done.stdout.split() == [expected]
+
+
+@pytest.mark.parametrize("shell", ["zsh", "tcsh"])
+def test_other_shells_have_a_completion_script(shell: str) -> None:
+    done = run("completion", shell)
+    assert done.returncode == 0
+    assert "monitor" in done.stdout

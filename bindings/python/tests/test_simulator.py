@@ -77,11 +77,11 @@ def test_inputs_can_be_pinned() -> None:
         sim.pin_input(2, 11.5)
         sim.pin_input(21, True)
         robot.wait_for("iocard")
-        assert robot.io["Battery voltage"] == 11.5
-        assert robot.io['Game pad "RB" button']
+        assert robot.inputs["Battery voltage"] == 11.5
+        assert robot.inputs['Game pad "RB" button']
         sim.unpin_inputs()
         robot.wait_for("iocard")
-        assert not robot.io['Game pad "RB" button']
+        assert not robot.inputs['Game pad "RB" button']
 
 
 def test_the_panel_obeys_lines() -> None:

@@ -63,7 +63,7 @@ def test_properties_have_everything_the_robot_said(roburoc4_simulator: Simulator
         assert properties.differential is not None
         assert math.isclose(properties.differential.max_linear_m_s, 2.6, rel_tol=1e-6)
         assert math.isclose(properties.differential.width_m, 0.68, rel_tol=1e-6)
-        assert [round(t.theta_rad, 3) for t in properties.telemeters] == [0, 3.142]
+        assert [round(t.theta_rad, 3) for t in properties.telemeter] == [0, 3.142]
 
 
 def test_a_robot_without_a_service_has_none_of_its_properties() -> None:
@@ -78,38 +78,38 @@ def test_the_manuals_names_find_inputs_in_any_case(roburoc4_simulator: Simulator
     with roburoc4_simulator.connect() as robot:
         roburoc4_simulator.set_bumper("front", True)
         robot.wait_for("iocard")
-        assert robot.io["Front bumper"] is True
-        assert robot.io["rear BUMPER"] is False
-        assert 20 < robot.io["Battery voltage"] < 30
+        assert robot.inputs["Front bumper"] is True
+        assert robot.inputs["rear BUMPER"] is False
+        assert 20 < robot.inputs["Battery voltage"] < 30
         roburoc4_simulator.pad.press("lb")
         robot.wait_for("iocard")
-        assert robot.io.digital('Game pad "LB" button')
-        assert robot.io.digital(20)
+        assert robot.inputs.digital('Game pad "LB" button')
+        assert robot.inputs.digital(20)
 
 
 def test_names_follow_a_card_whose_numbers_are_literal() -> None:
     with Simulator(digital_inputs=23, analog_inputs=10) as sim, sim.connect() as robot:
         sim.pad.press("b")
         robot.wait_for("iocard")
-        assert robot.io['Game pad "B" button'] is True
-        assert robot.io.digital(10)
-        assert not robot.io.digital(9)
+        assert robot.inputs['Game pad "B" button'] is True
+        assert robot.inputs.digital(10)
+        assert not robot.inputs.digital(9)
 
 
 def test_names_work_where_the_robot_gives_no_texts() -> None:
     with Simulator(query_mode=1) as sim, sim.connect() as robot:
         sim.set_bumper("rear", True)
         robot.wait_for("iocard")
-        assert robot.io["Rear bumper"] is True
-        assert robot.io.channels.digital_inputs[1] == "Rear bumper"
+        assert robot.inputs["Rear bumper"] is True
+        assert robot.channels.digital_inputs[1] == "Rear bumper"
 
 
 def test_unknown_names_and_numbers_say_what_there_is(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         with pytest.raises(roburoc4.ArgumentError, match="Front bumper"):
-            _ = robot.io["Coffee machine"]
+            _ = robot.inputs["Coffee machine"]
         with pytest.raises(roburoc4.ArgumentError, match="0 to 21"):
-            robot.io.digital(22)
+            robot.inputs.digital(22)
         with pytest.raises(roburoc4.ArgumentError, match="no analog outputs"):
             robot.analog_outputs[0] = 1.0
 

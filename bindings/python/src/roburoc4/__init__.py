@@ -19,7 +19,7 @@ from .errors import *
 from .iocard import *
 from .records import *
 from .robot import ManualRobot, Robot, connect, resolve
-from .samples import Reader, Recording, Statuses
+from .samples import Reader, Recording, Statuses, flatten
 from .settings import Settings
 from .simulator import SimSettings, Simulator
 from .telegrams import Batch, Layout, decode, decode_batch
@@ -42,6 +42,7 @@ __all__ = [
     "connect",
     "decode",
     "decode_batch",
+    "flatten",
     "resolve",
 ]
 __all__ += constants.__all__

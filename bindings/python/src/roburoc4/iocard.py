@@ -10,10 +10,10 @@ from .constants import IoType, Result
 from .errors import ArgumentError
 from .records import IoCardStatus
 
-__all__ = ["AnalogOutputs", "IoCard", "IoChannels", "Outputs"]
+__all__ = ["AnalogOutputs", "ChannelNames", "Inputs", "Outputs"]
 
 
-class IoChannels(NamedTuple):
+class ChannelNames(NamedTuple):
     """Names of all channels: the robot's own texts, the manual's where it gave none."""
 
     analog_inputs: tuple[str, ...]
@@ -95,8 +95,8 @@ class Channels:
         return channel
 
 
-class IoCard:
-    """Latest inputs of the IO card: ``robot.io["Front bumper"]``, ``robot.io.digital(8)``.
+class Inputs:
+    """Latest inputs of the IO card: ``robot.inputs["Front bumper"]``, ``robot.inputs.digital(8)``.
 
     Names are the robot's own texts; a channel without one has its name of the manual (5.5.1). The
     manual's names of bumpers, game pad [A] and battery voltage always work. Case, punctuation and
@@ -108,9 +108,9 @@ class IoCard:
         self._channels = Channels(connection)
 
     @property
-    def channels(self) -> IoChannels:
+    def channels(self) -> ChannelNames:
         """Names of all channels."""
-        return IoChannels(*(self._channels.names(io_type) for io_type in IoType))
+        return ChannelNames(*(self._channels.names(io_type) for io_type in IoType))
 
     def _status(self) -> IoCardStatus:
         return _native.roburoc4_client_inputs(self._connection.handle)

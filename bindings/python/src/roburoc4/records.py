@@ -55,6 +55,11 @@ class IoCardStatus(NamedTuple):
     digital_inputs: tuple[bool, ...]
     host_us: int = 0
 
+    @property
+    def kind(self) -> str:
+        """The name of its service."""
+        return "iocard"
+
 
 class TelemeterStatus(NamedTuple):
     """All ultrasonic distances (4.2.4.5); on a RobuROC4 front, then rear."""
@@ -62,6 +67,11 @@ class TelemeterStatus(NamedTuple):
     robot_cycles: int
     distances_m: tuple[float, ...]
     host_us: int = 0
+
+    @property
+    def kind(self) -> str:
+        """The name of its service."""
+        return "telemeter"
 
 
 class BatteryStatus(NamedTuple):
@@ -72,6 +82,11 @@ class BatteryStatus(NamedTuple):
     """A plain integer where the manual knows no such state."""
     remaining_percent: int
     host_us: int = 0
+
+    @property
+    def kind(self) -> str:
+        """The name of its service."""
+        return "battery"
 
     @property
     def state_name(self) -> str:
@@ -91,6 +106,11 @@ class LocalizationStatus(NamedTuple):
     """A plain integer where it has bits that the manual does not know."""
     host_us: int = 0
 
+    @property
+    def kind(self) -> str:
+        """The name of its service."""
+        return "localization"
+
 
 class DifferentialStatus(NamedTuple):
     """Speeds (4.2.4.8): what was asked for, and what the wheels do."""
@@ -101,6 +121,11 @@ class DifferentialStatus(NamedTuple):
     target_angular_rad_s: float
     current_angular_rad_s: float
     host_us: int = 0
+
+    @property
+    def kind(self) -> str:
+        """The name of its service."""
+        return "differential"
 
 
 class UnknownStatus(NamedTuple):
@@ -208,7 +233,8 @@ class Properties(NamedTuple):
 
     services: tuple[ServiceEntry, ...]
     iocard: IoCardProperties | None
-    telemeters: tuple[TelemeterProperties, ...]
+    telemeter: tuple[TelemeterProperties, ...]
+    """Of each telemeter; on a RobuROC4 front, then rear."""
     battery: BatteryProperties | None
     localization: LocalizationProperties | None
     differential: DifferentialProperties | None

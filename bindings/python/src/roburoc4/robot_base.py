@@ -16,7 +16,7 @@ from .errors import (
     RobotTimeoutError,
     error_of,
 )
-from .iocard import AnalogOutputs, IoCard, Outputs, decode_text
+from .iocard import AnalogOutputs, ChannelNames, Inputs, Outputs, decode_text
 from .records import (
     BatteryStatus,
     DifferentialStatus,
@@ -56,7 +56,7 @@ class RobotBase:
         self._connection = connection
         self._lease_s = settings.get("lease_ms", 250) / 1000
         self._ready_s = connection.now_s()
-        self._io = IoCard(connection)
+        self._inputs = Inputs(connection)
         self._outputs = Outputs(connection)
         self._analog_outputs = AnalogOutputs(connection)
 
@@ -209,9 +209,14 @@ class RobotBase:
         return self._first(_native.roburoc4_client_inputs, Service.IOCARD)
 
     @property
-    def io(self) -> IoCard:
-        """Inputs by name or index."""
-        return self._io
+    def inputs(self) -> Inputs:
+        """Inputs of the IO card by name or index."""
+        return self._inputs
+
+    @property
+    def channels(self) -> ChannelNames:
+        """Names of all channels of the IO card."""
+        return self._inputs.channels
 
     # ---- what it is told ----
 

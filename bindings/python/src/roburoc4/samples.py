@@ -8,29 +8,13 @@ from typing import Any
 from .connection import EventReader, events_of_services
 from .constants import Event, Service
 from .errors import ClosedError, SamplesLostError
-from .records import (
-    BatteryStatus,
-    DifferentialStatus,
-    IoCardStatus,
-    LocalizationStatus,
-    Status,
-    TelemeterStatus,
-)
+from .records import Status
 from .settings import STATUS_SERVICES, service_of
 
-__all__ = ["Reader", "Recording", "Statuses"]
+__all__ = ["Reader", "Recording", "Statuses", "flatten"]
 
 Column = list[Any]
 _PATIENCE_S = 1.0
-
-SERVICE_NAMES: dict[type[Status], str] = {
-    IoCardStatus: "iocard",
-    TelemeterStatus: "telemeter",
-    BatteryStatus: "battery",
-    LocalizationStatus: "localization",
-    DifferentialStatus: "differential",
-}
-"""Whose status a record is: a key of :class:`Recording`, of ``periods_ms`` ..."""
 
 
 def mask_of(services: tuple[str | Service, ...]) -> int:
@@ -117,21 +101,22 @@ class Statuses(Iterator[Status]):
         return status
 
 
-def _flat(status: Status) -> Iterator[tuple[str, object]]:
-    if isinstance(status, IoCardStatus):
-        yield "robot_cycles", status.robot_cycles
-        for index, volts in enumerate(status.analog_inputs):
-            yield f"analog_input_{index}", volts
-        for index, on in enumerate(status.digital_inputs):
-            yield f"digital_input_{index}", on
-        yield "host_us", status.host_us
-    elif isinstance(status, TelemeterStatus):
-        yield "robot_cycles", status.robot_cycles
-        for index, distance_m in enumerate(status.distances_m):
-            yield f"distance_{index}_m", distance_m
-        yield "host_us", status.host_us
-    else:
-        yield from status._asdict().items()
+_LISTS = {
+    "analog_inputs": "analog_input_{}",
+    "digital_inputs": "digital_input_{}",
+    "distances_m": "distance_{}_m",
+}
+
+
+def flatten(status: Status) -> dict[str, Any]:
+    """Return a status as a row of a table: a list becomes ``distance_0_m``, ``distance_1_m`` ..."""
+    row: dict[str, Any] = {}
+    for name, value in status._asdict().items():
+        if name in _LISTS:
+            row |= {_LISTS[name].format(index): item for index, item in enumerate(value)}
+        else:
+            row[name] = value
+    return row
 
 
 class Recording(dict[str, dict[str, Column]]):
@@ -150,9 +135,9 @@ class Recording(dict[str, dict[str, Column]]):
 
     def add(self, status: Status) -> None:
         """Append a status to the columns of its service."""
-        columns = self[SERVICE_NAMES[type(status)]]
+        columns = self[status.kind]
         length = len(columns.get("robot_cycles", ()))
-        for name, value in _flat(status):
+        for name, value in flatten(status).items():
             # Another robot after a reboot may have more channels.
             columns.setdefault(name, [None] * length).append(value)
         for column in columns.values():

@@ -136,8 +136,8 @@ class Station:
     ) -> None:
         """Hold until it drives on and on.
 
-        Where a stall of a loaded machine ends that, hands must be off once, or it is disarmed:
-        then again.
+        Where a stall of a loaded machine ends that, release all inputs, arm where it was disarmed,
+        and try again.
         """
         end = time.monotonic() + 3 * PATIENCE_S
         hold()
@@ -165,16 +165,16 @@ def ready(page: Page) -> None:
     expect(page.locator("#quality-say")).to_have_text("the link is good")
 
 
-def take_seat(page: Page) -> None:
+def take_control(page: Page) -> None:
     """Press the button."""
-    page.get_by_role("button", name="Take the seat").click()
-    expect(page.locator("#seat")).to_have_text("you have the seat")
+    page.get_by_role("button", name="Take control").click()
+    expect(page.locator("#control")).to_have_text("you have control")
 
 
 def arm(page: Page) -> None:
-    """Take the seat and arm."""
+    """Take control and arm."""
     ready(page)
-    take_seat(page)
+    take_control(page)
     press_arm(page)
 
 
@@ -192,7 +192,7 @@ def hold_pad(page: Page, **held: float) -> None:
     """Plug a game pad in, and hold [A] and more."""
     if page.evaluate("window.pad === null"):
         page.evaluate("makePad()")
-        if page.locator("#hands").is_visible():
+        if page.locator("#inputs").is_visible():
             expect(page.locator("#pad-text")).to_contain_text("hold [A]")
     for button, value in (
         (A, held.get("a", 1.0)),

@@ -15,8 +15,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from page_client import Visitor
 from station import WATCHDOG_S, free_port, until
-from talking import Visitor
 from test_driving import MARGIN_S
 from websockets.exceptions import ConnectionClosed
 
@@ -143,7 +143,7 @@ def test_an_unreachable_robot_is_told_and_not_armed() -> None:
             assert visitor.frame["link"]["level"] == "bad"
             assert "UDP server" in visitor.frame["link"]["attempt"]
             visitor.say("arm", tick=visitor.tick)
-            until(lambda: visitor.hear()["type"] == "refused")
+            until(lambda: visitor.receive()["type"] == "refused")
             assert "not connected" in visitor.refusals[-1]
         running.terminate()
 

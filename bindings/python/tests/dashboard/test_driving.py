@@ -6,9 +6,9 @@ import time
 from collections.abc import Callable
 
 import pytest
+from page_client import Visitor
 from playwright.sync_api import Page, expect
-from station import LEASE_S, Station, arm, drive, hold_pad, ready, take_seat, until
-from talking import Visitor
+from station import LEASE_S, Station, arm, drive, hold_pad, ready, take_control, until
 
 from roburoc4.dashboard.guard import Rules
 from roburoc4.dashboard.hub import MOST_PAGES
@@ -26,7 +26,7 @@ Make = Callable[..., Station]
 
 
 def armed(station: Make, visit: Visit) -> tuple[Station, Page]:
-    """A dashboard, and a page that has taken its seat and armed the robot."""
+    """A dashboard, and a page that has taken its control and armed the robot."""
     here = station()
     page = visit(here.url)
     arm(page)
@@ -264,7 +264,7 @@ def press_space(page: Page) -> None:
 
 
 def give_up(page: Page) -> None:
-    page.get_by_role("button", name="Give up the seat").click()
+    page.get_by_role("button", name="Release control").click()
 
 
 def disarm(page: Page) -> None:
@@ -353,7 +353,7 @@ def test_a_closed_page_disarms_and_frees_the_seat(station: Make, visit: Visit) -
     page.close()
     until(lambda: not here.robot.facts.armed)
     other = visit(here.url)
-    expect(other.locator("#seat")).to_have_text("the seat is free")
+    expect(other.locator("#control")).to_have_text("nobody has control")
 
 
 def test_the_dashboard_s_end_stops_the_robot(station: Make, visit: Visit) -> None:
@@ -403,7 +403,7 @@ def test_a_page_comes_back_to_a_new_dashboard_and_moves_nothing(
     here.stop_serving()
     again = station(place=Place(port=here.port))
     ready(page)
-    expect(page.locator("#seat")).to_have_text("the seat is free")
+    expect(page.locator("#control")).to_have_text("nobody has control")
     expect(page.locator("#address")).to_have_text(again.sim.address)
     time.sleep(2 * LEASE_S)
     assert again.speeds_sent() == 0
@@ -423,7 +423,7 @@ def test_a_page_that_is_one_too_many_says_so(station: Make, visit: Visit) -> Non
     here = station()
     with contextlib.ExitStack() as opened:
         for _ in range(MOST_PAGES):
-            opened.enter_context(Visitor(here)).hear()
+            opened.enter_context(Visitor(here)).receive()
         page = visit(here.url)
         expect(page.locator("#banner-text")).to_contain_text("oo many pages are open")
     ready(page)
@@ -482,16 +482,16 @@ def test_nothing_moves_it_before_arming(station: Make, visit: Visit) -> None:
     hold_pad(page, rt=1.0, lj=-1.0)
     page.keyboard.down("w")
     time.sleep(2 * LEASE_S)
-    take_seat(page)
+    take_control(page)
     time.sleep(2 * LEASE_S)
     assert here.speeds_sent() == 0
 
 
-def test_hands_must_be_off_once_after_arming(station: Make, visit: Visit) -> None:
+def test_inputs_must_be_released_once_after_arming(station: Make, visit: Visit) -> None:
     here = station()
     page = visit(here.url)
     ready(page)
-    take_seat(page)
+    take_control(page)
     hold_pad(page, rt=1.0)
     page.get_by_role("button", name="Arm", exact=True).click()
     until(lambda: here.robot.facts.armed)
@@ -514,7 +514,7 @@ def test_the_page_says_where_a_browser_withholds_the_pad(station: Make, visit: V
     ready(page)
     # As on a page that came by plain HTTP from another machine.
     page.evaluate("Object.defineProperty(window, 'isSecureContext', { get: () => false })")
-    take_seat(page)
+    take_control(page)
     expect(page.locator("#pad-text")).to_contain_text("Start with --tls-cert and --tls-key")
 
 
@@ -522,8 +522,8 @@ def test_a_second_driver_is_refused(station: Make, visit: Visit) -> None:
     here = station()
     first, second = visit(here.url), visit(here.url)
     arm(first)
-    expect(second.locator("#seat")).to_have_text("page 1 drives")
-    expect(second.get_by_role("button", name="Take the seat")).to_be_disabled()
+    expect(second.locator("#control")).to_have_text("page 1 drives")
+    expect(second.get_by_role("button", name="Take control")).to_be_disabled()
     hold_pad(second, rt=1.0)
     # Even where its script would ask for it.
     second.evaluate("document.getElementById('take').disabled = false")
@@ -531,8 +531,8 @@ def test_a_second_driver_is_refused(station: Make, visit: Visit) -> None:
     time.sleep(2 * LEASE_S)
     assert here.speeds_sent() == 0
     assert here.robot.facts.armed
-    first.get_by_role("button", name="Give up the seat").click()
-    take_seat(second)
+    first.get_by_role("button", name="Release control").click()
+    take_control(second)
     assert not here.robot.facts.armed
 
 
@@ -553,7 +553,7 @@ def test_a_page_that_only_watches_sends_the_robot_nothing(station: Make, visit: 
     page = visit(here.url)
     ready(page)
     expect(page.locator("#stop")).to_be_hidden()
-    expect(page.get_by_role("button", name="Take the seat")).to_be_hidden()
+    expect(page.get_by_role("button", name="Take control")).to_be_hidden()
     hold_pad(page, rt=1.0)
     page.keyboard.press("Space")
     page.keyboard.down("w")

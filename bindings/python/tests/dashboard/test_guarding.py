@@ -8,9 +8,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from page_client import Visitor
 from playwright.sync_api import Page, expect
 from station import Station, ready
-from talking import Visitor
 from websockets.exceptions import InvalidStatus
 
 from roburoc4.dashboard.guard import Guard, Rules

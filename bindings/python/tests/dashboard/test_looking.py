@@ -36,7 +36,7 @@ def test_it_shows_what_the_simulator_says(station: Make, visit: Visit) -> None:
     battery = page.locator('#analog-inputs li:has-text("Battery voltage") b')
     until(lambda: abs(number(battery.text_content()) - here.sim.state.battery_v) < 0.02)
     front = page.locator('#analog-inputs li:has-text("Front telemeter") b')
-    until(lambda: abs(number(front.text_content()) - here.robot.io.analog(0)) < 0.01)
+    until(lambda: abs(number(front.text_content()) - here.robot.inputs.analog(0)) < 0.01)
     expect(page.locator("#analog-inputs li[data-input='5'] b")).to_have_text("0.50")
     expect(page.locator('#digital-inputs li:has-text("LB")')).to_have_attribute("data-on", "yes")
     expect(page.locator('#digital-inputs li:has-text("RB")')).to_have_attribute("data-on", "no")

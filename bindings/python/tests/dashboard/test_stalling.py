@@ -6,14 +6,14 @@ import time
 from collections.abc import Callable, Iterator
 
 import pytest
+from page_client import Proxy, Visitor
 from playwright.sync_api import Page
 from station import LEASE_S, Station, arm, drive, until
-from talking import Proxy, Visitor
 from test_driving import MARGIN_S, WITHIN_S
 from websockets.exceptions import ConnectionClosed
 
 from roburoc4.dashboard.hub import MOST_PAGES
-from roburoc4.dashboard.talk import BadTalkError, Talk
+from roburoc4.dashboard.messages import BadMessageError, Messages
 
 Make = Callable[..., Station]
 
@@ -41,18 +41,18 @@ def test_a_stalled_socket_stops_the_robot_and_what_it_held_back_counts_for_nothi
         driver.drive(lambda: behind.driven)
         begun_s = time.monotonic()
         proxy.flows.clear()
-        for _ in range(20):  # a page that goes on and on about the last picture it saw
+        for _ in range(20):  # a page that goes on and on about the last frame it saw
             driver.answer(driver.tick, 0.4)
             time.sleep(0.02)
         assert behind.wait_until_stopped(begun_s) < WITHIN_S
         time.sleep(LEASE_S)
-        before, dropped = behind.speeds_sent(), behind.hub.seat.dropped
+        before, dropped = behind.speeds_sent(), behind.hub.control.dropped
         proxy.flows.set()
-        until(lambda: behind.hub.seat.dropped >= dropped + 15)
+        until(lambda: behind.hub.control.dropped >= dropped + 15)
         assert behind.speeds_sent() == before
 
 
-def test_after_a_stall_hands_must_be_off_once(behind: Station, proxy: Proxy) -> None:
+def test_after_a_stall_inputs_must_be_released_once(behind: Station, proxy: Proxy) -> None:
     with Visitor(behind, port=proxy.port) as driver:
         driver.arm()
         driver.drive(lambda: behind.driven)
@@ -94,7 +94,7 @@ def test_one_tick_feeds_one_lease_however_often_it_is_answered(station: Make) ->
             time.sleep(0.01)
             if time.monotonic() - begun_s > WITHIN_S:
                 assert not here.driven
-        assert here.hub.seat.dropped > 0
+        assert here.hub.control.dropped > 0
 
 
 def test_ticks_that_were_never_sent_count_for_nothing(station: Make) -> None:
@@ -106,7 +106,7 @@ def test_ticks_that_were_never_sent_count_for_nothing(station: Make) -> None:
             driver.answer(tick, 1.0)
         driver.draw_for(0.3)
         assert here.speeds_sent() == before
-        assert here.hub.seat.dropped >= 5
+        assert here.hub.control.dropped >= 5
 
 
 def test_ticks_of_another_connection_count_for_nothing(station: Make) -> None:
@@ -114,7 +114,7 @@ def test_ticks_of_another_connection_count_for_nothing(station: Make) -> None:
     with Visitor(here) as driver:
         driver.arm()
         old = driver.tick
-    until(lambda: here.hub.seat.driver is None)
+    until(lambda: here.hub.control.driver is None)
     with Visitor(here) as driver:
         driver.say("take")
         driver.say("arm", tick=old)
@@ -135,7 +135,7 @@ def test_full_deflection_is_the_lower_of_limit_and_ceiling(
         assert here.sim.state.last_linear_m_s == pytest.approx(linear_m_s, abs=1e-4)
 
 
-def test_a_lease_counts_from_the_picture_and_not_from_its_answer(station: Make) -> None:
+def test_a_lease_counts_from_the_frame_and_not_from_its_answer(station: Make) -> None:
     here = station(lease_s=1.0)
     with Visitor(here) as driver:
         driver.arm()
@@ -150,7 +150,7 @@ def test_a_lease_counts_from_the_picture_and_not_from_its_answer(station: Make) 
 
 
 @pytest.mark.parametrize(
-    "hands",
+    "input",
     [
         {"forward": 1.01},
         {"forward": 1e300},
@@ -164,15 +164,15 @@ def test_a_lease_counts_from_the_picture_and_not_from_its_answer(station: Make) 
     ],
 )
 def test_an_input_out_of_range_ends_the_connection_and_the_drive(
-    hands: dict[str, object], station: Make
+    inputs: dict[str, object], station: Make
 ) -> None:
     here = station()
     with Visitor(here) as driver:
         driver.arm()
         driver.draw_for(0.2, 0.4)
-        whole = {"forward": 0.0, "left": 0.0, "scale": 1.0} | hands
-        driver.say("drawn", tick=driver.tick, hands=whole)
-        until(lambda: here.hub.seat.driver is None)
+        whole = {"forward": 0.0, "left": 0.0, "scale": 1.0} | inputs
+        driver.say("drawn", tick=driver.tick, input=whole)
+        until(lambda: here.hub.control.driver is None)
         until(lambda: not here.driven)
         assert not here.robot.facts.armed
 
@@ -187,8 +187,8 @@ def test_an_input_out_of_range_ends_the_connection_and_the_drive(
         '{"type":"fly"}',
         '{"type":"drawn"}',
         '{"type":"drawn","tick":true}',
-        '{"type":"drawn","tick":1,"hands":7}',
-        '{"type":"drawn","tick":1,"hands":{"forward":NaN,"left":0,"scale":1}}',
+        '{"type":"drawn","tick":1,"input":7}',
+        '{"type":"drawn","tick":1,"input":{"forward":NaN,"left":0,"scale":1}}',
         '{"type":"arm","tick":"1"}',
         "[" * 1900,
         "x" * 3000,
@@ -206,7 +206,7 @@ def test_nonsense_ends_the_connection_and_nothing_else(
         other.draw_for(0.2)
         with pytest.raises(ConnectionClosed):
             while True:
-                visitor.hear()
+                visitor.receive()
     assert not caplog.records
 
 
@@ -217,7 +217,7 @@ def test_a_panel_line_of_other_letters_is_refused(
     here = station(panel=True)
     with Visitor(here) as visitor:
         visitor.say("panel", line=line)
-        until(lambda: visitor.hear()["type"] == "refused")
+        until(lambda: visitor.receive()["type"] == "refused")
         visitor.draw_for(0.2)
     assert not caplog.records
 
@@ -225,9 +225,9 @@ def test_a_panel_line_of_other_letters_is_refused(
 def test_a_page_that_takes_no_answers_is_not_kept(station: Make) -> None:
     here = station()
     page = here.hub.join()
-    with pytest.raises(BadTalkError, match="answers"):
+    with pytest.raises(BadMessageError, match="answers"):
         for _ in range(100):
-            Talk(here.hub, page).hear('{"type":"clear"}')
+            Messages(here.hub, page).receive('{"type":"clear"}')
     here.hub.part(page)
 
 
@@ -259,9 +259,9 @@ def test_no_more_pages_than_can_be_served_are_let_in(station: Make) -> None:
     here = station()
     with contextlib.ExitStack() as opened:
         for _ in range(MOST_PAGES):
-            opened.enter_context(Visitor(here)).hear()
+            opened.enter_context(Visitor(here)).receive()
         with Visitor(here) as late, pytest.raises(ConnectionClosed, match="too many pages"):
-            late.hear()
+            late.receive()
         assert len(here.hub.pages) == MOST_PAGES
 
 
@@ -282,21 +282,21 @@ def test_a_page_that_answers_nothing_gets_no_more_and_loses_nothing_of_the_other
         assert other.frame["pages"] == 2
 
 
-def test_only_the_seat_drives_arms_and_disarms(station: Make) -> None:
+def test_only_the_driver_drives_arms_and_disarms(station: Make) -> None:
     here = station()
     with Visitor(here) as driver, Visitor(here) as other:
         driver.arm()
         for kind in ("arm", "disarm"):
             other.draw()
             other.say(kind, tick=other.tick)
-            until(lambda: other.hear()["type"] == "refused")
+            until(lambda: other.receive()["type"] == "refused")
         other.draw_for(0.3, 1.0)
         driver.draw_for(0.3, 0.0)
         assert here.robot.facts.armed
         assert here.speeds_sent() == 0
 
 
-def test_a_driver_that_gives_up_the_seat_with_hands_on_goes_on_being_shown_pictures(
+def test_a_driver_that_releases_control_while_driving_goes_on_being_shown_frames(
     station: Make,
 ) -> None:
     here = station()
@@ -304,7 +304,7 @@ def test_a_driver_that_gives_up_the_seat_with_hands_on_goes_on_being_shown_pictu
         driver.arm()
         driver.refusals.clear()
         for _ in range(3):  # as many as a page may owe
-            while driver.hear()["type"] != "frame":
+            while driver.receive()["type"] != "frame":
                 pass
         driver.say("leave")
         for back in (2, 1, 0):
@@ -331,5 +331,5 @@ def test_without_a_simulator_there_is_no_panel(station: Make) -> None:
     with Visitor(here) as visitor:
         visitor.draw()
         visitor.say("panel", line="power off")
-        until(lambda: visitor.hear()["type"] == "refused")
+        until(lambda: visitor.receive()["type"] == "refused")
         assert here.sim.state.powered

@@ -7,11 +7,35 @@ import argparse
 import os
 import sys
 
-from . import act, dashboard, doctor, drive, info, monitor, record, set_ip, sim, teleop
+from . import (
+    completion,
+    dashboard,
+    doctor,
+    drive,
+    info,
+    monitor,
+    one_shot,
+    record,
+    set_ip,
+    sim,
+    teleop,
+)
 from .errors import CommandError, ExitCode, of_library, refused, usage
 from .options import Parser, add_robot, shield_numbers
 
-_COMMANDS = (info, monitor, drive, teleop, dashboard, act, doctor, record, set_ip, sim)
+_COMMANDS = (
+    info,
+    monitor,
+    drive,
+    teleop,
+    dashboard,
+    one_shot,
+    doctor,
+    record,
+    set_ip,
+    sim,
+    completion,
+)
 _EXAMPLES = """\
 try it without a robot:
   roburoc4 sim                           in one terminal; it prints a line for the others

@@ -8,14 +8,14 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from . import session
-from .channels import TELEMETER_NAMES, flag_names, names_of
 from .errors import ExitCode
+from .names import TELEMETER_NAMES, flag_names, names_of
 from .options import Options, add_robot
 from .output import console, note, print_json, printable
 
 if TYPE_CHECKING:
     from roburoc4 import Properties, Robot
-    from roburoc4.iocard import IoChannels
+    from roburoc4.iocard import ChannelNames
 
 _NEXT_TEXT_S = 4.0  # texts are asked for again and again: whoever knows one has answered by then
 
@@ -59,22 +59,21 @@ def _wait_for_descriptions(robot: Robot) -> None:
             return
 
 
-def _document(address: str, properties: Properties, channels: IoChannels) -> dict[str, Any]:
-    telemeter = {"count": len(properties.telemeters), "telemeters": properties.telemeters}
+def _document(address: str, properties: Properties, channels: ChannelNames) -> dict[str, Any]:
     kinds = {entry.kind for entry in properties.services}
     return {
         "robot": address,
         "services": properties.services,
         "iocard": properties.iocard,
-        "telemeter": telemeter if "telemeter" in kinds else None,
+        "telemeter": properties.telemeter if "telemeter" in kinds else None,
         "battery": properties.battery,
         "localization": properties.localization,
         "differential": properties.differential,
-        "io_channels": channels,
+        "channels": channels,
     }
 
 
-def _print(address: str, properties: Properties, channels: IoChannels) -> None:
+def _print(address: str, properties: Properties, channels: ChannelNames) -> None:
     screen = console()
     screen.print(f"robot at {address}", style="bold", markup=False)
     for title, rows in _sections(properties, channels):
@@ -85,7 +84,7 @@ def _print(address: str, properties: Properties, channels: IoChannels) -> None:
 
 
 def _sections(
-    properties: Properties, channels: IoChannels
+    properties: Properties, channels: ChannelNames
 ) -> list[tuple[str, list[tuple[str, str]]]]:
     services = [
         (
@@ -97,7 +96,7 @@ def _sections(
     sections = [("services", services)]
     if properties.iocard is not None:
         sections.append(("iocard", _fields(properties.iocard)))
-    for index, telemeter in enumerate(properties.telemeters):
+    for index, telemeter in enumerate(properties.telemeter):
         name = TELEMETER_NAMES[index] if index < len(TELEMETER_NAMES) else ""
         sections.append((f"telemeter {index} {name}".rstrip(), _fields(telemeter)))
     for title in ("battery", "localization", "differential"):

@@ -9,8 +9,8 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from . import session
-from .channels import names_of
 from .errors import ExitCode
+from .names import names_of
 from .options import Options, add_robot, add_seconds
 from .output import console, is_terminal, note, plain, print_json
 
@@ -93,9 +93,8 @@ class _Watch:
 def record_of(status: Status) -> dict[str, Any]:
     """Make the JSON object of a status."""
     from roburoc4 import BatteryStatus
-    from roburoc4.samples import SERVICE_NAMES
 
-    record = {"service": SERVICE_NAMES[type(status)], **plain(status)}
+    record = {"service": status.kind, **plain(status)}
     del record["host_us"]
     if isinstance(status, BatteryStatus):
         record["state_name"] = status.state_name

@@ -32,7 +32,7 @@ _FIXED = {
 def columns(properties: Properties) -> list[str]:
     """Name the columns: the time, then all that a robot with these properties reports."""
     names = ["robot_s", "robot_cycles", *(name for fixed in _FIXED.values() for name in fixed)]
-    names += [f"distance_{index}_m" for index in range(len(properties.telemeters))]
+    names += [f"distance_{index}_m" for index in range(len(properties.telemeter))]
     if properties.iocard is not None:
         names += [f"analog_input_{index}" for index in range(properties.iocard.analog_inputs)]
         names += [f"digital_input_{index}" for index in range(properties.iocard.digital_inputs)]
@@ -41,22 +41,14 @@ def columns(properties: Properties) -> list[str]:
 
 def cells(status: Status) -> dict[str, Cell]:
     """Give the values of one status by column."""
-    values: dict[str, Cell] = {}
-    for name, value in plain(status).items():
-        if name == "distances_m":
-            values.update({f"distance_{index}_m": item for index, item in enumerate(value)})
-        elif name in ("analog_inputs", "digital_inputs"):
-            # 1 and 0 rather than True and False: every reader of CSV takes them for numbers.
-            channel = name.removesuffix("s")
-            values.update(
-                {
-                    f"{channel}_{index}": None if item is None else +item
-                    for index, item in enumerate(value)
-                }
-            )
-        elif name not in ("robot_cycles", "host_us"):
-            values[name] = value
-    return values
+    from roburoc4 import flatten
+
+    # 1 and 0 rather than True and False: every reader of CSV takes them for numbers.
+    return {
+        name: None if value is None else +value
+        for name, value in plain(flatten(status)).items()
+        if name not in ("robot_cycles", "host_us")
+    }
 
 
 class Rows:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
         Robot,
         TelemeterStatus,
     )
-    from roburoc4.iocard import IoChannels
+    from roburoc4.iocard import ChannelNames
 
 SERVICES = ("iocard", "telemeter", "battery", "localization", "differential")
 
@@ -43,7 +43,7 @@ class Snapshot:
     round_trip_ms: float
     loss: float
     streams: list[StreamFigures]
-    channels: IoChannels
+    channels: ChannelNames
     reaches_m: list[float]  # of the telemeters
     iocard: IoCardStatus | None
     telemeter: TelemeterStatus | None
@@ -63,7 +63,7 @@ def _stream(robot: Robot, service: str) -> StreamFigures:
     )
 
 
-def take(robot: Robot, elapsed_s: float, channels: IoChannels) -> Snapshot:
+def take(robot: Robot, elapsed_s: float, channels: ChannelNames) -> Snapshot:
     """Look at everything."""
     link = robot.link
     return Snapshot(
@@ -75,7 +75,7 @@ def take(robot: Robot, elapsed_s: float, channels: IoChannels) -> Snapshot:
         link.loss,
         [_stream(robot, service) for service in SERVICES],
         channels,
-        [telemeter.max_distance_m for telemeter in robot.properties.telemeters],
+        [telemeter.max_distance_m for telemeter in robot.properties.telemeter],
         robot.latest("iocard"),
         robot.latest("telemeter"),
         robot.latest("battery"),

@@ -11,7 +11,7 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from .channels import TELEMETER_NAMES, flag_names
+from .names import TELEMETER_NAMES, flag_names
 from .output import printable
 
 if TYPE_CHECKING:

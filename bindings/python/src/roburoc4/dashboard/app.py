@@ -19,7 +19,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from .guard import Guard, Rules
 from .hub import MOST_PAGES, Hub, Page
-from .talk import BadTalkError, Talk
+from .messages import BadMessageError, Messages
 
 STATIC = Path(__file__).parent / "static"
 _TRY_LATER = 1013
@@ -40,7 +40,7 @@ def application(hub: Hub, rules: Rules) -> ASGIApp:
         try:
             yield
         finally:
-            hub.seat.close()
+            hub.control.close()
             beating.cancel()
 
     async def page(_request: Request) -> Response:
@@ -58,14 +58,14 @@ def application(hub: Hub, rules: Rules) -> ASGIApp:
 
 
 def _note_end(hub: Hub, beating: asyncio.Task[None]) -> None:
-    """Where no pictures are made any more, nothing is driven, and the server ends."""
+    """Where no frames are made any more, nothing is driven, and the server ends."""
     if not beating.cancelled() and (error := beating.exception()) is not None:
         hub.failure = error
-        hub.seat.close()
+        hub.control.close()
 
 
 async def _serve(hub: Hub, websocket: WebSocket) -> None:
-    """Talk with a page until it is gone."""
+    """Messages with a page until it is gone."""
     await websocket.accept()
     if len(hub.pages) >= MOST_PAGES:
         await websocket.close(_TRY_LATER, "too many pages are open")
@@ -80,11 +80,11 @@ async def _serve(hub: Hub, websocket: WebSocket) -> None:
 
 
 async def _hear(hub: Hub, websocket: WebSocket, page: Page) -> None:
-    talk = Talk(hub, page)
+    messages = Messages(hub, page)
     try:
         while True:
-            talk.hear(await websocket.receive_text())
-    except BadTalkError as error:
+            messages.receive(await websocket.receive_text())
+    except BadMessageError as error:
         hub.part(page)
         await websocket.close(_POLICY, str(error))
     except KeyError:  # bytes instead of text

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""The open pages, and the beat at which they get a new picture.
+"""The open pages, and the beat at which they get a new frame.
 
-A page answers each picture that it has drawn, and gets no new one while it owes some answers: so
+A page answers each frame that it has drawn, and gets no new one while it owes some answers: so
 nothing piles up for a slow page, the rate is that of its screen at most, and hidden pages, which
 draw nothing, cost next to nothing.
 """
@@ -16,10 +16,10 @@ from typing import Any
 
 from .. import __version__
 from ..robot import Robot
+from .control import Control, Viewer, limits_of
+from .frames import Frames
 from .history import History, Notice
 from .panel import Panel
-from .picture import Picture
-from .seat import Occupant, Seat, limits_of
 from .ticks import Ticks
 
 FRAME_S = 1 / 30
@@ -36,7 +36,7 @@ def encode(document: object) -> str:
     return json.dumps(document, separators=(",", ":"), allow_nan=False)
 
 
-class Page(Occupant):
+class Page(Viewer):
     """An open page: what it was sent and has not drawn yet."""
 
     def __init__(self, number: int) -> None:
@@ -47,7 +47,7 @@ class Page(Occupant):
 
     @property
     def ready(self) -> bool:
-        """Whether it may get another picture."""
+        """Whether it may get another frame."""
         return len(self._owed) < _UNANSWERED and self.outbox.qsize() < _UNANSWERED
 
     def draws(self, now_s: float) -> bool:
@@ -55,20 +55,20 @@ class Page(Occupant):
         return self.ready or now_s - self.heard_s < _AWAKE_S
 
     def say(self, kind: str, document: dict[str, Any]) -> bool:
-        """Send it something else than a picture; false where it takes nothing any more."""
+        """Send it something else than a frame; false where it takes nothing any more."""
         if self.outbox.full():
             return False
         self.outbox.put_nowait(encode({"type": kind, **document}))
         return True
 
     def show(self, tick: int, text: str) -> None:
-        """Send it a picture."""
+        """Send it a frame."""
         self.sent_tick = tick
         self._owed.append(tick)
         self.outbox.put_nowait(text)
 
     def answer(self, tick: int, now_s: float) -> None:
-        """Note that it has drawn the picture of this tick."""
+        """Note that it has drawn the frame of this tick."""
         if tick in self._owed:
             self._owed = [owed for owed in self._owed if owed > tick]
             self.heard_s = now_s
@@ -89,13 +89,13 @@ class Hub:
         self.robot = robot
         self.panel = panel
         self.ticks = Ticks()
-        self.seat = Seat(robot, self.ticks, lease_s, offered=allow_drive)
+        self.control = Control(robot, self.ticks, lease_s, offered=allow_drive)
         self.pages: set[Page] = set()
         self.failure: BaseException | None = None
-        """Why no more pictures are made."""
+        """Why no more frames are made."""
         self._ceilings = ceilings
         self._history = History()
-        self._picture = Picture(robot, self._history)
+        self._frames = Frames(robot, self._history)
         self._numbers = 0
         self._driver: int | None = None
 
@@ -114,7 +114,7 @@ class Hub:
         page.heard_s = self.now_s
         page.seen_event = self._history.last_event
         page.say("hello", self._hello(page))
-        if self._picture.known:
+        if self._frames.known:
             page.say("about", self._about())
         self.pages.add(page)
         return page
@@ -122,7 +122,7 @@ class Hub:
     def part(self, page: Page) -> None:
         """Let a page go; if it drove, the robot is stopped."""
         self.pages.discard(page)
-        self.seat.leave(page, "the driver's page was closed, or its connection broke")
+        self.control.leave(page, "the driver's page was closed, or its connection broke")
 
     def _hello(self, page: Page) -> dict[str, Any]:
         history = self._history
@@ -130,7 +130,7 @@ class Hub:
             "page": page.number,
             "version": __version__,
             "address": self.robot.address,
-            "allow_drive": self.seat.offered,
+            "allow_drive": self.control.offered,
             "simulated": self.panel is not None,
             "speeds": history.speeds.columns(),
             "battery": history.battery.columns(),
@@ -139,9 +139,9 @@ class Hub:
         }
 
     def _about(self) -> dict[str, Any]:
-        limits = self.seat.limits
+        limits = self.control.limits
         return {
-            **self._picture.known,
+            **self._frames.known,
             "full_linear_m_s": limits.linear_m_s,
             "full_angular_rad_s": limits.angular_rad_s,
         }
@@ -162,12 +162,12 @@ class Hub:
     def step(self) -> None:
         """One beat."""
         now_s, time_s = self.now_s, time.time()
-        self.seat.watch(now_s)
-        frame = self._picture.take(now_s, time_s)
-        frame["facts"]["inhibited"] |= self.seat.stood_still
+        self.control.watch(now_s)
+        frame = self._frames.take(now_s, time_s)
+        frame["facts"]["inhibited"] |= self.control.stood_still
         self._note_driver(time_s)
-        if self._picture.about(now_s) is not None:
-            self.seat.limits = limits_of(self.robot, *self._ceilings)
+        if self._frames.about(now_s) is not None:
+            self.control.limits = limits_of(self.robot, *self._ceilings)
             self._to_all(lambda page: page.say("about", self._about()))
         ready = [page for page in self.pages if page.ready]
         if not ready:
@@ -178,8 +178,8 @@ class Hub:
             "tick": tick,
             "pages": len(self.pages),
             "driver": self._driver,
-            "why": self.seat.why,
-            "must_let_go": self.seat.must_let_go,
+            "why": self.control.why,
+            "must_let_go": self.control.must_let_go,
             "sim": None if self.panel is None else self.panel.now(),
         }
         text = encode(frame)
@@ -192,9 +192,9 @@ class Hub:
             tell(page)
 
     def _note_driver(self, time_s: float) -> None:
-        driver = None if self.seat.driver is None else self.seat.driver.number
+        driver = None if self.control.driver is None else self.control.driver.number
         if driver != self._driver:
-            text = "nobody has the seat" if driver is None else f"page {driver} took the seat"
+            text = "nobody has control" if driver is None else f"page {driver} took control"
             self._history.note(time_s, "plain", text)
             self._driver = driver
 

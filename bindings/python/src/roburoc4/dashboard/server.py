@@ -142,7 +142,7 @@ class Server(uvicorn.Server):
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """End: first of all the robot is stopped, then connections are closed."""
-        self._hub.seat.close()
+        self._hub.control.close()
         await super().shutdown(sockets)
 
 

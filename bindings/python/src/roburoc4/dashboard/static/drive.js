@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The driver's seat: taking it, arming, stopping, and what the hands say with each picture.
+// Control of the robot: taking it, arming, stopping, and what the inputs say with each frame.
 import { by, figure, put, show } from "./text.js";
-import { Hands } from "./hands.js";
+import { Inputs } from "./inputs.js";
 
 export class Drive {
   constructor(send) {
@@ -12,7 +12,7 @@ export class Drive {
     this.offered = false;
     this.refusal = "";
     this.full = [[0, 0], [0, 0]];
-    this.hands = new Hands(by("stick"), by("knob"), () => this.letGo());
+    this.inputs = new Inputs(by("stick"), by("knob"), () => this.letGo());
     for (const what of ["take", "leave", "disarm"]) by(what).addEventListener("click", () => this.ask({ type: what }));
     by("arm").addEventListener("click", () => this.ask({ type: "arm", tick: this.tick }));
     by("stop").addEventListener("pointerdown", () => this.stop());
@@ -70,7 +70,7 @@ export class Drive {
   }
 
   letGo() {
-    if (this.mine) this.send({ type: "drawn", tick: this.tick, hands: { forward: 0, left: 0, scale: this.scale } });
+    if (this.mine) this.send({ type: "drawn", tick: this.tick, input: { forward: 0, left: 0, scale: this.scale } });
   }
 
   refused(message) {
@@ -82,25 +82,25 @@ export class Drive {
     if (on) this.mine = false;
   }
 
-  /** Show how it is, and return what the hands want, if this page drives. */
+  /** Show how it is, and return what the inputs want, if this page drives. */
   show(frame) {
     this.tick = frame.tick;
     this.mine = frame.driver !== null && frame.driver === this.page;
-    this.hands.wanted = this.mine;
+    this.inputs.wanted = this.mine;
     const armed = this.mine && frame.facts.armed;
-    put(by("seat"), !this.offered ? "watching only" : this.mine ? "you have the seat" : frame.driver === null ? "the seat is free" : `page ${frame.driver} drives`);
+    put(by("control"), !this.offered ? "watching only" : this.mine ? "you have control" : frame.driver === null ? "nobody has control" : `page ${frame.driver} drives`);
     show(by("take"), this.offered && !this.mine);
     by("take").disabled = frame.driver !== null;
     show(by("leave"), this.mine);
     show(by("arm"), this.mine && !armed);
     show(by("disarm"), armed);
-    show(by("hands"), this.mine);
-    by("hands").classList.toggle("armed", armed);
-    document.body.classList.toggle("seated", this.mine);
+    show(by("inputs"), this.mine);
+    by("inputs").classList.toggle("armed", armed);
+    document.body.classList.toggle("in-control", this.mine);
     put(by("drive-why"), this.why(frame, armed));
     if (!this.mine) return null;
-    put(by("pad-text"), this.hands.padText());
-    const { forward, left, by: source } = this.hands.look();
+    put(by("pad-text"), this.inputs.padText());
+    const { forward, left, by: source } = this.inputs.look();
     const scale = this.scale;
     const speed = (share, [low, high]) => share * scale * (share > 0 ? high : low);
     put(by("asked"), `${figure(speed(forward, this.full[0]), 2, "m/s")}, ${figure(speed(left, this.full[1]), 2, "rad/s")}${source ? ` by ${source}` : ""}`);
@@ -110,10 +110,10 @@ export class Drive {
   why(frame, armed) {
     if (!this.offered) return "This page only watches. Start roburoc4 dashboard with --allow-drive to drive from it.";
     if (this.refusal) return this.refusal;
-    if (!this.mine) return frame.driver === null ? "One page at a time can drive: take the seat, then arm." : "Somebody else drives. STOP works from every page.";
+    if (!this.mine) return frame.driver === null ? "One page at a time can drive: take control, then arm." : "Somebody else drives. STOP works from every page.";
     if (frame.why) return frame.why;
     if (armed && frame.must_let_go) return "Armed: let go of everything once, then drive.";
-    if (armed && this.hands.unrepeated) return "Ready: the key no longer repeated, so it counts as let go. Press it anew. Where the system repeats no keys, drive with the game pad or the stick.";
+    if (armed && this.inputs.unrepeated) return "Ready: the key no longer repeated, so it counts as let go. Press it anew. Where the system repeats no keys, drive with the game pad or the stick.";
     if (armed) return "Ready: hold [A] on the game pad, drag the stick, or hold a key. Letting go stops.";
     return frame.facts.blocked || "Is the way clear, is the emergency stop in somebody’s hand? Then arm.";
   }

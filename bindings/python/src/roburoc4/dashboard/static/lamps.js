@@ -41,7 +41,7 @@ function worst(frame, { mine, offered }, about) {
   if (mine && !facts.armed) return ["weak", "DISARMED", facts.blocked ? `Not ready to arm: ${facts.blocked}.` : "The robot takes no speed. Look around, then arm."];
   if (link.level !== "good") return [link.level, "LINK", said(link)];
   if (facts.battery_low) return ["weak", "BATTERY LOW", "Bring the robot to its charger. Charger and platform off before plugging it in."];
-  if (offered && !facts.armed) return ["weak", "DISARMED", frame.driver === null ? "Nobody has the seat: the robot takes no speed from here." : "The driver has not armed the robot: it takes no speed."];
+  if (offered && !facts.armed) return ["weak", "DISARMED", frame.driver === null ? "Nobody has control: the robot takes no speed from here." : "The driver has not armed the robot: it takes no speed."];
   return ["", "", ""];
 }
 

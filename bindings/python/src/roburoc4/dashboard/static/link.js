@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The WebSocket. Each picture that was drawn is answered with its tick; what the driver's hands do
+// The WebSocket. Each frame that was drawn is answered with its tick; what the driver's inputs do
 // goes along. A page that is hidden or frozen draws nothing, so it answers nothing.
 
 const RETRY_MS = 1000;
@@ -8,7 +8,7 @@ const SAYS_WHY = [1008, 1013]; // it closed the connection for what this page di
 const REFUSED = 403;
 
 export class Link {
-  /** handlers: by type of message; frame: draws, returns the hands or null; silent: told (true/false) and why. */
+  /** handlers: by type of message; frame: draws, returns the inputs or null; silent: told (true/false) and why. */
   constructor(handlers, frame, silent) {
     this.tick = 0;
     this.handlers = handlers;
@@ -72,8 +72,8 @@ export class Link {
     if (frame === null) return;
     this.look();
     this.tick = frame.tick;
-    const hands = this.frame(frame);
-    this.send(hands ? { type: "drawn", tick: frame.tick, hands } : { type: "drawn", tick: frame.tick });
+    const input = this.frame(frame);
+    this.send(input ? { type: "drawn", tick: frame.tick, input } : { type: "drawn", tick: frame.tick });
   }
 
   /** Say it now or never: what cannot be said now would be old later. */

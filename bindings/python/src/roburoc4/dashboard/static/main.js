@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The page: each part draws itself from the picture that comes in.
+// The page: each part draws itself from the frame that comes in.
 import { by, figure, make, mark, put, show } from "./text.js";
 import { Channels } from "./channels.js";
 import { Dial } from "./dial.js";
@@ -19,7 +19,7 @@ const clock = new Intl.DateTimeFormat(undefined, { hour: "2-digit", minute: "2-d
 // The cookie has it now; the address bar, and what is copied from there, should not.
 if (location.search) history.replaceState(null, "", location.pathname);
 
-let about = { everReady: false, telemeters: [] };
+let about = { everReady: false, telemeter: [] };
 const send = (message) => link.send(message);
 const drive = new Drive(send);
 const panel = new Panel(send);
@@ -67,7 +67,7 @@ function addEvents({ events }) {
   while (list.childElementCount > MOST_EVENTS) list.lastElementChild.remove();
 }
 
-// ---- what is drawn with each picture ----
+// ---- what is drawn with each frame ----
 
 const lossText = (share) => figure(share === null ? null : share * 100, 1, "%");
 
@@ -121,22 +121,22 @@ function trend({ trend_percent_h: slope, percent }, low) {
   return `${slope > 0 ? "↗ +" : "↘ "}${figure(slope, 0, "% per hour")}${left}`;
 }
 
-function drawFrame(picture) {
-  document.body.classList.toggle("stale", picture.state !== "ready");
-  about.everReady ||= picture.state === "ready";
-  const hands = drive.show(picture);
-  showLamps(picture, drive, about);
-  showQuality(picture);
-  showLink(picture);
-  showBattery(picture);
-  dials[0].show(picture.speeds?.[1] ?? null, picture.speeds?.[0] ?? null);
-  dials[1].show(picture.speeds?.[3] ?? null, picture.speeds?.[2] ?? null);
-  map.show(picture, about);
-  plots.show(picture);
-  channels.show(picture);
-  if (picture.sim) panel.show(picture.sim);
-  put(by("pages"), `${picture.pages} ${picture.pages === 1 ? "page" : "pages"} open`);
-  return hands;
+function drawFrame(frame) {
+  document.body.classList.toggle("stale", frame.state !== "ready");
+  about.everReady ||= frame.state === "ready";
+  const inputs = drive.show(frame);
+  showLamps(frame, drive, about);
+  showQuality(frame);
+  showLink(frame);
+  showBattery(frame);
+  dials[0].show(frame.speeds?.[1] ?? null, frame.speeds?.[0] ?? null);
+  dials[1].show(frame.speeds?.[3] ?? null, frame.speeds?.[2] ?? null);
+  map.show(frame, about);
+  plots.show(frame);
+  channels.show(frame);
+  if (frame.sim) panel.show(frame.sim);
+  put(by("pages"), `${frame.pages} ${frame.pages === 1 ? "page" : "pages"} open`);
+  return inputs;
 }
 
 function silent(on, why) {

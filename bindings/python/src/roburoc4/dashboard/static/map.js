@@ -62,7 +62,7 @@ export class RobotMap {
     by("map-follow").setAttribute("aria-pressed", String(on));
   }
 
-  // ---- hands ----
+  // ---- inputs ----
 
   listen() {
     by("map-in").addEventListener("click", () => this.zoom(1.4));
@@ -244,7 +244,7 @@ export class RobotMap {
 
   sensors() {
     const distances = this.frame.distances_m ?? [];
-    return (this.about?.telemeters ?? []).map((sensor, index) => ({ ...sensor, distance: distances[index] ?? null }))
+    return (this.about?.telemeter ?? []).map((sensor, index) => ({ ...sensor, distance: distances[index] ?? null }))
       .filter((sensor) => [sensor.x_m, sensor.y_m, sensor.theta_rad, sensor.field_of_view_rad, sensor.max_distance_m].every((value) => value !== null));
   }
 

@@ -39,7 +39,7 @@ export class Panel {
     this.send({ type: "panel", line: text });
   }
 
-  /** Say it with the next picture, unless the same is moved again before: hands are faster. */
+  /** Say it with the next frame, unless the same is moved again before: inputs are faster. */
   soon(what, message) {
     this.pending.set(what, message);
   }

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..constants import BatteryState, Count, Event, Role, State
 from ..errors import NotKnownError
-from ..iocard import IoChannels
+from ..iocard import ChannelNames
 from ..records import (
     BatteryProperties,
     DifferentialProperties,
@@ -16,8 +16,8 @@ from ..records import (
 )
 from ..robot import Robot
 from ..settings import STATUS_SERVICES
+from .advice import advise, blocked
 from .history import History, number, texts_of
-from .words import advise, blocked
 
 _LINK_EVERY_S = 0.2
 _ABOUT_EVERY_S = 1.0
@@ -27,7 +27,7 @@ _CHANGES = Event.READY | Event.PROPERTIES | Event.DESCRIPTION | Event.DESCRIPTIO
 Document = dict[str, Any]
 
 
-class Picture:
+class Frames:
     """Looks at a robot without ever waiting for it."""
 
     def __init__(self, robot: Robot, history: History) -> None:
@@ -200,17 +200,17 @@ class Picture:
         self._volts_index = self._robot.role_index(Role.BATTERY_V)
         return {
             "address": self._robot.address,
-            "telemeters": [_numbers(telemeter) for telemeter in properties.telemeters],
+            "telemeter": [_numbers(telemeter) for telemeter in properties.telemeter],
             "battery": _numbers(properties.battery),
             "differential": _numbers(properties.differential),
             "channels": channels._asdict(),
         }
 
-    def _channels(self) -> IoChannels:
+    def _channels(self) -> ChannelNames:
         try:
-            return self._robot.io.channels
+            return self._robot.channels
         except NotKnownError:
-            return IoChannels((), (), (), ())
+            return ChannelNames((), (), (), ())
 
 
 def _numbers(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from roburoc4 import Robot
-    from roburoc4.iocard import IoChannels
+    from roburoc4.iocard import ChannelNames
 
 TELEMETER_NAMES = ("front", "rear")
 
@@ -27,12 +27,12 @@ def flag_names(flags: int) -> list[str]:
     return [name for bit, name in enumerate(_FLAGS) if flags >> bit & 1]
 
 
-def names_of(robot: Robot) -> IoChannels:
+def names_of(robot: Robot) -> ChannelNames:
     """Name the IO channels; none for a robot without an IO card."""
     from roburoc4 import NotKnownError
-    from roburoc4.iocard import IoChannels
+    from roburoc4.iocard import ChannelNames
 
     try:
-        return robot.io.channels
+        return robot.channels
     except NotKnownError:
-        return IoChannels((), (), (), ())
+        return ChannelNames((), (), (), ())

@@ -15,7 +15,7 @@ from websockets.sync.client import ClientConnection, connect
 
 
 class Visitor:
-    """A WebSocket that answers pictures when it is told to."""
+    """A WebSocket that answers frames when it is told to."""
 
     def __init__(self, station: Station | None = None, *, port: int = 0, **settings: Any) -> None:
         port = station.port if station and not port else port
@@ -49,28 +49,28 @@ class Visitor:
             self.refusals.append(message["text"])
         return message
 
-    def draw(self, forward: float | None = None, **hands: float) -> None:
-        """Wait for a picture, and answer it."""
-        while self.hear()["type"] != "frame":
+    def draw(self, forward: float | None = None, **inputs: float) -> None:
+        """Wait for a frame, and answer it."""
+        while self.receive()["type"] != "frame":
             pass
-        self.answer(self.tick, forward, **hands)
+        self.answer(self.tick, forward, **inputs)
 
-    def answer(self, tick: int, forward: float | None, **hands: float) -> None:
-        """Answer the picture of a tick."""
+    def answer(self, tick: int, forward: float | None, **inputs: float) -> None:
+        """Answer the frame of a tick."""
         if forward is None:
             self.say("drawn", tick=tick)
         else:
-            given = {"forward": forward, "left": 0.0, "scale": 1.0} | hands
-            self.say("drawn", tick=tick, hands=given)
+            given = {"forward": forward, "left": 0.0, "scale": 1.0} | inputs
+            self.say("drawn", tick=tick, input=given)
 
     def draw_for(self, seconds: float, forward: float | None = None) -> None:
-        """Answer pictures for a while."""
+        """Answer frames for a while."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             self.draw(forward)
 
     def drive(self, driven: Callable[[], bool], forward: float = 0.4) -> None:
-        """Drive; where a stall of this machine ends that, hands must be off once: then again."""
+        """Drive. Where a stall of this machine ends that, release all inputs and try again."""
         end = time.monotonic() + PATIENCE_S
         while not driven():
             assert time.monotonic() < end, self.frame["why"]
@@ -80,7 +80,7 @@ class Visitor:
             self.draw_for(0.5, forward)
 
     def arm(self) -> None:
-        """Take the seat and arm, hands off."""
+        """Take control and arm, inputs off."""
         end = time.monotonic() + PATIENCE_S
         self.say("take")
         while not self.frame.get("facts", {}).get("armed"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The seat alone, in virtual time: whatever pages say and whenever, the lease holds."""
+"""The control alone, in virtual time: whatever pages say and whenever, the lease holds."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import roburoc4
-from roburoc4.dashboard.seat import FORGOTTEN_S, Input, Occupant, Seat, SeatError, limits_of
+from roburoc4.dashboard.control import FORGOTTEN_S, Control, ControlError, Input, Viewer, limits_of
 from roburoc4.dashboard.ticks import Ticks
 
 LEASE_S = 0.25
@@ -22,19 +22,19 @@ CYCLE_S = 0.011
 
 
 class Scene:
-    """A robot in virtual time, a seat, and two pages."""
+    """A robot in virtual time, a control, and two pages."""
 
     def __init__(self) -> None:
         self.sim = roburoc4.Simulator()
         self.robot = self.sim.connect()
         self.ticks = Ticks()
-        self.seat = Seat(self.robot, self.ticks, LEASE_S, offered=True)
-        self.seat.limits = limits_of(self.robot, 1.0, 1.0)
-        self.pages = [Occupant(1), Occupant(2)]
+        self.control = Control(self.robot, self.ticks, LEASE_S, offered=True)
+        self.control.limits = limits_of(self.robot, 1.0, 1.0)
+        self.pages = [Viewer(1), Viewer(2)]
         self.issued_s: dict[int, float] = {}
 
     def show(self) -> int:
-        """Send both pages a picture."""
+        """Send both pages a frame."""
         now_s = self.robot.now_s
         tick = self.ticks.issue(now_s)
         self.issued_s[tick] = now_s
@@ -44,12 +44,12 @@ class Scene:
         return tick
 
     def drive(self, page: int, tick: int, forward: float) -> None:
-        self.seat.drive(self.pages[page], Input(tick, forward, 0.0, 1.0), self.robot.now_s)
+        self.control.drive(self.pages[page], Input(tick, forward, 0.0, 1.0), self.robot.now_s)
 
     def arm(self) -> None:
-        self.seat.take(self.pages[0])
+        self.control.take(self.pages[0])
         self.robot.arm()
-        self.seat.arm(self.pages[0], self.show(), self.robot.now_s)
+        self.control.arm(self.pages[0], self.show(), self.robot.now_s)
         self.drive(0, self.show(), 0.0)
 
     @property
@@ -82,7 +82,7 @@ def test_an_input_that_is_older_than_the_lease_is_dropped(scene: Scene) -> None:
     scene.drive(0, tick, 0.5)
     scene.sim.step(0.1)
     assert not scene.driven
-    assert scene.seat.dropped == 1
+    assert scene.control.dropped == 1
 
 
 def test_no_timer_renews(scene: Scene) -> None:
@@ -90,7 +90,7 @@ def test_no_timer_renews(scene: Scene) -> None:
     scene.drive(0, scene.show(), 0.5)
     for _ in range(30):
         scene.show()
-        scene.seat.watch(scene.robot.now_s)
+        scene.control.watch(scene.robot.now_s)
         scene.sim.step(1 / 30)
     assert not scene.driven
 
@@ -117,7 +117,7 @@ def test_being_held_up_while_a_command_is_given_makes_no_lease_longer(
     scene.drive(0, scene.show(), 0.5)
     scene.sim.step(CYCLE_S)
     assert not scene.driven
-    assert scene.seat.must_let_go
+    assert scene.control.must_let_go
 
 
 def test_arming_again_in_mid_drive_stops(scene: Scene) -> None:
@@ -125,7 +125,7 @@ def test_arming_again_in_mid_drive_stops(scene: Scene) -> None:
     scene.drive(0, scene.show(), 0.5)
     scene.sim.step(0.05)
     assert scene.driven
-    scene.seat.arm(scene.pages[0], scene.show(), scene.robot.now_s)
+    scene.control.arm(scene.pages[0], scene.show(), scene.robot.now_s)
     scene.sim.step(2 * CYCLE_S)
     assert not scene.driven
 
@@ -133,7 +133,7 @@ def test_arming_again_in_mid_drive_stops(scene: Scene) -> None:
 def test_inputs_from_before_arming_are_dead(scene: Scene) -> None:
     scene.arm()
     old = scene.show()
-    scene.seat.arm(scene.pages[0], old, scene.robot.now_s)
+    scene.control.arm(scene.pages[0], old, scene.robot.now_s)
     scene.drive(0, old, 0.0)
     scene.drive(0, old, 0.5)
     scene.sim.step(0.05)
@@ -141,43 +141,43 @@ def test_inputs_from_before_arming_are_dead(scene: Scene) -> None:
 
 
 def test_arming_needs_a_fresh_tick(scene: Scene) -> None:
-    scene.seat.take(scene.pages[0])
+    scene.control.take(scene.pages[0])
     tick = scene.show()
     scene.sim.step(LEASE_S)
-    with pytest.raises(SeatError, match="late"):
-        scene.seat.arm(scene.pages[0], tick, scene.robot.now_s)
+    with pytest.raises(ControlError, match="late"):
+        scene.control.arm(scene.pages[0], tick, scene.robot.now_s)
     assert not scene.robot.facts.armed
 
 
 def test_a_refusal_to_arm_says_why(scene: Scene) -> None:
-    scene.seat.take(scene.pages[0])
+    scene.control.take(scene.pages[0])
     scene.sim.pad.press("a")
     scene.sim.step(0.2)
-    with pytest.raises(SeatError, match=r"holds \[A\]"):
-        scene.seat.arm(scene.pages[0], scene.show(), scene.robot.now_s)
+    with pytest.raises(ControlError, match=r"holds \[A\]"):
+        scene.control.arm(scene.pages[0], scene.show(), scene.robot.now_s)
 
 
-def test_a_driver_that_shows_nothing_for_long_loses_the_seat(scene: Scene) -> None:
+def test_a_driver_that_shows_nothing_for_long_loses_control(scene: Scene) -> None:
     scene.arm()
     scene.sim.step(FORGOTTEN_S - 1.0)
-    scene.seat.watch(scene.robot.now_s)
-    assert scene.seat.driver is scene.pages[0]
+    scene.control.watch(scene.robot.now_s)
+    assert scene.control.driver is scene.pages[0]
     scene.sim.step(2.0)
-    scene.seat.watch(scene.robot.now_s)
-    assert scene.seat.driver is None
+    scene.control.watch(scene.robot.now_s)
+    assert scene.control.driver is None
     assert not scene.robot.facts.armed
 
 
-def test_after_a_lease_that_ran_out_hands_must_be_off_once(scene: Scene) -> None:
+def test_after_a_lease_that_ran_out_inputs_must_be_released_once(scene: Scene) -> None:
     scene.arm()
     scene.drive(0, scene.show(), 0.5)
     scene.sim.step(2 * LEASE_S)
     scene.drive(0, scene.show(), 0.5)
     scene.sim.step(0.05)
     assert not scene.driven
-    assert "let go" in scene.seat.why
+    assert "let go" in scene.control.why
     scene.drive(0, scene.show(), 0.0)
-    assert scene.seat.why == ""
+    assert scene.control.why == ""
     scene.drive(0, scene.show(), 0.5)
     scene.sim.step(0.1)
     assert scene.driven
@@ -245,20 +245,20 @@ def test_whatever_pages_say_no_speed_outlives_the_lease_of_its_tick(
                 elif what == "other":
                     scene.drive(1, scene.ticks.last, value)
                 elif what == "arm":
-                    scene.seat.arm(page, scene.ticks.last, now_s)
+                    scene.control.arm(page, scene.ticks.last, now_s)
                 elif what == "stop":
-                    scene.seat.stop(scene.pages[1])
+                    scene.control.stop(scene.pages[1])
                 elif what == "disarm":
-                    scene.seat.disarm(page)
+                    scene.control.disarm(page)
                 elif what == "leave":
-                    scene.seat.leave(page)
+                    scene.control.leave(page)
                 elif what == "take":
-                    scene.seat.take(page)
+                    scene.control.take(page)
                 else:
                     scene.sim.pad.press("a")
                     scene.sim.step(0.1)
                     scene.sim.pad.release("a")
-            except SeatError:
+            except ControlError:
                 pass
             scene.sim.step(CYCLE_S)
             if scene.driven:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Who drives, and which inputs count. Nothing else of the dashboard moves the robot.
 
-One page at a time has the seat. Its inputs answer to a tick: the number of the picture that its
+One page at a time has control. Its inputs answer to a tick: the number of the frame that its
 driver saw. An input that answers to the tick of `age` ago gets a lease of `lease - age`, so that
 the robot stops one lease after the driver saw it last, however late or often inputs arrive. No
 timer renews: only a valid input does.
@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 from ..errors import NotArmedError
 from ..robot import Robot
+from .advice import why_not_armed
 from .ticks import Ticks
-from .words import why_not_armed
 
 SHORTEST_LEASE_S = 0.02
 """The client takes no shorter one."""
@@ -24,10 +24,10 @@ HELD_UP_S = 0.02
 """A command that took longer to give has a lease that is too long by that, and is given again."""
 _ATTEMPTS = 3
 FORGOTTEN_S = 30.0
-"""A driver's page that shows nothing for so long loses the seat."""
+"""A driver's page that shows nothing for so long loses control."""
 
 
-class SeatError(Exception):
+class ControlError(Exception):
     """Why a page may not do this; to be shown there."""
 
 
@@ -47,7 +47,7 @@ NO_LIMITS = Limits((0.0, 0.0), (0.0, 0.0))
 
 @dataclass(frozen=True)
 class Input:
-    """The driver's hands: shares of -1 to 1 of the limits, X forward and counter-clockwise."""
+    """The driver's inputs: shares of -1 to 1 of the limits, X forward and counter-clockwise."""
 
     tick: int
     forward: float
@@ -68,18 +68,18 @@ class Input:
 
 
 @dataclass(eq=False)
-class Occupant:
-    """A page, as the seat sees it."""
+class Viewer:
+    """A page, as the control of the robot sees it."""
 
     number: int
     sent_tick: int = 0
     """The newest that was sent to it."""
     heard_s: float = field(default=-math.inf)
-    """When it last showed a picture."""
+    """When it last showed a frame."""
 
 
-class Seat:
-    """The driver's seat of a robot."""
+class Control:
+    """Control of a robot."""
 
     def __init__(self, robot: Robot, ticks: Ticks, lease_s: float, *, offered: bool) -> None:
         self._robot = robot
@@ -87,7 +87,7 @@ class Seat:
         self._lease_s = lease_s
         self.offered = offered
         self.limits = NO_LIMITS
-        self.driver: Occupant | None = None
+        self.driver: Viewer | None = None
         self.why = ""
         """Why the robot was stopped, or does not move; for the driver."""
         self.dropped = 0
@@ -97,22 +97,22 @@ class Seat:
         self._armed = False
         self._floor = 0
         self.must_let_go = True
-        """Hands must be off once before anything moves."""
+        """All inputs must be released once before anything moves."""
         self._lease_end_s: float | None = None
 
     # ---- taking and giving up ----
 
-    def take(self, page: Occupant) -> None:
+    def take(self, page: Viewer) -> None:
         """Sit down, unless somebody else sits there."""
         if not self.offered:
-            raise SeatError("this dashboard only watches: start it with --allow-drive to drive")
+            raise ControlError("this dashboard only watches: start it with --allow-drive to drive")
         if self.driver not in (None, page):
-            raise SeatError("somebody else drives: wait until that page gives up the seat")
+            raise ControlError("somebody else drives: wait until that page releases control")
         if self.driver is None:
             self.driver = page
             self._begin_anew("")
 
-    def leave(self, page: Occupant, why: str = "") -> None:
+    def leave(self, page: Viewer, why: str = "") -> None:
         """Stand up, if this page sits there; the robot is stopped and disarmed."""
         if self.driver is page:
             self.driver = None
@@ -120,7 +120,7 @@ class Seat:
             self._end_driving(why)
 
     def _begin_anew(self, why: str) -> None:
-        """Nothing from before counts, and hands must be off once."""
+        """Nothing from before counts, and all inputs must be released once."""
         self._floor = self._ticks.last + 1
         self.must_let_go = True
         self._lease_end_s = None
@@ -133,11 +133,11 @@ class Seat:
 
     # ---- arming and stopping ----
 
-    def arm(self, page: Occupant, tick: int, now_s: float) -> None:
+    def arm(self, page: Viewer, tick: int, now_s: float) -> None:
         """Allow driving; the page must have seen the robot a moment ago."""
         self._check_driver(page)
         if self._lease_left_s(page, tick, now_s) is None:
-            raise SeatError("the page is late: its link is slow or stalled; try again")
+            raise ControlError("the page is late: its link is slow or stalled; try again")
         if self._lease_end_s is not None:
             self._robot.stop()
         self._begin_anew("")
@@ -145,18 +145,18 @@ class Seat:
         try:
             self._robot.arm(timeout=0.0)
         except NotArmedError as error:
-            raise SeatError(why_not_armed(error.code)) from None
+            raise ControlError(why_not_armed(error.code)) from None
         self._armed = True
 
-    def disarm(self, page: Occupant, why: str = "") -> None:
+    def disarm(self, page: Viewer, why: str = "") -> None:
         """Forbid driving, and stop."""
         self._check_driver(page)
         self._end_driving(why)
 
-    def stop(self, page: Occupant) -> None:
+    def stop(self, page: Viewer) -> None:
         """Stop and disarm: any page may, where driving is offered at all."""
         if not self.offered:
-            raise SeatError("this dashboard only watches, and sends the robot no command at all")
+            raise ControlError("this dashboard only watches, and sends the robot no command at all")
         self._robot.stop()
         self._end_driving(f"STOP was pressed on page {page.number}")
 
@@ -168,14 +168,14 @@ class Seat:
 
     # ---- driving ----
 
-    def drive(self, page: Occupant, hands: Input, now_s: float) -> None:
+    def drive(self, page: Viewer, inputs: Input, now_s: float) -> None:
         """One input: the only place that renews a drive command."""
         self._check_driver(page)
-        left_s = self._lease_left_s(page, hands.tick, now_s)
+        left_s = self._lease_left_s(page, inputs.tick, now_s)
         if left_s is None:
             self.dropped += 1
             return
-        if hands.neutral:
+        if inputs.neutral:
             self._let_go()
             return
         if not self._robot.facts.armed:
@@ -186,7 +186,7 @@ class Seat:
             self._lease_end_s = None
             self.why = "inputs came too late and the robot was stopped: let go, then drive on"
         if not self.must_let_go:
-            self._command(hands, now_s + left_s)
+            self._command(inputs, now_s + left_s)
 
     def _let_go(self) -> None:
         if self.must_let_go and self._robot.facts.armed:
@@ -196,7 +196,7 @@ class Seat:
             self._lease_end_s = None
             self._robot.stop()
 
-    def _command(self, hands: Input, end_s: float) -> None:
+    def _command(self, inputs: Input, end_s: float) -> None:
         """Drive until then, and no longer where this process is held up just here."""
         for _ in range(_ATTEMPTS):
             now_s = self._robot.now_s
@@ -205,8 +205,8 @@ class Seat:
                 break
             try:
                 self._robot.drive(
-                    _speed(hands.forward * hands.scale, self.limits.linear_m_s),
-                    _speed(hands.left * hands.scale, self.limits.angular_rad_s),
+                    _speed(inputs.forward * inputs.scale, self.limits.linear_m_s),
+                    _speed(inputs.left * inputs.scale, self.limits.angular_rad_s),
                     lease_ms=int(left_s * 1000),
                 )
             except NotArmedError as error:
@@ -219,7 +219,7 @@ class Seat:
         self._robot.stop()
         self._begin_anew("this computer was held up while it drove: let go, then drive on")
 
-    def _lease_left_s(self, page: Occupant, tick: int, now_s: float) -> float | None:
+    def _lease_left_s(self, page: Viewer, tick: int, now_s: float) -> float | None:
         """Return what is left of the lease that began when this tick was issued."""
         age_s = self._ticks.age_s(tick, now_s)
         if age_s is None or not self._floor <= tick <= page.sent_tick:
@@ -227,9 +227,9 @@ class Seat:
         left_s = self._lease_s - age_s
         return left_s if left_s >= SHORTEST_LEASE_S else None
 
-    def _check_driver(self, page: Occupant) -> None:
+    def _check_driver(self, page: Viewer) -> None:
         if self.driver is not page:
-            raise SeatError("this page has not taken the seat")
+            raise ControlError("this page has not taken control")
 
     # ---- looking after it ----
 
@@ -248,7 +248,7 @@ class Seat:
             self._armed = False
             self._begin_anew(why_not_armed(facts.disarm_cause))
         if now_s - self.driver.heard_s > FORGOTTEN_S:
-            self.leave(self.driver, "the driver's page showed nothing for 30 s and lost the seat")
+            self.leave(self.driver, "the driver's page showed nothing for 30 s and lost control")
 
 
 def limits_of(robot: Robot, max_linear_m_s: float, max_angular_rad_s: float) -> Limits:

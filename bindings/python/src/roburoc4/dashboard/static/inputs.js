@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The driver's hands: game pad, stick on the page, keyboard. A doubt counts as let go, and whatever
+// The driver's inputs: game pad, stick on the page, keyboard. A doubt counts as let go, and whatever
 // was held when the page was left, or another pad came, must be let go before it counts again.
 //
 // The game pad is read as in the manual (4.1): [A] held is the dead-man, RT forward, LT backward,
@@ -32,7 +32,7 @@ const commands = (event) => event.metaKey || /^(Meta|OS)/.test(event.code);
 /** Whether a key is meant for this element rather than for the robot. */
 const writes = (node) => node instanceof HTMLInputElement || node instanceof HTMLSelectElement;
 
-export class Hands {
+export class Inputs {
   constructor(stick, knob, onLetGo) {
     this.stick = stick;
     this.knob = knob;
@@ -122,10 +122,10 @@ export class Hands {
     this.onLetGo();
   }
 
-  /** At once, and not with the next picture. */
+  /** At once, and not with the next frame. */
   tellIfFree() {
-    const hands = this.look();
-    if (hands.forward === 0 && hands.left === 0) this.onLetGo();
+    const inputs = this.look();
+    if (inputs.forward === 0 && inputs.left === 0) this.onLetGo();
   }
 
   /** The first game pad whose layout is known. */

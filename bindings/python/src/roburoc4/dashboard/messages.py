@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: MIT
+"""Messages from a page. None is trusted: types, ranges and order are checked here."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+from .control import ControlError, Input
+from .hub import Hub, Page
+from .panel import Panel, PanelError
+
+MOST_CHARACTERS = 2000
+_LONGEST_REASON = 100
+_BURST = 200.0
+_RATE_HZ = 120.0
+
+
+class BadMessageError(Exception):
+    """A message that our page would not send: the connection ends, with this short text of ours."""
+
+
+class Messages:
+    """The messages of one page."""
+
+    def __init__(self, hub: Hub, page: Page) -> None:
+        self._hub = hub
+        self._page = page
+        self._allowance = _BURST
+        self._counted_s = hub.now_s
+        self._handlers: dict[str, Callable[[dict[str, Any]], None]] = {
+            "drawn": self._drawn,
+            "take": lambda _: hub.control.take(page),
+            "leave": lambda _: hub.control.leave(page, ""),
+            "arm": self._arm,
+            "disarm": lambda message: hub.control.disarm(
+                page, _text(message, "why", optional=True)[:_LONGEST_REASON]
+            ),
+            "stop": self._stop,
+            "panel": lambda message: self._panel.obey(_text(message, "line")),
+            "box": self._box,
+            "move": self._move,
+            "clear": lambda _: self._panel.clear(),
+            "faults": self._faults,
+        }
+
+    def receive(self, text: str) -> None:
+        """Do what a message asks for; raises BadMessageError where it makes no sense."""
+        self._count()
+        message = _parse(text)
+        handler = self._handlers.get(str(message.get("type")))
+        if handler is None:
+            raise BadMessageError("unknown type")
+        try:
+            handler(message)
+        except (ControlError, PanelError) as error:
+            if not self._page.say("refused", {"text": str(error), "what": message["type"]}):
+                raise BadMessageError("its outbox is full") from None
+
+    def _count(self) -> None:
+        now_s = self._hub.now_s
+        self._allowance = min(_BURST, self._allowance + _RATE_HZ * (now_s - self._counted_s)) - 1.0
+        self._counted_s = now_s
+        if self._allowance < 0.0:
+            raise BadMessageError("too much")
+
+    def _drawn(self, message: dict[str, Any]) -> None:
+        """Take note of a drawn frame; the driver's page adds its inputs at that moment."""
+        tick, now_s = _tick(message), self._hub.now_s
+        self._page.answer(tick, now_s)
+        inputs = message.get("input")
+        if inputs is not None:
+            if not isinstance(inputs, dict):
+                raise BadMessageError("input is an object")
+            self._drive(tick, inputs, now_s)
+
+    def _drive(self, tick: int, inputs: dict[str, Any], now_s: float) -> None:
+        try:
+            wanted = Input(
+                tick, _number(inputs, "forward"), _number(inputs, "left"), _number(inputs, "scale")
+            )
+        except ValueError as error:
+            raise BadMessageError(str(error)) from None
+        # A page that has just released control, or lost it, may not know yet.
+        if self._hub.control.driver is self._page:
+            self._hub.control.drive(self._page, wanted, now_s)
+
+    def _arm(self, message: dict[str, Any]) -> None:
+        self._hub.control.arm(self._page, _tick(message), self._hub.now_s)
+
+    def _stop(self, _message: dict[str, Any]) -> None:
+        self._hub.control.stop(self._page)
+        self._hub.note("bad", f"STOP was pressed on page {self._page.number}")
+
+    # ---- the simulator ----
+
+    @property
+    def _panel(self) -> Panel:
+        if self._hub.panel is None:
+            raise PanelError("this is not a simulator")
+        return self._hub.panel
+
+    def _box(self, message: dict[str, Any]) -> None:
+        names = ("x_m", "y_m", "size_x_m", "size_y_m")
+        self._panel.add_box(*(_number(message, name) for name in names))
+
+    def _move(self, message: dict[str, Any]) -> None:
+        index = message.get("index")
+        if not isinstance(index, int):
+            raise BadMessageError("index is an integer")
+        self._panel.move_box(index, _number(message, "x_m"), _number(message, "y_m"))
+
+    def _faults(self, message: dict[str, Any]) -> None:
+        wanted = message.get("faults")
+        if not isinstance(wanted, dict):
+            raise BadMessageError("faults is an object")
+        self._panel.set_faults({name: _number(wanted, name, "a fault") for name in wanted})
+
+
+def _parse(text: str) -> dict[str, Any]:
+    if len(text) > MOST_CHARACTERS:
+        raise BadMessageError("too long")
+    try:
+        message = json.loads(text)
+    except (ValueError, RecursionError):
+        raise BadMessageError("not JSON") from None
+    if not isinstance(message, dict):
+        raise BadMessageError("not an object")
+    return message
+
+
+def _tick(message: dict[str, Any]) -> int:
+    tick = message.get("tick")
+    if not isinstance(tick, int) or isinstance(tick, bool):
+        raise BadMessageError("tick is an integer")
+    return tick
+
+
+def _number(message: dict[str, Any], name: str, what: str = "") -> float:
+    value = message.get(name)
+    if not isinstance(value, int | float) or isinstance(value, bool) or not abs(value) < 1e9:
+        raise BadMessageError(f"{what or name} is a number")
+    return float(value)
+
+
+def _text(message: dict[str, Any], name: str, *, optional: bool = False) -> str:
+    value = message.get(name, "" if optional else None)
+    if not isinstance(value, str):
+        raise BadMessageError(f"{name} is a text")
+    return value
