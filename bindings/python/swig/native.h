@@ -91,16 +91,23 @@ simulation *new_world(const roburoc4_sim_config *config);
 /* On an IPv4 address and a port (0: a free one); OSError. */
 simulation *new_host(const roburoc4_sim_config *config, const char *address, uint16_t port);
 void simulation_destroy(simulation *s);
-/* Its world, or NULL. */
-roburoc4_world *simulation_world(simulation *s);
 uint16_t simulation_port(const simulation *s);
-/* Serve no longer; its robot can still be looked at. */
+/* Serve no longer, or let no more time pass; its robot can still be looked at. */
 PyObject *simulation_stop(simulation *s);
+int simulation_stopped(const simulation *s);
 PyObject *simulation_set_faults(simulation *s, const roburoc4_sim_faults *faults);
 /* Lock the simulator for one call, and give it back; the latter does nothing where none is
  * entered. */
 roburoc4_sim *simulation_enter(simulation *s);
 void simulation_leave(void);
+/* In virtual time: carry the datagrams of a pump's client; its number in the world, or an error. */
+roburoc4_result simulation_join(simulation *s, roburoc4_pump *pump);
+void simulation_part(simulation *s, const roburoc4_pump *pump);
+uint64_t simulation_now_us(const simulation *s);
+/* Let time go on to the next news of a client, at most until then; whether there were any. */
+int simulation_step(simulation *s, uint64_t until_us);
+/* Carry all that can arrive at this moment. */
+void simulation_exchange(simulation *s);
 /* (result, reply) of a line for the simulator's panel. */
 PyObject *simulation_panel(simulation *s, const char *line);
 /* The program roburoc4-sim with these arguments (a list of str); its exit status. */
@@ -114,11 +121,12 @@ PyObject *run_sim(PyObject *arguments);
  */
 typedef struct connection connection;
 
-/* Open one to "HOST" or "HOST:PORT". */
-connection *connect_pump(const char *host, const roburoc4_config *config, uint32_t capacity);
-connection *connect_socket(const char *host, const roburoc4_config *config);
-/* `simulation`: a capsule, which lives as long as the connection. */
-connection *connect_virtual(PyObject *simulation, const roburoc4_config *config);
+/* To "HOST" or "HOST:PORT"; without a thread the user moves the datagrams. capacity: samples that
+ * are kept. */
+connection *connect_host(const char *host, int threaded, const roburoc4_config *config,
+                         uint32_t capacity);
+/* In the world of a simulation (a capsule), which lives as long as the connection. */
+connection *connect_virtual(PyObject *simulation, const roburoc4_config *config, uint32_t capacity);
 void connection_destroy(connection *c);
 /* "HOST" or "HOST:PORT" in numbers. */
 PyObject *resolve_address(const char *host);
@@ -134,22 +142,24 @@ uint64_t connection_entered_us(void);
  * entered. */
 void connection_leave(void);
 
-/* Its pump, or NULL; its socket. */
 roburoc4_pump *connection_pump(connection *c);
-roburoc4_udp *connection_udp(connection *c);
-
+uint64_t connection_now_us(const connection *c);
 /* ROBUROC4_FAULT_*. */
 uint32_t connection_fault(connection *c);
-/* (io_type, index, text) of a datagram that was just received; None where it is no text. */
-PyObject *connection_description(const connection *c, PyObject *datagram);
-uint64_t connection_now_us(const connection *c);
-/* The number of a client in its world; 0 for others. */
-uint32_t connection_number(const connection *c);
-/* Every connection that exists belongs to the parent process from now on. */
-void connections_forked(void);
 
-/* Some more samples of a pump, of the services in `mask`; None when all were read. */
-PyObject *read_samples(roburoc4_pump *pump, roburoc4_pump_reader *reader, uint32_t mask);
+/* Without a thread. */
+
+/* Disarm, and send the first zero command where a speed was sent; no command is taken after it. The
+ * others are sent as time goes on, until the client is idle. */
+PyObject *connection_disarm_for_good(connection *c);
+/* Send what is due and receive what is there; how many datagrams came in. */
+PyObject *connection_exchange(connection *c);
+/* The socket, to watch for reading. */
+long connection_fd(const connection *c);
+void connection_close_socket(connection *c);
+
+/* Some more samples, of the services in `mask`; None when all were read. */
+PyObject *read_samples(connection *c, roburoc4_pump_reader *reader, uint32_t mask);
 roburoc4_pump_reader *new_reader(void);
 uint64_t reader_lost(const roburoc4_pump_reader *reader);
 

@@ -24,9 +24,10 @@
 
 /* Of no use from Python: the codec is behind decode(), and native.h opens connections. */
 %rename("$ignore", regextarget=1) "^roburoc4_(decode_|encode_|directory_at|notification_at|telemeter_(at|distances)|(analog|digital)_values|config_init|abi_version)";
-%rename("$ignore", regextarget=1) "^roburoc4_(client_(size|init|start|receive|poll_transmit|description)|udp_(resolve|open|count|address|receive_all|wait|system_error)|address_text|udp_address_text)$";
+%rename("$ignore", regextarget=1) "^roburoc4_(client_(size|init|start|close|receive|poll_transmit|take_events|description))$";
+%rename("$ignore", regextarget=1) "^roburoc4_udp_(?!fault_text$|now_us$)";
 %rename("$ignore", regextarget=1) "^roburoc4_pump_(?!close|running|description|reader_init|take_events|wait_events).*";
-%rename("$ignore", regextarget=1) "^roburoc4_(sim_(config_init|config_read|create|destroy|reconfigure|receive|advance|poll_transmit|next_deadline|panel|analog_output|subscription|channel_.*|peer_unreachable)|world_(?!step$|now_us$).*)$";
+%rename("$ignore", regextarget=1) "^roburoc4_(sim_(config_init|config_read|create|destroy|reconfigure|receive|advance|poll_transmit|next_deadline|panel|analog_output|subscription|channel_.*|peer_unreachable)|world_.*)$";
 
 #define ROBUROC4_API
 #define ROBUROC4_SIM_API
@@ -36,13 +37,6 @@
     connection_leave();
     simulation_leave();
 }
-/* These move a client's datagrams; all others that change one are commands. */
-roburoc4_result roburoc4_client_close(roburoc4_client *mover, uint64_t now_us);
-uint32_t roburoc4_client_take_events(roburoc4_client *mover);
-roburoc4_result roburoc4_udp_transmit_all(roburoc4_udp *udp, roburoc4_client *mover);
-roburoc4_result roburoc4_udp_receive_one(roburoc4_udp *udp, roburoc4_client *mover,
-                                         const uint8_t **datagram, size_t *size);
-#pragma SWIG nowarn=322
 %include "roburoc4_codec.h"
 %include "roburoc4.h"
 %clear uint64_t now_us; /* from here on it is an argument */
@@ -52,7 +46,7 @@ roburoc4_result roburoc4_udp_receive_one(roburoc4_udp *udp, roburoc4_client *mov
 %include "roburoc4_pump.h"
 
 %ignore raise_result;
-%rename("$ignore", regextarget=1) "^(record_|decode_telegram|tuple_of|(connection|simulation)_(enter|leave|entered_us|destroy|pump|udp|world)$)";
+%rename("$ignore", regextarget=1) "^(record_|decode_telegram|tuple_of|connection_pump$|simulation_(join|part)$|(connection|simulation)_(enter|leave|entered_us|destroy)$)";
 %include "native.h"
 
 /* The hottest call: without SWIG's unpacking of arguments. */

@@ -15,6 +15,12 @@ struct simulation {
     roburoc4_world *world; /* has its robot, in virtual time; or NULL, then: */
     roburoc4_sim *sim;
     sim_host *host; /* serves the robot on a port, from a thread of its own */
+    int stopped;
+    struct {
+        uint32_t number; /* of the client in the world; 0: a free place */
+        roburoc4_client *client;
+        roburoc4_pump *pump; /* which keeps what the client hears */
+    } members[ROBUROC4_WORLD_CLIENTS];
 };
 
 /* The one whose robot is being called; the interpreter lock is held meanwhile. */
@@ -65,19 +71,72 @@ void simulation_destroy(simulation *s) {
     free(s);
 }
 
-roburoc4_world *simulation_world(simulation *s) {
-    return s->world;
-}
-
 uint16_t simulation_port(const simulation *s) {
     return sim_host_port(s->host);
 }
 
 PyObject *simulation_stop(simulation *s) {
-    Py_BEGIN_ALLOW_THREADS;
-    sim_host_stop(s->host);
-    Py_END_ALLOW_THREADS;
+    s->stopped = 1;
+    if (s->host != NULL) {
+        Py_BEGIN_ALLOW_THREADS;
+        sim_host_stop(s->host);
+        Py_END_ALLOW_THREADS;
+    }
     Py_RETURN_NONE;
+}
+
+int simulation_stopped(const simulation *s) {
+    return s->stopped;
+}
+
+/* ------------------------------------------------------------------------------- virtual time --- */
+
+roburoc4_result simulation_join(simulation *s, roburoc4_pump *pump) {
+    roburoc4_client *client = roburoc4_pump_lock(pump);
+    roburoc4_result number = roburoc4_world_join(s->world, client);
+    roburoc4_pump_unlock(pump);
+    if (number > 0) {
+        int i = 0;
+        while (s->members[i].number != 0) {
+            i++; /* the world has as many places */
+        }
+        s->members[i].number = (uint32_t)number;
+        s->members[i].client = client;
+        s->members[i].pump = pump;
+        simulation_exchange(s);
+    }
+    return number;
+}
+
+void simulation_part(simulation *s, const roburoc4_pump *pump) {
+    for (int i = 0; i < ROBUROC4_WORLD_CLIENTS; i++) {
+        if (s->members[i].number != 0 && s->members[i].pump == pump) {
+            roburoc4_world_leave(s->world, s->members[i].client);
+            s->members[i].number = 0;
+        }
+    }
+}
+
+uint64_t simulation_now_us(const simulation *s) {
+    return roburoc4_world_now_us(s->world);
+}
+
+int simulation_step(simulation *s, uint64_t until_us) {
+    const uint8_t *datagram;
+    size_t size;
+    uint32_t number = roburoc4_world_step(s->world, until_us, &datagram, &size);
+    for (int i = 0; number != 0 && i < ROBUROC4_WORLD_CLIENTS; i++) {
+        if (s->members[i].number == number && roburoc4_pump_lock(s->members[i].pump) != NULL) {
+            roburoc4_pump_collect(s->members[i].pump, size > 0 ? datagram : NULL, size);
+            roburoc4_pump_unlock(s->members[i].pump);
+        }
+    }
+    return number != 0;
+}
+
+void simulation_exchange(simulation *s) {
+    while (!s->stopped && simulation_step(s, simulation_now_us(s))) {
+    }
 }
 
 PyObject *simulation_set_faults(simulation *s, const roburoc4_sim_faults *faults) {
@@ -100,10 +159,13 @@ roburoc4_sim *simulation_enter(simulation *s) {
 }
 
 void simulation_leave(void) {
-    if (entered != NULL && entered->host != NULL) {
-        sim_host_unlock(entered->host);
-    }
+    simulation *s = entered;
     entered = NULL;
+    if (s != NULL && s->host != NULL) {
+        sim_host_unlock(s->host);
+    } else if (s != NULL) {
+        simulation_exchange(s);
+    }
 }
 
 PyObject *simulation_panel(simulation *s, const char *line) {

@@ -68,17 +68,6 @@ ROBUROC4_OUTPUT(roburoc4_sim_state, value.size = sizeof value, RECORD_SIM_STATE)
 }
 
 /* ---- datagrams ---- */
-/* A result and the datagram. */
-%typemap(in, numinputs=0) (const uint8_t **datagram, size_t *size)
-    (uint8_t *view = NULL, size_t length = 0) {
-    $1 = &view;
-    $2 = &length;
-}
-%typemap(argout) (const uint8_t **datagram, size_t *size) {
-    Py_XDECREF($result);
-    $result = Py_BuildValue("(iy#)", (int)result, *$2 > 0 ? (const char *)*$1 : "",
-                            (Py_ssize_t)*$2);
-}
 /* A text of unknown character set. */
 %typemap(in, numinputs=0) (char *buffer, size_t capacity) (char space[64]) {
     $1 = space;
@@ -148,25 +137,11 @@ ROBUROC4_CAPSULE(simulation, simulation_destroy)
         SWIG_fail;
     }
 }
-%typemap(check) const roburoc4_client *, roburoc4_client *mover {
+%typemap(check) const roburoc4_client * {
     $1 = connection_enter(handle$argnum, 0);
     if ($1 == NULL) {
         SWIG_fail;
     }
-}
-%typemap(in) roburoc4_udp *, const roburoc4_udp * {
-    connection *handle = PyCapsule_GetPointer($input, "connection");
-    if (handle == NULL) {
-        SWIG_fail;
-    }
-    $1 = connection_udp(handle);
-}
-%typemap(in) roburoc4_world *, const roburoc4_world * {
-    simulation *handle = PyCapsule_GetPointer($input, "simulation");
-    if (handle == NULL) {
-        SWIG_fail;
-    }
-    $1 = simulation_world(handle);
 }
 %typemap(in) roburoc4_pump * {
     connection *handle = PyCapsule_GetPointer($input, "connection");

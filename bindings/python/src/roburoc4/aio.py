@@ -195,7 +195,7 @@ class Robot(RobotBase):
 
     async def relocalize(self, x_m: float, y_m: float, theta_rad: float) -> None:
         """Tell the robot where it is, and wait until it has taken that."""
-        self._connection.command(_native.roburoc4_client_relocalize, x_m, y_m, theta_rad)
+        _native.roburoc4_client_relocalize(self._connection.handle, x_m, y_m, theta_rad)
         await self._wait_until(self._is_relocalized, RELOCALIZE_S, self.relocalize)
 
     def statuses(self, *services: str | Service) -> "Statuses":

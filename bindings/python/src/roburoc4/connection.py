@@ -7,11 +7,10 @@ simulator's virtual time. Everything above works with any of them.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Any, Concatenate, ParamSpec
 
 from . import _native
-from .constants import Service, State
-from .errors import ClosedError
+from .constants import Service
+from .errors import ArgumentError, NotKnownError
 from .records import Status
 from .settings import STATUS_MASK
 
@@ -26,8 +25,6 @@ READ_STATUS: dict[Service, Callable[["_native.Connection"], Status]] = {
 }
 """What returns the latest status of a service, or raises NotKnownError before the first."""
 
-_P = ParamSpec("_P")
-
 
 def events_of_services(mask: int) -> int:
     """Return the events that announce statuses of the services in ``mask``."""
@@ -37,21 +34,26 @@ def events_of_services(mask: int) -> int:
 class EventReader(ABC):
     """How far somebody has read events and statuses; used by one thread at a time."""
 
+    def __init__(self, handle: "_native.Connection") -> None:
+        self._handle = handle
+        self._reader = _native.new_reader()
+        _native.roburoc4_pump_reader_init(handle, self._reader)
+
     @property
-    @abstractmethod
     def lost(self) -> int:
         """Statuses, of any service, that were overwritten before this reader read them."""
+        return _native.reader_lost(self._reader)
 
-    @abstractmethod
     def take_events(self) -> int:
         """Take what happened since the last time; raises ClosedError after the end."""
+        return _native.roburoc4_pump_take_events(self._handle, self._reader)
 
-    @abstractmethod
     def statuses(self, mask: int) -> list[Status] | None:
         """Take some more statuses of the services in ``mask``, without waiting.
 
         None when all were read; raises ClosedError when none will come either.
         """
+        return _native.read_samples(self._handle, self._reader, mask)
 
     @abstractmethod
     def wait(self, mask: int, seconds: float) -> bool:
@@ -60,30 +62,29 @@ class EventReader(ABC):
         It may end early, so that Ctrl-C is noticed. Raises ClosedError after the end.
         """
 
+    def _wait_us(self, mask: int, timeout_us: int) -> bool:
+        """Wait without the interpreter."""
+        return _native.roburoc4_pump_wait_events(self._handle, self._reader, mask, timeout_us) != 0
+
 
 class Connection(ABC):
     """A client, to be called by its ``handle``: ``_native.roburoc4_client_facts(handle)``."""
 
-    handle: "_native.Connection"
-    address: str
-    """The robot's, for messages."""
+    def __init__(self, handle: "_native.Connection") -> None:
+        self.handle = handle
+        self.address = _native.connection_address(handle) or "the simulator"
+        """The robot's, for messages."""
 
-    @abstractmethod
     def now_s(self) -> float:
         """Return the time on the clock that leases and timeouts go by."""
+        return _native.connection_now_us(self.handle) / 1e6
 
-    def command(
-        self,
-        function: "Callable[Concatenate[_native.Connection, _P], Any]",
-        *arguments: _P.args,
-        **names: _P.kwargs,
-    ) -> None:
-        """Call a function of the client that changes it; what it has to send is sent at once."""
-        function(self.handle, *arguments, **names)
-
-    @abstractmethod
     def description(self, io_type: int, index: int) -> bytes | None:
         """Return the robot's text for a channel, or (io_type -1) for a directory entry."""
+        try:
+            return _native.roburoc4_pump_description(self.handle, io_type, index)
+        except (NotKnownError, ArgumentError):
+            return None
 
     @abstractmethod
     def reader(self) -> EventReader:
@@ -100,8 +101,4 @@ class Connection(ABC):
     @property
     def closed(self) -> bool:
         """Whether close() was called, or this is the child of a fork."""
-        try:
-            state = _native.roburoc4_client_state(self.handle)
-        except ClosedError:
-            return True
-        return state in (State.IDLE, State.CLOSING)
+        return not _native.roburoc4_pump_running(self.handle)

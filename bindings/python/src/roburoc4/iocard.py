@@ -159,7 +159,7 @@ class Outputs:
         }
         mask = sum(1 << index for index in indices)
         wanted = sum(1 << index for index, on in indices.items() if on)
-        self._connection.command(_native.roburoc4_client_set_digital_outputs, mask, wanted)
+        _native.roburoc4_client_set_digital_outputs(self._connection.handle, mask, wanted)
         self._set.update(indices)
 
 
@@ -179,5 +179,5 @@ class AnalogOutputs:
 
     def __setitem__(self, channel: int | str, value: float) -> None:
         index = self._channels.index_of(channel, IoType.ANALOG_OUTPUT)
-        self._connection.command(_native.roburoc4_client_set_analog_output, index, value)
+        _native.roburoc4_client_set_analog_output(self._connection.handle, index, value)
         self._set[index] = float(value)

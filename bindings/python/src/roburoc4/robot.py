@@ -152,7 +152,7 @@ class Robot(RobotBase):
 
         Raises RefusedError, or RobotTimeoutError after 3 s at most.
         """
-        self._connection.command(_native.roburoc4_client_relocalize, x_m, y_m, theta_rad)
+        _native.roburoc4_client_relocalize(self._connection.handle, x_m, y_m, theta_rad)
         self._wait_until(self._is_relocalized, RELOCALIZE_S, self.relocalize)
 
     # ---- listening ----

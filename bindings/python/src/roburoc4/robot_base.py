@@ -238,8 +238,8 @@ class RobotBase:
         and the settings' ceilings. Raises NotArmedError while disarmed, naming cause and remedy.
         """
         try:
-            self._connection.command(
-                _native.roburoc4_client_drive, linear_m_s, angular_rad_s, lease_ms * 1000
+            _native.roburoc4_client_drive(
+                self._connection.handle, linear_m_s, angular_rad_s, lease_ms * 1000
             )
         except OverflowError:
             raise ArgumentError(
@@ -250,19 +250,19 @@ class RobotBase:
 
     def stop(self) -> None:
         """Stop the robot: end the drive command and send zeros, armed or not. Never waits."""
-        self._connection.command(_native.roburoc4_client_stop)
+        _native.roburoc4_client_stop(self._connection.handle)
 
     def disarm(self) -> None:
         """Forbid driving, and stop. Never waits."""
-        self._connection.command(_native.roburoc4_client_disarm)
+        _native.roburoc4_client_disarm(self._connection.handle)
 
     def subscribe(self, service: str | Service, period_ms: int) -> None:
         """Subscribe to a service, or change its period: a multiple of 10, 10 to 2550."""
-        self._connection.command(_native.roburoc4_client_subscribe, service_of(service), period_ms)
+        _native.roburoc4_client_subscribe(self._connection.handle, service_of(service), period_ms)
 
     def unsubscribe(self, service: str | Service) -> None:
         """End a subscription."""
-        self._connection.command(_native.roburoc4_client_unsubscribe, service_of(service))
+        _native.roburoc4_client_unsubscribe(self._connection.handle, service_of(service))
 
     # ---- for the waiting that subclasses do ----
 
@@ -307,7 +307,7 @@ class RobotBase:
     def _try_to_arm(self, end_s: float) -> float:
         """Arm, and return 0; or return the seconds for which it is worth to try again."""
         try:
-            self._connection.command(_native.roburoc4_client_arm)
+            _native.roburoc4_client_arm(self._connection.handle)
         except NotArmedError as error:
             left_s = end_s - self._connection.now_s()
             if error.code not in _TRANSIENT or left_s <= 0:

@@ -14,7 +14,7 @@ from .pad import EmergencyStop, GamePad
 from .records import Pose, SimState
 from .robot import Robot, connect
 from .settings import Settings
-from .virtual import VirtualConnection, World
+from .virtual import VirtualConnection, run
 
 __all__ = ["SimSettings", "Simulator"]
 
@@ -115,10 +115,9 @@ class Simulator:
         if port is not None and not 0 <= port <= 65535:
             raise ArgumentError(f"port: {port} is out of range: 0 to 65535", Result.ARGUMENT)
         config = _config_of(seed, settings)
-        self._world: World | None = None
+        self._virtual = port is None
         if port is None:
             self._sim = _native.new_world(config)
-            self._world = World(self._sim)
             self._address = "virtual"
         else:
             self._sim = _native.new_host(config, host, port)
@@ -149,11 +148,7 @@ class Simulator:
             if self._closed or self._process != os.getpid():
                 return
             self._closed = True
-            if self._world is not None:
-                with self._world.lock:
-                    self._world.closed = True
-            else:
-                _native.simulation_stop(self._sim)
+            _native.simulation_stop(self._sim)
 
     def _act(
         self,
@@ -164,13 +159,7 @@ class Simulator:
         """Call a native function that does something to the simulator."""
         if self._process != os.getpid():
             raise error_of(Result.CLOSED)
-        if self._world is None:
-            return function(self._sim, *arguments, **names)
-        with self._world.lock:
-            result = function(self._sim, *arguments, **names)
-            if not self._world.closed:
-                self._world.exchange()
-            return result
+        return function(self._sim, *arguments, **names)
 
     # ---- time and network ----
 
@@ -186,19 +175,19 @@ class Simulator:
 
     def step(self, seconds: float) -> None:
         """Let virtual time pass, for the robots of ``connect`` too."""
-        if self._world is None:
+        if not self._virtual:
             raise RobotError(
                 "a simulator on a port runs in real time: use time.sleep()", Result.STATE
             )
         if not 0 <= seconds < 1e9:
             raise ArgumentError(f"seconds: {seconds} is not a duration", Result.ARGUMENT)
-        self._world.run(self._world.now_us + round(seconds * 1e6))
+        run(self._sim, seconds)
 
     def connect(self, timeout: float = 10.0, **settings: Unpack[Settings]) -> Robot:
         """Connect a robot object; in virtual time it lives on the simulator's clock."""
-        if self._world is None:
+        if not self._virtual:
             return connect(self._address, timeout=timeout, **settings)
-        robot = Robot(VirtualConnection(self._world, settings), settings)
+        robot = Robot(VirtualConnection(self._sim, settings), settings)
         robot.wait_ready(timeout)
         return robot
 
