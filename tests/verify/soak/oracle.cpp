@@ -656,10 +656,12 @@ void Oracle::judge_stop_in_time(Moment now, const Report &report) {
         return;
     }
     if (!report.stopping) {
-        end_stop(now, Promise::zeros_repeated);
+        if (speed_out_ || report.differential_known)
+            end_stop(now, Promise::zeros_repeated);
+        stop_.active = false;
         return;
     }
-    if (!report.differential_known && !speed_out_) { /* stop() waits until it is known again */
+    if (!report.differential_known && (!speed_out_ || stop_may_end(now))) { /* stop() waits */
         stop_.again_us = stop_.last_zero_us = now.true_us;
         return;
     }

@@ -49,10 +49,8 @@ void draw_card(Random &random, RobotPlan &plan) {
     if (random.chance(0.3))
         plan.pad_a = static_cast<std::int32_t>(
             random.between(2, static_cast<std::uint64_t>(plan.digital_inputs) - 1));
-    plan.input_texts = pad_texts(plan.digital_inputs, plan.pad_a, wording);
+    plan.give_texts(pad_texts(plan.digital_inputs, plan.pad_a, wording));
     const auto count = static_cast<std::size_t>(plan.digital_inputs);
-    plan.refused_texts.assign(count, false);
-    plan.unanswered_texts.assign(count, false);
     const auto a = static_cast<std::size_t>(plan.pad_a);
     switch (random.between(0, 15)) {
     case 0: /* no texts at all: the manual's table must do, so [A] is where it says */
@@ -130,6 +128,13 @@ std::vector<std::string> pad_texts(std::int32_t count, std::int32_t pad_a, int w
     return texts;
 }
 
+void RobotPlan::give_texts(const std::vector<std::string> &texts) {
+    input_texts = texts;
+    digital_inputs = static_cast<std::int32_t>(texts.size());
+    refused_texts.assign(texts.size(), false);
+    unanswered_texts.assign(texts.size(), false);
+}
+
 bool RobotPlan::drivable() const {
     const float values[] = {max_v, min_v, max_w, min_w};
     for (const float value : values)
@@ -162,11 +167,8 @@ RobotPlan draw_robot(Random &random) {
     plan.literal_ids = random.chance(0.05);
     if (plan.literal_ids) { /* such a robot's texts decide nothing, its numbers must */
         plan.type_codes = plan.type_codes || plan.ids[iocard] != 2 || plan.ids[differential] != 6;
-        plan.digital_inputs = 22;
         plan.pad_a = 8;
-        plan.input_texts = pad_texts(22, 8, 0);
-        plan.refused_texts.assign(22, false);
-        plan.unanswered_texts.assign(22, false);
+        plan.give_texts(pad_texts(22, 8, 0));
     }
     plan.error_telegrams = random.chance(0.3);
     if (random.chance(0.05))

@@ -47,6 +47,8 @@ struct RobotPlan {
     double response_s = 0.3;
 
     bool drivable() const;
+    /** Texts of the digital inputs, all of them given. */
+    void give_texts(const std::vector<std::string> &texts);
 };
 
 /** Draws a robot; most are friendly. */

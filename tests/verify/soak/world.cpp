@@ -189,6 +189,10 @@ std::int32_t World::called(const char *call, std::int32_t result) {
     return result;
 }
 
+std::int32_t World::init_again(const roburoc4_config &config) {
+    return called("init", client_.init(config));
+}
+
 std::int32_t World::start() {
     const std::int32_t result = client_.start(client_now());
     if (result >= 0)

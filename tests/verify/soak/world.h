@@ -52,6 +52,7 @@ class World {
     void step_clock(std::int64_t us);
 
     /* the application's calls; each is followed by sending what is due */
+    std::int32_t init_again(const roburoc4_config &config);
     std::int32_t start();
     std::int32_t close();
     std::int32_t arm();
