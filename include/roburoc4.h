@@ -66,16 +66,18 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 
 /* --------------------------------------------------------------------------------- client --- */
 
-/** Capacities of the client. What a robot has beyond them is reported
- *  (ROBUROC4_EVENT_CAPACITY) and not stored; the codec reads all of it. */
-#define ROBUROC4_MAX_SERVICES 32
-#define ROBUROC4_MAX_ANALOG_INPUTS 32
-#define ROBUROC4_MAX_ANALOG_OUTPUTS 16
+/** Capacities of the client: about twice what a RobuROC4 has (7 services, 9 analog and 22 digital
+ *  inputs, 8 digital outputs, 2 telemeters), and enough for every published robot of its family.
+ *  What a robot has beyond them is reported (ROBUROC4_EVENT_CAPACITY) and not stored; the codec
+ *  reads all of it. */
+#define ROBUROC4_MAX_SERVICES 16
+#define ROBUROC4_MAX_ANALOG_INPUTS 16
+#define ROBUROC4_MAX_ANALOG_OUTPUTS 4
 #define ROBUROC4_MAX_DIGITAL_INPUTS 64
 #define ROBUROC4_MAX_DIGITAL_OUTPUTS 64
-#define ROBUROC4_MAX_TELEMETERS 16
-/** The longest datagram that a client sends: all outputs of an IO card. */
-#define ROBUROC4_MAX_TRANSMIT 75
+#define ROBUROC4_MAX_TELEMETERS 8
+/** The longest datagram that a client sends. */
+#define ROBUROC4_MAX_TRANSMIT 36
 
 /** Life of a client. */
 #define ROBUROC4_STATE_IDLE 0        /* before start(), after close() */
@@ -162,7 +164,7 @@ typedef struct roburoc4_config {
     float scale_angular;        /* likewise */
     uint32_t options;           /* ROBUROC4_OPTION_*; default 0 */
     /** By ROBUROC4_ROLE_*: index of the input on the wire, or ROBUROC4_INDEX_AUTO (default);
-     *  to 63 for the digital ones, 31 for the analog one. */
+     *  to 63 for the digital ones, 15 for the analog one. */
     int16_t role_index[4];
 } roburoc4_config;
 
@@ -362,7 +364,7 @@ ROBUROC4_API roburoc4_result roburoc4_client_differential(const roburoc4_client 
 typedef struct roburoc4_inputs {
     uint64_t robot_cycles;
     uint64_t digital;                     /* bit i is digital input i */
-    float analog[32];                     /* generally volts; game pad axes -1 to 1 */
+    float analog[ROBUROC4_MAX_ANALOG_INPUTS]; /* generally volts; game pad axes -1 to 1 */
     uint32_t analog_count, digital_count; /* stored ones */
 } roburoc4_inputs;
 ROBUROC4_API roburoc4_result roburoc4_client_inputs(const roburoc4_client *client,
@@ -370,7 +372,7 @@ ROBUROC4_API roburoc4_result roburoc4_client_inputs(const roburoc4_client *clien
 /** All distances (frozen). */
 typedef struct roburoc4_distances {
     uint64_t robot_cycles;
-    float distance_m[16];
+    float distance_m[ROBUROC4_MAX_TELEMETERS];
     uint32_t count; /* stored ones */
     uint32_t reserved;
 } roburoc4_distances;
@@ -454,7 +456,7 @@ typedef struct roburoc4_private_slot {
 } roburoc4_private_slot;
 
 typedef struct roburoc4_private_requests {
-    uint8_t last_id, fixed_id, suspect, quiet, announce;
+    uint8_t last_id, fixed_id, id_mode, quiet, announce;
     uint8_t reserved[3];
     uint64_t quiet_us;
     roburoc4_private_slot slots[4];
@@ -478,12 +480,12 @@ typedef struct roburoc4_private_link {
 } roburoc4_private_link;
 
 typedef struct roburoc4_private_drive {
-    uint8_t known, armed, leased, moving, spoke;
-    uint8_t train, zeros, confirmed, stop_latched;
-    uint8_t other_count, other_commander, still, inhibited;
-    uint8_t changed;
+    uint8_t known, armed, lease_active, stopping;
+    uint8_t stop_pending, nonzero_sent, zeros_sent, confirmed;
+    uint8_t moving, other_count, other_commander, still;
+    uint8_t inhibited, changed;
     uint16_t service;
-    uint64_t granted_us, sent_us, train_us, still_us, envelope_us;
+    uint64_t granted_us, sent_us, stop_us, still_us, envelope_us;
     uint32_t lease_us;
     int32_t disarm_cause;
     float target[2], sent[2];
@@ -500,33 +502,36 @@ typedef struct roburoc4_private_discovery {
     uint64_t phase_us, probe_us;
     uint64_t described[5];
     int16_t role_texts[4];
-    uint16_t types[32], ids[32];
-    uint8_t claims[32];
+    uint16_t types[ROBUROC4_MAX_SERVICES], ids[ROBUROC4_MAX_SERVICES];
+    uint8_t claims[ROBUROC4_MAX_SERVICES];
 } roburoc4_private_discovery;
 
 typedef struct roburoc4_private_values {
-    uint8_t telemeter_count, distance_count, battery_state, battery_percent;
-    uint8_t minimum_percent, battery_low, overridden, override_known;
+    roburoc4_localization_properties initial;
+    roburoc4_localization_status localization;
+    roburoc4_differential_status differential;
+    roburoc4_battery_status battery;
+    uint64_t digital;
     int32_t io_counts[4];
-    uint64_t digital, pose_bits[3], initial_bits[3];
-    float nominal_voltage_v, capacity_ah;
-    uint32_t flags, initial_flags;
-    float speeds[4], limits[13];
-    float analog[32], distances[16];
-    float telemeters[16][6];
-    uint32_t reserved;
+    roburoc4_differential_properties limits;
+    roburoc4_battery_properties battery_properties;
+    float analog[ROBUROC4_MAX_ANALOG_INPUTS], distances[ROBUROC4_MAX_TELEMETERS];
+    roburoc4_telemeter telemeters[ROBUROC4_MAX_TELEMETERS];
+    uint8_t telemeter_count, distance_count, battery_low, override_known, overridden;
+    uint8_t reserved[7];
 } roburoc4_private_values;
 
 typedef struct roburoc4_private_outputs {
     uint8_t repeats, relocalizing, reserved[2];
     int32_t relocalize_result;
-    uint64_t digital, sent_us, relocalize_us, pose_bits[3];
-    float analog[16];
+    uint64_t digital, sent_us, relocalize_us;
+    double x_m, y_m, theta_rad;
+    float analog[ROBUROC4_MAX_ANALOG_OUTPUTS];
 } roburoc4_private_outputs;
 
 struct roburoc4_client {
-    uint64_t private_now_us;
-    uint32_t private_size, private_events, private_state, private_reserved_1;
+    uint64_t private_now_us, private_idle_until_us;
+    uint32_t private_size, private_events, private_state;
     roburoc4_config private_config;
     roburoc4_private_drive private_drive;
     roburoc4_private_discovery private_discovery;
@@ -535,7 +540,7 @@ struct roburoc4_client {
     roburoc4_private_outputs private_outputs;
     roburoc4_private_link private_link;
     roburoc4_private_values private_values;
-    uint32_t private_reserved[8];
+    uint32_t private_reserved[2];
 };
 
 #ifdef __cplusplus

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * A client from init to close, and in which order things are sent: zeros and speeds, outputs,
- * requests.
+ * The client from init to close: its states and what ends with them, in which order things are sent
+ * (zeros and speeds, outputs, requests), and when it must be called again.
  */
-#include "joined.h"
+#include "internal.h"
 
 /* Layout promises of a struct that callers declare. */
 #define LAYOUT(name, condition) typedef char assert_##name[(condition) ? 1 : -1]
@@ -12,24 +12,108 @@ LAYOUT(requests, sizeof(roburoc4_private_requests) == 112);
 LAYOUT(service, sizeof(roburoc4_private_service) == 72);
 LAYOUT(link, sizeof(roburoc4_private_link) == 416);
 LAYOUT(drive, sizeof(roburoc4_private_drive) == 112);
-LAYOUT(discovery, sizeof(roburoc4_private_discovery) == 256);
-LAYOUT(values, sizeof(roburoc4_private_values) == 744);
-LAYOUT(outputs, sizeof(roburoc4_private_outputs) == 120);
+LAYOUT(discovery, sizeof(roburoc4_private_discovery) == 176);
+LAYOUT(values, sizeof(roburoc4_private_values) == 544);
+LAYOUT(outputs, sizeof(roburoc4_private_outputs) == 72);
 LAYOUT(config, sizeof(roburoc4_config) == 76);
-LAYOUT(client, sizeof(roburoc4_client) == 1952);
+LAYOUT(client, sizeof(roburoc4_client) == 1600);
 LAYOUT(client_drive, offsetof(roburoc4_client, private_drive) == 104);
-LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 760);
-LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1176);
+LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 632);
+LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1048);
 
 /* Before it is ready, a client is patient: requests are repeated each second at the latest. */
 #define PATIENCE_US (5 * SECOND)
 #define RELOCALIZE_US (2 * SECOND)
 #define OUTPUT_PAUSE_US (50 * MS)
 
-typedef roburoc4_client client;
 
 size_t roburoc4_client_size(void) {
     return sizeof(client);
+}
+
+/* ---- states, and what ends with them ---- */
+
+void roburoc4_lifecycle_enter(client *c, uint32_t state) {
+    wake(c);
+    if (c->private_state != state) {
+        c->private_state = state;
+        raise_event(c, ROBUROC4_EVENT_STATE);
+        raise_event(c, state == ROBUROC4_STATE_READY ? ROBUROC4_EVENT_READY : 0);
+    }
+    if (state != ROBUROC4_STATE_READY) {
+        c->private_outputs.repeats = 0; /* what is an IO card, and of what size, is to be seen */
+    }
+    c->private_discovery.phase_us = c->private_now_us;
+}
+
+void roburoc4_lifecycle_interrupt(client *c, roburoc4_result cause) {
+    wake(c);
+    roburoc4_drive_interrupt(&c->private_drive, cause, &c->private_events);
+}
+
+void roburoc4_lifecycle_forget_outputs(client *c) {
+    c->private_outputs.repeats = 0;
+    c->private_outputs.digital = 0;
+    memset(c->private_outputs.analog, 0, sizeof c->private_outputs.analog);
+}
+
+void roburoc4_lifecycle_relocalize_ends(client *c, roburoc4_result result) {
+    c->private_outputs.relocalizing = 0;
+    c->private_outputs.relocalize_result = result;
+    raise_event(c, result < 0 ? ROBUROC4_EVENT_RELOCALIZE_FAILED : ROBUROC4_EVENT_RELOCALIZED);
+}
+
+void roburoc4_lifecycle_forget_services(client *c, uint32_t state) {
+    roburoc4_discovery_restart(&c->private_discovery);
+    roburoc4_requests_cancel_all(&c->private_requests);
+    roburoc4_link_invalidate(&c->private_link);
+    c->private_values.override_known = 0;
+    if (c->private_outputs.relocalizing) {
+        roburoc4_lifecycle_relocalize_ends(c, ROBUROC4_ERR_TIMEOUT);
+    }
+    roburoc4_lifecycle_enter(c, state);
+}
+
+void roburoc4_lifecycle_connect(client *c, uint32_t state) {
+    if (c->private_requests.fixed_id) { /* what was read in that mode names nothing */
+        roburoc4_discovery_read_texts_again(&c->private_discovery);
+    }
+    roburoc4_requests_clear(&c->private_requests);
+    roburoc4_link_restart(&c->private_link);
+    roburoc4_lifecycle_forget_services(c, state);
+}
+
+void roburoc4_lifecycle_lose(client *c) {
+    const bool was_ready = c->private_state == ROBUROC4_STATE_READY;
+    roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_LOST);
+    count(c, ROBUROC4_COUNT_LOST);
+    raise_event(c, ROBUROC4_EVENT_LOST);
+    c->private_link.resubscribed = 1;
+    roburoc4_lifecycle_connect(c, was_ready ? ROBUROC4_STATE_LOST : ROBUROC4_STATE_CONNECTING);
+}
+
+void roburoc4_lifecycle_reboot(client *c) {
+    roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_REBOOT);
+    count(c, ROBUROC4_COUNT_REBOOTS);
+    raise_event(c, ROBUROC4_EVENT_REBOOT);
+    c->private_link.newest_cycles = 0;
+    c->private_link.resubscribed = 0;
+    roburoc4_lifecycle_forget_outputs(c); /* its own are off again */
+    roburoc4_discovery_clear(&c->private_discovery);
+    roburoc4_lifecycle_connect(c, ROBUROC4_STATE_CONNECTING);
+}
+
+void roburoc4_lifecycle_clock_fault(client *c, uint64_t now_us) {
+    roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_CLOCK);
+    roburoc4_drive_rebase(&c->private_drive, now_us);
+    roburoc4_requests_rebase(&c->private_requests, now_us);
+    roburoc4_link_rebase(&c->private_link, now_us);
+    c->private_discovery.phase_us = now_us;
+    c->private_discovery.probe_us = now_us;
+    c->private_outputs.sent_us = now_us;
+    c->private_outputs.relocalize_us = now_us;
+    count(c, ROBUROC4_COUNT_CLOCK_FAULTS);
+    raise_event(c, ROBUROC4_EVENT_CLOCK);
 }
 
 /* ---- init, start, close ---- */
@@ -70,7 +154,7 @@ roburoc4_result roburoc4_client_start(client *c, uint64_t now_us) {
             (uint8_t)(c->private_config.period_ms[i + ROBUROC4_SERVICE_IOCARD] / 10);
     }
     c->private_link.last_used_us = now_us;
-    c->private_requests.suspect = 0; /* it may be another robot */
+    c->private_requests.id_mode = 0; /* it may be another robot */
     roburoc4_drive_start(&c->private_drive, now_us);
     roburoc4_lifecycle_connect(c, ROBUROC4_STATE_CONNECTING);
     return ROBUROC4_OK;
@@ -80,12 +164,12 @@ roburoc4_result roburoc4_client_close(client *c, uint64_t now_us) {
     if (c->private_state == ROBUROC4_STATE_IDLE) {
         return ROBUROC4_ERR_STATE;
     }
-    roburoc4_lifecycle_clock(c, now_us);
+    begin_call(c, now_us);
     roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_DISARMED);
-    c->private_drive.stop_latched = 0;
+    c->private_drive.stop_pending = 0;
     roburoc4_requests_clear(&c->private_requests);
     roburoc4_lifecycle_enter(c,
-                             c->private_drive.train ? ROBUROC4_STATE_CLOSING : ROBUROC4_STATE_IDLE);
+                             c->private_drive.stopping ? ROBUROC4_STATE_CLOSING : ROBUROC4_STATE_IDLE);
     return ROBUROC4_OK;
 }
 
@@ -131,7 +215,7 @@ static void tick(client *c) {
     if (connected(c) && c->private_now_us - c->private_link.last_used_us >= patience_us(c)) {
         roburoc4_lifecycle_lose(c);
     }
-    roburoc4_arming_tick(c);
+    roburoc4_control_tick(c);
     if (c->private_outputs.relocalizing &&
         c->private_now_us - c->private_outputs.relocalize_us >= RELOCALIZE_US) {
         roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_REPLACE,
@@ -139,38 +223,8 @@ static void tick(client *c) {
         roburoc4_lifecycle_relocalize_ends(c, ROBUROC4_ERR_TIMEOUT);
     }
     if (c->private_state == ROBUROC4_STATE_READY) {
-        roburoc4_asking_renew_silent(c);
+        roburoc4_schedule_renew_silent(c);
     }
-}
-
-roburoc4_result roburoc4_client_poll_transmit(client *c, uint8_t *buffer, size_t capacity,
-                                              uint64_t now_us) {
-    float speeds[2];
-    roburoc4_result length = 0;
-    if (capacity < ROBUROC4_MAX_TRANSMIT) {
-        return ROBUROC4_ERR_BUFFER;
-    }
-    if (c->private_state == ROBUROC4_STATE_IDLE) {
-        return 0;
-    }
-    roburoc4_lifecycle_clock(c, now_us);
-    tick(c);
-    if (roburoc4_drive_poll(&c->private_drive, &c->private_config, c->private_values.limits, now_us,
-                            speeds, &c->private_events)) {
-        length = roburoc4_encode_differential_command(buffer, capacity, c->private_drive.service,
-                                                      speeds[0], speeds[1]);
-    } else if (c->private_state == ROBUROC4_STATE_CLOSING) {
-        if (!c->private_drive.train) {
-            roburoc4_lifecycle_enter(c, ROBUROC4_STATE_IDLE);
-        }
-    } else {
-        length = poll_outputs(c, buffer, capacity);
-        if (length == 0) {
-            length = roburoc4_asking_poll(c, buffer, capacity);
-        }
-    }
-    c->private_counters[ROBUROC4_COUNT_SENT] += length > 0;
-    return length;
 }
 
 /** Whichever is sooner: the deadline so far, or this span after that time. */
@@ -179,7 +233,7 @@ static uint64_t sooner(uint64_t deadline, const uint64_t *since_us, uint32_t spa
     return due_us < deadline ? due_us : deadline;
 }
 
-uint64_t roburoc4_client_next_deadline(const client *c) {
+static uint64_t next_deadline(const client *c) {
     const discovery *d = &c->private_discovery;
     if (c->private_state == ROBUROC4_STATE_IDLE) {
         return UINT64_MAX;
@@ -200,7 +254,7 @@ uint64_t roburoc4_client_next_deadline(const client *c) {
         deadline = sooner(deadline, &d->phase_us, IDENTIFY_US);
     }
     if (c->private_state == ROBUROC4_STATE_READY) {
-        const uint64_t silent_us = roburoc4_asking_deadline(c);
+        const uint64_t silent_us = roburoc4_schedule_deadline(c);
         deadline = sooner(deadline, &silent_us, 0);
         if (roburoc4_requests_free(&c->private_requests, 0)) {
             deadline = sooner(deadline, &d->probe_us, PROBE_US);
@@ -223,6 +277,53 @@ uint64_t roburoc4_client_next_deadline(const client *c) {
         }
     }
     return deadline;
+}
+
+/** All that may be due, the most urgent first. */
+static roburoc4_result poll_all(client *c, uint8_t *buffer, size_t capacity) {
+    float speeds[2];
+    roburoc4_result length = 0;
+    tick(c);
+    if (roburoc4_drive_poll(&c->private_drive, &c->private_config, &c->private_values.limits, c->private_now_us,
+                            speeds, &c->private_events)) {
+        length = roburoc4_encode_differential_command(buffer, capacity, c->private_drive.service,
+                                                      speeds[0], speeds[1]);
+    } else if (c->private_state == ROBUROC4_STATE_CLOSING) {
+        if (!c->private_drive.stopping) {
+            roburoc4_lifecycle_enter(c, ROBUROC4_STATE_IDLE);
+        }
+    } else {
+        length = poll_outputs(c, buffer, capacity);
+        if (length == 0) {
+            length = roburoc4_schedule_poll(c, buffer, capacity);
+        }
+    }
+    return length;
+}
+
+roburoc4_result roburoc4_client_poll_transmit(client *c, uint8_t *buffer, size_t capacity,
+                                              uint64_t now_us) {
+    if (capacity < ROBUROC4_MAX_TRANSMIT) {
+        return ROBUROC4_ERR_BUFFER;
+    }
+    if (c->private_state == ROBUROC4_STATE_IDLE) {
+        return 0;
+    }
+    if (now_us >= c->private_now_us && now_us < c->private_idle_until_us) {
+        c->private_now_us = now_us;
+        return 0; /* nothing has changed since it was computed that nothing is due until then */
+    }
+    begin_call(c, now_us);
+    const roburoc4_result length = poll_all(c, buffer, capacity);
+    if (length > 0) {
+        count(c, ROBUROC4_COUNT_SENT);
+    } else {
+        c->private_idle_until_us = next_deadline(c);
+    }
+    return length;
+}
+uint64_t roburoc4_client_next_deadline(const client *c) {
+    return c->private_idle_until_us > 0 ? c->private_idle_until_us : next_deadline(c);
 }
 
 uint32_t roburoc4_client_take_events(client *c) {

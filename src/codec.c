@@ -582,17 +582,18 @@ roburoc4_result roburoc4_decode_command_header(const uint8_t *data, size_t size,
 /** Take `analog` floats and the blocks of `digital` bits from a reader that has passed the head. */
 CURSOR roburoc4_result read_channels(reader *r, uint32_t analog, uint32_t digital, uint16_t service,
                                      uint64_t robot_cycles, roburoc4_channels *out) {
-    if (analog > r->left / 4 || roburoc4_digital_blocks(digital) > r->left - (size_t)analog * 4) {
+    const uint32_t blocks = roburoc4_digital_blocks(digital);
+    if (analog > r->left / 4 || blocks > r->left - (size_t)analog * 4) {
         return ROBUROC4_ERR_SHORT;
     }
     out->robot_cycles = robot_cycles;
-    out->analog = read_bytes(r, (size_t)analog * 4);
-    out->digital = read_bytes(r, (size_t)roburoc4_digital_blocks(digital));
+    out->analog = r->at;
+    out->digital = r->at + (size_t)analog * 4;
     out->analog_count = analog;
     out->digital_count = digital;
     out->service = service;
     memset(out->reserved, 0, sizeof out->reserved);
-    return surplus(r, 0);
+    return surplus(r, (size_t)analog * 4 + blocks);
 }
 
 /** The first floats of a view, as many as there are and as have room; how many. */
@@ -630,10 +631,12 @@ roburoc4_result roburoc4_analog_values(const roburoc4_channels *channels, float 
 }
 
 uint64_t roburoc4_digital_values(const roburoc4_channels *channels) {
-    const uint32_t count = channels->digital_count < 64 ? channels->digital_count : 64;
+    const uint8_t *blocks = channels->digital;
+    const uint32_t count = channels->digital_count;
     uint64_t bits = 0;
-    for (uint32_t i = 0; i < count; i += 8) {
-        bits |= (uint64_t)channels->digital[i / 8] << i;
+    const uint32_t end = count < 64 ? count : 64;
+    for (uint32_t at = 0; at < end; at += 8) {
+        bits |= (uint64_t)*blocks++ << at;
     }
     /* the last block may have bits that are no channel */
     return count < 64 ? bits & (((uint64_t)1 << count) - 1) : bits;

@@ -4,7 +4,7 @@
  * check.
  */
 #include "bytes.h"
-#include "machines.h"
+#include "internal.h"
 
 typedef struct setting {
     const char *range; /* "name: range", what roburoc4_config_error() says */
@@ -26,7 +26,7 @@ static const setting integers[] = {
     {"lost_ms: 200 to 60000",           AT(lost_ms),           200, 60000, 1000},
     {"fresh_ms: 50 to 1000",            AT(fresh_ms),           50,  1000,  300},
     {"drive_period_ms: 10 to 500",      AT(drive_period_ms),    10,   500,   50},
-    {"lease_ms: 20 to 1000",            AT(lease_ms),           20,  1000,  250},
+    {"lease_ms: 20 to 1000",            AT(lease_ms), LEASE_MIN_MS, LEASE_MAX_MS, 250},
     {"robot_watchdog_ms: 100 to 60000", AT(robot_watchdog_ms), 100, 60000, 1000},
     {"options: unknown bit",            AT(options),             0,     7,    0},
 };
@@ -81,7 +81,7 @@ const char *roburoc4_config_error(const roburoc4_config *config) {
         float value;
         memcpy(&value, base + floats[i].offset, sizeof value);
         if (!finite_f32_bits(bits_from_f32(value)) ||
-            !roburoc4_between(value, floats[i].low, floats[i].high)) {
+            value < floats[i].low || value > floats[i].high) {
             return floats[i].range;
         }
     }
@@ -100,7 +100,7 @@ const char *roburoc4_config_error(const roburoc4_config *config) {
     for (uint32_t role = 0; role < ROBUROC4_ROLE_COUNT; role++) {
         if (config->role_index[role] < ROBUROC4_INDEX_AUTO ||
             config->role_index[role] >= roburoc4_role_capacity(role)) {
-            return "role_index: -1, or an index to 63 (battery voltage: 31)";
+            return "role_index: -1, or an index to 63 (battery voltage: 15)";
         }
     }
     return NULL;

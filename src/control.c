@@ -1,15 +1,76 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a user asks of a client: arm and drive, outputs, relocalization, subscriptions, roles.
+ * The calls of a program: arm and drive, outputs, relocalization, subscriptions, roles; and what it
+ * can read: services, properties, statuses, facts, figures of the link.
  */
 #include "bytes.h"
-#include "joined.h"
+#include "internal.h"
 
-typedef roburoc4_client client;
-
-#define LEASE_MIN_US (20 * MS)
-#define LEASE_MAX_US SECOND
 #define OUTPUT_REPEATS 3
+
+/* ---- whether the robot may be driven now ---- */
+
+static bool fresh(const client *c, uint32_t service, uint64_t now_us) {
+    return roburoc4_link_fresh(&c->private_link, STATUS_INDEX(service),
+                               c->private_config.fresh_ms * MS, now_us);
+}
+
+/** Whether an input may be the game pad's [A]: a service that is not known yet may be the card, and
+ *  a card may have one until its properties tell. */
+static bool may_have_pad(const client *c) {
+    const discovery *d = &c->private_discovery;
+    const bool listed = (d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) != 0;
+    if (listed) {
+        return (d->known & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0 ||
+               index_of_role(c, ROBUROC4_ROLE_OVERRIDE) >= 0;
+    }
+    return roburoc4_discovery_unseen(d);
+}
+
+/** Why driving is not allowed now, or 0. */
+static roburoc4_result refusal(const client *c, uint64_t now_us) {
+    const roburoc4_private_values *v = &c->private_values;
+    const uint32_t options = c->private_config.options;
+    if (c->private_state != ROBUROC4_STATE_READY) {
+        return ROBUROC4_ERR_NOT_READY;
+    }
+    if (!c->private_drive.known) {
+        return ROBUROC4_ERR_NO_DIFFERENTIAL;
+    }
+    if (!roburoc4_drive_limits_valid(&v->limits)) {
+        return ROBUROC4_ERR_LIMITS;
+    }
+    if (!fresh(c, ROBUROC4_SERVICE_DIFFERENTIAL, now_us)) {
+        return ROBUROC4_ERR_STALE_DIFFERENTIAL;
+    }
+    if ((options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) == 0 || may_have_pad(c)) {
+        if (!fresh(c, ROBUROC4_SERVICE_IOCARD, now_us)) {
+            return ROBUROC4_ERR_STALE_IOCARD;
+        }
+        if (!v->override_known) {
+            return ROBUROC4_ERR_OVERRIDE_UNKNOWN;
+        }
+    }
+    if (v->override_known && v->overridden) {
+        return ROBUROC4_ERR_OVERRIDE;
+    }
+    if (c->private_drive.other_commander && (options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0) {
+        return ROBUROC4_ERR_OTHER_COMMANDER;
+    }
+    return ROBUROC4_OK;
+}
+
+/** The reason against arming, or 0. */
+static roburoc4_result arming_refusal(const client *c, uint64_t now_us) {
+    const roburoc4_result why = refusal(c, now_us);
+    const drive *d = &c->private_drive;
+    return why >= 0 && !d->armed && d->moving ? ROBUROC4_ERR_MOVING : why;
+}
+
+void roburoc4_control_tick(client *c) {
+    roburoc4_drive_tick(&c->private_drive, refusal(c, c->private_now_us), c->private_now_us,
+                        &c->private_events);
+}
 
 static bool started(const client *c) {
     return c->private_state != ROBUROC4_STATE_IDLE && c->private_state != ROBUROC4_STATE_CLOSING;
@@ -21,9 +82,9 @@ roburoc4_result roburoc4_client_arm(client *c, uint64_t now_us) {
     if (!started(c)) {
         return ROBUROC4_ERR_NOT_READY;
     }
-    roburoc4_lifecycle_clock(c, now_us);
-    roburoc4_arming_tick(c);
-    const roburoc4_result refusal = roburoc4_arming_refusal(c, now_us);
+    begin_call(c, now_us);
+    roburoc4_control_tick(c);
+    const roburoc4_result refusal = arming_refusal(c, now_us);
     if (refusal >= 0) {
         roburoc4_drive_arm(&c->private_drive, &c->private_events);
     }
@@ -31,7 +92,7 @@ roburoc4_result roburoc4_client_arm(client *c, uint64_t now_us) {
 }
 
 roburoc4_result roburoc4_client_disarm(client *c, uint64_t now_us) {
-    roburoc4_lifecycle_clock(c, now_us);
+    begin_call(c, now_us);
     roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_DISARMED);
     return ROBUROC4_OK;
 }
@@ -49,11 +110,11 @@ roburoc4_result roburoc4_client_drive(client *c, float linear_m_s, float angular
     if (lease_us == 0) {
         lease_us = c->private_config.lease_ms * 1000U;
     }
-    if (lease_us < LEASE_MIN_US || lease_us > LEASE_MAX_US) {
+    if (lease_us < LEASE_MIN_MS * MS || lease_us > LEASE_MAX_MS * MS) {
         return ROBUROC4_ERR_ARGUMENT;
     }
-    roburoc4_lifecycle_clock(c, now_us);
-    roburoc4_arming_tick(c);
+    begin_call(c, now_us);
+    roburoc4_control_tick(c);
     return roburoc4_drive_grant(&c->private_drive, target, lease_us, now_us);
 }
 
@@ -61,7 +122,7 @@ roburoc4_result roburoc4_client_stop(client *c, uint64_t now_us) {
     if (!started(c)) {
         return ROBUROC4_ERR_STATE;
     }
-    roburoc4_lifecycle_clock(c, now_us);
+    begin_call(c, now_us);
     roburoc4_drive_stop(&c->private_drive);
     return ROBUROC4_OK;
 }
@@ -72,11 +133,11 @@ roburoc4_result roburoc4_client_set_role_index(client *c, uint32_t role, int32_t
         index >= roburoc4_role_capacity(role)) {
         return ROBUROC4_ERR_ARGUMENT;
     }
-    roburoc4_lifecycle_clock(c, now_us);
+    begin_call(c, now_us);
     c->private_config.role_index[role] = (int16_t)index;
     if (role == ROBUROC4_ROLE_OVERRIDE) {
         c->private_values.override_known = 0;
-        roburoc4_arming_tick(c);
+        roburoc4_control_tick(c);
     }
     return ROBUROC4_OK;
 }
@@ -101,7 +162,7 @@ static roburoc4_result output_count(const client *c, uint32_t io_type, int32_t c
 }
 
 static void send_outputs(client *c, uint64_t now_us) {
-    roburoc4_lifecycle_clock(c, now_us);
+    begin_call(c, now_us);
     c->private_outputs.repeats = OUTPUT_REPEATS;
     c->private_outputs.sent_us = now_us - SECOND;
 }
@@ -144,11 +205,14 @@ roburoc4_result roburoc4_client_set_analog_output(client *c, uint32_t index, flo
 
 /* ---- localization and subscriptions ---- */
 
+static bool finite_f64(double value) {
+    return finite_f64_bits(bits_from_f64(value));
+}
+
 roburoc4_result roburoc4_client_relocalize(client *c, double x_m, double y_m, double theta_rad,
                                            uint64_t now_us) {
-    const uint64_t bits[3] = {bits_from_f64(x_m), bits_from_f64(y_m), bits_from_f64(theta_rad)};
     roburoc4_private_outputs *o = &c->private_outputs;
-    if (!finite_f64_bits(bits[0]) || !finite_f64_bits(bits[1]) || !finite_f64_bits(bits[2])) {
+    if (!finite_f64(x_m) || !finite_f64(y_m) || !finite_f64(theta_rad)) {
         return ROBUROC4_ERR_NOT_FINITE;
     }
     if (c->private_state != ROBUROC4_STATE_READY) {
@@ -157,10 +221,12 @@ roburoc4_result roburoc4_client_relocalize(client *c, double x_m, double y_m, do
     if ((c->private_discovery.listed & service_bit(ROBUROC4_SERVICE_LOCALIZATION)) == 0) {
         return ROBUROC4_ERR_UNKNOWN;
     }
-    roburoc4_lifecycle_clock(c, now_us);
+    begin_call(c, now_us);
     roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_REPLACE,
                              ROBUROC4_SERVICE_LOCALIZATION);
-    memcpy(o->pose_bits, bits, sizeof bits);
+    o->x_m = x_m;
+    o->y_m = y_m;
+    o->theta_rad = theta_rad;
     o->relocalizing = 1;
     o->relocalize_result = ROBUROC4_ERR_UNKNOWN;
     o->relocalize_us = now_us;
@@ -187,7 +253,7 @@ roburoc4_result roburoc4_client_subscribe(client *c, uint32_t service, uint32_t 
     if (!has_status(service) || period_ms < 10 || period_ms > 2550 || period_ms % 10 != 0) {
         return ROBUROC4_ERR_ARGUMENT;
     }
-    roburoc4_lifecycle_clock(c, now_us);
+    begin_call(c, now_us);
     forget_subscription(c, service);
     c->private_discovery.wanted |= service_bit(service);
     c->private_config.subscriptions |= service_bit(service);
@@ -201,7 +267,7 @@ roburoc4_result roburoc4_client_unsubscribe(client *c, uint32_t service, uint64_
     if (!has_status(service)) {
         return ROBUROC4_ERR_ARGUMENT;
     }
-    roburoc4_lifecycle_clock(c, now_us);
+    begin_call(c, now_us);
     forget_subscription(c, service);
     if ((d->inserted & service_bit(service)) != 0) {
         d->leaving |= service_bit(service);
@@ -210,4 +276,289 @@ roburoc4_result roburoc4_client_unsubscribe(client *c, uint32_t service, uint64_
     d->wanted &= (uint8_t)~service_bit(service);
     c->private_config.subscriptions &= ~(uint32_t)service_bit(service);
     return ROBUROC4_OK;
+}
+
+/* ---- services and properties ---- */
+
+static bool knows(const client *c, uint32_t service) {
+    return (c->private_discovery.known & service_bit(service)) != 0;
+}
+
+static uint16_t id_of(const client *c, uint32_t service) {
+    return c->private_discovery.service_ids[service];
+}
+
+uint32_t roburoc4_client_service_count(const client *c) {
+    return c->private_discovery.service_count;
+}
+
+roburoc4_result roburoc4_client_service_at(const client *c, uint32_t index,
+                                           roburoc4_directory_entry *out) {
+    if (index >= c->private_discovery.service_count) {
+        return ROBUROC4_ERR_INDEX;
+    }
+    out->type = c->private_discovery.types[index];
+    out->id = c->private_discovery.ids[index];
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_client_service_id(const client *c, uint32_t service) {
+    if (service <= ROBUROC4_SERVICE_NOTIFICATION) {
+        return (roburoc4_result)service;
+    }
+    if (service >= ROBUROC4_SERVICE_COUNT ||
+        (c->private_discovery.listed & service_bit(service)) == 0) {
+        return ROBUROC4_ERR_UNKNOWN;
+    }
+    return id_of(c, service);
+}
+
+roburoc4_result roburoc4_client_iocard_properties(const client *c,
+                                                  roburoc4_iocard_properties *out) {
+    const int32_t *counts = c->private_values.io_counts;
+    if (!knows(c, ROBUROC4_SERVICE_IOCARD)) {
+        return ROBUROC4_ERR_UNKNOWN;
+    }
+    out->analog_inputs = counts[ROBUROC4_IO_ANALOG_INPUT];
+    out->analog_outputs = counts[ROBUROC4_IO_ANALOG_OUTPUT];
+    out->digital_inputs = counts[ROBUROC4_IO_DIGITAL_INPUT];
+    out->digital_outputs = counts[ROBUROC4_IO_DIGITAL_OUTPUT];
+    out->service = id_of(c, ROBUROC4_SERVICE_IOCARD);
+    out->reserved = 0;
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_client_battery_properties(const client *c,
+                                                   roburoc4_battery_properties *out) {
+    if (!knows(c, ROBUROC4_SERVICE_BATTERY)) {
+        return ROBUROC4_ERR_UNKNOWN;
+    }
+    *out = c->private_values.battery_properties;
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_client_localization_properties(const client *c,
+                                                        roburoc4_localization_properties *out) {
+    if (!knows(c, ROBUROC4_SERVICE_LOCALIZATION)) {
+        return ROBUROC4_ERR_UNKNOWN;
+    }
+    *out = c->private_values.initial;
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_client_differential_properties(const client *c,
+                                                        roburoc4_differential_properties *out) {
+    if (!knows(c, ROBUROC4_SERVICE_DIFFERENTIAL)) {
+        return ROBUROC4_ERR_UNKNOWN;
+    }
+    *out = c->private_values.limits;
+    return ROBUROC4_OK;
+}
+
+uint32_t roburoc4_client_telemeter_count(const client *c) {
+    return c->private_values.telemeter_count;
+}
+
+roburoc4_result roburoc4_client_telemeter(const client *c, uint32_t index,
+                                          roburoc4_telemeter *out) {
+    if (index >= c->private_values.telemeter_count) {
+        return ROBUROC4_ERR_INDEX;
+    }
+    *out = c->private_values.telemeters[index];
+    out->distance_m = c->private_values.distances[index];
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_client_role_index(const client *c, uint32_t role) {
+    if (role >= ROBUROC4_ROLE_COUNT) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    return index_of_role(c, role);
+}
+
+roburoc4_result roburoc4_client_description(const client *c, const uint8_t *datagram, size_t size,
+                                            roburoc4_description *out) {
+    roburoc4_text text;
+    const uint32_t kind = c->private_discovery.described_kind;
+    if (kind == 0 || roburoc4_decode_text(datagram, size, &text) < 0) {
+        return ROBUROC4_ERR_UNKNOWN;
+    }
+    out->text = text.text;
+    out->length = text.length;
+    out->io_type = kind - 1 == LIST_DIRECTORY ? -1 : (int32_t)(kind - 1);
+    out->index = c->private_discovery.described_index;
+    return ROBUROC4_OK;
+}
+
+/* ---- statuses ---- */
+
+/** The service's statuses so far, or NULL before the first; *host_us is when the latest came. */
+static const roburoc4_private_service *latest(const client *c, uint32_t service,
+                                              uint64_t *host_us) {
+    const roburoc4_private_service *s = &c->private_link.services[STATUS_INDEX(service)];
+    if (s->received > 0 && host_us != NULL) {
+        *host_us = s->received_us;
+    }
+    return s->received > 0 ? s : NULL;
+}
+
+roburoc4_result roburoc4_client_battery(const client *c, roburoc4_battery_status *out,
+                                        uint64_t *host_us) {
+    if (latest(c, ROBUROC4_SERVICE_BATTERY, host_us) == NULL) {
+        return ROBUROC4_ERR_UNKNOWN;
+    }
+    *out = c->private_values.battery;
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_client_localization(const client *c, roburoc4_localization_status *out,
+                                             uint64_t *host_us) {
+    if (latest(c, ROBUROC4_SERVICE_LOCALIZATION, host_us) == NULL) {
+        return ROBUROC4_ERR_UNKNOWN;
+    }
+    *out = c->private_values.localization;
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_client_differential(const client *c, roburoc4_differential_status *out,
+                                             uint64_t *host_us) {
+    if (latest(c, ROBUROC4_SERVICE_DIFFERENTIAL, host_us) == NULL) {
+        return ROBUROC4_ERR_UNKNOWN;
+    }
+    *out = c->private_values.differential;
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_client_inputs(const client *c, roburoc4_inputs *out, uint64_t *host_us) {
+    const int32_t *counts = c->private_values.io_counts;
+    const roburoc4_private_service *s = latest(c, ROBUROC4_SERVICE_IOCARD, host_us);
+    if (s == NULL) {
+        return ROBUROC4_ERR_UNKNOWN;
+    }
+    out->robot_cycles = s->robot_cycles;
+    out->digital = c->private_values.digital;
+    memcpy(out->analog, c->private_values.analog, sizeof out->analog);
+    out->analog_count =
+        at_most((uint32_t)counts[ROBUROC4_IO_ANALOG_INPUT], ROBUROC4_MAX_ANALOG_INPUTS);
+    out->digital_count =
+        at_most((uint32_t)counts[ROBUROC4_IO_DIGITAL_INPUT], ROBUROC4_MAX_DIGITAL_INPUTS);
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_client_distances(const client *c, roburoc4_distances *out,
+                                          uint64_t *host_us) {
+    const roburoc4_private_service *s = latest(c, ROBUROC4_SERVICE_TELEMETER, host_us);
+    if (s == NULL) {
+        return ROBUROC4_ERR_UNKNOWN;
+    }
+    out->robot_cycles = s->robot_cycles;
+    memcpy(out->distance_m, c->private_values.distances, sizeof out->distance_m);
+    out->count = c->private_values.distance_count;
+    out->reserved = 0;
+    return ROBUROC4_OK;
+}
+
+/* ---- facts and figures ---- */
+
+static uint8_t input_of_role(const client *c, uint32_t role) {
+    const roburoc4_result index = index_of_role(c, role);
+    return index >= 0 ? (uint8_t)(c->private_values.digital >> index & 1) : 0;
+}
+
+static uint32_t clipped(uint64_t span_us) {
+    return span_us < UINT32_MAX ? (uint32_t)span_us : UINT32_MAX;
+}
+
+roburoc4_result roburoc4_client_facts(const client *c, uint64_t now_us, roburoc4_facts *out) {
+    const drive *d = &c->private_drive;
+    const values *v = &c->private_values;
+    const uint64_t elapsed_us = now_us - d->granted_us;
+    if (out->size != sizeof *out) {
+        return ROBUROC4_ERR_SIZE;
+    }
+    out->state = c->private_state;
+    out->armed = d->armed;
+    out->driving = d->lease_active && elapsed_us < d->lease_us;
+    out->stopping = d->stopping || d->stop_pending;
+    out->override_known = v->override_known;
+    out->overridden = v->override_known && v->overridden;
+    out->other_commander = d->other_commander;
+    out->inhibited = d->inhibited;
+    out->fixed_id = c->private_requests.fixed_id;
+    out->front_bumper = input_of_role(c, ROBUROC4_ROLE_FRONT_BUMPER);
+    out->rear_bumper = input_of_role(c, ROBUROC4_ROLE_REAR_BUMPER);
+    out->descriptions_done = c->private_discovery.done;
+    out->battery_low = v->battery_low != 0;
+    out->disarm_cause = d->armed ? ROBUROC4_OK : d->disarm_cause;
+    out->arm_refusal = arming_refusal(c, now_us);
+    out->relocalize_result = c->private_outputs.relocalize_result;
+    out->lease_left_us = out->driving ? d->lease_us - (uint32_t)elapsed_us : 0;
+    out->linear_m_s = d->sent[0];
+    out->angular_rad_s = d->sent[1];
+    return ROBUROC4_OK;
+}
+
+static float share(uint32_t lost, uint32_t received) {
+    return lost > 0 ? (float)lost / (float)(lost + received) : 0;
+}
+
+roburoc4_result roburoc4_client_link(const client *c, uint64_t now_us, roburoc4_link *out) {
+    const roburoc4_private_link *l = &c->private_link;
+    uint32_t recent_lost = 0;
+    uint32_t recent_received = 0;
+    if (out->size != sizeof *out) {
+        return ROBUROC4_ERR_SIZE;
+    }
+    out->round_trip_us = l->round_trip_us;
+    out->round_trip_min_us = l->round_trip_min_us;
+    out->silence_us = clipped(now_us - l->last_used_us);
+    out->received = 0;
+    out->lost = 0;
+    for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
+        out->received += l->services[i].received;
+        out->lost += l->services[i].lost;
+        recent_received += l->services[i].recent_received;
+        recent_lost += l->services[i].recent_lost;
+    }
+    out->loss = share(recent_lost, recent_received);
+    out->reserved = 0;
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_client_service_link(const client *c, uint32_t service, uint64_t now_us,
+                                             roburoc4_service_link *out) {
+    if (service < ROBUROC4_SERVICE_IOCARD || service >= ROBUROC4_SERVICE_COUNT) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    if (out->size != sizeof *out) {
+        return ROBUROC4_ERR_SIZE;
+    }
+    const roburoc4_private_service *s = &c->private_link.services[STATUS_INDEX(service)];
+    const discovery *d = &c->private_discovery;
+    out->subscribed = (d->wanted & ~d->declined & service_bit(service)) != 0;
+    out->received = s->received;
+    out->lost = s->lost;
+    out->late = s->late;
+    out->duplicates = s->duplicates;
+    out->period_us = (uint32_t)s->period_cycles * ROBUROC4_CYCLE_US;
+    out->jitter_us = s->jitter_us;
+    out->age_us = s->received > 0 ? clipped(now_us - s->received_us) : UINT32_MAX;
+    out->loss = share(s->recent_lost, s->recent_received);
+    return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_client_host_time(const client *c, uint64_t robot_cycles,
+                                          uint64_t *host_us) {
+    const roburoc4_private_link *l = &c->private_link;
+    if (!l->mapped) {
+        return ROBUROC4_ERR_UNKNOWN;
+    }
+    const int64_t offset_us =
+        l->offset_us < l->offset_before_us ? l->offset_us : l->offset_before_us;
+    *host_us = robot_cycles * ROBUROC4_CYCLE_US + (uint64_t)offset_us - l->round_trip_min_us / 2;
+    return ROBUROC4_OK;
+}
+
+uint32_t roburoc4_client_count(const client *c, uint32_t counter) {
+    return counter < ROBUROC4_COUNTERS ? c->private_counters[counter] : 0;
 }

@@ -3,7 +3,7 @@
  * Discovery: which id on the wire is which service, which input is the game pad's [A], and which
  * texts are still to be asked for. Nothing here is sent: asking.c asks, this file remembers.
  */
-#include "machines.h"
+#include "internal.h"
 
 /* Words are looked for in so much of a text: it may be as long as a datagram. */
 #define TEXT_SEARCHED 255U
@@ -277,13 +277,13 @@ static int32_t role_by_table(uint32_t role, int32_t count) {
 
 roburoc4_result roburoc4_discovery_role(const discovery *d, const roburoc4_config *config,
                                         const int32_t *io_counts, uint32_t role) {
-    const int32_t count = (int32_t)list_length(d, io_counts, role_list(role));
+    const int32_t count = io_counts[role_list(role)];
     int32_t index = config->role_index[role];
     if (index == ROBUROC4_INDEX_AUTO) {
         index = d->role_texts[role];
     }
     if (index == ROLE_TEXT_NONE) {
-        index = role_by_table(role, io_counts[role_list(role)]);
+        index = role_by_table(role, count);
     }
-    return index >= 0 && index < count ? index : ROBUROC4_ERR_UNKNOWN;
+    return index >= 0 && index < count ? index : ROBUROC4_ERR_UNKNOWN; /* each is below capacity */
 }

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT
  *
- * Motion: arming, the lease of a drive command, limits, the zero train. This is the only place that
- * lets a speed out, and it does so in one function, roburoc4_drive_poll().
+ * Motion: arming, the lease of a drive command, limits, the stop sequence. This is the only file
+ * that lets a speed out, and it does so in one function, roburoc4_drive_poll().
  *
  * Times are compared as `now - then >= span` on unsigned numbers: a clock that went back makes the
- * difference huge and the lease over.
+ * difference huge and ends the lease.
  */
 #include "bytes.h"
-#include "machines.h"
+#include "internal.h"
 
 /* A changed target leaves at once, but not more often than the robot looks. */
 #define SPACING_US ROBUROC4_CYCLE_US
-#define TRAIN_ZEROS 3
+#define STOP_ZEROS 3
 #define OTHER_STATUSES 3
 #define STILL_US (500 * MS)
 /* How far reported targets may be from sent ones: rounding on the robot's side. */
@@ -20,35 +20,49 @@
 #define FOLLOWING_SHARE 0.05F
 /* Far above any robot's speed; keeps products finite. */
 #define ANY_SPEED 1000.0F
-
 /* A width beyond these is not sensible. */
 #define WIDTH_MIN_M 0.01F
 #define WIDTH_MAX_M 10.0F
 
-/* What is done alike for m/s and rad/s is done axis by axis. */
+/* m/s and rad/s are treated alike, axis by axis. */
 enum { LINEAR, ANGULAR, AXES };
 /* A robot slower than this stands; a target greater than that is one to follow. */
 static const float standing[AXES] = {0.1F, 0.2F};
 static const float noticeable[AXES] = {0.02F, 0.05F};
 
-/* Places in the differential properties and status, whose fields stand axis by axis too. */
-#define LIMIT_MAX(axis) (4 + 2 * (axis))
-#define LIMIT_MIN(axis) (5 + 2 * (axis))
-#define LIMIT_WIDTH 12
-#define REPORTED_TARGET(axis) (2 * (axis))
-#define REPORTED_CURRENT(axis) (2 * (axis) + 1)
+/* ---- floats by their bits: for speed, for size where floats are software, and for NaN, which
+ * compilers may be told not to expect ---- */
 
-static bool is_zero(float value) {
-    return bits_from_f32(value) << 1 == 0; /* of either sign */
+/** Without the sign. The bits of such floats are in the order of their values, with infinity and
+ *  then NaN above all numbers. */
+static uint32_t magnitude_bits(float value) {
+    return bits_from_f32(value) & 0x7FFFFFFFU;
 }
 
 static float magnitude(float value) {
-    return f32_from_bits(bits_from_f32(value) & 0x7FFFFFFFU);
+    return f32_from_bits(magnitude_bits(value));
 }
 
-/* Adding it subtracts: where floats are software, that is a function less. */
+static bool is_zero(float value) {
+    return magnitude_bits(value) == 0;
+}
+
+static bool is_finite(float value) {
+    return finite_f32_bits(bits_from_f32(value));
+}
+
+/** Adding it subtracts: where floats are software, that is a function less. */
 static float opposite(float value) {
     return f32_from_bits(bits_from_f32(value) ^ 0x80000000U);
+}
+
+/** The value, or the bound that it is beyond. */
+static float clamp(float value, float low, float high) {
+    return value < low ? low : value > high ? high : value;
+}
+
+static bool between(float value, float low, float high) {
+    return value >= low && value <= high;
 }
 
 void roburoc4_drive_start(drive *d, uint64_t now_us) {
@@ -57,24 +71,27 @@ void roburoc4_drive_start(drive *d, uint64_t now_us) {
     roburoc4_drive_rebase(d, now_us);
 }
 
-/* ---- leaving ---- */
+/* ---- ending a lease ---- */
 
-static void begin_train(drive *d) {
-    d->train = 1;
-    d->zeros = 0;
-    d->confirmed = 0;
-    d->spoke = 0;
-}
-
-static void leave(drive *d) {
-    d->leased = 0;
-    if (d->spoke) {
-        begin_train(d);
+/** The one place where a stop sequence begins. */
+static void begin_stop_sequence(drive *d) {
+    if (d->known && d->stop_pending) {
+        d->stop_pending = 0;
+        d->stopping = 1;
+        d->zeros_sent = 0;
+        d->confirmed = 0;
+        d->nonzero_sent = 0;
     }
 }
 
+static void end_lease(drive *d) {
+    d->lease_active = 0;
+    d->stop_pending = d->stop_pending || d->nonzero_sent;
+    begin_stop_sequence(d);
+}
+
 void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events) {
-    leave(d);
+    end_lease(d);
     if (d->armed) {
         d->disarm_cause = cause;
         *events |= ROBUROC4_EVENT_DISARMED;
@@ -83,42 +100,33 @@ void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events)
 }
 
 void roburoc4_drive_stop(drive *d) {
-    d->leased = 0;
-    if (d->known) {
-        begin_train(d);
-    } else {
-        d->stop_latched = 1;
-    }
+    d->stop_pending = 1;
+    end_lease(d);
 }
 
 void roburoc4_drive_service(drive *d, bool known, uint16_t id) {
     if (!known && id == d->service) {
-        leave(d); /* it is still there: the last that it hears must be zero */
+        end_lease(d); /* it is still there: the last that it hears must be zero */
     } else if (!known) {
-        /* zeros that are still owed go to whom is found next */
-        d->stop_latched = d->stop_latched || d->spoke || (d->train && d->zeros < TRAIN_ZEROS);
-        d->leased = 0;
-        d->spoke = 0;
-        d->train = 0;
+        /* zeros that are still owed go to the service that is found next */
+        d->stop_pending = d->stop_pending || d->nonzero_sent ||
+                          (d->stopping && d->zeros_sent < STOP_ZEROS);
+        d->lease_active = 0;
+        d->nonzero_sent = 0;
+        d->stopping = 0;
     }
     d->known = known;
     d->service = id;
-    if (known && d->stop_latched) {
-        d->stop_latched = 0;
-        begin_train(d);
-    }
+    begin_stop_sequence(d);
 }
 
 /* ---- arming and granting ---- */
 
-bool roburoc4_drive_limits_valid(const float *limits) {
-    for (uint32_t axis = 0; axis < AXES; axis++) {
-        if (!roburoc4_all_finite(limits + LIMIT_MAX(axis), 2) ||
-            !roburoc4_between(0, limits[LIMIT_MIN(axis)], limits[LIMIT_MAX(axis)])) {
-            return false;
-        }
-    }
-    return true;
+bool roburoc4_drive_limits_valid(const roburoc4_differential_properties *limits) {
+    return is_finite(limits->min_linear_m_s) && is_finite(limits->max_linear_m_s) &&
+           is_finite(limits->min_angular_rad_s) && is_finite(limits->max_angular_rad_s) &&
+           between(0, limits->min_linear_m_s, limits->max_linear_m_s) &&
+           between(0, limits->min_angular_rad_s, limits->max_angular_rad_s);
 }
 
 void roburoc4_drive_arm(drive *d, uint32_t *events) {
@@ -132,26 +140,25 @@ roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lea
     if (!d->armed) {
         return d->disarm_cause;
     }
-    const float bounded[AXES] = {roburoc4_clamp(target[LINEAR], -ANY_SPEED, ANY_SPEED),
-                                 roburoc4_clamp(target[ANGULAR], -ANY_SPEED, ANY_SPEED)};
-    if (!d->leased || bits_from_f32(d->target[LINEAR]) != bits_from_f32(bounded[LINEAR]) ||
-        bits_from_f32(d->target[ANGULAR]) != bits_from_f32(bounded[ANGULAR])) {
+    const float bounded[AXES] = {clamp(target[LINEAR], -ANY_SPEED, ANY_SPEED),
+                                 clamp(target[ANGULAR], -ANY_SPEED, ANY_SPEED)};
+    if (!d->lease_active || memcmp(d->target, bounded, sizeof bounded) != 0) {
         d->changed = 1; /* until it has left, however often it is renewed before */
     }
     memcpy(d->target, bounded, sizeof bounded);
-    d->leased = 1;
+    d->lease_active = 1;
     d->granted_us = now_us;
     d->lease_us = lease_us;
     return ROBUROC4_OK;
 }
 
 static bool lease_over(const drive *d, uint64_t now_us) {
-    return d->leased && now_us - d->granted_us >= d->lease_us;
+    return d->lease_active && now_us - d->granted_us >= d->lease_us;
 }
 
 void roburoc4_drive_tick(drive *d, roburoc4_result refusal, uint64_t now_us, uint32_t *events) {
     if (lease_over(d, now_us)) {
-        leave(d);
+        end_lease(d);
         *events |= ROBUROC4_EVENT_LEASE_OVER;
     }
     if (refusal < 0 && d->armed) {
@@ -162,34 +169,30 @@ void roburoc4_drive_tick(drive *d, roburoc4_result refusal, uint64_t now_us, uin
 /* ---- sending ---- */
 
 /** Scale, then keep the curve, then clamp. */
-static void shape(const drive *d, const roburoc4_config *config, const float *limits,
-                  float *speeds) {
-    const float ceiling[AXES] = {config->max_linear_m_s, config->max_angular_rad_s};
-    const float scale[AXES] = {config->scale_linear, config->scale_angular};
-    const float width = limits[LIMIT_WIDTH];
-    float low[AXES];
-    float high[AXES];
-    for (uint32_t axis = 0; axis < AXES; axis++) {
-        low[axis] = roburoc4_clamp(limits[LIMIT_MIN(axis)], -ceiling[axis], 0);
-        high[axis] = roburoc4_clamp(limits[LIMIT_MAX(axis)], 0, ceiling[axis]);
-        speeds[axis] = d->target[axis] * scale[axis];
+static void shape(const drive *d, const roburoc4_config *config,
+                  const roburoc4_differential_properties *limits, float *speeds) {
+    const float linear_ceiling = config->max_linear_m_s;
+    const float angular_ceiling = config->max_angular_rad_s;
+    float low = clamp(limits->min_linear_m_s, -linear_ceiling, 0);
+    float high = clamp(limits->max_linear_m_s, 0, linear_ceiling);
+    const float linear = d->target[LINEAR] * config->scale_linear;
+    const float angular = d->target[ANGULAR] * config->scale_angular;
+    if ((config->options & ROBUROC4_OPTION_TURN_KEEPING) != 0 && is_finite(limits->width_m) &&
+        between(limits->width_m, WIDTH_MIN_M, WIDTH_MAX_M)) {
+        const float outer = magnitude(angular) * limits->width_m / 2;
+        low = clamp(low + outer, low, 0);
+        high = clamp(high + opposite(outer), 0, high);
     }
-    if ((config->options & ROBUROC4_OPTION_TURN_KEEPING) != 0 && roburoc4_all_finite(&width, 1) &&
-        roburoc4_between(width, WIDTH_MIN_M, WIDTH_MAX_M)) {
-        const float outer = magnitude(speeds[ANGULAR]) * width / 2;
-        low[LINEAR] = roburoc4_clamp(low[LINEAR] + outer, low[LINEAR], 0);
-        high[LINEAR] = roburoc4_clamp(high[LINEAR] + opposite(outer), 0, high[LINEAR]);
-    }
-    for (uint32_t axis = 0; axis < AXES; axis++) {
-        speeds[axis] = roburoc4_clamp(speeds[axis], low[axis], high[axis]);
-    }
+    speeds[LINEAR] = clamp(linear, low, high);
+    speeds[ANGULAR] = clamp(angular, clamp(limits->min_angular_rad_s, -angular_ceiling, 0),
+                            clamp(limits->max_angular_rad_s, 0, angular_ceiling));
 }
 
 /** Remember what was sent lately: what the robot may report as its targets. */
 static void widen_envelope(drive *d) {
     for (uint32_t axis = 0; axis < AXES; axis++) {
-        d->low[axis] = roburoc4_clamp(d->sent[axis], -ANY_SPEED, d->low[axis]);
-        d->high[axis] = roburoc4_clamp(d->sent[axis], d->high[axis], ANY_SPEED);
+        d->low[axis] = clamp(d->sent[axis], -ANY_SPEED, d->low[axis]);
+        d->high[axis] = clamp(d->sent[axis], d->high[axis], ANY_SPEED);
     }
 }
 
@@ -203,19 +206,19 @@ static void age_envelope(drive *d, uint32_t window_us, uint64_t now_us) {
     }
 }
 
-static bool train_ended(const drive *d, const roburoc4_config *config, uint64_t now_us) {
-    return d->zeros >= TRAIN_ZEROS &&
-           (d->confirmed || now_us - d->train_us >= config->robot_watchdog_ms * MS);
+static bool stop_sequence_over(const drive *d, const roburoc4_config *config, uint64_t now_us) {
+    return d->zeros_sent >= STOP_ZEROS &&
+           (d->confirmed || now_us - d->stop_us >= config->robot_watchdog_ms * MS);
 }
 
-/** Until the next command. The first zero of a train interrupts a speed at once; half of a short
- *  lease, so that it is repeated at all. */
+/** Until the next command. The first zero of a stop sequence interrupts a speed at once; half of a
+ *  short lease, so that it is repeated at all. */
 static uint32_t pause_us(const drive *d, const roburoc4_config *config) {
     const uint32_t period_us = config->drive_period_ms * MS;
-    if (d->train && d->zeros == 0) {
+    if (d->stopping && d->zeros_sent == 0) {
         return is_zero(d->sent[LINEAR]) && is_zero(d->sent[ANGULAR]) ? SPACING_US : 0;
     }
-    if (d->train) {
+    if (d->stopping) {
         return period_us;
     }
     if (d->changed) {
@@ -224,38 +227,39 @@ static uint32_t pause_us(const drive *d, const roburoc4_config *config) {
     return d->lease_us / 2 < period_us ? d->lease_us / 2 : period_us;
 }
 
-static bool poll_train(drive *d, const roburoc4_config *config, uint64_t now_us) {
+static bool poll_stop_sequence(drive *d, const roburoc4_config *config, uint64_t now_us) {
     if (now_us - d->sent_us < pause_us(d, config)) {
         return false;
     }
-    if (d->zeros == 0) {
-        d->train_us = now_us;
+    if (d->zeros_sent == 0) {
+        d->stop_us = now_us;
     }
-    if (d->zeros < TRAIN_ZEROS) {
-        d->zeros++;
+    if (d->zeros_sent < STOP_ZEROS) {
+        d->zeros_sent++;
     }
     return true;
 }
 
-bool roburoc4_drive_poll(drive *d, const roburoc4_config *config, const float *limits,
-                         uint64_t now_us, float *speeds, uint32_t *events) {
+bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
+                         const roburoc4_differential_properties *limits, uint64_t now_us,
+                         float *speeds, uint32_t *events) {
     memset(speeds, 0, sizeof d->sent);
-    if (d->train && train_ended(d, config, now_us)) {
-        d->train = 0;
+    if (d->stopping && stop_sequence_over(d, config, now_us)) {
+        d->stopping = 0;
         *events |= ROBUROC4_EVENT_STOPPED;
     }
-    if (d->train) {
-        if (!poll_train(d, config, now_us)) {
+    if (d->stopping) {
+        if (!poll_stop_sequence(d, config, now_us)) {
             return false;
         }
     } else {
-        if (!d->known || !d->armed || !d->leased || lease_over(d, now_us) ||
+        if (!d->known || !d->armed || !d->lease_active || lease_over(d, now_us) ||
             now_us - d->sent_us < pause_us(d, config)) {
             return false;
         }
         shape(d, config, limits, speeds);
         d->changed = 0;
-        d->spoke = d->spoke || !is_zero(speeds[LINEAR]) || !is_zero(speeds[ANGULAR]);
+        d->nonzero_sent = d->nonzero_sent || !is_zero(speeds[LINEAR]) || !is_zero(speeds[ANGULAR]);
     }
     d->sent_us = now_us;
     memcpy(d->sent, speeds, sizeof d->sent);
@@ -265,72 +269,65 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config, const float *l
 }
 
 uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config) {
-    const uint64_t next = d->sent_us + pause_us(d, config);
-    if (d->train) {
-        return d->confirmed ? 0 : next;
+    uint64_t deadline = UINT64_MAX;
+    if (d->stopping || d->lease_active) {
+        deadline = d->sent_us + pause_us(d, config);
     }
-    if (!d->leased) {
-        return UINT64_MAX;
+    if (d->stopping && d->zeros_sent >= STOP_ZEROS) {
+        const uint64_t over = d->confirmed ? 0 : d->stop_us + config->robot_watchdog_ms * MS;
+        deadline = over < deadline ? over : deadline;
     }
-    const uint64_t over = d->granted_us + d->lease_us;
-    return over < next ? over : next;
+    if (d->lease_active) {
+        const uint64_t over = d->granted_us + d->lease_us;
+        deadline = over < deadline ? over : deadline;
+    }
+    return deadline;
 }
 
 /* ---- what the robot reports ---- */
 
-/** Whether the reported targets are ours or zero: between the least and the most that was sent
- *  lately. */
-static bool within(const drive *d, const float *speeds) {
-    for (uint32_t axis = 0; axis < AXES; axis++) {
-        const float target = speeds[REPORTED_TARGET(axis)];
-        if (!is_zero(target)) {
-            const float low = roburoc4_clamp(d->low[axis], -ANY_SPEED, d->low_before[axis]);
-            const float high = roburoc4_clamp(d->high[axis], d->high_before[axis], ANY_SPEED);
-            if (!roburoc4_all_finite(&target, 1) || target + TARGET_TOLERANCE < low ||
-                target > high + TARGET_TOLERANCE) {
-                return false;
-            }
-        }
+/** Whether a reported target is ours or zero: between the least and the most that was sent lately. */
+static bool is_ours(const drive *d, uint32_t axis, float target) {
+    if (is_zero(target)) {
+        return true;
     }
-    return true;
+    const float low = clamp(d->low[axis], -ANY_SPEED, d->low_before[axis]);
+    const float high = clamp(d->high[axis], d->high_before[axis], ANY_SPEED);
+    return is_finite(target) && !(target + TARGET_TOLERANCE < low) &&
+           !(target > high + TARGET_TOLERANCE);
 }
 
-static void watch_other_commander(drive *d, const roburoc4_config *config, bool ours, uint32_t *events) {
+static void watch_other_commander(drive *d, const roburoc4_config *config, bool ours,
+                                  uint32_t *events) {
     if (ours) {
         d->other_count = 0;
     } else if (d->other_count < OTHER_STATUSES) {
         d->other_count++;
     }
-    const bool other_commander = ours ? false : d->other_commander || d->other_count >= OTHER_STATUSES;
-    if (other_commander != (d->other_commander != 0)) {
-        d->other_commander = other_commander;
+    const bool other = !ours && (d->other_commander || d->other_count >= OTHER_STATUSES);
+    if (other != (d->other_commander != 0)) {
+        d->other_commander = other;
         *events |= ROBUROC4_EVENT_OTHER_COMMANDER;
-        if (other_commander && (config->options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0) {
+        if (other && (config->options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0) {
             roburoc4_drive_interrupt(d, ROBUROC4_ERR_OTHER_COMMANDER, events);
         }
     }
 }
 
-/** A speed is asked for, by us or on the robot, and no axis follows. */
-static bool stands_still(const drive *d, const float *speeds) {
-    bool asked = false;
-    for (uint32_t axis = 0; axis < AXES; axis++) {
-        const float sent = d->leased ? magnitude(d->sent[axis]) : 0;
-        const float target =
-            roburoc4_clamp(magnitude(speeds[REPORTED_TARGET(axis)]), sent, ANY_SPEED);
-        if (target >= noticeable[axis]) {
-            asked = true;
-            if (magnitude(speeds[REPORTED_CURRENT(axis)]) > target * FOLLOWING_SHARE) {
-                return false;
-            }
-        }
+/** Whether an axis has a target to follow, set by us or on the robot; *follows where it does. */
+static bool has_target(const drive *d, uint32_t axis, float target, float current, bool *follows) {
+    const uint32_t reported = magnitude_bits(target);
+    const uint32_t sent = d->lease_active ? magnitude_bits(d->sent[axis]) : 0;
+    const uint32_t least = bits_from_f32(noticeable[axis]);
+    if (reported < least && sent < least) {
+        return false;
     }
-    return asked;
+    const float wanted = clamp(f32_from_bits(reported), f32_from_bits(sent), ANY_SPEED);
+    *follows = *follows || magnitude(current) > wanted * FOLLOWING_SHARE;
+    return true;
 }
 
-static void watch_inhibited(drive *d, const float *speeds, bool overridden, uint64_t now_us,
-                            uint32_t *events) {
-    const bool still = !overridden && stands_still(d, speeds);
+static void watch_inhibited(drive *d, bool still, uint64_t now_us, uint32_t *events) {
     if (still && !d->still) {
         d->still_us = now_us;
     }
@@ -342,33 +339,34 @@ static void watch_inhibited(drive *d, const float *speeds, bool overridden, uint
     }
 }
 
-void roburoc4_drive_status(drive *d, const roburoc4_config *config, const float *speeds,
-                           bool overridden, uint64_t now_us, uint32_t *events) {
-    bool zero = true;
+void roburoc4_drive_status(drive *d, const roburoc4_config *config,
+                           const roburoc4_differential_status *s, bool overridden, uint64_t now_us,
+                           uint32_t *events) {
+    bool follows = false;
     age_envelope(d, config->robot_watchdog_ms * MS, now_us);
-    const bool ours = within(d, speeds);
-    d->moving = 0;
-    if (!roburoc4_all_finite(speeds, 2 * AXES)) {
-        d->moving = 1;
-        watch_other_commander(d, config, overridden || ours, events);
+    const bool ours = overridden || (is_ours(d, LINEAR, s->target_linear_m_s) &&
+                                     is_ours(d, ANGULAR, s->target_angular_rad_s));
+    const bool zero = is_zero(s->target_linear_m_s) && is_zero(s->target_angular_rad_s);
+    d->moving =
+        !zero || magnitude_bits(s->current_linear_m_s) > bits_from_f32(standing[LINEAR]) ||
+        magnitude_bits(s->current_angular_rad_s) > bits_from_f32(standing[ANGULAR]);
+    if (!is_finite(s->target_linear_m_s) || !is_finite(s->target_angular_rad_s) ||
+        !is_finite(s->current_linear_m_s) || !is_finite(s->current_angular_rad_s)) {
+        watch_other_commander(d, config, ours, events);
         return;
     }
-    for (uint32_t axis = 0; axis < AXES; axis++) {
-        zero = zero && is_zero(speeds[REPORTED_TARGET(axis)]);
-        if (!roburoc4_between(speeds[REPORTED_CURRENT(axis)], -standing[axis], standing[axis])) {
-            d->moving = 1;
-        }
-    }
-    d->moving = d->moving || !zero;
-    d->confirmed = d->confirmed || (zero && d->zeros >= TRAIN_ZEROS);
-    watch_other_commander(d, config, overridden || ours, events);
-    watch_inhibited(d, speeds, overridden, now_us, events);
+    d->confirmed = d->confirmed || (zero && d->zeros_sent >= STOP_ZEROS);
+    watch_other_commander(d, config, ours, events);
+    const bool linear =
+        has_target(d, LINEAR, s->target_linear_m_s, s->current_linear_m_s, &follows);
+    const bool angular =
+        has_target(d, ANGULAR, s->target_angular_rad_s, s->current_angular_rad_s, &follows);
+    watch_inhibited(d, !overridden && (linear || angular) && !follows, now_us, events);
 }
 
-/** After a fault of the clock: a train goes on with a time of its own, everything else is due. */
 void roburoc4_drive_rebase(drive *d, uint64_t now_us) {
     d->sent_us = now_us - SECOND;
-    d->train_us = now_us;
+    d->stop_us = now_us;
     d->still_us = now_us;
     d->envelope_us = now_us;
 }

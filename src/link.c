@@ -3,7 +3,7 @@
  * The link: are statuses new, how many were lost, how even do they come, what time does the robot's
  * clock show, did the robot restart.
  */
-#include "machines.h"
+#include "internal.h"
 
 typedef roburoc4_private_link link;
 typedef roburoc4_private_service service;
@@ -38,9 +38,10 @@ void roburoc4_link_restart(link *l) {
     l->round_trip_min_us = 0;
 }
 
+/** Whether a status that is older than the newest of all services is from a restarted robot. */
 static bool restarted(link *l, const service *s, uint64_t robot_cycles, uint64_t now_us) {
     const bool renewed = s->inserted_us > s->received_us && now_us - s->received_us >= SECOND;
-    if (robot_cycles < l->newest_cycles && l->resubscribed) {
+    if (l->resubscribed) {
         return true;
     }
     if (renewed && s->seen != 0 && robot_cycles < s->robot_cycles) {
@@ -75,11 +76,12 @@ static void revoke_losses(service *s) {
     s->recent_lost -= wrong < s->recent_lost ? wrong : s->recent_lost;
 }
 
+/** The period is the shortest of so many gaps. */
 static void learn_period(service *s, uint16_t gap) {
     if (gap < s->gap_min) {
         s->gap_min = gap;
     }
-    if (++s->gap_count >= PERIOD_GAPS || s->gap_min < s->period_cycles) {
+    if (++s->gap_count >= PERIOD_GAPS || gap < s->period_cycles) {
         if (s->gap_min > s->period_cycles) {
             revoke_losses(s);
         }
@@ -89,37 +91,32 @@ static void learn_period(service *s, uint16_t gap) {
     }
 }
 
-static void count_gap(service *s, uint64_t robot_cycles) {
-    const uint64_t gap = robot_cycles - s->robot_cycles;
+static void count_gap(service *s, uint64_t gap) {
     s->seen = gap < SEEN_BITS ? s->seen << gap | 1 : 1;
     if (gap > LONGEST_GAP) {
         return;
     }
     learn_period(s, (uint16_t)gap);
-    const uint32_t steps = ((uint32_t)gap + s->period_cycles / 2U) / s->period_cycles;
-    if (steps > 1) {
+    if (gap > s->period_cycles) { /* else nothing can be missing */
+        const uint32_t steps = ((uint32_t)gap + s->period_cycles / 2U) / s->period_cycles;
         s->lost += steps - 1;
         s->recent_lost += steps - 1;
     }
-    s->recent_received++;
-    if (s->recent_received + s->recent_lost >= RECENT_STATUSES) {
+    if (++s->recent_received + s->recent_lost >= RECENT_STATUSES) {
         s->recent_received /= 2;
         s->recent_lost /= 2;
     }
 }
 
 /** RFC 3550, 6.4.1: the deviation of transit times, smoothed by 16. */
-static void measure_jitter(service *s, uint64_t robot_cycles, uint64_t now_us) {
-    const uint32_t transit = (uint32_t)now_us - (uint32_t)robot_cycles * ROBUROC4_CYCLE_US;
+static void measure_jitter(service *s, uint32_t transit) {
     const uint32_t change = transit - s->transit_us;
     const uint32_t deviation = change < 0x80000000U ? change : 0U - change;
-    s->transit_us = transit;
     s->jitter_us = s->jitter_us - s->jitter_us / 16 + deviation / 16;
 }
 
 /** The smallest offset of the last one to two windows: delays only ever add to it. */
-static void map_clock(link *l, uint64_t robot_cycles, uint64_t now_us) {
-    const int64_t offset = (int64_t)(now_us - robot_cycles * ROBUROC4_CYCLE_US);
+static void map_clock(link *l, int64_t offset, uint64_t now_us) {
     if (!l->mapped) {
         l->mapped = 1;
         l->offset_us = l->offset_before_us = offset;
@@ -133,29 +130,32 @@ static void map_clock(link *l, uint64_t robot_cycles, uint64_t now_us) {
     }
 }
 
-verdict roburoc4_link_status(link *l, uint32_t index, uint64_t robot_cycles, uint64_t now_us) {
-    service *s = &l->services[index];
-    if (restarted(l, s, robot_cycles, now_us)) {
+verdict roburoc4_link_status(link *l, service *s, uint64_t robot_cycles, uint64_t now_us) {
+    const uint64_t transit = now_us - robot_cycles * ROBUROC4_CYCLE_US;
+    if (robot_cycles >= l->newest_cycles) {
+        l->back_count = 0;
+    } else if (restarted(l, s, robot_cycles, now_us)) {
         return VERDICT_REBOOT;
     }
-    if (s->seen != 0 && robot_cycles <= s->robot_cycles) {
+    if (s->seen == 0) {
+        s->seen = 1;
+    } else if (robot_cycles <= s->robot_cycles) {
         late(s, robot_cycles);
         return VERDICT_OLD;
-    }
-    if (s->seen != 0) {
-        count_gap(s, robot_cycles);
-        measure_jitter(s, robot_cycles, now_us);
     } else {
-        s->seen = 1;
-        s->transit_us = (uint32_t)now_us - (uint32_t)robot_cycles * ROBUROC4_CYCLE_US;
+        count_gap(s, robot_cycles - s->robot_cycles);
+        measure_jitter(s, (uint32_t)transit);
     }
-    map_clock(l, robot_cycles, now_us);
+    s->transit_us = (uint32_t)transit;
+    map_clock(l, (int64_t)transit, now_us);
     s->received++;
     s->robot_cycles = robot_cycles;
     s->received_us = now_us;
     s->fresh = 1;
     l->resubscribed = 0;
-    l->newest_cycles = robot_cycles > l->newest_cycles ? robot_cycles : l->newest_cycles;
+    if (robot_cycles > l->newest_cycles) {
+        l->newest_cycles = robot_cycles;
+    }
     return VERDICT_NEW;
 }
 
@@ -174,14 +174,14 @@ bool roburoc4_link_fresh(const link *l, uint32_t index, uint32_t limit_us, uint6
     return s->fresh && now_us - s->received_us < limit_us;
 }
 
-void roburoc4_link_spoil(link *l) {
+void roburoc4_link_invalidate(link *l) {
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         l->services[i].fresh = 0;
     }
 }
 
 void roburoc4_link_rebase(link *l, uint64_t now_us) {
-    roburoc4_link_spoil(l); /* the age of statuses is not known any more */
+    roburoc4_link_invalidate(l); /* the age of statuses is not known any more */
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         l->services[i].inserted_us = now_us;
     }

@@ -1,17 +1,258 @@
 /* SPDX-License-Identifier: MIT
  *
- * Where a datagram goes that came in: statuses into the snapshot and to the link and the drive
- * machine, answers to the request that they belong to.
+ * A datagram that came in: statuses go into the stored values, to the link and to the drive state
+ * machine; answers to the request that they belong to.
  */
-#include "joined.h"
+#include "bytes.h"
+#include "internal.h"
 
-typedef roburoc4_client client;
+/* Bits of battery_low. */
+enum { BATTERY_CRITICAL = 1, BATTERY_BELOW_MINIMUM = 2 };
+/* The head of a status: 0xFF, service, time. */
+#define STATUS_HEAD 11
 
-/* ---- statuses ---- */
+/* ---- properties in ---- */
 
-/** The service that has this id and was subscribed to, or 0. */
+/** Store a property; another value than before is an event. */
+static void store(client *c, void *field, const void *value, size_t size) {
+    if (memcmp(field, value, size) != 0) {
+        memcpy(field, value, size);
+        raise_event(c, ROBUROC4_EVENT_PROPERTIES);
+    }
+}
+
+static void exceed(client *c, bool beyond) {
+    c->private_events |= beyond ? ROBUROC4_EVENT_CAPACITY : 0;
+}
+
+static roburoc4_result take_iocard(client *c, const uint8_t *data, size_t size) {
+    roburoc4_iocard_properties p;
+    const roburoc4_result result = roburoc4_decode_iocard_properties(data, size, &p);
+    discovery *d = &c->private_discovery;
+    const int32_t counts[4] = {p.analog_inputs, p.analog_outputs, p.digital_inputs,
+                               p.digital_outputs};
+    if (result >= 0 && memcmp(c->private_values.io_counts, counts, sizeof counts) != 0) {
+        memcpy(c->private_values.io_counts, counts, sizeof counts);
+        memset(d->described, 0, sizeof(uint64_t) * 4); /* other channels, other texts */
+        memset(d->role_texts, 0xFF, sizeof d->role_texts);
+        d->done = 0;
+        c->private_values.override_known = 0;
+        roburoc4_lifecycle_forget_outputs(c); /* they were set for another card */
+        c->private_events |= ROBUROC4_EVENT_PROPERTIES;
+        exceed(c, p.analog_inputs > ROBUROC4_MAX_ANALOG_INPUTS ||
+                      p.analog_outputs > ROBUROC4_MAX_ANALOG_OUTPUTS ||
+                      p.digital_inputs > ROBUROC4_MAX_DIGITAL_INPUTS ||
+                      p.digital_outputs > ROBUROC4_MAX_DIGITAL_OUTPUTS);
+    }
+    return result;
+}
+
+static roburoc4_result take_telemeters(client *c, const uint8_t *data, size_t size) {
+    roburoc4_telemeter_list list;
+    roburoc4_telemeter telemeter;
+    values *v = &c->private_values;
+    const roburoc4_result result = roburoc4_decode_telemeter_properties(data, size, &list);
+    if (result < 0) {
+        return result;
+    }
+    const uint8_t stored = (uint8_t)at_most(list.count, ROBUROC4_MAX_TELEMETERS);
+    exceed(c, list.count > stored && v->telemeter_count != stored); /* once, not at each probe */
+    store(c, &v->telemeter_count, &stored, 1);
+    for (uint32_t i = 0; i < stored; i++) {
+        roburoc4_telemeter_at(&list, i, &telemeter);
+        telemeter.distance_m = 0; /* the distance of the moment is no property */
+        store(c, &v->telemeters[i], &telemeter, sizeof telemeter);
+    }
+    return result;
+}
+
+static roburoc4_result take_battery(client *c, const uint8_t *data, size_t size) {
+    roburoc4_battery_properties p;
+    const roburoc4_result result = roburoc4_decode_battery_properties(data, size, &p);
+    if (result >= 0) {
+        store(c, &c->private_values.battery_properties, &p, sizeof p);
+    }
+    return result;
+}
+
+static roburoc4_result take_localization(client *c, const uint8_t *data, size_t size) {
+    roburoc4_localization_properties p;
+    const roburoc4_result result = roburoc4_decode_localization_properties(data, size, &p);
+    if (result >= 0) {
+        store(c, &c->private_values.initial, &p, sizeof p);
+    }
+    return result;
+}
+
+static roburoc4_result take_differential(client *c, const uint8_t *data, size_t size) {
+    roburoc4_differential_properties p;
+    roburoc4_differential_properties *limits = &c->private_values.limits;
+    const roburoc4_result result = roburoc4_decode_differential_properties(data, size, &p);
+    if (result >= 0) {
+        /* the speeds of the moment are no property */
+        limits->target_linear_m_s = p.target_linear_m_s;
+        limits->target_angular_rad_s = p.target_angular_rad_s;
+        limits->current_linear_m_s = p.current_linear_m_s;
+        limits->current_angular_rad_s = p.current_angular_rad_s;
+        store(c, limits, &p, sizeof p);
+        roburoc4_drive_service(&c->private_drive, true, p.service);
+    }
+    return result;
+}
+
+/** Take the properties of a service from a good answer: 0 or more, or what is wrong with it. */
+static roburoc4_result take_properties(client *c, uint32_t service, const uint8_t *data,
+                                       size_t size) {
+    typedef roburoc4_result (*taker)(client *, const uint8_t *, size_t);
+    static const taker takers[STATUS_SERVICES] = {take_iocard, take_telemeters, take_battery,
+                                                  take_localization, take_differential};
+    const roburoc4_result result = takers[STATUS_INDEX(service)](c, data, size);
+    if (result >= 0 && (c->private_discovery.known & service_bit(service)) == 0) {
+        c->private_events |= ROBUROC4_EVENT_PROPERTIES;
+    }
+    return result;
+}
+
+/* ---- statuses ----
+ *
+ * Most statuses of a ready robot change nothing of when the client must act next: they only put off
+ * what happens where they stay away. So they do not wake() it, unless they end driving, end a stop
+ * sequence, or tell whether the override is known. */
+
+/** Whether a status is newer than the last of its service: then it is counted and announced. */
+static bool is_new(client *c, uint32_t service, uint64_t robot_cycles) {
+    roburoc4_private_link *l = &c->private_link;
+    const verdict age = roburoc4_link_status(l, &l->services[STATUS_INDEX(service)], robot_cycles,
+                                             c->private_now_us);
+    if (age != VERDICT_NEW) {
+        if (age == VERDICT_REBOOT && c->private_state != ROBUROC4_STATE_CLOSING) {
+            roburoc4_lifecycle_reboot(c);
+        }
+        return false;
+    }
+    if (c->private_state == ROBUROC4_STATE_SUBSCRIBING) {
+        c->private_discovery.acked |= service_bit(service); /* as good as the acknowledgement */
+        wake(c);
+    }
+    raise_event(c, (uint32_t)ROBUROC4_EVENT_IOCARD << STATUS_INDEX(service));
+    return true;
+}
+
+/** The inputs, and with them the override: whether the game pad's [A] is held. */
+static roburoc4_result receive_iocard(client *c, const uint8_t *data, size_t size) {
+    values *v = &c->private_values;
+    roburoc4_channels inputs;
+    const roburoc4_result result = roburoc4_decode_iocard_status(
+        data, size, (uint32_t)v->io_counts[ROBUROC4_IO_ANALOG_INPUT],
+        (uint32_t)v->io_counts[ROBUROC4_IO_DIGITAL_INPUT], &inputs);
+    if (result < 0) {
+        return result;
+    }
+    if (!is_new(c, ROBUROC4_SERVICE_IOCARD, inputs.robot_cycles)) {
+        return ROBUROC4_ERR_OLD;
+    }
+    (void)roburoc4_analog_values(&inputs, v->analog, ROBUROC4_MAX_ANALOG_INPUTS);
+    v->digital = roburoc4_digital_values(&inputs); /* ROBUROC4_MAX_DIGITAL_INPUTS of them */
+    const roburoc4_result override = index_of_role(c, ROBUROC4_ROLE_OVERRIDE);
+    const uint8_t overridden = override >= 0 ? (uint8_t)(v->digital >> override & 1) : 0;
+    if (overridden != (v->override_known && v->overridden)) {
+        raise_event(c, ROBUROC4_EVENT_OVERRIDE);
+    }
+    if ((override >= 0) != v->override_known) {
+        v->override_known = override >= 0;
+        wake(c);
+    }
+    v->overridden = overridden;
+    if (overridden) {
+        roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_OVERRIDE);
+    }
+    return result;
+}
+
+static roburoc4_result receive_telemeters(client *c, const uint8_t *data, size_t size) {
+    values *v = &c->private_values;
+    roburoc4_telemeter_status status;
+    const roburoc4_result result = roburoc4_decode_telemeter_status(data, size, &status);
+    if (result < 0) {
+        return result;
+    }
+    if (!is_new(c, ROBUROC4_SERVICE_TELEMETER, status.robot_cycles)) {
+        return ROBUROC4_ERR_OLD;
+    }
+    v->distance_count =
+        (uint8_t)roburoc4_telemeter_distances(&status, v->distances, ROBUROC4_MAX_TELEMETERS);
+    return result;
+}
+
+static roburoc4_result receive_battery(client *c, const uint8_t *data, size_t size) {
+    values *v = &c->private_values;
+    roburoc4_battery_status status;
+    const roburoc4_result result = roburoc4_decode_battery_status(data, size, &status);
+    if (result < 0) {
+        return result;
+    }
+    if (!is_new(c, ROBUROC4_SERVICE_BATTERY, status.robot_cycles)) {
+        return ROBUROC4_ERR_OLD;
+    }
+    const bool known = (c->private_discovery.known & service_bit(ROBUROC4_SERVICE_BATTERY)) != 0;
+    uint8_t low = status.state == ROBUROC4_BATTERY_CRITICAL ? BATTERY_CRITICAL : 0;
+    if (known && status.remaining_percent < v->battery_properties.minimum_percent) {
+        low |= BATTERY_BELOW_MINIMUM;
+    }
+    if ((low & ~v->battery_low & BATTERY_CRITICAL) != 0) {
+        raise_event(c, ROBUROC4_EVENT_BATTERY_CRITICAL);
+    }
+    if ((low & ~v->battery_low & BATTERY_BELOW_MINIMUM) != 0) {
+        raise_event(c, ROBUROC4_EVENT_BATTERY_LOW);
+    }
+    v->battery_low = low;
+    v->battery = status;
+    return result;
+}
+
+static roburoc4_result receive_localization(client *c, const uint8_t *data, size_t size) {
+    roburoc4_localization_status status;
+    const roburoc4_result result = roburoc4_decode_localization_status(data, size, &status);
+    if (result < 0) {
+        return result;
+    }
+    if (!is_new(c, ROBUROC4_SERVICE_LOCALIZATION, status.robot_cycles)) {
+        return ROBUROC4_ERR_OLD;
+    }
+    c->private_values.localization = status;
+    return result;
+}
+
+static roburoc4_result receive_differential(client *c, const uint8_t *data, size_t size) {
+    values *v = &c->private_values;
+    drive *d = &c->private_drive;
+    const uint8_t armed = d->armed;
+    roburoc4_differential_status status;
+    const roburoc4_result result = roburoc4_decode_differential_status(data, size, &status);
+    if (result < 0) {
+        return result;
+    }
+    if (!is_new(c, ROBUROC4_SERVICE_DIFFERENTIAL, status.robot_cycles)) {
+        return ROBUROC4_ERR_OLD;
+    }
+    v->differential = status;
+    roburoc4_drive_status(d, &c->private_config, &v->differential,
+                          v->override_known && v->overridden, c->private_now_us,
+                          &c->private_events);
+    if (d->stopping || d->armed != armed) {
+        wake(c);
+    }
+    return result;
+}
+
+/** The service that has this id and was subscribed to, or 0. On a RobuROC4 the ids are the manual's,
+ *  which is where the search begins. */
 static uint32_t subscribed_service(const client *c, uint16_t id) {
     const discovery *d = &c->private_discovery;
+    if (id < ROBUROC4_SERVICE_COUNT && d->service_ids[id] == id &&
+        (d->inserted & service_bit(id)) != 0) {
+        return id;
+    }
     for (uint32_t service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT; service++) {
         if (d->service_ids[service] == id && (d->inserted & service_bit(service)) != 0) {
             return service;
@@ -20,49 +261,22 @@ static uint32_t subscribed_service(const client *c, uint16_t id) {
     return 0;
 }
 
-static void tell_drive(client *c) {
-    const roburoc4_private_values *v = &c->private_values;
-    roburoc4_drive_status(&c->private_drive, &c->private_config, v->speeds,
-                          v->override_known && v->overridden, c->private_now_us,
-                          &c->private_events);
-}
-
+/** A status of at least its head's length. */
 static roburoc4_result receive_status(client *c, const uint8_t *data, size_t size) {
-    roburoc4_status_header head;
-    any_status status;
-    roburoc4_result result = roburoc4_decode_status_header(data, size, &head);
-    if (result < 0) {
-        return result;
-    }
-    const bool closing = c->private_state == ROBUROC4_STATE_CLOSING;
-    const uint32_t service = connected(c) || closing ? subscribed_service(c, head.service) : 0;
-    if (service == 0) {
+    switch (subscribed_service(c, load_u16(data + 1))) {
+    case ROBUROC4_SERVICE_IOCARD:
+        return receive_iocard(c, data, size);
+    case ROBUROC4_SERVICE_TELEMETER:
+        return receive_telemeters(c, data, size);
+    case ROBUROC4_SERVICE_BATTERY:
+        return receive_battery(c, data, size);
+    case ROBUROC4_SERVICE_LOCALIZATION:
+        return receive_localization(c, data, size);
+    case ROBUROC4_SERVICE_DIFFERENTIAL:
+        return receive_differential(c, data, size);
+    default:
         return ROBUROC4_ERR_UNSUBSCRIBED;
     }
-    result = roburoc4_snapshot_decode(c, service, data, size, &status);
-    if (result < 0) {
-        return result;
-    }
-    const verdict age = roburoc4_link_status(&c->private_link, STATUS_INDEX(service),
-                                             head.robot_cycles, c->private_now_us);
-    if (age == VERDICT_REBOOT && !closing) {
-        roburoc4_lifecycle_reboot(c);
-    }
-    if (age != VERDICT_NEW) {
-        return ROBUROC4_ERR_OLD;
-    }
-    roburoc4_snapshot_store(c, service, &status);
-    if (c->private_state == ROBUROC4_STATE_SUBSCRIBING) {
-        c->private_discovery.acked |= service_bit(service); /* as good as the acknowledgement */
-    }
-    raise_event(c, (uint32_t)ROBUROC4_EVENT_IOCARD << STATUS_INDEX(service));
-    if (service == ROBUROC4_SERVICE_DIFFERENTIAL) {
-        tell_drive(c);
-    } else if (service == ROBUROC4_SERVICE_IOCARD && c->private_values.override_known &&
-               c->private_values.overridden) {
-        roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_OVERRIDE);
-    }
-    return result;
 }
 
 /* ---- answers ---- */
@@ -133,7 +347,7 @@ static roburoc4_result take_answer(client *c, const slot *s, const uint8_t *data
         if (s->ask.kind == ROBUROC4_SERVICE_DIRECTORY) {
             return take_directory(c, data, size);
         }
-        result = roburoc4_snapshot_properties(c, s->ask.kind, data, size);
+        result = take_properties(c, s->ask.kind, data, size);
         if (result >= 0) {
             d->known |= service_bit(s->ask.kind);
             d->refused &= (uint8_t)~service_bit(s->ask.kind);
@@ -187,12 +401,12 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
     }
     if (bad) {
         count(c, ROBUROC4_COUNT_REFUSED);
-        roburoc4_asking_failed(c, &request, ROBUROC4_ERR_ROBOT);
+        roburoc4_schedule_failed(c, &request, ROBUROC4_ERR_ROBOT);
         return ROBUROC4_OK;
     }
     const roburoc4_result result = take_answer(c, &request, data, size);
     if (result < 0) {
-        roburoc4_asking_failed(c, &request, result);
+        roburoc4_schedule_failed(c, &request, result);
     }
     return result;
 }
@@ -223,14 +437,15 @@ roburoc4_result roburoc4_client_receive(client *c, const uint8_t *datagram, size
     if (c->private_state == ROBUROC4_STATE_IDLE) {
         return ROBUROC4_ERR_STATE;
     }
-    roburoc4_lifecycle_clock(c, now_us);
+    see_time(c, now_us);
     count(c, ROBUROC4_COUNT_RECEIVED);
     c->private_discovery.described_kind = 0;
-    if (size == 0) {
-        result = ROBUROC4_ERR_SHORT;
-    } else if (datagram[0] == ROBUROC4_HEADER_STATUS) {
+    if (size >= STATUS_HEAD && datagram[0] == ROBUROC4_HEADER_STATUS) {
         result = receive_status(c, datagram, size);
+    } else if (size == 0 || datagram[0] == ROBUROC4_HEADER_STATUS) {
+        result = ROBUROC4_ERR_SHORT;
     } else {
+        wake(c);
         result = receive_answer(c, datagram, size);
     }
     if (result < 0) {

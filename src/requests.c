@@ -5,7 +5,7 @@
  * three tries and served one request at a time. A bad link can look like such a robot: the probe
  * of the directory tries another id first, and an answer to it ends the mode.
  */
-#include "machines.h"
+#include "internal.h"
 
 #define SLOTS 4
 #define MAX_WAIT_US SECOND
@@ -18,15 +18,15 @@
 #define MANUAL_ID_EVERY 6
 /* So long in vain, and then that id was answered: it may be another robot. */
 #define DOUBT_AFTER (2 * MANUAL_ID_EVERY)
-/* Values of suspect: which ids of ours the robot answered so far. */
+/* Values of id_mode: which ids of ours the robot answered so far. */
 enum { ANSWERED_NONE, ANSWERED_MANUAL_ID, ANSWERED_ANY_ID };
 
 void roburoc4_requests_clear(requests *r) {
     const uint8_t last_id = r->last_id; /* goes on, so that late answers of before do not fit */
-    const bool any_id = r->suspect == ANSWERED_ANY_ID;
+    const bool any_id = r->id_mode == ANSWERED_ANY_ID;
     memset(r, 0, sizeof *r);
     r->last_id = last_id;
-    r->suspect = any_id ? ANSWERED_ANY_ID : ANSWERED_NONE;
+    r->id_mode = any_id ? ANSWERED_ANY_ID : ANSWERED_NONE;
 }
 
 void roburoc4_requests_cancel_all(requests *r) {
@@ -131,7 +131,7 @@ slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint64_t now_u
             *given_up = s;
             return NULL;
         }
-        if (!r->fixed_id && r->suspect == ANSWERED_MANUAL_ID && s->tries >= FIXED_AFTER) {
+        if (!r->fixed_id && r->id_mode == ANSWERED_MANUAL_ID && s->tries >= FIXED_AFTER) {
             s = go_to_fixed_id(r, s); /* only 0x01 was ever answered */
         }
         if (s->tries == 0) {
@@ -157,10 +157,10 @@ static bool error_fits(const slot *s, const uint8_t *datagram, size_t size) {
 /** A robot that once echoed another id is not one that knows 0x01 only, however much is lost. */
 static void note_answered_id(requests *r, const slot *s) {
     if (s->id != ROBUROC4_HEADER_MANUAL) {
-        r->suspect = ANSWERED_ANY_ID;
+        r->id_mode = ANSWERED_ANY_ID;
         r->fixed_id = 0;
-    } else if (r->suspect != ANSWERED_ANY_ID || s->tries >= DOUBT_AFTER) {
-        r->suspect = ANSWERED_MANUAL_ID;
+    } else if (r->id_mode != ANSWERED_ANY_ID || s->tries >= DOUBT_AFTER) {
+        r->id_mode = ANSWERED_MANUAL_ID;
     }
 }
 

@@ -1,24 +1,32 @@
 /* SPDX-License-Identifier: MIT
  *
- * The small machines that make up a client, and what they tell each other. Each keeps its own part
- * of roburoc4_client and reads none of another's (discovery is shown the open requests, to ask
- * nothing twice); the files of joined.h join them.
+ * What the files of the client share. Four state machines each keep their own part of
+ * roburoc4_client, and read none of another's (discovery is shown the open requests, to ask nothing
+ * twice):
  *
- *   requests   request ids, retries, matching of answers
- *   link       statuses in order, loss, jitter, clock mapping, reboot
- *   drive      arming, lease, limits, zero train: the only place that lets a speed out
- *   discovery  which service has which id, what is still to be asked, which input is what
+ *   requests.c   request ids, retries, matching of answers
+ *   link.c       statuses in order, loss, jitter, clock mapping, reboot
+ *   drive.c      arming, lease, limits, stop sequence: the only file that lets a speed out
+ *   discovery.c  which service has which id, what is still to be asked, which input is what
+ *
+ * client.c, schedule.c, receive.c and control.c put them together.
  */
-#ifndef ROBUROC4_MACHINES_H
-#define ROBUROC4_MACHINES_H
+#ifndef ROBUROC4_INTERNAL_H
+#define ROBUROC4_INTERNAL_H
 
 #include "roburoc4.h"
 
 #include <stdbool.h>
 #include <string.h>
 
+typedef roburoc4_client client;
+typedef roburoc4_private_values values;
+
 #define MS 1000U
 #define SECOND 1000000U
+/* Life of a drive command, whether configured or given to drive(). */
+#define LEASE_MIN_MS 20
+#define LEASE_MAX_MS 1000
 /* The five services that have a status, as index of their tables: IO card 0 to differential 4. */
 #define STATUS_SERVICES 5
 #define STATUS_INDEX(service) ((service)-ROBUROC4_SERVICE_IOCARD)
@@ -73,25 +81,17 @@ typedef enum verdict { VERDICT_NEW, VERDICT_OLD, VERDICT_REBOOT } verdict;
 /** Forget the order of statuses (of a lost or restarted robot), keep the totals. */
 void roburoc4_link_restart(roburoc4_private_link *l);
 /** The statuses that are there are of services that may be others now: none is fresh. */
-void roburoc4_link_spoil(roburoc4_private_link *l);
+void roburoc4_link_invalidate(roburoc4_private_link *l);
 /** The robot agreed to the asked period: measure loss against it until another is observed. */
 void roburoc4_link_expect(roburoc4_private_link *l, uint32_t index);
-/** Judge a status; a new one is taken into the figures. */
-verdict roburoc4_link_status(roburoc4_private_link *l, uint32_t index, uint64_t robot_cycles,
-                             uint64_t now_us);
+/** Judge a status of a service of this link; a new one is taken into the figures. */
+verdict roburoc4_link_status(roburoc4_private_link *l, roburoc4_private_service *s,
+                             uint64_t robot_cycles, uint64_t now_us);
 void roburoc4_link_round_trip(roburoc4_private_link *l, uint64_t sent_us, uint64_t now_us);
 /** True while the last status is younger than `limit_us`. */
 bool roburoc4_link_fresh(const roburoc4_private_link *l, uint32_t index, uint32_t limit_us,
                          uint64_t now_us);
 void roburoc4_link_rebase(roburoc4_private_link *l, uint64_t now_us);
-
-/* ---- speeds ---- */
-
-/** True where none of the values is NaN or infinite. */
-bool roburoc4_all_finite(const float *values, uint32_t count);
-/** The value, or the bound that it is beyond. */
-float roburoc4_clamp(float value, float low, float high);
-bool roburoc4_between(float value, float low, float high);
 
 /* ---- drive ---- */
 
@@ -99,27 +99,31 @@ typedef roburoc4_private_drive drive;
 
 void roburoc4_drive_start(drive *d, uint64_t now_us);
 /** Whether the robot's limits can be believed. */
-bool roburoc4_drive_limits_valid(const float *limits);
+bool roburoc4_drive_limits_valid(const roburoc4_differential_properties *limits);
 void roburoc4_drive_arm(drive *d, uint32_t *events);
 /** Take a lease, or say why not; the caller has checked that the speeds are finite. */
 roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lease_us,
                                      uint64_t now_us);
-/** Leave driving for this cause: disarm, and a zero train if a speed was ever sent. */
+/** End the lease and disarm for this cause; a stop sequence if a speed was sent. */
 void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events);
-/** End the lease and send a zero train in any case. */
+/** End the lease; a stop sequence in any case. */
 void roburoc4_drive_stop(drive *d);
 /** Let time pass: leases that are over; conditions of driving that were lost (a refusal). */
 void roburoc4_drive_tick(drive *d, roburoc4_result refusal, uint64_t now_us, uint32_t *events);
 /** A speed command that must leave now: true, and the speeds. */
-bool roburoc4_drive_poll(drive *d, const roburoc4_config *config, const float *limits,
-                         uint64_t now_us, float *speeds, uint32_t *events);
-/** A differential status: targets and currents, as in roburoc4_private_values.speeds. */
-void roburoc4_drive_status(drive *d, const roburoc4_config *config, const float *speeds,
-                           bool overridden, uint64_t now_us, uint32_t *events);
-/** The differential service has this id and full properties, or (known false) none that can be
- *  driven: with the id of before its zero train is still sent, with another one nothing is. */
+bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
+                         const roburoc4_differential_properties *limits, uint64_t now_us,
+                         float *speeds, uint32_t *events);
+void roburoc4_drive_status(drive *d, const roburoc4_config *config,
+                           const roburoc4_differential_status *status, bool overridden,
+                           uint64_t now_us, uint32_t *events);
+/** The differential service has this id and full properties, or (known false) it cannot be driven:
+ *  its old id still gets the stop sequence that it is owed, another one gets nothing. */
 void roburoc4_drive_service(drive *d, bool known, uint16_t id);
+/** When poll or tick must be called next. */
 uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config);
+/** After a fault of the clock: a stop sequence goes on with a time of its own, everything else is
+ *  due. */
 void roburoc4_drive_rebase(drive *d, uint64_t now_us);
 
 /* ---- discovery ---- */
@@ -162,5 +166,89 @@ roburoc4_result roburoc4_discovery_role(const discovery *d, const roburoc4_confi
                                         const int32_t *io_counts, uint32_t role);
 
 #define LIST_DIRECTORY 4 /* as `list`; 0 to 3 are the IO card's element types */
+
+static inline uint8_t service_bit(uint32_t service) {
+    return (uint8_t)(1U << service);
+}
+
+static inline uint32_t at_most(uint32_t value, uint32_t limit) {
+    return value < limit ? value : limit;
+}
+
+static inline void count(roburoc4_client *c, uint32_t counter) {
+    c->private_counters[counter]++;
+}
+
+static inline void raise_event(roburoc4_client *c, uint32_t event) {
+    c->private_events |= event;
+}
+
+/** The robot has been found and is not lost. */
+static inline bool connected(const roburoc4_client *c) {
+    return c->private_state >= ROBUROC4_STATE_DISCOVERING &&
+           c->private_state <= ROBUROC4_STATE_READY;
+}
+
+/** Index of the input with a role, or ROBUROC4_ERR_UNKNOWN. */
+static inline roburoc4_result index_of_role(const roburoc4_client *c, uint32_t role) {
+    return roburoc4_discovery_role(&c->private_discovery, &c->private_config,
+                                   c->private_values.io_counts, role);
+}
+
+/* How long to wait for the texts of the directory before the manual's ids are believed. */
+#define IDENTIFY_US SECOND
+/* One question a second goes to each service in turn. */
+#define PROBE_US SECOND
+
+/* ---- client.c: the states, and what ends with them ---- */
+
+/** What was computed about the next deadline is not true any more. */
+static inline void wake(roburoc4_client *c) {
+    c->private_idle_until_us = 0;
+}
+
+void roburoc4_lifecycle_enter(roburoc4_client *c, uint32_t state);
+/** End driving for this cause. */
+void roburoc4_lifecycle_interrupt(roburoc4_client *c, roburoc4_result cause);
+/** Outputs that were set count no more. */
+void roburoc4_lifecycle_forget_outputs(roburoc4_client *c);
+void roburoc4_lifecycle_relocalize_ends(roburoc4_client *c, roburoc4_result result);
+/** Read everything about the services again, from this state on. */
+void roburoc4_lifecycle_forget_services(roburoc4_client *c, uint32_t state);
+/** Ask for the directory. */
+void roburoc4_lifecycle_connect(roburoc4_client *c, uint32_t state);
+/** The robot has been silent for too long. */
+void roburoc4_lifecycle_lose(roburoc4_client *c);
+/** The robot restarted: it is discovered anew. */
+void roburoc4_lifecycle_reboot(roburoc4_client *c);
+/** The clock went back: what was timed begins anew. */
+void roburoc4_lifecycle_clock_fault(roburoc4_client *c, uint64_t now_us);
+static inline void see_time(roburoc4_client *c, uint64_t now_us) {
+    if (now_us < c->private_now_us) {
+        roburoc4_lifecycle_clock_fault(c, now_us);
+    }
+    c->private_now_us = now_us;
+}
+/** Every public call that knows the time and may change something begins here. */
+static inline void begin_call(roburoc4_client *c, uint64_t now_us) {
+    see_time(c, now_us);
+    wake(c);
+}
+
+/* ---- control.c ---- */
+
+/** Let the drive state machine see the time and the conditions of driving. */
+void roburoc4_control_tick(roburoc4_client *c);
+
+/* ---- schedule.c ---- */
+
+/** A request came to nothing: refused by the robot, answered with nonsense, or never answered. */
+void roburoc4_schedule_failed(roburoc4_client *c, const slot *s, roburoc4_result why);
+/** Services that were subscribed to and send nothing are subscribed to again. */
+void roburoc4_schedule_renew_silent(roburoc4_client *c);
+/** When the first of them has been silent for long enough. */
+uint64_t roburoc4_schedule_deadline(const roburoc4_client *c);
+/** The next request that must leave now: its length, or 0. */
+roburoc4_result roburoc4_schedule_poll(roburoc4_client *c, uint8_t *buffer, size_t capacity);
 
 #endif

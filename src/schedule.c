@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * What is asked next: from the directory to the last channel's text, subscriptions, the probe; what
- * a request that failed leaves behind; and when a state has nothing left to wait for.
+ * Which request comes next: from the directory to the last channel's text, subscriptions, the probe;
+ * what a request that failed leaves behind; and when a state has nothing left to wait for.
  */
-#include "bytes.h"
-#include "joined.h"
+#include "internal.h"
 
 /* A probe waits up to 0.8 s for its answer (with the default first_retry_ms). */
 #define PROBE_TRIES 4
@@ -13,7 +12,6 @@
 #define REQUEST_TRIES 5
 #define FIRST_STATUS_SERVICE ROBUROC4_SERVICE_IOCARD
 
-typedef roburoc4_client client;
 
 /** Ask a service something that has no parameters, or about its subscription. */
 static bool open_about(client *c, uint8_t action, uint32_t service, uint8_t max_tries) {
@@ -99,7 +97,7 @@ static uint64_t renewal_us(const client *c, uint32_t i) {
            5U * (uint32_t)ROBUROC4_CYCLE_US * s->asked_cycles;
 }
 
-void roburoc4_asking_renew_silent(client *c) {
+void roburoc4_schedule_renew_silent(client *c) {
     discovery *d = &c->private_discovery;
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         const uint8_t bit = service_bit(i + FIRST_STATUS_SERVICE);
@@ -109,7 +107,7 @@ void roburoc4_asking_renew_silent(client *c) {
     }
 }
 
-uint64_t roburoc4_asking_deadline(const client *c) {
+uint64_t roburoc4_schedule_deadline(const client *c) {
     uint64_t deadline = UINT64_MAX;
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         const uint64_t due_us = renewal_us(c, i);
@@ -118,7 +116,7 @@ uint64_t roburoc4_asking_deadline(const client *c) {
     return deadline;
 }
 
-void roburoc4_asking_failed(client *c, const slot *s, roburoc4_result why) {
+void roburoc4_schedule_failed(client *c, const slot *s, roburoc4_result why) {
     discovery *d = &c->private_discovery;
     switch (s->ask.action) {
     case ROBUROC4_ACTION_GET:
@@ -204,7 +202,7 @@ static void advance(client *c) {
 
 static roburoc4_result encode_request(const client *c, const slot *s, uint8_t *buffer,
                                       size_t capacity) {
-    const uint64_t *pose = c->private_outputs.pose_bits;
+    const roburoc4_private_outputs *o = &c->private_outputs;
     const uint64_t cycles = c->private_link.newest_cycles;
     roburoc4_request request;
     memset(&request, 0, sizeof request);
@@ -219,13 +217,13 @@ static roburoc4_result encode_request(const client *c, const slot *s, uint8_t *b
         request.index = s->ask.subject;
     }
     request.timestamp = cycles > 0 ? cycles : 1; /* 0 is said to be refused by some robots */
-    request.x_m = f64_from_bits(pose[0]);
-    request.y_m = f64_from_bits(pose[1]);
-    request.theta_rad = f64_from_bits(pose[2]);
+    request.x_m = o->x_m;
+    request.y_m = o->y_m;
+    request.theta_rad = o->theta_rad;
     return roburoc4_encode_request(buffer, capacity, &request);
 }
 
-roburoc4_result roburoc4_asking_poll(client *c, uint8_t *buffer, size_t capacity) {
+roburoc4_result roburoc4_schedule_poll(client *c, uint8_t *buffer, size_t capacity) {
     for (;;) {
         slot *given_up;
         advance(c);
@@ -239,7 +237,7 @@ roburoc4_result roburoc4_asking_poll(client *c, uint8_t *buffer, size_t capacity
         }
         if (given_up != NULL) {
             count(c, ROBUROC4_COUNT_ABANDONED);
-            roburoc4_asking_failed(c, given_up, ROBUROC4_ERR_TIMEOUT);
+            roburoc4_schedule_failed(c, given_up, ROBUROC4_ERR_TIMEOUT);
             if (c->private_state != ROBUROC4_STATE_READY) {
                 /* is it this service that is silent, or the robot? */
                 open_about(c, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, REQUEST_TRIES);
