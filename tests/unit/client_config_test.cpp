@@ -137,7 +137,7 @@ TEST(Config, ErrorIsTheNameAndTheRange) {
         {"drive_period_ms: at most half of lease_ms",
          [](roburoc4_config &c) { c.drive_period_ms = 126; }},
         {"period_ms: multiples of 10, 10 to 2550", [](roburoc4_config &c) { c.period_ms[6] = 0; }},
-        {"role_index: -1, or an index to 63 (battery voltage: 31)",
+        {"role_index: -1, or an index to 63 (battery voltage: 15)",
          [](roburoc4_config &c) { c.role_index[0] = 64; }},
     };
     for (const auto &[error, change] : errors) {
@@ -206,7 +206,7 @@ TEST(Config, UnknownBitsAreRefused) {
 
 TEST(Config, RoleIndicesEndAtTheCapacities) {
     for (std::size_t role = 0; role < 4; role++) {
-        const int last = role == ROBUROC4_ROLE_BATTERY_V ? 31 : 63;
+        const int last = role == ROBUROC4_ROLE_BATTERY_V ? 15 : 63;
         for (const int value : {-1, 0, last})
             expect_good("role_index", [&](roburoc4_config &c) {
                 c.role_index[role] = static_cast<std::int16_t>(value);

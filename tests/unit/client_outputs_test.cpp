@@ -93,13 +93,13 @@ TEST(Outputs, BeyondTheLastAreRefusedWhateverTheCardHas) {
     for (const std::int32_t count : {0, 1, 3, 16, 63}) {
         SCOPED_TRACE(count);
         ScriptedRobot robot;
-        robot.iocard.analog_outputs = std::min(count, 16);
+        robot.iocard.analog_outputs = std::min(count, 4);
         robot.iocard.digital_outputs = count;
         Bench bench(robot);
         bench.ready();
         const auto beyond = static_cast<std::uint32_t>(count);
         for (const std::uint32_t index : {beyond, beyond + 1, beyond + 2, 63U, 64U, UINT32_MAX}) {
-            if (index >= 16 || count < 16) {
+            if (index >= 4 || count < 4) {
                 EXPECT_EQ(ROBUROC4_ERR_INDEX, set_volts(bench, index, 1)) << index;
             }
             if (index < 64) {
@@ -285,16 +285,17 @@ TEST(Outputs, ThatWereNeverSetAreZeroAndTheOthersAreKept) {
 
 TEST(Outputs, OfTheLargestCardFitTheLongestDatagram) {
     ScriptedRobot robot;
-    robot.iocard.analog_outputs = 16;
+    robot.iocard.analog_outputs = 4;
     robot.iocard.digital_outputs = 64;
     Bench bench(robot);
     bench.start();
     bench.run(3 * second);
-    ASSERT_EQ(ROBUROC4_OK, set_volts(bench, 15, 1));
+    ASSERT_EQ(ROBUROC4_OK, set_volts(bench, 3, 1));
     ASSERT_EQ(ROBUROC4_OK, set_one(bench, 63, 1));
     bench.pump();
     const Bytes bytes = robot.output_commands.back().second;
-    EXPECT_EQ(static_cast<std::size_t>(ROBUROC4_MAX_TRANSMIT), bytes.size());
+    EXPECT_EQ(27U, bytes.size());
+    EXPECT_LE(bytes.size(), static_cast<std::size_t>(ROBUROC4_MAX_TRANSMIT));
     EXPECT_EQ(0x80, bytes.back());
 }
 

@@ -178,8 +178,8 @@ TEST(Seldom, SilenceAndAgeBeyondAllMeasureAreTheLargestNumber) {
 
 TEST(Seldom, MoreChannelsThanCanBeStoredAreSaidOnce) {
     for (const roburoc4_iocard_properties &card :
-         {roburoc4_iocard_properties{33, 0, 22, 8, 0, 0},
-          roburoc4_iocard_properties{9, 17, 22, 8, 0, 0},
+         {roburoc4_iocard_properties{17, 0, 22, 8, 0, 0},
+          roburoc4_iocard_properties{9, 5, 22, 8, 0, 0},
           roburoc4_iocard_properties{9, 0, 65, 8, 0, 0},
           roburoc4_iocard_properties{9, 0, 22, 65, 0, 0}}) {
         ScriptedRobot robot;
@@ -192,12 +192,12 @@ TEST(Seldom, MoreChannelsThanCanBeStoredAreSaidOnce) {
         EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
         bench.run(20 * second); /* it is read again by the probe */
         EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
-        const bool outputs = card.analog_outputs > 16 || card.digital_outputs > 64;
+        const bool outputs = card.analog_outputs > 4 || card.digital_outputs > 64;
         EXPECT_EQ(outputs ? ROBUROC4_ERR_INDEX : ROBUROC4_OK,
                   set_digital_output(&bench.client, 1, 1, bench.client_us()))
             << "a command carries all outputs";
     }
-    for (const roburoc4_iocard_properties &card : {roburoc4_iocard_properties{32, 16, 64, 64, 0, 0},
+    for (const roburoc4_iocard_properties &card : {roburoc4_iocard_properties{16, 4, 64, 64, 0, 0},
                                                    roburoc4_iocard_properties{9, 0, 22, 8, 0, 0}}) {
         ScriptedRobot robot;
         robot.iocard = card;
@@ -211,12 +211,12 @@ TEST(Seldom, MoreChannelsThanCanBeStoredAreSaidOnce) {
 
 TEST(Seldom, MoreTelemetersThanCanBeStoredAreSaidOnce) {
     ScriptedRobot robot;
-    robot.telemeters.resize(17, robot.telemeters[0]);
+    robot.telemeters.resize(9, robot.telemeters[0]);
     Bench bench(robot);
     bench.start();
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
-    EXPECT_EQ(16U, roburoc4_client_telemeter_count(&bench.client));
+    EXPECT_EQ(8U, roburoc4_client_telemeter_count(&bench.client));
     bench.run(20 * second);
     EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
 }

@@ -254,7 +254,7 @@ TEST(Capacity, ARobotThatClaimsTwoBillionInputsCostsNothing) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_iocard_properties(&bench.client, &properties));
     EXPECT_EQ(INT32_MAX, properties.analog_inputs);
     ASSERT_TRUE(bench.run_until([&] { return bench.facts().descriptions_done == 1; }, 5 * second));
-    EXPECT_EQ(7U + 32U + 16U + 64U + 64U, robot.seen(ROBUROC4_ACTION_QUERY).size());
+    EXPECT_EQ(7U + 16U + 4U + 64U + 64U, robot.seen(ROBUROC4_ACTION_QUERY).size());
     EXPECT_EQ(ROBUROC4_ERR_SHORT, bench.receive(from_hex("FF 02 00 FF FF 00 00 00 00 00 00 01")));
     EXPECT_EQ(ROBUROC4_ERR_INDEX,
               set_digital_output(&bench.client, 3, 1, bench.client_us()));
@@ -264,7 +264,7 @@ TEST(Capacity, InputsBeyondAreReportedAndNotStored) {
     ScriptedRobot robot;
     robot.iocard = {40, 2, 70, 8, 0, 0};
     robot.analog.assign(40, 1.5F);
-    robot.analog[31] = 3.25F;
+    robot.analog[15] = 3.25F;
     robot.digital = UINT64_C(0x8000000000000001);
     robot.instead = [&](const roburoc4_request &r, std::vector<Bytes> &) {
         return r.action == ROBUROC4_ACTION_INSERT && r.subject == ROBUROC4_SERVICE_IOCARD;
@@ -282,9 +282,9 @@ TEST(Capacity, InputsBeyondAreReportedAndNotStored) {
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
     roburoc4_inputs inputs;
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_inputs(&bench.client, &inputs, nullptr));
-    EXPECT_EQ(32U, inputs.analog_count);
+    EXPECT_EQ(16U, inputs.analog_count);
     EXPECT_EQ(64U, inputs.digital_count);
-    EXPECT_EQ(3.25F, inputs.analog[31]);
+    EXPECT_EQ(3.25F, inputs.analog[15]);
     EXPECT_EQ(UINT64_C(0x8000000000000001), inputs.digital);
 }
 
@@ -296,29 +296,28 @@ TEST(Capacity, ServicesBeyondAreReportedAndNotStored) {
     bench.start();
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, second));
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
-    EXPECT_EQ(32U, roburoc4_client_service_count(&bench.client));
+    EXPECT_EQ(16U, roburoc4_client_service_count(&bench.client));
     bench.run(20 * second);
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state()) << "and stays so";
     EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_CAPACITY) << "reported once";
-    EXPECT_EQ(32U + 9U + 22U + 8U, robot.seen(ROBUROC4_ACTION_QUERY).size());
+    EXPECT_EQ(16U + 9U + 22U + 8U, robot.seen(ROBUROC4_ACTION_QUERY).size());
 }
 
 TEST(Capacity, TelemetersBeyondAreReportedAndNotStored) {
     ScriptedRobot robot;
     robot.telemeters.resize(20, robot.telemeters[1]);
     robot.distances.assign(20, 4.5F);
-    robot.distances[15] = 0.5F;
+    robot.distances[7] = 0.5F;
     Bench bench(robot);
     bench.start();
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, second));
     bench.run(200 * ms);
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
-    EXPECT_EQ(16U, roburoc4_client_telemeter_count(&bench.client));
+    EXPECT_EQ(8U, roburoc4_client_telemeter_count(&bench.client));
     roburoc4_distances distances;
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_distances(&bench.client, &distances, nullptr));
-    EXPECT_EQ(16U, distances.count);
-    EXPECT_EQ(0.5F, distances.distance_m[15]);
-    EXPECT_EQ(0U, bench.client.private_values.reserved) << "what lies behind the last";
+    EXPECT_EQ(8U, distances.count);
+    EXPECT_EQ(0.5F, distances.distance_m[7]);
     for (const std::uint32_t reserved : bench.client.private_reserved)
         EXPECT_EQ(0U, reserved);
 }
