@@ -67,12 +67,12 @@ if ~live
     print(shown, picture, '-dpng', '-r100');
 end
 if nargout == 0
-    clear track;                            % nobody asked for hundreds of rows
+    clear track;                            % or Octave would print hundreds of rows
 end
 end
 
 function leave(shown, live)
-% A figure that nobody sees goes, however this ends.
+% A figure that is not shown is closed, however this ends.
 if ~live
     close(shown);
 end

@@ -68,6 +68,6 @@ if nargin > 1
     close(shown);
 end
 if nargout == 0
-    clear track;                            % nobody asked for hundreds of rows
+    clear track;                            % or Octave would print hundreds of rows
 end
 end

@@ -43,6 +43,6 @@ if nargin > 1
     close(shown);
 end
 if nargout == 0
-    clear data;                            % nobody asked for hundreds of rows
+    clear data;                            % or Octave would print hundreds of rows
 end
 end

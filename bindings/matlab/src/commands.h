@@ -67,7 +67,7 @@ int give_robot(call *in, robot *made);
 roburoc4_facts call_facts(const call *in);
 /** How many channels of a type the robot has; 0 before it is known. */
 uint32_t count_channels(const roburoc4_client *client, uint32_t io_type);
-/** End all that lives: robots first, and their stop sequences run together. */
+/** End all robots, whose stop sequences run together, then all simulators. */
 void close_robots(void);
 void close_simulators(void);
 

@@ -107,7 +107,7 @@ static int wait(call *in) {
     return read_time(in);
 }
 
-/* lease(id): seconds for which a drive command lives */
+/* lease(id): duration of a drive command in seconds */
 static int read_lease(call *in) {
     in->number = ((const robot *)in->object)->lease_us / 1e6;
     return 1;
@@ -119,7 +119,7 @@ static int set_busy(call *in) {
 }
 
 /* interrupted(id): stop the robot if the method that waits did not come to its end. Only where this
- * object drives: a monitor would take the robot from whoever does. */
+ * object drives: another one would take the robot from the program that drives it. */
 static int interrupt(call *in) {
     robot *r = in->object;
     if (r != NULL && r->busy && robot_is_open(r)) {

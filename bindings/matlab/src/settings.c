@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * One table for each struct says where an option goes, and what the C type can hold; which values
- * make sense is left to roburoc4_config_error() and roburoc4_sim_config_error().
+ * A table for each struct has the place and the type of each option; the ranges are checked by
+ * roburoc4_config_error() and roburoc4_sim_config_error().
  */
 #include "settings.h"
 

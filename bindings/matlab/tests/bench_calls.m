@@ -13,21 +13,21 @@ r.arm();
 r.spin(1.2);
 mex = @roburoc4.internal.roburoc4_mex;
 fprintf('%-44s %9s %9s %5s\n', 'microseconds a call', 'fastest', 'median', 'aim');
-told('r.drive(0.2, 0)', @() r.drive(0.2, 0), 20);
-told('p = r.pose', @() r.pose, 20);
-told('v = r.speeds', @() r.speeds, 20);
-told('on = r.io(''Front bumper'')', @() r.io('Front bumper'), NaN);
-told('s = r.status (all of it)', @() r.status, 20);
-told('s = r.link', @() r.link, NaN);
+measure('r.drive(0.2, 0)', @() r.drive(0.2, 0), 20);
+measure('p = r.pose', @() r.pose, 20);
+measure('v = r.speeds', @() r.speeds, 20);
+measure('on = r.io(''Front bumper'')', @() r.io('Front bumper'), NaN);
+measure('s = r.status (all of it)', @() r.status, 20);
+measure('s = r.link', @() r.link, NaN);
 id = r.id;
-told('the MEX file alone: drive', @() mex('drive', id, 0.2, 0), NaN);
-told('the MEX file alone: pose', @() mex('pose', id), NaN);
-told('an empty function handle', @() [], NaN);
+measure('the MEX file alone: drive', @() mex('drive', id, 0.2, 0), NaN);
+measure('the MEX file alone: pose', @() mex('pose', id), NaN);
+measure('an empty function handle', @() [], NaN);
 delete(r);
 delete(sim);
 end
 
-function told(name, action, aim_us)
+function measure(name, action, aim_us)
 rounds_us = zeros(1, 300);
 for k = 1:numel(rounds_us)
     begun = tic();

@@ -1,5 +1,5 @@
 function check_raises(id, action)
-%CHECK_RAISES Fail the test unless a call raises the error with this id and says something.
+%CHECK_RAISES Fail the test unless a call raises the error with this id and a message.
 %
 %   Example:
 %      check_raises('roburoc4:closed', @() r.stop())

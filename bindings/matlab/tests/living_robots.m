@@ -1,5 +1,5 @@
 function count = living_robots()
-%LIVING_ROBOTS How many robots the MEX file has.
+%LIVING_ROBOTS Count the robots of the MEX file.
 %
 %   Example:
 %      check(living_robots() == 0, 'a robot was left')

@@ -1,6 +1,6 @@
 function log_on_full_disk(folder)
 %LOG_ON_FULL_DISK Log more than the disk, or the limit of a file's size, takes; check what is left.
-%   log_on_full_disk(FOLDER) writes a short log to FOLDER, fails to write a long one, and says
+%   log_on_full_disk(FOLDER) writes a short log to FOLDER, fails to write a long one, and prints
 %   'kept all'.
 %
 %   Example:

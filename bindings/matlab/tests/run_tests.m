@@ -1,8 +1,8 @@
 function run_tests(varargin)
 %RUN_TESTS Run the tests of the roburoc4 package in MATLAB or Octave.
-%   run_tests() runs each test_*.m of this folder, says how it went, and ends the program with
-%   status 1 where one failed when it runs without a console (octave-cli, matlab -batch). The package
-%   must be on the path. run_tests(NAME, ...) runs these only.
+%   run_tests() runs each test_*.m of this folder and prints the results. If one failed it raises an
+%   error, with which octave-cli and matlab -batch end with status 1. The package must be on the path.
+%   run_tests(NAME, ...) runs only these.
 %
 %   Example:
 %      run_tests('test_bad_arguments')
@@ -42,5 +42,5 @@ end
 function check_nothing_lives()
 living = roburoc4.internal.roburoc4_mex('living');
 check(living.robots == 0 && living.simulators == 0, ...
-    '%d robots and %d simulators live after the test', living.robots, living.simulators);
+    '%d robots and %d simulators are left after the test', living.robots, living.simulators);
 end

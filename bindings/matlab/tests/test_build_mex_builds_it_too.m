@@ -25,7 +25,7 @@ program = fullfile(OCTAVE_HOME(), 'bin', 'octave-cli');
 [status, text] = system(sprintf('"%s" -q --no-init-file --eval "%s" 2>&1', program, code));
 check(status == 0 && ~isempty(strfind(text, 'moved 1')), 'status %d: %s', status, text);
 
-% What cannot be compiled, or not be linked, is an error: else an old file goes on being used.
+% A failure to compile or link is an error, or the old file would still be used.
 refused(root, folder, 'CC=false', 'could not compile');
 refused(root, folder, 'CFLAGS=-fPIC LDFLAGS=-l:no_such_library', 'could not link');
 end

@@ -1,5 +1,5 @@
 function test_computing_stops_the_robot()
-% While the program computes and does not call drive, the robot is told to stand within the lease and
+% While the program computes and does not call drive, the robot is stopped within the lease and
 % two periods: measured at the simulator. The margin is for a loaded machine. (That a lease does not
 % end early either is for test_drives_in_virtual_time.)
 % SPDX-License-Identifier: MIT

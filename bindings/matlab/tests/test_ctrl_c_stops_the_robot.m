@@ -1,6 +1,6 @@
 function test_ctrl_c_stops_the_robot()
 % Ctrl-C in a method that waits sends a zero at once, long before the lease of a second ends, though
-% the robot object lives on. In drive it leaves the lease, which then ends by itself.
+% the robot object still exists. In drive the lease stays, and ends by itself.
 % SPDX-License-Identifier: MIT
 if ~exist('OCTAVE_VERSION', 'builtin')
     return
@@ -31,7 +31,7 @@ end
 function stop_s = stopped(options, code, number)
 % From the signal to the zero; NaN where a busy machine let the lease end before the signal.
 sim = roburoc4.Simulator('port', 0);
-% The program goes on after Ctrl-C, as a console does: its end would send the zero, too.
+% The program continues after Ctrl-C, as a console does: its end would also send the zero.
 pid = child(sim.address, options, sprintf( ...
     'unwind_protect, %s; unwind_protect_cleanup, pause(5); end_unwind_protect', code));
 cleanup = onCleanup(@() kill(pid, 9));

@@ -9,14 +9,14 @@ r.spin(3);
 moved_m = sim.state.true_x_m;
 check(moved_m > 0.8 && moved_m < 1.1, 'moved %g m', moved_m);
 check(r.speeds(1) == r.status.current_linear_m_s, 'speeds and status differ');
-check(abs(r.pose(1) - moved_m) < 0.1, 'odometry says %g', r.pose(1));
+check(abs(r.pose(1) - moved_m) < 0.1, 'the odometry is at %g', r.pose(1));
 
 % A lease ends by itself, virtual time or not.
 r.drive(0.5, 0);
 sim.step(0.2);
 check(sim.state.target_linear_m_s == 0.5, 'the lease ended early');
 sim.step(0.2);
-check(sim.state.target_linear_m_s == 0, 'the lease lives on');
+check(sim.state.target_linear_m_s == 0, 'the lease did not end');
 
 % Speeds are clamped; disarm and the game pad stop.
 fast = sim.connect('max_linear_m_s', 0.3);

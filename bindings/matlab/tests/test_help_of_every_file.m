@@ -1,6 +1,6 @@
 function test_help_of_every_file()
-% Each public file begins with an H1 line, has an example, and its methods have help; the page in docs
-% tells each field of a struct.
+% Each public file begins with an H1 line, has an example, and its methods have help; docs/matlab.md
+% has each field of a struct.
 % SPDX-License-Identifier: MIT
 root = fileparts(fileparts(mfilename('fullpath')));
 folders = {fullfile(root, '+roburoc4'), fullfile(root, '+roburoc4', '+internal'), ...
@@ -38,16 +38,16 @@ end
 function check_fields(page)
 sim = roburoc4.Simulator();
 r = sim.connect();
-told = [fieldnames(r.status); fieldnames(r.link); fieldnames(r.info)];
-for k = 1:numel(told)
-    check(~isempty(strfind(page, ['`' told{k} '`'])), 'docs/matlab.md does not tell %s', told{k});
+fields = [fieldnames(r.status); fieldnames(r.link); fieldnames(r.info)];
+for k = 1:numel(fields)
+    check(~isempty(strfind(page, ['`' fields{k} '`'])), 'docs/matlab.md does not have %s', fields{k});
 end
 delete(r);
 delete(sim);
 end
 
 function check_shown(class_name, method)
-% What help says. Octave takes the comment before a method, where there is one, and of a method with
+% What help shows. Octave takes the comment before a method, if there is one, and of a method with
 % the name of a function in a file, that function.
 if exist(method) ~= 2 %#ok<EXIST>
     shown = evalc(['help roburoc4.' class_name '.' method]);

@@ -1,5 +1,5 @@
 function test_killed_program_stops_the_robot()
-% Of a program that is killed nobody sends a zero: the robot's own watchdog stops it, a second after
+% A killed program sends no zero: the robot's own watchdog stops it, one second after
 % the last command. The margin is for a loaded machine.
 % SPDX-License-Identifier: MIT
 if ~exist('OCTAVE_VERSION', 'builtin')
@@ -10,7 +10,7 @@ pid = child(sim.address, '''lease_ms'', 250', 'r.driveFor(0.3, 0, 30)');
 cleanup = onCleanup(@() kill(pid, 9));
 begun = tic();
 while sim.state.wheel_linear_m_s < 0.05
-    check(toc(begun) < 60, 'nobody drove within a minute');
+    check(toc(begun) < 60, 'the robot was not driven within a minute');
     pause(0.01);
 end
 kill(pid, 9);
@@ -21,7 +21,7 @@ while s.target_linear_m_s ~= 0
     pause(0.01);
     s = sim.state;
 end
-check(s.watchdog_bitten && s.last_linear_m_s ~= 0, 'somebody sent a zero: who?');
+check(s.watchdog_bitten && s.last_linear_m_s ~= 0, 'a zero was sent');
 check(s.time_s - s.last_command_s < 1.5, 'stopped only after %g s', s.time_s - s.last_command_s);
 clear cleanup
 delete(sim);

@@ -1,6 +1,6 @@
 function test_monitors_never_command()
 % An object that has not driven sends no command, not even a zero, however its methods end: it would
-% take the robot from whoever drives it.
+% take the robot from the program that drives it.
 % SPDX-License-Identifier: MIT
 sim = roburoc4.Simulator();
 monitor = sim.connect();
@@ -14,7 +14,7 @@ check_raises('roburoc4:notArmed', @() monitor.driveFor(0.3, 0, 1));
 left_early(sim, monitor);
 check(sim.state.speed_commands == 0, 'a monitor sent %d commands', sim.state.speed_commands);
 
-% The drive of another goes on, and who drove sends zeros.
+% The drive of another object continues, and the one that drove sends zeros.
 driver = sim.connect('lease_ms', 1000);
 driver.arm();
 driver.drive(0.5, 0);

@@ -30,7 +30,7 @@ check(max(read.differential.current_linear_m_s) > 0.3, 'the drive is not in the 
 check(numel(read.localization.x_m) == 50, '%d in the log', numel(read.localization.x_m));
 delete(file);
 
-% Too small a buffer says what it lost.
+% If the buffer is too small, the lost statuses are counted.
 small = sim.connect('buffer', 16);
 small.spin(2);
 state = warning('off', 'roburoc4:limit');

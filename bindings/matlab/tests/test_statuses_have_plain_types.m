@@ -18,10 +18,10 @@ check(abs(r.info.max_linear_m_s - 2.6) < 1e-6 && r.info.digital_inputs == 22, 'i
 check(isequal(r.info.service_ids, 0:6), 'service ids');
 check(r.link.received > 0 && period_s(r) == 1, 'link');
 
-% Before the first status: NaN and 255, no invention.
+% Before the first status: NaN and 255.
 quiet = sim.connect('battery_period_ms', 0, 'localization_period_ms', 0);
-check(isnan(quiet.status.x_m) && all(isnan(quiet.pose)), 'a pose out of nothing');
-check(quiet.status.battery_state == roburoc4.BatteryState.NOT_KNOWN, 'a battery out of nothing');
+check(isnan(quiet.status.x_m) && all(isnan(quiet.pose)), 'a pose before the first status');
+check(quiet.status.battery_state == roburoc4.BatteryState.NOT_KNOWN, 'a battery state before the first status');
 figures = quiet.serviceLink('battery');
 check(~figures.subscribed, 'subscribed');
 quiet.subscribe('localization', 20);

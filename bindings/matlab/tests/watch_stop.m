@@ -1,5 +1,5 @@
 function driven_s = watch_stop(sim, then)
-%WATCH_STOP Wait until a simulated robot is driven and then told to stand; for how long was that?
+%WATCH_STOP Wait until a simulated robot is driven and stopped; measure the time between.
 %   DRIVEN_S = watch_stop(SIM) is the time between the first speed and the first zero, by the clock of
 %   the simulator on a port; NaN where both fell between two looks, on a busy machine.
 %   watch_stop(SIM, THEN) calls THEN once it is driven for 0.3 s, and counts from there; NaN where it
@@ -27,7 +27,7 @@ while true
         called_s = s.time_s;
         then();
     end
-    check(toc(begun) < 60, 'nobody drove and stopped within a minute');
+    check(toc(begun) < 60, 'the robot was not driven and stopped within a minute');
     pause(0.002);
 end
 driven_s = s.last_command_s - first_s;

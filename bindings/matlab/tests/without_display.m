@@ -1,6 +1,6 @@
 function restored = without_display()
 %WITHOUT_DISPLAY Draw to files only, and without warnings about fonts and gnuplot.
-%   RESTORED = without_display() turns the warnings on again when RESTORED goes.
+%   RESTORED = without_display() turns the warnings on again when RESTORED is cleared.
 %
 %   Example:
 %      restored = without_display();

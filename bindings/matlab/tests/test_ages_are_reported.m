@@ -1,5 +1,5 @@
-function test_old_values_are_told()
-% What a robot said last is told with its age; for loops that steer by it, too old is NaN.
+function test_ages_are_reported()
+% The latest values come with their ages; pose and speeds, for control loops, are NaN when too old.
 % SPDX-License-Identifier: MIT
 sim = roburoc4.Simulator('start_x_m', 1.5);
 r = sim.connect();
@@ -34,7 +34,7 @@ sim.faults();
 r.spin(3);
 check(~any(isnan(r.speeds)), 'the robot is there again');
 
-% Never said.
+% Never reported.
 quiet = sim.connect('localization_period_ms', 0);
 check(quiet.status.localization_age_s == Inf, 'the age of nothing');
 delete(quiet);

@@ -1,5 +1,5 @@
-function test_examples_draw_what_they_say()
-% Each example runs without a display and writes its picture; what it drove is what it says.
+function test_examples_draw_their_drives()
+% Each example runs without a display, writes its plot, and drives what its help promises.
 % SPDX-License-Identifier: MIT
 folder = getenv('ROBUROC4_PICTURES');
 if isempty(folder)

@@ -1,4 +1,4 @@
-function test_bad_networks_are_told()
+function test_bad_networks_are_noticed()
 % SPDX-License-Identifier: MIT
 sim = roburoc4.Simulator();
 r = sim.connect();
