@@ -48,7 +48,7 @@ TEST_F(SimMotors, AreOnAtPowerOnUnlessStartSafe) {
     EXPECT_GT(safe.state().wheel_linear_m_s, 0.5);
 }
 
-TEST_F(SimMotors, EitherEmergencyStopBrakesQuicklyAndTheTargetIsStillReported) {
+TEST_F(SimMotors, EitherEmergencyStopBrakesAndReportsTheTarget) {
     for (const auto which : {ROBUROC4_SIM_ESTOP_LOCAL, ROBUROC4_SIM_ESTOP_REMOTE}) {
         robot.drive(2.0F, 1.0F, 300);
         const double before = robot.state().wheel_linear_m_s;
@@ -208,7 +208,7 @@ TEST_F(SimBattery, ChargesThenIsChargedThenOk) {
     EXPECT_EQ(unsigned(ROBUROC4_BATTERY_OK), robot.state().battery_state);
 }
 
-TEST_F(SimBattery, IsCriticalExactlyWhenTheReportedPercentIsBelowTheMinimum) {
+TEST_F(SimBattery, IsCriticalWhenThePercentIsBelowTheMinimum) {
     EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_BATTERY, 1));
     for (float percent = 22.0F; percent > 18.0F; percent -= 0.05F) {
         EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_battery_percent(sim(), percent));

@@ -128,7 +128,7 @@ TEST(SimStepResponse, LinearIsTheMeasuredSecondOrderWithin2Percent) {
     EXPECT_NEAR(0.79, fit.zeta, 0.02 * 0.79);
 }
 
-TEST(SimStepResponse, AngularIsTheMeasuredSecondOrderWithin2Percent) {
+TEST(SimStepResponse, AngularIsSecondOrderWithin2Percent) {
     const Fit fit = fit_second_order(step_response(0.0F, -1.5F, 400));
     EXPECT_NEAR(-1.5, fit.gain, 0.015);
     EXPECT_NEAR(2.42, fit.omega, 0.02 * 2.42);
@@ -142,7 +142,7 @@ TEST(SimStepResponse, IsLinearUpToFullSpeedFromRest) {
         ASSERT_NEAR(small[index] / 0.5, full[index] / 2.6, 1e-5) << "cycle " << index + 1;
 }
 
-TEST(SimStepResponse, IsFlattenedByTheAccelerationLimitsWhenReversing) {
+TEST(SimStepResponse, IsFlattenedByTheLimitsWhenReversing) {
     OpenFloor robot;
     robot.drive(2.6F, 6.5F, 500);
     double before = robot.state().wheel_linear_m_s;

@@ -115,7 +115,7 @@ TEST(SimProperties, DifferentialTellsTargetsSpeedsAndLimits) {
     EXPECT_FLOAT_EQ(0.68F, drive.width_m);
 }
 
-TEST(SimProperties, LocalizationTellsThePoseAtPowerOnNotTheCurrentOne) {
+TEST(SimProperties, LocalizationIsThePoseAtPowerOn) {
     roburoc4_sim_config config = default_sim_config();
     config.start_x_m = 3.0;
     config.start_theta_rad = 1.0;
@@ -228,7 +228,7 @@ TEST(SimErrors, NoDatagramOfAnyKindOrLengthHarmsIt) {
 
 /* --------------------------------------------------------------------------- subscriptions --- */
 
-TEST(SimSubscriptions, SendEachStatusAtItsOwnPeriodWithTheCycleCount) {
+TEST(SimSubscriptions, SendEachStatusAtItsPeriod) {
     SimRobot robot;
     robot.run(17);
     EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_DIFFERENTIAL, 3));
@@ -286,7 +286,7 @@ TEST(SimSubscriptions, BelongToThePeerThatAsked) {
     EXPECT_EQ(2U, to_ten);
 }
 
-TEST(SimSubscriptions, ChangeTheirPeriodByAskingAgainAndEndByDelete) {
+TEST(SimSubscriptions, ChangePeriodByInsertAndEndByDelete) {
     SimRobot robot;
     EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_DIFFERENTIAL, 5));
     robot.run(3);
@@ -325,7 +325,7 @@ TEST(SimSubscriptions, EndWhenThePeerIsSilentAndUnreachable) {
     EXPECT_EQ(0U, robot.state().subscriptions);
 }
 
-TEST(SimSubscriptions, OutliveOneStrayReportAndAnyReportOfAPeerThatSpeaks) {
+TEST(SimSubscriptions, OutliveAStrayPortUnreachable) {
     SimRobot robot;
     EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_BATTERY, 10));
     robot.run(1000);

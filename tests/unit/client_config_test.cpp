@@ -233,7 +233,7 @@ TEST(Init, OfASmallerSizeTouchesNothingBeyondIt) {
               roburoc4_client_init(reinterpret_cast<roburoc4_client *>(block.data()), 64, nullptr));
 }
 
-TEST(Init, OfASmallerSizeLeavesNothingThatStartingArmingOrDrivingWouldTouch) {
+TEST(Init, OfASmallerSizeIsRefusedAndNothingWorks) {
     roburoc4_client c;
     memset(&c, 0x5A, sizeof c); /* what stands behind the smaller one is not the client's */
     EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_client_init(&c, 64, nullptr));

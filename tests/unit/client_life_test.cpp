@@ -293,7 +293,7 @@ TEST(ReadyWithout, Descriptions) {
     expect_ready_within(robot, 2 * second);
 }
 
-TEST(ReadyWithout, TheAnswersOfAnyServicesWhicheverIdsTheRobotKnows) {
+TEST(ReadyWithout, TheAnswersOfAnyServices) {
     for (unsigned silent = 1; silent < 32; silent++) {
         for (int ids = 0; ids < 3; ids++) {
             for (const bool properties : {true, false}) {

@@ -125,7 +125,7 @@ TEST(Reboot, TooQuickToBeLostIsNoticedAllTheSame) {
     EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 3 * second));
 }
 
-TEST(Reboot, AnOlderCountAfterTheNewSubscriptionOfASilentServiceIsOne) {
+TEST(Reboot, AnOlderCountAfterANewSubscriptionIsOne) {
     ScriptedRobot robot;
     roburoc4_config config = default_config();
     config.lost_ms = 5000; /* so that it is not lost first */

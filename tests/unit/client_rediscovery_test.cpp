@@ -193,7 +193,7 @@ TEST(Rediscovery, AStopGoesToNoServiceThatIsKnownToBeAnother) {
 }
 
 /* Its limits are those of before: another program may run there now. */
-TEST(Rediscovery, WhatGaveItsPropertiesOnceIsNotDrivenWhereItNoLongerDoes) {
+TEST(Rediscovery, WhatNoLongerGivesPropertiesIsNotDriven) {
     const std::array<std::function<void(ScriptedService &)>, 3> ways{
         [](ScriptedService &s) { s.get_silent = true; },
         [](ScriptedService &s) { s.get_refused = true; },
@@ -217,7 +217,7 @@ TEST(Rediscovery, WhatGaveItsPropertiesOnceIsNotDrivenWhereItNoLongerDoes) {
     }
 }
 
-TEST(Rediscovery, ARobotThatKnowsOnlyTheManualIdIsFoundHoweverLateItIsSwitchedOn) {
+TEST(Rediscovery, ARobotWithTheManualIdIsFoundHoweverLate) {
     ScriptedRobot robot;
     robot.only_manual_id = true;
     robot.powered = false;

@@ -53,7 +53,7 @@ TEST(Retry, ComesFirstAfterTheConfiguredTime) {
     EXPECT_EQ(wanted, waits_ms(robot.requests));
 }
 
-TEST(Retry, NeverComesSoonerThanASecondAgainHoweverLongNobodyAnswers) {
+TEST(Retry, ComesEachSecondWhileNobodyAnswers) {
     ScriptedRobot robot;
     bool silent = true;
     silence(robot, ROBUROC4_ACTION_GET, silent);
@@ -626,7 +626,7 @@ TEST(FixedId, IsFoundForARobotThatIgnoresAllOtherIds) {
 
 /* After a loss the directory comes for the sixth try, which has the manual's id, or after a minute
  * for another id; of all else three tries are lost. */
-TEST(FixedId, IsNotTakenForARobotThatEchoesAnotherHoweverMuchIsLost) {
+TEST(FixedId, IsNotTakenForAnEchoHoweverMuchIsLost) {
     for (const bool echoed_before : {true, false}) {
         SCOPED_TRACE(echoed_before);
         ScriptedRobot robot;
@@ -760,7 +760,7 @@ TEST(FixedId, IsNotTakenOverToTheRobotThatIsFoundAfterALoss) {
 }
 
 /* A text that was read while one id stood for all named nothing: it has to come once more. */
-TEST(FixedId, HidesNoServiceFromTheClientThatFindsTheRobotWithoutItAfterALoss) {
+TEST(FixedId, HidesNoServiceAfterALoss) {
     ScriptedRobot robot;
     name_services_by_text(robot);
     robot.only_manual_id = true; /* as on a link that loses all but one answer */

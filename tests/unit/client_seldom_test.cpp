@@ -23,7 +23,7 @@ TEST(Seldom, ClosingTwiceIsClosing) {
     EXPECT_EQ(ROBUROC4_ERR_STATE, bench.close());
 }
 
-TEST(Seldom, ARobotThatRestartsWhileTheClientClosesIsNotDiscoveredAnew) {
+TEST(Seldom, ARobotRestartedDuringCloseIsNotDiscovered) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
@@ -104,7 +104,7 @@ TEST(Seldom, DeadlinesAreRightWhateverTheRobotKeepsSilentAbout) {
     }
 }
 
-TEST(Seldom, TextsThatNeverComeAreWaitedForASecondByWhoPollsByTheDeadlineToo) {
+TEST(Seldom, WaitsASecondForTextsThatNeverCome) {
     ScriptedRobot robot;
     robot.texts_silent = true;
     roburoc4_config config = default_config();
@@ -356,7 +356,7 @@ TEST(Seldom, WhatIsReservedIsZero) {
     EXPECT_EQ(0U, link.reserved);
 }
 
-TEST(Seldom, AClockThatStepsBackLeavesNoRequestWaitingForTheOldTime) {
+TEST(Seldom, AClockStepBackLeavesNoRequestWaiting) {
     ScriptedRobot robot;
     robot.powered = false;
     Bench bench(robot);
@@ -391,7 +391,7 @@ TEST(Seldom, AClockThatStepsBackChangesNoCounterButItsOwn) {
 }
 
 /* But for the next request's id, which goes on, and for events that nobody has taken yet. */
-TEST(Seldom, AClientThatStartsAgainIsAsOneThatStartsForTheFirstTime) {
+TEST(Seldom, AClientStartedAgainIsAsNew) {
     for (const std::int64_t pause_us : {0, 5000000, -900000000}) {
         ScriptedRobot robot;
         Bench bench(robot);
@@ -430,7 +430,7 @@ TEST(Seldom, SilenceBeforeTheFirstDatagramCountsFromTheStart) {
     EXPECT_EQ(3 * second, bench.link().silence_us);
 }
 
-TEST(Seldom, AfterAClockThatSteppedBackAnOutputIsStillRepeatedAtTheDeadline) {
+TEST(Seldom, RepeatsAnOutputAfterTheClockSteppedBack) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
@@ -489,7 +489,7 @@ TEST(Seldom, AClockThatStepsBackDoesNotHurryDiscovery) {
     EXPECT_EQ(3, roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_DIFFERENTIAL));
 }
 
-TEST(Seldom, AStatusFromBeforeAClockThatSteppedBackNeverCountsAsRecentAgain) {
+TEST(Seldom, AStatusFromBeforeAClockStepIsNeverRecentAgain) {
     for (const bool card : {false, true}) {
         SCOPED_TRACE(card);
         ScriptedRobot robot;

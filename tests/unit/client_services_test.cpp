@@ -209,7 +209,7 @@ TEST(OtherRobot, WithNineDifferentialPropertiesIsNeverCommanded) {
     EXPECT_EQ(0U, bench.commands().size());
 }
 
-TEST(OtherRobot, WhosePropertiesBecomeShortWhileDrivingGetsItsZeroTrainAtTheSameService) {
+TEST(OtherRobot, WhosePropertiesBecomeShortIsStoppedAtTheSameId) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).id = 66;
     Bench bench(robot);

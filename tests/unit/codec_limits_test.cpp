@@ -89,7 +89,7 @@ TEST(CodecLimits, MoreEntriesThanADatagramCarriesAreRefused) {
     }
 }
 
-TEST(CodecLimits, AsManyAsADatagramCarriesAreOnlyTooLongForAShortBuffer) {
+TEST(CodecLimits, AFullDatagramIsOnlyTooLongForAShortBuffer) {
     const std::vector<roburoc4_telemeter> entries(datagram); /* more than enough of any kind */
     std::vector<std::uint8_t> large(datagram);
     for (const Encoder &e : encoders) {
@@ -121,7 +121,7 @@ TEST(CodecLimits, AnalogAndDigitalChannelsShareOneDatagram) {
                                             digital.data(), 33));
 }
 
-TEST(CodecLimits, ALengthBeyondEveryDatagramIsClippedToWhatAResultCanSay) {
+TEST(CodecLimits, ALengthBeyondEveryDatagramIsClipped) {
     if (huge <= 0xFFFFFFFFU)
         GTEST_SKIP() << "a size_t of 32 bits has no such lengths";
     const std::array<std::uint8_t, 11> status{0xFF, 6, 0, 1, 0, 0, 0, 0, 0, 0, 0};

@@ -413,7 +413,7 @@ TEST(Disarms, WhenALateTextFindsTheOverrideElsewhere) {
     }
 }
 
-TEST(Disarms, WhenALateTextTellsThatAServiceIsAnotherAndDoesNotArmAgain) {
+TEST(Disarms, WhenALateTextNamesAnotherService) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_BATTERY).text = "Camera";
     robot.services.push_back({0x7100, 50, 99, "Battery"});
@@ -473,7 +473,7 @@ TEST(UnknownOverride, IsNotAllowedWhileAServiceIsNotKnown) {
     EXPECT_EQ(ROBUROC4_OK, bench.arm());
 }
 
-TEST(UnknownOverride, IsNotAllowedWhileAListedCardHasNotGivenItsCounts) {
+TEST(UnknownOverride, IsNotAllowedBeforeAListedCardGaveItsCounts) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
     for (int way = 0; way < 3; way++) {

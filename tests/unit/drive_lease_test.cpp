@@ -109,7 +109,7 @@ TEST(Lease, RenewalWithTheSameTargetKeepsThePeriod) {
     EXPECT_EQ(20U, commands_between(bench, start_us, start_us + second));
 }
 
-TEST(Lease, ChangedTargetLeavesAtOnceButNotWithinACycleAndNewestFirst) {
+TEST(Lease, AChangedTargetLeavesAtOnceOrNextCycle) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();

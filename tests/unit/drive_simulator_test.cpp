@@ -99,7 +99,7 @@ TEST_F(DriveSimulator, EveryLeaseEndsAtTheRobotInTime) {
     }
 }
 
-TEST_F(DriveSimulator, TheRobotsOwnWatchdogStopsItWhenTheProcessIsFrozen) {
+TEST_F(DriveSimulator, TheWatchdogStopsTheRobotOfAFrozenProcess) {
     drive_at_one_metre_per_second();
     const std::uint64_t frozen_us = bench.now_us;
     while (has_target() && bench.now_us - frozen_us < 5 * second) {
@@ -219,7 +219,7 @@ TEST_F(DriveSimulator, AnEmergencyStopShowsAsInhibited) {
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_INHIBITED);
 }
 
-TEST_F(DriveSimulator, ReleasedBrakesAndAPressedBumperShowAsInhibited) {
+TEST_F(DriveSimulator, BrakesAndBumperShowAsInhibited) {
     bench.armed();
     roburoc4_sim_set_brakes(robot.get(), ROBUROC4_SIM_BRAKES_RELEASED);
     bench.driving(1.0F, 0.0F, 2 * second);
@@ -239,7 +239,7 @@ TEST_F(DriveSimulator, ReleasedBrakesAndAPressedBumperShowAsInhibited) {
     EXPECT_LT(robot.state().true_linear_m_s, -0.3);
 }
 
-TEST_F(DriveSimulator, ALostNetworkStopsTheRobotAndTheReturnDoesNotMoveIt) {
+TEST_F(DriveSimulator, ALostNetworkStopsTheRobotForGood) {
     drive_at_one_metre_per_second();
     bench.drop_to_robot = bench.drop_to_client = [](const Bytes &) { return true; };
     const std::uint64_t lost_us = bench.now_us;
@@ -258,7 +258,7 @@ TEST_F(DriveSimulator, ALostNetworkStopsTheRobotAndTheReturnDoesNotMoveIt) {
     expect_that_only_arming_moves_it();
 }
 
-TEST_F(DriveSimulator, StatusesThatNoLongerComeStopTheRobotThoughCommandsArrive) {
+TEST_F(DriveSimulator, StopsTheRobotWhenStatusesNoLongerCome) {
     drive_at_one_metre_per_second();
     bench.drop_to_client = [](const Bytes &) { return true; };
     const std::uint64_t deaf_us = bench.now_us;

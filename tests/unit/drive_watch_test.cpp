@@ -10,7 +10,7 @@ using namespace roburoc4_tests;
 
 /* ---- another commander ---- */
 
-TEST(OtherCommander, IsReportedAfterThreeStatusesWithTargetsOfSomebodyElse) {
+TEST(OtherCommander, IsReportedAfterThreeStatuses) {
     ScriptedRobot robot;
     robot.follows = false;
     Bench bench(robot);

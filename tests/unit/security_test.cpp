@@ -7,24 +7,23 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "client_bench.h"
-#include "client_support.h"
-#include "walk_network.h"
 
 using namespace roburoc4_tests;
 
 namespace {
 
 /** A datagram as a forger makes one: a telegram of the robot with any bytes behind its head. */
-Bytes forged(Dice &dice) {
-    Bytes bytes(dice.between(1, 120));
+Bytes forged(std::mt19937 &random) {
+    Bytes bytes(1 + random() % 120);
     for (std::uint8_t &byte : bytes)
-        byte = static_cast<std::uint8_t>(dice.next());
-    if (dice.chance(0.7))
+        byte = static_cast<std::uint8_t>(random());
+    if (random() % 10 < 7)
         bytes[0] = ROBUROC4_HEADER_STATUS;
-    if (bytes.size() > 3 && dice.chance(0.8)) {
-        bytes[1] = static_cast<std::uint8_t>(dice.between(0, 7));
+    if (bytes.size() > 3 && random() % 10 < 8) {
+        bytes[1] = static_cast<std::uint8_t>(random() % 8);
         bytes[2] = 0;
     }
     return bytes;
@@ -44,9 +43,9 @@ TEST(Security, NoForgedDatagramMakesAClientCommandThatWasNotArmed) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
-    Dice dice(1);
+    std::mt19937 random(1);
     for (int i = 0; i < 20000; i++) {
-        bench.receive(forged(dice));
+        bench.receive(forged(random));
         if (i % 20 == 0)
             bench.run(1 * ms);
     }

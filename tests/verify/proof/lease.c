@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * For Frama-C's WP: no speed leaves without a lease. What src/drive.c sends is a zero of a stop
+ * sequence, or it is armed and less time has passed since the lease was taken than it lasts, for
+ * all states and all times, also of a clock that wraps. A lease is taken only while armed; an
+ * interruption, a stop and the end of the time end it; nothing but arming arms. Never compiled.
+ */
+#include "drive.c"
+
+/*@ requires \valid(d) && \valid_read(config) && \valid_read(limits) && \valid(events) &&
+        \valid(speeds + (0 .. 1));
+    requires \separated(d, config, limits, speeds + (0 .. 1), events);
+    ensures no_speed_without_a_lease: \result != 0 && d->stopping == 0 ==>
+        \old(d->armed) != 0 && \old(d->lease_active) != 0 &&
+        (uint64_t)(now_us - \old(d->granted_us)) < \old(d->lease_us); */
+bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
+                         const roburoc4_differential_properties *limits, uint64_t now_us,
+                         float *speeds, uint32_t *events);
+
+/*@ requires \valid(d) && \valid_read(target + (0 .. 1)) && \valid(events);
+    requires \separated(d, target + (0 .. 1), events);
+    requires caused: d->armed == 0 ==> d->disarm_cause < 0;
+    ensures only_armed: \result >= 0 ==> \old(d->armed) != 0 && d->granted_us == now_us &&
+        d->lease_us == lease_us;
+    ensures nothing_arms: d->armed == \old(d->armed); */
+roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lease_us,
+                                     uint64_t now_us, uint32_t *events);
+
+/*@ requires \valid(d) && \valid(events) && \separated(d, events);
+    ensures a_lease_ends: \old(d->lease_active) != 0 &&
+        (uint64_t)(now_us - \old(d->granted_us)) >= \old(d->lease_us) ==> d->lease_active == 0;
+    ensures a_refusal_disarms: refusal < 0 ==> d->armed == 0;
+    ensures disarmed_has_no_lease: \old(d->armed) != 0 && d->armed == 0 ==> d->lease_active == 0;
+    ensures time_neither_arms_nor_grants: d->armed <= \old(d->armed) &&
+        d->lease_active <= \old(d->lease_active); */
+void roburoc4_drive_tick(drive *d, roburoc4_result refusal, uint64_t now_us, uint32_t *events);
+
+/*@ requires \valid(d) && \valid(events) && \separated(d, events);
+    ensures d->armed == 0 && d->lease_active == 0; */
+void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events);
+
+/*@ requires \valid(d);
+    ensures d->lease_active == 0; */
+void roburoc4_drive_stop(drive *d);
