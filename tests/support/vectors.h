@@ -22,7 +22,7 @@ struct Vector {
 };
 
 inline constexpr Vector vectors[] = {
-/* clang-format off */
+    /* clang-format off */
 /* ------------------------------------------------------------------------- requests --- */
 {"get", "4.2.2.1", "id 1, service 6", "01 00 06 00"},
 {"query-directory", "4.2.3.1", "id 42, element 3", "2A 01 00 00  03 00"},
@@ -93,7 +93,7 @@ inline constexpr Vector vectors[] = {
 {"differential-command", "4.2.5.6", "0.5 m/s, -0.25 rad/s",
     "FF 06 00  00 00 00 3F  00 00 80 BE"},
 {"iocard-command", "4.2.5.2", "no analog output, digital 1 and 7 set of 8", "FF 02 00  82"},
-/* clang-format on */
+    /* clang-format on */
 };
 
 /** The bytes of the vector with this name. */

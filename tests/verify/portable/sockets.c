@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * portable_sockets HOST:PORT [SECONDS]: the UDP adapter, then the pump, on this target's sockets, threads
- * and clock, against roburoc4-sim: connect, arm, drive until the robot moves, stop, leave. Its last
- * line is "sockets: ok", or says what did not happen within SECONDS.
+ * portable_sockets HOST:PORT [SECONDS]: the UDP adapter, then the pump, on this target's sockets,
+ * threads and clock, against roburoc4-sim: connect, arm, drive until the robot moves, stop, leave.
+ * Its last line is "sockets: ok", or says what did not happen within SECONDS.
  */
 #include <stdio.h>
 #include <stdlib.h>

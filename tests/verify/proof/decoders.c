@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * For Frama-C's Eva: every decoder, and what reads its result, on arbitrary bytes of every length
- * that a UDP datagram can have. tests/verify/proof/run analyses each main_* below. Never run.
+ * that a UDP datagram can have. tests/verify/proof/run analyses each main_* below; none is ever run.
  */
 #include "roburoc4.h"
 
@@ -94,8 +94,8 @@ HARNESS(notification, LIST)
 static void iocard_properties(const uint8_t *data, size_t size) {
     roburoc4_iocard_properties out;
     if (roburoc4_decode_iocard_properties(data, size, &out) >= 0) {
-        /*@ assert counts_are_none_below_0: out.analog_count >= 0 && out.analog_count >= 0 &&
-                   out.digital_count >= 0 && out.digital_count >= 0; */
+        /*@ assert none_below_0: out.analog_inputs >= 0 && out.analog_outputs >= 0 &&
+                   out.digital_inputs >= 0 && out.digital_outputs >= 0; */
         READ(out.service);
     }
 }
@@ -250,7 +250,7 @@ static void iocard_command(const uint8_t *data, size_t size) {
 HARNESS(iocard_command, LIST)
 
 /** Channels are read where Eva takes each count and each length by itself: how many bytes there are
- *  for more channels it does not relate to their number (wp/cursor.c does). */
+ *  for more channels it does not relate to their number. */
 static void iocard_channels(const uint8_t *data, size_t size) {
     const uint32_t analog = Frama_C_unsigned_int_interval(0, 2);
     const uint32_t digital =

@@ -3,7 +3,7 @@
  * For Frama-C's Eva: every encoder, with any values and any capacity to ROOM, returns the length
  * that the manual gives and writes exactly that many bytes: those before are set, those after are
  * untouched; or none, with an error, which it returns whenever they do not fit. Lists have up to 2
- * elements. tests/verify/proof/run analyses each main_* below. Never run.
+ * elements. tests/verify/proof/run analyses each main_* below; none is ever run.
  */
 #include "roburoc4.h"
 
@@ -67,7 +67,17 @@ typedef float two_floats[2];
 #define TO buffer, capacity
 #define NOTHING (void)0
 
-HARNESS(request, ANY(roburoc4_request, any), 36U, roburoc4_encode_request(TO, &any))
+#define REQUEST(what, of)                                                                          \
+    ANY(roburoc4_request, any);                                                                    \
+    any.action = (what);                                                                           \
+    any.service = (of)
+#define ENCODED roburoc4_encode_request(TO, &any)
+HARNESS(request_get, REQUEST(ROBUROC4_ACTION_GET, any_u16()), 4U, ENCODED)
+HARNESS(request_query_directory, REQUEST(ROBUROC4_ACTION_QUERY, 0), 6U, ENCODED)
+HARNESS(request_query_channel, REQUEST(ROBUROC4_ACTION_QUERY, 2), 9U, ENCODED)
+HARNESS(request_insert, REQUEST(ROBUROC4_ACTION_INSERT, 1), 7U, ENCODED)
+HARNESS(request_delete, REQUEST(ROBUROC4_ACTION_DELETE, 1), 6U, ENCODED)
+HARNESS(request_replace, REQUEST(ROBUROC4_ACTION_REPLACE, any_u16()), 36U, ENCODED)
 HARNESS(answer, NOTHING, 5U, roburoc4_encode_answer(TO, any_u8(), any_u8(), any_u16(), any_u8()))
 HARNESS(directory, TWO(roburoc4_directory_entry, any), 5U + 4U * count,
         roburoc4_encode_directory(TO, any_u8(), any_u16(), any, count))
