@@ -185,7 +185,9 @@ static void telemeter_status(const uint8_t *data, size_t size) {
         READ(out.robot_cycles);
         READ(out.service);
         float distances[2];
-        READ(roburoc4_telemeter_distances(&out, distances, 2));
+        if (out.count > 0) { /* Frama-C's memcpy wants a byte even where none is copied */
+            READ(roburoc4_telemeter_distances(&out, distances, 2));
+        }
     }
 }
 HARNESS(telemeter_status, LIST)
@@ -264,11 +266,15 @@ static void iocard_channels(const uint8_t *data, size_t size) {
     //@ split analog;
     //@ split digital;
     if (roburoc4_decode_iocard_status(data, size, analog, digital, &status) >= 0) {
-        READ(roburoc4_analog_values(&status, values, 2));
+        if (analog > 0) {
+            READ(roburoc4_analog_values(&status, values, 2));
+        }
         READ(roburoc4_digital_values(&status));
     }
     if (roburoc4_decode_iocard_command(data, size, analog, digital, &command) >= 0) {
-        READ(roburoc4_analog_values(&command, values, 2));
+        if (analog > 0) {
+            READ(roburoc4_analog_values(&command, values, 2));
+        }
         READ(roburoc4_digital_values(&command));
     }
 }
