@@ -12,8 +12,6 @@
 #define BEGIN_US 1000000u
 #define DATAGRAMS 4096u
 #define LONGEST 1472u
-/* How far time goes where somebody's deadline stays in the past. */
-#define NO_DEADLINE_STEP_US 1000u
 
 /* A client and its network. */
 typedef struct member {
@@ -207,8 +205,8 @@ static uint64_t next_moment(const roburoc4_world *world, uint64_t until_us) {
         next_us = sooner(next_us, roburoc4_sim_channel_next_deadline(at->to_robot));
         next_us = sooner(next_us, roburoc4_sim_channel_next_deadline(at->from_robot));
     }
-    return next_us > world->now_us ? next_us
-                                   : sooner(until_us, world->now_us + NO_DEADLINE_STEP_US);
+    /* At least a microsecond, or a deadline that stays in the past would stop time. */
+    return next_us > world->now_us + 1 ? next_us : world->now_us + 1;
 }
 
 uint32_t roburoc4_world_step(roburoc4_world *world, uint64_t until_us, const uint8_t **datagram,
