@@ -3,9 +3,9 @@
  * roburoc4_mex(COMMAND, ...): the one way from MATLAB or Octave to the C libraries. See
  * roburoc4_mex.m; users call roburoc4.Robot and roburoc4.Simulator.
  *
- * While there is a robot or simulator the MEX file is locked, as threads run in it; when the program
- * ends, or clears the file by force, all robots are stopped. Only real arrays and functions that are the same
- * under -R2017b and -R2018a are used.
+ * While there is a robot or simulator the MEX file is locked, as threads run in it; when the
+ * program ends, or clears the file by force, all robots are stopped. Only real arrays and functions
+ * that are the same under -R2017b and -R2018a are used.
  */
 #include <string.h>
 
