@@ -83,7 +83,8 @@ void Oracle::observe(Moment now) {
         if (by_client != truly) { /* the clock jumped; times across the jump say nothing */
             clock_changed_ = true;
             stop_.due_us = stop_.again_us = now.true_us;
-            stop_.due_client_us = now.client_us;
+            if (by_client < truly) /* ahead: by its own clock the time may be over */
+                stop_.due_client_us = now.client_us;
             stop_requested_us_ = now.true_us;
         }
         if (static_cast<std::uint64_t>(truly) > milliseconds(config_.drive_period_ms) + slack_us)

@@ -57,8 +57,8 @@ const Text texts[] = {
     {Promise::only_differential, "only-differential",
      "Speeds go to the robot's differential service and to no other."},
     {Promise::service_by_texts, "service-by-texts",
-     "A service that only its text identifies is not guessed by its id while that text is "
-     "missing."},
+     "A service that only its text tells is not guessed while that text is missing; it is asked "
+     "for again."},
     {Promise::spacing, "spacing",
      "Commands are at least 10 ms apart, except for the first zero after a speed."},
     {Promise::other_commander_disarms, "other-commander-disarms",

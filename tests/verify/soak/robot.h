@@ -80,6 +80,9 @@ class Robot {
     void cut_motors(bool dead) {
         motors_dead_ = dead;
     }
+    void delay_texts(std::uint64_t us) {
+        plan_.text_us = us;
+    }
     void reboot(std::uint64_t off_us, std::uint64_t now_us);
     void receive(const Datagram &datagram, std::uint64_t now_us, bool from_other_commander);
 

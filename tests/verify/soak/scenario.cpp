@@ -309,6 +309,17 @@ class Scenario {
 
     /* ------------------------------------------------------------------------------- the end */
 
+    /** Which promise a robot that cannot be armed stands for. */
+    Promise promise_behind(std::int32_t refusal) const {
+        if (refusal == ROBUROC4_ERR_OVERRIDE_UNKNOWN)
+            return Promise::override_by_texts;
+        if (refusal == ROBUROC4_ERR_NO_DIFFERENTIAL && !plan_.type_codes)
+            return Promise::service_by_texts;
+        if (refusal == ROBUROC4_ERR_MOVING && plan_.noise > 0)
+            return Promise::rounding_is_not_motion;
+        return Promise::comes_back;
+    }
+
     void end_well() {
         if (violated())
             return;
@@ -327,10 +338,7 @@ class Scenario {
         if (violated() || !friendly())
             return;
         if (result < 0) {
-            const Promise broken =
-                result == ROBUROC4_ERR_OVERRIDE_UNKNOWN            ? Promise::override_by_texts
-                : plan_.noise > 0 && result == ROBUROC4_ERR_MOVING ? Promise::rounding_is_not_motion
-                                                                   : Promise::comes_back;
+            const Promise broken = promise_behind(result);
             world_.oracle().violate(broken, world_.now_us(),
                                     "arm() is still refused after 30 s in which all is well: " +
                                         std::string(roburoc4_result_text(result)));
