@@ -14,8 +14,8 @@
 
 struct connection {
     roburoc4_pump *pump;
-    roburoc4_udp udp;   /* open where the user moves the datagrams */
-    simulation *world;  /* moves the client in virtual time, or NULL */
+    roburoc4_udp udp;  /* open where the user moves the datagrams */
+    simulation *world; /* moves the client in virtual time, or NULL */
     PyObject *world_owner;
     char address[ROBUROC4_ADDRESS_TEXT_SIZE];
 };
@@ -25,7 +25,8 @@ static connection *entered;
 static roburoc4_client *entered_client;
 static int entered_for_command;
 
-/* ------------------------------------------------------------------------------------ opening --- */
+/* ------------------------------------------------------------------------------------ opening ---
+ */
 
 /* A connection whose pump has this address, or NULL. */
 static connection *open_pump(const roburoc4_address *address, const roburoc4_config *config,
@@ -127,7 +128,8 @@ const char *connection_address(const connection *c) {
     return c->address;
 }
 
-/* ---------------------------------------------------------------------------------- one call --- */
+/* ---------------------------------------------------------------------------------- one call ---
+ */
 
 uint64_t connection_now_us(const connection *c) {
     return c->world != NULL ? simulation_now_us(c->world) : roburoc4_udp_now_us();
@@ -187,7 +189,8 @@ uint32_t connection_fault(connection *c) {
     return fault;
 }
 
-/* --------------------------------------------------------------------- moved by hand: a socket --- */
+/* --------------------------------------------------------------------- moved by hand: a socket ---
+ */
 
 PyObject *connection_disarm_for_good(connection *c) {
     roburoc4_client *client = roburoc4_pump_lock(c->pump);
@@ -244,7 +247,8 @@ void connection_close_socket(connection *c) {
     (void)roburoc4_udp_close(&c->udp);
 }
 
-/* -------------------------------------------------------------------------- readers of a pump --- */
+/* -------------------------------------------------------------------------- readers of a pump ---
+ */
 
 static int append(PyObject *list, const roburoc4_sample *sample) {
     record_kind kind = sample->service - ROBUROC4_SERVICE_IOCARD + RECORD_IOCARD_STATUS;

@@ -54,14 +54,15 @@ static uint32_t service_of_id(const layout *layout, uint32_t id) {
     return service;
 }
 
-/* ------------------------------------------------------------------------- structs and lists --- */
+/* ------------------------------------------------------------------------- structs and lists ---
+ */
 
 static PyObject *status_of(record_kind kind, const void *value) {
     return record_of_status(kind, value, 0);
 }
 
 /* name() decodes a telegram that is one struct; a status did not arrive at any time. */
-#define STRUCT(NAME, MAKE, KIND)                                                                         \
+#define STRUCT(NAME, MAKE, KIND)                                                                   \
     static PyObject *NAME(const datagram *d) {                                                     \
         roburoc4_##NAME value;                                                                     \
         roburoc4_result result = roburoc4_decode_##NAME(d->data, d->size, &value);                 \

@@ -45,8 +45,7 @@ typedef enum record_kind {
 
 /* Learn a class: which members of its C struct it has, a list of (name, letter of a meaning).
  * AttributeError for a member that the struct does not have. */
-PyObject *register_record(uint32_t kind, PyObject *type, const char *structure,
-                          PyObject *members);
+PyObject *register_record(uint32_t kind, PyObject *type, const char *structure, PyObject *members);
 PyObject *register_enumerations(PyObject *battery_state, PyObject *localization_flag);
 /* Learn the function that makes an exception of a result. */
 PyObject *register_errors(PyObject *error_of);
@@ -116,8 +115,8 @@ PyObject *run_sim(PyObject *arguments);
 /* ---- a client, and who moves its datagrams (connection.c) ---- */
 
 /*
- * A client with its pump, its socket, or in the world of a simulation. All roburoc4_client_*() calls
- * are made on a connection, by connection_enter() and connection_leave(), whatever moves it.
+ * A client with its pump, its socket, or in the world of a simulation. All roburoc4_client_*()
+ * calls are made on a connection, by connection_enter() and connection_leave(), whatever moves it.
  */
 typedef struct connection connection;
 

@@ -27,7 +27,8 @@ typedef struct field {
 } field;
 
 /* fields.h is written by make_fields.py from the headers. */
-#define TYPE_OF(X) _Generic((X), float: 'f', double: 'f', int16_t: 'i', int32_t: 'i', default: 'u')
+#define TYPE_OF(X)                                                                                 \
+    _Generic((X), float : 'f', double : 'f', int16_t : 'i', int32_t : 'i', default : 'u')
 #define FIELD(S, NAME)                                                                             \
     {#S "." #NAME, TYPE_OF(((S *)0)->NAME), sizeof(((S *)0)->NAME), offsetof(S, NAME), 0},
 #define ARRAY(S, NAME)                                                                             \
@@ -75,8 +76,7 @@ static const field *find_field(const char *structure, const char *member) {
     return f;
 }
 
-PyObject *register_record(uint32_t kind, PyObject *type, const char *structure,
-                          PyObject *members) {
+PyObject *register_record(uint32_t kind, PyObject *type, const char *structure, PyObject *members) {
     record_class *record = &classes[kind < RECORD_KINDS ? kind : 0];
     Py_ssize_t count = PyList_Size(members), i;
     void *slot = PyType_GetSlot(&PyTuple_Type, Py_tp_new);

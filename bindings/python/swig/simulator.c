@@ -89,7 +89,8 @@ int simulation_stopped(const simulation *s) {
     return s->stopped;
 }
 
-/* ------------------------------------------------------------------------------- virtual time --- */
+/* ------------------------------------------------------------------------------- virtual time ---
+ */
 
 roburoc4_result simulation_join(simulation *s, roburoc4_pump *pump) {
     roburoc4_client *client = roburoc4_pump_lock(pump);

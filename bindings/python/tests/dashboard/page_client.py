@@ -40,7 +40,7 @@ class Visitor:
     def say(self, kind: str, **rest: Any) -> None:
         self.socket.send(json.dumps({"type": kind, **rest}))
 
-    def hear(self) -> dict[str, Any]:
+    def receive(self) -> dict[str, Any]:
         """Wait for the next message."""
         message: dict[str, Any] = json.loads(self.socket.recv(timeout=PATIENCE_S))
         if message["type"] == "frame":
