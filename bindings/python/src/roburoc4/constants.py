@@ -75,7 +75,7 @@ class BatteryState(IntEnum):
 
 
 class LocalizationFlag(IntFlag):
-    """What the localization says of itself (4.2.4.7)."""
+    """Quality of the localization (4.2.4.7)."""
 
     INVALID = 0x01
     METRIC = 0x02
@@ -96,7 +96,7 @@ class IoType(IntEnum):
 
 
 class State(IntEnum):
-    """Life of a client."""
+    """State of a client."""
 
     IDLE = 0
     CONNECTING = 1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Exceptions. Each carries the result of the C library as ``code`` and says what to do."""
+"""Exceptions. Each has the result of the C library as ``code``, and a message with what to do."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -37,7 +37,7 @@ class ArgumentError(RobotError, ValueError):
 
 
 class DecodeError(RobotError, ValueError):
-    """Bytes that are no telegram."""
+    """Bytes that are not a telegram."""
 
 
 class RefusedError(RobotError):
@@ -45,7 +45,7 @@ class RefusedError(RobotError):
 
 
 class NotKnownError(RobotError):
-    """The robot has not said it (yet)."""
+    """The robot has not reported it yet."""
 
 
 class NotArmedError(RobotError):
@@ -57,7 +57,7 @@ class RobotTimeoutError(RobotError, TimeoutError):
 
 
 class SamplesLostError(RobotError):
-    """Statuses came faster than they were read; ``lost`` says how many are gone."""
+    """Statuses came faster than they were read; ``lost`` is how many were overwritten."""
 
     def __init__(self, lost: int) -> None:
         super().__init__(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The hands at a simulated robot: game pad and emergency stops."""
+"""Game pad and emergency stops of a simulated robot."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

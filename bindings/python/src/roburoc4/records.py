@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the robot says, as immutable records.
+"""What the robot reports, as immutable records.
 
 All values are SI units and radians; X is forward, Y left, angles counter-clockwise.
 ``robot_cycles`` counts the robot's cycles of 10 ms since power on. ``host_us`` is when a status
@@ -229,7 +229,7 @@ class ServiceEntry(NamedTuple):
 
 
 class Properties(NamedTuple):
-    """All that a connected robot said about itself; None or empty for what it has not."""
+    """What a connected robot reported about itself; None or empty for what it lacks."""
 
     services: tuple[ServiceEntry, ...]
     iocard: IoCardProperties | None
@@ -323,9 +323,9 @@ class Facts(NamedTuple):
     armed: bool
     """``drive`` is accepted."""
     driving: bool
-    """A drive command lives."""
+    """A drive command is within its lease."""
     stopping: bool
-    """Zero commands are on their way, or ``stop`` waits for the robot."""
+    """Zero commands are being sent, or ``stop`` waits for the robot."""
     override_known: bool
     overridden: bool
     """Somebody holds [A] on the game pad."""
@@ -372,7 +372,7 @@ class Link(NamedTuple):
     """Smoothed, of answered requests; 0 before the first."""
     round_trip_min_us: int
     silence_us: int
-    """Since the last datagram that was of use."""
+    """Since the last datagram that was used."""
     received: int
     """Statuses of all services."""
     lost: int

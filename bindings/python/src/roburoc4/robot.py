@@ -118,7 +118,7 @@ class Robot(RobotBase):
     def arm(self, timeout: float = 2.0) -> None:
         """Allow driving, or raise NotArmedError with the reason against it.
 
-        What time alone can mend is waited for: nothing heard yet, the robot still rolls.
+        Waits for what may pass by itself: no status yet, the robot still rolls.
         """
         end_s = self._connection.now_s() + timeout
         reader = self._connection.reader()
@@ -140,22 +140,22 @@ class Robot(RobotBase):
             self.stop()
 
     def sleep(self, seconds: float) -> None:
-        """Let time pass on the robot's clock: ``time.sleep`` for any kind of link."""
+        """Let time pass on the robot's clock, also in virtual time."""
         end_s = self._connection.now_s() + seconds
         while (left_s := end_s - self._connection.now_s()) > 0:
             self._connection.sleep(left_s)
 
-    # ---- telling ----
+    # ---- odometry ----
 
     def relocalize(self, x_m: float, y_m: float, theta_rad: float) -> None:
-        """Tell the robot where it is, and wait until it has taken that.
+        """Tell the robot where it is, and wait for its answer.
 
         Raises RefusedError, or RobotTimeoutError after 3 s at most.
         """
         _native.roburoc4_client_relocalize(self._connection.handle, x_m, y_m, theta_rad)
         self._wait_until(self._is_relocalized, RELOCALIZE_S, self.relocalize)
 
-    # ---- listening ----
+    # ---- statuses ----
 
     def reader(self, *services: str | Service) -> Reader:
         """Read events, and every status of these services (none: of all), without waiting."""
@@ -164,9 +164,9 @@ class Robot(RobotBase):
     def statuses(self, *services: str | Service) -> Statuses:
         """Iterate over every status of these services (none: of all) from now on.
 
-        Waits for each; goes on over a loss of the link, and ends at ``close``. Statuses wait in a
-        buffer (``connect(buffer=10000)``); where it overflows, SamplesLostError is raised once,
-        and the next ``next()`` goes on with the oldest that is left.
+        Waits for each. It continues when the link is lost and found again, and ends at ``close``.
+        Statuses wait in a buffer (``connect(buffer=10000)``). When it overflows, SamplesLostError
+        is raised once, and the next ``next()`` continues with the oldest that is left.
         """
         return Statuses(self.reader(*services))
 
@@ -185,8 +185,8 @@ class Robot(RobotBase):
 class ManualRobot(Robot):
     """A robot without a thread of its own: ``connect(threaded=False)``.
 
-    Somebody must call ``spin``, or any method that waits, again and again: nothing is received or
-    repeated otherwise. A program that hangs is stopped by the robot's own watchdog only (1 s).
+    Call ``spin``, or any method that waits, again and again: nothing is received or repeated
+    otherwise. A program that hangs is stopped by the robot's own watchdog only (1 s).
     """
 
     def __init__(self, connection: SocketConnection, settings: Settings) -> None:

@@ -78,7 +78,7 @@ class RobotBase:
 
     @property
     def state(self) -> State:
-        """Life of the client."""
+        """State of the client."""
         return State(_native.roburoc4_client_state(self._connection.handle))
 
     @property
@@ -132,7 +132,7 @@ class RobotBase:
 
     @property
     def properties(self) -> Properties:
-        """All that the robot said about itself so far; its texts may come after it is ready."""
+        """What the robot reported about itself; its texts may come after it is ready."""
         handle = self._connection.handle
         ids = {_known(_native.roburoc4_client_service_id, handle, s): s for s in Service}
         kinds = {wire_id: service for wire_id, service in ids.items() if wire_id is not None}
@@ -155,7 +155,7 @@ class RobotBase:
         """Return the index on the wire of the input with this role; None where it is not known."""
         return _known(_native.roburoc4_client_role_index, self._connection.handle, role)
 
-    # ---- what the robot says ----
+    # ---- statuses ----
 
     @overload
     def latest(self, service: Literal["iocard"]) -> IoCardStatus | None: ...
@@ -174,7 +174,7 @@ class RobotBase:
         return _known(READ_STATUS[service_of(service)], self._connection.handle)
 
     def _first(self, read: "Callable[[_native.Connection], _R]", service: Service) -> _R:
-        """Read the latest status, or say what to do before the first."""
+        """Read the latest status; before the first, raise with what to do."""
         try:
             return read(self._connection.handle)
         except NotKnownError as error:
@@ -218,7 +218,7 @@ class RobotBase:
         """Names of all channels of the IO card."""
         return self._inputs.channels
 
-    # ---- what it is told ----
+    # ---- commands ----
 
     @property
     def outputs(self) -> Outputs:
@@ -233,7 +233,7 @@ class RobotBase:
     def drive(self, linear_m_s: float, angular_rad_s: float, *, lease_ms: int = 0) -> None:
         """Drive at these speeds for one lease; call it again and again to go on.
 
-        Never waits. The command lives for ``lease_ms`` (20 to 1000; 0 means the setting's, 250 by
+        Never waits. The lease is ``lease_ms`` (20 to 1000; 0 means the setting's, 250 by
         default), then the robot is stopped. Speeds are scaled and clamped to the robot's limits
         and the settings' ceilings. Raises NotArmedError while disarmed, naming cause and remedy.
         """
@@ -264,7 +264,7 @@ class RobotBase:
         """End a subscription."""
         _native.roburoc4_client_unsubscribe(self._connection.handle, service_of(service))
 
-    # ---- for the waiting that subclasses do ----
+    # ---- for subclasses, which wait ----
 
     def _readiness(self, timeout_s: float) -> Callable[[], bool]:
         """Return a look whether it is ready, which raises after too long a silence."""

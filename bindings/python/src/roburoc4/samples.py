@@ -18,7 +18,7 @@ _PATIENCE_S = 1.0
 
 
 def mask_of(services: tuple[str | Service, ...]) -> int:
-    """Return bit k for service k; all that send statuses where none is named."""
+    """Return bit k for service k; without arguments all services that send statuses."""
     return sum(1 << service for service in {service_of(s) for s in services}) or sum(
         1 << service for service in STATUS_SERVICES.values()
     )
@@ -63,7 +63,7 @@ class Reader:
         return events or Event(self._reader.take_events())
 
     def drain(self, use: Callable[[Status], None]) -> None:
-        """Pass on all that are there; what was lost is counted only."""
+        """Pass on all that are there; lost ones are only counted."""
         while True:
             try:
                 status = self.next()

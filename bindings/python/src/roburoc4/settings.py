@@ -19,9 +19,9 @@ class Settings(TypedDict, total=False):
     "differential"): a multiple of 10, 10 to 2550; None to leave a service out. Defaults: 50, 100,
     1000, 50, 50. Driving needs IO card and differential statuses more often than ``fresh_ms``."""
     lease_ms: int
-    """Life of a drive command; 20 to 1000; 250."""
+    """Lease of a drive command; 20 to 1000; 250."""
     drive_period_ms: int
-    """Repetition of a living drive command; 10 to 500, at most half of ``lease_ms``; 50."""
+    """Repetition of a drive command in its lease; 10 to 500, at most half of ``lease_ms``; 50."""
     fresh_ms: int
     """Age to which a status counts for driving; 50 to 1000; 300."""
     lost_ms: int
@@ -44,13 +44,13 @@ class Settings(TypedDict, total=False):
     ignore_other_commander: bool
     """Stay armed while another client commands; off. Gives up a protection."""
     override_index: int
-    """Index of game pad [A] among the digital inputs, where the robot's texts do not tell it."""
+    """Index of game pad [A] among the digital inputs, where the robot's texts do not show it."""
     front_bumper_index: int
     rear_bumper_index: int
     battery_voltage_index: int
     """Likewise, among the analog inputs."""
     buffer: int
-    """Statuses that are kept for who reads them late; 16 to 1000000; 10000."""
+    """Statuses that are kept for slow readers; 16 to 1000000; 10000."""
 
 
 BUFFER_DEFAULT = 10_000

@@ -124,7 +124,7 @@ class Simulator:
             self._address = f"{host}:{_native.simulation_port(self._sim)}"
         self._closing = threading.Lock()
         self.pad = GamePad(self._act)
-        """The game pad's hands."""
+        """The game pad."""
         self.estop = EmergencyStop(self._act)
         """The emergency stops."""
 
@@ -184,7 +184,7 @@ class Simulator:
         run(self._sim, seconds)
 
     def connect(self, timeout: float = 10.0, **settings: Unpack[Settings]) -> Robot:
-        """Connect a robot object; in virtual time it lives on the simulator's clock."""
+        """Connect a robot object; in virtual time it has the simulator's clock."""
         if not self._virtual:
             return connect(self._address, timeout=timeout, **settings)
         robot = Robot(VirtualConnection(self._sim, settings), settings)
@@ -213,7 +213,7 @@ class Simulator:
             _native.set_sim_faults(faults, name, round(time_us))
         _native.simulation_set_faults(self._sim, faults)
 
-    # ---- looking ----
+    # ---- observation ----
 
     @property
     def state(self) -> SimState:
@@ -222,7 +222,7 @@ class Simulator:
 
     @property
     def true_pose(self) -> Pose:
-        """Where the robot really is, whatever odometry says."""
+        """The robot's true pose, which odometry does not show."""
         state = self.state
         return Pose(state.true_x_m, state.true_y_m, state.true_theta_rad)
 
@@ -230,7 +230,7 @@ class Simulator:
         """Return what was last commanded; output 0 is the robot's own watchdog."""
         return bool(self._act(_native.roburoc4_sim_digital_output, index))
 
-    # ---- hands ----
+    # ---- control panel and inputs ----
 
     def set_power(self, on: bool) -> None:
         """Switch the main power; on after off is a reboot."""
@@ -272,7 +272,7 @@ class Simulator:
         """Let all inputs report what is."""
         self._act(_native.roburoc4_sim_unpin_inputs)
 
-    # ---- the world ----
+    # ---- obstacles ----
 
     def add_box(
         self, x_m: float, y_m: float, size_x_m: float, size_y_m: float, theta_rad: float = 0.0

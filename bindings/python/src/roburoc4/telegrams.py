@@ -20,7 +20,7 @@ Bytes: TypeAlias = bytes | bytearray | memoryview
 
 
 class Layout(NamedTuple):
-    """What bytes alone do not tell: the services' ids, and the IO card's counts of channels."""
+    """What bytes alone do not show: the services' ids, and the IO card's counts of channels."""
 
     iocard: int = 2
     telemeter: int = 3
@@ -66,11 +66,11 @@ class Batch(NamedTuple):
     values: "npt.NDArray[np.void]"
     """One row for each good status, in their order."""
     bad: "npt.NDArray[np.intp]"
-    """Indices of those that are no such status."""
+    """Indices of those that are not such a status."""
 
 
 def _columns(service: Service, layout: Layout, telemeters: int) -> list[tuple[Any, ...]]:
-    """Name, format on the wire and shape of what a status says; digital inputs are bits there."""
+    """Name, format on the wire and shape of a status's fields; digital inputs are bits there."""
     if service is Service.IOCARD:
         blocks = _native.roburoc4_digital_blocks(layout.digital_inputs)
         return [
@@ -84,7 +84,7 @@ def _columns(service: Service, layout: Layout, telemeters: int) -> list[tuple[An
 
 
 def _cut(datagram: Bytes, size: int, service: Service) -> Bytes:
-    """Return the first bytes of a longer status; zeros, which are no status, for a shorter one.
+    """Return the first bytes of a longer status; zeros, never a status, for a shorter one.
 
     Three bytes after the distances mean nothing; a fourth makes one telemeter more.
     """
@@ -103,15 +103,15 @@ def decode_batch(
     """Decode many statuses of one service into a NumPy structured array; needs NumPy.
 
     ``data`` is a list of datagrams, or one buffer of statuses of the manual's length, one after
-    the other. Each is checked; the indices of those that are no status of this service (or of
-    another number of ``telemeters``) are reported. Fields are named as in the records.
+    the other. Each is checked; the indices of those that are not a status of this service (or
+    have another number of ``telemeters``) are reported. Fields are named as in the records.
     """
     try:
         import numpy as np
     except ImportError as error:
         raise ImportError(
             "decode_batch needs NumPy: install roburoc4 with its extra [numpy] "
-            "(docs/python.md tells how)",
+            "(see docs/python.md)",
             name="numpy",
         ) from error
 

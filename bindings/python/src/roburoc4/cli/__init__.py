@@ -26,7 +26,7 @@ def main() -> None:
             raise
         print(
             f"roburoc4: {name} is not installed: install roburoc4 with its extra [cli] "
-            "(docs/python.md tells how)",
+            "(see docs/python.md)",
             file=sys.stderr,
         )
         code = 2

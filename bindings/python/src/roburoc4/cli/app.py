@@ -97,7 +97,7 @@ def _prepare_streams() -> None:
 
 
 def _let_go_of_stdout() -> None:
-    """Keep Python from complaining when it flushes at its end what nobody reads."""
+    """Keep Python from complaining about a closed pipe when it flushes at exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 

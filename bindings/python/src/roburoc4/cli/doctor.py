@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`roburoc4 doctor`: check the way to the robot step by step, and say what to mend first."""
+"""`roburoc4 doctor`: check the way to the robot step by step, and name what to fix first."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 
 
 def run(options: DoctorOptions) -> int:
-    """Find out, and tell."""
+    """Check, and report."""
     say = _silent if options.json else _say
     found = Findings(options.robot)
     if _resolve(found, say):

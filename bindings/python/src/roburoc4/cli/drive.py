@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from roburoc4 import LocalizationStatus, Robot
 
 _STEP_S = 0.05
-_LEASE_S = 0.25  # the client's, unless it is told another
+_LEASE_S = 0.25  # the client's default
 _STOP_S = 5.0
 
 
@@ -71,7 +71,7 @@ def run(options: DriveOptions) -> int:
 
 
 def _soften(robot: Robot, asked: Ramp) -> Ramp:
-    """Accelerate as gently as the robot's own limits say, where they say less than ours."""
+    """Accelerate no faster than the robot's own limits."""
     limits = robot.properties.differential
     if limits is None:
         raise refused("this robot has no differential service to drive with: see roburoc4 info")

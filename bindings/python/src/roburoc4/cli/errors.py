@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Exit codes, and how a command ends early: one line on stderr that says what to do."""
+"""Exit codes, and how a command ends early: with one line on stderr of what to do."""
 
 from __future__ import annotations
 
@@ -60,14 +60,14 @@ _REMEDIES = {
 
 
 def why_not_armed(error: NotArmedError) -> str:
-    """Name the cause, for people who can see and mend it, without advice for programs."""
+    """Name the cause, for people who can see the robot, without advice for programs."""
     from roburoc4 import Result
 
     return Result(error.code).text
 
 
 def of_library(error: Exception) -> CommandError | None:
-    """Translate an exception of the library; None for one that nobody expects."""
+    """Translate an exception of the library; None for an unexpected one."""
     from roburoc4 import NotArmedError, Result, RobotError
 
     if isinstance(error, NotArmedError):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`roburoc4 info`: what the robot says that it is."""
+"""`roburoc4 info`: what the robot reports about itself."""
 
 from __future__ import annotations
 

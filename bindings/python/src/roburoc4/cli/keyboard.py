@@ -141,7 +141,7 @@ class Keyboard:
 
     @property
     def reports_releases(self) -> bool:
-        """Whether this terminal says when a key is let go."""
+        """Whether this terminal reports the release of a key."""
         return self._decoder.reports_releases
 
     def keys(self, wait_s: float) -> Iterator[Key]:

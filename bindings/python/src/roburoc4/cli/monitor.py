@@ -61,7 +61,7 @@ def run(options: MonitorOptions) -> int:
 
 
 class _Watch:
-    """The time of watching, and what is said about a link that breaks and heals."""
+    """How long to watch, and reports of a link that is lost and found again."""
 
     def __init__(self, robot: Robot, seconds: float) -> None:
         self.robot = robot

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Names: of IO channels, telemeters and flags."""
+"""Names of channels, telemeters and flags."""
 
 from __future__ import annotations
 

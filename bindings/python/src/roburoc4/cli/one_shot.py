@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Commands that tell the robot one thing: `stop`, `output`, `relocalize`."""
+"""Commands that send one thing and end: `stop`, `output`, `relocalize`."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from .signals import unsuspendable
 if TYPE_CHECKING:
     from roburoc4 import DifferentialStatus, Robot
 
-SILENCE_S = 5.0  # as long as this a robot may say nothing at all before we give up
+SILENCE_S = 5.0  # how long a robot may be silent before we give up
 _FIRST_INPUTS_S = 2.0
 _POLL_S = 0.02
 _STILL_M_S = 0.01
@@ -117,7 +117,7 @@ def name_of(robot: Robot, options: Options) -> str:
 
 
 def confirm(robot: Robot, options: DrivingOptions, intention: str) -> None:
-    """Ask a person at the terminal once; who has none, or said --yes, has decided already."""
+    """Ask a person at the terminal once; not without a terminal, or with --yes."""
     if options.yes or not sys.stdin.isatty():
         return
     print(
@@ -131,7 +131,7 @@ def confirm(robot: Robot, options: DrivingOptions, intention: str) -> None:
 
 
 def wait_for_rest(robot: Robot, patience_s: float) -> bool:
-    """Wait until the zeros have arrived and the wheels stand, as far as the robot tells."""
+    """Wait until the robot reports targets of zero and wheels at rest."""
     until_s = time.monotonic() + patience_s
     while time.monotonic() < until_s:
         if _is_at_rest(robot.latest("differential")) and not robot.facts.stopping:

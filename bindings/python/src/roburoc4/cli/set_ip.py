@@ -50,7 +50,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 
 
 def run(options: SetIpOptions) -> int:
-    """Check, ask, change, and say what comes next."""
+    """Check, ask, change, and print what comes next."""
     settings = checked(options.address, options.mask, options.gateway)
     host = _host(options.robot)
     _confirm(options, host, settings)
@@ -78,7 +78,7 @@ def run(options: SetIpOptions) -> int:
 
 
 def checked(address: str, mask: str, gateway: str) -> tuple[IPv4Interface, IPv4Address]:
-    """Refuse settings with which nobody could reach the robot again."""
+    """Refuse settings that would make the robot unreachable."""
     host = _address("ADDRESS", address)
     way_out = _address("GATEWAY", gateway)
     try:
@@ -122,7 +122,7 @@ def _host(robot: str) -> str:
 
 
 def _confirm(options: SetIpOptions, host: str, settings: tuple[IPv4Interface, IPv4Address]) -> None:
-    """Let a person decide: a wrong address can only be mended at the robot."""
+    """Let a person decide: a wrong address can only be corrected at the robot."""
     if options.yes:
         return
     if not sys.stdin.isatty():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`roburoc4 sim`: start the simulator, and say how to point the other commands at it."""
+"""`roburoc4 sim`: start the simulator, and print how other commands reach it."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Relay what the simulator says; it ends with this program."""
+    """Relay the simulator's output; it ends with this program."""
     arguments = [text.lstrip() for text in options.arguments]
     arguments, telnet_port = _without_telnet(arguments)
     with subprocess.Popen([*_PROGRAM, *arguments], stdout=subprocess.PIPE, text=True) as program:

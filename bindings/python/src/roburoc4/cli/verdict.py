@@ -201,7 +201,7 @@ def _steadiness(found: Findings) -> Verdict | None:
 
 
 def judge(found: Findings) -> Verdict:
-    """Return the first thing that is wrong, in the order in which one would mend it."""
+    """Return the first thing that is wrong, in the order in which one would fix it."""
     return (
         _contact(found)
         or _discovery(found)

@@ -155,7 +155,7 @@ def _pose(status: LocalizationStatus) -> Text:
 
 
 def line(seen: Snapshot) -> str:
-    """Tell the same in one line, for a stdout that is no terminal."""
+    """Print the same in one line, for a stdout that is not a terminal."""
     parts = [f"{seen.elapsed_s:6.1f} s  {seen.state}"]
     if seen.differential is not None:
         parts.append(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The link, and reasons, in plain words: what is wrong, and what to try."""
+"""What is wrong with the link, why the robot is not armed, and what to try."""
 
 from __future__ import annotations
 

@@ -21,14 +21,14 @@ from .ticks import Ticks
 SHORTEST_LEASE_S = 0.02
 """The client takes no shorter one."""
 HELD_UP_S = 0.02
-"""A command that took longer to give has a lease that is too long by that, and is given again."""
+"""A delay before the command lengthens its lease; after a longer one it is given again."""
 _ATTEMPTS = 3
 FORGOTTEN_S = 30.0
 """A driver's page that shows nothing for so long loses control."""
 
 
 class ControlError(Exception):
-    """Why a page may not do this; to be shown there."""
+    """Why a page may not do this, to be shown on it."""
 
 
 Sides = tuple[float, float]
@@ -69,7 +69,7 @@ class Input:
 
 @dataclass(eq=False)
 class Viewer:
-    """A page, as the control of the robot sees it."""
+    """What control needs to know about a page."""
 
     number: int
     sent_tick: int = 0
@@ -103,7 +103,7 @@ class Control:
     # ---- taking and giving up ----
 
     def take(self, page: Viewer) -> None:
-        """Sit down, unless somebody else sits there."""
+        """Take control, unless another page has it."""
         if not self.offered:
             raise ControlError("this dashboard only watches: start it with --allow-drive to drive")
         if self.driver not in (None, page):
@@ -113,14 +113,14 @@ class Control:
             self._begin_anew("")
 
     def leave(self, page: Viewer, why: str = "") -> None:
-        """Stand up, if this page sits there; the robot is stopped and disarmed."""
+        """Release control, if this page has it; the robot is stopped and disarmed."""
         if self.driver is page:
             self.driver = None
             self.stood_still = False
             self._end_driving(why)
 
     def _begin_anew(self, why: str) -> None:
-        """Nothing from before counts, and all inputs must be released once."""
+        """Invalidate earlier ticks, and require that all inputs are released once."""
         self._floor = self._ticks.last + 1
         self.must_let_go = True
         self._lease_end_s = None
@@ -197,7 +197,7 @@ class Control:
             self._robot.stop()
 
     def _command(self, inputs: Input, end_s: float) -> None:
-        """Drive until then, and no longer where this process is held up just here."""
+        """Drive until then, and no longer even if this process is delayed right here."""
         for _ in range(_ATTEMPTS):
             now_s = self._robot.now_s
             left_s = end_s - now_s
@@ -234,7 +234,7 @@ class Control:
     # ---- looking after it ----
 
     def watch(self, now_s: float) -> None:
-        """Take driving away where it has become unsafe; called at each beat."""
+        """Take driving away where it has become unsafe; called at each step."""
         facts = self._robot.facts
         if self.driver is None:
             return

@@ -81,7 +81,7 @@ class Frames:
 
     @property
     def _fresh(self) -> bool:
-        """Whether it still says something: the latest of a lost robot goes on for nobody."""
+        """Whether its values are still current: those of a lost robot are not."""
         return self._robot.state is State.READY
 
     def _speeds(self, time_s: float) -> list[float | None] | None:
@@ -191,7 +191,7 @@ class Frames:
 
     @property
     def known(self) -> Document:
-        """What the robot is, as it was told last."""
+        """What the robot is, as it was sent last."""
         return self._about
 
     def _describe(self) -> Document:
@@ -216,7 +216,7 @@ class Frames:
 def _numbers(
     properties: BatteryProperties | DifferentialProperties | TelemeterProperties | None,
 ) -> Document | None:
-    """Make properties ready for JSON, whatever a robot says."""
+    """Make properties ready for JSON, whatever a robot reports."""
     if properties is None:
         return None
     return {name: number(value, 4) for name, value in properties._asdict().items()}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a page that opens later still wants to see. All of it has a fixed size."""
+"""What a page that opens later still shows. All of it has a fixed size."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ _TEXTS: tuple[tuple[Event, str, str], ...] = (
 )
 
 
-# These events say that a fact changed, and not how.
+# These events report that a fact changed, but not how.
 _CHANGES: tuple[tuple[Event, str, str, str], ...] = (
     (
         Event.OVERRIDE,
@@ -173,7 +173,7 @@ class History:
             self.speeds.append((time_s, *speeds))
 
     def add_battery(self, time_s: float, percent: float, volts: float) -> None:
-        """Keep what the battery says, now and then."""
+        """Keep the battery's values, now and then."""
         self._look_at_clock(time_s)
         if time_s >= self._battery_due_s:
             self._battery_due_s = time_s + BATTERY_EVERY_S

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""The open pages, and the beat at which they get a new frame.
+"""The open pages, and the clock by which they get new frames.
 
-A page answers each frame that it has drawn, and gets no new one while it owes some answers: so
-nothing piles up for a slow page, the rate is that of its screen at most, and hidden pages, which
-draw nothing, cost next to nothing.
+A page answers each frame that it has drawn, and gets no new one while several answers are missing.
+So nothing queues up for a slow page, no page gets more frames than its screen shows, and hidden
+pages, which draw nothing, cost next to nothing.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .ticks import Ticks
 
 FRAME_S = 1 / 30
 IDLE_S = 0.2
-"""The beat while no page draws, for history and events."""
+"""Time between steps while no page draws: for history and events."""
 _AWAKE_S = 1.0
 """A page that has drawn nothing for so long is hidden, or frozen."""
 MOST_PAGES = 32
@@ -32,7 +32,7 @@ _UNANSWERED = 3
 
 
 def encode(document: object) -> str:
-    """Make compact JSON; a number that is none would be a mistake of ours."""
+    """Make compact JSON; NaN would be a mistake of ours."""
     return json.dumps(document, separators=(",", ":"), allow_nan=False)
 
 
@@ -75,7 +75,7 @@ class Page(Viewer):
 
 
 class Hub:
-    """One robot, and everybody who looks at it."""
+    """One robot, and the pages that show it."""
 
     def __init__(
         self,
@@ -107,7 +107,7 @@ class Hub:
     # ---- pages ----
 
     def join(self) -> Page:
-        """Let a page in, with all that it needs to begin."""
+        """Add a page, and send it all that it needs to begin."""
         self._numbers += 1
         page = Page(self._numbers)
         page.sent_tick = self.ticks.last
@@ -120,7 +120,7 @@ class Hub:
         return page
 
     def part(self, page: Page) -> None:
-        """Let a page go; if it drove, the robot is stopped."""
+        """Remove a page; if it drove, the robot is stopped."""
         self.pages.discard(page)
         self.control.leave(page, "the driver's page was closed, or its connection broke")
 
@@ -146,7 +146,7 @@ class Hub:
             "full_angular_rad_s": limits.angular_rad_s,
         }
 
-    # ---- the beat ----
+    # ---- steps ----
 
     async def beat(self) -> None:
         """Look at the robot and show it, again and again."""
@@ -160,7 +160,7 @@ class Hub:
             await asyncio.sleep(due_s - loop.time())
 
     def step(self) -> None:
-        """One beat."""
+        """Look at the robot once, and send frames."""
         now_s, time_s = self.now_s, time.time()
         self.control.watch(now_s)
         frame = self._frames.take(now_s, time_s)

@@ -32,7 +32,7 @@ class PanelError(Exception):
 
 
 class Panel:
-    """Hands at a simulator."""
+    """What a page can do to a simulated robot."""
 
     def __init__(self, simulator: Simulator) -> None:
         self._simulator = simulator
@@ -68,7 +68,7 @@ class Panel:
         }
 
     def obey(self, line: str) -> None:
-        """Do what a line such as "estop local press" says."""
+        """Obey a line such as "estop local press"."""
         if line.partition(" ")[0] not in _WORDS:
             raise PanelError(f"the panel has no {line!r}")
         self._panel(line)

@@ -23,7 +23,7 @@ from .hub import Hub
 _PING_S = 5.0
 _END_S = 1
 _LONGEST_MESSAGE = 4096
-# Uvicorn hears SIGINT and SIGTERM. An exception, as the command raises for these, would end in
+# Uvicorn handles SIGINT and SIGTERM. An exception, as the command raises for these, would end in
 # whatever callback the loop is at, and not the program.
 _MORE_SIGNALS = [getattr(signal, name) for name in ("SIGHUP", "SIGQUIT") if hasattr(signal, name)]
 
@@ -43,7 +43,7 @@ class Place:
 
     @property
     def loopback(self) -> bool:
-        """Whether nobody but this machine reaches it."""
+        """Whether only this machine reaches it."""
         return ipaddress.ip_address(self.bind).is_loopback
 
     @property
@@ -53,7 +53,7 @@ class Place:
 
 
 def listen(place: Place) -> socket.socket:
-    """Open the socket, or say why not."""
+    """Open the socket, or raise with the reason."""
     version = ipaddress.ip_address(place.bind).version
     family = socket.AF_INET6 if version == 6 else socket.AF_INET
     try:
@@ -66,7 +66,7 @@ def listen(place: Place) -> socket.socket:
 
 
 def check_certificate(place: Place) -> None:
-    """Load certificate and key once, to say here what is wrong with them."""
+    """Load certificate and key once, to report here what is wrong with them."""
     if not place.secure:
         return
     try:
@@ -123,7 +123,7 @@ class Server(uvicorn.Server):
 
     @contextlib.contextmanager
     def capture_signals(self) -> Iterator[None]:
-        """End by these signals too; the command hears of them when all is closed."""
+        """End by these signals too; the command gets them when all is closed."""
         with super().capture_signals():
             before = {}
             if threading.current_thread() is threading.main_thread():
@@ -137,7 +137,7 @@ class Server(uvicorn.Server):
                     signal.signal(number, handler)
 
     async def on_tick(self, counter: int) -> bool:
-        """Say whether to end: where it was told to, or has nothing to show any more."""
+        """Whether to end: on request, or when no more frames can be made."""
         return await super().on_tick(counter) or self._hub.failure is not None
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:

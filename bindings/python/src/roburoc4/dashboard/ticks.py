@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Numbers that are sent to the pages, and when: so old is what a page answers to."""
+"""Ticks: numbers of the frames sent to pages, and when each was sent."""
 
 from collections import deque
 
@@ -7,7 +7,7 @@ _KEPT = 256
 
 
 class Ticks:
-    """Each is issued once; an input that names one is as old as that tick."""
+    """Issues ticks. An input is as old as the tick that it names."""
 
     def __init__(self) -> None:
         self.last = 0

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Control of the robot: taking it, arming, stopping, and what the inputs say with each frame.
+// Control of the robot: taking it, arming, stopping, and sending the inputs with each frame.
 import { by, figure, put, show } from "./text.js";
 import { Inputs } from "./inputs.js";
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// The driver's inputs: game pad, stick on the page, keyboard. A doubt counts as let go, and whatever
-// was held when the page was left, or another pad came, must be let go before it counts again.
+// Input sources: game pad, stick on the page, keyboard. In doubt an input counts as released, and whatever
+// was held when the page was left, or another pad came, must be released before it counts again.
 //
 // The game pad is read as in the manual (4.1): [A] held is the dead-man, RT forward, LT backward,
 // LJ left and right to turn.
 //
-// A page may never hear that a key was let go: a menu, a drag or the Command key keep it. So a key
-// is held no longer than the keyboard repeats, as in cli/deadman.py. Only the key that was pressed
-// last repeats; it speaks for the others.
+// Browsers do not always report that a key was released: a menu, a drag or the Command key hide it. So a
+// key is held no longer than the keyboard repeats, as in cli/deadman.py. Only the key that was pressed
+// last repeats; it keeps the others alive.
 
 const A = 0;
 const LT = 6;

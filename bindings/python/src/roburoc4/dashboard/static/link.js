@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The WebSocket. Each frame that was drawn is answered with its tick; what the driver's inputs do
-// goes along. A page that is hidden or frozen draws nothing, so it answers nothing.
+// The WebSocket. Each frame that was drawn is answered with its tick; the driver's inputs
+// go along. A page that is hidden or frozen draws nothing, so it answers nothing.
 
 const RETRY_MS = 1000;
 const SILENCE_MS = 1000;
@@ -40,7 +40,7 @@ export class Link {
     });
   }
 
-  /** A refused WebSocket tells a page nothing; a refused request says what to do. */
+  /** A refused WebSocket gives a page no reason; a refused request does. */
   async askWhy({ code, reason }) {
     let why = SAYS_WHY.includes(code) ? reason : "";
     if (!why) {
@@ -76,7 +76,7 @@ export class Link {
     this.send(input ? { type: "drawn", tick: frame.tick, input } : { type: "drawn", tick: frame.tick });
   }
 
-  /** Say it now or never: what cannot be said now would be old later. */
+  /** Send it now or never: later it would be out of date. */
   send(message) {
     if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
   }

@@ -62,7 +62,7 @@ export class RobotMap {
     by("map-follow").setAttribute("aria-pressed", String(on));
   }
 
-  // ---- inputs ----
+  // ---- mouse and touch ----
 
   listen() {
     by("map-in").addEventListener("click", () => this.zoom(1.4));

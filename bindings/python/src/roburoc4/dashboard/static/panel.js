@@ -23,7 +23,7 @@ const FAULTS = [
 ];
 const PAD = [["rt", "RT forward", 0, 100], ["lt", "LT backward", 0, 100], ["ljx", "LJ turn", -100, 100]];
 
-/** What a hand has just moved stays so until the simulator has heard of it. */
+/** A control that was just moved keeps its value until the simulator has it. */
 const hold = (input) => { input.held = performance.now() + HOLD_MS; };
 const held = (input) => input === document.activeElement || performance.now() < (input.held ?? 0);
 
@@ -39,7 +39,7 @@ export class Panel {
     this.send({ type: "panel", line: text });
   }
 
-  /** Say it with the next frame, unless the same is moved again before: inputs are faster. */
+  /** Send it with the next frame, unless it is moved again before: sliders move faster. */
   soon(what, message) {
     this.pending.set(what, message);
   }

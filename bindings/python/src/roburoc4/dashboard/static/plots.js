@@ -123,7 +123,7 @@ export class Plots {
 
   show(frame) {
     this.now = frame.time_s;
-    // What a lost robot said last goes on for nobody: a gap.
+    // The last values of a lost robot are not continued: a gap.
     const fresh = frame.state === "ready";
     if (frame.speeds) this.speeds.add([frame.time_s, ...(fresh ? frame.speeds : [null, null, null, null])]);
     if (frame.battery) this.battery.add([frame.time_s, ...(fresh ? [frame.battery.percent, frame.battery.volts] : [null, null])]);
@@ -139,7 +139,7 @@ export class Plots {
       const span = index === 2 ? Math.max(this.span, this.now - first) : this.span;
       plot.setData(this.view(index), false);
       plot.setScale("x", { min: this.now - span, max: this.now });
-      // The legend says the newest, unless somebody points at something else.
+      // The legend shows the newest values, unless the pointer is on others.
       if (plot.cursor.left < 0) plot.setLegend({ idx: plot.data[0].length ? plot.data[0].length - 1 : null });
     });
     mark(by("plot-linear"), "until", this.now);
