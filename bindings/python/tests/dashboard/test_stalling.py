@@ -150,7 +150,7 @@ def test_a_lease_counts_from_the_frame_and_not_from_its_answer(station: Make) ->
 
 
 @pytest.mark.parametrize(
-    "input",
+    "inputs",
     [
         {"forward": 1.01},
         {"forward": 1e300},

@@ -250,15 +250,15 @@ def _place(options: DashboardOptions, make: type[Place]) -> Place:
         ipaddress.ip_address(options.bind)
     except ValueError:
         raise usage(
-            f"--bind: '{options.bind}' is no address: give one of this computer in numbers, such "
-            "as 192.168.0.10, or 0.0.0.0 for all"
+            f"--bind: '{options.bind}' is not an address: give one of this computer in numbers, "
+            "such as 192.168.0.10, or 0.0.0.0 for all"
         ) from None
     if options.sim and options.robot not in (DEFAULT_ROBOT, os.environ.get("ROBUROC4_ROBOT")):
         raise usage(f"--sim starts a robot of its own: leave out --robot {options.robot}, or --sim")
     if (options.tls_cert is None) != (options.tls_key is None):
         raise usage("--tls-cert and --tls-key go together: give both")
     if options.period_ms is not None and options.period_ms % 10:
-        raise usage(f"--period-ms: {options.period_ms} is no multiple of 10")
+        raise usage(f"--period-ms: {options.period_ms} is not a multiple of 10")
     if options.allow_drive and (options.period_ms or 0) > _SLOWEST_DRIVEN_MS:
         raise usage(
             f"--period-ms: at {options.period_ms} the statuses are too old to drive by: give "
@@ -270,7 +270,7 @@ def _place(options: DashboardOptions, make: type[Place]) -> Place:
 def _names(options: DashboardOptions) -> tuple[str, ...]:
     for name in options.name:
         if not _NAME.fullmatch(name):
-            raise usage(f"--name: '{name}' is no host: give one as lab-pc or lab-pc:8400")
+            raise usage(f"--name: '{name}' is not a host name: give one as lab-pc or lab-pc:8400")
     return tuple(options.name)
 
 

@@ -47,7 +47,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command."""
     parser = commands.add_parser(
         "doctor",
-        help="check the link to the robot, and say what to do",
+        help="check the link to the robot, and name what to fix",
         description="Check name, route, port, silence, discovery, and each subscription's rate, "
         "loss and jitter. Ends in one verdict with a number (docs/cli.md lists them). Nothing is "
         "commanded.",

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from roburoc4 import Properties, Robot
     from roburoc4.iocard import ChannelNames
 
-_NEXT_TEXT_S = 4.0  # texts are asked for again and again: whoever knows one has answered by then
+_NEXT_TEXT_S = 4.0  # texts are requested several times: a robot that has one has answered by then
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

@@ -116,7 +116,7 @@ def _statuses(watch: _Watch) -> Iterator[Status]:
             while (status := source.next()) is not None:
                 yield status
         except SamplesLostError as error:
-            note(f"{error.lost} statuses were lost: whoever reads this output is too slow")
+            note(f"{error.lost} statuses were lost: the program that reads this output is too slow")
         source.wait(max(0.0, min(_REFRESH_S, watch.left_s)))
 
 

@@ -37,7 +37,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "stop",
         help="stop the robot",
         description="Send zero speeds until the robot stands. Another program that drives it, or "
-        "somebody at its game pad, goes on: this is no emergency stop.",
+        "somebody at its game pad, goes on: this is not an emergency stop.",
     )
     add_robot(stop)
     stop.set_defaults(run=run_stop)

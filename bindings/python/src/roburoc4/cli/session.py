@@ -78,8 +78,8 @@ def driven(options: DrivingOptions) -> Iterator[Robot]:
             return
         if not options.ignore_override:
             raise refused(
-                "the robot does not report its inputs, so nobody knows whether its game pad is in "
-                "use: run roburoc4 doctor, or drive all the same with --ignore-override"
+                "the robot does not report its inputs, so it is not known whether its game pad is "
+                "in use: run roburoc4 doctor, or drive all the same with --ignore-override"
             )
     note("driving without sight of the game pad: keep an emergency stop in your hand")
     blind = {"allow_unknown_override": True, "override_index": _NO_INPUT}

@@ -102,7 +102,7 @@ def _address(name: str, text: str) -> IPv4Address:
     try:
         address = IPv4Address(text)
     except AddressValueError:
-        raise usage(f"{name} '{text}' is no IPv4 address: give one as 10.0.0.10") from None
+        raise usage(f"{name} '{text}' is not an IPv4 address: give one as 10.0.0.10") from None
     if address.is_multicast or address.is_reserved or address.is_unspecified or address.is_loopback:
         raise usage(f"{name} {address} cannot be a host's on a network: give one as 10.0.0.10")
     return address
@@ -126,7 +126,7 @@ def _confirm(options: SetIpOptions, host: str, settings: tuple[IPv4Interface, IP
     if options.yes:
         return
     if not sys.stdin.isatty():
-        raise usage("nobody is here to confirm a new address: give --yes, or use a terminal")
+        raise usage("a new address must be confirmed: give --yes, or use a terminal")
     interface, gateway = settings
     print(
         f"Change the address of the robot at {host} to {interface.ip}, mask {interface.netmask}, "

@@ -212,6 +212,6 @@ def judge(found: Findings) -> Verdict:
             ExitCode.FINE,
             f"{sum(stream.received for stream in found.streams)} statuses, "
             f"{found.loss:.1%} lost, answers in {found.round_trip_ms:.1f} ms",
-            "nothing to mend: try roburoc4 monitor",
+            "nothing to fix: try roburoc4 monitor",
         )
     )

@@ -83,9 +83,9 @@ _REASONS: dict[int, str] = {
     Result.NOT_READY: f"the robot is not connected yet: wait, {_ARM_AGAIN}",
     Result.NO_DIFFERENTIAL: "this robot offers no speed commands, so it cannot be driven from here",
     Result.LIMITS: "the robot reports speed limits that make no sense, so it is not driven",
-    Result.STALE_DIFFERENTIAL: f"the speeds reported are too old: mend the link, {_ARM_AGAIN}",
-    Result.STALE_IOCARD: f"the inputs reported are too old: mend the link, {_ARM_AGAIN}",
-    Result.OVERRIDE_UNKNOWN: "nobody knows whether the robot's game pad is in use: run roburoc4 "
+    Result.STALE_DIFFERENTIAL: f"the speeds reported are too old: check the link, {_ARM_AGAIN}",
+    Result.STALE_IOCARD: f"the inputs reported are too old: check the link, {_ARM_AGAIN}",
+    Result.OVERRIDE_UNKNOWN: "it is not known whether the robot's game pad is in use: run roburoc4 "
     "doctor, or start the dashboard with --ignore-override",
     Result.OVERRIDE: f"somebody holds [A] on the robot's game pad: wait for the release, "
     f"{_ARM_AGAIN}",
