@@ -203,7 +203,7 @@ def test_a_batch_reports_the_bad_and_keeps_the_good() -> None:
 
 def test_a_batch_without_numpy_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "numpy", None)
-    with pytest.raises(ImportError, match=r"extra \[numpy\] \(docs/python\.md"):
+    with pytest.raises(ImportError, match=r"extra \[numpy\] \(see docs/python\.md"):
         decode_batch("battery", [])
 
 
