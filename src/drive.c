@@ -142,6 +142,7 @@ roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lea
     }
     const float bounded[AXES] = {clamp(target[LINEAR], -ANY_SPEED, ANY_SPEED),
                                  clamp(target[ANGULAR], -ANY_SPEED, ANY_SPEED)};
+    /* NOLINTNEXTLINE: another zero counts as another target, which does no harm */
     if (!d->lease_active || memcmp(d->target, bounded, sizeof bounded) != 0) {
         d->changed = 1; /* until it has left, however often it is renewed before */
     }
