@@ -99,7 +99,7 @@ methods
             this.id = roburoc4.internal.roburoc4_mex('open', address, options);
         end
         try
-            roburoc4.internal.connect(this.id, timeout, this.address);
+            roburoc4.internal.connect(this.id, timeout);
         catch problem
             roburoc4.internal.roburoc4_mex('close', this.id);
             rethrow(problem);

@@ -79,97 +79,75 @@ int take_text(const mxArray *value, const char *name, char out[TEXT_SIZE]) {
 typedef union member {
     uint8_t u8;
     uint16_t u16;
-    int16_t i16;
     uint32_t u32;
-    int32_t i32;
     uint64_t u64;
     float f32;
     double f64;
 } member;
 
-static size_t size_of(kind type) {
-    static const uint8_t sizes[] = {2, 2, 4, 4, 8, 4, 8, 4, 8, 1, 4, 1, 4, 8, 4, 4};
-    return sizes[type];
+static uint64_t bits_of(const member *m, size_t size) {
+    return size == 1 ? m->u8 : size == 2 ? m->u16 : size == 4 ? m->u32 : m->u64;
 }
 
 double field_value(const field *from, const void *base) {
-    member m = {0};
-    memcpy(&m, (const char *)base + from->offset, size_of(from->type));
+    const double range = from->size < 4 ? 65536.0 : 4294967296.0;
+    double number;
+    member m;
+    memcpy(&m, (const char *)base + from->offset, from->size);
+    number = (double)bits_of(&m, from->size);
     switch (from->type) {
-    case FIELD_U16:
-        return m.u16;
-    case FIELD_I16:
-        return m.i16;
-    case FIELD_I32:
-        return m.i32;
-    case FIELD_US32:
-        return m.u32 / 1e6;
-    case FIELD_US64:
-        return (double)m.u64 / 1e6;
-    case FIELD_U64:
-    case FIELD_CYCLES:
-        return (double)m.u64;
-    case FIELD_F32:
-        return (double)m.f32;
-    case FIELD_F64:
-        return m.f64;
-    case FIELD_BYTE:
-    case FIELD_FLAG8:
-        return m.u8;
+    case FIELD_INT:
+        return number < range / 2 ? number : number - range;
+    case FIELD_FLOAT:
+        return from->size == sizeof m.f32 ? (double)m.f32 : m.f64;
+    case FIELD_SECONDS:
+        return number / 1e6;
     default:
-        return m.u32;
+        return number;
     }
 }
 
-/* The least and the most of the integers, from FIELD_U16 to FIELD_U64. */
-static const int64_t least[] = {0, INT16_MIN, 0, INT32_MIN, 0};
-static const int64_t most[] = {UINT16_MAX, INT16_MAX, UINT32_MAX, INT32_MAX, (int64_t)1 << 53};
-
-static int take_member(const field *to, member *out, const mxArray *value) {
-    int64_t whole;
-    double number;
-    int on;
-    switch (to->type) {
-    case FIELD_BIT:
-        if (!take_flag(value, to->name, &on)) {
-            return 0;
-        }
-        out->u32 = on ? out->u32 | to->bit : out->u32 & ~to->bit;
-        return 1;
-    case FIELD_MS32:
-        if (!take_range(value, to->name, 0, 60000.0, &number)) {
-            return 0;
-        }
-        out->u32 = (uint32_t)(number * 1e3);
-        return 1;
-    case FIELD_F32:
-    case FIELD_F64:
-        if (!take_range(value, to->name, -1e30, 1e30, &number)) {
-            return 0;
-        }
-        *out = to->type == FIELD_F32 ? (member){.f32 = (float)number} : (member){.f64 = number};
-        return 1;
-    default:
-        if (!take_whole(value, to->name, least[to->type], most[to->type], &whole)) {
-            return 0;
-        }
-        /* Modulo 2^n: the bits of the signed types. */
-        *out = size_of(to->type) == 2   ? (member){.u16 = (uint16_t)whole}
-               : size_of(to->type) == 4 ? (member){.u32 = (uint32_t)whole}
-                                        : (member){.u64 = (uint64_t)whole};
-        return 1;
+static int take_integer(const field *to, const mxArray *value, member *out) {
+    const int64_t half = (int64_t)1 << (to->size < 8 ? 8 * to->size - 1 : 52);
+    int64_t number;
+    if (!take_whole(value, to->name, to->type == FIELD_INT ? -half : 0,
+                    to->type == FIELD_INT ? half - 1 : 2 * half - 1, &number)) {
+        return 0;
     }
+    /* Modulo 2^n: the bits of the signed types. */
+    *out = to->size == 2   ? (member){.u16 = (uint16_t)number}
+           : to->size == 4 ? (member){.u32 = (uint32_t)number}
+                           : (member){.u64 = (uint64_t)number};
+    return 1;
 }
 
 int field_take(const field *to, void *base, const mxArray *value) {
     char *place = (char *)base + to->offset;
+    double number = 0.0;
+    int fine, on = 0;
     member m;
-    memcpy(&m, place, size_of(to->type));
-    if (!take_member(to, &m, value)) {
-        return 0;
+    memcpy(&m, place, to->size);
+    switch (to->type) {
+    case FIELD_BIT:
+        fine = take_flag(value, to->name, &on);
+        m.u32 = on ? m.u32 | to->bit : m.u32 & ~to->bit;
+        break;
+    case FIELD_MS:
+        fine = take_range(value, to->name, 0, 60000.0, &number);
+        m.u32 = (uint32_t)(number * 1e3);
+        break;
+    case FIELD_FLOAT:
+        fine = take_range(value, to->name, -1e30, 1e30, &number);
+        m = to->size == sizeof m.f32 ? (member){.f32 = (float)number} : (member){.f64 = number};
+        break;
+    default:
+        fine = take_integer(to, value, &m);
+        break;
     }
-    memcpy(place, &m, size_of(to->type));
-    return 1;
+    if (fine) {
+        memcpy(place, &m, to->size);
+    }
+    return fine;
 }
 
 /* -------------------------------------------------------------------------------- answers --- */
@@ -192,11 +170,9 @@ void answer_flag(answer *out, const char *name, int value) {
 static mxArray *make_field(const field *from, const void *base) {
     mxArray *made;
     switch (from->type) {
-    case FIELD_FLAG8:
-    case FIELD_FLAG32:
+    case FIELD_FLAG:
         return mxCreateLogicalScalar(base != NULL && field_value(from, base) != 0.0);
     case FIELD_BYTE:
-    case FIELD_BYTE32:
         made = mxCreateNumericMatrix(1, 1, mxUINT8_CLASS, mxREAL);
         *(uint8_t *)mxGetData(made) =
             base != NULL ? (uint8_t)((uint32_t)field_value(from, base) & 0xFFu) : NOT_KNOWN;

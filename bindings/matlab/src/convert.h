@@ -36,31 +36,25 @@ int take_text(const mxArray *value, const char *name, char out[TEXT_SIZE]);
 /* ------------------------------------------------------------------------- members of structs ---
  */
 
-/** How a member is stored, and what it is in MATLAB: a double unless it says otherwise. */
+/** What a member is, and what it is in MATLAB: a double if nothing else is said. Its size is the
+ *  compiler's. */
 typedef enum kind {
-    FIELD_U16,
-    FIELD_I16,
-    FIELD_U32,
-    FIELD_I32,
-    FIELD_U64,
-    FIELD_F32,
-    FIELD_F64,
-    FIELD_US32,   /* a uint32_t of microseconds; seconds */
-    FIELD_US64,   /* a uint64_t of microseconds; seconds */
-    FIELD_BYTE,   /* a uint8_t; uint8, 255 where it is not known */
-    FIELD_BYTE32, /* a uint32_t; likewise */
-    FIELD_FLAG8,  /* a uint8_t; logical */
-    FIELD_FLAG32, /* a uint32_t or int32_t; logical */
-    FIELD_CYCLES, /* a uint64_t of robot cycles; uint64 */
-    FIELD_MS32,   /* a uint32_t of microseconds; milliseconds; options only */
-    FIELD_BIT,    /* one bit of a uint32_t; options only */
-    FIELD_FLOATS, /* float array of a status; see samples.c */
-    FIELD_BITS    /* bits of a uint64_t of a status; logicals, likewise */
+    FIELD_UINT,
+    FIELD_INT,
+    FIELD_FLOAT,
+    FIELD_SECONDS, /* unsigned microseconds; seconds */
+    FIELD_MS,      /* a uint32_t of microseconds; milliseconds; options only */
+    FIELD_BYTE,    /* unsigned; uint8, 255 where it is not known */
+    FIELD_FLAG,    /* logical */
+    FIELD_CYCLES,  /* a uint64_t of robot cycles; uint64 */
+    FIELD_BIT,     /* one bit of a uint32_t; options only */
+    FIELD_FLOATS,  /* float array of a status; see samples.c */
+    FIELD_BITS     /* bits of a uint64_t of a status; logicals, likewise */
 } kind;
 
 typedef struct field {
     const char *name; /* in MATLAB */
-    size_t offset;
+    size_t offset, size;
     kind type;
     uint32_t bit; /* FIELD_BIT */
 } field;
@@ -68,7 +62,7 @@ typedef struct field {
 /** A row of a table: a member under its own name, or under another one. */
 #define FIELD(of, member, type) FIELD_AS(#member, of, member, type)
 #define FIELD_AS(name, of, member, type)                                                           \
-    { name, offsetof(of, member), FIELD_##type, 0 }
+    { name, offsetof(of, member), sizeof(((of *)0)->member), FIELD_##type, 0 }
 
 /** The value of a member, as a double. */
 double field_value(const field *from, const void *base);

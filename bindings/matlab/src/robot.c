@@ -189,24 +189,21 @@ void robot_disarm(robot *r) {
     robot_unlock(r);
 }
 
-uint32_t robot_fault(robot *r) {
+uint32_t robot_socket(robot *r, char address[ROBUROC4_ADDRESS_TEXT_SIZE]) {
+    roburoc4_address numbers;
+    const roburoc4_udp *udp;
     uint32_t fault;
-    (void)roburoc4_pump_lock(r->pump);
-    fault = roburoc4_udp_fault(roburoc4_pump_udp(r->pump));
-    roburoc4_pump_unlock(r->pump);
-    return fault;
-}
-
-void robot_address_text(robot *r, char *text, size_t capacity) {
-    roburoc4_address address;
     roburoc4_result known;
     (void)roburoc4_pump_lock(r->pump);
-    known = roburoc4_udp_address(roburoc4_pump_udp(r->pump), &address);
+    udp = roburoc4_pump_udp(r->pump);
+    known = roburoc4_udp_address(udp, &numbers);
+    fault = roburoc4_udp_fault(udp);
     roburoc4_pump_unlock(r->pump);
-    (void)snprintf(text, capacity, "the simulator");
+    (void)snprintf(address, ROBUROC4_ADDRESS_TEXT_SIZE, "the simulator");
     if (known >= 0) {
-        (void)roburoc4_udp_address_text(&address, text, capacity);
+        (void)roburoc4_udp_address_text(&numbers, address, ROBUROC4_ADDRESS_TEXT_SIZE);
     }
+    return fault;
 }
 
 void robot_texts(robot *r, uint32_t io_type, channel_texts out) {

@@ -70,10 +70,8 @@ void robots_lose(const roburoc4_world *world);
 
 roburoc4_facts robot_facts(robot *r);
 void robot_disarm(robot *r);
-/** ROBUROC4_FAULT_*; in virtual time there is none. */
-uint32_t robot_fault(robot *r);
-/** Where the robot is, or "the simulator". */
-void robot_address_text(robot *r, char *text, size_t capacity);
+/** Where the robot is, or "the simulator". Returns ROBUROC4_FAULT_* of its socket. */
+uint32_t robot_socket(robot *r, char address[ROBUROC4_ADDRESS_TEXT_SIZE]);
 /** The robot's texts for the channels of a type, by index. Not between lock and unlock. */
 void robot_texts(robot *r, uint32_t io_type, channel_texts out);
 

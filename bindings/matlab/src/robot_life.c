@@ -69,7 +69,8 @@ static int read_progress(call *in) {
     roburoc4_link link = {.size = sizeof link};
     robot *r = in->object;
     const uint32_t state = roburoc4_client_state(in->client);
-    const uint32_t fault = robot_fault(r);
+    char address[ROBUROC4_ADDRESS_TEXT_SIZE];
+    const uint32_t fault = robot_socket(r, address);
     (void)roburoc4_client_link(in->client, in->now_us, &link);
     if (state > r->furthest && state <= ROBUROC4_STATE_READY) {
         r->furthest = state;
@@ -77,6 +78,7 @@ static int read_progress(call *in) {
     }
     answer_flag(&in->out, "ready", state == ROBUROC4_STATE_READY);
     answer_add(&in->out, "state", make_text(roburoc4_state_name(state)));
+    answer_add(&in->out, "address", make_text(address));
     answer_number(&in->out, "open_s", (double)(in->now_us - r->opened_us) / 1e6);
     answer_number(&in->out, "standstill_s", (double)(in->now_us - r->furthest_us) / 1e6);
     answer_number(&in->out, "silence_s", link.silence_us / 1e6);

@@ -7,13 +7,13 @@
 
 /* --------------------------------------------------------------------------------- status --- */
 
-#define FACT(member) FIELD(roburoc4_facts, member, FLAG8)
+#define FACT(member) FIELD(roburoc4_facts, member, FLAG)
 
 /* clang-format off */
 static const field facts_fields[] = {
     FACT(armed), FACT(driving), FACT(stopping), FACT(override_known), FACT(overridden),
     FACT(other_commander), FACT(inhibited), FACT(front_bumper), FACT(rear_bumper),
-    FACT(battery_low), FIELD(roburoc4_facts, disarm_cause, I32),
+    FACT(battery_low), FIELD(roburoc4_facts, disarm_cause, INT),
 };
 /* clang-format on */
 
@@ -64,22 +64,23 @@ static int read_row(call *in, uint32_t service, const field *fields, size_t coun
 
 /* pose(id): x_m, y_m, theta_rad */
 static int read_pose(call *in) {
-    static const field pose[] = {FIELD(roburoc4_localization_status, x_m, F64),
-                                 FIELD(roburoc4_localization_status, y_m, F64),
-                                 FIELD(roburoc4_localization_status, theta_rad, F64)};
+    static const field pose[] = {FIELD(roburoc4_localization_status, x_m, FLOAT),
+                                 FIELD(roburoc4_localization_status, y_m, FLOAT),
+                                 FIELD(roburoc4_localization_status, theta_rad, FLOAT)};
     return read_row(in, ROBUROC4_SERVICE_LOCALIZATION, pose, COUNT_OF(pose));
 }
 
 /* speeds(id): current_linear_m_s, current_angular_rad_s */
 static int read_speeds(call *in) {
-    static const field speeds[] = {FIELD(roburoc4_differential_status, current_linear_m_s, F32),
-                                   FIELD(roburoc4_differential_status, current_angular_rad_s, F32)};
+    static const field speeds[] = {
+        FIELD(roburoc4_differential_status, current_linear_m_s, FLOAT),
+        FIELD(roburoc4_differential_status, current_angular_rad_s, FLOAT)};
     return read_row(in, ROBUROC4_SERVICE_DIFFERENTIAL, speeds, COUNT_OF(speeds));
 }
 
 /* ----------------------------------------------------------------------------------- info --- */
 
-#define LIMIT(member) FIELD(roburoc4_differential_properties, member, F32)
+#define LIMIT(member) FIELD(roburoc4_differential_properties, member, FLOAT)
 
 /* clang-format off */
 static const field limits[] = {
@@ -88,17 +89,17 @@ static const field limits[] = {
     LIMIT(max_angular_rad_s2), LIMIT(min_angular_rad_s2), LIMIT(width_m),
 };
 static const field battery[] = {
-    FIELD(roburoc4_battery_properties, nominal_voltage_v, F32),
-    FIELD(roburoc4_battery_properties, capacity_ah, F32),
+    FIELD(roburoc4_battery_properties, nominal_voltage_v, FLOAT),
+    FIELD(roburoc4_battery_properties, capacity_ah, FLOAT),
     FIELD(roburoc4_battery_properties, minimum_percent, BYTE),
 };
 static const field start[] = {
-    FIELD_AS("initial_x_m", roburoc4_localization_properties, x_m, F64),
-    FIELD_AS("initial_y_m", roburoc4_localization_properties, y_m, F64),
-    FIELD_AS("initial_theta_rad", roburoc4_localization_properties, theta_rad, F64),
+    FIELD_AS("initial_x_m", roburoc4_localization_properties, x_m, FLOAT),
+    FIELD_AS("initial_y_m", roburoc4_localization_properties, y_m, FLOAT),
+    FIELD_AS("initial_theta_rad", roburoc4_localization_properties, theta_rad, FLOAT),
 };
 /* clang-format on */
-#define CHANNELS(member) FIELD(roburoc4_iocard_properties, member, I32)
+#define CHANNELS(member) FIELD(roburoc4_iocard_properties, member, INT)
 
 /* By ROBUROC4_IO_*. */
 /* clang-format off */
@@ -107,7 +108,7 @@ static const field channels[CHANNEL_TYPES] = {
     CHANNELS(digital_outputs),
 };
 /* clang-format on */
-#define TELEMETER(member) FIELD_AS("telemeter_" #member, roburoc4_telemeter, member, F32)
+#define TELEMETER(member) FIELD_AS("telemeter_" #member, roburoc4_telemeter, member, FLOAT)
 
 /* clang-format off */
 static const field telemeter[] = {
@@ -115,8 +116,8 @@ static const field telemeter[] = {
     TELEMETER(min_distance_m), TELEMETER(max_distance_m),
 };
 static const field directory[] = {
-    FIELD_AS("service_ids", roburoc4_directory_entry, id, U16),
-    FIELD_AS("service_types", roburoc4_directory_entry, type, U16),
+    FIELD_AS("service_ids", roburoc4_directory_entry, id, UINT),
+    FIELD_AS("service_types", roburoc4_directory_entry, type, UINT),
 };
 /* clang-format on */
 
@@ -153,7 +154,7 @@ static int read_info(call *in) {
 /* address(id) */
 static int read_address(call *in) {
     char address[ROBUROC4_ADDRESS_TEXT_SIZE];
-    robot_address_text(in->object, address, sizeof address);
+    (void)robot_socket(in->object, address);
     in->results[0] = make_text(address);
     return 1;
 }
@@ -162,19 +163,19 @@ static int read_address(call *in) {
 
 /* clang-format off */
 static const field link_fields[] = {
-    FIELD_AS("round_trip_s", roburoc4_link, round_trip_us, US32),
-    FIELD_AS("round_trip_min_s", roburoc4_link, round_trip_min_us, US32),
-    FIELD_AS("silence_s", roburoc4_link, silence_us, US32),
-    FIELD(roburoc4_link, received, U32), FIELD(roburoc4_link, lost, U32),
-    FIELD(roburoc4_link, loss, F32),
+    FIELD_AS("round_trip_s", roburoc4_link, round_trip_us, SECONDS),
+    FIELD_AS("round_trip_min_s", roburoc4_link, round_trip_min_us, SECONDS),
+    FIELD_AS("silence_s", roburoc4_link, silence_us, SECONDS),
+    FIELD(roburoc4_link, received, UINT), FIELD(roburoc4_link, lost, UINT),
+    FIELD(roburoc4_link, loss, FLOAT),
 };
 static const field service_link_fields[] = {
-    FIELD(roburoc4_service_link, subscribed, FLAG32), FIELD(roburoc4_service_link, received, U32),
-    FIELD(roburoc4_service_link, lost, U32), FIELD(roburoc4_service_link, late, U32),
-    FIELD(roburoc4_service_link, duplicates, U32),
-    FIELD_AS("period_s", roburoc4_service_link, period_us, US32),
-    FIELD_AS("jitter_s", roburoc4_service_link, jitter_us, US32),
-    FIELD(roburoc4_service_link, loss, F32),
+    FIELD(roburoc4_service_link, subscribed, FLAG), FIELD(roburoc4_service_link, received, UINT),
+    FIELD(roburoc4_service_link, lost, UINT), FIELD(roburoc4_service_link, late, UINT),
+    FIELD(roburoc4_service_link, duplicates, UINT),
+    FIELD_AS("period_s", roburoc4_service_link, period_us, SECONDS),
+    FIELD_AS("jitter_s", roburoc4_service_link, jitter_us, SECONDS),
+    FIELD(roburoc4_service_link, loss, FLOAT),
 };
 /* clang-format on */
 

@@ -19,16 +19,16 @@ static const field battery[] = {
     FIELD(roburoc4_battery_status, remaining_percent, BYTE),
 };
 static const field localization[] = {
-    FIELD(roburoc4_localization_status, x_m, F64),
-    FIELD(roburoc4_localization_status, y_m, F64),
-    FIELD(roburoc4_localization_status, theta_rad, F64),
-    FIELD_AS("localization_flags", roburoc4_localization_status, flags, BYTE32),
+    FIELD(roburoc4_localization_status, x_m, FLOAT),
+    FIELD(roburoc4_localization_status, y_m, FLOAT),
+    FIELD(roburoc4_localization_status, theta_rad, FLOAT),
+    FIELD_AS("localization_flags", roburoc4_localization_status, flags, BYTE),
 };
 static const field differential[] = {
-    FIELD(roburoc4_differential_status, target_linear_m_s, F32),
-    FIELD(roburoc4_differential_status, current_linear_m_s, F32),
-    FIELD(roburoc4_differential_status, target_angular_rad_s, F32),
-    FIELD(roburoc4_differential_status, current_angular_rad_s, F32),
+    FIELD(roburoc4_differential_status, target_linear_m_s, FLOAT),
+    FIELD(roburoc4_differential_status, current_linear_m_s, FLOAT),
+    FIELD(roburoc4_differential_status, target_angular_rad_s, FLOAT),
+    FIELD(roburoc4_differential_status, current_angular_rad_s, FLOAT),
 };
 
 /* By service, from FIRST_SERVICE on. */

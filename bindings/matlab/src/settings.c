@@ -10,22 +10,21 @@
 
 #include "fail.h"
 
-#define ROBOT_U32(name) FIELD_AS(#name, robot_settings, config.name, U32)
-#define ROBOT_F32(name) FIELD_AS(#name, robot_settings, config.name, F32)
-#define IN_ARRAY(name, member, index, size, type)                                                  \
-    { name, offsetof(robot_settings, config.member) + (index) * (size), FIELD_##type, 0 }
+#define ROBOT_UINT(name) FIELD_AS(#name, robot_settings, config.name, UINT)
+#define ROBOT_FLOAT(name) FIELD_AS(#name, robot_settings, config.name, FLOAT)
 #define PERIOD(name, service)                                                                      \
-    IN_ARRAY(name, period_ms, ROBUROC4_SERVICE_##service, sizeof(uint16_t), U16)
-#define ROLE(name, role) IN_ARRAY(name, role_index, ROBUROC4_ROLE_##role, sizeof(int16_t), I16)
+    FIELD_AS(name, robot_settings, config.period_ms[ROBUROC4_SERVICE_##service], UINT)
+#define ROLE(name, role)                                                                           \
+    FIELD_AS(name, robot_settings, config.role_index[ROBUROC4_ROLE_##role], INT)
 #define OPTION(name, bit)                                                                          \
-    { name, offsetof(robot_settings, config.options), FIELD_BIT, bit }
+    { name, offsetof(robot_settings, config.options), sizeof(uint32_t), FIELD_BIT, bit }
 
 /* clang-format off */
 static const field of_robot[] = {
-    ROBOT_U32(first_retry_ms), ROBOT_U32(lost_ms), ROBOT_U32(fresh_ms), ROBOT_U32(drive_period_ms),
-    ROBOT_U32(lease_ms), ROBOT_U32(robot_watchdog_ms),
-    ROBOT_F32(max_linear_m_s), ROBOT_F32(max_angular_rad_s), ROBOT_F32(scale_linear),
-    ROBOT_F32(scale_angular),
+    ROBOT_UINT(first_retry_ms), ROBOT_UINT(lost_ms), ROBOT_UINT(fresh_ms),
+    ROBOT_UINT(drive_period_ms), ROBOT_UINT(lease_ms), ROBOT_UINT(robot_watchdog_ms),
+    ROBOT_FLOAT(max_linear_m_s), ROBOT_FLOAT(max_angular_rad_s), ROBOT_FLOAT(scale_linear),
+    ROBOT_FLOAT(scale_angular),
     PERIOD("iocard_period_ms", IOCARD), PERIOD("telemeter_period_ms", TELEMETER),
     PERIOD("battery_period_ms", BATTERY), PERIOD("localization_period_ms", LOCALIZATION),
     PERIOD("differential_period_ms", DIFFERENTIAL),
@@ -34,39 +33,37 @@ static const field of_robot[] = {
     OPTION("ignore_other_commander", ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER),
     ROLE("override_index", OVERRIDE), ROLE("front_bumper_index", FRONT_BUMPER),
     ROLE("rear_bumper_index", REAR_BUMPER), ROLE("battery_voltage_index", BATTERY_V),
-    FIELD(robot_settings, buffer, U32),
+    FIELD(robot_settings, buffer, UINT),
 };
 /* clang-format on */
 
-#define SIM_U32(name) FIELD(roburoc4_sim_config, name, U32)
-#define SIM_I32(name) FIELD(roburoc4_sim_config, name, I32)
-#define SIM_F32(name) FIELD(roburoc4_sim_config, name, F32)
-#define SIM_F64(name) FIELD(roburoc4_sim_config, name, F64)
+#define SIM_UINT(name) FIELD(roburoc4_sim_config, name, UINT)
+#define SIM_INT(name) FIELD(roburoc4_sim_config, name, INT)
+#define SIM_FLOAT(name) FIELD(roburoc4_sim_config, name, FLOAT)
 
 /* clang-format off */
 static const field of_simulator[] = {
-    SIM_U32(watchdog_cycles),
-    FIELD(roburoc4_sim_config, seed, U64),
-    SIM_U32(plain_types), SIM_U32(hidden_services), SIM_U32(refused_inserts), SIM_U32(query_mode),
-    SIM_U32(answer_id_fixed), SIM_U32(only_id_fixed), SIM_U32(error_header), SIM_U32(start_safe),
-    SIM_I32(analog_inputs), SIM_I32(analog_outputs), SIM_I32(digital_inputs),
-    SIM_I32(digital_outputs),
-    SIM_F32(max_linear_m_s), SIM_F32(min_linear_m_s), SIM_F32(max_angular_rad_s),
-    SIM_F32(min_angular_rad_s), SIM_F32(max_linear_m_s2), SIM_F32(min_linear_m_s2),
-    SIM_F32(max_angular_rad_s2), SIM_F32(min_angular_rad_s2), SIM_F32(width_m), SIM_F32(slip),
-    SIM_F32(nominal_voltage_v), SIM_F32(capacity_ah), SIM_F32(battery_percent),
-    SIM_U32(minimum_percent),
-    SIM_F64(start_x_m), SIM_F64(start_y_m), SIM_F64(start_theta_rad),
+    SIM_UINT(watchdog_cycles), SIM_UINT(seed), SIM_UINT(plain_types), SIM_UINT(hidden_services),
+    SIM_UINT(refused_inserts), SIM_UINT(query_mode), SIM_UINT(answer_id_fixed),
+    SIM_UINT(only_id_fixed), SIM_UINT(error_header), SIM_UINT(start_safe),
+    SIM_INT(analog_inputs), SIM_INT(analog_outputs), SIM_INT(digital_inputs),
+    SIM_INT(digital_outputs),
+    SIM_FLOAT(max_linear_m_s), SIM_FLOAT(min_linear_m_s), SIM_FLOAT(max_angular_rad_s),
+    SIM_FLOAT(min_angular_rad_s), SIM_FLOAT(max_linear_m_s2), SIM_FLOAT(min_linear_m_s2),
+    SIM_FLOAT(max_angular_rad_s2), SIM_FLOAT(min_angular_rad_s2), SIM_FLOAT(width_m),
+    SIM_FLOAT(slip), SIM_FLOAT(nominal_voltage_v), SIM_FLOAT(capacity_ah),
+    SIM_FLOAT(battery_percent), SIM_UINT(minimum_percent),
+    SIM_FLOAT(start_x_m), SIM_FLOAT(start_y_m), SIM_FLOAT(start_theta_rad),
 };
 /* clang-format on */
 
 static const field of_faults[] = {
-    FIELD(roburoc4_sim_faults, loss, F64),
-    FIELD(roburoc4_sim_faults, duplicate, F64),
-    FIELD(roburoc4_sim_faults, reorder, F64),
-    FIELD(roburoc4_sim_faults, corrupt, F64),
-    FIELD_AS("delay_ms", roburoc4_sim_faults, delay_us, MS32),
-    FIELD_AS("jitter_ms", roburoc4_sim_faults, jitter_us, MS32),
+    FIELD(roburoc4_sim_faults, loss, FLOAT),
+    FIELD(roburoc4_sim_faults, duplicate, FLOAT),
+    FIELD(roburoc4_sim_faults, reorder, FLOAT),
+    FIELD(roburoc4_sim_faults, corrupt, FLOAT),
+    FIELD_AS("delay_ms", roburoc4_sim_faults, delay_us, MS),
+    FIELD_AS("jitter_ms", roburoc4_sim_faults, jitter_us, MS),
 };
 
 /* ------------------------------------------------------------------------------- all of them ---

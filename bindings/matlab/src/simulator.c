@@ -172,21 +172,21 @@ static int set_faults(call *in) {
 /* ------------------------------------------------------------------------ looking and acting ---
  */
 
-#define SI(member) FIELD(roburoc4_sim_state, member, F64)
-#define ON(member) FIELD(roburoc4_sim_state, member, FLAG32)
-#define COUNT(member) FIELD(roburoc4_sim_state, member, U32)
+#define SI(member) FIELD(roburoc4_sim_state, member, FLOAT)
+#define ON(member) FIELD(roburoc4_sim_state, member, FLAG)
+#define COUNT(member) FIELD(roburoc4_sim_state, member, UINT)
 
 /* clang-format off */
 static const field state_fields[] = {
-    FIELD_AS("time_s", roburoc4_sim_state, now_us, US64),
+    FIELD_AS("time_s", roburoc4_sim_state, now_us, SECONDS),
     FIELD_AS("robot_cycles", roburoc4_sim_state, cycles, CYCLES),
     SI(true_x_m), SI(true_y_m), SI(true_theta_rad), SI(true_linear_m_s), SI(true_angular_rad_s),
     SI(odometry_x_m), SI(odometry_y_m), SI(odometry_theta_rad), SI(wheel_linear_m_s),
     SI(wheel_angular_rad_s), SI(target_linear_m_s), SI(target_angular_rad_s), SI(last_linear_m_s),
     SI(last_angular_rad_s),
-    FIELD_AS("last_command_s", roburoc4_sim_state, last_command_us, US64),
-    FIELD(roburoc4_sim_state, battery_percent, F32), FIELD(roburoc4_sim_state, battery_v, F32),
-    FIELD(roburoc4_sim_state, battery_state, BYTE32),
+    FIELD_AS("last_command_s", roburoc4_sim_state, last_command_us, SECONDS),
+    FIELD(roburoc4_sim_state, battery_percent, FLOAT), FIELD(roburoc4_sim_state, battery_v, FLOAT),
+    FIELD(roburoc4_sim_state, battery_state, BYTE),
     ON(powered), ON(motors_enabled), ON(estop_local), ON(estop_remote), ON(brakes_released),
     ON(charger), ON(overridden), ON(watchdog_bitten), ON(bumper_front), ON(bumper_rear),
     COUNT(reboots), COUNT(requests), COUNT(errors), COUNT(speed_commands),
@@ -194,7 +194,7 @@ static const field state_fields[] = {
     COUNT(ignored), COUNT(peers), COUNT(subscriptions),
 };
 /* clang-format on */
-static const field telemeters = {"telemeters_m", 0, FIELD_F32, 0};
+static const field telemeters = {"telemeters_m", 0, sizeof(float), FIELD_FLOAT, 0};
 
 /* simState(id) */
 static int read_state(call *in) {

@@ -1,11 +1,10 @@
-function connect(id, timeout, address)
+function connect(id, timeout)
 %CONNECT Wait until a robot is ready.
-%   roburoc4.internal.connect(ID, TIMEOUT, ADDRESS) raises roburoc4:timeout after TIMEOUT seconds in
-%   which nothing came from the robot, or in which it came no nearer to ready. ADDRESS is for the
-%   message.
+%   roburoc4.internal.connect(ID, TIMEOUT) raises roburoc4:timeout after TIMEOUT seconds in which
+%   nothing arrived from the robot, or in which it made no progress towards ready.
 %
 %   Example:
-%      roburoc4.internal.connect(id, 10, '192.168.0.2:60000')
+%      roburoc4.internal.connect(id, 10)
 %
 %   See also roburoc4.Robot.
 
@@ -21,13 +20,13 @@ while true
     end
     if silence_s >= timeout
         error('roburoc4:timeout', ['no answer from %s for %g s (state %s, %d datagrams sent, %d ' ...
-            'received): %s'], address, timeout, p.state, p.sent, p.received, remedy(p));
+            'received): %s'], p.address, timeout, p.state, p.sent, p.received, remedy(p));
     end
     if p.standstill_s >= timeout
         error('roburoc4:timeout', ['%s is not ready: it answers, but refuses or leaves out what ' ...
             'is needed (no progress for %g s, state %s, %d datagrams received, %d of them ' ...
             'refusals). Check that it is a RobuROC4 and that the network loses little, or give ' ...
-            'a longer timeout'], address, timeout, p.state, p.received, p.refused);
+            'a longer timeout'], p.address, timeout, p.state, p.received, p.refused);
     end
     roburoc4.internal.roburoc4_mex('wait', id, 0.01);
 end
