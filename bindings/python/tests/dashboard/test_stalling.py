@@ -222,10 +222,10 @@ def test_a_panel_line_of_other_letters_is_refused(
     assert not caplog.records
 
 
-def test_a_page_that_takes_no_answers_is_not_kept(station: Make) -> None:
+def test_a_page_whose_outbox_is_full_is_not_kept(station: Make) -> None:
     here = station()
     page = here.hub.join()
-    with pytest.raises(BadMessageError, match="answers"):
+    with pytest.raises(BadMessageError, match="outbox is full"):
         for _ in range(100):
             Messages(here.hub, page).receive('{"type":"clear"}')
     here.hub.part(page)
