@@ -65,15 +65,13 @@ PyObject *tuple_of_bits(const uint8_t *blocks, uint32_t count);
 /* The formats that NumPy has for the members of a C struct, in the byte order of the wire. */
 PyObject *packed_formats(uint32_t kind);
 
-/* Settings, with their defaults; `set` changes the member `name` (of an array, the one at index).
+/* Settings, with their defaults. set_member() changes a member, of an array the one at index;
+ * `settings` is the capsule of one of these.
  * AttributeError, OverflowError. */
 roburoc4_config *new_config(void);
 roburoc4_sim_config *new_sim_config(void);
 roburoc4_sim_faults *new_sim_faults(void);
-PyObject *set_config(roburoc4_config *config, const char *name, PyObject *value, uint32_t index);
-PyObject *set_sim_config(roburoc4_sim_config *config, const char *name, PyObject *value,
-                         uint32_t index);
-PyObject *set_sim_faults(roburoc4_sim_faults *faults, const char *name, PyObject *value);
+PyObject *set_member(PyObject *settings, const char *name, PyObject *value, uint32_t index);
 
 /* ---- telegrams of tools (decode.c) ---- */
 

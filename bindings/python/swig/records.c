@@ -328,33 +328,20 @@ static int store(const field *f, void *at, PyObject *value) {
     return fits ? 0 : -1;
 }
 
-static PyObject *set_field(const char *structure, void *at, const char *name, PyObject *value,
-                           uint32_t index) {
-    const field *f = find_field(structure, name);
+PyObject *set_member(PyObject *settings, const char *name, PyObject *value, uint32_t index) {
+    const char *structure = PyCapsule_GetName(settings);
+    uint8_t *at = structure != NULL ? PyCapsule_GetPointer(settings, structure) : NULL;
+    const field *f = at != NULL ? find_field(structure, name) : NULL;
     if (f == NULL) {
         return NULL;
     }
     if (index > 0 && index >= f->count) {
         return PyErr_Format(PyExc_IndexError, "%s[%u]", name, (unsigned)index);
     }
-    at = (uint8_t *)at + f->offset + (size_t)index * f->size;
-    if (store(f, at, value) < 0) {
+    if (store(f, at + f->offset + (size_t)index * f->size, value) < 0) {
         return NULL;
     }
     Py_RETURN_NONE;
-}
-
-PyObject *set_config(roburoc4_config *config, const char *name, PyObject *value, uint32_t index) {
-    return set_field("roburoc4_config", config, name, value, index);
-}
-
-PyObject *set_sim_config(roburoc4_sim_config *config, const char *name, PyObject *value,
-                         uint32_t index) {
-    return set_field("roburoc4_sim_config", config, name, value, index);
-}
-
-PyObject *set_sim_faults(roburoc4_sim_faults *faults, const char *name, PyObject *value) {
-    return set_field("roburoc4_sim_faults", faults, name, value, 0);
 }
 
 roburoc4_config *new_config(void) {

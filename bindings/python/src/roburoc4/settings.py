@@ -105,16 +105,16 @@ def _set_periods(config: "_native.Config", periods: Mapping[str, int | None]) ->
         if period_ms is None:
             wanted &= ~(1 << service)
         else:
-            _native.set_config(config, "period_ms", period_ms, service)
-    _native.set_config(config, "subscriptions", wanted, 0)
+            _native.set_member(config, "period_ms", period_ms, service)
+    _native.set_member(config, "subscriptions", wanted, 0)
 
 
 # Settings gives each name its type.
 def _set(config: "_native.Config", name: str, value: Any) -> None:
     if name in _PLAIN:
-        _native.set_config(config, name, value, 0)
+        _native.set_member(config, name, value, 0)
     elif name in _ROLES:
-        _native.set_config(config, "role_index", value, _ROLES[name])
+        _native.set_member(config, "role_index", value, _ROLES[name])
     elif name == "periods_ms":
         _set_periods(config, value)
     elif name not in _OPTIONS and name != "buffer":
@@ -131,7 +131,7 @@ def config_of(settings: Settings) -> "_native.Config":
         except OverflowError as error:
             raise ArgumentError(f"{name}: {value!r} is out of range", Result.CONFIG) from error
     options = sum(bit for name, bit in _OPTIONS.items() if settings.get(name))
-    _native.set_config(config, "options", options, 0)
+    _native.set_member(config, "options", options, 0)
     wrong = _native.roburoc4_config_error(config)
     if wrong is not None:
         raise ArgumentError(f"setting out of range: {wrong}", Result.CONFIG)

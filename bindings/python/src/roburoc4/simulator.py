@@ -65,9 +65,9 @@ class SimSettings(TypedDict, total=False):
 def _set(config: "_native.SimConfig", name: str, value: Any) -> None:
     if name == "service_ids":
         for service, wire_id in value.items():
-            _native.set_sim_config(config, "service_ids", wire_id, Service[service.upper()])
+            _native.set_member(config, "service_ids", wire_id, Service[service.upper()])
     elif name in SimSettings.__annotations__:
-        _native.set_sim_config(config, name, value, 0)
+        _native.set_member(config, name, value, 0)
     else:
         known = ", ".join(sorted(SimSettings.__annotations__))
         raise TypeError(f"no setting {name!r}: there are {known}")
@@ -75,7 +75,7 @@ def _set(config: "_native.SimConfig", name: str, value: Any) -> None:
 
 def _config_of(seed: int, settings: SimSettings) -> "_native.SimConfig":
     config = _native.new_sim_config()
-    _native.set_sim_config(config, "seed", seed, 0)
+    _native.set_member(config, "seed", seed, 0)
     for name, value in settings.items():
         try:
             _set(config, name, value)
@@ -208,9 +208,9 @@ class Simulator:
         for name, share in shares.items():
             if not 0 <= share <= 1:
                 raise ArgumentError(f"{name}: {share} is out of range: 0 to 1", Result.ARGUMENT)
-            _native.set_sim_faults(faults, name, share)
+            _native.set_member(faults, name, share, 0)
         for name, time_us in times.items():
-            _native.set_sim_faults(faults, name, round(time_us))
+            _native.set_member(faults, name, round(time_us), 0)
         _native.simulation_set_faults(self._sim, faults)
 
     # ---- observation ----
