@@ -313,7 +313,9 @@ class Scenario {
     Promise promise_behind(std::int32_t refusal) const {
         if (refusal == ROBUROC4_ERR_OVERRIDE_UNKNOWN)
             return Promise::override_by_texts;
-        if (refusal == ROBUROC4_ERR_NO_DIFFERENTIAL && !plan_.type_codes)
+        const bool missing =
+            refusal == ROBUROC4_ERR_NO_DIFFERENTIAL || refusal == ROBUROC4_ERR_STALE_IOCARD;
+        if (missing && !plan_.type_codes)
             return Promise::service_by_texts;
         if (refusal == ROBUROC4_ERR_MOVING && plan_.noise > 0)
             return Promise::rounding_is_not_motion;
