@@ -168,8 +168,9 @@ typedef struct roburoc4_config {
     int16_t role_index[4];
 } roburoc4_config;
 
-/** Set all defaults. Returns ROBUROC4_ERR_SIZE (nothing written) where `size`, which is
- *  sizeof(roburoc4_config), is not the library's. */
+/** Set all defaults; `size` is sizeof(roburoc4_config). A program that was compiled with an older
+ *  header has fewer fields, and the library gives the others their defaults. ROBUROC4_ERR_SIZE
+ *  (nothing written) for a size that no version has had. */
 ROBUROC4_API roburoc4_result roburoc4_config_init(roburoc4_config *config, size_t size);
 /** NULL if all values are in range, else the first bad value's name and range, for example
  *  "lease_ms: 20 to 1000". Lives as long as the program. */

@@ -4,37 +4,36 @@
  * threads.
  *
  * A roburoc4_client needs somebody who moves its datagrams in time. The pump is that somebody: one
- * thread of its own, which receives, sends, repeats a living drive command, and sends the zero
- * train when the command's lease is over. It is what language bindings stand on: their
- * interpreter may compute, collect garbage or wait for a lock while the link lives on.
+ * thread of its own, which receives, sends, repeats a drive command while its lease lasts, and sends
+ * the stop sequence when it is over. Language bindings stand on it: their interpreter may compute,
+ * collect garbage or wait for a lock while the link lives on.
  *
  *     roburoc4_pump *pump = roburoc4_pump_create(&address, NULL, 0, &result);
  *     roburoc4_pump_reader reader = {0};
  *     roburoc4_pump_wait_events(pump, &reader, ROBUROC4_EVENT_READY, 5000000);
- *     roburoc4_pump_arm(pump);
- *     while (...)
- *         roburoc4_pump_drive(pump, 0.5f, 0.0f, 0);
+ *     roburoc4_client *client = roburoc4_pump_lock(pump);
+ *     roburoc4_client_arm(client, roburoc4_udp_now_us());
+ *     roburoc4_client_drive(client, 0.5f, 0.0f, 0, roburoc4_udp_now_us());
+ *     roburoc4_pump_unlock(pump);
+ *     ...
  *     roburoc4_pump_destroy(pump);
  *
  * WHAT IT PROMISES
  *
- *   Motion        the pump never renews a lease: only roburoc4_pump_drive() does, for lease_us from
- *                 the moment of the call. A program that hangs stops the robot.
- *   At once       drive(), stop() and the like send before they return; they never wait for the
- *                 network.
+ *   Motion        the pump never renews a lease: only roburoc4_client_drive() does, for lease_us
+ *                 from the time that it is given. A program that hangs stops the robot.
+ *   At once       what the client has to send after drive(), stop() and the like leaves in
+ *                 roburoc4_pump_unlock(), which never waits for the network.
  *   Readers       have cursors of their own: each sees every sample and every event, as many
  *                 readers as there are. A slow one loses the oldest samples, and is told how many;
  *                 it never holds back the pump, the robot or another reader.
  *   No callback   into your code, ever.
- *   The end       roburoc4_pump_close() disarms, sends the zero train where one is due, ends the
+ *   The end       roburoc4_pump_close() disarms, sends the stop sequence where one is due, ends the
  *                 thread, and wakes whoever waits.
  *
  * Threads: all functions can be called from any thread at any time between create and destroy. A
  * roburoc4_pump_reader is used by one thread at a time. After a fork() the child has no pump: there
  * every function returns ROBUROC4_ERR_CLOSED, and destroy only gives the memory back.
- *
- * Times are those of roburoc4_udp_now_us(). Where a function has the name of one of
- * roburoc4_client_*(), it does the same, with the same results.
  */
 #ifndef ROBUROC4_PUMP_H
 #define ROBUROC4_PUMP_H
@@ -72,13 +71,13 @@ ROBUROC4_API roburoc4_pump *roburoc4_pump_create(const roburoc4_address *address
  *  client was given `datagram`, or was polled (NULL). Between lock and unlock, and only with a pump
  *  that was made without an address. */
 ROBUROC4_API void roburoc4_pump_collect(roburoc4_pump *pump, const uint8_t *datagram, size_t size);
-/** End the link: disarm, send the zero train where one is due, end the thread; wait for that, at
+/** End the link: disarm, send the stop sequence where one is due, end the thread; wait for that, at
  *  most the configured robot_watchdog_ms (or three drive periods) and half a second. Whoever waits
  * in another call gets ROBUROC4_ERR_CLOSED. Afterwards values and samples can still be read,
  * commands return ROBUROC4_ERR_CLOSED. From any thread, several times: later calls return 0 when it
  * is over. */
 ROBUROC4_API roburoc4_result roburoc4_pump_close(roburoc4_pump *pump);
-/** Stop, wait for those who were waiting, free the memory. NULL is fine. No thread may begin a call
+/** Close, wait for those who were waiting, free the memory. NULL is fine. No thread may begin a call
  *  with this pump from here on. */
 ROBUROC4_API void roburoc4_pump_destroy(roburoc4_pump *pump);
 /** Take the pump's lock and get its client, for any roburoc4_client_*() call; NULL in a forked
@@ -96,7 +95,7 @@ ROBUROC4_API const roburoc4_udp *roburoc4_pump_udp(roburoc4_pump *pump);
  *  expects, and give the lock back. Only after a successful roburoc4_pump_lock(), by the same
  * thread. */
 ROBUROC4_API void roburoc4_pump_unlock(roburoc4_pump *pump);
-/** 1 while the thread runs, 0 once stop() was called, or in a forked child. */
+/** 1 while the thread runs, 0 once roburoc4_pump_close() was called, or in a forked child. */
 ROBUROC4_API int32_t roburoc4_pump_running(roburoc4_pump *pump);
 
 /* --------------------------------------------------------------------- samples and events --- */
@@ -163,79 +162,7 @@ ROBUROC4_API roburoc4_result roburoc4_pump_wait_events(roburoc4_pump *pump,
                                                        const roburoc4_pump_reader *reader,
                                                        uint32_t mask, uint32_t timeout_us);
 
-/* -------------------------------------------------------------------------------- commands --- */
-/* Each does what its namesake of roburoc4.h does, and sends at once. All of them also return
- * ROBUROC4_ERR_CLOSED. */
-
-ROBUROC4_API roburoc4_result roburoc4_pump_arm(roburoc4_pump *pump);
-ROBUROC4_API roburoc4_result roburoc4_pump_disarm(roburoc4_pump *pump);
-/** lease_us: 0 for the configured lease. */
-ROBUROC4_API roburoc4_result roburoc4_pump_drive(roburoc4_pump *pump, float linear_m_s,
-                                                 float angular_rad_s, uint32_t lease_us);
-/** Stop the robot (roburoc4_pump_close() ends the pump). */
-ROBUROC4_API roburoc4_result roburoc4_pump_stop_robot(roburoc4_pump *pump);
-ROBUROC4_API roburoc4_result roburoc4_pump_set_digital_outputs(roburoc4_pump *pump, uint64_t mask,
-                                                               uint64_t values);
-ROBUROC4_API roburoc4_result roburoc4_pump_set_analog_output(roburoc4_pump *pump, uint32_t index,
-                                                             float value);
-ROBUROC4_API roburoc4_result roburoc4_pump_relocalize(roburoc4_pump *pump, double x_m, double y_m,
-                                                      double theta_rad);
-ROBUROC4_API roburoc4_result roburoc4_pump_subscribe(roburoc4_pump *pump, uint32_t service,
-                                                     uint32_t period_ms);
-ROBUROC4_API roburoc4_result roburoc4_pump_unsubscribe(roburoc4_pump *pump, uint32_t service);
-ROBUROC4_API roburoc4_result roburoc4_pump_set_role_index(roburoc4_pump *pump, uint32_t role,
-                                                          int32_t index);
-
-/* ------------------------------------------------------------------------ facts and values --- */
-/* As their namesakes; still readable after roburoc4_pump_close(). Those that return a
- * roburoc4_result return ROBUROC4_ERR_CLOSED in a forked child, the others 0. */
-
-/** ROBUROC4_STATE_*. */
-ROBUROC4_API uint32_t roburoc4_pump_state(roburoc4_pump *pump);
-ROBUROC4_API roburoc4_result roburoc4_pump_facts(roburoc4_pump *pump, roburoc4_facts *facts);
-ROBUROC4_API roburoc4_result roburoc4_pump_link(roburoc4_pump *pump, roburoc4_link *link);
-ROBUROC4_API roburoc4_result roburoc4_pump_service_link(roburoc4_pump *pump, uint32_t service,
-                                                        roburoc4_service_link *link);
-ROBUROC4_API roburoc4_result roburoc4_pump_host_time(roburoc4_pump *pump, uint64_t robot_cycles,
-                                                     uint64_t *host_us);
-/** One of ROBUROC4_COUNT_*. */
-ROBUROC4_API uint32_t roburoc4_pump_count(roburoc4_pump *pump, uint32_t counter);
-/** One of ROBUROC4_UDP_COUNT_*. */
-ROBUROC4_API uint32_t roburoc4_pump_udp_count(roburoc4_pump *pump, uint32_t counter);
-/** ROBUROC4_FAULT_*; its text is roburoc4_udp_fault_text(). */
-ROBUROC4_API uint32_t roburoc4_pump_fault(roburoc4_pump *pump);
-/** The robot's address. */
-ROBUROC4_API roburoc4_result roburoc4_pump_address(roburoc4_pump *pump, roburoc4_address *out);
-
-ROBUROC4_API uint32_t roburoc4_pump_service_count(roburoc4_pump *pump);
-ROBUROC4_API roburoc4_result roburoc4_pump_service_at(roburoc4_pump *pump, uint32_t index,
-                                                      roburoc4_directory_entry *out);
-ROBUROC4_API roburoc4_result roburoc4_pump_service_id(roburoc4_pump *pump, uint32_t service);
-ROBUROC4_API roburoc4_result roburoc4_pump_iocard_properties(roburoc4_pump *pump,
-                                                             roburoc4_iocard_properties *out);
-ROBUROC4_API roburoc4_result roburoc4_pump_battery_properties(roburoc4_pump *pump,
-                                                              roburoc4_battery_properties *out);
-ROBUROC4_API roburoc4_result
-roburoc4_pump_localization_properties(roburoc4_pump *pump, roburoc4_localization_properties *out);
-ROBUROC4_API roburoc4_result
-roburoc4_pump_differential_properties(roburoc4_pump *pump, roburoc4_differential_properties *out);
-ROBUROC4_API uint32_t roburoc4_pump_telemeter_count(roburoc4_pump *pump);
-ROBUROC4_API roburoc4_result roburoc4_pump_telemeter(roburoc4_pump *pump, uint32_t index,
-                                                     roburoc4_telemeter *out);
-ROBUROC4_API roburoc4_result roburoc4_pump_role_index(roburoc4_pump *pump, uint32_t role);
-
-ROBUROC4_API roburoc4_result roburoc4_pump_battery(roburoc4_pump *pump,
-                                                   roburoc4_battery_status *out, uint64_t *host_us);
-ROBUROC4_API roburoc4_result roburoc4_pump_localization(roburoc4_pump *pump,
-                                                        roburoc4_localization_status *out,
-                                                        uint64_t *host_us);
-ROBUROC4_API roburoc4_result roburoc4_pump_differential(roburoc4_pump *pump,
-                                                        roburoc4_differential_status *out,
-                                                        uint64_t *host_us);
-ROBUROC4_API roburoc4_result roburoc4_pump_inputs(roburoc4_pump *pump, roburoc4_inputs *out,
-                                                  uint64_t *host_us);
-ROBUROC4_API roburoc4_result roburoc4_pump_distances(roburoc4_pump *pump, roburoc4_distances *out,
-                                                     uint64_t *host_us);
+/* ---------------------------------------------------------------------------- descriptions --- */
 
 /** Bytes that are kept of a description; a longer text is cut there. */
 #define ROBUROC4_PUMP_DESCRIPTION_MAX 63

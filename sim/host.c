@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "carrier.h"
-#include "pump_threads.h"
+#include "os.h"
 
 #define FLIGHTS 4096u
 

@@ -5,7 +5,7 @@
  * A reader that runs out gives zeros from then on; a writer that runs out writes nothing more. The
  * codec asks for a telegram's whole length before the first byte, so that it is all or nothing; the
  * cursors' own checks are what keeps memory safe whatever the codec asks for. No cast of bytes to a
- * struct, no assumption on the host's byte order, alignment, or the size of its double.
+ * struct, no assumption on the host's byte order or alignment.
  */
 #ifndef ROBUROC4_BYTES_H
 #define ROBUROC4_BYTES_H
@@ -29,6 +29,9 @@
 #else
 #define WORDS_AS_ON_THE_WIRE 0
 #endif
+
+/* What is assumed: IEEE numbers of these sizes, and no more of int than C99 promises (16 bits). */
+typedef char assert_floats_are_ieee[sizeof(float) == 4 && sizeof(double) == 8 ? 1 : -1];
 
 typedef struct reader {
     const uint8_t *at;
@@ -105,77 +108,24 @@ static inline uint32_t bits_from_f32(float value) {
     return bits;
 }
 
-/** IEEE binary64 to binary32 by bits, rounding to nearest even; for hosts whose double has 32. */
-static inline uint32_t narrow_bits(uint64_t bits) {
-    const uint32_t sign = (uint32_t)(bits >> 32) & 0x80000000U;
-    const int32_t exponent = (int32_t)(bits >> 52 & 0x7FF) - 1023 + 127;
-    const uint64_t fraction = bits & 0xFFFFFFFFFFFFFU;
-    uint64_t significand = fraction | (uint64_t)1 << 52;
-    uint32_t shift = 29;
-    uint32_t base;
-    if (exponent == 0x7FF - 1023 + 127) {
-        return sign | 0x7F800000U | (fraction != 0 ? 0x400000U | (uint32_t)(fraction >> 29) : 0);
-    }
-    if (exponent >= 255) {
-        return sign | 0x7F800000U;
-    }
-    if (exponent < -23) {
-        return sign;
-    }
-    if (exponent > 0) {
-        base = ((uint32_t)exponent - 1) << 23; /* the leading 1 of the significand adds the rest */
-    } else {
-        base = 0;
-        shift += (uint32_t)(1 - exponent);
-    }
-    const uint64_t half = (uint64_t)1 << (shift - 1);
-    significand += half - 1 + (significand >> shift & 1);
-    return sign | (base + (uint32_t)(significand >> shift));
-}
-
-/** IEEE binary32 to binary64 by bits, exactly. */
-static inline uint64_t widen_bits(uint32_t bits) {
-    const uint64_t sign = (uint64_t)(bits & 0x80000000U) << 32;
-    uint32_t exponent = bits >> 23 & 0xFF;
-    uint32_t fraction = bits & 0x7FFFFF;
-    if (exponent == 0xFF) {
-        return sign | (uint64_t)0x7FF << 52 | (uint64_t)fraction << 29;
-    }
-    if (exponent == 0) {
-        if (fraction == 0) {
-            return sign;
-        }
-        exponent = 1;
-        while ((fraction & 0x800000) == 0) {
-            fraction <<= 1;
-            exponent--; /* may wrap below 0; the bias added below wraps it back */
-        }
-        fraction &= 0x7FFFFF;
-    }
-    return sign | (uint64_t)(exponent + 1023U - 127U) << 52 | (uint64_t)fraction << 29;
-}
-
 static inline double f64_from_bits(uint64_t bits) {
     double value;
-    if (sizeof value == sizeof bits) {
-        memcpy(&value, &bits, sizeof value);
-    } else {
-        const uint32_t narrow = narrow_bits(bits);
-        memcpy(&value, &narrow, sizeof narrow);
-    }
+    memcpy(&value, &bits, sizeof value);
     return value;
 }
 
 static inline uint64_t bits_from_f64(double value) {
     uint64_t bits;
-    if (sizeof value == sizeof bits) {
-        memcpy(&bits, &value, sizeof bits);
-    } else {
-        uint32_t narrow;
-        memcpy(&narrow, &value, sizeof narrow);
-        bits = widen_bits(narrow);
-    }
+    memcpy(&bits, &value, sizeof bits);
     return bits;
+}
+
+/** A number with the order of the float's value, where it is none of NaN: comparing floats is a
+ *  function, and a slow one, where floats are software. */
+static inline int32_t order_of(float value) {
+    const uint32_t bits = bits_from_f32(value);
+    const int32_t magnitude = (int32_t)(bits & 0x7FFFFFFFU);
+    return (bits & 0x80000000U) != 0 ? -magnitude : magnitude;
 }
 
 /** True for all but NaN and the infinities; holds where the compiler assumes there are none. */

@@ -123,13 +123,10 @@ roburoc4_result roburoc4_client_init(client *c, size_t client_size, const roburo
     if (client_size != sizeof *c) {
         return ROBUROC4_ERR_SIZE;
     }
-    roburoc4_config_init(&c->private_config, sizeof c->private_config);
-    if (config != NULL) {
-        if (roburoc4_config_error(config) != NULL) {
-            return ROBUROC4_ERR_CONFIG;
-        }
-        c->private_config = *config;
+    if (!roburoc4_config_load(&c->private_config, config)) {
+        return ROBUROC4_ERR_CONFIG;
     }
+    c->private_config.size = sizeof c->private_config;
     c->private_size = sizeof *c;
     c->private_drive.disarm_cause = ROBUROC4_ERR_DISARMED;
     c->private_outputs.relocalize_result = ROBUROC4_ERR_UNKNOWN;

@@ -58,11 +58,13 @@ static float opposite(float value) {
 
 /** The value, or the bound that it is beyond. */
 static float clamp(float value, float low, float high) {
-    return value < low ? low : value > high ? high : value;
+    return order_of(value) < order_of(low)    ? low
+           : order_of(value) > order_of(high) ? high
+                                              : value;
 }
 
 static bool between(float value, float low, float high) {
-    return value >= low && value <= high;
+    return order_of(value) >= order_of(low) && order_of(value) <= order_of(high);
 }
 
 void roburoc4_drive_start(drive *d, uint64_t now_us) {
@@ -294,8 +296,8 @@ static bool is_ours(const drive *d, uint32_t axis, float target) {
     }
     const float low = clamp(d->low[axis], -ANY_SPEED, d->low_before[axis]);
     const float high = clamp(d->high[axis], d->high_before[axis], ANY_SPEED);
-    return is_finite(target) && !(target + TARGET_TOLERANCE < low) &&
-           !(target > high + TARGET_TOLERANCE);
+    return is_finite(target) && order_of(target + TARGET_TOLERANCE) >= order_of(low) &&
+           order_of(target) <= order_of(high + TARGET_TOLERANCE);
 }
 
 static void watch_other_commander(drive *d, const roburoc4_config *config, bool ours,
@@ -324,7 +326,7 @@ static bool has_target(const drive *d, uint32_t axis, float target, float curren
         return false;
     }
     const float wanted = clamp(f32_from_bits(reported), f32_from_bits(sent), ANY_SPEED);
-    *follows = *follows || magnitude(current) > wanted * FOLLOWING_SHARE;
+    *follows = *follows || magnitude_bits(current) > magnitude_bits(wanted * FOLLOWING_SHARE);
     return true;
 }
 

@@ -37,6 +37,12 @@ static inline int32_t roburoc4_role_capacity(uint32_t role) {
                                            : ROBUROC4_MAX_DIGITAL_INPUTS;
 }
 
+/* ---- config.c ---- */
+
+/** A program's settings, NULL for the defaults; false where a value is out of range. A program of
+ *  an older version knows fewer fields: the others get their defaults. */
+bool roburoc4_config_load(roburoc4_config *out, const roburoc4_config *config);
+
 /* ---- requests ---- */
 
 #define REQUEST_FOREVER 0 /* as max_tries */

@@ -5,7 +5,6 @@
  */
 #include "internal.h"
 
-typedef roburoc4_private_link link;
 typedef roburoc4_private_service service;
 
 /* A status this much older than the newest is from before a restart, if three in a row are. */
@@ -19,14 +18,14 @@ typedef roburoc4_private_service service;
 #define RECENT_STATUSES 200
 #define MAP_WINDOW_US (5 * SECOND)
 
-void roburoc4_link_expect(link *l, uint32_t index) {
+void roburoc4_link_expect(roburoc4_private_link *l, uint32_t index) {
     service *s = &l->services[index];
     s->period_cycles = s->asked_cycles;
     s->gap_min = UINT16_MAX;
     s->gap_count = 0;
 }
 
-void roburoc4_link_restart(link *l) {
+void roburoc4_link_restart(roburoc4_private_link *l) {
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         service *s = &l->services[i];
         s->seen = 0;
@@ -39,7 +38,7 @@ void roburoc4_link_restart(link *l) {
 }
 
 /** Whether a status that is older than the newest of all services is from a restarted robot. */
-static bool restarted(link *l, const service *s, uint64_t robot_cycles, uint64_t now_us) {
+static bool restarted(roburoc4_private_link *l, const service *s, uint64_t robot_cycles, uint64_t now_us) {
     const bool renewed = s->inserted_us > s->received_us && now_us - s->received_us >= SECOND;
     if (l->resubscribed) {
         return true;
@@ -116,7 +115,7 @@ static void measure_jitter(service *s, uint32_t transit) {
 }
 
 /** The smallest offset of the last one to two windows: delays only ever add to it. */
-static void map_clock(link *l, int64_t offset, uint64_t now_us) {
+static void map_clock(roburoc4_private_link *l, int64_t offset, uint64_t now_us) {
     if (!l->mapped) {
         l->mapped = 1;
         l->offset_us = l->offset_before_us = offset;
@@ -130,7 +129,7 @@ static void map_clock(link *l, int64_t offset, uint64_t now_us) {
     }
 }
 
-verdict roburoc4_link_status(link *l, service *s, uint64_t robot_cycles, uint64_t now_us) {
+verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robot_cycles, uint64_t now_us) {
     const uint64_t transit = now_us - robot_cycles * ROBUROC4_CYCLE_US;
     if (robot_cycles >= l->newest_cycles) {
         l->back_count = 0;
@@ -159,7 +158,7 @@ verdict roburoc4_link_status(link *l, service *s, uint64_t robot_cycles, uint64_
     return VERDICT_NEW;
 }
 
-void roburoc4_link_round_trip(link *l, uint64_t sent_us, uint64_t now_us) {
+void roburoc4_link_round_trip(roburoc4_private_link *l, uint64_t sent_us, uint64_t now_us) {
     const uint64_t elapsed = now_us - sent_us;
     const uint32_t sample = elapsed < UINT32_MAX ? (uint32_t)elapsed : UINT32_MAX;
     if (l->round_trip_min_us == 0 || sample < l->round_trip_min_us) {
@@ -169,18 +168,18 @@ void roburoc4_link_round_trip(link *l, uint64_t sent_us, uint64_t now_us) {
         l->round_trip_us == 0 ? sample : l->round_trip_us - l->round_trip_us / 8 + sample / 8;
 }
 
-bool roburoc4_link_fresh(const link *l, uint32_t index, uint32_t limit_us, uint64_t now_us) {
+bool roburoc4_link_fresh(const roburoc4_private_link *l, uint32_t index, uint32_t limit_us, uint64_t now_us) {
     const service *s = &l->services[index];
     return s->fresh && now_us - s->received_us < limit_us;
 }
 
-void roburoc4_link_invalidate(link *l) {
+void roburoc4_link_invalidate(roburoc4_private_link *l) {
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         l->services[i].fresh = 0;
     }
 }
 
-void roburoc4_link_rebase(link *l, uint64_t now_us) {
+void roburoc4_link_rebase(roburoc4_private_link *l, uint64_t now_us) {
     roburoc4_link_invalidate(l); /* the age of statuses is not known any more */
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         l->services[i].inserted_us = now_us;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * pump.c - life of a pump and its thread: the loop that waits for the robot or the client's
+ * pump.c - a pump: its lock, its life and its thread, the loop that waits for the robot or the client's
  * deadline without the lock, and receives and sends with it.
  */
 #include "pump_internal.h"
@@ -8,10 +8,37 @@
 #include <errno.h>
 #include <stdlib.h>
 
-/* Beyond the robot's watchdog, after which the client ends its zero train by itself. */
+/* Beyond the robot's watchdog, after which the client ends its stop sequence by itself. */
 #define STOP_MARGIN_US 500000u
 /* Pace where the socket itself fails, so that the thread cannot spin. */
 #define BROKEN_PACE_US 100000u
+
+/* ------------------------------------------------------------------------------------ lock --- */
+
+int roburoc4_pump_enter(roburoc4_pump *pump) {
+    if (pump->process != roburoc4_process_id()) {
+        return 0;
+    }
+    roburoc4_lock_take(&pump->lock);
+    return 1;
+}
+
+void roburoc4_pump_leave(roburoc4_pump *pump) {
+    roburoc4_lock_give(&pump->lock);
+}
+
+void roburoc4_pump_wait(roburoc4_pump *pump, uint64_t until_us) {
+    uint64_t now_us = roburoc4_udp_now_us();
+    if (until_us <= now_us) {
+        return;
+    }
+    pump->waiters++;
+    roburoc4_signal_wait(&pump->changed, &pump->lock, until_us - now_us);
+    pump->waiters--;
+    if (pump->phase == ROBUROC4_PUMP_JOINED && pump->waiters == 0) {
+        roburoc4_signal_wake_all(&pump->changed); /* destroy() waits for this */
+    }
+}
 
 /* ---------------------------------------------------------------------------------- thread --- */
 
@@ -150,7 +177,7 @@ static void drop_meeting_points(roburoc4_pump *pump) {
 }
 
 /* The zeros end with the watchdog's time, but three are sent in any case. */
-static uint32_t longest_train_us(const roburoc4_config *config) {
+static uint32_t longest_stop_sequence_us(const roburoc4_config *config) {
     const uint32_t zeros_ms = 3 * config->drive_period_ms;
     return 1000u * (config->robot_watchdog_ms > zeros_ms ? config->robot_watchdog_ms : zeros_ms);
 }
@@ -164,7 +191,7 @@ static roburoc4_result begin(roburoc4_pump *pump, const roburoc4_address *addres
         return result;
     }
     (void)roburoc4_config_init(&defaults, sizeof defaults);
-    pump->train_us = longest_train_us(config != NULL ? config : &defaults);
+    pump->stop_sequence_us = longest_stop_sequence_us(config != NULL ? config : &defaults);
     if (address == NULL) {
         pump->manual = 1;
         return make_meeting_points(pump) ? ROBUROC4_OK : ROBUROC4_ERR_SYSTEM;
@@ -216,7 +243,7 @@ roburoc4_result roburoc4_pump_close(roburoc4_pump *pump) {
     if (pump->phase == ROBUROC4_PUMP_RUNNING) {
         uint64_t now_us = roburoc4_udp_now_us();
         pump->phase = ROBUROC4_PUMP_STOPPING;
-        pump->stop_by_us = now_us + pump->train_us + STOP_MARGIN_US;
+        pump->stop_by_us = now_us + pump->stop_sequence_us + STOP_MARGIN_US;
         (void)roburoc4_client_close(&pump->client, now_us);
         roburoc4_pump_flush(pump);
         roburoc4_wake_raise(&pump->wake);

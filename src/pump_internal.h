@@ -1,19 +1,17 @@
 /* SPDX-License-Identifier: MIT
  *
- * pump_internal.h - the pump's memory, and what its files offer each other, from the ground up:
- * pump_guard.c (the lock), pump_store.c (samples, events, descriptions), pump.c (life and thread),
- * pump_calls.c (the client's calls behind the lock). Not public.
+ * pump_internal.h - the pump's memory, and what pump.c (lock, life, thread) and pump_store.c
+ * (samples, events, descriptions) offer each other. Not public.
  */
 #ifndef ROBUROC4_PUMP_INTERNAL_H
 #define ROBUROC4_PUMP_INTERNAL_H
 
-#include "pump_threads.h"
+#include "os.h"
 #include "roburoc4_pump.h"
-#include "udp_os.h"
 
 /** Life of a pump; it only goes forward. */
 #define ROBUROC4_PUMP_RUNNING 0
-#define ROBUROC4_PUMP_STOPPING 1 /* stop() was called: the zero train is on its way */
+#define ROBUROC4_PUMP_STOPPING 1 /* close() was called: the stop sequence is on its way */
 #define ROBUROC4_PUMP_ENDED 2    /* the thread has left its loop */
 #define ROBUROC4_PUMP_JOINED 3
 
@@ -38,7 +36,7 @@ struct roburoc4_pump {
     uint64_t stop_by_us;      /* STOPPING ends here, whatever the robot does */
     uint64_t asleep_until_us; /* what the thread waits for; 0 while it is awake */
     int manual;               /* without socket and thread */
-    uint32_t train_us;
+    uint32_t stop_sequence_us;
 
     roburoc4_udp udp;
     roburoc4_client client;
@@ -51,15 +49,11 @@ struct roburoc4_pump {
     roburoc4_pump_text texts[ROBUROC4_PUMP_TEXTS];
 };
 
-/* pump_guard.c */
-
 /** Takes the lock; 0 in a forked child, where it must not be touched. */
 int roburoc4_pump_enter(roburoc4_pump *pump);
 void roburoc4_pump_leave(roburoc4_pump *pump);
 /** Waits for `changed`, at most until until_us. Between enter and leave. */
 void roburoc4_pump_wait(roburoc4_pump *pump, uint64_t until_us);
-
-/* pump.c */
 
 /** Sends what the client has to send, stores its events, and shortens the thread's sleep where the
  *  client wants to be called earlier now. Between enter and leave. */

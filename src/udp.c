@@ -3,7 +3,7 @@
  * udp.c - the UDP adapter: moves a client's datagrams over one connected socket, in time, and turns
  * the network's errors into states and counters. What differs between systems is in udp_os.h.
  */
-#include "udp_os.h"
+#include "os.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -119,7 +119,7 @@ const char *roburoc4_udp_fault_text(uint32_t fault) {
     return fault < sizeof texts / sizeof texts[0] ? texts[fault] : "unknown fault";
 }
 
-static void count(roburoc4_udp *udp, uint32_t counter) {
+static void tally(roburoc4_udp *udp, uint32_t counter) {
     udp->private_counters[counter]++;
 }
 
@@ -132,7 +132,7 @@ static int is_of_the_path(uint32_t fault) {
 static void note_fault(roburoc4_udp *udp, roburoc4_os_outcome outcome) {
     udp->private_fault = outcome.fault;
     udp->private_system_error = outcome.system_error;
-    count(udp, outcome.fault == ROBUROC4_FAULT_REFUSED ? ROBUROC4_UDP_COUNT_REFUSED
+    tally(udp, outcome.fault == ROBUROC4_FAULT_REFUSED ? ROBUROC4_UDP_COUNT_REFUSED
                                                        : ROBUROC4_UDP_COUNT_FAULTS);
 }
 
@@ -162,7 +162,7 @@ static void keep_connected(roburoc4_udp *udp) {
     udp->private_connected = outcome.fault == ROBUROC4_FAULT_NONE;
     if (udp->private_connected) {
         udp->private_broken = 0;
-        count(udp, ROBUROC4_UDP_COUNT_RECONNECTS);
+        tally(udp, ROBUROC4_UDP_COUNT_RECONNECTS);
     } else {
         note_fault(udp, outcome);
     }
@@ -247,7 +247,7 @@ static int take_datagram(roburoc4_udp *udp, size_t *size) {
         if (got == ROBUROC4_OS_FAULT) {
             note_fault(udp, outcome);
         } else if (got == ROBUROC4_OS_OVERSIZED) {
-            count(udp, ROBUROC4_UDP_COUNT_OVERSIZED);
+            tally(udp, ROBUROC4_UDP_COUNT_OVERSIZED);
         } else {
             if (got == ROBUROC4_OS_BROKEN) {
                 note_fault(udp, outcome);
@@ -269,7 +269,7 @@ static roburoc4_result give_one(roburoc4_udp *udp, roburoc4_client *client, size
         *size = 0;
         return got == ROBUROC4_OS_BROKEN ? ROBUROC4_ERR_SYSTEM : ROBUROC4_UDP_NOTHING;
     }
-    count(udp, ROBUROC4_UDP_COUNT_RECEIVED);
+    tally(udp, ROBUROC4_UDP_COUNT_RECEIVED);
     udp->private_fault = ROBUROC4_FAULT_NONE;
     udp->private_system_error = 0;
     *now_us = roburoc4_udp_now_us();
@@ -328,11 +328,11 @@ static int send_now(roburoc4_udp *udp, const uint8_t *datagram, size_t size) {
     }
     if (outcome.fault == ROBUROC4_FAULT_NONE) {
         udp->private_broken = 0;
-        count(udp, ROBUROC4_UDP_COUNT_SENT);
+        tally(udp, ROBUROC4_UDP_COUNT_SENT);
         return 1;
     }
     note_fault(udp, outcome);
-    count(udp, ROBUROC4_UDP_COUNT_DROPPED);
+    tally(udp, ROBUROC4_UDP_COUNT_DROPPED);
     if (is_of_the_path(outcome.fault) && !udp->private_broken) {
         udp->private_broken = 1; /* give the path a second to mend before connecting anew */
         udp->private_tried_us = roburoc4_udp_now_us();
@@ -357,7 +357,7 @@ roburoc4_result roburoc4_udp_transmit_all(roburoc4_udp *udp, roburoc4_client *cl
         if (udp->private_connected) {
             sent += send_now(udp, datagram, (size_t)length);
         } else {
-            count(udp, ROBUROC4_UDP_COUNT_DROPPED);
+            tally(udp, ROBUROC4_UDP_COUNT_DROPPED);
         }
     }
     return sent;

@@ -36,10 +36,10 @@ include = {['-I' fullfile(top, 'include')], ['-I' fullfile(top, 'src')], ...
     ['-I' fullfile(top, 'sim')], ['-I' fullfile(here, 'src')]};
 sources = {fullfile(top, 'src'), fullfile(top, 'sim'), fullfile(here, 'src')};
 if ispc()
-    others = {'udp_posix.c', 'pump_threads_posix.c', 'net_posix.c', 'main.c', 'server.c'};
+    others = {'os_posix.c', 'net_posix.c', 'main.c', 'server.c'};
     libraries = {'-lws2_32'};
 else
-    others = {'udp_winsock.c', 'pump_threads_windows.c', 'net_winsock.c', 'main.c', 'server.c'};
+    others = {'os_windows.c', 'net_winsock.c', 'main.c', 'server.c'};
     libraries = {'-lpthread', '-lm'};
 end
 objects = {};

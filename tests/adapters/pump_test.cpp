@@ -3,6 +3,7 @@
  * pump_test.cpp - the pump against a simulated robot over loopback UDP: who hangs stops the robot,
  * every reader sees every sample, and it ends cleanly whatever the robot and the readers do.
  */
+#include "pump_calls.h"
 #include "roburoc4_pump.h"
 #include "udp_robot.h"
 
@@ -19,6 +20,8 @@
 
 using test::eventually;
 using test::kPatienceUs;
+using test::on_client;
+using test::on_udp;
 using test::SpeedCommand;
 using test::UdpRobot;
 
@@ -53,7 +56,7 @@ bool becomes_ready(roburoc4_pump *pump) {
 /* Arming needs a fresh status of each kind, which follow readiness. */
 bool becomes_armed(roburoc4_pump *pump) {
     return becomes_ready(pump) && eventually([&] {
-               if (roburoc4_pump_arm(pump) == ROBUROC4_OK) {
+               if (on_client(pump, roburoc4_client_arm) == ROBUROC4_OK) {
                    return true;
                }
                sleep_ms(5);
@@ -147,10 +150,10 @@ TEST(Pump, BecomesReadyByItselfAndShowsAllThatTheRobotSays) {
     EXPECT_EQ(service.subscribed, 1u);
     EXPECT_EQ(roburoc4_pump_host_time(pump.get(), battery.robot_cycles, &host_us), 0);
     EXPECT_GT(roburoc4_pump_count(pump.get(), ROBUROC4_COUNT_RECEIVED), 5u);
-    EXPECT_GT(roburoc4_pump_udp_count(pump.get(), ROBUROC4_UDP_COUNT_RECEIVED), 5u);
-    EXPECT_EQ(roburoc4_pump_fault(pump.get()), uint32_t{ROBUROC4_FAULT_NONE});
+    EXPECT_GT(on_udp(pump.get(), roburoc4_udp_count, ROBUROC4_UDP_COUNT_RECEIVED), 5u);
+    EXPECT_EQ(on_udp(pump.get(), roburoc4_udp_fault), uint32_t{ROBUROC4_FAULT_NONE});
     roburoc4_address address{};
-    EXPECT_EQ(roburoc4_pump_address(pump.get(), &address), 0);
+    EXPECT_EQ(on_udp(pump.get(), roburoc4_udp_address, &address), 0);
     EXPECT_EQ(address.port, robot.port());
 }
 
@@ -232,8 +235,8 @@ TEST(Pump, RetriesAnAbsentRobotWithoutSpinningAndFindsItLater) {
     double cpu_before = cpu_seconds();
     sleep_ms(1500);
     EXPECT_LT(cpu_seconds() - cpu_before, 0.7);
-    EXPECT_EQ(roburoc4_pump_fault(pump.get()), uint32_t{ROBUROC4_FAULT_REFUSED});
-    EXPECT_GE(roburoc4_pump_udp_count(pump.get(), ROBUROC4_UDP_COUNT_REFUSED), 2u);
+    EXPECT_EQ(on_udp(pump.get(), roburoc4_udp_fault), uint32_t{ROBUROC4_FAULT_REFUSED});
+    EXPECT_GE(on_udp(pump.get(), roburoc4_udp_count, ROBUROC4_UDP_COUNT_REFUSED), 2u);
     EXPECT_EQ(roburoc4_pump_arm(pump.get()), ROBUROC4_ERR_NOT_READY);
     UdpRobot robot(port);
     EXPECT_TRUE(becomes_ready(pump.get()));
@@ -340,13 +343,13 @@ TEST(Pump, SendsCommandsBeforeTheCallReturns) {
     UdpRobot robot;
     Pump pump = make_pump(robot.address());
     ASSERT_TRUE(becomes_armed(pump.get()));
-    uint32_t before = roburoc4_pump_udp_count(pump.get(), ROBUROC4_UDP_COUNT_SENT);
+    uint32_t before = on_udp(pump.get(), roburoc4_udp_count, ROBUROC4_UDP_COUNT_SENT);
     ASSERT_EQ(roburoc4_pump_set_digital_outputs(pump.get(), uint64_t{1} << 3, uint64_t{1} << 3),
               ROBUROC4_OK);
-    EXPECT_GT(roburoc4_pump_udp_count(pump.get(), ROBUROC4_UDP_COUNT_SENT), before);
-    before = roburoc4_pump_udp_count(pump.get(), ROBUROC4_UDP_COUNT_SENT);
+    EXPECT_GT(on_udp(pump.get(), roburoc4_udp_count, ROBUROC4_UDP_COUNT_SENT), before);
+    before = on_udp(pump.get(), roburoc4_udp_count, ROBUROC4_UDP_COUNT_SENT);
     ASSERT_EQ(roburoc4_pump_drive(pump.get(), 0.1f, 0.0f, 0), ROBUROC4_OK);
-    EXPECT_GT(roburoc4_pump_udp_count(pump.get(), ROBUROC4_UDP_COUNT_SENT), before);
+    EXPECT_GT(on_udp(pump.get(), roburoc4_udp_count, ROBUROC4_UDP_COUNT_SENT), before);
 }
 
 TEST(Pump, PassesEveryCommandOn) {
@@ -585,13 +588,13 @@ TEST(PumpStop, LeavesValuesReadableAndRefusesCommands) {
     ASSERT_GT(roburoc4_pump_wait_samples(pump.get(), &reader, kPatience), 0);
     ASSERT_EQ(roburoc4_pump_close(pump.get()), ROBUROC4_OK);
     roburoc4_pump *p = pump.get();
-    EXPECT_EQ(roburoc4_pump_arm(p), ROBUROC4_ERR_CLOSED);
-    EXPECT_EQ(roburoc4_pump_disarm(p), ROBUROC4_ERR_CLOSED);
-    EXPECT_EQ(roburoc4_pump_drive(p, 0.0f, 0.0f, 0), ROBUROC4_ERR_CLOSED);
-    EXPECT_EQ(roburoc4_pump_stop_robot(p), ROBUROC4_ERR_CLOSED);
-    EXPECT_EQ(roburoc4_pump_set_digital_outputs(p, 2, 2), ROBUROC4_ERR_CLOSED);
-    EXPECT_EQ(roburoc4_pump_relocalize(p, 0.0, 0.0, 0.0), ROBUROC4_ERR_CLOSED);
-    EXPECT_EQ(roburoc4_pump_service_count(p), uint32_t{ROBUROC4_SERVICE_COUNT});
+    EXPECT_EQ(on_client(p, roburoc4_client_arm), ROBUROC4_ERR_NOT_READY);
+    EXPECT_EQ(on_client(p, roburoc4_client_disarm), ROBUROC4_OK);
+    EXPECT_EQ(on_client(p, roburoc4_client_drive, 0.0f, 0.0f, 0), ROBUROC4_ERR_DISARMED);
+    EXPECT_EQ(on_client(p, roburoc4_client_stop), ROBUROC4_ERR_STATE);
+    EXPECT_EQ(on_client(p, roburoc4_client_set_digital_outputs, 2, 2), ROBUROC4_ERR_NOT_READY);
+    EXPECT_EQ(on_client(p, roburoc4_client_relocalize, 0.0, 0.0, 0.0), ROBUROC4_ERR_NOT_READY);
+    EXPECT_EQ(on_client(p, roburoc4_client_service_count), uint32_t{ROBUROC4_SERVICE_COUNT});
     roburoc4_sample samples[64];
     roburoc4_result got;
     uint64_t read = 0;
@@ -679,9 +682,9 @@ TEST(Fork, LeavesTheChildWithoutAPumpAndTheParentWithIts) {
         roburoc4_pump *p = pump.release();
         roburoc4_pump_reader reader{};
         roburoc4_sample sample;
-        int wrong = roburoc4_pump_drive(p, 0.1f, 0.0f, 0) != ROBUROC4_ERR_CLOSED;
+        int wrong = on_client(p, roburoc4_client_drive, 0.1f, 0.0f, 0) != ROBUROC4_ERR_CLOSED;
         wrong += roburoc4_pump_running(p) != 0;
-        wrong += roburoc4_pump_state(p) != 0;
+        wrong += on_client(p, roburoc4_client_state) != 0;
         wrong += roburoc4_pump_close(p) != ROBUROC4_ERR_CLOSED;
         wrong += roburoc4_pump_wait_samples(p, &reader, UINT32_MAX) != ROBUROC4_ERR_CLOSED;
         wrong += roburoc4_pump_read_samples(p, &reader, &sample, 1) != ROBUROC4_ERR_CLOSED;
@@ -707,15 +710,15 @@ TEST(Threads, CanAllCallEverythingAtOnce) {
     std::vector<std::thread> threads;
     threads.emplace_back([&] {
         while (running) {
-            roburoc4_pump_drive(p, 0.2f, 0.1f, 100000);
+            on_client(p, roburoc4_client_drive, 0.2f, 0.1f, 100000);
             sleep_ms(3);
         }
     });
     threads.emplace_back([&] {
         while (running) {
-            roburoc4_pump_arm(p);
-            roburoc4_pump_stop_robot(p);
-            roburoc4_pump_set_digital_outputs(p, 0x0E, 0x0A);
+            on_client(p, roburoc4_client_arm);
+            on_client(p, roburoc4_client_stop);
+            on_client(p, roburoc4_client_set_digital_outputs, 0x0E, 0x0A);
             sleep_ms(7);
         }
     });
@@ -729,7 +732,7 @@ TEST(Threads, CanAllCallEverythingAtOnce) {
                 roburoc4_pump_wait_samples(p, &reader, 10000);
                 roburoc4_pump_read_samples(p, &reader, samples, 5);
                 roburoc4_pump_take_events(p, &reader);
-                EXPECT_EQ(roburoc4_pump_facts(p, &facts), ROBUROC4_OK);
+                EXPECT_EQ(on_client(p, roburoc4_client_facts, roburoc4_udp_now_us(), &facts), ROBUROC4_OK);
             }
         });
     }

@@ -4,6 +4,7 @@
  * process: it is a robot like others, can be looked at and changed from another thread while it
  * runs, and is patient with a process that stands still.
  */
+#include "pump_calls.h"
 #include "roburoc4_pump.h"
 #include "roburoc4_sim.h"
 #include "udp_support.h"
@@ -21,6 +22,7 @@ extern "C" { /* a header of the bindings, all of them in C */
 #include <thread>
 
 using test::eventually;
+using test::on_client;
 
 namespace {
 
@@ -74,8 +76,8 @@ void sleep_ms(int ms) {
 bool moves(const Served &robot, roburoc4_pump *pump) {
     return eventually([&] {
         sleep_ms(10);
-        roburoc4_pump_arm(pump);
-        roburoc4_pump_drive(pump, 0.5F, 0, 0);
+        on_client(pump, roburoc4_client_arm);
+        on_client(pump, roburoc4_client_drive, 0.5F, 0.0F, 0U);
         return robot.state().true_linear_m_s > 0.3;
     });
 }

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
  * udp_faults_test.cpp - the UDP adapter over a network of the test's making: linked with the static
- * library, this file takes the place of the operating system's part (src/udp_os.h) and of its
+ * library, this file takes the place of the operating system's part (src/os.h) and of its
  * clock, so that every failure comes exactly when it is wanted.
  */
 extern "C" {
-#include "udp_os.h"
+#include "os.h"
 }
 
 #include <gtest/gtest.h>

@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What the UDP adapter, the pump and the simulator's host need of the operating system: sockets,
+ * addresses and the clock; threads, locks and wake-ups. os_posix.c or os_windows.c implements it; a
+ * build has one of them. Not public.
+ */
+#ifndef ROBUROC4_OS_H
+#define ROBUROC4_OS_H
+
+#include "roburoc4_udp.h"
+
+#ifdef _WIN32
+#include <winsock2.h> /* before windows.h, which else brings in its forerunner */
+
+#include <windows.h>
+typedef SRWLOCK roburoc4_lock;
+typedef CONDITION_VARIABLE roburoc4_signal;
+typedef HANDLE roburoc4_thread;
+#else
+#include <pthread.h>
+typedef pthread_mutex_t roburoc4_lock;
+typedef pthread_cond_t roburoc4_signal;
+typedef pthread_t roburoc4_thread;
+#endif
+
+/* --------------------------------------------------------------------------------- sockets --- */
+
+#define ROBUROC4_OS_NO_SOCKET (-1)
+
+/** What a socket call came to: a ROBUROC4_FAULT_* and the system's number for it. */
+typedef struct roburoc4_os_outcome {
+    uint32_t fault;
+    int32_t system_error;
+} roburoc4_os_outcome;
+
+/** Results of roburoc4_os_receive(). */
+#define ROBUROC4_OS_DATAGRAM 0
+#define ROBUROC4_OS_EMPTY 1     /* nothing is there */
+#define ROBUROC4_OS_OVERSIZED 2 /* one was there, longer than the buffer: it is gone */
+#define ROBUROC4_OS_FAULT 3     /* the network's answer to something sent before */
+#define ROBUROC4_OS_BROKEN 4    /* this is no socket any more */
+
+/** The numeric address of a name or address; port and all other fields of *out are set too. */
+roburoc4_result roburoc4_os_resolve(const char *host, uint16_t port, roburoc4_address *out);
+/** The IP address alone, without zone and port, with a NUL. 0 where it does not fit. */
+int roburoc4_os_ip_text(const roburoc4_address *address, char *buffer, size_t capacity);
+
+/** A non-blocking datagram socket of the address's family, or ROBUROC4_OS_NO_SOCKET. */
+int64_t roburoc4_os_socket(const roburoc4_address *address, roburoc4_os_outcome *outcome);
+void roburoc4_os_close(int64_t socket);
+/** Connect, or connect anew: the system chooses this end's address again. */
+roburoc4_os_outcome roburoc4_os_connect(int64_t socket, const roburoc4_address *address);
+roburoc4_os_outcome roburoc4_os_send(int64_t socket, const uint8_t *datagram, size_t size);
+/** One of ROBUROC4_OS_DATAGRAM ...; *outcome is set for _FAULT and _BROKEN. */
+int roburoc4_os_receive(int64_t socket, uint8_t *buffer, size_t capacity, size_t *size,
+                        roburoc4_os_outcome *outcome);
+/** Wait until one of the two (each may be ROBUROC4_OS_NO_SOCKET) can be read, the time is over, or
+ *  a signal handler ran. ROBUROC4_ERR_SYSTEM where one of them is unusable. */
+roburoc4_result roburoc4_os_wait(int64_t socket, int64_t wake, uint64_t timeout_us);
+
+/* --------------------------------------------------------------------------------- threads --- */
+
+/** Of this process: another one after fork(). */
+int64_t roburoc4_process_id(void);
+
+/** A mutual exclusion that lends a waiting thread's priority to its owner where the system can.
+ *  0 where there is none to be had. */
+int roburoc4_lock_create(roburoc4_lock *lock);
+void roburoc4_lock_destroy(roburoc4_lock *lock);
+void roburoc4_lock_take(roburoc4_lock *lock);
+void roburoc4_lock_give(roburoc4_lock *lock);
+
+/** What threads wait for while they lend the lock; 0 where there is none to be had. */
+int roburoc4_signal_create(roburoc4_signal *signal);
+void roburoc4_signal_destroy(roburoc4_signal *signal);
+void roburoc4_signal_wake_all(roburoc4_signal *signal);
+/** Returns after a wake_all, or timeout_us, or for no reason. */
+void roburoc4_signal_wait(roburoc4_signal *signal, roburoc4_lock *lock, uint64_t timeout_us);
+
+/** Runs function(argument) on a thread that no signal handler interrupts. 0 where it cannot. */
+int roburoc4_thread_start(roburoc4_thread *thread, void (*function)(void *), void *argument);
+/** Waits for the thread's end. */
+void roburoc4_thread_join(roburoc4_thread *thread);
+
+/** Ends a roburoc4_os_wait() from another thread. */
+typedef struct roburoc4_wake {
+    int64_t wait_on; /* for roburoc4_os_wait() */
+    int64_t write_to;
+} roburoc4_wake;
+
+/** 0 where there is none to be had. */
+int roburoc4_wake_create(roburoc4_wake *wake);
+void roburoc4_wake_destroy(roburoc4_wake *wake);
+void roburoc4_wake_raise(const roburoc4_wake *wake);
+/** Forget what was raised. */
+void roburoc4_wake_clear(const roburoc4_wake *wake);
+
+#endif
