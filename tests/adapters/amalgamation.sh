@@ -1,0 +1,23 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+#
+# amalgamation.sh CC ROOT: the two files of scripts/amalgamate compile without a warning, alone and
+# with the UDP adapter, and the walk of tests/verify/portable passes on them.
+set -eu
+cc=$1
+root=$2
+portable=$root/tests/verify/portable
+
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+sh "$root/scripts/amalgamate" "$folder"
+warnings='-std=c99 -Wall -Wextra -Werror -I'"$folder"
+# The flags and the files are lists of words.
+# shellcheck disable=SC2086
+{
+    "$cc" $warnings -O2 -c "$folder/roburoc4.c" -o "$folder/core.o"
+    "$cc" $warnings -O2 -DROBUROC4_WITH_UDP -c "$folder/roburoc4.c" -o "$folder/udp.o"
+    "$cc" $warnings -O2 "$portable/walk.c" "$portable/robot.c" "$portable/port_hosted.c" \
+        "$folder/core.o" -o "$folder/walk"
+}
+"$folder/walk"
