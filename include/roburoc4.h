@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * roburoc4.h - the RobuROC4 robot's UDP protocol: codec and client.
+ * roburoc4.h - a client of the RobuROC4 robot, without input or output of its own.
  *
  * THE MODEL
  *
@@ -9,18 +9,17 @@
  * were subscribed to; a client sends commands, which nobody answers. The robot stops by itself
  * when no speed command came for 1 s, and holding [A] on its game pad overrides every client.
  *
- * This header has two tiers, both without input/output, clock, allocation, callback or thread:
+ * The client is a state machine that finds the services, subscribes, keeps the link, and decides
+ * which speeds are sent. It has no socket, clock, allocation, callback or thread. You hand it the
+ * datagrams that came in and the time, and it hands you those to send:
  *
- *   Codec   bytes <-> values for every telegram of the manual, both directions. Pure functions.
- *   Client  a state machine that finds the services, subscribes, keeps the link, and is the only
- *           place that lets a speed out. You move the datagrams and tell it the time:
+ *     roburoc4_client_receive()        a datagram came in
+ *     roburoc4_client_poll_transmit()  the next datagram to send, or 0
+ *     roburoc4_client_next_deadline()  when to poll again if nothing comes in
+ *     roburoc4_client_take_events()    what changed since the last call
  *
- *               roburoc4_client_receive()        a datagram came in
- *               roburoc4_client_poll_transmit()  the next datagram to send, or 0
- *               roburoc4_client_next_deadline()  when to poll again if nothing comes in
- *               roburoc4_client_take_events()    what changed since the last call
- *
- *           roburoc4_udp.h does this over a socket; examples/bare_loop.c does it by hand.
+ * roburoc4_udp.h does this over a socket; examples/bare_loop.c does it by hand. The telegrams
+ * themselves are in roburoc4_codec.h, which this header includes.
  *
  * CONVENTIONS
  *
@@ -31,9 +30,10 @@
  *               the same never makes the client send a motion command.
  *   Results     int32_t: 0 or more is success (often a length), less is one of ROBUROC4_ERR_*.
  *   Threads     there is no global: one client is used by one thread at a time, different clients
- *               by any threads. Codec functions can be called from anywhere.
- *   Lifetime    nothing is kept of what you pass in: neither configuration nor datagram. Views
- *               (lists, texts) point into the datagram that you decoded and live as long as it.
+ *               by any threads.
+ *   Lifetime    nothing is kept of what you pass in: neither configuration nor datagram.
+ *   Size        structs that begin with `size` can grow. A program that was compiled with an older
+ *               header gets the fields that it knows; ROBUROC4_SIZED() sets the size.
  *   NULL        a pointer must be valid unless its comment says that it may be NULL.
  *
  * Section numbers are those of the RobuROC4 user manual, revision A.
@@ -46,6 +46,10 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/** For structs that begin with their size: set it, and give the struct's address.
+ *  roburoc4_client_facts(&client, now_us, ROBUROC4_SIZED(&facts)) */
+#define ROBUROC4_SIZED(out) ((out)->size = (uint32_t)sizeof *(out), (out))
 
 /* ------------------------------------------------------------------------------- versions --- */
 
@@ -106,7 +110,7 @@ ROBUROC4_API const char *roburoc4_state_name(uint32_t state);
 #define ROBUROC4_EVENT_ARMED 0x00000800             /* became armed */
 #define ROBUROC4_EVENT_DISARMED 0x00001000          /* lost its arming; see disarm_cause */
 #define ROBUROC4_EVENT_LEASE_OVER 0x00002000        /* a drive lease ran out unrenewed */
-#define ROBUROC4_EVENT_STOPPED 0x00004000           /* a zero train ended */
+#define ROBUROC4_EVENT_STOPPED 0x00004000           /* a stop sequence ended */
 #define ROBUROC4_EVENT_OVERRIDE 0x00008000          /* game pad [A] was pressed or released */
 #define ROBUROC4_EVENT_OTHER_COMMANDER 0x00010000           /* another client commands, or no longer */
 #define ROBUROC4_EVENT_INHIBITED 0x00020000         /* commanded but standing still, or no longer */
@@ -156,7 +160,7 @@ typedef struct roburoc4_config {
     uint32_t drive_period_ms;   /* repetition of drive commands; 10 to 500 and at most half of
                                    lease_ms; default 50 */
     uint32_t lease_ms;          /* life of a drive command; 20 to 1000; default 250 */
-    uint32_t robot_watchdog_ms; /* the robot's own watchdog, bounds the zero train; 100 to 60000;
+    uint32_t robot_watchdog_ms; /* the robot's own watchdog, bounds the stop sequence; 100 to 60000;
                                    default 1000 */
     float max_linear_m_s;       /* ceiling of speed; 0.001 to 20; default 2.6 */
     float max_angular_rad_s;    /* ceiling of turn rate; 0.001 to 50; default 6.5 */
@@ -209,7 +213,7 @@ ROBUROC4_API roburoc4_result roburoc4_client_init(roburoc4_client *client, size_
                                                   const roburoc4_config *config);
 /** Begin to connect. ROBUROC4_ERR_STATE unless idle. */
 ROBUROC4_API roburoc4_result roburoc4_client_start(roburoc4_client *client, uint64_t now_us);
-/** Begin to leave: disarms, and stays in ROBUROC4_STATE_CLOSING until the zero train (if one is
+/** Begin to close: disarms, and stays in ROBUROC4_STATE_CLOSING until the stop sequence (if one is
  *  due) has ended; go on with receive() and poll_transmit() until the state is idle, at most
  *  robot_watchdog_ms or three drive periods. Subscriptions are left alone: other clients may share
  *  them. */
@@ -240,8 +244,8 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
 
 /* Motion. A drive command is a lease: the target lives for lease_us and dies unless renewed. Every
  * exit from driving (lease over, stop, disarm, override, loss, reboot, clock fault) is followed by
- * a train of zero commands: one per drive period, at least three, until a status shows both targets
- * 0 or robot_watchdog_ms has passed. A new lease waits for the end of the train. The first zero
+ * the stop sequence: zero commands, one per drive period, at least three, until a status shows both targets
+ * 0 or robot_watchdog_ms has passed. A new lease waits for its end. The first zero
  * after a speed leaves at once; all other commands are at least a robot cycle (10 ms) apart. */
 
 /** Allow driving. 0, or the first reason against it: ROBUROC4_ERR_NOT_READY, _NO_DIFFERENTIAL,
@@ -257,17 +261,17 @@ ROBUROC4_API roburoc4_result roburoc4_client_disarm(roburoc4_client *client, uin
 ROBUROC4_API roburoc4_result roburoc4_client_drive(roburoc4_client *client, float linear_m_s,
                                                    float angular_rad_s, uint32_t lease_us,
                                                    uint64_t now_us);
-/** End the lease and send a zero train, armed or not, now or as soon as the differential service
+/** End the lease and send a stop sequence, armed or not, now or as soon as the differential service
  *  is known. Arming stays. ROBUROC4_ERR_STATE unless started. */
 ROBUROC4_API roburoc4_result roburoc4_client_stop(roburoc4_client *client, uint64_t now_us);
 
 /** What is true now. */
 typedef struct roburoc4_facts {
-    uint32_t size;          /* set it to sizeof(roburoc4_facts) before the call */
+    uint32_t size;          /* set by ROBUROC4_SIZED() */
     uint32_t state;         /* ROBUROC4_STATE_* */
     uint8_t armed;          /* 1: drive() is accepted */
     uint8_t driving;        /* 1: a lease lives */
-    uint8_t stopping;       /* 1: a zero train is on its way, or a stop() waits for the robot */
+    uint8_t stopping;       /* 1: a stop sequence runs, or a stop() waits for the robot */
     uint8_t override_known; /* 1: `overridden` means something */
     uint8_t overridden;     /* 1: game pad [A] is held */
     uint8_t other_commander;      /* 1: another client commands the robot */
@@ -284,11 +288,11 @@ typedef struct roburoc4_facts {
     uint32_t lease_left_us;    /* 0 when not driving */
     float linear_m_s, angular_rad_s; /* last speeds sent; 0 after a zero */
 } roburoc4_facts;
-/** ROBUROC4_ERR_SIZE for a size that the library does not know. */
+/** ROBUROC4_ERR_SIZE for a size that no version has had. */
 ROBUROC4_API roburoc4_result roburoc4_client_facts(const roburoc4_client *client, uint64_t now_us,
-                                                   roburoc4_facts *facts);
+                                                   roburoc4_facts *out);
 
-/* Services and properties. ROBUROC4_ERR_UNKNOWN until the robot has said it. */
+/* Services and properties. ROBUROC4_ERR_UNKNOWN until the robot has reported it. */
 
 /** Number of services in the directory, at most ROBUROC4_MAX_SERVICES. */
 ROBUROC4_API uint32_t roburoc4_client_service_count(const roburoc4_client *client);
@@ -310,7 +314,7 @@ ROBUROC4_API roburoc4_result roburoc4_client_differential_properties(
 /** Number of telemeters with properties, at most ROBUROC4_MAX_TELEMETERS. */
 ROBUROC4_API uint32_t roburoc4_client_telemeter_count(const roburoc4_client *client);
 /** Telemeter `index`: mounting, range, and the latest distance (0 before the first status).
- *  ROBUROC4_ERR_INDEX from the count on, which is 0 until the robot has told its telemeters. */
+ *  ROBUROC4_ERR_INDEX from the count on, which is 0 until the robot has reported its telemeters. */
 ROBUROC4_API roburoc4_result roburoc4_client_telemeter(const roburoc4_client *client,
                                                        uint32_t index, roburoc4_telemeter *out);
 
@@ -394,7 +398,7 @@ ROBUROC4_API roburoc4_result roburoc4_client_set_analog_output(roburoc4_client *
                                                                uint32_t index, float value,
                                                                uint64_t now_us);
 
-/** Tell the robot where it is (REPLACE, 4.2.6.5); sent until answered or refused, for at most 2 s;
+/** Set the robot's pose (REPLACE, 4.2.6.5); sent until answered or refused, for at most 2 s;
  *  a later call replaces an open one. Ends in ROBUROC4_EVENT_RELOCALIZED or _RELOCALIZE_FAILED.
  *  ROBUROC4_ERR_NOT_FINITE, _NOT_READY, _UNKNOWN (no localization service). */
 ROBUROC4_API roburoc4_result roburoc4_client_relocalize(roburoc4_client *client, double x_m,
@@ -411,7 +415,7 @@ ROBUROC4_API roburoc4_result roburoc4_client_unsubscribe(roburoc4_client *client
 
 /** Figures of the link. */
 typedef struct roburoc4_link {
-    uint32_t size;          /* set it to sizeof(roburoc4_link) before the call */
+    uint32_t size;          /* set by ROBUROC4_SIZED() */
     uint32_t round_trip_us; /* smoothed, of answered requests; 0 before the first */
     uint32_t round_trip_min_us;
     uint32_t silence_us;     /* since the last datagram that was used */
@@ -420,10 +424,10 @@ typedef struct roburoc4_link {
     uint32_t reserved;
 } roburoc4_link;
 ROBUROC4_API roburoc4_result roburoc4_client_link(const roburoc4_client *client, uint64_t now_us,
-                                                  roburoc4_link *link);
+                                                  roburoc4_link *out);
 /** Figures of one service's statuses. */
 typedef struct roburoc4_service_link {
-    uint32_t size;             /* set it to sizeof(roburoc4_service_link) before the call */
+    uint32_t size;             /* set by ROBUROC4_SIZED() */
     uint32_t subscribed;       /* 1: wanted, and not refused */
     uint32_t received;         /* used statuses since start() */
     uint32_t lost;             /* gaps against the observed period, less what came late */
@@ -435,7 +439,7 @@ typedef struct roburoc4_service_link {
 } roburoc4_service_link;
 ROBUROC4_API roburoc4_result roburoc4_client_service_link(const roburoc4_client *client,
                                                           uint32_t service, uint64_t now_us,
-                                                          roburoc4_service_link *link);
+                                                          roburoc4_service_link *out);
 /** When, on the host's clock, the robot's clock showed robot_cycles; estimated from the statuses of
  *  the last seconds and half of the shortest round trip. ROBUROC4_ERR_UNKNOWN before the first. */
 ROBUROC4_API roburoc4_result roburoc4_client_host_time(const roburoc4_client *client,

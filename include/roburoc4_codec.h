@@ -44,11 +44,11 @@ typedef int32_t roburoc4_result;
 #define ROBUROC4_ERR_SIZE (-7)          /* a struct's size is not the library's */
 #define ROBUROC4_ERR_CONFIG (-8)        /* a configuration value; see roburoc4_config_error() */
 #define ROBUROC4_ERR_STATE (-9)         /* the client was not started, or is closing */
-#define ROBUROC4_ERR_UNKNOWN (-10)      /* not known yet: the robot has not said it */
+#define ROBUROC4_ERR_UNKNOWN (-10)      /* not reported by the robot yet */
 #define ROBUROC4_ERR_INDEX (-11)        /* the robot has no such channel */
 #define ROBUROC4_ERR_RESERVED (-12)     /* digital output 0 is the robot's own watchdog */
 #define ROBUROC4_ERR_NOT_FINITE (-13)   /* NaN or infinity */
-#define ROBUROC4_ERR_UNMATCHED (-14)    /* an answer to no open request: late, duplicate, foreign */
+#define ROBUROC4_ERR_UNMATCHED (-14)    /* an answer to no open request: late, duplicate, not ours */
 #define ROBUROC4_ERR_UNSUBSCRIBED (-15) /* a status of a service that was not subscribed to */
 #define ROBUROC4_ERR_OLD (-16)          /* a status not newer than the last of its service */
 #define ROBUROC4_ERR_TIMEOUT (-17)      /* a request was not answered in all its tries */

@@ -25,7 +25,7 @@
  *   At once       what the client has to send after drive(), stop() and the like leaves in
  *                 roburoc4_pump_unlock(), which never waits for the network.
  *   Readers       have cursors of their own: each sees every sample and every event, as many
- *                 readers as there are. A slow one loses the oldest samples, and is told how many;
+ *                 readers as there are. A slow one loses the oldest samples, and learns how many;
  *                 it never holds back the pump, the robot or another reader.
  *   No callback   into your code, ever.
  *   The end       roburoc4_pump_close() disarms, sends the stop sequence where one is due, ends the
@@ -49,8 +49,8 @@ extern "C" {
 /** A client, its socket and its thread. */
 typedef struct roburoc4_pump roburoc4_pump;
 
-/** Samples that are kept for readers unless roburoc4_pump_create() is told otherwise, and the range
- *  of what it can be told. One sample takes 192 bytes or less. */
+/** Samples that are kept for readers unless roburoc4_pump_create() gets another number, and the
+ *  range of that. One sample takes 128 bytes or less. */
 #define ROBUROC4_PUMP_QUEUE_DEFAULT 10000
 #define ROBUROC4_PUMP_QUEUE_MIN 16
 #define ROBUROC4_PUMP_QUEUE_MAX 1000000

@@ -469,33 +469,43 @@ static uint32_t clipped(uint64_t span_us) {
     return span_us < UINT32_MAX ? (uint32_t)span_us : UINT32_MAX;
 }
 
+/** Copy a struct that begins with its size to a program that may know fewer of its fields. */
+static roburoc4_result give(void *out, const void *filled, uint32_t filled_size) {
+    uint32_t size;
+    memcpy(&size, out, sizeof size);
+    if (size < 2 * sizeof size || size > filled_size || size % 4 != 0) {
+        return ROBUROC4_ERR_SIZE;
+    }
+    memcpy((uint8_t *)out + sizeof size, (const uint8_t *)filled + sizeof size,
+           size - sizeof size);
+    return ROBUROC4_OK;
+}
+
 roburoc4_result roburoc4_client_facts(const client *c, uint64_t now_us, roburoc4_facts *out) {
+    roburoc4_facts f;
     const drive *d = &c->private_drive;
     const values *v = &c->private_values;
     const uint64_t elapsed_us = now_us - d->granted_us;
-    if (out->size != sizeof *out) {
-        return ROBUROC4_ERR_SIZE;
-    }
-    out->state = c->private_state;
-    out->armed = d->armed;
-    out->driving = d->lease_active && elapsed_us < d->lease_us;
-    out->stopping = d->stopping || d->stop_pending;
-    out->override_known = v->override_known;
-    out->overridden = v->override_known && v->overridden;
-    out->other_commander = d->other_commander;
-    out->inhibited = d->inhibited;
-    out->fixed_id = c->private_requests.fixed_id;
-    out->front_bumper = input_of_role(c, ROBUROC4_ROLE_FRONT_BUMPER);
-    out->rear_bumper = input_of_role(c, ROBUROC4_ROLE_REAR_BUMPER);
-    out->descriptions_done = c->private_discovery.done;
-    out->battery_low = v->battery_low != 0;
-    out->disarm_cause = d->armed ? ROBUROC4_OK : d->disarm_cause;
-    out->arm_refusal = arming_refusal(c, now_us);
-    out->relocalize_result = c->private_outputs.relocalize_result;
-    out->lease_left_us = out->driving ? d->lease_us - (uint32_t)elapsed_us : 0;
-    out->linear_m_s = d->sent[0];
-    out->angular_rad_s = d->sent[1];
-    return ROBUROC4_OK;
+    f.state = c->private_state;
+    f.armed = d->armed;
+    f.driving = d->lease_active && elapsed_us < d->lease_us;
+    f.stopping = d->stopping || d->stop_pending;
+    f.override_known = v->override_known;
+    f.overridden = v->override_known && v->overridden;
+    f.other_commander = d->other_commander;
+    f.inhibited = d->inhibited;
+    f.fixed_id = c->private_requests.fixed_id;
+    f.front_bumper = input_of_role(c, ROBUROC4_ROLE_FRONT_BUMPER);
+    f.rear_bumper = input_of_role(c, ROBUROC4_ROLE_REAR_BUMPER);
+    f.descriptions_done = c->private_discovery.done;
+    f.battery_low = v->battery_low != 0;
+    f.disarm_cause = d->armed ? ROBUROC4_OK : d->disarm_cause;
+    f.arm_refusal = arming_refusal(c, now_us);
+    f.relocalize_result = c->private_outputs.relocalize_result;
+    f.lease_left_us = f.driving ? d->lease_us - (uint32_t)elapsed_us : 0;
+    f.linear_m_s = d->sent[0];
+    f.angular_rad_s = d->sent[1];
+    return give(out, &f, sizeof f);
 }
 
 static float share(uint32_t lost, uint32_t received) {
@@ -503,48 +513,44 @@ static float share(uint32_t lost, uint32_t received) {
 }
 
 roburoc4_result roburoc4_client_link(const client *c, uint64_t now_us, roburoc4_link *out) {
+    roburoc4_link f;
     const roburoc4_private_link *l = &c->private_link;
     uint32_t recent_lost = 0;
     uint32_t recent_received = 0;
-    if (out->size != sizeof *out) {
-        return ROBUROC4_ERR_SIZE;
-    }
-    out->round_trip_us = l->round_trip_us;
-    out->round_trip_min_us = l->round_trip_min_us;
-    out->silence_us = clipped(now_us - l->last_used_us);
-    out->received = 0;
-    out->lost = 0;
+    f.round_trip_us = l->round_trip_us;
+    f.round_trip_min_us = l->round_trip_min_us;
+    f.silence_us = clipped(now_us - l->last_used_us);
+    f.received = 0;
+    f.lost = 0;
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
-        out->received += l->services[i].received;
-        out->lost += l->services[i].lost;
+        f.received += l->services[i].received;
+        f.lost += l->services[i].lost;
         recent_received += l->services[i].recent_received;
         recent_lost += l->services[i].recent_lost;
     }
-    out->loss = share(recent_lost, recent_received);
-    out->reserved = 0;
-    return ROBUROC4_OK;
+    f.loss = share(recent_lost, recent_received);
+    f.reserved = 0;
+    return give(out, &f, sizeof f);
 }
 
 roburoc4_result roburoc4_client_service_link(const client *c, uint32_t service, uint64_t now_us,
                                              roburoc4_service_link *out) {
+    roburoc4_service_link f;
     if (service < ROBUROC4_SERVICE_IOCARD || service >= ROBUROC4_SERVICE_COUNT) {
         return ROBUROC4_ERR_ARGUMENT;
     }
-    if (out->size != sizeof *out) {
-        return ROBUROC4_ERR_SIZE;
-    }
     const roburoc4_private_service *s = &c->private_link.services[STATUS_INDEX(service)];
     const discovery *d = &c->private_discovery;
-    out->subscribed = (d->wanted & ~d->declined & service_bit(service)) != 0;
-    out->received = s->received;
-    out->lost = s->lost;
-    out->late = s->late;
-    out->duplicates = s->duplicates;
-    out->period_us = (uint32_t)s->period_cycles * ROBUROC4_CYCLE_US;
-    out->jitter_us = s->jitter_us;
-    out->age_us = s->received > 0 ? clipped(now_us - s->received_us) : UINT32_MAX;
-    out->loss = share(s->recent_lost, s->recent_received);
-    return ROBUROC4_OK;
+    f.subscribed = (d->wanted & ~d->declined & service_bit(service)) != 0;
+    f.received = s->received;
+    f.lost = s->lost;
+    f.late = s->late;
+    f.duplicates = s->duplicates;
+    f.period_us = (uint32_t)s->period_cycles * ROBUROC4_CYCLE_US;
+    f.jitter_us = s->jitter_us;
+    f.age_us = s->received > 0 ? clipped(now_us - s->received_us) : UINT32_MAX;
+    f.loss = share(s->recent_lost, s->recent_received);
+    return give(out, &f, sizeof f);
 }
 
 roburoc4_result roburoc4_client_host_time(const client *c, uint64_t robot_cycles,

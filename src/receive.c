@@ -117,7 +117,7 @@ static roburoc4_result take_properties(client *c, uint32_t service, const uint8_
  *
  * Most statuses of a ready robot change nothing of when the client must act next: they only put off
  * what happens where they stay away. So they do not wake() it, unless they end driving, end a stop
- * sequence, or tell whether the override is known. */
+ * sequence, or make the override known or unknown. */
 
 /** Whether a status is newer than the last of its service: then it is counted and announced. */
 static bool is_new(client *c, uint32_t service, uint64_t robot_cycles) {
@@ -325,19 +325,19 @@ static void take_text(client *c, const slot *s, const roburoc4_text *text) {
         raise_event(c, ROBUROC4_EVENT_ROLE);
     }
     if (override_index(c) != before) {
-        c->private_values.override_known = 0; /* until a status tells it from the right input */
+        c->private_values.override_known = 0; /* until a status has the right input */
     }
     d->described_kind = (uint8_t)(s->ask.detail + 1);
     d->described_index = s->ask.subject;
     raise_event(c, ROBUROC4_EVENT_DESCRIPTION);
     if (s->ask.detail == LIST_DIRECTORY && d->identified && roburoc4_discovery_identify(d)) {
-        /* a late text told that a service is another one */
+        /* a late text: a service is another one than was believed */
         roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_NO_DIFFERENTIAL);
         roburoc4_lifecycle_forget_services(c, ROBUROC4_STATE_DISCOVERING);
     }
 }
 
-/** A good answer: take what it says, or tell what is wrong with it. */
+/** A good answer: store what it has, or return what is wrong with it. */
 static roburoc4_result take_answer(client *c, const slot *s, const uint8_t *data, size_t size) {
     discovery *d = &c->private_discovery;
     roburoc4_text text;

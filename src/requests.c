@@ -16,7 +16,7 @@
 #define FIXED_QUIET_US (100 * MS)
 /* Every so many tries to connect, for a robot that answers no other id. */
 #define MANUAL_ID_EVERY 6
-/* So long in vain, and then that id was answered: it may be another robot. */
+/* So many tries before an answer to that id counts: it may be another robot. */
 #define DOUBT_AFTER (2 * MANUAL_ID_EVERY)
 /* Values of id_mode: which ids of ours the robot answered so far. */
 enum { ANSWERED_NONE, ANSWERED_MANUAL_ID, ANSWERED_ANY_ID };

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * udp.c - the UDP adapter: moves a client's datagrams over one connected socket, in time, and turns
- * the network's errors into states and counters. What differs between systems is in udp_os.h.
+ * the network's errors into states and counters. What differs between systems is in os.h.
  */
 #include "os.h"
 

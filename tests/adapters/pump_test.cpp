@@ -116,7 +116,7 @@ TEST(Pump, BecomesReadyByItselfAndShowsAllThatTheRobotSays) {
     Pump pump = make_pump(robot.address());
     ASSERT_TRUE(becomes_ready(pump.get()));
     EXPECT_EQ(roburoc4_pump_running(pump.get()), 1);
-    EXPECT_EQ(roburoc4_pump_state(pump.get()), uint32_t{ROBUROC4_STATE_READY});
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_state), uint32_t{ROBUROC4_STATE_READY});
 
     roburoc4_battery_status battery{};
     roburoc4_localization_status localization{};
@@ -126,11 +126,11 @@ TEST(Pump, BecomesReadyByItselfAndShowsAllThatTheRobotSays) {
     uint64_t host_us = 0;
     ASSERT_TRUE(eventually([&] {
         sleep_ms(5);
-        return roburoc4_pump_battery(pump.get(), &battery, &host_us) == 0 &&
-               roburoc4_pump_localization(pump.get(), &localization, nullptr) == 0 &&
-               roburoc4_pump_differential(pump.get(), &differential, nullptr) == 0 &&
-               roburoc4_pump_inputs(pump.get(), &inputs, nullptr) == 0 &&
-               roburoc4_pump_distances(pump.get(), &distances, nullptr) == 0;
+        return on_client(pump.get(), roburoc4_client_battery, &battery, &host_us) == 0 &&
+               on_client(pump.get(), roburoc4_client_localization, &localization, nullptr) == 0 &&
+               on_client(pump.get(), roburoc4_client_differential, &differential, nullptr) == 0 &&
+               on_client(pump.get(), roburoc4_client_inputs, &inputs, nullptr) == 0 &&
+               on_client(pump.get(), roburoc4_client_distances, &distances, nullptr) == 0;
     }));
     EXPECT_EQ(battery.remaining_percent, 100);
     EXPECT_GT(host_us, 0u);
@@ -139,17 +139,17 @@ TEST(Pump, BecomesReadyByItselfAndShowsAllThatTheRobotSays) {
 
     roburoc4_facts facts{};
     facts.size = sizeof facts;
-    EXPECT_EQ(roburoc4_pump_facts(pump.get(), &facts), 0);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_facts, roburoc4_udp_now_us(), &facts), 0);
     roburoc4_link link{};
     link.size = sizeof link;
-    EXPECT_EQ(roburoc4_pump_link(pump.get(), &link), 0);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_link, roburoc4_udp_now_us(), &link), 0);
     EXPECT_GT(link.received, 0u);
     roburoc4_service_link service{};
     service.size = sizeof service;
-    EXPECT_EQ(roburoc4_pump_service_link(pump.get(), ROBUROC4_SERVICE_IOCARD, &service), 0);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_service_link, ROBUROC4_SERVICE_IOCARD, roburoc4_udp_now_us(), &service), 0);
     EXPECT_EQ(service.subscribed, 1u);
-    EXPECT_EQ(roburoc4_pump_host_time(pump.get(), battery.robot_cycles, &host_us), 0);
-    EXPECT_GT(roburoc4_pump_count(pump.get(), ROBUROC4_COUNT_RECEIVED), 5u);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_host_time, battery.robot_cycles, &host_us), 0);
+    EXPECT_GT(on_client(pump.get(), roburoc4_client_count, ROBUROC4_COUNT_RECEIVED), 5u);
     EXPECT_GT(on_udp(pump.get(), roburoc4_udp_count, ROBUROC4_UDP_COUNT_RECEIVED), 5u);
     EXPECT_EQ(on_udp(pump.get(), roburoc4_udp_fault), uint32_t{ROBUROC4_FAULT_NONE});
     roburoc4_address address{};
@@ -167,24 +167,24 @@ TEST(Pump, KnowsServicesAndProperties) {
     roburoc4_localization_properties localization{};
     roburoc4_differential_properties differential{};
     roburoc4_telemeter telemeter{};
-    EXPECT_EQ(roburoc4_pump_service_count(pump.get()), uint32_t{ROBUROC4_SERVICE_COUNT});
-    EXPECT_EQ(roburoc4_pump_service_at(pump.get(), 1, &entry), 0);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_service_count), uint32_t{ROBUROC4_SERVICE_COUNT});
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_service_at, 1, &entry), 0);
     EXPECT_EQ(entry.id, ROBUROC4_SERVICE_NOTIFICATION);
-    EXPECT_EQ(roburoc4_pump_service_id(pump.get(), ROBUROC4_SERVICE_DIFFERENTIAL), 6);
-    EXPECT_EQ(roburoc4_pump_iocard_properties(pump.get(), &io), 0);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_service_id, ROBUROC4_SERVICE_DIFFERENTIAL), 6);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_iocard_properties, &io), 0);
     EXPECT_EQ(io.digital_outputs, ROBUROC4_DO_COUNT);
-    EXPECT_EQ(roburoc4_pump_battery_properties(pump.get(), &battery), 0);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_battery_properties, &battery), 0);
     EXPECT_FLOAT_EQ(battery.nominal_voltage_v, 24.0f);
-    EXPECT_EQ(roburoc4_pump_localization_properties(pump.get(), &localization), 0);
-    EXPECT_EQ(roburoc4_pump_differential_properties(pump.get(), &differential), 0);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_localization_properties, &localization), 0);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_differential_properties, &differential), 0);
     EXPECT_FLOAT_EQ(differential.max_linear_m_s, 2.6f);
-    EXPECT_EQ(roburoc4_pump_telemeter_count(pump.get()), uint32_t{ROBUROC4_TELEMETER_COUNT});
-    EXPECT_EQ(roburoc4_pump_telemeter(pump.get(), 1, &telemeter), 0);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_telemeter_count), uint32_t{ROBUROC4_TELEMETER_COUNT});
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_telemeter, 1, &telemeter), 0);
     EXPECT_GT(telemeter.max_distance_m, 0.0f);
-    EXPECT_EQ(roburoc4_pump_role_index(pump.get(), ROBUROC4_ROLE_OVERRIDE), ROBUROC4_DI_PAD_A);
-    EXPECT_EQ(roburoc4_pump_set_role_index(pump.get(), ROBUROC4_ROLE_OVERRIDE, ROBUROC4_DI_PAD_B),
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_role_index, ROBUROC4_ROLE_OVERRIDE), ROBUROC4_DI_PAD_A);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_set_role_index, ROBUROC4_ROLE_OVERRIDE, ROBUROC4_DI_PAD_B),
               0);
-    EXPECT_EQ(roburoc4_pump_role_index(pump.get(), ROBUROC4_ROLE_OVERRIDE), ROBUROC4_DI_PAD_B);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_role_index, ROBUROC4_ROLE_OVERRIDE), ROBUROC4_DI_PAD_B);
 }
 
 TEST(Pump, KeepsTheRobotsTexts) {
@@ -237,7 +237,7 @@ TEST(Pump, RetriesAnAbsentRobotWithoutSpinningAndFindsItLater) {
     EXPECT_LT(cpu_seconds() - cpu_before, 0.7);
     EXPECT_EQ(on_udp(pump.get(), roburoc4_udp_fault), uint32_t{ROBUROC4_FAULT_REFUSED});
     EXPECT_GE(on_udp(pump.get(), roburoc4_udp_count, ROBUROC4_UDP_COUNT_REFUSED), 2u);
-    EXPECT_EQ(roburoc4_pump_arm(pump.get()), ROBUROC4_ERR_NOT_READY);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_arm), ROBUROC4_ERR_NOT_READY);
     UdpRobot robot(port);
     EXPECT_TRUE(becomes_ready(pump.get()));
 }
@@ -265,7 +265,7 @@ TEST(Pump, StopsTheRobotOfAProgramThatHangs) {
     Pump pump = make_pump(robot.address());
     ASSERT_TRUE(becomes_armed(pump.get()));
     uint64_t granted_us = roburoc4_udp_now_us();
-    ASSERT_EQ(roburoc4_pump_drive(pump.get(), 0.5f, 0.0f, 250000), ROBUROC4_OK);
+    ASSERT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.5f, 0.0f, 250000), ROBUROC4_OK);
     /* From here on nobody calls drive. */
     ASSERT_TRUE(eventually([&] {
         sleep_ms(5);
@@ -282,7 +282,7 @@ TEST(Pump, StopsTheRobotOfAProgramThatHangs) {
             EXPECT_LT(command.at_us - granted_us, 1000000u);
         }
     }
-    EXPECT_EQ(roburoc4_pump_drive(pump.get(), 0.2f, 0.0f, 0), ROBUROC4_OK) << "it stays armed";
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.2f, 0.0f, 0), ROBUROC4_OK) << "it stays armed";
 }
 
 TEST(Pump, KeepsDrivingOnlyWhileItIsTold) {
@@ -291,7 +291,7 @@ TEST(Pump, KeepsDrivingOnlyWhileItIsTold) {
     ASSERT_TRUE(becomes_armed(pump.get()));
     uint64_t until_us = roburoc4_udp_now_us() + 1000000;
     while (roburoc4_udp_now_us() < until_us) {
-        ASSERT_EQ(roburoc4_pump_drive(pump.get(), 0.4f, 0.1f, 1000000), ROBUROC4_OK);
+        ASSERT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.4f, 0.1f, 1000000), ROBUROC4_OK);
         sleep_ms(50);
     }
     std::vector<SpeedCommand> commands = robot.commands();
@@ -299,7 +299,7 @@ TEST(Pump, KeepsDrivingOnlyWhileItIsTold) {
     EXPECT_EQ(speeds_in(commands), commands.size()) << "no zero in between";
     EXPECT_GT(commands.back().at_us - commands.front().at_us, 600000u);
     EXPECT_GT(robot.state().true_linear_m_s, 0.1);
-    EXPECT_EQ(roburoc4_pump_stop_robot(pump.get()), ROBUROC4_OK);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_stop), ROBUROC4_OK);
     EXPECT_TRUE(eventually([&] {
         sleep_ms(5);
         return zeros_at_the_end(robot.commands()) >= 3;
@@ -329,7 +329,7 @@ TEST(Pump, FeedsALeaseWhileTheRobotIsQuiet) {
             0);
         sleep_ms(50);
         size_t before = robot.commands().size();
-        ASSERT_EQ(roburoc4_pump_drive(pump.get(), 0.5f, 0.0f, 500000), ROBUROC4_OK);
+        ASSERT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.5f, 0.0f, 500000), ROBUROC4_OK);
         ASSERT_GT(roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_STOPPED, kPatience),
                   0);
         std::vector<SpeedCommand> commands = robot.commands();
@@ -344,11 +344,11 @@ TEST(Pump, SendsCommandsBeforeTheCallReturns) {
     Pump pump = make_pump(robot.address());
     ASSERT_TRUE(becomes_armed(pump.get()));
     uint32_t before = on_udp(pump.get(), roburoc4_udp_count, ROBUROC4_UDP_COUNT_SENT);
-    ASSERT_EQ(roburoc4_pump_set_digital_outputs(pump.get(), uint64_t{1} << 3, uint64_t{1} << 3),
+    ASSERT_EQ(on_client(pump.get(), roburoc4_client_set_digital_outputs, uint64_t{1} << 3, uint64_t{1} << 3),
               ROBUROC4_OK);
     EXPECT_GT(on_udp(pump.get(), roburoc4_udp_count, ROBUROC4_UDP_COUNT_SENT), before);
     before = on_udp(pump.get(), roburoc4_udp_count, ROBUROC4_UDP_COUNT_SENT);
-    ASSERT_EQ(roburoc4_pump_drive(pump.get(), 0.1f, 0.0f, 0), ROBUROC4_OK);
+    ASSERT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.1f, 0.0f, 0), ROBUROC4_OK);
     EXPECT_GT(on_udp(pump.get(), roburoc4_udp_count, ROBUROC4_UDP_COUNT_SENT), before);
 }
 
@@ -357,35 +357,35 @@ TEST(Pump, PassesEveryCommandOn) {
     Pump pump = make_pump(robot.address());
     ASSERT_TRUE(becomes_ready(pump.get()));
     roburoc4_pump_reader reader{};
-    EXPECT_EQ(roburoc4_pump_drive(pump.get(), 0.1f, 0.0f, 0), ROBUROC4_ERR_DISARMED);
-    EXPECT_EQ(roburoc4_pump_set_digital_outputs(pump.get(), uint64_t{1} << 0, uint64_t{1} << 0),
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.1f, 0.0f, 0), ROBUROC4_ERR_DISARMED);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_set_digital_outputs, uint64_t{1} << 0, uint64_t{1} << 0),
               ROBUROC4_ERR_RESERVED);
-    EXPECT_EQ(roburoc4_pump_set_digital_outputs(pump.get(), 0x06, 0x02), ROBUROC4_OK);
-    EXPECT_EQ(roburoc4_pump_set_analog_output(pump.get(), 0, 1.0f), ROBUROC4_ERR_INDEX);
-    EXPECT_EQ(roburoc4_pump_relocalize(pump.get(), 1.0, 2.0, 0.5), ROBUROC4_OK);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_set_digital_outputs, 0x06, 0x02), ROBUROC4_OK);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_set_analog_output, 0, 1.0f), ROBUROC4_ERR_INDEX);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_relocalize, 1.0, 2.0, 0.5), ROBUROC4_OK);
     EXPECT_EQ(roburoc4_pump_wait_events(
                   pump.get(), &reader,
                   ROBUROC4_EVENT_RELOCALIZED | ROBUROC4_EVENT_RELOCALIZE_FAILED, kPatience),
               ROBUROC4_EVENT_RELOCALIZED);
-    EXPECT_EQ(roburoc4_pump_subscribe(pump.get(), ROBUROC4_SERVICE_BATTERY, 15),
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_subscribe, ROBUROC4_SERVICE_BATTERY, 15),
               ROBUROC4_ERR_ARGUMENT);
-    EXPECT_EQ(roburoc4_pump_subscribe(pump.get(), ROBUROC4_SERVICE_BATTERY, 100), ROBUROC4_OK);
-    EXPECT_EQ(roburoc4_pump_unsubscribe(pump.get(), ROBUROC4_SERVICE_TELEMETER), ROBUROC4_OK);
-    EXPECT_EQ(roburoc4_pump_disarm(pump.get()), ROBUROC4_OK);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_subscribe, ROBUROC4_SERVICE_BATTERY, 100), ROBUROC4_OK);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_unsubscribe, ROBUROC4_SERVICE_TELEMETER), ROBUROC4_OK);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_disarm), ROBUROC4_OK);
 }
 
 TEST(Pump, TellsOfAnOverrideAndStopsCommanding) {
     UdpRobot robot;
     Pump pump = make_pump(robot.address());
     ASSERT_TRUE(becomes_armed(pump.get()));
-    ASSERT_EQ(roburoc4_pump_drive(pump.get(), 0.3f, 0.0f, 1000000), ROBUROC4_OK);
+    ASSERT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.3f, 0.0f, 1000000), ROBUROC4_OK);
     roburoc4_pump_reader reader{};
     ASSERT_EQ(roburoc4_pump_reader_init(pump.get(), &reader), ROBUROC4_OK);
     ASSERT_TRUE(robot.panel("pad a down"));
     ASSERT_EQ(roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_DISARMED, kPatience),
               ROBUROC4_EVENT_DISARMED);
     EXPECT_NE(roburoc4_pump_take_events(pump.get(), &reader) & ROBUROC4_EVENT_OVERRIDE, 0);
-    EXPECT_EQ(roburoc4_pump_drive(pump.get(), 0.3f, 0.0f, 0), ROBUROC4_ERR_OVERRIDE);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.3f, 0.0f, 0), ROBUROC4_ERR_OVERRIDE);
 }
 
 /* -------------------------------------------------------------------- samples and events --- */
@@ -558,14 +558,14 @@ TEST(PumpStop, SendsTheZeroTrainOfADrivingRobot) {
     UdpRobot robot;
     Pump pump = make_pump(robot.address());
     ASSERT_TRUE(becomes_armed(pump.get()));
-    ASSERT_EQ(roburoc4_pump_drive(pump.get(), 0.5f, 0.2f, 1000000), ROBUROC4_OK);
+    ASSERT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.5f, 0.2f, 1000000), ROBUROC4_OK);
     ASSERT_TRUE(eventually([&] {
         sleep_ms(5);
         return speeds_in(robot.commands()) >= 2;
     }));
     ASSERT_EQ(roburoc4_pump_close(pump.get()), ROBUROC4_OK);
     EXPECT_EQ(roburoc4_pump_running(pump.get()), 0);
-    EXPECT_EQ(roburoc4_pump_state(pump.get()), uint32_t{ROBUROC4_STATE_IDLE});
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_state), uint32_t{ROBUROC4_STATE_IDLE});
     EXPECT_TRUE(eventually([&] { return zeros_at_the_end(robot.commands()) >= 3; }));
     EXPECT_EQ(roburoc4_pump_close(pump.get()), ROBUROC4_OK) << "a second time";
 }
@@ -612,7 +612,7 @@ TEST(PumpStop, IsBoundedWhereTheRobotIsSilent) {
     UdpRobot robot;
     Pump pump = make_pump(robot.address());
     ASSERT_TRUE(becomes_armed(pump.get()));
-    ASSERT_EQ(roburoc4_pump_drive(pump.get(), 0.5f, 0.0f, 1000000), ROBUROC4_OK);
+    ASSERT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.5f, 0.0f, 1000000), ROBUROC4_OK);
     robot.fall_silent();
     uint64_t before_us = roburoc4_udp_now_us();
     EXPECT_EQ(roburoc4_pump_close(pump.get()), ROBUROC4_OK);

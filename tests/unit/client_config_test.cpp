@@ -2,6 +2,8 @@
  *
  * Configuration: defaults, both ends of every range, errors that name the value; sizes of structs.
  */
+#include <cstring>
+
 #include "client_bench.h"
 
 #include <cmath>
@@ -187,6 +189,20 @@ TEST(Config, PeriodsThatAreNotUsedMakeNoDifference) {
     EXPECT_EQ(ROBUROC4_OK, roburoc4_client_start(&without, second));
     without.private_config = config;
     EXPECT_EQ(0, memcmp(&with, &without, sizeof with));
+}
+
+TEST(Config, OfAnOlderProgramGetsDefaultsForTheRest) {
+    const std::size_t older = offsetof(roburoc4_config, options);
+    roburoc4_config config;
+    std::memset(&config, 0xFF, sizeof config);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_config_init(&config, older));
+    EXPECT_EQ(older, config.size);
+    EXPECT_EQ(UINT32_MAX, config.options) << "beyond the program's struct nothing is written";
+    EXPECT_EQ(nullptr, roburoc4_config_error(&config));
+    roburoc4_client client{};
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_client_init(&client, sizeof client, &config));
+    for (const std::size_t wrong : {std::size_t{0}, std::size_t{4}, older - 1, sizeof config + 4})
+        EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_config_init(&config, wrong)) << wrong;
 }
 
 TEST(Config, UnknownBitsAreRefused) {

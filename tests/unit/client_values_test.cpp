@@ -2,6 +2,8 @@
  *
  * What a user reads: latest values and their events, properties, texts, roles of inputs, battery.
  */
+#include <cstring>
+
 #include "client_bench.h"
 
 using namespace roburoc4_tests;
@@ -90,6 +92,25 @@ std::string value_of(const Bench &bench, std::uint32_t service) {
 }
 
 } // namespace
+
+TEST(Sizes, OfAnOlderProgramGetTheFieldsThatItKnows) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    roburoc4_facts facts;
+    std::memset(&facts, 0xFF, sizeof facts);
+    facts.size = offsetof(roburoc4_facts, armed);
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_client_facts(&bench.client, bench.client_us(), &facts));
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), facts.state);
+    EXPECT_EQ(0xFF, facts.armed) << "beyond the program's struct nothing is written";
+    for (const std::size_t wrong : {std::size_t{0}, std::size_t{4}, sizeof facts + 4}) {
+        facts.size = static_cast<std::uint32_t>(wrong);
+        EXPECT_EQ(ROBUROC4_ERR_SIZE,
+                  roburoc4_client_facts(&bench.client, bench.client_us(), &facts));
+    }
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_client_facts(&bench.client, bench.client_us(),
+                                                 ROBUROC4_SIZED(&facts)));
+}
 
 TEST(Value, IsUnknownBeforeTheFirstStatus) {
     ScriptedRobot robot;
