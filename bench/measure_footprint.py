@@ -47,9 +47,8 @@ AIMS = {
 
 
 def core_sources():
-    text = (figures.TOP / "CMakeLists.txt").read_text(encoding="utf-8")
-    block = re.search(r"^set\(core_sources(.*?)\)", text, re.MULTILINE | re.DOTALL).group(1)
-    return [figures.TOP / name for name in block.split()]
+    names = (figures.TOP / "cmake/core_sources.txt").read_text(encoding="utf-8")
+    return [figures.TOP / name for name in names.split()]
 
 
 class Target:

@@ -184,11 +184,11 @@ pinned_venv() {
 
 # The files of the core, and of the simulator's library.
 core_sources() {
-    sed -n '/^set(core_sources/,/)/p' CMakeLists.txt | grep -o 'src/[a-z_0-9]*\.c'
+    cat cmake/core_sources.txt
 }
 
 sim_sources() {
-    sed -n '/^roburoc4_library(roburoc4_sim$/,/)/p' CMakeLists.txt | grep -o 'sim/[a-z_0-9]*\.c'
+    cat cmake/sim_sources.txt
 }
 
 # The value of a variable in a build folder's cache.
