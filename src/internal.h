@@ -22,8 +22,9 @@
 typedef roburoc4_client client;
 typedef roburoc4_private_values values;
 
-#define MS 1000U
-#define SECOND 1000000U
+/* Of 32 bits where int has 16, too: products of these and of settings are times. */
+#define MS UINT32_C(1000)
+#define SECOND UINT32_C(1000000)
 /* Life of a drive command, whether configured or given to drive(). */
 #define LEASE_MIN_MS 20
 #define LEASE_MAX_MS 1000
