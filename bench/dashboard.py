@@ -95,7 +95,7 @@ def drive(page: Page) -> None:
 
 
 def drives_on(page: Page) -> bool:
-    """Return whether it still drives; a stall may have ended that: then inputs off, and on again."""
+    """Return whether it drives; where a stall ended that, switch inputs off and on."""
     if page.locator('[data-lamp="driving"]').text_content() == "DRIVING":
         return True
     page.evaluate("pad.buttons[0] = { pressed: false, value: 0 }")

@@ -115,7 +115,7 @@ def main() -> int:
     count = {"noticed": 0, "missed": 0, "invalid": 0, "same": 0}
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         tried = pool.map(lambda m: verdict(options.program, sources, sound, *m), mutants)
-        for (file, text), result in zip(mutants, tried):
+        for (file, text), result in zip(mutants, tried, strict=True):
             count[result] += 1
             if result == "missed":
                 print(f"missed: src/{file.name}\n{difference(file.read_text(), text)}", flush=True)
