@@ -112,7 +112,7 @@ ROBUROC4_API const char *roburoc4_state_name(uint32_t state);
 #define ROBUROC4_EVENT_LEASE_OVER 0x00002000        /* a drive lease ran out unrenewed */
 #define ROBUROC4_EVENT_STOPPED 0x00004000           /* a stop sequence ended */
 #define ROBUROC4_EVENT_OVERRIDE 0x00008000          /* game pad [A] was pressed or released */
-#define ROBUROC4_EVENT_OTHER_COMMANDER 0x00010000           /* another client commands, or no longer */
+#define ROBUROC4_EVENT_OTHER_COMMANDER 0x00010000   /* another client commands, or no longer */
 #define ROBUROC4_EVENT_INHIBITED 0x00020000         /* commanded but standing still, or no longer */
 #define ROBUROC4_EVENT_BATTERY_LOW 0x00040000       /* remaining fell below minimum_percent */
 #define ROBUROC4_EVENT_BATTERY_CRITICAL 0x00080000  /* the battery's state became Critical */
@@ -244,13 +244,13 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
 
 /* Motion. A drive command is a lease: the target lives for lease_us and dies unless renewed. Every
  * exit from driving (lease over, stop, disarm, override, loss, reboot, clock fault) is followed by
- * the stop sequence: zero commands, one per drive period, at least three, until a status shows both targets
- * 0 or robot_watchdog_ms has passed. A new lease waits for its end. The first zero
- * after a speed leaves at once; all other commands are at least a robot cycle (10 ms) apart. */
+ * the stop sequence: zero commands, one per drive period, at least three, until a status shows both
+ * targets 0 or robot_watchdog_ms has passed. A new lease waits for its end. The first zero after a
+ * speed leaves at once; all other commands are at least a robot cycle (10 ms) apart. */
 
 /** Allow driving. 0, or the first reason against it: ROBUROC4_ERR_NOT_READY, _NO_DIFFERENTIAL,
- *  _LIMITS, _STALE_DIFFERENTIAL, _STALE_IOCARD, _OVERRIDE_UNKNOWN, _OVERRIDE, _OTHER_COMMANDER, _MOVING.
- * The client disarms itself when one of these conditions is lost. Arming twice is fine. */
+ *  _LIMITS, _STALE_DIFFERENTIAL, _STALE_IOCARD, _OVERRIDE_UNKNOWN, _OVERRIDE, _OTHER_COMMANDER,
+ * _MOVING. The client disarms itself when one of these conditions is lost. Arming twice is fine. */
 ROBUROC4_API roburoc4_result roburoc4_client_arm(roburoc4_client *client, uint64_t now_us);
 /** Forbid driving and stop. Always possible. */
 ROBUROC4_API roburoc4_result roburoc4_client_disarm(roburoc4_client *client, uint64_t now_us);
@@ -267,18 +267,18 @@ ROBUROC4_API roburoc4_result roburoc4_client_stop(roburoc4_client *client, uint6
 
 /** What is true now. */
 typedef struct roburoc4_facts {
-    uint32_t size;          /* set by ROBUROC4_SIZED() */
-    uint32_t state;         /* ROBUROC4_STATE_* */
-    uint8_t armed;          /* 1: drive() is accepted */
-    uint8_t driving;        /* 1: a lease lives */
-    uint8_t stopping;       /* 1: a stop sequence runs, or a stop() waits for the robot */
-    uint8_t override_known; /* 1: `overridden` means something */
-    uint8_t overridden;     /* 1: game pad [A] is held */
-    uint8_t other_commander;      /* 1: another client commands the robot */
-    uint8_t inhibited;      /* 1: a speed is asked for, but the robot stands still: emergency stop,
-                               brakes, bumper */
-    uint8_t fixed_id;       /* 1: the robot answers every request with 0x01 */
-    uint8_t front_bumper;   /* 1: pressed, by the last IO status */
+    uint32_t size;           /* set by ROBUROC4_SIZED() */
+    uint32_t state;          /* ROBUROC4_STATE_* */
+    uint8_t armed;           /* 1: drive() is accepted */
+    uint8_t driving;         /* 1: a lease lives */
+    uint8_t stopping;        /* 1: a stop sequence runs, or a stop() waits for the robot */
+    uint8_t override_known;  /* 1: `overridden` means something */
+    uint8_t overridden;      /* 1: game pad [A] is held */
+    uint8_t other_commander; /* 1: another client commands the robot */
+    uint8_t inhibited;       /* 1: a speed is asked for, but the robot stands still: emergency stop,
+                                brakes, bumper */
+    uint8_t fixed_id;        /* 1: the robot answers every request with 0x01 */
+    uint8_t front_bumper;    /* 1: pressed, by the last IO status */
     uint8_t rear_bumper;
     uint8_t descriptions_done; /* 1: every text was answered or given up */
     uint8_t battery_low;       /* 1: remaining is below minimum_percent, or the state is Critical */
@@ -368,9 +368,9 @@ ROBUROC4_API roburoc4_result roburoc4_client_differential(const roburoc4_client 
 /** All inputs of the IO card (frozen: this struct never changes). */
 typedef struct roburoc4_inputs {
     uint64_t robot_cycles;
-    uint64_t digital;                     /* bit i is digital input i */
+    uint64_t digital;                         /* bit i is digital input i */
     float analog[ROBUROC4_MAX_ANALOG_INPUTS]; /* generally volts; game pad axes -1 to 1 */
-    uint32_t analog_count, digital_count; /* stored ones */
+    uint32_t analog_count, digital_count;     /* stored ones */
 } roburoc4_inputs;
 ROBUROC4_API roburoc4_result roburoc4_client_inputs(const roburoc4_client *client,
                                                     roburoc4_inputs *out, uint64_t *host_us);

@@ -41,14 +41,14 @@ typedef int32_t roburoc4_result;
 #define ROBUROC4_ERR_VALUE (-5)    /* a field of the datagram has an impossible value */
 #define ROBUROC4_ERR_ROBOT (-6)    /* the answer carries one of the robot's error codes */
 /* of the client */
-#define ROBUROC4_ERR_SIZE (-7)          /* a struct's size is not the library's */
-#define ROBUROC4_ERR_CONFIG (-8)        /* a configuration value; see roburoc4_config_error() */
-#define ROBUROC4_ERR_STATE (-9)         /* the client was not started, or is closing */
-#define ROBUROC4_ERR_UNKNOWN (-10)      /* not reported by the robot yet */
-#define ROBUROC4_ERR_INDEX (-11)        /* the robot has no such channel */
-#define ROBUROC4_ERR_RESERVED (-12)     /* digital output 0 is the robot's own watchdog */
-#define ROBUROC4_ERR_NOT_FINITE (-13)   /* NaN or infinity */
-#define ROBUROC4_ERR_UNMATCHED (-14)    /* an answer to no open request: late, duplicate, not ours */
+#define ROBUROC4_ERR_SIZE (-7)        /* a struct's size is not the library's */
+#define ROBUROC4_ERR_CONFIG (-8)      /* a configuration value; see roburoc4_config_error() */
+#define ROBUROC4_ERR_STATE (-9)       /* the client was not started, or is closing */
+#define ROBUROC4_ERR_UNKNOWN (-10)    /* not reported by the robot yet */
+#define ROBUROC4_ERR_INDEX (-11)      /* the robot has no such channel */
+#define ROBUROC4_ERR_RESERVED (-12)   /* digital output 0 is the robot's own watchdog */
+#define ROBUROC4_ERR_NOT_FINITE (-13) /* NaN or infinity */
+#define ROBUROC4_ERR_UNMATCHED (-14)  /* an answer to no open request: late, duplicate, not ours */
 #define ROBUROC4_ERR_UNSUBSCRIBED (-15) /* a status of a service that was not subscribed to */
 #define ROBUROC4_ERR_OLD (-16)          /* a status not newer than the last of its service */
 #define ROBUROC4_ERR_TIMEOUT (-17)      /* a request was not answered in all its tries */
@@ -62,7 +62,7 @@ typedef int32_t roburoc4_result;
 #define ROBUROC4_ERR_OVERRIDE_UNKNOWN (-26)   /* the input of game pad [A] is not known */
 #define ROBUROC4_ERR_OVERRIDE (-27)           /* somebody holds [A] on the game pad */
 #define ROBUROC4_ERR_MOVING (-28)             /* the robot has a speed that was not asked for */
-#define ROBUROC4_ERR_OTHER_COMMANDER (-29)            /* another client commands the robot */
+#define ROBUROC4_ERR_OTHER_COMMANDER (-29)    /* another client commands the robot */
 #define ROBUROC4_ERR_LOST (-30)               /* the robot fell silent */
 #define ROBUROC4_ERR_REBOOT (-31)             /* the robot restarted */
 #define ROBUROC4_ERR_CLOCK (-32)              /* the clock went back */
@@ -431,8 +431,8 @@ typedef struct roburoc4_channels {
     uint16_t service;
     uint16_t reserved[3];
 } roburoc4_channels;
-/** The first analog values at once, generally volts, at most `capacity` of them into `out`; how many
- *  were copied. */
+/** The first analog values at once, generally volts, at most `capacity` of them into `out`; how
+ * many were copied. */
 ROBUROC4_API roburoc4_result roburoc4_analog_values(const roburoc4_channels *channels, float *out,
                                                     uint32_t capacity);
 /** The first 64 digital values at once: bit i is channel i, 0 where there is no such channel. */

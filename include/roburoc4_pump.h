@@ -4,9 +4,9 @@
  * threads.
  *
  * A roburoc4_client needs somebody who moves its datagrams in time. The pump is that somebody: one
- * thread of its own, which receives, sends, repeats a drive command while its lease lasts, and sends
- * the stop sequence when it is over. Language bindings stand on it: their interpreter may compute,
- * collect garbage or wait for a lock while the link lives on.
+ * thread of its own, which receives, sends, repeats a drive command while its lease lasts, and
+ * sends the stop sequence when it is over. Language bindings stand on it: their interpreter may
+ * compute, collect garbage or wait for a lock while the link lives on.
  *
  *     roburoc4_pump *pump = roburoc4_pump_create(&address, NULL, 0, &result);
  *     roburoc4_pump_reader reader = {0};
@@ -77,8 +77,8 @@ ROBUROC4_API void roburoc4_pump_collect(roburoc4_pump *pump, const uint8_t *data
  * commands return ROBUROC4_ERR_CLOSED. From any thread, several times: later calls return 0 when it
  * is over. */
 ROBUROC4_API roburoc4_result roburoc4_pump_close(roburoc4_pump *pump);
-/** Close, wait for those who were waiting, free the memory. NULL is fine. No thread may begin a call
- *  with this pump from here on. */
+/** Close, wait for those who were waiting, free the memory. NULL is fine. No thread may begin a
+ * call with this pump from here on. */
 ROBUROC4_API void roburoc4_pump_destroy(roburoc4_pump *pump);
 /** Take the pump's lock and get its client, for any roburoc4_client_*() call; NULL in a forked
  * child (then there is nothing to unlock). Pass roburoc4_udp_now_us(), read while the lock is held,

@@ -77,8 +77,8 @@ ROBUROC4_API roburoc4_result roburoc4_udp_resolve(const char *host, uint16_t def
                                                   roburoc4_address *out);
 /** The address as text with a NUL, "192.168.0.2:60000" or "[fe80::1%2]:60000". Returns its length,
  *  or ROBUROC4_ERR_BUFFER, or ROBUROC4_ERR_ARGUMENT for an address of neither family. */
-ROBUROC4_API roburoc4_result roburoc4_udp_address_text(const roburoc4_address *address, char *buffer,
-                                                   size_t capacity);
+ROBUROC4_API roburoc4_result roburoc4_udp_address_text(const roburoc4_address *address,
+                                                       char *buffer, size_t capacity);
 
 /* ----------------------------------------------------------------------------------- clock --- */
 

@@ -26,7 +26,6 @@ LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1048);
 #define RELOCALIZE_US (2 * SECOND)
 #define OUTPUT_PAUSE_US (50 * MS)
 
-
 size_t roburoc4_client_size(void) {
     return sizeof(client);
 }
@@ -165,8 +164,8 @@ roburoc4_result roburoc4_client_close(client *c, uint64_t now_us) {
     roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_DISARMED);
     c->private_drive.stop_pending = 0;
     roburoc4_requests_clear(&c->private_requests);
-    roburoc4_lifecycle_enter(c,
-                             c->private_drive.stopping ? ROBUROC4_STATE_CLOSING : ROBUROC4_STATE_IDLE);
+    roburoc4_lifecycle_enter(c, c->private_drive.stopping ? ROBUROC4_STATE_CLOSING
+                                                          : ROBUROC4_STATE_IDLE);
     return ROBUROC4_OK;
 }
 
@@ -281,8 +280,8 @@ static roburoc4_result poll_all(client *c, uint8_t *buffer, size_t capacity) {
     float speeds[2];
     roburoc4_result length = 0;
     tick(c);
-    if (roburoc4_drive_poll(&c->private_drive, &c->private_config, &c->private_values.limits, c->private_now_us,
-                            speeds, &c->private_events)) {
+    if (roburoc4_drive_poll(&c->private_drive, &c->private_config, &c->private_values.limits,
+                            c->private_now_us, speeds, &c->private_events)) {
         length = roburoc4_encode_differential_command(buffer, capacity, c->private_drive.service,
                                                       speeds[0], speeds[1]);
     } else if (c->private_state == ROBUROC4_STATE_CLOSING) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * The codec: every telegram of the manual, both directions. Pure functions; see roburoc4_codec.h
- * for their contract. Requests first, then answers, statuses and commands, each as encoder and decoder
- * side by side, in the order of the manual.
+ * for their contract. Requests first, then answers, statuses and commands, each as encoder and
+ * decoder side by side, in the order of the manual.
  */
 #include "roburoc4_codec.h"
 

@@ -54,7 +54,8 @@ static roburoc4_result refusal(const client *c, uint64_t now_us) {
     if (v->override_known && v->overridden) {
         return ROBUROC4_ERR_OVERRIDE;
     }
-    if (c->private_drive.other_commander && (options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0) {
+    if (c->private_drive.other_commander &&
+        (options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0) {
         return ROBUROC4_ERR_OTHER_COMMANDER;
     }
     return ROBUROC4_OK;
@@ -476,8 +477,7 @@ static roburoc4_result give(void *out, const void *filled, uint32_t filled_size)
     if (size < 2 * sizeof size || size > filled_size || size % 4 != 0) {
         return ROBUROC4_ERR_SIZE;
     }
-    memcpy((uint8_t *)out + sizeof size, (const uint8_t *)filled + sizeof size,
-           size - sizeof size);
+    memcpy((uint8_t *)out + sizeof size, (const uint8_t *)filled + sizeof size, size - sizeof size);
     return ROBUROC4_OK;
 }
 

@@ -58,9 +58,7 @@ static float opposite(float value) {
 
 /** The value, or the bound that it is beyond. */
 static float clamp(float value, float low, float high) {
-    return order_of(value) < order_of(low)    ? low
-           : order_of(value) > order_of(high) ? high
-                                              : value;
+    return order_of(value) < order_of(low) ? low : order_of(value) > order_of(high) ? high : value;
 }
 
 static bool between(float value, float low, float high) {
@@ -111,8 +109,8 @@ void roburoc4_drive_service(drive *d, bool known, uint16_t id) {
         end_lease(d); /* it is still there: the last that it hears must be zero */
     } else if (!known) {
         /* zeros that are still owed go to the service that is found next */
-        d->stop_pending = d->stop_pending || d->nonzero_sent ||
-                          (d->stopping && d->zeros_sent < STOP_ZEROS);
+        d->stop_pending =
+            d->stop_pending || d->nonzero_sent || (d->stopping && d->zeros_sent < STOP_ZEROS);
         d->lease_active = 0;
         d->nonzero_sent = 0;
         d->stopping = 0;
@@ -289,7 +287,8 @@ uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config) 
 
 /* ---- what the robot reports ---- */
 
-/** Whether a reported target is ours or zero: between the least and the most that was sent lately. */
+/** Whether a reported target is ours or zero: between the least and the most that was sent lately.
+ */
 static bool is_ours(const drive *d, uint32_t axis, float target) {
     if (is_zero(target)) {
         return true;
@@ -350,9 +349,8 @@ void roburoc4_drive_status(drive *d, const roburoc4_config *config,
     const bool ours = overridden || (is_ours(d, LINEAR, s->target_linear_m_s) &&
                                      is_ours(d, ANGULAR, s->target_angular_rad_s));
     const bool zero = is_zero(s->target_linear_m_s) && is_zero(s->target_angular_rad_s);
-    d->moving =
-        !zero || magnitude_bits(s->current_linear_m_s) > bits_from_f32(standing[LINEAR]) ||
-        magnitude_bits(s->current_angular_rad_s) > bits_from_f32(standing[ANGULAR]);
+    d->moving = !zero || magnitude_bits(s->current_linear_m_s) > bits_from_f32(standing[LINEAR]) ||
+                magnitude_bits(s->current_angular_rad_s) > bits_from_f32(standing[ANGULAR]);
     if (!is_finite(s->target_linear_m_s) || !is_finite(s->target_angular_rad_s) ||
         !is_finite(s->current_linear_m_s) || !is_finite(s->current_angular_rad_s)) {
         watch_other_commander(d, config, ours, events);

@@ -38,7 +38,8 @@ void roburoc4_link_restart(roburoc4_private_link *l) {
 }
 
 /** Whether a status that is older than the newest of all services is from a restarted robot. */
-static bool restarted(roburoc4_private_link *l, const service *s, uint64_t robot_cycles, uint64_t now_us) {
+static bool restarted(roburoc4_private_link *l, const service *s, uint64_t robot_cycles,
+                      uint64_t now_us) {
     const bool renewed = s->inserted_us > s->received_us && now_us - s->received_us >= SECOND;
     if (l->resubscribed) {
         return true;
@@ -129,7 +130,8 @@ static void map_clock(roburoc4_private_link *l, int64_t offset, uint64_t now_us)
     }
 }
 
-verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robot_cycles, uint64_t now_us) {
+verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robot_cycles,
+                             uint64_t now_us) {
     const uint64_t transit = now_us - robot_cycles * ROBUROC4_CYCLE_US;
     if (robot_cycles >= l->newest_cycles) {
         l->back_count = 0;
@@ -168,7 +170,8 @@ void roburoc4_link_round_trip(roburoc4_private_link *l, uint64_t sent_us, uint64
         l->round_trip_us == 0 ? sample : l->round_trip_us - l->round_trip_us / 8 + sample / 8;
 }
 
-bool roburoc4_link_fresh(const roburoc4_private_link *l, uint32_t index, uint32_t limit_us, uint64_t now_us) {
+bool roburoc4_link_fresh(const roburoc4_private_link *l, uint32_t index, uint32_t limit_us,
+                         uint64_t now_us) {
     const service *s = &l->services[index];
     return s->fresh && now_us - s->received_us < limit_us;
 }

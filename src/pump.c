@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * pump.c - a pump: its lock, its life and its thread, the loop that waits for the robot or the client's
- * deadline without the lock, and receives and sends with it.
+ * pump.c - a pump: its lock, its life and its thread, the loop that waits for the robot or the
+ * client's deadline without the lock, and receives and sends with it.
  */
 #include "pump_internal.h"
 

@@ -142,9 +142,9 @@ static bool is_new(client *c, uint32_t service, uint64_t robot_cycles) {
 static roburoc4_result receive_iocard(client *c, const uint8_t *data, size_t size) {
     values *v = &c->private_values;
     roburoc4_channels inputs;
-    const roburoc4_result result = roburoc4_decode_iocard_status(
-        data, size, (uint32_t)v->io_counts[ROBUROC4_IO_ANALOG_INPUT],
-        (uint32_t)v->io_counts[ROBUROC4_IO_DIGITAL_INPUT], &inputs);
+    const roburoc4_result result =
+        roburoc4_decode_iocard_status(data, size, (uint32_t)v->io_counts[ROBUROC4_IO_ANALOG_INPUT],
+                                      (uint32_t)v->io_counts[ROBUROC4_IO_DIGITAL_INPUT], &inputs);
     if (result < 0) {
         return result;
     }
@@ -245,8 +245,8 @@ static roburoc4_result receive_differential(client *c, const uint8_t *data, size
     return result;
 }
 
-/** The service that has this id and was subscribed to, or 0. On a RobuROC4 the ids are the manual's,
- *  which is where the search begins. */
+/** The service that has this id and was subscribed to, or 0. On a RobuROC4 the ids are the
+ * manual's, which is where the search begins. */
 static uint32_t subscribed_service(const client *c, uint16_t id) {
     const discovery *d = &c->private_discovery;
     if (id < ROBUROC4_SERVICE_COUNT && d->service_ids[id] == id &&

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which request comes next: from the directory to the last channel's text, subscriptions, the probe;
- * what a request that failed leaves behind; and when a state has nothing left to wait for.
+ * Which request comes next: from the directory to the last channel's text, subscriptions, the
+ * probe; what a request that failed leaves behind; and when a state has nothing left to wait for.
  */
 #include "internal.h"
 
@@ -11,7 +11,6 @@
  * again later. */
 #define REQUEST_TRIES 5
 #define FIRST_STATUS_SERVICE ROBUROC4_SERVICE_IOCARD
-
 
 /** Ask a service something that has no parameters, or about its subscription. */
 static bool open_about(client *c, uint8_t action, uint32_t service, uint8_t max_tries) {

@@ -78,7 +78,7 @@ roburoc4_result roburoc4_udp_resolve(const char *host, uint16_t default_port,
 }
 
 roburoc4_result roburoc4_udp_address_text(const roburoc4_address *address, char *buffer,
-                                      size_t capacity) {
+                                          size_t capacity) {
     char ip[48], zone[12] = "";
     int length;
     if ((address->family != 4 && address->family != 6) ||

@@ -146,7 +146,9 @@ TEST(Pump, BecomesReadyByItselfAndShowsAllThatTheRobotSays) {
     EXPECT_GT(link.received, 0u);
     roburoc4_service_link service{};
     service.size = sizeof service;
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_service_link, ROBUROC4_SERVICE_IOCARD, roburoc4_udp_now_us(), &service), 0);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_service_link, ROBUROC4_SERVICE_IOCARD,
+                        roburoc4_udp_now_us(), &service),
+              0);
     EXPECT_EQ(service.subscribed, 1u);
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_host_time, battery.robot_cycles, &host_us), 0);
     EXPECT_GT(on_client(pump.get(), roburoc4_client_count, ROBUROC4_COUNT_RECEIVED), 5u);
@@ -167,7 +169,8 @@ TEST(Pump, KnowsServicesAndProperties) {
     roburoc4_localization_properties localization{};
     roburoc4_differential_properties differential{};
     roburoc4_telemeter telemeter{};
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_service_count), uint32_t{ROBUROC4_SERVICE_COUNT});
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_service_count),
+              uint32_t{ROBUROC4_SERVICE_COUNT});
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_service_at, 1, &entry), 0);
     EXPECT_EQ(entry.id, ROBUROC4_SERVICE_NOTIFICATION);
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_service_id, ROBUROC4_SERVICE_DIFFERENTIAL), 6);
@@ -178,13 +181,17 @@ TEST(Pump, KnowsServicesAndProperties) {
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_localization_properties, &localization), 0);
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_differential_properties, &differential), 0);
     EXPECT_FLOAT_EQ(differential.max_linear_m_s, 2.6f);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_telemeter_count), uint32_t{ROBUROC4_TELEMETER_COUNT});
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_telemeter_count),
+              uint32_t{ROBUROC4_TELEMETER_COUNT});
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_telemeter, 1, &telemeter), 0);
     EXPECT_GT(telemeter.max_distance_m, 0.0f);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_role_index, ROBUROC4_ROLE_OVERRIDE), ROBUROC4_DI_PAD_A);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_set_role_index, ROBUROC4_ROLE_OVERRIDE, ROBUROC4_DI_PAD_B),
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_role_index, ROBUROC4_ROLE_OVERRIDE),
+              ROBUROC4_DI_PAD_A);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_set_role_index, ROBUROC4_ROLE_OVERRIDE,
+                        ROBUROC4_DI_PAD_B),
               0);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_role_index, ROBUROC4_ROLE_OVERRIDE), ROBUROC4_DI_PAD_B);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_role_index, ROBUROC4_ROLE_OVERRIDE),
+              ROBUROC4_DI_PAD_B);
 }
 
 TEST(Pump, KeepsTheRobotsTexts) {
@@ -282,7 +289,8 @@ TEST(Pump, StopsTheRobotOfAProgramThatHangs) {
             EXPECT_LT(command.at_us - granted_us, 1000000u);
         }
     }
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.2f, 0.0f, 0), ROBUROC4_OK) << "it stays armed";
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.2f, 0.0f, 0), ROBUROC4_OK)
+        << "it stays armed";
 }
 
 TEST(Pump, KeepsDrivingOnlyWhileItIsTold) {
@@ -344,7 +352,8 @@ TEST(Pump, SendsCommandsBeforeTheCallReturns) {
     Pump pump = make_pump(robot.address());
     ASSERT_TRUE(becomes_armed(pump.get()));
     uint32_t before = on_udp(pump.get(), roburoc4_udp_count, ROBUROC4_UDP_COUNT_SENT);
-    ASSERT_EQ(on_client(pump.get(), roburoc4_client_set_digital_outputs, uint64_t{1} << 3, uint64_t{1} << 3),
+    ASSERT_EQ(on_client(pump.get(), roburoc4_client_set_digital_outputs, uint64_t{1} << 3,
+                        uint64_t{1} << 3),
               ROBUROC4_OK);
     EXPECT_GT(on_udp(pump.get(), roburoc4_udp_count, ROBUROC4_UDP_COUNT_SENT), before);
     before = on_udp(pump.get(), roburoc4_udp_count, ROBUROC4_UDP_COUNT_SENT);
@@ -358,10 +367,12 @@ TEST(Pump, PassesEveryCommandOn) {
     ASSERT_TRUE(becomes_ready(pump.get()));
     roburoc4_pump_reader reader{};
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.1f, 0.0f, 0), ROBUROC4_ERR_DISARMED);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_set_digital_outputs, uint64_t{1} << 0, uint64_t{1} << 0),
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_set_digital_outputs, uint64_t{1} << 0,
+                        uint64_t{1} << 0),
               ROBUROC4_ERR_RESERVED);
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_set_digital_outputs, 0x06, 0x02), ROBUROC4_OK);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_set_analog_output, 0, 1.0f), ROBUROC4_ERR_INDEX);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_set_analog_output, 0, 1.0f),
+              ROBUROC4_ERR_INDEX);
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_relocalize, 1.0, 2.0, 0.5), ROBUROC4_OK);
     EXPECT_EQ(roburoc4_pump_wait_events(
                   pump.get(), &reader,
@@ -369,8 +380,10 @@ TEST(Pump, PassesEveryCommandOn) {
               ROBUROC4_EVENT_RELOCALIZED);
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_subscribe, ROBUROC4_SERVICE_BATTERY, 15),
               ROBUROC4_ERR_ARGUMENT);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_subscribe, ROBUROC4_SERVICE_BATTERY, 100), ROBUROC4_OK);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_unsubscribe, ROBUROC4_SERVICE_TELEMETER), ROBUROC4_OK);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_subscribe, ROBUROC4_SERVICE_BATTERY, 100),
+              ROBUROC4_OK);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_unsubscribe, ROBUROC4_SERVICE_TELEMETER),
+              ROBUROC4_OK);
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_disarm), ROBUROC4_OK);
 }
 
@@ -732,7 +745,8 @@ TEST(Threads, CanAllCallEverythingAtOnce) {
                 roburoc4_pump_wait_samples(p, &reader, 10000);
                 roburoc4_pump_read_samples(p, &reader, samples, 5);
                 roburoc4_pump_take_events(p, &reader);
-                EXPECT_EQ(on_client(p, roburoc4_client_facts, roburoc4_udp_now_us(), &facts), ROBUROC4_OK);
+                EXPECT_EQ(on_client(p, roburoc4_client_facts, roburoc4_udp_now_us(), &facts),
+                          ROBUROC4_OK);
             }
         });
     }

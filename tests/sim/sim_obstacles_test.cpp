@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * sim_obstacles_test.cpp - the obstacles around the simulated robot: free room at the start, walls that no
- * body passes, bumpers, telemeters.
+ * sim_obstacles_test.cpp - the obstacles around the simulated robot: free room at the start, walls
+ * that no body passes, bumpers, telemeters.
  */
 #include <gtest/gtest.h>
 

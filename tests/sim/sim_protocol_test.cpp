@@ -39,9 +39,8 @@ std::string channel_text(SimRobot &robot, std::uint8_t type, std::uint8_t index)
 
 Bytes replace_localization(double x, double y, double theta) {
     Bytes bytes(36);
-    EXPECT_EQ(36,
-              encode_replace_localization(bytes.data(), bytes.size(), 0x24,
-                                                   ROBUROC4_SERVICE_LOCALIZATION, 1, x, y, theta));
+    EXPECT_EQ(36, encode_replace_localization(bytes.data(), bytes.size(), 0x24,
+                                              ROBUROC4_SERVICE_LOCALIZATION, 1, x, y, theta));
     return bytes;
 }
 

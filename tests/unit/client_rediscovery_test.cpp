@@ -106,8 +106,7 @@ TEST(Rediscovery, OutputsOfBeforeARebootStayOff) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
-    ASSERT_EQ(ROBUROC4_OK,
-              set_digital_output(&bench.client, 3, 1, bench.client_us()));
+    ASSERT_EQ(ROBUROC4_OK, set_digital_output(&bench.client, 3, 1, bench.client_us()));
     bench.run(500 * ms);
     for (std::uint64_t i = 0; i < 3; i++)
         bench.receive(robot.status_at(6, i));
@@ -115,8 +114,7 @@ TEST(Rediscovery, OutputsOfBeforeARebootStayOff) {
     bench.run(5 * second);
     ASSERT_EQ(ROBUROC4_STATE_READY, bench.facts().state);
     robot.output_commands.clear();
-    ASSERT_EQ(ROBUROC4_OK,
-              set_digital_output(&bench.client, 1, 1, bench.client_us()));
+    ASSERT_EQ(ROBUROC4_OK, set_digital_output(&bench.client, 1, 1, bench.client_us()));
     bench.run(500 * ms);
     ASSERT_FALSE(robot.output_commands.empty());
     for (const auto &command : robot.output_commands)

@@ -75,8 +75,7 @@ TEST(Seldom, EveryDatagramThatIsGivenOutIsCounted) {
     bench.run(5 * second);
     ASSERT_EQ(ROBUROC4_OK, bench.arm());
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
-    ASSERT_EQ(ROBUROC4_OK,
-              set_digital_output(&bench.client, 3, 1, bench.client_us()));
+    ASSERT_EQ(ROBUROC4_OK, set_digital_output(&bench.client, 3, 1, bench.client_us()));
     bench.run(5 * second);
     EXPECT_EQ(bench.sent.size(), bench.count(ROBUROC4_COUNT_SENT));
 }
@@ -397,8 +396,7 @@ TEST(Seldom, AClientStartedAgainIsAsNew) {
         Bench bench(robot);
         bench.armed();
         ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0.5F, 200 * ms));
-        ASSERT_EQ(ROBUROC4_OK,
-                  set_digital_output(&bench.client, 3, 1, bench.client_us()));
+        ASSERT_EQ(ROBUROC4_OK, set_digital_output(&bench.client, 3, 1, bench.client_us()));
         ASSERT_EQ(ROBUROC4_OK,
                   roburoc4_client_relocalize(&bench.client, 1, 2, 3, bench.client_us()));
         bench.run(10 * ms);
@@ -434,8 +432,7 @@ TEST(Seldom, RepeatsAnOutputAfterTheClockSteppedBack) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
-    ASSERT_EQ(ROBUROC4_OK,
-              set_digital_output(&bench.client, 3, 1, bench.client_us()));
+    ASSERT_EQ(ROBUROC4_OK, set_digital_output(&bench.client, 3, 1, bench.client_us()));
     bench.pump();
     ASSERT_EQ(1U, robot.output_commands.size());
     bench.skew_us -= 900000000;

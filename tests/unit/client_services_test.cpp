@@ -256,8 +256,7 @@ TEST(Capacity, ARobotThatClaimsTwoBillionInputsCostsNothing) {
     ASSERT_TRUE(bench.run_until([&] { return bench.facts().descriptions_done == 1; }, 5 * second));
     EXPECT_EQ(7U + 16U + 4U + 64U + 64U, robot.seen(ROBUROC4_ACTION_QUERY).size());
     EXPECT_EQ(ROBUROC4_ERR_SHORT, bench.receive(from_hex("FF 02 00 FF FF 00 00 00 00 00 00 01")));
-    EXPECT_EQ(ROBUROC4_ERR_INDEX,
-              set_digital_output(&bench.client, 3, 1, bench.client_us()));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, set_digital_output(&bench.client, 3, 1, bench.client_us()));
 }
 
 TEST(Capacity, InputsBeyondAreReportedAndNotStored) {

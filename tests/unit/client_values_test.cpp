@@ -108,8 +108,8 @@ TEST(Sizes, OfAnOlderProgramGetTheFieldsThatItKnows) {
         EXPECT_EQ(ROBUROC4_ERR_SIZE,
                   roburoc4_client_facts(&bench.client, bench.client_us(), &facts));
     }
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_client_facts(&bench.client, bench.client_us(),
-                                                 ROBUROC4_SIZED(&facts)));
+    EXPECT_EQ(ROBUROC4_OK,
+              roburoc4_client_facts(&bench.client, bench.client_us(), ROBUROC4_SIZED(&facts)));
 }
 
 TEST(Value, IsUnknownBeforeTheFirstStatus) {

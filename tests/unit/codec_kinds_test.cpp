@@ -11,8 +11,8 @@
 
 #include "hex.h"
 #include "roburoc4.h"
-#include "vectors.h"
 #include "telegrams.h"
+#include "vectors.h"
 
 using namespace roburoc4_tests;
 
@@ -195,12 +195,10 @@ TEST(Values, RequestsAreNotSentWithAReservedId) {
     for (const int reserved : {ROBUROC4_HEADER_ERROR, ROBUROC4_HEADER_STATUS}) {
         const auto id = static_cast<uint8_t>(reserved);
         expect_refused([&](uint8_t *b, size_t n) { return encode_get(b, n, id, 6); });
-        expect_refused(
-            [&](uint8_t *b, size_t n) { return encode_query_directory(b, n, id, 0); });
+        expect_refused([&](uint8_t *b, size_t n) { return encode_query_directory(b, n, id, 0); });
         expect_refused(
             [&](uint8_t *b, size_t n) { return encode_query_iocard(b, n, id, 2, 0, 0); });
-        expect_refused(
-            [&](uint8_t *b, size_t n) { return encode_insert(b, n, id, 6, 5); });
+        expect_refused([&](uint8_t *b, size_t n) { return encode_insert(b, n, id, 6, 5); });
         expect_refused([&](uint8_t *b, size_t n) { return encode_delete(b, n, id, 6); });
         expect_refused([&](uint8_t *b, size_t n) {
             return encode_replace_localization(b, n, id, 5, 1, 0, 0, 0);

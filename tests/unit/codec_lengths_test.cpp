@@ -12,8 +12,8 @@
 
 #include "hex.h"
 #include "roburoc4.h"
-#include "vectors.h"
 #include "telegrams.h"
+#include "vectors.h"
 
 using namespace roburoc4_tests;
 
@@ -145,14 +145,14 @@ TEST(Lengths, StatusesAndCommandsOfFixedSize) {
 }
 
 TEST(Lengths, StatusesAndCommandsOfTheCard) {
-    check_fixed<roburoc4_channels>(
-        "iocard-status", [](const uint8_t *data, size_t size, roburoc4_channels *out) {
-            return roburoc4_decode_iocard_status(data, size, 9, 22, out);
-        });
-    check_fixed<roburoc4_channels>(
-        "iocard-command", [](const uint8_t *data, size_t size, roburoc4_channels *out) {
-            return roburoc4_decode_iocard_command(data, size, 0, 8, out);
-        });
+    check_fixed<roburoc4_channels>("iocard-status",
+                                   [](const uint8_t *data, size_t size, roburoc4_channels *out) {
+                                       return roburoc4_decode_iocard_status(data, size, 9, 22, out);
+                                   });
+    check_fixed<roburoc4_channels>("iocard-command",
+                                   [](const uint8_t *data, size_t size, roburoc4_channels *out) {
+                                       return roburoc4_decode_iocard_command(data, size, 0, 8, out);
+                                   });
 }
 
 TEST(Lengths, HeadsOfStatusesAndCommandsNeed11And3Bytes) {
@@ -245,24 +245,24 @@ TEST(Claims, CountsBeyondTheDatagramAreShortWithoutOverflow) {
         for (const auto &[ai, di] :
              {std::pair{count, 0u}, {count, 22u}, {9u, digital}, {0u, digital}, {count, digital}}) {
             bool untouched = false;
-            EXPECT_EQ(ROBUROC4_ERR_SHORT, decode_exact<roburoc4_channels>(
-                                              status,
-                                              [a = ai, d = di](const uint8_t *data, size_t size,
-                                                               roburoc4_channels *out) {
-                                                  return roburoc4_decode_iocard_status(data, size,
-                                                                                       a, d, out);
-                                              },
-                                              &untouched))
+            EXPECT_EQ(
+                ROBUROC4_ERR_SHORT,
+                decode_exact<roburoc4_channels>(
+                    status,
+                    [a = ai, d = di](const uint8_t *data, size_t size, roburoc4_channels *out) {
+                        return roburoc4_decode_iocard_status(data, size, a, d, out);
+                    },
+                    &untouched))
                 << ai << " analog, " << di << " digital";
             EXPECT_TRUE(untouched);
-            EXPECT_EQ(ROBUROC4_ERR_SHORT, decode_exact<roburoc4_channels>(
-                                              command,
-                                              [a = ai, d = di](const uint8_t *data, size_t size,
-                                                               roburoc4_channels *out) {
-                                                  return roburoc4_decode_iocard_command(data, size,
-                                                                                        a, d, out);
-                                              },
-                                              &untouched))
+            EXPECT_EQ(
+                ROBUROC4_ERR_SHORT,
+                decode_exact<roburoc4_channels>(
+                    command,
+                    [a = ai, d = di](const uint8_t *data, size_t size, roburoc4_channels *out) {
+                        return roburoc4_decode_iocard_command(data, size, a, d, out);
+                    },
+                    &untouched))
                 << ai << " analog, " << di << " digital";
             EXPECT_TRUE(untouched);
         }
@@ -357,16 +357,13 @@ template <class Encode> void check_capacities(const char *name, Encode encode) {
 
 TEST(Capacities, OfRequests) {
     check_capacities("get", [](uint8_t *b, size_t n) { return encode_get(b, n, 1, 6); });
-    check_capacities("query-directory", [](uint8_t *b, size_t n) {
-        return encode_query_directory(b, n, 42, 3);
-    });
+    check_capacities("query-directory",
+                     [](uint8_t *b, size_t n) { return encode_query_directory(b, n, 42, 3); });
     check_capacities("query-digital-input", [](uint8_t *b, size_t n) {
         return encode_query_iocard(b, n, 45, 2, ROBUROC4_IO_DIGITAL_INPUT, 8);
     });
-    check_capacities("insert",
-                     [](uint8_t *b, size_t n) { return encode_insert(b, n, 47, 6, 5); });
-    check_capacities("delete",
-                     [](uint8_t *b, size_t n) { return encode_delete(b, n, 48, 6); });
+    check_capacities("insert", [](uint8_t *b, size_t n) { return encode_insert(b, n, 47, 6, 5); });
+    check_capacities("delete", [](uint8_t *b, size_t n) { return encode_delete(b, n, 48, 6); });
     check_capacities("replace-localization", [](uint8_t *b, size_t n) {
         return encode_replace_localization(b, n, 49, 5, 12345, 10.0, -4.5, 1.5);
     });

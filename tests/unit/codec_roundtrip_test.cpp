@@ -131,21 +131,20 @@ TEST(RoundTrip, Requests) {
         const std::uint8_t id = source.request_id();
         const auto service = source.integer<std::uint16_t>();
         const auto index16 = source.integer<std::uint16_t>();
-        ExactBlock get =
-            telegram([&](auto *b, auto n) { return encode_get(b, n, id, service); });
+        ExactBlock get = telegram([&](auto *b, auto n) { return encode_get(b, n, id, service); });
         roburoc4_request out = decoded(get);
         EXPECT_EQ(id, out.id);
         EXPECT_EQ(ROBUROC4_ACTION_GET, out.action);
         EXPECT_EQ(service, out.service);
-        ExactBlock query = telegram(
-            [&](auto *b, auto n) { return encode_query_directory(b, n, id, index16); });
+        ExactBlock query =
+            telegram([&](auto *b, auto n) { return encode_query_directory(b, n, id, index16); });
         out = decoded(query);
         EXPECT_EQ(id, out.id);
         EXPECT_EQ(ROBUROC4_ACTION_QUERY, out.action);
         EXPECT_EQ(index16, out.index);
         const auto period = static_cast<std::uint8_t>(1 + source.up_to(254));
-        ExactBlock insert = telegram(
-            [&](auto *b, auto n) { return encode_insert(b, n, id, service, period); });
+        ExactBlock insert =
+            telegram([&](auto *b, auto n) { return encode_insert(b, n, id, service, period); });
         out = decoded(insert);
         EXPECT_EQ(ROBUROC4_ACTION_INSERT, out.action);
         EXPECT_EQ(service, out.subject);

@@ -13,8 +13,8 @@
 
 #include "hex.h"
 #include "roburoc4.h"
-#include "vectors.h"
 #include "telegrams.h"
+#include "vectors.h"
 
 using namespace roburoc4_tests;
 
@@ -60,8 +60,7 @@ TEST(Vectors, Get) { // 4.2.2.1
     EXPECT_EQ(1, get.id);
     EXPECT_EQ(ROBUROC4_ACTION_GET, get.action);
     EXPECT_EQ(6, get.service);
-    EXPECT_EQ(wire("get"),
-              encoded([](uint8_t *b, size_t n) { return encode_get(b, n, 1, 6); }));
+    EXPECT_EQ(wire("get"), encoded([](uint8_t *b, size_t n) { return encode_get(b, n, 1, 6); }));
 }
 
 TEST(Vectors, QueryDirectory) { // 4.2.3.1
@@ -70,9 +69,8 @@ TEST(Vectors, QueryDirectory) { // 4.2.3.1
     EXPECT_EQ(ROBUROC4_ACTION_QUERY, query.action);
     EXPECT_EQ(0, query.service);
     EXPECT_EQ(3, query.index);
-    EXPECT_EQ(wire("query-directory"), encoded([](uint8_t *b, size_t n) {
-                  return encode_query_directory(b, n, 42, 3);
-              }));
+    EXPECT_EQ(wire("query-directory"),
+              encoded([](uint8_t *b, size_t n) { return encode_query_directory(b, n, 42, 3); }));
 }
 
 TEST(Vectors, QueryOfTheFourElementTypes) { // 4.2.3.3

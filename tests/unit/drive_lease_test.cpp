@@ -242,10 +242,7 @@ TEST(Clock, StepBackSeenFirstByAnyCallEndsTheLease) {
          [](Bench &b) { return roburoc4_client_subscribe(&b.client, 3, 100, b.client_us()); }},
         {ROBUROC4_OK,
          [](Bench &b) { return roburoc4_client_unsubscribe(&b.client, 3, b.client_us()); }},
-        {ROBUROC4_OK,
-         [](Bench &b) {
-             return set_digital_output(&b.client, 1, 1, b.client_us());
-         }},
+        {ROBUROC4_OK, [](Bench &b) { return set_digital_output(&b.client, 1, 1, b.client_us()); }},
         {ROBUROC4_OK,
          [](Bench &b) {
              return roburoc4_client_set_analog_output(&b.client, 0, 1, b.client_us());

@@ -114,8 +114,7 @@ TEST(Train, GoesBeforeAllOtherTraffic) {
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
     bench.run(60 * ms);
     bench.sent.clear();
-    ASSERT_EQ(ROBUROC4_OK,
-              set_digital_output(&bench.client, 1, 1, bench.client_us()));
+    ASSERT_EQ(ROBUROC4_OK, set_digital_output(&bench.client, 1, 1, bench.client_us()));
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_relocalize(&bench.client, 1, 2, 3, bench.client_us()));
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_subscribe(&bench.client, 3, 50, bench.client_us()));
     bench.stop();
@@ -126,8 +125,7 @@ TEST(Train, GoesBeforeAllOtherTraffic) {
     EXPECT_TRUE(c.zero());
     bench.now_us += 50 * ms;
     bench.sent.clear();
-    ASSERT_EQ(ROBUROC4_OK,
-              set_digital_output(&bench.client, 1, 0, bench.client_us()));
+    ASSERT_EQ(ROBUROC4_OK, set_digital_output(&bench.client, 1, 0, bench.client_us()));
     ASSERT_TRUE(bench.poll());
     EXPECT_TRUE(Bench::as_command(bench.sent[0], &c)) << "its second zero too";
 }

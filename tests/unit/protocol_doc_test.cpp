@@ -18,7 +18,9 @@ using namespace roburoc4_tests;
 
 namespace {
 
-std::string page() { return ROBUROC4_SOURCE_DIR "/docs/PROTOCOL.md"; }
+std::string page() {
+    return ROBUROC4_SOURCE_DIR "/docs/PROTOCOL.md";
+}
 
 struct Document {
     std::map<std::string, std::string> examples; /* hex, by the name of its block */

@@ -6,9 +6,9 @@
  */
 #include <functional>
 
+#include "../../support/telegrams.h"
 #include "fuzz.h"
 #include "roburoc4.h"
-#include "../../support/telegrams.h"
 
 using namespace roburoc4_tests;
 
@@ -70,9 +70,8 @@ void request(const Bytes &datagram) {
     if ((r.action == ROBUROC4_ACTION_INSERT && r.period_cycles == 0) ||
         r.action == ROBUROC4_ACTION_UPDATE || r.action >= ROBUROC4_ACTION_SUBMIT)
         return;
-    encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
-        return roburoc4_encode_request(b, n, &r);
-    });
+    encodes_to(used,
+               [&](std::uint8_t *b, std::size_t n) { return roburoc4_encode_request(b, n, &r); });
 }
 
 void answer(const Bytes &datagram) {

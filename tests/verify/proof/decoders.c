@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * For Frama-C's Eva: every decoder, and what reads its result, on arbitrary bytes of every length
- * that a UDP datagram can have. tests/verify/proof/run analyses each main_* below; none is ever run.
+ * that a UDP datagram can have. tests/verify/proof/run analyses each main_* below; none is ever
+ * run.
  */
 #include "roburoc4.h"
 
