@@ -5,6 +5,21 @@
  * all states and all times, also of a clock that wraps. A lease is taken only while armed; an
  * interruption, a stop and the end of the time end it; nothing but arming arms. Never compiled.
  */
+#include "bytes.h"
+#include "internal.h"
+
+/* WP's memory has no bytes of floats: what copying and clearing do is stated. */
+/*@ requires \valid(to + (0 .. 1)) && \valid_read(from + (0 .. 1));
+    assigns to[0 .. 1] \from from[0 .. 1]; */
+void copy_pair(float *to, const float *from);
+/*@ requires \valid(to + (0 .. 1));
+    assigns to[0 .. 1]; */
+void clear_speeds(float *to);
+/*@ assigns *d; */
+void clear_d(drive *d);
+#define memcpy(to, from, size) copy_pair(to, from)
+#define memset(to, value, size) clear_##to(to)
+
 #include "drive.c"
 
 /*@ requires \valid(d) && \valid_read(config) && \valid_read(limits) && \valid(events) &&
@@ -17,14 +32,13 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
                          const roburoc4_differential_properties *limits, uint64_t now_us,
                          float *speeds, uint32_t *events);
 
-/*@ requires \valid(d) && \valid_read(target + (0 .. 1)) && \valid(events);
-    requires \separated(d, target + (0 .. 1), events);
+/*@ requires \valid(d) && \valid_read(target + (0 .. 1)) && \separated(d, target + (0 .. 1));
     requires caused: d->armed == 0 ==> d->disarm_cause < 0;
     ensures only_armed: \result >= 0 ==> \old(d->armed) != 0 && d->granted_us == now_us &&
         d->lease_us == lease_us;
     ensures nothing_arms: d->armed == \old(d->armed); */
 roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lease_us,
-                                     uint64_t now_us, uint32_t *events);
+                                     uint64_t now_us);
 
 /*@ requires \valid(d) && \valid(events) && \separated(d, events);
     ensures a_lease_ends: \old(d->lease_active) != 0 &&
