@@ -25,6 +25,31 @@ int differ(const float *one, const float *other);
 
 #include "drive.c"
 
+/*@ assigns \nothing;
+    ensures \result != 0 <==>
+        (d->lease_active != 0 && (uint64_t)(now_us - d->granted_us) >= d->lease_us); */
+static bool lease_over(const drive *d, uint64_t now_us);
+
+/* These only compute: that they assign no more than this is believed, not proved. */
+/*@ assigns \nothing; */
+static bool is_zero(float value);
+/*@ assigns \nothing; */
+static float clamp(float value, float low, float high);
+/*@ assigns \nothing; */
+static bool stop_sequence_over(const drive *d, const roburoc4_config *config, uint64_t now_us);
+/*@ assigns \nothing; */
+static uint32_t pause_us(const drive *d, const roburoc4_config *config);
+/*@ assigns d->zeros_sent, d->stop_us; */
+static bool poll_stop_sequence(drive *d, const roburoc4_config *config, uint64_t now_us);
+/*@ assigns speeds[0 .. 1]; */
+static void shape(const drive *d, const roburoc4_config *config,
+                  const roburoc4_differential_properties *limits, float *speeds);
+/*@ assigns d->low[0 .. 1], d->high[0 .. 1]; */
+static void widen_envelope(drive *d);
+/*@ assigns d->low[0 .. 1], d->high[0 .. 1], d->low_before[0 .. 1], d->high_before[0 .. 1],
+            d->envelope_us; */
+static void age_envelope(drive *d, uint32_t window_us, uint64_t now_us);
+
 /*@ requires \valid(d) && \valid_read(config) && \valid_read(limits) && \valid(events) &&
         \valid(speeds + (0 .. 1));
     requires \separated(d, config, limits, speeds + (0 .. 1), events);
