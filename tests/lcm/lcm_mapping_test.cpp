@@ -214,15 +214,15 @@ TEST(LcmMapping, IoCardStatusHasANameBesideEachValue) {
     mapping_names_set(names.get(), ROBUROC4_IO_ANALOG_INPUT, 1, text, sizeof text - 1);
     mapping_names_set(names.get(), ROBUROC4_IO_DIGITAL_INPUT, 63, text, 1);
     mapping_names_set(names.get(), ROBUROC4_IO_ANALOG_INPUT, 0, text, 0);
-    mapping_names_set(names.get(), ROBUROC4_IO_ANALOG_INPUT, 32, text, 1);
+    mapping_names_set(names.get(), ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_MAX_ANALOG_INPUTS, text, 1);
     mapping_names_set(names.get(), -1, 0, text, 1);
     mapping_names_set(names.get(), 4, 0, text, 1);
     roburoc4_inputs in{};
     in.robot_cycles = cycles;
-    in.analog_count = 32;
+    in.analog_count = ROBUROC4_MAX_ANALOG_INPUTS;
     in.digital_count = 64;
     in.digital = 1ULL << 63 | 1ULL << 8;
-    for (std::uint32_t at = 0; at < 32; at++)
+    for (std::uint32_t at = 0; at < ROBUROC4_MAX_ANALOG_INPUTS; at++)
         in.analog[at] = static_cast<float>(at) * 0.25F;
     std::int8_t storage[ROBUROC4_MAX_DIGITAL_INPUTS];
     roburoc4_lcm_iocard_status_t out;
@@ -230,15 +230,15 @@ TEST(LcmMapping, IoCardStatusHasANameBesideEachValue) {
     TRAVEL(roburoc4_lcm_iocard_status_t, out, {
         EXPECT_EQ(utime, got.utime);
         EXPECT_EQ(static_cast<std::int64_t>(cycles), got.robot_cycles);
-        ASSERT_EQ(32, got.analog_input_count);
+        ASSERT_EQ(ROBUROC4_MAX_ANALOG_INPUTS, got.analog_input_count);
         ASSERT_EQ(64, got.digital_input_count);
-        for (int at = 0; at < 32; at++)
+        for (int at = 0; at < ROBUROC4_MAX_ANALOG_INPUTS; at++)
             EXPECT_EQ(static_cast<float>(at) * 0.25F, got.analog_inputs[at]);
         for (int at = 0; at < 64; at++)
             EXPECT_EQ(at == 8 || at == 63, got.digital_inputs[at]) << at;
         EXPECT_STREQ(roburoc4_channel_name(ROBUROC4_IO_ANALOG_INPUT, 0), got.analog_input_names[0]);
         EXPECT_STREQ("Télémètre", got.analog_input_names[1]);
-        EXPECT_STREQ("", got.analog_input_names[31]);
+        EXPECT_STREQ("", got.analog_input_names[ROBUROC4_MAX_ANALOG_INPUTS - 1]);
         EXPECT_STREQ("T", got.digital_input_names[63]);
         EXPECT_STREQ(roburoc4_channel_name(ROBUROC4_IO_DIGITAL_INPUT, ROBUROC4_DI_PAD_A),
                      got.digital_input_names[8]);
