@@ -14,6 +14,8 @@
 #define STOP_ZEROS 3
 #define OTHER_STATUSES 3
 #define STILL_US (500 * MS)
+/* A reported target or speed this small, in m/s or rad/s, is a zero that the robot rounded. */
+#define ROUNDING 1e-3F
 /* How far reported targets may be from sent ones: rounding on the robot's side. */
 #define TARGET_TOLERANCE 0.02F
 /* A robot with less than this share of a target's speed does not follow it. */
@@ -47,13 +49,12 @@ static bool is_zero(float value) {
     return magnitude_bits(value) == 0;
 }
 
-static bool is_finite(float value) {
-    return finite_f32_bits(bits_from_f32(value));
+static bool nearly_zero(float value) {
+    return magnitude_bits(value) <= bits_from_f32(ROUNDING);
 }
 
-/** Adding it subtracts: where floats are software, that is a function less. */
-static float opposite(float value) {
-    return f32_from_bits(bits_from_f32(value) ^ 0x80000000U);
+static bool is_finite(float value) {
+    return finite_f32_bits(bits_from_f32(value));
 }
 
 /** The value, or the bound that it is beyond. */
@@ -169,24 +170,40 @@ void roburoc4_drive_tick(drive *d, roburoc4_result refusal, uint64_t now_us, uin
 
 /* ---- sending ---- */
 
+/** The share of both speeds that keeps them within limits and the curve as it is, 1 at most. The
+ *  wheels on the outside of the curve have the linear limit, too. A direction that the robot does
+ *  not have has no curve to keep. */
+static float curve_share(const float *speeds, const float *low, const float *high, float width_m) {
+    const float outer = magnitude(speeds[LINEAR]) + magnitude(speeds[ANGULAR]) * width_m / 2;
+    const float wanted[AXES] = {outer, magnitude(speeds[ANGULAR])};
+    float share = 1;
+    for (uint32_t axis = 0; axis < AXES; axis++) {
+        const float most = magnitude(speeds[axis] < 0 ? low[axis] : high[axis]);
+        if (most > 0 && wanted[axis] * share > most) {
+            share = most / wanted[axis];
+        }
+    }
+    return share;
+}
+
 /** Scale, then keep the curve, then clamp. */
 static void shape(const drive *d, const roburoc4_config *config,
                   const roburoc4_differential_properties *limits, float *speeds) {
-    const float linear_ceiling = config->max_linear_m_s;
-    const float angular_ceiling = config->max_angular_rad_s;
-    float low = clamp(limits->min_linear_m_s, -linear_ceiling, 0);
-    float high = clamp(limits->max_linear_m_s, 0, linear_ceiling);
-    const float linear = d->target[LINEAR] * config->scale_linear;
-    const float angular = d->target[ANGULAR] * config->scale_angular;
+    const float ceiling[AXES] = {config->max_linear_m_s, config->max_angular_rad_s};
+    const float low[AXES] = {clamp(limits->min_linear_m_s, -ceiling[LINEAR], 0),
+                             clamp(limits->min_angular_rad_s, -ceiling[ANGULAR], 0)};
+    const float high[AXES] = {clamp(limits->max_linear_m_s, 0, ceiling[LINEAR]),
+                              clamp(limits->max_angular_rad_s, 0, ceiling[ANGULAR])};
+    float share = 1;
+    speeds[LINEAR] = d->target[LINEAR] * config->scale_linear;
+    speeds[ANGULAR] = d->target[ANGULAR] * config->scale_angular;
     if ((config->options & ROBUROC4_OPTION_TURN_KEEPING) != 0 && is_finite(limits->width_m) &&
         between(limits->width_m, WIDTH_MIN_M, WIDTH_MAX_M)) {
-        const float outer = magnitude(angular) * limits->width_m / 2;
-        low = clamp(low + outer, low, 0);
-        high = clamp(high + opposite(outer), 0, high);
+        share = curve_share(speeds, low, high, limits->width_m);
     }
-    speeds[LINEAR] = clamp(linear, low, high);
-    speeds[ANGULAR] = clamp(angular, clamp(limits->min_angular_rad_s, -angular_ceiling, 0),
-                            clamp(limits->max_angular_rad_s, 0, angular_ceiling));
+    for (uint32_t axis = 0; axis < AXES; axis++) {
+        speeds[axis] = clamp(speeds[axis] * share, low[axis], high[axis]);
+    }
 }
 
 /** Remember what was sent lately: what the robot may report as its targets. */
@@ -290,7 +307,7 @@ uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config) 
 /** Whether a reported target is ours or zero: between the least and the most that was sent lately.
  */
 static bool is_ours(const drive *d, uint32_t axis, float target) {
-    if (is_zero(target)) {
+    if (nearly_zero(target)) {
         return true;
     }
     const float low = clamp(d->low[axis], -ANY_SPEED, d->low_before[axis]);
@@ -348,7 +365,7 @@ void roburoc4_drive_status(drive *d, const roburoc4_config *config,
     age_envelope(d, config->robot_watchdog_ms * MS, now_us);
     const bool ours = overridden || (is_ours(d, LINEAR, s->target_linear_m_s) &&
                                      is_ours(d, ANGULAR, s->target_angular_rad_s));
-    const bool zero = is_zero(s->target_linear_m_s) && is_zero(s->target_angular_rad_s);
+    const bool zero = nearly_zero(s->target_linear_m_s) && nearly_zero(s->target_angular_rad_s);
     d->moving = !zero || magnitude_bits(s->current_linear_m_s) > bits_from_f32(standing[LINEAR]) ||
                 magnitude_bits(s->current_angular_rad_s) > bits_from_f32(standing[ANGULAR]);
     if (!is_finite(s->target_linear_m_s) || !is_finite(s->target_angular_rad_s) ||

@@ -94,7 +94,7 @@ TEST(Limits, HugeSpeedsAreClampedNotOverflown) {
     const float most = std::numeric_limits<float>::max();
     expect_sent(sent_for(config, usual_limits(), most, -most), 2.6F, -6.5F);
     config.options = ROBUROC4_OPTION_TURN_KEEPING;
-    expect_sent(sent_for(config, usual_limits(), -most, most), 0, 6.5F);
+    expect_sent(sent_for(config, usual_limits(), -most, most), -2.6F / 1.34F, 2.6F / 1.34F);
 }
 
 TEST(Limits, ZeroPassesUntouched) {
@@ -168,24 +168,26 @@ TEST(TurnKeeping, IsOffByDefault) {
     expect_sent(sent_for(default_config(), usual_limits(), 2.6F, 3), 2.6F, 3);
 }
 
-TEST(TurnKeeping, SlowsDownRatherThanTurnLess) {
+TEST(TurnKeeping, ReducesBothSpeedsByOneFactor) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_TURN_KEEPING;
     auto limits = usual_limits();
     limits.width_m = 0.5F;
-    expect_sent(sent_for(config, limits, 2.6F, 2), 2.1F, 2);
-    expect_sent(sent_for(config, limits, -2.6F, 2), -2.1F, 2);
-    expect_sent(sent_for(config, limits, 2.6F, -2), 2.1F, -2);
+    const float share = 2.6F / 3.1F; /* the outer wheels would run at 2.6 + 2 * 0.25 m/s */
+    expect_sent(sent_for(config, limits, 2.6F, 2), 2.6F * share, 2 * share);
+    expect_sent(sent_for(config, limits, -2.6F, 2), -2.6F * share, 2 * share);
+    expect_sent(sent_for(config, limits, 2.6F, -2), 2.6F * share, -2 * share);
     expect_sent(sent_for(config, limits, 1, 2), 1, 2);
+    expect_sent(sent_for(config, limits, 0.1F, 13), 0.1F / 2, 6.5F);
 }
 
-TEST(TurnKeeping, NeverTurnsTheSpeedRound) {
+TEST(TurnKeeping, KeepsTheCurveOfAWideRobot) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_TURN_KEEPING;
     auto limits = usual_limits();
     limits.width_m = 2;
-    expect_sent(sent_for(config, limits, 1, 6), 0, 6);
-    expect_sent(sent_for(config, limits, -1, 6), 0, 6);
+    expect_sent(sent_for(config, limits, 1, 6), 2.6F / 7, 6 * 2.6F / 7);
+    expect_sent(sent_for(config, limits, -1, 6), -2.6F / 7, 6 * 2.6F / 7);
 }
 
 TEST(TurnKeeping, IsOffWhereTheWidthIsNotSensible) {

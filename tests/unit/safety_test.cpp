@@ -285,7 +285,7 @@ TEST_F(Safety, DISABLED_AStopIsNotConfirmedByAnOlderStatus) {
     EXPECT_LT(world_->now_us() - stopped_us, 3 * second);
 }
 
-TEST_F(Safety, DISABLED_RoundingIsNotMotion) {
+TEST_F(Safety, RoundingIsNotMotion) {
     for (const float noise : {1e-9F, 1e-6F}) {
         RobotPlan plan = friendly_robot();
         plan.noise = noise;
@@ -301,7 +301,7 @@ TEST_F(Safety, DISABLED_RoundingIsNotMotion) {
 
 /* ------------------------------------------------------------------- speeds and settings */
 
-TEST_F(Safety, DISABLED_TurnKeepingKeepsTheCurve) {
+TEST_F(Safety, TurnKeepingKeepsTheCurve) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_TURN_KEEPING;
     make(friendly_robot(), config);
