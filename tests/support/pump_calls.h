@@ -5,6 +5,7 @@
 #ifndef ROBUROC4_TESTS_PUMP_CALLS_H
 #define ROBUROC4_TESTS_PUMP_CALLS_H
 
+#include <tuple>
 #include <type_traits>
 
 #include "roburoc4_pump.h"
@@ -20,12 +21,16 @@ Result on_client(roburoc4_pump *pump, Result (*call)(Client *, Parameters...),
     if (client == nullptr) {
         return static_cast<Result>(std::is_signed_v<Result> ? ROBUROC4_ERR_CLOSED : 0);
     }
-    Result result;
-    if constexpr (sizeof...(Parameters) == sizeof...(Arguments)) {
-        result = call(client, arguments...);
-    } else {
-        result = call(client, arguments..., roburoc4_udp_now_us());
-    }
+    const auto complete = [&] { /* with the types that call() has */
+                                if constexpr (sizeof...(Parameters) == sizeof...(Arguments)) {
+                                    return std::tuple<Parameters...>(arguments...);
+                                } else {
+                                    return std::tuple<Parameters...>(arguments...,
+                                                                     roburoc4_udp_now_us());
+                                }
+    };
+    const Result result =
+        std::apply(call, std::tuple_cat(std::tuple<Client *>(client), complete()));
     roburoc4_pump_unlock(pump);
     return result;
 }
@@ -37,7 +42,8 @@ Result on_udp(roburoc4_pump *pump, Result (*call)(const roburoc4_udp *, Paramete
     if (roburoc4_pump_lock(pump) == nullptr) {
         return Result{};
     }
-    const Result result = call(roburoc4_pump_udp(pump), arguments...);
+    const Result result = std::apply(call, std::tuple<const roburoc4_udp *, Parameters...>(
+                                               roburoc4_pump_udp(pump), arguments...));
     roburoc4_pump_unlock(pump);
     return result;
 }
