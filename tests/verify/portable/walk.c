@@ -295,7 +295,7 @@ static void robot_speaks(void) {
 }
 
 static void client_speaks(void) {
-    uint8_t data[ROBUROC4_MAX_TRANSMIT];
+    uint8_t data[LONGEST];
     size_t size;
     roburoc4_result length;
     while ((size = take(TO_CLIENT, data)) > 0) {
