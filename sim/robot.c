@@ -134,7 +134,7 @@ static void fill_panel(const roburoc4_sim *sim, roburoc4_sim_state *state) {
     state->brakes_released = sim->brakes_released;
     state->charger = sim->charger;
     state->overridden = sim_pad_drives(sim);
-    state->watchdog_bitten = !sim->fed;
+    state->watchdog_tripped = !sim->fed;
     state->bumper_front = sim_bumper(sim, ROBUROC4_SIM_FRONT);
     state->bumper_rear = sim_bumper(sim, ROBUROC4_SIM_REAR);
 }

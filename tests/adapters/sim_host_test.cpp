@@ -159,7 +159,7 @@ TEST(SimHost, FaultsCanBeSetWhileItRuns) {
     sim_host_unlock(robot.host.get());
     EXPECT_TRUE(eventually([&] {
         sleep_ms(10);
-        return robot.state().target_linear_m_s == 0 && robot.state().watchdog_bitten != 0;
+        return robot.state().target_linear_m_s == 0 && robot.state().watchdog_tripped != 0;
     })) << "nothing arrives any more";
     faults.loss = 0;
     sim_host_lock(robot.host.get());

@@ -201,11 +201,11 @@ TEST(SimWatchdog, BitesExactlyAfterItsCyclesAndReportsTargetZero) {
     robot.command(1.0F, 0.5F);
     robot.run(99);
     EXPECT_DOUBLE_EQ(1.0, robot.state().target_linear_m_s);
-    EXPECT_EQ(0, robot.state().watchdog_bitten);
+    EXPECT_EQ(0, robot.state().watchdog_tripped);
     robot.run(1);
     EXPECT_DOUBLE_EQ(0.0, robot.state().target_linear_m_s);
     EXPECT_DOUBLE_EQ(0.0, robot.state().target_angular_rad_s);
-    EXPECT_EQ(1, robot.state().watchdog_bitten);
+    EXPECT_EQ(1, robot.state().watchdog_tripped);
     EXPECT_GT(robot.state().wheel_linear_m_s, 0.5) << "it is still fast";
     run_to_rest(robot);
     robot.run(1);
@@ -222,10 +222,10 @@ TEST(SimWatchdog, IsFedByAnySpeedCommandAndHasAConfigurableTime) {
     for (int turn = 0; turn < 20; turn++) {
         robot.command(0.3F, 0.0F);
         robot.run(6);
-        ASSERT_EQ(0, robot.state().watchdog_bitten);
+        ASSERT_EQ(0, robot.state().watchdog_tripped);
     }
     robot.run(1);
-    EXPECT_EQ(1, robot.state().watchdog_bitten);
+    EXPECT_EQ(1, robot.state().watchdog_tripped);
 }
 
 /* -------------------------------------------------------------------- odometry, true motion --- */

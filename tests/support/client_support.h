@@ -243,7 +243,7 @@ class ScriptedRobot : public Partner {
         now_us_ = now_us;
         if (follows && last_command_us_ != 0 && now_us - last_command_us_ >= second) {
             target_linear = current_linear = target_angular = current_angular = 0;
-            last_command_us_ = 0; /* its watchdog has bitten */
+            last_command_us_ = 0; /* its watchdog has tripped */
         }
         for (; last_cycle_ < cycles(); last_cycle_++) {
             for (const auto &[id, period] : subscriptions)

@@ -312,7 +312,7 @@ TEST(Seldom, ZerosAreOwedOnWhereADirectoryComesThatListsNothing) {
     bench.sent.clear();
     const std::uint64_t first_us = bench.now_us;
     bench.run(60 * ms);
-    ASSERT_EQ(2U, bench.commands().size()) << "two zeros of the train";
+    ASSERT_EQ(2U, bench.commands().size()) << "two zeros of the stop sequence";
 
     /* when the third is due, an answer comes that was cut short */
     bench.now_us = first_us + 100 * ms;

@@ -43,7 +43,7 @@ void expect_disarmed(Bench &bench, roburoc4_result cause, const std::function<vo
     EXPECT_EQ(cause, bench.drive(0.25F, 0)) << "drive says why it is not armed";
     bench.run(3 * second);
     EXPECT_EQ(speeds, bench.speeds());
-    EXPECT_GE(bench.commands().size(), commands + 2) << "a zero train";
+    EXPECT_GE(bench.commands().size(), commands + 2) << "a stop sequence";
     EXPECT_EQ(0, bench.facts().armed) << "it does not arm itself";
 }
 

@@ -215,7 +215,7 @@ TEST(Clock, StepBackEndsTheLeaseDisarmsAndNeverRevivesIt) {
         EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_CLOCK);
         EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_CLOCK_FAULTS));
         ASSERT_FALSE(bench.commands(at_us).empty());
-        EXPECT_TRUE(bench.commands(at_us).back().zero()) << "a zero train";
+        EXPECT_TRUE(bench.commands(at_us).back().zero()) << "a stop sequence";
         bench.skew_us -= step_us - 1; /* and forth again */
         bench.run(3 * second);
         EXPECT_EQ(0U, bench.speeds(at_us));
@@ -313,7 +313,7 @@ TEST(Clock, StepBackWhileConnectingGoesOnAsking) {
     EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 3 * second));
 }
 
-TEST(Clock, StepBackToNearZeroDoesNotHoldUpTheTrain) {
+TEST(Clock, StepBackToNearZeroDoesNotHoldUpTheZeros) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();

@@ -107,7 +107,7 @@ TEST(Limits, ZeroPassesUntouched) {
     EXPECT_EQ(0.0F, sent.angular);
 }
 
-TEST(Limits, ZeroTrainNeedsNoUsableLimits) {
+TEST(Limits, AStopSequenceNeedsNoUsableLimits) {
     ScriptedRobot robot;
     robot.differential.max_linear_m_s = nan_f;
     robot.differential.min_angular_rad_s = 3;

@@ -84,7 +84,7 @@ TEST_F(DriveSimulator, TheRobotStopsWhenTheCallerNoLongerRenews) {
     drive_at_one_metre_per_second();
     ASSERT_EQ(ROBUROC4_OK, bench.drive(1.0F, 0.0F, 250000));
     EXPECT_LE(until_target_is_zero(), 250 * ms + cycle_us);
-    EXPECT_EQ(0, robot.state().watchdog_bitten);
+    EXPECT_EQ(0, robot.state().watchdog_tripped);
     expect_stop();
 }
 
@@ -108,7 +108,7 @@ TEST_F(DriveSimulator, TheWatchdogStopsTheRobotOfAFrozenProcess) {
         robot.take();
     }
     EXPECT_LE(bench.now_us - frozen_us, watchdog_us + cycle_us);
-    EXPECT_EQ(1, robot.state().watchdog_bitten);
+    EXPECT_EQ(1, robot.state().watchdog_tripped);
     /* it wakes up: what it was asked to do before is over */
     bench.now_us += 2 * second;
     bench.sent.clear();
@@ -153,7 +153,7 @@ TEST_F(DriveSimulator, ALossyNetworkDoesNotStopADriverWhoRenews) {
         bench.run(50 * ms);
         ASSERT_TRUE(has_target());
     }
-    EXPECT_EQ(0, robot.state().watchdog_bitten);
+    EXPECT_EQ(0, robot.state().watchdog_tripped);
 }
 
 /* ------------------------------------------------------------------------------- the pad --- */
@@ -267,7 +267,7 @@ TEST_F(DriveSimulator, StopsTheRobotWhenStatusesNoLongerCome) {
         bench.run(10 * ms);
     }
     EXPECT_LE(bench.now_us - deaf_us, 300 * ms + 2 * cycle_us);
-    EXPECT_EQ(0, robot.state().watchdog_bitten);
+    EXPECT_EQ(0, robot.state().watchdog_tripped);
     expect_stop();
 }
 

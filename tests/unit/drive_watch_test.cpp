@@ -84,7 +84,7 @@ TEST(OtherCommander, IsNeverTheGamePad) {
     EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_OTHER_COMMANDER);
 }
 
-TEST(OtherCommander, DisarmsAndSendsTheTrain) {
+TEST(OtherCommander, DisarmsAndSendsZeros) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();

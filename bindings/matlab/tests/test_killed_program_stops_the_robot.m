@@ -21,7 +21,7 @@ while s.target_linear_m_s ~= 0
     pause(0.01);
     s = sim.state;
 end
-check(s.watchdog_bitten && s.last_linear_m_s ~= 0, 'a zero was sent');
+check(s.watchdog_tripped && s.last_linear_m_s ~= 0, 'a zero was sent');
 check(s.time_s - s.last_command_s < 1.5, 'stopped only after %g s', s.time_s - s.last_command_s);
 clear cleanup
 delete(sim);

@@ -21,7 +21,7 @@ while any(longest_s >= 0.1)
     while mex('leave', id)
         leave_s = max(leave_s, duration(@() mex('leave', id)));
         mex('wait', id, 0.02);
-        check(toc(waited) < 10, 'the zero train does not end');
+        check(toc(waited) < 10, 'the stop sequence does not end');
     end
     longest_s(2) = min(longest_s(2), leave_s);
     longest_s(3) = min(longest_s(3), duration(@() mex('close', id)));

@@ -102,7 +102,7 @@ def test_cancelling_the_whole_block_stops_the_robot(served: Simulator) -> None:
 
     asyncio.run(program())
     assert served.state.last_linear_m_s == 0
-    assert not served.state.watchdog_bitten
+    assert not served.state.watchdog_tripped
 
 
 def test_a_loop_that_hangs_stops_the_robot(served: Simulator) -> None:
@@ -112,7 +112,7 @@ def test_a_loop_that_hangs_stops_the_robot(served: Simulator) -> None:
             robot.drive(0.5, 0.0)
             time.sleep(0.8)
             assert served.state.last_linear_m_s == 0
-            assert not served.state.watchdog_bitten
+            assert not served.state.watchdog_tripped
 
     asyncio.run(program())
 

@@ -155,7 +155,7 @@ def test_killed_outright_it_leaves_the_robot_to_its_watchdog(sim: roburoc4.Simul
     process.kill()
     process.communicate()
     killed_s = time.monotonic()
-    eventually(lambda: sim.state.watchdog_bitten)
+    eventually(lambda: sim.state.watchdog_tripped)
     assert time.monotonic() - killed_s < 2.0
     assert _stands(sim)
 

@@ -44,7 +44,7 @@ def test_leaving_the_block_stops_the_robot(served: Simulator) -> None:
         robot.drive(0.5, 0.0, lease_ms=1000)
         driven(served)
     assert served.state.last_linear_m_s == 0
-    assert not served.state.watchdog_bitten
+    assert not served.state.watchdog_tripped
 
 
 def test_an_exception_stops_the_robot(served: Simulator) -> None:
@@ -125,7 +125,7 @@ def test_a_program_that_hangs_with_the_interpreter_stops_the_robot(start: Start)
         with Simulator(port=0) as simulator:
             process = start(program, simulator.address)
             zero_s = first_zero_s(simulator)
-            assert not simulator.state.watchdog_bitten
+            assert not simulator.state.watchdog_tripped
             output, _ = process.communicate(timeout=20)
             driven_s, woke_s = map(float, output.split())
             assert woke_s - driven_s >= 2
@@ -156,7 +156,7 @@ def test_ctrl_c_while_waiting_is_heard_and_stops_the_robot(start: Start) -> None
         assert time.monotonic() - sent_s < 5
         assert process.returncode in (130, -signal.SIGINT)
         assert simulator.state.last_linear_m_s == 0
-        assert not simulator.state.watchdog_bitten
+        assert not simulator.state.watchdog_tripped
 
 
 def test_the_end_of_a_program_without_a_block_stops_the_robot(start: Start) -> None:
@@ -175,7 +175,7 @@ def test_a_killed_program_leaves_it_to_the_robots_watchdog(start: Start) -> None
         until(lambda: simulator.state.nonzero_speed_commands > 5)
         process.kill()
         process.wait()
-        until(lambda: simulator.state.watchdog_bitten)
+        until(lambda: simulator.state.watchdog_tripped)
         state = simulator.state
         assert state.last_linear_m_s == 0.5
         assert state.target_linear_m_s == 0

@@ -39,7 +39,7 @@ def test_a_hang_ends_in_the_robots_watchdog(served: Simulator) -> None:
         robot.arm()
         robot.drive(0.5, 0.0, lease_ms=1000)
         robot.spin(0.1)
-        until(lambda: served.state.watchdog_bitten)
+        until(lambda: served.state.watchdog_tripped)
         assert served.state.last_linear_m_s == 0.5
         robot.spin(0.1)
         assert served.state.last_linear_m_s == 0  # the lease is long over

@@ -204,4 +204,4 @@ def test_leaving_by_an_exception_stops_the_robot(roburoc4_simulator: Simulator) 
         robot.drive(0.5, 0.0, lease_ms=1000)
         _ = 1 / 0
     assert roburoc4_simulator.state.last_linear_m_s == 0
-    assert not roburoc4_simulator.state.watchdog_bitten
+    assert not roburoc4_simulator.state.watchdog_tripped

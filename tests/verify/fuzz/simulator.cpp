@@ -42,7 +42,7 @@ void look(const roburoc4_sim *sim) {
                std::isfinite(s.target_linear_m_s) && std::isfinite(s.target_angular_rad_s),
            "the robot is somewhere and moves somehow");
     expect(s.battery_percent >= 0 && s.battery_percent <= 100, "the battery is 0 to 100 % full");
-    expect(s.overridden != 0 || s.watchdog_bitten == 0 ||
+    expect(s.overridden != 0 || s.watchdog_tripped == 0 ||
                (s.target_linear_m_s == 0 && s.target_angular_rad_s == 0),
            "the watchdog sets the target to 0");
 }

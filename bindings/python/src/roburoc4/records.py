@@ -420,7 +420,7 @@ class SimState(NamedTuple):
     brakes_released: bool
     charger: bool
     overridden: bool
-    watchdog_bitten: bool
+    watchdog_tripped: bool
     bumper_front: bool
     bumper_rear: bool
     reboots: int

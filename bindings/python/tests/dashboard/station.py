@@ -152,7 +152,7 @@ class Station:
         """Wait for the first zero; return how long after ``begun_s`` it came."""
         until(lambda: not self.driven)
         state = self.sim.state
-        assert not state.watchdog_bitten
+        assert not state.watchdog_tripped
         return state.last_command_us / 1e6 - begun_s
 
     def speeds_sent(self) -> int:

@@ -115,7 +115,7 @@ def test_ending_it_while_it_drives_stops_the_robot(number: signal.Signals) -> No
         begun_s = time.monotonic()
         until(lambda: sim.state.last_linear_m_s == 0.0)
         assert time.monotonic() - begun_s < WITHIN_S
-        assert not sim.state.watchdog_bitten
+        assert not sim.state.watchdog_tripped
         assert running.wait(LONG_S) == 128 + number
 
 
@@ -124,7 +124,7 @@ def test_the_robot_s_watchdog_stops_it_where_the_program_cannot(number: signal.S
     with driven() as (running, sim):
         running.send_signal(number)
         begun_s = time.monotonic()
-        until(lambda: sim.state.watchdog_bitten)
+        until(lambda: sim.state.watchdog_tripped)
         assert time.monotonic() - begun_s < WATCHDOG_S + MARGIN_S
         before = sim.state.nonzero_speed_commands
         running.send_signal(signal.SIGCONT)

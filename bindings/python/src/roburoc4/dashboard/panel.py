@@ -54,7 +54,7 @@ class Panel:
             "brakes_released": bool(state.brakes_released),
             "charger": bool(state.charger),
             "overridden": bool(state.overridden),
-            "watchdog_bitten": bool(state.watchdog_bitten),
+            "watchdog_tripped": bool(state.watchdog_tripped),
             "bumper_front": bool(state.bumper_front),
             "bumper_rear": bool(state.bumper_rear),
             "battery_percent": number(state.battery_percent, 1),

@@ -139,7 +139,7 @@ export class Panel {
     put(this.motor, sim.motors_enabled ? "Motor power is on" : "Press the motor power button");
     this.follow(this.charge, sim.battery_percent, "%");
     for (const [name, , , , unit] of FAULTS) this.follow(this.sliders.get(name), sim.faults[name] * (unit === "%" ? 100 : 1), unit);
-    put(by("sim-state"), `true pose x ${figure(sim.pose.x_m, 2, "m")}   y ${figure(sim.pose.y_m, 2, "m")}   θ ${figure((sim.pose.theta_rad * 180) / Math.PI, 0, "°")}${sim.watchdog_bitten ? "   watchdog: no command" : ""}`);
+    put(by("sim-state"), `true pose x ${figure(sim.pose.x_m, 2, "m")}   y ${figure(sim.pose.y_m, 2, "m")}   θ ${figure((sim.pose.theta_rad * 180) / Math.PI, 0, "°")}${sim.watchdog_tripped ? "   watchdog: no command" : ""}`);
   }
 
   /** A slider shows what is, unless somebody holds it. */

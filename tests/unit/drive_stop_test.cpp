@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Every exit from driving is followed by a train of zero commands: before all other traffic, one
- * per period, at least three, until the robot shows that it obeys or its watchdog must have bitten.
+ * Every exit from driving is followed by a stop sequence of zero commands: before all other
+ * traffic, one per period, at least three, until the robot shows that it obeys or its watchdog must
+ * have tripped.
  */
 #include "client_bench.h"
 
@@ -56,7 +57,7 @@ std::size_t expect_train(const Bench &bench, std::uint64_t since_us, std::uint64
 
 } // namespace
 
-TEST(Train, FollowsEveryExitFromDriving) {
+TEST(StopSequence, FollowsEveryExitFromDriving) {
     for (const Exit &exit : exits) {
         SCOPED_TRACE(exit.first);
         ScriptedRobot robot;
@@ -86,7 +87,7 @@ TEST(Train, FollowsEveryExitFromDriving) {
     }
 }
 
-TEST(Train, FollowsLoss) {
+TEST(StopSequence, FollowsLoss) {
     roburoc4_config config = default_config();
     config.fresh_ms = 1000;
     config.lost_ms = 200;
@@ -104,10 +105,10 @@ TEST(Train, FollowsLoss) {
     bench.run(5 * second);
     EXPECT_EQ(0U, bench.speeds(lost_us + 10 * ms));
     EXPECT_NEAR(20, static_cast<double>(bench.commands(lost_us).size()), 2)
-        << "until the robot's watchdog must have bitten";
+        << "until the robot's watchdog must have tripped";
 }
 
-TEST(Train, GoesBeforeAllOtherTraffic) {
+TEST(StopSequence, GoesBeforeAllOtherTraffic) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
@@ -130,7 +131,7 @@ TEST(Train, GoesBeforeAllOtherTraffic) {
     EXPECT_TRUE(Bench::as_command(bench.sent[0], &c)) << "its second zero too";
 }
 
-TEST(Train, EndsOnALaterStatusWithBothTargetsZero) {
+TEST(StopSequence, EndsOnALaterStatusWithBothTargetsZero) {
     ScriptedRobot robot;
     robot.follows = false;
     Bench bench(robot);
@@ -156,7 +157,7 @@ TEST(Train, EndsOnALaterStatusWithBothTargetsZero) {
     EXPECT_LE(zeros, 15U);
 }
 
-TEST(Train, IsNotEndedByAStatusBeforeItsThirdZero) {
+TEST(StopSequence, IsNotEndedByAStatusBeforeItsThirdZero) {
     ScriptedRobot robot;
     robot.follows = false;
     Bench bench(robot);
@@ -174,7 +175,7 @@ TEST(Train, IsNotEndedByAStatusBeforeItsThirdZero) {
     EXPECT_GE(expect_train(bench, start_us + 1, 50 * ms) + 1, 3U);
 }
 
-TEST(Train, EndsWhenTheRobotsWatchdogHasBitten) {
+TEST(StopSequence, EndsWhenTheRobotsWatchdogHasTripped) {
     for (const std::uint32_t watchdog_ms : {100U, 1000U, 3000U}) {
         roburoc4_config config = default_config();
         config.robot_watchdog_ms = watchdog_ms;
@@ -197,7 +198,7 @@ TEST(Train, EndsWhenTheRobotsWatchdogHasBitten) {
     }
 }
 
-TEST(Train, HasTheConfiguredPeriod) {
+TEST(StopSequence, HasTheConfiguredPeriod) {
     roburoc4_config config = default_config();
     config.drive_period_ms = 20;
     ScriptedRobot robot;
@@ -212,7 +213,7 @@ TEST(Train, HasTheConfiguredPeriod) {
     EXPECT_GE(expect_train(bench, start_us, 20 * ms), 3U);
 }
 
-TEST(Train, IsNeverSentByAMonitor) {
+TEST(StopSequence, IsNeverSentByAMonitor) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
@@ -235,7 +236,7 @@ TEST(Train, IsNeverSentByAMonitor) {
     EXPECT_EQ(0U, bench.commands().size());
 }
 
-TEST(Train, IsNotSentByWhoArmedOrDroveAtZeroOnly) {
+TEST(StopSequence, IsNotSentByWhoArmedOrDroveAtZeroOnly) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
@@ -252,7 +253,7 @@ TEST(Train, IsNotSentByWhoArmedOrDroveAtZeroOnly) {
     EXPECT_EQ(before, bench.commands().size());
 }
 
-TEST(Train, IsSentOnceForEachDrive) {
+TEST(StopSequence, IsSentOnceForEachDrive) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
@@ -266,7 +267,7 @@ TEST(Train, IsSentOnceForEachDrive) {
 
 /* ---- stop ---- */
 
-TEST(Stop, AlwaysSendsATrain) {
+TEST(Stop, AlwaysSendsZeros) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
@@ -330,9 +331,9 @@ TEST(Stop, CalledAllTheTimeStillKeepsItsDistanceAndStops) {
     EXPECT_LE(commands.size(), 101U) << "at most one in a cycle of the robot";
 }
 
-/* ---- a lease that meets a train ---- */
+/* ---- a lease that meets a stop sequence ---- */
 
-TEST(Train, NewLeaseWaitsForThreeZeros) {
+TEST(StopSequence, NewLeaseWaitsForThreeZeros) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
@@ -355,7 +356,7 @@ TEST(Train, NewLeaseWaitsForThreeZeros) {
     }
 }
 
-TEST(Train, LeaseThatEndsWhileItWaitsSendsNoSpeed) {
+TEST(StopSequence, LeaseThatEndsWhileItWaitsSendsNoSpeed) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
@@ -369,7 +370,7 @@ TEST(Train, LeaseThatEndsWhileItWaitsSendsNoSpeed) {
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_LEASE_OVER);
 }
 
-TEST(Close, SendsItsTrainThenIsIdle) {
+TEST(Close, SendsItsZerosThenIsIdle) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
@@ -403,7 +404,7 @@ TEST(Close, TakesAtMostTheRobotsWatchdog) {
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_IDLE), bench.state());
 }
 
-TEST(Train, StopsTheSimulatedRobot) {
+TEST(StopSequence, StopsTheSimulatedRobot) {
     SimPartner sim;
     Bench bench(sim);
     bench.armed();
