@@ -250,7 +250,7 @@ typedef struct roburoc4_sim_state {
     /* 1 or 0 */
     int32_t powered, motors_enabled;
     int32_t estop_local, estop_remote, brakes_released, charger;
-    int32_t overridden;      /* [A] is held */
+    int32_t overridden;       /* [A] is held */
     int32_t watchdog_tripped; /* no speed command for too long, or none since power on */
     int32_t bumper_front, bumper_rear;
     /* since creation, reboots included */
