@@ -136,8 +136,7 @@ ROBUROC4_API const char *roburoc4_state_name(uint32_t state);
 #define ROBUROC4_INDEX_AUTO (-1)
 
 /** Bits of roburoc4_config.options. */
-#define ROBUROC4_OPTION_TURN_KEEPING                                                               \
-    0x01 /* reduce both speeds by one factor, so that the curve stays */
+#define ROBUROC4_OPTION_TURN_KEEPING 0x01 /* keep the curve: reduce both speeds alike */
 /* for a robot without the game pad's inputs; an IO card that is listed must still give its counts,
  * and where none is listed, every service must be known by its type or its text */
 #define ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE 0x02
