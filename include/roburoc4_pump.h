@@ -10,12 +10,18 @@
  *
  *     roburoc4_pump *pump = roburoc4_pump_create(&address, NULL, 0, &result);
  *     roburoc4_pump_reader reader = {0};
- *     roburoc4_pump_wait_events(pump, &reader, ROBUROC4_EVENT_READY, 5000000);
- *     roburoc4_client *client = roburoc4_pump_lock(pump);
- *     roburoc4_client_arm(client, roburoc4_udp_now_us());
- *     roburoc4_client_drive(client, 0.5f, 0.0f, 0, roburoc4_udp_now_us());
- *     roburoc4_pump_unlock(pump);
- *     ...
+ *     do { (refused until the first statuses have come)
+ *         roburoc4_pump_wait_events(pump, &reader, ROBUROC4_EVENT_DIFFERENTIAL, 50000);
+ *         roburoc4_pump_take_events(pump, &reader);
+ *         roburoc4_client *client = roburoc4_pump_lock(pump);
+ *         result = roburoc4_client_arm(client, roburoc4_udp_now_us());
+ *         roburoc4_pump_unlock(pump);
+ *     } while (result < 0 && !given_up());
+ *     while (result >= 0 && wanted()) { (again at least every 250 ms)
+ *         roburoc4_client *client = roburoc4_pump_lock(pump);
+ *         result = roburoc4_client_drive(client, 0.5f, 0.0f, 0, roburoc4_udp_now_us());
+ *         roburoc4_pump_unlock(pump);
+ *     }
  *     roburoc4_pump_destroy(pump);
  *
  * WHAT IT PROMISES
@@ -73,27 +79,25 @@ ROBUROC4_API roburoc4_pump *roburoc4_pump_create(const roburoc4_address *address
 ROBUROC4_API void roburoc4_pump_collect(roburoc4_pump *pump, const uint8_t *datagram, size_t size);
 /** End the link: disarm, send the stop sequence where one is due, end the thread; wait for that, at
  *  most the configured robot_watchdog_ms (or three drive periods) and half a second. Whoever waits
- * in another call gets ROBUROC4_ERR_CLOSED. Afterwards values and samples can still be read,
- * commands return ROBUROC4_ERR_CLOSED. From any thread, several times: later calls return 0 when it
- * is over. */
+ *  in another call gets ROBUROC4_ERR_CLOSED. Afterwards the client is idle: values and samples can
+ *  still be read, and commands are refused as by any idle client. From any thread, several times:
+ *  later calls return 0 when it is over. */
 ROBUROC4_API roburoc4_result roburoc4_pump_close(roburoc4_pump *pump);
-/** Close, wait for those who were waiting, free the memory. NULL is fine. No thread may begin a
- * call with this pump from here on. */
+/** Close, wait for those who were waiting, free the memory. NULL is fine. From here on no thread
+ * may begin a call with this pump. */
 ROBUROC4_API void roburoc4_pump_destroy(roburoc4_pump *pump);
-/** Take the pump's lock and get its client, for any roburoc4_client_*() call; NULL in a forked
- * child (then there is nothing to unlock). Pass roburoc4_udp_now_us(), read while the lock is held,
- * as the time. Hold the lock for a few calls and never wait with it: the robot's link waits
- * meanwhile. Do not call receive(), poll_transmit(), take_events(), start() or close(), which are
- * the pump's, nor another function of the same pump. The pointer is valid until the unlock. After
- *  roburoc4_pump_close() the client is idle: its values can still be read. Not from signal
- * handlers. */
+/** Take the pump's lock and get its client, for any roburoc4_client_*() call but receive(),
+ *  poll_transmit(), take_events(), start() and close(), which are the pump's. NULL in a forked
+ * child; then there is nothing to unlock. Read roburoc4_udp_now_us() while the lock is held. Hold
+ * it for a few calls and never wait with it, as the robot's link waits meanwhile; call no other
+ * function of the same pump but roburoc4_pump_udp(). The pointer is valid until the unlock. Not
+ * from signal handlers. */
 ROBUROC4_API roburoc4_client *roburoc4_pump_lock(roburoc4_pump *pump);
 /** The pump's socket, for roburoc4_udp_fault(), _count() and _address(); valid between lock and
  *  unlock. */
 ROBUROC4_API const roburoc4_udp *roburoc4_pump_udp(roburoc4_pump *pump);
 /** Send what the client has to send now, wake the thread where something is due earlier than it
- *  expects, and give the lock back. Only after a successful roburoc4_pump_lock(), by the same
- * thread. */
+ *  expects, and give the lock back. By the thread that has it. */
 ROBUROC4_API void roburoc4_pump_unlock(roburoc4_pump *pump);
 /** 1 while the thread runs, 0 once roburoc4_pump_close() was called, or in a forked child. */
 ROBUROC4_API int32_t roburoc4_pump_running(roburoc4_pump *pump);
