@@ -11,7 +11,7 @@ int main(int argc, char **argv) {
     roburoc4_address robot;
     roburoc4_result result = roburoc4_udp_resolve(argc > 1 ? argv[1] : "127.0.0.1", 0, &robot);
     if (result < 0 || roburoc4_udp_open(&udp, sizeof udp, &robot) < 0) {
-        fprintf(stderr, "drive: no such address\n");
+        fprintf(stderr, "drive: no address, or no socket for it\n");
         return 1;
     }
     roburoc4_client_init(&client, sizeof client, NULL);

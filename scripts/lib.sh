@@ -67,14 +67,10 @@ sanitizes() {
     printf 'int main(void) { return 0; }\n' | "$1" -fsanitize=address -x c -o /dev/null -
 }
 
-builds() {
-    have ninja || have make
-}
-
 # What more than one script needs.
 need_build() {
     need cmake have cmake
-    need ninja-build builds
+    need ninja-build have ninja
     need gcc have gcc
     need libc6-dev c_compiles gcc
 }
@@ -133,7 +129,7 @@ $install"
     mkdir -p build
     say "installing:$missing"
     $as_root apt-get update >build/packages.log 2>&1 </dev/null || :
-    $install --assume-no 2>/dev/null </dev/null | sed -n 's/^Need to get \(.*\) of archives.*/downloading \1/p'
+    $as_root $install --assume-no 2>/dev/null </dev/null | sed -n 's/^Need to get \(.*\) of archives.*/downloading \1/p'
     if ! $as_root env DEBIAN_FRONTEND=noninteractive $install -y >>build/packages.log 2>&1 </dev/null; then
         tail -n 20 build/packages.log >&2
         fail "could not install these packages (all of it: build/packages.log)"
