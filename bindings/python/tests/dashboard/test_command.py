@@ -237,7 +237,7 @@ def test_other_than_loopback_needs_a_token() -> None:
     [
         (("--token", "short"), "16 or more"),
         (("--token", "has a blank in its midst"), "16 or more"),
-        (("--bind", "robot.local"), "no address"),
+        (("--bind", "robot.local"), "not an address"),
         (("--port", "70000"), "0 to 65535"),
         (("--port", "-1"), "0 to 65535"),
         (("--lease-ms", "50"), "100 to 1000"),
