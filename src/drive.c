@@ -178,8 +178,8 @@ static float curve_share(const float *speeds, const float *low, const float *hig
     const float wanted[AXES] = {outer, magnitude(speeds[ANGULAR])};
     float share = 1;
     for (uint32_t axis = 0; axis < AXES; axis++) {
-        const float most = magnitude(speeds[axis] < 0 ? low[axis] : high[axis]);
-        if (most > 0 && wanted[axis] * share > most) {
+        const float most = magnitude(order_of(speeds[axis]) < 0 ? low[axis] : high[axis]);
+        if (!is_zero(most) && magnitude_bits(wanted[axis] * share) > bits_from_f32(most)) {
             share = most / wanted[axis];
         }
     }
