@@ -210,6 +210,30 @@ def drive(here: Station, page: Page, **held: float) -> None:
     )
 
 
+class Finger:
+    """A finger on a page's screen."""
+
+    def __init__(self, page: Page) -> None:
+        self._page = page
+        self._devices = page.context.new_cdp_session(page)
+
+    def _touch(self, kind: str, *points: tuple[float, float]) -> None:
+        spots = [{"x": x, "y": y} for x, y in points]
+        self._devices.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": spots})
+
+    def down(self, x: float, y: float) -> None:
+        """Touch."""
+        self._touch("touchStart", (x, y))
+
+    def move(self, x: float, y: float) -> None:
+        """Drag."""
+        self._touch("touchMove", (x, y))
+
+    def up(self) -> None:
+        """Lift."""
+        self._touch("touchEnd")
+
+
 def free_port() -> int:
     """A port that nobody uses."""
     with socket.create_server(("127.0.0.1", 0)) as listening:

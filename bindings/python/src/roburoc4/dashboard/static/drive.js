@@ -3,6 +3,8 @@
 import { by, figure, put, show } from "./text.js";
 import { Inputs } from "./inputs.js";
 
+const TAKES_SPACE = "input:not([type=range]), select, textarea";
+
 export class Drive {
   constructor(send) {
     this.send = send;
@@ -21,7 +23,7 @@ export class Drive {
     by("scale").addEventListener("input", () => this.showScale());
     by("scale").addEventListener("change", () => by("scale").blur());
     addEventListener("keydown", (event) => this.key(event), true);
-    addEventListener("keyup", (event) => event.code === "Space" && this.offered && event.preventDefault(), true);
+    addEventListener("keyup", (event) => this.stops(event) && event.preventDefault(), true);
     document.addEventListener("visibilitychange", () => this.hide());
   }
 
@@ -56,8 +58,13 @@ export class Drive {
     if (this.offered) this.ask({ type: "stop" });
   }
 
+  /** Whether a key is the space bar, and not meant for what it switches or writes in. */
+  stops(event) {
+    return event.code === "Space" && this.offered && !event.target.closest?.(TAKES_SPACE);
+  }
+
   key(event) {
-    if (event.code !== "Space" || !this.offered) return;
+    if (!this.stops(event)) return;
     event.preventDefault();
     event.stopPropagation();
     if (!event.repeat) this.stop();

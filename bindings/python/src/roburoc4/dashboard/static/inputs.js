@@ -41,6 +41,7 @@ export class Inputs {
     this.heard = 0;
     this.repeats = false;
     this.unrepeated = false;
+    this.held = null;
     this.stickAt = null;
     this.risen = 0;
     this.looked = 0;
@@ -52,9 +53,12 @@ export class Inputs {
     addEventListener("blur", () => this.letGo());
     document.addEventListener("visibilitychange", () => this.letGo());
     for (const event of ["gamepadconnected", "gamepaddisconnected"]) addEventListener(event, () => this.letGo());
-    stick.addEventListener("pointerdown", (event) => { stick.setPointerCapture(event.pointerId); this.push(event); });
-    stick.addEventListener("pointermove", (event) => this.stickAt && this.push(event));
-    for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) stick.addEventListener(end, () => this.release());
+    stick.addEventListener("pointerdown", (event) => this.grip(event));
+    stick.addEventListener("pointermove", (event) => event.pointerId === this.held?.pointer && this.push(event));
+    for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) {
+      stick.addEventListener(end, (event) => event.pointerId === this.held?.pointer && this.release());
+    }
+    addEventListener("resize", () => this.release());
     // A finger that rests on the stick asks for a menu, too.
     stick.addEventListener("contextmenu", (event) => { event.preventDefault(); event.stopPropagation(); });
   }
@@ -96,21 +100,28 @@ export class Inputs {
     if (this.wanted) begun.preventDefault();
   }
 
+  /** Deflection counts from where the stick was touched, so that no layout that moves changes a speed. */
+  grip(event) {
+    if (this.held || event.button > 0) return;
+    this.stick.setPointerCapture(event.pointerId);
+    this.held = { pointer: event.pointerId, x: event.clientX, y: event.clientY, reach: this.stick.clientWidth / 2 };
+    this.push(event);
+  }
+
   push(event) {
-    const box = this.stick.getBoundingClientRect();
-    const radius = box.width / 2;
-    let x = (event.clientX - box.left - radius) / radius;
-    let y = (event.clientY - box.top - radius) / radius;
+    const { reach } = this.held;
+    let x = (event.clientX - this.held.x) / reach;
+    let y = (event.clientY - this.held.y) / reach;
     const far = Math.max(1, Math.hypot(x, y));
     x /= far;
     y /= far;
     this.stickAt = { forward: beyond(-y), left: beyond(-x) };
-    this.knob.style.transform = `translate(${x * radius * 0.7}px, ${y * radius * 0.7}px)`;
+    this.knob.style.transform = `translate(${x * reach * 0.7}px, ${y * reach * 0.7}px)`;
   }
 
   release() {
-    if (!this.stickAt) return;
-    this.stickAt = null;
+    if (!this.held) return;
+    this.held = this.stickAt = null;
     this.knob.style.transform = "";
     this.tellIfFree();
   }
