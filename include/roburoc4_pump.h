@@ -35,11 +35,19 @@
  *                 it never holds back the pump, the robot or another reader.
  *   No callback   into your code, ever.
  *   The end       roburoc4_pump_close() disarms, sends the stop sequence where one is due, ends the
- *                 thread, and wakes whoever waits.
+ *                 thread, and wakes whoever waits. exit(), and the return from main(), do the same.
+ *                 A process that is killed, or ends by abort() or _exit(), cannot send anything:
+ * the robot's own watchdog stops it, 1 s after the last command.
  *
  * Threads: all functions can be called from any thread at any time between create and destroy. A
  * roburoc4_pump_reader is used by one thread at a time. After a fork() the child has no pump: there
  * every function returns ROBUROC4_ERR_CLOSED, and destroy only gives the memory back.
+ *
+ * Signals: a handler may call roburoc4_pump_request_stop(), and nothing else of this header.
+ *
+ * Cancelled threads (pthread_cancel): no function here but create and destroy is a cancellation
+ * point, and nothing is between lock and unlock. A thread that waits here ends when its wait does:
+ * give it a time-out.
  */
 #ifndef ROBUROC4_PUMP_H
 #define ROBUROC4_PUMP_H
@@ -90,8 +98,7 @@ ROBUROC4_API void roburoc4_pump_destroy(roburoc4_pump *pump);
  *  poll_transmit(), take_events(), start() and close(), which are the pump's. NULL in a forked
  * child; then there is nothing to unlock. Read roburoc4_udp_now_us() while the lock is held. Hold
  * it for a few calls and never wait with it, as the robot's link waits meanwhile; call no other
- * function of the same pump but roburoc4_pump_udp(). The pointer is valid until the unlock. Not
- * from signal handlers. */
+ * function of the same pump but roburoc4_pump_udp(). The pointer is valid until the unlock. */
 ROBUROC4_API roburoc4_client *roburoc4_pump_lock(roburoc4_pump *pump);
 /** The pump's socket, for roburoc4_udp_fault(), _count() and _address(); valid between lock and
  *  unlock. */
@@ -99,6 +106,18 @@ ROBUROC4_API const roburoc4_udp *roburoc4_pump_udp(roburoc4_pump *pump);
 /** Send what the client has to send now, wake the thread where something is due earlier than it
  *  expects, and give the lock back. By the thread that has it. */
 ROBUROC4_API void roburoc4_pump_unlock(roburoc4_pump *pump);
+/** For signal handlers: disarm and stop the robot, as roburoc4_client_disarm() and
+ *  roburoc4_client_stop() do. It only asks the thread for it, which stays and keeps the link, so it
+ *  never waits and leaves errno as it is. Where the lock is held meanwhile, the zeros leave when it
+ *  is given back; a speed that is granted in between never does. The program sees that its next
+ *  drive() returns ROBUROC4_ERR_DISARMED. Several requests are one. Also from outside of handlers;
+ *  nothing happens with a NULL pump, after close, in a forked child, or with a pump that was made
+ *  without an address. After destroy it must not be called: first set the pointer that the handler
+ *  uses to NULL.
+ *  Windows: for the handler of SetConsoleCtrlHandler(), which is a thread of its own. On
+ *  CTRL_CLOSE_EVENT and later ones Windows ends the process when the handler returns: there call
+ *  roburoc4_pump_close(), which waits for the stop. */
+ROBUROC4_API void roburoc4_pump_request_stop(roburoc4_pump *pump);
 /** 1 while the thread runs, 0 once roburoc4_pump_close() was called, or in a forked child. */
 ROBUROC4_API int32_t roburoc4_pump_running(roburoc4_pump *pump);
 

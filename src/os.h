@@ -15,12 +15,16 @@
 #include <windows.h>
 typedef SRWLOCK roburoc4_lock;
 typedef CONDITION_VARIABLE roburoc4_signal;
-typedef HANDLE roburoc4_thread;
+typedef HANDLE roburoc4_thread_id;
+typedef LONG roburoc4_number;
+#define ROBUROC4_LOCK_INIT SRWLOCK_INIT
 #else
 #include <pthread.h>
 typedef pthread_mutex_t roburoc4_lock;
 typedef pthread_cond_t roburoc4_signal;
-typedef pthread_t roburoc4_thread;
+typedef pthread_t roburoc4_thread_id;
+typedef int roburoc4_number;
+#define ROBUROC4_LOCK_INIT PTHREAD_MUTEX_INITIALIZER
 #endif
 
 /* --------------------------------------------------------------------------------- sockets --- */
@@ -63,7 +67,16 @@ roburoc4_result roburoc4_os_wait(int64_t socket, int64_t wake, uint64_t timeout_
 /** Of this process: another one after fork(). */
 int64_t roburoc4_process_id(void);
 
+/** A number that threads and signal handlers share without a lock. */
+typedef struct roburoc4_atomic {
+    volatile roburoc4_number number;
+} roburoc4_atomic;
+/** Returns the number that was there before. */
+int roburoc4_atomic_exchange(roburoc4_atomic *atomic, int number);
+int roburoc4_atomic_read(roburoc4_atomic *atomic);
+
 /** A mutual exclusion that lends a waiting thread's priority to its owner where the system can.
+ *  Whoever has one is not cancelled (pthread_cancel) before it has given back all that it has.
  *  0 where there is none to be had. */
 int roburoc4_lock_create(roburoc4_lock *lock);
 void roburoc4_lock_destroy(roburoc4_lock *lock);
@@ -77,8 +90,18 @@ void roburoc4_signal_wake_all(roburoc4_signal *signal);
 /** Returns after a wake_all, or timeout_us, or for no reason. */
 void roburoc4_signal_wait(roburoc4_signal *signal, roburoc4_lock *lock, uint64_t timeout_us);
 
+/** A thread; it stays where it is from start to join. */
+typedef struct roburoc4_thread {
+    roburoc4_thread_id id;
+    void (*function)(void *);
+    void *argument;
+    roburoc4_atomic over;
+} roburoc4_thread;
+
 /** Runs function(argument) on a thread that no signal handler interrupts. 0 where it cannot. */
 int roburoc4_thread_start(roburoc4_thread *thread, void (*function)(void *), void *argument);
+/** Whether it has ended, or never began. Never waits. */
+int roburoc4_thread_is_over(roburoc4_thread *thread);
 /** Waits for the thread's end. */
 void roburoc4_thread_join(roburoc4_thread *thread);
 
@@ -91,6 +114,7 @@ typedef struct roburoc4_wake {
 /** 0 where there is none to be had. */
 int roburoc4_wake_create(roburoc4_wake *wake);
 void roburoc4_wake_destroy(roburoc4_wake *wake);
+/** Also from a signal handler: errno stays as it is. */
 void roburoc4_wake_raise(const roburoc4_wake *wake);
 /** Forget what was raised. */
 void roburoc4_wake_clear(const roburoc4_wake *wake);

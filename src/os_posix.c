@@ -15,7 +15,6 @@
 #include <poll.h>
 #include <signal.h>
 #include <stdbool.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <time.h>
@@ -289,6 +288,14 @@ int64_t roburoc4_process_id(void) {
     return getpid();
 }
 
+int roburoc4_atomic_exchange(roburoc4_atomic *atomic, int number) {
+    return __atomic_exchange_n(&atomic->number, number, __ATOMIC_SEQ_CST);
+}
+
+int roburoc4_atomic_read(roburoc4_atomic *atomic) {
+    return __atomic_load_n(&atomic->number, __ATOMIC_SEQ_CST);
+}
+
 /* ------------------------------------------------------------------------------------ lock --- */
 
 int roburoc4_lock_create(roburoc4_lock *lock) {
@@ -311,12 +318,25 @@ void roburoc4_lock_destroy(roburoc4_lock *lock) {
     (void)pthread_mutex_destroy(lock);
 }
 
+/* A thread that is cancelled while it has a lock would die with it. What it has is counted: locks
+ * are not always given back in the order in which they were taken. */
+static __thread int locks_taken, cancel_state_before;
+
 void roburoc4_lock_take(roburoc4_lock *lock) {
+    int state;
+    (void)pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, &state);
+    if (locks_taken++ == 0) {
+        cancel_state_before = state;
+    }
     (void)pthread_mutex_lock(lock);
 }
 
 void roburoc4_lock_give(roburoc4_lock *lock) {
+    int state;
     (void)pthread_mutex_unlock(lock);
+    if (--locks_taken == 0) {
+        (void)pthread_setcancelstate(cancel_state_before, &state);
+    }
 }
 
 /* ---------------------------------------------------------------------------------- signal --- */
@@ -365,41 +385,36 @@ void roburoc4_signal_wait(roburoc4_signal *signal, roburoc4_lock *lock, uint64_t
 
 /* ---------------------------------------------------------------------------------- thread --- */
 
-typedef struct start {
-    void (*function)(void *);
-    void *argument;
-} start;
-
 static void *run(void *argument) {
-    start begin = *(start *)argument;
-    free(argument);
-    begin.function(begin.argument);
+    roburoc4_thread *thread = argument;
+    thread->function(thread->argument);
+    (void)roburoc4_atomic_exchange(&thread->over, 1);
     return NULL;
 }
 
 int roburoc4_thread_start(roburoc4_thread *thread, void (*function)(void *), void *argument) {
-    start *begin = malloc(sizeof *begin);
     sigset_t all, before;
     int error;
-    if (begin == NULL) {
-        return 0;
-    }
-    begin->function = function;
-    begin->argument = argument;
+    thread->function = function;
+    thread->argument = argument;
+    (void)roburoc4_atomic_exchange(&thread->over, 0);
     /* The new thread inherits the mask: handlers are for the program's own threads. */
     (void)sigfillset(&all);
     (void)pthread_sigmask(SIG_SETMASK, &all, &before);
-    error = pthread_create(thread, NULL, run, begin);
+    error = pthread_create(&thread->id, NULL, run, thread);
     (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
     if (error != 0) {
-        free(begin);
         errno = error;
     }
     return error == 0;
 }
 
+int roburoc4_thread_is_over(roburoc4_thread *thread) {
+    return thread->function == NULL || roburoc4_atomic_read(&thread->over) != 0;
+}
+
 void roburoc4_thread_join(roburoc4_thread *thread) {
-    (void)pthread_join(*thread, NULL);
+    (void)pthread_join(thread->id, NULL);
 }
 
 /* ------------------------------------------------------------------------------------ wake --- */
@@ -428,8 +443,10 @@ void roburoc4_wake_destroy(roburoc4_wake *wake) {
 }
 
 void roburoc4_wake_raise(const roburoc4_wake *wake) {
-    ssize_t written = write((int)wake->write_to, "", 1);
+    const int error = errno;
+    const ssize_t written = write((int)wake->write_to, "", 1);
     (void)written; /* a full pipe wakes as well */
+    errno = error;
 }
 
 void roburoc4_wake_clear(const roburoc4_wake *wake) {

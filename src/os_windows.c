@@ -10,7 +10,6 @@
 #include "os.h"
 
 #include <process.h>
-#include <stdlib.h>
 #include <string.h>
 #include <winsock2.h>
 #include <ws2tcpip.h>
@@ -292,6 +291,14 @@ int64_t roburoc4_process_id(void) {
     return (int64_t)GetCurrentProcessId();
 }
 
+int roburoc4_atomic_exchange(roburoc4_atomic *atomic, int number) {
+    return (int)InterlockedExchange(&atomic->number, number);
+}
+
+int roburoc4_atomic_read(roburoc4_atomic *atomic) {
+    return (int)InterlockedCompareExchange(&atomic->number, 0, 0);
+}
+
 /* ------------------------------------------------------------------------- lock and signal --- */
 
 int roburoc4_lock_create(roburoc4_lock *lock) {
@@ -331,38 +338,28 @@ void roburoc4_signal_wait(roburoc4_signal *signal, roburoc4_lock *lock, uint64_t
 
 /* ---------------------------------------------------------------------------------- thread --- */
 
-typedef struct start {
-    void (*function)(void *);
-    void *argument;
-} start;
-
 static unsigned __stdcall run(void *argument) {
-    start begin = *(start *)argument;
-    free(argument);
-    begin.function(begin.argument);
+    const roburoc4_thread *thread = argument;
+    thread->function(thread->argument);
     return 0;
 }
 
 int roburoc4_thread_start(roburoc4_thread *thread, void (*function)(void *), void *argument) {
-    start *begin = malloc(sizeof *begin);
-    uintptr_t handle;
-    if (begin == NULL) {
-        return 0;
-    }
-    begin->function = function;
-    begin->argument = argument;
-    handle = _beginthreadex(NULL, 0, run, begin, 0, NULL);
-    if (handle == 0) {
-        free(begin);
-        return 0;
-    }
-    *thread = (HANDLE)handle;
-    return 1;
+    thread->function = function;
+    thread->argument = argument;
+    thread->id = (HANDLE)_beginthreadex(NULL, 0, run, thread, 0, NULL);
+    return thread->id != NULL;
+}
+
+/* Also of one that the system ended, as it does to all others before a DLL is told of exit(). */
+int roburoc4_thread_is_over(roburoc4_thread *thread) {
+    return thread->id == NULL || WaitForSingleObject(thread->id, 0) == WAIT_OBJECT_0;
 }
 
 void roburoc4_thread_join(roburoc4_thread *thread) {
-    (void)WaitForSingleObject(*thread, INFINITE);
-    (void)CloseHandle(*thread);
+    (void)WaitForSingleObject(thread->id, INFINITE);
+    (void)CloseHandle(thread->id);
+    thread->id = NULL;
 }
 
 /* ------------------------------------------------------------------------------------ wake --- */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * pump.c - a pump: its lock, its life and its thread, the loop that waits for the robot or the
- * client's deadline without the lock, and receives and sends with it.
+ * client's deadline without the lock, and receives and sends with it; and what exit() does to it.
  */
 #include "pump_internal.h"
 
@@ -12,6 +12,8 @@
 #define STOP_MARGIN_US 500000u
 /* Pace where the socket itself fails, so that the thread cannot spin. */
 #define BROKEN_PACE_US 100000u
+/* Pace of looking whether a thread has ended, where its lock must not be taken. */
+#define EXIT_PACE_US 2000u
 
 /* ------------------------------------------------------------------------------------ lock --- */
 
@@ -42,7 +44,29 @@ void roburoc4_pump_wait(roburoc4_pump *pump, uint64_t until_us) {
 
 /* ---------------------------------------------------------------------------------- thread --- */
 
+static void begin_to_close(roburoc4_pump *pump) {
+    uint64_t now_us = roburoc4_udp_now_us();
+    pump->phase = ROBUROC4_PUMP_STOPPING;
+    pump->stop_by_us = now_us + pump->stop_sequence_us + STOP_MARGIN_US;
+    (void)roburoc4_client_close(&pump->client, now_us);
+    roburoc4_wake_raise(&pump->wake);
+    roburoc4_signal_wake_all(&pump->changed);
+}
+
+static void heed_requests(roburoc4_pump *pump) {
+    if (pump->phase == ROBUROC4_PUMP_RUNNING && roburoc4_atomic_read(&pump->close_requested)) {
+        begin_to_close(pump);
+    } else if (roburoc4_atomic_exchange(&pump->stop_requested, 0)) {
+        uint64_t now_us = roburoc4_udp_now_us();
+        (void)roburoc4_client_disarm(&pump->client, now_us);
+        (void)roburoc4_client_stop(&pump->client, now_us);
+    }
+}
+
 void roburoc4_pump_flush(roburoc4_pump *pump) {
+    if (!pump->manual) { /* its time is not the clock's */
+        heed_requests(pump);
+    }
     (void)roburoc4_udp_transmit_all(&pump->udp, &pump->client);
     roburoc4_pump_collect(pump, NULL, 0);
     if (roburoc4_client_next_deadline(&pump->client) < pump->asleep_until_us) {
@@ -132,6 +156,67 @@ void roburoc4_pump_unlock(roburoc4_pump *pump) {
     roburoc4_pump_leave(pump);
 }
 
+void roburoc4_pump_request_stop(roburoc4_pump *pump) {
+    if (pump != NULL && pump->process == roburoc4_process_id()) {
+        (void)roburoc4_atomic_exchange(&pump->stop_requested, 1);
+        roburoc4_wake_raise(&pump->wake);
+    }
+}
+
+/* ---------------------------------------------------------------------------------- exit() --- */
+
+/* The pumps with a thread of this process. Their locks are not taken here: whoever calls exit() may
+ * have them. Then the thread cannot close, and exit() goes on after the longest stop sequence. */
+static roburoc4_lock living_lock = ROBUROC4_LOCK_INIT;
+static roburoc4_pump *living;
+static int64_t living_process;
+
+static void close_all(void) {
+    uint64_t begun_us = roburoc4_udp_now_us();
+    roburoc4_pump *pump;
+    if (living_process != roburoc4_process_id()) {
+        return; /* a forked child: the pumps are its parent's, the lock may be anybody's */
+    }
+    roburoc4_lock_take(&living_lock);
+    for (pump = living; pump != NULL; pump = pump->next) {
+        (void)roburoc4_atomic_exchange(&pump->close_requested, 1);
+        roburoc4_wake_raise(&pump->wake);
+    }
+    for (pump = living; pump != NULL; pump = pump->next) {
+        while (!roburoc4_thread_is_over(&pump->thread) &&
+               roburoc4_udp_now_us() - begun_us < pump->stop_sequence_us + STOP_MARGIN_US) {
+            (void)roburoc4_os_wait(ROBUROC4_OS_NO_SOCKET, ROBUROC4_OS_NO_SOCKET, EXIT_PACE_US);
+        }
+    }
+    roburoc4_lock_give(&living_lock);
+}
+
+static void close_at_exit(roburoc4_pump *pump) {
+    roburoc4_lock_take(&living_lock);
+    if (living_process != roburoc4_process_id()) {
+        if (living_process == 0) {
+            (void)atexit(close_all);
+        }
+        living_process = roburoc4_process_id();
+        living = NULL;
+    }
+    pump->next = living;
+    living = pump;
+    roburoc4_lock_give(&living_lock);
+}
+
+static void forget_at_exit(const roburoc4_pump *pump) {
+    roburoc4_pump **link = &living;
+    roburoc4_lock_take(&living_lock);
+    while (*link != NULL && *link != pump) {
+        link = &(*link)->next;
+    }
+    if (*link != NULL) {
+        *link = pump->next;
+    }
+    roburoc4_lock_give(&living_lock);
+}
+
 /* ------------------------------------------------------------------------------------ life --- */
 
 static void free_memory(roburoc4_pump *pump) {
@@ -203,6 +288,7 @@ static roburoc4_result begin(roburoc4_pump *pump, const roburoc4_address *addres
     if (make_meeting_points(pump)) {
         (void)roburoc4_client_start(&pump->client, roburoc4_udp_now_us());
         if (roburoc4_thread_start(&pump->thread, run, pump)) {
+            close_at_exit(pump);
             return ROBUROC4_OK;
         }
         drop_meeting_points(pump);
@@ -241,13 +327,8 @@ roburoc4_result roburoc4_pump_close(roburoc4_pump *pump) {
         roburoc4_signal_wake_all(&pump->changed);
     }
     if (pump->phase == ROBUROC4_PUMP_RUNNING) {
-        uint64_t now_us = roburoc4_udp_now_us();
-        pump->phase = ROBUROC4_PUMP_STOPPING;
-        pump->stop_by_us = now_us + pump->stop_sequence_us + STOP_MARGIN_US;
-        (void)roburoc4_client_close(&pump->client, now_us);
+        begin_to_close(pump);
         roburoc4_pump_flush(pump);
-        roburoc4_wake_raise(&pump->wake);
-        roburoc4_signal_wake_all(&pump->changed);
     }
     while (pump->phase == ROBUROC4_PUMP_STOPPING) {
         roburoc4_pump_wait(pump, UINT64_MAX);
@@ -266,6 +347,7 @@ void roburoc4_pump_destroy(roburoc4_pump *pump) {
         return;
     }
     if (roburoc4_pump_close(pump) == ROBUROC4_OK) {
+        forget_at_exit(pump);
         roburoc4_lock_take(&pump->lock);
         while (pump->waiters > 0) {
             roburoc4_signal_wait(&pump->changed, &pump->lock, STOP_MARGIN_US);

@@ -38,6 +38,9 @@ struct roburoc4_pump {
     int manual;               /* without socket and thread */
     uint32_t stop_sequence_us;
 
+    roburoc4_atomic stop_requested, close_requested; /* without the lock; heeded by flush() */
+    roburoc4_pump *next;                             /* of those that exit() closes */
+
     roburoc4_udp udp;
     roburoc4_client client;
 
@@ -55,8 +58,8 @@ void roburoc4_pump_leave(roburoc4_pump *pump);
 /** Waits for `changed`, at most until until_us. Between enter and leave. */
 void roburoc4_pump_wait(roburoc4_pump *pump, uint64_t until_us);
 
-/** Sends what the client has to send, stores its events, and shortens the thread's sleep where the
- *  client wants to be called earlier now. Between enter and leave. */
+/** Heeds what was requested, sends what the client has to send, stores its events, and shortens the
+ *  thread's sleep where the client wants to be called earlier now. Between enter and leave. */
 void roburoc4_pump_flush(roburoc4_pump *pump);
 
 #endif

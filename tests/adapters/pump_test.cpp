@@ -5,13 +5,18 @@
  */
 #include "pump_calls.h"
 #include "roburoc4_pump.h"
+#include "sim_process.h"
 #include "udp_robot.h"
 
 #include <gtest/gtest.h>
 
+#include <pthread.h>
 #include <sys/wait.h>
 
+#include <array>
 #include <atomic>
+#include <csignal>
+#include <cstdlib>
 #include <ctime>
 #include <memory>
 #include <string>
@@ -684,6 +689,185 @@ TEST(PumpStop, DestroyLetsThoseWhoWaitLeaveFirst) {
         EXPECT_EQ(result, ROBUROC4_ERR_CLOSED);
     }
 }
+
+/* --------------------------------------------------- signals, cancelled threads and exit() --- */
+
+/* What the handler stops. */
+std::atomic<roburoc4_pump *> signalled{nullptr};
+
+void stop_robot(int) {
+    roburoc4_pump_request_stop(signalled);
+}
+
+class RequestStop : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        signalled = pump_.get();
+        std::signal(SIGUSR1, stop_robot);
+    }
+    void TearDown() override {
+        std::signal(SIGUSR1, SIG_DFL);
+        signalled = nullptr;
+    }
+    void drive_off() {
+        ASSERT_TRUE(becomes_armed(pump_.get()));
+        ASSERT_EQ(on_client(pump_.get(), roburoc4_client_drive, 0.5f, 0.0f, 1000000), ROBUROC4_OK);
+        ASSERT_TRUE(eventually([&] {
+            sleep_ms(5);
+            return speeds_in(robot_.commands()) >= 2;
+        }));
+    }
+    bool stops() {
+        return eventually([&] {
+            sleep_ms(5);
+            return zeros_at_the_end(robot_.commands()) >= 3;
+        });
+    }
+
+    UdpRobot robot_;
+    Pump pump_ = make_pump(robot_.address());
+};
+
+TEST_F(RequestStop, DisarmsAndStopsTheRobot) {
+    drive_off();
+    roburoc4_pump_request_stop(pump_.get());
+    EXPECT_TRUE(stops());
+    EXPECT_EQ(on_client(pump_.get(), roburoc4_client_drive, 0.5f, 0.0f, 0), ROBUROC4_ERR_DISARMED);
+    EXPECT_EQ(roburoc4_pump_running(pump_.get()), 1) << "the link lives on";
+    EXPECT_TRUE(becomes_armed(pump_.get())) << "as after any disarm()";
+}
+
+TEST_F(RequestStop, LetsNoSpeedOutThatIsGrantedAfterIt) {
+    drive_off();
+    roburoc4_client *client = roburoc4_pump_lock(pump_.get());
+    std::raise(SIGUSR1); /* while this thread has the lock */
+    EXPECT_EQ(roburoc4_client_drive(client, 0.7f, 0.0f, 0, roburoc4_udp_now_us()), ROBUROC4_OK);
+    roburoc4_pump_unlock(pump_.get());
+    EXPECT_TRUE(stops());
+    for (const SpeedCommand &command : robot_.commands()) {
+        EXPECT_LT(command.linear_m_s, 0.7f);
+    }
+}
+
+TEST_F(RequestStop, NeverBlocksWhateverItsHandlerInterrupts) {
+    drive_off();
+    std::atomic<bool> running{true};
+    std::thread driver([&] {
+        while (running) {
+            on_client(pump_.get(), roburoc4_client_arm);
+            on_client(pump_.get(), roburoc4_client_drive, 0.5f, 0.0f, 0);
+        }
+    });
+    for (int i = 0; i < 2000; i++) {
+        pthread_kill(driver.native_handle(), SIGUSR1);
+        std::this_thread::sleep_for(std::chrono::microseconds(100));
+    }
+    running = false;
+    driver.join();
+    roburoc4_pump_request_stop(pump_.get());
+    EXPECT_TRUE(stops());
+}
+
+TEST_F(RequestStop, IsHarmlessBeforeReadyAfterCloseAndOfNone) {
+    roburoc4_pump_request_stop(nullptr);
+    roburoc4_pump_request_stop(pump_.get());
+    ASSERT_TRUE(becomes_armed(pump_.get()));
+    ASSERT_EQ(roburoc4_pump_close(pump_.get()), ROBUROC4_OK);
+    errno = 1234;
+    roburoc4_pump_request_stop(pump_.get());
+    roburoc4_pump_request_stop(pump_.get());
+    EXPECT_EQ(errno, 1234);
+    EXPECT_EQ(roburoc4_pump_close(pump_.get()), ROBUROC4_OK);
+    EXPECT_EQ(speeds_in(robot_.commands()), 0u);
+}
+
+/* Cancels a thread again and again until it ends, at whatever it does. */
+template <class Work> void cancel_in(Work work) {
+    pthread_t thread;
+    const auto begin = [](void *argument) -> void * {
+        for (;;) {
+            (*static_cast<Work *>(argument))();
+        }
+    };
+    ASSERT_EQ(pthread_create(&thread, nullptr, begin, &work), 0);
+    sleep_ms(3);
+    ASSERT_EQ(pthread_cancel(thread), 0);
+    void *result = nullptr;
+    ASSERT_EQ(pthread_join(thread, &result), 0);
+    EXPECT_EQ(result, PTHREAD_CANCELED);
+}
+
+TEST(Cancel, OfAReaderLeavesThePumpAlive) {
+    UdpRobot robot;
+    Pump pump = make_pump(robot.address());
+    ASSERT_TRUE(becomes_armed(pump.get()));
+    for (int i = 0; i < 20; i++) {
+        cancel_in([&] {
+            roburoc4_pump_reader reader{};
+            roburoc4_pump_reader_init(pump.get(), &reader);
+            roburoc4_pump_wait_samples(pump.get(), &reader, 20000);
+            pthread_testcancel();
+        });
+    }
+    ASSERT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.5f, 0.0f, 0), ROBUROC4_OK);
+    EXPECT_TRUE(eventually([&] {
+        sleep_ms(5);
+        return zeros_at_the_end(robot.commands()) >= 3;
+    })) << "the lease ended";
+}
+
+TEST(Cancel, WaitsForTheLastOfTheLocksOfAThread) {
+    UdpRobot robot;
+    Pump first = make_pump(robot.address()), second = make_pump(robot.address());
+    for (int i = 0; i < 20; i++) {
+        cancel_in([&] {
+            roburoc4_pump_lock(first.get());
+            roburoc4_pump_lock(second.get());
+            sleep_ms(1); /* where a thread is cancelled */
+            roburoc4_pump_unlock(first.get());
+            sleep_ms(1);
+            roburoc4_pump_unlock(second.get());
+            pthread_testcancel();
+        });
+    }
+    EXPECT_NE(roburoc4_pump_lock(first.get()), nullptr);
+    roburoc4_pump_unlock(first.get());
+    EXPECT_NE(roburoc4_pump_lock(second.get()), nullptr);
+    roburoc4_pump_unlock(second.get());
+}
+
+/* Runs the program of exit_in_mid_drive.c to its end; its status as waitpid() has it. */
+int run_exit_in_mid_drive(const UdpRobot &robot, const char *how) {
+    const std::string address = "127.0.0.1:" + std::to_string(robot.port());
+    const std::string program = test::beside_this_program("exit_in_mid_drive");
+    const pid_t child = fork();
+    if (child == 0) {
+        setenv("TSAN_OPTIONS", "report_thread_leaks=0", 1); /* exit() leaves threads */
+        execl(program.c_str(), program.c_str(), address.c_str(), how, nullptr);
+        _exit(127);
+    }
+    int status = -1;
+    EXPECT_TRUE(eventually([&] {
+        sleep_ms(5);
+        return waitpid(child, &status, WNOHANG) == child;
+    }));
+    return status;
+}
+
+TEST(Exit, InMidDriveStopsTheRobot) {
+    UdpRobot robot;
+    EXPECT_EQ(run_exit_in_mid_drive(robot, ""), 0);
+    EXPECT_GE(speeds_in(robot.commands()), 1u);
+    EXPECT_GE(zeros_at_the_end(robot.commands()), 3u);
+}
+
+TEST(Exit, WithTheLockHeldEndsAllTheSame) {
+    UdpRobot robot;
+    EXPECT_EQ(run_exit_in_mid_drive(robot, "locked"), 0);
+    EXPECT_GE(speeds_in(robot.commands()), 1u);
+}
+
+/* ------------------------------------------------------------------------- many at a time --- */
 
 TEST(Fork, LeavesTheChildWithoutAPumpAndTheParentWithIts) {
     UdpRobot robot;

@@ -17,15 +17,17 @@
 
 namespace test {
 
-inline std::string sim_program() {
-    const char *chosen = std::getenv("ROBUROC4_SIM_PROGRAM");
-    if (chosen != nullptr) {
-        return chosen;
-    }
+/* A program in the test program's own folder. */
+inline std::string beside_this_program(const std::string &name) {
     char own[4096];
     ssize_t length = readlink("/proc/self/exe", own, sizeof own);
     std::string path(own, length > 0 ? static_cast<size_t>(length) : 0);
-    return path.substr(0, path.rfind('/') + 1) + "roburoc4-sim";
+    return path.substr(0, path.rfind('/') + 1) + name;
+}
+
+inline std::string sim_program() {
+    const char *chosen = std::getenv("ROBUROC4_SIM_PROGRAM");
+    return chosen != nullptr ? chosen : beside_this_program("roburoc4-sim");
 }
 
 class SimProcess {
