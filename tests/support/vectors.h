@@ -72,7 +72,7 @@ inline constexpr Vector vectors[] = {
 {"insert-answer", "4.2.4.1", "id 47, no error", "2F 04 01 00 00"},
 {"delete-answer", "", "id 48, no error", "30 05 01 00 00"},
 {"replace-answer", "", "id 49, service 5, no error", "31 02 05 00 00"},
-{"error-answer", "4.2.4.2", "id 50, INSERT, error 2", "32 04 01 00 02"},
+{"error-answer", "4.2.4.2", "id 50, INSERT, error 5", "32 04 01 00 05"},
 {"error-telegram", "", "GET of service 9, error 1", "00 00 09 00 01"},
 /* -------------------------------------------------------------------------- statuses --- */
 {"iocard-status", "4.2.4.4",

@@ -338,7 +338,7 @@ TEST(Vectors, PlainAnswersAndErrors) { // 4.2.4.1, 4.2.4.2
     } rows[] = {{"insert-answer", 47, ROBUROC4_ACTION_INSERT, 1, ROBUROC4_ERROR_NONE},
                 {"delete-answer", 48, ROBUROC4_ACTION_DELETE, 1, ROBUROC4_ERROR_NONE},
                 {"replace-answer", 49, ROBUROC4_ACTION_REPLACE, 5, ROBUROC4_ERROR_NONE},
-                {"error-answer", 50, ROBUROC4_ACTION_INSERT, 1, ROBUROC4_ERROR_UNSUPPORTED},
+                {"error-answer", 50, ROBUROC4_ACTION_INSERT, 1, ROBUROC4_ERROR_DATA},
                 {"error-telegram", 0, ROBUROC4_ACTION_GET, 9, ROBUROC4_ERROR_TARGET}};
     for (const auto &row : rows) {
         const Bytes bytes = vector_bytes(row.name);
