@@ -73,6 +73,12 @@ typedef struct roburoc4_sim_config {
     uint32_t only_id_fixed;    /* 1: requests whose id is not 0x01 are ignored */
     uint32_t error_header;     /* 1: an error answer carries header 0x00, not the request's id */
     uint32_t start_safe;       /* 1: power on leaves the motors off until the motor button; 0 */
+    /* 1: the manual to the letter, where the defaults make a first drive easy. start_safe and
+     * answer_id_fixed; no motor power while the charger is plugged in (5.1) or the charge is below
+     * minimum_percent (4.2.2.6); the battery service goes by the battery voltage of the IO card
+     * (5.5.3); unused channels answer "-- exists but not used --" (5.5.1). 0 */
+    uint32_t as_manual;
+    uint32_t localization_flags; /* ROBUROC4_LOCALIZATION_*; METRIC and PROPRIOCEPTIVE */
     /* IO card. With 10 analog or 23 digital inputs the manual's numbers (5.5.1) are literal: all
      * from 03 on lie one index higher than on a robot with the usual 9 and 22. */
     int32_t analog_inputs, analog_outputs;   /* 9 and 0; up to ROBUROC4_SIM_MAX_ANALOG */
@@ -100,8 +106,15 @@ ROBUROC4_SIM_API void roburoc4_sim_config_init(roburoc4_sim_config *config);
 /** What is wrong with a configuration and how to mend it, as one English sentence; NULL if nothing
  *  is. Lives as long as the program. */
 ROBUROC4_SIM_API const char *roburoc4_sim_config_error(const roburoc4_sim_config *config);
+/** Set the member with this name, of all but the arrays. ROBUROC4_ERR_INDEX: there is none;
+ *  ROBUROC4_ERR_ARGUMENT: it cannot hold the value. Nothing was changed then. Whether the value
+ *  makes a robot is for roburoc4_sim_config_error() to say. */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_config_set(roburoc4_sim_config *config,
+                                                         const char *name, double value);
 /** Read the text of an `udpserver.cfg` (4.2.5.6): an INI file of which `Watchdog` of the section
- *  `DifferentialService` is used (in cycles of 10 ms); everything else is skipped.
+ *  `DifferentialService` is used (in cycles of 10 ms), and the section `Simulator`, which the
+ *  robot's own file does not have: lines `NAME=VALUE` for roburoc4_sim_config_set(). Everything
+ *  else is skipped.
  *  ROBUROC4_ERR_VALUE: `error` (capacity bytes, may be NULL with 0) names line and remedy, and the
  *  configuration is unchanged. */
 ROBUROC4_SIM_API roburoc4_result roburoc4_sim_config_read(roburoc4_sim_config *config,

@@ -13,6 +13,11 @@
 #define TURNING_W_PER_RAD_S 70.0
 #define ROBOT_MASS_KG 140.0
 
+/* The voltage at rest over the nominal one, as of lead-acid cells: empty, and how much more full.
+ */
+#define EMPTY_SHARE 0.945
+#define CHARGE_SHARE 0.115
+
 #define CHARGER_A 15.0
 #define RESISTANCE_OHM 0.02
 #define CYCLE_H (CYCLE_S / 3600.0)
@@ -45,13 +50,19 @@ float sim_battery_percent(const roburoc4_sim *sim) {
 }
 
 uint8_t sim_battery_remaining(const roburoc4_sim *sim) {
-    return (uint8_t)(sim_battery_percent(sim) + 0.5f);
+    double percent = (double)sim_battery_percent(sim);
+    if (sim->config.as_manual != 0) {
+        /* The service has only the voltage to go by (5.5.3). */
+        double share = (double)sim_reported_voltage(sim) / (double)sim->config.nominal_voltage_v;
+        percent = 100.0 * (share - EMPTY_SHARE) / CHARGE_SHARE;
+    }
+    return (uint8_t)(fmin(fmax(percent, 0.0), 100.0) + 0.5);
 }
 
 float sim_battery_voltage(const roburoc4_sim *sim) {
     double full = 0.01 * (double)sim_battery_percent(sim);
     double flow_a = (sim->charger ? CHARGER_A : 0.0) - load_a(sim);
-    return (float)((double)sim->config.nominal_voltage_v * (0.90 + 0.16 * full) +
+    return (float)((double)sim->config.nominal_voltage_v * (EMPTY_SHARE + CHARGE_SHARE * full) +
                    flow_a * RESISTANCE_OHM);
 }
 

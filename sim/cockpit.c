@@ -10,14 +10,17 @@
 #define PAD_DEAD_ZONE 0.05
 
 static bool motors_allowed(const roburoc4_sim *sim) {
+    bool forbidden = sim->config.as_manual != 0 &&
+                     (sim->charger || sim_battery_state(sim) == ROBUROC4_BATTERY_CRITICAL);
     return sim->powered && !sim->estop[ROBUROC4_SIM_ESTOP_LOCAL] &&
-           !sim->estop[ROBUROC4_SIM_ESTOP_REMOTE] && !sim->brakes_released;
+           !sim->estop[ROBUROC4_SIM_ESTOP_REMOTE] && !sim->brakes_released && !forbidden;
 }
 
 void sim_cockpit_power_up(roburoc4_sim *sim) {
     sim->powered = true;
     sim->cycles = 0;
-    sim->motors = sim->config.start_safe == 0 && motors_allowed(sim);
+    bool safe = sim->config.start_safe != 0 || sim->config.as_manual != 0;
+    sim->motors = !safe && motors_allowed(sim);
     sim->odometry.x_m = sim->config.start_x_m;
     sim->odometry.y_m = sim->config.start_y_m;
     sim->odometry.theta_rad = sim_wrap(sim->config.start_theta_rad);
@@ -71,6 +74,7 @@ roburoc4_result roburoc4_sim_press_motor_button(roburoc4_sim *sim) {
 
 void roburoc4_sim_set_charger(roburoc4_sim *sim, int32_t plugged) {
     sim->charger = plugged != 0;
+    sim->motors = sim->motors && motors_allowed(sim);
 }
 
 roburoc4_result roburoc4_sim_set_bumper(roburoc4_sim *sim, uint32_t which, int32_t pressed) {
@@ -107,6 +111,7 @@ static sim_speed pad_speed(const roburoc4_sim *sim) {
 }
 
 void sim_cockpit_cycle(roburoc4_sim *sim) {
+    sim->motors = sim->motors && motors_allowed(sim);
     if (sim_pad_drives(sim)) {
         sim->target = pad_speed(sim);
     }

@@ -37,6 +37,8 @@ void roburoc4_sim_config_init(roburoc4_sim_config *config) {
     config->max_angular_rad_s2 = 8.0f;
     config->min_angular_rad_s2 = -8.0f;
     config->width_m = 0.68f;
+    config->localization_flags =
+        ROBUROC4_LOCALIZATION_METRIC | ROBUROC4_LOCALIZATION_PROPRIOCEPTIVE;
     config->slip = 0.12f;
     config->nominal_voltage_v = 24.0f;
     config->capacity_ah = 60.0f;
@@ -107,6 +109,9 @@ const char *roburoc4_sim_config_error(const roburoc4_sim_config *config) {
     }
     if (config->query_mode > ROBUROC4_SIM_QUERY_REFUSED) {
         return "query_mode: give one of ROBUROC4_SIM_QUERY_*";
+    }
+    if (config->localization_flags > SIM_LOCALIZATION_FLAGS_MAX) {
+        return "localization_flags: give a sum of ROBUROC4_LOCALIZATION_*, 0 to 127";
     }
     const char *error = ids_error(config);
     error = error != NULL ? error : counts_error(config);

@@ -4,11 +4,15 @@
  * lines. Its one job is to find the fields that the simulator knows and to skip the rest.
  */
 #include <stdio.h>
+#include <string.h>
 
 #include "model.h"
 #include "number.h"
 
 #define MAX_WATCHDOG_CYCLES 1000000u
+#define MAX_NAME 40
+
+typedef enum section { OTHER, DIFFERENTIAL_SERVICE, SIMULATOR } section;
 
 typedef struct piece {
     const char *text;
@@ -73,8 +77,35 @@ static bool read_watchdog(roburoc4_sim_config *config, piece value, unsigned lin
     return true;
 }
 
-/* One line; `in_section` remembers whether the differential service's section goes on. */
-static bool read_line(roburoc4_sim_config *config, piece line, unsigned number, bool *in_section,
+static bool read_setting(roburoc4_sim_config *config, piece name, piece value, unsigned line,
+                         char *error, size_t capacity) {
+    char text[MAX_NAME] = "";
+    double number = 0.0;
+    if (name.length < sizeof text) {
+        memcpy(text, name.text, name.length);
+    }
+    bool good = number_decimal(value.text, value.length, -1e18, 1e18, &number);
+    roburoc4_result result = roburoc4_sim_config_set(config, text, number);
+    if (result == ROBUROC4_ERR_INDEX || !good || result < 0) {
+        (void)snprintf(error, capacity, "line %u: %.*s=%.*s: %s", line,
+                       (int)(name.length < MAX_NAME ? name.length : MAX_NAME), name.text,
+                       (int)(value.length < MAX_NAME ? value.length : MAX_NAME), value.text,
+                       result == ROBUROC4_ERR_INDEX
+                           ? "no such setting; give a member of roburoc4_sim_config"
+                           : "give a number that fits it");
+        return false;
+    }
+    return true;
+}
+
+static section section_named(piece name) {
+    return is_named(name, "DifferentialService") ? DIFFERENTIAL_SERVICE
+           : is_named(name, "Simulator")         ? SIMULATOR
+                                                 : OTHER;
+}
+
+/* One line; `inside` remembers which section goes on. */
+static bool read_line(roburoc4_sim_config *config, piece line, unsigned number, section *inside,
                       char *error, size_t capacity) {
     if (line.length == 0 || line.text[0] == ';' || line.text[0] == '#') {
         return true;
@@ -85,21 +116,26 @@ static bool read_line(roburoc4_sim_config *config, piece line, unsigned number, 
             (void)snprintf(error, capacity, "line %u: a section's name ends with ]", number);
             return false;
         }
-        *in_section = is_named(trim(line.text + 1, end - 1), "DifferentialService");
+        *inside = section_named(trim(line.text + 1, end - 1));
         return true;
     }
     size_t equals = find(line, '=');
-    if (!*in_section || equals == line.length || !is_named(trim(line.text, equals), "Watchdog")) {
+    if (*inside == OTHER || equals == line.length) {
         return true;
     }
-    piece value = {line.text + equals + 1, line.length - equals - 1};
-    return read_watchdog(config, without_comment(value), number, error, capacity);
+    piece name = trim(line.text, equals);
+    piece rest = {line.text + equals + 1, line.length - equals - 1};
+    piece value = without_comment(rest);
+    if (*inside == SIMULATOR) {
+        return read_setting(config, name, value, number, error, capacity);
+    }
+    return !is_named(name, "Watchdog") || read_watchdog(config, value, number, error, capacity);
 }
 
 roburoc4_result roburoc4_sim_config_read(roburoc4_sim_config *config, const char *text,
                                          size_t length, char *error, size_t capacity) {
     roburoc4_sim_config read = *config;
-    bool in_section = false;
+    section inside = OTHER;
     size_t at = length >= 3 && (uint8_t)text[0] == 0xEF && (uint8_t)text[1] == 0xBB &&
                         (uint8_t)text[2] == 0xBF
                     ? 3
@@ -107,7 +143,7 @@ roburoc4_result roburoc4_sim_config_read(roburoc4_sim_config *config, const char
     for (unsigned number = 1; at < length; number++) {
         piece rest = {text + at, length - at};
         size_t end = find(rest, '\n');
-        if (!read_line(&read, trim(rest.text, end), number, &in_section, error, capacity)) {
+        if (!read_line(&read, trim(rest.text, end), number, &inside, error, capacity)) {
             return ROBUROC4_ERR_VALUE;
         }
         at += end + 1;

@@ -27,6 +27,15 @@ int32_t sim_channel_meaning(const roburoc4_sim *sim, uint32_t io_type, uint32_t 
     return meaning;
 }
 
+float sim_reported_voltage(const roburoc4_sim *sim) {
+    for (uint32_t index = 0; index < (uint32_t)sim->config.analog_inputs; index++) {
+        if (sim_channel_meaning(sim, ROBUROC4_IO_ANALOG_INPUT, index) == ROBUROC4_AI_BATTERY_V) {
+            return sim_analog_input(sim, index);
+        }
+    }
+    return sim_battery_voltage(sim);
+}
+
 float sim_analog_input(const roburoc4_sim *sim, uint32_t index) {
     if (sim->analog_pinned[index]) {
         return sim->analog_pins[index];

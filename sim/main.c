@@ -14,6 +14,7 @@
 #define MAX_CONFIG_BYTES 1048576
 #define MAX_ROBOTS 10000
 #define MAX_TIME_MS 60000.0
+#define MAX_SETTING 40
 
 static const char help[] =
     "Usage: roburoc4-sim [OPTION]...\n"
@@ -26,10 +27,22 @@ static const char help[] =
     "  --ids LIST       other service ids, such as iocard=12,battery=3; names: iocard,\n"
     "                   telemeter, battery, localization, differential; ids: 2 to 65535\n"
     "  --config FILE    read the watchdog from an udpserver.cfg\n"
-    "                   ([DifferentialService] Watchdog=100, in cycles of 10 ms)\n"
+    "                   ([DifferentialService] Watchdog=100, in cycles of 10 ms), and any\n"
+    "                   of the settings below ([Simulator] slip=0.2)\n"
     "  --panel          obey lines from standard input, such as 'pad a down' or\n"
     "                   'estop local press'; 'help' lists them, 'quit' ends\n"
     "  --seed N         seed of slip and faults (default 1)\n"
+    "\n"
+    "Settings of the robot:\n"
+    "  --as-manual      the manual to the letter, where the defaults make a first drive\n"
+    "                   easy: motors are off until the motor button (panel: 'motor on'),\n"
+    "                   while the charger is plugged in and below the minimum charge;\n"
+    "                   every answer has the id 0x01; the charge is told by the voltage\n"
+    "  --start-safe     of these only: motors are off until the motor button\n"
+    "  --battery-percent P   the charge at the start (default 100)\n"
+    "  --localization-flags N   the flags that it reports (default 18; 82 with Error)\n"
+    "  and each other number of roburoc4_sim_config in roburoc4_sim.h by its name, such as\n"
+    "  --slip 0.2 or --digital-inputs 23; one without a value is set to 1\n"
     "\n"
     "Faults of the network, each way; SHARE is 0 to 1 of all datagrams:\n"
     "  --loss SHARE     lost\n"
@@ -180,6 +193,29 @@ static bool set_config(server_options *options, const char *option, const char *
     return good;
 }
 
+/* Whether an option, such as --start-safe, is a member of the configuration: start_safe. */
+static bool is_setting(const char *option, size_t length, char name[MAX_SETTING]) {
+    roburoc4_sim_config unused;
+    roburoc4_sim_config_init(&unused);
+    if (length < 2 || length - 2 >= MAX_SETTING || strncmp(option, "--", 2) != 0) {
+        return false;
+    }
+    for (size_t at = 2; at < length; at++) {
+        name[at - 2] = option[at] == '-' ? '_' : option[at];
+    }
+    name[length - 2] = '\0';
+    return roburoc4_sim_config_set(&unused, name, 0.0) != ROBUROC4_ERR_INDEX;
+}
+
+static bool set_setting(server_options *options, const char *name, const char *value) {
+    double number = 0.0;
+    if (!number_decimal(value, strlen(value), -1e18, 1e18, &number) ||
+        roburoc4_sim_config_set(&options->config, name, number) < 0) {
+        return complain(name, value, "give a number that fits it");
+    }
+    return true;
+}
+
 /* -------------------------------------------------------------------------------- command line ---
  */
 
@@ -207,18 +243,27 @@ static const option *find_option(const char *argument, size_t length) {
 
 /* Read one option, `--name value` or `--name=value`, and step over it. */
 static bool read_option(server_options *options, char **arguments, int *at) {
+    char setting[MAX_SETTING];
     const char *argument = arguments[*at];
+    const char *next = arguments[*at + 1];
     size_t length = strcspn(argument, "=");
     if (strcmp(argument, "--panel") == 0) {
         options->panel = true;
         return true;
     }
     const option *found = find_option(argument, length);
-    if (found == NULL) {
+    if (found == NULL && !is_setting(argument, length, setting)) {
         (void)fprintf(stderr, "roburoc4-sim: unknown option '%s': try --help\n", argument);
         return false;
     }
-    const char *value = argument[length] == '=' ? argument + length + 1 : arguments[++*at];
+    const char *value = argument[length] == '=' ? argument + length + 1 : NULL;
+    if (value == NULL && next != NULL && (found != NULL || strncmp(next, "--", 2) != 0)) {
+        value = next;
+        ++*at;
+    }
+    if (found == NULL) {
+        return set_setting(options, setting, value != NULL ? value : "1");
+    }
     if (value == NULL) {
         (void)fprintf(stderr, "roburoc4-sim: %s needs a value: try --help\n", found->name);
         return false;

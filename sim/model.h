@@ -20,6 +20,7 @@
 #define SIM_PAD_BUTTONS (ROBUROC4_DI_PAD_RB - ROBUROC4_DI_PAD_A + 1)
 #define SIM_PAD_AXES (ROBUROC4_AI_PAD_RT - ROBUROC4_AI_PAD_LJ_X + 1)
 #define SIM_QUEUE_BYTES 32768
+#define SIM_LOCALIZATION_FLAGS_MAX 0x7F
 
 typedef struct sim_pose {
     double x_m, y_m, theta_rad;
@@ -162,6 +163,7 @@ void sim_services_notify(roburoc4_sim *sim);
 /* inputs.c: what the IO card reads. */
 int32_t sim_channel_meaning(const roburoc4_sim *sim, uint32_t io_type, uint32_t index);
 float sim_analog_input(const roburoc4_sim *sim, uint32_t index);
+float sim_reported_voltage(const roburoc4_sim *sim); /* of the battery, as the IO card has it */
 bool sim_digital_input(const roburoc4_sim *sim, uint32_t index);
 bool sim_bumper(const roburoc4_sim *sim, uint32_t which);
 

@@ -152,7 +152,8 @@ static void receive_request(roburoc4_sim *sim, uint64_t peer, const uint8_t *dat
     (void)sim_peers_heard(sim, peer, false);
 
     roburoc4_request head = {0};
-    head.id = sim->config.answer_id_fixed != 0 ? ROBUROC4_HEADER_MANUAL : data[0];
+    bool fixed = sim->config.answer_id_fixed != 0 || sim->config.as_manual != 0;
+    head.id = fixed ? ROBUROC4_HEADER_MANUAL : data[0];
     head.action = size > 1 ? data[1] : 0;
     head.service = size > 3 ? (uint16_t)(data[2] | data[3] << 8) : 0;
     int32_t service = sim_service_of_id(sim, head.service);

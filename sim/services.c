@@ -8,7 +8,7 @@
 #include "model.h"
 
 #define UNKNOWN_TYPE 0x7100
-#define LOCALIZATION_FLAGS (ROBUROC4_LOCALIZATION_METRIC | ROBUROC4_LOCALIZATION_PROPRIOCEPTIVE)
+#define UNUSED_TEXT "-- exists but not used --"
 
 bool sim_service_exists(const roburoc4_sim *sim, uint32_t service) {
     return service < ROBUROC4_SERVICE_COUNT && (sim->config.hidden_services >> service & 1u) == 0;
@@ -95,7 +95,7 @@ static roburoc4_result localization_properties(const roburoc4_sim *sim, uint8_t 
     properties.x_m = sim->config.start_x_m;
     properties.y_m = sim->config.start_y_m;
     properties.theta_rad = sim->config.start_theta_rad;
-    properties.flags = LOCALIZATION_FLAGS;
+    properties.flags = sim->config.localization_flags;
     properties.service = sim->config.service_ids[ROBUROC4_SERVICE_LOCALIZATION];
     return roburoc4_encode_localization_properties(buffer, capacity, id, &properties);
 }
@@ -167,6 +167,9 @@ roburoc4_result sim_iocard_text(const roburoc4_sim *sim, uint32_t io_type, int32
     int32_t meaning = sim_channel_meaning(sim, io_type, (uint32_t)index);
     const char *name = meaning < 0 ? NULL : roburoc4_channel_name(io_type, (uint32_t)meaning);
     name = name == NULL ? "" : name;
+    if (sim->config.as_manual != 0 && name[0] == '\0') {
+        name = UNUSED_TEXT;
+    }
     return roburoc4_encode_text(buffer, capacity, id, config->service_ids[ROBUROC4_SERVICE_IOCARD],
                                 name, strlen(name));
 }
@@ -217,7 +220,7 @@ static roburoc4_result localization_status(const roburoc4_sim *sim, uint8_t *buf
     status.x_m = sim->odometry.x_m;
     status.y_m = sim->odometry.y_m;
     status.theta_rad = sim->odometry.theta_rad;
-    status.flags = LOCALIZATION_FLAGS;
+    status.flags = sim->config.localization_flags;
     status.service = sim->config.service_ids[ROBUROC4_SERVICE_LOCALIZATION];
     return roburoc4_encode_localization_status(buffer, capacity, &status);
 }

@@ -113,6 +113,14 @@ TEST(SimProgram, EndsWithTwoAndOneLineOnBadOptions) {
         {"--ids", "iocard=1"},
         {"--ids", "iocard=7,battery=7"},
         {"--config", "/no/such/file"},
+        {"--slip", "2"},
+        {"--slip", "much"},
+        {"--start-safe", "-1"},
+        {"--start-safe", "0.5"},
+        {"--localization-flags", "128"},
+        {"--size", "1"},
+        {"--"},
+        {"--start_safe_and_much_more_than_any_name_is_long", "1"},
     };
     for (const std::vector<std::string> &arguments : lines) {
         SimProcess sim(arguments);
@@ -202,6 +210,45 @@ TEST(SimProgram, IsDrivenOverUdp) {
     }));
     EXPECT_EQ(roburoc4_client_close(&driver.client, roburoc4_udp_now_us()), ROBUROC4_OK);
     EXPECT_TRUE(driver.reaches_state(ROBUROC4_STATE_IDLE));
+}
+
+TEST(SimProgram, AsManualWaitsForTheMotorButton) {
+    SimProcess sim({"--as-manual", "--port", "0", "--panel"});
+    std::vector<uint16_t> ports = sim.ports();
+    ASSERT_EQ(ports.size(), 1u);
+    Driver driver(ports[0]);
+    roburoc4_localization_status pose{};
+    const auto drives = [&] {
+        roburoc4_client_drive(&driver.client, 1.0f, 0.0f, 0, roburoc4_udp_now_us());
+        return roburoc4_client_localization(&driver.client, &pose, nullptr) == 0 && pose.x_m > 0.1;
+    };
+    ASSERT_TRUE(driver.gets_armed());
+    EXPECT_EQ(driver.facts().fixed_id, 1);
+    EXPECT_TRUE(driver.reaches([&] { return drives() || driver.facts().inhibited == 1; }));
+    EXPECT_EQ(driver.facts().inhibited, 1) << "the green button was not pressed";
+    EXPECT_EQ(sim.panel("motor on"), "ok");
+    ASSERT_TRUE(driver.gets_armed());
+    EXPECT_TRUE(driver.reaches(drives));
+}
+
+TEST(SimProgram, TakesTheRobotsNumbersByTheirNames) {
+    std::string path = testing::TempDir() + "roburoc4_numbers_" + std::to_string(getpid());
+    std::ofstream(path) << "[Simulator]\nbattery_percent=30\n";
+    SimProcess sim(
+        {"--start-safe", "--localization-flags=82", "--config", path, "--port", "0", "--panel"});
+    std::vector<uint16_t> ports = sim.ports();
+    std::remove(path.c_str());
+    ASSERT_EQ(ports.size(), 1u);
+    EXPECT_NE(sim.panel("status").find("power on, motors off"), std::string::npos);
+    Driver driver(ports[0]);
+    roburoc4_localization_status pose{};
+    roburoc4_battery_status battery{};
+    ASSERT_TRUE(driver.reaches([&] {
+        return roburoc4_client_localization(&driver.client, &pose, nullptr) == 0 &&
+               roburoc4_client_battery(&driver.client, &battery, nullptr) == 0;
+    }));
+    EXPECT_EQ(pose.flags, 82u);
+    EXPECT_EQ(battery.remaining_percent, 30);
 }
 
 TEST(SimProgram, IsFoundAgainAfterItWasKilledAndStarted) {

@@ -48,6 +48,36 @@ TEST_F(SimMotors, AreOnAtPowerOnUnlessStartSafe) {
     EXPECT_GT(safe.state().wheel_linear_m_s, 0.5);
 }
 
+TEST_F(SimMotors, AsManualNeedTheButtonAndNoCharger) {
+    roburoc4_sim_config config = default_sim_config();
+    config.as_manual = 1;
+    SimRobot manual(config);
+    manual.drive(1.0F, 0.0F, 100);
+    EXPECT_EQ(0.0, manual.state().wheel_linear_m_s) << "nobody pressed the green button";
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_press_motor_button(manual.get()));
+    manual.drive(1.0F, 0.0F, 100);
+    EXPECT_GT(manual.state().wheel_linear_m_s, 0.5);
+    roburoc4_sim_set_charger(manual.get(), 1);
+    EXPECT_EQ(0, manual.state().motors_enabled);
+    EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_sim_press_motor_button(manual.get()));
+    roburoc4_sim_set_charger(manual.get(), 0);
+    EXPECT_EQ(0, manual.state().motors_enabled) << "pulling the plug alone brings nothing back";
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_press_motor_button(manual.get()));
+}
+
+TEST_F(SimMotors, AsManualStopBelowTheMinimumCharge) {
+    roburoc4_sim_config config = default_sim_config();
+    config.as_manual = 1;
+    config.battery_percent = 30.0F;
+    SimRobot manual(config);
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_press_motor_button(manual.get()));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_battery_percent(manual.get(), 19.0F));
+    manual.drive(1.0F, 0.0F, 100);
+    EXPECT_EQ(0, manual.state().motors_enabled);
+    EXPECT_EQ(0.0, manual.state().wheel_linear_m_s);
+    EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_sim_press_motor_button(manual.get()));
+}
+
 TEST_F(SimMotors, EitherEmergencyStopBrakesAndReportsTheTarget) {
     for (const auto which : {ROBUROC4_SIM_ESTOP_LOCAL, ROBUROC4_SIM_ESTOP_REMOTE}) {
         robot.drive(2.0F, 1.0F, 300);
@@ -231,6 +261,33 @@ TEST_F(SimBattery, VoltageFallsWithTheChargeAndUnderLoad) {
     const float resting = robot.state().battery_v;
     robot.drive(2.0F, 0.0F, 100);
     EXPECT_LT(robot.state().battery_v, resting);
+}
+
+/* 5.5.3: the battery service has only the voltage to go by. */
+TEST_F(SimBattery, AsManualGoesByTheVoltage) {
+    roburoc4_sim_config config = default_sim_config();
+    config.as_manual = 1;
+    SimRobot manual(config);
+    const auto status = [&manual] {
+        roburoc4_battery_status out{};
+        manual.take();
+        manual.run(1);
+        const Bytes bytes = manual.take().at(0).bytes;
+        EXPECT_EQ(0, roburoc4_decode_battery_status(bytes.data(), bytes.size(), &out));
+        return out;
+    };
+    EXPECT_EQ(0, manual.insert(ROBUROC4_SERVICE_BATTERY, 1));
+    for (const float percent : {100.0F, 60.0F, 25.0F, 0.0F}) {
+        EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_battery_percent(manual.get(), percent));
+        EXPECT_NEAR(double(percent), status().remaining_percent, 3.0) << "idle, it hardly sags";
+    }
+    EXPECT_EQ(ROBUROC4_OK,
+              roburoc4_sim_pin_analog_input(manual.get(), ROBUROC4_AI_BATTERY_V, 22.9F));
+    EXPECT_NEAR(8.0, status().remaining_percent, 1.0);
+    EXPECT_EQ(ROBUROC4_BATTERY_CRITICAL, status().state);
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_pin_analog_input(manual.get(), ROBUROC4_AI_BATTERY_V,
+                                                         std::numeric_limits<float>::quiet_NaN()));
+    EXPECT_EQ(0, status().remaining_percent);
 }
 
 TEST_F(SimBattery, StaysAtZeroAndRefusesNonsense) {

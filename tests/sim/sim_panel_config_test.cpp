@@ -6,7 +6,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <iterator>
 #include <limits>
+#include <regex>
+#include <sstream>
 #include <string>
 
 #include "sim_support.h"
@@ -245,6 +250,24 @@ TEST(SimConfigFile, NamesLineValueAndRemedyOfANonsenseValue) {
     }
 }
 
+TEST(SimConfigFile, SetsAnyNumberInTheSectionSimulator) {
+    roburoc4_sim_config config = default_sim_config();
+    EXPECT_EQ(ROBUROC4_OK, read_config(config, "[Simulator]\nas_manual = 1\nslip=0.25 ; much\n"
+                                               "digital_inputs=23\nstart_theta_rad=-1.5\n"));
+    EXPECT_EQ(1U, config.as_manual);
+    EXPECT_FLOAT_EQ(0.25F, config.slip);
+    EXPECT_EQ(23, config.digital_inputs);
+    EXPECT_DOUBLE_EQ(-1.5, config.start_theta_rad);
+    std::string error;
+    EXPECT_EQ(ROBUROC4_ERR_VALUE, read_config(config, "[Simulator]\nwings=2\n", &error));
+    EXPECT_NE(std::string::npos, error.find("line 2: wings=2: no such setting")) << error;
+    for (const char *value : {"", "-1", "0.5", "yes", "4294967296"}) {
+        const auto text = std::string("[Simulator]\nas_manual=") + value;
+        EXPECT_EQ(ROBUROC4_ERR_VALUE, read_config(config, text, &error)) << value;
+        EXPECT_NE(std::string::npos, error.find("give a number that fits it")) << error;
+    }
+}
+
 TEST(SimConfigFile, RefusesABrokenSection) {
     roburoc4_sim_config config = default_sim_config();
     std::string error;
@@ -278,6 +301,7 @@ TEST(SimConfig, NonsenseIsNamedAndMakesNoRobot) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     refused("size", [](Config &config) { config.size--; });
     refused("watchdog_cycles", [](Config &config) { config.watchdog_cycles = 0; });
+    refused("localization_flags", [](Config &config) { config.localization_flags = 128; });
     refused("query_mode", [](Config &config) { config.query_mode = 3; });
     refused("service_ids", [](Config &config) { config.service_ids[0] = 9; });
     refused("service_ids", [](Config &config) { config.service_ids[1] = 9; });
@@ -294,6 +318,36 @@ TEST(SimConfig, NonsenseIsNamedAndMakesNoRobot) {
     refused("minimum_percent", [](Config &config) { config.minimum_percent = 101; });
     refused("start pose", [nan](Config &config) { config.start_x_m = nan; });
     refused("start pose", [nan](Config &config) { config.start_theta_rad = nan; });
+}
+
+/* The header's members but the arrays and the size. */
+TEST(SimConfig, EveryNumberHasItsName) {
+    std::ifstream file(ROBUROC4_SOURCE_DIR "/include/roburoc4_sim.h");
+    const std::string header((std::istreambuf_iterator<char>(file)), {});
+    const auto begin = header.find("typedef struct roburoc4_sim_config {");
+    std::string body = header.substr(begin, header.find("} roburoc4_sim_config;") - begin);
+    body = std::regex_replace(body, std::regex(R"(/\*[^]*?\*/)"), "");
+    std::size_t names = 0;
+    const std::regex declaration(R"((?:u?int\d+_t|float|double) ([^;\[]*);)");
+    for (std::sregex_iterator at(body.begin(), body.end(), declaration), end; at != end; ++at) {
+        std::istringstream list((*at)[1].str());
+        for (std::string name; std::getline(list >> std::ws, name, ',');) {
+            roburoc4_sim_config config = default_sim_config();
+            if (name == "size")
+                continue;
+            names++;
+            EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_config_set(&config, name.c_str(), 2.0)) << name;
+            const roburoc4_sim_config defaults = default_sim_config();
+            EXPECT_NE(0, std::memcmp(&config, &defaults, sizeof config)) << name;
+        }
+    }
+    EXPECT_GT(names, 30U);
+    roburoc4_sim_config config = default_sim_config();
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_config_set(&config, "size", 1.0));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_config_set(&config, "", 1.0));
+    for (const double wrong : {-1.0, 0.5, 1e30, std::numeric_limits<double>::quiet_NaN()})
+        EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_config_set(&config, "seed", wrong)) << wrong;
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_config_set(&config, "slip", 1e300));
 }
 
 TEST(SimConfig, TheLargestCardFitsIntoADatagram) {

@@ -12,6 +12,7 @@
 
 #include "sim_support.h"
 #include "telegrams.h"
+#include "vectors.h"
 
 using namespace roburoc4_tests;
 
@@ -178,6 +179,16 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"INSERT of an unknown service", "05 04 01 00 63 00 05", ROBUROC4_ERROR_DATA},
         Refused{"INSERT with period 0", "05 04 01 00 06 00 00", ROBUROC4_ERROR_DATA},
         Refused{"DELETE of what is not subscribed", "05 05 01 00 06 00", ROBUROC4_ERROR_DATA}));
+
+/* docs/PROTOCOL.md shows these two. */
+TEST(SimErrors, AreThoseThatTheProtocolsPageShows) {
+    SimRobot robot;
+    EXPECT_EQ(vector_bytes("error-answer"), robot.ask(from_hex("32 04 01 00 00 00 05")));
+    roburoc4_sim_config config = default_sim_config();
+    config.error_header = 1;
+    SimRobot with_telegrams(config);
+    EXPECT_EQ(vector_bytes("error-telegram"), with_telegrams.ask(from_hex("32 00 09 00")));
+}
 
 TEST(SimErrors, ReplaceWithoutFiniteNumbersChangesNothing) {
     SimRobot robot;
@@ -539,6 +550,25 @@ TEST(SimDialects, AFixedIdIsAnsweredOrDemanded) {
     SimRobot strict(config);
     EXPECT_TRUE(strict.ask(get(4, 0x77)).empty());
     EXPECT_EQ(14U, strict.ask(get(4, 0x01)).size());
+}
+
+TEST(SimDialects, AsManualAnswersWithOneAndTheTablesWords) {
+    roburoc4_sim_config config = default_sim_config();
+    config.as_manual = 1;
+    SimRobot robot(config);
+    EXPECT_EQ(0x01, robot.ask(get(4, 0x77)).at(0));
+    const Bytes text = robot.ask(from_hex("05 01 02 00 02 04 00 00 00"));
+    EXPECT_EQ("-- exists but not used --", std::string(text.begin() + 5, text.end()));
+}
+
+TEST(SimDialects, LocalizationReportsTheFlagsThatItIsGiven) {
+    roburoc4_sim_config config = default_sim_config();
+    config.localization_flags |= ROBUROC4_LOCALIZATION_ERROR;
+    SimRobot robot(config);
+    EXPECT_EQ(0x52, robot.ask(get(5)).at(29));
+    EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_LOCALIZATION, 1));
+    robot.run(1);
+    EXPECT_EQ(0x52, robot.take().at(0).bytes.at(35));
 }
 
 TEST(SimDialects, ErrorsCanComeWithHeaderZero) {

@@ -46,6 +46,7 @@ static const field of_simulator[] = {
     SIM_UINT(watchdog_cycles), SIM_UINT(seed), SIM_UINT(plain_types), SIM_UINT(hidden_services),
     SIM_UINT(refused_inserts), SIM_UINT(query_mode), SIM_UINT(answer_id_fixed),
     SIM_UINT(only_id_fixed), SIM_UINT(error_header), SIM_UINT(start_safe),
+    SIM_UINT(as_manual), SIM_UINT(localization_flags),
     SIM_INT(analog_inputs), SIM_INT(analog_outputs), SIM_INT(digital_inputs),
     SIM_INT(digital_outputs),
     SIM_FLOAT(max_linear_m_s), SIM_FLOAT(min_linear_m_s), SIM_FLOAT(max_angular_rad_s),

@@ -38,6 +38,9 @@ class SimSettings(TypedDict, total=False):
     only_id_fixed: bool
     error_header: bool
     start_safe: bool
+    as_manual: bool
+    """The manual to the letter, where the defaults make a first drive easy."""
+    localization_flags: int
     analog_inputs: int
     analog_outputs: int
     digital_inputs: int
