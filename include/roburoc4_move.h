@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * roburoc4_move.h - one metre forward, a quarter turn, go to a point, come to rest: moves of a
+ * roburoc4_client, with ramps, odometry and a result.
+ *
+ * THE MODEL
+ *
+ * A move is a struct of yours. You begin it with one of the functions below, and step it whenever
+ * the client has news, at least every 50 ms. Each step looks at what the client knows, and proposes
+ * the next drive() in the fields linear_m_s and angular_rad_s. It is you who drives:
+ *
+ *     roburoc4_move move;
+ *     roburoc4_move_straight(&move, 1.0f, NULL);
+ *     while (roburoc4_move_step(&move, &client, now_us) == ROBUROC4_MOVE_RUNNING) {
+ *         roburoc4_client_drive(&client, move.linear_m_s, move.angular_rad_s, 0, now_us);
+ *         ... receive and send, as roburoc4_udp_wait() does; read the clock ...
+ *     }
+ *     puts(roburoc4_move_result_text(move.result));
+ *
+ * The result of drive() need not be looked at: what it refuses, the next step reports. A move never
+ * arms and never renews a lease. A program that hangs, or forgets its move, stops the robot as
+ * after any drive().
+ *
+ * HOW IT MOVES
+ *
+ *   Speed         Up to the speed asked for, with gentle acceleration or what the robot reports
+ *                 where that is less. No proposal is beyond the speed asked for; the client's
+ *                 limits and ceilings apply besides.
+ *   Braking       By the robot's measured response: a robot whose target becomes 0 at 1 m/s still
+ *                 rolls 0.64 m. The move knows at each step how much it has to ask for yet, and
+ *                 that is what it brakes by.
+ *   Odometry      The way is measured by the localization service; by the reported speeds and their
+ *                 time stamps where there is none, while it is silent or not valid, and where a
+ *                 pose jumps because somebody relocalized the robot. A relocalization counts from
+ *                 the next move on: the present one goes on to the place that it set out for.
+ *                 Wheels slip, in turns above all, and nothing tells: relocalize between moves
+ *                 where you know better (docs/moves.md has figures).
+ *   Looking       A bumper that is pressed in the direction of travel, or newly pressed anywhere,
+ *                 ends a move. So does a telemeter in the direction of travel that reports less
+ *                 than the clearance and the braking distance at the present speed. Turns in place
+ *                 are not looked at by telemeters. SONAR MISSES THINGS: thin legs, soft or slanted
+ *                 surfaces, all beside its cone. Backing away from an obstacle is possible.
+ *   The end       Whatever the result, the last step calls roburoc4_client_stop(), which sends a
+ *                 stop sequence. After ROBUROC4_MOVE_REACHED the robot stands; after all others it
+ *                 may still roll: a move of roburoc4_move_rest() waits for that.
+ *
+ * CONVENTIONS
+ *
+ *   Those of roburoc4.h. No memory, clock or mathematics of the system is used. One move is used by
+ *   one thread at a time, with its client. A move ends with a result and stays ended until it is
+ *   begun anew; it need not be given back.
+ */
+#ifndef ROBUROC4_MOVE_H
+#define ROBUROC4_MOVE_H
+
+#include "roburoc4.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* -------------------------------------------------------------------------------- results --- */
+
+#define ROBUROC4_MOVE_RUNNING 0
+#define ROBUROC4_MOVE_REACHED 1         /* left_m and left_rad say how closely; it stands */
+#define ROBUROC4_MOVE_OVERRIDE 2        /* somebody holds [A] on the game pad, or might */
+#define ROBUROC4_MOVE_BUMPER 3          /* a bumper is pressed */
+#define ROBUROC4_MOVE_OBSTACLE 4        /* a telemeter saw something too near */
+#define ROBUROC4_MOVE_INHIBITED 5       /* it does not move: emergency stop, brakes, no power */
+#define ROBUROC4_MOVE_LOST 6            /* no fresh statuses of what the move needs */
+#define ROBUROC4_MOVE_OTHER_COMMANDER 7 /* another client commands the robot */
+#define ROBUROC4_MOVE_TIMEOUT 8
+#define ROBUROC4_MOVE_CANCELLED 9 /* by roburoc4_move_cancel(), or the client is not armed */
+
+/** A result as one English sentence without a full stop: what happened and what to do. "unknown
+ *  result" for a number that is none. Lives as long as the program. */
+ROBUROC4_API const char *roburoc4_move_result_text(int32_t result);
+
+/* -------------------------------------------------------------------------------- options --- */
+
+/** How to move. Fill it with roburoc4_move_options_init(), then change what you need. */
+typedef struct roburoc4_move_options {
+    uint32_t size;        /* set by roburoc4_move_options_init() */
+    uint32_t timeout_ms;  /* the longest that it may take; 0 (default): what it should take four
+                             times over, and 10 s; 5 s to come to rest */
+    float linear_m_s;     /* speed along the way, greater than 0; default 0.3 */
+    float angular_rad_s;  /* turn rate, greater than 0; default 0.5 */
+    float linear_m_s2;    /* accelerations, greater than 0; default 0.5. The robot's own limits */
+    float angular_rad_s2; /* apply where they are lower; default 1 */
+    float clearance_m;    /* to be kept from what telemeters see; 0: do not look; default 0.5 */
+} roburoc4_move_options;
+
+/** Set all defaults; `size` is sizeof(roburoc4_move_options). ROBUROC4_ERR_SIZE, with nothing
+ *  written, for a size that no version has had. */
+ROBUROC4_API roburoc4_result roburoc4_move_options_init(roburoc4_move_options *options,
+                                                        size_t size);
+
+/* ---------------------------------------------------------------------------------- moves --- */
+
+/** A move. Read the first fields after each step; the others are private. */
+typedef struct roburoc4_move {
+    int32_t result;        /* ROBUROC4_MOVE_* */
+    roburoc4_result cause; /* why the client disarmed, where that ended the move; else 0 */
+    float linear_m_s, angular_rad_s; /* what to drive with now; 0 once the move has ended */
+    float distance_m, angle_rad;     /* come and turned so far, by odometry; backward and to the
+                                        right are negative */
+    float left_m, left_rad;          /* what is left of the way and of the present turn */
+
+    roburoc4_move_options private_options;
+    uint32_t private_timeout_ms;
+    uint64_t private_begun_us, private_step_us, private_heard_us;
+    uint64_t private_speed_cycles, private_pose_cycles;
+    double private_x_m, private_y_m, private_theta_rad;    /* the goal */
+    double private_x0_m, private_y0_m, private_theta0_rad; /* the last pose */
+    float private_limit[2], private_slope[2];
+    float private_goal[2], private_come[2], private_to_ask[2];
+    float private_speed[2], private_since_pose[2];
+    float private_way_m, private_last_turn_rad, private_aside_m;
+    uint8_t private_kind, private_leg, private_ready, private_planned;
+    uint8_t private_still, private_bumpers, private_posed, private_reserved[5];
+} roburoc4_move;
+
+/* Begin a move, whatever was in its memory before. Nothing is sent: the first step makes the plan.
+ * options may be NULL for all defaults. ROBUROC4_ERR_NOT_FINITE: NaN or infinity.
+ * ROBUROC4_ERR_ARGUMENT: more than 10 km or 10000 rad, or an option out of its range. After an
+ * error the move is ended, as ROBUROC4_MOVE_CANCELLED. */
+
+/** Drive so far straight ahead; less than 0: backward. */
+ROBUROC4_API roburoc4_result roburoc4_move_straight(roburoc4_move *move, float distance_m,
+                                                    const roburoc4_move_options *options);
+/** Turn in place by this angle, which may be more than a full turn; less than 0: to the right. */
+ROBUROC4_API roburoc4_result roburoc4_move_turn(roburoc4_move *move, float angle_rad,
+                                                const roburoc4_move_options *options);
+/** Drive along an arc of this length (not 0) that turns by this angle: its radius is distance_m /
+ *  angle_rad. */
+ROBUROC4_API roburoc4_result roburoc4_move_arc(roburoc4_move *move, float distance_m,
+                                               float angle_rad,
+                                               const roburoc4_move_options *options);
+/** Turn to a point of the main frame, then drive straight to it. Needs the localization service. */
+ROBUROC4_API roburoc4_result roburoc4_move_to_point(roburoc4_move *move, double x_m, double y_m,
+                                                    const roburoc4_move_options *options);
+/** The same, then turn to this heading. */
+ROBUROC4_API roburoc4_result roburoc4_move_to_pose(roburoc4_move *move, double x_m, double y_m,
+                                                   double theta_rad,
+                                                   const roburoc4_move_options *options);
+/** Stop, and wait until the robot stands; armed or not. */
+ROBUROC4_API roburoc4_result roburoc4_move_rest(roburoc4_move *move,
+                                                const roburoc4_move_options *options);
+
+/** Look at the client's latest values, and propose the next speeds; to be called after each
+ *  receive(), and before the drive() that it proposes. The first step makes the plan; it waits, and
+ *  proposes 0, until the statuses that the move needs have come, at most 1 s. The last one calls
+ *  roburoc4_client_stop(). Returns move->result; an ended move does nothing. */
+ROBUROC4_API int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client,
+                                        uint64_t now_us);
+/** End a move that runs, and stop. */
+ROBUROC4_API void roburoc4_move_cancel(roburoc4_move *move, roburoc4_client *client,
+                                       uint64_t now_us);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

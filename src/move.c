@@ -1,0 +1,677 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Moves: what to ask the robot for, so that it comes to rest where it should.
+ *
+ * The robot follows a speed as a linear system of second order with unit gain. Two things follow.
+ * The way that it will have come once it stands is the sum of all that it was asked for: so the way
+ * to ask for yet, `to_ask`, shrinks by what was sent, at once and without the robot's delay, and a
+ * loop closed on it has neither lag nor overshoot. And from what is measured, it is the way left,
+ * less RESPONSE_S times the speed, less BEND_S2 times the acceleration.
+ */
+#include "roburoc4_move.h"
+
+#include "bytes.h"
+
+/* The measured response (natural frequency 2.46 and 2.42 rad/s, damping 0.79 and 0.77): twice the
+ * damping by the frequency, and one by the frequency squared. */
+#define RESPONSE_S 0.64F
+#define BEND_S2 0.168F
+/* Share of what a status says that goes into `to_ask`: the rest smooths its noise. */
+#define TRUST 0.5F
+/* Speed by what is to be asked for, at the end of a move. */
+#define APPROACH_PER_S 4.0F
+/* Turn rate by the error of the heading, and heading by the distance from the line. */
+#define STEER_PER_S 1.5F
+#define RETURN_PER_M 1.0F
+#define RETURN_MAX_RAD 0.3F
+
+#define SILENCE_US 1000000U
+#define STEP_MAX_US 250000U
+#define STILL_STATUSES 2
+#define FAR_M 10000.0F
+#define PI_F 3.14159265F
+
+enum { LENGTH, ANGLE, BOTH };
+enum { BY, TO_POINT, TO_POSE, REST };
+enum { AHEAD = 1, ASTERN = 2 };
+
+/* Near enough; the least speed that makes a robot move; a robot slower than this stands. */
+static const float near_enough[BOTH] = {0.004F, 0.004F};
+static const float least_speed[BOTH] = {0.03F, 0.06F};
+static const float standing_speed[BOTH] = {0.015F, 0.03F};
+/* How far a pose may be from what speeds say, at once and by second, before it counts as a jump. */
+static const float jump[BOTH] = {0.02F, 0.02F};
+static const float jump_per_s[BOTH] = {0.5F, 1.0F};
+
+/* ------------------------------------------------------------------------ arithmetic, no libm */
+
+static bool move_finite(float value) {
+    return finite_f32_bits(bits_from_f32(value));
+}
+
+static float size_of(float value) {
+    return f32_from_bits(bits_from_f32(value) & 0x7FFFFFFFU);
+}
+
+static float lesser(float a, float b) {
+    return order_of(a) < order_of(b) ? a : b;
+}
+
+static float within(float value, float bound) {
+    return order_of(size_of(value)) <= order_of(bound) ? value
+           : order_of(value) < 0                       ? -bound
+                                                       : bound;
+}
+
+static float with_sign(float size, float sign) {
+    return order_of(sign) < 0 ? -size : size;
+}
+
+static float root(float square) {
+    float y = f32_from_bits((bits_from_f32(square) >> 1) + 0x1FBD1DF5U);
+    for (uint32_t i = 0; i < 3; i++) {
+        y = 0.5F * (y + square / y);
+    }
+    return y;
+}
+
+/** The same angle from -pi to pi; 0 for one of no sensible size. */
+static float half_turn(float angle_rad) {
+    if (order_of(size_of(angle_rad)) > order_of(FAR_M)) {
+        return 0;
+    }
+    const float turns = angle_rad / (2 * PI_F);
+    return angle_rad - 2 * PI_F * (float)(int32_t)(turns + with_sign(0.5F, turns));
+}
+
+/** Within 1e-5 rad. */
+static float angle_of(float x, float y) {
+    const float ax = size_of(x), ay = size_of(y);
+    const bool steep = order_of(ay) > order_of(ax);
+    const float large = steep ? ay : ax;
+    const float t = bits_from_f32(large) == 0 ? 0 : (steep ? ax : ay) / large;
+    const float tt = t * t;
+    static const float terms[] = {0.0208351F, -0.0851330F, 0.1801410F, -0.3302995F, 0.9998660F};
+    float angle = 0;
+    for (uint32_t i = 0; i < sizeof terms / sizeof *terms; i++) {
+        angle = angle * tt + terms[i];
+    }
+    angle *= t;
+    angle = steep ? PI_F / 2 - angle : angle;
+    angle = order_of(x) < 0 ? PI_F - angle : angle;
+    return with_sign(angle, y);
+}
+
+/* ---------------------------------------------------------------------------------- beginning */
+
+static const roburoc4_move_options move_defaults = {
+    sizeof(roburoc4_move_options), 0, 0.3F, 0.5F, 0.5F, 1.0F, 0.5F};
+
+static bool move_size_valid(size_t size) {
+    return size >= 2 * sizeof(uint32_t) && size <= sizeof(roburoc4_move_options) && size % 4 == 0;
+}
+
+roburoc4_result roburoc4_move_options_init(roburoc4_move_options *options, size_t size) {
+    if (!move_size_valid(size)) {
+        return ROBUROC4_ERR_SIZE;
+    }
+    memcpy(options, &move_defaults, size);
+    options->size = (uint32_t)size;
+    return ROBUROC4_OK;
+}
+
+static roburoc4_result bad_options(const roburoc4_move_options *o) {
+    const float positive[] = {o->linear_m_s, o->angular_rad_s, o->linear_m_s2, o->angular_rad_s2};
+    for (uint32_t i = 0; i < sizeof positive / sizeof *positive; i++) {
+        if (!move_finite(positive[i]) || order_of(positive[i]) <= 0) {
+            return ROBUROC4_ERR_ARGUMENT;
+        }
+    }
+    return !move_finite(o->clearance_m) || order_of(o->clearance_m) < 0 ? ROBUROC4_ERR_ARGUMENT
+                                                                        : ROBUROC4_OK;
+}
+
+/** Set a move up; it is ended where that fails. */
+static roburoc4_result begin(roburoc4_move *m, uint8_t kind, const roburoc4_move_options *options) {
+    memset(m, 0, sizeof *m);
+    m->result = ROBUROC4_MOVE_CANCELLED;
+    m->private_kind = kind;
+    m->private_options = move_defaults;
+    if (options != NULL) {
+        if (!move_size_valid(options->size)) {
+            return ROBUROC4_ERR_SIZE;
+        }
+        memcpy(&m->private_options, options, options->size);
+    }
+    const roburoc4_result result = bad_options(&m->private_options);
+    m->result = result < 0 ? ROBUROC4_MOVE_CANCELLED : ROBUROC4_MOVE_RUNNING;
+    return result;
+}
+
+static roburoc4_result refuse(roburoc4_move *m, roburoc4_result result) {
+    m->result = ROBUROC4_MOVE_CANCELLED;
+    return result;
+}
+
+static roburoc4_result begin_by(roburoc4_move *m, float distance_m, float angle_rad,
+                                const roburoc4_move_options *options) {
+    const roburoc4_result result = begin(m, BY, options);
+    if (!move_finite(distance_m) || !move_finite(angle_rad)) {
+        return refuse(m, ROBUROC4_ERR_NOT_FINITE);
+    }
+    if (order_of(size_of(distance_m)) > order_of(FAR_M) ||
+        order_of(size_of(angle_rad)) > order_of(FAR_M)) {
+        return refuse(m, ROBUROC4_ERR_ARGUMENT);
+    }
+    m->private_goal[LENGTH] = distance_m;
+    m->private_goal[ANGLE] = angle_rad;
+    return result;
+}
+
+roburoc4_result roburoc4_move_straight(roburoc4_move *move, float distance_m,
+                                       const roburoc4_move_options *options) {
+    return begin_by(move, distance_m, 0, options);
+}
+
+roburoc4_result roburoc4_move_turn(roburoc4_move *move, float angle_rad,
+                                   const roburoc4_move_options *options) {
+    return begin_by(move, 0, angle_rad, options);
+}
+
+roburoc4_result roburoc4_move_arc(roburoc4_move *move, float distance_m, float angle_rad,
+                                  const roburoc4_move_options *options) {
+    const roburoc4_result result = begin_by(move, distance_m, angle_rad, options);
+    if (result == ROBUROC4_OK && order_of(size_of(distance_m)) < order_of(near_enough[LENGTH])) {
+        return refuse(move, ROBUROC4_ERR_ARGUMENT);
+    }
+    return result;
+}
+
+static roburoc4_result begin_to(roburoc4_move *m, uint8_t kind, double x_m, double y_m,
+                                double theta_rad, const roburoc4_move_options *options) {
+    const roburoc4_result result = begin(m, kind, options);
+    if (!finite_f64_bits(bits_from_f64(x_m)) || !finite_f64_bits(bits_from_f64(y_m)) ||
+        !finite_f64_bits(bits_from_f64(theta_rad))) {
+        return refuse(m, ROBUROC4_ERR_NOT_FINITE);
+    }
+    m->private_x_m = x_m;
+    m->private_y_m = y_m;
+    m->private_theta_rad = theta_rad;
+    return result;
+}
+
+roburoc4_result roburoc4_move_to_point(roburoc4_move *move, double x_m, double y_m,
+                                       const roburoc4_move_options *options) {
+    return begin_to(move, TO_POINT, x_m, y_m, 0, options);
+}
+
+roburoc4_result roburoc4_move_to_pose(roburoc4_move *move, double x_m, double y_m, double theta_rad,
+                                      const roburoc4_move_options *options) {
+    return begin_to(move, TO_POSE, x_m, y_m, theta_rad, options);
+}
+
+roburoc4_result roburoc4_move_rest(roburoc4_move *move, const roburoc4_move_options *options) {
+    return begin(move, REST, options);
+}
+
+/* ------------------------------------------------------------------------------------ the plan */
+
+static void start_leg(roburoc4_move *m, float distance_m, float angle_rad) {
+    m->private_goal[LENGTH] = distance_m;
+    m->private_goal[ANGLE] = angle_rad;
+    m->private_still = 0;
+    m->private_planned = 0; /* to_ask begins with the next status */
+}
+
+/** What of a turn and a way to a point is left in this leg, or the next one; false after the last.
+ */
+static bool next_leg(roburoc4_move *m) {
+    m->private_come[LENGTH] -= m->private_goal[LENGTH];
+    m->private_come[ANGLE] -= m->private_goal[ANGLE];
+    m->private_leg++;
+    if (m->private_kind == TO_POINT || m->private_kind == TO_POSE) {
+        if (m->private_leg == 1) {
+            start_leg(m, m->private_way_m, 0);
+            return true;
+        }
+        if (m->private_leg == 2 && m->private_kind == TO_POSE) {
+            start_leg(m, 0, m->private_last_turn_rad);
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool usable(const roburoc4_localization_status *pose) {
+    return finite_f64_bits(bits_from_f64(pose->x_m)) && finite_f64_bits(bits_from_f64(pose->y_m)) &&
+           finite_f64_bits(bits_from_f64(pose->theta_rad)) &&
+           (pose->flags & (ROBUROC4_LOCALIZATION_INVALID | ROBUROC4_LOCALIZATION_ERROR)) == 0;
+}
+
+/** Turn, way and turn from this pose; false where it is further than a move goes. */
+static bool plan_to(roburoc4_move *m, const roburoc4_localization_status *pose) {
+    const float x = (float)(m->private_x_m - pose->x_m), y = (float)(m->private_y_m - pose->y_m);
+    if (order_of(size_of(x)) > order_of(FAR_M) || order_of(size_of(y)) > order_of(FAR_M)) {
+        return false;
+    }
+    const float heading = (float)pose->theta_rad;
+    float bearing = heading;
+    m->private_way_m = root(x * x + y * y);
+    if (order_of(m->private_way_m) > order_of(near_enough[LENGTH])) {
+        bearing = angle_of(x, y);
+    } else {
+        m->private_way_m = 0;
+    }
+    m->private_last_turn_rad = half_turn((float)m->private_theta_rad - bearing);
+    start_leg(m, 0, half_turn(bearing - heading));
+    return true;
+}
+
+/** The curvature of the present leg. */
+static float curvature(const roburoc4_move *m) {
+    return bits_from_f32(m->private_goal[LENGTH]) == 0
+               ? 0
+               : m->private_goal[ANGLE] / m->private_goal[LENGTH];
+}
+
+/** Speeds and accelerations: those asked for, unless the robot's own are less. */
+static void set_profile(roburoc4_move *m, const roburoc4_client *client) {
+    const roburoc4_move_options *o = &m->private_options;
+    roburoc4_differential_properties limits;
+    memset(&limits, 0, sizeof limits);
+    (void)roburoc4_client_differential_properties(client, &limits);
+    const float slopes[4] = {limits.max_linear_m_s2, limits.min_linear_m_s2,
+                             limits.max_angular_rad_s2, limits.min_angular_rad_s2};
+    m->private_limit[LENGTH] = o->linear_m_s;
+    m->private_limit[ANGLE] = o->angular_rad_s;
+    m->private_slope[LENGTH] = o->linear_m_s2;
+    m->private_slope[ANGLE] = o->angular_rad_s2;
+    for (uint32_t i = 0; i < 4; i++) {
+        const float slope = size_of(slopes[i]);
+        if (move_finite(slope) && order_of(slope) > 0) {
+            m->private_slope[i / 2] = lesser(m->private_slope[i / 2], slope);
+        }
+    }
+    const float bend = size_of(curvature(m));
+    if (order_of(bend) > 0) {
+        m->private_limit[LENGTH] = lesser(m->private_limit[LENGTH], m->private_limit[ANGLE] / bend);
+        m->private_slope[LENGTH] = lesser(m->private_slope[LENGTH], m->private_slope[ANGLE] / bend);
+    }
+}
+
+static uint32_t patience_ms(const roburoc4_move *m) {
+    if (m->private_options.timeout_ms != 0) {
+        return m->private_options.timeout_ms;
+    }
+    if (m->private_kind == REST) {
+        return 5000;
+    }
+    const float ways[BOTH] = {size_of(m->private_goal[LENGTH]) + m->private_way_m,
+                              size_of(m->private_goal[ANGLE]) + size_of(m->private_last_turn_rad)};
+    float seconds = 0;
+    for (uint32_t axis = 0; axis < BOTH; axis++) {
+        const float speed = m->private_limit[axis];
+        seconds += ways[axis] / speed + speed / m->private_slope[axis];
+    }
+    return order_of(seconds) > order_of(1e6F) ? UINT32_MAX : 10000 + (uint32_t)(4000 * seconds);
+}
+
+/* ------------------------------------------------------------------------------------ odometry */
+
+/** The robot came further, by its wheels. */
+static void come(roburoc4_move *m, float distance_m, float angle_rad) {
+    const float astray = m->private_come[ANGLE] - curvature(m) * m->private_come[LENGTH];
+    m->private_come[LENGTH] += distance_m;
+    m->private_come[ANGLE] += angle_rad;
+    m->private_aside_m += distance_m * (astray + 0.5F * angle_rad);
+    m->distance_m += distance_m;
+    m->angle_rad += angle_rad;
+}
+
+/** Robot time from one status to the next: 0 at first, and after a restart. */
+static float seconds_from(uint64_t before_cycles, uint64_t cycles) {
+    const uint64_t passed = cycles - before_cycles;
+    return before_cycles == 0 || passed > 1000 ? 0 : (float)(uint32_t)passed * 0.01F;
+}
+
+/** Follow the pose from the last one to this, unless it jumped: then speeds say where it came. */
+static void hear_pose(roburoc4_move *m, const roburoc4_localization_status *pose) {
+    const float ahead_s = seconds_from(m->private_pose_cycles, pose->robot_cycles);
+    const float since_s = m->private_speed_cycles > pose->robot_cycles
+                              ? -seconds_from(pose->robot_cycles, m->private_speed_cycles)
+                              : seconds_from(m->private_speed_cycles, pose->robot_cycles);
+    const float rest[BOTH] = {m->private_speed[LENGTH] * since_s,
+                              m->private_speed[ANGLE] * since_s};
+    const float said[BOTH] = {m->private_since_pose[LENGTH] + rest[LENGTH],
+                              m->private_since_pose[ANGLE] + rest[ANGLE]};
+    const float x = (float)(pose->x_m - m->private_x0_m), y = (float)(pose->y_m - m->private_y0_m);
+    const float turned = half_turn((float)(pose->theta_rad - m->private_theta0_rad));
+    const float chord =
+        order_of(size_of(x)) > order_of(1.0F) || order_of(size_of(y)) > order_of(1.0F)
+            ? 1.0F
+            : root(x * x + y * y);
+    const float differs[BOTH] = {with_sign(chord, said[LENGTH]) - said[LENGTH],
+                                 turned - said[ANGLE]};
+    bool jumped = !m->private_posed;
+    for (uint32_t axis = 0; axis < BOTH; axis++) {
+        jumped = jumped || order_of(size_of(differs[axis])) >
+                               order_of(jump[axis] + jump_per_s[axis] * ahead_s);
+    }
+    if (!jumped) {
+        come(m, differs[LENGTH], differs[ANGLE]);
+    }
+    m->private_posed = 1;
+    m->private_pose_cycles = pose->robot_cycles;
+    m->private_x0_m = pose->x_m;
+    m->private_y0_m = pose->y_m;
+    m->private_theta0_rad = pose->theta_rad;
+    m->private_since_pose[LENGTH] = -rest[LENGTH];
+    m->private_since_pose[ANGLE] = -rest[ANGLE];
+}
+
+/** A status of speeds: the way since the last, and what is to be asked for yet. */
+static void hear_speeds(roburoc4_move *m, const roburoc4_differential_status *status,
+                        float *slopes) {
+    const float speeds[BOTH] = {status->current_linear_m_s, status->current_angular_rad_s};
+    const float passed_s = seconds_from(m->private_speed_cycles, status->robot_cycles);
+    float ways[BOTH];
+    bool still = true;
+    for (uint32_t axis = 0; axis < BOTH; axis++) {
+        const float speed = move_finite(speeds[axis]) ? speeds[axis] : 0;
+        ways[axis] = 0.5F * (speed + m->private_speed[axis]) * passed_s;
+        slopes[axis] =
+            bits_from_f32(passed_s) == 0 ? 0 : (speed - m->private_speed[axis]) / passed_s;
+        m->private_since_pose[axis] += ways[axis];
+        m->private_speed[axis] = speed;
+        still = still && order_of(size_of(speed)) < order_of(standing_speed[axis]);
+    }
+    m->private_speed_cycles = status->robot_cycles;
+    m->private_still = still ? (uint8_t)(m->private_still + (m->private_still < 100)) : 0;
+    come(m, ways[LENGTH], ways[ANGLE]);
+}
+
+/** The client's news: 1 where there is a new status of speeds. */
+static bool hear(roburoc4_move *m, const roburoc4_client *client, const roburoc4_facts *facts,
+                 uint64_t now_us) {
+    roburoc4_differential_status status;
+    roburoc4_localization_status pose;
+    uint64_t host_us = now_us;
+    float slopes[BOTH] = {0, 0};
+    const bool news = roburoc4_client_differential(client, &status, &host_us) == ROBUROC4_OK &&
+                      status.robot_cycles != m->private_speed_cycles;
+    if (news) {
+        hear_speeds(m, &status, slopes);
+        m->private_heard_us = host_us;
+    }
+    if (roburoc4_client_localization(client, &pose, NULL) == ROBUROC4_OK && usable(&pose) &&
+        pose.robot_cycles != m->private_pose_cycles) {
+        hear_pose(m, &pose);
+    }
+    if (!news) {
+        return false;
+    }
+    roburoc4_link link;
+    uint32_t age_us = (uint32_t)(now_us - host_us);
+    if (roburoc4_client_link(client, now_us, ROBUROC4_SIZED(&link)) == ROBUROC4_OK) {
+        age_us += link.round_trip_us;
+    }
+    const float age_s = (float)age_us * 1e-6F;
+    const float sent[BOTH] = {facts->linear_m_s, facts->angular_rad_s};
+    for (uint32_t axis = 0; axis < BOTH; axis++) {
+        const float measured = m->private_goal[axis] - m->private_come[axis] -
+                               RESPONSE_S * m->private_speed[axis] - BEND_S2 * slopes[axis] -
+                               age_s * sent[axis];
+        m->private_to_ask[axis] +=
+            (m->private_planned ? TRUST : 1) * (measured - m->private_to_ask[axis]);
+    }
+    m->private_planned = 1;
+    return true;
+}
+
+/* --------------------------------------------------------------------------------- looking out */
+
+/** Where the robot goes, or is to go. */
+static uint8_t direction(const roburoc4_move *m) {
+    const float speed = m->private_speed[LENGTH], asked = m->linear_m_s;
+    const bool rolls = order_of(size_of(speed)) > order_of(0.05F);
+    uint8_t way = 0;
+    way |= order_of(asked) > 0 || (rolls && order_of(speed) > 0) ? AHEAD : 0;
+    way |= order_of(asked) < 0 || (rolls && order_of(speed) < 0) ? ASTERN : 0;
+    return way;
+}
+
+static int32_t look_at_bumpers(roburoc4_move *m, const roburoc4_facts *facts, uint8_t way) {
+    const uint8_t pressed =
+        (uint8_t)((facts->front_bumper ? AHEAD : 0) | (facts->rear_bumper ? ASTERN : 0));
+    m->private_bumpers &= pressed; /* those since the beginning */
+    return (pressed & (way | ~m->private_bumpers)) != 0 ? ROBUROC4_MOVE_BUMPER
+                                                        : ROBUROC4_MOVE_RUNNING;
+}
+
+/** Whether distances are known, where any are to be looked at. */
+static bool sees(const roburoc4_move *m, const roburoc4_client *client, uint64_t now_us) {
+    roburoc4_distances distances;
+    uint64_t host_us;
+    return order_of(m->private_options.clearance_m) == 0 ||
+           roburoc4_client_telemeter_count(client) == 0 ||
+           (roburoc4_client_distances(client, &distances, &host_us) == ROBUROC4_OK &&
+            now_us - host_us <= SILENCE_US);
+}
+
+static int32_t look_ahead(const roburoc4_move *m, const roburoc4_client *client, uint8_t way,
+                          uint64_t now_us) {
+    const float needed =
+        m->private_options.clearance_m + RESPONSE_S * size_of(m->private_speed[LENGTH]);
+    roburoc4_telemeter telemeter;
+    if (way == 0 || order_of(m->private_options.clearance_m) == 0) {
+        return ROBUROC4_MOVE_RUNNING;
+    }
+    if (!sees(m, client, now_us)) {
+        return ROBUROC4_MOVE_LOST;
+    }
+    for (uint32_t i = 0; roburoc4_client_telemeter(client, i, &telemeter) == ROBUROC4_OK; i++) {
+        const int32_t aside = order_of(size_of(half_turn(telemeter.theta_rad)));
+        const uint8_t looks = aside < order_of(PI_F / 3)       ? AHEAD
+                              : aside > order_of(2 * PI_F / 3) ? ASTERN
+                                                               : 0;
+        /* NaN is no free way */
+        if ((looks & way) != 0 && (!move_finite(telemeter.distance_m) ||
+                                   order_of(telemeter.distance_m) < order_of(needed))) {
+            return ROBUROC4_MOVE_OBSTACLE;
+        }
+    }
+    return ROBUROC4_MOVE_RUNNING;
+}
+
+static int32_t result_of(roburoc4_result cause) {
+    switch (cause) {
+    case ROBUROC4_ERR_OVERRIDE:
+    case ROBUROC4_ERR_OVERRIDE_UNKNOWN:
+        return ROBUROC4_MOVE_OVERRIDE;
+    case ROBUROC4_ERR_OTHER_COMMANDER:
+        return ROBUROC4_MOVE_OTHER_COMMANDER;
+    case ROBUROC4_ERR_DISARMED:
+        return ROBUROC4_MOVE_CANCELLED;
+    default:
+        return ROBUROC4_MOVE_LOST;
+    }
+}
+
+/** What ends the move whether it has arrived or not. */
+static int32_t look_out(roburoc4_move *m, const roburoc4_client *client,
+                        const roburoc4_facts *facts, uint64_t now_us) {
+    const uint8_t way = direction(m);
+    int32_t result = look_at_bumpers(m, facts, way);
+    if (m->private_kind == REST) {
+        result = facts->overridden ? ROBUROC4_MOVE_OVERRIDE : ROBUROC4_MOVE_RUNNING;
+    } else if (facts->inhibited) {
+        result = ROBUROC4_MOVE_INHIBITED;
+    } else if (!facts->armed) {
+        m->cause = facts->disarm_cause;
+        result = result_of(m->cause);
+    } else if (result == ROBUROC4_MOVE_RUNNING) {
+        result = look_ahead(m, client, way, now_us);
+    }
+    if (result == ROBUROC4_MOVE_RUNNING &&
+        now_us - m->private_begun_us >= (uint64_t)m->private_timeout_ms * 1000U) {
+        result = ROBUROC4_MOVE_TIMEOUT;
+    }
+    return result;
+}
+
+/* ----------------------------------------------------------------------------------- the speed */
+
+/** So fast that it comes to rest where nothing is to be asked for any more. A target that is ahead
+ * of the speed by RESPONSE_S times an acceleration gives that acceleration; on the way down, so
+ * does the square root, which is that of the speed at constant braking written by what is to be
+ * asked for. */
+static float speed_for(const roburoc4_move *m, uint32_t axis) {
+    const float to_ask = m->private_to_ask[axis], slope = m->private_slope[axis];
+    const float way = size_of(to_ask), lead = RESPONSE_S * slope;
+    if (order_of(way) < order_of(near_enough[axis])) {
+        return 0;
+    }
+    const float now = with_sign(m->private_speed[axis], m->private_speed[axis]);
+    const bool turns_back = (order_of(m->private_speed[axis]) < 0) != (order_of(to_ask) < 0);
+    float speed = (turns_back ? 0 : now) + lead;
+    speed =
+        lesser(speed, root(slope * (slope * (RESPONSE_S * RESPONSE_S - 2 * BEND_S2) + 2 * way)));
+    speed = lesser(speed, APPROACH_PER_S * way);
+    speed = order_of(speed) < order_of(least_speed[axis]) ? least_speed[axis] : speed;
+    return with_sign(lesser(speed, m->private_limit[axis]), to_ask);
+}
+
+/** The turn rate that keeps the robot on its line. */
+static float steer(const roburoc4_move *m, float linear_m_s) {
+    const float bend = curvature(m);
+    const float way_m = size_of(m->private_to_ask[LENGTH]);
+    const float back = within(RETURN_PER_M * m->private_aside_m, RETURN_MAX_RAD);
+    const float faded =
+        order_of(way_m) < order_of(RETURN_MAX_RAD) ? back * way_m / RETURN_MAX_RAD : back;
+    const float heading =
+        m->private_to_ask[ANGLE] - bend * m->private_to_ask[LENGTH] - with_sign(faded, linear_m_s);
+    const float lead = size_of(m->private_speed[ANGLE]) + RESPONSE_S * m->private_slope[ANGLE];
+    return within(within(bend * linear_m_s + STEER_PER_S * heading, lead), m->private_limit[ANGLE]);
+}
+
+static void propose(roburoc4_move *m) {
+    const bool turn = bits_from_f32(m->private_goal[LENGTH]) == 0;
+    m->linear_m_s = turn ? 0 : speed_for(m, LENGTH);
+    m->angular_rad_s =
+        bits_from_f32(m->linear_m_s) == 0 ? speed_for(m, ANGLE) : steer(m, m->linear_m_s);
+}
+
+/* ------------------------------------------------------------------------------------ one step */
+
+static int32_t end(roburoc4_move *m, roburoc4_client *client, int32_t result, uint64_t now_us) {
+    roburoc4_facts facts;
+    m->result = result;
+    m->linear_m_s = 0;
+    m->angular_rad_s = 0;
+    (void)roburoc4_client_facts(client, now_us, ROBUROC4_SIZED(&facts));
+    /* A client that disarmed itself has sent what was due, and one that never drove commands
+     * nothing. */
+    if (facts.armed) {
+        (void)roburoc4_client_stop(client, now_us);
+    }
+    return result;
+}
+
+/** The plan, as soon as all is known that it needs. */
+static int32_t plan(roburoc4_move *m, roburoc4_client *client, const roburoc4_facts *facts,
+                    uint64_t now_us) {
+    const bool to = m->private_kind == TO_POINT || m->private_kind == TO_POSE;
+    roburoc4_differential_status status;
+    roburoc4_localization_status pose;
+    if (m->private_begun_us == 0) {
+        m->private_begun_us = now_us;
+        m->private_timeout_ms = UINT32_MAX;
+        m->private_bumpers = AHEAD | ASTERN;
+        if (m->private_kind == REST && roburoc4_client_stop(client, now_us) < 0) {
+            return ROBUROC4_MOVE_LOST;
+        }
+    }
+    if (roburoc4_client_differential(client, &status, NULL) != ROBUROC4_OK ||
+        (to &&
+         (roburoc4_client_localization(client, &pose, NULL) != ROBUROC4_OK || !usable(&pose))) ||
+        (m->private_kind != REST && !sees(m, client, now_us))) {
+        return now_us - m->private_begun_us > SILENCE_US ? ROBUROC4_MOVE_LOST
+                                                         : ROBUROC4_MOVE_RUNNING;
+    }
+    if (to && !plan_to(m, &pose)) {
+        m->cause = ROBUROC4_ERR_ARGUMENT;
+        return ROBUROC4_MOVE_CANCELLED;
+    }
+    set_profile(m, client);
+    m->private_timeout_ms = patience_ms(m);
+    m->private_heard_us = now_us;
+    m->private_step_us = now_us;
+    m->private_ready = 1;
+    (void)look_at_bumpers(m, facts, 0);
+    return ROBUROC4_MOVE_RUNNING;
+}
+
+/** What was sent since the last step needs not be asked for again. */
+static void count_sent(roburoc4_move *m, const roburoc4_facts *facts, uint64_t now_us) {
+    const uint64_t passed_us = now_us - m->private_step_us;
+    const float passed_s = passed_us > STEP_MAX_US ? 0 : (float)(uint32_t)passed_us * 1e-6F;
+    m->private_step_us = now_us;
+    m->private_to_ask[LENGTH] -= facts->linear_m_s * passed_s;
+    m->private_to_ask[ANGLE] -= facts->angular_rad_s * passed_s;
+}
+
+int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_t now_us) {
+    roburoc4_facts facts;
+    int32_t result = ROBUROC4_MOVE_RUNNING;
+    if (move->result != ROBUROC4_MOVE_RUNNING) {
+        return move->result;
+    }
+    (void)roburoc4_client_facts(client, now_us, ROBUROC4_SIZED(&facts));
+    if (!move->private_ready) {
+        result = plan(move, client, &facts, now_us);
+    }
+    if (result == ROBUROC4_MOVE_RUNNING) {
+        count_sent(move, &facts, now_us);
+        if (!hear(move, client, &facts, now_us) && now_us - move->private_heard_us > SILENCE_US) {
+            result = ROBUROC4_MOVE_LOST;
+        }
+    }
+    move->left_m = move->private_goal[LENGTH] - move->private_come[LENGTH];
+    move->left_rad = move->private_goal[ANGLE] - move->private_come[ANGLE];
+    if (result == ROBUROC4_MOVE_RUNNING) {
+        result = look_out(move, client, &facts, now_us);
+    }
+    if (result == ROBUROC4_MOVE_RUNNING && move->private_ready && move->private_planned) {
+        if (move->private_kind != REST) {
+            propose(move);
+        }
+        if (bits_from_f32(move->linear_m_s) == 0 && bits_from_f32(move->angular_rad_s) == 0 &&
+            move->private_still >= STILL_STATUSES && !next_leg(move)) {
+            result = ROBUROC4_MOVE_REACHED;
+        }
+    }
+    return result == ROBUROC4_MOVE_RUNNING ? result : end(move, client, result, now_us);
+}
+
+void roburoc4_move_cancel(roburoc4_move *move, roburoc4_client *client, uint64_t now_us) {
+    if (move->result == ROBUROC4_MOVE_RUNNING) {
+        (void)end(move, client, ROBUROC4_MOVE_CANCELLED, now_us);
+    }
+}
+
+const char *roburoc4_move_result_text(int32_t result) {
+    static const char *const texts[] = {
+        "the move is under way",
+        "reached; the robot stands",
+        "somebody holds [A] on the game pad: wait until it is released, then arm again",
+        "a bumper is pressed: look at what is there, and back away",
+        "a telemeter sees something too near: clear the way, or give a smaller clearance",
+        "the robot does not move: look at emergency stops, brakes selector and motor power",
+        "no fresh statuses of what the move needs: check the link and the subscriptions",
+        "another client commands the robot: end that one first",
+        "it took too long: look at what holds the robot back, or give more time",
+        "cancelled, or the client is not armed",
+    };
+    return result >= 0 && result < (int32_t)(sizeof texts / sizeof *texts) ? texts[result]
+                                                                           : "unknown result";
+}

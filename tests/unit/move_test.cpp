@@ -1,0 +1,627 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * move_test.cpp - moves of roburoc4_move.h: a client and the simulated robot in virtual time,
+ * judged by where the robot came to, and by what it was asked for.
+ */
+#include "roburoc4_move.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+
+#include "roburoc4_sim.h"
+
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+constexpr double degree = pi / 180;
+constexpr std::uint64_t second = 1000000;
+constexpr std::uint64_t cycle_us = 10000;
+/* How much later than its target a RobuROC4 has a speed: 2 * damping / natural frequency. */
+constexpr double response_s = 0.64;
+
+double wrapped(double angle_rad) {
+    return std::remainder(angle_rad, 2 * pi);
+}
+
+/** A robot without slip in an empty world, and an armed client. */
+class Moving : public testing::Test {
+  protected:
+    Moving() {
+        roburoc4_sim_config_init(&robot_config);
+        robot_config.slip = 0;
+        roburoc4_config_init(&config, sizeof config);
+        roburoc4_move_options_init(&options, sizeof options);
+    }
+    ~Moving() override {
+        roburoc4_world_destroy(world);
+    }
+    void connect() {
+        world = roburoc4_world_create(&robot_config);
+        roburoc4_sim_clear_world(robot());
+        roburoc4_client_init(&client, sizeof client, &config);
+        roburoc4_world_join(world, &client);
+    }
+    void arm() {
+        const std::uint64_t end_us = now() + 5 * second;
+        while (roburoc4_client_arm(&client, now()) < 0 && now() < end_us)
+            pass(cycle_us);
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_client_arm(&client, now()));
+    }
+    void connect_and_arm() {
+        connect();
+        arm();
+        pass(second);
+    }
+    roburoc4_sim *robot() {
+        return roburoc4_world_robot(world);
+    }
+    [[nodiscard]] std::uint64_t now() const {
+        return roburoc4_world_now_us(world);
+    }
+    roburoc4_sim_state state() {
+        roburoc4_sim_state s;
+        s.size = sizeof s;
+        roburoc4_sim_snapshot(robot(), &s);
+        return s;
+    }
+    void pass(std::uint64_t span_us) {
+        const std::uint64_t end_us = now() + span_us;
+        while (roburoc4_world_step(world, end_us, nullptr, nullptr) != 0) {
+        }
+    }
+    void fault(double loss) {
+        roburoc4_sim_faults faults{};
+        faults.loss = loss;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_world_set_faults(world, &faults));
+    }
+
+    /** Step the move to its end, or for so long; what happens meanwhile is called at each step. */
+    std::int32_t go(const std::function<void()> &meanwhile = nullptr, double seconds = 120) {
+        begun_us = now();
+        start = state();
+        most_linear = most_angular = most_acceleration = most_reached = most_turned = 0;
+        double last_speed = start.true_linear_m_s;
+        const auto end_us = begun_us + static_cast<std::uint64_t>(seconds * second);
+        while (now() < end_us &&
+               roburoc4_move_step(&move, &client, now()) == ROBUROC4_MOVE_RUNNING) {
+            (void)roburoc4_client_drive(&client, move.linear_m_s, move.angular_rad_s, 0, now());
+            most_linear = std::max(most_linear, std::fabs(double{move.linear_m_s}));
+            most_angular = std::max(most_angular, std::fabs(double{move.angular_rad_s}));
+            if (meanwhile)
+                meanwhile();
+            pass(cycle_us);
+            const roburoc4_sim_state s = state();
+            most_acceleration = std::max(
+                most_acceleration, std::fabs(s.true_linear_m_s - last_speed) / (cycle_us * 1e-6));
+            last_speed = s.true_linear_m_s;
+            most_reached = std::max(
+                most_reached, std::hypot(s.true_x_m - start.true_x_m, s.true_y_m - start.true_y_m));
+            most_turned =
+                std::max(most_turned, std::fabs(wrapped(s.true_theta_rad - start.true_theta_rad)));
+        }
+        took_s = static_cast<double>(now() - begun_us) * 1e-6;
+        return move.result;
+    }
+    /** Ahead of where the last move began, to its left, and turned since. */
+    double ahead() {
+        const roburoc4_sim_state s = state();
+        return (s.true_x_m - start.true_x_m) * std::cos(start.true_theta_rad) +
+               (s.true_y_m - start.true_y_m) * std::sin(start.true_theta_rad);
+    }
+    double aside() {
+        const roburoc4_sim_state s = state();
+        return (s.true_y_m - start.true_y_m) * std::cos(start.true_theta_rad) -
+               (s.true_x_m - start.true_x_m) * std::sin(start.true_theta_rad);
+    }
+    double turned() {
+        return wrapped(state().true_theta_rad - start.true_theta_rad);
+    }
+    void expect_standing() {
+        EXPECT_NEAR(0, state().true_linear_m_s, 0.02);
+        EXPECT_NEAR(0, state().true_angular_rad_s, 0.04);
+    }
+    void expect_stopped() {
+        pass(cycle_us);
+        EXPECT_EQ(0, state().target_linear_m_s);
+        EXPECT_EQ(0, state().target_angular_rad_s);
+    }
+    std::int32_t straight(float distance_m) {
+        EXPECT_EQ(ROBUROC4_OK, roburoc4_move_straight(&move, distance_m, &options));
+        return go();
+    }
+    std::int32_t turn(double angle_rad) {
+        EXPECT_EQ(ROBUROC4_OK, roburoc4_move_turn(&move, static_cast<float>(angle_rad), &options));
+        return go();
+    }
+    /** The time of a profile of constant acceleration, and of the robot's answer to it. */
+    static double ideal_s(double way, double speed, double acceleration) {
+        const double rise_s = speed / acceleration;
+        return response_s +
+               (speed * rise_s <= way ? way / speed + rise_s : 2 * std::sqrt(way / acceleration));
+    }
+    /** Half way through a straight move of 2 m, something happens. */
+    std::int32_t interrupted_by(const std::function<void()> &what) {
+        EXPECT_EQ(ROBUROC4_OK, roburoc4_move_straight(&move, 2.0F, &options));
+        bool done = false;
+        return go([&] {
+            if (!done && ahead() > 1.0) {
+                done = true;
+                what();
+            }
+        });
+    }
+
+    roburoc4_sim_config robot_config{};
+    roburoc4_config config{};
+    roburoc4_move_options options{};
+    roburoc4_client client{};
+    roburoc4_move move{};
+    roburoc4_world *world = nullptr;
+    roburoc4_sim_state start{};
+    std::uint64_t begun_us = 0;
+    double most_linear = 0, most_angular = 0, most_acceleration = 0, most_reached = 0,
+           most_turned = 0, took_s = 0;
+};
+
+class Move : public Moving {
+  protected:
+    void SetUp() override {
+        connect_and_arm();
+    }
+};
+
+} // namespace
+
+/* --------------------------------------------------------------------------- how well it moves */
+
+TEST_F(Move, AStraightMetreEndsWithinACentimetre) {
+    for (const float speed : {0.3F, 1.0F}) {
+        options.linear_m_s = speed;
+        ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(1.0F)) << move.cause;
+        EXPECT_NEAR(1.0, ahead(), 0.01) << speed;
+        EXPECT_NEAR(0.0, aside(), 0.01) << speed;
+        EXPECT_NEAR(0.0, turned(), 1 * degree) << speed;
+        EXPECT_LT(most_reached, 1.02) << speed;
+        EXPECT_NEAR(ideal_s(1, speed, 0.5), took_s, 0.1 * ideal_s(1, speed, 0.5)) << speed;
+        EXPECT_LE(most_linear, speed);
+        expect_standing();
+        EXPECT_NEAR(1.0, move.distance_m, 0.01);
+        EXPECT_NEAR(0.0, move.left_m, 0.01);
+    }
+}
+
+TEST_F(Move, AQuarterTurnEndsWithinADegree) {
+    for (const float speed : {0.3F, 1.0F}) {
+        options.angular_rad_s = speed;
+        ASSERT_EQ(ROBUROC4_MOVE_REACHED, turn(pi / 2)) << move.cause;
+        EXPECT_NEAR(pi / 2, turned(), 1 * degree) << speed;
+        EXPECT_LT(most_turned, pi / 2 * 1.02) << speed;
+        EXPECT_NEAR(ideal_s(pi / 2, speed, 1), took_s, 0.1 * ideal_s(pi / 2, speed, 1)) << speed;
+        EXPECT_LE(most_angular, speed);
+        expect_standing();
+        EXPECT_NEAR(pi / 2, move.angle_rad, 1 * degree);
+    }
+}
+
+TEST_F(Moving, AFifthOfDatagramsLostCostsThreeCentimetres) {
+    config.fresh_ms = 1000; /* six in a row get lost now and then, which disarms */
+    connect_and_arm();
+    fault(0.2);
+    for (const float speed : {0.3F, 1.0F}) {
+        options.linear_m_s = options.angular_rad_s = speed;
+        for (int i = 0; i < 5; i++) {
+            ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(1.0F)) << move.cause;
+            EXPECT_NEAR(1.0, ahead(), 0.03) << speed;
+            ASSERT_EQ(ROBUROC4_MOVE_REACHED, turn(pi / 2)) << move.cause;
+            EXPECT_NEAR(pi / 2, turned(), 2 * degree) << speed;
+        }
+    }
+}
+
+TEST_F(Move, ASquareOfTwoMetresCloses) {
+    const roburoc4_sim_state before = state();
+    for (int side = 0; side < 4; side++) {
+        ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(2.0F));
+        ASSERT_EQ(ROBUROC4_MOVE_REACHED, turn(pi / 2));
+    }
+    EXPECT_LT(std::hypot(state().true_x_m - before.true_x_m, state().true_y_m - before.true_y_m),
+              0.05);
+}
+
+TEST_F(Move, BackwardAndToTheRightAreNegative) {
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(-0.7F));
+    EXPECT_NEAR(-0.7, ahead(), 0.01);
+    EXPECT_NEAR(-0.7, move.distance_m, 0.01);
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, turn(-1.0));
+    EXPECT_NEAR(-1.0, turned(), 1 * degree);
+    EXPECT_NEAR(-1.0, move.angle_rad, 1 * degree);
+}
+
+TEST_F(Move, SmallAndNoMovesAreReached) {
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(0.05F));
+    EXPECT_NEAR(0.05, ahead(), 0.01);
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, turn(3 * degree));
+    EXPECT_NEAR(3 * degree, turned(), 1 * degree);
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(0.0F));
+    EXPECT_NEAR(0.0, ahead(), 0.01);
+}
+
+TEST_F(Move, ATurnMayBeMoreThanAFullOne) {
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, turn(4 * pi + 1));
+    EXPECT_NEAR(1.0, turned(), 1 * degree);
+    EXPECT_NEAR(4 * pi + 1, move.angle_rad, 1 * degree);
+}
+
+TEST_F(Move, AnArcKeepsItsRadius) {
+    for (const double side : {1.0, -1.0}) {
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_arc(&move, static_cast<float>(pi / 2),
+                                                 static_cast<float>(side * pi / 2), &options));
+        ASSERT_EQ(ROBUROC4_MOVE_REACHED, go());
+        EXPECT_NEAR(1.0, ahead(), 0.03) << side;
+        EXPECT_NEAR(side * 1.0, aside(), 0.03) << side;
+        EXPECT_NEAR(side * pi / 2, turned(), 2 * degree) << side;
+        EXPECT_LE(most_angular, 0.55);
+    }
+}
+
+TEST_F(Move, APointIsReachedFromAnyPose) {
+    const double points[][2] = {{2, 1}, {-1, 0.5}, {0, -2}, {0.3, 0.3}};
+    for (const auto &point : points) {
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_point(&move, point[0], point[1], &options));
+        ASSERT_EQ(ROBUROC4_MOVE_REACHED, go()) << move.cause;
+        EXPECT_NEAR(point[0], state().true_x_m, 0.02);
+        EXPECT_NEAR(point[1], state().true_y_m, 0.02);
+        expect_standing();
+    }
+}
+
+TEST_F(Move, APoseIsReachedWithItsHeading) {
+    for (const double theta : {0.0, 2.5, -1.0, 7.0}) {
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_pose(&move, theta, 1.0, theta, &options));
+        ASSERT_EQ(ROBUROC4_MOVE_REACHED, go());
+        EXPECT_NEAR(theta, state().true_x_m, 0.02);
+        EXPECT_NEAR(1.0, state().true_y_m, 0.02);
+        EXPECT_NEAR(0.0, wrapped(theta - state().true_theta_rad), 1 * degree);
+    }
+}
+
+TEST_F(Move, ItAcceleratesGently) {
+    options.linear_m_s = 1.5F;
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(4.0F));
+    EXPECT_LT(most_acceleration, 0.5 * 1.2);
+    options.linear_m_s2 = 1.0F;
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(4.0F));
+    EXPECT_GT(most_acceleration, 0.8);
+    EXPECT_LT(most_acceleration, 1.0 * 1.2);
+}
+
+TEST_F(Move, AManyTimesSteppedMoveIsTheSame) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_straight(&move, 1.0F, &options));
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, go([&] {
+                  for (int i = 0; i < 9; i++) {
+                      pass(cycle_us / 10);
+                      roburoc4_move_step(&move, &client, now());
+                      roburoc4_client_drive(&client, move.linear_m_s, move.angular_rad_s, 0, now());
+                  }
+              }));
+    EXPECT_NEAR(1.0, ahead(), 0.01);
+    EXPECT_NEAR(ideal_s(1, 0.3, 0.5), took_s, 0.1 * ideal_s(1, 0.3, 0.5));
+}
+
+TEST_F(Moving, TheRobotsOwnAccelerationsCountWhereLower) {
+    robot_config.max_linear_m_s2 = 0.2F;
+    robot_config.min_linear_m_s2 = -0.2F;
+    connect_and_arm();
+    options.linear_m_s = 1.0F;
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(2.0F));
+    EXPECT_NEAR(2.0, ahead(), 0.02);
+    EXPECT_LT(most_reached, 2.04);
+}
+
+TEST_F(Moving, CeilingsAndLimitsBoundAMove) {
+    config.max_linear_m_s = 0.1F;
+    robot_config.max_angular_rad_s = 0.2F;
+    robot_config.min_angular_rad_s = -0.2F;
+    connect_and_arm();
+    options.linear_m_s = options.angular_rad_s = 1.0F;
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(1.0F));
+    EXPECT_NEAR(1.0, ahead(), 0.01);
+    EXPECT_GT(took_s, 10);
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, turn(1.0));
+    EXPECT_NEAR(1.0, turned(), 1 * degree);
+    EXPECT_GT(took_s, 5);
+}
+
+TEST_F(Moving, WithoutLocalizationSpeedsAndTheClockDo) {
+    robot_config.hidden_services = 1U << ROBUROC4_SERVICE_LOCALIZATION;
+    connect_and_arm();
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(1.0F)) << move.cause;
+    EXPECT_NEAR(1.0, ahead(), 0.02);
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, turn(pi / 2));
+    EXPECT_NEAR(pi / 2, turned(), 2 * degree);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_point(&move, 1, 1, &options));
+    EXPECT_EQ(ROBUROC4_MOVE_LOST, go());
+}
+
+TEST_F(Move, ARelocalizationDoesNotMakeItJump) {
+    for (const double shift : {0.1, 5.0}) {
+        ASSERT_EQ(ROBUROC4_MOVE_REACHED, interrupted_by([&] {
+                      roburoc4_client_relocalize(&client, shift, -shift, shift, now());
+                  }));
+        EXPECT_NEAR(2.0, ahead(), 0.02) << shift;
+        EXPECT_NEAR(0.0, aside(), 0.02) << shift;
+        EXPECT_NEAR(0.0, turned(), 1 * degree) << shift;
+        EXPECT_LT(most_acceleration, 0.6) << shift;
+        EXPECT_LT(most_angular, 0.1) << shift;
+    }
+}
+
+TEST_F(Move, AMoveMayBeginWhileTheRobotRolls) {
+    const std::uint64_t end_us = now() + 2 * second;
+    while (now() < end_us) {
+        roburoc4_client_drive(&client, 0.8F, 0, 0, now());
+        pass(5 * cycle_us);
+    }
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(1.5F));
+    EXPECT_NEAR(1.5, ahead(), 0.03);
+}
+
+/* ------------------------------------------------------------------------------- coming to rest */
+
+TEST_F(Move, RestWaitsUntilTheRobotStands) {
+    const std::uint64_t end_us = now() + 3 * second;
+    while (now() < end_us) {
+        roburoc4_client_drive(&client, 1.0F, 0.5F, 0, now());
+        pass(5 * cycle_us);
+    }
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&move, nullptr));
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, go());
+    expect_standing();
+    EXPECT_GT(took_s, 1.0);
+    EXPECT_LT(took_s, 3.0);
+}
+
+TEST_F(Moving, RestNeedsNoArming) {
+    connect();
+    pass(2 * second);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&move, nullptr));
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, go());
+    EXPECT_EQ(0U, state().nonzero_speed_commands);
+}
+
+/* ------------------------------------------------------------------------------------ ways out */
+
+TEST_F(Move, AnOverrideEndsIt) {
+    EXPECT_EQ(ROBUROC4_MOVE_OVERRIDE,
+              interrupted_by([&] { roburoc4_sim_set_pad_button(robot(), ROBUROC4_DI_PAD_A, 1); }));
+    EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, move.cause);
+    expect_stopped();
+}
+
+TEST_F(Move, ALostRobotEndsIt) {
+    EXPECT_EQ(ROBUROC4_MOVE_LOST, interrupted_by([&] { roburoc4_sim_set_power(robot(), 0); }));
+    EXPECT_LT(move.cause, 0);
+}
+
+TEST_F(Move, AnEmergencyStopEndsIt) {
+    EXPECT_EQ(ROBUROC4_MOVE_INHIBITED, interrupted_by([&] {
+                  roburoc4_sim_set_estop(robot(), ROBUROC4_SIM_ESTOP_LOCAL, 1);
+              }));
+    expect_stopped();
+}
+
+TEST_F(Move, AnotherCommanderEndsIt) {
+    roburoc4_client other;
+    roburoc4_config_init(&config, sizeof config);
+    config.options = ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER;
+    roburoc4_client_init(&other, sizeof other, &config);
+    roburoc4_world_join(world, &other);
+    pass(second);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_arm(&other, now()));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_straight(&move, 2.0F, &options));
+    EXPECT_EQ(ROBUROC4_MOVE_OTHER_COMMANDER, go([&] {
+                  if (ahead() > 0.5)
+                      roburoc4_client_drive(&other, -0.9F, 0, 0, now());
+              }));
+    EXPECT_EQ(ROBUROC4_ERR_OTHER_COMMANDER, move.cause);
+}
+
+TEST_F(Move, ACancelledMoveStopsTheRobot) {
+    EXPECT_EQ(ROBUROC4_MOVE_CANCELLED,
+              interrupted_by([&] { roburoc4_move_cancel(&move, &client, now()); }));
+    expect_stopped();
+    EXPECT_EQ(0, move.linear_m_s);
+}
+
+TEST_F(Move, ADisarmedClientEndsIt) {
+    EXPECT_EQ(ROBUROC4_MOVE_CANCELLED,
+              interrupted_by([&] { roburoc4_client_disarm(&client, now()); }));
+    EXPECT_EQ(ROBUROC4_ERR_DISARMED, move.cause);
+    expect_stopped();
+}
+
+TEST_F(Moving, AMoveNeverArms) {
+    connect();
+    pass(2 * second);
+    EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, straight(1.0F));
+    EXPECT_EQ(ROBUROC4_ERR_DISARMED, move.cause);
+    EXPECT_EQ(0U, state().nonzero_speed_commands);
+}
+
+TEST_F(Move, ATimeoutStopsTheRobot) {
+    options.timeout_ms = 2000;
+    EXPECT_EQ(ROBUROC4_MOVE_TIMEOUT, straight(10.0F));
+    EXPECT_NEAR(2.0, took_s, 0.1);
+    EXPECT_GT(move.left_m, 9);
+    expect_stopped();
+}
+
+TEST_F(Move, AProgramThatStepsNoMoreStopsTheRobot) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_straight(&move, 2.0F, &options));
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, go(nullptr, 2.0));
+    EXPECT_GT(state().target_linear_m_s, 0.2);
+    pass(300000);
+    EXPECT_EQ(0, state().target_linear_m_s);
+}
+
+TEST_F(Move, StepsAloneDriveNothing) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_straight(&move, 2.0F, &options));
+    for (int i = 0; i < 50; i++) {
+        roburoc4_move_step(&move, &client, now());
+        pass(5 * cycle_us);
+    }
+    EXPECT_EQ(0U, state().nonzero_speed_commands);
+}
+
+TEST_F(Move, APauseOfTheProgramCostsNoAccuracy) {
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, interrupted_by([&] { pass(600000); }));
+    EXPECT_NEAR(2.0, ahead(), 0.02);
+    EXPECT_LT(most_acceleration * cycle_us, 0.6 * 600000 + cycle_us);
+}
+
+/* -------------------------------------------------------------------------- looking where it goes
+ */
+
+TEST_F(Move, AWallEndsItBeforeTheClearance) {
+    roburoc4_sim_add_wall(robot(), 3.0, -1.0, 3.0, 1.0);
+    for (const float speed : {0.3F, 1.0F}) {
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_place(robot(), 0, 0, 0));
+        pass(second);
+        roburoc4_client_arm(&client, now());
+        options.linear_m_s = speed;
+        EXPECT_EQ(ROBUROC4_MOVE_OBSTACLE, straight(4.0F));
+        EXPECT_GT(move.left_m, 1.0);
+        pass(3 * second);
+        const double gap = 3.0 - 0.05 - 0.655 - state().true_x_m;
+        EXPECT_GT(gap, 0.45) << speed;
+        EXPECT_LT(gap, 0.8) << speed;
+    }
+}
+
+TEST_F(Move, AWallBehindEndsAMoveBackward) {
+    roburoc4_sim_add_wall(robot(), -3.0, -1.0, -3.0, 1.0);
+    EXPECT_EQ(ROBUROC4_MOVE_OBSTACLE, straight(-4.0F));
+    pass(3 * second);
+    EXPECT_GT(3.0 - 0.05 - 0.655 + state().true_x_m, 0.45);
+}
+
+TEST_F(Move, GoingAwayFromAWallIsPossible) {
+    roburoc4_sim_add_wall(robot(), 1.0, -1.0, 1.0, 1.0);
+    pass(second);
+    EXPECT_EQ(ROBUROC4_MOVE_OBSTACLE, straight(0.5F));
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, straight(-0.5F));
+    EXPECT_NEAR(-0.5, ahead(), 0.01);
+}
+
+TEST_F(Move, TurnsInPlaceAndNoClearanceDoNotLook) {
+    roburoc4_sim_add_wall(robot(), 1.0, -1.0, 1.0, 1.0);
+    pass(second);
+    options.clearance_m = 0;
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, straight(0.1F));
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, straight(-0.2F));
+    options.clearance_m = 0.5F;
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, turn(0.3));
+}
+
+TEST_F(Move, AMoveThatEndsBeforeTheClearanceIsReached) {
+    roburoc4_sim_add_wall(robot(), 2.3, -1.0, 2.3, 1.0);
+    pass(second);
+    options.linear_m_s = 1.0F;
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, straight(1.0F));
+}
+
+TEST_F(Move, ABumperEndsIt) {
+    EXPECT_EQ(ROBUROC4_MOVE_BUMPER,
+              interrupted_by([&] { roburoc4_sim_set_bumper(robot(), ROBUROC4_SIM_FRONT, 1); }));
+    expect_stopped();
+}
+
+TEST_F(Move, AnyBumperThatGetsPressedEndsIt) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_turn(&move, 3.0F, &options));
+    EXPECT_EQ(ROBUROC4_MOVE_BUMPER, go([&] {
+                  if (turned() > 0.5)
+                      roburoc4_sim_set_bumper(robot(), ROBUROC4_SIM_REAR, 1);
+              }));
+}
+
+TEST_F(Move, BackingAwayFromAPressedBumperIsPossible) {
+    roburoc4_sim_set_bumper(robot(), ROBUROC4_SIM_FRONT, 1);
+    pass(second);
+    EXPECT_EQ(ROBUROC4_MOVE_BUMPER, straight(0.5F));
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, straight(-0.5F));
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, turn(0.3));
+}
+
+TEST_F(Moving, WithTelemetersUnheardItDoesNotGo) {
+    config.subscriptions &= ~(1U << ROBUROC4_SERVICE_TELEMETER);
+    connect_and_arm();
+    EXPECT_EQ(ROBUROC4_MOVE_LOST, straight(1.0F));
+    EXPECT_NEAR(0.0, ahead(), 0.001);
+    options.clearance_m = 0;
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, straight(1.0F));
+}
+
+TEST_F(Move, TelemetersThatFallSilentEndIt) {
+    EXPECT_EQ(ROBUROC4_MOVE_LOST, interrupted_by([&] {
+                  roburoc4_client_unsubscribe(&client, ROBUROC4_SERVICE_TELEMETER, now());
+              }));
+    expect_stopped();
+}
+
+/* ------------------------------------------------------------------------------------ arguments */
+
+TEST_F(Move, BadArgumentsAreRefused) {
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const float infinite = std::numeric_limits<float>::infinity();
+    EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE, roburoc4_move_straight(&move, nan, nullptr));
+    EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, roburoc4_move_step(&move, &client, now()));
+    EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE, roburoc4_move_turn(&move, infinite, nullptr));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_move_straight(&move, 10001.0F, nullptr));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_move_turn(&move, -10001.0F, nullptr));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_move_arc(&move, 0.0F, 1.0F, nullptr));
+    EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE,
+              roburoc4_move_to_point(&move, 0, std::numeric_limits<double>::quiet_NaN(), nullptr));
+    EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE,
+              roburoc4_move_to_pose(&move, 0, 0, std::numeric_limits<double>::infinity(), nullptr));
+    for (float roburoc4_move_options::*field :
+         {&roburoc4_move_options::linear_m_s, &roburoc4_move_options::angular_rad_s,
+          &roburoc4_move_options::linear_m_s2, &roburoc4_move_options::angular_rad_s2}) {
+        for (const float bad : {0.0F, -1.0F, nan, infinite}) {
+            roburoc4_move_options changed = options;
+            changed.*field = bad;
+            EXPECT_LT(roburoc4_move_straight(&move, 1.0F, &changed), 0);
+            EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, move.result);
+        }
+    }
+    for (const float bad : {-1.0F, nan, infinite}) {
+        options.clearance_m = bad;
+        EXPECT_LT(roburoc4_move_rest(&move, &options), 0);
+    }
+}
+
+TEST_F(Move, OptionsOfAnotherSizeAreRefused) {
+    EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_move_options_init(&options, 4));
+    options.size = 4;
+    EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_move_straight(&move, 1.0F, &options));
+}
+
+TEST_F(Move, APointTooFarAwayIsNoGoal) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_point(&move, 1e9, 0, nullptr));
+    EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, go());
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, move.cause);
+}
+
+TEST(MoveResult, EveryResultHasASentence) {
+    for (std::int32_t result = ROBUROC4_MOVE_RUNNING; result <= ROBUROC4_MOVE_CANCELLED; result++) {
+        const std::string text = roburoc4_move_result_text(result);
+        EXPECT_GT(text.size(), 8U);
+        EXPECT_NE("unknown result", text);
+    }
+    EXPECT_STREQ("unknown result", roburoc4_move_result_text(-1));
+    EXPECT_STREQ("unknown result", roburoc4_move_result_text(10));
+}
