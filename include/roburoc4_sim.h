@@ -12,7 +12,7 @@
  *     roburoc4_sim_advance()        time went on: run the 10 ms low level cycles up to now
  *     roburoc4_sim_poll_transmit()  the next datagram to send and to whom, until 0
  *     roburoc4_sim_next_deadline()  when to call advance() next
- *     roburoc4_sim_set_...()        power, game pad, emergency stops, bumpers, boxes ...
+ *     roburoc4_sim_set()            power, game pad, emergency stops, bumpers ...
  *     roburoc4_sim_snapshot()       all that an observer could know, the true pose too
  *
  * The same configuration, seed and calls give the same bytes. roburoc4-sim is this model behind
@@ -24,7 +24,7 @@
  *   sender (an address and port, or just 1); answers and statuses go to the peer that asked.
  *   Memory is allocated by the create functions only and freed by the destroy functions.
  *   One simulator is used by one thread at a time; different ones by any threads.
- *   Setters that cannot do what is asked return an error and change nothing.
+ *   Functions that cannot do what is asked return an error and change nothing.
  */
 #ifndef ROBUROC4_SIM_H
 #define ROBUROC4_SIM_H
@@ -45,7 +45,7 @@ extern "C" {
 #define ROBUROC4_SIM_MAX_TRANSMIT 512
 /** Peers that it remembers at once; each can subscribe to every service. */
 #define ROBUROC4_SIM_MAX_PEERS 64
-/** Boxes and walls of its world. */
+/** Boxes on the floor. */
 #define ROBUROC4_SIM_MAX_BOXES 64
 /** The most channels that it can be given, of each type. */
 #define ROBUROC4_SIM_MAX_ANALOG 64
@@ -60,7 +60,7 @@ extern "C" {
  *  you need. Arrays by service use ROBUROC4_SERVICE_* as index, masks `1u << ROBUROC4_SERVICE_*`.
  */
 typedef struct roburoc4_sim_config {
-    uint32_t size;             /* sizeof(roburoc4_sim_config), set by init */
+    uint32_t size;             /* sizeof(roburoc4_sim_config), set by roburoc4_sim_config_init() */
     uint32_t watchdog_cycles;  /* cycles without speed command until it stops: 1 to 1000000; 100 */
     uint64_t seed;             /* of all its noise; 1 */
     uint16_t service_ids[8];   /* wire ids; 0 to 6. The first two stay 0 and 1, all differ */
@@ -101,8 +101,9 @@ typedef struct roburoc4_sim_config {
     double start_x_m, start_y_m, start_theta_rad; /* true pose and odometry at creation; 0, 0, 0 */
 } roburoc4_sim_config;
 
-/** Fill with the defaults: a RobuROC4 as the manual describes it. */
-ROBUROC4_SIM_API void roburoc4_sim_config_init(roburoc4_sim_config *config);
+/** Fill with the defaults; `size` is sizeof(roburoc4_sim_config). ROBUROC4_ERR_SIZE (nothing
+ *  written) for a size that no version has had. */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_config_init(roburoc4_sim_config *config, size_t size);
 /** What is wrong with a configuration and how to mend it, as one English sentence; NULL if nothing
  *  is. Lives as long as the program. */
 ROBUROC4_SIM_API const char *roburoc4_sim_config_error(const roburoc4_sim_config *config);
@@ -111,30 +112,20 @@ ROBUROC4_SIM_API const char *roburoc4_sim_config_error(const roburoc4_sim_config
  *  makes a robot is for roburoc4_sim_config_error() to say. */
 ROBUROC4_SIM_API roburoc4_result roburoc4_sim_config_set(roburoc4_sim_config *config,
                                                          const char *name, double value);
-/** Read the text of an `udpserver.cfg` (4.2.5.6): an INI file of which `Watchdog` of the section
- *  `DifferentialService` is used (in cycles of 10 ms), and the section `Simulator`, which the
- *  robot's own file does not have: lines `NAME=VALUE` for roburoc4_sim_config_set(). Everything
- *  else is skipped.
- *  ROBUROC4_ERR_VALUE: `error` (capacity bytes, may be NULL with 0) names line and remedy, and the
- *  configuration is unchanged. */
-ROBUROC4_SIM_API roburoc4_result roburoc4_sim_config_read(roburoc4_sim_config *config,
-                                                          const char *text, size_t length,
-                                                          char *error, size_t capacity);
-
 /* ------------------------------------------------------------------------------- the robot --- */
 
 typedef struct roburoc4_sim roburoc4_sim;
 
-/** A powered robot at its start pose in its default world: a room with a few boxes, of which none
- *  is nearer than 5 m. Every knob is released, the brakes are AUTOMATIC, the motors are on (unless
- *  start_safe). config may be NULL for the defaults. NULL: a bad configuration (see
+/** A powered robot at its start pose in its default room, with a few boxes, of which none
+ *  is nearer than 5 m. Every control is released, the brakes are AUTOMATIC, the motors are on
+ * (unless start_safe). config may be NULL for the defaults. NULL: a bad configuration (see
  *  roburoc4_sim_config_error()), or no memory. */
 ROBUROC4_SIM_API roburoc4_sim *roburoc4_sim_create(const roburoc4_sim_config *config);
 /** Free it; NULL is ignored. */
 ROBUROC4_SIM_API void roburoc4_sim_destroy(roburoc4_sim *sim);
 
 /** Give it another configuration, as if it had been changed while the power was off: a robot that
- *  is on reboots. Its place, its battery and the world stay; pinned inputs are let go.
+ *  is on reboots. Its place, its battery and the obstacles stay; pinned inputs are let go.
  * ROBUROC4_ERR_CONFIG: a bad configuration, nothing was changed. */
 ROBUROC4_SIM_API roburoc4_result roburoc4_sim_reconfigure(roburoc4_sim *sim,
                                                           const roburoc4_sim_config *config);
@@ -156,66 +147,65 @@ ROBUROC4_SIM_API uint64_t roburoc4_sim_next_deadline(const roburoc4_sim *sim);
  *  least 2 s apart, of a peer that sent nothing for 5 s, end its subscriptions. */
 ROBUROC4_SIM_API void roburoc4_sim_peer_unreachable(roburoc4_sim *sim, uint64_t peer);
 
-/* --------------------------------------------- the control panel, remote control (5.1, 5.2) --- */
+/* ------------------------------------------------------------------------------- controls --- */
 
-/** Main power switch. Off (0): silent, motors off, all subscriptions gone. On (1) after off is a
- *  reboot: cycles from 0, odometry at the start pose, targets 0. The robot stays where it is. */
-ROBUROC4_SIM_API void roburoc4_sim_set_power(roburoc4_sim *sim, int32_t on);
-
-#define ROBUROC4_SIM_ESTOP_LOCAL 0
-#define ROBUROC4_SIM_ESTOP_REMOTE 1
-/** Press (1) or release (0) an emergency stop; pressed, it cuts the motors' power and the robot
- *  brakes. Releasing alone brings no power back. ROBUROC4_ERR_ARGUMENT for an unknown one. */
-ROBUROC4_SIM_API roburoc4_result roburoc4_sim_set_estop(roburoc4_sim *sim, uint32_t which,
-                                                        int32_t pressed);
-
-#define ROBUROC4_SIM_BRAKES_AUTOMATIC 0
-#define ROBUROC4_SIM_BRAKES_RELEASED 1
-/** Brakes selector. RELEASED cuts the motors' power, and the robot rolls out instead of braking.
- *  ROBUROC4_ERR_ARGUMENT for an unknown position. */
-ROBUROC4_SIM_API roburoc4_result roburoc4_sim_set_brakes(roburoc4_sim *sim, uint32_t position);
-/** Press the motor-power button. ROBUROC4_ERR_STATE, and still no power, unless the main power is
- *  on, both emergency stops are released and the brakes are AUTOMATIC. */
-ROBUROC4_SIM_API roburoc4_result roburoc4_sim_press_motor_button(roburoc4_sim *sim);
-/** Plug in (1) or pull (0) the battery charger. */
-ROBUROC4_SIM_API void roburoc4_sim_set_charger(roburoc4_sim *sim, int32_t plugged);
-/** Remaining energy, 0 to 100; else ROBUROC4_ERR_ARGUMENT. An empty battery stays at 0 and the
- *  robot goes on, so that a test decides when the power goes. */
-ROBUROC4_SIM_API roburoc4_result roburoc4_sim_set_battery_percent(roburoc4_sim *sim, float percent);
-
-/* -------------------------------------------------------- the game pad (4.1, 5.4), the inputs ---
+/** What a person beside the robot can do (5.1, 5.2, 4.1, 5.4), and what no person can: the value of
+ *  each is a switch, 1 or 0, unless its comment says otherwise. The name of a control, in the
+ *  panel's lines and in other languages, is that of its constant: "estop_local". */
+/* main power switch. Off: silent, motors off, all subscriptions gone. On after off is a reboot:
+ * cycles from 0, odometry at the start pose, targets 0. The robot stays where it is. */
+#define ROBUROC4_SIM_POWER 0
+/* 1 presses the button. ROBUROC4_ERR_STATE, and still no power, unless the main power is on, both
+ * emergency stops are released and the brakes are AUTOMATIC. Reads: whether the motors have power
  */
+#define ROBUROC4_SIM_MOTOR_BUTTON 1
+/* emergency stops: pressed, they cut the motors' power and the robot brakes. Releasing alone brings
+ * no power back */
+#define ROBUROC4_SIM_ESTOP_LOCAL 2
+#define ROBUROC4_SIM_ESTOP_REMOTE 3
+/* brakes selector: AUTOMATIC (0), or RELEASED, which cuts the motors' power: the robot rolls out */
+#define ROBUROC4_SIM_BRAKES_RELEASED 4
+#define ROBUROC4_SIM_CHARGER 5 /* plugged in */
+/* remaining energy, 0 to 100. An empty battery stays at 0 and the robot goes on, so that a test
+ * decides when the power goes */
+#define ROBUROC4_SIM_BATTERY_PERCENT 6
+/* bumpers, pressed by hand; contact with an obstacle presses them as well. A pressed bumper stops
+ * motion towards it; the other direction is free */
+#define ROBUROC4_SIM_BUMPER_FRONT 7
+#define ROBUROC4_SIM_BUMPER_REAR 8
+#define ROBUROC4_SIM_LOCALIZATION_FLAGS 9 /* a sum of ROBUROC4_LOCALIZATION_* */
+#define ROBUROC4_SIM_PAD 10               /* 0 lets all buttons and axes of the game pad go */
+#define ROBUROC4_SIM_PIN 11               /* 0 unpins all inputs */
+/* a button of the game pad, on any robot: add ROBUROC4_DI_PAD_A to _RB; "pad_a" to "pad_rb". While
+ * [A] is held the pad's axes drive and speed commands are ignored; after it the target is 0 until
+ * the next command */
+#define ROBUROC4_SIM_PAD_BUTTON 100
+/* an axis, -1 to 1: add ROBUROC4_AI_PAD_LJ_X to _RT; "pad_lj_x" to "pad_rt". Sticks rest at 0 and
+ * go to 1 at right and up; the triggers LT and RT rest at -1 and reach 1 fully pressed. RT drives
+ * forward, LT backward, LJ_X turns (right is clockwise); full means the robot's limit */
+#define ROBUROC4_SIM_PAD_AXIS 200
+/* pin the value that an input reports, whatever the model says (it does not drive by it): add its
+ * index on the wire; "pin_analog_2". Any float, NaN too. Reads: what the input reports */
+#define ROBUROC4_SIM_PIN_ANALOG 1000
+#define ROBUROC4_SIM_PIN_DIGITAL 2000
+/* to be read only: the last commanded value of an output, 0 before the first command and after a
+ * reboot; "digital_output_3". Digital output 0 is the robot's own: 1 while speed commands feed its
+ * watchdog */
+#define ROBUROC4_SIM_ANALOG_OUTPUT 3000
+#define ROBUROC4_SIM_DIGITAL_OUTPUT 4000
 
-/** Press (1) or release (0) a button: ROBUROC4_DI_PAD_A to ROBUROC4_DI_PAD_RB, on any robot. While
- *  [A] is held the pad's axes drive and speed commands are ignored; after it the target is 0 until
- *  the next command. ROBUROC4_ERR_INDEX for another number. */
-ROBUROC4_SIM_API roburoc4_result roburoc4_sim_set_pad_button(roburoc4_sim *sim, uint32_t button,
-                                                             int32_t down);
-/** Move an axis: ROBUROC4_AI_PAD_LJ_X to ROBUROC4_AI_PAD_RT, on any robot, to -1..1. Sticks rest at
- *  0 and go to 1 at right and up; the triggers LT and RT rest at -1 and reach 1 fully pressed. RT
- *  drives forward, LT backward, LJ_X turns (right is clockwise); full means the robot's limit.
- *  ROBUROC4_ERR_INDEX, ROBUROC4_ERR_ARGUMENT. */
-ROBUROC4_SIM_API roburoc4_result roburoc4_sim_set_pad_axis(roburoc4_sim *sim, uint32_t axis,
-                                                           float value);
-/** Let all buttons and axes go. */
-ROBUROC4_SIM_API void roburoc4_sim_release_pad(roburoc4_sim *sim);
+/** Set a control. ROBUROC4_ERR_INDEX: the robot has none of this number; ROBUROC4_ERR_ARGUMENT: it
+ *  cannot have this value; ROBUROC4_ERR_STATE: not now. */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_set(roburoc4_sim *sim, uint32_t control,
+                                                  double value);
+/** Read one. ROBUROC4_ERR_INDEX: the robot has none of this number, or it cannot be read. */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_get(const roburoc4_sim *sim, uint32_t control,
+                                                  double *out);
+/** The number of the control with this name, or ROBUROC4_ERR_INDEX. Underscores do not matter, and
+ *  what is behind one can be left out where one control alone is left: "battery", "brakes". */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_control_find(const char *name);
 
-#define ROBUROC4_SIM_FRONT 0
-#define ROBUROC4_SIM_REAR 1
-/** Press (1) a bumper by hand, or let go (0); contact with an obstacle presses it as well. A
- *  pressed bumper stops motion towards it; the other direction is free. ROBUROC4_ERR_ARGUMENT. */
-ROBUROC4_SIM_API roburoc4_result roburoc4_sim_set_bumper(roburoc4_sim *sim, uint32_t which,
-                                                         int32_t pressed);
-/** Pin the value that an input reports, whatever the model says (it does not drive by it): any
- *  float, NaN too. index is that on the wire; ROBUROC4_ERR_INDEX beyond the last. */
-ROBUROC4_SIM_API roburoc4_result roburoc4_sim_pin_analog_input(roburoc4_sim *sim, uint32_t index,
-                                                               float value);
-ROBUROC4_SIM_API roburoc4_result roburoc4_sim_pin_digital_input(roburoc4_sim *sim, uint32_t index,
-                                                                int32_t on);
-/** Unpin all inputs. */
-ROBUROC4_SIM_API void roburoc4_sim_unpin_inputs(roburoc4_sim *sim);
-
-/* ----------------------------------------------------------------------------- the world --- */
+/* ------------------------------------------------------------------------------ obstacles --- */
 /*
  * Boxes on the floor, seen by the telemeters and hit by the bumpers. The robot's body, 1.310 m
  * long and 0.750 m wide around its pose, is never inside of one.
@@ -223,18 +213,15 @@ ROBUROC4_SIM_API void roburoc4_sim_unpin_inputs(roburoc4_sim *sim);
 
 /** Add a box by its centre, its sizes (0.01 to 10000 m) along its own axes, and its orientation.
  *  Its number (0 or more), ROBUROC4_ERR_ARGUMENT (a value), ROBUROC4_ERR_STATE (the robot stands
- *  there), ROBUROC4_ERR_BUFFER (the world is full). */
+ *  there), ROBUROC4_ERR_BUFFER (there are ROBUROC4_SIM_MAX_BOXES). A wall is a thin box. */
 ROBUROC4_SIM_API roburoc4_result roburoc4_sim_add_box(roburoc4_sim *sim, double x_m, double y_m,
                                                       double size_x_m, double size_y_m,
                                                       double theta_rad);
-/** Add a wall, 0.1 m thick, between two points. Results of roburoc4_sim_add_box(). */
-ROBUROC4_SIM_API roburoc4_result roburoc4_sim_add_wall(roburoc4_sim *sim, double x1_m, double y1_m,
-                                                       double x2_m, double y2_m);
 /** Move box `number`. ROBUROC4_ERR_INDEX, or the results of roburoc4_sim_add_box(). */
 ROBUROC4_SIM_API roburoc4_result roburoc4_sim_move_box(roburoc4_sim *sim, uint32_t number,
                                                        double x_m, double y_m, double theta_rad);
-/** Remove all boxes and walls. */
-ROBUROC4_SIM_API void roburoc4_sim_clear_world(roburoc4_sim *sim);
+/** Remove all boxes. */
+ROBUROC4_SIM_API void roburoc4_sim_clear_obstacles(roburoc4_sim *sim);
 /** Lift the robot to another true pose, at rest; its odometry notices nothing.
  *  ROBUROC4_ERR_ARGUMENT (not finite), ROBUROC4_ERR_STATE (an obstacle is there). */
 ROBUROC4_SIM_API roburoc4_result roburoc4_sim_place(roburoc4_sim *sim, double x_m, double y_m,
@@ -244,7 +231,7 @@ ROBUROC4_SIM_API roburoc4_result roburoc4_sim_place(roburoc4_sim *sim, double x_
 
 /** All that can be known about the robot. */
 typedef struct roburoc4_sim_state {
-    uint32_t size;          /* set it to sizeof(roburoc4_sim_state) before the call */
+    uint32_t size;          /* set by ROBUROC4_SIZED() */
     uint32_t battery_state; /* ROBUROC4_BATTERY_* */
     uint64_t now_us;        /* time of the last advance() */
     uint64_t cycles;        /* low level cycles since power on */
@@ -280,21 +267,9 @@ typedef struct roburoc4_sim_state {
     uint32_t subscriptions; /* of all peers */
 } roburoc4_sim_state;
 
-/** Read the state. ROBUROC4_ERR_SIZE: state->size is not the library's. */
+/** Read the state. ROBUROC4_ERR_SIZE for a size that no version has had. */
 ROBUROC4_SIM_API roburoc4_result roburoc4_sim_snapshot(const roburoc4_sim *sim,
                                                        roburoc4_sim_state *state);
-/** The last commanded value of an output (0 before the first command and after a reboot);
- *  ROBUROC4_ERR_INDEX beyond the last. Digital output 0 is the robot's own: 1 while speed
- *  commands feed its watchdog. */
-ROBUROC4_SIM_API roburoc4_result roburoc4_sim_analog_output(const roburoc4_sim *sim, uint32_t index,
-                                                            float *value);
-ROBUROC4_SIM_API roburoc4_result roburoc4_sim_digital_output(const roburoc4_sim *sim,
-                                                             uint32_t index);
-/** The period in cycles at which `peer` is sent the statuses of a service (ROBUROC4_SERVICE_*, not
- *  its wire id); 0 if it did not subscribe. */
-ROBUROC4_SIM_API uint32_t roburoc4_sim_subscription(const roburoc4_sim *sim, uint64_t peer,
-                                                    uint32_t service);
-
 /** Obey one line of text, such as `pad a down`, `pad rt 0.5`, `estop local press`, `power off`;
  *  `help` lists them all. `reply` (capacity bytes, at least 1) gets "ok", the text that was asked
  *  for, or what is wrong; ROBUROC4_SIM_REPLY bytes hold the longest. An empty line, or one that
@@ -303,56 +278,6 @@ ROBUROC4_SIM_API uint32_t roburoc4_sim_subscription(const roburoc4_sim *sim, uin
 #define ROBUROC4_SIM_REPLY 2048
 ROBUROC4_SIM_API roburoc4_result roburoc4_sim_panel(roburoc4_sim *sim, const char *line,
                                                     char *reply, size_t capacity);
-
-/* ------------------------------------------------------------------- a network with faults --- */
-/*
- * One direction of a bad network in virtual time: push what is sent, poll what arrives. Use two,
- * one for each direction, between a client and a simulator, or between any two.
- */
-
-/** Faults; the shares are 0 to 1, each datagram's luck is drawn on its own. */
-typedef struct roburoc4_sim_faults {
-    double loss;        /* never arrives */
-    double duplicate;   /* arrives twice */
-    double reorder;     /* is held back 1 to 40 ms longer, so that later ones overtake it */
-    double corrupt;     /* one to four bits are flipped, or (one in four) its end is cut off */
-    uint32_t delay_us;  /* of every datagram */
-    uint32_t jitter_us; /* and up to so much more; jitter alone never changes the order */
-} roburoc4_sim_faults;
-
-typedef struct roburoc4_sim_channel roburoc4_sim_channel;
-
-/** A channel that holds up to `datagrams` (1 to 65536) in flight, of up to `longest` (1 to 65507)
- *  bytes each. NULL: an argument outside its range, or no memory. faults may be NULL for none. */
-ROBUROC4_SIM_API roburoc4_sim_channel *
-roburoc4_sim_channel_create(const roburoc4_sim_faults *faults, uint64_t seed, uint32_t datagrams,
-                            uint32_t longest);
-/** Free it; NULL is ignored. */
-ROBUROC4_SIM_API void roburoc4_sim_channel_destroy(roburoc4_sim_channel *channel);
-/** Other faults from now on; what is in flight stays so. ROBUROC4_ERR_ARGUMENT: a share that is
- *  not within 0 to 1, nothing was changed. */
-ROBUROC4_SIM_API roburoc4_result roburoc4_sim_channel_set_faults(roburoc4_sim_channel *channel,
-                                                                 const roburoc4_sim_faults *faults);
-/** Send a datagram at now_us. What finds the channel full, or is empty or too long for it, is
- *  dropped and counted. `peer` is any number; it comes out with the datagram. */
-ROBUROC4_SIM_API void roburoc4_sim_channel_push(roburoc4_sim_channel *channel, uint64_t peer,
-                                                const uint8_t *data, size_t size, uint64_t now_us);
-/** Take the next datagram that has arrived at now_us: its length, or 0 when there is none.
- *  ROBUROC4_ERR_BUFFER leaves it where it is. peer may be NULL. */
-ROBUROC4_SIM_API roburoc4_result roburoc4_sim_channel_poll(roburoc4_sim_channel *channel,
-                                                           uint64_t now_us, uint64_t *peer,
-                                                           uint8_t *buffer, size_t capacity);
-/** When the next datagram arrives; UINT64_MAX when none is in flight. */
-ROBUROC4_SIM_API uint64_t roburoc4_sim_channel_next_deadline(const roburoc4_sim_channel *channel);
-
-/** What a channel did so far. */
-typedef struct roburoc4_sim_channel_counts {
-    uint64_t pushed, delivered;
-    uint64_t lost, duplicated, reordered, corrupted; /* by its faults */
-    uint64_t dropped;                                /* full, empty or too long */
-} roburoc4_sim_channel_counts;
-ROBUROC4_SIM_API void roburoc4_sim_channel_count(const roburoc4_sim_channel *channel,
-                                                 roburoc4_sim_channel_counts *counts);
 
 /* ---------------------------------------------------------------------------- virtual time --- */
 /*
@@ -369,6 +294,19 @@ ROBUROC4_SIM_API void roburoc4_sim_channel_count(const roburoc4_sim_channel *cha
  */
 
 typedef struct roburoc4_world roburoc4_world;
+
+/** What goes wrong on a network, in each direction; the shares are 0 to 1, and each datagram's luck
+ *  is drawn on its own. All but the size 0: nothing. */
+typedef struct roburoc4_sim_faults {
+    uint32_t size;      /* set by ROBUROC4_SIZED() */
+    uint32_t delay_us;  /* of every datagram */
+    uint32_t jitter_us; /* and up to so much more; jitter alone never changes the order */
+    uint32_t reserved;
+    double loss;      /* never arrives */
+    double duplicate; /* arrives twice */
+    double reorder;   /* is held back 1 to 40 ms longer, so that later ones overtake it */
+    double corrupt;   /* one to four bits are flipped, or (one in four) its end is cut off */
+} roburoc4_sim_faults;
 
 /** Clients that a world has room for. */
 #define ROBUROC4_WORLD_CLIENTS 16
@@ -391,7 +329,8 @@ ROBUROC4_SIM_API roburoc4_result roburoc4_world_join(roburoc4_world *world,
 /** Carry no more datagrams of this client: what is under way is lost. To let it stop its robot,
  *  call roburoc4_client_close() and let time pass before. */
 ROBUROC4_SIM_API void roburoc4_world_leave(roburoc4_world *world, const roburoc4_client *client);
-/** What goes wrong on all networks from now on. Result of roburoc4_sim_channel_set_faults(). */
+/** What goes wrong on all networks from now on; what is under way stays so. ROBUROC4_ERR_SIZE, or
+ *  ROBUROC4_ERR_ARGUMENT for a share that is not within 0 to 1: nothing was changed. */
 ROBUROC4_SIM_API roburoc4_result roburoc4_world_set_faults(roburoc4_world *world,
                                                            const roburoc4_sim_faults *faults);
 /** Let time go on to the next moment at which a client has news, but not beyond until_us: it was

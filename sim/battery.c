@@ -74,11 +74,3 @@ uint8_t sim_battery_state(const roburoc4_sim *sim) {
     return sim_battery_remaining(sim) < sim->config.minimum_percent ? ROBUROC4_BATTERY_CRITICAL
                                                                     : ROBUROC4_BATTERY_OK;
 }
-
-roburoc4_result roburoc4_sim_set_battery_percent(roburoc4_sim *sim, float percent) {
-    if (!(percent >= 0.0f && percent <= 100.0f)) {
-        return ROBUROC4_ERR_ARGUMENT;
-    }
-    sim_battery_set(sim, percent);
-    return ROBUROC4_OK;
-}

@@ -17,7 +17,7 @@ static void take_in(const sim_carrier *c, uint64_t now_us) {
             break;
         }
         if (c->in != NULL) {
-            roburoc4_sim_channel_push(c->in, peer, c->buffer, (size_t)size, now_us);
+            sim_network_push(c->in, peer, c->buffer, (size_t)size, now_us);
         } else {
             roburoc4_sim_receive(c->sim, peer, c->buffer, (size_t)size);
         }
@@ -30,8 +30,7 @@ static void take_in(const sim_carrier *c, uint64_t now_us) {
 static void deliver_in(const sim_carrier *c, uint64_t now_us) {
     uint64_t peer = 0;
     roburoc4_result size = 0;
-    while ((size = roburoc4_sim_channel_poll(c->in, now_us, &peer, c->buffer, SIM_LONGEST_UDP)) >
-           0) {
+    while ((size = sim_network_poll(c->in, now_us, &peer, c->buffer, SIM_LONGEST_UDP)) > 0) {
         roburoc4_sim_receive(c->sim, peer, c->buffer, (size_t)size);
     }
 }
@@ -41,13 +40,13 @@ static void send_out(const sim_carrier *c, uint64_t now_us) {
     roburoc4_result size = 0;
     while ((size = roburoc4_sim_poll_transmit(c->sim, &peer, c->buffer, SIM_LONGEST_UDP)) > 0) {
         if (c->out != NULL) {
-            roburoc4_sim_channel_push(c->out, peer, c->buffer, (size_t)size, now_us);
+            sim_network_push(c->out, peer, c->buffer, (size_t)size, now_us);
         } else {
             net_send(c->net, c->index, peer, c->buffer, (size_t)size);
         }
     }
-    while (c->out != NULL && (size = roburoc4_sim_channel_poll(c->out, now_us, &peer, c->buffer,
-                                                               SIM_LONGEST_UDP)) > 0) {
+    while (c->out != NULL &&
+           (size = sim_network_poll(c->out, now_us, &peer, c->buffer, SIM_LONGEST_UDP)) > 0) {
         net_send(c->net, c->index, peer, c->buffer, (size_t)size);
     }
 }
@@ -73,8 +72,8 @@ static uint64_t sooner(uint64_t one, uint64_t other) {
 uint64_t sim_carrier_next_deadline(const sim_carrier *c) {
     uint64_t next_us = roburoc4_sim_next_deadline(c->sim);
     if (c->in != NULL) {
-        next_us = sooner(next_us, roburoc4_sim_channel_next_deadline(c->in));
-        next_us = sooner(next_us, roburoc4_sim_channel_next_deadline(c->out));
+        next_us = sooner(next_us, sim_network_next_deadline(c->in));
+        next_us = sooner(next_us, sim_network_next_deadline(c->out));
     }
     return next_us;
 }

@@ -7,7 +7,7 @@
 #define ROBUROC4_SIM_CARRIER_H
 
 #include "net.h"
-#include "roburoc4_sim.h"
+#include "network.h"
 
 #define SIM_LONGEST_UDP 65536
 /* What passes through a faulty network: one Ethernet frame. */
@@ -16,9 +16,9 @@
 typedef struct sim_carrier {
     roburoc4_sim *sim;
     net_sockets *net;
-    size_t index;                   /* of the robot's socket */
-    roburoc4_sim_channel *in, *out; /* both NULL: a perfect network */
-    uint8_t *buffer;                /* of SIM_LONGEST_UDP bytes; carriers may share one */
+    size_t index;          /* of the robot's socket */
+    sim_network *in, *out; /* both NULL: a perfect network */
+    uint8_t *buffer;       /* of SIM_LONGEST_UDP bytes; carriers may share one */
 } sim_carrier;
 
 /* Take what arrived, let time go on to now_us, send what there is to send. After net_wait(). */

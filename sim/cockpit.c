@@ -12,8 +12,7 @@
 static bool motors_allowed(const roburoc4_sim *sim) {
     bool forbidden = sim->config.as_manual != 0 &&
                      (sim->charger || sim_battery_state(sim) == ROBUROC4_BATTERY_CRITICAL);
-    return sim->powered && !sim->estop[ROBUROC4_SIM_ESTOP_LOCAL] &&
-           !sim->estop[ROBUROC4_SIM_ESTOP_REMOTE] && !sim->brakes_released && !forbidden;
+    return sim->powered && !sim->estop[0] && !sim->estop[1] && !sim->brakes_released && !forbidden;
 }
 
 void sim_cockpit_power_up(roburoc4_sim *sim) {
@@ -29,7 +28,7 @@ void sim_cockpit_power_up(roburoc4_sim *sim) {
     memset(sim->digital_outputs, 0, sizeof sim->digital_outputs);
 }
 
-void sim_cockpit_power_down(roburoc4_sim *sim) {
+static void power_down(roburoc4_sim *sim) {
     sim->powered = false;
     sim->motors = false;
     sim_motion_forget(sim);
@@ -37,52 +36,22 @@ void sim_cockpit_power_down(roburoc4_sim *sim) {
     sim_queue_clear(&sim->queue);
 }
 
-void roburoc4_sim_set_power(roburoc4_sim *sim, int32_t on) {
-    if (on != 0 && !sim->powered) {
+void sim_cockpit_switch(roburoc4_sim *sim, bool on) {
+    if (on && !sim->powered) {
         sim->counts.reboots++;
         sim_cockpit_power_up(sim);
-    } else if (on == 0 && sim->powered) {
-        sim_cockpit_power_down(sim);
+    } else if (!on && sim->powered) {
+        power_down(sim);
     }
 }
 
-roburoc4_result roburoc4_sim_set_estop(roburoc4_sim *sim, uint32_t which, int32_t pressed) {
-    if (which > ROBUROC4_SIM_ESTOP_REMOTE) {
-        return ROBUROC4_ERR_ARGUMENT;
-    }
-    sim->estop[which] = pressed != 0;
-    sim->motors = sim->motors && motors_allowed(sim);
-    return ROBUROC4_OK;
-}
-
-roburoc4_result roburoc4_sim_set_brakes(roburoc4_sim *sim, uint32_t position) {
-    if (position > ROBUROC4_SIM_BRAKES_RELEASED) {
-        return ROBUROC4_ERR_ARGUMENT;
-    }
-    sim->brakes_released = position == ROBUROC4_SIM_BRAKES_RELEASED;
-    sim->motors = sim->motors && motors_allowed(sim);
-    return ROBUROC4_OK;
-}
-
-roburoc4_result roburoc4_sim_press_motor_button(roburoc4_sim *sim) {
-    if (!motors_allowed(sim)) {
-        return ROBUROC4_ERR_STATE;
-    }
-    sim->motors = true;
-    return ROBUROC4_OK;
-}
-
-void roburoc4_sim_set_charger(roburoc4_sim *sim, int32_t plugged) {
-    sim->charger = plugged != 0;
+void sim_cockpit_check_motors(roburoc4_sim *sim) {
     sim->motors = sim->motors && motors_allowed(sim);
 }
 
-roburoc4_result roburoc4_sim_set_bumper(roburoc4_sim *sim, uint32_t which, int32_t pressed) {
-    if (which > ROBUROC4_SIM_REAR) {
-        return ROBUROC4_ERR_ARGUMENT;
-    }
-    sim->bumper_pressed[which] = pressed != 0;
-    return ROBUROC4_OK;
+bool sim_cockpit_press_motor_button(roburoc4_sim *sim) {
+    sim->motors = sim->motors || motors_allowed(sim);
+    return sim->motors;
 }
 
 /* -------------------------------------------------------------------------------- game pad --- */
@@ -111,39 +80,24 @@ static sim_speed pad_speed(const roburoc4_sim *sim) {
 }
 
 void sim_cockpit_cycle(roburoc4_sim *sim) {
-    sim->motors = sim->motors && motors_allowed(sim);
+    sim_cockpit_check_motors(sim);
     if (sim_pad_drives(sim)) {
         sim->target = pad_speed(sim);
     }
 }
 
-roburoc4_result roburoc4_sim_set_pad_button(roburoc4_sim *sim, uint32_t button, int32_t down) {
-    if (button < ROBUROC4_DI_PAD_A || button > ROBUROC4_DI_PAD_RB) {
-        return ROBUROC4_ERR_INDEX;
-    }
+void sim_cockpit_press(roburoc4_sim *sim, uint32_t button, bool down) {
     bool *state = &sim->buttons[button - ROBUROC4_DI_PAD_A];
-    if (button == ROBUROC4_DI_PAD_A && *state != (down != 0)) {
+    if (button == ROBUROC4_DI_PAD_A && *state != down) {
         /* Who takes over starts from a standstill: the other's command is dead. */
         sim_motion_forget(sim);
     }
-    *state = down != 0;
-    return ROBUROC4_OK;
+    *state = down;
 }
 
-roburoc4_result roburoc4_sim_set_pad_axis(roburoc4_sim *sim, uint32_t axis, float value) {
-    if (axis < ROBUROC4_AI_PAD_LJ_X || axis > ROBUROC4_AI_PAD_RT) {
-        return ROBUROC4_ERR_INDEX;
-    }
-    if (!(value >= -1.0f && value <= 1.0f)) {
-        return ROBUROC4_ERR_ARGUMENT;
-    }
-    sim->axes[axis - ROBUROC4_AI_PAD_LJ_X] = value;
-    return ROBUROC4_OK;
-}
-
-void roburoc4_sim_release_pad(roburoc4_sim *sim) {
+void sim_cockpit_release_pad(roburoc4_sim *sim) {
     for (uint32_t button = ROBUROC4_DI_PAD_A; button <= ROBUROC4_DI_PAD_RB; button++) {
-        (void)roburoc4_sim_set_pad_button(sim, button, 0);
+        sim_cockpit_press(sim, button, false);
     }
     memset(sim->axes, 0, sizeof sim->axes);
     sim->axes[ROBUROC4_AI_PAD_LT - ROBUROC4_AI_PAD_LJ_X] = -1.0f;

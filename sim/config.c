@@ -6,7 +6,7 @@
 
 #include "model.h"
 
-void roburoc4_sim_config_init(roburoc4_sim_config *config) {
+static void set_defaults(roburoc4_sim_config *config) {
     static const uint16_t types[ROBUROC4_SERVICE_COUNT] = {
         0x0000,
         0x0001,
@@ -44,6 +44,27 @@ void roburoc4_sim_config_init(roburoc4_sim_config *config) {
     config->capacity_ah = 60.0f;
     config->battery_percent = 100.0f;
     config->minimum_percent = 20;
+}
+
+roburoc4_result roburoc4_sim_config_init(roburoc4_sim_config *config, size_t size) {
+    roburoc4_sim_config defaults;
+    if (!sim_size_is_valid(size, sizeof defaults)) {
+        return ROBUROC4_ERR_SIZE;
+    }
+    set_defaults(&defaults);
+    defaults.size = (uint32_t)size;
+    memcpy(config, &defaults, size);
+    return ROBUROC4_OK;
+}
+
+bool sim_config_take(roburoc4_sim_config *out, const roburoc4_sim_config *config) {
+    if (!sim_size_is_valid(config->size, sizeof *out)) {
+        return false;
+    }
+    set_defaults(out);
+    memcpy(out, config, config->size);
+    out->size = sizeof *out;
+    return true;
 }
 
 static bool within(double value, double min, double max) {
@@ -100,8 +121,10 @@ static const char *model_error(const roburoc4_sim_config *config) {
     return NULL;
 }
 
-const char *roburoc4_sim_config_error(const roburoc4_sim_config *config) {
-    if (config->size != sizeof *config) {
+const char *roburoc4_sim_config_error(const roburoc4_sim_config *given) {
+    roburoc4_sim_config all;
+    const roburoc4_sim_config *config = &all;
+    if (!sim_config_take(&all, given)) {
         return "size: fill the configuration with roburoc4_sim_config_init() of this library";
     }
     if (!within(config->watchdog_cycles, 1, 1000000)) {

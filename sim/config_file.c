@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "model.h"
+#include "config_file.h"
 #include "number.h"
 
 #define MAX_WATCHDOG_CYCLES 1000000u
@@ -77,24 +77,33 @@ static bool read_watchdog(roburoc4_sim_config *config, piece value, unsigned lin
     return true;
 }
 
+/* What is wrong with a setting alone; NULL: nothing. */
+static const char *setting_error(const char *name, double value) {
+    roburoc4_sim_config alone;
+    (void)roburoc4_sim_config_init(&alone, sizeof alone);
+    roburoc4_result result = roburoc4_sim_config_set(&alone, name, value);
+    return result == ROBUROC4_ERR_INDEX ? "no such setting; give a member of roburoc4_sim_config"
+           : result < 0                 ? "give a number that fits it"
+                                        : roburoc4_sim_config_error(&alone);
+}
+
 static bool read_setting(roburoc4_sim_config *config, piece name, piece value, unsigned line,
                          char *error, size_t capacity) {
     char text[MAX_NAME] = "";
-    double number = 0.0;
+    double number = -1.0;
     if (name.length < sizeof text) {
         memcpy(text, name.text, name.length);
     }
-    bool good = number_decimal(value.text, value.length, -1e18, 1e18, &number);
-    roburoc4_result result = roburoc4_sim_config_set(config, text, number);
-    if (result == ROBUROC4_ERR_INDEX || !good || result < 0) {
+    bool read = number_decimal(value.text, value.length, -1e18, 1e18, &number);
+    const char *wrong = setting_error(text, number);
+    wrong = wrong == NULL && !read ? "give a number" : wrong;
+    if (wrong != NULL) {
         (void)snprintf(error, capacity, "line %u: %.*s=%.*s: %s", line,
                        (int)(name.length < MAX_NAME ? name.length : MAX_NAME), name.text,
-                       (int)(value.length < MAX_NAME ? value.length : MAX_NAME), value.text,
-                       result == ROBUROC4_ERR_INDEX
-                           ? "no such setting; give a member of roburoc4_sim_config"
-                           : "give a number that fits it");
+                       (int)(value.length < MAX_NAME ? value.length : MAX_NAME), value.text, wrong);
         return false;
     }
+    (void)roburoc4_sim_config_set(config, text, number);
     return true;
 }
 
@@ -132,8 +141,8 @@ static bool read_line(roburoc4_sim_config *config, piece line, unsigned number, 
     return !is_named(name, "Watchdog") || read_watchdog(config, value, number, error, capacity);
 }
 
-roburoc4_result roburoc4_sim_config_read(roburoc4_sim_config *config, const char *text,
-                                         size_t length, char *error, size_t capacity) {
+roburoc4_result sim_config_read(roburoc4_sim_config *config, const char *text, size_t length,
+                                char *error, size_t capacity) {
     roburoc4_sim_config read = *config;
     section inside = OTHER;
     size_t at = length >= 3 && (uint8_t)text[0] == 0xEF && (uint8_t)text[1] == 0xBB &&

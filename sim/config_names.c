@@ -96,7 +96,8 @@ roburoc4_result roburoc4_sim_config_set(roburoc4_sim_config *config, const char 
                                         double value) {
     for (size_t index = 0; index < sizeof members / sizeof members[0]; index++) {
         const member *found = &members[index];
-        if (strcmp(found->name, name) == 0) {
+        bool known = found->offset < config->size; /* to who made the struct */
+        if (known && strcmp(found->name, name) == 0) {
             void *at = (uint8_t *)config + found->offset;
             return store(at, found->kind, value) ? ROBUROC4_OK : ROBUROC4_ERR_ARGUMENT;
         }

@@ -49,8 +49,8 @@ static void free_host(sim_host *host) {
     if (host->carrier.net != NULL) {
         net_destroy(host->carrier.net);
     }
-    roburoc4_sim_channel_destroy(host->carrier.in);
-    roburoc4_sim_channel_destroy(host->carrier.out);
+    sim_network_destroy(host->carrier.in);
+    sim_network_destroy(host->carrier.out);
     free(host);
 }
 
@@ -65,8 +65,8 @@ sim_host *sim_host_open(roburoc4_sim *sim, const char *address, uint16_t port, i
     host->carrier.buffer = host->buffer;
     host->carrier.net = net_create(1);
     *error = host->carrier.net == NULL ? EMFILE : ENOMEM; /* should anything be missing here */
-    host->carrier.in = roburoc4_sim_channel_create(NULL, 1, FLIGHTS, SIM_LONGEST_FRAME);
-    host->carrier.out = roburoc4_sim_channel_create(NULL, 2, FLIGHTS, SIM_LONGEST_FRAME);
+    host->carrier.in = sim_network_create(NULL, 1, FLIGHTS, SIM_LONGEST_FRAME);
+    host->carrier.out = sim_network_create(NULL, 2, FLIGHTS, SIM_LONGEST_FRAME);
     if (host->carrier.net != NULL && host->carrier.in != NULL && host->carrier.out != NULL) {
         *error = net_bind(host->carrier.net, 0, address, port, &host->port);
         if (*error == 0 && roburoc4_lock_create(&host->lock)) {
@@ -117,6 +117,6 @@ void sim_host_unlock(sim_host *host) {
 }
 
 roburoc4_result sim_host_set_faults(sim_host *host, const roburoc4_sim_faults *faults) {
-    roburoc4_result result = roburoc4_sim_channel_set_faults(host->carrier.in, faults);
-    return result < 0 ? result : roburoc4_sim_channel_set_faults(host->carrier.out, faults);
+    roburoc4_result result = sim_network_set_faults(host->carrier.in, faults);
+    return result < 0 ? result : sim_network_set_faults(host->carrier.out, faults);
 }

@@ -71,24 +71,7 @@ bool sim_digital_input(const roburoc4_sim *sim, uint32_t index) {
     return false;
 }
 
-roburoc4_result roburoc4_sim_pin_analog_input(roburoc4_sim *sim, uint32_t index, float value) {
-    if (index >= (uint32_t)sim->config.analog_inputs) {
-        return ROBUROC4_ERR_INDEX;
-    }
-    sim->analog_pins[index] = value;
-    sim->analog_pinned[index] = true;
-    return ROBUROC4_OK;
-}
-
-roburoc4_result roburoc4_sim_pin_digital_input(roburoc4_sim *sim, uint32_t index, int32_t on) {
-    if (index >= (uint32_t)sim->config.digital_inputs) {
-        return ROBUROC4_ERR_INDEX;
-    }
-    sim->digital_pins[index] = on != 0 ? 1 : 0;
-    return ROBUROC4_OK;
-}
-
-void roburoc4_sim_unpin_inputs(roburoc4_sim *sim) {
+void sim_inputs_unpin(roburoc4_sim *sim) {
     memset(sim->analog_pinned, 0, sizeof sim->analog_pinned);
     memset(sim->digital_pins, -1, sizeof sim->digital_pins);
 }

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "config_file.h"
 #include "net.h"
 #include "number.h"
 #include "server.h"
@@ -174,7 +175,7 @@ static bool read_text(server_options *options, const char *option, const char *p
         (void)complain(option, path, "cannot be read; give a text file");
     } else if (length == MAX_CONFIG_BYTES) {
         (void)complain(option, path, "is larger than 1 MiB; give an udpserver.cfg");
-    } else if (roburoc4_sim_config_read(&options->config, text, length, error, sizeof error) < 0) {
+    } else if (sim_config_read(&options->config, text, length, error, sizeof error) < 0) {
         (void)complain(option, path, error);
     } else {
         good = true;
@@ -196,7 +197,7 @@ static bool set_config(server_options *options, const char *option, const char *
 /* Whether an option, such as --start-safe, is a member of the configuration: start_safe. */
 static bool is_setting(const char *option, size_t length, char name[MAX_SETTING]) {
     roburoc4_sim_config unused;
-    roburoc4_sim_config_init(&unused);
+    (void)roburoc4_sim_config_init(&unused, sizeof unused);
     if (length < 2 || length - 2 >= MAX_SETTING || strncmp(option, "--", 2) != 0) {
         return false;
     }
@@ -294,7 +295,8 @@ int main(int count, char **arguments) {
     options.address = "127.0.0.1";
     options.port = ROBUROC4_DEFAULT_PORT;
     options.robots = 1;
-    roburoc4_sim_config_init(&options.config);
+    options.faults.size = sizeof options.faults;
+    (void)roburoc4_sim_config_init(&options.config, sizeof options.config);
     for (int at = 1; at < count; at++) {
         if (strcmp(arguments[at], "--help") == 0) {
             (void)fputs(help, stdout);

@@ -16,11 +16,15 @@
 #define CYCLE_S ((double)ROBUROC4_CYCLE_US * 1e-6)
 #define SIM_BODY_LENGTH_M 1.310
 #define SIM_BODY_WIDTH_M 0.750
+#define SIM_WALL_THICKNESS_M 0.1
 
 #define SIM_PAD_BUTTONS (ROBUROC4_DI_PAD_RB - ROBUROC4_DI_PAD_A + 1)
 #define SIM_PAD_AXES (ROBUROC4_AI_PAD_RT - ROBUROC4_AI_PAD_LJ_X + 1)
 #define SIM_QUEUE_BYTES 32768
 #define SIM_LOCALIZATION_FLAGS_MAX 0x7F
+
+#define SIM_FRONT 0
+#define SIM_REAR 1
 
 typedef struct sim_pose {
     double x_m, y_m, theta_rad;
@@ -80,7 +84,7 @@ struct roburoc4_sim {
 
     /* control panel and game pad */
     bool powered, motors, charger, brakes_released;
-    bool estop[2], bumper_pressed[2];
+    bool estop[2], bumper_pressed[2]; /* local and remote; SIM_FRONT and SIM_REAR */
     bool buttons[SIM_PAD_BUTTONS];
     float axes[SIM_PAD_AXES];
 
@@ -92,12 +96,13 @@ struct roburoc4_sim {
     uint64_t cycles_since_command;
     bool fed;
 
-    /* world */
+    /* obstacles */
     sim_box boxes[ROBUROC4_SIM_MAX_BOXES];
     uint32_t box_count;
     bool contact[2];
 
     double battery_ah;
+    uint32_t localization_flags;
 
     /* IO card */
     float analog_pins[ROBUROC4_SIM_MAX_ANALOG];
@@ -120,11 +125,19 @@ static inline bool sim_is_finite(double value) {
     return value >= -DBL_MAX && value <= DBL_MAX;
 }
 
+/* Sizes that a struct of another version may have: it knows so many of the members. */
+static inline bool sim_size_is_valid(size_t size, size_t own) {
+    return size >= 8 && size <= own && size % 8 == 0;
+}
+
 /* To -pi..pi. */
 static inline double sim_wrap(double angle_rad) {
     return angle_rad > SIM_PI || angle_rad < -SIM_PI ? remainder(angle_rad, 2.0 * SIM_PI)
                                                      : angle_rad;
 }
+
+/* config.c: a configuration of this or an older size, with defaults for what it does not know. */
+bool sim_config_take(roburoc4_sim_config *out, const roburoc4_sim_config *config);
 
 /* random.c: a small generator, seeded per robot and per channel. */
 uint64_t sim_random(uint64_t *state);
@@ -167,9 +180,15 @@ float sim_reported_voltage(const roburoc4_sim *sim); /* of the battery, as the I
 bool sim_digital_input(const roburoc4_sim *sim, uint32_t index);
 bool sim_bumper(const roburoc4_sim *sim, uint32_t which);
 
+void sim_inputs_unpin(roburoc4_sim *sim);
+
 /* cockpit.c: power, motors, game pad. */
 void sim_cockpit_power_up(roburoc4_sim *sim);
-void sim_cockpit_power_down(roburoc4_sim *sim);
+void sim_cockpit_switch(roburoc4_sim *sim, bool on);
+bool sim_cockpit_press_motor_button(roburoc4_sim *sim); /* false: there can be no motor power */
+void sim_cockpit_check_motors(roburoc4_sim *sim);       /* after a change that may forbid them */
+void sim_cockpit_press(roburoc4_sim *sim, uint32_t button, bool down); /* ROBUROC4_DI_PAD_* */
+void sim_cockpit_release_pad(roburoc4_sim *sim);
 bool sim_pad_drives(const roburoc4_sim *sim);
 void sim_cockpit_cycle(roburoc4_sim *sim); /* the pad sets the target where it has the say */
 
@@ -197,8 +216,5 @@ float sim_battery_percent(const roburoc4_sim *sim);
 uint8_t sim_battery_remaining(const roburoc4_sim *sim); /* the percentage as it is reported */
 float sim_battery_voltage(const roburoc4_sim *sim);
 uint8_t sim_battery_state(const roburoc4_sim *sim);
-
-/* faults.c */
-bool sim_faults_are_valid(const roburoc4_sim_faults *faults);
 
 #endif

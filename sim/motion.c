@@ -115,8 +115,8 @@ static void drive_wheels(roburoc4_sim *sim) {
         brake(&sim->angular, sim->brakes_released ? ROLL_RAD_S2 : BRAKE_RAD_S2);
         return;
     }
-    bool front = sim_bumper(sim, ROBUROC4_SIM_FRONT);
-    bool rear = sim_bumper(sim, ROBUROC4_SIM_REAR);
+    bool front = sim_bumper(sim, SIM_FRONT);
+    bool rear = sim_bumper(sim, SIM_REAR);
     double target = clamp(sim->target.linear_m_s, rear ? 0.0 : sim->linear.min_speed,
                           front ? 0.0 : sim->linear.max_speed);
     if ((front && sim->linear.speed > 0.0) || (rear && sim->linear.speed < 0.0)) {
@@ -163,8 +163,8 @@ static void move_body(roburoc4_sim *sim, sim_speed wheels) {
     sim->body.linear_m_s = ahead / CYCLE_S;
     sim->body.angular_rad_s = turned / CYCLE_S;
 
-    if ((sim->contact[ROBUROC4_SIM_FRONT] && sim->linear.speed > 0.0) ||
-        (sim->contact[ROBUROC4_SIM_REAR] && sim->linear.speed < 0.0)) {
+    if ((sim->contact[SIM_FRONT] && sim->linear.speed > 0.0) ||
+        (sim->contact[SIM_REAR] && sim->linear.speed < 0.0)) {
         sim->linear.speed = 0.0;
         sim->linear.slope = 0.0;
     }

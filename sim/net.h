@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * What the server wants of the operating system: UDP sockets, a clock, lines from standard input
- * and the wish to stop. net_posix.c and net_winsock.c give it.
+ * and the wish to stop. os_posix.c and os_windows.c give it. It is not part of src/os.h: a robot's
+ * sockets are bound and hear everybody, many of them are waited for at once, and reports of closed
+ * ports name the peer, while a client's one socket is connected; the two would share a clock.
  */
 #ifndef ROBUROC4_SIM_NET_H
 #define ROBUROC4_SIM_NET_H

@@ -7,7 +7,6 @@
 
 #include "model.h"
 
-#define WALL_THICKNESS_M 0.1
 #define BUMPER_REACH_M 0.01
 #define SMALLEST_BOX_M 0.01
 #define LARGEST_BOX_M 10000.0
@@ -74,8 +73,8 @@ static bool is_free(const roburoc4_sim *sim, const sim_pose *pose) {
 static void feel(roburoc4_sim *sim) {
     sim_box front = bumper_box(&sim->truth, 1.0);
     sim_box rear = bumper_box(&sim->truth, -1.0);
-    sim->contact[ROBUROC4_SIM_FRONT] = touches_any(sim, &front);
-    sim->contact[ROBUROC4_SIM_REAR] = touches_any(sim, &rear);
+    sim->contact[SIM_FRONT] = touches_any(sim, &front);
+    sim->contact[SIM_REAR] = touches_any(sim, &rear);
 }
 
 /* --------------------------------------------------------------------------------- motion --- */
@@ -149,14 +148,6 @@ roburoc4_result roburoc4_sim_add_box(roburoc4_sim *sim, double x_m, double y_m, 
     return (roburoc4_result)sim->box_count - 1;
 }
 
-roburoc4_result roburoc4_sim_add_wall(roburoc4_sim *sim, double x1_m, double y1_m, double x2_m,
-                                      double y2_m) {
-    double dx = x2_m - x1_m;
-    double dy = y2_m - y1_m;
-    return roburoc4_sim_add_box(sim, 0.5 * (x1_m + x2_m), 0.5 * (y1_m + y2_m), hypot(dx, dy),
-                                WALL_THICKNESS_M, atan2(dy, dx));
-}
-
 roburoc4_result roburoc4_sim_move_box(roburoc4_sim *sim, uint32_t number, double x_m, double y_m,
                                       double theta_rad) {
     if (number >= sim->box_count) {
@@ -176,7 +167,7 @@ roburoc4_result roburoc4_sim_move_box(roburoc4_sim *sim, uint32_t number, double
     return ROBUROC4_OK;
 }
 
-void roburoc4_sim_clear_world(roburoc4_sim *sim) {
+void roburoc4_sim_clear_obstacles(roburoc4_sim *sim) {
     sim->box_count = 0;
     feel(sim);
 }
@@ -197,7 +188,7 @@ roburoc4_result roburoc4_sim_place(roburoc4_sim *sim, double x_m, double y_m, do
     return ROBUROC4_OK;
 }
 
-/* ---------------------------------------------------------------------------- default world --- */
+/* ----------------------------------------------------------------------------- default room --- */
 
 typedef struct furniture {
     double x_m, y_m, size_x_m, size_y_m, theta_rad;
@@ -207,10 +198,10 @@ void sim_obstacles_init(roburoc4_sim *sim) {
     /* Seen from the start pose. The first box and the wall behind are in the telemeters' sight;
      * nothing is nearer to the body than 5 m. */
     static const furniture room[] = {
-        {2.0, 6.5, 16.1, WALL_THICKNESS_M, 0.0},
-        {2.0, -6.5, 16.1, WALL_THICKNESS_M, 0.0},
-        {-6.0, 0.0, WALL_THICKNESS_M, 13.0, 0.0},
-        {10.0, 0.0, WALL_THICKNESS_M, 13.0, 0.0},
+        {2.0, 6.5, 16.1, SIM_WALL_THICKNESS_M, 0.0},
+        {2.0, -6.5, 16.1, SIM_WALL_THICKNESS_M, 0.0},
+        {-6.0, 0.0, SIM_WALL_THICKNESS_M, 13.0, 0.0},
+        {10.0, 0.0, SIM_WALL_THICKNESS_M, 13.0, 0.0},
         {6.3, 0.4, 0.6, 0.8, 0.0},
         {3.0, 6.1, 0.8, 0.6, 0.0},
         {-4.0, -6.1, 0.6, 0.6, 0.5},

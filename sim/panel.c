@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * The control panel in words. Its one job is to turn a line of text into the setter that does it,
- * from one table, which `help` prints too.
+ * The control panel in words: `NAME VALUE` for each control of controls.c, and a few commands,
+ * which `help` prints too.
  */
 #include <stdio.h>
 #include <string.h>
 
-#include "model.h"
+#include "controls.h"
 #include "number.h"
 
 #define MAX_WORDS 8
@@ -23,25 +23,7 @@ typedef struct panel_answer {
     size_t capacity;
 } panel_answer;
 
-typedef struct choice {
-    const char *word;
-    uint32_t value;
-} choice;
-
 #define NOT_UNDERSTOOD ROBUROC4_ERR_ARGUMENT
-
-static bool choose(const char *word, const choice *choices, size_t count, uint32_t *value) {
-    for (size_t index = 0; index < count; index++) {
-        if (strcmp(word, choices[index].word) == 0) {
-            *value = choices[index].value;
-            return true;
-        }
-    }
-    return false;
-}
-
-#define CHOOSE(word, choices, value)                                                               \
-    choose(word, choices, sizeof(choices) / sizeof((choices)[0]), value)
 
 static bool decimal(const char *word, double min, double max, double *value) {
     return number_decimal(word, strlen(word), min, max, value);
@@ -56,153 +38,74 @@ static bool whole(const char *word, uint64_t max, uint32_t *value) {
     return true;
 }
 
-static const choice on_off[] = {{"on", 1}, {"off", 0}};
-static const choice press_release[] = {{"press", 1}, {"release", 0}};
-static const choice down_up[] = {{"down", 1}, {"up", 0}};
+/* -------------------------------------------------------------------------------- controls --- */
 
-/* -------------------------------------------------------------------------------- commands --- */
+/* The words of a name, as one. */
+static void join(const words *line, char *name, size_t capacity) {
+    size_t used = 0;
+    name[0] = '\0';
+    for (uint32_t at = 0; at + 1 < line->count && used < capacity; at++) {
+        int more = snprintf(name + used, capacity - used, "%s%s", at > 0 ? "_" : "", line->at[at]);
+        used += more > 0 ? (size_t)more : 0;
+    }
+}
 
-static const choice pad_buttons[] = {
-    {"a", ROBUROC4_DI_PAD_A},
-    {"b", ROBUROC4_DI_PAD_B},
-    {"x", ROBUROC4_DI_PAD_X},
-    {"y", ROBUROC4_DI_PAD_Y},
-    {"back", ROBUROC4_DI_PAD_BACK},
-    {"start", ROBUROC4_DI_PAD_START},
-    {"ddown", ROBUROC4_DI_PAD_D_DOWN},
-    {"dleft", ROBUROC4_DI_PAD_D_LEFT},
-    {"dright", ROBUROC4_DI_PAD_D_RIGHT},
-    {"dup", ROBUROC4_DI_PAD_D_UP},
-    {"lj", ROBUROC4_DI_PAD_LJ_CLICK},
-    {"rj", ROBUROC4_DI_PAD_RJ_CLICK},
-    {"lb", ROBUROC4_DI_PAD_LB},
-    {"rb", ROBUROC4_DI_PAD_RB},
-};
-static const choice pad_axes[] = {
-    {"ljx", ROBUROC4_AI_PAD_LJ_X}, {"ljy", ROBUROC4_AI_PAD_LJ_Y}, {"rjx", ROBUROC4_AI_PAD_RJ_X},
-    {"rjy", ROBUROC4_AI_PAD_RJ_Y}, {"lt", ROBUROC4_AI_PAD_LT},    {"rt", ROBUROC4_AI_PAD_RT},
-};
+static bool read_value(const sim_control *control, const char *word, double *value) {
+    for (int which = 0; which < 2; which++) {
+        if (control->words[which] != NULL && strcmp(word, control->words[which]) == 0) {
+            *value = which;
+            return true;
+        }
+    }
+    return decimal(word, -1e9, 1e9, value);
+}
 
-static roburoc4_result do_pad(roburoc4_sim *sim, const words *line, panel_answer *answer) {
-    (void)answer;
-    uint32_t which = 0;
-    uint32_t down = 0;
+static void explain(panel_answer *answer, const sim_control *control) {
+    const char *index = control->count > 1 ? " INDEX" : "";
+    const char *const *word = control->words;
+    if (word[0] != NULL && word[1] != NULL) {
+        (void)snprintf(answer->text, answer->capacity, "usage: %s%s %s|%s", control->name, index,
+                       word[0], word[1]);
+    } else if (word[0] != NULL || word[1] != NULL) {
+        (void)snprintf(answer->text, answer->capacity, "usage: %s%s %s", control->name, index,
+                       word[0] != NULL ? word[0] : word[1]);
+    } else if (control->number == ROBUROC4_SIM_PIN_ANALOG) {
+        (void)snprintf(answer->text, answer->capacity, "usage: %s%s VALUE", control->name, index);
+    } else {
+        (void)snprintf(answer->text, answer->capacity, "usage: %s%s %d..%d", control->name, index,
+                       (int)control->low, (int)control->high);
+    }
+}
+
+/* A line `NAME VALUE`; its name can be several words. */
+static roburoc4_result do_control(roburoc4_sim *sim, const words *line, panel_answer *answer) {
+    char name[MAX_LINE];
     double value = 0.0;
-    if (line->count == 1 && strcmp(line->at[0], "release") == 0) {
-        roburoc4_sim_release_pad(sim);
-        return ROBUROC4_OK;
-    }
-    if (line->count != 2) {
+    join(line, name, sizeof name);
+    roburoc4_result number = roburoc4_sim_control_find(name);
+    const sim_control *control = number < 0 ? NULL : sim_control_numbered((uint32_t)number);
+    if (control == NULL) {
+        (void)snprintf(answer->text, answer->capacity, "unknown command '%s': try help",
+                       line->at[0]);
         return NOT_UNDERSTOOD;
     }
-    if (CHOOSE(line->at[0], pad_buttons, &which) && CHOOSE(line->at[1], down_up, &down)) {
-        return roburoc4_sim_set_pad_button(sim, which, (int32_t)down);
-    }
-    if (CHOOSE(line->at[0], pad_axes, &which) && decimal(line->at[1], -1.0, 1.0, &value)) {
-        return roburoc4_sim_set_pad_axis(sim, which, (float)value);
-    }
-    return NOT_UNDERSTOOD;
-}
-
-static roburoc4_result do_estop(roburoc4_sim *sim, const words *line, panel_answer *answer) {
-    static const choice which_estop[] = {{"local", ROBUROC4_SIM_ESTOP_LOCAL},
-                                         {"remote", ROBUROC4_SIM_ESTOP_REMOTE}};
-    (void)answer;
-    uint32_t which = 0;
-    uint32_t pressed = 0;
-    if (line->count != 2 || !CHOOSE(line->at[0], which_estop, &which) ||
-        !CHOOSE(line->at[1], press_release, &pressed)) {
-        return NOT_UNDERSTOOD;
-    }
-    return roburoc4_sim_set_estop(sim, which, (int32_t)pressed);
-}
-
-static roburoc4_result do_bumper(roburoc4_sim *sim, const words *line, panel_answer *answer) {
-    static const choice which_bumper[] = {{"front", ROBUROC4_SIM_FRONT},
-                                          {"rear", ROBUROC4_SIM_REAR}};
-    (void)answer;
-    uint32_t which = 0;
-    uint32_t pressed = 0;
-    if (line->count != 2 || !CHOOSE(line->at[0], which_bumper, &which) ||
-        !CHOOSE(line->at[1], press_release, &pressed)) {
-        return NOT_UNDERSTOOD;
-    }
-    return roburoc4_sim_set_bumper(sim, which, (int32_t)pressed);
-}
-
-static roburoc4_result do_brakes(roburoc4_sim *sim, const words *line, panel_answer *answer) {
-    static const choice positions[] = {{"automatic", ROBUROC4_SIM_BRAKES_AUTOMATIC},
-                                       {"released", ROBUROC4_SIM_BRAKES_RELEASED}};
-    (void)answer;
-    uint32_t position = 0;
-    if (line->count != 1 || !CHOOSE(line->at[0], positions, &position)) {
-        return NOT_UNDERSTOOD;
-    }
-    return roburoc4_sim_set_brakes(sim, position);
-}
-
-static roburoc4_result do_motor(roburoc4_sim *sim, const words *line, panel_answer *answer) {
-    if (line->count != 1 || strcmp(line->at[0], "on") != 0) {
-        return NOT_UNDERSTOOD;
-    }
-    roburoc4_result result = roburoc4_sim_press_motor_button(sim);
-    if (result < 0) {
+    roburoc4_result result = read_value(control, line->at[line->count - 1], &value)
+                                 ? roburoc4_sim_set(sim, (uint32_t)number, value)
+                                 : NOT_UNDERSTOOD;
+    if (result == ROBUROC4_ERR_STATE) {
         (void)snprintf(answer->text, answer->capacity,
                        "no motor power: turn the power on, release both emergency stops and set "
-                       "the brakes to automatic first");
+                       "the brakes to automatic first%s",
+                       sim->config.as_manual != 0 ? "; pull the charger, and charge the battery"
+                                                  : "");
+    } else if (result < 0) {
+        explain(answer, control);
+        return NOT_UNDERSTOOD;
     }
     return result;
 }
 
-static roburoc4_result do_power(roburoc4_sim *sim, const words *line, panel_answer *answer) {
-    (void)answer;
-    uint32_t on = 0;
-    if (line->count != 1 || !CHOOSE(line->at[0], on_off, &on)) {
-        return NOT_UNDERSTOOD;
-    }
-    roburoc4_sim_set_power(sim, (int32_t)on);
-    return ROBUROC4_OK;
-}
-
-static roburoc4_result do_charger(roburoc4_sim *sim, const words *line, panel_answer *answer) {
-    (void)answer;
-    uint32_t on = 0;
-    if (line->count != 1 || !CHOOSE(line->at[0], on_off, &on)) {
-        return NOT_UNDERSTOOD;
-    }
-    roburoc4_sim_set_charger(sim, (int32_t)on);
-    return ROBUROC4_OK;
-}
-
-static roburoc4_result do_battery(roburoc4_sim *sim, const words *line, panel_answer *answer) {
-    (void)answer;
-    double percent = 0.0;
-    if (line->count != 1 || !decimal(line->at[0], 0.0, 100.0, &percent)) {
-        return NOT_UNDERSTOOD;
-    }
-    return roburoc4_sim_set_battery_percent(sim, (float)percent);
-}
-
-static roburoc4_result do_pin(roburoc4_sim *sim, const words *line, panel_answer *answer) {
-    (void)answer;
-    uint32_t index = 0;
-    uint32_t on = 0;
-    double value = 0.0;
-    if (line->count == 1 && strcmp(line->at[0], "none") == 0) {
-        roburoc4_sim_unpin_inputs(sim);
-        return ROBUROC4_OK;
-    }
-    if (line->count != 3 || !whole(line->at[1], ROBUROC4_SIM_MAX_DIGITAL, &index)) {
-        return NOT_UNDERSTOOD;
-    }
-    if (strcmp(line->at[0], "analog") == 0 && decimal(line->at[2], -1e9, 1e9, &value)) {
-        return roburoc4_sim_pin_analog_input(sim, index, (float)value);
-    }
-    if (strcmp(line->at[0], "digital") == 0 && CHOOSE(line->at[2], on_off, &on)) {
-        return roburoc4_sim_pin_digital_input(sim, index, (int32_t)on);
-    }
-    return NOT_UNDERSTOOD;
-}
+/* -------------------------------------------------------------------------------- commands --- */
 
 static bool decimals(const words *line, uint32_t first, double *values, uint32_t count) {
     for (uint32_t index = 0; index < count; index++) {
@@ -213,12 +116,13 @@ static bool decimals(const words *line, uint32_t first, double *values, uint32_t
     return true;
 }
 
-static roburoc4_result world_result(roburoc4_result result, panel_answer *answer) {
+static roburoc4_result place_result(roburoc4_result result, panel_answer *answer) {
     if (result == ROBUROC4_ERR_STATE) {
         (void)snprintf(answer->text, answer->capacity,
                        "robot and obstacle would overlap: choose another place");
     } else if (result == ROBUROC4_ERR_BUFFER) {
-        (void)snprintf(answer->text, answer->capacity, "the world is full: clear it first");
+        (void)snprintf(answer->text, answer->capacity,
+                       "there are too many boxes: clear them first");
         return ROBUROC4_ERR_STATE;
     } else if (result == ROBUROC4_ERR_INDEX) {
         return NOT_UNDERSTOOD;
@@ -228,22 +132,30 @@ static roburoc4_result world_result(roburoc4_result result, panel_answer *answer
     return result;
 }
 
+/* A wall is a thin box between two points. */
+static roburoc4_result add_wall(roburoc4_sim *sim, const double v[4]) {
+    double dx = v[2] - v[0];
+    double dy = v[3] - v[1];
+    return roburoc4_sim_add_box(sim, 0.5 * (v[0] + v[2]), 0.5 * (v[1] + v[3]), hypot(dx, dy),
+                                SIM_WALL_THICKNESS_M, atan2(dy, dx));
+}
+
 static roburoc4_result do_box(roburoc4_sim *sim, const words *line, panel_answer *answer) {
     double v[5] = {0};
     uint32_t number = 0;
     if (line->count == 1 && strcmp(line->at[0], "clear") == 0) {
-        roburoc4_sim_clear_world(sim);
+        roburoc4_sim_clear_obstacles(sim);
         return ROBUROC4_OK;
     }
     if (line->count == 6 && strcmp(line->at[0], "add") == 0 && decimals(line, 1, v, 5)) {
-        return world_result(roburoc4_sim_add_box(sim, v[0], v[1], v[2], v[3], v[4]), answer);
+        return place_result(roburoc4_sim_add_box(sim, v[0], v[1], v[2], v[3], v[4]), answer);
     }
     if (line->count == 5 && strcmp(line->at[0], "wall") == 0 && decimals(line, 1, v, 4)) {
-        return world_result(roburoc4_sim_add_wall(sim, v[0], v[1], v[2], v[3]), answer);
+        return place_result(add_wall(sim, v), answer);
     }
     if (line->count == 5 && strcmp(line->at[0], "move") == 0 &&
         whole(line->at[1], ROBUROC4_SIM_MAX_BOXES, &number) && decimals(line, 2, v, 3)) {
-        return world_result(roburoc4_sim_move_box(sim, number, v[0], v[1], v[2]), answer);
+        return place_result(roburoc4_sim_move_box(sim, number, v[0], v[1], v[2]), answer);
     }
     return NOT_UNDERSTOOD;
 }
@@ -253,7 +165,7 @@ static roburoc4_result do_place(roburoc4_sim *sim, const words *line, panel_answ
     if (line->count != 3 || !decimals(line, 0, v, 3)) {
         return NOT_UNDERSTOOD;
     }
-    return world_result(roburoc4_sim_place(sim, v[0], v[1], v[2]), answer);
+    return place_result(roburoc4_sim_place(sim, v[0], v[1], v[2]), answer);
 }
 
 static roburoc4_result do_status(roburoc4_sim *sim, const words *line, panel_answer *answer) {
@@ -288,21 +200,6 @@ typedef struct command {
 } command;
 
 static const command commands[] = {
-    {"pad", do_pad,
-     "pad a|b|x|y|back|start|ddown|dleft|dright|dup|lj|rj|lb|rb down|up\n"
-     "pad ljx|ljy|rjx|rjy|lt|rt -1..1   (triggers rest at -1)\n"
-     "pad release"},
-    {"estop", do_estop, "estop local|remote press|release"},
-    {"brakes", do_brakes, "brakes automatic|released"},
-    {"motor", do_motor, "motor on   (press the motor-power button)"},
-    {"power", do_power, "power on|off"},
-    {"charger", do_charger, "charger on|off"},
-    {"battery", do_battery, "battery 0..100"},
-    {"bumper", do_bumper, "bumper front|rear press|release"},
-    {"pin", do_pin,
-     "pin analog INDEX VALUE   (an input reports this, whatever it measures)\n"
-     "pin digital INDEX on|off\n"
-     "pin none"},
     {"box", do_box,
      "box add X Y SIZE_X SIZE_Y ANGLE   (metres, radians; answers its number)\n"
      "box wall X1 Y1 X2 Y2\n"
@@ -313,19 +210,32 @@ static const command commands[] = {
     {"help", do_help, "help"},
 };
 
+/* What commands[] does not have. */
+static const char controls_usage[] =
+    "pad a|b|x|y|back|start|d_down|d_left|d_right|d_up|lj|rj|lb|rb down|up\n"
+    "pad lj_x|lj_y|rj_x|rj_y|lt|rt -1..1   (triggers rest at -1)\n"
+    "pad release\n"
+    "estop local|remote press|release\n"
+    "brakes automatic|released\n"
+    "motor on   (press the motor-power button)\n"
+    "power on|off\n"
+    "charger on|off\n"
+    "battery 0..100\n"
+    "bumper front|rear press|release\n"
+    "localization 0..127   (its flags; 82 with Error)\n"
+    "pin analog INDEX VALUE   (an input reports this, whatever it measures)\n"
+    "pin digital INDEX on|off\n"
+    "pin none";
+
 static roburoc4_result do_help(roburoc4_sim *sim, const words *line, panel_answer *answer) {
     (void)sim;
-    size_t used = 0;
     if (line->count != 0) {
         return NOT_UNDERSTOOD;
     }
+    (void)snprintf(answer->text, answer->capacity, "%s", controls_usage);
     for (size_t index = 0; index < sizeof commands / sizeof commands[0]; index++) {
-        int more = snprintf(answer->text + used, answer->capacity - used, "%s%s",
-                            index == 0 ? "" : "\n", commands[index].usage);
-        if (more < 0 || (size_t)more >= answer->capacity - used) {
-            break;
-        }
-        used += (size_t)more;
+        size_t used = strlen(answer->text);
+        (void)snprintf(answer->text + used, answer->capacity - used, "\n%s", commands[index].usage);
     }
     return ROBUROC4_OK;
 }
@@ -380,8 +290,7 @@ roburoc4_result roburoc4_sim_panel(roburoc4_sim *sim, const char *line, char *re
     }
     const command *found = find_command(all.at[0]);
     if (found == NULL) {
-        (void)snprintf(reply, capacity, "unknown command '%s': try help", all.at[0]);
-        return NOT_UNDERSTOOD;
+        return do_control(sim, &all, &answer);
     }
     words rest = {all.count - 1, {0}};
     memcpy(rest.at, all.at + 1, sizeof rest.at - sizeof rest.at[0]);

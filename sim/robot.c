@@ -4,33 +4,36 @@
  * Its one job is to join the parts; each cycle runs them in one fixed order.
  */
 #include <stdlib.h>
+#include <string.h>
 
 #include "model.h"
 
-static void begin(roburoc4_sim *sim, const roburoc4_sim_config *config) {
-    sim->config = *config;
+static void begin(roburoc4_sim *sim) {
+    const roburoc4_sim_config *config = &sim->config;
     sim->random = config->seed;
     sim->truth.x_m = config->start_x_m;
     sim->truth.y_m = config->start_y_m;
     sim->truth.theta_rad = sim_wrap(config->start_theta_rad);
+    sim->localization_flags = config->localization_flags;
     sim_motion_init(sim);
     sim_obstacles_init(sim);
     sim_battery_set(sim, config->battery_percent);
-    roburoc4_sim_unpin_inputs(sim);
-    roburoc4_sim_release_pad(sim);
+    sim_inputs_unpin(sim);
+    sim_cockpit_release_pad(sim);
     sim_cockpit_power_up(sim);
 }
 
 roburoc4_sim *roburoc4_sim_create(const roburoc4_sim_config *config) {
     roburoc4_sim_config defaults;
-    roburoc4_sim_config_init(&defaults);
+    (void)roburoc4_sim_config_init(&defaults, sizeof defaults);
     config = config != NULL ? config : &defaults;
     if (roburoc4_sim_config_error(config) != NULL) {
         return NULL;
     }
     roburoc4_sim *sim = calloc(1, sizeof *sim);
     if (sim != NULL) {
-        begin(sim, config);
+        (void)sim_config_take(&sim->config, config);
+        begin(sim);
     }
     return sim;
 }
@@ -45,12 +48,13 @@ roburoc4_result roburoc4_sim_reconfigure(roburoc4_sim *sim, const roburoc4_sim_c
     }
     float percent = sim_battery_percent(sim);
     bool was_powered = sim->powered;
-    sim->config = *config;
-    roburoc4_sim_set_power(sim, 0);
+    (void)sim_config_take(&sim->config, config);
+    sim_cockpit_switch(sim, false);
+    sim->localization_flags = sim->config.localization_flags;
     sim_motion_init(sim);
     sim_battery_set(sim, percent);
-    roburoc4_sim_unpin_inputs(sim);
-    roburoc4_sim_set_power(sim, was_powered ? 1 : 0);
+    sim_inputs_unpin(sim);
+    sim_cockpit_switch(sim, was_powered);
     return ROBUROC4_OK;
 }
 
@@ -129,14 +133,14 @@ static void fill_panel(const roburoc4_sim *sim, roburoc4_sim_state *state) {
     state->battery_v = sim_battery_voltage(sim);
     state->powered = sim->powered;
     state->motors_enabled = sim->motors;
-    state->estop_local = sim->estop[ROBUROC4_SIM_ESTOP_LOCAL];
-    state->estop_remote = sim->estop[ROBUROC4_SIM_ESTOP_REMOTE];
+    state->estop_local = sim->estop[0];
+    state->estop_remote = sim->estop[1];
     state->brakes_released = sim->brakes_released;
     state->charger = sim->charger;
     state->overridden = sim_pad_drives(sim);
     state->watchdog_tripped = !sim->fed;
-    state->bumper_front = sim_bumper(sim, ROBUROC4_SIM_FRONT);
-    state->bumper_rear = sim_bumper(sim, ROBUROC4_SIM_REAR);
+    state->bumper_front = sim_bumper(sim, SIM_FRONT);
+    state->bumper_rear = sim_bumper(sim, SIM_REAR);
 }
 
 static void fill_link(const roburoc4_sim *sim, roburoc4_sim_state *state) {
@@ -150,37 +154,17 @@ static void fill_link(const roburoc4_sim *sim, roburoc4_sim_state *state) {
 }
 
 roburoc4_result roburoc4_sim_snapshot(const roburoc4_sim *sim, roburoc4_sim_state *state) {
-    if (state->size != sizeof *state) {
+    const uint32_t size = state->size;
+    if (!sim_size_is_valid(size, sizeof *state)) {
         return ROBUROC4_ERR_SIZE;
     }
-    *state = sim->counts;
-    state->size = sizeof *state;
-    state->now_us = sim->now_us;
-    state->cycles = sim->cycles;
-    fill_motion(sim, state);
-    fill_panel(sim, state);
-    fill_link(sim, state);
+    roburoc4_sim_state all = sim->counts;
+    all.size = size;
+    all.now_us = sim->now_us;
+    all.cycles = sim->cycles;
+    fill_motion(sim, &all);
+    fill_panel(sim, &all);
+    fill_link(sim, &all);
+    memcpy(state, &all, size);
     return ROBUROC4_OK;
-}
-
-roburoc4_result roburoc4_sim_analog_output(const roburoc4_sim *sim, uint32_t index, float *value) {
-    if (index >= (uint32_t)sim->config.analog_outputs) {
-        return ROBUROC4_ERR_INDEX;
-    }
-    *value = sim->analog_outputs[index];
-    return ROBUROC4_OK;
-}
-
-roburoc4_result roburoc4_sim_digital_output(const roburoc4_sim *sim, uint32_t index) {
-    if (index >= (uint32_t)sim->config.digital_outputs) {
-        return ROBUROC4_ERR_INDEX;
-    }
-    return index == ROBUROC4_DO_WATCHDOG ? sim->fed : sim->digital_outputs[index];
-}
-
-uint32_t roburoc4_sim_subscription(const roburoc4_sim *sim, uint64_t peer, uint32_t service) {
-    int32_t slot = sim_peers_slot(sim, peer);
-    return slot >= 0 && service < ROBUROC4_SERVICE_COUNT
-               ? sim->peers[slot].subscriptions[service].period_cycles
-               : 0;
 }

@@ -54,10 +54,9 @@ static bool create_robot(const server_options *options, uint32_t index, sim_carr
     }
     uint32_t flights = FLIGHTS_OF_ALL / options->robots;
     flights = flights < FLIGHTS_MIN ? FLIGHTS_MIN : flights > FLIGHTS_MAX ? FLIGHTS_MAX : flights;
-    robot->in =
-        roburoc4_sim_channel_create(&options->faults, config.seed + 1, flights, SIM_LONGEST_FRAME);
-    robot->out = roburoc4_sim_channel_create(&options->faults, config.seed + 2, flights,
-                                             ROBUROC4_SIM_MAX_TRANSMIT);
+    robot->in = sim_network_create(&options->faults, config.seed + 1, flights, SIM_LONGEST_FRAME);
+    robot->out =
+        sim_network_create(&options->faults, config.seed + 2, flights, ROBUROC4_SIM_MAX_TRANSMIT);
     return robot->in != NULL && robot->out != NULL;
 }
 
@@ -105,8 +104,8 @@ static bool open_all(server_state *server) {
 static void close_all(server_state *server) {
     for (uint32_t index = 0; server->robots != NULL && index < server->options->robots; index++) {
         roburoc4_sim_destroy(server->robots[index].carrier.sim);
-        roburoc4_sim_channel_destroy(server->robots[index].carrier.in);
-        roburoc4_sim_channel_destroy(server->robots[index].carrier.out);
+        sim_network_destroy(server->robots[index].carrier.in);
+        sim_network_destroy(server->robots[index].carrier.out);
     }
     free(server->robots);
     if (server->net != NULL) {

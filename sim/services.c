@@ -220,7 +220,7 @@ static roburoc4_result localization_status(const roburoc4_sim *sim, uint8_t *buf
     status.x_m = sim->odometry.x_m;
     status.y_m = sim->odometry.y_m;
     status.theta_rad = sim->odometry.theta_rad;
-    status.flags = sim->config.localization_flags;
+    status.flags = sim->localization_flags;
     status.service = sim->config.service_ids[ROBUROC4_SERVICE_LOCALIZATION];
     return roburoc4_encode_localization_status(buffer, capacity, &status);
 }

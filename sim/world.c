@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "model.h"
+#include "network.h"
 
 /* Some clients treat time 0 as "never". */
 #define BEGIN_US 1000000u
@@ -18,7 +19,7 @@ typedef struct member {
     roburoc4_client *client;
     uint32_t number;
     uint64_t reported_us; /* when step() last returned it without a datagram */
-    roburoc4_sim_channel *to_robot, *from_robot;
+    sim_network *to_robot, *from_robot;
 } member;
 
 struct roburoc4_world {
@@ -43,14 +44,15 @@ roburoc4_world *roburoc4_world_create(const roburoc4_sim_config *config) {
         free(world);
         return NULL;
     }
+    world->faults.size = sizeof world->faults;
     world->now_us = BEGIN_US;
     roburoc4_sim_advance(world->robot, world->now_us);
     return world;
 }
 
 static void free_network(member *at) {
-    roburoc4_sim_channel_destroy(at->to_robot);
-    roburoc4_sim_channel_destroy(at->from_robot);
+    sim_network_destroy(at->to_robot);
+    sim_network_destroy(at->from_robot);
 }
 
 void roburoc4_world_destroy(roburoc4_world *world) {
@@ -86,8 +88,8 @@ roburoc4_result roburoc4_world_join(roburoc4_world *world, roburoc4_client *clie
     }
     memset(made, 0, sizeof *made);
     made->client = client;
-    made->to_robot = roburoc4_sim_channel_create(&world->faults, seed, DATAGRAMS, LONGEST);
-    made->from_robot = roburoc4_sim_channel_create(&world->faults, seed + 1, DATAGRAMS, LONGEST);
+    made->to_robot = sim_network_create(&world->faults, seed, DATAGRAMS, LONGEST);
+    made->from_robot = sim_network_create(&world->faults, seed + 1, DATAGRAMS, LONGEST);
     if (made->to_robot == NULL || made->from_robot == NULL) {
         free_network(made);
         return ROBUROC4_ERR_SYSTEM;
@@ -111,13 +113,13 @@ void roburoc4_world_leave(roburoc4_world *world, const roburoc4_client *client) 
 
 roburoc4_result roburoc4_world_set_faults(roburoc4_world *world,
                                           const roburoc4_sim_faults *faults) {
-    if (!sim_faults_are_valid(faults)) {
-        return ROBUROC4_ERR_ARGUMENT;
+    roburoc4_result result = sim_faults_take(&world->faults, faults);
+    if (result < 0) {
+        return result;
     }
-    world->faults = *faults;
     for (uint32_t i = 0; i < world->count; i++) {
-        (void)roburoc4_sim_channel_set_faults(world->members[i].to_robot, faults);
-        (void)roburoc4_sim_channel_set_faults(world->members[i].from_robot, faults);
+        (void)sim_network_set_faults(world->members[i].to_robot, faults);
+        (void)sim_network_set_faults(world->members[i].from_robot, faults);
     }
     return ROBUROC4_OK;
 }
@@ -132,11 +134,11 @@ static bool send(roburoc4_world *world, member *from) {
     roburoc4_result size;
     while ((size = roburoc4_client_poll_transmit(from->client, world->datagram, LONGEST,
                                                  world->now_us)) > 0) {
-        roburoc4_sim_channel_push(from->to_robot, from->number, world->datagram, (size_t)size,
-                                  world->now_us);
+        sim_network_push(from->to_robot, from->number, world->datagram, (size_t)size,
+                         world->now_us);
     }
-    while ((size = roburoc4_sim_channel_poll(from->to_robot, world->now_us, &number,
-                                             world->datagram, LONGEST)) > 0) {
+    while ((size = sim_network_poll(from->to_robot, world->now_us, &number, world->datagram,
+                                    LONGEST)) > 0) {
         roburoc4_sim_receive(world->robot, number, world->datagram, (size_t)size);
     }
     if (!due || from->reported_us == world->now_us) {
@@ -153,8 +155,8 @@ static void send_from_robot(roburoc4_world *world) {
            0) {
         for (uint32_t i = 0; i < world->count; i++) {
             if (world->members[i].number == number) {
-                roburoc4_sim_channel_push(world->members[i].from_robot, number, world->datagram,
-                                          (size_t)size, world->now_us);
+                sim_network_push(world->members[i].from_robot, number, world->datagram,
+                                 (size_t)size, world->now_us);
             }
         }
     }
@@ -164,7 +166,7 @@ static void send_from_robot(roburoc4_world *world) {
 static size_t receive(roburoc4_world *world, const member *to) {
     uint64_t number;
     roburoc4_result size =
-        roburoc4_sim_channel_poll(to->from_robot, world->now_us, &number, world->datagram, LONGEST);
+        sim_network_poll(to->from_robot, world->now_us, &number, world->datagram, LONGEST);
     if (size <= 0) {
         return 0;
     }
@@ -202,8 +204,8 @@ static uint64_t next_moment(const roburoc4_world *world, uint64_t until_us) {
     for (uint32_t i = 0; i < world->count; i++) {
         const member *at = &world->members[i];
         next_us = sooner(next_us, roburoc4_client_next_deadline(at->client));
-        next_us = sooner(next_us, roburoc4_sim_channel_next_deadline(at->to_robot));
-        next_us = sooner(next_us, roburoc4_sim_channel_next_deadline(at->from_robot));
+        next_us = sooner(next_us, sim_network_next_deadline(at->to_robot));
+        next_us = sooner(next_us, sim_network_next_deadline(at->from_robot));
     }
     /* At least a microsecond, or a deadline that stays in the past would stop time. */
     return next_us > world->now_us + 1 ? next_us : world->now_us + 1;

@@ -36,10 +36,10 @@ include = {['-I' fullfile(top, 'include')], ['-I' fullfile(top, 'src')], ...
     ['-I' fullfile(top, 'sim')], ['-I' fullfile(here, 'src')]};
 sources = {fullfile(top, 'src'), fullfile(top, 'sim'), fullfile(here, 'src')};
 if ispc()
-    others = {'os_posix.c', 'net_posix.c', 'main.c', 'server.c'};
+    others = {'os_posix.c', 'main.c', 'server.c'};
     libraries = {'-lws2_32'};
 else
-    others = {'os_windows.c', 'net_winsock.c', 'main.c', 'server.c'};
+    others = {'os_windows.c', 'main.c', 'server.c'};
     libraries = {'-lpthread', '-lm'};
 end
 objects = {};

@@ -133,7 +133,7 @@ TEST(SimHost, CanBeChangedByOthersWhileItRuns) {
     std::thread other([&] {
         for (int i = 0; i < 200; i++) {
             sim_host_lock(robot.host.get());
-            roburoc4_sim_set_pad_button(robot.sim, ROBUROC4_DI_PAD_B, i % 2);
+            roburoc4_sim_set(robot.sim, ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_B, i % 2);
             sim_host_unlock(robot.host.get());
             robot.state();
         }
@@ -151,6 +151,7 @@ TEST(SimHost, FaultsCanBeSetWhileItRuns) {
     const Pump pump = robot.pump();
     ASSERT_TRUE(moves(robot, pump.get()));
     roburoc4_sim_faults faults{};
+    faults.size = sizeof faults;
     faults.loss = 2;
     sim_host_lock(robot.host.get());
     EXPECT_LT(sim_host_set_faults(robot.host.get(), &faults), 0) << "no such loss";

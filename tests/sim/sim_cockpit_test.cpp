@@ -17,7 +17,7 @@ namespace {
 class SimCockpit : public testing::Test {
   protected:
     SimCockpit() {
-        roburoc4_sim_clear_world(sim());
+        roburoc4_sim_clear_obstacles(sim());
     }
 
     [[nodiscard]] roburoc4_sim *sim() const {
@@ -43,7 +43,7 @@ TEST_F(SimMotors, AreOnAtPowerOnUnlessStartSafe) {
     EXPECT_EQ(0, safe.state().motors_enabled);
     safe.drive(1.0F, 0.0F, 100);
     EXPECT_EQ(0.0, safe.state().wheel_linear_m_s);
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_press_motor_button(safe.get()));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(safe.get(), ROBUROC4_SIM_MOTOR_BUTTON, 1));
     safe.drive(1.0F, 0.0F, 100);
     EXPECT_GT(safe.state().wheel_linear_m_s, 0.5);
 }
@@ -54,15 +54,15 @@ TEST_F(SimMotors, AsManualNeedTheButtonAndNoCharger) {
     SimRobot manual(config);
     manual.drive(1.0F, 0.0F, 100);
     EXPECT_EQ(0.0, manual.state().wheel_linear_m_s) << "nobody pressed the green button";
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_press_motor_button(manual.get()));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(manual.get(), ROBUROC4_SIM_MOTOR_BUTTON, 1));
     manual.drive(1.0F, 0.0F, 100);
     EXPECT_GT(manual.state().wheel_linear_m_s, 0.5);
-    roburoc4_sim_set_charger(manual.get(), 1);
+    roburoc4_sim_set(manual.get(), ROBUROC4_SIM_CHARGER, 1);
     EXPECT_EQ(0, manual.state().motors_enabled);
-    EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_sim_press_motor_button(manual.get()));
-    roburoc4_sim_set_charger(manual.get(), 0);
+    EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_sim_set(manual.get(), ROBUROC4_SIM_MOTOR_BUTTON, 1));
+    roburoc4_sim_set(manual.get(), ROBUROC4_SIM_CHARGER, 0);
     EXPECT_EQ(0, manual.state().motors_enabled) << "pulling the plug alone brings nothing back";
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_press_motor_button(manual.get()));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(manual.get(), ROBUROC4_SIM_MOTOR_BUTTON, 1));
 }
 
 TEST_F(SimMotors, AsManualStopBelowTheMinimumCharge) {
@@ -70,19 +70,19 @@ TEST_F(SimMotors, AsManualStopBelowTheMinimumCharge) {
     config.as_manual = 1;
     config.battery_percent = 30.0F;
     SimRobot manual(config);
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_press_motor_button(manual.get()));
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_battery_percent(manual.get(), 19.0F));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(manual.get(), ROBUROC4_SIM_MOTOR_BUTTON, 1));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(manual.get(), ROBUROC4_SIM_BATTERY_PERCENT, 19.0F));
     manual.drive(1.0F, 0.0F, 100);
     EXPECT_EQ(0, manual.state().motors_enabled);
     EXPECT_EQ(0.0, manual.state().wheel_linear_m_s);
-    EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_sim_press_motor_button(manual.get()));
+    EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_sim_set(manual.get(), ROBUROC4_SIM_MOTOR_BUTTON, 1));
 }
 
 TEST_F(SimMotors, EitherEmergencyStopBrakesAndReportsTheTarget) {
     for (const auto which : {ROBUROC4_SIM_ESTOP_LOCAL, ROBUROC4_SIM_ESTOP_REMOTE}) {
         robot.drive(2.0F, 1.0F, 300);
         const double before = robot.state().wheel_linear_m_s;
-        EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_estop(sim(), std::uint32_t(which), 1));
+        EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(sim(), std::uint32_t(which), 1));
         robot.drive(2.0F, 1.0F, 45);
         const auto state = robot.state();
         EXPECT_GT(before, 1.9);
@@ -90,41 +90,41 @@ TEST_F(SimMotors, EitherEmergencyStopBrakesAndReportsTheTarget) {
         EXPECT_EQ(0.0, state.wheel_angular_rad_s);
         EXPECT_DOUBLE_EQ(2.0, state.target_linear_m_s);
         EXPECT_EQ(0, state.motors_enabled);
-        EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_estop(sim(), std::uint32_t(which), 0));
+        EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(sim(), std::uint32_t(which), 0));
         robot.drive(2.0F, 1.0F, 50);
         EXPECT_EQ(0.0, robot.state().wheel_linear_m_s) << "releasing alone brings nothing back";
-        EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_press_motor_button(sim()));
+        EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(sim(), ROBUROC4_SIM_MOTOR_BUTTON, 1));
     }
-    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_set_estop(sim(), 2, 1));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_set(sim(), ROBUROC4_SIM_ESTOP_LOCAL, 2));
 }
 
 TEST_F(SimMotors, NeedBothStopsReleasedBrakesAutomaticAndPower) {
     for (int obstacle = 0; obstacle < 4; obstacle++) {
-        (void)roburoc4_sim_set_estop(sim(), ROBUROC4_SIM_ESTOP_LOCAL, obstacle == 0);
-        (void)roburoc4_sim_set_estop(sim(), ROBUROC4_SIM_ESTOP_REMOTE, obstacle == 1);
-        (void)roburoc4_sim_set_brakes(sim(), obstacle == 2 ? ROBUROC4_SIM_BRAKES_RELEASED
-                                                           : ROBUROC4_SIM_BRAKES_AUTOMATIC);
-        roburoc4_sim_set_power(sim(), obstacle != 3);
-        EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_sim_press_motor_button(sim())) << obstacle;
+        (void)roburoc4_sim_set(sim(), ROBUROC4_SIM_ESTOP_LOCAL, obstacle == 0);
+        (void)roburoc4_sim_set(sim(), ROBUROC4_SIM_ESTOP_REMOTE, obstacle == 1);
+        (void)roburoc4_sim_set(sim(), ROBUROC4_SIM_BRAKES_RELEASED, obstacle == 2);
+        roburoc4_sim_set(sim(), ROBUROC4_SIM_POWER, obstacle != 3);
+        EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_sim_set(sim(), ROBUROC4_SIM_MOTOR_BUTTON, 1))
+            << obstacle;
         EXPECT_EQ(0, robot.state().motors_enabled) << obstacle;
     }
-    (void)roburoc4_sim_set_estop(sim(), ROBUROC4_SIM_ESTOP_REMOTE, 0);
-    (void)roburoc4_sim_set_brakes(sim(), ROBUROC4_SIM_BRAKES_AUTOMATIC);
-    roburoc4_sim_set_power(sim(), 1);
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_press_motor_button(sim()));
-    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_set_brakes(sim(), 2));
+    (void)roburoc4_sim_set(sim(), ROBUROC4_SIM_ESTOP_REMOTE, 0);
+    (void)roburoc4_sim_set(sim(), ROBUROC4_SIM_BRAKES_RELEASED, 0);
+    roburoc4_sim_set(sim(), ROBUROC4_SIM_POWER, 1);
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(sim(), ROBUROC4_SIM_MOTOR_BUTTON, 1));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_set(sim(), ROBUROC4_SIM_BRAKES_RELEASED, 2));
 }
 
 TEST_F(SimMotors, StayOffAtPowerOnWithAStopPressed) {
-    roburoc4_sim_set_power(sim(), 0);
-    (void)roburoc4_sim_set_estop(sim(), ROBUROC4_SIM_ESTOP_LOCAL, 1);
-    roburoc4_sim_set_power(sim(), 1);
+    roburoc4_sim_set(sim(), ROBUROC4_SIM_POWER, 0);
+    (void)roburoc4_sim_set(sim(), ROBUROC4_SIM_ESTOP_LOCAL, 1);
+    roburoc4_sim_set(sim(), ROBUROC4_SIM_POWER, 1);
     EXPECT_EQ(0, robot.state().motors_enabled);
 }
 
 TEST_F(SimMotors, BrakesReleasedLetItRollOut) {
     robot.drive(2.0F, 0.0F, 300);
-    (void)roburoc4_sim_set_brakes(sim(), ROBUROC4_SIM_BRAKES_RELEASED);
+    (void)roburoc4_sim_set(sim(), ROBUROC4_SIM_BRAKES_RELEASED, 1);
     EXPECT_EQ(0, robot.state().motors_enabled);
     robot.run(100);
     EXPECT_GT(robot.state().wheel_linear_m_s, 0.5);
@@ -136,11 +136,13 @@ TEST_F(SimMotors, BrakesReleasedLetItRollOut) {
 
 TEST_F(SimPad, DrivesWhileAIsHeldAndCommandsAreIgnored) {
     EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_DIFFERENTIAL, 1));
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_pad_axis(sim(), ROBUROC4_AI_PAD_RT, 0.0F));
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_pad_axis(sim(), ROBUROC4_AI_PAD_LJ_X, -0.5F));
+    EXPECT_EQ(ROBUROC4_OK,
+              roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD_AXIS + ROBUROC4_AI_PAD_RT, 0.0F));
+    EXPECT_EQ(ROBUROC4_OK,
+              roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD_AXIS + ROBUROC4_AI_PAD_LJ_X, -0.5F));
     robot.drive(-1.0F, 0.0F, 10);
     EXPECT_DOUBLE_EQ(-1.0, robot.state().target_linear_m_s) << "axes alone do nothing";
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_pad_button(sim(), ROBUROC4_DI_PAD_A, 1));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_A, 1));
     robot.take();
     robot.drive(-1.0F, 0.0F, 300);
     const auto state = robot.state();
@@ -153,25 +155,25 @@ TEST_F(SimPad, DrivesWhileAIsHeldAndCommandsAreIgnored) {
 }
 
 TEST_F(SimPad, AxesGoTheManualsWays) {
-    (void)roburoc4_sim_set_pad_button(sim(), ROBUROC4_DI_PAD_A, 1);
+    (void)roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_A, 1);
     robot.run(1);
     EXPECT_EQ(0.0, robot.state().target_linear_m_s) << "triggers rest at -1";
-    (void)roburoc4_sim_set_pad_axis(sim(), ROBUROC4_AI_PAD_LT, 1.0F);
-    (void)roburoc4_sim_set_pad_axis(sim(), ROBUROC4_AI_PAD_LJ_X, 1.0F);
+    (void)roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD_AXIS + ROBUROC4_AI_PAD_LT, 1.0F);
+    (void)roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD_AXIS + ROBUROC4_AI_PAD_LJ_X, 1.0F);
     robot.run(1);
     EXPECT_NEAR(-2.6, robot.state().target_linear_m_s, 1e-6);
     EXPECT_NEAR(-6.5, robot.state().target_angular_rad_s, 1e-6) << "right is clockwise";
-    (void)roburoc4_sim_set_pad_axis(sim(), ROBUROC4_AI_PAD_LJ_X, 0.04F);
+    (void)roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD_AXIS + ROBUROC4_AI_PAD_LJ_X, 0.04F);
     robot.run(1);
     EXPECT_EQ(0.0, robot.state().target_angular_rad_s) << "a stick is never quite at 0";
 }
 
 TEST_F(SimPad, ReleaseGivesUdpBackWithTargetZeroUntilTheNextCommand) {
     robot.command(1.0F, 0.0F);
-    (void)roburoc4_sim_set_pad_axis(sim(), ROBUROC4_AI_PAD_RT, 1.0F);
-    (void)roburoc4_sim_set_pad_button(sim(), ROBUROC4_DI_PAD_A, 1);
+    (void)roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD_AXIS + ROBUROC4_AI_PAD_RT, 1.0F);
+    (void)roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_A, 1);
     robot.run(50);
-    (void)roburoc4_sim_set_pad_button(sim(), ROBUROC4_DI_PAD_A, 0);
+    (void)roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_A, 0);
     EXPECT_EQ(0.0, robot.state().target_linear_m_s);
     robot.run(30);
     EXPECT_EQ(0.0, robot.state().target_linear_m_s);
@@ -182,30 +184,34 @@ TEST_F(SimPad, ReleaseGivesUdpBackWithTargetZeroUntilTheNextCommand) {
 }
 
 TEST_F(SimPad, OutlastsTheWatchdogButNotAnEmergencyStop) {
-    (void)roburoc4_sim_set_pad_axis(sim(), ROBUROC4_AI_PAD_RT, 1.0F);
-    (void)roburoc4_sim_set_pad_button(sim(), ROBUROC4_DI_PAD_A, 1);
+    (void)roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD_AXIS + ROBUROC4_AI_PAD_RT, 1.0F);
+    (void)roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_A, 1);
     robot.run(500);
     EXPECT_NEAR(2.6, robot.state().wheel_linear_m_s, 0.05);
-    (void)roburoc4_sim_set_estop(sim(), ROBUROC4_SIM_ESTOP_LOCAL, 1);
+    (void)roburoc4_sim_set(sim(), ROBUROC4_SIM_ESTOP_LOCAL, 1);
     robot.run(60);
     EXPECT_EQ(0.0, robot.state().wheel_linear_m_s);
 }
 
 TEST_F(SimPad, RefusesWhatItDoesNotHave) {
-    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_set_pad_button(sim(), ROBUROC4_DI_PAD_A - 1, 1));
-    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_set_pad_button(sim(), ROBUROC4_DI_PAD_RB + 1, 1));
-    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_set_pad_axis(sim(), ROBUROC4_AI_BATTERY_V, 0.0F));
-    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_set_pad_axis(sim(), ROBUROC4_AI_PAD_RT, 1.01F));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX,
+              roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_A - 1, 1));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX,
+              roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_RB + 1, 1));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX,
+              roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD_AXIS + ROBUROC4_AI_BATTERY_V, 0.0F));
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT,
-              roburoc4_sim_set_pad_axis(sim(), ROBUROC4_AI_PAD_RT,
-                                        std::numeric_limits<float>::quiet_NaN()));
+              roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD_AXIS + ROBUROC4_AI_PAD_RT, 1.01F));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT,
+              roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD_AXIS + ROBUROC4_AI_PAD_RT,
+                               std::numeric_limits<float>::quiet_NaN()));
 }
 
 TEST_F(SimPad, ReleasePadLetsAllGo) {
-    (void)roburoc4_sim_set_pad_axis(sim(), ROBUROC4_AI_PAD_RT, 1.0F);
-    (void)roburoc4_sim_set_pad_button(sim(), ROBUROC4_DI_PAD_A, 1);
+    (void)roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD_AXIS + ROBUROC4_AI_PAD_RT, 1.0F);
+    (void)roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_A, 1);
     robot.run(10);
-    roburoc4_sim_release_pad(sim());
+    roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD, 0);
     EXPECT_EQ(0, robot.state().overridden);
     EXPECT_EQ(0.0, robot.state().target_linear_m_s);
 }
@@ -225,23 +231,23 @@ TEST_F(SimBattery, DrainsMoreWhenDriving) {
 }
 
 TEST_F(SimBattery, ChargesThenIsChargedThenOk) {
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_battery_percent(sim(), 99.9F));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(sim(), ROBUROC4_SIM_BATTERY_PERCENT, 99.9F));
     EXPECT_EQ(unsigned(ROBUROC4_BATTERY_OK), robot.state().battery_state);
     const float before = robot.state().battery_v;
-    roburoc4_sim_set_charger(sim(), 1);
+    roburoc4_sim_set(sim(), ROBUROC4_SIM_CHARGER, 1);
     EXPECT_EQ(unsigned(ROBUROC4_BATTERY_CHARGING), robot.state().battery_state);
     EXPECT_GT(robot.state().battery_v, before);
     robot.run(3000);
     EXPECT_EQ(unsigned(ROBUROC4_BATTERY_CHARGED), robot.state().battery_state);
     EXPECT_FLOAT_EQ(100.0F, robot.state().battery_percent);
-    roburoc4_sim_set_charger(sim(), 0);
+    roburoc4_sim_set(sim(), ROBUROC4_SIM_CHARGER, 0);
     EXPECT_EQ(unsigned(ROBUROC4_BATTERY_OK), robot.state().battery_state);
 }
 
 TEST_F(SimBattery, IsCriticalWhenThePercentIsBelowTheMinimum) {
     EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_BATTERY, 1));
     for (float percent = 22.0F; percent > 18.0F; percent -= 0.05F) {
-        EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_battery_percent(sim(), percent));
+        EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(sim(), ROBUROC4_SIM_BATTERY_PERCENT, percent));
         robot.take();
         robot.run(1);
         roburoc4_battery_status status{};
@@ -255,7 +261,7 @@ TEST_F(SimBattery, IsCriticalWhenThePercentIsBelowTheMinimum) {
 
 TEST_F(SimBattery, VoltageFallsWithTheChargeAndUnderLoad) {
     const float full = robot.state().battery_v;
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_battery_percent(sim(), 5.0F));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(sim(), ROBUROC4_SIM_BATTERY_PERCENT, 5.0F));
     EXPECT_LT(robot.state().battery_v, full - 2.0F);
     EXPECT_GT(robot.state().battery_v, 20.0F);
     const float resting = robot.state().battery_v;
@@ -278,23 +284,27 @@ TEST_F(SimBattery, AsManualGoesByTheVoltage) {
     };
     EXPECT_EQ(0, manual.insert(ROBUROC4_SERVICE_BATTERY, 1));
     for (const float percent : {100.0F, 60.0F, 25.0F, 0.0F}) {
-        EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_battery_percent(manual.get(), percent));
+        EXPECT_EQ(ROBUROC4_OK,
+                  roburoc4_sim_set(manual.get(), ROBUROC4_SIM_BATTERY_PERCENT, percent));
         EXPECT_NEAR(double(percent), status().remaining_percent, 3.0) << "idle, it hardly sags";
     }
-    EXPECT_EQ(ROBUROC4_OK,
-              roburoc4_sim_pin_analog_input(manual.get(), ROBUROC4_AI_BATTERY_V, 22.9F));
+    EXPECT_EQ(
+        ROBUROC4_OK,
+        roburoc4_sim_set(manual.get(), ROBUROC4_SIM_PIN_ANALOG + ROBUROC4_AI_BATTERY_V, 22.9F));
     EXPECT_NEAR(8.0, status().remaining_percent, 1.0);
     EXPECT_EQ(ROBUROC4_BATTERY_CRITICAL, status().state);
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_pin_analog_input(manual.get(), ROBUROC4_AI_BATTERY_V,
-                                                         std::numeric_limits<float>::quiet_NaN()));
+    EXPECT_EQ(ROBUROC4_OK,
+              roburoc4_sim_set(manual.get(), ROBUROC4_SIM_PIN_ANALOG + ROBUROC4_AI_BATTERY_V,
+                               std::numeric_limits<float>::quiet_NaN()));
     EXPECT_EQ(0, status().remaining_percent);
 }
 
 TEST_F(SimBattery, StaysAtZeroAndRefusesNonsense) {
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_battery_percent(sim(), 0.0F));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(sim(), ROBUROC4_SIM_BATTERY_PERCENT, 0.0F));
     robot.run(1000);
     EXPECT_EQ(0.0F, robot.state().battery_percent);
     EXPECT_EQ(1, robot.state().powered);
     for (const float wrong : {-1.0F, 100.5F, std::numeric_limits<float>::quiet_NaN()})
-        EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_set_battery_percent(sim(), wrong));
+        EXPECT_EQ(ROBUROC4_ERR_ARGUMENT,
+                  roburoc4_sim_set(sim(), ROBUROC4_SIM_BATTERY_PERCENT, wrong));
 }

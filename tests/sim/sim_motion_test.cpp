@@ -28,7 +28,7 @@ roburoc4_sim_config without_slip() {
 class OpenFloor : public SimRobot {
   public:
     explicit OpenFloor(const roburoc4_sim_config &config = without_slip()) : SimRobot(config) {
-        roburoc4_sim_clear_world(get());
+        roburoc4_sim_clear_obstacles(get());
     }
 };
 

@@ -26,21 +26,28 @@ roburoc4_sim_config without_slip() {
 }
 
 /** A robot on an empty floor, for tests that furnish it themselves. */
-class SimWorld : public testing::Test {
+class SimObstacles : public testing::Test {
   protected:
-    SimWorld() : robot(without_slip()) {
-        roburoc4_sim_clear_world(robot.get());
+    SimObstacles() : robot(without_slip()) {
+        roburoc4_sim_clear_obstacles(robot.get());
     }
 
     [[nodiscard]] roburoc4_sim *sim() const {
         return robot.get();
     }
 
+    /** A thin box between two points; what adding it returns. */
+    [[nodiscard]] roburoc4_result wall(double x1, double y1, double x2, double y2) const {
+        return roburoc4_sim_add_box(sim(), 0.5 * (x1 + x2), 0.5 * (y1 + y2),
+                                    std::hypot(x2 - x1, y2 - y1), 0.1,
+                                    std::atan2(y2 - y1, x2 - x1));
+    }
+
     SimRobot robot;
 };
 
-using SimBumper = SimWorld;
-using SimTelemeter = SimWorld;
+using SimBumper = SimObstacles;
+using SimTelemeter = SimObstacles;
 
 } // namespace
 
@@ -89,7 +96,7 @@ TEST(SimDefaultWorld, CannotBeLeft) {
 /* --------------------------------------------------------------------------------- bumpers --- */
 
 TEST_F(SimBumper, StopsAtAWallAndFreesTheOtherDirection) {
-    ASSERT_EQ(0, roburoc4_sim_add_wall(sim(), 3.0, -2.0, 3.0, 2.0));
+    ASSERT_EQ(0, wall(3.0, -2.0, 3.0, 2.0));
     robot.drive(1.0F, 0.0F, 500);
     auto state = robot.state();
     EXPECT_EQ(1, state.bumper_front);
@@ -118,16 +125,16 @@ TEST_F(SimBumper, OfTheRearStopsBackwardMotion) {
 
 TEST_F(SimBumper, PressedByHandBlocksItsDirectionOnly) {
     robot.drive(1.0F, 0.0F, 200);
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_set_bumper(sim(), ROBUROC4_SIM_FRONT, 1));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_set(sim(), ROBUROC4_SIM_BUMPER_FRONT, 1));
     robot.drive(1.0F, 0.5F, 100);
     EXPECT_EQ(0.0, robot.state().wheel_linear_m_s);
     EXPECT_GT(robot.state().wheel_angular_rad_s, 0.3) << "turning is free";
     robot.drive(-0.5F, 0.0F, 200);
     EXPECT_NEAR(-0.5, robot.state().wheel_linear_m_s, 0.02);
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_set_bumper(sim(), ROBUROC4_SIM_FRONT, 0));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_set(sim(), ROBUROC4_SIM_BUMPER_FRONT, 0));
     robot.drive(1.0F, 0.0F, 300);
     EXPECT_NEAR(1.0, robot.state().wheel_linear_m_s, 0.02);
-    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_set_bumper(sim(), 2, 1));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_set(sim(), ROBUROC4_SIM_BUMPER_FRONT, 0.5));
 }
 
 TEST_F(SimBumper, IsPressedByABoxThatIsPushedAgainstIt) {
@@ -136,13 +143,13 @@ TEST_F(SimBumper, IsPressedByABoxThatIsPushedAgainstIt) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_move_box(sim(), std::uint32_t(box),
                                                  0.5 + half_length + 0.005, 0.0, 0.0));
     EXPECT_EQ(1, robot.state().bumper_front);
-    roburoc4_sim_clear_world(sim());
+    roburoc4_sim_clear_obstacles(sim());
     EXPECT_EQ(0, robot.state().bumper_front);
 }
 
-TEST_F(SimWorld, AWallAtTheSideBlocksTheTurnWhileTheWheelsSpin) {
-    ASSERT_EQ(0, roburoc4_sim_add_wall(sim(), -3.0, half_width + 0.06, 3.0, half_width + 0.06));
-    ASSERT_EQ(1, roburoc4_sim_add_wall(sim(), -3.0, -half_width - 0.06, 3.0, -half_width - 0.06));
+TEST_F(SimObstacles, AWallAtTheSideBlocksTheTurnWhileTheWheelsSpin) {
+    ASSERT_EQ(0, wall(-3.0, half_width + 0.06, 3.0, half_width + 0.06));
+    ASSERT_EQ(1, wall(-3.0, -half_width - 0.06, 3.0, -half_width - 0.06));
     robot.drive(0.0F, 1.0F, 300);
     const auto state = robot.state();
     EXPECT_LT(std::fabs(state.true_theta_rad), 0.05);
@@ -150,20 +157,20 @@ TEST_F(SimWorld, AWallAtTheSideBlocksTheTurnWhileTheWheelsSpin) {
     EXPECT_NEAR(1.0, state.wheel_angular_rad_s, 0.02);
 }
 
-TEST_F(SimWorld, FastMotionDoesNotTunnelThroughThinWalls) {
-    ASSERT_EQ(0, roburoc4_sim_add_wall(sim(), 8.0, -5.0, 8.0, 5.0));
+TEST_F(SimObstacles, FastMotionDoesNotTunnelThroughThinWalls) {
+    ASSERT_EQ(0, wall(8.0, -5.0, 8.0, 5.0));
     robot.drive(2.6F, 0.0F, 1000);
     EXPECT_LT(robot.state().true_x_m, 8.0);
     EXPECT_EQ(1, robot.state().bumper_front);
 }
 
-TEST_F(SimWorld, RefusesWhatCannotBe) {
+TEST_F(SimObstacles, RefusesWhatCannotBe) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_sim_add_box(sim(), 0.9, 0.0, 1.0, 1.0, 0.0));
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_add_box(sim(), nan, 0.0, 1.0, 1.0, 0.0));
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_add_box(sim(), 5.0, 0.0, 0.0, 1.0, 0.0));
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_add_box(sim(), 5.0, 0.0, 1.0, nan, 0.0));
-    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_add_wall(sim(), 5.0, 0.0, 5.0, 0.0));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, wall(5.0, 0.0, 5.0, 0.0));
     EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_move_box(sim(), 0, 5.0, 0.0, 0.0));
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_place(sim(), 0.0, nan, 0.0));
     ASSERT_EQ(0, roburoc4_sim_add_box(sim(), 5.0, 0.0, 1.0, 1.0, 0.0));
@@ -174,7 +181,7 @@ TEST_F(SimWorld, RefusesWhatCannotBe) {
     EXPECT_EQ(ROBUROC4_ERR_BUFFER, roburoc4_sim_add_box(sim(), 50.0, 0.0, 1.0, 1.0, 0.0));
 }
 
-TEST_F(SimWorld, PlacingMovesTheBodyButNotTheOdometry) {
+TEST_F(SimObstacles, PlacingMovesTheBodyButNotTheOdometry) {
     robot.drive(1.0F, 0.0F, 100);
     const double odometry = robot.state().odometry_x_m;
     ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_place(sim(), -3.0, 2.0, 4.0));
@@ -188,8 +195,8 @@ TEST_F(SimWorld, PlacingMovesTheBodyButNotTheOdometry) {
 /* ------------------------------------------------------------------------------- telemeters --- */
 
 TEST_F(SimTelemeter, MeasureFromTheBodysEnds) {
-    ASSERT_EQ(0, roburoc4_sim_add_wall(sim(), 4.0, -3.0, 4.0, 3.0));
-    ASSERT_EQ(1, roburoc4_sim_add_wall(sim(), -3.0, -3.0, -3.0, 3.0));
+    ASSERT_EQ(0, wall(4.0, -3.0, 4.0, 3.0));
+    ASSERT_EQ(1, wall(-3.0, -3.0, -3.0, 3.0));
     auto state = robot.state();
     EXPECT_NEAR(4.0 - 0.05 - half_length, double(state.telemeters_m[ROBUROC4_TELEMETER_FRONT]),
                 1e-5);
@@ -216,7 +223,7 @@ TEST_F(SimTelemeter, SeeWithinTheirConeAndRange) {
 }
 
 TEST_F(SimTelemeter, PropertiesSayWhereTheySitAndWhatTheySee) {
-    ASSERT_EQ(0, roburoc4_sim_add_wall(sim(), 4.0, -3.0, 4.0, 3.0));
+    ASSERT_EQ(0, wall(4.0, -3.0, 4.0, 3.0));
     const Bytes answer = robot.ask(from_hex("07 00 03 00"));
     roburoc4_telemeter_list list{};
     ASSERT_EQ(0, roburoc4_decode_telemeter_properties(answer.data(), answer.size(), &list));

@@ -14,6 +14,7 @@
 #include <sstream>
 #include <string>
 
+#include "config_file.h"
 #include "sim_support.h"
 
 using namespace roburoc4_tests;
@@ -39,7 +40,7 @@ roburoc4_result read_config(roburoc4_sim_config &config, const std::string &text
                             std::string *error = nullptr) {
     std::array<char, 160> buffer{};
     const auto result =
-        roburoc4_sim_config_read(&config, text.data(), text.size(), buffer.data(), buffer.size());
+        sim_config_read(&config, text.data(), text.size(), buffer.data(), buffer.size());
     if (error != nullptr)
         *error = buffer.data();
     return result;
@@ -91,8 +92,8 @@ TEST_F(SimPanel, MovesEveryKnob) {
 }
 
 TEST_F(SimPanel, HasEveryButtonAndAxisOfThePad) {
-    const char *buttons[] = {"a",     "b",      "x",   "y",  "back", "start", "ddown",
-                             "dleft", "dright", "dup", "lj", "rj",   "lb",    "rb"};
+    const char *buttons[] = {"a",     "b",       "x",    "y",  "back", "start", "d_down",
+                             "dleft", "D_Right", "d_up", "lj", "rj",   "lb",    "rb"};
     EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_IOCARD, 1));
     for (std::uint32_t index = 0; index < 14; index++) {
         EXPECT_EQ(ROBUROC4_OK, obey(std::string("pad ") + buttons[index] + " down"));
@@ -103,7 +104,7 @@ TEST_F(SimPanel, HasEveryButtonAndAxisOfThePad) {
         EXPECT_EQ(1 << channel % 8, status.at(47 + channel / 8)) << buttons[index];
         EXPECT_EQ(ROBUROC4_OK, obey(std::string("pad ") + buttons[index] + " up"));
     }
-    const char *axes[] = {"ljx", "ljy", "rjx", "rjy", "lt", "rt"};
+    const char *axes[] = {"lj_x", "ljy", "rj x", "rjy", "lt", "rt"};
     for (std::uint32_t index = 0; index < 6; index++) {
         EXPECT_EQ(ROBUROC4_OK, obey(std::string("pad ") + axes[index] + " -0.5"));
         robot.take();
@@ -114,7 +115,7 @@ TEST_F(SimPanel, HasEveryButtonAndAxisOfThePad) {
     EXPECT_EQ(ROBUROC4_OK, obey("pad release"));
 }
 
-TEST_F(SimPanel, FurnishesTheWorld) {
+TEST_F(SimPanel, PutsBoxesOnTheFloor) {
     EXPECT_EQ(ROBUROC4_OK, obey("box clear"));
     EXPECT_EQ(ROBUROC4_OK, obey("box add 3 0 0.5 0.5 0"));
     EXPECT_EQ("ok 0", reply);
@@ -140,6 +141,18 @@ TEST_F(SimPanel, PinsInputs) {
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, obey("pin digital 22 on"));
 }
 
+TEST_F(SimPanel, TakesAControlByItsName) {
+    EXPECT_EQ(ROBUROC4_OK, obey("estop_local 1"));
+    EXPECT_EQ(1, robot.state().estop_local);
+    EXPECT_EQ(ROBUROC4_OK, obey("localization 82"));
+    EXPECT_EQ(82, robot.value(ROBUROC4_SIM_LOCALIZATION_FLAGS));
+    EXPECT_EQ(ROBUROC4_OK, obey("pin_analog_2 24.5"));
+    EXPECT_EQ(24.5, robot.value(ROBUROC4_SIM_PIN_ANALOG + 2));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, obey("brakes on")) << "which of the two is meant?";
+    EXPECT_EQ("usage: brakes_released automatic|released", reply);
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, obey("digital_output_1 1"));
+}
+
 TEST_F(SimPanel, TellsWhyThereIsNoMotorPower) {
     EXPECT_EQ(ROBUROC4_OK, obey("estop remote press"));
     EXPECT_EQ(ROBUROC4_ERR_STATE, obey("motor on"));
@@ -149,7 +162,7 @@ TEST_F(SimPanel, TellsWhyThereIsNoMotorPower) {
 TEST_F(SimPanel, HelpListsEveryCommandAndStatusShowsThePose) {
     EXPECT_EQ(ROBUROC4_OK, obey("help"));
     for (const char *word : {"pad", "estop", "brakes", "motor", "power", "charger", "battery",
-                             "bumper", "pin", "box", "place", "status"})
+                             "bumper", "localization", "pin", "box", "place", "status"})
         EXPECT_NE(std::string::npos, reply.find(word)) << word;
     EXPECT_EQ(ROBUROC4_OK, obey("place 1.25 0 0"));
     EXPECT_EQ(ROBUROC4_OK, obey("status"));
@@ -246,7 +259,7 @@ TEST(SimConfigFile, NamesLineValueAndRemedyOfANonsenseValue) {
         EXPECT_NE(std::string::npos, error.find("line 3: Watchdog=" + std::string(value))) << error;
         EXPECT_NE(std::string::npos, error.find("1 to 1000000")) << error;
         EXPECT_EQ(ROBUROC4_ERR_VALUE,
-                  roburoc4_sim_config_read(&config, text.data(), text.size(), nullptr, 0));
+                  sim_config_read(&config, text.data(), text.size(), nullptr, 0));
     }
 }
 
@@ -261,10 +274,12 @@ TEST(SimConfigFile, SetsAnyNumberInTheSectionSimulator) {
     std::string error;
     EXPECT_EQ(ROBUROC4_ERR_VALUE, read_config(config, "[Simulator]\nwings=2\n", &error));
     EXPECT_NE(std::string::npos, error.find("line 2: wings=2: no such setting")) << error;
+    EXPECT_EQ(ROBUROC4_ERR_VALUE, read_config(config, "[Simulator]\nslip=2\n", &error));
+    EXPECT_EQ("line 2: slip=2: slip: give a share of 0 to 0.9", error);
     for (const char *value : {"", "-1", "0.5", "yes", "4294967296"}) {
         const auto text = std::string("[Simulator]\nas_manual=") + value;
         EXPECT_EQ(ROBUROC4_ERR_VALUE, read_config(config, text, &error)) << value;
-        EXPECT_NE(std::string::npos, error.find("give a number that fits it")) << error;
+        EXPECT_NE(std::string::npos, error.find("give a number")) << error;
     }
 }
 
@@ -362,7 +377,7 @@ TEST(SimConfig, TheLargestCardFitsIntoADatagram) {
     command[1] = 2;
     command[2] = 0;
     robot.send(command);
-    EXPECT_EQ(1, roburoc4_sim_digital_output(robot.get(), 255));
+    EXPECT_EQ(1, robot.value(ROBUROC4_SIM_DIGITAL_OUTPUT + 255));
 }
 
 TEST(SimConfig, SnapshotRefusesAnotherSize) {

@@ -304,7 +304,7 @@ TEST(SimSubscriptions, ChangePeriodByInsertAndEndByDelete) {
     robot.run(2);
     EXPECT_EQ(1U, robot.take().size()) << "the same wish again must not shift the beat";
     EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_DIFFERENTIAL, 1));
-    EXPECT_EQ(1U, roburoc4_sim_subscription(robot.get(), 1, ROBUROC4_SERVICE_DIFFERENTIAL));
+    EXPECT_EQ(1U, robot.subscription(ROBUROC4_SERVICE_DIFFERENTIAL));
     robot.run(5);
     EXPECT_EQ(5U, robot.take().size());
     EXPECT_EQ(from_hex("09 05 01 00 00"), robot.ask(from_hex("09 05 01 00 06 00")));
@@ -361,7 +361,7 @@ TEST(SimPeers, SpoofedSendersDoNotTakeThePlacesOfThoseWhoListen) {
         robot.take();
         ASSERT_LE(robot.state().peers, unsigned(ROBUROC4_SIM_MAX_PEERS));
     }
-    EXPECT_EQ(50U, roburoc4_sim_subscription(robot.get(), 1, ROBUROC4_SERVICE_DIFFERENTIAL))
+    EXPECT_EQ(50U, robot.subscription(ROBUROC4_SERVICE_DIFFERENTIAL))
         << "silent for 100 s while 2000 others asked once each";
     EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_BATTERY, 5, 2)) << "and there is room for another";
 }
@@ -376,8 +376,7 @@ TEST(SimPeers, ATableOfActiveSubscribersRefusesMoreButStillAnswers) {
     EXPECT_EQ(33U, robot.ask(get(0), 500).size());
     robot.run(6100);
     EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_BATTERY, 5, 500)) << "after a minute of silence";
-    EXPECT_EQ(0U, roburoc4_sim_subscription(robot.get(), 1, ROBUROC4_SERVICE_BATTERY))
-        << "the longest silent made room";
+    EXPECT_EQ(0U, robot.subscription(ROBUROC4_SERVICE_BATTERY)) << "the longest silent made room";
     EXPECT_EQ(unsigned(ROBUROC4_SIM_MAX_PEERS), robot.state().peers);
 }
 
@@ -389,19 +388,16 @@ TEST(SimCommands, OfTheIoCardSetAllOutputsButTheRobotsOwn) {
     SimRobot robot(config);
     /* AO 1.5 and -2, DO 0, 3 and 7 */
     EXPECT_TRUE(robot.ask(from_hex("FF 02 00  00 00 C0 3F  00 00 00 C0  89")).empty());
-    float value = 0.0F;
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_analog_output(robot.get(), 0, &value));
-    EXPECT_FLOAT_EQ(1.5F, value);
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_analog_output(robot.get(), 1, &value));
-    EXPECT_FLOAT_EQ(-2.0F, value);
-    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_analog_output(robot.get(), 2, &value));
-    EXPECT_EQ(0, roburoc4_sim_digital_output(robot.get(), 0)) << "no speed command feeds it";
-    EXPECT_EQ(1, roburoc4_sim_digital_output(robot.get(), 3));
-    EXPECT_EQ(0, roburoc4_sim_digital_output(robot.get(), 4));
-    EXPECT_EQ(1, roburoc4_sim_digital_output(robot.get(), 7));
-    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_digital_output(robot.get(), 8));
+    EXPECT_EQ(1.5, robot.value(ROBUROC4_SIM_ANALOG_OUTPUT));
+    EXPECT_EQ(-2.0, robot.value(ROBUROC4_SIM_ANALOG_OUTPUT + 1));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, robot.value(ROBUROC4_SIM_ANALOG_OUTPUT + 2));
+    EXPECT_EQ(0, robot.value(ROBUROC4_SIM_DIGITAL_OUTPUT)) << "no speed command feeds it";
+    EXPECT_EQ(1, robot.value(ROBUROC4_SIM_DIGITAL_OUTPUT + 3));
+    EXPECT_EQ(0, robot.value(ROBUROC4_SIM_DIGITAL_OUTPUT + 4));
+    EXPECT_EQ(1, robot.value(ROBUROC4_SIM_DIGITAL_OUTPUT + 7));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, robot.value(ROBUROC4_SIM_DIGITAL_OUTPUT + 8));
     robot.command(0.0F, 0.0F);
-    EXPECT_EQ(1, roburoc4_sim_digital_output(robot.get(), 0));
+    EXPECT_EQ(1, robot.value(ROBUROC4_SIM_DIGITAL_OUTPUT));
     EXPECT_EQ(1U, robot.state().io_commands);
     EXPECT_TRUE(robot.ask(from_hex("FF 02 00  00 00 C0 3F  00 00 00 C0")).empty());
     EXPECT_EQ(1U, robot.state().io_commands) << "too short";
@@ -437,9 +433,11 @@ TEST(SimCommands, ReplaceSetsTheOdometryAndNothingElse) {
 TEST(SimInputs, ShowPadBumpersAndVoltages) {
     SimRobot robot;
     EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_IOCARD, 1));
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_pad_button(robot.get(), ROBUROC4_DI_PAD_RB, 1));
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_pad_axis(robot.get(), ROBUROC4_AI_PAD_RJ_Y, 0.75F));
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_bumper(robot.get(), ROBUROC4_SIM_REAR, 1));
+    EXPECT_EQ(ROBUROC4_OK,
+              roburoc4_sim_set(robot.get(), ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_RB, 1));
+    EXPECT_EQ(ROBUROC4_OK,
+              roburoc4_sim_set(robot.get(), ROBUROC4_SIM_PAD_AXIS + ROBUROC4_AI_PAD_RJ_Y, 0.75F));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(robot.get(), ROBUROC4_SIM_BUMPER_REAR, 1));
     robot.run(1);
     const auto statuses = robot.take();
     ASSERT_EQ(1U, statuses.size());
@@ -473,7 +471,8 @@ TEST(SimInputs, WithLiteralNumbersLieOneIndexHigher) {
     EXPECT_EQ(roburoc4_channel_name(ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_AI_BATTERY_V),
               channel_text(robot, ROBUROC4_IO_ANALOG_INPUT, 3));
     EXPECT_EQ("", channel_text(robot, ROBUROC4_IO_ANALOG_INPUT, 2));
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_pad_button(robot.get(), ROBUROC4_DI_PAD_A, 1));
+    EXPECT_EQ(ROBUROC4_OK,
+              roburoc4_sim_set(robot.get(), ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_A, 1));
     EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_IOCARD, 1));
     robot.run(1);
     const auto statuses = robot.take();
@@ -484,16 +483,16 @@ TEST(SimInputs, WithLiteralNumbersLieOneIndexHigher) {
 
 TEST(SimInputs, CanBePinnedAndUnpinned) {
     SimRobot robot;
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_pin_digital_input(robot.get(), 3, 1));
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_pin_analog_input(robot.get(), 2, 7.5F));
-    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_pin_digital_input(robot.get(), 22, 1));
-    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_pin_analog_input(robot.get(), 9, 1.0F));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(robot.get(), ROBUROC4_SIM_PIN_DIGITAL + 3, 1));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(robot.get(), ROBUROC4_SIM_PIN_ANALOG + 2, 7.5F));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_set(robot.get(), ROBUROC4_SIM_PIN_DIGITAL + 22, 1));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_set(robot.get(), ROBUROC4_SIM_PIN_ANALOG + 9, 1.0F));
     EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_IOCARD, 1));
     robot.run(1);
     Bytes status = robot.take().at(0).bytes;
     EXPECT_EQ(0x08, status[47]);
     EXPECT_EQ(from_hex("00 00 F0 40"), Bytes(status.begin() + 19, status.begin() + 23));
-    roburoc4_sim_unpin_inputs(robot.get());
+    roburoc4_sim_set(robot.get(), ROBUROC4_SIM_PIN, 0);
     robot.run(1);
     status = robot.take().at(0).bytes;
     EXPECT_EQ(0x00, status[47]);
@@ -601,13 +600,13 @@ TEST(SimPower, OffIsSilentAndOnIsAReboot) {
     const double stood_at = robot.state().true_x_m;
     robot.take();
     robot.send(get(0));
-    roburoc4_sim_set_power(robot.get(), 0);
+    roburoc4_sim_set(robot.get(), ROBUROC4_SIM_POWER, 0);
     EXPECT_TRUE(robot.take().empty()) << "what was not sent yet is lost";
     EXPECT_TRUE(robot.ask(get(0)).empty());
     robot.run(300);
     EXPECT_TRUE(robot.take().empty());
     EXPECT_EQ(0, robot.state().powered);
-    roburoc4_sim_set_power(robot.get(), 1);
+    roburoc4_sim_set(robot.get(), ROBUROC4_SIM_POWER, 1);
     const auto state = robot.state();
     EXPECT_EQ(0U, state.cycles);
     EXPECT_EQ(0U, state.subscriptions);
@@ -625,7 +624,7 @@ TEST(SimPower, ReconfiguringReboots) {
     robot.run(50);
     roburoc4_sim_config config = default_sim_config();
     config.service_ids[ROBUROC4_SERVICE_BATTERY] = 40;
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set_battery_percent(robot.get(), 50.0F));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(robot.get(), ROBUROC4_SIM_BATTERY_PERCENT, 50.0F));
     EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_reconfigure(robot.get(), &config));
     EXPECT_EQ(0U, robot.state().cycles);
     EXPECT_EQ(1U, robot.state().reboots);

@@ -23,7 +23,7 @@ class World : public testing::Test {
     World() : world(roburoc4_world_create(nullptr), roburoc4_world_destroy) {
         roburoc4_client_init(&client, sizeof client, nullptr);
         number = roburoc4_world_join(world.get(), &client);
-        roburoc4_sim_clear_world(roburoc4_world_robot(world.get()));
+        roburoc4_sim_clear_obstacles(roburoc4_world_robot(world.get()));
     }
 
     [[nodiscard]] std::uint64_t now() const {
@@ -53,6 +53,7 @@ class World : public testing::Test {
     }
     void lose(double share) {
         roburoc4_sim_faults faults{};
+        faults.size = sizeof faults;
         faults.loss = share;
         ASSERT_EQ(ROBUROC4_OK, roburoc4_world_set_faults(world.get(), &faults));
     }
@@ -67,6 +68,7 @@ std::string run_with_faults() {
     const std::unique_ptr<roburoc4_world, decltype(&roburoc4_world_destroy)> world(
         roburoc4_world_create(nullptr), roburoc4_world_destroy);
     roburoc4_sim_faults faults{};
+    faults.size = sizeof faults;
     roburoc4_client client;
     std::string log;
     const std::uint8_t *datagram = nullptr;
@@ -177,6 +179,7 @@ TEST_F(World, TheSameCallsGiveTheSameRun) {
 TEST_F(World, FaultsThatCannotBeAreRefusedAndNothingChanges) {
     make_ready();
     roburoc4_sim_faults faults{};
+    faults.size = sizeof faults;
     faults.loss = 1.5;
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_world_set_faults(world.get(), &faults));
     EXPECT_EQ(0U, run(5 * second) & ROBUROC4_EVENT_LOST);
@@ -226,7 +229,7 @@ TEST_F(World, AClientThatCannotStartDoesNotJoin) {
 
 TEST(WorldLife, ABadConfigurationMakesNoWorld) {
     roburoc4_sim_config config;
-    roburoc4_sim_config_init(&config);
+    roburoc4_sim_config_init(&config, sizeof config);
     config.slip = -1.0F;
     EXPECT_EQ(nullptr, roburoc4_world_create(&config));
     roburoc4_world_destroy(nullptr);

@@ -26,7 +26,7 @@ struct Sent {
 
 inline roburoc4_sim_config default_sim_config() {
     roburoc4_sim_config config;
-    roburoc4_sim_config_init(&config);
+    roburoc4_sim_config_init(&config, sizeof config);
     return config;
 }
 
@@ -109,6 +109,23 @@ class SimRobot {
         state.size = sizeof state;
         EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_snapshot(sim_.get(), &state));
         return state;
+    }
+
+    /** The value of a control, or the error. */
+    [[nodiscard]] double value(std::uint32_t control) const {
+        double value = 0.0;
+        const auto result = roburoc4_sim_get(sim_.get(), control, &value);
+        return result < 0 ? result : value;
+    }
+
+    /** The period at which a peer is sent the statuses of a service, as the robot reports it; 0:
+     *  it did not subscribe. */
+    std::uint32_t subscription(std::uint16_t service, std::uint64_t peer = 1) {
+        const Bytes answer = ask({0x12, ROBUROC4_ACTION_GET, 0x01, 0x00}, peer);
+        for (std::size_t at = 5; at + 3 <= answer.size(); at += 3)
+            if (answer[at] == service)
+                return answer[at + 2];
+        return 0;
     }
 
     /** Subscribe; the error byte of the answer. */

@@ -305,7 +305,9 @@ TEST(Outputs, ReachTheSimulator) {
     bench.ready();
     ASSERT_EQ(ROBUROC4_OK, set_one(bench, 5, 1));
     bench.run(200 * ms);
-    EXPECT_EQ(1, roburoc4_sim_digital_output(sim.get(), 5));
+    double on = 0;
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_get(sim.get(), ROBUROC4_SIM_DIGITAL_OUTPUT + 5, &on));
+    EXPECT_EQ(1, on);
     EXPECT_EQ(3U, sim.state().io_commands);
 }
 

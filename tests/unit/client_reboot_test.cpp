@@ -105,10 +105,10 @@ TEST(Reboot, OfTheSimulatorIsNoticed) {
     Bench bench(sim);
     bench.ready();
     bench.run(5 * second);
-    roburoc4_sim_set_power(sim.get(), 0);
+    roburoc4_sim_set(sim.get(), ROBUROC4_SIM_POWER, 0);
     bench.run(3 * second);
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_LOST), bench.state());
-    roburoc4_sim_set_power(sim.get(), 1);
+    roburoc4_sim_set(sim.get(), ROBUROC4_SIM_POWER, 1);
     ASSERT_TRUE(bench.run_until([&] { return bench.count(ROBUROC4_COUNT_REBOOTS) == 1; }));
     EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 3 * second));
     bench.run(5 * second);

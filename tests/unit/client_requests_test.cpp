@@ -500,7 +500,7 @@ TEST(Request, ThatComesToNothingIsToldAsWhatItWasAndEndsNoOther) {
 
 TEST(ErrorTelegram, OfTheSimulatorIsUnderstood) {
     roburoc4_sim_config config;
-    roburoc4_sim_config_init(&config);
+    roburoc4_sim_config_init(&config, sizeof config);
     config.error_header = 1;
     config.query_mode = ROBUROC4_SIM_QUERY_REFUSED;
     config.refused_inserts = 1U << ROBUROC4_SERVICE_BATTERY;
@@ -808,7 +808,7 @@ TEST(FixedId, NoUnseenCardIsTakenForNone) {
 TEST(FixedId, WorksWithTheSimulatorsTwoDialects) {
     for (int dialect = 0; dialect < 2; dialect++) {
         roburoc4_sim_config config;
-        roburoc4_sim_config_init(&config);
+        roburoc4_sim_config_init(&config, sizeof config);
         (dialect == 0 ? config.answer_id_fixed : config.only_id_fixed) = 1;
         SimPartner sim(&config);
         Bench bench(sim);

@@ -166,7 +166,7 @@ TEST(ServiceId, IsCorrectedByALateText) {
 TEST(ServiceId, OtherNumbersWorkWithTheSimulator) {
     for (std::uint32_t plain = 0; plain < 2; plain++) {
         roburoc4_sim_config config;
-        roburoc4_sim_config_init(&config);
+        roburoc4_sim_config_init(&config, sizeof config);
         for (std::uint32_t k = 2; k < 7; k++)
             config.service_ids[k] = static_cast<std::uint16_t>(0x200 - k);
         config.plain_types = plain;

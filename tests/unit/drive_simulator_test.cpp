@@ -22,7 +22,7 @@ constexpr std::uint64_t stopping_us = 4 * second;
 class DriveSimulator : public testing::Test {
   protected:
     DriveSimulator() : bench(robot) {
-        roburoc4_sim_clear_world(robot.get());
+        roburoc4_sim_clear_obstacles(robot.get());
     }
 
     void drive_at_one_metre_per_second() {
@@ -66,10 +66,10 @@ class DriveSimulator : public testing::Test {
         EXPECT_NEAR(0.5, robot.state().true_linear_m_s, 0.1);
     }
     void power(int on) {
-        roburoc4_sim_set_power(robot.get(), on);
+        roburoc4_sim_set(robot.get(), ROBUROC4_SIM_POWER, on);
     }
     void press_a(int down) {
-        roburoc4_sim_set_pad_button(robot.get(), ROBUROC4_DI_PAD_A, down);
+        roburoc4_sim_set(robot.get(), ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_A, down);
     }
 
     SimPartner robot;
@@ -120,7 +120,7 @@ TEST_F(DriveSimulator, TheWatchdogStopsTheRobotOfAFrozenProcess) {
 TEST_F(DriveSimulator, StopDisarmAndCloseStopTheRobotAtOnce) {
     for (int way = 0; way < 3; way++) {
         SimPartner other;
-        roburoc4_sim_clear_world(other.get());
+        roburoc4_sim_clear_obstacles(other.get());
         Bench user(other);
         user.armed();
         user.driving(1.0F, 1.0F, 2 * second);
@@ -170,7 +170,7 @@ TEST_F(DriveSimulator, WhoHoldsAOnThePadHasTheRobot) {
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_OVERRIDE);
     expect_stop();
 
-    roburoc4_sim_set_pad_axis(robot.get(), ROBUROC4_AI_PAD_RT, 0.0F);
+    roburoc4_sim_set(robot.get(), ROBUROC4_SIM_PAD_AXIS + ROBUROC4_AI_PAD_RT, 0.0F);
     bench.run(3 * second);
     EXPECT_NEAR(1.3, robot.state().true_linear_m_s, 0.1);
     EXPECT_EQ(0, bench.facts().other_commander) << "the pad is no other client";
@@ -193,7 +193,7 @@ TEST_F(DriveSimulator, LettingThePadGoMovesNothingByItself) {
     drive_at_one_metre_per_second();
     press_a(1);
     bench.run(3 * second);
-    roburoc4_sim_release_pad(robot.get());
+    roburoc4_sim_set(robot.get(), ROBUROC4_SIM_PAD, 0);
     expect_stop();
     EXPECT_EQ(0, bench.facts().overridden);
     expect_that_only_arming_moves_it();
@@ -205,14 +205,14 @@ TEST_F(DriveSimulator, AnEmergencyStopShowsAsInhibited) {
     drive_at_one_metre_per_second();
     bench.take_events();
     EXPECT_EQ(0, bench.facts().inhibited);
-    roburoc4_sim_set_estop(robot.get(), ROBUROC4_SIM_ESTOP_REMOTE, 1);
+    roburoc4_sim_set(robot.get(), ROBUROC4_SIM_ESTOP_REMOTE, 1);
     bench.driving(1.0F, 0.0F, 2 * second);
     EXPECT_TRUE(stands());
     EXPECT_EQ(1, bench.facts().inhibited);
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_INHIBITED);
 
-    roburoc4_sim_set_estop(robot.get(), ROBUROC4_SIM_ESTOP_REMOTE, 0);
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_press_motor_button(robot.get()));
+    roburoc4_sim_set(robot.get(), ROBUROC4_SIM_ESTOP_REMOTE, 0);
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(robot.get(), ROBUROC4_SIM_MOTOR_BUTTON, 1));
     bench.driving(1.0F, 0.0F, 4 * second);
     EXPECT_NEAR(1.0, robot.state().true_linear_m_s, 0.05);
     EXPECT_EQ(0, bench.facts().inhibited);
@@ -221,15 +221,15 @@ TEST_F(DriveSimulator, AnEmergencyStopShowsAsInhibited) {
 
 TEST_F(DriveSimulator, BrakesAndBumperShowAsInhibited) {
     bench.armed();
-    roburoc4_sim_set_brakes(robot.get(), ROBUROC4_SIM_BRAKES_RELEASED);
+    roburoc4_sim_set(robot.get(), ROBUROC4_SIM_BRAKES_RELEASED, 1);
     bench.driving(1.0F, 0.0F, 2 * second);
     EXPECT_EQ(1, bench.facts().inhibited);
-    roburoc4_sim_set_brakes(robot.get(), ROBUROC4_SIM_BRAKES_AUTOMATIC);
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_press_motor_button(robot.get()));
+    roburoc4_sim_set(robot.get(), ROBUROC4_SIM_BRAKES_RELEASED, 0);
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(robot.get(), ROBUROC4_SIM_MOTOR_BUTTON, 1));
     bench.driving(1.0F, 0.0F, 2 * second);
     EXPECT_EQ(0, bench.facts().inhibited);
 
-    roburoc4_sim_set_bumper(robot.get(), ROBUROC4_SIM_FRONT, 1);
+    roburoc4_sim_set(robot.get(), ROBUROC4_SIM_BUMPER_FRONT, 1);
     bench.driving(1.0F, 0.0F, 2 * second);
     EXPECT_EQ(1, bench.facts().inhibited);
     EXPECT_EQ(1, bench.facts().front_bumper);

@@ -270,7 +270,7 @@ TEST(Inhibited, IsTheEmergencyStopOfTheSimulator) {
     bench.armed();
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 2 * second));
     EXPECT_EQ(0, bench.facts().inhibited);
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_set_estop(sim.get(), ROBUROC4_SIM_ESTOP_REMOTE, 1));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_set(sim.get(), ROBUROC4_SIM_ESTOP_REMOTE, 1));
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 3 * second));
     EXPECT_EQ(1, bench.facts().inhibited);
 }
@@ -354,10 +354,12 @@ TEST(Override, OfTheSimulatorStopsTheClientAndItStaysStopped) {
     Bench bench(sim);
     bench.armed();
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_set_pad_button(sim.get(), ROBUROC4_DI_PAD_A, 1));
+    ASSERT_EQ(ROBUROC4_OK,
+              roburoc4_sim_set(sim.get(), ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_A, 1));
     bench.run(200 * ms);
     EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, bench.drive(0.5F, 0));
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_set_pad_button(sim.get(), ROBUROC4_DI_PAD_A, 0));
+    ASSERT_EQ(ROBUROC4_OK,
+              roburoc4_sim_set(sim.get(), ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_A, 0));
     bench.run(3 * second);
     EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, bench.drive(0.5F, 0));
     EXPECT_NEAR(0, sim.state().true_linear_m_s, 0.02);

@@ -13,6 +13,7 @@
 #include <set>
 
 #include "hex.h"
+#include "network.h"
 #include "roburoc4.h"
 #include "roburoc4_sim.h"
 
@@ -25,7 +26,9 @@ constexpr std::uint64_t second = 1000000;
 constexpr std::uint32_t service = ROBUROC4_SERVICE_DIFFERENTIAL;
 
 roburoc4_sim_faults no_faults() {
-    return roburoc4_sim_faults{};
+    roburoc4_sim_faults faults{};
+    faults.size = sizeof faults;
+    return faults;
 }
 
 class Network {
@@ -37,7 +40,7 @@ class Network {
         roburoc4_config_init(&config, sizeof config);
         config.period_ms[service] = static_cast<std::uint16_t>(period_ms);
         EXPECT_EQ(ROBUROC4_OK, roburoc4_client_init(&client, sizeof client, &config));
-        roburoc4_sim_clear_world(sim_.get());
+        roburoc4_sim_clear_obstacles(sim_.get());
         roburoc4_sim_advance(sim_.get(), robot_us());
         EXPECT_EQ(ROBUROC4_OK, roburoc4_client_start(&client, now_us_));
     }
@@ -46,10 +49,10 @@ class Network {
     void run(std::uint64_t span_us) {
         const std::uint64_t end_us = now_us_ + span_us;
         while (now_us_ < end_us) {
-            now_us_ = std::min({now_us_ + ms, end_us,
-                                later(roburoc4_sim_channel_next_deadline(to_robot_.get())),
-                                later(roburoc4_sim_channel_next_deadline(to_client_.get())),
-                                later(roburoc4_client_next_deadline(&client))});
+            now_us_ =
+                std::min({now_us_ + ms, end_us, later(sim_network_next_deadline(to_robot_.get())),
+                          later(sim_network_next_deadline(to_client_.get())),
+                          later(roburoc4_client_next_deadline(&client))});
             step();
         }
     }
@@ -96,11 +99,11 @@ class Network {
   private:
     static constexpr std::uint64_t origin_us = 50 * second;
     using Sim = std::unique_ptr<roburoc4_sim, void (*)(roburoc4_sim *)>;
-    using Channel = std::unique_ptr<roburoc4_sim_channel, void (*)(roburoc4_sim_channel *)>;
+    using Channel = std::unique_ptr<sim_network, void (*)(sim_network *)>;
 
     static Channel channel(const roburoc4_sim_faults &faults, std::uint64_t seed) {
-        return {roburoc4_sim_channel_create(&faults, seed, 4096, ROBUROC4_SIM_MAX_TRANSMIT),
-                roburoc4_sim_channel_destroy};
+        return {sim_network_create(&faults, seed, 4096, ROBUROC4_SIM_MAX_TRANSMIT),
+                sim_network_destroy};
     }
     [[nodiscard]] std::uint64_t later(std::uint64_t time_us) const {
         return std::max(time_us, now_us_ + 1);
@@ -123,27 +126,27 @@ class Network {
         std::uint64_t peer = 0;
         std::uint64_t cycles = 0;
         roburoc4_result size = 0;
-        while ((size = roburoc4_sim_channel_poll(to_robot_.get(), now_us_, &peer, data.data(),
-                                                 data.size())) > 0)
+        while ((size = sim_network_poll(to_robot_.get(), now_us_, &peer, data.data(),
+                                        data.size())) > 0)
             roburoc4_sim_receive(sim_.get(), 1, data.data(), static_cast<std::size_t>(size));
         roburoc4_sim_advance(sim_.get(), robot_us());
         while ((size = roburoc4_sim_poll_transmit(sim_.get(), &peer, data.data(), data.size())) >
                0) {
             if (is_status(data.data(), size, &cycles))
                 sent_.insert(cycles);
-            roburoc4_sim_channel_push(to_client_.get(), peer, data.data(),
-                                      static_cast<std::size_t>(size), now_us_);
+            sim_network_push(to_client_.get(), peer, data.data(), static_cast<std::size_t>(size),
+                             now_us_);
         }
-        while ((size = roburoc4_sim_channel_poll(to_client_.get(), now_us_, &peer, data.data(),
-                                                 data.size())) > 0) {
+        while ((size = sim_network_poll(to_client_.get(), now_us_, &peer, data.data(),
+                                        data.size())) > 0) {
             if (is_status(data.data(), size, &cycles))
                 duplicates_ += arrived_.insert(cycles).second ? 0 : 1;
             roburoc4_client_receive(&client, data.data(), static_cast<std::size_t>(size), now_us_);
         }
         while ((size = roburoc4_client_poll_transmit(&client, data.data(), data.size(), now_us_)) >
                0)
-            roburoc4_sim_channel_push(to_robot_.get(), 1, data.data(),
-                                      static_cast<std::size_t>(size), now_us_);
+            sim_network_push(to_robot_.get(), 1, data.data(), static_cast<std::size_t>(size),
+                             now_us_);
     }
 
     const double drift_;

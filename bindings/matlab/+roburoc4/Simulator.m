@@ -11,22 +11,16 @@ classdef Simulator < handle
 %   digital_inputs, and all other numbers of roburoc4_sim_config in roburoc4_sim.h.
 %
 %   Simulator methods:
-%      connect       - Make a robot object for this simulator
-%      step          - Let virtual time pass
-%      panel         - Do what a line such as 'pad a down' says; 'help' lists all lines
-%      pad           - Press or move a control of the game pad
-%      estop         - Press or release an emergency stop
-%      motorButton   - Give power to the motors
-%      brakes        - Turn the brakes selector
-%      power         - Switch the main power
-%      bumper        - Press or release a bumper
-%      battery       - Set the remaining energy
-%      place         - Move the robot to another place
-%      addBox        - Put a box on the floor
-%      addWall       - Build a wall
-%      clearWorld    - Remove all boxes and walls
-%      faults        - Make the network worse
-%      digitalOutput - Read what a digital output was set to
+%      connect        - Make a robot object for this simulator
+%      step           - Let virtual time pass
+%      panel          - Do what a line such as 'pad a down' says; 'help' lists all lines
+%      set            - Press a button, turn a switch, move the game pad, pin an input
+%      get            - Read a control, an input or an output
+%      place          - Move the robot to another place
+%      addBox         - Put a box on the floor
+%      addWall        - Build a wall
+%      clearObstacles - Remove all boxes and walls
+%      faults         - Make the network worse
 %
 %   Simulator properties:
 %      state         - Everything about the simulated robot: a scalar struct
@@ -137,15 +131,6 @@ methods
         end
     end
 
-    function on = digitalOutput(this, index)
-        %DIGITALOUTPUT Read what a digital output was set to; output 0 is the robot's watchdog.
-        %
-        %   Example:
-        %      sim.digitalOutput(3)
-        roburoc4.internal.needed(nargin == 2, 'digitalOutput(index)');
-        on = roburoc4.internal.roburoc4_mex('simOutput', this.id, index);
-    end
-
     function reply = panel(this, line)
         %PANEL Do what a line of text says, and return the reply; panel(SIM, 'help') lists all lines.
         %
@@ -156,79 +141,30 @@ methods
         reply = roburoc4.internal.roburoc4_mex('simPanel', this.id, line);
     end
 
-    function pad(this, control, value)
-        %PAD Press a button of the game pad (true, false), or move an axis (-1 to 1).
-        %   While pad(SIM, 'a', true) holds, the pad drives and no client does. Buttons: a, b, x, y,
-        %   back, start, ddown, dleft, dright, dup, lj, rj, lb, rb. Axes: ljx, ljy, rjx, rjy rest at
-        %   0, lt and rt at -1. pad(SIM, 'release') releases everything.
+    function set(this, control, value)
+        %SET Do what a person beside the robot can do; panel(SIM, 'help') lists all of it.
+        %   By the names of roburoc4_sim.h: power, motor_button, estop_local, estop_remote,
+        %   brakes_released, charger, bumper_front, bumper_rear and the game pad's buttons, pad_a to
+        %   pad_rb, take true and false; battery_percent 0 to 100, its axes, pad_lj_x to pad_rt, -1
+        %   to 1 (set(SIM, 'pad', 0) lets all of it go), localization_flags 0 to 127. While pad_a is
+        %   held, the pad drives and no client does. After an emergency stop is released the motors
+        %   still have no power: press motor_button. What an input reports is pinned by pin_analog_2
+        %   and pin_digital_8, and unpinned by set(SIM, 'pin', 0).
         %
         %   Example:
-        %      sim.pad('a', true); sim.pad('rt', 0.5)
-        roburoc4.internal.needed(nargin >= 2, 'pad(control, value)');
-        control = lower(roburoc4.internal.text(control, 'control'));
-        if nargin < 3
-            this.panel(['pad ' control]);
-        elseif islogical(value)
-            this.choose(['pad ' control], value, 'down', 'up');
-        else
-            this.panel(sprintf('pad %s %.9g', control, ...
-                roburoc4.internal.number(value, 'value', -1, 1)));
-        end
+        %      sim.set('pad_a', true); sim.set('pad_rt', 0.5)
+        roburoc4.internal.needed(nargin == 3, 'set(control, value)');
+        roburoc4.internal.roburoc4_mex('simSet', this.id, control, value);
     end
 
-    function estop(this, which, pressed)
-        %ESTOP Press (true) or release (false) an emergency stop, 'local' or 'remote'.
-        %   After the release the motors still have no power: call motorButton.
+    function value = get(this, control)
+        %GET Read a control, an input ('pin_analog_2') or an output ('digital_output_3').
+        %   Digital output 0 is the robot's watchdog.
         %
         %   Example:
-        %      sim.estop('remote', true)
-        roburoc4.internal.needed(nargin == 3, 'estop(which, true or false)');
-        this.choose(['estop ' roburoc4.internal.text(which, 'which')], pressed, 'press', ...
-            'release');
-    end
-
-    function motorButton(this)
-        %MOTORBUTTON Give power to the motors; both stops must be released, the brakes automatic.
-        %
-        %   Example:
-        %      sim.motorButton()
-        this.panel('motor on');
-    end
-
-    function brakes(this, position)
-        %BRAKES Turn the brakes selector: 'automatic', or 'released', which cuts the motors' power.
-        %
-        %   Example:
-        %      sim.brakes('released')
-        roburoc4.internal.needed(nargin == 2, 'brakes(position)');
-        this.panel(['brakes ' roburoc4.internal.text(position, 'position')]);
-    end
-
-    function power(this, on)
-        %POWER Switch the main power; on after off is a reboot.
-        %
-        %   Example:
-        %      sim.power(false); sim.power(true)
-        roburoc4.internal.needed(nargin == 2, 'power(true or false)');
-        this.choose('power', on, 'on', 'off');
-    end
-
-    function bumper(this, side, pressed)
-        %BUMPER Press (true) or release (false) the 'front' or 'rear' bumper.
-        %
-        %   Example:
-        %      sim.bumper('front', true)
-        roburoc4.internal.needed(nargin == 3, 'bumper(side, true or false)');
-        this.choose(['bumper ' roburoc4.internal.text(side, 'side')], pressed, 'press', 'release');
-    end
-
-    function battery(this, percent)
-        %BATTERY Set the remaining energy, 0 to 100 percent.
-        %
-        %   Example:
-        %      sim.battery(15)
-        roburoc4.internal.needed(nargin == 2, 'battery(percent)');
-        this.send('battery', {percent});
+        %      sim.get('digital_output_3')
+        roburoc4.internal.needed(nargin == 2, 'get(control)');
+        value = roburoc4.internal.roburoc4_mex('simGet', this.id, control);
     end
 
     function place(this, x_m, y_m, theta_rad)
@@ -258,11 +194,11 @@ methods
         this.send('box wall', {x1_m, y1_m, x2_m, y2_m});
     end
 
-    function clearWorld(this)
-        %CLEARWORLD Remove all boxes and walls.
+    function clearObstacles(this)
+        %CLEAROBSTACLES Remove all boxes and walls.
         %
         %   Example:
-        %      sim.clearWorld()
+        %      sim.clearObstacles()
         this.panel('box clear');
     end
 
@@ -279,17 +215,6 @@ methods
 end
 
 methods (Access = private)
-    function choose(this, line, on, if_on, if_off)
-        if ~(islogical(on) || isnumeric(on)) || ~isscalar(on)
-            error('roburoc4:badArgument', '%s: give true or false', line);
-        end
-        if on
-            this.panel([line ' ' if_on]);
-        else
-            this.panel([line ' ' if_off]);
-        end
-    end
-
     function send(this, line, numbers)
         for k = 1:numel(numbers)
             number = roburoc4.internal.number(numbers{k}, sprintf('number %d', k), -1e9, 1e9);

@@ -17,7 +17,7 @@ function track = drive_square(robot, picture, side_m)
 % SPDX-License-Identifier: MIT
 if nargin < 1 || isempty(robot)
     sim = roburoc4.Simulator();
-    sim.clearWorld();
+    sim.clearObstacles();
     robot = sim.connect();
 end
 if nargin < 3

@@ -18,7 +18,7 @@ function [track, path] = pure_pursuit(robot, picture)
 % SPDX-License-Identifier: MIT
 if nargin < 1 || isempty(robot)
     sim = roburoc4.Simulator();
-    sim.clearWorld();
+    sim.clearObstacles();
     robot = sim.connect();
 end
 look_m = 0.6;

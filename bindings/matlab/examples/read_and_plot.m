@@ -13,9 +13,9 @@ function data = read_and_plot(robot, picture)
 if nargin < 1 || isempty(robot)
     sim = roburoc4.Simulator();
     robot = sim.connect();
-    sim.pad('a', true);
-    sim.pad('rt', -0.6);
-    sim.pad('ljx', -0.1);
+    sim.set('pad_a', true);
+    sim.set('pad_rt', -0.6);
+    sim.set('pad_lj_x', -0.1);
 end
 
 data = robot.record(5);

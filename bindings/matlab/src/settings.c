@@ -139,7 +139,7 @@ int settings_of_robot(const mxArray *options, robot_settings *out) {
 
 int settings_of_simulator(const mxArray *options, roburoc4_sim_config *out) {
     const char *wrong;
-    roburoc4_sim_config_init(out);
+    (void)roburoc4_sim_config_init(out, sizeof *out);
     if (!write_all(options, of_simulator, COUNT_OF(of_simulator), out)) {
         return 0;
     }
@@ -148,6 +148,6 @@ int settings_of_simulator(const mxArray *options, roburoc4_sim_config *out) {
 }
 
 int settings_of_faults(const mxArray *options, roburoc4_sim_faults *out) {
-    *out = (roburoc4_sim_faults){0};
+    *out = (roburoc4_sim_faults){.size = sizeof *out};
     return write_all(options, of_faults, COUNT_OF(of_faults), out);
 }

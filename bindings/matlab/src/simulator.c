@@ -207,17 +207,52 @@ static int read_state(call *in) {
     return 1;
 }
 
-/* simOutput(id, index): what a digital output was last set to */
-static int read_output(call *in) {
-    roburoc4_result on;
-    int64_t index;
-    if (!take_whole(in->arguments[0], "index", 0, UINT16_MAX, &index)) {
+/* The number of the control that is named. */
+static int find_control(const char *name, uint32_t *out) {
+    roburoc4_result number = roburoc4_sim_control_find(name);
+    *out = (uint32_t)number;
+    return number >= 0 ||
+           fail(FAIL_ARGUMENT, "there is no control '%s'; see help roburoc4.Simulator.set", name);
+}
+
+static int fail_control(const char *name, double value, roburoc4_result result) {
+    if (result == ROBUROC4_ERR_STATE) {
+        return fail(FAIL_ARGUMENT,
+                    "%s: not now; turn the power on, release both emergency stops "
+                    "and set the brakes to automatic first",
+                    name);
+    }
+    return result == ROBUROC4_ERR_INDEX
+               ? fail(FAIL_ARGUMENT, "%s: this robot has none, or it is not for that", name)
+               : fail(FAIL_ARGUMENT, "%s: %g is out of range", name, value);
+}
+
+/* simSet(id, control, value) */
+static int set_control(call *in) {
+    char name[TEXT_SIZE];
+    roburoc4_result result;
+    uint32_t control;
+    double value;
+    if (!take_text(in->arguments[0], "control", name) || !find_control(name, &control) ||
+        !take_number(in->arguments[1], name, &value)) {
         return 0;
     }
-    on = roburoc4_sim_digital_output(begin(in->object), (uint32_t)index);
+    result = roburoc4_sim_set(begin(in->object), control, value);
     end(in->object);
-    in->number = on;
-    return on >= 0 || fail_result("output", on);
+    return result >= 0 || fail_control(name, value, result);
+}
+
+/* simGet(id, control) */
+static int get_control(call *in) {
+    char name[TEXT_SIZE];
+    roburoc4_result result;
+    uint32_t control;
+    if (!take_text(in->arguments[0], "control", name) || !find_control(name, &control)) {
+        return 0;
+    }
+    result = roburoc4_sim_get(begin(in->object), control, &in->number);
+    end(in->object);
+    return result >= 0 || fail_control(name, 0.0, result);
 }
 
 /* simPanel(id, line): the reply */
@@ -245,7 +280,8 @@ const command simulator_commands[] = {
     {"simStep", SIMULATOR, 1, NOTHING, step},
     {"simFaults", SIMULATOR, 1, NOTHING, set_faults},
     {"simState", SIMULATOR, 0, STRUCT, read_state},
-    {"simOutput", SIMULATOR, 1, FLAG, read_output},
+    {"simSet", SIMULATOR, 2, NOTHING, set_control},
+    {"simGet", SIMULATOR, 1, NUMBER, get_control},
     {"simPanel", SIMULATOR, 1, OTHER, panel},
     {NULL, NO_ID, 0, NOTHING, NULL},
 };

@@ -6,7 +6,7 @@ restored = without_display(); %#ok<NASGU>
 drives = {@drive_square, @pure_pursuit, @speed_response};
 for k = 1:numel(drives)
     sim = simulator();
-    sim.estop('remote', true);
+    sim.set('estop_remote', true);
     stops(sim, sim.connect(), drives{k}, 'roburoc4:notArmed');
 
     % Statuses of the pose come too seldom: it is old before it is there again.
@@ -24,7 +24,7 @@ end
 
 function sim = simulator()
 sim = roburoc4.Simulator();
-sim.clearWorld();
+sim.clearObstacles();
 end
 
 function stops(sim, robot, drive, id)
@@ -35,8 +35,8 @@ check(~robot.status.armed, '%s: still armed', name);
 robot.spin(0.1);
 check(sim.state.target_linear_m_s == 0 && sim.state.target_angular_rad_s == 0, '%s drives on', name);
 robot.spin(2);
-sim.estop('remote', false);
-sim.motorButton();
+sim.set('estop_remote', false);
+sim.set('motor_button', true);
 robot.spin(1);
 moved_m = norm([sim.state.true_x_m sim.state.true_y_m]);
 check(moved_m < 1, '%s: moved %g m', name, moved_m);

@@ -14,7 +14,7 @@ check(~is_told('give another port', 0, '203.0.113.1'), 'another port does not he
 delete(first);
 
 sim = roburoc4.Simulator();
-sim.power(false);
+sim.set('power', false);
 check_raises('roburoc4:timeout', @() sim.connect('timeout', 1));
 check(living_robots() == 0, 'a robot was left');
 try

@@ -26,6 +26,14 @@ end
 sim = roburoc4.Simulator('seed', 2, 'start_x_m', 1, 'start_y_m', 2, 'start_theta_rad', 3);
 check(sim.state.true_y_m == 2 && sim.state.true_theta_rad == 3, 'start');
 delete(sim);
+
+sim = roburoc4.Simulator('as_manual', true);
+check(sim.get('motor_button') == 0, 'as the manual says, nobody has pressed the button yet');
+sim.set('motor_button', true);
+check(sim.state.motors_enabled, 'the button');
+sim.set('localization_flags', 82);
+check(sim.get('localization_flags') == 82, 'localization');
+delete(sim);
 end
 
 function refused(option, action)

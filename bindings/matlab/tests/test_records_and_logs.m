@@ -41,7 +41,7 @@ delete(file);
 delete(small);
 
 % No robot, no silent lack of data.
-sim.power(false);
+sim.set('power', false);
 r.spin(3);
 check_raises('roburoc4:timeout', @() r.record(0.5));
 delete(r);

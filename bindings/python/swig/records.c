@@ -355,11 +355,15 @@ roburoc4_config *new_config(void) {
 roburoc4_sim_config *new_sim_config(void) {
     roburoc4_sim_config *config = calloc(1, sizeof *config);
     if (config != NULL) {
-        roburoc4_sim_config_init(config);
+        (void)roburoc4_sim_config_init(config, sizeof *config);
     }
     return config;
 }
 
 roburoc4_sim_faults *new_sim_faults(void) {
-    return calloc(1, sizeof(roburoc4_sim_faults));
+    roburoc4_sim_faults *faults = calloc(1, sizeof *faults);
+    if (faults != NULL) {
+        faults->size = sizeof *faults;
+    }
+    return faults;
 }

@@ -67,6 +67,14 @@ ROBUROC4_OUTPUT(roburoc4_sim_state, value.size = sizeof value, RECORD_SIM_STATE)
     $result = PyLong_FromUnsignedLongLong(*$1);
 }
 
+%typemap(in, numinputs=0) double *out (double value) {
+    $1 = &value;
+}
+%typemap(argout) double *out {
+    Py_XDECREF($result);
+    $result = PyFloat_FromDouble(*$1);
+}
+
 /* ---- datagrams ---- */
 /* A text of unknown character set. */
 %typemap(in, numinputs=0) (char *buffer, size_t capacity) (char space[64]) {
@@ -122,7 +130,8 @@ ROBUROC4_CAPSULE(simulation, simulation_destroy)
 
 /* Where the headers take a client or a simulator, Python gives a connection or a simulation. It is
  * locked when all arguments are read, and the time after that. Only commands change a client. */
-%typemap(out) roburoc4_result roburoc4_client_channel_find {
+%typemap(out) roburoc4_result roburoc4_client_channel_find, roburoc4_result roburoc4_sim_control_find,
+    roburoc4_result roburoc4_sim_set {
     $result = PyLong_FromLong($1); /* who calls it explains what is below 0 */
 }
 %typemap(in) roburoc4_client * (connection *handle), const roburoc4_client * (connection *handle) {

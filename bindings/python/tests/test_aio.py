@@ -29,7 +29,7 @@ def test_a_program_of_coroutines(served: Simulator) -> None:
             status = await robot.wait_for("localization")
             assert isinstance(status, roburoc4.LocalizationStatus)
             assert await robot.wait_for(lambda r: r.battery.remaining_percent) == 100
-            served.pad.press()
+            served.set("pad_a", True)
             assert await robot.wait_for(Event.OVERRIDE) == Event.OVERRIDE
             recording = await robot.record(0.5, "differential")
             assert len(recording["differential"]["current_linear_m_s"]) >= 5

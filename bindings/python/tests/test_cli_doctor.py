@@ -182,7 +182,7 @@ def test_fault_something_else_is_there() -> None:
 
 def test_people_get_every_check_a_table_and_the_next_thing_to_try() -> None:
     with roburoc4.Simulator(port=0) as sim:
-        sim.set_battery(5)
+        sim.set("battery_percent", 5)
         done = run("doctor", "--seconds", "1.5", robot=sim.address)
     assert (done.returncode, done.stderr) == (0, "")
     for text in (

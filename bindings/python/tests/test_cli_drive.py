@@ -161,7 +161,7 @@ def test_killed_outright_it_leaves_the_robot_to_its_watchdog(sim: roburoc4.Simul
 
 
 def test_under_override_it_says_so_and_sends_no_speed(sim: roburoc4.Simulator) -> None:
-    sim.pad.press("a")
+    sim.set("pad_a", True)
     done = run("drive", "0.5", "0", "--seconds", "1", robot=sim.address)
     assert done.returncode == 1
     assert "[A]" in one_line(done.stderr)
@@ -171,7 +171,7 @@ def test_under_override_it_says_so_and_sends_no_speed(sim: roburoc4.Simulator) -
 def test_an_override_on_the_way_ends_it(sim: roburoc4.Simulator) -> None:
     process = start("drive", "0.5", "0", "--seconds", "100", robot=sim.address)
     eventually(lambda: sim.state.target_linear_m_s > 0.1)
-    sim.pad.press("a")
+    sim.set("pad_a", True)
     _, stderr = process.communicate(timeout=30)
     assert process.returncode == 1
     assert "game pad" in one_line(stderr)
@@ -207,7 +207,7 @@ def test_an_emergency_stop_ends_it(sim: roburoc4.Simulator) -> None:
 def test_a_robot_that_is_lost_ends_it(sim: roburoc4.Simulator) -> None:
     process = start("drive", "0.5", "0", "--seconds", "100", robot=sim.address)
     eventually(lambda: sim.state.target_linear_m_s > 0.1)
-    sim.set_power(False)
+    sim.set("power", False)
     _, stderr = process.communicate(timeout=30)
     assert process.returncode == 1
     one_line(stderr)

@@ -59,7 +59,7 @@ def test_no_status_is_left_out() -> None:
 
 def test_a_value_that_is_no_number_is_null() -> None:
     with roburoc4.Simulator(port=0) as sim:
-        sim.pin_input(2, float("nan"))
+        sim.set("pin_analog_2", float("nan"))
         done = run("monitor", "--json", "--seconds", "0.5", robot=sim.address)
     iocard = next(line for line in _lines(done.stdout) if line["service"] == "iocard")
     assert iocard["analog_inputs"][2] is None
@@ -67,7 +67,7 @@ def test_a_value_that_is_no_number_is_null() -> None:
 
 def test_without_a_terminal_people_get_a_line_now_and_then() -> None:
     with roburoc4.Simulator(port=0) as sim:
-        sim.pad.press("a")
+        sim.set("pad_a", True)
         done = run("monitor", "--seconds", "1.2", robot=sim.address)
     assert done.returncode == 0
     last = done.stdout.splitlines()[-1]
@@ -85,8 +85,8 @@ def test_a_terminal_shows_the_live_table() -> None:
     with roburoc4.Simulator(port=0) as sim:
         terminal = Terminal("monitor", robot=sim.address)
         terminal.wait_for("○ FRONT BUMPER")
-        sim.set_bumper("front", True)
-        sim.pad.press("a")
+        sim.set("bumper_front", True)
+        sim.set("pad_a", True)
         terminal.wait_for("● OVERRIDE")
         terminal.wait_for("● FRONT BUMPER")
         terminal.wait_for(r"20\.0/s")
@@ -113,9 +113,9 @@ def test_a_loss_that_heals_is_told_and_is_no_error() -> None:
         process = start("monitor", "--json", "--seconds", "8", robot=sim.address)
         assert process.stdout is not None
         process.stdout.readline()
-        sim.set_power(False)
+        sim.set("power", False)
         time.sleep(2.5)
-        sim.set_power(True)
+        sim.set("power", True)
         stdout = process.stdout.read()  # communicate() would leave out what readline() read ahead
         _, stderr = process.communicate(timeout=30)
     assert process.returncode == 0, stderr
@@ -129,7 +129,7 @@ def test_a_robot_that_stays_away_is_an_error() -> None:
         process = start("monitor", "--json", "--seconds", "3", robot=sim.address)
         assert process.stdout is not None
         process.stdout.readline()
-        sim.set_power(False)
+        sim.set("power", False)
         _, stderr = process.communicate(timeout=30)
     assert process.returncode == 1
     assert "did not come back" in one_line(stderr.splitlines(keepends=True)[-1])

@@ -21,8 +21,8 @@ def test_stop_ends_the_drive_of_another_program() -> None:
 
 def test_stop_says_when_somebody_goes_on_driving() -> None:
     with roburoc4.Simulator(port=0) as sim:
-        sim.pad.press("a")
-        sim.pad.move("rt", 0.0)
+        sim.set("pad_a", True)
+        sim.set("pad_rt", 0.0)
         eventually(lambda: sim.state.wheel_linear_m_s > 0.1)
         done = run("stop", robot=sim.address)
     assert done.returncode == 1
@@ -58,9 +58,9 @@ def test_output_switches_and_tells() -> None:
         done = run("output", "3", "on", robot=sim.address)
         assert (done.returncode, done.stderr) == (0, "")
         assert done.stdout == f"output 3 of {sim.address} is on\n"
-        assert sim.digital_output(3)
+        assert sim.get("digital_output_3")
         assert document(run("output", "3", "off", "--json", robot=sim.address))["on"] is False
-        assert not sim.digital_output(3)
+        assert not sim.get("digital_output_3")
 
 
 def test_an_output_that_the_robot_lacks_is_refused() -> None:
@@ -94,8 +94,8 @@ def test_relocalize_without_the_service_is_refused() -> None:
 
 def test_a_signal_ends_stop_with_its_code() -> None:
     with roburoc4.Simulator(port=0) as sim:
-        sim.pad.press("a")
-        sim.pad.move("rt", 0.0)
+        sim.set("pad_a", True)
+        sim.set("pad_rt", 0.0)
         process = start("stop", robot=sim.address)
         eventually(lambda: sim.state.speed_commands > 0)
         process.terminate()

@@ -109,11 +109,11 @@ def test_the_scale_of_speed_is_a_key_away(sim: roburoc4.Simulator) -> None:
 
 def test_override_is_shown_and_ends_with_a_new_press(sim: roburoc4.Simulator) -> None:
     terminal = _teleop(sim, NO_RELEASES)
-    sim.pad.press("a")
+    sim.set("pad_a", True)
     terminal.wait_for("● OVERRIDE")
     _hold(terminal, "w", 0.5)
     assert sim.state.nonzero_speed_commands == 0
-    sim.pad.release("a")
+    sim.set("pad_a", False)
     _hold(terminal, "w", 0.5)
     assert sim.state.nonzero_speed_commands == 0, "the key is still that of before"
     time.sleep(1.0)
@@ -153,7 +153,7 @@ def test_space_stops(sim: roburoc4.Simulator) -> None:
 
 def test_a_robot_that_was_lost_is_told_in_words_for_drivers(sim: roburoc4.Simulator) -> None:
     terminal = _teleop(sim, NO_RELEASES)
-    sim.set_power(False)
+    sim.set("power", False)
     terminal.wait_for("not armed|not ready|not connected")
     terminal.wait_for("lost")
     terminal.type("x")
@@ -193,7 +193,7 @@ def test_a_person_is_asked_with_name_and_address(sim: roburoc4.Simulator) -> Non
 
 
 def test_it_does_not_begin_under_override(sim: roburoc4.Simulator) -> None:
-    sim.pad.press("a")
+    sim.set("pad_a", True)
     terminal = Terminal("teleop", "--yes", robot=sim.address)
     assert terminal.wait() == 1
     assert "[A]" in terminal.text

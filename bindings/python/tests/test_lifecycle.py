@@ -282,7 +282,7 @@ while time.monotonic() < end:
         inside = True
         for _ in range(1000):
             sim.state
-            sim.set_battery(80.0)
+            sim.set("battery_percent", 80.0)
             sim.panel("help")
             sim.set_faults()
         inside = False

@@ -51,9 +51,9 @@ def test_two_readers_see_everything_each(roburoc4_simulator: Simulator) -> None:
 def test_iteration_goes_on_over_a_loss_and_ends_at_close(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         statuses = robot.statuses("localization")
-        roburoc4_simulator.set_power(False)
+        roburoc4_simulator.set("power", False)
         robot.wait_for(lambda r: r.state is roburoc4.State.LOST)
-        roburoc4_simulator.set_power(True)
+        roburoc4_simulator.set("power", True)
         robot.wait_for(lambda r: r.state is roburoc4.State.READY)
         assert next(itertools.islice(statuses, 40, None)) is not None
         robot.close()
@@ -65,7 +65,7 @@ def test_wait_for_returns_what_it_waited_for(roburoc4_simulator: Simulator) -> N
         status = robot.wait_for("telemeter")
         assert isinstance(status, roburoc4.TelemeterStatus)
         assert robot.wait_for(lambda r: r.battery.remaining_percent) == 100
-        roburoc4_simulator.pad.press()
+        roburoc4_simulator.set("pad_a", True)
         assert robot.wait_for(Event.OVERRIDE | Event.LOST) == Event.OVERRIDE
 
 
@@ -157,7 +157,7 @@ def test_damaged_datagrams_are_dropped() -> None:
 
 def test_connecting_to_silence_says_what_was_tried() -> None:
     with Simulator() as sim:
-        sim.set_power(False)
+        sim.set("power", False)
         before_s = sim.now_s
         with pytest.raises(TimeoutError, match=r"datagrams sent, 0 received.*firewall"):
             sim.connect(timeout=5)

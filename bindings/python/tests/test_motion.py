@@ -57,7 +57,7 @@ def test_override_disarms_and_its_release_does_not_bring_the_command_back(
     with roburoc4_simulator.connect() as robot:
         robot.arm()
         with (
-            roburoc4_simulator.pad.held(),
+            roburoc4_simulator.held("pad_a"),
             pytest.raises(roburoc4.NotArmedError, match=r"release \[A\]") as caught,
         ):
             robot.drive_for(0.5, 0.0, seconds=5)
@@ -70,7 +70,7 @@ def test_override_disarms_and_its_release_does_not_bring_the_command_back(
 
 
 def test_arming_is_refused_with_its_reason(roburoc4_simulator: Simulator) -> None:
-    with roburoc4_simulator.pad.held(), roburoc4_simulator.connect() as robot:
+    with roburoc4_simulator.held("pad_a"), roburoc4_simulator.connect() as robot:
         with pytest.raises(roburoc4.NotArmedError) as caught:
             robot.arm()
         assert caught.value.code == Result.OVERRIDE
@@ -170,7 +170,7 @@ def test_drive_for_ends_with_zero_on_any_exception(roburoc4_simulator: Simulator
 def test_standing_still_against_a_command_is_reported(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         robot.arm()
-        roburoc4_simulator.estop.press()
+        roburoc4_simulator.set("estop_local", True)
 
         def is_reported(r: roburoc4.Robot) -> bool:
             r.drive(0.5, 0.0)
@@ -178,8 +178,8 @@ def test_standing_still_against_a_command_is_reported(roburoc4_simulator: Simula
 
         robot.wait_for(is_reported)
         robot.disarm()
-        roburoc4_simulator.estop.release()
-        roburoc4_simulator.press_motor_button()
+        roburoc4_simulator.set("estop_local", False)
+        roburoc4_simulator.set("motor_button", True)
 
 
 def test_another_commander_disarms(roburoc4_simulator: Simulator) -> None:

@@ -32,34 +32,35 @@ def test_the_same_seed_gives_the_same_run() -> None:
     assert run(7) != run(8)
 
 
-def test_hands_on_the_robot() -> None:
+def test_controls_are_set_and_read() -> None:
     with Simulator() as sim:
-        sim.pad.press()
-        sim.pad.move("rt", 1.0)
+        sim.set("pad_a", True)
+        sim.set("pad_rt", 1.0)
         sim.step(2.0)
         assert sim.true_pose.x_m > 1
         assert sim.state.overridden
-        sim.pad.release_all()
+        sim.set("pad", 0)
         sim.step(4.0)
         assert abs(sim.state.true_linear_m_s) < 0.05
-        sim.estop.press("remote")
+        sim.set("estop_remote", True)
         assert sim.state.estop_remote
         with pytest.raises(roburoc4.RobotError):
-            sim.press_motor_button()
-        sim.estop.release("remote")
+            sim.set("motor_button", True)
+        sim.set("estop_remote", False)
         assert not sim.state.motors_enabled
-        sim.press_motor_button()
+        sim.set("motor_button", True)
         assert sim.state.motors_enabled
-        sim.set_brakes("released")
+        sim.set("brakes_released", True)
         assert sim.state.brakes_released
-        sim.set_charger(True)
-        sim.set_bumper("rear", True)
+        sim.set("charger", True)
+        sim.set("bumper_rear", True)
         assert (sim.state.charger, sim.state.bumper_rear) == (True, True)
+        assert (sim.get("charger"), sim.get("bumper_front")) == (1, 0)
 
 
-def test_the_world_is_seen() -> None:
+def test_obstacles_are_seen() -> None:
     with Simulator() as sim, sim.connect() as robot:
-        sim.clear_world()
+        sim.clear_obstacles()
         sim.add_wall(2.0, -5.0, 2.0, 5.0)
         sim.add_box(-3.0, 0.0, 1.0, 1.0)
         sim.step(1.0)
@@ -72,14 +73,26 @@ def test_the_world_is_seen() -> None:
             sim.place(2.0, 0.0)
 
 
+def test_as_manual_nothing_moves_before_the_motor_button() -> None:
+    with Simulator(as_manual=True) as sim, sim.connect() as robot:
+        robot.arm()
+        robot.drive_for(0.5, 0.0, seconds=5)
+        assert robot.facts.inhibited
+        assert sim.true_pose.x_m == 0
+        sim.set("motor_button", True)
+        robot.arm()
+        robot.drive_for(0.5, 0.0, seconds=2)
+        assert sim.true_pose.x_m > 0.5
+
+
 def test_inputs_can_be_pinned() -> None:
     with Simulator() as sim, sim.connect() as robot:
-        sim.pin_input(2, 11.5)
-        sim.pin_input(21, True)
+        sim.set("pin_analog_2", 11.5)
+        sim.set("pin_digital_21", True)
         robot.wait_for("iocard")
         assert robot.inputs["Battery voltage"] == 11.5
         assert robot.inputs['Game pad "RB" button']
-        sim.unpin_inputs()
+        sim.set("pin", 0)
         robot.wait_for("iocard")
         assert not robot.inputs['Game pad "RB" button']
 
@@ -136,8 +149,12 @@ def test_settings_out_of_range_are_refused_by_name() -> None:
     with Simulator() as sim:
         with pytest.raises(roburoc4.ArgumentError, match="loss"):
             sim.set_faults(loss=1.5)
-        with pytest.raises(roburoc4.ArgumentError, match="there are a, b"):
-            sim.pad.press("q")
+        with pytest.raises(roburoc4.ArgumentError, match="no control 'pad_q'"):
+            sim.set("pad_q", True)
+        with pytest.raises(roburoc4.ArgumentError, match="pad_rt: 2 is out of range"):
+            sim.set("pad_rt", 2)
+        with pytest.raises(roburoc4.ArgumentError, match="pin_digital_22"):
+            sim.set("pin_digital_22", True)
         with pytest.raises(roburoc4.ArgumentError, match="duration"):
             sim.step(-1.0)
 

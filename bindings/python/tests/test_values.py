@@ -13,7 +13,7 @@ from roburoc4 import BatteryState, IoType, LocalizationFlag, Service, Simulator
 def test_statuses_are_typed_records_with_the_simulators_values(
     roburoc4_simulator: Simulator,
 ) -> None:
-    roburoc4_simulator.set_battery(42)
+    roburoc4_simulator.set("battery_percent", 42)
     with roburoc4_simulator.connect() as robot:
         battery = robot.battery
         assert isinstance(battery, roburoc4.BatteryStatus)
@@ -76,12 +76,12 @@ def test_a_robot_without_a_service_has_none_of_its_properties() -> None:
 
 def test_the_manuals_names_find_inputs_in_any_case(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
-        roburoc4_simulator.set_bumper("front", True)
+        roburoc4_simulator.set("bumper_front", True)
         robot.wait_for("iocard")
         assert robot.inputs["Front bumper"] is True
         assert robot.inputs["rear BUMPER"] is False
         assert 20 < robot.inputs["Battery voltage"] < 30
-        roburoc4_simulator.pad.press("lb")
+        roburoc4_simulator.set("pad_lb", True)
         robot.wait_for("iocard")
         assert robot.inputs.digital('Game pad "LB" button')
         assert robot.inputs.digital(20)
@@ -89,7 +89,7 @@ def test_the_manuals_names_find_inputs_in_any_case(roburoc4_simulator: Simulator
 
 def test_names_follow_a_card_whose_numbers_are_literal() -> None:
     with Simulator(digital_inputs=23, analog_inputs=10) as sim, sim.connect() as robot:
-        sim.pad.press("b")
+        sim.set("pad_b", True)
         robot.wait_for("iocard")
         assert robot.inputs['Game pad "B" button'] is True
         assert robot.inputs.digital(10)
@@ -98,7 +98,7 @@ def test_names_follow_a_card_whose_numbers_are_literal() -> None:
 
 def test_names_work_where_the_robot_gives_no_texts() -> None:
     with Simulator(query_mode=1) as sim, sim.connect() as robot:
-        sim.set_bumper("rear", True)
+        sim.set("bumper_rear", True)
         robot.wait_for("iocard")
         assert robot.inputs["Rear bumper"] is True
         assert robot.channels.digital_inputs[1] == "Rear bumper"
@@ -210,7 +210,7 @@ def test_unknown_settings_are_refused(roburoc4_simulator: Simulator) -> None:
 def test_the_override_input_can_be_named() -> None:
     with Simulator(query_mode=1) as sim, sim.connect(override_index=9) as robot:
         robot.arm()
-        sim.pad.press("b")  # input 9
+        sim.set("pad_b", True)  # input 9
         robot.wait_for(lambda r: not r.facts.armed)
         assert robot.facts.disarm_cause == roburoc4.Result.OVERRIDE
 

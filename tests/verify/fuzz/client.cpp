@@ -96,7 +96,7 @@ class World {
     explicit World(Input &in)
         : in_(in), config_(config_from(in)), client_(config_),
           sim_(roburoc4_sim_create(nullptr), roburoc4_sim_destroy) {
-        roburoc4_sim_clear_world(sim_.get());
+        roburoc4_sim_clear_obstacles(sim_.get());
         roburoc4_sim_advance(sim_.get(), now_us_);
     }
 
@@ -269,7 +269,7 @@ void World::act(std::uint8_t what) {
         break;
     }
     default:
-        roburoc4_sim_set_pad_button(sim_.get(), ROBUROC4_DI_PAD_A, in_.byte() & 1);
+        roburoc4_sim_set(sim_.get(), ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_A, in_.byte() & 1);
         return;
     }
     send();

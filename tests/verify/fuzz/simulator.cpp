@@ -58,7 +58,7 @@ void command_line(roburoc4_sim *sim, const Bytes &text) {
 
 void reconfigure(roburoc4_sim *sim, Input &in) {
     roburoc4_sim_config config;
-    roburoc4_sim_config_init(&config);
+    roburoc4_sim_config_init(&config, sizeof config);
     const Bytes raw = in.bytes(sizeof config - sizeof config.size);
     /* all but its size, which says which struct it is */
     std::copy(raw.begin(), raw.end(),

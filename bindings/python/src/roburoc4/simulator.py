@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: MIT
 """A simulated RobuROC4: in virtual time, or in real time behind a UDP port."""
 
+import math
 import os
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import TracebackType
-from typing import Any, Concatenate, Literal, ParamSpec, Self, TypedDict, TypeVar, Unpack
+from typing import Any, Concatenate, ParamSpec, Self, TypedDict, TypeVar, Unpack
 
 from . import _native
 from .constants import Result, Service
 from .errors import ArgumentError, RobotError, error_of
-from .pad import EmergencyStop, GamePad
 from .records import Pose, SimState
 from .robot import Robot, connect
 from .settings import Settings
@@ -20,8 +21,7 @@ __all__ = ["SimSettings", "Simulator"]
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
-_SIDES = {"front": 0, "rear": 1}
-_BRAKES = {"automatic": 0, "released": 1}
+_WALL_THICKNESS_M = 0.1
 
 
 class SimSettings(TypedDict, total=False):
@@ -90,6 +90,13 @@ def _config_of(seed: int, settings: SimSettings) -> "_native.SimConfig":
     return config
 
 
+def _number_of(control: str) -> int:
+    number = _native.roburoc4_sim_control_find(control)
+    if number < 0:
+        raise ArgumentError(f"no control {control!r}: see help(roburoc4.Simulator.set)", number)
+    return number
+
+
 class Simulator:
     """A simulated robot to try programs on, and to write tests with.
 
@@ -126,10 +133,6 @@ class Simulator:
             self._sim = _native.new_host(config, host, port)
             self._address = f"{host}:{_native.simulation_port(self._sim)}"
         self._closing = threading.Lock()
-        self.pad = GamePad(self._act)
-        """The game pad."""
-        self.estop = EmergencyStop(self._act)
-        """The emergency stops."""
 
     def __enter__(self) -> Self:
         return self
@@ -229,51 +232,45 @@ class Simulator:
         state = self.state
         return Pose(state.true_x_m, state.true_y_m, state.true_theta_rad)
 
-    def digital_output(self, index: int) -> bool:
-        """Return what was last commanded; output 0 is the robot's own watchdog."""
-        return bool(self._act(_native.roburoc4_sim_digital_output, index))
+    # ---- controls ----
 
-    # ---- control panel and inputs ----
+    def set(self, control: str, value: float) -> None:
+        """Do what a person beside the robot can do; `panel("help")` lists all of it.
 
-    def set_power(self, on: bool) -> None:
-        """Switch the main power; on after off is a reboot."""
-        self._act(_native.roburoc4_sim_set_power, int(on))
+        By the names of ``roburoc4_sim.h``: "power", "motor_button", "estop_local", "estop_remote",
+        "brakes_released", "charger", "bumper_front", "bumper_rear" and the game pad's buttons,
+        "pad_a" to "pad_rb", take True and False; "battery_percent" 0 to 100; its axes, "pad_lj_x"
+        to "pad_rt", -1 to 1 ("pad" 0 lets all of it go); "localization_flags" 0 to 127. What an
+        input reports is pinned by "pin_analog_2" and "pin_digital_8", and unpinned by "pin" 0.
+        """
+        result = self._act(_native.roburoc4_sim_set, _number_of(control), value)
+        if result == Result.STATE:
+            raise RobotError(
+                f"{control}: not now; turn the power on, release both emergency stops and set the "
+                "brakes to automatic first",
+                Result.STATE,
+            )
+        if result < 0:
+            what = "this robot has none" if result == Result.INDEX else f"{value} is out of range"
+            raise ArgumentError(f"{control}: {what}", result)
+
+    def get(self, control: str) -> float:
+        """Read a control, an input ("pin_analog_2") or an output ("digital_output_3")."""
+        return self._act(_native.roburoc4_sim_get, _number_of(control))
+
+    @contextmanager
+    def held(self, control: str) -> Iterator[None]:
+        """Press something, such as "pad_a", for the length of a ``with`` block."""
+        self.set(control, True)
+        try:
+            yield
+        finally:
+            self.set(control, False)
 
     def reboot(self) -> None:
         """Switch the power off and on."""
-        self.set_power(False)
-        self.set_power(True)
-
-    def press_motor_button(self) -> None:
-        """Give power to the motors; needs released emergency stops and automatic brakes."""
-        self._act(_native.roburoc4_sim_press_motor_button)
-
-    def set_brakes(self, position: Literal["automatic", "released"]) -> None:
-        """Turn the brakes selector; released cuts the motors' power."""
-        self._act(_native.roburoc4_sim_set_brakes, _BRAKES[position])
-
-    def set_charger(self, plugged: bool) -> None:
-        """Plug in or pull the charger."""
-        self._act(_native.roburoc4_sim_set_charger, int(plugged))
-
-    def set_battery(self, percent: float) -> None:
-        """Set the remaining energy, 0 to 100."""
-        self._act(_native.roburoc4_sim_set_battery_percent, percent)
-
-    def set_bumper(self, side: Literal["front", "rear"], pressed: bool) -> None:
-        """Press a bumper by hand, or let go."""
-        self._act(_native.roburoc4_sim_set_bumper, _SIDES[side], int(pressed))
-
-    def pin_input(self, index: int, value: float | bool) -> None:
-        """Pin what an input reports: bool for a digital one, float for an analog one."""
-        if isinstance(value, bool):
-            self._act(_native.roburoc4_sim_pin_digital_input, index, int(value))
-        else:
-            self._act(_native.roburoc4_sim_pin_analog_input, index, value)
-
-    def unpin_inputs(self) -> None:
-        """Let all inputs report what is."""
-        self._act(_native.roburoc4_sim_unpin_inputs)
+        self.set("power", False)
+        self.set("power", True)
 
     # ---- obstacles ----
 
@@ -284,12 +281,19 @@ class Simulator:
         return self._act(_native.roburoc4_sim_add_box, x_m, y_m, size_x_m, size_y_m, theta_rad)
 
     def add_wall(self, x1_m: float, y1_m: float, x2_m: float, y2_m: float) -> int:
-        """Build a wall between two points, and return its number."""
-        return self._act(_native.roburoc4_sim_add_wall, x1_m, y1_m, x2_m, y2_m)
+        """Build a wall, 0.1 m thick, between two points, and return its number."""
+        dx_m, dy_m = x2_m - x1_m, y2_m - y1_m
+        return self.add_box(
+            (x1_m + x2_m) / 2,
+            (y1_m + y2_m) / 2,
+            math.hypot(dx_m, dy_m),
+            _WALL_THICKNESS_M,
+            math.atan2(dy_m, dx_m),
+        )
 
-    def clear_world(self) -> None:
+    def clear_obstacles(self) -> None:
         """Remove all boxes and walls."""
-        self._act(_native.roburoc4_sim_clear_world)
+        self._act(_native.roburoc4_sim_clear_obstacles)
 
     def place(self, x_m: float, y_m: float, theta_rad: float = 0.0) -> None:
         """Lift the robot to another place; its odometry notices nothing."""

@@ -65,7 +65,7 @@ def driving(browser: Browser, folder: Path) -> None:
 def panel(browser: Browser, folder: Path) -> None:
     with scene(browser, "light", LAPTOP, panel=True) as (here, page):
         drive_about(here, page, 9.0)
-        here.sim.set_bumper("front", True)
+        here.sim.set("bumper_front", True)
         time.sleep(0.6)
         save(page, folder, "whole", whole=True)
 
@@ -73,8 +73,8 @@ def panel(browser: Browser, folder: Path) -> None:
 def override(browser: Browser, folder: Path) -> None:
     with scene(browser, "dark", LAPTOP, allow_drive=False) as (here, page):
         ready(page)
-        here.sim.pad.press("a")
-        here.sim.pad.move("rt", -0.2)
+        here.sim.set("pad_a", True)
+        here.sim.set("pad_rt", -0.2)
         until(lambda: here.sim.state.true_x_m > 1.0)
         save(page, folder, "override")
 
@@ -82,7 +82,7 @@ def override(browser: Browser, folder: Path) -> None:
 def lost(browser: Browser, folder: Path) -> None:
     with scene(browser, "light", LAPTOP) as (here, page):
         drive_about(here, page, 4.0)
-        here.sim.set_power(False)
+        here.sim.set("power", False)
         page.get_by_text("ROBOT LOST").wait_for()
         time.sleep(1.0)
         save(page, folder, "lost")
@@ -90,7 +90,7 @@ def lost(browser: Browser, folder: Path) -> None:
 
 def inhibited(browser: Browser, folder: Path) -> None:
     with scene(browser, "dark", PHONE) as (here, page):
-        here.sim.estop.press("remote")
+        here.sim.set("estop_remote", True)
         arm(page)
         hold_pad(page, rt=1.0)
         page.get_by_text("stood still against the command").first.wait_for()

@@ -151,7 +151,7 @@ def test_arming_needs_a_fresh_tick(scene: Scene) -> None:
 
 def test_a_refusal_to_arm_says_why(scene: Scene) -> None:
     scene.control.take(scene.pages[0])
-    scene.sim.pad.press("a")
+    scene.sim.set("pad_a", True)
     scene.sim.step(0.2)
     with pytest.raises(ControlError, match=r"holds \[A\]"):
         scene.control.arm(scene.pages[0], scene.show(), scene.robot.now_s)
@@ -255,9 +255,9 @@ def test_whatever_pages_say_no_speed_outlives_the_lease_of_its_tick(
                 elif what == "take":
                     scene.control.take(page)
                 else:
-                    scene.sim.pad.press("a")
+                    scene.sim.set("pad_a", True)
                     scene.sim.step(0.1)
-                    scene.sim.pad.release("a")
+                    scene.sim.set("pad_a", False)
             except ControlError:
                 pass
             scene.sim.step(CYCLE_S)

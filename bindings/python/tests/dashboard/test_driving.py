@@ -567,9 +567,9 @@ def test_a_page_that_only_watches_sends_the_robot_nothing(station: Make, visit: 
 def test_override_takes_the_robot_away_and_is_told(station: Make, visit: Visit) -> None:
     here, page = armed(station, visit)
     drive(here, page)
-    here.sim.pad.press("a")
+    here.sim.set("pad_a", True)
     expect(page.locator("#banner-title")).to_have_text("OVERRIDE")
-    here.sim.pad.release("a")
+    here.sim.set("pad_a", False)
     expect(page.locator("#banner-title")).to_have_text("DISARMED")
     before = here.speeds_sent()
     time.sleep(2 * LEASE_S)
@@ -578,7 +578,7 @@ def test_override_takes_the_robot_away_and_is_told(station: Make, visit: Visit) 
 
 def test_inhibited_motion_disarms_and_is_told(station: Make, visit: Visit) -> None:
     here = station()
-    here.sim.estop.press("remote")
+    here.sim.set("estop_remote", True)
     page = visit(here.url)
     arm(page)
     hold_pad(page, rt=1.0)
@@ -586,8 +586,8 @@ def test_inhibited_motion_disarms_and_is_told(station: Make, visit: Visit) -> No
     expect(page.locator("#banner-title")).to_have_text("MOTION INHIBITED")
     expect(page.locator("#events")).to_contain_text("motion inhibited")
     assert not here.robot.facts.armed
-    here.sim.estop.release("remote")
-    here.sim.press_motor_button()
+    here.sim.set("estop_remote", False)
+    here.sim.set("motor_button", True)
     time.sleep(2 * LEASE_S)
     assert not here.driven
 
@@ -595,10 +595,10 @@ def test_inhibited_motion_disarms_and_is_told(station: Make, visit: Visit) -> No
 def test_a_lost_robot_is_told_and_comes_back_disarmed(station: Make, visit: Visit) -> None:
     here, page = armed(station, visit)
     drive(here, page)
-    here.sim.set_power(False)
+    here.sim.set("power", False)
     expect(page.locator("#banner-title")).to_have_text("ROBOT LOST")
     expect(page.locator('[data-lamp="lost"]')).to_have_attribute("data-lit", "yes")
-    here.sim.set_power(True)
+    here.sim.set("power", True)
     ready(page)
     expect(page.locator("#banner-title")).to_have_text("DISARMED")
     before = here.speeds_sent()

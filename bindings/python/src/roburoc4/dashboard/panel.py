@@ -39,7 +39,7 @@ class Panel:
         self._boxes: list[list[float]] = []
         self._faults = dict.fromkeys(_FAULTS, 0.0)
         # Only what is put here is known here, and can be drawn and dragged.
-        simulator.clear_world()
+        simulator.clear_obstacles()
         for box in _ROOM:
             self.add_box(*box)
 
@@ -101,7 +101,7 @@ class Panel:
 
     def clear(self) -> None:
         """Remove all obstacles."""
-        self._simulator.clear_world()
+        self._simulator.clear_obstacles()
         self._boxes.clear()
 
     def set_faults(self, faults: dict[str, float]) -> None:

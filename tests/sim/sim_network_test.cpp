@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * sim_faults_test.cpp - the bad network: each fault as often as asked for, in virtual time, the
+ * sim_network_test.cpp - the bad network: each fault as often as asked for, in virtual time, the
  * same for the same seed.
  */
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 #include <memory>
 
 #include "hex.h"
-#include "roburoc4_sim.h"
+#include "network.h"
 
 using namespace roburoc4_tests;
 
@@ -30,17 +30,16 @@ class Channel {
   public:
     explicit Channel(const roburoc4_sim_faults &faults, std::uint64_t seed = 1,
                      std::uint32_t datagrams = 4096, std::uint32_t longest = 64)
-        : channel_(roburoc4_sim_channel_create(&faults, seed, datagrams, longest),
-                   roburoc4_sim_channel_destroy) {
+        : channel_(sim_network_create(&faults, seed, datagrams, longest), sim_network_destroy) {
         EXPECT_NE(nullptr, channel_);
     }
 
-    [[nodiscard]] roburoc4_sim_channel *get() const {
+    [[nodiscard]] sim_network *get() const {
         return channel_.get();
     }
 
     void push(std::uint64_t peer, const Bytes &bytes, std::uint64_t now_us) const {
-        roburoc4_sim_channel_push(get(), peer, bytes.data(), bytes.size(), now_us);
+        sim_network_push(get(), peer, bytes.data(), bytes.size(), now_us);
     }
 
     [[nodiscard]] std::vector<Arrival> poll(std::uint64_t now_us) const {
@@ -48,21 +47,20 @@ class Channel {
         Bytes buffer(64);
         std::uint64_t peer = 0;
         roburoc4_result size = 0;
-        while ((size = roburoc4_sim_channel_poll(get(), now_us, &peer, buffer.data(),
-                                                 buffer.size())) > 0)
+        while ((size = sim_network_poll(get(), now_us, &peer, buffer.data(), buffer.size())) > 0)
             all.push_back({now_us, peer, Bytes(buffer.begin(), buffer.begin() + size)});
         EXPECT_EQ(0, size);
         return all;
     }
 
-    [[nodiscard]] roburoc4_sim_channel_counts counts() const {
-        roburoc4_sim_channel_counts counts{};
-        roburoc4_sim_channel_count(get(), &counts);
+    [[nodiscard]] sim_network_counts counts() const {
+        sim_network_counts counts{};
+        sim_network_count(get(), &counts);
         return counts;
     }
 
   private:
-    std::unique_ptr<roburoc4_sim_channel, void (*)(roburoc4_sim_channel *)> channel_;
+    std::unique_ptr<sim_network, void (*)(sim_network *)> channel_;
 };
 
 Bytes numbered(std::uint64_t number) {
@@ -86,8 +84,8 @@ constexpr std::uint64_t beat_us = 10000;
 std::vector<Arrival> pass_many(const Channel &channel) {
     std::vector<Arrival> all;
     const auto collect = [&](std::uint64_t until_us) {
-        for (auto due = roburoc4_sim_channel_next_deadline(channel.get()); due < until_us;
-             due = roburoc4_sim_channel_next_deadline(channel.get())) {
+        for (auto due = sim_network_next_deadline(channel.get()); due < until_us;
+             due = sim_network_next_deadline(channel.get())) {
             const auto some = channel.poll(due);
             ASSERT_FALSE(some.empty()) << "a deadline without a datagram";
             all.insert(all.end(), some.begin(), some.end());
@@ -102,7 +100,7 @@ std::vector<Arrival> pass_many(const Channel &channel) {
 }
 
 roburoc4_sim_faults no_faults() {
-    return {0.0, 0.0, 0.0, 0.0, 0, 0};
+    return {sizeof(roburoc4_sim_faults), 0, 0, 0, 0.0, 0.0, 0.0, 0.0};
 }
 
 /** Whether a count is what a share of `many` gives, within five standard deviations. */
@@ -113,7 +111,7 @@ void expect_share(double share, std::uint64_t count) {
 
 } // namespace
 
-TEST(SimChannel, WithoutFaultsDeliversAllAtOnceInOrderAndUnchanged) {
+TEST(SimNetwork, WithoutFaultsDeliversAllAtOnceInOrderAndUnchanged) {
     const Channel channel(no_faults());
     const auto all = pass_many(channel);
     ASSERT_EQ(many, all.size());
@@ -122,7 +120,7 @@ TEST(SimChannel, WithoutFaultsDeliversAllAtOnceInOrderAndUnchanged) {
     EXPECT_EQ(many, channel.counts().delivered);
 }
 
-TEST(SimChannel, LosesTheShareThatItIsToldTo) {
+TEST(SimNetwork, LosesTheShareThatItIsToldTo) {
     auto faults = no_faults();
     faults.loss = 0.2;
     const Channel channel(faults);
@@ -133,7 +131,7 @@ TEST(SimChannel, LosesTheShareThatItIsToldTo) {
     EXPECT_TRUE(pass_many(Channel(faults)).empty());
 }
 
-TEST(SimChannel, DelaysAndJittersWithinBoundsAndKeepsTheOrder) {
+TEST(SimNetwork, DelaysAndJittersWithinBoundsAndKeepsTheOrder) {
     auto faults = no_faults();
     faults.delay_us = 30000;
     faults.jitter_us = 50000;
@@ -153,7 +151,7 @@ TEST(SimChannel, DelaysAndJittersWithinBoundsAndKeepsTheOrder) {
     EXPECT_GT(longest, 75000U);
 }
 
-TEST(SimChannel, DuplicatesTheShareThatItIsToldTo) {
+TEST(SimNetwork, DuplicatesTheShareThatItIsToldTo) {
     auto faults = no_faults();
     faults.duplicate = 0.1;
     faults.jitter_us = 3000;
@@ -165,7 +163,7 @@ TEST(SimChannel, DuplicatesTheShareThatItIsToldTo) {
         ASSERT_EQ(numbered(number_of(arrival.bytes)), arrival.bytes);
 }
 
-TEST(SimChannel, ReordersSoThatLaterOnesOvertake) {
+TEST(SimNetwork, ReordersSoThatLaterOnesOvertake) {
     auto faults = no_faults();
     faults.reorder = 0.1;
     const Channel channel(faults);
@@ -181,7 +179,7 @@ TEST(SimChannel, ReordersSoThatLaterOnesOvertake) {
     EXPECT_LE(overtaken, channel.counts().reordered);
 }
 
-TEST(SimChannel, CorruptsTheShareThatItIsToldToAndNothingElse) {
+TEST(SimNetwork, CorruptsTheShareThatItIsToldToAndNothingElse) {
     auto faults = no_faults();
     faults.corrupt = 0.25;
     const Channel channel(faults);
@@ -201,7 +199,7 @@ TEST(SimChannel, CorruptsTheShareThatItIsToldToAndNothingElse) {
     EXPECT_NEAR(0.25, double(cut) / double(damaged), 0.05);
 }
 
-TEST(SimChannel, DamagesDatagramsOfOneByteToo) {
+TEST(SimNetwork, DamagesDatagramsOfOneByteToo) {
     auto faults = no_faults();
     faults.corrupt = 1.0;
     const Channel channel(faults);
@@ -214,14 +212,14 @@ TEST(SimChannel, DamagesDatagramsOfOneByteToo) {
     }
 }
 
-TEST(SimChannel, IsTheSameForTheSameSeed) {
-    const roburoc4_sim_faults faults = {0.1, 0.1, 0.1, 0.1, 5000, 20000};
+TEST(SimNetwork, IsTheSameForTheSameSeed) {
+    const roburoc4_sim_faults faults = {sizeof faults, 5000, 20000, 0, 0.1, 0.1, 0.1, 0.1};
     const auto first = pass_many(Channel(faults, 9));
     EXPECT_TRUE(first == pass_many(Channel(faults, 9)));
     EXPECT_FALSE(first == pass_many(Channel(faults, 10)));
 }
 
-TEST(SimChannel, DropsAndCountsWhatItCannotHold) {
+TEST(SimNetwork, DropsAndCountsWhatItCannotHold) {
     auto faults = no_faults();
     faults.delay_us = 1000;
     const Channel channel(faults, 1, 3, 16);
@@ -233,49 +231,47 @@ TEST(SimChannel, DropsAndCountsWhatItCannotHold) {
     EXPECT_EQ(4U, channel.counts().dropped);
     EXPECT_TRUE(channel.poll(999).empty());
     EXPECT_EQ(3U, channel.poll(1000).size());
-    EXPECT_EQ(std::numeric_limits<std::uint64_t>::max(),
-              roburoc4_sim_channel_next_deadline(channel.get()));
+    EXPECT_EQ(std::numeric_limits<std::uint64_t>::max(), sim_network_next_deadline(channel.get()));
 }
 
-TEST(SimChannel, ASmallBufferLeavesTheDatagramWhereItIs) {
+TEST(SimNetwork, ASmallBufferLeavesTheDatagramWhereItIs) {
     const Channel channel(no_faults());
     channel.push(1, Bytes(20, 7), 0);
     Bytes buffer(20);
-    EXPECT_EQ(ROBUROC4_ERR_BUFFER,
-              roburoc4_sim_channel_poll(channel.get(), 0, nullptr, buffer.data(), 19));
-    EXPECT_EQ(20, roburoc4_sim_channel_poll(channel.get(), 0, nullptr, buffer.data(), 20));
+    EXPECT_EQ(ROBUROC4_ERR_BUFFER, sim_network_poll(channel.get(), 0, nullptr, buffer.data(), 19));
+    EXPECT_EQ(20, sim_network_poll(channel.get(), 0, nullptr, buffer.data(), 20));
 }
 
-TEST(SimChannel, TakesOtherFaultsOnTheWay) {
+TEST(SimNetwork, TakesOtherFaultsOnTheWay) {
     auto faults = no_faults();
     faults.loss = 1.0;
     const Channel channel(faults);
     channel.push(1, {1}, 0);
     EXPECT_TRUE(channel.poll(0).empty());
     faults.loss = 0.0;
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_channel_set_faults(channel.get(), &faults));
+    EXPECT_EQ(ROBUROC4_OK, sim_network_set_faults(channel.get(), &faults));
     channel.push(1, {2}, 0);
     EXPECT_EQ(1U, channel.poll(0).size());
     faults.corrupt = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_channel_set_faults(channel.get(), &faults));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, sim_network_set_faults(channel.get(), &faults));
     faults.corrupt = 1.5;
-    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_channel_set_faults(channel.get(), &faults));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, sim_network_set_faults(channel.get(), &faults));
     channel.push(1, {3}, 0);
     EXPECT_EQ((Bytes{3}), channel.poll(0).at(0).bytes);
 }
 
-TEST(SimChannel, RefusesNonsenseAtCreation) {
+TEST(SimNetwork, RefusesNonsenseAtCreation) {
     auto faults = no_faults();
-    EXPECT_EQ(nullptr, roburoc4_sim_channel_create(&faults, 1, 0, 10));
-    EXPECT_EQ(nullptr, roburoc4_sim_channel_create(&faults, 1, 65537, 10));
-    EXPECT_EQ(nullptr, roburoc4_sim_channel_create(&faults, 1, 10, 0));
-    EXPECT_EQ(nullptr, roburoc4_sim_channel_create(&faults, 1, 10, 65508));
+    EXPECT_EQ(nullptr, sim_network_create(&faults, 1, 0, 10));
+    EXPECT_EQ(nullptr, sim_network_create(&faults, 1, 65537, 10));
+    EXPECT_EQ(nullptr, sim_network_create(&faults, 1, 10, 0));
+    EXPECT_EQ(nullptr, sim_network_create(&faults, 1, 10, 65508));
     faults.loss = -0.1;
-    EXPECT_EQ(nullptr, roburoc4_sim_channel_create(&faults, 1, 10, 10));
-    roburoc4_sim_channel_destroy(nullptr);
+    EXPECT_EQ(nullptr, sim_network_create(&faults, 1, 10, 10));
+    sim_network_destroy(nullptr);
 }
 
-TEST(SimChannel, SurvivesAClockThatJumpsBack) {
+TEST(SimNetwork, SurvivesAClockThatJumpsBack) {
     auto faults = no_faults();
     faults.delay_us = 1000;
     const Channel channel(faults);
