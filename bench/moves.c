@@ -47,15 +47,15 @@ static void look(drive *d, roburoc4_sim_state *out) {
 static void open_world(drive *d, float slip, double loss, uint64_t seed) {
     roburoc4_sim_config robot;
     roburoc4_config config;
-    roburoc4_sim_faults faults = {0};
-    roburoc4_sim_config_init(&robot);
+    roburoc4_sim_faults faults = {.size = sizeof faults};
+    roburoc4_sim_config_init(&robot, sizeof robot);
     robot.slip = slip;
     robot.seed = seed;
     roburoc4_config_init(&config, sizeof config);
     config.fresh_ms = 1000;
     faults.loss = loss;
     d->world = roburoc4_world_create(&robot);
-    roburoc4_sim_clear_world(roburoc4_world_robot(d->world));
+    roburoc4_sim_clear_obstacles(roburoc4_world_robot(d->world));
     roburoc4_client_init(&d->client, sizeof d->client, &config);
     roburoc4_world_join(d->world, &d->client);
     while (roburoc4_client_arm(&d->client, now(d)) < 0) {

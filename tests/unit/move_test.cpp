@@ -32,7 +32,7 @@ double wrapped(double angle_rad) {
 class Moving : public testing::Test {
   protected:
     Moving() {
-        roburoc4_sim_config_init(&robot_config);
+        roburoc4_sim_config_init(&robot_config, sizeof robot_config);
         robot_config.slip = 0;
         roburoc4_config_init(&config, sizeof config);
         roburoc4_move_options_init(&options, sizeof options);
@@ -42,7 +42,7 @@ class Moving : public testing::Test {
     }
     void connect() {
         world = roburoc4_world_create(&robot_config);
-        roburoc4_sim_clear_world(robot());
+        roburoc4_sim_clear_obstacles(robot());
         roburoc4_client_init(&client, sizeof client, &config);
         roburoc4_world_join(world, &client);
     }
@@ -76,6 +76,7 @@ class Moving : public testing::Test {
     }
     void fault(double loss) {
         roburoc4_sim_faults faults{};
+        faults.size = sizeof faults;
         faults.loss = loss;
         ASSERT_EQ(ROBUROC4_OK, roburoc4_world_set_faults(world, &faults));
     }
@@ -397,21 +398,22 @@ TEST_F(Moving, RestNeedsNoArming) {
 /* ------------------------------------------------------------------------------------ ways out */
 
 TEST_F(Move, AnOverrideEndsIt) {
-    EXPECT_EQ(ROBUROC4_MOVE_OVERRIDE,
-              interrupted_by([&] { roburoc4_sim_set_pad_button(robot(), ROBUROC4_DI_PAD_A, 1); }));
+    EXPECT_EQ(ROBUROC4_MOVE_OVERRIDE, interrupted_by([&] {
+                  roburoc4_sim_set(robot(), ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_A, 1);
+              }));
     EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, move.cause);
     expect_stopped();
 }
 
 TEST_F(Move, ALostRobotEndsIt) {
-    EXPECT_EQ(ROBUROC4_MOVE_LOST, interrupted_by([&] { roburoc4_sim_set_power(robot(), 0); }));
+    EXPECT_EQ(ROBUROC4_MOVE_LOST,
+              interrupted_by([&] { roburoc4_sim_set(robot(), ROBUROC4_SIM_POWER, 0); }));
     EXPECT_LT(move.cause, 0);
 }
 
 TEST_F(Move, AnEmergencyStopEndsIt) {
-    EXPECT_EQ(ROBUROC4_MOVE_INHIBITED, interrupted_by([&] {
-                  roburoc4_sim_set_estop(robot(), ROBUROC4_SIM_ESTOP_LOCAL, 1);
-              }));
+    EXPECT_EQ(ROBUROC4_MOVE_INHIBITED,
+              interrupted_by([&] { roburoc4_sim_set(robot(), ROBUROC4_SIM_ESTOP_LOCAL, 1); }));
     expect_stopped();
 }
 
@@ -488,7 +490,7 @@ TEST_F(Move, APauseOfTheProgramCostsNoAccuracy) {
  */
 
 TEST_F(Move, AWallEndsItBeforeTheClearance) {
-    roburoc4_sim_add_wall(robot(), 3.0, -1.0, 3.0, 1.0);
+    roburoc4_sim_add_box(robot(), 3.0, 0.0, 0.1, 2.0, 0.0);
     for (const float speed : {0.3F, 1.0F}) {
         ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_place(robot(), 0, 0, 0));
         pass(second);
@@ -504,14 +506,14 @@ TEST_F(Move, AWallEndsItBeforeTheClearance) {
 }
 
 TEST_F(Move, AWallBehindEndsAMoveBackward) {
-    roburoc4_sim_add_wall(robot(), -3.0, -1.0, -3.0, 1.0);
+    roburoc4_sim_add_box(robot(), -3.0, 0.0, 0.1, 2.0, 0.0);
     EXPECT_EQ(ROBUROC4_MOVE_OBSTACLE, straight(-4.0F));
     pass(3 * second);
     EXPECT_GT(3.0 - 0.05 - 0.655 + state().true_x_m, 0.45);
 }
 
 TEST_F(Move, GoingAwayFromAWallIsPossible) {
-    roburoc4_sim_add_wall(robot(), 1.0, -1.0, 1.0, 1.0);
+    roburoc4_sim_add_box(robot(), 1.0, 0.0, 0.1, 2.0, 0.0);
     pass(second);
     EXPECT_EQ(ROBUROC4_MOVE_OBSTACLE, straight(0.5F));
     EXPECT_EQ(ROBUROC4_MOVE_REACHED, straight(-0.5F));
@@ -519,7 +521,7 @@ TEST_F(Move, GoingAwayFromAWallIsPossible) {
 }
 
 TEST_F(Move, TurnsInPlaceAndNoClearanceDoNotLook) {
-    roburoc4_sim_add_wall(robot(), 1.0, -1.0, 1.0, 1.0);
+    roburoc4_sim_add_box(robot(), 1.0, 0.0, 0.1, 2.0, 0.0);
     pass(second);
     options.clearance_m = 0;
     EXPECT_EQ(ROBUROC4_MOVE_REACHED, straight(0.1F));
@@ -529,7 +531,7 @@ TEST_F(Move, TurnsInPlaceAndNoClearanceDoNotLook) {
 }
 
 TEST_F(Move, AMoveThatEndsBeforeTheClearanceIsReached) {
-    roburoc4_sim_add_wall(robot(), 2.3, -1.0, 2.3, 1.0);
+    roburoc4_sim_add_box(robot(), 2.3, 0.0, 0.1, 2.0, 0.0);
     pass(second);
     options.linear_m_s = 1.0F;
     EXPECT_EQ(ROBUROC4_MOVE_REACHED, straight(1.0F));
@@ -537,7 +539,7 @@ TEST_F(Move, AMoveThatEndsBeforeTheClearanceIsReached) {
 
 TEST_F(Move, ABumperEndsIt) {
     EXPECT_EQ(ROBUROC4_MOVE_BUMPER,
-              interrupted_by([&] { roburoc4_sim_set_bumper(robot(), ROBUROC4_SIM_FRONT, 1); }));
+              interrupted_by([&] { roburoc4_sim_set(robot(), ROBUROC4_SIM_BUMPER_FRONT, 1); }));
     expect_stopped();
 }
 
@@ -545,12 +547,12 @@ TEST_F(Move, AnyBumperThatGetsPressedEndsIt) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_turn(&move, 3.0F, &options));
     EXPECT_EQ(ROBUROC4_MOVE_BUMPER, go([&] {
                   if (turned() > 0.5)
-                      roburoc4_sim_set_bumper(robot(), ROBUROC4_SIM_REAR, 1);
+                      roburoc4_sim_set(robot(), ROBUROC4_SIM_BUMPER_REAR, 1);
               }));
 }
 
 TEST_F(Move, BackingAwayFromAPressedBumperIsPossible) {
-    roburoc4_sim_set_bumper(robot(), ROBUROC4_SIM_FRONT, 1);
+    roburoc4_sim_set(robot(), ROBUROC4_SIM_BUMPER_FRONT, 1);
     pass(second);
     EXPECT_EQ(ROBUROC4_MOVE_BUMPER, straight(0.5F));
     EXPECT_EQ(ROBUROC4_MOVE_REACHED, straight(-0.5F));
