@@ -663,7 +663,7 @@ const char *roburoc4_move_result_text(int32_t result) {
     static const char *const texts[] = {
         "the move is under way",
         "reached; the robot stands",
-        "somebody holds [A] on the game pad: wait until it is released, then arm again",
+        "somebody holds [A] on the game pad: wait until it is released, then begin again",
         "a bumper is pressed: look at what is there, and back away",
         "a telemeter sees something too near: clear the way, or give a smaller clearance",
         "the robot does not move: look at emergency stops, brakes selector and motor power",

@@ -10,6 +10,7 @@
 #include <Python.h>
 
 #include "host.h"
+#include "roburoc4_move.h"
 #include "roburoc4_pump.h"
 #include "roburoc4_sim.h"
 
@@ -159,5 +160,15 @@ void connection_close_socket(connection *c);
 PyObject *read_samples(connection *c, roburoc4_pump_reader *reader, uint32_t mask);
 roburoc4_pump_reader *new_reader(void);
 uint64_t reader_lost(const roburoc4_pump_reader *reader);
+
+/* ---- moves (move.c) ---- */
+
+roburoc4_move *new_move(void);
+/* With their defaults, for set_member(). */
+roburoc4_move_options *new_move_options(void);
+/* One step, and the drive command that it proposes; ROBUROC4_MOVE_*. */
+PyObject *move_step(connection *c, roburoc4_move *move);
+/* (result, cause, distance_m, angle_rad, left_m, left_rad) */
+PyObject *move_values(const roburoc4_move *move);
 
 #endif

@@ -23,7 +23,7 @@
 %rename("$ignore", regextarget=1, fullname=1) ".*::.*";
 
 /* Of no use from Python: the codec is behind decode(), and native.h opens connections. */
-%rename("$ignore", regextarget=1) "^roburoc4_(decode_|encode_|directory_at|notification_at|telemeter_(at|distances)|(analog|digital)_values|config_init|abi_version)";
+%rename("$ignore", regextarget=1) "^roburoc4_(decode_|encode_|directory_at|notification_at|telemeter_(at|distances)|(analog|digital)_values|config_init|abi_version|move_(options_init|step)$)";
 %rename("$ignore", regextarget=1) "^roburoc4_(client_(size|init|start|close|receive|poll_transmit|take_events|description))$";
 %rename("$ignore", regextarget=1) "^roburoc4_udp_(?!fault_text$|now_us$)";
 %rename("$ignore", regextarget=1) "^roburoc4_pump_(?!close|running|description|reader_init|take_events|wait_events).*";
@@ -39,6 +39,7 @@
 }
 %include "roburoc4_codec.h"
 %include "roburoc4.h"
+%include "roburoc4_move.h"
 %clear uint64_t now_us; /* from here on it is an argument */
 %include "roburoc4_udp.h"
 %include "roburoc4_sim.h"

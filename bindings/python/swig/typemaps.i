@@ -124,6 +124,8 @@ static void capsule_free_##TYPE(PyObject *capsule) {
 ROBUROC4_CAPSULE(roburoc4_config, free)
 ROBUROC4_CAPSULE(roburoc4_sim_config, free)
 ROBUROC4_CAPSULE(roburoc4_sim_faults, free)
+ROBUROC4_CAPSULE(roburoc4_move, free)
+ROBUROC4_CAPSULE(roburoc4_move_options, free)
 ROBUROC4_CAPSULE(connection, connection_destroy)
 ROBUROC4_CAPSULE(roburoc4_pump_reader, free)
 ROBUROC4_CAPSULE(simulation, simulation_destroy)

@@ -1,20 +1,15 @@
 # SPDX-License-Identifier: MIT
-"""`roburoc4 drive`: gently, for so long, and a zero at its end however it ends."""
+"""`roburoc4 drive`: gently, so far, and a zero at its end however it ends."""
 
 import itertools
 import signal
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from types import SimpleNamespace
-from typing import ClassVar
+from collections.abc import Iterator
 
 import pytest
 from cli_support import Terminal, document, eventually, one_line, run, start
 
 import roburoc4
-from roburoc4.cli import drive
-from roburoc4.cli.ramp import Ramp
 
 
 @pytest.fixture
@@ -33,26 +28,21 @@ def _last_command_is_zero(sim: roburoc4.Simulator) -> bool:
     return (state.last_linear_m_s, state.last_angular_rad_s) == (0.0, 0.0)
 
 
-def test_it_drives_for_the_time_and_reports(sim: roburoc4.Simulator) -> None:
-    begun_s = time.monotonic()
+def test_it_drives_as_far_as_the_time_and_reports(sim: roburoc4.Simulator) -> None:
     report = document(run("drive", "0.5", "0", "--seconds", "2", "--json", robot=sim.address))
-    # 1 s up to speed, 1 s along, 1 s down: 1 m.
-    assert 3.0 <= time.monotonic() - begun_s < 15.0
     assert 0.9 < sim.true_pose.x_m < 1.1
-    assert report["distance_m"] == pytest.approx(1.0, abs=0.1)
-    assert report["linear_m_s"] == 0.5
-    assert (report["seconds"], report["total_s"]) == (2.0, 3.0)
+    assert report["result"] == "reached"
+    assert report["distance_m"] == pytest.approx(1.0, abs=0.05)
     assert set(report) == {
         "robot",
-        "linear_m_s",
-        "angular_rad_s",
-        "seconds",
-        "total_s",
-        "begin",
-        "end",
+        "result",
         "distance_m",
+        "angle_rad",
+        "left_m",
+        "left_rad",
+        "pose",
     }
-    assert set(report["begin"]) == set(report["end"]) == {"x_m", "y_m", "theta_rad"}
+    assert set(report["pose"]) == {"x_m", "y_m", "theta_rad"}
     assert _last_command_is_zero(sim)
 
 
@@ -77,39 +67,10 @@ def test_it_accelerates_gently(sim: roburoc4.Simulator) -> None:
         state = sim.state
         targets.append((state.now_us / 1e6, state.target_linear_m_s))
         time.sleep(0.005)
-    assert max(v for _, v in targets) == pytest.approx(0.5, abs=0.05)
+    assert 0.5 < max(v for _, v in targets) <= 1.0
     steps = [b - a for (_, a), (_, b) in itertools.pairwise(targets)]
-    assert max(steps) < 0.2, "no step is larger than a hiccup of this machine explains"
+    assert max(steps) < 0.5, "0.32 m/s begin with 0.5 m/s2; the rest is this machine's hiccups"
     assert process.communicate()[1] == ""
-
-
-def test_it_begins_from_rest_after_this_computer_was_busy(monkeypatch: pytest.MonkeyPatch) -> None:
-    class Robot:
-        facts = SimpleNamespace(inhibited=False)
-        speeds: ClassVar[list[float]] = []
-
-        def drive(self, linear_m_s: float, _angular_rad_s: float) -> None:
-            self.speeds.append(linear_m_s)
-
-    busy = [0.0] * 20 + [0.6]
-
-    @contextmanager
-    def no_progress(_what: str, _seconds: float) -> Iterator[Callable[..., None]]:
-        yield lambda *_: time.sleep(busy.pop(0) if busy else 0.0)
-
-    monkeypatch.setattr("roburoc4.cli.drive.progress", no_progress)
-    monkeypatch.setattr("roburoc4.cli.drive._speed", lambda _robot: "")
-    drive._follow(Robot(), Ramp(0.5, 0.0, 2.5))  # type: ignore[arg-type]
-    assert Robot.speeds[19] > 0.3
-    after = next(index for index, speed in enumerate(Robot.speeds[20:], 20) if speed == 0.0)
-    steps = [b - a for a, b in itertools.pairwise(Robot.speeds[after:])]
-    assert max(steps) < 0.15
-
-
-def test_the_robots_lower_acceleration_counts() -> None:
-    with roburoc4.Simulator(port=0, max_linear_m_s2=0.2) as sim:
-        report = document(run("drive", "1", "0", "--seconds", "1", "--json", robot=sim.address))
-    assert report["linear_m_s"] == pytest.approx(0.2)
 
 
 def test_a_speed_above_the_limits_is_lowered_and_told() -> None:
@@ -235,7 +196,7 @@ def test_a_name_is_told_beside_the_address(sim: roburoc4.Simulator) -> None:
 
 def test_a_person_sees_the_progress(sim: roburoc4.Simulator) -> None:
     terminal = Terminal("drive", "0.3", "0", "--seconds", "2", "--yes", robot=sim.address)
-    terminal.wait_for(r"\+0\.\d+ m/s .*of 3 s")
+    terminal.wait_for(r"\+0\.\d+ m/s .*of 0\.6 m")
     assert terminal.wait() == 0
     assert "[y/N]" not in terminal.text
 

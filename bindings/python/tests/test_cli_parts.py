@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The command's parts that need no robot: numbers, ramp, keys, dead man, verdicts."""
+"""The command's parts that need no robot: numbers, keys, dead man, verdicts."""
 
 import argparse
 import math
@@ -10,11 +10,7 @@ import pytest
 from roburoc4.cli import options, output
 from roburoc4.cli.deadman import FIRST_S, REPEAT_S, DeadMan
 from roburoc4.cli.keyboard import Decoder, Key, is_ctrl_c
-from roburoc4.cli.ramp import Ramp, gentle
 from roburoc4.cli.verdict import Findings, Stream, judge
-
-STEP_S = 0.01
-
 
 # ------------------------------------------------------------------------------------- numbers
 
@@ -30,6 +26,16 @@ def test_negative_numbers_are_shielded_and_options_are_not() -> None:
     assert shielded == [" -0.5", " -.5", " -1e-3", " -inf", "--yes", "-y", "5", "-"]
 
 
+def test_an_angle_is_in_radians_or_degrees() -> None:
+    assert options.angle("-1.5") == -1.5
+    assert options.angle(" 90deg") == pytest.approx(math.pi / 2)
+    assert options.angle("-1e2DEG") == pytest.approx(-math.radians(100))
+    assert options.shield_numbers(["-90deg", "-1.5"]) == [" -90deg", " -1.5"]
+    for text in ("nan", "deg", "infdeg", "90 degrees", "1e5"):
+        with pytest.raises(argparse.ArgumentTypeError, match=r"rad|degrees"):
+            options.angle(text)
+
+
 def test_a_number_of_32_bits_is_printed_with_the_digits_that_it_has() -> None:
     sent = struct.unpack("<f", struct.pack("<f", 0.1))[0]
     assert output.plain((sent, 0.1, 1e300, math.nan)) == [0.1, 0.1, 1e300, None]
@@ -39,49 +45,6 @@ def test_a_robots_text_does_not_steer_the_terminal() -> None:
     assert output.printable("Möhre\x1b[2J\n") == "Möhre\N{REPLACEMENT CHARACTER}[2J" + (
         "\N{REPLACEMENT CHARACTER}"
     )
-
-
-# ---------------------------------------------------------------------------------------- ramp
-
-
-@pytest.mark.parametrize(
-    ("linear", "angular", "seconds"),
-    [(0.5, 0.0, 3.0), (-1.0, 0.3, 5.0), (0.0, -2.0, 1.0), (2.0, 1.0, 0.5), (0.0, 0.0, 1.0)],
-)
-def test_a_ramp_is_gentle_keeps_its_curve_and_ends_at_rest(
-    linear: float, angular: float, seconds: float
-) -> None:
-    ramp = Ramp(linear, angular, seconds)
-    before = (0.0, 0.0)
-    for step in range(int(ramp.total_s / STEP_S) + 2):
-        v, w = ramp.at(step * STEP_S)
-        assert abs(v - before[0]) <= 0.5 * STEP_S + 1e-9
-        assert abs(w - before[1]) <= 1.0 * STEP_S + 1e-9
-        assert v * angular == pytest.approx(w * linear)
-        before = (v, w)
-    assert before == (0.0, 0.0)
-    assert ramp.at(math.nan) == (0.0, 0.0)
-
-
-def test_the_time_of_a_ramp_includes_the_way_up_and_not_the_way_down() -> None:
-    ramp = Ramp(1.0, 0.0, 5.0)
-    assert ramp.at(1.0) == pytest.approx((0.5, 0.0))
-    assert ramp.at(5.0) == (1.0, 0.0)
-    assert ramp.at(6.0) == pytest.approx((0.5, 0.0))
-    assert ramp.total_s == pytest.approx(7.0)
-
-
-def test_a_short_ramp_goes_down_from_what_it_reached() -> None:
-    ramp = Ramp(1.0, 0.0, 1.0)
-    assert ramp.peak == pytest.approx(0.5)
-    assert ramp.total_s == pytest.approx(2.0)
-
-
-def test_the_robots_own_limit_counts_where_it_is_lower_and_makes_sense() -> None:
-    assert gentle(0.5, 0.2, -3.0) == 0.2
-    assert gentle(0.5, 3.0, -0.1) == 0.1
-    assert gentle(0.5, 0.0, math.nan) == 0.5
-    assert gentle(0.5, math.inf) == 0.5
 
 
 # ---------------------------------------------------------------------------------------- keys

@@ -214,7 +214,7 @@ def test_a_surprise_is_one_line_too_and_the_traceback_is_an_option_away() -> Non
 
 
 @pytest.mark.parametrize(
-    ("words", "expected"), [(["mo"], "monitor"), (["drive", "--sec"], "--seconds")]
+    ("words", "expected"), [(["mon"], "monitor"), (["drive", "--sec"], "--seconds")]
 )
 def test_bash_completes_commands_and_options(words: list[str], expected: str) -> None:
     script = run("completion", "bash").stdout

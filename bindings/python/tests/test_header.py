@@ -42,6 +42,12 @@ def test_enumerations_are_those_of_the_header(family: str) -> None:
     assert mine == expected
 
 
+def test_outcomes_of_moves_are_those_of_the_header() -> None:
+    mine = {name: int(member) for name, member in constants.MoveOutcome.__members__.items()}
+    assert mine == defined(header("roburoc4_move.h"), "MOVE")
+    assert all(outcome.text for outcome in constants.MoveOutcome)
+
+
 def test_faults_are_those_of_the_header() -> None:
     mine = {name: int(member) for name, member in constants.Fault.__members__.items()}
     assert mine == defined(header("roburoc4_udp.h"), "FAULT")

@@ -17,6 +17,7 @@ from .constants import *
 from .constants import CYCLE_S, DEFAULT_HOST, DEFAULT_PORT
 from .errors import *
 from .iocard import *
+from .moves import MoveError, MoveResult
 from .records import *
 from .robot import ManualRobot, Robot, connect, resolve
 from .samples import Reader, Recording, Statuses, flatten
@@ -31,6 +32,8 @@ __all__ = [
     "Batch",
     "Layout",
     "ManualRobot",
+    "MoveError",
+    "MoveResult",
     "Reader",
     "Recording",
     "Robot",

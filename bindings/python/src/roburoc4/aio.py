@@ -24,6 +24,7 @@ from . import _native
 from .connection import ALL_EVENTS, Connection, EventReader
 from .constants import DEFAULT_HOST, Event, Result, Service
 from .errors import ClosedError, RobotTimeoutError
+from .moves import STEP_S, Move, MoveOptions, MoveResult, Progress, arc_options
 from .pump import PumpConnection
 from .records import Status
 from .robot_base import LOOK_AGAIN_S, RELOCALIZE_S, RobotBase, name_of, true_or_unknown
@@ -192,6 +193,77 @@ class Robot(RobotBase):
                 await asyncio.sleep(min(left_s, self._renewal_s))
         finally:
             self.stop()
+
+    async def move(
+        self,
+        distance_m: float,
+        *,
+        speed: float | None = None,
+        clearance: float | None = None,
+        timeout: float | None = None,
+        on_progress: Progress | None = None,
+    ) -> MoveResult:
+        """See :meth:`roburoc4.Robot.move`; a cancelled move stops the robot."""
+        options = MoveOptions(speed, None, clearance, timeout)
+        return await self._go(Move(self._connection, options).by(distance_m, 0.0), on_progress)
+
+    async def turn(
+        self,
+        angle_rad: float,
+        *,
+        speed: float | None = None,
+        timeout: float | None = None,
+        on_progress: Progress | None = None,
+    ) -> MoveResult:
+        """See :meth:`roburoc4.Robot.turn`."""
+        options = MoveOptions(None, speed, None, timeout)
+        return await self._go(Move(self._connection, options).by(0.0, angle_rad), on_progress)
+
+    async def arc(
+        self,
+        distance_m: float,
+        angle_rad: float,
+        *,
+        speed: float | None = None,
+        clearance: float | None = None,
+        timeout: float | None = None,
+        on_progress: Progress | None = None,
+    ) -> MoveResult:
+        """See :meth:`roburoc4.Robot.arc`."""
+        options = arc_options(distance_m, angle_rad, speed, clearance, timeout)
+        return await self._go(
+            Move(self._connection, options).by(distance_m, angle_rad), on_progress
+        )
+
+    async def go_to(
+        self,
+        x_m: float,
+        y_m: float,
+        theta_rad: float | None = None,
+        *,
+        speed: float | None = None,
+        clearance: float | None = None,
+        timeout: float | None = None,
+        on_progress: Progress | None = None,
+    ) -> MoveResult:
+        """See :meth:`roburoc4.Robot.go_to`."""
+        options = MoveOptions(speed, None, clearance, timeout)
+        return await self._go(Move(self._connection, options).to(x_m, y_m, theta_rad), on_progress)
+
+    async def rest(self, *, timeout: float | None = None) -> MoveResult:
+        """See :meth:`roburoc4.Robot.rest`."""
+        options = MoveOptions(None, None, None, timeout)
+        return await self._go(Move(self._connection, options).rest(), None)
+
+    async def _go(self, move: Move, on_progress: Progress | None) -> MoveResult:
+        try:
+            while move.step():
+                if on_progress is not None:
+                    on_progress(move.now())
+                await self._bell.wait(STEP_S)
+        finally:
+            move.cancel()
+        return move.end()
 
     async def relocalize(self, x_m: float, y_m: float, theta_rad: float) -> None:
         """Tell the robot where it is, and wait until it has taken that."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Names for the manual's numbers and for those of the client.
 
-Each class mirrors a family of ``ROBUROC4_*`` constants of ``roburoc4.h``; a test compares them.
+Each class mirrors a family of ``ROBUROC4_*`` constants of the headers; a test compares them.
 """
 
 from enum import IntEnum, IntFlag
@@ -16,6 +16,7 @@ __all__ = [
     "Fault",
     "IoType",
     "LocalizationFlag",
+    "MoveOutcome",
     "Result",
     "Role",
     "Service",
@@ -105,6 +106,26 @@ class State(IntEnum):
     READY = 4
     LOST = 5
     CLOSING = 6
+
+
+class MoveOutcome(IntEnum):
+    """How a move ended."""
+
+    RUNNING = 0
+    REACHED = 1
+    OVERRIDE = 2
+    BUMPER = 3
+    OBSTACLE = 4
+    INHIBITED = 5
+    LOST = 6
+    OTHER_COMMANDER = 7
+    TIMEOUT = 8
+    CANCELLED = 9
+
+    @property
+    def text(self) -> str:
+        """What it means and what to do, as a sentence."""
+        return _native.roburoc4_move_result_text(self)
 
 
 class Role(IntEnum):

@@ -11,6 +11,7 @@ from . import _native
 from .connection import ALL_EVENTS
 from .constants import DEFAULT_HOST, Event, Result, Service
 from .errors import NotKnownError, RobotTimeoutError, address_errors
+from .moves import STEP_S, Move, MoveOptions, MoveResult, Progress, arc_options
 from .pump import PumpConnection
 from .records import Status
 from .robot_base import LOOK_AGAIN_S, RELOCALIZE_S, RobotBase, name_of, true_or_unknown
@@ -144,6 +145,91 @@ class Robot(RobotBase):
         end_s = self._connection.now_s() + seconds
         while (left_s := end_s - self._connection.now_s()) > 0:
             self._connection.sleep(left_s)
+
+    # ---- moves ----
+
+    def move(
+        self,
+        distance_m: float,
+        *,
+        speed: float | None = None,
+        clearance: float | None = None,
+        timeout: float | None = None,
+        on_progress: Progress | None = None,
+    ) -> MoveResult:
+        """Drive so far straight ahead (less than 0: backward), and wait until the robot stands.
+
+        ``speed`` is in m/s (0.3). A telemeter that sees something nearer than ``clearance``
+        metres (0.5; 0: do not look) and the braking distance ends the move; sonar misses things.
+        ``timeout`` is in seconds. ``on_progress`` is called again and again with a MoveResult.
+        The robot must be armed. Raises MoveError where the goal was not reached.
+        """
+        options = MoveOptions(speed, None, clearance, timeout)
+        return self._go(Move(self._connection, options).by(distance_m, 0.0), on_progress)
+
+    def turn(
+        self,
+        angle_rad: float,
+        *,
+        speed: float | None = None,
+        timeout: float | None = None,
+        on_progress: Progress | None = None,
+    ) -> MoveResult:
+        """Turn in place by this angle (less than 0: to the right), at ``speed`` rad/s (0.5).
+
+        Otherwise as :meth:`move`, but telemeters are not looked at.
+        """
+        options = MoveOptions(None, speed, None, timeout)
+        return self._go(Move(self._connection, options).by(0.0, angle_rad), on_progress)
+
+    def arc(
+        self,
+        distance_m: float,
+        angle_rad: float,
+        *,
+        speed: float | None = None,
+        clearance: float | None = None,
+        timeout: float | None = None,
+        on_progress: Progress | None = None,
+    ) -> MoveResult:
+        """Drive so far along an arc that turns by this angle; otherwise as :meth:`move`."""
+        options = arc_options(distance_m, angle_rad, speed, clearance, timeout)
+        return self._go(Move(self._connection, options).by(distance_m, angle_rad), on_progress)
+
+    def go_to(
+        self,
+        x_m: float,
+        y_m: float,
+        theta_rad: float | None = None,
+        *,
+        speed: float | None = None,
+        clearance: float | None = None,
+        timeout: float | None = None,
+        on_progress: Progress | None = None,
+    ) -> MoveResult:
+        """Turn to a point of the main frame and drive there, then turn to ``theta_rad`` if given.
+
+        Otherwise as :meth:`move`.
+        """
+        options = MoveOptions(speed, None, clearance, timeout)
+        return self._go(Move(self._connection, options).to(x_m, y_m, theta_rad), on_progress)
+
+    def rest(self, *, timeout: float | None = None) -> MoveResult:
+        """Stop, and wait until the robot stands, armed or not; 5 s at most."""
+        options = MoveOptions(None, None, None, timeout)
+        return self._go(Move(self._connection, options).rest(), None)
+
+    def _go(self, move: Move, on_progress: Progress | None) -> MoveResult:
+        reader = self._connection.reader()
+        try:
+            while move.step():
+                if on_progress is not None:
+                    on_progress(move.now())
+                reader.take_events()
+                reader.wait(ALL_EVENTS, STEP_S)
+        finally:
+            move.cancel()
+        return move.end()
 
     # ---- odometry ----
 

@@ -14,6 +14,7 @@ from . import (
     drive,
     info,
     monitor,
+    moves,
     one_shot,
     record,
     set_ip,
@@ -26,6 +27,7 @@ from .options import Parser, add_robot, shield_numbers
 _COMMANDS = (
     info,
     monitor,
+    moves,
     drive,
     teleop,
     dashboard,
@@ -40,7 +42,8 @@ _EXAMPLES = """\
 try it without a robot:
   roburoc4 sim                           in one terminal; it prints a line for the others
   roburoc4 monitor                       in another
-  roburoc4 drive 0.3 0 --seconds 3
+  roburoc4 move 1
+  roburoc4 turn 90deg
 
 exit codes: 0 fine, 1 the robot refused or was lost, 2 usage, 3 not reachable,
 129, 130, 131 and 143 after SIGHUP, Ctrl-C, Ctrl-\\ and SIGTERM

@@ -65,6 +65,14 @@ radians = number(-1e9, 1e9, "rad")
 seconds = number(0.001, 1e6, "seconds")
 
 
+def angle(text: str) -> float:
+    """Convert radians, or degrees as in 90deg."""
+    degrees = text.strip().lower().removesuffix("deg")
+    if degrees == text.strip().lower():
+        return number(-10000.0, 10000.0, "rad, or degrees such as 90deg")(text)
+    return math.radians(number(-570000.0, 570000.0, "degrees")(degrees))
+
+
 def shield_numbers(arguments: list[str]) -> list[str]:
     """Put a blank before negative numbers, which keeps argparse from taking them for options."""
     return [f" {text}" if text.startswith("-") and _is_number(text) else text for text in arguments]
@@ -72,7 +80,7 @@ def shield_numbers(arguments: list[str]) -> list[str]:
 
 def _is_number(text: str) -> bool:
     try:
-        float(text)
+        float(text.removesuffix("deg"))
     except ValueError:
         return False
     return True

@@ -11,10 +11,10 @@ Show = Callable[[float, str], None]
 
 
 @contextmanager
-def progress(title: str, total_s: float | None) -> Iterator[Show]:
-    """Show how much of a time is over: call what this gives with the elapsed time and a text."""
+def progress(title: str, total: float | None, unit: str = "s") -> Iterator[Show]:
+    """Show how much of a total is done: call what this gives with how much, and a text."""
     if not sys.stderr.isatty():
-        yield lambda _elapsed_s, _text: None
+        yield lambda _done, _text: None
         return
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
@@ -24,10 +24,10 @@ def progress(title: str, total_s: float | None) -> Iterator[Show]:
         TextColumn("{task.description}"),
         BarColumn(),
         TimeElapsedColumn(),
-        TextColumn(f"of {total_s:.0f} s" if total_s is not None else "Ctrl-C ends it"),
+        TextColumn(f"of {total:.3g} {unit}" if total is not None else "Ctrl-C ends it"),
         console=console(stderr=True),
         transient=True,
     )
     with bar:
-        task = bar.add_task(title, total=total_s)
-        yield lambda elapsed_s, text: bar.update(task, completed=elapsed_s, description=text)
+        task = bar.add_task(title, total=total)
+        yield lambda done, text: bar.update(task, completed=done, description=text)

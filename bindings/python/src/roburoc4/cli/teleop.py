@@ -16,7 +16,6 @@ from .errors import ExitCode, usage, why_not_armed
 from .keyboard import Keyboard, is_ctrl_c
 from .options import add_robot
 from .output import console
-from .ramp import GENTLE_ANGULAR_RAD_S2, GENTLE_LINEAR_M_S2
 from .signals import Signalled
 
 if TYPE_CHECKING:
@@ -27,6 +26,8 @@ if TYPE_CHECKING:
     from .keyboard import Key
 
 _STEP_S = 0.05
+_GENTLE_LINEAR_M_S2 = 0.5
+_GENTLE_ANGULAR_RAD_S2 = 1.0
 _HELD_UP_S = 0.25  # the lease is over then, and keys that wait are old
 _FULL_LINEAR_M_S = 1.0
 _FULL_ANGULAR_RAD_S = 1.0
@@ -164,8 +165,8 @@ class _Teleop:
         if wanted != (0.0, 0.0):
             self._trouble = ""
         self._speeds = (
-            _approach(self._speeds[0], wanted[0], GENTLE_LINEAR_M_S2 * step_s),
-            _approach(self._speeds[1], wanted[1], GENTLE_ANGULAR_RAD_S2 * step_s),
+            _approach(self._speeds[0], wanted[0], _GENTLE_LINEAR_M_S2 * step_s),
+            _approach(self._speeds[1], wanted[1], _GENTLE_ANGULAR_RAD_S2 * step_s),
         )
         try:
             if self._speeds != (0.0, 0.0):

@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: MIT
+"""`roburoc4 move`, `turn`, `goto` and `square`, and what `drive` shares with them."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import math
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any
+
+from . import session
+from .errors import CommandError, ExitCode, refused
+from .options import add_robot, angle, metres, number, seconds
+from .output import note, print_json
+from .progress import progress
+
+if TYPE_CHECKING:
+    from roburoc4 import LocalizationStatus, MoveResult, Robot
+
+    # A step of a command: given the robot and what to call with progress.
+    Step = Callable[[Robot, Callable[[MoveResult], object]], MoveResult]
+
+_SPEED = number(0.001, 20.0, "m/s or rad/s")
+_CLEARANCE = number(0.0, 100.0, "m")
+
+
+class MoveOptions(session.DrivingOptions):
+    """What these commands are given."""
+
+    metres: float
+    angle: float
+    x: float
+    y: float
+    speed: float | None
+    clearance: float | None
+    timeout: float | None
+
+
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the commands."""
+    parser = _add(commands, "move", _run_move, "drive so many metres straight ahead, or back")
+    parser.add_argument("metres", metavar="METRES", type=metres, help="less than 0: backward")
+    parser = _add(commands, "turn", _run_turn, "turn in place by an angle")
+    parser.add_argument(
+        "angle", metavar="ANGLE", type=angle, help="radians, or 90deg; less than 0: to the right"
+    )
+    parser = _add(commands, "goto", _run_goto, "turn to a point and drive there, by odometry")
+    parser.add_argument("x", metavar="X", type=metres, help="metres, in the main frame")
+    parser.add_argument("y", metavar="Y", type=metres, help="metres, in the main frame")
+    parser = _add(commands, "square", _run_square, "drive a square to the left")
+    parser.add_argument("metres", metavar="METRES", type=metres, help="the length of a side")
+
+
+def _add(
+    commands: argparse._SubParsersAction[argparse.ArgumentParser],
+    name: str,
+    run: Callable[[MoveOptions], int],
+    text: str,
+) -> argparse.ArgumentParser:
+    parser = commands.add_parser(
+        name,
+        help=text,
+        description=f"{text[0].upper()}{text[1:]}, with gentle acceleration, and wait until the "
+        "robot stands. A pressed bumper, or something near in the direction of travel, ends it; "
+        "sonar misses things.",
+    )
+    parser.add_argument(
+        "--speed",
+        metavar="SPEED",
+        type=_SPEED,
+        help="rad/s (default 0.5)" if name == "turn" else "m/s (default 0.3)",
+    )
+    add_looking(parser)
+    session.add_driving(parser)
+    add_robot(parser)
+    parser.set_defaults(run=run)
+    return parser
+
+
+def add_looking(parser: argparse.ArgumentParser) -> None:
+    """Add `--clearance` and `--timeout`."""
+    parser.add_argument(
+        "--clearance",
+        metavar="METRES",
+        type=_CLEARANCE,
+        help="to be kept from what telemeters see (default 0.5; 0: do not look)",
+    )
+    parser.add_argument(
+        "--timeout", metavar="SECONDS", type=seconds, help="the longest that it may take"
+    )
+
+
+def _run_move(options: MoveOptions) -> int:
+    def step(robot: Robot, show: Callable[[MoveResult], object]) -> MoveResult:
+        speed = within_limits(robot, options.speed, "m/s")
+        return robot.move(options.metres, **_given(options, speed), on_progress=show)
+
+    return go(options, f"{options.metres:g} m straight", abs(options.metres), "m", [step])
+
+
+def _run_turn(options: MoveOptions) -> int:
+    def step(robot: Robot, show: Callable[[MoveResult], object]) -> MoveResult:
+        speed = within_limits(robot, options.speed, "rad/s")
+        return robot.turn(options.angle, speed=speed, timeout=options.timeout, on_progress=show)
+
+    degrees = math.degrees(options.angle)
+    return go(options, f"a turn of {degrees:.0f}°", abs(options.angle), "rad", [step])
+
+
+def _run_goto(options: MoveOptions) -> int:
+    def step(robot: Robot, show: Callable[[MoveResult], object]) -> MoveResult:
+        speed = within_limits(robot, options.speed, "m/s")
+        return robot.go_to(options.x, options.y, **_given(options, speed), on_progress=show)
+
+    return go(options, f"to x {options.x:g} m, y {options.y:g} m", None, "m", [step])
+
+
+def _run_square(options: MoveOptions) -> int:
+    def side(robot: Robot, show: Callable[[MoveResult], object]) -> MoveResult:
+        speed = within_limits(robot, options.speed, "m/s")
+        return robot.move(options.metres, **_given(options, speed), on_progress=show)
+
+    def corner(robot: Robot, show: Callable[[MoveResult], object]) -> MoveResult:
+        return robot.turn(math.pi / 2, timeout=options.timeout, on_progress=show)
+
+    length = 4 * abs(options.metres)
+    return go(options, f"a square of {options.metres:g} m", length, "m", [side, corner] * 4)
+
+
+def _given(options: MoveOptions, speed: float | None) -> dict[str, float | None]:
+    return {"speed": speed, "clearance": options.clearance, "timeout": options.timeout}
+
+
+def within_limits(robot: Robot, speed: float | None, unit: str) -> float | None:
+    """Lower a speed to what the robot allows, and report that."""
+    limits = robot.properties.differential
+    if speed is None or limits is None:
+        return speed
+    most = limits.max_linear_m_s if unit == "m/s" else limits.max_angular_rad_s
+    if not 0.0 < most < abs(speed):
+        return speed
+    note(f"{speed:g} {unit} is more than the robot allows: it is asked for {most:g} {unit}")
+    return math.copysign(most, speed)
+
+
+def go(
+    options: session.DrivingOptions,
+    intention: str,
+    total: float | None,
+    unit: str,
+    steps: Iterable[Step],
+) -> int:
+    """Ask, arm, take the steps until one fails, come to rest, and report."""
+    with session.driven(options) as robot:
+        session.confirm(robot, options, intention)
+        session.refuse_override(robot)
+        done: list[MoveResult] = []
+        with session.armed(robot), progress("moving", total, unit) as show:
+            failure = _take(robot, steps, done, lambda text: show(_come(done, unit), text))
+        report = _report(robot, done)
+    if options.json:
+        print_json(report)
+    elif failure is None:
+        print(_summary(report))
+    if failure is not None:
+        raise failure
+    return ExitCode.FINE
+
+
+def _take(
+    robot: Robot, steps: Iterable[Step], done: list[MoveResult], show: Callable[[str], None]
+) -> CommandError | None:
+    from roburoc4 import MoveError
+
+    def tell(result: MoveResult) -> None:
+        done[-1] = result
+        show(_speed(robot))
+
+    for step in steps:
+        done.append(_nothing())
+        try:
+            done[-1] = step(robot, tell)
+        except MoveError as error:
+            done[-1] = error.result
+            with contextlib.suppress(MoveError):
+                robot.rest()
+            return refused(str(error))
+    return None
+
+
+def _nothing() -> MoveResult:
+    from roburoc4 import MoveOutcome, MoveResult
+
+    return MoveResult(MoveOutcome.RUNNING, 0.0, 0.0, 0.0, 0.0, None)
+
+
+def _come(done: list[MoveResult], unit: str) -> float:
+    if unit == "rad":
+        return sum(abs(result.angle_rad) for result in done)
+    return sum(abs(result.distance_m) for result in done)
+
+
+def _speed(robot: Robot) -> str:
+    speeds = robot.latest("differential")
+    if speeds is None:
+        return "moving"
+    return f"{speeds.current_linear_m_s:+.2f} m/s {speeds.current_angular_rad_s:+.2f} rad/s"
+
+
+def _report(robot: Robot, done: list[MoveResult]) -> dict[str, Any]:
+    last = done[-1]
+    return {
+        "robot": robot.address,
+        "result": last.outcome.name.lower(),
+        "distance_m": sum(result.distance_m for result in done),
+        "angle_rad": sum(result.angle_rad for result in done),
+        "left_m": last.left_m,
+        "left_rad": last.left_rad,
+        "pose": _pose(robot.latest("localization")),
+    }
+
+
+def _pose(status: LocalizationStatus | None) -> dict[str, float] | None:
+    if status is None:
+        return None
+    return {"x_m": status.x_m, "y_m": status.y_m, "theta_rad": status.theta_rad}
+
+
+def _summary(report: dict[str, Any]) -> str:
+    pose = report["pose"]
+    come = f"done: {report['distance_m']:.2f} m, turned {math.degrees(report['angle_rad']):.1f}°"
+    if pose is None:
+        return f"{come}, by the speeds that the robot reported"
+    return (
+        f"{come}; x {pose['x_m']:.2f} m, y {pose['y_m']:.2f} m, theta {pose['theta_rad']:.2f} rad "
+        "by odometry"
+    )

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: MIT
+"""A move of roburoc4_move.h: one metre forward, a quarter turn, to a point, to rest."""
+
+import contextlib
+import math
+from collections.abc import Callable
+from typing import NamedTuple, TypeAlias
+
+from . import _native
+from .connection import Connection
+from .constants import MoveOutcome, Result
+from .errors import ArgumentError, ClosedError, NotKnownError, RobotError, error_of
+from .records import LocalizationStatus
+
+__all__ = ["MoveError", "MoveResult"]
+
+STEP_S = 0.05
+"""A move is stepped with every status, and at least so often."""
+_LONGEST_S = 4e6
+
+
+class MoveResult(NamedTuple):
+    """How a move ended, or how far it is."""
+
+    outcome: MoveOutcome
+    distance_m: float
+    """Come so far, by odometry; backward is negative."""
+    angle_rad: float
+    """Turned so far, by odometry; to the right is negative."""
+    left_m: float
+    """What is left of the way."""
+    left_rad: float
+    """What is left of the turn."""
+    pose: LocalizationStatus | None
+    """The last one that the robot reported."""
+
+
+Progress: TypeAlias = Callable[[MoveResult], object]
+
+
+class MoveError(RobotError):
+    """A move ended anywhere but at its goal; ``result`` says how, and how far it came.
+
+    The stop sequence was sent, but the robot may still roll: ``rest`` waits for that.
+    """
+
+    def __init__(self, result: MoveResult, code: int = Result.STATE) -> None:
+        text = result.outcome.text
+        if result.outcome in (MoveOutcome.LOST, MoveOutcome.CANCELLED) and code != Result.STATE:
+            text = f"{Result(code).text}: {text}"
+        super().__init__(text, code)
+        self.result = result
+
+    # It is made of a result, the others of a text.
+    def __reduce__(self) -> tuple[type["MoveError"], tuple[MoveResult, int]]:  # type: ignore[override]
+        return type(self), (self.result, self.code)
+
+
+class MoveOptions(NamedTuple):
+    """How to move; None is the C library's default."""
+
+    linear_m_s: float | None = None
+    angular_rad_s: float | None = None
+    clearance_m: float | None = None
+    timeout_s: float | None = None
+
+    def native(self) -> "_native.MoveOptions":
+        """Make the C struct; ArgumentError names what cannot be used."""
+        options = _native.new_move_options()
+        timeout_s = self.timeout_s
+        if timeout_s is not None and not 0.001 <= timeout_s <= _LONGEST_S:
+            raise _bad("timeout", timeout_s, f"0.001 to {_LONGEST_S:g} s")
+        if timeout_s is not None:
+            _native.set_member(options, "timeout_ms", round(timeout_s * 1000), 0)
+        for name in ("linear_m_s", "angular_rad_s"):
+            value = getattr(self, name)
+            if value is not None and not 0.0 < value <= 100.0:
+                raise _bad("speed", value, "more than 0, up to 100")
+            if value is not None:
+                _native.set_member(options, name, value, 0)
+        if self.clearance_m is not None:
+            if not 0.0 <= self.clearance_m <= 100.0:
+                raise _bad("clearance", self.clearance_m, "0 (do not look) to 100 m")
+            _native.set_member(options, "clearance_m", self.clearance_m, 0)
+        return options
+
+
+def arc_options(
+    distance_m: float,
+    angle_rad: float,
+    speed: float | None,
+    clearance: float | None,
+    timeout: float | None,
+) -> MoveOptions:
+    """Have the turn rate that the speed asks for."""
+    turn_rate = None
+    if speed is not None and distance_m != 0.0:
+        turn_rate = speed * abs(angle_rad / distance_m) or None
+    return MoveOptions(speed, turn_rate, clearance, timeout)
+
+
+def _bad(name: str, value: float, usable: str) -> ArgumentError:
+    return ArgumentError(f"{name}: {value} cannot be used; give {usable}", Result.ARGUMENT)
+
+
+class Move:
+    """A move that is under way: step it, and cancel it in a ``finally``."""
+
+    def __init__(self, connection: Connection, options: MoveOptions) -> None:
+        self._connection = connection
+        self._options = options.native()
+        self._move = _native.new_move()
+
+    def by(self, distance_m: float, angle_rad: float) -> "Move":
+        """Drive straight, turn in place or along an arc."""
+        self._refuse_disarmed()
+        try:
+            if angle_rad == 0.0:
+                _native.roburoc4_move_straight(self._move, distance_m, self._options)
+            elif distance_m == 0.0:
+                _native.roburoc4_move_turn(self._move, angle_rad, self._options)
+            else:
+                _native.roburoc4_move_arc(self._move, distance_m, angle_rad, self._options)
+        except (ArgumentError, OverflowError):
+            raise ArgumentError(
+                f"{distance_m} m and {angle_rad} rad cannot be moved: give m within 10 km, and rad "
+                "within 10000",
+                Result.ARGUMENT,
+            ) from None
+        return self
+
+    def to(self, x_m: float, y_m: float, theta_rad: float | None) -> "Move":
+        """Go to a point, or to a pose."""
+        self._refuse_disarmed()
+        if theta_rad is None:
+            _native.roburoc4_move_to_point(self._move, x_m, y_m, self._options)
+        else:
+            theta_rad = (
+                math.remainder(theta_rad, math.tau) if math.isfinite(theta_rad) else math.nan
+            )
+            _native.roburoc4_move_to_pose(self._move, x_m, y_m, theta_rad, self._options)
+        return self
+
+    def rest(self) -> "Move":
+        """Stop, and wait until the robot stands."""
+        _native.roburoc4_move_rest(self._move, self._options)
+        return self
+
+    def _refuse_disarmed(self) -> None:
+        facts = _native.roburoc4_client_facts(self._connection.handle)
+        if not facts.armed:
+            raise error_of(facts.disarm_cause)
+
+    def step(self) -> bool:
+        """Drive on; False when the move has ended."""
+        return _native.move_step(self._connection.handle, self._move) == MoveOutcome.RUNNING
+
+    def cancel(self) -> None:
+        """Stop, unless the move has ended."""
+        with contextlib.suppress(ClosedError):
+            _native.roburoc4_move_cancel(self._move, self._connection.handle)
+
+    def now(self) -> MoveResult:
+        """Return how far it is."""
+        outcome, _, distance_m, angle_rad, left_m, left_rad = _native.move_values(self._move)
+        try:
+            pose = _native.roburoc4_client_localization(self._connection.handle)
+        except NotKnownError:
+            pose = None
+        return MoveResult(MoveOutcome(outcome), distance_m, angle_rad, left_m, left_rad, pose)
+
+    def end(self) -> MoveResult:
+        """Return the result; raise MoveError unless the goal was reached."""
+        result = self.now()
+        if result.outcome is not MoveOutcome.REACHED:
+            cause = _native.move_values(self._move)[1]
+            raise MoveError(result, cause or Result.STATE)
+        return result

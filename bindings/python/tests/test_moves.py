@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: MIT
+"""Moves end where they should, with a result; all of it in virtual time but for asyncio."""
+
+import asyncio
+import math
+from collections.abc import Iterator
+
+import pytest
+
+import roburoc4
+from roburoc4 import MoveError, MoveOutcome, MoveResult, Simulator
+
+CENTIMETRE = 0.01
+DEGREE = math.pi / 180
+
+
+@pytest.fixture
+def sim() -> Iterator[Simulator]:
+    with Simulator(slip=0.0) as simulator:
+        simulator.clear_world()
+        yield simulator
+
+
+def test_a_metre_and_a_quarter_turn(sim: Simulator) -> None:
+    with sim.connect() as robot:
+        robot.arm()
+        result = robot.move(1.0)
+        assert result.outcome is MoveOutcome.REACHED
+        assert result.distance_m == pytest.approx(1.0, abs=CENTIMETRE)
+        assert abs(result.left_m) < CENTIMETRE
+        assert sim.true_pose.x_m == pytest.approx(1.0, abs=CENTIMETRE)
+        result = robot.turn(math.pi / 2)
+        assert result.angle_rad == pytest.approx(math.pi / 2, abs=DEGREE)
+        assert result.pose is not None
+        assert result.pose.theta_rad == pytest.approx(math.pi / 2, abs=DEGREE)
+        assert robot.facts.armed
+
+
+def test_arcs_points_and_poses(sim: Simulator) -> None:
+    with sim.connect() as robot:
+        robot.arm()
+        robot.arc(math.pi / 2, math.pi / 2)
+        assert sim.true_pose.x_m == pytest.approx(1.0, abs=0.03)
+        assert sim.true_pose.y_m == pytest.approx(1.0, abs=0.03)
+        robot.go_to(0.0, 1.0, speed=0.6)
+        assert sim.true_pose.x_m == pytest.approx(0.0, abs=0.02)
+        robot.go_to(0.0, 0.0, 1.0)
+        assert sim.true_pose.y_m == pytest.approx(0.0, abs=0.02)
+        assert sim.true_pose.theta_rad == pytest.approx(1.0, abs=DEGREE)
+
+
+def test_rest_waits_until_the_robot_stands(sim: Simulator) -> None:
+    with sim.connect() as robot:
+        robot.arm()
+        robot.drive_for(1.0, 0.0, seconds=2)
+        assert abs(robot.differential.current_linear_m_s) > 0.5
+        assert robot.rest().outcome is MoveOutcome.REACHED
+        assert abs(robot.differential.current_linear_m_s) < 0.02
+
+
+def test_speed_is_that_of_the_move(sim: Simulator) -> None:
+    with sim.connect() as robot:
+        robot.arm()
+        begun_s = robot.now_s
+        robot.move(1.0, speed=0.1)
+        assert robot.now_s - begun_s > 9
+        begun_s = robot.now_s
+        robot.turn(-1.0, speed=0.1)
+        assert robot.now_s - begun_s > 9
+
+
+def test_progress_is_told(sim: Simulator) -> None:
+    seen: list[MoveResult] = []
+    with sim.connect() as robot:
+        robot.arm()
+        robot.move(0.5, on_progress=seen.append)
+    assert seen[0].outcome is MoveOutcome.RUNNING
+    assert seen[0].left_m == pytest.approx(0.5, abs=0.1)
+    ways = [result.distance_m for result in seen]
+    assert ways == sorted(ways)
+
+
+def test_what_ends_a_move_cannot_be_overlooked(sim: Simulator) -> None:
+    sim.add_wall(2.0, -1.0, 2.0, 1.0)
+    with sim.connect() as robot:
+        robot.arm()
+        with pytest.raises(MoveError, match="telemeter") as caught:
+            robot.move(3.0)
+        assert caught.value.result.outcome is MoveOutcome.OBSTACLE
+        assert 0.1 < caught.value.result.distance_m < 1.0
+        assert caught.value.result.left_m > 1.0
+        robot.rest()
+        robot.move(-0.2)
+        with pytest.raises(MoveError) as caught:
+            robot.move(5.0, clearance=0, timeout=1.0)
+        assert caught.value.result.outcome is MoveOutcome.TIMEOUT
+
+
+def test_an_override_ends_a_move_with_its_remedy(sim: Simulator) -> None:
+    def press(result: MoveResult) -> None:
+        if result.distance_m > 0.3:
+            sim.pad.press("a")
+
+    with sim.connect() as robot:
+        robot.arm()
+        with pytest.raises(MoveError, match=r"\[A\]") as caught:
+            robot.move(2.0, on_progress=press)
+        assert caught.value.result.outcome is MoveOutcome.OVERRIDE
+        assert caught.value.code == roburoc4.Result.OVERRIDE
+
+
+def test_a_robot_that_is_not_armed_does_not_move(sim: Simulator) -> None:
+    with sim.connect() as robot:
+        for move in (lambda: robot.move(1.0), lambda: robot.go_to(1.0, 0.0)):
+            with pytest.raises(roburoc4.NotArmedError, match=r"arm\(\)"):
+                move()
+        assert robot.rest().outcome is MoveOutcome.REACHED
+    assert sim.state.nonzero_speed_commands == 0
+
+
+def test_an_exception_in_mid_move_stops_the_robot(sim: Simulator) -> None:
+    def interrupt(result: MoveResult) -> None:
+        if result.distance_m > 0.3:
+            raise KeyboardInterrupt
+
+    with sim.connect() as robot:
+        robot.arm()
+        with pytest.raises(KeyboardInterrupt):
+            robot.move(2.0, on_progress=interrupt)
+        assert sim.state.last_linear_m_s == 0
+        assert robot.facts.stopping
+
+
+@pytest.mark.parametrize(
+    ("arguments", "settings"),
+    [
+        ((math.nan,), {}),
+        ((1e300,), {}),
+        ((1e5,), {}),
+        ((1.0,), {"speed": 0.0}),
+        ((1.0,), {"speed": -0.3}),
+        ((1.0,), {"clearance": -1.0}),
+        ((1.0,), {"timeout": 0.0}),
+        ((1.0,), {"timeout": math.inf}),
+    ],
+)
+def test_bad_arguments_are_named(
+    sim: Simulator, arguments: tuple[float, ...], settings: dict[str, float]
+) -> None:
+    with sim.connect() as robot:
+        robot.arm()
+        with pytest.raises(roburoc4.ArgumentError, match=r"m within 10 km|speed|clearance|timeout"):
+            robot.move(*arguments, **settings)
+    assert sim.state.nonzero_speed_commands == 0
+
+
+def test_asyncio_moves_and_cancels() -> None:
+    async def main(sim: Simulator) -> None:
+        async with roburoc4.aio.connect(sim.address) as robot:
+            await robot.arm()
+            result = await robot.move(0.2)
+            assert result.outcome is MoveOutcome.REACHED
+            await robot.turn(0.2)
+            task = asyncio.create_task(robot.move(5.0))
+            await robot.wait_for(lambda r: r.differential.current_linear_m_s > 0.1)
+            task.cancel()
+            with pytest.raises(asyncio.CancelledError):
+                await task
+            assert robot.facts.stopping
+            await robot.rest()
+
+    with Simulator(port=0, slip=0.0) as sim:
+        asyncio.run(main(sim))
+        assert sim.state.last_linear_m_s == 0
