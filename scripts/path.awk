@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 #
-# Judge and draw the path of drive_square. Reads its CSV file and, where there is one, a file of
-# true poses (TRUE=FILE, "x_m,y_m,theta_rad" a line); writes SVG into SVG=FILE; prints the verdict;
-# ends with 0 only if the path is long enough, passes each corner and comes back.
+# Judge and draw the path of drive_square. Reads its file of poses ("x_m,y_m,theta_rad" a line) and,
+# where there is one, such a file of true poses (TRUE=FILE); writes SVG into SVG=FILE; prints the
+# verdict; ends with 0 only if the path is long enough, passes each corner and comes back.
 #
 # All poses are turned into the frame of their own first one: X ahead, Y to the left.
 
@@ -18,12 +18,12 @@ BEGIN {
     corner_x[4] = 0; corner_y[4] = 0
 }
 
-# Lines of odometry: robot_s,x_m,y_m,theta_rad,...
-FNR > 1 && NF >= 4 {
+# Lines of odometry: x_m,y_m,theta_rad
+NF >= 3 {
     if (!n)
-        begin($2, $3, $4)
+        begin($1, $2, $3)
     n++
-    place($2, $3)
+    place($1, $2)
     odometry_x[n] = px
     odometry_y[n] = py
 }

@@ -57,13 +57,13 @@ wait_for_motion() {
 case $case_name in
 square)
     start --loss 0.05 --jitter-ms 5 --duplicate 0.01 --reorder 0.01
-    drive 0 --csv "$folder/path.csv" "$robot"
+    drive 0 "$robot" "$folder/path.csv"
     awk -f "$judge" "$folder/path.csv"
     ;;
 absent)
     # Port 9 of this machine: nobody listens there.
     drive 3 127.0.0.1:9
-    grep -q 'no robot answers at 127.0.0.1:9' "$folder/out"
+    grep -q 'no robot to be driven at 127.0.0.1:9: .*network: the host answers' "$folder/out"
     ;;
 estop)
     start
@@ -72,7 +72,7 @@ estop)
         echo estop local press >&3
     ) &
     drive 1 "$robot"
-    grep -q 'stopped on side 1' "$folder/out"
+    grep -q 'move 1: the robot does not move' "$folder/out"
     ;;
 interrupted)
     start
