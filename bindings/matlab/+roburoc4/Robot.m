@@ -27,11 +27,17 @@ classdef Robot < handle
 %   only reads never commands the robot.
 %
 %   Units are SI and radians; X is forward, Y left, angles counter-clockwise. Errors have the ids
-%   roburoc4:badArgument, :closed, :limit, :network, :notArmed, :protocol and :timeout.
+%   roburoc4:badArgument, :closed, :limit, :moveEnded, :network, :notArmed,
+%   :protocol and :timeout.
 %
 %   Robot methods:
 %      drive           - Drive at two speeds, for one lease
 %      driveFor        - Drive for some seconds, and stop
+%      move            - Drive straight ahead, and wait until the robot stands
+%      turn            - Turn in place
+%      arc             - Drive along an arc
+%      goTo            - Go to a point, or to a pose
+%      rest            - Stop, and wait until the robot stands
 %      stop            - Stop now
 %      arm             - Allow driving
 %      disarm          - Forbid driving, and stop
@@ -173,6 +179,74 @@ methods
             now_s = roburoc4.internal.roburoc4_mex('wait', this.id, min([left_s renewal_s 0.05]));
             left_s = finish_s - now_s;
         end
+    end
+
+    function result = move(this, distance_m, varargin)
+        %MOVE Drive straight ahead, and wait until the robot stands.
+        %   RESULT = move(R, METRES) drives so far by odometry; less than 0 is backward. RESULT is a
+        %   struct: result ('reached'), distance_m, angle_rad, and what is left_m and left_rad.
+        %   move(R, METRES, 'Name', value, ...) takes options:
+        %
+        %      speed (0.3)       m/s
+        %      clearance (0.5)   metres to be kept from what telemeters see in the direction of
+        %                        travel, beside the braking distance; 0: do not look. Sonar misses
+        %                        things
+        %      timeout           seconds; without it, four times what it should take, and 10
+        %
+        %   Raises roburoc4:moveEnded with the reason where it does not reach its goal: a pressed
+        %   bumper, something in the way, the game pad, an emergency stop, a lost link. The robot may
+        %   still roll then: rest waits. Ctrl-C or an error stops the robot at once.
+        %
+        %   Example:
+        %      r.move(1); r.turn(pi / 2); r.move(0.5, 'speed', 0.6)
+        roburoc4.internal.needed(nargin >= 2, 'move(metres)');
+        result = this.go(0, distance_m, 0, 0, varargin);
+    end
+
+    function result = turn(this, angle_rad, varargin)
+        %TURN Turn in place, and wait until the robot stands.
+        %   RESULT = turn(R, RADIANS) turns by odometry, which is far off after turns; less than 0 is to
+        %   the right. Options and result are those of move; speed is in rad/s (0.5).
+        %
+        %   Example:
+        %      r.turn(pi / 2)
+        roburoc4.internal.needed(nargin >= 2, 'turn(radians)');
+        result = this.go(1, 0, angle_rad, 0, varargin);
+    end
+
+    function result = arc(this, distance_m, angle_rad, varargin)
+        %ARC Drive along an arc, and wait until the robot stands.
+        %   RESULT = arc(R, METRES, RADIANS) drives so far, and turns by the angle meanwhile. Options
+        %   and result are those of move.
+        %
+        %   Example:
+        %      r.arc(1, pi / 2)
+        roburoc4.internal.needed(nargin >= 3, 'arc(metres, radians)');
+        result = this.go(2, distance_m, angle_rad, 0, varargin);
+    end
+
+    function result = goTo(this, x_m, y_m, varargin)
+        %GOTO Turn to a point and drive there, and wait until the robot stands.
+        %   RESULT = goTo(R, X, Y) goes to a point of the frame in which pose is. goTo(R, X, Y, THETA)
+        %   turns to that heading at the end. Options and result are those of move.
+        %
+        %   Example:
+        %      r.goTo(1, 0.5); r.goTo(0, 0, 0, 'speed', 0.6)
+        roburoc4.internal.needed(nargin >= 3, 'goTo(x in m, y in m)');
+        if mod(numel(varargin), 2) == 1
+            result = this.go(4, x_m, y_m, varargin{1}, varargin(2:end));
+        else
+            result = this.go(3, x_m, y_m, 0, varargin);
+        end
+    end
+
+    function result = rest(this, varargin)
+        %REST Stop, and wait until the robot stands, armed or not.
+        %   rest(R, 'timeout', SECONDS) waits for at most so long (5). stop does not wait.
+        %
+        %   Example:
+        %      r.driveFor(0.5, 0, 2); r.rest()
+        result = this.go(5, 0, 0, 0, varargin);
     end
 
     function stop(this)
@@ -407,6 +481,36 @@ methods
 end
 
 methods (Access = private)
+    function result = go(this, kind, x, y, theta, given)
+        [others, own] = roburoc4.internal.options(given, ...
+            struct('speed', [], 'clearance', -1, 'timeout', 0));
+        if ~isempty(fieldnames(others))
+            names = fieldnames(others);
+            error('roburoc4:badArgument', ...
+                'there is no option ''%s''; a move has speed, clearance and timeout', names{1});
+        end
+        speed = 0;
+        if ~isempty(own.speed)
+            speed = roburoc4.internal.number(own.speed, 'speed', 0.001, 100);
+        end
+        if ~isequal(own.clearance, -1) || any(strcmpi(given(1:2:end), 'clearance'))
+            own.clearance = roburoc4.internal.number(own.clearance, 'clearance', 0, 100);
+        end
+        timeout = roburoc4.internal.number(own.timeout, 'timeout', 0, 4e6);
+        cleanup = roburoc4.internal.guard(this.id); %#ok<NASGU>
+        roburoc4.internal.roburoc4_mex('moveBegin', this.id, kind, x, y, theta, speed, ...
+            own.clearance, timeout);
+        while roburoc4.internal.roburoc4_mex('moveStep', this.id)
+            roburoc4.internal.roburoc4_mex('wait', this.id, 0.02);
+        end
+        result = roburoc4.internal.roburoc4_mex('moveResult', this.id);
+        roburoc4.internal.roburoc4_mex('busy', this.id, false);
+        if ~strcmp(result.result, 'reached')
+            error('roburoc4:moveEnded', '%s after %.2f m and %.2f rad: %s', result.result, ...
+                result.distance_m, result.angle_rad, result.text);
+        end
+    end
+
     function index = output(this, channel, digital)
         index = channel;
         if ~isnumeric(channel)

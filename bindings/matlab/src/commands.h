@@ -56,6 +56,7 @@ typedef struct command {
 /** Tables that end with a name of NULL. */
 extern const command robot_life_commands[];
 extern const command robot_drive_commands[];
+extern const command robot_move_commands[];
 extern const command robot_read_commands[];
 extern const command simulator_commands[];
 

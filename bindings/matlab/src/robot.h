@@ -6,6 +6,7 @@
 #ifndef ROBUROC4_MEX_ROBOT_H
 #define ROBUROC4_MEX_ROBOT_H
 
+#include "roburoc4_move.h"
 #include "roburoc4_sim.h"
 #include "samples.h"
 #include "settings.h"
@@ -39,6 +40,7 @@ typedef struct robot {
     recording logged;   /* since the robot was made, or since the last log() */
     recording recorded; /* of record(), which began then */
     uint64_t recorded_us;
+    roburoc4_move move; /* the last one that was begun */
 } robot;
 
 /** Open a link in real time. NULL after noting why (fail.h); an absent robot is no error. */

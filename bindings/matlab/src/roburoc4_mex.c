@@ -40,8 +40,9 @@ roburoc4_facts call_facts(const call *in) {
 }
 
 static const command *find(const char *name) {
-    static const command *const tables[] = {robot_drive_commands, robot_read_commands,
-                                            robot_life_commands, simulator_commands, own_commands};
+    static const command *const tables[] = {robot_drive_commands, robot_move_commands,
+                                            robot_read_commands,  robot_life_commands,
+                                            simulator_commands,   own_commands};
     const command *found;
     for (size_t i = 0; i < COUNT_OF(tables); i++) {
         for (found = tables[i]; found->name != NULL; found++) {

@@ -1,0 +1,45 @@
+function test_moves_end_where_they_should()
+% Moves in virtual time: their ends, their results and their errors.
+% SPDX-License-Identifier: MIT
+sim = roburoc4.Simulator('slip', 0);
+sim.clearObstacles();
+r = sim.connect();
+check_raises('roburoc4:notArmed', @() r.move(1));
+r.arm();
+result = r.move(1);
+check(strcmp(result.result, 'reached'), '%s', result.result);
+check(abs(result.distance_m - 1) < 0.01 && abs(result.left_m) < 0.01, 'came %g', result.distance_m);
+check(abs(sim.state.true_x_m - 1) < 0.01, 'x %g', sim.state.true_x_m);
+result = r.turn(pi / 2, 'speed', 1);
+check(abs(result.angle_rad - pi / 2) < 0.0175, 'turned %g', result.angle_rad);
+check(abs(sim.state.true_theta_rad - pi / 2) < 0.0175, 'theta %g', sim.state.true_theta_rad);
+r.goTo(0, 1);
+check(abs(sim.state.true_x_m) < 0.02 && abs(sim.state.true_y_m - 1) < 0.02, 'not at 0 1');
+r.goTo(0, 0, 1, 'speed', 0.6);
+check(abs(sim.state.true_theta_rad - 1) < 0.0175, 'theta %g', sim.state.true_theta_rad);
+r.arc(0.5, -0.5);
+
+r.driveFor(0.8, 0, 2);
+check(abs(r.speeds(1)) > 0.3, 'it does not roll');
+r.rest();
+check(abs(r.speeds(1)) < 0.02, 'it rolls with %g', r.speeds(1));
+
+% What ends a move is an error, and says so.
+check_raises('roburoc4:moveEnded', @() r.move(5, 'timeout', 1));
+r.rest();
+sim.set('pad_a', true);
+sim.step(0.2);
+check_raises('roburoc4:notArmed', @() r.move(1));
+sim.set('pad_a', false);
+r.spin(1);
+r.arm();
+check_raises('roburoc4:badArgument', @() r.move(NaN));
+check_raises('roburoc4:badArgument', @() r.move(1e6));
+check_raises('roburoc4:badArgument', @() r.move(1, 'speed', 0));
+check_raises('roburoc4:badArgument', @() r.move(1, 'clearance', -1));
+check_raises('roburoc4:badArgument', @() r.move(1, 'haste', 1));
+check_raises('roburoc4:badArgument', @() r.move());
+check_raises('roburoc4:badArgument', @() r.goTo(1));
+delete(r);
+delete(sim);
+end
