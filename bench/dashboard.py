@@ -80,7 +80,7 @@ def pages(link: str) -> Iterator[list[Page]]:
             page.set_default_timeout(60_000)
             page.add_init_script(FAKE_PAD)
             page.goto(link)
-            page.get_by_text("the link is good").first.wait_for()
+            page.get_by_text("Link good").first.wait_for()
         yield opened
         browser.close()
 
@@ -96,7 +96,7 @@ def drive(page: Page) -> None:
 
 def drives_on(page: Page) -> bool:
     """Return whether it drives; where a stall ended that, switch inputs off and on."""
-    if page.locator('[data-lamp="driving"]').text_content() == "DRIVING":
+    if page.locator("#banner-title").text_content() == "DRIVING":
         return True
     page.evaluate("pad.buttons[0] = { pressed: false, value: 0 }")
     if page.locator("#arm").is_visible():

@@ -17,10 +17,17 @@ from websockets.sync.client import ClientConnection, connect
 class Visitor:
     """A WebSocket that answers frames when it is told to."""
 
-    def __init__(self, station: Station | None = None, *, port: int = 0, **settings: Any) -> None:
+    def __init__(
+        self,
+        station: Station | None = None,
+        *,
+        port: int = 0,
+        path: str = "/socket",
+        **settings: Any,
+    ) -> None:
         port = station.port if station and not port else port
         settings = {"origin": f"http://127.0.0.1:{port}"} | settings
-        connecting = connect(f"ws://127.0.0.1:{port}/socket", open_timeout=PATIENCE_S, **settings)
+        connecting = connect(f"ws://127.0.0.1:{port}{path}", open_timeout=PATIENCE_S, **settings)
         self.socket: ClientConnection = connecting.__enter__()
         self.tick = 0
         self.frame: dict[str, Any] = {}

@@ -5,14 +5,15 @@ import os
 import socket
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from playwright.sync_api import Page, expect
 
 import roburoc4
+from roburoc4.dashboard.fleet import Fleet
 from roburoc4.dashboard.guard import Rules
-from roburoc4.dashboard.hub import Hub
+from roburoc4.dashboard.hub import Camera, Hub
 from roburoc4.dashboard.panel import Panel
 from roburoc4.dashboard.server import Place, listen, make_server
 
@@ -72,24 +73,33 @@ class Station:
         rules: Rules | None = None,
         place: Place | None = None,
         names: Callable[[int], tuple[str, ...]] | None = None,
+        robots: Sequence[str] = ("",),
+        cameras: Sequence[Camera] = (),
         **settings: Any,
     ) -> None:
-        self.sim = roburoc4.Simulator(port=0, **settings)
+        self.sims = [roburoc4.Simulator(port=0, **settings) for _ in robots]
         client: roburoc4.Settings = {"lease_ms": round(lease_s * 1000)}
-        self.robot = roburoc4.connect(self.sim.address, wait=False, **client)
-        self.hub = Hub(
-            self.robot,
-            lease_s,
-            (1.0, 1.0),
-            allow_drive=allow_drive,
-            panel=Panel(self.sim) if panel else None,
-        )
+        self.robots = [roburoc4.connect(sim.address, wait=False, **client) for sim in self.sims]
+        self.hubs = [
+            Hub(
+                robot,
+                lease_s,
+                (1.0, 1.0),
+                allow_drive=allow_drive,
+                panel=Panel(sim) if panel else None,
+                name=name,
+                cameras=cameras,
+            )
+            for name, sim, robot in zip(robots, self.sims, self.robots, strict=True)
+        ]
+        self.sim, self.robot, self.hub = self.sims[0], self.robots[0], self.hubs[0]
         place = place or Place()
         self._socket = listen(place)
         self.port = self._socket.getsockname()[1]
-        rules = rules or Rules(None, names(self.port) if names else ())
+        urls = tuple(camera.url for camera in cameras)
+        rules = rules or Rules(None, names(self.port) if names else (), cameras=urls)
         ready = threading.Event()
-        self.server = make_server(self.hub, place, rules, ready.set)
+        self.server = make_server(Fleet(self.hubs), place, rules, ready.set)
         self._thread = threading.Thread(target=self.server.run, args=([self._socket],), daemon=True)
         self._thread.start()
         assert ready.wait(PATIENCE_S)
@@ -109,8 +119,8 @@ class Station:
     def close(self) -> None:
         """End everything."""
         self.stop_serving()
-        self.robot.close()
-        self.sim.close()
+        for ended in (*self.robots, *self.sims):
+            ended.close()
         self._socket.close()
 
     # ---- what the robot was told ----
@@ -162,13 +172,19 @@ class Station:
 
 def ready(page: Page) -> None:
     """Wait until the page shows a robot that is ready."""
-    expect(page.locator("#quality-say")).to_have_text("the link is good")
+    expect(page.locator("#quality-say")).to_have_text("Link good")
+
+
+def open_tab(page: Page, name: str) -> None:
+    """Show one of the tabs below the map."""
+    if page.locator(f"#tab-{name}").get_attribute("aria-selected") != "true":
+        page.locator(f"#tab-{name}").click()
 
 
 def take_control(page: Page) -> None:
     """Press the button."""
     page.get_by_role("button", name="Take control").click()
-    expect(page.locator("#control")).to_have_text("you have control")
+    expect(page.locator("#control")).to_have_text("Control: this page")
 
 
 def arm(page: Page) -> None:
@@ -211,23 +227,29 @@ def drive(here: Station, page: Page, **held: float) -> None:
 
 
 class Finger:
-    """A finger on a page's screen."""
+    """A finger on a page's screen, and one that presses beside it."""
 
     def __init__(self, page: Page) -> None:
-        self._page = page
         self._devices = page.context.new_cdp_session(page)
+        self._at = (0.0, 0.0)
 
     def _touch(self, kind: str, *points: tuple[float, float]) -> None:
-        spots = [{"x": x, "y": y} for x, y in points]
+        spots = [{"x": x, "y": y, "id": index} for index, (x, y) in enumerate(points)]
         self._devices.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": spots})
 
     def down(self, x: float, y: float) -> None:
         """Touch."""
-        self._touch("touchStart", (x, y))
+        self._at = (x, y)
+        self._touch("touchStart", self._at)
 
     def move(self, x: float, y: float) -> None:
         """Drag."""
-        self._touch("touchMove", (x, y))
+        self._at = (x, y)
+        self._touch("touchMove", self._at)
+
+    def press_beside(self, x: float, y: float) -> None:
+        """Press with a second finger while the first stays down."""
+        self._touch("touchStart", self._at, (x, y))
 
     def up(self) -> None:
         """Lift."""

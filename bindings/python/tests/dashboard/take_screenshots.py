@@ -11,14 +11,17 @@ from typing import Any
 
 from PIL import Image
 from playwright.sync_api import Browser, Page, sync_playwright
-from station import CHROMIUM, FAKE_PAD, Station, arm, hold_pad, ready, until
+from station import CHROMIUM, FAKE_PAD, Station, arm, hold_pad, open_tab, ready, until
 
 LAPTOP: dict[str, Any] = {"viewport": {"width": 1440, "height": 900}}
+TABLET: dict[str, Any] = {"viewport": {"width": 1024, "height": 600}}
 PHONE: dict[str, Any] = {
     "viewport": {"width": 390, "height": 844},
     "device_scale_factor": 2,
     "has_touch": True,
 }
+
+LYING = PHONE | {"viewport": {"width": 844, "height": 390}}
 
 
 @contextmanager
@@ -46,17 +49,21 @@ def drive_about(here: Station, page: Page, seconds: float) -> None:
     time.sleep(seconds / 2)
 
 
-def save(page: Page, folder: Path, name: str, *, whole: bool = False) -> None:
+def save(page: Page, folder: Path, name: str) -> None:
     """Take a picture, of few colours: a third of the size, and nobody sees it."""
     path = folder / f"dashboard-{name}.png"
-    taken = Image.open(io.BytesIO(page.screenshot(full_page=whole))).convert("RGB")
+    taken = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
     few = taken.quantize(256, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
     few.save(path, optimize=True)
     print(f"{path}: {path.stat().st_size // 1000} kB")  # noqa: T201  (a program's output)
 
 
 def driving(browser: Browser, folder: Path) -> None:
-    for size, name in ((LAPTOP, "driving-light"), (PHONE, "phone-driving")):
+    for size, name in (
+        (LAPTOP, "driving-light"),
+        (PHONE, "phone-driving"),
+        (LYING, "phone-lying"),
+    ):
         with scene(browser, "light", size, panel=True) as (here, page):
             drive_about(here, page, 7.0)
             save(page, folder, name)
@@ -64,10 +71,12 @@ def driving(browser: Browser, folder: Path) -> None:
 
 def panel(browser: Browser, folder: Path) -> None:
     with scene(browser, "light", LAPTOP, panel=True) as (here, page):
-        drive_about(here, page, 9.0)
+        drive_about(here, page, 6.0)
         here.sim.set("bumper_front", True)
         time.sleep(0.6)
-        save(page, folder, "whole", whole=True)
+        open_tab(page, "sim")
+        time.sleep(0.3)
+        save(page, folder, "panel")
 
 
 def override(browser: Browser, folder: Path) -> None:
@@ -80,7 +89,7 @@ def override(browser: Browser, folder: Path) -> None:
 
 
 def lost(browser: Browser, folder: Path) -> None:
-    with scene(browser, "light", LAPTOP) as (here, page):
+    with scene(browser, "light", TABLET) as (here, page):
         drive_about(here, page, 4.0)
         here.sim.set("power", False)
         page.get_by_text("ROBOT LOST").wait_for()
@@ -94,7 +103,6 @@ def inhibited(browser: Browser, folder: Path) -> None:
         arm(page)
         hold_pad(page, rt=1.0)
         page.get_by_text("stood still against the command").first.wait_for()
-        page.evaluate("scrollTo(0, 0)")
         save(page, folder, "phone-inhibited")
 
 

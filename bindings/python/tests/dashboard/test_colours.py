@@ -99,5 +99,5 @@ def test_colours_that_mean_different_things_look_different_to_everybody(
     one: str, other: str, theme: str, eyes: str
 ) -> None:
     ink = colours(theme)
-    ink["full"] = mixed(ink["sky"], ink["line"], 0.4)  # as a dial has it: style.css, .full
+    ink["full"] = mixed(ink["sky"], ink["line"], 0.4)  # as a bar has it: style.css, .full
     assert math.dist(lab(ink[one], eyes), lab(ink[other], eyes)) > 20.0

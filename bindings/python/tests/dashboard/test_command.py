@@ -251,10 +251,31 @@ def test_other_than_loopback_needs_a_token() -> None:
         (("--tls-cert", "x.pem"), "go together"),
         (("--tls-cert", "no.pem", "--tls-key", "no.pem"), "PEM"),
         (("--robot", "192.168.0.3", "--sim"), "leave out --robot"),
+        (("--robot", "192.168.0.3", "--robot", "RED=192.168.0.2"), "'192.168.0.3' has no name"),
+        (("--robot", "RED=192.168.0.3", "--robot", "RED=192.168.0.2"), "a name of its own"),
+        (("--robot", "a b=192.168.0.3"), "has no name"),
+        (("--camera", "front"), "--camera"),
+        (("--camera", "front=rtsp://192.168.0.20/"), "--camera"),
+        (("--camera", "front=http://192.168.0.20/; script-src *"), "--camera"),
     ],
 )
 def test_what_cannot_be_used_is_told_with_the_remedy(arguments: tuple[str, ...], text: str) -> None:
     assert text in refused(*arguments)
+
+
+def test_robots_have_names_and_one_may_have_none() -> None:
+    with (
+        roburoc4.Simulator(port=0) as one,
+        roburoc4.Simulator(port=0) as other,
+        start(
+            "--robot", f"RED={one.address}", "--robot", f"BLUE={other.address}", "--no-open"
+        ) as running,
+    ):
+        with Visitor(port=port_of(link_of(running)), path="/socket?robot=BLUE") as page:
+            assert page.receive()["address"] == other.address
+            page.draw()
+            assert [robot["name"] for robot in page.frame["fleet"]] == ["RED", "BLUE"]
+        running.terminate()
 
 
 def test_a_name_without_an_address_ends_it_as_in_the_other_commands() -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from playwright.sync_api import Page, expect
-from station import LEASE_S, Finger, Station, arm, ready, take_control, until
+from station import LEASE_S, Finger, Station, arm, open_tab, ready, take_control, until
 
 Visit = Callable[..., Page]
 Make = Callable[..., Station]
@@ -79,6 +79,40 @@ def test_another_size_releases_the_stick(station: Make, visit: Visit) -> None:
     assert not here.driven
 
 
+def test_a_second_finger_stops_while_the_first_drives(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url, **PHONE)
+    arm(page)
+    finger = Finger(page)
+    hold_stick(here, page, finger)
+    box = page.locator("#stop").bounding_box()
+    assert box is not None
+    finger.press_beside(box["x"] + 40, box["y"] + 20)
+    until(lambda: not here.robot.facts.armed)
+    until(lambda: not here.driven)
+
+
+def boxes(page: Page) -> list[Any]:
+    return [page.locator(name).bounding_box() for name in ("#stick", "#stop", "#scale")]
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_no_warning_moves_stick_or_stop(size: tuple[int, int], station: Make, visit: Visit) -> None:
+    here = station(battery_percent=60.0)
+    page = visit(here.url, viewport={"width": size[0], "height": size[1]})
+    arm(page)
+    before = boxes(page)
+    for warn, title in (
+        (lambda: here.sim.set("battery_percent", 5.0), "BATTERY"),
+        (lambda: here.sim.set("bumper_front", True), "BUMPER"),
+        (lambda: here.sim.set("pad_a", True), "OVERRIDE"),
+        (lambda: here.sim.set("power", False), "LOST"),
+    ):
+        warn()
+        expect(page.locator("#banner")).to_contain_text(title)
+        assert boxes(page) == before, title
+
+
 @pytest.mark.parametrize("size", SIZES)
 def test_stop_is_seen_whole_in_every_size(
     size: tuple[int, int], station: Make, visit: Visit
@@ -106,6 +140,7 @@ def test_space_switches_a_check_box_and_stops_elsewhere(station: Make, visit: Vi
     here = station(panel=True)
     page = visit(here.url)
     arm(page)
+    open_tab(page, "sim")
     page.locator("#sim input[name=estop_local]").focus()
     page.keyboard.press("Space")
     until(lambda: here.sim.state.estop_local)

@@ -5,11 +5,12 @@ import math
 import re
 import time
 from collections.abc import Callable
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 from playwright.sync_api import Page, expect
-from station import Station, ready, until
+from station import Station, open_tab, ready, until
 
 Visit = Callable[..., Page]
 Make = Callable[..., Station]
@@ -32,7 +33,8 @@ def test_it_shows_what_the_simulator_says(station: Make, visit: Visit) -> None:
     expect(page.locator("#address")).to_have_text(here.sim.address)
     expect(page.locator("#pose")).to_contain_text(re.compile(r"x 1\.50.m +y \u22122\.25.m +θ 57.°"))
     expect(page.locator("#gauge-text")).to_contain_text("73")
-    expect(page.locator("#battery-state")).to_have_text("in use")
+    expect(page.locator("#battery-state")).to_have_text("In use")
+    open_tab(page, "io")
     battery = page.locator('#analog-inputs li:has-text("Battery voltage") b')
     until(lambda: abs(number(battery.text_content()) - here.sim.state.battery_v) < 0.02)
     front = page.locator('#analog-inputs li:has-text("Front telemeter") b')
@@ -40,21 +42,22 @@ def test_it_shows_what_the_simulator_says(station: Make, visit: Visit) -> None:
     expect(page.locator("#analog-inputs li[data-input='5'] b")).to_have_text("0.50")
     expect(page.locator('#digital-inputs li:has-text("LB")')).to_have_attribute("data-on", "yes")
     expect(page.locator('#digital-inputs li:has-text("RB")')).to_have_attribute("data-on", "no")
-    expect(page.locator('[data-lamp="bumper"]')).to_have_text("REAR BUMPER")
+    expect(page.locator("#banner-title")).to_have_text("REAR BUMPER")
     expect(page.locator("#digital-inputs li")).to_have_count(22)
     expect(page.locator("#analog-inputs li")).to_have_count(9)
     expect(page.locator("#outputs li")).to_have_count(8)
 
 
-def test_the_dials_show_the_robot_s_speeds_and_limits(station: Make, visit: Visit) -> None:
+def test_speeds_targets_and_limits_are_the_robot_s(station: Make, visit: Visit) -> None:
     here = station(allow_drive=False, slip=0.0)
     page = visit(here.url)
     ready(page)
-    expect(page.locator("#dials-note")).to_contain_text("\u22122.6 to 2.6")
+    marks = page.locator("#speed-linear .marks span")
+    until(lambda: {"\u22122.6", "0.3", "2.6"} <= set(marks.all_text_contents()))
     here.sim.set("pad_a", True)
     here.sim.set("pad_lj_x", -0.2)
     here.sim.set("pad_rt", -0.6)
-    shown = page.locator("#dial-linear .value"), page.locator("#dial-angular .value")
+    shown = page.locator("#speed-linear .value"), page.locator("#speed-angular .value")
     until(lambda: here.sim.state.wheel_linear_m_s > 0.51)
     until(
         lambda: (
@@ -62,7 +65,7 @@ def test_the_dials_show_the_robot_s_speeds_and_limits(station: Make, visit: Visi
             and abs(number(shown[1].text_content()) - here.sim.state.wheel_angular_rad_s) < 0.1
         )
     )
-    expect(page.locator("#dial-linear .target")).to_have_text("target 0.52")
+    expect(page.locator("#speed-linear .target")).to_contain_text("0.52")
 
 
 def test_override_and_loss_are_unmistakable(station: Make, visit: Visit) -> None:
@@ -71,9 +74,9 @@ def test_override_and_loss_are_unmistakable(station: Make, visit: Visit) -> None
     ready(page)
     here.sim.set("pad_a", True)
     expect(page.locator("#banner-title")).to_have_text("OVERRIDE")
-    expect(page.locator('[data-lamp="override"]')).to_have_attribute("data-lit", "yes")
+    expect(page.locator("#banner")).to_have_attribute("data-level", "bad")
     here.sim.set("pad_a", False)
-    expect(page.locator("#banner")).to_be_hidden()
+    expect(page.locator("#banner")).to_have_attribute("data-level", "calm")
     here.sim.set("power", False)
     expect(page.locator("#banner-title")).to_have_text("ROBOT LOST")
     expect(page.locator("#link-try")).to_contain_text("cable")
@@ -85,15 +88,51 @@ def test_override_and_loss_are_unmistakable(station: Make, visit: Visit) -> None
     expect(page.locator("#events")).to_contain_text("fell silent")
 
 
+def test_the_most_urgent_condition_has_the_banner(station: Make, visit: Visit) -> None:
+    here = station(battery_percent=60.0)
+    page = visit(here.url)
+    ready(page)
+    title, others = page.locator("#banner-title"), page.locator("#banner-more")
+    expect(title).to_have_text("DISARMED")
+    for warn, first, also in (
+        (lambda: here.sim.set("battery_percent", 3.0), "BATTERY CRITICAL", ""),
+        (lambda: here.sim.set("pad_a", True), "OVERRIDE", "BATTERY CRITICAL"),
+        (lambda: here.sim.set("bumper_rear", True), "REAR BUMPER", "OVERRIDEBATTERY CRITICAL"),
+        (lambda: here.sim.set("power", False), "ROBOT LOST", ""),
+    ):
+        warn()
+        expect(title).to_have_text(first)
+        expect(others).to_have_text(also)
+
+
+def test_no_count_of_seconds_is_spoken(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    ready(page)
+    expect(page.locator("#spoken")).to_be_empty()
+    here.sim.set("power", False)
+    expect(page.locator("#spoken")).to_contain_text("ROBOT LOST")
+    page.evaluate(
+        """window.spoken = 0;
+        new MutationObserver(() => { spoken += 1; }).observe(document.getElementById("spoken"),
+            { childList: true, characterData: true, subtree: true })"""
+    )
+    page.wait_for_timeout(2500)
+    assert page.evaluate("spoken") == 0
+
+
 def test_a_bad_link_is_told_in_plain_words(station: Make, visit: Visit) -> None:
     here = station(allow_drive=False, panel=True)
     page = visit(here.url)
     ready(page)
-    page.locator("input[name=loss]").fill("20")
-    expect(page.locator("#quality-say")).to_contain_text("of the statuses are lost", timeout=30_000)
+    open_tab(page, "sim")
+    page.locator("#sim input[name=loss]").fill("20")
+    expect(page.locator("#banner-text")).to_contain_text("of the statuses are lost", timeout=30_000)
     expect(page.locator("#link-try")).to_contain_text("cable instead of radio")
     page.get_by_role("button", name="A good network again").click()
-    expect(page.locator("#quality-say")).to_have_text("the link is good", timeout=60_000)
+    expect(page.locator("#quality-say")).to_have_text("Link good", timeout=60_000)
+    expect(page.locator("#link-try")).to_be_empty()
+    expect(page.locator("#banner")).not_to_contain_text("Try:")
 
 
 def test_a_page_that_opens_later_sees_what_happened(station: Make, visit: Visit) -> None:
@@ -114,39 +153,64 @@ def test_plots_scroll_pause_and_zoom(station: Make, visit: Visit) -> None:
     here = station(allow_drive=False)
     page = visit(here.url)
     ready(page)
-    axis = page.locator("#plot-linear .u-legend")
-    expect(axis).to_contain_text("target")
-    expect(page.locator("#plot-span")).to_have_text("30 s")
+    open_tab(page, "plots")
+    span = page.locator("#plot-span")
+    expect(page.locator("#plots .u-legend")).to_contain_text("speed, target")
+    expect(span).to_have_text("30 s")
     page.locator("#plot-less").click()
-    expect(page.locator("#plot-span")).to_have_text("10 s")
+    expect(span).to_have_text("10 s")
     page.locator("#plot-more").click(click_count=3)
-    expect(page.locator("#plot-span")).to_have_text("2 min")
+    expect(span).to_have_text("2 min")
     pause = page.locator("#plot-pause")
     pause.click()
     expect(pause).to_have_text("go on")
     pause.click()
-    over = page.locator("#plot-linear .u-over")
-    over.scroll_into_view_if_needed()
+    over = page.locator("#plots .u-over")
     box = over.bounding_box()
     assert box is not None
     page.mouse.move(box["x"] + 50, box["y"] + 20)
     page.mouse.down()
-    page.mouse.move(box["x"] + 200, box["y"] + 20, steps=4)
+    page.mouse.move(box["x"] + 50 + box["width"] / 4, box["y"] + 20, steps=4)
     page.mouse.up()
     expect(pause).to_have_text("go on")
+    expect(span).to_have_text("30 s")
     page.mouse.dblclick(box["x"] + 100, box["y"] + 20)
     expect(pause).to_have_text("pause")
 
 
+def test_any_signal_can_be_plotted_read_and_exported(station: Make, visit: Visit) -> None:
+    here = station(battery_percent=61.0)
+    page = visit(here.url)
+    ready(page)
+    open_tab(page, "plots")
+    page.locator(".signals summary").click()
+    for name in ("battery", "voltage", "distance_0", "digital_3", "round_trip", "loss", "turn"):
+        page.locator(f"#plot-signals input[name={name}]").check()
+    expect(page.locator("#plots .uplot")).to_have_count(8)
+    expect(page.locator("#plots")).to_contain_text(re.compile("battery ?61"))
+    page.wait_for_timeout(500)
+    with page.expect_download() as download:
+        page.locator("#plot-export").click()
+    lines = Path(download.value.path()).read_text(encoding="utf-8").splitlines()
+    names = "target,speed,turn,battery,voltage,round_trip,loss,distance_0,digital_3"
+    assert lines[0] == f"time_s,{names}"
+    last = dict(zip(names.split(","), map(float, lines[-1].split(",")[1:]), strict=True))
+    assert last["battery"] == 61.0
+    assert last["distance_0"] == pytest.approx(here.sim.state.telemeters_m[0], abs=0.1)
+    page.reload()
+    expect(page.locator("#plots .uplot")).to_have_count(8)
+
+
 def right_edge(page: Page) -> float:
     """The newest time that the first plot shows."""
-    return float(page.evaluate("document.getElementById('plot-linear').dataset.until"))
+    return float(page.evaluate("document.getElementById('plots').dataset.until"))
 
 
 def test_plots_go_on_until_they_are_paused(station: Make, visit: Visit) -> None:
     here = station(allow_drive=False)
     page = visit(here.url)
     ready(page)
+    open_tab(page, "plots")
     begun_s = right_edge(page)
     until(lambda: right_edge(page) > begun_s + 0.5)
     page.locator("#plot-pause").click()
@@ -192,6 +256,7 @@ def test_a_clock_that_is_set_back_leaves_the_page_alive(
     here = station(allow_drive=False)
     page = visit(here.url)
     ready(page)
+    open_tab(page, "plots")
     now = time.time
     monkeypatch.setattr("roburoc4.dashboard.hub.time", SimpleNamespace(time=lambda: now() - 86400))
     until(lambda: right_edge(page) < now() - 80000)
@@ -233,6 +298,7 @@ def test_numbers_that_are_none_are_dashes_and_the_page_goes_on(station: Make, vi
     here.sim.set("pin_analog_2", float("inf"))
     page = visit(here.url)
     ready(page)
+    open_tab(page, "io")
     expect(page.locator("#analog-inputs li[data-input='0'] b")).to_contain_text("\u2013")
     expect(page.locator("#battery-text")).not_to_contain_text("NaN")
     here.sim.set("pin", 0)
@@ -260,6 +326,7 @@ def test_switches_of_the_panel_do_what_they_say(
     here = station(panel=True)
     page = visit(here.url)
     ready(page)
+    open_tab(page, "sim")
     box = page.locator(f"#sim input[name={name}]")
     box.check()
     until(lambda: getattr(here.sim.state, fact))
@@ -271,6 +338,7 @@ def test_motor_power_needs_what_the_manual_says(station: Make, visit: Visit) -> 
     here = station(panel=True)
     page = visit(here.url)
     ready(page)
+    open_tab(page, "sim")
     page.locator("#sim input[name=estop_local]").check()
     motor = page.get_by_role("button", name="Press the motor power button")
     motor.click()
@@ -285,6 +353,7 @@ def test_power_off_and_on_is_a_reboot_with_the_same_page(station: Make, visit: V
     here = station(panel=True)
     page = visit(here.url)
     ready(page)
+    open_tab(page, "sim")
     power = page.locator("#sim input[name=powered]")
     power.uncheck()
     expect(page.locator("#banner-title")).to_have_text("ROBOT LOST")
@@ -297,6 +366,7 @@ def test_an_obstacle_is_dragged_and_the_telemeter_sees_it(station: Make, visit: 
     here = station(panel=True)
     page = visit(here.url)
     ready(page)
+    open_tab(page, "sim")
     free_m = here.sim.state.telemeters_m[0]
     page.get_by_role("button", name="Add an obstacle").click()
     until(lambda: here.sim.state.telemeters_m[0] < 2.0 < free_m)
@@ -306,10 +376,10 @@ def test_an_obstacle_is_dragged_and_the_telemeter_sees_it(station: Make, visit: 
     box = canvas.bounding_box()
     assert box is not None
     middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    page.mouse.move(middle[0], middle[1] - 2.2 * 70)
+    page.mouse.move(middle[0], middle[1] - 2.2 * 60)
     page.mouse.down()
     for step in range(1, 8):
-        page.mouse.move(middle[0], middle[1] - (2.2 - 0.08 * step) * 70)
+        page.mouse.move(middle[0], middle[1] - (2.2 - 0.08 * step) * 60)
         time.sleep(0.05)
     page.mouse.up()
     until(lambda: here.sim.state.telemeters_m[0] < near_m - 0.3)
@@ -330,6 +400,7 @@ def test_faults_of_the_network_reach_the_simulator(station: Make, visit: Visit) 
     here = station(panel=True)
     page = visit(here.url)
     ready(page)
+    open_tab(page, "sim")
     for name, moved, fault in (
         ("duplicate", "10", 0.1),
         ("reorder", "5", 0.05),
@@ -345,6 +416,7 @@ def test_the_robot_s_own_game_pad_drives_the_simulator(station: Make, visit: Vis
     here = station(panel=True)
     page = visit(here.url)
     ready(page)
+    open_tab(page, "sim")
     page.locator("#sim input[name=overridden]").check()
     page.get_by_label("RT forward").fill("50")
     until(lambda: here.sim.state.wheel_linear_m_s > 0.3)
@@ -354,6 +426,72 @@ def test_the_robot_s_own_game_pad_drives_the_simulator(station: Make, visit: Vis
 
 
 # ---- the view from above ----
+
+
+def trail(page: Page) -> int:
+    return int(page.locator("#map").get_attribute("data-trail") or 0)
+
+
+def test_a_trail_survives_a_reload_and_a_cleared_one_stays_cleared(
+    station: Make, visit: Visit
+) -> None:
+    here = station()
+    page, other = visit(here.url), visit(here.url)
+    ready(page)
+    here.sim.set("pad_a", True)
+    here.sim.set("pad_rt", 0.0)
+    until(lambda: here.sim.state.true_x_m > 1.0)
+    here.sim.set("pad_a", False)
+    until(lambda: here.sim.state.wheel_linear_m_s == 0)
+    page.reload()
+    ready(page)
+    until(lambda: trail(page) > 20)
+    until(lambda: trail(other) > 20)
+    page.locator("#map-clear").click()
+    until(lambda: trail(page) <= 1)
+    until(lambda: trail(other) <= 1)
+    page.reload()
+    ready(page)
+    page.wait_for_timeout(500)
+    assert trail(page) <= 1
+
+
+def view(page: Page) -> list[float]:
+    return [float(part) for part in (page.locator("#map").get_attribute("data-view") or "").split()]
+
+
+def test_the_wheel_zooms_to_the_cursor(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    ready(page)
+    page.locator("#map-follow").click()
+    box = page.locator("#map").bounding_box()
+    assert box is not None
+    right_px, down_px = 150, -90
+    page.mouse.move(box["x"] + box["width"] / 2 + right_px, box["y"] + box["height"] / 2 + down_px)
+
+    def pointed_at() -> tuple[float, float]:
+        x_m, y_m, scale = view(page)
+        return x_m - down_px / scale, y_m - right_px / scale
+
+    before = pointed_at()
+    scale = view(page)[2]
+    page.mouse.wheel(0, -400)
+    until(lambda: view(page)[2] > 1.5 * scale)
+    assert pointed_at() == pytest.approx(before, abs=0.02)
+
+
+@pytest.mark.parametrize("size", [(390, 844), (844, 390)])
+def test_map_stick_and_stop_fit_on_one_screen_of_a_phone(
+    size: tuple[int, int], station: Make, visit: Visit
+) -> None:
+    here = station()
+    page = visit(here.url, viewport={"width": size[0], "height": size[1]}, has_touch=True)
+    ready(page)
+    for name in ("#map", "#stick", "#stop", "#take", "#banner"):
+        expect(page.locator(name)).to_be_in_viewport(ratio=1)
+    height = page.evaluate("document.getElementById('map').clientHeight")
+    assert height > 0.3 * size[1]
 
 
 @pytest.mark.parametrize("turned", [False, True])
@@ -376,6 +514,6 @@ def test_telemeter_cones_stand_where_they_are_mounted(
         )
         return bool(alpha)
 
-    ahead, left = (4, -88), (-88, 4)
+    ahead, left = (4, -80), (-80, 4)
     until(lambda: painted(*(left if turned else ahead)))
     assert not painted(*(ahead if turned else left))

@@ -12,6 +12,7 @@ from station import LEASE_S, Station, arm, drive, until
 from test_driving import MARGIN_S, WITHIN_S
 from websockets.exceptions import ConnectionClosed
 
+from roburoc4.dashboard.fleet import Fleet
 from roburoc4.dashboard.hub import MOST_PAGES
 from roburoc4.dashboard.messages import BadMessageError, Messages
 
@@ -227,7 +228,7 @@ def test_a_page_whose_outbox_is_full_is_not_kept(station: Make) -> None:
     page = here.hub.join()
     with pytest.raises(BadMessageError, match="outbox is full"):
         for _ in range(100):
-            Messages(here.hub, page).receive('{"type":"clear"}')
+            Messages(Fleet([here.hub]), here.hub, page).receive('{"type":"clear"}')
     here.hub.part(page)
 
 

@@ -18,13 +18,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .errors import ExitCode, unreachable, usage
-from .options import DEFAULT_ROBOT, Options, add_robot, number, whole
+from .options import DEFAULT_ROBOT, Options, number, whole
 from .output import note
 from .signals import unsuspendable
 
 if TYPE_CHECKING:
     from roburoc4 import Robot, Simulator
     from roburoc4.dashboard.guard import Rules
+    from roburoc4.dashboard.hub import Hub
     from roburoc4.dashboard.server import Place
 
 _PORT = 8400
@@ -36,6 +37,9 @@ _FREE_TOKEN = ""
 _SLOWEST_DRIVEN_MS = 200
 """Statuses must be fresh, 300 ms, to arm."""
 _NAME = re.compile(r"([\w.-]+|\[[0-9a-f:]+\])(:\d{1,5})?", re.ASCII | re.IGNORECASE)
+_ROBOT_NAME = re.compile(r"[\w-]{1,20}", re.ASCII)
+# What stands in the content security policy must not end a part of it.
+_CAMERA = re.compile(r"https?://[\w.:\[\]-]+(/[^\s;,'\"]*)?", re.ASCII)
 _DESKTOPS = ("DISPLAY", "WAYLAND_DISPLAY")
 
 
@@ -43,6 +47,8 @@ class DashboardOptions(Options):
     """What the command is given."""
 
     sim: bool
+    robots: list[str] | None
+    camera: list[str]
     port: int
     bind: str
     allow_drive: bool
@@ -70,8 +76,27 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.add_argument("--sim", action="store_true", help="start a simulator, with its panel")
     _add_driving(parser)
     _add_serving(parser)
-    add_robot(parser)
+    _add_seen(parser)
     parser.set_defaults(run=run)
+
+
+def _add_seen(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--robot",
+        dest="robots",
+        metavar="[NAME=]HOST[:PORT]",
+        action="append",
+        help="the robot's address; several, with names, are shown on one map, and the one that is "
+        f"chosen is driven (default: $ROBUROC4_ROBOT, else {DEFAULT_ROBOT})",
+    )
+    parser.add_argument(
+        "--camera",
+        metavar="NAME=URL",
+        action="append",
+        default=[],
+        help="show the pictures (MJPEG) of a camera server of yours beside the map",
+    )
+    parser.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print JSON")
 
 
 def _add_driving(parser: argparse.ArgumentParser) -> None:
@@ -158,50 +183,65 @@ def run(options: DashboardOptions) -> int:
     from roburoc4.dashboard.guard import Rules
 
     place = _place(options, server.Place)
-    rules = Rules(_token(options, place.loopback), _names(options), place.secure)
+    cameras = _cameras(options)
+    urls = tuple(url for _, url in cameras)
+    rules = Rules(_token(options, place.loopback), _names(options), place.secure, urls)
     try:
         server.check_certificate(place)
         opened = server.listen(place)
     except server.ServeError as error:
         raise usage(str(error)) from None
+    named = _named(options)
     keep_awake = unsuspendable() if options.allow_drive else contextlib.nullcontext()
     link = server.link(place, opened, rules)
-    with opened, keep_awake, _simulator(options) as simulator, _robot(options, simulator) as robot:
+    with opened, keep_awake, _simulator(options) as simulator, contextlib.ExitStack() as robots:
+        if simulator is not None:
+            named = {"": simulator.address}
+        hubs = [
+            _hub(options, name, robots.enter_context(_robot(options, address)), simulator, cameras)
+            for name, address in named.items()
+        ]
         _tell(options, link)
         opens = not options.no_open and _has_desktop()
         with _private(link) if opens else contextlib.nullcontext() as to_open:
-            _serve(options, to_open, place, rules, opened, robot, simulator)
+            _serve(to_open, place, rules, opened, hubs)
     return ExitCode.FINE
 
 
-def _serve(
+def _hub(
     options: DashboardOptions,
-    to_open: str | None,
-    place: Place,
-    rules: Rules,
-    opened: Any,
+    name: str,
     robot: Robot,
     simulator: Simulator | None,
-) -> None:
-    from roburoc4.dashboard.hub import Hub
+    cameras: list[tuple[str, str]],
+) -> Hub:
+    from roburoc4.dashboard.hub import Camera, Hub
     from roburoc4.dashboard.panel import Panel
-    from roburoc4.dashboard.server import make_server
 
-    hub = Hub(
+    return Hub(
         robot,
         options.lease_ms / 1000,
         (options.max_linear, options.max_angular),
         allow_drive=options.allow_drive,
         panel=None if simulator is None else Panel(simulator),
+        name=name,
+        cameras=[Camera(*camera) for camera in cameras],
     )
+
+
+def _serve(to_open: str | None, place: Place, rules: Rules, opened: Any, hubs: list[Hub]) -> None:
+    from roburoc4.dashboard.fleet import Fleet
+    from roburoc4.dashboard.server import make_server
+
+    fleet = Fleet(hubs)
 
     def open_it() -> None:
         if to_open is not None:
             threading.Thread(target=_open, args=(to_open,), daemon=True).start()
 
-    make_server(hub, place, rules, open_it).run(sockets=[opened])
-    if hub.failure is not None:
-        raise hub.failure
+    make_server(fleet, place, rules, open_it).run(sockets=[opened])
+    if fleet.failure is not None:
+        raise fleet.failure
 
 
 def _tell(options: DashboardOptions, link: str) -> None:
@@ -253,8 +293,9 @@ def _place(options: DashboardOptions, make: type[Place]) -> Place:
             f"--bind: '{options.bind}' is not an address: give one of this computer in numbers, "
             "such as 192.168.0.10, or 0.0.0.0 for all"
         ) from None
-    if options.sim and options.robot not in (DEFAULT_ROBOT, os.environ.get("ROBUROC4_ROBOT")):
-        raise usage(f"--sim starts a robot of its own: leave out --robot {options.robot}, or --sim")
+    given = options.robots or [options.robot]
+    if options.sim and given not in ([DEFAULT_ROBOT], [os.environ.get("ROBUROC4_ROBOT")]):
+        raise usage(f"--sim starts a robot of its own: leave out --robot {given[0]}, or --sim")
     if (options.tls_cert is None) != (options.tls_key is None):
         raise usage("--tls-cert and --tls-key go together: give both")
     if options.period_ms is not None and options.period_ms % 10:
@@ -272,6 +313,35 @@ def _names(options: DashboardOptions) -> tuple[str, ...]:
         if not _NAME.fullmatch(name):
             raise usage(f"--name: '{name}' is not a host name: give one as lab-pc or lab-pc:8400")
     return tuple(options.name)
+
+
+def _named(options: DashboardOptions) -> dict[str, str]:
+    """Return the addresses of the robots by name; one alone needs none."""
+    given = options.robots or [options.robot]
+    if len(given) == 1 and "=" not in given[0]:
+        return {"": given[0]}
+    named = {}
+    for text in given:
+        name, _, address = text.partition("=")
+        if not (_ROBOT_NAME.fullmatch(name) and address):
+            raise usage(f"--robot: '{text}' has no name: give several as RED=192.168.0.2")
+        if name in named:
+            raise usage(f"--robot: two are called {name}: give each a name of its own")
+        named[name] = address
+    return named
+
+
+def _cameras(options: DashboardOptions) -> list[tuple[str, str]]:
+    cameras = []
+    for text in options.camera:
+        name, _, url = text.partition("=")
+        if not (name.isprintable() and name and _CAMERA.fullmatch(url)):
+            raise usage(
+                f"--camera: '{text}' is no name and URL: give one as "
+                "front=http://192.168.0.20:8080/stream.mjpg"
+            )
+        cameras.append((name, url))
+    return cameras
 
 
 def _token(options: DashboardOptions, loopback: bool) -> str | None:
@@ -306,7 +376,7 @@ def _simulator(options: DashboardOptions) -> Iterator[Simulator | None]:
 
 
 @contextlib.contextmanager
-def _robot(options: DashboardOptions, simulator: Simulator | None) -> Iterator[Robot]:
+def _robot(options: DashboardOptions, address: str) -> Iterator[Robot]:
     """Connect without waiting: the page shows how that goes on."""
     from roburoc4 import ArgumentError, NetworkError, connect
     from roburoc4.settings import STATUS_SERVICES, Settings
@@ -320,7 +390,6 @@ def _robot(options: DashboardOptions, simulator: Simulator | None) -> Iterator[R
         settings["periods_ms"] = dict.fromkeys(STATUS_SERVICES, options.period_ms)
     if options.ignore_override:
         settings["allow_unknown_override"] = True
-    address = options.robot if simulator is None else simulator.address
     try:
         robot = connect(address, wait=False, **settings)
     except ArgumentError as error:

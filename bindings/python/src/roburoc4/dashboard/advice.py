@@ -42,7 +42,7 @@ def advise(
     if fault is not Fault.NONE:
         return Advice("bad", fault.text, _FAULTS.get(fault, _CABLE))
     if age_ms > STALE_MS:
-        return Advice("bad", f"statuses are {age_ms / 1000:.1f} s old", _CABLE)
+        return Advice("bad", "statuses come too late", _CABLE)
     if link.loss > LOSS_SHARE:
         return Advice(
             "weak",
@@ -55,7 +55,7 @@ def advise(
             f"answers take {link.round_trip_us / 1000:.0f} ms",
             "use a cable instead of radio; do not drive through a network that buffers",
         )
-    return Advice("good", "the link is good", "")
+    return Advice("good", "link good", "")
 
 
 def _without_link(state: State, fault: Fault, link: Link, heard: int, address: str) -> Advice:
@@ -65,7 +65,7 @@ def _without_link(state: State, fault: Fault, link: Link, heard: int, address: s
     if state is State.LOST or (heard and link.silence_us > _SILENT_MS * 1000):
         return Advice(
             "bad",
-            f"the robot fell silent {link.silence_us / 1e6:.0f} s ago; it is asked again and again",
+            "the robot fell silent; it is asked again and again",
             _CABLE,
         )
     if not heard:
@@ -95,6 +95,26 @@ _REASONS: dict[int, str] = {
     Result.REBOOT: f"the robot was restarted: look at it, {_ARM_AGAIN}",
     Result.CLOCK: f"this computer slept or its clock jumped: {_ARM_AGAIN[5:]}",
 }
+
+
+_DISARMED: dict[int, str] = {
+    Result.NOT_READY: "the connection was not ready",
+    Result.STALE_DIFFERENTIAL: "the speeds reported came too late",
+    Result.STALE_IOCARD: "the inputs reported came too late",
+    Result.OVERRIDE_UNKNOWN: "it was not known whether the robot's game pad is in use",
+    Result.OVERRIDE: "[A] was held on the robot's game pad",
+    Result.OTHER_COMMANDER: "another program commanded the robot",
+    Result.LOST: "the robot was lost",
+    Result.REBOOT: "the robot was restarted",
+    Result.CLOCK: "this computer slept, or its clock jumped",
+}
+
+
+def why_disarmed(code: int) -> str:
+    """Say why it was disarmed: what remains true when the reason has gone."""
+    if code in (Result.OK, Result.DISARMED):
+        return ""
+    return _DISARMED.get(code) or Result(code).text
 
 
 def why_not_armed(code: int) -> str:

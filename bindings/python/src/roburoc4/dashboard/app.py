@@ -6,17 +6,19 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import mimetypes
+import time
 from collections.abc import AsyncIterator
 from pathlib import Path
 
 from starlette.applications import Starlette
 from starlette.requests import Request
-from starlette.responses import FileResponse, Response
+from starlette.responses import FileResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from .fleet import Fleet
 from .guard import Guard, Rules
 from .hub import MOST_PAGES, Hub, Page
 from .messages import BadMessageError, Messages
@@ -26,7 +28,7 @@ _TRY_LATER = 1013
 _POLICY = 1008
 
 
-def application(hub: Hub, rules: Rules) -> ASGIApp:
+def application(fleet: Fleet, rules: Rules) -> ASGIApp:
     """Make the whole web application, guarded."""
     # What a Windows registry says of these may be wrong, and then no browser runs the page.
     mimetypes.add_type("text/javascript", ".js")
@@ -35,36 +37,58 @@ def application(hub: Hub, rules: Rules) -> ASGIApp:
 
     @contextlib.asynccontextmanager
     async def lifespan(_app: Starlette) -> AsyncIterator[None]:
-        beating = asyncio.create_task(hub.beat())
-        beating.add_done_callback(lambda ended: _note_end(hub, ended))
+        tasks = [_beat(fleet, hub) for hub in fleet.hubs]
         try:
             yield
         finally:
-            hub.control.close()
-            beating.cancel()
+            fleet.close()
+            for beating in tasks:
+                beating.cancel()
+            for hub in fleet.hubs:
+                hub.recorder.close()
 
     async def page(_request: Request) -> Response:
         return FileResponse(STATIC / "index.html", headers={"Cache-Control": "no-store"})
 
     async def socket(websocket: WebSocket) -> None:
-        await _serve(hub, websocket)
+        hub = fleet.find(websocket.query_params.get("robot", ""))
+        if hub is None:
+            await websocket.accept()
+            await websocket.close(_POLICY, "no robot has that name")
+            return
+        await _serve(fleet, hub, websocket)
+
+    async def recording(request: Request) -> Response:
+        hub = fleet.find(request.query_params.get("robot", ""))
+        path = None if hub is None else hub.recorder.path
+        if hub is None or path is None:
+            return PlainTextResponse("Nothing was recorded.\n", 404)
+        name = "-".join(filter(None, ("roburoc4", hub.name, time.strftime("%Y%m%d-%H%M%S"))))
+        return FileResponse(path, media_type="text/csv", filename=f"{name}.csv")
 
     routes = [
         Route("/", page),
+        Route("/recording.csv", recording),
         WebSocketRoute("/socket", socket),
         Mount("/static", StaticFiles(directory=STATIC)),
     ]
     return Guard(Starlette(routes=routes, lifespan=lifespan), rules)
 
 
-def _note_end(hub: Hub, beating: asyncio.Task[None]) -> None:
+def _beat(fleet: Fleet, hub: Hub) -> asyncio.Task[None]:
+    beating = asyncio.create_task(hub.beat())
+    beating.add_done_callback(lambda ended: _note_end(fleet, hub, ended))
+    return beating
+
+
+def _note_end(fleet: Fleet, hub: Hub, beating: asyncio.Task[None]) -> None:
     """Where no frames are made any more, nothing is driven, and the server ends."""
     if not beating.cancelled() and (error := beating.exception()) is not None:
         hub.failure = error
-        hub.control.close()
+        fleet.close()
 
 
-async def _serve(hub: Hub, websocket: WebSocket) -> None:
+async def _serve(fleet: Fleet, hub: Hub, websocket: WebSocket) -> None:
     """Messages with a page until it is gone."""
     await websocket.accept()
     if len(hub.pages) >= MOST_PAGES:
@@ -73,22 +97,21 @@ async def _serve(hub: Hub, websocket: WebSocket) -> None:
     page = hub.join()
     sending = asyncio.create_task(_send(websocket, page))
     try:
-        await _hear(hub, websocket, page)
+        await _hear(Messages(fleet, hub, page), websocket)
     finally:
         hub.part(page)
         sending.cancel()
 
 
-async def _hear(hub: Hub, websocket: WebSocket, page: Page) -> None:
-    messages = Messages(hub, page)
+async def _hear(messages: Messages, websocket: WebSocket) -> None:
     try:
         while True:
             messages.receive(await websocket.receive_text())
     except BadMessageError as error:
-        hub.part(page)
+        messages.end()
         await websocket.close(_POLICY, str(error))
     except KeyError:  # bytes instead of text
-        hub.part(page)
+        messages.end()
         await websocket.close(_POLICY, "not a text")
     except WebSocketDisconnect:
         pass

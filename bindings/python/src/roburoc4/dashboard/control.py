@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from ..errors import NotArmedError
 from ..robot import Robot
-from .advice import why_not_armed
+from .advice import why_disarmed, why_not_armed
 from .ticks import Ticks
 
 SHORTEST_LEASE_S = 0.02
@@ -88,6 +88,8 @@ class Control:
         self.offered = offered
         self.limits = NO_LIMITS
         self.driver: Viewer | None = None
+        self.asker: Viewer | None = None
+        """The page that asks the driver for control."""
         self.why = ""
         """Why the robot was stopped, or does not move; for the driver."""
         self.dropped = 0
@@ -112,10 +114,33 @@ class Control:
             self.driver = page
             self._begin_anew("")
 
+    def ask(self, page: Viewer) -> None:
+        """Take control, or ask the driver for it.
+
+        It comes with the driver's consent, or when the driver is gone.
+        """
+        if self.driver in (None, page) or not self.offered:
+            self.take(page)
+        elif self.asker not in (None, page):
+            raise ControlError("another page asks already: wait for the answer")
+        else:
+            self.asker = page
+
+    def keep(self, page: Viewer) -> Viewer | None:
+        """Refuse to give control to the page that asks; return that page."""
+        self.check_driver(page)
+        asker, self.asker = self.asker, None
+        return asker
+
     def leave(self, page: Viewer, why: str = "") -> None:
-        """Release control, if this page has it; the robot is stopped and disarmed."""
+        """Release control, if this page has it; the robot is stopped and disarmed.
+
+        A page that asked for control gets it, disarmed.
+        """
+        if self.asker is page:
+            self.asker = None
         if self.driver is page:
-            self.driver = None
+            self.driver, self.asker = self.asker, None
             self.stood_still = False
             self._end_driving(why)
 
@@ -135,7 +160,7 @@ class Control:
 
     def arm(self, page: Viewer, tick: int, now_s: float) -> None:
         """Allow driving; the page must have seen the robot a moment ago."""
-        self._check_driver(page)
+        self.check_driver(page)
         if self._lease_left_s(page, tick, now_s) is None:
             raise ControlError("the page is late: its link is slow or stalled; try again")
         if self._lease_end_s is not None:
@@ -150,7 +175,7 @@ class Control:
 
     def disarm(self, page: Viewer, why: str = "") -> None:
         """Forbid driving, and stop."""
-        self._check_driver(page)
+        self.check_driver(page)
         self._end_driving(why)
 
     def stop(self, page: Viewer) -> None:
@@ -163,6 +188,7 @@ class Control:
     def close(self) -> None:
         """End it all."""
         self.offered = False
+        self.asker = None
         if self.driver is not None:
             self.leave(self.driver, "the dashboard ends")
 
@@ -170,7 +196,7 @@ class Control:
 
     def drive(self, page: Viewer, inputs: Input, now_s: float) -> None:
         """One input: the only place that renews a drive command."""
-        self._check_driver(page)
+        self.check_driver(page)
         left_s = self._lease_left_s(page, inputs.tick, now_s)
         if left_s is None:
             self.dropped += 1
@@ -210,7 +236,7 @@ class Control:
                     lease_ms=int(left_s * 1000),
                 )
             except NotArmedError as error:
-                self._begin_anew(why_not_armed(error.code))
+                self._begin_anew(why_disarmed(error.code))
                 return
             if self._robot.now_s - now_s <= HELD_UP_S:
                 self._lease_end_s = end_s
@@ -227,7 +253,8 @@ class Control:
         left_s = self._lease_s - age_s
         return left_s if left_s >= SHORTEST_LEASE_S else None
 
-    def _check_driver(self, page: Viewer) -> None:
+    def check_driver(self, page: Viewer) -> None:
+        """Raise where this page has no control."""
         if self.driver is not page:
             raise ControlError("this page has not taken control")
 
@@ -246,7 +273,7 @@ class Control:
             )
         elif self._armed and not facts.armed:
             self._armed = False
-            self._begin_anew(why_not_armed(facts.disarm_cause))
+            self._begin_anew(why_disarmed(facts.disarm_cause))
         if now_s - self.driver.heard_s > FORGOTTEN_S:
             self.leave(self.driver, "the driver's page showed nothing for 30 s and lost control")
 

@@ -73,7 +73,7 @@ class Frames:
                 "blocked": blocked(facts),
             },
             "speeds": self._speeds(time_s),
-            "pose": self._pose(),
+            "pose": self._pose(time_s),
             "distances_m": self._distances(),
             **self._inputs(),
             "battery": self._battery(time_s),
@@ -91,11 +91,11 @@ class Frames:
         self._history.add_speeds(time_s, status[1:5] if self._fresh else (math.nan,) * 4)
         return [number(speed) for speed in status[1:5]]
 
-    def _pose(self) -> Document | None:
+    def _pose(self, time_s: float) -> Document | None:
         status = self._robot.latest("localization")
         if status is None:
             return None
-        self._history.add_place(status.x_m, status.y_m)
+        self._history.add_place(time_s, status.x_m, status.y_m)
         return {
             "x_m": number(status.x_m),
             "y_m": number(status.y_m),

@@ -149,7 +149,7 @@ class History:
     def __init__(self) -> None:
         self.speeds = Ring(5, SPEED_ROWS)
         self.battery = Ring(3, BATTERY_ROWS)
-        self.path = Ring(2, PATH_ROWS)
+        self.path = Ring(3, PATH_ROWS)
         self.events: deque[Notice] = deque(maxlen=EVENT_ROWS)
         self._latest_s = -math.inf
         self._speed_due_s = -math.inf
@@ -187,12 +187,12 @@ class History:
             self._speed_due_s = self._battery_due_s = -math.inf
         self._latest_s = time_s
 
-    def add_place(self, x_m: float, y_m: float) -> None:
+    def add_place(self, time_s: float, x_m: float, y_m: float) -> None:
         """Keep a place that is another than the last."""
         moved_m = math.hypot(x_m - self._place[0], y_m - self._place[1])
         if moved_m >= PATH_STEP_M:  # false for NaN
             self._place = (x_m, y_m)
-            self.path.append(self._place)
+            self.path.append((x_m, y_m, time_s))
 
     def trend_percent_h(self) -> float | None:
         """Return how the battery changes, in percent per hour; None while that is not known."""

@@ -9,10 +9,11 @@ pages, which draw nothing, cost next to nothing.
 from __future__ import annotations
 
 import asyncio
+import itertools
 import json
 import time
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, NamedTuple
 
 from .. import __version__
 from ..robot import Robot
@@ -20,6 +21,7 @@ from .control import Control, Viewer, limits_of
 from .frames import Frames
 from .history import History, Notice
 from .panel import Panel
+from .recorder import Recorder
 from .ticks import Ticks
 
 FRAME_S = 1 / 30
@@ -34,6 +36,13 @@ _UNANSWERED = 3
 def encode(document: object) -> str:
     """Make compact JSON; NaN would be a mistake of ours."""
     return json.dumps(document, separators=(",", ":"), allow_nan=False)
+
+
+class Camera(NamedTuple):
+    """A server of moving pictures (MJPEG) that the operator runs."""
+
+    name: str
+    url: str
 
 
 class Page(Viewer):
@@ -85,9 +94,17 @@ class Hub:
         *,
         allow_drive: bool,
         panel: Panel | None = None,
+        name: str = "",
+        cameras: Sequence[Camera] = (),
     ) -> None:
         self.robot = robot
         self.panel = panel
+        self.name = name
+        self.cameras = tuple(cameras)
+        self.recorder = Recorder(robot)
+        self.numbers: Iterator[int] = itertools.count(1)
+        self.look_around: Callable[[], list[dict[str, Any]]] = list
+        """Returns all robots in short, where there are several."""
         self.ticks = Ticks()
         self.control = Control(robot, self.ticks, lease_s, offered=allow_drive)
         self.pages: set[Page] = set()
@@ -96,7 +113,7 @@ class Hub:
         self._ceilings = ceilings
         self._history = History()
         self._frames = Frames(robot, self._history)
-        self._numbers = 0
+        self._latest: dict[str, Any] = {}
         self._driver: int | None = None
 
     @property
@@ -108,8 +125,7 @@ class Hub:
 
     def join(self) -> Page:
         """Add a page, and send it all that it needs to begin."""
-        self._numbers += 1
-        page = Page(self._numbers)
+        page = Page(next(self.numbers))
         page.sent_tick = self.ticks.last
         page.heard_s = self.now_s
         page.seen_event = self._history.last_event
@@ -130,6 +146,8 @@ class Hub:
             "page": page.number,
             "version": __version__,
             "address": self.robot.address,
+            "name": self.name,
+            "cameras": [camera._asdict() for camera in self.cameras],
             "allow_drive": self.control.offered,
             "simulated": self.panel is not None,
             "speeds": history.speeds.columns(),
@@ -165,6 +183,8 @@ class Hub:
         self.control.watch(now_s)
         frame = self._frames.take(now_s, time_s)
         frame["facts"]["inhibited"] |= self.control.stood_still
+        self._latest = frame
+        self.recorder.step()
         self._note_driver(time_s)
         if self._frames.about(now_s) is not None:
             self.control.limits = limits_of(self.robot, *self._ceilings)
@@ -178,14 +198,39 @@ class Hub:
             "tick": tick,
             "pages": len(self.pages),
             "driver": self._driver,
+            "asker": None if self.control.asker is None else self.control.asker.number,
             "why": self.control.why,
             "must_let_go": self.control.must_let_go,
+            "recording": self.recorder.now,
+            "fleet": self.look_around(),
             "sim": None if self.panel is None else self.panel.now(),
         }
         text = encode(frame)
         for page in ready:
             self._tell_events(page)
             page.show(tick, text)
+
+    @property
+    def in_short(self) -> dict[str, Any]:
+        """The robot as pages of other robots show it."""
+        frame = self._latest
+        if not frame:
+            return {"name": self.name, "state": "idle", "armed": False, "pose": None}
+        facts = frame["facts"]
+        names = ("other_commander", "inhibited", "overridden", "front_bumper", "rear_bumper")
+        return {
+            "name": self.name,
+            "state": frame["state"],
+            "armed": facts["armed"],
+            "pose": frame["pose"],
+            "battery": frame["battery"] and frame["battery"]["percent"],
+            "alarm": any(facts[name] for name in names),
+        }
+
+    def forget_trail(self) -> None:
+        """Begin the robot's trail anew, on all pages and on those that open later."""
+        self._history.path.clear()
+        self._to_all(lambda page: page.say("trail", {"path": self._history.path.columns()}))
 
     def _to_all(self, tell: Callable[[Page], object]) -> None:
         for page in self.pages:

@@ -3,13 +3,18 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
+import threading
 from collections.abc import Callable
 from typing import Any
 
+from ..errors import RobotError
 from .control import ControlError, Input
+from .fleet import Fleet
 from .hub import Hub, Page
 from .panel import Panel, PanelError
+from .recorder import RecordError
 
 MOST_CHARACTERS = 2000
 _LONGEST_REASON = 100
@@ -24,20 +29,26 @@ class BadMessageError(Exception):
 class Messages:
     """The messages of one page."""
 
-    def __init__(self, hub: Hub, page: Page) -> None:
+    def __init__(self, fleet: Fleet, hub: Hub, page: Page) -> None:
+        self._fleet = fleet
         self._hub = hub
         self._page = page
         self._allowance = _BURST
         self._counted_s = hub.now_s
         self._handlers: dict[str, Callable[[dict[str, Any]], None]] = {
             "drawn": self._drawn,
-            "take": lambda _: hub.control.take(page),
+            "take": lambda _: hub.control.ask(page),
+            "keep": self._keep,
             "leave": lambda _: hub.control.leave(page, ""),
             "arm": self._arm,
             "disarm": lambda message: hub.control.disarm(
                 page, _text(message, "why", optional=True)[:_LONGEST_REASON]
             ),
             "stop": self._stop,
+            "forget_trail": lambda _: hub.forget_trail(),
+            "relocalize": self._relocalize,
+            "record": lambda _: hub.recorder.start(),
+            "record_end": lambda _: hub.recorder.stop(),
             "panel": lambda message: self._panel.obey(_text(message, "line")),
             "box": self._box,
             "move": self._move,
@@ -54,9 +65,16 @@ class Messages:
             raise BadMessageError("unknown type")
         try:
             handler(message)
-        except (ControlError, PanelError) as error:
-            if not self._page.say("refused", {"text": str(error), "what": message["type"]}):
+        except (ControlError, PanelError, RecordError) as error:
+            if not self._refuse(str(error), str(message["type"])):
                 raise BadMessageError("its outbox is full") from None
+
+    def _refuse(self, text: str, what: str) -> bool:
+        return self._page.say("refused", {"text": text, "what": what})
+
+    def end(self) -> None:
+        """Remove the page at once: it sent what no page of ours sends."""
+        self._hub.part(self._page)
 
     def _count(self) -> None:
         now_s = self._hub.now_s
@@ -89,9 +107,28 @@ class Messages:
     def _arm(self, message: dict[str, Any]) -> None:
         self._hub.control.arm(self._page, _tick(message), self._hub.now_s)
 
+    def _keep(self, _message: dict[str, Any]) -> None:
+        asker = self._hub.control.keep(self._page)
+        if isinstance(asker, Page):
+            number = self._page.number
+            asker.say("refused", {"text": f"page {number} keeps control", "what": "take"})
+
     def _stop(self, _message: dict[str, Any]) -> None:
-        self._hub.control.stop(self._page)
-        self._hub.note("bad", f"STOP was pressed on page {self._page.number}")
+        self._fleet.stop(self._page)
+
+    def _relocalize(self, message: dict[str, Any]) -> None:
+        pose = [_number(message, name) for name in ("x_m", "y_m", "theta_rad")]
+        self._hub.control.check_driver(self._page)
+        loop = asyncio.get_running_loop()
+
+        def relocalize() -> None:
+            try:
+                self._hub.robot.relocalize(*pose)
+            except RobotError as error:
+                loop.call_soon_threadsafe(self._refuse, str(error), "relocalize")
+
+        # It waits for the robot's answer.
+        threading.Thread(target=relocalize, daemon=True).start()
 
     # ---- the simulator ----
 

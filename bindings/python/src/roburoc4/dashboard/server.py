@@ -11,14 +11,14 @@ import ssl
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import uvicorn
-from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from websockets.exceptions import InvalidState
 
 from .app import application
+from .fleet import Fleet
 from .guard import Rules, has_port
-from .hub import Hub
 
 _PING_S = 5.0
 _END_S = 1
@@ -96,23 +96,25 @@ def link(place: Place, opened: socket.socket, rules: Rules) -> str:
     return f"{'https' if place.secure else 'http'}://{where}/{query}"
 
 
-class WebSocketProtocol(WebSocketsSansIOProtocol):
-    """Uvicorn's, which would end its server with an exception where a page is just leaving."""
+def _patient(protocol: Any) -> Any:
+    """Make uvicorn's WebSocket end quietly where a page is just leaving."""
 
-    def shutdown(self) -> None:
-        """Say goodbye, if there is still somebody."""
-        try:
-            super().shutdown()
-        except InvalidState:
-            self.transport.close()
+    class Patient(protocol):  # type: ignore[misc]
+        def shutdown(self) -> None:
+            try:
+                super().shutdown()
+            except InvalidState:
+                self.transport.close()
+
+    return Patient
 
 
 class Server(uvicorn.Server):
     """A server that says when it is ready, and stops the robot before it ends."""
 
-    def __init__(self, config: uvicorn.Config, hub: Hub, on_ready: Callable[[], None]) -> None:
+    def __init__(self, config: uvicorn.Config, fleet: Fleet, on_ready: Callable[[], None]) -> None:
         super().__init__(config)
-        self._hub = hub
+        self._fleet = fleet
         self._on_ready = on_ready
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
@@ -138,25 +140,25 @@ class Server(uvicorn.Server):
 
     async def on_tick(self, counter: int) -> bool:
         """Whether to end: on request, or when no more frames can be made."""
-        return await super().on_tick(counter) or self._hub.failure is not None
+        return await super().on_tick(counter) or self._fleet.failure is not None
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """End: first of all the robot is stopped, then connections are closed."""
-        self._hub.control.close()
+        """End: first of all the robots are stopped, then connections are closed."""
+        self._fleet.close()
         await super().shutdown(sockets)
 
 
-def make_server(hub: Hub, place: Place, rules: Rules, on_ready: Callable[[], None]) -> Server:
-    """Make a server of this hub; ``run(sockets=[...])`` serves until Ctrl-C or ``should_exit``."""
+def make_server(fleet: Fleet, place: Place, rules: Rules, on_ready: Callable[[], None]) -> Server:
+    """Make a server; its ``run(sockets=[...])`` serves until Ctrl-C or ``should_exit``."""
     config = uvicorn.Config(
-        application(hub, rules),
+        application(fleet, rules),
         loop="asyncio",
         http="h11",
         log_level="warning",
         access_log=False,
         server_header=False,
         proxy_headers=False,
-        ws=WebSocketProtocol,
+        ws="websockets-sansio",
         ws_max_size=_LONGEST_MESSAGE,
         ws_ping_interval=_PING_S,
         ws_ping_timeout=_PING_S,
@@ -166,4 +168,6 @@ def make_server(hub: Hub, place: Place, rules: Rules, on_ready: Callable[[], Non
         ssl_keyfile=place.key,
         lifespan="on",
     )
-    return Server(config, hub, on_ready)
+    config.load()
+    config.ws_protocol_class = _patient(config.ws_protocol_class)
+    return Server(config, fleet, on_ready)

@@ -3,6 +3,7 @@
 import { by, figure, put, show } from "./text.js";
 import { Inputs } from "./inputs.js";
 
+const REFUSAL_MS = 8000;
 const TAKES_SPACE = "input:not([type=range]), select, textarea";
 
 export class Drive {
@@ -15,13 +16,14 @@ export class Drive {
     this.refusal = "";
     this.full = [[0, 0], [0, 0]];
     this.inputs = new Inputs(by("stick"), by("knob"), () => this.letGo());
-    for (const what of ["take", "leave", "disarm"]) by(what).addEventListener("click", () => this.ask({ type: what }));
+    this.refusedAt = 0;
+    for (const what of ["take", "leave", "disarm", "keep"]) by(what).addEventListener("click", () => this.ask({ type: what }));
+    by("hand-over").addEventListener("click", () => this.ask({ type: "leave" }));
     by("arm").addEventListener("click", () => this.ask({ type: "arm", tick: this.tick }));
     by("stop").addEventListener("pointerdown", () => this.stop());
     // A click by key has no pointer before it.
     by("stop").addEventListener("click", (event) => event.detail === 0 && this.stop());
     by("scale").addEventListener("input", () => this.showScale());
-    by("scale").addEventListener("change", () => by("scale").blur());
     addEventListener("keydown", (event) => this.key(event), true);
     addEventListener("keyup", (event) => this.stops(event) && event.preventDefault(), true);
     document.addEventListener("visibilitychange", () => this.hide());
@@ -33,6 +35,7 @@ export class Drive {
     this.mine = false;
     show(by("stop"), this.offered);
     document.body.classList.toggle("drivable", this.offered);
+    this.showScale();
   }
 
   describe(about) {
@@ -45,12 +48,11 @@ export class Drive {
   }
 
   showScale() {
-    put(by("scale-text"), `${figure(this.scale * 100, 0, "%")}: ${figure(this.scale * Math.max(...this.full[0]), 2, "m/s")}, ${figure(this.scale * Math.max(...this.full[1]), 2, "rad/s")}`);
+    put(by("scale-text"), `${figure(this.scale * 100, 0, "%")}: ${figure(this.scale * Math.max(...this.full[0]), 2, "m/s")}`);
   }
 
   ask(message) {
     this.refusal = "";
-    document.activeElement?.blur();
     this.send(message);
   }
 
@@ -82,6 +84,7 @@ export class Drive {
 
   refused(message) {
     this.refusal = message.text;
+    this.refusedAt = performance.now();
   }
 
   silent(on) {
@@ -95,33 +98,55 @@ export class Drive {
     this.mine = frame.driver !== null && frame.driver === this.page;
     this.inputs.wanted = this.mine;
     const armed = this.mine && frame.facts.armed;
-    put(by("control"), !this.offered ? "watching only" : this.mine ? "you have control" : frame.driver === null ? "nobody has control" : `page ${frame.driver} drives`);
-    show(by("take"), this.offered && !this.mine);
-    by("take").disabled = frame.driver !== null;
-    show(by("leave"), this.mine);
-    show(by("arm"), this.mine && !armed);
-    show(by("disarm"), armed);
-    show(by("inputs"), this.mine);
-    by("inputs").classList.toggle("armed", armed);
+    this.forgetRefusal(`${frame.driver} ${armed}`);
+    put(by("control"), !this.offered ? "Watching only" : `Control: ${this.mine ? "this page" : frame.driver === null ? "nobody" : `page ${frame.driver}`}`);
+    this.showButtons({ take: this.offered && !this.mine, arm: this.mine && !armed, disarm: armed, leave: this.mine });
+    const asks = frame.asker !== null && frame.asker === this.page;
+    put(by("take"), frame.driver === null ? "Take control" : asks ? "Asked" : "Ask for control");
+    by("take").disabled = asks;
+    this.showAsker(frame.asker);
     document.body.classList.toggle("in-control", this.mine);
+    document.body.classList.toggle("armed", armed);
     put(by("drive-why"), this.why(frame, armed));
-    if (!this.mine) return null;
-    put(by("pad-text"), this.inputs.padText());
+    put(by("pad-text"), this.offered ? this.inputs.padText() : "");
+    if (!this.mine) {
+      put(by("asked"), "Nothing is asked for.");
+      return null;
+    }
     const { forward, left, by: source } = this.inputs.look();
     const scale = this.scale;
     const speed = (share, [low, high]) => share * scale * (share > 0 ? high : low);
-    put(by("asked"), `${figure(speed(forward, this.full[0]), 2, "m/s")}, ${figure(speed(left, this.full[1]), 2, "rad/s")}${source ? ` by ${source}` : ""}`);
+    put(by("asked"), `${figure(speed(forward, this.full[0]), 2, "m/s")}, ${figure(speed(left, this.full[1]), 2, "rad/s")}${source ? ` by ${source}` : ""}${source && !armed ? ", not sent: disarmed" : ""}`);
     return { forward, left, scale };
   }
 
+  showAsker(asker) {
+    const asked = this.mine && asker !== null;
+    if (asked) put(by("asked-by").firstChild, `Page ${asker} asks for control. Handing over stops the robot. `);
+    show(by("asked-by"), asked);
+    show(by("drive-why"), !asked);
+  }
+
+  showButtons(wanted) {
+    const focused = document.activeElement;
+    for (const [what, on] of Object.entries(wanted)) show(by(what), on);
+    // Who presses them by key goes on with the one that came in its place.
+    if (focused?.hidden && focused.id in wanted) Object.keys(wanted).filter((what) => wanted[what]).map(by)[0]?.focus();
+  }
+
+  /** What was refused is said until something changed, or long enough to read it. */
+  forgetRefusal(state) {
+    if (state !== this.state || performance.now() - this.refusedAt > REFUSAL_MS) this.refusal = "";
+    this.state = state;
+  }
+
   why(frame, armed) {
-    if (!this.offered) return "This page only watches. Start roburoc4 dashboard with --allow-drive to drive from it.";
+    if (!this.offered) return "Start roburoc4 dashboard with --allow-drive to drive from here.";
     if (this.refusal) return this.refusal;
-    if (!this.mine) return frame.driver === null ? "One page at a time can drive: take control, then arm." : "Somebody else drives. STOP works from every page.";
-    if (frame.why) return frame.why;
+    if (!this.mine) return frame.driver === null ? "One page at a time can drive: take control, then arm." : frame.asker === this.page ? `Page ${frame.driver} is asked. You get control with its consent, or when it is gone.` : "Another page drives. STOP works from every page.";
     if (armed && frame.must_let_go) return "Armed: let go of everything once, then drive.";
     if (armed && this.inputs.unrepeated) return "Ready: the key no longer repeated, so it counts as let go. Press it anew. Where the system repeats no keys, drive with the game pad or the stick.";
     if (armed) return "Ready: hold [A] on the game pad, drag the stick, or hold a key. Letting go stops.";
-    return frame.facts.blocked || "Is the way clear, is the emergency stop in somebody’s hand? Then arm.";
+    return frame.facts.blocked ? `Not ready to arm: ${frame.facts.blocked}.` : "Is the way clear, is the emergency stop in somebody’s hand? Then arm.";
   }
 }

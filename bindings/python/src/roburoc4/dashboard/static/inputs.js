@@ -29,8 +29,11 @@ const within = (value) => Math.max(-1, Math.min(1, value || 0));
 /** Whether the Command key is in it: while that is down, a Mac reports no releases of others. */
 const commands = (event) => event.metaKey || /^(Meta|OS)/.test(event.code);
 
-/** Whether a key is meant for this element rather than for the robot. */
-const writes = (node) => node instanceof HTMLInputElement || node instanceof HTMLSelectElement;
+/** Whether a key is meant for what has the focus rather than for the robot. */
+function writes({ target, code }) {
+  if (target.matches?.("input[type=range], [role=tab]")) return code.startsWith("Arrow");
+  return target.matches?.("input:not([type=checkbox]), select, textarea") ?? false;
+}
 
 export class Inputs {
   constructor(stick, knob, onLetGo) {
@@ -65,7 +68,7 @@ export class Inputs {
 
   press(event) {
     if (commands(event)) this.letGo();
-    if (!(event.code in MOTIONS) || event.ctrlKey || event.altKey || event.metaKey || writes(event.target)) return;
+    if (!(event.code in MOTIONS) || event.ctrlKey || event.altKey || event.metaKey || writes(event)) return;
     if (this.wanted) event.preventDefault();
     this.listen();
     // A repeat whose beginning this page has not seen began somewhere else.
@@ -76,6 +79,7 @@ export class Inputs {
 
   lift(event) {
     if (commands(event)) this.letGo();
+    if (event.code === this.unrepeated) this.unrepeated = "";
     if (!this.keys.delete(event.code)) return;
     this.hear(false);
     this.tellIfFree();
@@ -84,14 +88,14 @@ export class Inputs {
   hear(repeats) {
     this.heard = performance.now();
     this.repeats = repeats;
-    this.unrepeated = false;
+    this.unrepeated = "";
   }
 
   /** A keyboard that is silent may have been so for long. */
   listen() {
     if (!this.keys.size || performance.now() - this.heard <= (this.repeats ? REPEAT_MS : FIRST_MS)) return;
+    this.unrepeated = [...this.keys][0];
     this.keys.clear();
-    this.unrepeated = true;
   }
 
   /** What begins here would keep the release of a key to itself. */
@@ -104,6 +108,7 @@ export class Inputs {
   grip(event) {
     if (this.held || event.button > 0) return;
     this.stick.setPointerCapture(event.pointerId);
+    this.unrepeated = "";
     this.held = { pointer: event.pointerId, x: event.clientX, y: event.clientY, reach: this.stick.clientWidth / 2 };
     this.push(event);
   }
@@ -129,6 +134,7 @@ export class Inputs {
   letGo() {
     this.stuck = true;
     this.keys.clear();
+    this.unrepeated = "";
     this.release();
     this.onLetGo();
   }
@@ -150,12 +156,12 @@ export class Inputs {
     const { pad, strange } = this.pad();
     if (pad) {
       const name = pad.id.replace(/\s*\(.*$/, "") || "game pad";
-      return pad.buttons[A]?.pressed ? `${name}: ${this.stuck ? "let [A] go once" : "[A] held"}` : `${name}: hold [A], RT forward, LT back, LJ turn`;
+      return pad.buttons[A]?.pressed ? `This machine’s game pad: ${this.stuck ? "let [A] go once" : "[A] held"}` : `This machine’s game pad (${name}): hold [A]; RT forward, LT back, LJ turn`;
     }
     if (!isSecureContext || !navigator.getGamepads) {
-      return "withheld: browsers may refuse game pads to plain HTTP of another machine. Start with --tls-cert and --tls-key";
+      return "Game pad withheld: browsers may refuse it to plain HTTP. Start with --tls-cert and --tls-key";
     }
-    return strange ? "its layout is not known to the browser: not used" : "none seen: plug it in, press a button";
+    return strange ? "Game pad not used: the browser does not know its layout" : "No game pad seen: plug it in, press a button";
   }
 
   fromPad(pad) {

@@ -18,6 +18,7 @@ export class Link {
     this.latest = null;
     this.wasSilent = null;
     this.why = "";
+    this.robot = decodeURIComponent(location.hash.slice(1));
     this.connect();
     setInterval(() => this.look(), 200);
     addEventListener("pagehide", () => this.socket?.close());
@@ -26,7 +27,7 @@ export class Link {
 
   connect() {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
-    const socket = new WebSocket(`${scheme}://${location.host}/socket`);
+    const socket = new WebSocket(`${scheme}://${location.host}/socket?robot=${encodeURIComponent(this.robot)}`);
     this.socket = socket;
     socket.addEventListener("message", (event) => socket === this.socket && this.hear(event.data));
     socket.addEventListener("close", (closed) => {
@@ -38,6 +39,16 @@ export class Link {
       setTimeout(() => this.socket ?? this.connect(), RETRY_MS);
       this.askWhy(closed);
     });
+  }
+
+  /** Show another robot; what this page held of the one before ends with its connection. */
+  use(robot) {
+    if (robot === this.robot) return;
+    this.robot = robot;
+    location.hash = encodeURIComponent(robot);
+    this.latest = null;
+    this.socket?.close();
+    this.connect();
   }
 
   /** A refused WebSocket gives a page no reason; a refused request does. */

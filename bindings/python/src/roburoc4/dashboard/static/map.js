@@ -1,22 +1,30 @@
 // SPDX-License-Identifier: MIT
 // The robot from above at its pose: X up and Y left where the view is not turned, as on paper.
-import { by, colour, figure, put } from "./text.js";
+import { by, colour, figure, mark, put } from "./text.js";
 
 const LENGTH = 1.31;
 const WIDTH = 0.75;
 const WHEEL = { x: 0.305, y: 0.34, length: 0.56, width: 0.14 };
 const MOST_PLACES = 8000;
 const STEP_M = 0.03;
+const NEAR_PX = 14;
+const NEAR_M = 0.5;
+const RECENT_S = 60;
+const JUMP_M = 0.5;
+const LONGEST_CONE_M = 2.5; // what is farther is a line, and leaves the view free
+const clock = new Intl.DateTimeFormat(undefined, { hour: "2-digit", minute: "2-digit", second: "2-digit", hourCycle: "h23" });
 const COLOURS = ["--grid", "--grid-bold", "--text", "--soft", "--card", "--blue", "--orange", "--red", "--sky", "--body", "--wheel", "--box"];
 
 export class RobotMap {
-  constructor(canvas, onMoveBox) {
+  constructor(canvas, send, relocalize, onMoveBox) {
+    this.relocalize = relocalize;
     this.canvas = canvas;
+    this.send = send;
     this.pen = canvas.getContext("2d");
     this.onMoveBox = onMoveBox;
     this.path = [];
     this.truth = [];
-    this.scale = 70;
+    this.scale = 60;
     this.centre = { x: 0, y: 0 };
     this.follow = true;
     this.drag = null;
@@ -53,8 +61,21 @@ export class RobotMap {
     return { x: this.centre.x - (py - this.height / 2) / this.scale, y: this.centre.y - (px - this.width / 2) / this.scale };
   }
 
-  zoom(factor) {
+  /** The place under the cursor stays there, unless the robot is followed. */
+  zoom(factor, px = this.width / 2, py = this.height / 2) {
+    const before = this.place(px, py);
     this.scale = Math.max(4, Math.min(400, this.scale * factor));
+    const after = this.place(px, py);
+    if (this.follow) return;
+    this.centre.x += before.x - after.x;
+    this.centre.y += before.y - after.y;
+  }
+
+  key(event) {
+    if (event.ctrlKey || event.altKey || event.metaKey || event.target.matches?.("input, select, textarea")) return;
+    if (event.key === "+") this.zoom(1.4);
+    else if (event.key === "-") this.zoom(1 / 1.4);
+    else if (event.code === "KeyF" && !event.repeat) this.setFollow(!this.follow);
   }
 
   setFollow(on) {
@@ -68,18 +89,25 @@ export class RobotMap {
     by("map-in").addEventListener("click", () => this.zoom(1.4));
     by("map-out").addEventListener("click", () => this.zoom(1 / 1.4));
     by("map-follow").addEventListener("click", () => this.setFollow(!this.follow));
-    by("map-clear").addEventListener("click", () => { this.path = []; this.truth = []; });
+    by("map-clear").addEventListener("click", () => this.send({ type: "forget_trail" }));
+    addEventListener("keydown", (event) => this.key(event));
     const canvas = this.canvas;
-    canvas.addEventListener("wheel", (event) => { event.preventDefault(); this.zoom(Math.exp(-event.deltaY / 500)); }, { passive: false });
+    canvas.addEventListener("wheel", (event) => { event.preventDefault(); this.zoom(Math.exp(-event.deltaY / 500), event.offsetX, event.offsetY); }, { passive: false });
     canvas.addEventListener("pointerdown", (event) => this.press(event));
     canvas.addEventListener("pointermove", (event) => this.move(event));
     for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, (event) => { this.fingers.delete(event.pointerId); this.drag = null; });
+    canvas.addEventListener("pointerleave", () => { this.pointer = null; });
   }
 
   press(event) {
     this.canvas.setPointerCapture(event.pointerId);
     this.fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
     const { x, y } = this.place(event.offsetX, event.offsetY);
+    if (this.relocalize.active) {
+      this.relocalize.press({ x, y });
+      this.drag = { relocalizes: true };
+      return;
+    }
     const boxes = this.frame?.sim?.boxes ?? [];
     const index = boxes.findLastIndex(([boxX, boxY, sizeX, sizeY]) => Math.abs(x - boxX) <= sizeX / 2 + 0.05 && Math.abs(y - boxY) <= sizeY / 2 + 0.05);
     this.drag = index >= 0 ? { box: index, dx: boxes[index][0] - x, dy: boxes[index][1] - y } : { x, y };
@@ -88,15 +116,19 @@ export class RobotMap {
   move(event) {
     const here = this.place(event.offsetX, event.offsetY);
     this.canvas.style.cursor = this.drag ? "grabbing" : "grab";
+    this.pointer = this.drag ? null : [event.offsetX, event.offsetY];
     if (!this.fingers.has(event.pointerId)) return;
     if (this.fingers.size === 2) {
       const apart = () => { const [a, b] = [...this.fingers.values()]; return Math.hypot(a[0] - b[0], a[1] - b[1]); };
       const before = apart();
       this.fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
-      this.zoom(apart() / Math.max(before, 1));
+      const [[ax, ay], [bx, by_]] = [...this.fingers.values()];
+      this.zoom(apart() / Math.max(before, 1), (ax + bx) / 2, (ay + by_) / 2);
       return;
     }
-    if (this.drag?.box !== undefined) {
+    if (this.drag?.relocalizes) {
+      this.relocalize.drag(here);
+    } else if (this.drag?.box !== undefined) {
       this.onMoveBox(this.drag.box, here.x + this.drag.dx, here.y + this.drag.dy);
     } else if (this.drag) {
       this.setFollow(false);
@@ -107,15 +139,16 @@ export class RobotMap {
 
   // ---- what is known ----
 
-  begin(places) {
-    this.path = places[0].map((x, index) => [x, places[1][index]]);
+  /** The trail as the dashboard keeps it: places and their times. */
+  begin({ path: [xs, ys, times] }) {
+    this.path = xs.map((x, index) => [x, ys[index], times[index]]);
     this.truth = [];
   }
 
-  keep(list, x, y) {
+  keep(list, x, y, time_s) {
     const last = list.at(-1);
     if (last && Math.hypot(x - last[0], y - last[1]) < STEP_M) return;
-    list.push([x, y]);
+    list.push([x, y, time_s]);
     if (list.length > MOST_PLACES) list.splice(0, MOST_PLACES / 4);
   }
 
@@ -124,22 +157,21 @@ export class RobotMap {
     this.about = about;
     const pose = frame.pose;
     if (pose && pose.x_m !== null && pose.y_m !== null && pose.theta_rad !== null) {
-      this.keep(this.path, pose.x_m, pose.y_m);
+      this.keep(this.path, pose.x_m, pose.y_m, frame.time_s);
       if (this.follow) this.centre = { x: pose.x_m, y: pose.y_m };
     }
-    if (frame.sim) this.keep(this.truth, frame.sim.pose.x_m, frame.sim.pose.y_m);
+    if (frame.sim) this.keep(this.truth, frame.sim.pose.x_m, frame.sim.pose.y_m, frame.time_s);
     this.paint();
     put(by("pose"), pose ? `x ${figure(pose.x_m, 2, "m")}   y ${figure(pose.y_m, 2, "m")}   θ ${figure((pose.theta_rad * 180) / Math.PI, 0, "°")}` : "pose not reported");
-    const slips = "odometry slips in turns";
-    put(by("map-legend"), frame.sim
-      ? `Solid: odometry (${slips}). Dashed: where the robot really is. Drag the grey obstacles.`
-      : `Place and path are the robot’s odometry: ${slips}.`);
+    put(by("map-legend"), frame.sim ? "Solid: odometry, which slips in turns. Dashed: where it really is." : "By odometry, which slips in turns.");
   }
 
   // ---- painting ----
 
   paint() {
     if (!this.width) return;
+    mark(this.canvas, "trail", this.path.length);
+    mark(this.canvas, "view", `${this.centre.x} ${this.centre.y} ${this.scale}`);
     const { pen, ink } = this;
     pen.setTransform(this.dense, 0, 0, this.dense, 0, 0);
     pen.clearRect(0, 0, this.width, this.height);
@@ -151,10 +183,42 @@ export class RobotMap {
     if (this.frame.sim) this.paintTruth(this.frame.sim.pose);
     if (pose && pose.theta_rad !== null && pose.x_m !== null && pose.y_m !== null) {
       this.inFrame(pose, () => this.paintCones());
-      this.inFrame(pose, () => this.paintRobot());
       this.paintDistances(pose);
+      this.inFrame(pose, () => this.paintRobot());
     }
+    for (const other of this.frame.fleet) if (other.name !== this.about.name && other.pose) this.paintOther(other);
+    if (this.relocalize.wanted) this.outline(this.relocalize.wanted, ink.blue);
+    this.paintTime();
     this.paintScale();
+  }
+
+  /** Another robot, where it believes to be. */
+  paintOther({ name, pose, state }) {
+    if (pose.x_m === null || pose.y_m === null || pose.theta_rad === null) return;
+    const ink = state === "ready" ? this.ink.text : this.ink.soft;
+    this.outline(pose, ink);
+    const [px, py] = this.at(pose.x_m, pose.y_m);
+    this.label(name, px, py + 4, ink);
+  }
+
+  /** When the robot was where the pointer is on its trail. */
+  paintTime() {
+    if (!this.pointer) return;
+    const { pen, ink } = this;
+    const [px, py] = this.pointer;
+    let nearest = [NEAR_PX, null];
+    for (const [x, y, time_s] of this.path) {
+      const [sx, sy] = this.at(x, y);
+      const away = Math.hypot(sx - px, sy - py);
+      if (away < nearest[0]) nearest = [away, [sx, sy, time_s]];
+    }
+    if (!nearest[1]) return;
+    const [x, y, time_s] = nearest[1];
+    pen.fillStyle = ink.blue;
+    pen.beginPath();
+    pen.arc(x, y, 4, 0, 2 * Math.PI);
+    pen.fill();
+    this.label(clock.format(time_s * 1000), ...this.inside("00:00:00", x, y - 10), ink.text);
   }
 
   paintGrid() {
@@ -185,7 +249,7 @@ export class RobotMap {
     pen.moveTo(x, y - 5); pen.lineTo(x, y); pen.lineTo(x + long, y); pen.lineTo(x + long, y - 5);
     pen.stroke();
     this.label(`${this.cell} m`, x + 4, y - 8, ink.soft, "left");
-    this.label("X ↑   Y ←", this.width - 10, this.height - 12, ink.soft, "right");
+    this.label("X ↑   Y ←", x + long + 14, y, ink.soft, "left");
   }
 
   label(text, x, y, ink, align = "center") {
@@ -206,15 +270,28 @@ export class RobotMap {
     return [Math.max(half, Math.min(this.width - half, x)), Math.max(16, Math.min(this.height - 42, y))];
   }
 
+  /** The last minute in full colour, what is older paler. */
   paintPath(places, ink, dashes) {
+    const recent = places.findIndex(([, , time_s]) => time_s > this.frame.time_s - RECENT_S);
+    const from = recent < 0 ? places.length : recent;
     const { pen } = this;
     pen.strokeStyle = ink;
     pen.lineWidth = 2;
     pen.lineJoin = "round";
     pen.setLineDash(dashes);
-    pen.beginPath();
-    for (const [x, y] of places) pen.lineTo(...this.at(x, y));
-    pen.stroke();
+    for (const [part, alpha] of [[places.slice(0, from + 1), 0.45], [places.slice(from), 1]]) {
+      pen.globalAlpha = alpha;
+      pen.beginPath();
+      let last = null;
+      for (const [x, y] of part) {
+        // A robot that was told its place anew did not drive there.
+        if (last && Math.hypot(x - last[0], y - last[1]) > JUMP_M) pen.moveTo(...this.at(x, y));
+        pen.lineTo(...this.at(x, y));
+        last = [x, y];
+      }
+      pen.stroke();
+    }
+    pen.globalAlpha = 1;
     pen.setLineDash([]);
   }
 
@@ -251,42 +328,45 @@ export class RobotMap {
   paintCones() {
     const { pen, ink } = this;
     for (const { x_m, y_m, theta_rad, field_of_view_rad, max_distance_m, distance } of this.sensors()) {
+      if (distance === null) continue;
       const [from, to] = [theta_rad - field_of_view_rad / 2, theta_rad + field_of_view_rad / 2];
-      const cone = (radius) => { pen.beginPath(); pen.moveTo(x_m, y_m); pen.arc(x_m, y_m, radius, from, to); pen.closePath(); };
-      cone(max_distance_m);
-      pen.strokeStyle = ink.sky;
-      pen.globalAlpha = 0.45;
-      pen.lineWidth = 1 / this.scale;
-      pen.stroke();
-      if (distance !== null) {
-        const reach = Math.max(0, Math.min(distance, max_distance_m));
-        pen.globalAlpha = 0.2;
-        pen.fillStyle = ink.sky;
-        cone(reach);
-        pen.fill();
-        if (distance < max_distance_m) {
-          pen.globalAlpha = 1;
-          pen.lineWidth = 3.5 / this.scale;
-          pen.strokeStyle = distance < 0.5 ? ink.red : ink.sky;
-          pen.beginPath();
-          pen.arc(x_m, y_m, reach, from, to);
-          pen.stroke();
-        }
+      const reach = Math.max(0, Math.min(distance, max_distance_m));
+      const radius = Math.max(0.01, Math.min(reach, LONGEST_CONE_M));
+      const fade = pen.createRadialGradient(x_m, y_m, 0, x_m, y_m, radius);
+      fade.addColorStop(0, `${ink.sky}55`);
+      fade.addColorStop(1, `${ink.sky}${reach > LONGEST_CONE_M ? "00" : "33"}`);
+      pen.fillStyle = fade;
+      pen.beginPath(); pen.moveTo(x_m, y_m); pen.arc(x_m, y_m, radius, from, to); pen.closePath();
+      pen.fill();
+      if (distance < max_distance_m) {
+        pen.lineWidth = 3.5 / this.scale;
+        pen.strokeStyle = distance < NEAR_M ? ink.red : ink.sky;
+        pen.beginPath();
+        pen.arc(x_m, y_m, reach, from, to);
+        pen.stroke();
       }
-      pen.globalAlpha = 1;
     }
   }
 
+  /** Beside what was measured; where that is out of view, on the way there. */
   paintDistances(pose) {
-    for (const sensor of this.sensors()) {
-      const { distance, max_distance_m, theta_rad } = sensor;
-      const reach = Math.min(Math.max(distance ?? 0.7, 0.35), 1.6);
-      const [x, y] = [sensor.x_m + reach * Math.cos(theta_rad), sensor.y_m + reach * Math.sin(theta_rad)];
-      const [c, s] = [Math.cos(pose.theta_rad), Math.sin(pose.theta_rad)];
-      const [px, py] = this.at(pose.x_m + c * x - s * y, pose.y_m + s * x + c * y);
-      const text = distance === null ? "no distance" : distance >= max_distance_m ? `free to ${figure(max_distance_m, 1, "m")}` : figure(distance, 2, "m");
-      this.label(text, ...this.inside(text, px, py + 4), distance !== null && distance < 0.5 ? this.ink.red : this.ink.text);
+    const [c, s] = [Math.cos(pose.theta_rad), Math.sin(pose.theta_rad)];
+    for (const { x_m, y_m, theta_rad, distance, max_distance_m } of this.sensors()) {
+      if (distance === null) continue;
+      const free = distance >= max_distance_m;
+      const text = free ? `free ${figure(max_distance_m, 0, "m")}` : figure(distance, 2, "m");
+      const on = (reach) => {
+        const [x, y] = [x_m + reach * Math.cos(theta_rad), y_m + reach * Math.sin(theta_rad)];
+        return this.at(pose.x_m + c * x - s * y, pose.y_m + s * x + c * y);
+      };
+      let reach = free ? LONGEST_CONE_M * 0.6 : distance + 18 / this.scale;
+      while (reach > 0.3 && !this.sees(...on(reach))) reach -= 0.1;
+      if (this.sees(...on(reach))) this.label(text, on(reach)[0], on(reach)[1] + 4, distance < NEAR_M ? this.ink.red : this.ink.text);
     }
+  }
+
+  sees(px, py) {
+    return px > 34 && px < this.width - 34 && py > 44 && py < this.height - 36;
   }
 
   paintRobot() {
@@ -332,9 +412,13 @@ export class RobotMap {
   }
 
   paintTruth(pose) {
-    const { pen, ink } = this;
+    this.outline(pose, this.ink.orange);
+  }
+
+  outline(pose, ink) {
+    const { pen } = this;
     this.inFrame(pose, () => {
-      pen.strokeStyle = ink.orange;
+      pen.strokeStyle = ink;
       pen.lineWidth = 2.5 / this.scale;
       pen.setLineDash([0.1, 0.07]);
       pen.strokeRect(-LENGTH / 2, -WIDTH / 2, LENGTH, WIDTH);

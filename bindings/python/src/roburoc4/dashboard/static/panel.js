@@ -25,7 +25,7 @@ const PAD = [["rt", "RT forward", 0, 100], ["lt", "LT backward", 0, 100], ["ljx"
 
 /** A control that was just moved keeps its value until the simulator has it. */
 const hold = (input) => { input.held = performance.now() + HOLD_MS; };
-const held = (input) => input === document.activeElement || performance.now() < (input.held ?? 0);
+const held = (input) => input.matches(":active") || performance.now() < (input.held ?? 0);
 
 export class Panel {
   constructor(send) {
@@ -50,7 +50,7 @@ export class Panel {
       const box = make("input");
       box.type = "checkbox";
       box.name = name;
-      box.addEventListener("change", () => { hold(box); this.line(box.checked ? on : off); box.blur(); });
+      box.addEventListener("change", () => { hold(box); this.line(box.checked ? on : off); });
       this.switches.set(name, box);
       switches.append(make("label", "switch", "", box, make("span", "", text)));
     }
@@ -59,7 +59,7 @@ export class Panel {
 
   button(text, action, className = "") {
     const button = make("button", className, text);
-    button.addEventListener("click", () => { action(); button.blur(); });
+    button.addEventListener("click", () => { action(); });
     return button;
   }
 
@@ -82,12 +82,11 @@ export class Panel {
     Object.assign(input, { type: "range", min: low, max: high, step, value: Math.max(low, Math.min(0, high)) });
     const output = make("output", "", `0 ${unit}`);
     input.addEventListener("input", () => { hold(input); onInput(Number(input.value)); });
-    input.addEventListener("change", () => input.blur());
     return { input, output, node: make("label", "slider", "", make("span", "", text), input, output) };
   }
 
   pad() {
-    const place = make("div", "group", "", make("h3", "", "The robot’s game pad"));
+    const place = make("div", "group", "", make("h2", "", "The robot’s game pad"));
     for (const [axis, text, low, high] of PAD) {
       const slider = this.slider(text, low, high, 5, "%", (value) => {
         put(slider.output, figure(value, 0, "%"));
@@ -106,11 +105,11 @@ export class Panel {
   battery() {
     const slider = this.slider("Battery charge", 0, 100, 1, "%", (value) => this.soon("battery", { type: "panel", line: `battery ${value}` }));
     this.charge = slider;
-    return make("div", "group", "", make("h3", "", "Battery"), slider.node);
+    return make("div", "group", "", make("h2", "", "Battery"), slider.node);
   }
 
   faults() {
-    const place = make("div", "group", "", make("h3", "", "Faults of the network"));
+    const place = make("div", "group", "", make("h2", "", "Faults of the network"));
     const tell = () => {
       const faults = {};
       for (const [name, , , , unit] of FAULTS) faults[name] = Number(this.sliders.get(name).input.value) / (unit === "%" ? 100 : 1);

@@ -1,147 +1,238 @@
 // SPDX-License-Identifier: MIT
-// What happened over time. uPlot draws; this feeds it, and lets it scroll, stand and zoom.
-import { by, colour, figure, mark, put } from "./text.js";
+// What happened over time: signals that somebody chose, one plot for each unit, on one time axis. uPlot draws;
+// this feeds it, and lets it scroll, stand, zoom, and go out as a table.
+import { by, colour, figure, make, mark, put, save } from "./text.js";
 
 const MOST = 12000;
-const EVERY_S = 0.06;
-const BATTERY_EVERY_S = 5;
+const EVERY_S = 0.1;
 const REDRAW_S = 0.1;
 const TIME_STEPS_S = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200];
-const LEAST_SPEED = 0.2;
-const HEIGHT = 132;
-const SPANS = [10, 30, 60, 120, 300, 600];
-
+const HEIGHT = 128;
+const SPANS = [10, 30, 60, 120, 300, 600, 3600, 43200];
+const INKS = ["--blue", "--orange", "--green", "--violet", "--red", "--sky", "--text", "--soft"];
+const DASHES = [[], [7, 4], [2, 3]];
+// Noise of a robot that stands is not the whole plot.
+const RANGES = {
+  "m/s": (low, high) => [Math.min(-0.2, low * 1.1), Math.max(0.2, high * 1.1)],
+  "rad/s": (low, high) => [Math.min(-0.2, low * 1.1), Math.max(0.2, high * 1.1)],
+  "%": () => [0, 100],
+  "% lost": (_, high) => [0, Math.max(5, high * 1.1)],
+  on: () => [-0.1, 1.1],
+  V: (low, high) => [Math.floor(low - 0.5), Math.ceil(high + 0.5)],
+  m: (_, high) => [0, Math.max(1, high * 1.1)],
+  ms: (_, high) => [0, Math.max(10, high * 1.1)],
+};
+const FIRST = ["target", "speed"];
 const clock = new Intl.DateTimeFormat(undefined, { hour: "2-digit", minute: "2-digit", second: "2-digit", hourCycle: "h23" });
 
-const reading = (digits, unit) => (_, number) => figure(number, digits, unit);
+const ready = (frame) => frame.state === "ready";
+const speed = (index) => (frame) => (ready(frame) ? frame.speeds?.[index] ?? null : null);
+const battery = (name) => (frame) => (ready(frame) ? frame.battery?.[name] ?? null : null);
+const FIXED = [
+  ["target", "speed, target", "m/s", 2, speed(0)], ["speed", "speed", "m/s", 2, speed(1)],
+  ["turn_target", "turn, target", "rad/s", 2, speed(2)], ["turn", "turn", "rad/s", 2, speed(3)],
+  ["battery", "battery", "%", 0, battery("percent")], ["voltage", "battery voltage", "V", 2, battery("volts")],
+  ["round_trip", "round trip", "ms", 1, (frame) => frame.link.round_trip_ms],
+  ["loss", "loss", "% lost", 1, (frame) => (frame.link.loss === null ? null : frame.link.loss * 100)],
+].map(([id, label, unit, digits, of]) => ({ id, label, unit, digits, of }));
 
-const speedScale = { y: { range: (_, low, high) => [Math.min(-LEAST_SPEED, (low ?? 0) * 1.1), Math.max(LEAST_SPEED, (high ?? 0) * 1.1)] } };
+/** All signals of a robot. */
+function signalsOf(about) {
+  const distances = about.telemeter.map((_, index) => ({ id: `distance_${index}`, label: `distance ${index}`, unit: "m", digits: 2, of: (frame) => (ready(frame) ? frame.distances_m?.[index] ?? null : null) }));
+  const analog = about.channels.analog_inputs.map((name, index) => ({ id: `analog_${index}`, label: `AI ${index} ${name}`, unit: "analog", digits: 2, of: (frame) => (ready(frame) ? frame.analog?.[index] ?? null : null) }));
+  const digital = about.channels.digital_inputs.map((name, index) => ({ id: `digital_${index}`, label: `DI ${index} ${name}`, unit: "on", digits: 0, of: (frame) => (ready(frame) && frame.digital ? Number(frame.digital[index]) : null) }));
+  return [...FIXED, ...distances, ...analog, ...digital];
+}
 
-const batteryScales = { y: { range: [0, 100] }, volts: { range: (_, low, high) => [Math.floor((low ?? 20) - 0.5), Math.ceil((high ?? 28) + 0.5)] } };
-
-const side = (label) => ({ label, labelSize: 18, labelFont: "11px system-ui" });
-const voltSide = { scale: "volts", side: 1, grid: { show: false }, values: (_, volts) => volts.map((value) => `${value} V`), size: 44 };
-
-const line = (label, ink, value, rest) => ({ label, stroke: colour(ink), width: 2, points: { show: false }, value, ...rest });
-const speedLines = (unit) => [line("target", "--orange", reading(2, unit), { dash: [6, 4] }), line("current", "--blue", reading(2, unit))];
-const batteryLines = () => [line("charge", "--blue", reading(0, "%")), line("voltage", "--orange", reading(2, "V"), { scale: "volts", dash: [2, 3] })];
-
-class Columns {
-  constructor(count, every) {
-    this.data = Array.from({ length: count }, () => []);
-    this.every = every;
-  }
-
-  begin(columns) {
-    this.data = columns.map((column) => [...column]);
-  }
-
-  add(row) {
-    const times = this.data[0];
-    if (times.length && row[0] - times.at(-1) < this.every && row[0] >= times.at(-1)) return;
-    if (times.length && row[0] < times.at(-1)) this.data.forEach((column) => column.splice(0));
-    this.data.forEach((column, index) => column.push(row[index]));
-    if (times.length > MOST) this.data.forEach((column) => column.splice(0, MOST / 4));
-  }
+function chosenBefore() {
+  try { return JSON.parse(localStorage.getItem("signals")) ?? FIRST; } catch { return FIRST; }
 }
 
 export class Plots {
   constructor() {
-    this.speeds = new Columns(5, EVERY_S);
-    this.battery = new Columns(3, BATTERY_EVERY_S);
+    this.signals = FIXED;
+    this.chosen = new Set(chosenBefore());
+    this.times = [];
+    this.values = new Map();
     this.span = 30;
     this.paused = false;
+    this.range = null;
     this.drawn = 0;
     this.now = 0;
     this.plots = [];
     by("plot-pause").addEventListener("click", () => this.pause(!this.paused));
     by("plot-less").addEventListener("click", () => this.zoom(-1));
     by("plot-more").addEventListener("click", () => this.zoom(1));
+    by("plot-export").addEventListener("click", () => this.export());
     addEventListener("theme", () => this.build());
-    this.build();
-    new ResizeObserver(() => this.resize()).observe(by("plot-linear"));
+    new ResizeObserver(() => this.resize()).observe(by("plots"));
+    this.describe(null);
   }
 
-  pause(on) {
+  // ---- which signals ----
+
+  describe(about) {
+    if (about) this.signals = signalsOf(about);
+    by("plot-signals").replaceChildren(...this.signals.map((signal) => {
+      const box = make("input");
+      Object.assign(box, { type: "checkbox", name: signal.id, checked: this.chosen.has(signal.id) });
+      box.addEventListener("change", () => this.choose(signal.id, box.checked));
+      return make("label", "switch", "", box, make("span", "", signal.label));
+    }));
+    this.build();
+  }
+
+  choose(id, on) {
+    if (on) this.chosen.add(id); else this.chosen.delete(id);
+    try { localStorage.setItem("signals", JSON.stringify([...this.chosen])); } catch { /* for this time only */ }
+    this.build();
+  }
+
+  // ---- values ----
+
+  /** Begin with what the dashboard has kept: speeds and battery, which were measured at different times. */
+  begin(speeds, charge) {
+    const rows = [];
+    speeds[0].forEach((time, row) => rows.push([time, { target: speeds[1][row], speed: speeds[2][row], turn_target: speeds[3][row], turn: speeds[4][row] }]));
+    charge[0].forEach((time, row) => rows.push([time, { battery: charge[1][row], voltage: charge[2][row] }]));
+    this.times = [];
+    this.values.clear();
+    for (const [time, row] of rows.toSorted((a, b) => a[0] - b[0])) this.add(time, row);
+    this.redraw();
+  }
+
+  column(id) {
+    if (!this.values.has(id)) this.values.set(id, []);
+    return this.values.get(id);
+  }
+
+  /** A missing value was not measured then; null is a gap. */
+  add(time, row) {
+    if (this.times.length && time < this.times.at(-1)) {
+      this.times.length = 0;
+      this.values.clear();
+    }
+    const index = this.times.push(time) - 1;
+    for (const [id, value] of Object.entries(row)) this.column(id)[index] = value;
+    if (index < MOST) return;
+    this.times.splice(0, MOST / 4);
+    for (const column of this.values.values()) column.splice(0, MOST / 4);
+  }
+
+  show(frame, seen) {
+    this.now = frame.time_s;
+    const last = this.times.at(-1) ?? -Infinity;
+    if (this.now - last >= EVERY_S || this.now < last) this.add(this.now, Object.fromEntries(this.signals.map(({ id, of }) => [id, of(frame)])));
+    if (seen && !this.paused && (this.now - this.drawn > REDRAW_S || this.now < this.drawn)) this.redraw();
+  }
+
+  // ---- time ----
+
+  pause(on, range = null) {
     this.paused = on;
-    const button = by("plot-pause");
-    button.setAttribute("aria-pressed", String(on));
-    put(button, on ? "go on" : "pause");
-    if (!on) this.redraw();
+    this.range = on ? range ?? [this.now - this.span, this.now] : null;
+    by("plot-pause").setAttribute("aria-pressed", String(on));
+    put(by("plot-pause"), on ? "go on" : "pause");
+    this.redraw();
   }
 
   zoom(way) {
-    this.span = SPANS[Math.max(0, Math.min(SPANS.length - 1, SPANS.indexOf(this.span) + way))];
-    put(by("plot-span"), this.span < 60 ? `${this.span} s` : `${this.span / 60} min`);
+    if (this.range) {
+      const [low, high] = this.range;
+      const half = ((high - low) / 2) * (way < 0 ? 0.5 : 2);
+      this.range = [(low + high) / 2 - half, (low + high) / 2 + half];
+    } else {
+      this.span = SPANS[Math.max(0, Math.min(SPANS.length - 1, SPANS.indexOf(this.span) + way))];
+    }
     this.redraw();
   }
 
-  options(place, series, axes, scales) {
-    const soft = colour("--soft");
-    const grid = { stroke: colour("--grid"), width: 1 };
-    const style = { stroke: soft, grid, ticks: { show: false }, font: "11px system-ui, sans-serif" };
-    return {
-      width: Math.max(place.clientWidth, 200),
-      height: HEIGHT,
-      series: [{ label: "time", value: (_, time) => (time === null ? "–" : clock.format(time * 1000)) }, ...series],
-      axes: [{ ...style, space: 70, size: 26, incrs: TIME_STEPS_S, values: (_, times) => times.map((time) => clock.format(time * 1000)) }, ...axes.map((axis) => ({ ...style, size: 52, space: 26, ...axis }))],
-      scales: { x: { time: false }, ...scales },
-      cursor: { drag: { x: true, y: false }, bind: { dblclick: () => () => { this.pause(false); return null; } } },
-      legend: { live: true },
-      hooks: { setSelect: [(plot) => plot.select.width > 0 && this.pause(true)] },
-    };
+  get shown() {
+    return this.range ?? [this.now - this.span, this.now];
   }
 
-  plot(id, series, axes, scales, data) {
-    return new globalThis.uPlot(this.options(by(id), series, axes, scales), data, by(id));
-  }
+  // ---- plots ----
 
   build() {
     this.plots.forEach((plot) => plot.destroy());
-    this.plots = [
-      this.plot("plot-linear", speedLines("m/s"), [side("linear, m/s")], speedScale, this.view(0)),
-      this.plot("plot-angular", speedLines("rad/s"), [side("turn, rad/s")], speedScale, this.view(1)),
-      this.plot("plot-battery", batteryLines(), [side("charge, %"), voltSide], batteryScales, this.view(2)),
-    ];
-    this.zoom(0);
-  }
-
-  view(index) {
-    const [times, targetLinear, linear, targetAngular, angular] = this.speeds.data;
-    return [[times, targetLinear, linear], [times, targetAngular, angular], this.battery.data][index];
-  }
-
-  resize() {
-    this.plots.forEach((plot) => plot.setSize({ width: Math.max(plot.root.parentElement.clientWidth, 200), height: plot.height }));
-  }
-
-  begin(speeds, battery) {
-    this.speeds.begin(speeds);
-    this.battery.begin(battery);
+    const chosen = this.signals.filter(({ id }) => this.chosen.has(id));
+    const units = [...new Set(chosen.map(({ unit }) => unit))];
+    by("plots").replaceChildren();
+    this.plots = units.map((unit) => this.plot(unit, chosen.filter((signal) => signal.unit === unit)));
+    if (!units.length) by("plots").append(make("p", "legend", "Choose signals above."));
     this.redraw();
   }
 
-  show(frame) {
-    this.now = frame.time_s;
-    // The last values of a lost robot are not continued: a gap.
-    const fresh = frame.state === "ready";
-    if (frame.speeds) this.speeds.add([frame.time_s, ...(fresh ? frame.speeds : [null, null, null, null])]);
-    if (frame.battery) this.battery.add([frame.time_s, ...(fresh ? [frame.battery.percent, frame.battery.volts] : [null, null])]);
-    if (!this.paused && (this.now - this.drawn > REDRAW_S || this.now < this.drawn)) this.redraw();
+  plot(unit, signals) {
+    const grid = { stroke: colour("--grid"), width: 1 };
+    const style = { stroke: colour("--soft"), grid, ticks: { show: false }, font: "11px system-ui, sans-serif" };
+    const range = RANGES[unit];
+    const options = {
+      width: this.width, height: HEIGHT,
+      series: [{ label: "time", value: (_, time) => (time === null ? "–" : clock.format(time * 1000)) }, ...signals.map(({ label, digits }, index) => ({
+        label, width: 2, stroke: colour(INKS[index % INKS.length]), dash: DASHES[Math.floor(index / INKS.length) % DASHES.length], points: { show: false }, value: (_, value) => figure(value, digits),
+      }))],
+      axes: [{ ...style, space: 70, size: 24, incrs: TIME_STEPS_S, values: (_, times) => times.map((time) => clock.format(time * 1000)) },
+        { ...style, size: 52, space: 26, label: unit, labelSize: 18, labelFont: "11px system-ui" }],
+      scales: { x: { time: false }, ...(range && { y: { range: (_, low, high) => range(low ?? 0, high ?? 0) } }) },
+      cursor: { sync: { key: "time" }, drag: { x: true, y: false, setScale: false }, bind: { dblclick: () => () => { this.pause(false); return null; } } },
+      hooks: { setSelect: [(plot) => this.select(plot)] },
+    };
+    const plot = new globalThis.uPlot(options, [[]], by("plots"));
+    plot.signals = signals;
+    return plot;
+  }
+
+  /** What was dragged across becomes the time that all plots show. */
+  select(plot) {
+    const { left, width } = plot.select;
+    if (width <= 2) return;
+    const range = [plot.posToVal(left, "x"), plot.posToVal(left + width, "x")];
+    plot.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
+    this.pause(true, range);
+  }
+
+  get width() {
+    return Math.max(by("plots").clientWidth, 200);
+  }
+
+  resize() {
+    this.plots.forEach((plot) => plot.setSize({ width: this.width, height: HEIGHT }));
+  }
+
+  /** It was not seen, and is. */
+  wake() {
+    this.resize();
+    this.redraw();
   }
 
   redraw() {
-    if (this.paused) return;
     this.drawn = this.now;
-    this.plots.forEach((plot, index) => {
-      // The battery changes in minutes: its plot shows all that there is.
-      const first = this.battery.data[0][0] ?? this.now;
-      const span = index === 2 ? Math.max(this.span, this.now - first) : this.span;
-      plot.setData(this.view(index), false);
-      plot.setScale("x", { min: this.now - span, max: this.now });
+    const [min, max] = this.shown;
+    const length = max - min;
+    put(by("plot-span"), length < 60 ? `${figure(length, length < 10 ? 1 : 0)} s` : length < 3600 ? `${figure(length / 60, 0)} min` : `${figure(length / 3600, 0)} h`);
+    for (const plot of this.plots) {
+      const data = [this.times, ...plot.signals.map(({ id }) => { const column = this.column(id); column.length = this.times.length; return column; })];
+      plot.setData(data, false);
+      plot.setScale("x", { min, max });
       // The legend shows the newest values, unless the pointer is on others.
-      if (plot.cursor.left < 0) plot.setLegend({ idx: plot.data[0].length ? plot.data[0].length - 1 : null });
+      if (plot.cursor.left < 0) plot.setLegend({ idx: this.times.length ? this.times.length - 1 : null });
+    }
+    mark(by("plots"), "until", max);
+  }
+
+  // ---- out ----
+
+  /** The signals and the time that are shown, as CSV. */
+  export() {
+    const chosen = this.signals.filter(({ id }) => this.chosen.has(id));
+    const [low, high] = this.shown;
+    const lines = [["time_s", ...chosen.map(({ id }) => id)].join()];
+    this.times.forEach((time, row) => {
+      if (time < low || time > high) return;
+      const values = chosen.map(({ id }) => this.values.get(id)?.[row] ?? "");
+      if (values.some((value) => value !== "")) lines.push([time.toFixed(3), ...values].join());
     });
-    mark(by("plot-linear"), "until", this.now);
+    save("roburoc4-plot.csv", lines.join("\n") + "\n");
   }
 }

@@ -33,13 +33,13 @@ export function make(tag, className = "", text = "", ...children) {
   return node;
 }
 
-const SVG = "http://www.w3.org/2000/svg";
-
-export function draw(tag, attributes = {}, text = "") {
-  const node = document.createElementNS(SVG, tag);
-  for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
-  if (text) node.textContent = text;
-  return node;
+/** Offer a text as a file. */
+export function save(name, text) {
+  const link = make("a");
+  link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
 
 /** A colour of the theme, for a canvas. */

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+// The most urgent condition in words, with what to try, and the others beside it by name. The place never
+// changes its size: nothing moves when a condition comes or goes.
+import { by, make, mark, put } from "./text.js";
+
+const end = (text) => (text ? text[0].toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? "" : ".") : "");
+const said = ({ say, attempt }) => end(say) + (attempt ? ` Try: ${attempt}.` : "");
+
+/** All that is true and that somebody should know, most urgent first: [level, title, text]. */
+function conditions(frame, { mine, offered }, about) {
+  const { facts, link, state, battery, why } = frame;
+  const found = [];
+  const add = (on, level, title, text) => on && found.push([level, title, text]);
+  if (state !== "ready") {
+    return [[link.level === "weak" ? "weak" : "bad", state === "lost" || about.everReady ? "ROBOT LOST" : "NO ROBOT YET", said(link)]];
+  }
+  const bumpers = [facts.front_bumper && "FRONT", facts.rear_bumper && "REAR"].filter(Boolean).join(" AND ");
+  add(facts.other_commander, "bad", "ANOTHER PROGRAM COMMANDS THE ROBOT", "Two drivers at once are dangerous: end one of them.");
+  add(bumpers, "bad", `${bumpers} BUMPER`, "The robot touches something there: look, then drive away from it.");
+  add(facts.inhibited, "bad", "MOTION INHIBITED", end(why) || "A speed is asked for, but the robot stands still: look at emergency stops, brakes selector and bumpers.");
+  add(facts.overridden, "bad", "OVERRIDE", "Somebody holds [A] on the robot’s game pad and drives it. Commands from here are ignored.");
+  add(battery?.state === "critical", "bad", "BATTERY CRITICAL", "Stop work and bring the robot to its charger now.");
+  add(link.level === "bad", "bad", "LINK BAD", said(link));
+  add(facts.battery_low && battery?.state !== "critical", "weak", "BATTERY LOW", "Bring the robot to its charger. Charger and platform off before plugging it in.");
+  add(link.level === "weak", "weak", "LINK WEAK", said(link));
+  add(mine && facts.armed && why, "weak", "STOPPED", end(why));
+  if (facts.armed) add(true, "go", facts.driving ? "DRIVING" : "ARMED", mine ? "Letting go stops the robot." : "The robot takes speeds from another page.");
+  else add(true, "calm", "DISARMED", end(mine ? why || facts.blocked : "") || (offered ? "The robot takes no speed from here." : "This page only watches."));
+  return found;
+}
+
+let announced = "";
+
+function showConditions([first, ...others]) {
+  const [level, title, text] = first;
+  mark(by("banner"), "level", level);
+  put(by("banner-title"), title);
+  put(by("banner-text"), text);
+  const more = others.filter(([of]) => of === "bad" || of === "weak");
+  const names = more.map(([of, name]) => `${of}:${name}`).join();
+  if (by("banner-more").dataset.names !== names) {
+    by("banner-more").dataset.names = names;
+    by("banner-more").replaceChildren(...more.map(([of, name]) => {
+      const node = make("li", "", name);
+      node.dataset.level = of;
+      return node;
+    }));
+  }
+  announce(level, title, text);
+}
+
+/** Spoken when another condition comes, and not when a number in its text counts on. */
+function announce(level, title, text) {
+  if (title === announced) return;
+  const calm = announced === "" && level === "calm";
+  announced = title;
+  put(by("spoken"), calm || title === "DRIVING" ? "" : `${title}. ${text}`);
+}
+
+export const showBanner = (frame, drive, about) => showConditions(conditions(frame, drive, about));
+
+export function showSilence(why) {
+  showConditions([["bad", "NO CONNECTION TO THE DASHBOARD", `What you see is old, and nothing can be driven from here. ${why ? `The dashboard says: ${end(why)}` : "Is the program roburoc4 dashboard still running? Is the network up? This page connects again by itself."}`]]);
+}

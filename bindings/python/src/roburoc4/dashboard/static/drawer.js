@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// The tabs below the map: one open or none, by click or by key.
+import { by, show } from "./text.js";
+
+const KEYS = { KeyP: "plots", KeyE: "events", KeyI: "io", KeyL: "link", KeyM: "sim" };
+const ROOMY = "(min-width: 1000px) and (min-height: 820px)";
+
+/** Whether a key is meant for a field. */
+const writes = (node) => node.closest?.("input, select, textarea") !== null;
+
+export class Drawer {
+  /** onOpen: told the name of the tab that was opened. */
+  constructor(onOpen) {
+    this.onOpen = onOpen;
+    this.open = "";
+    this.tabs = [...document.querySelectorAll("[role=tab]")];
+    for (const button of document.querySelectorAll("[data-tab]")) button.addEventListener("click", () => this.toggle(button.dataset.tab));
+    addEventListener("keydown", (event) => this.key(event));
+    this.select(matchMedia(ROOMY).matches ? "plots" : "");
+  }
+
+  key(event) {
+    if (event.ctrlKey || event.altKey || event.metaKey || event.repeat) return;
+    const at = this.tabs.indexOf(document.activeElement);
+    if (at >= 0 && ["ArrowLeft", "ArrowRight"].includes(event.code)) this.focus(at, event.code === "ArrowRight" ? 1 : -1);
+    else if (event.code in KEYS && !writes(event.target) && !by(`tab-${KEYS[event.code]}`).hidden) this.toggle(KEYS[event.code]);
+    else if (event.code === "Escape" && by("drawer").contains(event.target)) this.select("");
+  }
+
+  focus(at, way) {
+    const shown = this.tabs.filter((tab) => !tab.hidden);
+    const next = shown[(shown.indexOf(this.tabs[at]) + way + shown.length) % shown.length];
+    this.select(next.dataset.tab);
+    next.focus();
+  }
+
+  toggle(name) {
+    this.select(name === this.open ? "" : name);
+  }
+
+  select(name) {
+    this.open = name;
+    for (const [index, tab] of this.tabs.entries()) {
+      const on = tab.dataset.tab === name;
+      tab.setAttribute("aria-selected", String(on));
+      tab.tabIndex = on || (!name && index === 0) ? 0 : -1;
+      show(by(`panel-${tab.dataset.tab}`), on);
+    }
+    by("drawer").classList.toggle("open", name !== "");
+    if (name) this.onOpen(name);
+  }
+}

@@ -1,0 +1,261 @@
+# SPDX-License-Identifier: MIT
+"""Recording, events, place, cameras, several robots; use by keyboard and by screen reader."""
+
+import csv
+import http.server
+import io
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from PIL import Image
+from playwright.sync_api import Download, Page, expect
+from station import LEASE_S, Station, arm, drive, open_tab, ready, take_control, until
+
+from roburoc4.dashboard.hub import Camera
+
+Visit = Callable[..., Page]
+Make = Callable[..., Station]
+
+
+def text_of(download: Download) -> str:
+    return Path(download.path()).read_text(encoding="utf-8")
+
+
+# ---- recording and events ----
+
+
+def test_a_recording_goes_on_without_the_page_and_is_downloaded(
+    station: Make, visit: Visit
+) -> None:
+    here = station(battery_percent=61.0)
+    page = visit(here.url)
+    ready(page)
+    open_tab(page, "events")
+    page.get_by_role("button", name="Record", exact=True).click()
+    expect(page.locator("#recording")).to_be_visible()
+    page.close()
+    rows = here.hub.recorder.now["rows"]
+    until(lambda: here.hub.recorder.now["rows"] > rows + 20)
+    page = visit(here.url)
+    ready(page)
+    open_tab(page, "events")
+    page.get_by_role("button", name="End recording").click()
+    expect(page.locator("#recording")).to_be_hidden()
+    with page.expect_download() as download:
+        page.get_by_role("link", name="Download CSV").click()
+    assert download.value.suggested_filename.startswith("roburoc4-")
+    found = list(csv.DictReader(io.StringIO(text_of(download.value))))
+    assert len(found) == here.hub.recorder.now["rows"] > rows
+    assert {row["remaining_percent"] for row in found} - {""} == {"61"}
+
+
+def test_there_is_no_recording_before_there_is_one(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url, forgive="404")
+    assert page.request.get(f"{here.url}recording.csv").status == 404
+    here.sim.set("power", False)
+    expect(page.locator("#quality-say")).to_have_text("Lost")
+
+
+def test_events_are_filtered_and_downloaded(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    ready(page)
+    open_tab(page, "events")
+    shown = page.locator("#events li:visible")
+    page.locator("#events-level").select_option("bad")
+    expect(page.locator("#events-none")).to_have_text("No event fits the filter.")
+    here.sim.set("pad_a", True)
+    expect(shown).to_have_count(1)
+    here.sim.set("pad_a", False)
+    page.locator("#events-level").select_option("all")
+    page.locator("#events-text").fill("game pad")
+    expect(shown).to_have_count(2)
+    with page.expect_download() as download:
+        page.locator("#events-export").click()
+    rows = list(csv.reader(io.StringIO(text_of(download.value))))
+    assert rows[0] == ["time", "level", "text"]
+    assert [row[1] for row in rows[1:]] == ["plain", "bad"]
+
+
+# ---- place ----
+
+
+def test_a_drag_on_the_map_tells_the_robot_its_place(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    ready(page)
+    expect(page.locator("#map-relocalize")).to_be_hidden()
+    take_control(page)
+    page.locator("#map-relocalize").click()
+    box = page.locator("#map").bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2 - 60, box["y"] + box["height"] / 2 - 60
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x - 40, y)
+    page.mouse.up()
+    page.wait_for_timeout(300)
+    assert here.robot.latest("localization").x_m == pytest.approx(0.0)
+    page.get_by_role("button", name="Set").click()
+    until(lambda: abs(here.robot.latest("localization").x_m - 1.0) < 0.05)
+    pose = here.robot.latest("localization")
+    assert (pose.y_m, pose.theta_rad) == pytest.approx((1.0, 1.571), abs=0.05)
+
+
+# ---- cameras ----
+
+
+class Pictures(http.server.BaseHTTPRequestHandler):
+    """A camera server with one red picture."""
+
+    def do_GET(self) -> None:
+        picture = io.BytesIO()
+        Image.new("RGB", (64, 48), "red").save(picture, "PNG")
+        self.send_response(200)
+        self.send_header("Content-Type", "image/png")
+        self.end_headers()
+        self.wfile.write(picture.getvalue())
+
+    def log_message(self, *_: object) -> None:
+        """Be quiet."""
+
+
+@pytest.fixture
+def camera() -> Iterator[str]:
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Pictures) as serving:
+        threading.Thread(target=serving.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{serving.server_port}/stream.mjpg"
+        serving.shutdown()
+
+
+def test_a_camera_is_shown_and_no_other_picture(camera: str, station: Make, visit: Visit) -> None:
+    here = station(cameras=[Camera("front", f"{camera}?size=small")])
+    page = visit(here.url, forgive="Content Security Policy|^asked http://127")
+    ready(page)
+    picture = page.get_by_alt_text("camera front")
+    until(lambda: picture.evaluate("(node) => node.naturalWidth") == 64)
+    refused = page.evaluate(
+        """(url) => new Promise((resolve) => {
+            addEventListener("securitypolicyviolation", (event) => resolve(event.blockedURI));
+            new Image().src = url;
+        })""",
+        camera.replace("stream.mjpg", "other.mjpg"),
+    )
+    assert refused.endswith("other.mjpg")
+
+
+# ---- several robots ----
+
+
+def test_the_chosen_robot_is_driven_and_stop_stops_all(station: Make, visit: Visit) -> None:
+    here = station(robots=("RED", "BLUE"))
+    red, blue = visit(here.url), visit(f"{here.url}#BLUE")
+    arm(red)
+    arm(blue)
+    expect(blue.locator("#address")).to_have_text(here.sims[1].address)
+    drive(here, red)
+    assert here.sims[1].state.nonzero_speed_commands == 0
+    expect(blue.get_by_role("button", name="STOP ALL")).to_be_visible()
+    blue.locator("#stop").click()
+    until(lambda: not any(robot.facts.armed for robot in here.robots))
+    until(lambda: not here.driven)
+    expect(red.locator("#banner-text")).to_contain_text("STOP was pressed on page 2")
+
+
+def test_choosing_another_robot_stops_the_one_before(station: Make, visit: Visit) -> None:
+    here = station(robots=("RED", "BLUE"))
+    page = visit(here.url)
+    arm(page)
+    drive(here, page)
+    page.get_by_role("button", name="BLUE").click()
+    until(lambda: not here.robots[0].facts.armed)
+    expect(page.locator("#address")).to_have_text(here.sims[1].address)
+    expect(page.locator("#control")).to_have_text("Control: nobody")
+    page.wait_for_timeout(2000 * LEASE_S)
+    assert not here.driven
+    here.sims[0].set("power", False)
+    expect(page.get_by_role("button", name="RED")).to_contain_text("lost")
+
+
+def test_a_robot_without_a_name_of_ours_is_refused(station: Make, visit: Visit) -> None:
+    here = station(robots=("RED", "BLUE"))
+    page = visit(f"{here.url}#GREY")
+    expect(page.locator("#banner-text")).to_contain_text("o robot has that name")
+
+
+# ---- without a mouse, without eyes ----
+
+
+def test_a_keyboard_alone_reaches_everything(station: Make, visit: Visit) -> None:
+    here = station(panel=True)
+    page = visit(here.url)
+    ready(page)
+    page.keyboard.press("l")
+    wanted = {"battery", "quality", "theme", "map", "map-in", "map-clear", "tab-link", "take"}
+    wanted |= {"scale", "stop", "panel-link"}
+    seen = set()
+    for _ in range(40):
+        page.keyboard.press("Tab")
+        name, ringed = page.evaluate(
+            """[document.activeElement.id,
+                getComputedStyle(document.activeElement).outlineStyle !== "none"]"""
+        )
+        assert ringed or not name, f"{name} has the focus and does not show it"
+        seen.add(name)
+    assert wanted <= seen
+
+
+def test_control_arm_and_drive_by_key_alone(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    ready(page)
+    page.locator("#take").focus()
+    page.keyboard.press("Enter")
+    expect(page.locator("#arm")).to_be_focused()
+    page.keyboard.press("Enter")
+    expect(page.locator("#disarm")).to_be_focused()
+    here.wait_until_driven(page, lambda: page.keyboard.down("w"), lambda: page.keyboard.up("w"))
+    page.keyboard.up("w")
+    page.locator("#scale").focus()
+    page.keyboard.press("ArrowRight")
+    expect(page.locator("#scale")).to_have_value("35")
+    expect(page.locator("#scale")).to_be_focused()
+    page.keyboard.press("Space")
+    until(lambda: not here.robot.facts.armed)
+
+
+def alarm(here: Station, page: Page) -> None:
+    take_control(page)
+    here.sim.set("battery_percent", 3.0)
+    here.sim.set("bumper_front", True)
+    expect(page.locator("#banner-title")).to_have_text("FRONT BUMPER")
+
+
+def lose(here: Station, page: Page) -> None:
+    here.sim.set("power", False)
+    expect(page.locator("#banner-title")).to_have_text("ROBOT LOST")
+
+
+def arm_it(_here: Station, page: Page) -> None:
+    arm(page)
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("state", [None, arm_it, alarm, lose])
+def test_axe_finds_nothing(
+    state: Callable[[Station, Page], None] | None, theme: str, station: Make, visit: Visit
+) -> None:
+    here = station(panel=True, robots=("RED", "BLUE"))
+    page = visit(here.url, color_scheme=theme, reduced_motion="reduce")
+    ready(page)
+    if state is not None:
+        state(here, page)
+    axe = Axe()
+    for tab in ("plots", "events", "io", "link", "sim"):
+        open_tab(page, tab)
+        found = axe.run(page)
+        assert found.violations_count == 0, found.generate_report()
