@@ -42,68 +42,59 @@ function(roburoc4_compile target)
     target_compile_options(${target} PRIVATE ${roburoc4_warnings})
 endfunction()
 
-# One of the two forms of a library.
-function(roburoc4_library_form target kind export_name)
-    add_library(${target} ${kind} ${lib_SOURCES})
-    add_library(roburoc4::${export_name} ALIAS ${target})
-    roburoc4_compile(${target})
-    target_include_directories(${target} PUBLIC
-        $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
-        $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-    # Bindings put the static libraries into modules of their own.
-    set_target_properties(${target} PROPERTIES
-        POSITION_INDEPENDENT_CODE ON
-        EXPORT_NAME ${export_name})
-    if(ROBUROC4_INSTALL)
-        install(TARGETS ${target} EXPORT roburoc4
-            RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR}
-            LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} NAMELINK_COMPONENT Development
-            ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT Development)
+# What a shared library shows: the functions of the headers.
+function(roburoc4_export target)
+    set(public "__attribute__((visibility(\"default\")))")
+    if(WIN32)
+        set(public "__declspec(dllexport)")
+    endif()
+    target_compile_definitions(${target} PRIVATE
+        "ROBUROC4_API=${public}" "ROBUROC4_SIM_API=${public}")
+    if(ROBUROC4_HAS_VERSION_SCRIPT)
+        target_link_options(${target} PRIVATE "${roburoc4_version_script}")
+        set_target_properties(${target} PROPERTIES
+            LINK_DEPENDS "${PROJECT_SOURCE_DIR}/cmake/roburoc4.map")
     endif()
 endfunction()
 
 # roburoc4_library(NAME SOURCES ... HEADERS ... [USES LIBRARY] [LINK ...] [PKG_PRIVATE ...]
 #                  DESCRIPTION ...)
-# makes NAME (shared) and NAME_static, their roburoc4:: names, install rules and a pkg-config file.
-# USES is another library of this project: the shared form uses its shared one, the static its
-# static one. LINK is what the system has to give, PKG_PRIVATE the same for pkg-config.
+# makes NAME, static or (BUILD_SHARED_LIBS) shared, its roburoc4:: name, install rules and a
+# pkg-config file. USES is another library of this project, LINK what the system has to give,
+# PKG_PRIVATE the same for pkg-config.
 function(roburoc4_library name)
     cmake_parse_arguments(PARSE_ARGV 1 lib "" "USES;DESCRIPTION"
         "SOURCES;HEADERS;LINK;PKG_PRIVATE")
 
     string(REGEX REPLACE "^roburoc4_" "" export_name ${name})
-    roburoc4_library_form(${name} SHARED ${export_name})
-    roburoc4_library_form(${name}_static STATIC ${export_name}_static)
-
-    set(public "__attribute__((visibility(\"default\")))")
-    if(WIN32)
-        set(public "__declspec(dllexport)")
-    endif()
-    target_compile_definitions(${name} PRIVATE
-        "ROBUROC4_API=${public}" "ROBUROC4_SIM_API=${public}")
+    add_library(${name} ${lib_SOURCES})
+    add_library(roburoc4::${export_name} ALIAS ${name})
+    roburoc4_compile(${name})
+    target_include_directories(${name} PUBLIC
+        $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
+        $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+    # Bindings put the static libraries into modules of their own.
     set_target_properties(${name} PROPERTIES
+        POSITION_INDEPENDENT_CODE ON
+        EXPORT_NAME ${export_name}
         VERSION ${PROJECT_VERSION}
         SOVERSION ${ROBUROC4_ABI_VERSION})
-    if(ROBUROC4_HAS_VERSION_SCRIPT)
-        target_link_options(${name} PRIVATE "${roburoc4_version_script}")
-        set_target_properties(${name} PROPERTIES
-            LINK_DEPENDS "${PROJECT_SOURCE_DIR}/cmake/roburoc4.map")
-    endif()
-    # Where the system tells an import library from a static one by its ending, one name serves all.
-    if(NOT MSVC)
-        set_target_properties(${name}_static PROPERTIES OUTPUT_NAME ${name})
+    if(BUILD_SHARED_LIBS)
+        roburoc4_export(${name})
     endif()
 
     set(requires)
     if(lib_USES)
         target_link_libraries(${name} PUBLIC ${lib_USES})
-        target_link_libraries(${name}_static PUBLIC ${lib_USES}_static)
         string(REPLACE "_" "-" requires "${lib_USES}")
     endif()
     target_link_libraries(${name} PRIVATE ${lib_LINK})
-    target_link_libraries(${name}_static PRIVATE ${lib_LINK})
 
     if(ROBUROC4_INSTALL)
+        install(TARGETS ${name} EXPORT roburoc4
+            RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR}
+            LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} NAMELINK_COMPONENT Development
+            ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT Development)
         foreach(header IN LISTS lib_HEADERS)
             install(FILES ${PROJECT_SOURCE_DIR}/include/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
                 COMPONENT Development)
@@ -129,6 +120,10 @@ function(roburoc4_pkg_config name PC_REQUIRES PC_DESCRIPTION PC_PRIVATE)
     set(PC_LIBRARY ${name})
     string(REPLACE "_" "-" PC_NAME ${name})
     string(REPLACE ";" " " PC_PRIVATE "${PC_PRIVATE}")
+    set(PC_PUBLIC)
+    if(NOT BUILD_SHARED_LIBS) # who links a static library has to name what it needs
+        set(PC_PUBLIC " ${PC_PRIVATE}")
+    endif()
     roburoc4_pkg_paths()
     configure_file(${PROJECT_SOURCE_DIR}/cmake/roburoc4.pc.in
         ${PROJECT_BINARY_DIR}/${PC_NAME}.pc @ONLY)
@@ -136,8 +131,7 @@ function(roburoc4_pkg_config name PC_REQUIRES PC_DESCRIPTION PC_PRIVATE)
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT Development)
 endfunction()
 
-# roburoc4_program(NAME SOURCES ... LINK ...): a program that needs no shared library of this
-# project, so that it can be copied alone.
+# roburoc4_program(NAME SOURCES ... LINK ...): with static libraries it can be copied alone.
 function(roburoc4_program name)
     cmake_parse_arguments(PARSE_ARGV 1 program "" "" "SOURCES;LINK")
     add_executable(${name} ${program_SOURCES})

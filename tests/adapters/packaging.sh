@@ -1,52 +1,65 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 #
-# packaging.sh CMAKE CC ROOT BUILD: what is installed from BUILD can be used: by a CMake project, by
-# pkg-config with shared and with static libraries, and after the tree was moved.
+# packaging.sh CMAKE CC ROOT STATIC SHARED: what is installed from these two builds can be used: by
+# a CMake project, by pkg-config, after the tree was moved, and with both of them in one place.
 set -eu
 cmake=$1
 cc=$2
 root=$3
-build=$4
+static=$4
+shared=$5
+modules="roburoc4 roburoc4-udp roburoc4-sim"
 
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-"$cmake" --install "$build" --config RelWithDebInfo --prefix "$folder/first" >"$folder/log"
-mv "$folder/first" "$folder/moved"
-prefix=$folder/moved
-libraries=$(dirname "$(find "$prefix" -name libroburoc4.a)")
 
-echo "-- find_package"
-"$cmake" -S "$root/tests/adapters/packaging" -B "$folder/consumer" -DCMAKE_C_COMPILER="$cc" \
-    -DCMAKE_PREFIX_PATH="$prefix" >>"$folder/log"
-"$cmake" --build "$folder/consumer" >>"$folder/log"
-"$folder/consumer/with_shared"
-"$folder/consumer/with_static"
-
-PKG_CONFIG_PATH=$libraries/pkgconfig
-LD_LIBRARY_PATH=$libraries
-export PKG_CONFIG_PATH LD_LIBRARY_PATH
-# pkg_config_build NAME FLAG...
-pkg_config_build() {
-    program=$folder/pkg_config_$1
-    shift
-    "$cc" -std=c99 -o "$program" "$root/tests/adapters/packaging/consumer.c" "$@"
-    "$program"
+# install_from BUILD...: sets $prefix and the environment of pkg-config and of programs.
+install_from() {
+    rm -rf "$folder/first" "$folder/moved"
+    for build in "$@"; do
+        "$cmake" --install "$build" --config RelWithDebInfo --prefix "$folder/first" >"$folder/log"
+    done
+    mv "$folder/first" "$folder/moved"
+    prefix=$folder/moved
+    PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name roburoc4.pc)")
+    LD_LIBRARY_PATH=$(dirname "$PKG_CONFIG_PATH")
+    export PKG_CONFIG_PATH LD_LIBRARY_PATH
 }
-modules="roburoc4 roburoc4-udp roburoc4-sim"
-echo "-- pkg-config, shared"
-# What pkg-config prints is a list of words.
-# shellcheck disable=SC2046,SC2086
-pkg_config_build shared $(pkg-config --cflags --libs $modules)
-echo "-- pkg-config, static"
-# shellcheck disable=SC2046,SC2086
-pkg_config_build static -static $(pkg-config --static --cflags --libs $modules)
-for module in $modules; do
-    pkg-config --modversion "$module"
-done
 
-echo "-- the program and its page"
-"$prefix/bin/roburoc4-sim" --version
-for file in share/man/man1/roburoc4-sim.1 share/doc/roburoc4/LICENSE; do
-    test -s "$prefix/$file"
+use_by_cmake() {
+    rm -rf "$folder/consumer"
+    "$cmake" -S "$root/tests/adapters/packaging" -B "$folder/consumer" \
+        -DCMAKE_C_COMPILER="$cc" -DCMAKE_PREFIX_PATH="$prefix" >>"$folder/log"
+    "$cmake" --build "$folder/consumer" >>"$folder/log"
+    "$folder/consumer/consumer"
+}
+
+# use_by_pkg_config [FLAG...]
+use_by_pkg_config() {
+    # What pkg-config prints is a list of words.
+    # shellcheck disable=SC2046,SC2086
+    "$cc" -std=c99 -o "$folder/program" "$root/tests/adapters/packaging/consumer.c" "$@" \
+        $(pkg-config --cflags --libs $modules)
+    "$folder/program"
+}
+
+for build in "$static" "$shared"; do
+    install_from "$build"
+    echo "-- find_package"
+    use_by_cmake
+    echo "-- pkg-config"
+    use_by_pkg_config
+    echo "-- the program and its page"
+    "$prefix/bin/roburoc4-sim" --version
+    for file in share/man/man1/roburoc4-sim.1 share/doc/roburoc4/LICENSE; do
+        test -s "$prefix/$file"
+    done
 done
+echo "-- both, as a distribution has them"
+install_from "$shared" "$static"
+use_by_cmake
+use_by_pkg_config
+use_by_pkg_config -static
+# shellcheck disable=SC2086
+pkg-config --modversion $modules
