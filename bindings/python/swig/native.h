@@ -108,8 +108,6 @@ int simulation_step(simulation *s, uint64_t until_us);
 void simulation_exchange(simulation *s);
 /* (result, reply) of a line for the simulator's panel. */
 PyObject *simulation_panel(simulation *s, const char *line);
-/* The program roburoc4-sim with these arguments (a list of str); its exit status. */
-PyObject *run_sim(PyObject *arguments);
 
 /* ---- a client, and who moves its datagrams (connection.c) ---- */
 

@@ -7,10 +7,6 @@
 #include <errno.h>
 #include <stdlib.h>
 
-#define MAX_ARGUMENTS 64
-
-int roburoc4_sim_main(int count, char **arguments); /* main() of sim/main.c */
-
 struct simulation {
     roburoc4_world *world; /* has its robot, in virtual time; or NULL, then: */
     roburoc4_sim *sim;
@@ -175,31 +171,4 @@ PyObject *simulation_panel(simulation *s, const char *line) {
     result = roburoc4_sim_panel(simulation_enter(s), line, reply, sizeof reply);
     simulation_leave();
     return Py_BuildValue("(is)", (int)result, reply);
-}
-
-PyObject *run_sim(PyObject *arguments) {
-    PyObject *texts[MAX_ARGUMENTS] = {NULL};
-    char *pointers[MAX_ARGUMENTS + 1] = {NULL};
-    Py_ssize_t count = PyList_Size(arguments), i;
-    int status = -1;
-    if (count < 0 || count > MAX_ARGUMENTS) {
-        PyErr_SetString(PyExc_ValueError, "run_sim: give a list of at most 64 arguments");
-        return NULL;
-    }
-    for (i = 0; i < count; i++) {
-        texts[i] = PyUnicode_EncodeFSDefault(PyList_GetItem(arguments, i));
-        pointers[i] = texts[i] != NULL ? PyBytes_AsString(texts[i]) : NULL;
-        if (pointers[i] == NULL) {
-            break;
-        }
-    }
-    if (i == count) {
-        Py_BEGIN_ALLOW_THREADS;
-        status = roburoc4_sim_main((int)count, pointers);
-        Py_END_ALLOW_THREADS;
-    }
-    for (i = 0; i < count; i++) {
-        Py_XDECREF(texts[i]);
-    }
-    return PyErr_Occurred() != NULL ? NULL : PyLong_FromLong(status);
 }

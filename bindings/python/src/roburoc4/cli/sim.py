@@ -4,17 +4,14 @@
 from __future__ import annotations
 
 import argparse
+import importlib.metadata
 import re
 import subprocess
 import sys
 
 from .errors import refused, usage
 
-_PROGRAM = [
-    sys.executable,
-    "-c",
-    "import sys; from roburoc4.sim_program import main; sys.exit(main())",
-]
+_PROGRAM = "roburoc4-sim" + (".exe" if sys.platform == "win32" else "")
 _HIGHEST_PORT = 65535
 _READY = re.compile(r"^roburoc4-sim: ready on ([^\s,]+:\d+)")
 _TELNET_HELP = """
@@ -40,7 +37,7 @@ def run(options: argparse.Namespace) -> int:
     """Relay the simulator's output; it ends with this program."""
     arguments = [text.lstrip() for text in options.arguments]
     arguments, telnet_port = _without_telnet(arguments)
-    with subprocess.Popen([*_PROGRAM, *arguments], stdout=subprocess.PIPE, text=True) as program:
+    with subprocess.Popen([_program(), *arguments], stdout=subprocess.PIPE, text=True) as program:
         try:
             code = _relay(program, telnet_port)
         finally:
@@ -48,6 +45,14 @@ def run(options: argparse.Namespace) -> int:
     if code == 0 and "--help" in arguments:
         print(_TELNET_HELP)
     return code
+
+
+def _program() -> str:
+    """Return the path of the program that was installed with this package."""
+    for file in importlib.metadata.files("roburoc4") or []:
+        if file.name == _PROGRAM:
+            return str(file.locate())
+    raise refused(f"{_PROGRAM} is not where the package put it: install the package again")
 
 
 def _without_telnet(arguments: list[str]) -> tuple[list[str], int | None]:
