@@ -17,7 +17,7 @@ DEGREE = math.pi / 180
 @pytest.fixture
 def sim() -> Iterator[Simulator]:
     with Simulator(slip=0.0) as simulator:
-        simulator.clear_world()
+        simulator.clear_obstacles()
         yield simulator
 
 
@@ -99,7 +99,7 @@ def test_what_ends_a_move_cannot_be_overlooked(sim: Simulator) -> None:
 def test_an_override_ends_a_move_with_its_remedy(sim: Simulator) -> None:
     def press(result: MoveResult) -> None:
         if result.distance_m > 0.3:
-            sim.pad.press("a")
+            sim.set("pad_a", True)
 
     with sim.connect() as robot:
         robot.arm()
