@@ -132,7 +132,10 @@ ROBUROC4_API const char *roburoc4_state_name(uint32_t state);
 #define ROBUROC4_ROLE_BATTERY_V 3    /* analog, volts */
 #define ROBUROC4_ROLE_COUNT 4
 
-/** In role_index: find the input by the robot's text, else by the manual's table. */
+/** In role_index: find the input by the robot's texts. The override is known once the robot gave or
+ *  refused the text of every digital input, and exactly one text names [A]; or, where none does, by
+ *  the manual's table, if the robot refused that input's text and has as many channels as the
+ *  manual says. The other roles: by their text, else by the manual's table. */
 #define ROBUROC4_INDEX_AUTO (-1)
 
 /** Bits of roburoc4_config.options. */
@@ -461,8 +464,8 @@ typedef struct roburoc4_private_slot {
 } roburoc4_private_slot;
 
 typedef struct roburoc4_private_requests {
-    uint8_t last_id, fixed_id, id_mode, quiet, announce;
-    uint8_t reserved[3];
+    uint8_t last_id, fixed_id, id_mode, quiet, announce, single_texts;
+    uint8_t reserved[2];
     uint64_t quiet_us;
     roburoc4_private_slot slots[4];
 } roburoc4_private_requests;
@@ -501,14 +504,15 @@ typedef struct roburoc4_private_discovery {
     uint8_t service_count, listed, known, refused;
     uint8_t wanted, inserted, acked, declined;
     uint8_t leaving, identified, probe_kind, done;
-    uint8_t described_kind, reserved;
+    uint8_t described_kind, table_pad_refused;
     uint16_t described_index;
     uint16_t service_ids[8];
     uint64_t phase_us, probe_us;
-    uint64_t described[5];
+    uint64_t described[5], given_up[5];
     int16_t role_texts[4];
     uint16_t types[ROBUROC4_MAX_SERVICES], ids[ROBUROC4_MAX_SERVICES];
     uint8_t claims[ROBUROC4_MAX_SERVICES];
+    uint8_t text_due, reserved[7];
 } roburoc4_private_discovery;
 
 typedef struct roburoc4_private_values {

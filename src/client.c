@@ -12,14 +12,14 @@ LAYOUT(requests, sizeof(roburoc4_private_requests) == 112);
 LAYOUT(service, sizeof(roburoc4_private_service) == 72);
 LAYOUT(link, sizeof(roburoc4_private_link) == 416);
 LAYOUT(drive, sizeof(roburoc4_private_drive) == 112);
-LAYOUT(discovery, sizeof(roburoc4_private_discovery) == 176);
+LAYOUT(discovery, sizeof(roburoc4_private_discovery) == 224);
 LAYOUT(values, sizeof(roburoc4_private_values) == 544);
 LAYOUT(outputs, sizeof(roburoc4_private_outputs) == 72);
 LAYOUT(config, sizeof(roburoc4_config) == 76);
-LAYOUT(client, sizeof(roburoc4_client) == 1600);
+LAYOUT(client, sizeof(roburoc4_client) == 1648);
 LAYOUT(client_drive, offsetof(roburoc4_client, private_drive) == 104);
-LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 632);
-LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1048);
+LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 680);
+LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1096);
 
 /* Before it is ready, a client is patient: requests are repeated each second at the latest. */
 #define PATIENCE_US (5 * SECOND)

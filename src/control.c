@@ -15,16 +15,20 @@ static bool fresh(const client *c, uint32_t service, uint64_t now_us) {
                                c->private_config.fresh_ms * MS, now_us);
 }
 
-/** Whether an input may be the game pad's [A]: a service that is not known yet may be the card, and
- *  a card may have one until its properties tell. */
+/** Whether an input may be the game pad's [A]: the user says so; or a service that is not known yet
+ *  may be the card; or a card may have one until its properties tell, and its texts were asked for.
+ */
 static bool may_have_pad(const client *c) {
     const discovery *d = &c->private_discovery;
-    const bool listed = (d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) != 0;
-    if (listed) {
+    if (c->private_config.role_index[ROBUROC4_ROLE_OVERRIDE] != ROBUROC4_INDEX_AUTO) {
+        return true;
+    }
+    if ((d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) != 0) {
         return (d->known & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0 ||
+               !roburoc4_discovery_inputs_passed(d, c->private_values.io_counts) ||
                index_of_role(c, ROBUROC4_ROLE_OVERRIDE) >= 0;
     }
-    return roburoc4_discovery_unseen(d);
+    return roburoc4_discovery_doubtful(d);
 }
 
 /** Why driving is not allowed now, or 0. */
@@ -137,8 +141,9 @@ roburoc4_result roburoc4_client_set_role_index(client *c, uint32_t role, int32_t
     begin_call(c, now_us);
     c->private_config.role_index[role] = (int16_t)index;
     if (role == ROBUROC4_ROLE_OVERRIDE) {
-        c->private_values.override_known = 0;
         roburoc4_control_tick(c);
+        c->private_values.override_known = 0;
+        roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_OVERRIDE_UNKNOWN);
     }
     return ROBUROC4_OK;
 }

@@ -12,10 +12,7 @@ void roburoc4_discovery_clear(discovery *d) {
     const uint8_t wanted = d->wanted; /* what to subscribe to is the user's, not the robot's */
     memset(d, 0, sizeof *d);
     d->wanted = wanted;
-    memset(d->claims, CLAIM_NONE, sizeof d->claims);
-    for (uint32_t role = 0; role < ROBUROC4_ROLE_COUNT; role++) {
-        d->role_texts[role] = ROLE_TEXT_NONE;
-    }
+    roburoc4_discovery_read_texts_again(d);
 }
 
 void roburoc4_discovery_restart(discovery *d) {
@@ -27,11 +24,22 @@ void roburoc4_discovery_restart(discovery *d) {
     d->declined = 0;
     d->leaving = 0;
     d->done = 0;
+    memset(d->given_up, 0, sizeof d->given_up);
+}
+
+void roburoc4_discovery_forget_inputs(discovery *d) {
+    memset(d->described, 0, LIST_DIRECTORY * sizeof d->described[0]);
+    memset(d->given_up, 0, LIST_DIRECTORY * sizeof d->given_up[0]);
+    memset(d->role_texts, 0xFF, sizeof d->role_texts); /* ROLE_TEXT_NONE */
+    d->table_pad_refused = 0;
+    d->done = 0;
 }
 
 void roburoc4_discovery_read_texts_again(discovery *d) {
-    memset(d->described, 0, sizeof d->described);
-    d->done = 0;
+    roburoc4_discovery_forget_inputs(d);
+    memset(d->claims, CLAIM_NONE, sizeof d->claims);
+    d->described[LIST_DIRECTORY] = 0;
+    d->given_up[LIST_DIRECTORY] = 0;
 }
 
 /* ---- services ---- */
@@ -86,6 +94,29 @@ bool roburoc4_discovery_may_drive(const discovery *d, uint16_t id) {
     return false;
 }
 
+/** Whether only the text of element i can tell which service it is, and that text is missing. */
+static bool unseen(const discovery *d, uint32_t i) {
+    return d->ids[i] > ROBUROC4_SERVICE_NOTIFICATION && kind_of_type(d->types[i]) == CLAIM_NONE &&
+           d->claims[i] == CLAIM_NONE;
+}
+
+static bool any_unseen(const discovery *d) {
+    uint32_t i = 0;
+    while (i < d->service_count && !unseen(d, i)) {
+        i++;
+    }
+    return i < d->service_count;
+}
+
+bool roburoc4_discovery_doubtful(const discovery *d) {
+    for (uint32_t i = 0; i < d->service_count; i++) {
+        if (unseen(d, i) || d->claims[i] == CLAIM_DOUBT) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /** How well element i stands for a service: by type 3, by text 2, by the manual's id 1, not 0. */
 static uint32_t claim_strength(const discovery *d, uint32_t i, uint32_t kind) {
     const uint8_t type = kind_of_type(d->types[i]);
@@ -98,17 +129,8 @@ static uint32_t claim_strength(const discovery *d, uint32_t i, uint32_t kind) {
     if (d->claims[i] < ROBUROC4_SERVICE_COUNT) {
         return d->claims[i] == kind ? 2 : 0;
     }
-    return d->ids[i] == kind ? 1 : 0;
-}
-
-bool roburoc4_discovery_unseen(const discovery *d) {
-    for (uint32_t i = 0; i < d->service_count; i++) {
-        if (d->ids[i] > ROBUROC4_SERVICE_NOTIFICATION && kind_of_type(d->types[i]) == CLAIM_NONE &&
-            d->claims[i] == CLAIM_NONE) {
-            return true;
-        }
-    }
-    return false;
+    /* a text that is missing may claim this service for another id */
+    return d->ids[i] == kind && !any_unseen(d) ? 1 : 0;
 }
 
 bool roburoc4_discovery_identify(discovery *d) {
@@ -125,7 +147,7 @@ bool roburoc4_discovery_identify(discovery *d) {
                 id = d->ids[i];
             }
         }
-        changed = changed || id != d->service_ids[kind];
+        changed = changed || (d->service_ids[kind] != 0 && id != d->service_ids[kind]);
         d->service_ids[kind] = id;
         d->listed = (uint8_t)(d->listed | (best > 0 ? 1U << kind : 0U));
     }
@@ -135,132 +157,111 @@ bool roburoc4_discovery_identify(discovery *d) {
 
 /* ---- texts ---- */
 
-/** A letter (as a small one) or digit, or 0 for any other character. */
-static uint8_t letter(uint8_t c) {
-    if (c >= 'A' && c <= 'Z') {
-        return (uint8_t)(c - 'A' + 'a');
-    }
-    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ? c : 0;
+static char lower(char c) {
+    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
 }
 
-/** Whether the letters and digits of a text from here on begin with `word`. */
-static bool begins(const uint8_t *text, uint32_t length, uint32_t start, const char *word) {
+static bool is_letter(char c) {
+    const char small = lower(c);
+    return (small >= 'a' && small <= 'z') || (c >= '0' && c <= '9') || ((uint8_t)c & 0x80U) != 0;
+}
+
+static bool same_word(piece a, piece b) {
     uint32_t i = 0;
-    for (uint32_t at = start; at < length && word[i] != '\0'; at++) {
-        const uint8_t c = letter(text[at]);
-        if (c == 0) {
-            continue;
-        }
-        if (c != (uint8_t)word[i]) {
-            return false;
-        }
+    while (i < a.length && i < b.length && lower(a.text[i]) == lower(b.text[i])) {
         i++;
     }
-    return word[i] == '\0';
+    return i == a.length && i == b.length;
 }
 
-/** Whether the letters and digits of a text contain `word`. */
-static bool contains(const uint8_t *text, uint32_t length, const char *word) {
-    for (uint32_t start = 0; start < length; start++) {
-        if (letter(text[start]) != 0 && begins(text, length, start, word)) {
+static void skip(piece *text) {
+    text->text++;
+    text->length--;
+}
+
+/** The next run of letters, which *rest is moved behind; of length 0 at the end. */
+static piece next_run(piece *rest) {
+    piece run;
+    while (rest->length > 0 && !is_letter(*rest->text)) {
+        skip(rest);
+    }
+    run = *rest;
+    while (rest->length > 0 && is_letter(*rest->text)) {
+        skip(rest);
+    }
+    run.length -= rest->length;
+    return run;
+}
+
+piece roburoc4_next_word(piece *rest) {
+    static const piece button = {"button", 6}, game = {"game", 4}, pad = {"pad", 3},
+                       joystick = {"joystick", 8}, gamepad = {"gamepad", 7};
+    piece found = next_run(rest);
+    while (same_word(found, button)) {
+        found = next_run(rest);
+    }
+    if (same_word(found, game)) {
+        piece behind = *rest;
+        if (same_word(next_run(&behind), pad)) {
+            *rest = behind;
+            return gamepad;
+        }
+    }
+    return same_word(found, joystick) ? gamepad : found;
+}
+
+uint32_t roburoc4_count_word(piece text, const piece *wanted) {
+    uint32_t count = 0;
+    for (piece found = roburoc4_next_word(&text); found.length > 0;
+         found = roburoc4_next_word(&text)) {
+        count += wanted == NULL || same_word(found, *wanted);
+    }
+    return count;
+}
+
+/** Whether the letters of a text contain these, whatever stands between them. */
+static bool contains_letters(piece text, const char *wanted) {
+    for (; text.length > 0; skip(&text)) {
+        piece rest = text;
+        uint32_t i = 0;
+        for (; rest.length > 0 && wanted[i] != '\0'; skip(&rest)) {
+            if (!is_letter(*rest.text)) {
+                continue;
+            }
+            if (lower(*rest.text) != wanted[i]) {
+                break;
+            }
+            i++;
+        }
+        if (wanted[i] == '\0') {
             return true;
         }
     }
     return false;
 }
 
-static uint8_t kind_of_text(const uint8_t *text, uint32_t length) {
-    static const char words[][13] = {"iocard", "telemeter", "battery", "locali", "differential"};
+static uint8_t kind_of_text(piece text) {
+    static const char names[][13] = {"iocard", "telemeter", "battery", "locali", "differential"};
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
-        if (contains(text, length, words[i])) {
+        if (contains_letters(text, names[i])) {
             return (uint8_t)(ROBUROC4_SERVICE_IOCARD + i);
         }
     }
     return CLAIM_OTHER;
 }
 
-static bool is_role(uint32_t role, const uint8_t *text, uint32_t length) {
-    static const char words[][15] = {"gamepadabutton", "frontbumper", "rearbumper",
-                                     "batteryvoltage"};
-    return contains(text, length, words[role]);
+/** Whether a text has all words of a role. */
+static bool is_role(uint32_t role, piece text) {
+    static const piece words[ROBUROC4_ROLE_COUNT][2] = {{{"gamepad", 7}, {"a", 1}},
+                                                        {{"front", 5}, {"bumper", 6}},
+                                                        {{"rear", 4}, {"bumper", 6}},
+                                                        {{"battery", 7}, {"voltage", 7}}};
+    return roburoc4_count_word(text, &words[role][0]) > 0 &&
+           roburoc4_count_word(text, &words[role][1]) > 0;
 }
 
 static uint32_t role_list(uint32_t role) {
     return role == ROBUROC4_ROLE_BATTERY_V ? ROBUROC4_IO_ANALOG_INPUT : ROBUROC4_IO_DIGITAL_INPUT;
-}
-
-void roburoc4_discovery_described(discovery *d, uint32_t list, uint32_t index) {
-    d->described[list] |= (uint64_t)1 << index;
-}
-
-bool roburoc4_discovery_text(discovery *d, uint32_t list, uint32_t index, const uint8_t *text,
-                             uint32_t length) {
-    bool found = false;
-    length = length < TEXT_SEARCHED ? length : TEXT_SEARCHED;
-    roburoc4_discovery_described(d, list, index);
-    if (list == LIST_DIRECTORY) {
-        d->claims[index] = kind_of_text(text, length);
-        return false;
-    }
-    for (uint32_t role = 0; role < ROBUROC4_ROLE_COUNT; role++) {
-        if (role_list(role) == list && is_role(role, text, length)) {
-            const bool first = d->role_texts[role] == ROLE_TEXT_NONE;
-            d->role_texts[role] = first || d->role_texts[role] == (int16_t)index
-                                      ? (int16_t)index
-                                      : ROLE_TEXT_AMBIGUOUS;
-            found = true;
-        }
-    }
-    return found;
-}
-
-static uint32_t list_length(const discovery *d, const int32_t *io_counts, uint32_t list) {
-    static const uint8_t capacity[4] = {ROBUROC4_MAX_ANALOG_INPUTS, ROBUROC4_MAX_ANALOG_OUTPUTS,
-                                        ROBUROC4_MAX_DIGITAL_INPUTS, ROBUROC4_MAX_DIGITAL_OUTPUTS};
-    if (list == LIST_DIRECTORY) {
-        return d->service_count;
-    }
-    return io_counts[list] < capacity[list] ? (uint32_t)io_counts[list] : capacity[list];
-}
-
-bool roburoc4_discovery_next_text(const discovery *d, const requests *r, const int32_t *io_counts,
-                                  bool channels, ask *out) {
-    /* digital inputs first: among them is the override */
-    static const uint8_t order[5] = {LIST_DIRECTORY, ROBUROC4_IO_DIGITAL_INPUT,
-                                     ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_IO_DIGITAL_OUTPUT,
-                                     ROBUROC4_IO_ANALOG_OUTPUT};
-    for (uint32_t i = 0; i < (channels ? 5U : 1U); i++) {
-        const uint8_t list = order[i];
-        const uint32_t length = list_length(d, io_counts, list);
-        const bool directory = list == LIST_DIRECTORY;
-        for (uint32_t index = 0; index < length; index++) {
-            if ((d->described[list] >> index & 1) != 0) {
-                continue;
-            }
-            out->action = ROBUROC4_ACTION_QUERY;
-            out->kind = directory ? ROBUROC4_SERVICE_DIRECTORY : ROBUROC4_SERVICE_IOCARD;
-            out->detail = list;
-            out->max_tries = 10;
-            out->target =
-                directory ? ROBUROC4_SERVICE_DIRECTORY : d->service_ids[ROBUROC4_SERVICE_IOCARD];
-            out->subject = (uint16_t)index;
-            if (!roburoc4_requests_open(r, out)) {
-                return true;
-            }
-        }
-    }
-    return false;
-}
-
-bool roburoc4_discovery_texts_done(const discovery *d, const int32_t *io_counts, bool channels) {
-    for (uint32_t list = channels ? 0 : LIST_DIRECTORY; list <= LIST_DIRECTORY; list++) {
-        const uint32_t length = list_length(d, io_counts, list);
-        const uint64_t all = length < 64 ? ((uint64_t)1 << length) - 1 : UINT64_MAX;
-        if ((d->described[list] & all) != all) {
-            return false;
-        }
-    }
-    return true;
 }
 
 /** The manual's table (5.5.1): where its rows are counted, or (one more input) its numbers. */
@@ -275,15 +276,165 @@ static int32_t role_by_table(uint32_t role, int32_t count) {
     return rows[role] > 1 ? rows[role] + (count - table) : rows[role];
 }
 
+/** Where the manual's table has [A], on a card like the manual's. */
+static int32_t pad_by_table(const int32_t *io_counts) {
+    const int32_t analog = io_counts[ROBUROC4_IO_ANALOG_INPUT];
+    if ((analog != ROBUROC4_AI_COUNT && analog != ROBUROC4_AI_COUNT + 1) ||
+        io_counts[ROBUROC4_IO_ANALOG_OUTPUT] != ROBUROC4_AO_COUNT ||
+        io_counts[ROBUROC4_IO_DIGITAL_OUTPUT] != ROBUROC4_DO_COUNT) {
+        return ROLE_TEXT_NONE;
+    }
+    return role_by_table(ROBUROC4_ROLE_OVERRIDE, io_counts[ROBUROC4_IO_DIGITAL_INPUT]);
+}
+
+bool roburoc4_discovery_text(discovery *d, uint32_t list, uint32_t index, const uint8_t *text,
+                             uint32_t length) {
+    const piece said = {(const char *)text, length < TEXT_SEARCHED ? length : TEXT_SEARCHED};
+    bool found = false;
+    d->described[list] |= (uint64_t)1 << index;
+    if (list == LIST_DIRECTORY) {
+        d->claims[index] = kind_of_text(said);
+        return false;
+    }
+    for (uint32_t role = 0; role < ROBUROC4_ROLE_COUNT; role++) {
+        if (role_list(role) == list && is_role(role, said)) {
+            const bool first = d->role_texts[role] == ROLE_TEXT_NONE;
+            d->role_texts[role] = first || d->role_texts[role] == (int16_t)index
+                                      ? (int16_t)index
+                                      : ROLE_TEXT_AMBIGUOUS;
+            found = true;
+        }
+    }
+    return found;
+}
+
+void roburoc4_discovery_doubtful_text(discovery *d, uint32_t index) {
+    d->described[LIST_DIRECTORY] |= (uint64_t)1 << index;
+    d->claims[index] = CLAIM_DOUBT;
+}
+
+void roburoc4_discovery_text_refused(discovery *d, const int32_t *io_counts, uint32_t list,
+                                     uint32_t index) {
+    d->described[list] |= (uint64_t)1 << index;
+    if (list == LIST_DIRECTORY) {
+        d->claims[index] = CLAIM_OTHER;
+    } else if (list == ROBUROC4_IO_DIGITAL_INPUT && pad_by_table(io_counts) == (int32_t)index) {
+        d->table_pad_refused = 1;
+    }
+}
+
+void roburoc4_discovery_text_given_up(discovery *d, uint32_t list, uint32_t index) {
+    d->given_up[list] |= (uint64_t)1 << index;
+}
+
+static uint32_t list_length(const discovery *d, const int32_t *io_counts, uint32_t list) {
+    static const uint8_t capacity[4] = {ROBUROC4_MAX_ANALOG_INPUTS, ROBUROC4_MAX_ANALOG_OUTPUTS,
+                                        ROBUROC4_MAX_DIGITAL_INPUTS, ROBUROC4_MAX_DIGITAL_OUTPUTS};
+    if (list == LIST_DIRECTORY) {
+        return d->service_count;
+    }
+    return io_counts[list] < capacity[list] ? (uint32_t)io_counts[list] : capacity[list];
+}
+
+/** Whether these bits are set for every element of a list. */
+static bool complete(const discovery *d, const int32_t *io_counts, uint32_t list, uint64_t bits) {
+    const uint32_t length = list_length(d, io_counts, list);
+    const uint64_t all = length < 64 ? ((uint64_t)1 << length) - 1 : UINT64_MAX;
+    return (bits & all) == all;
+}
+
+bool roburoc4_discovery_next_text(const discovery *d, const requests *r, const int32_t *io_counts,
+                                  text_choice choice, ask *out) {
+    /* what decides about driving comes first; the directory once more, for its other services */
+    static const uint8_t order[6] = {
+        LIST_DIRECTORY,           ROBUROC4_IO_DIGITAL_INPUT,  LIST_DIRECTORY,
+        ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_IO_DIGITAL_OUTPUT, ROBUROC4_IO_ANALOG_OUTPUT};
+    for (uint32_t i = 0; i < (uint32_t)choice; i++) {
+        const uint8_t list = order[i];
+        const uint32_t length = list_length(d, io_counts, list);
+        const uint64_t passed = d->described[list] | d->given_up[list];
+        const bool directory = list == LIST_DIRECTORY;
+        for (uint32_t index = 0; index < length; index++) {
+            if ((passed >> index & 1) != 0 || (i == 0 && !unseen(d, index))) {
+                continue;
+            }
+            out->action = ROBUROC4_ACTION_QUERY;
+            out->kind = directory ? ROBUROC4_SERVICE_DIRECTORY : ROBUROC4_SERVICE_IOCARD;
+            out->detail = list;
+            out->max_tries = d->done ? LATER_TEXT_TRIES : TEXT_TRIES;
+            out->target =
+                directory ? ROBUROC4_SERVICE_DIRECTORY : d->service_ids[ROBUROC4_SERVICE_IOCARD];
+            out->subject = (uint16_t)index;
+            if (!roburoc4_requests_open(r, out)) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+bool roburoc4_discovery_texts_passed(const discovery *d, const int32_t *io_counts) {
+    for (uint32_t list = 0; list <= LIST_DIRECTORY; list++) {
+        if (!complete(d, io_counts, list, d->described[list] | d->given_up[list])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool roburoc4_discovery_inputs_passed(const discovery *d, const int32_t *io_counts) {
+    const uint32_t list = ROBUROC4_IO_DIGITAL_INPUT;
+    return d->done || complete(d, io_counts, list, d->described[list] | d->given_up[list]);
+}
+
+void roburoc4_discovery_doubt_inputs(discovery *d, const int32_t *io_counts) {
+    if (roburoc4_discovery_inputs_passed(d, io_counts)) {
+        roburoc4_discovery_forget_inputs(d);
+    }
+}
+
+bool roburoc4_discovery_services_passed(const discovery *d) {
+    for (uint32_t i = 0; i < d->service_count; i++) {
+        if (unseen(d, i) && (d->given_up[LIST_DIRECTORY] >> i & 1) == 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+void roburoc4_discovery_ask_again(discovery *d, const int32_t *io_counts) {
+    if (d->done && roburoc4_discovery_texts_passed(d, io_counts)) {
+        memset(d->given_up, 0, sizeof d->given_up);
+    }
+    d->text_due = d->done;
+}
+
+/** Which input is [A]; where late texts may be others' (`sure` is false), text and table agree. */
+static int32_t find_pad(const discovery *d, const int32_t *io_counts, bool sure) {
+    const uint32_t list = ROBUROC4_IO_DIGITAL_INPUT;
+    const int32_t table = pad_by_table(io_counts);
+    int32_t index = d->role_texts[ROBUROC4_ROLE_OVERRIDE];
+    if (io_counts[list] > ROBUROC4_MAX_DIGITAL_INPUTS ||
+        !complete(d, io_counts, list, d->described[list])) {
+        return ROLE_TEXT_NONE;
+    }
+    if (index == ROLE_TEXT_NONE && d->table_pad_refused) {
+        index = table;
+    }
+    return sure || index == table ? index : ROLE_TEXT_NONE;
+}
+
 roburoc4_result roburoc4_discovery_role(const discovery *d, const roburoc4_config *config,
-                                        const int32_t *io_counts, uint32_t role) {
+                                        const int32_t *io_counts, uint32_t role, bool sure) {
     const int32_t count = io_counts[role_list(role)];
     int32_t index = config->role_index[role];
-    if (index == ROBUROC4_INDEX_AUTO) {
+    if (index == ROBUROC4_INDEX_AUTO && role == ROBUROC4_ROLE_OVERRIDE) {
+        index = find_pad(d, io_counts, sure);
+    } else if (index == ROBUROC4_INDEX_AUTO) {
         index = d->role_texts[role];
-    }
-    if (index == ROLE_TEXT_NONE) {
-        index = role_by_table(role, count);
+        if (index == ROLE_TEXT_NONE) { /* no safety hangs on the others: a good guess will do */
+            index = role_by_table(role, count);
+        }
     }
     return index >= 0 && index < count ? index : ROBUROC4_ERR_UNKNOWN; /* each is below capacity */
 }

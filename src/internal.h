@@ -64,6 +64,8 @@ void roburoc4_requests_clear(requests *r);
 void roburoc4_requests_cancel_all(requests *r);
 /** Whether another request may be opened now, and `keep` more after it. */
 bool roburoc4_requests_free(const requests *r, uint32_t keep);
+/** Whether a text may be asked for now. */
+bool roburoc4_requests_free_for_text(const requests *r);
 /** Whether this very question is open. */
 bool roburoc4_requests_open(const requests *r, const ask *a);
 /** Open a request, unless this very question is open or there is no room: then false. */
@@ -138,15 +140,20 @@ void roburoc4_drive_rebase(drive *d, uint64_t now_us);
 typedef roburoc4_private_discovery discovery;
 
 #define CLAIM_NONE 0xFF  /* of a service whose text was not read, or not believed */
-#define CLAIM_OTHER 0xFE /* its text names none of those that a client uses */
+#define CLAIM_OTHER 0xFE /* its text names none of those that a client uses, or was refused */
+#define CLAIM_DOUBT 0xFD /* its text came in fixed-id mode: it may be another's */
 #define ROLE_TEXT_NONE (-1)
 #define ROLE_TEXT_AMBIGUOUS (-2)
 
 /** Forget the robot. */
 void roburoc4_discovery_clear(discovery *d);
-/** Ask again for all but the texts. */
+/** Ask again for all but the texts that were answered. */
 void roburoc4_discovery_restart(discovery *d);
-/** Ask again for the texts. */
+/** Where texts may be others' and do not tell which input is [A]: when all came, ask again. */
+void roburoc4_discovery_doubt_inputs(discovery *d, const int32_t *io_counts);
+/** Another IO card: other channels, other texts. */
+void roburoc4_discovery_forget_inputs(discovery *d);
+/** Forget what the texts said, and ask for them again. */
 void roburoc4_discovery_read_texts_again(discovery *d);
 /** Whether the directory is the one that is stored. */
 bool roburoc4_discovery_same(const discovery *d, const roburoc4_directory *directory);
@@ -154,23 +161,56 @@ bool roburoc4_discovery_same(const discovery *d, const roburoc4_directory *direc
 bool roburoc4_discovery_directory(discovery *d, const roburoc4_directory *directory);
 /** Whether the directory lists this id for what may be the differential service. */
 bool roburoc4_discovery_may_drive(const discovery *d, uint16_t id);
-/** Whether the directory has a service of which neither type nor text tells what it is. */
-bool roburoc4_discovery_unseen(const discovery *d);
-/** Which service each id is; true if that changed. */
+/** Whether the directory has a service of which neither type nor text tells for sure what it is. */
+bool roburoc4_discovery_doubtful(const discovery *d);
+/** Which service each id is; true if one that was known is another now. */
 bool roburoc4_discovery_identify(discovery *d);
 /** A text came for an element of the directory, or (io_type 0 to 3) a channel. True if an input of
  *  a role was found. */
 bool roburoc4_discovery_text(discovery *d, uint32_t list, uint32_t index, const uint8_t *text,
                              uint32_t length);
-void roburoc4_discovery_described(discovery *d, uint32_t list, uint32_t index);
+/** The text of an element of the directory came, but may be another's: it names no service. */
+void roburoc4_discovery_doubtful_text(discovery *d, uint32_t index);
+/** The robot refused to give a text: that decides, too. */
+void roburoc4_discovery_text_refused(discovery *d, const int32_t *io_counts, uint32_t list,
+                                     uint32_t index);
+/** No answer came: the text is missing, and asked for again later. */
+void roburoc4_discovery_text_given_up(discovery *d, uint32_t list, uint32_t index);
+
+#define TEXT_TRIES 10
+#define LATER_TEXT_TRIES 4
+/** Texts to ask for: of services that nothing else tells; those and of digital inputs; all. */
+typedef enum text_choice {
+    TEXTS_OF_SERVICES = 1,
+    TEXTS_THAT_DECIDE = 2,
+    TEXTS_ALL = 6
+} text_choice;
 /** The next text to ask for: false when there is none that is not open. */
 bool roburoc4_discovery_next_text(const discovery *d, const requests *r, const int32_t *io_counts,
-                                  bool channels, ask *out);
+                                  text_choice choice, ask *out);
 /** Whether every text was answered or given up. */
-bool roburoc4_discovery_texts_done(const discovery *d, const int32_t *io_counts, bool channels);
-/** Index of the input with a role, or ROBUROC4_ERR_UNKNOWN. */
+bool roburoc4_discovery_texts_passed(const discovery *d, const int32_t *io_counts);
+/** Whether those that tell the services apart were. */
+bool roburoc4_discovery_services_passed(const discovery *d);
+/** Whether those of the digital inputs were. */
+bool roburoc4_discovery_inputs_passed(const discovery *d, const int32_t *io_counts);
+/** After all were, one of those that are missing may be asked for. */
+void roburoc4_discovery_ask_again(discovery *d, const int32_t *io_counts);
+/** Index of the input with a role, or ROBUROC4_ERR_UNKNOWN. `sure`: a text belongs to its request
+ *  without doubt. */
 roburoc4_result roburoc4_discovery_role(const discovery *d, const roburoc4_config *config,
-                                        const int32_t *io_counts, uint32_t role);
+                                        const int32_t *io_counts, uint32_t role, bool sure);
+
+/** A text or a part of one, of letters, digits and bytes beyond ASCII, and what is between. */
+typedef struct piece {
+    const char *text;
+    uint32_t length;
+} piece;
+/** The next word, which *rest is moved behind; of length 0 at the end. What robots write in several
+ *  ways is made one: "game pad" and "joystick" are "gamepad", and "button" says nothing. */
+piece roburoc4_next_word(piece *rest);
+/** How often a text has a word; any word where `wanted` is NULL. */
+uint32_t roburoc4_count_word(piece text, const piece *wanted);
 
 #define LIST_DIRECTORY 4 /* as `list`; 0 to 3 are the IO card's element types */
 
@@ -199,7 +239,8 @@ static inline bool connected(const roburoc4_client *c) {
 /** Index of the input with a role, or ROBUROC4_ERR_UNKNOWN. */
 static inline roburoc4_result index_of_role(const roburoc4_client *c, uint32_t role) {
     return roburoc4_discovery_role(&c->private_discovery, &c->private_config,
-                                   c->private_values.io_counts, role);
+                                   c->private_values.io_counts, role,
+                                   !c->private_requests.fixed_id);
 }
 
 /* How long to wait for the texts of the directory before the manual's ids are believed. */

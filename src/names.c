@@ -3,9 +3,7 @@
  * Names: numbers to text, and the channels of a robot's IO card by name. Nothing else of the core
  * uses this file, so a linker leaves it out where nobody asks for a name.
  */
-#include <stdbool.h>
-
-#include "roburoc4.h"
+#include "internal.h"
 
 uint32_t roburoc4_version(void) {
     return ROBUROC4_VERSION;
@@ -189,78 +187,20 @@ const char *roburoc4_client_channel_name(const roburoc4_client *client, uint32_t
     return place < 0 ? NULL : roburoc4_channel_name(io_type, (uint32_t)place);
 }
 
-/** A word of a name: letters and digits, and bytes beyond ASCII. */
-typedef struct word {
-    const char *text;
-    uint32_t length;
-} word;
-
-static char lower(char c) {
-    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
+static piece piece_of(const char *text) {
+    return (piece){text, (uint32_t)strlen(text)};
 }
 
-static bool in_word(char c) {
-    const char small = lower(c);
-    return (small >= 'a' && small <= 'z') || (c >= '0' && c <= '9') || ((uint8_t)c & 0x80U) != 0;
-}
-
-static bool same_word(word a, word b) {
-    uint32_t i = 0;
-    while (i < a.length && i < b.length && lower(a.text[i]) == lower(b.text[i])) {
-        i++;
-    }
-    return i == a.length && i == b.length;
-}
-
-/** The next run of letters, which *text is moved behind; of length 0 at the end. */
-static word next_run(const char **text) {
-    word run = {*text, 0};
-    while (*run.text != '\0' && !in_word(*run.text)) {
-        run.text++;
-    }
-    while (in_word(run.text[run.length])) {
-        run.length++;
-    }
-    *text = run.text + run.length;
-    return run;
-}
-
-/** The same with what robots write in several ways made one: "game pad" and "joystick" are
- *  "gamepad", and "button" says nothing. */
-static word next_word(const char **text) {
-    static const word button = {"button", 6}, game = {"game", 4}, pad = {"pad", 3},
-                      joystick = {"joystick", 8}, gamepad = {"gamepad", 7};
-    word found = next_run(text);
-    while (same_word(found, button)) {
-        found = next_run(text);
-    }
-    if (same_word(found, game)) {
-        const char *behind = *text;
-        if (same_word(next_run(&behind), pad)) {
-            *text = behind;
-            return gamepad;
-        }
-    }
-    return same_word(found, joystick) ? gamepad : found;
-}
-
-/** How often a text has a word; any word where `wanted` is NULL. */
-static uint32_t count_words(const char *text, const word *wanted) {
-    uint32_t count = 0;
-    for (word found = next_word(&text); found.length > 0; found = next_word(&text)) {
-        count += wanted == NULL || same_word(found, *wanted);
-    }
-    return count;
-}
-
-static bool same_words(const char *a, const char *b) {
-    const char *rest = a;
-    for (word found = next_word(&rest); found.length > 0; found = next_word(&rest)) {
-        if (count_words(a, &found) != count_words(b, &found)) {
+/** Whether two texts have the same words, in whatever order. */
+static bool same_words(piece a, piece b) {
+    piece rest = a;
+    for (piece found = roburoc4_next_word(&rest); found.length > 0;
+         found = roburoc4_next_word(&rest)) {
+        if (roburoc4_count_word(a, &found) != roburoc4_count_word(b, &found)) {
             return false;
         }
     }
-    return count_words(a, NULL) == count_words(b, NULL);
+    return roburoc4_count_word(a, NULL) == roburoc4_count_word(b, NULL);
 }
 
 roburoc4_result roburoc4_client_channel_find(const roburoc4_client *client, uint32_t io_type,
@@ -268,13 +208,14 @@ roburoc4_result roburoc4_client_channel_find(const roburoc4_client *client, uint
                                              uint32_t text_count) {
     const int32_t count = channel_count(client, io_type);
     roburoc4_result found = ROBUROC4_ERR_INDEX;
-    if (count < 0 || count_words(name, NULL) == 0) {
+    if (count < 0 || roburoc4_count_word(piece_of(name), NULL) == 0) {
         return count < 0 ? count : ROBUROC4_ERR_INDEX;
     }
     for (uint32_t role = 0; role < ROBUROC4_ROLE_COUNT; role++) {
         const int32_t index = roburoc4_client_role_index(client, role);
         if (roles[role].io_type == io_type && index >= 0 &&
-            same_words(name, roburoc4_channel_name(io_type, roles[role].place))) {
+            same_words(piece_of(name),
+                       piece_of(roburoc4_channel_name(io_type, roles[role].place)))) {
             return index;
         }
     }
@@ -284,7 +225,7 @@ roburoc4_result roburoc4_client_channel_find(const roburoc4_client *client, uint
         if (own == NULL || own[0] == '\0') {
             own = roburoc4_client_channel_name(client, io_type, index);
         }
-        if (own != NULL && same_words(name, own)) {
+        if (own != NULL && same_words(piece_of(name), piece_of(own))) {
             if (found >= 0) {
                 return ROBUROC4_ERR_VALUE;
             }

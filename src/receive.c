@@ -33,9 +33,7 @@ static roburoc4_result take_iocard(client *c, const uint8_t *data, size_t size) 
                                p.digital_outputs};
     if (result >= 0 && memcmp(c->private_values.io_counts, counts, sizeof counts) != 0) {
         memcpy(c->private_values.io_counts, counts, sizeof counts);
-        memset(d->described, 0, sizeof(uint64_t) * 4); /* other channels, other texts */
-        memset(d->role_texts, 0xFF, sizeof d->role_texts);
-        d->done = 0;
+        roburoc4_discovery_forget_inputs(d);
         c->private_values.override_known = 0;
         roburoc4_lifecycle_forget_outputs(c); /* they were set for another card */
         c->private_events |= ROBUROC4_EVENT_PROPERTIES;
@@ -310,28 +308,23 @@ static roburoc4_result take_directory(client *c, const uint8_t *data, size_t siz
     return result;
 }
 
-static roburoc4_result override_index(const client *c) {
-    return index_of_role(c, ROBUROC4_ROLE_OVERRIDE);
-}
-
 static void take_text(client *c, const slot *s, const roburoc4_text *text) {
     discovery *d = &c->private_discovery;
-    const roburoc4_result before = override_index(c);
-    if (c->private_requests.fixed_id) {
-        /* with one id for all, a late text may be another's: no service or input is chosen by it */
-        roburoc4_discovery_described(d, s->ask.detail, s->ask.subject);
+    if (c->private_requests.fixed_id && s->ask.detail == LIST_DIRECTORY) {
+        /* with one id for all, a late text may be another's: no service is chosen by it */
+        roburoc4_discovery_doubtful_text(d, s->ask.subject);
     } else if (roburoc4_discovery_text(d, s->ask.detail, s->ask.subject, text->text,
                                        text->length)) {
         raise_event(c, ROBUROC4_EVENT_ROLE);
     }
-    if (override_index(c) != before) {
-        c->private_values.override_known = 0; /* until a status has the right input */
-    }
     d->described_kind = (uint8_t)(s->ask.detail + 1);
     d->described_index = s->ask.subject;
     raise_event(c, ROBUROC4_EVENT_DESCRIPTION);
-    if (s->ask.detail == LIST_DIRECTORY && d->identified && roburoc4_discovery_identify(d)) {
-        /* a late text: a service is another one than was believed */
+}
+
+/** A text that came late may name a service, or show that one is another than was believed. */
+static void identify_again(client *c) {
+    if (c->private_discovery.identified && roburoc4_discovery_identify(&c->private_discovery)) {
         roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_NO_DIFFERENTIAL);
         roburoc4_lifecycle_forget_services(c, ROBUROC4_STATE_DISCOVERING);
     }
@@ -380,15 +373,19 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
         return ROBUROC4_ERR_SHORT;
     }
     const bool fixed_id = c->private_requests.fixed_id;
+    const roburoc4_result pad = index_of_role(c, ROBUROC4_ROLE_OVERRIDE);
     slot *s = roburoc4_requests_match(&c->private_requests, data, size, c->private_now_us);
     if (fixed_id && !c->private_requests.fixed_id) {
         roburoc4_discovery_read_texts_again(&c->private_discovery);
+        c->private_values.override_known = 0;
     }
     if (s == NULL) {
         return ROBUROC4_ERR_UNMATCHED;
     }
     const slot request = *s;
-    roburoc4_link_round_trip(&c->private_link, s->sent_us, c->private_now_us);
+    if (s->tries == 1 || s->ask.max_tries != REQUEST_FOREVER) { /* else the robot was not there */
+        roburoc4_link_round_trip(&c->private_link, s->sent_us, c->private_now_us);
+    }
     if (bad && s->ask.max_tries == REQUEST_FOREVER) {
         count(c, ROBUROC4_COUNT_REFUSED);
         return ROBUROC4_OK; /* no directory, no robot: it stays open and is tried again in its time
@@ -399,14 +396,23 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
         c->private_requests.announce = 0;
         raise_event(c, ROBUROC4_EVENT_FIXED_ID);
     }
+    roburoc4_result result = ROBUROC4_OK;
     if (bad) {
         count(c, ROBUROC4_COUNT_REFUSED);
         roburoc4_schedule_failed(c, &request, ROBUROC4_ERR_ROBOT);
-        return ROBUROC4_OK;
+    } else {
+        result = take_answer(c, &request, data, size);
+        if (result < 0) {
+            roburoc4_schedule_failed(c, &request, result);
+        }
     }
-    const roburoc4_result result = take_answer(c, &request, data, size);
-    if (result < 0) {
-        roburoc4_schedule_failed(c, &request, result);
+    if (request.ask.action == ROBUROC4_ACTION_QUERY) {
+        if (request.ask.detail == LIST_DIRECTORY) {
+            identify_again(c);
+        }
+        if (index_of_role(c, ROBUROC4_ROLE_OVERRIDE) != pad) {
+            c->private_values.override_known = 0; /* until a status has the right input */
+        }
     }
     return result;
 }

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Requests: every try has a new id, so that only the answer to the last try counts; a few are open
- * at once. A robot that answers everything with 0x01, as the manual prints it, is recognised after
- * three tries and served one request at a time. A bad link can look like such a robot: the probe
- * of the directory tries another id first, and an answer to it ends the mode.
+ * Requests: each has an id of its own, which all its tries share, so that a slow answer counts
+ * whichever of them it is to; a few are open at once. A robot that answers everything with 0x01, as
+ * the manual prints it, is recognised after three tries and served one request at a time. A bad
+ * link can look like such a robot: the probe of the directory tries another id first, and an answer
+ * to it ends the mode.
  */
 #include "internal.h"
 
@@ -12,8 +13,12 @@
 #define FIRST_ID 2 /* 0x01 is kept for robots that know no other */
 #define LAST_ID 254
 #define FIXED_AFTER 3
-/* How long an answer to an earlier try may still come in, in fixed-id mode. */
-#define FIXED_QUIET_US (100 * MS)
+/* Where an error does not say what it refuses, it may come again, late: no text is asked for. */
+#define QUIET_US (700 * MS)
+/* Where an answer does not say what it is to, texts are seldom asked for twice: so much later. */
+#define PATIENCE 5
+/* Tries are timed from the first, but not over a pause of the program. */
+#define LONGEST_PAUSE_US (100 * SECOND)
 /* Every so many tries to connect, for a robot that answers no other id. */
 #define MANUAL_ID_EVERY 6
 /* So many tries before an answer to that id counts: it may be another robot. */
@@ -44,6 +49,11 @@ bool roburoc4_requests_free(const requests *r, uint32_t keep) {
         return open == 0 && !r->quiet;
     }
     return open + keep < SLOTS;
+}
+
+bool roburoc4_requests_free_for_text(const requests *r) {
+    /* texts leave a request free for what is more urgent */
+    return roburoc4_requests_free(r, r->single_texts ? SLOTS - 1 : 1) && !r->quiet;
 }
 
 bool roburoc4_requests_open(const requests *r, const ask *a) {
@@ -91,6 +101,7 @@ static bool id_in_use(const requests *r, uint8_t id) {
     return false;
 }
 
+/** The id of the next try. */
 static uint8_t next_id(requests *r, const slot *s) {
     const bool directory =
         s->ask.action == ROBUROC4_ACTION_GET && s->ask.kind == ROBUROC4_SERVICE_DIRECTORY;
@@ -99,6 +110,9 @@ static uint8_t next_id(requests *r, const slot *s) {
     if ((r->fixed_id && !doubting) ||
         (connecting && s->tries % MANUAL_ID_EVERY == MANUAL_ID_EVERY - 1)) {
         return ROBUROC4_HEADER_MANUAL;
+    }
+    if (s->tries > 0 && s->id != ROBUROC4_HEADER_MANUAL) {
+        return s->id;
     }
     do {
         r->last_id =
@@ -117,10 +131,30 @@ static slot *go_to_fixed_id(requests *r, const slot *only) {
     return &r->slots[0];
 }
 
+static uint32_t retry_us(uint32_t first_us, uint32_t tries) {
+    const uint32_t doubled_us = first_us << (tries < 8 ? tries : 8);
+    return at_most(doubled_us, MAX_WAIT_US);
+}
+
+static void begin_try(requests *r, slot *s, uint32_t first_us, uint64_t now_us) {
+    if ((r->fixed_id || r->single_texts) && s->ask.action == ROBUROC4_ACTION_QUERY) {
+        first_us *= PATIENCE;
+    }
+    const uint8_t id = next_id(r, s);
+    const uint64_t elapsed_us = now_us - s->sent_us;
+    if (s->tries == 0 || id != s->id || elapsed_us > LONGEST_PAUSE_US) {
+        s->sent_us = now_us;
+    }
+    s->wait_us = (uint32_t)(now_us - s->sent_us) + retry_us(first_us, s->tries);
+    s->id = id;
+    s->ones &= 0x7F; /* this try has not seen an answer with 0x01 yet */
+    s->tries = s->tries < TRIES_WRAP ? s->tries + 1U : TRIES_WRAP + 1 - MANUAL_ID_EVERY;
+}
+
 slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint64_t now_us,
                             slot **given_up) {
     *given_up = NULL;
-    r->quiet = r->quiet && now_us - r->quiet_us < FIXED_QUIET_US;
+    r->quiet = r->quiet && now_us < r->quiet_us;
     for (uint32_t i = 0; i < SLOTS; i++) {
         slot *s = &r->slots[i];
         if (!s->open || (s->tries > 0 && now_us - s->sent_us < s->wait_us)) {
@@ -134,15 +168,7 @@ slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint64_t now_u
         if (!r->fixed_id && r->id_mode == ANSWERED_MANUAL_ID && s->tries >= FIXED_AFTER) {
             s = go_to_fixed_id(r, s); /* only 0x01 was ever answered */
         }
-        if (s->tries == 0) {
-            s->wait_us = (uint32_t)(first_retry_ms * MS);
-        } else if (s->wait_us < MAX_WAIT_US) {
-            s->wait_us = s->wait_us * 2 < MAX_WAIT_US ? s->wait_us * 2 : (uint32_t)MAX_WAIT_US;
-        }
-        s->id = next_id(r, s);
-        s->sent_us = now_us;
-        s->ones &= 0x7F; /* this try has not seen an answer with 0x01 yet */
-        s->tries = s->tries < TRIES_WRAP ? s->tries + 1U : TRIES_WRAP + 1 - MANUAL_ID_EVERY;
+        begin_try(r, s, first_retry_ms * MS, now_us);
         return s;
     }
     return NULL;
@@ -172,8 +198,28 @@ static bool only_manual_id(slot *s) {
     return (s->ones & 0x7F) >= FIXED_AFTER;
 }
 
+/** Texts (and in fixed-id mode all) wait until no answer to this request can be on its way. */
+static void be_quiet(requests *r, const slot *s, uint64_t now_us) {
+    const bool again = s != NULL && s->tries > 1;
+    const uint64_t until_us = now_us + (again ? at_most(s->wait_us, MAX_WAIT_US) : QUIET_US);
+    r->quiet_us = r->quiet && r->quiet_us > until_us ? r->quiet_us : until_us;
+    r->quiet = 1;
+}
+
+/** An error telegram does not say which text it refuses: from now on one is asked for at a time. */
+static void ask_single_texts(requests *r, uint64_t now_us) {
+    r->single_texts = 1;
+    for (uint32_t i = 0; i < SLOTS; i++) {
+        if (r->slots[i].open && r->slots[i].ask.action == ROBUROC4_ACTION_QUERY) {
+            r->slots[i].open = 0;
+            be_quiet(r, &r->slots[i], now_us);
+        }
+    }
+}
+
 slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size, uint64_t now_us) {
     slot *oldest = NULL;
+    uint32_t fitting = 0;
     for (uint32_t i = 0; i < SLOTS; i++) {
         slot *s = &r->slots[i];
         if (!s->open || s->tries == 0 || !error_fits(s, datagram, size)) {
@@ -183,9 +229,21 @@ slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size,
             note_answered_id(r, s);
             return s;
         }
+        fitting++;
         if (oldest == NULL || now_us - s->sent_us > now_us - oldest->sent_us) {
             oldest = s;
         }
+    }
+    if (oldest == NULL && r->quiet) {
+        be_quiet(r, NULL, now_us);
+    }
+    if (oldest != NULL && datagram[0] == ROBUROC4_HEADER_ERROR &&
+        oldest->ask.action == ROBUROC4_ACTION_QUERY) {
+        if (fitting > 1 || !r->single_texts) {
+            ask_single_texts(r, now_us);
+            return NULL;
+        }
+        be_quiet(r, oldest, now_us);
     }
     if (oldest == NULL || datagram[0] == ROBUROC4_HEADER_ERROR) {
         return oldest;
@@ -201,8 +259,9 @@ slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size,
 
 void roburoc4_requests_close(requests *r, slot *s, uint64_t now_us) {
     s->open = 0;
-    r->quiet = s->tries > 1;
-    r->quiet_us = now_us;
+    if (r->fixed_id && s->tries > 1) {
+        be_quiet(r, s, now_us);
+    }
 }
 
 uint64_t roburoc4_requests_deadline(const requests *r) {
@@ -214,10 +273,7 @@ uint64_t roburoc4_requests_deadline(const requests *r) {
             deadline = due < deadline ? due : deadline;
         }
     }
-    if (r->fixed_id && r->quiet && deadline == UINT64_MAX) {
-        deadline = r->quiet_us + FIXED_QUIET_US;
-    }
-    return deadline;
+    return r->quiet && r->quiet_us < deadline ? r->quiet_us : deadline;
 }
 
 void roburoc4_requests_rebase(requests *r, uint64_t now_us) {

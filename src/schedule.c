@@ -56,27 +56,32 @@ static bool open_first_insert(client *c) {
     return true;
 }
 
-static bool open_text(client *c, bool channels) {
+static bool open_text(client *c, text_choice choice) {
+    discovery *d = &c->private_discovery;
     ask a;
-    /* texts leave a request free for what is more urgent */
-    if (!roburoc4_requests_free(&c->private_requests, 1) ||
-        !roburoc4_discovery_next_text(&c->private_discovery, &c->private_requests,
-                                      c->private_values.io_counts, channels, &a)) {
+    if ((d->done && !d->text_due) || !roburoc4_requests_free_for_text(&c->private_requests) ||
+        !roburoc4_discovery_next_text(d, &c->private_requests, c->private_values.io_counts, choice,
+                                      &a)) {
         return false;
     }
+    d->text_due = 0;
     return roburoc4_requests_begin(&c->private_requests, &a);
 }
 
 /** One question a second, to each service in turn: measures the round trip, keeps properties true,
- *  notices another directory, and tries again what was refused. */
+ *  notices another directory, and tries again what was refused. A text that is missing follows. */
 static bool open_probe(client *c) {
     discovery *d = &c->private_discovery;
     if (c->private_now_us - d->probe_us < PROBE_US) {
         return false;
     }
     d->probe_us = c->private_now_us;
+    roburoc4_discovery_ask_again(d, c->private_values.io_counts);
     if (d->probe_kind == 0) {
         d->declined = 0;
+        if (c->private_requests.fixed_id && index_of_role(c, ROBUROC4_ROLE_OVERRIDE) < 0) {
+            roburoc4_discovery_doubt_inputs(d, c->private_values.io_counts);
+        }
     }
     do {
         d->probe_kind = (uint8_t)((d->probe_kind + 1U) % ROBUROC4_SERVICE_COUNT);
@@ -125,7 +130,12 @@ void roburoc4_schedule_failed(client *c, const slot *s, roburoc4_result why) {
         }
         break;
     case ROBUROC4_ACTION_QUERY:
-        roburoc4_discovery_described(d, s->ask.detail, s->ask.subject);
+        if (why == ROBUROC4_ERR_ROBOT) {
+            roburoc4_discovery_text_refused(d, c->private_values.io_counts, s->ask.detail,
+                                            s->ask.subject);
+        } else {
+            roburoc4_discovery_text_given_up(d, s->ask.detail, s->ask.subject);
+        }
         break;
     case ROBUROC4_ACTION_INSERT:
         raise_event(c, ROBUROC4_EVENT_SUBSCRIPTION_REFUSED);
@@ -146,17 +156,19 @@ static bool open_next(client *c) {
     switch (c->private_state) {
     case ROBUROC4_STATE_DISCOVERING:
         if (!d->identified) {
-            return open_text(c, false);
+            return open_text(c, TEXTS_OF_SERVICES);
         }
-        return open_first(c, ROBUROC4_ACTION_GET, properties_due(d)) != 0;
+        return open_first(c, ROBUROC4_ACTION_GET, properties_due(d)) != 0 ||
+               open_text(c, TEXTS_THAT_DECIDE);
     case ROBUROC4_STATE_SUBSCRIBING:
-        return open_first_insert(c);
+        return open_first_insert(c) || open_text(c, TEXTS_THAT_DECIDE);
     case ROBUROC4_STATE_READY:
         return (c->private_outputs.relocalizing &&
                 open_about(c, ROBUROC4_ACTION_REPLACE, ROBUROC4_SERVICE_LOCALIZATION,
                            REQUEST_TRIES)) ||
-               open_first_insert(c) || open_first(c, ROBUROC4_ACTION_DELETE, d->leaving) != 0 ||
-               open_probe(c) || (!d->done && open_text(c, true));
+               open_first(c, ROBUROC4_ACTION_GET, properties_due(d)) != 0 || open_first_insert(c) ||
+               open_first(c, ROBUROC4_ACTION_DELETE, d->leaving) != 0 || open_probe(c) ||
+               open_text(c, TEXTS_ALL);
     default: /* connecting, lost */
         return open_about(c, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, REQUEST_FOREVER);
     }
@@ -167,8 +179,7 @@ static void advance(client *c) {
     discovery *d = &c->private_discovery;
     const int32_t *io_counts = c->private_values.io_counts;
     if (c->private_state == ROBUROC4_STATE_DISCOVERING && !d->identified &&
-        (roburoc4_discovery_texts_done(d, io_counts, false) ||
-         c->private_now_us - d->phase_us >= IDENTIFY_US)) {
+        (roburoc4_discovery_services_passed(d) || c->private_now_us - d->phase_us >= IDENTIFY_US)) {
         roburoc4_discovery_identify(d);
         roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_QUERY,
                                  ROBUROC4_SERVICE_DIRECTORY);
@@ -191,7 +202,7 @@ static void advance(client *c) {
         roburoc4_lifecycle_enter(c, ROBUROC4_STATE_READY);
     }
     if (c->private_state == ROBUROC4_STATE_READY && !d->done &&
-        roburoc4_discovery_texts_done(d, io_counts, true)) {
+        roburoc4_discovery_texts_passed(d, io_counts)) {
         d->done = 1;
         raise_event(c, ROBUROC4_EVENT_DESCRIPTIONS_DONE);
     }

@@ -190,8 +190,10 @@ TEST(Pump, KnowsServicesAndProperties) {
               uint32_t{ROBUROC4_TELEMETER_COUNT});
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_telemeter, 1, &telemeter), 0);
     EXPECT_GT(telemeter.max_distance_m, 0.0f);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_role_index, ROBUROC4_ROLE_OVERRIDE),
-              ROBUROC4_DI_PAD_A);
+    EXPECT_TRUE(eventually([&] { /* its texts tell */
+                                 return on_client(pump.get(), roburoc4_client_role_index,
+                                                  ROBUROC4_ROLE_OVERRIDE) == ROBUROC4_DI_PAD_A;
+    }));
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_set_role_index, ROBUROC4_ROLE_OVERRIDE,
                         ROBUROC4_DI_PAD_B),
               0);

@@ -85,10 +85,10 @@ TEST(ServiceId, IsTakenByTextWhereTheTypeIsNotKnown) {
     expect_every_service(bench, ids);
 }
 
-TEST(ServiceId, IsTheManualsWhereNothingElseIsKnown) {
+TEST(ServiceId, IsTheManualsWhereTheRobotRefusesItsTexts) {
     ScriptedRobot robot;
     forget_types(robot);
-    robot.texts_silent = true;
+    robot.texts_refused = true;
     Bench bench(robot);
     bench.ready();
     expect_every_service(bench, {0, 1, 2, 3, 4, 5, 6});
@@ -97,7 +97,7 @@ TEST(ServiceId, IsTheManualsWhereNothingElseIsKnown) {
 TEST(ServiceId, IsTheManualsOnlyIfTheDirectoryListsIt) {
     ScriptedRobot robot;
     forget_types(robot);
-    robot.texts_silent = true;
+    robot.texts_refused = true;
     robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).id = 60;
     Bench bench(robot);
     bench.ready();

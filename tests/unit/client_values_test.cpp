@@ -525,7 +525,7 @@ TEST(Description, MayBeEmptyOrOfAnyBytes) {
     Bench bench(robot);
     bench.ready();
     EXPECT_EQ(1, bench.facts().descriptions_done);
-    EXPECT_EQ(ROBUROC4_DI_PAD_A, role(bench, ROBUROC4_ROLE_OVERRIDE)) << "by the table";
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, role(bench, ROBUROC4_ROLE_OVERRIDE)) << "none names it";
 }
 
 /* ---- roles ---- */

@@ -394,42 +394,70 @@ TEST(Disarms, InWhicheverCallComesFirst) {
     }
 }
 
-TEST(Disarms, WhenALateTextFindsTheOverrideElsewhere) {
-    const std::array<std::pair<std::set<std::uint32_t>, int>, 3> cases{
-        {{{5}, 5}, {{15}, 15}, {{5, 15}, ROBUROC4_ERR_UNKNOWN}}}; /* by the table it is 8 */
-    for (const auto &[inputs, found] : cases) {
-        SCOPED_TRACE(found);
-        ScriptedRobot robot;
-        robot.texts_silent = true;
-        robot.channel_text = [&texts = inputs](std::uint32_t io_type, std::uint32_t index) {
-            return io_type == ROBUROC4_IO_DIGITAL_INPUT && texts.count(index) > 0
-                       ? "Game pad \"A\" button"
-                       : "";
-        };
-        Bench bench(robot);
-        expect_disarmed(
-            bench, ROBUROC4_ERR_OVERRIDE_UNKNOWN, [&] { robot.texts_silent = false; }, 10 * second);
-        EXPECT_EQ(found, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
-    }
+TEST(Disarms, WhenALateTextFindsTheOverride) {
+    ScriptedRobot robot;
+    bool silent = true;
+    robot.instead = [&](const roburoc4_request &r, std::vector<Bytes> &) {
+        return silent && r.action == ROBUROC4_ACTION_QUERY && r.io_type == 2 && r.index == 15;
+    };
+    robot.channel_text = [](std::uint32_t io_type, std::uint32_t index) {
+        return io_type == ROBUROC4_IO_DIGITAL_INPUT && index == 15 ? "Game pad \"A\" button" : "";
+    };
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    Bench bench(robot, config);
+    bench.start();
+    ASSERT_TRUE(bench.run_until([&] { return bench.arm() == ROBUROC4_OK; }));
+    silent = false;
+    EXPECT_TRUE(bench.run_until([&] { return bench.facts().armed == 0; }, 10 * second));
+    EXPECT_EQ(ROBUROC4_ERR_OVERRIDE_UNKNOWN, bench.facts().disarm_cause);
+    EXPECT_EQ(15, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
 }
 
+namespace {
+
+/** A robot that keeps silent about the text of its battery, the fifth service, while `silent`. */
+void keep_battery_nameless(ScriptedRobot &robot, const bool &silent) {
+    robot.instead = [&silent](const roburoc4_request &r, std::vector<Bytes> &) {
+        return silent && r.action == ROBUROC4_ACTION_QUERY && r.service == 0 && r.index == 4;
+    };
+}
+
+} // namespace
+
+/* Of two services that are called so, it is the one with the manual's id. */
 TEST(Disarms, WhenALateTextNamesAnotherService) {
     ScriptedRobot robot;
-    robot.service(ROBUROC4_SERVICE_BATTERY).text = "Camera";
+    bool silent = true;
+    keep_battery_nameless(robot, silent);
     robot.services.push_back({0x7100, 50, 99, "Battery"});
-    robot.texts_silent = true;
-    roburoc4_config config = default_config();
-    Bench bench(robot, config);
+    Bench bench(robot);
     bench.armed();
-    ASSERT_EQ(4, roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_BATTERY));
-    robot.texts_silent = false;
-    EXPECT_TRUE(bench.run_until([&] { return bench.facts().armed == 0; }, 10 * second));
+    ASSERT_EQ(50, roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_BATTERY));
+    silent = false;
+    EXPECT_TRUE(bench.run_until([&] { return bench.facts().armed == 0; }, 20 * second));
     EXPECT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.facts().disarm_cause);
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
-    EXPECT_EQ(50, roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_BATTERY));
+    EXPECT_EQ(4, roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_BATTERY));
     bench.run(second);
     EXPECT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.drive(0, 0));
     EXPECT_EQ(ROBUROC4_OK, bench.arm()) << "who asks may";
+}
+
+TEST(Armed, StaysWhenALateTextAddsAService) {
+    ScriptedRobot robot;
+    bool silent = true;
+    keep_battery_nameless(robot, silent);
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_EQ(ROBUROC4_ERR_UNKNOWN,
+              roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_BATTERY));
+    silent = false;
+    roburoc4_battery_status status;
+    EXPECT_TRUE(bench.run_until(
+        [&] { return roburoc4_client_battery(&bench.client, &status, nullptr) == ROBUROC4_OK; },
+        20 * second));
+    EXPECT_EQ(1, bench.facts().armed);
 }
 
 /* ---- a robot without the game pad's inputs ---- */

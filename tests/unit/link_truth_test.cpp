@@ -39,6 +39,7 @@ class Network {
         roburoc4_config config;
         roburoc4_config_init(&config, sizeof config);
         config.period_ms[service] = static_cast<std::uint16_t>(period_ms);
+        config.subscriptions = 1U << service; /* the others would queue before it */
         EXPECT_EQ(ROBUROC4_OK, roburoc4_client_init(&client, sizeof client, &config));
         roburoc4_sim_clear_obstacles(sim_.get());
         roburoc4_sim_advance(sim_.get(), robot_us());

@@ -134,7 +134,7 @@ TEST_F(Safety, AShortDelayIsFresh) {
 
 /* ----------------------------------------------------------------------- which input is [A] */
 
-TEST_F(Safety, DISABLED_PadAIsWhereTheRobotsTextsSay) {
+TEST_F(Safety, PadAIsWhereTheRobotsTextsSay) {
     for (int wording = 0; wording < 4; wording++) {
         RobotPlan plan = friendly_robot();
         plan.pad_a = 9;
@@ -150,7 +150,7 @@ TEST_F(Safety, DISABLED_PadAIsWhereTheRobotsTextsSay) {
     }
 }
 
-TEST_F(Safety, DISABLED_PadAIsUnknownUntilItsTextsWereRead) {
+TEST_F(Safety, PadAIsUnknownUntilItsTextsWereRead) {
     RobotPlan plan = friendly_robot();
     plan.text_us = 300 * ms;
     make(plan);
@@ -162,7 +162,7 @@ TEST_F(Safety, DISABLED_PadAIsUnknownUntilItsTextsWereRead) {
     EXPECT_LT(arm_within(10 * second), 10 * second);
 }
 
-TEST_F(Safety, DISABLED_PadAIsUnknownWhereNoTextFits) {
+TEST_F(Safety, PadAIsUnknownWhereNoTextFits) {
     RobotPlan plan = friendly_robot();
     plan.give_texts(soak::pad_texts(22, 8, 0));
     plan.input_texts[8] = "spare";
@@ -171,7 +171,7 @@ TEST_F(Safety, DISABLED_PadAIsUnknownWhereNoTextFits) {
     EXPECT_EQ(result_, ROBUROC4_ERR_OVERRIDE_UNKNOWN);
 }
 
-TEST_F(Safety, DISABLED_PadAIsUnknownWhereTwoTextsFit) {
+TEST_F(Safety, PadAIsUnknownWhereTwoTextsFit) {
     RobotPlan plan = friendly_robot();
     plan.input_texts[20] = "gamepad: button a";
     make(plan);
@@ -191,7 +191,7 @@ TEST_F(Safety, PadAIsTheManualsWhereTheRobotRefusesTexts) {
     }
 }
 
-TEST_F(Safety, DISABLED_TheManualsPadAIsNotBelievedOnAnotherCard) {
+TEST_F(Safety, TheManualsPadAIsNotBelievedOnAnotherCard) {
     RobotPlan plan = friendly_robot();
     plan.refused_texts.assign(22, true);
     plan.analog_inputs = 12;
@@ -200,7 +200,7 @@ TEST_F(Safety, DISABLED_TheManualsPadAIsNotBelievedOnAnotherCard) {
     EXPECT_EQ(result_, ROBUROC4_ERR_OVERRIDE_UNKNOWN);
 }
 
-TEST_F(Safety, DISABLED_AMissingTextIsNoRefusal) {
+TEST_F(Safety, AMissingTextIsNoRefusal) {
     RobotPlan plan = friendly_robot();
     plan.unanswered_texts[8] = true;
     make(plan);
@@ -218,7 +218,7 @@ RobotPlan robot_told_by_texts() {
     return plan;
 }
 
-TEST_F(Safety, DISABLED_AServiceIsNotGuessedWhileItsTextIsMissing) {
+TEST_F(Safety, AServiceIsNotGuessedWhileItsTextIsMissing) {
     RobotPlan plan = robot_told_by_texts();
     plan.text_us = 3600 * second;
     make(plan);
@@ -229,7 +229,7 @@ TEST_F(Safety, DISABLED_AServiceIsNotGuessedWhileItsTextIsMissing) {
     EXPECT_FALSE(world_->oracle().over()) << "a command went to another service";
 }
 
-TEST_F(Safety, DISABLED_AServicesTextThatWasLostIsAskedForAgain) {
+TEST_F(Safety, AServicesTextThatWasLostIsAskedForAgain) {
     RobotPlan plan = robot_told_by_texts();
     plan.text_us = 3600 * second;
     make(plan);

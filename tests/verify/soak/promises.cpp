@@ -95,11 +95,9 @@ bool find_promise(const std::string &name, Promise &out) {
 
 Promises known_open() {
     Promises open;
-    open.set(number(Promise::override_by_texts));
     open.set(number(Promise::fresh_by_age));
     open.set(number(Promise::stop_confirmed));
     open.set(number(Promise::inhibited_disarms));
-    open.set(number(Promise::service_by_texts));
     return open;
 }
 

@@ -210,10 +210,15 @@ class Scenario {
         return static_cast<std::uint32_t>(random_.between(1000, 1000000));
     }
 
+    void set_override_index(std::int32_t index) {
+        world_.set_override_index(index);
+        config_.role_index[ROBUROC4_ROLE_OVERRIDE] = static_cast<std::int16_t>(index);
+    }
+
     void act_oddly() {
         switch (random_.between(0, 6)) {
         case 0:
-            world_.set_override_index(random_.chance(0.5) ? -1 : plan_.pad_a);
+            set_override_index(random_.chance(0.5) ? -1 : plan_.pad_a);
             break;
         case 1:
             world_.set_outputs(2, random_.next());
