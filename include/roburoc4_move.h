@@ -117,7 +117,7 @@ typedef struct roburoc4_move {
     float private_speed[2], private_since_pose[2];
     float private_way_m, private_last_turn_rad, private_aside_m;
     uint8_t private_kind, private_leg, private_ready, private_planned;
-    uint8_t private_still, private_bumpers, private_posed, private_reserved[5];
+    uint8_t private_still, private_bumpers, private_posed, private_begun, private_reserved[4];
 } roburoc4_move;
 
 /* Begin a move, whatever was in its memory before. Nothing is sent: the first step makes the plan.
@@ -153,6 +153,29 @@ ROBUROC4_API roburoc4_result roburoc4_move_rest(roburoc4_move *move,
  *  roburoc4_client_stop(). Returns move->result; an ended move does nothing. */
 ROBUROC4_API int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client,
                                         uint64_t now_us);
+/** What a move looks at. roburoc4_move_step() takes it from a client; where the robot is another
+ *  process's, as behind the LCM bridge, fill it with what that reports, all others 0. */
+typedef struct roburoc4_move_view {
+    uint32_t size;   /* sizeof(roburoc4_move_view) */
+    uint32_t age_us; /* of the speeds, now; what was sent in that time does not show in them */
+    uint64_t speed_cycles; /* robot time of the speeds; 0: none yet */
+    uint64_t pose_cycles;  /* robot time of the pose; 0: none yet, or not usable */
+    double x_m, y_m, theta_rad;
+    float linear_m_s, angular_rad_s;           /* measured */
+    float sent_m_s, sent_rad_s;                /* the last speeds sent; 0 after a stop */
+    float max_linear_m_s2, max_angular_rad_s2; /* the robot's own; 0: not known */
+    float ahead_m, astern_m; /* what telemeters that look there see; much where there is none */
+    int32_t disarm_cause;    /* ROBUROC4_ERR_*, where it is not armed */
+    uint8_t armed, overridden, inhibited;
+    uint8_t front_bumper, rear_bumper; /* pressed */
+    uint8_t blind;                     /* there are telemeters, but no fresh distances */
+    uint8_t reserved[6];
+} roburoc4_move_view;
+
+/** roburoc4_move_step() by a view of your own. When it ends, it is you who stops the robot; to come
+ *  to rest, stop it first. ROBUROC4_MOVE_RUNNING, or how it ended. */
+ROBUROC4_API int32_t roburoc4_move_step_view(roburoc4_move *move, const roburoc4_move_view *view,
+                                             uint64_t now_us);
 /** End a move that runs, and stop. */
 ROBUROC4_API void roburoc4_move_cancel(roburoc4_move *move, roburoc4_client *client,
                                        uint64_t now_us);

@@ -214,6 +214,78 @@ roburoc4_result roburoc4_move_rest(roburoc4_move *move, const roburoc4_move_opti
     return begin(move, REST, options);
 }
 
+/* ---------------------------------------------------------------------------- what is looked at */
+
+static bool usable(const roburoc4_localization_status *pose) {
+    return finite_f64_bits(bits_from_f64(pose->x_m)) && finite_f64_bits(bits_from_f64(pose->y_m)) &&
+           finite_f64_bits(bits_from_f64(pose->theta_rad)) &&
+           (pose->flags & (ROBUROC4_LOCALIZATION_INVALID | ROBUROC4_LOCALIZATION_ERROR)) == 0;
+}
+
+/** The lower of two distances; what is no number is no free way. */
+static float nearer(float a, float b) {
+    return move_finite(b) ? lesser(a, b) : 0;
+}
+
+static void view_distances(roburoc4_move_view *v, const roburoc4_client *client, uint64_t now_us) {
+    roburoc4_distances distances;
+    roburoc4_telemeter telemeter;
+    uint64_t host_us;
+    v->ahead_m = FAR_M;
+    v->astern_m = FAR_M;
+    v->blind = roburoc4_client_telemeter_count(client) > 0 &&
+               (roburoc4_client_distances(client, &distances, &host_us) != ROBUROC4_OK ||
+                now_us - host_us > SILENCE_US);
+    for (uint32_t i = 0; roburoc4_client_telemeter(client, i, &telemeter) == ROBUROC4_OK; i++) {
+        const int32_t aside = order_of(size_of(half_turn(telemeter.theta_rad)));
+        if (aside < order_of(PI_F / 3)) {
+            v->ahead_m = nearer(v->ahead_m, telemeter.distance_m);
+        } else if (aside > order_of(2 * PI_F / 3)) {
+            v->astern_m = nearer(v->astern_m, telemeter.distance_m);
+        }
+    }
+}
+
+static void view_client(roburoc4_move_view *v, const roburoc4_client *client, uint64_t now_us) {
+    roburoc4_differential_properties limits;
+    roburoc4_differential_status speeds;
+    roburoc4_localization_status pose;
+    roburoc4_facts facts;
+    roburoc4_link link;
+    uint64_t host_us;
+    memset(v, 0, sizeof *v);
+    v->size = sizeof *v;
+    (void)roburoc4_client_facts(client, now_us, ROBUROC4_SIZED(&facts));
+    v->armed = facts.armed;
+    v->overridden = facts.overridden;
+    v->inhibited = facts.inhibited;
+    v->front_bumper = facts.front_bumper;
+    v->rear_bumper = facts.rear_bumper;
+    v->disarm_cause = facts.disarm_cause;
+    v->sent_m_s = facts.linear_m_s;
+    v->sent_rad_s = facts.angular_rad_s;
+    if (roburoc4_client_differential(client, &speeds, &host_us) == ROBUROC4_OK) {
+        (void)roburoc4_client_link(client, now_us, ROBUROC4_SIZED(&link));
+        v->speed_cycles = speeds.robot_cycles;
+        v->linear_m_s = speeds.current_linear_m_s;
+        v->angular_rad_s = speeds.current_angular_rad_s;
+        v->age_us = (uint32_t)(now_us - host_us) + link.round_trip_us;
+    }
+    if (roburoc4_client_localization(client, &pose, NULL) == ROBUROC4_OK && usable(&pose)) {
+        v->pose_cycles = pose.robot_cycles;
+        v->x_m = pose.x_m;
+        v->y_m = pose.y_m;
+        v->theta_rad = pose.theta_rad;
+    }
+    if (roburoc4_client_differential_properties(client, &limits) == ROBUROC4_OK) {
+        v->max_linear_m_s2 =
+            lesser(size_of(limits.max_linear_m_s2), size_of(limits.min_linear_m_s2));
+        v->max_angular_rad_s2 =
+            lesser(size_of(limits.max_angular_rad_s2), size_of(limits.min_angular_rad_s2));
+    }
+    view_distances(v, client, now_us);
+}
+
 /* ------------------------------------------------------------------------------------ the plan */
 
 static void start_leg(roburoc4_move *m, float distance_m, float angle_rad) {
@@ -242,14 +314,8 @@ static bool next_leg(roburoc4_move *m) {
     return false;
 }
 
-static bool usable(const roburoc4_localization_status *pose) {
-    return finite_f64_bits(bits_from_f64(pose->x_m)) && finite_f64_bits(bits_from_f64(pose->y_m)) &&
-           finite_f64_bits(bits_from_f64(pose->theta_rad)) &&
-           (pose->flags & (ROBUROC4_LOCALIZATION_INVALID | ROBUROC4_LOCALIZATION_ERROR)) == 0;
-}
-
 /** Turn, way and turn from this pose; false where it is further than a move goes. */
-static bool plan_to(roburoc4_move *m, const roburoc4_localization_status *pose) {
+static bool plan_to(roburoc4_move *m, const roburoc4_move_view *pose) {
     const float x = (float)(m->private_x_m - pose->x_m), y = (float)(m->private_y_m - pose->y_m);
     if (order_of(size_of(x)) > order_of(FAR_M) || order_of(size_of(y)) > order_of(FAR_M)) {
         return false;
@@ -275,22 +341,15 @@ static float curvature(const roburoc4_move *m) {
 }
 
 /** Speeds and accelerations: those asked for, unless the robot's own are less. */
-static void set_profile(roburoc4_move *m, const roburoc4_client *client) {
+static void set_profile(roburoc4_move *m, const roburoc4_move_view *v) {
     const roburoc4_move_options *o = &m->private_options;
-    roburoc4_differential_properties limits;
-    memset(&limits, 0, sizeof limits);
-    (void)roburoc4_client_differential_properties(client, &limits);
-    const float slopes[4] = {limits.max_linear_m_s2, limits.min_linear_m_s2,
-                             limits.max_angular_rad_s2, limits.min_angular_rad_s2};
+    const float slopes[BOTH] = {o->linear_m_s2, o->angular_rad_s2};
+    const float most[BOTH] = {v->max_linear_m_s2, v->max_angular_rad_s2};
     m->private_limit[LENGTH] = o->linear_m_s;
     m->private_limit[ANGLE] = o->angular_rad_s;
-    m->private_slope[LENGTH] = o->linear_m_s2;
-    m->private_slope[ANGLE] = o->angular_rad_s2;
-    for (uint32_t i = 0; i < 4; i++) {
-        const float slope = size_of(slopes[i]);
-        if (move_finite(slope) && order_of(slope) > 0) {
-            m->private_slope[i / 2] = lesser(m->private_slope[i / 2], slope);
-        }
+    for (uint32_t axis = 0; axis < BOTH; axis++) {
+        const bool known = move_finite(most[axis]) && order_of(most[axis]) > 0;
+        m->private_slope[axis] = known ? lesser(slopes[axis], most[axis]) : slopes[axis];
     }
     const float bend = size_of(curvature(m));
     if (order_of(bend) > 0) {
@@ -335,11 +394,11 @@ static float seconds_from(uint64_t before_cycles, uint64_t cycles) {
 }
 
 /** Follow the pose from the last one to this, unless it jumped: then speeds say where it came. */
-static void hear_pose(roburoc4_move *m, const roburoc4_localization_status *pose) {
-    const float ahead_s = seconds_from(m->private_pose_cycles, pose->robot_cycles);
-    const float since_s = m->private_speed_cycles > pose->robot_cycles
-                              ? -seconds_from(pose->robot_cycles, m->private_speed_cycles)
-                              : seconds_from(m->private_speed_cycles, pose->robot_cycles);
+static void hear_pose(roburoc4_move *m, const roburoc4_move_view *pose) {
+    const float ahead_s = seconds_from(m->private_pose_cycles, pose->pose_cycles);
+    const float since_s = m->private_speed_cycles > pose->pose_cycles
+                              ? -seconds_from(pose->pose_cycles, m->private_speed_cycles)
+                              : seconds_from(m->private_speed_cycles, pose->pose_cycles);
     const float rest[BOTH] = {m->private_speed[LENGTH] * since_s,
                               m->private_speed[ANGLE] * since_s};
     const float said[BOTH] = {m->private_since_pose[LENGTH] + rest[LENGTH],
@@ -361,7 +420,7 @@ static void hear_pose(roburoc4_move *m, const roburoc4_localization_status *pose
         come(m, differs[LENGTH], differs[ANGLE]);
     }
     m->private_posed = 1;
-    m->private_pose_cycles = pose->robot_cycles;
+    m->private_pose_cycles = pose->pose_cycles;
     m->private_x0_m = pose->x_m;
     m->private_y0_m = pose->y_m;
     m->private_theta0_rad = pose->theta_rad;
@@ -370,10 +429,9 @@ static void hear_pose(roburoc4_move *m, const roburoc4_localization_status *pose
 }
 
 /** A status of speeds: the way since the last, and what is to be asked for yet. */
-static void hear_speeds(roburoc4_move *m, const roburoc4_differential_status *status,
-                        float *slopes) {
-    const float speeds[BOTH] = {status->current_linear_m_s, status->current_angular_rad_s};
-    const float passed_s = seconds_from(m->private_speed_cycles, status->robot_cycles);
+static void hear_speeds(roburoc4_move *m, const roburoc4_move_view *v, float *slopes) {
+    const float speeds[BOTH] = {v->linear_m_s, v->angular_rad_s};
+    const float passed_s = seconds_from(m->private_speed_cycles, v->speed_cycles);
     float ways[BOTH];
     bool still = true;
     for (uint32_t axis = 0; axis < BOTH; axis++) {
@@ -385,47 +443,32 @@ static void hear_speeds(roburoc4_move *m, const roburoc4_differential_status *st
         m->private_speed[axis] = speed;
         still = still && order_of(size_of(speed)) < order_of(standing_speed[axis]);
     }
-    m->private_speed_cycles = status->robot_cycles;
+    m->private_speed_cycles = v->speed_cycles;
     m->private_still = still ? (uint8_t)(m->private_still + (m->private_still < 100)) : 0;
     come(m, ways[LENGTH], ways[ANGLE]);
 }
 
-/** The client's news: 1 where there is a new status of speeds. */
-static bool hear(roburoc4_move *m, const roburoc4_client *client, const roburoc4_facts *facts,
-                 uint64_t now_us) {
-    roburoc4_differential_status status;
-    roburoc4_localization_status pose;
-    uint64_t host_us = now_us;
+/** What is new in the view, and when it was heard. */
+static void hear(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
     float slopes[BOTH] = {0, 0};
-    const bool news = roburoc4_client_differential(client, &status, &host_us) == ROBUROC4_OK &&
-                      status.robot_cycles != m->private_speed_cycles;
+    const bool news = v->speed_cycles != m->private_speed_cycles;
     if (news) {
-        hear_speeds(m, &status, slopes);
-        m->private_heard_us = host_us;
+        hear_speeds(m, v, slopes);
+        m->private_heard_us = now_us;
     }
-    if (roburoc4_client_localization(client, &pose, NULL) == ROBUROC4_OK && usable(&pose) &&
-        pose.robot_cycles != m->private_pose_cycles) {
-        hear_pose(m, &pose);
+    if (v->pose_cycles != 0 && v->pose_cycles != m->private_pose_cycles) {
+        hear_pose(m, v);
     }
-    if (!news) {
-        return false;
-    }
-    roburoc4_link link;
-    uint32_t age_us = (uint32_t)(now_us - host_us);
-    if (roburoc4_client_link(client, now_us, ROBUROC4_SIZED(&link)) == ROBUROC4_OK) {
-        age_us += link.round_trip_us;
-    }
-    const float age_s = (float)age_us * 1e-6F;
-    const float sent[BOTH] = {facts->linear_m_s, facts->angular_rad_s};
-    for (uint32_t axis = 0; axis < BOTH; axis++) {
+    const float age_s = (float)v->age_us * 1e-6F;
+    const float sent[BOTH] = {v->sent_m_s, v->sent_rad_s};
+    for (uint32_t axis = 0; news && axis < BOTH; axis++) {
         const float measured = m->private_goal[axis] - m->private_come[axis] -
                                RESPONSE_S * m->private_speed[axis] - BEND_S2 * slopes[axis] -
                                age_s * sent[axis];
         m->private_to_ask[axis] +=
             (m->private_planned ? TRUST : 1) * (measured - m->private_to_ask[axis]);
     }
-    m->private_planned = 1;
-    return true;
+    m->private_planned = m->private_planned || news;
 }
 
 /* --------------------------------------------------------------------------------- looking out */
@@ -440,47 +483,27 @@ static uint8_t direction(const roburoc4_move *m) {
     return way;
 }
 
-static int32_t look_at_bumpers(roburoc4_move *m, const roburoc4_facts *facts, uint8_t way) {
+static int32_t look_at_bumpers(roburoc4_move *m, const roburoc4_move_view *v, uint8_t way) {
     const uint8_t pressed =
-        (uint8_t)((facts->front_bumper ? AHEAD : 0) | (facts->rear_bumper ? ASTERN : 0));
+        (uint8_t)((v->front_bumper ? AHEAD : 0) | (v->rear_bumper ? ASTERN : 0));
     m->private_bumpers &= pressed; /* those since the beginning */
     return (pressed & (way | ~m->private_bumpers)) != 0 ? ROBUROC4_MOVE_BUMPER
                                                         : ROBUROC4_MOVE_RUNNING;
 }
 
-/** Whether distances are known, where any are to be looked at. */
-static bool sees(const roburoc4_move *m, const roburoc4_client *client, uint64_t now_us) {
-    roburoc4_distances distances;
-    uint64_t host_us;
-    return order_of(m->private_options.clearance_m) == 0 ||
-           roburoc4_client_telemeter_count(client) == 0 ||
-           (roburoc4_client_distances(client, &distances, &host_us) == ROBUROC4_OK &&
-            now_us - host_us <= SILENCE_US);
-}
-
-static int32_t look_ahead(const roburoc4_move *m, const roburoc4_client *client, uint8_t way,
-                          uint64_t now_us) {
+static int32_t look_ahead(const roburoc4_move *m, const roburoc4_move_view *v, uint8_t way) {
     const float needed =
         m->private_options.clearance_m + RESPONSE_S * size_of(m->private_speed[LENGTH]);
-    roburoc4_telemeter telemeter;
     if (way == 0 || order_of(m->private_options.clearance_m) == 0) {
         return ROBUROC4_MOVE_RUNNING;
     }
-    if (!sees(m, client, now_us)) {
+    if (v->blind) {
         return ROBUROC4_MOVE_LOST;
     }
-    for (uint32_t i = 0; roburoc4_client_telemeter(client, i, &telemeter) == ROBUROC4_OK; i++) {
-        const int32_t aside = order_of(size_of(half_turn(telemeter.theta_rad)));
-        const uint8_t looks = aside < order_of(PI_F / 3)       ? AHEAD
-                              : aside > order_of(2 * PI_F / 3) ? ASTERN
-                                                               : 0;
-        /* NaN is no free way */
-        if ((looks & way) != 0 && (!move_finite(telemeter.distance_m) ||
-                                   order_of(telemeter.distance_m) < order_of(needed))) {
-            return ROBUROC4_MOVE_OBSTACLE;
-        }
-    }
-    return ROBUROC4_MOVE_RUNNING;
+    return ((way & AHEAD) != 0 && order_of(nearer(FAR_M, v->ahead_m)) < order_of(needed)) ||
+                   ((way & ASTERN) != 0 && order_of(nearer(FAR_M, v->astern_m)) < order_of(needed))
+               ? ROBUROC4_MOVE_OBSTACLE
+               : ROBUROC4_MOVE_RUNNING;
 }
 
 static int32_t result_of(roburoc4_result cause) {
@@ -498,19 +521,21 @@ static int32_t result_of(roburoc4_result cause) {
 }
 
 /** What ends the move whether it has arrived or not. */
-static int32_t look_out(roburoc4_move *m, const roburoc4_client *client,
-                        const roburoc4_facts *facts, uint64_t now_us) {
+static int32_t look_out(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
     const uint8_t way = direction(m);
-    int32_t result = look_at_bumpers(m, facts, way);
+    int32_t result = look_at_bumpers(m, v, way);
     if (m->private_kind == REST) {
-        result = facts->overridden ? ROBUROC4_MOVE_OVERRIDE : ROBUROC4_MOVE_RUNNING;
-    } else if (facts->inhibited) {
+        result = v->overridden ? ROBUROC4_MOVE_OVERRIDE : ROBUROC4_MOVE_RUNNING;
+    } else if (v->inhibited) {
         result = ROBUROC4_MOVE_INHIBITED;
-    } else if (!facts->armed) {
-        m->cause = facts->disarm_cause;
+    } else if (!v->armed) {
+        m->cause = v->disarm_cause;
         result = result_of(m->cause);
     } else if (result == ROBUROC4_MOVE_RUNNING) {
-        result = look_ahead(m, client, way, now_us);
+        result = look_ahead(m, v, way);
+    }
+    if (result == ROBUROC4_MOVE_RUNNING && now_us - m->private_heard_us > SILENCE_US) {
+        result = ROBUROC4_MOVE_LOST;
     }
     if (result == ROBUROC4_MOVE_RUNNING &&
         now_us - m->private_begun_us >= (uint64_t)m->private_timeout_ms * 1000U) {
@@ -563,84 +588,55 @@ static void propose(roburoc4_move *m) {
 
 /* ------------------------------------------------------------------------------------ one step */
 
-static int32_t end(roburoc4_move *m, roburoc4_client *client, int32_t result, uint64_t now_us) {
-    roburoc4_facts facts;
-    m->result = result;
-    m->linear_m_s = 0;
-    m->angular_rad_s = 0;
-    (void)roburoc4_client_facts(client, now_us, ROBUROC4_SIZED(&facts));
-    /* A client that disarmed itself has sent what was due, and one that never drove commands
-     * nothing. */
-    if (facts.armed) {
-        (void)roburoc4_client_stop(client, now_us);
-    }
-    return result;
-}
-
 /** The plan, as soon as all is known that it needs. */
-static int32_t plan(roburoc4_move *m, roburoc4_client *client, const roburoc4_facts *facts,
-                    uint64_t now_us) {
+static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
     const bool to = m->private_kind == TO_POINT || m->private_kind == TO_POSE;
-    roburoc4_differential_status status;
-    roburoc4_localization_status pose;
-    if (m->private_begun_us == 0) {
+    const bool looks = m->private_kind != REST && order_of(m->private_options.clearance_m) != 0;
+    if (!m->private_begun) {
+        m->private_begun = 1;
         m->private_begun_us = now_us;
+        m->private_heard_us = now_us;
+        m->private_step_us = now_us;
         m->private_timeout_ms = UINT32_MAX;
         m->private_bumpers = AHEAD | ASTERN;
-        if (m->private_kind == REST && roburoc4_client_stop(client, now_us) < 0) {
-            return ROBUROC4_MOVE_LOST;
-        }
     }
-    if (roburoc4_client_differential(client, &status, NULL) != ROBUROC4_OK ||
-        (to &&
-         (roburoc4_client_localization(client, &pose, NULL) != ROBUROC4_OK || !usable(&pose))) ||
-        (m->private_kind != REST && !sees(m, client, now_us))) {
+    if (v->speed_cycles == 0 || (to && v->pose_cycles == 0) || (looks && v->blind)) {
         return now_us - m->private_begun_us > SILENCE_US ? ROBUROC4_MOVE_LOST
                                                          : ROBUROC4_MOVE_RUNNING;
     }
-    if (to && !plan_to(m, &pose)) {
+    if (to && !plan_to(m, v)) {
         m->cause = ROBUROC4_ERR_ARGUMENT;
         return ROBUROC4_MOVE_CANCELLED;
     }
-    set_profile(m, client);
+    set_profile(m, v);
     m->private_timeout_ms = patience_ms(m);
-    m->private_heard_us = now_us;
-    m->private_step_us = now_us;
     m->private_ready = 1;
-    (void)look_at_bumpers(m, facts, 0);
+    (void)look_at_bumpers(m, v, 0);
     return ROBUROC4_MOVE_RUNNING;
 }
 
 /** What was sent since the last step needs not be asked for again. */
-static void count_sent(roburoc4_move *m, const roburoc4_facts *facts, uint64_t now_us) {
+static void count_sent(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
     const uint64_t passed_us = now_us - m->private_step_us;
     const float passed_s = passed_us > STEP_MAX_US ? 0 : (float)(uint32_t)passed_us * 1e-6F;
     m->private_step_us = now_us;
-    m->private_to_ask[LENGTH] -= facts->linear_m_s * passed_s;
-    m->private_to_ask[ANGLE] -= facts->angular_rad_s * passed_s;
+    m->private_to_ask[LENGTH] -= v->sent_m_s * passed_s;
+    m->private_to_ask[ANGLE] -= v->sent_rad_s * passed_s;
 }
 
-int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_t now_us) {
-    roburoc4_facts facts;
-    int32_t result = ROBUROC4_MOVE_RUNNING;
+int32_t roburoc4_move_step_view(roburoc4_move *move, const roburoc4_move_view *view,
+                                uint64_t now_us) {
     if (move->result != ROBUROC4_MOVE_RUNNING) {
         return move->result;
     }
-    (void)roburoc4_client_facts(client, now_us, ROBUROC4_SIZED(&facts));
-    if (!move->private_ready) {
-        result = plan(move, client, &facts, now_us);
-    }
+    int32_t result = move->private_ready ? ROBUROC4_MOVE_RUNNING : plan(move, view, now_us);
     if (result == ROBUROC4_MOVE_RUNNING) {
-        count_sent(move, &facts, now_us);
-        if (!hear(move, client, &facts, now_us) && now_us - move->private_heard_us > SILENCE_US) {
-            result = ROBUROC4_MOVE_LOST;
-        }
+        count_sent(move, view, now_us);
+        hear(move, view, now_us);
+        result = look_out(move, view, now_us);
     }
     move->left_m = move->private_goal[LENGTH] - move->private_come[LENGTH];
     move->left_rad = move->private_goal[ANGLE] - move->private_come[ANGLE];
-    if (result == ROBUROC4_MOVE_RUNNING) {
-        result = look_out(move, client, &facts, now_us);
-    }
     if (result == ROBUROC4_MOVE_RUNNING && move->private_ready && move->private_planned) {
         if (move->private_kind != REST) {
             propose(move);
@@ -650,12 +646,37 @@ int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_
             result = ROBUROC4_MOVE_REACHED;
         }
     }
-    return result == ROBUROC4_MOVE_RUNNING ? result : end(move, client, result, now_us);
+    if (result != ROBUROC4_MOVE_RUNNING) {
+        move->linear_m_s = 0;
+        move->angular_rad_s = 0;
+    }
+    move->result = result;
+    return result;
+}
+
+int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_t now_us) {
+    roburoc4_move_view view;
+    if (move->result != ROBUROC4_MOVE_RUNNING) {
+        return move->result;
+    }
+    if (move->private_kind == REST && !move->private_begun) {
+        (void)roburoc4_client_stop(client, now_us);
+    }
+    view_client(&view, client, now_us);
+    /* A client that disarmed itself has sent what was due, and one that never drove commands
+     * nothing. */
+    if (roburoc4_move_step_view(move, &view, now_us) != ROBUROC4_MOVE_RUNNING && view.armed) {
+        (void)roburoc4_client_stop(client, now_us);
+    }
+    return move->result;
 }
 
 void roburoc4_move_cancel(roburoc4_move *move, roburoc4_client *client, uint64_t now_us) {
     if (move->result == ROBUROC4_MOVE_RUNNING) {
-        (void)end(move, client, ROBUROC4_MOVE_CANCELLED, now_us);
+        move->result = ROBUROC4_MOVE_CANCELLED;
+        move->linear_m_s = 0;
+        move->angular_rad_s = 0;
+        (void)roburoc4_client_stop(client, now_us);
     }
 }
 

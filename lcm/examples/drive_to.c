@@ -4,16 +4,18 @@
  *
  *     drive_to X_M Y_M [CHANNEL_PREFIX]
  *
- * It waits until the bridge reports that the robot can be driven, steers by each
- * ROBUROC4_LOCALIZATION that arrives, commands on ROBUROC4_DRIVE_CMD, and prints the messages of
- * ROBUROC4_BRIDGE_STATE. When the robot is stopped, overridden or lost, it ends: a person decides
- * whether to go on. It steers by fresh poses only: those of a log that somebody replays would send
- * the real robot to a wrong place. LCM's network is that of $LCM_DEFAULT_URL. Exit status: 0
- * arrived, 1 stopped, no poses, or not within 60 s, 2 bad usage.
+ * A move of roburoc4_move.h, which is shown what the bridge publishes, and whose speeds are
+ * commanded on ROBUROC4_DRIVE_CMD. It waits until the bridge reports that the robot can be driven,
+ * and prints the messages of ROBUROC4_BRIDGE_STATE. When the robot is stopped, overridden or lost,
+ * or something is in the way, it ends: a person decides whether to go on. It steers by fresh
+ * statuses only: those of a log that somebody replays would send the real robot to a wrong place.
+ * LCM's network is that of $LCM_DEFAULT_URL. Exit status: 0 arrived, 1 stopped, no statuses, or not
+ * in time, 2 bad usage.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <lcm/lcm.h>
 #include <math.h>
+#include <roburoc4_move.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,27 +24,22 @@
 
 #include "roburoc4_lcm.h"
 
-#define NEAR_M 0.1
-#define MAX_LINEAR_M_S 0.5
-#define MAX_ANGULAR_RAD_S 0.8
-#define PATIENCE_S 60
 #define SILENCE_US 2000000
-#define LOOK_MS 200
-/* A pose that is further from now than this is not fresh. */
+#define LOOK_MS 50
+#define SPEEDS_US 250000 /* age of the speeds up to which it commands */
+/* A status that is further from now than this is not fresh. */
 #define FRESH_US 500000
 
 typedef struct trip {
     lcm_t *lcm;
-    char command_channel[64];
-    char sender[64];
-    int64_t posed_us; /* when the last fresh pose came */
-    double goal_x_m;
-    double goal_y_m;
-    int ready;  /* the robot can be driven */
-    int driven; /* it was driven */
-    int arrived;
-    int stopped;
-    char message[256]; /* the last one of the bridge */
+    char command_channel[64], sender[64];
+    int64_t heard_us;                /* when the last fresh speeds came */
+    int64_t speeds_us, distances_us; /* when the last fresh ones were measured */
+    roburoc4_move move;
+    roburoc4_move_view view;
+    int moved;                  /* a speed was asked for */
+    int ready, driven, stopped; /* it can be driven, it was, and it is no more */
+    char message[256];          /* the last one of the bridge */
 } trip;
 
 static int64_t now_us(void) {
@@ -51,8 +48,8 @@ static int64_t now_us(void) {
     return (int64_t)now.tv_sec * 1000000 + now.tv_usec;
 }
 
-static double within(double value, double limit) {
-    return fmax(-limit, fmin(limit, value));
+static int fresh(int64_t utime) {
+    return llabs(utime - now_us()) < FRESH_US;
 }
 
 static void drive(trip *trip, double linear_m_s, double angular_rad_s) {
@@ -64,36 +61,47 @@ static void drive(trip *trip, double linear_m_s, double angular_rad_s) {
         .lease_us = 200000, /* a hung program stops the robot that soon */
     };
     (void)roburoc4_lcm_drive_command_t_publish(trip->lcm, trip->command_channel, &command);
+    trip->view.sent_m_s = (float)linear_m_s;
+    trip->view.sent_rad_s = (float)angular_rad_s;
 }
 
 static void on_localization(const lcm_recv_buf_t *buffer, const char *channel,
                             const roburoc4_lcm_localization_status_t *pose, void *user) {
+    roburoc4_move_view *view = &((trip *)user)->view;
+    (void)buffer;
+    (void)channel;
+    if (fresh(pose->utime)) {
+        view->pose_cycles = (uint64_t)pose->robot_cycles;
+        view->x_m = pose->x_m;
+        view->y_m = pose->y_m;
+        view->theta_rad = pose->theta_rad;
+    }
+}
+
+static void on_differential(const lcm_recv_buf_t *buffer, const char *channel,
+                            const roburoc4_lcm_differential_status_t *speeds, void *user) {
     trip *trip = user;
     (void)buffer;
     (void)channel;
-    int64_t now = now_us();
-    if (pose->utime < now - FRESH_US || pose->utime > now + FRESH_US) {
-        return;
+    if (fresh(speeds->utime)) {
+        trip->heard_us = now_us();
+        trip->speeds_us = speeds->utime;
+        trip->view.speed_cycles = (uint64_t)speeds->robot_cycles;
+        trip->view.linear_m_s = speeds->current_linear_m_s;
+        trip->view.angular_rad_s = speeds->current_angular_rad_s;
     }
-    trip->posed_us = now;
-    if (trip->ready == 0) {
-        return;
+}
+
+static void on_telemeter(const lcm_recv_buf_t *buffer, const char *channel,
+                         const roburoc4_lcm_telemeter_status_t *distances, void *user) {
+    trip *trip = user;
+    (void)buffer;
+    (void)channel;
+    if (fresh(distances->utime) && distances->count > ROBUROC4_TELEMETER_REAR) {
+        trip->distances_us = distances->utime;
+        trip->view.ahead_m = distances->telemeters[ROBUROC4_TELEMETER_FRONT].distance_m;
+        trip->view.astern_m = distances->telemeters[ROBUROC4_TELEMETER_REAR].distance_m;
     }
-    double x_m = trip->goal_x_m - pose->x_m;
-    double y_m = trip->goal_y_m - pose->y_m;
-    double distance_m = hypot(x_m, y_m);
-    /* How far to the left the goal lies, -pi to pi. */
-    double bearing_rad = remainder(atan2(y_m, x_m) - pose->theta_rad, 2.0 * acos(-1.0));
-    if (distance_m < NEAR_M) {
-        trip->arrived = 1;
-        drive(trip, 0.0, 0.0);
-        (void)printf("arrived at %.2f %.2f\n", pose->x_m, pose->y_m);
-        return;
-    }
-    /* Ahead only as far as it looks at the goal; gently at the end. */
-    double ahead = fmax(0.0, cos(bearing_rad));
-    drive(trip, within(0.6 * distance_m * ahead * ahead, MAX_LINEAR_M_S),
-          within(1.2 * bearing_rad, MAX_ANGULAR_RAD_S));
 }
 
 static void on_bridge_state(const lcm_recv_buf_t *buffer, const char *channel,
@@ -104,30 +112,56 @@ static void on_bridge_state(const lcm_recv_buf_t *buffer, const char *channel,
     trip->ready = trip->ready != 0 || state->can_drive != 0;
     trip->stopped = trip->driven != 0 && state->waiting != 0;
     trip->driven = trip->driven != 0 || state->driving != 0;
+    trip->view.armed = 1; /* the bridge arms for a command */
+    trip->view.overridden = state->overridden != 0;
+    trip->view.inhibited = (state->faults & ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_INHIBITED) != 0;
+    trip->view.front_bumper = (state->faults & ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_FRONT_BUMPER) != 0;
+    trip->view.rear_bumper = (state->faults & ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_REAR_BUMPER) != 0;
     if (strcmp(state->message, trip->message) != 0) {
         (void)snprintf(trip->message, sizeof trip->message, "%s", state->message);
         (void)printf("bridge: %s\n", trip->message);
     }
 }
 
+/* One look at what came, and the speeds that follow; 0 at the end. */
+static int step(trip *trip) {
+    if (trip->ready == 0) {
+        return 1;
+    }
+    const int64_t age_us = now_us() - trip->speeds_us;
+    trip->view.age_us = age_us > 0 ? (uint32_t)age_us : 0;
+    trip->view.blind = !fresh(trip->distances_us);
+    const int going = roburoc4_move_step_view(&trip->move, &trip->view, (uint64_t)now_us()) ==
+                      ROBUROC4_MOVE_RUNNING;
+    const double linear_m_s = (double)trip->move.linear_m_s;
+    const double angular_rad_s = (double)trip->move.angular_rad_s;
+    trip->moved = trip->moved != 0 || fabs(linear_m_s) + fabs(angular_rad_s) > 0;
+    if (trip->moved && now_us() - trip->heard_us < SPEEDS_US) {
+        drive(trip, linear_m_s, angular_rad_s);
+    }
+    return going;
+}
+
 static int travel(trip *trip) {
-    int64_t begun_us = now_us();
-    trip->posed_us = begun_us;
-    while (trip->arrived == 0 && trip->stopped == 0) {
-        if (lcm_handle_timeout(trip->lcm, LOOK_MS) < 0 || now_us() - trip->posed_us > SILENCE_US) {
+    trip->heard_us = now_us();
+    while (trip->stopped == 0 && step(trip)) {
+        if (lcm_handle_timeout(trip->lcm, LOOK_MS) < 0 || now_us() - trip->heard_us > SILENCE_US) {
             (void)fprintf(
                 stderr,
-                "drive_to: no fresh pose for %d s: is roburoc4-lcm running, with "
+                "drive_to: no fresh status for %d s: is roburoc4-lcm running, with "
                 "--enable-drive and on this LCM network? do both machines' clocks agree?\n",
                 SILENCE_US / 1000000);
             return 1;
         }
-        if (now_us() - begun_us > PATIENCE_S * 1000000LL) {
-            (void)fprintf(stderr, "drive_to: not there after %d s\n", PATIENCE_S);
-            return 1;
-        }
     }
-    return trip->arrived != 0 ? 0 : 1;
+    if (trip->move.result == ROBUROC4_MOVE_REACHED) {
+        (void)printf("arrived at %.2f %.2f\n", trip->view.x_m, trip->view.y_m);
+        return 0;
+    }
+    if (trip->stopped == 0) {
+        (void)fprintf(stderr, "drive_to: %s\n", roburoc4_move_result_text(trip->move.result));
+    }
+    return 1;
 }
 
 /* Different for each run: two programs with one name would share control, and both drive. */
@@ -144,32 +178,33 @@ static int read_number(const char *text, double *value) {
 }
 
 int main(int count, char **arguments) {
-    trip trip;
-    memset(&trip, 0, sizeof trip);
-    if (count < 3 || count > 4 || !read_number(arguments[1], &trip.goal_x_m) ||
-        !read_number(arguments[2], &trip.goal_y_m)) {
+    static trip trip;
+    double x_m, y_m;
+    if (count < 3 || count > 4 || !read_number(arguments[1], &x_m) ||
+        !read_number(arguments[2], &y_m)) {
         (void)fprintf(stderr, "usage: drive_to X_M Y_M [CHANNEL_PREFIX], such as drive_to 2 1\n");
         return 2;
     }
     set_sender(&trip);
-    const char *prefix = count == 4 ? arguments[3] : "ROBUROC4";
-    char channel[64];
+    (void)roburoc4_move_to_point(&trip.move, x_m, y_m, NULL);
     (void)setvbuf(stdout, NULL, _IOLBF, BUFSIZ);
     trip.lcm = lcm_create(NULL);
     if (trip.lcm == NULL) {
         (void)fprintf(stderr, "drive_to: no LCM network; see the manual page roburoc4-lcm(1)\n");
         return 1;
     }
+    const char *prefix = count == 4 ? arguments[3] : "ROBUROC4";
+    char channel[64];
     (void)snprintf(trip.command_channel, sizeof trip.command_channel, "%s_DRIVE_CMD", prefix);
     (void)snprintf(channel, sizeof channel, "%s_LOCALIZATION", prefix);
-    roburoc4_lcm_localization_status_t_subscription_t *poses =
-        roburoc4_lcm_localization_status_t_subscribe(trip.lcm, channel, on_localization, &trip);
+    (void)roburoc4_lcm_localization_status_t_subscribe(trip.lcm, channel, on_localization, &trip);
+    (void)snprintf(channel, sizeof channel, "%s_DIFFERENTIAL", prefix);
+    (void)roburoc4_lcm_differential_status_t_subscribe(trip.lcm, channel, on_differential, &trip);
+    (void)snprintf(channel, sizeof channel, "%s_TELEMETER", prefix);
+    (void)roburoc4_lcm_telemeter_status_t_subscribe(trip.lcm, channel, on_telemeter, &trip);
     (void)snprintf(channel, sizeof channel, "%s_BRIDGE_STATE", prefix);
-    roburoc4_lcm_bridge_state_t_subscription_t *states =
-        roburoc4_lcm_bridge_state_t_subscribe(trip.lcm, channel, on_bridge_state, &trip);
+    (void)roburoc4_lcm_bridge_state_t_subscribe(trip.lcm, channel, on_bridge_state, &trip);
     int status = travel(&trip);
-    (void)roburoc4_lcm_localization_status_t_unsubscribe(trip.lcm, poses);
-    (void)roburoc4_lcm_bridge_state_t_unsubscribe(trip.lcm, states);
     lcm_destroy(trip.lcm);
     return status;
 }

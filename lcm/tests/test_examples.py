@@ -97,27 +97,37 @@ def test_the_c_example_says_when_there_is_no_bridge(programs: Programs, bus: Bus
     assert run(programs("drive_to"), "1", "here").ends(10) == 2
 
 
-def test_the_c_example_steers_by_fresh_poses_only(programs: Programs, bus: Bus, run: Run) -> None:
+def test_the_c_example_steers_by_fresh_statuses_only(
+    programs: Programs, bus: Bus, run: Run
+) -> None:
     example = run(programs("drive_to"), "1", "0", LCM_DEFAULT_URL=bus.url)
-    state, pose = roburoc4_lcm.bridge_state_t(), roburoc4_lcm.localization_status_t()
+    state = roburoc4_lcm.bridge_state_t()
+    pose, speeds = roburoc4_lcm.localization_status_t(), roburoc4_lcm.differential_status_t()
+    distances = roburoc4_lcm.telemeter_status_t()
+    distances.count, distances.telemeters = 2, [roburoc4_lcm.telemeter_t() for _ in range(2)]
+    distances.telemeters[0].distance_m = distances.telemeters[1].distance_m = 5.0
     state.message, state.can_drive = "heard", True
 
     def hears(ahead_us: int) -> str:
         bus.publish("ROBUROC4_BRIDGE_STATE", state.encode())
-        pose.utime = now_us() + ahead_us
-        bus.publish("ROBUROC4_LOCALIZATION", pose.encode())
+        for status, name in ((pose, "LOCALIZATION"), (speeds, "DIFFERENTIAL")):
+            status.robot_cycles += 5
+            status.utime = now_us() + ahead_us
+            bus.publish(f"ROBUROC4_{name}", status.encode())
+        distances.utime = now_us() + ahead_us
+        bus.publish("ROBUROC4_TELEMETER", distances.encode())
         time.sleep(0.05)
         return example.output
 
     until(lambda: "heard" in hears(-1_500_000), "it hears")
-    for _ in range(10):
+    for _ in range(5):
         hears(-1_500_000)
         hears(1_500_000)
     assert not bus.of("ROBUROC4_DRIVE_CMD"), "a log that is replayed does not steer"
-    until(lambda: hears(0) and bus.of("ROBUROC4_DRIVE_CMD"), "a fresh pose steers")
+    until(lambda: hears(0) and bus.of("ROBUROC4_DRIVE_CMD"), "fresh statuses steer")
     for _ in range(60):
         hears(-1_500_000)
-    assert example.ends(1) == 1, "poses of a log do not keep it waiting"
+    assert example.ends(1) == 1, "statuses of a log do not keep it waiting"
 
 
 @pytest.mark.parametrize("name", ["drive.py", "drive_to"])
