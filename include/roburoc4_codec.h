@@ -190,8 +190,6 @@ ROBUROC4_API const char *roburoc4_result_text(roburoc4_result result);
 ROBUROC4_API const char *roburoc4_service_name(uint32_t service);
 /** The manual's name of a battery state (4.2.4.6); NULL for a value that is none. */
 ROBUROC4_API const char *roburoc4_battery_state_name(uint32_t state);
-/** The meaning of a robot's error byte; "error of the service" from 0x10, never NULL. */
-ROBUROC4_API const char *roburoc4_error_name(uint32_t error);
 /** The manual's name (5.5.1) of an IO channel: io_type is ROBUROC4_IO_*, index that on the wire.
  *  NULL where the manual has no such channel, "" where it "exists but is not used". */
 ROBUROC4_API const char *roburoc4_channel_name(uint32_t io_type, uint32_t index);
@@ -325,8 +323,6 @@ ROBUROC4_API roburoc4_result roburoc4_decode_iocard_properties(const uint8_t *da
                                                                roburoc4_iocard_properties *out);
 ROBUROC4_API roburoc4_result roburoc4_encode_iocard_properties(
     uint8_t *buffer, size_t capacity, uint8_t id, const roburoc4_iocard_properties *properties);
-/** Blocks of 8 that hold `channels` digital channels: 0 for 0, else (channels - 1) / 8 + 1. */
-ROBUROC4_API uint32_t roburoc4_digital_blocks(uint32_t channels);
 
 /** Telemeter properties (4.2.2.5): a view on the datagram. */
 typedef struct roburoc4_telemeter_list {
@@ -443,7 +439,7 @@ ROBUROC4_API roburoc4_result roburoc4_decode_iocard_status(const uint8_t *data, 
                                                            uint32_t analog_inputs,
                                                            uint32_t digital_inputs,
                                                            roburoc4_channels *out);
-/** digital: roburoc4_digital_blocks(digital_inputs) bytes; channel 8 k + b is bit b of byte k. */
+/** digital: (digital_inputs + 7) / 8 bytes; channel 8 k + b is bit b of byte k. */
 ROBUROC4_API roburoc4_result roburoc4_encode_iocard_status(
     uint8_t *buffer, size_t capacity, uint16_t service, uint64_t robot_cycles, const float *analog,
     size_t analog_inputs, const uint8_t *digital, size_t digital_inputs);
@@ -527,7 +523,7 @@ ROBUROC4_API roburoc4_result roburoc4_decode_iocard_command(const uint8_t *data,
                                                             uint32_t analog_outputs,
                                                             uint32_t digital_outputs,
                                                             roburoc4_channels *out);
-/** digital: roburoc4_digital_blocks(digital_outputs) bytes; channel 8 k + b is bit b of byte k. */
+/** digital: (digital_outputs + 7) / 8 bytes; channel 8 k + b is bit b of byte k. */
 ROBUROC4_API roburoc4_result roburoc4_encode_iocard_command(uint8_t *buffer, size_t capacity,
                                                             uint16_t service, const float *analog,
                                                             size_t analog_outputs,

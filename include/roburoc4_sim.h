@@ -124,12 +124,6 @@ ROBUROC4_SIM_API roburoc4_sim *roburoc4_sim_create(const roburoc4_sim_config *co
 /** Free it; NULL is ignored. */
 ROBUROC4_SIM_API void roburoc4_sim_destroy(roburoc4_sim *sim);
 
-/** Give it another configuration, as if it had been changed while the power was off: a robot that
- *  is on reboots. Its place, its battery and the obstacles stay; pinned inputs are let go.
- * ROBUROC4_ERR_CONFIG: a bad configuration, nothing was changed. */
-ROBUROC4_SIM_API roburoc4_result roburoc4_sim_reconfigure(roburoc4_sim *sim,
-                                                          const roburoc4_sim_config *config);
-
 /** A datagram of any content and length came from `peer`, at the time of the last advance(). */
 ROBUROC4_SIM_API void roburoc4_sim_receive(roburoc4_sim *sim, uint64_t peer, const uint8_t *data,
                                            size_t size);

@@ -42,22 +42,6 @@ void roburoc4_sim_destroy(roburoc4_sim *sim) {
     free(sim);
 }
 
-roburoc4_result roburoc4_sim_reconfigure(roburoc4_sim *sim, const roburoc4_sim_config *config) {
-    if (roburoc4_sim_config_error(config) != NULL) {
-        return ROBUROC4_ERR_CONFIG;
-    }
-    float percent = sim_battery_percent(sim);
-    bool was_powered = sim->powered;
-    (void)sim_config_take(&sim->config, config);
-    sim_cockpit_switch(sim, false);
-    sim->localization_flags = sim->config.localization_flags;
-    sim_motion_init(sim);
-    sim_battery_set(sim, percent);
-    sim_inputs_unpin(sim);
-    sim_cockpit_switch(sim, was_powered);
-    return ROBUROC4_OK;
-}
-
 /* ------------------------------------------------------------------------ datagrams and time ---
  */
 

@@ -351,6 +351,11 @@ roburoc4_result roburoc4_encode_notification(uint8_t *buffer, size_t capacity, u
     return result;
 }
 
+/* Blocks of 8 that hold so many digital channels (4.2.4.4). */
+static uint32_t digital_blocks(uint32_t channels) {
+    return channels == 0 ? 0 : (channels - 1) / 8 + 1;
+}
+
 roburoc4_result roburoc4_decode_iocard_properties(const uint8_t *data, size_t size,
                                                   roburoc4_iocard_properties *out) {
     reader r = reader_of(data, size);
@@ -375,10 +380,6 @@ roburoc4_result roburoc4_encode_iocard_properties(uint8_t *buffer, size_t capaci
                                                      ROBUROC4_ACTION_GET, properties->service, 0);
     write_words(&w, properties, WORDS_IOCARD);
     return result;
-}
-
-uint32_t roburoc4_digital_blocks(uint32_t channels) {
-    return channels == 0 ? 0 : (channels - 1) / 8 + 1;
 }
 
 roburoc4_result roburoc4_decode_telemeter_properties(const uint8_t *data, size_t size,
@@ -582,7 +583,7 @@ roburoc4_result roburoc4_decode_command_header(const uint8_t *data, size_t size,
 /** Take `analog` floats and the blocks of `digital` bits from a reader that has passed the head. */
 CURSOR roburoc4_result read_channels(reader *r, uint32_t analog, uint32_t digital, uint16_t service,
                                      uint64_t robot_cycles, roburoc4_channels *out) {
-    const uint32_t blocks = roburoc4_digital_blocks(digital);
+    const uint32_t blocks = digital_blocks(digital);
     if (analog > r->left / 4 || blocks > r->left - (size_t)analog * 4) {
         return ROBUROC4_ERR_SHORT;
     }
@@ -653,7 +654,7 @@ roburoc4_result roburoc4_encode_iocard_status(uint8_t *buffer, size_t capacity, 
     writer w = writer_of(buffer, capacity);
     const roburoc4_result result = write_status_head(&w, body, service, robot_cycles);
     write_words(&w, analog, analog_inputs);
-    write_bytes(&w, digital, roburoc4_digital_blocks((uint32_t)digital_inputs));
+    write_bytes(&w, digital, digital_blocks((uint32_t)digital_inputs));
     return result;
 }
 
@@ -804,6 +805,6 @@ roburoc4_result roburoc4_encode_iocard_command(uint8_t *buffer, size_t capacity,
     writer w = writer_of(buffer, capacity);
     const roburoc4_result result = write_command_head(&w, body, service);
     write_words(&w, analog, analog_outputs);
-    write_bytes(&w, digital, roburoc4_digital_blocks((uint32_t)digital_outputs));
+    write_bytes(&w, digital, digital_blocks((uint32_t)digital_outputs));
     return result;
 }

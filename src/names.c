@@ -86,16 +86,6 @@ const char *roburoc4_state_name(uint32_t state) {
     return nth("idle\0connecting\0discovering\0subscribing\0ready\0lost\0closing", 7, state);
 }
 
-const char *roburoc4_error_name(uint32_t error) {
-    const char *name = nth("no error\0no such service\0action not supported by the service\0"
-                           "no such action\0wrong length\0wrong value",
-                           6, error);
-    if (name == NULL) {
-        name = error >= ROBUROC4_ERROR_SERVICE ? "error of the service" : "unknown error";
-    }
-    return name;
-}
-
 const char *roburoc4_channel_name(uint32_t io_type, uint32_t index) {
     switch (io_type) {
     case ROBUROC4_IO_ANALOG_INPUT:

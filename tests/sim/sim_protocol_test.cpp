@@ -619,21 +619,6 @@ TEST(SimPower, OffIsSilentAndOnIsAReboot) {
     EXPECT_TRUE(robot.take().empty());
 }
 
-TEST(SimPower, ReconfiguringReboots) {
-    SimRobot robot;
-    robot.run(50);
-    roburoc4_sim_config config = default_sim_config();
-    config.service_ids[ROBUROC4_SERVICE_BATTERY] = 40;
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(robot.get(), ROBUROC4_SIM_BATTERY_PERCENT, 50.0F));
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_reconfigure(robot.get(), &config));
-    EXPECT_EQ(0U, robot.state().cycles);
-    EXPECT_EQ(1U, robot.state().reboots);
-    EXPECT_NEAR(50.0, double(robot.state().battery_percent), 1e-3);
-    EXPECT_EQ(14U, robot.ask(get(40)).size());
-    config.slip = -1.0F;
-    EXPECT_EQ(ROBUROC4_ERR_CONFIG, roburoc4_sim_reconfigure(robot.get(), &config));
-}
-
 TEST(SimTime, RunsEveryCycleThatIsDueAndNoneTwice) {
     SimRobot robot;
     EXPECT_EQ(SimRobot::origin_us + 10000, roburoc4_sim_next_deadline(robot.get()));

@@ -194,15 +194,6 @@ TEST(Lengths, ErrorsOfEveryKindLeaveTheOutputAlone) {
 
 /* ------------------------------------------------------------------------------- IO card --- */
 
-TEST(DigitalBlocks, AreTheManualsFormulaAndNoneForNoChannel) { // 4.2.4.4
-    EXPECT_EQ(0u, roburoc4_digital_blocks(0));
-    for (uint32_t channels = 1; channels <= 1000; channels++)
-        EXPECT_EQ((channels - 1) / 8 + 1, roburoc4_digital_blocks(channels)) << channels;
-    EXPECT_EQ(0x10000000u, roburoc4_digital_blocks(0x7FFFFFFFu));
-    EXPECT_EQ(0x10000000u, roburoc4_digital_blocks(0x80000000u));
-    EXPECT_EQ(0x20000000u, roburoc4_digital_blocks(0xFFFFFFFFu));
-}
-
 TEST(DigitalBlocks, EveryNumberOfChannelsIsReadInItsExactLength) {
     for (uint32_t analog = 0; analog <= 3; analog++) {
         for (uint32_t digital = 0; digital <= 33; digital++) {

@@ -198,20 +198,6 @@ TEST(Names, BatteryStatesAreTheManuals) { // 4.2.4.6
     EXPECT_EQ(3, ROBUROC4_BATTERY_CRITICAL);
 }
 
-TEST(Names, EveryErrorByteHasAMeaning) {
-    const char *const known[] = {
-        "no error",       "no such service", "action not supported by the service",
-        "no such action", "wrong length",    "wrong value"};
-    static_assert(std::size(known) == ROBUROC4_ERROR_DATA + 1);
-    for (uint32_t error = 0; error < 256; error++) {
-        const char *const meaning = error < std::size(known)         ? known[error]
-                                    : error < ROBUROC4_ERROR_SERVICE ? "unknown error"
-                                                                     : "error of the service";
-        EXPECT_STREQ(meaning, roburoc4_error_name(error)) << error;
-    }
-    EXPECT_STREQ("error of the service", roburoc4_error_name(0xFFFFFFFFu));
-}
-
 TEST(Names, StatesOfAClient) {
     const char *const names[] = {"idle",  "connecting", "discovering", "subscribing",
                                  "ready", "lost",       "closing"};

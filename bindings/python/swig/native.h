@@ -71,7 +71,6 @@ PyObject *packed_formats(uint32_t kind);
  * AttributeError, OverflowError. */
 roburoc4_config *new_config(void);
 roburoc4_sim_config *new_sim_config(void);
-roburoc4_sim_faults *new_sim_faults(void);
 PyObject *set_member(PyObject *settings, const char *name, PyObject *value, uint32_t index);
 
 /* ---- telegrams of tools (decode.c) ---- */
@@ -93,7 +92,8 @@ uint16_t simulation_port(const simulation *s);
 /* Serve no longer, or let no more time pass; its robot can still be looked at. */
 PyObject *simulation_stop(simulation *s);
 int simulation_stopped(const simulation *s);
-PyObject *simulation_set_faults(simulation *s, const roburoc4_sim_faults *faults);
+PyObject *simulation_set_faults(simulation *s, double loss, double duplicate, double reorder,
+                                double corrupt, uint32_t delay_us, uint32_t jitter_us);
 /* Lock the simulator for one call, and give it back; the latter does nothing where none is
  * entered. */
 roburoc4_sim *simulation_enter(simulation *s);

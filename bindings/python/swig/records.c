@@ -359,11 +359,3 @@ roburoc4_sim_config *new_sim_config(void) {
     }
     return config;
 }
-
-roburoc4_sim_faults *new_sim_faults(void) {
-    roburoc4_sim_faults *faults = calloc(1, sizeof *faults);
-    if (faults != NULL) {
-        faults->size = sizeof *faults;
-    }
-    return faults;
-}

@@ -27,7 +27,7 @@
 %rename("$ignore", regextarget=1) "^roburoc4_(client_(size|init|start|close|receive|poll_transmit|take_events|description))$";
 %rename("$ignore", regextarget=1) "^roburoc4_udp_(?!fault_text$|now_us$)";
 %rename("$ignore", regextarget=1) "^roburoc4_pump_(?!close|running|description|reader_init|take_events|wait_events).*";
-%rename("$ignore", regextarget=1) "^roburoc4_(sim_(config_init|config_set|create|destroy|reconfigure|receive|advance|poll_transmit|next_deadline|panel|peer_unreachable)|world_.*)$";
+%rename("$ignore", regextarget=1) "^roburoc4_(sim_(config_init|config_set|create|destroy|receive|advance|poll_transmit|next_deadline|panel|peer_unreachable)|world_.*)$";
 
 #define ROBUROC4_API
 #define ROBUROC4_SIM_API

@@ -136,12 +136,15 @@ void simulation_exchange(simulation *s) {
     }
 }
 
-PyObject *simulation_set_faults(simulation *s, const roburoc4_sim_faults *faults) {
+PyObject *simulation_set_faults(simulation *s, double loss, double duplicate, double reorder,
+                                double corrupt, uint32_t delay_us, uint32_t jitter_us) {
+    const roburoc4_sim_faults faults = {
+        sizeof faults, delay_us, jitter_us, 0, loss, duplicate, reorder, corrupt};
     if (s->world != NULL) {
-        (void)roburoc4_world_set_faults(s->world, faults);
+        (void)roburoc4_world_set_faults(s->world, &faults);
     } else {
         (void)simulation_enter(s);
-        (void)sim_host_set_faults(s->host, faults);
+        (void)sim_host_set_faults(s->host, &faults);
         simulation_leave();
     }
     Py_RETURN_NONE;

@@ -123,7 +123,6 @@ static void capsule_free_##TYPE(PyObject *capsule) {
 %enddef
 ROBUROC4_CAPSULE(roburoc4_config, free)
 ROBUROC4_CAPSULE(roburoc4_sim_config, free)
-ROBUROC4_CAPSULE(roburoc4_sim_faults, free)
 ROBUROC4_CAPSULE(roburoc4_move, free)
 ROBUROC4_CAPSULE(roburoc4_move_options, free)
 ROBUROC4_CAPSULE(connection, connection_destroy)

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include "fuzz.h"
 #include "roburoc4.h"
@@ -56,23 +57,28 @@ void command_line(roburoc4_sim *sim, const Bytes &text) {
     expect(std::memchr(reply, 0, sizeof reply) != nullptr, "the reply has an end");
 }
 
-void reconfigure(roburoc4_sim *sim, Input &in) {
+using Robot = std::unique_ptr<roburoc4_sim, void (*)(roburoc4_sim *)>;
+
+/** A robot of any configuration in the place of one; the same where the configuration is bad. */
+void replace(Robot &sim, Input &in) {
     roburoc4_sim_config config;
     roburoc4_sim_config_init(&config, sizeof config);
     const Bytes raw = in.bytes(sizeof config - sizeof config.size);
     /* all but its size, which says which struct it is */
     std::copy(raw.begin(), raw.end(),
               reinterpret_cast<std::uint8_t *>(&config) + sizeof config.size);
+    Robot other(roburoc4_sim_create(&config), roburoc4_sim_destroy);
     const bool bad = roburoc4_sim_config_error(&config) != nullptr;
-    expect((roburoc4_sim_reconfigure(sim, &config) < 0) == bad, "a bad configuration is refused");
+    expect((other == nullptr) == bad, "a bad configuration is refused");
+    if (other != nullptr)
+        sim = std::move(other);
 }
 
 } // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size) {
     Input in(data, size);
-    const std::unique_ptr<roburoc4_sim, void (*)(roburoc4_sim *)> sim(roburoc4_sim_create(nullptr),
-                                                                      roburoc4_sim_destroy);
+    Robot sim(roburoc4_sim_create(nullptr), roburoc4_sim_destroy);
     std::uint64_t now_us = 1000000;
     roburoc4_sim_advance(sim.get(), now_us);
     for (std::size_t i = 0; i < most_steps && !in.over(); i++) {
@@ -87,10 +93,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
             command_line(sim.get(), in.bytes(in.byte() & 63));
             break;
         case 3:
-            if ((what & 8) != 0)
-                reconfigure(sim.get(), in);
-            else
+            if ((what & 8) != 0) {
+                replace(sim, in);
+                roburoc4_sim_advance(sim.get(), now_us);
+            } else {
                 roburoc4_sim_peer_unreachable(sim.get(), what >> 4 & 3);
+            }
             break;
         default: {
             ExactBlock block(in.bytes(in.byte() & 127));

@@ -209,15 +209,13 @@ class Simulator:
     ) -> None:
         """Make the network bad, in both directions; shares are 0 to 1. Without arguments: good."""
         shares = {"loss": loss, "duplicate": duplicate, "reorder": reorder, "corrupt": corrupt}
-        times = {"delay_us": delay_ms * 1e3, "jitter_us": jitter_ms * 1e3}
-        faults = _native.new_sim_faults()
         for name, share in shares.items():
             if not 0 <= share <= 1:
                 raise ArgumentError(f"{name}: {share} is out of range: 0 to 1", Result.ARGUMENT)
-            _native.set_member(faults, name, share, 0)
-        for name, time_us in times.items():
-            _native.set_member(faults, name, round(time_us), 0)
-        _native.simulation_set_faults(self._sim, faults)
+        delay_us, jitter_us = round(delay_ms * 1e3), round(jitter_ms * 1e3)
+        _native.simulation_set_faults(
+            self._sim, loss, duplicate, reorder, corrupt, delay_us, jitter_us
+        )
 
     # ---- observation ----
 

@@ -72,7 +72,7 @@ class Batch(NamedTuple):
 def _columns(service: Service, layout: Layout, telemeters: int) -> list[tuple[Any, ...]]:
     """Name, format on the wire and shape of a status's fields; digital inputs are bits there."""
     if service is Service.IOCARD:
-        blocks = _native.roburoc4_digital_blocks(layout.digital_inputs)
+        blocks = (layout.digital_inputs + 7) // 8
         return [
             ("analog_inputs", "<f4", (layout.analog_inputs,)),
             ("digital_inputs", "u1", (blocks,)),
