@@ -26,8 +26,9 @@
  *   Units       SI: metres, radians, seconds; times in microseconds (_us) or milliseconds (_ms);
  *               robot time in cycles of 10 ms since power on (_cycles).
  *   Frame       X forward, Y left, Z up, angles counter-clockwise (manual 2.3).
- *   Time        now_us is any clock that never goes back and counts sleep. A clock that jumps all
- *               the same never makes the client send a motion command.
+ *   Time        now_us is any clock that never goes back and counts sleep: read it anew for each
+ *               call. A clock that jumps all the same never makes the client send a motion command,
+ *               and one that goes back, such as a time from before another call, disarms it.
  *   Results     int32_t: 0 or more is success (often a length), less is one of ROBUROC4_ERR_*.
  *   Threads     there is no global: one client is used by one thread at a time, different clients
  *               by any threads.
@@ -124,6 +125,7 @@ ROBUROC4_API const char *roburoc4_state_name(uint32_t state);
 #define ROBUROC4_EVENT_CAPACITY 0x02000000          /* the robot has more than the client stores */
 #define ROBUROC4_EVENT_DESCRIPTIONS_DONE 0x04000000 /* every text was answered or given up */
 #define ROBUROC4_EVENT_ROLE 0x08000000              /* an input of a role was found elsewhere */
+#define ROBUROC4_EVENT_ARMABLE 0x10000000           /* arm() would now be accepted */
 
 /** What an IO input is for, whatever its index. */
 #define ROBUROC4_ROLE_OVERRIDE 0     /* digital: game pad [A] */
@@ -253,8 +255,13 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
 
 /** Allow driving. 0, or the first reason against it: ROBUROC4_ERR_NOT_READY, _NO_DIFFERENTIAL,
  *  _LIMITS, _STALE_DIFFERENTIAL, _STALE_IOCARD, _OVERRIDE_UNKNOWN, _OVERRIDE, _OTHER_COMMANDER,
- * _MOVING. The client disarms itself when one of these conditions is lost. Arming twice is fine. */
+ *  _MOVING. The client disarms itself when one of these conditions is lost. Arming twice is fine.
+ *  Ready is not armable: the first statuses come later. After a refusal, and after a client was
+ *  disarmed, ROBUROC4_EVENT_ARMABLE tells when arming is possible; roburoc4_pump_arm() waits. */
 ROBUROC4_API roburoc4_result roburoc4_client_arm(roburoc4_client *client, uint64_t now_us);
+/** 1 for a reason against arming that may go away by itself (no answer or status yet, the robot
+ *  still rolls), so that it is worth to try again; 0 for others, and for no reason. */
+ROBUROC4_API int32_t roburoc4_refusal_may_pass(roburoc4_result refusal);
 /** Forbid driving and stop. Always possible. */
 ROBUROC4_API roburoc4_result roburoc4_client_disarm(roburoc4_client *client, uint64_t now_us);
 /** Drive at these speeds for lease_us (0: the configured lease; else 20000 to 1000000) from now.
@@ -527,7 +534,8 @@ typedef struct roburoc4_private_values {
     float analog[ROBUROC4_MAX_ANALOG_INPUTS], distances[ROBUROC4_MAX_TELEMETERS];
     roburoc4_telemeter telemeters[ROBUROC4_MAX_TELEMETERS];
     uint8_t telemeter_count, distance_count, battery_low, override_known, overridden;
-    uint8_t reserved[7];
+    uint8_t armable;
+    uint8_t reserved[6];
 } roburoc4_private_values;
 
 typedef struct roburoc4_private_outputs {

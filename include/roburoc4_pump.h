@@ -9,18 +9,14 @@
  * compute, collect garbage or wait for a lock while the link lives on.
  *
  *     roburoc4_pump *pump = roburoc4_pump_create(&address, NULL, 0, &result);
- *     roburoc4_pump_reader reader = {0};
- *     do { (refused until the first statuses have come)
- *         roburoc4_pump_wait_events(pump, &reader, ROBUROC4_EVENT_DIFFERENTIAL, 50000);
- *         roburoc4_pump_take_events(pump, &reader);
- *         roburoc4_client *client = roburoc4_pump_lock(pump);
- *         result = roburoc4_client_arm(client, roburoc4_udp_now_us());
- *         roburoc4_pump_unlock(pump);
- *     } while (result < 0 && !given_up());
- *     while (result >= 0 && wanted()) { (again at least every 250 ms)
+ *     if (pump != NULL) {
+ *         result = roburoc4_pump_arm(pump, 10000000);
+ *     }
+ *     while (result >= 0 && wanted()) {
  *         roburoc4_client *client = roburoc4_pump_lock(pump);
  *         result = roburoc4_client_drive(client, 0.5f, 0.0f, 0, roburoc4_udp_now_us());
  *         roburoc4_pump_unlock(pump);
+ *         work_for_less_than_250_ms();
  *     }
  *     roburoc4_pump_destroy(pump);
  *
@@ -106,6 +102,12 @@ ROBUROC4_API const roburoc4_udp *roburoc4_pump_udp(roburoc4_pump *pump);
 /** Send what the client has to send now, wake the thread where something is due earlier than it
  *  expects, and give the lock back. By the thread that has it. */
 ROBUROC4_API void roburoc4_pump_unlock(roburoc4_pump *pump);
+/** Allow driving as soon as that is possible, at most timeout_us from now. 0, or the reason against
+ *  it, as roburoc4_client_arm() gives it: at once where it does not go away by itself (see
+ *  roburoc4_refusal_may_pass()), such as a held game pad; else that of the end of the time.
+ *  ROBUROC4_ERR_DISARMED where roburoc4_pump_request_stop() came meanwhile; ROBUROC4_ERR_CLOSED,
+ *  also with a pump that was made without an address. */
+ROBUROC4_API roburoc4_result roburoc4_pump_arm(roburoc4_pump *pump, uint32_t timeout_us);
 /** For signal handlers: disarm and stop the robot, as roburoc4_client_disarm() and
  *  roburoc4_client_stop() do. It only asks the thread for it, which stays and keeps the link, so it
  *  never waits and leaves errno as it is. Where the lock is held meanwhile, the zeros leave when it

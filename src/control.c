@@ -72,9 +72,22 @@ static roburoc4_result arming_refusal(const client *c, uint64_t now_us) {
     return why >= 0 && !d->armed && d->moving ? ROBUROC4_ERR_MOVING : why;
 }
 
+int32_t roburoc4_refusal_may_pass(roburoc4_result refusal) {
+    return refusal == ROBUROC4_ERR_NOT_READY || refusal == ROBUROC4_ERR_STALE_DIFFERENTIAL ||
+           refusal == ROBUROC4_ERR_STALE_IOCARD || refusal == ROBUROC4_ERR_OVERRIDE_UNKNOWN ||
+           refusal == ROBUROC4_ERR_MOVING;
+}
+
+void roburoc4_control_watch_arming(client *c) {
+    const bool armable = !c->private_drive.armed && arming_refusal(c, c->private_now_us) >= 0;
+    raise_event(c, armable && !c->private_values.armable ? ROBUROC4_EVENT_ARMABLE : 0);
+    c->private_values.armable = armable;
+}
+
 void roburoc4_control_tick(client *c) {
     roburoc4_drive_tick(&c->private_drive, refusal(c, c->private_now_us), c->private_now_us,
                         &c->private_events);
+    roburoc4_control_watch_arming(c);
 }
 
 static bool started(const client *c) {
@@ -92,6 +105,7 @@ roburoc4_result roburoc4_client_arm(client *c, uint64_t now_us) {
     const roburoc4_result refusal = arming_refusal(c, now_us);
     if (refusal >= 0) {
         roburoc4_drive_arm(&c->private_drive, &c->private_events);
+        c->private_values.armable = 0; /* it is armed: the next event comes after that */
     }
     return refusal;
 }

@@ -287,6 +287,8 @@ static inline void begin_call(roburoc4_client *c, uint64_t now_us) {
 
 /** Let the drive state machine see the time and the conditions of driving. */
 void roburoc4_control_tick(roburoc4_client *c);
+/** Raise the event of a client that became armable. */
+void roburoc4_control_watch_arming(roburoc4_client *c);
 
 /* ---- schedule.c ---- */
 

@@ -60,6 +60,8 @@ static void heed_requests(roburoc4_pump *pump) {
         uint64_t now_us = roburoc4_udp_now_us();
         (void)roburoc4_client_disarm(&pump->client, now_us);
         (void)roburoc4_client_stop(&pump->client, now_us);
+        pump->stops++;
+        roburoc4_signal_wake_all(&pump->changed);
     }
 }
 
@@ -154,6 +156,39 @@ void roburoc4_pump_unlock(roburoc4_pump *pump) {
         roburoc4_pump_flush(pump);
     }
     roburoc4_pump_leave(pump);
+}
+
+/* As roburoc4_client_arm(); `stops` is what it was when this began. */
+static roburoc4_result try_to_arm(roburoc4_pump *pump, uint32_t stops) {
+    roburoc4_result result;
+    if (pump->phase == ROBUROC4_PUMP_RUNNING) {
+        roburoc4_pump_flush(pump);
+    }
+    if (pump->phase != ROBUROC4_PUMP_RUNNING) {
+        return ROBUROC4_ERR_CLOSED;
+    }
+    if (pump->stops != stops) {
+        return ROBUROC4_ERR_DISARMED;
+    }
+    result = roburoc4_client_arm(&pump->client, roburoc4_udp_now_us());
+    roburoc4_pump_flush(pump);
+    return result;
+}
+
+roburoc4_result roburoc4_pump_arm(roburoc4_pump *pump, uint32_t timeout_us) {
+    uint64_t until_us = roburoc4_udp_now_us() + timeout_us;
+    roburoc4_result result;
+    uint32_t stops;
+    if (pump->manual || !roburoc4_pump_enter(pump)) {
+        return ROBUROC4_ERR_CLOSED;
+    }
+    stops = pump->stops;
+    while (roburoc4_refusal_may_pass(result = try_to_arm(pump, stops)) &&
+           roburoc4_udp_now_us() < until_us) {
+        roburoc4_pump_wait(pump, until_us);
+    }
+    roburoc4_pump_leave(pump);
+    return result;
 }
 
 void roburoc4_pump_request_stop(roburoc4_pump *pump) {

@@ -37,6 +37,7 @@ struct roburoc4_pump {
     uint64_t asleep_until_us; /* what the thread waits for; 0 while it is awake */
     int manual;               /* without socket and thread */
     uint32_t stop_sequence_us;
+    uint32_t stops; /* requests that were heeded */
 
     roburoc4_atomic stop_requested, close_requested; /* without the lock; heeded by flush() */
     roburoc4_pump *next;                             /* of those that exit() closes */

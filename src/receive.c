@@ -448,6 +448,9 @@ roburoc4_result roburoc4_client_receive(client *c, const uint8_t *datagram, size
     c->private_discovery.described_kind = 0;
     if (size >= STATUS_HEAD && datagram[0] == ROBUROC4_HEADER_STATUS) {
         result = receive_status(c, datagram, size);
+        if (!c->private_values.armable && !c->private_drive.armed) {
+            roburoc4_control_watch_arming(c);
+        }
     } else if (size == 0 || datagram[0] == ROBUROC4_HEADER_STATUS) {
         result = ROBUROC4_ERR_SHORT;
     } else {

@@ -58,15 +58,8 @@ bool becomes_ready(roburoc4_pump *pump) {
     return roburoc4_pump_wait_events(pump, &reader, ROBUROC4_EVENT_READY, kPatience) > 0;
 }
 
-/* Arming needs a fresh status of each kind, which follow readiness. */
 bool becomes_armed(roburoc4_pump *pump) {
-    return becomes_ready(pump) && eventually([&] {
-               if (on_client(pump, roburoc4_client_arm) == ROBUROC4_OK) {
-                   return true;
-               }
-               sleep_ms(5);
-               return false;
-           });
+    return roburoc4_pump_arm(pump, kPatience) == ROBUROC4_OK;
 }
 
 size_t zeros_at_the_end(const std::vector<SpeedCommand> &commands) {
@@ -406,6 +399,61 @@ TEST(Pump, TellsOfAnOverrideAndStopsCommanding) {
               ROBUROC4_EVENT_DISARMED);
     EXPECT_NE(roburoc4_pump_take_events(pump.get(), &reader) & ROBUROC4_EVENT_OVERRIDE, 0);
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.3f, 0.0f, 0), ROBUROC4_ERR_OVERRIDE);
+}
+
+/* ---------------------------------------------------------------------------------- arming --- */
+
+TEST(PumpArm, WaitsForARobotThatComesLater) {
+    const uint16_t port = test::free_port();
+    roburoc4_address address{};
+    ASSERT_EQ(roburoc4_udp_resolve("127.0.0.1", port, &address), ROBUROC4_OK);
+    Pump pump = make_pump(address);
+    EXPECT_EQ(roburoc4_pump_arm(pump.get(), 50000), ROBUROC4_ERR_NOT_READY);
+    std::unique_ptr<UdpRobot> robot;
+    std::thread later([&] {
+        sleep_ms(100);
+        robot = std::make_unique<UdpRobot>(port);
+    });
+    EXPECT_EQ(roburoc4_pump_arm(pump.get(), kPatience), ROBUROC4_OK);
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.5f, 0.0f, 0), ROBUROC4_OK);
+    later.join();
+}
+
+TEST(PumpArm, RefusesAtOnceWhatTimeDoesNotMend) {
+    UdpRobot robot;
+    Pump pump = make_pump(robot.address());
+    ASSERT_TRUE(becomes_armed(pump.get()));
+    roburoc4_pump_reader reader{};
+    roburoc4_pump_reader_init(pump.get(), &reader);
+    ASSERT_TRUE(robot.panel("pad a down"));
+    ASSERT_GT(roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_OVERRIDE, kPatience),
+              0);
+    EXPECT_EQ(roburoc4_pump_arm(pump.get(), UINT32_MAX), ROBUROC4_ERR_OVERRIDE);
+    ASSERT_TRUE(robot.panel("pad a up"));
+    EXPECT_GT(roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_ARMABLE, kPatience), 0);
+    EXPECT_EQ(roburoc4_pump_arm(pump.get(), 0), ROBUROC4_OK);
+}
+
+TEST(PumpArm, IsEndedByAStopAndByTheEnd) {
+    roburoc4_address address{};
+    ASSERT_EQ(roburoc4_udp_resolve("127.0.0.1", test::free_port(), &address), ROBUROC4_OK);
+    Pump pump = make_pump(address);
+    for (const roburoc4_result expected : {ROBUROC4_ERR_DISARMED, ROBUROC4_ERR_CLOSED}) {
+        std::thread later([&] {
+            sleep_ms(50);
+            if (expected == ROBUROC4_ERR_DISARMED) {
+                roburoc4_pump_request_stop(pump.get());
+            } else {
+                roburoc4_pump_close(pump.get());
+            }
+        });
+        EXPECT_EQ(roburoc4_pump_arm(pump.get(), UINT32_MAX), expected);
+        later.join();
+    }
+    EXPECT_EQ(roburoc4_pump_arm(pump.get(), UINT32_MAX), ROBUROC4_ERR_CLOSED);
+    roburoc4_result result = 0;
+    Pump manual(roburoc4_pump_create(nullptr, nullptr, 0, &result));
+    EXPECT_EQ(roburoc4_pump_arm(manual.get(), UINT32_MAX), ROBUROC4_ERR_CLOSED);
 }
 
 /* -------------------------------------------------------------------- samples and events --- */
@@ -773,7 +821,7 @@ TEST_F(RequestStop, NeverBlocksWhateverItsHandlerInterrupts) {
 TEST_F(RequestStop, IsHarmlessBeforeReadyAfterCloseAndOfNone) {
     roburoc4_pump_request_stop(nullptr);
     roburoc4_pump_request_stop(pump_.get());
-    ASSERT_TRUE(becomes_armed(pump_.get()));
+    ASSERT_TRUE(becomes_ready(pump_.get()));
     ASSERT_EQ(roburoc4_pump_close(pump_.get()), ROBUROC4_OK);
     errno = 1234;
     roburoc4_pump_request_stop(pump_.get());

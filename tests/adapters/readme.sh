@@ -3,7 +3,8 @@
 #
 # readme.sh CASE ROOT BUILD [CMAKE]: the C program of README.md, compiled as it says there, against
 # the simulator as real processes. CASE is what happens: drives, silent, closed, lost, killed; or
-# installed: it is built by the lines of docs/c.md from what is installed.
+# installed: it is built by the lines of docs/c.md from what is installed; or pump: the example at the
+# top of roburoc4_pump.h drives.
 set -eu
 LC_ALL=C
 export LC_ALL
@@ -119,6 +120,40 @@ lost)
     cat errors
     test "$status" -eq 1
     grep -q 'gave up' errors
+    ;;
+pump)
+    # The example at the top of roburoc4_pump.h, in a program that wants it to drive for 2 s.
+    {
+        cat <<'END'
+#define _POSIX_C_SOURCE 200809L
+#include <roburoc4_pump.h>
+#include <time.h>
+
+static int wanted(void) {
+    static int times;
+    return times++ < 20;
+}
+
+static void work_for_less_than_250_ms(void) {
+    const struct timespec pause = {0, 100000000};
+    nanosleep(&pause, NULL);
+}
+
+int main(int argc, char **argv) {
+    roburoc4_address address;
+    roburoc4_result result = roburoc4_udp_resolve(argv[argc - 1], 0, &address);
+END
+        sed -n '1,/WHAT IT PROMISES/s/^ \*     //p' "$root/include/roburoc4_pump.h"
+        echo '    return result < 0; }'
+    } >pump.c
+    cat pump.c
+    cc -I"$root/include" pump.c "$build/libroburoc4_udp.a" "$build/libroburoc4.a" -pthread -o pump \
+        -std=c99 -Wall -Wextra -Werror
+    start
+    drive 0 ./pump
+    state | tee state
+    grep -q 'target 0.000 m/s 0.000 rad/s' state
+    grep -q 'odometry [0-9]*\.[0-9]*[1-9]' state
     ;;
 killed)
     # Nothing more is sent: the robot's own watchdog stops it after a second.

@@ -518,6 +518,7 @@ TEST(Seldom, NeitherAClockThatStepsBackNorALossChangesAValue) {
         if (loss) {
             ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
             before.override_known = 0;
+            before.armable = 0;
         } else {
             bench.skew_us -= 900000000;
             EXPECT_EQ(ROBUROC4_OK, bench.disarm());

@@ -88,6 +88,66 @@ TEST(Disarm, IsAlwaysPossible) {
     EXPECT_EQ(ROBUROC4_ERR_DISARMED, bench.facts().disarm_cause);
 }
 
+/* ---- the event of armable ---- */
+
+/** Whether the event comes within so long, and exactly when arming becomes possible. */
+static bool tells_armable(Bench &bench, std::uint64_t within_us = 5 * second) {
+    bool told = false;
+    const bool possible = bench.run_until(
+        [&] {
+            told = told || (bench.take_events() & ROBUROC4_EVENT_ARMABLE) != 0;
+            return told || bench.facts().arm_refusal >= 0;
+        },
+        within_us);
+    EXPECT_EQ(possible, told);
+    EXPECT_EQ(possible, bench.facts().arm_refusal >= 0);
+    return told;
+}
+
+TEST(Armable, IsToldWhenArmingBecomesPossibleAndReadyIsNot) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    EXPECT_LT(bench.arm(), 0);
+    ASSERT_TRUE(tells_armable(bench));
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+    bench.take_events();
+    bench.run(2 * second);
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_ARMABLE) << "it is armed";
+}
+
+TEST(Armable, IsToldAgainAfterEachRefusalAndDisarm) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    bench.disarm();
+    ASSERT_TRUE(tells_armable(bench)) << "disarmed by the program";
+    ASSERT_EQ(ROBUROC4_OK, bench.arm());
+    robot.digital = std::uint64_t{1} << ROBUROC4_DI_PAD_A;
+    bench.run(200 * ms);
+    EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, bench.arm());
+    EXPECT_FALSE(tells_armable(bench, 2 * second));
+    robot.digital = 0;
+    ASSERT_TRUE(tells_armable(bench)) << "the pad was released";
+    robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true;
+    bench.run(400 * ms);
+    EXPECT_EQ(ROBUROC4_ERR_STALE_DIFFERENTIAL, bench.arm());
+    robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = false;
+    ASSERT_TRUE(tells_armable(bench)) << "statuses come again";
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+}
+
+TEST(Armable, ATimeFromBeforeAnotherCallDisarms) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    const std::uint64_t before_us = bench.client_us();
+    bench.run(50 * ms);
+    EXPECT_EQ(ROBUROC4_ERR_CLOCK, roburoc4_client_drive(&bench.client, 0.5F, 0, 0, before_us));
+    EXPECT_EQ(0, bench.facts().armed);
+}
+
 /* ---- refused, each reason alone ---- */
 
 TEST(Arm, TwiceIsOneEvent) {

@@ -23,13 +23,6 @@ static int done_unarmed(const char *what, roburoc4_result result) {
     return done(what, result);
 }
 
-/* Reasons against arming that time alone may take away. */
-static int is_transient(roburoc4_result result) {
-    return result == ROBUROC4_ERR_NOT_READY || result == ROBUROC4_ERR_STALE_DIFFERENTIAL ||
-           result == ROBUROC4_ERR_STALE_IOCARD || result == ROBUROC4_ERR_OVERRIDE_UNKNOWN ||
-           result == ROBUROC4_ERR_MOVING;
-}
-
 /* arm(id, last_try): true when armed; false where time may help, unless this is the last try */
 static int arm(call *in) {
     roburoc4_result result;
@@ -39,7 +32,7 @@ static int arm(call *in) {
     }
     result = roburoc4_client_arm(in->client, in->now_us);
     in->number = result >= 0;
-    return (!last_try && is_transient(result)) || done("not armed", result);
+    return (!last_try && roburoc4_refusal_may_pass(result)) || done("not armed", result);
 }
 
 /* disarm(id) */

@@ -168,6 +168,7 @@ class Event(IntFlag):
     CAPACITY = 0x02000000
     DESCRIPTIONS_DONE = 0x04000000
     ROLE = 0x08000000
+    ARMABLE = 0x10000000
 
 
 class Fault(IntEnum):

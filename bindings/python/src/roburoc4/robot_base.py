@@ -35,16 +35,6 @@ from .settings import Settings, service_of
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
-_TRANSIENT = frozenset(
-    (
-        Result.NOT_READY,
-        Result.STALE_DIFFERENTIAL,
-        Result.STALE_IOCARD,
-        Result.OVERRIDE_UNKNOWN,
-        Result.MOVING,
-    )
-)
-"""Reasons against arming that time alone may take away."""
 _RENEWALS_PER_LEASE = 4
 _STATUS_MARGIN_S = 0.5
 
@@ -310,7 +300,7 @@ class RobotBase:
             _native.roburoc4_client_arm(self._connection.handle)
         except NotArmedError as error:
             left_s = end_s - self._connection.now_s()
-            if error.code not in _TRANSIENT or left_s <= 0:
+            if not _native.roburoc4_refusal_may_pass(error.code) or left_s <= 0:
                 raise
             return left_s
         return 0.0
