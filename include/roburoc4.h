@@ -210,7 +210,9 @@ typedef struct roburoc4_client roburoc4_client;
 /** sizeof(roburoc4_client) of the library; compare it before linking to another build. */
 ROBUROC4_API size_t roburoc4_client_size(void);
 
-/** Prepare a client, whatever was in its memory before; it is idle and disarmed.
+/** Prepare a client, whatever was in its memory before; it is idle and disarmed. One that drives is
+ *  forgotten, and only the robot's watchdog stops the robot, 1 s after the last command: to begin
+ *  again, close it first and send its stop sequence.
  *  client_size is sizeof(roburoc4_client); config may be NULL for all defaults.
  *  ROBUROC4_ERR_SIZE: header and library differ. ROBUROC4_ERR_CONFIG: roburoc4_config_error()
  *  names the value. After an error it is an idle client that cannot be started, armed or driven. */
@@ -323,7 +325,8 @@ ROBUROC4_API roburoc4_result roburoc4_client_differential_properties(
     const roburoc4_client *client, roburoc4_differential_properties *out);
 /** Number of telemeters with properties, at most ROBUROC4_MAX_TELEMETERS. */
 ROBUROC4_API uint32_t roburoc4_client_telemeter_count(const roburoc4_client *client);
-/** Telemeter `index`: mounting, range, and the latest distance (0 before the first status).
+/** Telemeter `index`: mounting, range, and the latest distance (that of the properties before the
+ *  first status).
  *  ROBUROC4_ERR_INDEX from the count on, which is 0 until the robot has reported its telemeters. */
 ROBUROC4_API roburoc4_result roburoc4_client_telemeter(const roburoc4_client *client,
                                                        uint32_t index, roburoc4_telemeter *out);
