@@ -58,6 +58,9 @@ static roburoc4_result take_telemeters(client *c, const uint8_t *data, size_t si
     store(c, &v->telemeter_count, &stored, 1);
     for (uint32_t i = 0; i < stored; i++) {
         roburoc4_telemeter_at(&list, i, &telemeter);
+        if (c->private_link.services[STATUS_INDEX(ROBUROC4_SERVICE_TELEMETER)].received == 0) {
+            v->distances[i] = telemeter.distance_m; /* better than none */
+        }
         telemeter.distance_m = 0; /* the distance of the moment is no property */
         store(c, &v->telemeters[i], &telemeter, sizeof telemeter);
     }

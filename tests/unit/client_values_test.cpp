@@ -344,6 +344,23 @@ TEST(Value, OfAServiceThatNobodySubscribedToIsCountedAndNotUsed) {
 
 /* ---- properties ---- */
 
+TEST(Telemeter, HasTheDistanceOfItsPropertiesBeforeAStatus) {
+    ScriptedRobot robot;
+    robot.service(ROBUROC4_SERVICE_TELEMETER).mute = true;
+    Bench bench(robot);
+    bench.ready();
+    roburoc4_telemeter telemeter;
+    roburoc4_distances distances;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_telemeter(&bench.client, 1, &telemeter));
+    EXPECT_EQ(robot.telemeters[1].distance_m, telemeter.distance_m);
+    EXPECT_LT(roburoc4_client_distances(&bench.client, &distances, nullptr), 0);
+    robot.service(ROBUROC4_SERVICE_TELEMETER).mute = false;
+    robot.distances = {3.5F, 4.5F};
+    bench.run(10 * second); /* more properties come between the statuses */
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_telemeter(&bench.client, 1, &telemeter));
+    EXPECT_EQ(4.5F, telemeter.distance_m);
+}
+
 TEST(Properties, AreUnknownFirstThenTheRobots) {
     ScriptedRobot robot;
     Bench bench(robot);

@@ -390,10 +390,10 @@ methods
     end
 
     function relocalize(this, x_m, y_m, theta_rad)
-        %RELOCALIZE Set the pose of the robot's odometry, and wait until the robot has confirmed it.
+        %RELOCALIZE Set the pose of the robot's odometry, and wait until the robot reports it.
         %   relocalize(R, X, Y, THETA) takes metres and radians. Raises roburoc4:protocol if the robot
-        %   refuses, roburoc4:timeout if it does not answer within 2 seconds. The robot need not be
-        %   armed.
+        %   refuses, roburoc4:timeout if it does not answer within 2 seconds, or sends no pose in the
+        %   3 seconds after its answer. The robot need not be armed.
         %
         %   Example:
         %      r.relocalize(0, 0, 0)
@@ -401,6 +401,17 @@ methods
         roburoc4.internal.roburoc4_mex('relocalize', this.id, x_m, y_m, theta_rad);
         while ~roburoc4.internal.roburoc4_mex('relocalized', this.id)
             this.spin(0.01);
+        end
+        answered_s = this.time_s;
+        s = this.status;
+        subscribed = this.serviceLink('localization').subscribed;
+        while subscribed && s.time_s - s.localization_age_s <= answered_s
+            if s.time_s > answered_s + 3
+                error('roburoc4:timeout', ['relocalize: the robot took the pose, but has not ' ...
+                    'reported it within 3 s; look at link']);
+            end
+            this.spin(0.01);
+            s = this.status;
         end
     end
 

@@ -22,8 +22,13 @@ check(~sim.get('digital_output_2'), 'another output changed');
 check_raises('roburoc4:badArgument', @() r.setAnalogOutput('Watchdog', 1));
 r.setOutput(3, false);
 wait_for(r, @() ~sim.get('digital_output_3'));
-r.relocalize(1, -2, 0.5);
-wait_for(r, @() norm(r.pose - [1 -2 0.5]) < 1e-9);
+for k = 1:5
+    r.relocalize(k, -2, 0.5);
+    check(norm(r.pose - [k -2 0.5]) < 1e-9, 'relocalize returned before the pose was new');
+end
+r.unsubscribe('localization');
+r.relocalize(1, -2, 0.5); % nobody waits for a pose that was not asked for
+r.subscribe('localization', 50);
 sim.set('battery_percent', 10);
 wait_for(r, @() r.status.battery_low);
 sim.set('estop_local', true);

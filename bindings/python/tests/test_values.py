@@ -136,11 +136,32 @@ def test_analog_outputs_reach_the_robot() -> None:
             robot.analog_outputs[1] = math.nan
 
 
+def test_telemeters_have_a_distance_before_their_first_status(
+    roburoc4_simulator: Simulator,
+) -> None:
+    with roburoc4_simulator.connect(periods_ms={"telemeter": None}) as robot:
+        assert robot.properties.telemeter[0].distance_m > 0
+
+
+def test_armable_is_told_after_the_pad_is_released(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.arm()
+        roburoc4_simulator.pad.press()
+        robot.wait_for(roburoc4.Event.OVERRIDE)
+        with pytest.raises(roburoc4.NotArmedError):
+            robot.arm()
+        reader = robot.reader()
+        roburoc4_simulator.pad.release()
+        robot.wait_for(lambda _: roburoc4.Event.ARMABLE in reader.take_events())
+        robot.arm(timeout=0)
+
+
 def test_relocalize_waits_until_the_robot_has_taken_it(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         robot.relocalize(3.0, -4.0, 1.5)
-        robot.wait_for("localization")
         assert robot.localization[1:4] == (3.0, -4.0, 1.5)
+        robot.unsubscribe("localization")
+        robot.relocalize(1.0, 2.0, 0.5)  # there is no pose to wait for
         with pytest.raises(roburoc4.ArgumentError):
             robot.relocalize(math.inf, 0, 0)
 

@@ -266,9 +266,11 @@ class Robot(RobotBase):
         return move.end()
 
     async def relocalize(self, x_m: float, y_m: float, theta_rad: float) -> None:
-        """Tell the robot where it is, and wait until it has taken that."""
+        """Tell the robot where it is, and wait for its answer and the pose that follows it."""
         _native.roburoc4_client_relocalize(self._connection.handle, x_m, y_m, theta_rad)
         await self._wait_until(self._is_relocalized, RELOCALIZE_S, self.relocalize)
+        if self.service_link(Service.LOCALIZATION).subscribed:
+            await self.wait_for(Service.LOCALIZATION, RELOCALIZE_S)
 
     def statuses(self, *services: str | Service) -> "Statuses":
         """Iterate over every status of these services; see :meth:`roburoc4.Robot.statuses`."""

@@ -14,7 +14,7 @@ from .errors import ArgumentError, NotKnownError
 from .records import Status
 from .settings import STATUS_MASK
 
-ALL_EVENTS = 0xFFFFFFFF
+ALL_EVENTS = 0x1FFFFFFF
 
 READ_STATUS: dict[Service, Callable[["_native.Connection"], Status]] = {
     Service.IOCARD: _native.roburoc4_client_inputs,

@@ -447,7 +447,8 @@ _MEANINGS: dict[object, str] = {
 }
 """What a number of C becomes, by the type of the field; "." for the number that it is."""
 
-# In the order of record_kind in native.h. Records without a struct are made field by field there.
+# In the order of record_kind in native.h. Records without a struct are made field by field there,
+# in the order of their fields.
 _MADE: tuple[tuple[Any, str | None], ...] = (
     (IoCardStatus, None),
     (TelemeterStatus, None),
@@ -480,9 +481,9 @@ def _register() -> None:
             # tuples have a method named index
             ("index" if name == "element" else name, _MEANINGS.get(type_, "."))
             for name, type_ in record.__annotations__.items()
-            if struct is not None and name != "host_us"
+            if struct is None or name != "host_us"
         ]
-        _native.register_record(kind, record, struct or "", members)
+        _native.register_record(kind, record, struct or record.__name__, members)
     _native.register_enumerations(BatteryState, LocalizationFlag)
 
 

@@ -234,12 +234,14 @@ class Robot(RobotBase):
     # ---- odometry ----
 
     def relocalize(self, x_m: float, y_m: float, theta_rad: float) -> None:
-        """Tell the robot where it is, and wait for its answer.
+        """Tell the robot where it is, and wait for its answer and the pose that follows it.
 
-        Raises RefusedError, or RobotTimeoutError after 3 s at most.
+        Raises RefusedError, or RobotTimeoutError after 3 s without the one or the other.
         """
         _native.roburoc4_client_relocalize(self._connection.handle, x_m, y_m, theta_rad)
         self._wait_until(self._is_relocalized, RELOCALIZE_S, self.relocalize)
+        if self.service_link(Service.LOCALIZATION).subscribed:
+            self._wait_for_status(Service.LOCALIZATION, RELOCALIZE_S)
 
     # ---- statuses ----
 
