@@ -44,8 +44,10 @@ typedef enum record_kind {
     RECORD_KINDS
 } record_kind;
 
-/* Learn a class: which members of its C struct it has, a list of (name, letter of a meaning).
- * AttributeError for a member that the struct does not have. */
+/* Learn a class: which members of its C struct it has, a list of (name, letter of a meaning). One
+ * without a struct gives its own name in its place, and all of its fields.
+ * AttributeError for a member that the struct does not have, or in another order than it is made.
+ */
 PyObject *register_record(uint32_t kind, PyObject *type, const char *structure, PyObject *members);
 PyObject *register_enumerations(PyObject *battery_state, PyObject *localization_flag);
 /* Learn the function that makes an exception of a result. */

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * C structs to the records of records.py, and Python values to settings. A record's class says
- * which fields of its struct it has, and in which order: they are looked up by name, once.
+ * which fields of its struct it has, and in which order: they are looked up by name, once. Records
+ * without a struct are made by hand, here and in decode.c: importing checks that their fields are
+ * those of this order.
  */
 #include "native.h"
 
@@ -51,6 +53,16 @@ typedef struct record_class {
     int count;
 } record_class;
 
+/* Records that are made by hand, and their fields in the order in which they are. */
+static const char *const by_hand[RECORD_KINDS] = {
+    [RECORD_IOCARD_STATUS] = "IoCardStatus robot_cycles analog_inputs digital_inputs host_us",
+    [RECORD_TELEMETER_STATUS] = "TelemeterStatus robot_cycles distances_m host_us",
+    [RECORD_UNKNOWN_STATUS] = "UnknownStatus robot_cycles service payload",
+    [RECORD_ANSWER] = "Answer id action service error body",
+    [RECORD_IOCARD_COMMAND] = "IoCardCommand analog_outputs digital_outputs",
+    [RECORD_UNKNOWN_COMMAND] = "UnknownCommand service payload",
+};
+
 #define BATTERY_STATES 4
 #define QUALITIES 128
 
@@ -76,6 +88,36 @@ static const field *find_field(const char *structure, const char *member) {
     return f;
 }
 
+/* The name of a member of register_record(), and its meaning; NULL with an exception. */
+static const char *take_member(PyObject *members, Py_ssize_t i, int *letter) {
+    const char *name = NULL;
+    return PyArg_ParseTuple(PyList_GetItem(members, i), "sC", &name, letter) ? name : NULL;
+}
+
+/* Whether a record that is made by hand has these fields; else -1 with an exception. */
+static int check_by_hand(const char *expected, const char *class, PyObject *members) {
+    const char *next = expected;
+    Py_ssize_t count = PyList_Size(members), i;
+    int letter;
+    for (i = -1; i < count; i++) {
+        const char *name = i < 0 ? class : take_member(members, i, &letter);
+        const size_t length = name != NULL ? strlen(name) : 0;
+        if (name == NULL) {
+            return -1;
+        }
+        if (strncmp(next, name, length) != 0 || (next[length] != ' ' && next[length] != '\0')) {
+            break;
+        }
+        next += length + (next[length] == ' ');
+    }
+    if (i < count || *next != '\0') {
+        (void)PyErr_Format(PyExc_AttributeError, "%s has other fields than are made: %s", class,
+                           expected);
+        return -1;
+    }
+    return 0;
+}
+
 PyObject *register_record(uint32_t kind, PyObject *type, const char *structure, PyObject *members) {
     record_class *record = &classes[kind < RECORD_KINDS ? kind : 0];
     Py_ssize_t count = PyList_Size(members), i;
@@ -84,10 +126,16 @@ PyObject *register_record(uint32_t kind, PyObject *type, const char *structure, 
         PyErr_SetString(PyExc_ValueError, "register_record");
         return NULL;
     }
+    if (by_hand[kind] != NULL) {
+        if (check_by_hand(by_hand[kind], structure, members) < 0) {
+            return NULL;
+        }
+        count = 0;
+    }
     for (i = 0; i < count; i++) {
-        const char *name;
         int letter;
-        if (!PyArg_ParseTuple(PyList_GetItem(members, i), "sC", &name, &letter)) {
+        const char *name = take_member(members, i, &letter);
+        if (name == NULL) {
             return NULL;
         }
         record->columns[i].meaning = (meaning)letter;

@@ -2,6 +2,7 @@
 """What is written twice, in the C headers and here, says the same."""
 
 import ast
+import functools
 import re
 from enum import IntEnum
 from pathlib import Path
@@ -99,6 +100,20 @@ def test_the_stubs_name_functions_that_exist() -> None:
     functions = [n.name for n in ast.walk(ast.parse(stub)) if isinstance(n, ast.FunctionDef)]
     assert len(functions) > 80
     assert [name for name in functions if not hasattr(_native, name)] == []
+
+
+def test_records_made_by_hand_are_checked_at_import() -> None:
+    fields = [(name, ".") for name in roburoc4.IoCardStatus._fields]
+    register = functools.partial(_native.register_record, 0, roburoc4.IoCardStatus)
+    register("IoCardStatus", fields)
+    for name, wrong in (
+        ("IoCardStatus", fields[::-1]),
+        ("IoCardStatus", fields[:-1]),
+        ("IoCardStatus", [*fields, ("more", ".")]),
+        ("TelemeterStatus", fields),
+    ):
+        with pytest.raises(AttributeError, match="other fields than are made"):
+            register(name, wrong)
 
 
 def test_enumerations_are_integers() -> None:
