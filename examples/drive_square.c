@@ -51,6 +51,10 @@ static int32_t go(roburoc4_move *move, FILE *path) {
 }
 
 int main(int argc, char **argv) {
+    if (argc > 1 && argv[1][0] == '-') { /* -h, --help */
+        printf("Usage: drive_square [HOST[:PORT] [PATH.csv]]\n");
+        return 0;
+    }
     const char *host = argc > 1 ? argv[1] : ROBUROC4_DEFAULT_HOST;
     FILE *path = argc > 2 ? fopen(argv[2], "w") : NULL;
     int32_t reached = ROBUROC4_MOVE_REACHED;

@@ -287,13 +287,13 @@ int main(int argc, char **argv) {
     int hosts = 0, all = 0;
     for (int i = 1; i < argc; i++) {
         char *end = NULL;
-        if (strcmp(argv[i], "--help") == 0) {
+        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
             printf("Usage: monitor [--all] [--seconds N] [HOST[:PORT]]\n"
                    "Show what a RobuROC4 (default %s:%d) reports: live in a terminal, a line each\n"
                    "second elsewhere. It never commands the robot. Ctrl-C ends it.\n"
                    "  --all        print every status as it arrives, about 75 lines a second\n"
                    "  --seconds N  end after N s\n"
-                   "  --help, --version\n"
+                   "  -h, --help, --version\n"
                    "Exit status: 0 done, 2 bad usage, 3 no robot there.\n",
                    ROBUROC4_DEFAULT_HOST, ROBUROC4_DEFAULT_PORT);
             return EXIT_DONE;

@@ -298,7 +298,7 @@ int main(int count, char **arguments) {
     options.faults.size = sizeof options.faults;
     (void)roburoc4_sim_config_init(&options.config, sizeof options.config);
     for (int at = 1; at < count; at++) {
-        if (strcmp(arguments[at], "--help") == 0) {
+        if (strcmp(arguments[at], "--help") == 0 || strcmp(arguments[at], "-h") == 0) {
             (void)fputs(help, stdout);
             return 0;
         }
