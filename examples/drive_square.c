@@ -7,6 +7,7 @@
 #include <roburoc4_udp.h>
 #include <signal.h>
 #include <stdio.h>
+#include <string.h>
 
 static roburoc4_client client;
 static roburoc4_udp udp;
@@ -51,9 +52,9 @@ static int32_t go(roburoc4_move *move, FILE *path) {
 }
 
 int main(int argc, char **argv) {
-    if (argc > 1 && argv[1][0] == '-') { /* -h, --help */
+    if (argc > 1 && argv[1][0] == '-') {
         printf("Usage: drive_square [HOST[:PORT] [PATH.csv]]\n");
-        return 0;
+        return strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "--help") == 0 ? 0 : 2;
     }
     const char *host = argc > 1 ? argv[1] : ROBUROC4_DEFAULT_HOST;
     FILE *path = argc > 2 ? fopen(argv[2], "w") : NULL;
