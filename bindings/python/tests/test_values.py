@@ -146,12 +146,12 @@ def test_telemeters_have_a_distance_before_their_first_status(
 def test_armable_is_told_after_the_pad_is_released(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         robot.arm()
-        roburoc4_simulator.pad.press()
+        roburoc4_simulator.set("pad_a", True)
         robot.wait_for(roburoc4.Event.OVERRIDE)
         with pytest.raises(roburoc4.NotArmedError):
             robot.arm()
         reader = robot.reader()
-        roburoc4_simulator.pad.release()
+        roburoc4_simulator.set("pad_a", False)
         robot.wait_for(lambda _: roburoc4.Event.ARMABLE in reader.take_events())
         robot.arm(timeout=0)
 
