@@ -31,9 +31,11 @@
  *                 it never holds back the pump, the robot or another reader.
  *   No callback   into your code, ever.
  *   The end       roburoc4_pump_close() disarms, sends the stop sequence where one is due, ends the
- *                 thread, and wakes whoever waits. exit(), and the return from main(), do the same.
- *                 A process that is killed, or ends by abort() or _exit(), cannot send anything:
- * the robot's own watchdog stops it, 1 s after the last command.
+ *                 thread, and wakes whoever waits. exit(), and the return from main(), do the same,
+ *                 unless the thread that calls them has the lock. A process that is killed, or ends
+ *                 by abort() or _exit(), cannot send anything, nor can a DLL of Windows at exit(),
+ *                 whose thread the system has ended before: then the robot's own watchdog stops it,
+ *                 1 s after the last command.
  *
  * Threads: all functions can be called from any thread at any time between create and destroy. A
  * roburoc4_pump_reader is used by one thread at a time. After a fork() the child has no pump: there
