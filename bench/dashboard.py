@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from playwright.sync_api import CDPSession, Page, sync_playwright
 
 PAGES = 3
-CPU_SHARE = 0.15
+CPU_SHARE = 0.10
 DRIVEN_SHARE = 0.8
 SERVER_MB_PER_HOUR = 4.0
 PAGE_MB_PER_HOUR = 10.0

@@ -92,7 +92,7 @@ def lost(browser: Browser, folder: Path) -> None:
     with scene(browser, "light", TABLET) as (here, page):
         drive_about(here, page, 4.0)
         here.sim.set("power", False)
-        page.get_by_text("ROBOT LOST").wait_for()
+        page.get_by_text("ROBOT LOST").first.wait_for()
         time.sleep(1.0)
         save(page, folder, "lost")
 

@@ -36,6 +36,7 @@ def test_it_shows_what_the_simulator_says(station: Make, visit: Visit) -> None:
     expect(page.locator("#battery-state")).to_have_text("In use")
     open_tab(page, "io")
     battery = page.locator('#analog-inputs li:has-text("Battery voltage") b')
+    expect(battery).to_have_text(re.compile(r"\d"))
     until(lambda: abs(number(battery.text_content()) - here.sim.state.battery_v) < 0.02)
     front = page.locator('#analog-inputs li:has-text("Front telemeter") b')
     until(lambda: abs(number(front.text_content()) - here.robot.inputs.analog(0)) < 0.01)
@@ -191,7 +192,7 @@ def test_any_signal_can_be_plotted_read_and_exported(station: Make, visit: Visit
     with page.expect_download() as download:
         page.locator("#plot-export").click()
     lines = Path(download.value.path()).read_text(encoding="utf-8").splitlines()
-    names = "target,speed,turn,battery,voltage,round_trip,loss,distance_0,digital_3"
+    names = "speed,target,turn,battery,voltage,round_trip,loss,distance_0,digital_3"
     assert lines[0] == f"time_s,{names}"
     last = dict(zip(names.split(","), map(float, lines[-1].split(",")[1:]), strict=True))
     assert last["battery"] == 61.0

@@ -287,9 +287,10 @@ def test_only_the_driver_drives_arms_and_disarms(station: Make) -> None:
     here = station()
     with Visitor(here) as driver, Visitor(here) as other:
         driver.arm()
-        for kind in ("arm", "disarm"):
+        place = {"x_m": 1.0, "y_m": 0.0, "theta_rad": 0.0, "scale": 1.0}
+        for kind in ("arm", "disarm", "go", "relocalize", "keep"):
             other.draw()
-            other.say(kind, tick=other.tick)
+            other.say(kind, tick=other.tick, **place)
             until(lambda: other.receive()["type"] == "refused")
         other.draw_for(0.3, 1.0)
         driver.draw_for(0.3, 0.0)
@@ -318,12 +319,13 @@ def test_a_driver_that_releases_control_while_driving_goes_on_being_shown_frames
 def test_without_allow_drive_nothing_that_a_page_says_sends_a_command(station: Make) -> None:
     here = station(allow_drive=False)
     with Visitor(here) as visitor:
-        for kind in ("take", "arm", "stop", "disarm", "leave"):
+        place = {"x_m": 1.0, "y_m": 0.0, "theta_rad": 0.0, "scale": 1.0}
+        for kind in ("take", "arm", "stop", "disarm", "leave", "go", "relocalize"):
             visitor.draw()
-            visitor.say(kind, tick=visitor.tick)
+            visitor.say(kind, tick=visitor.tick, **place)
         visitor.draw(1.0)
         visitor.draw_for(0.3)
-        assert len(visitor.refusals) >= 4
+        assert len(visitor.refusals) >= 6
         assert here.sim.state.speed_commands == 0
 
 

@@ -5,6 +5,7 @@ import csv
 import http.server
 import io
 import threading
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -12,7 +13,17 @@ import pytest
 from axe_playwright_python.sync_playwright import Axe
 from PIL import Image
 from playwright.sync_api import Download, Page, expect
-from station import LEASE_S, Station, arm, drive, open_tab, ready, take_control, until
+from station import (
+    LEASE_S,
+    Station,
+    arm,
+    drive,
+    open_tab,
+    press_arm,
+    ready,
+    take_control,
+    until,
+)
 
 from roburoc4.dashboard.hub import Camera
 
@@ -259,3 +270,86 @@ def test_axe_finds_nothing(
         open_tab(page, tab)
         found = axe.run(page)
         assert found.violations_count == 0, found.generate_report()
+
+
+# ---- going to a place ----
+
+
+def go_to(page: Page, x_m: float, y_m: float) -> None:
+    page.locator("#map-go").click()
+    page.locator("#relocalize-x").fill(str(x_m))
+    page.locator("#relocalize-y").fill(str(y_m))
+    page.get_by_role("button", name="Go", exact=True).click()
+
+
+def set_out(here: Station, page: Page, x_m: float, y_m: float) -> None:
+    """Be on the way there; again, where a stall of a loaded machine ended it."""
+    for _ in range(5):
+        press_arm(page)
+        go_to(page, x_m, y_m)
+        if here.drives_on():
+            return
+        page.wait_for_timeout(1000)
+    raise AssertionError("it never set out")
+
+
+def test_the_robot_goes_to_a_place_when_it_is_confirmed(station: Make, visit: Visit) -> None:
+    here = station(slip=0.0)
+    page = visit(here.url)
+    ready(page)
+    take_control(page)
+    expect(page.locator("#map-go")).to_be_hidden()
+    press_arm(page)
+    page.locator("#scale").fill("60")
+    page.locator("#map-go").click()
+    box = page.locator("#map").bounding_box()
+    assert box is not None
+    page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2 - 60)
+    page.wait_for_timeout(2000 * LEASE_S)
+    assert here.speeds_sent() == 0, "it was not confirmed"
+    page.locator("#relocalize-cancel").click()
+    end = time.monotonic() + 60
+    while abs(here.sim.state.true_x_m - 1.0) > 0.15:
+        assert time.monotonic() < end, here.hub.control.why
+        set_out(here, page, 1.0, 0.0)
+        until(lambda: here.hub.control.going is None)
+    until(lambda: not here.driven)
+    assert here.hub.control.why == ""
+
+
+def press_escape(page: Page) -> None:
+    page.keyboard.press("Escape")
+
+
+def press_a_key(page: Page) -> None:
+    page.keyboard.press("s")
+
+
+def lose_focus(page: Page) -> None:
+    page.evaluate("dispatchEvent(new Event('blur')); document.hasFocus = () => false")
+
+
+def stall(page: Page) -> None:
+    page.evaluate(
+        "() => setTimeout(() => { const end = Date.now() + 3000; while (Date.now() < end); }, 0)"
+    )
+
+
+def press_stop(page: Page) -> None:
+    page.locator("#stop").click()
+
+
+@pytest.mark.parametrize(
+    "end", [press_escape, press_a_key, lose_focus, stall, press_stop, Page.close]
+)
+def test_going_ends_with_whatever_its_driver_does(
+    end: Callable[[Page], None], station: Make, visit: Visit
+) -> None:
+    here = station()
+    page = visit(here.url)
+    arm(page)
+    set_out(here, page, 4.0, 0.0)
+    end(page)
+    assert here.wait_until_stopped(time.monotonic()) < LEASE_S + 0.4
+    time.sleep(2 * LEASE_S)
+    assert not here.driven, "it went on"

@@ -16,6 +16,7 @@ from typing import NamedTuple
 from ..errors import NotArmedError
 from ..robot import Robot
 from .advice import why_disarmed, why_not_armed
+from .going import Going
 from .ticks import Ticks
 
 SHORTEST_LEASE_S = 0.02
@@ -53,6 +54,8 @@ class Input:
     forward: float
     left: float
     scale: float
+    going: bool = False
+    """The page shows where the robot goes by itself, and its driver lets it."""
 
     def __post_init__(self) -> None:
         shares = (self.forward, self.left, self.scale)
@@ -96,6 +99,7 @@ class Control:
         """Inputs that were too old, or answered to no tick of this page."""
         self.stood_still = False
         """It was disarmed because it did not move; until it is armed again."""
+        self.going: Going | None = None
         self._armed = False
         self._floor = 0
         self.must_let_go = True
@@ -146,6 +150,7 @@ class Control:
 
     def _begin_anew(self, why: str) -> None:
         """Invalidate earlier ticks, and require that all inputs are released once."""
+        self._end_going()
         self._floor = self._ticks.last + 1
         self.must_let_go = True
         self._lease_end_s = None
@@ -201,6 +206,13 @@ class Control:
         if left_s is None:
             self.dropped += 1
             return
+        if self.going is not None:
+            if inputs.neutral and inputs.going:
+                self.going.renew(now_s + left_s)
+            else:
+                self._end_going()
+                self.must_let_go = True
+            return
         if inputs.neutral:
             self._let_go()
             return
@@ -213,6 +225,26 @@ class Control:
             self.why = "inputs came too late and the robot was stopped: let go, then drive on"
         if not self.must_let_go:
             self._command(inputs, now_s + left_s)
+
+    def go(
+        self, page: Viewer, tick: int, x_m: float, y_m: float, scale: float, now_s: float
+    ) -> None:
+        """Let the robot go to a place by itself, as long as this page answers that it may."""
+        self.check_driver(page)
+        left_s = self._lease_left_s(page, tick, now_s)
+        if left_s is None:
+            raise ControlError("the page is late: its link is slow or stalled; try again")
+        speed = scale * self.limits.linear_m_s[1]
+        if not self._robot.facts.armed or not speed > 0.0:
+            raise ControlError("the robot goes nowhere while it is disarmed: arm it first")
+        self._end_going()
+        self.why = ""
+        self.going = Going(self._robot, x_m, y_m, speed, now_s + left_s)
+
+    def _end_going(self) -> None:
+        if self.going is not None:
+            self.going.end()
+            self.going = None
 
     def _let_go(self) -> None:
         if self.must_let_go and self._robot.facts.armed:
@@ -265,6 +297,9 @@ class Control:
         facts = self._robot.facts
         if self.driver is None:
             return
+        if self.going is not None and not self.going.on:
+            self.why = self.going.why and f"it did not arrive: {self.going.why}"
+            self.going = None
         if facts.armed and facts.inhibited:
             self.stood_still = True
             self._end_driving(

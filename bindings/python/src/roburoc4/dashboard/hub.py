@@ -201,6 +201,7 @@ class Hub:
             "asker": None if self.control.asker is None else self.control.asker.number,
             "why": self.control.why,
             "must_let_go": self.control.must_let_go,
+            "going": None if self.control.going is None else self.control.going.place,
             "recording": self.recorder.now,
             "fleet": self.look_around(),
             "sim": None if self.panel is None else self.panel.now(),

@@ -47,6 +47,7 @@ class Messages:
             "stop": self._stop,
             "forget_trail": lambda _: hub.forget_trail(),
             "relocalize": self._relocalize,
+            "go": self._go,
             "record": lambda _: hub.recorder.start(),
             "record_end": lambda _: hub.recorder.stop(),
             "panel": lambda message: self._panel.obey(_text(message, "line")),
@@ -96,7 +97,11 @@ class Messages:
     def _drive(self, tick: int, inputs: dict[str, Any], now_s: float) -> None:
         try:
             wanted = Input(
-                tick, _number(inputs, "forward"), _number(inputs, "left"), _number(inputs, "scale")
+                tick,
+                _number(inputs, "forward"),
+                _number(inputs, "left"),
+                _number(inputs, "scale"),
+                inputs.get("going") is True,
             )
         except ValueError as error:
             raise BadMessageError(str(error)) from None
@@ -115,6 +120,13 @@ class Messages:
 
     def _stop(self, _message: dict[str, Any]) -> None:
         self._fleet.stop(self._page)
+
+    def _go(self, message: dict[str, Any]) -> None:
+        x_m, y_m, scale = (_number(message, name) for name in ("x_m", "y_m", "scale"))
+        if not 0.0 < scale <= 1.0:
+            raise BadMessageError("scale is above 0 and up to 1")
+        now_s = self._hub.now_s
+        self._hub.control.go(self._page, _tick(message), x_m, y_m, scale, now_s)
 
     def _relocalize(self, message: dict[str, Any]) -> None:
         pose = [_number(message, name) for name in ("x_m", "y_m", "theta_rad")]

@@ -24,7 +24,7 @@ function conditions(frame, { mine, offered }, about) {
   add(facts.battery_low && battery?.state !== "critical", "weak", "BATTERY LOW", "Bring the robot to its charger. Charger and platform off before plugging it in.");
   add(link.level === "weak", "weak", "LINK WEAK", said(link));
   add(mine && facts.armed && why, "weak", "STOPPED", end(why));
-  if (facts.armed) add(true, "go", facts.driving ? "DRIVING" : "ARMED", mine ? "Letting go stops the robot." : "The robot takes speeds from another page.");
+  if (facts.armed) add(true, "go", facts.driving ? "DRIVING" : "ARMED", frame.going ? "The robot goes by itself to the place on the map." : mine ? "Letting go stops the robot." : "The robot takes speeds from another page.");
   else add(true, "calm", "DISARMED", end(mine ? why || facts.blocked : "") || (offered ? "The robot takes no speed from here." : "This page only watches."));
   return found;
 }

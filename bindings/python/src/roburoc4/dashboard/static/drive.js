@@ -17,6 +17,7 @@ export class Drive {
     this.full = [[0, 0], [0, 0]];
     this.inputs = new Inputs(by("stick"), by("knob"), () => this.letGo());
     this.refusedAt = 0;
+    this.going = false;
     for (const what of ["take", "leave", "disarm", "keep"]) by(what).addEventListener("click", () => this.ask({ type: what }));
     by("hand-over").addEventListener("click", () => this.ask({ type: "leave" }));
     by("arm").addEventListener("click", () => this.ask({ type: "arm", tick: this.tick }));
@@ -66,6 +67,7 @@ export class Drive {
   }
 
   key(event) {
+    if (event.code === "Escape") this.letGo();
     if (!this.stops(event)) return;
     event.preventDefault();
     event.stopPropagation();
@@ -79,7 +81,14 @@ export class Drive {
   }
 
   letGo() {
+    this.going = false;
     if (this.mine) this.send({ type: "drawn", tick: this.tick, input: { forward: 0, left: 0, scale: this.scale } });
+  }
+
+  /** Let the robot go to a place by itself, until something of the driver's ends that. */
+  go({ x_m, y_m }) {
+    this.going = true;
+    this.ask({ type: "go", tick: this.tick, x_m, y_m, scale: this.scale });
   }
 
   refused(message) {
@@ -104,6 +113,7 @@ export class Drive {
     const asks = frame.asker !== null && frame.asker === this.page;
     put(by("take"), frame.driver === null ? "Take control" : asks ? "Asked" : "Ask for control");
     by("take").disabled = asks;
+    by("arm").classList.toggle("go", !frame.facts.blocked);
     this.showAsker(frame.asker);
     document.body.classList.toggle("in-control", this.mine);
     document.body.classList.toggle("armed", armed);
@@ -114,10 +124,11 @@ export class Drive {
       return null;
     }
     const { forward, left, by: source } = this.inputs.look();
+    if (forward || left || !armed) this.going = false;
     const scale = this.scale;
     const speed = (share, [low, high]) => share * scale * (share > 0 ? high : low);
     put(by("asked"), `${figure(speed(forward, this.full[0]), 2, "m/s")}, ${figure(speed(left, this.full[1]), 2, "rad/s")}${source ? ` by ${source}` : ""}${source && !armed ? ", not sent: disarmed" : ""}`);
-    return { forward, left, scale };
+    return { forward, left, scale, going: this.going };
   }
 
   showAsker(asker) {
@@ -144,6 +155,7 @@ export class Drive {
     if (!this.offered) return "Start roburoc4 dashboard with --allow-drive to drive from here.";
     if (this.refusal) return this.refusal;
     if (!this.mine) return frame.driver === null ? "One page at a time can drive: take control, then arm." : frame.asker === this.page ? `Page ${frame.driver} is asked. You get control with its consent, or when it is gone.` : "Another page drives. STOP works from every page.";
+    if (frame.going) return "The robot goes to the place on the map. Any key or deflection, Escape, or leaving this page ends that.";
     if (armed && frame.must_let_go) return "Armed: let go of everything once, then drive.";
     if (armed && this.inputs.unrepeated) return "Ready: the key no longer repeated, so it counts as let go. Press it anew. Where the system repeats no keys, drive with the game pad or the stick.";
     if (armed) return "Ready: hold [A] on the game pad, drag the stick, or hold a key. Letting go stops.";

@@ -16,8 +16,8 @@ const clock = new Intl.DateTimeFormat(undefined, { hour: "2-digit", minute: "2-d
 const COLOURS = ["--grid", "--grid-bold", "--text", "--soft", "--card", "--blue", "--orange", "--red", "--sky", "--body", "--wheel", "--box"];
 
 export class RobotMap {
-  constructor(canvas, send, relocalize, onMoveBox) {
-    this.relocalize = relocalize;
+  constructor(canvas, send, chosen, onMoveBox) {
+    this.chosen = chosen;
     this.canvas = canvas;
     this.send = send;
     this.pen = canvas.getContext("2d");
@@ -103,8 +103,8 @@ export class RobotMap {
     this.canvas.setPointerCapture(event.pointerId);
     this.fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
     const { x, y } = this.place(event.offsetX, event.offsetY);
-    if (this.relocalize.active) {
-      this.relocalize.press({ x, y });
+    if (this.chosen.active) {
+      this.chosen.press({ x, y });
       this.drag = { relocalizes: true };
       return;
     }
@@ -127,7 +127,7 @@ export class RobotMap {
       return;
     }
     if (this.drag?.relocalizes) {
-      this.relocalize.drag(here);
+      this.chosen.drag(here);
     } else if (this.drag?.box !== undefined) {
       this.onMoveBox(this.drag.box, here.x + this.drag.dx, here.y + this.drag.dy);
     } else if (this.drag) {
@@ -187,9 +187,24 @@ export class RobotMap {
       this.inFrame(pose, () => this.paintRobot());
     }
     for (const other of this.frame.fleet) if (other.name !== this.about.name && other.pose) this.paintOther(other);
-    if (this.relocalize.wanted) this.outline(this.relocalize.wanted, ink.blue);
+    if (this.chosen.wanted) this.outline(this.chosen.wanted, ink.blue);
+    if (this.frame.going) this.paintGoal(this.frame.going);
     this.paintTime();
     this.paintScale();
+  }
+
+  /** Where the robot goes by itself. */
+  paintGoal([x, y]) {
+    const { pen, ink } = this;
+    const [px, py] = this.at(x, y);
+    pen.strokeStyle = ink.orange;
+    pen.lineWidth = 3;
+    pen.beginPath();
+    pen.arc(px, py, 10, 0, 2 * Math.PI);
+    pen.moveTo(px - 16, py); pen.lineTo(px + 16, py);
+    pen.moveTo(px, py - 16); pen.lineTo(px, py + 16);
+    pen.stroke();
+    this.label("goes here", px, py - 20, ink.text);
   }
 
   /** Another robot, where it believes to be. */

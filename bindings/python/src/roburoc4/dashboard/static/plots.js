@@ -7,7 +7,8 @@ const MOST = 12000;
 const EVERY_S = 0.1;
 const REDRAW_S = 0.1;
 const TIME_STEPS_S = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200];
-const HEIGHT = 128;
+const LEAST_HEIGHT = 128;
+const BESIDES = 32; // the legend of a plot
 const SPANS = [10, 30, 60, 120, 300, 600, 3600, 43200];
 const INKS = ["--blue", "--orange", "--green", "--violet", "--red", "--sky", "--text", "--soft"];
 const DASHES = [[], [7, 4], [2, 3]];
@@ -22,15 +23,15 @@ const RANGES = {
   m: (_, high) => [0, Math.max(1, high * 1.1)],
   ms: (_, high) => [0, Math.max(10, high * 1.1)],
 };
-const FIRST = ["target", "speed"];
+const FIRST = ["speed", "target"];
 const clock = new Intl.DateTimeFormat(undefined, { hour: "2-digit", minute: "2-digit", second: "2-digit", hourCycle: "h23" });
 
 const ready = (frame) => frame.state === "ready";
 const speed = (index) => (frame) => (ready(frame) ? frame.speeds?.[index] ?? null : null);
 const battery = (name) => (frame) => (ready(frame) ? frame.battery?.[name] ?? null : null);
 const FIXED = [
-  ["target", "speed, target", "m/s", 2, speed(0)], ["speed", "speed", "m/s", 2, speed(1)],
-  ["turn_target", "turn, target", "rad/s", 2, speed(2)], ["turn", "turn", "rad/s", 2, speed(3)],
+  ["speed", "speed", "m/s", 2, speed(1)], ["target", "speed, target", "m/s", 2, speed(0)],
+  ["turn", "turn", "rad/s", 2, speed(3)], ["turn_target", "turn, target", "rad/s", 2, speed(2)],
   ["battery", "battery", "%", 0, battery("percent")], ["voltage", "battery voltage", "V", 2, battery("volts")],
   ["round_trip", "round trip", "ms", 1, (frame) => frame.link.round_trip_ms],
   ["loss", "loss", "% lost", 1, (frame) => (frame.link.loss === null ? null : frame.link.loss * 100)],
@@ -65,7 +66,7 @@ export class Plots {
     by("plot-more").addEventListener("click", () => this.zoom(1));
     by("plot-export").addEventListener("click", () => this.export());
     addEventListener("theme", () => this.build());
-    new ResizeObserver(() => this.resize()).observe(by("plots"));
+    new ResizeObserver(() => this.resize()).observe(by("panel-plots"));
     this.describe(null);
   }
 
@@ -160,6 +161,7 @@ export class Plots {
     by("plots").replaceChildren();
     this.plots = units.map((unit) => this.plot(unit, chosen.filter((signal) => signal.unit === unit)));
     if (!units.length) by("plots").append(make("p", "legend", "Choose signals above."));
+    this.resize();
     this.redraw();
   }
 
@@ -168,7 +170,7 @@ export class Plots {
     const style = { stroke: colour("--soft"), grid, ticks: { show: false }, font: "11px system-ui, sans-serif" };
     const range = RANGES[unit];
     const options = {
-      width: this.width, height: HEIGHT,
+      width: this.width, height: LEAST_HEIGHT,
       series: [{ label: "time", value: (_, time) => (time === null ? "–" : clock.format(time * 1000)) }, ...signals.map(({ label, digits }, index) => ({
         label, width: 2, stroke: colour(INKS[index % INKS.length]), dash: DASHES[Math.floor(index / INKS.length) % DASHES.length], points: { show: false }, value: (_, value) => figure(value, digits),
       }))],
@@ -197,7 +199,9 @@ export class Plots {
   }
 
   resize() {
-    this.plots.forEach((plot) => plot.setSize({ width: this.width, height: HEIGHT }));
+    const room = by("panel-plots").clientHeight - by("plots").offsetTop - BESIDES / 2;
+    const height = Math.max(LEAST_HEIGHT, Math.floor(room / this.plots.length) - BESIDES);
+    this.plots.forEach((plot) => plot.setSize({ width: this.width, height }));
   }
 
   /** It was not seen, and is. */

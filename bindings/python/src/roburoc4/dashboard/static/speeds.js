@@ -5,7 +5,7 @@
 import { figure, make, put } from "./text.js";
 
 const MARKS = [1, 0.3, 0.1, 2, 3, 5, 10, 20];
-const CROWDED = 11; // percent of the bar between two marks
+const CROWDED = 13; // percent of the bar between two marks
 
 export class Speed {
   /** sign: 1 where positive is to the right; sides: what left and right mean. */
@@ -49,6 +49,7 @@ export class Speed {
     this.marks.replaceChildren(...marks.map((mark) => {
       const node = make("span", "", figure(mark, 1).replace(/\.0$/, ""));
       node.style.left = `${this.at(mark)}%`;
+      node.style.transform = `translateX(-${this.at(mark)}%)`; // those at the ends stay within
       return node;
     }));
   }

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: MIT
+"""A move to a place of the map, for as long as the driver's page goes on to show it."""
+
+from __future__ import annotations
+
+import threading
+
+from ..errors import RobotError
+from ..moves import STEP_S, MoveResult
+from ..robot import Robot
+
+
+class _EndedError(Exception):
+    """Nobody watches any more, or the driver took over."""
+
+
+class Going:
+    """The robot's own way there, in a thread; only ``renew`` lets it go on."""
+
+    def __init__(self, robot: Robot, x_m: float, y_m: float, speed: float, end_s: float) -> None:
+        self.place = (x_m, y_m)
+        self.why = ""
+        """Why it did not arrive."""
+        self._robot = robot
+        self._speed = speed
+        self._ended = False
+        self.renew(end_s)
+        self._thread = threading.Thread(target=self._go, daemon=True)
+        self._thread.start()
+
+    @property
+    def on(self) -> bool:
+        """Whether it goes."""
+        return self._thread.is_alive()
+
+    def renew(self, end_s: float) -> None:
+        """Go on until then; it is looked at once in a step, so one is taken off."""
+        self._end_s = end_s - STEP_S
+
+    def end(self) -> None:
+        """Stop at the next step."""
+        self._ended = True
+
+    def _go(self) -> None:
+        try:
+            self._robot.go_to(*self.place, speed=self._speed, on_progress=self._look)
+        except _EndedError:
+            self.why = "the way there was ended"
+        except RobotError as error:
+            self.why = str(error)
+
+    def _look(self, _: MoveResult) -> None:
+        if self._ended or self._robot.now_s >= self._end_s:
+            raise _EndedError
