@@ -118,7 +118,11 @@ def test_outputs_reach_the_robot_and_output_0_is_its_own(roburoc4_simulator: Sim
     with roburoc4_simulator.connect() as robot:
         robot.outputs[3] = True
         robot.outputs.set({4: True, 5: False})
-        assert [roburoc4_simulator.digital_output(i) for i in (3, 4, 5)] == [True, True, False]
+        assert [roburoc4_simulator.get(f"digital_output_{i}") for i in (3, 4, 5)] == [
+            True,
+            True,
+            False,
+        ]
         assert robot.outputs[3]
         with pytest.raises(roburoc4.ArgumentError, match="output 1 or above"):
             robot.outputs[0] = True
