@@ -157,8 +157,8 @@ typedef struct roburoc4_config {
      *  Defaults: IO card 50, telemeter 100, battery 1000, localization 50, differential 50.
      *  Driving needs IO card and differential statuses more often than fresh_ms. */
     uint16_t period_ms[8];
-    uint32_t first_retry_ms; /* a request is repeated after this, doubling to 1 s; 10 to 100;
-                                default 100 */
+    uint32_t first_retry_ms; /* a request is repeated after this, doubling to 1 s; sooner where the
+                                round trip is known to be shorter; 10 to 100; default 100 */
     uint32_t lost_ms;        /* silence after which the robot is lost; 200 to 60000; default 1000;
                                 never less than three of the shortest period */
     uint32_t fresh_ms;       /* age to which a status counts for driving; 50 to 1000; default 300 */

@@ -74,7 +74,8 @@ bool roburoc4_requests_begin(requests *r, const ask *a);
 void roburoc4_requests_cancel(requests *r, uint8_t action, uint8_t kind);
 /** The next request that must be (re)sent now with a new id, or NULL; *given_up is set instead to a
  *  request whose tries are used up (now closed). */
-slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint64_t now_us, slot **given_up);
+slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint32_t round_trip_us,
+                            uint64_t now_us, slot **given_up);
 /** The open request that this answer (5 bytes or more, or an error telegram of 1 or more) belongs
  *  to, or NULL. */
 slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size, uint64_t now_us);

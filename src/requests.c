@@ -17,6 +17,8 @@
 #define QUIET_US (700 * MS)
 /* Where an answer does not say what it is to, texts are seldom asked for twice: so much later. */
 #define PATIENCE 5
+/* A request is repeated after four of the shortest round trip, but not sooner than this. */
+#define SHORTEST_RETRY_US (20 * MS)
 /* Tries are timed from the first, but not over a pause of the program. */
 #define LONGEST_PAUSE_US (100 * SECOND)
 /* Every so many tries to connect, for a robot that answers no other id. */
@@ -131,28 +133,47 @@ static slot *go_to_fixed_id(requests *r, const slot *only) {
     return &r->slots[0];
 }
 
-static uint32_t retry_us(uint32_t first_us, uint32_t tries) {
-    const uint32_t doubled_us = first_us << (tries < 8 ? tries : 8);
+static uint32_t retry_us(uint32_t first_us, uint32_t doublings) {
+    const uint32_t doubled_us = first_us << (doublings < 8 ? doublings : 8);
     return at_most(doubled_us, MAX_WAIT_US);
 }
 
-static void begin_try(requests *r, slot *s, uint32_t first_us, uint64_t now_us) {
-    if ((r->fixed_id || r->single_texts) && s->ask.action == ROBUROC4_ACTION_QUERY) {
-        first_us *= PATIENCE;
+/** The wait after this many tries. A robot that is there loses nothing by being asked often. */
+static uint32_t wait_us(const slot *s, uint32_t longest_us, uint32_t round_trip_us) {
+    if (round_trip_us == 0 || round_trip_us >= longest_us / 4 ||
+        s->ask.max_tries == REQUEST_FOREVER) {
+        return retry_us(longest_us, s->tries);
     }
+    const uint32_t first_us = 4 * round_trip_us;
+    return retry_us(
+        at_most(first_us > SHORTEST_RETRY_US ? first_us : SHORTEST_RETRY_US, longest_us),
+        s->tries / 2U);
+}
+
+static void begin_try(requests *r, slot *s, uint32_t wait_us, uint64_t now_us) {
     const uint8_t id = next_id(r, s);
     const uint64_t elapsed_us = now_us - s->sent_us;
     if (s->tries == 0 || id != s->id || elapsed_us > LONGEST_PAUSE_US) {
         s->sent_us = now_us;
     }
-    s->wait_us = (uint32_t)(now_us - s->sent_us) + retry_us(first_us, s->tries);
+    s->wait_us = (uint32_t)(now_us - s->sent_us) + wait_us;
     s->id = id;
     s->ones &= 0x7F; /* this try has not seen an answer with 0x01 yet */
     s->tries = s->tries < TRIES_WRAP ? s->tries + 1U : TRIES_WRAP + 1 - MANUAL_ID_EVERY;
 }
 
-slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint64_t now_us,
-                            slot **given_up) {
+/** How long its tries take at the configured pace: it is not given up sooner. */
+static uint32_t patience_us(const slot *s, uint32_t longest_us) {
+    uint32_t sum_us = 0;
+    for (uint32_t i = 0; i < s->ask.max_tries; i++) {
+        sum_us += retry_us(longest_us, i);
+    }
+    return sum_us;
+}
+
+slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint32_t round_trip_us,
+                            uint64_t now_us, slot **given_up) {
+    const uint32_t longest_us = first_retry_ms * MS;
     *given_up = NULL;
     r->quiet = r->quiet && now_us < r->quiet_us;
     for (uint32_t i = 0; i < SLOTS; i++) {
@@ -160,7 +181,10 @@ slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint64_t now_u
         if (!s->open || (s->tries > 0 && now_us - s->sent_us < s->wait_us)) {
             continue;
         }
-        if (s->ask.max_tries != REQUEST_FOREVER && s->tries >= s->ask.max_tries) {
+        const uint64_t elapsed_us = now_us - s->sent_us;
+        const uint32_t end_us = patience_us(s, longest_us);
+        if (s->ask.max_tries != REQUEST_FOREVER && s->tries >= s->ask.max_tries &&
+            elapsed_us >= end_us) {
             s->open = 0;
             *given_up = s;
             return NULL;
@@ -168,7 +192,15 @@ slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint64_t now_u
         if (!r->fixed_id && r->id_mode == ANSWERED_MANUAL_ID && s->tries >= FIXED_AFTER) {
             s = go_to_fixed_id(r, s); /* only 0x01 was ever answered */
         }
-        begin_try(r, s, first_retry_ms * MS, now_us);
+        const bool rare =
+            (r->fixed_id || r->single_texts) && s->ask.action == ROBUROC4_ACTION_QUERY;
+        begin_try(r, s,
+                  rare ? retry_us(PATIENCE * longest_us, s->tries)
+                       : wait_us(s, longest_us, r->fixed_id ? 0 : round_trip_us),
+                  now_us);
+        if (now_us - s->sent_us < end_us) {
+            s->wait_us = at_most(s->wait_us, end_us);
+        }
         return s;
     }
     return NULL;

@@ -237,8 +237,9 @@ roburoc4_result roburoc4_schedule_poll(client *c, uint8_t *buffer, size_t capaci
     for (;;) {
         slot *given_up;
         advance(c);
-        slot *s = roburoc4_requests_due(&c->private_requests, c->private_config.first_retry_ms,
-                                        c->private_now_us, &given_up);
+        slot *s =
+            roburoc4_requests_due(&c->private_requests, c->private_config.first_retry_ms,
+                                  c->private_link.round_trip_min_us, c->private_now_us, &given_up);
         if (s != NULL) {
             if (s->tries > 1) {
                 count(c, ROBUROC4_COUNT_RETRIES);

@@ -84,6 +84,21 @@ TEST(Retry, TriesTheManualsIdInBetweenAndGoesOnWithAnother) {
     EXPECT_GT(ids.size(), 50U);
 }
 
+TEST(Retry, FollowsTheShortestRoundTripOnceItIsKnown) {
+    for (const auto &[round_trip_us, first_ms] :
+         {std::pair<std::uint64_t, std::uint64_t>{ms, 20}, {15 * ms, 60}, {80 * ms, 100}}) {
+        SCOPED_TRACE(round_trip_us);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.delay_to_client = [us = round_trip_us] { return us; };
+        bench.ready();
+        robot.requests.clear();
+        robot.instead = [](const roburoc4_request &, std::vector<Bytes> &) { return true; };
+        ASSERT_TRUE(bench.run_until([&] { return robot.requests.size() >= 2; }, 2 * second));
+        EXPECT_EQ(first_ms, waits_ms(robot.requests).front());
+    }
+}
+
 TEST(Request, HasAnIdThatNoOtherOpenOneHas) {
     ScriptedRobot robot;
     Bench bench(robot);
@@ -294,9 +309,9 @@ TEST(ErrorTelegram, BelongsToARequestByEveryByteThatItHas) {
         }
 }
 
-/* With the default of first_retry_ms that is 2.5 s. */
-TEST(Request, ThatIsNeverAnsweredIsGivenUpAfterFiveTries) {
-    const std::vector<std::uint64_t> wanted{100, 200, 400, 800};
+/* That is the time of five tries 100, 200, 400, ... ms apart, as where no round trip is known. */
+TEST(Request, ThatIsNeverAnsweredIsGivenUpAfterTwoAndAHalfSeconds) {
+    const std::vector<std::uint64_t> wanted{20, 20, 40, 40, 80, 80, 160, 160, 320, 320, 640};
     for (const std::uint8_t action :
          Bytes{ROBUROC4_ACTION_GET, ROBUROC4_ACTION_INSERT, ROBUROC4_ACTION_DELETE}) {
         SCOPED_TRACE(int{action});
@@ -324,7 +339,7 @@ TEST(Request, ThatIsNeverAnsweredIsGivenUpAfterFiveTries) {
         bench.run_to(first_us + 2500 * ms);
         EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_ABANDONED));
         EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
-        EXPECT_EQ(5U, tries().size());
+        EXPECT_EQ(wanted.size() + 1, tries().size());
     }
 }
 
@@ -383,7 +398,7 @@ TEST(Probe, ThatIsLostIsRepeatedAsEveryRequest) {
     bench.run(1500 * ms);
     ASSERT_GE(robot.requests.size(), 3U);
     robot.requests.resize(3);
-    EXPECT_EQ((std::vector<std::uint64_t>{100, 200}), waits_ms(robot.requests));
+    EXPECT_EQ((std::vector<std::uint64_t>{20, 20}), waits_ms(robot.requests));
     EXPECT_EQ(robot.requests[0].what.service, robot.requests[2].what.service);
     EXPECT_EQ(retries + 2, bench.count(ROBUROC4_COUNT_RETRIES));
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_ABANDONED));
@@ -511,7 +526,7 @@ TEST(Request, ThatComesToNothingIsToldAsWhatItWasAndEndsNoOther) {
                   bench.take_events() & told);
         const roburoc4_result why = refused ? ROBUROC4_ERR_ROBOT : ROBUROC4_ERR_TIMEOUT;
         EXPECT_EQ(replace ? why : ROBUROC4_OK, bench.facts().relocalize_result);
-        EXPECT_EQ(end && !refused ? 10U : 2U, robot.seen(ROBUROC4_ACTION_DELETE).size());
+        EXPECT_EQ(end && !refused ? 24U : 2U, robot.seen(ROBUROC4_ACTION_DELETE).size());
         const bool nameless = action == ROBUROC4_ACTION_QUERY && !refused; /* the battery */
         EXPECT_EQ(end ? 5U : insert || nameless ? 2U : 3U, robot.subscriptions.size());
         EXPECT_EQ(1, bench.facts().descriptions_done);
