@@ -23,6 +23,7 @@ ORDER = (
     "lcm",
     "dashboard",
     "growth",
+    "moves",
     "payload",
 )
 PEERS = (
