@@ -42,6 +42,7 @@ AIMS = {
     "codec of six messages, linked": 2560,
     "codec + client, all of it": 8192,
     "bare loop that drives, linked": 8192,
+    "moves, all of it": 1536,
     "a client's memory": 1024,
 }
 
@@ -185,6 +186,7 @@ def measure_target(part, target):
         target.linked(figures.BENCH / "size/client_drive.c", objects)[0],
     )
     add("data + bss, all of it", sum(s[1] + s[2] for s in sizes.values()))
+    add("moves, all of it", target.sizes(target.compile(figures.TOP / "src/move.c"))[0])
     add("a client's memory", target.client_bytes())
     depth, path = stack(target, objects)
     add("stack", depth, None if depth else path)

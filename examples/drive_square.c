@@ -24,14 +24,13 @@ static roburoc4_result arm(const char *host) {
     if (result < 0 || (result = roburoc4_udp_open(&udp, sizeof udp, &address)) < 0) {
         return result;
     }
-    const uint64_t begun_us = roburoc4_udp_now_us();
+    const uint64_t end_us = roburoc4_udp_now_us() + 5000000;
     roburoc4_client_init(&client, sizeof client, NULL);
-    roburoc4_client_start(&client, begun_us);
+    roburoc4_client_start(&client, roburoc4_udp_now_us());
     do {
         roburoc4_udp_wait(&udp, &client, 50000);
         result = roburoc4_client_arm(&client, roburoc4_udp_now_us());
-    } while (result < 0 && !roburoc4_udp_fault(&udp) && !interrupted &&
-             roburoc4_udp_now_us() - begun_us < 5000000);
+    } while (result < 0 && !roburoc4_udp_fault(&udp) && roburoc4_udp_now_us() < end_us);
     return result;
 }
 
@@ -59,10 +58,6 @@ int main(int argc, char **argv) {
     const char *host = argc > 1 ? argv[1] : ROBUROC4_DEFAULT_HOST;
     FILE *path = argc > 2 ? fopen(argv[2], "w") : NULL;
     int32_t reached = ROBUROC4_MOVE_REACHED;
-    roburoc4_move_options options; /* the defaults are slow */
-    roburoc4_move_options_init(&options, sizeof options);
-    options.linear_m_s = 0.7f;
-    options.angular_rad_s = 1.0f;
     signal(SIGINT, on_signal);
     roburoc4_result result = arm(host);
     if (result < 0) {
@@ -71,8 +66,8 @@ int main(int argc, char **argv) {
     }
     for (int i = 0; result == 0 && i < 8 && reached == ROBUROC4_MOVE_REACHED; i++) {
         roburoc4_move move;
-        i % 2 == 0 ? roburoc4_move_straight(&move, 2.0f, &options)
-                   : roburoc4_move_turn(&move, 1.5708f, &options);
+        i % 2 == 0 ? roburoc4_move_straight(&move, 2.0f, NULL)
+                   : roburoc4_move_turn(&move, 1.5708f, NULL);
         reached = go(&move, path);
         printf("move %d: %s\n", i + 1, roburoc4_move_result_text(reached));
     }
