@@ -192,6 +192,18 @@ def test_choosing_another_robot_stops_the_one_before(station: Make, visit: Visit
     expect(page.get_by_role("button", name="RED")).to_contain_text("lost")
 
 
+@pytest.mark.parametrize("size", [(1440, 900), (390, 844), (844, 390)])
+def test_every_robot_can_be_chosen_in_every_size(
+    size: tuple[int, int], station: Make, visit: Visit
+) -> None:
+    here = station(robots=("RED", "BLUE", "GREEN"))
+    page = visit(here.url, viewport={"width": size[0], "height": size[1]})
+    ready(page)
+    for sim, name in zip(here.sims[::-1], ("GREEN", "BLUE", "RED"), strict=True):
+        page.get_by_role("button", name=name).click()
+        expect(page.locator("#address")).to_have_text(sim.address)
+
+
 def test_a_robot_without_a_name_of_ours_is_refused(station: Make, visit: Visit) -> None:
     here = station(robots=("RED", "BLUE"))
     page = visit(f"{here.url}#GREY")
