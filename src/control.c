@@ -15,20 +15,19 @@ static bool fresh(const client *c, uint32_t service, uint64_t now_us) {
                                c->private_config.fresh_ms * MS, now_us);
 }
 
-/** Whether an input may be the game pad's [A]: the user says so; or a service that is not known yet
- *  may be the card; or a card may have one until its properties tell, and its texts were asked for.
- */
+/** Whether an input may be the game pad's [A]: a service that is not known yet may be the card, and
+ *  a card may have one until its properties tell, and its texts were asked for. A user who sets an
+ *  input says that there is one, unless the card has no such input. */
 static bool may_have_pad(const client *c) {
     const discovery *d = &c->private_discovery;
-    if (c->private_config.role_index[ROBUROC4_ROLE_OVERRIDE] != ROBUROC4_INDEX_AUTO) {
-        return true;
+    const bool automatic =
+        c->private_config.role_index[ROBUROC4_ROLE_OVERRIDE] == ROBUROC4_INDEX_AUTO;
+    if ((d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0) {
+        return !automatic || roburoc4_discovery_doubtful(d);
     }
-    if ((d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) != 0) {
-        return (d->known & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0 ||
-               !roburoc4_discovery_inputs_passed(d, c->private_values.io_counts) ||
-               index_of_role(c, ROBUROC4_ROLE_OVERRIDE) >= 0;
-    }
-    return roburoc4_discovery_doubtful(d);
+    return (d->known & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0 ||
+           (automatic && !roburoc4_discovery_inputs_passed(d, c->private_values.io_counts)) ||
+           index_of_role(c, ROBUROC4_ROLE_OVERRIDE) >= 0;
 }
 
 /** Why driving is not allowed now, or 0. */

@@ -152,6 +152,8 @@ def test_damaged_datagrams_are_dropped() -> None:
             robot.sleep(20.0)
             dropped = robot.counts
             assert dropped[roburoc4.Count.SHORT] + dropped[roburoc4.Count.MALFORMED] > 0
+            sim.set_faults()
+            robot.sleep(10.0)
             assert robot.state is roburoc4.State.READY
 
 
@@ -166,7 +168,7 @@ def test_connecting_to_silence_says_what_was_tried() -> None:
 
 def test_the_timeout_of_connect_counts_silence_not_progress() -> None:
     with Simulator() as sim:
-        sim.set_faults(delay_ms=80)
+        sim.set_faults(delay_ms=200)
         before_s = sim.now_s
         with sim.connect(timeout=1.0, lost_ms=5000) as robot:
             assert robot.state is roburoc4.State.READY
