@@ -155,16 +155,18 @@ typedef struct roburoc4_config {
     uint32_t subscriptions;
     /** Status periods by service (the first two are not used): a multiple of 10, 10 to 2550.
      *  Defaults: IO card 50, telemeter 100, battery 1000, localization 50, differential 50.
-     *  Driving needs IO card and differential statuses more often than fresh_ms. */
+     *  Those of IO card and differential, where subscribed: less than fresh_ms. (To watch a robot
+     *  less often, call roburoc4_client_subscribe() later.) */
     uint16_t period_ms[8];
-    uint32_t first_retry_ms; /* a request is repeated after this, doubling to 1 s; sooner where the
-                                round trip is known to be shorter; 10 to 100; default 100 */
-    uint32_t lost_ms;        /* silence after which the robot is lost; 200 to 60000; default 1000;
-                                never less than three of the shortest period */
-    uint32_t fresh_ms;       /* age to which a status counts for driving; 50 to 1000; default 300 */
-    uint32_t drive_period_ms;   /* repetition of drive commands; 10 to 500 and at most half of
-                                   lease_ms; default 50 */
-    uint32_t lease_ms;          /* life of a drive command; 20 to 1000; default 250 */
+    uint32_t first_retry_ms;  /* a request is repeated after this, doubling to 1 s; sooner where the
+                                 round trip is known to be shorter; 10 to 100; default 100 */
+    uint32_t lost_ms;         /* silence after which the robot is lost; 200 to 60000; default 1000;
+                                 never less than three of the shortest period */
+    uint32_t fresh_ms;        /* age, by an upper bound, to which a status counts for driving; 50 to
+                                 1000; default 300 */
+    uint32_t drive_period_ms; /* repetition of drive commands; 10 to 500, at most half of lease_ms
+                                 and of robot_watchdog_ms; default 50 */
+    uint32_t lease_ms;        /* life of a drive command; 20 to 1000; default 250 */
     uint32_t robot_watchdog_ms; /* the robot's own watchdog, bounds the stop sequence; 100 to 60000;
                                    default 1000 */
     float max_linear_m_s;       /* ceiling of speed; 0.001 to 20; default 2.6 */
@@ -250,16 +252,18 @@ ROBUROC4_API uint32_t roburoc4_client_state(const roburoc4_client *client);
 ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint32_t counter);
 
 /* Motion. A drive command is a lease: the target lives for lease_us and dies unless renewed. Every
- * exit from driving (lease over, stop, disarm, override, loss, reboot, clock fault) is followed by
- * the stop sequence: zero commands, one per drive period, at least three, until a status shows both
- * targets 0 or robot_watchdog_ms has passed. A new lease waits for its end. The first zero after a
- * speed leaves at once; all other commands are at least a robot cycle (10 ms) apart. */
+ * exit from driving (lease over, stop, disarm, and whatever disarms by itself) is followed by
+ * the stop sequence: zero commands, one per drive period, at least three, until a status that was
+ * made after them shows both targets 0, or robot_watchdog_ms has passed. A new lease waits for its
+ * end. The first zero after a speed leaves at once; all other commands are at least a robot cycle
+ * (10 ms) apart. */
 
 /** Allow driving. 0, or the first reason against it: ROBUROC4_ERR_NOT_READY, _NO_DIFFERENTIAL,
  *  _LIMITS, _STALE_DIFFERENTIAL, _STALE_IOCARD, _OVERRIDE_UNKNOWN, _OVERRIDE, _OTHER_COMMANDER,
- *  _MOVING. The client disarms itself when one of these conditions is lost. Arming twice is fine.
- *  Ready is not armable: the first statuses come later. After a refusal, and after a client was
- *  disarmed, ROBUROC4_EVENT_ARMABLE tells when arming is possible; roburoc4_pump_arm() waits. */
+ *  _MOVING. The client disarms itself when one of these conditions is lost, and where the robot does
+ *  not follow its speeds for half a second. Arming twice is fine. Ready is not armable: the first
+ *  statuses come later. After a refusal, and after a client was disarmed, ROBUROC4_EVENT_ARMABLE
+ *  tells when arming is possible; roburoc4_pump_arm() waits. */
 ROBUROC4_API roburoc4_result roburoc4_client_arm(roburoc4_client *client, uint64_t now_us);
 /** 1 for a reason against arming that may go away by itself (no answer or status yet, the robot
  *  still rolls), so that it is worth to try again; 0 for others, and for no reason. */
@@ -288,7 +292,7 @@ typedef struct roburoc4_facts {
     uint8_t overridden;      /* 1: game pad [A] is held */
     uint8_t other_commander; /* 1: another client commands the robot */
     uint8_t inhibited;       /* 1: a speed is asked for, but the robot stands still: emergency stop,
-                                brakes, bumper */
+                                brakes, bumper. It disarms. */
     uint8_t fixed_id;        /* 1: the robot answers every request with 0x01 */
     uint8_t front_bumper;    /* 1: pressed, by the last IO status */
     uint8_t rear_bumper;
@@ -447,8 +451,8 @@ typedef struct roburoc4_service_link {
     uint32_t late, duplicates; /* not used */
     uint32_t period_us;        /* observed; the requested one until enough came */
     uint32_t jitter_us;        /* smoothed deviation of arrival from robot time (RFC 3550, 6.4.1) */
-    uint32_t age_us;           /* since the last status; UINT32_MAX before the first */
-    float loss;                /* share of recent statuses that did not arrive, 0 to 1 */
+    uint32_t age_us; /* upper bound of the last status's age; UINT32_MAX before the first */
+    float loss;      /* share of recent statuses that did not arrive, 0 to 1 */
 } roburoc4_service_link;
 ROBUROC4_API roburoc4_result roburoc4_client_service_link(const roburoc4_client *client,
                                                           uint32_t service, uint64_t now_us,
@@ -485,15 +489,17 @@ typedef struct roburoc4_private_service {
     uint16_t period_cycles, gap_min;
     uint64_t robot_cycles, received_us, inserted_us, seen;
     uint32_t received, lost, late, duplicates;
-    uint32_t recent_received, recent_lost;
-    uint32_t transit_us, jitter_us;
+    uint16_t recent_received, recent_lost;
+    uint32_t jitter_us;
 } roburoc4_private_service;
 
 typedef struct roburoc4_private_link {
-    uint8_t back_count, resubscribed, mapped, reserved[5];
+    uint8_t back_count, resubscribed, mapped, reserved;
+    uint32_t floor_age_us;
     uint64_t offset_since_us, newest_cycles, last_used_us;
+    uint64_t floor_us, asked_us;
     int64_t offset_us, offset_before_us;
-    uint32_t round_trip_us, round_trip_min_us;
+    uint32_t round_trip_us, round_trip_min_us, answered_after_us, reserved2;
     roburoc4_private_service services[5];
 } roburoc4_private_link;
 

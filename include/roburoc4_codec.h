@@ -66,6 +66,7 @@ typedef int32_t roburoc4_result;
 #define ROBUROC4_ERR_LOST (-30)               /* the robot fell silent */
 #define ROBUROC4_ERR_REBOOT (-31)             /* the robot restarted */
 #define ROBUROC4_ERR_CLOCK (-32)              /* the clock went back */
+#define ROBUROC4_ERR_INHIBITED (-33)          /* the robot does not move although it was told to */
 /* of the UDP adapter and the pump (roburoc4_udp.h, roburoc4_pump.h) */
 #define ROBUROC4_ERR_SYSTEM (-40)  /* the operating system refused; errno says why */
 #define ROBUROC4_ERR_RESOLVE (-41) /* a host name has no address */

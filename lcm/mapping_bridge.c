@@ -194,9 +194,6 @@ static void write_connected(const mapping_view *view, char *room, size_t capacit
     } else if (!facts->armed && facts->arm_refusal < 0) {
         (void)snprintf(room, capacity, "ready, not armed: %s",
                        roburoc4_result_text(facts->arm_refusal));
-    } else if (facts->armed && facts->inhibited) {
-        (void)snprintf(room, capacity,
-                       "armed, but the robot stands: emergency stop, brakes, bumper?");
     } else if (facts->driving && owner != NULL) {
         text_copy(sender, sizeof sender, (const uint8_t *)owner, length);
         (void)snprintf(room, capacity, "driving for %s", sender);

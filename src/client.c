@@ -9,17 +9,17 @@
 #define LAYOUT(name, condition) typedef char assert_##name[(condition) ? 1 : -1]
 LAYOUT(slot, sizeof(roburoc4_private_slot) == 24);
 LAYOUT(requests, sizeof(roburoc4_private_requests) == 112);
-LAYOUT(service, sizeof(roburoc4_private_service) == 72);
-LAYOUT(link, sizeof(roburoc4_private_link) == 416);
+LAYOUT(service, sizeof(roburoc4_private_service) == 64);
+LAYOUT(link, sizeof(roburoc4_private_link) == 400);
 LAYOUT(drive, sizeof(roburoc4_private_drive) == 112);
 LAYOUT(discovery, sizeof(roburoc4_private_discovery) == 224);
 LAYOUT(values, sizeof(roburoc4_private_values) == 544);
 LAYOUT(outputs, sizeof(roburoc4_private_outputs) == 72);
 LAYOUT(config, sizeof(roburoc4_config) == 76);
-LAYOUT(client, sizeof(roburoc4_client) == 1648);
+LAYOUT(client, sizeof(roburoc4_client) == 1632);
 LAYOUT(client_drive, offsetof(roburoc4_client, private_drive) == 104);
 LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 680);
-LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1096);
+LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1080);
 
 /* Before it is ready, a client is patient: requests are repeated each second at the latest. */
 #define PATIENCE_US (5 * SECOND)
@@ -108,7 +108,7 @@ void roburoc4_lifecycle_clock_fault(client *c, uint64_t now_us) {
     roburoc4_requests_rebase(&c->private_requests, now_us);
     roburoc4_link_rebase(&c->private_link, now_us);
     c->private_discovery.phase_us = now_us;
-    c->private_discovery.probe_us = now_us;
+    c->private_discovery.probe_us = now_us - PROBE_US; /* ages are unknown before an answer */
     c->private_outputs.sent_us = now_us;
     c->private_outputs.relocalize_us = now_us;
     count(c, ROBUROC4_COUNT_CLOCK_FAULTS);
@@ -229,6 +229,15 @@ static uint64_t sooner(uint64_t deadline, const uint64_t *since_us, uint32_t spa
     return due_us < deadline ? due_us : deadline;
 }
 
+/** Whichever is sooner: the deadline so far, or when the service's last status becomes stale. */
+static uint64_t stale_deadline(const client *c, uint32_t service, uint64_t deadline) {
+    const roburoc4_private_link *l = &c->private_link;
+    const uint64_t received_us = l->services[STATUS_INDEX(service)].received_us;
+    const uint32_t fresh_us = c->private_config.fresh_ms * MS;
+    const uint64_t age_us = roburoc4_link_age(l, STATUS_INDEX(service), received_us);
+    return sooner(deadline, &received_us, age_us < fresh_us ? fresh_us - (uint32_t)age_us : 0);
+}
+
 static uint64_t next_deadline(const client *c) {
     const discovery *d = &c->private_discovery;
     if (c->private_state == ROBUROC4_STATE_IDLE) {
@@ -263,13 +272,9 @@ static uint64_t next_deadline(const client *c) {
         deadline = sooner(deadline, &c->private_outputs.sent_us, OUTPUT_PAUSE_US);
     }
     if (c->private_drive.armed) {
-        const uint32_t fresh_us = c->private_config.fresh_ms * MS;
-        const roburoc4_private_service *s = c->private_link.services;
-        deadline =
-            sooner(deadline, &s[STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL)].received_us, fresh_us);
+        deadline = stale_deadline(c, ROBUROC4_SERVICE_DIFFERENTIAL, deadline);
         if (c->private_values.override_known) {
-            deadline =
-                sooner(deadline, &s[STATUS_INDEX(ROBUROC4_SERVICE_IOCARD)].received_us, fresh_us);
+            deadline = stale_deadline(c, ROBUROC4_SERVICE_IOCARD, deadline);
         }
     }
     return deadline;

@@ -45,7 +45,9 @@ enum {
     BAD_INTEGER,
     BAD_FLOAT = BAD_INTEGER + COUNT(integers),
     BAD_HALF_LEASE = BAD_FLOAT + COUNT(floats),
+    BAD_HALF_WATCHDOG,
     BAD_PERIOD,
+    BAD_FRESH,
     BAD_ROLE,
     ALL_GOOD
 };
@@ -86,6 +88,8 @@ roburoc4_result roburoc4_config_init(roburoc4_config *config, size_t size) {
 }
 
 static uint32_t first_bad(const roburoc4_config *config) {
+    const uint32_t services_of_arming =
+        (uint32_t)service_bit(ROBUROC4_SERVICE_IOCARD) | service_bit(ROBUROC4_SERVICE_DIFFERENTIAL);
     const uint8_t *base = (const uint8_t *)config;
     for (uint32_t i = 0; i < COUNT(integers); i++) {
         uint32_t value;
@@ -108,10 +112,17 @@ static uint32_t first_bad(const roburoc4_config *config) {
     if (config->lease_ms < 2 * config->drive_period_ms) {
         return BAD_HALF_LEASE;
     }
+    if (config->robot_watchdog_ms < 2 * config->drive_period_ms) {
+        return BAD_HALF_WATCHDOG;
+    }
     for (uint32_t service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT; service++) {
         const uint32_t period_ms = config->period_ms[service];
         if (period_ms == 0 || period_ms > 2550 || period_ms % 10 != 0) {
             return BAD_PERIOD;
+        }
+        if ((services_of_arming & config->subscriptions & service_bit(service)) != 0 &&
+            config->fresh_ms <= period_ms) {
+            return BAD_FRESH;
         }
     }
     for (uint32_t role = 0; role < ROBUROC4_ROLE_COUNT; role++) {
@@ -157,7 +168,9 @@ const char *roburoc4_config_error(const roburoc4_config *config) {
         "scale_linear: 0.01 to 10",
         "scale_angular: 0.01 to 10",
         "drive_period_ms: at most half of lease_ms",
+        "drive_period_ms: at most half of robot_watchdog_ms",
         "period_ms: multiples of 10, 10 to 2550",
+        "period_ms of IO card and differential: less than fresh_ms",
         "role_index: -1, or an index to 63 (battery voltage: 15)",
         NULL,
     };

@@ -566,7 +566,9 @@ roburoc4_result roburoc4_client_service_link(const client *c, uint32_t service, 
     f.duplicates = s->duplicates;
     f.period_us = (uint32_t)s->period_cycles * ROBUROC4_CYCLE_US;
     f.jitter_us = s->jitter_us;
-    f.age_us = s->received > 0 ? clipped(now_us - s->received_us) : UINT32_MAX;
+    f.age_us = s->received > 0
+                   ? clipped(roburoc4_link_age(&c->private_link, STATUS_INDEX(service), now_us))
+                   : UINT32_MAX;
     f.loss = share(s->recent_lost, s->recent_received);
     return give(out, &f, sizeof f);
 }

@@ -346,6 +346,7 @@ static bool has_target(const drive *d, uint32_t axis, float target, float curren
     return true;
 }
 
+/** Power that comes back, or a bumper that is freed, must not set the robot off. */
 static void watch_inhibited(drive *d, bool still, uint64_t now_us, uint32_t *events) {
     if (still && !d->still) {
         d->still_us = now_us;
@@ -355,12 +356,15 @@ static void watch_inhibited(drive *d, bool still, uint64_t now_us, uint32_t *eve
     if (inhibited != (d->inhibited != 0)) {
         d->inhibited = inhibited;
         *events |= ROBUROC4_EVENT_INHIBITED;
+        if (inhibited) {
+            roburoc4_drive_interrupt(d, ROBUROC4_ERR_INHIBITED, events);
+        }
     }
 }
 
 void roburoc4_drive_status(drive *d, const roburoc4_config *config,
-                           const roburoc4_differential_status *s, bool overridden, uint64_t now_us,
-                           uint32_t *events) {
+                           const roburoc4_differential_status *s, bool overridden, uint64_t age_us,
+                           uint64_t now_us, uint32_t *events) {
     bool follows = false;
     age_envelope(d, config->robot_watchdog_ms * MS, now_us);
     const bool ours = overridden || (is_ours(d, LINEAR, s->target_linear_m_s) &&
@@ -373,7 +377,11 @@ void roburoc4_drive_status(drive *d, const roburoc4_config *config,
         watch_other_commander(d, config, ours, events);
         return;
     }
-    d->confirmed = d->confirmed || (zero && d->zeros_sent >= STOP_ZEROS);
+    /* one that is older tells of the time before the zeros; so does one with a few zeros under way
+     */
+    d->confirmed = d->confirmed || (zero && d->zeros_sent >= STOP_ZEROS &&
+                                    now_us - d->stop_us >=
+                                        age_us + (STOP_ZEROS - 1U) * MS * config->drive_period_ms);
     watch_other_commander(d, config, ours, events);
     const bool linear =
         has_target(d, LINEAR, s->target_linear_m_s, s->current_linear_m_s, &follows);

@@ -97,8 +97,11 @@ void roburoc4_link_expect(roburoc4_private_link *l, uint32_t index);
 /** Judge a status of a service of this link; a new one is taken into the figures. */
 verdict roburoc4_link_status(roburoc4_private_link *l, roburoc4_private_service *s,
                              uint64_t robot_cycles, uint64_t now_us);
+/** The answer to a request of then arrived now. */
 void roburoc4_link_round_trip(roburoc4_private_link *l, uint64_t sent_us, uint64_t now_us);
-/** True while the last status is younger than `limit_us`. */
+/** How old the last status is at most. */
+uint64_t roburoc4_link_age(const roburoc4_private_link *l, uint32_t index, uint64_t now_us);
+/** True while the last status is certainly younger than `limit_us`. */
 bool roburoc4_link_fresh(const roburoc4_private_link *l, uint32_t index, uint32_t limit_us,
                          uint64_t now_us);
 void roburoc4_link_rebase(roburoc4_private_link *l, uint64_t now_us);
@@ -126,7 +129,7 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
                          float *speeds, uint32_t *events);
 void roburoc4_drive_status(drive *d, const roburoc4_config *config,
                            const roburoc4_differential_status *status, bool overridden,
-                           uint64_t now_us, uint32_t *events);
+                           uint64_t age_us, uint64_t now_us, uint32_t *events);
 /** The differential service has this id and full properties, or (known false) it cannot be driven:
  *  its old id still gets the stop sequence that it is owed, another one gets nothing. */
 void roburoc4_drive_service(drive *d, bool known, uint16_t id);

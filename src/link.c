@@ -17,6 +17,11 @@ typedef roburoc4_private_service service;
 #define LONGEST_GAP 6000
 #define RECENT_STATUSES 200
 #define MAP_WINDOW_US (5 * SECOND)
+/* The floor of transit times rises by this share of time at most. */
+#define FLOOR_RISE 8
+/* A status so soon after an answer had the same way. */
+#define SOON_US (100 * MS)
+#define AGE_UNKNOWN UINT32_MAX
 
 void roburoc4_link_expect(roburoc4_private_link *l, uint32_t index) {
     service *s = &l->services[index];
@@ -25,16 +30,22 @@ void roburoc4_link_expect(roburoc4_private_link *l, uint32_t index) {
     s->gap_count = 0;
 }
 
+/** What was learned by comparing the clocks of host and robot. */
+static void forget_times(roburoc4_private_link *l) {
+    l->mapped = 0;
+    l->asked_us = 0;
+    l->round_trip_us = 0;
+    l->round_trip_min_us = 0;
+}
+
 void roburoc4_link_restart(roburoc4_private_link *l) {
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         service *s = &l->services[i];
         s->seen = 0;
         roburoc4_link_expect(l, i);
     }
-    l->mapped = 0;
     l->back_count = 0;
-    l->round_trip_us = 0;
-    l->round_trip_min_us = 0;
+    forget_times(l);
 }
 
 /** Whether a status that is older than the newest of all services is from a restarted robot. */
@@ -63,7 +74,9 @@ static void late(service *s, uint64_t robot_cycles) {
     if (bit != 0 && s->lost > 0) {
         s->seen |= bit;
         s->lost--;
-        s->recent_lost -= s->recent_lost > 0;
+        if (s->recent_lost > 0) {
+            s->recent_lost--;
+        }
         s->recent_received++; /* it did arrive */
     }
 }
@@ -73,7 +86,7 @@ static void revoke_losses(service *s) {
     const uint32_t steps = (s->gap_min + s->period_cycles / 2U) / s->period_cycles;
     const uint32_t wrong = (steps - 1) * (PERIOD_GAPS - 1);
     s->lost -= wrong < s->lost ? wrong : s->lost;
-    s->recent_lost -= wrong < s->recent_lost ? wrong : s->recent_lost;
+    s->recent_lost = (uint16_t)(wrong < s->recent_lost ? s->recent_lost - wrong : 0);
 }
 
 /** The period is the shortest of so many gaps. */
@@ -100,7 +113,7 @@ static void count_gap(service *s, uint64_t gap) {
     if (gap > s->period_cycles) { /* else nothing can be missing */
         const uint32_t steps = ((uint32_t)gap + s->period_cycles / 2U) / s->period_cycles;
         s->lost += steps - 1;
-        s->recent_lost += steps - 1;
+        s->recent_lost = (uint16_t)(s->recent_lost + steps - 1); /* both are small */
     }
     if (++s->recent_received + s->recent_lost >= RECENT_STATUSES) {
         s->recent_received /= 2;
@@ -108,9 +121,14 @@ static void count_gap(service *s, uint64_t gap) {
     }
 }
 
+/** From the robot's stamp to arrival, by two clocks: only differences of it mean something. */
+static uint64_t transit_of(uint64_t robot_cycles, uint64_t received_us) {
+    return received_us - robot_cycles * ROBUROC4_CYCLE_US;
+}
+
 /** RFC 3550, 6.4.1: the deviation of transit times, smoothed by 16. */
-static void measure_jitter(service *s, uint32_t transit) {
-    const uint32_t change = transit - s->transit_us;
+static void measure_jitter(service *s, uint64_t transit) {
+    const uint32_t change = (uint32_t)(transit - transit_of(s->robot_cycles, s->received_us));
     const uint32_t deviation = change < 0x80000000U ? change : 0U - change;
     s->jitter_us = s->jitter_us - s->jitter_us / 16 + deviation / 16;
 }
@@ -130,9 +148,43 @@ static void map_clock(roburoc4_private_link *l, int64_t offset, uint64_t now_us)
     }
 }
 
+/** How much later than the best status one with this transit time arrived. */
+static uint64_t lateness(const roburoc4_private_link *l, uint64_t transit) {
+    const int64_t late_us = (int64_t)(transit - l->floor_us);
+    return late_us > 0 ? (uint64_t)late_us : 0;
+}
+
+/** Follow the best status: its transit time is the floor, and it was no older than the shortest
+ * round trip that was measured just before a status (floor_age_us). Clocks that drift apart make
+ * everything look late, and so does a queue that grows. A round trip tells them apart: what arrives
+ * after an answer was made after its request was sent, give or take a cycle. Only then the floor
+ * rises, and slowly, because a network can change the order of an answer and a status. */
+static void follow_best(roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
+    if (!l->mapped) {
+        l->floor_us = transit;
+        l->floor_age_us = AGE_UNKNOWN;
+    }
+    if (l->asked_us > 0) {
+        const uint64_t proven_us = now_us - l->asked_us + ROBUROC4_CYCLE_US;
+        const uint64_t since_answer_us = now_us - l->asked_us - l->answered_after_us;
+        const uint64_t age_us = since_answer_us < SOON_US ? proven_us - since_answer_us : proven_us;
+        if (age_us < l->floor_age_us) {
+            l->floor_age_us = (uint32_t)age_us;
+        }
+        const uint64_t bound_us = lateness(l, transit) + l->floor_age_us;
+        const uint64_t rise_us = (now_us - l->last_used_us) / FLOOR_RISE;
+        if (bound_us > proven_us) {
+            l->floor_us += rise_us < bound_us - proven_us ? rise_us : bound_us - proven_us;
+        }
+    }
+    if ((int64_t)(transit - l->floor_us) < 0) {
+        l->floor_us = transit;
+    }
+}
+
 verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robot_cycles,
                              uint64_t now_us) {
-    const uint64_t transit = now_us - robot_cycles * ROBUROC4_CYCLE_US;
+    const uint64_t transit = transit_of(robot_cycles, now_us);
     if (robot_cycles >= l->newest_cycles) {
         l->back_count = 0;
     } else if (restarted(l, s, robot_cycles, now_us)) {
@@ -145,9 +197,9 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
         return VERDICT_OLD;
     } else {
         count_gap(s, robot_cycles - s->robot_cycles);
-        measure_jitter(s, (uint32_t)transit);
+        measure_jitter(s, transit);
     }
-    s->transit_us = (uint32_t)transit;
+    follow_best(l, transit, now_us);
     map_clock(l, (int64_t)transit, now_us);
     s->received++;
     s->robot_cycles = robot_cycles;
@@ -168,12 +220,22 @@ void roburoc4_link_round_trip(roburoc4_private_link *l, uint64_t sent_us, uint64
     }
     l->round_trip_us =
         l->round_trip_us == 0 ? sample : l->round_trip_us - l->round_trip_us / 8 + sample / 8;
+    if (sent_us > l->asked_us) {
+        l->asked_us = sent_us;
+        l->answered_after_us = sample;
+    }
+}
+
+uint64_t roburoc4_link_age(const roburoc4_private_link *l, uint32_t index, uint64_t now_us) {
+    const service *s = &l->services[index];
+    return now_us - s->received_us + lateness(l, transit_of(s->robot_cycles, s->received_us)) +
+           l->floor_age_us;
 }
 
 bool roburoc4_link_fresh(const roburoc4_private_link *l, uint32_t index, uint32_t limit_us,
                          uint64_t now_us) {
     const service *s = &l->services[index];
-    return s->fresh && now_us - s->received_us < limit_us;
+    return s->fresh && roburoc4_link_age(l, index, now_us) < limit_us;
 }
 
 void roburoc4_link_invalidate(roburoc4_private_link *l) {
@@ -188,5 +250,5 @@ void roburoc4_link_rebase(roburoc4_private_link *l, uint64_t now_us) {
         l->services[i].inserted_us = now_us;
     }
     l->last_used_us = now_us;
-    l->mapped = 0;
+    forget_times(l);
 }

@@ -54,7 +54,9 @@ const char *roburoc4_result_text(roburoc4_result result) {
                                  "another client commands the robot\0"
                                  "the robot fell silent\0"
                                  "the robot restarted\0"
-                                 "the clock went back";
+                                 "the clock went back\0"
+                                 "the robot does not move: look at emergency stops, brakes "
+                                 "and bumpers";
     static const char adapter[] = "the operating system refused\0"
                                   "host name has no address\0"
                                   "already closed";
@@ -66,7 +68,7 @@ const char *roburoc4_result_text(roburoc4_result result) {
     if (code < 20) {
         text = nth(codec_and_client, 17, code - 1);
     } else if (code < 40) {
-        text = nth(motion, 13, code - 20);
+        text = nth(motion, 14, code - 20);
     } else {
         text = nth(adapter, 3, code - 40);
     }

@@ -123,6 +123,7 @@ static roburoc4_result take_properties(client *c, uint32_t service, const uint8_
 /** Whether a status is newer than the last of its service: then it is counted and announced. */
 static bool is_new(client *c, uint32_t service, uint64_t robot_cycles) {
     roburoc4_private_link *l = &c->private_link;
+    const uint64_t floor_us = l->floor_us;
     const verdict age = roburoc4_link_status(l, &l->services[STATUS_INDEX(service)], robot_cycles,
                                              c->private_now_us);
     if (age != VERDICT_NEW) {
@@ -134,6 +135,9 @@ static bool is_new(client *c, uint32_t service, uint64_t robot_cycles) {
     if (c->private_state == ROBUROC4_STATE_SUBSCRIBING) {
         c->private_discovery.acked |= service_bit(service); /* as good as the acknowledgement */
         wake(c);
+    }
+    if (l->floor_us < floor_us) {
+        wake(c); /* other services' statuses are older than was known */
     }
     raise_event(c, (uint32_t)ROBUROC4_EVENT_IOCARD << STATUS_INDEX(service));
     return true;
@@ -237,9 +241,11 @@ static roburoc4_result receive_differential(client *c, const uint8_t *data, size
         return ROBUROC4_ERR_OLD;
     }
     v->differential = status;
-    roburoc4_drive_status(d, &c->private_config, &v->differential,
-                          v->override_known && v->overridden, c->private_now_us,
-                          &c->private_events);
+    roburoc4_drive_status(
+        d, &c->private_config, &v->differential, v->override_known && v->overridden,
+        roburoc4_link_age(&c->private_link, STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL),
+                          c->private_now_us),
+        c->private_now_us, &c->private_events);
     if (d->stopping || d->armed != armed) {
         wake(c);
     }
@@ -386,7 +392,8 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
         return ROBUROC4_ERR_UNMATCHED;
     }
     const slot request = *s;
-    if (s->tries == 1 || s->ask.max_tries != REQUEST_FOREVER) { /* else the robot was not there */
+    if (data[0] == s->id && (s->tries == 1 || s->ask.max_tries != REQUEST_FOREVER)) {
+        /* else it may be another's answer, or the robot was not there */
         roburoc4_link_round_trip(&c->private_link, s->sent_us, c->private_now_us);
     }
     if (bad && s->ask.max_tries == REQUEST_FOREVER) {

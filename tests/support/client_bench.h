@@ -103,11 +103,15 @@ class Bench {
     }
     /** Drive, renewing the lease every 50 ms, for so long. */
     void driving(float linear, float angular, std::uint64_t span_us) {
+        ASSERT_EQ(ROBUROC4_OK, drive_until_refused(linear, angular, span_us)) << "at " << now_us;
+    }
+    /** The same until the client refuses; why it does, or 0. */
+    roburoc4_result drive_until_refused(float linear, float angular, std::uint64_t span_us) {
         const std::uint64_t end_us = now_us + span_us;
-        while (now_us < end_us) {
-            ASSERT_EQ(ROBUROC4_OK, drive(linear, angular)) << "at " << now_us;
+        roburoc4_result result = ROBUROC4_OK;
+        while (now_us < end_us && (result = drive(linear, angular)) >= 0)
             run(50 * ms);
-        }
+        return result;
     }
 
     /* ---- calls at this time ---- */

@@ -108,7 +108,8 @@ TEST(Config, SizeIsThatOfAVersion) {
 TEST(Config, EveryRangeEndsWhereTheHeaderSays) {
     check_range("first_retry_ms: 10 to 100", &roburoc4_config::first_retry_ms, 10, 100);
     check_range("lost_ms: 200 to 60000", &roburoc4_config::lost_ms, 200, 60000);
-    check_range("fresh_ms: 50 to 1000", &roburoc4_config::fresh_ms, 50, 1000);
+    check_range("fresh_ms: 50 to 1000", &roburoc4_config::fresh_ms, 50, 1000,
+                [](roburoc4_config &c) { c.period_ms[2] = c.period_ms[6] = 20; });
     check_range("drive_period_ms: 10 to 500", &roburoc4_config::drive_period_ms, 10, 500,
                 [](roburoc4_config &c) { c.lease_ms = 1000; });
     check_range("lease_ms: 20 to 1000", &roburoc4_config::lease_ms, 20, 1000,
@@ -138,6 +139,13 @@ TEST(Config, ErrorIsTheNameAndTheRange) {
         {"scale_angular: 0.01 to 10", [](roburoc4_config &c) { c.scale_angular = 0; }},
         {"drive_period_ms: at most half of lease_ms",
          [](roburoc4_config &c) { c.drive_period_ms = 126; }},
+        {"drive_period_ms: at most half of robot_watchdog_ms",
+         [](roburoc4_config &c) {
+             c.robot_watchdog_ms = 199;
+             c.drive_period_ms = 100;
+         }},
+        {"period_ms of IO card and differential: less than fresh_ms",
+         [](roburoc4_config &c) { c.fresh_ms = 50; }},
         {"period_ms: multiples of 10, 10 to 2550", [](roburoc4_config &c) { c.period_ms[6] = 0; }},
         {"role_index: -1, or an index to 63 (battery voltage: 15)",
          [](roburoc4_config &c) { c.role_index[0] = 64; }},
@@ -164,6 +172,7 @@ TEST(Config, PeriodsAreMultiplesOfTenUpTo2550) {
     for (std::size_t service = 2; service < 7; service++) {
         for (const int value : {10, 20, 2540, 2550})
             expect_good("period_ms", [&](roburoc4_config &c) {
+                c.subscriptions = 0;
                 c.period_ms[service] = static_cast<std::uint16_t>(value);
             });
         for (const int value : {0, 5, 9, 11, 2549, 2551, 2560, 65535})

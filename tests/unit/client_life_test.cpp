@@ -239,6 +239,7 @@ TEST(Life, WhicheverPeriodIsTheShortestCounts) {
         ScriptedRobot robot;
         roburoc4_config config = default_config();
         config.lost_ms = lost_ms;
+        config.fresh_ms = 1000;
         for (std::uint32_t other = 2; other < ROBUROC4_SERVICE_COUNT; other++)
             config.period_ms[other] = other == service ? 100 : 700;
         Bench bench(robot, config);
@@ -263,6 +264,7 @@ TEST(Life, APeriodThatIsRefusedOrNotListedShortensNothing) {
             robot.remove(ROBUROC4_SERVICE_TELEMETER);
         roburoc4_config config = default_config();
         config.lost_ms = 200;
+        config.fresh_ms = 1000;
         for (std::uint32_t service = 2; service < ROBUROC4_SERVICE_COUNT; service++)
             config.period_ms[service] = service == ROBUROC4_SERVICE_TELEMETER ? 50 : 600;
         Bench bench(robot, config);

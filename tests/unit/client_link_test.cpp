@@ -286,7 +286,7 @@ TEST(Link, AgeAndSilenceGrowWhileNothingComes) {
     EXPECT_EQ(before_us + 500000U, bench.service_link(differential).age_us);
     EXPECT_GE(bench.link().silence_us, 500000U);
     bench.run(3 * second);
-    EXPECT_EQ(before_us + 3500000U, bench.service_link(differential).age_us);
+    EXPECT_NEAR(before_us + 3500000.0, bench.service_link(differential).age_us, 1000);
 }
 
 TEST(Link, AgeIsThatOfTheVeryFirstStatus) {
@@ -294,10 +294,11 @@ TEST(Link, AgeIsThatOfTheVeryFirstStatus) {
     Bench bench(robot);
     bench.start();
     ASSERT_TRUE(bench.run_until([&] { return bench.service_link(differential).received == 1; }));
-    EXPECT_EQ(0U, bench.service_link(differential).age_us);
+    EXPECT_LE(bench.service_link(differential).age_us, 20000U) << "an upper bound";
+    const std::uint32_t before_us = bench.service_link(differential).age_us;
     bench.run(20 * ms);
     ASSERT_EQ(1U, bench.service_link(differential).received);
-    EXPECT_EQ(20000U, bench.service_link(differential).age_us);
+    EXPECT_EQ(before_us + 20000U, bench.service_link(differential).age_us);
 }
 
 TEST(Link, AgeAndSilenceBeyondAllMeasureAreTheLargestNumber) {

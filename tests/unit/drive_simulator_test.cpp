@@ -206,34 +206,36 @@ TEST_F(DriveSimulator, AnEmergencyStopShowsAsInhibited) {
     bench.take_events();
     EXPECT_EQ(0, bench.facts().inhibited);
     roburoc4_sim_set(robot.get(), ROBUROC4_SIM_ESTOP_REMOTE, 1);
-    bench.driving(1.0F, 0.0F, 2 * second);
-    EXPECT_TRUE(stands());
-    EXPECT_EQ(1, bench.facts().inhibited);
+    EXPECT_EQ(ROBUROC4_ERR_INHIBITED, bench.drive_until_refused(1.0F, 0.0F, 2 * second));
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_INHIBITED);
+    bench.run(second);
+    EXPECT_TRUE(stands());
 
     roburoc4_sim_set(robot.get(), ROBUROC4_SIM_ESTOP_REMOTE, 0);
     EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(robot.get(), ROBUROC4_SIM_MOTOR_BUTTON, 1));
+    EXPECT_EQ(ROBUROC4_ERR_INHIBITED, bench.drive_until_refused(1.0F, 0.0F, 2 * second));
+    EXPECT_TRUE(stands()) << "power that comes back does not set it off";
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
     bench.driving(1.0F, 0.0F, 4 * second);
     EXPECT_NEAR(1.0, robot.state().true_linear_m_s, 0.05);
-    EXPECT_EQ(0, bench.facts().inhibited);
-    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_INHIBITED);
 }
 
 TEST_F(DriveSimulator, BrakesAndBumperShowAsInhibited) {
     bench.armed();
     roburoc4_sim_set(robot.get(), ROBUROC4_SIM_BRAKES_RELEASED, 1);
-    bench.driving(1.0F, 0.0F, 2 * second);
-    EXPECT_EQ(1, bench.facts().inhibited);
+    EXPECT_EQ(ROBUROC4_ERR_INHIBITED, bench.drive_until_refused(1.0F, 0.0F, 2 * second));
     roburoc4_sim_set(robot.get(), ROBUROC4_SIM_BRAKES_RELEASED, 0);
     EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(robot.get(), ROBUROC4_SIM_MOTOR_BUTTON, 1));
+    bench.run(second);
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
     bench.driving(1.0F, 0.0F, 2 * second);
-    EXPECT_EQ(0, bench.facts().inhibited);
 
     roburoc4_sim_set(robot.get(), ROBUROC4_SIM_BUMPER_FRONT, 1);
-    bench.driving(1.0F, 0.0F, 2 * second);
-    EXPECT_EQ(1, bench.facts().inhibited);
+    EXPECT_EQ(ROBUROC4_ERR_INHIBITED, bench.drive_until_refused(1.0F, 0.0F, 2 * second));
     EXPECT_EQ(1, bench.facts().front_bumper);
+    bench.run(second);
     EXPECT_TRUE(stands());
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
     bench.driving(-0.5F, 0.0F, 2 * second);
     EXPECT_EQ(0, bench.facts().inhibited) << "the way back is free";
     EXPECT_LT(robot.state().true_linear_m_s, -0.3);

@@ -131,6 +131,7 @@ TEST(OtherCommander, IsNotARobotThatDropsItsTargetsItself) {
     robot.follows = false; /* its targets stay 0 */
     Bench bench(robot);
     bench.armed();
+    robot.current_linear = 1;
     ASSERT_NO_FATAL_FAILURE(bench.driving(1, -1, 5 * second));
     EXPECT_EQ(0, bench.facts().other_commander);
     EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_OTHER_COMMANDER);
@@ -145,6 +146,7 @@ TEST(OtherCommander, CanBeIgnored) {
     Bench bench(robot, config);
     bench.armed();
     robot.target_linear = -1;
+    robot.current_linear = -1;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
     EXPECT_EQ(1, bench.facts().other_commander);
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_OTHER_COMMANDER);
@@ -179,7 +181,7 @@ TEST(OtherCommander, IsSeenInTheSimulator) {
 
 /* ---- motion inhibited ---- */
 
-TEST(Inhibited, IsReportedWhenATargetIsSetButTheRobotStands) {
+TEST(Inhibited, DisarmsWhenATargetIsSetButTheRobotStands) {
     ScriptedRobot robot;
     robot.follows = false;
     Bench bench(robot);
@@ -187,14 +189,18 @@ TEST(Inhibited, IsReportedWhenATargetIsSetButTheRobotStands) {
     robot.target_linear = 0.5F;
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 400 * ms));
     EXPECT_EQ(0, bench.facts().inhibited) << "a robot needs a moment to move";
-    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 600 * ms));
+    EXPECT_EQ(ROBUROC4_ERR_INHIBITED, bench.drive_until_refused(0.5F, 0, 600 * ms));
     EXPECT_EQ(1, bench.facts().inhibited);
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_INHIBITED);
-    EXPECT_EQ(1, bench.facts().armed) << "reported, no more";
+    EXPECT_EQ(0, bench.facts().armed);
+    const std::uint64_t at_us = bench.now_us;
     robot.current_linear = 0.4F;
-    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
+    bench.run(200 * ms);
     EXPECT_EQ(0, bench.facts().inhibited);
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_INHIBITED) << "and no longer";
+    EXPECT_EQ(ROBUROC4_ERR_INHIBITED, bench.drive(0.5F, 0)) << "only arm() drives again";
+    EXPECT_EQ(0U, bench.speeds(at_us));
+    EXPECT_GE(bench.commands(at_us).size(), 3U);
 }
 
 TEST(Inhibited, IsNotForARobotWhoseSpeedIsNoNumber) {
@@ -211,25 +217,24 @@ TEST(Inhibited, IsNotForARobotWhoseSpeedIsNoNumber) {
     }
 }
 
-TEST(Inhibited, IsReportedForATurnToo) {
+TEST(Inhibited, DisarmsForATurnToo) {
     ScriptedRobot robot;
     robot.follows = false;
     Bench bench(robot);
     bench.armed();
     robot.target_angular = -1;
-    ASSERT_NO_FATAL_FAILURE(bench.driving(0, -1, second));
-    EXPECT_EQ(1, bench.facts().inhibited);
+    EXPECT_EQ(ROBUROC4_ERR_INHIBITED, bench.drive_until_refused(0, -1, second));
 }
 
-TEST(Inhibited, IsReportedForASlowSpeedToo) {
+TEST(Inhibited, DisarmsForASlowSpeedToo) {
     for (const bool turning : {false, true}) {
         SCOPED_TRACE(turning);
         ScriptedRobot robot;
         robot.follows = false;
         Bench bench(robot);
         bench.armed();
-        ASSERT_NO_FATAL_FAILURE(bench.driving(turning ? 0 : 0.03F, turning ? 0.06F : 0, 800 * ms));
-        EXPECT_EQ(1, bench.facts().inhibited);
+        EXPECT_EQ(ROBUROC4_ERR_INHIBITED,
+                  bench.drive_until_refused(turning ? 0 : 0.03F, turning ? 0.06F : 0, 800 * ms));
     }
 }
 
@@ -241,17 +246,15 @@ TEST(Inhibited, IsARobotToWhoseSpeedNoiseIsAdded) {
     robot.target_linear = 1;
     robot.current_linear = -0.01F;
     robot.current_angular = 0.01F;
-    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
-    EXPECT_EQ(1, bench.facts().inhibited);
+    EXPECT_EQ(ROBUROC4_ERR_INHIBITED, bench.drive_until_refused(1, 0, second));
 }
 
-TEST(Inhibited, IsReportedWhereTheRobotDropsTheTargetItself) {
+TEST(Inhibited, DisarmsWhereTheRobotDropsTheTargetItself) {
     ScriptedRobot robot;
     robot.follows = false; /* target and speed stay 0 */
     Bench bench(robot);
     bench.armed();
-    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
-    EXPECT_EQ(1, bench.facts().inhibited);
+    EXPECT_EQ(ROBUROC4_ERR_INHIBITED, bench.drive_until_refused(0.5F, 0, second));
 }
 
 TEST(Inhibited, IsNotForARobotThatMovesOrHasNoTarget) {
@@ -271,8 +274,7 @@ TEST(Inhibited, IsTheEmergencyStopOfTheSimulator) {
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 2 * second));
     EXPECT_EQ(0, bench.facts().inhibited);
     ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_set(sim.get(), ROBUROC4_SIM_ESTOP_REMOTE, 1));
-    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 3 * second));
-    EXPECT_EQ(1, bench.facts().inhibited);
+    EXPECT_EQ(ROBUROC4_ERR_INHIBITED, bench.drive_until_refused(0.5F, 0, 3 * second));
 }
 
 /* ---- override ---- */

@@ -244,6 +244,8 @@ const struct {
     {ROBUROC4_ERR_LOST, "the robot fell silent"},
     {ROBUROC4_ERR_REBOOT, "the robot restarted"},
     {ROBUROC4_ERR_CLOCK, "the clock went back"},
+    {ROBUROC4_ERR_INHIBITED,
+     "the robot does not move: look at emergency stops, brakes and bumpers"},
     {ROBUROC4_ERR_SYSTEM, "the operating system refused"},
     {ROBUROC4_ERR_RESOLVE, "host name has no address"},
     {ROBUROC4_ERR_CLOSED, "already closed"},

@@ -22,5 +22,6 @@ properties (Constant)
     LOST = -30
     REBOOT = -31
     CLOCK = -32
+    INHIBITED = -33
 end
 end

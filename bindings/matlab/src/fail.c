@@ -46,6 +46,8 @@ static const struct {
     {ROBUROC4_ERR_REBOOT, FAIL_NOT_ARMED, "look at the robot, then call arm() again"},
     {ROBUROC4_ERR_CLOCK, FAIL_NOT_ARMED,
      "find out what sets this machine's clock, then call arm() again"},
+    {ROBUROC4_ERR_INHIBITED, FAIL_NOT_ARMED,
+     "look at emergency stops, brakes selector and bumpers, then call arm() again"},
 };
 
 int fail(const char *id, const char *format, ...) {

@@ -241,6 +241,7 @@ class Result(IntEnum):
     LOST = -30
     REBOOT = -31
     CLOCK = -32
+    INHIBITED = -33
     SYSTEM = -40
     RESOLVE = -41
     CLOSED = -42

@@ -102,6 +102,7 @@ _REMEDIES: dict[int, str] = {
     Result.LOST: f"check cable and power, wait until it is ready, {_ARM}",
     Result.REBOOT: f"look at the robot, {_ARM}",
     Result.CLOCK: f"find out what sets this machine's clock, {_ARM}",
+    Result.INHIBITED: f"look at emergency stops, brakes selector and bumpers, {_ARM}",
 }
 
 _CLASSES: dict[int, type[RobotError]] = {
@@ -126,7 +127,7 @@ def error_of(code: int) -> RobotError:
     """Make the exception that stands for a result of the C library."""
     text = _native.roburoc4_result_text(code)
     remedy = _REMEDIES.get(code)
-    if Result.CLOCK <= code <= Result.DISARMED:
+    if Result.INHIBITED <= code <= Result.DISARMED:
         cause = text.partition(":")[0]
         return NotArmedError(f"not armed: {cause}; {remedy}", code)
     kind = _CLASSES.get(code, RobotError)

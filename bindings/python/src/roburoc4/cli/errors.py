@@ -56,6 +56,7 @@ _REMEDIES = {
     "OTHER_COMMANDER": f"end the other program, {_START_AGAIN}",
     "LOST": f"look at power and cable, {_START_AGAIN}",
     "REBOOT": f"look at the robot, {_START_AGAIN}",
+    "INHIBITED": f"release its emergency stops and brakes, {_START_AGAIN}",
 }
 
 

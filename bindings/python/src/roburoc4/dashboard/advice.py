@@ -94,6 +94,8 @@ _REASONS: dict[int, str] = {
     Result.LOST: f"the robot was lost: look at power and cable, {_ARM_AGAIN}",
     Result.REBOOT: f"the robot was restarted: look at it, {_ARM_AGAIN}",
     Result.CLOCK: f"this computer slept or its clock jumped: {_ARM_AGAIN[5:]}",
+    Result.INHIBITED: "the robot stands still although it was told to move: look at emergency "
+    f"stops, brakes selector and bumpers, {_ARM_AGAIN}",
 }
 
 
