@@ -377,11 +377,9 @@ void roburoc4_drive_status(drive *d, const roburoc4_config *config,
         watch_other_commander(d, config, ours, events);
         return;
     }
-    /* one that is older tells of the time before the zeros; so does one with a few zeros under way
-     */
-    d->confirmed = d->confirmed || (zero && d->zeros_sent >= STOP_ZEROS &&
-                                    now_us - d->stop_us >=
-                                        age_us + (STOP_ZEROS - 1U) * MS * config->drive_period_ms);
+    if (zero && d->zeros_sent >= STOP_ZEROS && now_us - d->stop_us >= age_us) {
+        d->confirmed = 1; /* an older status tells of the time before the zeros */
+    }
     watch_other_commander(d, config, ours, events);
     const bool linear =
         has_target(d, LINEAR, s->target_linear_m_s, s->current_linear_m_s, &follows);

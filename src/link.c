@@ -17,8 +17,6 @@ typedef roburoc4_private_service service;
 #define LONGEST_GAP 6000
 #define RECENT_STATUSES 200
 #define MAP_WINDOW_US (5 * SECOND)
-/* The floor of transit times rises by this share of time at most. */
-#define FLOOR_RISE 8
 /* A status so soon after an answer had the same way. */
 #define SOON_US (100 * MS)
 #define AGE_UNKNOWN UINT32_MAX
@@ -148,6 +146,10 @@ static void map_clock(roburoc4_private_link *l, int64_t offset, uint64_t now_us)
     }
 }
 
+int64_t roburoc4_link_offset(const roburoc4_private_link *l) {
+    return l->offset_us < l->offset_before_us ? l->offset_us : l->offset_before_us;
+}
+
 /** How much later than the best status one with this transit time arrived. */
 static uint64_t lateness(const roburoc4_private_link *l, uint64_t transit) {
     const int64_t late_us = (int64_t)(transit - l->floor_us);
@@ -157,24 +159,27 @@ static uint64_t lateness(const roburoc4_private_link *l, uint64_t transit) {
 /** Follow the best status: its transit time is the floor, and it was no older than the shortest
  * round trip that was measured just before a status (floor_age_us). Clocks that drift apart make
  * everything look late, and so does a queue that grows. A round trip tells them apart: what arrives
- * after an answer was made after its request was sent, give or take a cycle. Only then the floor
- * rises, and slowly, because a network can change the order of an answer and a status. */
-static void follow_best(roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
+ * after an answer was made after its request was sent, give or take a cycle. Only that lets the
+ * floor rise, and at most to the best of the last seconds, because a network can change the order
+ * of an answer and a status. */
+static void follow_best(roburoc4_private_link *l, uint64_t transit, bool in_order,
+                        uint64_t now_us) {
     if (!l->mapped) {
         l->floor_us = transit;
         l->floor_age_us = AGE_UNKNOWN;
     }
-    if (l->asked_us > 0) {
+    map_clock(l, (int64_t)transit, now_us);
+    if (l->asked_us > 0 && in_order) {
         const uint64_t proven_us = now_us - l->asked_us + ROBUROC4_CYCLE_US;
         const uint64_t since_answer_us = now_us - l->asked_us - l->answered_after_us;
         const uint64_t age_us = since_answer_us < SOON_US ? proven_us - since_answer_us : proven_us;
         if (age_us < l->floor_age_us) {
             l->floor_age_us = (uint32_t)age_us;
         }
-        const uint64_t bound_us = lateness(l, transit) + l->floor_age_us;
-        const uint64_t rise_us = (now_us - l->last_used_us) / FLOOR_RISE;
-        if (bound_us > proven_us) {
-            l->floor_us += rise_us < bound_us - proven_us ? rise_us : bound_us - proven_us;
+        const uint64_t excess_us = lateness(l, transit) + l->floor_age_us - proven_us;
+        const uint64_t room_us = lateness(l, (uint64_t)roburoc4_link_offset(l));
+        if ((int64_t)excess_us > 0) {
+            l->floor_us += excess_us < room_us ? excess_us : room_us;
         }
     }
     if ((int64_t)(transit - l->floor_us) < 0) {
@@ -199,8 +204,7 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
         count_gap(s, robot_cycles - s->robot_cycles);
         measure_jitter(s, transit);
     }
-    follow_best(l, transit, now_us);
-    map_clock(l, (int64_t)transit, now_us);
+    follow_best(l, transit, robot_cycles >= l->newest_cycles, now_us);
     s->received++;
     s->robot_cycles = robot_cycles;
     s->received_us = now_us;

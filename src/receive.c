@@ -6,6 +6,9 @@
 #include "bytes.h"
 #include "internal.h"
 
+/* No answer is later than this, or it was lost. */
+#define LATE_ANSWER_US (2 * SECOND)
+
 /* Bits of battery_low. */
 enum { BATTERY_CRITICAL = 1, BATTERY_BELOW_MINIMUM = 2 };
 /* The head of a status: 0xFF, service, time. */
@@ -376,6 +379,18 @@ static roburoc4_result take_answer(client *c, const slot *s, const uint8_t *data
     return result;
 }
 
+/** Whether this is certainly the answer to that request, and none to an earlier one of the same
+ *  service and action. Where all have one id, only a probe is asked long enough after its like. */
+static bool measures_round_trip(const client *c, const slot *s, uint8_t id) {
+    if (id != s->id || (s->tries > 1 && s->ask.max_tries == REQUEST_FOREVER)) {
+        return false;
+    }
+    return !c->private_requests.fixed_id ||
+           (s->tries == 1 && s->ask.action == ROBUROC4_ACTION_GET &&
+            s->ask.kind >= ROBUROC4_SERVICE_IOCARD && c->private_state == ROBUROC4_STATE_READY &&
+            c->private_now_us - c->private_discovery.phase_us >= LATE_ANSWER_US);
+}
+
 static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t size) {
     const bool bad = data[0] == ROBUROC4_HEADER_ERROR || (size >= 5 && data[4] != 0);
     if (size < 5 && !bad) {
@@ -392,8 +407,7 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
         return ROBUROC4_ERR_UNMATCHED;
     }
     const slot request = *s;
-    if (data[0] == s->id && (s->tries == 1 || s->ask.max_tries != REQUEST_FOREVER)) {
-        /* else it may be another's answer, or the robot was not there */
+    if (measures_round_trip(c, s, data[0])) {
         roburoc4_link_round_trip(&c->private_link, s->sent_us, c->private_now_us);
     }
     if (bad && s->ask.max_tries == REQUEST_FOREVER) {

@@ -10,6 +10,8 @@ namespace {
 
 constexpr std::uint64_t spacing_us = 10000;
 constexpr std::uint64_t slack_us = 1000;
+/* A client knows of a status's age only what round trips and the pauses between statuses tell. */
+constexpr std::uint64_t sure_after_us = 150000;
 constexpr std::uint64_t inhibited_us = 2000000;
 constexpr float rounding = 1e-3F;
 
@@ -195,11 +197,11 @@ void Oracle::armed(Moment now, std::int32_t result) {
     if (!started_ || report_.state != ROBUROC4_STATE_READY)
         violate(Promise::arming_conditions, now.true_us, "armed without being ready");
     judge_fresh(now, "armed");
-    if (overridden_ && rule_.index() >= 0)
+    const bool unknown_allowed = (config_.options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) != 0;
+    if (overridden_ && rule_.index() >= 0 && !(unknown_allowed && robot_.literal_ids))
         violate(report_.override_index == rule_.index() ? Promise::override_disarms
                                                         : Promise::override_by_texts,
                 now.true_us, "armed while the newest status shows [A]");
-    const bool unknown_allowed = (config_.options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) != 0;
     if (rule_.index() < 0 && !unknown_allowed && !robot_.literal_ids)
         violate(Promise::override_by_texts, now.true_us,
                 "armed although the robot's texts do not tell which input is [A]");
@@ -463,7 +465,7 @@ void Oracle::judge_fresh(Moment now, const char *what) {
         const char *const name = status == &iocard_ ? "IO card" : "differential";
         const bool unknown_allowed =
             (config_.options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) != 0 &&
-            robot_.iocard_id == 0;
+            (robot_.iocard_id == 0 || rule_.index() < 0);
         if (status == &iocard_ && unknown_allowed)
             continue;
         if (!status->known)
@@ -531,7 +533,7 @@ void Oracle::differential_status(Moment now, const Datagram &datagram) {
             stop_.confirmed = true;
         else
             stop_.confirmed_old = true;
-        if (stop_.zeros >= 3 && made > stop_.third_zero_us + 2 * cycle_us && stop_.sure_us == 0)
+        if (stop_.zeros >= 3 && made > stop_.third_zero_us + sure_after_us && stop_.sure_us == 0)
             stop_.sure_us = now.true_us;
     }
     if (differential_.known && made <= differential_.made_us)
@@ -676,7 +678,9 @@ void Oracle::judge_stop_in_time(Moment now, const Report &report) {
     if (now.true_us - std::max(stop_.first_zero_us, stop_.again_us) > longest)
         violate(Promise::stop_ends, now.true_us,
                 "the stop sequence lasts " + ms_text(now.true_us - stop_.due_us));
-    const bool calm = calm_us_ < now.true_us && now.true_us - calm_us_ > 5000000;
+    /* where all answers have one id, ages are known late */
+    const bool calm =
+        !robot_.literal_ids && calm_us_ < now.true_us && now.true_us - calm_us_ > 5000000;
     if (calm && stop_.sure_us != 0 && now.true_us - stop_.sure_us > period + slack_us)
         violate(robot_.rounds ? Promise::rounding_is_not_motion : Promise::stop_ends, now.true_us,
                 "a status has confirmed the stop, and the sequence goes on");
