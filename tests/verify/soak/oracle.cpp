@@ -190,6 +190,13 @@ void Oracle::closed(Moment now) {
     stop_requested_ = false;
 }
 
+/** Where [A] is, if a client must know. Where all answers have one id, a text may be another's, and
+ *  the user may allow not to know. */
+int Oracle::judged_index() const {
+    const bool unknown_allowed = (config_.options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) != 0;
+    return unknown_allowed && robot_.literal_ids ? -1 : rule_.index();
+}
+
 void Oracle::armed(Moment now, std::int32_t result) {
     observe(now);
     if (result < 0)
@@ -198,7 +205,7 @@ void Oracle::armed(Moment now, std::int32_t result) {
         violate(Promise::arming_conditions, now.true_us, "armed without being ready");
     judge_fresh(now, "armed");
     const bool unknown_allowed = (config_.options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) != 0;
-    if (overridden_ && rule_.index() >= 0 && !(unknown_allowed && robot_.literal_ids))
+    if (overridden_ && judged_index() >= 0)
         violate(report_.override_index == rule_.index() ? Promise::override_disarms
                                                         : Promise::override_by_texts,
                 now.true_us, "armed while the newest status shows [A]");
@@ -384,8 +391,7 @@ void Oracle::speed_sent(Moment now, Speeds speeds) {
     judge_value(now, speeds);
     judge_fresh(now, "a speed left");
     const bool unknown_allowed = (config_.options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) != 0;
-    const bool unknown = unknown_allowed && rule_.index() < 0;
-    if (pad_a_held_ && !unknown &&
+    if (pad_a_held_ && !(unknown_allowed && judged_index() < 0) &&
         now.true_us - pad_a_us_ > milliseconds(config_.fresh_ms) + tolerance_us(now))
         violate(now.true_us - iocard_.made_us > milliseconds(config_.fresh_ms)
                     ? Promise::fresh_by_age
@@ -465,7 +471,7 @@ void Oracle::judge_fresh(Moment now, const char *what) {
         const char *const name = status == &iocard_ ? "IO card" : "differential";
         const bool unknown_allowed =
             (config_.options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) != 0 &&
-            (robot_.iocard_id == 0 || rule_.index() < 0);
+            (robot_.iocard_id == 0 || judged_index() < 0);
         if (status == &iocard_ && unknown_allowed)
             continue;
         if (!status->known)
@@ -572,7 +578,7 @@ void Oracle::iocard_status(Moment now, const Datagram &datagram) {
     if (iocard_.known && datagram.origin.made_us <= iocard_.made_us)
         return;
     iocard_ = {true, datagram.origin.made_us};
-    const int index = rule_.index();
+    const int index = judged_index();
     if (index < 0)
         return;
     const std::size_t first = 11 + 4 * static_cast<std::size_t>(analog_inputs_);
