@@ -260,10 +260,10 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
 
 /** Allow driving. 0, or the first reason against it: ROBUROC4_ERR_NOT_READY, _NO_DIFFERENTIAL,
  *  _LIMITS, _STALE_DIFFERENTIAL, _STALE_IOCARD, _OVERRIDE_UNKNOWN, _OVERRIDE, _OTHER_COMMANDER,
- *  _MOVING. The client disarms itself when one of these conditions is lost, and where the robot does
- *  not follow its speeds for half a second. Arming twice is fine. Ready is not armable: the first
- *  statuses come later. After a refusal, and after a client was disarmed, ROBUROC4_EVENT_ARMABLE
- *  tells when arming is possible; roburoc4_pump_arm() waits. */
+ *  _MOVING. The client disarms itself when one of these conditions is lost, and where the robot
+ * does not follow its speeds for half a second. Arming twice is fine. Ready is not armable: the
+ * first statuses come later. After a refusal, and after a client was disarmed,
+ * ROBUROC4_EVENT_ARMABLE tells when arming is possible; roburoc4_pump_arm() waits. */
 ROBUROC4_API roburoc4_result roburoc4_client_arm(roburoc4_client *client, uint64_t now_us);
 /** 1 for a reason against arming that may go away by itself (no answer or status yet, the robot
  *  still rolls), so that it is worth to try again; 0 for others, and for no reason. */

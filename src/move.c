@@ -513,10 +513,8 @@ static int32_t result_of(roburoc4_result cause) {
         return ROBUROC4_MOVE_OVERRIDE;
     case ROBUROC4_ERR_OTHER_COMMANDER:
         return ROBUROC4_MOVE_OTHER_COMMANDER;
-#ifdef ROBUROC4_ERR_INHIBITED
     case ROBUROC4_ERR_INHIBITED:
         return ROBUROC4_MOVE_INHIBITED;
-#endif
     case ROBUROC4_ERR_DISARMED:
         return ROBUROC4_MOVE_CANCELLED;
     default:
