@@ -494,12 +494,13 @@ typedef struct roburoc4_private_service {
 } roburoc4_private_service;
 
 typedef struct roburoc4_private_link {
-    uint8_t back_count, resubscribed, mapped, reserved;
+    uint8_t back_count, resubscribed, mapped, answered;
     uint32_t floor_age_us;
     uint64_t offset_since_us, newest_cycles, last_used_us;
     uint64_t floor_us, asked_us;
     int64_t offset_us, offset_before_us;
-    uint32_t round_trip_us, round_trip_min_us, answered_after_us, reserved2;
+    uint32_t round_trip_us, round_trip_min_us;
+    uint32_t excess_us, excess_since_us;
     roburoc4_private_service services[5];
 } roburoc4_private_link;
 

@@ -579,8 +579,9 @@ roburoc4_result roburoc4_client_host_time(const client *c, uint64_t robot_cycles
     if (!l->mapped) {
         return ROBUROC4_ERR_UNKNOWN;
     }
-    *host_us = robot_cycles * ROBUROC4_CYCLE_US + (uint64_t)roburoc4_link_offset(l) -
-               l->round_trip_min_us / 2;
+    const int64_t offset_us =
+        l->offset_us < l->offset_before_us ? l->offset_us : l->offset_before_us;
+    *host_us = robot_cycles * ROBUROC4_CYCLE_US + (uint64_t)offset_us - l->round_trip_min_us / 2;
     return ROBUROC4_OK;
 }
 

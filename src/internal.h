@@ -99,8 +99,6 @@ verdict roburoc4_link_status(roburoc4_private_link *l, roburoc4_private_service 
                              uint64_t robot_cycles, uint64_t now_us);
 /** The answer to a request of then arrived now. */
 void roburoc4_link_round_trip(roburoc4_private_link *l, uint64_t sent_us, uint64_t now_us);
-/** From the robot's time to the host's, by the best statuses of the last seconds. */
-int64_t roburoc4_link_offset(const roburoc4_private_link *l);
 /** How old the last status is at most. */
 uint64_t roburoc4_link_age(const roburoc4_private_link *l, uint32_t index, uint64_t now_us);
 /** True while the last status is certainly younger than `limit_us`. */

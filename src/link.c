@@ -17,8 +17,6 @@ typedef roburoc4_private_service service;
 #define LONGEST_GAP 6000
 #define RECENT_STATUSES 200
 #define MAP_WINDOW_US (5 * SECOND)
-/* A status so soon after an answer had the same way. */
-#define SOON_US (100 * MS)
 #define AGE_UNKNOWN UINT32_MAX
 
 void roburoc4_link_expect(roburoc4_private_link *l, uint32_t index) {
@@ -32,6 +30,7 @@ void roburoc4_link_expect(roburoc4_private_link *l, uint32_t index) {
 static void forget_times(roburoc4_private_link *l) {
     l->mapped = 0;
     l->asked_us = 0;
+    l->answered = 0;
     l->round_trip_us = 0;
     l->round_trip_min_us = 0;
 }
@@ -146,44 +145,50 @@ static void map_clock(roburoc4_private_link *l, int64_t offset, uint64_t now_us)
     }
 }
 
-int64_t roburoc4_link_offset(const roburoc4_private_link *l) {
-    return l->offset_us < l->offset_before_us ? l->offset_us : l->offset_before_us;
-}
-
 /** How much later than the best status one with this transit time arrived. */
 static uint64_t lateness(const roburoc4_private_link *l, uint64_t transit) {
     const int64_t late_us = (int64_t)(transit - l->floor_us);
     return late_us > 0 ? (uint64_t)late_us : 0;
 }
 
-/** Follow the best status: its transit time is the floor, and it was no older than the shortest
- * round trip that was measured just before a status (floor_age_us). Clocks that drift apart make
- * everything look late, and so does a queue that grows. A round trip tells them apart: what arrives
- * after an answer was made after its request was sent, give or take a cycle. Only that lets the
- * floor rise, and at most to the best of the last seconds, because a network can change the order
- * of an answer and a status. */
-static void follow_best(roburoc4_private_link *l, uint64_t transit, bool in_order,
-                        uint64_t now_us) {
+/** The floor of transit times is that of the best status, which was floor_age_us old at most. */
+static void follow_best(roburoc4_private_link *l, uint64_t transit) {
     if (!l->mapped) {
-        l->floor_us = transit;
         l->floor_age_us = AGE_UNKNOWN;
-    }
-    map_clock(l, (int64_t)transit, now_us);
-    if (l->asked_us > 0 && in_order) {
-        const uint64_t proven_us = now_us - l->asked_us + ROBUROC4_CYCLE_US;
-        const uint64_t since_answer_us = now_us - l->asked_us - l->answered_after_us;
-        const uint64_t age_us = since_answer_us < SOON_US ? proven_us - since_answer_us : proven_us;
-        if (age_us < l->floor_age_us) {
-            l->floor_age_us = (uint32_t)age_us;
-        }
-        const uint64_t excess_us = lateness(l, transit) + l->floor_age_us - proven_us;
-        const uint64_t room_us = lateness(l, (uint64_t)roburoc4_link_offset(l));
-        if ((int64_t)excess_us > 0) {
-            l->floor_us += excess_us < room_us ? excess_us : room_us;
-        }
-    }
-    if ((int64_t)(transit - l->floor_us) < 0) {
         l->floor_us = transit;
+        l->excess_us = 0;
+    } else if ((int64_t)(transit - l->floor_us) < 0) {
+        l->floor_us = transit;
+    }
+}
+
+/** What the bound on ages is too large by: taken from lateness, then from the floor's own age. */
+static void lower_bound(roburoc4_private_link *l, uint64_t transit, uint32_t by_us) {
+    const uint64_t late_us = lateness(l, transit);
+    const uint32_t rise_us = late_us < by_us ? (uint32_t)late_us : by_us;
+    l->floor_us += rise_us;
+    l->floor_age_us -= by_us - rise_us;
+}
+
+/** The first status after an answer was made after the request was sent, give or take a cycle. That
+ *  bounds its age, and tells clocks that drift apart from a queue that grows: both make everything
+ *  look late. It is believed when all of a second agree, because a network can change the order of
+ *  an answer and a status. */
+static void learn_age(roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
+    const uint64_t proven_us = now_us - l->asked_us + ROBUROC4_CYCLE_US;
+    const uint64_t bound_us = lateness(l, transit) + l->floor_age_us;
+    const uint32_t excess_us = bound_us > proven_us ? (uint32_t)(bound_us - proven_us) : 0;
+    if (l->floor_age_us == AGE_UNKNOWN) {
+        l->floor_age_us = proven_us < AGE_UNKNOWN ? (uint32_t)proven_us : AGE_UNKNOWN;
+    } else if (l->excess_us == 0) {
+        l->excess_us = excess_us;
+        l->excess_since_us = (uint32_t)now_us;
+    } else {
+        l->excess_us = at_most(l->excess_us, excess_us);
+        if ((uint32_t)now_us - l->excess_since_us >= SECOND) {
+            lower_bound(l, transit, l->excess_us);
+            l->excess_us = 0;
+        }
     }
 }
 
@@ -204,7 +209,12 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
         count_gap(s, robot_cycles - s->robot_cycles);
         measure_jitter(s, transit);
     }
-    follow_best(l, transit, robot_cycles >= l->newest_cycles, now_us);
+    follow_best(l, transit);
+    if (l->answered && robot_cycles >= l->newest_cycles) {
+        l->answered = 0;
+        learn_age(l, transit, now_us);
+    }
+    map_clock(l, (int64_t)transit, now_us);
     s->received++;
     s->robot_cycles = robot_cycles;
     s->received_us = now_us;
@@ -224,9 +234,9 @@ void roburoc4_link_round_trip(roburoc4_private_link *l, uint64_t sent_us, uint64
     }
     l->round_trip_us =
         l->round_trip_us == 0 ? sample : l->round_trip_us - l->round_trip_us / 8 + sample / 8;
-    if (sent_us > l->asked_us) {
+    if (l->asked_us == 0 || (int64_t)(sent_us - l->asked_us) > 0) {
         l->asked_us = sent_us;
-        l->answered_after_us = sample;
+        l->answered = 1;
     }
 }
 

@@ -281,7 +281,7 @@ TEST(Link, AgeAndSilenceGrowWhileNothingComes) {
     bench.ready();
     robot.powered = false;
     const std::uint32_t before_us = bench.service_link(differential).age_us;
-    EXPECT_LT(before_us, 50000U);
+    EXPECT_LE(before_us, 110000U);
     bench.run(500 * ms);
     EXPECT_EQ(before_us + 500000U, bench.service_link(differential).age_us);
     EXPECT_GE(bench.link().silence_us, 500000U);
@@ -294,7 +294,7 @@ TEST(Link, AgeIsThatOfTheVeryFirstStatus) {
     Bench bench(robot);
     bench.start();
     ASSERT_TRUE(bench.run_until([&] { return bench.service_link(differential).received == 1; }));
-    EXPECT_LE(bench.service_link(differential).age_us, 20000U) << "an upper bound";
+    EXPECT_LE(bench.service_link(differential).age_us, 60000U) << "an upper bound";
     const std::uint32_t before_us = bench.service_link(differential).age_us;
     bench.run(20 * ms);
     ASSERT_EQ(1U, bench.service_link(differential).received);

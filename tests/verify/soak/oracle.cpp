@@ -190,11 +190,11 @@ void Oracle::closed(Moment now) {
     stop_requested_ = false;
 }
 
-/** Where [A] is, if a client must know. Where all answers have one id, a text may be another's, and
- *  the user may allow not to know. */
+/** Where [A] is, if a client must know: the user may allow that texts which nobody answered, or
+ * that may be another's where all answers have one id, leave it unknown. */
 int Oracle::judged_index() const {
     const bool unknown_allowed = (config_.options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) != 0;
-    return unknown_allowed && robot_.literal_ids ? -1 : rule_.index();
+    return unknown_allowed && report_.override_index < 0 ? -1 : rule_.index();
 }
 
 void Oracle::armed(Moment now, std::int32_t result) {
@@ -535,7 +535,7 @@ void Oracle::differential_status(Moment now, const Datagram &datagram) {
     const Speeds target = {datagram.f32_at(11), datagram.f32_at(19)};
     const Speeds current = {datagram.f32_at(15), datagram.f32_at(23)};
     if (stop_.active && zero_by_rounding(target)) {
-        if (stop_.zeros > 0 && made + cycle_us >= stop_.first_zero_us)
+        if (stop_.zeros > 0 && made + tolerance_us(now) >= stop_.first_zero_us)
             stop_.confirmed = true;
         else
             stop_.confirmed_old = true;
@@ -579,6 +579,7 @@ void Oracle::iocard_status(Moment now, const Datagram &datagram) {
         return;
     iocard_ = {true, datagram.origin.made_us};
     const int index = judged_index();
+    overridden_ = false;
     if (index < 0)
         return;
     const std::size_t first = 11 + 4 * static_cast<std::size_t>(analog_inputs_);
