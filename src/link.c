@@ -265,4 +265,5 @@ void roburoc4_link_rebase(roburoc4_private_link *l, uint64_t now_us) {
     }
     l->last_used_us = now_us;
     forget_times(l);
+    l->asked_us = now_us; /* when open requests were sent is not known any more, either */
 }

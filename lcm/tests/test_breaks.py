@@ -32,7 +32,19 @@ def pull_the_cable(robot: Robot) -> None:
     robot.tap.cut = False
 
 
-BREAKS = {"override": take_over, "reboot": reboot, "cable": pull_the_cable}
+def cut_the_motors(robot: Robot) -> None:
+    robot.tell("estop remote press")
+    time.sleep(1.5)
+    robot.tell("estop remote release")
+    robot.tell("motor on")
+
+
+BREAKS = {
+    "override": take_over,
+    "reboot": reboot,
+    "cable": pull_the_cable,
+    "emergency stop": cut_the_motors,
+}
 
 
 def break_off(robot: Robot, bridge: Bridge, kind: str) -> int:

@@ -162,8 +162,8 @@ methods
     function driveFor(this, linear_m_s, angular_rad_s, seconds)
         %DRIVEFOR Drive at these speeds for some seconds, and stop.
         %   driveFor(R, V, W, SECONDS) renews the command and returns at the end. Ctrl-C or an error
-        %   stops the robot at once. It does not end early when the motors are inhibited (emergency
-        %   stop, brakes): for that, look at status.inhibited in a loop of your own.
+        %   stops the robot at once; so do a held game pad, and motors that are inhibited (emergency
+        %   stop, brakes), with the error roburoc4:notArmed.
         %
         %   Example:
         %      r.driveFor(0.5, 0, 2)

@@ -1,9 +1,7 @@
 function pose = pose_or_stop(robot, loop, longest_s)
 %POSE_OR_STOP Return the pose if it is safe to keep driving; else disarm and raise an error.
-%   POSE = pose_or_stop(ROBOT, LOOP, LONGEST_S) raises roburoc4:notArmed when the motors are
-%   inhibited: a robot that is still commanded to drive moves the moment its motors have power again.
-%   It raises roburoc4:timeout when the pose is older than fresh_ms, or when LOOP has lasted longer
-%   than LONGEST_S.
+%   POSE = pose_or_stop(ROBOT, LOOP, LONGEST_S) raises roburoc4:timeout when the pose is older than
+%   fresh_ms, or when LOOP has lasted longer than LONGEST_S.
 %
 %   Example:
 %      loop = robot.rate(20);
@@ -17,11 +15,7 @@ function pose = pose_or_stop(robot, loop, longest_s)
 
 % SPDX-License-Identifier: MIT
 pose = robot.pose;
-if robot.status.inhibited
-    robot.disarm();
-    error('roburoc4:notArmed', ['the robot is commanded to drive, but stands still. Look at the ' ...
-        'emergency stops, the brakes and the bumpers, then start again']);
-elseif any(isnan(pose))
+if any(isnan(pose))
     robot.disarm();
     error('roburoc4:timeout', ['the pose is old. Look at link, and at the period of the ' ...
         'localization''s statuses']);

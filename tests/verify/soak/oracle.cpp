@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint64_t spacing_us = 10000;
 constexpr std::uint64_t slack_us = 1000;
 /* A client knows of a status's age only what round trips and the pauses between statuses tell. */
-constexpr std::uint64_t sure_after_us = 150000;
+constexpr std::uint64_t sure_after_us = 300000;
 constexpr std::uint64_t inhibited_us = 2000000;
 constexpr float rounding = 1e-3F;
 

@@ -93,9 +93,4 @@ bool find_promise(const std::string &name, Promise &out) {
     return false;
 }
 
-Promises known_open() {
-    Promises open;
-    return open;
-}
-
 } // namespace soak

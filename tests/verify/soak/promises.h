@@ -52,10 +52,6 @@ const char *promise_sentence(Promise promise);
 /** False for a name that is none. */
 bool find_promise(const std::string &name, Promise &out);
 
-/** Promises that the client is known to break. Soak prints them loudly and does not fail on them;
- *  whoever mends one removes it here. */
-Promises known_open();
-
 inline std::size_t number(Promise promise) {
     return static_cast<std::size_t>(promise);
 }

@@ -7,7 +7,6 @@
  *   soak --seed N --trace                  scenario N alone, step by step
  *   soak --survey ...                      do not stop at a violation: count them by promise
  *   soak --without PROMISE ...             do not judge this promise (may be repeated)
- *   soak --all ...                         judge also the promises that are known to be open
  *   soak --canaries                        faulty clients: each must be caught
  *   soak --promises                        list all promises
  *
@@ -37,7 +36,7 @@ struct Options {
     double hours = 10;
     std::uint64_t seed = 1;
     unsigned jobs = 1;
-    bool trace = false, survey = false, canaries = false, all = false;
+    bool trace = false, survey = false, canaries = false;
     Promises excluded;
 };
 
@@ -54,13 +53,6 @@ void print_violation(const Outcome &outcome) {
         static_cast<double>(violation.true_us - 1000000000) * 1e-6, violation.what.c_str(),
         static_cast<unsigned long long>(outcome.seed));
     std::fflush(stdout);
-}
-
-void print_open(const Promises &excluded) {
-    for (std::size_t i = 0; i < excluded.size(); i++)
-        if (excluded.test(i))
-            std::printf("KNOWN OPEN, not judged: %s: %s\n", promise_name(static_cast<Promise>(i)),
-                        promise_sentence(static_cast<Promise>(i)));
 }
 
 /** What all jobs share. */
@@ -223,8 +215,6 @@ int main(int argc, char **argv) {
             options.trace = true;
         else if (argument == "--survey")
             options.survey = true;
-        else if (argument == "--all")
-            options.all = true;
         else if (argument == "--canaries")
             options.canaries = true;
         else if (argument == "--promises")
@@ -234,9 +224,6 @@ int main(int argc, char **argv) {
     }
     if (options.jobs == 0)
         options.jobs = 1;
-    if (!options.all)
-        options.excluded |= soak::known_open();
-    print_open(options.excluded);
     if (options.trace)
         return run_one(options);
     return options.canaries ? run_canaries(options) : run_hours(options);
