@@ -234,7 +234,7 @@ void roburoc4_link_round_trip(roburoc4_private_link *l, uint64_t sent_us, uint64
     }
     l->round_trip_us =
         l->round_trip_us == 0 ? sample : l->round_trip_us - l->round_trip_us / 8 + sample / 8;
-    if (l->asked_us == 0 || (int64_t)(sent_us - l->asked_us) > 0) {
+    if (l->asked_us == 0 || (int64_t)(sent_us - l->asked_us) >= 0) {
         l->asked_us = sent_us;
         l->answered = 1;
     }
