@@ -155,8 +155,8 @@ typedef struct roburoc4_config {
     uint32_t subscriptions;
     /** Status periods by service (the first two are not used): a multiple of 10, 10 to 2550.
      *  Defaults: IO card 50, telemeter 100, battery 1000, localization 50, differential 50.
-     *  Those of IO card and differential, where subscribed: less than fresh_ms. (To watch a robot
-     *  less often, call roburoc4_client_subscribe() later.) */
+     *  Those of IO card and differential, where subscribed: at most a third of fresh_ms. (To watch
+     *  a robot less often, call roburoc4_client_subscribe() later.) */
     uint16_t period_ms[8];
     uint32_t first_retry_ms;  /* a request is repeated after this, doubling to 1 s; sooner where the
                                  round trip is known to be shorter; 10 to 100; default 100 */

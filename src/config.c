@@ -121,7 +121,7 @@ static uint32_t first_bad(const roburoc4_config *config) {
             return BAD_PERIOD;
         }
         if ((services_of_arming & config->subscriptions & service_bit(service)) != 0 &&
-            config->fresh_ms <= period_ms) {
+            config->fresh_ms < 3 * period_ms) {
             return BAD_FRESH;
         }
     }
@@ -170,7 +170,7 @@ const char *roburoc4_config_error(const roburoc4_config *config) {
         "drive_period_ms: at most half of lease_ms",
         "drive_period_ms: at most half of robot_watchdog_ms",
         "period_ms: multiples of 10, 10 to 2550",
-        "period_ms of IO card and differential: less than fresh_ms",
+        "period_ms of IO card and differential: at most a third of fresh_ms",
         "role_index: -1, or an index to 63 (battery voltage: 15)",
         NULL,
     };

@@ -180,7 +180,11 @@ const char *roburoc4_client_channel_name(const roburoc4_client *client, uint32_t
 }
 
 static piece piece_of(const char *text) {
-    return (piece){text, (uint32_t)strlen(text)};
+    uint32_t length = 0;
+    while (text[length] != '\0') {
+        length++;
+    }
+    return (piece){text, length};
 }
 
 /** Whether two texts have the same words, in whatever order. */

@@ -7,7 +7,7 @@
 #include "internal.h"
 
 /* No answer is later than this, or it was lost. */
-#define LATE_ANSWER_US (2 * SECOND)
+#define LATE_ANSWER_US SECOND
 
 /* Bits of battery_low. */
 enum { BATTERY_CRITICAL = 1, BATTERY_BELOW_MINIMUM = 2 };

@@ -163,7 +163,7 @@ static void begin_try(requests *r, slot *s, uint32_t wait_us, uint64_t now_us) {
 }
 
 /** How long its tries take at the configured pace: it is not given up sooner. */
-static uint32_t patience_us(const slot *s, uint32_t longest_us) {
+static uint32_t longest_try_us(const slot *s, uint32_t longest_us) {
     uint32_t sum_us = 0;
     for (uint32_t i = 0; i < s->ask.max_tries; i++) {
         sum_us += retry_us(longest_us, i);
@@ -182,7 +182,7 @@ slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint32_t round
             continue;
         }
         const uint64_t elapsed_us = now_us - s->sent_us;
-        const uint32_t end_us = patience_us(s, longest_us);
+        const uint32_t end_us = longest_try_us(s, longest_us);
         if (s->ask.max_tries != REQUEST_FOREVER && s->tries >= s->ask.max_tries &&
             elapsed_us >= end_us) {
             s->open = 0;

@@ -318,7 +318,7 @@ TEST(Pump, FeedsALeaseWhileTheRobotIsQuiet) {
     roburoc4_config config;
     ASSERT_EQ(roburoc4_config_init(&config, sizeof config), ROBUROC4_OK);
     for (int service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT; service++) {
-        config.period_ms[service] = 900; /* no status wakes the pump in time */
+        config.period_ms[service] = 330; /* no status wakes the pump in time */
     }
     config.fresh_ms = 1000;
     config.lost_ms = 5000;

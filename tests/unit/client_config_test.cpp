@@ -109,7 +109,7 @@ TEST(Config, EveryRangeEndsWhereTheHeaderSays) {
     check_range("first_retry_ms: 10 to 100", &roburoc4_config::first_retry_ms, 10, 100);
     check_range("lost_ms: 200 to 60000", &roburoc4_config::lost_ms, 200, 60000);
     check_range("fresh_ms: 50 to 1000", &roburoc4_config::fresh_ms, 50, 1000,
-                [](roburoc4_config &c) { c.period_ms[2] = c.period_ms[6] = 20; });
+                [](roburoc4_config &c) { c.period_ms[2] = c.period_ms[6] = 10; });
     check_range("drive_period_ms: 10 to 500", &roburoc4_config::drive_period_ms, 10, 500,
                 [](roburoc4_config &c) { c.lease_ms = 1000; });
     check_range("lease_ms: 20 to 1000", &roburoc4_config::lease_ms, 20, 1000,
@@ -144,7 +144,7 @@ TEST(Config, ErrorIsTheNameAndTheRange) {
              c.robot_watchdog_ms = 199;
              c.drive_period_ms = 100;
          }},
-        {"period_ms of IO card and differential: less than fresh_ms",
+        {"period_ms of IO card and differential: at most a third of fresh_ms",
          [](roburoc4_config &c) { c.fresh_ms = 50; }},
         {"period_ms: multiples of 10, 10 to 2550", [](roburoc4_config &c) { c.period_ms[6] = 0; }},
         {"role_index: -1, or an index to 63 (battery voltage: 15)",

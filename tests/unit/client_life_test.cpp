@@ -241,7 +241,7 @@ TEST(Life, WhicheverPeriodIsTheShortestCounts) {
         config.lost_ms = lost_ms;
         config.fresh_ms = 1000;
         for (std::uint32_t other = 2; other < ROBUROC4_SERVICE_COUNT; other++)
-            config.period_ms[other] = other == service ? 100 : 700;
+            config.period_ms[other] = other == service ? 100 : 330;
         Bench bench(robot, config);
         bench.ready();
         const std::uint64_t lost_us =
@@ -266,11 +266,11 @@ TEST(Life, APeriodThatIsRefusedOrNotListedShortensNothing) {
         config.lost_ms = 200;
         config.fresh_ms = 1000;
         for (std::uint32_t service = 2; service < ROBUROC4_SERVICE_COUNT; service++)
-            config.period_ms[service] = service == ROBUROC4_SERVICE_TELEMETER ? 50 : 600;
+            config.period_ms[service] = service == ROBUROC4_SERVICE_TELEMETER ? 50 : 330;
         Bench bench(robot, config);
         bench.ready();
         bench.run(10 * second);
-        EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST)) << "three of 600 ms";
+        EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST)) << "three of 330 ms";
     }
 }
 

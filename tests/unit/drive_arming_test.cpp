@@ -329,8 +329,8 @@ TEST(Disarms, ExactlyWhenAStatusIsTooOld) {
             SCOPED_TRACE(testing::Message() << "service " << service << ", " << fresh_ms << " ms");
             roburoc4_config config = default_config();
             config.fresh_ms = fresh_ms;
-            config.period_ms[ROBUROC4_SERVICE_IOCARD] = 20;
-            config.period_ms[ROBUROC4_SERVICE_DIFFERENTIAL] = 20;
+            config.period_ms[ROBUROC4_SERVICE_IOCARD] = 10;
+            config.period_ms[ROBUROC4_SERVICE_DIFFERENTIAL] = 10;
             ScriptedRobot robot;
             Bench bench(robot, config);
             bench.armed();

@@ -167,19 +167,17 @@ def test_drive_for_ends_with_zero_on_any_exception(roburoc4_simulator: Simulator
         assert roburoc4_simulator.state.last_linear_m_s == 0
 
 
-def test_standing_still_against_a_command_is_reported(roburoc4_simulator: Simulator) -> None:
+def test_an_emergency_stop_ends_drive_for(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         robot.arm()
         roburoc4_simulator.set("estop_local", True)
-
-        def is_reported(r: roburoc4.Robot) -> bool:
-            r.drive(0.5, 0.0)
-            return r.facts.inhibited
-
-        robot.wait_for(is_reported)
-        robot.disarm()
+        with pytest.raises(roburoc4.NotArmedError, match="emergency stops"):
+            robot.drive_for(0.5, 0.0, seconds=5)
+        assert robot.facts.disarm_cause == Result.INHIBITED
         roburoc4_simulator.set("estop_local", False)
         roburoc4_simulator.set("motor_button", True)
+        with pytest.raises(roburoc4.NotArmedError):
+            robot.drive(0.5, 0.0)
 
 
 def test_another_commander_disarms(roburoc4_simulator: Simulator) -> None:

@@ -178,7 +178,7 @@ class Robot(RobotBase):
             return await self._wait_until(source.next, timeout, service)
         return await self._wait_until(true_or_unknown(condition, self), timeout, condition)
 
-    async def arm(self, timeout: float = 2.0) -> None:
+    async def arm(self, timeout: float = 5.0) -> None:
         """Allow driving, or raise NotArmedError; see :meth:`roburoc4.Robot.arm`."""
         end_s = self._connection.now_s() + timeout
         while left_s := self._try_to_arm(end_s):

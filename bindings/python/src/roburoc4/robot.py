@@ -116,7 +116,7 @@ class Robot(RobotBase):
 
     # ---- driving ----
 
-    def arm(self, timeout: float = 2.0) -> None:
+    def arm(self, timeout: float = 5.0) -> None:
         """Allow driving, or raise NotArmedError with the reason against it.
 
         Waits for what may pass by itself: no status yet, the robot still rolls.
