@@ -76,9 +76,10 @@ def test_obstacles_are_seen() -> None:
 def test_as_manual_nothing_moves_before_the_motor_button() -> None:
     with Simulator(as_manual=True) as sim, sim.connect() as robot:
         robot.arm()
-        robot.drive_for(0.5, 0.0, seconds=5)
-        assert robot.facts.inhibited
+        with pytest.raises(roburoc4.NotArmedError, match="does not move"):
+            robot.drive_for(0.5, 0.0, seconds=5)
         assert sim.true_pose.x_m == 0
+        robot.sleep(1.0)
         sim.set("motor_button", True)
         robot.arm()
         robot.drive_for(0.5, 0.0, seconds=2)
