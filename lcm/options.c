@@ -10,7 +10,7 @@
 
 #define MAX_LIST 64
 /* Statuses that are older than this do not count for driving (roburoc4_config.fresh_ms). */
-#define SLOWEST_DRIVING_MS 250u
+#define SLOWEST_DRIVING_MS 100u
 
 const char options_help[] =
     "Usage: roburoc4-lcm [OPTION]...\n"

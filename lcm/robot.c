@@ -504,6 +504,25 @@ bool robot_subscribe(robot *robot, lcm_t *lcm, const options_robot *settings) {
     return true;
 }
 
+/* Periods that are too long to drive by are no part of a configuration: they are set later. */
+static void start_client(robot *robot, const roburoc4_config *wanted, uint64_t now_us) {
+    roburoc4_config config = *wanted;
+    for (uint32_t service = 0; service < ROBUROC4_SERVICE_COUNT; service++) {
+        if (config.period_ms[service] > config.fresh_ms / 3) {
+            config.period_ms[service] = 50;
+        }
+    }
+    (void)roburoc4_client_init(&robot->client, sizeof robot->client, &config);
+    (void)roburoc4_client_start(&robot->client, now_us);
+    for (uint32_t service = 0; service < ROBUROC4_SERVICE_COUNT; service++) {
+        if (config.period_ms[service] != wanted->period_ms[service] &&
+            (wanted->subscriptions >> service & 1u) != 0) {
+            (void)roburoc4_client_subscribe(&robot->client, service, wanted->period_ms[service],
+                                            now_us);
+        }
+    }
+}
+
 void robot_start(robot *robot, const options *options, const options_robot *settings,
                  const robot_bridge *bridge, gate_time now) {
     (void)roburoc4_udp_address_text(&settings->address, robot->address, sizeof robot->address);
@@ -512,8 +531,7 @@ void robot_start(robot *robot, const options *options, const options_robot *sett
     robot->bridge = bridge;
     robot->started = now;
     robot->clock_offset_us = now.utime - (int64_t)now.us;
-    (void)roburoc4_client_init(&robot->client, sizeof robot->client, &options->config);
-    (void)roburoc4_client_start(&robot->client, now.us);
+    start_client(robot, &options->config, now.us);
     gate_init(&robot->gate, &options->rules, now);
     open_socket(robot, now.us);
 }

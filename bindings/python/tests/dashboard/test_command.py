@@ -243,7 +243,7 @@ def test_other_than_loopback_needs_a_token() -> None:
         (("--lease-ms", "50"), "100 to 1000"),
         (("--max-linear", "nan"), "m/s"),
         (("--period-ms", "25"), "multiple of 10"),
-        (("--period-ms", "210", "--allow-drive"), "200 or less"),
+        (("--period-ms", "210", "--allow-drive"), "100 or less"),
         (("--name", "http://p"), "--name"),
         (("--name", "lab-pc/page"), "--name"),
         (("--name", "lab-pc:x"), "--name"),

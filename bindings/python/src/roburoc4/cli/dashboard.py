@@ -34,8 +34,8 @@ _CEILING_LINEAR_M_S = 1.0
 _CEILING_ANGULAR_RAD_S = 1.0
 _SHORTEST_TOKEN = 16
 _FREE_TOKEN = ""
-_SLOWEST_DRIVEN_MS = 200
-"""Statuses must be fresh, 300 ms, to arm."""
+_SLOWEST_DRIVEN_MS = 100
+"""Statuses must be fresh, 300 ms, to arm, and one may get lost."""
 _NAME = re.compile(r"([\w.-]+|\[[0-9a-f:]+\])(:\d{1,5})?", re.ASCII | re.IGNORECASE)
 _ROBOT_NAME = re.compile(r"[\w-]{1,20}", re.ASCII)
 # What stands in the content security policy must not end a part of it.
@@ -132,7 +132,7 @@ def _add_driving(parser: argparse.ArgumentParser) -> None:
         "--period-ms",
         metavar="MS",
         type=whole(10, 2550, "milliseconds"),
-        help="period of all statuses, a multiple of 10; to drive, at most 200 (default: 50 to 1000 "
+        help="period of all statuses, a multiple of 10; to drive, at most 100 (default: 50 to 1000 "
         "by service)",
     )
 
@@ -386,8 +386,10 @@ def _robot(options: DashboardOptions, address: str) -> Iterator[Robot]:
         "max_linear_m_s": options.max_linear,
         "max_angular_rad_s": options.max_angular,
     }
-    if options.period_ms is not None:
-        settings["periods_ms"] = dict.fromkeys(STATUS_SERVICES, options.period_ms)
+    period_ms = options.period_ms
+    slow = period_ms is not None and period_ms > _SLOWEST_DRIVEN_MS
+    if period_ms is not None and not slow:
+        settings["periods_ms"] = dict.fromkeys(STATUS_SERVICES, period_ms)
     if options.ignore_override:
         settings["allow_unknown_override"] = True
     try:
@@ -397,4 +399,7 @@ def _robot(options: DashboardOptions, address: str) -> Iterator[Robot]:
     except NetworkError as error:
         raise unreachable(f"--robot: {error}") from None
     with robot:
+        if period_ms is not None and slow:
+            for service in STATUS_SERVICES:
+                robot.subscribe(service, period_ms)
         yield robot
