@@ -74,9 +74,11 @@ int main(int argc, char **argv) {
     for (uint32_t round_trip_us = MS; round_trip_us <= 10 * MS; round_trip_us *= 10) {
         for (int percent = 0; percent <= 30; percent += 30) {
             measure(round_trip_us, percent / 100.0, times, (size_t)runs);
+            const size_t middle = (size_t)(runs / 2);
+            const size_t late = (size_t)(runs * 9 / 10);
             qsort(times, (size_t)runs, sizeof *times, compare);
             printf("%7u ms  %3d %%  %5.0f ms  %6.0f ms\n", (unsigned)(round_trip_us / MS), percent,
-                   (double)times[runs / 2] / MS, (double)times[runs * 9 / 10] / MS);
+                   1e-3 * (double)times[middle], 1e-3 * (double)times[late]);
             fflush(stdout);
         }
     }
