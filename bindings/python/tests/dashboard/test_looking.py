@@ -144,7 +144,7 @@ def test_a_page_that_opens_later_sees_what_happened(station: Make, visit: Visit)
     until(lambda: here.sim.state.true_x_m > 0.5)
     second = visit(here.url)
     ready(second)
-    expect(second.locator("#events")).to_contain_text("the robot is ready")
+    expect(second.locator("#events")).to_contain_text("[A] is held")
     assert len(here.hub._history.path) > 10
     assert len(here.hub._history.speeds) > 5
 

@@ -13,6 +13,7 @@ import math
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from ..constants import Result
 from ..errors import NotArmedError
 from ..robot import Robot
 from .advice import why_disarmed, why_not_armed
@@ -300,14 +301,9 @@ class Control:
         if self.going is not None and not self.going.on:
             self.why = self.going.why and f"it did not arrive: {self.going.why}"
             self.going = None
-        if facts.armed and facts.inhibited:
-            self.stood_still = True
-            self._end_driving(
-                "the robot stood still against the command and was disarmed: look at emergency "
-                "stops, brakes and bumpers, then arm again"
-            )
-        elif self._armed and not facts.armed:
+        if self._armed and not facts.armed:
             self._armed = False
+            self.stood_still = facts.disarm_cause == Result.INHIBITED
             self._begin_anew(why_disarmed(facts.disarm_cause))
         if now_s - self.driver.heard_s > FORGOTTEN_S:
             self.leave(self.driver, "the driver's page showed nothing for 30 s and lost control")
