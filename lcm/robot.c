@@ -504,19 +504,15 @@ bool robot_subscribe(robot *robot, lcm_t *lcm, const options_robot *settings) {
     return true;
 }
 
-/* Periods that are too long to drive by are no part of a configuration: they are set later. */
+/* A configuration refuses periods that are too long to drive by, and a bridge may only watch: so it
+ * subscribes to each service itself. */
 static void start_client(robot *robot, const roburoc4_config *wanted, uint64_t now_us) {
     roburoc4_config config = *wanted;
-    for (uint32_t service = 0; service < ROBUROC4_SERVICE_COUNT; service++) {
-        if (config.period_ms[service] > config.fresh_ms / 3) {
-            config.period_ms[service] = 50;
-        }
-    }
+    config.subscriptions = 0;
     (void)roburoc4_client_init(&robot->client, sizeof robot->client, &config);
     (void)roburoc4_client_start(&robot->client, now_us);
     for (uint32_t service = 0; service < ROBUROC4_SERVICE_COUNT; service++) {
-        if (config.period_ms[service] != wanted->period_ms[service] &&
-            (wanted->subscriptions >> service & 1u) != 0) {
+        if ((wanted->subscriptions >> service & 1u) != 0) {
             (void)roburoc4_client_subscribe(&robot->client, service, wanted->period_ms[service],
                                             now_us);
         }

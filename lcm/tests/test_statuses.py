@@ -151,6 +151,16 @@ def test_rates_are_those_that_were_asked_for(
         assert steps == {cycles}, channel
 
 
+def test_a_bridge_that_watches_may_be_slow(
+    robot: Robot, bus: Bus, start_bridge: StartBridge
+) -> None:
+    start_bridge("--period=differential=600", "--period=iocard=900").connects()
+    channel = "ROBUROC4_DIFFERENTIAL"
+    until(lambda: len(bus.decoded(channel)) > 2, "three statuses", 10)
+    times = [message.robot_cycles for message in bus.decoded(channel)]
+    assert {b - a for a, b in itertools.pairwise(times)} == {60}
+
+
 def test_the_bridge_tells_of_itself_five_times_a_second(
     robot: Robot, bus: Bus, start_bridge: StartBridge
 ) -> None:

@@ -386,10 +386,6 @@ def _robot(options: DashboardOptions, address: str) -> Iterator[Robot]:
         "max_linear_m_s": options.max_linear,
         "max_angular_rad_s": options.max_angular,
     }
-    period_ms = options.period_ms
-    slow = period_ms is not None and period_ms > _SLOWEST_DRIVEN_MS
-    if period_ms is not None and not slow:
-        settings["periods_ms"] = dict.fromkeys(STATUS_SERVICES, period_ms)
     if options.ignore_override:
         settings["allow_unknown_override"] = True
     try:
@@ -399,7 +395,7 @@ def _robot(options: DashboardOptions, address: str) -> Iterator[Robot]:
     except NetworkError as error:
         raise unreachable(f"--robot: {error}") from None
     with robot:
-        if period_ms is not None and slow:
+        if options.period_ms is not None:  # no setting: those must be short enough to drive by
             for service in STATUS_SERVICES:
-                robot.subscribe(service, period_ms)
+                robot.subscribe(service, options.period_ms)
         yield robot
