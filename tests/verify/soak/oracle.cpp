@@ -190,11 +190,14 @@ void Oracle::closed(Moment now) {
     stop_requested_ = false;
 }
 
+bool Oracle::unknown_allowed() const {
+    return (config_.options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) != 0;
+}
+
 /** Where [A] is, if a client must know: the user may allow that texts which nobody answered, or
  * that may be another's where all answers have one id, leave it unknown. */
 int Oracle::judged_index() const {
-    const bool unknown_allowed = (config_.options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) != 0;
-    return unknown_allowed && report_.override_index < 0 ? -1 : rule_.index();
+    return unknown_allowed() && report_.override_index < 0 ? -1 : rule_.index();
 }
 
 void Oracle::armed(Moment now, std::int32_t result) {
@@ -204,12 +207,11 @@ void Oracle::armed(Moment now, std::int32_t result) {
     if (!started_ || report_.state != ROBUROC4_STATE_READY)
         violate(Promise::arming_conditions, now.true_us, "armed without being ready");
     judge_fresh(now, "armed");
-    const bool unknown_allowed = (config_.options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) != 0;
     if (overridden_ && judged_index() >= 0)
         violate(report_.override_index == rule_.index() ? Promise::override_disarms
                                                         : Promise::override_by_texts,
                 now.true_us, "armed while the newest status shows [A]");
-    if (rule_.index() < 0 && !unknown_allowed && !robot_.literal_ids)
+    if (rule_.index() < 0 && !unknown_allowed() && !robot_.literal_ids)
         violate(Promise::override_by_texts, now.true_us,
                 "armed although the robot's texts do not tell which input is [A]");
     if (!limits_.valid())
@@ -390,8 +392,7 @@ void Oracle::speed_sent(Moment now, Speeds speeds) {
                 "the speed " + speeds_text(speeds) + " left without a lease");
     judge_value(now, speeds);
     judge_fresh(now, "a speed left");
-    const bool unknown_allowed = (config_.options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) != 0;
-    if (pad_a_held_ && !(unknown_allowed && judged_index() < 0) &&
+    if (pad_a_held_ && !(unknown_allowed() && judged_index() < 0) &&
         now.true_us - pad_a_us_ > milliseconds(config_.fresh_ms) + tolerance_us(now))
         violate(now.true_us - iocard_.made_us > milliseconds(config_.fresh_ms)
                     ? Promise::fresh_by_age
@@ -469,10 +470,8 @@ void Oracle::judge_fresh(Moment now, const char *what) {
     const Newest *const statuses[] = {&differential_, &iocard_};
     for (const Newest *status : statuses) {
         const char *const name = status == &iocard_ ? "IO card" : "differential";
-        const bool unknown_allowed =
-            (config_.options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) != 0 &&
-            (robot_.iocard_id == 0 || judged_index() < 0);
-        if (status == &iocard_ && unknown_allowed)
+        if (status == &iocard_ && unknown_allowed() &&
+            (robot_.iocard_id == 0 || judged_index() < 0))
             continue;
         if (!status->known)
             violate(Promise::fresh_by_age, now.true_us,

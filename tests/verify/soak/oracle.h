@@ -138,6 +138,7 @@ class Oracle {
     Promise unarmed_promise() const;
     void begin_stop(Moment now);
     void count_zero(Moment now);
+    bool unknown_allowed() const;
     int judged_index() const;
     bool stop_may_end(Moment now) const;
     void end_stop(Moment now, Promise otherwise);
