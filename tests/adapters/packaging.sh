@@ -18,7 +18,7 @@ trap 'rm -rf "$folder"' EXIT
 install_from() {
     rm -rf "$folder/first" "$folder/moved"
     for build in "$@"; do
-        "$cmake" --install "$build" --config RelWithDebInfo --prefix "$folder/first" >"$folder/log"
+        "$cmake" --install "$build" --config "$CONFIG" --prefix "$folder/first" >"$folder/log"
     done
     mv "$folder/first" "$folder/moved"
     prefix=$folder/moved

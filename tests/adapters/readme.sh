@@ -167,7 +167,7 @@ killed)
     ;;
 installed)
     cmake=$4
-    "$cmake" --install "$build" --config RelWithDebInfo --prefix "$folder/installed" >install.log
+    "$cmake" --install "$build" --config "$CONFIG" --prefix "$folder/installed" >install.log
     mkdir project
     block c "$root/README.md" >project/drive.c
     block cmake "$root/docs/c.md" >project/CMakeLists.txt
