@@ -1,8 +1,8 @@
 function file = build_mex(api, folder)
 %BUILD_MEX Build the MEX file of the roburoc4 package, in MATLAB or Octave.
 %   build_mex() compiles the C sources of this checkout with the C compiler of mex (MATLAB) or
-%   mkoctfile (Octave), and puts the MEX file into +roburoc4/+internal. Then add this folder to the
-%   path. build_mex('-R2018a') builds for MATLAB's API with interleaved complex numbers; the default
+%   mkoctfile (Octave), and puts the MEX file into the folder toolbox. Then add that folder to the path.
+%   build_mex('-R2018a') builds for MATLAB's API with interleaved complex numbers; the default
 %   is '-R2017b'. No array here is complex, so that both are the same. Octave has one API only.
 %   FILE = build_mex(API, FOLDER) puts the MEX file into another folder.
 %
@@ -10,7 +10,7 @@ function file = build_mex(api, folder)
 %
 %   Example:
 %      build_mex
-%      addpath(pwd)
+%      addpath(fullfile(pwd, 'toolbox'))
 %      sim = roburoc4.Simulator(); r = sim.connect()
 %
 %   See also mex, mkoctfile, roburoc4.Robot.
@@ -25,7 +25,7 @@ if ~any(strcmp(api, {'-R2017b', '-R2018a'}))
     error('roburoc4:badArgument', 'api: ''%s'' is neither -R2017b nor -R2018a', api);
 end
 if nargin < 2
-    folder = fullfile(here, '+roburoc4', '+internal');
+    folder = fullfile(here, 'toolbox');
 end
 octave = exist('OCTAVE_VERSION', 'builtin') ~= 0;
 

@@ -21,7 +21,7 @@ end
 
 function testTask(~)
 % Run the tests
-addpath(pwd);
+addpath(fullfile(pwd, 'toolbox'));
 assertSuccess(runtests(fullfile('tests', 'matlab')));
 end
 

@@ -1,8 +1,9 @@
 function file = package_toolbox(file)
 %PACKAGE_TOOLBOX Make a toolbox file that MATLAB's Add-On manager installs.
-%   FILE = package_toolbox() writes roburoc4.mltbx into the current folder, with the MEX file of this
-%   platform: run build_mex first. It needs MATLAB R2023a or later, where it was not run yet.
-%   package_toolbox(FILE) writes to another file.
+%   FILE = package_toolbox() writes roburoc4.mltbx into the current folder, with the folder toolbox and
+%   nothing else. Run build_mex first: the file claims the platforms whose MEX files are there, and
+%   this release and later ones, as a MEX file may not run in older ones. It needs MATLAB R2023a or
+%   later, where it was not run yet. package_toolbox(FILE) writes to another file.
 %
 %   Example:
 %      build_mex('-R2018a'); package_toolbox()
@@ -17,17 +18,30 @@ end
 if nargin < 1
     file = fullfile(pwd, 'roburoc4.mltbx');
 end
-here = fileparts(mfilename('fullpath'));
-if isempty(dir(fullfile(here, '+roburoc4', '+internal', ['roburoc4_mex.' mexext()])))
+folder = fullfile(fileparts(mfilename('fullpath')), 'toolbox');
+if isempty(dir(fullfile(folder, ['roburoc4_mex.' mexext()])))
     error('roburoc4:notBuilt', 'there is no MEX file yet. Run build_mex first');
 end
 % Never change this number: MATLAB recognizes the toolbox by it.
-options = matlab.addons.toolbox.ToolboxOptions(here, '4f0d8a52-5d0b-4b83-9f0e-6c1a0b7a4c04');
+options = matlab.addons.toolbox.ToolboxOptions(folder, '4f0d8a52-5d0b-4b83-9f0e-6c1a0b7a4c04');
 options.ToolboxName = 'roburoc4';
 options.ToolboxVersion = '0.1.0';
 options.Summary = 'Drive, watch and simulate a RobuROC4 mobile robot';
-options.MinimumMatlabRelease = 'R2018a';
-options.ToolboxMatlabPath = {here, fullfile(here, 'examples')};
+options.MinimumMatlabRelease = ['R' version('-release')];
+options.MaximumMatlabRelease = '';
+options.ToolboxGettingStartedGuide = fullfile(folder, 'doc', 'GettingStarted.m');
+names = fieldnames(options.SupportedPlatforms);
+for k = 1:numel(names)
+    options.SupportedPlatforms.(names{k}) = is_built(folder, names{k});
+end
+options.ToolboxMatlabPath = {folder, fullfile(folder, 'examples')};
 options.OutputFile = file;
 matlab.addons.toolbox.packageToolbox(options);
+end
+
+function built = is_built(folder, platform)
+% MATLAB Online has no MEX file of its own.
+extensions = {'Glnxa64', 'mexa64'; 'Win64', 'mexw64'; 'Maci64', 'mexmaci64'; 'Mac', 'mexmaca64'};
+mine = extensions(strcmp(extensions(:, 1), platform), 2);
+built = ~isempty(mine) && ~isempty(dir(fullfile(folder, ['roburoc4_mex.' mine{1}])));
 end

@@ -11,7 +11,7 @@ sim = roburoc4.Simulator('port', 0);
 r = sim.connect();
 r.arm();
 r.spin(1.2);
-mex = @roburoc4.internal.roburoc4_mex;
+mex = @roburoc4_mex;
 fprintf('%-44s %9s %9s %5s\n', 'microseconds a call', 'fastest', 'median', 'aim');
 measure('r.drive(0.2, 0)', @() r.drive(0.2, 0), 20);
 measure('p = r.pose', @() r.pose, 20);

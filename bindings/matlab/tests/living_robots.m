@@ -5,6 +5,6 @@ function count = living_robots()
 %      check(living_robots() == 0, 'a robot was left')
 
 % SPDX-License-Identifier: MIT
-living = roburoc4.internal.roburoc4_mex('living');
+living = roburoc4_mex('living');
 count = living.robots;
 end

@@ -11,7 +11,7 @@ function run_tests(varargin)
 
 % SPDX-License-Identifier: MIT
 here = fileparts(mfilename('fullpath'));
-addpath(here, fullfile(here, '..', 'examples'));
+addpath(here, fullfile(here, '..', 'toolbox', 'examples'));
 names = varargin;
 if isempty(names)
     files = dir(fullfile(here, 'test_*.m'));
@@ -40,7 +40,7 @@ end
 end
 
 function check_nothing_lives()
-living = roburoc4.internal.roburoc4_mex('living');
+living = roburoc4_mex('living');
 check(living.robots == 0 && living.simulators == 0, ...
     '%d robots and %d simulators are left after the test', living.robots, living.simulators);
 end

@@ -26,8 +26,8 @@ for round = 1:40
         opened = [opened, called(names{place}, given)]; %#ok<AGROW>
     end
     for k = 1:numel(opened)
-        roburoc4.internal.roburoc4_mex('close', opened(k));
-        roburoc4.internal.roburoc4_mex('simClose', opened(k));
+        roburoc4_mex('close', opened(k));
+        roburoc4_mex('simClose', opened(k));
     end
     delete(r);
     delete(sim);
@@ -39,9 +39,9 @@ function id = called(name, given)
 id = [];
 try
     if any(strcmp(name, {'simOpen', 'simConnect'}))
-        id = roburoc4.internal.roburoc4_mex(name, given{:});
+        id = roburoc4_mex(name, given{:});
     else
-        roburoc4.internal.roburoc4_mex(name, given{:});
+        roburoc4_mex(name, given{:});
     end
 catch problem
     check(strncmp(problem.identifier, 'roburoc4:', 9), '%s raised %s: %s', name, ...

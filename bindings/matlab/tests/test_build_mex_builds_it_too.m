@@ -7,11 +7,11 @@ end
 root = fileparts(fileparts(mfilename('fullpath')));
 folder = tempname();
 mkdir(folder);
-copyfile(fullfile(root, '+roburoc4'), fullfile(folder, '+roburoc4'));
+copyfile(fullfile(root, 'toolbox', '+roburoc4'), fullfile(folder, '+roburoc4'));
 cleanup = onCleanup(@() remove(folder));
 addpath(root, '-end');
-output = evalc('build_mex(''-R2018a'', fullfile(folder, ''+roburoc4'', ''+internal''));');
-file = fullfile(folder, '+roburoc4', '+internal', 'roburoc4_mex.mex');
+output = evalc('build_mex(''-R2018a'', folder);');
+file = fullfile(folder, 'roburoc4_mex.mex');
 check(exist(file, 'file') && ~isempty(strfind(output, ['built ' file])), '%s', output);
 here = fullfile(root, 'tests');
 [status, text] = system(sprintf('sh "%s" "%s" "%s" 2>&1', fullfile(here, 'mex_symbols.sh'), file, ...

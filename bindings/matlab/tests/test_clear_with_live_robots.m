@@ -6,7 +6,7 @@ r.arm();
 r.drive(0.3, 0);
 clear mex
 clear functions
-clear roburoc4.internal.roburoc4_mex
+clear roburoc4_mex
 check(living_robots() == 1, 'the MEX file was not locked');
 r.drive(0.3, 0);
 delete(r);

@@ -22,7 +22,7 @@ for k = 1:numel(found)
     constant = sprintf('roburoc4.%s.%s', name, found{k}{1});
     check(double(eval(constant)) == wanted, '%s is not %d', constant, wanted);
 end
-file = fileread(fullfile(fileparts(fileparts(mfilename('fullpath'))), '+roburoc4', [name '.m']));
+file = fileread(fullfile(fileparts(fileparts(mfilename('fullpath'))), 'toolbox', '+roburoc4', [name '.m']));
 count = numel(regexp(file, '\n    [A-Z_]+ = '));
 check(count == numel(found) + numel(others), '%s has %d constants, the header %d', name, count, ...
     numel(found));

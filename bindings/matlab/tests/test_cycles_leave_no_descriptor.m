@@ -5,11 +5,11 @@ function test_cycles_leave_no_descriptor()
 sim = roburoc4.Simulator('port', 0);
 cycles = 1000;
 for k = 1:cycles
-    id = roburoc4.internal.roburoc4_mex('open', sim.address, struct());
+    id = roburoc4_mex('open', sim.address, struct());
     if mod(k, 100) == 0
         all_the_way(sim);
     end
-    roburoc4.internal.roburoc4_mex('close', id);
+    roburoc4_mex('close', id);
     if k == 100
         before = [descriptors(), memory_kb()];
     end

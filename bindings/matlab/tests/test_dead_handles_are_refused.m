@@ -6,7 +6,7 @@ dead_id = closed;
 if ~exist('OCTAVE_VERSION', 'builtin')
     dead_id = 'MATLAB:class:InvalidHandle';
 end
-mex = @roburoc4.internal.roburoc4_mex;
+mex = @roburoc4_mex;
 sim = roburoc4.Simulator();
 r = sim.connect();
 id = r.id;

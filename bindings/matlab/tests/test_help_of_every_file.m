@@ -3,8 +3,9 @@ function test_help_of_every_file()
 % has each field of a struct.
 % SPDX-License-Identifier: MIT
 root = fileparts(fileparts(mfilename('fullpath')));
-folders = {fullfile(root, '+roburoc4'), fullfile(root, '+roburoc4', '+internal'), ...
-    fullfile(root, 'examples'), root};
+package = fullfile(root, 'toolbox', '+roburoc4');
+folders = {package, fullfile(package, '+internal'), fullfile(root, 'toolbox'), ...
+    fullfile(root, 'toolbox', 'examples'), root};
 for f = 1:numel(folders)
     files = dir(fullfile(folders{f}, '*.m'));
     check(~isempty(files), 'no files in %s', folders{f});
@@ -21,7 +22,7 @@ for f = 1:numel(folders)
 end
 classes = {'Robot', 'Simulator', 'Rate'};
 for k = 1:numel(classes)
-    text = fileread(fullfile(root, '+roburoc4', [classes{k} '.m']));
+    text = fileread(fullfile(package, [classes{k} '.m']));
     hidden = regexp(text, 'methods \((Static, )?Access = private\)', 'once');
     text = text(1:min([numel(text), hidden]));
     names = regexp(text, '\n    function [^\n]*?(\w+)\(this[^\n]*\)\n        %([A-Z]+) ', 'tokens');

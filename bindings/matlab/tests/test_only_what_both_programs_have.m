@@ -3,8 +3,9 @@ function test_only_what_both_programs_have()
 % syntax of one of them alone, and no function that is not in functions.txt.
 % SPDX-License-Identifier: MIT
 root = fileparts(fileparts(mfilename('fullpath')));
-folders = {'', '+roburoc4', fullfile('+roburoc4', '+internal'), 'examples', 'tests', ...
-    fullfile('tests', 'matlab')};
+package = fullfile('toolbox', '+roburoc4');
+folders = {'', 'toolbox', package, fullfile(package, '+internal'), fullfile('toolbox', 'doc'), ...
+    fullfile('toolbox', 'examples'), 'tests', fullfile('tests', 'matlab')};
 known = listed(fullfile(root, 'tests', 'functions.txt'));
 files = {};
 for f = 1:numel(folders)

@@ -3,7 +3,7 @@ classdef Roburoc4Test < matlab.unittest.TestCase
 %   In MATLAB nobody of this project has run it yet; the tests themselves run in Octave.
 %
 %   Example:
-%      build_mex; addpath(pwd); runtests('tests/matlab')
+%      build_mex; addpath toolbox; runtests('tests/matlab')
 %
 %   See also run_tests.
 
@@ -16,7 +16,7 @@ methods (Test)
     function holds(testCase, promise)
         testCase.applyFixture(matlab.unittest.fixtures.PathFixture(Roburoc4Test.folder()));
         testCase.applyFixture(matlab.unittest.fixtures.PathFixture( ...
-            fullfile(Roburoc4Test.folder(), '..', 'examples')));
+            fullfile(Roburoc4Test.folder(), '..', 'toolbox', 'examples')));
         feval(promise);
     end
 end

@@ -10,10 +10,10 @@ function spin(id, seconds)
 
 % SPDX-License-Identifier: MIT
 cleanup = roburoc4.internal.guard(id); %#ok<NASGU>
-finish_s = roburoc4.internal.roburoc4_mex('now', id) + seconds;
+finish_s = roburoc4_mex('now', id) + seconds;
 left_s = seconds;
 while left_s > 0
-    left_s = finish_s - roburoc4.internal.roburoc4_mex('wait', id, min(left_s, 0.05));
+    left_s = finish_s - roburoc4_mex('wait', id, min(left_s, 0.05));
 end
-roburoc4.internal.roburoc4_mex('busy', id, false);
+roburoc4_mex('busy', id, false);
 end

@@ -56,14 +56,14 @@ methods
         if isempty(own.port)
             roburoc4.internal.needed(isempty(own.host), ...
                 '''port'' together with ''host''; 0 picks a free port');
-            this.id = roburoc4.internal.roburoc4_mex('simOpen', options);
+            this.id = roburoc4_mex('simOpen', options);
         else
             if isempty(own.host)
                 own.host = '127.0.0.1';
             end
             this.host = roburoc4.internal.text(own.host, 'host');
             port = roburoc4.internal.number(own.port, 'port', 0, 65535);
-            this.id = roburoc4.internal.roburoc4_mex('simOpen', options, this.host, port);
+            this.id = roburoc4_mex('simOpen', options, this.host, port);
         end
     end
 
@@ -73,7 +73,7 @@ methods
         %   Example:
         %      delete(sim)
         try
-            roburoc4.internal.roburoc4_mex('simClose', this.id);
+            roburoc4_mex('simClose', this.id);
         catch
             % The program ends: then the MEX file ends all simulators.
         end
@@ -114,19 +114,19 @@ methods
         left_s = roburoc4.internal.number(seconds, 'seconds', 0, 1e9);
         while left_s > 0
             part_s = min(left_s, 1);
-            roburoc4.internal.roburoc4_mex('simStep', this.id, part_s);
+            roburoc4_mex('simStep', this.id, part_s);
             left_s = left_s - part_s;
         end
     end
 
     function s = get.state(this)
-        s = roburoc4.internal.roburoc4_mex('simState', this.id);
+        s = roburoc4_mex('simState', this.id);
     end
 
     function s = get.address(this)
         s = 'virtual';
         if ~isempty(this.host)
-            port = roburoc4.internal.roburoc4_mex('simPort', this.id);
+            port = roburoc4_mex('simPort', this.id);
             s = sprintf('%s:%d', this.host, port);
         end
     end
@@ -138,7 +138,7 @@ methods
         %      sim.panel('pin analog 2 24.5')
         roburoc4.internal.needed(nargin == 2, 'panel(line), such as panel(''help'')');
         line = roburoc4.internal.text(line, 'line');
-        reply = roburoc4.internal.roburoc4_mex('simPanel', this.id, line);
+        reply = roburoc4_mex('simPanel', this.id, line);
     end
 
     function set(this, control, value)
@@ -154,7 +154,7 @@ methods
         %   Example:
         %      sim.set('pad_a', true); sim.set('pad_rt', 0.5)
         roburoc4.internal.needed(nargin == 3, 'set(control, value)');
-        roburoc4.internal.roburoc4_mex('simSet', this.id, control, value);
+        roburoc4_mex('simSet', this.id, control, value);
     end
 
     function value = get(this, control)
@@ -164,7 +164,7 @@ methods
         %   Example:
         %      sim.get('digital_output_3')
         roburoc4.internal.needed(nargin == 2, 'get(control)');
-        value = roburoc4.internal.roburoc4_mex('simGet', this.id, control);
+        value = roburoc4_mex('simGet', this.id, control);
     end
 
     function place(this, x_m, y_m, theta_rad)
@@ -210,7 +210,7 @@ methods
         %   Example:
         %      sim.faults('loss', 0.2, 'delay_ms', 10)
         faults = roburoc4.internal.options(varargin, struct());
-        roburoc4.internal.roburoc4_mex('simFaults', this.id, faults);
+        roburoc4_mex('simFaults', this.id, faults);
     end
 end
 

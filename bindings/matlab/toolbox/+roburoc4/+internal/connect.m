@@ -10,7 +10,7 @@ function connect(id, timeout)
 
 % SPDX-License-Identifier: MIT
 while true
-    p = roburoc4.internal.roburoc4_mex('progress', id);
+    p = roburoc4_mex('progress', id);
     if p.ready
         return
     end
@@ -28,7 +28,7 @@ while true
             'refusals). Check that it is a RobuROC4 and that the network loses little, or give ' ...
             'a longer timeout'], p.address, timeout, p.state, p.received, p.refused);
     end
-    roburoc4.internal.roburoc4_mex('wait', id, 0.01);
+    roburoc4_mex('wait', id, 0.01);
 end
 end
 

@@ -70,7 +70,7 @@ methods
     end
 
     function seconds = get.time_s(this)
-        seconds = roburoc4.internal.roburoc4_mex('now', this.id) - this.begin_s;
+        seconds = roburoc4_mex('now', this.id) - this.begin_s;
     end
 end
 end

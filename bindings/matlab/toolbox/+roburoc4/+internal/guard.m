@@ -7,11 +7,11 @@ function cleanup = guard(id)
 %   Example:
 %      cleanup = roburoc4.internal.guard(id);
 %      ...                                               % Ctrl-C here stops the robot
-%      roburoc4.internal.roburoc4_mex('busy', id, false);
+%      roburoc4_mex('busy', id, false);
 %
 %   See also onCleanup.
 
 % SPDX-License-Identifier: MIT
-roburoc4.internal.roburoc4_mex('busy', id, true);
-cleanup = onCleanup(@() roburoc4.internal.roburoc4_mex('interrupted', id));
+roburoc4_mex('busy', id, true);
+cleanup = onCleanup(@() roburoc4_mex('interrupted', id));
 end

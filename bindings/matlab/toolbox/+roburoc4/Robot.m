@@ -99,15 +99,15 @@ methods
         [options, own] = roburoc4.internal.options(varargin, own);
         timeout = roburoc4.internal.number(own.timeout, 'timeout', 0, 1e6);
         if isa(address, 'roburoc4.Simulator')
-            this.id = roburoc4.internal.roburoc4_mex('simConnect', address.id, options);
+            this.id = roburoc4_mex('simConnect', address.id, options);
         else
             address = roburoc4.internal.text(address, 'address');
-            this.id = roburoc4.internal.roburoc4_mex('open', address, options);
+            this.id = roburoc4_mex('open', address, options);
         end
         try
             roburoc4.internal.connect(this.id, timeout);
         catch problem
-            roburoc4.internal.roburoc4_mex('close', this.id);
+            roburoc4_mex('close', this.id);
             rethrow(problem);
         end
     end
@@ -120,10 +120,10 @@ methods
         %   Example:
         %      delete(r)
         id = this.id;
-        cleanup = onCleanup(@() roburoc4.internal.roburoc4_mex('close', id)); %#ok<NASGU>
+        cleanup = onCleanup(@() roburoc4_mex('close', id)); %#ok<NASGU>
         try
-            while roburoc4.internal.roburoc4_mex('leave', id)
-                roburoc4.internal.roburoc4_mex('wait', id, 0.02);
+            while roburoc4_mex('leave', id)
+                roburoc4_mex('wait', id, 0.02);
             end
         catch
             % Its simulator is gone, or the program ends: then the MEX file stops all robots.
@@ -153,10 +153,10 @@ methods
         %
         %   Example:
         %      r.drive(0.3, 0.1)
-        if nargin ~= 3 || ~isnumeric(linear_m_s) || ~isnumeric(angular_rad_s)
+        if nargin < 3
             roburoc4.internal.needed(false, 'drive(v in m/s, w in rad/s)');
         end
-        roburoc4.internal.roburoc4_mex('drive', this.id, linear_m_s, angular_rad_s);
+        roburoc4_mex('drive', this.id, linear_m_s, angular_rad_s);
     end
 
     function driveFor(this, linear_m_s, angular_rad_s, seconds)
@@ -171,12 +171,12 @@ methods
         seconds = roburoc4.internal.number(seconds, 'seconds', 0, 1e6);
         % The guard also stops the robot at the end.
         cleanup = roburoc4.internal.guard(this.id); %#ok<NASGU>
-        renewal_s = roburoc4.internal.roburoc4_mex('lease', this.id) / 4;
+        renewal_s = roburoc4_mex('lease', this.id) / 4;
         left_s = seconds;
         finish_s = this.time_s + seconds;
         while left_s > 0
             this.drive(linear_m_s, angular_rad_s);
-            now_s = roburoc4.internal.roburoc4_mex('wait', this.id, min([left_s renewal_s 0.05]));
+            now_s = roburoc4_mex('wait', this.id, min([left_s renewal_s 0.05]));
             left_s = finish_s - now_s;
         end
     end
@@ -254,7 +254,7 @@ methods
         %
         %   Example:
         %      r.stop()
-        roburoc4.internal.roburoc4_mex('stop', this.id);
+        roburoc4_mex('stop', this.id);
     end
 
     function arm(this, timeout)
@@ -269,7 +269,7 @@ methods
         end
         timeout = roburoc4.internal.number(timeout, 'timeout', 0, 1e6);
         finish_s = this.time_s + timeout;
-        while ~roburoc4.internal.roburoc4_mex('arm', this.id, this.time_s >= finish_s)
+        while ~roburoc4_mex('arm', this.id, this.time_s >= finish_s)
             this.spin(0.02);
         end
     end
@@ -279,7 +279,7 @@ methods
         %
         %   Example:
         %      r.disarm()
-        roburoc4.internal.roburoc4_mex('disarm', this.id);
+        roburoc4_mex('disarm', this.id);
     end
 
     function spin(this, seconds)
@@ -310,31 +310,31 @@ methods
     end
 
     function s = get.status(this)
-        s = roburoc4.internal.roburoc4_mex('status', this.id);
+        s = roburoc4_mex('status', this.id);
     end
 
     function row = get.pose(this)
-        row = roburoc4.internal.roburoc4_mex('pose', this.id);
+        row = roburoc4_mex('pose', this.id);
     end
 
     function row = get.speeds(this)
-        row = roburoc4.internal.roburoc4_mex('speeds', this.id);
+        row = roburoc4_mex('speeds', this.id);
     end
 
     function s = get.info(this)
-        s = roburoc4.internal.roburoc4_mex('info', this.id);
+        s = roburoc4_mex('info', this.id);
     end
 
     function s = get.link(this)
-        s = roburoc4.internal.roburoc4_mex('link', this.id);
+        s = roburoc4_mex('link', this.id);
     end
 
     function s = get.address(this)
-        s = roburoc4.internal.roburoc4_mex('address', this.id);
+        s = roburoc4_mex('address', this.id);
     end
 
     function s = get.time_s(this)
-        s = roburoc4.internal.roburoc4_mex('now', this.id);
+        s = roburoc4_mex('now', this.id);
     end
 
     function s = serviceLink(this, service)
@@ -346,7 +346,7 @@ methods
         %      s = r.serviceLink('localization'); s.period_s
         roburoc4.internal.needed(nargin == 2, 'serviceLink(service)');
         service = roburoc4.internal.text(service, 'service');
-        s = roburoc4.internal.roburoc4_mex('serviceLink', this.id, service);
+        s = roburoc4_mex('serviceLink', this.id, service);
     end
 
     function value = io(this, name)
@@ -361,10 +361,10 @@ methods
         %      r.io('Front bumper')
         %      r.io('Battery voltage')
         if nargin < 2
-            value = roburoc4.internal.roburoc4_mex('inputs', this.id);
+            value = roburoc4_mex('inputs', this.id);
         else
             name = roburoc4.internal.text(name, 'name of an input');
-            value = roburoc4.internal.roburoc4_mex('io', this.id, name);
+            value = roburoc4_mex('io', this.id, name);
         end
     end
 
@@ -377,7 +377,7 @@ methods
         %   Example:
         %      r.setOutput(3, true)
         roburoc4.internal.needed(nargin == 3, 'setOutput(index or name, true or false)');
-        roburoc4.internal.roburoc4_mex('digital', this.id, this.output(channel, true), on);
+        roburoc4_mex('digital', this.id, this.output(channel, true), on);
     end
 
     function setAnalogOutput(this, channel, volts)
@@ -386,7 +386,7 @@ methods
         %   Example:
         %      r.setAnalogOutput(0, 2.5)
         roburoc4.internal.needed(nargin == 3, 'setAnalogOutput(index or name, volts)');
-        roburoc4.internal.roburoc4_mex('analog', this.id, this.output(channel, false), volts);
+        roburoc4_mex('analog', this.id, this.output(channel, false), volts);
     end
 
     function relocalize(this, x_m, y_m, theta_rad)
@@ -398,8 +398,8 @@ methods
         %   Example:
         %      r.relocalize(0, 0, 0)
         roburoc4.internal.needed(nargin == 4, 'relocalize(x in m, y in m, theta in rad)');
-        roburoc4.internal.roburoc4_mex('relocalize', this.id, x_m, y_m, theta_rad);
-        while ~roburoc4.internal.roburoc4_mex('relocalized', this.id)
+        roburoc4_mex('relocalize', this.id, x_m, y_m, theta_rad);
+        while ~roburoc4_mex('relocalized', this.id)
             this.spin(0.01);
         end
         answered_s = this.time_s;
@@ -425,7 +425,7 @@ methods
         roburoc4.internal.needed(nargin == 3, 'subscribe(service, period_ms)');
         service = roburoc4.internal.text(service, 'service');
         period_ms = roburoc4.internal.number(period_ms, 'period_ms', 10, 2550);
-        roburoc4.internal.roburoc4_mex('subscribe', this.id, service, period_ms);
+        roburoc4_mex('subscribe', this.id, service, period_ms);
     end
 
     function unsubscribe(this, service)
@@ -435,7 +435,7 @@ methods
         %      r.unsubscribe('telemeter')
         roburoc4.internal.needed(nargin == 2, 'unsubscribe(service)');
         service = roburoc4.internal.text(service, 'service');
-        roburoc4.internal.roburoc4_mex('subscribe', this.id, service, 0);
+        roburoc4_mex('subscribe', this.id, service, 0);
     end
 
     function data = record(this, seconds, varargin)
@@ -454,15 +454,15 @@ methods
         seconds = roburoc4.internal.number(seconds, 'seconds', 0, 1e6);
         services = roburoc4.Robot.texts(varargin);
         cleanup = roburoc4.internal.guard(this.id); %#ok<NASGU>
-        roburoc4.internal.roburoc4_mex('record', this.id, services{:});
+        roburoc4_mex('record', this.id, services{:});
         finish_s = this.time_s + seconds;
         left_s = seconds;
         while left_s > 0
-            left_s = finish_s - roburoc4.internal.roburoc4_mex('wait', this.id, min(left_s, 0.05));
-            roburoc4.internal.roburoc4_mex('recorded', this.id);
+            left_s = finish_s - roburoc4_mex('wait', this.id, min(left_s, 0.05));
+            roburoc4_mex('recorded', this.id);
         end
-        data = roburoc4.internal.roburoc4_mex('recording', this.id, services{:});
-        roburoc4.internal.roburoc4_mex('busy', this.id, false);
+        data = roburoc4_mex('recording', this.id, services{:});
+        roburoc4_mex('busy', this.id, false);
     end
 
     function data = log(this, file, varargin)
@@ -481,9 +481,9 @@ methods
         roburoc4.internal.needed(nargin >= 2, 'log(file)');
         file = roburoc4.internal.text(file, 'file');
         services = roburoc4.Robot.texts(varargin);
-        data = roburoc4.internal.roburoc4_mex('log', this.id, services{:});
+        data = roburoc4_mex('log', this.id, services{:});
         roburoc4.internal.write(file, data);
-        roburoc4.internal.roburoc4_mex('logged', this.id);
+        roburoc4_mex('logged', this.id);
         if data.lost > 0
             warning('roburoc4:limit', ['%d statuses were overwritten before log was called. Call ' ...
                 'it more often, or give roburoc4.Robot a larger buffer'], data.lost);
@@ -509,13 +509,13 @@ methods (Access = private)
         end
         timeout = roburoc4.internal.number(own.timeout, 'timeout', 0, 4e6);
         cleanup = roburoc4.internal.guard(this.id); %#ok<NASGU>
-        roburoc4.internal.roburoc4_mex('moveBegin', this.id, kind, x, y, theta, speed, ...
+        roburoc4_mex('moveBegin', this.id, kind, x, y, theta, speed, ...
             own.clearance, timeout);
-        while roburoc4.internal.roburoc4_mex('moveStep', this.id)
-            roburoc4.internal.roburoc4_mex('wait', this.id, 0.02);
+        while roburoc4_mex('moveStep', this.id)
+            roburoc4_mex('wait', this.id, 0.02);
         end
-        result = roburoc4.internal.roburoc4_mex('moveResult', this.id);
-        roburoc4.internal.roburoc4_mex('busy', this.id, false);
+        result = roburoc4_mex('moveResult', this.id);
+        roburoc4_mex('busy', this.id, false);
         if ~strcmp(result.result, 'reached')
             error('roburoc4:moveEnded', '%s after %.2f m and %.2f rad: %s', result.result, ...
                 result.distance_m, result.angle_rad, result.text);
@@ -526,7 +526,7 @@ methods (Access = private)
         index = channel;
         if ~isnumeric(channel)
             channel = roburoc4.internal.text(channel, 'channel');
-            index = roburoc4.internal.roburoc4_mex('output', this.id, channel, digital);
+            index = roburoc4_mex('output', this.id, channel, digital);
         end
     end
 end

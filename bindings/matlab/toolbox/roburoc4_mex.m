@@ -6,7 +6,7 @@ function varargout = roburoc4_mex(command, varargin) %#ok<STOUT,INUSD>
 %      build_mex          in MATLAB or Octave, in the folder bindings/matlab
 %
 %   Example:
-%      roburoc4.internal.roburoc4_mex('living')     % how many robots and simulators there are
+%      roburoc4_mex('living')     % how many robots and simulators there are
 %
 %   See also roburoc4.Robot, roburoc4.Simulator.
 
