@@ -45,11 +45,19 @@ static int stop(call *in) {
     return done("stop", roburoc4_client_stop(in->client, in->now_us));
 }
 
+/* A speed: true is a number elsewhere, but nobody means 1 m/s by it. */
+static int take_speed(const mxArray *value, const char *name, double *out) {
+    if (mxIsLogical(value)) {
+        return fail(FAIL_ARGUMENT, "%s: this is logical; give one real number", name);
+    }
+    return take_range(value, name, -FASTEST, FASTEST, out);
+}
+
 /* drive(id, linear_m_s, angular_rad_s) */
 static int drive(call *in) {
     double linear_m_s, angular_rad_s;
-    return take_range(in->arguments[0], "linear speed", -FASTEST, FASTEST, &linear_m_s) &&
-           take_range(in->arguments[1], "angular speed", -FASTEST, FASTEST, &angular_rad_s) &&
+    return take_speed(in->arguments[0], "linear speed", &linear_m_s) &&
+           take_speed(in->arguments[1], "angular speed", &angular_rad_s) &&
            done("not driving", roburoc4_client_drive(in->client, (float)linear_m_s,
                                                      (float)angular_rad_s, 0, in->now_us));
 }

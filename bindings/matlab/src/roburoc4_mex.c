@@ -136,6 +136,13 @@ static int run(int result_count, mxArray **results, int count, const mxArray **a
     return fine;
 }
 
+/* mexErrMsgIdAndTxt() would put the name of this file before the message, in Octave. */
+static void raise_error(void) {
+    mxArray *arguments[] = {mxCreateString(fail_id()), mxCreateString("%s"),
+                            mxCreateString(fail_text())};
+    (void)mexCallMATLAB(0, NULL, (int)COUNT_OF(arguments), arguments, "error");
+}
+
 #ifdef __GNUC__
 __attribute__((visibility("default")))
 #endif
@@ -145,6 +152,6 @@ void mexFunction(int result_count, mxArray *results[], int count, const mxArray 
     fine = run(result_count, results, count, arguments);
     lock_while_living();
     if (!fine) {
-        mexErrMsgIdAndTxt(fail_id(), "%s", fail_text());
+        raise_error();
     }
 }

@@ -39,7 +39,7 @@ typedef enum {
 void mexFunction(int nlhs, mxArray *plhs[], int nrhs, const mxArray *prhs[]);
 
 int mexAtExit(void (*exit_function)(void));
-void mexErrMsgIdAndTxt(const char *errorid, const char *errormsg, ...);
+int mexCallMATLAB(int nlhs, mxArray *plhs[], int nrhs, mxArray *prhs[], const char *function);
 void mexLock(void);
 void mexUnlock(void);
 
