@@ -8,9 +8,13 @@
 #include "native.h"
 
 #include <stdlib.h>
+#include <time.h>
 
 /* Samples that are copied from a pump at once: the interpreter is not held up for long. */
 #define SAMPLES_AT_ONCE 64
+/* A status that is older than this when it comes in is one from before a reboot. */
+#define LATEST_US 10000000u
+#define AT_ONCE_US 20u
 
 struct connection {
     roburoc4_pump *pump;
@@ -180,6 +184,44 @@ roburoc4_pump *connection_pump(connection *c) {
     return c->pump;
 }
 
+/* From the client's clock to microseconds since 1970. */
+static uint64_t utc_offset_us(const connection *c) {
+    uint64_t utc_us = 0, before_us = 0, after_us = 0;
+    int tries;
+    if (c->world != NULL) {
+        return 0;
+    }
+    /* Where the thread had to wait between the two clocks, they are read again. */
+    for (tries = 0; tries < 5 && (tries == 0 || after_us - before_us > AT_ONCE_US); tries++) {
+        struct timespec now;
+        before_us = roburoc4_udp_now_us();
+        (void)timespec_get(&now, TIME_UTC);
+        after_us = roburoc4_udp_now_us();
+        utc_us = (uint64_t)now.tv_sec * 1000000u + (uint64_t)now.tv_nsec / 1000u;
+    }
+    return utc_us - after_us;
+}
+
+/* On the client's clock; it came in later. A stamp from before a reboot cannot be mapped any more:
+ * then it is when it came in. */
+static uint64_t made_us(const roburoc4_client *client, uint64_t robot_cycles, uint64_t host_us) {
+    uint64_t mapped_us;
+    if (roburoc4_client_host_time(client, robot_cycles, &mapped_us) < 0 || mapped_us > host_us ||
+        host_us - mapped_us > LATEST_US) {
+        return host_us;
+    }
+    return mapped_us;
+}
+
+uint64_t connection_utc_us(connection *c, uint64_t robot_cycles, uint64_t host_us) {
+    const roburoc4_client *client = roburoc4_pump_lock(c->pump);
+    if (client != NULL) {
+        host_us = made_us(client, robot_cycles, host_us);
+        roburoc4_pump_unlock(c->pump);
+    }
+    return host_us + utc_offset_us(c);
+}
+
 uint32_t connection_fault(connection *c) {
     uint32_t fault = ROBUROC4_FAULT_NONE;
     if (roburoc4_pump_lock(c->pump) != NULL) {
@@ -250,9 +292,10 @@ void connection_close_socket(connection *c) {
 /* -------------------------------------------------------------------------- readers of a pump ---
  */
 
-static int append(PyObject *list, const roburoc4_sample *sample) {
+static int append(connection *c, PyObject *list, const roburoc4_sample *sample) {
     record_kind kind = sample->service - ROBUROC4_SERVICE_IOCARD + RECORD_IOCARD_STATUS;
-    PyObject *record = record_of_status(kind, &sample->value, sample->host_us);
+    uint64_t utc_us = connection_utc_us(c, sample->robot_cycles, sample->host_us);
+    PyObject *record = record_of_status(kind, &sample->value, sample->host_us, utc_us);
     int result = record != NULL ? PyList_Append(list, record) : -1;
     Py_XDECREF(record);
     return result;
@@ -271,7 +314,7 @@ PyObject *read_samples(connection *c, roburoc4_pump_reader *reader, uint32_t mas
     }
     list = PyList_New(0);
     for (i = 0; list != NULL && i < got; i++) {
-        if ((mask >> samples[i].service & 1u) != 0 && append(list, &samples[i]) < 0) {
+        if ((mask >> samples[i].service & 1u) != 0 && append(c, list, &samples[i]) < 0) {
             Py_CLEAR(list);
         }
     }

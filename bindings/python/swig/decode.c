@@ -58,7 +58,7 @@ static uint32_t service_of_id(const layout *layout, uint32_t id) {
  */
 
 static PyObject *status_of(record_kind kind, const void *value) {
-    return record_of_status(kind, value, 0);
+    return record_of_status(kind, value, 0, 0);
 }
 
 /* name() decodes a telegram that is one struct; a status did not arrive at any time. */
@@ -133,9 +133,9 @@ static PyObject *iocard_status(const datagram *d) {
         return raise_result(result);
     }
     return record_new(RECORD_IOCARD_STATUS,
-                      Py_BuildValue("(KNNi)", (unsigned long long)status.robot_cycles,
+                      Py_BuildValue("(KNNid)", (unsigned long long)status.robot_cycles,
                                     analog_values(&status),
-                                    tuple_of_bits(status.digital, status.digital_count), 0));
+                                    tuple_of_bits(status.digital, status.digital_count), 0, 0.0));
 }
 
 static PyObject *telemeter_status(const datagram *d) {
@@ -155,7 +155,7 @@ static PyObject *telemeter_status(const datagram *d) {
     PyMem_Free(values);
     return record_new(
         RECORD_TELEMETER_STATUS,
-        Py_BuildValue("(KNi)", (unsigned long long)status.robot_cycles, distances, 0));
+        Py_BuildValue("(KNid)", (unsigned long long)status.robot_cycles, distances, 0, 0.0));
 }
 
 static PyObject *unknown_status(const datagram *d, const roburoc4_status_header *header) {

@@ -61,7 +61,7 @@ PyObject *record_new(record_kind kind, PyObject *values);
 PyObject *record_of(record_kind kind, const void *value);
 /* The record of a status: of its C struct, for the IO card roburoc4_inputs and for telemeters
  * roburoc4_distances. */
-PyObject *record_of_status(record_kind kind, const void *status, uint64_t host_us);
+PyObject *record_of_status(record_kind kind, const void *status, uint64_t host_us, uint64_t utc_us);
 PyObject *tuple_of_floats(const float *values, uint32_t count);
 /* Channel 8 k + b is bit b of byte k. */
 PyObject *tuple_of_bits(const uint8_t *blocks, uint32_t count);
@@ -142,6 +142,9 @@ void connection_leave(void);
 
 roburoc4_pump *connection_pump(connection *c);
 uint64_t connection_now_us(const connection *c);
+/* When the robot made a status, in microseconds since 1970: by the clock that this machine shows now;
+ * in virtual time by the simulation's. */
+uint64_t connection_utc_us(connection *c, uint64_t robot_cycles, uint64_t host_us);
 /* ROBUROC4_FAULT_*. */
 uint32_t connection_fault(connection *c);
 

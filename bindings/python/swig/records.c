@@ -55,8 +55,8 @@ typedef struct record_class {
 
 /* Records that are made by hand, and their fields in the order in which they are. */
 static const char *const by_hand[RECORD_KINDS] = {
-    [RECORD_IOCARD_STATUS] = "IoCardStatus robot_cycles analog_inputs digital_inputs host_us",
-    [RECORD_TELEMETER_STATUS] = "TelemeterStatus robot_cycles distances_m host_us",
+    [RECORD_IOCARD_STATUS] = "IoCardStatus robot_cycles analog_inputs digital_inputs host_us utc_s",
+    [RECORD_TELEMETER_STATUS] = "TelemeterStatus robot_cycles distances_m host_us utc_s",
     [RECORD_UNKNOWN_STATUS] = "UnknownStatus robot_cycles service payload",
     [RECORD_ANSWER] = "Answer id action service error body",
     [RECORD_IOCARD_COMMAND] = "IoCardCommand analog_outputs digital_outputs",
@@ -252,10 +252,10 @@ PyObject *record_new(record_kind kind, PyObject *values) {
     return record;
 }
 
-/* A tuple of the values, and of `last` unless it is NULL, which it takes over. */
-static PyObject *values_of(record_kind kind, const void *structure, PyObject *last) {
+/* A tuple of the values, with room for more. */
+static PyObject *values_of(record_kind kind, const void *structure, int more) {
     const record_class *record = &classes[kind];
-    PyObject *tuple = PyTuple_New(record->count + (last != NULL));
+    PyObject *tuple = PyTuple_New(record->count + more);
     int i;
     for (i = 0; tuple != NULL && i < record->count; i++) {
         PyObject *value = value_of(&record->columns[i], structure);
@@ -265,16 +265,11 @@ static PyObject *values_of(record_kind kind, const void *structure, PyObject *la
             (void)PyTuple_SetItem(tuple, i, value);
         }
     }
-    if (tuple != NULL && last != NULL) {
-        (void)PyTuple_SetItem(tuple, record->count, last);
-    } else {
-        Py_XDECREF(last);
-    }
     return tuple;
 }
 
 PyObject *record_of(record_kind kind, const void *value) {
-    return record_new(kind, values_of(kind, value, NULL));
+    return record_new(kind, values_of(kind, value, 0));
 }
 
 PyObject *tuple_of_floats(const float *values, uint32_t count) {
@@ -300,32 +295,45 @@ PyObject *tuple_of_bits(const uint8_t *blocks, uint32_t count) {
     return tuple;
 }
 
-static PyObject *record_of_inputs(const roburoc4_inputs *inputs, PyObject *host_us) {
+static PyObject *tuple_of_digital_inputs(const roburoc4_inputs *inputs) {
     uint8_t blocks[8];
     int i;
     for (i = 0; i < 8; i++) {
         blocks[i] = (uint8_t)(inputs->digital >> 8 * i);
     }
-    return record_new(RECORD_IOCARD_STATUS,
-                      Py_BuildValue("(KNNN)", (unsigned long long)inputs->robot_cycles,
-                                    tuple_of_floats(inputs->analog, inputs->analog_count),
-                                    tuple_of_bits(blocks, inputs->digital_count), host_us));
+    return tuple_of_bits(blocks, inputs->digital_count);
 }
 
-PyObject *record_of_status(record_kind kind, const void *status, uint64_t host_us) {
-    PyObject *time = PyLong_FromUnsignedLongLong(host_us);
-    if (time == NULL) {
-        return NULL;
-    }
+/* With room for the two times. */
+static PyObject *values_of_status(record_kind kind, const void *status) {
     if (kind == RECORD_IOCARD_STATUS) {
-        return record_of_inputs(status, time);
+        const roburoc4_inputs *inputs = status;
+        return Py_BuildValue("(KNNOO)", (unsigned long long)inputs->robot_cycles,
+                             tuple_of_floats(inputs->analog, inputs->analog_count),
+                             tuple_of_digital_inputs(inputs), Py_None, Py_None);
     }
     if (kind == RECORD_TELEMETER_STATUS) {
         const roburoc4_distances *d = status;
-        return record_new(kind, Py_BuildValue("(KNN)", (unsigned long long)d->robot_cycles,
-                                              tuple_of_floats(d->distance_m, d->count), time));
+        return Py_BuildValue("(KNOO)", (unsigned long long)d->robot_cycles,
+                             tuple_of_floats(d->distance_m, d->count), Py_None, Py_None);
     }
-    return record_new(kind, values_of(kind, status, time));
+    return values_of(kind, status, 2);
+}
+
+PyObject *record_of_status(record_kind kind, const void *status, uint64_t host_us,
+                           uint64_t utc_us) {
+    PyObject *values = values_of_status(kind, status);
+    PyObject *host = PyLong_FromUnsignedLongLong(host_us);
+    PyObject *utc = PyFloat_FromDouble((double)utc_us / 1e6);
+    if (values == NULL || host == NULL || utc == NULL) {
+        Py_XDECREF(values);
+        Py_XDECREF(host);
+        Py_XDECREF(utc);
+        return NULL;
+    }
+    (void)PyTuple_SetItem(values, PyTuple_Size(values) - 2, host);
+    (void)PyTuple_SetItem(values, PyTuple_Size(values) - 1, utc);
+    return record_new(kind, values);
 }
 
 /* ---------------------------------------------------------------------------- rows of NumPy --- */

@@ -47,7 +47,7 @@
 %include "roburoc4_pump.h"
 
 %ignore raise_result;
-%rename("$ignore", regextarget=1) "^(record_|decode_telegram|tuple_of|connection_pump$|simulation_(join|part)$|(connection|simulation)_(enter|leave|entered_us|destroy)$)";
+%rename("$ignore", regextarget=1) "^(record_|decode_telegram|tuple_of|connection_(pump|utc_us)$|simulation_(join|part)$|(connection|simulation)_(enter|leave|entered_us|destroy)$)";
 %include "native.h"
 
 /* The hottest call: without SWIG's unpacking of arguments. */

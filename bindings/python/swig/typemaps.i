@@ -38,7 +38,7 @@
 }
 %typemap(argout) (TYPE *out, uint64_t *host_us) {
     Py_XDECREF($result);
-    $result = record_of_status(KIND, $1, *$2);
+    $result = record_of_status(KIND, $1, *$2, connection_utc_us(handle1, $1->robot_cycles, *$2));
 }
 %enddef
 

@@ -38,7 +38,7 @@ def test_every_line_of_json_is_a_status_with_its_fields() -> None:
     lines = _lines(done.stdout)
     assert {line["service"] for line in lines} == set(FIELDS)
     for line in lines:
-        assert set(line) == {"service", "robot_cycles"} | FIELDS[line["service"]]
+        assert set(line) == {"service", "utc_s", "robot_cycles"} | FIELDS[line["service"]]
     battery = next(line for line in lines if line["service"] == "battery")
     assert battery["state"] == 2
     assert battery["state_name"] == "ok"

@@ -2,9 +2,11 @@
 """`roburoc4 record`: statuses as columns, complete however it ends."""
 
 import csv
+import json
 import resource
 import signal
 import subprocess
+import time
 from pathlib import Path
 
 import pytest
@@ -30,6 +32,7 @@ def test_the_file_has_a_row_for_each_cycle_with_a_status(tmp_path: Path) -> None
         "rows": len(rows),
         "statuses": report["statuses"],
         "lost": 0,
+        "gaps": [],
     }
     cycles = [int(row["robot_cycles"]) for row in rows]
     assert cycles == sorted(set(cycles))
@@ -37,15 +40,21 @@ def test_the_file_has_a_row_for_each_cycle_with_a_status(tmp_path: Path) -> None
     filled = sum(
         1
         for row in rows
-        for name in ("x_m", "target_linear_m_s", "distance_0_m", "state", "analog_input_0")
+        for name in (
+            "localization_x_m",
+            "differential_target_linear_m_s",
+            "telemeter_distance_0_m",
+            "battery_state",
+            "iocard_analog_input_0",
+        )
         if row[name] != ""
     )
     assert filled == report["statuses"], "no status is left out"
     row = rows[-1]
     assert float(row["robot_s"]) == pytest.approx(int(row["robot_cycles"]) / 100)
-    assert row["digital_input_1"] == "1"
-    assert row["digital_input_0"] == "0"
-    assert float(row["analog_input_2"]) == pytest.approx(25.4, abs=0.1)
+    assert row["iocard_digital_input_1"] == "1"
+    assert row["iocard_digital_input_0"] == "0"
+    assert float(row["iocard_analog_input_2"]) == pytest.approx(25.4, abs=0.1)
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
@@ -130,10 +139,56 @@ def test_rows_come_in_the_robots_order_and_a_reboot_begins_anew() -> None:
     out += list(rows.rest())
     assert [row["robot_cycles"] for row in out] == [1000, 1005, 7]
     assert out[0] == {
+        "utc_s": 0.0,
         "robot_s": 10.0,
         "robot_cycles": 1000,
-        "state": 2,
-        "remaining_percent": 90,
-        "distance_0_m": 3.0,
-        "distance_1_m": None,
+        "battery_state": 2,
+        "battery_remaining_percent": 90,
+        "telemeter_distance_0_m": 3.0,
+        "telemeter_distance_1_m": None,
     }
+
+
+def test_each_row_has_the_time_of_this_machines_clock(tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    with roburoc4.Simulator(port=0) as sim:
+        begun_s = time.time()
+        assert run("record", str(path), "--seconds", "1", robot=sim.address).returncode == 0
+        ended_s = time.time()
+    times = [(float(row["utc_s"]), float(row["robot_s"])) for row in _read(path)]
+    assert all(begun_s - 1 < utc_s < ended_s + 1 for utc_s, _ in times)
+    (first_utc_s, first_s), (last_utc_s, last_s) = times[0], times[-1]
+    assert last_utc_s - first_utc_s == pytest.approx(last_s - first_s, abs=0.1)
+
+
+def test_a_hole_in_a_recording_is_counted_and_reported(tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    with roburoc4.Simulator(port=0) as sim:
+        process = start("record", str(path), "--seconds", "6", "--json", robot=sim.address)
+        eventually(lambda: len(_read(path)) > 10 if path.exists() else False)
+        sim.set("power", False)
+        time.sleep(2.5)
+        sim.set("power", True)
+        stdout, stderr = process.communicate(timeout=30)
+    report = json.loads(stdout)
+    assert process.returncode == 0
+    assert report["lost"] > 100
+    assert len(report["gaps"]) == 1
+    assert report["gaps"][0]["seconds"] > 2.4
+    assert "localization" in report["gaps"][0]["services"]
+    assert "1 gaps" in one_line(stderr)
+
+
+def test_standard_output_takes_a_recording_and_may_close() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        done = run("record", "-", "--seconds", "1", robot=sim.address)
+        rows = list(csv.DictReader(done.stdout.splitlines()))
+        assert len(rows) >= 15
+        assert "localization_x_m" in rows[0]
+        assert f"-: {len(rows)} rows" in done.stderr
+        assert done.returncode == 0
+        process = start("record", "-", robot=sim.address)
+        assert process.stdout is not None
+        process.stdout.readline()
+        process.stdout.close()
+        assert process.wait(timeout=30) == 0

@@ -7,7 +7,8 @@ import time
 import pytest
 
 import roburoc4
-from roburoc4 import Event, Simulator
+from roburoc4 import Event, Recording, Simulator
+from roburoc4.samples import mask_of
 
 
 def test_statuses_come_one_by_one_and_none_is_missing(roburoc4_simulator: Simulator) -> None:
@@ -111,6 +112,39 @@ def test_record_gives_columns_of_equal_length(roburoc4_simulator: Simulator) -> 
         for columns in recording.values():
             assert len({len(column) for column in columns.values()}) == 1
         assert recording.lost == 0
+
+
+def test_a_recording_counts_its_gaps(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        sim_time_s = roburoc4_simulator.now_s
+        later = robot.reader("localization", "telemeter")
+        robot.sleep(1.0)
+        roburoc4_simulator.set("power", False)
+        robot.sleep(2.5)
+        roburoc4_simulator.set("power", True)
+        robot.wait_for("localization")
+        robot.sleep(1.0)
+        recording = Recording(mask_of(("localization", "telemeter")), robot.period_s)
+        later.drain(recording.add)
+        recording.end(robot.now_s)
+        (gap,) = recording.gaps
+        assert gap.seconds > 2.5
+        assert gap.utc_s == pytest.approx(sim_time_s + 1.0, abs=0.2)
+        assert gap.services == ("localization", "telemeter")
+        assert recording.lost == pytest.approx(gap.seconds * 30, rel=0.1)
+
+
+def test_the_time_of_a_status_is_when_the_robot_made_it() -> None:
+    with Simulator(seed=3) as sim:
+        sim.set_faults(delay_ms=20, jitter_ms=30)
+        with sim.connect() as robot:
+            robot.sleep(5.0)
+            statuses = list(itertools.islice(robot.statuses("localization"), 100))
+            made = [status.utc_s for status in statuses]
+            steps = [later - sooner for sooner, later in itertools.pairwise(made)]
+            late = [status.host_us / 1e6 - status.utc_s for status in statuses]
+        assert steps == pytest.approx([0.05] * 99, abs=0.01)
+        assert max(late) > 0.03
 
 
 def test_a_reboot_is_seen_and_outlived(roburoc4_simulator: Simulator) -> None:

@@ -186,7 +186,7 @@ def test_a_batch_has_the_values_of_decode(service: str, status: bytes) -> None:
     ):
         assert len(batch.values) == 1000
         assert len(batch.bad) == 0
-        assert batch.values.dtype.names == record._fields[:-1]
+        assert batch.values.dtype.names == record._fields[:-2]
         for name in batch.values.dtype.names or ():
             assert np.array_equal(batch.values[name][999], getattr(record, name))
 

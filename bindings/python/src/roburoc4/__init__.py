@@ -20,7 +20,7 @@ from .iocard import *
 from .moves import MoveError, MoveResult
 from .records import *
 from .robot import ManualRobot, Robot, connect, resolve
-from .samples import Reader, Recording, Statuses, flatten
+from .samples import Gap, Reader, Recording, Statuses, flatten
 from .settings import Settings
 from .simulator import SimSettings, Simulator
 from .telegrams import Batch, Layout, decode, decode_batch
@@ -30,6 +30,7 @@ __all__ = [
     "DEFAULT_HOST",
     "DEFAULT_PORT",
     "Batch",
+    "Gap",
     "Layout",
     "ManualRobot",
     "MoveError",

@@ -280,12 +280,12 @@ class Robot(RobotBase):
         """Collect the statuses of these services (none: of all) for so long, as columns."""
         mask = mask_of(services)
         source = Reader(self._connection.reader(), mask)
-        recording = Recording(mask)
+        recording = Recording(mask, self.period_s)
         end_s = self._connection.now_s() + seconds
         while (left_s := end_s - self._connection.now_s()) > 0:
             await self._bell.wait(min(left_s, LOOK_AGAIN_S))
             source.drain(recording.add)
-        recording.lost = source.lost
+        recording.end(self.now_s)
         return recording
 
 

@@ -3,7 +3,9 @@
 
 All values are SI units and radians; X is forward, Y left, angles counter-clockwise.
 ``robot_cycles`` counts the robot's cycles of 10 ms since power on. ``host_us`` is when a status
-was received, in microseconds of the robot object's clock (``Robot.now_s``); 0 in decoded bytes.
+was received, in microseconds of the robot object's clock (``Robot.now_s``). ``utc_s`` is when the
+robot made it, in seconds since 1970 by this machine's clock: ``robot_cycles``, mapped, without the
+network's jitter. Both are 0 in decoded bytes. A simulator's virtual time begins in 1970.
 Fields are those of the C structs in the headers, in any order.
 """
 
@@ -54,6 +56,7 @@ class IoCardStatus(NamedTuple):
     """Generally volts; the game pad's axes are -1 to 1."""
     digital_inputs: tuple[bool, ...]
     host_us: int = 0
+    utc_s: float = 0.0
 
     @property
     def kind(self) -> str:
@@ -67,6 +70,7 @@ class TelemeterStatus(NamedTuple):
     robot_cycles: int
     distances_m: tuple[float, ...]
     host_us: int = 0
+    utc_s: float = 0.0
 
     @property
     def kind(self) -> str:
@@ -82,6 +86,7 @@ class BatteryStatus(NamedTuple):
     """A plain integer where the manual knows no such state."""
     remaining_percent: int
     host_us: int = 0
+    utc_s: float = 0.0
 
     @property
     def kind(self) -> str:
@@ -105,6 +110,7 @@ class LocalizationStatus(NamedTuple):
     flags: LocalizationFlag | int
     """A plain integer where it has bits that the manual does not know."""
     host_us: int = 0
+    utc_s: float = 0.0
 
     @property
     def kind(self) -> str:
@@ -121,6 +127,7 @@ class DifferentialStatus(NamedTuple):
     target_angular_rad_s: float
     current_angular_rad_s: float
     host_us: int = 0
+    utc_s: float = 0.0
 
     @property
     def kind(self) -> str:
@@ -481,7 +488,7 @@ def _register() -> None:
             # tuples have a method named index
             ("index" if name == "element" else name, _MEANINGS.get(type_, "."))
             for name, type_ in record.__annotations__.items()
-            if struct is None or name != "host_us"
+            if struct is None or name not in ("host_us", "utc_s")
         ]
         _native.register_record(kind, record, struct or record.__name__, members)
     _native.register_enumerations(BatteryState, LocalizationFlag)

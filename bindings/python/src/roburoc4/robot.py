@@ -261,12 +261,12 @@ class Robot(RobotBase):
     def record(self, seconds: float, *services: str | Service) -> Recording:
         """Collect the statuses of these services (none: of all) for so long, as columns."""
         source = self.reader(*services)
-        recording = Recording(mask_of(services))
+        recording = Recording(mask_of(services), self.period_s)
         end_s = self._connection.now_s() + seconds
         while (left_s := end_s - self._connection.now_s()) > 0:
             source.wait(left_s)
             source.drain(recording.add)
-        recording.lost = source.lost
+        recording.end(self.now_s)
         return recording
 
 

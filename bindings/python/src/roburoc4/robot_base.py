@@ -85,6 +85,10 @@ class RobotBase:
         """Return the figures of one service's statuses: period, jitter, age, loss."""
         return _native.roburoc4_client_service_link(self._connection.handle, service_of(service))
 
+    def period_s(self, service: str | Service) -> float:
+        """Return the seconds between two statuses of a service, as observed."""
+        return self.service_link(service).period_us / 1e6
+
     @property
     def counts(self) -> dict[Count, int]:
         """What became of datagrams."""

@@ -3,7 +3,7 @@
 
 import contextlib
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 from .connection import EventReader, events_of_services
 from .constants import Event, Service
@@ -11,7 +11,7 @@ from .errors import ClosedError, SamplesLostError
 from .records import Status
 from .settings import STATUS_SERVICES, service_of
 
-__all__ = ["Reader", "Recording", "Statuses", "flatten"]
+__all__ = ["Gap", "Gaps", "Reader", "Recording", "Statuses", "flatten"]
 
 Column = list[Any]
 _PATIENCE_S = 1.0
@@ -119,6 +119,58 @@ def flatten(status: Status) -> dict[str, Any]:
     return row
 
 
+class Gap(NamedTuple):
+    """A hole in a recording: services that said nothing for several of their periods."""
+
+    utc_s: float
+    """When the last status before it was made."""
+    seconds: float
+    services: tuple[str, ...]
+
+
+_GAP_S = 0.5
+_GAP_PERIODS = 3
+
+
+class Gaps:
+    """Statuses in; what is missing between them out. Each service is asked for its own period."""
+
+    def __init__(self, period_s: Callable[[str], float]) -> None:
+        self._period_s = period_s
+        self._last: dict[str, Status] = {}
+        self.lost = 0
+        """Statuses that should have come and are missing, whatever the reason."""
+        self.found: list[Gap] = []
+        """Gaps of at least half a second; those of several services at once are one."""
+
+    def add(self, status: Status) -> None:
+        """Take the next status."""
+        last = self._last.get(status.kind)
+        self._last[status.kind] = status
+        if last is not None:
+            # Not by robot_cycles, which begin anew when the robot restarts.
+            self._look(last, status.utc_s - last.utc_s)
+
+    def end(self, now_s: float) -> None:
+        """Look for services that were silent at the end; ``now_s`` is the robot object's."""
+        for last in self._last.values():
+            self._look(last, now_s - last.host_us / 1e6)
+        self._last.clear()
+
+    def _look(self, last: Status, length_s: float) -> None:
+        period_s = self._period_s(last.kind)
+        self.lost += max(0, round(length_s / period_s) - 1) if period_s > 0.0 else 0
+        if length_s <= max(_GAP_S, _GAP_PERIODS * period_s):
+            return
+        begin_s, services = last.utc_s, {last.kind}
+        end_s = begin_s + length_s
+        while self.found and begin_s < self.found[-1].utc_s + self.found[-1].seconds:
+            before = self.found.pop()
+            begin_s, services = min(begin_s, before.utc_s), services | set(before.services)
+            end_s = max(end_s, before.utc_s + before.seconds)
+        self.found.append(Gap(begin_s, end_s - begin_s, tuple(sorted(services))))
+
+
 class Recording(dict[str, dict[str, Column]]):
     """Columns of statuses: ``recording["localization"]["x_m"]`` is a list.
 
@@ -126,15 +178,29 @@ class Recording(dict[str, dict[str, Column]]):
     All columns of a service have the same length. A service without statuses has no columns.
     """
 
-    def __init__(self, mask: int) -> None:
+    def __init__(self, mask: int, period_s: Callable[[str], float]) -> None:
         super().__init__(
             (name, {}) for name, service in STATUS_SERVICES.items() if mask >> service & 1
         )
-        self.lost = 0
-        """Statuses that came too fast to be recorded."""
+        self._gaps = Gaps(period_s)
+
+    @property
+    def lost(self) -> int:
+        """Statuses that are missing: the network lost them, or they came too fast."""
+        return self._gaps.lost
+
+    @property
+    def gaps(self) -> list[Gap]:
+        """When services were silent for half a second or more."""
+        return self._gaps.found
+
+    def end(self, now_s: float) -> None:
+        """Look for a gap at the end."""
+        self._gaps.end(now_s)
 
     def add(self, status: Status) -> None:
         """Append a status to the columns of its service."""
+        self._gaps.add(status)
         columns = self[status.kind]
         length = len(columns.get("robot_cycles", ()))
         for name, value in flatten(status).items():

@@ -60,7 +60,7 @@ def test_a_recording_goes_on_without_the_page_and_is_downloaded(
     assert download.value.suggested_filename.startswith("roburoc4-")
     found = list(csv.DictReader(io.StringIO(text_of(download.value))))
     assert len(found) == here.hub.recorder.now["rows"] > rows
-    assert {row["remaining_percent"] for row in found} - {""} == {"61"}
+    assert {row["battery_remaining_percent"] for row in found} - {""} == {"61"}
 
 
 def test_there_is_no_recording_before_there_is_one(station: Make, visit: Visit) -> None:

@@ -7,8 +7,9 @@ import argparse
 import csv
 import io
 import math
+import sys
 import time
-from contextlib import suppress
+from contextlib import nullcontext, redirect_stdout, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,10 +25,11 @@ if TYPE_CHECKING:
     from io import FileIO
     from typing import Self
 
-    from roburoc4 import Robot
+    from roburoc4 import Robot, Status
 
     from .rows import Cell
 
+STDOUT = Path("-")
 _WAIT_S = 0.2
 
 
@@ -47,7 +49,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         description="Write every status to FILE.csv until Ctrl-C: one row for each robot cycle in "
         "which there was one, empty cells for services that said nothing in it.",
     )
-    parser.add_argument("file", metavar="FILE.csv", type=Path)
+    parser.add_argument("file", metavar="FILE.csv", type=Path, help="-: standard output")
     add_seconds(parser, "end after so long")
     parser.add_argument("--force", action="store_true", help="replace a file that has contents")
     add_robot(parser)
@@ -58,11 +60,14 @@ def run(options: RecordOptions) -> int:
     """Record until the time is over."""
     if not options.force and options.file.is_file() and options.file.stat().st_size > 0:
         raise usage(f"{options.file} exists: give another name, or --force to replace it")
-    recording = _Recording(options)
     with session.connected(options) as robot:
         with _Sheet(options.file, columns(robot.properties)) as sheet:
-            recording.run(robot, sheet)
-        recording.report(sheet.rows)
+            recording = _Recording(options, robot)
+            try:
+                recording.run(sheet)
+            finally:
+                if not sheet.full:
+                    recording.report(sheet.rows)
         session.refuse_loss(
             robot, options.robot, "the file ends there; look at the robot's power and cable"
         )
@@ -79,7 +84,11 @@ class _Sheet:
         self._bytes = 0
         self.rows = 0
         try:
-            self._file: FileIO = path.open("wb", buffering=0)
+            self._file: FileIO = (
+                open(1, "wb", buffering=0, closefd=False)  # noqa: SIM115
+                if path == STDOUT
+                else path.open("wb", buffering=0)
+            )
         except OSError as error:
             raise usage(f"{path} cannot be written ({error.strerror}): give another name") from None
 
@@ -111,9 +120,13 @@ class _Sheet:
         try:
             while left:
                 left = left[self._file.write(left) :]
+        except BrokenPipeError:
+            self._file.close()
+            raise
         except OSError as error:
-            with suppress(OSError):  # a pipe
-                self._file.truncate(self._bytes)
+            if self._path != STDOUT:  # which may be a file that had contents
+                with suppress(OSError):  # a pipe
+                    self._file.truncate(self._bytes)
             self._file.close()
             raise refused(
                 f"{self._path} cannot be written any more ({error.strerror}): the {self.rows} rows "
@@ -125,49 +138,60 @@ class _Sheet:
 class _Recording:
     """What was written so far."""
 
-    def __init__(self, options: RecordOptions) -> None:
-        self._options = options
-        self._statuses = 0
-        self._lost = 0
+    def __init__(self, options: RecordOptions, robot: Robot) -> None:
+        from roburoc4.samples import Gaps
 
-    def run(self, robot: Robot, sheet: _Sheet) -> None:
+        self._options = options
+        self._robot = robot
+        self._statuses = 0
+        self._gaps = Gaps(robot.period_s)
+
+    def run(self, sheet: _Sheet) -> None:
         """Write until the time is over; what is left is written however this ends."""
         rows = Rows()
         try:
-            self._read(robot, rows, sheet)
+            self._read(rows, sheet)
         finally:
+            self._gaps.end(self._robot.now_s)
             if not sheet.full:
                 sheet.write(rows.rest())
 
-    def _read(self, robot: Robot, rows: Rows, sheet: _Sheet) -> None:
-        from roburoc4 import SamplesLostError
+    def _read(self, rows: Rows, sheet: _Sheet) -> None:
+        def take(status: Status) -> None:
+            self._statuses += 1
+            self._gaps.add(status)
+            sheet.write(rows.add(status))
 
-        source = robot.reader()
+        source = self._robot.reader()
         length_s = self._options.seconds or math.inf
         begun_s = time.monotonic()
         with progress("recording", self._options.seconds) as show:
             while (elapsed_s := time.monotonic() - begun_s) < length_s:
                 source.wait(min(_WAIT_S, length_s - elapsed_s))
-                try:
-                    while (status := source.next()) is not None:
-                        self._statuses += 1
-                        sheet.write(rows.add(status))
-                except SamplesLostError as error:
-                    self._lost += error.lost
+                source.drain(take)
                 show(elapsed_s, f"recording  {sheet.rows} rows")
 
     def report(self, rows: int) -> None:
-        """Say what is in the file."""
-        if self._options.json:
-            print_json(
-                {
-                    "file": str(self._options.file),
-                    "rows": rows,
-                    "statuses": self._statuses,
-                    "lost": self._lost,
-                }
+        """Say what is in the file and what is missing; on stderr where the file is stdout."""
+        file, gaps = self._options.file, self._gaps
+        with redirect_stdout(sys.stderr) if file == STDOUT else nullcontext():
+            if self._options.json:
+                print_json(
+                    {
+                        "file": str(file),
+                        "rows": rows,
+                        "statuses": self._statuses,
+                        "lost": gaps.lost,
+                        "gaps": gaps.found,
+                    }
+                )
+            else:
+                print(
+                    f"{file}: {rows} rows of {self._statuses} statuses; {gaps.lost} statuses lost"
+                )
+        if gaps.found:
+            times = [gap.seconds for gap in gaps.found]
+            note(
+                f"the recording has {len(times)} gaps, {sum(times):.1f} s in all, the longest "
+                f"{max(times):.1f} s: the robot was silent; look at its power and cable"
             )
-        else:
-            print(f"{self._options.file}: {rows} rows of {self._statuses} statuses")
-        if self._lost:
-            note(f"{self._lost} statuses came faster than they could be written")

@@ -17,25 +17,28 @@ _CYCLES_IN_A_SECOND = 100
 _LATE_CYCLES = 50  # a status that comes later than this gets a row of its own
 _REBOOT_CYCLES = 100
 
-_FIXED = {
-    "LocalizationStatus": ("x_m", "y_m", "theta_rad", "flags"),
-    "DifferentialStatus": (
-        "target_linear_m_s",
-        "current_linear_m_s",
-        "target_angular_rad_s",
-        "current_angular_rad_s",
-    ),
-    "BatteryStatus": ("state", "remaining_percent"),
-}
+_FIXED = (
+    "localization_x_m",
+    "localization_y_m",
+    "localization_theta_rad",
+    "localization_flags",
+    "differential_target_linear_m_s",
+    "differential_current_linear_m_s",
+    "differential_target_angular_rad_s",
+    "differential_current_angular_rad_s",
+    "battery_state",
+    "battery_remaining_percent",
+)
 
 
 def columns(properties: Properties) -> list[str]:
     """Name the columns: the time, then all that a robot with these properties reports."""
-    names = ["robot_s", "robot_cycles", *(name for fixed in _FIXED.values() for name in fixed)]
-    names += [f"distance_{index}_m" for index in range(len(properties.telemeter))]
-    if properties.iocard is not None:
-        names += [f"analog_input_{index}" for index in range(properties.iocard.analog_inputs)]
-        names += [f"digital_input_{index}" for index in range(properties.iocard.digital_inputs)]
+    names = ["utc_s", "robot_s", "robot_cycles", *_FIXED]
+    names += [f"telemeter_distance_{index}_m" for index in range(len(properties.telemeter))]
+    card = properties.iocard
+    if card is not None:
+        names += [f"iocard_analog_input_{index}" for index in range(card.analog_inputs)]
+        names += [f"iocard_digital_input_{index}" for index in range(card.digital_inputs)]
     return names
 
 
@@ -45,9 +48,9 @@ def cells(status: Status) -> dict[str, Cell]:
 
     # 1 and 0 rather than True and False: every reader of CSV takes them for numbers.
     return {
-        name: None if value is None else +value
+        f"{status.kind}_{name}": None if value is None else +value
         for name, value in plain(flatten(status)).items()
-        if name not in ("robot_cycles", "host_us")
+        if name not in ("robot_cycles", "host_us", "utc_s")
     }
 
 
@@ -65,7 +68,7 @@ class Rows:
             yield from self.rest()
             self._newest = 0
         self._newest = max(self._newest, cycles)
-        self._open.setdefault(cycles, {}).update(cells(status))
+        self._open.setdefault(cycles, {"utc_s": status.utc_s}).update(cells(status))
         for old in sorted(self._open):
             if old + _LATE_CYCLES > self._newest:
                 break
@@ -78,7 +81,7 @@ class Rows:
 
     def _close(self, cycles: int) -> dict[str, Cell]:
         return {
+            **self._open.pop(cycles),
             "robot_s": cycles / _CYCLES_IN_A_SECOND,
             "robot_cycles": cycles,
-            **self._open.pop(cycles),
         }
