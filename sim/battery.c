@@ -1,20 +1,19 @@
 /* SPDX-License-Identifier: MIT
  *
- * The battery. Its one job is to drain with use, to charge, and to name its state (manual
- * 4.2.4.6).
+ * The battery: it drains with use, charges, and reports its state (manual 4.2.4.6).
  */
 #include <math.h>
 
 #include "model.h"
 
-/* What the robot takes: its electronics, and the motors' work against slow or skidding wheels. */
+/* Power drawn by the electronics, and by the motors against slow or skidding wheels. */
 #define IDLE_W 45.0
 #define ROLLING_W_PER_M_S 90.0
 #define TURNING_W_PER_RAD_S 70.0
 #define ROBOT_MASS_KG 140.0
 
-/* The voltage at rest over the nominal one, as of lead-acid cells: empty, and how much more full.
- */
+/* The voltage at rest as a fraction of the nominal one, for lead-acid cells: when empty, and the
+ * rise from empty to full. */
 #define EMPTY_SHARE 0.945
 #define CHARGE_SHARE 0.115
 

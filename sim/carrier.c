@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * One turn of a simulated robot in real time.
+ * Advances one simulated robot in real time.
  */
 #include "carrier.h"
 
-/* Datagrams taken from one robot's socket before the others have their turn. */
+/* Datagrams read from one robot's socket before the other robots are served. */
 #define DATAGRAMS_PER_TURN 256
-/* What lies in the socket came no longer ago than this: less than the robot's watchdog. */
+/* Waiting datagrams are taken to be at most this old: less than the robot's watchdog. */
 #define LONGEST_WAIT_US 900000u
 
 static void take_in(const sim_carrier *c, uint64_t now_us) {
@@ -52,8 +52,8 @@ static void send_out(const sim_carrier *c, uint64_t now_us) {
 }
 
 void sim_carrier_turn(const sim_carrier *c, uint64_t now_us) {
-    /* Datagrams before the time in which they came: after a stall of this process its robots must
-     * not find their watchdogs hungry while the food lies in the socket. */
+    /* Read datagrams before advancing the time: after a stall of this process no robot's watchdog
+     * may trip while commands wait in the socket. */
     if (net_is_ready(c->net, c->index)) {
         roburoc4_sim_advance(c->sim, now_us - LONGEST_WAIT_US);
         take_in(c, now_us);

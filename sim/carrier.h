@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Between a simulated robot and its socket: time and datagrams, through a network with faults
- * where there is one. What server.c and host.c have in common.
+ * Connects a simulated robot with its socket and the time, through a faulty network if there is
+ * one. Used by server.c and host.c.
  */
 #ifndef ROBUROC4_SIM_CARRIER_H
 #define ROBUROC4_SIM_CARRIER_H
@@ -10,7 +10,7 @@
 #include "network.h"
 
 #define SIM_LONGEST_UDP 65536
-/* What passes through a faulty network: one Ethernet frame. */
+/* The longest datagram that passes a faulty network: one Ethernet frame. */
 #define SIM_LONGEST_FRAME 1472
 
 typedef struct sim_carrier {
@@ -21,7 +21,7 @@ typedef struct sim_carrier {
     uint8_t *buffer;       /* of SIM_LONGEST_UDP bytes; carriers may share one */
 } sim_carrier;
 
-/* Take what arrived, let time go on to now_us, send what there is to send. After net_wait(). */
+/* Reads what arrived, advances to now_us, sends what is due. To be called after net_wait(). */
 void sim_carrier_turn(const sim_carrier *carrier, uint64_t now_us);
 /* When the next turn is due without a datagram. */
 uint64_t sim_carrier_next_deadline(const sim_carrier *carrier);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a person's hands do: control panel, remote control (manual 5.1, 5.2) and game pad (4.1).
- * Its one job is to keep the rules of when there is power, and when the pad has the say.
+ * What a person operates: control panel, remote control (manual 5.1, 5.2) and game pad (4.1). The
+ * rules of when there is motor power, and when the pad is in control.
  */
 #include <string.h>
 
@@ -89,7 +89,7 @@ void sim_cockpit_cycle(roburoc4_sim *sim) {
 void sim_cockpit_press(roburoc4_sim *sim, uint32_t button, bool down) {
     bool *state = &sim->buttons[button - ROBUROC4_DI_PAD_A];
     if (button == ROBUROC4_DI_PAD_A && *state != down) {
-        /* Who takes over starts from a standstill: the other's command is dead. */
+        /* Whoever takes over starts with target 0: the previous command is discarded. */
         sim_motion_forget(sim);
     }
     *state = down;

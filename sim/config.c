@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The configuration: its defaults, and which values make no robot.
+ * The configuration: its defaults, and which values are refused.
  */
 #include <string.h>
 
@@ -12,7 +12,7 @@ static void set_defaults(roburoc4_sim_config *config) {
         0x0001,
         ROBUROC4_TYPE_IOCARD,
         ROBUROC4_TYPE_TELEMETER,
-        0x4006, /* a battery's is not known from anywhere */
+        0x4006, /* the battery's type code is documented nowhere */
         ROBUROC4_TYPE_LOCALIZATION,
         ROBUROC4_TYPE_DIFFERENTIAL,
     };

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * The robot's `udpserver.cfg` (manual 4.2.5.6): an INI text of `[Section]` and `Field=value`
- * lines. Its one job is to find the fields that the simulator knows and to skip the rest.
+ * lines. Fields that the simulator does not know are skipped.
  */
 #include <stdio.h>
 #include <string.h>
@@ -77,7 +77,7 @@ static bool read_watchdog(roburoc4_sim_config *config, piece value, unsigned lin
     return true;
 }
 
-/* What is wrong with a setting alone; NULL: nothing. */
+/* What is wrong with this one setting; NULL if nothing. */
 static const char *setting_error(const char *name, double value) {
     roburoc4_sim_config alone;
     (void)roburoc4_sim_config_init(&alone, sizeof alone);
@@ -113,7 +113,7 @@ static section section_named(piece name) {
                                                  : OTHER;
 }
 
-/* One line; `inside` remembers which section goes on. */
+/* One line; `inside` keeps the current section. */
 static bool read_line(roburoc4_sim_config *config, piece line, unsigned number, section *inside,
                       char *error, size_t capacity) {
     if (line.length == 0 || line.text[0] == ';' || line.text[0] == '#') {

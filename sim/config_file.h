@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The settings that roburoc4-sim reads from a file.
+ * The configuration file of roburoc4-sim.
  */
 #ifndef ROBUROC4_SIM_CONFIG_FILE_H
 #define ROBUROC4_SIM_CONFIG_FILE_H

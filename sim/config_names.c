@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The configuration's members by name, for who reads them from a command line or a file.
+ * The configuration's members by name, for command lines and files.
  */
 #include <float.h>
 #include <stddef.h>
@@ -55,7 +55,7 @@ static const member members[] = {
     MEMBER(start_theta_rad, DOUBLE),
 };
 
-/* A whole number within these; every one of them is exact in a double. */
+/* An integer within these limits, all of which a double holds exactly. */
 static bool is_whole(double value, double min, double max) {
     return value >= min && value <= max && floor(value) >= value;
 }
@@ -96,7 +96,7 @@ roburoc4_result roburoc4_sim_config_set(roburoc4_sim_config *config, const char 
                                         double value) {
     for (size_t index = 0; index < sizeof members / sizeof members[0]; index++) {
         const member *found = &members[index];
-        bool known = found->offset < config->size; /* to who made the struct */
+        bool known = found->offset < config->size; /* to the version that made the struct */
         if (known && strcmp(found->name, name) == 0) {
             void *at = (uint8_t *)config + found->offset;
             return store(at, found->kind, value) ? ROBUROC4_OK : ROBUROC4_ERR_ARGUMENT;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The controls by number and by name. Its one job is the table of them, with the values that each
- * can have; what follows from a value is the business of the parts.
+ * The table of controls, by number and by name, and the values that each accepts. What a value does
+ * is up to the other parts.
  */
 #include "controls.h"
 
@@ -32,7 +32,7 @@ static const sim_control controls[] = {
     {ROBUROC4_SIM_PAD_AXIS + ROBUROC4_AI_PAD_##channel, 1, "pad_" name, {NULL, NULL}, -1, 1}
     AXIS(LJ_X, "lj_x"), AXIS(LJ_Y, "lj_y"), AXIS(RJ_X, "rj_x"), AXIS(RJ_Y, "rj_y"),
     AXIS(LT, "lt"), AXIS(RT, "rt"),
-    /* with an index behind the name; what can only be read has no values */
+    /* with an index after the name; controls without values are read-only */
     {ROBUROC4_SIM_PIN_ANALOG,     ROBUROC4_SIM_MAX_ANALOG,  "pin_analog",     {NULL, NULL}, 0, 0},
     {ROBUROC4_SIM_PIN_DIGITAL,    ROBUROC4_SIM_MAX_DIGITAL, "pin_digital",    {"off", "on"}, 0, 1},
     {ROBUROC4_SIM_ANALOG_OUTPUT,  ROBUROC4_SIM_MAX_ANALOG,  "analog_output",  {NULL, NULL}, 1, 0},
@@ -55,7 +55,7 @@ const sim_control *sim_control_numbered(uint32_t number) {
 
 typedef enum likeness { DIFFERENT, BEGINNING, SAME } likeness;
 
-/* How the first `length` letters of a name are like a control's, whatever their underscores. */
+/* How well the first `length` letters of a name match a control's, ignoring underscores. */
 static likeness compare(const char *name, size_t length, const char *control) {
     for (size_t at = 0; at < length; at++) {
         if (name[at] == '_') {

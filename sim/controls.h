@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The table of controls, for who reads their names and values from text.
+ * The table of controls, for readers of names and values in text.
  */
 #ifndef ROBUROC4_SIM_CONTROLS_H
 #define ROBUROC4_SIM_CONTROLS_H
@@ -8,13 +8,13 @@
 #include "model.h"
 
 typedef struct sim_control {
-    uint32_t number, count; /* count: more than 1 with an index behind the name */
+    uint32_t number, count; /* count above 1: an index follows the name */
     const char *name;
-    const char *words[2]; /* for 0 and 1 in a line of text, or NULL */
+    const char *words[2]; /* the text for 0 and 1, or NULL */
     int32_t low, high;
 } sim_control;
 
-/* The one that has this number; NULL: none. */
+/* The control with this number, or NULL. */
 const sim_control *sim_control_numbered(uint32_t number);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * One thread: it waits for datagrams or the next cycle, and takes a turn of carrier.c.
+ * One thread, which waits for datagrams or the next cycle and then calls carrier.c.
  */
 #include "host.h"
 
@@ -31,7 +31,7 @@ static void serve(void *argument) {
     while (!stopping) {
         uint64_t due_us, now_us;
         roburoc4_lock_take(&host->lock);
-        net_wait(host->carrier.net, false, 0); /* somebody may have held the lock for long */
+        net_wait(host->carrier.net, false, 0); /* the lock may have been held for long */
         sim_carrier_turn(&host->carrier, net_now_us());
         due_us = sim_carrier_next_deadline(&host->carrier);
         stopping = host->stopping;
@@ -43,7 +43,8 @@ static void serve(void *argument) {
     }
 }
 
-/* ------------------------------------------------------------------------------------- life --- */
+/* ------------------------------------------------------------------------------------- creation
+ * --- */
 
 static void free_host(sim_host *host) {
     if (host->carrier.net != NULL) {
@@ -64,7 +65,7 @@ sim_host *sim_host_open(roburoc4_sim *sim, const char *address, uint16_t port, i
     host->carrier.sim = sim;
     host->carrier.buffer = host->buffer;
     host->carrier.net = net_create(1);
-    *error = host->carrier.net == NULL ? EMFILE : ENOMEM; /* should anything be missing here */
+    *error = host->carrier.net == NULL ? EMFILE : ENOMEM; /* if one of these fails */
     host->carrier.in = sim_network_create(NULL, 1, FLIGHTS, SIM_LONGEST_FRAME);
     host->carrier.out = sim_network_create(NULL, 2, FLIGHTS, SIM_LONGEST_FRAME);
     if (host->carrier.net != NULL && host->carrier.in != NULL && host->carrier.out != NULL) {

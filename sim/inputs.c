@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * The inputs of the IO card. Its one job is to say what each channel reads, by the manual's
- * table 5.5.1, unless a test has pinned it.
+ * The inputs of the IO card: what each channel reads, by the manual's table 5.5.1, unless a test
+ * has pinned it.
  */
 #include <string.h>
 
 #include "model.h"
 
-/* The manual's tables skip the number 02; a card with one channel more has it as an unused one. */
+/* The manual's tables skip number 02; on a card with one more channel it is an unused input. */
 static int32_t skip_number_two(uint32_t index) {
     if (index == 2) {
         return -1;

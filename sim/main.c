@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * roburoc4-sim: a simulated RobuROC4 behind UDP. This file's one job is the command line.
+ * roburoc4-sim, a simulated RobuROC4 on a UDP port: the command line.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -60,7 +60,7 @@ static const char help[] =
     "one address for each robot. SIGINT and SIGTERM end it.\n"
     "Exit status: 0 ended on request, 1 cannot listen, 2 bad usage.\n";
 
-/* Says on stderr what is wrong with an option's value; always false. */
+/* Prints to stderr what is wrong with an option's value; always false. */
 static bool complain(const char *option, const char *value, const char *remedy) {
     (void)fprintf(stderr, "roburoc4-sim: %s %s: %s\n", option, value, remedy);
     return false;

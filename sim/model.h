@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The simulator's one internal header: the state of a robot, and what its parts offer to one
- * another. Each part lives in the file that its section names.
+ * The simulator's internal header: the state of a robot, and what its parts offer to each other.
+ * The heading of each section names the file that holds it.
  */
 #ifndef ROBUROC4_SIM_MODEL_H
 #define ROBUROC4_SIM_MODEL_H
@@ -34,7 +34,7 @@ typedef struct sim_speed {
     double linear_m_s, angular_rad_s;
 } sim_speed;
 
-/* One period of a subscription; period 0 is none. */
+/* A subscription; period 0 if there is none. */
 typedef struct sim_subscription {
     uint64_t phase_cycles;
     uint8_t period_cycles;
@@ -43,7 +43,7 @@ typedef struct sim_subscription {
 typedef struct sim_peer {
     uint64_t key;
     uint64_t heard_us;
-    uint64_t refused_us; /* first report that nobody listens, since it was last heard */
+    uint64_t refused_us; /* first report of a closed port since its last datagram */
     uint32_t datagrams;  /* 0: the slot is free */
     bool refused;
     sim_subscription subscriptions[ROBUROC4_SERVICE_COUNT];
@@ -116,7 +116,7 @@ struct roburoc4_sim {
     uint32_t peer_count; /* slots in use are below it */
     sim_queue queue;
 
-    /* the last command and the counters, in the form in which they are handed out */
+    /* the last command and the counters, as the public snapshot has them */
     roburoc4_sim_state counts;
 };
 
@@ -125,18 +125,18 @@ static inline bool sim_is_finite(double value) {
     return value >= -DBL_MAX && value <= DBL_MAX;
 }
 
-/* Sizes that a struct of another version may have: it knows so many of the members. */
+/* Sizes that a struct of another version may have; it tells which members there are. */
 static inline bool sim_size_is_valid(size_t size, size_t own) {
     return size >= 8 && size <= own && size % 8 == 0;
 }
 
-/* To -pi..pi. */
+/* Wraps to -pi..pi. */
 static inline double sim_wrap(double angle_rad) {
     return angle_rad > SIM_PI || angle_rad < -SIM_PI ? remainder(angle_rad, 2.0 * SIM_PI)
                                                      : angle_rad;
 }
 
-/* config.c: a configuration of this or an older size, with defaults for what it does not know. */
+/* config.c: a configuration of this or an older size, with defaults for the missing members. */
 bool sim_config_take(roburoc4_sim_config *out, const roburoc4_sim_config *config);
 
 /* random.c: a small generator, seeded per robot and per channel. */
@@ -161,7 +161,7 @@ uint32_t sim_peer_subscriptions(const sim_peer *peer);
 
 /* protocol.c: datagrams in, answers out. */
 void sim_protocol_receive(roburoc4_sim *sim, uint64_t peer, const uint8_t *data, size_t size);
-/* services.c: what the services say of themselves; lengths as the codec's encoders return them. */
+/* services.c: telegrams of the services; lengths as the codec's encoders return them. */
 bool sim_service_exists(const roburoc4_sim *sim, uint32_t service);
 int32_t sim_service_of_id(const roburoc4_sim *sim, uint16_t id);
 roburoc4_result sim_service_properties(const roburoc4_sim *sim, const sim_peer *asker,
@@ -176,7 +176,7 @@ void sim_services_notify(roburoc4_sim *sim);
 /* inputs.c: what the IO card reads. */
 int32_t sim_channel_meaning(const roburoc4_sim *sim, uint32_t io_type, uint32_t index);
 float sim_analog_input(const roburoc4_sim *sim, uint32_t index);
-float sim_reported_voltage(const roburoc4_sim *sim); /* of the battery, as the IO card has it */
+float sim_reported_voltage(const roburoc4_sim *sim); /* of the battery, as the IO card reports it */
 bool sim_digital_input(const roburoc4_sim *sim, uint32_t index);
 bool sim_bumper(const roburoc4_sim *sim, uint32_t which);
 
@@ -185,12 +185,12 @@ void sim_inputs_unpin(roburoc4_sim *sim);
 /* cockpit.c: power, motors, game pad. */
 void sim_cockpit_power_up(roburoc4_sim *sim);
 void sim_cockpit_switch(roburoc4_sim *sim, bool on);
-bool sim_cockpit_press_motor_button(roburoc4_sim *sim); /* false: there can be no motor power */
+bool sim_cockpit_press_motor_button(roburoc4_sim *sim); /* false if motor power is not possible */
 void sim_cockpit_check_motors(roburoc4_sim *sim);       /* after a change that may forbid them */
 void sim_cockpit_press(roburoc4_sim *sim, uint32_t button, bool down); /* ROBUROC4_DI_PAD_* */
 void sim_cockpit_release_pad(roburoc4_sim *sim);
 bool sim_pad_drives(const roburoc4_sim *sim);
-void sim_cockpit_cycle(roburoc4_sim *sim); /* the pad sets the target where it has the say */
+void sim_cockpit_cycle(roburoc4_sim *sim); /* the pad sets the target while it is in control */
 
 /* motion.c */
 void sim_motion_init(roburoc4_sim *sim); /* take the limits of the configuration */

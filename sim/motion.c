@@ -1,26 +1,25 @@
 /* SPDX-License-Identifier: MIT
  *
- * How the robot moves. Its one job is to turn the target into wheel speeds (a second-order
- * response with limits), wheel speeds into odometry, and wheel speeds with slip into the true
- * motion of the body.
+ * How the robot moves: from the target to wheel speeds (a second-order response with limits), from
+ * wheel speeds to odometry, and from wheel speeds with slip to the true motion of the body.
  */
 #include <math.h>
 
 #include "model.h"
 
-/* Measured on a RobuROC4: natural frequency and damping of its speed loops. */
+/* Natural frequency and damping of the speed loops, measured on a RobuROC4. */
 #define LINEAR_OMEGA_RAD_S 2.46
 #define LINEAR_ZETA 0.79
 #define ANGULAR_OMEGA_RAD_S 2.42
 #define ANGULAR_ZETA 0.77
 
-/* Without motor power: brakes closed, or released and rolling out. */
+/* Deceleration without motor power: with brakes applied, or released and coasting. */
 #define BRAKE_M_S2 5.0
 #define BRAKE_RAD_S2 16.0
 #define ROLL_M_S2 0.8
 #define ROLL_RAD_S2 4.0
 
-/* Below these an axis with target 0 counts as standing. */
+/* An axis with target 0 counts as standing below these speeds. */
 #define REST_SPEED 1e-4
 #define REST_SLOPE 1e-3
 
@@ -39,7 +38,7 @@ static sim_response sample_response(double omega, double zeta) {
     return response;
 }
 
-/* A pair of limits, or its default where it makes no sense. */
+/* A pair of limits, or its default where it is invalid. */
 static void take_limits(float max, float min, double fallback, double *out_max, double *out_min) {
     bool usable =
         sim_is_finite((double)max) && sim_is_finite((double)min) && min <= 0.0f && max >= 0.0f;
@@ -127,7 +126,7 @@ static void drive_wheels(roburoc4_sim *sim) {
     follow(&sim->angular, sim->target.angular_rad_s);
 }
 
-/* Where a pose gets to on an arc: exact for constant speeds. */
+/* Where a pose ends on an arc: exact for constant speeds. */
 static sim_pose along_arc(const sim_pose *from, double distance_m, double turn_rad) {
     double half = 0.5 * turn_rad;
     double chord = fabs(half) < 1e-6 ? distance_m : distance_m * sin(half) / half;
@@ -138,7 +137,7 @@ static sim_pose along_arc(const sim_pose *from, double distance_m, double turn_r
     return to;
 }
 
-/* A skid-steered robot drags its wheels sideways: it turns less than they say, and unevenly. */
+/* A skid-steered robot drags its wheels sideways: it turns less than they report, and unevenly. */
 static sim_speed slip(roburoc4_sim *sim, sim_speed wheels) {
     double share = (double)sim->config.slip;
     sim->slip_noise = 0.98 * sim->slip_noise + 0.1 * sim_random_signed(&sim->random);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the server wants of the operating system: UDP sockets, a clock, lines from standard input
- * and the wish to stop. os_posix.c and os_windows.c give it. It is not part of src/os.h: a robot's
- * sockets are bound and hear everybody, many of them are waited for at once, and reports of closed
- * ports name the peer, while a client's one socket is connected; the two would share a clock.
+ * What the server needs of the operating system: UDP sockets, a clock, lines from standard input
+ * and the request to stop. Implemented by os_posix.c and os_windows.c. Not part of src/os.h: a
+ * robot's sockets are bound, serve any peer, and are waited for together, while a client has one
+ * connected socket; the two would share only a clock.
  */
 #ifndef ROBUROC4_SIM_NET_H
 #define ROBUROC4_SIM_NET_H
@@ -18,12 +18,12 @@ typedef struct net_sockets net_sockets;
 net_sockets *net_create(size_t sockets);
 void net_destroy(net_sockets *net);
 
-/* Open socket `index` on an IPv4 address and port (0: any free one) and tell which port it got.
- * 0, or the system's error number. */
+/* Open socket `index` on an IPv4 address and port (0: any free one), and store the port. Returns 0
+ * or the system's error number. */
 int net_bind(net_sockets *net, size_t index, const char *address, uint16_t port, uint16_t *bound);
 /* A text for an error number. */
 void net_error_text(int error, char *text, size_t capacity);
-/* Whether `address` is an IPv4 address in numbers. */
+/* Whether `address` is a numeric IPv4 address. */
 bool net_is_address(const char *address);
 
 /* Sleep until a datagram is there, or input if `input`, or timeout_us went by. */
@@ -39,16 +39,15 @@ void net_send(net_sockets *net, size_t index, uint64_t peer, const uint8_t *data
 /* Take a report that a peer's port is closed; false when there is none. */
 bool net_refused(net_sockets *net, size_t index, uint64_t *peer);
 
-/* Read what there is of standard input without waiting: its length, 0 for nothing yet, -1 at the
- * end. To be asked after net_wait(net, true, ...). */
+/* Read standard input without waiting: the length, 0 for nothing yet, -1 at the end. To be called
+ * after net_wait(net, true, ...). */
 ptrdiff_t net_read_input(net_sockets *net, char *buffer, size_t capacity);
 
 /* A clock in microseconds that never goes back. */
 uint64_t net_now_us(void);
-/* From here on take SIGINT, SIGTERM and Ctrl-C as the wish to stop: for a program, never a library.
- */
+/* Take SIGINT, SIGTERM and Ctrl-C as a request to stop from now on: for programs, not libraries. */
 void net_listen_for_stop(void);
-/* Whether somebody wished that. */
+/* Whether a stop was requested. */
 bool net_stop_wanted(void);
 
 #endif

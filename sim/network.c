@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * One direction of a bad network. Its one job is to decide, from a seed and in virtual time, what
- * becomes of each datagram: lost, late, twice, out of order, damaged.
+ * One direction of a faulty network. A seed decides, in virtual time, whether each datagram is
+ * lost, delayed, duplicated, reordered or corrupted.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -24,13 +24,14 @@ struct sim_network {
     roburoc4_sim_faults faults;
     sim_network_counts counts;
     uint64_t random;
-    uint64_t last_arrival_us; /* of those that keep their order */
+    uint64_t last_arrival_us; /* of the datagrams that are not reordered */
     uint32_t capacity, longest, in_flight;
-    flight *heap; /* by arrival, then order; behind in_flight lie the free slots */
+    flight *heap; /* by arrival, then order; free slots from in_flight on */
     uint8_t *bytes;
 };
 
-/* ------------------------------------------------------------------ heap of what is on its way ---
+/* ------------------------------------------------------------------ heap of datagrams in flight
+ * ---
  */
 
 static bool earlier(const flight *a, const flight *b) {
@@ -67,7 +68,7 @@ static void sift_down(flight *heap, uint32_t count) {
     }
 }
 
-/* --------------------------------------------------------------------------------- life --- */
+/* --------------------------------------------------------------------------------- creation --- */
 
 static bool is_share(double value) {
     return value >= 0.0 && value <= 1.0;
@@ -125,7 +126,7 @@ void sim_network_destroy(sim_network *network) {
     }
 }
 
-/* ------------------------------------------------------------------------------- the faults --- */
+/* ------------------------------------------------------------------------------- faults --- */
 
 static uint8_t *bytes_of(sim_network *network, const flight *one) {
     return network->bytes + (size_t)one->slot * network->longest;
@@ -141,7 +142,7 @@ static void damage(sim_network *network, flight *one) {
     uint64_t first_bit = sim_random(&network->random) % (8u * (uint64_t)one->length);
     uint64_t flips = 1 + luck / 4 % MAX_FLIPPED_BITS;
     for (uint64_t flip = 0; flip < flips; flip++) {
-        /* Steps of a prime far from any field's width; the same bit is never flipped back. */
+        /* Steps of a prime, unrelated to any field's width; no bit is flipped twice. */
         uint64_t bit = (first_bit + flip * 37) % (8u * (uint64_t)one->length);
         bytes[bit / 8] = (uint8_t)(bytes[bit / 8] ^ 1u << bit % 8);
     }
@@ -194,7 +195,7 @@ void sim_network_push(sim_network *network, uint64_t peer, const uint8_t *data, 
         network->counts.dropped++;
         return;
     }
-    /* A clock that was set back must not make new datagrams wait for the old time. */
+    /* After a clock was set back, new datagrams must not wait for the old time. */
     if (network->in_flight == 0) {
         network->last_arrival_us = 0;
     }
@@ -211,7 +212,7 @@ void sim_network_push(sim_network *network, uint64_t peer, const uint8_t *data, 
     }
 }
 
-/* ------------------------------------------------------------------------------- the way out ---
+/* ------------------------------------------------------------------------------- receiving ---
  */
 
 roburoc4_result sim_network_poll(sim_network *network, uint64_t now_us, uint64_t *peer,

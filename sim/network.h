@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * One direction of a bad network in virtual time: push what is sent, poll what arrives. Needs
- * nothing of a robot.
+ * One direction of a faulty network in virtual time: push what is sent, poll what arrives.
  */
 #ifndef ROBUROC4_SIM_NETWORK_H
 #define ROBUROC4_SIM_NETWORK_H
@@ -24,10 +23,10 @@ sim_network *sim_network_create(const roburoc4_sim_faults *faults, uint64_t seed
                                 uint32_t datagrams, uint32_t longest);
 /* NULL is ignored. */
 void sim_network_destroy(sim_network *network);
-/* Other faults from now on; what is in flight stays so. Results of sim_faults_take(). */
+/* Change the faults; what is in flight stays unchanged. Results as of sim_faults_take(). */
 roburoc4_result sim_network_set_faults(sim_network *network, const roburoc4_sim_faults *faults);
-/* Send a datagram. What finds the network full, or is empty or too long for it, is dropped and
- * counted. `peer` is any number; it comes out with the datagram. */
+/* Send a datagram. One that is empty, too long, or finds the network full is dropped and counted.
+ * `peer` is any number, and is returned with the datagram. */
 void sim_network_push(sim_network *network, uint64_t peer, const uint8_t *data, size_t size,
                       uint64_t now_us);
 /* Take the next datagram that has arrived: its length, or 0 when there is none.

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Numbers in text. The one job is to read all of a text as one plain decimal number or to refuse
- * it: no locale, no surrounding blanks, no trailing rest.
+ * Decimal numbers in text. The whole text must be the number: no locale, no surrounding blanks, no
+ * trailing characters.
  */
 #ifndef ROBUROC4_SIM_NUMBER_H
 #define ROBUROC4_SIM_NUMBER_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The floor around the robot: boxes, walls (thin boxes), and the robot's body among them. Its one
- * job is that the body never enters a box and that bumpers feel what they touch.
+ * The floor around the robot: boxes, walls (thin boxes) and the robot's body. The body never enters
+ * a box, and bumpers feel what they touch.
  */
 #include <math.h>
 
@@ -87,7 +87,7 @@ static sim_pose between(const sim_pose *from, const sim_pose *to, double share) 
     return pose;
 }
 
-/* Go as far towards the goal as is free: one cycle's way, halved often enough for 0.1 mm. */
+/* Go as far towards the goal as is free: one cycle's distance, bisected down to 0.1 mm. */
 static void approach(roburoc4_sim *sim, const sim_pose *goal) {
     sim_pose start = sim->truth;
     double reached = 0.0;
@@ -107,7 +107,7 @@ void sim_obstacles_move(roburoc4_sim *sim, const sim_pose *goal) {
         sim->truth = *goal;
     } else {
         approach(sim, goal);
-        /* What is left of the turn, or else of the way, may be free: the body slides along. */
+        /* The rest of the turn, or else of the distance, may be free: the body slides along. */
         sim_pose turned = {sim->truth.x_m, sim->truth.y_m, goal->theta_rad};
         sim_pose shifted = {goal->x_m, goal->y_m, sim->truth.theta_rad};
         if (is_free(sim, &turned)) {
@@ -195,8 +195,8 @@ typedef struct furniture {
 } furniture;
 
 void sim_obstacles_init(roburoc4_sim *sim) {
-    /* Seen from the start pose. The first box and the wall behind are in the telemeters' sight;
-     * nothing is nearer to the body than 5 m. */
+    /* Relative to the start pose. The telemeters see the first box and the wall behind it; nothing
+     * is nearer to the body than 5 m. */
     static const furniture room[] = {
         {2.0, 6.5, 16.1, SIM_WALL_THICKNESS_M, 0.0},
         {2.0, -6.5, 16.1, SIM_WALL_THICKNESS_M, 0.0},

@@ -102,7 +102,7 @@ static int set_up(int fd) {
     (void)setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &size, sizeof size);
     (void)setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &size, sizeof size);
 #ifdef IP_RECVERR
-    /* Without it an unconnected socket never hears that a port is closed. */
+    /* Without it an unconnected socket never learns that a port is closed. */
     int on = 1;
     (void)setsockopt(fd, IPPROTO_IP, IP_RECVERR, &on, sizeof on);
 #endif
@@ -160,7 +160,7 @@ ptrdiff_t net_receive(net_sockets *net, size_t index, uint64_t *peer, uint8_t *b
     ssize_t size =
         recvfrom(net->polls[index].fd, buffer, capacity, 0, (struct sockaddr *)&from, &length);
     if (size < 0 && errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) {
-        /* A pending error of an earlier datagram; reading it has cleared it. */
+        /* The pending error of an earlier datagram; reading it cleared it. */
         size =
             recvfrom(net->polls[index].fd, buffer, capacity, 0, (struct sockaddr *)&from, &length);
     }
@@ -173,7 +173,7 @@ ptrdiff_t net_receive(net_sockets *net, size_t index, uint64_t *peer, uint8_t *b
 
 void net_send(net_sockets *net, size_t index, uint64_t peer, const uint8_t *data, size_t size) {
     struct sockaddr_in to = address_of(peer);
-    /* The first attempt may only tell of an earlier datagram that was refused. */
+    /* The first attempt may report only that an earlier datagram was refused. */
     for (int attempt = 0; attempt < 2; attempt++) {
         if (sendto(net->polls[index].fd, data, size, 0, (const struct sockaddr *)&to, sizeof to) >=
                 0 ||
@@ -186,7 +186,7 @@ void net_send(net_sockets *net, size_t index, uint64_t peer, const uint8_t *data
 bool net_refused(net_sockets *net, size_t index, uint64_t *peer) {
 #ifdef IP_RECVERR
     struct sockaddr_in to;
-    uint8_t start; /* of what was refused; emulators do not take a message without a place */
+    uint8_t start; /* of the refused datagram; emulators need a buffer here */
     struct iovec place = {&start, sizeof start};
     struct msghdr message;
     memset(&message, 0, sizeof message);

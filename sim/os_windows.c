@@ -24,7 +24,7 @@ struct net_sockets {
     size_t count;
     WSAPOLLFD *polls;
     HANDLE reader;
-    CRITICAL_SECTION lock; /* guards the two below */
+    CRITICAL_SECTION lock; /* protects the two members below */
     size_t input_used;
     bool input_ended;
     char input[INPUT_BYTES];
@@ -61,8 +61,8 @@ void net_destroy(net_sockets *net) {
     }
     (void)WSACleanup();
     if (net->reader != NULL) {
-        /* The reader may sit in a read that never returns: the process' end takes it along, and
-         * its buffer has to live until then. */
+        /* The reader may be in a read that never returns: it ends with the process, and its buffer
+         * must last until then. */
         return;
     }
     DeleteCriticalSection(&net->lock);
@@ -116,7 +116,7 @@ static void set_up(SOCKET fd) {
     (void)setsockopt(fd, SOL_SOCKET, SO_SNDBUF, (const char *)&size, sizeof size);
     (void)setsockopt(fd, SOL_SOCKET, SO_EXCLUSIVEADDRUSE, (const char *)&exclusive,
                      sizeof exclusive);
-    /* Reports of closed ports name no peer here, and fail a receive each. */
+    /* Reports of closed ports name no peer here, and each makes a receive fail. */
     (void)WSAIoctl(fd, UDP_CONNRESET, &report, sizeof report, NULL, 0, &returned, NULL, NULL);
     (void)ioctlsocket(fd, (long)FIONBIO, &nonblocking);
 }

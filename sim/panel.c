@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The control panel in words: `NAME VALUE` for each control of controls.c, and a few commands,
- * which `help` prints too.
+ * The control panel as text: `NAME VALUE` for each control of controls.c, and a few commands, which
+ * `help` lists too.
  */
 #include <stdio.h>
 #include <string.h>
@@ -210,7 +210,7 @@ static const command commands[] = {
     {"help", do_help, "help"},
 };
 
-/* What commands[] does not have. */
+/* Lines that are not in commands[]. */
 static const char controls_usage[] =
     "pad a|b|x|y|back|start|d_down|d_left|d_right|d_up|lj|rj|lb|rb down|up\n"
     "pad lj_x|lj_y|rj_x|rj_y|lt|rt -1..1   (triggers rest at -1)\n"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The table of peers. Its one job is to remember who subscribed, for as long as they may want it,
- * in a fixed number of slots that spoofed senders cannot take from those who really listen.
+ * The table of peers: who subscribed, for as long as they may want it, in a fixed number of slots
+ * that spoofed senders cannot take from real listeners.
  */
 #include <string.h>
 
@@ -9,7 +9,7 @@
 
 #define UNREACHABLE_SILENCE_US 5000000u
 #define UNREACHABLE_REPORTS_US 2000000u
-/* A subscriber that spoke only once may be a spoofed sender: others may need its place soon. */
+/* A subscriber that sent only one datagram may be spoofed: its slot is free for others soon. */
 #define ONE_TIMER_SILENCE_US 1000000u
 #define SUBSCRIBER_SILENCE_US 60000000u
 
@@ -44,7 +44,7 @@ static int32_t free_slot(roburoc4_sim *sim) {
     return sim->peer_count == ROBUROC4_SIM_MAX_PEERS ? -1 : (int32_t)sim->peer_count++;
 }
 
-/* How readily a peer's slot is given away: 0 never, else the more the sooner. */
+/* How readily a peer's slot is given away: 0 for never, higher for sooner. */
 static int readiness(const roburoc4_sim *sim, const sim_peer *peer, bool to_subscriber) {
     if (sim_peer_subscriptions(peer) == 0) {
         return 3;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The robot's ear: every datagram that comes in is a request, which gets its answer here, a
- * command, or nothing. No content and no length may do harm.
+ * Received datagrams: a request, which is answered here, a command, or neither. No content and no
+ * length may do harm.
  */
 
 #include "model.h"
@@ -66,7 +66,7 @@ static uint8_t insert(roburoc4_sim *sim, uint64_t key, const roburoc4_request *r
     }
     sim_subscription *wish = &peer->subscriptions[service];
     if (wish->period_cycles != request->period_cycles) {
-        /* A repeated request must not shift a beat that is already going. */
+        /* A repeated request must not shift the phase of a running subscription. */
         wish->period_cycles = request->period_cycles;
         wish->phase_cycles = sim->cycles;
     }
@@ -94,7 +94,7 @@ static uint8_t replace(roburoc4_sim *sim, const roburoc4_request *request) {
     return ROBUROC4_ERROR_NONE;
 }
 
-/* Which error a request deserves before its body is looked at. */
+/* The error of a request, as far as its header tells. */
 static uint8_t refusal(const roburoc4_sim *sim, const roburoc4_request *request, int32_t service) {
     if (service < 0) {
         return ROBUROC4_ERROR_TARGET;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The transmit queue: records of `peer, length, bytes` in a ring. Its one job is to keep what the
- * robot says until the caller polls for it, in order, without allocation.
+ * The transmit queue: records of `peer, length, bytes` in a ring. It keeps what the robot sends, in
+ * order and without allocation, until the caller polls for it.
  */
 #include <string.h>
 
@@ -56,7 +56,7 @@ roburoc4_result sim_queue_pop(sim_queue *queue, uint64_t *peer, uint8_t *buffer,
     *peer = head.peer;
     uint32_t taken = (uint32_t)sizeof head + head.length;
     queue->used -= taken;
-    /* An empty ring starts over, so that a quiet robot touches little memory. */
+    /* An empty ring starts over, so that a quiet robot uses little memory. */
     queue->head = queue->used == 0 ? 0 : (queue->head + taken) % SIM_QUEUE_BYTES;
     return (roburoc4_result)head.length;
 }

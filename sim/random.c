@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Seeded noise: a 64-bit counter stirred by a mixing function, so that any seed, 0 too, is good
- * and the state is a single number.
+ * Seeded noise: a 64-bit counter and a mixing function, so that every seed is good, 0 included, and
+ * the state is a single number.
  */
 #include "model.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A simulated robot's life: creation, time, the way in and out for datagrams, and the snapshot.
- * Its one job is to join the parts; each cycle runs them in one fixed order.
+ * A simulated robot: creation, time, datagrams in and out, and the snapshot. Each cycle runs the
+ * parts in one fixed order.
  */
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The simulator in real time behind UDP sockets. Its one job is the loop: wait, give each robot its
- * turn, obey the panel.
+ * The simulator in real time behind UDP sockets: a loop that waits, serves each robot, and carries
+ * out the panel's commands.
  */
 #include "server.h"
 
@@ -15,7 +15,7 @@
 #define FLIGHTS_OF_ALL 65536u
 #define FLIGHTS_MIN 256u
 #define FLIGHTS_MAX 4096u
-/* After a longer gap (a debugger, a sleeping machine) the robots go on where they were. */
+/* After a longer gap (a debugger, a suspended machine) the robots continue where they were. */
 #define LONGEST_GAP_US 1000000u
 #define MAX_INPUT_LINE 256
 
@@ -46,7 +46,7 @@ static bool has_faults(const roburoc4_sim_faults *faults) {
 
 static bool create_robot(const server_options *options, uint32_t index, sim_carrier *robot) {
     roburoc4_sim_config config = options->config;
-    /* Every robot has its own luck, and each the same in every run. */
+    /* Each robot has a seed of its own, the same in every run. */
     config.seed += (uint64_t)index * 3;
     robot->sim = roburoc4_sim_create(&config);
     if (robot->sim == NULL || !has_faults(&options->faults)) {
@@ -257,7 +257,7 @@ int server_run(const server_options *options) {
         return 1;
     }
     running->options = options;
-    net_listen_for_stop(); /* before it says that it is ready: what follows may be a signal */
+    net_listen_for_stop(); /* before it prints that it is ready: a signal may follow at once */
     bool opened = open_all(running);
     if (opened) {
         say_ready(running);

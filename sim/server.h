@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What main.c tells the server of roburoc4-sim.
+ * The server of roburoc4-sim, called by main.c.
  */
 #ifndef ROBUROC4_SIM_SERVER_H
 #define ROBUROC4_SIM_SERVER_H
@@ -18,7 +18,8 @@ typedef struct server_options {
     roburoc4_sim_faults faults;
 } server_options;
 
-/* Serve until somebody asks to stop. The program's exit status: 0, or 1 after a line on stderr. */
+/* Serve until a stop is requested. Returns the program's exit status: 0, or 1 after a line on
+ * stderr. */
 int server_run(const server_options *options);
 
 #endif

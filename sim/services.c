@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The seven services: what each says of itself in properties, texts and statuses (manual 4.2.2
- * to 4.2.4). Its one job is to turn the model's state into telegrams.
+ * The seven services: the model's state as properties, texts and statuses (manual 4.2.2 to 4.2.4).
  */
 #include <string.h>
 

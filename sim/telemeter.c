@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The two ultrasonic telemeters. Its one job is to find the nearest obstacle in each one's cone.
+ * The two ultrasonic telemeters: the nearest obstacle within each one's cone.
  */
 #include <math.h>
 
@@ -12,7 +12,7 @@
 #define RAYS 11
 #define FULL_SCALE_V 5.0
 
-/* How far a ray gets until it enters a box; `limit` if it does not within that. */
+/* The distance at which a ray enters a box, at most `limit`. */
 static double ray_to_box(const sim_box *box, double x, double y, double ux, double uy,
                          double limit) {
     double px = (x - box->x_m) * box->cos_theta + (y - box->y_m) * box->sin_theta;

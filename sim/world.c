@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * world.c - virtual time: a robot, the clients that talk with it, and the networks between them.
- * Its one job is that time goes from one thing that happens to the next, with nothing left out.
+ * Virtual time: a robot, its clients, and the networks between them. Time jumps from one event to
+ * the next and skips none.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -26,13 +26,14 @@ struct roburoc4_world {
     roburoc4_sim *robot;
     uint64_t now_us;
     roburoc4_sim_faults faults;
-    uint32_t joined; /* since the beginning: seeds and numbers are used once */
+    uint32_t joined; /* ever: seeds and numbers are not reused */
     uint32_t count;
     member members[ROBUROC4_WORLD_CLIENTS]; /* in the order in which they joined */
     uint8_t datagram[LONGEST];
 };
 
-/* ------------------------------------------------------------------------------------ life --- */
+/* ------------------------------------------------------------------------------------ creation ---
+ */
 
 roburoc4_world *roburoc4_world_create(const roburoc4_sim_config *config) {
     roburoc4_world *world = calloc(1, sizeof *world);
@@ -126,8 +127,8 @@ roburoc4_result roburoc4_world_set_faults(roburoc4_world *world,
 
 /* ------------------------------------------------------------------------------- datagrams --- */
 
-/* Sends what a client has to send, and gives the robot what has arrived. Whether the client was due
- * and was not returned at this time: it may have events. */
+/* Sends what a client has to send, and delivers to the robot what has arrived. True if the client
+ * was due and step() has not returned it at this time yet: it may have events. */
 static bool send(roburoc4_world *world, member *from) {
     const bool due = roburoc4_client_next_deadline(from->client) <= world->now_us;
     uint64_t number;
@@ -174,7 +175,7 @@ static size_t receive(roburoc4_world *world, const member *to) {
     return (size_t)size;
 }
 
-/* What happens at this moment, up to the first client that has news: its number, or 0. */
+/* Handles what is due at this moment, up to the first client with news: its number, or 0. */
 static uint32_t exchange(roburoc4_world *world, size_t *size) {
     roburoc4_sim_advance(world->robot, world->now_us);
     *size = 0;
@@ -207,7 +208,7 @@ static uint64_t next_moment(const roburoc4_world *world, uint64_t until_us) {
         next_us = sooner(next_us, sim_network_next_deadline(at->to_robot));
         next_us = sooner(next_us, sim_network_next_deadline(at->from_robot));
     }
-    /* At least a microsecond, or a deadline that stays in the past would stop time. */
+    /* At least a microsecond, or a deadline in the past would stop the time. */
     return next_us > world->now_us + 1 ? next_us : world->now_us + 1;
 }
 
