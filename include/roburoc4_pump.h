@@ -50,7 +50,7 @@
 #ifndef ROBUROC4_PUMP_H
 #define ROBUROC4_PUMP_H
 
-#include "roburoc4_udp.h"
+#include "roburoc4_record.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -92,6 +92,10 @@ ROBUROC4_API roburoc4_result roburoc4_pump_close(roburoc4_pump *pump);
 /** Close, wait for those who were waiting, free the memory. NULL is fine. From here on no thread
  * may begin a call with this pump. */
 ROBUROC4_API void roburoc4_pump_destroy(roburoc4_pump *pump);
+/** Record what the pump sends and receives from now on; NULL: nothing more. Call it right after
+ *  create for a whole recording; close the recorder after the pump is destroyed. exit() ends the
+ *  recording, too. ROBUROC4_ERR_CLOSED, also with a pump that was made without an address. */
+ROBUROC4_API roburoc4_result roburoc4_pump_record(roburoc4_pump *pump, roburoc4_recorder *recorder);
 /** Take the pump's lock and get its client, for any roburoc4_client_*() call but receive(),
  *  poll_transmit(), take_events(), start() and close(), which are the pump's. NULL in a forked
  * child; then there is nothing to unlock. Read roburoc4_udp_now_us() while the lock is held. Hold

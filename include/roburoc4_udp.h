@@ -131,7 +131,9 @@ typedef struct roburoc4_udp {
     roburoc4_address private_address;
     uint32_t private_counters[8];
     uint8_t private_connected, private_broken;
-    uint8_t private_reserved[38];
+    uint8_t private_reserved[6];
+    struct roburoc4_recorder *private_recorder;
+    roburoc4_address private_own_address;
     uint8_t private_datagram[2048];
 } roburoc4_udp;
 

@@ -7,7 +7,7 @@
 #ifndef ROBUROC4_OS_H
 #define ROBUROC4_OS_H
 
-#include "roburoc4_udp.h"
+#include "roburoc4_record.h"
 
 #ifdef _WIN32
 #include <winsock2.h> /* before windows.h, which else brings in its forerunner */
@@ -61,6 +61,29 @@ int roburoc4_os_receive(int64_t socket, uint8_t *buffer, size_t capacity, size_t
 /** Wait until one of the two (each may be ROBUROC4_OS_NO_SOCKET) can be read, the time is over, or
  *  a signal handler ran. ROBUROC4_ERR_SYSTEM where one of them is unusable. */
 roburoc4_result roburoc4_os_wait(int64_t socket, int64_t wake, uint64_t timeout_us);
+
+/** This end's address of a connected socket; 0 where it has none. */
+int roburoc4_os_own_address(int64_t socket, roburoc4_address *out);
+
+/* ----------------------------------------------------------------------------------- files --- */
+
+/** Microseconds since 1970 (UTC). It may jump: for people, never for control. */
+uint64_t roburoc4_os_calendar_us(void);
+/** The same as "20260102T030405Z", with a NUL. */
+void roburoc4_os_calendar_text(uint64_t calendar_us, char text[17]);
+
+#define ROBUROC4_OS_NO_FILE (-1)
+/** What a path leads to. */
+#define ROBUROC4_OS_FILE 0 /* a file, or nothing yet */
+#define ROBUROC4_OS_FOLDER 1
+#define ROBUROC4_OS_STREAM 2 /* a pipe or device */
+int roburoc4_os_path_kind(const char *path);
+/** Opens a stream, or makes a file; ROBUROC4_OS_NO_FILE and errno, EEXIST where it exists. */
+int64_t roburoc4_os_file_create(const char *path);
+/** How many bytes were written, fewer than asked for or even none; errno says why. */
+size_t roburoc4_os_file_write(int64_t file, const uint8_t *bytes, size_t size);
+void roburoc4_os_file_truncate(int64_t file, uint64_t size);
+void roburoc4_os_file_close(int64_t file);
 
 /* --------------------------------------------------------------------------------- threads --- */
 

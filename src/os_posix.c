@@ -17,6 +17,7 @@
 #include <stdbool.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 #ifdef __APPLE__
@@ -280,6 +281,71 @@ roburoc4_result roburoc4_os_wait(int64_t socket, int64_t wake, uint64_t timeout_
         return ROBUROC4_ERR_SYSTEM;
     }
     return ROBUROC4_OK;
+}
+
+int roburoc4_os_own_address(int64_t socket, roburoc4_address *out) {
+    struct sockaddr_storage own;
+    socklen_t length = sizeof own;
+    uint16_t port;
+    memset(&own, 0, sizeof own);
+    if (getsockname((int)socket, (struct sockaddr *)&own, &length) != 0) {
+        return 0;
+    }
+    port = own.ss_family == AF_INET ? ((struct sockaddr_in *)&own)->sin_port
+                                    : ((struct sockaddr_in6 *)&own)->sin6_port;
+    from_system((struct sockaddr *)&own, ntohs(port), out);
+    return 1;
+}
+
+/* ----------------------------------------------------------------------------------- files --- */
+
+uint64_t roburoc4_os_calendar_us(void) {
+    struct timespec now = {0, 0};
+    (void)clock_gettime(CLOCK_REALTIME, &now);
+    return (uint64_t)now.tv_sec * 1000000u + (uint64_t)now.tv_nsec / 1000u;
+}
+
+void roburoc4_os_calendar_text(uint64_t calendar_us, char text[17]) {
+    time_t seconds = (time_t)(calendar_us / 1000000u);
+    struct tm parts;
+    memset(&parts, 0, sizeof parts);
+    (void)gmtime_r(&seconds, &parts);
+    (void)strftime(text, 17, "%Y%m%dT%H%M%SZ", &parts);
+}
+
+int roburoc4_os_path_kind(const char *path) {
+    struct stat found;
+    if (stat(path, &found) != 0 || S_ISREG(found.st_mode)) {
+        return ROBUROC4_OS_FILE;
+    }
+    return S_ISDIR(found.st_mode) ? ROBUROC4_OS_FOLDER : ROBUROC4_OS_STREAM;
+}
+
+int64_t roburoc4_os_file_create(const char *path) {
+    int flags = O_WRONLY | O_CLOEXEC;
+    int fd;
+    if (roburoc4_os_path_kind(path) != ROBUROC4_OS_STREAM) {
+        return open(path, flags | O_CREAT | O_EXCL, 0666);
+    }
+    fd = open(path, flags | O_NONBLOCK); /* does not wait for somebody who reads the pipe */
+    if (fd >= 0) {
+        (void)fcntl(fd, F_SETFL, 0);
+    }
+    return fd;
+}
+
+size_t roburoc4_os_file_write(int64_t file, const uint8_t *bytes, size_t size) {
+    ssize_t written = write((int)file, bytes, size);
+    return written < 0 ? 0 : (size_t)written;
+}
+
+void roburoc4_os_file_truncate(int64_t file, uint64_t size) {
+    const int ignored = ftruncate((int)file, (off_t)size);
+    (void)ignored;
+}
+
+void roburoc4_os_file_close(int64_t file) {
+    (void)close((int)file);
 }
 
 /* --------------------------------------------------------------------------------- process --- */

@@ -9,8 +9,14 @@
 #endif
 #include "os.h"
 
+#include <errno.h>
+#include <fcntl.h>
+#include <io.h>
 #include <process.h>
+#include <share.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <time.h>
 #include <winsock2.h>
 #include <ws2tcpip.h>
 
@@ -283,6 +289,74 @@ roburoc4_result roburoc4_os_wait(int64_t socket, int64_t wake, uint64_t timeout_
         return ROBUROC4_ERR_SYSTEM;
     }
     return ROBUROC4_OK;
+}
+
+int roburoc4_os_own_address(int64_t socket, roburoc4_address *out) {
+    struct sockaddr_storage own;
+    int length = (int)sizeof own;
+    uint16_t port;
+    memset(&own, 0, sizeof own);
+    if (getsockname((SOCKET)socket, (struct sockaddr *)&own, &length) != 0) {
+        return 0;
+    }
+    port = own.ss_family == AF_INET ? ((struct sockaddr_in *)&own)->sin_port
+                                    : ((struct sockaddr_in6 *)&own)->sin6_port;
+    from_system((struct sockaddr *)&own, ntohs(port), out);
+    return 1;
+}
+
+/* ----------------------------------------------------------------------------------- files --- */
+
+#define FROM_1601_TO_1970_US 11644473600000000u
+
+uint64_t roburoc4_os_calendar_us(void) {
+    FILETIME now;
+    GetSystemTimeAsFileTime(&now);
+    return ((uint64_t)now.dwHighDateTime << 32 | now.dwLowDateTime) / 10u - FROM_1601_TO_1970_US;
+}
+
+void roburoc4_os_calendar_text(uint64_t calendar_us, char text[17]) {
+    __time64_t seconds = (__time64_t)(calendar_us / 1000000u);
+    struct tm parts;
+    memset(&parts, 0, sizeof parts);
+    (void)_gmtime64_s(&parts, &seconds);
+    (void)strftime(text, 17, "%Y%m%dT%H%M%SZ", &parts);
+}
+
+/* Paths are UTF-8, as Python's and Octave's are. 0 where one is too long. */
+static int to_wide(const char *path, wchar_t wide[ROBUROC4_RECORDER_PATH_SIZE]) {
+    return MultiByteToWideChar(CP_UTF8, 0, path, -1, wide, ROBUROC4_RECORDER_PATH_SIZE);
+}
+
+int roburoc4_os_path_kind(const char *path) {
+    wchar_t wide[ROBUROC4_RECORDER_PATH_SIZE];
+    DWORD found = to_wide(path, wide) ? GetFileAttributesW(wide) : INVALID_FILE_ATTRIBUTES;
+    return found != INVALID_FILE_ATTRIBUTES && (found & FILE_ATTRIBUTE_DIRECTORY) != 0
+               ? ROBUROC4_OS_FOLDER
+               : ROBUROC4_OS_FILE;
+}
+
+int64_t roburoc4_os_file_create(const char *path) {
+    wchar_t wide[ROBUROC4_RECORDER_PATH_SIZE];
+    if (!to_wide(path, wide)) {
+        errno = EINVAL;
+        return ROBUROC4_OS_NO_FILE;
+    }
+    return _wsopen(wide, _O_WRONLY | _O_CREAT | _O_EXCL | _O_BINARY | _O_NOINHERIT, _SH_DENYWR,
+                   _S_IREAD | _S_IWRITE);
+}
+
+size_t roburoc4_os_file_write(int64_t file, const uint8_t *bytes, size_t size) {
+    int written = _write((int)file, bytes, (unsigned)size);
+    return written < 0 ? 0 : (size_t)written;
+}
+
+void roburoc4_os_file_truncate(int64_t file, uint64_t size) {
+    (void)_chsize_s((int)file, (int64_t)size);
+}
+
+void roburoc4_os_file_close(int64_t file) {
+    (void)_close((int)file);
 }
 
 /* --------------------------------------------------------------------------------- process --- */

@@ -4,6 +4,7 @@
  * client's deadline without the lock, and receives and sends with it; and what exit() does to it.
  */
 #include "pump_internal.h"
+#include "record_internal.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -158,6 +159,15 @@ void roburoc4_pump_unlock(roburoc4_pump *pump) {
     roburoc4_pump_leave(pump);
 }
 
+roburoc4_result roburoc4_pump_record(roburoc4_pump *pump, roburoc4_recorder *recorder) {
+    roburoc4_result result = ROBUROC4_ERR_CLOSED;
+    if (roburoc4_pump_enter(pump)) {
+        result = roburoc4_udp_record(&pump->udp, recorder);
+        roburoc4_pump_leave(pump);
+    }
+    return result;
+}
+
 /* As roburoc4_client_arm(); `stops` is what it was when this began. */
 static roburoc4_result try_to_arm(roburoc4_pump *pump, uint32_t stops) {
     roburoc4_result result;
@@ -221,6 +231,11 @@ static void close_all(void) {
         while (!roburoc4_thread_is_over(&pump->thread) &&
                roburoc4_udp_now_us() - begun_us < pump->stop_sequence_us + STOP_MARGIN_US) {
             (void)roburoc4_os_wait(ROBUROC4_OS_NO_SOCKET, ROBUROC4_OS_NO_SOCKET, EXIT_PACE_US);
+        }
+    }
+    for (pump = living; pump != NULL; pump = pump->next) {
+        if (pump->udp.private_recorder != NULL) { /* only now, as pumps may share one */
+            (void)roburoc4_recorder_finish(pump->udp.private_recorder);
         }
     }
     roburoc4_lock_give(&living_lock);

@@ -4,6 +4,7 @@
  * the network's errors into states and counters. What differs between systems is in os.h.
  */
 #include "os.h"
+#include "record_internal.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -146,6 +147,16 @@ static int is_open(const roburoc4_udp *udp) {
     return udp->private_size == sizeof *udp;
 }
 
+/* Connects, or connects anew, where the system chooses this end's address again. */
+static roburoc4_os_outcome connect_now(roburoc4_udp *udp) {
+    roburoc4_os_outcome outcome = roburoc4_os_connect(udp->private_socket, &udp->private_address);
+    udp->private_connected = outcome.fault == ROBUROC4_FAULT_NONE;
+    if (udp->private_connected) {
+        (void)roburoc4_os_own_address(udp->private_socket, &udp->private_own_address);
+    }
+    return outcome;
+}
+
 /* Chooses this end's address anew where there is none, or where it stopped working. */
 static void keep_connected(roburoc4_udp *udp) {
     roburoc4_os_outcome outcome;
@@ -158,8 +169,7 @@ static void keep_connected(roburoc4_udp *udp) {
         return;
     }
     udp->private_tried_us = now_us;
-    outcome = roburoc4_os_connect(udp->private_socket, &udp->private_address);
-    udp->private_connected = outcome.fault == ROBUROC4_FAULT_NONE;
+    outcome = connect_now(udp);
     if (udp->private_connected) {
         udp->private_broken = 0;
         tally(udp, ROBUROC4_UDP_COUNT_RECONNECTS);
@@ -182,8 +192,7 @@ roburoc4_result roburoc4_udp_open(roburoc4_udp *udp, size_t udp_size,
     udp->private_address = *address;
     udp->private_socket = roburoc4_os_socket(address, &outcome);
     if (udp->private_socket != ROBUROC4_OS_NO_SOCKET) {
-        outcome = roburoc4_os_connect(udp->private_socket, address);
-        udp->private_connected = outcome.fault == ROBUROC4_FAULT_NONE;
+        outcome = connect_now(udp);
         if (outcome.fault == ROBUROC4_FAULT_DENIED || outcome.fault == ROBUROC4_FAULT_OTHER) {
             roburoc4_os_close(udp->private_socket);
             udp->private_socket = ROBUROC4_OS_NO_SOCKET;
@@ -236,6 +245,23 @@ uint32_t roburoc4_udp_count(const roburoc4_udp *udp, uint32_t counter) {
 
 /* ------------------------------------------------------------------------------- datagrams --- */
 
+roburoc4_result roburoc4_udp_record(roburoc4_udp *udp, roburoc4_recorder *recorder) {
+    if (!is_open(udp)) {
+        return ROBUROC4_ERR_CLOSED;
+    }
+    udp->private_recorder = recorder;
+    return ROBUROC4_OK;
+}
+
+static void record(const roburoc4_udp *udp, int inbound, const uint8_t *datagram, size_t size) {
+    if (udp->private_recorder != NULL) {
+        roburoc4_recorder_take(udp->private_recorder, inbound,
+                               inbound ? &udp->private_address : &udp->private_own_address,
+                               inbound ? &udp->private_own_address : &udp->private_address,
+                               datagram, size);
+    }
+}
+
 /* Takes what comes first: a datagram, or nothing. Faults and oversized datagrams on the way are
  * counted and passed over, but not without end. */
 static int take_datagram(roburoc4_udp *udp, size_t *size) {
@@ -272,6 +298,7 @@ static roburoc4_result give_one(roburoc4_udp *udp, roburoc4_client *client, size
     tally(udp, ROBUROC4_UDP_COUNT_RECEIVED);
     udp->private_fault = ROBUROC4_FAULT_NONE;
     udp->private_system_error = 0;
+    record(udp, 1, udp->private_datagram, *size);
     *now_us = roburoc4_udp_now_us();
     return roburoc4_client_receive(client, udp->private_datagram, *size, *now_us) < 0
                ? ROBUROC4_UDP_DROPPED
@@ -329,6 +356,7 @@ static int send_now(roburoc4_udp *udp, const uint8_t *datagram, size_t size) {
     if (outcome.fault == ROBUROC4_FAULT_NONE) {
         udp->private_broken = 0;
         tally(udp, ROBUROC4_UDP_COUNT_SENT);
+        record(udp, 0, datagram, size);
         return 1;
     }
     note_fault(udp, outcome);

@@ -6,6 +6,7 @@
  */
 extern "C" {
 #include "os.h"
+#include "record_internal.h"
 }
 
 #include <gtest/gtest.h>
@@ -72,6 +73,11 @@ roburoc4_os_outcome roburoc4_os_send(int64_t, const uint8_t *datagram, size_t si
     }
     return outcome_of(fault);
 }
+int roburoc4_os_own_address(int64_t, roburoc4_address *) {
+    return 0;
+}
+void roburoc4_recorder_take(roburoc4_recorder *, int, const roburoc4_address *,
+                            const roburoc4_address *, const uint8_t *, size_t) {}
 int roburoc4_os_receive(int64_t, uint8_t *buffer, size_t, size_t *size,
                         roburoc4_os_outcome *outcome) {
     int result = ROBUROC4_OS_EMPTY;

@@ -21,6 +21,8 @@ struct connection {
     roburoc4_udp udp;  /* open where the user moves the datagrams */
     simulation *world; /* moves the client in virtual time, or NULL */
     PyObject *world_owner;
+    roburoc4_recorder *recorder;      /* or NULL */
+    roburoc4_recorder_state recorded; /* the last state, after its end */
     char address[ROBUROC4_ADDRESS_TEXT_SIZE];
 };
 
@@ -65,18 +67,52 @@ static void start(connection *c) {
     roburoc4_pump_unlock(c->pump);
 }
 
+/* -1 with an exception. Without a path: no recorder. */
+static int open_recorder(const char *path, uint64_t max_file_bytes, uint64_t max_file_s,
+                         const char *robot, roburoc4_recorder **recorder) {
+    roburoc4_recorder_options options = {0};
+    roburoc4_result result = ROBUROC4_OK;
+    options.size = sizeof options;
+    options.max_file_bytes = max_file_bytes;
+    options.max_file_s = max_file_s;
+    options.robot = robot;
+    *recorder = path != NULL ? roburoc4_recorder_open(path, &options, &result) : NULL;
+    if (result == ROBUROC4_ERR_SYSTEM) {
+        (void)PyErr_SetFromErrnoWithFilename(PyExc_OSError, path);
+    } else if (result < 0) {
+        (void)raise_result(result);
+    }
+    return result < 0 ? -1 : 0;
+}
+
 connection *connect_host(const char *host, int threaded, const roburoc4_config *config,
-                         uint32_t capacity) {
+                         uint32_t capacity, const char *record, uint64_t max_file_bytes,
+                         uint64_t max_file_s) {
+    char text[ROBUROC4_ADDRESS_TEXT_SIZE];
+    roburoc4_recorder *recorder;
     roburoc4_address address;
     roburoc4_result result = ROBUROC4_OK;
     connection *c;
-    if (resolve(host, &address) < 0 ||
-        (c = open_pump(threaded ? &address : NULL, config, capacity)) == NULL) {
+    if (resolve(host, &address) < 0) {
         return NULL;
     }
-    (void)roburoc4_udp_address_text(&address, c->address, sizeof c->address);
+    (void)roburoc4_udp_address_text(&address, text, sizeof text);
+    if (open_recorder(record, max_file_bytes, max_file_s, text, &recorder) < 0) {
+        return NULL;
+    }
+    c = open_pump(threaded ? &address : NULL, config, capacity);
+    if (c == NULL) {
+        (void)roburoc4_recorder_close(recorder, NULL);
+        return NULL;
+    }
+    if (threaded) {
+        (void)roburoc4_pump_record(c->pump, recorder);
+    }
+    c->recorder = recorder;
+    memcpy(c->address, text, sizeof text);
     if (!threaded) {
         result = roburoc4_udp_open(&c->udp, sizeof c->udp, &address);
+        (void)roburoc4_udp_record(&c->udp, recorder);
         start(c);
     }
     if (result < 0) {
@@ -112,10 +148,41 @@ void connection_destroy(connection *c) {
         Py_DECREF(c->world_owner);
     }
     Py_BEGIN_ALLOW_THREADS;
-    roburoc4_pump_destroy(c->pump);
+    (void)roburoc4_pump_close(c->pump);
     Py_END_ALLOW_THREADS;
+    connection_end_recording(c);
+    roburoc4_pump_destroy(c->pump);
     (void)roburoc4_udp_close(&c->udp);
     free(c);
+}
+
+void connection_end_recording(connection *c) {
+    roburoc4_recorder *recorder = c->recorder;
+    c->recorder = NULL;
+    if (recorder != NULL) {
+        (void)roburoc4_pump_record(c->pump, NULL);
+        (void)roburoc4_udp_record(&c->udp, NULL);
+        Py_BEGIN_ALLOW_THREADS;
+        (void)roburoc4_recorder_close(recorder, &c->recorded);
+        Py_END_ALLOW_THREADS;
+    }
+}
+
+static PyObject *decode_path(void *path) {
+    return PyUnicode_DecodeFSDefault(path);
+}
+
+PyObject *connection_recorder_state(connection *c) {
+    if (c->recorder != NULL) {
+        roburoc4_recorder_get_state(c->recorder, &c->recorded);
+    }
+    if (c->recorded.path[0] == '\0') {
+        Py_RETURN_NONE;
+    }
+    return Py_BuildValue(
+        "(O&KKKIi)", decode_path, c->recorded.path, (unsigned long long)c->recorded.recorded,
+        (unsigned long long)c->recorded.dropped, (unsigned long long)c->recorded.bytes,
+        (unsigned)c->recorded.files, (int)c->recorded.system_error);
 }
 
 PyObject *resolve_address(const char *host) {

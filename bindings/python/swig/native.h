@@ -120,9 +120,10 @@ PyObject *simulation_panel(simulation *s, const char *line);
 typedef struct connection connection;
 
 /* To "HOST" or "HOST:PORT"; without a thread the user moves the datagrams. capacity: samples that
- * are kept. */
+ * are kept. record: where to record, or None; see roburoc4_recorder_options. Also OSError. */
 connection *connect_host(const char *host, int threaded, const roburoc4_config *config,
-                         uint32_t capacity);
+                         uint32_t capacity, const char *record, uint64_t max_file_bytes,
+                         uint64_t max_file_s);
 /* In the world of a simulation (a capsule), which lives as long as the connection. */
 connection *connect_virtual(PyObject *simulation, const roburoc4_config *config, uint32_t capacity);
 void connection_destroy(connection *c);
@@ -147,6 +148,11 @@ uint64_t connection_now_us(const connection *c);
 uint64_t connection_utc_us(connection *c, uint64_t robot_cycles, uint64_t host_us);
 /* ROBUROC4_FAULT_*. */
 uint32_t connection_fault(connection *c);
+
+/* Complete the recording's file; does nothing without one. */
+void connection_end_recording(connection *c);
+/* The members of roburoc4_recorder_state, path first; None where nothing is recorded. */
+PyObject *connection_recorder_state(connection *c);
 
 /* Without a thread. */
 

@@ -13,6 +13,7 @@ Units are SI and radians; X is forward, Y left, angles counter-clockwise.
 from typing import TYPE_CHECKING, Any
 
 from . import _native, constants, errors, iocard, records
+from .connection import RecorderState
 from .constants import *
 from .constants import CYCLE_S, DEFAULT_HOST, DEFAULT_PORT
 from .errors import *
@@ -36,6 +37,7 @@ __all__ = [
     "MoveError",
     "MoveResult",
     "Reader",
+    "RecorderState",
     "Recording",
     "Robot",
     "Settings",

@@ -5,14 +5,17 @@ In ``pump.py`` a native thread moves them, in ``udp.py`` the user does, and in `
 simulator's virtual time. Everything above works with any of them.
 """
 
+import os
+import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from typing import NamedTuple
 
 from . import _native
-from .constants import Service
-from .errors import ArgumentError, NotKnownError
+from .constants import Result, Service
+from .errors import ArgumentError, NotKnownError, address_errors
 from .records import Status
-from .settings import STATUS_MASK
+from .settings import STATUS_MASK, Settings, buffer_of, config_of
 
 ALL_EVENTS = 0x1FFFFFFF
 
@@ -29,6 +32,44 @@ READ_STATUS: dict[Service, Callable[["_native.Connection"], Status]] = {
 def events_of_services(mask: int) -> int:
     """Return the events that announce statuses of the services in ``mask``."""
     return (mask & STATUS_MASK) << 4
+
+
+class RecorderState(NamedTuple):
+    """What became of the datagrams that are recorded."""
+
+    path: str
+    """Of the file that is being written, or was written last."""
+    recorded: int
+    """Datagrams that are in the files, or will be in a moment."""
+    dropped: int
+    """Datagrams that were lost, as the disk was full or too slow."""
+    bytes: int
+    """Written, to all files."""
+    files: int
+    """Begun so far."""
+    system_error: int
+    """``errno`` of the write that failed last; 0 as soon as one succeeds."""
+
+
+def open_host(host: str, threaded: bool, settings: Settings) -> "_native.Connection":
+    """Connect to a robot, and record it where the settings say so."""
+    record = settings.get("record")
+    with address_errors(host):
+        return _native.connect_host(
+            host,
+            threaded,
+            config_of(settings),
+            buffer_of(settings),
+            None if record is None else os.fspath(record),
+            _limit(settings.get("record_max_bytes", 0), "record_max_bytes"),
+            _limit(settings.get("record_max_s", 0), "record_max_s"),
+        )
+
+
+def _limit(value: float, name: str) -> int:
+    if not 0 <= value < 1 << 48:
+        raise ArgumentError(f"{name}: {value} is out of range: 0 or more", Result.CONFIG)
+    return int(value)
 
 
 class EventReader(ABC):
@@ -85,6 +126,24 @@ class Connection(ABC):
             return _native.roburoc4_pump_description(self.handle, io_type, index)
         except (NotKnownError, ArgumentError):
             return None
+
+    @property
+    def recorder(self) -> RecorderState | None:
+        """What was recorded so far; None where nothing is."""
+        state = _native.connection_recorder_state(self.handle)
+        return None if state is None else RecorderState(*state)
+
+    def end_recording(self) -> None:
+        """Complete the file, and warn where something is missing in it."""
+        _native.connection_end_recording(self.handle)
+        if (state := self.recorder) is not None and (state.dropped or state.system_error):
+            cause = f" ({os.strerror(state.system_error)})" if state.system_error else ""
+            warnings.warn(
+                f"{state.path}: {state.dropped} datagrams are missing, as the disk was full or "
+                f"slow{cause}: make room for the next recording",
+                RuntimeWarning,
+                stacklevel=3,
+            )
 
     @abstractmethod
     def reader(self) -> EventReader:

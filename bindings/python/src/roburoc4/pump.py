@@ -10,9 +10,9 @@ import contextlib
 import weakref
 
 from . import _native
-from .connection import Connection, EventReader
-from .errors import ClosedError, address_errors
-from .settings import Settings, buffer_of, config_of
+from .connection import Connection, EventReader, open_host
+from .errors import ClosedError
+from .settings import Settings
 
 _SLICE_S = 0.05
 """Waits are cut into slices, between which Python notices Ctrl-C."""
@@ -29,9 +29,7 @@ class PumpConnection(Connection):
     """A pump of roburoc4_pump.h."""
 
     def __init__(self, host: str, settings: Settings) -> None:
-        with address_errors(host):
-            handle = _native.connect_host(host, True, config_of(settings), buffer_of(settings))
-        super().__init__(handle)
+        super().__init__(open_host(host, True, settings))
         _living.add(self)
 
     def reader(self) -> PumpReader:
@@ -43,6 +41,7 @@ class PumpConnection(Connection):
     def close(self) -> None:
         with contextlib.suppress(ClosedError):  # a forked child has nothing to end
             _native.roburoc4_pump_close(self.handle)
+        self.end_recording()
 
 
 _living: weakref.WeakSet[PumpConnection] = weakref.WeakSet()

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Literal, ParamSpec, TypeVar, overload
 
 from . import _native
-from .connection import READ_STATUS, Connection
+from .connection import READ_STATUS, Connection, RecorderState
 from .constants import Count, Event, Fault, Result, Role, Service, State
 from .errors import (
     ArgumentError,
@@ -101,6 +101,11 @@ class RobotBase:
     def fault(self) -> Fault:
         """Why the network does not take or deliver datagrams; NONE as soon as one comes in."""
         return Fault(_native.connection_fault(self._connection.handle))
+
+    @property
+    def recorder(self) -> RecorderState | None:
+        """What ``connect(record=...)`` has recorded so far; None where nothing is recorded."""
+        return self._connection.recorder
 
     @property
     def now_s(self) -> float:

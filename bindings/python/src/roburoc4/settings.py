@@ -2,6 +2,7 @@
 """Settings of a client: from keyword arguments to the C library's struct."""
 
 from collections.abc import Mapping
+from os import PathLike
 from typing import Any, TypedDict
 
 from . import _native
@@ -51,6 +52,14 @@ class Settings(TypedDict, total=False):
     """Likewise, among the analog inputs."""
     buffer: int
     """Statuses that are kept for slow readers; 16 to 1000000; 10000."""
+    record: str | PathLike[str]
+    """File (``.pcapng``) in which every datagram is recorded, or a folder for one that is named
+    after the time. What exists is not overwritten: ``run.2.pcapng`` is made beside
+    ``run.pcapng``."""
+    record_max_bytes: int
+    """The next file begins where this one would be longer; 0: never; 0."""
+    record_max_s: int
+    """The next file begins where this one is older; 0: never; 0."""
 
 
 BUFFER_DEFAULT = 10_000
@@ -70,6 +79,7 @@ _PLAIN = frozenset(
     )
 )
 _OPTIONS = {"turn_keeping": 1, "allow_unknown_override": 2, "ignore_other_commander": 4}
+_ELSEWHERE = ("buffer", "record", "record_max_bytes", "record_max_s")
 _ROLES = {
     "override_index": Role.OVERRIDE,
     "front_bumper_index": Role.FRONT_BUMPER,
@@ -117,7 +127,7 @@ def _set(config: "_native.Config", name: str, value: Any) -> None:
         _native.set_member(config, "role_index", value, _ROLES[name])
     elif name == "periods_ms":
         _set_periods(config, value)
-    elif name not in _OPTIONS and name != "buffer":
+    elif name not in _OPTIONS and name not in _ELSEWHERE:
         known = ", ".join(sorted(Settings.__annotations__))
         raise TypeError(f"no setting {name!r}: there are {known}")
 

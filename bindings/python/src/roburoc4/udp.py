@@ -13,9 +13,10 @@ import weakref
 from collections.abc import Callable
 
 from . import _native
-from .errors import NetworkError, address_errors
+from .connection import open_host
+from .errors import NetworkError
 from .manual import ManualConnection
-from .settings import Settings, buffer_of, config_of
+from .settings import Settings
 
 _SLICE_S = 0.05
 _MARGIN_S = 0.5
@@ -34,9 +35,7 @@ class SocketConnection(ManualConnection):
     """A client on a connected socket of roburoc4_udp.h."""
 
     def __init__(self, host: str, settings: Settings) -> None:
-        with address_errors(host):
-            handle = _native.connect_host(host, False, config_of(settings), buffer_of(settings))
-        super().__init__(handle, settings)
+        super().__init__(open_host(host, False, settings), settings)
         _living.add(self)
 
     def __del__(self) -> None:
@@ -74,6 +73,7 @@ class SocketConnection(ManualConnection):
             with contextlib.suppress(NetworkError):  # a network that is down may come back
                 self.move(_SLICE_S, self.is_idle)
         _native.connection_close_socket(self.handle)
+        self.end_recording()
 
 
 _living: weakref.WeakSet[SocketConnection] = weakref.WeakSet()

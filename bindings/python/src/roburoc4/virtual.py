@@ -5,6 +5,8 @@ import math
 from collections.abc import Callable
 
 from . import _native
+from .constants import Result
+from .errors import ArgumentError
 from .manual import ManualConnection
 from .settings import Settings, buffer_of, config_of
 
@@ -31,6 +33,12 @@ class VirtualConnection(ManualConnection):
 
     def __init__(self, simulation: "_native.Simulation", settings: Settings) -> None:
         config = config_of(settings)
+        if settings.get("record") is not None:
+            raise ArgumentError(
+                "record: nothing is sent over UDP in virtual time: connect to a Simulator that "
+                "serves a port",
+                Result.CONFIG,
+            )
         super().__init__(_native.connect_virtual(simulation, config, buffer_of(settings)), settings)
         self._simulation = simulation
 
