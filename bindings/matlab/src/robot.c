@@ -174,6 +174,15 @@ void robot_wait(robot *r, uint32_t duration_us) {
     }
 }
 
+void robot_wait_sample(robot *r, const roburoc4_pump_reader *reader, uint64_t until_us) {
+    const uint64_t now_us = robot_now_us(r);
+    if (r->world != NULL) {
+        robots_run(r->world, now_us + ROBUROC4_CYCLE_US);
+    } else if (now_us < until_us) {
+        (void)roburoc4_pump_wait_samples(r->pump, reader, (uint32_t)(until_us - now_us));
+    }
+}
+
 roburoc4_facts robot_facts(robot *r) {
     roburoc4_facts facts = {.size = sizeof facts};
     uint64_t now_us;

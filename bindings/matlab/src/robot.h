@@ -40,7 +40,8 @@ typedef struct robot {
     recording logged;   /* since the robot was made, or since the last log() */
     recording recorded; /* of record(), which began then */
     uint64_t recorded_us;
-    roburoc4_move move; /* the last one that was begun */
+    roburoc4_pump_reader received; /* of receive() */
+    roburoc4_move move;            /* the last one that was begun */
 } robot;
 
 /** Open a link in real time. NULL after noting why (fail.h); an absent robot is no error. */
@@ -65,6 +66,8 @@ roburoc4_client *robot_lock(robot *r, uint64_t *now_us);
 void robot_unlock(robot *r);
 /** Let so much of the robot's time pass. */
 void robot_wait(robot *r, uint32_t duration_us);
+/** Wait for a sample that a reader has not read, until then. In virtual time one cycle passes. */
+void robot_wait_sample(robot *r, const roburoc4_pump_reader *reader, uint64_t until_us);
 /** Let virtual time pass in a world, for all its robots. */
 void robots_run(roburoc4_world *world, uint64_t until_us);
 /** A world is about to be destroyed: its robots keep what they know. */

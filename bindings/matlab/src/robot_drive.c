@@ -123,10 +123,15 @@ static int subscribe(call *in) {
         !take_whole(in->arguments[1], "period_ms", 0, 2550, &period_ms)) {
         return 0;
     }
-    return done("period_ms: give a multiple of 10, 10 to 2550",
-                period_ms == 0 ? roburoc4_client_unsubscribe(in->client, service, in->now_us)
-                               : roburoc4_client_subscribe(in->client, service, (uint32_t)period_ms,
-                                                           in->now_us));
+    if (period_ms % 10 != 0) {
+        return fail(FAIL_ARGUMENT,
+                    "period_ms: %d is not allowed; give a multiple of 10, 10 to 2550",
+                    (int)period_ms);
+    }
+    return done("subscribe", period_ms == 0
+                                 ? roburoc4_client_unsubscribe(in->client, service, in->now_us)
+                                 : roburoc4_client_subscribe(in->client, service,
+                                                             (uint32_t)period_ms, in->now_us));
 }
 
 const command robot_drive_commands[] = {

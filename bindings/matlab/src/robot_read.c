@@ -48,34 +48,52 @@ static int read_status(call *in) {
     return 1;
 }
 
-/* Members of the latest status of a service, for loops that steer by it and need no more: a row
- * costs a third of a struct. NaN where it is older than fresh_ms. */
-static int read_row(call *in, uint32_t service, const field *fields, size_t count) {
+/* When the robot made a sample, on our clock: at the latest when it came in. */
+static uint64_t made_us(const roburoc4_client *client, const roburoc4_sample *sample) {
+    uint64_t mapped_us;
+    return roburoc4_client_host_time(client, sample->robot_cycles, &mapped_us) >= 0 &&
+                   mapped_us < sample->host_us
+               ? mapped_us
+               : sample->host_us;
+}
+
+/* The latest status of a service, for loops that steer by it and need no more: a row costs a third
+ * of a struct. All NaN where it is older than fresh_ms. */
+static double *make_row(call *in, uint32_t service, size_t count, roburoc4_sample *latest) {
     double *row = make_doubles(&in->results[0], 1, count);
-    roburoc4_sample latest;
-    (void)roburoc4_sample_latest(in->client, service, &latest);
+    (void)roburoc4_sample_latest(in->client, service, latest);
+    if (age_s(latest, in->now_us) < ((const robot *)in->object)->fresh_us / 1e6) {
+        return row;
+    }
     for (size_t i = 0; i < count; i++) {
-        row[i] = age_s(&latest, in->now_us) < ((const robot *)in->object)->fresh_us / 1e6
-                     ? field_value(&fields[i], &latest.value)
-                     : mxGetNaN();
+        row[i] = mxGetNaN();
+    }
+    return NULL;
+}
+
+/* pose(id): x_m, y_m, theta_rad, and when the robot made it, time_s */
+static int read_pose(call *in) {
+    roburoc4_sample latest;
+    double *row = make_row(in, ROBUROC4_SERVICE_LOCALIZATION, 4, &latest);
+    if (row != NULL) {
+        row[0] = latest.value.localization.x_m;
+        row[1] = latest.value.localization.y_m;
+        row[2] = latest.value.localization.theta_rad;
+        row[3] =
+            seconds_since(made_us(in->client, &latest), ((const robot *)in->object)->opened_us);
     }
     return 1;
 }
 
-/* pose(id): x_m, y_m, theta_rad */
-static int read_pose(call *in) {
-    static const field pose[] = {FIELD(roburoc4_localization_status, x_m, FLOAT),
-                                 FIELD(roburoc4_localization_status, y_m, FLOAT),
-                                 FIELD(roburoc4_localization_status, theta_rad, FLOAT)};
-    return read_row(in, ROBUROC4_SERVICE_LOCALIZATION, pose, COUNT_OF(pose));
-}
-
 /* speeds(id): current_linear_m_s, current_angular_rad_s */
 static int read_speeds(call *in) {
-    static const field speeds[] = {
-        FIELD(roburoc4_differential_status, current_linear_m_s, FLOAT),
-        FIELD(roburoc4_differential_status, current_angular_rad_s, FLOAT)};
-    return read_row(in, ROBUROC4_SERVICE_DIFFERENTIAL, speeds, COUNT_OF(speeds));
+    roburoc4_sample latest;
+    double *row = make_row(in, ROBUROC4_SERVICE_DIFFERENTIAL, 2, &latest);
+    if (row != NULL) {
+        row[0] = (double)latest.value.differential.current_linear_m_s;
+        row[1] = (double)latest.value.differential.current_angular_rad_s;
+    }
+    return 1;
 }
 
 /* ----------------------------------------------------------------------------------- info --- */
@@ -316,10 +334,10 @@ static int read_inputs(call *in) {
 
 /* -------------------------------------------------------------------------------- columns --- */
 
-/* The services that the arguments name; all where there are none. */
-static int take_mask(const call *in, uint32_t *mask) {
-    *mask = in->count > 0 ? 0 : ALL_SERVICES;
-    for (int i = 0; i < in->count; i++) {
+/* The services that the arguments from `first` on name; all where there are none. */
+static int take_mask(const call *in, int first, uint32_t *mask) {
+    *mask = in->count > first ? 0 : ALL_SERVICES;
+    for (int i = first; i < in->count; i++) {
         uint32_t service;
         if (!take_service(in->arguments[i], &service)) {
             return 0;
@@ -329,11 +347,82 @@ static int take_mask(const call *in, uint32_t *mask) {
     return 1;
 }
 
+/* The first argument: UTC now. In virtual time UTC is the simulator's time, or no two runs would be
+ * the same. */
+static int take_clocks(const call *in, uint64_t begin_us, clocks *out) {
+    const robot *r = in->object;
+    roburoc4_link link = {.size = sizeof link};
+    double utc_s;
+    if (!take_range(in->arguments[0], "utc_s", 0, 1e12, &utc_s)) {
+        return 0;
+    }
+    (void)roburoc4_client_link(in->client, in->now_us, &link);
+    *out = (clocks){begin_us, r->simulated ? 0.0 : utc_s - (double)in->now_us / 1e6,
+                    link.round_trip_min_us};
+    return 1;
+}
+
+/* startUtc(id, utc_s): UTC when the robot was made */
+static int read_start(call *in) {
+    clocks times;
+    const uint64_t opened_us = ((const robot *)in->object)->opened_us;
+    if (!take_clocks(in, opened_us, &times)) {
+        return 0;
+    }
+    in->number = times.utc_s + (double)opened_us / 1e6;
+    return 1;
+}
+
+/* receiveBegin(id): the next status is one that comes after this */
+static int begin_receiving(call *in) {
+    robot *r = in->object;
+    (void)roburoc4_pump_reader_init(r->pump, &r->received);
+    return 1;
+}
+
+/* The next sample of a service, if it is there. */
+static int next_sample(robot *r, uint32_t service, roburoc4_sample *out) {
+    while (roburoc4_pump_read_samples(r->pump, &r->received, out, 1) > 0) {
+        if (out->service == service) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* receive(id, utc_s, service, seconds): the next status of a service, or [] where none came in so
+ * long */
+static int receive(call *in) {
+    robot *r = in->object;
+    uint64_t end_us;
+    roburoc4_sample sample;
+    uint32_t service;
+    double seconds;
+    clocks times;
+    int found;
+    if (!take_service(in->arguments[1], &service) ||
+        !take_range(in->arguments[2], "seconds", 0.0, LONGEST_WAIT_S, &seconds)) {
+        return 0;
+    }
+    end_us = robot_now_us(r) + (uint64_t)(seconds * 1e6 + 0.5);
+    while (!(found = next_sample(r, service, &sample)) && robot_now_us(r) < end_us) {
+        robot_wait_sample(r, &r->received, end_us);
+    }
+    in->client = robot_copy(r, &in->now_us);
+    if (!found || !take_clocks(in, r->opened_us, &times)) {
+        (void)make_doubles(&in->results[0], 0, 0);
+        return !found;
+    }
+    samples_one(&in->out, &sample, made_us(in->client, &sample), &times);
+    in->results[0] = answer_finish(&in->out);
+    return 1;
+}
+
 /* record(id, service, ...): record from now on; the services are only checked */
 static int begin_recording(call *in) {
     robot *r = in->object;
     uint32_t mask;
-    if (!take_mask(in, &mask)) {
+    if (!take_mask(in, 0, &mask)) {
         return 0;
     }
     recording_end(&r->recorded);
@@ -348,34 +437,37 @@ static int go_on_recording(call *in) {
     return recording_go_on(&r->recorded, r->pump);
 }
 
-/* recording(id, service, ...): all that was recorded, as columns */
+/* recording(id, utc_s, service, ...): all that was recorded, as columns */
 static int end_recording(call *in) {
     robot *r = in->object;
     uint32_t mask;
-    if (!take_mask(in, &mask) || !recording_go_on(&r->recorded, r->pump)) {
+    clocks times;
+    if (!take_clocks(in, r->recorded_us, &times) || !take_mask(in, 1, &mask) ||
+        !recording_go_on(&r->recorded, r->pump)) {
         return 0;
     }
     if (r->recorded.list.count == 0 && roburoc4_client_state(in->client) != ROBUROC4_STATE_READY) {
         return fail(FAIL_TIMEOUT, "nothing was recorded: the robot does not answer; look at link");
     }
-    in->results[0] =
-        samples_columns(&r->recorded.list, mask, r->recorded_us, r->recorded.reader.lost);
+    in->results[0] = samples_columns(&r->recorded.list, mask, &times, r->recorded.reader.lost);
     recording_end(&r->recorded);
     return 1;
 }
 
-/* log(id, service, ...): all since the robot was made, or since the last logged() */
+/* log(id, utc_s, service, ...): all since the robot was made, or since the last logged() */
 static int read_log(call *in) {
     robot *r = in->object;
     uint32_t mask;
-    if (!take_mask(in, &mask) || !recording_go_on(&r->logged, r->pump)) {
+    clocks times;
+    if (!take_clocks(in, r->opened_us, &times) || !take_mask(in, 1, &mask) ||
+        !recording_go_on(&r->logged, r->pump)) {
         return 0;
     }
-    in->results[0] = samples_columns(&r->logged.list, mask, r->opened_us, r->logged.reader.lost);
+    in->results[0] = samples_columns(&r->logged.list, mask, &times, r->logged.reader.lost);
     return 1;
 }
 
-/* logged(id): the file of log() is written; the next one begins after it */
+/* logged(id): the next log begins here; what log() gave, if it was called, is dropped */
 static int end_log(call *in) {
     recording_end(&((robot *)in->object)->logged);
     return 1;
@@ -394,8 +486,11 @@ const command robot_read_commands[] = {
     {"inputs", READ_ROBOT, 0, STRUCT, read_inputs},
     {"record", READ_ROBOT, -1, NOTHING, begin_recording},
     {"recorded", READ_ROBOT, 0, NOTHING, go_on_recording},
-    {"recording", READ_ROBOT, -1, OTHER, end_recording},
-    {"log", READ_ROBOT, -1, OTHER, read_log},
+    {"startUtc", READ_ROBOT, 1, NUMBER, read_start},
+    {"receiveBegin", READ_ROBOT, 0, NOTHING, begin_receiving},
+    {"receive", WAIT_ROBOT, 3, OTHER, receive},
+    {"recording", READ_ROBOT, -2, OTHER, end_recording},
+    {"log", READ_ROBOT, -2, OTHER, read_log},
     {"logged", READ_ROBOT, 0, NOTHING, end_log},
     {NULL, NO_ID, 0, NOTHING, NULL},
 };

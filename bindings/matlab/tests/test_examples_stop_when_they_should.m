@@ -3,7 +3,7 @@ function test_examples_stop_when_they_should()
 % its pose is old, and where it takes too long.
 % SPDX-License-Identifier: MIT
 restored = without_display(); %#ok<NASGU>
-drives = {@drive_square, @pure_pursuit, @speed_response};
+drives = {@pure_pursuit, @speed_response};
 for k = 1:numel(drives)
     sim = simulator();
     sim.set('estop_remote', true);
@@ -15,11 +15,11 @@ for k = 1:numel(drives)
     sim = simulator();
     stops(sim, sim.connect('localization_period_ms', 0), drives{k}, 'roburoc4:timeout');
 end
-slow = {@(robot, picture) drive_square(robot, picture, 0.1), @pure_pursuit};
-for k = 1:numel(slow)
-    sim = simulator();
-    stops(sim, sim.connect('max_linear_m_s', 0.001), slow{k}, 'roburoc4:timeout');
-end
+sim = simulator();
+stops(sim, sim.connect('max_linear_m_s', 0.001), @pure_pursuit, 'roburoc4:timeout');
+sim = simulator();
+sim.set('estop_remote', true);
+stops(sim, sim.connect(), @drive_square, 'roburoc4:moveEnded');
 end
 
 function sim = simulator()

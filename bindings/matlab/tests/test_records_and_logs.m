@@ -6,7 +6,7 @@ r.arm();
 r.spin(0.5);
 data = r.record(2);
 check(isequal(sort(fieldnames(data))', {'battery', 'differential', 'iocard', 'localization', ...
-    'lost', 'telemeter'}), 'fields');
+    'lost', 'start_utc_s', 'telemeter'}), 'fields');
 check(numel(data.localization.x_m) == 100, '%d localizations', numel(data.localization.x_m));
 check(isa(data.localization.robot_cycles, 'uint64'), 'cycles');
 check(all(diff(double(data.localization.robot_cycles)) == 2), 'a status is missing');
@@ -29,6 +29,13 @@ check(isequal(read, written), 'the file differs from what was written');
 check(max(read.differential.current_linear_m_s) > 0.3, 'the drive is not in the log');
 check(numel(read.localization.x_m) == 50, '%d in the log', numel(read.localization.x_m));
 delete(file);
+
+% A new log can begin, and end, without a file.
+r.log();
+r.spin(1);
+data = r.log('', 'localization');
+check(numel(data.localization.x_m) == 50 && ~isfield(data, 'battery'), 'log without a file');
+check(isempty(evalc('r.log()')), 'a log that nobody wants is printed');
 
 % If the buffer is too small, the lost statuses are counted.
 small = sim.connect('buffer', 16);

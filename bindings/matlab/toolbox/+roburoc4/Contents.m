@@ -6,6 +6,9 @@
 %   Simulator        - A simulated RobuROC4, to try programs on without a robot
 %   Rate             - A control loop with a fixed rate, without a timer
 %
+% Functions
+%   asTimetable      - Make a timetable of one service's columns
+%
 % Constants
 %   BatteryState     - States of the battery
 %   LocalizationFlag - Bits of the localization's state

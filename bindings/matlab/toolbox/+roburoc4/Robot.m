@@ -43,26 +43,28 @@ classdef Robot < handle
 %      disarm          - Forbid driving, and stop
 %      spin            - Wait
 %      rate            - Make a loop with a fixed rate
+%      receive         - Wait for the next status of a service
 %      io              - Read inputs by name
 %      setOutput       - Set a digital output
 %      setAnalogOutput - Set an analog output
 %      relocalize      - Set the pose of the odometry
 %      record          - Collect the statuses of the next seconds as columns
-%      log             - Write all statuses so far to a MAT-file
+%      log             - Give or write all statuses since the last log
 %      subscribe       - Set how often a service sends its status
 %      unsubscribe     - End the statuses of a service
 %      serviceLink     - Quality of the link for one service
 %
 %   Robot properties:
 %      status          - Latest values of everything and their ages: a scalar struct
-%      pose            - [x_m y_m theta_rad] of the odometry, which is far off after turns
+%      pose            - [x_m y_m theta_rad time_s] of the odometry, which is far off after turns
 %      speeds          - [current_linear_m_s current_angular_rad_s] of the wheels
 %      info            - Limits, sensors and services of the robot: a scalar struct
 %      link            - Quality of the link: a scalar struct
 %      address         - Address and port
 %      time_s          - Seconds since the robot was connected
-%   pose and speeds are NaN when they are older than fresh_ms (300). docs/matlab.md explains the
-%   fields of the structs.
+%      start_utc_s     - UTC when time_s was 0, in seconds since 1970
+%   pose and speeds are NaN when they are older than fresh_ms (300); the time_s of pose is when
+%   the robot made it. docs/matlab.md explains the fields of the structs.
 %
 %   Example:
 %      r = roburoc4.Robot('192.168.0.2', 'max_linear_m_s', 0.5);
@@ -88,6 +90,7 @@ properties (Dependent, SetAccess = private)
     link
     address
     time_s
+    start_utc_s
 end
 
 methods
@@ -337,6 +340,10 @@ methods
         s = roburoc4_mex('now', this.id);
     end
 
+    function s = get.start_utc_s(this)
+        s = roburoc4_mex('startUtc', this.id, roburoc4.internal.utc());
+    end
+
     function s = serviceLink(this, service)
         %SERVICELINK Quality of the link for one service: period, jitter, age, loss.
         %   S = serviceLink(R, SERVICE) with 'iocard', 'telemeter', 'battery', 'localization' or
@@ -438,14 +445,49 @@ methods
         roburoc4_mex('subscribe', this.id, service, 0);
     end
 
+    function s = receive(this, service, timeout)
+        %RECEIVE Wait for the next status of a service.
+        %   S = receive(R, SERVICE, SECONDS) is a scalar struct of the first status that comes in after
+        %   this call: its values, time_s when it came in, utc_s when the robot made it, and
+        %   robot_cycles. It waits for at most so long (1), and does not renew a drive command. Raises
+        %   roburoc4:timeout if none came.
+        %
+        %   Example:
+        %      s = r.receive('localization', 1); s.x_m
+        roburoc4.internal.needed(nargin >= 2, 'receive(service, seconds)');
+        service = roburoc4.internal.text(service, 'service');
+        if nargin < 3
+            timeout = 1;
+        end
+        timeout = roburoc4.internal.number(timeout, 'timeout', 0, 1e6);
+        cleanup = roburoc4.internal.guard(this.id); %#ok<NASGU>
+        roburoc4_mex('receiveBegin', this.id);
+        finish_s = this.time_s + timeout;
+        left_s = timeout;
+        s = [];
+        while isempty(s) && left_s >= 0
+            utc_s = roburoc4.internal.utc();
+            s = roburoc4_mex('receive', this.id, utc_s, service, min(left_s, 0.05));
+            left_s = finish_s - this.time_s - 1e-6;
+        end
+        if isempty(s)
+            error('roburoc4:timeout', ['no status of the service %s within %g s; look at link, and ' ...
+                'at its period: subscribe'], service, timeout);
+        end
+        roburoc4_mex('busy', this.id, false);
+    end
+
     function data = record(this, seconds, varargin)
         %RECORD Collect the statuses of the next seconds, as columns ready to plot.
         %   DATA = record(R, SECONDS) is a struct with a struct of columns for each service: iocard,
-        %   telemeter, battery, localization, differential. All have time_s, seconds from now, and
-        %   robot_cycles, uint64 counts of 10 ms. DATA.lost is the number of statuses that were
-        %   overwritten before they were read. record(R, SECONDS, SERVICE, ...) collects only these
-        %   services. It does not renew a drive command. Raises roburoc4:timeout if nothing arrived
-        %   because the robot does not answer.
+        %   telemeter, battery, localization, differential. All have time_s, when a status came in, in
+        %   seconds from now; utc_s, when the robot made it, in seconds since 1970 by this machine's
+        %   clock; and robot_cycles, uint64 counts of 10 ms. DATA.start_utc_s is UTC when time_s was
+        %   0, DATA.lost the number of statuses that were overwritten before they were read.
+        %   record(R, SECONDS, SERVICE, ...) collects only these services. It does not renew a drive
+        %   command. Raises roburoc4:timeout if nothing arrived because the robot does not answer.
+        %
+        %   In MATLAB, roburoc4.asTimetable(DATA.localization) is a timetable.
         %
         %   Example:
         %      data = r.record(2, 'localization');
@@ -461,32 +503,42 @@ methods
             left_s = finish_s - roburoc4_mex('wait', this.id, min(left_s, 0.05));
             roburoc4_mex('recorded', this.id);
         end
-        data = roburoc4_mex('recording', this.id, services{:});
+        data = roburoc4_mex('recording', this.id, roburoc4.internal.utc(), services{:});
         roburoc4_mex('busy', this.id, false);
     end
 
     function data = log(this, file, varargin)
-        %LOG Write all statuses since the robot was connected to a MAT-file.
-        %   log(R, FILE) writes what arrived since R was made, or since the last log, with the fields
-        %   of record; time_s counts from when R was made. To log one drive, call log before it and
-        %   after it. The option buffer says how many statuses are kept; if it is too small, the
-        %   oldest are lost, and a warning says how many. log(R, FILE, SERVICE, ...) writes only these
-        %   services. DATA = log(R, ...) returns what was written. If the disk is full there is an
-        %   error, an existing file stays as it was, and no status is lost.
+        %LOG Give all statuses since the last log, or write them to a MAT-file.
+        %   DATA = log(R) has what arrived since R was made, or since the last log, with the fields of
+        %   record; time_s counts from when R was made. log(R, FILE) writes it to a MAT-file. To log
+        %   one drive, call log(R) before it and log(R, FILE) after it. log(R, FILE, SERVICE, ...) has
+        %   only these services; with '' as FILE nothing is written. The option buffer says how many
+        %   statuses are kept; if it is too small, the oldest are lost, and a warning says how many.
+        %   If the disk is full there is an error, an existing file stays as it was, and no status is
+        %   lost.
         %
         %   Example:
+        %      r.log();
         %      r.driveFor(0.3, 0, 2);
         %      r.log('drive.mat');
         %      data = load('drive.mat');
-        roburoc4.internal.needed(nargin >= 2, 'log(file)');
-        file = roburoc4.internal.text(file, 'file');
+        if nargin < 2
+            file = '';
+        elseif ~isequal(file, '')
+            file = roburoc4.internal.text(file, 'file');
+        end
         services = roburoc4.Robot.texts(varargin);
-        data = roburoc4_mex('log', this.id, services{:});
-        roburoc4.internal.write(file, data);
+        data = roburoc4_mex('log', this.id, roburoc4.internal.utc(), services{:});
+        if ~isempty(file)
+            roburoc4.internal.write(file, data);
+        end
         roburoc4_mex('logged', this.id);
-        if data.lost > 0
+        if data.lost > 0 && (nargout > 0 || ~isempty(file))
             warning('roburoc4:limit', ['%d statuses were overwritten before log was called. Call ' ...
                 'it more often, or give roburoc4.Robot a larger buffer'], data.lost);
+        end
+        if nargout == 0
+            clear data;                    % or without a semicolon all of it would be printed
         end
     end
 end

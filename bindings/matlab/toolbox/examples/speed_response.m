@@ -27,8 +27,7 @@ end
 
 robot.arm();
 robot.driveFor(0, 0, 0.5);
-file = [tempname() '.mat'];
-robot.log(file);                         % the next log starts here
+robot.log();                             % the next log starts here
 loop = robot.rate(20);
 while loop.time_s < 4
     pose_or_stop(robot, loop, 5);
@@ -36,8 +35,7 @@ while loop.time_s < 4
     loop.wait();
 end
 robot.stop();
-data = robot.log(file, roburoc4.Service.DIFFERENTIAL);
-delete(file);
+data = robot.log('', roburoc4.Service.DIFFERENTIAL);
 
 % The robot's own clock is free of the network's jitter. Zero is the first status with the target.
 speed = data.differential;
