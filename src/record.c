@@ -289,6 +289,9 @@ static size_t encode_packet(uint8_t *buffer, uint64_t calendar_us, uint32_t gap,
 
 void roburoc4_recorder_take(roburoc4_recorder *r, int inbound, const roburoc4_address *from,
                             const roburoc4_address *to, const uint8_t *datagram, size_t size) {
+    if (r->process != roburoc4_process_id()) {
+        return; /* the lock may have been forked in any state */
+    }
     roburoc4_lock_take(&r->lock);
     if (r->ending) {
         /* nothing is written any more */
@@ -296,12 +299,12 @@ void roburoc4_recorder_take(roburoc4_recorder *r, int inbound, const roburoc4_ad
         r->gap++;
         r->state.dropped++;
     } else {
-        const int was_empty = r->filled == 0;
+        const size_t before = r->filled;
         r->filled += encode_packet(r->buffer + r->filled, roburoc4_os_calendar_us(), r->gap,
                                    inbound, from, to, datagram, size);
         r->gap = 0;
         r->state.recorded++;
-        if (was_empty) {
+        if (before == 0 || (before < r->capacity / 2 && r->filled >= r->capacity / 2)) {
             roburoc4_signal_wake_all(&r->changed);
         }
     }
@@ -480,13 +483,14 @@ static void write_buffer(roburoc4_recorder *r) {
     }
 }
 
-/* Waits for datagrams, and a while for more of them; with the lock. */
+/* Waits for datagrams, and a while for more of them, but not until the buffer is full; with the
+ * lock. */
 static void swap_buffers(roburoc4_recorder *r) {
     uint8_t *full;
     while (r->filled == 0 && !r->ending) {
         roburoc4_signal_wait(&r->changed, &r->lock, IDLE_US);
     }
-    if (!r->ending) {
+    if (!r->ending && r->filled < r->capacity / 2) {
         roburoc4_signal_wait(&r->changed, &r->lock, FLUSH_US);
     }
     full = r->buffer;

@@ -212,4 +212,303 @@ TEST(Record, WhatCannotBeOpenedIsAnError) {
     EXPECT_EQ(roburoc4_recorder_close(nullptr, nullptr), ROBUROC4_OK);
 }
 
+/* A pipe that nobody reads until a test wants it. */
+class Pipe {
+  public:
+    explicit Pipe(const Folder &folder) : path_(folder / "pipe.pcapng") {
+        EXPECT_EQ(mkfifo(path_.c_str(), 0600), 0);
+        fd_ = open(path_.c_str(), O_RDONLY | O_NONBLOCK);
+        EXPECT_GE(fd_, 0);
+    }
+    Pipe(const Pipe &) = delete;
+    Pipe &operator=(const Pipe &) = delete;
+    ~Pipe() {
+        close(fd_);
+    }
+    const std::string &path() const {
+        return path_;
+    }
+    void fill() {
+        const int fd = open(path_.c_str(), O_WRONLY | O_NONBLOCK);
+        while (write(fd, "", 1) == 1) {
+        }
+        close(fd);
+    }
+    /* What is in it now is added to the file. */
+    void drain_to(const std::string &file) {
+        std::vector<char> bytes(1 << 16);
+        std::ofstream out(file, std::ios::binary | std::ios::app);
+        ssize_t got;
+        while ((got = read(fd_, bytes.data(), bytes.size())) > 0) {
+            out.write(bytes.data(), got);
+        }
+    }
+
+  private:
+    std::string path_;
+    int fd_;
+};
+
+/* Where a file of this process ends, whoever writes it: a disk that is full, for one thread. */
+class FileLimit {
+  public:
+    explicit FileLimit(rlim_t bytes) {
+        getrlimit(RLIMIT_FSIZE, &before_);
+        rlimit limit = before_;
+        limit.rlim_cur = bytes;
+        setrlimit(RLIMIT_FSIZE, &limit);
+    }
+    FileLimit(const FileLimit &) = delete;
+    FileLimit &operator=(const FileLimit &) = delete;
+    ~FileLimit() {
+        lift();
+    }
+    void lift() {
+        setrlimit(RLIMIT_FSIZE, &before_);
+    }
+
+  private:
+    rlimit before_;
+};
+
+roburoc4_recorder *open_small(const std::string &path) {
+    roburoc4_recorder_options wanted = options();
+    wanted.buffer_bytes = 4096;
+    return roburoc4_recorder_open(path.c_str(), &wanted, nullptr);
+}
+
+/* All numbers, but for the gaps that the file counts. */
+void expect_gaps_are_counted(const Capture &capture) {
+    uint64_t next = 0;
+    for (const RecordedDatagram &datagram : capture.datagrams) {
+        next += datagram.drop_count;
+        EXPECT_EQ(Traffic::number_of(datagram), next);
+        next++;
+    }
+}
+
+TEST(Record, WhatASlowDiskDoesNotTakeIsCountedInTheFile) {
+    Folder folder;
+    Pipe pipe(folder);
+    roburoc4_recorder *recorder = open_small(pipe.path());
+    ASSERT_NE(recorder, nullptr);
+    {
+        Traffic traffic(recorder);
+        traffic.receive(3000); /* 80 bytes each; a pipe holds 64 KiB */
+        EXPECT_GT(state_of(recorder).dropped, 1000u);
+        ASSERT_TRUE(eventually([&] {
+            pipe.drain_to(folder / "file");
+            const uint64_t dropped = state_of(recorder).dropped;
+            traffic.receive(1);
+            return state_of(recorder).dropped == dropped;
+        }));
+    }
+    roburoc4_recorder_state last;
+    EXPECT_EQ(roburoc4_recorder_close(recorder, &last), ROBUROC4_OK);
+    pipe.drain_to(folder / "file");
+    Capture capture = read_capture(folder / "file");
+    EXPECT_FALSE(capture.is_cut);
+    EXPECT_EQ(capture.datagrams.size(), last.recorded);
+    EXPECT_EQ(capture.drop_counts(), last.dropped);
+    EXPECT_EQ(capture.dropped, last.dropped);
+    EXPECT_EQ(capture.received, last.dropped + last.recorded);
+    expect_gaps_are_counted(capture);
+}
+
+TEST(Record, ADiskThatHasRoomAgainIsWrittenToAgain) {
+    Folder folder;
+    roburoc4_recorder *recorder = open_small(folder / "a");
+    ASSERT_NE(recorder, nullptr);
+    Traffic traffic(recorder);
+    FileLimit limit(10001); /* in the middle of a block */
+    ASSERT_TRUE(eventually([&] {
+        traffic.receive(10);
+        return state_of(recorder).system_error == EFBIG && state_of(recorder).dropped > 0;
+    }));
+    EXPECT_EQ(fs::file_size(folder / "a"), 10001u);
+    limit.lift();
+    ASSERT_TRUE(eventually([&] { return state_of(recorder).system_error == 0; }));
+    ASSERT_TRUE(eventually([&] {
+        const uint64_t dropped = state_of(recorder).dropped;
+        traffic.receive(1);
+        return state_of(recorder).dropped == dropped;
+    }));
+    roburoc4_recorder_state last;
+    EXPECT_EQ(roburoc4_recorder_close(recorder, &last), ROBUROC4_OK);
+    Capture capture = read_capture(folder / "a");
+    EXPECT_FALSE(capture.is_cut);
+    EXPECT_GT(last.dropped, 0u);
+    EXPECT_EQ(capture.drop_counts(), last.dropped);
+    EXPECT_EQ(capture.datagrams.size(), last.recorded);
+    expect_gaps_are_counted(capture);
+}
+
+TEST(Record, ADiskThatStaysFullLeavesWholeBlocks) {
+    Folder folder;
+    roburoc4_recorder *recorder = open_small(folder / "a");
+    ASSERT_NE(recorder, nullptr);
+    FileLimit limit(10001);
+    Traffic traffic(recorder);
+    uint64_t sent = 0;
+    ASSERT_TRUE(eventually([&] {
+        traffic.receive(10);
+        sent += 10;
+        return state_of(recorder).system_error == EFBIG;
+    }));
+    roburoc4_recorder_state last;
+    EXPECT_EQ(roburoc4_recorder_close(recorder, &last), ROBUROC4_ERR_SYSTEM);
+    EXPECT_EQ(last.system_error, EFBIG);
+    Capture capture = read_capture(folder / "a");
+    EXPECT_FALSE(capture.is_cut);
+    EXPECT_GT(capture.datagrams.size(), 100u);
+    EXPECT_EQ(capture.datagrams.size(), last.recorded);
+    EXPECT_EQ(last.recorded + last.dropped, sent);
+    expect_gaps_are_counted(capture);
+}
+
+TEST(Record, ZerosLeaveWhileTheDiskHangs) {
+    Folder folder;
+    Pipe pipe(folder);
+    UdpRobot robot;
+    roburoc4_recorder *recorder = open_small(pipe.path());
+    ASSERT_NE(recorder, nullptr);
+    pipe.fill();
+    const uint64_t written = state_of(recorder).bytes;
+    roburoc4_address address = robot.address();
+    roburoc4_pump *pump = roburoc4_pump_create(&address, nullptr, 0, nullptr);
+    ASSERT_NE(pump, nullptr);
+    EXPECT_EQ(roburoc4_pump_record(pump, recorder), ROBUROC4_OK);
+    ASSERT_EQ(roburoc4_pump_arm(pump, kPatienceUs), ROBUROC4_OK);
+    ASSERT_TRUE(eventually([&] {
+        (void)on_client(pump, roburoc4_client_drive, 0.3f, 0.0f, 0u);
+        const auto commands = robot.commands();
+        return !commands.empty() && !commands.back().is_zero();
+    }));
+    EXPECT_EQ(on_client(pump, roburoc4_client_stop), ROBUROC4_OK);
+    EXPECT_TRUE(eventually([&] { return robot.commands().back().is_zero(); }));
+    EXPECT_TRUE(eventually([&] { return state_of(recorder).dropped > 0; }));
+    roburoc4_pump_destroy(pump);
+    EXPECT_EQ(state_of(recorder).bytes, written);
+    roburoc4_recorder_state last;
+    EXPECT_EQ(roburoc4_recorder_close(recorder, &last), ROBUROC4_ERR_SYSTEM);
+    EXPECT_EQ(last.system_error, ETIMEDOUT);
+    (void)dup(open(pipe.path().c_str(), O_RDONLY | O_NONBLOCK)); /* the thread hangs on */
+}
+
+TEST(Record, TheNextFileBeginsWhereThisOneIsFull) {
+    Folder folder;
+    roburoc4_recorder_options wanted = options();
+    wanted.max_file_bytes = 5000;
+    wanted.buffer_bytes = 4096;
+    roburoc4_recorder *recorder =
+        roburoc4_recorder_open((folder / "run.pcapng").c_str(), &wanted, nullptr);
+    ASSERT_NE(recorder, nullptr);
+    Traffic traffic(recorder);
+    for (int i = 0; i < 4; i++) {
+        const uint64_t bytes = state_of(recorder).bytes;
+        traffic.receive(40);
+        ASSERT_TRUE(eventually([&] { return state_of(recorder).bytes >= bytes + 40 * 80; }));
+    }
+    roburoc4_recorder_state last;
+    EXPECT_EQ(roburoc4_recorder_close(recorder, &last), ROBUROC4_OK);
+    EXPECT_EQ(last.recorded, 160u);
+    EXPECT_EQ(last.files, 4u);
+    EXPECT_EQ(last.path, folder / "run.4.pcapng");
+    uint32_t number = 0;
+    for (const char *name : {"run.pcapng", "run.2.pcapng", "run.3.pcapng", "run.4.pcapng"}) {
+        Capture capture = read_capture(folder / name);
+        EXPECT_LE(fs::file_size(folder / name), 5000u);
+        EXPECT_TRUE(capture.has_statistics);
+        EXPECT_EQ(capture.received, capture.datagrams.size());
+        for (const RecordedDatagram &datagram : capture.datagrams) {
+            EXPECT_EQ(Traffic::number_of(datagram), number++);
+        }
+    }
+    EXPECT_EQ(number, 160u);
+}
+
+TEST(Record, TheNextFileBeginsWhereThisOneIsOld) {
+    Folder folder;
+    roburoc4_recorder_options wanted = options();
+    wanted.max_file_s = 1;
+    roburoc4_recorder *recorder =
+        roburoc4_recorder_open((folder / "run").c_str(), &wanted, nullptr);
+    ASSERT_NE(recorder, nullptr);
+    Traffic traffic(recorder);
+    ASSERT_TRUE(eventually([&] {
+        traffic.receive(1);
+        usleep(10000);
+        return state_of(recorder).files == 2;
+    }));
+    EXPECT_EQ(roburoc4_recorder_close(recorder, nullptr), ROBUROC4_OK);
+    EXPECT_EQ(folder.files(), (std::vector<std::string>{"run", "run.2"}));
+}
+
+TEST(Record, AKilledProcessLeavesWhatItRecorded) {
+    Folder folder;
+    const pid_t child = fork();
+    if (child == 0) {
+        roburoc4_recorder *recorder =
+            roburoc4_recorder_open((folder / "a").c_str(), nullptr, nullptr);
+        Traffic traffic(recorder);
+        traffic.receive(100);
+        pause();
+        _exit(1);
+    }
+    const bool complete = eventually([&] {
+        return fs::exists(folder / "a") && fs::file_size(folder / "a") > 200 &&
+               read_capture(folder / "a").datagrams.size() == 100;
+    });
+    kill(child, SIGKILL);
+    waitpid(child, nullptr, 0);
+    EXPECT_TRUE(complete);
+    EXPECT_FALSE(read_capture(folder / "a").is_cut);
+}
+
+TEST(Record, ExitCompletesTheFile) {
+    Folder folder;
+    UdpRobot robot;
+    const pid_t child = fork();
+    if (child == 0) {
+        roburoc4_address address = robot.address();
+        roburoc4_recorder *recorder =
+            roburoc4_recorder_open((folder / "a").c_str(), nullptr, nullptr);
+        roburoc4_pump *pump = roburoc4_pump_create(&address, nullptr, 0, nullptr);
+        roburoc4_pump_record(pump, recorder);
+        if (roburoc4_pump_arm(pump, kPatienceUs) == ROBUROC4_OK) {
+            (void)on_client(pump, roburoc4_client_drive, 0.3f, 0.0f, 0u);
+        }
+        std::exit(0);
+    }
+    waitpid(child, nullptr, 0);
+    Capture capture = read_capture(folder / "a");
+    EXPECT_TRUE(capture.has_statistics);
+    std::vector<RecordedDatagram> commands;
+    for (const RecordedDatagram &datagram : capture.datagrams) {
+        if (datagram.flags == 2 && datagram.payload[0] == 0xFF) {
+            commands.push_back(datagram);
+        }
+    }
+    ASSERT_GE(commands.size(), 4u); /* a speed and three zeros */
+    EXPECT_EQ(commands.back().payload, (std::vector<uint8_t>{0xFF, 6, 0, 0, 0, 0, 0, 0, 0, 0, 0}));
+}
+
+TEST(Record, AForkedChildRecordsNothing) {
+    Folder folder;
+    roburoc4_recorder *recorder = roburoc4_recorder_open((folder / "a").c_str(), nullptr, nullptr);
+    ASSERT_NE(recorder, nullptr);
+    Traffic traffic(recorder);
+    traffic.receive(1);
+    const pid_t child = fork();
+    if (child == 0) {
+        traffic.receive(10);
+        _exit(roburoc4_recorder_close(recorder, nullptr));
+    }
+    int status = -1;
+    waitpid(child, &status, 0);
+    EXPECT_EQ(status, 0);
+    EXPECT_EQ(roburoc4_recorder_close(recorder, nullptr), ROBUROC4_OK);
+    EXPECT_EQ(read_capture(folder / "a").datagrams.size(), 1u);
+}
+
 } // namespace
