@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "channels.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static const char *const keys[] = {
@@ -44,4 +45,23 @@ bool channels_is_command(enum channel channel) {
 bool channels_ends_in_cmd(const char *name) {
     size_t length = strlen(name);
     return length >= 4 && strcmp(name + length - 4, "_CMD") == 0;
+}
+
+static int by_name(const void *one, const void *other) {
+    return strcmp(((const channels_entry *)one)->name, ((const channels_entry *)other)->name);
+}
+
+const char *channels_sort(channels_directory *directory) {
+    qsort(directory->entries, directory->count, sizeof directory->entries[0], by_name);
+    for (size_t at = 1; at < directory->count; at++) {
+        if (by_name(&directory->entries[at - 1], &directory->entries[at]) == 0) {
+            return directory->entries[at].name;
+        }
+    }
+    return NULL;
+}
+
+const channels_entry *channels_look_up(const channels_directory *directory, const char *name) {
+    channels_entry wanted = {name, 0};
+    return bsearch(&wanted, directory->entries, directory->count, sizeof wanted, by_name);
 }

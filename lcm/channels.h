@@ -7,6 +7,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -43,6 +44,22 @@ enum channel channels_find(const char *key, size_t length);
 /* Whether LCM, which takes names for patterns, understands this one as itself. */
 bool channels_is_name(const char *name);
 bool channels_is_command(enum channel channel);
+
+/* All channels of a bridge, by their names. */
+typedef struct channels_entry {
+    const char *name;
+    uint32_t which;
+} channels_entry;
+
+typedef struct channels_directory {
+    channels_entry *entries;
+    size_t count;
+} channels_directory;
+
+/* Sort the entries, once all are there. Returns a name that comes twice, or NULL. */
+const char *channels_sort(channels_directory *directory);
+/* The entry with this name, or NULL. */
+const channels_entry *channels_look_up(const channels_directory *directory, const char *name);
 /* Whether a name is that of a command: it ends in _CMD. */
 bool channels_ends_in_cmd(const char *name);
 

@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: MIT
  *
  * roburoc4-lcm: RobuROC4 robots on an LCM network. This file has the program's life and its loop:
- * one poll() on LCM's descriptor and the robots' sockets.
+ * one wait for LCM's descriptor and the robots' sockets.
+ * Its cost for a status does not depend on how many robots there are.
  */
 #define _POSIX_C_SOURCE 200809L
+#include <errno.h>
 #include <fcntl.h>
 #include <lcm/lcm.h>
-#include <poll.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "clock.h"
@@ -18,6 +20,7 @@
 #include "options.h"
 #include "robot.h"
 #include "text.h"
+#include "watch.h"
 
 enum { EXIT_DONE = 0, EXIT_ERROR = 1, EXIT_USAGE = 2, EXIT_NO_LCM = 3 };
 
@@ -30,10 +33,28 @@ enum { EXIT_DONE = 0, EXIT_ERROR = 1, EXIT_USAGE = 2, EXIT_NO_LCM = 3 };
 #define LCM_RETRY_US 1000000u
 /* Longer than this a command's lease may not begin late. */
 #define STALL_US 20000u
+/* For this long after a stall LCM's thread may still hand on what came during it. */
+#define STALL_ECHO_US 50000u
+/* LCM drops what comes after this many messages that were not read, and keeps the old ones. */
+#define QUEUE_CAPACITY 10000
+/* LCM's number for watch_set(); a robot's is its index + 1. */
+#define WATCHED_LCM 0u
+/* Descriptors beside those of the robots. */
+#define OTHER_FILES 64u
 
 static options settings;
 static robot robots[OPTIONS_MAX_ROBOTS];
 static uint32_t robot_count; /* those that were started */
+static uint64_t deadlines_us[OPTIONS_MAX_ROBOTS];
+/* Whom this turn serves. */
+static bool served[OPTIONS_MAX_ROBOTS];
+static uint32_t serving[OPTIONS_MAX_ROBOTS];
+static uint32_t serving_count;
+/* Robots by their addresses, to find those that another bridge serves. */
+static channels_entry addresses[OPTIONS_MAX_ROBOTS];
+static channels_directory by_address = {addresses, 0};
+static int64_t stalled_utime;     /* this process hung from here ... */
+static uint64_t stalled_until_us; /* ... and may still read what came meanwhile, until here */
 static robot_bridge this_bridge;
 static gate_time last_look;
 static uint64_t lcm_rests_until_us; /* LCM is not read before this; 0: it could always be read */
@@ -78,6 +99,15 @@ static void warn_of_old_lcm(void) {
     }
 }
 
+/* Read what the robot has, once in a turn; it is finished at the turn's end. */
+static void serve(uint32_t at) {
+    if (!served[at]) {
+        served[at] = true;
+        serving[serving_count++] = at;
+        robot_serve(&robots[at]);
+    }
+}
+
 static void on_bridge_state(const lcm_recv_buf_t *message, const char *channel, void *user) {
     gate_time now = clock_now();
     bridge_identity other;
@@ -87,20 +117,66 @@ static void on_bridge_state(const lcm_recv_buf_t *message, const char *channel, 
          other.started_utime == this_bridge.started_utime)) {
         return;
     }
-    for (uint32_t at = 0; at < robot_count; at++) {
-        robot_hear_bridge(&robots[at], &other, channel, now);
+    const channels_entry *by_channel = channels_look_up(&settings.directory, channel);
+    const channels_entry *by_robot = channels_look_up(&by_address, other.robot);
+    if (by_channel != NULL) {
+        robot_hear_bridge(&robots[by_channel->which / CHANNELS], &other, channel, now);
+    }
+    if (by_robot != NULL) {
+        robot_hear_bridge(&robots[by_robot->which], &other, channel, now);
     }
 }
 
-/* Other bridges' states, under their usual names and under ours. */
-static bool subscribe_to_bridges(lcm_t *lcm) {
-    static const char usual[] = ".*_BRIDGE_STATE";
-    bool good = lcm_subscribe(lcm, usual, on_bridge_state, NULL) != NULL;
+/* When a message came, at the earliest: LCM's thread stamps it when it reads it, which is late
+ * where this process was stopped or starved. */
+static int64_t arrival(int64_t recv_utime) {
+    return last_look.us < stalled_until_us && stalled_utime < recv_utime ? stalled_utime
+                                                                         : recv_utime;
+}
+
+/* LCM calls this for each message on any channel of a command. What the robot reports counts
+ * first, [A] on the game pad above all. Stops have a queue of their own, which no flood of other
+ * commands fills; user: this is theirs. */
+static void on_command(const lcm_recv_buf_t *message, const char *channel, void *user) {
+    const channels_entry *found = channels_look_up(&settings.directory, channel);
+    if (found == NULL || robot_count == 0) {
+        return;
+    }
+    enum channel which = (enum channel)(found->which % CHANNELS);
+    uint32_t at = found->which / CHANNELS;
+    if (channels_is_command(which) && (which == CHANNEL_STOP_CMD) == (user != NULL)) {
+        serve(at);
+        robot_take_message(&robots[at], (enum gate_kind)(which - CHANNEL_DRIVE_CMD), message->data,
+                           message->data_size, arrival(message->recv_utime));
+    }
+}
+
+static bool subscribe(lcm_t *lcm, const char *pattern, lcm_msg_handler_t handler, void *user) {
+    lcm_subscription_t *subscription = lcm_subscribe(lcm, pattern, handler, user);
+    return subscription != NULL &&
+           lcm_subscription_set_queue_capacity(subscription, QUEUE_CAPACITY) == 0;
+}
+
+static bool ends_in(const char *name, const char *end) {
+    size_t length = strlen(name);
+    return length >= strlen(end) && strcmp(name + length - strlen(end), end) == 0;
+}
+
+/* Few patterns for all robots, since LCM compares each new channel with each of them: all commands
+ * end in _CMD. Those of other bridges are read and passed over. */
+static bool subscribe_to_all(lcm_t *lcm) {
+    static const char stop[] = "_STOP_CMD";
+    static const char state[] = "_BRIDGE_STATE";
+    bool good = subscribe(lcm, ".*_CMD", on_command, NULL) &&
+                subscribe(lcm, ".*_STOP_CMD", on_command, lcm) &&
+                subscribe(lcm, ".*_BRIDGE_STATE", on_bridge_state, NULL);
     for (uint32_t at = 0; good && at < settings.robot_count; at++) {
-        const char *name = settings.robots[at].channels.name[CHANNEL_BRIDGE_STATE];
-        const char *end = strstr(name, usual + 2);
-        if (end == NULL || end[strlen(usual + 2)] != '\0') {
-            good = lcm_subscribe(lcm, name, on_bridge_state, NULL) != NULL;
+        const channel_names *own = &settings.robots[at].channels;
+        if (!ends_in(own->name[CHANNEL_STOP_CMD], stop)) {
+            good = subscribe(lcm, own->name[CHANNEL_STOP_CMD], on_command, lcm);
+        }
+        if (good && !ends_in(own->name[CHANNEL_BRIDGE_STATE], state)) {
+            good = subscribe(lcm, own->name[CHANNEL_BRIDGE_STATE], on_bridge_state, NULL);
         }
     }
     return good;
@@ -115,12 +191,8 @@ static lcm_t *open_lcm(void) {
         (void)sigaddset(&stops, stop_signals[at]);
     }
     (void)sigprocmask(SIG_BLOCK, &stops, &before);
-    lcm_t *lcm = lcm_create(settings.lcm_url);
-    bool good = lcm != NULL && subscribe_to_bridges(lcm);
-    for (uint32_t at = 0; good && at < settings.robot_count; at++) {
-        good = robot_subscribe(&robots[at], lcm, &settings.robots[at]);
-    }
-    if (lcm != NULL && !good) {
+    lcm_t *lcm = lcm_create(settings.lcm_url[0] != '\0' ? settings.lcm_url : NULL);
+    if (lcm != NULL && !subscribe_to_all(lcm)) {
         lcm_destroy(lcm);
         lcm = NULL;
     }
@@ -133,9 +205,10 @@ static lcm_t *open_lcm(void) {
 static void look_for_stall(uint64_t asked_us) {
     gate_time now = clock_now();
     if (now.us - last_look.us >= asked_us + STALL_US) {
-        for (uint32_t at = 0; at < robot_count; at++) {
-            robot_was_stalled(&robots[at], last_look.utime, now);
+        if (now.us >= stalled_until_us) {
+            stalled_utime = last_look.utime;
         }
+        stalled_until_us = now.us + STALL_ECHO_US;
     }
     last_look = now;
 }
@@ -160,50 +233,48 @@ static void read_commands(lcm_t *lcm) {
 static int wait_ms(uint64_t now_us) {
     uint64_t until_us = now_us + LONGEST_WAIT_US;
     for (uint32_t at = 0; at < robot_count; at++) {
-        uint64_t deadline_us = robot_deadline(&robots[at]);
-        until_us = deadline_us < until_us ? deadline_us : until_us;
+        until_us = deadlines_us[at] < until_us ? deadlines_us[at] : until_us;
     }
     return until_us <= now_us ? 0 : (int)((until_us - now_us + 999u) / 1000u);
 }
 
-/* Wait until somebody has something, or something is due. The last of `watched` is LCM. */
-static void wait_for_work(lcm_t *lcm, struct pollfd *watched) {
-    for (uint32_t at = 0; at < robot_count; at++) {
-        watched[at].fd = (int)roburoc4_udp_fd(&robots[at].udp);
-    }
+/* Wait until somebody has something, or something is due. */
+static uint32_t wait_for_work(lcm_t *lcm, uint32_t *ready) {
     look_for_stall(0);
-    watched[robot_count].fd = last_look.us < lcm_rests_until_us ? -1 : lcm_get_fileno(lcm);
-    for (uint32_t at = 0; at <= robot_count; at++) {
-        watched[at].events = POLLIN;
-        watched[at].revents = 0;
-    }
+    watch_set(WATCHED_LCM, last_look.us < lcm_rests_until_us ? -1 : lcm_get_fileno(lcm));
     int wait = wait_ms(last_look.us);
-    (void)poll(watched, robot_count + 1, wait);
+    uint32_t count = watch_wait(wait, ready);
     look_for_stall((uint64_t)wait * 1000u);
+    return count;
 }
 
 /* Wait, then serve whoever has something. */
 static void turn(lcm_t *lcm) {
-    struct pollfd watched[OPTIONS_MAX_ROBOTS + 1];
-    bool due[OPTIONS_MAX_ROBOTS] = {false};
-    wait_for_work(lcm, watched);
-    bool reads_lcm = watched[robot_count].revents != 0;
-    /* First what the robots report, [A] on the game pad above all, then commands. */
+    static uint32_t ready[WATCH_MAX];
+    uint32_t count = wait_for_work(lcm, ready);
+    bool reads_lcm = false;
+    /* First what the robots report, then commands. */
+    for (uint32_t at = 0; at < count; at++) {
+        if (ready[at] == WATCHED_LCM) {
+            reads_lcm = true;
+        } else {
+            serve(ready[at] - 1);
+        }
+    }
     for (uint32_t at = 0; at < robot_count; at++) {
-        due[at] =
-            reads_lcm || watched[at].revents != 0 || robot_deadline(&robots[at]) <= last_look.us;
-        if (due[at]) {
-            robot_serve(&robots[at]);
+        if (deadlines_us[at] <= last_look.us) {
+            serve(at);
         }
     }
     if (reads_lcm) {
         read_commands(lcm);
     }
-    for (uint32_t at = 0; at < robot_count; at++) {
-        if (due[at]) {
-            robot_finish(&robots[at]);
-        }
+    for (uint32_t at = 0; at < serving_count; at++) {
+        robot_finish(&robots[serving[at]]);
+        deadlines_us[serving[at]] = robot_deadline(&robots[serving[at]]);
+        served[serving[at]] = false;
     }
+    serving_count = 0;
 }
 
 static bool all_closed(void) {
@@ -222,6 +293,7 @@ static void close_robots(lcm_t *lcm) {
     for (uint32_t at = 0; at < robot_count; at++) {
         robot_close(&robots[at], now);
         robot_finish(&robots[at]);
+        deadlines_us[at] = robot_deadline(&robots[at]);
     }
     while (!all_closed() && clock_now().us - now.us < CLOSING_US) {
         turn(lcm);
@@ -242,21 +314,44 @@ static void introduce_bridge(gate_time now) {
     this_bridge.started_utime = now.utime;
 }
 
+static void start_robots(lcm_t *lcm, gate_time now) {
+    uint32_t can_drive = 0;
+    for (; robot_count < settings.robot_count; robot_count++) {
+        uint32_t at = robot_count;
+        const options_robot *robot = &settings.robots[at];
+        robot_start(&robots[at], at + 1, robot, lcm, &this_bridge, now);
+        addresses[at] = (channels_entry){robots[at].address, at};
+        can_drive += robot->rules.enabled[GATE_DRIVE];
+    }
+    by_address.count = robot_count;
+    (void)channels_sort(&by_address);
+    log_line(LOG_NOTE, NULL, "bridging %u robot%s; driving is %s%s", (unsigned)robot_count,
+             robot_count == 1 ? "" : "s",
+             can_drive == 0             ? "off"
+             : can_drive == robot_count ? "ON"
+                                        : "ON for some of them",
+             can_drive == 0 ? " (--enable-drive)" : "");
+}
+
 static void run(lcm_t *lcm) {
     gate_time now = clock_now();
     last_look = now;
     introduce_bridge(now);
-    for (; robot_count < settings.robot_count; robot_count++) {
-        robot_start(&robots[robot_count], &settings, &settings.robots[robot_count], &this_bridge,
-                    now);
-    }
-    log_line(LOG_NOTE, NULL, "bridging %u robot%s; driving is %s", (unsigned)robot_count,
-             robot_count == 1 ? "" : "s",
-             settings.rules.enabled[GATE_DRIVE] ? "ON" : "off (--enable-drive)");
+    start_robots(lcm, now);
     while (stop_signal == 0) {
         turn(lcm);
     }
     close_robots(lcm);
+}
+
+/* Each robot has a socket. */
+static void allow_sockets(void) {
+    struct rlimit files;
+    rlim_t needed = (rlim_t)settings.robot_count + OTHER_FILES;
+    if (getrlimit(RLIMIT_NOFILE, &files) == 0 && files.rlim_cur < needed) {
+        files.rlim_cur = needed < files.rlim_max ? needed : files.rlim_max;
+        (void)setrlimit(RLIMIT_NOFILE, &files);
+    }
 }
 
 static void catch_signals(void) {
@@ -308,10 +403,24 @@ int main(int count, char **arguments) {
     if (result == OPTIONS_RUN) {
         result = options_resolve(&settings, error, sizeof error);
     }
-    if (result != OPTIONS_RUN) {
+    /* In a fleet, a name without an address is that robot's problem. */
+    bool is_alone = settings.robot_count == 1;
+    if (settings.check && (result == OPTIONS_RUN || result == OPTIONS_NO_ADDRESS)) {
+        options_print(&settings);
+    }
+    if (settings.check && result == OPTIONS_RUN) {
+        return fflush(stdout) == 0 ? EXIT_DONE : EXIT_ERROR;
+    }
+    if (result != OPTIONS_RUN && (settings.check || is_alone || result != OPTIONS_NO_ADDRESS)) {
         return end_early(result, error);
     }
     log_set_level(settings.level);
+    allow_sockets();
+    if (!watch_begin()) {
+        log_line(LOG_ERROR, NULL, "the system has no means to wait for sockets: %s",
+                 strerror(errno));
+        return EXIT_ERROR;
+    }
     lcm_t *lcm = open_lcm();
     if (lcm == NULL) {
         explain_no_lcm();

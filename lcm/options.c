@@ -2,13 +2,16 @@
 #define _POSIX_C_SOURCE 200809L
 #include "options.h"
 
+#include <errno.h>
 #include <getopt.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define MAX_LIST 64
+#include "ini.h"
+
+#define MAX_FILE_BYTES (1 << 20)
 /* Statuses that are older than this do not count for driving (roburoc4_config.fresh_ms). */
 #define SLOWEST_DRIVING_MS 100u
 
@@ -19,7 +22,9 @@ const char options_help[] =
     "\n"
     "  -r, --robot [NAME=]HOST[:PORT]  the robot (default 192.168.0.2:60000). With NAME its\n"
     "                       channels are NAME_DIFFERENTIAL and so on, and the option may be\n"
-    "                       given up to 32 times\n"
+    "                       given up to 1000 times\n"
+    "  -c, --config FILE    read robots and their settings from FILE; see roburoc4-lcm(1)\n"
+    "      --check          print what would run, and exit\n"
     "  -l, --lcm-url URL    the LCM network (default: LCM's own, see LCM_DEFAULT_URL), such as\n"
     "                       'udpm://239.255.76.67:7667?ttl=0' for this machine only; LCM's tcpq\n"
     "                       and file are refused: they can block the bridge, or drive from a log\n"
@@ -34,7 +39,7 @@ const char options_help[] =
     "\n"
     "Commands; without these the bridge only watches, and obeys PREFIX_STOP_CMD:\n"
     "      --enable-drive       obey PREFIX_DRIVE_CMD: THE ROBOT CAN MOVE. Statuses of iocard and\n"
-    "                           differential must come at least every 250 ms\n"
+    "                           differential must come at least every 100 ms\n"
     "      --enable-outputs     obey PREFIX_OUTPUT_CMD\n"
     "      --enable-relocalize  obey PREFIX_RELOCALIZE_CMD\n"
     "      --command-timeout MS longest lease of a command, and that of one without its own\n"
@@ -51,14 +56,17 @@ const char options_help[] =
     "SIGINT, SIGTERM and SIGHUP stop the robot and end the bridge. Exit status: 0 ended on\n"
     "request, 1 error, 2 bad usage, 3 no LCM network.\n";
 
-enum list { LIST_ROBOTS, LIST_CHANNELS, LIST_POSES, LISTS };
+enum { PASS_SETTINGS, PASS_ROBOTS, PASS_CHANNELS, PASSES };
 
-/* Values that are kept until all options were read, because they depend on one another. */
+/* What is being read. Settings go to `robot`, which is `all` until the file names one. */
 typedef struct reading {
     options *out;
+    options_robot all; /* what holds for all robots */
+    options_robot *robot;
     const char *prefix;
-    const char *list[LISTS][MAX_LIST];
-    uint32_t count[LISTS];
+    const char *for_robots; /* an option of the command line that sets robots, or NULL */
+    bool in_file;
+    char subject[OPTIONS_MAX_TEXT + 65]; /* what is wrong where a setter complains */
     char *error;
     size_t error_size;
 } reading;
@@ -74,6 +82,11 @@ complain(reading *reading, const char *format, ...) {
     (void)vsnprintf(reading->error, reading->error_size, format, arguments);
     va_end(arguments);
     return false;
+}
+
+/* Write what to give instead of the value that was read; always false. */
+static bool refuse(reading *reading, const char *remedy) {
+    return complain(reading, "%s: %s", reading->subject, remedy);
 }
 
 /* --------------------------------------------------------------------------- option values --- */
@@ -93,30 +106,28 @@ static bool whole(const char *text, uint32_t min, uint32_t max, uint32_t *out) {
     return number(&text, max, out) && *text == '\0' && *out >= min;
 }
 
-/* An option of the command line; `set` gives `which` and the limits their meaning. */
+/* Where a setting may stand: on the command line (by pass), and in the file. */
+enum place { ONLY_COMMAND_LINE, FOR_ALL, FOR_EACH, FOR_ONE };
+
+/* `set` gives `which` and the limits their meaning. A setter gets NULL where the option has no
+ * value on the command line, and the value of the file otherwise. */
 typedef struct known_option {
     const char *name;
     char letter; /* 0: none */
     int has_value;
+    int pass;
+    enum place place;
     bool (*set)(reading *reading, const struct known_option *option, const char *value);
     uint32_t which, min, max;
 } known_option;
 
-/* Append to list `which`, which holds `max`. */
-static bool set_list(reading *reading, const known_option *option, const char *value) {
-    uint32_t *count = &reading->count[option->which];
-    if (*count == option->max) {
-        return complain(reading, "--%s %s: at most %u of these; start another bridge", option->name,
-                        value, (unsigned)option->max);
-    }
-    reading->list[option->which][(*count)++] = value;
-    return true;
-}
-
 /* Enable commands of the kind `which`. */
 static bool set_enabled(reading *reading, const known_option *option, const char *value) {
-    (void)value;
-    reading->out->rules.enabled[option->which] = true;
+    bool on = value == NULL || strcmp(value, "yes") == 0;
+    if (!on && strcmp(value, "no") != 0) {
+        return refuse(reading, "give yes or no");
+    }
+    reading->robot->rules.enabled[option->which] = on;
     return true;
 }
 
@@ -126,10 +137,27 @@ static bool set_level(reading *reading, const known_option *option, const char *
     return true;
 }
 
+static bool set_check(reading *reading, const known_option *option, const char *value) {
+    (void)option;
+    (void)value;
+    reading->out->check = true;
+    return true;
+}
+
+static bool copy_text(reading *reading, char *room, const char *value) {
+    size_t length = strlen(value);
+    if (length > OPTIONS_MAX_TEXT) {
+        return refuse(reading, "is too long; give at most 255 letters");
+    }
+    memcpy(room, value, length + 1);
+    return true;
+}
+
+/* The command line wins. */
 static bool set_url(reading *reading, const known_option *option, const char *value) {
     (void)option;
-    reading->out->lcm_url = value;
-    return true;
+    return (reading->in_file && reading->out->lcm_url[0] != '\0') ||
+           copy_text(reading, reading->out->lcm_url, value);
 }
 
 static bool set_prefix(reading *reading, const known_option *option, const char *value) {
@@ -138,34 +166,43 @@ static bool set_prefix(reading *reading, const known_option *option, const char 
     return true;
 }
 
+static bool set_file(reading *reading, const known_option *option, const char *value) {
+    (void)option;
+    reading->out->file = value;
+    return true;
+}
+
 /* A time of `min` to `max` milliseconds: the longest lease, or (`which` 1) the greatest age. */
 static bool set_time(reading *reading, const known_option *option, const char *value) {
-    gate_rules *rules = &reading->out->rules;
+    gate_rules *rules = &reading->robot->rules;
     uint32_t ms = 0;
     if (!whole(value, option->min, option->max, &ms)) {
-        return complain(reading, "--%s %s: give milliseconds, %u to %u", option->name, value,
+        return complain(reading, "%s: give milliseconds, %u to %u", reading->subject,
                         (unsigned)option->min, (unsigned)option->max);
     }
     *(option->which == 1 ? &rules->max_age_us : &rules->command_timeout_us) = ms * 1000u;
     return true;
 }
 
+#define SERVICES 5
+static const char *const services[SERVICES] = {"iocard", "telemeter", "battery", "localization",
+                                               "differential"};
+
 static bool set_period(reading *reading, const known_option *option, const char *value) {
-    static const char *const services[] = {"iocard", "telemeter", "battery", "localization",
-                                           "differential"};
-    roburoc4_config *config = &reading->out->config;
+    roburoc4_config *config = &reading->robot->config;
     uint32_t period_ms = 0;
     uint32_t at = 0;
     size_t length = strcspn(value, "=");
-    while (at < 5 && (strlen(services[at]) != length || memcmp(services[at], value, length) != 0)) {
+    (void)option;
+    while (at < SERVICES &&
+           (strlen(services[at]) != length || memcmp(services[at], value, length) != 0)) {
         at++;
     }
-    if (at == 5 || value[length] == '\0' || !whole(value + length + 1, 0, 2550, &period_ms) ||
-        period_ms % 10 != 0) {
-        return complain(reading,
-                        "--%s %s: give SERVICE=MS; SERVICE is iocard, telemeter, battery, "
-                        "localization or differential, MS is 0 or 10 to 2550 in steps of 10",
-                        option->name, value);
+    if (at == SERVICES || value[length] == '\0' ||
+        !whole(value + length + 1, 0, 2550, &period_ms) || period_ms % 10 != 0) {
+        return refuse(reading, "give SERVICE=MS; SERVICE is iocard, telemeter, battery, "
+                               "localization or differential, MS is 0 or 10 to 2550 in steps of "
+                               "10; in a file, period.SERVICE = MS");
     }
     uint32_t service = ROBUROC4_SERVICE_IOCARD + at;
     if (period_ms == 0) {
@@ -177,26 +214,170 @@ static bool set_period(reading *reading, const known_option *option, const char 
     return true;
 }
 
-/* Those without a setter end the reading. */
+/* ------------------------------------------------------------------------------ the robots --- */
+
+static options_robot *find_robot(options *out, const char *name, size_t length) {
+    for (uint32_t at = 0; at < out->robot_count; at++) {
+        const char *own = out->robots[at].name;
+        if (length > 0 && strlen(own) == length && memcmp(own, name, length) == 0) {
+            return &out->robots[at];
+        }
+    }
+    return NULL;
+}
+
+/* A robot with the settings that hold for all; NULL (and an error) where it cannot be. name: ""
+ * for the only one. */
+static options_robot *add_robot(reading *reading, const char *name, size_t length,
+                                const char *prefix) {
+    options *out = reading->out;
+    options_robot *robot = &out->robots[out->robot_count];
+    if (out->robot_count == OPTIONS_MAX_ROBOTS) {
+        (void)refuse(reading, "a bridge has at most 1000 robots; start another one");
+        return NULL;
+    }
+    if (find_robot(out, name, length) != NULL) {
+        (void)refuse(reading, "there is a robot of this name already");
+        return NULL;
+    }
+    *robot = reading->all;
+    if (length >= sizeof robot->name) {
+        (void)refuse(reading, "the name is too long; give at most 31 letters");
+        return NULL;
+    }
+    memcpy(robot->name, name, length);
+    prefix = length > 0 ? robot->name : prefix;
+    if (!channels_is_name(prefix) || !channels_set_prefix(&robot->channels, prefix)) {
+        (void)complain(reading,
+                       "'%s' cannot be the start of a channel's name; give at most 45 letters, "
+                       "digits, _, - or /",
+                       prefix);
+        return NULL;
+    }
+    out->robot_count++;
+    return robot;
+}
+
+/* [NAME=]HOST of the command line. */
+static bool set_robot(reading *reading, const known_option *option, const char *value) {
+    const char *equals = strchr(value, '=');
+    size_t length = equals != NULL ? (size_t)(equals - value) : 0;
+    const char *first = reading->out->robots[0].name;
+    (void)option;
+    if (equals != NULL && reading->prefix != NULL) {
+        return complain(reading,
+                        "--prefix %s: a robot with a name has that as its prefix; leave out one of "
+                        "them",
+                        reading->prefix);
+    }
+    if (reading->out->robot_count > 0 && (equals == NULL || first[0] == '\0')) {
+        return complain(reading,
+                        "--robot %s: several robots need a name each, such as --robot A=%s", value,
+                        value);
+    }
+    if (equals != NULL && length == 0) {
+        return refuse(reading, "a name is missing before the =");
+    }
+    options_robot *robot =
+        add_robot(reading, value, length, reading->prefix != NULL ? reading->prefix : "ROBUROC4");
+    return robot != NULL && copy_text(reading, robot->host, equals != NULL ? equals + 1 : value);
+}
+
+/* In a robot's section of the file. */
+static bool set_address(reading *reading, const known_option *option, const char *value) {
+    (void)option;
+    return value[0] != '\0' ? copy_text(reading, reading->robot->host, value)
+                            : refuse(reading, "give HOST or HOST:PORT");
+}
+
+/* ---------------------------------------------------------------------------- the channels --- */
+
+/* The robot that `[NAME:]REST` is about, and REST; NULL (and an error) for none. */
+static options_robot *robot_meant(reading *reading, const char *value, const char **rest) {
+    options *out = reading->out;
+    const char *colon = strchr(value, ':');
+    *rest = value;
+    if (reading->in_file) {
+        return reading->robot;
+    }
+    *rest = colon != NULL ? colon + 1 : value;
+    if (colon == NULL && out->robot_count == 1) {
+        return &out->robots[0];
+    }
+    options_robot *robot = colon != NULL ? find_robot(out, value, (size_t)(colon - value)) : NULL;
+    if (robot == NULL) {
+        (void)refuse(reading, colon != NULL ? "no --robot has the name before the colon"
+                                            : "which robot? put its name and a colon before it");
+    }
+    return robot;
+}
+
+static bool set_channel(reading *reading, const known_option *option, const char *value) {
+    const char *rest = NULL;
+    options_robot *robot = robot_meant(reading, value, &rest);
+    (void)option;
+    if (robot == NULL) {
+        return false;
+    }
+    size_t length = strcspn(rest, "=");
+    enum channel channel = channels_find(rest, length);
+    if (channel == CHANNELS || rest[length] == '\0' || !channels_is_name(rest + length + 1)) {
+        return refuse(reading,
+                      "give KEY=CHANNEL, such as LOCALIZATION=ODOMETRY; CHANNEL has 1 to 63 "
+                      "letters, digits, _, - or /; in a file, channel.KEY = CHANNEL");
+    }
+    const char *name = rest + length + 1;
+    if (channels_ends_in_cmd(name) != channels_is_command(channel)) {
+        return refuse(reading, "names of commands, and no others, end in _CMD, so that they can be "
+                               "left out of logs that are replayed");
+    }
+    memcpy(robot->channels.name[channel], name, strlen(name) + 1);
+    return true;
+}
+
+static bool set_pose(reading *reading, const known_option *option, const char *value) {
+    const char *name = NULL;
+    options_robot *robot = robot_meant(reading, value, &name);
+    (void)option;
+    if (robot == NULL) {
+        return false;
+    }
+    if (!channels_is_name(name) || channels_ends_in_cmd(name)) {
+        return refuse(reading, "give 1 to 63 letters, digits, _, - or /, not ending in _CMD");
+    }
+    memcpy(robot->channels.name[CHANNEL_POSE], name, strlen(name) + 1);
+    return true;
+}
+
+/* ------------------------------------------------------------------------------ all options --- */
+
+#define MIN_LEASE_MS (GATE_MIN_LEASE_US / 1000u)
+#define MAX_LEASE_MS (GATE_MAX_LEASE_US / 1000u)
+
+/* Those without a setter end the reading; those without a value are yes or no in the file. */
 static const known_option known[] = {
-    {"robot", 'r', 1, set_list, LIST_ROBOTS, 0, OPTIONS_MAX_ROBOTS},
-    {"lcm-url", 'l', 1, set_url, 0, 0, 0},
-    {"prefix", 'p', 1, set_prefix, 0, 0, 0},
-    {"channel", 0, 1, set_list, LIST_CHANNELS, 0, MAX_LIST},
-    {"pose-channel", 0, 1, set_list, LIST_POSES, 0, OPTIONS_MAX_ROBOTS},
-    {"period", 0, 1, set_period, 0, 0, 0},
-    {"enable-drive", 0, 0, set_enabled, GATE_DRIVE, 0, 0},
-    {"enable-outputs", 0, 0, set_enabled, GATE_OUTPUT, 0, 0},
-    {"enable-relocalize", 0, 0, set_enabled, GATE_RELOCALIZE, 0, 0},
-    {"command-timeout", 0, 1, set_time, 0, GATE_MIN_LEASE_US / 1000u, GATE_MAX_LEASE_US / 1000u},
-    {"max-age", 0, 1, set_time, 1, 0, 3600000u},
-    {"verbose", 'v', 0, set_level, LOG_DETAIL, 0, 0},
-    {"quiet", 'q', 0, set_level, LOG_ERROR, 0, 0},
-    {"help", 'h', 0, NULL, OPTIONS_HELP, 0, 0},
-    {"version", 0, 0, NULL, OPTIONS_VERSION, 0, 0},
+    {"robot", 'r', 1, PASS_ROBOTS, ONLY_COMMAND_LINE, set_robot, 0, 0, 0},
+    {"config", 'c', 1, PASS_SETTINGS, ONLY_COMMAND_LINE, set_file, 0, 0, 0},
+    {"check", 0, 0, PASS_SETTINGS, ONLY_COMMAND_LINE, set_check, 0, 0, 0},
+    {"lcm-url", 'l', 1, PASS_SETTINGS, FOR_ALL, set_url, 0, 0, 0},
+    {"prefix", 'p', 1, PASS_SETTINGS, ONLY_COMMAND_LINE, set_prefix, 0, 0, 0},
+    {"channel", 0, 1, PASS_CHANNELS, FOR_ONE, set_channel, 0, 0, 0},
+    {"pose-channel", 0, 1, PASS_CHANNELS, FOR_ONE, set_pose, 0, 0, 0},
+    {"period", 0, 1, PASS_SETTINGS, FOR_EACH, set_period, 0, 0, 0},
+    {"enable-drive", 0, 0, PASS_SETTINGS, FOR_EACH, set_enabled, GATE_DRIVE, 0, 0},
+    {"enable-outputs", 0, 0, PASS_SETTINGS, FOR_EACH, set_enabled, GATE_OUTPUT, 0, 0},
+    {"enable-relocalize", 0, 0, PASS_SETTINGS, FOR_EACH, set_enabled, GATE_RELOCALIZE, 0, 0},
+    {"command-timeout", 0, 1, PASS_SETTINGS, FOR_EACH, set_time, 0, MIN_LEASE_MS, MAX_LEASE_MS},
+    {"max-age", 0, 1, PASS_SETTINGS, FOR_EACH, set_time, 1, 0, 3600000u},
+    {"verbose", 'v', 0, PASS_SETTINGS, ONLY_COMMAND_LINE, set_level, LOG_DETAIL, 0, 0},
+    {"quiet", 'q', 0, PASS_SETTINGS, ONLY_COMMAND_LINE, set_level, LOG_ERROR, 0, 0},
+    {"help", 'h', 0, PASS_SETTINGS, ONLY_COMMAND_LINE, NULL, OPTIONS_HELP, 0, 0},
+    {"version", 0, 0, PASS_SETTINGS, ONLY_COMMAND_LINE, NULL, OPTIONS_VERSION, 0, 0},
 };
 #define KNOWN (sizeof known / sizeof known[0])
-static const char letters[] = ":r:l:p:vqh";
+static const known_option address_of_robot = {"address", 0, 1, PASS_SETTINGS, FOR_ONE, set_address,
+                                              0,         0, 0};
+static const char letters[] = ":r:c:l:p:vqh";
 /* What getopt_long() returns for the long form of known[0]. */
 #define FIRST_LONG 256
 
@@ -204,8 +385,8 @@ static const char letters[] = ":r:l:p:vqh";
 
 const char *options_lcm_url(const options *options, const char **source) {
     const char *url = options->lcm_url;
-    *source = "--lcm-url";
-    if (url == NULL || url[0] == '\0') { /* as LCM does */
+    *source = options->file != NULL ? "lcm-url" : "--lcm-url";
+    if (url[0] == '\0') { /* as LCM does */
         *source = "LCM_DEFAULT_URL";
         url = getenv(*source);
     }
@@ -235,7 +416,7 @@ static bool is_group(const char *text) {
 
 /* LCM's other networks, tcpq and file, can block inside LCM: no stop would leave meanwhile, and no
  * signal would be noticed. And a file is a log, which must not drive. */
-static bool set_network(reading *reading) {
+static bool check_network(reading *reading) {
     static const char udpm[] = "udpm://";
     static const char memq[] = "memq://";
     const char *source = NULL;
@@ -250,168 +431,187 @@ static bool set_network(reading *reading) {
                     source, url);
 }
 
-/* ------------------------------------------------------------------------------ the robots --- */
+/* ------------------------------------------------------------------------------- the whole --- */
 
-static bool add_robot(reading *reading, options_robot *robot, const char *value) {
-    const char *equals = strchr(value, '=');
-    const char *prefix = reading->prefix != NULL ? reading->prefix : "ROBUROC4";
-    memset(robot, 0, sizeof *robot);
-    robot->host = value;
-    if (equals != NULL) {
-        size_t length = (size_t)(equals - value);
-        if (length >= sizeof robot->name) {
-            return complain(reading, "--robot %s: the name is too long; give at most %u letters",
-                            value, (unsigned)sizeof robot->name - 1);
-        }
-        memcpy(robot->name, value, length);
-        robot->host = equals + 1;
-        prefix = robot->name;
-    } else if (reading->count[LIST_ROBOTS] > 1) {
-        return complain(reading,
-                        "--robot %s: several robots need a name each, such as --robot A=%s", value,
-                        value);
-    }
-    if (!channels_is_name(prefix) || !channels_set_prefix(&robot->channels, prefix)) {
-        return complain(reading,
-                        "'%s' cannot be the start of a channel's name; give at most 45 letters, "
-                        "digits, _, - or /",
-                        prefix);
-    }
-    return true;
-}
-
-static bool set_robots(reading *reading) {
+static bool check_channels(reading *reading) {
     options *out = reading->out;
-    uint32_t *count = &reading->count[LIST_ROBOTS];
-    if (*count == 0) {
-        reading->list[LIST_ROBOTS][(*count)++] = ROBUROC4_DEFAULT_HOST;
-    }
-    for (uint32_t at = 0; at < *count; at++) {
-        if (!add_robot(reading, &out->robots[at], reading->list[LIST_ROBOTS][at])) {
-            return false;
-        }
-        if (reading->prefix != NULL && out->robots[at].name[0] != '\0') {
-            return complain(reading,
-                            "--prefix %s: a robot with a name has that as its prefix; "
-                            "leave out one of them",
-                            reading->prefix);
+    size_t count = 0;
+    for (uint32_t which = 0; which < out->robot_count * CHANNELS; which++) {
+        const char *name = out->robots[which / CHANNELS].channels.name[which % CHANNELS];
+        if (name[0] != '\0') {
+            out->entries[count++] = (channels_entry){name, which};
         }
     }
-    out->robot_count = *count;
-    return true;
-}
-
-/* ---------------------------------------------------------------------------- the channels --- */
-
-/* The robot that `[NAME:]REST` is about, and REST; NULL (and an error) for none. */
-static options_robot *robot_meant(reading *reading, const char *option, const char *value,
-                                  const char **rest) {
-    options *out = reading->out;
-    const char *colon = strchr(value, ':');
-    *rest = colon != NULL ? colon + 1 : value;
-    if (colon == NULL && out->robot_count == 1) {
-        return &out->robots[0];
-    }
-    for (uint32_t at = 0; colon != NULL && at < out->robot_count; at++) {
-        const char *name = out->robots[at].name;
-        if (strlen(name) == (size_t)(colon - value) && strncmp(name, value, strlen(name)) == 0) {
-            return &out->robots[at];
-        }
-    }
-    (void)complain(reading,
-                   colon != NULL ? "%s %s: no --robot has the name before the colon"
-                                 : "%s %s: which robot? put its name and a colon before it",
-                   option, value);
-    return NULL;
-}
-
-static bool name_channel(reading *reading, const char *value) {
-    const char *rest = NULL;
-    options_robot *robot = robot_meant(reading, "--channel", value, &rest);
-    if (robot == NULL) {
-        return false;
-    }
-    size_t length = strcspn(rest, "=");
-    enum channel channel = channels_find(rest, length);
-    if (channel == CHANNELS || rest[length] == '\0' || !channels_is_name(rest + length + 1)) {
-        return complain(
-            reading,
-            "--channel %s: give KEY=CHANNEL, such as LOCALIZATION=ODOMETRY; CHANNEL has "
-            "1 to 63 letters, digits, _, - or /",
-            value);
-    }
-    const char *name = rest + length + 1;
-    if (channels_ends_in_cmd(name) != channels_is_command(channel)) {
-        return complain(reading,
-                        "--channel %s: names of commands, and no others, end in _CMD, so that "
-                        "they can be left out of logs that are replayed",
-                        value);
-    }
-    memcpy(robot->channels.name[channel], name, strlen(name) + 1);
-    return true;
-}
-
-static bool name_pose(reading *reading, const char *value) {
-    const char *name = NULL;
-    options_robot *robot = robot_meant(reading, "--pose-channel", value, &name);
-    if (robot == NULL) {
-        return false;
-    }
-    if (!channels_is_name(name) || channels_ends_in_cmd(name)) {
-        return complain(reading,
-                        "--pose-channel %s: give 1 to 63 letters, digits, _, - or /, not "
-                        "ending in _CMD",
-                        value);
-    }
-    memcpy(robot->channels.name[CHANNEL_POSE], name, strlen(name) + 1);
-    return true;
-}
-
-/* Two of all channels with the same name, or NULL. */
-static const char *doubled_channel(const options *out) {
-    uint32_t all = out->robot_count * CHANNELS;
-    for (uint32_t one = 0; one < all; one++) {
-        const char *name = out->robots[one / CHANNELS].channels.name[one % CHANNELS];
-        for (uint32_t other = 0; other < one; other++) {
-            if (name[0] != '\0' &&
-                strcmp(name, out->robots[other / CHANNELS].channels.name[other % CHANNELS]) == 0) {
-                return name;
-            }
-        }
-    }
-    return NULL;
-}
-
-static bool set_channels(reading *reading) {
-    for (uint32_t at = 0; at < reading->count[LIST_CHANNELS]; at++) {
-        if (!name_channel(reading, reading->list[LIST_CHANNELS][at])) {
-            return false;
-        }
-    }
-    for (uint32_t at = 0; at < reading->count[LIST_POSES]; at++) {
-        if (!name_pose(reading, reading->list[LIST_POSES][at])) {
-            return false;
-        }
-    }
-    const char *doubled = doubled_channel(reading->out);
+    out->directory = (channels_directory){out->entries, count};
+    const char *doubled = channels_sort(&out->directory);
     return doubled == NULL ||
            complain(reading, "two channels are named %s: give each its own name", doubled);
 }
 
 /* To drive, the bridge must soon notice whether the robot moves, and whether [A] is held. */
-static bool can_drive(reading *reading) {
-    const options *out = reading->out;
+static bool check_robot(reading *reading, const options_robot *robot) {
     static const uint32_t needed[] = {ROBUROC4_SERVICE_IOCARD, ROBUROC4_SERVICE_DIFFERENTIAL};
-    for (uint32_t at = 0; out->rules.enabled[GATE_DRIVE] && at < 2; at++) {
-        if ((out->config.subscriptions >> needed[at] & 1u) == 0 ||
-            out->config.period_ms[needed[at]] > SLOWEST_DRIVING_MS) {
+    char where[OPTIONS_MAX_TEXT + 80] = "--";
+    if (robot->line != 0) {
+        (void)snprintf(where, sizeof where, "%s:%u: [%s]: ", reading->out->file, robot->line,
+                       robot->name);
+    }
+    if (robot->host[0] == '\0') {
+        return complain(reading, "%saddress is missing; give address = HOST or HOST:PORT", where);
+    }
+    for (uint32_t at = 0; robot->rules.enabled[GATE_DRIVE] && at < 2; at++) {
+        if ((robot->config.subscriptions >> needed[at] & 1u) == 0 ||
+            robot->config.period_ms[needed[at]] > SLOWEST_DRIVING_MS) {
             return complain(reading,
-                            "--enable-drive needs statuses of iocard and differential at least "
-                            "every %u ms: give a shorter --period",
-                            SLOWEST_DRIVING_MS);
+                            "%senable-drive needs statuses of iocard and differential at least "
+                            "every %u ms: give a shorter period",
+                            where, SLOWEST_DRIVING_MS);
         }
     }
     return true;
+}
+
+static bool check_robots(reading *reading) {
+    const options *out = reading->out;
+    for (uint32_t at = 0; at < out->robot_count; at++) {
+        if (!check_robot(reading, &out->robots[at])) {
+            return false;
+        }
+    }
+    return out->robot_count > 0 ||
+           complain(reading, "%s: no robot; give a section such as [RED] with address = HOST",
+                    out->file);
+}
+
+static enum options_result check_all(reading *reading) {
+    return check_network(reading) && check_robots(reading) && check_channels(reading) ? OPTIONS_RUN
+                                                                                      : OPTIONS_BAD;
+}
+
+static void begin(reading *reading, options *out, char *error, size_t error_size) {
+    memset(reading, 0, sizeof *reading);
+    reading->out = out;
+    reading->error = error;
+    reading->error_size = error_size;
+    reading->robot = &reading->all;
+    reading->all.rules.command_timeout_us = 300000;
+    reading->all.rules.max_age_us = 200000;
+    out->level = LOG_NOTE;
+    (void)roburoc4_config_init(&reading->all.config, sizeof reading->all.config);
+}
+
+/* -------------------------------------------------------------------------------- the file --- */
+
+/* [DEFAULT], or the name of a robot. */
+static bool begin_section(reading *reading, const ini_line *line) {
+    if (ini_is(line->section, "DEFAULT", false)) {
+        return reading->out->robot_count == 0 ||
+               refuse(reading, "what holds for all robots stands before the robots");
+    }
+    reading->robot = add_robot(reading, line->section.at, line->section.length, "");
+    if (reading->robot != NULL) {
+        reading->robot->line = line->number;
+    }
+    return reading->robot != NULL;
+}
+
+/* NAME of `NAME = VALUE` and `NAME.KEY = VALUE`. */
+static const known_option *find_setting(ini_text name) {
+    const char *dot = name.length > 0 ? memchr(name.at, '.', name.length) : NULL;
+    name.length = dot != NULL ? (size_t)(dot - name.at) : name.length;
+    for (size_t at = 0; at < KNOWN; at++) {
+        if (known[at].place != ONLY_COMMAND_LINE && ini_is(name, known[at].name, false)) {
+            return &known[at];
+        }
+    }
+    return ini_is(name, address_of_robot.name, false) ? &address_of_robot : NULL;
+}
+
+static bool read_setting(reading *reading, const ini_line *line) {
+    char value[2 * OPTIONS_MAX_TEXT];
+    const known_option *found = find_setting(line->name);
+    bool for_one = reading->robot != &reading->all;
+    if (found == NULL || line->value.at == NULL) {
+        return refuse(reading, "no such setting; give address, lcm-url, enable-drive, "
+                               "enable-outputs, enable-relocalize, command-timeout, max-age, "
+                               "period.SERVICE, channel.KEY or pose-channel, = and a value");
+    }
+    if (found->place == (for_one ? FOR_ALL : FOR_ONE)) {
+        return refuse(reading, for_one ? "stands in [DEFAULT], for all robots"
+                                       : "stands in the section of a robot, such as [RED]");
+    }
+    size_t name_length = strlen(found->name);
+    bool dotted = line->name.length > name_length;
+    int key = dotted ? (int)(line->name.length - name_length - 1) : 0;
+    int written =
+        snprintf(value, sizeof value, "%.*s%s%.*s", key, line->name.at + name_length + dotted,
+                 dotted ? "=" : "", (int)line->value.length, line->value.at);
+    if (written < 0 || (size_t)written >= sizeof value) {
+        return refuse(reading, "is too long");
+    }
+    return found->set(reading, found, value);
+}
+
+static bool read_line(void *user, const ini_line *line, char *error, size_t capacity) {
+    reading *reading = user;
+    reading->error = error;
+    reading->error_size = capacity;
+    if (line->section.length == 0) {
+        return complain(reading, "a section is missing before it, such as [DEFAULT] or [RED]");
+    }
+    bool section = line->name.length == 0 && line->value.at == NULL;
+    ini_text name = section ? line->section : line->name;
+    int shown = (int)(name.length < 60 ? name.length : 60);
+    if (section) {
+        (void)snprintf(reading->subject, sizeof reading->subject, "[%.*s]", shown, name.at);
+    } else {
+        int value = (int)(line->value.length < 200 ? line->value.length : 200);
+        (void)snprintf(reading->subject, sizeof reading->subject, "%.*s%s%.*s", shown, name.at,
+                       line->value.at != NULL ? " = " : "", value,
+                       line->value.at != NULL ? line->value.at : "");
+    }
+    return section ? begin_section(reading, line) : read_setting(reading, line);
+}
+
+static enum options_result read_file_text(reading *reading, const char *text, size_t length) {
+    char *error = reading->error;
+    size_t error_size = reading->error_size;
+    char why[OPTIONS_ERROR_SIZE] = "";
+    reading->in_file = true;
+    unsigned line = ini_read(text, length, read_line, reading, why, sizeof why);
+    reading->error = error;
+    reading->error_size = error_size;
+    if (line != 0) {
+        (void)complain(reading, "%s:%u: %s", reading->out->file, line, why);
+        return OPTIONS_BAD;
+    }
+    return check_all(reading);
+}
+
+enum options_result options_read_text(const char *name, const char *text, size_t length,
+                                      options *out, char *error, size_t error_size) {
+    reading reading;
+    begin(&reading, out, error, error_size);
+    out->file = name;
+    return read_file_text(&reading, text, length);
+}
+
+static enum options_result read_file(reading *reading) {
+    static char text[MAX_FILE_BYTES];
+    const char *name = reading->out->file;
+    FILE *file = fopen(name, "rb");
+    if (file == NULL) {
+        (void)complain(reading, "--config %s: %s", name, strerror(errno));
+        return OPTIONS_BAD;
+    }
+    size_t length = fread(text, 1, sizeof text, file);
+    bool good = ferror(file) == 0 && length < sizeof text;
+    (void)fclose(file);
+    if (!good) {
+        (void)complain(reading, "--config %s: give a text file of less than 1 MiB", name);
+        return OPTIONS_BAD;
+    }
+    return read_file_text(reading, text, length);
 }
 
 /* ---------------------------------------------------------------------------- command line --- */
@@ -439,51 +639,71 @@ static const known_option *find_option(int option) {
     return &known[at];
 }
 
-static void set_defaults(options *out) {
-    memset(out, 0, sizeof *out);
-    out->rules.command_timeout_us = 300000;
-    out->rules.max_age_us = 200000;
-    out->level = LOG_NOTE;
-    (void)roburoc4_config_init(&out->config, sizeof out->config);
+static bool apply(reading *reading, const known_option *option, const char *value) {
+    bool is_for_robots = option->place == FOR_EACH || option->place == FOR_ONE ||
+                         option->set == set_robot || option->set == set_prefix;
+    (void)snprintf(reading->subject, sizeof reading->subject, "--%s%s%.255s", option->name,
+                   value != NULL ? " " : "", value != NULL ? value : "");
+    reading->for_robots = is_for_robots ? option->name : reading->for_robots;
+    return option->set(reading, option, value);
 }
 
-enum options_result options_read(int count, char **arguments, options *out, char *error,
-                                 size_t error_size) {
-    reading reading = {.out = out, .error = error, .error_size = error_size};
+/* The options of one pass. The passes are needed because values depend on one another. */
+static enum options_result read_pass(reading *reading, int pass, int count, char **arguments) {
     struct option long_options[KNOWN + 1] = {{NULL, 0, NULL, 0}};
-    set_defaults(out);
-    optind = 1;
-    opterr = 0;
     for (size_t at = 0; at < KNOWN; at++) {
         long_options[at] =
             (struct option){known[at].name, known[at].has_value, NULL, FIRST_LONG + (int)at};
     }
+    optind = 1;
+    opterr = 0;
     for (;;) {
         int option = getopt_long(count, arguments, letters, long_options, NULL);
         if (option == -1) {
             break;
         }
         if (option == '?' || option == ':') {
-            complain_of_option(&reading, option, arguments[optind - 1]);
+            complain_of_option(reading, option, arguments[optind - 1]);
             return OPTIONS_BAD;
         }
         const known_option *found = find_option(option);
         if (found->set == NULL) {
             return (enum options_result)found->which;
         }
-        if (!found->set(&reading, found, optarg)) {
+        if (found->pass == pass && !apply(reading, found, optarg)) {
             return OPTIONS_BAD;
         }
     }
     if (optind < count) {
-        (void)complain(&reading, "cannot use '%s': see roburoc4-lcm --help", arguments[optind]);
+        (void)complain(reading, "cannot use '%s': see roburoc4-lcm --help", arguments[optind]);
         return OPTIONS_BAD;
     }
-    return set_network(&reading) && set_robots(&reading) && set_channels(&reading) &&
-                   can_drive(&reading)
-               ? OPTIONS_RUN
-               : OPTIONS_BAD;
+    return OPTIONS_RUN;
 }
+
+enum options_result options_read(int count, char **arguments, options *out, char *error,
+                                 size_t error_size) {
+    reading reading;
+    begin(&reading, out, error, error_size);
+    for (int pass = 0; pass < PASSES; pass++) {
+        enum options_result result = read_pass(&reading, pass, count, arguments);
+        if (result != OPTIONS_RUN) {
+            return result;
+        }
+        if (pass == PASS_ROBOTS && out->robot_count == 0 && out->file == NULL &&
+            !set_robot(&reading, NULL, ROBUROC4_DEFAULT_HOST)) {
+            return OPTIONS_BAD;
+        }
+    }
+    if (out->file != NULL && reading.for_robots != NULL) {
+        (void)complain(&reading, "--%s: with --config, robots are set in the file only",
+                       reading.for_robots);
+        return OPTIONS_BAD;
+    }
+    return out->file != NULL ? read_file(&reading) : check_all(&reading);
+}
+
+/* ------------------------------------------------------------------------------- addresses --- */
 
 /* An earlier robot with the same address, or NULL: two gates would command one robot. */
 static const options_robot *doubled_robot(const options *out, uint32_t at) {
@@ -498,25 +718,93 @@ static const options_robot *doubled_robot(const options *out, uint32_t at) {
     return NULL;
 }
 
-enum options_result options_resolve(options *out, char *error, size_t error_size) {
-    for (uint32_t at = 0; at < out->robot_count; at++) {
-        options_robot *robot = &out->robots[at];
-        roburoc4_result result = roburoc4_udp_resolve(robot->host, 0, &robot->address);
-        if (result < 0) {
-            bool bad = result == ROBUROC4_ERR_ARGUMENT;
-            (void)snprintf(error, error_size, "--robot %s: %s", robot->host,
-                           bad ? "give HOST or HOST:PORT, with a port of 1 to 65535"
-                               : "the name has no address; give the address in numbers, such as "
-                                 "192.168.0.2, or mend the name");
-            return bad ? OPTIONS_BAD : OPTIONS_NO_ADDRESS;
-        }
+/* The address of one robot; a name that has none is that robot's problem. */
+static enum options_result resolve(options *out, uint32_t at, char *error, size_t error_size) {
+    options_robot *robot = &out->robots[at];
+    roburoc4_result result = roburoc4_udp_resolve(robot->host, 0, &robot->address);
+    if (result >= 0) {
         const options_robot *doubled = doubled_robot(out, at);
-        if (doubled != NULL) {
-            (void)snprintf(error, error_size,
-                           "--robot %s=%s: %s has this address already; name each robot once",
-                           robot->name, robot->host, doubled->name);
-            return OPTIONS_BAD;
+        if (doubled == NULL) {
+            return OPTIONS_RUN;
+        }
+        (void)snprintf(error, error_size,
+                       "robot %s=%s: %s has this address already; name each robot once",
+                       robot->name, robot->host, doubled->name);
+        return OPTIONS_BAD;
+    }
+    bool bad = result == ROBUROC4_ERR_ARGUMENT;
+    memset(&robot->address, 0, sizeof robot->address);
+    (void)snprintf(error, error_size, "robot %s: %s", robot->host,
+                   bad ? "give HOST or HOST:PORT, with a port of 1 to 65535"
+                       : "the name has no address; give the address in numbers, such as "
+                         "192.168.0.2, or mend the name");
+    return bad ? OPTIONS_BAD : OPTIONS_NO_ADDRESS;
+}
+
+enum options_result options_resolve(options *out, char *error, size_t error_size) {
+    enum options_result all = OPTIONS_RUN;
+    for (uint32_t at = 0; at < out->robot_count; at++) {
+        enum options_result result = resolve(out, at, error, error_size);
+        if (result == OPTIONS_BAD) {
+            return result;
+        }
+        all = result == OPTIONS_RUN ? all : result;
+    }
+    return all;
+}
+
+/* ------------------------------------------------------------------------------------ check --- */
+
+static void print_channels(const options_robot *robot) {
+    channel_names usual;
+    const char *prefix = robot->name[0] != '\0' ? robot->name : NULL;
+    (void)printf("    stop by %s", robot->channels.name[CHANNEL_STOP_CMD]);
+    if (robot->rules.enabled[GATE_DRIVE]) {
+        (void)printf(", drive by %s", robot->channels.name[CHANNEL_DRIVE_CMD]);
+    }
+    (void)printf(", state on %s\n", robot->channels.name[CHANNEL_BRIDGE_STATE]);
+    for (uint32_t at = 0; prefix != NULL && channels_set_prefix(&usual, prefix) && at < CHANNELS;
+         at++) {
+        if (strcmp(usual.name[at], robot->channels.name[at]) != 0) {
+            (void)printf("    channel %s%s%s\n", robot->channels.name[at],
+                         usual.name[at][0] != '\0' ? " instead of " : "", usual.name[at]);
         }
     }
-    return OPTIONS_RUN;
+}
+
+static void print_robot(const options_robot *robot) {
+    static const char *const kinds[] = {"drive", "relocalize", "outputs"};
+    char address[ROBUROC4_ADDRESS_TEXT_SIZE] = "NO ADDRESS";
+    bool any = false;
+    if (robot->address.family != 0) {
+        (void)roburoc4_udp_address_text(&robot->address, address, sizeof address);
+    }
+    (void)printf("%s: %s (%s)\n    obeys stop", robot->name[0] != '\0' ? robot->name : "robot",
+                 address, robot->host);
+    for (uint32_t kind = 0; kind < GATE_STOP; kind++) {
+        any = any || robot->rules.enabled[kind];
+        (void)printf("%s%s", robot->rules.enabled[kind] ? ", " : "",
+                     robot->rules.enabled[kind] ? kinds[kind] : "");
+    }
+    (void)printf("%s; lease at most %u ms, commands at most %u ms old%s\n    statuses:",
+                 any ? "" : " only", (unsigned)robot->rules.command_timeout_us / 1000u,
+                 (unsigned)robot->rules.max_age_us / 1000u,
+                 robot->rules.max_age_us == 0 ? " (ANY AGE)" : "");
+    for (uint32_t at = 0; at < SERVICES; at++) {
+        uint32_t service = ROBUROC4_SERVICE_IOCARD + at;
+        bool wanted = (robot->config.subscriptions >> service & 1u) != 0;
+        (void)printf(wanted ? " %s %u ms" : " %s none", services[at],
+                     (unsigned)robot->config.period_ms[service]);
+    }
+    (void)printf("\n");
+    print_channels(robot);
+}
+
+void options_print(const options *options) {
+    const char *source = NULL;
+    const char *url = options_lcm_url(options, &source);
+    (void)printf("network: %s\n", url[0] != '\0' ? url : "LCM's default");
+    for (uint32_t at = 0; at < options->robot_count; at++) {
+        print_robot(&options->robots[at]);
+    }
 }

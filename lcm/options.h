@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The bridge's command line.
+ * The bridge's command line, and its configuration file.
  */
 #ifndef ROBUROC4_LCM_OPTIONS_H
 #define ROBUROC4_LCM_OPTIONS_H
@@ -18,36 +18,49 @@
 extern "C" {
 #endif
 
-#define OPTIONS_MAX_ROBOTS 32
-#define OPTIONS_ERROR_SIZE 320
+#define OPTIONS_MAX_ROBOTS 1000
+#define OPTIONS_ERROR_SIZE 400
+#define OPTIONS_MAX_TEXT 255
 
+/* A robot, and what it alone is set to. */
 typedef struct options_robot {
-    char name[32];    /* "" where it was not given */
-    const char *host; /* as given */
-    roburoc4_address address;
+    char name[32];                   /* "" where it was not given */
+    char host[OPTIONS_MAX_TEXT + 1]; /* as given */
+    unsigned line;                   /* of the file; 0: from the command line */
+    roburoc4_address address;        /* family 0: the name has none */
     channel_names channels;
+    gate_rules rules;
+    roburoc4_config config; /* with periods and subscriptions */
 } options_robot;
 
 typedef struct options {
-    const char *lcm_url; /* NULL: LCM's own default */
+    char lcm_url[OPTIONS_MAX_TEXT + 1]; /* "": LCM's own default */
+    const char *file;                   /* NULL: none was read */
     options_robot robots[OPTIONS_MAX_ROBOTS];
     uint32_t robot_count;
-    gate_rules rules;
-    roburoc4_config config; /* with periods and subscriptions */
+    channels_directory directory; /* `which` is robot * CHANNELS + channel */
+    channels_entry entries[OPTIONS_MAX_ROBOTS * CHANNELS];
     enum log_level level;
+    bool check; /* only show what would run */
 } options;
 
 enum options_result { OPTIONS_RUN, OPTIONS_HELP, OPTIONS_VERSION, OPTIONS_BAD, OPTIONS_NO_ADDRESS };
 
-/* Read the command line. With OPTIONS_BAD `error` is what is wrong and what to do. */
+/* Read the command line, and the file that it names. With OPTIONS_BAD `error` is what is wrong and
+ * what to do, and in which line of the file. `out` must be all 0 at first. */
 enum options_result options_read(int count, char **arguments, options *out, char *error,
                                  size_t error_size);
-/* The URL that LCM is going to use, "" for its own default, and where it is from: "--lcm-url" or
- * the variable's name. */
+/* The same for the text of a file, called `name` in errors, without a command line. */
+enum options_result options_read_text(const char *name, const char *text, size_t length,
+                                      options *out, char *error, size_t error_size);
+/* The URL that LCM is going to use, "" for its own default, and where it is from: "lcm-url" or the
+ * variable's name. */
 const char *options_lcm_url(const options *options, const char **source);
 /* Turn the robots' names into addresses: OPTIONS_RUN, _BAD (a port that is none, or two robots with
- * one address), or _NO_ADDRESS. Asks the name server where there are names. */
+ * one address), or _NO_ADDRESS (of any robot). Asks the name server where there are names. */
 enum options_result options_resolve(options *out, char *error, size_t error_size);
+/* Print what --check shows. */
+void options_print(const options *options);
 /* What --help prints. */
 extern const char options_help[];
 

@@ -8,6 +8,7 @@
 #include "log.h"
 #include "publish.h"
 #include "text.h"
+#include "watch.h"
 
 #define SOONEST_US 50000u /* after a change */
 #define STATE_PERIOD_US 200000u
@@ -19,11 +20,6 @@
 #define OTHER_BRIDGE_US 2000000u
 /* The wall clock was set when it moved by more than this against the other one. */
 #define CLOCK_SET_US 100000
-/* LCM drops what comes after this many messages that were not read, and keeps the old ones. */
-#define QUEUE_CAPACITY 1000
-/* For this long after a stall LCM's thread may still hand on what came during it. */
-#define STALL_ECHO_US 50000u
-
 static gate_robot robot_for_gate(const robot *robot, uint64_t now_us) {
     roburoc4_facts facts = {.size = sizeof facts};
     (void)roburoc4_client_facts(&robot->client, now_us, &facts);
@@ -121,21 +117,6 @@ static void take(robot *robot, const command *command, uint32_t lease_us, gate_t
     gate_count_taken(&robot->gate, command->kind);
 }
 
-/* When a message came, at the earliest: LCM's thread stamps it when it reads it, which is late
- * where this process was stopped or starved. */
-static int64_t arrival(const robot *robot, int64_t recv_utime, gate_time now) {
-    return now.us < robot->stalled_until_us && robot->stalled_utime < recv_utime
-               ? robot->stalled_utime
-               : recv_utime;
-}
-
-void robot_was_stalled(robot *robot, int64_t since_utime, gate_time now) {
-    if (now.us >= robot->stalled_until_us) {
-        robot->stalled_utime = since_utime;
-    }
-    robot->stalled_until_us = now.us + STALL_ECHO_US;
-}
-
 /* Whatever comes on the stop channel stops the robot, even a message of another type. */
 static void stop(robot *robot, const command *command, bool readable, gate_time now) {
     log_command stopping = for_log(robot, command, readable);
@@ -147,26 +128,23 @@ static void stop(robot *robot, const command *command, bool readable, gate_time 
     gate_count_taken(&robot->gate, GATE_STOP);
 }
 
-/* LCM calls this for each message on the channel of a command. */
-static void on_message(const lcm_recv_buf_t *message, const char *channel, void *user) {
-    const robot_input *input = user;
-    robot *robot = input->robot;
+void robot_take_message(robot *robot, enum gate_kind kind, const void *data, size_t size,
+                        int64_t arrived_utime) {
     gate_time now = clock_now();
     uint32_t lease_us = 0;
     command command;
-    (void)channel; /* it is that of the input */
-    bool readable = command_decode(input->kind, message->data, message->data_size, &command);
+    bool readable = command_decode(kind, data, size, &command);
     if (!readable) {
         gate_reject(&robot->gate, GATE_MALFORMED);
         log_rejected_message(robot, GATE_MALFORMED, &command, now);
     }
-    if (input->kind == GATE_STOP) {
+    if (kind == GATE_STOP) {
         stop(robot, &command, readable, now);
     }
-    if (!readable || input->kind == GATE_STOP) {
+    if (!readable || kind == GATE_STOP) {
         return;
     }
-    gate_command for_gate = command_for_gate(&command, arrival(robot, message->recv_utime, now));
+    gate_command for_gate = command_for_gate(&command, arrived_utime);
     gate_robot state = robot_for_gate(robot, now.us);
     enum gate_verdict verdict = gate_judge(&robot->gate, &for_gate, &state, now, &lease_us);
     if (verdict == GATE_TAKEN) {
@@ -288,9 +266,15 @@ static void handle_events(robot *robot, const uint8_t *datagram, size_t size, ga
 /* ------------------------------------------------------------------------------- the socket --- */
 
 static void open_socket(robot *robot, uint64_t now_us) {
-    robot->open_us = now_us + REOPEN_US;
-    if (roburoc4_udp_open(&robot->udp, sizeof robot->udp, &robot->to) < 0 &&
-        !robot->logged_no_socket) {
+    robot->open_us = robot->to.family != 0 ? now_us + REOPEN_US : UINT64_MAX;
+    if (robot->to.family == 0) {
+        log_line(LOG_ERROR, robot->name,
+                 "the name %s has no address: this robot is left out; give the address in numbers, "
+                 "or mend the name, and start the bridge again",
+                 robot->address);
+    } else if (roburoc4_udp_open(&robot->udp, sizeof robot->udp, &robot->to) >= 0) {
+        watch_set(robot->number, (int)roburoc4_udp_fd(&robot->udp));
+    } else if (!robot->logged_no_socket) {
         robot->logged_no_socket = true;
         log_line(LOG_ERROR, robot->name, "no socket for %s: %s; trying again each second",
                  robot->address, strerror((int)roburoc4_udp_system_error(&robot->udp)));
@@ -311,6 +295,7 @@ static void lose_socket(robot *robot, roburoc4_result why, gate_time now) {
     (void)roburoc4_client_stop(&robot->client, now.us);
     gate_hold(&robot->gate, now.us);
     (void)roburoc4_udp_transmit_all(&robot->udp, &robot->client); /* it may still send */
+    watch_set(robot->number, -1);
     (void)roburoc4_udp_close(&robot->udp);
 }
 
@@ -484,26 +469,6 @@ uint64_t robot_deadline(const robot *robot) {
 /* ----------------------------------------------------------------------------- start and end ---
  */
 
-bool robot_subscribe(robot *robot, lcm_t *lcm, const options_robot *settings) {
-    memset(robot, 0, sizeof *robot);
-    robot->name = settings->name;
-    robot->channels = &settings->channels;
-    robot->lcm = lcm;
-    robot->command_us = -1;
-    for (uint32_t kind = 0; kind < GATE_KINDS; kind++) {
-        robot_input *input = &robot->inputs[kind];
-        input->robot = robot;
-        input->kind = (enum gate_kind)kind;
-        lcm_subscription_t *subscription =
-            lcm_subscribe(lcm, robot->channels->name[CHANNEL_DRIVE_CMD + kind], on_message, input);
-        if (subscription == NULL) {
-            return false;
-        }
-        (void)lcm_subscription_set_queue_capacity(subscription, QUEUE_CAPACITY);
-    }
-    return true;
-}
-
 /* A configuration refuses periods that are too long to drive by, and a bridge may only watch: so it
  * subscribes to each service itself. */
 static void start_client(robot *robot, const roburoc4_config *wanted, uint64_t now_us) {
@@ -519,16 +484,36 @@ static void start_client(robot *robot, const roburoc4_config *wanted, uint64_t n
     }
 }
 
-void robot_start(robot *robot, const options *options, const options_robot *settings,
+/* Robots that start together publish by turns, so that LCM's buffers do not overflow. */
+static void spread(robot_publication *publication, uint32_t period_us, const robot *robot,
+                   uint64_t now_us) {
+    uint64_t turn_us = (uint64_t)period_us * robot->number / OPTIONS_MAX_ROBOTS;
+    publication->last_us = now_us + turn_us - period_us;
+}
+
+void robot_start(robot *robot, uint32_t number, const options_robot *settings, lcm_t *lcm,
                  const robot_bridge *bridge, gate_time now) {
-    (void)roburoc4_udp_address_text(&settings->address, robot->address, sizeof robot->address);
+    memset(robot, 0, sizeof *robot);
+    robot->name = settings->name;
+    robot->number = number;
+    robot->channels = &settings->channels;
+    robot->lcm = lcm;
+    robot->command_us = -1;
+    text_copy(robot->address, sizeof robot->address, (const uint8_t *)settings->host,
+              strlen(settings->host));
     robot->to = settings->address;
-    robot->config = &options->config;
+    if (robot->to.family != 0) {
+        (void)roburoc4_udp_address_text(&robot->to, robot->address, sizeof robot->address);
+    }
+    robot->config = &settings->config;
     robot->bridge = bridge;
     robot->started = now;
     robot->clock_offset_us = now.utime - (int64_t)now.us;
-    start_client(robot, &options->config, now.us);
-    gate_init(&robot->gate, &options->rules, now);
+    spread(&robot->state, STATE_PERIOD_US, robot, now.us);
+    spread(&robot->statistics, STATISTICS_PERIOD_US, robot, now.us);
+    spread(&robot->properties, PROPERTIES_PERIOD_US, robot, now.us);
+    start_client(robot, robot->config, now.us);
+    gate_init(&robot->gate, &settings->rules, now);
     open_socket(robot, now.us);
 }
 
@@ -545,5 +530,6 @@ void robot_end(robot *robot) {
     gate_time now = clock_now();
     publish_bridge_statistics(robot, now);
     publish_bridge_state(robot, now);
+    watch_set(robot->number, -1);
     (void)roburoc4_udp_close(&robot->udp);
 }

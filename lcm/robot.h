@@ -13,14 +13,6 @@
 #include "options.h"
 #include "roburoc4_udp.h"
 
-struct robot;
-
-/* What LCM hands back with a message of a command's channel. */
-typedef struct robot_input {
-    struct robot *robot;
-    enum gate_kind kind;
-} robot_input;
-
 /* The newest drive command of a wake. */
 typedef struct robot_drive {
     float linear_m_s, angular_rad_s;
@@ -41,6 +33,7 @@ typedef struct robot_publication {
 
 typedef struct robot {
     const char *name; /* "" for the only one */
+    uint32_t number;  /* that of its socket for watch_set() */
     const channel_names *channels;
     const roburoc4_config *config;
     const robot_bridge *bridge;
@@ -52,7 +45,6 @@ typedef struct robot {
     struct gate gate;
     gate_time started;
     mapping_names names;
-    robot_input inputs[GATE_KINDS];
 
     robot_drive drive; /* where has_drive: to be applied at the end of this wake */
 
@@ -60,11 +52,9 @@ typedef struct robot {
     uint32_t telemeter_count;
     roburoc4_differential_status speeds; /* for the pose; all 0 before the first */
 
-    int64_t stalled_utime;     /* the bridge hung from here ... */
-    uint64_t stalled_until_us; /* ... and may still read what came meanwhile, until here */
-    uint64_t open_us;          /* while the socket is closed: when to open one */
-    uint64_t other_until_us;   /* another bridge was heard; 0: none */
-    uint32_t logged;           /* verdicts that were explained in the log, a bit each */
+    uint64_t open_us;        /* while the socket is closed: when to open one */
+    uint64_t other_until_us; /* another bridge was heard; 0: none */
+    uint32_t logged;         /* verdicts that were explained in the log, a bit each */
     bool has_drive;
     bool heard; /* a datagram of the robot ever came */
     bool logged_absent, logged_no_socket;
@@ -74,15 +64,14 @@ typedef struct robot {
     int64_t clock_offset_us; /* of the wall clock, to notice that it was set */
 } robot;
 
-/* Subscribe to the commands' channels; false where LCM cannot. The robot must stay where it is. */
-bool robot_subscribe(robot *robot, lcm_t *lcm, const options_robot *settings);
-/* Open the socket and start the client. Where there is no socket now, it is tried each second. */
-void robot_start(robot *robot, const options *options, const options_robot *settings,
+/* Open the socket and start the client. Where there is no socket now, it is tried each second. The
+ * robot must stay where it is. */
+void robot_start(robot *robot, uint32_t number, const options_robot *settings, lcm_t *lcm,
                  const robot_bridge *bridge, gate_time now);
 
-/* The bridge hung since `since_utime`, and goes on now: what is read soon may have come long ago.
- */
-void robot_was_stalled(robot *robot, int64_t since_utime, gate_time now);
+/* A message on the channel of a command, which came at arrived_utime on this machine's clock. */
+void robot_take_message(robot *robot, enum gate_kind kind, const void *data, size_t size,
+                        int64_t arrived_utime);
 /* Another bridge (its state came on `channel`) serves the robot of this address. */
 void robot_hear_bridge(robot *robot, const bridge_identity *other, const char *channel,
                        gate_time now);

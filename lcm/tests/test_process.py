@@ -32,6 +32,8 @@ def test_help_names_every_option(programs: Programs) -> None:
         for name in (
             "--lcm-url",
             "--robot",
+            "--config",
+            "--check",
             "--prefix",
             "--channel",
             "--period",

@@ -36,6 +36,15 @@ Read read(std::vector<std::string> arguments) {
     return r;
 }
 
+Read read_file(const std::string &text) {
+    Read r;
+    char error[OPTIONS_ERROR_SIZE] = "";
+    r.result =
+        options_read_text("fleet.ini", text.data(), text.size(), r.out.get(), error, sizeof error);
+    r.error = error;
+    return r;
+}
+
 std::string channel_of(const Read &r, int robot, enum channel which) {
     return r.out->robots[robot].channels.name[which];
 }
@@ -52,11 +61,11 @@ std::string copied(const std::string &text, std::size_t capacity) {
 TEST(LcmOptions, OnlyWatchByDefault) {
     const Read r = read({});
     ASSERT_EQ(OPTIONS_RUN, r.result) << r.error;
-    for (const bool enabled : r.out->rules.enabled)
+    for (const bool enabled : r.out->robots[0].rules.enabled)
         EXPECT_FALSE(enabled);
-    EXPECT_EQ(300000U, r.out->rules.command_timeout_us);
-    EXPECT_EQ(200000U, r.out->rules.max_age_us);
-    EXPECT_EQ(nullptr, r.out->lcm_url);
+    EXPECT_EQ(300000U, r.out->robots[0].rules.command_timeout_us);
+    EXPECT_EQ(200000U, r.out->robots[0].rules.max_age_us);
+    EXPECT_STREQ("", r.out->lcm_url);
     EXPECT_EQ(1U, r.out->robot_count);
     EXPECT_STREQ(ROBUROC4_DEFAULT_HOST, r.out->robots[0].host);
     EXPECT_EQ("ROBUROC4_DIFFERENTIAL", channel_of(r, 0, CHANNEL_DIFFERENTIAL));
@@ -70,10 +79,10 @@ TEST(LcmOptions, OnlyWatchByDefault) {
 }
 
 TEST(LcmOptions, EachEnablesItsOwnKind) {
-    EXPECT_TRUE(read({"--enable-drive"}).out->rules.enabled[GATE_DRIVE]);
-    EXPECT_TRUE(read({"--enable-outputs"}).out->rules.enabled[GATE_OUTPUT]);
-    EXPECT_TRUE(read({"--enable-relocalize"}).out->rules.enabled[GATE_RELOCALIZE]);
-    EXPECT_FALSE(read({"--enable-outputs"}).out->rules.enabled[GATE_DRIVE]);
+    EXPECT_TRUE(read({"--enable-drive"}).out->robots[0].rules.enabled[GATE_DRIVE]);
+    EXPECT_TRUE(read({"--enable-outputs"}).out->robots[0].rules.enabled[GATE_OUTPUT]);
+    EXPECT_TRUE(read({"--enable-relocalize"}).out->robots[0].rules.enabled[GATE_RELOCALIZE]);
+    EXPECT_FALSE(read({"--enable-outputs"}).out->robots[0].rules.enabled[GATE_DRIVE]);
 }
 
 TEST(LcmOptions, NameSeveralRobotsAndTheirChannels) {
@@ -93,12 +102,12 @@ TEST(LcmOptions, TakeValuesInEveryForm) {
     ASSERT_EQ(OPTIONS_RUN, r.result) << r.error;
     EXPECT_EQ("LAB_DRIVE_CMD", channel_of(r, 0, CHANNEL_DRIVE_CMD));
     EXPECT_STREQ("udpm://", r.out->lcm_url);
-    EXPECT_EQ(0U, r.out->config.subscriptions & 1U << ROBUROC4_SERVICE_BATTERY);
-    EXPECT_EQ(10U, r.out->config.period_ms[ROBUROC4_SERVICE_IOCARD]);
-    EXPECT_EQ(20000U, r.out->rules.command_timeout_us);
-    EXPECT_EQ(0U, r.out->rules.max_age_us);
+    EXPECT_EQ(0U, r.out->robots[0].config.subscriptions & 1U << ROBUROC4_SERVICE_BATTERY);
+    EXPECT_EQ(10U, r.out->robots[0].config.period_ms[ROBUROC4_SERVICE_IOCARD]);
+    EXPECT_EQ(20000U, r.out->robots[0].rules.command_timeout_us);
+    EXPECT_EQ(0U, r.out->robots[0].rules.max_age_us);
     EXPECT_EQ(LOG_ERROR, r.out->level);
-    EXPECT_EQ(nullptr, roburoc4_config_error(&r.out->config));
+    EXPECT_EQ(nullptr, roburoc4_config_error(&r.out->robots[0].config));
 }
 
 TEST(LcmOptions, RefuseWhatCannotBeMeantAndNameIt) {
@@ -111,10 +120,10 @@ TEST(LcmOptions, RefuseWhatCannotBeMeantAndNameIt) {
         {{"stray"}, "stray"},
         {{"--robot"}, "--robot"},
         {{"-r", "a", "-r", "b"}, "need a name"},
-        {{"-r", "A=a", "-r", "A=b"}, "two channels"},
+        {{"-r", "A=a", "-r", "A=b"}, "this name already"},
         {{"-r", "A=a", "-p", "B"}, "--prefix B"},
         {{"-r", "A.B=a"}, "A.B"},
-        {{"-r", "=a"}, "''"},
+        {{"-r", "=a"}, "name is missing"},
         {{"-p", std::string(46, 'p')}, "ppp"},
         {{"--period", "battery"}, "battery"},
         {{"--period", "battery=15"}, "battery=15"},
@@ -165,13 +174,106 @@ TEST(LcmOptions, FindTheRobotsAddresses) {
     EXPECT_NE(nullptr, std::strstr(error, "no-such-robot.invalid")) << error;
 }
 
-TEST(LcmOptions, AtMost32Robots) {
+TEST(LcmOptions, AtMost1000Robots) {
     std::vector<std::string> arguments;
     for (int i = 0; i < OPTIONS_MAX_ROBOTS; i++)
         arguments.push_back("--robot=R" + std::to_string(i) + "=10.0.0.1");
     EXPECT_EQ(OPTIONS_RUN, read(arguments).result);
     arguments.push_back("--robot=TOO_MANY=10.0.0.1");
     EXPECT_EQ(OPTIONS_BAD, read(arguments).result);
+}
+
+TEST(LcmConfigFile, SetsEachRobotApart) {
+    const Read r = read_file("# the lab\n"
+                             "[DEFAULT]\n"
+                             "lcm-url = udpm://239.255.76.67:7667?ttl=1\n"
+                             "period.battery = 2000 ; slow\n"
+                             "command-timeout = 200\n"
+                             "\n"
+                             "[RED]\n"
+                             "address = 192.168.0.2\n"
+                             "enable-drive = yes\n"
+                             "max-age = 50\n"
+                             "channel.LOCALIZATION = ODOMETRY\n"
+                             "pose-channel = POSE\n"
+                             "[BLUE]\n"
+                             "address = 192.168.0.3:6001\n"
+                             "period.telemeter = 0\n"
+                             "command-timeout = 500\n");
+    ASSERT_EQ(OPTIONS_RUN, r.result) << r.error;
+    EXPECT_STREQ("udpm://239.255.76.67:7667?ttl=1", r.out->lcm_url);
+    ASSERT_EQ(2U, r.out->robot_count);
+    const options_robot &red = r.out->robots[0];
+    const options_robot &blue = r.out->robots[1];
+    EXPECT_STREQ("RED", red.name);
+    EXPECT_STREQ("192.168.0.2", red.host);
+    EXPECT_TRUE(red.rules.enabled[GATE_DRIVE]);
+    EXPECT_EQ(200000U, red.rules.command_timeout_us);
+    EXPECT_EQ(50000U, red.rules.max_age_us);
+    EXPECT_EQ(2000U, red.config.period_ms[ROBUROC4_SERVICE_BATTERY]);
+    EXPECT_STREQ("ODOMETRY", red.channels.name[CHANNEL_LOCALIZATION]);
+    EXPECT_STREQ("POSE", red.channels.name[CHANNEL_POSE]);
+    EXPECT_FALSE(blue.rules.enabled[GATE_DRIVE]);
+    EXPECT_EQ(500000U, blue.rules.command_timeout_us);
+    EXPECT_EQ(200000U, blue.rules.max_age_us);
+    EXPECT_EQ(0U, blue.config.subscriptions >> ROBUROC4_SERVICE_TELEMETER & 1U);
+    EXPECT_STREQ("BLUE_LOCALIZATION", blue.channels.name[CHANNEL_LOCALIZATION]);
+    const channels_entry *found = channels_look_up(&r.out->directory, "BLUE_DRIVE_CMD");
+    ASSERT_NE(nullptr, found);
+    EXPECT_EQ(1U * CHANNELS + CHANNEL_DRIVE_CMD, found->which);
+    EXPECT_EQ(nullptr, channels_look_up(&r.out->directory, "GREEN_DRIVE_CMD"));
+}
+
+TEST(LcmConfigFile, ErrorsNameTheLineAndTheRemedy) {
+    const struct {
+        const char *text, *error;
+    } cases[] = {
+        {"address = 10.0.0.1\n", "fleet.ini:1: a section is missing"},
+        {"[RED\n", "fleet.ini:1: a section's name ends with ]"},
+        {"[RED]\nadress = 10.0.0.1\n", "fleet.ini:2: adress = 10.0.0.1: no such setting"},
+        {"[RED]\nenable-drive\n", "fleet.ini:2: enable-drive: no such setting"},
+        {"[RED]\naddress = 10.0.0.1\nenable-drive = true\n",
+         "fleet.ini:3: enable-drive = true: give yes or no"},
+        {"[RED]\ncommand-timeout = 5\n",
+         "fleet.ini:2: command-timeout = 5: give milliseconds, 20 to 1000"},
+        {"[RED]\nperiod.lidar = 50\n", "fleet.ini:2: period.lidar = 50: give SERVICE=MS"},
+        {"[RED]\nchannel.STOP_CMD = HALT\n", "fleet.ini:2: channel.STOP_CMD = HALT: names of"},
+        {"[RED]\nlcm-url = udpm://\n", "fleet.ini:2: lcm-url = udpm://: stands in [DEFAULT]"},
+        {"[DEFAULT]\naddress = 10.0.0.1\n", "fleet.ini:2: address = 10.0.0.1: stands in"},
+        {"[RED]\naddress = a\n[RED]\n", "fleet.ini:3: [RED]: there is a robot of this name"},
+        {"[RED]\naddress = a\n[DEFAULT]\n", "fleet.ini:3: [DEFAULT]: what holds for all"},
+        {"[A B]\n", "fleet.ini:1: 'A B' cannot be the start"},
+        {"[]\naddress = a\n", "fleet.ini:1: a section is missing"},
+        {"[RED]\naddress =\n", "fleet.ini:2: address = : give HOST"},
+        {"[RED]\n\n[BLUE]\naddress = b\n", "fleet.ini:1: [RED]: address is missing"},
+        {"[BLUE]\naddress=b\nenable-drive=yes\nperiod.iocard=500\n",
+         "fleet.ini:1: [BLUE]: enable-drive needs statuses"},
+        {"[A]\naddress=a\n[B]\naddress=b\nchannel.BATTERY=A_BATTERY\n", "two channels are named"},
+        {"# nothing\n", "fleet.ini: no robot"},
+        {"[DEFAULT]\nlcm-url = tcpq://host\n[A]\naddress=a\n", "lcm-url tcpq://host: the bridge"},
+    };
+    for (const auto &each : cases) {
+        const Read r = read_file(each.text);
+        EXPECT_EQ(OPTIONS_BAD, r.result) << each.text;
+        EXPECT_EQ(0U, r.error.find(each.error)) << r.error << "\n" << each.text;
+    }
+}
+
+TEST(LcmConfigFile, CommandLineSetsNoRobotBesideIt) {
+    const Read drive = read({"--config", "/dev/null", "--enable-drive"});
+    EXPECT_EQ(OPTIONS_BAD, drive.result);
+    EXPECT_EQ(0U, drive.error.find("--enable-drive: with --config")) << drive.error;
+    EXPECT_EQ(OPTIONS_BAD, read({"--config", "/dev/null", "-r", "10.0.0.1"}).result);
+    EXPECT_EQ(0U, read({"-c", "/no/such/file"}).error.find("--config /no/such/file: "));
+}
+
+TEST(LcmConfigFile, UnknownNameOfOneRobotIsItsOwn) {
+    const Read r =
+        read_file("[RED]\naddress = no-such-robot.invalid\n[BLUE]\naddress = 10.0.0.1\n");
+    char error[OPTIONS_ERROR_SIZE] = "";
+    EXPECT_EQ(OPTIONS_NO_ADDRESS, options_resolve(r.out.get(), error, sizeof error));
+    EXPECT_EQ(0, r.out->robots[0].address.family);
+    EXPECT_EQ(4, r.out->robots[1].address.family);
 }
 
 TEST(LcmOptions, HelpAndVersionWinOverWhatFollows) {

@@ -13,7 +13,7 @@ trap 'rm -rf "$folder"' EXIT
 for file in "$@"; do
     "$nm" -u "$file" | sed -n 's/^ *U \([^@]*\).*/\1/p'
 done | sort -u >"$folder/used"
-grep -qx poll "$folder/used" # the objects are those of the loop, and nm was understood
+grep -Eqx 'epoll_wait|poll' "$folder/used" # the objects are those of the loop, and nm was understood
 grep -qx lcm_publish "$folder/used"
 if grep -Ex "$forbidden" "$folder/used"; then
     echo "the bridge uses these: take the caller's memory, or poll()" >&2

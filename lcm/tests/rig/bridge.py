@@ -13,27 +13,28 @@ from .waiting import until
 
 
 class Bridge(Program):
-    """A bridge of one robot, on channels that begin with ``prefix``."""
+    """A bridge of one robot, or of those of a file (``--config``)."""
 
     def __init__(
         self,
         programs: Programs,
         folder: Path,
         bus: Bus,
-        robot: str,
+        robot: str | None,
         *options: str,
         environment: dict[str, str] | None = None,
+        through: tuple[str, ...] = (),
     ) -> None:
         self.bus = bus
         self.prefix = "ROBUROC4"
         self.program = programs("roburoc4-lcm")
         super().__init__(
             folder / "bridge.log",
+            *through,
             self.program,
             "--lcm-url",
             bus.url,
-            "--robot",
-            robot,
+            *(("--robot", robot) if robot else ()),
             *options,
             environment=environment,
         )
