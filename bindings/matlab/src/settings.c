@@ -10,6 +10,9 @@
 
 #include "fail.h"
 
+/* Named in messages only. */
+#define TAKEN_IN_M(name)                                                                           \
+    { name, 0, 0, FIELD_UINT, 0 }
 #define ROBOT_UINT(name) FIELD_AS(#name, robot_settings, config.name, UINT)
 #define ROBOT_FLOAT(name) FIELD_AS(#name, robot_settings, config.name, FLOAT)
 #define PERIOD(name, service)                                                                      \
@@ -33,7 +36,7 @@ static const field of_robot[] = {
     OPTION("ignore_other_commander", ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER),
     ROLE("override_index", OVERRIDE), ROLE("front_bumper_index", FRONT_BUMPER),
     ROLE("rear_bumper_index", REAR_BUMPER), ROLE("battery_voltage_index", BATTERY_V),
-    FIELD(robot_settings, buffer, UINT),
+    FIELD(robot_settings, buffer, UINT), TAKEN_IN_M("timeout"),
 };
 /* clang-format on */
 
@@ -55,6 +58,7 @@ static const field of_simulator[] = {
     SIM_FLOAT(slip), SIM_FLOAT(nominal_voltage_v), SIM_FLOAT(capacity_ah),
     SIM_FLOAT(battery_percent), SIM_UINT(minimum_percent),
     SIM_FLOAT(start_x_m), SIM_FLOAT(start_y_m), SIM_FLOAT(start_theta_rad),
+    TAKEN_IN_M("port"), TAKEN_IN_M("host"),
 };
 /* clang-format on */
 
@@ -70,14 +74,46 @@ static const field of_faults[] = {
 /* ------------------------------------------------------------------------------- all of them ---
  */
 
+#define LONGEST_NAME 32
+
+/* How many letters to change, insert or leave out from one name to another (Levenshtein). */
+static size_t letters_between(const char *a, const char *b) {
+    size_t row[LONGEST_NAME + 1], i, j;
+    const size_t width = strlen(b);
+    if (width > LONGEST_NAME) {
+        return LONGEST_NAME;
+    }
+    for (j = 0; j <= width; j++) {
+        row[j] = j;
+    }
+    for (i = 0; a[i] != '\0'; i++) {
+        size_t diagonal = row[0];
+        row[0] = i + 1;
+        for (j = 0; j < width; j++) {
+            const size_t above = row[j + 1];
+            const size_t least = above < row[j] ? above : row[j];
+            const size_t changed = diagonal + (a[i] != b[j]);
+            row[j + 1] = least + 1 < changed ? least + 1 : changed;
+            diagonal = above;
+        }
+    }
+    return row[width];
+}
+
 static int fail_unknown(const char *name, const field *settings, size_t count) {
-    char known[1536] = "";
-    size_t i, used = 0;
+    char known[1536] = "", meant[LONGEST_NAME + 32] = "";
+    size_t i, used = 0, nearest = 3;
     for (i = 0; i < count; i++) {
+        const size_t distance = letters_between(settings[i].name, name);
         used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "",
                                  settings[i].name);
+        if (distance < nearest) {
+            nearest = distance;
+            (void)snprintf(meant, sizeof meant, "; did you mean '%s'?", settings[i].name);
+        }
     }
-    return fail(FAIL_ARGUMENT, "there is no '%s'; there are %s", name, known);
+    return fail(FAIL_ARGUMENT, "there is no option '%s'%s There are %s", name,
+                nearest < 3 ? meant : ".", known);
 }
 
 static int write_all(const mxArray *options, const field *settings, size_t count, void *base) {
@@ -92,7 +128,7 @@ static int write_all(const mxArray *options, const field *settings, size_t count
         size_t i;
         for (i = 0; i < count && strcmp(settings[i].name, name) != 0; i++) {
         }
-        if (i == count) {
+        if (i == count || settings[i].size == 0) {
             return fail_unknown(name, settings, count);
         }
         if (value == NULL || !field_take(&settings[i], base, value)) {

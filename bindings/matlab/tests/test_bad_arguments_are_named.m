@@ -60,9 +60,27 @@ catch problem
     check(strncmp(problem.message, 'linear speed: ', 14), '%s', problem.message);
 end
 
+% A misspelt option is named, and what is allowed.
+names_it('did you mean ''timeout''?', @() roburoc4.Robot('127.0.0.1', 'Timout', 5));
+names_it('did you mean ''lease_ms''?', @() sim.connect('leasems', 200));
+names_it('did you mean ''port''?', @() roburoc4.Simulator('prot', 0));
+names_it('there is no option ''speed''. There are', @() sim.connect('speed', 1));
+names_it('15 is not allowed; give a multiple of 10, 10 to 2550', @() r.subscribe('battery', 15));
+names_it('give 10 to 2550', @() r.subscribe('battery', 5));
+
 % Numbers of all kinds are fine, and texts of both.
 r.drive(single(0.1), int8(0));
 check(isequal(r.io('FRONT bumper'), r.io("Front Bumper")), 'texts of both kinds');
 delete(r);
 delete(sim);
+end
+
+function names_it(text, action)
+try
+    action();
+catch problem
+    check(~isempty(strfind(problem.message, text)), '%s', problem.message);
+    return
+end
+check(false, 'nothing was raised, not: %s', text);
 end

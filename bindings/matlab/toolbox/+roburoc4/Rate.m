@@ -7,12 +7,15 @@ classdef Rate < handle
 %   from being deleted: when R is deleted or cleared, wait raises roburoc4:closed.
 %
 %   Rate methods:
-%      wait      - Wait for the next tick
+%      wait          - Wait for the next tick
+%      reset         - Start again from now
+%      statistics    - How even the periods were
 %
 %   Rate properties:
-%      period_s  - Seconds between two ticks
-%      overruns  - Ticks that were missed
-%      time_s    - Seconds since the loop started
+%      period_s      - Seconds between two ticks
+%      last_period_s - Seconds between the last two ends of wait, NaN before
+%      overruns      - Ticks that were missed
+%      time_s        - Seconds since the loop started
 %
 %   Example:
 %      loop = r.rate(20);
@@ -28,7 +31,8 @@ classdef Rate < handle
 
 properties (SetAccess = private)
     period_s
-    overruns = 0
+    last_period_s
+    overruns
 end
 
 properties (Access = private, Transient)
@@ -37,7 +41,9 @@ end
 
 properties (Access = private)
     begin_s
-    ticks = 0
+    ended_s                 % the last wait
+    ticks
+    figures                 % of the periods: their number, sum, sum of squares, least and most
 end
 
 properties (Dependent, SetAccess = private)
@@ -52,7 +58,20 @@ methods
             'Rate(a roburoc4.Robot, hertz), or r.rate(hertz)');
         this.period_s = 1 / roburoc4.internal.number(hertz, 'hertz', 0.1, 200);
         this.id = robot.id;
-        this.begin_s = robot.time_s;
+        this.reset();
+    end
+
+    function reset(this)
+        %RESET Start again from now: time_s, the ticks, overruns and statistics.
+        %
+        %   Example:
+        %      loop.reset()
+        this.begin_s = roburoc4_mex('now', this.id);
+        this.ticks = 0;
+        this.overruns = 0;
+        this.ended_s = 0;
+        this.last_period_s = NaN;
+        this.figures = [0 0 0 NaN NaN];
     end
 
     function wait(this)
@@ -67,6 +86,28 @@ methods
         end
         this.ticks = this.ticks + 1;
         roburoc4.internal.spin(this.id, max(0, this.ticks * this.period_s - this.time_s));
+        now_s = this.time_s;
+        this.last_period_s = now_s - this.ended_s;
+        this.ended_s = now_s;
+        p = this.last_period_s;
+        f = this.figures;
+        this.figures = [f(1:3) + [1 p p ^ 2], min(f(4), p), max(f(5), p)];
+    end
+
+    function s = statistics(this)
+        %STATISTICS How even the periods were, from one end of wait to the next.
+        %   S = statistics(LOOP) is a scalar struct: periods, how many; mean_s, std_s, min_s and max_s,
+        %   NaN before the first; overruns.
+        %
+        %   Example:
+        %      s = loop.statistics(); s.std_s
+        f = this.figures;
+        s.periods = f(1);
+        s.mean_s = f(2) / f(1);
+        s.std_s = sqrt(abs(f(3) / f(1) - s.mean_s ^ 2));
+        s.min_s = f(4);
+        s.max_s = f(5);
+        s.overruns = this.overruns;
     end
 
     function seconds = get.time_s(this)
