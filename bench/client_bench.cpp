@@ -163,18 +163,18 @@ void payload(benchmark::State &state) {
     datagram d(11 + 4 * inputs + 3);
     const int32_t size = roburoc4_encode_iocard_status(d.data(), d.size(), ROBUROC4_SERVICE_IOCARD,
                                                        1, analog.data(), inputs, digital, 22);
-    int32_t copied = 0;
+    uint32_t copied = 0;
     must_be(static_cast<size_t>(size) == d.size(), "a status was not encoded");
     for (auto _ : state) {
         roburoc4_channels s;
         if (roburoc4_decode_iocard_status(d.data(), d.size(), static_cast<uint32_t>(inputs), 22,
                                           &s) == ROBUROC4_OK) {
-            copied = roburoc4_analog_values(&s, analog.data(), static_cast<uint32_t>(inputs));
+            copied = roburoc4_floats(s.analog, s.analog_count, analog.data(), s.analog_count);
         }
         benchmark::DoNotOptimize(analog.data());
         benchmark::ClobberMemory();
     }
-    must_be(static_cast<size_t>(copied) == inputs, "a status was not decoded");
+    must_be(copied == inputs, "a status was not decoded");
     state.counters["bytes"] = static_cast<double>(d.size());
 }
 
@@ -182,8 +182,8 @@ void payload(benchmark::State &state) {
 
 int main(int argc, char **argv) {
     for (uint32_t s = ROBUROC4_SERVICE_IOCARD; s < ROBUROC4_SERVICE_COUNT; s++) {
-        benchmark::RegisterBenchmark((std::string("status/") + roburoc4_service_name(s)).c_str(),
-                                     status, s);
+        benchmark::RegisterBenchmark(
+            (std::string("status/") + roburoc4_name(ROBUROC4_NAME_SERVICE, s)).c_str(), status, s);
     }
     datagram foreign = ready().statuses[ROBUROC4_SERVICE_DIFFERENTIAL];
     foreign[1] = 77; /* a service that this robot does not have */

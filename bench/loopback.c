@@ -278,7 +278,7 @@ static void measure_status(uint32_t rounds) {
     static uint64_t (*const receivers[WAYS])(void) = {bare_status, waiting_status, own_status};
     uint64_t ns[WAYS];
     for (uint32_t s = ROBUROC4_SERVICE_IOCARD; s < ROBUROC4_SERVICE_DIFFERENTIAL; s++) {
-        roburoc4_client_unsubscribe(&client, s, roburoc4_udp_now_us());
+        roburoc4_client_subscribe(&client, s, 0, roburoc4_udp_now_us());
     }
     roburoc4_client_subscribe(&client, ROBUROC4_SERVICE_DIFFERENTIAL, 10, roburoc4_udp_now_us());
     for (uint32_t i = 0; i < 50; i++) { /* until nothing else is on its way */
@@ -338,11 +338,11 @@ static uint64_t command_ns(bool own, float linear_m_s) {
 /** Receive until nothing was sent for so long: then a new command leaves at once. */
 static void rest(uint64_t us) {
     uint64_t begun = roburoc4_udp_now_us();
-    uint32_t sent = roburoc4_udp_count(&udp, ROBUROC4_UDP_COUNT_SENT);
+    uint32_t sent = udp.counters[ROBUROC4_UDP_COUNT_SENT];
     while (roburoc4_udp_now_us() - begun < us) {
         roburoc4_udp_wait(&udp, &client, 1000);
-        if (roburoc4_udp_count(&udp, ROBUROC4_UDP_COUNT_SENT) != sent) {
-            sent = roburoc4_udp_count(&udp, ROBUROC4_UDP_COUNT_SENT);
+        if (udp.counters[ROBUROC4_UDP_COUNT_SENT] != sent) {
+            sent = udp.counters[ROBUROC4_UDP_COUNT_SENT];
             begun = roburoc4_udp_now_us();
         }
     }
@@ -419,12 +419,11 @@ static void read_by_recvmmsg(void) {
 static void read_by_adapter(void) {
     roburoc4_result used = 0;
     while (used < BURST) {
-        const roburoc4_result more = roburoc4_udp_receive_all(&udp, &client);
+        const roburoc4_result more = roburoc4_udp_wait(&udp, &client, 0);
         if (more < 0) {
             die("the adapter cannot receive");
         }
         used += more;
-        roburoc4_udp_transmit_all(&udp, &client);
     }
 }
 

@@ -117,9 +117,9 @@ static void measure(int turn, float speed, double loss) {
         options.linear_m_s = options.angular_rad_s = speed;
         open_world(&d, 0, loss, seed);
         if (turn) {
-            roburoc4_move_turn(&move, (float)way, &options);
+            roburoc4_move_by(&move, 0, (float)way, &options);
         } else {
-            roburoc4_move_straight(&move, (float)way, &options);
+            roburoc4_move_by(&move, (float)way, 0, &options);
         }
         go(&d, &move);
         const double come = turn ? wrapped(d.end.odometry_theta_rad - d.begin.odometry_theta_rad)
@@ -153,11 +153,11 @@ static void measure_square(float slip) {
         look(&d, &first);
         for (int side = 0; side < 4; side++) {
             roburoc4_move move;
-            roburoc4_move_straight(&move, 2, NULL);
+            roburoc4_move_by(&move, 2, 0, NULL);
             go(&d, &move);
             ways = fmax(ways, fabs(2 - hypot(d.end.true_x_m - d.begin.true_x_m,
                                              d.end.true_y_m - d.begin.true_y_m)));
-            roburoc4_move_turn(&move, (float)(PI / 2), NULL);
+            roburoc4_move_by(&move, 0, (float)(PI / 2), NULL);
             go(&d, &move);
             turns =
                 fmax(turns, fabs(PI / 2 - wrapped(d.end.true_theta_rad - d.begin.true_theta_rad)));

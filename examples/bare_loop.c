@@ -31,8 +31,7 @@ static int application(uint32_t events, uint64_t now_us) {
     roburoc4_localization_status pose;
 
     if (events & ROBUROC4_EVENT_READY) {
-        printf("%5.2f s  ready: %u services\n", now_s,
-               (unsigned)roburoc4_client_service_count(&client));
+        printf("%5.2f s  ready\n", now_s);
     }
     switch (phase) {
     case WAITING:

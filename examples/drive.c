@@ -21,7 +21,7 @@ int main(int argc, char **argv) {
         roburoc4_udp_wait(&udp, &client, 50000);
         now_us = roburoc4_udp_now_us();
         result = roburoc4_client_arm(&client, now_us);
-    } while (result < 0 && !roburoc4_udp_fault(&udp) && now_us - begun_us < 5000000);
+    } while (result < 0 && !udp.fault && now_us - begun_us < 5000000);
     for (begun_us = now_us; result == 0 && now_us - begun_us < 3000000;) {
         result = roburoc4_client_drive(&client, 0.2f, 0.0f, 0, now_us); /* holds for 250 ms */
         roburoc4_udp_wait(&udp, &client, 50000);
@@ -29,7 +29,7 @@ int main(int argc, char **argv) {
     }
     if (result < 0) {
         fprintf(stderr, "drive: gave up: %s (network: %s)\n", roburoc4_result_text(result),
-                roburoc4_udp_fault_text(roburoc4_udp_fault(&udp)));
+                roburoc4_udp_fault_text(udp.fault));
     }
     roburoc4_client_close(&client, now_us); /* stop the robot, then end */
     while (roburoc4_client_state(&client) != ROBUROC4_STATE_IDLE) {

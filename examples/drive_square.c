@@ -30,7 +30,7 @@ static roburoc4_result arm(const char *host) {
     do {
         roburoc4_udp_wait(&udp, &client, 50000);
         result = roburoc4_client_arm(&client, roburoc4_udp_now_us());
-    } while (result < 0 && !roburoc4_udp_fault(&udp) && roburoc4_udp_now_us() < end_us);
+    } while (result < 0 && !udp.fault && roburoc4_udp_now_us() < end_us);
     return result;
 }
 
@@ -62,12 +62,12 @@ int main(int argc, char **argv) {
     roburoc4_result result = arm(host);
     if (result < 0) {
         fprintf(stderr, "drive_square: no robot to be driven at %s: %s (network: %s)\n", host,
-                roburoc4_result_text(result), roburoc4_udp_fault_text(roburoc4_udp_fault(&udp)));
+                roburoc4_result_text(result), roburoc4_udp_fault_text(udp.fault));
     }
     for (int i = 0; result == 0 && i < 8 && reached == ROBUROC4_MOVE_REACHED; i++) {
         roburoc4_move move;
-        i % 2 == 0 ? roburoc4_move_straight(&move, 2.0f, NULL)
-                   : roburoc4_move_turn(&move, 1.5708f, NULL);
+        i % 2 == 0 ? roburoc4_move_by(&move, 2.0f, 0, NULL)
+                   : roburoc4_move_by(&move, 0, 1.5708f, NULL);
         reached = go(&move, path);
         printf("move %d: %s\n", i + 1, roburoc4_move_result_text(reached));
     }

@@ -51,7 +51,7 @@ static uint32_t state_of(roburoc4_pump *pump) {
 /* A channel's name: the robot's own text, else the manual's, else its number. */
 static const char *channel(roburoc4_pump *pump, int32_t io_type, uint32_t index, char *room,
                            size_t size) {
-    const char *manual = roburoc4_channel_name((uint32_t)io_type, index);
+    const char *manual = roburoc4_client_channel_name(NULL, (uint32_t)io_type, index);
     if (roburoc4_pump_description(pump, io_type, index, room, size) > 0) {
         for (char *c = room; *c != '\0'; c++) {
             *c = *c >= ' ' && *c <= '~' ? *c : '?'; /* no text commands the terminal */
@@ -116,7 +116,7 @@ static void print_sample(roburoc4_pump *pump, const roburoc4_sample *sample) {
     const char *state = NULL;
 
     printf("%10.2f s  %-12s  ", (double)sample->robot_cycles * 0.01,
-           roburoc4_service_name(sample->service));
+           roburoc4_name(ROBUROC4_NAME_SERVICE, sample->service));
     switch (sample->service) {
     case ROBUROC4_SERVICE_IOCARD:
         print_inputs(pump, &value->inputs);
@@ -126,7 +126,7 @@ static void print_sample(roburoc4_pump *pump, const roburoc4_sample *sample) {
         printf("\n");
         break;
     case ROBUROC4_SERVICE_BATTERY:
-        state = roburoc4_battery_state_name(value->battery.state);
+        state = roburoc4_name(ROBUROC4_NAME_BATTERY, value->battery.state);
         printf("%u %%, %s\n", (unsigned)value->battery.remaining_percent,
                state != NULL ? state : "unknown state");
         break;
@@ -175,7 +175,7 @@ static void look(roburoc4_pump *pump, latest *out) {
     }
     snprintf(out->battery, sizeof out->battery, "not reported yet");
     if (roburoc4_client_battery(client, &battery, NULL) == 0) {
-        const char *state = roburoc4_battery_state_name(battery.state);
+        const char *state = roburoc4_name(ROBUROC4_NAME_BATTERY, battery.state);
         snprintf(out->battery, sizeof out->battery, "%u %%, %s",
                  (unsigned)battery.remaining_percent, state != NULL ? state : "unknown state");
     }
@@ -186,7 +186,7 @@ static void look(roburoc4_pump *pump, latest *out) {
 
 static void print_line(const latest *now) {
     if (now->facts.state != ROBUROC4_STATE_READY) {
-        printf("%s\n", roburoc4_state_name(now->facts.state));
+        printf("%s\n", roburoc4_name(ROBUROC4_NAME_STATE, now->facts.state));
         return;
     }
     printf("x %.2f m, y %.2f m, %.1f deg; %.2f m/s, %.2f rad/s; ", now->pose.x_m, now->pose.y_m,
@@ -203,7 +203,7 @@ static void print_line(const latest *now) {
 static void print_block(roburoc4_pump *pump, const char *host, const latest *now) {
     const char *end = "\x1b[K\n";
     char on[66];
-    printf("%s  %s%s", host, roburoc4_state_name(now->facts.state), end);
+    printf("%s  %s%s", host, roburoc4_name(ROBUROC4_NAME_STATE, now->facts.state), end);
     printf("pose       x %.2f m, y %.2f m, %.1f deg%s", now->pose.x_m, now->pose.y_m,
            now->pose.theta_rad * DEGREES_PER_RADIAN, end);
     printf("linear     %.2f m/s, target %.2f%s", (double)now->motion.current_linear_m_s,
@@ -256,7 +256,7 @@ static void show_all(roburoc4_pump *pump, uint64_t until_us) {
             print_sample(pump, &sample);
         }
         if (roburoc4_pump_take_events(pump, &reader) & ROBUROC4_EVENT_STATE) {
-            printf("%s\n", roburoc4_state_name(state_of(pump)));
+            printf("%s\n", roburoc4_name(ROBUROC4_NAME_STATE, state_of(pump)));
         }
         fflush(stdout);
     }
@@ -269,7 +269,7 @@ static int connected(roburoc4_pump *pump, const char *host) {
     while (!interrupted &&
            roburoc4_pump_wait_events(pump, &reader, ROBUROC4_EVENT_READY, WAIT_US) == 0) {
         roburoc4_pump_lock(pump);
-        uint32_t fault = roburoc4_udp_fault(roburoc4_pump_udp(pump));
+        uint32_t fault = roburoc4_pump_udp(pump)->fault;
         roburoc4_pump_unlock(pump);
         if (roburoc4_udp_now_us() - begun_us >= (fault ? FAULT_US : CONNECT_US)) {
             fprintf(stderr, "monitor: no robot answers at %s: %s\n", host,

@@ -84,7 +84,7 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 /** The longest datagram that a client sends. */
 #define ROBUROC4_MAX_TRANSMIT 36
 
-/** Life of a client. */
+/** Life of a client; roburoc4_name() has their names. */
 #define ROBUROC4_STATE_IDLE 0        /* before start(), after close() */
 #define ROBUROC4_STATE_CONNECTING 1  /* asking for the directory */
 #define ROBUROC4_STATE_DISCOVERING 2 /* reading texts of the directory, then properties */
@@ -92,9 +92,6 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_STATE_READY 4
 #define ROBUROC4_STATE_LOST 5    /* was ready, fell silent: asking for the directory again */
 #define ROBUROC4_STATE_CLOSING 6 /* sending the last zero commands */
-
-/** The state's name in lower case, "connecting"; NULL for a number that is none. */
-ROBUROC4_API const char *roburoc4_state_name(uint32_t state);
 
 /** Events: a set of bits, what changed since the last roburoc4_client_take_events(). */
 #define ROBUROC4_EVENT_STATE 0x00000001             /* the state changed */
@@ -310,9 +307,8 @@ ROBUROC4_API roburoc4_result roburoc4_client_facts(const roburoc4_client *client
 
 /* Services and properties. ROBUROC4_ERR_UNKNOWN until the robot has reported it. */
 
-/** Number of services in the directory, at most ROBUROC4_MAX_SERVICES. */
-ROBUROC4_API uint32_t roburoc4_client_service_count(const roburoc4_client *client);
-/** Entry `index` of the directory. */
+/** Entry `index` of the directory, at most ROBUROC4_MAX_SERVICES of them. ROBUROC4_ERR_INDEX from
+ *  their number on, which is 0 until the robot has reported its directory. */
 ROBUROC4_API roburoc4_result roburoc4_client_service_at(const roburoc4_client *client,
                                                         uint32_t index,
                                                         roburoc4_directory_entry *out);
@@ -327,11 +323,9 @@ ROBUROC4_API roburoc4_result roburoc4_client_localization_properties(
     const roburoc4_client *client, roburoc4_localization_properties *out);
 ROBUROC4_API roburoc4_result roburoc4_client_differential_properties(
     const roburoc4_client *client, roburoc4_differential_properties *out);
-/** Number of telemeters with properties, at most ROBUROC4_MAX_TELEMETERS. */
-ROBUROC4_API uint32_t roburoc4_client_telemeter_count(const roburoc4_client *client);
-/** Telemeter `index`: mounting, range, and the latest distance (that of the properties before the
- *  first status).
- *  ROBUROC4_ERR_INDEX from the count on, which is 0 until the robot has reported its telemeters. */
+/** Telemeter `index`, at most ROBUROC4_MAX_TELEMETERS of them: mounting, range, and the latest
+ *  distance (that of the properties before the first status). ROBUROC4_ERR_INDEX from their number
+ *  on, which is 0 until the robot has reported its telemeters. */
 ROBUROC4_API roburoc4_result roburoc4_client_telemeter(const roburoc4_client *client,
                                                        uint32_t index, roburoc4_telemeter *out);
 
@@ -351,9 +345,10 @@ ROBUROC4_API roburoc4_result roburoc4_client_description(const roburoc4_client *
 /** The index on the wire of the input with ROBUROC4_ROLE_*, or ROBUROC4_ERR_UNKNOWN. */
 ROBUROC4_API roburoc4_result roburoc4_client_role_index(const roburoc4_client *client,
                                                         uint32_t role);
-/** The manual's name of a channel of this robot's card, for one that has no text of its own: by
- *  where the manual's table is on a card with so many channels, and by what the roles above are.
- *  NULL where the manual says nothing of it, "" where it "exists but is not used". */
+/** The manual's name (5.5.1) of a channel of this robot's card, for one that has no text of its
+ * own: by where the manual's table is on a card with so many channels, and by what the roles above
+ * are. client may be NULL: then that of the manual's table itself. NULL where the manual says
+ * nothing of it, "" where it "exists but is not used". */
 ROBUROC4_API const char *roburoc4_client_channel_name(const roburoc4_client *client,
                                                       uint32_t io_type, uint32_t index);
 /** The index of the channel with this name. Names are compared by words: case, punctuation and
@@ -423,12 +418,10 @@ ROBUROC4_API roburoc4_result roburoc4_client_relocalize(roburoc4_client *client,
                                                         uint64_t now_us);
 
 /** Subscribe to a service (ROBUROC4_SERVICE_IOCARD to _DIFFERENTIAL) or change its period: a
- *  multiple of 10, 10 to 2550 ms. Kept over a loss. ROBUROC4_ERR_ARGUMENT. */
+ *  multiple of 10, 10 to 2550 ms. A period of 0 ends the subscription; statuses that the robot
+ * sends all the same are counted and dropped. Kept over a loss. ROBUROC4_ERR_ARGUMENT. */
 ROBUROC4_API roburoc4_result roburoc4_client_subscribe(roburoc4_client *client, uint32_t service,
                                                        uint32_t period_ms, uint64_t now_us);
-/** End a subscription. Statuses that the robot sends all the same are counted and dropped. */
-ROBUROC4_API roburoc4_result roburoc4_client_unsubscribe(roburoc4_client *client, uint32_t service,
-                                                         uint64_t now_us);
 
 /** Figures of the link. */
 typedef struct roburoc4_link {

@@ -187,13 +187,13 @@ ROBUROC4_API const char *roburoc4_result_text(roburoc4_result result);
 #define ROBUROC4_TELEMETER_REAR 1
 #define ROBUROC4_TELEMETER_COUNT 2
 
-/** The manual's name of a service (4.2.1), "IOCard" for 2; NULL for a number that is none. */
-ROBUROC4_API const char *roburoc4_service_name(uint32_t service);
-/** The manual's name of a battery state (4.2.4.6); NULL for a value that is none. */
-ROBUROC4_API const char *roburoc4_battery_state_name(uint32_t state);
-/** The manual's name (5.5.1) of an IO channel: io_type is ROBUROC4_IO_*, index that on the wire.
- *  NULL where the manual has no such channel, "" where it "exists but is not used". */
-ROBUROC4_API const char *roburoc4_channel_name(uint32_t io_type, uint32_t index);
+/** What roburoc4_name() names. */
+#define ROBUROC4_NAME_SERVICE 0 /* ROBUROC4_SERVICE_*, as the manual (4.2.1): "IOCard" */
+#define ROBUROC4_NAME_BATTERY 1 /* ROBUROC4_BATTERY_*, as the manual (4.2.4.6): "Charging" */
+#define ROBUROC4_NAME_STATE 2   /* ROBUROC4_STATE_* of a client, in lower case: "connecting" */
+
+/** The name of a number, by what the number is (ROBUROC4_NAME_*); NULL where it has none. */
+ROBUROC4_API const char *roburoc4_name(uint32_t what, uint32_t number);
 
 /** The robot's address out of the box (4.2.1). */
 #define ROBUROC4_DEFAULT_HOST "192.168.0.2"
@@ -405,35 +405,31 @@ ROBUROC4_API roburoc4_result roburoc4_encode_text(uint8_t *buffer, size_t capaci
                                                   uint16_t service, const char *text,
                                                   size_t length);
 
-/** The head of a status (`0xFF service timestamp`), or of a command (`0xFF service`). */
+/** The head of a status: `0xFF service timestamp`. */
 typedef struct roburoc4_status_header {
-    uint64_t robot_cycles; /* 0 where the telegram has no timestamp */
+    uint64_t robot_cycles;
     uint16_t service;
     uint16_t reserved[3];
 } roburoc4_status_header;
-/** Of a status: 11 bytes or more; the rest counts as surplus. */
+/** 11 bytes or more; the rest counts as surplus. (The head of any command, 3 bytes or more, is read
+ *  by roburoc4_decode_iocard_command() with counts of 0.) */
 ROBUROC4_API roburoc4_result roburoc4_decode_status_header(const uint8_t *data, size_t size,
                                                            roburoc4_status_header *out);
-/** Of a command, as a robot reads it: 3 bytes or more; the rest counts as surplus. */
-ROBUROC4_API roburoc4_result roburoc4_decode_command_header(const uint8_t *data, size_t size,
-                                                            roburoc4_status_header *out);
 
 /** The channels of an IO card's status (its inputs, 4.2.4.4) or command (its outputs, 4.2.5.2): a
  *  view on the datagram. */
 typedef struct roburoc4_channels {
-    uint64_t robot_cycles; /* of a status; a command has none */
-    const uint8_t *analog;
-    const uint8_t *digital;
+    uint64_t robot_cycles;  /* of a status; a command has none */
+    const uint8_t *analog;  /* for roburoc4_floats(); generally volts */
+    const uint8_t *digital; /* channel 8 k + b is bit b of byte k */
     uint32_t analog_count, digital_count;
     uint16_t service;
     uint16_t reserved[3];
 } roburoc4_channels;
-/** The first analog values at once, generally volts, at most `capacity` of them into `out`; how
- * many were copied. */
-ROBUROC4_API roburoc4_result roburoc4_analog_values(const roburoc4_channels *channels, float *out,
-                                                    uint32_t capacity);
-/** The first 64 digital values at once: bit i is channel i, 0 where there is no such channel. */
-ROBUROC4_API uint64_t roburoc4_digital_values(const roburoc4_channels *channels);
+/** The first floats of a view of `count` floats, at most `capacity` of them into `out`; how many
+ * were copied. */
+ROBUROC4_API uint32_t roburoc4_floats(const uint8_t *view, uint32_t count, float *out,
+                                      uint32_t capacity);
 /** IO card status. The counts are those of the card's properties. One block too many, or any longer
  *  tail, is surplus. */
 ROBUROC4_API roburoc4_result roburoc4_decode_iocard_status(const uint8_t *data, size_t size,
@@ -448,16 +444,13 @@ ROBUROC4_API roburoc4_result roburoc4_encode_iocard_status(
 /** Telemeter status (4.2.4.5): a view on the datagram. */
 typedef struct roburoc4_telemeter_status {
     uint64_t robot_cycles;
-    const uint8_t *distances;
+    const uint8_t *distances; /* for roburoc4_floats(), in metres */
     uint32_t count;
     uint16_t service;
     uint16_t reserved;
 } roburoc4_telemeter_status;
 ROBUROC4_API roburoc4_result roburoc4_decode_telemeter_status(const uint8_t *data, size_t size,
                                                               roburoc4_telemeter_status *out);
-/** The first distances at once, in metres, at most `capacity` into `out`; how many were copied. */
-ROBUROC4_API roburoc4_result roburoc4_telemeter_distances(const roburoc4_telemeter_status *status,
-                                                          float *out, uint32_t capacity);
 ROBUROC4_API roburoc4_result roburoc4_encode_telemeter_status(uint8_t *buffer, size_t capacity,
                                                               uint16_t service,
                                                               uint64_t robot_cycles,

@@ -10,7 +10,7 @@
  * the next drive() in the fields linear_m_s and angular_rad_s. It is you who drives:
  *
  *     roburoc4_move move;
- *     roburoc4_move_straight(&move, 1.0f, NULL);
+ *     roburoc4_move_by(&move, 1.0f, 0.0f, NULL);
  *     while (roburoc4_move_step(&move, &client, now_us) == ROBUROC4_MOVE_RUNNING) {
  *         roburoc4_client_drive(&client, move.linear_m_s, move.angular_rad_s, 0, now_us);
  *         ... receive and send, as roburoc4_udp_wait() does; read the clock ...
@@ -125,17 +125,12 @@ typedef struct roburoc4_move {
  * ROBUROC4_ERR_ARGUMENT: more than 10 km or 10000 rad, or an option out of its range. After an
  * error the move is ended, as ROBUROC4_MOVE_CANCELLED. */
 
-/** Drive so far straight ahead; less than 0: backward. */
-ROBUROC4_API roburoc4_result roburoc4_move_straight(roburoc4_move *move, float distance_m,
-                                                    const roburoc4_move_options *options);
-/** Turn in place by this angle, which may be more than a full turn; less than 0: to the right. */
-ROBUROC4_API roburoc4_result roburoc4_move_turn(roburoc4_move *move, float angle_rad,
-                                                const roburoc4_move_options *options);
-/** Drive along an arc of this length (not 0) that turns by this angle: its radius is distance_m /
- *  angle_rad. */
-ROBUROC4_API roburoc4_result roburoc4_move_arc(roburoc4_move *move, float distance_m,
-                                               float angle_rad,
-                                               const roburoc4_move_options *options);
+/** Drive so far, less than 0: backward, while turning by this angle, less than 0: to the right,
+ * which may be more than a full turn. An angle of 0 is straight ahead, a distance of 0 a turn in
+ * place, and both an arc with the radius distance_m / angle_rad. */
+ROBUROC4_API roburoc4_result roburoc4_move_by(roburoc4_move *move, float distance_m,
+                                              float angle_rad,
+                                              const roburoc4_move_options *options);
 /** Turn to a point of the main frame, then drive straight to it. Needs the localization service. */
 ROBUROC4_API roburoc4_result roburoc4_move_to_point(roburoc4_move *move, double x_m, double y_m,
                                                     const roburoc4_move_options *options);

@@ -102,8 +102,8 @@ ROBUROC4_API roburoc4_result roburoc4_pump_record(roburoc4_pump *pump, roburoc4_
  * it for a few calls and never wait with it, as the robot's link waits meanwhile; call no other
  * function of the same pump but roburoc4_pump_udp(). The pointer is valid until the unlock. */
 ROBUROC4_API roburoc4_client *roburoc4_pump_lock(roburoc4_pump *pump);
-/** The pump's socket, for roburoc4_udp_fault(), _count() and _address(); valid between lock and
- *  unlock. */
+/** The pump's socket, to read its fields; valid between lock and unlock. Without an address, all of
+ *  them are 0. */
 ROBUROC4_API const roburoc4_udp *roburoc4_pump_udp(roburoc4_pump *pump);
 /** Send what the client has to send now, wake the thread where something is due earlier than it
  *  expects, and give the lock back. By the thread that has it. */

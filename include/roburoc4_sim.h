@@ -107,11 +107,7 @@ ROBUROC4_SIM_API roburoc4_result roburoc4_sim_config_init(roburoc4_sim_config *c
 /** What is wrong with a configuration and how to mend it, as one English sentence; NULL if nothing
  *  is. Lives as long as the program. */
 ROBUROC4_SIM_API const char *roburoc4_sim_config_error(const roburoc4_sim_config *config);
-/** Set the member with this name, of all but the arrays. ROBUROC4_ERR_INDEX: there is none;
- *  ROBUROC4_ERR_ARGUMENT: it cannot hold the value. Nothing was changed then. Whether the value
- *  makes a robot is for roburoc4_sim_config_error() to say. */
-ROBUROC4_SIM_API roburoc4_result roburoc4_sim_config_set(roburoc4_sim_config *config,
-                                                         const char *name, double value);
+
 /* ------------------------------------------------------------------------------- the robot --- */
 
 typedef struct roburoc4_sim roburoc4_sim;
@@ -124,7 +120,9 @@ ROBUROC4_SIM_API roburoc4_sim *roburoc4_sim_create(const roburoc4_sim_config *co
 /** Free it; NULL is ignored. */
 ROBUROC4_SIM_API void roburoc4_sim_destroy(roburoc4_sim *sim);
 
-/** A datagram of any content and length came from `peer`, at the time of the last advance(). */
+/** A datagram of any content and length came from `peer`, at the time of the last advance(). NULL:
+ *  none, but the network says that nobody listens at the peer's address (ICMP port unreachable).
+ *  Such reports at least 2 s apart, of a peer that sent nothing for 5 s, end its subscriptions. */
 ROBUROC4_SIM_API void roburoc4_sim_receive(roburoc4_sim *sim, uint64_t peer, const uint8_t *data,
                                            size_t size);
 /** Run all cycles that are due at now_us. The first call sets when cycle 0 was and runs none. A
@@ -137,9 +135,6 @@ ROBUROC4_SIM_API roburoc4_result roburoc4_sim_poll_transmit(roburoc4_sim *sim, u
                                                             uint8_t *buffer, size_t capacity);
 /** When the next cycle is due: 0 before the first advance(). */
 ROBUROC4_SIM_API uint64_t roburoc4_sim_next_deadline(const roburoc4_sim *sim);
-/** The network says that nobody listens at the peer's address (ICMP port unreachable). Reports at
- *  least 2 s apart, of a peer that sent nothing for 5 s, end its subscriptions. */
-ROBUROC4_SIM_API void roburoc4_sim_peer_unreachable(roburoc4_sim *sim, uint64_t peer);
 
 /* ------------------------------------------------------------------------------- controls --- */
 
@@ -211,9 +206,6 @@ ROBUROC4_SIM_API roburoc4_result roburoc4_sim_control_find(const char *name);
 ROBUROC4_SIM_API roburoc4_result roburoc4_sim_add_box(roburoc4_sim *sim, double x_m, double y_m,
                                                       double size_x_m, double size_y_m,
                                                       double theta_rad);
-/** Move box `number`. ROBUROC4_ERR_INDEX, or the results of roburoc4_sim_add_box(). */
-ROBUROC4_SIM_API roburoc4_result roburoc4_sim_move_box(roburoc4_sim *sim, uint32_t number,
-                                                       double x_m, double y_m, double theta_rad);
 /** Remove all boxes. */
 ROBUROC4_SIM_API void roburoc4_sim_clear_obstacles(roburoc4_sim *sim);
 /** Lift the robot to another true pose, at rest; its odometry notices nothing.

@@ -24,8 +24,8 @@
  *     roburoc4_udp_close(&udp);
  *
  * A program with a loop of its own (poll, epoll, select, Qt, libuv) watches roburoc4_udp_fd() and
- * roburoc4_client_next_deadline(), and calls roburoc4_udp_receive_all() and then
- * roburoc4_udp_transmit_all() when either is due.
+ * roburoc4_client_next_deadline(), and calls roburoc4_udp_wait() with a time-out of 0 when either
+ * is due.
  *
  * WHAT IT PROMISES
  *
@@ -36,7 +36,7 @@
  *                     counted, never kept for later. The send buffer is kept small for the same
  *                     reason.
  *   An absent robot   nobody on the port, no route, cable pulled, firewall: all of these are states
- *                     (roburoc4_udp_fault()), in which the client goes on trying at its own pace.
+ *                     (the field fault), in which the client goes on trying at its own pace.
  *                     When the machine's own address changes, the socket is connected anew.
  *   A flood           of datagrams does not hold back what is due to be sent.
  *
@@ -98,13 +98,13 @@ ROBUROC4_API uint64_t roburoc4_udp_now_us(void);
 #define ROBUROC4_FAULT_DOWN 3        /* this machine's interface is down, or its address is gone */
 #define ROBUROC4_FAULT_DENIED 4      /* this machine's firewall or rights forbid it */
 #define ROBUROC4_FAULT_FULL 5        /* the socket's or the system's buffers are full */
-#define ROBUROC4_FAULT_OTHER 6       /* see roburoc4_udp_system_error() */
+#define ROBUROC4_FAULT_OTHER 6       /* see the field system_error */
 
 /** What a ROBUROC4_FAULT_* means and what to check, one English sentence without a full stop;
  *  "no fault" for 0, "unknown fault" for a number that is none. Lives as long as the program. */
 ROBUROC4_API const char *roburoc4_udp_fault_text(uint32_t fault);
 
-/** Counters of roburoc4_udp_count(); they wrap around. */
+/** Indices of roburoc4_udp.counters, which wrap around. */
 #define ROBUROC4_UDP_COUNT_SENT 0       /* datagrams that the system took */
 #define ROBUROC4_UDP_COUNT_RECEIVED 1   /* datagrams given to the client */
 #define ROBUROC4_UDP_COUNT_DROPPED 2    /* datagrams to send that the system did not take */
@@ -117,35 +117,33 @@ ROBUROC4_API const char *roburoc4_udp_fault_text(uint32_t fault);
 /** The longest datagram that is received; a RobuROC4's longest is 65 bytes, and one that used every
  *  capacity of the client is below 1000. */
 #define ROBUROC4_UDP_MAX_RECEIVE 2048
-/** The most datagrams that one roburoc4_udp_receive_all() or roburoc4_udp_wait() takes. */
+/** The most datagrams that one roburoc4_udp_wait() takes. */
 #define ROBUROC4_UDP_BURST 64
 
-/** A connected socket. Declare one and use functions only; it may be moved but not copied. */
+/** A connected socket. Declare one, and read the first fields once roburoc4_udp_open() was called;
+ * the others are private. It may be moved but not copied. */
 typedef struct roburoc4_udp {
+    uint32_t fault;           /* ROBUROC4_FAULT_* */
+    int32_t system_error;     /* the system's own number of the last fault or error (errno, or
+                                 WSAGetLastError()), else 0 */
+    roburoc4_address address; /* the robot's */
+    uint32_t counters[8];     /* ROBUROC4_UDP_COUNT_* */
+
     uint32_t private_size;
-    uint32_t private_fault;
+    uint8_t private_connected, private_broken, private_reserved[2];
     int64_t private_socket;
     uint64_t private_tried_us;
-    int32_t private_system_error;
-    uint32_t private_reserved0;
-    roburoc4_address private_address;
-    uint32_t private_counters[8];
-    uint8_t private_connected, private_broken;
-    uint8_t private_reserved[6];
     struct roburoc4_recorder *private_recorder;
     roburoc4_address private_own_address;
     uint8_t private_datagram[2048];
 } roburoc4_udp;
-
-/** sizeof(roburoc4_udp) of the library. */
-ROBUROC4_API size_t roburoc4_udp_size(void);
 
 /** Open a non-blocking socket that talks with `address` only. udp_size is sizeof(roburoc4_udp).
  *  A network that is not reachable now is no error: the fault says so and connecting is tried again
  *  by later calls, at most once a second. The socket is not inherited by programs that this one
  *  starts.
  *  ROBUROC4_ERR_SIZE: header and library differ. ROBUROC4_ERR_ARGUMENT: not an address of
- *  roburoc4_udp_resolve(). ROBUROC4_ERR_SYSTEM: no socket; roburoc4_udp_system_error() says why.
+ *  roburoc4_udp_resolve(). ROBUROC4_ERR_SYSTEM: no socket; the field system_error says why.
  *  After an error the socket counts as closed. */
 ROBUROC4_API roburoc4_result roburoc4_udp_open(roburoc4_udp *udp, size_t udp_size,
                                                const roburoc4_address *address);
@@ -156,14 +154,6 @@ ROBUROC4_API roburoc4_result roburoc4_udp_close(roburoc4_udp *udp);
 /** The descriptor to watch for reading (Windows: the SOCKET), or -1 when closed. It stays the same
  *  from open to close. Only watch it: reading, writing or closing it is the adapter's. */
 ROBUROC4_API intptr_t roburoc4_udp_fd(const roburoc4_udp *udp);
-/** The robot's address. ROBUROC4_ERR_CLOSED. */
-ROBUROC4_API roburoc4_result roburoc4_udp_address(const roburoc4_udp *udp, roburoc4_address *out);
-/** ROBUROC4_FAULT_*. */
-ROBUROC4_API uint32_t roburoc4_udp_fault(const roburoc4_udp *udp);
-/** The system's own number of the last fault or error (errno, or WSAGetLastError()), else 0. */
-ROBUROC4_API int32_t roburoc4_udp_system_error(const roburoc4_udp *udp);
-/** One of ROBUROC4_UDP_COUNT_*; 0 for another number. */
-ROBUROC4_API uint32_t roburoc4_udp_count(const roburoc4_udp *udp, uint32_t counter);
 
 /* ------------------------------------------------------------------------------ datagrams --- */
 
@@ -179,17 +169,15 @@ ROBUROC4_API uint32_t roburoc4_udp_count(const roburoc4_udp *udp, uint32_t count
  *  ROBUROC4_ERR_CLOSED; ROBUROC4_ERR_SYSTEM: the socket itself is unusable (not: the network). */
 ROBUROC4_API roburoc4_result roburoc4_udp_receive_one(roburoc4_udp *udp, roburoc4_client *client,
                                                       const uint8_t **datagram, size_t *size);
-/** Take all datagrams that are there, but stop after ROBUROC4_UDP_BURST, or as soon as the client
- *  has something to send; never waits. Returns how many the client used. Errors as above. */
-ROBUROC4_API roburoc4_result roburoc4_udp_receive_all(roburoc4_udp *udp, roburoc4_client *client);
 /** Send all that the client has to send now; never waits. Returns how many datagrams the system
  *  took. ROBUROC4_ERR_CLOSED. Call it after every client call that changes something (drive(),
  *  stop(), set_digital_output() ...), or let roburoc4_udp_wait() do it. */
 ROBUROC4_API roburoc4_result roburoc4_udp_transmit_all(roburoc4_udp *udp, roburoc4_client *client);
 
-/** The convenience call: send what is due, then wait until a datagram comes, the client's deadline
- *  is reached, timeout_us has passed or a signal handler ran, then receive and send as above.
- *  timeout_us 0 does not wait. Returns how many datagrams the client used, 0 where none came.
+/** The convenience call: send what is due; wait until a datagram comes, the client's deadline is
+ *  reached, timeout_us has passed or a signal handler ran (timeout_us 0 does not wait); take all
+ *  datagrams that are there, but stop after ROBUROC4_UDP_BURST, or as soon as the client has
+ *  something to send; and send that. Returns how many datagrams the client used, 0 where none came.
  *  ROBUROC4_ERR_CLOSED; ROBUROC4_ERR_SYSTEM as for roburoc4_udp_receive_one(), then it has not
  *  waited. Windows rounds waiting times up to its timer's step (at most 16 ms). */
 ROBUROC4_API roburoc4_result roburoc4_udp_wait(roburoc4_udp *udp, roburoc4_client *client,

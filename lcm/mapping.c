@@ -163,12 +163,8 @@ static void map_small_properties(const roburoc4_client *client,
 
 static void map_telemeter_properties(const roburoc4_client *client, mapping_services *storage,
                                      roburoc4_lcm_robot_properties_t *out) {
-    uint32_t count = roburoc4_client_telemeter_count(client);
-    for (uint32_t at = 0; at < count; at++) {
-        roburoc4_telemeter in;
-        if (roburoc4_client_telemeter(client, at, &in) < 0) {
-            break;
-        }
+    roburoc4_telemeter in;
+    for (uint32_t at = 0; roburoc4_client_telemeter(client, at, &in) >= 0; at++) {
         map_telemeter(&in, in.distance_m, &storage->telemeters[at]);
         out->telemeter_count++;
     }
@@ -201,7 +197,7 @@ static void map_iocard_properties(const roburoc4_client *client, mapping_names *
 static const char *name_of_id(const roburoc4_client *client, uint16_t id) {
     for (uint32_t service = 0; service < ROBUROC4_SERVICE_COUNT; service++) {
         if (roburoc4_client_service_id(client, service) == (roburoc4_result)id) {
-            return roburoc4_service_name(service);
+            return roburoc4_name(ROBUROC4_NAME_SERVICE, service);
         }
     }
     return "";
@@ -209,12 +205,8 @@ static const char *name_of_id(const roburoc4_client *client, uint16_t id) {
 
 static void map_services(const roburoc4_client *client, mapping_services *storage,
                          roburoc4_lcm_robot_properties_t *out) {
-    uint32_t count = roburoc4_client_service_count(client);
-    for (uint32_t at = 0; at < count; at++) {
-        roburoc4_directory_entry entry;
-        if (roburoc4_client_service_at(client, at, &entry) < 0) {
-            break;
-        }
+    roburoc4_directory_entry entry;
+    for (uint32_t at = 0; roburoc4_client_service_at(client, at, &entry) >= 0; at++) {
         const char *name = name_of_id(client, entry.id);
         storage->ids[at] = entry.id;
         storage->types[at] = entry.type;

@@ -154,7 +154,7 @@ void mapping_bridge_statistics(const mapping_view *view, roburoc4_lcm_bridge_sta
 #define PAUSE "all senders must pause (or send zero) for 500 ms"
 
 static void write_absent(const mapping_view *view, char *room, size_t capacity) {
-    const char *state = roburoc4_state_name(view->facts->state);
+    const char *state = roburoc4_name(ROBUROC4_NAME_STATE, view->facts->state);
     (void)snprintf(room, capacity, "%s: no answer from %s; %s", state != NULL ? state : "unknown",
                    view->robot,
                    view->fault != ROBUROC4_FAULT_NONE ? roburoc4_udp_fault_text(view->fault)
@@ -203,7 +203,7 @@ static void write_connected(const mapping_view *view, char *room, size_t capacit
 }
 
 void mapping_message(const mapping_view *view, char *room, size_t capacity) {
-    const char *state = roburoc4_state_name(view->facts->state);
+    const char *state = roburoc4_name(ROBUROC4_NAME_STATE, view->facts->state);
     if (view->no_socket) {
         (void)snprintf(room, capacity, "no socket for %s; trying again each second", view->robot);
     } else if (view->facts->state == ROBUROC4_STATE_READY) {

@@ -148,7 +148,7 @@ static void publish_bridge(robot *robot, bool statistics, gate_time now) {
         .link = &link,
         .gate = &robot->gate,
         .for_gate = {facts.state == ROBUROC4_STATE_READY, facts.armed != 0, facts.arm_refusal},
-        .fault = roburoc4_udp_fault(&robot->udp),
+        .fault = robot->udp.fault,
         .heard = robot->heard,
         .no_socket = roburoc4_udp_fd(&robot->udp) < 0,
         .other_bridge = robot->other_until_us != 0,

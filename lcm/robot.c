@@ -203,9 +203,8 @@ static void apply_drive(robot *robot, gate_time now) {
 /* ------------------------------------------------------------------------------- the robot --- */
 
 static void learn_telemeters(robot *robot) {
-    uint32_t count = roburoc4_client_telemeter_count(&robot->client);
     robot->telemeter_count = 0;
-    while (robot->telemeter_count < count &&
+    while (robot->telemeter_count < ROBUROC4_MAX_TELEMETERS &&
            roburoc4_client_telemeter(&robot->client, robot->telemeter_count,
                                      &robot->telemeters[robot->telemeter_count]) >= 0) {
         robot->telemeter_count++;
@@ -277,7 +276,7 @@ static void open_socket(robot *robot, uint64_t now_us) {
     } else if (!robot->logged_no_socket) {
         robot->logged_no_socket = true;
         log_line(LOG_ERROR, robot->name, "no socket for %s: %s; trying again each second",
-                 robot->address, strerror((int)roburoc4_udp_system_error(&robot->udp)));
+                 robot->address, strerror(robot->udp.system_error));
     }
 }
 
@@ -286,7 +285,7 @@ static void lose_socket(robot *robot, roburoc4_result why, gate_time now) {
     if (!robot->logged_no_socket) {
         log_line(LOG_ERROR, robot->name,
                  "its socket broke (%s, error %d): stopped; trying another one each second",
-                 roburoc4_result_text(why), (int)roburoc4_udp_system_error(&robot->udp));
+                 roburoc4_result_text(why), robot->udp.system_error);
     }
     robot->logged_no_socket = true;
     robot->has_drive = false;
@@ -393,7 +392,7 @@ static void look_for_other_bridge(robot *robot, gate_time now) {
 static void look_for_absence(robot *robot, gate_time now) {
     if (!robot->logged_absent && !robot->heard && now.us - robot->started.us >= ABSENT_US) {
         robot->logged_absent = true;
-        log_absence(robot->name, robot->address, roburoc4_udp_fault(&robot->udp));
+        log_absence(robot->name, robot->address, robot->udp.fault);
     }
 }
 

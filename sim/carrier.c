@@ -23,7 +23,7 @@ static void take_in(const sim_carrier *c, uint64_t now_us) {
         }
     }
     while (net_refused(c->net, c->index, &peer)) {
-        roburoc4_sim_peer_unreachable(c->sim, peer);
+        roburoc4_sim_receive(c->sim, peer, NULL, 0);
     }
 }
 

@@ -31,7 +31,7 @@ static bool read_watchdog(roburoc4_sim_config *config, ini_text value, char *err
 static const char *setting_error(const char *name, double value) {
     roburoc4_sim_config alone;
     (void)roburoc4_sim_config_init(&alone, sizeof alone);
-    roburoc4_result result = roburoc4_sim_config_set(&alone, name, value);
+    roburoc4_result result = sim_config_set(&alone, name, value);
     return result == ROBUROC4_ERR_INDEX ? "no such setting; give a member of roburoc4_sim_config"
            : result < 0                 ? "give a number that fits it"
                                         : roburoc4_sim_config_error(&alone);
@@ -53,7 +53,7 @@ static bool read_setting(roburoc4_sim_config *config, ini_text name, ini_text va
                        (int)(value.length < MAX_NAME ? value.length : MAX_NAME), value.at, wrong);
         return false;
     }
-    (void)roburoc4_sim_config_set(config, text, number);
+    (void)sim_config_set(config, text, number);
     return true;
 }
 

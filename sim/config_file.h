@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The configuration file of roburoc4-sim.
+ * The settings of roburoc4-sim, from its command line and a file.
  */
 #ifndef ROBUROC4_SIM_CONFIG_FILE_H
 #define ROBUROC4_SIM_CONFIG_FILE_H
@@ -11,9 +11,14 @@
 extern "C" {
 #endif
 
+/* Set the member with this name, of all but the arrays. ROBUROC4_ERR_INDEX: there is none;
+ * ROBUROC4_ERR_ARGUMENT: it cannot hold the value. Nothing was changed then. Whether the value
+ * makes a robot is for roburoc4_sim_config_error() to say. */
+roburoc4_result sim_config_set(roburoc4_sim_config *config, const char *name, double value);
+
 /* Read the text of an `udpserver.cfg` (4.2.5.6): an INI file of which `Watchdog` of the section
  * `DifferentialService` is used (in cycles of 10 ms), and the section `Simulator`, which the
- * robot's own file does not have: lines `NAME=VALUE` for roburoc4_sim_config_set(). Everything
+ * robot's own file does not have: lines `NAME=VALUE` for sim_config_set(). Everything
  * else is skipped. ROBUROC4_ERR_VALUE: `error` (capacity bytes, may be NULL with 0) names line and
  * remedy, and the configuration is unchanged. */
 roburoc4_result sim_config_read(roburoc4_sim_config *config, const char *text, size_t length,

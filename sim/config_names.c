@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "config_file.h"
 #include "model.h"
 
 typedef enum kind { WHOLE, WHOLE_64, SIGNED, FLOAT, DOUBLE } kind;
@@ -92,8 +93,7 @@ static bool store(void *at, kind kind, double value) {
     }
 }
 
-roburoc4_result roburoc4_sim_config_set(roburoc4_sim_config *config, const char *name,
-                                        double value) {
+roburoc4_result sim_config_set(roburoc4_sim_config *config, const char *name, double value) {
     for (size_t index = 0; index < sizeof members / sizeof members[0]; index++) {
         const member *found = &members[index];
         bool known = found->offset < config->size; /* to the version that made the struct */

@@ -205,13 +205,13 @@ static bool is_setting(const char *option, size_t length, char name[MAX_SETTING]
         name[at - 2] = option[at] == '-' ? '_' : option[at];
     }
     name[length - 2] = '\0';
-    return roburoc4_sim_config_set(&unused, name, 0.0) != ROBUROC4_ERR_INDEX;
+    return sim_config_set(&unused, name, 0.0) != ROBUROC4_ERR_INDEX;
 }
 
 static bool set_setting(server_options *options, const char *name, const char *value) {
     double number = 0.0;
     if (!number_decimal(value, strlen(value), -1e18, 1e18, &number) ||
-        roburoc4_sim_config_set(&options->config, name, number) < 0) {
+        sim_config_set(&options->config, name, number) < 0) {
         return complain(name, value, "give a number that fits it");
     }
     return true;

@@ -200,6 +200,9 @@ void sim_motion_forget(roburoc4_sim *sim); /* target 0 until the next command */
 
 /* obstacles.c */
 void sim_obstacles_init(roburoc4_sim *sim);
+/* Move box `number`. ROBUROC4_ERR_INDEX, or the results of roburoc4_sim_add_box(). */
+roburoc4_result sim_obstacles_move_box(roburoc4_sim *sim, uint32_t number, double x_m, double y_m,
+                                       double theta_rad);
 /* Move the body from its true pose as far towards `goal` as obstacles allow, and find which
  * bumpers touch. */
 void sim_obstacles_move(roburoc4_sim *sim, const sim_pose *goal);

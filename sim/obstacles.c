@@ -148,8 +148,8 @@ roburoc4_result roburoc4_sim_add_box(roburoc4_sim *sim, double x_m, double y_m, 
     return (roburoc4_result)sim->box_count - 1;
 }
 
-roburoc4_result roburoc4_sim_move_box(roburoc4_sim *sim, uint32_t number, double x_m, double y_m,
-                                      double theta_rad) {
+roburoc4_result sim_obstacles_move_box(roburoc4_sim *sim, uint32_t number, double x_m, double y_m,
+                                       double theta_rad) {
     if (number >= sim->box_count) {
         return ROBUROC4_ERR_INDEX;
     }

@@ -155,7 +155,7 @@ static roburoc4_result do_box(roburoc4_sim *sim, const words *line, panel_answer
     }
     if (line->count == 5 && strcmp(line->at[0], "move") == 0 &&
         whole(line->at[1], ROBUROC4_SIM_MAX_BOXES, &number) && decimals(line, 2, v, 3)) {
-        return place_result(roburoc4_sim_move_box(sim, number, v[0], v[1], v[2]), answer);
+        return place_result(sim_obstacles_move_box(sim, number, v[0], v[1], v[2]), answer);
     }
     return NOT_UNDERSTOOD;
 }
@@ -185,7 +185,7 @@ static roburoc4_result do_status(roburoc4_sim *sim, const words *line, panel_ans
         state.true_y_m, state.true_theta_rad, state.odometry_x_m, state.odometry_y_m,
         state.odometry_theta_rad, state.wheel_linear_m_s, state.wheel_angular_rad_s,
         state.target_linear_m_s, state.target_angular_rad_s, (double)state.battery_percent,
-        (double)state.battery_v, roburoc4_battery_state_name(state.battery_state),
+        (double)state.battery_v, roburoc4_name(ROBUROC4_NAME_BATTERY, state.battery_state),
         (double)state.telemeters_m[ROBUROC4_TELEMETER_FRONT],
         (double)state.telemeters_m[ROBUROC4_TELEMETER_REAR], state.peers, state.subscriptions);
     return ROBUROC4_OK;

@@ -205,7 +205,8 @@ static bool command_iocard(roburoc4_sim *sim, const uint8_t *data, size_t size) 
         return false;
     }
     sim->counts.io_commands++;
-    (void)roburoc4_analog_values(&command, sim->analog_outputs, ROBUROC4_SIM_MAX_ANALOG);
+    (void)roburoc4_floats(command.analog, command.analog_count, sim->analog_outputs,
+                          ROBUROC4_SIM_MAX_ANALOG);
     for (uint32_t index = 0; index < digital_outputs; index++) {
         sim->digital_outputs[index] = command.digital[index / 8] >> (index % 8) & 1;
     }
@@ -213,9 +214,9 @@ static bool command_iocard(roburoc4_sim *sim, const uint8_t *data, size_t size) 
 }
 
 static void receive_command(roburoc4_sim *sim, uint64_t peer, const uint8_t *data, size_t size) {
-    roburoc4_status_header head;
+    roburoc4_channels head;
     bool understood = false;
-    if (roburoc4_decode_command_header(data, size, &head) >= 0) {
+    if (roburoc4_decode_iocard_command(data, size, 0, 0, &head) >= 0) {
         int32_t service = sim_service_of_id(sim, head.service);
         if (service == ROBUROC4_SERVICE_DIFFERENTIAL) {
             understood = command_differential(sim, data, size);

@@ -46,7 +46,9 @@ void roburoc4_sim_destroy(roburoc4_sim *sim) {
  */
 
 void roburoc4_sim_receive(roburoc4_sim *sim, uint64_t peer, const uint8_t *data, size_t size) {
-    if (sim->powered) {
+    if (data == NULL) {
+        sim_peers_unreachable(sim, peer);
+    } else if (sim->powered) {
         sim_protocol_receive(sim, peer, data, size);
     }
 }
@@ -85,10 +87,6 @@ roburoc4_result roburoc4_sim_poll_transmit(roburoc4_sim *sim, uint64_t *peer, ui
 
 uint64_t roburoc4_sim_next_deadline(const roburoc4_sim *sim) {
     return sim->started ? sim->next_us : 0;
-}
-
-void roburoc4_sim_peer_unreachable(roburoc4_sim *sim, uint64_t peer) {
-    sim_peers_unreachable(sim, peer);
 }
 
 /* ----------------------------------------------------------------------------- observation --- */

@@ -147,7 +147,7 @@ roburoc4_result sim_directory_text(const roburoc4_sim *sim, uint32_t index, uint
                                    uint8_t *buffer, size_t capacity) {
     for (uint32_t service = 0; service < ROBUROC4_SERVICE_COUNT; service++) {
         if (sim_service_exists(sim, service) && index-- == 0) {
-            const char *name = roburoc4_service_name(service);
+            const char *name = roburoc4_name(ROBUROC4_NAME_SERVICE, service);
             return roburoc4_encode_text(buffer, capacity, id, ROBUROC4_SERVICE_DIRECTORY, name,
                                         strlen(name));
         }
@@ -164,7 +164,8 @@ roburoc4_result sim_iocard_text(const roburoc4_sim *sim, uint32_t io_type, int32
         return ROBUROC4_ERR_INDEX;
     }
     int32_t meaning = sim_channel_meaning(sim, io_type, (uint32_t)index);
-    const char *name = meaning < 0 ? NULL : roburoc4_channel_name(io_type, (uint32_t)meaning);
+    const char *name =
+        meaning < 0 ? NULL : roburoc4_client_channel_name(NULL, io_type, (uint32_t)meaning);
     name = name == NULL ? "" : name;
     if (sim->config.as_manual != 0 && name[0] == '\0') {
         name = UNUSED_TEXT;

@@ -569,17 +569,6 @@ roburoc4_result roburoc4_decode_status_header(const uint8_t *data, size_t size,
     return result;
 }
 
-roburoc4_result roburoc4_decode_command_header(const uint8_t *data, size_t size,
-                                               roburoc4_status_header *out) {
-    reader r = reader_of(data, size);
-    const roburoc4_result result = read_status_header(&r, HEAD_COMMAND);
-    if (result >= 0) {
-        memset(out, 0, sizeof *out);
-        out->service = read_u16(&r);
-    }
-    return result;
-}
-
 /** Take `analog` floats and the blocks of `digital` bits from a reader that has passed the head. */
 CURSOR roburoc4_result read_channels(reader *r, uint32_t analog, uint32_t digital, uint16_t service,
                                      uint64_t robot_cycles, roburoc4_channels *out) {
@@ -597,13 +586,11 @@ CURSOR roburoc4_result read_channels(reader *r, uint32_t analog, uint32_t digita
     return surplus(r, (size_t)analog * 4 + blocks);
 }
 
-/** The first floats of a view, as many as there are and as have room; how many. */
-CURSOR roburoc4_result read_floats(const uint8_t *view, uint32_t count, float *out,
-                                   uint32_t capacity) {
+uint32_t roburoc4_floats(const uint8_t *view, uint32_t count, float *out, uint32_t capacity) {
     const uint32_t copied = count < capacity ? count : capacity;
     reader r = reader_of(view, (size_t)copied * 4);
     read_words(&r, out, copied);
-    return (roburoc4_result)copied;
+    return copied;
 }
 
 /** Whether a datagram can carry these channels after a head; their bytes in *body. */
@@ -624,23 +611,6 @@ roburoc4_result roburoc4_decode_iocard_status(const uint8_t *data, size_t size,
     const uint16_t service = read_u16(&r);
     const uint64_t robot_cycles = read_u64(&r);
     return read_channels(&r, analog_inputs, digital_inputs, service, robot_cycles, out);
-}
-
-roburoc4_result roburoc4_analog_values(const roburoc4_channels *channels, float *out,
-                                       uint32_t capacity) {
-    return read_floats(channels->analog, channels->analog_count, out, capacity);
-}
-
-uint64_t roburoc4_digital_values(const roburoc4_channels *channels) {
-    const uint8_t *blocks = channels->digital;
-    const uint32_t count = channels->digital_count;
-    uint64_t bits = 0;
-    const uint32_t end = count < 64 ? count : 64;
-    for (uint32_t at = 0; at < end; at += 8) {
-        bits |= (uint64_t)*blocks++ << at;
-    }
-    /* the last block may have bits that are no channel */
-    return count < 64 ? bits & (((uint64_t)1 << count) - 1) : bits;
 }
 
 roburoc4_result roburoc4_encode_iocard_status(uint8_t *buffer, size_t capacity, uint16_t service,
@@ -671,11 +641,6 @@ roburoc4_result roburoc4_decode_telemeter_status(const uint8_t *data, size_t siz
     out->distances = r.at;
     out->count = (uint32_t)(r.left / 4);
     return (roburoc4_result)(r.left % 4);
-}
-
-roburoc4_result roburoc4_telemeter_distances(const roburoc4_telemeter_status *status, float *out,
-                                             uint32_t capacity) {
-    return read_floats(status->distances, status->count, out, capacity);
 }
 
 roburoc4_result roburoc4_encode_telemeter_status(uint8_t *buffer, size_t capacity, uint16_t service,

@@ -267,33 +267,31 @@ static void forget_subscription(client *c, uint32_t service) {
     roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_DELETE, (uint8_t)service);
 }
 
-roburoc4_result roburoc4_client_subscribe(client *c, uint32_t service, uint32_t period_ms,
-                                          uint64_t now_us) {
-    if (!has_status(service) || period_ms < 10 || period_ms > 2550 || period_ms % 10 != 0) {
-        return ROBUROC4_ERR_ARGUMENT;
-    }
-    begin_call(c, now_us);
-    forget_subscription(c, service);
-    c->private_discovery.wanted |= service_bit(service);
-    c->private_config.subscriptions |= service_bit(service);
-    c->private_config.period_ms[service] = (uint16_t)period_ms;
-    c->private_link.services[STATUS_INDEX(service)].asked_cycles = (uint8_t)(period_ms / 10);
-    return ROBUROC4_OK;
-}
-
-roburoc4_result roburoc4_client_unsubscribe(client *c, uint32_t service, uint64_t now_us) {
+static void unsubscribe(client *c, uint32_t service) {
     discovery *d = &c->private_discovery;
-    if (!has_status(service)) {
-        return ROBUROC4_ERR_ARGUMENT;
-    }
-    begin_call(c, now_us);
-    forget_subscription(c, service);
     if ((d->inserted & service_bit(service)) != 0) {
         d->leaving |= service_bit(service);
     }
     d->inserted &= (uint8_t)~service_bit(service);
     d->wanted &= (uint8_t)~service_bit(service);
     c->private_config.subscriptions &= ~(uint32_t)service_bit(service);
+}
+
+roburoc4_result roburoc4_client_subscribe(client *c, uint32_t service, uint32_t period_ms,
+                                          uint64_t now_us) {
+    if (!has_status(service) || period_ms > 2550 || period_ms % 10 != 0) {
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+    begin_call(c, now_us);
+    forget_subscription(c, service);
+    if (period_ms == 0) {
+        unsubscribe(c, service);
+        return ROBUROC4_OK;
+    }
+    c->private_discovery.wanted |= service_bit(service);
+    c->private_config.subscriptions |= service_bit(service);
+    c->private_config.period_ms[service] = (uint16_t)period_ms;
+    c->private_link.services[STATUS_INDEX(service)].asked_cycles = (uint8_t)(period_ms / 10);
     return ROBUROC4_OK;
 }
 
@@ -305,10 +303,6 @@ static bool knows(const client *c, uint32_t service) {
 
 static uint16_t id_of(const client *c, uint32_t service) {
     return c->private_discovery.service_ids[service];
-}
-
-uint32_t roburoc4_client_service_count(const client *c) {
-    return c->private_discovery.service_count;
 }
 
 roburoc4_result roburoc4_client_service_at(const client *c, uint32_t index,
@@ -372,10 +366,6 @@ roburoc4_result roburoc4_client_differential_properties(const client *c,
     }
     *out = c->private_values.limits;
     return ROBUROC4_OK;
-}
-
-uint32_t roburoc4_client_telemeter_count(const client *c) {
-    return c->private_values.telemeter_count;
 }
 
 roburoc4_result roburoc4_client_telemeter(const client *c, uint32_t index,

@@ -153,8 +153,8 @@ static roburoc4_result refuse(roburoc4_move *m, roburoc4_result result) {
     return result;
 }
 
-static roburoc4_result begin_by(roburoc4_move *m, float distance_m, float angle_rad,
-                                const roburoc4_move_options *options) {
+roburoc4_result roburoc4_move_by(roburoc4_move *m, float distance_m, float angle_rad,
+                                 const roburoc4_move_options *options) {
     const roburoc4_result result = begin(m, BY, options);
     if (!move_finite(distance_m) || !move_finite(angle_rad)) {
         return refuse(m, ROBUROC4_ERR_NOT_FINITE);
@@ -165,25 +165,6 @@ static roburoc4_result begin_by(roburoc4_move *m, float distance_m, float angle_
     }
     m->private_goal[LENGTH] = distance_m;
     m->private_goal[ANGLE] = angle_rad;
-    return result;
-}
-
-roburoc4_result roburoc4_move_straight(roburoc4_move *move, float distance_m,
-                                       const roburoc4_move_options *options) {
-    return begin_by(move, distance_m, 0, options);
-}
-
-roburoc4_result roburoc4_move_turn(roburoc4_move *move, float angle_rad,
-                                   const roburoc4_move_options *options) {
-    return begin_by(move, 0, angle_rad, options);
-}
-
-roburoc4_result roburoc4_move_arc(roburoc4_move *move, float distance_m, float angle_rad,
-                                  const roburoc4_move_options *options) {
-    const roburoc4_result result = begin_by(move, distance_m, angle_rad, options);
-    if (result == ROBUROC4_OK && order_of(size_of(distance_m)) < order_of(near_enough[LENGTH])) {
-        return refuse(move, ROBUROC4_ERR_ARGUMENT);
-    }
     return result;
 }
 
@@ -233,7 +214,7 @@ static void view_distances(roburoc4_move_view *v, const roburoc4_client *client,
     uint64_t host_us;
     v->ahead_m = FAR_M;
     v->astern_m = FAR_M;
-    v->blind = roburoc4_client_telemeter_count(client) > 0 &&
+    v->blind = roburoc4_client_telemeter(client, 0, &telemeter) == ROBUROC4_OK &&
                (roburoc4_client_distances(client, &distances, &host_us) != ROBUROC4_OK ||
                 now_us - host_us > SILENCE_US);
     for (uint32_t i = 0; roburoc4_client_telemeter(client, i, &telemeter) == ROBUROC4_OK; i++) {

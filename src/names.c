@@ -75,20 +75,23 @@ const char *roburoc4_result_text(roburoc4_result result) {
     return text != NULL ? text : "unknown error";
 }
 
-const char *roburoc4_service_name(uint32_t service) {
-    return nth("Directory\0Notification\0IOCard\0Telemeter\0Battery\0Localization\0Differential",
-               ROBUROC4_SERVICE_COUNT, service);
+const char *roburoc4_name(uint32_t what, uint32_t number) {
+    switch (what) {
+    case ROBUROC4_NAME_SERVICE:
+        return nth(
+            "Directory\0Notification\0IOCard\0Telemeter\0Battery\0Localization\0Differential",
+            ROBUROC4_SERVICE_COUNT, number);
+    case ROBUROC4_NAME_BATTERY:
+        return nth("Charging\0Charged\0Ok\0Critical", 4, number);
+    case ROBUROC4_NAME_STATE:
+        return nth("idle\0connecting\0discovering\0subscribing\0ready\0lost\0closing", 7, number);
+    default:
+        return NULL;
+    }
 }
 
-const char *roburoc4_battery_state_name(uint32_t state) {
-    return nth("Charging\0Charged\0Ok\0Critical", 4, state);
-}
-
-const char *roburoc4_state_name(uint32_t state) {
-    return nth("idle\0connecting\0discovering\0subscribing\0ready\0lost\0closing", 7, state);
-}
-
-const char *roburoc4_channel_name(uint32_t io_type, uint32_t index) {
+/** The manual's table of channels (5.5.1). */
+static const char *table_name(uint32_t io_type, uint32_t index) {
     switch (io_type) {
     case ROBUROC4_IO_ANALOG_INPUT:
         return nth("Front telemeter voltage\0Rear telemeter voltage\0Battery voltage\0"
@@ -163,6 +166,9 @@ static int32_t manual_place(uint32_t io_type, int32_t count, uint32_t index) {
 
 const char *roburoc4_client_channel_name(const roburoc4_client *client, uint32_t io_type,
                                          uint32_t index) {
+    if (client == NULL) {
+        return table_name(io_type, index);
+    }
     const int32_t count = channel_count(client, io_type);
     int32_t place = count > 0 ? manual_place(io_type, count, index) : -1;
     for (uint32_t role = 0; count > 0 && role < ROBUROC4_ROLE_COUNT; role++) {
@@ -176,7 +182,7 @@ const char *roburoc4_client_channel_name(const roburoc4_client *client, uint32_t
             place = -1; /* the input that the table has here is elsewhere */
         }
     }
-    return place < 0 ? NULL : roburoc4_channel_name(io_type, (uint32_t)place);
+    return place < 0 ? NULL : table_name(io_type, (uint32_t)place);
 }
 
 static piece piece_of(const char *text) {
@@ -210,8 +216,7 @@ roburoc4_result roburoc4_client_channel_find(const roburoc4_client *client, uint
     for (uint32_t role = 0; role < ROBUROC4_ROLE_COUNT; role++) {
         const int32_t index = roburoc4_client_role_index(client, role);
         if (roles[role].io_type == io_type && index >= 0 &&
-            same_words(piece_of(name),
-                       piece_of(roburoc4_channel_name(io_type, roles[role].place)))) {
+            same_words(piece_of(name), piece_of(table_name(io_type, roles[role].place)))) {
             return index;
         }
     }

@@ -146,6 +146,18 @@ static bool is_new(client *c, uint32_t service, uint64_t robot_cycles) {
     return true;
 }
 
+/** The first 64 digital inputs, bit i for input i; the last block may have bits of no input. */
+static uint64_t digital_bits(const roburoc4_channels *inputs) {
+    const uint8_t *blocks = inputs->digital;
+    const uint32_t count = inputs->digital_count;
+    const uint32_t end = count < 64 ? count : 64;
+    uint64_t bits = 0;
+    for (uint32_t at = 0; at < end; at += 8) {
+        bits |= (uint64_t)*blocks++ << at;
+    }
+    return count < 64 ? bits & (((uint64_t)1 << count) - 1) : bits;
+}
+
 /** The inputs, and with them the override: whether the game pad's [A] is held. */
 static roburoc4_result receive_iocard(client *c, const uint8_t *data, size_t size) {
     values *v = &c->private_values;
@@ -159,8 +171,9 @@ static roburoc4_result receive_iocard(client *c, const uint8_t *data, size_t siz
     if (!is_new(c, ROBUROC4_SERVICE_IOCARD, inputs.robot_cycles)) {
         return ROBUROC4_ERR_OLD;
     }
-    (void)roburoc4_analog_values(&inputs, v->analog, ROBUROC4_MAX_ANALOG_INPUTS);
-    v->digital = roburoc4_digital_values(&inputs); /* ROBUROC4_MAX_DIGITAL_INPUTS of them */
+    (void)roburoc4_floats(inputs.analog, inputs.analog_count, v->analog,
+                          ROBUROC4_MAX_ANALOG_INPUTS);
+    v->digital = digital_bits(&inputs); /* ROBUROC4_MAX_DIGITAL_INPUTS of them */
     const roburoc4_result override = index_of_role(c, ROBUROC4_ROLE_OVERRIDE);
     const uint8_t overridden = override >= 0 ? (uint8_t)(v->digital >> override & 1) : 0;
     if (overridden != (v->override_known && v->overridden)) {
@@ -187,8 +200,8 @@ static roburoc4_result receive_telemeters(client *c, const uint8_t *data, size_t
     if (!is_new(c, ROBUROC4_SERVICE_TELEMETER, status.robot_cycles)) {
         return ROBUROC4_ERR_OLD;
     }
-    v->distance_count =
-        (uint8_t)roburoc4_telemeter_distances(&status, v->distances, ROBUROC4_MAX_TELEMETERS);
+    v->distance_count = (uint8_t)roburoc4_floats(status.distances, status.count, v->distances,
+                                                 ROBUROC4_MAX_TELEMETERS);
     return result;
 }
 

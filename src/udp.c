@@ -121,7 +121,7 @@ const char *roburoc4_udp_fault_text(uint32_t fault) {
 }
 
 static void tally(roburoc4_udp *udp, uint32_t counter) {
-    udp->private_counters[counter]++;
+    udp->counters[counter]++;
 }
 
 /* Faults of the path that choosing this end's address again may mend. */
@@ -131,17 +131,13 @@ static int is_of_the_path(uint32_t fault) {
 }
 
 static void note_fault(roburoc4_udp *udp, roburoc4_os_outcome outcome) {
-    udp->private_fault = outcome.fault;
-    udp->private_system_error = outcome.system_error;
+    udp->fault = outcome.fault;
+    udp->system_error = outcome.system_error;
     tally(udp, outcome.fault == ROBUROC4_FAULT_REFUSED ? ROBUROC4_UDP_COUNT_REFUSED
                                                        : ROBUROC4_UDP_COUNT_FAULTS);
 }
 
 /* ---------------------------------------------------------------------------------- socket --- */
-
-size_t roburoc4_udp_size(void) {
-    return sizeof(roburoc4_udp);
-}
 
 static int is_open(const roburoc4_udp *udp) {
     return udp->private_size == sizeof *udp;
@@ -149,7 +145,7 @@ static int is_open(const roburoc4_udp *udp) {
 
 /* Connects, or connects anew, where the system chooses this end's address again. */
 static roburoc4_os_outcome connect_now(roburoc4_udp *udp) {
-    roburoc4_os_outcome outcome = roburoc4_os_connect(udp->private_socket, &udp->private_address);
+    roburoc4_os_outcome outcome = roburoc4_os_connect(udp->private_socket, &udp->address);
     udp->private_connected = outcome.fault == ROBUROC4_FAULT_NONE;
     if (udp->private_connected) {
         (void)roburoc4_os_own_address(udp->private_socket, &udp->private_own_address);
@@ -181,16 +177,20 @@ static void keep_connected(roburoc4_udp *udp) {
 roburoc4_result roburoc4_udp_open(roburoc4_udp *udp, size_t udp_size,
                                   const roburoc4_address *address) {
     roburoc4_os_outcome outcome = {ROBUROC4_FAULT_NONE, 0};
+    roburoc4_address robot = {{0}, 0, 0, 0, 0};
     if (udp_size != sizeof *udp) {
         return ROBUROC4_ERR_SIZE;
     }
+    if (address != NULL) {
+        robot = *address; /* it may be that of this struct, from the last time */
+    }
     memset(udp, 0, sizeof *udp);
     udp->private_socket = ROBUROC4_OS_NO_SOCKET;
-    if (address == NULL || !is_usable(address)) {
+    if (!is_usable(&robot)) {
         return ROBUROC4_ERR_ARGUMENT;
     }
-    udp->private_address = *address;
-    udp->private_socket = roburoc4_os_socket(address, &outcome);
+    udp->address = robot;
+    udp->private_socket = roburoc4_os_socket(&robot, &outcome);
     if (udp->private_socket != ROBUROC4_OS_NO_SOCKET) {
         outcome = connect_now(udp);
         if (outcome.fault == ROBUROC4_FAULT_DENIED || outcome.fault == ROBUROC4_FAULT_OTHER) {
@@ -223,26 +223,6 @@ intptr_t roburoc4_udp_fd(const roburoc4_udp *udp) {
     return is_open(udp) ? (intptr_t)udp->private_socket : -1;
 }
 
-roburoc4_result roburoc4_udp_address(const roburoc4_udp *udp, roburoc4_address *out) {
-    if (!is_open(udp)) {
-        return ROBUROC4_ERR_CLOSED;
-    }
-    *out = udp->private_address;
-    return ROBUROC4_OK;
-}
-
-uint32_t roburoc4_udp_fault(const roburoc4_udp *udp) {
-    return udp->private_fault;
-}
-
-int32_t roburoc4_udp_system_error(const roburoc4_udp *udp) {
-    return udp->private_system_error;
-}
-
-uint32_t roburoc4_udp_count(const roburoc4_udp *udp, uint32_t counter) {
-    return counter < ROBUROC4_UDP_COUNTERS ? udp->private_counters[counter] : 0;
-}
-
 /* ------------------------------------------------------------------------------- datagrams --- */
 
 roburoc4_result roburoc4_udp_record(roburoc4_udp *udp, roburoc4_recorder *recorder) {
@@ -256,8 +236,8 @@ roburoc4_result roburoc4_udp_record(roburoc4_udp *udp, roburoc4_recorder *record
 static void record(const roburoc4_udp *udp, int inbound, const uint8_t *datagram, size_t size) {
     if (udp->private_recorder != NULL) {
         roburoc4_recorder_take(udp->private_recorder, inbound,
-                               inbound ? &udp->private_address : &udp->private_own_address,
-                               inbound ? &udp->private_own_address : &udp->private_address,
+                               inbound ? &udp->address : &udp->private_own_address,
+                               inbound ? &udp->private_own_address : &udp->address,
                                datagram, size);
     }
 }
@@ -296,8 +276,8 @@ static roburoc4_result give_one(roburoc4_udp *udp, roburoc4_client *client, size
         return got == ROBUROC4_OS_BROKEN ? ROBUROC4_ERR_SYSTEM : ROBUROC4_UDP_NOTHING;
     }
     tally(udp, ROBUROC4_UDP_COUNT_RECEIVED);
-    udp->private_fault = ROBUROC4_FAULT_NONE;
-    udp->private_system_error = 0;
+    udp->fault = ROBUROC4_FAULT_NONE;
+    udp->system_error = 0;
     record(udp, 1, udp->private_datagram, *size);
     *now_us = roburoc4_udp_now_us();
     return roburoc4_client_receive(client, udp->private_datagram, *size, *now_us) < 0
@@ -323,12 +303,10 @@ roburoc4_result roburoc4_udp_receive_one(roburoc4_udp *udp, roburoc4_client *cli
     return result;
 }
 
-roburoc4_result roburoc4_udp_receive_all(roburoc4_udp *udp, roburoc4_client *client) {
+/* How many datagrams the client used, of those that were there. */
+static roburoc4_result receive_all(roburoc4_udp *udp, roburoc4_client *client) {
     roburoc4_result used = 0;
     int taken;
-    if (!is_open(udp)) {
-        return ROBUROC4_ERR_CLOSED;
-    }
     for (taken = 0; taken < ROBUROC4_UDP_BURST; taken++) {
         size_t size = 0;
         uint64_t now_us = 0;
@@ -393,7 +371,7 @@ roburoc4_result roburoc4_udp_transmit_all(roburoc4_udp *udp, roburoc4_client *cl
 
 roburoc4_result roburoc4_udp_wait(roburoc4_udp *udp, roburoc4_client *client, uint32_t timeout_us) {
     roburoc4_result result = roburoc4_udp_transmit_all(udp, client);
-    if (result >= 0) {
+    if (result >= 0 && timeout_us > 0) {
         uint64_t now_us = roburoc4_udp_now_us();
         uint64_t deadline_us = roburoc4_client_next_deadline(client);
         uint64_t wait_us = deadline_us > now_us ? deadline_us - now_us : 0;
@@ -402,7 +380,7 @@ roburoc4_result roburoc4_udp_wait(roburoc4_udp *udp, roburoc4_client *client, ui
                                   wait_us < timeout_us ? wait_us : timeout_us);
     }
     if (result >= 0) {
-        result = roburoc4_udp_receive_all(udp, client);
+        result = receive_all(udp, client);
     }
     if (result >= 0) {
         (void)roburoc4_udp_transmit_all(udp, client);

@@ -32,9 +32,8 @@ bool decode_iocard(const uint8_t *wire, size_t size) {
     }
     v.service = status.service;
     v.robot_cycles = status.robot_cycles;
-    roburoc4_analog_values(&status, v.analog, 9);
-    const uint64_t bits = roburoc4_digital_values(&status);
-    std::memcpy(v.digital, &bits, 3);
+    roburoc4_floats(status.analog, status.analog_count, v.analog, 9);
+    std::memcpy(v.digital, status.digital, 3);
     return true;
 }
 
@@ -52,7 +51,7 @@ bool decode_telemeter(const uint8_t *wire, size_t size) {
     }
     v.service = status.service;
     v.robot_cycles = status.robot_cycles;
-    roburoc4_telemeter_distances(&status, v.distance_m, 2);
+    roburoc4_floats(status.distances, status.count, v.distance_m, 2);
     return true;
 }
 

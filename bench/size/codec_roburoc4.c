@@ -20,10 +20,10 @@ static union {
 
 int main(void) {
     result = roburoc4_decode_iocard_status(buffer, sizeof buffer, 9, 22, &v.iocard);
-    result = roburoc4_analog_values(&v.iocard, analog, 9);
-    result = (int32_t)roburoc4_digital_values(&v.iocard);
+    result = (int32_t)roburoc4_floats(v.iocard.analog, v.iocard.analog_count, analog, 9);
+    result = v.iocard.digital[0];
     result = roburoc4_decode_telemeter_status(buffer, sizeof buffer, &v.telemeter);
-    result = roburoc4_telemeter_distances(&v.telemeter, analog, 2);
+    result = (int32_t)roburoc4_floats(v.telemeter.distances, v.telemeter.count, analog, 2);
     result = roburoc4_decode_battery_status(buffer, sizeof buffer, &v.battery);
     result = roburoc4_decode_localization_status(buffer, sizeof buffer, &v.localization);
     result = roburoc4_decode_differential_status(buffer, sizeof buffer, &v.differential);

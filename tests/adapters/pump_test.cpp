@@ -26,7 +26,7 @@
 using test::eventually;
 using test::kPatienceUs;
 using test::on_client;
-using test::on_udp;
+using test::socket_of;
 using test::SpeedCommand;
 using test::UdpRobot;
 
@@ -150,11 +150,9 @@ TEST(Pump, BecomesReadyByItselfAndShowsAllThatTheRobotSays) {
     EXPECT_EQ(service.subscribed, 1u);
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_host_time, battery.robot_cycles, &host_us), 0);
     EXPECT_GT(on_client(pump.get(), roburoc4_client_count, ROBUROC4_COUNT_RECEIVED), 5u);
-    EXPECT_GT(on_udp(pump.get(), roburoc4_udp_count, ROBUROC4_UDP_COUNT_RECEIVED), 5u);
-    EXPECT_EQ(on_udp(pump.get(), roburoc4_udp_fault), uint32_t{ROBUROC4_FAULT_NONE});
-    roburoc4_address address{};
-    EXPECT_EQ(on_udp(pump.get(), roburoc4_udp_address, &address), 0);
-    EXPECT_EQ(address.port, robot.port());
+    EXPECT_GT(socket_of(pump.get()).counters[ROBUROC4_UDP_COUNT_RECEIVED], 5u);
+    EXPECT_EQ(socket_of(pump.get()).fault, uint32_t{ROBUROC4_FAULT_NONE});
+    EXPECT_EQ(socket_of(pump.get()).address.port, robot.port());
 }
 
 TEST(Pump, KnowsServicesAndProperties) {
@@ -167,8 +165,7 @@ TEST(Pump, KnowsServicesAndProperties) {
     roburoc4_localization_properties localization{};
     roburoc4_differential_properties differential{};
     roburoc4_telemeter telemeter{};
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_service_count),
-              uint32_t{ROBUROC4_SERVICE_COUNT});
+    EXPECT_EQ(on_client(pump.get(), service_count), uint32_t{ROBUROC4_SERVICE_COUNT});
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_service_at, 1, &entry), 0);
     EXPECT_EQ(entry.id, ROBUROC4_SERVICE_NOTIFICATION);
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_service_id, ROBUROC4_SERVICE_DIFFERENTIAL), 6);
@@ -179,8 +176,7 @@ TEST(Pump, KnowsServicesAndProperties) {
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_localization_properties, &localization), 0);
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_differential_properties, &differential), 0);
     EXPECT_FLOAT_EQ(differential.max_linear_m_s, 2.6f);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_telemeter_count),
-              uint32_t{ROBUROC4_TELEMETER_COUNT});
+    EXPECT_EQ(on_client(pump.get(), telemeter_count), uint32_t{ROBUROC4_TELEMETER_COUNT});
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_telemeter, 1, &telemeter), 0);
     EXPECT_GT(telemeter.max_distance_m, 0.0f);
     EXPECT_TRUE(eventually([&] { /* its texts tell */
@@ -242,8 +238,8 @@ TEST(Pump, RetriesAnAbsentRobotWithoutSpinningAndFindsItLater) {
     double cpu_before = cpu_seconds();
     sleep_ms(1500);
     EXPECT_LT(cpu_seconds() - cpu_before, 0.7);
-    EXPECT_EQ(on_udp(pump.get(), roburoc4_udp_fault), uint32_t{ROBUROC4_FAULT_REFUSED});
-    EXPECT_GE(on_udp(pump.get(), roburoc4_udp_count, ROBUROC4_UDP_COUNT_REFUSED), 2u);
+    EXPECT_EQ(socket_of(pump.get()).fault, uint32_t{ROBUROC4_FAULT_REFUSED});
+    EXPECT_GE(socket_of(pump.get()).counters[ROBUROC4_UDP_COUNT_REFUSED], 2u);
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_arm), ROBUROC4_ERR_NOT_READY);
     UdpRobot robot(port);
     EXPECT_TRUE(becomes_ready(pump.get()));
@@ -351,14 +347,14 @@ TEST(Pump, SendsCommandsBeforeTheCallReturns) {
     UdpRobot robot;
     Pump pump = make_pump(robot.address());
     ASSERT_TRUE(becomes_armed(pump.get()));
-    uint32_t before = on_udp(pump.get(), roburoc4_udp_count, ROBUROC4_UDP_COUNT_SENT);
+    uint32_t before = socket_of(pump.get()).counters[ROBUROC4_UDP_COUNT_SENT];
     ASSERT_EQ(on_client(pump.get(), roburoc4_client_set_digital_outputs, uint64_t{1} << 3,
                         uint64_t{1} << 3),
               ROBUROC4_OK);
-    EXPECT_GT(on_udp(pump.get(), roburoc4_udp_count, ROBUROC4_UDP_COUNT_SENT), before);
-    before = on_udp(pump.get(), roburoc4_udp_count, ROBUROC4_UDP_COUNT_SENT);
+    EXPECT_GT(socket_of(pump.get()).counters[ROBUROC4_UDP_COUNT_SENT], before);
+    before = socket_of(pump.get()).counters[ROBUROC4_UDP_COUNT_SENT];
     ASSERT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.1f, 0.0f, 0), ROBUROC4_OK);
-    EXPECT_GT(on_udp(pump.get(), roburoc4_udp_count, ROBUROC4_UDP_COUNT_SENT), before);
+    EXPECT_GT(socket_of(pump.get()).counters[ROBUROC4_UDP_COUNT_SENT], before);
 }
 
 TEST(Pump, PassesEveryCommandOn) {
@@ -382,7 +378,7 @@ TEST(Pump, PassesEveryCommandOn) {
               ROBUROC4_ERR_ARGUMENT);
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_subscribe, ROBUROC4_SERVICE_BATTERY, 100),
               ROBUROC4_OK);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_unsubscribe, ROBUROC4_SERVICE_TELEMETER),
+    EXPECT_EQ(on_client(pump.get(), roburoc4_client_subscribe, ROBUROC4_SERVICE_TELEMETER, 0),
               ROBUROC4_OK);
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_disarm), ROBUROC4_OK);
 }
@@ -662,7 +658,7 @@ TEST(PumpStop, LeavesValuesReadableAndRefusesCommands) {
     EXPECT_EQ(on_client(p, roburoc4_client_stop), ROBUROC4_ERR_STATE);
     EXPECT_EQ(on_client(p, roburoc4_client_set_digital_outputs, 2, 2), ROBUROC4_ERR_NOT_READY);
     EXPECT_EQ(on_client(p, roburoc4_client_relocalize, 0.0, 0.0, 0.0), ROBUROC4_ERR_NOT_READY);
-    EXPECT_EQ(on_client(p, roburoc4_client_service_count), uint32_t{ROBUROC4_SERVICE_COUNT});
+    EXPECT_EQ(on_client(p, service_count), uint32_t{ROBUROC4_SERVICE_COUNT});
     roburoc4_sample samples[64];
     roburoc4_result got;
     uint64_t read = 0;

@@ -133,10 +133,10 @@ TEST(Record, EveryDatagramOfBothDirectionsIsInTheFile) {
     roburoc4_client_start(&client, roburoc4_udp_now_us());
     ASSERT_TRUE(eventually([&] {
         roburoc4_udp_wait(&udp, &client, 10000);
-        return roburoc4_udp_count(&udp, ROBUROC4_UDP_COUNT_RECEIVED) > 60;
+        return udp.counters[ROBUROC4_UDP_COUNT_RECEIVED] > 60;
     }));
-    const uint32_t sent = roburoc4_udp_count(&udp, ROBUROC4_UDP_COUNT_SENT);
-    const uint32_t received = roburoc4_udp_count(&udp, ROBUROC4_UDP_COUNT_RECEIVED);
+    const uint32_t sent = udp.counters[ROBUROC4_UDP_COUNT_SENT];
+    const uint32_t received = udp.counters[ROBUROC4_UDP_COUNT_RECEIVED];
     roburoc4_udp_close(&udp);
     roburoc4_recorder_state last;
     EXPECT_EQ(roburoc4_recorder_close(recorder, &last), ROBUROC4_OK);

@@ -261,8 +261,7 @@ TEST(SimProgram, IsFoundAgainAfterItWasKilledAndStarted) {
     EXPECT_EQ(sim->exit_status(), 1000 + SIGKILL);
     EXPECT_TRUE(driver.reaches_state(ROBUROC4_STATE_LOST));
     EXPECT_EQ(driver.facts().armed, 0);
-    EXPECT_TRUE(
-        driver.reaches([&] { return roburoc4_udp_fault(&driver.udp) == ROBUROC4_FAULT_REFUSED; }));
+    EXPECT_TRUE(driver.reaches([&] { return driver.udp.fault == ROBUROC4_FAULT_REFUSED; }));
     sim = std::make_unique<SimProcess>(std::vector<std::string>{"--port", port});
     ASSERT_EQ(sim->ports().size(), 1u);
     EXPECT_TRUE(driver.reaches_state(ROBUROC4_STATE_READY));

@@ -3,6 +3,7 @@
  * udp_test.cpp - the UDP adapter on real loopback sockets: addresses, clock, absent and returning
  * robots, strangers, garbage, floods, waiting.
  */
+#include "counts.h"
 #include "udp_support.h"
 
 #include <gtest/gtest.h>
@@ -41,7 +42,7 @@ struct Link {
         return roburoc4_udp_wait(&udp, &client, timeout_us);
     }
     uint32_t udp_count(uint32_t counter) const {
-        return roburoc4_udp_count(&udp, counter);
+        return udp.counters[counter];
     }
     /* Where a robot sees this link come from. */
     sockaddr_in seen_from() const {
@@ -162,7 +163,6 @@ TEST(Clock, NeverGoesBackAndGoesOn) {
 TEST(Udp, RefusesAnotherStructSizeAndBadAddresses) {
     roburoc4_udp udp{};
     roburoc4_address address = address_of(1);
-    EXPECT_EQ(roburoc4_udp_size(), sizeof udp);
     EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp - 8, &address), ROBUROC4_ERR_SIZE);
     EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp, nullptr), ROBUROC4_ERR_ARGUMENT);
     address.port = 0;
@@ -183,8 +183,8 @@ TEST(Udp, SaysWhyTheSystemRefusesAnAddress) {
     roburoc4_address broadcast{};
     ASSERT_EQ(roburoc4_udp_resolve("255.255.255.255:60000", 0, &broadcast), ROBUROC4_OK);
     EXPECT_EQ(roburoc4_udp_open(&udp, sizeof udp, &broadcast), ROBUROC4_ERR_SYSTEM);
-    EXPECT_EQ(roburoc4_udp_fault(&udp), uint32_t{ROBUROC4_FAULT_DENIED});
-    EXPECT_EQ(roburoc4_udp_system_error(&udp), EACCES);
+    EXPECT_EQ(udp.fault, uint32_t{ROBUROC4_FAULT_DENIED});
+    EXPECT_EQ(udp.system_error, EACCES);
     EXPECT_EQ(roburoc4_udp_close(&udp), ROBUROC4_ERR_CLOSED);
 }
 
@@ -193,18 +193,23 @@ TEST(Udp, IsClosedOnceAndForAll) {
     Link link(robot.address());
     const uint8_t *datagram;
     size_t size;
-    roburoc4_address address{};
-    EXPECT_EQ(roburoc4_udp_address(&link.udp, &address), ROBUROC4_OK);
-    EXPECT_EQ(address.port, robot.port());
+    EXPECT_EQ(link.udp.address.port, robot.port());
     EXPECT_EQ(roburoc4_udp_close(&link.udp), ROBUROC4_OK);
     EXPECT_EQ(roburoc4_udp_close(&link.udp), ROBUROC4_ERR_CLOSED);
     EXPECT_EQ(roburoc4_udp_fd(&link.udp), -1);
-    EXPECT_EQ(roburoc4_udp_address(&link.udp, &address), ROBUROC4_ERR_CLOSED);
     EXPECT_EQ(link.wait(1000000), ROBUROC4_ERR_CLOSED);
     EXPECT_EQ(roburoc4_udp_receive_one(&link.udp, &link.client, &datagram, &size),
               ROBUROC4_ERR_CLOSED);
-    EXPECT_EQ(roburoc4_udp_receive_all(&link.udp, &link.client), ROBUROC4_ERR_CLOSED);
     EXPECT_EQ(roburoc4_udp_transmit_all(&link.udp, &link.client), ROBUROC4_ERR_CLOSED);
+}
+
+TEST(Udp, OpensAgainWithTheAddressThatItShows) {
+    Socket robot;
+    Link link(robot.address());
+    EXPECT_EQ(roburoc4_udp_close(&link.udp), ROBUROC4_OK);
+    EXPECT_EQ(roburoc4_udp_open(&link.udp, sizeof link.udp, &link.udp.address), ROBUROC4_OK);
+    link.wait(0);
+    EXPECT_FALSE(robot.receive(5000).bytes.empty());
 }
 
 TEST(Udp, ReportsASocketThatSomebodyElseClosed) {
@@ -214,7 +219,7 @@ TEST(Udp, ReportsASocketThatSomebodyElseClosed) {
     EXPECT_EQ(link.wait(1000000), ROBUROC4_ERR_SYSTEM);
     EXPECT_EQ(roburoc4_udp_receive_one(&link.udp, &link.client, nullptr, nullptr),
               ROBUROC4_ERR_SYSTEM);
-    EXPECT_EQ(roburoc4_udp_system_error(&link.udp), EBADF);
+    EXPECT_EQ(link.udp.system_error, EBADF);
 }
 
 TEST(Udp, IsNotInheritedByOtherPrograms) {
@@ -245,7 +250,7 @@ TEST(Udp, ReturnsHowManyDatagramsWereUsed) {
     ASSERT_FALSE(request.bytes.empty());
     robot.send(request.from, directory_answer(request.bytes[0]));
     EXPECT_EQ(link.wait(5000000), 1);
-    EXPECT_EQ(roburoc4_client_service_count(&link.client), 2u);
+    EXPECT_EQ(service_count(&link.client), 2u);
 }
 
 TEST(Udp, ShowsEachDatagramThatItReceives) {
@@ -281,7 +286,7 @@ TEST(Udp, LendsItsDescriptorToTheCallersPoll) {
     EXPECT_EQ(poll(&watched, 1, 0), 0);
     robot.send(request.from, directory_answer(request.bytes[0]));
     EXPECT_EQ(poll(&watched, 1, 5000), 1);
-    EXPECT_EQ(roburoc4_udp_receive_all(&link.udp, &link.client), 1);
+    EXPECT_EQ(link.wait(0), 1);
     EXPECT_EQ(poll(&watched, 1, 0), 0);
 }
 
@@ -338,7 +343,7 @@ TEST(Udp, HearsNobodyButTheRobotsAddressAndPort) {
     }
     EXPECT_EQ(link.udp_count(ROBUROC4_UDP_COUNT_RECEIVED), 0u);
     EXPECT_EQ(roburoc4_client_count(&link.client, ROBUROC4_COUNT_RECEIVED), 0u);
-    EXPECT_EQ(roburoc4_client_service_count(&link.client), 0u);
+    EXPECT_EQ(service_count(&link.client), 0u);
 
     robot.send(request.from, answer); /* the very same bytes, from the robot itself */
     ASSERT_TRUE(eventually([&] {
@@ -365,8 +370,8 @@ TEST(AbsentRobot, IsRetriedAtTheClientsPaceWithoutSpinning) {
     EXPECT_GE(link.udp_count(ROBUROC4_UDP_COUNT_REFUSED), 2u);
     EXPECT_EQ(link.udp_count(ROBUROC4_UDP_COUNT_DROPPED), 0u)
         << "the report of an earlier refusal does not cost the next datagram";
-    EXPECT_EQ(roburoc4_udp_fault(&link.udp), uint32_t{ROBUROC4_FAULT_REFUSED});
-    EXPECT_EQ(roburoc4_udp_system_error(&link.udp), ECONNREFUSED);
+    EXPECT_EQ(link.udp.fault, uint32_t{ROBUROC4_FAULT_REFUSED});
+    EXPECT_EQ(link.udp.system_error, ECONNREFUSED);
     EXPECT_EQ(roburoc4_client_state(&link.client), uint32_t{ROBUROC4_STATE_CONNECTING});
 }
 
@@ -375,7 +380,7 @@ TEST(AbsentRobot, IsFoundWhenItsServerStartsAndStartsAgain) {
     Link link(address_of(port));
     ASSERT_TRUE(eventually([&] {
         link.wait(100000);
-        return roburoc4_udp_fault(&link.udp) == ROBUROC4_FAULT_REFUSED;
+        return link.udp.fault == ROBUROC4_FAULT_REFUSED;
     }));
     for (int life = 0; life < 2; life++) {
         Socket robot(port);
@@ -388,9 +393,9 @@ TEST(AbsentRobot, IsFoundWhenItsServerStartsAndStartsAgain) {
         robot.send(request.from, {0x00});
         ASSERT_TRUE(eventually([&] {
             link.wait(100000);
-            return roburoc4_udp_fault(&link.udp) == ROBUROC4_FAULT_NONE;
+            return link.udp.fault == ROBUROC4_FAULT_NONE;
         })) << "a datagram of the robot ends the fault";
-        EXPECT_EQ(roburoc4_udp_system_error(&link.udp), 0);
+        EXPECT_EQ(link.udp.system_error, 0);
     }
 }
 
@@ -410,10 +415,10 @@ TEST(Flood, IsTakenInBurstsOfBoundedLength) {
     for (int i = 0; i < 150; i++) {
         robot.send(link.seen_from(), {0x01});
     }
-    EXPECT_EQ(roburoc4_udp_receive_all(&link.udp, &link.client), 0);
+    EXPECT_EQ(link.wait(0), 0);
     EXPECT_EQ(link.udp_count(ROBUROC4_UDP_COUNT_RECEIVED), uint32_t{ROBUROC4_UDP_BURST});
-    roburoc4_udp_receive_all(&link.udp, &link.client);
-    roburoc4_udp_receive_all(&link.udp, &link.client);
+    link.wait(0);
+    link.wait(0);
     EXPECT_EQ(link.udp_count(ROBUROC4_UDP_COUNT_RECEIVED), 150u);
 }
 

@@ -236,12 +236,14 @@ TEST(LcmMapping, IoCardStatusHasANameBesideEachValue) {
             EXPECT_EQ(static_cast<float>(at) * 0.25F, got.analog_inputs[at]);
         for (int at = 0; at < 64; at++)
             EXPECT_EQ(at == 8 || at == 63, got.digital_inputs[at]) << at;
-        EXPECT_STREQ(roburoc4_channel_name(ROBUROC4_IO_ANALOG_INPUT, 0), got.analog_input_names[0]);
+        EXPECT_STREQ(roburoc4_client_channel_name(nullptr, ROBUROC4_IO_ANALOG_INPUT, 0),
+                     got.analog_input_names[0]);
         EXPECT_STREQ("Télémètre", got.analog_input_names[1]);
         EXPECT_STREQ("", got.analog_input_names[ROBUROC4_MAX_ANALOG_INPUTS - 1]);
         EXPECT_STREQ("T", got.digital_input_names[63]);
-        EXPECT_STREQ(roburoc4_channel_name(ROBUROC4_IO_DIGITAL_INPUT, ROBUROC4_DI_PAD_A),
-                     got.digital_input_names[8]);
+        EXPECT_STREQ(
+            roburoc4_client_channel_name(nullptr, ROBUROC4_IO_DIGITAL_INPUT, ROBUROC4_DI_PAD_A),
+            got.digital_input_names[8]);
     });
 }
 
@@ -309,8 +311,7 @@ TEST(LcmMapping, PropertiesAreThoseOfTheRobotAndFitTheBuffer) {
         EXPECT_TRUE(got.iocard_known);
         EXPECT_EQ(card.digital_inputs, got.digital_input_count);
         EXPECT_EQ(card.digital_outputs, got.digital_output_count);
-        ASSERT_EQ(static_cast<std::int32_t>(roburoc4_client_service_count(&bench.client)),
-                  got.service_count);
+        ASSERT_EQ(static_cast<std::int32_t>(service_count(&bench.client)), got.service_count);
         for (int at = 0; at < got.service_count; at++) {
             if (got.service_ids[at] == ROBUROC4_SERVICE_DIFFERENTIAL) {
                 EXPECT_STREQ("Differential", got.service_names[at]);

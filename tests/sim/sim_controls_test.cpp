@@ -14,6 +14,7 @@
 #include <regex>
 #include <string>
 
+#include "config_file.h"
 #include "sim_support.h"
 
 using namespace roburoc4_tests;
@@ -126,7 +127,7 @@ TEST(SimSizes, AShorterConfigurationHasDefaultsForTheRest) {
     config.watchdog_cycles = 7;
     config.size = offsetof(roburoc4_sim_config, service_ids);
     EXPECT_EQ(nullptr, roburoc4_sim_config_error(&config)) << "it does not know of slip";
-    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_config_set(&config, "slip", 0.5));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, sim_config_set(&config, "slip", 0.5));
     SimRobot robot(config);
     EXPECT_EQ(0.0, robot.state().true_x_m);
     roburoc4_sim_config longer = default_sim_config();

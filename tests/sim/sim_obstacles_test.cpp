@@ -11,6 +11,9 @@
 
 #include "sim_support.h"
 
+extern "C" roburoc4_result sim_obstacles_move_box(roburoc4_sim *sim, uint32_t number, double x_m,
+                                                  double y_m, double theta_rad);
+
 using namespace roburoc4_tests;
 
 namespace {
@@ -140,8 +143,8 @@ TEST_F(SimBumper, PressedByHandBlocksItsDirectionOnly) {
 TEST_F(SimBumper, IsPressedByABoxThatIsPushedAgainstIt) {
     const auto box = roburoc4_sim_add_box(sim(), 5.0, 0.0, 1.0, 1.0, 0.0);
     ASSERT_GE(box, 0);
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_move_box(sim(), std::uint32_t(box),
-                                                 0.5 + half_length + 0.005, 0.0, 0.0));
+    ASSERT_EQ(ROBUROC4_OK, sim_obstacles_move_box(sim(), std::uint32_t(box),
+                                                  0.5 + half_length + 0.005, 0.0, 0.0));
     EXPECT_EQ(1, robot.state().bumper_front);
     roburoc4_sim_clear_obstacles(sim());
     EXPECT_EQ(0, robot.state().bumper_front);
@@ -171,10 +174,10 @@ TEST_F(SimObstacles, RefusesWhatCannotBe) {
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_add_box(sim(), 5.0, 0.0, 0.0, 1.0, 0.0));
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_add_box(sim(), 5.0, 0.0, 1.0, nan, 0.0));
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, wall(5.0, 0.0, 5.0, 0.0));
-    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_move_box(sim(), 0, 5.0, 0.0, 0.0));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, sim_obstacles_move_box(sim(), 0, 5.0, 0.0, 0.0));
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_place(sim(), 0.0, nan, 0.0));
     ASSERT_EQ(0, roburoc4_sim_add_box(sim(), 5.0, 0.0, 1.0, 1.0, 0.0));
-    EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_sim_move_box(sim(), 0, 0.0, 0.0, 0.0));
+    EXPECT_EQ(ROBUROC4_ERR_STATE, sim_obstacles_move_box(sim(), 0, 0.0, 0.0, 0.0));
     EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_sim_place(sim(), 5.0, 0.0, 0.0));
     for (int number = 1; number < ROBUROC4_SIM_MAX_BOXES; number++)
         ASSERT_EQ(number, roburoc4_sim_add_box(sim(), 50.0, 0.0, 1.0, 1.0, 0.0));
@@ -214,11 +217,11 @@ TEST_F(SimTelemeter, SeeWithinTheirConeAndRange) {
     const auto box = roburoc4_sim_add_box(sim(), 4.0, 0.7, 0.4, 0.4, 0.0);
     ASSERT_EQ(0, box);
     EXPECT_LT(front(), 3.4) << "0.5 m aside at 3.1 m is within 15 degrees";
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_move_box(sim(), 0, 4.0, 1.6, 0.0));
+    ASSERT_EQ(ROBUROC4_OK, sim_obstacles_move_box(sim(), 0, 4.0, 1.6, 0.0));
     EXPECT_DOUBLE_EQ(6.0, front()) << "beside the cone";
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_move_box(sim(), 0, half_length + 0.3, 0.0, 0.0));
+    ASSERT_EQ(ROBUROC4_OK, sim_obstacles_move_box(sim(), 0, half_length + 0.3, 0.0, 0.0));
     EXPECT_DOUBLE_EQ(0.25, front()) << "nearer than it can measure";
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_move_box(sim(), 0, half_length + 6.5, 0.0, 0.0));
+    ASSERT_EQ(ROBUROC4_OK, sim_obstacles_move_box(sim(), 0, half_length + 6.5, 0.0, 0.0));
     EXPECT_DOUBLE_EQ(6.0, front()) << "farther than it can measure";
 }
 

@@ -351,18 +351,18 @@ TEST(SimConfig, EveryNumberHasItsName) {
             if (name == "size")
                 continue;
             names++;
-            EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_config_set(&config, name.c_str(), 2.0)) << name;
+            EXPECT_EQ(ROBUROC4_OK, sim_config_set(&config, name.c_str(), 2.0)) << name;
             const roburoc4_sim_config defaults = default_sim_config();
             EXPECT_NE(0, std::memcmp(&config, &defaults, sizeof config)) << name;
         }
     }
     EXPECT_GT(names, 30U);
     roburoc4_sim_config config = default_sim_config();
-    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_config_set(&config, "size", 1.0));
-    EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_config_set(&config, "", 1.0));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, sim_config_set(&config, "size", 1.0));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, sim_config_set(&config, "", 1.0));
     for (const double wrong : {-1.0, 0.5, 1e30, std::numeric_limits<double>::quiet_NaN()})
-        EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_config_set(&config, "seed", wrong)) << wrong;
-    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_config_set(&config, "slip", 1e300));
+        EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, sim_config_set(&config, "seed", wrong)) << wrong;
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, sim_config_set(&config, "slip", 1e300));
 }
 
 TEST(SimConfig, TheLargestCardFitsIntoADatagram) {

@@ -79,7 +79,8 @@ TEST(SimProperties, DirectoryListsItselfFirstAndAllServicesById) {
         roburoc4_directory_entry entry{};
         ASSERT_EQ(0, roburoc4_directory_at(&directory, index, &entry));
         EXPECT_EQ(index, entry.id);
-        EXPECT_EQ(roburoc4_service_name(index), directory_text(robot, std::uint8_t(index)));
+        EXPECT_EQ(roburoc4_name(ROBUROC4_NAME_SERVICE, index),
+                  directory_text(robot, std::uint8_t(index)));
     }
 }
 
@@ -91,10 +92,11 @@ TEST(SimProperties, IoCardTellsItsChannelsByTheManualsNames) {
     EXPECT_EQ(0, card.analog_outputs);
     EXPECT_EQ(22, card.digital_inputs);
     EXPECT_EQ(8, card.digital_outputs);
-    EXPECT_EQ(roburoc4_channel_name(ROBUROC4_IO_DIGITAL_INPUT, ROBUROC4_DI_PAD_A),
+    EXPECT_EQ(roburoc4_client_channel_name(nullptr, ROBUROC4_IO_DIGITAL_INPUT, ROBUROC4_DI_PAD_A),
               channel_text(robot, ROBUROC4_IO_DIGITAL_INPUT, ROBUROC4_DI_PAD_A));
-    EXPECT_EQ(roburoc4_channel_name(ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_AI_BATTERY_V),
-              channel_text(robot, ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_AI_BATTERY_V));
+    EXPECT_EQ(
+        roburoc4_client_channel_name(nullptr, ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_AI_BATTERY_V),
+        channel_text(robot, ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_AI_BATTERY_V));
     EXPECT_EQ("", channel_text(robot, ROBUROC4_IO_DIGITAL_INPUT, 5));
 }
 
@@ -326,12 +328,12 @@ TEST(SimSubscriptions, EndWhenThePeerIsSilentAndUnreachable) {
     SimRobot robot;
     EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_BATTERY, 10));
     robot.run(400);
-    roburoc4_sim_peer_unreachable(robot.get(), 1);
+    roburoc4_sim_receive(robot.get(), 1, nullptr, 0);
     robot.run(150);
-    roburoc4_sim_peer_unreachable(robot.get(), 1);
+    roburoc4_sim_receive(robot.get(), 1, nullptr, 0);
     EXPECT_EQ(1U, robot.state().subscriptions) << "reports only 1.5 s apart";
     robot.run(50);
-    roburoc4_sim_peer_unreachable(robot.get(), 1);
+    roburoc4_sim_receive(robot.get(), 1, nullptr, 0);
     EXPECT_EQ(0U, robot.state().subscriptions);
 }
 
@@ -339,16 +341,16 @@ TEST(SimSubscriptions, OutliveAStrayPortUnreachable) {
     SimRobot robot;
     EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_BATTERY, 10));
     robot.run(1000);
-    roburoc4_sim_peer_unreachable(robot.get(), 1);
+    roburoc4_sim_receive(robot.get(), 1, nullptr, 0);
     EXPECT_EQ(1U, robot.state().subscriptions) << "one stray report";
     for (int second = 0; second < 20; second++) {
         robot.command(0.0F, 0.0F);
         robot.run(100);
-        roburoc4_sim_peer_unreachable(robot.get(), 1);
+        roburoc4_sim_receive(robot.get(), 1, nullptr, 0);
         robot.take();
     }
     EXPECT_EQ(1U, robot.state().subscriptions);
-    roburoc4_sim_peer_unreachable(robot.get(), 999);
+    roburoc4_sim_receive(robot.get(), 999, nullptr, 0);
 }
 
 TEST(SimPeers, SpoofedSendersDoNotTakeThePlacesOfThoseWhoListen) {
@@ -466,10 +468,11 @@ TEST(SimInputs, WithLiteralNumbersLieOneIndexHigher) {
     config.digital_inputs = 23;
     config.analog_inputs = 10;
     SimRobot robot(config);
-    EXPECT_EQ(roburoc4_channel_name(ROBUROC4_IO_DIGITAL_INPUT, ROBUROC4_DI_PAD_A),
+    EXPECT_EQ(roburoc4_client_channel_name(nullptr, ROBUROC4_IO_DIGITAL_INPUT, ROBUROC4_DI_PAD_A),
               channel_text(robot, ROBUROC4_IO_DIGITAL_INPUT, 9));
-    EXPECT_EQ(roburoc4_channel_name(ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_AI_BATTERY_V),
-              channel_text(robot, ROBUROC4_IO_ANALOG_INPUT, 3));
+    EXPECT_EQ(
+        roburoc4_client_channel_name(nullptr, ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_AI_BATTERY_V),
+        channel_text(robot, ROBUROC4_IO_ANALOG_INPUT, 3));
     EXPECT_EQ("", channel_text(robot, ROBUROC4_IO_ANALOG_INPUT, 2));
     EXPECT_EQ(ROBUROC4_OK,
               roburoc4_sim_set(robot.get(), ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_A, 1));

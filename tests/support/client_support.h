@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "counts.h"
 #include "hex.h"
 #include "roburoc4.h"
 
@@ -100,7 +101,7 @@ class ScriptedRobot : public Partner {
     std::function<bool(const roburoc4_request &, std::vector<Bytes> &)> instead;
     std::function<std::string(std::uint32_t io_type, std::uint32_t index)> channel_text =
         [](std::uint32_t io_type, std::uint32_t index) {
-            const char *name = roburoc4_channel_name(io_type, index);
+            const char *name = roburoc4_client_channel_name(nullptr, io_type, index);
             return std::string(name != nullptr ? name : "");
         };
     roburoc4_iocard_properties iocard{9, 0, 22, 8, 0, 0};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Calls of a pump's client and socket in one line, between lock and unlock.
+ * Calls of a pump's client, and its socket, in one line, between lock and unlock.
  */
 #ifndef ROBUROC4_TESTS_PUMP_CALLS_H
 #define ROBUROC4_TESTS_PUMP_CALLS_H
@@ -8,6 +8,7 @@
 #include <tuple>
 #include <type_traits>
 
+#include "counts.h"
 #include "roburoc4_pump.h"
 
 namespace test {
@@ -35,17 +36,14 @@ Result on_client(roburoc4_pump *pump, Result (*call)(Client *, Parameters...),
     return result;
 }
 
-/** call(udp, arguments...) of the pump's socket. */
-template <class Result, class... Parameters, class... Arguments>
-Result on_udp(roburoc4_pump *pump, Result (*call)(const roburoc4_udp *, Parameters...),
-              Arguments... arguments) {
-    if (roburoc4_pump_lock(pump) == nullptr) {
-        return Result{};
+/** What the pump's socket shows. */
+inline roburoc4_udp socket_of(roburoc4_pump *pump) {
+    roburoc4_udp copy{};
+    if (roburoc4_pump_lock(pump) != nullptr) {
+        copy = *roburoc4_pump_udp(pump);
+        roburoc4_pump_unlock(pump);
     }
-    const Result result = std::apply(call, std::tuple<const roburoc4_udp *, Parameters...>(
-                                               roburoc4_pump_udp(pump), arguments...));
-    roburoc4_pump_unlock(pump);
-    return result;
+    return copy;
 }
 
 } // namespace test

@@ -72,13 +72,10 @@ static inline roburoc4_result encode_replace_localization(uint8_t *buffer, size_
 /** Analog channel `index` by the library's own reading; ROBUROC4_ERR_INDEX beyond the last. */
 static inline roburoc4_result analog_at(const roburoc4_channels *channels, uint32_t index,
                                         float *out) {
-    roburoc4_channels single = *channels;
     if (index >= channels->analog_count) {
         return ROBUROC4_ERR_INDEX;
     }
-    single.analog += (size_t)index * 4;
-    single.analog_count = 1;
-    (void)roburoc4_analog_values(&single, out, 1);
+    (void)roburoc4_floats(channels->analog + (size_t)index * 4, 1, out, 1);
     return ROBUROC4_OK;
 }
 
@@ -93,13 +90,10 @@ static inline roburoc4_result digital_at(const roburoc4_channels *channels, uint
 /** Distance `index` by the library's own reading; ROBUROC4_ERR_INDEX beyond the last. */
 static inline roburoc4_result distance_at(const roburoc4_telemeter_status *status, uint32_t index,
                                           float *out) {
-    roburoc4_telemeter_status single = *status;
     if (index >= status->count) {
         return ROBUROC4_ERR_INDEX;
     }
-    single.distances += (size_t)index * 4;
-    single.count = 1;
-    (void)roburoc4_telemeter_distances(&single, out, 1);
+    (void)roburoc4_floats(status->distances + (size_t)index * 4, 1, out, 1);
     return ROBUROC4_OK;
 }
 

@@ -37,7 +37,7 @@ TEST(ChannelName, IsTheManualsAtItsIndexOnTheUsualCard) {
     Bench bench(robot);
     bench.ready();
     for (std::uint32_t index = 0; index < 22; index++)
-        EXPECT_STREQ(roburoc4_channel_name(digital, index),
+        EXPECT_STREQ(roburoc4_client_channel_name(nullptr, digital, index),
                      roburoc4_client_channel_name(&bench.client, digital, index));
     EXPECT_EQ("Game pad \"A\" button", name(bench, digital, 8));
     EXPECT_EQ("Battery voltage", name(bench, analog, 2));

@@ -79,9 +79,10 @@ TEST(Life, TellsOfEveryNewStateAndThatItIsReadyOnlyWhenItIs) {
                               ? ROBUROC4_EVENT_STATE | ROBUROC4_EVENT_READY
                               : ROBUROC4_EVENT_STATE,
                           static_cast<int>(events))
-                    << roburoc4_state_name(bench.state());
+                    << roburoc4_name(ROBUROC4_NAME_STATE, bench.state());
             } else {
-                EXPECT_EQ(0U, events) << "still " << roburoc4_state_name(bench.state());
+                EXPECT_EQ(0U, events)
+                    << "still " << roburoc4_name(ROBUROC4_NAME_STATE, bench.state());
             }
             return bench.state() == wanted;
         });
@@ -386,7 +387,7 @@ TEST(ReadyWithout, AnyService) {
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 1 * second));
     bench.run(10 * second);
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST));
-    EXPECT_EQ(0U, roburoc4_client_service_count(&bench.client));
+    EXPECT_EQ(0U, service_count(&bench.client));
     EXPECT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.arm());
 }
 
@@ -482,13 +483,13 @@ TEST(Directory, IsAPropertyWhoseNewsAreAnEvent) {
     bench.start();
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 1 * second));
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_PROPERTIES);
-    EXPECT_EQ(2U, roburoc4_client_service_count(&bench.client));
+    EXPECT_EQ(2U, service_count(&bench.client));
     bench.run(10 * second);
     EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_PROPERTIES);
     robot.services.push_back({0x1234, 77, 99, "Coffee machine"});
     bench.run(10 * second);
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_PROPERTIES);
-    EXPECT_EQ(3U, roburoc4_client_service_count(&bench.client));
+    EXPECT_EQ(3U, service_count(&bench.client));
 }
 
 TEST(Directory, AnIoCardThatIsGoneIsNotAsked) {

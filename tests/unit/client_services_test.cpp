@@ -182,7 +182,7 @@ TEST(ServiceList, GivesTheDirectory) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
-    ASSERT_EQ(7U, roburoc4_client_service_count(&bench.client));
+    ASSERT_EQ(7U, service_count(&bench.client));
     roburoc4_directory_entry entry{7, 7};
     for (std::uint32_t i = 0; i < 7; i++) {
         ASSERT_EQ(ROBUROC4_OK, roburoc4_client_service_at(&bench.client, i, &entry));
@@ -295,7 +295,7 @@ TEST(Capacity, ServicesBeyondAreReportedAndNotStored) {
     bench.start();
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, second));
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
-    EXPECT_EQ(16U, roburoc4_client_service_count(&bench.client));
+    EXPECT_EQ(16U, service_count(&bench.client));
     bench.run(20 * second);
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state()) << "and stays so";
     EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_CAPACITY) << "reported once";
@@ -312,7 +312,7 @@ TEST(Capacity, TelemetersBeyondAreReportedAndNotStored) {
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, second));
     bench.run(200 * ms);
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
-    EXPECT_EQ(8U, roburoc4_client_telemeter_count(&bench.client));
+    EXPECT_EQ(8U, telemeter_count(&bench.client));
     roburoc4_distances distances;
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_distances(&bench.client, &distances, nullptr));
     EXPECT_EQ(8U, distances.count);

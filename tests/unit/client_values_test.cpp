@@ -54,7 +54,7 @@ void expect_properties(const Bench &bench, const ScriptedRobot &robot) {
     expect_all(robot.differential, [&](roburoc4_differential_properties *out) {
         return roburoc4_client_differential_properties(client, out);
     });
-    ASSERT_EQ(robot.telemeters.size(), roburoc4_client_telemeter_count(client));
+    ASSERT_EQ(robot.telemeters.size(), telemeter_count(client));
     for (std::uint32_t i = 0; i < robot.telemeters.size(); i++) {
         roburoc4_telemeter telemeter = robot.telemeters[i];
         telemeter.distance_m = robot.distances[i]; /* the latest status's */
@@ -373,7 +373,7 @@ TEST(Properties, AreUnknownFirstThenTheRobots) {
     EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, roburoc4_client_battery_properties(&bench.client, &battery));
     EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, roburoc4_client_localization_properties(&bench.client, &pose));
     EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, roburoc4_client_differential_properties(&bench.client, &drive));
-    EXPECT_EQ(0U, roburoc4_client_telemeter_count(&bench.client));
+    EXPECT_EQ(0U, telemeter_count(&bench.client));
     EXPECT_LT(roburoc4_client_telemeter(&bench.client, 0, &telemeter), 0);
     bench.ready();
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_iocard_properties(&bench.client, &io));
@@ -386,7 +386,7 @@ TEST(Properties, AreUnknownFirstThenTheRobots) {
     EXPECT_EQ(2, pose.y_m);
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_differential_properties(&bench.client, &drive));
     EXPECT_EQ(0.68F, drive.width_m);
-    ASSERT_EQ(2U, roburoc4_client_telemeter_count(&bench.client));
+    ASSERT_EQ(2U, telemeter_count(&bench.client));
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_telemeter(&bench.client, 1, &telemeter));
     EXPECT_EQ(-0.6F, telemeter.x_m);
     EXPECT_EQ(2.5F, telemeter.distance_m);

@@ -145,7 +145,7 @@ TEST(Kinds, StatusesAndCommandsHaveHeader255) {
                   roburoc4_decode_differential_command(drive.data(), drive.size(), &drive_command));
         EXPECT_EQ(kind, roburoc4_decode_iocard_command(out.data(), out.size(), 0, 8, &io_command));
         EXPECT_EQ(kind, roburoc4_decode_status_header(io.data(), io.size(), &head));
-        EXPECT_EQ(kind, roburoc4_decode_command_header(out.data(), out.size(), &head));
+        EXPECT_EQ(kind, roburoc4_decode_iocard_command(out.data(), out.size(), 0, 0, &io_command));
     }
 }
 

@@ -38,7 +38,7 @@ TEST(Lists, AllAnalogInputsAreThoseReadOneByOne) {
         roburoc4_channels status;
         ASSERT_EQ(0, roburoc4_decode_iocard_status(bytes.data(), bytes.size(), count, 22, &status));
         std::vector<float> all(count + 1, untouched);
-        ASSERT_EQ(static_cast<int32_t>(count), roburoc4_analog_values(&status, all.data(), 200));
+        ASSERT_EQ(count, roburoc4_floats(status.analog, status.analog_count, all.data(), 200));
         for (uint32_t i = 0; i < count; i++) {
             float one = 0;
             ASSERT_EQ(0, analog_at(&status, i, &one));
@@ -54,27 +54,9 @@ TEST(Lists, NoMoreInputsAreCopiedThanHaveRoom) {
     ASSERT_EQ(0, roburoc4_decode_iocard_status(bytes.data(), bytes.size(), 9, 22, &status));
     for (uint32_t room = 0; room <= 9; room++) {
         std::vector<float> all(10, untouched);
-        EXPECT_EQ(static_cast<int32_t>(room), roburoc4_analog_values(&status, all.data(), room));
+        EXPECT_EQ(room, roburoc4_floats(status.analog, status.analog_count, all.data(), room));
         EXPECT_EQ(untouched, all[room]) << "room for " << room;
     }
-}
-
-TEST(Lists, AllDigitalInputsAreThoseReadOneByOneAndNoOthers) {
-    for (uint32_t count = 0; count <= 80; count++) {
-        const std::vector<uint8_t> bytes = iocard(1, count);
-        roburoc4_channels status;
-        ASSERT_EQ(0, roburoc4_decode_iocard_status(bytes.data(), bytes.size(), 1, count, &status));
-        const uint64_t all = roburoc4_digital_values(&status);
-        for (uint32_t i = 0; i < 64; i++) {
-            const int32_t one = digital_at(&status, i);
-            EXPECT_EQ(one < 0 ? 0U : static_cast<uint64_t>(one), all >> i & 1)
-                << "input " << i << " of " << count;
-        }
-    }
-    const std::vector<uint8_t> bytes = {0xFF, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x01, 0x82};
-    roburoc4_channels status;
-    ASSERT_EQ(0, roburoc4_decode_iocard_status(bytes.data(), bytes.size(), 0, 15, &status));
-    EXPECT_EQ(0x0201U, roburoc4_digital_values(&status)); /* bit 15 is no input */
 }
 
 TEST(Lists, AllDistancesAreThoseReadOneByOneNotANumberToo) {
@@ -85,9 +67,9 @@ TEST(Lists, AllDistancesAreThoseReadOneByOneNotANumberToo) {
     roburoc4_telemeter_status status;
     ASSERT_EQ(0, roburoc4_decode_telemeter_status(bytes, static_cast<size_t>(size), &status));
     float all[4] = {untouched, untouched, untouched, untouched};
-    EXPECT_EQ(2, roburoc4_telemeter_distances(&status, all, 2));
+    EXPECT_EQ(2U, roburoc4_floats(status.distances, status.count, all, 2));
     EXPECT_EQ(untouched, all[2]);
-    EXPECT_EQ(3, roburoc4_telemeter_distances(&status, all, 4));
+    EXPECT_EQ(3U, roburoc4_floats(status.distances, status.count, all, 4));
     EXPECT_EQ(1.25F, all[0]);
     EXPECT_TRUE(std::isnan(all[1]));
     EXPECT_EQ(3.0F, all[2]);

@@ -530,11 +530,12 @@ TEST(Vectors, IocardCommandWithAnalogOutputsAndASecondBlock) { // 4.2.5.2
               }));
 }
 
-TEST(Vectors, CommandHeaderSaysWhomItIsFor) {
+TEST(Vectors, TheHeadOfACommandSaysWhichServiceItIsFor) {
     for (const char *const name : {"differential-command", "iocard-command"}) {
         const Bytes bytes = vector_bytes(name);
-        roburoc4_status_header out{};
-        EXPECT_LE(0, roburoc4_decode_command_header(bytes.data(), bytes.size(), &out)) << name;
+        roburoc4_channels out{};
+        const auto rest = static_cast<roburoc4_result>(bytes.size()) - 3;
+        EXPECT_EQ(rest, roburoc4_decode_iocard_command(bytes.data(), bytes.size(), 0, 0, &out));
         EXPECT_EQ(name[0] == 'd' ? 6 : 2, out.service) << name;
         EXPECT_EQ(0u, out.robot_cycles) << name;
     }

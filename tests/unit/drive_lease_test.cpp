@@ -241,7 +241,7 @@ TEST(Clock, StepBackSeenFirstByAnyCallEndsTheLease) {
         {ROBUROC4_OK,
          [](Bench &b) { return roburoc4_client_subscribe(&b.client, 3, 100, b.client_us()); }},
         {ROBUROC4_OK,
-         [](Bench &b) { return roburoc4_client_unsubscribe(&b.client, 3, b.client_us()); }},
+         [](Bench &b) { return roburoc4_client_subscribe(&b.client, 3, 0, b.client_us()); }},
         {ROBUROC4_OK, [](Bench &b) { return set_digital_output(&b.client, 1, 1, b.client_us()); }},
         {ROBUROC4_OK,
          [](Bench &b) {

@@ -59,7 +59,7 @@ uint32_t wire_index(uint32_t id) {
 
 template <size_t rows> void check_names(uint32_t io_type, const Row (&table)[rows]) {
     for (const Row &row : table)
-        EXPECT_STREQ(row.name, roburoc4_channel_name(io_type, wire_index(row.id)))
+        EXPECT_STREQ(row.name, roburoc4_client_channel_name(nullptr, io_type, wire_index(row.id)))
             << "table id " << row.id;
 }
 
@@ -72,14 +72,18 @@ TEST(Names, EveryChannelOfTheManualStandsAtItsWireIndex) { // 5.5.1
 TEST(Names, ChannelsThatTheManualDoesNotHaveAreNull) {
     for (const uint32_t far : {64u, 0x7FFFFFFFu, 0xFFFFFFFFu}) {
         for (uint32_t io_type = 0; io_type < 6; io_type++)
-            EXPECT_EQ(nullptr, roburoc4_channel_name(io_type, far)) << io_type;
+            EXPECT_EQ(nullptr, roburoc4_client_channel_name(nullptr, io_type, far)) << io_type;
     }
-    EXPECT_EQ(nullptr, roburoc4_channel_name(ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_AI_COUNT));
-    EXPECT_EQ(nullptr, roburoc4_channel_name(ROBUROC4_IO_ANALOG_OUTPUT, ROBUROC4_AO_COUNT));
-    EXPECT_EQ(nullptr, roburoc4_channel_name(ROBUROC4_IO_DIGITAL_INPUT, ROBUROC4_DI_COUNT));
-    EXPECT_EQ(nullptr, roburoc4_channel_name(ROBUROC4_IO_DIGITAL_OUTPUT, ROBUROC4_DO_COUNT));
-    EXPECT_EQ(nullptr, roburoc4_channel_name(4, 0));
-    EXPECT_EQ(nullptr, roburoc4_channel_name(0xFFFFFFFFu, 0));
+    EXPECT_EQ(nullptr,
+              roburoc4_client_channel_name(nullptr, ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_AI_COUNT));
+    EXPECT_EQ(nullptr,
+              roburoc4_client_channel_name(nullptr, ROBUROC4_IO_ANALOG_OUTPUT, ROBUROC4_AO_COUNT));
+    EXPECT_EQ(nullptr,
+              roburoc4_client_channel_name(nullptr, ROBUROC4_IO_DIGITAL_INPUT, ROBUROC4_DI_COUNT));
+    EXPECT_EQ(nullptr,
+              roburoc4_client_channel_name(nullptr, ROBUROC4_IO_DIGITAL_OUTPUT, ROBUROC4_DO_COUNT));
+    EXPECT_EQ(nullptr, roburoc4_client_channel_name(nullptr, 4, 0));
+    EXPECT_EQ(nullptr, roburoc4_client_channel_name(nullptr, 0xFFFFFFFFu, 0));
 }
 
 TEST(Constants, ChannelsFollowTheIndexRule) { // 5.5.1: index = id up to 01, id - 1 after it
@@ -166,15 +170,15 @@ TEST(Constants, KnownFromOtherRobots) {
 }
 
 TEST(Names, ServicesAreTheManuals) { // 4.2.1
-    EXPECT_STREQ("Directory", roburoc4_service_name(0x0000));
-    EXPECT_STREQ("Notification", roburoc4_service_name(0x0001));
-    EXPECT_STREQ("IOCard", roburoc4_service_name(0x0002));
-    EXPECT_STREQ("Telemeter", roburoc4_service_name(0x0003));
-    EXPECT_STREQ("Battery", roburoc4_service_name(0x0004));
-    EXPECT_STREQ("Localization", roburoc4_service_name(0x0005));
-    EXPECT_STREQ("Differential", roburoc4_service_name(0x0006));
-    EXPECT_EQ(nullptr, roburoc4_service_name(7));
-    EXPECT_EQ(nullptr, roburoc4_service_name(0xFFFFFFFFu));
+    EXPECT_STREQ("Directory", roburoc4_name(ROBUROC4_NAME_SERVICE, 0x0000));
+    EXPECT_STREQ("Notification", roburoc4_name(ROBUROC4_NAME_SERVICE, 0x0001));
+    EXPECT_STREQ("IOCard", roburoc4_name(ROBUROC4_NAME_SERVICE, 0x0002));
+    EXPECT_STREQ("Telemeter", roburoc4_name(ROBUROC4_NAME_SERVICE, 0x0003));
+    EXPECT_STREQ("Battery", roburoc4_name(ROBUROC4_NAME_SERVICE, 0x0004));
+    EXPECT_STREQ("Localization", roburoc4_name(ROBUROC4_NAME_SERVICE, 0x0005));
+    EXPECT_STREQ("Differential", roburoc4_name(ROBUROC4_NAME_SERVICE, 0x0006));
+    EXPECT_EQ(nullptr, roburoc4_name(ROBUROC4_NAME_SERVICE, 7));
+    EXPECT_EQ(nullptr, roburoc4_name(ROBUROC4_NAME_SERVICE, 0xFFFFFFFFu));
     EXPECT_EQ(0, ROBUROC4_SERVICE_DIRECTORY);
     EXPECT_EQ(1, ROBUROC4_SERVICE_NOTIFICATION);
     EXPECT_EQ(2, ROBUROC4_SERVICE_IOCARD);
@@ -186,26 +190,31 @@ TEST(Names, ServicesAreTheManuals) { // 4.2.1
 }
 
 TEST(Names, BatteryStatesAreTheManuals) { // 4.2.4.6
-    EXPECT_STREQ("Charging", roburoc4_battery_state_name(0));
-    EXPECT_STREQ("Charged", roburoc4_battery_state_name(1));
-    EXPECT_STREQ("Ok", roburoc4_battery_state_name(2));
-    EXPECT_STREQ("Critical", roburoc4_battery_state_name(3));
-    EXPECT_EQ(nullptr, roburoc4_battery_state_name(4));
-    EXPECT_EQ(nullptr, roburoc4_battery_state_name(0xFFFFFFFFu));
+    EXPECT_STREQ("Charging", roburoc4_name(ROBUROC4_NAME_BATTERY, 0));
+    EXPECT_STREQ("Charged", roburoc4_name(ROBUROC4_NAME_BATTERY, 1));
+    EXPECT_STREQ("Ok", roburoc4_name(ROBUROC4_NAME_BATTERY, 2));
+    EXPECT_STREQ("Critical", roburoc4_name(ROBUROC4_NAME_BATTERY, 3));
+    EXPECT_EQ(nullptr, roburoc4_name(ROBUROC4_NAME_BATTERY, 4));
+    EXPECT_EQ(nullptr, roburoc4_name(ROBUROC4_NAME_BATTERY, 0xFFFFFFFFu));
     EXPECT_EQ(0, ROBUROC4_BATTERY_CHARGING);
     EXPECT_EQ(1, ROBUROC4_BATTERY_CHARGED);
     EXPECT_EQ(2, ROBUROC4_BATTERY_OK);
     EXPECT_EQ(3, ROBUROC4_BATTERY_CRITICAL);
 }
 
+TEST(Names, OfAnUnknownKindThereIsNone) {
+    for (const uint32_t what : {3U, 0xFFFFFFFFU})
+        EXPECT_EQ(nullptr, roburoc4_name(what, 0));
+}
+
 TEST(Names, StatesOfAClient) {
     const char *const names[] = {"idle",  "connecting", "discovering", "subscribing",
                                  "ready", "lost",       "closing"};
     for (uint32_t state = 0; state < std::size(names); state++)
-        EXPECT_STREQ(names[state], roburoc4_state_name(state));
-    EXPECT_STREQ("ready", roburoc4_state_name(ROBUROC4_STATE_READY));
-    EXPECT_EQ(nullptr, roburoc4_state_name(7));
-    EXPECT_EQ(nullptr, roburoc4_state_name(0xFFFFFFFFu));
+        EXPECT_STREQ(names[state], roburoc4_name(ROBUROC4_NAME_STATE, state));
+    EXPECT_STREQ("ready", roburoc4_name(ROBUROC4_NAME_STATE, ROBUROC4_STATE_READY));
+    EXPECT_EQ(nullptr, roburoc4_name(ROBUROC4_NAME_STATE, 7));
+    EXPECT_EQ(nullptr, roburoc4_name(ROBUROC4_NAME_STATE, 0xFFFFFFFFu));
 }
 
 /** Typed here once more: behind a text that went missing, whatever lies in memory would look like

@@ -199,19 +199,15 @@ void robot_disarm(robot *r) {
 }
 
 uint32_t robot_socket(robot *r, char address[ROBUROC4_ADDRESS_TEXT_SIZE]) {
-    roburoc4_address numbers;
     const roburoc4_udp *udp;
     uint32_t fault;
-    roburoc4_result known;
     (void)roburoc4_pump_lock(r->pump);
     udp = roburoc4_pump_udp(r->pump);
-    known = roburoc4_udp_address(udp, &numbers);
-    fault = roburoc4_udp_fault(udp);
-    roburoc4_pump_unlock(r->pump);
-    (void)snprintf(address, ROBUROC4_ADDRESS_TEXT_SIZE, "the simulator");
-    if (known >= 0) {
-        (void)roburoc4_udp_address_text(&numbers, address, ROBUROC4_ADDRESS_TEXT_SIZE);
+    fault = udp->fault;
+    if (roburoc4_udp_address_text(&udp->address, address, ROBUROC4_ADDRESS_TEXT_SIZE) < 0) {
+        (void)snprintf(address, ROBUROC4_ADDRESS_TEXT_SIZE, "the simulator");
     }
+    roburoc4_pump_unlock(r->pump);
     return fault;
 }
 

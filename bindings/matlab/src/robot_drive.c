@@ -128,10 +128,8 @@ static int subscribe(call *in) {
                     "period_ms: %d is not allowed; give a multiple of 10, 10 to 2550",
                     (int)period_ms);
     }
-    return done("subscribe", period_ms == 0
-                                 ? roburoc4_client_unsubscribe(in->client, service, in->now_us)
-                                 : roburoc4_client_subscribe(in->client, service,
-                                                             (uint32_t)period_ms, in->now_us));
+    return done("subscribe",
+                roburoc4_client_subscribe(in->client, service, (uint32_t)period_ms, in->now_us));
 }
 
 const command robot_drive_commands[] = {

@@ -77,7 +77,7 @@ static int read_progress(call *in) {
         r->furthest_us = in->now_us;
     }
     answer_flag(&in->out, "ready", state == ROBUROC4_STATE_READY);
-    answer_add(&in->out, "state", make_text(roburoc4_state_name(state)));
+    answer_add(&in->out, "state", make_text(roburoc4_name(ROBUROC4_NAME_STATE, state)));
     answer_add(&in->out, "address", make_text(address));
     answer_number(&in->out, "open_s", (double)(in->now_us - r->opened_us) / 1e6);
     answer_number(&in->out, "standstill_s", (double)(in->now_us - r->furthest_us) / 1e6);

@@ -150,13 +150,15 @@ static int read_info(call *in) {
     const int has_drive = roburoc4_client_differential_properties(in->client, &drive) >= 0;
     const int has_energy = roburoc4_client_battery_properties(in->client, &energy) >= 0;
     const int has_pose = roburoc4_client_localization_properties(in->client, &pose) >= 0;
-    const uint32_t telemeter_count = roburoc4_client_telemeter_count(in->client);
-    const uint32_t entry_count = roburoc4_client_service_count(in->client);
-    for (uint32_t i = 0; i < telemeter_count; i++) {
-        (void)roburoc4_client_telemeter(in->client, i, &telemeters[i]);
+    uint32_t telemeter_count = 0, entry_count = 0;
+    while (telemeter_count < ROBUROC4_MAX_TELEMETERS &&
+           roburoc4_client_telemeter(in->client, telemeter_count, &telemeters[telemeter_count]) >=
+               0) {
+        telemeter_count++;
     }
-    for (uint32_t i = 0; i < entry_count; i++) {
-        (void)roburoc4_client_service_at(in->client, i, &entries[i]);
+    while (entry_count < ROBUROC4_MAX_SERVICES &&
+           roburoc4_client_service_at(in->client, entry_count, &entries[entry_count]) >= 0) {
+        entry_count++;
     }
     (void)roburoc4_client_iocard_properties(in->client, &card);
     answer_fields(&in->out, limits, COUNT_OF(limits), has_drive ? &drive : NULL);

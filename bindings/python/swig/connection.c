@@ -292,7 +292,7 @@ uint64_t connection_utc_us(connection *c, uint64_t robot_cycles, uint64_t host_u
 uint32_t connection_fault(connection *c) {
     uint32_t fault = ROBUROC4_FAULT_NONE;
     if (roburoc4_pump_lock(c->pump) != NULL) {
-        fault = roburoc4_udp_fault(c->udp.private_size != 0 ? &c->udp : roburoc4_pump_udp(c->pump));
+        fault = roburoc4_udp_fd(&c->udp) >= 0 ? c->udp.fault : roburoc4_pump_udp(c->pump)->fault;
         roburoc4_pump_unlock(c->pump);
     }
     return fault;

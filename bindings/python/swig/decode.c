@@ -118,7 +118,8 @@ static PyObject *analog_values(const roburoc4_channels *channels) {
     float *values = room_for_floats(channels->analog_count);
     PyObject *tuple = NULL;
     if (values != NULL) {
-        (void)roburoc4_analog_values(channels, values, channels->analog_count);
+        (void)roburoc4_floats(channels->analog, channels->analog_count, values,
+                              channels->analog_count);
         tuple = tuple_of_floats(values, channels->analog_count);
         PyMem_Free(values);
     }
@@ -150,7 +151,7 @@ static PyObject *telemeter_status(const datagram *d) {
     if (values == NULL) {
         return NULL;
     }
-    (void)roburoc4_telemeter_distances(&status, values, status.count);
+    (void)roburoc4_floats(status.distances, status.count, values, status.count);
     distances = tuple_of_floats(values, status.count);
     PyMem_Free(values);
     return record_new(
@@ -261,8 +262,8 @@ static PyObject *iocard_command(const datagram *d) {
 }
 
 static PyObject *command(const datagram *d) {
-    roburoc4_status_header header;
-    roburoc4_result result = roburoc4_decode_command_header(d->data, d->size, &header);
+    roburoc4_channels header;
+    roburoc4_result result = roburoc4_decode_iocard_command(d->data, d->size, 0, 0, &header);
     uint32_t service;
     if (result < 0) {
         return raise_result(result);

@@ -23,12 +23,12 @@
 %rename("$ignore", regextarget=1, fullname=1) ".*::.*";
 
 /* Of no use from Python: the codec is behind decode(), and native.h opens connections. */
-%rename("$ignore", regextarget=1) "^roburoc4_(decode_|encode_|directory_at|notification_at|telemeter_(at|distances)|(analog|digital)_values|config_init|abi_version|move_(options_init|step)$)";
+%rename("$ignore", regextarget=1) "^roburoc4_(decode_|encode_|directory_at|notification_at|telemeter_at|floats|config_init|abi_version|move_(options_init|step)$)";
 %rename("$ignore", regextarget=1) "^roburoc4_(client_(size|init|start|close|receive|poll_transmit|take_events|description))$";
 %rename("$ignore", regextarget=1) "^roburoc4_udp_(?!fault_text$|now_us$)";
 %rename("$ignore", regextarget=1) "^roburoc4_recorder_";
 %rename("$ignore", regextarget=1) "^roburoc4_pump_(?!close|running|description|reader_init|take_events|wait_events).*";
-%rename("$ignore", regextarget=1) "^roburoc4_(sim_(config_init|config_set|create|destroy|receive|advance|poll_transmit|next_deadline|panel|peer_unreachable)|world_.*)$";
+%rename("$ignore", regextarget=1) "^roburoc4_(sim_(config_init|create|destroy|receive|advance|poll_transmit|next_deadline|panel)|world_.*)$";
 
 #define ROBUROC4_API
 #define ROBUROC4_SIM_API

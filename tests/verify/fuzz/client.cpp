@@ -190,7 +190,7 @@ void World::ask() {
         (void)roburoc4_client_subscribe(client, service, 10U * in_.byte(), now);
         return;
     case 1:
-        (void)roburoc4_client_unsubscribe(client, service, now);
+        (void)roburoc4_client_subscribe(client, service, 0, now);
         return;
     case 2:
         (void)roburoc4_client_relocalize(client, in_.number<double>(), 1, 2, now);

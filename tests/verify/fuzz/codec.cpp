@@ -192,13 +192,6 @@ void status_header(const Bytes &datagram) {
         expect(used.size() == 11, "a status has a head of 11 bytes");
 }
 
-void command_header(const Bytes &datagram) {
-    roburoc4_status_header h;
-    Bytes used;
-    if (decodes(datagram, h, used, roburoc4_decode_command_header))
-        expect(used.size() == 3 && h.robot_cycles == 0, "a command has a head of 3 bytes");
-}
-
 /** How many channels the robot has is in the first bytes. */
 void iocard_status(const Bytes &input) {
     Input in(input.data(), input.size());
@@ -301,7 +294,6 @@ void (*const decoders[])(const Bytes &) = {
     differential_properties,
     text,
     status_header,
-    command_header,
     iocard_status,
     iocard_command,
     telemeter_status,

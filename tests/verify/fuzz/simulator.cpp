@@ -97,7 +97,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
                 replace(sim, in);
                 roburoc4_sim_advance(sim.get(), now_us);
             } else {
-                roburoc4_sim_peer_unreachable(sim.get(), what >> 4 & 3);
+                roburoc4_sim_receive(sim.get(), what >> 4 & 3, nullptr, 0);
             }
             break;
         default: {

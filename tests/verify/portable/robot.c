@@ -202,8 +202,8 @@ static roburoc4_result answer(robot *r, const roburoc4_request *q, uint8_t *buff
     case ROBUROC4_ACTION_GET:
         return properties(r, q, buffer, capacity);
     case ROBUROC4_ACTION_QUERY:
-        text = q->service == 0 ? roburoc4_service_name((uint32_t)q->index)
-                               : roburoc4_channel_name(q->io_type, (uint32_t)q->index);
+        text = q->service == 0 ? roburoc4_name(ROBUROC4_NAME_SERVICE, (uint32_t)q->index)
+                               : roburoc4_client_channel_name(NULL, q->io_type, (uint32_t)q->index);
         text = text != NULL ? text : "";
         return roburoc4_encode_text(buffer, capacity, q->id, q->service, text, strlen(text));
     case ROBUROC4_ACTION_INSERT:

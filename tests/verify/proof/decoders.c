@@ -171,15 +171,6 @@ static void status_header(const uint8_t *data, size_t size) {
 }
 HARNESS(status_header, FIXED)
 
-static void command_header(const uint8_t *data, size_t size) {
-    roburoc4_status_header out;
-    if (roburoc4_decode_command_header(data, size, &out) >= 0) {
-        READ(out.robot_cycles);
-        READ(out.service);
-    }
-}
-HARNESS(command_header, FIXED)
-
 static void telemeter_status(const uint8_t *data, size_t size) {
     roburoc4_telemeter_status out;
     if (roburoc4_decode_telemeter_status(data, size, &out) >= 0) {
@@ -187,7 +178,7 @@ static void telemeter_status(const uint8_t *data, size_t size) {
         READ(out.service);
         float distances[2];
         if (out.count > 0) { /* Frama-C's memcpy wants a byte even where none is copied */
-            READ(roburoc4_telemeter_distances(&out, distances, 2));
+            READ(roburoc4_floats(out.distances, out.count, distances, 2));
         }
     }
 }
@@ -268,15 +259,19 @@ static void iocard_channels(const uint8_t *data, size_t size) {
     //@ split digital;
     if (roburoc4_decode_iocard_status(data, size, analog, digital, &status) >= 0) {
         if (analog > 0) {
-            READ(roburoc4_analog_values(&status, values, 2));
+            READ(roburoc4_floats(status.analog, status.analog_count, values, 2));
         }
-        READ(roburoc4_digital_values(&status));
+        if (digital > 0) {
+            READ(status.digital[(digital - 1) / 8]);
+        }
     }
     if (roburoc4_decode_iocard_command(data, size, analog, digital, &command) >= 0) {
         if (analog > 0) {
-            READ(roburoc4_analog_values(&command, values, 2));
+            READ(roburoc4_floats(command.analog, command.analog_count, values, 2));
         }
-        READ(roburoc4_digital_values(&command));
+        if (digital > 0) {
+            READ(command.digital[(digital - 1) / 8]);
+        }
     }
 }
 HARNESS(iocard_channels, LIST)

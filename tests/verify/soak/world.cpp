@@ -162,8 +162,9 @@ void World::report_all() {
     events_ |= report.events;
     if (trace_ && (report.state != report_.state || report.armed != report_.armed ||
                    report.driving != report_.driving || report.stopping != report_.stopping))
-        say("reports %s%s%s%s", roburoc4_state_name(report.state), report.armed ? ", armed" : "",
-            report.driving ? ", driving" : "", report.stopping ? ", stopping" : "");
+        say("reports %s%s%s%s", roburoc4_name(ROBUROC4_NAME_STATE, report.state),
+            report.armed ? ", armed" : "", report.driving ? ", driving" : "",
+            report.stopping ? ", stopping" : "");
     report_ = report;
     if (trace_ && (report.events & ROBUROC4_EVENT_STOPPED) != 0)
         say("reports STOPPED");

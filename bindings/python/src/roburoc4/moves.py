@@ -115,12 +115,7 @@ class Move:
         """Drive straight, turn in place or along an arc."""
         self._refuse_disarmed()
         try:
-            if angle_rad == 0.0:
-                _native.roburoc4_move_straight(self._move, distance_m, self._options)
-            elif distance_m == 0.0:
-                _native.roburoc4_move_turn(self._move, angle_rad, self._options)
-            else:
-                _native.roburoc4_move_arc(self._move, distance_m, angle_rad, self._options)
+            _native.roburoc4_move_by(self._move, distance_m, angle_rad, self._options)
         except (ArgumentError, OverflowError):
             raise ArgumentError(
                 f"{distance_m} m and {angle_rad} rad cannot be moved: give m within 10 km, and rad "

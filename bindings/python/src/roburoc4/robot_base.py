@@ -124,7 +124,7 @@ class RobotBase:
         text = self._connection.description(-1, index)
         name = decode_text(text) if text is not None else ""
         if text is None and service is not None:
-            name = _native.roburoc4_service_name(service)
+            name = _native.roburoc4_name(_native.ROBUROC4_NAME_SERVICE, service)
         return ServiceEntry(
             entry.id, entry.type, None if service is None else service.name.lower(), name
         )
@@ -136,15 +136,9 @@ class RobotBase:
         ids = {_known(_native.roburoc4_client_service_id, handle, s): s for s in Service}
         kinds = {wire_id: service for wire_id, service in ids.items() if wire_id is not None}
         return Properties(
-            tuple(
-                self._service_entry(index, kinds)
-                for index in range(_native.roburoc4_client_service_count(handle))
-            ),
+            _listed(lambda index: self._service_entry(index, kinds)),
             _known(_native.roburoc4_client_iocard_properties, handle),
-            tuple(
-                _native.roburoc4_client_telemeter(handle, index)
-                for index in range(_native.roburoc4_client_telemeter_count(handle))
-            ),
+            _listed(lambda index: _native.roburoc4_client_telemeter(handle, index)),
             _known(_native.roburoc4_client_battery_properties, handle),
             _known(_native.roburoc4_client_localization_properties, handle),
             _known(_native.roburoc4_client_differential_properties, handle),
@@ -261,7 +255,7 @@ class RobotBase:
 
     def unsubscribe(self, service: str | Service) -> None:
         """End a subscription."""
-        _native.roburoc4_client_unsubscribe(self._connection.handle, service_of(service))
+        _native.roburoc4_client_subscribe(self._connection.handle, service_of(service), 0)
 
     # ---- for subclasses, which wait ----
 
@@ -342,6 +336,16 @@ def _known(function: Callable[_P, _R], *arguments: _P.args, **names: _P.kwargs) 
         return function(*arguments, **names)
     except NotKnownError:
         return None
+
+
+def _listed(read: Callable[[int], _R]) -> tuple[_R, ...]:
+    """Read a list of the client by its index, to the end."""
+    entries: list[_R] = []
+    try:
+        while True:
+            entries.append(read(len(entries)))
+    except ArgumentError:
+        return tuple(entries)
 
 
 RELOCALIZE_S = 3.0
