@@ -44,6 +44,7 @@ extern "C" {
 /* The kinds of command; a stop is obeyed without being judged. */
 enum gate_kind { GATE_DRIVE, GATE_RELOCALIZE, GATE_OUTPUT, GATE_STOP, GATE_KINDS };
 
+/* As REJECTED_* of bridge_state_t. */
 enum gate_verdict {
     GATE_TAKEN,
     GATE_MALFORMED,

@@ -106,24 +106,25 @@ static void write_age(char *room, size_t capacity, const log_command *command,
         age_s < 0 ? -age_s : age_s, age_s < 0 ? "in the future" : "old", rules->max_age_us / 1000u);
 }
 
-void log_rejection(const char *robot, enum gate_verdict verdict, const log_command *command,
-                   const gate_rules *rules, gate_time now, bool first) {
+void log_reason(char *room, size_t capacity, enum gate_verdict verdict, const log_command *command,
+                const gate_rules *rules, gate_time now) {
+    if (verdict == GATE_DISABLED) {
+        (void)snprintf(room, capacity, "start the bridge with %s to take it", flag(command->kind));
+    } else if (is_about_time(verdict, command, rules, now)) {
+        write_age(room, capacity, command, rules, now);
+    } else {
+        (void)snprintf(room, capacity, "%s", reason(verdict));
+    }
+}
+
+void log_rejection(const char *robot, const log_command *command, const char *why, bool first) {
     char sender[GATE_MAX_SENDER + 1] = "";
-    char why[300];
     bool known = command->sender != NULL;
     if (known) {
         text_for_terminal(sender, sizeof sender, command->sender, command->sender_length);
     }
-    if (verdict == GATE_DISABLED) {
-        (void)snprintf(why, sizeof why, "start the bridge with %s to take it", flag(command->kind));
-    } else if (is_about_time(verdict, command, rules, now)) {
-        write_age(why, sizeof why, command, rules, now);
-    } else {
-        (void)snprintf(why, sizeof why, "%s", reason(verdict));
-    }
-    log_line(first ? LOG_NOTE : LOG_DETAIL, robot, "%s command %s '%s' rejected: %s%s",
-             kinds[command->kind], known ? "of" : "on", known ? sender : command->channel, why,
-             first ? " (logged once; the statistics count them)" : "");
+    log_line(first ? LOG_NOTE : LOG_DETAIL, robot, "%s command %s '%s' rejected: %s",
+             kinds[command->kind], known ? "of" : "on", known ? sender : command->channel, why);
 }
 
 /* ---------------------------------------------------------------------------------- events --- */

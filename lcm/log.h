@@ -29,9 +29,11 @@ typedef struct log_command {
     int64_t utime;
 } log_command;
 
-/* Why a command was rejected, and what to do: a note the first time, else a detail. */
-void log_rejection(const char *robot, enum gate_verdict verdict, const log_command *command,
-                   const gate_rules *rules, gate_time now, bool first);
+/* Why a command was rejected, and what to do. */
+void log_reason(char *room, size_t capacity, enum gate_verdict verdict, const log_command *command,
+                const gate_rules *rules, gate_time now);
+/* A command that was rejected: a note where it is the first of an incident, else a detail. */
+void log_rejection(const char *robot, const log_command *command, const char *why, bool first);
 /* A stop command: a note the first time, else a detail. */
 void log_stop(const char *robot, const log_command *command, bool first);
 /* What ROBUROC4_EVENT_* bits mean for the person who runs the bridge. */

@@ -20,6 +20,7 @@ extern "C" {
     (ROBUROC4_MAX_ANALOG_INPUTS + ROBUROC4_MAX_ANALOG_OUTPUTS + ROBUROC4_MAX_DIGITAL_INPUTS +      \
      ROBUROC4_MAX_DIGITAL_OUTPUTS)
 #define MAPPING_MESSAGE_SIZE 240
+#define MAPPING_REASON_SIZE 300
 /* Room for the longest message: properties with every name at its longest. */
 #define MAPPING_MAX_ENCODED 20000
 
@@ -97,11 +98,15 @@ typedef struct mapping_view {
     uint32_t times_lost, reboots;
     int64_t command_us; /* on the clock that never goes back; -1 before the first */
     int64_t superseded, clamped, published, publish_errors;
+    enum gate_verdict rejected; /* why the last command was; GATE_TAKEN before the first */
+    const char *rejected_sender, *rejected_why;
+    int64_t rejected_utime;
 } mapping_view;
 
 typedef struct mapping_texts {
     char owner[GATE_MAX_SENDER + 1];
     char stopped_by[GATE_MAX_SENDER + 1];
+    char rejected_sender[GATE_MAX_SENDER + 1];
     char message[MAPPING_MESSAGE_SIZE];
 } mapping_texts;
 

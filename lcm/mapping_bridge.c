@@ -91,6 +91,17 @@ static void map_rules(const gate_rules *rules, roburoc4_lcm_bridge_state_t *out)
     out->max_age_us = (int32_t)rules->max_age_us;
 }
 
+static void map_rejection(const mapping_view *view, mapping_texts *storage,
+                          roburoc4_lcm_bridge_state_t *out) {
+    const char *sender = view->rejected_sender != NULL ? view->rejected_sender : "";
+    text_copy(storage->rejected_sender, sizeof storage->rejected_sender, (const uint8_t *)sender,
+              strlen(sender));
+    out->rejected_cause = (int32_t)view->rejected;
+    out->rejected_sender = storage->rejected_sender;
+    out->rejected_utime = view->rejected_utime;
+    out->rejected_message = (char *)(view->rejected_why != NULL ? view->rejected_why : "");
+}
+
 void mapping_bridge_state(const mapping_view *view, mapping_texts *storage,
                           roburoc4_lcm_bridge_state_t *out) {
     memset(out, 0, sizeof *out);
@@ -104,6 +115,7 @@ void mapping_bridge_state(const mapping_view *view, mapping_texts *storage,
     mapping_message(view, storage->message, sizeof storage->message);
     out->message = storage->message;
     map_motion(view, storage, out);
+    map_rejection(view, storage, out);
     map_rules(&view->gate->rules, out);
 }
 

@@ -139,6 +139,7 @@ static void publish_bridge(robot *robot, bool statistics, gate_time now) {
     roburoc4_link link = {.size = sizeof link};
     (void)roburoc4_client_facts(&robot->client, now.us, &facts);
     (void)roburoc4_client_link(&robot->client, now.us, &link);
+    const robot_rejection *rejection = &robot->rejections[robot->last_rejection];
     mapping_view view = {
         .now = now,
         .robot = robot->address,
@@ -159,6 +160,10 @@ static void publish_bridge(robot *robot, bool statistics, gate_time now) {
         .clamped = robot->clamped,
         .published = robot->published,
         .publish_errors = robot->publish_errors,
+        .rejected = robot->last_rejection,
+        .rejected_sender = rejection->sender,
+        .rejected_why = rejection->why,
+        .rejected_utime = rejection->utime,
     };
     if (statistics) {
         roburoc4_lcm_bridge_statistics_t out;

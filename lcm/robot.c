@@ -16,6 +16,9 @@
 #define PROPERTIES_PERIOD_US 1000000u
 #define ABSENT_US 1000000u
 #define REOPEN_US 1000000u
+/* Rejections of one cause are one incident until none came for this long. */
+#define INCIDENT_US 5000000u
+#define OTHER_SENDER_US 1000000u
 /* Another bridge is gone when its state was not heard for this long; older states are replays. */
 #define OTHER_BRIDGE_US 2000000u
 /* The wall clock was set when it moved by more than this against the other one. */
@@ -30,14 +33,30 @@ static gate_robot robot_for_gate(const robot *robot, uint64_t now_us) {
 
 /* -------------------------------------------------------------------------------- commands --- */
 
-/* Log a rejection that was counted. */
+/* Whether a rejection begins an incident: none of its cause came for a while, or none of this
+ * sender, which is logged once a second at most. */
+static bool is_incident(const robot_rejection *last, const char *sender, uint64_t now_us) {
+    return last->logged_us == 0 || now_us - last->last_us >= INCIDENT_US ||
+           (strcmp(last->sender, sender) != 0 && now_us - last->logged_us >= OTHER_SENDER_US);
+}
+
+/* Keep and log a rejection that was counted. */
 static void log_rejected(robot *robot, enum gate_verdict verdict, const log_command *command,
                          gate_time now) {
-    uint32_t bit = 1u << verdict;
-    bool first = (robot->logged & bit) == 0;
-    robot->statistics.due = robot->statistics.due || first;
-    log_rejection(robot->name, verdict, command, &robot->gate.rules, now, first);
-    robot->logged |= bit;
+    robot_rejection *rejection = &robot->rejections[verdict];
+    char sender[GATE_MAX_SENDER + 1];
+    text_copy(sender, sizeof sender, (const uint8_t *)command->sender, command->sender_length);
+    bool first = is_incident(rejection, sender, now.us);
+    log_reason(rejection->why, sizeof rejection->why, verdict, command, &robot->gate.rules, now);
+    log_rejection(robot->name, command, rejection->why, first);
+    memcpy(rejection->sender, sender, sizeof sender);
+    rejection->utime = command->utime;
+    rejection->last_us = now.us;
+    robot->last_rejection = verdict;
+    if (first) {
+        rejection->logged_us = now.us;
+        robot->statistics.due = robot->state.due = true;
+    }
 }
 
 /* readable: the message was one of its kind. */
@@ -100,6 +119,7 @@ static void take(robot *robot, const command *command, uint32_t lease_us, gate_t
         robot->drive.linear_m_s = to_float(command->linear_m_s);
         robot->drive.angular_rad_s = to_float(command->angular_rad_s);
         robot->drive.lease_us = lease_us;
+        robot->drive.utime = command->utime;
         return;
     }
     if (command->kind == GATE_RELOCALIZE) {
@@ -188,7 +208,8 @@ static void apply_drive(robot *robot, gate_time now) {
     robot->has_drive = false;
     if (drive(robot, now) < 0) {
         log_command rejected = {.kind = GATE_DRIVE,
-                                .channel = robot->channels->name[CHANNEL_DRIVE_CMD]};
+                                .channel = robot->channels->name[CHANNEL_DRIVE_CMD],
+                                .utime = robot->drive.utime};
         rejected.sender = gate_control_owner(&robot->gate, now.us, &rejected.sender_length);
         gate_hold(&robot->gate, now.us);
         gate_reject(&robot->gate, GATE_DISARMED);

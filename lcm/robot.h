@@ -17,6 +17,7 @@
 typedef struct robot_drive {
     float linear_m_s, angular_rad_s;
     uint32_t lease_us;
+    int64_t utime;
 } robot_drive;
 
 /* Which bridge this is, for others to read. */
@@ -24,6 +25,14 @@ typedef struct robot_bridge {
     char name[96]; /* host and process */
     int64_t started_utime;
 } robot_bridge;
+
+/* A cause for which commands were rejected, and the last one of them. */
+typedef struct robot_rejection {
+    uint64_t last_us, logged_us; /* 0: never */
+    int64_t utime;
+    char sender[GATE_MAX_SENDER + 1];
+    char why[MAPPING_REASON_SIZE];
+} robot_rejection;
 
 /* What is published in a period, and sooner after a change. */
 typedef struct robot_publication {
@@ -54,7 +63,8 @@ typedef struct robot {
 
     uint64_t open_us;        /* while the socket is closed: when to open one */
     uint64_t other_until_us; /* another bridge was heard; 0: none */
-    uint32_t logged;         /* verdicts that were explained in the log, a bit each */
+    robot_rejection rejections[GATE_VERDICTS];
+    enum gate_verdict last_rejection; /* GATE_TAKEN before the first */
     bool has_drive;
     bool heard; /* a datagram of the robot ever came */
     bool logged_absent, logged_no_socket;

@@ -1,18 +1,34 @@
 # SPDX-License-Identifier: MIT
-"""Drive a gentle curve for three seconds, through the bridge.
+"""Drive a gentle curve for three seconds, through the bridge, and say why where it refuses.
 
 The sender's name is different for each run: two programs with one name would both drive.
 """
 
+import sys
 import time
 
 import lcm
-from roburoc4_lcm import drive_command_t
+from roburoc4_lcm import bridge_state_t, drive_command_t
 
-network, command = lcm.LCM(), drive_command_t()
+network, command, states = lcm.LCM(), drive_command_t(), []
 command.sender, command.linear_m_s, command.angular_rad_s = f"drive.py {time.time_ns()}", 0.3, 0.2
-time.sleep(1)  # a bridge that has just started drives only after a pause
+network.subscribe(
+    "ROBUROC4_BRIDGE_STATE", lambda _, data: states.append(bridge_state_t.decode(data))
+)
+
+
+def listen(seconds: float) -> None:
+    end = time.monotonic() + seconds
+    while (left_s := end - time.monotonic()) > 0:
+        network.handle_timeout(int(left_s * 1000) + 1)
+
+
+listen(1)  # a bridge that has just started drives only after a pause
+if not states:
+    sys.exit("drive.py: no bridge on this LCM network: start roburoc4-lcm with --enable-drive")
 for _ in range(60):
     command.utime = time.time_ns() // 1000  # the bridge refuses what is old
     network.publish("ROBUROC4_DRIVE_CMD", command.encode())
-    time.sleep(0.05)  # each command's lease is 300 ms; after the last one the robot stops
+    listen(0.05)  # each command's lease is 300 ms; after the last one the robot stops
+    if states[-1].rejected_sender == command.sender:
+        sys.exit(f"drive.py: the bridge refuses to drive: {states[-1].rejected_message}")

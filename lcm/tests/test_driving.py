@@ -182,6 +182,25 @@ def test_a_command_is_rejected_and_counted_by_cause(
     time.sleep(0.1)
     assert effects(robot) == before
     assert getattr(willing.statistics, counter) == 1
+    state = willing.state
+    assert state.rejected_cause == getattr(State, counter.upper())
+    assert (state.rejected_sender, state.rejected_utime) == (command.sender[:63], command.utime)
+    assert state.rejected_message in willing.output
+
+
+def test_each_incident_of_rejections_is_logged(bus: Bus, willing: Bridge) -> None:
+    def rejections(sender: str) -> int:
+        for _ in range(5):
+            bus.publish("ROBUROC4_DRIVE_CMD", drive_command(0.1, sender=sender, utime=0).encode())
+            time.sleep(0.05)
+        until(lambda: willing.state.rejected_sender == sender, "the state names the sender")
+        return willing.output.count("rejected:")
+
+    assert rejections("one") == 1
+    time.sleep(1.0)
+    assert rejections("another") == 2
+    time.sleep(5.5)
+    assert rejections("another") == 3
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])

@@ -84,6 +84,7 @@ Bytes bridge_state(std::string robot = "10.0.0.1:60000", std::string bridge = "l
     m.bridge = bridge.data();
     m.started_utime = 9;
     m.message = m.stopped_by = m.control_owner = text.data();
+    m.rejected_sender = m.rejected_message = text.data();
     return encoded(m, roburoc4_lcm_bridge_state_t_encoded_size, roburoc4_lcm_bridge_state_t_encode);
 }
 

@@ -14,11 +14,11 @@ class bridge_state_t(object):
     bridges read the first fields to notice one another. Channel ROBUROC4_BRIDGE_STATE.
     """
 
-    __slots__ = ["utime", "robot", "bridge", "started_utime", "state", "cause", "faults", "message", "can_drive", "armed", "driving", "stopping", "waiting", "stopped", "stopped_by", "override_known", "overridden", "control_owner", "lease_left_us", "command_age_us", "robot_age_us", "drive_enabled", "outputs_enabled", "relocalize_enabled", "command_timeout_us", "max_age_us"]
+    __slots__ = ["utime", "robot", "bridge", "started_utime", "state", "cause", "faults", "message", "can_drive", "armed", "driving", "stopping", "waiting", "stopped", "stopped_by", "override_known", "overridden", "control_owner", "lease_left_us", "command_age_us", "robot_age_us", "rejected_cause", "rejected_sender", "rejected_utime", "rejected_message", "drive_enabled", "outputs_enabled", "relocalize_enabled", "command_timeout_us", "max_age_us"]
 
-    __typenames__ = ["int64_t", "string", "string", "int64_t", "int32_t", "int32_t", "int32_t", "string", "boolean", "boolean", "boolean", "boolean", "boolean", "boolean", "string", "boolean", "boolean", "string", "int32_t", "int64_t", "int64_t", "boolean", "boolean", "boolean", "int32_t", "int32_t"]
+    __typenames__ = ["int64_t", "string", "string", "int64_t", "int32_t", "int32_t", "int32_t", "string", "boolean", "boolean", "boolean", "boolean", "boolean", "boolean", "string", "boolean", "boolean", "string", "int32_t", "int64_t", "int64_t", "int32_t", "string", "int64_t", "string", "boolean", "boolean", "boolean", "int32_t", "int32_t"]
 
-    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None]
+    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None]
 
     STATE_IDLE = 0
     STATE_CONNECTING = 1
@@ -55,6 +55,32 @@ class bridge_state_t(object):
     FAULT_BATTERY_LOW = 0x1000
     FAULT_OTHER_BRIDGE = 0x2000
     """ Another bridge serves the same robot, or publishes on the same channels """
+    REJECTED_MALFORMED = 1
+    """ As counted in bridge_statistics_t: not a message of the channel's type """
+    REJECTED_DISABLED = 2
+    """ The bridge was not started to obey this kind of command """
+    REJECTED_SENDER = 3
+    """ No sender, a sender of more than 63 bytes, or too many senders """
+    REJECTED_NO_UTIME = 4
+    """ `utime` is 0 or less """
+    REJECTED_NOT_FINITE = 5
+    """ NaN or infinity """
+    REJECTED_STARTING = 6
+    """ Sent before the bridge started, or too soon after that to be sure """
+    REJECTED_TOO_OLD = 7
+    """ Older than max_age_us, or its lease had ended before it was read """
+    REJECTED_IN_FUTURE = 8
+    """ More than max_age_us in the future """
+    REJECTED_REPEATED = 9
+    """ `utime` is not later than the sender's last """
+    REJECTED_CONTROL = 10
+    """ Another sender is in control """
+    REJECTED_NOT_READY = 11
+    """ The robot is not connected """
+    REJECTED_DISARMED = 12
+    """ The robot is connected, but cannot be driven: see `waiting` and `cause` """
+    REJECTED_IMPOSSIBLE = 13
+    """ The robot has no such output or service """
 
     def __init__(self):
         self.utime = 0
@@ -179,6 +205,30 @@ class bridge_state_t(object):
         LCM Type: int64_t
         """
 
+        self.rejected_cause = 0
+        """
+        The last command that was rejected: REJECTED_*; 0 before the first
+        LCM Type: int32_t
+        """
+
+        self.rejected_sender = ""
+        """
+        Its sender; "" where it has none
+        LCM Type: string
+        """
+
+        self.rejected_utime = 0
+        """
+        Its own utime; 0 where it has none
+        LCM Type: int64_t
+        """
+
+        self.rejected_message = ""
+        """
+        The cause and what to do, in a sentence for people
+        LCM Type: string
+        """
+
         self.drive_enabled = False
         """
         Which kinds of command the bridge was started to obey
@@ -233,7 +283,17 @@ class bridge_state_t(object):
         buf.write(struct.pack('>I', len(__control_owner_encoded)+1))
         buf.write(__control_owner_encoded)
         buf.write(b"\0")
-        buf.write(struct.pack(">iqqbbbii", self.lease_left_us, self.command_age_us, self.robot_age_us, self.drive_enabled, self.outputs_enabled, self.relocalize_enabled, self.command_timeout_us, self.max_age_us))
+        buf.write(struct.pack(">iqqi", self.lease_left_us, self.command_age_us, self.robot_age_us, self.rejected_cause))
+        __rejected_sender_encoded = self.rejected_sender.encode('utf-8')
+        buf.write(struct.pack('>I', len(__rejected_sender_encoded)+1))
+        buf.write(__rejected_sender_encoded)
+        buf.write(b"\0")
+        buf.write(struct.pack(">q", self.rejected_utime))
+        __rejected_message_encoded = self.rejected_message.encode('utf-8')
+        buf.write(struct.pack('>I', len(__rejected_message_encoded)+1))
+        buf.write(__rejected_message_encoded)
+        buf.write(b"\0")
+        buf.write(struct.pack(">bbbii", self.drive_enabled, self.outputs_enabled, self.relocalize_enabled, self.command_timeout_us, self.max_age_us))
 
     @staticmethod
     def decode(data: bytes):
@@ -268,7 +328,12 @@ class bridge_state_t(object):
         self.overridden = bool(struct.unpack('b', buf.read(1))[0])
         __control_owner_len = struct.unpack('>I', buf.read(4))[0]
         self.control_owner = buf.read(__control_owner_len)[:-1].decode('utf-8', 'replace')
-        self.lease_left_us, self.command_age_us, self.robot_age_us = struct.unpack(">iqq", buf.read(20))
+        self.lease_left_us, self.command_age_us, self.robot_age_us, self.rejected_cause = struct.unpack(">iqqi", buf.read(24))
+        __rejected_sender_len = struct.unpack('>I', buf.read(4))[0]
+        self.rejected_sender = buf.read(__rejected_sender_len)[:-1].decode('utf-8', 'replace')
+        self.rejected_utime = struct.unpack(">q", buf.read(8))[0]
+        __rejected_message_len = struct.unpack('>I', buf.read(4))[0]
+        self.rejected_message = buf.read(__rejected_message_len)[:-1].decode('utf-8', 'replace')
         self.drive_enabled = bool(struct.unpack('b', buf.read(1))[0])
         self.outputs_enabled = bool(struct.unpack('b', buf.read(1))[0])
         self.relocalize_enabled = bool(struct.unpack('b', buf.read(1))[0])
@@ -278,7 +343,7 @@ class bridge_state_t(object):
     @staticmethod
     def _get_hash_recursive(parents):
         if bridge_state_t in parents: return 0
-        tmphash = (0xd345bd224beed0c4) & 0xffffffffffffffff
+        tmphash = (0xd09e254e2bcc0a08) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

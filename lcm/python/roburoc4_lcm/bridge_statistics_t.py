@@ -11,7 +11,7 @@ import struct
 class bridge_statistics_t(object):
     """
     Counters since the bridge started, and the quality of its link to the robot: each second, and
-    soon after a command was rejected for a new cause. Channel ROBUROC4_BRIDGE_STATISTICS.
+    soon after a command was rejected for another reason than before. Channel ROBUROC4_BRIDGE_STATISTICS.
     """
 
     __slots__ = ["utime", "robot", "accepted_drive", "accepted_relocalize", "accepted_output", "accepted_stop", "superseded", "clamped", "rejected_malformed", "rejected_disabled", "rejected_sender", "rejected_no_utime", "rejected_not_finite", "rejected_starting", "rejected_too_old", "rejected_in_future", "rejected_repeated", "rejected_control", "rejected_not_ready", "rejected_disarmed", "rejected_impossible", "round_trip_us", "round_trip_min_us", "received", "lost", "loss", "times_lost", "reboots", "published", "publish_errors"]
