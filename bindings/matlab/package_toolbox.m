@@ -34,7 +34,7 @@ names = fieldnames(options.SupportedPlatforms);
 for k = 1:numel(names)
     options.SupportedPlatforms.(names{k}) = is_built(folder, names{k});
 end
-options.ToolboxMatlabPath = {folder, fullfile(folder, 'examples')};
+options.ToolboxMatlabPath = {folder, fullfile(folder, 'examples'), fullfile(folder, 'simulink')};
 options.OutputFile = file;
 matlab.addons.toolbox.packageToolbox(options);
 end

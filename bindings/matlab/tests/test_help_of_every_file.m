@@ -5,7 +5,7 @@ function test_help_of_every_file()
 root = fileparts(fileparts(mfilename('fullpath')));
 package = fullfile(root, 'toolbox', '+roburoc4');
 folders = {package, fullfile(package, '+internal'), fullfile(root, 'toolbox'), ...
-    fullfile(root, 'toolbox', 'examples'), root};
+    fullfile(root, 'toolbox', 'simulink'), fullfile(root, 'toolbox', 'examples'), root};
 for f = 1:numel(folders)
     files = dir(fullfile(folders{f}, '*.m'));
     check(~isempty(files), 'no files in %s', folders{f});

@@ -5,7 +5,7 @@ function test_only_what_both_programs_have()
 root = fileparts(fileparts(mfilename('fullpath')));
 package = fullfile('toolbox', '+roburoc4');
 folders = {'', 'toolbox', package, fullfile(package, '+internal'), fullfile('toolbox', 'doc'), ...
-    fullfile('toolbox', 'examples'), 'tests', fullfile('tests', 'matlab')};
+    fullfile('toolbox', 'simulink'), fullfile('toolbox', 'examples'), 'tests', fullfile('tests', 'matlab')};
 known = listed(fullfile(root, 'tests', 'functions.txt'));
 files = {};
 for f = 1:numel(folders)
