@@ -23,6 +23,8 @@ struct connection {
     PyObject *world_owner;
     roburoc4_recorder *recorder;      /* or NULL */
     roburoc4_recorder_state recorded; /* the last state, after its end */
+    int is_played; /* a recording moves the client, at the recorded time */
+    uint64_t played_us;
     char address[ROBUROC4_ADDRESS_TEXT_SIZE];
 };
 
@@ -142,6 +144,17 @@ connection *connect_virtual(PyObject *owner, const roburoc4_config *config, uint
     return c;
 }
 
+connection *connect_played(const roburoc4_config *config, uint32_t capacity, uint64_t begin_us) {
+    connection *c = open_pump(NULL, config, capacity);
+    if (c != NULL) {
+        c->is_played = 1;
+        c->played_us = begin_us;
+        (void)roburoc4_client_start(roburoc4_pump_lock(c->pump), begin_us);
+        roburoc4_pump_unlock(c->pump);
+    }
+    return c;
+}
+
 void connection_destroy(connection *c) {
     if (c->world != NULL) {
         simulation_part(c->world, c->pump);
@@ -203,6 +216,9 @@ const char *connection_address(const connection *c) {
  */
 
 uint64_t connection_now_us(const connection *c) {
+    if (c->is_played) {
+        return c->played_us;
+    }
     return c->world != NULL ? simulation_now_us(c->world) : roburoc4_udp_now_us();
 }
 
@@ -255,7 +271,7 @@ roburoc4_pump *connection_pump(connection *c) {
 static uint64_t utc_offset_us(const connection *c) {
     uint64_t utc_us = 0, before_us = 0, after_us = 0;
     int tries;
-    if (c->world != NULL) {
+    if (c->world != NULL || c->is_played) {
         return 0;
     }
     /* Where the thread had to wait between the two clocks, they are read again. */
@@ -354,6 +370,48 @@ long connection_fd(const connection *c) {
 
 void connection_close_socket(connection *c) {
     (void)roburoc4_udp_close(&c->udp);
+}
+
+/* ------------------------------------------------------------------- moved by a recording ---
+ */
+
+/* What the client has to send now, or NULL with an exception. */
+static PyObject *take_transmits(connection *c, roburoc4_client *client) {
+    uint8_t buffer[ROBUROC4_MAX_TRANSMIT];
+    PyObject *list = PyList_New(0);
+    roburoc4_result size;
+    while (list != NULL && (size = roburoc4_client_poll_transmit(client, buffer, sizeof buffer,
+                                                                 c->played_us)) > 0) {
+        PyObject *bytes = PyBytes_FromStringAndSize((const char *)buffer, size);
+        if (bytes == NULL || PyList_Append(list, bytes) < 0) {
+            Py_CLEAR(list);
+        }
+        Py_XDECREF(bytes);
+    }
+    roburoc4_pump_collect(c->pump, NULL, 0);
+    return list;
+}
+
+PyObject *connection_play(connection *c, PyObject *datagram, uint64_t at_us) {
+    PyObject *list;
+    roburoc4_client *client;
+    char *data = NULL;
+    Py_ssize_t size = 0;
+    if (datagram != Py_None && PyBytes_AsStringAndSize(datagram, &data, &size) < 0) {
+        return NULL;
+    }
+    client = roburoc4_pump_lock(c->pump);
+    if (client == NULL) {
+        return raise_result(ROBUROC4_ERR_CLOSED);
+    }
+    c->played_us = at_us;
+    if (data != NULL) {
+        (void)roburoc4_client_receive(client, (const uint8_t *)data, (size_t)size, at_us);
+        roburoc4_pump_collect(c->pump, (const uint8_t *)data, (size_t)size);
+    }
+    list = take_transmits(c, client);
+    roburoc4_pump_unlock(c->pump);
+    return list;
 }
 
 /* -------------------------------------------------------------------------- readers of a pump ---

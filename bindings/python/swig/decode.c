@@ -320,3 +320,36 @@ PyObject *decode_telegram(PyObject *self, PyObject *const *arguments, Py_ssize_t
     PyBuffer_Release(&view);
     return record;
 }
+
+/* --------------------------------------------------------------------------------- encoding --- */
+
+PyObject *answer_bytes(uint8_t id, uint8_t action, uint16_t service, uint8_t error) {
+    uint8_t buffer[16];
+    roburoc4_result size =
+        roburoc4_encode_answer(buffer, sizeof buffer, id, action, service, error);
+    return size < 0 ? raise_result(size) : PyBytes_FromStringAndSize((const char *)buffer, size);
+}
+
+PyObject *restamped(PyObject *status, uint64_t robot_cycles) {
+    roburoc4_status_header header;
+    char *from;
+    Py_ssize_t size;
+    PyObject *bytes;
+    roburoc4_result result;
+    if (PyBytes_AsStringAndSize(status, &from, &size) < 0) {
+        return NULL;
+    }
+    result = roburoc4_decode_status_header((const uint8_t *)from, (size_t)size, &header);
+    if (result < 0) {
+        return raise_result(result);
+    }
+    bytes = PyBytes_FromStringAndSize(from, size);
+    if (bytes != NULL) {
+        uint8_t *stamp = (uint8_t *)PyBytes_AsString(bytes) + 3;
+        int i;
+        for (i = 0; i < 8; i++) {
+            stamp[i] = (uint8_t)(robot_cycles >> (8 * i));
+        }
+    }
+    return bytes;
+}

@@ -80,6 +80,10 @@ PyObject *set_member(PyObject *settings, const char *name, PyObject *value, uint
 /* decode(data, layout, from_client): layout is None or the tuple of nine integers of Layout in
  * telegrams.py. For METH_FASTCALL. */
 PyObject *decode_telegram(PyObject *self, PyObject *const *arguments, Py_ssize_t count);
+/* The plain answer to a request, as bytes. */
+PyObject *answer_bytes(uint8_t id, uint8_t action, uint16_t service, uint8_t error);
+/* The bytes of a status with another time of the robot. */
+PyObject *restamped(PyObject *status, uint64_t robot_cycles);
 
 /* ---- the simulator (simulator.c) ---- */
 
@@ -90,6 +94,8 @@ simulation *new_world(const roburoc4_sim_config *config);
 /* On an IPv4 address and a port (0: a free one); OSError. */
 simulation *new_host(const roburoc4_sim_config *config, const char *address, uint16_t port);
 void simulation_destroy(simulation *s);
+/* What a RobuROC4 out of the box answers to a request; None where it does not. */
+PyObject *usual_answer(PyObject *request);
 uint16_t simulation_port(const simulation *s);
 /* Serve no longer, or let no more time pass; its robot can still be looked at. */
 PyObject *simulation_stop(simulation *s);
@@ -126,6 +132,8 @@ connection *connect_host(const char *host, int threaded, const roburoc4_config *
                          uint64_t max_file_s);
 /* In the world of a simulation (a capsule), which lives as long as the connection. */
 connection *connect_virtual(PyObject *simulation, const roburoc4_config *config, uint32_t capacity);
+/* Without a network: who plays a recording gives it the time, from begin_us on, and datagrams. */
+connection *connect_played(const roburoc4_config *config, uint32_t capacity, uint64_t begin_us);
 void connection_destroy(connection *c);
 /* "HOST" or "HOST:PORT" in numbers. */
 PyObject *resolve_address(const char *host);
@@ -164,6 +172,10 @@ PyObject *connection_exchange(connection *c);
 /* The socket, to watch for reading. */
 long connection_fd(const connection *c);
 void connection_close_socket(connection *c);
+
+/* It is this time in the recording: give the client a datagram (None: none); a list of what it has
+ * to send now. */
+PyObject *connection_play(connection *c, PyObject *datagram, uint64_t at_us);
 
 /* Some more samples, of the services in `mask`; None when all were read. */
 PyObject *read_samples(connection *c, roburoc4_pump_reader *reader, uint32_t mask);

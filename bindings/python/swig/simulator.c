@@ -67,6 +67,32 @@ void simulation_destroy(simulation *s) {
     free(s);
 }
 
+PyObject *usual_answer(PyObject *request) {
+    uint8_t answer[ROBUROC4_SIM_MAX_TRANSMIT];
+    char *data;
+    Py_ssize_t size;
+    uint64_t peer;
+    roburoc4_result length = 0;
+    roburoc4_sim *sim;
+    if (PyBytes_AsStringAndSize(request, &data, &size) < 0) {
+        return NULL;
+    }
+    sim = roburoc4_sim_create(NULL);
+    if (sim == NULL) {
+        return PyErr_NoMemory();
+    }
+    roburoc4_sim_advance(sim, 0);
+    roburoc4_sim_receive(sim, 1, (const uint8_t *)data, (size_t)size);
+    /* the default robot has a delay of its own, of less than a cycle or two */
+    roburoc4_sim_advance(sim, 20000);
+    length = roburoc4_sim_poll_transmit(sim, &peer, answer, sizeof answer);
+    roburoc4_sim_destroy(sim);
+    if (length <= 0) {
+        Py_RETURN_NONE;
+    }
+    return PyBytes_FromStringAndSize((const char *)answer, length);
+}
+
 uint16_t simulation_port(const simulation *s) {
     return sim_host_port(s->host);
 }
@@ -138,8 +164,8 @@ void simulation_exchange(simulation *s) {
 
 PyObject *simulation_set_faults(simulation *s, double loss, double duplicate, double reorder,
                                 double corrupt, uint32_t delay_us, uint32_t jitter_us) {
-    const roburoc4_sim_faults faults = {
-        sizeof faults, delay_us, jitter_us, 0, loss, duplicate, reorder, corrupt};
+    const roburoc4_sim_faults faults = {sizeof faults, delay_us,  jitter_us, 0,
+                                        loss,          duplicate, reorder,   corrupt};
     if (s->world != NULL) {
         (void)roburoc4_world_set_faults(s->world, &faults);
     } else {

@@ -31,14 +31,18 @@ __all__ = [
     "DEFAULT_HOST",
     "DEFAULT_PORT",
     "Batch",
+    "Command",
     "Gap",
     "Layout",
     "ManualRobot",
     "MoveError",
     "MoveResult",
     "Reader",
+    "RecordedEvent",
+    "RecordedRobot",
     "RecorderState",
     "Recording",
+    "RecordingError",
     "Robot",
     "Settings",
     "SimSettings",
@@ -49,6 +53,7 @@ __all__ = [
     "decode",
     "decode_batch",
     "flatten",
+    "open_recording",
     "resolve",
 ]
 __all__ += constants.__all__
@@ -60,12 +65,29 @@ __version__ = "{}.{}.{}".format(*_native.roburoc4_version().to_bytes(3, "big"))
 
 if TYPE_CHECKING:
     from . import aio
+    from .recording import (
+        Command,
+        RecordedEvent,
+        RecordedRobot,
+        RecordingError,
+        open_recording,
+    )
+
+# They take longer to import than all of the rest.
+_LATER = {
+    "aio": ".aio",
+    "Command": ".recording",
+    "RecordedEvent": ".recording",
+    "RecordedRobot": ".recording",
+    "RecordingError": ".recording",
+    "open_recording": ".recording",
+}
 
 
 def __getattr__(name: str) -> Any:
-    # asyncio takes longer to import than all of the rest.
-    if name == "aio":
-        import importlib
+    if name not in _LATER:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    import importlib
 
-        return importlib.import_module(".aio", __name__)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module = importlib.import_module(_LATER[name], __name__)
+    return module if name == "aio" else getattr(module, name)

@@ -94,11 +94,13 @@ def add_robot(parser: argparse.ArgumentParser, *, top: bool = False) -> None:
         default=(os.environ.get("ROBUROC4_ROBOT") or DEFAULT_ROBOT) if top else argparse.SUPPRESS,
         help="the robot's address (default: $ROBUROC4_ROBOT, else " + DEFAULT_ROBOT + ")",
     )
+    add_json(parser, "print JSON", top=top)
+
+
+def add_json(parser: argparse.ArgumentParser, text: str, *, top: bool = False) -> None:
+    """Add `--json`."""
     parser.add_argument(
-        "--json",
-        action="store_true",
-        default=False if top else argparse.SUPPRESS,
-        help="print JSON",
+        "--json", action="store_true", default=False if top else argparse.SUPPRESS, help=text
     )
 
 

@@ -9,6 +9,7 @@ from typing import Any
 from ..constants import BatteryState, Count, Event, Role, State
 from ..errors import NotKnownError
 from ..iocard import ChannelNames
+from ..notices import texts_of
 from ..records import (
     BatteryProperties,
     DifferentialProperties,
@@ -17,7 +18,7 @@ from ..records import (
 from ..robot import Robot
 from ..settings import STATUS_SERVICES
 from .advice import advise, blocked
-from .history import History, number, texts_of
+from .history import History, number
 
 _LINK_EVERY_S = 0.2
 _ABOUT_EVERY_S = 1.0

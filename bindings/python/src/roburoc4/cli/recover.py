@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: MIT
+"""`roburoc4 recover`: save what is whole of a recording that was cut or damaged."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from .errors import ExitCode, refused, usage
+from .options import Options, add_json
+from .output import print_json
+from .progress import progress
+
+
+class RecoverOptions(Options):
+    """What `recover` is given."""
+
+    file: Path
+    output: Path | None
+    force: bool
+
+
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command."""
+    parser = commands.add_parser(
+        "recover",
+        help="save what is whole of a damaged recording",
+        description="Copy all that is whole of a pcapng, pcap or CSV file, whose program was "
+        "killed or whose disk was full, to another file.",
+    )
+    parser.add_argument("file", metavar="FILE", type=Path, help="the recording; it stays as it is")
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="OUT",
+        type=Path,
+        help="where to write it (default: with .recovered before the suffix of FILE)",
+    )
+    parser.add_argument("--force", action="store_true", help="replace a file that has contents")
+    add_json(parser, "print JSON")
+    parser.set_defaults(run=run)
+
+
+def run(options: RecoverOptions) -> int:
+    """Recover it."""
+    from roburoc4 import RecordingError
+    from roburoc4.repair import recover
+
+    source = options.file
+    output = options.output or source.with_name(f"{source.stem}.recovered{source.suffix}")
+    check_new(output, options.force)
+    if output.exists() and source.exists() and output.samefile(source):
+        raise usage(f"{output} is the recording itself: give another name with -o")
+    try:
+        size = source.stat().st_size
+        with (
+            output.open("wb") as target,
+            progress("recovering", size / 1e6, "MB") as show,
+        ):
+            found = recover(source, target, lambda done: show(done / 1e6, "recovering"))
+    except RecordingError as error:
+        output.unlink(missing_ok=True)
+        raise refused(str(error)) from None
+    except OSError as error:
+        raise unusable(error) from None
+    if options.json:
+        print_json({"file": str(output), **found._asdict()})
+    else:
+        what = "rows" if source.suffix.lower() == ".csv" else "datagrams"
+        print(f"{output}: {found.packets} {what}; {found.left_out} bytes were not whole")
+    return ExitCode.FINE
+
+
+def check_new(path: Path, force: bool) -> None:
+    """End the command where a file would be replaced unasked."""
+    if not force and path.is_file() and path.stat().st_size > 0:
+        raise usage(f"{path} exists: give another name, or --force to replace it")
+
+
+def unusable(error: OSError) -> Exception:
+    """Say which file cannot be used, and what to do."""
+    return usage(f"{error.filename} cannot be used ({error.strerror}): give another name")

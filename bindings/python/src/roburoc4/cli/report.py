@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: MIT
+"""`roburoc4 report`: what a recording shows, as a page or as figures."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .errors import ExitCode, refused, usage
+from .options import Options, add_json
+from .output import note, print_json
+from .progress import progress
+
+if TYPE_CHECKING:
+    from roburoc4 import RecordedRobot
+
+
+class ReportOptions(Options):
+    """What `report` is given."""
+
+    file: Path
+    output: Path | None
+    recorded: str | None
+
+
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command."""
+    parser = commands.add_parser(
+        "report",
+        help="show a recording as a page",
+        description="Write one HTML page, which needs no network: path, speeds, battery, "
+        "distances, inputs, link, and every event with its time.",
+    )
+    parser.add_argument("file", metavar="FILE", type=Path, help="a pcapng or pcap file")
+    parser.add_argument(
+        "-o", "--output", metavar="OUT.html", type=Path, help="the page (default: FILE.html)"
+    )
+    add_recorded(parser)
+    add_json(parser, "print the figures instead; a page only with -o")
+    parser.set_defaults(run=run)
+
+
+def add_recorded(parser: argparse.ArgumentParser) -> None:
+    """Add `--robot`, which is another one here: one of the recording."""
+    parser.add_argument(
+        "--robot",
+        dest="recorded",
+        metavar="HOST[:PORT]",
+        help="the robot, where the recording has several",
+    )
+
+
+def run(options: ReportOptions) -> int:
+    """Read the recording, and write the page."""
+    from roburoc4.report.figures import Figures
+    from roburoc4.report.page import page
+
+    with opened(options.file, options.recorded) as recording:
+        figures = Figures(recording)
+        size = options.file.stat().st_size
+        with progress("reading", size / 1e6, "MB") as show:
+            figures.read(lambda done: show(done / 1e6, "reading"))
+    output = options.output or options.file.with_name(options.file.name + ".html")
+    document = figures.document()
+    if document["cut_bytes"]:
+        note(f"{options.file} is cut: all that is whole was read")
+    if options.json:
+        print_json(document)
+    if options.output or not options.json:
+        write_whole(output, page(figures).encode())
+    if not options.json:
+        print(f"{output}: {len(document['events'])} events in {document['seconds']:.1f} s")
+    return ExitCode.FINE
+
+
+@contextmanager
+def opened(path: Path, robot: str | None) -> Iterator[RecordedRobot]:
+    """Open a recording, and end the command in one line where it cannot be read."""
+    from roburoc4 import RecordingError, open_recording
+
+    try:
+        yield open_recording(path, robot)
+    except RecordingError as error:
+        raise refused(str(error)) from None
+    except OSError as error:
+        if error.filename is None or Path(os.fspath(error.filename)) != path:
+            raise
+        raise usage(f"{path} cannot be read ({error.strerror}): give another name") from None
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Write a file whole, or leave the one that is there."""
+    try:
+        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    except OSError as error:
+        raise usage(f"{path} cannot be written ({error.strerror}): give another name") from None
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        mask = os.umask(0)
+        os.umask(mask)
+        os.chmod(name, 0o666 & ~mask)
+        os.replace(name, path)
+    except OSError as error:
+        with suppress(OSError):
+            os.unlink(name)
+        raise refused(f"{path} cannot be written ({error.strerror}): make room") from None
