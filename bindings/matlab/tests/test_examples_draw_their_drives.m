@@ -1,10 +1,9 @@
 function test_examples_draw_their_drives()
 % Each example runs without a display, writes its plot, and drives what its help promises.
 % SPDX-License-Identifier: MIT
-folder = getenv('ROBUROC4_PICTURES');
-if isempty(folder)
-    folder = tempdir();
-end
+folder = tempname();
+mkdir(folder);
+cleanup = onCleanup(@() remove(folder));
 restored = without_display(); %#ok<NASGU>
 data = read_and_plot([], fullfile(folder, 'matlab-read-and-plot.png'));
 check(numel(data.localization.x_m) == 100 && max(data.differential.current_linear_m_s) > 0.3, 'nothing read');
@@ -31,4 +30,11 @@ for k = 1:numel(names)
     picture = dir(fullfile(folder, ['matlab-' names{k} '.png']));
     check(numel(picture) == 1 && picture.bytes > 3000, 'no picture of %s', names{k});
 end
+end
+
+function remove(folder)
+if exist('OCTAVE_VERSION', 'builtin')
+    confirm_recursive_rmdir(false, 'local');
+end
+rmdir(folder, 's');
 end
