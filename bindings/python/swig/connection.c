@@ -23,7 +23,7 @@ struct connection {
     PyObject *world_owner;
     roburoc4_recorder *recorder;      /* or NULL */
     roburoc4_recorder_state recorded; /* the last state, after its end */
-    int is_played; /* a recording moves the client, at the recorded time */
+    int is_played;                    /* a recording moves the client, at the recorded time */
     uint64_t played_us;
     char address[ROBUROC4_ADDRESS_TEXT_SIZE];
 };

@@ -151,8 +151,8 @@ void connection_leave(void);
 
 roburoc4_pump *connection_pump(connection *c);
 uint64_t connection_now_us(const connection *c);
-/* When the robot made a status, in microseconds since 1970: by the clock that this machine shows now;
- * in virtual time by the simulation's. */
+/* When the robot made a status, in microseconds since 1970: by the clock that this machine shows
+ * now; in virtual time by the simulation's. */
 uint64_t connection_utc_us(connection *c, uint64_t robot_cycles, uint64_t host_us);
 /* ROBUROC4_FAULT_*. */
 uint32_t connection_fault(connection *c);

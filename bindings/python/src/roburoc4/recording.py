@@ -134,12 +134,16 @@ def _key(request: Request) -> Request:
     return Request(0, *request[1:4], 0, *request[5:7], 0, 0.0, 0.0, 0.0)
 
 
-def _read(data: bytes, layout: Layout | None, *, from_client: bool) -> Any:
+def read_telegram(data: bytes, layout: Layout | None = None, *, from_client: bool) -> Any:
     """Decode; None for what is no telegram."""
     try:
         return _native.decode(data, layout, from_client)
     except DecodeError:
         return None
+
+
+BARE = Layout(*(0xFFFF,) * 5)
+"""With it, statuses and commands are decoded to the service's id and the bytes."""
 
 
 class _Head:
@@ -164,13 +168,13 @@ class _Head:
     def _take(self, datagram: Datagram) -> None:
         time_us, source, destination, data, _ = datagram
         if destination == self.robot:
-            request = _read(data, None, from_client=True)
+            request = read_telegram(data, from_client=True)
             if isinstance(request, Request):
                 self.answers.ask(source, request, time_us)
                 if request.action == Action.INSERT:
                     self._subscribed(request)
         elif source == self.robot and data[:1] != b"\xff":
-            answer = _read(data, None, from_client=False)
+            answer = read_telegram(data, from_client=False)
             if isinstance(answer, Answer):
                 self.answers.learn(destination, data, answer, time_us)
 
@@ -193,7 +197,7 @@ def _find_robot(path: Path, first: list[Datagram], name: str | None) -> tuple[by
     """Return who sent the most statuses; of those with this name, where one is given."""
     senders: dict[tuple[bytes, int], int] = {}
     for datagram in first:
-        record = _read(datagram.payload, None, from_client=False)
+        record = read_telegram(datagram.payload, from_client=False)
         is_status = record is not None and not isinstance(record, Answer | UnknownStatus)
         is_likely = is_status or datagram.source[1] == DEFAULT_PORT
         senders[datagram.source] = senders.get(datagram.source, 0) + is_likely
@@ -265,7 +269,7 @@ class _Pass:
         """Give the client the answers for which it has asked: the robot speaks now."""
         while self._pending:
             data = self._pending.popleft()
-            request = _read(data, None, from_client=True)
+            request = read_telegram(data, from_client=True)
             if not isinstance(request, Request):
                 continue  # a command: nobody is there to move
             answer = self._answers.answer(data, request)
@@ -297,7 +301,7 @@ class _Pass:
         given: bytes | None = data
         if data[:1] != b"\xff":
             given = None  # the client is given the answers to requests of its own
-            answer = _read(data, None, from_client=False)
+            answer = read_telegram(data, from_client=False)
             if isinstance(answer, Answer):
                 took_us = self._answers.learn(destination, data, answer, time_us)
                 if took_us is not None:
@@ -369,7 +373,7 @@ class _Pass:
         return Layout._make([*services, *channels])
 
     def _robot_heard(self, time_us: int, source: tuple[bytes, int], data: bytes) -> list[Item]:
-        telegram = _read(data, self._layout, from_client=True)
+        telegram = read_telegram(data, self._layout, from_client=True)
         if telegram is None:
             self.counts.malformed += 1
             return []

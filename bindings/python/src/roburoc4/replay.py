@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: MIT
+"""A robot that is a recording: it answers as the recorded one did, and nothing moves it.
+
+It has no clock and no socket: ``roburoc4 replay`` gives it datagrams and the time.
+"""
+
+from collections.abc import Callable, Iterator
+
+from . import _native
+from .capture import Capture, Datagram
+from .constants import Action, Service, WireError
+from .recording import BARE, Answers, RecordedRobot, read_telegram
+from .records import Answer, Request, UnknownCommand, UnknownStatus
+
+TEXT = " (recording: commands change nothing)"
+"""Follows the recorded robot's own text for its service of speeds."""
+_MOST_CLIENTS = 64
+_MOST_TEXT = 63
+_SILENT_S = 2.0
+_ERRORS_EVERY_S = 1.0
+_RESTART_CYCLES = 100
+_COPIES = 32
+
+Peer = tuple[str, int]
+Send = Callable[[Peer, bytes], object]
+
+
+class Client:
+    """Somebody who sends to the replayed robot."""
+
+    def __init__(self) -> None:
+        self.services: set[int] = set()
+        """Ids of the services whose statuses it subscribed to."""
+        self.commands = 0
+        self.answered_s = -_ERRORS_EVERY_S
+        """When it was told the last time that its commands do nothing."""
+
+
+class _Stamps:
+    """The robot's clock: as recorded, and without a step back where a recording begins anew."""
+
+    def __init__(self, speed: float) -> None:
+        self._speed = speed
+        self._first: int | None = None
+        self._last = self._base = self._shown = 0
+
+    def begin(self) -> None:
+        """Expect the recording's beginning; time goes on."""
+        if self._first is not None:
+            self._base = self._shown + _RESTART_CYCLES
+            self._first = None
+
+    def of(self, cycles: int) -> int:
+        """Return what to show for a recorded stamp."""
+        if self._first is None:
+            self._first = cycles
+            self._base = self._base or cycles
+        elif cycles + _RESTART_CYCLES < self._last:  # the recorded robot restarted
+            self._first = self._base = cycles
+        self._last = cycles
+        shown = self._base + (cycles - self._first) / self._speed
+        self._shown = max(0, min(round(shown), (1 << 64) - 1))
+        return self._shown
+
+
+class ReplayedRobot:
+    """A robot made of a recording. It begins when somebody subscribes for the first time."""
+
+    def __init__(
+        self,
+        recording: RecordedRobot,
+        send: Send,
+        tell: Callable[[str], object],
+        *,
+        speed: float = 1.0,
+        loop: bool = False,
+    ) -> None:
+        self.clients: dict[Peer, Client] = {}
+        self.statuses = 0
+        self.ended = False
+        self.capture = Capture(recording.path)
+        self._recording = recording
+        self._answers: Answers = recording.head.answers.copy()
+        self._send = send
+        self._tell = tell
+        self._speed = speed
+        self._loop = loop
+        self._stamps = _Stamps(speed)
+        self._datagrams: Iterator[Datagram] = iter(())
+        self._next: Datagram | None = None
+        self._begun_us = 0
+        self._begun_s: float | None = None
+        self._heard_us: int | None = None
+
+    # ---- the recording ----
+
+    @property
+    def due_s(self) -> float | None:
+        """When the next recorded datagram is due; None before the beginning and after the end."""
+        if self._begun_s is None or self._next is None:
+            return None
+        return self._begun_s + (self._next.time_us - self._begun_us) / 1e6 / self._speed
+
+    def advance(self, now_s: float) -> None:
+        """Send what is due."""
+        while (due_s := self.due_s) is not None and due_s <= now_s:
+            assert self._next is not None
+            self._play(self._next)
+            self._heard_us = self._next.time_us
+            self._take_next()
+            if self._next is None:
+                self._end(now_s)
+                return
+
+    def _begin(self, now_s: float) -> None:
+        self.capture = Capture(self._recording.path)
+        self._datagrams = self._of_robot()
+        self._stamps.begin()
+        self._take_next()
+        if self._next is None:
+            self.ended = True
+            return
+        self._begun_us, self._begun_s = self._next.time_us, now_s
+
+    def _end(self, now_s: float) -> None:
+        if self._loop:
+            self._tell("the recording begins again")
+            self._begin(now_s + 1.0 / self._speed)
+        else:
+            self.ended = True
+
+    def _of_robot(self) -> Iterator[Datagram]:
+        """Read what the recorded robot sent, each status once; requests are learned meanwhile."""
+        robot = self._recording.head.robot
+        recent: dict[bytes, object] = {}
+        for datagram in self.capture:
+            if datagram.destination == robot:
+                request = read_telegram(datagram.payload, from_client=True)
+                if isinstance(request, Request):
+                    self._answers.ask(datagram.source, request, datagram.time_us)
+            elif datagram.source == robot:
+                data = datagram.payload
+                known = recent.setdefault(data, datagram.destination)
+                if len(recent) > _COPIES:
+                    del recent[next(iter(recent))]
+                if known == datagram.destination:
+                    yield datagram
+
+    def _take_next(self) -> None:
+        self._next = next(self._datagrams, None)
+
+    def _play(self, datagram: Datagram) -> None:
+        time_us, _, destination, data, _ = datagram
+        if data[:1] != b"\xff":
+            answer = read_telegram(data, from_client=False)
+            if isinstance(answer, Answer):
+                self._answers.learn(destination, data, answer, time_us)
+            return
+        status = read_telegram(data, BARE, from_client=False)
+        if not isinstance(status, UnknownStatus):  # too short to be one
+            return
+        stamped = _native.restamped(data, self._stamps.of(status.robot_cycles))
+        self.statuses += 1
+        for peer, client in self.clients.items():
+            if status.service in client.services:
+                self._send(peer, stamped)
+
+    # ---- clients ----
+
+    def receive(self, peer: Peer, data: bytes, now_s: float) -> None:
+        """Take a datagram of a client."""
+        telegram = read_telegram(data, BARE, from_client=True)
+        if telegram is None or (peer not in self.clients and len(self.clients) >= _MOST_CLIENTS):
+            return
+        client = self.clients.setdefault(peer, Client())
+        if isinstance(telegram, Request):
+            if not self._is_silent(now_s):
+                self._answer(peer, client, data, telegram, now_s)
+            return
+        self._refuse(peer, client, "sends commands")
+        if now_s - client.answered_s >= _ERRORS_EVERY_S:
+            client.answered_s = now_s
+            # the protocol's own no; a command has no action that it could name
+            service = telegram.service if isinstance(telegram, UnknownCommand) else 0
+            error = (0, Action.UPDATE, service, WireError.UNSUPPORTED)
+            self._send(peer, _native.answer_bytes(*error))
+
+    def _refuse(self, peer: Peer, client: Client, what: str) -> None:
+        client.commands += 1
+        if client.commands == 1:
+            self._tell(f"{peer[0]}:{peer[1]} {what}: this is a recording, nothing moves")
+
+    def _is_silent(self, now_s: float) -> bool:
+        """Whether the recorded robot was silent for long: then it does not answer, either."""
+        if self._begun_s is None or self._heard_us is None or self._next is None:
+            return self.ended
+        time_us = self._begun_us + (now_s - self._begun_s) * self._speed * 1e6
+        left_s, past_s = self._next.time_us - time_us, time_us - self._heard_us
+        return left_s > 0 and past_s > _SILENT_S * 1e6 and time_us > self._begun_us
+
+    def _answer(
+        self, peer: Peer, client: Client, data: bytes, request: Request, now_s: float
+    ) -> None:
+        if request.action == Action.REPLACE:
+            self._refuse(peer, client, "sets odometry")
+            error = WireError.UNSUPPORTED
+            answer: bytes | None = _native.answer_bytes(
+                request.id, request.action, request.service, error
+            )
+        else:
+            answer = self._answers.answer(data, request)
+        if answer is None:
+            return
+        if request.action == Action.QUERY and request.service == Service.DIRECTORY:
+            answer = self._marked(request, answer)
+        self._send(peer, answer)
+        said = read_telegram(answer, from_client=False)
+        if not isinstance(said, Answer) or said.error:
+            return
+        if request.action == Action.INSERT:
+            client.services.add(request.subject)
+            if self._begun_s is None:
+                self._begin(now_s)
+        elif request.action == Action.DELETE:
+            client.services.discard(request.subject)
+
+    def _marked(self, request: Request, answer: bytes) -> bytes:
+        """Say in the text of the service of speeds that it is a recording."""
+        said = read_telegram(answer, from_client=False)
+        if not isinstance(said, Answer) or said.error or not isinstance(said.body, str):
+            return answer
+        if "differential" not in said.body.lower():
+            return answer
+        head = _native.answer_bytes(request.id, request.action, request.service, 0)
+        text = answer[len(head) :][: _MOST_TEXT - len(TEXT)]
+        return head + text + TEXT.encode()
+
+    def part(self, peer: Peer) -> None:
+        """Send nothing more to a client: nobody listens there."""
+        self.clients.pop(peer, None)
