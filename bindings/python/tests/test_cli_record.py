@@ -192,3 +192,39 @@ def test_standard_output_takes_a_recording_and_may_close() -> None:
         process.stdout.readline()
         process.stdout.close()
         assert process.wait(timeout=30) == 0
+
+
+def test_a_pcapng_file_has_every_datagram_in_both_directions(tmp_path: Path) -> None:
+    path = tmp_path / "run.pcapng"
+    with roburoc4.Simulator(port=0) as sim:
+        done = document(run("record", str(path), "--seconds", "2", "--json", robot=sim.address))
+        recorded_of = sim.address
+    recording = roburoc4.open_recording(path)
+    reading = recording.read()
+    found = list(reading.items())
+    assert (done["file"], done["not_recorded"]) == (str(path), 0)
+    assert done["datagrams"] == reading.counts.from_robot + reading.counts.requests
+    assert recording.address == recorded_of
+    assert recording.head.answers.complete
+    assert sum(isinstance(item, roburoc4.IoCardStatus) for item in found) >= 30
+    refused = run("record", str(path), "--seconds", "1", robot=recorded_of)
+    assert "--force" in one_line(refused.stderr)
+
+
+def test_a_killed_recording_is_read_up_to_the_last_moment(tmp_path: Path) -> None:
+    path = tmp_path / "run.pcapng"
+    with roburoc4.Simulator(port=0) as sim:
+        process = start("record", str(path), robot=sim.address)
+        eventually(lambda: sim.state.subscriptions == 5)
+        eventually(lambda: sim.state.cycles > 300)
+        process.kill()
+        process.communicate(timeout=30)
+        cycles = sim.state.cycles
+    found = list(roburoc4.open_recording(path))
+    assert found[-1].robot_cycles > cycles - 100
+
+
+def test_a_folder_that_is_not_there_is_one_line_for_pcapng(tmp_path: Path) -> None:
+    done = run("record", str(tmp_path / "no" / "run.pcapng"), "--seconds", "1")
+    assert done.returncode == 2
+    assert "another name" in one_line(done.stderr)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`roburoc4 record FILE.csv`: the robot's statuses as columns."""
+"""`roburoc4 record FILE`: every datagram (.pcapng), or statuses as columns (.csv)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from contextlib import nullcontext, redirect_stdout, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import session
+from . import record_raw, session
 from .errors import ExitCode, refused, usage
 from .options import Options, add_robot, add_seconds
 from .output import note, print_json
@@ -45,11 +45,14 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command."""
     parser = commands.add_parser(
         "record",
-        help="write statuses to a CSV file",
-        description="Write every status to FILE.csv until Ctrl-C: one row for each robot cycle in "
-        "which there was one, empty cells for services that said nothing in it.",
+        help="record to a file",
+        description="Record until Ctrl-C. FILE.pcapng: every datagram in both directions, for "
+        "report, replay, convert and Wireshark. FILE.csv: every status, one row for each robot "
+        "cycle in which there was one, empty cells for services that said nothing in it.",
     )
-    parser.add_argument("file", metavar="FILE.csv", type=Path, help="-: standard output")
+    parser.add_argument(
+        "file", metavar="FILE", type=Path, help="its suffix says what; -: standard output, CSV"
+    )
     add_seconds(parser, "end after so long")
     parser.add_argument("--force", action="store_true", help="replace a file that has contents")
     add_robot(parser)
@@ -60,6 +63,8 @@ def run(options: RecordOptions) -> int:
     """Record until the time is over."""
     if not options.force and options.file.is_file() and options.file.stat().st_size > 0:
         raise usage(f"{options.file} exists: give another name, or --force to replace it")
+    if options.file.suffix.lower() == ".pcapng":
+        return record_raw.run(options)
     with session.connected(options) as robot:
         with _Sheet(options.file, columns(robot.properties)) as sheet:
             recording = _Recording(options, robot)
