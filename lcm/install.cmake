@@ -4,14 +4,18 @@
 
 install(TARGETS roburoc4-lcm RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES ${PROJECT_SOURCE_DIR}/docs/man/roburoc4-lcm.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
-install(FILES ${types} DESTINATION ${CMAKE_INSTALL_DATADIR}/lcmtypes/roburoc4_lcm)
+# Where packages of LCM types have them, and named as there: share/lcmtypes/PACKAGE_TYPE.lcm.
+foreach(type IN LISTS types)
+    cmake_path(GET type FILENAME name)
+    install(FILES ${type} DESTINATION ${CMAKE_INSTALL_DATADIR}/lcmtypes RENAME roburoc4_lcm_${name})
+endforeach()
 install(DIRECTORY deploy/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/lcm)
 
-# The types for C: a static library, since LCM's generated code promises no ABI.
-install(TARGETS roburoc4_lcm_types
+# The types for C: a static library, since LCM's generated code promises no ABI; and for C++.
+install(TARGETS roburoc4_lcm_types EXPORT roburoc4
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT Development)
 install(DIRECTORY ${generated}/roburoc4_lcm/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/roburoc4_lcm
-    COMPONENT Development FILES_MATCHING PATTERN "*.h")
+    COMPONENT Development FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp")
 roburoc4_pkg_paths()
 # An LCM outside of the system's folders, as pip's.
 cmake_path(GET ROBUROC4_LCM_LIBRARY PARENT_PATH lcm_folder)
