@@ -60,16 +60,7 @@ extern const command robot_move_commands[];
 extern const command robot_read_commands[];
 extern const command simulator_commands[];
 
-/** Enter a robot or simulator, whose id is the result. 0 after noting that there is no place. */
-int give_id(call *in, int kind, void *made);
-/** The same for a robot, which is closed where there is no place; NULL is one that was not made. */
-int give_robot(call *in, robot *made);
-/** Facts of call.client. */
-roburoc4_facts call_facts(const call *in);
-/** How many channels of a type the robot has; 0 before it is known. */
-uint32_t count_channels(const roburoc4_client *client, uint32_t io_type);
-/** End all robots, whose stop sequences run together, then all simulators. */
-void close_robots(void);
+/** End all simulators. */
 void close_simulators(void);
 
 #endif

@@ -3,6 +3,7 @@
 
 #include <stddef.h>
 
+#include "fail.h"
 #include "roburoc4_udp.h"
 
 static struct {
@@ -26,7 +27,7 @@ double handles_add(int kind, void *object) {
             return table[place].id;
         }
     }
-    return 0.0;
+    return fail(FAIL_LIMIT, "there are %d robots and simulators; delete one", HANDLES_MAX);
 }
 
 void *handles_find(int kind, double id) {

@@ -45,38 +45,45 @@ static robot *make(const char *name, const roburoc4_address *address,
     return made;
 }
 
-static robot *begin(robot *made) {
-    made->opened_us = made->furthest_us = robot_now_us(made);
-    return made;
+/* Enter it; its id. NULL is one that was not made. */
+static double enter(robot *made) {
+    double id = 0.0;
+    if (made != NULL) {
+        made->opened_us = made->furthest_us = robot_now_us(made);
+        id = handles_add(HANDLE_ROBOT, made);
+    }
+    if (made != NULL && id == 0.0) {
+        robot_close(made);
+    }
+    return id;
 }
 
-robot *robot_open(const char *address, const robot_settings *settings) {
+double robot_open(const char *address, const robot_settings *settings) {
     roburoc4_address numbers;
-    robot *made = resolve(address, &numbers) ? make(address, &numbers, settings) : NULL;
-    return made != NULL ? begin(made) : NULL;
+    return enter(resolve(address, &numbers) ? make(address, &numbers, settings) : NULL);
 }
 
-robot *robot_join(roburoc4_world *world, const robot_settings *settings) {
+double robot_join(roburoc4_world *world, const robot_settings *settings) {
     robot *made = make("the simulator", NULL, settings);
     roburoc4_result number;
     if (made == NULL) {
-        return NULL;
+        return 0.0;
     }
     number = roburoc4_world_join(world, roburoc4_pump_lock(made->pump));
     roburoc4_pump_unlock(made->pump);
     made->simulated = 1;
     if (number < 0) {
         robot_close(made);
-        (void)fail(FAIL_LIMIT, "a simulator has room for %d robots; delete one",
-                   ROBUROC4_WORLD_CLIENTS);
-        return NULL;
+        return fail(FAIL_LIMIT, "a simulator has room for %d robots; delete one",
+                    ROBUROC4_WORLD_CLIENTS);
     }
     made->world = world;
     made->number = (uint32_t)number;
-    return begin(made);
+    return enter(made);
 }
 
 void robot_close(robot *r) {
+    handles_remove(r);
     if (r->world != NULL) {
         uint64_t now_us;
         robot_disarm(r);
@@ -87,6 +94,22 @@ void robot_close(robot *r) {
     recording_end(&r->logged);
     recording_end(&r->recorded);
     free(r);
+}
+
+void robots_close(void) {
+    robot *r;
+    for (uint32_t place = 0; place < HANDLES_MAX; place++) {
+        r = handles_at(HANDLE_ROBOT, place);
+        if (r != NULL && robot_is_open(r)) {
+            robot_disarm(r);
+        }
+    }
+    for (uint32_t place = 0; place < HANDLES_MAX; place++) {
+        r = handles_at(HANDLE_ROBOT, place);
+        if (r != NULL) {
+            robot_close(r);
+        }
+    }
 }
 
 int robot_is_open(const robot *r) {
@@ -183,12 +206,25 @@ void robot_wait_sample(robot *r, const roburoc4_pump_reader *reader, uint64_t un
     }
 }
 
-roburoc4_facts robot_facts(robot *r) {
+roburoc4_facts client_facts(const roburoc4_client *client, uint64_t now_us) {
     roburoc4_facts facts = {.size = sizeof facts};
-    uint64_t now_us;
-    const roburoc4_client *client = robot_copy(r, &now_us);
     (void)roburoc4_client_facts(client, now_us, &facts);
     return facts;
+}
+
+roburoc4_facts robot_facts(robot *r) {
+    uint64_t now_us;
+    const roburoc4_client *client = robot_copy(r, &now_us);
+    return client_facts(client, now_us);
+}
+
+uint32_t channel_count(const roburoc4_client *client, uint32_t io_type) {
+    roburoc4_iocard_properties card = {0};
+    (void)roburoc4_client_iocard_properties(client, &card);
+    return (uint32_t)(io_type == ROBUROC4_IO_ANALOG_INPUT    ? card.analog_inputs
+                      : io_type == ROBUROC4_IO_ANALOG_OUTPUT ? card.analog_outputs
+                      : io_type == ROBUROC4_IO_DIGITAL_INPUT ? card.digital_inputs
+                                                             : card.digital_outputs);
 }
 
 void robot_disarm(robot *r) {

@@ -44,12 +44,15 @@ typedef struct robot {
     roburoc4_move move;            /* the last one that was begun */
 } robot;
 
-/** Open a link in real time. NULL after noting why (fail.h); an absent robot is no error. */
-robot *robot_open(const char *address, const robot_settings *settings);
-/** Join a world. NULL after noting why. */
-robot *robot_join(roburoc4_world *world, const robot_settings *settings);
+/** Open a link in real time. Its id, or 0 after noting why (fail.h); an absent robot is no error.
+ */
+double robot_open(const char *address, const robot_settings *settings);
+/** Join a world. Its id, or 0 after noting why. */
+double robot_join(roburoc4_world *world, const robot_settings *settings);
 /** End the link. In real time it waits until the stop sequence is over: see robot_facts(). */
 void robot_close(robot *r);
+/** End all of them; their stop sequences run together. */
+void robots_close(void);
 
 /** Whether it takes commands: not when its simulator is gone, or in a fork. */
 int robot_is_open(const robot *r);
@@ -74,6 +77,9 @@ void robots_run(roburoc4_world *world, uint64_t until_us);
 void robots_lose(const roburoc4_world *world);
 
 roburoc4_facts robot_facts(robot *r);
+roburoc4_facts client_facts(const roburoc4_client *client, uint64_t now_us);
+/** How many channels of a type the robot has; 0 before it is known. */
+uint32_t channel_count(const roburoc4_client *client, uint32_t io_type);
 void robot_disarm(robot *r);
 /** Where the robot is, or "the simulator". Returns ROBUROC4_FAULT_* of its socket. */
 uint32_t robot_socket(robot *r, char address[ROBUROC4_ADDRESS_TEXT_SIZE]);

@@ -68,7 +68,7 @@ static int done_output(const call *in, uint32_t io_type, int64_t index, roburoc4
     }
     return fail(FAIL_ARGUMENT, "the robot has no %s output %d: it has %lu, from 0 on",
                 io_type == ROBUROC4_IO_DIGITAL_OUTPUT ? "digital" : "analog", (int)index,
-                (unsigned long)count_channels(in->client, io_type));
+                (unsigned long)channel_count(in->client, io_type));
 }
 
 /* digital(id, index, on) */
@@ -110,7 +110,7 @@ static int relocalize(call *in) {
 
 /* relocalized(id): true when the robot took it; false while it did not answer */
 static int is_relocalized(call *in) {
-    const roburoc4_result result = call_facts(in).relocalize_result;
+    const roburoc4_result result = client_facts(in->client, in->now_us).relocalize_result;
     in->number = result == ROBUROC4_OK;
     return result == ROBUROC4_ERR_UNKNOWN || done("relocalize", result);
 }

@@ -5,27 +5,18 @@
 #include "commands.h"
 #include "fail.h"
 
-int give_robot(call *in, robot *made) {
-    if (made != NULL && !give_id(in, HANDLE_ROBOT, made)) {
-        robot_close(made);
-        return 0;
-    }
-    return made != NULL;
-}
-
 /* open(address, options): id */
 static int open_robot(call *in) {
     char address[TEXT_SIZE];
     robot_settings settings;
     return take_text(in->arguments[0], "address", address) &&
            settings_of_robot(in->arguments[1], &settings) &&
-           give_robot(in, robot_open(address, &settings));
+           (in->number = robot_open(address, &settings)) != 0.0;
 }
 
 /* close(id): delete() can be called twice */
 static int close_one(call *in) {
     if (in->object != NULL) {
-        handles_remove(in->object);
         robot_close(in->object);
     }
     return 1;
@@ -39,23 +30,6 @@ static int leave(call *in) {
         in->number = robot_facts(r).stopping;
     }
     return 1;
-}
-
-void close_robots(void) {
-    for (uint32_t place = 0; place < HANDLES_MAX; place++) {
-        robot *r = handles_at(HANDLE_ROBOT, place);
-        if (r != NULL && robot_is_open(r)) {
-            robot_disarm(r);
-        }
-    }
-    for (uint32_t place = 0; place < HANDLES_MAX; place++) {
-        robot *r = handles_at(HANDLE_ROBOT, place);
-        if (r != NULL) {
-            /* Objects may outlive this: their ids must find nothing. */
-            handles_remove(r);
-            robot_close(r);
-        }
-    }
 }
 
 /* -------------------------------------------------------------------------------- waiting --- */

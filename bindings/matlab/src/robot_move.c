@@ -34,7 +34,7 @@ static roburoc4_result begin(roburoc4_move *move, int64_t kind, const double *va
 static int begin_move(call *in) {
     robot *r = in->object;
     roburoc4_move_options options;
-    const roburoc4_facts facts = call_facts(in);
+    const roburoc4_facts facts = client_facts(in->client, in->now_us);
     int64_t kind;
     double values[3], speed, clearance_m, timeout_s;
     roburoc4_result result;

@@ -30,7 +30,7 @@ static int read_status(call *in) {
     static const char *const ages[SERVICES] = {"iocard_age_s", "telemeter_age_s", "battery_age_s",
                                                "localization_age_s", "differential_age_s"};
     static const field cycles = FIELD(roburoc4_sample, robot_cycles, CYCLES);
-    const roburoc4_facts facts = call_facts(in);
+    const roburoc4_facts facts = client_facts(in->client, in->now_us);
     roburoc4_sample latest, newest = {0};
     answer_number(&in->out, "time_s",
                   (double)(in->now_us - ((const robot *)in->object)->opened_us) / 1e6);
@@ -222,12 +222,6 @@ static int read_service_link(call *in) {
 
 /* ------------------------------------------------------------------------------ the IO card --- */
 
-uint32_t count_channels(const roburoc4_client *client, uint32_t io_type) {
-    roburoc4_iocard_properties card = {0};
-    (void)roburoc4_client_iocard_properties(client, &card);
-    return (uint32_t)field_value(&channels[io_type], &card);
-}
-
 static roburoc4_result find_channel(const call *in, uint32_t io_type, const char *name) {
     static channel_texts texts;
     const char *pointers[CHANNELS_MAX];
@@ -306,7 +300,7 @@ static int read_input(call *in) {
 /* The names of all channels of a type: the robot's own, else the manual's. */
 static mxArray *make_names(const call *in, uint32_t io_type) {
     static channel_texts texts;
-    const uint32_t all = count_channels(in->client, io_type);
+    const uint32_t all = channel_count(in->client, io_type);
     const uint32_t count = all < CHANNELS_MAX ? all : CHANNELS_MAX;
     mxArray *names = mxCreateCellMatrix(1, count);
     robot_texts(in->object, io_type, texts);

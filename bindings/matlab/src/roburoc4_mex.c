@@ -13,7 +13,7 @@
 #include "fail.h"
 
 static void at_exit(void) {
-    close_robots();
+    robots_close();
     close_simulators();
 }
 
@@ -26,18 +26,6 @@ static int count_living(call *in) {
 
 static const command own_commands[] = {{"living", NO_ID, 0, STRUCT, count_living},
                                        {NULL, NO_ID, 0, NOTHING, NULL}};
-
-int give_id(call *in, int kind, void *made) {
-    in->number = handles_add(kind, made);
-    return in->number != 0.0 ||
-           fail(FAIL_LIMIT, "there are %d robots and simulators; delete one", HANDLES_MAX);
-}
-
-roburoc4_facts call_facts(const call *in) {
-    roburoc4_facts facts = {.size = sizeof facts};
-    (void)roburoc4_client_facts(in->client, in->now_us, &facts);
-    return facts;
-}
 
 static const command *find(const char *name) {
     static const command *const tables[] = {robot_drive_commands, robot_move_commands,

@@ -32,6 +32,7 @@ static void end(const simulator *s) {
 /* ----------------------------------------------------------------------------------- life --- */
 
 static void close_simulator(simulator *s) {
+    handles_remove(s);
     if (s->host != NULL) {
         sim_host_destroy(s->host);
     } else {
@@ -45,7 +46,6 @@ void close_simulators(void) {
     for (uint32_t place = 0; place < HANDLES_MAX; place++) {
         simulator *s = handles_at(HANDLE_SIMULATOR, place);
         if (s != NULL) {
-            handles_remove(s);
             close_simulator(s);
         }
     }
@@ -97,17 +97,16 @@ static int open_simulator(call *in) {
         free(made);
         return 0;
     }
-    if (!give_id(in, HANDLE_SIMULATOR, made)) {
+    in->number = handles_add(HANDLE_SIMULATOR, made);
+    if (in->number == 0.0) {
         close_simulator(made);
-        return 0;
     }
-    return 1;
+    return in->number != 0.0;
 }
 
 /* simClose(id): delete() can be called twice */
 static int close_one(call *in) {
     if (in->object != NULL) {
-        handles_remove(in->object);
         close_simulator(in->object);
     }
     return 1;
@@ -134,7 +133,11 @@ static int connect_robot(call *in) {
     if (!settings_of_robot(in->arguments[0], &settings)) {
         return 0;
     }
-    return s->world != NULL ? give_robot(in, robot_join(s->world, &settings)) : fail_real_time();
+    if (s->world == NULL) {
+        return fail_real_time();
+    }
+    in->number = robot_join(s->world, &settings);
+    return in->number != 0.0;
 }
 
 /* So much virtual time takes well below LONGEST_WAIT_S, also with as many robots as can be. */
