@@ -357,3 +357,45 @@ def _fast_raw(data: bytes) -> tuple[tuple[bytes, int], tuple[bytes, int], bytes]
     if not 8 <= length <= size - 20 <= len(data) - 20:
         return None
     return (source, from_port), (destination, to_port), data[28 : 20 + length]
+
+
+class RawWriter:
+    """Writes datagrams as pcapng of raw IP, as our recorder does."""
+
+    def __init__(self, file: IO[bytes]) -> None:
+        self._file = file
+        self.datagrams = 0
+        section = struct.pack("<IHHq", _BYTE_ORDER, 1, 0, -1)
+        file.write(_block(_SECTION, section) + _block(_INTERFACE, struct.pack("<HHI", 101, 0, 0)))
+
+    def add(self, datagram: Datagram, inbound: bool) -> None:
+        """Append a datagram."""
+        source, destination = datagram.source, datagram.destination
+        body = struct.pack("!HHHH", source[1], destination[1], 8 + len(datagram.payload), 0)
+        body += datagram.payload
+        if len(source[0]) == 4:
+            head = struct.pack("!BBHHHBBH", 0x45, 0, 20 + len(body), 0, 0x4000, 64, _UDP, 0)
+            head += source[0] + destination[0]
+            head = head[:10] + _checksum(head) + head[12:]
+        else:
+            head = struct.pack("!IHBB", 6 << 28, len(body), _UDP, 64) + source[0] + destination[0]
+        packet = head + body
+        time_us = datagram.time_us
+        block = struct.pack(
+            "<IIIII", 0, time_us >> 32, time_us & 0xFFFFFFFF, len(packet), len(packet)
+        )
+        flags = struct.pack("<HHIHH", _OPTION_FLAGS, 4, 1 if inbound else 2, 0, 0)
+        self._file.write(_block(_ENHANCED, block + packet + bytes(-len(packet) % 4) + flags))
+        self.datagrams += 1
+
+
+def _block(kind: int, body: bytes) -> bytes:
+    size = struct.pack("<I", 12 + len(body))
+    return struct.pack("<I", kind) + size + body + size
+
+
+def _checksum(head: bytes) -> bytes:
+    total = sum(struct.unpack("!10H", head))
+    while total >> 16:
+        total = (total & 0xFFFF) + (total >> 16)
+    return struct.pack("!H", ~total & 0xFFFF)

@@ -10,6 +10,7 @@ from typing import IO, NamedTuple
 from .capture import MOST_BLOCK, PCAP_MAGIC, RecordingError
 
 _SECTION_BYTES = b"\n\r\r\n"
+_MCAP_BYTES = b"\x89MCA"
 _PACKET_BLOCKS = (3, 6)
 _BLOCKS = (0x0A0D0D0A, 1, 2, 3, 4, 5, 6, 0xBAD, 0x40000BAD)
 _PCAP_HEAD, _PCAP_RECORD = 24, 16
@@ -29,7 +30,10 @@ class Recovered(NamedTuple):
 
 
 def recover(source: Path, target: IO[bytes], show: Show) -> Recovered:
-    """Copy what is whole of a pcapng, pcap or CSV file; ``show`` is called with the bytes read."""
+    """Copy what is whole of a pcapng, pcap, MCAP or CSV file.
+
+    ``show`` is called with the bytes that were read.
+    """
     with source.open("rb") as file:
         size = os.fstat(file.fileno()).st_size
         magic = file.read(4)
@@ -37,10 +41,12 @@ def recover(source: Path, target: IO[bytes], show: Show) -> Recovered:
             return _pcapng(file, size, target, show)
         if magic in PCAP_MAGIC:
             return _pcap(file, size, PCAP_MAGIC[magic][0], target, show)
+        if magic == _MCAP_BYTES:
+            return _mcap(file, size, target, show)
         if source.suffix.lower() == ".csv":
             return _rows(file, size, target, show)
     raise RecordingError(
-        f"{source} does not begin as a pcapng, pcap or CSV file does: nothing can be recovered"
+        f"{source} does not begin as a pcapng, pcap, MCAP or CSV file does: nothing can be saved"
     )
 
 
@@ -139,3 +145,47 @@ def _rows(file: IO[bytes], size: int, target: IO[bytes], show: Show) -> Recovere
         if rows % 4096 == 0:
             show(kept)
     return Recovered(max(0, rows - 1), kept, size - kept)
+
+
+def _mcap(file: IO[bytes], size: int, target: IO[bytes], show: Show) -> Recovered:
+    """Write the messages of whole chunks to a file that has an index again."""
+    from mcap.records import Channel, Header, Message, Schema
+    from mcap.stream_reader import StreamReader
+    from mcap.writer import Writer
+
+    file.seek(0)
+    writer, messages = Writer(target), 0
+    schemas: dict[int, int] = {0: 0}
+    channels: dict[int, int] = {}
+    begun = False
+    try:
+        for record in StreamReader(file).records:
+            if isinstance(record, Header):
+                writer.start(record.profile, record.library)
+                begun = True
+            elif isinstance(record, Schema) and record.id not in schemas:
+                schemas[record.id] = writer.register_schema(
+                    record.name, record.encoding, record.data
+                )
+            elif isinstance(record, Channel) and record.id not in channels:
+                channels[record.id] = writer.register_channel(
+                    record.topic,
+                    record.message_encoding,
+                    schemas[record.schema_id],
+                    record.metadata,
+                )
+            elif isinstance(record, Message):
+                channel = channels[record.channel_id]
+                writer.add_message(
+                    channel, record.log_time, record.data, record.publish_time, record.sequence
+                )
+                messages += 1
+                if messages % 4096 == 0:
+                    show(file.tell())
+    except Exception:  # what a damaged file makes of the reader: several kinds
+        pass
+    if not begun:
+        raise RecordingError("the MCAP file has no whole header: nothing can be recovered")
+    left = size - min(size, file.tell())
+    writer.finish()  # type: ignore[no-untyped-call]
+    return Recovered(messages, size - left, left)

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import sys
 
+_EXTRAS = {"rich": "cli", "telnetlib3": "cli", "mcap": "record"}
+
 
 def main() -> None:
     """Run the command line and exit with its code."""
@@ -22,10 +24,11 @@ def main() -> None:
         code = ended.exit_code
     except ModuleNotFoundError as missing:
         name = (missing.name or "").partition(".")[0]
-        if name not in ("rich", "telnetlib3"):
+        extra = _EXTRAS.get(name)
+        if extra is None:
             raise
         print(
-            f"roburoc4: {name} is not installed: install roburoc4 with its extra [cli] "
+            f"roburoc4: {name} is not installed: install roburoc4 with its extra [{extra}] "
             "(see docs/python.md)",
             file=sys.stderr,
         )

@@ -9,6 +9,7 @@ import sys
 
 from . import (
     completion,
+    convert,
     dashboard,
     doctor,
     drive,
@@ -40,6 +41,7 @@ _COMMANDS = (
     recover,
     replay,
     report,
+    convert,
     set_ip,
     sim,
     completion,

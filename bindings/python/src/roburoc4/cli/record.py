@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`roburoc4 record FILE`: every datagram (.pcapng), or statuses as columns (.csv)."""
+"""`roburoc4 record FILE`: every datagram (.pcapng), ROS 2 messages (.mcap), or columns (.csv)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from contextlib import nullcontext, redirect_stdout, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import record_raw, session
+from . import record_mcap, record_raw, session
 from .errors import ExitCode, refused, usage
 from .options import Options, add_robot, add_seconds
 from .output import note, print_json
@@ -47,8 +47,9 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "record",
         help="record to a file",
         description="Record until Ctrl-C. FILE.pcapng: every datagram in both directions, for "
-        "report, replay, convert and Wireshark. FILE.csv: every status, one row for each robot "
-        "cycle in which there was one, empty cells for services that said nothing in it.",
+        "report, replay, convert and Wireshark. FILE.mcap: statuses and events as ROS 2 messages. "
+        "FILE.csv: every status, one row for each robot cycle in which there was one, empty cells "
+        "for services that said nothing in it.",
     )
     parser.add_argument(
         "file", metavar="FILE", type=Path, help="its suffix says what; -: standard output, CSV"
@@ -65,8 +66,10 @@ def run(options: RecordOptions) -> int:
         raise usage(f"{options.file} exists: give another name, or --force to replace it")
     if options.file.suffix.lower() == ".pcapng":
         return record_raw.run(options)
+    if options.file.suffix.lower() == ".mcap":
+        return record_mcap.run(options)
     with session.connected(options) as robot:
-        with _Sheet(options.file, columns(robot.properties)) as sheet:
+        with Sheet(options.file, columns(robot.properties)) as sheet:
             recording = _Recording(options, robot)
             try:
                 recording.run(sheet)
@@ -79,7 +82,7 @@ def run(options: RecordOptions) -> int:
     return ExitCode.FINE
 
 
-class _Sheet:
+class Sheet:
     """A CSV file that has whole rows only, on a full disk too."""
 
     def __init__(self, path: Path, header: list[str]) -> None:
@@ -151,7 +154,7 @@ class _Recording:
         self._statuses = 0
         self._gaps = Gaps(robot.period_s)
 
-    def run(self, sheet: _Sheet) -> None:
+    def run(self, sheet: Sheet) -> None:
         """Write until the time is over; what is left is written however this ends."""
         rows = Rows()
         try:
@@ -161,7 +164,7 @@ class _Recording:
             if not sheet.full:
                 sheet.write(rows.rest())
 
-    def _read(self, rows: Rows, sheet: _Sheet) -> None:
+    def _read(self, rows: Rows, sheet: Sheet) -> None:
         def take(status: Status) -> None:
             self._statuses += 1
             self._gaps.add(status)

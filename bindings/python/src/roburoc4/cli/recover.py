@@ -25,7 +25,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = commands.add_parser(
         "recover",
         help="save what is whole of a damaged recording",
-        description="Copy all that is whole of a pcapng, pcap or CSV file, whose program was "
+        description="Copy all that is whole of a pcapng, pcap, MCAP or CSV file, whose program was "
         "killed or whose disk was full, to another file.",
     )
     parser.add_argument("file", metavar="FILE", type=Path, help="the recording; it stays as it is")
@@ -66,8 +66,10 @@ def run(options: RecoverOptions) -> int:
     if options.json:
         print_json({"file": str(output), **found._asdict()})
     else:
-        what = "rows" if source.suffix.lower() == ".csv" else "datagrams"
-        print(f"{output}: {found.packets} {what}; {found.left_out} bytes were not whole")
+        names = {".csv": "rows", ".mcap": "messages"}
+        what = names.get(source.suffix.lower(), "datagrams")
+        left = f"; {found.left_out} bytes were not whole" if found.left_out else ""
+        print(f"{output}: {found.packets} {what}{left}")
     return ExitCode.FINE
 
 

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: MIT
+"""`roburoc4 convert` and `record FILE.mcap`: what other people's readers read is what was sent."""
+
+import csv
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+from capture_support import BEGIN_US, ROBOT, drive, pcap, statuses, write
+from cli_support import document, eventually, one_line, run, start
+from rosbags.highlevel import AnyReader
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+import roburoc4
+from roburoc4.capture import Capture
+from roburoc4.ros_messages import definition
+
+STORE = get_typestore(Stores.ROS2_HUMBLE)
+TOPICS = {
+    "/odom": "nav_msgs/msg/Odometry",
+    "/tf": "tf2_msgs/msg/TFMessage",
+    "/battery_state": "sensor_msgs/msg/BatteryState",
+    "/range/front": "sensor_msgs/msg/Range",
+    "/range/rear": "sensor_msgs/msg/Range",
+    "/joy": "sensor_msgs/msg/Joy",
+    "/cmd_vel_applied": "geometry_msgs/msg/TwistStamped",
+    "/cmd_vel_sent": "geometry_msgs/msg/TwistStamped",
+    "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
+}
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return write(tmp_path / "run.pcapng", drive(5.0))
+
+
+def messages(path: Path) -> dict[str, list[tuple[int, Any]]]:
+    """Read a file as rosbags does, with its own definitions of the messages."""
+    found: dict[str, list[tuple[int, Any]]] = {}
+    with AnyReader([path], default_typestore=STORE) as reader:
+        kinds = {one.topic: one.msgtype for one in reader.connections}
+        assert kinds.items() <= TOPICS.items()
+        for connection, time_ns, raw in reader.messages():
+            message = STORE.deserialize_cdr(raw, connection.msgtype)
+            # byte by byte what ROS itself would have written
+            assert bytes(STORE.serialize_cdr(message, connection.msgtype)) == bytes(raw)
+            found.setdefault(connection.topic, []).append((time_ns, message))
+    return found
+
+
+def test_an_mcap_file_has_the_values_that_were_sent(path: Path, tmp_path: Path) -> None:
+    out = tmp_path / "run.mcap"
+    done = document(run("convert", str(path), str(out), "--json"))
+    found = messages(out)
+    assert set(found) == set(TOPICS)
+    assert done["messages"] == sum(len(one) for one in found.values())
+    sent = statuses(BEGIN_US + 100_000, 5.0)
+    for at, (time_ns, odometry) in enumerate(found["/odom"]):
+        angle = 0.5 * at * 0.05
+        place, turned = odometry.pose.pose.position, odometry.pose.pose.orientation
+        assert (place.x, place.y) == pytest.approx((math.sin(angle), 1 - math.cos(angle)))
+        assert 2 * math.atan2(turned.z, turned.w) == pytest.approx(angle)
+        assert time_ns == sent[0].time_us * 1000 + at * 50_000_000 + 10_000
+        stamp = odometry.header.stamp
+        assert stamp.sec + stamp.nanosec / 1e9 == pytest.approx(time_ns / 1e9, abs=1e-3)
+        assert (odometry.header.frame_id, odometry.child_frame_id) == ("odom", "base_link")
+    assert found["/odom"][-1][1].twist.twist.linear.x == pytest.approx(0.49)
+    assert [len(one.transforms) for _, one in found["/tf"]].count(3) == 5
+    battery = found["/battery_state"][2][1]
+    assert (battery.percentage, battery.power_supply_status) == (pytest.approx(0.88), 2)
+    assert battery.voltage == pytest.approx(25.2)
+    front, rear = found["/range/front"][3][1], found["/range/rear"][3][1]
+    assert front.range == pytest.approx(2.03)
+    assert math.isnan(rear.range)
+    assert (front.min_range, front.max_range) == (0.25, 6.0)
+    joy = found["/joy"][0][1]
+    assert len(joy.axes) == 6
+    assert not any(joy.buttons)
+    applied = found["/cmd_vel_applied"][0][1].twist
+    assert (applied.linear.x, applied.angular.z) == (0.5, 0.5)
+    assert len(found["/cmd_vel_sent"]) == 103
+    texts = [one.status[0].message for _, one in found["/diagnostics"]]
+    assert texts[-1] == "192.168.0.5:40001 stopped the robot, after 5.0 s of driving"
+
+
+def test_the_definitions_are_those_of_ros() -> None:
+    for kind in set(TOPICS.values()):
+        found = get_types_from_msg(definition(kind.replace("/msg/", "/")), kind)
+        for name, (_, fields) in found.items():
+            theirs = [field for field in STORE.get_msgdef(name).fields if field[0] != "structure_"]
+            assert list(fields) == theirs, name
+
+
+def test_no_topic_is_one_that_a_robot_obeys(path: Path, tmp_path: Path) -> None:
+    assert run("convert", str(path), str(tmp_path / "a.mcap")).returncode == 0
+    assert not {"/cmd_vel", "/joy_teleop", "/initialpose"} & set(messages(tmp_path / "a.mcap"))
+
+
+def test_a_csv_file_is_what_record_would_have_written(path: Path, tmp_path: Path) -> None:
+    out = tmp_path / "run.csv"
+    assert document(run("convert", str(path), str(out), "--json"))["rows"] == 100
+    with out.open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [int(row["robot_cycles"]) for row in rows] == list(range(1000, 1500, 5))
+    assert float(rows[40]["localization_x_m"]) == pytest.approx(math.sin(1.0))
+    assert float(rows[-1]["utc_s"]) == pytest.approx(BEGIN_US / 1e6 + 5.05, abs=1e-3)
+    assert rows[0]["battery_remaining_percent"] == "90"
+    assert rows[1]["battery_remaining_percent"] == ""
+
+
+def test_a_foreign_capture_becomes_one_of_ours(tmp_path: Path) -> None:
+    path, out = tmp_path / "a.pcap", tmp_path / "b.pcapng"
+    path.write_bytes(pcap(drive(1.0), link="two vlans"))
+    assert document(run("convert", str(path), str(out), "--json"))["datagrams"] == len(drive(1.0))
+    before, after = list(Capture(path)), list(Capture(out))
+    assert [one[:4] for one in before] == [one[:4] for one in after]
+    assert {one.inbound for one in after if one.source == ROBOT} == {True}
+
+
+def test_a_live_mcap_file_is_read_and_a_killed_one_saved(tmp_path: Path) -> None:
+    whole, cut = tmp_path / "a.mcap", tmp_path / "b.mcap"
+    with roburoc4.Simulator(port=0) as sim:
+        sim.set("bumper_front", True)
+        done = document(run("record", str(whole), "--seconds", "2", "--json", robot=sim.address))
+        process = start("record", str(cut), robot=sim.address)
+        eventually(lambda: cut.exists() and cut.stat().st_size > 20_000)
+        process.kill()
+        process.communicate(timeout=30)
+    found = messages(whole)
+    assert sum(len(one) for one in found.values()) == done["messages"]
+    assert len(found["/odom"]) >= 30
+    spread_s = (found["/odom"][-1][0] - found["/odom"][0][0]) / 1e9
+    assert spread_s == pytest.approx(2.0, abs=0.6)
+    saved = document(run("recover", str(cut), "--json"))
+    again = messages(Path(saved["file"]))
+    assert sum(len(one) for one in again.values()) == saved["packets"] > 50
+
+
+def test_what_cannot_be_converted_is_one_line(path: Path, tmp_path: Path) -> None:
+    wrong = run("convert", str(path), str(tmp_path / "a.bag"))
+    assert wrong.returncode == 2
+    assert ".mcap" in one_line(wrong.stderr)
+    assert run("convert", str(path), str(path), "--force").returncode == 2
+    assert len(list(Capture(path))) == len(drive(5.0))
+    kept = tmp_path / "a.csv"
+    kept.write_text("precious")
+    assert "--force" in one_line(run("convert", str(path), str(kept)).stderr)
+    none = run("convert", str(path), str(tmp_path / "no" / "a.mcap"))
+    assert none.returncode == 1
+    assert "another name" in one_line(none.stderr)
