@@ -2,7 +2,7 @@
  *
  * fail.h - why a call failed, kept until nothing is left to be given back.
  *
- * Raising an error leaves the MEX file by a long jump. So commands only note what went wrong, and
+ * Raising an error does not return. So commands only note what went wrong, and
  * mexFunction() raises it as the very last thing that it does.
  */
 #ifndef ROBUROC4_MEX_FAIL_H

@@ -247,8 +247,8 @@ uint32_t robot_socket(robot *r, char address[ROBUROC4_ADDRESS_TEXT_SIZE]) {
     return fault;
 }
 
-void robot_texts(robot *r, uint32_t io_type, channel_texts out) {
-    for (uint32_t i = 0; i < CHANNELS_MAX; i++) {
+void robot_texts(robot *r, uint32_t io_type, uint32_t count, channel_texts out) {
+    for (uint32_t i = 0; i < count; i++) {
         if (roburoc4_pump_description(r->pump, (int32_t)io_type, i, out[i], CHANNEL_TEXT) < 0) {
             out[i][0] = '\0';
         }

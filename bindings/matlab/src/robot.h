@@ -83,8 +83,8 @@ uint32_t channel_count(const roburoc4_client *client, uint32_t io_type);
 void robot_disarm(robot *r);
 /** Where the robot is, or "the simulator". Returns ROBUROC4_FAULT_* of its socket. */
 uint32_t robot_socket(robot *r, char address[ROBUROC4_ADDRESS_TEXT_SIZE]);
-/** The robot's texts for the channels of a type, by index. Not between lock and unlock. */
-void robot_texts(robot *r, uint32_t io_type, channel_texts out);
+/** The robot's texts for the first channels of a type, by index. Not between lock and unlock. */
+void robot_texts(robot *r, uint32_t io_type, uint32_t count, channel_texts out);
 
 /** Take what has come since. 0 after noting that there is no room. */
 int recording_go_on(recording *rec, roburoc4_pump *pump);

@@ -222,14 +222,21 @@ static int read_service_link(call *in) {
 
 /* ------------------------------------------------------------------------------ the IO card --- */
 
+/* How many channels of a type can have a name here. */
+static uint32_t named_channels(const call *in, uint32_t io_type) {
+    const uint32_t all = channel_count(in->client, io_type);
+    return all < CHANNELS_MAX ? all : CHANNELS_MAX;
+}
+
 static roburoc4_result find_channel(const call *in, uint32_t io_type, const char *name) {
     static channel_texts texts;
     const char *pointers[CHANNELS_MAX];
-    robot_texts(in->object, io_type, texts);
-    for (uint32_t i = 0; i < CHANNELS_MAX; i++) {
+    const uint32_t count = named_channels(in, io_type);
+    robot_texts(in->object, io_type, count, texts);
+    for (uint32_t i = 0; i < count; i++) {
         pointers[i] = texts[i];
     }
-    return roburoc4_client_channel_find(in->client, io_type, name, pointers, CHANNELS_MAX);
+    return roburoc4_client_channel_find(in->client, io_type, name, pointers, count);
 }
 
 /* A channel of some types (bits by ROBUROC4_IO_*). 0 after noting why there is none. */
@@ -300,10 +307,9 @@ static int read_input(call *in) {
 /* The names of all channels of a type: the robot's own, else the manual's. */
 static mxArray *make_names(const call *in, uint32_t io_type) {
     static channel_texts texts;
-    const uint32_t all = channel_count(in->client, io_type);
-    const uint32_t count = all < CHANNELS_MAX ? all : CHANNELS_MAX;
+    const uint32_t count = named_channels(in, io_type);
     mxArray *names = mxCreateCellMatrix(1, count);
-    robot_texts(in->object, io_type, texts);
+    robot_texts(in->object, io_type, count, texts);
     for (uint32_t i = 0; i < count; i++) {
         const char *manual = roburoc4_client_channel_name(in->client, io_type, i);
         mxSetCell(names, i, make_text(texts[i][0] != '\0' || manual == NULL ? texts[i] : manual));
