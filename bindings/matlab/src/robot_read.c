@@ -258,11 +258,11 @@ static int take_channel(const call *in, uint32_t types, uint32_t *io_type, uint3
     }
     if (found > 1) {
         return fail(FAIL_ARGUMENT,
-                    "'%s' is ambiguous: several channels have this name; use io() and an index",
+                    "'%s' is ambiguous: several channels have this name; use inputs() and an index",
                     name);
     }
     return found == 1 ||
-           fail(FAIL_ARGUMENT, "the robot has no channel '%s'; io() lists the names", name);
+           fail(FAIL_ARGUMENT, "the robot has no channel '%s'; inputs() lists the names", name);
 }
 
 /* output(id, name, digital): the index of an output; call digital() or analog() with it */
@@ -284,7 +284,7 @@ static int read_sample(const call *in, roburoc4_sample *out) {
            fail(FAIL_PROTOCOL, "the robot has sent no IO card status yet; wait with spin(0.1)");
 }
 
-/* io(id, name): double of an analog input, logical of a digital one */
+/* input(id, name): double of an analog input, logical of a digital one */
 static int read_input(call *in) {
     const uint32_t types = 1u << ROBUROC4_IO_ANALOG_INPUT | 1u << ROBUROC4_IO_DIGITAL_INPUT;
     roburoc4_sample sample;
@@ -484,7 +484,7 @@ const command robot_read_commands[] = {
     {"link", READ_ROBOT, 0, STRUCT, read_link},
     {"serviceLink", READ_ROBOT, 1, STRUCT, read_service_link},
     {"output", READ_ROBOT, 2, NUMBER, find_output},
-    {"io", READ_ROBOT, 1, OTHER, read_input},
+    {"input", READ_ROBOT, 1, OTHER, read_input},
     {"inputs", READ_ROBOT, 0, STRUCT, read_inputs},
     {"record", READ_ROBOT, -1, NOTHING, begin_recording},
     {"recorded", READ_ROBOT, 0, NOTHING, go_on_recording},

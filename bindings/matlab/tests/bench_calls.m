@@ -20,7 +20,7 @@ measure('p = r.pose', @() r.pose, 20);
 measure('r.pose: the interpreter alone', @() empty.pose, NaN);
 measure('v = r.speeds', @() r.speeds, 20);
 measure('r.speeds: the interpreter alone', @() empty.speeds, NaN);
-measure('on = r.io(''Front bumper'')', @() r.io('Front bumper'), NaN);
+measure('on = r.inputs(''Front bumper'')', @() r.inputs('Front bumper'), NaN);
 measure('s = r.status (all of it)', @() r.status, NaN);
 measure('s = r.link', @() r.link, NaN);
 measure('an empty function handle', @() [], NaN);

@@ -6,16 +6,16 @@ begun = tic();
 while r.status.robot_cycles < 10 && toc(begun) < 10
     r.spin(0.05);
 end
-names = r.io();
+names = r.inputs();
 names = names.digital_input_names;
 check(strcmpi(names{1}, 'Front bumper') && numel(names) == 22, 'names');
-check(islogical(r.io('front bumper')) && ~r.io('Front bumper'), 'bumper');
-check(isa(r.io('Battery voltage'), 'double') && r.io('battery voltage') > 20, 'voltage');
+check(islogical(r.inputs('front bumper')) && ~r.inputs('Front bumper'), 'bumper');
+check(isa(r.inputs('Battery voltage'), 'double') && r.inputs('battery voltage') > 20, 'voltage');
 sim.set('bumper_front', true);
-wait_for(r, @() r.io('Front bumper'));
+wait_for(r, @() r.inputs('Front bumper'));
 check(r.status.front_bumper, 'status does not show the bumper');
 sim.panel('pin analog 2 12.5');
-wait_for(r, @() r.io('Battery voltage') == 12.5);
+wait_for(r, @() r.inputs('Battery voltage') == 12.5);
 r.setOutput(3, true);
 wait_for(r, @() sim.get('digital_output_3'));
 check(~sim.get('digital_output_2'), 'another output changed');

@@ -44,7 +44,7 @@ classdef Robot < handle
 %      spin            - Wait
 %      rate            - Make a loop with a fixed rate
 %      receive         - Wait for the next status of a service
-%      io              - Read inputs by name
+%      inputs          - Read inputs by name
 %      setOutput       - Set a digital output
 %      setAnalogOutput - Set an analog output
 %      relocalize      - Set the pose of the odometry
@@ -356,22 +356,22 @@ methods
         s = roburoc4_mex('serviceLink', this.id, service);
     end
 
-    function value = io(this, name)
-        %IO Read inputs of the IO card by name.
-        %   VALUE = io(R, NAME) is logical for a digital input, and a double, generally volts, for
+    function value = inputs(this, name)
+        %INPUTS Read inputs of the IO card by name.
+        %   VALUE = inputs(R, NAME) is logical for a digital input, and a double, generally volts, for
         %   an analog one. NAME is what the robot calls the input, or the manual (5.5.1) if the robot
-        %   does not name it; case, punctuation and the order of words do not matter. S = io(R) is a
+        %   does not name it; case, punctuation and the order of words do not matter. S = inputs(R) is a
         %   scalar struct of all inputs, by their index in the protocol, and of the names of all
         %   channels. These are the latest values; status.iocard_age_s is their age.
         %
         %   Example:
-        %      r.io('Front bumper')
-        %      r.io('Battery voltage')
+        %      r.inputs('Front bumper')
+        %      r.inputs('Battery voltage')
         if nargin < 2
             value = roburoc4_mex('inputs', this.id);
         else
             name = roburoc4.internal.text(name, 'name of an input');
-            value = roburoc4_mex('io', this.id, name);
+            value = roburoc4_mex('input', this.id, name);
         end
     end
 

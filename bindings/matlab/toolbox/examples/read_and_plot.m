@@ -19,7 +19,7 @@ if nargin < 1 || isempty(robot)
 end
 
 data = robot.record(5);
-channels = robot.io();
+channels = robot.inputs();
 voltage = strcmpi(channels.analog_input_names, 'Battery voltage');
 
 shown = canvas(nargin < 2, 900, 700);
