@@ -21,6 +21,12 @@ bool gate_is_waiting(const gate *gate, uint64_t now_us) {
     return now_us - gate->quiet_since_us < GATE_PAUSE_US;
 }
 
+void gate_was_stalled(gate *gate, uint64_t since_us, uint64_t now_us) {
+    if (gate_is_waiting(gate, since_us)) {
+        gate->quiet_since_us += now_us - since_us;
+    }
+}
+
 void gate_stop(gate *gate, const char *sender, size_t length, uint64_t now_us) {
     length = length < GATE_MAX_SENDER ? length : GATE_MAX_SENDER;
     gate_hold(gate, now_us);

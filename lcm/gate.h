@@ -134,6 +134,8 @@ void gate_stop(gate *gate, const char *sender, size_t length, uint64_t now_us);
 /* The robot was disarmed, overridden, lost or restarted: hold commands until all senders have
  * paused. */
 void gate_hold(gate *gate, uint64_t now_us);
+/* The bridge hung from since_us until now, and read nothing: that time is no pause. */
+void gate_was_stalled(gate *gate, uint64_t since_us, uint64_t now_us);
 /* This machine's clock was set: all that is known of utimes is void. */
 void gate_clock_was_set(gate *gate, gate_time now);
 

@@ -208,6 +208,9 @@ static void look_for_stall(uint64_t asked_us) {
         if (now.us >= stalled_until_us) {
             stalled_utime = last_look.utime;
         }
+        for (uint32_t at = 0; at < robot_count; at++) {
+            gate_was_stalled(&robots[at].gate, last_look.us, now.us);
+        }
         stalled_until_us = now.us + STALL_ECHO_US;
     }
     last_look = now;

@@ -11,7 +11,7 @@ from contextlib import ExitStack
 
 import pytest
 from rig import Bridge, Bus, Planner, Programs, Robot, until
-from rig.bus import drive_command, now_us
+from rig.bus import drive_command, now_us, stop_command
 
 StartBridge = Callable[..., Bridge]
 Plan = Callable[..., Planner]
@@ -174,6 +174,24 @@ def test_a_lease_runs_while_the_bridge_is_hung(
     bridge.signal(signal.SIGCONT)
     until(lambda: bridge.statistics.rejected_too_old == 1, "it came too late")
     assert robot.tap.moves() == []
+
+
+@MAX_AGES
+def test_time_in_which_the_bridge_hung_is_no_pause(
+    robot: Robot, bus: Bus, start_bridge: StartBridge, plan: Plan, options: list[str]
+) -> None:
+    bridge = start_bridge("--enable-drive", *options).arms()
+    plan(linear=0.5)
+    drives(robot)
+    bus.publish("ROBUROC4_STOP_CMD", stop_command("operator").encode())
+    until(lambda: bridge.state.stopped, "the robot is stopped")
+    for _ in range(3):
+        bridge.signal(signal.SIGSTOP)
+        time.sleep(0.7)
+        continued_us = now_us()
+        bridge.signal(signal.SIGCONT)
+        time.sleep(0.4)
+        assert robot.tap.moves(continued_us) == []
 
 
 def test_an_overflowing_queue_does_not_drive_on_old_commands(

@@ -507,6 +507,21 @@ TEST_F(Gate, ACommandRightBeforeTheEndOfThePauseBeginsItAnew) {
     EXPECT_EQ(GATE_TAKEN, judge(command(), armable));
 }
 
+TEST_F(Gate, TimeInWhichTheBridgeHungIsNoPause) {
+    gate_hold(&gate, us());
+    EXPECT_EQ(GATE_DISARMED, stream(400 * ms, armed));
+    const std::uint64_t since_us = us();
+    run(2 * second);
+    gate_was_stalled(&gate, since_us, us());
+    EXPECT_EQ(GATE_DISARMED, judge(command())) << "it may have streamed meanwhile";
+    run(GATE_PAUSE_US);
+    EXPECT_EQ(GATE_TAKEN, judge(command()));
+    const std::uint64_t later_us = us();
+    run(2 * second);
+    gate_was_stalled(&gate, later_us, us());
+    EXPECT_EQ(GATE_TAKEN, judge(command())) << "the pause was over before";
+}
+
 TEST_F(Gate, ZerosCountAsAPauseButAreRefusedDuringIt) {
     gate_hold(&gate, us());
     EXPECT_EQ(GATE_DISARMED, stream(450 * ms, armable, true));
