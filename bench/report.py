@@ -24,6 +24,7 @@ ORDER = (
     "dashboard",
     "growth",
     "moves",
+    "recording",
     "payload",
 )
 PEERS = (
@@ -36,6 +37,7 @@ PEERS = (
     "bare ppoll loop",
     "bare recv",
     "bare recvmmsg",
+    "tcpdump",
     "Cortex-M0",
     "Cortex-M3",
     "Cortex-M4F",

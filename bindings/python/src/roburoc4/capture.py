@@ -31,6 +31,8 @@ _OPTION_FLAGS, _OPTION_DROPPED, _OPTION_RESOLUTION, _OPTION_OFFSET, _OPTION_ISB_
     14,
     5,
 )
+_ONLY_FLAGS = b"\x02\0\x04\0"  # little-endian, which is where its direction is then
+_INBOUND = {1: True, 2: False}
 _VLAN = (0x8100, 0x88A8, 0x9100)
 _IPV4, _IPV6, _UDP = 0x0800, 0x86DD, 17
 _IPV6_EXTENSIONS = (0, 43, 60)
@@ -174,8 +176,11 @@ class Capture:
                     raise self._damaged("a packet block that fits no interface or is too short")
                 interface = interfaces[number]
                 inbound = None
-                if 20 + (length + 3) // 4 * 4 < len(body):
-                    inbound = self._packet_options(body, 20 + (length + 3) // 4 * 4, order)
+                at = 20 + (length + 3) // 4 * 4
+                if body[at : at + 4] == _ONLY_FLAGS and len(body) == at + 12:  # our own files
+                    inbound = _INBOUND.get(body[at + 4] & 3)
+                elif at < len(body):
+                    inbound = self._packet_options(body, at, order)
                 yield (
                     interface.time_us(high << 32 | low),
                     interface.link,
@@ -196,7 +201,7 @@ class Capture:
         for code, value in _options(body, at, order):
             if code == _OPTION_FLAGS and len(value) == 4:
                 direction = struct.unpack(order + "I", value)[0] & 3
-                inbound = {1: True, 2: False}.get(direction)
+                inbound = _INBOUND.get(direction)
             elif code == _OPTION_DROPPED and len(value) == 8:
                 self.dropped += struct.unpack(order + "Q", value)[0]
         return inbound

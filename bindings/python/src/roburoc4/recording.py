@@ -47,6 +47,7 @@ _LONG_SILENCE_US = 100_000_000
 _BUFFER = 64
 _STATUS_EVENTS = events_of_services(STATUS_MASK)
 _OTHER_EVENTS = ALL_EVENTS & ~_STATUS_EVENTS
+_IOCARD_EVENT = int(Event.IOCARD)  # an Event is slow to compute with
 _WATCHDOG_US = 1_000_000
 _HALT_US = 2_000_000
 _LONGEST_DRIVING_PERIOD_MS = 330
@@ -341,7 +342,7 @@ class _Pass:
     def _happened(self, time_us: int) -> list[Item]:
         events = _native.roburoc4_pump_take_events(self._handle, self._reader)
         found: list[Item] = []
-        if events & _OTHER_EVENTS or (events & Event.IOCARD and self._bumper_changed()):
+        if events & _OTHER_EVENTS or (events & _IOCARD_EVENT and self._bumper_changed()):
             found += self._notices(Event(events & _OTHER_EVENTS), time_us)
         if events & _STATUS_EVENTS:
             found += _native.read_samples(self._handle, self._reader, STATUS_MASK) or ()
