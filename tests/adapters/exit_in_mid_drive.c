@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * exit_in_mid_drive HOST:PORT [locked]: drive with a pump, and exit() as soon as the robot says
- * that it was told to; locked: with the pump's lock held. pump_test.cpp runs it.
+ * exit_in_mid_drive HOST:PORT [locked|FILE]: drive with a pump, and exit() as soon as the robot
+ * says that it was told to; locked: with the pump's lock held; FILE: recorded there. pump_test.cpp
+ * and record_test.cpp run it.
  */
 #include "roburoc4_pump.h"
 
@@ -19,6 +20,9 @@ int main(int argc, char **argv) {
         return 2;
     }
     pump = roburoc4_pump_create(&address, NULL, 0, NULL);
+    if (argc > 2 && strchr(argv[2], '/') != NULL) {
+        (void)roburoc4_pump_record(pump, roburoc4_recorder_open(argv[2], NULL, NULL));
+    }
     while (result < 0 || status.target_linear_m_s == 0.0f) {
         roburoc4_pump_wait_events(pump, &reader, ROBUROC4_EVENT_DIFFERENTIAL, 50000);
         roburoc4_pump_take_events(pump, &reader);

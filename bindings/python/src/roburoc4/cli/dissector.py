@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: MIT
+"""`roburoc4 dissector`: what makes Wireshark and tshark read the robot's telegrams."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import sys
+from pathlib import Path
+
+from .errors import ExitCode, refused
+from .options import Options
+from .output import note
+
+NAME = "roburoc4.lua"
+
+
+class DissectorOptions(Options):
+    """What `dissector` is given."""
+
+    install: bool
+
+
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command."""
+    parser = commands.add_parser(
+        "dissector",
+        help="teach Wireshark the robot's protocol",
+        description="Print where the dissector for Wireshark and tshark is; with --install, copy "
+        "it into the folder for your own plugins.",
+        epilog="example: roburoc4 dissector --install",
+    )
+    parser.add_argument("--install", action="store_true", help="copy it for this user's Wireshark")
+    parser.set_defaults(run=run)
+
+
+def plugin_folder() -> Path:
+    """Return the folder of this user's plugins, as Wireshark has it in Help > About > Folders."""
+    if sys.platform == "win32":
+        return Path(os.environ["APPDATA"]) / "Wireshark" / "plugins"
+    return Path.home() / ".local" / "lib" / "wireshark" / "plugins"
+
+
+def run(options: DissectorOptions) -> int:
+    """Print the path of the file that counts."""
+    path = Path(__file__).resolve().parents[1] / NAME
+    if options.install:
+        folder = plugin_folder()
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            path = Path(shutil.copyfile(path, folder / NAME))
+        except OSError as error:
+            raise refused(f"{folder} cannot be written to: {error.strerror}") from error
+        note("installed: start Wireshark anew, or look: tshark -r FILE -Y roburoc4")
+    print(path)
+    return ExitCode.FINE
