@@ -14,7 +14,7 @@ for k = 1:numel(blocks)
         code = [code blocks{k}{1} sprintf('\n')]; %#ok<AGROW>
     end
 end
-address = 'roburoc4\.Robot\(''(127\.0\.0\.1|192\.168\.0\.2)''(, )?';
+address = 'roburoc4\.Robot\(''127\.0\.0\.1''(, )?';
 check(numel(regexp(code, address)) == 2, 'other addresses than that of the page');
 code = regexprep(code, address, 'page_world.connect(');
 folder = getenv('ROBUROC4_PICTURES');
