@@ -126,6 +126,7 @@ methods (Access = protected)
         if ~isempty(this.simulator)
             delete(this.simulator);
         end
+        this.simulator = [];
     end
 
     function [linear_m_s, angular_rad_s, arm] = isInputDirectFeedthroughImpl(~, ~, ~, ~)
