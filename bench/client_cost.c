@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * client_cost KIND COUNT: do what KIND names COUNT times with a ready client. bench/client-cost
+ * counts the instructions.
+ */
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+
+#include "roburoc4_sim.h"
+#include "roburoc4_udp.h"
+
+#define STEP_US 10000
+#define GET_READY_US 20000000
+
+static roburoc4_client client;
+static roburoc4_udp udp;
+static uint64_t now_us;
+static uint8_t statuses[ROBUROC4_SERVICE_COUNT][ROBUROC4_SIM_MAX_TRANSMIT];
+static size_t sizes[ROBUROC4_SERVICE_COUNT];
+
+static void die(const char *why) {
+    (void)fprintf(stderr, "client_cost: %s\n", why);
+    exit(1);
+}
+
+/* ---- a client that is ready, and the robot's last statuses ---- */
+
+static void get_ready(void) {
+    uint8_t data[ROBUROC4_SIM_MAX_TRANSMIT];
+    roburoc4_sim *robot = roburoc4_sim_create(NULL);
+    const uint64_t until_us = roburoc4_udp_now_us();
+    roburoc4_result size;
+    uint64_t peer;
+    now_us = until_us - GET_READY_US; /* the adapter goes on with the real time */
+    roburoc4_client_init(&client, sizeof client, NULL);
+    roburoc4_client_start(&client, now_us);
+    for (; now_us < until_us; now_us += STEP_US) {
+        roburoc4_sim_advance(robot, now_us);
+        while ((size = roburoc4_sim_poll_transmit(robot, &peer, data, sizeof data)) > 0) {
+            roburoc4_client_receive(&client, data, (size_t)size, now_us);
+            if (data[0] == ROBUROC4_HEADER_STATUS) {
+                memcpy(statuses[data[1]], data, (size_t)size);
+                sizes[data[1]] = (size_t)size;
+            }
+        }
+        while ((size = roburoc4_client_poll_transmit(&client, data, sizeof data, now_us)) > 0) {
+            roburoc4_sim_receive(robot, 1, data, (size_t)size);
+        }
+    }
+    roburoc4_sim_destroy(robot);
+    if (roburoc4_client_state(&client) != ROBUROC4_STATE_READY) {
+        die("the client did not get ready");
+    }
+}
+
+/** The service's status of the next period, five cycles later. */
+static const uint8_t *next_status(uint32_t service) {
+    uint8_t *stamp = statuses[service] + 3;
+    uint32_t carry = 5;
+    for (int i = 0; i < 8; i++) {
+        carry += stamp[i];
+        stamp[i] = (uint8_t)carry;
+        carry >>= 8;
+    }
+    now_us += 5 * ROBUROC4_CYCLE_US;
+    return statuses[service];
+}
+
+/* ---- kinds ---- */
+
+static void receive(uint32_t service) {
+    const uint8_t *status = next_status(service);
+    if (roburoc4_client_receive(&client, status, sizes[service], now_us) < 0) {
+        die("a status was not used");
+    }
+}
+
+static void receive_differential(void) {
+    receive(ROBUROC4_SERVICE_DIFFERENTIAL);
+}
+
+static void receive_iocard(void) {
+    receive(ROBUROC4_SERVICE_IOCARD);
+}
+
+static void receive_battery(void) {
+    receive(ROBUROC4_SERVICE_BATTERY);
+}
+
+static void poll_idle(void) {
+    uint8_t data[ROBUROC4_MAX_TRANSMIT];
+    if (roburoc4_client_poll_transmit(&client, data, sizeof data, now_us) < 0) {
+        die("a poll failed");
+    }
+}
+
+static int robot_fd = -1;
+
+static void open_robot(void) {
+    struct sockaddr_in to = {.sin_family = AF_INET};
+    roburoc4_address address = {.ip = {127, 0, 0, 1}, .family = 4};
+    socklen_t size = sizeof to;
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    robot_fd = socket(AF_INET, SOCK_DGRAM, 0);
+    if (bind(robot_fd, (struct sockaddr *)&to, size) != 0 ||
+        getsockname(robot_fd, (struct sockaddr *)&to, &size) != 0) {
+        die("no socket for the robot");
+    }
+    address.port = ntohs(to.sin_port);
+    if (roburoc4_udp_open(&udp, sizeof udp, &address) < 0 ||
+        getsockname((int)roburoc4_udp_fd(&udp), (struct sockaddr *)&to, &size) != 0 ||
+        connect(robot_fd, (struct sockaddr *)&to, size) != 0) {
+        die("no socket for the client");
+    }
+}
+
+static void receive_udp(void) {
+    const uint32_t service = ROBUROC4_SERVICE_DIFFERENTIAL;
+    if (robot_fd < 0) {
+        open_robot();
+    }
+    if (send(robot_fd, next_status(service), sizes[service], 0) < 0 ||
+        roburoc4_udp_receive_one(&udp, &client, NULL, NULL) != ROBUROC4_UDP_USED) {
+        die("a status did not come through");
+    }
+}
+
+static const struct {
+    const char *name;
+    void (*run)(void);
+} kinds[] = {
+    {"receive-differential", receive_differential},
+    {"receive-iocard", receive_iocard},
+    {"receive-battery", receive_battery},
+    {"poll-idle", poll_idle},
+    {"udp-differential", receive_udp},
+};
+
+int main(int argc, char **argv) {
+    for (size_t i = 0; argc == 3 && i < sizeof kinds / sizeof kinds[0]; i++) {
+        if (strcmp(argv[1], kinds[i].name) == 0) {
+            get_ready();
+            for (long left = strtol(argv[2], NULL, 10); left > 0; left--) {
+                kinds[i].run();
+            }
+            return 0;
+        }
+    }
+    (void)fprintf(stderr, "usage: client_cost KIND COUNT\n");
+    return 2;
+}
