@@ -526,6 +526,8 @@ typedef struct roburoc4_private_discovery {
 } roburoc4_private_discovery;
 
 typedef struct roburoc4_private_values {
+    uint8_t override_known, overridden, armable, battery_low;
+    uint8_t telemeter_count, distance_count, reserved[2];
     roburoc4_localization_properties initial;
     roburoc4_localization_status localization;
     roburoc4_differential_status differential;
@@ -535,10 +537,7 @@ typedef struct roburoc4_private_values {
     roburoc4_differential_properties limits;
     roburoc4_battery_properties battery_properties;
     float analog[ROBUROC4_MAX_ANALOG_INPUTS], distances[ROBUROC4_MAX_TELEMETERS];
-    roburoc4_telemeter telemeters[ROBUROC4_MAX_TELEMETERS];
-    uint8_t telemeter_count, distance_count, battery_low, override_known, overridden;
-    uint8_t armable;
-    uint8_t reserved[6];
+    float telemeters[ROBUROC4_MAX_TELEMETERS][6]; /* as roburoc4_telemeter, without distance_m */
 } roburoc4_private_values;
 
 typedef struct roburoc4_private_outputs {

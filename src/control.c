@@ -373,7 +373,7 @@ roburoc4_result roburoc4_client_telemeter(const client *c, uint32_t index,
     if (index >= c->private_values.telemeter_count) {
         return ROBUROC4_ERR_INDEX;
     }
-    *out = c->private_values.telemeters[index];
+    memcpy(out, c->private_values.telemeters[index], sizeof c->private_values.telemeters[index]);
     out->distance_m = c->private_values.distances[index];
     return ROBUROC4_OK;
 }
