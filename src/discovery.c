@@ -412,16 +412,15 @@ void roburoc4_discovery_ask_again(discovery *d, const int32_t *io_counts) {
 /** Which input is [A]; where late texts may be others' (`sure` is false), text and table agree. */
 static int32_t find_pad(const discovery *d, const int32_t *io_counts, bool sure) {
     const uint32_t list = ROBUROC4_IO_DIGITAL_INPUT;
-    const int32_t table = pad_by_table(io_counts);
-    int32_t index = d->role_texts[ROBUROC4_ROLE_OVERRIDE];
+    const int32_t index = d->role_texts[ROBUROC4_ROLE_OVERRIDE];
     if (io_counts[list] > ROBUROC4_MAX_DIGITAL_INPUTS ||
         !complete(d, io_counts, list, d->described[list])) {
         return ROLE_TEXT_NONE;
     }
     if (index == ROLE_TEXT_NONE && d->table_pad_refused) {
-        index = table;
+        return pad_by_table(io_counts);
     }
-    return sure || index == table ? index : ROLE_TEXT_NONE;
+    return sure || index == pad_by_table(io_counts) ? index : ROLE_TEXT_NONE;
 }
 
 roburoc4_result roburoc4_discovery_role(const discovery *d, const roburoc4_config *config,

@@ -64,8 +64,8 @@ static roburoc4_result take_telemeters(client *c, const uint8_t *data, size_t si
         if (c->private_link.services[STATUS_INDEX(ROBUROC4_SERVICE_TELEMETER)].received == 0) {
             v->distances[i] = telemeter.distance_m; /* better than none */
         }
-        telemeter.distance_m = 0; /* the distance of the moment is no property */
-        store(c, &v->telemeters[i], &telemeter, sizeof telemeter);
+        /* the distance of the moment is no property */
+        store(c, v->telemeters[i], &telemeter, sizeof v->telemeters[i]);
     }
     return result;
 }
@@ -148,32 +148,51 @@ static bool is_new(client *c, uint32_t service, uint64_t robot_cycles) {
 
 /** The first 64 digital inputs, bit i for input i; the last block may have bits of no input. */
 static uint64_t digital_bits(const roburoc4_channels *inputs) {
-    const uint8_t *blocks = inputs->digital;
-    const uint32_t count = inputs->digital_count;
-    const uint32_t end = count < 64 ? count : 64;
+    const uint32_t count = at_most(inputs->digital_count, 64);
     uint64_t bits = 0;
-    for (uint32_t at = 0; at < end; at += 8) {
-        bits |= (uint64_t)*blocks++ << at;
+    for (uint32_t blocks = (count + 7) / 8; blocks > 0; blocks--) {
+        bits = bits << 8 | inputs->digital[blocks - 1];
     }
     return count < 64 ? bits & (((uint64_t)1 << count) - 1) : bits;
 }
 
-/** The inputs, and with them the override: whether the game pad's [A] is held. */
-static roburoc4_result receive_iocard(client *c, const uint8_t *data, size_t size) {
-    values *v = &c->private_values;
+/** Any of the statuses; each begins with the robot's time. */
+typedef union any_status {
+    uint64_t robot_cycles;
     roburoc4_channels inputs;
-    const roburoc4_result result =
-        roburoc4_decode_iocard_status(data, size, (uint32_t)v->io_counts[ROBUROC4_IO_ANALOG_INPUT],
-                                      (uint32_t)v->io_counts[ROBUROC4_IO_DIGITAL_INPUT], &inputs);
-    if (result < 0) {
-        return result;
+    roburoc4_telemeter_status telemeters;
+    roburoc4_battery_status battery;
+    roburoc4_localization_status localization;
+    roburoc4_differential_status differential;
+} any_status;
+
+static roburoc4_result decode_status(const client *c, uint32_t service, const uint8_t *data,
+                                     size_t size, any_status *out) {
+    const int32_t *counts = c->private_values.io_counts;
+    switch (service) {
+    case ROBUROC4_SERVICE_IOCARD:
+        return roburoc4_decode_iocard_status(data, size, (uint32_t)counts[ROBUROC4_IO_ANALOG_INPUT],
+                                             (uint32_t)counts[ROBUROC4_IO_DIGITAL_INPUT],
+                                             &out->inputs);
+    case ROBUROC4_SERVICE_TELEMETER:
+        return roburoc4_decode_telemeter_status(data, size, &out->telemeters);
+    case ROBUROC4_SERVICE_BATTERY:
+        return roburoc4_decode_battery_status(data, size, &out->battery);
+    case ROBUROC4_SERVICE_LOCALIZATION:
+        return roburoc4_decode_localization_status(data, size, &out->localization);
+    case ROBUROC4_SERVICE_DIFFERENTIAL:
+        return roburoc4_decode_differential_status(data, size, &out->differential);
+    default:
+        return ROBUROC4_ERR_UNSUBSCRIBED;
     }
-    if (!is_new(c, ROBUROC4_SERVICE_IOCARD, inputs.robot_cycles)) {
-        return ROBUROC4_ERR_OLD;
-    }
-    (void)roburoc4_floats(inputs.analog, inputs.analog_count, v->analog,
+}
+
+/** The inputs, and with them the override: whether the game pad's [A] is held. */
+static void take_inputs(client *c, const roburoc4_channels *inputs) {
+    values *v = &c->private_values;
+    (void)roburoc4_floats(inputs->analog, inputs->analog_count, v->analog,
                           ROBUROC4_MAX_ANALOG_INPUTS);
-    v->digital = digital_bits(&inputs); /* ROBUROC4_MAX_DIGITAL_INPUTS of them */
+    v->digital = digital_bits(inputs); /* ROBUROC4_MAX_DIGITAL_INPUTS of them */
     const roburoc4_result override = index_of_role(c, ROBUROC4_ROLE_OVERRIDE);
     const uint8_t overridden = override >= 0 ? (uint8_t)(v->digital >> override & 1) : 0;
     if (overridden != (v->override_known && v->overridden)) {
@@ -187,37 +206,13 @@ static roburoc4_result receive_iocard(client *c, const uint8_t *data, size_t siz
     if (overridden) {
         roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_OVERRIDE);
     }
-    return result;
 }
 
-static roburoc4_result receive_telemeters(client *c, const uint8_t *data, size_t size) {
+static void take_battery_status(client *c, const roburoc4_battery_status *status) {
     values *v = &c->private_values;
-    roburoc4_telemeter_status status;
-    const roburoc4_result result = roburoc4_decode_telemeter_status(data, size, &status);
-    if (result < 0) {
-        return result;
-    }
-    if (!is_new(c, ROBUROC4_SERVICE_TELEMETER, status.robot_cycles)) {
-        return ROBUROC4_ERR_OLD;
-    }
-    v->distance_count = (uint8_t)roburoc4_floats(status.distances, status.count, v->distances,
-                                                 ROBUROC4_MAX_TELEMETERS);
-    return result;
-}
-
-static roburoc4_result receive_battery(client *c, const uint8_t *data, size_t size) {
-    values *v = &c->private_values;
-    roburoc4_battery_status status;
-    const roburoc4_result result = roburoc4_decode_battery_status(data, size, &status);
-    if (result < 0) {
-        return result;
-    }
-    if (!is_new(c, ROBUROC4_SERVICE_BATTERY, status.robot_cycles)) {
-        return ROBUROC4_ERR_OLD;
-    }
     const bool known = (c->private_discovery.known & service_bit(ROBUROC4_SERVICE_BATTERY)) != 0;
-    uint8_t low = status.state == ROBUROC4_BATTERY_CRITICAL ? BATTERY_CRITICAL : 0;
-    if (known && status.remaining_percent < v->battery_properties.minimum_percent) {
+    uint8_t low = status->state == ROBUROC4_BATTERY_CRITICAL ? BATTERY_CRITICAL : 0;
+    if (known && status->remaining_percent < v->battery_properties.minimum_percent) {
         low |= BATTERY_BELOW_MINIMUM;
     }
     if ((low & ~v->battery_low & BATTERY_CRITICAL) != 0) {
@@ -227,36 +222,14 @@ static roburoc4_result receive_battery(client *c, const uint8_t *data, size_t si
         raise_event(c, ROBUROC4_EVENT_BATTERY_LOW);
     }
     v->battery_low = low;
-    v->battery = status;
-    return result;
+    v->battery = *status;
 }
 
-static roburoc4_result receive_localization(client *c, const uint8_t *data, size_t size) {
-    roburoc4_localization_status status;
-    const roburoc4_result result = roburoc4_decode_localization_status(data, size, &status);
-    if (result < 0) {
-        return result;
-    }
-    if (!is_new(c, ROBUROC4_SERVICE_LOCALIZATION, status.robot_cycles)) {
-        return ROBUROC4_ERR_OLD;
-    }
-    c->private_values.localization = status;
-    return result;
-}
-
-static roburoc4_result receive_differential(client *c, const uint8_t *data, size_t size) {
+static void take_speeds(client *c, const roburoc4_differential_status *status) {
     values *v = &c->private_values;
     drive *d = &c->private_drive;
     const uint8_t armed = d->armed;
-    roburoc4_differential_status status;
-    const roburoc4_result result = roburoc4_decode_differential_status(data, size, &status);
-    if (result < 0) {
-        return result;
-    }
-    if (!is_new(c, ROBUROC4_SERVICE_DIFFERENTIAL, status.robot_cycles)) {
-        return ROBUROC4_ERR_OLD;
-    }
-    v->differential = status;
+    v->differential = *status;
     roburoc4_drive_status(
         d, &c->private_config, &v->differential, v->override_known && v->overridden,
         roburoc4_link_age(&c->private_link, STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL),
@@ -265,7 +238,6 @@ static roburoc4_result receive_differential(client *c, const uint8_t *data, size
     if (d->stopping || d->armed != armed) {
         wake(c);
     }
-    return result;
 }
 
 /** The service that has this id and was subscribed to, or 0. On a RobuROC4 the ids are the
@@ -286,20 +258,36 @@ static uint32_t subscribed_service(const client *c, uint16_t id) {
 
 /** A status of at least its head's length. */
 static roburoc4_result receive_status(client *c, const uint8_t *data, size_t size) {
-    switch (subscribed_service(c, load_u16(data + 1))) {
-    case ROBUROC4_SERVICE_IOCARD:
-        return receive_iocard(c, data, size);
-    case ROBUROC4_SERVICE_TELEMETER:
-        return receive_telemeters(c, data, size);
-    case ROBUROC4_SERVICE_BATTERY:
-        return receive_battery(c, data, size);
-    case ROBUROC4_SERVICE_LOCALIZATION:
-        return receive_localization(c, data, size);
-    case ROBUROC4_SERVICE_DIFFERENTIAL:
-        return receive_differential(c, data, size);
-    default:
-        return ROBUROC4_ERR_UNSUBSCRIBED;
+    const uint32_t service = subscribed_service(c, load_u16(data + 1));
+    values *v = &c->private_values;
+    any_status status;
+    const roburoc4_result result = decode_status(c, service, data, size, &status);
+    if (result < 0) {
+        return result;
     }
+    if (!is_new(c, service, status.robot_cycles)) {
+        return ROBUROC4_ERR_OLD;
+    }
+    switch (service) {
+    case ROBUROC4_SERVICE_IOCARD:
+        take_inputs(c, &status.inputs);
+        break;
+    case ROBUROC4_SERVICE_TELEMETER:
+        v->distance_count =
+            (uint8_t)roburoc4_floats(status.telemeters.distances, status.telemeters.count,
+                                     v->distances, ROBUROC4_MAX_TELEMETERS);
+        break;
+    case ROBUROC4_SERVICE_BATTERY:
+        take_battery_status(c, &status.battery);
+        break;
+    case ROBUROC4_SERVICE_LOCALIZATION:
+        v->localization = status.localization;
+        break;
+    default:
+        take_speeds(c, &status.differential);
+        break;
+    }
+    return result;
 }
 
 /* ---- answers ---- */
@@ -410,11 +398,12 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
         return ROBUROC4_ERR_SHORT;
     }
     const bool fixed_id = c->private_requests.fixed_id;
-    const roburoc4_result pad = index_of_role(c, ROBUROC4_ROLE_OVERRIDE);
     slot *s = roburoc4_requests_match(&c->private_requests, data, size, c->private_now_us);
-    if (fixed_id && !c->private_requests.fixed_id) {
-        roburoc4_discovery_read_texts_again(&c->private_discovery);
-        c->private_values.override_known = 0;
+    if (fixed_id != c->private_requests.fixed_id) {
+        c->private_values.override_known = 0; /* other texts are believed now */
+        if (fixed_id) {
+            roburoc4_discovery_read_texts_again(&c->private_discovery);
+        }
     }
     if (s == NULL) {
         return ROBUROC4_ERR_UNMATCHED;
@@ -433,6 +422,8 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
         c->private_requests.announce = 0;
         raise_event(c, ROBUROC4_EVENT_FIXED_ID);
     }
+    const bool is_text = request.ask.action == ROBUROC4_ACTION_QUERY;
+    const roburoc4_result pad = is_text ? index_of_role(c, ROBUROC4_ROLE_OVERRIDE) : 0;
     roburoc4_result result = ROBUROC4_OK;
     if (bad) {
         count(c, ROBUROC4_COUNT_REFUSED);
@@ -443,7 +434,7 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
             roburoc4_schedule_failed(c, &request, result);
         }
     }
-    if (request.ask.action == ROBUROC4_ACTION_QUERY) {
+    if (is_text) {
         if (request.ask.detail == LIST_DIRECTORY) {
             identify_again(c);
         }

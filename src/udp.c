@@ -237,8 +237,7 @@ static void record(const roburoc4_udp *udp, int inbound, const uint8_t *datagram
     if (udp->private_recorder != NULL) {
         roburoc4_recorder_take(udp->private_recorder, inbound,
                                inbound ? &udp->address : &udp->private_own_address,
-                               inbound ? &udp->private_own_address : &udp->address,
-                               datagram, size);
+                               inbound ? &udp->private_own_address : &udp->address, datagram, size);
     }
 }
 

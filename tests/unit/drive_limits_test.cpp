@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 using namespace roburoc4_tests;
 
@@ -188,6 +189,45 @@ TEST(TurnKeeping, KeepsTheCurveOfAWideRobot) {
     limits.width_m = 2;
     expect_sent(sent_for(config, limits, 1, 6), 2.6F / 7, 6 * 2.6F / 7);
     expect_sent(sent_for(config, limits, -1, 6), -2.6F / 7, 6 * 2.6F / 7);
+}
+
+/** Double precision, and no word of the client's own. */
+std::array<double, 2> expected_speeds(const roburoc4_config &config, float width_m, double linear,
+                                      double angular) {
+    const double most[2] = {2.6F, 6.5F};
+    double speeds[2] = {linear * double{config.scale_linear},
+                        angular * double{config.scale_angular}};
+    const double wanted[2] = {std::abs(speeds[0]) + std::abs(speeds[1]) * double{width_m} / 2,
+                              std::abs(speeds[1])};
+    double share = 1;
+    for (int axis = 0; axis < 2; axis++) {
+        if ((config.options & ROBUROC4_OPTION_TURN_KEEPING) != 0 && wanted[axis] > 0)
+            share = std::min(share, most[axis] / wanted[axis]);
+    }
+    return {std::clamp(speeds[0] * share, -most[0], most[0]),
+            std::clamp(speeds[1] * share, -most[1], most[1])};
+}
+
+TEST(TurnKeeping, IsExactToTheLastDigitsOfAFloat) {
+    std::mt19937 random(1);
+    const auto any = [&](double least, double most) {
+        const double size = std::exp(
+            std::uniform_real_distribution<double>(std::log(least), std::log(most))(random));
+        return static_cast<float>(random() % 2 == 0 ? size : -size);
+    };
+    for (int i = 0; i < 300; i++) {
+        roburoc4_config config = default_config();
+        config.options = i % 3 == 0 ? 0 : ROBUROC4_OPTION_TURN_KEEPING;
+        config.scale_linear = std::abs(any(0.01, 10));
+        config.scale_angular = std::abs(any(0.01, 10));
+        auto limits = usual_limits();
+        limits.width_m = std::abs(any(0.02, 9));
+        const float linear = any(1e-4, 900), angular = any(1e-4, 900);
+        const auto expected = expected_speeds(config, limits.width_m, linear, angular);
+        const Command sent = sent_for(config, limits, linear, angular);
+        EXPECT_NEAR(expected[0], sent.linear, std::abs(expected[0]) * 1e-6) << linear << angular;
+        EXPECT_NEAR(expected[1], sent.angular, std::abs(expected[1]) * 1e-6) << linear << angular;
+    }
 }
 
 TEST(TurnKeeping, IsOffWhereTheWidthIsNotSensible) {
