@@ -22,6 +22,7 @@ for k = 1:numel(files)
 end
 check_catches_what_is_foreign(known);
 idle = setdiff(known(:, 1)', used);
+idle = idle(cellfun(@(name) any(exist(name) == [2 5]), idle)); % an Octave may lack one, as 9 runtests
 check(isempty(idle) || ~exist('OCTAVE_VERSION', 'builtin'), ...
     'listed in functions.txt, but not used: %s', strjoin(idle, ', '));
 end
