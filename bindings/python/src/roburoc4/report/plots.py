@@ -46,14 +46,14 @@ class Line(NamedTuple):
     series: Series
 
 
-def clock(seconds: float) -> str:
-    """Write a time from the beginning: 1:02:03, or 2:03, or 2:03.5."""
+def clock(seconds: float, *, exact: bool = False) -> str:
+    """Write a time from the beginning: 1:02:03, or 2:03; 2:03.5 where it is exact or no second."""
     tenths = round(seconds * 10)
     whole, tenth = divmod(tenths, 10)
     text = f"{whole // 60 % 60}:{whole % 60:02d}"
     if whole >= 3600:
         text = f"{whole // 3600}:{whole // 60 % 60:02d}:{whole % 60:02d}"
-    return f"{text}.{tenth}" if tenth else text
+    return f"{text}.{tenth}" if tenth or exact else text
 
 
 def _nice(span: float, parts: int) -> float:
