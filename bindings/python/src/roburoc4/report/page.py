@@ -145,7 +145,8 @@ def _table(head: list[str], rows: list[list[Any]], texts: int) -> str:
 
 def _events(document: dict[str, Any]) -> str:
     rows = "".join(
-        f'<tr><td class="number">{clock(event["seconds"], exact=True)}</td><td>{event["time"][11:]}</td>'
+        f'<tr><td class="number">{clock(event["seconds"], exact=True)}</td>'
+        f"<td>{event['time'][11:]}</td>"
         f'<td class="text {event["level"]}">{escape(event["text"])}</td></tr>'
         for event in document["events"]
     )

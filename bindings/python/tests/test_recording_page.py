@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: MIT
+"""docs/recording.md does what it says: its commands are typed one after the other."""
+
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from cli_support import FOLDER, environment
+
+PAGE = Path(__file__).resolve().parents[3] / "docs" / "recording.md"
+_TOOLS = ("tshark", "octave")
+
+
+def _session() -> str:
+    """All that a reader types, in a shell: blocks of sh, and those of Python as programs."""
+    parts = []
+    walk = PAGE.read_text(encoding="utf-8").partition("## A walk")[2].partition("\n## ")[0]
+    for language, text in re.findall(
+        r"^```(sh|python)\n(.*?)^```$", walk, re.MULTILINE | re.DOTALL
+    ):
+        lines = [
+            line
+            for line in text.splitlines()
+            if not (line.startswith(_TOOLS) and shutil.which(line.split()[0]) is None)
+        ]
+        block = "\n".join(lines)
+        parts.append(block if language == "sh" else f"python3 - <<'PYTHON'\n{block}\nPYTHON")
+    return "\n".join(parts) + "\n"
+
+
+@pytest.mark.skipif(not PAGE.exists(), reason="an sdist has no pages but python.md")
+def test_the_walk_of_the_page_works_as_it_is_typed(tmp_path: Path) -> None:
+    import roburoc4
+
+    with roburoc4.Simulator(port=0) as taken:  # a port that is free, instead of the usual one
+        port = taken.address.rpartition(":")[2]
+    text = _session()
+    # other tests run beside this one
+    text = text.replace("roburoc4 sim &", f"roburoc4 sim --port {port} &")
+    text = text.replace('"127.0.0.1", record', f'"127.0.0.1:{port}", record')
+    with roburoc4.Simulator(port=0) as taken:
+        text = text.replace("60001", taken.address.rpartition(":")[2])
+    env = environment()
+    done = subprocess.run(
+        ["bash", "-e", "-m", "-c", text],
+        cwd=tmp_path,
+        env=env | {"PATH": f"{FOLDER}:{env['PATH']}", "HOME": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    said = done.stdout + done.stderr
+    assert "Traceback" not in said, said
+    assert done.returncode == 0, said
+    figures = json.loads((tmp_path / "figures.json").read_text(encoding="utf-8"))
+    assert figures["path"]["driven_m"] > 0.3
+    assert any("begins to drive" in event["text"] for event in figures["events"])
+    assert "<svg" in (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert (tmp_path / "run.mcap").stat().st_size > 10_000
+    assert (tmp_path / "run.csv").stat().st_size > 10_000
+    assert "commands change nothing" in said
+    assert said.count("ready") >= 3
