@@ -39,6 +39,9 @@ enum { EXIT_DONE = 0, EXIT_ERROR = 1, EXIT_USAGE = 2, EXIT_NO_LCM = 3 };
 #define QUEUE_CAPACITY 10000
 /* LCM's number for watch_set(); a robot's is its index + 1. */
 #define WATCHED_LCM 0u
+/* From so many on, LCM's socket gets so large a buffer, where the system allows it. */
+#define MANY_ROBOTS 32u
+#define RECEIVE_BYTES (4 << 20)
 /* Descriptors beside those of the robots. */
 #define OTHER_FILES 64u
 
@@ -182,6 +185,22 @@ static bool subscribe_to_all(lcm_t *lcm) {
     return good;
 }
 
+/* The URL for lcm_create(). A bridge of many robots hears all that it publishes, too: a larger
+ * buffer keeps commands from being lost among that. */
+static const char *lcm_url(void) {
+    static char room[OPTIONS_MAX_TEXT + 64];
+    const char *source = NULL;
+    const char *url = options_lcm_url(&settings, &source);
+    url = url[0] != '\0' ? url : "udpm://";
+    if (settings.robot_count < MANY_ROBOTS || strncmp(url, "udpm", 4) != 0 ||
+        strstr(url, "recv_buf_size") != NULL) {
+        return settings.lcm_url[0] != '\0' ? settings.lcm_url : NULL;
+    }
+    (void)snprintf(room, sizeof room, "%s%crecv_buf_size=%d", url, strchr(url, '?') ? '&' : '?',
+                   RECEIVE_BYTES);
+    return room;
+}
+
 /* LCM works in a thread of its own, which must not take our signals. */
 static lcm_t *open_lcm(void) {
     sigset_t stops;
@@ -191,7 +210,7 @@ static lcm_t *open_lcm(void) {
         (void)sigaddset(&stops, stop_signals[at]);
     }
     (void)sigprocmask(SIG_BLOCK, &stops, &before);
-    lcm_t *lcm = lcm_create(settings.lcm_url[0] != '\0' ? settings.lcm_url : NULL);
+    lcm_t *lcm = lcm_create(lcm_url());
     if (lcm != NULL && !subscribe_to_all(lcm)) {
         lcm_destroy(lcm);
         lcm = NULL;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * lcm_sink LCM_URL PERIOD_CYCLES SECONDS: counts the statuses of all robots on an LCM network, and
- * those that are missing: each service's robot_cycles must go on in steps of PERIOD_CYCLES. Prints
- * "channels C messages M lost L", of the time between the first full second and the end.
+ * lcm_sink LCM_URL PERIOD_CYCLES SECONDS [SERVICES]: counts the statuses of all robots on an LCM
+ * network (of all services, or of SERVICES such as DIFFERENTIAL|IOCARD), and those that are
+ * missing: each service's robot_cycles must go on in steps of PERIOD_CYCLES. Prints "channels C
+ * messages M lost L", of the time between the first full second and the end.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <lcm/lcm.h>
@@ -12,7 +13,9 @@
 #include <string.h>
 #include <time.h>
 
-#define MAX_CHANNELS 1024
+#include "roburoc4_lcm.h"
+
+#define MAX_CHANNELS 5000
 /* Where every status has its robot_cycles: after the fingerprint and the utime. */
 #define CYCLES_AT 16
 
@@ -25,7 +28,7 @@ typedef struct counted {
 
 typedef struct sink {
     counted channels[MAX_CHANNELS];
-    size_t count;
+    size_t count, last;
     uint64_t period;
     int counting;
 } sink;
@@ -36,9 +39,12 @@ static double now_s(void) {
     return (double)now.tv_sec + (double)now.tv_nsec / 1e9;
 }
 
+/* Channels come by turns, mostly: the search begins behind the last. */
 static counted *find(sink *sink, const char *channel) {
-    for (size_t index = 0; index < sink->count; index++) {
+    for (size_t step = 1; step <= sink->count; step++) {
+        size_t index = (sink->last + step) % sink->count;
         if (strcmp(sink->channels[index].channel, channel) == 0) {
+            sink->last = index;
             return &sink->channels[index];
         }
     }
@@ -71,31 +77,53 @@ static void on_message(const lcm_recv_buf_t *buffer, const char *channel, void *
     counted->cycles = cycles;
 }
 
+/* Each bridge counts from its start; the last count of each of its robots is kept. */
+static void on_statistics(const lcm_recv_buf_t *buffer, const char *channel, void *user) {
+    sink *bridges = user;
+    counted *counted = find(bridges, channel);
+    roburoc4_lcm_bridge_statistics_t said;
+    if (counted != NULL && roburoc4_lcm_bridge_statistics_t_decode(
+                               buffer->data, 0, (int)buffer->data_size, &said) >= 0) {
+        counted->lost = (uint64_t)(said.lost + said.publish_errors);
+        roburoc4_lcm_bridge_statistics_t_decode_cleanup(&said);
+    }
+}
+
+static uint64_t sum_of_lost(const sink *sink) {
+    uint64_t lost = 0;
+    for (size_t index = 0; index < sink->count; index++) {
+        lost += sink->channels[index].lost;
+    }
+    return lost;
+}
+
 int main(int count, char **arguments) {
     static sink sink;
-    lcm_t *lcm = count == 4 ? lcm_create(arguments[1]) : NULL;
+    static struct sink bridges;
+    lcm_t *lcm = count == 4 || count == 5 ? lcm_create(arguments[1]) : NULL;
     if (lcm == NULL) {
-        (void)fprintf(stderr, "usage: lcm_sink LCM_URL PERIOD_CYCLES SECONDS\n");
+        (void)fprintf(stderr, "usage: lcm_sink LCM_URL PERIOD_CYCLES SECONDS [CHANNELS]\n");
         return 1;
     }
     sink.period = strtoull(arguments[2], NULL, 10);
     double seconds = strtod(arguments[3], NULL);
-    lcm_subscription_t *all = lcm_subscribe(
-        lcm, ".*_(DIFFERENTIAL|LOCALIZATION|BATTERY|TELEMETER|IOCARD)", on_message, &sink);
+    const char *channels =
+        count == 5 ? arguments[4] : ".*_(DIFFERENTIAL|LOCALIZATION|BATTERY|TELEMETER|IOCARD)";
+    lcm_subscription_t *all = lcm_subscribe(lcm, channels, on_message, &sink);
     (void)lcm_subscription_set_queue_capacity(all, 0);
+    (void)lcm_subscribe(lcm, ".*_BRIDGE_STATISTICS", on_statistics, &bridges);
     double begun_s = now_s();
     while (now_s() < begun_s + 1.0 + seconds) {
         (void)lcm_handle_timeout(lcm, 10);
         sink.counting = now_s() > begun_s + 1.0;
     }
     uint64_t messages = 0;
-    uint64_t lost = 0;
     for (size_t index = 0; index < sink.count; index++) {
         messages += sink.channels[index].messages;
-        lost += sink.channels[index].lost;
     }
-    (void)printf("channels %zu messages %llu lost %llu\n", sink.count, (unsigned long long)messages,
-                 (unsigned long long)lost);
+    (void)printf("channels %zu messages %llu lost %llu bridge %llu\n", sink.count,
+                 (unsigned long long)messages, (unsigned long long)sum_of_lost(&sink),
+                 (unsigned long long)sum_of_lost(&bridges));
     lcm_destroy(lcm);
     return 0;
 }
