@@ -59,6 +59,7 @@ static channels_directory by_address = {addresses, 0};
 static int64_t stalled_utime;     /* this process hung from here ... */
 static uint64_t stalled_until_us; /* ... and may still read what came meanwhile, until here */
 static robot_bridge this_bridge;
+static roburoc4_recorder *recorder; /* of all robots, or NULL */
 static gate_time last_look;
 static uint64_t lcm_rests_until_us; /* LCM is not read before this; 0: it could always be read */
 static volatile sig_atomic_t stop_signal;
@@ -341,7 +342,7 @@ static void start_robots(lcm_t *lcm, gate_time now) {
     for (; robot_count < settings.robot_count; robot_count++) {
         uint32_t at = robot_count;
         const options_robot *robot = &settings.robots[at];
-        robot_start(&robots[at], at + 1, robot, lcm, &this_bridge, now);
+        robot_start(&robots[at], at + 1, robot, lcm, &this_bridge, recorder, now);
         addresses[at] = (channels_entry){robots[at].address, at};
         can_drive += robot->rules.enabled[GATE_DRIVE];
     }
@@ -354,6 +355,37 @@ static void start_robots(lcm_t *lcm, gate_time now) {
                                         : "ON for some of them",
              can_drive == 0 ? " (--enable-drive)" : "");
 }
+
+/* ------------------------------------------------------------------------------- recording --- */
+
+/* Where it cannot be begun, the bridge does not start: it was asked for. */
+static bool begin_recording(void) {
+    roburoc4_recorder_options how = {.size = sizeof how, .robot = "roburoc4-lcm"};
+    if (settings.record[0] == '\0') {
+        return true;
+    }
+    recorder = roburoc4_recorder_open(settings.record, &how, NULL);
+    if (recorder == NULL) {
+        log_line(LOG_ERROR, NULL, "--record %s: %s", settings.record, strerror(errno));
+        return false;
+    }
+    roburoc4_recorder_state state;
+    roburoc4_recorder_get_state(recorder, &state);
+    log_line(LOG_NOTE, NULL, "recording to %s", state.path);
+    return true;
+}
+
+static void end_recording(void) {
+    roburoc4_recorder_state last = {0};
+    (void)roburoc4_recorder_close(recorder, &last);
+    if (last.dropped > 0) {
+        log_line(LOG_ERROR, NULL,
+                 "%s: %llu datagrams are missing, as the disk was full or slow: %s", last.path,
+                 (unsigned long long)last.dropped, strerror(last.system_error));
+    }
+}
+
+/* ------------------------------------------------------------------------------------ life --- */
 
 static void run(lcm_t *lcm) {
     gate_time now = clock_now();
@@ -448,9 +480,14 @@ int main(int count, char **arguments) {
         explain_no_lcm();
         return EXIT_NO_LCM;
     }
+    if (!begin_recording()) {
+        lcm_destroy(lcm);
+        return EXIT_ERROR;
+    }
     catch_signals();
     warn_of_old_lcm();
     run(lcm);
+    end_recording();
     lcm_destroy(lcm);
     return EXIT_DONE;
 }

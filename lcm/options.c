@@ -34,6 +34,8 @@ const char options_help[] =
     "                       BRIDGE_STATE, BRIDGE_STATISTICS, DRIVE_CMD, RELOCALIZE_CMD,\n"
     "                       OUTPUT_CMD or STOP_CMD; names of the _CMDs must end in _CMD\n"
     "      --pose-channel [NAME:]CHANNEL  also publish each localization as bot_core.pose_t\n"
+    "      --record FILE    record every datagram of all robots in FILE, a pcapng file, or in a\n"
+    "                       file of the folder FILE; one that exists is not overwritten\n"
     "      --period SERVICE=MS  time between statuses, 10 to 2550 in steps of 10, or 0 for none;\n"
     "                       SERVICE is iocard, telemeter, battery, localization or differential\n"
     "\n"
@@ -158,6 +160,12 @@ static bool set_url(reading *reading, const known_option *option, const char *va
     (void)option;
     return (reading->in_file && reading->out->lcm_url[0] != '\0') ||
            copy_text(reading, reading->out->lcm_url, value);
+}
+
+static bool set_record(reading *reading, const known_option *option, const char *value) {
+    (void)option;
+    return (reading->in_file && reading->out->record[0] != '\0') ||
+           copy_text(reading, reading->out->record, value);
 }
 
 static bool set_prefix(reading *reading, const known_option *option, const char *value) {
@@ -360,6 +368,7 @@ static const known_option known[] = {
     {"config", 'c', 1, PASS_SETTINGS, ONLY_COMMAND_LINE, set_file, 0, 0, 0},
     {"check", 0, 0, PASS_SETTINGS, ONLY_COMMAND_LINE, set_check, 0, 0, 0},
     {"lcm-url", 'l', 1, PASS_SETTINGS, FOR_ALL, set_url, 0, 0, 0},
+    {"record", 0, 1, PASS_SETTINGS, FOR_ALL, set_record, 0, 0, 0},
     {"prefix", 'p', 1, PASS_SETTINGS, ONLY_COMMAND_LINE, set_prefix, 0, 0, 0},
     {"channel", 0, 1, PASS_CHANNELS, FOR_ONE, set_channel, 0, 0, 0},
     {"pose-channel", 0, 1, PASS_CHANNELS, FOR_ONE, set_pose, 0, 0, 0},
@@ -532,7 +541,7 @@ static bool read_setting(reading *reading, const ini_line *line) {
     const known_option *found = find_setting(line->name);
     bool for_one = reading->robot != &reading->all;
     if (found == NULL || line->value.at == NULL) {
-        return refuse(reading, "no such setting; give address, lcm-url, enable-drive, "
+        return refuse(reading, "no such setting; give address, lcm-url, record, enable-drive, "
                                "enable-outputs, enable-relocalize, command-timeout, max-age, "
                                "period.SERVICE, channel.KEY or pose-channel, = and a value");
     }

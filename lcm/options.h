@@ -36,6 +36,7 @@ typedef struct options_robot {
 typedef struct options {
     char lcm_url[OPTIONS_MAX_TEXT + 1]; /* "": LCM's own default */
     const char *file;                   /* NULL: none was read */
+    char record[OPTIONS_MAX_TEXT + 1];  /* "": nothing is recorded */
     options_robot robots[OPTIONS_MAX_ROBOTS];
     uint32_t robot_count;
     channels_directory directory; /* `which` is robot * CHANNELS + channel */

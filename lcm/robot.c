@@ -294,6 +294,7 @@ static void open_socket(robot *robot, uint64_t now_us) {
                  robot->address);
     } else if (roburoc4_udp_open(&robot->udp, sizeof robot->udp, &robot->to) >= 0) {
         watch_set(robot->number, (int)roburoc4_udp_fd(&robot->udp));
+        (void)roburoc4_udp_record(&robot->udp, robot->recorder);
     } else if (!robot->logged_no_socket) {
         robot->logged_no_socket = true;
         log_line(LOG_ERROR, robot->name, "no socket for %s: %s; trying again each second",
@@ -512,12 +513,13 @@ static void spread(robot_publication *publication, uint32_t period_us, const rob
 }
 
 void robot_start(robot *robot, uint32_t number, const options_robot *settings, lcm_t *lcm,
-                 const robot_bridge *bridge, gate_time now) {
+                 const robot_bridge *bridge, roburoc4_recorder *recorder, gate_time now) {
     memset(robot, 0, sizeof *robot);
     robot->name = settings->name;
     robot->number = number;
     robot->channels = &settings->channels;
     robot->lcm = lcm;
+    robot->recorder = recorder;
     robot->command_us = -1;
     text_copy(robot->address, sizeof robot->address, (const uint8_t *)settings->host,
               strlen(settings->host));

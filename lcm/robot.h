@@ -11,7 +11,7 @@
 #include "commands.h"
 #include "mapping.h"
 #include "options.h"
-#include "roburoc4_udp.h"
+#include "roburoc4_record.h"
 
 /* The newest drive command of a wake. */
 typedef struct robot_drive {
@@ -47,6 +47,7 @@ typedef struct robot {
     const roburoc4_config *config;
     const robot_bridge *bridge;
     lcm_t *lcm;
+    roburoc4_recorder *recorder; /* or NULL */
     roburoc4_client client;
     roburoc4_udp udp; /* closed while the system gives none */
     roburoc4_address to;
@@ -77,7 +78,7 @@ typedef struct robot {
 /* Open the socket and start the client. Where there is no socket now, it is tried each second. The
  * robot must stay where it is. */
 void robot_start(robot *robot, uint32_t number, const options_robot *settings, lcm_t *lcm,
-                 const robot_bridge *bridge, gate_time now);
+                 const robot_bridge *bridge, roburoc4_recorder *recorder, gate_time now);
 
 /* A message on the channel of a command, which came at arrived_utime on this machine's clock. */
 void robot_take_message(robot *robot, enum gate_kind kind, const void *data, size_t size,

@@ -78,6 +78,13 @@ TEST(LcmOptions, OnlyWatchByDefault) {
     EXPECT_EQ("", channel_of(r, 0, CHANNEL_POSE));
 }
 
+TEST(LcmOptions, RecordAllRobotsInOneFile) {
+    EXPECT_STREQ("", read({}).out->record);
+    EXPECT_STREQ("run.pcapng", read({"--record", "run.pcapng"}).out->record);
+    EXPECT_STREQ("/var/robots",
+                 read_file("[DEFAULT]\nrecord = /var/robots\n[A]\naddress = a\n").out->record);
+}
+
 TEST(LcmOptions, EachEnablesItsOwnKind) {
     EXPECT_TRUE(read({"--enable-drive"}).out->robots[0].rules.enabled[GATE_DRIVE]);
     EXPECT_TRUE(read({"--enable-outputs"}).out->robots[0].rules.enabled[GATE_OUTPUT]);

@@ -126,6 +126,11 @@ int field_take(const field *to, void *base, const mxArray *value) {
     double number = 0.0;
     int fine, on = 0;
     member m;
+    if (to->type == FIELD_TEXT) {
+        return (mxIsChar(value) && mxGetString(value, place, (mwSize)to->size) == 0) ||
+               fail(FAIL_ARGUMENT, "%s: give a text of less than %lu characters", to->name,
+                    (unsigned long)to->size);
+    }
     memcpy(&m, place, to->size);
     switch (to->type) {
     case FIELD_BIT:

@@ -48,6 +48,7 @@ typedef enum kind {
     FIELD_FLAG,    /* logical */
     FIELD_CYCLES,  /* a uint64_t of robot cycles; uint64 */
     FIELD_BIT,     /* one bit of a uint32_t; options only */
+    FIELD_TEXT,    /* a path in an array of char; options only */
     FIELD_FLOATS,  /* float array of a status; see samples.c */
     FIELD_BITS     /* bits of a uint64_t of a status; logicals, likewise */
 } kind;

@@ -24,6 +24,22 @@ static int resolve(const char *text, roburoc4_address *out) {
     return result < 0 ? fail_result(text, result) : 1;
 }
 
+/* 1, also where nothing is to be recorded. */
+static int open_recorder(robot *made, const char *name, const roburoc4_address *address,
+                         const robot_settings *settings) {
+    roburoc4_recorder_options how = {.size = sizeof how, .robot = name};
+    if (settings->record[0] == '\0') {
+        return 1;
+    }
+    if (address == NULL) {
+        return fail(FAIL_ARGUMENT, "record: there are no datagrams in virtual time; give the "
+                                   "simulator a port, and connect to that");
+    }
+    made->recorder = roburoc4_recorder_open(settings->record, &how, NULL);
+    return made->recorder != NULL ||
+           fail(FAIL_ARGUMENT, "record: %s: %s", settings->record, strerror(errno));
+}
+
 /* A robot with a pump: without an address for virtual time. */
 static robot *make(const char *name, const roburoc4_address *address,
                    const robot_settings *settings) {
@@ -33,13 +49,19 @@ static robot *make(const char *name, const roburoc4_address *address,
         (void)fail(FAIL_LIMIT, "there is no memory for another robot");
         return NULL;
     }
+    if (!open_recorder(made, name, address, settings)) {
+        free(made);
+        return NULL;
+    }
     made->pump = roburoc4_pump_create(address, &settings->config, settings->buffer, &result);
     if (made->pump == NULL) {
+        (void)roburoc4_recorder_close(made->recorder, NULL);
         (void)fail(FAIL_NETWORK, "%s: %s (%s)", name, roburoc4_result_text(result),
                    strerror(errno));
         free(made);
         return NULL;
     }
+    (void)roburoc4_pump_record(made->pump, made->recorder);
     made->lease_us = settings->config.lease_ms * 1000;
     made->fresh_us = settings->config.fresh_ms * 1000;
     return made;
@@ -91,6 +113,7 @@ void robot_close(robot *r) {
         robot_unlock(r);
     }
     roburoc4_pump_destroy(r->pump);
+    (void)roburoc4_recorder_close(r->recorder, NULL);
     recording_end(&r->logged);
     recording_end(&r->recorded);
     free(r);

@@ -26,11 +26,12 @@ typedef struct recording {
 } recording;
 
 typedef struct robot {
-    roburoc4_pump *pump;   /* in virtual time one without a thread */
-    int simulated;         /* in virtual time */
-    roburoc4_world *world; /* of virtual time; NULL when the simulator is gone */
-    uint32_t number;       /* the client's in the world */
-    uint64_t left_us;      /* the time when the simulator went */
+    roburoc4_pump *pump;         /* in virtual time one without a thread */
+    roburoc4_recorder *recorder; /* or NULL */
+    int simulated;               /* in virtual time */
+    roburoc4_world *world;       /* of virtual time; NULL when the simulator is gone */
+    uint32_t number;             /* the client's in the world */
+    uint64_t left_us;            /* the time when the simulator went */
     uint64_t opened_us;
     uint64_t furthest_us; /* when it came to the state below */
     uint32_t furthest;    /* the last state on the way to ready that it came to */

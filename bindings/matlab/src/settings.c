@@ -36,7 +36,7 @@ static const field of_robot[] = {
     OPTION("ignore_other_commander", ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER),
     ROLE("override_index", OVERRIDE), ROLE("front_bumper_index", FRONT_BUMPER),
     ROLE("rear_bumper_index", REAR_BUMPER), ROLE("battery_voltage_index", BATTERY_V),
-    FIELD(robot_settings, buffer, UINT), TAKEN_IN_M("timeout"),
+    FIELD(robot_settings, buffer, UINT), FIELD(robot_settings, record, TEXT), TAKEN_IN_M("timeout"),
 };
 /* clang-format on */
 
@@ -158,6 +158,7 @@ int settings_of_robot(const mxArray *options, robot_settings *out) {
     const char *wrong;
     (void)roburoc4_config_init(&out->config, sizeof out->config);
     out->buffer = BUFFER_DEFAULT;
+    out->record[0] = '\0';
     if (!write_all(options, of_robot, COUNT_OF(of_robot), out)) {
         return 0;
     }

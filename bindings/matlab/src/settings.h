@@ -12,7 +12,8 @@
 /** What a robot is opened with. */
 typedef struct robot_settings {
     roburoc4_config config;
-    uint32_t buffer; /* statuses that are kept for record() and log() */
+    uint32_t buffer;                          /* statuses that are kept for record() and log() */
+    char record[ROBUROC4_RECORDER_PATH_SIZE]; /* "": no datagram is recorded */
 } robot_settings;
 
 /** 1; or 0 after noting which option is unknown or out of range. */

@@ -12,7 +12,7 @@ services = {'iocard', 'telemeter', 'battery', 'localization', 'differential'};
 roles = strrep(setdiff(defined(header, 'ROLE'), {'count'}), 'battery_v', 'battery_voltage');
 wanted = [wanted, strcat(services, '_period_ms'), strcat(roles, '_index'), ...
     defined(header, 'OPTION'), ...
-    {'buffer', 'timeout'}];
+    {'buffer', 'record', 'timeout'}];
 check(numel(wanted) > 22, 'only %d settings in the header', numel(wanted));
 for k = 1:numel(wanted)
     refused(wanted{k}, @() roburoc4.Robot('127.0.0.1:9', wanted{k}, 1e12));

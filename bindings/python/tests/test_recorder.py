@@ -6,6 +6,7 @@ import struct
 from pathlib import Path
 
 import pytest
+from cli_support import run
 
 import roburoc4
 
@@ -52,7 +53,7 @@ def test_aio_records(served: roburoc4.Simulator, tmp_path: Path) -> None:
 def test_a_long_recording_has_several_files(served: roburoc4.Simulator, tmp_path: Path) -> None:
     path = tmp_path / "run.pcapng"
     with roburoc4.connect(served.address, record=path, record_max_bytes=4000) as robot:
-        robot.sleep(0.3)
+        robot.wait_for(lambda robot: robot.recorder.files > 2)
     assert robot.recorder.files == len(list(tmp_path.iterdir())) > 1
     packets = sum(block_types(file).count(PACKET) for file in tmp_path.iterdir())
     assert packets == robot.recorder.recorded
@@ -71,3 +72,26 @@ def test_a_path_that_cannot_be_is_named(tmp_path: Path) -> None:
         roburoc4.connect("127.0.0.1", record=path, record_max_bytes=-1)
     with roburoc4.Simulator() as sim, pytest.raises(roburoc4.ArgumentError, match="virtual"):
         sim.connect(record=path)
+
+
+def test_a_drive_is_recorded_where_the_variable_says(
+    served: roburoc4.Simulator, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "robot" / "recordings"
+    monkeypatch.setenv("ROBUROC4_RECORD", str(folder))
+    done = run("drive", "0.2", "0", "--seconds", "0.5", robot=served.address)
+    assert done.returncode == 0, done.stderr
+    (file,) = folder.iterdir()
+    assert f"recording to {file}" in done.stderr
+    assert block_types(file).count(PACKET) > 40
+
+
+def test_a_variable_that_names_no_folder_is_an_error(
+    served: roburoc4.Simulator, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_text("in the way")
+    monkeypatch.setenv("ROBUROC4_RECORD", str(tmp_path / "file"))
+    done = run("drive", "0.2", "0", "--seconds", "0.5", robot=served.address)
+    assert done.returncode == 1
+    assert "ROBUROC4_RECORD" in done.stderr
+    assert served.state.speed_commands == 0

@@ -17,6 +17,7 @@ classdef Robot < handle
 %                                how often the robot sends each status: a multiple of 10, 10 to
 %                                2550, or 0 for never
 %      buffer (50000)            statuses that are kept for record and log, 16 to 1000000
+%      record                    file (.pcapng) in which every datagram is recorded, or a folder
 %      fresh_ms (300), lost_ms (1000), first_retry_ms (100), robot_watchdog_ms (1000),
 %      override_index, front_bumper_index, rear_bumper_index, battery_voltage_index,
 %      allow_unknown_override, ignore_other_commander     see docs/matlab.md

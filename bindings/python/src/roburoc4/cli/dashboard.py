@@ -17,9 +17,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .errors import ExitCode, unreachable, usage
+from .errors import ExitCode, refused, unreachable, usage
 from .options import DEFAULT_ROBOT, Options, number, whole
 from .output import note
+from .session import note_recording, recording
 from .signals import unsuspendable
 
 if TYPE_CHECKING:
@@ -389,12 +390,15 @@ def _robot(options: DashboardOptions, address: str) -> Iterator[Robot]:
     if options.ignore_override:
         settings["allow_unknown_override"] = True
     try:
-        robot = connect(address, wait=False, **settings)
+        robot = connect(address, wait=False, **settings, **recording())
     except ArgumentError as error:
         raise usage(f"--robot: {error}") from None
     except NetworkError as error:
         raise unreachable(f"--robot: {error}") from None
+    except OSError as error:
+        raise refused(f"{error.filename}: no recording can be made: {error.strerror}") from None
     with robot:
+        note_recording(robot)
         if options.period_ms is not None:  # no setting: those must be short enough to drive by
             for service in STATUS_SERVICES:
                 robot.subscribe(service, options.period_ms)

@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .errors import refused, unreachable, usage
@@ -64,14 +66,35 @@ def connected(options: Options, **settings: Any) -> Iterator[Robot]:
     except NetworkError as error:
         named = str(error) if options.robot in str(error) else f"{options.robot}: {error}"
         raise unreachable(f"{named}; roburoc4 doctor looks closer") from None
+    except OSError as error:
+        raise refused(f"{error.filename}: no recording can be made: {error.strerror}") from None
     with robot:
         yield robot
+
+
+def recording() -> dict[str, Any]:
+    """Return the setting that records a drive, where ROBUROC4_RECORD names a folder."""
+    folder = os.environ.get("ROBUROC4_RECORD")
+    if not folder:
+        return {}
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise refused(f"ROBUROC4_RECORD: {folder} is no folder: {error.strerror}") from None
+    return {"record": folder}
+
+
+def note_recording(robot: Robot) -> None:
+    """Tell where the datagrams go."""
+    if robot.recorder is not None:
+        note(f"recording to {robot.recorder.path}")
 
 
 @contextmanager
 def driven(options: DrivingOptions) -> Iterator[Robot]:
     """Connect to a robot that may be driven: its game pad is known to be at rest."""
-    with unsuspendable(), connected(options) as robot:
+    with unsuspendable(), connected(options, **recording()) as robot:
+        note_recording(robot)
         if _has_inputs(robot):
             refuse_override(robot)
             yield robot
@@ -83,7 +106,8 @@ def driven(options: DrivingOptions) -> Iterator[Robot]:
             )
     note("driving without sight of the game pad: keep an emergency stop in your hand")
     blind = {"allow_unknown_override": True, "override_index": _NO_INPUT}
-    with unsuspendable(), connected(options, **blind) as robot:
+    with unsuspendable(), connected(options, **blind, **recording()) as robot:
+        note_recording(robot)
         yield robot
 
 
