@@ -20,7 +20,7 @@ from roburoc4.capture import Datagram, RawWriter
 ABOUT = (
     "A robot that sends 71 statuses a second, as the library subscribes by default, recorded for a "
     "day, written in virtual time. *Read*: every status as a typed record, with a client of the "
-    "library living through it for its events. *tcpdump* copies the file to nowhere: the cost of "
+    "library living through it for its events. *tcpdump* copies the file: the cost of "
     "the blocks alone. Seconds are of the processor, for a whole process."
 )
 ROBOT, CLIENT = (b"\xc0\xa8\x00\x02", 60000), (b"\xc0\xa8\x00\x05", 40001)
