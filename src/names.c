@@ -75,7 +75,49 @@ const char *roburoc4_result_text(roburoc4_result result) {
     return text != NULL ? text : "unknown error";
 }
 
+/** The place of the only bit of an event. */
+static uint32_t bit_index(uint32_t event) {
+    uint32_t index = 0;
+    if (event == 0 || (event & (event - 1)) != 0) {
+        return 32; /* not one event */
+    }
+    while ((event >> index & 1) == 0) {
+        index++;
+    }
+    return index;
+}
+
 const char *roburoc4_name(uint32_t what, uint32_t number) {
+    static const char events[] =
+        "the state of the connection changed\0"
+        "the robot is ready\0"
+        "the robot fell silent: connecting again\0"
+        "the robot restarted\0"
+        "properties of a service are new or changed\0"
+        "the robot's text for a service or a channel came\0"
+        "a status of the IO card came\0"
+        "a status of the telemeters came\0"
+        "a status of the battery came\0"
+        "a status of the localization came\0"
+        "a status of the speeds came\0"
+        "armed: drive commands are accepted\0"
+        "disarmed: drive commands are refused\0"
+        "no new drive command came within the lease: the robot is stopped\0"
+        "the stop sequence ended\0"
+        "game pad [A] was pressed or released\0"
+        "another client began or ended to command the robot\0"
+        "the robot stands although it should move, or moves again\0"
+        "the battery fell below the robot's minimum\0"
+        "the battery is critical\0"
+        "the robot took its new place\0"
+        "the robot did not take its new place\0"
+        "the robot refused a subscription\0"
+        "the robot answers every request with the id 1\0"
+        "the clock of this machine went back\0"
+        "the robot has more channels than are stored\0"
+        "every text of the robot was read or given up\0"
+        "an input was found at another index than the manual's\0"
+        "arming is possible now";
     switch (what) {
     case ROBUROC4_NAME_SERVICE:
         return nth(
@@ -85,6 +127,8 @@ const char *roburoc4_name(uint32_t what, uint32_t number) {
         return nth("Charging\0Charged\0Ok\0Critical", 4, number);
     case ROBUROC4_NAME_STATE:
         return nth("idle\0connecting\0discovering\0subscribing\0ready\0lost\0closing", 7, number);
+    case ROBUROC4_NAME_EVENT:
+        return nth(events, 29, bit_index(number));
     default:
         return NULL;
     }

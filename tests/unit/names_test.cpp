@@ -203,7 +203,7 @@ TEST(Names, BatteryStatesAreTheManuals) { // 4.2.4.6
 }
 
 TEST(Names, OfAnUnknownKindThereIsNone) {
-    for (const uint32_t what : {3U, 0xFFFFFFFFU})
+    for (const uint32_t what : {4U, 0xFFFFFFFFU})
         EXPECT_EQ(nullptr, roburoc4_name(what, 0));
 }
 
@@ -215,6 +215,25 @@ TEST(Names, StatesOfAClient) {
     EXPECT_STREQ("ready", roburoc4_name(ROBUROC4_NAME_STATE, ROBUROC4_STATE_READY));
     EXPECT_EQ(nullptr, roburoc4_name(ROBUROC4_NAME_STATE, 7));
     EXPECT_EQ(nullptr, roburoc4_name(ROBUROC4_NAME_STATE, 0xFFFFFFFFu));
+}
+
+TEST(Names, EveryEventHasASentenceOfItsOwn) {
+    std::set<std::string> seen;
+    for (uint32_t event = ROBUROC4_EVENT_STATE; event <= ROBUROC4_EVENT_ARMABLE; event <<= 1) {
+        const char *text = roburoc4_name(ROBUROC4_NAME_EVENT, event);
+        ASSERT_NE(nullptr, text) << event;
+        EXPECT_TRUE(seen.insert(text).second) << text;
+    }
+    EXPECT_STREQ("the state of the connection changed",
+                 roburoc4_name(ROBUROC4_NAME_EVENT, ROBUROC4_EVENT_STATE));
+    EXPECT_STREQ("disarmed: drive commands are refused",
+                 roburoc4_name(ROBUROC4_NAME_EVENT, ROBUROC4_EVENT_DISARMED));
+    EXPECT_STREQ("arming is possible now",
+                 roburoc4_name(ROBUROC4_NAME_EVENT, ROBUROC4_EVENT_ARMABLE));
+    EXPECT_EQ(nullptr, roburoc4_name(ROBUROC4_NAME_EVENT, 0));
+    EXPECT_EQ(nullptr,
+              roburoc4_name(ROBUROC4_NAME_EVENT, ROBUROC4_EVENT_READY | ROBUROC4_EVENT_LOST));
+    EXPECT_EQ(nullptr, roburoc4_name(ROBUROC4_NAME_EVENT, ROBUROC4_EVENT_ARMABLE << 1));
 }
 
 /** Typed here once more: behind a text that went missing, whatever lies in memory would look like
