@@ -2,8 +2,9 @@
 """`roburoc4 info`: all that the robot says about itself, for people and as JSON."""
 
 import re
+import subprocess
 
-from cli_support import document, one_line, run
+from cli_support import COMMAND, document, environment, one_line, run
 
 import roburoc4
 
@@ -129,3 +130,17 @@ def test_it_commands_nothing() -> None:
     with roburoc4.Simulator(port=0) as sim:
         run("info", robot=sim.address)
         assert (sim.state.speed_commands, sim.state.io_commands) == (0, 0)
+
+
+def test_a_reader_that_takes_one_line_is_no_error() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        done = subprocess.run(
+            ["bash", "-c", f'"{COMMAND}" info | head -n 1; echo "${{PIPESTATUS[0]}}"'],
+            env=environment(sim.address),
+            capture_output=True,
+            text=True,
+            timeout=30,
+            check=False,
+        )
+    assert done.stdout == f"robot at {sim.address}\n0\n"
+    assert done.stderr == ""

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """`roburoc4 monitor`: live, as lines of JSON, over a loss, into a pipe that closes."""
 
+import io
 import itertools
 import json
 import signal
@@ -10,8 +11,12 @@ from typing import Any
 
 import pytest
 from cli_support import COMMAND, Terminal, environment, eventually, one_line, run, start
+from rich.console import Console
 
 import roburoc4
+from roburoc4.cli.names import names_of
+from roburoc4.cli.snapshot import take
+from roburoc4.cli.view import render
 
 FIELDS = {
     "iocard": {"analog_inputs", "digital_inputs"},
@@ -150,3 +155,15 @@ def test_a_closed_pipe_ends_it_quietly(json_or_not: list[str]) -> None:
         assert done.stdout.count("\n") == 1
         assert done.stderr == ""
         eventually(lambda: sim.state.peers <= 1)
+
+
+def test_a_narrow_terminal_shows_whole_values() -> None:
+    with roburoc4.Simulator(port=0) as sim, roburoc4.connect(sim.address) as robot:
+        robot.wait_for("telemeter")
+        robot.wait_for("localization")
+        screen = Console(width=60, file=io.StringIO(), record=True)
+        screen.print(render(take(robot, 1.0, names_of(robot)), 60))
+    shown = screen.export_text()
+    assert max(map(len, shown.splitlines())) <= 60
+    for text in ("localization", "x 0.000 m  y 0.000 m", "m  front", "rad/s (target +0.00)"):
+        assert text in shown

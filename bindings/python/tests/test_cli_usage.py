@@ -154,7 +154,7 @@ def test_a_module_that_is_missing_is_named() -> None:
             check=False,
         )
     assert done.returncode == 2
-    assert "with its extra [cli] (see docs/python.md)" in one_line(done.stderr)
+    assert 'pip install "./bindings/python[cli]"' in one_line(done.stderr)
 
 
 def _shell(line: str, robot: str) -> subprocess.CompletedProcess[str]:

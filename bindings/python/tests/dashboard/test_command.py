@@ -302,7 +302,7 @@ def test_without_its_extra_it_says_what_to_install(missing: str) -> None:
         check=False,
     )
     assert done.returncode == 2
-    assert "pip install 'roburoc4[dashboard]'" in done.stderr
+    assert 'pip install "./bindings/python[dashboard]"' in done.stderr
 
 
 def test_a_port_that_is_taken_is_told() -> None:

@@ -28,8 +28,8 @@ def main() -> None:
         if extra is None:
             raise
         print(
-            f"roburoc4: {name} is not installed: install roburoc4 with its extra [{extra}] "
-            "(see docs/python.md)",
+            f'roburoc4: {name} is not installed: pip install "./bindings/python[{extra}]" in a '
+            "checkout (see docs/python.md)",
             file=sys.stderr,
         )
         code = 2

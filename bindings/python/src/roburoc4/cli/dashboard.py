@@ -180,7 +180,10 @@ def run(options: DashboardOptions) -> int:
     except ModuleNotFoundError as missing:
         if (missing.name or "").partition(".")[0] not in ("starlette", "uvicorn", "websockets"):
             raise
-        raise usage(f"{missing.name} is not installed: pip install 'roburoc4[dashboard]'") from None
+        raise usage(
+            f'{missing.name} is not installed: pip install "./bindings/python[dashboard]" in a '
+            "checkout"
+        ) from None
     from roburoc4.dashboard.guard import Rules
 
     place = _place(options, server.Place)

@@ -17,6 +17,8 @@ from .output import console, is_terminal, note, plain, print_json
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from rich.console import RenderableType
+
     from roburoc4 import Robot, Status
 
     from .snapshot import Snapshot
@@ -134,7 +136,12 @@ def _show_table(watch: _Watch) -> None:
 
     from .view import render
 
-    with Live(render(watch.snapshot()), console=console(), auto_refresh=False) as live:
+    screen = console()
+
+    def picture() -> RenderableType:
+        return render(watch.snapshot(), screen.width)
+
+    with Live(picture(), console=screen, auto_refresh=False) as live:
         while watch.left_s > 0.0:
             time.sleep(min(_REFRESH_S, max(0.0, watch.left_s)))
-            live.update(render(watch.snapshot()), refresh=True)
+            live.update(picture(), refresh=True)

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import json
 import math
-import struct
 import sys
 from enum import Enum
 from typing import TYPE_CHECKING, Any
@@ -19,7 +18,7 @@ def plain(value: Any) -> Any:
     if isinstance(value, Enum):
         return value.value
     if isinstance(value, float):
-        return _shortest(value) if math.isfinite(value) else None
+        return value if math.isfinite(value) else None
     if hasattr(value, "_asdict"):
         return {name: plain(item) for name, item in value._asdict().items()}
     if isinstance(value, dict):
@@ -27,18 +26,6 @@ def plain(value: Any) -> Any:
     if isinstance(value, (list, tuple)):
         return [plain(item) for item in value]
     return value
-
-
-def _shortest(value: float) -> float:
-    """Give a number that the robot sent in 32 bits without the digits that it never had."""
-    try:
-        bits = struct.pack("<f", value)
-    except OverflowError:
-        return value
-    if struct.unpack("<f", bits)[0] != value:
-        return value
-    candidates = (float(f"{value:.{digits}g}") for digits in (6, 7, 8))
-    return next((short for short in candidates if struct.pack("<f", short) == bits), value)
 
 
 def print_json(value: Any, *, line: bool = False) -> None:
@@ -60,7 +47,11 @@ def console(*, stderr: bool = False) -> Console:
     """Make Rich's view of the terminal."""
     from rich.console import Console
 
-    return Console(stderr=stderr, highlight=False)
+    class Screen(Console):
+        def on_broken_pipe(self) -> None:
+            raise BrokenPipeError  # a pipe that was closed is no failure; Rich would exit with 1
+
+    return Screen(stderr=stderr, highlight=False)
 
 
 def printable(text: str) -> str:

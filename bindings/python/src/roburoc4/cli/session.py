@@ -8,20 +8,21 @@ import os
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .errors import refused, unreachable, usage
 from .options import Options
 from .output import note
-from .signals import unsuspendable
+from .signals import Signalled, unsuspendable
 
 if TYPE_CHECKING:
     from roburoc4 import DifferentialStatus, Robot
 
 SILENCE_S = 5.0  # how long a robot may be silent before we give up
 _FIRST_INPUTS_S = 2.0
+_REST_S = 3.0
 _POLL_S = 0.02
 _STILL_M_S = 0.01
 _STILL_RAD_S = 0.02
@@ -172,6 +173,16 @@ def armed(robot: Robot) -> Iterator[None]:
     robot.arm()
     try:
         yield
+    except Signalled:
+        robot.stop()
+        stands = wait_for_rest(robot, _REST_S)
+        with suppress(OSError):  # the terminal may be gone
+            note(
+                "interrupted: the robot was stopped, and stands"
+                if stands
+                else "interrupted: the robot was told to stop, but it is not known to stand: look!"
+            )
+        raise
     except NotArmedError:
         if robot.facts.overridden:
             raise refused(

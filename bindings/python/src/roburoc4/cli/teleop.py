@@ -146,10 +146,10 @@ class _Teleop:
 
     def _step(self, now_s: float, step_s: float) -> None:
         """Drive for one step, or arm again once all keys are up."""
-        from roburoc4 import NotArmedError
+        from roburoc4 import NotArmedError, Result
 
         facts = self._robot.facts
-        if facts.inhibited:
+        if facts.disarm_cause is Result.INHIBITED:
             self._man.let_go()
             self._trouble = "it stands still: look at emergency stops, brakes and bumpers"
         wanted = self._wanted(now_s)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from rich import box
 from rich.console import Group
+from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
@@ -15,6 +16,8 @@ from .names import TELEMETER_NAMES, flag_names
 from .output import printable
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from rich.console import RenderableType
 
     from roburoc4 import (
@@ -44,8 +47,13 @@ def lamp(name: str, lit: bool | None, style: str) -> Text:
     return Text(f" {'●' if lit else '○'} {name} ", f"bold white on {style}" if lit else "dim")
 
 
-def render(seen: Snapshot) -> RenderableType:
-    """Draw everything."""
+_NARROW_CELLS = 100
+
+
+def render(seen: Snapshot, cells: int = _NARROW_CELLS) -> RenderableType:
+    """Draw everything, for a terminal of so many cells: in a narrow one values stand below."""
+    if cells < _NARROW_CELLS:
+        return Group(_headline(seen), lamps(seen.facts), *_stack(seen))
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, expand=False)
     table.add_column("service", no_wrap=True)
     for heading in ("rate", "age", "loss", "jitter"):
@@ -54,6 +62,19 @@ def render(seen: Snapshot) -> RenderableType:
     for figures in seen.streams:
         table.add_row(*_figures(figures), _values(seen, figures.service))
     return Group(_headline(seen), lamps(seen.facts), table)
+
+
+def _stack(seen: Snapshot) -> Iterator[RenderableType]:
+    for figures in seen.streams:
+        service, *numbers = _figures(figures)
+        yield Text.assemble(
+            "\n", (f"{service}", "bold"), "  ", Text("  ").join(map(_text, numbers))
+        )
+        yield Padding(_values(seen, figures.service), (0, 0, 0, 2))
+
+
+def _text(cell: Text | str) -> Text:
+    return cell if isinstance(cell, Text) else Text(cell)
 
 
 def _headline(seen: Snapshot) -> Text:
