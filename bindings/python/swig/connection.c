@@ -26,6 +26,9 @@ struct connection {
     int is_played;                    /* a recording moves the client, at the recorded time */
     uint64_t played_us;
     char address[ROBUROC4_ADDRESS_TEXT_SIZE];
+    struct {
+        uint64_t host_us, utc_us;
+    } made[RECORD_DIFFERENTIAL_STATUS + 1]; /* the last status of each kind that was asked for */
 };
 
 /* The call that is being made. */
@@ -296,13 +299,18 @@ static uint64_t made_us(const roburoc4_client *client, uint64_t robot_cycles, ui
     return mapped_us;
 }
 
-uint64_t connection_utc_us(connection *c, uint64_t robot_cycles, uint64_t host_us) {
-    const roburoc4_client *client = roburoc4_pump_lock(c->pump);
-    if (client != NULL) {
-        host_us = made_us(client, robot_cycles, host_us);
-        roburoc4_pump_unlock(c->pump);
+uint64_t connection_utc_us(connection *c, record_kind kind, uint64_t robot_cycles,
+                           uint64_t host_us) {
+    if (c->made[kind].host_us != host_us || c->made[kind].utc_us == 0) {
+        const roburoc4_client *client = roburoc4_pump_lock(c->pump);
+        c->made[kind].host_us = c->made[kind].utc_us = host_us;
+        if (client != NULL) {
+            c->made[kind].utc_us = made_us(client, robot_cycles, host_us);
+            roburoc4_pump_unlock(c->pump);
+        }
+        c->made[kind].utc_us += utc_offset_us(c);
     }
-    return host_us + utc_offset_us(c);
+    return c->made[kind].utc_us;
 }
 
 uint32_t connection_fault(connection *c) {
@@ -419,7 +427,7 @@ PyObject *connection_play(connection *c, PyObject *datagram, uint64_t at_us) {
 
 static int append(connection *c, PyObject *list, const roburoc4_sample *sample) {
     record_kind kind = sample->service - ROBUROC4_SERVICE_IOCARD + RECORD_IOCARD_STATUS;
-    uint64_t utc_us = connection_utc_us(c, sample->robot_cycles, sample->host_us);
+    uint64_t utc_us = connection_utc_us(c, kind, sample->robot_cycles, sample->host_us);
     PyObject *record = record_of_status(kind, &sample->value, sample->host_us, utc_us);
     int result = record != NULL ? PyList_Append(list, record) : -1;
     Py_XDECREF(record);

@@ -33,6 +33,7 @@ PyObject *move_step(connection *c, roburoc4_move *move) {
 }
 
 PyObject *move_values(const roburoc4_move *move) {
-    return Py_BuildValue("(iidddd)", (int)move->result, (int)move->cause, (double)move->distance_m,
-                         (double)move->angle_rad, (double)move->left_m, (double)move->left_rad);
+    return Py_BuildValue("(iidddd)", (int)move->result, (int)move->cause,
+                         shortest(move->distance_m), shortest(move->angle_rad),
+                         shortest(move->left_m), shortest(move->left_rad));
 }

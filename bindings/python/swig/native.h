@@ -49,11 +49,18 @@ typedef enum record_kind {
  * AttributeError for a member that the struct does not have, or in another order than it is made.
  */
 PyObject *register_record(uint32_t kind, PyObject *type, const char *structure, PyObject *members);
-PyObject *register_enumerations(PyObject *battery_state, PyObject *localization_flag);
+PyObject *register_enumerations(PyObject *battery_state, PyObject *localization_flag,
+                                PyObject *state, PyObject *result);
 /* Learn the function that makes an exception of a result. */
 PyObject *register_errors(PyObject *error_of);
 /* Set the exception of a result below 0; always NULL. */
 PyObject *raise_result(roburoc4_result result);
+
+/* Numbers of any kind, NumPy's too, for an argument of C; -1 with an exception. 250.0 is whole. */
+int take_double(PyObject *number, double *out);
+int take_float(PyObject *number, float *out);
+int take_whole(PyObject *number, long long low, long long high, long long *out);
+int take_uint64(PyObject *number, uint64_t *out);
 
 /* A record of these values, a tuple, which it takes over (NULL: an exception is set already). */
 PyObject *record_new(record_kind kind, PyObject *values);
@@ -62,6 +69,8 @@ PyObject *record_of(record_kind kind, const void *value);
 /* The record of a status: of its C struct, for the IO card roburoc4_inputs and for telemeters
  * roburoc4_distances. */
 PyObject *record_of_status(record_kind kind, const void *status, uint64_t host_us, uint64_t utc_us);
+/* The shortest decimal that is this number in 32 bits: 2.6, not 2.5999999046325684. */
+double shortest(float value);
 PyObject *tuple_of_floats(const float *values, uint32_t count);
 /* Channel 8 k + b is bit b of byte k. */
 PyObject *tuple_of_bits(const uint8_t *blocks, uint32_t count);
@@ -152,8 +161,10 @@ void connection_leave(void);
 roburoc4_pump *connection_pump(connection *c);
 uint64_t connection_now_us(const connection *c);
 /* When the robot made a status, in microseconds since 1970: by the clock that this machine shows
- * now; in virtual time by the simulation's. */
-uint64_t connection_utc_us(connection *c, uint64_t robot_cycles, uint64_t host_us);
+ * now; in virtual time by the simulation's. It is the same each time that it is asked for the
+ * latest status of a kind. */
+uint64_t connection_utc_us(connection *c, record_kind kind, uint64_t robot_cycles,
+                           uint64_t host_us);
 /* ROBUROC4_FAULT_*. */
 uint32_t connection_fault(connection *c);
 

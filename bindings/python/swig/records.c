@@ -18,7 +18,9 @@ typedef enum meaning {
     FLAG = '?',
     AGE = 'a',     /* UINT32_MAX is None */
     BATTERY = 'b', /* a BatteryState, or an integer */
-    QUALITY = 'l'  /* a LocalizationFlag, or an integer */
+    QUALITY = 'l', /* a LocalizationFlag, or an integer */
+    STATE = 's',   /* a State */
+    RESULT = 'r'   /* a Result */
 } meaning;
 
 typedef struct field {
@@ -69,7 +71,7 @@ static const char *const by_hand[RECORD_KINDS] = {
 static record_class classes[RECORD_KINDS];
 static PyObject *battery_states[BATTERY_STATES];
 static PyObject *qualities[QUALITIES];
-static PyObject *battery_state_class, *quality_class, *make_error;
+static PyObject *battery_state_class, *quality_class, *state_class, *result_class, *make_error;
 static newfunc tuple_new;
 
 /* ---------------------------------------------------------------------------- registration --- */
@@ -151,11 +153,16 @@ PyObject *register_record(uint32_t kind, PyObject *type, const char *structure, 
     Py_RETURN_NONE;
 }
 
-PyObject *register_enumerations(PyObject *battery_state, PyObject *quality) {
+PyObject *register_enumerations(PyObject *battery_state, PyObject *quality, PyObject *state,
+                                PyObject *result) {
     Py_INCREF(battery_state);
     battery_state_class = battery_state;
     Py_INCREF(quality);
     quality_class = quality;
+    Py_INCREF(state);
+    state_class = state;
+    Py_INCREF(result);
+    result_class = result;
     Py_RETURN_NONE;
 }
 
@@ -201,9 +208,35 @@ static uint64_t unsigned_at(const void *at, size_t size) {
     }
 }
 
+double shortest(float value) {
+    static const double tens[] = {1,   1e1, 1e2,  1e3,  1e4,  1e5,  1e6, 1e7,
+                                  1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14};
+    const double magnitude = fabs((double)value);
+    int decimals = 5, digits;
+    if (!(magnitude >= 1e-6 && magnitude < 1e6)) {
+        return value;
+    }
+    /* Six significant digits, then more: the quotient of two exact numbers is as near to the
+     * decimal as a number can be. */
+    while (decimals > 0 && magnitude >= tens[6 - decimals]) {
+        decimals--;
+    }
+    while (decimals < 11 && magnitude * tens[decimals] < 1e5) {
+        decimals++;
+    }
+    for (digits = 0; digits < 3; digits++) {
+        const double candidate = rint(value * tens[decimals + digits]) / tens[decimals + digits];
+        if ((float)candidate == value) {
+            return candidate;
+        }
+    }
+    return value;
+}
+
 static PyObject *number_at(const field *f, const void *at) {
     if (f->type == 'f') {
-        return PyFloat_FromDouble(f->size == 4 ? *(const float *)at : *(const double *)at);
+        return PyFloat_FromDouble(f->size == 4 ? shortest(*(const float *)at)
+                                               : *(const double *)at);
     }
     if (f->type == 'i') {
         return PyLong_FromLong(f->size == 2 ? *(const int16_t *)at : *(const int32_t *)at);
@@ -225,6 +258,10 @@ static PyObject *value_of(const column *column, const void *structure) {
                          unsigned_at(at, f->size));
     case QUALITY:
         return member_of(quality_class, qualities, QUALITIES, unsigned_at(at, f->size));
+    case STATE:
+        return PyObject_CallFunction(state_class, "i", (int)unsigned_at(at, f->size));
+    case RESULT:
+        return PyObject_CallFunction(result_class, "i", (int)*(const int32_t *)at);
     case AGE:
         if (unsigned_at(at, f->size) == UINT32_MAX) {
             Py_RETURN_NONE;
@@ -276,7 +313,7 @@ PyObject *tuple_of_floats(const float *values, uint32_t count) {
     PyObject *tuple = PyTuple_New(count);
     uint32_t i;
     for (i = 0; tuple != NULL && i < count; i++) {
-        PyObject *value = PyFloat_FromDouble(values[i]);
+        PyObject *value = PyFloat_FromDouble(shortest(values[i]));
         if (value == NULL) {
             Py_CLEAR(tuple);
         } else {
@@ -353,35 +390,88 @@ PyObject *packed_formats(uint32_t kind) {
     return formats;
 }
 
+/* --------------------------------------------------------------------------------- numbers --- */
+
+static int out_of_range(PyObject *number) {
+    (void)PyErr_Format(PyExc_OverflowError, "%S is out of range", number);
+    return -1;
+}
+
+int take_double(PyObject *number, double *out) {
+    *out = PyFloat_AsDouble(number);
+    return *out == -1.0 && PyErr_Occurred() != NULL ? -1 : 0;
+}
+
+int take_float(PyObject *number, float *out) {
+    double value;
+    if (take_double(number, &value) < 0) {
+        return -1;
+    }
+    *out = (float)value;
+    return isinf(*out) && !isinf(value) ? out_of_range(number) : 0;
+}
+
+/* The integer that a number is, NULL with an exception where it is none. */
+static PyObject *whole_of(PyObject *number) {
+    double value;
+    if (PyIndex_Check(number)) {
+        return PyNumber_Index(number);
+    }
+    if (take_double(number, &value) < 0) {
+        return NULL;
+    }
+    if (!(floor(value) == value)) { /* NaN, too */
+        return PyErr_Format(PyExc_OverflowError, "%S is not a whole number", number);
+    }
+    return PyLong_FromDouble(value);
+}
+
+int take_whole(PyObject *number, long long low, long long high, long long *out) {
+    PyObject *whole = whole_of(number);
+    int overflow = 0;
+    if (whole == NULL) {
+        return -1;
+    }
+    *out = PyLong_AsLongLongAndOverflow(whole, &overflow);
+    Py_DECREF(whole);
+    return overflow != 0 || *out < low || *out > high ? out_of_range(number) : 0;
+}
+
+int take_uint64(PyObject *number, uint64_t *out) {
+    PyObject *whole = whole_of(number);
+    if (whole == NULL) {
+        return -1;
+    }
+    *out = PyLong_AsUnsignedLongLong(whole);
+    Py_DECREF(whole);
+    return PyErr_Occurred() != NULL ? -1 : 0;
+}
+
 /* -------------------------------------------------------------------------------- settings --- */
 
 /* Write a number where it belongs; -1 with an exception where it is none, or does not fit. */
 static int store(const field *f, void *at, PyObject *value) {
-    const double real = f->type == 'f' ? PyFloat_AsDouble(value) : 0.0;
-    const long long whole = f->type == 'f' ? 0 : PyLong_AsLongLong(value);
-    int fits = 1;
-    if (PyErr_Occurred() != NULL) {
+    long long whole = 0;
+    if (f->type == 'f') {
+        return f->size == 8 ? take_double(value, at) : take_float(value, at);
+    }
+    if (f->size == 8) {
+        return take_uint64(value, at);
+    }
+    if (f->type == 'i') {
+        const long long high = f->size == 2 ? INT16_MAX : INT32_MAX;
+        if (take_whole(value, -high - 1, high, &whole) < 0) {
+            return -1;
+        }
+    } else if (take_whole(value, 0, f->size == 2 ? UINT16_MAX : UINT32_MAX, &whole) < 0) {
         return -1;
     }
-    if (f->type == 'f' && f->size == 8) {
-        *(double *)at = real;
-    } else if (f->type == 'f') {
-        *(float *)at = (float)real;
-        fits = !isinf(*(float *)at) || isinf(real);
-    } else if (f->size == 2) {
-        *(int16_t *)at = (int16_t)whole;
-        fits = (f->type == 'i' ? *(int16_t *)at : *(uint16_t *)at) == whole;
-    } else if (f->size == 4) {
-        *(int32_t *)at = (int32_t)whole;
-        fits = (f->type == 'i' ? *(int32_t *)at : (long long)*(uint32_t *)at) == whole;
+    if (f->size == 2) {
+        *(uint16_t *)at = (uint16_t)whole;
     } else {
-        *(int64_t *)at = whole;
-        fits = whole >= 0;
+        *(uint32_t *)at = (uint32_t)whole;
     }
-    if (!fits) {
-        PyErr_SetString(PyExc_OverflowError, "out of range");
-    }
-    return fits ? 0 : -1;
+    return 0;
 }
 
 PyObject *set_member(PyObject *settings, const char *name, PyObject *value, uint32_t index) {

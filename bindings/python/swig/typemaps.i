@@ -19,6 +19,35 @@
     $1 = $input;
 }
 
+/* ---- numbers ---- */
+%typemap(in) double {
+    if (take_double($input, &$1) < 0) {
+        SWIG_fail;
+    }
+}
+%typemap(in) float {
+    if (take_float($input, &$1) < 0) {
+        SWIG_fail;
+    }
+}
+%define ROBUROC4_WHOLE(TYPE, LOW, HIGH)
+%typemap(in) TYPE {
+    long long whole;
+    if (take_whole($input, LOW, HIGH, &whole) < 0) {
+        SWIG_fail;
+    }
+    $1 = (TYPE)whole;
+}
+%enddef
+ROBUROC4_WHOLE(uint16_t, 0, UINT16_MAX)
+ROBUROC4_WHOLE(uint32_t, 0, UINT32_MAX)
+ROBUROC4_WHOLE(int32_t, INT32_MIN, INT32_MAX)
+%typemap(in) uint64_t {
+    if (take_uint64($input, &$1) < 0) {
+        SWIG_fail;
+    }
+}
+
 /* ---- output structs ---- */
 %define ROBUROC4_OUTPUT(TYPE, PREPARE, KIND)
 %typemap(in, numinputs=0) TYPE * (TYPE value) {
@@ -38,7 +67,7 @@
 }
 %typemap(argout) (TYPE *out, uint64_t *host_us) {
     Py_XDECREF($result);
-    $result = record_of_status(KIND, $1, *$2, connection_utc_us(handle1, $1->robot_cycles, *$2));
+    $result = record_of_status(KIND, $1, *$2, connection_utc_us(handle1, KIND, $1->robot_cycles, *$2));
 }
 %enddef
 

@@ -41,6 +41,38 @@ def test_a_program_of_coroutines(served: Simulator) -> None:
     assert served.state.nonzero_speed_commands >= 5
 
 
+def test_properties_have_values_right_after_connecting(served: Simulator) -> None:
+    async def program() -> None:
+        async with roburoc4.aio.connect(served.address) as robot:
+            assert robot.battery.remaining_percent == 100
+            assert robot.telemeter.distances_m
+        served.set("power", False)
+        async with roburoc4.aio.connect(served.address, wait=False) as robot:
+            assert robot.state is not roburoc4.State.READY
+            served.set("power", True)
+            await robot.wait_ready()
+            assert robot.localization.x_m == 0.0
+
+    asyncio.run(program())
+
+
+def test_events_and_statuses_wait_no_longer_than_told(served: Simulator) -> None:
+    async def program() -> None:
+        async with roburoc4.aio.connect(served.address) as robot:
+            events = robot.events(timeout=0.3)
+            await robot.arm()
+            assert await anext(events) is Event.ARMED
+            with pytest.raises(TimeoutError, match="no battery status"):
+                async for _ in robot.statuses("battery", timeout=0.1):
+                    pass
+            robot.disarm()
+            assert Event.DISARMED in [await anext(events), await anext(events)]
+            await robot.close()
+            assert [event async for event in events][1:] == []
+
+    asyncio.run(program())
+
+
 def test_statuses_are_iterated_without_loss(served: Simulator) -> None:
     async def program() -> list[int]:
         async with roburoc4.aio.connect(served.address) as robot:

@@ -2,7 +2,9 @@
 """Waiting, iterating, recording; losses and reboots; in virtual time."""
 
 import itertools
+import subprocess
 import time
+from collections.abc import Callable
 
 import pytest
 
@@ -99,6 +101,65 @@ def test_what_came_before_the_end_is_still_read_after_it(
             assert came > 100
             assert len(list(statuses)) >= came
             assert statuses.lost == 0
+
+
+def test_a_wait_is_not_longer_than_its_timeout_while_nothing_came() -> None:
+    with Simulator() as sim, sim.connect(periods_ms={"battery": 2550}) as robot:
+        before_s = robot.now_s
+        with pytest.raises(TimeoutError):
+            robot.wait_for(lambda r: r.battery.remaining_percent > 200, timeout=0.3)
+        assert robot.now_s - before_s == pytest.approx(0.3, abs=0.01)
+
+
+def test_statuses_wait_no_longer_than_they_are_told(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        statuses = robot.statuses("battery", timeout=0.3)
+        with pytest.raises(TimeoutError, match=r"no battery status within 0\.3 s"):
+            for _ in range(100):
+                next(statuses)
+        robot.sleep(1.0)
+        assert next(statuses).remaining_percent == 100
+
+
+def test_events_come_one_by_one_with_a_sentence(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        events = robot.events(timeout=2.0)
+        robot.arm()
+        roburoc4_simulator.set("pad_a", True)
+        seen = list(itertools.takewhile(lambda event: event is not Event.OVERRIDE, events))
+        assert {Event.ARMED, Event.DISARMED} <= set(seen)
+        assert all(event.text for event in seen)
+        with pytest.raises(TimeoutError, match="no event within 2 s"):
+            list(events)
+        robot.close()
+        list(events)
+
+
+def test_every_event_has_a_sentence() -> None:
+    assert len({event.text for event in Event}) == len(Event)
+    assert (Event.READY | Event.ARMED).text == f"{Event.READY.text}; {Event.ARMED.text}"
+
+
+TABLES = """
+import pandas, roburoc4
+with roburoc4.Simulator() as sim, sim.connect() as robot:
+    tables = robot.record(1.0, "localization", "battery").to_pandas()
+assert set(tables) == {"localization", "battery"}
+table = tables["localization"]
+assert len(table) in (19, 20, 21)
+assert table["x_m"].iloc[0] == 0.0
+assert table.index.name == "utc"
+assert table.index[1] - table.index[0] == pandas.Timedelta("50ms")
+"""
+
+
+def test_a_recording_becomes_tables_of_pandas(
+    start: Callable[[str], subprocess.Popen[str]],
+) -> None:
+    pytest.importorskip("pandas")
+    process = start(TABLES)
+    assert process.communicate(timeout=60) == ("", "")
+    assert process.returncode == 0
 
 
 def test_record_gives_columns_of_equal_length(roburoc4_simulator: Simulator) -> None:

@@ -142,8 +142,12 @@ def test_durations_must_be_durations(roburoc4_simulator: Simulator, seconds: flo
 def test_numbers_beyond_all_measure_are_told_as_such(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         robot.arm()
-        for speed, lease_ms in ((0.1, -1), (0.1, 10**9), (1e300, 0)):
-            with pytest.raises(roburoc4.ArgumentError, match="lease_ms"):
+        for speed, lease_ms, name in (
+            (0.1, -1, "lease_ms"),
+            (0.1, 10**9, "lease_ms"),
+            (1e300, 0, "linear_m_s"),
+        ):
+            with pytest.raises(roburoc4.ArgumentError, match=name):
                 robot.drive(speed, 0.0, lease_ms=lease_ms)
 
 

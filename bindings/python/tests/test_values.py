@@ -136,7 +136,7 @@ def test_analog_outputs_reach_the_robot() -> None:
         robot.analog_outputs[1] = 2.5
         assert robot.analog_outputs[1] == 2.5
         assert sim.state.io_commands > 0
-        with pytest.raises(roburoc4.ArgumentError, match="NaN"):
+        with pytest.raises(roburoc4.ArgumentError, match="nan"):
             robot.analog_outputs[1] = math.nan
 
 

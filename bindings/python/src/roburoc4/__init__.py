@@ -21,7 +21,7 @@ from .iocard import *
 from .moves import MoveError, MoveResult
 from .records import *
 from .robot import ManualRobot, Robot, connect, resolve
-from .samples import Gap, Reader, Recording, Statuses, flatten
+from .samples import Events, Gap, Reader, Recording, Statuses, flatten
 from .settings import Settings
 from .simulator import SimSettings, Simulator
 from .telegrams import Batch, Layout, decode, decode_batch
@@ -32,6 +32,7 @@ __all__ = [
     "DEFAULT_PORT",
     "Batch",
     "Command",
+    "Events",
     "Gap",
     "Layout",
     "ManualRobot",

@@ -18,21 +18,29 @@ import threading
 import weakref
 from collections.abc import AsyncIterator, Callable, Generator
 from types import TracebackType
-from typing import Self, TypeVar, Unpack, overload
+from typing import Any, Literal, Self, TypeVar, Unpack, overload
 
 from . import _native
 from .connection import ALL_EVENTS, Connection, EventReader
 from .constants import DEFAULT_HOST, Event, Result, Service
-from .errors import ClosedError, RobotTimeoutError
+from .errors import ClosedError, RobotTimeoutError, duration_s, finite
 from .moves import STEP_S, Move, MoveOptions, MoveResult, Progress, arc_options
 from .pump import PumpConnection
-from .records import Status
+from .records import (
+    BatteryStatus,
+    DifferentialStatus,
+    IoCardStatus,
+    LocalizationStatus,
+    Status,
+    TelemeterStatus,
+)
 from .robot_base import LOOK_AGAIN_S, RELOCALIZE_S, RobotBase, name_of, true_or_unknown
-from .samples import Reader, Recording, mask_of
+from .samples import EventQueue, Patience, Reader, Recording, mask_of, name_of_statuses
 from .settings import Settings, service_of
 
-__all__ = ["Robot", "Statuses", "connect"]
+__all__ = ["Events", "Robot", "Statuses", "connect"]
 
+_S = TypeVar("_S", bound=Status)
 _T = TypeVar("_T")
 
 
@@ -145,9 +153,10 @@ class Robot(RobotBase):
             await self._bell.wait(min(left_s, LOOK_AGAIN_S))
 
     async def wait_ready(self, timeout: float = 10.0) -> None:
-        """Wait until the robot is ready; after silence, close and raise."""
+        """Wait until the robot is ready and has sent statuses; after silence, close and raise."""
         try:
             await self._wait_until(self._readiness(timeout), None, None)
+            await self._wait_until(self._has_first_statuses, None, None)
         except BaseException:
             await self.close()
             raise
@@ -174,7 +183,7 @@ class Robot(RobotBase):
             )
         if isinstance(condition, str | Service):
             service = service_of(condition)
-            source = Reader(self._connection.reader(), 1 << service)
+            source: Reader[Status] = Reader(self._connection.reader(), 1 << service)
             return await self._wait_until(source.next, timeout, service)
         return await self._wait_until(true_or_unknown(condition, self), timeout, condition)
 
@@ -267,19 +276,50 @@ class Robot(RobotBase):
 
     async def relocalize(self, x_m: float, y_m: float, theta_rad: float) -> None:
         """Tell the robot where it is, and wait for its answer and the pose that follows it."""
+        finite(x_m=x_m, y_m=y_m, theta_rad=theta_rad)
         _native.roburoc4_client_relocalize(self._connection.handle, x_m, y_m, theta_rad)
         await self._wait_until(self._is_relocalized, RELOCALIZE_S, self.relocalize)
         if self.service_link(Service.LOCALIZATION).subscribed:
             await self.wait_for(Service.LOCALIZATION, RELOCALIZE_S)
 
-    def statuses(self, *services: str | Service) -> "Statuses":
+    @overload
+    def statuses(
+        self, service: Literal["iocard"], /, *, timeout: float | None = ...
+    ) -> "Statuses[IoCardStatus]": ...
+    @overload
+    def statuses(
+        self, service: Literal["telemeter"], /, *, timeout: float | None = ...
+    ) -> "Statuses[TelemeterStatus]": ...
+    @overload
+    def statuses(
+        self, service: Literal["battery"], /, *, timeout: float | None = ...
+    ) -> "Statuses[BatteryStatus]": ...
+    @overload
+    def statuses(
+        self, service: Literal["localization"], /, *, timeout: float | None = ...
+    ) -> "Statuses[LocalizationStatus]": ...
+    @overload
+    def statuses(
+        self, service: Literal["differential"], /, *, timeout: float | None = ...
+    ) -> "Statuses[DifferentialStatus]": ...
+    @overload
+    def statuses(
+        self, *services: str | Service, timeout: float | None = ...
+    ) -> "Statuses[Status]": ...
+    def statuses(self, *services: str | Service, timeout: float | None = None) -> "Statuses[Any]":
         """Iterate over every status of these services; see :meth:`roburoc4.Robot.statuses`."""
-        return Statuses(Reader(self._connection.reader(), mask_of(services)), self._bell)
+        source: Reader[Status] = Reader(self._connection.reader(), mask_of(services))
+        return Statuses(source, self._bell, timeout, name_of_statuses(services))
+
+    def events(self, *, timeout: float | None = None) -> "Events":
+        """Iterate over what happens from now on; see :meth:`roburoc4.Robot.events`."""
+        return Events(EventQueue(self._connection.reader(), timeout), self._bell)
 
     async def record(self, seconds: float, *services: str | Service) -> Recording:
         """Collect the statuses of these services (none: of all) for so long, as columns."""
+        duration_s("seconds", seconds)
         mask = mask_of(services)
-        source = Reader(self._connection.reader(), mask)
+        source: Reader[Status] = Reader(self._connection.reader(), mask)
         recording = Recording(mask, self.period_s)
         end_s = self._connection.now_s() + seconds
         while (left_s := end_s - self._connection.now_s()) > 0:
@@ -289,25 +329,48 @@ class Robot(RobotBase):
         return recording
 
 
-class Statuses(AsyncIterator[Status]):
+class Events(AsyncIterator[Event]):
+    """Every event from the moment that this was made, for ``async for``."""
+
+    def __init__(self, queue: EventQueue, bell: _Bell) -> None:
+        self._queue = queue
+        self._bell = bell
+
+    def __aiter__(self) -> "Events":
+        return self
+
+    async def __anext__(self) -> Event:
+        patience = self._queue.patience()
+        try:
+            while (event := self._queue.next()) is None:
+                await self._bell.wait(min(LOOK_AGAIN_S, patience.left_s()))
+        except ClosedError:
+            raise StopAsyncIteration from None
+        return event
+
+
+class Statuses(AsyncIterator[_S]):
     """Every status from the moment that this was made, for ``async for``."""
 
-    def __init__(self, source: Reader, bell: _Bell) -> None:
+    def __init__(self, source: Reader[_S], bell: _Bell, timeout: float | None, what: str) -> None:
         self._source = source
         self._bell = bell
+        self._timeout = timeout
+        self._what = what
 
     @property
     def lost(self) -> int:
         """Statuses, of any service, that were overwritten before they were read."""
         return self._source.lost
 
-    def __aiter__(self) -> "Statuses":
+    def __aiter__(self) -> "Statuses[_S]":
         return self
 
-    async def __anext__(self) -> Status:
+    async def __anext__(self) -> _S:
+        patience = Patience(self._source.now_s, self._timeout, self._what)
         try:
             while (status := self._source.next()) is None:
-                await self._bell.wait(LOOK_AGAIN_S)
+                await self._bell.wait(min(LOOK_AGAIN_S, patience.left_s()))
         except ClosedError:
             raise StopAsyncIteration from None
         return status
@@ -316,16 +379,18 @@ class Statuses(AsyncIterator[Status]):
 class _Connecting:
     """A robot for ``await``, which closes it afterwards in ``async with``."""
 
-    def __init__(self, host: str, timeout: float, settings: Settings) -> None:
+    def __init__(self, host: str, timeout: float, wait: bool, settings: Settings) -> None:
         self._host = host
         self._timeout = timeout
+        self._wait = wait
         self._settings = settings
         self._robot: Robot | None = None
 
     async def _connect(self) -> Robot:
         connection = await asyncio.to_thread(PumpConnection, self._host, self._settings)
         robot = Robot(connection, self._settings)
-        await robot.wait_ready(self._timeout)
+        if self._wait:
+            await robot.wait_ready(self._timeout)
         return robot
 
     def __await__(self) -> Generator[None, None, Robot]:
@@ -341,10 +406,15 @@ class _Connecting:
 
 
 def connect(
-    host: str = DEFAULT_HOST, *, timeout: float = 10.0, **settings: Unpack[Settings]
+    host: str = DEFAULT_HOST,
+    *,
+    timeout: float = 10.0,
+    wait: bool = True,
+    **settings: Unpack[Settings],
 ) -> _Connecting:
     """Connect to a robot, with ``async with`` or ``await``.
 
-    The arguments are those of :func:`roburoc4.connect`.
+    The arguments are those of :func:`roburoc4.connect`. Properties cannot wait here, so this also
+    waits for the first status of each service.
     """
-    return _Connecting(host, timeout, settings)
+    return _Connecting(host, timeout, wait, settings)

@@ -18,6 +18,8 @@ from .records import Status
 from .settings import STATUS_MASK, Settings, buffer_of, config_of
 
 ALL_EVENTS = 0x1FFFFFFF
+STATUS_EVENTS = STATUS_MASK << 4
+"""Events that announce statuses."""
 
 READ_STATUS: dict[Service, Callable[["_native.Connection"], Status]] = {
     Service.IOCARD: _native.roburoc4_client_inputs,
@@ -79,6 +81,10 @@ class EventReader(ABC):
         self._handle = handle
         self._reader = _native.new_reader()
         _native.roburoc4_pump_reader_init(handle, self._reader)
+
+    def now_s(self) -> float:
+        """Return the time on the connection's clock."""
+        return _native.connection_now_us(self._handle) / 1e6
 
     @property
     def lost(self) -> int:

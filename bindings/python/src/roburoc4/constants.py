@@ -2,6 +2,7 @@
 """Names for the manual's numbers and for those of the client.
 
 Each class mirrors a family of ``ROBUROC4_*`` constants of the headers; a test compares them.
+Members explain themselves by ``text``, which is the C library's, or by a text here.
 """
 
 from enum import IntEnum, IntFlag
@@ -34,78 +35,121 @@ class Service(IntEnum):
     """A service, named by its id on a RobuROC4 (manual 4.2.1), whatever id a robot gives it."""
 
     DIRECTORY = 0
+    """Lists the services."""
     NOTIFICATION = 1
+    """Takes subscriptions."""
     IOCARD = 2
+    """Inputs and outputs, analog and digital."""
     TELEMETER = 3
+    """Ultrasonic distances."""
     BATTERY = 4
+    """State and charge of the battery."""
     LOCALIZATION = 5
+    """Odometry: the pose."""
     DIFFERENTIAL = 6
+    """Speeds, and the commands to drive."""
 
 
 class Action(IntEnum):
     """What a request asks for (4.2.2 to 4.2.6)."""
 
     GET = 0
+    """Read properties."""
     QUERY = 1
+    """Read a text."""
     REPLACE = 2
+    """Set the pose."""
     UPDATE = 3
+    """Known from other robots of the family."""
     INSERT = 4
+    """Subscribe."""
     DELETE = 5
+    """Unsubscribe; known from other robots of the family."""
     SUBMIT = 6
+    """Known from other robots of the family."""
 
 
 class WireError(IntEnum):
     """Error byte of an answer (4.2.2.2); 0x10 and more are the service's own."""
 
     NONE = 0
+    """It worked."""
     TARGET = 1
+    """There is no such service."""
     UNSUPPORTED = 2
+    """The service does not have this action."""
     ACTION = 3
+    """There is no such action."""
     LENGTH = 4
+    """The request has a wrong length."""
     DATA = 5
+    """The request has wrong contents."""
     SERVICE = 0x10
+    """This and above: the service's own."""
 
 
 class BatteryState(IntEnum):
     """State of the battery (4.2.4.6)."""
 
     CHARGING = 0
+    """The charger is plugged in."""
     CHARGED = 1
+    """Full."""
     OK = 2
+    """In use, with enough charge."""
     CRITICAL = 3
+    """Charge it now."""
 
 
 class LocalizationFlag(IntFlag):
     """Quality of the localization (4.2.4.7)."""
 
     INVALID = 0x01
+    """The pose means nothing."""
     METRIC = 0x02
+    """Exact to metres."""
     DECIMETRIC = 0x04
+    """Exact to decimetres."""
     CENTIMETRIC = 0x08
+    """Exact to centimetres."""
     PROPRIOCEPTIVE = 0x10
+    """From the robot itself: odometry."""
     EXTEROCEPTIVE = 0x20
+    """From the robot's surroundings."""
     ERROR = 0x40
+    """The localization does not work."""
 
 
 class IoType(IntEnum):
     """Kind of a channel of the IO card (4.2.3.3)."""
 
     ANALOG_INPUT = 0
+    """Generally volts."""
     ANALOG_OUTPUT = 1
+    """Generally volts; a RobuROC4 has none."""
     DIGITAL_INPUT = 2
+    """On or off: bumpers, game pad buttons."""
     DIGITAL_OUTPUT = 3
+    """On or off."""
 
 
 class State(IntEnum):
     """State of a client."""
 
     IDLE = 0
+    """Closed, or not started."""
     CONNECTING = 1
+    """Asks whether a robot is there."""
     DISCOVERING = 2
+    """Reads which services there are, and their properties."""
     SUBSCRIBING = 3
+    """Asks for statuses."""
     READY = 4
+    """Statuses come; it can be armed."""
     LOST = 5
+    """Was ready, then the robot fell silent: it is asked again and again."""
     CLOSING = 6
+    """Sends the last zero commands."""
 
 
 class MoveOutcome(IntEnum):
@@ -132,9 +176,13 @@ class Role(IntEnum):
     """What an input is for, whatever its index."""
 
     OVERRIDE = 0
+    """Game pad [A]: somebody drives by hand."""
     FRONT_BUMPER = 1
+    """The front bumper is pressed."""
     REAR_BUMPER = 2
+    """The rear bumper is pressed."""
     BATTERY_V = 3
+    """The battery's voltage."""
 
 
 class Event(IntFlag):
@@ -170,6 +218,13 @@ class Event(IntFlag):
     ROLE = 0x08000000
     ARMABLE = 0x10000000
 
+    @property
+    def text(self) -> str:
+        """What happened, as a sentence; of several events, one after the other."""
+        return "; ".join(
+            _native.roburoc4_name(_native.ROBUROC4_NAME_EVENT, event) for event in self
+        )
+
 
 class Fault(IntEnum):
     """Why the network did not take or deliver a datagram."""
@@ -192,19 +247,33 @@ class Count(IntEnum):
     """Counters of what became of datagrams."""
 
     RECEIVED = 0
+    """Datagrams that came in."""
     SENT = 1
+    """Datagrams that were sent."""
     RETRIES = 2
+    """Requests that were repeated."""
     SHORT = 3
+    """Dropped: shorter than their layout."""
     MALFORMED = 4
+    """Dropped: impossible contents."""
     UNMATCHED = 5
+    """Dropped: answers to no open request."""
     UNSUBSCRIBED = 6
+    """Dropped: statuses that nobody subscribed to."""
     OLD = 7
+    """Dropped: statuses not newer than the last."""
     SURPLUS = 8
+    """Used, but longer than their layout."""
     REFUSED = 9
+    """Requests that the robot answered with an error."""
     ABANDONED = 10
+    """Requests without an answer in all tries."""
     LOST = 11
+    """How often the robot fell silent."""
     REBOOTS = 12
+    """How often the robot restarted."""
     CLOCK_FAULTS = 13
+    """How often this machine's clock went back, or far ahead."""
 
 
 class Result(IntEnum):

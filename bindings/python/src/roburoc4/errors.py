@@ -22,13 +22,13 @@ __all__ = [
 
 
 class RobotError(Exception):
-    """Anything that went wrong with a robot; ``code`` is a :class:`~roburoc4.Result`."""
+    """Anything that went wrong with a robot; ``code`` says what."""
 
     def __init__(self, message: str, code: int = Result.STATE) -> None:
         super().__init__(message)
-        self.code: int = code
+        self.code = Result(code)
 
-    def __reduce__(self) -> tuple[type["RobotError"], tuple[str, int]]:
+    def __reduce__(self) -> tuple[type["RobotError"], tuple[str, Result]]:
         return type(self), (str(self), self.code)
 
 
@@ -80,6 +80,27 @@ class ClosedError(RobotError):
     """The robot object was closed, or belongs to the process that this one was forked from."""
 
 
+def unusable(name: str, value: object, usable: str, code: int = Result.ARGUMENT) -> ArgumentError:
+    """Make the error for an argument: its name, its value, and what can be used."""
+    return ArgumentError(f"{name}: {value} cannot be used; give {usable}", code)
+
+
+def finite(**values: float) -> None:
+    """Refuse values that no C number can hold."""
+    for name, value in values.items():
+        if not abs(value) < _FLOAT_MAX:
+            raise unusable(name, value, "a finite number", Result.NOT_FINITE)
+
+
+def duration_s(name: str, seconds: float) -> float:
+    """Refuse what is no duration."""
+    if not 0 <= seconds < _LONGEST_S:
+        raise unusable(name, seconds, f"0 to {_LONGEST_S:g} s")
+    return float(seconds)
+
+
+_FLOAT_MAX = 3.4e38
+_LONGEST_S = 1e9
 _ARM = "then call arm() again"
 _REMEDIES: dict[int, str] = {
     Result.SHORT: "a telegram of this kind is longer",

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: MIT
 """The IO card: inputs by name or index, outputs that remember what was set."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 from . import _native
 from .connection import Connection
 from .constants import IoType, Result
-from .errors import ArgumentError
+from .errors import ArgumentError, finite
 from .records import IoCardStatus
 
 __all__ = ["AnalogOutputs", "ChannelNames", "Inputs", "Outputs"]
@@ -84,7 +84,7 @@ class Channels:
         if isinstance(channel, str):
             return self.find(channel, io_type)[1]
         count = self.count(io_type)
-        if not 0 <= channel < count:
+        if not 0 <= channel < count or channel != int(channel):
             kind = io_type.name.lower().replace("_", " ")
             raise ArgumentError(
                 f"the robot has no {kind} {channel}: its {count} are 0 to {count - 1}"
@@ -92,7 +92,7 @@ class Channels:
                 else f"the robot has no {kind}s",
                 Result.INDEX,
             )
-        return channel
+        return int(channel)
 
 
 class Inputs:
@@ -115,7 +115,18 @@ class Inputs:
     def _status(self) -> IoCardStatus:
         return _native.roburoc4_client_inputs(self._connection.handle)
 
+    def __iter__(self) -> Iterator[str]:
+        """Iterate over the names of all inputs that have one."""
+        channels = self.channels
+        return iter([n for n in (*channels.digital_inputs, *channels.analog_inputs) if n])
+
     def __getitem__(self, name: str) -> float | bool:
+        if not isinstance(name, str):
+            raise ArgumentError(
+                f"inputs[{name!r}]: use inputs.digital({name!r}) or inputs.analog({name!r}), or a "
+                "name",
+                Result.INDEX,
+            )
         io_type, index = self._channels.find(name, IoType.DIGITAL_INPUT, IoType.ANALOG_INPUT)
         return self.digital(index) if io_type is IoType.DIGITAL_INPUT else self.analog(index)
 
@@ -144,6 +155,9 @@ class Outputs:
 
     def __len__(self) -> int:
         return self._channels.count(IoType.DIGITAL_OUTPUT)
+
+    def __iter__(self) -> Iterator[bool]:
+        return iter([self[index] for index in range(len(self))])
 
     def __getitem__(self, channel: int | str) -> bool:
         return self._set.get(self._channels.index_of(channel, IoType.DIGITAL_OUTPUT), False)
@@ -174,10 +188,14 @@ class AnalogOutputs:
     def __len__(self) -> int:
         return self._channels.count(IoType.ANALOG_OUTPUT)
 
+    def __iter__(self) -> Iterator[float]:
+        return iter([self[index] for index in range(len(self))])
+
     def __getitem__(self, channel: int | str) -> float:
         return self._set.get(self._channels.index_of(channel, IoType.ANALOG_OUTPUT), 0.0)
 
     def __setitem__(self, channel: int | str, value: float) -> None:
         index = self._channels.index_of(channel, IoType.ANALOG_OUTPUT)
+        finite(value=value)
         _native.roburoc4_client_set_analog_output(self._connection.handle, index, value)
         self._set[index] = float(value)

@@ -8,6 +8,7 @@ from . import _native
 from .connection import Connection, EventReader
 from .constants import Result, State
 from .errors import ClosedError, error_of
+from .log import Log
 from .settings import Settings
 
 
@@ -24,6 +25,7 @@ class ManualReader(EventReader):
     def wait(self, mask: int, seconds: float) -> bool:
         if not self._is_waiting(mask):
             self._connection.move(seconds, lambda: self._is_waiting(mask))
+            self._connection.log.step()
         return self._is_waiting(mask)
 
 
@@ -34,6 +36,7 @@ class ManualConnection(Connection):
         super().__init__(handle)
         self.watchdog_s = settings.get("robot_watchdog_ms", 1000) / 1000
         self._left = False
+        self.log = Log(self)
 
     @abstractmethod
     def move(self, seconds: float, until: Callable[[], object]) -> None:
@@ -50,6 +53,7 @@ class ManualConnection(Connection):
     def sleep(self, seconds: float) -> None:
         self.check_open()
         self.move(seconds, lambda: False)
+        self.log.step()
 
     def is_idle(self) -> bool:
         """Whether all zero commands are out."""
@@ -62,6 +66,7 @@ class ManualConnection(Connection):
     def close(self) -> None:
         if self._left or not self._belongs_here():
             return
+        self.log.end()
         _native.connection_disarm_for_good(self.handle)
         self.leave()
         self._left = True  # not where Ctrl-C cut it short: then the next close() goes on

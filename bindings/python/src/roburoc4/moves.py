@@ -9,7 +9,15 @@ from typing import NamedTuple, TypeAlias
 from . import _native
 from .connection import Connection
 from .constants import MoveOutcome, Result
-from .errors import ArgumentError, ClosedError, NotKnownError, RobotError, error_of
+from .errors import (
+    ArgumentError,
+    ClosedError,
+    NotKnownError,
+    RobotError,
+    error_of,
+    finite,
+    unusable,
+)
 from .records import LocalizationStatus
 
 __all__ = ["MoveError", "MoveResult"]
@@ -52,7 +60,7 @@ class MoveError(RobotError):
         self.result = result
 
     # It is made of a result, the others of a text.
-    def __reduce__(self) -> tuple[type["MoveError"], tuple[MoveResult, int]]:  # type: ignore[override]
+    def __reduce__(self) -> tuple[type["MoveError"], tuple[MoveResult, Result]]:  # type: ignore[override]
         return type(self), (self.result, self.code)
 
 
@@ -69,18 +77,18 @@ class MoveOptions(NamedTuple):
         options = _native.new_move_options()
         timeout_s = self.timeout_s
         if timeout_s is not None and not 0.001 <= timeout_s <= _LONGEST_S:
-            raise _bad("timeout", timeout_s, f"0.001 to {_LONGEST_S:g} s")
+            raise unusable("timeout", timeout_s, f"0.001 to {_LONGEST_S:g} s")
         if timeout_s is not None:
             _native.set_member(options, "timeout_ms", round(timeout_s * 1000), 0)
         for name in ("linear_m_s", "angular_rad_s"):
             value = getattr(self, name)
             if value is not None and not 0.0 < value <= 100.0:
-                raise _bad("speed", value, "more than 0, up to 100")
+                raise unusable("speed", value, "more than 0, up to 100")
             if value is not None:
                 _native.set_member(options, name, value, 0)
         if self.clearance_m is not None:
             if not 0.0 <= self.clearance_m <= 100.0:
-                raise _bad("clearance", self.clearance_m, "0 (do not look) to 100 m")
+                raise unusable("clearance", self.clearance_m, "0 (do not look) to 100 m")
             _native.set_member(options, "clearance_m", self.clearance_m, 0)
         return options
 
@@ -97,10 +105,6 @@ def arc_options(
     if speed is not None and distance_m != 0.0:
         turn_rate = speed * abs(angle_rad / distance_m) or None
     return MoveOptions(speed, turn_rate, clearance, timeout)
-
-
-def _bad(name: str, value: float, usable: str) -> ArgumentError:
-    return ArgumentError(f"{name}: {value} cannot be used; give {usable}", Result.ARGUMENT)
 
 
 class Move:
@@ -126,13 +130,12 @@ class Move:
 
     def to(self, x_m: float, y_m: float, theta_rad: float | None) -> "Move":
         """Go to a point, or to a pose."""
+        finite(x_m=x_m, y_m=y_m, theta_rad=theta_rad or 0.0)
         self._refuse_disarmed()
         if theta_rad is None:
             _native.roburoc4_move_to_point(self._move, x_m, y_m, self._options)
         else:
-            theta_rad = (
-                math.remainder(theta_rad, math.tau) if math.isfinite(theta_rad) else math.nan
-            )
+            theta_rad = math.remainder(theta_rad, math.tau)
             _native.roburoc4_move_to_pose(self._move, x_m, y_m, theta_rad, self._options)
         return self
 

@@ -12,6 +12,7 @@ import weakref
 from . import _native
 from .connection import Connection, EventReader, open_host
 from .errors import ClosedError
+from .log import Log, watch
 from .settings import Settings
 
 _SLICE_S = 0.05
@@ -31,6 +32,8 @@ class PumpConnection(Connection):
     def __init__(self, host: str, settings: Settings) -> None:
         super().__init__(open_host(host, True, settings))
         _living.add(self)
+        self.log = Log(self)
+        watch(self)
 
     def reader(self) -> PumpReader:
         return PumpReader(self.handle)
@@ -39,6 +42,8 @@ class PumpConnection(Connection):
         self.reader().wait(0, seconds)
 
     def close(self) -> None:
+        if not self.closed:
+            self.log.end()
         with contextlib.suppress(ClosedError):  # a forked child has nothing to end
             _native.roburoc4_pump_close(self.handle)
         self.end_recording()

@@ -521,7 +521,7 @@ class RecordedRobot:
             import numpy as np
         except ImportError as error:
             raise ImportError(
-                "columns needs NumPy: install roburoc4 with its extra [numpy] (see docs/python.md)",
+                'columns needs NumPy: pip install "./bindings/python[numpy]" in a checkout',
                 name="numpy",
             ) from error
         kind = service_of(service).name.lower()

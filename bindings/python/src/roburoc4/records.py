@@ -12,7 +12,7 @@ Fields are those of the C structs in the headers, in any order.
 from typing import Any, NamedTuple, TypeAlias
 
 from . import _native
-from .constants import BatteryState, LocalizationFlag
+from .constants import BatteryState, LocalizationFlag, Result, State
 
 __all__ = [
     "Answer",
@@ -325,8 +325,7 @@ Telegram: TypeAlias = (
 class Facts(NamedTuple):
     """What is true now."""
 
-    state: int
-    """A :class:`~roburoc4.State`."""
+    state: State
     armed: bool
     """``drive`` is accepted."""
     driving: bool
@@ -345,11 +344,12 @@ class Facts(NamedTuple):
     rear_bumper: bool
     descriptions_done: bool
     battery_low: bool
-    disarm_cause: int
-    """A :class:`~roburoc4.Result`: why it is not armed; 0 while it is."""
-    arm_refusal: int
-    """A :class:`~roburoc4.Result`: what ``arm`` would raise; 0 for nothing."""
-    relocalize_result: int
+    disarm_cause: Result
+    """Why it is not armed; ``OK`` while it is."""
+    arm_refusal: Result
+    """What ``arm`` would raise; ``OK`` for nothing."""
+    relocalize_result: Result
+    """Of the last ``relocalize``; ``UNKNOWN`` while it is open."""
     lease_left_us: int
     linear_m_s: float
     """Speeds that were sent last; 0 after a zero."""
@@ -451,6 +451,8 @@ _MEANINGS: dict[object, str] = {
     BatteryState | int: "b",
     LocalizationFlag | int: "l",
     int | None: "a",
+    State: "s",
+    Result: "r",
 }
 """What a number of C becomes, by the type of the field; "." for the number that it is."""
 
@@ -491,7 +493,7 @@ def _register() -> None:
             if struct is None or name not in ("host_us", "utc_s")
         ]
         _native.register_record(kind, record, struct or record.__name__, members)
-    _native.register_enumerations(BatteryState, LocalizationFlag)
+    _native.register_enumerations(BatteryState, LocalizationFlag, State, Result)
 
 
 _register()

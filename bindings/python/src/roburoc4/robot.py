@@ -5,17 +5,31 @@ import contextlib
 import math
 from collections.abc import Callable
 from types import TracebackType
-from typing import Literal, Self, TypeVar, Unpack, overload
+from typing import Any, Literal, Self, TypeVar, Unpack, overload
 
 from . import _native
 from .connection import ALL_EVENTS
 from .constants import DEFAULT_HOST, Event, Result, Service
-from .errors import NotKnownError, RobotTimeoutError, address_errors
+from .errors import NotKnownError, RobotTimeoutError, address_errors, duration_s, finite
 from .moves import STEP_S, Move, MoveOptions, MoveResult, Progress, arc_options
 from .pump import PumpConnection
-from .records import Status
-from .robot_base import LOOK_AGAIN_S, RELOCALIZE_S, RobotBase, name_of, true_or_unknown
-from .samples import Reader, Recording, Statuses, mask_of
+from .records import (
+    BatteryStatus,
+    DifferentialStatus,
+    IoCardStatus,
+    LocalizationStatus,
+    Status,
+    TelemeterStatus,
+)
+from .robot_base import (
+    LOOK_AGAIN_S,
+    RELOCALIZE_S,
+    RobotBase,
+    in_condition,
+    name_of,
+    true_or_unknown,
+)
+from .samples import EventQueue, Events, Reader, Recording, Statuses, mask_of, name_of_statuses
 from .settings import Settings, service_of
 from .udp import SocketConnection
 
@@ -107,6 +121,8 @@ class Robot(RobotBase):
         try:
             return super()._first(read, service)
         except NotKnownError:
+            if in_condition.get():
+                raise
             left_s = self._first_status_until_s(service) - self._connection.now_s()
             if left_s <= 0 or self.closed:
                 raise
@@ -238,6 +254,7 @@ class Robot(RobotBase):
 
         Raises RefusedError, or RobotTimeoutError after 3 s without the one or the other.
         """
+        finite(x_m=x_m, y_m=y_m, theta_rad=theta_rad)
         _native.roburoc4_client_relocalize(self._connection.handle, x_m, y_m, theta_rad)
         self._wait_until(self._is_relocalized, RELOCALIZE_S, self.relocalize)
         if self.service_link(Service.LOCALIZATION).subscribed:
@@ -245,21 +262,55 @@ class Robot(RobotBase):
 
     # ---- statuses ----
 
-    def reader(self, *services: str | Service) -> Reader:
+    def reader(self, *services: str | Service) -> Reader[Status]:
         """Read events, and every status of these services (none: of all), without waiting."""
         return Reader(self._connection.reader(), mask_of(services))
 
-    def statuses(self, *services: str | Service) -> Statuses:
+    @overload
+    def statuses(
+        self, service: Literal["iocard"], /, *, timeout: float | None = ...
+    ) -> Statuses[IoCardStatus]: ...
+    @overload
+    def statuses(
+        self, service: Literal["telemeter"], /, *, timeout: float | None = ...
+    ) -> Statuses[TelemeterStatus]: ...
+    @overload
+    def statuses(
+        self, service: Literal["battery"], /, *, timeout: float | None = ...
+    ) -> Statuses[BatteryStatus]: ...
+    @overload
+    def statuses(
+        self, service: Literal["localization"], /, *, timeout: float | None = ...
+    ) -> Statuses[LocalizationStatus]: ...
+    @overload
+    def statuses(
+        self, service: Literal["differential"], /, *, timeout: float | None = ...
+    ) -> Statuses[DifferentialStatus]: ...
+    @overload
+    def statuses(
+        self, *services: str | Service, timeout: float | None = ...
+    ) -> Statuses[Status]: ...
+    def statuses(self, *services: str | Service, timeout: float | None = None) -> Statuses[Any]:
         """Iterate over every status of these services (none: of all) from now on.
 
-        Waits for each. It continues when the link is lost and found again, and ends at ``close``.
-        Statuses wait in a buffer (``connect(buffer=10000)``). When it overflows, SamplesLostError
-        is raised once, and the next ``next()`` continues with the oldest that is left.
+        Waits for each, at most ``timeout`` seconds: then RobotTimeoutError is raised, and the next
+        ``next()`` waits anew. It continues when the link is lost and found again, and ends at
+        ``close``. Statuses wait in a buffer (``connect(buffer=10000)``). When it overflows,
+        SamplesLostError is raised once, and the next ``next()`` continues with the oldest left.
         """
-        return Statuses(self.reader(*services))
+        return Statuses(self.reader(*services), timeout, name_of_statuses(services))
+
+    def events(self, *, timeout: float | None = None) -> Events:
+        """Iterate over what happens from now on; ``event.text`` is a sentence.
+
+        Waits for each, at most ``timeout`` seconds: then RobotTimeoutError is raised, and the next
+        ``next()`` waits anew. Ends at ``close``. Events that announce statuses are left out.
+        """
+        return Events(EventQueue(self._connection.reader(), timeout))
 
     def record(self, seconds: float, *services: str | Service) -> Recording:
         """Collect the statuses of these services (none: of all) for so long, as columns."""
+        duration_s("seconds", seconds)
         source = self.reader(*services)
         recording = Recording(mask_of(services), self.period_s)
         end_s = self._connection.now_s() + seconds

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """What a blocking and an asyncio robot have in common: everything that does not wait."""
 
-import math
 from collections.abc import Callable
+from contextvars import ContextVar
 from typing import Literal, ParamSpec, TypeVar, overload
 
 from . import _native
@@ -14,7 +14,10 @@ from .errors import (
     NotKnownError,
     RefusedError,
     RobotTimeoutError,
+    duration_s,
     error_of,
+    finite,
+    unusable,
 )
 from .iocard import AnalogOutputs, ChannelNames, Inputs, Outputs, decode_text
 from .records import (
@@ -30,7 +33,7 @@ from .records import (
     Status,
     TelemeterStatus,
 )
-from .settings import Settings, service_of
+from .settings import STATUS_SERVICES, Settings, service_of
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -232,14 +235,11 @@ class RobotBase:
         """
         try:
             _native.roburoc4_client_drive(
-                self._connection.handle, linear_m_s, angular_rad_s, lease_ms * 1000
+                self._connection.handle, linear_m_s, angular_rad_s, lease_ms * 1000.0
             )
-        except OverflowError:
-            raise ArgumentError(
-                f"drive({linear_m_s}, {angular_rad_s}, lease_ms={lease_ms}): give speeds that a "
-                "float holds, and a lease of 20 to 1000 ms",
-                Result.ARGUMENT,
-            ) from None
+        except (ArgumentError, OverflowError):
+            finite(linear_m_s=linear_m_s, angular_rad_s=angular_rad_s)
+            raise unusable("lease_ms", lease_ms, "20 to 1000") from None
 
     def stop(self) -> None:
         """Stop the robot: end the drive command and send zeros, armed or not. Never waits."""
@@ -251,7 +251,11 @@ class RobotBase:
 
     def subscribe(self, service: str | Service, period_ms: int) -> None:
         """Subscribe to a service, or change its period: a multiple of 10, 10 to 2550."""
-        _native.roburoc4_client_subscribe(self._connection.handle, service_of(service), period_ms)
+        kind = service_of(service)
+        try:
+            _native.roburoc4_client_subscribe(self._connection.handle, kind, period_ms)
+        except (ArgumentError, OverflowError):
+            raise unusable("period_ms", period_ms, "a multiple of 10, 10 to 2550") from None
 
     def unsubscribe(self, service: str | Service) -> None:
         """End a subscription."""
@@ -297,6 +301,16 @@ class RobotBase:
         """Until when the first status of a service can be expected."""
         return self._ready_s + 2 * self.service_link(service).period_us / 1e6 + _STATUS_MARGIN_S
 
+    def _has_first_statuses(self) -> bool:
+        """Whether each subscribed service has sent a status, or has had its time."""
+        now_s = self._connection.now_s()
+        return all(
+            _known(READ_STATUS[service], self._connection.handle) is not None
+            or not self.service_link(service).subscribed
+            or now_s >= self._first_status_until_s(service)
+            for service in STATUS_SERVICES.values()
+        )
+
     def _try_to_arm(self, end_s: float) -> float:
         """Arm, and return 0; or return the seconds for which it is worth to try again."""
         try:
@@ -309,9 +323,7 @@ class RobotBase:
         return 0.0
 
     def _end_of_drive_s(self, seconds: float) -> float:
-        if not (math.isfinite(seconds) and seconds >= 0):
-            raise ArgumentError(f"seconds: {seconds} is not a duration", Result.ARGUMENT)
-        return self._connection.now_s() + seconds
+        return self._connection.now_s() + duration_s("seconds", seconds)
 
     @property
     def _renewal_s(self) -> float:
@@ -350,6 +362,8 @@ def _listed(read: Callable[[int], _R]) -> tuple[_R, ...]:
 
 RELOCALIZE_S = 3.0
 """Longer than the client asks for (2 s)."""
+in_condition = ContextVar("in_condition", default=False)
+"""Whether a condition of wait_for is looked at: then properties do not wait."""
 LOOK_AGAIN_S = 0.1
 """Conditions are looked at after every event, and so often because of those on time alone."""
 
@@ -358,10 +372,13 @@ def true_or_unknown(condition: Callable[[_R], object], robot: _R) -> Callable[[]
     """Return a look at the condition, which what is not known yet does not fulfil."""
 
     def look() -> object:
+        token = in_condition.set(True)
         try:
             return condition(robot)
         except NotKnownError:
             return None
+        finally:
+            in_condition.reset(token)
 
     return look
 

@@ -2,17 +2,22 @@
 """Statuses one after the other, and columns of them."""
 
 import contextlib
+import math
 from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, cast
 
-from .connection import EventReader, events_of_services
-from .constants import Event, Service
-from .errors import ClosedError, SamplesLostError
+from .connection import ALL_EVENTS, STATUS_EVENTS, EventReader, events_of_services
+from .constants import Event, Result, Service
+from .errors import ClosedError, RobotTimeoutError, SamplesLostError
 from .records import Status
 from .settings import STATUS_SERVICES, service_of
 
-__all__ = ["Gap", "Gaps", "Reader", "Recording", "Statuses", "flatten"]
+if TYPE_CHECKING:
+    import pandas
 
+__all__ = ["Events", "Gap", "Gaps", "Reader", "Recording", "Statuses", "flatten"]
+
+_S = TypeVar("_S", bound=Status)
 Column = list[Any]
 _PATIENCE_S = 1.0
 
@@ -24,7 +29,7 @@ def mask_of(services: tuple[str | Service, ...]) -> int:
     )
 
 
-class Reader:
+class Reader(Generic[_S]):
     """Events and statuses, one after the other, from the moment that this was made.
 
     Used by one thread at a time; see :meth:`roburoc4.Robot.reader`.
@@ -34,7 +39,7 @@ class Reader:
         self._reader = reader
         self._mask = mask
         self._reported = 0
-        self._waiting: list[Status] = []
+        self._waiting: list[_S] = []
         self._taken = Event(0)
 
     @property
@@ -42,7 +47,7 @@ class Reader:
         """Statuses, of any service, that were overwritten before they were read."""
         return self._reader.lost
 
-    def next(self) -> Status | None:
+    def next(self) -> _S | None:
         """Take the next status that is there; raises ClosedError at the end."""
         while not self._waiting:
             with contextlib.suppress(ClosedError):  # statuses() raises it, when all are read
@@ -50,7 +55,7 @@ class Reader:
             found = self._reader.statuses(self._mask)
             if found is None:
                 return None
-            self._waiting = found[::-1]
+            self._waiting = cast(list[_S], found[::-1])
             if self._reader.lost > self._reported:
                 lost = self._reader.lost - self._reported
                 self._reported = self._reader.lost
@@ -62,7 +67,7 @@ class Reader:
         events, self._taken = self._taken, Event(0)
         return events or Event(self._reader.take_events())
 
-    def drain(self, use: Callable[[Status], None]) -> None:
+    def drain(self, use: Callable[[_S], None]) -> None:
         """Pass on all that are there; lost ones are only counted."""
         while True:
             try:
@@ -73,29 +78,97 @@ class Reader:
                 return
             use(status)
 
+    def now_s(self) -> float:
+        """Return the time on the robot object's clock."""
+        return self._reader.now_s()
+
     def wait(self, seconds: float) -> None:
         """Wait for a status; it may end early."""
         self._reader.wait(events_of_services(self._mask), seconds)
 
 
-class Statuses(Iterator[Status]):
+class Patience:
+    """How long to wait for the next of something; None: for ever."""
+
+    def __init__(self, now_s: Callable[[], float], timeout: float | None, what: str) -> None:
+        self._now_s = now_s
+        self._timeout = timeout
+        self._what = what
+        self._end_s = math.inf if timeout is None else now_s() + timeout
+
+    def left_s(self) -> float:
+        """Return how long to wait now; raises RobotTimeoutError when it is over."""
+        left_s = self._end_s - self._now_s()
+        if left_s <= 0.0:
+            raise RobotTimeoutError(f"no {self._what} within {self._timeout:g} s", Result.TIMEOUT)
+        return min(left_s, _PATIENCE_S)
+
+
+def name_of_statuses(services: tuple[str | Service, ...]) -> str:
+    """Say what did not come."""
+    names = " or ".join(service_of(service).name.lower() for service in services)
+    return f"{names} status".strip()
+
+
+class EventQueue:
+    """Events but those that announce statuses, one after the other."""
+
+    def __init__(self, reader: EventReader, timeout: float | None) -> None:
+        self.reader = reader
+        self._timeout = timeout
+        self._waiting: list[Event] = []
+
+    def next(self) -> Event | None:
+        """Take the next event that is there; raises ClosedError at the end."""
+        if not self._waiting:
+            self._waiting = list(Event(self.reader.take_events() & ~STATUS_EVENTS))
+        return self._waiting.pop(0) if self._waiting else None
+
+    def patience(self) -> Patience:
+        """Begin to wait for the next."""
+        return Patience(self.reader.now_s, self._timeout, "event")
+
+
+class Events(Iterator[Event]):
+    """Every event from the moment that this was made; see :meth:`roburoc4.Robot.events`."""
+
+    def __init__(self, queue: EventQueue) -> None:
+        self._queue = queue
+
+    def __iter__(self) -> "Events":
+        return self
+
+    def __next__(self) -> Event:
+        patience = self._queue.patience()
+        try:
+            while (event := self._queue.next()) is None:
+                self._queue.reader.wait(ALL_EVENTS & ~STATUS_EVENTS, patience.left_s())
+        except ClosedError:
+            raise StopIteration from None
+        return event
+
+
+class Statuses(Iterator[_S]):
     """Every status from the moment that this was made; see :meth:`roburoc4.Robot.statuses`."""
 
-    def __init__(self, source: Reader) -> None:
+    def __init__(self, source: "Reader[_S]", timeout: float | None, what: str) -> None:
         self._source = source
+        self._timeout = timeout
+        self._what = what
 
     @property
     def lost(self) -> int:
         """Statuses, of any service, that were overwritten before they were read."""
         return self._source.lost
 
-    def __iter__(self) -> "Statuses":
+    def __iter__(self) -> "Statuses[_S]":
         return self
 
-    def __next__(self) -> Status:
+    def __next__(self) -> _S:
+        patience = Patience(self._source.now_s, self._timeout, self._what)
         try:
             while (status := self._source.next()) is None:
-                self._source.wait(_PATIENCE_S)
+                self._source.wait(patience.left_s())
         except ClosedError:
             raise StopIteration from None
         return status
@@ -197,6 +270,25 @@ class Recording(dict[str, dict[str, Column]]):
     def end(self, now_s: float) -> None:
         """Look for a gap at the end."""
         self._gaps.end(now_s)
+
+    def to_pandas(self) -> "dict[str, pandas.DataFrame]":
+        """Return a table for each service, with the time of its statuses (UTC) as index."""
+        try:
+            import pandas
+        except ModuleNotFoundError:
+            raise ModuleNotFoundError(
+                'to_pandas needs pandas: pip install "./bindings/python[pandas]" in the checkout',
+                name="pandas",
+            ) from None
+        return {
+            service: pandas.DataFrame(
+                columns,
+                index=pandas.to_datetime(columns.get("utc_s", []), unit="s", utc=True).rename(
+                    "utc"
+                ),
+            )
+            for service, columns in self.items()
+        }
 
     def add(self, status: Status) -> None:
         """Append a status to the columns of its service."""

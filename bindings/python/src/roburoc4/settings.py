@@ -7,7 +7,7 @@ from typing import Any, TypedDict
 
 from . import _native
 from .constants import Result, Role, Service
-from .errors import ArgumentError
+from .errors import ArgumentError, unusable
 
 __all__ = ["Settings"]
 
@@ -38,6 +38,7 @@ class Settings(TypedDict, total=False):
     scale_linear: float
     """Multiplies what ``drive`` is given; 0.01 to 10; 1."""
     scale_angular: float
+    """Likewise, for the turn rate; 0.01 to 10; 1."""
     turn_keeping: bool
     """Slow down rather than turn less; off."""
     allow_unknown_override: bool
@@ -47,9 +48,11 @@ class Settings(TypedDict, total=False):
     override_index: int
     """Index of game pad [A] among the digital inputs, where the robot's texts do not show it."""
     front_bumper_index: int
+    """Index of the front bumper among the digital inputs, likewise."""
     rear_bumper_index: int
+    """Index of the rear bumper among the digital inputs, likewise."""
     battery_voltage_index: int
-    """Likewise, among the analog inputs."""
+    """Index of the battery's voltage among the analog inputs, likewise."""
     buffer: int
     """Statuses that are kept for slow readers; 16 to 1000000; 10000."""
     record: str | PathLike[str]
@@ -99,8 +102,9 @@ STATUS_SERVICES = {
 
 def service_of(service: str | Service) -> Service:
     """Return the service that sends statuses of this name, or say which there are."""
-    found = STATUS_SERVICES.get(service.lower()) if isinstance(service, str) else Service(service)
-    if found is None or found not in STATUS_SERVICES.values():
+    name = service.lower() if isinstance(service, str) else None
+    found = next((s for n, s in STATUS_SERVICES.items() if name == n or service == s), None)
+    if found is None:
         names = ", ".join(STATUS_SERVICES)
         raise ArgumentError(
             f"no service {service!r} with statuses: give one of {names}", Result.ARGUMENT
@@ -139,19 +143,43 @@ def config_of(settings: Settings) -> "_native.Config":
         try:
             _set(config, name, value)
         except OverflowError as error:
-            raise ArgumentError(f"{name}: {value!r} is out of range", Result.CONFIG) from error
+            raise unusable(name, value, _range_of(name) or str(error), Result.CONFIG) from error
     options = sum(bit for name, bit in _OPTIONS.items() if settings.get(name))
     _native.set_member(config, "options", options, 0)
     wrong = _native.roburoc4_config_error(config)
     if wrong is not None:
-        raise ArgumentError(f"setting out of range: {wrong}", Result.CONFIG)
+        raise _wrong(settings, wrong)
     buffer_of(settings)
     return config
+
+
+def _names_of(wrong: str) -> set[str]:
+    """Which settings the C library's name and range are about."""
+    name = wrong.partition(":")[0].partition(" ")[0]
+    return {"period_ms": {"periods_ms"}, "role_index": set(_ROLES)}.get(name, {name})
+
+
+def _wrong(settings: Settings, wrong: str) -> ArgumentError:
+    about = _names_of(wrong)
+    given = {name: value for name, value in settings.items() if name in about or name in wrong}
+    if len(given) == 1:
+        name, value = next(iter(given.items()))
+        return unusable(name, value, wrong.removeprefix(f"{name}: "), Result.CONFIG)
+    values = ", ".join(f"{name}={value!r}" for name, value in given.items())
+    return ArgumentError(f"{values} cannot be used; give {wrong}", Result.CONFIG)
+
+
+def _range_of(name: str) -> str | None:
+    """Ask the C library for a range, with a value that fits none."""
+    config = _native.new_config()
+    _set(config, name, {"battery": 0} if name == "periods_ms" else -2 if name in _ROLES else 0)
+    wrong = _native.roburoc4_config_error(config)
+    return wrong.removeprefix(f"{name}: ") if wrong is not None else None
 
 
 def buffer_of(settings: Settings) -> int:
     """Return how many statuses are kept for late readers."""
     buffer = settings.get("buffer", BUFFER_DEFAULT)
     if not 16 <= buffer <= 1_000_000:
-        raise ArgumentError(f"buffer: {buffer} is out of range: 16 to 1000000", Result.CONFIG)
-    return buffer
+        raise unusable("buffer", buffer, "16 to 1000000", Result.CONFIG)
+    return int(buffer)

@@ -11,7 +11,7 @@ from typing import Any, Concatenate, ParamSpec, Self, TypedDict, TypeVar, Unpack
 
 from . import _native
 from .constants import Result, Service
-from .errors import ArgumentError, RobotError, error_of
+from .errors import ArgumentError, RobotError, duration_s, error_of, finite, unusable
 from .records import Pose, SimState
 from .robot import Robot, connect
 from .settings import Settings
@@ -69,7 +69,7 @@ def _set(config: "_native.SimConfig", name: str, value: Any) -> None:
     if name == "service_ids":
         for service, wire_id in value.items():
             _native.set_member(config, "service_ids", wire_id, Service[service.upper()])
-    elif name in SimSettings.__annotations__:
+    elif name in SimSettings.__annotations__ or name == "seed":
         _native.set_member(config, name, value, 0)
     else:
         known = ", ".join(sorted(SimSettings.__annotations__))
@@ -78,12 +78,11 @@ def _set(config: "_native.SimConfig", name: str, value: Any) -> None:
 
 def _config_of(seed: int, settings: SimSettings) -> "_native.SimConfig":
     config = _native.new_sim_config()
-    _native.set_member(config, "seed", seed, 0)
-    for name, value in settings.items():
+    for name, value in {"seed": seed, **settings}.items():
         try:
             _set(config, name, value)
         except OverflowError as error:
-            raise ArgumentError(f"{name}: {value!r} is out of range", Result.CONFIG) from error
+            raise ArgumentError(f"{name} cannot be used: {error}", Result.CONFIG) from None
     wrong = _native.roburoc4_sim_config_error(config)
     if wrong is not None:
         raise ArgumentError(f"setting out of range: {wrong}", Result.CONFIG)
@@ -123,7 +122,7 @@ class Simulator:
         self._process = os.getpid()
         self._closed = False
         if port is not None and not 0 <= port <= 65535:
-            raise ArgumentError(f"port: {port} is out of range: 0 to 65535", Result.ARGUMENT)
+            raise unusable("port", port, "0 to 65535")
         config = _config_of(seed, settings)
         self._virtual = port is None
         if port is None:
@@ -185,9 +184,7 @@ class Simulator:
             raise RobotError(
                 "a simulator on a port runs in real time: use time.sleep()", Result.STATE
             )
-        if not 0 <= seconds < 1e9:
-            raise ArgumentError(f"seconds: {seconds} is not a duration", Result.ARGUMENT)
-        run(self._sim, seconds)
+        run(self._sim, duration_s("seconds", seconds))
 
     def connect(self, timeout: float = 10.0, **settings: Unpack[Settings]) -> Robot:
         """Connect a robot object; in virtual time it has the simulator's clock."""
@@ -211,7 +208,10 @@ class Simulator:
         shares = {"loss": loss, "duplicate": duplicate, "reorder": reorder, "corrupt": corrupt}
         for name, share in shares.items():
             if not 0 <= share <= 1:
-                raise ArgumentError(f"{name}: {share} is out of range: 0 to 1", Result.ARGUMENT)
+                raise unusable(name, share, "0 to 1")
+        for name, milliseconds in (("delay_ms", delay_ms), ("jitter_ms", jitter_ms)):
+            if not 0 <= milliseconds <= 1e6:
+                raise unusable(name, milliseconds, "0 to 1000000")
         delay_us, jitter_us = round(delay_ms * 1e3), round(jitter_ms * 1e3)
         _native.simulation_set_faults(
             self._sim, loss, duplicate, reorder, corrupt, delay_us, jitter_us
@@ -249,8 +249,8 @@ class Simulator:
                 Result.STATE,
             )
         if result < 0:
-            what = "this robot has none" if result == Result.INDEX else f"{value} is out of range"
-            raise ArgumentError(f"{control}: {what}", result)
+            what = "this robot has none" if result == Result.INDEX else f"{value} cannot be used"
+            raise ArgumentError(f"{control}: {what}; see help(roburoc4.Simulator.set)", result)
 
     def get(self, control: str) -> float:
         """Read a control, an input ("pin_analog_2") or an output ("digital_output_3")."""
@@ -276,6 +276,10 @@ class Simulator:
         self, x_m: float, y_m: float, size_x_m: float, size_y_m: float, theta_rad: float = 0.0
     ) -> int:
         """Put a box on the floor, and return its number."""
+        finite(x_m=x_m, y_m=y_m, theta_rad=theta_rad)
+        for name, size_m in (("size_x_m", size_x_m), ("size_y_m", size_y_m)):
+            if not 0.0 < size_m < 1e6:
+                raise unusable(name, size_m, "more than 0 m")
         return self._act(_native.roburoc4_sim_add_box, x_m, y_m, size_x_m, size_y_m, theta_rad)
 
     def add_wall(self, x1_m: float, y1_m: float, x2_m: float, y2_m: float) -> int:
@@ -295,6 +299,7 @@ class Simulator:
 
     def place(self, x_m: float, y_m: float, theta_rad: float = 0.0) -> None:
         """Lift the robot to another place; its odometry notices nothing."""
+        finite(x_m=x_m, y_m=y_m, theta_rad=theta_rad)
         self._act(_native.roburoc4_sim_place, x_m, y_m, theta_rad)
 
     def panel(self, line: str) -> str:

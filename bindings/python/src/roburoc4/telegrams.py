@@ -110,7 +110,7 @@ def decode_batch(
         import numpy as np
     except ImportError as error:
         raise ImportError(
-            "decode_batch needs NumPy: install roburoc4 with its extra [numpy] "
+            'decode_batch needs NumPy: pip install "./bindings/python[numpy]" in a checkout '
             "(see docs/python.md)",
             name="numpy",
         ) from error

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 
-_EXTRAS = {"rich": "cli", "telnetlib3": "cli", "mcap": "record"}
+_EXTRAS = {"rich": "cli", "shtab": "cli", "telnetlib3": "cli", "mcap": "record"}
 
 
 def main() -> None:

@@ -10,6 +10,7 @@ import time
 from typing import IO, Any
 
 from ..cli.rows import Rows, columns
+from ..records import Status
 from ..robot import Robot
 from ..samples import Reader
 
@@ -26,7 +27,7 @@ class Recorder:
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
         self._file: IO[bytes] | None = None
-        self._reader: Reader | None = None
+        self._reader: Reader[Status] | None = None
         self._rows = Rows()
         self._line = io.StringIO()
         self._csv: csv.DictWriter[str] | None = None

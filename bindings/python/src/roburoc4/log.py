@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: MIT
+"""The logger ``roburoc4``: connections, losses, arming, and what ended it."""
+
+import contextlib
+import functools
+import threading
+import time
+import weakref
+from typing import TYPE_CHECKING
+
+from . import _native
+from .constants import Event, Result
+from .errors import ClosedError
+
+if TYPE_CHECKING:
+    import logging
+
+    from .connection import Connection
+    from .pump import PumpConnection
+
+_INFO_LEVEL, _WARNING_LEVEL = 20, 30  # of logging, which is imported with the first robot
+_INFO = Event.READY | Event.ARMED | Event.OVERRIDE | Event.STOPPED | Event.RELOCALIZED
+_WARNING = (
+    Event.LOST
+    | Event.REBOOT
+    | Event.DISARMED
+    | Event.LEASE_OVER
+    | Event.OTHER_COMMANDER
+    | Event.INHIBITED
+    | Event.BATTERY_LOW
+    | Event.BATTERY_CRITICAL
+    | Event.RELOCALIZE_FAILED
+    | Event.SUBSCRIPTION_REFUSED
+    | Event.FIXED_ID
+    | Event.CLOCK
+    | Event.CAPACITY
+)
+_NOW = {
+    Event.OVERRIDE: "overridden",
+    Event.OTHER_COMMANDER: "other_commander",
+    Event.INHIBITED: "inhibited",
+}
+
+
+@functools.cache
+def _logger() -> "logging.Logger":
+    import logging
+
+    logger = logging.getLogger("roburoc4")
+    logger.addHandler(logging.NullHandler())
+    return logger
+
+
+class Log:
+    """Logs the events of one connection."""
+
+    def __init__(self, connection: "Connection") -> None:
+        self._handle = connection.handle
+        self._address = connection.address
+        self._reader = _native.new_reader()  # from the beginning
+        _logger().info("%s: connecting", self._address)
+
+    def step(self) -> None:
+        """Log what happened since the last time."""
+        with contextlib.suppress(ClosedError):
+            events = _native.roburoc4_pump_take_events(self._handle, self._reader)
+            for event in Event(events & (_INFO | _WARNING)):
+                self._log(event)
+
+    def end(self) -> None:
+        """Log what is left, and the end."""
+        self.step()
+        _logger().info("%s: closing", self._address)
+
+    def _log(self, event: Event) -> None:
+        level = _WARNING_LEVEL if event in _WARNING else _INFO_LEVEL
+        text = event.text
+        facts = _native.roburoc4_client_facts(self._handle)
+        if event is Event.DISARMED:
+            cause = facts.disarm_cause
+            level = _INFO_LEVEL if cause is Result.DISARMED else level
+            text = (
+                "disarmed by this program"
+                if cause is Result.DISARMED
+                else f"disarmed: {cause.text}"
+            )
+        elif event in _NOW:
+            text = f"{text} ({_NOW[event]}: {getattr(facts, _NOW[event])})"
+        _logger().log(level, "%s: %s", self._address, text)
+
+
+_PERIOD_S = 0.1
+_watched: "weakref.WeakSet[PumpConnection]" = weakref.WeakSet()
+_lock = threading.Lock()
+_news = threading.Event()
+_thread: threading.Thread | None = None
+
+
+def watch(connection: "PumpConnection") -> None:
+    """Log the events of a connection as they come, from one thread for all of them."""
+    global _thread
+    with _lock:
+        _watched.add(connection)
+        _news.set()
+        if _thread is None or not _thread.is_alive():  # not in the child of a fork
+            _thread = threading.Thread(target=_watch, name="roburoc4-log", daemon=True)
+            _thread.start()
+
+
+def _watch() -> None:
+    while True:
+        _news.wait()
+        time.sleep(_PERIOD_S)
+        _step()
+
+
+def _step() -> None:
+    with _lock:
+        connections = [connection for connection in _watched if not connection.closed]
+        if not connections:
+            _news.clear()
+    for connection in connections:
+        connection.log.step()

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: MIT
+"""What is given to a robot: numbers of any kind, and errors that name the value and its range."""
+
+import struct
+from collections.abc import Callable
+
+import pytest
+
+import roburoc4
+from roburoc4 import ArgumentError, Result, Robot, Simulator
+
+
+def test_numbers_of_numpy_and_whole_floats_are_numbers(roburoc4_simulator: Simulator) -> None:
+    np = pytest.importorskip("numpy")
+    settings: roburoc4.Settings = {
+        "lease_ms": 250.0,  # type: ignore[typeddict-item]
+        "periods_ms": {"battery": np.int64(500)},
+        "max_linear_m_s": np.float32(0.5),
+    }
+    with roburoc4_simulator.connect(**settings) as robot:
+        robot.arm()
+        robot.drive(np.float32(0.1), 0, lease_ms=250.0)  # type: ignore[arg-type]
+        robot.drive(np.int32(0), np.float64(0.1), lease_ms=np.uint16(200))
+        robot.drive_for(np.float32(0.1), 0, np.float64(0.2))
+        robot.stop()
+        robot.subscribe("battery", 100.0)  # type: ignore[arg-type]
+        robot.relocalize(np.float32(1), np.int32(0), 0)
+        robot.outputs[np.int64(2)] = np.bool_(True)
+        assert robot.outputs[2.0] is True  # type: ignore[index]
+        assert robot.move(np.float32(0.1), speed=np.float32(0.3)).outcome
+        roburoc4_simulator.set("battery_percent", np.float32(50))
+
+
+Call = Callable[[Robot], object]
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        (lambda r: r.drive(float("nan"), 0), "linear_m_s: nan .* a finite number"),
+        (lambda r: r.drive(0, 1e300), r"angular_rad_s: 1e\+300 .* a finite number"),
+        (lambda r: r.drive(0, 0, lease_ms=5), "lease_ms: 5 .* 20 to 1000"),
+        (lambda r: r.drive(0, 0, lease_ms=-5), "lease_ms: -5 .* 20 to 1000"),
+        (lambda r: r.subscribe("battery", 15), "period_ms: 15 .* multiple of 10, 10 to 2550"),
+        (lambda r: r.subscribe("battery", -1), "period_ms: -1 .* multiple of 10, 10 to 2550"),
+        (lambda r: r.latest("sonar"), "'sonar' .* iocard, telemeter"),
+        (lambda r: r.service_link(17), "17 .* iocard, telemeter"),
+        (lambda r: r.drive_for(0, 0, -1), "seconds: -1 .* 0 to"),
+        (lambda r: r.record(float("nan")), "seconds: nan .* 0 to"),
+        (lambda r: r.relocalize(0, float("inf"), 0), "y_m: inf .* a finite number"),
+        (lambda r: r.go_to(float("nan"), 0), "x_m: nan .* a finite number"),
+        (lambda r: r.move(1, speed=0), "speed: 0 .* more than 0, up to 100"),
+        (lambda r: r.outputs[99], "no digital output 99: its 8 are 0 to 7"),
+        (lambda r: r.outputs[1.5], "no digital output 1.5: its 8 are 0 to 7"),
+        (lambda r: r.inputs[8], r"inputs.digital\(8\) or inputs.analog\(8\)"),
+    ],
+)
+def test_an_argument_error_names_value_and_range(
+    call: Call, text: str, roburoc4_simulator: Simulator
+) -> None:
+    with roburoc4_simulator.connect() as robot, pytest.raises(ArgumentError, match=text) as caught:
+        robot.arm()
+        call(robot)
+    assert isinstance(caught.value.code, Result)
+
+
+@pytest.mark.parametrize(
+    ("settings", "text"),
+    [
+        ({"lease_ms": 5}, "lease_ms: 5 .* give 20 to 1000"),
+        ({"lease_ms": 10**12}, "lease_ms: 1000000000000 .* give 20 to 1000"),
+        ({"lease_ms": 250.5}, "lease_ms: 250.5 .* give 20 to 1000"),
+        ({"lost_ms": -1}, "lost_ms: -1 .* give 200 to 60000"),
+        ({"max_linear_m_s": 1e300}, r"max_linear_m_s: 1e\+300 .* give 0.001 to 20"),
+        ({"fresh_ms": 100}, "fresh_ms: 100 .* at most a third of fresh_ms"),
+        ({"periods_ms": {"battery": 15}}, "periods_ms: {'battery': 15} .* multiples of 10"),
+        ({"override_index": 99}, "override_index: 99 .* index to 63"),
+        ({"buffer": 3}, "buffer: 3 .* 16 to 1000000"),
+    ],
+)
+def test_a_setting_that_cannot_be_used_names_its_range(
+    settings: roburoc4.Settings, text: str, roburoc4_simulator: Simulator
+) -> None:
+    with pytest.raises(ArgumentError, match=text) as caught:
+        roburoc4_simulator.connect(**settings)
+    assert caught.value.code is Result.CONFIG
+
+
+def test_states_and_causes_are_members_of_enumerations(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        assert robot.facts.state is roburoc4.State.READY
+        assert robot.facts.disarm_cause is Result.DISARMED
+        robot.wait_for(lambda r: r.facts.arm_refusal is Result.OK)
+        with pytest.raises(roburoc4.NotArmedError) as caught:
+            robot.drive(0.1, 0.0)
+        assert caught.value.code is Result.DISARMED
+
+
+def test_outputs_and_inputs_can_be_listed(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.outputs[3] = True
+        assert list(robot.outputs) == [index == 3 for index in range(8)]
+        assert list(robot.analog_outputs) == []
+        assert "Front bumper" in list(robot.inputs)
+
+
+def test_floats_are_printed_as_a_person_would_write_them() -> None:
+    with Simulator(max_linear_m_s=2.6, width_m=0.68) as sim, sim.connect() as robot:
+        limits = robot.properties.differential
+        assert limits is not None
+        assert (str(limits.max_linear_m_s), str(limits.width_m)) == ("2.6", "0.68")
+        assert len(str(robot.iocard.analog_inputs[2])) <= 9
+    for text in ("0.1", "-0.3", "12345.67", "0.0", "99999.99", "1e-05", "0.68", "-6.5", "1.0"):
+        data = struct.pack("<BHff", 0xFF, 6, float(text), 0.0)
+        command = roburoc4.decode(data, sender="client")
+        assert isinstance(command, roburoc4.DifferentialCommand)
+        assert str(command.linear_m_s) == text

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: MIT
+"""The logger `roburoc4`."""
+
+import logging
+
+import pytest
+from conftest import until
+
+import roburoc4
+from roburoc4 import Simulator
+
+
+def test_the_log_tells_of_connecting_arming_and_losses(
+    roburoc4_simulator: Simulator, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.INFO, logger="roburoc4")
+    with roburoc4_simulator.connect() as robot:
+        robot.arm()
+        robot.sleep(0.2)
+        roburoc4_simulator.set("pad_a", True)
+        robot.sleep(0.2)
+        roburoc4_simulator.set("power", False)
+        robot.sleep(2.0)
+    said = [(record.levelname, record.getMessage()) for record in caplog.records]
+    for level, text in (
+        ("INFO", "the simulator: connecting"),
+        ("INFO", "the simulator: the robot is ready"),
+        ("INFO", "the simulator: armed: drive commands are accepted"),
+        ("WARNING", "the simulator: disarmed: game pad override: release [A]"),
+        ("WARNING", "the simulator: the robot fell silent: connecting again"),
+        ("INFO", "the simulator: closing"),
+    ):
+        assert (level, text) in said
+
+
+def test_the_log_of_a_thread_is_written_without_being_asked(
+    served: Simulator, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.INFO, logger="roburoc4")
+    with roburoc4.connect(served.address) as robot:
+        robot.arm()
+        until(lambda: "armed" in caplog.text)
+        robot.disarm()
+        until(lambda: "disarmed by this program" in caplog.text)
+        assert served.address in caplog.text
+    assert "WARNING" not in caplog.text
+
+
+def test_without_a_handler_nothing_is_printed(
+    roburoc4_simulator: Simulator, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with roburoc4_simulator.connect() as robot:
+        roburoc4_simulator.set("power", False)
+        robot.sleep(2.0)
+    assert capfd.readouterr() == ("", "")
