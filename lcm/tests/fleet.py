@@ -29,7 +29,7 @@ from rig.judge import Host, Judge, Robot, read_record
 from rig.robot import _SPEED
 
 HERE = Path(__file__).resolve().parent
-URL = "udpm://239.255.76.67:7667?ttl=1"
+URL = "udpm://239.255.76.67:7667?ttl=1&recv_buf_size=4194304"
 BRIDGES = (0, 1)
 LAB, FIELD = 2, 3  # planners and logger; robots
 HOSTS = 4
@@ -234,7 +234,7 @@ def run(folder: Path, options: argparse.Namespace, ends: ExitStack) -> None:
     fleet = Fleet(folder, options, ends)
     fleet.write_files()
     log = folder / "fleet.lcmlog"
-    kept = ".*_(DRIVE_CMD|STOP_CMD|DIFFERENTIAL|LOCALIZATION|BRIDGE_STATE)"
+    kept = ".*_(DRIVE_CMD|STOP_CMD|LOCALIZATION|BRIDGE_STATE)"
     logger = fleet.run(
         LAB, Programs.of_lcm("lcm-logger"), "--quiet", "-l", URL, "-c", kept, log
     )  # fmt: skip

@@ -234,7 +234,7 @@ def read_record(path: Path, robots: dict[str, Robot], hosts: tuple[int, ...]) ->
         if port == 7667:
             if left_by in hosts:
                 _hear(robots, left_by, time_us, payload)
-        elif len(payload) >= 11 and port - 60000 < len(names):
+        elif source[3] - 1 in hosts and len(payload) >= 11 and port - 60000 < len(names):
             speed = Speed(time_us, source[3] - 1, *struct.unpack_from("<ff", payload, 3))
             robots[names[port - 60000]].speeds.append(speed)
 
