@@ -12,8 +12,8 @@
 #include <arpa/inet.h>
 #include <netinet/in.h>
 
+#include "roburoc4_record.h"
 #include "roburoc4_sim.h"
-#include "roburoc4_udp.h"
 
 #define STEP_US 10000
 #define GET_READY_US 20000000
@@ -131,6 +131,17 @@ static void receive_udp(void) {
     }
 }
 
+static void receive_recorded(void) {
+    if (robot_fd < 0) {
+        roburoc4_recorder_options options = {.size = sizeof options, .buffer_bytes = 1 << 20};
+        open_robot();
+        if (roburoc4_udp_record(&udp, roburoc4_recorder_open("/dev/null", &options, NULL)) < 0) {
+            die("no recorder");
+        }
+    }
+    receive_udp();
+}
+
 static const struct {
     const char *name;
     void (*run)(void);
@@ -140,6 +151,7 @@ static const struct {
     {"receive-battery", receive_battery},
     {"poll-idle", poll_idle},
     {"udp-differential", receive_udp},
+    {"udp-recorded", receive_recorded},
 };
 
 int main(int argc, char **argv) {
