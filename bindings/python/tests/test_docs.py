@@ -6,7 +6,9 @@ import sys
 from pathlib import Path
 
 import pytest
+import reference
 
+import roburoc4
 from roburoc4 import Simulator
 
 HERE = Path(__file__).resolve().parent
@@ -42,3 +44,54 @@ def test_the_blocks_of_a_page_run(page: Path, capsys: pytest.CaptureFixture[str]
 
 def test_there_are_pages() -> None:
     assert PAGES
+
+
+def test_the_reference_is_what_the_package_says() -> None:
+    for page in PAGES:
+        if page.name == "python.md":
+            text = page.with_name("python-api.md").read_text(encoding="utf-8")
+            assert text == reference.page(), "run tests/reference.py"
+            return
+
+
+def test_the_patrol_waits_for_an_obstacle_and_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    (block,) = [block for block in blocks(PAGES[0]) if "OBSTACLE" in block]
+    assert len(block.splitlines()) < 20
+    said: list[str] = []
+    with Simulator(slip=0.0) as simulator:
+        box = simulator.add_box(1.2, 0.0, 0.2, 0.2)
+        assert box >= 0
+
+        def show(error: roburoc4.MoveError) -> None:
+            said.append(str(error))
+            assert len(said) < 10
+            simulator.clear_obstacles()
+
+        monkeypatch.setattr(roburoc4, "connect", lambda _: simulator.connect())
+        exec(block, {"roburoc4": roburoc4, "print": show})
+        pose = simulator.true_pose
+    assert len(said) == 1
+    assert "telemeter" in said[0]
+    assert (pose.x_m, pose.y_m) == pytest.approx((0.0, 0.0), abs=0.05)
+
+
+def test_the_tutorial_is_fine_with_strict_types(tmp_path: Path) -> None:
+    api = pytest.importorskip("mypy.api")
+    imports: list[str] = []
+    files = []
+    for number, block in enumerate(blocks(PAGES[0])):
+        imports += re.findall(r"^import \w+$", block, re.M)
+        if block.startswith("def test_"):
+            continue  # of pytest, where nobody writes types
+        file = tmp_path / f"block_{number}.py"
+        file.write_text("\n".join([*dict.fromkeys(imports), block]), encoding="utf-8")
+        files.append(str(file))
+    out, err, code = api.run(["--strict", "--cache-dir", str(tmp_path / "cache"), *files])
+    assert (code, err) == (0, ""), out
+    typed = tmp_path / "typed.py"
+    typed.write_text(
+        "import roburoc4\n"
+        "robot = roburoc4.connect()\n"
+        "reveal_type(next(robot.statuses('localization')))\n"
+    )
+    assert "LocalizationStatus" in api.run(["--cache-dir", str(tmp_path / "cache"), str(typed)])[0]
