@@ -6,8 +6,8 @@ if ~exist('OCTAVE_VERSION', 'builtin')
     return
 end
 sim = roburoc4.Simulator('port', 0);
-% With the longest lease, so that a busy machine does not end it before the program is killed.
-pid = child(sim.address, '''lease_ms'', 1000', 'r.driveFor(0.3, 0, 30)');
+% With the longest lease and age, so that a busy machine does not stop it before it is killed.
+pid = child(sim.address, '''lease_ms'', 1000, ''fresh_ms'', 1000', 'r.driveFor(0.3, 0, 30)');
 cleanup = onCleanup(@() kill(pid, 9));
 begun = tic();
 while sim.state.wheel_linear_m_s < 0.05
