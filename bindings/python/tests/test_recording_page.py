@@ -41,6 +41,11 @@ def test_the_walk_of_the_page_works_as_it_is_typed(tmp_path: Path) -> None:
     # other tests run beside this one
     text = text.replace("roburoc4 sim &", f"roburoc4 sim --port {port} &")
     text = text.replace('"127.0.0.1", record', f'"127.0.0.1:{port}", record')
+    # however slow this machine is, there is a drive of some seconds before the kill
+    size = "$(stat -c %s run.pcapng 2>/dev/null || echo 0)"
+    recorded = f'until [ "{size}" -gt 60000 ]; do sleep 0.1; done'
+    assert text.count("sleep 6") == 1
+    text = text.replace("sleep 6", recorded).replace("sleep 2", "sleep 4")
     with roburoc4.Simulator(port=0) as taken:
         text = text.replace("60001", taken.address.rpartition(":")[2])
     env = environment()
