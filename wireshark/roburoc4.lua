@@ -4,7 +4,7 @@
 -- in both directions. Put this file into a folder for plugins (Help > About > Folders), or let
 -- `roburoc4 dissector --install` do that.
 --
--- Port 60000 is known; for another one use Analyze > Decode As, or `tshark -d udp.port==N,roburoc4`.
+-- Recordings of roburoc4_record.h and port 60000 are known; for another one use Analyze > Decode As, or `tshark -d udp.port==N,roburoc4`.
 
 local roburoc4 = Proto("roburoc4", "RobuROC4")
 
@@ -281,11 +281,28 @@ local function looks_sent(buf)
         (action == 5 and size == 6 and to_notification)
 end
 
--- Whether a client sends this: by the manual's port, by what was learned of both ends, by the port
+local interface_name = Field.new("frame.interface_name")
+local flags_direction = Field.new("frame.packet_flags_direction")
+local OUTBOUND = 2
+
+-- Whether this is of a recording of roburoc4_record.h: there the interface has the robot's address
+-- or the name of the program.
+local function is_recording(pinfo)
+    local found = interface_name()
+    local name = found and tostring(found.value) or ""
+    local port = tonumber(name:match(":(%d+)$"))
+    return name:find("^roburoc4") ~= nil or
+        (port ~= nil and (port == pinfo.src_port or port == pinfo.dst_port))
+end
+
+-- Whether a client sends this: in a recording of a client, by its direction; else by the manual's port, by what was learned of both ends, by the port
 -- of Decode As, or by its looks.
 local function goes_to_robot(pinfo, buf, source, target)
     local from, to = pinfo.src_port, pinfo.dst_port
-    if (from == DEFAULT_PORT) ~= (to == DEFAULT_PORT) then
+    local direction = flags_direction()
+    if direction ~= nil and direction.value > 0 and is_recording(pinfo) then
+        return direction.value == OUTBOUND
+    elseif (from == DEFAULT_PORT) ~= (to == DEFAULT_PORT) then
         return to == DEFAULT_PORT
     elseif source ~= target and (robots[source] == nil) ~= (robots[target] == nil) then
         return robots[target] ~= nil
@@ -896,10 +913,10 @@ local function add_generated(tree, field, value)
     tree:add(field, value):set_generated()
 end
 
-local function show_conclusions(tree, record, pinfo)
+local function show_conclusions(tree, record, is_new)
     if record.answer ~= nil then
         add_generated(tree, f_answer_in, record.answer)
-    elseif record.is_request and pinfo.visited then
+    elseif record.is_request and not is_new then -- all others were seen meanwhile
         tree:add_proto_expert_info(experts.unanswered)
     end
     if record.request ~= nil then
@@ -960,7 +977,7 @@ function roburoc4.dissector(buf, pinfo, root)
     if not v.short then
         check_speeds(tree, v, record.limits)
     end
-    show_conclusions(tree, record, pinfo)
+    show_conclusions(tree, record, is_new)
     tree:append_text(", " .. v.title)
     if not is_quoted then
         pinfo.cols.protocol = "RobuROC4"
@@ -969,3 +986,12 @@ function roburoc4.dissector(buf, pinfo, root)
 end
 
 DissectorTable.get("udp.port"):add(DEFAULT_PORT, roburoc4)
+
+-- Recordings, whatever the port.
+roburoc4:register_heuristic("udp", function(buf, pinfo, root)
+    if not is_recording(pinfo) then
+        return false
+    end
+    roburoc4.dissector(buf, pinfo, root)
+    return true
+end)

@@ -20,22 +20,35 @@ Packet = dict[str, list[str]]
 """What tshark shows of a packet: values by the name of the field, and its experts' names."""
 
 
+def _padded(data: bytes) -> bytes:
+    return data + bytes(-len(data) % 4)
+
+
+def _option(code: int, value: bytes) -> bytes:
+    return struct.pack("<HH", code, len(value)) + _padded(value)
+
+
 def _block(kind: int, body: bytes) -> bytes:
-    body += bytes(-len(body) % 4)
+    body = _padded(body)
     length = len(body) + 12
     return struct.pack("<II", kind, length) + body + struct.pack("<I", length)
 
 
-def pcapng(link_type: int, frames: list[tuple[float, bytes]], snap: int = 65535) -> bytes:
-    """A capture of frames with their times in seconds."""
+def pcapng(
+    link_type: int, frames: list[tuple[float, bytes]], snap: int = 65535, name: str = ""
+) -> bytes:
+    """A capture of frames with their times in seconds; with a name, as roburoc4_record.h has it."""
     out = _block(0x0A0D0D0A, struct.pack("<IHHq", 0x1A2B3C4D, 1, 0, -1))
-    out += _block(1, struct.pack("<HHI", link_type, 0, 0))
+    label = _option(2, name.encode()) + bytes(4) if name else b""
+    out += _block(1, struct.pack("<HHI", link_type, 0, 0) + label)
     for seconds, frame in frames:
         stamp = 1_700_000_000_000_000 + round(seconds * 1e6)
         head = struct.pack(
             "<IIIII", 0, stamp >> 32, stamp & 0xFFFFFFFF, len(frame[:snap]), len(frame)
         )
-        out += _block(6, head + frame[:snap])
+        sent = 2 if frame[12:16] == CLIENT[0] else 1
+        flags = _option(2, struct.pack("<I", sent)) + bytes(4) if name else b""
+        out += _block(6, head + _padded(frame[:snap]) + flags)
     return out
 
 

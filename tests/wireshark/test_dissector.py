@@ -246,6 +246,21 @@ class Values(unittest.TestCase):
                 f"udp.port=={port},roburoc4",
             )
 
+    def test_of_our_recordings_of_any_port(self) -> None:
+        for name in ("192.168.0.2:61020", "roburoc4-lcm"):
+            frames = [
+                (float(i), ip(udp(VECTORS[name], name in SENT, 61020), name in SENT))
+                for i, name in enumerate(VALUES)
+            ]
+            packets = show(pcapng(RAW_IP, frames, name=name))
+            for vector, packet in zip(VALUES, packets, strict=True):
+                self.check_packet(packet, vector)
+
+    def test_of_other_captures_only_by_port(self) -> None:
+        frames = [(0.0, ip(udp(VECTORS["get"], True, 61020), True))]
+        packet = show(pcapng(RAW_IP, frames, name="eth0"))[0]
+        assert "roburoc4" not in packet["protocols"]
+
     def test_of_upper_pdus(self) -> None:
         """Without addresses, a telegram's direction is guessed from its looks."""
         alike = {"differential-properties", "iocard-command"}
