@@ -40,9 +40,9 @@ def test_the_walk_of_the_page_works_as_it_is_typed(tmp_path: Path) -> None:
     text = _session()
     # other tests run beside this one
     text = text.replace("roburoc4 sim &", f"roburoc4 sim --port {port} &")
-    text = text.replace('"127.0.0.1", record', f'"127.0.0.1:{port}", record')
+    text = text.replace("--robot 127.0.0.1 ", f"--robot 127.0.0.1:{port} ")
     # however slow this machine is, there is a drive of some seconds before the kill
-    size = "$(stat -c %s run.pcapng 2>/dev/null || echo 0)"
+    size = "$(stat -c %s runs/*.pcapng 2>/dev/null || echo 0)"
     recorded = f'until [ "{size}" -gt 60000 ]; do sleep 0.1; done'
     assert text.count("sleep 6") == 1
     text = text.replace("sleep 6", recorded).replace("sleep 2", "sleep 4")
