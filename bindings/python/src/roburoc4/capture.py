@@ -2,8 +2,9 @@
 """UDP datagrams of a capture: pcapng or pcap, by our recorder, tcpdump, dumpcap or Wireshark.
 
 Blocks are read one after the other, so memory does not grow with the file, and a file whose end is
-missing is read up to there. The libraries on PyPI were not used: dpkt and python-pcapng end with an
-exception where a file is cut, skip the counts of drops, and take five to thirty times as long.
+missing is read up to there. The libraries on PyPI were tried: dpkt and python-pcapng end with an
+exception where a file is cut and skip the counts of drops, and a datagram takes 5 (dpkt) to 80
+(scapy) times as long.
 """
 
 import struct
