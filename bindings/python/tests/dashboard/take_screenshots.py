@@ -102,7 +102,7 @@ def inhibited(browser: Browser, folder: Path) -> None:
         here.sim.set("estop_remote", True)
         arm(page)
         hold_pad(page, rt=1.0)
-        page.get_by_text("stood still against the command").first.wait_for()
+        page.get_by_text("MOTION INHIBITED").first.wait_for()
         save(page, folder, "phone-inhibited")
 
 

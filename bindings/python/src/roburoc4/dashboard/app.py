@@ -60,15 +60,17 @@ def application(fleet: Fleet, rules: Rules) -> ASGIApp:
 
     async def recording(request: Request) -> Response:
         hub = fleet.find(request.query_params.get("robot", ""))
-        path = None if hub is None else hub.recorder.path
+        form = request.path_params["form"]
+        path = None if hub is None else hub.path_of_recording(form)
         if hub is None or path is None:
-            return PlainTextResponse("Nothing was recorded.\n", 404)
+            return PlainTextResponse("Nothing was recorded in this form.\n", 404)
         name = "-".join(filter(None, ("roburoc4", hub.name, time.strftime("%Y%m%d-%H%M%S"))))
-        return FileResponse(path, media_type="text/csv", filename=f"{name}.csv")
+        media_type = "text/csv" if form == "csv" else "application/octet-stream"
+        return FileResponse(path, media_type=media_type, filename=f"{name}.{form}")
 
     routes = [
         Route("/", page),
-        Route("/recording.csv", recording),
+        Route("/recording.{form}", recording),
         WebSocketRoute("/socket", socket),
         Mount("/static", StaticFiles(directory=STATIC)),
     ]

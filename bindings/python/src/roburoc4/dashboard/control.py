@@ -98,14 +98,17 @@ class Control:
         """Why the robot was stopped, or does not move; for the driver."""
         self.dropped = 0
         """Inputs that were too old, or answered to no tick of this page."""
-        self.stood_still = False
-        """It was disarmed because it did not move; until it is armed again."""
         self.going: Going | None = None
         self._armed = False
         self._floor = 0
         self.must_let_go = True
         """All inputs must be released once before anything moves."""
         self._lease_end_s: float | None = None
+
+    @property
+    def stood_still(self) -> bool:
+        """Whether it was disarmed because it did not move, and is still being driven from here."""
+        return self.driver is not None and self._robot.facts.disarm_cause == Result.INHIBITED
 
     # ---- taking and giving up ----
 
@@ -146,7 +149,6 @@ class Control:
             self.asker = None
         if self.driver is page:
             self.driver, self.asker = self.asker, None
-            self.stood_still = False
             self._end_driving(why)
 
     def _begin_anew(self, why: str) -> None:
@@ -172,7 +174,6 @@ class Control:
         if self._lease_end_s is not None:
             self._robot.stop()
         self._begin_anew("")
-        self.stood_still = False
         try:
             self._robot.arm(timeout=0.0)
         except NotArmedError as error:
@@ -303,7 +304,6 @@ class Control:
             self.going = None
         if self._armed and not facts.armed:
             self._armed = False
-            self.stood_still = facts.disarm_cause == Result.INHIBITED
             self._begin_anew(why_disarmed(facts.disarm_cause))
         if now_s - self.driver.heard_s > FORGOTTEN_S:
             self.leave(self.driver, "the driver's page showed nothing for 30 s and lost control")

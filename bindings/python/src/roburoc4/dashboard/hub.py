@@ -135,6 +135,13 @@ class Hub:
         self.pages.add(page)
         return page
 
+    def path_of_recording(self, form: str) -> str | None:
+        """Where a recording is: every datagram since the start, or what the button recorded."""
+        if form != "pcapng":
+            return self.recorder.path(form)
+        capture = self.robot.recorder
+        return None if capture is None else capture.path
+
     def part(self, page: Page) -> None:
         """Remove a page; if it drove, the robot is stopped."""
         self.pages.discard(page)
@@ -147,6 +154,7 @@ class Hub:
             "version": __version__,
             "address": self.robot.address,
             "name": self.name,
+            "captured": self.robot.recorder is not None,
             "cameras": [camera._asdict() for camera in self.cameras],
             "allow_drive": self.control.offered,
             "simulated": self.panel is not None,
@@ -224,6 +232,7 @@ class Hub:
             "state": frame["state"],
             "armed": facts["armed"],
             "pose": frame["pose"],
+            "going": None if self.control.going is None else self.control.going.place,
             "battery": frame["battery"] and frame["battery"]["percent"],
             "alarm": any(facts[name] for name in names),
         }

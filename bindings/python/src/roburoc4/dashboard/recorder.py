@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The record button: statuses as `roburoc4 record` writes them, kept until the next recording."""
+"""The record button: what `roburoc4 record` writes, kept until the next recording."""
 
 from __future__ import annotations
 
@@ -7,18 +7,71 @@ import csv
 import io
 import tempfile
 import time
-from typing import IO, Any
+from collections.abc import Callable
+from typing import IO, Any, Protocol
 
 from ..cli.rows import Rows, columns
+from ..notices import texts_of
+from ..recording import RecordedEvent
 from ..records import Status
 from ..robot import Robot
 from ..samples import Reader
 
 MOST_BYTES = 500_000_000
+_CHUNK = 16 * 1024
+"""Of an MCAP file: about a second."""
 
 
 class RecordError(Exception):
     """Why it is not recorded, to be shown on the page."""
+
+
+class _Format(Protocol):
+    """A file that is being written."""
+
+    def add(self, item: Status | RecordedEvent) -> None:
+        """Take the next."""
+
+    def finish(self) -> None:
+        """Complete the file."""
+
+
+class _Table:
+    """Statuses as columns (.csv): whole rows at any time."""
+
+    def __init__(self, file: IO[bytes], robot: Robot) -> None:
+        self._file = file
+        self._rows = Rows()
+        self._line = io.StringIO()
+        self._csv = csv.DictWriter(self._line, columns(robot.properties), extrasaction="ignore")
+        self._csv.writeheader()
+        self._append([])
+
+    def add(self, item: Status | RecordedEvent) -> None:
+        if not isinstance(item, RecordedEvent):
+            self._append(list(self._rows.add(item)))
+
+    def finish(self) -> None:
+        self._append(list(self._rows.rest()))
+
+    def _append(self, rows: list[Any]) -> None:
+        self._csv.writerows(rows)
+        self._file.write(self._line.getvalue().encode())
+        self._line.seek(0)
+        self._line.truncate()
+
+
+def _bag(file: IO[bytes], robot: Robot) -> _Format | None:
+    """Statuses and events as ROS 2 messages (.mcap), where the extra `record` is installed."""
+    from ..rosbag import RosBag
+
+    try:
+        return RosBag(file, robot, robot.address, time.time() - robot.now_s, chunk_size=_CHUNK)
+    except ModuleNotFoundError:
+        return None
+
+
+_FORMS: dict[str, Callable[[IO[bytes], Robot], _Format | None]] = {"csv": _Table, "mcap": _bag}
 
 
 class Recorder:
@@ -26,13 +79,12 @@ class Recorder:
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
-        self._file: IO[bytes] | None = None
+        self._facts = robot.facts
+        self._files: dict[str, IO[bytes]] = {}
+        self._formats: list[_Format] = []
         self._reader: Reader[Status] | None = None
-        self._rows = Rows()
-        self._line = io.StringIO()
-        self._csv: csv.DictWriter[str] | None = None
         self._begun_s = self._length_s = 0.0
-        self._count = self._bytes = self._lost = 0
+        self._count = self._lost = 0
         self.why = ""
         """Why it ended by itself."""
 
@@ -44,24 +96,29 @@ class Recorder:
     @property
     def now(self) -> dict[str, Any] | None:
         """What a page shows of it; None where nothing was recorded."""
-        if self._file is None:
+        if not self._files:
             return None
         length_s = time.monotonic() - self._begun_s if self.on else self._length_s
         return {
             "on": self.on,
-            "rows": self._count,
+            "statuses": self._count,
             "seconds": int(length_s),
             "lost": self._lost,
             "why": self.why,
+            "forms": self.forms,
         }
 
     @property
-    def path(self) -> str | None:
-        """Where it is, with whole rows only."""
-        if self._file is None:
+    def forms(self) -> list[str]:
+        """What can be downloaded: an MCAP file when it is complete."""
+        return [form for form in self._files if form == "csv" or not self.on]
+
+    def path(self, form: str) -> str | None:
+        """Where the recording is in this form, if it can be downloaded."""
+        if form not in self.forms:
             return None
-        self._file.flush()
-        return self._file.name
+        self._files[form].flush()
+        return self._files[form].name
 
     def start(self) -> None:
         """Begin anew; the recording before is deleted."""
@@ -70,63 +127,66 @@ class Recorder:
         if self._robot.properties.differential is None:
             raise RecordError("there is nothing to record yet: the robot is not known")
         self.close()
-        # It is closed by close(): recordings outlive this call.
-        self._file = tempfile.NamedTemporaryFile(prefix="roburoc4-", suffix=".csv")  # noqa: SIM115
-        self._rows = Rows()
-        self._csv = csv.DictWriter(
-            self._line, columns(self._robot.properties), extrasaction="ignore"
-        )
-        self._count = self._bytes = self._lost = 0
+        for form, begin in _FORMS.items():
+            # It is closed by close(): recordings outlive this call.
+            file = tempfile.NamedTemporaryFile(prefix="roburoc4-", suffix=f".{form}")  # noqa: SIM115
+            if (begun := begin(file, self._robot)) is None:
+                file.close()
+                continue
+            self._files[form] = file
+            self._formats.append(begun)
+        self._count = self._lost = 0
         self.why = ""
         self._begun_s = time.monotonic()
-        self._csv.writeheader()
-        self._append()
+        self._facts = self._robot.facts
         self._reader = self._robot.reader()
 
     def stop(self) -> None:
         """End it; what was recorded remains to be downloaded."""
-        if not self.on:
-            return
-        self.step()
-        self._write(list(self._rows.rest()))
-        self._reader = None
-        self._length_s = time.monotonic() - self._begun_s
+        if self.on:
+            self.step()
+            self._end("")
 
     def step(self) -> None:
         """Write what came in."""
         if self._reader is None:
             return
         try:
-            self._reader.drain(lambda status: self._write(list(self._rows.add(status))))
+            self._reader.drain(self._take)
+            before, self._facts = self._facts, self._robot.facts
+            for level, text in texts_of(self._reader.take_events(), before, self._facts):
+                self._add(RecordedEvent(round(self._robot.now_s * 1e6), level, text))
         except OSError as error:
             self._end(f"it cannot be written any more ({error.strerror}): make room")
         else:
             self._lost = self._reader.lost
-            if self._bytes > MOST_BYTES:
+            if sum(file.tell() for file in self._files.values()) > MOST_BYTES:
                 self._end("it reached 500 MB")
 
+    def _take(self, status: Status) -> None:
+        self._count += 1
+        self._add(status)
+
+    def _add(self, item: Status | RecordedEvent) -> None:
+        for written in self._formats:
+            written.add(item)
+
     def _end(self, why: str) -> None:
+        if self._reader is None:
+            return
         self._reader = None
         self._length_s = time.monotonic() - self._begun_s
         self.why = why
-
-    def _write(self, rows: list[Any]) -> None:
-        assert self._csv is not None
-        self._csv.writerows(rows)
-        self._count += len(rows)
-        self._append()
-
-    def _append(self) -> None:
-        assert self._file is not None
-        data = self._line.getvalue().encode()
-        self._line.seek(0)
-        self._line.truncate()
-        self._file.write(data)
-        self._bytes += len(data)
+        try:
+            for written in self._formats:
+                written.finish()
+        except OSError as error:
+            self.why = f"it cannot be completed ({error.strerror}): make room"
 
     def close(self) -> None:
         """End, and delete it."""
         self._reader = None
-        if self._file is not None:
-            self._file.close()
-            self._file = None
+        self._formats.clear()
+        for file in self._files.values():
+            file.close()
+        self._files.clear()

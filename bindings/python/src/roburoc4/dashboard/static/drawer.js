@@ -23,8 +23,8 @@ export class Drawer {
     if (event.ctrlKey || event.altKey || event.metaKey || event.repeat) return;
     const at = this.tabs.indexOf(document.activeElement);
     if (at >= 0 && ["ArrowLeft", "ArrowRight"].includes(event.code)) this.focus(at, event.code === "ArrowRight" ? 1 : -1);
-    else if (event.code in KEYS && !writes(event.target) && !by(`tab-${KEYS[event.code]}`).hidden) this.toggle(KEYS[event.code]);
-    else if (event.code === "Escape" && by("drawer").contains(event.target)) this.select("");
+    else if (event.code in KEYS && !writes(event.target) && !by(`tab-${KEYS[event.code]}`).hidden) this.enter(KEYS[event.code]);
+    else if (event.code === "Escape" && by("drawer").contains(event.target)) this.enter(this.open);
   }
 
   focus(at, way) {
@@ -32,6 +32,14 @@ export class Drawer {
     const next = shown[(shown.indexOf(this.tabs[at]) + way + shown.length) % shown.length];
     this.select(next.dataset.tab);
     next.focus();
+  }
+
+  /** By key: what is opened has the focus, so that Tab goes on in it; what is closed leaves it to its tab. */
+  enter(name) {
+    const within = by("drawer").contains(document.activeElement);
+    this.toggle(name);
+    if (this.open) by(`panel-${name}`).focus();
+    else if (within) by(`tab-${name}`).focus();
   }
 
   toggle(name) {

@@ -127,13 +127,13 @@ export class Drive {
     if (forward || left || !armed) this.going = false;
     const scale = this.scale;
     const speed = (share, [low, high]) => share * scale * (share > 0 ? high : low);
-    put(by("asked"), `${figure(speed(forward, this.full[0]), 2, "m/s")}, ${figure(speed(left, this.full[1]), 2, "rad/s")}${source ? ` by ${source}` : ""}${source && !armed ? ", not sent: disarmed" : ""}`);
+    put(by("asked"), `${figure(speed(forward, this.full[0]), 2, "m/s")}, ${figure(speed(left, this.full[1]), 2, "rad/s")}${source ? ` by ${source}` : ""}${source && !armed ? ": not sent" : ""}`);
     return { forward, left, scale, going: this.going };
   }
 
   showAsker(asker) {
     const asked = this.mine && asker !== null;
-    if (asked) put(by("asked-by").firstChild, `Page ${asker} asks for control. Handing over stops the robot. `);
+    if (asked) put(by("asked-by").firstChild, `Page ${asker} asks for control.`);
     show(by("asked-by"), asked);
     show(by("drive-why"), !asked);
   }

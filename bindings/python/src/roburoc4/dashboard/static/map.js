@@ -15,6 +15,11 @@ const LONGEST_CONE_M = 2.5; // what is farther is a line, and leaves the view fr
 const clock = new Intl.DateTimeFormat(undefined, { hour: "2-digit", minute: "2-digit", second: "2-digit", hourCycle: "h23" });
 const COLOURS = ["--grid", "--grid-bold", "--text", "--soft", "--card", "--blue", "--orange", "--red", "--sky", "--body", "--wheel", "--box"];
 
+function legend({ sim, fleet }) {
+  const own = sim ? "Solid: odometry, which slips in turns. Dashed: where it really is." : "By odometry, which slips in turns.";
+  return fleet.length > 1 ? "Each robot by its own odometry: “place” corrects it." : own;
+}
+
 export class RobotMap {
   constructor(canvas, send, chosen, onMoveBox) {
     this.chosen = chosen;
@@ -163,7 +168,7 @@ export class RobotMap {
     if (frame.sim) this.keep(this.truth, frame.sim.pose.x_m, frame.sim.pose.y_m, frame.time_s);
     this.paint();
     put(by("pose"), pose ? `x ${figure(pose.x_m, 2, "m")}   y ${figure(pose.y_m, 2, "m")}   θ ${figure((pose.theta_rad * 180) / Math.PI, 0, "°")}` : "pose not reported");
-    put(by("map-legend"), frame.sim ? "Solid: odometry, which slips in turns. Dashed: where it really is." : "By odometry, which slips in turns.");
+    put(by("map-legend"), legend(frame));
   }
 
   // ---- painting ----
@@ -186,7 +191,7 @@ export class RobotMap {
       this.paintDistances(pose);
       this.inFrame(pose, () => this.paintRobot());
     }
-    for (const other of this.frame.fleet) if (other.name !== this.about.name && other.pose) this.paintOther(other);
+    for (const robot of this.frame.fleet) if (robot.pose) this.paintFleet(robot, robot.name === this.about.name);
     if (this.chosen.wanted) this.outline(this.chosen.wanted, ink.blue);
     if (this.frame.going) this.paintGoal(this.frame.going);
     this.paintTime();
@@ -194,7 +199,7 @@ export class RobotMap {
   }
 
   /** Where the robot goes by itself. */
-  paintGoal([x, y]) {
+  paintGoal([x, y], text = "goes here") {
     const { pen, ink } = this;
     const [px, py] = this.at(x, y);
     pen.strokeStyle = ink.orange;
@@ -204,14 +209,15 @@ export class RobotMap {
     pen.moveTo(px - 16, py); pen.lineTo(px + 16, py);
     pen.moveTo(px, py - 16); pen.lineTo(px, py + 16);
     pen.stroke();
-    this.label("goes here", px, py - 20, ink.text);
+    this.label(text, px, py - 20, ink.text);
   }
 
-  /** Another robot, where it believes to be. */
-  paintOther({ name, pose, state }) {
+  /** The name of each robot at the place that it reports; the others have an outline, and where they go. */
+  paintFleet({ name, pose, state, going }, chosen) {
     if (pose.x_m === null || pose.y_m === null || pose.theta_rad === null) return;
     const ink = state === "ready" ? this.ink.text : this.ink.soft;
-    this.outline(pose, ink);
+    if (!chosen) this.outline(pose, ink);
+    if (!chosen && going) this.paintGoal(going, `${name} goes here`);
     const [px, py] = this.at(pose.x_m, pose.y_m);
     this.label(name, px, py + 4, ink);
   }
@@ -263,8 +269,9 @@ export class RobotMap {
     pen.beginPath();
     pen.moveTo(x, y - 5); pen.lineTo(x, y); pen.lineTo(x + long, y); pen.lineTo(x + long, y - 5);
     pen.stroke();
-    this.label(`${this.cell} m`, x + 4, y - 8, ink.soft, "left");
-    this.label("X ↑   Y ←", x + long + 14, y, ink.soft, "left");
+    const text = `${this.cell} m`;
+    this.label(text, x + 4, y - 8, ink.soft, "left");
+    this.label("X ↑   Y ←", x + Math.max(long, pen.measureText(text).width + 4) + 14, y, ink.soft, "left");
   }
 
   label(text, x, y, ink, align = "center") {

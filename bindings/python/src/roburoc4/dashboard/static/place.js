@@ -6,7 +6,7 @@ const FIELDS = ["x", "y", "theta"];
 const DEGREES = 180 / Math.PI;
 const TEXTS = {
   relocalize: "Press where the robot is and drag where it looks, or write it.",
-  go: "Press where the robot shall go, or write it. It drives by odometry, at the speed that is set, and looks with its telemeters only.",
+  go: "Press where the robot shall go, or write it. It sees with its telemeters only.",
 };
 
 export class Place {
@@ -18,7 +18,11 @@ export class Place {
     by("relocalize-cancel").addEventListener("click", () => this.begin(""));
     by("relocalize-set").addEventListener("click", () => {
       const { x_m, y_m, theta_rad } = this.wanted;
-      if (![x_m, y_m, theta_rad].every(Number.isFinite)) return;
+      const wrong = [x_m, y_m, theta_rad].findIndex((value) => !Number.isFinite(value));
+      if (wrong >= 0) {
+        by(`relocalize-${FIELDS[wrong]}`).focus(); // what is still to be written
+        return;
+      }
       onChosen(this.what, { x_m, y_m, theta_rad });
       this.begin("");
     });

@@ -2,6 +2,8 @@
 // The record button: the dashboard records, so it goes on when this page is closed.
 import { by, figure, put, show } from "./text.js";
 
+const FORMS = ["csv", "mcap", "pcapng"];
+
 export class Recording {
   constructor(send) {
     this.on = false;
@@ -12,8 +14,9 @@ export class Recording {
     });
   }
 
-  begin({ name }) {
-    by("record-download").href = `/recording.csv?robot=${encodeURIComponent(name)}`;
+  begin({ name, captured }) {
+    for (const form of FORMS) by(`record-${form}`).href = `/recording.${form}?robot=${encodeURIComponent(name)}`;
+    show(by("record-pcapng"), captured);
   }
 
   show(recording) {
@@ -22,8 +25,8 @@ export class Recording {
     by("record").setAttribute("aria-pressed", String(this.on));
     show(by("recording"), this.on);
     put(by("record-text"), recording === null
-      ? "Every status of the robot as a row of a table, until you end it. Closing this page does not."
-      : `${figure(recording.seconds, 0, "s")}, ${recording.rows} rows${recording.lost ? `, ${recording.lost} statuses lost` : ""}${recording.why ? `; ended: ${recording.why}` : ""}`);
-    show(by("record-download"), recording !== null);
+      ? "Every status of the robot, until you end it. Closing this page does not."
+      : `${figure(recording.seconds, 0, "s")}, ${recording.statuses} statuses${recording.lost ? `, ${recording.lost} statuses lost` : ""}${recording.why ? `; ended: ${recording.why}` : ""}`);
+    for (const form of ["csv", "mcap"]) show(by(`record-${form}`), recording?.forms.includes(form) ?? false);
   }
 }
