@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """A dashboard in this process, so that tests see the page, the server and the robot at once."""
 
+import contextlib
 import os
 import socket
 import threading
@@ -8,7 +9,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Error, Page, expect
 
 import roburoc4
 from roburoc4.dashboard.fleet import Fleet
@@ -18,6 +19,7 @@ from roburoc4.dashboard.panel import Panel
 from roburoc4.dashboard.server import Place, listen, make_server
 
 CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
+FIREFOX = os.environ.get("FIREFOX", "/usr/bin/firefox-esr")
 LEASE_S = 0.5
 """Longer than by default, so that pages on a loaded machine can answer in time."""
 WATCHDOG_S = 1.0
@@ -75,11 +77,12 @@ class Station:
         names: Callable[[int], tuple[str, ...]] | None = None,
         robots: Sequence[str] = ("",),
         cameras: Sequence[Camera] = (),
+        client: roburoc4.Settings | None = None,
         **settings: Any,
     ) -> None:
         self.sims = [roburoc4.Simulator(port=0, **settings) for _ in robots]
-        client: roburoc4.Settings = {"lease_ms": round(lease_s * 1000)}
-        self.robots = [roburoc4.connect(sim.address, wait=False, **client) for sim in self.sims]
+        given: roburoc4.Settings = {"lease_ms": round(lease_s * 1000), **(client or {})}
+        self.robots = [roburoc4.connect(sim.address, wait=False, **given) for sim in self.sims]
         self.hubs = [
             Hub(
                 robot,
@@ -200,7 +203,8 @@ def press_arm(page: Page) -> None:
     while "Ready:" not in (page.locator("#drive-why").text_content() or ""):
         assert time.monotonic() < end, page.locator("#drive-why").text_content()
         if page.locator("#arm").is_visible():
-            page.locator("#arm").click()
+            with contextlib.suppress(Error):  # it may be armed by now
+                page.locator("#arm").click(timeout=1000)
         page.wait_for_timeout(300)
 
 

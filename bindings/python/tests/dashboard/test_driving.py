@@ -33,6 +33,7 @@ def armed(station: Make, visit: Visit) -> tuple[Station, Page]:
     return here, page
 
 
+@pytest.mark.both
 def test_a_game_pad_drives_as_in_the_manual(station: Make, visit: Visit) -> None:
     here = station(lease_s=1.0)
     page = visit(here.url)
@@ -54,6 +55,7 @@ def test_a_game_pad_drives_as_in_the_manual(station: Make, visit: Visit) -> None
     expect(page.locator("#asked")).to_contain_text("by game pad")
 
 
+@pytest.mark.both
 def test_keys_drive_and_letting_go_stops(station: Make, visit: Visit) -> None:
     here, page = armed(station, visit)
 
@@ -86,6 +88,7 @@ def stays_stopped(here: Station) -> None:
     assert here.speeds_sent() == before, "it came back by itself"
 
 
+@pytest.mark.both
 def test_a_key_that_repeats_no_more_counts_as_let_go(station: Make, visit: Visit) -> None:
     here, page = armed(station, visit)
     drive_by_keys(here, page)
@@ -151,6 +154,7 @@ def press_command(page: Page) -> None:
     )
 
 
+@pytest.mark.both
 @pytest.mark.parametrize("lose", [right_click, drag_a_text, press_command])
 def test_what_may_hide_a_key_s_release_counts_as_its_release(
     lose: Callable[[Page], None], station: Make, visit: Visit
@@ -163,6 +167,7 @@ def test_what_may_hide_a_key_s_release_counts_as_its_release(
     stays_stopped(here)
 
 
+@pytest.mark.both
 def test_the_stick_drives_and_letting_go_stops(station: Make, visit: Visit) -> None:
     here, page = armed(station, visit)
     box = page.locator("#stick").bounding_box()
@@ -181,31 +186,6 @@ def test_the_stick_drives_and_letting_go_stops(station: Make, visit: Visit) -> N
     assert here.wait_until_stopped(begun_s) < WITHIN_S
 
 
-def test_the_stick_drives_by_touch_on_a_phone(station: Make, visit: Visit) -> None:
-    here = station()
-    page = visit(here.url, viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
-    arm(page)
-    page.locator("#stick").scroll_into_view_if_needed()
-    box = page.locator("#stick").bounding_box()
-    assert box is not None
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    finger = page.context.new_cdp_session(page)
-
-    def touch(kind: str, *points: tuple[float, float]) -> None:
-        spots = [{"x": px, "y": py} for px, py in points]
-        finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": spots})
-
-    def hold() -> None:
-        touch("touchStart", (x, y))
-        touch("touchMove", (x, y - 60))
-
-    here.wait_until_driven(page, hold, lambda: touch("touchEnd"))
-    assert here.sim.state.last_linear_m_s > 0
-    touch("touchEnd")
-    begun_s = time.monotonic()
-    assert here.wait_until_stopped(begun_s) < WITHIN_S
-
-
 # ---- everything that stops it ----
 
 
@@ -215,16 +195,6 @@ def release_a(page: Page) -> None:
 
 def unplug(page: Page) -> None:
     page.evaluate("window.pad = null")
-
-
-def hide(page: Page) -> None:
-    # Headless pages count as visible whatever covers them, so the page is told as a browser would.
-    page.evaluate(
-        """() => {
-            Object.defineProperty(document, "visibilityState", { get: () => "hidden" });
-            document.dispatchEvent(new Event("visibilitychange"));
-        }"""
-    )
 
 
 def freeze(page: Page) -> None:
@@ -238,13 +208,6 @@ def hang(page: Page, seconds: float = 3.0) -> None:
         "(ms) => setTimeout(() => { const end = Date.now() + ms; while (Date.now() < end); }, 0)",
         1000 * seconds,
     )
-
-
-def look_at_another_tab(page: Page) -> None:
-    page.context.new_cdp_session(page).send(
-        "Emulation.setFocusEmulationEnabled", {"enabled": False}
-    )
-    page.context.new_page().bring_to_front()
 
 
 def blur(page: Page) -> None:
@@ -271,26 +234,22 @@ def disarm(page: Page) -> None:
     page.get_by_role("button", name="Disarm", exact=True).click()
 
 
-@pytest.mark.parametrize(
-    "end",
-    [
-        release_a,
-        unplug,
-        hide,
-        look_at_another_tab,
-        blur,
-        freeze,
-        hang,
-        close,
-        press_stop,
-        press_space,
-        give_up,
-        disarm,
-    ],
-)
+@pytest.mark.both
+@pytest.mark.parametrize("end", [release_a, unplug, blur, hang, close, press_stop, press_space])
 def test_it_stops_within_the_lease(
     end: Callable[[Page], None], station: Make, visit: Visit
 ) -> None:
+    ends_driving(end, station, visit)
+
+
+@pytest.mark.parametrize("end", [freeze, give_up, disarm])
+def test_a_frozen_page_and_a_button_stop_within_the_lease(
+    end: Callable[[Page], None], station: Make, visit: Visit
+) -> None:
+    ends_driving(end, station, visit)
+
+
+def ends_driving(end: Callable[[Page], None], station: Make, visit: Visit) -> None:
     here, page = armed(station, visit)
     drive(here, page)
     end(page)
@@ -300,10 +259,22 @@ def test_it_stops_within_the_lease(
     assert not here.driven, "it came back by itself"
 
 
-def test_a_hidden_page_disarms(station: Make, visit: Visit) -> None:
-    here, page = armed(station, visit)
-    hide(page)
+@pytest.mark.both
+def test_a_tab_that_is_really_hidden_stops_and_disarms(
+    station: Make, hideable: Callable[[str], tuple[Page, Callable[[], Page]]]
+) -> None:
+    here = station()
+    page, cover = hideable(here.url)
+    arm(page)
+    drive(here, page)
+    other = cover()
+    begun_s = time.monotonic()
+    assert here.wait_until_stopped(begun_s) < WITHIN_S
     until(lambda: not here.robot.facts.armed)
+    assert page.evaluate("document.visibilityState") == "hidden"
+    other.close()
+    until(lambda: page.evaluate("document.visibilityState") == "visible")
+    stays_stopped(here)
 
 
 def test_a_page_that_hung_does_not_drive_on_with_a_button_that_was_held(
@@ -319,6 +290,7 @@ def test_a_page_that_hung_does_not_drive_on_with_a_button_that_was_held(
     assert here.speeds_sent() == before
 
 
+@pytest.mark.both
 def test_one_press_of_stop_is_one(station: Make, visit: Visit) -> None:
     _, page = armed(station, visit)
     stops = page.locator("#events li", has_text="STOP was pressed")
@@ -396,6 +368,7 @@ def test_an_error_in_the_server_stops_the_robot_and_ends_it(station: Make, visit
     assert str(here.hub.failure) == "of this test"
 
 
+@pytest.mark.both
 def test_a_page_comes_back_to_a_new_dashboard_and_moves_nothing(
     station: Make, visit: Visit
 ) -> None:
@@ -438,6 +411,7 @@ def let_go(page: Page) -> None:
     expect(page.locator("#pad-text")).to_contain_text("hold [A]")
 
 
+@pytest.mark.both
 def test_what_was_held_while_the_page_was_left_must_be_let_go_first(
     station: Make, visit: Visit
 ) -> None:
@@ -519,6 +493,7 @@ def test_the_page_says_where_a_browser_withholds_the_pad(station: Make, visit: V
     expect(page.locator("#pad-text")).to_contain_text("Start with --tls-cert and --tls-key")
 
 
+@pytest.mark.both
 def test_a_second_page_drives_with_consent_only(station: Make, visit: Visit) -> None:
     here = station()
     first, second = visit(here.url), visit(here.url)

@@ -1,114 +1,123 @@
 # SPDX-License-Identifier: MIT
-"""The page in Firefox: what moves the robot and what stops it; a tab that is really hidden."""
+"""A finger on the stick in Firefox, by WebDriver BiDi: Playwright moves them in Chromium only."""
 
+import itertools
+import json
+import os
+import re
+import subprocess
+import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
-import pytest
-from firefox import Firefox, Tab
-from station import LEASE_S, Station, until
+from station import FIREFOX, LEASE_S, PATIENCE_S, Station, until
+from websockets.sync.client import ClientConnection, connect
 
-Make = Callable[..., Station]
 WITHIN_S = LEASE_S + 0.4
 
 
-@pytest.fixture(scope="module")
-def firefox() -> Iterator[Firefox]:
-    with Firefox() as running:
-        yield running
+class Tab:
+    """A page in Firefox."""
+
+    def __init__(self, socket: ClientConnection, url: str) -> None:
+        self._socket = socket
+        self._numbers = itertools.count(1)
+        self.send("session.new", capabilities={})
+        self._context = self.send("browsingContext.create", type="tab")["context"]
+        self._here = {"context": self._context}
+        size = {"width": 390, "height": 844}
+        self.send("browsingContext.setViewport", **self._here, viewport=size)
+        self.send("browsingContext.navigate", **self._here, url=url, wait="complete")
+
+    def send(self, method: str, **parameters: Any) -> dict[str, Any]:
+        """Command, and wait for the answer."""
+        number = next(self._numbers)
+        self._socket.send(json.dumps({"id": number, "method": method, "params": parameters}))
+        while (answer := json.loads(self._socket.recv(timeout=PATIENCE_S))).get("id") != number:
+            pass
+        assert answer["type"] == "success", answer
+        result: dict[str, Any] = answer["result"]
+        return result
+
+    def evaluate(self, expression: str) -> Any:
+        """Return what a script gives."""
+        answer = self.send(
+            "script.evaluate", expression=expression, target=self._here, awaitPromise=False
+        )
+        return answer["result"].get("value")
+
+    def text(self, name: str) -> str:
+        """Return the text of an element."""
+        return str(self.evaluate(f"document.getElementById({name!r}).textContent"))
+
+    def middle(self, name: str) -> tuple[int, int]:
+        """Return the middle of an element."""
+        box = f"document.getElementById({name!r}).getBoundingClientRect()"
+        x = self.evaluate(f"Math.round({box}.x + {box}.width / 2)")
+        return x, self.evaluate(f"Math.round({box}.y + {box}.height / 2)")
+
+    def touch(self, *actions: dict[str, Any]) -> None:
+        """Touch, drag and lift."""
+        finger = {"type": "pointer", "id": "finger", "parameters": {"pointerType": "touch"}}
+        self.send("input.performActions", **self._here, actions=[finger | {"actions": actions}])
+
+    def tap(self, name: str) -> None:
+        """Tap on an element."""
+        x, y = self.middle(name)
+        self.touch(move(x, y), DOWN, UP)
 
 
-@pytest.fixture
-def visit(firefox: Firefox) -> Iterator[Callable[..., Tab]]:
-    tabs: list[Tab] = []
-    firefox.complaints.clear()
-
-    def visit_page(here: Station, *size: int) -> Tab:
-        tabs.append(firefox.open(here.url, *size))
-        tabs[-1].arm()
-        return tabs[-1]
-
-    yield visit_page
-    complaints = list(firefox.complaints)
-    for tab in tabs:
-        tab.send("browsingContext.close")
-    assert complaints == []
+DOWN, UP = {"type": "pointerDown", "button": 0}, {"type": "pointerUp", "button": 0}
 
 
-def drive_on(
-    here: Station, tab: Tab, hold: Callable[[], object], let_go: Callable[[], object]
-) -> None:
-    """Hold until it drives; again, where a stall of a loaded machine ended that."""
-    end = time.monotonic() + 60
-    hold()
-    while not here.drives_on():
+def move(x: int, y: int) -> dict[str, Any]:
+    return {"type": "pointerMove", "x": x, "y": y}
+
+
+def arm(tab: Tab) -> None:
+    end = time.monotonic() + PATIENCE_S
+    while "Ready:" not in tab.text("drive-why"):
         assert time.monotonic() < end, tab.text("drive-why")
-        let_go()
-        time.sleep(LEASE_S)
-        until(lambda: "Ready:" in tab.text("drive-why") or tab._press_arm())
-        hold()
+        if not tab.evaluate("document.getElementById('arm').hidden"):
+            tab.tap("arm")
+        time.sleep(0.3)
 
 
-def hold_pad(tab: Tab) -> None:
-    tab.evaluate("window.pad || makePad()")
-    tab.evaluate("requestAnimationFrame(() => { hold(0, 1); hold(7, 1); })")
-
-
-def drive_by_pad(here: Station, tab: Tab) -> None:
-    tab.evaluate("makePad()")
-    tab.wait_for("pad-text", "hold [A]")
-    drive_on(here, tab, lambda: hold_pad(tab), lambda: tab.evaluate("hold(0, 0)"))
-
-
-def test_keys_drive_and_letting_go_stops(station: Make, visit: Callable[..., Tab]) -> None:
+def test_the_stick_drives_by_touch(station: Callable[..., Station], tmp_path: Path) -> None:
     here = station()
-    tab = visit(here)
-    drive_on(here, tab, lambda: tab.key("keyDown", "w"), lambda: tab.key("keyUp", "w"))
-    tab.key("keyUp", "w")
-    assert here.wait_until_stopped(time.monotonic()) < WITHIN_S
-
-
-@pytest.mark.parametrize("kind", ["mouse", "touch"])
-def test_the_stick_drives_and_letting_go_stops(
-    kind: str, station: Make, visit: Callable[..., Tab]
-) -> None:
-    here = station()
-    tab = visit(here, 390, 844)
-    x, y = tab.middle("stick")
-
-    def hold() -> None:
-        tab.pointer(kind, ("pointerDown", (x, y)), ("pointerMove", (x, y - 40)))
-
-    def let_go() -> None:
-        tab.pointer(kind, ("pointerUp", (x, y - 40)))
-
-    drive_on(here, tab, hold, let_go)
-    assert here.sim.state.last_linear_m_s > 0
-    let_go()
-    assert here.wait_until_stopped(time.monotonic()) < WITHIN_S
-
-
-def test_a_tab_that_is_really_hidden_stops_and_disarms(
-    firefox: Firefox, station: Make, visit: Callable[..., Tab]
-) -> None:
-    here = station()
-    tab = visit(here)
-    drive_by_pad(here, tab)
-    other = firefox.open("about:blank")
-    begun_s = time.monotonic()
-    assert here.wait_until_stopped(begun_s) < WITHIN_S
-    until(lambda: not here.robot.facts.armed)
-    assert tab.evaluate("document.visibilityState") == "hidden"
-    other.send("browsingContext.close")
-    time.sleep(2 * LEASE_S)
-    assert not here.driven, "it came back by itself"
-
-
-@pytest.mark.parametrize("kind", ["mouse", "touch"])
-def test_stop_stops(kind: str, station: Make, visit: Callable[..., Tab]) -> None:
-    here = station()
-    tab = visit(here, 844, 390)
-    drive_by_pad(here, tab)
-    tab.click("stop", kind)
-    assert here.wait_until_stopped(time.monotonic()) < WITHIN_S
-    until(lambda: not here.robot.facts.armed)
+    command = [FIREFOX, "--headless", "--remote-debugging-port=0", "--profile", str(tmp_path)]
+    running = subprocess.Popen(
+        command,
+        stderr=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        env=os.environ | {"HOME": str(tmp_path), "MOZ_DISABLE_CONTENT_SANDBOX": "1"},
+        text=True,
+    )
+    try:
+        assert running.stderr is not None
+        lines = (re.search(r"BiDi listening on (ws://\S+)", line) for line in running.stderr)
+        link = next(found[1] for found in lines if found)
+        threading.Thread(target=running.stderr.read, daemon=True).start()
+        with connect(f"{link}/session", open_timeout=PATIENCE_S, max_size=None) as socket:
+            tab = Tab(socket, here.url)
+            until(lambda: tab.text("quality-say") == "Link good")
+            tab.tap("take")
+            until(lambda: "this page" in tab.text("control"))
+            arm(tab)
+            x, y = tab.middle("stick")
+            tab.touch(move(x, y), DOWN, move(x, y - 40))
+            end = time.monotonic() + 3 * PATIENCE_S
+            while not here.drives_on():  # a stall of a loaded machine ended it
+                assert time.monotonic() < end, tab.text("drive-why")
+                tab.touch(UP)
+                time.sleep(LEASE_S)
+                arm(tab)
+                tab.touch(move(x, y), DOWN, move(x, y - 40))
+            assert here.sim.state.last_linear_m_s > 0
+            tab.touch(UP)
+            assert here.wait_until_stopped(time.monotonic()) < WITHIN_S
+    finally:
+        running.terminate()
+        running.wait(PATIENCE_S)

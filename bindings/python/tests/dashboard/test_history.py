@@ -14,8 +14,8 @@ from roburoc4.dashboard.history import (
     SPEED_ROWS,
     History,
     Ring,
-    texts_of,
 )
+from roburoc4.notices import texts_of
 
 
 def discharged(percent_h: float, rows: int) -> History:

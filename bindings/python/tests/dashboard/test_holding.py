@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from playwright.sync_api import Page, expect
-from station import LEASE_S, Finger, Station, arm, open_tab, ready, take_control, until
+from station import LEASE_S, Finger, Station, arm, drive, open_tab, ready, take_control, until
 
 Visit = Callable[..., Page]
 Make = Callable[..., Station]
@@ -96,12 +96,25 @@ def boxes(page: Page) -> list[Any]:
     return [page.locator(name).bounding_box() for name in ("#stick", "#stop", "#scale")]
 
 
-@pytest.mark.parametrize("size", SIZES)
-def test_no_warning_moves_stick_or_stop(size: tuple[int, int], station: Make, visit: Visit) -> None:
+def resize(page: Page, size: tuple[int, int]) -> None:
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    page.wait_for_function("(width) => innerWidth === width", arg=size[0])
+
+
+def boxes_in_every_size(page: Page) -> list[Any]:
+    found = []
+    for size in SIZES:
+        resize(page, size)
+        found.append(boxes(page))
+    return found
+
+
+@pytest.mark.both
+def test_no_warning_moves_stick_or_stop(station: Make, visit: Visit) -> None:
     here = station(battery_percent=60.0)
-    page = visit(here.url, viewport={"width": size[0], "height": size[1]})
+    page = visit(here.url)
     arm(page)
-    before = boxes(page)
+    before = boxes_in_every_size(page)
     for warn, title in (
         (lambda: here.sim.set("battery_percent", 5.0), "BATTERY"),
         (lambda: here.sim.set("bumper_front", True), "BUMPER"),
@@ -110,32 +123,63 @@ def test_no_warning_moves_stick_or_stop(size: tuple[int, int], station: Make, vi
     ):
         warn()
         expect(page.locator("#banner")).to_contain_text(title)
-        assert boxes(page) == before, title
+        assert boxes_in_every_size(page) == before, title
 
 
-@pytest.mark.parametrize("size", SIZES)
-def test_stop_is_seen_whole_in_every_size(
-    size: tuple[int, int], station: Make, visit: Visit
-) -> None:
+SEEN = """(name) => {
+    const box = document.getElementById(name).getBoundingClientRect();
+    const seen = (x, y) => document.elementFromPoint(x, y)?.closest(`#${name}`);
+    return box.height >= 30 && [box.left + 8, box.left + box.width / 2, box.right - 8]
+        .every((x) => [box.top + 4, box.bottom - 4].every((y) => seen(x, y)));
+}"""
+
+
+@pytest.mark.both
+def test_stop_is_seen_whole_in_every_size(station: Make, visit: Visit) -> None:
     here = station(panel=True)
-    page = visit(here.url, viewport={"width": size[0], "height": size[1]})
+    page = visit(here.url)
     ready(page)
     places = []
-    for prepare in (lambda: None, lambda: take_control(page), lambda: page.mouse.wheel(0, 900)):
+    for prepare in (
+        lambda: None,
+        lambda: take_control(page),
+        lambda: page.mouse.wheel(0, 900),
+        lambda: open_tab(page, "sim"),
+    ):
         prepare()
-        page.wait_for_timeout(100)
-        places.append(page.locator("#stop").bounding_box())
-        assert page.evaluate(
-            """() => {
-                const box = document.getElementById("stop").getBoundingClientRect();
-                const seen = (x, y) => document.elementFromPoint(x, y)?.closest("#stop");
-                return box.height >= 48 && [box.left + 8, box.left + box.width / 2, box.right - 8]
-                    .every((x) => [box.top + 8, box.bottom - 8].every((y) => seen(x, y)));
-            }"""
-        )
+        places.append([])
+        for size in SIZES:
+            resize(page, size)
+            places[-1].append(page.locator("#stop").bounding_box())
+            assert page.evaluate(SEEN, "stop"), size
+            assert places[-1][-1]["height"] >= 48
     assert places[1:] == places[:-1], "it moved"
 
 
+def test_who_asks_for_control_is_answered_in_every_size(station: Make, visit: Visit) -> None:
+    here = station()
+    page, other = visit(here.url, has_touch=True), visit(here.url)
+    arm(page)
+    other.locator("#take").click()
+    expect(page.locator("#asked-by")).to_be_visible()
+    for size in SIZES:
+        resize(page, size)
+        for name in ("hand-over", "keep"):
+            assert page.evaluate(SEEN, name), (size, name)
+
+
+@pytest.mark.both
+def test_a_finger_presses_stop(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url, viewport={"width": 844, "height": 390}, has_touch=True)
+    arm(page)
+    drive(here, page)
+    page.locator("#stop").tap()
+    until(lambda: not here.robot.facts.armed)
+    until(lambda: not here.driven)
+
+
+@pytest.mark.both
 def test_space_switches_a_check_box_and_stops_elsewhere(station: Make, visit: Visit) -> None:
     here = station(panel=True)
     page = visit(here.url)
