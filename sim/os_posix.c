@@ -19,6 +19,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "net_peer.h"
+
 #define SPARE_DESCRIPTORS 32
 /* Room for the statuses of many peers that leave in one cycle. */
 #define SOCKET_BUFFER_BYTES 262144
@@ -72,19 +74,6 @@ void net_destroy(net_sockets *net) {
 }
 
 /* -------------------------------------------------------------------------------- addresses --- */
-
-static uint64_t key_of(const struct sockaddr_in *address) {
-    return (uint64_t)ntohl(address->sin_addr.s_addr) << 16 | ntohs(address->sin_port);
-}
-
-static struct sockaddr_in address_of(uint64_t key) {
-    struct sockaddr_in address;
-    memset(&address, 0, sizeof address);
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl((uint32_t)(key >> 16));
-    address.sin_port = htons((uint16_t)(key & 0xFFFFu));
-    return address;
-}
 
 bool net_is_address(const char *address) {
     struct in_addr parsed;
@@ -167,12 +156,12 @@ ptrdiff_t net_receive(net_sockets *net, size_t index, uint64_t *peer, uint8_t *b
     if (size < 0) {
         return -1;
     }
-    *peer = key_of(&from);
+    *peer = net_peer_of(&from);
     return (ptrdiff_t)size;
 }
 
 void net_send(net_sockets *net, size_t index, uint64_t peer, const uint8_t *data, size_t size) {
-    struct sockaddr_in to = address_of(peer);
+    struct sockaddr_in to = net_address_of(peer);
     /* The first attempt may report only that an earlier datagram was refused. */
     for (int attempt = 0; attempt < 2; attempt++) {
         if (sendto(net->polls[index].fd, data, size, 0, (const struct sockaddr *)&to, sizeof to) >=
@@ -196,7 +185,7 @@ bool net_refused(net_sockets *net, size_t index, uint64_t *peer) {
     message.msg_name = &to;
     message.msg_namelen = sizeof to;
     if (recvmsg(net->polls[index].fd, &message, MSG_ERRQUEUE) >= 0) {
-        *peer = key_of(&to);
+        *peer = net_peer_of(&to);
         return true;
     }
 #else

@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "net.h"
+#include "net_peer.h"
 
 #define INPUT_BYTES 4096
 #define SOCKET_BUFFER_BYTES 262144
@@ -71,19 +72,6 @@ void net_destroy(net_sockets *net) {
 }
 
 /* -------------------------------------------------------------------------------- addresses --- */
-
-static uint64_t key_of(const struct sockaddr_in *address) {
-    return (uint64_t)ntohl(address->sin_addr.s_addr) << 16 | ntohs(address->sin_port);
-}
-
-static struct sockaddr_in address_of(uint64_t key) {
-    struct sockaddr_in address;
-    memset(&address, 0, sizeof address);
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl((u_long)(key >> 16));
-    address.sin_port = htons((u_short)(key & 0xFFFFu));
-    return address;
-}
 
 bool net_is_address(const char *address) {
     unsigned parts[4];
@@ -190,12 +178,12 @@ ptrdiff_t net_receive(net_sockets *net, size_t index, uint64_t *peer, uint8_t *b
     if (size < 0) {
         return -1;
     }
-    *peer = key_of(&from);
+    *peer = net_peer_of(&from);
     return size;
 }
 
 void net_send(net_sockets *net, size_t index, uint64_t peer, const uint8_t *data, size_t size) {
-    struct sockaddr_in to = address_of(peer);
+    struct sockaddr_in to = net_address_of(peer);
     (void)sendto(net->polls[index].fd, (const char *)data, (int)size, 0,
                  (const struct sockaddr *)&to, (int)sizeof to);
 }

@@ -47,6 +47,23 @@ TEST(ChannelName, IsTheManualsAtItsIndexOnTheUsualCard) {
     EXPECT_EQ("none", name(bench, 4, 0));
 }
 
+TEST(ChannelName, IsNoneForOutputsThatTheManualDoesNotHave) {
+    ScriptedRobot robot = silent_robot(22, 9);
+    robot.iocard.analog_outputs = 2;
+    Bench bench(robot);
+    bench.ready();
+    EXPECT_EQ("none", name(bench, ROBUROC4_IO_ANALOG_OUTPUT, 1));
+}
+
+TEST(ChannelFind, LooksAtNoMoreChannelsThanAClientStores) {
+    ScriptedRobot robot = silent_robot(100, 9);
+    Bench bench(robot);
+    bench.ready();
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, find(bench, "{front} bumper~"));
+    EXPECT_EQ(ROBUROC4_ERR_INDEX,
+              roburoc4_client_channel_find(&bench.client, digital, "lamp", nullptr, 5));
+}
+
 TEST(ChannelName, HasTheManualsNumberOnACardWithOneInputMore) {
     ScriptedRobot robot = silent_robot(23, 10);
     Bench bench(robot);

@@ -492,6 +492,24 @@ TEST(Directory, IsAPropertyWhoseNewsAreAnEvent) {
     EXPECT_EQ(3U, service_count(&bench.client));
 }
 
+TEST(Directory, WithFewerEntriesIsAnotherOne) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.services.pop_back();
+    ASSERT_TRUE(bench.run_until([&] { return service_count(&bench.client) == 6; }, 10 * second));
+    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN,
+              roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_DIFFERENTIAL));
+}
+
+TEST(Directory, WithAnotherTypeIsAnotherOne) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    robot.services.back().type = ROBUROC4_TYPE_LASER;
+    EXPECT_TRUE(bench.run_until([&] { return bench.facts().armed == 0; }, 10 * second));
+}
+
 TEST(Directory, AnIoCardThatIsGoneIsNotAsked) {
     ScriptedRobot robot;
     Bench bench(robot);

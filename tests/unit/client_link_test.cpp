@@ -419,6 +419,20 @@ TEST(HostTime, OfTheSimulatorIsRight) {
     EXPECT_NEAR(static_cast<double>(bench.now_us), static_cast<double>(host_us), 10000);
 }
 
+TEST(RoundTrip, OfMoreThanAnHourIsTheLongestThatThereIs) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    Bytes answer;
+    bench.drop_to_client = [&](const Bytes &bytes) {
+        answer = bytes;
+        return true;
+    };
+    bench.start();
+    bench.now_us += 80 * 60 * second;
+    bench.receive(answer);
+    EXPECT_EQ(UINT32_MAX, bench.link().round_trip_us);
+}
+
 TEST(HostTime, IsAsGoodAsTheBestStatusOfTheLastSeconds) {
     ScriptedRobot robot;
     Bench bench(robot);

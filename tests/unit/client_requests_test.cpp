@@ -849,6 +849,26 @@ TEST(FixedId, NoUnseenCardIsTakenForNone) {
     EXPECT_EQ(ROBUROC4_ERR_STALE_IOCARD, bench.arm());
 }
 
+TEST(Requests, TheIdOfAnOpenOneIsNotGivenAgain) {
+    ScriptedRobot robot;
+    std::uint8_t open_id = 0;
+    robot.instead = [&](const roburoc4_request &r, std::vector<Bytes> &) {
+        const bool unanswered = r.action == ROBUROC4_ACTION_INSERT && r.subject == 4;
+        EXPECT_TRUE(unanswered || r.id != open_id);
+        open_id = unanswered ? r.id : open_id;
+        return unanswered;
+    };
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(bench.run_until([&] { return open_id != 0; }));
+    for (int i = 0; i < 300; i++) {
+        roburoc4_client_subscribe(&bench.client, ROBUROC4_SERVICE_TELEMETER, i % 2 == 0 ? 50 : 60,
+                                  bench.client_us());
+        bench.pump();
+    }
+    EXPECT_EQ(6, robot.subscriptions[3]);
+}
+
 TEST(FixedId, WorksWithTheSimulatorsTwoDialects) {
     for (int dialect = 0; dialect < 2; dialect++) {
         roburoc4_sim_config config;

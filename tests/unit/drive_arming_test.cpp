@@ -5,6 +5,7 @@
 #include "client_bench.h"
 
 #include <limits>
+#include <set>
 
 using namespace roburoc4_tests;
 
@@ -48,6 +49,14 @@ void expect_disarmed(Bench &bench, roburoc4_result cause, const std::function<vo
 }
 
 } // namespace
+
+TEST(Arm, OnlyWhatPassesByItselfIsWorthWaitingFor) {
+    const std::set<roburoc4_result> passing = {
+        ROBUROC4_ERR_NOT_READY, ROBUROC4_ERR_STALE_DIFFERENTIAL, ROBUROC4_ERR_STALE_IOCARD,
+        ROBUROC4_ERR_OVERRIDE_UNKNOWN, ROBUROC4_ERR_MOVING};
+    for (roburoc4_result refusal = -50; refusal <= 1; refusal++)
+        EXPECT_EQ(passing.count(refusal) == 1, roburoc4_refusal_may_pass(refusal) == 1) << refusal;
+}
 
 TEST(Arm, IsPossibleWhenAllConditionsHold) {
     ScriptedRobot robot;

@@ -222,12 +222,20 @@ TEST(TurnKeeping, IsExactToTheLastDigitsOfAFloat) {
         config.scale_angular = std::abs(any(0.01, 10));
         auto limits = usual_limits();
         limits.width_m = std::abs(any(0.02, 9));
-        const float linear = any(1e-4, 900), angular = any(1e-4, 900);
+        const float linear = any(1e-14, 900), angular = any(1e-14, 900);
         const auto expected = expected_speeds(config, limits.width_m, linear, angular);
         const Command sent = sent_for(config, limits, linear, angular);
         EXPECT_NEAR(expected[0], sent.linear, std::abs(expected[0]) * 1e-6) << linear << angular;
         EXPECT_NEAR(expected[1], sent.angular, std::abs(expected[1]) * 1e-6) << linear << angular;
     }
+}
+
+TEST(TurnKeeping, ADirectionThatTheRobotDoesNotHaveHasNoCurve) {
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_TURN_KEEPING;
+    auto limits = usual_limits();
+    limits.min_linear_m_s = 0;
+    expect_sent(sent_for(config, limits, -1, 2), 0, 2);
 }
 
 TEST(TurnKeeping, IsOffWhereTheWidthIsNotSensible) {
