@@ -5,9 +5,10 @@
  * and traffic. `cut N` and `join N` on stdin pull and plug the cable of the Nth interface.
  *
  * RECORD gets what it delivered of LCM's commands and of the robots' (UDP to ports 7667 and from
- * 60000 on): epoch microseconds (8 bytes), the port that it left by, and the UDP payload's length
- * (4 bytes each, this machine's order), source and destination (address and port as on the wire, 6
- * bytes each), and the payload.
+ * 60000 on): epoch microseconds (8 bytes; of LCM's when it left, of the robots' when it came,
+ * however busy the machine is), the port that it left by, and the UDP payload's length (4 bytes
+ * each, this machine's order), source and destination (address and port as on the wire, 6 bytes
+ * each), and the payload.
  */
 #define _GNU_SOURCE
 #include <arpa/inet.h>
@@ -29,6 +30,7 @@ enum { PORTS = 8, FRAME = 16384, ETHERNET = 14, IPV4 = 20, UDP = 8, HEADERS = 42
 typedef struct frame {
     uint8_t bytes[FRAME];
     size_t size;
+    uint64_t came_us;
 } frame;
 
 typedef struct port {
@@ -71,6 +73,7 @@ static void write_down(const frame *frame, int number) {
     uint32_t words[2] = {(uint32_t)number, length};
     uint64_t time_us = now_us();
     bool to_robot = to >= 60000 && length > 0 && udp[8] == 0xFF;
+    time_us = to_robot ? frame->came_us : time_us;
     bool command = to == 7667 && memmem(udp + UDP, length < 80 ? length : 80, "_CMD", 5) != NULL;
     if (frame->size < HEADERS + length || (!to_robot && !command)) {
         return;
@@ -111,6 +114,7 @@ static void carry(const frame *frame, int number) {
     if (is_udp(frame) && port->held.size == 0 && luck() < reorder) {
         memcpy(port->held.bytes, frame->bytes, frame->size);
         port->held.size = frame->size;
+        port->held.came_us = frame->came_us;
         port->held_us = now_us();
         return;
     }
@@ -136,17 +140,38 @@ static void pass_on(frame *frame, int from) {
     }
 }
 
+/* When the kernel had it. */
+static uint64_t stamp(struct msghdr *message) {
+    struct cmsghdr *part = CMSG_FIRSTHDR(message);
+    struct timespec time = {0, 0};
+    if (part != NULL && part->cmsg_type == SO_TIMESTAMPNS) {
+        memcpy(&time, CMSG_DATA(part), sizeof time);
+    }
+    return time.tv_sec > 0 ? (uint64_t)time.tv_sec * 1000000u + (uint64_t)time.tv_nsec / 1000u
+                           : now_us();
+}
+
 static void receive(int from) {
     static frame frame;
     for (int count = 0; count < 64; count++) {
         struct sockaddr_ll sender;
-        socklen_t length = sizeof sender;
-        ssize_t got = recvfrom(ports[from].fd, frame.bytes, sizeof frame.bytes, MSG_DONTWAIT,
-                               (struct sockaddr *)&sender, &length);
+        union {
+            char bytes[256];
+            struct cmsghdr aligned;
+        } control;
+        struct iovec room = {frame.bytes, sizeof frame.bytes};
+        struct msghdr message = {.msg_name = &sender,
+                                 .msg_namelen = sizeof sender,
+                                 .msg_iov = &room,
+                                 .msg_iovlen = 1,
+                                 .msg_control = control.bytes,
+                                 .msg_controllen = sizeof control.bytes};
+        ssize_t got = recvmsg(ports[from].fd, &message, MSG_DONTWAIT);
         if (got < ETHERNET) {
             return;
         }
         frame.size = (size_t)got;
+        frame.came_us = stamp(&message);
         if (sender.sll_pkttype != PACKET_OUTGOING) {
             pass_on(&frame, from);
         }
@@ -163,6 +188,7 @@ static int plug(const char *interface) {
     address.sll_ifindex = (int)if_nametoindex(interface);
     (void)setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
     (void)setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &bytes, sizeof bytes);
+    (void)setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &(int){1}, sizeof(int));
     return address.sll_ifindex != 0 && bind(fd, (struct sockaddr *)&address, sizeof address) == 0
                ? fd
                : -1;

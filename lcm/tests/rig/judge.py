@@ -93,6 +93,8 @@ class Judge:
                     if wrong:
                         yield f"{name}: {speed}: {wrong}"
                     before = (speed, sender)
+                else:
+                    before = None  # a zero: its lease has ended, or it asked for that
 
     def _judge(
         self, robot: Robot, speed: Speed, before: tuple[Speed, str] | None
@@ -237,6 +239,8 @@ def read_record(path: Path, robots: dict[str, Robot], hosts: tuple[int, ...]) ->
         elif source[3] - 1 in hosts and len(payload) >= 11 and port - 60000 < len(names):
             speed = Speed(time_us, source[3] - 1, *struct.unpack_from("<ff", payload, 3))
             robots[names[port - 60000]].speeds.append(speed)
+    for robot in robots.values():
+        robot.speeds.sort()
 
 
 def _hear(robots: dict[str, Robot], host: int, time_us: int, packet: bytes) -> None:
