@@ -16,10 +16,10 @@
 #define STILL_US (500 * MS)
 /* A reported target or speed this small, in m/s or rad/s, is a zero that the robot rounded. */
 #define ROUNDING 1e-3F
-/* How far reported targets may be from sent ones, by rounding on the robot's side: 0.02. */
-#define TARGET_TOLERANCE (FIXED_ONE / 50)
-/* A robot with less than this part of a target's speed does not follow it. */
-#define FOLLOWING_PART 20U
+/* How far reported targets may be from sent ones, due to rounding by the robot. */
+#define TARGET_TOLERANCE 0.02F
+/* Below this share of its target speed, the robot does not follow it. */
+#define FOLLOWING_SHARE 0.05F
 /* Far above any robot's speed; keeps products finite. */
 #define ANY_SPEED 1000.0F
 /* A width beyond these is not sensible. */
@@ -32,8 +32,8 @@ enum { LINEAR, ANGULAR, AXES };
 static const float standing[AXES] = {0.1F, 0.2F};
 static const float noticeable[AXES] = {0.02F, 0.05F};
 
-/* ---- floats by their bits: for NaN, which compilers may be told not to expect, and for size where
- * floats are software: the compiler's own functions would be a tenth of a small firmware ---- */
+/* ---- floats compared by their bits: for speed and size where floats are software, and for NaN,
+ * which compilers may be told not to expect ---- */
 
 /** Without the sign. The bits of such floats are in the order of their values, with infinity and
  *  then NaN above all numbers. */
@@ -62,77 +62,8 @@ static float clamp(float value, float low, float high) {
     return order_of(value) < order_of(low) ? low : order_of(value) > order_of(high) ? high : value;
 }
 
-/** A number's sign bit, exponent and fraction: fraction * 2 to the power of (exponent - 150). */
-typedef struct float_parts {
-    uint32_t negative, fraction;
-    int32_t exponent;
-} float_parts;
-
-static float_parts parts_of(float value) {
-    const uint32_t bits = bits_from_f32(value);
-    const int32_t exponent = (int32_t)(bits >> 23 & 0xFF);
-    const uint32_t fraction = exponent > 0 ? (bits & 0x7FFFFFU) | 0x800000U : 0;
-    const float_parts parts = {bits & 0x80000000U, fraction, exponent};
-    return parts;
-}
-
-/** Of a fraction of 24 or 25 bits, or 0. */
-static float float_of(uint32_t negative, int32_t exponent, uint32_t fraction) {
-    if (fraction >= 0x1000000U) {
-        fraction >>= 1;
-        exponent++;
-    }
-    if (exponent <= 0 || fraction == 0) {
-        return 0;
-    }
-    return f32_from_bits(negative | (uint32_t)exponent << 23 | (fraction & 0x7FFFFFU));
-}
-
 static bool between(float value, float low, float high) {
     return order_of(value) >= order_of(low) && order_of(value) <= order_of(high);
-}
-
-#define FIXED_ONE ((int32_t)1 << 20)
-
-/** In units of about a millionth; what is beyond ANY_SPEED, and NaN, is ANY_SPEED. */
-static int32_t fixed(float value) {
-    const float_parts v = parts_of(clamp(value, -ANY_SPEED, ANY_SPEED));
-    const int32_t left = v.exponent - 130;
-    const uint32_t size = left >= 0 ? v.fraction << left : left > -32 ? v.fraction >> -left : 0;
-    return v.negative != 0 ? -(int32_t)size : (int32_t)size;
-}
-
-/* Rounded towards zero; for what is finite and not so large that the result is infinite. What is
- * smaller than any normal number is zero. */
-
-static float times(float a, float b) {
-    const float_parts x = parts_of(a), y = parts_of(b);
-    const uint64_t product = (uint64_t)x.fraction * y.fraction;
-    return float_of(x.negative ^ y.negative, x.exponent + y.exponent - 127,
-                    (uint32_t)(product >> 23));
-}
-
-/** a + b, neither of them negative. */
-static float sum(float a, float b) {
-    const float_parts x = parts_of(order_of(a) > order_of(b) ? a : b);
-    const float_parts y = parts_of(order_of(a) > order_of(b) ? b : a);
-    const int32_t right = x.exponent - y.exponent;
-    return float_of(0, x.exponent, x.fraction + (right < 32 ? y.fraction >> right : 0));
-}
-
-/** a / b, neither of them negative, b not 0. */
-static float quotient(float a, float b) {
-    const float_parts x = parts_of(a), y = parts_of(b);
-    uint32_t rest = x.fraction, digits = 0;
-    for (uint32_t i = 0; i < 25; i++) {
-        digits <<= 1;
-        if (rest >= y.fraction) {
-            rest -= y.fraction;
-            digits |= 1;
-        }
-        rest <<= 1;
-    }
-    return float_of(0, x.exponent - y.exponent + 126, digits);
 }
 
 void roburoc4_drive_start(drive *d, uint64_t now_us) {
@@ -243,14 +174,13 @@ void roburoc4_drive_tick(drive *d, roburoc4_result refusal, uint64_t now_us, uin
  *  wheels on the outside of the curve have the linear limit, too. A direction that the robot does
  *  not have has no curve to keep. */
 static float curve_share(const float *speeds, const float *low, const float *high, float width_m) {
-    const float turning = times(magnitude(speeds[ANGULAR]), times(width_m, 0.5F));
-    const float outer = sum(magnitude(speeds[LINEAR]), turning);
+    const float outer = magnitude(speeds[LINEAR]) + magnitude(speeds[ANGULAR]) * width_m * 0.5F;
     const float wanted[AXES] = {outer, magnitude(speeds[ANGULAR])};
     float share = 1;
     for (uint32_t axis = 0; axis < AXES; axis++) {
         const float most = magnitude(order_of(speeds[axis]) < 0 ? low[axis] : high[axis]);
-        if (!is_zero(most) && order_of(times(wanted[axis], share)) > order_of(most)) {
-            share = quotient(most, wanted[axis]);
+        if (!is_zero(most) && order_of(wanted[axis] * share) > order_of(most)) {
+            share = most / wanted[axis];
         }
     }
     return share;
@@ -265,14 +195,14 @@ static void shape(const drive *d, const roburoc4_config *config,
     const float high[AXES] = {clamp(limits->max_linear_m_s, 0, ceiling[LINEAR]),
                               clamp(limits->max_angular_rad_s, 0, ceiling[ANGULAR])};
     float share = 1;
-    speeds[LINEAR] = times(d->target[LINEAR], config->scale_linear);
-    speeds[ANGULAR] = times(d->target[ANGULAR], config->scale_angular);
+    speeds[LINEAR] = d->target[LINEAR] * config->scale_linear;
+    speeds[ANGULAR] = d->target[ANGULAR] * config->scale_angular;
     if ((config->options & ROBUROC4_OPTION_TURN_KEEPING) != 0 && is_finite(limits->width_m) &&
         between(limits->width_m, WIDTH_MIN_M, WIDTH_MAX_M)) {
         share = curve_share(speeds, low, high, limits->width_m);
     }
     for (uint32_t axis = 0; axis < AXES; axis++) {
-        speeds[axis] = clamp(times(speeds[axis], share), low[axis], high[axis]);
+        speeds[axis] = clamp(speeds[axis] * share, low[axis], high[axis]);
     }
 }
 
@@ -382,8 +312,8 @@ static bool is_ours(const drive *d, uint32_t axis, float target) {
     }
     const float low = clamp(d->low[axis], -ANY_SPEED, d->low_before[axis]);
     const float high = clamp(d->high[axis], d->high_before[axis], ANY_SPEED);
-    return is_finite(target) && fixed(target) + TARGET_TOLERANCE >= fixed(low) &&
-           fixed(target) <= fixed(high) + TARGET_TOLERANCE;
+    return is_finite(target) && order_of(target + TARGET_TOLERANCE) >= order_of(low) &&
+           order_of(target) <= order_of(high + TARGET_TOLERANCE);
 }
 
 static void watch_other_commander(drive *d, const roburoc4_config *config, bool ours,
@@ -412,8 +342,7 @@ static bool has_target(const drive *d, uint32_t axis, float target, float curren
         return false;
     }
     const float wanted = clamp(f32_from_bits(reported), f32_from_bits(sent), ANY_SPEED);
-    *follows =
-        *follows || (uint32_t)fixed(magnitude(current)) > (uint32_t)fixed(wanted) / FOLLOWING_PART;
+    *follows = *follows || magnitude_bits(current) > magnitude_bits(wanted * FOLLOWING_SHARE);
     return true;
 }
 
