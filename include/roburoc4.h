@@ -5,17 +5,17 @@
  * THE MODEL
  *
  * The robot is a UDP server (192.168.0.2:60000 by default) of seven services. A client sends
- * requests (read properties, subscribe ...), each answered once; the robot sends the statuses that
- * were subscribed to; a client sends commands, which nobody answers. The robot stops by itself
+ * requests (read properties, subscribe ...), each answered once; the robot sends statuses, which a
+ * client subscribes to; a client sends commands, which are not answered. The robot stops by itself
  * when no speed command came for 1 s, and holding [A] on its game pad overrides every client.
  *
  * The client is a state machine that finds the services, subscribes, keeps the link, and decides
- * which speeds are sent. It has no socket, clock, allocation, callback or thread. You hand it the
- * datagrams that came in and the time, and it hands you those to send:
+ * which speeds are sent. It has no socket, clock, allocation, callback or thread. You hand it
+ * received datagrams and the time, and it returns datagrams to send:
  *
- *     roburoc4_client_receive()        a datagram came in
+ *     roburoc4_client_receive()        hand over a received datagram
  *     roburoc4_client_poll_transmit()  the next datagram to send, or 0
- *     roburoc4_client_next_deadline()  when to poll again if nothing comes in
+ *     roburoc4_client_next_deadline()  when to poll again if nothing is received
  *     roburoc4_client_take_events()    what changed since the last call
  *
  * roburoc4_udp.h does this over a socket; examples/bare_loop.c does it by hand. The telegrams
@@ -26,13 +26,13 @@
  *   Units       SI: metres, radians, seconds; times in microseconds (_us) or milliseconds (_ms);
  *               robot time in cycles of 10 ms since power on (_cycles).
  *   Frame       X forward, Y left, Z up, angles counter-clockwise (manual 2.3).
- *   Time        now_us is any clock that never goes back and counts sleep: read it anew for each
- *               call. A clock that jumps all the same never makes the client send a motion command,
- *               and one that goes back, such as a time from before another call, disarms it.
- *   Results     int32_t: 0 or more is success (often a length), less is one of ROBUROC4_ERR_*.
- *   Threads     there is no global: one client is used by one thread at a time, different clients
- *               by any threads.
- *   Lifetime    nothing is kept of what you pass in: neither configuration nor datagram.
+ *   Time        now_us is any clock that never goes back and runs during sleep: read it for each
+ *               call. If it jumps nevertheless, the client never sends a motion command for it, and
+ *               a time before that of an earlier call disarms it.
+ *   Results     int32_t: 0 or more is success (often a length), negative is one of ROBUROC4_ERR_*.
+ *   Threads     there are no globals: use one client from one thread at a time, different clients
+ *               from any threads.
+ *   Lifetime    nothing that you pass in is kept, neither configuration nor datagram.
  *   Size        structs that begin with `size` can grow. A program that was compiled with an older
  *               header gets the fields that it knows; ROBUROC4_SIZED() sets the size.
  *   NULL        a pointer must be valid unless its comment says that it may be NULL.
@@ -48,7 +48,7 @@
 extern "C" {
 #endif
 
-/** For structs that begin with their size: set it, and give the struct's address.
+/** Set the size of a struct that begins with it; the value is the struct's address.
  *  roburoc4_client_facts(&client, now_us, ROBUROC4_SIZED(&facts)) */
 #define ROBUROC4_SIZED(out) ((out)->size = (uint32_t)sizeof *(out), (out))
 
@@ -59,7 +59,7 @@ extern "C" {
 #define ROBUROC4_VERSION_MINOR 1
 #define ROBUROC4_VERSION_PATCH 0
 #define ROBUROC4_VERSION 0x000100
-/** Raised whenever a struct or a function changes in a way that old binaries would notice. */
+/** Incremented by every incompatible change of a struct or a function. */
 #define ROBUROC4_ABI_VERSION 0
 /** Revision of the manual that the codec follows: 1 is revision A of 2011-03-09. */
 #define ROBUROC4_PROTOCOL_REVISION 1
@@ -84,7 +84,7 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 /** The longest datagram that a client sends. */
 #define ROBUROC4_MAX_TRANSMIT 36
 
-/** Life of a client; roburoc4_name() has their names. */
+/** States of a client; roburoc4_name() gives their names. */
 #define ROBUROC4_STATE_IDLE 0        /* before start(), after close() */
 #define ROBUROC4_STATE_CONNECTING 1  /* asking for the directory */
 #define ROBUROC4_STATE_DISCOVERING 2 /* reading texts of the directory, then properties */
@@ -93,28 +93,28 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_STATE_LOST 5    /* was ready, fell silent: asking for the directory again */
 #define ROBUROC4_STATE_CLOSING 6 /* sending the last zero commands */
 
-/** Events: a set of bits, what changed since the last roburoc4_client_take_events(). */
-#define ROBUROC4_EVENT_STATE 0x00000001             /* the state changed */
-#define ROBUROC4_EVENT_READY 0x00000002             /* became ready */
-#define ROBUROC4_EVENT_LOST 0x00000004              /* the robot fell silent */
-#define ROBUROC4_EVENT_REBOOT 0x00000008            /* the robot restarted */
-#define ROBUROC4_EVENT_PROPERTIES 0x00000010        /* properties of a service are new or changed */
-#define ROBUROC4_EVENT_DESCRIPTION 0x00000020       /* a text came: roburoc4_client_description() */
-#define ROBUROC4_EVENT_IOCARD 0x00000040            /* a new status of this service */
-#define ROBUROC4_EVENT_TELEMETER 0x00000080         /* likewise */
-#define ROBUROC4_EVENT_BATTERY 0x00000100           /* likewise */
-#define ROBUROC4_EVENT_LOCALIZATION 0x00000200      /* likewise */
-#define ROBUROC4_EVENT_DIFFERENTIAL 0x00000400      /* likewise */
-#define ROBUROC4_EVENT_ARMED 0x00000800             /* became armed */
-#define ROBUROC4_EVENT_DISARMED 0x00001000          /* lost its arming; see disarm_cause */
-#define ROBUROC4_EVENT_LEASE_OVER 0x00002000        /* a drive lease ran out unrenewed */
-#define ROBUROC4_EVENT_STOPPED 0x00004000           /* a stop sequence ended */
-#define ROBUROC4_EVENT_OVERRIDE 0x00008000          /* game pad [A] was pressed or released */
+/** Events: a set of bits that tell what changed since the last roburoc4_client_take_events(). */
+#define ROBUROC4_EVENT_STATE 0x00000001        /* the state changed */
+#define ROBUROC4_EVENT_READY 0x00000002        /* became ready */
+#define ROBUROC4_EVENT_LOST 0x00000004         /* the robot fell silent */
+#define ROBUROC4_EVENT_REBOOT 0x00000008       /* the robot restarted */
+#define ROBUROC4_EVENT_PROPERTIES 0x00000010   /* properties of a service are new or changed */
+#define ROBUROC4_EVENT_DESCRIPTION 0x00000020  /* a text arrived: roburoc4_client_description() */
+#define ROBUROC4_EVENT_IOCARD 0x00000040       /* a new status of this service */
+#define ROBUROC4_EVENT_TELEMETER 0x00000080    /* likewise */
+#define ROBUROC4_EVENT_BATTERY 0x00000100      /* likewise */
+#define ROBUROC4_EVENT_LOCALIZATION 0x00000200 /* likewise */
+#define ROBUROC4_EVENT_DIFFERENTIAL 0x00000400 /* likewise */
+#define ROBUROC4_EVENT_ARMED 0x00000800        /* became armed */
+#define ROBUROC4_EVENT_DISARMED 0x00001000     /* disarmed; see disarm_cause */
+#define ROBUROC4_EVENT_LEASE_OVER 0x00002000   /* a lease expired */
+#define ROBUROC4_EVENT_STOPPED 0x00004000      /* a stop sequence ended */
+#define ROBUROC4_EVENT_OVERRIDE 0x00008000     /* game pad [A] was pressed or released */
 #define ROBUROC4_EVENT_OTHER_COMMANDER 0x00010000   /* another client commands, or no longer */
-#define ROBUROC4_EVENT_INHIBITED 0x00020000         /* commanded but standing still, or no longer */
+#define ROBUROC4_EVENT_INHIBITED 0x00020000         /* commanded but not moving, or no longer */
 #define ROBUROC4_EVENT_BATTERY_LOW 0x00040000       /* remaining fell below minimum_percent */
 #define ROBUROC4_EVENT_BATTERY_CRITICAL 0x00080000  /* the battery's state became Critical */
-#define ROBUROC4_EVENT_RELOCALIZED 0x00100000       /* the robot took the new pose */
+#define ROBUROC4_EVENT_RELOCALIZED 0x00100000       /* the robot accepted the new pose */
 #define ROBUROC4_EVENT_RELOCALIZE_FAILED 0x00200000 /* it did not; see relocalize_result */
 #define ROBUROC4_EVENT_SUBSCRIPTION_REFUSED 0x00400000
 #define ROBUROC4_EVENT_FIXED_ID 0x00800000          /* the robot answers with 0x01 only */
@@ -124,7 +124,7 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_EVENT_ROLE 0x08000000              /* an input of a role was found elsewhere */
 #define ROBUROC4_EVENT_ARMABLE 0x10000000           /* arm() would now be accepted */
 
-/** What an IO input is for, whatever its index. */
+/** What an IO input is for, independent of its index. */
 #define ROBUROC4_ROLE_OVERRIDE 0     /* digital: game pad [A] */
 #define ROBUROC4_ROLE_FRONT_BUMPER 1 /* digital */
 #define ROBUROC4_ROLE_REAR_BUMPER 2  /* digital */
@@ -132,17 +132,17 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_ROLE_COUNT 4
 
 /** In role_index: find the input by the robot's texts. The override is known once the robot gave or
- *  refused the text of every digital input, and exactly one text names [A]; or, where none does, by
- *  the manual's table, if the robot refused that input's text and has as many channels as the
- *  manual says. The other roles: by their text, else by the manual's table. */
+ *  refused the text of every digital input, and exactly one text names [A]. If none does, the
+ *  manual's table decides, provided that the robot refused that input's text and has as many
+ *  channels as in the manual. Other roles are found by their text, else by the manual's table. */
 #define ROBUROC4_INDEX_AUTO (-1)
 
 /** Bits of roburoc4_config.options. */
-#define ROBUROC4_OPTION_TURN_KEEPING 0x01 /* keep the curve: reduce both speeds alike */
-/* for a robot without the game pad's inputs; an IO card that is listed must still give its counts,
- * and where none is listed, every service must be known by its type or its text */
+#define ROBUROC4_OPTION_TURN_KEEPING 0x01 /* keep the curve: scale both speeds alike */
+/* for a robot without game pad inputs. An IO card that is listed must still report its counts; if
+ * none is listed, every service must be identified by type or text */
 #define ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE 0x02
-/* stay armed when somebody else commands; also for a robot that ramps the targets it reports */
+/* stay armed when another client commands; also for a robot that reports ramped targets */
 #define ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER 0x04
 
 /** Settings of a client. Fill it with roburoc4_config_init(), then change what you need. */
@@ -155,20 +155,20 @@ typedef struct roburoc4_config {
      *  Those of IO card and differential, where subscribed: at most a third of fresh_ms. (To watch
      *  a robot less often, call roburoc4_client_subscribe() later.) */
     uint16_t period_ms[8];
-    uint32_t first_retry_ms;  /* a request is repeated after this, doubling to 1 s; sooner where the
-                                 round trip is known to be shorter; 10 to 100; default 100 */
-    uint32_t lost_ms;         /* silence after which the robot is lost; 200 to 60000; default 1000;
-                                 never less than three of the shortest period */
+    uint32_t first_retry_ms; /* a request is repeated after this, doubling to 1 s; sooner where the
+                                round trip is known to be shorter; 10 to 100; default 100 */
+    uint32_t lost_ms; /* silence after which the robot is lost; 200 to 60000; default 1000; at least
+                         three of the shortest period */
     uint32_t fresh_ms;        /* age, by an upper bound, to which a status counts for driving; 50 to
                                  1000; default 300 */
-    uint32_t drive_period_ms; /* repetition of drive commands; 10 to 500, at most half of lease_ms
+    uint32_t drive_period_ms; /* period of drive commands; 10 to 500, at most half of lease_ms
                                  and of robot_watchdog_ms; default 50 */
-    uint32_t lease_ms;        /* life of a drive command; 20 to 1000; default 250 */
+    uint32_t lease_ms;        /* how long a drive command lasts; 20 to 1000; default 250 */
     uint32_t robot_watchdog_ms; /* the robot's own watchdog, bounds the stop sequence; 100 to 60000;
                                    default 1000 */
     float max_linear_m_s;       /* ceiling of speed; 0.001 to 20; default 2.6 */
     float max_angular_rad_s;    /* ceiling of turn rate; 0.001 to 50; default 6.5 */
-    float scale_linear;         /* multiplies what drive() is given; 0.01 to 10; default 1 */
+    float scale_linear;         /* factor for speeds given to drive(); 0.01 to 10; default 1 */
     float scale_angular;        /* likewise */
     uint32_t options;           /* ROBUROC4_OPTION_*; default 0 */
     /** By ROBUROC4_ROLE_*: index of the input on the wire, or ROBUROC4_INDEX_AUTO (default);
@@ -184,14 +184,14 @@ ROBUROC4_API roburoc4_result roburoc4_config_init(roburoc4_config *config, size_
  *  "lease_ms: 20 to 1000". Lives as long as the program. */
 ROBUROC4_API const char *roburoc4_config_error(const roburoc4_config *config);
 
-/** Counters of what was dropped and why; they wrap around. */
-#define ROBUROC4_COUNT_RECEIVED 0     /* datagrams given to receive() */
-#define ROBUROC4_COUNT_SENT 1         /* datagrams given out */
+/** Counters; they wrap around. */
+#define ROBUROC4_COUNT_RECEIVED 0     /* datagrams passed to receive() */
+#define ROBUROC4_COUNT_SENT 1         /* datagrams returned by poll_transmit() */
 #define ROBUROC4_COUNT_RETRIES 2      /* requests sent again */
 #define ROBUROC4_COUNT_SHORT 3        /* dropped: shorter than their layout */
 #define ROBUROC4_COUNT_MALFORMED 4    /* dropped: unknown kind or impossible value */
 #define ROBUROC4_COUNT_UNMATCHED 5    /* dropped: answers to no open request */
-#define ROBUROC4_COUNT_UNSUBSCRIBED 6 /* dropped: statuses nobody subscribed to */
+#define ROBUROC4_COUNT_UNSUBSCRIBED 6 /* dropped: statuses without a subscription */
 #define ROBUROC4_COUNT_OLD 7          /* dropped: statuses not newer than the last */
 #define ROBUROC4_COUNT_SURPLUS 8      /* used, with surplus bytes at their end */
 #define ROBUROC4_COUNT_REFUSED 9      /* error answers */
@@ -201,105 +201,104 @@ ROBUROC4_API const char *roburoc4_config_error(const roburoc4_config *config);
 #define ROBUROC4_COUNT_CLOCK_FAULTS 13
 #define ROBUROC4_COUNTERS 14
 
-/** A client. Its struct stands at the end of this header: declare one wherever you like (static, on
- *  the stack, inside your own struct), call roburoc4_client_init(), and use functions only. It may
- *  be moved or copied as plain bytes. */
+/** A client. Its struct is defined at the end of this header: declare one anywhere (static, on the
+ *  stack, inside your own struct), call roburoc4_client_init(), and use only functions. It may be
+ *  moved or copied as plain bytes. */
 typedef struct roburoc4_client roburoc4_client;
 
 /** sizeof(roburoc4_client) of the library; compare it before linking to another build. */
 ROBUROC4_API size_t roburoc4_client_size(void);
 
-/** Prepare a client, whatever was in its memory before; it is idle and disarmed. One that drives is
- *  forgotten, and only the robot's watchdog stops the robot, 1 s after the last command: to begin
- *  again, close it first and send its stop sequence.
- *  client_size is sizeof(roburoc4_client); config may be NULL for all defaults.
- *  ROBUROC4_ERR_SIZE: header and library differ. ROBUROC4_ERR_CONFIG: roburoc4_config_error()
- *  names the value. After an error it is an idle client that cannot be started, armed or driven. */
+/** Initialize a client in any memory; it is idle and disarmed. A client that was driving there is
+ *  forgotten, and only the robot's watchdog stops the robot, 1 s after the last command: to start
+ *  over, close it first and let it send its stop sequence. client_size is sizeof(roburoc4_client);
+ *  config may be NULL for all defaults. ROBUROC4_ERR_SIZE: header and library differ.
+ *  ROBUROC4_ERR_CONFIG: roburoc4_config_error() names the value. After an error it is an idle
+ *  client that cannot be started, armed or driven. */
 ROBUROC4_API roburoc4_result roburoc4_client_init(roburoc4_client *client, size_t client_size,
                                                   const roburoc4_config *config);
 /** Begin to connect. ROBUROC4_ERR_STATE unless idle. */
 ROBUROC4_API roburoc4_result roburoc4_client_start(roburoc4_client *client, uint64_t now_us);
-/** Begin to close: disarms, and stays in ROBUROC4_STATE_CLOSING until the stop sequence (if one is
- *  due) has ended; go on with receive() and poll_transmit() until the state is idle, at most
- *  robot_watchdog_ms or three drive periods. Subscriptions are left alone: other clients may share
+/** Begin to close: disarms, and stays in ROBUROC4_STATE_CLOSING until the stop sequence, if any,
+ *  has ended. Keep calling receive() and poll_transmit() until the state is idle, at most
+ *  robot_watchdog_ms or three drive periods. Subscriptions are kept, as other clients may share
  *  them. */
 ROBUROC4_API roburoc4_result roburoc4_client_close(roburoc4_client *client, uint64_t now_us);
 
-/** One datagram of the robot. That it is the robot's is the caller's duty (connect the socket).
- *  Returns 0 or more where it was used; ROBUROC4_ERR_SHORT, _KIND, _VALUE, _UNMATCHED,
- *  _UNSUBSCRIBED or _OLD where it was dropped and counted. A dropped one changes no value; it may
- *  tell that the robot restarted, or end the request that it answers in an unknown layout. */
+/** Process a datagram from the robot. The caller ensures that it comes from the robot (connect the
+ *  socket). Returns 0 or more if it was used; ROBUROC4_ERR_SHORT, _KIND, _VALUE, _UNMATCHED,
+ *  _UNSUBSCRIBED or _OLD if it was dropped and counted. A dropped datagram changes no value, but it
+ *  may reveal a restart of the robot, or end the request that it answers in an unknown layout. */
 ROBUROC4_API roburoc4_result roburoc4_client_receive(roburoc4_client *client,
                                                      const uint8_t *datagram, size_t size,
                                                      uint64_t now_us);
-/** The next datagram to send: its length, or 0 when nothing is due. Call it until it gives 0, after
+/** The next datagram to send: its length, or 0 if nothing is due. Call it until it returns 0, after
  *  every receive(), after every call that changes something, and at the deadline. Read the clock
- *  right before and send at once; drop what the network does not take. A buffer of
+ *  right before and send at once; drop what the network does not accept. A buffer of
  *  ROBUROC4_MAX_TRANSMIT bytes always suffices; ROBUROC4_ERR_BUFFER sends nothing. */
 ROBUROC4_API roburoc4_result roburoc4_client_poll_transmit(roburoc4_client *client, uint8_t *buffer,
                                                            size_t capacity, uint64_t now_us);
-/** The time at which poll_transmit() must be called again if nothing happens before; UINT64_MAX
- *  when idle. A time in the past means now. */
+/** When to call poll_transmit() again if nothing happens before; UINT64_MAX if idle. A time in the
+ *  past means now. */
 ROBUROC4_API uint64_t roburoc4_client_next_deadline(const roburoc4_client *client);
-/** ROBUROC4_EVENT_* bits since the last call, and clears them. */
+/** Return and clear the ROBUROC4_EVENT_* bits since the last call. */
 ROBUROC4_API uint32_t roburoc4_client_take_events(roburoc4_client *client);
 /** ROBUROC4_STATE_*. */
 ROBUROC4_API uint32_t roburoc4_client_state(const roburoc4_client *client);
 /** One of ROBUROC4_COUNT_*; 0 for another number. */
 ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint32_t counter);
 
-/* Motion. A drive command is a lease: the target lives for lease_us and dies unless renewed. Every
- * exit from driving (lease over, stop, disarm, and whatever disarms by itself) is followed by
- * the stop sequence: zero commands, one per drive period, at least three, until a status that was
- * made after them shows both targets 0, or robot_watchdog_ms has passed. A new lease waits for its
- * end. The first zero after a speed leaves at once; all other commands are at least a robot cycle
- * (10 ms) apart. */
+/* Motion. A drive command is a lease: the target holds for lease_us unless it is renewed. However
+ * driving ends (lease over, stop, disarm, or an automatic disarm), the stop sequence follows: zero
+ * commands, one per drive period, at least three, until a status that was made after them shows
+ * both targets 0, or robot_watchdog_ms has passed. A new lease waits for its end. The first zero
+ * after a speed is sent at once; all other commands are at least a robot cycle (10 ms) apart. */
 
 /** Allow driving. 0, or the first reason against it: ROBUROC4_ERR_NOT_READY, _NO_DIFFERENTIAL,
  *  _LIMITS, _STALE_DIFFERENTIAL, _STALE_IOCARD, _OVERRIDE_UNKNOWN, _OVERRIDE, _OTHER_COMMANDER,
- *  _MOVING. The client disarms itself when one of these conditions is lost, and where the robot
- * does not follow its speeds for half a second. Arming twice is fine. Ready is not armable: the
- * first statuses come later. After a refusal, and after a client was disarmed,
- * ROBUROC4_EVENT_ARMABLE tells when arming is possible; roburoc4_pump_arm() waits. */
+ *  _MOVING. The client disarms itself when one of these conditions no longer holds, or when the
+ * robot does not follow its speeds for half a second. Arming an armed client is fine. A ready
+ * client may not be armable yet, as the first statuses come later: ROBUROC4_EVENT_ARMABLE, raised
+ * after a refusal or a disarm, tells when arming is possible; roburoc4_pump_arm() waits for it. */
 ROBUROC4_API roburoc4_result roburoc4_client_arm(roburoc4_client *client, uint64_t now_us);
-/** 1 for a reason against arming that may go away by itself (no answer or status yet, the robot
- *  still rolls), so that it is worth to try again; 0 for others, and for no reason. */
+/** 1 if a reason against arming may go away by itself (no answer or status yet, the robot still
+ *  rolls), so that trying again makes sense; else 0, also for a value that is no reason. */
 ROBUROC4_API int32_t roburoc4_refusal_may_pass(roburoc4_result refusal);
 /** Forbid driving and stop. Always possible. */
 ROBUROC4_API roburoc4_result roburoc4_client_disarm(roburoc4_client *client, uint64_t now_us);
 /** Drive at these speeds for lease_us (0: the configured lease; else 20000 to 1000000) from now.
  *  Scaled, then (by option) kept on its curve, then clamped to the robot's limits and the
- *  ceilings. ROBUROC4_ERR_NOT_FINITE, _ARGUMENT (lease), or why the client is not armed: then
- *  nothing is stored. */
+ *  ceilings. ROBUROC4_ERR_NOT_FINITE, _ARGUMENT (lease), or why the client is not armed; then
+ *  nothing changes. */
 ROBUROC4_API roburoc4_result roburoc4_client_drive(roburoc4_client *client, float linear_m_s,
                                                    float angular_rad_s, uint32_t lease_us,
                                                    uint64_t now_us);
 /** End the lease and send a stop sequence, armed or not, now or as soon as the differential service
- *  is known. Arming stays. ROBUROC4_ERR_STATE unless started. */
+ *  is known. The client stays armed. ROBUROC4_ERR_STATE unless started. */
 ROBUROC4_API roburoc4_result roburoc4_client_stop(roburoc4_client *client, uint64_t now_us);
 
-/** What is true now. */
+/** The client's and the robot's current state. */
 typedef struct roburoc4_facts {
     uint32_t size;           /* set by ROBUROC4_SIZED() */
     uint32_t state;          /* ROBUROC4_STATE_* */
     uint8_t armed;           /* 1: drive() is accepted */
-    uint8_t driving;         /* 1: a lease lives */
-    uint8_t stopping;        /* 1: a stop sequence runs, or a stop() waits for the robot */
-    uint8_t override_known;  /* 1: `overridden` means something */
+    uint8_t driving;         /* 1: a lease is active */
+    uint8_t stopping;        /* 1: a stop sequence runs or is pending */
+    uint8_t override_known;  /* 1: `overridden` is valid */
     uint8_t overridden;      /* 1: game pad [A] is held */
     uint8_t other_commander; /* 1: another client commands the robot */
-    uint8_t inhibited;       /* 1: a speed is asked for, but the robot stands still: emergency stop,
-                                brakes, bumper. It disarms. */
+    uint8_t inhibited;       /* 1: the robot does not follow its commands (emergency stop, brakes,
+                                bumper); this disarms */
     uint8_t fixed_id;        /* 1: the robot answers every request with 0x01 */
     uint8_t front_bumper;    /* 1: pressed, by the last IO status */
     uint8_t rear_bumper;
     uint8_t descriptions_done; /* 1: every text was answered or given up */
     uint8_t battery_low;       /* 1: remaining is below minimum_percent, or the state is Critical */
-    int32_t disarm_cause;      /* why it is not armed; 0 while armed */
+    int32_t disarm_cause;      /* why the client is not armed; 0 while armed */
     int32_t arm_refusal;       /* what roburoc4_client_arm() would return */
-    int32_t relocalize_result; /* of the last one: 0, ROBUROC4_ERR_TIMEOUT, _ROBOT, or _UNKNOWN */
+    int32_t relocalize_result; /* of the last one: 0, ROBUROC4_ERR_TIMEOUT, _ROBOT or _UNKNOWN */
     uint32_t lease_left_us;    /* 0 when not driving */
-    float linear_m_s, angular_rad_s; /* last speeds sent; 0 after a zero */
+    float linear_m_s, angular_rad_s; /* the last speeds sent; 0 after a stop */
 } roburoc4_facts;
 /** ROBUROC4_ERR_SIZE for a size that no version has had. */
 ROBUROC4_API roburoc4_result roburoc4_client_facts(const roburoc4_client *client, uint64_t now_us,
@@ -312,7 +311,7 @@ ROBUROC4_API roburoc4_result roburoc4_client_facts(const roburoc4_client *client
 ROBUROC4_API roburoc4_result roburoc4_client_service_at(const roburoc4_client *client,
                                                         uint32_t index,
                                                         roburoc4_directory_entry *out);
-/** The id on the wire that stands for ROBUROC4_SERVICE_*, or ROBUROC4_ERR_UNKNOWN. */
+/** The wire id of ROBUROC4_SERVICE_*, or ROBUROC4_ERR_UNKNOWN. */
 ROBUROC4_API roburoc4_result roburoc4_client_service_id(const roburoc4_client *client,
                                                         uint32_t service);
 ROBUROC4_API roburoc4_result roburoc4_client_iocard_properties(const roburoc4_client *client,
@@ -323,50 +322,50 @@ ROBUROC4_API roburoc4_result roburoc4_client_localization_properties(
     const roburoc4_client *client, roburoc4_localization_properties *out);
 ROBUROC4_API roburoc4_result roburoc4_client_differential_properties(
     const roburoc4_client *client, roburoc4_differential_properties *out);
-/** Telemeter `index`, at most ROBUROC4_MAX_TELEMETERS of them: mounting, range, and the latest
- *  distance (that of the properties before the first status). ROBUROC4_ERR_INDEX from their number
- *  on, which is 0 until the robot has reported its telemeters. */
+/** Telemeter `index` of at most ROBUROC4_MAX_TELEMETERS: mounting, range, and the latest distance
+ *  (before the first status, that of the properties). ROBUROC4_ERR_INDEX if there is none, as
+ *  before the robot has reported its telemeters. */
 ROBUROC4_API roburoc4_result roburoc4_client_telemeter(const roburoc4_client *client,
                                                        uint32_t index, roburoc4_telemeter *out);
 
-/** A text that the robot gave. */
+/** A text from the robot. */
 typedef struct roburoc4_description {
     const uint8_t *text; /* a view on the datagram; not NUL-terminated */
     uint32_t length;
     int32_t io_type; /* ROBUROC4_IO_*, or -1 for a service of the directory */
     uint32_t index;  /* of the channel, or of the directory's element */
 } roburoc4_description;
-/** After the receive() of this datagram raised ROBUROC4_EVENT_DESCRIPTION: what it describes.
- *  ROBUROC4_ERR_UNKNOWN where the last datagram was no description. */
+/** What a datagram describes, right after its receive() raised ROBUROC4_EVENT_DESCRIPTION.
+ *  ROBUROC4_ERR_UNKNOWN if the last datagram was not a description. */
 ROBUROC4_API roburoc4_result roburoc4_client_description(const roburoc4_client *client,
                                                          const uint8_t *datagram, size_t size,
                                                          roburoc4_description *out);
 
-/** The index on the wire of the input with ROBUROC4_ROLE_*, or ROBUROC4_ERR_UNKNOWN. */
+/** The wire index of the input with ROBUROC4_ROLE_*, or ROBUROC4_ERR_UNKNOWN. */
 ROBUROC4_API roburoc4_result roburoc4_client_role_index(const roburoc4_client *client,
                                                         uint32_t role);
-/** The manual's name (5.5.1) of a channel of this robot's card, for one that has no text of its
- * own: by where the manual's table is on a card with so many channels, and by what the roles above
- * are. client may be NULL: then that of the manual's table itself. NULL where the manual says
- * nothing of it, "" where it "exists but is not used". */
+/** The manual's name (5.5.1) of a channel of this robot's IO card, for channels without a text of
+ * their own. It takes the number of channels and the roles above into account; with a NULL client
+ * it is that of the manual's table. NULL if the manual has no name for it, "" if it "exists but is
+ * not used". */
 ROBUROC4_API const char *roburoc4_client_channel_name(const roburoc4_client *client,
                                                       uint32_t io_type, uint32_t index);
-/** The index of the channel with this name. Names are compared by words: case, punctuation and
- *  order do not matter. A channel is called by the robot's own text, texts[index] (NUL-terminated;
- *  NULL or "" where there is none; texts may be NULL), else as above; the manual's name of an input
- *  with a role always finds that input. ROBUROC4_ERR_INDEX where no channel has the name, _VALUE
- *  where several do, _UNKNOWN before the robot reported its channels. */
+/** The index of the channel with this name. Names are compared by words, ignoring case, punctuation
+ *  and order. A channel's name is the robot's text, texts[index] (NUL-terminated; NULL or "" if
+ *  there is none; texts may be NULL), else the name above; the manual's name of an input with a
+ *  role always finds that input. ROBUROC4_ERR_INDEX if no channel has the name, _VALUE if several
+ *  do, _UNKNOWN before the robot has reported its channels. */
 ROBUROC4_API roburoc4_result roburoc4_client_channel_find(const roburoc4_client *client,
                                                           uint32_t io_type, const char *name,
                                                           const char *const *texts,
                                                           uint32_t text_count);
-/** Say which input has a role (ROBUROC4_INDEX_AUTO: find it). The override is unknown until the
- *  next IO card status; a client that is armed disarms. */
+/** Set which input has a role (ROBUROC4_INDEX_AUTO: find it). The override is unknown until the
+ *  next IO card status, so an armed client disarms. */
 ROBUROC4_API roburoc4_result roburoc4_client_set_role_index(roburoc4_client *client, uint32_t role,
                                                             int32_t index, uint64_t now_us);
 
-/* Values: the latest status of each service. ROBUROC4_ERR_UNKNOWN before the first. host_us may be
- * NULL; else it is set to the host time at which the status was received. */
+/* Values: the latest status of each service. ROBUROC4_ERR_UNKNOWN before the first. *host_us is set
+ * to the host time at which the status was received; host_us may be NULL. */
 
 ROBUROC4_API roburoc4_result roburoc4_client_battery(const roburoc4_client *client,
                                                      roburoc4_battery_status *out,
@@ -382,7 +381,7 @@ typedef struct roburoc4_inputs {
     uint64_t robot_cycles;
     uint64_t digital;                         /* bit i is digital input i */
     float analog[ROBUROC4_MAX_ANALOG_INPUTS]; /* generally volts; game pad axes -1 to 1 */
-    uint32_t analog_count, digital_count;     /* stored ones */
+    uint32_t analog_count, digital_count;     /* stored channels */
 } roburoc4_inputs;
 ROBUROC4_API roburoc4_result roburoc4_client_inputs(const roburoc4_client *client,
                                                     roburoc4_inputs *out, uint64_t *host_us);
@@ -396,12 +395,12 @@ typedef struct roburoc4_distances {
 ROBUROC4_API roburoc4_result roburoc4_client_distances(const roburoc4_client *client,
                                                        roburoc4_distances *out, uint64_t *host_us);
 
-/* Outputs. A command carries all outputs and nothing reads them back: outputs that were never set
- * are sent as 0. Each change is sent at once and twice more. */
+/* Outputs. A command carries all outputs, and the robot does not report them: outputs that were
+ * never set are sent as 0. Each change is sent three times. */
 
-/** Set the digital outputs whose bit in `mask` is set to their bit of `values`, in one datagram;
- *  all or none. ROBUROC4_ERR_UNKNOWN before the counts are known, _RESERVED for output 0, _INDEX
- *  beyond the last, _NOT_READY. */
+/** Set the digital outputs selected by `mask` to their bits in `values`, in one datagram; all or
+ *  none. ROBUROC4_ERR_UNKNOWN before the counts are known, _RESERVED for output 0, _INDEX beyond
+ *  the last, _NOT_READY. */
 ROBUROC4_API roburoc4_result roburoc4_client_set_digital_outputs(roburoc4_client *client,
                                                                  uint64_t mask, uint64_t values,
                                                                  uint64_t now_us);
@@ -410,39 +409,40 @@ ROBUROC4_API roburoc4_result roburoc4_client_set_analog_output(roburoc4_client *
                                                                uint32_t index, float value,
                                                                uint64_t now_us);
 
-/** Set the robot's pose (REPLACE, 4.2.6.5); sent until answered or refused, for at most 2 s;
- *  a later call replaces an open one. Ends in ROBUROC4_EVENT_RELOCALIZED or _RELOCALIZE_FAILED.
- *  ROBUROC4_ERR_NOT_FINITE, _NOT_READY, _UNKNOWN (no localization service). */
+/** Set the robot's pose (REPLACE, 4.2.6.5). The request is repeated until it is answered, for at
+ *  most 2 s; a later call replaces it. It ends with ROBUROC4_EVENT_RELOCALIZED or
+ *  _RELOCALIZE_FAILED. ROBUROC4_ERR_NOT_FINITE, _NOT_READY, _UNKNOWN (no localization service). */
 ROBUROC4_API roburoc4_result roburoc4_client_relocalize(roburoc4_client *client, double x_m,
                                                         double y_m, double theta_rad,
                                                         uint64_t now_us);
 
 /** Subscribe to a service (ROBUROC4_SERVICE_IOCARD to _DIFFERENTIAL) or change its period: a
  *  multiple of 10, 10 to 2550 ms. A period of 0 ends the subscription; statuses that the robot
- * sends all the same are counted and dropped. Kept over a loss. ROBUROC4_ERR_ARGUMENT. */
+ * sends all the same are counted and dropped. It persists when the robot is lost and found again.
+ * ROBUROC4_ERR_ARGUMENT. */
 ROBUROC4_API roburoc4_result roburoc4_client_subscribe(roburoc4_client *client, uint32_t service,
                                                        uint32_t period_ms, uint64_t now_us);
 
-/** Figures of the link. */
+/** Statistics of the link. */
 typedef struct roburoc4_link {
     uint32_t size;          /* set by ROBUROC4_SIZED() */
     uint32_t round_trip_us; /* smoothed, of answered requests; 0 before the first */
     uint32_t round_trip_min_us;
-    uint32_t silence_us;     /* since the last datagram that was used */
+    uint32_t silence_us;     /* time since the last datagram that was used */
     uint32_t received, lost; /* statuses of all services since start() */
     float loss;              /* share of recent statuses that did not arrive, 0 to 1 */
     uint32_t reserved;
 } roburoc4_link;
 ROBUROC4_API roburoc4_result roburoc4_client_link(const roburoc4_client *client, uint64_t now_us,
                                                   roburoc4_link *out);
-/** Figures of one service's statuses. */
+/** Statistics of one service's statuses. */
 typedef struct roburoc4_service_link {
     uint32_t size;             /* set by ROBUROC4_SIZED() */
     uint32_t subscribed;       /* 1: wanted, and not refused */
     uint32_t received;         /* used statuses since start() */
-    uint32_t lost;             /* gaps against the observed period, less what came late */
+    uint32_t lost;             /* gaps in the observed period, minus late ones */
     uint32_t late, duplicates; /* not used */
-    uint32_t period_us;        /* observed; the requested one until enough came */
+    uint32_t period_us;        /* observed; at first the requested one */
     uint32_t jitter_us;        /* smoothed deviation of arrival from robot time (RFC 3550, 6.4.1) */
     uint32_t age_us; /* upper bound of the last status's age; UINT32_MAX before the first */
     float loss;      /* share of recent statuses that did not arrive, 0 to 1 */
@@ -450,8 +450,9 @@ typedef struct roburoc4_service_link {
 ROBUROC4_API roburoc4_result roburoc4_client_service_link(const roburoc4_client *client,
                                                           uint32_t service, uint64_t now_us,
                                                           roburoc4_service_link *out);
-/** When, on the host's clock, the robot's clock showed robot_cycles; estimated from the statuses of
- *  the last seconds and half of the shortest round trip. ROBUROC4_ERR_UNKNOWN before the first. */
+/** The host time at which the robot's clock showed robot_cycles, estimated from the statuses of the
+ *  last seconds and half of the shortest round trip. ROBUROC4_ERR_UNKNOWN before the first status.
+ *  */
 ROBUROC4_API roburoc4_result roburoc4_client_host_time(const roburoc4_client *client,
                                                        uint64_t robot_cycles, uint64_t *host_us);
 

@@ -7,9 +7,9 @@
  * program that drives a robot uses the client of roburoc4.h, which includes this header; this one
  * alone is for analysers, loggers, simulators, and robots.
  *
- *   Results     int32_t: 0 or more is success (often a length), less is one of ROBUROC4_ERR_*.
- *   Lifetime    views (lists, texts, channels) point into the datagram that was decoded, and live
- *               as long as it.
+ *   Results     int32_t: 0 or more is success (often a length), negative is one of ROBUROC4_ERR_*.
+ *   Lifetime    views (lists, texts, channels) point into the decoded datagram and are valid as
+ *               long as it is.
  *
  * Section numbers are those of the RobuROC4 user manual, revision A.
  */
@@ -37,7 +37,7 @@ typedef int32_t roburoc4_result;
 #define ROBUROC4_ERR_ARGUMENT (-1) /* an argument is outside its documented range */
 #define ROBUROC4_ERR_BUFFER (-2)   /* the buffer is too small; nothing was written */
 #define ROBUROC4_ERR_SHORT (-3)    /* the datagram is shorter than its layout */
-#define ROBUROC4_ERR_KIND (-4)     /* the datagram is of another kind than asked for */
+#define ROBUROC4_ERR_KIND (-4)     /* the datagram is of another kind */
 #define ROBUROC4_ERR_VALUE (-5)    /* a field of the datagram has an impossible value */
 #define ROBUROC4_ERR_ROBOT (-6)    /* the answer carries one of the robot's error codes */
 /* of the client */
@@ -51,7 +51,7 @@ typedef int32_t roburoc4_result;
 #define ROBUROC4_ERR_UNMATCHED (-14)  /* an answer to no open request: late, duplicate, not ours */
 #define ROBUROC4_ERR_UNSUBSCRIBED (-15) /* a status of a service that was not subscribed to */
 #define ROBUROC4_ERR_OLD (-16)          /* a status not newer than the last of its service */
-#define ROBUROC4_ERR_TIMEOUT (-17)      /* a request was not answered in all its tries */
+#define ROBUROC4_ERR_TIMEOUT (-17)      /* none of a request's tries was answered */
 /* why a client is not armed, or arm() or drive() was refused */
 #define ROBUROC4_ERR_DISARMED (-20)           /* never armed, or disarm() was called */
 #define ROBUROC4_ERR_NOT_READY (-21)          /* the client is not in ROBUROC4_STATE_READY */
@@ -61,26 +61,26 @@ typedef int32_t roburoc4_result;
 #define ROBUROC4_ERR_STALE_IOCARD (-25)       /* no recent IO card status */
 #define ROBUROC4_ERR_OVERRIDE_UNKNOWN (-26)   /* the input of game pad [A] is not known */
 #define ROBUROC4_ERR_OVERRIDE (-27)           /* somebody holds [A] on the game pad */
-#define ROBUROC4_ERR_MOVING (-28)             /* the robot has a speed that was not asked for */
+#define ROBUROC4_ERR_MOVING (-28)             /* the robot moves without a command */
 #define ROBUROC4_ERR_OTHER_COMMANDER (-29)    /* another client commands the robot */
 #define ROBUROC4_ERR_LOST (-30)               /* the robot fell silent */
 #define ROBUROC4_ERR_REBOOT (-31)             /* the robot restarted */
 #define ROBUROC4_ERR_CLOCK (-32)              /* the clock went back */
-#define ROBUROC4_ERR_INHIBITED (-33)          /* the robot does not move although it was told to */
+#define ROBUROC4_ERR_INHIBITED (-33)          /* the robot does not follow its commands */
 /* of the UDP adapter and the pump (roburoc4_udp.h, roburoc4_pump.h) */
 #define ROBUROC4_ERR_SYSTEM (-40)  /* the operating system refused; errno says why */
 #define ROBUROC4_ERR_RESOLVE (-41) /* a host name has no address */
 #define ROBUROC4_ERR_CLOSED (-42)  /* already closed */
 
-/** One English sentence for a result, without a full stop: "ok" for 0 and more, "unknown error"
- *  for a value that is none. Lives as long as the program. */
+/** One English sentence for a result, without a full stop: "ok" for 0 and more, "unknown error" for
+ *  an invalid value. Valid as long as the program runs. */
 ROBUROC4_API const char *roburoc4_result_text(roburoc4_result result);
 
 /* ---------------------------------------------------- the manual's enumerations and tables --- */
 
 /** Services, named by their ids on a RobuROC4 (4.2.1). Other robots number all but the first two
  *  differently, so the client takes a service's id from the directory; in its functions these
- *  constants say which service is meant, whatever its id. */
+ *  constants name the service, whatever its id. */
 #define ROBUROC4_SERVICE_DIRECTORY 0
 #define ROBUROC4_SERVICE_NOTIFICATION 1
 #define ROBUROC4_SERVICE_IOCARD 2
@@ -204,8 +204,8 @@ ROBUROC4_API const char *roburoc4_name(uint32_t what, uint32_t number);
 
 /* ---------------------------------------------------------------------------------- codec --- */
 /*
- * Decoders look at `size` bytes, write all of *out or (on an error) nothing, and return the number
- * of surplus bytes after the layout (0 for the manual's length) or
+ * Decoders read `size` bytes, write all of *out or (on an error) nothing, and return the number of
+ * surplus bytes after the layout (0 for the manual's length) or
  *     ROBUROC4_ERR_SHORT   shorter than the layout,
  *     ROBUROC4_ERR_KIND    another header or action,
  *     ROBUROC4_ERR_VALUE   an impossible value (a negative count),

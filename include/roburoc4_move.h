@@ -5,9 +5,9 @@
  *
  * THE MODEL
  *
- * A move is a struct of yours. You begin it with one of the functions below, and step it whenever
- * the client has news, at least every 50 ms. Each step looks at what the client knows, and proposes
- * the next drive() in the fields linear_m_s and angular_rad_s. It is you who drives:
+ * Declare a move, begin it with one of the functions below, and step it whenever the client has
+ * news, at least every 50 ms. Each step reads the client's values and proposes the next drive() in
+ * the members linear_m_s and angular_rad_s. Your program drives:
  *
  *     roburoc4_move move;
  *     roburoc4_move_by(&move, 1.0f, 0.0f, NULL);
@@ -17,38 +17,38 @@
  *     }
  *     puts(roburoc4_move_result_text(move.result));
  *
- * The result of drive() need not be looked at: what it refuses, the next step reports. A move never
- * arms and never renews a lease. A program that hangs, or forgets its move, stops the robot as
- * after any drive().
+ * The result of drive() need not be checked: the next step reports a refusal. A move never arms and
+ * never renews a lease, so a program that hangs or abandons its move stops the robot as after any
+ * drive().
  *
  * HOW IT MOVES
  *
- *   Speed         Up to the speed asked for, with gentle acceleration or what the robot reports
- *                 where that is less. No proposal is beyond the speed asked for; the client's
- *                 limits and ceilings apply besides.
+ *   Speed         Up to the requested speed, with gentle acceleration, or the robot's own limit if
+ *                 that is lower. No proposal exceeds the requested speed; the client's limits and
+ *                 ceilings apply, too.
  *   Braking       By the robot's measured response: a robot whose target becomes 0 at 1 m/s still
- *                 rolls 0.64 m. The move knows at each step how much it has to ask for yet, and
- *                 that is what it brakes by.
- *   Odometry      The way is measured by the localization service; by the reported speeds and their
- *                 time stamps where there is none, while it is silent or not valid, and where a
- *                 pose jumps because somebody relocalized the robot. A relocalization counts from
- *                 the next move on: the present one goes on to the place that it set out for.
- *                 Wheels slip, in turns above all, and nothing tells: relocalize between moves
- *                 where you know better (docs/moves.md has figures).
+ *                 rolls 0.64 m. At each step a move knows how much distance remains to ask for, and
+ *                 brakes by that.
+ *   Odometry      Distance is measured by the localization service; by the reported speeds and
+ *                 their time stamps if there is none, while it is silent or invalid, and when a
+ *                 pose jumps because the robot was relocalized. A relocalization affects only later
+ *                 moves: the current one continues to its original goal. Wheels slip, above all in
+ *                 turns, and odometry cannot tell: relocalize between moves if you know the pose
+ *                 better (docs/moves.md has figures).
  *   Looking       A bumper that is pressed in the direction of travel, or newly pressed anywhere,
  *                 ends a move. So does a telemeter in the direction of travel that reports less
  *                 than the clearance and the braking distance at the present speed. Turns in place
- *                 are not looked at by telemeters. SONAR MISSES THINGS: thin legs, soft or slanted
- *                 surfaces, all beside its cone. Backing away from an obstacle is possible.
+ *                 do not use telemeters. SONAR MISSES THINGS: thin legs, soft or slanted surfaces,
+ *                 everything outside of its cone. Backing away from an obstacle is possible.
  *   The end       Whatever the result, the last step calls roburoc4_client_stop(), which sends a
- *                 stop sequence. After ROBUROC4_MOVE_REACHED the robot stands; after all others it
- *                 may still roll: a move of roburoc4_move_rest() waits for that.
+ *                 stop sequence. After ROBUROC4_MOVE_REACHED the robot stands; after the others it
+ *                 may still roll: roburoc4_move_rest() waits for that.
  *
  * CONVENTIONS
  *
- *   Those of roburoc4.h. No memory, clock or mathematics of the system is used. One move is used by
- *   one thread at a time, with its client. A move ends with a result and stays ended until it is
- *   begun anew; it need not be given back.
+ *   Those of roburoc4.h. Moves need no allocation, clock or math library. Use a move from one
+ *   thread at a time, with its client. A move ends with a result and stays ended until it is begun
+ *   again; nothing needs to be freed.
  */
 #ifndef ROBUROC4_MOVE_H
 #define ROBUROC4_MOVE_H
@@ -62,7 +62,7 @@ extern "C" {
 /* -------------------------------------------------------------------------------- results --- */
 
 #define ROBUROC4_MOVE_RUNNING 0
-#define ROBUROC4_MOVE_REACHED 1         /* left_m and left_rad say how closely; it stands */
+#define ROBUROC4_MOVE_REACHED 1         /* the robot stands; left_m and left_rad tell how close */
 #define ROBUROC4_MOVE_OVERRIDE 2        /* somebody holds [A] on the game pad, or might */
 #define ROBUROC4_MOVE_BUMPER 3          /* a bumper is pressed */
 #define ROBUROC4_MOVE_OBSTACLE 4        /* a telemeter saw something too near */
@@ -73,7 +73,7 @@ extern "C" {
 #define ROBUROC4_MOVE_CANCELLED 9 /* by roburoc4_move_cancel(), or the client is not armed */
 
 /** A result as one English sentence without a full stop: what happened and what to do. "unknown
- *  result" for a number that is none. Lives as long as the program. */
+ *  result" for an invalid number. Valid as long as the program runs. */
 ROBUROC4_API const char *roburoc4_move_result_text(int32_t result);
 
 /* -------------------------------------------------------------------------------- options --- */
@@ -81,13 +81,13 @@ ROBUROC4_API const char *roburoc4_move_result_text(int32_t result);
 /** How to move. Fill it with roburoc4_move_options_init(), then change what you need. */
 typedef struct roburoc4_move_options {
     uint32_t size;        /* set by roburoc4_move_options_init() */
-    uint32_t timeout_ms;  /* the longest that it may take; 0 (default): what it should take four
-                             times over, and 10 s; 5 s to come to rest */
+    uint32_t timeout_ms;  /* limit of the duration; 0 (default): four times the expected duration
+                             plus 10 s; 5 s to come to rest */
     float linear_m_s;     /* speed along the way, greater than 0; default 0.3 */
     float angular_rad_s;  /* turn rate, greater than 0; default 0.5 */
     float linear_m_s2;    /* accelerations, greater than 0; default 0.5. The robot's own limits */
     float angular_rad_s2; /* apply where they are lower; default 1 */
-    float clearance_m;    /* to be kept from what telemeters see; 0: do not look; default 0.5 */
+    float clearance_m;    /* distance to keep from obstacles; 0: ignore telemeters; default 0.5 */
 } roburoc4_move_options;
 
 /** Set all defaults; `size` is sizeof(roburoc4_move_options). ROBUROC4_ERR_SIZE, with nothing
@@ -99,12 +99,12 @@ ROBUROC4_API roburoc4_result roburoc4_move_options_init(roburoc4_move_options *o
 
 /** A move. Read the first fields after each step; the others are private. */
 typedef struct roburoc4_move {
-    int32_t result;        /* ROBUROC4_MOVE_* */
-    roburoc4_result cause; /* why the client disarmed, where that ended the move; else 0 */
-    float linear_m_s, angular_rad_s; /* what to drive with now; 0 once the move has ended */
-    float distance_m, angle_rad;     /* come and turned so far, by odometry; backward and to the
+    int32_t result;                  /* ROBUROC4_MOVE_* */
+    roburoc4_result cause;           /* why the client disarmed, if that ended the move; else 0 */
+    float linear_m_s, angular_rad_s; /* speeds to drive now; 0 after the end */
+    float distance_m, angle_rad;     /* covered and turned so far, by odometry; backward and to the
                                         right are negative */
-    float left_m, left_rad;          /* what is left of the way and of the present turn */
+    float left_m, left_rad;          /* what is left of the distance and of the current turn */
 
     roburoc4_move_options private_options;
     uint32_t private_timeout_ms;
@@ -120,14 +120,14 @@ typedef struct roburoc4_move {
     uint8_t private_still, private_bumpers, private_posed, private_begun, private_reserved[4];
 } roburoc4_move;
 
-/* Begin a move, whatever was in its memory before. Nothing is sent: the first step makes the plan.
+/* Begin a move in any memory. Nothing is sent: the first step plans the move.
  * options may be NULL for all defaults. ROBUROC4_ERR_NOT_FINITE: NaN or infinity.
  * ROBUROC4_ERR_ARGUMENT: more than 10 km or 10000 rad, or an option out of its range. After an
  * error the move is ended, as ROBUROC4_MOVE_CANCELLED. */
 
-/** Drive so far, less than 0: backward, while turning by this angle, less than 0: to the right,
- * which may be more than a full turn. An angle of 0 is straight ahead, a distance of 0 a turn in
- * place, and both an arc with the radius distance_m / angle_rad. */
+/** Drive this distance (negative: backward) while turning by this angle (negative: to the right; it
+ * may exceed a full turn). With angle 0 the robot drives straight, with distance 0 it turns in
+ * place, else it drives an arc of radius distance_m / angle_rad. */
 ROBUROC4_API roburoc4_result roburoc4_move_by(roburoc4_move *move, float distance_m,
                                               float angle_rad,
                                               const roburoc4_move_options *options);
@@ -142,33 +142,33 @@ ROBUROC4_API roburoc4_result roburoc4_move_to_pose(roburoc4_move *move, double x
 ROBUROC4_API roburoc4_result roburoc4_move_rest(roburoc4_move *move,
                                                 const roburoc4_move_options *options);
 
-/** Look at the client's latest values, and propose the next speeds; to be called after each
- *  receive(), and before the drive() that it proposes. The first step makes the plan; it waits, and
- *  proposes 0, until the statuses that the move needs have come, at most 1 s. The last one calls
- *  roburoc4_client_stop(). Returns move->result; an ended move does nothing. */
+/** Read the client's latest values and propose the next speeds. Call it after each receive(), and
+ *  before the drive() that it proposes. The first steps propose 0 until the statuses that the move
+ *  needs have arrived, at most 1 s. The last one calls roburoc4_client_stop(). Returns
+ *  move->result; an ended move does nothing. */
 ROBUROC4_API int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client,
                                         uint64_t now_us);
-/** What a move looks at. roburoc4_move_step() takes it from a client; where the robot is another
- *  process's, as behind the LCM bridge, fill it with what that reports, all others 0. */
+/** The input of a move. roburoc4_move_step() takes it from a client. If another process has the
+ *  client, such as the LCM bridge, fill it with what that reports, and 0 for the rest. */
 typedef struct roburoc4_move_view {
-    uint32_t size;   /* sizeof(roburoc4_move_view) */
-    uint32_t age_us; /* of the speeds, now; what was sent in that time does not show in them */
+    uint32_t size;         /* sizeof(roburoc4_move_view) */
+    uint32_t age_us;       /* age of the speeds now; they do not show what was sent since */
     uint64_t speed_cycles; /* robot time of the speeds; 0: none yet */
     uint64_t pose_cycles;  /* robot time of the pose; 0: none yet, or not usable */
     double x_m, y_m, theta_rad;
     float linear_m_s, angular_rad_s;           /* measured */
     float sent_m_s, sent_rad_s;                /* the last speeds sent; 0 after a stop */
     float max_linear_m_s2, max_angular_rad_s2; /* the robot's own; 0: not known */
-    float ahead_m, astern_m; /* what telemeters that look there see; much where there is none */
-    int32_t disarm_cause;    /* ROBUROC4_ERR_*, where it is not armed */
+    float ahead_m, astern_m; /* distances ahead and behind; a large value without telemeter */
+    int32_t disarm_cause;    /* ROBUROC4_ERR_*, if it is not armed */
     uint8_t armed, overridden, inhibited;
     uint8_t front_bumper, rear_bumper; /* pressed */
     uint8_t blind;                     /* there are telemeters, but no fresh distances */
     uint8_t reserved[6];
 } roburoc4_move_view;
 
-/** roburoc4_move_step() by a view of your own. When it ends, it is you who stops the robot; to come
- *  to rest, stop it first. ROBUROC4_MOVE_RUNNING, or how it ended. */
+/** roburoc4_move_step() with your own view. When the move ends, your program must stop the robot;
+ *  for a move to rest, stop it before. Returns move->result. */
 ROBUROC4_API int32_t roburoc4_move_step_view(roburoc4_move *move, const roburoc4_move_view *view,
                                              uint64_t now_us);
 /** End a move that runs, and stop. */

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * roburoc4_pump.h - a native thread that keeps one robot's link alive for a program of many
- * threads.
+ * roburoc4_pump.h - a native thread that runs a client, for programs with many threads.
  *
- * A roburoc4_client needs somebody who moves its datagrams in time. The pump is that somebody: one
- * thread of its own, which receives, sends, repeats a drive command while its lease lasts, and
- * sends the stop sequence when it is over. Language bindings stand on it: their interpreter may
- * compute, collect garbage or wait for a lock while the link lives on.
+ * A roburoc4_client needs its datagrams sent and received in time. The pump does this on a thread
+ * of its own: it receives, sends, repeats a drive command while its lease lasts, and sends the stop
+ * sequence when it is over. Language bindings use it: the interpreter may compute, collect garbage
+ * or wait for a lock without harm to the link.
  *
  *     roburoc4_pump *pump = roburoc4_pump_create(&address, NULL, 0, &result);
  *     if (pump != NULL) {
@@ -23,29 +22,29 @@
  * WHAT IT PROMISES
  *
  *   Motion        the pump never renews a lease: only roburoc4_client_drive() does, for lease_us
- *                 from the time that it is given. A program that hangs stops the robot.
- *   At once       what the client has to send after drive(), stop() and the like leaves in
+ *                 from its now_us. A program that hangs stops the robot.
+ *   At once       what the client has to send after drive(), stop() and the like is sent by
  *                 roburoc4_pump_unlock(), which never waits for the network.
- *   Readers       have cursors of their own: each sees every sample and every event, as many
- *                 readers as there are. A slow one loses the oldest samples, and learns how many;
- *                 it never holds back the pump, the robot or another reader.
+ *   Readers       each has its own cursor and sees every sample and every event. A slow reader
+ *                 loses the oldest samples, and learns how many; it never delays the pump or
+ *                 another reader.
  *   No callback   into your code, ever.
- *   The end       roburoc4_pump_close() disarms, sends the stop sequence where one is due, ends the
- *                 thread, and wakes whoever waits. exit(), and the return from main(), do the same,
- *                 unless the thread that calls them has the lock. A process that is killed, or ends
- *                 by abort() or _exit(), cannot send anything, nor can a DLL of Windows at exit(),
- *                 whose thread the system has ended before: then the robot's own watchdog stops it,
- *                 1 s after the last command.
+ *   The end       roburoc4_pump_close() disarms, sends the stop sequence if one is due, ends the
+ *                 thread, and wakes all waiting calls. exit(), and the return from main(), do the
+ *                 same, unless the calling thread holds the lock. A process that is killed,
+ *                 or ends by abort() or _exit(), cannot send anything, nor can a DLL of Windows at
+ *                 exit(), whose thread the system has ended before: then the robot's own watchdog
+ *                 stops it, 1 s after the last command.
  *
  * Threads: all functions can be called from any thread at any time between create and destroy. A
  * roburoc4_pump_reader is used by one thread at a time. After a fork() the child has no pump: there
- * every function returns ROBUROC4_ERR_CLOSED, and destroy only gives the memory back.
+ * every function returns ROBUROC4_ERR_CLOSED, and destroy only frees the memory.
  *
- * Signals: a handler may call roburoc4_pump_request_stop(), and nothing else of this header.
+ * Signals: a handler may call roburoc4_pump_request_stop(), and nothing else in this header.
  *
- * Cancelled threads (pthread_cancel): no function here but create and destroy is a cancellation
- * point, and nothing is between lock and unlock. A thread that waits here ends when its wait does:
- * give it a time-out.
+ * Cancelled threads (pthread_cancel): only create and destroy are cancellation points, and nothing
+ * between lock and unlock is. A thread that waits here is cancelled when its wait ends: give it a
+ * time-out.
  */
 #ifndef ROBUROC4_PUMP_H
 #define ROBUROC4_PUMP_H
@@ -71,62 +70,62 @@ typedef struct roburoc4_pump roburoc4_pump;
  *  which connects by itself. queue_capacity is the number of samples to keep (0: the default).
  *  Returns NULL on an error; *result (result may be NULL) then says which: ROBUROC4_ERR_ARGUMENT
  *  (address or capacity), ROBUROC4_ERR_CONFIG (roburoc4_config_error() names the value),
- *  ROBUROC4_ERR_SYSTEM (no socket, thread or memory; errno says why). An absent robot is no error.
- *  Give the pump back with roburoc4_pump_destroy().
- *  With a NULL address the pump has neither socket nor thread, for who moves the client in another
- *  way, as in the virtual time of roburoc4_sim.h: start the client and give it its datagrams with
- *  the pump locked, and call roburoc4_pump_collect() after each. */
+ *  ROBUROC4_ERR_SYSTEM (no socket, thread or memory; errno says why). An absent robot is not an
+ *  error. Free the pump with roburoc4_pump_destroy(). With a NULL address the pump has neither
+ *  socket nor thread, for clients that are run in another way, as in the virtual time of
+ *  roburoc4_sim.h: start the client and give it its datagrams with the pump locked, and call
+ *  roburoc4_pump_collect() after each. */
 ROBUROC4_API roburoc4_pump *roburoc4_pump_create(const roburoc4_address *address,
                                                  const roburoc4_config *config,
                                                  uint32_t queue_capacity, roburoc4_result *result);
-/** Keep the client's events, and the samples and texts that they announce, for readers: after the
- *  client was given `datagram`, or was polled (NULL). Between lock and unlock, and only with a pump
- *  that was made without an address. */
+/** Store the client's events, and the samples and texts that they announce, for readers: after the
+ *  client received `datagram`, or was polled (NULL). Between lock and unlock, and only with a pump
+ *  without an address. */
 ROBUROC4_API void roburoc4_pump_collect(roburoc4_pump *pump, const uint8_t *datagram, size_t size);
-/** End the link: disarm, send the stop sequence where one is due, end the thread; wait for that, at
- *  most the configured robot_watchdog_ms (or three drive periods) and half a second. Whoever waits
- *  in another call gets ROBUROC4_ERR_CLOSED. Afterwards the client is idle: values and samples can
- *  still be read, and commands are refused as by any idle client. From any thread, several times:
- *  later calls return 0 when it is over. */
+/** Disarm, send the stop sequence if one is due, and end the thread; waits for that, at most the
+ *  configured robot_watchdog_ms (or three drive periods) plus half a second. Other waiting calls
+ *  return ROBUROC4_ERR_CLOSED. Afterwards the client is idle: values and samples can still be read,
+ *  and commands are refused as by any idle client. From any thread; further calls wait for the end
+ *  and return 0. */
 ROBUROC4_API roburoc4_result roburoc4_pump_close(roburoc4_pump *pump);
-/** Close, wait for those who were waiting, free the memory. NULL is fine. From here on no thread
- * may begin a call with this pump. */
+/** Close, wait until all waiting calls have returned, and free the memory. NULL is ignored. No
+ * thread may use the pump afterwards. */
 ROBUROC4_API void roburoc4_pump_destroy(roburoc4_pump *pump);
-/** Record what the pump sends and receives from now on; NULL: nothing more. Call it right after
- *  create for a whole recording; close the recorder after the pump is destroyed. exit() ends the
- *  recording, too. ROBUROC4_ERR_CLOSED, also with a pump that was made without an address. */
+/** Record what the pump sends and receives from now on; NULL ends it. For a complete recording call
+ *  it right after create; close the recorder after the pump is destroyed. exit() ends the
+ *  recording, too. ROBUROC4_ERR_CLOSED, also for a pump without an address. */
 ROBUROC4_API roburoc4_result roburoc4_pump_record(roburoc4_pump *pump, roburoc4_recorder *recorder);
-/** Take the pump's lock and get its client, for any roburoc4_client_*() call but receive(),
- *  poll_transmit(), take_events(), start() and close(), which are the pump's. NULL in a forked
+/** Take the pump's lock and get its client, for any roburoc4_client_*() call except receive(),
+ *  poll_transmit(), take_events(), start() and close(), which only the pump makes. NULL in a forked
  * child; then there is nothing to unlock. Read roburoc4_udp_now_us() while the lock is held. Hold
- * it for a few calls and never wait with it, as the robot's link waits meanwhile; call no other
- * function of the same pump but roburoc4_pump_udp(). The pointer is valid until the unlock. */
+ * it only for a few calls and never while waiting, as the link waits meanwhile; the only other
+ * function of this pump that may be called is roburoc4_pump_udp(). The pointer is valid until the
+ * unlock. */
 ROBUROC4_API roburoc4_client *roburoc4_pump_lock(roburoc4_pump *pump);
 /** The pump's socket, to read its fields; valid between lock and unlock. Without an address, all of
  *  them are 0. */
 ROBUROC4_API const roburoc4_udp *roburoc4_pump_udp(roburoc4_pump *pump);
-/** Send what the client has to send now, wake the thread where something is due earlier than it
- *  expects, and give the lock back. By the thread that has it. */
+/** Send what the client has to send, wake the thread if something is due earlier than it expects,
+ *  and release the lock. To be called by the thread that holds it. */
 ROBUROC4_API void roburoc4_pump_unlock(roburoc4_pump *pump);
-/** Allow driving as soon as that is possible, at most timeout_us from now. 0, or the reason against
- *  it, as roburoc4_client_arm() gives it: at once where it does not go away by itself (see
- *  roburoc4_refusal_may_pass()), such as a held game pad; else that of the end of the time.
- *  ROBUROC4_ERR_DISARMED where roburoc4_pump_request_stop() came meanwhile; ROBUROC4_ERR_CLOSED,
+/** Arm as soon as possible, waiting at most timeout_us. Returns 0, or the reason against it, as
+ *  roburoc4_client_arm() does: at once if it does not go away by itself (see
+ *  roburoc4_refusal_may_pass()), such as a held game pad, else after the time.
+ *  ROBUROC4_ERR_DISARMED if roburoc4_pump_request_stop() was called meanwhile; ROBUROC4_ERR_CLOSED,
  *  also with a pump that was made without an address. */
 ROBUROC4_API roburoc4_result roburoc4_pump_arm(roburoc4_pump *pump, uint32_t timeout_us);
 /** For signal handlers: disarm and stop the robot, as roburoc4_client_disarm() and
- *  roburoc4_client_stop() do. It only asks the thread for it, which stays and keeps the link, so it
- *  never waits and leaves errno as it is. Where the lock is held meanwhile, the zeros leave when it
- *  is given back; a speed that is granted in between never does. The program sees that its next
- *  drive() returns ROBUROC4_ERR_DISARMED. Several requests are one. Also from outside of handlers;
- *  nothing happens with a NULL pump, after close, in a forked child, or with a pump that was made
- *  without an address. After destroy it must not be called: first set the pointer that the handler
- *  uses to NULL.
- *  Windows: for the handler of SetConsoleCtrlHandler(), which is a thread of its own. On
- *  CTRL_CLOSE_EVENT and later ones Windows ends the process when the handler returns: there call
- *  roburoc4_pump_close(), which waits for the stop. */
+ *  roburoc4_client_stop() do. It only sets a request for the thread, so it never waits and keeps
+ *  errno; the link stays up. If the lock is held meanwhile, the zeros are sent when it is released,
+ *  and a speed granted in between is never sent. The program's next drive() returns
+ *  ROBUROC4_ERR_DISARMED. Several requests count as one. May also be called outside of handlers;
+ *  does nothing with a NULL pump, after close, in a forked child, or with a pump without an
+ *  address. It must not be called after destroy: first set the pointer that the handler uses to
+ *  NULL. Windows: for the handler of SetConsoleCtrlHandler(), which is a thread of its own. On
+ *  CTRL_CLOSE_EVENT and later ones Windows ends the process when the handler returns: call
+ *  roburoc4_pump_close() there, which waits for the stop. */
 ROBUROC4_API void roburoc4_pump_request_stop(roburoc4_pump *pump);
-/** 1 while the thread runs, 0 once roburoc4_pump_close() was called, or in a forked child. */
+/** 1 while the thread runs, 0 after roburoc4_pump_close() or in a forked child. */
 ROBUROC4_API int32_t roburoc4_pump_running(roburoc4_pump *pump);
 
 /* --------------------------------------------------------------------- samples and events --- */
@@ -151,59 +150,57 @@ typedef struct roburoc4_sample {
     roburoc4_sample_value value;
 } roburoc4_sample;
 
-/** The latest status of a service (ROBUROC4_SERVICE_*) that a client has; its sequence is 0.
- *  ROBUROC4_ERR_UNKNOWN: there is none yet, and *out is 0 but for its service.
+/** A client's latest status of a service (ROBUROC4_SERVICE_*); its sequence is 0.
+ *  ROBUROC4_ERR_UNKNOWN: there is none yet, and *out is 0 except for its service.
  *  ROBUROC4_ERR_ARGUMENT: a service without statuses. */
 ROBUROC4_API roburoc4_result roburoc4_sample_latest(const roburoc4_client *client, uint32_t service,
                                                     roburoc4_sample *out);
 
-/** How far somebody has read. Declare as many as you like; nothing needs to be given back. A reader
- *  whose bytes are all zero begins at the beginning: with all events since create, and with the
- *  first sample (what was overwritten since counts as lost). */
+/** A reader's position. Declare as many as you like; nothing needs to be freed. A reader whose
+ *  bytes are all zero starts with all events since create and with the first sample (overwritten
+ *  ones count as lost). */
 typedef struct roburoc4_pump_reader {
     uint64_t next_sample; /* sequence of the next sample to read */
-    uint64_t lost;        /* samples that this reader came too late for */
+    uint64_t lost;        /* samples that were overwritten before this reader read them */
     uint64_t next_event;  /* private */
 } roburoc4_pump_reader;
 
-/** Begin here instead: only samples and events from now on. ROBUROC4_ERR_CLOSED in a forked child
- * only. */
+/** Start with the samples and events from now on instead. ROBUROC4_ERR_CLOSED only in a forked
+ * child. */
 ROBUROC4_API roburoc4_result roburoc4_pump_reader_init(roburoc4_pump *pump,
                                                        roburoc4_pump_reader *reader);
-/** Copy up to `capacity` samples, oldest first; never waits. Returns their number, 0 when all were
- *  read; ROBUROC4_ERR_CLOSED when all were read and none will come. reader->lost grows by the
- *  samples that were overwritten before this call. */
+/** Copy up to `capacity` samples, oldest first; never waits. Returns their number, 0 if all were
+ *  read; ROBUROC4_ERR_CLOSED if no more will come. reader->lost grows by the samples that were
+ *  overwritten before this call. */
 ROBUROC4_API roburoc4_result roburoc4_pump_read_samples(roburoc4_pump *pump,
                                                         roburoc4_pump_reader *reader,
                                                         roburoc4_sample *samples,
                                                         uint32_t capacity);
-/** Wait until there is a sample to read, at most timeout_us. Returns how many there are, 0 when the
- *  time is over, ROBUROC4_ERR_CLOSED when none is left and none will come. */
+/** Wait at most timeout_us for a sample. Returns how many can be read, 0 on time-out,
+ *  ROBUROC4_ERR_CLOSED if no more will come. */
 ROBUROC4_API roburoc4_result roburoc4_pump_wait_samples(roburoc4_pump *pump,
                                                         const roburoc4_pump_reader *reader,
                                                         uint32_t timeout_us);
-/** ROBUROC4_EVENT_* bits since this reader's last take; other readers keep theirs. 0 when there is
- *  none; ROBUROC4_ERR_CLOSED when there is none and none will come. */
+/** ROBUROC4_EVENT_* bits since this reader's last call; other readers keep theirs. 0 if there are
+ *  none; ROBUROC4_ERR_CLOSED if no more will come. */
 ROBUROC4_API roburoc4_result roburoc4_pump_take_events(roburoc4_pump *pump,
                                                        roburoc4_pump_reader *reader);
-/** Wait until one of the events in `mask` is there to take, at most timeout_us. Returns those of
- *  the mask that are, without taking them; 0 when the time is over; ROBUROC4_ERR_CLOSED when there
- *  is none and none will come. */
+/** Wait at most timeout_us for one of the events in `mask`. Returns those that occurred, without
+ *  taking them; 0 on time-out; ROBUROC4_ERR_CLOSED if no more will come. */
 ROBUROC4_API roburoc4_result roburoc4_pump_wait_events(roburoc4_pump *pump,
                                                        const roburoc4_pump_reader *reader,
                                                        uint32_t mask, uint32_t timeout_us);
 
 /* ---------------------------------------------------------------------------- descriptions --- */
 
-/** Bytes that are kept of a description; a longer text is cut there. */
+/** Bytes that are kept of a description; longer texts are cut. */
 #define ROBUROC4_PUMP_DESCRIPTION_MAX 63
 
-/** The text that the robot gave for an IO channel (io_type ROBUROC4_IO_*, index on the wire) or for
- *  entry `index` of its directory (io_type -1). Writes it with a NUL after it and returns its
- *  length; the text's character set is the robot's secret, and it may be empty. A buffer of
- *  ROBUROC4_PUMP_DESCRIPTION_MAX + 1 always suffices. ROBUROC4_ERR_UNKNOWN: the robot gave none
- *  (yet); ROBUROC4_ERR_INDEX: beyond the client's capacities; ROBUROC4_ERR_ARGUMENT: no such
- *  io_type; ROBUROC4_ERR_BUFFER. */
+/** The robot's text for an IO channel (io_type ROBUROC4_IO_*, wire index) or for entry `index` of
+ *  its directory (io_type -1). Writes it with a terminating NUL and returns its length. Its
+ *  character set is not specified, and it may be empty. A buffer of ROBUROC4_PUMP_DESCRIPTION_MAX +
+ *  1 always suffices. ROBUROC4_ERR_UNKNOWN: the robot gave none (yet); ROBUROC4_ERR_INDEX: beyond
+ *  the client's capacities; ROBUROC4_ERR_ARGUMENT: no such io_type; ROBUROC4_ERR_BUFFER. */
 ROBUROC4_API roburoc4_result roburoc4_pump_description(roburoc4_pump *pump, int32_t io_type,
                                                        uint32_t index, char *buffer,
                                                        size_t capacity);

@@ -11,19 +11,21 @@
  *
  * WHAT IT PROMISES
  *
- *   The robot first   recording a datagram copies it into a buffer and never waits for the disk: a
- *                     thread of the recorder's own writes the buffer. Nothing is allocated after
+ *   No delay          recording copies a datagram into a buffer and never waits for the disk: a
+ *                     thread writes the buffer. Nothing is allocated after
  *                     roburoc4_recorder_open().
- *   A crash           the thread writes at least every 100 ms, so that is the most that is lost
- * with a killed process. A power cut may cost more: the system decides when its files reach the
- * disk. A full disk       what does not fit into the buffer while the disk is full or slow is
- * dropped and counted: in the file, with the next datagram that is written and in the statistics at
- * its end, and in roburoc4_recorder_state. Writing is tried again until there is room. Old
- * recordings    are never overwritten: where run.pcapng exists, run.2.pcapng is written, or the
- * first number that is free. Two processes may use the same name. The format        pcapng,
- * little-endian, one interface of raw IP (link type 101), times in microseconds since 1970 (UTC).
- * Each datagram is whole before the next one begins, in an IP and UDP header with its real
- * addresses and ports, and marked as inbound or outbound.
+ *   A crash           the thread writes at least every 100 ms, so a killed process loses no more
+ *                     than that. A power cut may lose more: the system decides when data reaches
+ *                     the disk.
+ *   A full disk       datagrams that do not fit into the buffer while the disk is full or slow are
+ *                     dropped and counted: in the file, with the next datagram that is written and
+ *                     in the statistics at its end, and in roburoc4_recorder_state. Writing is
+ *                     retried until there is room.
+ *   Old recordings    are never overwritten: if run.pcapng exists, run.2.pcapng is written, or the
+ *                     first number that is free. Two processes may use the same name.
+ *   The format        pcapng, little-endian, one interface of raw IP (link type 101), times in
+ *                     microseconds since 1970 (UTC). Each datagram has an IP and UDP header with
+ *                     its real addresses and ports, and is marked as inbound or outbound.
  *
  * Threads: all functions can be called from any thread. In the child of a fork() nothing is
  * recorded.
@@ -40,7 +42,7 @@ extern "C" {
 /** An open recording. */
 typedef struct roburoc4_recorder roburoc4_recorder;
 
-/** How to record; bytes that are zero are defaults. */
+/** How to record; members that are 0 have their defaults. */
 typedef struct roburoc4_recorder_options {
     uint32_t size;           /* sizeof(roburoc4_recorder_options) */
     uint32_t buffer_bytes;   /* of each of two buffers, 4096 or more (0: 262144, half a minute) */
@@ -49,38 +51,38 @@ typedef struct roburoc4_recorder_options {
     const char *robot;       /* the interface's name in the file (NULL: "roburoc4") */
 } roburoc4_recorder_options;
 
-/** Room for every path of a recording, its NUL included. */
+/** Enough for every path of a recording, including its NUL. */
 #define ROBUROC4_RECORDER_PATH_SIZE 1024
 
-/** What became of the datagrams so far. */
+/** The state of a recording (frozen: this struct never changes). */
 typedef struct roburoc4_recorder_state {
-    uint64_t recorded;    /* datagrams that were taken into the buffer */
-    uint64_t dropped;     /* datagrams that were lost, as the buffer was full */
+    uint64_t recorded;    /* datagrams copied into the buffer */
+    uint64_t dropped;     /* datagrams lost because the buffer was full */
     uint64_t bytes;       /* written, to all files */
     uint32_t files;       /* begun so far, one or more */
-    int32_t system_error; /* errno of the write that failed last, 0 as soon as one succeeds */
-    char path[ROBUROC4_RECORDER_PATH_SIZE]; /* of the file that is being written */
+    int32_t system_error; /* errno of the last failed write, 0 as soon as one succeeds */
+    char path[ROBUROC4_RECORDER_PATH_SIZE]; /* the current file */
 } roburoc4_recorder_state;
 
-/** Begin a recording. Where `path` is a folder, the file in it is named after the time (UTC):
- *  roburoc4-20260102T030405Z.pcapng. A pipe or device is written to as it is. options may be NULL.
+/** Begin a recording. If `path` is a folder, the file is named after the time (UTC):
+ *  roburoc4-20260102T030405Z.pcapng. A pipe or device is written directly. options may be NULL.
  *  Returns NULL on an error; *result (result may be NULL) then says which: ROBUROC4_ERR_ARGUMENT
  * (no path, one that is too long, or buffer_bytes), ROBUROC4_ERR_SIZE (of the options),
  *  ROBUROC4_ERR_SYSTEM (no file, thread or memory; errno says why). */
 ROBUROC4_API roburoc4_recorder *roburoc4_recorder_open(const char *path,
                                                        const roburoc4_recorder_options *options,
                                                        roburoc4_result *result);
-/** What was recorded, dropped and written so far; never waits for the disk. */
+/** Copy the current state; never waits for the disk. */
 ROBUROC4_API void roburoc4_recorder_get_state(roburoc4_recorder *recorder,
                                               roburoc4_recorder_state *out);
-/** Write what is left, end the file and free the memory; *last (may be NULL) is the last state.
- *  First close, or give another recorder to, every socket and pump that uses this one. NULL is
- *  fine. Waits for the disk for 2 s at most. ROBUROC4_ERR_SYSTEM: the end of the recording could
+/** Write the rest, end the file and free the memory; *last (last may be NULL) is the final state.
+ *  First close every socket and pump that uses the recorder, or give it another one. NULL is
+ *  ignored. Waits for the disk for at most 2 s. ROBUROC4_ERR_SYSTEM: the end of the recording could
  *  not be written; last->system_error says why. */
 ROBUROC4_API roburoc4_result roburoc4_recorder_close(roburoc4_recorder *recorder,
                                                      roburoc4_recorder_state *last);
 
-/** Record what this socket sends and receives from now on; NULL: nothing more. Several sockets may
+/** Record what this socket sends and receives from now on; NULL ends it. Several sockets may
  *  share a recorder. ROBUROC4_ERR_CLOSED. For a pump: roburoc4_pump_record(). */
 ROBUROC4_API roburoc4_result roburoc4_udp_record(roburoc4_udp *udp, roburoc4_recorder *recorder);
 

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: MIT
  *
  * roburoc4_sim.h - a simulated RobuROC4: the robot's side of the UDP protocol, its motion, its
- * sensors and its control panel, to try clients on without a robot.
+ * sensors and its control panel, to test clients without a robot.
  *
  * THE MODEL
  *
- * Like the client it is a state machine without socket, clock or thread. You move the datagrams
- * and tell it the time; in between you act as the person beside the robot:
+ * Like the client it is a state machine without socket, clock or thread. You pass datagrams and the
+ * time, and act as the person beside the robot:
  *
- *     roburoc4_sim_receive()        a datagram came in from a peer
- *     roburoc4_sim_advance()        time went on: run the 10 ms low level cycles up to now
+ *     roburoc4_sim_receive()        hand over a datagram from a peer
+ *     roburoc4_sim_advance()        run the 10 ms low level cycles up to now
  *     roburoc4_sim_poll_transmit()  the next datagram to send and to whom, until 0
  *     roburoc4_sim_next_deadline()  when to call advance() next
  *     roburoc4_sim_set()            power, game pad, emergency stops, bumpers ...
- *     roburoc4_sim_snapshot()       all that an observer could know, the true pose too
+ *     roburoc4_sim_snapshot()       everything about the robot, including its true pose
  *
  * The same configuration, seed and calls give the same bytes. roburoc4-sim is this model behind
  * a UDP socket.
@@ -24,7 +24,7 @@
  *   sender (an address and port, or just 1); answers and statuses go to the peer that asked.
  *   Memory is allocated by the create functions only and freed by the destroy functions.
  *   One simulator is used by one thread at a time; different ones by any threads.
- *   Functions that cannot do what is asked return an error and change nothing.
+ *   Functions that fail return an error and change nothing.
  */
 #ifndef ROBUROC4_SIM_H
 #define ROBUROC4_SIM_H
@@ -43,11 +43,11 @@ extern "C" {
 
 /** The longest datagram that the simulator sends. */
 #define ROBUROC4_SIM_MAX_TRANSMIT 512
-/** Peers that it remembers at once; each can subscribe to every service. */
+/** Peers at a time; each can subscribe to every service. */
 #define ROBUROC4_SIM_MAX_PEERS 64
 /** Boxes on the floor. */
 #define ROBUROC4_SIM_MAX_BOXES 64
-/** The most channels that it can be given, of each type. */
+/** The most channels of each type. */
 #define ROBUROC4_SIM_MAX_ANALOG 64
 #define ROBUROC4_SIM_MAX_DIGITAL 256
 
@@ -120,9 +120,9 @@ ROBUROC4_SIM_API roburoc4_sim *roburoc4_sim_create(const roburoc4_sim_config *co
 /** Free it; NULL is ignored. */
 ROBUROC4_SIM_API void roburoc4_sim_destroy(roburoc4_sim *sim);
 
-/** A datagram of any content and length came from `peer`, at the time of the last advance(). NULL:
- *  none, but the network says that nobody listens at the peer's address (ICMP port unreachable).
- *  Such reports at least 2 s apart, of a peer that sent nothing for 5 s, end its subscriptions. */
+/** Process a datagram of any content and length from `peer`, at the time of the last advance().
+ *  NULL instead of a datagram: the peer's port is closed (ICMP port unreachable). Two such reports
+ *  at least 2 s apart, from a peer that sent nothing for 5 s, end its subscriptions. */
 ROBUROC4_SIM_API void roburoc4_sim_receive(roburoc4_sim *sim, uint64_t peer, const uint8_t *data,
                                            size_t size);
 /** Run all cycles that are due at now_us. The first call sets when cycle 0 was and runs none. A
@@ -138,9 +138,9 @@ ROBUROC4_SIM_API uint64_t roburoc4_sim_next_deadline(const roburoc4_sim *sim);
 
 /* ------------------------------------------------------------------------------- controls --- */
 
-/** What a person beside the robot can do (5.1, 5.2, 4.1, 5.4), and what no person can: the value of
- *  each is a switch, 1 or 0, unless its comment says otherwise. The name of a control, in the
- *  panel's lines and in other languages, is that of its constant: "estop_local". */
+/** What a person beside the robot can do (5.1, 5.2, 4.1, 5.4), and some things that nobody can. The
+ *  value is 1 or 0 unless the comment says otherwise. The name of a control, in the panel's lines
+ *  and in other languages, is that of its constant: "estop_local". */
 /* main power switch. Off: silent, motors off, all subscriptions gone. On after off is a reboot:
  * cycles from 0, odometry at the start pose, targets 0. The robot stays where it is. */
 #define ROBUROC4_SIM_POWER 0
@@ -155,15 +155,15 @@ ROBUROC4_SIM_API uint64_t roburoc4_sim_next_deadline(const roburoc4_sim *sim);
 /* brakes selector: AUTOMATIC (0), or RELEASED, which cuts the motors' power: the robot rolls out */
 #define ROBUROC4_SIM_BRAKES_RELEASED 4
 #define ROBUROC4_SIM_CHARGER 5 /* plugged in */
-/* remaining energy, 0 to 100. An empty battery stays at 0 and the robot goes on, so that a test
- * decides when the power goes */
+/* remaining energy, 0 to 100. With an empty battery the robot keeps running, so that a test decides
+ * when the power fails */
 #define ROBUROC4_SIM_BATTERY_PERCENT 6
 /* bumpers, pressed by hand; contact with an obstacle presses them as well. A pressed bumper stops
  * motion towards it; the other direction is free */
 #define ROBUROC4_SIM_BUMPER_FRONT 7
 #define ROBUROC4_SIM_BUMPER_REAR 8
 #define ROBUROC4_SIM_LOCALIZATION_FLAGS 9 /* a sum of ROBUROC4_LOCALIZATION_* */
-#define ROBUROC4_SIM_PAD 10               /* 0 lets all buttons and axes of the game pad go */
+#define ROBUROC4_SIM_PAD 10               /* 0 releases all buttons and axes of the game pad */
 #define ROBUROC4_SIM_PIN 11               /* 0 unpins all inputs */
 /* a button of the game pad, on any robot: add ROBUROC4_DI_PAD_A to _RB; "pad_a" to "pad_rb". While
  * [A] is held the pad's axes drive and speed commands are ignored; after it the target is 0 until
@@ -177,21 +177,22 @@ ROBUROC4_SIM_API uint64_t roburoc4_sim_next_deadline(const roburoc4_sim *sim);
  * index on the wire; "pin_analog_2". Any float, NaN too. Reads: what the input reports */
 #define ROBUROC4_SIM_PIN_ANALOG 1000
 #define ROBUROC4_SIM_PIN_DIGITAL 2000
-/* to be read only: the last commanded value of an output, 0 before the first command and after a
+/* read-only: the last commanded value of an output, 0 before the first command and after a
  * reboot; "digital_output_3". Digital output 0 is the robot's own: 1 while speed commands feed its
  * watchdog */
 #define ROBUROC4_SIM_ANALOG_OUTPUT 3000
 #define ROBUROC4_SIM_DIGITAL_OUTPUT 4000
 
-/** Set a control. ROBUROC4_ERR_INDEX: the robot has none of this number; ROBUROC4_ERR_ARGUMENT: it
- *  cannot have this value; ROBUROC4_ERR_STATE: not now. */
+/** Set a control. ROBUROC4_ERR_INDEX: there is no control with this number; ROBUROC4_ERR_ARGUMENT:
+ *  invalid value; ROBUROC4_ERR_STATE: not possible now. */
 ROBUROC4_SIM_API roburoc4_result roburoc4_sim_set(roburoc4_sim *sim, uint32_t control,
                                                   double value);
-/** Read one. ROBUROC4_ERR_INDEX: the robot has none of this number, or it cannot be read. */
+/** Read a control. ROBUROC4_ERR_INDEX: there is no control with this number, or it cannot be
+ * read. */
 ROBUROC4_SIM_API roburoc4_result roburoc4_sim_get(const roburoc4_sim *sim, uint32_t control,
                                                   double *out);
-/** The number of the control with this name, or ROBUROC4_ERR_INDEX. Underscores do not matter, and
- *  what is behind one can be left out where one control alone is left: "battery", "brakes". */
+/** The number of the control with this name, or ROBUROC4_ERR_INDEX. Underscores are ignored, and
+ *  the parts after one can be omitted if the rest is unique: "battery", "brakes". */
 ROBUROC4_SIM_API roburoc4_result roburoc4_sim_control_find(const char *name);
 
 /* ------------------------------------------------------------------------------ obstacles --- */
@@ -215,16 +216,16 @@ ROBUROC4_SIM_API roburoc4_result roburoc4_sim_place(roburoc4_sim *sim, double x_
 
 /* --------------------------------------------------------------------------- observation --- */
 
-/** All that can be known about the robot. */
+/** Everything about the robot. */
 typedef struct roburoc4_sim_state {
     uint32_t size;          /* set by ROBUROC4_SIZED() */
     uint32_t battery_state; /* ROBUROC4_BATTERY_* */
     uint64_t now_us;        /* time of the last advance() */
     uint64_t cycles;        /* low level cycles since power on */
-    /* where it is, and how its body moves */
+    /* its true pose and motion */
     double true_x_m, true_y_m, true_theta_rad;
     double true_linear_m_s, true_angular_rad_s;
-    /* what its wheels say: the localization and differential services */
+    /* as its wheels measure: the localization and differential services */
     double odometry_x_m, odometry_y_m, odometry_theta_rad;
     double wheel_linear_m_s, wheel_angular_rad_s;
     double target_linear_m_s, target_angular_rad_s;
@@ -246,7 +247,7 @@ typedef struct roburoc4_sim_state {
     uint32_t nonzero_speed_commands; /* of these: not both speeds 0 */
     uint32_t refused_speed_commands; /* of these: not finite, or [A] was held */
     uint32_t io_commands;            /* IO card commands of the right length */
-    uint32_t ignored;                /* datagrams that mean nothing to it */
+    uint32_t ignored;                /* invalid datagrams */
     uint32_t dropped;                /* datagrams that it could not queue */
     /* now */
     uint32_t peers;         /* with at least one subscription */
@@ -256,19 +257,19 @@ typedef struct roburoc4_sim_state {
 /** Read the state. ROBUROC4_ERR_SIZE for a size that no version has had. */
 ROBUROC4_SIM_API roburoc4_result roburoc4_sim_snapshot(const roburoc4_sim *sim,
                                                        roburoc4_sim_state *state);
-/** Obey one line of text, such as `pad a down`, `pad rt 0.5`, `estop local press`, `power off`;
- *  `help` lists them all. `reply` (capacity bytes, at least 1) gets "ok", the text that was asked
- *  for, or what is wrong; ROBUROC4_SIM_REPLY bytes hold the longest. An empty line, or one that
- *  begins with `#`, does nothing. ROBUROC4_ERR_ARGUMENT: not understood, nothing was changed.
- *  ROBUROC4_ERR_STATE: understood, but it cannot be done now. */
+/** Carry out one line of text, such as `pad a down`, `pad rt 0.5`, `estop local press`, `power
+ *  off`; `help` lists them all. `reply` (capacity bytes, at least 1) gets "ok", the requested text,
+ *  or an error message; ROBUROC4_SIM_REPLY bytes hold the longest. An empty line, or one that
+ *  begins with `#`, does nothing. ROBUROC4_ERR_ARGUMENT: invalid line; nothing was changed.
+ *  ROBUROC4_ERR_STATE: not possible now. */
 #define ROBUROC4_SIM_REPLY 2048
 ROBUROC4_SIM_API roburoc4_result roburoc4_sim_panel(roburoc4_sim *sim, const char *line,
                                                     char *reply, size_t capacity);
 
 /* ---------------------------------------------------------------------------- virtual time --- */
 /*
- * A robot, the clients that talk with it, and a network for each of them, in a time that goes on
- * only in roburoc4_world_step(): no sockets and no waiting, and the same calls give the same bytes.
+ * A robot, its clients, and a network for each of them. Time advances only in
+ * roburoc4_world_step(): no sockets, no waiting, and the same calls give the same bytes.
  *
  *     roburoc4_world *world = roburoc4_world_create(NULL);
  *     roburoc4_client_init(&client, sizeof client, NULL);
@@ -281,20 +282,20 @@ ROBUROC4_SIM_API roburoc4_result roburoc4_sim_panel(roburoc4_sim *sim, const cha
 
 typedef struct roburoc4_world roburoc4_world;
 
-/** What goes wrong on a network, in each direction; the shares are 0 to 1, and each datagram's luck
- *  is drawn on its own. All but the size 0: nothing. */
+/** Faults of a network, in each direction. The probabilities are 0 to 1, independent for each
+ *  datagram; all 0 for a perfect network. */
 typedef struct roburoc4_sim_faults {
     uint32_t size;      /* set by ROBUROC4_SIZED() */
     uint32_t delay_us;  /* of every datagram */
-    uint32_t jitter_us; /* and up to so much more; jitter alone never changes the order */
+    uint32_t jitter_us; /* up to this much more; jitter alone does not reorder */
     uint32_t reserved;
     double loss;      /* never arrives */
     double duplicate; /* arrives twice */
-    double reorder;   /* is held back 1 to 40 ms longer, so that later ones overtake it */
+    double reorder;   /* delayed by 1 to 40 ms, so that later ones overtake it */
     double corrupt;   /* one to four bits are flipped, or (one in four) its end is cut off */
 } roburoc4_sim_faults;
 
-/** Clients that a world has room for. */
+/** The most clients in a world. */
 #define ROBUROC4_WORLD_CLIENTS 16
 
 /** A world with one robot, which is on, and without clients; its time begins at 1 s. config is that
@@ -302,29 +303,29 @@ typedef struct roburoc4_sim_faults {
 ROBUROC4_SIM_API roburoc4_world *roburoc4_world_create(const roburoc4_sim_config *config);
 /** Free it, and its robot; the clients are yours. NULL is ignored. */
 ROBUROC4_SIM_API void roburoc4_world_destroy(roburoc4_world *world);
-/** The robot, to act as the person beside it. Leave its datagrams and its time to the world. */
+/** The robot, to act as the person beside it. The world handles its datagrams and its time. */
 ROBUROC4_SIM_API roburoc4_sim *roburoc4_world_robot(roburoc4_world *world);
-/** The time, which every call of a client is given. */
+/** The time to pass to every client call. */
 ROBUROC4_SIM_API uint64_t roburoc4_world_now_us(const roburoc4_world *world);
-/** Start a client (after roburoc4_client_init()) and carry its datagrams from now on. It must stay
- *  where it is until roburoc4_world_leave(). Returns its number, 1 or more, which no other client
- *  of this world gets; ROBUROC4_ERR_BUFFER (the world is full), ROBUROC4_ERR_SYSTEM (no memory), or
- *  what roburoc4_client_start() returns. */
+/** Start a client (after roburoc4_client_init()) and carry its datagrams from now on. It must not
+ *  move in memory until roburoc4_world_leave(). Returns its number, 1 or more, which no other
+ *  client of this world gets; ROBUROC4_ERR_BUFFER (the world is full), ROBUROC4_ERR_SYSTEM (no
+ *  memory), or what roburoc4_client_start() returns. */
 ROBUROC4_SIM_API roburoc4_result roburoc4_world_join(roburoc4_world *world,
                                                      roburoc4_client *client);
-/** Carry no more datagrams of this client: what is under way is lost. To let it stop its robot,
- *  call roburoc4_client_close() and let time pass before. */
+/** Stop carrying datagrams of this client; what is in flight is lost. To let it stop the robot,
+ *  first call roburoc4_client_close() and let time pass. */
 ROBUROC4_SIM_API void roburoc4_world_leave(roburoc4_world *world, const roburoc4_client *client);
-/** What goes wrong on all networks from now on; what is under way stays so. ROBUROC4_ERR_SIZE, or
- *  ROBUROC4_ERR_ARGUMENT for a share that is not within 0 to 1: nothing was changed. */
+/** Set the faults of all networks; datagrams in flight keep theirs. ROBUROC4_ERR_SIZE, or
+ *  ROBUROC4_ERR_ARGUMENT for a probability outside of 0 to 1: nothing was changed. */
 ROBUROC4_SIM_API roburoc4_result roburoc4_world_set_faults(roburoc4_world *world,
                                                            const roburoc4_sim_faults *faults);
-/** Let time go on to the next moment at which a client has news, but not beyond until_us: it was
- *  given a datagram, or it was due. Returns the client's number; take its events and read its
- *  values now, as the next step may bring others. Returns 0 when it is until_us and everything that
- *  happens by then has happened. A time that is not ahead only sends what clients have to send, as
- *  after roburoc4_client_drive(). datagram and size (each may be NULL) are set to what the client
- *  was given, a view that lives until the next step; size is 0 where there was none. */
+/** Advance to the next time at which a client has news (it received a datagram, or it was due), but
+ *  not beyond until_us. Returns the client's number; take its events and read its values before the
+ *  next step. Returns 0 once until_us is reached and nothing is left to do. A time that is not
+ *  ahead only sends what clients have to send, as after roburoc4_client_drive(). datagram and size
+ *  (each may be NULL) are set to the datagram that the client received, which is valid until the
+ *  next step; size is 0 if there was none. */
 ROBUROC4_SIM_API uint32_t roburoc4_world_step(roburoc4_world *world, uint64_t until_us,
                                               const uint8_t **datagram, size_t *size);
 

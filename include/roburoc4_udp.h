@@ -2,8 +2,7 @@
  *
  * roburoc4_udp.h - a roburoc4_client on a UDP socket and a clock: Linux, macOS, BSD, Windows.
  *
- * The client of roburoc4.h knows neither sockets nor clocks; this adapter lends it both, and keeps
- * nothing else. A program is a loop around one call:
+ * A program is a loop around one call:
  *
  *     roburoc4_address address;
  *     roburoc4_udp udp;
@@ -23,22 +22,21 @@
  *         roburoc4_udp_wait(&udp, &client, 50000);
  *     roburoc4_udp_close(&udp);
  *
- * A program with a loop of its own (poll, epoll, select, Qt, libuv) watches roburoc4_udp_fd() and
+ * A program with its own event loop (poll, epoll, select, Qt, libuv) watches roburoc4_udp_fd() and
  * roburoc4_client_next_deadline(), and calls roburoc4_udp_wait() with a time-out of 0 when either
  * is due.
  *
  * WHAT IT PROMISES
  *
- *   Whose datagrams   the socket is connected: the system passes on only what comes from the
- *                     robot's own address and port.
+ *   Whose datagrams   the socket is connected, so only datagrams from the robot's own address and
+ *                     port are received.
  *   Fresh commands    the clock is read right before each roburoc4_client_poll_transmit(), and the
- *                     datagram is sent at once. What the socket does not take is dropped and
- *                     counted, never kept for later. The send buffer is kept small for the same
- *                     reason.
- *   An absent robot   nobody on the port, no route, cable pulled, firewall: all of these are states
- *                     (the field fault), in which the client goes on trying at its own pace.
- *                     When the machine's own address changes, the socket is connected anew.
- *   A flood           of datagrams does not hold back what is due to be sent.
+ *                     datagram is sent at once. What the socket does not accept is dropped and
+ *                     counted, never queued. The send buffer is small for the same reason.
+ *   An absent robot   closed port, no route, unplugged cable, firewall: all of these are states
+ *                     (the field fault), not errors, and the client keeps trying. When the
+ *                     machine's own address changes, the socket is connected again.
+ *   A flood           of datagrams does not delay what is due to be sent.
  *
  * Results, units and conventions are those of roburoc4.h. One roburoc4_udp is used by one thread at
  * a time; roburoc4_pump.h serves many threads.
@@ -56,44 +54,43 @@ extern "C" {
 
 /** A numeric address and port (frozen: this struct never changes). */
 typedef struct roburoc4_address {
-    uint8_t ip[16];   /* as on the network; IPv4 uses the first four bytes, the others are 0 */
+    uint8_t ip[16];   /* in network order; IPv4 uses the first four bytes, the others are 0 */
     uint32_t scope;   /* IPv6: the zone (interface number) of a link-local address, else 0 */
     uint16_t port;    /* 1 to 65535, in the host's byte order */
     uint8_t family;   /* 4 or 6 */
     uint8_t reserved; /* 0 */
 } roburoc4_address;
 
-/** Room for every text of roburoc4_udp_address_text(), its NUL included. */
+/** Enough for every text of roburoc4_udp_address_text(), including its NUL. */
 #define ROBUROC4_ADDRESS_TEXT_SIZE 72
 
-/** Turn "HOST", "HOST:PORT", "[IPV6]", "[IPV6]:PORT" or a bare IPv6 address into numbers.
- *  HOST is a name or an address; a name that has both gives its IPv4 address, as the robot has one.
- *  default_port (0: ROBUROC4_DEFAULT_PORT) is used where the text names no port.
- *  THIS CALL BLOCKS on names (for seconds, with a slow name server), never on addresses: call it
- *  once, before driving; everything after it uses the numbers.
+/** Resolve "HOST", "HOST:PORT", "[IPV6]", "[IPV6]:PORT" or a bare IPv6 address. HOST is a name or
+ *  an address; a name with IPv4 and IPv6 addresses resolves to IPv4, as the robot has that.
+ *  default_port (0: ROBUROC4_DEFAULT_PORT) is used if the text has no port. THIS CALL BLOCKS for
+ *  names (for seconds, with a slow name server), never for addresses: call it once, before driving.
  *  ROBUROC4_ERR_ARGUMENT: the text has none of these forms, or its port is not 1 to 65535.
  *  ROBUROC4_ERR_RESOLVE: the name has no address. *out is then not written. Any thread. */
 ROBUROC4_API roburoc4_result roburoc4_udp_resolve(const char *host, uint16_t default_port,
                                                   roburoc4_address *out);
-/** The address as text with a NUL, "192.168.0.2:60000" or "[fe80::1%2]:60000". Returns its length,
- *  or ROBUROC4_ERR_BUFFER, or ROBUROC4_ERR_ARGUMENT for an address of neither family. */
+/** The address as NUL-terminated text, "192.168.0.2:60000" or "[fe80::1%2]:60000". Returns its
+ *  length, or ROBUROC4_ERR_BUFFER, or ROBUROC4_ERR_ARGUMENT for an address of neither family. */
 ROBUROC4_API roburoc4_result roburoc4_udp_address_text(const roburoc4_address *address,
                                                        char *buffer, size_t capacity);
 
 /* ----------------------------------------------------------------------------------- clock --- */
 
-/** Microseconds of a clock that never goes back and goes on while the machine sleeps: the now_us
- *  for all client calls. Its zero has no meaning. Linux: CLOCK_BOOTTIME; macOS:
- *  mach_continuous_time; Windows: QueryInterruptTimePrecise, or GetTickCount64 (10 to 16 ms steps)
- *  before Windows 10; elsewhere CLOCK_MONOTONIC. Any thread. */
+/** Microseconds of a clock that never goes back and runs while the machine sleeps: the now_us of
+ *  all client calls. Its origin is arbitrary. Linux: CLOCK_BOOTTIME; macOS: mach_continuous_time;
+ *  Windows: QueryInterruptTimePrecise, or GetTickCount64 (10 to 16 ms steps) before Windows 10;
+ *  elsewhere CLOCK_MONOTONIC. Any thread. */
 ROBUROC4_API uint64_t roburoc4_udp_now_us(void);
 
 /* ---------------------------------------------------------------------------------- socket --- */
 
-/** Why the network did not take or deliver a datagram: the last reason, 0 again as soon as a
- *  datagram comes in. */
+/** Why the network did not accept or deliver a datagram: the last reason, 0 again as soon as a
+ *  datagram is received. */
 #define ROBUROC4_FAULT_NONE 0
-#define ROBUROC4_FAULT_REFUSED 1     /* the host is there, nothing listens on the port */
+#define ROBUROC4_FAULT_REFUSED 1     /* the host answers, but nothing listens on the port */
 #define ROBUROC4_FAULT_UNREACHABLE 2 /* no route to the host or its network */
 #define ROBUROC4_FAULT_DOWN 3        /* this machine's interface is down, or its address is gone */
 #define ROBUROC4_FAULT_DENIED 4      /* this machine's firewall or rights forbid it */
@@ -101,23 +98,23 @@ ROBUROC4_API uint64_t roburoc4_udp_now_us(void);
 #define ROBUROC4_FAULT_OTHER 6       /* see the field system_error */
 
 /** What a ROBUROC4_FAULT_* means and what to check, one English sentence without a full stop;
- *  "no fault" for 0, "unknown fault" for a number that is none. Lives as long as the program. */
+ *  "no fault" for 0, "unknown fault" for an invalid number. Valid as long as the program runs. */
 ROBUROC4_API const char *roburoc4_udp_fault_text(uint32_t fault);
 
 /** Indices of roburoc4_udp.counters, which wrap around. */
-#define ROBUROC4_UDP_COUNT_SENT 0       /* datagrams that the system took */
+#define ROBUROC4_UDP_COUNT_SENT 0       /* datagrams that the system accepted */
 #define ROBUROC4_UDP_COUNT_RECEIVED 1   /* datagrams given to the client */
-#define ROBUROC4_UDP_COUNT_DROPPED 2    /* datagrams to send that the system did not take */
-#define ROBUROC4_UDP_COUNT_REFUSED 3    /* times that the robot's host said: nobody on this port */
+#define ROBUROC4_UDP_COUNT_DROPPED 2    /* datagrams to send that the system did not accept */
+#define ROBUROC4_UDP_COUNT_REFUSED 3    /* times that the robot's host reported a closed port */
 #define ROBUROC4_UDP_COUNT_FAULTS 4     /* errors of the network of any other kind */
-#define ROBUROC4_UDP_COUNT_OVERSIZED 5  /* received and thrown away: longer than _MAX_RECEIVE */
-#define ROBUROC4_UDP_COUNT_RECONNECTS 6 /* times that the socket was connected anew */
+#define ROBUROC4_UDP_COUNT_OVERSIZED 5  /* received and discarded: longer than _MAX_RECEIVE */
+#define ROBUROC4_UDP_COUNT_RECONNECTS 6 /* times that the socket was connected again */
 #define ROBUROC4_UDP_COUNTERS 7
 
-/** The longest datagram that is received; a RobuROC4's longest is 65 bytes, and one that used every
- *  capacity of the client is below 1000. */
+/** The longest datagram that is received; a RobuROC4's longest is 65 bytes, and one that fills
+ *  every capacity of the client is below 1000. */
 #define ROBUROC4_UDP_MAX_RECEIVE 2048
-/** The most datagrams that one roburoc4_udp_wait() takes. */
+/** The most datagrams that one roburoc4_udp_wait() reads. */
 #define ROBUROC4_UDP_BURST 64
 
 /** A connected socket. Declare one, and read the first fields once roburoc4_udp_open() was called;
@@ -138,48 +135,47 @@ typedef struct roburoc4_udp {
     uint8_t private_datagram[2048];
 } roburoc4_udp;
 
-/** Open a non-blocking socket that talks with `address` only. udp_size is sizeof(roburoc4_udp).
- *  A network that is not reachable now is no error: the fault says so and connecting is tried again
- *  by later calls, at most once a second. The socket is not inherited by programs that this one
- *  starts.
- *  ROBUROC4_ERR_SIZE: header and library differ. ROBUROC4_ERR_ARGUMENT: not an address of
- *  roburoc4_udp_resolve(). ROBUROC4_ERR_SYSTEM: no socket; the field system_error says why.
- *  After an error the socket counts as closed. */
+/** Open a non-blocking socket that is connected to `address`. udp_size is sizeof(roburoc4_udp).
+ *  An unreachable network is not an error: the fault tells, and later calls connect again, at most
+ *  once a second. The socket is not inherited by child programs. ROBUROC4_ERR_SIZE: header and
+ *  library differ. ROBUROC4_ERR_ARGUMENT: not an address of roburoc4_udp_resolve().
+ *  ROBUROC4_ERR_SYSTEM: no socket; the field system_error says why. After an error the socket
+ *  counts as closed. */
 ROBUROC4_API roburoc4_result roburoc4_udp_open(roburoc4_udp *udp, size_t udp_size,
                                                const roburoc4_address *address);
-/** Close the socket. It sends nothing: end the client first, as in the loop at the top.
- *  ROBUROC4_ERR_CLOSED where it is closed already. */
+/** Close the socket. It sends nothing: close the client first, as in the loop at the top.
+ *  ROBUROC4_ERR_CLOSED if it is closed already. */
 ROBUROC4_API roburoc4_result roburoc4_udp_close(roburoc4_udp *udp);
 
 /** The descriptor to watch for reading (Windows: the SOCKET), or -1 when closed. It stays the same
- *  from open to close. Only watch it: reading, writing or closing it is the adapter's. */
+ *  from open to close. Only watch it; do not read, write or close it. */
 ROBUROC4_API intptr_t roburoc4_udp_fd(const roburoc4_udp *udp);
 
 /* ------------------------------------------------------------------------------ datagrams --- */
 
 /** Results of roburoc4_udp_receive_one(). */
-#define ROBUROC4_UDP_NOTHING 0 /* no datagram is there */
+#define ROBUROC4_UDP_NOTHING 0 /* no datagram is waiting */
 #define ROBUROC4_UDP_USED 1    /* the client used one */
 #define ROBUROC4_UDP_DROPPED 2 /* the client dropped one, and counted why */
 
-/** Take one datagram, if one is there, and give it to the client; never waits. Who wants every
- *  status reads the client's values after each ROBUROC4_UDP_USED. datagram and size (each may be
- *  NULL) are set to the datagram, a view that lives until the next call with this udp; size is 0
- *  with ROBUROC4_UDP_NOTHING.
- *  ROBUROC4_ERR_CLOSED; ROBUROC4_ERR_SYSTEM: the socket itself is unusable (not: the network). */
+/** Receive a datagram, if one is waiting, and pass it to the client; never waits. To see every
+ *  status, read the client's values after each ROBUROC4_UDP_USED. *datagram and *size (each pointer
+ *  may be NULL) are set to the datagram, which is valid until the next call with this udp; *size is
+ *  0 with ROBUROC4_UDP_NOTHING. ROBUROC4_ERR_CLOSED; ROBUROC4_ERR_SYSTEM: the socket itself is
+ *  unusable (not: the network). */
 ROBUROC4_API roburoc4_result roburoc4_udp_receive_one(roburoc4_udp *udp, roburoc4_client *client,
                                                       const uint8_t **datagram, size_t *size);
-/** Send all that the client has to send now; never waits. Returns how many datagrams the system
- *  took. ROBUROC4_ERR_CLOSED. Call it after every client call that changes something (drive(),
+/** Send everything that the client has to send; never waits. Returns how many datagrams the system
+ *  accepted. ROBUROC4_ERR_CLOSED. Call it after every client call that changes something (drive(),
  *  stop(), set_digital_output() ...), or let roburoc4_udp_wait() do it. */
 ROBUROC4_API roburoc4_result roburoc4_udp_transmit_all(roburoc4_udp *udp, roburoc4_client *client);
 
-/** The convenience call: send what is due; wait until a datagram comes, the client's deadline is
- *  reached, timeout_us has passed or a signal handler ran (timeout_us 0 does not wait); take all
- *  datagrams that are there, but stop after ROBUROC4_UDP_BURST, or as soon as the client has
- *  something to send; and send that. Returns how many datagrams the client used, 0 where none came.
- *  ROBUROC4_ERR_CLOSED; ROBUROC4_ERR_SYSTEM as for roburoc4_udp_receive_one(), then it has not
- *  waited. Windows rounds waiting times up to its timer's step (at most 16 ms). */
+/** Send what is due; wait until a datagram arrives, the client's deadline is reached, timeout_us
+ *  has passed or a signal handler ran (timeout_us 0 does not wait); receive all waiting datagrams,
+ *  up to ROBUROC4_UDP_BURST or until the client has something to send; and send that. Returns how
+ *  many datagrams the client used. ROBUROC4_ERR_CLOSED; ROBUROC4_ERR_SYSTEM as for
+ *  roburoc4_udp_receive_one(), without waiting. Windows rounds waiting times up to its timer's
+ *  resolution (at most 16 ms). */
 ROBUROC4_API roburoc4_result roburoc4_udp_wait(roburoc4_udp *udp, roburoc4_client *client,
                                                uint32_t timeout_us);
 

@@ -1,10 +1,10 @@
 # shellcheck shell=sh
 # SPDX-License-Identifier: MIT
 #
-# What the scripts share: installing packages, configuring a build folder whatever generator made
-# it, and running stages.
+# Shared by the scripts: installing packages, configuring build folders of any generator, and
+# running stages.
 #
-# Lists of packages are words:
+# Lists of packages are split into words:
 # shellcheck disable=SC2086
 
 LC_ALL=C
@@ -27,7 +27,7 @@ jobs() {
     getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2
 }
 
-# only_help ARGUMENT...: for scripts without options; help() is theirs.
+# only_help ARGUMENT...: for scripts whose only option is --help; they define help().
 only_help() {
     case ${1:-} in
     -h | --help)
@@ -45,7 +45,7 @@ only_help() {
 
 missing=
 
-# need PACKAGE COMMAND...: note PACKAGE as missing where COMMAND fails.
+# need PACKAGE COMMAND...: note PACKAGE as missing if COMMAND fails.
 need() {
     need_package=$1
     shift
@@ -67,7 +67,7 @@ sanitizes() {
     printf 'int main(void) { return 0; }\n' | "$1" -fsanitize=address -x c -o /dev/null -
 }
 
-# What more than one script needs.
+# Needed by several scripts.
 need_build() {
     need cmake have cmake
     need ninja-build have ninja
@@ -90,7 +90,7 @@ need_lcm() {
 need_octave() {
     need octave have octave-cli
     need octave-dev have mkoctfile
-    # What Octave draws pictures with where there is no display.
+    # Octave needs it to draw pictures without a display.
     need gnuplot-nox have gnuplot
     need ghostscript have gs
     need fonts-freefont-otf test -e /usr/share/fonts/opentype/freefont/FreeSans.otf
@@ -101,7 +101,7 @@ need_python() {
     need python3-venv "${PYTHON:-python3}" -c 'import venv, ensurepip'
 }
 
-# What pip needs to build bindings/python.
+# Needed by pip to build bindings/python.
 need_python_build() {
     need gcc have gcc
     need libc6-dev c_compiles gcc
@@ -115,7 +115,7 @@ need_python_tests() {
     need binutils have readelf
 }
 
-# Install what need() found missing, and say first how much; or say what to install, and end.
+# Install what need() found missing, after printing how much it is; or print what to install, and fail.
 install_missing() {
     [ -n "$missing" ] || return 0
     have apt-get || fail "missing here (by their Debian names):$missing"
@@ -139,11 +139,11 @@ $install"
 
 # ---------------------------------------------------------------------- tests and builds
 
-# What a test may take at the most: one that hangs fails, and the log says where.
+# The time limit of a test: one that hangs fails, and the log tells where.
 longest_test_s=600
 
-# heeding COMMAND...: with the signals heard that nohup and a shell's & leave ignored; tests send
-# them to what they start.
+# heeding COMMAND...: run it with signals enabled that nohup and a shell's & leave ignored, because
+# tests send them to their processes.
 heeding() {
     if env --default-signal true 2>/dev/null; then
         env --default-signal "$@"
@@ -160,7 +160,7 @@ run_ctest() {
         --output-on-failure --no-tests=error "$@"
 }
 
-# run_pytest PYTHON ARGUMENT...; the limit is watched by a thread, as tests have signals of their own.
+# run_pytest PYTHON ARGUMENT...; a thread watches the time limit, as tests use signals themselves.
 run_pytest() {
     pytest_python=$1
     shift
@@ -168,7 +168,7 @@ run_pytest() {
         --timeout "$longest_test_s" --timeout-method thread "$@"
 }
 
-# pinned_venv DIR REQUIREMENTS: a virtual environment with these, made anew where they changed.
+# pinned_venv DIR REQUIREMENTS: a virtual environment with these, recreated if they changed.
 pinned_venv() {
     if ! cmp -s "$2" "$1/requirements.txt"; then
         rm -rf "$1"
@@ -192,7 +192,7 @@ cached() {
     sed -n "s/^$2:[A-Z]*=//p" "$1/CMakeCache.txt" 2>/dev/null
 }
 
-# Whether a build folder can be used again: made from this checkout, with tools that are there.
+# Whether a build folder can be reused: made from this checkout, with tools that still exist.
 usable_tree() {
     [ "$(cached "$1" CMAKE_HOME_DIRECTORY)" = "$(pwd -P)" ] || return 1
     for tree_tool in CMAKE_COMMAND CMAKE_MAKE_PROGRAM CMAKE_C_COMPILER; do
@@ -200,8 +200,8 @@ usable_tree() {
     done
 }
 
-# configure DIR NEW-ARGUMENTS -- ARGUMENTS: configure DIR with all arguments where it is new; with
-# the later ones only, and its own generator and compiler, where it was made before.
+# configure DIR NEW-ARGUMENTS -- ARGUMENTS: configure a new DIR with all arguments, an existing one
+# with its own generator and compiler and only the later arguments.
 configure() {
     tree=$1
     shift
@@ -242,7 +242,7 @@ compile() {
 logged() {
     logged_log=$1
     shift
-    # Not as a condition, so that -e holds inside.
+    # Not in a condition, so that -e works inside.
     set +e
     (
         set -e
@@ -252,8 +252,8 @@ logged() {
     set -e
 }
 
-# stage NAME COMMAND...: run it with its output in build/logs/NAME.log; say in a line how it went,
-# how long it took, and its summary: that of ctest, or its last line. A failure ends the script.
+# stage NAME COMMAND...: run it with its output in build/logs/NAME.log; print one line with the
+# result, the duration, and a summary (of ctest, or the last line). A failure ends the script.
 stage() {
     stage_name=$1
     stage_log=build/logs/$stage_name.log

@@ -15,22 +15,22 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Where speed counts for more than size the cursors are part of whatever uses them: the compiler
- * then sees that the length asked for before suffices, and drops the checks within it. */
+/* Unless optimised for size the cursors are inlined: the compiler then sees that the length claimed
+ * first suffices, and drops the checks of each field. */
 #if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
 #define CURSOR static inline __attribute__((always_inline))
 #else
 #define CURSOR static inline
 #endif
 
-/* Whether numbers lie in memory as on the wire, so that they can be moved as they are. */
+/* Whether numbers have the same bytes in memory as on the wire, so that they can be copied. */
 #if defined(__BYTE_ORDER__) && defined(__ORDER_LITTLE_ENDIAN__)
 #define WORDS_AS_ON_THE_WIRE (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__)
 #else
 #define WORDS_AS_ON_THE_WIRE 0
 #endif
 
-/* What is assumed: IEEE numbers of these sizes, and no more of int than C99 promises (16 bits). */
+/* Assumptions: IEEE floats of these sizes; int may have only 16 bits. */
 typedef char assert_floats_are_ieee[sizeof(float) == 4 && sizeof(double) == 8 ? 1 : -1];
 
 typedef struct reader {
@@ -44,7 +44,7 @@ CURSOR reader reader_of(const uint8_t *data, size_t size) {
     return r;
 }
 
-/** The next `count` bytes, or NULL when they are not all there. */
+/** The next `count` bytes, or NULL if there are fewer. */
 CURSOR const uint8_t *read_bytes(reader *r, size_t count) {
     const uint8_t *bytes = r->at;
     if (r->failed || count > r->left) {
@@ -120,15 +120,15 @@ static inline uint64_t bits_from_f64(double value) {
     return bits;
 }
 
-/** A number with the order of the float's value, where it is none of NaN: comparing floats is a
- *  function, and a slow one, where floats are software. */
+/** An integer that orders like the float, unless that is NaN. Comparing floats is a slow function
+ * call on machines without floating-point hardware. */
 static inline int32_t order_of(float value) {
     const uint32_t bits = bits_from_f32(value);
     const int32_t magnitude = (int32_t)(bits & 0x7FFFFFFFU);
     return (bits & 0x80000000U) != 0 ? -magnitude : magnitude;
 }
 
-/** True for all but NaN and the infinities; holds where the compiler assumes there are none. */
+/** Whether a float is finite; works even if the compiler may assume that all are. */
 static inline bool finite_f32_bits(uint32_t bits) {
     return (bits >> 23 & 0xFF) != 0xFF;
 }
@@ -145,7 +145,7 @@ CURSOR double read_f64(reader *r) {
     return f64_from_bits(read_u64(r));
 }
 
-/** A run of 32-bit fields (floats or integers) as it is in memory. */
+/** A run of 32-bit fields (floats or integers), copied as it is. */
 CURSOR void read_words(reader *r, void *words, size_t count) {
     const uint8_t *from = read_bytes(r, count * 4);
     uint8_t *to = words;

@@ -5,7 +5,7 @@
  */
 #include "internal.h"
 
-/* Layout promises of a struct that callers declare. */
+/* The layout of a struct that callers declare is part of the ABI. */
 #define LAYOUT(name, condition) typedef char assert_##name[(condition) ? 1 : -1]
 LAYOUT(slot, sizeof(roburoc4_private_slot) == 24);
 LAYOUT(requests, sizeof(roburoc4_private_requests) == 112);
@@ -21,7 +21,7 @@ LAYOUT(client_drive, offsetof(roburoc4_client, private_drive) == 104);
 LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 680);
 LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1080);
 
-/* Before it is ready, a client is patient: requests are repeated each second at the latest. */
+/* The longest wait before a request is repeated while the client is not ready. */
 #define PATIENCE_US (5 * SECOND)
 #define RELOCALIZE_US (2 * SECOND)
 #define OUTPUT_PAUSE_US (50 * MS)
@@ -40,7 +40,7 @@ void roburoc4_lifecycle_enter(client *c, uint32_t state) {
         raise_event(c, state == ROBUROC4_STATE_READY ? ROBUROC4_EVENT_READY : 0);
     }
     if (state != ROBUROC4_STATE_READY) {
-        c->private_outputs.repeats = 0; /* what is an IO card, and of what size, is to be seen */
+        c->private_outputs.repeats = 0; /* the IO card may be another now */
     }
     c->private_discovery.phase_us = c->private_now_us;
 }
@@ -74,7 +74,7 @@ void roburoc4_lifecycle_forget_services(client *c, uint32_t state) {
 }
 
 void roburoc4_lifecycle_connect(client *c, uint32_t state) {
-    if (c->private_requests.fixed_id) { /* what was read in that mode names nothing */
+    if (c->private_requests.fixed_id) { /* texts read in that mode cannot identify a service */
         roburoc4_discovery_read_texts_again(&c->private_discovery);
     }
     roburoc4_requests_clear(&c->private_requests);
@@ -97,7 +97,7 @@ void roburoc4_lifecycle_reboot(client *c) {
     raise_event(c, ROBUROC4_EVENT_REBOOT);
     c->private_link.newest_cycles = 0;
     c->private_link.resubscribed = 0;
-    roburoc4_lifecycle_forget_outputs(c); /* its own are off again */
+    roburoc4_lifecycle_forget_outputs(c); /* the robot switched its outputs off */
     roburoc4_discovery_clear(&c->private_discovery);
     roburoc4_lifecycle_connect(c, ROBUROC4_STATE_CONNECTING);
 }
@@ -108,7 +108,7 @@ void roburoc4_lifecycle_clock_fault(client *c, uint64_t now_us) {
     roburoc4_requests_rebase(&c->private_requests, now_us);
     roburoc4_link_rebase(&c->private_link, now_us);
     c->private_discovery.phase_us = now_us;
-    c->private_discovery.probe_us = now_us - PROBE_US; /* ages are unknown before an answer */
+    c->private_discovery.probe_us = now_us - PROBE_US; /* no age is known before the first answer */
     c->private_outputs.sent_us = now_us;
     c->private_outputs.relocalize_us = now_us;
     count(c, ROBUROC4_COUNT_CLOCK_FAULTS);
@@ -118,7 +118,7 @@ void roburoc4_lifecycle_clock_fault(client *c, uint64_t now_us) {
 /* ---- init, start, close ---- */
 
 roburoc4_result roburoc4_client_init(client *c, size_t client_size, const roburoc4_config *config) {
-    memset(c, 0, client_size < sizeof *c ? client_size : sizeof *c); /* idle, should it be used */
+    memset(c, 0, client_size < sizeof *c ? client_size : sizeof *c); /* idle, if still used */
     if (client_size != sizeof *c) {
         return ROBUROC4_ERR_SIZE;
     }
@@ -150,7 +150,7 @@ roburoc4_result roburoc4_client_start(client *c, uint64_t now_us) {
             (uint8_t)(c->private_config.period_ms[i + ROBUROC4_SERVICE_IOCARD] / 10);
     }
     c->private_link.last_used_us = now_us;
-    c->private_requests.id_mode = 0; /* it may be another robot */
+    c->private_requests.id_mode = 0; /* this may be another robot */
     roburoc4_drive_start(&c->private_drive, now_us);
     roburoc4_lifecycle_connect(c, ROBUROC4_STATE_CONNECTING);
     return ROBUROC4_OK;
@@ -169,7 +169,7 @@ roburoc4_result roburoc4_client_close(client *c, uint64_t now_us) {
     return ROBUROC4_OK;
 }
 
-/** Silence that makes the robot lost: never less than three of the shortest period. */
+/** The silence after which the robot is lost: at least three of the shortest period. */
 static uint32_t patience_us(const client *c) {
     uint32_t patience_us = c->private_config.lost_ms * MS;
     uint32_t shortest_us = PROBE_US;
@@ -188,7 +188,7 @@ static uint32_t patience_us(const client *c) {
 
 /* ---- sending ---- */
 
-/** Outputs are sent at once and twice more: nothing tells whether they arrived. */
+/** Outputs are sent three times, because the robot does not confirm them. */
 static roburoc4_result poll_outputs(client *c, uint8_t *buffer, size_t capacity) {
     roburoc4_private_outputs *o = &c->private_outputs;
     const int32_t *counts = c->private_values.io_counts;
@@ -223,7 +223,7 @@ static void tick(client *c) {
     }
 }
 
-/** Whichever is sooner: the deadline so far, or this span after that time. */
+/** The earlier of `deadline` and `since_us` plus the span. */
 static uint64_t sooner(uint64_t deadline, const uint64_t *since_us, uint32_t span_us) {
     const uint64_t due_us = *since_us + span_us;
     return due_us < deadline ? due_us : deadline;
@@ -250,7 +250,7 @@ static uint64_t next_deadline(const client *c) {
     }
     deadline = sooner(deadline, &requests_us, 0);
     if (!connected(c) && deadline == UINT64_MAX) {
-        return 0; /* just started or lost: the directory is still to be asked for */
+        return 0; /* just started or lost: the directory has not been requested yet */
     }
     if (connected(c)) {
         deadline = sooner(deadline, &c->private_link.last_used_us, patience_us(c));
@@ -280,7 +280,7 @@ static uint64_t next_deadline(const client *c) {
     return deadline;
 }
 
-/** All that may be due, the most urgent first. */
+/** Everything that may be due, the most urgent first. */
 static roburoc4_result poll_all(client *c, uint8_t *buffer, size_t capacity) {
     float speeds[2];
     roburoc4_result length = 0;
@@ -312,7 +312,7 @@ roburoc4_result roburoc4_client_poll_transmit(client *c, uint8_t *buffer, size_t
     }
     if (now_us >= c->private_now_us && now_us < c->private_idle_until_us) {
         c->private_now_us = now_us;
-        return 0; /* nothing has changed since it was computed that nothing is due until then */
+        return 0; /* nothing changed since this deadline was computed */
     }
     begin_call(c, now_us);
     const roburoc4_result length = poll_all(c, buffer, capacity);

@@ -32,10 +32,10 @@
 #define WORDS_DIFFERENTIAL 4
 #define WORDS_DIFFERENTIAL_PROPERTIES 13
 #define SPEEDS offsetof(roburoc4_differential_status, target_linear_m_s)
-/* The largest payload of a UDP datagram over IPv4: what no telegram can be longer than. */
+/* The largest payload of a UDP datagram over IPv4, which no telegram exceeds. */
 #define SIZE_LIMIT 65507
 
-/* These structs have their words in the order of the wire, without gaps: moved as one run. */
+/* These structs have their members in wire order without gaps, so they are copied in one run. */
 typedef char assert_telemeter_is_packed[sizeof(roburoc4_telemeter) == SIZE_TELEMETER ? 1 : -1];
 typedef char assert_differential_is_packed[offsetof(roburoc4_differential_properties, service) ==
                                                    4 * WORDS_DIFFERENTIAL_PROPERTIES
@@ -53,7 +53,7 @@ typedef char
 
 /* ---- beginnings and ends ---- */
 
-/** Whether `count` entries of `entry` bytes after `head` make a datagram that can exist. */
+/** Whether `count` entries of `entry` bytes after `head` fit into a datagram. */
 static bool sendable(size_t head, size_t count, size_t entry) {
     return count <= (SIZE_LIMIT - head) / entry;
 }
@@ -67,7 +67,7 @@ CURSOR roburoc4_result surplus(const reader *r, size_t length) {
     return left <= INT32_MAX ? (roburoc4_result)left : INT32_MAX;
 }
 
-/** Take `length` bytes of the buffer, or none where they do not fit. */
+/** Reserve `length` bytes of the buffer, or none if they do not fit. */
 CURSOR roburoc4_result claim(writer *w, size_t length) {
     const bool fits = length <= w->left;
     w->left = fits ? length : 0;
@@ -90,7 +90,7 @@ CURSOR void read_pose(reader *r, double *x_m, double *y_m, double *theta_rad) {
 
 /* ---- requests ---- */
 
-/** Bytes after the head; 0 for GET and for actions whose layout nobody published. */
+/** Bytes after the head; 0 for GET and for actions whose layout is not published. */
 static size_t request_body(uint8_t action, uint16_t service) {
     switch (action) {
     case ROBUROC4_ACTION_QUERY:
@@ -240,7 +240,7 @@ static roburoc4_result read_answer_head(reader *r, uint8_t action, size_t body) 
 
 static uint16_t read_answer_service(reader *r) {
     const uint16_t service = read_u16(r);
-    read_u8(r); /* the error byte, known to be 0 */
+    read_u8(r); /* the error byte, already known to be 0 */
     return service;
 }
 
@@ -351,7 +351,7 @@ roburoc4_result roburoc4_encode_notification(uint8_t *buffer, size_t capacity, u
     return result;
 }
 
-/* Blocks of 8 that hold so many digital channels (4.2.4.4). */
+/* The number of 8-bit blocks for this many digital channels (4.2.4.4). */
 static uint32_t digital_blocks(uint32_t channels) {
     return channels == 0 ? 0 : (channels - 1) / 8 + 1;
 }
@@ -365,7 +365,7 @@ roburoc4_result roburoc4_decode_iocard_properties(const uint8_t *data, size_t si
         return result;
     }
     if ((data[8] | data[12] | data[16] | data[20]) & 0x80) {
-        return ROBUROC4_ERR_VALUE; /* the sign of a count, in its highest byte */
+        return ROBUROC4_ERR_VALUE; /* a negative count */
     }
     out->service = read_answer_service(&r);
     out->reserved = 0;
@@ -569,7 +569,7 @@ roburoc4_result roburoc4_decode_status_header(const uint8_t *data, size_t size,
     return result;
 }
 
-/** Take `analog` floats and the blocks of `digital` bits from a reader that has passed the head. */
+/** Read `analog` floats and the blocks of `digital` bits; the reader is behind the head. */
 CURSOR roburoc4_result read_channels(reader *r, uint32_t analog, uint32_t digital, uint16_t service,
                                      uint64_t robot_cycles, roburoc4_channels *out) {
     const uint32_t blocks = digital_blocks(digital);
@@ -593,7 +593,7 @@ uint32_t roburoc4_floats(const uint8_t *view, uint32_t count, float *out, uint32
     return copied;
 }
 
-/** Whether a datagram can carry these channels after a head; their bytes in *body. */
+/** Whether these channels fit into a datagram after a head; stores their length in *body. */
 static bool channels_sendable(size_t analog, size_t digital, size_t *body) {
     const size_t blocks = digital / 8 + (digital % 8 != 0);
     *body = analog * 4 + blocks;

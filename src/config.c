@@ -39,7 +39,7 @@ static const float_setting floats[] = {
 
 #define COUNT(table) (sizeof(table) / sizeof((table)[0]))
 
-/* What can be wrong, as index of the texts: 0 is the size, then the rows of both tables. */
+/* Errors, as index of the texts: 0 is the size, then the rows of both tables. */
 enum {
     BAD_SIZE,
     BAD_INTEGER,
@@ -52,7 +52,7 @@ enum {
     ALL_GOOD
 };
 
-/** Sizes that a program of another version may have: it knows so many of the fields. */
+/** Sizes that a program of another version may have; they tell which fields it knows. */
 static bool size_valid(size_t size) {
     return size >= 2 * sizeof(uint32_t) && size <= sizeof(roburoc4_config) && size % 4 == 0;
 }
@@ -107,7 +107,7 @@ static uint32_t first_bad(const roburoc4_config *config) {
         }
     }
     if ((config->subscriptions & 3) != 0) {
-        return BAD_INTEGER; /* the first two services have no statuses */
+        return BAD_INTEGER; /* directory and notification have no statuses */
     }
     if (config->lease_ms < 2 * config->drive_period_ms) {
         return BAD_HALF_LEASE;
@@ -134,7 +134,8 @@ static uint32_t first_bad(const roburoc4_config *config) {
     return ALL_GOOD;
 }
 
-/** Fill *out: the fields that the program knows, defaults for the others; what is wrong. */
+/** Fill *out with the fields that the program knows, defaults for the others. Returns one of the
+ * errors above. */
 static uint32_t load(roburoc4_config *out, const roburoc4_config *config) {
     set_defaults(out);
     if (!size_valid(config->size)) {

@@ -8,16 +8,16 @@
 
 #define OUTPUT_REPEATS 3
 
-/* ---- whether the robot may be driven now ---- */
+/* ---- the conditions of driving ---- */
 
 static bool fresh(const client *c, uint32_t service, uint64_t now_us) {
     return roburoc4_link_fresh(&c->private_link, STATUS_INDEX(service),
                                c->private_config.fresh_ms * MS, now_us);
 }
 
-/** Whether an input may be the game pad's [A]: a service that is not known yet may be the card, and
- *  a card may have one until its properties tell, and its texts were asked for. A user who sets an
- *  input says that there is one, unless the card has no such input. */
+/** Whether an input may be the game pad's [A]. Until the services are known, the IO card's
+ * properties were read and its texts were requested, there may be one. A configured override input
+ * exists unless the card has fewer inputs. */
 static bool may_have_pad(const client *c) {
     const discovery *d = &c->private_discovery;
     const bool automatic =
@@ -64,7 +64,7 @@ static roburoc4_result refusal(const client *c, uint64_t now_us) {
     return ROBUROC4_OK;
 }
 
-/** The reason against arming, or 0. */
+/** Why arming is refused, or 0. */
 static roburoc4_result arming_refusal(const client *c, uint64_t now_us) {
     const roburoc4_result why = refusal(c, now_us);
     const drive *d = &c->private_drive;
@@ -104,7 +104,7 @@ roburoc4_result roburoc4_client_arm(client *c, uint64_t now_us) {
     const roburoc4_result refusal = arming_refusal(c, now_us);
     if (refusal >= 0) {
         roburoc4_drive_arm(&c->private_drive, &c->private_events);
-        c->private_values.armable = 0; /* it is armed: the next event comes after that */
+        c->private_values.armable = 0; /* the event comes again after disarming */
     }
     return refusal;
 }
@@ -172,7 +172,7 @@ static roburoc4_result output_count(const client *c, uint32_t io_type, int32_t c
     if ((c->private_discovery.known & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0) {
         return ROBUROC4_ERR_UNKNOWN;
     }
-    /* a command carries all outputs: of a card that has more than fit, none can be set */
+    /* a command carries all outputs, so a card with more than fit cannot be commanded */
     if (counts[ROBUROC4_IO_ANALOG_OUTPUT] > ROBUROC4_MAX_ANALOG_OUTPUTS ||
         counts[ROBUROC4_IO_DIGITAL_OUTPUT] > ROBUROC4_MAX_DIGITAL_OUTPUTS) {
         return ROBUROC4_ERR_INDEX;
@@ -256,7 +256,7 @@ static bool has_status(uint32_t service) {
     return service >= ROBUROC4_SERVICE_IOCARD && service < ROBUROC4_SERVICE_COUNT;
 }
 
-/** Whatever was agreed about this subscription is void. */
+/** Forget what was agreed about this subscription. */
 static void forget_subscription(client *c, uint32_t service) {
     discovery *d = &c->private_discovery;
     const uint8_t others = (uint8_t)~service_bit(service);
@@ -401,7 +401,8 @@ roburoc4_result roburoc4_client_description(const client *c, const uint8_t *data
 
 /* ---- statuses ---- */
 
-/** The service's statuses so far, or NULL before the first; *host_us is when the latest came. */
+/** The service's link statistics, or NULL before its first status; *host_us is when the latest
+ * arrived. */
 static const roburoc4_private_service *latest(const client *c, uint32_t service,
                                               uint64_t *host_us) {
     const roburoc4_private_service *s = &c->private_link.services[STATUS_INDEX(service)];
@@ -478,7 +479,7 @@ static uint32_t clipped(uint64_t span_us) {
     return span_us < UINT32_MAX ? (uint32_t)span_us : UINT32_MAX;
 }
 
-/** Copy a struct that begins with its size to a program that may know fewer of its fields. */
+/** Copy a struct that begins with its size to a program that may know fewer of its members. */
 static roburoc4_result give(void *out, const void *filled, uint32_t filled_size) {
     uint32_t size;
     memcpy(&size, out, sizeof size);

@@ -5,11 +5,11 @@
  */
 #include "internal.h"
 
-/* Words are looked for in so much of a text: it may be as long as a datagram. */
+/* Only this much of a text is searched, as it may be as long as a datagram. */
 #define TEXT_SEARCHED 255U
 
 void roburoc4_discovery_clear(discovery *d) {
-    const uint8_t wanted = d->wanted; /* what to subscribe to is the user's, not the robot's */
+    const uint8_t wanted = d->wanted; /* the subscriptions are the user's choice, not the robot's */
     memset(d, 0, sizeof *d);
     d->wanted = wanted;
     roburoc4_discovery_read_texts_again(d);
@@ -78,7 +78,7 @@ static uint8_t kind_of_type(uint16_t type) {
     case ROBUROC4_TYPE_DIAGNOSTIC:
     case ROBUROC4_TYPE_LASER:
     case ROBUROC4_TYPE_DRIVE:
-        return ROBUROC4_SERVICE_DIRECTORY; /* known, and none of those that a client uses */
+        return ROBUROC4_SERVICE_DIRECTORY; /* known, but not one that the client uses */
     default:
         return CLAIM_NONE;
     }
@@ -94,7 +94,7 @@ bool roburoc4_discovery_may_drive(const discovery *d, uint16_t id) {
     return false;
 }
 
-/** Whether only the text of element i can tell which service it is, and that text is missing. */
+/** Whether only the text of element i identifies its service, and that text is missing. */
 static bool unseen(const discovery *d, uint32_t i) {
     return d->ids[i] > ROBUROC4_SERVICE_NOTIFICATION && kind_of_type(d->types[i]) == CLAIM_NONE &&
            d->claims[i] == CLAIM_NONE;
@@ -117,7 +117,7 @@ bool roburoc4_discovery_doubtful(const discovery *d) {
     return false;
 }
 
-/** How well element i stands for a service: by type 3, by text 2, by the manual's id 1, not 0. */
+/** How well element i matches a service: 3 by type, 2 by text, 1 by the manual's id, else 0. */
 static uint32_t claim_strength(const discovery *d, uint32_t i, uint32_t kind) {
     const uint8_t type = kind_of_type(d->types[i]);
     if (d->ids[i] <= ROBUROC4_SERVICE_NOTIFICATION) {
@@ -129,7 +129,7 @@ static uint32_t claim_strength(const discovery *d, uint32_t i, uint32_t kind) {
     if (d->claims[i] < ROBUROC4_SERVICE_COUNT) {
         return d->claims[i] == kind ? 2 : 0;
     }
-    /* a text that is missing may claim this service for another id */
+    /* a missing text may assign this service to another id */
     return d->ids[i] == kind && !any_unseen(d) ? 1 : 0;
 }
 
@@ -141,7 +141,7 @@ bool roburoc4_discovery_identify(discovery *d) {
         uint16_t id = 0;
         for (uint32_t i = 0; i < d->service_count; i++) {
             const uint32_t strength = claim_strength(d, i, kind);
-            /* of equals the one with the manual's id, else the first */
+            /* among equals the one with the manual's id, else the first */
             if (strength > best || (strength == best && strength > 0 && d->ids[i] == kind)) {
                 best = strength;
                 id = d->ids[i];
@@ -179,7 +179,7 @@ static void skip(piece *text) {
     text->length--;
 }
 
-/** The next run of letters, which *rest is moved behind; of length 0 at the end. */
+/** The next run of letters; *rest is moved behind it. Length 0 at the end. */
 static piece next_run(piece *rest) {
     piece run;
     while (rest->length > 0 && !is_letter(*rest->text)) {
@@ -219,7 +219,7 @@ uint32_t roburoc4_count_word(piece text, const piece *wanted) {
     return count;
 }
 
-/** Whether the letters of a text contain these, whatever stands between them. */
+/** Whether the letters of a text contain these, ignoring everything else. */
 static bool contains_letters(piece text, const char *wanted) {
     for (; text.length > 0; skip(&text)) {
         piece rest = text;
@@ -264,7 +264,7 @@ static uint32_t role_list(uint32_t role) {
     return role == ROBUROC4_ROLE_BATTERY_V ? ROBUROC4_IO_ANALOG_INPUT : ROBUROC4_IO_DIGITAL_INPUT;
 }
 
-/** The manual's table (5.5.1): where its rows are counted, or (one more input) its numbers. */
+/** The manual's table (5.5.1), by rows or, on a card with one more input, by its numbers. */
 static int32_t role_by_table(uint32_t role, int32_t count) {
     static const uint8_t rows[ROBUROC4_ROLE_COUNT] = {ROBUROC4_DI_PAD_A, ROBUROC4_DI_FRONT_BUMPER,
                                                       ROBUROC4_DI_REAR_BUMPER,
@@ -276,7 +276,7 @@ static int32_t role_by_table(uint32_t role, int32_t count) {
     return rows[role] > 1 ? rows[role] + (count - table) : rows[role];
 }
 
-/** Where the manual's table has [A], on a card like the manual's. */
+/** The place of [A] in the manual's table, on a card like the manual's. */
 static int32_t pad_by_table(const int32_t *io_counts) {
     const int32_t analog = io_counts[ROBUROC4_IO_ANALOG_INPUT];
     if ((analog != ROBUROC4_AI_COUNT && analog != ROBUROC4_AI_COUNT + 1) ||
@@ -345,7 +345,7 @@ static bool complete(const discovery *d, const int32_t *io_counts, uint32_t list
 
 bool roburoc4_discovery_next_text(const discovery *d, const requests *r, const int32_t *io_counts,
                                   text_choice choice, ask *out) {
-    /* what decides about driving comes first; the directory once more, for its other services */
+    /* what driving depends on comes first; then the rest of the directory */
     static const uint8_t order[6] = {
         LIST_DIRECTORY,           ROBUROC4_IO_DIGITAL_INPUT,  LIST_DIRECTORY,
         ROBUROC4_IO_ANALOG_INPUT, ROBUROC4_IO_DIGITAL_OUTPUT, ROBUROC4_IO_ANALOG_OUTPUT};
@@ -409,7 +409,8 @@ void roburoc4_discovery_ask_again(discovery *d, const int32_t *io_counts) {
     d->text_due = d->done;
 }
 
-/** Which input is [A]; where late texts may be others' (`sure` is false), text and table agree. */
+/** Which input is [A]. If late texts may belong to other requests (`sure` is false), text and table
+ * must agree. */
 static int32_t find_pad(const discovery *d, const int32_t *io_counts, bool sure) {
     const uint32_t list = ROBUROC4_IO_DIGITAL_INPUT;
     const int32_t index = d->role_texts[ROBUROC4_ROLE_OVERRIDE];
@@ -431,9 +432,9 @@ roburoc4_result roburoc4_discovery_role(const discovery *d, const roburoc4_confi
         index = find_pad(d, io_counts, sure);
     } else if (index == ROBUROC4_INDEX_AUTO) {
         index = d->role_texts[role];
-        if (index == ROLE_TEXT_NONE) { /* no safety hangs on the others: a good guess will do */
+        if (index == ROLE_TEXT_NONE) { /* for other roles a guess is enough */
             index = role_by_table(role, count);
         }
     }
-    return index >= 0 && index < count ? index : ROBUROC4_ERR_UNKNOWN; /* each is below capacity */
+    return index >= 0 && index < count ? index : ROBUROC4_ERR_UNKNOWN; /* all below capacity */
 }

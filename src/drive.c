@@ -9,26 +9,26 @@
 #include "bytes.h"
 #include "internal.h"
 
-/* A changed target leaves at once, but not more often than the robot looks. */
+/* A changed target is sent at once, but not more often than the robot's cycle. */
 #define SPACING_US ROBUROC4_CYCLE_US
 #define STOP_ZEROS 3
 #define OTHER_STATUSES 3
 #define STILL_US (500 * MS)
-/* A reported target or speed this small, in m/s or rad/s, is a zero that the robot rounded. */
+/* A reported target or speed up to this, in m/s or rad/s, is a rounded zero. */
 #define ROUNDING 1e-3F
 /* How far reported targets may be from sent ones, due to rounding by the robot. */
 #define TARGET_TOLERANCE 0.02F
 /* Below this share of its target speed, the robot does not follow it. */
 #define FOLLOWING_SHARE 0.05F
-/* Far above any robot's speed; keeps products finite. */
+/* Far above any robot's speed, and low enough that products stay finite. */
 #define ANY_SPEED 1000.0F
-/* A width beyond these is not sensible. */
+/* Widths outside of these are ignored. */
 #define WIDTH_MIN_M 0.01F
 #define WIDTH_MAX_M 10.0F
 
 /* m/s and rad/s are treated alike, axis by axis. */
 enum { LINEAR, ANGULAR, AXES };
-/* A robot slower than this stands; a target greater than that is one to follow. */
+/* A robot slower than `standing` is at rest; a target above `noticeable` should be followed. */
 static const float standing[AXES] = {0.1F, 0.2F};
 static const float noticeable[AXES] = {0.02F, 0.05F};
 
@@ -57,7 +57,7 @@ static bool is_finite(float value) {
     return finite_f32_bits(bits_from_f32(value));
 }
 
-/** The value, or the bound that it is beyond. */
+/** Clamp the value to the bounds. */
 static float clamp(float value, float low, float high) {
     return order_of(value) < order_of(low) ? low : order_of(value) > order_of(high) ? high : value;
 }
@@ -107,9 +107,9 @@ void roburoc4_drive_stop(drive *d) {
 
 void roburoc4_drive_service(drive *d, bool known, uint16_t id) {
     if (!known && id == d->service) {
-        end_lease(d); /* it is still there: the last that it hears must be zero */
+        end_lease(d); /* it is still there: its last command must be zero */
     } else if (!known) {
-        /* zeros that are still owed go to the service that is found next */
+        /* pending zeros go to the service that is found next */
         d->stop_pending =
             d->stop_pending || d->nonzero_sent || (d->stopping && d->zeros_sent < STOP_ZEROS);
         d->lease_active = 0;
@@ -145,7 +145,7 @@ roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lea
                                  clamp(target[ANGULAR], -ANY_SPEED, ANY_SPEED)};
     /* NOLINTNEXTLINE: another zero counts as another target, which does no harm */
     if (!d->lease_active || memcmp(d->target, bounded, sizeof bounded) != 0) {
-        d->changed = 1; /* until it has left, however often it is renewed before */
+        d->changed = 1; /* until it was sent, however often it is renewed before */
     }
     memcpy(d->target, bounded, sizeof bounded);
     d->lease_active = 1;
@@ -170,9 +170,9 @@ void roburoc4_drive_tick(drive *d, roburoc4_result refusal, uint64_t now_us, uin
 
 /* ---- sending ---- */
 
-/** The share of both speeds that keeps them within limits and the curve as it is, 1 at most. The
- *  wheels on the outside of the curve have the linear limit, too. A direction that the robot does
- *  not have has no curve to keep. */
+/** The factor, at most 1, that brings both speeds within the limits and keeps the curve. The outer
+ * wheels have the linear limit, too. There is no curve to keep in a direction that the robot does
+ * not have. */
 static float curve_share(const float *speeds, const float *low, const float *high, float width_m) {
     const float outer = magnitude(speeds[LINEAR]) + magnitude(speeds[ANGULAR]) * width_m * 0.5F;
     const float wanted[AXES] = {outer, magnitude(speeds[ANGULAR])};
@@ -206,7 +206,7 @@ static void shape(const drive *d, const roburoc4_config *config,
     }
 }
 
-/** Remember what was sent lately: what the robot may report as its targets. */
+/** Remember what was sent recently, which the robot may report as its targets. */
 static void widen_envelope(drive *d) {
     for (uint32_t axis = 0; axis < AXES; axis++) {
         d->low[axis] = clamp(d->sent[axis], -ANY_SPEED, d->low[axis]);
@@ -229,8 +229,8 @@ static bool stop_sequence_over(const drive *d, const roburoc4_config *config, ui
            (d->confirmed || now_us - d->stop_us >= config->robot_watchdog_ms * MS);
 }
 
-/** Until the next command. The first zero of a stop sequence interrupts a speed at once; half of a
- *  short lease, so that it is repeated at all. */
+/** The time until the next command. The first zero of a stop sequence is sent at once; a short
+ * lease is repeated after half of it. */
 static uint32_t pause_us(const drive *d, const roburoc4_config *config) {
     const uint32_t period_us = config->drive_period_ms * MS;
     if (d->stopping && d->zeros_sent == 0) {
@@ -304,8 +304,8 @@ uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config) 
 
 /* ---- what the robot reports ---- */
 
-/** Whether a reported target is ours or zero: between the least and the most that was sent lately.
- */
+/** Whether a reported target is ours or zero: between the lowest and the highest that was sent
+ * recently. */
 static bool is_ours(const drive *d, uint32_t axis, float target) {
     if (nearly_zero(target)) {
         return true;
@@ -333,7 +333,8 @@ static void watch_other_commander(drive *d, const roburoc4_config *config, bool 
     }
 }
 
-/** Whether an axis has a target to follow, set by us or on the robot; *follows where it does. */
+/** Whether an axis has a nonzero target, set by us or on the robot; sets *follows if the robot
+ * follows it. */
 static bool has_target(const drive *d, uint32_t axis, float target, float current, bool *follows) {
     const uint32_t reported = magnitude_bits(target);
     const uint32_t sent = d->lease_active ? magnitude_bits(d->sent[axis]) : 0;
@@ -346,7 +347,7 @@ static bool has_target(const drive *d, uint32_t axis, float target, float curren
     return true;
 }
 
-/** Power that comes back, or a bumper that is freed, must not set the robot off. */
+/** The robot must not start moving because power returns or a bumper is released. */
 static void watch_inhibited(drive *d, bool still, uint64_t now_us, uint32_t *events) {
     if (still && !d->still) {
         d->still_us = now_us;
@@ -379,7 +380,7 @@ void roburoc4_drive_status(drive *d, const roburoc4_config *config,
         return;
     }
     if (zero && d->zeros_sent >= STOP_ZEROS && now_us - d->stop_us >= age_us) {
-        d->confirmed = 1; /* an older status tells of the time before the zeros */
+        d->confirmed = 1; /* an older status is from before the zeros */
     }
     watch_other_commander(d, config, ours, events);
     bool expected = false; /* to move */

@@ -22,17 +22,17 @@
 typedef roburoc4_client client;
 typedef roburoc4_private_values values;
 
-/* Of 32 bits where int has 16, too: products of these and of settings are times. */
+/* 32 bits even where int has 16: products with settings are times. */
 #define MS UINT32_C(1000)
 #define SECOND UINT32_C(1000000)
-/* Life of a drive command, whether configured or given to drive(). */
+/* The range of a lease, in the configuration and in drive(). */
 #define LEASE_MIN_MS 20
 #define LEASE_MAX_MS 1000
-/* The five services that have a status, as index of their tables: IO card 0 to differential 4. */
+/* Index of the five services with a status, from IO card 0 to differential 4. */
 #define STATUS_SERVICES 5
 #define STATUS_INDEX(service) ((service)-ROBUROC4_SERVICE_IOCARD)
 
-/** How many inputs of a role's type a client stores. */
+/** How many inputs of a role's kind a client stores. */
 static inline int32_t roburoc4_role_capacity(uint32_t role) {
     return role == ROBUROC4_ROLE_BATTERY_V ? ROBUROC4_MAX_ANALOG_INPUTS
                                            : ROBUROC4_MAX_DIGITAL_INPUTS;
@@ -40,8 +40,8 @@ static inline int32_t roburoc4_role_capacity(uint32_t role) {
 
 /* ---- config.c ---- */
 
-/** A program's settings, NULL for the defaults; false where a value is out of range. A program of
- *  an older version knows fewer fields: the others get their defaults. */
+/** Check a program's settings (NULL for the defaults) and copy them; false if a value is out of
+ * range. Fields that an older program does not know get their defaults. */
 bool roburoc4_config_load(roburoc4_config *out, const roburoc4_config *config);
 
 /* ---- requests ---- */
@@ -59,25 +59,26 @@ typedef roburoc4_private_ask ask;
 typedef roburoc4_private_slot slot;
 typedef roburoc4_private_requests requests;
 
-/** Close all and leave fixed-id mode. After going to it, `announce` is 1: the client takes it. */
+/** Close all requests and leave fixed-id mode. `announce` is set on entering that mode; the client
+ * clears it. */
 void roburoc4_requests_clear(requests *r);
 void roburoc4_requests_cancel_all(requests *r);
-/** Whether another request may be opened now, and `keep` more after it. */
+/** Whether another request may be opened now with `keep` left free after it. */
 bool roburoc4_requests_free(const requests *r, uint32_t keep);
-/** Whether a text may be asked for now. */
+/** Whether a text may be requested now. */
 bool roburoc4_requests_free_for_text(const requests *r);
-/** Whether this very question is open. */
+/** Whether this request is open. */
 bool roburoc4_requests_open(const requests *r, const ask *a);
-/** Open a request, unless this very question is open or there is no room: then false. */
+/** Open a request; false if it is open already or there is no room. */
 bool roburoc4_requests_begin(requests *r, const ask *a);
 /** Close requests of this action and kind. */
 void roburoc4_requests_cancel(requests *r, uint8_t action, uint8_t kind);
-/** The next request that must be (re)sent now with a new id, or NULL; *given_up is set instead to a
- *  request whose tries are used up (now closed). */
+/** The next request that must be sent or repeated now, or NULL. If its tries are used up it is
+ * closed and stored in *given_up instead. */
 slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint32_t round_trip_us,
                             uint64_t now_us, slot **given_up);
-/** The open request that this answer (5 bytes or more, or an error telegram of 1 or more) belongs
- *  to, or NULL. */
+/** The open request to which this answer (at least 5 bytes) or error telegram (at least 1) belongs,
+ * or NULL. */
 slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size, uint64_t now_us);
 void roburoc4_requests_close(requests *r, slot *s, uint64_t now_us);
 uint64_t roburoc4_requests_deadline(const requests *r);
@@ -90,18 +91,18 @@ typedef enum verdict { VERDICT_NEW, VERDICT_OLD, VERDICT_REBOOT } verdict;
 
 /** Forget the order of statuses (of a lost or restarted robot), keep the totals. */
 void roburoc4_link_restart(roburoc4_private_link *l);
-/** The statuses that are there are of services that may be others now: none is fresh. */
+/** The ids may now belong to other services: no stored status is fresh. */
 void roburoc4_link_invalidate(roburoc4_private_link *l);
-/** The robot agreed to the asked period: measure loss against it until another is observed. */
+/** The robot accepted the requested period: measure loss against it until another is observed. */
 void roburoc4_link_expect(roburoc4_private_link *l, uint32_t index);
-/** Judge a status of a service of this link; a new one is taken into the figures. */
+/** Judge a status of a service; a new one is counted in the statistics. */
 verdict roburoc4_link_status(roburoc4_private_link *l, roburoc4_private_service *s,
                              uint64_t robot_cycles, uint64_t now_us);
-/** The answer to a request of then arrived now. */
+/** The answer to a request sent at `sent_us` arrived now. */
 void roburoc4_link_round_trip(roburoc4_private_link *l, uint64_t sent_us, uint64_t now_us);
-/** How old the last status is at most. */
+/** Upper bound of the last status's age. */
 uint64_t roburoc4_link_age(const roburoc4_private_link *l, uint32_t index, uint64_t now_us);
-/** True while the last status is certainly younger than `limit_us`. */
+/** Whether the last status is certainly younger than `limit_us`. */
 bool roburoc4_link_fresh(const roburoc4_private_link *l, uint32_t index, uint32_t limit_us,
                          uint64_t now_us);
 void roburoc4_link_rebase(roburoc4_private_link *l, uint64_t now_us);
@@ -111,17 +112,17 @@ void roburoc4_link_rebase(roburoc4_private_link *l, uint64_t now_us);
 typedef roburoc4_private_drive drive;
 
 void roburoc4_drive_start(drive *d, uint64_t now_us);
-/** Whether the robot's limits can be believed. */
+/** Whether the robot's limits are plausible. */
 bool roburoc4_drive_limits_valid(const roburoc4_differential_properties *limits);
 void roburoc4_drive_arm(drive *d, uint32_t *events);
-/** Take a lease, or say why not; the caller has checked that the speeds are finite. */
+/** Grant a lease, or return why not; the caller has checked that the speeds are finite. */
 roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lease_us,
                                      uint64_t now_us);
 /** End the lease and disarm for this cause; a stop sequence if a speed was sent. */
 void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events);
 /** End the lease; a stop sequence in any case. */
 void roburoc4_drive_stop(drive *d);
-/** Let time pass: leases that are over; conditions of driving that were lost (a refusal). */
+/** Advance the time: end an expired lease, and disarm if `refusal` is set. */
 void roburoc4_drive_tick(drive *d, roburoc4_result refusal, uint64_t now_us, uint32_t *events);
 /** A speed command that must leave now: true, and the speeds. */
 bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
@@ -130,90 +131,90 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
 void roburoc4_drive_status(drive *d, const roburoc4_config *config,
                            const roburoc4_differential_status *status, bool overridden,
                            uint64_t age_us, uint64_t now_us, uint32_t *events);
-/** The differential service has this id and full properties, or (known false) it cannot be driven:
- *  its old id still gets the stop sequence that it is owed, another one gets nothing. */
+/** The differential service has this id and its properties are known, or (known is false) it cannot
+ * be driven: the old id still receives a pending stop sequence, another id nothing. */
 void roburoc4_drive_service(drive *d, bool known, uint16_t id);
 /** When poll or tick must be called next. */
 uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config);
-/** After a fault of the clock: a stop sequence goes on with a time of its own, everything else is
- *  due. */
+/** After a fault of the clock: a stop sequence continues by count, everything else is due. */
 void roburoc4_drive_rebase(drive *d, uint64_t now_us);
 
 /* ---- discovery ---- */
 
 typedef roburoc4_private_discovery discovery;
 
-#define CLAIM_NONE 0xFF  /* of a service whose text was not read, or not believed */
-#define CLAIM_OTHER 0xFE /* its text names none of those that a client uses, or was refused */
-#define CLAIM_DOUBT 0xFD /* its text came in fixed-id mode: it may be another's */
+#define CLAIM_NONE 0xFF  /* the text was not read, or is not trusted */
+#define CLAIM_OTHER 0xFE /* the text names no service that the client uses, or was refused */
+#define CLAIM_DOUBT 0xFD /* the text came in fixed-id mode and may belong to another request */
 #define ROLE_TEXT_NONE (-1)
 #define ROLE_TEXT_AMBIGUOUS (-2)
 
 /** Forget the robot. */
 void roburoc4_discovery_clear(discovery *d);
-/** Ask again for all but the texts that were answered. */
+/** Request everything again except the texts that were answered. */
 void roburoc4_discovery_restart(discovery *d);
-/** Where texts may be others' and do not tell which input is [A]: when all came, ask again. */
+/** In fixed-id mode, when all texts came and do not tell which input is [A]: request them again. */
 void roburoc4_discovery_doubt_inputs(discovery *d, const int32_t *io_counts);
-/** Another IO card: other channels, other texts. */
+/** The IO card changed: forget its channels' texts. */
 void roburoc4_discovery_forget_inputs(discovery *d);
-/** Forget what the texts said, and ask for them again. */
+/** Forget the texts and request them again. */
 void roburoc4_discovery_read_texts_again(discovery *d);
-/** Whether the directory is the one that is stored. */
+/** Whether this directory equals the stored one. */
 bool roburoc4_discovery_same(const discovery *d, const roburoc4_directory *directory);
-/** Store the directory; true if it had more services than can be stored. */
+/** Store the directory; true if it lists more services than fit. */
 bool roburoc4_discovery_directory(discovery *d, const roburoc4_directory *directory);
-/** Whether the directory lists this id for what may be the differential service. */
+/** Whether the directory lists this id and it may be the differential service. */
 bool roburoc4_discovery_may_drive(const discovery *d, uint16_t id);
-/** Whether the directory has a service of which neither type nor text tells for sure what it is. */
+/** Whether the directory has a service that neither type nor text identifies for certain. */
 bool roburoc4_discovery_doubtful(const discovery *d);
-/** Which service each id is; true if one that was known is another now. */
+/** Assign ids to services; true if a known service has another id now. */
 bool roburoc4_discovery_identify(discovery *d);
-/** A text came for an element of the directory, or (io_type 0 to 3) a channel. True if an input of
- *  a role was found. */
+/** A text arrived for an element of the directory, or (io_type 0 to 3) for a channel. True if an
+ * input with a role was found. */
 bool roburoc4_discovery_text(discovery *d, uint32_t list, uint32_t index, const uint8_t *text,
                              uint32_t length);
-/** The text of an element of the directory came, but may be another's: it names no service. */
+/** The text of an element of the directory arrived, but may belong to another request: it
+ * identifies no service. */
 void roburoc4_discovery_doubtful_text(discovery *d, uint32_t index);
-/** The robot refused to give a text: that decides, too. */
+/** The robot refused to give a text, which is an answer, too. */
 void roburoc4_discovery_text_refused(discovery *d, const int32_t *io_counts, uint32_t list,
                                      uint32_t index);
-/** No answer came: the text is missing, and asked for again later. */
+/** No answer came: the text is missing, and is requested again later. */
 void roburoc4_discovery_text_given_up(discovery *d, uint32_t list, uint32_t index);
 
 #define TEXT_TRIES 10
 #define LATER_TEXT_TRIES 4
-/** Texts to ask for: of services that nothing else tells; those and of digital inputs; all. */
+/** Texts to request: of services that nothing else identifies; also of digital inputs; all. */
 typedef enum text_choice {
     TEXTS_OF_SERVICES = 1,
     TEXTS_THAT_DECIDE = 2,
     TEXTS_ALL = 6
 } text_choice;
-/** The next text to ask for: false when there is none that is not open. */
+/** The next text to request; false if all that remain are open. */
 bool roburoc4_discovery_next_text(const discovery *d, const requests *r, const int32_t *io_counts,
                                   text_choice choice, ask *out);
-/** Whether every text was answered or given up. */
+/** Whether all texts were answered or given up. */
 bool roburoc4_discovery_texts_passed(const discovery *d, const int32_t *io_counts);
-/** Whether those that tell the services apart were. */
+/** Whether those that identify services were. */
 bool roburoc4_discovery_services_passed(const discovery *d);
 /** Whether those of the digital inputs were. */
 bool roburoc4_discovery_inputs_passed(const discovery *d, const int32_t *io_counts);
-/** After all were, one of those that are missing may be asked for. */
+/** After that, allow one of the missing texts to be requested. */
 void roburoc4_discovery_ask_again(discovery *d, const int32_t *io_counts);
-/** Index of the input with a role, or ROBUROC4_ERR_UNKNOWN. `sure`: a text belongs to its request
- *  without doubt. */
+/** Index of the input with a role, or ROBUROC4_ERR_UNKNOWN. `sure`: texts certainly belong to their
+ * requests. */
 roburoc4_result roburoc4_discovery_role(const discovery *d, const roburoc4_config *config,
                                         const int32_t *io_counts, uint32_t role, bool sure);
 
-/** A text or a part of one, of letters, digits and bytes beyond ASCII, and what is between. */
+/** A text or a part of one: words of letters, digits and non-ASCII bytes, and separators. */
 typedef struct piece {
     const char *text;
     uint32_t length;
 } piece;
-/** The next word, which *rest is moved behind; of length 0 at the end. What robots write in several
- *  ways is made one: "game pad" and "joystick" are "gamepad", and "button" says nothing. */
+/** The next word; *rest is moved behind it. Length 0 at the end. Different spellings become one:
+ * "game pad" and "joystick" are "gamepad", and "button" is skipped. */
 piece roburoc4_next_word(piece *rest);
-/** How often a text has a word; any word where `wanted` is NULL. */
+/** How often a text contains a word; how many words it has if `wanted` is NULL. */
 uint32_t roburoc4_count_word(piece text, const piece *wanted);
 
 #define LIST_DIRECTORY 4 /* as `list`; 0 to 3 are the IO card's element types */
@@ -247,14 +248,14 @@ static inline roburoc4_result index_of_role(const roburoc4_client *c, uint32_t r
                                    !c->private_requests.fixed_id);
 }
 
-/* How long to wait for the texts of the directory before the manual's ids are believed. */
+/* How long to wait for the texts of the directory before the manual's ids are assumed. */
 #define IDENTIFY_US SECOND
-/* One question a second goes to each service in turn. */
+/* One probe a second goes to each service in turn. */
 #define PROBE_US SECOND
 
 /* ---- client.c: the states, and what ends with them ---- */
 
-/** What was computed about the next deadline is not true any more. */
+/** The remembered deadline is no longer valid. */
 static inline void wake(roburoc4_client *c) {
     c->private_idle_until_us = 0;
 }
@@ -262,18 +263,18 @@ static inline void wake(roburoc4_client *c) {
 void roburoc4_lifecycle_enter(roburoc4_client *c, uint32_t state);
 /** End driving for this cause. */
 void roburoc4_lifecycle_interrupt(roburoc4_client *c, roburoc4_result cause);
-/** Outputs that were set count no more. */
+/** Forget the outputs that were set. */
 void roburoc4_lifecycle_forget_outputs(roburoc4_client *c);
 void roburoc4_lifecycle_relocalize_ends(roburoc4_client *c, roburoc4_result result);
-/** Read everything about the services again, from this state on. */
+/** Read everything about the services again, beginning with this state. */
 void roburoc4_lifecycle_forget_services(roburoc4_client *c, uint32_t state);
-/** Ask for the directory. */
+/** Request the directory. */
 void roburoc4_lifecycle_connect(roburoc4_client *c, uint32_t state);
 /** The robot has been silent for too long. */
 void roburoc4_lifecycle_lose(roburoc4_client *c);
-/** The robot restarted: it is discovered anew. */
+/** The robot restarted: discover it again. */
 void roburoc4_lifecycle_reboot(roburoc4_client *c);
-/** The clock went back: what was timed begins anew. */
+/** The clock went back: restart everything that is timed. */
 void roburoc4_lifecycle_clock_fault(roburoc4_client *c, uint64_t now_us);
 static inline void see_time(roburoc4_client *c, uint64_t now_us) {
     if (now_us < c->private_now_us) {
@@ -281,7 +282,7 @@ static inline void see_time(roburoc4_client *c, uint64_t now_us) {
     }
     c->private_now_us = now_us;
 }
-/** Every public call that knows the time and may change something begins here. */
+/** Every public call with a time that may change something begins with this. */
 static inline void begin_call(roburoc4_client *c, uint64_t now_us) {
     see_time(c, now_us);
     wake(c);
@@ -289,20 +290,20 @@ static inline void begin_call(roburoc4_client *c, uint64_t now_us) {
 
 /* ---- control.c ---- */
 
-/** Let the drive state machine see the time and the conditions of driving. */
+/** Pass the time and the conditions of driving to the drive state machine. */
 void roburoc4_control_tick(roburoc4_client *c);
 /** Raise the event of a client that became armable. */
 void roburoc4_control_watch_arming(roburoc4_client *c);
 
 /* ---- schedule.c ---- */
 
-/** A request came to nothing: refused by the robot, answered with nonsense, or never answered. */
+/** A request failed: refused by the robot, answered with an invalid telegram, or never answered. */
 void roburoc4_schedule_failed(roburoc4_client *c, const slot *s, roburoc4_result why);
-/** Services that were subscribed to and send nothing are subscribed to again. */
+/** Subscribe again to services that fell silent. */
 void roburoc4_schedule_renew_silent(roburoc4_client *c);
-/** When the first of them has been silent for long enough. */
+/** When the first of them will have been silent for long enough. */
 uint64_t roburoc4_schedule_deadline(const roburoc4_client *c);
-/** The next request that must leave now: its length, or 0. */
+/** Encode the next request that is due: its length, or 0. */
 roburoc4_result roburoc4_schedule_poll(roburoc4_client *c, uint8_t *buffer, size_t capacity);
 
 #endif

@@ -7,13 +7,13 @@
 
 typedef roburoc4_private_service service;
 
-/* A status this much older than the newest is from before a restart, if three in a row are. */
+/* Three statuses in a row that are this much older than the newest mean a restart. */
 #define BACK_CYCLES 100
 #define BACK_STATUSES 3
-/* The period is the shortest gap of so many, which loss hardly ever hides. */
+/* The period is the shortest of this many gaps, which loss hardly ever hides. */
 #define PERIOD_GAPS 16
 #define SEEN_BITS 64
-/* A longer gap is no loss but a pause of the robot. */
+/* A longer gap is a pause of the robot, not loss. */
 #define LONGEST_GAP 6000
 #define RECENT_STATUSES 200
 #define MAP_WINDOW_US (5 * SECOND)
@@ -53,13 +53,13 @@ static bool restarted(roburoc4_private_link *l, const service *s, uint64_t robot
         return true;
     }
     if (renewed && s->seen != 0 && robot_cycles < s->robot_cycles) {
-        return true; /* the first of a service that fell silent and was subscribed to anew */
+        return true; /* the first of a service that fell silent and was subscribed to again */
     }
     l->back_count = robot_cycles + BACK_CYCLES < l->newest_cycles ? l->back_count + 1U : 0;
     return l->back_count >= BACK_STATUSES;
 }
 
-/** A status that is not newer: late (then it was counted as lost) or a duplicate. */
+/** A status that is not newer: a late one, which was counted as lost, or a duplicate. */
 static void late(service *s, uint64_t robot_cycles) {
     const uint64_t behind = s->robot_cycles - robot_cycles;
     const uint64_t bit = behind < SEEN_BITS ? (uint64_t)1 << behind : 0;
@@ -78,7 +78,7 @@ static void late(service *s, uint64_t robot_cycles) {
     }
 }
 
-/** All gaps were longer than the period: what they seemed to lose was never sent. */
+/** All gaps were longer than the period, so what seemed lost was never sent. */
 static void revoke_losses(service *s) {
     const uint32_t steps = (s->gap_min + s->period_cycles / 2U) / s->period_cycles;
     const uint32_t wrong = (steps - 1) * (PERIOD_GAPS - 1);
@@ -86,7 +86,7 @@ static void revoke_losses(service *s) {
     s->recent_lost = (uint16_t)(wrong < s->recent_lost ? s->recent_lost - wrong : 0);
 }
 
-/** The period is the shortest of so many gaps. */
+/** Take the shortest of several gaps as the period. */
 static void learn_period(service *s, uint16_t gap) {
     if (gap < s->gap_min) {
         s->gap_min = gap;
@@ -107,7 +107,7 @@ static void count_gap(service *s, uint64_t gap) {
         return;
     }
     learn_period(s, (uint16_t)gap);
-    if (gap > s->period_cycles) { /* else nothing can be missing */
+    if (gap > s->period_cycles) { /* otherwise nothing is missing */
         const uint32_t steps = ((uint32_t)gap + s->period_cycles / 2U) / s->period_cycles;
         s->lost += steps - 1;
         s->recent_lost = (uint16_t)(s->recent_lost + steps - 1); /* both are small */
@@ -118,7 +118,8 @@ static void count_gap(service *s, uint64_t gap) {
     }
 }
 
-/** From the robot's stamp to arrival, by two clocks: only differences of it mean something. */
+/** From the robot's stamp to arrival. The clocks differ, so only differences of it mean something.
+ */
 static uint64_t transit_of(uint64_t robot_cycles, uint64_t received_us) {
     return received_us - robot_cycles * ROBUROC4_CYCLE_US;
 }
@@ -130,7 +131,7 @@ static void measure_jitter(service *s, uint64_t transit) {
     s->jitter_us = s->jitter_us - s->jitter_us / 16 + deviation / 16;
 }
 
-/** The smallest offset of the last one to two windows: delays only ever add to it. */
+/** The smallest offset of the last one to two windows, because delays only add to it. */
 static void map_clock(roburoc4_private_link *l, int64_t offset, uint64_t now_us) {
     if (!l->mapped) {
         l->mapped = 1;
@@ -145,13 +146,13 @@ static void map_clock(roburoc4_private_link *l, int64_t offset, uint64_t now_us)
     }
 }
 
-/** How much later than the best status one with this transit time arrived. */
+/** How much later than the best status a status with this transit time arrived. */
 static uint64_t lateness(const roburoc4_private_link *l, uint64_t transit) {
     const int64_t late_us = (int64_t)(transit - l->floor_us);
     return late_us > 0 ? (uint64_t)late_us : 0;
 }
 
-/** The floor of transit times is that of the best status, which was floor_age_us old at most. */
+/** The floor of transit times is that of the best status, which was at most floor_age_us old. */
 static void follow_best(roburoc4_private_link *l, uint64_t transit) {
     if (!l->mapped) {
         l->floor_age_us = AGE_UNKNOWN;
@@ -162,7 +163,7 @@ static void follow_best(roburoc4_private_link *l, uint64_t transit) {
     }
 }
 
-/** What the bound on ages is too large by: taken from lateness, then from the floor's own age. */
+/** Lower the bound on ages by this excess: first the lateness, then the age of the floor. */
 static void lower_bound(roburoc4_private_link *l, uint64_t transit, uint32_t by_us) {
     const uint64_t late_us = lateness(l, transit);
     const uint32_t rise_us = late_us < by_us ? (uint32_t)late_us : by_us;
@@ -259,11 +260,11 @@ void roburoc4_link_invalidate(roburoc4_private_link *l) {
 }
 
 void roburoc4_link_rebase(roburoc4_private_link *l, uint64_t now_us) {
-    roburoc4_link_invalidate(l); /* the age of statuses is not known any more */
+    roburoc4_link_invalidate(l); /* the age of statuses is no longer known */
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         l->services[i].inserted_us = now_us;
     }
     l->last_used_us = now_us;
     forget_times(l);
-    l->asked_us = now_us; /* when open requests were sent is not known any more, either */
+    l->asked_us = now_us; /* nor is it known when the open requests were sent */
 }

@@ -16,11 +16,11 @@
  * damping by the frequency, and one by the frequency squared. */
 #define RESPONSE_S 0.64F
 #define BEND_S2 0.168F
-/* Share of what a status says that goes into `to_ask`: the rest smooths its noise. */
+/* Weight of a status in the correction of `to_ask`; below 1 to smooth noise. */
 #define TRUST 0.5F
-/* Speed by what is to be asked for, at the end of a move. */
+/* Speed per distance still to ask for, at the end of a move. */
 #define APPROACH_PER_S 4.0F
-/* Turn rate by the error of the heading, and heading by the distance from the line. */
+/* Turn rate per heading error, and heading per distance from the line. */
 #define STEER_PER_S 1.5F
 #define RETURN_PER_M 1.0F
 #define RETURN_MAX_RAD 0.3F
@@ -35,11 +35,12 @@ enum { LENGTH, ANGLE, BOTH };
 enum { BY, TO_POINT, TO_POSE, REST };
 enum { AHEAD = 1, ASTERN = 2 };
 
-/* Near enough; the least speed that makes a robot move; a robot slower than this stands. */
+/* Accepted error; the lowest speed that moves a robot; a robot slower than this is at rest. */
 static const float near_enough[BOTH] = {0.004F, 0.004F};
 static const float least_speed[BOTH] = {0.03F, 0.06F};
 static const float standing_speed[BOTH] = {0.015F, 0.03F};
-/* How far a pose may be from what speeds say, at once and by second, before it counts as a jump. */
+/* How far a pose may differ from the measured speeds, at once and per second, before it counts as a
+ * jump. */
 static const float jump[BOTH] = {0.02F, 0.02F};
 static const float jump_per_s[BOTH] = {0.5F, 1.0F};
 
@@ -75,7 +76,7 @@ static float root(float square) {
     return y;
 }
 
-/** The same angle from -pi to pi; 0 for one of no sensible size. */
+/** Wrap an angle to -pi..pi; 0 for one that is far too large. */
 static float half_turn(float angle_rad) {
     if (order_of(size_of(angle_rad)) > order_of(FAR_M)) {
         return 0;
@@ -131,7 +132,7 @@ static roburoc4_result bad_options(const roburoc4_move_options *o) {
                                                                         : ROBUROC4_OK;
 }
 
-/** Set a move up; it is ended where that fails. */
+/** Set up a move; if that fails, it has ended. */
 static roburoc4_result begin(roburoc4_move *m, uint8_t kind, const roburoc4_move_options *options) {
     memset(m, 0, sizeof *m);
     m->result = ROBUROC4_MOVE_CANCELLED;
@@ -203,7 +204,7 @@ static bool usable(const roburoc4_localization_status *pose) {
            (pose->flags & (ROBUROC4_LOCALIZATION_INVALID | ROBUROC4_LOCALIZATION_ERROR)) == 0;
 }
 
-/** The lower of two distances; what is no number is no free way. */
+/** The smaller of two distances; NaN counts as blocked. */
 static float nearer(float a, float b) {
     return move_finite(b) ? lesser(a, b) : 0;
 }
@@ -276,8 +277,7 @@ static void start_leg(roburoc4_move *m, float distance_m, float angle_rad) {
     m->private_planned = 0; /* to_ask begins with the next status */
 }
 
-/** What of a turn and a way to a point is left in this leg, or the next one; false after the last.
- */
+/** What is left of this leg, or the next, of a turn and a way to a point; false after the last. */
 static bool next_leg(roburoc4_move *m) {
     m->private_come[LENGTH] -= m->private_goal[LENGTH];
     m->private_come[ANGLE] -= m->private_goal[ANGLE];
@@ -295,7 +295,7 @@ static bool next_leg(roburoc4_move *m) {
     return false;
 }
 
-/** Turn, way and turn from this pose; false where it is further than a move goes. */
+/** Turn, straight line and turn from this pose; false if it is farther than a move may go. */
 static bool plan_to(roburoc4_move *m, const roburoc4_move_view *pose) {
     const float x = (float)(m->private_x_m - pose->x_m), y = (float)(m->private_y_m - pose->y_m);
     if (order_of(size_of(x)) > order_of(FAR_M) || order_of(size_of(y)) > order_of(FAR_M)) {
@@ -321,7 +321,7 @@ static float curvature(const roburoc4_move *m) {
                : m->private_goal[ANGLE] / m->private_goal[LENGTH];
 }
 
-/** Speeds and accelerations: those asked for, unless the robot's own are less. */
+/** Speeds and accelerations: those asked for, limited to the robot's own. */
 static void set_profile(roburoc4_move *m, const roburoc4_move_view *v) {
     const roburoc4_move_options *o = &m->private_options;
     const float slopes[BOTH] = {o->linear_m_s2, o->angular_rad_s2};
@@ -358,7 +358,7 @@ static uint32_t patience_ms(const roburoc4_move *m) {
 
 /* ------------------------------------------------------------------------------------ odometry */
 
-/** The robot came further, by its wheels. */
+/** Add a distance that the wheels covered. */
 static void come(roburoc4_move *m, float distance_m, float angle_rad) {
     const float astray = m->private_come[ANGLE] - curvature(m) * m->private_come[LENGTH];
     m->private_come[LENGTH] += distance_m;
@@ -368,13 +368,14 @@ static void come(roburoc4_move *m, float distance_m, float angle_rad) {
     m->angle_rad += angle_rad;
 }
 
-/** Robot time from one status to the next: 0 at first, and after a restart. */
+/** Robot time since the last status; 0 for the first, and after a restart. */
 static float seconds_from(uint64_t before_cycles, uint64_t cycles) {
     const uint64_t passed = cycles - before_cycles;
     return before_cycles == 0 || passed > 1000 ? 0 : (float)(uint32_t)passed * 0.01F;
 }
 
-/** Follow the pose from the last one to this, unless it jumped: then speeds say where it came. */
+/** Follow the pose since the last status, unless it jumped: then the speeds tell how far the robot
+ * came. */
 static void hear_pose(roburoc4_move *m, const roburoc4_move_view *pose) {
     const float ahead_s = seconds_from(m->private_pose_cycles, pose->pose_cycles);
     const float since_s = m->private_speed_cycles > pose->pose_cycles
@@ -409,7 +410,7 @@ static void hear_pose(roburoc4_move *m, const roburoc4_move_view *pose) {
     m->private_since_pose[ANGLE] = -rest[ANGLE];
 }
 
-/** A status of speeds: the way since the last, and what is to be asked for yet. */
+/** A differential status: the way since the last one, and what remains to ask for. */
 static void hear_speeds(roburoc4_move *m, const roburoc4_move_view *v, float *slopes) {
     const float speeds[BOTH] = {v->linear_m_s, v->angular_rad_s};
     const float passed_s = seconds_from(m->private_speed_cycles, v->speed_cycles);
@@ -429,7 +430,7 @@ static void hear_speeds(roburoc4_move *m, const roburoc4_move_view *v, float *sl
     come(m, ways[LENGTH], ways[ANGLE]);
 }
 
-/** What is new in the view, and when it was heard. */
+/** Take what is new in the view, and note when it arrived. */
 static void hear(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
     float slopes[BOTH] = {0, 0};
     const bool news = v->speed_cycles != m->private_speed_cycles;
@@ -454,7 +455,7 @@ static void hear(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us)
 
 /* --------------------------------------------------------------------------------- looking out */
 
-/** Where the robot goes, or is to go. */
+/** The direction in which the robot moves, or is about to. */
 static uint8_t direction(const roburoc4_move *m) {
     const float speed = m->private_speed[LENGTH], asked = m->linear_m_s;
     const bool rolls = order_of(size_of(speed)) > order_of(0.05F);
@@ -467,7 +468,7 @@ static uint8_t direction(const roburoc4_move *m) {
 static int32_t look_at_bumpers(roburoc4_move *m, const roburoc4_move_view *v, uint8_t way) {
     const uint8_t pressed =
         (uint8_t)((v->front_bumper ? AHEAD : 0) | (v->rear_bumper ? ASTERN : 0));
-    m->private_bumpers &= pressed; /* those since the beginning */
+    m->private_bumpers &= pressed; /* pressed since the beginning */
     return (pressed & (way | ~m->private_bumpers)) != 0 ? ROBUROC4_MOVE_BUMPER
                                                         : ROBUROC4_MOVE_RUNNING;
 }
@@ -503,7 +504,7 @@ static int32_t result_of(roburoc4_result cause) {
     }
 }
 
-/** What ends the move whether it has arrived or not. */
+/** Reasons to end the move, whether it has arrived or not. */
 static int32_t look_out(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
     const uint8_t way = direction(m);
     int32_t result = look_at_bumpers(m, v, way);
@@ -529,10 +530,10 @@ static int32_t look_out(roburoc4_move *m, const roburoc4_move_view *v, uint64_t 
 
 /* ----------------------------------------------------------------------------------- the speed */
 
-/** So fast that it comes to rest where nothing is to be asked for any more. A target that is ahead
- * of the speed by RESPONSE_S times an acceleration gives that acceleration; on the way down, so
- * does the square root, which is that of the speed at constant braking written by what is to be
- * asked for. */
+/** The speed from which the robot comes to rest exactly when nothing remains to ask for. A target
+ * ahead of the speed by RESPONSE_S times an acceleration yields that acceleration; while braking,
+ * the square root does, which is the speed at constant deceleration in terms of what remains to ask
+ * for. */
 static float speed_for(const roburoc4_move *m, uint32_t axis) {
     const float to_ask = m->private_to_ask[axis], slope = m->private_slope[axis];
     const float way = size_of(to_ask), lead = RESPONSE_S * slope;
@@ -571,7 +572,7 @@ static void propose(roburoc4_move *m) {
 
 /* ------------------------------------------------------------------------------------ one step */
 
-/** The plan, as soon as all is known that it needs. */
+/** Plan the move as soon as everything that it needs is known. */
 static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
     const bool to = m->private_kind == TO_POINT || m->private_kind == TO_POSE;
     const bool looks = m->private_kind != REST && order_of(m->private_options.clearance_m) != 0;
@@ -598,7 +599,7 @@ static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_
     return ROBUROC4_MOVE_RUNNING;
 }
 
-/** What was sent since the last step needs not be asked for again. */
+/** Subtract what was sent since the last step from what remains to ask for. */
 static void count_sent(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
     const uint64_t passed_us = now_us - m->private_step_us;
     const float passed_s = passed_us > STEP_MAX_US ? 0 : (float)(uint32_t)passed_us * 1e-6F;
@@ -646,7 +647,7 @@ int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_
         (void)roburoc4_client_stop(client, now_us);
     }
     view_client(&view, client, now_us);
-    /* A client that disarmed itself has sent what was due, and one that never drove commands
+    /* A client that disarmed itself has begun its stop sequence, and one that never drove commands
      * nothing. */
     if (roburoc4_move_step_view(move, &view, now_us) != ROBUROC4_MOVE_RUNNING && view.armed) {
         (void)roburoc4_client_stop(client, now_us);

@@ -13,7 +13,8 @@ uint32_t roburoc4_abi_version(void) {
     return ROBUROC4_ABI_VERSION;
 }
 
-/** Entry `index` of texts joined by NUL, which cost no pointer each; NULL beyond the last. */
+/** Entry `index` of a list of texts separated by NUL, which needs no pointers; NULL beyond the
+ * last. */
 static const char *nth(const char *joined, uint32_t count, uint32_t index) {
     if (index >= count) {
         return NULL;
@@ -155,13 +156,13 @@ static const char *table_name(uint32_t io_type, uint32_t index) {
     case ROBUROC4_IO_DIGITAL_OUTPUT:
         return nth("Watchdog\0\0\0\0\0\0\0", ROBUROC4_DO_COUNT, index);
     default:
-        return NULL; /* analog outputs: the robot has none */
+        return NULL; /* the robot has no analog outputs */
     }
 }
 
 /* ---- the channels of a robot's card ---- */
 
-/** Inputs that the client itself looks for, by their place in the manual's table. */
+/** Inputs that the client looks for itself, by their place in the manual's table. */
 static const struct {
     uint8_t io_type, place;
 } roles[ROBUROC4_ROLE_COUNT] = {
@@ -193,8 +194,8 @@ static roburoc4_result channel_count(const roburoc4_client *client, uint32_t io_
     }
 }
 
-/** The place in the manual's table that a channel has, by how many there are: the table skips
- *  number 02, so on a card with one channel more its numbers are literal. -1: none. */
+/** A channel's place in the manual's table, or -1. The table skips number 02, so on a card with one
+ * more channel its numbers are literal. */
 static int32_t manual_place(uint32_t io_type, int32_t count, uint32_t index) {
     static const uint8_t places[] = {ROBUROC4_AI_COUNT, ROBUROC4_AO_COUNT, ROBUROC4_DI_COUNT,
                                      ROBUROC4_DO_COUNT};
@@ -223,7 +224,7 @@ const char *roburoc4_client_channel_name(const roburoc4_client *client, uint32_t
         if ((uint32_t)found == index) {
             place = roles[role].place;
         } else if (place == roles[role].place) {
-            place = -1; /* the input that the table has here is elsewhere */
+            place = -1; /* the table's input for this place is elsewhere */
         }
     }
     return place < 0 ? NULL : table_name(io_type, (uint32_t)place);
@@ -237,7 +238,7 @@ static piece piece_of(const char *text) {
     return (piece){text, length};
 }
 
-/** Whether two texts have the same words, in whatever order. */
+/** Whether two texts have the same words, in any order. */
 static bool same_words(piece a, piece b) {
     piece rest = a;
     for (piece found = roburoc4_next_word(&rest); found.length > 0;

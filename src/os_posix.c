@@ -3,7 +3,7 @@
  * os.h on Linux, macOS and the BSDs.
  */
 #define _GNU_SOURCE 1      /* ppoll, CLOCK_BOOTTIME */
-#define _DARWIN_C_SOURCE 1 /* what -std=c99 hides on macOS */
+#define _DARWIN_C_SOURCE 1 /* hidden by -std=c99 on macOS */
 #include "os.h"
 
 #include <arpa/inet.h>
@@ -24,9 +24,9 @@
 #include <mach/mach_time.h>
 #endif
 
-/* Small, so that a network that stalls does not keep old speed commands for later. */
+/* Small, so that a stalled network does not queue old speed commands. */
 #define SEND_BUFFER_BYTES 4096
-/* Some seconds of all statuses. */
+/* Room for all statuses of a few seconds. */
 #define RECEIVE_BUFFER_BYTES (256 * 1024)
 #define LONGEST_WAIT_US 3600000000u
 
@@ -169,7 +169,7 @@ static roburoc4_os_outcome failure(int error) {
 
 static const roburoc4_os_outcome success = {ROBUROC4_FAULT_NONE, 0};
 
-/* Wishes only: a system that refuses one works without it. */
+/* Optional: without them everything works, too. */
 static void tune(int fd, uint8_t family) {
     int receive_bytes = RECEIVE_BUFFER_BYTES, send_bytes = SEND_BUFFER_BYTES;
     (void)setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &receive_bytes, sizeof receive_bytes);
@@ -210,7 +210,7 @@ roburoc4_os_outcome roburoc4_os_connect(int64_t socket, const roburoc4_address *
     socklen_t length = to_system(address, &system);
     memset(&none, 0, sizeof none);
     none.sa_family = AF_UNSPEC;
-    /* Undoes an earlier connection, and with it this end's address. Fails where there is none. */
+    /* Dissolves an earlier connection, and with it the local address. Fails if there is none. */
     (void)connect((int)socket, &none, sizeof none);
     if (connect((int)socket, (const struct sockaddr *)&system, length) != 0) {
         return failure(errno);
@@ -223,7 +223,7 @@ roburoc4_os_outcome roburoc4_os_send(int64_t socket, const uint8_t *datagram, si
 }
 
 #ifdef __linux__
-/* Linux tells a datagram's whole length where it is asked: that is quicker than recvmsg(). */
+/* Linux returns a datagram's whole length on request, which is faster than recvmsg(). */
 static ssize_t receive(int fd, uint8_t *buffer, size_t capacity, bool *truncated) {
     const ssize_t got = recv(fd, buffer, capacity, MSG_TRUNC);
     *truncated = got > 0 && (size_t)got > capacity;
@@ -263,7 +263,7 @@ roburoc4_result roburoc4_os_wait(int64_t socket, int64_t wake, uint64_t timeout_
     struct pollfd watched[2];
     int ready;
     uint64_t us = timeout_us < LONGEST_WAIT_US ? timeout_us : LONGEST_WAIT_US;
-    watched[0].fd = (int)socket; /* poll() passes over what is negative */
+    watched[0].fd = (int)socket; /* poll() ignores negative ones */
     watched[1].fd = (int)wake;
     watched[0].events = watched[1].events = POLLIN;
     watched[0].revents = watched[1].revents = 0;
@@ -384,8 +384,8 @@ void roburoc4_lock_destroy(roburoc4_lock *lock) {
     (void)pthread_mutex_destroy(lock);
 }
 
-/* A thread that is cancelled while it has a lock would die with it. What it has is counted: locks
- * are not always given back in the order in which they were taken. */
+/* A thread that is cancelled while it holds a lock would never release it. The locks are counted,
+ * because they are not always released in reverse order. */
 static __thread int locks_taken, cancel_state_before;
 
 void roburoc4_lock_take(roburoc4_lock *lock) {
@@ -464,7 +464,7 @@ int roburoc4_thread_start(roburoc4_thread *thread, void (*function)(void *), voi
     thread->function = function;
     thread->argument = argument;
     (void)roburoc4_atomic_exchange(&thread->over, 0);
-    /* The new thread inherits the mask: handlers are for the program's own threads. */
+    /* The new thread inherits the mask: signal handlers run on the program's own threads. */
     (void)sigfillset(&all);
     (void)pthread_sigmask(SIG_SETMASK, &all, &before);
     error = pthread_create(&thread->id, NULL, run, thread);
@@ -511,7 +511,7 @@ void roburoc4_wake_destroy(roburoc4_wake *wake) {
 void roburoc4_wake_raise(const roburoc4_wake *wake) {
     const int error = errno;
     const ssize_t written = write((int)wake->write_to, "", 1);
-    (void)written; /* a full pipe wakes as well */
+    (void)written; /* a full pipe wakes, too */
     errno = error;
 }
 

@@ -30,7 +30,7 @@
 
 typedef void(WINAPI *precise_clock)(ULONGLONG *);
 
-/* Windows 10 has it, in a library that older compilers' import lists do not know. */
+/* Windows 10 has it, in a library that older compilers cannot link. */
 static precise_clock find_precise_clock(void) {
     HMODULE module = GetModuleHandleA("kernelbase.dll");
     FARPROC found = module != NULL ? GetProcAddress(module, "QueryInterruptTimePrecise") : NULL;
@@ -40,7 +40,7 @@ static precise_clock find_precise_clock(void) {
 }
 
 uint64_t roburoc4_udp_now_us(void) {
-    static volatile LONG searched = 0; /* the same answer whichever thread searches */
+    static volatile LONG searched = 0; /* every thread finds the same */
     static precise_clock volatile clock = NULL;
     ULONGLONG ticks_100ns = 0;
     if (InterlockedCompareExchange(&searched, 0, 0) == 0) {
@@ -233,7 +233,7 @@ roburoc4_os_outcome roburoc4_os_connect(int64_t socket, const roburoc4_address *
     anybody.scope = 0;
     anybody.port = 0;
     length = to_system(&anybody, &none);
-    /* Windows undoes an earlier connection when told to connect to nobody. */
+    /* Connecting to the unspecified address dissolves an earlier connection. */
     (void)connect((SOCKET)socket, (const struct sockaddr *)&none, length);
     length = to_system(address, &system);
     if (connect((SOCKET)socket, (const struct sockaddr *)&system, length) != 0) {
@@ -278,7 +278,7 @@ roburoc4_result roburoc4_os_wait(int64_t socket, int64_t wake, uint64_t timeout_
     if (wake != ROBUROC4_OS_NO_SOCKET) {
         FD_SET((SOCKET)wake, &watched);
     }
-    if (watched.fd_count == 0) { /* select() refuses to wait for nothing */
+    if (watched.fd_count == 0) { /* select() refuses an empty set */
         Sleep((DWORD)((us + 999u) / 1000u));
         return ROBUROC4_OK;
     }
@@ -425,7 +425,7 @@ int roburoc4_thread_start(roburoc4_thread *thread, void (*function)(void *), voi
     return thread->id != NULL;
 }
 
-/* Also of one that the system ended, as it does to all others before a DLL is told of exit(). */
+/* Also for a thread that the system ended, as it does before a DLL is notified of exit(). */
 int roburoc4_thread_is_over(roburoc4_thread *thread) {
     return thread->id == NULL || WaitForSingleObject(thread->id, 0) == WAIT_OBJECT_0;
 }
@@ -438,7 +438,7 @@ void roburoc4_thread_join(roburoc4_thread *thread) {
 
 /* ------------------------------------------------------------------------------------ wake --- */
 
-/* select() watches sockets only: so the wake is one that is connected to itself on the loopback. */
+/* select() watches only sockets, so the wake is a loopback socket connected to itself. */
 int roburoc4_wake_create(roburoc4_wake *wake) {
     roburoc4_address loopback;
     roburoc4_os_outcome outcome;

@@ -9,11 +9,11 @@
 #include <errno.h>
 #include <stdlib.h>
 
-/* Beyond the robot's watchdog, after which the client ends its stop sequence by itself. */
+/* In addition to the robot's watchdog, after which the client ends its stop sequence itself. */
 #define STOP_MARGIN_US 500000u
-/* Pace where the socket itself fails, so that the thread cannot spin. */
+/* The pause while the socket itself fails, so that the thread does not spin. */
 #define BROKEN_PACE_US 100000u
-/* Pace of looking whether a thread has ended, where its lock must not be taken. */
+/* How often to check whether a thread has ended when its lock must not be taken. */
 #define EXIT_PACE_US 2000u
 
 /* ------------------------------------------------------------------------------------ lock --- */
@@ -67,7 +67,7 @@ static void heed_requests(roburoc4_pump *pump) {
 }
 
 void roburoc4_pump_flush(roburoc4_pump *pump) {
-    if (!pump->manual) { /* its time is not the clock's */
+    if (!pump->manual) { /* a manual pump has its own time */
         heed_requests(pump);
     }
     (void)roburoc4_udp_transmit_all(&pump->udp, &pump->client);
@@ -77,7 +77,7 @@ void roburoc4_pump_flush(roburoc4_pump *pump) {
     }
 }
 
-/* Takes what is there, one by one, as each may be a sample. What is due to be sent goes first. */
+/* Reads datagrams one by one, as each may be a sample. What is due is sent first. */
 static roburoc4_result receive(roburoc4_pump *pump) {
     int taken;
     for (taken = 0; taken < ROBUROC4_UDP_BURST; taken++) {
@@ -101,7 +101,7 @@ static int is_over(const roburoc4_pump *pump) {
             roburoc4_udp_now_us() >= pump->stop_by_us);
 }
 
-/* Waits without the lock. The socket's number is constant, so it needs none. */
+/* Waits without the lock, which a constant socket number does not need. */
 static void sleep_until_due(roburoc4_pump *pump, roburoc4_result received) {
     uint64_t deadline_us = roburoc4_client_next_deadline(&pump->client);
     uint64_t now_us = roburoc4_udp_now_us(), wait_us;
@@ -168,7 +168,7 @@ roburoc4_result roburoc4_pump_record(roburoc4_pump *pump, roburoc4_recorder *rec
     return result;
 }
 
-/* As roburoc4_client_arm(); `stops` is what it was when this began. */
+/* As roburoc4_client_arm(); fails if pump->stops is no longer `stops`. */
 static roburoc4_result try_to_arm(roburoc4_pump *pump, uint32_t stops) {
     roburoc4_result result;
     if (pump->phase == ROBUROC4_PUMP_RUNNING) {
@@ -210,8 +210,9 @@ void roburoc4_pump_request_stop(roburoc4_pump *pump) {
 
 /* ---------------------------------------------------------------------------------- exit() --- */
 
-/* The pumps with a thread of this process. Their locks are not taken here: whoever calls exit() may
- * have them. Then the thread cannot close, and exit() goes on after the longest stop sequence. */
+/* This process's pumps with a thread. Their locks are not taken here, because the caller of exit()
+ * may hold them. In that case the thread cannot close, and exit() continues after the longest stop
+ * sequence. */
 static roburoc4_lock living_lock = ROBUROC4_LOCK_INIT;
 static roburoc4_pump *living;
 static int64_t living_process;
@@ -220,7 +221,8 @@ static void close_all(void) {
     uint64_t begun_us = roburoc4_udp_now_us();
     roburoc4_pump *pump;
     if (living_process != roburoc4_process_id()) {
-        return; /* a forked child: the pumps are its parent's, the lock may be anybody's */
+        return; /* a forked child: the pumps belong to its parent, and the lock may be in any state
+                 */
     }
     roburoc4_lock_take(&living_lock);
     for (pump = living; pump != NULL; pump = pump->next) {
@@ -290,7 +292,7 @@ static roburoc4_pump *allocate(uint32_t capacity) {
     return pump;
 }
 
-/* The lock, the signal and the wake: all or none. */
+/* Creates lock, signal and wake: all or none. */
 static int make_meeting_points(roburoc4_pump *pump) {
     if (!roburoc4_lock_create(&pump->lock)) {
         return 0;
@@ -311,13 +313,13 @@ static void drop_meeting_points(roburoc4_pump *pump) {
     roburoc4_lock_destroy(&pump->lock);
 }
 
-/* The zeros end with the watchdog's time, but three are sent in any case. */
+/* The zeros end after the watchdog's time, but at least three are sent. */
 static uint32_t longest_stop_sequence_us(const roburoc4_config *config) {
     const uint32_t zeros_ms = 3 * config->drive_period_ms;
     return 1000u * (config->robot_watchdog_ms > zeros_ms ? config->robot_watchdog_ms : zeros_ms);
 }
 
-/* Socket, client and thread: all or none. Without an address: the client. */
+/* Sets up socket, client and thread: all or none. Without an address only the client. */
 static roburoc4_result begin(roburoc4_pump *pump, const roburoc4_address *address,
                              const roburoc4_config *config) {
     roburoc4_config defaults;
@@ -385,7 +387,7 @@ roburoc4_result roburoc4_pump_close(roburoc4_pump *pump) {
     }
     if (pump->phase == ROBUROC4_PUMP_ENDED) {
         pump->phase = ROBUROC4_PUMP_JOINED;
-        roburoc4_thread_join(&pump->thread); /* it has given the lock back, and only returns */
+        roburoc4_thread_join(&pump->thread); /* it has released the lock and is about to return */
         roburoc4_signal_wake_all(&pump->changed);
     }
     roburoc4_pump_leave(pump);
@@ -405,7 +407,7 @@ void roburoc4_pump_destroy(roburoc4_pump *pump) {
         roburoc4_lock_give(&pump->lock);
         drop_meeting_points(pump);
     } else {
-        roburoc4_wake_destroy(&pump->wake); /* the lock may have been forked in any state */
+        roburoc4_wake_destroy(&pump->wake); /* the fork may have copied the lock in any state */
     }
     (void)roburoc4_udp_close(&pump->udp);
     free_memory(pump);

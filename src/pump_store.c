@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-/* Samples copied while the lock is held once: a few microseconds. */
+/* Samples copied per lock: a few microseconds. */
 #define CHUNK 64u
 
 /* ------------------------------------------------------------------------------- the writer --- */
@@ -37,7 +37,7 @@ roburoc4_result roburoc4_sample_latest(const roburoc4_client *client, uint32_t s
     default:
         break;
     }
-    out->robot_cycles = value->inputs.robot_cycles; /* every status begins with it */
+    out->robot_cycles = value->inputs.robot_cycles; /* the first member of every status */
     return result;
 }
 
@@ -50,7 +50,7 @@ static void store_sample(roburoc4_pump *pump, uint32_t service) {
     }
 }
 
-/* The place of a text, or NULL for a channel beyond the client's capacities. */
+/* Where a text is stored, or NULL for a channel beyond the client's capacities. */
 static roburoc4_pump_text *find_text(roburoc4_pump *pump, int32_t io_type, uint32_t index) {
     static const uint32_t sizes[] = {ROBUROC4_MAX_SERVICES, ROBUROC4_MAX_ANALOG_INPUTS,
                                      ROBUROC4_MAX_ANALOG_OUTPUTS, ROBUROC4_MAX_DIGITAL_INPUTS,
@@ -117,7 +117,7 @@ static uint64_t oldest_sample(const roburoc4_pump *pump) {
     return pump->next_sample > pump->capacity ? pump->next_sample - pump->capacity : 0;
 }
 
-/* The next sample that this reader can still have. */
+/* The next sample that is still there for this reader. */
 static uint64_t position(const roburoc4_pump *pump, const roburoc4_pump_reader *reader) {
     uint64_t oldest = oldest_sample(pump);
     uint64_t next = reader->next_sample > oldest ? reader->next_sample : oldest;
@@ -167,7 +167,7 @@ roburoc4_result roburoc4_pump_read_samples(roburoc4_pump *pump, roburoc4_pump_re
     return copied == 0 && over ? ROBUROC4_ERR_CLOSED : (roburoc4_result)copied;
 }
 
-/* How many samples there are to read, or which events to take: what waiting is for. */
+/* What a reader waits for: the number of samples to read, or the events to take. */
 typedef uint32_t (*look)(const roburoc4_pump *pump, const roburoc4_pump_reader *reader,
                          uint32_t mask);
 

@@ -6,7 +6,7 @@
 #include "bytes.h"
 #include "internal.h"
 
-/* No answer is later than this, or it was lost. */
+/* An answer that takes longer counts as lost. */
 #define LATE_ANSWER_US SECOND
 
 /* Bits of battery_low. */
@@ -14,9 +14,9 @@ enum { BATTERY_CRITICAL = 1, BATTERY_BELOW_MINIMUM = 2 };
 /* The head of a status: 0xFF, service, time. */
 #define STATUS_HEAD 11
 
-/* ---- properties in ---- */
+/* ---- properties ---- */
 
-/** Store a property; another value than before is an event. */
+/** Store a property; a changed value raises an event. */
 static void store(client *c, void *field, const void *value, size_t size) {
     if (memcmp(field, value, size) != 0) {
         memcpy(field, value, size);
@@ -38,7 +38,7 @@ static roburoc4_result take_iocard(client *c, const uint8_t *data, size_t size) 
         memcpy(c->private_values.io_counts, counts, sizeof counts);
         roburoc4_discovery_forget_inputs(d);
         c->private_values.override_known = 0;
-        roburoc4_lifecycle_forget_outputs(c); /* they were set for another card */
+        roburoc4_lifecycle_forget_outputs(c); /* they belong to another card */
         c->private_events |= ROBUROC4_EVENT_PROPERTIES;
         exceed(c, p.analog_inputs > ROBUROC4_MAX_ANALOG_INPUTS ||
                       p.analog_outputs > ROBUROC4_MAX_ANALOG_OUTPUTS ||
@@ -62,9 +62,9 @@ static roburoc4_result take_telemeters(client *c, const uint8_t *data, size_t si
     for (uint32_t i = 0; i < stored; i++) {
         roburoc4_telemeter_at(&list, i, &telemeter);
         if (c->private_link.services[STATUS_INDEX(ROBUROC4_SERVICE_TELEMETER)].received == 0) {
-            v->distances[i] = telemeter.distance_m; /* better than none */
+            v->distances[i] = telemeter.distance_m; /* better than no distance */
         }
-        /* the distance of the moment is no property */
+        /* the current distance is not a property */
         store(c, v->telemeters[i], &telemeter, sizeof v->telemeters[i]);
     }
     return result;
@@ -93,7 +93,7 @@ static roburoc4_result take_differential(client *c, const uint8_t *data, size_t 
     roburoc4_differential_properties *limits = &c->private_values.limits;
     const roburoc4_result result = roburoc4_decode_differential_properties(data, size, &p);
     if (result >= 0) {
-        /* the speeds of the moment are no property */
+        /* the current speeds are not properties */
         limits->target_linear_m_s = p.target_linear_m_s;
         limits->target_angular_rad_s = p.target_angular_rad_s;
         limits->current_linear_m_s = p.current_linear_m_s;
@@ -104,7 +104,7 @@ static roburoc4_result take_differential(client *c, const uint8_t *data, size_t 
     return result;
 }
 
-/** Take the properties of a service from a good answer: 0 or more, or what is wrong with it. */
+/** Store the properties in an answer. Returns 0 or more, or an error. */
 static roburoc4_result take_properties(client *c, uint32_t service, const uint8_t *data,
                                        size_t size) {
     typedef roburoc4_result (*taker)(client *, const uint8_t *, size_t);
@@ -123,7 +123,7 @@ static roburoc4_result take_properties(client *c, uint32_t service, const uint8_
  * what happens where they stay away. So they do not wake() it, unless they end driving, end a stop
  * sequence, or make the override known or unknown. */
 
-/** Whether a status is newer than the last of its service: then it is counted and announced. */
+/** Count a status; true if it is newer than the last of its service. */
 static bool is_new(client *c, uint32_t service, uint64_t robot_cycles) {
     roburoc4_private_link *l = &c->private_link;
     const uint64_t floor_us = l->floor_us;
@@ -136,11 +136,11 @@ static bool is_new(client *c, uint32_t service, uint64_t robot_cycles) {
         return false;
     }
     if (c->private_state == ROBUROC4_STATE_SUBSCRIBING) {
-        c->private_discovery.acked |= service_bit(service); /* as good as the acknowledgement */
+        c->private_discovery.acked |= service_bit(service); /* as good as an acknowledgement */
         wake(c);
     }
     if (l->floor_us < floor_us) {
-        wake(c); /* other services' statuses are older than was known */
+        wake(c); /* the statuses of other services are older than assumed */
     }
     raise_event(c, (uint32_t)ROBUROC4_EVENT_IOCARD << STATUS_INDEX(service));
     return true;
@@ -187,12 +187,12 @@ static roburoc4_result decode_status(const client *c, uint32_t service, const ui
     }
 }
 
-/** The inputs, and with them the override: whether the game pad's [A] is held. */
+/** The inputs, and from them the override: whether the game pad's [A] is held. */
 static void take_inputs(client *c, const roburoc4_channels *inputs) {
     values *v = &c->private_values;
     (void)roburoc4_floats(inputs->analog, inputs->analog_count, v->analog,
                           ROBUROC4_MAX_ANALOG_INPUTS);
-    v->digital = digital_bits(inputs); /* ROBUROC4_MAX_DIGITAL_INPUTS of them */
+    v->digital = digital_bits(inputs); /* the first ROBUROC4_MAX_DIGITAL_INPUTS */
     const roburoc4_result override = index_of_role(c, ROBUROC4_ROLE_OVERRIDE);
     const uint8_t overridden = override >= 0 ? (uint8_t)(v->digital >> override & 1) : 0;
     if (overridden != (v->override_known && v->overridden)) {
@@ -240,8 +240,8 @@ static void take_speeds(client *c, const roburoc4_differential_status *status) {
     }
 }
 
-/** The service that has this id and was subscribed to, or 0. On a RobuROC4 the ids are the
- * manual's, which is where the search begins. */
+/** The subscribed service with this id, or 0. The search begins with the manual's ids, which a
+ * RobuROC4 uses. */
 static uint32_t subscribed_service(const client *c, uint16_t id) {
     const discovery *d = &c->private_discovery;
     if (id < ROBUROC4_SERVICE_COUNT && d->service_ids[id] == id &&
@@ -292,7 +292,7 @@ static roburoc4_result receive_status(client *c, const uint8_t *data, size_t siz
 
 /* ---- answers ---- */
 
-/** The directory is there: new services are discovered anew, known ones keep their texts. */
+/** A directory arrived: new services are discovered, known ones keep their texts. */
 static roburoc4_result take_directory(client *c, const uint8_t *data, size_t size) {
     discovery *d = &c->private_discovery;
     roburoc4_directory directory;
@@ -305,7 +305,7 @@ static roburoc4_result take_directory(client *c, const uint8_t *data, size_t siz
         return result;
     }
     if (!same) {
-        if (connected(c)) { /* else driving was left before, and for what cause is known */
+        if (connected(c)) { /* otherwise the client has already disarmed, with its cause */
             roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_NO_DIFFERENTIAL);
         }
         roburoc4_discovery_clear(d);
@@ -314,7 +314,7 @@ static roburoc4_result take_directory(client *c, const uint8_t *data, size_t siz
         }
         raise_event(c, ROBUROC4_EVENT_PROPERTIES);
     }
-    if (!roburoc4_discovery_may_drive(d, c->private_drive.service)) { /* it may list nothing */
+    if (!roburoc4_discovery_may_drive(d, c->private_drive.service)) { /* its list may be empty */
         roburoc4_drive_service(&c->private_drive, false, 0);
     }
     roburoc4_lifecycle_forget_services(c, ROBUROC4_STATE_DISCOVERING);
@@ -324,7 +324,7 @@ static roburoc4_result take_directory(client *c, const uint8_t *data, size_t siz
 static void take_text(client *c, const slot *s, const roburoc4_text *text) {
     discovery *d = &c->private_discovery;
     if (c->private_requests.fixed_id && s->ask.detail == LIST_DIRECTORY) {
-        /* with one id for all, a late text may be another's: no service is chosen by it */
+        /* in fixed-id mode a late text may belong to another request: it identifies no service */
         roburoc4_discovery_doubtful_text(d, s->ask.subject);
     } else if (roburoc4_discovery_text(d, s->ask.detail, s->ask.subject, text->text,
                                        text->length)) {
@@ -335,7 +335,7 @@ static void take_text(client *c, const slot *s, const roburoc4_text *text) {
     raise_event(c, ROBUROC4_EVENT_DESCRIPTION);
 }
 
-/** A text that came late may name a service, or show that one is another than was believed. */
+/** A late text may identify a service, or show that one was misidentified. */
 static void identify_again(client *c) {
     if (c->private_discovery.identified && roburoc4_discovery_identify(&c->private_discovery)) {
         roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_NO_DIFFERENTIAL);
@@ -343,7 +343,7 @@ static void identify_again(client *c) {
     }
 }
 
-/** A good answer: store what it has, or return what is wrong with it. */
+/** Store the content of a good answer; returns an error if there is one. */
 static roburoc4_result take_answer(client *c, const slot *s, const uint8_t *data, size_t size) {
     discovery *d = &c->private_discovery;
     roburoc4_text text;
@@ -380,8 +380,8 @@ static roburoc4_result take_answer(client *c, const slot *s, const uint8_t *data
     return result;
 }
 
-/** Whether this is certainly the answer to that request, and none to an earlier one of the same
- *  service and action. Where all have one id, only a probe is asked long enough after its like. */
+/** Whether this is certainly the answer to that request, not to an earlier one of the same service
+ * and action. In fixed-id mode only probes are far enough apart for that. */
 static bool measures_round_trip(const client *c, const slot *s, uint8_t id) {
     if (id != s->id || (s->tries > 1 && s->ask.max_tries == REQUEST_FOREVER)) {
         return false;
@@ -414,8 +414,8 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
     }
     if (bad && s->ask.max_tries == REQUEST_FOREVER) {
         count(c, ROBUROC4_COUNT_REFUSED);
-        return ROBUROC4_OK; /* no directory, no robot: it stays open and is tried again in its time
-                             */
+        return ROBUROC4_OK; /* without a directory there is no robot: the request stays open and is
+                               repeated */
     }
     roburoc4_requests_close(&c->private_requests, s, c->private_now_us);
     if (c->private_requests.announce) {
@@ -439,7 +439,7 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
             identify_again(c);
         }
         if (index_of_role(c, ROBUROC4_ROLE_OVERRIDE) != pad) {
-            c->private_values.override_known = 0; /* until a status has the right input */
+            c->private_values.override_known = 0; /* until a status with the right input arrives */
         }
     }
     return result;

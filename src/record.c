@@ -15,49 +15,49 @@
 
 #define BUFFER_BYTES_DEFAULT (256u * 1024u)
 #define BUFFER_BYTES_MIN 4096u
-/* What a killed process loses is this and the time that a write takes. */
+/* A killed process loses at most this plus the time of a write. */
 #define FLUSH_US 50000u
-/* Pace of trying again where the disk took nothing. */
+/* Pause before a retry after the disk accepted nothing. */
 #define RETRY_US 100000u
 #define FINISH_US 2000000u
 #define IDLE_US 1000000u
-/* Of the header of a file: section, interface and a name. */
+/* Size of a file's header: section, interface and a name. */
 #define HEAD_BYTES 512u
 #define ROBOT_BYTES_MAX 255u
 #define STATISTICS_BYTES 72u
 #define HIGHEST_NUMBER 999999u
 
-/* Datagrams since the beginning. */
+/* Datagrams so far. */
 typedef struct totals {
     uint64_t recorded, dropped;
 } totals;
 
 struct roburoc4_recorder {
-    int64_t process; /* the one that made it: a forked child has no writer */
+    int64_t process; /* the process that made it: a forked child has no writer */
     roburoc4_thread thread;
     uint64_t max_file_bytes, max_file_us;
     char wanted[ROBUROC4_RECORDER_PATH_SIZE]; /* the file's or folder's path */
     int kind;                                 /* ROBUROC4_OS_FILE, ... */
     char robot[ROBOT_BYTES_MAX + 1];
 
-    roburoc4_lock lock; /* guards all below but what is the writer's own */
+    roburoc4_lock lock; /* protects everything below except the writer's own members */
     roburoc4_signal changed;
-    uint8_t *buffer; /* that is being filled */
+    uint8_t *buffer; /* being filled */
     size_t capacity, filled;
-    uint32_t gap; /* datagrams that were dropped since the last one that was taken */
+    uint32_t gap; /* datagrams dropped since the last one in the buffer */
     int ending, ended;
     roburoc4_recorder_state state;
 
     /* The writer's own. */
     uint8_t *out; /* the other buffer */
-    size_t size;  /* what it holds */
+    size_t size;  /* its content */
     int64_t file;
-    uint64_t head_bytes, file_bytes; /* whole blocks that are in the file */
+    uint64_t head_bytes, file_bytes; /* complete blocks in the file */
     uint64_t begun_us, begun_calendar_us;
     totals earlier; /* before this file */
-    totals filed;   /* with what was written last */
-    totals swapped; /* with what is in `out` */
-    int gave_up;    /* the end came while the disk was full */
+    totals filed;   /* up to what was written last */
+    totals swapped; /* up to what is in `out` */
+    int gave_up;    /* closed while the disk was full */
 };
 
 /* ---------------------------------------------------------------------------------- pcapng --- */
@@ -97,7 +97,7 @@ static void put_64(cursor *c, uint64_t value) {
     put_32(c, (uint32_t)(value >> 32));
 }
 
-/* Times have their high half first, whatever the byte order. */
+/* The high half of a time comes first in every byte order. */
 static void put_time(cursor *c, uint64_t calendar_us) {
     put_32(c, (uint32_t)(calendar_us >> 32));
     put_32(c, (uint32_t)calendar_us);
@@ -130,7 +130,7 @@ static uint8_t *begin_block(cursor *c, uint32_t type) {
     return begin;
 }
 
-/* Both of the block's lengths. */
+/* Fills in both lengths of a block. */
 static void end_block(cursor *c, uint8_t *begin) {
     const uint32_t length = (uint32_t)(c->at - begin) + 4u;
     cursor first;
@@ -139,7 +139,7 @@ static void end_block(cursor *c, uint8_t *begin) {
     put_32(c, length);
 }
 
-/* The section's and the interface's block, of HEAD_BYTES at most. */
+/* The section header and the interface block, at most HEAD_BYTES. */
 static size_t encode_head(uint8_t *buffer, const char *robot) {
     char program[32];
     const uint8_t resolution = MICROSECONDS;
@@ -150,7 +150,7 @@ static size_t encode_head(uint8_t *buffer, const char *robot) {
     put_32(&c, 0x1A2B3C4Du);
     put_16(&c, 1);
     put_16(&c, 0);
-    put_64(&c, UINT64_MAX); /* the section's length is not known */
+    put_64(&c, UINT64_MAX); /* unknown length of the section */
     (void)snprintf(program, sizeof program, "roburoc4 %d.%d.%d", ROBUROC4_VERSION_MAJOR,
                    ROBUROC4_VERSION_MINOR, ROBUROC4_VERSION_PATCH);
     put_option(&c, 4, program, strlen(program));
@@ -159,7 +159,7 @@ static size_t encode_head(uint8_t *buffer, const char *robot) {
     begin = begin_block(&c, BLOCK_INTERFACE);
     put_16(&c, LINK_TYPE_RAW_IP);
     put_16(&c, 0);
-    put_32(&c, 0); /* no datagram is cut */
+    put_32(&c, 0); /* datagrams are not cut */
     put_option(&c, 2, robot, strlen(robot));
     put_option(&c, 9, &resolution, 1);
     put_32(&c, 0);
@@ -180,7 +180,7 @@ static size_t encode_statistics(uint8_t *buffer, uint64_t begun_us, uint64_t now
     put_time(&c, begun_us);
     put_16(&c, 4);
     put_16(&c, 8);
-    put_64(&c, recorded + dropped); /* datagrams that there were */
+    put_64(&c, recorded + dropped); /* all datagrams */
     put_16(&c, 5);
     put_16(&c, 8);
     put_64(&c, dropped);
@@ -251,7 +251,7 @@ static void put_udp(cursor *c, const roburoc4_address *from, const roburoc4_addr
     }
 }
 
-/* The most that a block takes beside its datagram. */
+/* The most bytes of a block in addition to its datagram. */
 #define PACKET_BYTES (28u + IPV6_BYTES + UDP_BYTES + 3u + 8u + 12u + 4u + 4u)
 
 static size_t encode_packet(uint8_t *buffer, uint64_t calendar_us, uint32_t gap, int inbound,
@@ -290,11 +290,11 @@ static size_t encode_packet(uint8_t *buffer, uint64_t calendar_us, uint32_t gap,
 void roburoc4_recorder_take(roburoc4_recorder *r, int inbound, const roburoc4_address *from,
                             const roburoc4_address *to, const uint8_t *datagram, size_t size) {
     if (r->process != roburoc4_process_id()) {
-        return; /* the lock may have been forked in any state */
+        return; /* the fork may have copied the lock in any state */
     }
     roburoc4_lock_take(&r->lock);
     if (r->ending) {
-        /* nothing is written any more */
+        /* nothing more is written */
     } else if (r->capacity - r->filled < PACKET_BYTES + size) {
         r->gap++;
         r->state.dropped++;
@@ -313,7 +313,7 @@ void roburoc4_recorder_take(roburoc4_recorder *r, int inbound, const roburoc4_ad
 
 /* ----------------------------------------------------------------------------------- files --- */
 
-/* The n-th name for a file, "run.pcapng", "run.2.pcapng", ...; 0 where it is too long. */
+/* The n-th name for a file, "run.pcapng", "run.2.pcapng", ...; 0 if it is too long. */
 static int name_file(const roburoc4_recorder *r, uint32_t n,
                      char path[ROBUROC4_RECORDER_PATH_SIZE]) {
     char whole[ROBUROC4_RECORDER_PATH_SIZE], number[16] = "";
@@ -341,7 +341,7 @@ static int name_file(const roburoc4_recorder *r, uint32_t n,
     return length >= 0 && length < ROBUROC4_RECORDER_PATH_SIZE;
 }
 
-/* Makes the first file whose name is free. */
+/* Creates the first file whose name is free. */
 static int64_t create_file(const roburoc4_recorder *r, char path[ROBUROC4_RECORDER_PATH_SIZE]) {
     uint32_t n;
     for (n = 1; n <= HIGHEST_NUMBER; n++) {
@@ -358,7 +358,7 @@ static int64_t create_file(const roburoc4_recorder *r, char path[ROBUROC4_RECORD
     return ROBUROC4_OS_NO_FILE;
 }
 
-/* Writes all that the disk takes now; 1 where that is all. */
+/* Writes what the disk accepts now; 1 if that is everything. */
 static int write_now(roburoc4_recorder *r, const uint8_t *bytes, size_t size, size_t *done) {
     size_t written = 1;
     while (*done < size && written > 0) {
@@ -372,7 +372,7 @@ static int write_now(roburoc4_recorder *r, const uint8_t *bytes, size_t size, si
     return *done == size;
 }
 
-/* Waits before the next try; 0 where there is none, as the recording is to end. */
+/* Waits before the next try; 0 if there is none because the recording is ending. */
 static int may_try_again(roburoc4_recorder *r) {
     int may;
     roburoc4_lock_take(&r->lock);
@@ -384,7 +384,8 @@ static int may_try_again(roburoc4_recorder *r) {
     return may;
 }
 
-/* Writes all, however long the disk is full; *done is less than size where the end came first. */
+/* Writes everything, however long the disk is full; *done is less than size if the recording ended
+ * first. */
 static void write_until_done(roburoc4_recorder *r, const uint8_t *bytes, size_t size,
                              size_t *done) {
     *done = 0;
@@ -430,7 +431,7 @@ static int is_rotation_due(const roburoc4_recorder *r) {
            (r->max_file_us > 0 && roburoc4_udp_now_us() - r->begun_us >= r->max_file_us);
 }
 
-/* Where no other file can be made, this one goes on. */
+/* If the next file cannot be created, this one continues. */
 static void rotate(roburoc4_recorder *r) {
     char path[ROBUROC4_RECORDER_PATH_SIZE];
     int64_t file = create_file(r, path);
@@ -448,7 +449,8 @@ static void rotate(roburoc4_recorder *r) {
 
 /* ---------------------------------------------------------------------------------- writer --- */
 
-/* How many of the first `size` bytes are whole blocks; the blocks after them are added to *rest. */
+/* How many of the first `size` bytes are complete blocks; the blocks after them are added to *rest.
+ */
 static size_t whole_blocks(const uint8_t *blocks, size_t size, size_t done, uint64_t *rest) {
     size_t at = 0, whole = 0;
     while (at < size) {
@@ -529,7 +531,7 @@ static void free_recorder(roburoc4_recorder *r) {
     free(r);
 }
 
-/* NULL for options that cannot be, or without memory; *result says which. */
+/* NULL for invalid options, or without memory; *result says which. */
 static roburoc4_recorder *allocate(const char *path, const roburoc4_recorder_options *options,
                                    roburoc4_result *result) {
     const size_t capacity =
@@ -571,7 +573,7 @@ static int begin_recording(roburoc4_recorder *r) {
     if (roburoc4_signal_create(&r->changed)) {
         r->file = create_file(r, r->state.path);
         if (r->file != ROBUROC4_OS_NO_FILE) {
-            r->ending = 1; /* until the thread runs: a disk that is full now is an error */
+            r->ending = 1; /* until the thread runs: a full disk is an error now */
             begin_file(r);
             r->ending = 0;
             r->state.files = 1;
@@ -653,7 +655,7 @@ roburoc4_result roburoc4_recorder_close(roburoc4_recorder *r, roburoc4_recorder_
             roburoc4_recorder_get_state(r, last);
             last->system_error = ETIMEDOUT;
         }
-        return ROBUROC4_ERR_SYSTEM; /* the thread still has the memory, and may have it for ever */
+        return ROBUROC4_ERR_SYSTEM; /* the thread still uses the memory, perhaps forever */
     }
     if (last != NULL) {
         roburoc4_recorder_get_state(r, last);

@@ -10,26 +10,26 @@
 
 #define SLOTS 4
 #define MAX_WAIT_US SECOND
-#define FIRST_ID 2 /* 0x01 is kept for robots that know no other */
+#define FIRST_ID 2 /* 0x01 is reserved for robots that answer no other id */
 #define LAST_ID 254
 #define FIXED_AFTER 3
-/* Where an error does not say what it refuses, it may come again, late: no text is asked for. */
+/* Texts wait this long after an error that does not name its request, as a copy may come late. */
 #define QUIET_US (700 * MS)
-/* Where an answer does not say what it is to, texts are seldom asked for twice: so much later. */
+/* If answers do not name their request, a text is repeated only this much later. */
 #define PATIENCE 5
-/* A request is repeated after four of the shortest round trip, but not sooner than this. */
+/* A request is repeated after four of the shortest round trip, but not earlier than this. */
 #define SHORTEST_RETRY_US (20 * MS)
-/* Tries are timed from the first, but not over a pause of the program. */
+/* Tries are timed from the first one, unless the program paused for longer than this. */
 #define LONGEST_PAUSE_US (100 * SECOND)
-/* Every so many tries to connect, for a robot that answers no other id. */
+/* Every this many tries to connect, 0x01 is used: some robots answer no other id. */
 #define MANUAL_ID_EVERY 6
-/* So many tries before an answer to that id counts: it may be another robot. */
+/* Tries before an answer to 0x01 counts, as it may be from another robot. */
 #define DOUBT_AFTER (2 * MANUAL_ID_EVERY)
-/* Values of id_mode: which ids of ours the robot answered so far. */
+/* Values of id_mode: which ids the robot has answered so far. */
 enum { ANSWERED_NONE, ANSWERED_MANUAL_ID, ANSWERED_ANY_ID };
 
 void roburoc4_requests_clear(requests *r) {
-    const uint8_t last_id = r->last_id; /* goes on, so that late answers of before do not fit */
+    const uint8_t last_id = r->last_id; /* continues: late answers must not match */
     const bool any_id = r->id_mode == ANSWERED_ANY_ID;
     memset(r, 0, sizeof *r);
     r->last_id = last_id;
@@ -54,13 +54,13 @@ bool roburoc4_requests_free(const requests *r, uint32_t keep) {
 }
 
 bool roburoc4_requests_free_for_text(const requests *r) {
-    /* texts leave a request free for what is more urgent */
+    /* texts leave one request free for urgent ones */
     return roburoc4_requests_free(r, r->single_texts ? SLOTS - 1 : 1) && !r->quiet;
 }
 
 bool roburoc4_requests_open(const requests *r, const ask *a) {
     for (uint32_t i = 0; i < SLOTS; i++) {
-        /* how often it is tried does not make it another question */
+        /* the number of tries does not matter here */
         if (r->slots[i].open && memcmp(&r->slots[i].ask, a, offsetof(ask, max_tries)) == 0) {
             return true;
         }
@@ -91,7 +91,7 @@ void roburoc4_requests_cancel(requests *r, uint8_t action, uint8_t kind) {
     }
 }
 
-/* Tries are counted to here and then again and again through the last few, with 0x01 among them. */
+/* The count of tries stops here and cycles through the last few, one of which uses 0x01. */
 #define TRIES_WRAP (41 * MANUAL_ID_EVERY)
 
 static bool id_in_use(const requests *r, uint8_t id) {
@@ -123,7 +123,7 @@ static uint8_t next_id(requests *r, const slot *s) {
     return r->last_id;
 }
 
-/** From now on 0x01 only, and nothing open but this request. */
+/** Use only 0x01 from now on, and close all requests but this one. */
 static slot *go_to_fixed_id(requests *r, const slot *only) {
     const slot kept = *only;
     roburoc4_requests_clear(r);
@@ -138,7 +138,7 @@ static uint32_t retry_us(uint32_t first_us, uint32_t doublings) {
     return at_most(doubled_us, MAX_WAIT_US);
 }
 
-/** The wait after this many tries. A robot that is there loses nothing by being asked often. */
+/** The wait after this many tries. */
 static uint32_t wait_us(const slot *s, uint32_t longest_us, uint32_t round_trip_us) {
     if (round_trip_us == 0 || round_trip_us >= longest_us / 4 ||
         s->ask.max_tries == REQUEST_FOREVER) {
@@ -158,11 +158,11 @@ static void begin_try(requests *r, slot *s, uint32_t wait_us, uint64_t now_us) {
     }
     s->wait_us = (uint32_t)(now_us - s->sent_us) + wait_us;
     s->id = id;
-    s->ones &= 0x7F; /* this try has not seen an answer with 0x01 yet */
+    s->ones &= 0x7F; /* no answer with 0x01 to this try yet */
     s->tries = s->tries < TRIES_WRAP ? s->tries + 1U : TRIES_WRAP + 1 - MANUAL_ID_EVERY;
 }
 
-/** How long its tries take at the configured pace: it is not given up sooner. */
+/** How long its tries take at the configured rate; it is not given up earlier. */
 static uint32_t longest_try_us(const slot *s, uint32_t longest_us) {
     uint32_t sum_us = 0;
     for (uint32_t i = 0; i < s->ask.max_tries; i++) {
@@ -190,7 +190,7 @@ slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint32_t round
             return NULL;
         }
         if (!r->fixed_id && r->id_mode == ANSWERED_MANUAL_ID && s->tries >= FIXED_AFTER) {
-            s = go_to_fixed_id(r, s); /* only 0x01 was ever answered */
+            s = go_to_fixed_id(r, s); /* only 0x01 was answered so far */
         }
         const bool rare =
             (r->fixed_id || r->single_texts) && s->ask.action == ROBUROC4_ACTION_QUERY;
@@ -206,13 +206,13 @@ slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint32_t round
     return NULL;
 }
 
-/** As much of an error telegram as there is fits this request. */
+/** Whether an error telegram, which may be cut short, matches this request. */
 static bool error_fits(const slot *s, const uint8_t *datagram, size_t size) {
     return (size < 2 || datagram[1] == s->ask.action) &&
            (size < 4 || (uint16_t)(datagram[2] | datagram[3] << 8) == s->ask.target);
 }
 
-/** A robot that once echoed another id is not one that knows 0x01 only, however much is lost. */
+/** A robot that once echoed another id knows more than 0x01, however much is lost. */
 static void note_answered_id(requests *r, const slot *s) {
     if (s->id != ROBUROC4_HEADER_MANUAL) {
         r->id_mode = ANSWERED_ANY_ID;
@@ -222,7 +222,7 @@ static void note_answered_id(requests *r, const slot *s) {
     }
 }
 
-/** Another try of this request saw only 0x01; true when that is enough to believe it. */
+/** Another try of this request was answered with 0x01; true once that is proof enough. */
 static bool only_manual_id(slot *s) {
     if ((s->ones & 0x80) == 0) {
         s->ones = (uint8_t)(0x80 | (s->ones + 1));
@@ -230,7 +230,7 @@ static bool only_manual_id(slot *s) {
     return (s->ones & 0x7F) >= FIXED_AFTER;
 }
 
-/** Texts (and in fixed-id mode all) wait until no answer to this request can be on its way. */
+/** Texts (and in fixed-id mode all requests) wait until no answer to this one can still arrive. */
 static void be_quiet(requests *r, const slot *s, uint64_t now_us) {
     const bool again = s != NULL && s->tries > 1;
     const uint64_t until_us = now_us + (again ? at_most(s->wait_us, MAX_WAIT_US) : QUIET_US);
@@ -238,7 +238,8 @@ static void be_quiet(requests *r, const slot *s, uint64_t now_us) {
     r->quiet = 1;
 }
 
-/** An error telegram does not say which text it refuses: from now on one is asked for at a time. */
+/** An error telegram does not name the text that it refuses: from now on request one text at a
+ * time. */
 static void ask_single_texts(requests *r, uint64_t now_us) {
     r->single_texts = 1;
     for (uint32_t i = 0; i < SLOTS; i++) {
@@ -284,7 +285,7 @@ slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size,
         return NULL;
     }
     if (r->fixed_id) {
-        return oldest; /* it was asked with another id, in doubt */
+        return oldest; /* it was sent with another id, to check the mode */
     }
     return only_manual_id(oldest) ? go_to_fixed_id(r, oldest) : NULL;
 }

@@ -5,14 +5,13 @@
  */
 #include "internal.h"
 
-/* A probe waits up to 0.8 s for its answer (with the default first_retry_ms). */
+/* A probe waits up to 0.8 s for its answer (at the default first_retry_ms). */
 #define PROBE_TRIES 4
-/* Given up after 2.5 s (with the default first_retry_ms), within a client's patience; a probe asks
- * again later. */
+/* Given up after 2.5 s (at the default first_retry_ms); a probe asks again later. */
 #define REQUEST_TRIES 5
 #define FIRST_STATUS_SERVICE ROBUROC4_SERVICE_IOCARD
 
-/** Ask a service something that has no parameters, or about its subscription. */
+/** Request something without parameters, or the service's subscription. */
 static bool open_about(client *c, uint8_t action, uint32_t service, uint8_t max_tries) {
     const uint16_t id = c->private_discovery.service_ids[service];
     ask a = {id, 0, action, (uint8_t)service, 0, max_tries};
@@ -24,7 +23,7 @@ static bool open_about(client *c, uint8_t action, uint32_t service, uint8_t max_
     return roburoc4_requests_begin(&c->private_requests, &a);
 }
 
-/** Services of `set`, each in turn: the one that a request was opened for, or 0. */
+/** Try the services of `set` in turn: the one for which a request was opened, or 0. */
 static uint32_t open_first(client *c, uint8_t action, uint32_t set) {
     for (uint32_t service = FIRST_STATUS_SERVICE; service < ROBUROC4_SERVICE_COUNT; service++) {
         if ((set & service_bit(service)) != 0 && open_about(c, action, service, REQUEST_TRIES)) {
@@ -38,8 +37,8 @@ static uint32_t properties_due(const discovery *d) {
     return d->listed & ~(uint32_t)(d->known | d->refused);
 }
 
-/** Services whose subscription is wanted and possible, but neither given nor refused. The IO card's
- *  statuses cannot be read without its properties. */
+/** Services whose subscription is wanted and possible, but neither accepted nor refused yet. The IO
+ * card's statuses cannot be decoded without its properties. */
 static uint32_t subscriptions_due(const client *c) {
     const discovery *d = &c->private_discovery;
     const uint32_t readable = d->known | ~(uint32_t)service_bit(ROBUROC4_SERVICE_IOCARD);
@@ -68,8 +67,9 @@ static bool open_text(client *c, text_choice choice) {
     return roburoc4_requests_begin(&c->private_requests, &a);
 }
 
-/** One question a second, to each service in turn: measures the round trip, keeps properties true,
- *  notices another directory, and tries again what was refused. A text that is missing follows. */
+/** One request a second, to each service in turn. It measures the round trip, keeps properties
+ * current, notices a changed directory, and repeats what was refused. Then a missing text is
+ * requested. */
 static bool open_probe(client *c) {
     discovery *d = &c->private_discovery;
     if (c->private_now_us - d->probe_us < PROBE_US) {
@@ -89,7 +89,7 @@ static bool open_probe(client *c) {
     return open_about(c, ROBUROC4_ACTION_GET, d->probe_kind, PROBE_TRIES);
 }
 
-/** When a service's silence is long enough to subscribe to it anew. */
+/** When a service has been silent for long enough to subscribe to it again. */
 static uint64_t renewal_us(const client *c, uint32_t i) {
     const discovery *d = &c->private_discovery;
     const roburoc4_private_service *s = &c->private_link.services[i];
@@ -174,7 +174,7 @@ static bool open_next(client *c) {
     }
 }
 
-/** Go on to the next state where this one has nothing left to wait for. */
+/** Enter the next state if nothing remains to wait for in this one. */
 static void advance(client *c) {
     discovery *d = &c->private_discovery;
     const int32_t *io_counts = c->private_values.io_counts;
@@ -226,7 +226,7 @@ static roburoc4_result encode_request(const client *c, const slot *s, uint8_t *b
         request.io_type = s->ask.detail;
         request.index = s->ask.subject;
     }
-    request.timestamp = cycles > 0 ? cycles : 1; /* 0 is said to be refused by some robots */
+    request.timestamp = cycles > 0 ? cycles : 1; /* some robots are said to refuse 0 */
     request.x_m = o->x_m;
     request.y_m = o->y_m;
     request.theta_rad = o->theta_rad;
@@ -250,7 +250,7 @@ roburoc4_result roburoc4_schedule_poll(client *c, uint8_t *buffer, size_t capaci
             count(c, ROBUROC4_COUNT_ABANDONED);
             roburoc4_schedule_failed(c, given_up, ROBUROC4_ERR_TIMEOUT);
             if (c->private_state != ROBUROC4_STATE_READY) {
-                /* is it this service that is silent, or the robot? */
+                /* find out whether only this service is silent */
                 open_about(c, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, REQUEST_TRIES);
             }
             continue;

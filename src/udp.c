@@ -14,7 +14,7 @@
 
 /* ------------------------------------------------------------------------------- addresses --- */
 
-/* A decimal port of 1 to 65535, or 0. */
+/* A decimal port of 1 to 65535; 0 if it is not one. */
 static uint16_t parse_port(const char *text) {
     uint32_t port = 0;
     size_t i = 0;
@@ -33,7 +33,7 @@ static int is_printable(const char *text) {
     return 1;
 }
 
-/* Where the host's name begins and how long it is, and the text of the port (NULL: none). */
+/* Finds the host's name and its length, and the text of the port (NULL if none). */
 static roburoc4_result split(const char *text, const char **host, size_t *length,
                              const char **port) {
     const char *first = strchr(text, ':');
@@ -52,7 +52,7 @@ static roburoc4_result split(const char *text, const char **host, size_t *length
         *length = (size_t)(first - text);
         *port = first + 1;
     } else {
-        *length = strlen(text); /* no colon: a name; two and more: a bare IPv6 address */
+        *length = strlen(text); /* no colon: a name; more than one: a bare IPv6 address */
     }
     return ROBUROC4_OK;
 }
@@ -124,7 +124,7 @@ static void tally(roburoc4_udp *udp, uint32_t counter) {
     udp->counters[counter]++;
 }
 
-/* Faults of the path that choosing this end's address again may mend. */
+/* Faults that may be fixed by choosing the local address again. */
 static int is_of_the_path(uint32_t fault) {
     return fault == ROBUROC4_FAULT_UNREACHABLE || fault == ROBUROC4_FAULT_DOWN ||
            fault == ROBUROC4_FAULT_OTHER;
@@ -153,7 +153,7 @@ static roburoc4_os_outcome connect_now(roburoc4_udp *udp) {
     return outcome;
 }
 
-/* Chooses this end's address anew where there is none, or where it stopped working. */
+/* Chooses the local address again if there is none, or if it stopped working. */
 static void keep_connected(roburoc4_udp *udp) {
     roburoc4_os_outcome outcome;
     uint64_t now_us;
@@ -241,8 +241,8 @@ static void record(const roburoc4_udp *udp, int inbound, const uint8_t *datagram
     }
 }
 
-/* Takes what comes first: a datagram, or nothing. Faults and oversized datagrams on the way are
- * counted and passed over, but not without end. */
+/* Receives a datagram if there is one. Faults and oversized datagrams are counted and skipped, up
+ * to a limit. */
 static int take_datagram(roburoc4_udp *udp, size_t *size) {
     int skipped;
     for (skipped = 0; skipped < ROBUROC4_UDP_BURST; skipped++) {
@@ -263,11 +263,11 @@ static int take_datagram(roburoc4_udp *udp, size_t *size) {
     return ROBUROC4_OS_EMPTY;
 }
 
-/* As roburoc4_udp_receive_one(); *now_us is set where a datagram came. */
+/* As roburoc4_udp_receive_one(); *now_us is set if a datagram was received. */
 static roburoc4_result give_one(roburoc4_udp *udp, roburoc4_client *client, size_t *size,
                                 uint64_t *now_us) {
     int got = ROBUROC4_OS_EMPTY;
-    if (udp->private_connected) { /* before that, anybody's datagrams would come in */
+    if (udp->private_connected) { /* before that, datagrams from anyone would be received */
         got = take_datagram(udp, size);
     }
     if (got != ROBUROC4_OS_DATAGRAM) {
@@ -314,7 +314,7 @@ static roburoc4_result receive_all(roburoc4_udp *udp, roburoc4_client *client) {
             return got;
         }
         used += got == ROBUROC4_UDP_USED;
-        /* the clock is not read once more: it was a microsecond ago */
+        /* the clock was read a microsecond ago */
         if (got == ROBUROC4_UDP_NOTHING || roburoc4_client_next_deadline(client) <= now_us) {
             break;
         }
@@ -322,11 +322,12 @@ static roburoc4_result receive_all(roburoc4_udp *udp, roburoc4_client *client) {
     return used;
 }
 
-/* 1 where the system took the datagram. */
+/* 1 if the system accepted the datagram. */
 static int send_now(roburoc4_udp *udp, const uint8_t *datagram, size_t size) {
     roburoc4_os_outcome outcome = roburoc4_os_send(udp->private_socket, datagram, size);
     if (outcome.fault == ROBUROC4_FAULT_REFUSED) {
-        /* The system reports here that an earlier datagram was refused, and did not send this. */
+        /* The system reports here that an earlier datagram was refused, and did not send this one.
+         */
         note_fault(udp, outcome);
         outcome = roburoc4_os_send(udp->private_socket, datagram, size);
     }
@@ -339,7 +340,7 @@ static int send_now(roburoc4_udp *udp, const uint8_t *datagram, size_t size) {
     note_fault(udp, outcome);
     tally(udp, ROBUROC4_UDP_COUNT_DROPPED);
     if (is_of_the_path(outcome.fault) && !udp->private_broken) {
-        udp->private_broken = 1; /* give the path a second to mend before connecting anew */
+        udp->private_broken = 1; /* wait a second before connecting again */
         udp->private_tried_us = roburoc4_udp_now_us();
     }
     return 0;
