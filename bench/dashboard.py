@@ -32,7 +32,7 @@ PAGE_MB_PER_HOUR = 10.0
 CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
 PYTHON = [sys.executable, "-c"]
 COMMAND = [*PYTHON, "from roburoc4.cli import main; main()"]
-SIMULATOR = [*PYTHON, "import sys; from roburoc4.sim_program import main; sys.exit(main())"]
+SIMULATOR = [os.path.join(os.path.dirname(sys.executable), "roburoc4-sim")]
 
 FAKE_PAD = """
 window.pad = { id: "bench", index: 0, connected: true, mapping: "standard", axes: [-0.6, 0, 0, 0],
