@@ -64,7 +64,8 @@ static const char *reason(enum gate_verdict verdict) {
     case GATE_NOT_FINITE:
         return "it has NaN or infinity in it";
     case GATE_STARTING:
-        return "the bridge has just started, and it may be from before; pause for 500 ms";
+        return "the bridge has just started, and the command may be from before: wait for "
+               "--max-age, then pause 500 ms";
     case GATE_REPEATED:
         return "its utime is not later than the sender's last: a replayed log, or two programs "
                "with one sender";

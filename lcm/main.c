@@ -33,8 +33,10 @@ enum { EXIT_DONE = 0, EXIT_ERROR = 1, EXIT_USAGE = 2, EXIT_NO_LCM = 3 };
 #define LCM_RETRY_US 1000000u
 /* Longer than this a command's lease may not begin late. */
 #define STALL_US 20000u
-/* For this long after a stall LCM's thread may still hand on what came during it. */
-#define STALL_ECHO_US 50000u
+/* After a stall LCM's thread may still hand over messages from during the stall: for as long as the
+ * stall took, within these bounds. */
+#define STALL_ECHO_MIN_US 50000u
+#define STALL_ECHO_MAX_US 250000u
 /* LCM drops what comes after this many messages that were not read, and keeps the old ones. */
 #define QUEUE_CAPACITY 10000
 /* LCM's number for watch_set(); a robot's is its index + 1. */
@@ -225,13 +227,16 @@ static lcm_t *open_lcm(void) {
 static void look_for_stall(uint64_t asked_us) {
     gate_time now = clock_now();
     if (now.us - last_look.us >= asked_us + STALL_US) {
+        const uint64_t stall_us = now.us - last_look.us - asked_us;
         if (now.us >= stalled_until_us) {
             stalled_utime = last_look.utime;
         }
         for (uint32_t at = 0; at < robot_count; at++) {
             gate_was_stalled(&robots[at].gate, last_look.us, now.us);
         }
-        stalled_until_us = now.us + STALL_ECHO_US;
+        stalled_until_us = now.us + (stall_us < STALL_ECHO_MIN_US   ? STALL_ECHO_MIN_US
+                                     : stall_us > STALL_ECHO_MAX_US ? STALL_ECHO_MAX_US
+                                                                    : stall_us);
     }
     last_look = now;
 }
