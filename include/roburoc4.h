@@ -27,8 +27,8 @@
  *               robot time in cycles of 10 ms since power on (_cycles).
  *   Frame       X forward, Y left, Z up, angles counter-clockwise (manual 2.3).
  *   Time        now_us is any clock that never goes back and runs during sleep: read it for each
- *               call. If it jumps nevertheless, the client never sends a motion command for it, and
- *               a time before that of an earlier call disarms it.
+ *               call. If it jumps nevertheless, that never makes the client send a motion command,
+ *               and a time before that of an earlier call disarms it.
  *   Results     int32_t: 0 or more is success (often a length), negative is one of ROBUROC4_ERR_*.
  *   Threads     there are no globals: use one client from one thread at a time, different clients
  *               from any threads.
@@ -250,16 +250,17 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
 
 /* Motion. A drive command is a lease: the target holds for lease_us unless it is renewed. However
  * driving ends (lease over, stop, disarm, or an automatic disarm), the stop sequence follows: zero
- * commands, one per drive period, at least three, until a status that was made after them shows
- * both targets 0, or robot_watchdog_ms has passed. A new lease waits for its end. The first zero
- * after a speed is sent at once; all other commands are at least a robot cycle (10 ms) apart. */
+ * commands, one per drive period, at least three, until a status that was made after the first of
+ * them shows both targets 0, or robot_watchdog_ms has passed. A new lease waits for its end. The
+ * first zero after a speed is sent at once; all other commands are at least a robot cycle (10 ms)
+ * apart. */
 
 /** Allow driving. 0, or the first reason against it: ROBUROC4_ERR_NOT_READY, _NO_DIFFERENTIAL,
  *  _LIMITS, _STALE_DIFFERENTIAL, _STALE_IOCARD, _OVERRIDE_UNKNOWN, _OVERRIDE, _OTHER_COMMANDER,
  *  _MOVING. The client disarms itself when one of these conditions no longer holds, or when the
  * robot does not follow its speeds for half a second. Arming an armed client is fine. A ready
- * client may not be armable yet, as the first statuses come later: ROBUROC4_EVENT_ARMABLE, raised
- * after a refusal or a disarm, tells when arming is possible; roburoc4_pump_arm() waits for it. */
+ * client may not be armable yet, as the first statuses come later: ROBUROC4_EVENT_ARMABLE is raised
+ * whenever arming becomes possible; roburoc4_pump_arm() waits for it. */
 ROBUROC4_API roburoc4_result roburoc4_client_arm(roburoc4_client *client, uint64_t now_us);
 /** 1 if a reason against arming may go away by itself (no answer or status yet, the robot still
  *  rolls), so that trying again makes sense; else 0, also for a value that is no reason. */

@@ -15,8 +15,8 @@
  *                     thread writes the buffer. Nothing is allocated after
  *                     roburoc4_recorder_open().
  *   A crash           the thread writes at least every 100 ms, so a killed process loses no more
- *                     than that. A power cut may lose more: the system decides when data reaches
- *                     the disk.
+ *                     than that, unless the disk is full or slow. A power cut may lose more: the
+ *                     system decides when data reaches the disk.
  *   A full disk       datagrams that do not fit into the buffer while the disk is full or slow are
  *                     dropped and counted: in the file, with the next datagram that is written and
  *                     in the statistics at its end, and in roburoc4_recorder_state. Writing is
@@ -78,7 +78,7 @@ ROBUROC4_API void roburoc4_recorder_get_state(roburoc4_recorder *recorder,
 /** Write the rest, end the file and free the memory; *last (last may be NULL) is the final state.
  *  First close every socket and pump that uses the recorder, or give it another one. NULL is
  *  ignored. Waits for the disk for at most 2 s. ROBUROC4_ERR_SYSTEM: the end of the recording could
- *  not be written; last->system_error says why. */
+ *  not be written (last->system_error says why); the memory may stay allocated. */
 ROBUROC4_API roburoc4_result roburoc4_recorder_close(roburoc4_recorder *recorder,
                                                      roburoc4_recorder_state *last);
 

@@ -167,7 +167,7 @@ ROBUROC4_API roburoc4_result roburoc4_udp_receive_one(roburoc4_udp *udp, roburoc
                                                       const uint8_t **datagram, size_t *size);
 /** Send everything that the client has to send; never waits. Returns how many datagrams the system
  *  accepted. ROBUROC4_ERR_CLOSED. Call it after every client call that changes something (drive(),
- *  stop(), set_digital_output() ...), or let roburoc4_udp_wait() do it. */
+ *  stop(), set_digital_outputs() ...), or let roburoc4_udp_wait() do it. */
 ROBUROC4_API roburoc4_result roburoc4_udp_transmit_all(roburoc4_udp *udp, roburoc4_client *client);
 
 /** Send what is due; wait until a datagram arrives, the client's deadline is reached, timeout_us

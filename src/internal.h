@@ -248,7 +248,7 @@ static inline roburoc4_result index_of_role(const roburoc4_client *c, uint32_t r
                                    !c->private_requests.fixed_id);
 }
 
-/* How long to wait for the texts of the directory before the manual's ids are assumed. */
+/* How long to wait for the texts of the directory before services without one are left out. */
 #define IDENTIFY_US SECOND
 /* One probe a second goes to each service in turn. */
 #define PROBE_US SECOND
