@@ -69,6 +69,7 @@ def parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     top.add_argument("--version", action="store_true", help="print the version and exit")
+    top.set_defaults(parser=top)  # for completion
     add_robot(top, top=True)
     commands = top.add_subparsers(metavar="COMMAND", title="commands")
     for command in _COMMANDS:

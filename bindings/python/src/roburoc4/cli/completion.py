@@ -13,6 +13,7 @@ class CompletionOptions(Options):
     """What `completion` is given."""
 
     shell: str
+    parser: argparse.ArgumentParser
 
 
 _HOW = """\
@@ -39,7 +40,5 @@ def run(options: CompletionOptions) -> int:
     """Print it."""
     import shtab
 
-    from .app import parser
-
-    print(shtab.complete(parser(), options.shell))
+    print(shtab.complete(options.parser, options.shell))
     return ExitCode.FINE
