@@ -8,6 +8,7 @@
 #include "native.h"
 
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 /* Samples that are copied from a pump at once: the interpreter is not held up for long. */
