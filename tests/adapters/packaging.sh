@@ -50,11 +50,12 @@ for build in "$static" "$shared"; do
     use_by_cmake
     echo "-- pkg-config"
     use_by_pkg_config
-    echo "-- the program and its page"
+    echo "-- the program, its page and the dissector"
     "$prefix/bin/roburoc4-sim" --version
     for file in share/man/man1/roburoc4-sim.1 share/doc/roburoc4/LICENSE; do
         test -s "$prefix/$file"
     done
+    test -s "$LD_LIBRARY_PATH/wireshark/plugins/roburoc4.lua"
 done
 echo "-- both, as a distribution has them"
 install_from "$shared" "$static"

@@ -278,6 +278,17 @@ class Values(unittest.TestCase):
         self.check_packet(show(pcapng(ETHERNET, frames))[1], "telemeter-properties")
 
 
+class RealTools(unittest.TestCase):
+    """Captures that tcpdump and dumpcap made of a simulated robot, some datagrams in fragments."""
+
+    def test_their_captures_are_read(self) -> None:
+        data = ROOT / "bindings" / "python" / "tests" / "data"
+        for name in ("tcpdump-fragments.pcap", "dumpcap-fragments.pcapng"):
+            packets = show((data / name).read_bytes())
+            assert sum(bool(p["roburoc4.iocard.analog"]) for p in packets) == 20, name
+            assert not any(experts(p) for p in packets), name
+
+
 class Exchange(unittest.TestCase):
     """What follows from one datagram for another."""
 
