@@ -3,6 +3,8 @@
 
 import csv
 import math
+from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -97,16 +99,125 @@ def test_no_topic_is_one_that_a_robot_obeys(path: Path, tmp_path: Path) -> None:
     assert not {"/cmd_vel", "/joy_teleop", "/initialpose"} & set(messages(tmp_path / "a.mcap"))
 
 
+def rows(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
 def test_a_csv_file_is_what_record_would_have_written(path: Path, tmp_path: Path) -> None:
     out = tmp_path / "run.csv"
     assert document(run("convert", str(path), str(out), "--json"))["rows"] == 100
-    with out.open(newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    assert [int(row["robot_cycles"]) for row in rows] == list(range(1000, 1500, 5))
-    assert float(rows[40]["localization_x_m"]) == pytest.approx(math.sin(1.0))
-    assert float(rows[-1]["utc_s"]) == pytest.approx(BEGIN_US / 1e6 + 5.05, abs=1e-3)
-    assert rows[0]["battery_remaining_percent"] == "90"
-    assert rows[1]["battery_remaining_percent"] == ""
+    made = rows(out)
+    assert [int(row["robot_cycles"]) for row in made] == list(range(1000, 1500, 5))
+    assert float(made[40]["localization_x_m"]) == pytest.approx(math.sin(1.0))
+    assert float(made[-1]["utc_s"]) == pytest.approx(BEGIN_US / 1e6 + 5.05, abs=1e-3)
+    assert made[0]["battery_remaining_percent"] == "90"
+    assert made[1]["battery_remaining_percent"] == ""
+
+
+def test_csv_becomes_mcap_and_mcap_becomes_csv(path: Path, tmp_path: Path) -> None:
+    first, bag, second = (tmp_path / name for name in ("a.csv", "b.mcap", "c.csv"))
+    assert run("convert", str(path), str(first)).returncode == 0
+    made = run("convert", str(first), str(bag))
+    assert made.returncode == 0, made.stderr
+    assert "/joy" in one_line(made.stderr)
+    back = run("convert", str(bag), str(second))
+    assert back.returncode == 0, back.stderr
+    assert "robot_cycles" in one_line(back.stderr)
+    topics = set(messages(bag))
+    assert topics == set(TOPICS) - {"/joy", "/cmd_vel_sent", "/diagnostics"}
+    before, after = rows(first), rows(second)
+    left_out = {name for name in before[0] if name not in after[0]}
+    assert {name for name in left_out if not name.startswith("iocard_")} == {
+        "robot_s",
+        "robot_cycles",
+        "localization_flags",
+        "battery_state",
+    }
+    assert len(before) == len(after) == 100
+    for old, new in zip(before, after, strict=True):
+        for name, cell in new.items():
+            assert bool(cell) == bool(old[name]), name
+            assert float(cell or 0) == pytest.approx(float(old[name] or 0), abs=1e-6), name
+
+
+def test_a_live_mcap_file_becomes_rows_of_one_cycle(tmp_path: Path) -> None:
+    bag, table = tmp_path / "a.mcap", tmp_path / "b.csv"
+    with roburoc4.Simulator(port=0) as sim:
+        assert run("record", str(bag), "--seconds", "1", robot=sim.address).returncode == 0
+    found = messages(bag)
+    done = document(run("convert", str(bag), str(table), "--json"))
+    made = rows(table)
+    assert len(made) == done["rows"]
+    assert sum(bool(row["localization_x_m"]) for row in made) == len(found["/odom"])
+    applied = [row for row in made if row["differential_target_linear_m_s"]]
+    assert len(applied) == len(found["/cmd_vel_applied"])
+    times = [float(row["utc_s"]) for row in made]
+    assert min(later - earlier for earlier, later in pairwise(times)) > 0.005
+
+
+def cut(data: bytes) -> bytes:
+    return data[: len(data) // 2]
+
+
+def spoiled(data: bytes) -> bytes:
+    half = len(data) // 2
+    return data[:half] + b"\0\xff\n\0" * 4096 + data[half + 4 * 4096 :]
+
+
+@pytest.mark.parametrize("damage", [cut, spoiled])
+@pytest.mark.parametrize(("form", "other"), [(".csv", ".mcap"), (".mcap", ".csv")])
+def test_a_damaged_table_or_bag_is_recovered_first(
+    tmp_path: Path, form: str, other: str, damage: Callable[[bytes], bytes]
+) -> None:
+    path = write(tmp_path / "run.pcapng", drive(30.0))  # several chunks of an MCAP file
+    whole, broken, out = tmp_path / f"a{form}", tmp_path / f"b{form}", tmp_path / f"c{other}"
+    assert run("convert", str(path), str(whole)).returncode == 0
+    broken.write_bytes(damage(whole.read_bytes()))
+    out.write_text("precious")
+    names = set(tmp_path.iterdir())
+    failed = run("convert", str(broken), str(out), "--force")
+    assert failed.returncode == 1
+    assert f"roburoc4 recover {broken}" in one_line(failed.stderr)
+    assert out.read_text() == "precious"
+    assert set(tmp_path.iterdir()) == names
+    saved = document(run("recover", str(broken), "--json"))
+    done = document(run("convert", saved["file"], str(out), "--force", "--json"))
+    assert done["rows" if other == ".csv" else "messages"] > 100
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("", "utc_s"),
+        ("a,b\r\n1,2\r\n", "utc_s"),
+        ("utc_s,localization_x_m\r\n1.5,fast\r\n", "fast"),
+        ("utc_s,localization_x_m\r\n,1.5\r\n", "utc_s"),
+        ("utc_s,telemeter_distance_0_m\r\n1.5,1e99\r\n", "1e99"),
+    ],
+)
+def test_a_table_of_something_else_is_one_line(tmp_path: Path, text: str, why: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(text)
+    failed = run("convert", str(path), str(tmp_path / "b.mcap"))
+    assert failed.returncode == 1
+    assert str(path) in one_line(failed.stderr)
+    assert why in failed.stderr
+    assert not (tmp_path / "b.mcap").exists()
+
+
+@pytest.mark.parametrize("form", [".csv", ".mcap"])
+def test_statuses_do_not_become_datagrams(path: Path, tmp_path: Path, form: str) -> None:
+    source, out = tmp_path / f"a{form}", tmp_path / "b.pcapng"
+    assert run("convert", str(path), str(source)).returncode == 0
+    failed = run("convert", str(source), str(out))
+    assert failed.returncode == 2
+    assert "datagrams" in one_line(failed.stderr)
+    assert "roburoc4 record" in failed.stderr
+    assert not out.exists()
+    same = run("convert", str(source), str(tmp_path / f"c{form}"))
+    assert same.returncode == 2
+    assert "copy" in one_line(same.stderr)
 
 
 def test_a_foreign_capture_becomes_one_of_ours(tmp_path: Path) -> None:
@@ -147,5 +258,5 @@ def test_what_cannot_be_converted_is_one_line(path: Path, tmp_path: Path) -> Non
     kept.write_text("precious")
     assert "--force" in one_line(run("convert", str(path), str(kept)).stderr)
     none = run("convert", str(path), str(tmp_path / "no" / "a.mcap"))
-    assert none.returncode == 1
+    assert none.returncode == 2
     assert "another name" in one_line(none.stderr)

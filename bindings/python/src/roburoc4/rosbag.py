@@ -6,9 +6,11 @@ No topic is one that a robot obeys: a recording that is played drives nothing.
 
 import math
 import struct
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import IO, Any
 
+from .capture import RecordingError
 from .constants import BatteryState, Role
 from .errors import NotKnownError
 from .recording import Command, RecordedEvent
@@ -18,6 +20,7 @@ from .records import (
     DifferentialStatus,
     IoCardStatus,
     LocalizationStatus,
+    Properties,
     Status,
     TelemeterStatus,
 )
@@ -39,6 +42,7 @@ _TOPICS = {
 }
 _RANGES = ("front", "rear")
 _UNKNOWN = math.nan
+_NO_PROPERTIES = Properties((), None, (), None, None, None)
 _CHARGING, _DISCHARGING, _FULL = 1, 2, 4
 _SUPPLY = {
     BatteryState.CHARGING: _CHARGING,
@@ -51,6 +55,7 @@ _ULTRASOUND = 0
 _CHUNK = 256 * 1024
 _NO_COVARIANCE = (0.0,) * 36
 _HEAD = b"\0\1\0\0"
+_CYCLES_IN_A_SECOND = 100
 
 
 class Cdr:
@@ -108,18 +113,22 @@ class RosBag:
     def __init__(
         self,
         file: IO[bytes],
-        robot: Robot,
+        robot: Robot | None,
         address: str,
         offset_s: float = 0.0,
         chunk_size: int = _CHUNK,
     ) -> None:
-        """Begin; ``offset_s`` is from the robot object's clock to Unix time."""
+        """Begin; ``offset_s`` is from the robot object's clock to Unix time.
+
+        Without a robot, what statuses do not hold is left out: limits, and the names of inputs.
+        """
         from mcap.writer import Writer
 
         self._writer = Writer(file, chunk_size=chunk_size)
         self._writer.start(profile="ros2", library="roburoc4")
         self._robot = robot
-        self._properties = robot.properties
+        self._properties = _NO_PROPERTIES
+        self._read_properties()
         self._address = address
         self._offset_us = round(offset_s * 1e6)
         self._channels: dict[str, int] = {}
@@ -145,6 +154,10 @@ class RosBag:
     def finish(self) -> None:
         """Complete the file."""
         self._writer.finish()  # type: ignore[no-untyped-call]
+
+    def _read_properties(self) -> None:
+        if self._robot is not None:
+            self._properties = self._robot.properties
 
     def _channel(self, topic: str) -> int:
         kind = _TOPICS[topic]
@@ -207,7 +220,7 @@ class RosBag:
             self._write(f"/range/{name}", status, message.numbers("f", *bounds, metres))
 
     def _battery(self, status: BatteryStatus) -> None:
-        self._properties = self._robot.properties
+        self._read_properties()
         about = self._properties.battery
         capacity = about.capacity_ah if about else _UNKNOWN
         state = status.state if isinstance(status.state, BatteryState) else None
@@ -223,7 +236,7 @@ class RosBag:
         self._write("/battery_state", status, message)
 
     def _volts(self) -> float:
-        index = self._robot.role_index(Role.BATTERY_V)
+        index = self._robot.role_index(Role.BATTERY_V) if self._robot else None
         if self._inputs is None or index is None or index >= len(self._inputs.analog_inputs):
             return _UNKNOWN
         return self._inputs.analog_inputs[index]
@@ -239,6 +252,8 @@ class RosBag:
 
     def _find_pad(self) -> tuple[list[int], list[int]]:
         """Return the inputs of the game pad, by their names, in the order of their indices."""
+        if self._robot is None:
+            return [], []
         try:
             channels = self._robot.channels
         except NotKnownError:
@@ -261,8 +276,143 @@ class RosBag:
             self._write("/cmd_vel_sent", command, message)
 
     def _event(self, event: RecordedEvent) -> None:
-        self._properties = self._robot.properties
+        self._read_properties()
         message = Cdr().header(self._seen_s(event), "base_link").numbers("I", 1)
         message.numbers("B", _LEVELS.get(event.level, 0))
         message.text("roburoc4").text(event.text).text(self._address).numbers("I", 0)
         self._write("/diagnostics", event, message)
+
+
+# ------------------------------------------------------------------------------------ reading
+
+
+def statuses(path: Path, file: IO[bytes]) -> Iterator[Status]:
+    """Read the statuses of a file that RosBag wrote, without those of the IO card.
+
+    What the file does not hold is 0: ``flags`` and the battery's ``state``. ``robot_cycles`` count
+    from the first status. Speeds that were reached are NaN where no odometry came after them.
+    """
+    from mcap.records import Channel, Message, Schema
+    from mcap.stream_reader import StreamReader
+
+    schemas: dict[int, str] = {}
+    topics: dict[int, str] = {}
+    reader, found = _StatusReader(), False
+    try:
+        for record in StreamReader(file, validate_crcs=True).records:
+            if isinstance(record, Schema):
+                schemas[record.id] = record.name.replace("/msg/", "/")
+            elif isinstance(record, Channel):
+                if _TOPICS.get(record.topic) == schemas.get(record.schema_id, ""):
+                    topics[record.id] = record.topic
+            elif isinstance(record, Message) and record.channel_id in topics:
+                for status in reader.read(topics[record.channel_id], record.log_time, record.data):
+                    found = True
+                    yield status
+        yield from reader.rest()
+    except OSError:
+        raise
+    except Exception:  # what a damaged file makes of the reader: several kinds
+        raise RecordingError(
+            f"{path} is cut or damaged: save what is whole with roburoc4 recover {path}"
+        ) from None
+    if not found:
+        raise RecordingError(f"{path} holds no statuses of a RobuROC4: give another file")
+
+
+class _CdrReader:
+    """What Cdr wrote, in the same order."""
+
+    def __init__(self, data: bytes) -> None:
+        if data[: len(_HEAD)] != _HEAD:
+            raise ValueError("a message is not little-endian CDR")
+        self._data = data
+        self._at = len(_HEAD)
+
+    def numbers(self, code: str, count: int) -> tuple[float, ...]:
+        self._at += (len(_HEAD) - self._at) % _SIZES[code]
+        values = struct.unpack_from(f"<{count}{code}", self._data, self._at)
+        self._at += count * _SIZES[code]
+        return values
+
+    def skip_text(self) -> None:
+        (size,) = self.numbers("I", 1)
+        self._at += int(size)
+
+    def header(self) -> float:
+        second, nanosecond = self.numbers("I", 2)
+        self.skip_text()
+        return round(second + nanosecond / 1e9, 6)
+
+
+class _StatusReader:
+    """Messages in, statuses out: what one message lacks of a status, the next one may hold."""
+
+    def __init__(self) -> None:
+        self._cycles = 0
+        self._made_s: float | None = None
+        self._speeds: DifferentialStatus | None = None
+        self._front: TelemeterStatus | None = None
+        self._handlers = {
+            "/odom": self._odometry,
+            "/cmd_vel_applied": self._applied,
+            "/range/front": self._range_front,
+            "/range/rear": self._range_rear,
+            "/battery_state": self._battery,
+        }
+
+    def read(self, topic: str, time_ns: int, data: bytes) -> Iterator[Status]:
+        if topic in self._handlers:
+            message = _CdrReader(data)
+            made_s = message.header()
+            if self._made_s is not None:  # step by step: the robot's clock drifts
+                self._cycles += round((made_s - self._made_s) * _CYCLES_IN_A_SECOND)
+            self._made_s = made_s
+            yield from self._handlers[topic](message, (time_ns // 1000, made_s))
+
+    def rest(self) -> Iterator[Status]:
+        """Give what waited for another message."""
+        if self._speeds is not None:
+            yield self._speeds
+        if self._front is not None:
+            yield self._front
+        self._speeds = self._front = None
+
+    def _odometry(self, message: _CdrReader, times: tuple[int, float]) -> Iterator[Status]:
+        message.skip_text()
+        x_m, y_m, _, _, _, z, w = message.numbers("d", 7)
+        message.numbers("d", len(_NO_COVARIANCE))
+        linear_m_s, _, _, _, _, angular_rad_s = message.numbers("d", 6)
+        if self._speeds is not None:
+            yield self._speeds._replace(
+                current_linear_m_s=linear_m_s, current_angular_rad_s=angular_rad_s
+            )
+            self._speeds = None
+        yield LocalizationStatus(self._cycles, x_m, y_m, 2 * math.atan2(z, w), 0, *times)
+
+    def _applied(self, message: _CdrReader, times: tuple[int, float]) -> Iterator[Status]:
+        if self._speeds is not None:
+            yield self._speeds
+        linear_m_s, _, _, _, _, angular_rad_s = message.numbers("d", 6)
+        self._speeds = DifferentialStatus(
+            self._cycles, linear_m_s, _UNKNOWN, angular_rad_s, _UNKNOWN, *times
+        )
+
+    def _range_front(self, message: _CdrReader, times: tuple[int, float]) -> Iterator[Status]:
+        if self._front is not None:
+            yield self._front
+        self._front = TelemeterStatus(self._cycles, (self._distance_m(message),), *times)
+
+    def _range_rear(self, message: _CdrReader, _times: tuple[int, float]) -> Iterator[Status]:
+        if self._front is not None:
+            front_m = self._front.distances_m[0]
+            yield self._front._replace(distances_m=(front_m, self._distance_m(message)))
+            self._front = None
+
+    def _distance_m(self, message: _CdrReader) -> float:
+        message.numbers("B", 1)
+        return message.numbers("f", 4)[3]
+
+    def _battery(self, message: _CdrReader, times: tuple[int, float]) -> Iterator[Status]:
+        share = message.numbers("f", 7)[6]
+        yield BatteryStatus(self._cycles, 0, round(100 * share), *times)

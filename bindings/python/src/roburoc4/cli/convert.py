@@ -4,23 +4,37 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+import csv
+from collections.abc import Callable, Iterable, Iterator
+from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeVar
 
-from .errors import ExitCode, refused, usage
+from .errors import ExitCode, usage
 from .options import Options, add_json
 from .output import note, print_json
 from .progress import progress
 from .recover import check_new
-from .report import add_recorded, opened
+from .report import add_recorded, reading, written_whole
+from .rows import Rows, columns
 
 if TYPE_CHECKING:
-    from roburoc4 import RecordedRobot
+    from roburoc4 import RecordedRobot, Robot
+    from roburoc4.rosbag import Item
 
     from .progress import Show
+    from .rows import Cell
 
 _SHOW_EVERY = 5000
+_COUNTED = {".mcap": "messages", ".csv": "rows", ".pcapng": "datagrams"}
+_MISSING = {
+    ".csv": "a CSV file has no commands, events, properties or names of inputs: /cmd_vel_sent, "
+    "/diagnostics, /joy, the battery's voltage, and limits and places of telemeters are left out",
+    ".mcap": "an MCAP file has no robot_s, robot_cycles, localization_flags, battery_state or "
+    "inputs of the IO card by index: these columns are left out",
+}
+_NOT_IN_MCAP = ("robot_s", "robot_cycles", "localization_flags", "battery_state")
+_T = TypeVar("_T")
 
 
 class ConvertOptions(Options):
@@ -37,11 +51,14 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = commands.add_parser(
         "convert",
         help="convert a recording",
-        description="Convert a recording (pcapng or pcap) by the suffix of OUT: .mcap (ROS 2 "
-        "messages, for Foxglove, PlotJuggler and ros2 bag), .csv (statuses as columns), or .pcapng "
-        "(only the robot's datagrams, without Ethernet, VLAN tags and fragments).",
+        description="Convert a recording by the suffix of OUT: .mcap (ROS 2 messages, for "
+        "Foxglove, PlotJuggler and ros2 bag), .csv (statuses as columns), or .pcapng (only the "
+        "robot's datagrams, without Ethernet, VLAN tags and fragments). A CSV file can become MCAP "
+        "and an MCAP file CSV; neither has the datagrams that a pcapng file consists of.",
     )
-    parser.add_argument("file", metavar="FILE", type=Path, help="a pcapng or pcap file")
+    parser.add_argument(
+        "file", metavar="FILE", type=Path, help="a pcapng or pcap file, or .csv or .mcap of ours"
+    )
     parser.add_argument("output", metavar="OUT", type=Path, help="its suffix says what it becomes")
     parser.add_argument("--force", action="store_true", help="replace a file that has contents")
     add_recorded(parser)
@@ -52,65 +69,122 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 def run(options: ConvertOptions) -> int:
     """Convert it."""
     suffix = options.output.suffix.lower()
-    if suffix not in _FORMS:
-        raise usage(f"{options.output}: give a name that ends in {', '.join(_FORMS)}")
+    if suffix not in _COUNTED:
+        raise usage(f"{options.output}: give a name that ends in {', '.join(_COUNTED)}")
+    convert = _of_capture
+    if options.file.suffix.lower() in _MISSING:
+        _check_statuses(options)
+        convert = _of_statuses
     check_new(options.output, options.force)
-    with opened(options.file, options.recorded) as recording:
+    with reading(options.file):
         size = options.file.stat().st_size
-        what, convert = _FORMS[suffix]
         if options.output.exists() and options.output.samefile(options.file):
             raise usage(f"{options.output} is the recording itself: give another name")
-        try:
-            with progress("converting", size / 1e6, "MB") as show:
-                count, cut = convert(recording, options.output, show)
-        except OSError as error:
-            options.output.unlink(missing_ok=True)
-            raise refused(
-                f"{options.output} cannot be written ({error.strerror}): make room, or give "
-                "another name"
-            ) from None
+        with (
+            written_whole(options.output) as path,
+            progress("converting", size / 1e6, "MB") as show,
+        ):
+            count, cut = convert(options, path, show)
     if cut:
         note(f"{options.file} is cut: all that is whole was converted")
     if options.json:
-        print_json({"file": str(options.output), what: count, "cut_bytes": cut})
+        print_json({"file": str(options.output), _COUNTED[suffix]: count, "cut_bytes": cut})
     else:
-        print(f"{options.output}: {count} {what}")
+        print(f"{options.output}: {count} {_COUNTED[suffix]}")
     return ExitCode.FINE
 
 
-def _to_mcap(recording: RecordedRobot, output: Path, show: Show) -> tuple[int, int]:
+def _check_statuses(options: ConvertOptions) -> None:
+    """Refuse what cannot be made of statuses."""
+    source, suffix = options.file.suffix.lower(), options.output.suffix.lower()
+    if suffix == ".pcapng":
+        raise usage(
+            f"{options.file} holds statuses, not the datagrams that a pcapng file consists of: "
+            "convert a recording that roburoc4 record FILE.pcapng made"
+        )
+    if suffix == source:
+        raise usage(f"{options.file} is such a file already: copy it")
+    if options.recorded is not None:
+        raise usage(f"--robot: {options.file} holds one robot only: leave --robot out")
+
+
+def _of_statuses(options: ConvertOptions, output: Path, show: Show) -> tuple[int, int]:
+    """Convert a CSV file to MCAP, or the other way."""
+    from roburoc4 import rosbag
+
+    from . import rows
+
+    source = options.file.suffix.lower()
+    with options.file.open("rb") as file:
+        statuses = (rows if source == ".csv" else rosbag).statuses(options.file, file)
+        items = _shown(statuses, file.tell, show)
+        if source == ".csv":
+            count = _write_mcap(items, output, None, "")
+        else:
+            count = _write_csv(items, output, _columns_of_mcap)
+    note(_MISSING[source])
+    return count, 0
+
+
+def _of_capture(options: ConvertOptions, output: Path, show: Show) -> tuple[int, int]:
+    from roburoc4 import open_recording
+
+    recording = open_recording(options.file, options.recorded)
+    suffix = options.output.suffix.lower()
+    if suffix == ".pcapng":
+        return _to_pcapng(recording, output, show)
+    reading = recording.read()
+    items = _shown(reading.items(), lambda: reading.capture.position, show)
+    if suffix == ".mcap":
+        count = _write_mcap(items, output, reading.robot, recording.address)
+    else:
+        count = _write_csv(items, output, lambda: columns(reading.robot.properties))
+    return count, reading.capture.cut
+
+
+def _shown(items: Iterable[_T], position: Callable[[], int], show: Show) -> Iterator[_T]:
+    for count, item in enumerate(items):
+        if count % _SHOW_EVERY == 0:
+            show(position() / 1e6, "converting")
+        yield item
+
+
+def _write_mcap(items: Iterable[Item], output: Path, robot: Robot | None, address: str) -> int:
     from roburoc4.rosbag import RosBag
 
-    reading = recording.read()
     with output.open("wb") as file:
-        bag = RosBag(file, reading.robot, recording.address)
-        for count, item in enumerate(reading.items()):
+        bag = RosBag(file, robot, address)
+        for item in items:
             bag.add(item)
-            if count % _SHOW_EVERY == 0:
-                show(reading.capture.position / 1e6, "converting")
         bag.finish()
-    return bag.messages, reading.capture.cut
+    return bag.messages
 
 
-def _to_csv(recording: RecordedRobot, output: Path, show: Show) -> tuple[int, int]:
+def _write_csv(items: Iterable[Item], output: Path, header: Callable[[], list[str]]) -> int:
+    rows = _rows(items)
+    first = next(rows, None)  # before it the robot's properties are not known
+    count = 0
+    with output.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, header(), extrasaction="ignore")
+        writer.writeheader()
+        for row in chain([first] if first else [], rows):
+            writer.writerow(row)
+            count += 1
+    return count
+
+
+def _rows(items: Iterable[Item]) -> Iterator[dict[str, Cell]]:
     from roburoc4 import Command, RecordedEvent
 
-    from .record import Sheet
-    from .rows import Rows, columns
+    rows = Rows()
+    for item in items:
+        if not isinstance(item, Command | RecordedEvent):
+            yield from rows.add(item)
+    yield from rows.rest()
 
-    reading, rows = recording.read(), Rows()
-    items = reading.items()
-    first = next((item for item in items if not isinstance(item, Command | RecordedEvent)), None)
-    with Sheet(output, columns(reading.robot.properties)) as sheet:
-        if first is not None:
-            sheet.write(rows.add(first))
-        for count, item in enumerate(items):
-            if not isinstance(item, Command | RecordedEvent):
-                sheet.write(rows.add(item))
-            if count % _SHOW_EVERY == 0:
-                show(reading.capture.position / 1e6, "converting")
-        sheet.write(rows.rest())
-    return sheet.rows, reading.capture.cut
+
+def _columns_of_mcap() -> list[str]:
+    return [name for name in columns() if name not in _NOT_IN_MCAP]
 
 
 def _to_pcapng(recording: RecordedRobot, output: Path, show: Show) -> tuple[int, int]:
@@ -119,16 +193,7 @@ def _to_pcapng(recording: RecordedRobot, output: Path, show: Show) -> tuple[int,
     robot, capture = recording.head.robot, Capture(recording.path)
     with output.open("wb") as file:
         writer = RawWriter(file)
-        for count, datagram in enumerate(capture):
+        for datagram in _shown(capture, lambda: capture.position, show):
             if robot in (datagram.source, datagram.destination):
                 writer.add(datagram, inbound=datagram.source == robot)
-            if count % _SHOW_EVERY == 0:
-                show(capture.position / 1e6, "converting")
     return writer.datagrams, capture.cut
-
-
-_FORMS: dict[str, tuple[str, Callable[[Any, Path, Any], tuple[int, int]]]] = {
-    ".mcap": ("messages", _to_mcap),
-    ".csv": ("rows", _to_csv),
-    ".pcapng": ("datagrams", _to_pcapng),
-}

@@ -72,7 +72,8 @@ def run(options: ReportOptions) -> int:
     if options.json:
         print_json(document)
     if options.output or not options.json:
-        write_whole(output, page(figures).encode())
+        with written_whole(output) as path:
+            path.write_bytes(page(figures).encode())
     if not options.json:
         print(f"{output}: {len(document['events'])} events in {document['seconds']:.1f} s")
     return ExitCode.FINE
@@ -81,10 +82,19 @@ def run(options: ReportOptions) -> int:
 @contextmanager
 def opened(path: Path, robot: str | None) -> Iterator[RecordedRobot]:
     """Open a recording, and end the command in one line where it cannot be read."""
-    from roburoc4 import RecordingError, open_recording
+    from roburoc4 import open_recording
+
+    with reading(path):
+        yield open_recording(path, robot)
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[None]:
+    """End the command in one line where this file cannot be read."""
+    from roburoc4 import RecordingError
 
     try:
-        yield open_recording(path, robot)
+        yield
     except RecordingError as error:
         raise refused(str(error)) from None
     except OSError as error:
@@ -93,20 +103,26 @@ def opened(path: Path, robot: str | None) -> Iterator[RecordedRobot]:
         raise usage(f"{path} cannot be read ({error.strerror}): give another name") from None
 
 
-def write_whole(path: Path, data: bytes) -> None:
-    """Write a file whole, or leave the one that is there."""
+@contextmanager
+def written_whole(path: Path) -> Iterator[Path]:
+    """Give a name to write to; at the end it becomes the file, after an error nothing is left."""
     try:
         handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
     except OSError as error:
         raise usage(f"{path} cannot be written ({error.strerror}): give another name") from None
+    os.close(handle)
     try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
+        yield Path(name)
         mask = os.umask(0)
         os.umask(mask)
         os.chmod(name, 0o666 & ~mask)
         os.replace(name, path)
     except OSError as error:
+        if error.filename not in (None, name):
+            raise
+        raise refused(
+            f"{path} cannot be written ({error.strerror}): make room, or give another name"
+        ) from None
+    finally:
         with suppress(OSError):
             os.unlink(name)
-        raise refused(f"{path} cannot be written ({error.strerror}): make room") from None

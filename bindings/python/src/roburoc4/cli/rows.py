@@ -3,12 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+import math
+from collections.abc import Iterator, Sequence
+from typing import IO, TYPE_CHECKING
 
 from .output import plain
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from roburoc4 import Properties, Status
 
 Cell = float | int | None
@@ -16,6 +19,11 @@ Cell = float | int | None
 _CYCLES_IN_A_SECOND = 100
 _LATE_CYCLES = 50  # a status that comes later than this gets a row of its own
 _REBOOT_CYCLES = 100
+_LONGEST_LINE = 1 << 16
+_MOST = 3.4e38  # of a float on the wire
+_MOST_S = 1 << 31
+_NO_STATE = -1
+_TELEMETERS = 2
 
 _FIXED = (
     "localization_x_m",
@@ -31,11 +39,18 @@ _FIXED = (
 )
 
 
-def columns(properties: Properties) -> list[str]:
-    """Name the columns: the time, then all that a robot with these properties reports."""
+def _telemeters(count: int) -> list[str]:
+    return [f"telemeter_distance_{index}_m" for index in range(count)]
+
+
+def columns(properties: Properties | None = None) -> list[str]:
+    """Name the columns: the time, then all that a robot with these properties reports.
+
+    Without properties, of a RobuROC4 but for its IO card.
+    """
     names = ["utc_s", "robot_s", "robot_cycles", *_FIXED]
-    names += [f"telemeter_distance_{index}_m" for index in range(len(properties.telemeter))]
-    card = properties.iocard
+    names += _telemeters(len(properties.telemeter) if properties else _TELEMETERS)
+    card = properties.iocard if properties else None
     if card is not None:
         names += [f"iocard_analog_input_{index}" for index in range(card.analog_inputs)]
         names += [f"iocard_digital_input_{index}" for index in range(card.digital_inputs)]
@@ -85,3 +100,83 @@ class Rows:
             "robot_s": cycles / _CYCLES_IN_A_SECOND,
             "robot_cycles": cycles,
         }
+
+
+def statuses(path: Path, file: IO[bytes]) -> Iterator[Status]:
+    """Read the statuses of a file of such rows, without those of the IO card.
+
+    What the file does not hold is 0, or NaN where another value of the same status is there.
+    """
+    from roburoc4 import RecordingError
+
+    names: list[str] = []
+    number = 0
+    while line := file.readline(_LONGEST_LINE):
+        number += 1
+        row = line.decode(errors="replace").rstrip("\r\n").split(",")
+        names = names or row
+        if not line.endswith(b"\n") or b"\0" in line or len(row) != len(names):
+            raise RecordingError(
+                f"{path} is cut or damaged in line {number}: save what is whole with "
+                f"roburoc4 recover {path}"
+            )
+        if number == 1:
+            continue
+        try:
+            yield from _of_row(
+                {name: _number(cell) for name, cell in zip(names, row, strict=True) if cell}
+            )
+        except ValueError as error:
+            raise RecordingError(
+                f"{path}, line {number}: {error}; correct or delete the line"
+            ) from None
+    if "utc_s" not in names:
+        raise RecordingError(
+            f"{path} has no column utc_s: give a CSV file that roburoc4 record has written"
+        )
+
+
+def _number(cell: str) -> float:
+    try:
+        value = float(cell)
+    except ValueError:
+        value = math.nan
+    if not abs(value) <= _MOST:
+        raise ValueError(f"{cell!r} is no number that a robot reports")
+    return value
+
+
+def _of_row(values: dict[str, float]) -> Iterator[Status]:
+    from roburoc4 import (
+        BatteryState,
+        BatteryStatus,
+        DifferentialStatus,
+        LocalizationStatus,
+        TelemeterStatus,
+    )
+
+    if not 0 <= values.get("utc_s", math.nan) < _MOST_S:
+        raise ValueError("utc_s is missing or wrong")
+    utc_s = values["utc_s"]
+    cycles, times = int(values.get("robot_cycles", 0)), (round(utc_s * 1e6), utc_s)
+
+    def take(names: Sequence[str]) -> Sequence[float]:
+        found = [values.get(name, math.nan) for name in names]
+        return () if all(map(math.isnan, found)) else found
+
+    # speeds first: a pose in an MCAP file has those that came before it
+    if speeds := take(_FIXED[4:8]):
+        target_m_s, current_m_s, target_rad_s, current_rad_s = speeds
+        yield DifferentialStatus(
+            cycles, target_m_s, current_m_s, target_rad_s, current_rad_s, *times
+        )
+    if pose := take(_FIXED[:3]):
+        x_m, y_m, theta_rad = pose
+        flags = int(values.get("localization_flags", 0))
+        yield LocalizationStatus(cycles, x_m, y_m, theta_rad, flags, *times)
+    if distances_m := take(_telemeters(_TELEMETERS)):
+        yield TelemeterStatus(cycles, tuple(distances_m), *times)
+    if "battery_remaining_percent" in values:
+        state = int(values.get("battery_state", _NO_STATE))
+        known = BatteryState(state) if state in set(BatteryState) else state
+        yield BatteryStatus(cycles, known, int(values["battery_remaining_percent"]), *times)
