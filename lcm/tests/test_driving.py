@@ -2,7 +2,6 @@
 """Commands that are obeyed, and those that are rejected and counted."""
 
 import math
-import struct
 import time
 from collections.abc import Callable
 from typing import Any
@@ -22,10 +21,6 @@ REPLACE = 1
 """The action of a relocalization on the wire."""
 
 
-def single(value: float) -> float:
-    return float(struct.unpack("f", struct.pack("f", value))[0])
-
-
 def wait_for_count(bridge: Bridge, counter: str, least: int) -> None:
     until(
         lambda: getattr(bridge.statistics, counter) >= least,
@@ -38,7 +33,7 @@ def test_a_command_drives_the_robot(robot: Robot, armed: Bridge, plan: Plan) -> 
     until(robot.tap.moves, "a speed reaches the robot")
     time.sleep(1.0)
     for command in robot.tap.moves():
-        assert command[1:] == (single(0.4), single(-0.3))
+        assert command[1:] == (0.4, -0.3)
     x_m, _, theta_rad = robot.true_pose()
     assert x_m > 0.1
     assert theta_rad < -0.05
@@ -112,7 +107,7 @@ def test_speeds_are_clamped_to_the_limits_of_the_robot(
 ) -> None:
     bus.publish(DRIVE, drive_command(100.0, -100.0).encode())
     until(robot.tap.moves, "a speed reaches the robot")
-    assert robot.tap.moves()[0][1:] == (single(2.6), single(-6.5))
+    assert robot.tap.moves()[0][1:] == (2.6, -6.5)
     wait_for_count(armed, "clamped", 1)
 
 
