@@ -192,6 +192,9 @@ ROBUROC4_API const char *roburoc4_result_text(roburoc4_result result);
 #define ROBUROC4_NAME_BATTERY 1 /* ROBUROC4_BATTERY_*, as the manual (4.2.4.6): "Charging" */
 #define ROBUROC4_NAME_STATE 2   /* ROBUROC4_STATE_* of a client, in lower case: "connecting" */
 #define ROBUROC4_NAME_EVENT 3   /* one ROBUROC4_EVENT_*, as a sentence */
+/** Likewise, of an event whose fact began or ended: _OVERRIDE, _OTHER_COMMANDER, _INHIBITED. */
+#define ROBUROC4_NAME_EVENT_BEGAN 4
+#define ROBUROC4_NAME_EVENT_ENDED 5
 
 /** The name of a number, by what the number is (ROBUROC4_NAME_*); NULL where it has none. */
 ROBUROC4_API const char *roburoc4_name(uint32_t what, uint32_t number);

@@ -136,74 +136,55 @@ void log_absence(const char *robot, const char *address, uint32_t fault) {
                                           : "is it on, and on this network?");
 }
 
-static void log_link(const char *robot, const char *address, uint32_t events) {
-    if (events & ROBUROC4_EVENT_LOST) {
-        log_line(LOG_NOTE, robot, "%s fell silent; still trying", address);
+/** An event as a sentence; where it is a change of a fact, in the direction of the change. */
+static const char *event_text(uint32_t event, const roburoc4_facts *facts) {
+    bool holds = false;
+    switch (event) {
+    case ROBUROC4_EVENT_OVERRIDE:
+        holds = facts->overridden;
+        break;
+    case ROBUROC4_EVENT_OTHER_COMMANDER:
+        holds = facts->other_commander;
+        break;
+    case ROBUROC4_EVENT_INHIBITED:
+        holds = facts->inhibited;
+        break;
+    default:
+        return roburoc4_name(ROBUROC4_NAME_EVENT, event);
     }
-    if (events & ROBUROC4_EVENT_REBOOT) {
-        log_line(LOG_NOTE, robot, "the robot restarted");
-    }
-    if (events & ROBUROC4_EVENT_READY) {
-        log_line(LOG_NOTE, robot, "connected to %s", address);
-    }
-    if (events & ROBUROC4_EVENT_SUBSCRIPTION_REFUSED) {
-        log_line(LOG_NOTE, robot,
-                 "the robot refused a subscription: some statuses will be missing");
-    }
-    if (events & ROBUROC4_EVENT_CAPACITY) {
-        log_line(LOG_NOTE, robot, "the robot has more channels than the bridge can store");
-    }
+    return roburoc4_name(holds ? ROBUROC4_NAME_EVENT_BEGAN : ROBUROC4_NAME_EVENT_ENDED, event);
 }
 
-static void log_motion(const char *robot, const roburoc4_facts *facts, uint32_t events) {
-    if (events & ROBUROC4_EVENT_DISARMED && facts->disarm_cause != ROBUROC4_ERR_DISARMED) {
-        log_line(LOG_NOTE, robot, "disarmed: %s", roburoc4_result_text(facts->disarm_cause));
-    }
-    if (events & ROBUROC4_EVENT_ARMED && facts->armed) {
-        log_line(LOG_NOTE, robot, "armed: drive commands move the robot");
-    }
-    if (events & ROBUROC4_EVENT_OVERRIDE) {
-        log_line(LOG_NOTE, robot,
-                 facts->overridden ? "[A] is held on the game pad"
-                                   : "[A] on the game pad was released");
-    }
-    if (events & ROBUROC4_EVENT_OTHER_COMMANDER) {
-        log_line(LOG_NOTE, robot,
-                 facts->other_commander ? "another program commands the robot"
-                                        : "the other program stopped commanding the robot");
-    }
-    if (events & ROBUROC4_EVENT_INHIBITED && facts->inhibited) {
-        log_line(LOG_NOTE, robot,
-                 "asked to move, but the robot stands: emergency stop, brakes, bumper?");
-    }
-    if (events & ROBUROC4_EVENT_LEASE_OVER) {
-        log_line(LOG_DETAIL, robot, "the lease of the last command ended: stopping");
-    }
-}
-
-static void log_rest(const char *robot, const roburoc4_facts *facts, uint32_t events) {
-    if (events & ROBUROC4_EVENT_RELOCALIZED) {
-        log_line(LOG_NOTE, robot, "the robot accepted its new pose");
-    }
-    if (events & ROBUROC4_EVENT_RELOCALIZE_FAILED) {
-        log_line(LOG_NOTE, robot, "the robot did not accept its new pose: %s",
-                 roburoc4_result_text(facts->relocalize_result));
-    }
-    if (events & ROBUROC4_EVENT_BATTERY_LOW) {
-        log_line(LOG_NOTE, robot, "the battery is low");
-    }
-    if (events & ROBUROC4_EVENT_BATTERY_CRITICAL) {
-        log_line(LOG_NOTE, robot, "the battery is critical");
-    }
-}
+/** Events that are logged by their name alone. */
+#define NOTED                                                                                      \
+    (ROBUROC4_EVENT_REBOOT | ROBUROC4_EVENT_SUBSCRIPTION_REFUSED | ROBUROC4_EVENT_CAPACITY |       \
+     ROBUROC4_EVENT_ARMED | ROBUROC4_EVENT_LEASE_OVER | ROBUROC4_EVENT_OVERRIDE |                  \
+     ROBUROC4_EVENT_OTHER_COMMANDER | ROBUROC4_EVENT_INHIBITED | ROBUROC4_EVENT_RELOCALIZED |      \
+     ROBUROC4_EVENT_BATTERY_LOW | ROBUROC4_EVENT_BATTERY_CRITICAL)
 
 void log_events(const char *robot, const char *address, const roburoc4_client *client,
                 uint32_t events, uint64_t now_us) {
     roburoc4_facts facts = {.size = sizeof facts};
     (void)roburoc4_client_facts(client, now_us, &facts);
-    log_link(robot, address, events);
-    log_motion(robot, &facts, events);
-    log_rest(robot, &facts, events);
+    if (events & ROBUROC4_EVENT_LOST) {
+        log_line(LOG_NOTE, robot, "%s fell silent; still trying", address);
+    }
+    if (events & ROBUROC4_EVENT_READY) {
+        log_line(LOG_NOTE, robot, "connected to %s", address);
+    }
+    if (events & ROBUROC4_EVENT_DISARMED && facts.disarm_cause != ROBUROC4_ERR_DISARMED) {
+        log_line(LOG_NOTE, robot, "disarmed: %s", roburoc4_result_text(facts.disarm_cause));
+    }
+    if (events & ROBUROC4_EVENT_RELOCALIZE_FAILED) {
+        log_line(LOG_NOTE, robot, "the robot did not accept its new pose: %s",
+                 roburoc4_result_text(facts.relocalize_result));
+    }
+    for (uint32_t event = 1; event <= ROBUROC4_EVENT_ARMABLE; event <<= 1) {
+        const bool is_detail = event == ROBUROC4_EVENT_LEASE_OVER;
+        if (events & NOTED & event && (event != ROBUROC4_EVENT_ARMED || facts.armed)) {
+            log_line(is_detail ? LOG_DETAIL : LOG_NOTE, robot, "%s", event_text(event, &facts));
+        }
+    }
 }
 
 void log_stop(const char *robot, const log_command *command, bool first) {

@@ -76,6 +76,9 @@ const char *roburoc4_result_text(roburoc4_result result) {
     return text != NULL ? text : "unknown error";
 }
 
+/** The place of ROBUROC4_EVENT_OVERRIDE, the first of the events that are changes of a fact. */
+#define FIRST_CHANGE 15
+
 /** The place of the only bit of an event. */
 static uint32_t bit_index(uint32_t event) {
     uint32_t index = 0;
@@ -130,6 +133,16 @@ const char *roburoc4_name(uint32_t what, uint32_t number) {
         return nth("idle\0connecting\0discovering\0subscribing\0ready\0lost\0closing", 7, number);
     case ROBUROC4_NAME_EVENT:
         return nth(events, 29, bit_index(number));
+    case ROBUROC4_NAME_EVENT_BEGAN:
+        return nth("[A] is held on the game pad: it drives\0"
+                   "another client commands the robot\0"
+                   "motion inhibited: the robot stands although it should move",
+                   3, bit_index(number) - FIRST_CHANGE);
+    case ROBUROC4_NAME_EVENT_ENDED:
+        return nth("[A] on the game pad was released\0"
+                   "no other client commands the robot any more\0"
+                   "the robot moves again, or nothing asks it to move",
+                   3, bit_index(number) - FIRST_CHANGE);
     default:
         return NULL;
     }

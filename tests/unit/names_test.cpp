@@ -147,7 +147,7 @@ TEST(Names, BatteryStatesAreTheManuals) { // 4.2.4.6
 }
 
 TEST(Names, OfAnUnknownKindThereIsNone) {
-    for (const uint32_t what : {4U, 0xFFFFFFFFU})
+    for (const uint32_t what : {6U, 0xFFFFFFFFU})
         EXPECT_EQ(nullptr, roburoc4_name(what, 0));
 }
 
@@ -178,6 +178,29 @@ TEST(Names, EveryEventHasASentenceOfItsOwn) {
     EXPECT_EQ(nullptr,
               roburoc4_name(ROBUROC4_NAME_EVENT, ROBUROC4_EVENT_READY | ROBUROC4_EVENT_LOST));
     EXPECT_EQ(nullptr, roburoc4_name(ROBUROC4_NAME_EVENT, ROBUROC4_EVENT_ARMABLE << 1));
+}
+
+TEST(Names, ChangesHaveASentenceForEachDirection) {
+    const struct {
+        uint32_t event;
+        const char *began, *ended;
+    } changes[] = {
+        {ROBUROC4_EVENT_OVERRIDE, "[A] is held on the game pad: it drives",
+         "[A] on the game pad was released"},
+        {ROBUROC4_EVENT_OTHER_COMMANDER, "another client commands the robot",
+         "no other client commands the robot any more"},
+        {ROBUROC4_EVENT_INHIBITED, "motion inhibited: the robot stands although it should move",
+         "the robot moves again, or nothing asks it to move"},
+    };
+    for (const auto &change : changes) {
+        EXPECT_STREQ(change.began, roburoc4_name(ROBUROC4_NAME_EVENT_BEGAN, change.event));
+        EXPECT_STREQ(change.ended, roburoc4_name(ROBUROC4_NAME_EVENT_ENDED, change.event));
+    }
+    for (const uint32_t other : {0x00000000, ROBUROC4_EVENT_STATE, ROBUROC4_EVENT_STOPPED,
+                                 ROBUROC4_EVENT_BATTERY_LOW, ROBUROC4_EVENT_ARMABLE}) {
+        EXPECT_EQ(nullptr, roburoc4_name(ROBUROC4_NAME_EVENT_BEGAN, other)) << other;
+        EXPECT_EQ(nullptr, roburoc4_name(ROBUROC4_NAME_EVENT_ENDED, other)) << other;
+    }
 }
 
 /** Typed here once more: behind a text that went missing, whatever lies in memory would look like

@@ -110,7 +110,7 @@ def test_a_silence_is_an_event_at_its_time_and_so_is_its_end(path: Path) -> None
     after = statuses(BEGIN_US + 12_100_000, 2.0, 2200, speed=0)
     found = events(path, [*discovery(), *first, *after])
     assert found == [
-        (pytest.approx(2.05 + 1.0, abs=0.06), "the robot fell silent: lost"),
+        (pytest.approx(2.05 + 1.0, abs=0.06), "the robot fell silent: connecting again"),
         (pytest.approx(12.1, abs=0.001), "the robot is ready"),
     ]
 
@@ -118,7 +118,7 @@ def test_a_silence_is_an_event_at_its_time_and_so_is_its_end(path: Path) -> None
 def test_a_restart_is_an_event(path: Path) -> None:
     first = statuses(BEGIN_US + 100_000, 2.0, speed=0)
     after = statuses(BEGIN_US + 2_600_000, 2.0, 3, speed=0)
-    assert "the robot was restarted" in [
+    assert "the robot restarted" in [
         text for _, text in events(path, [*discovery(), *first, *after])
     ]
 
@@ -131,16 +131,16 @@ def test_the_game_pad_and_bumpers_are_events(path: Path) -> None:
         for at, digital in enumerate((0, 1 << 8 | 1, 0))
     ]
     assert events(path, [*discovery(), *parts[0], *parts[1], *parts[2]]) == [
-        (pytest.approx(1.1), "[A] is held on the robot's game pad: it drives"),
+        (pytest.approx(1.1), "[A] is held on the game pad: it drives"),
         (pytest.approx(1.1), "the front bumper was pressed"),
-        (pytest.approx(2.1), "[A] on the robot's game pad was released"),
+        (pytest.approx(2.1), "[A] on the game pad was released"),
         (pytest.approx(2.1), "the front bumper was released"),
     ]
 
 
 def test_only_a_commander_who_is_not_recorded_is_another(path: Path) -> None:
     moved = discovery() + statuses(BEGIN_US + 100_000, 3.0)
-    assert [text for _, text in events(path, moved)] == ["another program commands the robot"]
+    assert [text for _, text in events(path, moved)] == ["another client commands the robot"]
     packets = sorted([*moved, *commands(BEGIN_US + 90_000, 3.0)], key=lambda packet: packet.time_us)
     assert [text for _, text in events(path, packets)] == ["192.168.0.5:40001 begins to drive"]
 

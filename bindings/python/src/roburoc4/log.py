@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from . import _native
 from .constants import Event, Result
 from .errors import ClosedError
+from .notices import FACTS, change_text
 
 if TYPE_CHECKING:
     import logging
@@ -35,11 +36,6 @@ _WARNING = (
     | Event.CLOCK
     | Event.CAPACITY
 )
-_NOW = {
-    Event.OVERRIDE: "overridden",
-    Event.OTHER_COMMANDER: "other_commander",
-    Event.INHIBITED: "inhibited",
-}
 
 
 @functools.cache
@@ -84,8 +80,8 @@ class Log:
                 if cause is Result.DISARMED
                 else f"disarmed: {cause.text}"
             )
-        elif event in _NOW:
-            text = f"{text} ({_NOW[event]}: {getattr(facts, _NOW[event])})"
+        elif event in FACTS:
+            text = change_text(event, getattr(facts, FACTS[event]))
         _logger().log(level, "%s: %s", self._address, text)
 
 
