@@ -29,9 +29,6 @@ typedef struct log_command {
     int64_t utime;
 } log_command;
 
-/* Why a command was rejected, and what to do. */
-void log_reason(char *room, size_t capacity, enum gate_verdict verdict, const log_command *command,
-                const gate_rules *rules, gate_time now);
 /* A command that was rejected: a note where it is the first of an incident, else a detail. */
 void log_rejection(const char *robot, const log_command *command, const char *why, bool first);
 /* A stop command: a note the first time, else a detail. */

@@ -7,6 +7,7 @@
 #include "clock.h"
 #include "log.h"
 #include "publish.h"
+#include "reason.h"
 #include "text.h"
 #include "watch.h"
 
@@ -16,9 +17,6 @@
 #define PROPERTIES_PERIOD_US 1000000u
 #define ABSENT_US 1000000u
 #define REOPEN_US 1000000u
-/* Rejections of one cause are one incident until none came for this long. */
-#define INCIDENT_US 5000000u
-#define OTHER_SENDER_US 1000000u
 /* Another bridge is gone when its state was not heard for this long; older states are replays. */
 #define OTHER_BRIDGE_US 2000000u
 /* The wall clock was set when it moved by more than this against the other one. */
@@ -33,28 +31,19 @@ static gate_robot robot_for_gate(const robot *robot, uint64_t now_us) {
 
 /* -------------------------------------------------------------------------------- commands --- */
 
-/* Whether a rejection begins an incident: none of its cause came for a while, or none of this
- * sender, which is logged once a second at most. */
-static bool is_incident(const robot_rejection *last, const char *sender, uint64_t now_us) {
-    return last->logged_us == 0 || now_us - last->last_us >= INCIDENT_US ||
-           (strcmp(last->sender, sender) != 0 && now_us - last->logged_us >= OTHER_SENDER_US);
-}
-
 /* Keep and log a rejection that was counted. */
 static void log_rejected(robot *robot, enum gate_verdict verdict, const log_command *command,
                          gate_time now) {
     robot_rejection *rejection = &robot->rejections[verdict];
+    const gate_rejection rejected = {verdict, command->kind, command->utime, "utime"};
     char sender[GATE_MAX_SENDER + 1];
     text_copy(sender, sizeof sender, (const uint8_t *)command->sender, command->sender_length);
-    bool first = is_incident(rejection, sender, now.us);
-    log_reason(rejection->why, sizeof rejection->why, verdict, command, &robot->gate.rules, now);
+    bool first = gate_is_incident(&rejection->incident, sender, strlen(sender), now.us);
+    gate_reason(rejection->why, sizeof rejection->why, &rejected, &robot->gate.rules, now);
     log_rejection(robot->name, command, rejection->why, first);
-    memcpy(rejection->sender, sender, sizeof sender);
     rejection->utime = command->utime;
-    rejection->last_us = now.us;
     robot->last_rejection = verdict;
     if (first) {
-        rejection->logged_us = now.us;
         robot->statistics.due = robot->state.due = true;
     }
 }

@@ -28,9 +28,8 @@ typedef struct robot_bridge {
 
 /* A cause for which commands were rejected, and the last one of them. */
 typedef struct robot_rejection {
-    uint64_t last_us, logged_us; /* 0: never */
+    gate_incident incident;
     int64_t utime;
-    char sender[GATE_MAX_SENDER + 1];
     char why[MAPPING_REASON_SIZE];
 } robot_rejection;
 

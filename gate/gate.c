@@ -3,6 +3,9 @@
 
 #include <string.h>
 
+/* Other senders with the same cause are logged this often. */
+#define OTHER_SENDER_US 1000000u
+
 void gate_init(gate *gate, const gate_rules *rules, gate_time now) {
     memset(gate, 0, sizeof *gate);
     gate->rules = *rules;
@@ -245,6 +248,23 @@ void gate_count_taken(gate *gate, enum gate_kind kind) {
 
 void gate_reject(gate *gate, enum gate_verdict verdict) {
     gate->rejected[verdict]++;
+}
+
+bool gate_is_incident(gate_incident *last, const char *sender, size_t length, uint64_t now_us) {
+    length = length < GATE_MAX_SENDER ? length : GATE_MAX_SENDER;
+    bool same = strlen(last->sender) == length &&
+                (length == 0 || memcmp(last->sender, sender, length) == 0);
+    bool first = last->logged_us == 0 || now_us - last->last_us >= GATE_INCIDENT_US ||
+                 (!same && now_us - last->logged_us >= OTHER_SENDER_US);
+    last->last_us = now_us;
+    if (first) {
+        last->logged_us = now_us;
+    }
+    memset(last->sender, 0, sizeof last->sender);
+    if (length > 0) {
+        memcpy(last->sender, sender, length);
+    }
+    return first;
 }
 
 bool gate_can_drive(const gate *gate, const gate_robot *robot, uint64_t now_us) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The LCM bridge's gate in virtual time: which commands may reach a robot.
+ * The bridges' gate in virtual time: which commands may reach a robot.
  */
 #include <gtest/gtest.h>
 
@@ -9,10 +9,12 @@
 #include <iterator>
 #include <numeric>
 #include <random>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "gate.h"
+#include "reason.h"
 #include "roburoc4.h"
 
 namespace {
@@ -635,6 +637,46 @@ TEST_F(Gate, CanDriveOnlyWhereItIsEnabled) {
     restart();
     run(second);
     EXPECT_FALSE(gate_can_drive(&gate, &armed, us()));
+}
+
+/* --------------------------------------------------------------------------------- reasons --- */
+
+TEST(GateIncident, IsOneUntilNoneOfItsCauseCameForFiveSeconds) {
+    gate_incident last{};
+    EXPECT_TRUE(gate_is_incident(&last, "planner", 7, boot));
+    std::uint64_t now_us = boot;
+    for (int count = 0; count < 100; count++) {
+        now_us += 4900 * ms;
+        EXPECT_FALSE(gate_is_incident(&last, "planner", 7, now_us));
+    }
+    EXPECT_TRUE(gate_is_incident(&last, "planner", 7, now_us + 5 * second));
+}
+
+TEST(GateIncident, OfAnotherSenderIsNewButOnceASecondAtMost) {
+    gate_incident last{};
+    EXPECT_TRUE(gate_is_incident(&last, "one", 3, boot));
+    EXPECT_FALSE(gate_is_incident(&last, "two", 3, boot + 999 * ms));
+    EXPECT_TRUE(gate_is_incident(&last, "one", 3, boot + second));
+    EXPECT_TRUE(gate_is_incident(&last, nullptr, 0, boot + 2 * second));
+    EXPECT_TRUE(gate_is_incident(&last, "two", 3, boot + 3 * second));
+}
+
+TEST(GateReason, EachVerdictHasItsOwn) {
+    const gate_rules rules = default_rules();
+    std::set<std::string> reasons;
+    for (int verdict = GATE_MALFORMED; verdict < GATE_VERDICTS; verdict++) {
+        char room[300];
+        const gate_time now{boot, epoch};
+        const std::int64_t utime = verdict == GATE_IN_FUTURE ? epoch + second : epoch - second;
+        const gate_rejection rejection{static_cast<gate_verdict>(verdict), GATE_DRIVE, utime,
+                                       "stamp"};
+        gate_reason(room, sizeof room, &rejection, &rules, now);
+        reasons.insert(room);
+    }
+    EXPECT_EQ(static_cast<std::size_t>(GATE_VERDICTS - 1), reasons.size());
+    EXPECT_EQ(1U, reasons.count("by its stamp it is 1.000 s old (--max-age 200 ms): a replayed "
+                                "log, a slow network, or clocks that differ: set both by NTP "
+                                "(--max-age 0 takes all ages, replays too)"));
 }
 
 /* ---------------------------------------------------------------------------------- oracle --- */

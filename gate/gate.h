@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * The gate: which commands from the network may reach the robot, and how many may not, by cause. A
- * pure state machine: times and facts in, a verdict out; no clock, no socket, no LCM.
+ * pure state machine: times and facts in, a verdict out; no clock, no socket. The bridges share it;
+ * it is not part of the public libraries.
  *
  * It promises that a command passes only if
  *
@@ -19,8 +20,8 @@
  * restart by the start rule: what was sent before the start has a utime of at most
  * start + max_age_us, even if the sender's clock is ahead.
  */
-#ifndef ROBUROC4_LCM_GATE_H
-#define ROBUROC4_LCM_GATE_H
+#ifndef ROBUROC4_GATE_H
+#define ROBUROC4_GATE_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -38,13 +39,15 @@ extern "C" {
 /* The shortest and the longest lease that the client accepts. */
 #define GATE_MIN_LEASE_US 20000u
 #define GATE_MAX_LEASE_US 1000000u
+/* Rejections of one cause are one incident until none came for this long. */
+#define GATE_INCIDENT_US 5000000u
 /* A command is read within this time, except on a machine that is too busy. */
 #define GATE_READ_US 10000
 
 /* The kinds of command; a stop is obeyed without being judged. */
 enum gate_kind { GATE_DRIVE, GATE_RELOCALIZE, GATE_OUTPUT, GATE_STOP, GATE_KINDS };
 
-/* As REJECTED_* of bridge_state_t. */
+/* As REJECTED_* of LCM's bridge_state_t. */
 enum gate_verdict {
     GATE_TAKEN,
     GATE_MALFORMED,
@@ -102,6 +105,12 @@ typedef struct gate_sender {
     uint64_t heard_us;
 } gate_sender;
 
+/* The last rejection of a cause. */
+typedef struct gate_incident {
+    uint64_t last_us, logged_us; /* 0: never */
+    char sender[GATE_MAX_SENDER + 1];
+} gate_incident;
+
 typedef struct gate {
     gate_rules rules;
     gate_time start;
@@ -138,6 +147,11 @@ void gate_hold(gate *gate, uint64_t now_us);
 void gate_was_stalled(gate *gate, uint64_t since_us, uint64_t now_us);
 /* This machine's clock was set: all that is known of utimes is void. */
 void gate_clock_was_set(gate *gate, gate_time now);
+
+/* Whether a rejection begins an incident, which is worth a line in a log: none of its cause came
+ * for GATE_INCIDENT_US, or the last one was of another sender, and then once a second at most. Ask
+ * for each rejection; sender: length bytes, which may be 0. */
+bool gate_is_incident(gate_incident *last, const char *sender, size_t length, uint64_t now_us);
 
 /* Whether the next drive command, of whoever may be in control, would move the robot. */
 bool gate_can_drive(const gate *gate, const gate_robot *robot, uint64_t now_us);
