@@ -24,9 +24,9 @@ from pathlib import Path
 
 import lcm
 import roburoc4_lcm
+from processes.robot import _SPEED
 from rig import Program, Programs, until
 from rig.judge import Host, Judge, Robot, read_record
-from rig.robot import _SPEED
 
 HERE = Path(__file__).resolve().parent
 URL = "udpm://239.255.76.67:7667?ttl=1&recv_buf_size=4194304"

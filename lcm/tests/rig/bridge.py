@@ -6,10 +6,9 @@ import subprocess
 from pathlib import Path
 from typing import Any, Self
 
+from processes import Program, Programs, until
+
 from .bus import Bus
-from .process import Program
-from .programs import Programs
-from .waiting import until
 
 
 class Bridge(Program):

@@ -12,9 +12,7 @@ from typing import Any, NamedTuple
 
 import lcm
 import roburoc4_lcm
-
-from .process import Program
-from .waiting import until
+from processes import Program, until
 
 # Outputs, by the end of their channels' names.
 OUTPUTS = {

@@ -5,7 +5,7 @@ import os
 import shutil
 from pathlib import Path
 
-CHECKOUT = Path(__file__).resolve().parents[3]
+CHECKOUT = Path(__file__).resolve().parents[2]
 
 
 class Programs:

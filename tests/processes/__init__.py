@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: MIT
+"""Real processes for tests: programs, simulated robots, and a tap on the robot's wire."""
+
+from .process import Program
+from .programs import Programs
+from .robot import Robot
+from .strain import MachineTooBusyError, Strain
+from .tap import Tap
+from .waiting import holds, until
+
+__all__ = [
+    "MachineTooBusyError",
+    "Program",
+    "Programs",
+    "Robot",
+    "Strain",
+    "Tap",
+    "holds",
+    "until",
+]
