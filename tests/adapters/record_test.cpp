@@ -439,10 +439,13 @@ TEST(Record, TheNextFileBeginsWhereThisOneIsOld) {
     ASSERT_TRUE(eventually([&] {
         traffic.receive(1);
         usleep(10000);
-        return state_of(recorder).files == 2;
+        return state_of(recorder).files >= 2;
     }));
     EXPECT_EQ(roburoc4_recorder_close(recorder, nullptr), ROBUROC4_OK);
-    EXPECT_EQ(folder.files(), (std::vector<std::string>{"run", "run.2"}));
+    const std::vector<std::string> files = folder.files();
+    ASSERT_GE(files.size(), 2u);
+    EXPECT_EQ(files[0], "run");
+    EXPECT_EQ(files[1], "run.2");
 }
 
 TEST(Record, AKilledProcessLeavesWhatItRecorded) {

@@ -63,7 +63,8 @@ struct Served {
         roburoc4_result result = 1;
         EXPECT_EQ(roburoc4_udp_resolve("127.0.0.1", sim_host_port(host.get()), &address),
                   ROBUROC4_OK);
-        Pump pump(roburoc4_pump_create(&address, nullptr, 0, &result));
+        const roburoc4_config patient = test::patient_config();
+        Pump pump(roburoc4_pump_create(&address, &patient, 0, &result));
         EXPECT_EQ(result, ROBUROC4_OK);
         return pump;
     }
@@ -193,7 +194,7 @@ TEST(SimHost, DoesNotStarveWhileCommandsLieInItsSocket) {
             sleep_ms(5);
             longest_us = std::max(longest_us, roburoc4_udp_now_us() - before_us);
         }
-        if (longest_us < 50000) {
+        if (longest_us < 500000) { /* half of the watchdog's time */
             EXPECT_GT(slowest, 0.1) << "round " << round;
             judged++;
         }

@@ -1,7 +1,7 @@
 function test_clear_with_live_robots()
 % SPDX-License-Identifier: MIT
 sim = roburoc4.Simulator('port', 0);
-r = sim.connect();
+r = sim.connect('fresh_ms', 1000);   % a loaded machine does not disarm it
 r.arm();
 r.drive(0.3, 0);
 clear mex
@@ -15,7 +15,7 @@ delete(r);
 clear r
 
 % An object that is forgotten stops its robot too.
-forgotten = sim.connect();
+forgotten = sim.connect('fresh_ms', 1000);
 forgotten.arm();
 forgotten.drive(0.3, 0);
 clear forgotten

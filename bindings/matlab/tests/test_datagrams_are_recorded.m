@@ -6,7 +6,7 @@ sim = roburoc4.Simulator('port', 0);
 r = roburoc4.Robot(sim.address, 'record', file);
 statuses = 10;
 for k = 1:statuses
-    r.receive('differential', 10);
+    r.receive('differential', 60);
 end
 delete(r);
 recorded = fopen(file);

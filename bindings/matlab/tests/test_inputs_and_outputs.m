@@ -3,7 +3,7 @@ function test_inputs_and_outputs()
 sim = roburoc4.Simulator('port', 0);
 r = sim.connect();
 begun = tic();
-while r.status.robot_cycles < 10 && toc(begun) < 10
+while r.status.robot_cycles < 10 && toc(begun) < 60
     r.spin(0.05);
 end
 names = r.inputs();
@@ -56,7 +56,7 @@ end
 function wait_for(r, condition)
 begun = tic();
 while ~condition()
-    check(toc(begun) < 10, 'not within 10 s: %s', func2str(condition));
+    check(toc(begun) < 60, 'not within a minute: %s', func2str(condition));
     r.spin(0.02);
 end
 end

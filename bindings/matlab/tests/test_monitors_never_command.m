@@ -64,7 +64,7 @@ end
 function wait_for(file)
 waited = tic();
 while ~exist(file, 'file')
-    check(toc(waited) < 30, 'the other program did not come so far');
+    check(toc(waited) < 60, 'the other program did not come so far');
     pause(0.01);
 end
 delete(file);
