@@ -5,12 +5,16 @@
 
 /* Other senders with the same cause are logged this often. */
 #define OTHER_SENDER_US 1000000u
+/* After a stall, commands from during it may come in for as long as it took, within these. */
+#define STALL_ECHO_MIN_US 50000u
+#define STALL_ECHO_MAX_US 250000u
 
 void gate_init(gate *gate, const gate_rules *rules, gate_time now) {
     memset(gate, 0, sizeof *gate);
     gate->rules = *rules;
     gate->start = now;
     gate->owner = GATE_SENDERS;
+    gate->clock_offset_us = now.utime - (int64_t)now.us;
     gate_hold(gate, now.us);
 }
 
@@ -115,6 +119,39 @@ void gate_clock_was_set(gate *gate, gate_time now) {
     memset(gate->senders, 0, sizeof gate->senders);
     gate->owner = GATE_SENDERS;
     gate_hold(gate, now.us);
+}
+
+int64_t gate_look_at_clock(gate *gate, gate_time now) {
+    int64_t offset_us = now.utime - (int64_t)now.us;
+    int64_t step_us = offset_us - gate->clock_offset_us;
+    gate->clock_offset_us = offset_us;
+    if (step_us <= GATE_CLOCK_SET_US && step_us >= -GATE_CLOCK_SET_US) {
+        return 0;
+    }
+    gate_clock_was_set(gate, now);
+    return step_us;
+}
+
+bool gate_look_for_stall(gate_stall *stall, uint64_t asked_us, gate_time now, uint64_t *since_us) {
+    const gate_time last = stall->last_look;
+    stall->last_look = now;
+    *since_us = last.us;
+    if (last.us == 0 || now.us - last.us < asked_us + GATE_STALL_US) {
+        return false;
+    }
+    const uint64_t stall_us = now.us - last.us - asked_us;
+    if (now.us >= stall->until_us) {
+        stall->began_utime = last.utime;
+    }
+    stall->until_us = now.us + (stall_us < STALL_ECHO_MIN_US   ? STALL_ECHO_MIN_US
+                                : stall_us > STALL_ECHO_MAX_US ? STALL_ECHO_MAX_US
+                                                               : stall_us);
+    return true;
+}
+
+int64_t gate_arrival(const gate_stall *stall, int64_t utime) {
+    return stall->last_look.us < stall->until_us && stall->began_utime < utime ? stall->began_utime
+                                                                               : utime;
 }
 
 /* Whether a command is of now, by its utime. It may hold any value: no sum may overflow. */
@@ -250,7 +287,9 @@ void gate_reject(gate *gate, enum gate_verdict verdict) {
     gate->rejected[verdict]++;
 }
 
-bool gate_is_incident(gate_incident *last, const char *sender, size_t length, uint64_t now_us) {
+bool gate_is_incident(gate *gate, enum gate_verdict verdict, const char *sender, size_t length,
+                      uint64_t now_us) {
+    gate_incident *last = &gate->incidents[verdict];
     length = length < GATE_MAX_SENDER ? length : GATE_MAX_SENDER;
     bool same = strlen(last->sender) == length &&
                 (length == 0 || memcmp(last->sender, sender, length) == 0);

@@ -41,6 +41,10 @@ extern "C" {
 #define GATE_MAX_LEASE_US 1000000u
 /* Rejections of one cause are one incident until none came for this long. */
 #define GATE_INCIDENT_US 5000000u
+/* The wall clock was set when it moved by more than this against the other one. */
+#define GATE_CLOCK_SET_US 100000
+/* Longer than this a command's lease may not begin late. */
+#define GATE_STALL_US 20000u
 /* A command is read within this time, except on a machine that is too busy. */
 #define GATE_READ_US 10000
 
@@ -122,7 +126,16 @@ typedef struct gate {
     char stopped_by[GATE_MAX_SENDER + 1];
     int64_t taken[GATE_KINDS];
     int64_t rejected[GATE_VERDICTS];
+    gate_incident incidents[GATE_VERDICTS];
+    int64_t clock_offset_us; /* of the wall clock, to notice that it was set */
 } gate;
+
+/* Looks for times in which this process hung; see gate_look_for_stall(). */
+typedef struct gate_stall {
+    gate_time last_look;
+    int64_t began_utime; /* of the last stall ... */
+    uint64_t until_us;   /* ... and until when commands from during it may still come in */
+} gate_stall;
 
 /* A gate that starts now: commands are held until all senders have paused, because a planner may
  * be streaming since before a restart. */
@@ -147,11 +160,22 @@ void gate_hold(gate *gate, uint64_t now_us);
 void gate_was_stalled(gate *gate, uint64_t since_us, uint64_t now_us);
 /* This machine's clock was set: all that is known of utimes is void. */
 void gate_clock_was_set(gate *gate, gate_time now);
+/* Whether it was set since the last call or the start, and by how much; 0: it was not. */
+int64_t gate_look_at_clock(gate *gate, gate_time now);
+
+/* To be called again and again, and once before all else. Where more time went by since the last
+ * call than the caller asked to wait for (asked_us), this process was stopped, or starved: true,
+ * and each gate must be told by gate_was_stalled(), since `since_us`. */
+bool gate_look_for_stall(gate_stall *stall, uint64_t asked_us, gate_time now, uint64_t *since_us);
+/* When a command came, at the earliest, that seemed to come at this time: after a stall, what was
+ * queued below this process is read late. */
+int64_t gate_arrival(const gate_stall *stall, int64_t utime);
 
 /* Whether a rejection begins an incident, which is worth a line in a log: none of its cause came
  * for GATE_INCIDENT_US, or the last one was of another sender, and then once a second at most. Ask
  * for each rejection; sender: length bytes, which may be 0. */
-bool gate_is_incident(gate_incident *last, const char *sender, size_t length, uint64_t now_us);
+bool gate_is_incident(gate *gate, enum gate_verdict verdict, const char *sender, size_t length,
+                      uint64_t now_us);
 
 /* Whether the next drive command, of whoever may be in control, would move the robot. */
 bool gate_can_drive(const gate *gate, const gate_robot *robot, uint64_t now_us);

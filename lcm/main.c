@@ -31,12 +31,6 @@ enum { EXIT_DONE = 0, EXIT_ERROR = 1, EXIT_USAGE = 2, EXIT_NO_LCM = 3 };
 /* Messages that are read before the robots have their turn again. */
 #define LCM_BURST 1000
 #define LCM_RETRY_US 1000000u
-/* Longer than this a command's lease may not begin late. */
-#define STALL_US 20000u
-/* After a stall LCM's thread may still hand over messages from during the stall: for as long as the
- * stall took, within these bounds. */
-#define STALL_ECHO_MIN_US 50000u
-#define STALL_ECHO_MAX_US 250000u
 /* LCM drops what comes after this many messages that were not read, and keeps the old ones. */
 #define QUEUE_CAPACITY 10000
 /* LCM's number for watch_set(); a robot's is its index + 1. */
@@ -58,11 +52,9 @@ static uint32_t serving_count;
 /* Robots by their addresses, to find those that another bridge serves. */
 static channels_entry addresses[OPTIONS_MAX_ROBOTS];
 static channels_directory by_address = {addresses, 0};
-static int64_t stalled_utime;     /* this process hung from here ... */
-static uint64_t stalled_until_us; /* ... and may still read what came meanwhile, until here */
 static robot_bridge this_bridge;
 static roburoc4_recorder *recorder; /* of all robots, or NULL */
-static gate_time last_look;
+static gate_stall stall;            /* of this process */
 static uint64_t lcm_rests_until_us; /* LCM is not read before this; 0: it could always be read */
 static volatile sig_atomic_t stop_signal;
 /* SIGHUP: the terminal was closed. */
@@ -133,13 +125,6 @@ static void on_bridge_state(const lcm_recv_buf_t *message, const char *channel, 
     }
 }
 
-/* When a message came, at the earliest: LCM's thread stamps it when it reads it, which is late
- * where this process was stopped or starved. */
-static int64_t arrival(int64_t recv_utime) {
-    return last_look.us < stalled_until_us && stalled_utime < recv_utime ? stalled_utime
-                                                                         : recv_utime;
-}
-
 /* LCM calls this for each message on any channel of a command. What the robot reports counts
  * first, [A] on the game pad above all. Stops have a queue of their own, which no flood of other
  * commands fills; user: this is theirs. */
@@ -153,7 +138,7 @@ static void on_command(const lcm_recv_buf_t *message, const char *channel, void 
     if (channels_is_command(which) && (which == CHANNEL_STOP_CMD) == (user != NULL)) {
         serve(at);
         robot_take_message(&robots[at], (enum gate_kind)(which - CHANNEL_DRIVE_CMD), message->data,
-                           message->data_size, arrival(message->recv_utime));
+                           message->data_size, gate_arrival(&stall, message->recv_utime));
     }
 }
 
@@ -222,23 +207,14 @@ static lcm_t *open_lcm(void) {
     return lcm;
 }
 
-/* Where more time went by since the last look than was asked for, this process was stopped, or
- * starved: what it reads from now on may have come long ago. */
 static void look_for_stall(uint64_t asked_us) {
+    uint64_t since_us = 0;
     gate_time now = clock_now();
-    if (now.us - last_look.us >= asked_us + STALL_US) {
-        const uint64_t stall_us = now.us - last_look.us - asked_us;
-        if (now.us >= stalled_until_us) {
-            stalled_utime = last_look.utime;
-        }
+    if (gate_look_for_stall(&stall, asked_us, now, &since_us)) {
         for (uint32_t at = 0; at < robot_count; at++) {
-            gate_was_stalled(&robots[at].gate, last_look.us, now.us);
+            gate_was_stalled(&robots[at].gate, since_us, now.us);
         }
-        stalled_until_us = now.us + (stall_us < STALL_ECHO_MIN_US   ? STALL_ECHO_MIN_US
-                                     : stall_us > STALL_ECHO_MAX_US ? STALL_ECHO_MAX_US
-                                                                    : stall_us);
     }
-    last_look = now;
 }
 
 /* Read what LCM has. Where that fails, it is tried again after a second. */
@@ -269,8 +245,8 @@ static int wait_ms(uint64_t now_us) {
 /* Wait until somebody has something, or something is due. */
 static uint32_t wait_for_work(lcm_t *lcm, uint32_t *ready) {
     look_for_stall(0);
-    watch_set(WATCHED_LCM, last_look.us < lcm_rests_until_us ? -1 : lcm_get_fileno(lcm));
-    int wait = wait_ms(last_look.us);
+    watch_set(WATCHED_LCM, stall.last_look.us < lcm_rests_until_us ? -1 : lcm_get_fileno(lcm));
+    int wait = wait_ms(stall.last_look.us);
     uint32_t count = watch_wait(wait, ready);
     look_for_stall((uint64_t)wait * 1000u);
     return count;
@@ -290,7 +266,7 @@ static void turn(lcm_t *lcm) {
         }
     }
     for (uint32_t at = 0; at < robot_count; at++) {
-        if (deadlines_us[at] <= last_look.us) {
+        if (deadlines_us[at] <= stall.last_look.us) {
             serve(at);
         }
     }
@@ -394,7 +370,7 @@ static void end_recording(void) {
 
 static void run(lcm_t *lcm) {
     gate_time now = clock_now();
-    last_look = now;
+    stall.last_look = now;
     introduce_bridge(now);
     start_robots(lcm, now);
     while (stop_signal == 0) {

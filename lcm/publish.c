@@ -161,7 +161,7 @@ static void publish_bridge(robot *robot, bool statistics, gate_time now) {
         .published = robot->published,
         .publish_errors = robot->publish_errors,
         .rejected = robot->last_rejection,
-        .rejected_sender = rejection->incident.sender,
+        .rejected_sender = rejection->sender,
         .rejected_why = rejection->why,
         .rejected_utime = rejection->utime,
     };

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "clock.h"
+#include "gate_client.h"
 #include "log.h"
 #include "publish.h"
 #include "reason.h"
@@ -19,15 +20,6 @@
 #define REOPEN_US 1000000u
 /* Another bridge is gone when its state was not heard for this long; older states are replays. */
 #define OTHER_BRIDGE_US 2000000u
-/* The wall clock was set when it moved by more than this against the other one. */
-#define CLOCK_SET_US 100000
-static gate_robot robot_for_gate(const robot *robot, uint64_t now_us) {
-    roburoc4_facts facts = {.size = sizeof facts};
-    (void)roburoc4_client_facts(&robot->client, now_us, &facts);
-    gate_robot for_gate = {facts.state == ROBUROC4_STATE_READY, facts.armed != 0,
-                           facts.arm_refusal};
-    return for_gate;
-}
 
 /* -------------------------------------------------------------------------------- commands --- */
 
@@ -36,9 +28,10 @@ static void log_rejected(robot *robot, enum gate_verdict verdict, const log_comm
                          gate_time now) {
     robot_rejection *rejection = &robot->rejections[verdict];
     const gate_rejection rejected = {verdict, command->kind, command->utime, "utime"};
-    char sender[GATE_MAX_SENDER + 1];
-    text_copy(sender, sizeof sender, (const uint8_t *)command->sender, command->sender_length);
-    bool first = gate_is_incident(&rejection->incident, sender, strlen(sender), now.us);
+    text_copy(rejection->sender, sizeof rejection->sender, (const uint8_t *)command->sender,
+              command->sender_length);
+    bool first = gate_is_incident(&robot->gate, verdict, rejection->sender,
+                                  strlen(rejection->sender), now.us);
     gate_reason(rejection->why, sizeof rejection->why, &rejected, &robot->gate.rules, now);
     log_rejection(robot->name, command, rejection->why, first);
     rejection->utime = command->utime;
@@ -132,9 +125,7 @@ static void stop(robot *robot, const command *command, bool readable, gate_time 
     log_stop(robot->name, &stopping, !robot->gate.stopped);
     robot->has_drive = false;
     robot->state.due = robot->state.due || !robot->gate.stopped;
-    (void)roburoc4_client_stop(&robot->client, now.us);
-    gate_stop(&robot->gate, stopping.sender, stopping.sender_length, now.us);
-    gate_count_taken(&robot->gate, GATE_STOP);
+    gate_stop_client(&robot->gate, &robot->client, stopping.sender, stopping.sender_length, now.us);
 }
 
 void robot_take_message(robot *robot, enum gate_kind kind, const void *data, size_t size,
@@ -154,7 +145,7 @@ void robot_take_message(robot *robot, enum gate_kind kind, const void *data, siz
         return;
     }
     gate_command for_gate = command_for_gate(&command, arrived_utime);
-    gate_robot state = robot_for_gate(robot, now.us);
+    gate_robot state = gate_robot_of(&robot->client, now.us);
     enum gate_verdict verdict = gate_judge(&robot->gate, &for_gate, &state, now, &lease_us);
     if (verdict == GATE_TAKEN) {
         take(robot, &command, lease_us, now);
@@ -179,35 +170,21 @@ static bool is_clamped(const robot *robot) {
                       limits.max_angular_rad_s, robot->config->max_angular_rad_s));
 }
 
-/* A zero arms nothing: a robot that is not armed stands, or is being stopped. */
-static roburoc4_result drive(robot *robot, gate_time now) {
-    const robot_drive *drive = &robot->drive;
-    bool zero = drive->linear_m_s == 0.0f && drive->angular_rad_s == 0.0f;
-    if (!robot_for_gate(robot, now.us).armed) {
-        roburoc4_result result = zero ? 0 : roburoc4_client_arm(&robot->client, now.us);
-        if (zero || result < 0) {
-            return result;
-        }
-    }
-    return roburoc4_client_drive(&robot->client, drive->linear_m_s, drive->angular_rad_s,
-                                 drive->lease_us, now.us);
-}
-
 static void apply_drive(robot *robot, gate_time now) {
     robot->has_drive = false;
-    if (drive(robot, now) < 0) {
+    const robot_drive *drive = &robot->drive;
+    enum gate_verdict verdict = gate_drive(&robot->gate, &robot->client, drive->linear_m_s,
+                                           drive->angular_rad_s, drive->lease_us, now.us);
+    if (verdict != GATE_TAKEN) {
         log_command rejected = {.kind = GATE_DRIVE,
                                 .channel = robot->channels->name[CHANNEL_DRIVE_CMD],
-                                .utime = robot->drive.utime};
+                                .utime = drive->utime};
         rejected.sender = gate_control_owner(&robot->gate, now.us, &rejected.sender_length);
-        gate_hold(&robot->gate, now.us);
-        gate_reject(&robot->gate, GATE_DISARMED);
-        log_rejected(robot, GATE_DISARMED, &rejected, now);
+        log_rejected(robot, verdict, &rejected, now);
         return;
     }
     robot->command_us = (int64_t)now.us;
     robot->clamped += is_clamped(robot);
-    gate_count_taken(&robot->gate, GATE_DRIVE);
 }
 
 /* ------------------------------------------------------------------------------- the robot --- */
@@ -228,24 +205,13 @@ static void learn_name(robot *robot, const uint8_t *datagram, size_t size) {
     }
 }
 
-/* Events after which nothing may go on by itself. */
-static bool ends_driving(const robot *robot, uint32_t events, gate_time now) {
-    roburoc4_facts facts = {.size = sizeof facts};
-    (void)roburoc4_client_facts(&robot->client, now.us, &facts);
-    return (events & (ROBUROC4_EVENT_DISARMED | ROBUROC4_EVENT_LOST | ROBUROC4_EVENT_REBOOT |
-                      ROBUROC4_EVENT_CLOCK)) != 0 ||
-           ((events & ROBUROC4_EVENT_OVERRIDE) != 0 && facts.overridden);
-}
-
 static const uint32_t status_events = ROBUROC4_EVENT_IOCARD | ROBUROC4_EVENT_TELEMETER |
                                       ROBUROC4_EVENT_BATTERY | ROBUROC4_EVENT_LOCALIZATION |
                                       ROBUROC4_EVENT_DIFFERENTIAL;
 
 /* All that is no status: seldom. */
 static void handle_change(robot *robot, uint32_t events, gate_time now) {
-    if (ends_driving(robot, events, now)) {
-        gate_hold(&robot->gate, now.us);
-    }
+    gate_heed_events(&robot->gate, &robot->client, events, now.us);
     if (events & ROBUROC4_EVENT_REBOOT) {
         memset(&robot->names, 0, sizeof robot->names);
     }
@@ -408,11 +374,8 @@ static void look_for_absence(robot *robot, gate_time now) {
 }
 
 static void look_at_clock(robot *robot, gate_time now) {
-    int64_t offset_us = now.utime - (int64_t)now.us;
-    int64_t step_us = offset_us - robot->clock_offset_us;
-    robot->clock_offset_us = offset_us;
-    if (step_us > CLOCK_SET_US || step_us < -CLOCK_SET_US) {
-        gate_clock_was_set(&robot->gate, now);
+    int64_t step_us = gate_look_at_clock(&robot->gate, now);
+    if (step_us != 0) {
         log_line(LOG_NOTE, robot->name,
                  "this machine's clock was set by %.3f s: all senders must pause for %u ms",
                  (double)step_us / 1e6, GATE_PAUSE_US / 1000u);
@@ -519,7 +482,6 @@ void robot_start(robot *robot, uint32_t number, const options_robot *settings, l
     robot->config = &settings->config;
     robot->bridge = bridge;
     robot->started = now;
-    robot->clock_offset_us = now.utime - (int64_t)now.us;
     spread(&robot->state, STATE_PERIOD_US, robot, now.us);
     spread(&robot->statistics, STATISTICS_PERIOD_US, robot, now.us);
     spread(&robot->properties, PROPERTIES_PERIOD_US, robot, now.us);

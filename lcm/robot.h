@@ -28,8 +28,8 @@ typedef struct robot_bridge {
 
 /* A cause for which commands were rejected, and the last one of them. */
 typedef struct robot_rejection {
-    gate_incident incident;
     int64_t utime;
+    char sender[GATE_MAX_SENDER + 1];
     char why[MAPPING_REASON_SIZE];
 } robot_rejection;
 
@@ -71,7 +71,6 @@ typedef struct robot {
     robot_publication state, statistics, properties;
     int64_t command_us; /* when the last command was obeyed, or -1 */
     int64_t superseded, clamped, published, publish_errors;
-    int64_t clock_offset_us; /* of the wall clock, to notice that it was set */
 } robot;
 
 /* Open the socket and start the client. Where there is no socket now, it is tried each second. The

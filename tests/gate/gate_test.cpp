@@ -641,24 +641,63 @@ TEST_F(Gate, CanDriveOnlyWhereItIsEnabled) {
 
 /* --------------------------------------------------------------------------------- reasons --- */
 
-TEST(GateIncident, IsOneUntilNoneOfItsCauseCameForFiveSeconds) {
-    gate_incident last{};
-    EXPECT_TRUE(gate_is_incident(&last, "planner", 7, boot));
-    std::uint64_t now_us = boot;
+TEST_F(Gate, IncidentIsOneUntilNoneOfItsCauseCameForFiveSeconds) {
+    const auto is_incident = [&] { return gate_is_incident(&gate, GATE_TOO_OLD, "one", 3, us()); };
+    EXPECT_TRUE(is_incident());
     for (int count = 0; count < 100; count++) {
-        now_us += 4900 * ms;
-        EXPECT_FALSE(gate_is_incident(&last, "planner", 7, now_us));
+        run(4900 * ms);
+        EXPECT_FALSE(is_incident());
     }
-    EXPECT_TRUE(gate_is_incident(&last, "planner", 7, now_us + 5 * second));
+    run(5 * second);
+    EXPECT_TRUE(is_incident());
 }
 
-TEST(GateIncident, OfAnotherSenderIsNewButOnceASecondAtMost) {
-    gate_incident last{};
-    EXPECT_TRUE(gate_is_incident(&last, "one", 3, boot));
-    EXPECT_FALSE(gate_is_incident(&last, "two", 3, boot + 999 * ms));
-    EXPECT_TRUE(gate_is_incident(&last, "one", 3, boot + second));
-    EXPECT_TRUE(gate_is_incident(&last, nullptr, 0, boot + 2 * second));
-    EXPECT_TRUE(gate_is_incident(&last, "two", 3, boot + 3 * second));
+TEST_F(Gate, IncidentOfAnotherSenderOrCauseIsNew) {
+    EXPECT_TRUE(gate_is_incident(&gate, GATE_TOO_OLD, "one", 3, us()));
+    EXPECT_TRUE(gate_is_incident(&gate, GATE_CONTROL, "one", 3, us()));
+    run(999 * ms);
+    EXPECT_FALSE(gate_is_incident(&gate, GATE_TOO_OLD, "two", 3, us())) << "once a second";
+    run(ms);
+    EXPECT_TRUE(gate_is_incident(&gate, GATE_TOO_OLD, "one", 3, us()));
+    run(second);
+    EXPECT_TRUE(gate_is_incident(&gate, GATE_TOO_OLD, nullptr, 0, us()));
+}
+
+/* ---------------------------------------------------------------------------------- stalls --- */
+
+TEST(GateStall, CommandsAfterAStallCountFromItsBeginning) {
+    gate_stall stall{};
+    std::uint64_t since_us = 0;
+    gate_time now{boot, epoch};
+    const auto look_after = [&](std::int64_t us, std::int64_t asked_us) {
+        now.us += static_cast<std::uint64_t>(us);
+        now.utime += us;
+        return gate_look_for_stall(&stall, static_cast<std::uint64_t>(asked_us), now, &since_us);
+    };
+    EXPECT_FALSE(look_after(0, 0)) << "the first look";
+    EXPECT_FALSE(look_after(119 * ms, 100 * ms));
+    EXPECT_EQ(now.utime, gate_arrival(&stall, now.utime)) << "it waited, as it was asked to";
+    const std::int64_t began_utime = now.utime;
+    EXPECT_TRUE(look_after(200 * ms, 20 * ms));
+    EXPECT_EQ(boot + 119 * ms, since_us);
+    EXPECT_EQ(began_utime, gate_arrival(&stall, now.utime));
+    EXPECT_FALSE(look_after(10 * ms, 0));
+    EXPECT_EQ(began_utime, gate_arrival(&stall, now.utime)) << "queues below may be read late";
+    for (int at = 0; at < 20; at++) {
+        EXPECT_FALSE(look_after(10 * ms, 0));
+    }
+    EXPECT_EQ(now.utime, gate_arrival(&stall, now.utime)) << "they are empty after as long a time";
+}
+
+TEST_F(Gate, AClockThatWasSetIsNoticedAndHolds) {
+    EXPECT_EQ(0, gate_look_at_clock(&gate, time()));
+    const gate_time slewed{us(), time().utime + 100 * ms};
+    EXPECT_EQ(0, gate_look_at_clock(&gate, slewed));
+    EXPECT_FALSE(gate_is_waiting(&gate, us()));
+    const gate_time set{us(), time().utime - 3600 * second};
+    EXPECT_EQ(-3600 * second - 100 * ms, gate_look_at_clock(&gate, set));
+    EXPECT_TRUE(gate_is_waiting(&gate, us()));
+    EXPECT_EQ(0, gate_look_at_clock(&gate, set));
 }
 
 TEST(GateReason, EachVerdictHasItsOwn) {
