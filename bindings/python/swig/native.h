@@ -9,7 +9,9 @@
 #define PY_SSIZE_T_CLEAN
 #include <Python.h>
 
+#include "gate_client.h"
 #include "host.h"
+#include "reason.h"
 #include "roburoc4_move.h"
 #include "roburoc4_pump.h"
 #include "roburoc4_sim.h"
@@ -192,6 +194,26 @@ PyObject *connection_play(connection *c, PyObject *datagram, uint64_t at_us);
 PyObject *read_samples(connection *c, roburoc4_pump_reader *reader, uint32_t mask);
 roburoc4_pump_reader *new_reader(void);
 uint64_t reader_lost(const roburoc4_pump_reader *reader);
+
+/* ---- the gate of bridges, for drive commands (command_gate.c) ---- */
+
+/* A gate of gate.h, and the watch for stalls of the thread that uses it. */
+typedef struct command_gate command_gate;
+
+command_gate *new_command_gate(int enabled, uint32_t lease_us, uint32_t max_age_us, gate_time now);
+/* (verdict, lease_us) of a command that is (sender, utime, arrived_utime, finite, zero). */
+PyObject *judge_drive(command_gate *g, PyObject *command, const gate_robot *robot, gate_time now);
+/* Notice a stall, and hold for as long; (stalled, step of the clock in microseconds). */
+PyObject *look_for_trouble(command_gate *g, uint32_t asked_us, gate_time now);
+/* When a command came at the earliest that seems to come at this time. */
+int64_t command_arrival(const command_gate *g, int64_t utime);
+/* (why, whether it begins an incident) of a rejection, for a log. */
+PyObject *explain_rejection(command_gate *g, uint32_t verdict, const char *sender, size_t length,
+                            int64_t utime, gate_time now);
+/* Count a rejection that was decided elsewhere. */
+void count_rejection(command_gate *g, uint32_t verdict);
+/* How many commands were taken, and rejected by verdict. */
+PyObject *command_counts(const command_gate *g);
 
 /* ---- moves (move.c) ---- */
 

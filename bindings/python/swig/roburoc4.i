@@ -41,11 +41,16 @@
 %include "roburoc4_codec.h"
 %include "roburoc4.h"
 %include "roburoc4_move.h"
+/* Its facts and commands are ours: the rest of a gate knows no client. */
+%rename("$ignore", regextarget=1) "^(gate_init|gate_judge|gate_look_for_stall|gate_arrival|gate_is_incident|gate_reject|gate_stop|gate_hold|gate_count_taken|gate_clock_was_set|gate_was_stalled|gate_look_at_clock)$";
+%include "gate_client.h"
 %clear uint64_t now_us; /* from here on it is an argument */
 %include "roburoc4_udp.h"
 %include "roburoc4_sim.h"
 %exception;
 %include "roburoc4_pump.h"
+
+%include "gate.h"
 
 %ignore raise_result;
 %rename("$ignore", regextarget=1) "^(record_|decode_telegram|tuple_of|connection_(pump|utc_us)$|simulation_(join|part)$|(connection|simulation)_(enter|leave|entered_us|destroy)$)";

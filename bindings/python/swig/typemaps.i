@@ -158,6 +158,48 @@ ROBUROC4_CAPSULE(connection, connection_destroy)
 ROBUROC4_CAPSULE(roburoc4_pump_reader, free)
 ROBUROC4_CAPSULE(simulation, simulation_destroy)
 
+/* ---- the gate of bridges ---- */
+ROBUROC4_CAPSULE(command_gate, free)
+/* A gate is the first thing in a command_gate. */
+%typemap(in) gate *, const gate * {
+    $1 = PyCapsule_GetPointer($input, "command_gate");
+    if ($1 == NULL) {
+        SWIG_fail;
+    }
+}
+%typemap(in) gate_time {
+    if (!PyArg_ParseTuple($input, "KL", &$1.us, &$1.utime)) {
+        SWIG_fail;
+    }
+}
+%typemap(out) gate_robot {
+    $result = Py_BuildValue("NNi", PyBool_FromLong($1.ready), PyBool_FromLong($1.armed), (int)$1.arm_refusal);
+}
+%typemap(in) const gate_robot * (gate_robot robot) {
+    int ready, armed;
+    if (!PyArg_ParseTuple($input, "ppi", &ready, &armed, &robot.arm_refusal)) {
+        SWIG_fail;
+    }
+    robot.ready = ready != 0;
+    robot.armed = armed != 0;
+    $1 = &robot;
+}
+%typemap(in) (const char *sender, size_t length) (Py_ssize_t length) {
+    $1 = (char *)PyUnicode_AsUTF8AndSize($input, &length);
+    if ($1 == NULL) {
+        SWIG_fail;
+    }
+    $2 = (size_t)length;
+}
+%typemap(in, numinputs=0) size_t *length (size_t length) {
+    length = 0;
+    $1 = &length;
+}
+%typemap(argout) size_t *length {
+    Py_XDECREF($result);
+    $result = PyUnicode_DecodeUTF8(result != NULL ? result : "", (Py_ssize_t)*$1, "replace");
+}
+
 /* Where the headers take a client or a simulator, Python gives a connection or a simulation. It is
  * locked when all arguments are read, and the time after that. Only commands change a client. */
 %typemap(out) roburoc4_result roburoc4_client_channel_find, roburoc4_result roburoc4_sim_control_find,

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: MIT
+"""Which drive commands of a network may reach a robot: the rules of gate/gate.h, for bridges."""
+
+import contextlib
+import math
+import time
+from collections.abc import Callable
+from enum import IntEnum
+from typing import NamedTuple
+
+from . import _native
+from .errors import ClosedError
+from .robot_base import RobotBase
+
+_FAR = 1e6  # beyond any limit; the client clamps to the robot's own
+
+
+class Verdict(IntEnum):
+    """What becomes of a command."""
+
+    TAKEN = _native.GATE_TAKEN
+    MALFORMED = _native.GATE_MALFORMED
+    DISABLED = _native.GATE_DISABLED
+    SENDER = _native.GATE_SENDER
+    NO_STAMP = _native.GATE_NO_UTIME
+    NOT_FINITE = _native.GATE_NOT_FINITE
+    STARTING = _native.GATE_STARTING
+    TOO_OLD = _native.GATE_TOO_OLD
+    IN_FUTURE = _native.GATE_IN_FUTURE
+    REPEATED = _native.GATE_REPEATED
+    CONTROL = _native.GATE_CONTROL
+    NOT_READY = _native.GATE_NOT_READY
+    DISARMED = _native.GATE_DISARMED
+
+
+class DriveCommand(NamedTuple):
+    """Speeds that somebody asks for."""
+
+    sender: str
+    stamp_us: int
+    """When it was sent, in microseconds since 1970."""
+    linear_m_s: float
+    angular_rad_s: float
+    finite: bool = True
+    """Whether all other numbers of its message are numbers, too."""
+
+
+class Rejection(NamedTuple):
+    """Why a command moves nothing."""
+
+    verdict: Verdict
+    sender: str
+    why: str
+    """With what to do about it."""
+    is_incident: bool
+    """Whether to tell a person; the others are more of the same."""
+
+
+class Counts(NamedTuple):
+    """What became of all commands so far."""
+
+    driven: int
+    stopped: int
+    rejected: dict[Verdict, int]
+
+
+def _utc_us() -> int:
+    return time.time_ns() // 1000
+
+
+class Gate:
+    """The gate in front of one robot; used by one thread at a time.
+
+    A command is a lease from its arrival. The robot is armed for the first speed after a pause in
+    which nobody asked for one; after a stop, a disarm, and whatever else ends driving, commands
+    are held until the next such pause. One sender is in control until its lease ends.
+    """
+
+    def __init__(
+        self,
+        robot: RobotBase,
+        *,
+        enabled: bool,
+        lease_s: float = 0.25,
+        max_age_s: float = 0.2,
+        utc_us: Callable[[], int] = _utc_us,
+    ) -> None:
+        """Begin, on hold. ``max_age_s`` 0: stamps of any age are taken."""
+        self._robot = robot
+        self._client = robot._connection.handle
+        self._events = robot._connection.reader()
+        self._utc_us = utc_us
+        self._gate = _native.new_command_gate(
+            enabled, round(lease_s * 1e6), round(max_age_s * 1e6), self._now()
+        )
+
+    def _now(self) -> tuple[int, int]:
+        return _native.connection_now_us(self._client), self._utc_us()
+
+    def look(self, waited_s: float = 0.0) -> float:
+        """Notice what ended driving, that this program hung, and that the clock was set.
+
+        To be called at least every few milliseconds more than ``waited_s``, for which the caller
+        meant to wait: where it took longer, commands that come now count as old. Returns by how
+        many seconds the clock was set, mostly 0.
+        """
+        self._heed_events()
+        _, step_us = _native.look_for_trouble(self._gate, round(waited_s * 1e6), self._now())
+        return step_us / 1e6
+
+    def _heed_events(self) -> bool:
+        """Hold where driving ended; whether commands are held."""
+        with contextlib.suppress(ClosedError):
+            _native.gate_heed_events(self._gate, self._client, self._events.take_events())
+        return self.is_waiting
+
+    def drive(self, command: DriveCommand) -> Rejection | None:
+        """Obey a command that came just now, or say why not."""
+        robot = _native.gate_robot_of(self._client)
+        self._heed_events()
+        now = self._now()
+        speeds = command.linear_m_s, command.angular_rad_s
+        finite = command.finite and all(map(math.isfinite, speeds))
+        verdict, lease_us = _native.judge_drive(
+            self._gate,
+            (
+                command.sender,
+                command.stamp_us,
+                _native.command_arrival(self._gate, now[1]),
+                finite,
+                not any(speeds),
+            ),
+            robot,
+            now,
+        )
+        if verdict == Verdict.TAKEN:
+            linear_m_s, angular_rad_s = (max(-_FAR, min(_FAR, speed)) for speed in speeds)
+            verdict = _native.gate_drive(
+                self._gate, self._client, linear_m_s, angular_rad_s, lease_us
+            )
+            # The robot's thread may have ended driving after the look at it: no arming then.
+            if self._heed_events() and any(speeds):
+                self._robot.disarm()
+                verdict = Verdict.DISARMED
+        return self._rejection(verdict, command.sender, command.stamp_us)
+
+    def reject(self, verdict: Verdict, sender: str) -> Rejection | None:
+        """Count a command that could not be read."""
+        _native.count_rejection(self._gate, verdict)
+        return self._rejection(verdict, sender, 0)
+
+    def _rejection(self, verdict: int, sender: str, stamp_us: int) -> Rejection | None:
+        if verdict == Verdict.TAKEN:
+            return None
+        why, is_incident = _native.explain_rejection(
+            self._gate, verdict, sender, stamp_us, self._now()
+        )
+        return Rejection(Verdict(verdict), sender, why, is_incident)
+
+    def stop(self, sender: str) -> None:
+        """Stop the robot, and hold drive commands until all senders have paused."""
+        _native.gate_stop_client(self._gate, self._client, sender)
+
+    @property
+    def owner(self) -> str:
+        """Who is in control; empty for nobody."""
+        return _native.gate_control_owner(self._gate, self._now()[0])
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether commands are held until all senders have paused."""
+        return _native.gate_is_waiting(self._gate, self._now()[0])
+
+    @property
+    def can_drive(self) -> bool:
+        """Whether the next command of whoever may be in control would move the robot."""
+        robot = _native.gate_robot_of(self._client)
+        return _native.gate_can_drive(self._gate, robot, self._now()[0])
+
+    @property
+    def counts(self) -> Counts:
+        """What became of all commands so far."""
+        driven, stopped, rejected = _native.command_counts(self._gate)
+        return Counts(driven, stopped, {verdict: rejected[verdict] for verdict in Verdict})
