@@ -72,8 +72,9 @@ typedef int32_t roburoc4_result;
 #define ROBUROC4_ERR_RESOLVE (-41) /* a host name has no address */
 #define ROBUROC4_ERR_CLOSED (-42)  /* already closed */
 
-/** One English sentence for a result, without a full stop: "ok" for 0 and more, "unknown error" for
- *  an invalid value. Valid as long as the program runs. */
+/** One English sentence for a result, without a full stop: the cause, and often after a colon what
+ *  to do. "ok" for 0 and more, "unknown error" for an invalid value. Valid as long as the program
+ *  runs. */
 ROBUROC4_API const char *roburoc4_result_text(roburoc4_result result);
 
 /* ---------------------------------------------------- the manual's enumerations and tables --- */

@@ -26,41 +26,44 @@ static const char *nth(const char *joined, uint32_t count, uint32_t index) {
 }
 
 const char *roburoc4_result_text(roburoc4_result result) {
-    static const char codec_and_client[] = "argument out of range\0"
-                                           "buffer too small\0"
-                                           "datagram shorter than its layout\0"
-                                           "datagram of another kind\0"
-                                           "impossible value in datagram\0"
-                                           "the robot answered with an error\0"
-                                           "struct size differs from the library's\0"
-                                           "configuration value out of range\0"
-                                           "client not started, or closing\0"
-                                           "not known yet\0"
-                                           "the robot has no such channel\0"
-                                           "output 0 belongs to the robot\0"
-                                           "NaN or infinity\0"
-                                           "answer to no open request\0"
-                                           "status not subscribed to\0"
-                                           "status not newer than the last\0"
-                                           "no answer in all tries";
-    static const char motion[] = "disarmed: call arm\0"
-                                 "not connected: the robot has not answered yet\0"
-                                 "no usable differential service\0"
-                                 "the robot's speed limits are not usable\0"
-                                 "no recent differential status\0"
-                                 "no recent IO card status\0"
-                                 "game pad input unknown: set its index or allow it\0"
-                                 "game pad override: release [A]\0"
-                                 "the robot is moving: wait until it stands\0"
-                                 "another client commands the robot\0"
-                                 "the robot fell silent\0"
-                                 "the robot restarted\0"
-                                 "the clock went back\0"
-                                 "the robot does not move: look at emergency stops, brakes "
-                                 "and bumpers";
-    static const char adapter[] = "the operating system refused\0"
-                                  "host name has no address\0"
-                                  "already closed";
+    static const char codec_and_client[] =
+        "argument out of range\0"
+        "buffer too small\0"
+        "datagram shorter than its layout\0"
+        "datagram of another kind\0"
+        "impossible value in datagram\0"
+        "the robot answered with an error\0"
+        "struct size differs from the library's\0"
+        "configuration value out of range\0"
+        "client not started, or closing\0"
+        "not known yet: wait, and look again\0"
+        "the robot has no such channel\0"
+        "output 0 belongs to the robot: use output 1 or above\0"
+        "NaN or infinity: give finite numbers\0"
+        "answer to no open request\0"
+        "status not subscribed to\0"
+        "status not newer than the last\0"
+        "no answer in all tries: look at the link, and try again";
+    static const char motion[] =
+        "disarmed: call arm() before drive()\0"
+        "not connected: wait until the robot answers\0"
+        "no usable differential service: this robot cannot be driven\0"
+        "the robot's speed limits are not usable: look at its properties\0"
+        "no recent differential status: check the link and the status period\0"
+        "no recent IO card status: check the link and the status period\0"
+        "game pad input unknown: set override_index, or allow_unknown_override\0"
+        "game pad override: release [A] on the game pad\0"
+        "the robot is moving: wait until it stands still\0"
+        "another client commands the robot: end the other program\0"
+        "the robot fell silent: check cable and power\0"
+        "the robot restarted: look at the robot\0"
+        "the clock went back: find out what sets this machine's clock\0"
+        "the robot does not move: look at emergency stops, brakes "
+        "selector and bumpers";
+    static const char adapter[] =
+        "the operating system refused\0"
+        "host name has no address: check the spelling, or give the address in numbers\0"
+        "already closed, or made before a fork: connect again";
     const char *text = NULL;
     if (result >= 0) {
         return "ok";

@@ -156,7 +156,7 @@ def test_a_refusal_is_told_in_the_words_of_the_command() -> None:
     with roburoc4.Simulator(port=0, max_linear_m_s=float("nan")) as sim:
         done = run("drive", "0.5", "0", "--seconds", "1", robot=sim.address)
     assert done.returncode == 1
-    assert "see roburoc4 info" in one_line(done.stderr)
+    assert "speed limits are not usable" in one_line(done.stderr)
 
 
 def test_an_emergency_stop_ends_it(sim: roburoc4.Simulator) -> None:

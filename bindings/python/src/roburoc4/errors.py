@@ -101,31 +101,6 @@ def duration_s(name: str, seconds: float) -> float:
 
 _FLOAT_MAX = 3.4e38
 _LONGEST_S = 1e9
-_ARM = "then call arm() again"
-_REMEDIES: dict[int, str] = {
-    Result.SHORT: "a telegram of this kind is longer",
-    Result.RESERVED: "use output 1 or above",
-    Result.NOT_FINITE: "give finite numbers",
-    Result.UNKNOWN: "wait for it with wait_for()",
-    Result.RESOLVE: "check the spelling, or give the address in numbers",
-    Result.CLOSED: "this robot was closed, or made before a fork; connect again",
-    Result.DISARMED: "call arm() before drive()",
-    Result.NOT_READY: f"wait until the robot answers, {_ARM}",
-    Result.NO_DIFFERENTIAL: "this robot cannot be driven; look at .properties",
-    Result.LIMITS: "look at .properties.differential",
-    Result.STALE_DIFFERENTIAL: f"check .link and the subscription's period, {_ARM}",
-    Result.STALE_IOCARD: f"check .link and the subscription's period, {_ARM}",
-    Result.OVERRIDE_UNKNOWN: "name the input with connect(override_index=...), or give up this "
-    "protection with allow_unknown_override=True",
-    Result.OVERRIDE: f"release [A] on the game pad, {_ARM}",
-    Result.MOVING: f"wait until the robot stands still, {_ARM}",
-    Result.OTHER_COMMANDER: f"end the other program, {_ARM}",
-    Result.LOST: f"check cable and power, wait until it is ready, {_ARM}",
-    Result.REBOOT: f"look at the robot, {_ARM}",
-    Result.CLOCK: f"find out what sets this machine's clock, {_ARM}",
-    Result.INHIBITED: f"look at emergency stops, brakes selector and bumpers, {_ARM}",
-}
-
 _CLASSES: dict[int, type[RobotError]] = {
     Result.ARGUMENT: ArgumentError,
     Result.CONFIG: ArgumentError,
@@ -147,12 +122,9 @@ _CLASSES: dict[int, type[RobotError]] = {
 def error_of(code: int) -> RobotError:
     """Make the exception that stands for a result of the C library."""
     text = _native.roburoc4_result_text(code)
-    remedy = _REMEDIES.get(code)
     if Result.INHIBITED <= code <= Result.DISARMED:
-        cause = text.partition(":")[0]
-        return NotArmedError(f"not armed: {cause}; {remedy}", code)
-    kind = _CLASSES.get(code, RobotError)
-    return kind(f"{text}: {remedy}" if remedy else text, code)
+        return NotArmedError(f"not armed: {text.replace(':', ';', 1)}", code)
+    return _CLASSES.get(code, RobotError)(text, code)
 
 
 @contextmanager

@@ -55,7 +55,8 @@ class MoveError(RobotError):
     def __init__(self, result: MoveResult, code: int = Result.STATE) -> None:
         text = result.outcome.text
         if result.outcome in (MoveOutcome.LOST, MoveOutcome.CANCELLED) and code != Result.STATE:
-            text = f"{Result(code).text}: {text}"
+            cause = Result(code).text.partition(":")[0]
+            text = f"{cause}: {text}"
         super().__init__(text, code)
         self.result = result
 

@@ -43,36 +43,19 @@ def unreachable(message: str) -> CommandError:
     return CommandError(ExitCode.UNREACHABLE, message)
 
 
-_START_AGAIN = "then start again"
-_REMEDIES = {
-    "NOT_READY": f"run roburoc4 doctor, {_START_AGAIN}",
-    "NO_DIFFERENTIAL": "see roburoc4 info",
-    "LIMITS": "see roburoc4 info",
-    "STALE_DIFFERENTIAL": f"run roburoc4 doctor, {_START_AGAIN}",
-    "STALE_IOCARD": f"run roburoc4 doctor, {_START_AGAIN}",
-    "OVERRIDE_UNKNOWN": "run roburoc4 doctor, or drive all the same with --ignore-override",
-    "OVERRIDE": f"wait until [A] is released, {_START_AGAIN}",
-    "MOVING": f"run roburoc4 stop, {_START_AGAIN}",
-    "OTHER_COMMANDER": f"end the other program, {_START_AGAIN}",
-    "LOST": f"look at power and cable, {_START_AGAIN}",
-    "REBOOT": f"look at the robot, {_START_AGAIN}",
-    "INHIBITED": f"release its emergency stops and brakes, {_START_AGAIN}",
-}
-
-
 def why_not_armed(error: NotArmedError) -> str:
-    """Name the cause, for people who can see the robot, without advice for programs."""
+    """Name the cause and the remedy, for people who can see the robot."""
     from roburoc4 import Result
 
-    return Result(error.code).text
+    if error.code is Result.OVERRIDE_UNKNOWN:
+        return "game pad input unknown: run roburoc4 doctor, or use --ignore-override"
+    return error.code.text
 
 
 def of_library(error: Exception) -> CommandError | None:
     """Translate an exception of the library; None for an unexpected one."""
-    from roburoc4 import NotArmedError, Result, RobotError
+    from roburoc4 import NotArmedError, RobotError
 
     if isinstance(error, NotArmedError):
-        # Its own text advises people who write programs.
-        remedy = _REMEDIES.get(Result(error.code).name, _START_AGAIN.removeprefix("then "))
-        return refused(f"{why_not_armed(error)}: {remedy}")
+        return refused(why_not_armed(error))
     return refused(str(error)) if isinstance(error, RobotError) else None

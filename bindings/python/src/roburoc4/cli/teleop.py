@@ -160,7 +160,7 @@ class _Teleop:
             try:
                 self._robot.arm(timeout=0.0)
             except NotArmedError as error:
-                self._trouble = f"{why_not_armed(error)}: drive on when it is over"
+                self._trouble = f"{why_not_armed(error)}; drive on when it is over"
                 return
         if wanted != (0.0, 0.0):
             self._trouble = ""

@@ -78,52 +78,21 @@ def _without_link(state: State, fault: Fault, link: Link, heard: int, address: s
     return Advice("weak", f"{state.name.lower()}: the robot answers", "wait a moment")
 
 
-_ARM_AGAIN = "then arm again"
-_REASONS: dict[int, str] = {
-    Result.NOT_READY: f"the robot is not connected yet: wait, {_ARM_AGAIN}",
-    Result.NO_DIFFERENTIAL: "this robot offers no speed commands, so it cannot be driven from here",
-    Result.LIMITS: "the robot reports speed limits that make no sense, so it is not driven",
-    Result.STALE_DIFFERENTIAL: f"the speeds reported are too old: check the link, {_ARM_AGAIN}",
-    Result.STALE_IOCARD: f"the inputs reported are too old: check the link, {_ARM_AGAIN}",
-    Result.OVERRIDE_UNKNOWN: "it is not known whether the robot's game pad is in use: run roburoc4 "
-    "doctor, or start the dashboard with --ignore-override",
-    Result.OVERRIDE: f"somebody holds [A] on the robot's game pad: wait for the release, "
-    f"{_ARM_AGAIN}",
-    Result.OTHER_COMMANDER: f"another program commands the robot: end it, {_ARM_AGAIN}",
-    Result.MOVING: f"the robot moves: wait until it stands, {_ARM_AGAIN}",
-    Result.LOST: f"the robot was lost: look at power and cable, {_ARM_AGAIN}",
-    Result.REBOOT: f"the robot was restarted: look at it, {_ARM_AGAIN}",
-    Result.CLOCK: f"this computer slept or its clock jumped: {_ARM_AGAIN[5:]}",
-    Result.INHIBITED: "the robot stands still although it was told to move: look at emergency "
-    f"stops, brakes selector and bumpers, {_ARM_AGAIN}",
-}
-
-
-_DISARMED: dict[int, str] = {
-    Result.NOT_READY: "the connection was not ready",
-    Result.STALE_DIFFERENTIAL: "the speeds reported came too late",
-    Result.STALE_IOCARD: "the inputs reported came too late",
-    Result.OVERRIDE_UNKNOWN: "it was not known whether the robot's game pad is in use",
-    Result.OVERRIDE: "[A] was held on the robot's game pad",
-    Result.OTHER_COMMANDER: "another program commanded the robot",
-    Result.LOST: "the robot was lost",
-    Result.REBOOT: "the robot was restarted",
-    Result.CLOCK: "this computer slept, or its clock jumped",
-}
-
-
 def why_disarmed(code: int) -> str:
     """Say why it was disarmed: what remains true when the reason has gone."""
-    if code in (Result.OK, Result.DISARMED):
-        return ""
-    return _DISARMED.get(code) or Result(code).text
+    return why_not_armed(code).partition(":")[0]
 
 
 def why_not_armed(code: int) -> str:
     """Say why the robot is not armed, and what to do; empty where nothing stands against it."""
     if code in (Result.OK, Result.DISARMED):
         return ""
-    return _REASONS.get(code) or Result(code).text
+    if code == Result.OVERRIDE_UNKNOWN:
+        return (
+            "it is not known whether the robot's game pad is in use: run roburoc4 doctor, or start "
+            "the dashboard with --ignore-override"
+        )
+    return Result(code).text
 
 
 def blocked(facts: Facts) -> str:
