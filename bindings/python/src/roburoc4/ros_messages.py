@@ -1,11 +1,23 @@
 # SPDX-License-Identifier: MIT
-"""The definitions of the ROS 2 messages that a recording is converted to."""
+"""The ROS 2 messages that a robot's statuses become: definitions, and what is derived from them.
 
+They are those of ROS 2 Iron and later. On the wire Humble's are the same, but for the size of
+``rmw_dds_common/Gid``, and for Range, which ends before ``variance`` there: its readers ignore what
+follows.
+"""
+
+import functools
+import hashlib
+import json
 import re
+from typing import Any, NamedTuple
 
 _DEFINITIONS = {
     "builtin_interfaces/Time": "int32 sec\nuint32 nanosec",
     "std_msgs/Header": "builtin_interfaces/Time stamp\nstring frame_id",
+    "std_msgs/Bool": "bool data",
+    "std_msgs/String": "string data",
+    "std_msgs/Empty": "",
     "geometry_msgs/Vector3": "float64 x\nfloat64 y\nfloat64 z",
     "geometry_msgs/Point": "float64 x\nfloat64 y\nfloat64 z",
     "geometry_msgs/Quaternion": "float64 x\nfloat64 y\nfloat64 z\nfloat64 w",
@@ -34,7 +46,7 @@ _DEFINITIONS = {
     ),
     "sensor_msgs/Range": (
         "std_msgs/Header header\nuint8 radiation_type\nfloat32 field_of_view\nfloat32 min_range\n"
-        "float32 max_range\nfloat32 range"
+        "float32 max_range\nfloat32 range\nfloat32 variance"
     ),
     "sensor_msgs/Joy": "std_msgs/Header header\nfloat32[] axes\nint32[] buttons",
     "diagnostic_msgs/KeyValue": "string key\nstring value",
@@ -45,16 +57,121 @@ _DEFINITIONS = {
     "diagnostic_msgs/DiagnosticArray": (
         "std_msgs/Header header\ndiagnostic_msgs/DiagnosticStatus[] status"
     ),
+    "rmw_dds_common/Gid": "uint8[16] data",
+    "rmw_dds_common/NodeEntitiesInfo": (
+        "string<=256 node_namespace\nstring<=256 node_name\n"
+        "rmw_dds_common/Gid[] reader_gid_seq\nrmw_dds_common/Gid[] writer_gid_seq"
+    ),
+    "rmw_dds_common/ParticipantEntitiesInfo": (
+        "rmw_dds_common/Gid gid\nrmw_dds_common/NodeEntitiesInfo[] node_entities_info_seq"
+    ),
 }
 _LINE = "=" * 80
+_FIELD = re.compile(r"([\w/]+)(?:<=(\d+))?(?:\[(\d*)\])? (\w+)")
+# In IDL, and so on the wire, a message has at least one member.
+_EMPTY = "uint8 structure_needs_at_least_one_member"
+
+
+class Field(NamedTuple):
+    """A member of a message."""
+
+    name: str
+    kind: str
+    """A number's type, "string", or another message."""
+    length: int | None
+    """Of an array; 0 for one of any length, None for a single value."""
+    text_length: int
+    """The greatest of a string; 0 for any."""
 
 
 def definition(kind: str) -> str:
     """Return the definition of a message, and of all that it is made of, as in ROS 2 files."""
     parts, seen = [_DEFINITIONS[kind]], {kind}
     for part in parts:
-        for name in re.findall(r"^(\w+/\w+)(?:\[\])? ", part, re.MULTILINE):
+        for name in re.findall(r"^(\w+/\w+)(?:\[\d*\])? ", part, re.MULTILINE):
             if name not in seen:
                 seen.add(name)
                 parts.append(f"{_LINE}\nMSG: {name}\n{_DEFINITIONS[name]}")
     return "\n".join(parts) + "\n"
+
+
+def is_message(kind: str) -> bool:
+    """Whether a member of this type is a message itself."""
+    return "/" in kind
+
+
+@functools.cache
+def fields(kind: str) -> tuple[Field, ...]:
+    """Return the members of a message, in their order."""
+    return tuple(
+        Field(name, type_, int(length or 0) if "[" in match[0] else None, int(text_length or 0))
+        for match in _FIELD.finditer(_DEFINITIONS[kind] or _EMPTY)
+        for type_, text_length, length, name in [match.groups()]
+    )
+
+
+# ----------------------------------------------------------------------------------- type hash
+
+# Of type_description_interfaces/FieldType: arrays and sequences are so much above it.
+_TYPE_IDS = {
+    "int8": 2,
+    "uint8": 3,
+    "int32": 6,
+    "uint32": 7,
+    "float32": 10,
+    "float64": 11,
+    "bool": 15,
+    "byte": 16,
+    "string": 17,
+}
+_MESSAGE_ID, _BOUNDED_STRING_ID = 1, 21
+_ARRAY_OFFSET, _SEQUENCE_OFFSET = 48, 144
+
+
+def ros_name(kind: str) -> str:
+    """Return ``nav_msgs/msg/Odometry`` for ``nav_msgs/Odometry``."""
+    return kind.replace("/", "/msg/")
+
+
+def dds_name(kind: str) -> str:
+    """Return the name of the type on the wire: ``nav_msgs::msg::dds_::Odometry_``."""
+    package, _, name = kind.partition("/")
+    return f"{package}::msg::dds_::{name}_"
+
+
+@functools.cache
+def type_hash(kind: str) -> str:
+    """Return the hash of REP 2011 by which ROS 2 tells types apart."""
+    needed, waiting = set[str](), [kind]
+    while waiting:
+        for field in fields(waiting.pop()):
+            if is_message(field.kind) and field.kind not in needed:
+                needed.add(field.kind)
+                waiting.append(field.kind)
+    description = {
+        "type_description": _described(kind),
+        "referenced_type_descriptions": [_described(name) for name in sorted(needed, key=ros_name)],
+    }
+    return "RIHS01_" + hashlib.sha256(json.dumps(description).encode()).hexdigest()
+
+
+def _described(kind: str) -> dict[str, Any]:
+    return {"type_name": ros_name(kind), "fields": [_described_field(f) for f in fields(kind)]}
+
+
+def _described_field(field: Field) -> dict[str, Any]:
+    nested = is_message(field.kind)
+    number = _MESSAGE_ID if nested else _TYPE_IDS[field.kind]
+    if field.text_length:
+        number = _BOUNDED_STRING_ID
+    if field.length is not None:
+        number += _ARRAY_OFFSET if field.length else _SEQUENCE_OFFSET
+    return {
+        "name": field.name,
+        "type": {
+            "type_id": number,
+            "capacity": field.length or 0,
+            "string_capacity": field.text_length,
+            "nested_type_name": ros_name(field.kind) if nested else "",
+        },
+    }

@@ -8,7 +8,14 @@ from __future__ import annotations
 
 import sys
 
-_EXTRAS = {"rich": "cli", "shtab": "cli", "telnetlib3": "cli", "mcap": "record"}
+_EXTRAS = {
+    "rich": "cli",
+    "shtab": "cli",
+    "telnetlib3": "cli",
+    "mcap": "record",
+    "cyclonedds": "ros2",
+    "yaml": "ros2",
+}
 
 
 def main() -> None:

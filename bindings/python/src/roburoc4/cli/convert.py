@@ -20,7 +20,7 @@ from .rows import Rows, columns
 
 if TYPE_CHECKING:
     from roburoc4 import RecordedRobot, Robot
-    from roburoc4.rosbag import Item
+    from roburoc4.ros_topics import Item
 
     from .progress import Show
     from .rows import Cell

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: MIT
+"""Messages as bytes: plain CDR (XCDR1), little-endian, with the four bytes that head it."""
+
+import struct
+from collections.abc import Sequence
+
+_HEAD = b"\0\1\0\0"
+_SIZES = {code: struct.calcsize(code) for code in "BIifd"}
+
+
+class Cdr:
+    """A message that is being written: each number at a multiple of its size."""
+
+    def __init__(self) -> None:
+        self.data = bytearray(_HEAD)
+
+    def numbers(self, code: str, *values: float) -> "Cdr":
+        """Append numbers of one type, by its letter in ``struct``."""
+        size = _SIZES[code]
+        data = self.data
+        data += bytes((len(_HEAD) - len(data)) % size)
+        data += struct.pack(f"<{len(values)}{code}", *values)
+        return self
+
+    def text(self, text: str) -> "Cdr":
+        """Append a string."""
+        data = text.encode() + b"\0"
+        self.numbers("I", len(data)).data += data
+        return self
+
+    def sequence(self, code: str, values: Sequence[float]) -> "Cdr":
+        """Append so many numbers and how many they are."""
+        self.numbers("I", len(values))
+        return self.numbers(code, *values) if values else self
+
+    def header(self, made_s: float, frame: str) -> "Cdr":
+        """Append a std_msgs/Header."""
+        second, fraction_us = divmod(max(0, round(made_s * 1e6)), 1_000_000)
+        self.numbers("I", min(second, (1 << 31) - 1), fraction_us * 1000)
+        return self.text(frame)
+
+    def transform(self, made_s: float, frames: tuple[str, str], pose: Sequence[float]) -> "Cdr":
+        """Append a geometry_msgs/TransformStamped."""
+        return self.header(made_s, frames[0]).text(frames[1]).numbers("d", *pose)
+
+
+class CdrReader:
+    """What Cdr wrote, in the same order."""
+
+    def __init__(self, data: bytes) -> None:
+        if data[: len(_HEAD)] != _HEAD:
+            raise ValueError("a message is not little-endian CDR")
+        self._data = data
+        self._at = len(_HEAD)
+
+    def numbers(self, code: str, count: int) -> tuple[float, ...]:
+        """Read so many numbers of one type."""
+        self._at += (len(_HEAD) - self._at) % _SIZES[code]
+        values = struct.unpack_from(f"<{count}{code}", self._data, self._at)
+        self._at += count * _SIZES[code]
+        return values
+
+    def skip_text(self) -> None:
+        """Pass over a string."""
+        (size,) = self.numbers("I", 1)
+        self._at += int(size)
+
+    def header(self) -> float:
+        """Read a std_msgs/Header; return its stamp in seconds."""
+        second, nanosecond = self.numbers("I", 2)
+        self.skip_text()
+        return round(second + nanosecond / 1e9, 6)

@@ -1,0 +1,257 @@
+# SPDX-License-Identifier: MIT
+"""`roburoc4 ros2`: the robot in a ROS 2 system, without ROS on this machine."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .errors import ExitCode, usage
+from .options import DEFAULT_ROBOT, Options
+from .output import note, print_json
+
+if TYPE_CHECKING:
+    from roburoc4.ros2.config import Config, RobotConfig
+
+
+class Ros2Options(Options):
+    """What the command is given."""
+
+    robots: list[str] | None
+    config: Path | None
+    domain: str | None
+    distro: str | None
+    interface: str | None
+    namespace: str | None
+    odom_frame: str | None
+    base_frame: str | None
+    frame_prefix: str | None
+    no_tf: bool
+    remap: list[str]
+    period_ms: str | None
+    list: bool
+
+
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command."""
+    parser = commands.add_parser(
+        "ros2",
+        help="show the robot in a ROS 2 system, without ROS on this machine",
+        description="Publish what the robot reports as a node of ROS 2, over DDS, for as long as "
+        "this runs. Needs roburoc4[ros2]. See docs/ros2.md.",
+    )
+    parser.add_argument(
+        "--robot",
+        dest="robots",
+        metavar="[NAME=]HOST[:PORT]",
+        action="append",
+        help="the robot's address; several need names, which become their namespaces (default: "
+        f"$ROBUROC4_ROBOT, else {DEFAULT_ROBOT})",
+    )
+    parser.add_argument("--config", metavar="FILE", type=Path, help="settings in YAML")
+    parser.add_argument(
+        "--list", action="store_true", help="print topics, types and quality of service, and end"
+    )
+    parser.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="as JSON")
+    _add_ros(parser)
+    _add_names(parser)
+    parser.set_defaults(run=run)
+
+
+def _add_ros(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("ROS 2")
+    group.add_argument(
+        "--domain", metavar="N", help="domain id, 0 to 232 (default: $ROS_DOMAIN_ID, else 0)"
+    )
+    group.add_argument(
+        "--distro",
+        metavar="NAME",
+        help="the distribution that the others run; only humble differs (default: $ROS_DISTRO, "
+        "else jazzy)",
+    )
+    group.add_argument(
+        "--interface", metavar="NAME", help="network interface, such as eth0 (default: any)"
+    )
+
+
+def _add_names(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("names")
+    group.add_argument("--namespace", metavar="/NS", help="of node and topics (default: /)")
+    group.add_argument("--odom-frame", metavar="NAME", help="default: odom")
+    group.add_argument("--base-frame", metavar="NAME", help="default: base_link")
+    group.add_argument(
+        "--frame-prefix", metavar="TEXT", help="before all frames (default: the robot's NAME/)"
+    )
+    group.add_argument(
+        "--remap",
+        metavar="TOPIC:=NAME",
+        action="append",
+        default=[],
+        help="publish a topic of --list by another name",
+    )
+    group.add_argument("--no-tf", action="store_true", help="do not publish odom -> base_link")
+    group.add_argument(
+        "--period-ms",
+        metavar="MS",
+        help="period of all statuses, a multiple of 10 (default: 50 to 1000 by service)",
+    )
+
+
+def run(options: Ros2Options) -> int:
+    """Publish until a signal."""
+    from roburoc4.ros2.config import ConfigError
+
+    try:
+        config = _config(options)
+    except ConfigError as error:
+        raise usage(str(error)) from None
+    if options.list:
+        _list(options, config)
+        return ExitCode.FINE
+    return _serve(config)
+
+
+def _serve(config: Config) -> int:
+    from roburoc4 import ArgumentError, NetworkError
+    from roburoc4.ros2.participant import DdsError
+    from roburoc4.ros2.program import Program
+
+    try:
+        program = Program(config, note)
+    except DdsError as error:
+        raise usage(str(error)) from None
+    except (ArgumentError, NetworkError) as error:
+        raise usage(f"--robot: {error}") from None
+    with program:
+        for robot in config.robots:
+            node = f"{robot.namespace.rstrip('/')}/{robot.node_name}"
+            print(
+                f"roburoc4: node {node} in domain {config.domain}, robot at {robot.address}",
+                flush=True,
+            )
+        threading.Event().wait()  # until a signal
+    return ExitCode.FINE
+
+
+# ---------------------------------------------------------------------------------- configuration
+
+
+def _config(options: Ros2Options) -> Config:
+    from roburoc4.ros2.config import (
+        DEFAULT_DISTRO,
+        Config,
+        FileSettings,
+        check_distinct,
+        checked,
+        read_file,
+        robot_config,
+    )
+
+    found = read_file(options.config) if options.config else FileSettings({}, {}, {})
+    program = {
+        "domain": _given(options.domain, "--domain", "domain"),
+        "distro": _given(options.distro, "--distro", "distro"),
+        "interface": _given(options.interface, "--interface", "interface"),
+    }
+    program = {name: value for name, value in program.items() if value is not None}
+    program = _environment() | found.program | program
+    common = _common(options)
+    robots = _robots(options, found)
+    made: list[RobotConfig] = []
+    for name, settings in robots.items():
+        merged = found.common | settings | common
+        if "address" not in merged:
+            raise usage(f"{options.config}: the robot {name} has no address: give it one")
+        made.append(robot_config(name, merged))
+    check_distinct(tuple(made))
+    return Config(
+        tuple(made),
+        program.get("domain", 0),
+        program.get("distro", DEFAULT_DISTRO),
+        checked("interface", program["interface"]) if "interface" in program else None,
+    )
+
+
+def _given(text: Any, option: str, name: str) -> Any:
+    from roburoc4.ros2.config import checked
+
+    return None if text is None else checked(name, text, option)
+
+
+def _environment() -> dict[str, Any]:
+    from roburoc4.ros2.config import DISTROS
+
+    found: dict[str, Any] = {}
+    if domain := os.environ.get("ROS_DOMAIN_ID"):
+        found["domain"] = _given(domain, "ROS_DOMAIN_ID", "domain")
+    if (distro := os.environ.get("ROS_DISTRO")) in DISTROS:
+        found["distro"] = distro
+    return found
+
+
+def _common(options: Ros2Options) -> dict[str, Any]:
+    """Return what options say of all robots."""
+    texts = {
+        name: _given(getattr(options, name), "--" + name.replace("_", "-"), name)
+        for name in ("namespace", "odom_frame", "base_frame", "frame_prefix")
+    }
+    given: dict[str, Any] = {name: text for name, text in texts.items() if text is not None}
+    if options.no_tf:
+        given["tf"] = False
+    if options.period_ms is not None:
+        whole = int(options.period_ms) if options.period_ms.isdecimal() else options.period_ms
+        given["period_ms"] = _given(whole, "--period-ms", "period_ms")
+    if options.remap:
+        pairs = [text.partition(":=") for text in options.remap]
+        for text, (_, sign, _) in zip(options.remap, pairs, strict=True):
+            if not sign:
+                raise usage(f"--remap: '{text}' has no ':=': write it as odom:=odometry")
+        given["remap"] = _given({of: to for of, _, to in pairs}, "--remap", "remap")
+    return given
+
+
+def _robots(options: Ros2Options, found: Any) -> dict[str, dict[str, Any]]:
+    """Return the robots by name: of options, of the file, or the default."""
+    from roburoc4.ros2.names import is_node
+
+    if not options.robots:
+        return found.robots or {"": {"address": found.common.get("address", options.robot)}}
+    robots: dict[str, dict[str, Any]] = {}
+    for text in options.robots:
+        name, sign, address = text.rpartition("=")
+        if sign and not is_node(name):
+            raise usage(f"--robot: '{name}' is no name for a namespace: give letters, digits and _")
+        if name in robots:
+            raise usage("--robot: several robots need different names: --robot RED=192.168.0.2 ...")
+        robots[name] = found.robots.get(name, {}) | {"address": address}
+    return robots
+
+
+# ------------------------------------------------------------------------------------------- list
+
+
+def _list(options: Ros2Options, config: Config) -> None:
+    from roburoc4.ros2.names import resolve
+    from roburoc4.ros_messages import ros_name
+
+    rows = [
+        {
+            "topic": resolve(topic.name, robot.namespace),
+            "type": ros_name(topic.kind),
+            "direction": "published",
+            "qos": topic.profile.text,
+        }
+        for robot in config.robots
+        for topic in robot.topics().values()
+    ]
+    rows = [row for at, row in enumerate(rows) if row not in rows[:at]]  # of several robots: /tf
+    if options.json:
+        print_json(rows)
+        return
+    widths = [max(len(row[name]) for row in rows) for name in ("topic", "type", "direction")]
+    for row in rows:
+        cells = zip((row["topic"], row["type"], row["direction"]), widths, strict=True)
+        print("  ".join(text.ljust(width) for text, width in cells) + "  " + row["qos"])

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: MIT
+"""All robots of a configuration, connected and published."""
+
+import contextlib
+import threading
+from collections.abc import Callable
+from types import TracebackType
+from typing import Self
+
+from ..robot import Robot, connect
+from .config import Config, RobotConfig
+from .participant import Participant
+from .robot_node import RobotNode
+
+
+class Program:
+    """Robots and their nodes; to be used in a ``with`` block, which leaves no entity behind."""
+
+    def __init__(self, config: Config, tell: Callable[[str], None]) -> None:
+        """Begin; ``tell`` is given sentences for the person at the terminal."""
+        self._ended = threading.Event()
+        self._threads: list[threading.Thread] = []
+        with contextlib.ExitStack() as stack:
+            robots = [stack.enter_context(_connect(robot)) for robot in config.robots]
+            participant = Participant(
+                config.domain, humble=config.distro == "humble", interface=config.interface
+            )
+            stack.callback(participant.close)
+            self._nodes = [
+                RobotNode(robot, participant, its, tell)
+                for robot, its in zip(robots, config.robots, strict=True)
+            ]
+            participant.announce()
+            self._stack = stack.pop_all()
+
+    def __enter__(self) -> Self:
+        for node in self._nodes:
+            thread = threading.Thread(target=node.run, args=(self._ended,), daemon=True)
+            self._threads.append(thread)
+            thread.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._ended.set()
+        for thread in self._threads:
+            thread.join()
+        self._stack.close()
+
+
+def _connect(config: RobotConfig) -> Robot:
+    return connect(config.address, wait=False, periods_ms=config.periods_ms)

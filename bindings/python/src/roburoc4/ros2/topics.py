@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: MIT
+"""What the node publishes: topics, types and quality of service."""
+
+from typing import NamedTuple
+
+from ..ros_topics import TOPICS
+
+
+class Profile(NamedTuple):
+    """Quality of service; all are reliable, so that reliable and best-effort listeners match."""
+
+    depth: int
+    latched: bool = False
+    """Transient local: who comes later gets the last ones, too."""
+
+    @property
+    def text(self) -> str:
+        """As `ros2 topic info --verbose` names it."""
+        durability = "transient local" if self.latched else "volatile"
+        return f"reliable, {durability}, keep last {self.depth}"
+
+
+DEFAULT = Profile(10)
+TRANSFORMS = Profile(100)
+LATCHED = Profile(1, latched=True)
+
+
+class Topic(NamedTuple):
+    """A topic of one robot."""
+
+    name: str
+    """Absolute, or relative to the robot's namespace."""
+    kind: str
+    profile: Profile
+
+
+def _of_statuses(key: str, name: str = "", profile: Profile = DEFAULT) -> tuple[str, Topic]:
+    return key, Topic(name or key, TOPICS[key], profile)
+
+
+# By the key that ros_topics.Messages gives; /tf and /diagnostics are absolute by custom.
+PUBLISHED: dict[str, Topic] = dict(
+    (
+        _of_statuses("odom"),
+        _of_statuses("tf", "/tf", TRANSFORMS),
+        _of_statuses("tf_static", "/tf_static", LATCHED),
+        _of_statuses("cmd_vel_applied"),
+        _of_statuses("battery_state"),
+        _of_statuses("range/front"),
+        _of_statuses("range/rear"),
+        _of_statuses("joy"),
+        ("bumpers/front", Topic("bumpers/front", "std_msgs/Bool", LATCHED)),
+        ("bumpers/rear", Topic("bumpers/rear", "std_msgs/Bool", LATCHED)),
+        ("inhibited", Topic("inhibited", "std_msgs/Bool", LATCHED)),
+        _of_statuses("diagnostics", "/diagnostics"),
+        ("robot_description", Topic("robot_description", "std_msgs/String", LATCHED)),
+    )
+)

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: MIT
+"""The types of cyclonedds for ROS 2 messages, made from the table of definitions."""
+
+import functools
+from typing import Any
+
+from cyclonedds.idl import IdlStruct, annotations, make_idl_struct, types
+
+from ..ros_messages import Field, dds_name, fields, is_message
+
+_SCALARS: dict[str, Any] = {"string": str, "bool": bool}
+_HUMBLE_GID_SIZE = 24
+
+
+@functools.cache
+def struct_of(kind: str, humble: bool = False) -> type[IdlStruct]:
+    """Make the type of a message: final, in plain CDR; in Humble a Gid is longer."""
+    name = dds_name(kind)
+    members = {field.name: _type_of(field, kind, humble) for field in fields(kind)}
+    made: type[IdlStruct] = make_idl_struct(
+        name.rpartition(":")[2], name.replace("::", "."), members
+    )
+    annotations.final(made)
+    annotations.cdrv0(made)
+    return made
+
+
+def _type_of(field: Field, kind: str, humble: bool) -> Any:
+    single: Any = _SCALARS.get(field.kind)
+    if is_message(field.kind):
+        single = struct_of(field.kind, humble)
+    elif field.text_length:
+        single = types.bounded_str[field.text_length]
+    elif single is None:
+        single = getattr(types, field.kind)
+    if field.length is None:
+        return single
+    if not field.length:
+        return types.sequence[single]
+    is_gid = humble and kind == "rmw_dds_common/Gid"
+    return types.array[single, _HUMBLE_GID_SIZE if is_gid else field.length]
