@@ -58,7 +58,8 @@ extern "C" {
 #define ROBUROC4_VERSION_MAJOR 0
 #define ROBUROC4_VERSION_MINOR 1
 #define ROBUROC4_VERSION_PATCH 0
-#define ROBUROC4_VERSION 0x000100
+#define ROBUROC4_VERSION                                                                           \
+    (ROBUROC4_VERSION_MAJOR << 16 | ROBUROC4_VERSION_MINOR << 8 | ROBUROC4_VERSION_PATCH)
 /** Incremented by every incompatible change of a struct or a function. */
 #define ROBUROC4_ABI_VERSION 0
 /** Revision of the manual that the codec follows: 1 is revision A of 2011-03-09. */

@@ -25,7 +25,7 @@ end
 % Never change this number: MATLAB recognizes the toolbox by it.
 options = matlab.addons.toolbox.ToolboxOptions(folder, '4f0d8a52-5d0b-4b83-9f0e-6c1a0b7a4c04');
 options.ToolboxName = 'roburoc4';
-options.ToolboxVersion = '0.1.0';
+options.ToolboxVersion = header_version();
 options.Summary = 'Drive, watch and simulate a RobuROC4 mobile robot';
 options.MinimumMatlabRelease = ['R' version('-release')];
 options.MaximumMatlabRelease = '';
@@ -37,6 +37,12 @@ end
 options.ToolboxMatlabPath = {folder, fullfile(folder, 'examples'), fullfile(folder, 'simulink')};
 options.OutputFile = file;
 matlab.addons.toolbox.packageToolbox(options);
+end
+
+function version = header_version()
+header = fileread(fullfile(fileparts(mfilename('fullpath')), '..', '..', 'include', 'roburoc4.h'));
+parts = regexp(header, '#define ROBUROC4_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)', 'tokens');
+version = strjoin([parts{:}], '.');
 end
 
 function built = is_built(folder, platform)

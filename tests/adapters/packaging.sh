@@ -30,7 +30,8 @@ install_from() {
 use_by_cmake() {
     rm -rf "$folder/consumer"
     "$cmake" -S "$root/tests/adapters/packaging" -B "$folder/consumer" \
-        -DCMAKE_C_COMPILER="$cc" -DCMAKE_PREFIX_PATH="$prefix" >>"$folder/log"
+        -DCMAKE_C_COMPILER="$cc" -DCMAKE_PREFIX_PATH="$prefix" \
+        -DVERSION="$(pkg-config --modversion roburoc4)" >>"$folder/log"
     "$cmake" --build "$folder/consumer" >>"$folder/log"
     "$folder/consumer/consumer"
 }

@@ -1,5 +1,4 @@
 % roburoc4: drive, watch and simulate a RobuROC4 mobile robot
-% Version 0.1.0 21-Nov-2026
 %
 % Objects
 %   Robot            - A RobuROC4: drive it, read it, record it
