@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import importlib.metadata
 import re
+import shutil
 import subprocess
 import sys
 
@@ -52,6 +53,9 @@ def _program() -> str:
     for file in importlib.metadata.files("roburoc4") or []:
         if file.name == _PROGRAM:
             return str(file.locate())
+    # A distribution's package does not list its files.
+    if program := shutil.which(_PROGRAM):
+        return program
     raise refused(f"{_PROGRAM} is not where the package put it: install the package again")
 
 
