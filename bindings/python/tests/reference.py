@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Write docs/python-api.md from the package: what each name means, taken from where it is declared.
+"""Write docs/python-api.md, and the command's manual page docs/man/roburoc4.1, from the package.
 
-Run it after a change of the package; a test compares the page.
+What each name means is taken from where it is declared. Run it after a change of the package; tests
+compare the pages. The manual page is made by argparse-manpage.
 """
 
 import ast
@@ -141,7 +142,24 @@ def page() -> str:
     return "\n".join(lines).rstrip() + "\n"
 
 
+def manual() -> str:
+    """Make the manual page of the command, without a date."""
+    from argparse_manpage.manpage import Manpage
+    from roburoc4.cli.app import parser
+
+    facts = {"project_name": "roburoc4", "version": roburoc4.__version__, "format": "pretty"}
+    lines = str(Manpage(parser(), facts)).splitlines()
+    begin = next(number for number, line in enumerate(lines) if line.startswith(".TH"))
+    head = f'.TH ROBUROC4 1 "" "roburoc4 {roburoc4.__version__}" "User Commands"'
+    lines[begin : begin + 3] = [
+        head,
+        ".SH NAME",
+        "roburoc4 \\- watch, drive and simulate a RobuROC4 robot",
+    ]
+    return '.\\" SPDX-License-Identifier: MIT\n' + "\n".join(lines) + "\n"
+
+
 if __name__ == "__main__":
-    Path(__file__).resolve().parents[3].joinpath("docs", "python-api.md").write_text(
-        page(), encoding="utf-8"
-    )
+    docs = Path(__file__).resolve().parents[3] / "docs"
+    docs.joinpath("python-api.md").write_text(page(), encoding="utf-8")
+    docs.joinpath("man", "roburoc4.1").write_text(manual(), encoding="utf-8")

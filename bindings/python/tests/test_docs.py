@@ -10,6 +10,7 @@ import reference
 
 import roburoc4
 from roburoc4 import Simulator
+from roburoc4.cli.app import parser
 
 HERE = Path(__file__).resolve().parent
 PAGES = [
@@ -52,6 +53,17 @@ def test_the_reference_is_what_the_package_says() -> None:
             text = page.with_name("python-api.md").read_text(encoding="utf-8")
             assert text == reference.page(), "run tests/reference.py"
             return
+
+
+def test_the_manual_page_has_every_command_and_option() -> None:
+    page = PAGES[0].with_name("man") / "roburoc4.1"
+    text = page.read_text(encoding="utf-8").replace("\\-", "-")
+    (commands,) = [action for action in parser()._actions if isinstance(action.choices, dict)]
+    for name, command in commands.choices.items():
+        assert f"'roburoc4 {name}'" in text, "run tests/reference.py"
+        options = {option for action in command._actions for option in action.option_strings}
+        missing = [option for option in options - {"-h", "--help"} if option not in text]
+        assert not missing, f"{name}: {missing}: run tests/reference.py"
 
 
 def test_the_patrol_waits_for_an_obstacle_and_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
