@@ -145,6 +145,7 @@ def page() -> str:
 def manual() -> str:
     """Make the manual page of the command, without a date."""
     from argparse_manpage.manpage import Manpage
+
     from roburoc4.cli.app import parser
 
     facts = {"project_name": "roburoc4", "version": roburoc4.__version__, "format": "pretty"}
