@@ -2,22 +2,28 @@
 """`roburoc4 ros2`, seen by another participant of the same domain."""
 
 import signal
+import socket
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import pytest
-from cli_support import eventually, start
+from cli_support import COMMAND, document, environment, eventually, one_line, run, start
 from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication
+from cyclonedds.qos import Policy, Qos
+from cyclonedds.sub import DataReader
 from rosbags.typesys import Stores, get_typestore
+from urdf_parser_py.urdf import URDF
 
 import roburoc4
 from roburoc4 import ros_messages
 from roburoc4.ros2.participant import Participant
-from roburoc4.ros2.topics import PUBLISHED, Profile
+from roburoc4.ros2.topics import PUBLISHED, Profile, Topic
+from roburoc4.ros_topics import Messages
 
 MANY = Profile(100)
 STORE = get_typestore(Stores.ROS2_JAZZY)
@@ -147,3 +153,319 @@ def test_the_node_is_announced_with_its_topics(
     eventually(seen)
     gids = {bytes(one.key.bytes) for name, one in known.items() if name.startswith("rt/")}
     assert {bytes(gid.data) for gid in node.writer_gid_seq} == gids
+
+
+# ------------------------------------------------------------------------------ what is published
+
+
+class Raw(bytes):
+    """A message as it came; cyclonedds adds an attribute."""
+
+    @classmethod
+    def deserialize(cls, data: bytes) -> "Raw":
+        return cls(data)
+
+
+def messages(listener: Participant, topics: dict[str, Topic], namespace: str = "/") -> Any:
+    """Return what reads, with rosbags, until each topic has come: the latest of each."""
+    node = listener.node(namespace, "test")
+    readers = {
+        key: node.reader(topic.name, topic.kind, topic.profile) for key, topic in topics.items()
+    }
+    for reader in readers.values():
+        reader.topic.data_type = Raw
+
+    found: dict[str, Any] = {}
+
+    def read() -> dict[str, Any]:
+        def all_came() -> bool:
+            for key, reader in readers.items():
+                kind = ros_messages.ros_name(topics[key].kind)
+                for data in reader.take(100):
+                    found[key] = STORE.deserialize_cdr(data, kind)
+                    # byte by byte what ROS itself would have written, but for what fills up
+                    assert data.startswith(bytes(STORE.serialize_cdr(found[key], kind)))
+            return found.keys() == readers.keys()
+
+        eventually(all_came)
+        return found
+
+    return read
+
+
+@pytest.fixture
+def published(listener: Participant) -> Any:
+    return messages(listener, PUBLISHED)
+
+
+def test_what_was_sent_is_what_rosbags_reads(
+    published: Any, launch: Callable[..., Ros2], served: roburoc4.Simulator
+) -> None:
+    launch(robot=served.address)
+    found = published()
+    front, rear = found["range/front"], found["range/rear"]
+    assert front.range == pytest.approx(served.state.telemeters_m[0])
+    assert (front.min_range, front.max_range) == (0.25, 6.0)
+    assert (front.header.frame_id, rear.header.frame_id) == ("range_front", "range_rear")
+    places = {one.child_frame_id: one.transform for one in found["tf_static"].transforms}
+    assert places["range_front"].translation.x == pytest.approx(0.655)
+    assert abs(places["range_rear"].rotation.z) == pytest.approx(1.0)
+    (moved,) = found["tf"].transforms
+    assert (moved.header.frame_id, moved.child_frame_id) == ("odom", "base_link")
+    assert found["battery_state"].percentage == pytest.approx(
+        served.state.battery_percent / 100, abs=0.02
+    )
+    assert len(found["joy"].axes) == 6
+    assert not found["inhibited"].data
+    assert not found["bumpers/front"].data
+    twist = found["cmd_vel_applied"].twist
+    assert (twist.linear.x, twist.angular.z) == (0.0, 0.0)
+
+
+def test_a_pressed_bumper_is_published(
+    published: Any, launch: Callable[..., Ros2], served: roburoc4.Simulator
+) -> None:
+    launch(robot=served.address)
+    published()
+    served.set("bumper_front", 1)
+    eventually(lambda: published()["bumpers/front"].data)
+    assert not published()["bumpers/rear"].data
+
+
+def test_diagnostics_tell_link_override_arming_and_versions(
+    published: Any, launch: Callable[..., Ros2], served: roburoc4.Simulator
+) -> None:
+    launch(robot=served.address)
+    found: dict[str, Any] = {}
+
+    def connected() -> bool:
+        message = published()["diagnostics"]
+        found.update({one.name: one for one in message.status})
+        return found["roburoc4: link"].message == "connected"
+
+    eventually(connected)
+    values = {name: {one.key: one.value for one in status.values} for name, status in found.items()}
+    assert found["roburoc4: link"].hardware_id == served.address
+    assert values["roburoc4: link"]["loss"] == "0.000"
+    driving = values["roburoc4: driving"]
+    assert (driving["armed"], driving["override"]) == ("no", "no")
+    assert driving["cause"]
+    assert values["roburoc4: versions"]["roburoc4"] == roburoc4.__version__
+    assert values["roburoc4: versions"]["cyclonedds"]
+
+
+def test_the_description_is_a_urdf_of_all_frames(
+    published: Any, launch: Callable[..., Ros2], served: roburoc4.Simulator
+) -> None:
+    launch("--frame-prefix", "r4/", robot=served.address)
+    robot = URDF.from_xml_string(published()["robot_description"].data.encode())
+    assert robot.check_valid() is None
+    assert set(robot.link_map) == {"r4/base_link", "r4/range_front", "r4/range_rear"}
+    assert robot.get_root() == "r4/base_link"
+    assert robot.joint_map["r4/base_link_to_r4/range_front"].origin.xyz[0] == pytest.approx(0.655)
+    assert len(robot.link_map["r4/base_link"].visuals) == 5
+
+
+def test_covariances_grow_with_the_way_and_never_shrink() -> None:
+    frames = Messages(None, "")
+    sizes = []
+    for step in range(50):
+        status = roburoc4.LocalizationStatus(step, 0.1 * step, 0.0, 0.02 * step, 0, utc_s=1.0)
+        topic, data = next(frames.of(status))
+        assert topic == "odom"
+        covariance = STORE.deserialize_cdr(data, "nav_msgs/msg/Odometry").pose.covariance
+        sizes.append((covariance[0], covariance[35]))
+    assert sizes == sorted(sizes)
+    assert sizes[-1][0] ** 0.5 > 0.05 * 4.9
+    assert sizes[-1][1] ** 0.5 > 0.12 * 0.98
+
+
+# --------------------------------------------------------------------------------- tools and names
+
+
+def test_the_list_is_what_is_published(
+    listener: Participant, launch: Callable[..., Ros2], served: roburoc4.Simulator
+) -> None:
+    listed = document(run("ros2", "--list", "--json"))
+    rows = [row for row in listed if row["direction"] == "published"]
+    launch(robot=served.address)
+    known: dict[str, Any] = {}
+
+    def seen() -> bool:
+        known.update(writers(listener))
+        return {"rt" + row["topic"] for row in rows if row["direction"] == "published"} <= set(
+            known
+        )
+
+    eventually(seen)
+    for row in rows:
+        package, _, name = row["type"].split("/")
+        one = known["rt" + row["topic"]]
+        assert one.type_name == f"{package}::msg::dds_::{name}_"
+        latched = "transient local" in row["qos"]
+        assert (Policy.Durability.TransientLocal in one.qos.policies) is latched
+        user_data = next(p for p in one.qos.policies if isinstance(p, Policy.Userdata))
+        assert user_data.data.decode() == f"typehash={STORE.hash_rihs01(row['type'])};"
+
+
+def test_two_robots_have_namespaces_frames_and_nodes(
+    listener: Participant, launch: Callable[..., Ros2], served: roburoc4.Simulator
+) -> None:
+    topics = {"odom": PUBLISHED["odom"], "tf_static": PUBLISHED["tf_static"]}
+    with roburoc4.Simulator(port=0) as other:
+        red = messages(listener, topics, "/RED")
+        blue = messages(listener, {"odom": topics["odom"]}, "/BLUE")
+        launch("--robot", f"RED={served.address}", "--robot", f"BLUE={other.address}")
+        assert red()["odom"].header.frame_id == "RED/odom"
+        assert blue()["odom"].child_frame_id == "BLUE/base_link"
+        nodes: set[tuple[str, str]] = set()
+        reader = listener.discovery_reader()
+
+        def both() -> bool:
+            for one in reader.take(100):
+                nodes.update((it.node_namespace, it.node_name) for it in one.node_entities_info_seq)
+            return {("/RED", "roburoc4"), ("/BLUE", "roburoc4")} <= nodes
+
+        eventually(both)
+
+
+def test_a_file_sets_names_domain_and_frames(tmp_path: Path) -> None:
+    path = tmp_path / "robots.yaml"
+    path.write_text(
+        "domain: 7\nodom_frame: odometry\nrobots:\n"
+        "  RED: {address: 192.168.0.2, tf: false, remap: {odom: wheel_odom}}\n"
+        "  BLUE: {address: 192.168.0.3, namespace: /sky}\n",
+        encoding="utf-8",
+    )
+    listed = run("ros2", "--config", str(path), "--list")
+    assert listed.returncode == 0, listed.stderr
+    topics = {line.split()[0] for line in listed.stdout.splitlines()}
+    assert {"/RED/wheel_odom", "/sky/odom", "/tf", "/diagnostics"} <= topics
+    assert "/RED/odom" not in topics
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("domain: 300\n", "line 1: domain: 300 cannot be used: give 0 to 232"),
+        ("tf: maybe\n", "line 1: tf: 'maybe' cannot be used: give true or false"),
+        ("robots:\n  RED:\n    adress: x\n", "line 3: there is no setting adress here"),
+        ("robots:\n  R-D: {address: x}\n", "line 2: 'R-D' is no name"),
+        ("tf: true\ntf: false\n", "line 2: tf stands here again"),
+        ("remap: {odom: 9x}\n", "line 1: remap"),
+        ("domain: [1\n", "line 2: "),
+        ("robots:\n  RED: {tf: true}\n", "the robot RED has no address"),
+    ],
+)
+def test_a_bad_file_is_refused_with_line_value_and_remedy(
+    tmp_path: Path, text: str, told: str
+) -> None:
+    path = tmp_path / "robots.yaml"
+    path.write_text(text, encoding="utf-8")
+    done = run("ros2", "--config", str(path), "--list")
+    assert done.returncode == 2
+    assert str(path) in one_line(done.stderr)
+    assert told in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("--domain", "233"), "--domain: '233' cannot be used: give 0 to 232"),
+        (("--distro", "foxy"), "--distro: 'foxy' cannot be used: give humble,"),
+        (("--namespace", "red"), "--namespace: 'red' cannot be used"),
+        (("--remap", "odom=x"), "has no ':='"),
+        (("--remap", "nothing:=x"), "--remap"),
+        (("--robot", "a", "--robot", "b"), "several robots need different names"),
+        (("--config", "/nowhere.yaml"), "/nowhere.yaml cannot be read"),
+    ],
+)
+def test_a_bad_option_is_refused_with_a_remedy(arguments: tuple[str, ...], told: str) -> None:
+    done = run("ros2", *arguments, "--list")
+    assert done.returncode == 2
+    assert told in one_line(done.stderr)
+
+
+def test_an_unknown_interface_is_refused(domain: int) -> None:
+    done = run("ros2", "--robot", "127.0.0.1:9", "--domain", str(domain), "--interface", "none0")
+    assert done.returncode == 2
+    assert "interface none0" in done.stderr.splitlines()[-1]
+
+
+def test_the_domain_is_that_of_ros_domain_id(
+    monkeypatch: pytest.MonkeyPatch, served: roburoc4.Simulator
+) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", "231")
+    process = start("ros2", "--interface", "lo", robot=served.address)
+    assert process.stdout is not None
+    line = process.stdout.readline()
+    process.terminate()
+    process.communicate(timeout=30)
+    assert "in domain 231," in line
+
+
+# ---------------------------------------------------------------------------------- beginning, end
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_leaves_no_entity_behind(
+    listener: Participant,
+    launch: Callable[..., Ros2],
+    served: roburoc4.Simulator,
+    number: signal.Signals,
+) -> None:
+    reader = messages(listener, {"odom": PUBLISHED["odom"]})
+    program = launch(robot=served.address)
+    reader()
+    odom = listener.topic("rt/odom", "nav_msgs/Odometry")
+    watcher = DataReader(listener.dds, odom, Qos(Policy.Reliability.BestEffort))
+    eventually(watcher.get_matched_publications)
+    code, _ = program.end(number)
+    assert code == 128 + number
+    until = time.monotonic() + 2.0  # a participant that only fell silent is missed after 10 s
+    while watcher.get_matched_publications():
+        assert time.monotonic() < until
+        time.sleep(0.01)
+
+
+def test_a_robot_that_is_off_is_waited_for(
+    listener: Participant, launch: Callable[..., Ros2]
+) -> None:
+    reader = messages(listener, {"odom": PUBLISHED["odom"]})
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("127.0.0.1", 0))
+        port = taken.getsockname()[1]
+    program = launch(robot=f"127.0.0.1:{port}")
+    assert program.process.stderr is not None
+    assert "still waiting" in program.process.stderr.readline()
+    with roburoc4.Simulator(port=port):
+        reader()
+    assert "connected" in program.process.stderr.readline()
+
+
+def test_humble_is_told_in_its_own_form(
+    domain: int, launch: Callable[..., Ros2], served: roburoc4.Simulator
+) -> None:
+    humble = Participant(domain, humble=True, interface="lo")
+    try:
+        reader = humble.discovery_reader()
+        launch("--distro", "humble", robot=served.address)
+        found: list[Any] = []
+
+        def announced() -> list[Any]:
+            found.extend(one for one in reader.take(100) if one.node_entities_info_seq)
+            return found
+
+        eventually(announced)
+        assert len(found[-1].gid.data) == 24
+        assert found[-1].node_entities_info_seq[0].node_name == "roburoc4"
+    finally:
+        humble.close()
+
+
+def test_without_cyclonedds_the_command_says_what_to_install(tmp_path: Path) -> None:
+    (tmp_path / "cyclonedds.py").write_text("raise ModuleNotFoundError(name='cyclonedds')\n")
+    env = environment("127.0.0.1:9") | {"PYTHONPATH": str(tmp_path)}
+    done = subprocess.run([COMMAND, "ros2"], env=env, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert 'pip install "./bindings/python[ros2]"' in one_line(done.stderr)

@@ -27,7 +27,7 @@ class Program:
             )
             stack.callback(participant.close)
             self._nodes = [
-                RobotNode(robot, participant, its, tell)
+                RobotNode(robot, participant, its, config.distro, tell)
                 for robot, its in zip(robots, config.robots, strict=True)
             ]
             participant.announce()

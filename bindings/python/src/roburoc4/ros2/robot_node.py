@@ -5,14 +5,18 @@ import threading
 import time
 from collections.abc import Callable
 
-from ..constants import State
+from ..cdr import Cdr
+from ..constants import Event, State
 from ..records import Status
 from ..robot import Robot
-from ..ros_topics import Messages
+from ..ros_topics import Messages, diagnostics
 from .config import RobotConfig
 from .participant import Participant
+from .state import conditions, diagnoses
+from .urdf import urdf
 
 _LOOK_S = 0.2
+_DIAGNOSE_S = 1.0
 _FIRST_NOTE_S = 3.0
 
 
@@ -24,27 +28,60 @@ class RobotNode:
         robot: Robot,
         participant: Participant,
         config: RobotConfig,
+        distro: str,
         tell: Callable[[str], None],
     ) -> None:
-        self._robot = robot
-        self._tell = tell
+        self.robot = robot
+        self.config = config
+        self.node = participant.node(config.namespace, config.node_name)
+        self._distro = distro
         self._messages = Messages(robot, robot.address, frames=config.frames)
-        node = participant.node(config.namespace, config.node_name)
-        self._publishers = {key: node.publisher(*topic) for key, topic in config.topics().items()}
+        self._publishers = {
+            key: self.node.publisher(*topic) for key, topic in config.topics().items()
+        }
         self._presence = _Presence(robot, tell)
+        self._conditions: dict[str, bool] = {}
+        self._diagnosed_s = -_DIAGNOSE_S
 
     def run(self, ended: threading.Event) -> None:
         """Publish until the end."""
-        source = self._robot.reader()
+        source = self.robot.reader()
+        self._describe()
         while not ended.is_set():
             source.wait(_LOOK_S)
             source.drain(self._publish_status)
+            if source.take_events() & Event.PROPERTIES:
+                self._describe()
+            self._look()
             self._presence.look()
 
     def _publish_status(self, status: Status) -> None:
         for key, message in self._messages.of(status):
-            if key in self._publishers:
-                self._publishers[key].publish(message)
+            self._publish(key, message)
+
+    def _publish(self, key: str, message: bytes) -> None:
+        if key in self._publishers:
+            self._publishers[key].publish(message)
+
+    def _describe(self) -> None:
+        properties = self.robot.properties
+        if properties.services:
+            text = urdf(self.config.frames, properties)
+            self._publish("robot_description", bytes(Cdr().text(text).data))
+
+    def _look(self) -> None:
+        """Publish what is true now: changes at once, and all of it once a second."""
+        now_s = time.monotonic()
+        is_due = now_s - self._diagnosed_s >= _DIAGNOSE_S
+        before, self._conditions = self._conditions, conditions(self.robot)
+        for key, condition in self._conditions.items():
+            if is_due or before.get(key) is not condition:
+                self._publish(key, bytes(Cdr().numbers("B", condition).data))
+        if is_due:
+            self._diagnosed_s = now_s
+            name = f"{self.config.namespace}/{self.config.node_name}".lstrip("/")
+            found = diagnoses(self.robot, name, self._distro)
+            self._publish("diagnostics", diagnostics(time.time(), self.robot.address, found))
 
 
 class _Presence:

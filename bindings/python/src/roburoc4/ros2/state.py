@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: MIT
+"""What is true of a robot now, as messages: bumpers, inhibition, and a diagnosis."""
+
+import importlib.metadata
+from collections.abc import Callable
+
+from .. import __version__
+from ..constants import BatteryState, Fault, Role, State
+from ..records import Facts
+from ..robot import Robot
+from ..ros_topics import Diagnosis
+
+_FINE, _WARNING, _ERROR = 0, 1, 2
+_MUCH_LOSS = 0.05
+
+
+def conditions(robot: Robot) -> dict[str, bool]:
+    """Return bumpers and inhibition, by topic; without bumpers that have no input."""
+    facts = robot.facts
+    found = {"inhibited": facts.inhibited}
+    for role, name, pressed in (
+        (Role.FRONT_BUMPER, "front", facts.front_bumper),
+        (Role.REAR_BUMPER, "rear", facts.rear_bumper),
+    ):
+        if robot.role_index(role) is not None and robot.latest("iocard") is not None:
+            found[f"bumpers/{name}"] = pressed
+    return found
+
+
+def diagnoses(robot: Robot, node: str, distro: str) -> list[Diagnosis]:
+    """Return what /diagnostics says of a robot."""
+    makers: list[Callable[[Robot], Diagnosis]] = [_link, _driving, _battery]
+    found = [make(robot) for make in makers]
+    versions = {
+        "roburoc4": __version__,
+        "cyclonedds": importlib.metadata.version("cyclonedds"),
+        "distro": distro,
+    }
+    found.append(Diagnosis(_FINE, "versions", __version__, versions))
+    return [one._replace(name=f"{node}: {one.name}") for one in found]
+
+
+def _link(robot: Robot) -> Diagnosis:
+    link, state, fault = robot.link, robot.state, robot.fault
+    level, text = _ERROR, "no answer yet: run roburoc4 doctor"
+    if state is State.READY:
+        level, text = _FINE, "connected"
+        if link.loss > _MUCH_LOSS:
+            level, text = _WARNING, f"{link.loss:.0%} of the statuses do not arrive"
+    elif state is State.LOST:
+        text = "the robot fell silent: look at power and cable"
+    values = {
+        "state": state.name.lower(),
+        "address": robot.address,
+        "round_trip_ms": f"{link.round_trip_us / 1000:.1f}",
+        "silence_ms": f"{link.silence_us / 1000:.0f}",
+        "received": str(link.received),
+        "lost": str(link.lost),
+        "loss": f"{link.loss:.3f}",
+        "network": "fine" if fault is Fault.NONE else fault.text,
+    }
+    return Diagnosis(level, "link", text, values)
+
+
+def _driving(robot: Robot) -> Diagnosis:
+    facts = robot.facts
+    level, text = _FINE, "armed" if facts.armed else "not armed"
+    if facts.inhibited:
+        level, text = _WARNING, "a speed is asked for, but the robot stands still"
+    elif facts.other_commander:
+        level, text = _WARNING, "another program commands the robot"
+    elif facts.overridden:
+        level, text = _WARNING, "somebody drives with the game pad"
+    values = {
+        "armed": _yes(facts.armed),
+        "cause": "" if facts.armed else facts.disarm_cause.text,
+        "arming": "possible" if not facts.arm_refusal else facts.arm_refusal.text,
+        "override": _override(facts),
+        "other_commander": _yes(facts.other_commander),
+        "inhibited": _yes(facts.inhibited),
+        "linear_m_s": f"{facts.linear_m_s:.3f}",
+        "angular_rad_s": f"{facts.angular_rad_s:.3f}",
+    }
+    return Diagnosis(level, "driving", text, values)
+
+
+def _override(facts: Facts) -> str:
+    return _yes(facts.overridden) if facts.override_known else "unknown"
+
+
+def _yes(fact: bool) -> str:
+    return "yes" if fact else "no"
+
+
+def _battery(robot: Robot) -> Diagnosis:
+    status = robot.latest("battery")
+    if status is None:
+        return Diagnosis(_WARNING, "battery", "not reported yet", {})
+    level = _WARNING if robot.facts.battery_low else _FINE
+    if status.state == BatteryState.CRITICAL:
+        level = _ERROR
+    text = f"{status.remaining_percent} %, {status.state_name}"
+    values = {"remaining_percent": str(status.remaining_percent), "state": status.state_name}
+    return Diagnosis(level, "battery", text, values)
