@@ -59,7 +59,7 @@ extern "C" {
 #define ROBUROC4_VERSION_MINOR 1
 #define ROBUROC4_VERSION_PATCH 0
 #define ROBUROC4_VERSION                                                                           \
-    (ROBUROC4_VERSION_MAJOR << 16 | ROBUROC4_VERSION_MINOR << 8 | ROBUROC4_VERSION_PATCH)
+    (ROBUROC4_VERSION_MAJOR * 0x10000 + ROBUROC4_VERSION_MINOR * 0x100 + ROBUROC4_VERSION_PATCH)
 /** Incremented by every incompatible change of a struct or a function. */
 #define ROBUROC4_ABI_VERSION 0
 /** Revision of the manual that the codec follows: 1 is revision A of 2011-03-09. */
@@ -541,6 +541,7 @@ typedef struct roburoc4_private_values {
     roburoc4_battery_properties battery_properties;
     float analog[ROBUROC4_MAX_ANALOG_INPUTS], distances[ROBUROC4_MAX_TELEMETERS];
     float telemeters[ROBUROC4_MAX_TELEMETERS][6]; /* as roburoc4_telemeter, without distance_m */
+    uint32_t padding;                             /* where a uint64_t is aligned to 4 bytes, too */
 } roburoc4_private_values;
 
 typedef struct roburoc4_private_outputs {
