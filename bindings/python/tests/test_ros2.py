@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """`roburoc4 ros2`, seen by another participant of the same domain."""
 
+import re
 import signal
 import socket
 import subprocess
@@ -23,6 +24,7 @@ import roburoc4
 from roburoc4 import ros_messages
 from roburoc4.ros2.participant import Participant
 from roburoc4.ros2.topics import PUBLISHED, Profile, Topic
+from roburoc4.ros2.types import struct_of
 from roburoc4.ros_topics import Messages
 
 MANY = Profile(100)
@@ -30,6 +32,8 @@ STORE = get_typestore(Stores.ROS2_JAZZY)
 DISCOVERY = "rmw_dds_common/ParticipantEntitiesInfo"
 # As public sources have it: eclipse-zenoh/zenoh-plugin-ros2dds, src/ros_discovery.rs.
 DISCOVERY_HASH = "RIHS01_91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e"
+# Of the type that rmw_cyclonedds_cpp 4.1.4 makes of it: servoagents/rmw_cyclonedds_c.
+DISCOVERY_TYPES = ("d5a2a4d65f7a49b37ab3e7628202", "2e82f50c0ec361f7a2abe38ff5cf")
 
 
 @pytest.fixture
@@ -104,6 +108,13 @@ def test_type_hashes_are_those_of_rosbags(kind: str) -> None:
 
 def test_the_hash_of_discovery_is_the_published_one() -> None:
     assert ros_messages.type_hash(DISCOVERY) == DISCOVERY_HASH
+
+
+def test_the_type_of_discovery_is_the_published_one() -> None:
+    info = struct_of(DISCOVERY).__idl__.get_type_info()
+    minimal, complete = info.minimal.typeid_with_size, info.complete.typeid_with_size
+    ids = tuple(bytes(one.type_id.value).hex() for one in (minimal, complete))
+    assert ids == DISCOVERY_TYPES
 
 
 def test_importing_roburoc4_does_not_import_cyclonedds() -> None:
@@ -469,3 +480,37 @@ def test_without_cyclonedds_the_command_says_what_to_install(tmp_path: Path) -> 
     done = subprocess.run([COMMAND, "ros2"], env=env, capture_output=True, text=True, check=False)
     assert done.returncode == 2
     assert 'pip install "./bindings/python[ros2]"' in one_line(done.stderr)
+
+
+# -------------------------------------------------------------------------------------- the page
+
+PAGE = Path(__file__).resolve().parents[3] / "docs" / "ros2.md"
+
+
+def fenced(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.M | re.S)
+
+
+def test_the_launch_files_of_the_page_are_python() -> None:
+    found = fenced("python")
+    assert len(found) == 2
+    for text in found:
+        compile(text, "launch.py", "exec")
+
+
+def test_the_file_of_the_page_is_accepted(tmp_path: Path) -> None:
+    (text,) = fenced("yaml")
+    path = tmp_path / "robots.yaml"
+    path.write_text(text, encoding="utf-8")
+    listed = run("ros2", "--config", str(path), "--list")
+    assert listed.returncode == 0, listed.stderr
+    assert "/red/sonar/front " in listed.stdout
+    assert "/BLUE/odom " in listed.stdout
+
+
+def test_the_page_has_every_topic_and_option() -> None:
+    text = PAGE.read_text(encoding="utf-8")
+    for row in document(run("ros2", "--list", "--json")):
+        names = (f"`{row['topic']}`", f"`{row['topic'].removeprefix('/')}`")
+        assert any(name in text for name in names), row["topic"]
+        assert row["type"].replace("/msg/", "/") in text or row["topic"].startswith("/tf")

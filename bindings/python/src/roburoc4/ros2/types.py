@@ -8,7 +8,8 @@ from cyclonedds.idl import IdlStruct, annotations, make_idl_struct, types
 
 from ..ros_messages import Field, dds_name, fields, is_message
 
-_SCALARS: dict[str, Any] = {"string": str, "bool": bool}
+# rmw_cyclonedds_cpp describes a byte as uint8 (dyntype.cpp), and types are compared.
+_SCALARS: dict[str, Any] = {"string": str, "bool": bool, "byte": types.uint8}
 _HUMBLE_GID_SIZE = 24
 
 
