@@ -3,9 +3,10 @@
 
 #include <string.h>
 
-/* Other senders with the same cause are logged this often. */
+/* Changes of the sender with the same cause are logged at most this often. */
 #define OTHER_SENDER_US 1000000u
-/* After a stall, commands from during it may come in for as long as it took, within these. */
+/* After a stall, commands from during it may still arrive for as long as it took, within these
+ * limits. */
 #define STALL_ECHO_MIN_US 50000u
 #define STALL_ECHO_MAX_US 250000u
 
@@ -57,9 +58,10 @@ static uint32_t find_sender(const gate *gate, const gate_command *command) {
     return at;
 }
 
-/* What an old sender sent is rejected for its age already, so it may be forgotten. Where ages are
- * not checked, senders are forgotten after a while, or 32 names would lock all others out; from
- * then on a log of that sender is obeyed like new commands: the documented price of --max-age 0. */
+/* An old sender may be forgotten, because its earlier commands would be rejected for their age. If
+ * ages are not checked, senders are forgotten after a while, because otherwise 32 names would lock
+ * out all others. From then on, a replayed log of that sender is obeyed like new commands: this is
+ * the documented price of --max-age 0. */
 static bool is_forgettable(const gate *gate, uint32_t at, gate_time now) {
     const gate_sender *sender = &gate->senders[at];
     if (sender->length == 0) {
@@ -79,8 +81,8 @@ static bool is_forgettable(const gate *gate, uint32_t at, gate_time now) {
     return true;
 }
 
-/* The sender's place; where it has none, a free one, or that of the sender that was silent for
- * longest; GATE_SENDERS where all are in use. */
+/* The sender's slot. If it has none, a free one, or that of the sender that was silent for longest;
+ * GATE_SENDERS if all are in use. */
 static uint32_t place_of(gate *gate, const gate_command *command, gate_time now) {
     uint32_t at = find_sender(gate, command);
     if (at < GATE_SENDERS) {
@@ -154,7 +156,7 @@ int64_t gate_arrival(const gate_stall *stall, int64_t utime) {
                                                                                : utime;
 }
 
-/* Whether a command is of now, by its utime. It may hold any value: no sum may overflow. */
+/* Check a command's age by its utime. Any value is possible, so no sum may overflow. */
 static enum gate_verdict judge_utime(const gate *gate, int64_t utime, gate_time now) {
     int64_t max_age_us = (int64_t)gate->rules.max_age_us;
     if (utime <= 0) {
@@ -172,8 +174,8 @@ static enum gate_verdict judge_utime(const gate *gate, int64_t utime, gate_time 
     return utime <= gate->start.utime + max_age_us ? GATE_STARTING : GATE_TAKEN;
 }
 
-/* What is left of a command's lease, which began when it arrived; 0 where it has ended. The
- * shortest lease is not shortened by the moment that it takes to read a command. */
+/* Time left of a command's lease, which began when it arrived; 0 if it has ended. The time that
+ * reading a command takes does not shorten the shortest lease. */
 static uint32_t lease_left(const gate *gate, const gate_command *command, gate_time now) {
     uint32_t lease_us = gate->rules.command_timeout_us;
     if (command->lease_us > 0 && (uint32_t)command->lease_us < lease_us) {
@@ -270,7 +272,7 @@ enum gate_verdict gate_judge(gate *gate, const gate_command *command, const gate
         return verdict;
     }
     gate_reject(gate, verdict);
-    /* Whoever asks for motion prolongs the hold for all, and must pause once the robot is back. */
+    /* Any request for motion prolongs the hold for all; all must pause once the robot is back. */
     bool asks_for_motion =
         command->kind == GATE_DRIVE && gate->rules.enabled[GATE_DRIVE] && !command->zero;
     if (asks_for_motion && judge_robot(gate, command, robot, now.us) != GATE_TAKEN) {

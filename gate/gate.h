@@ -34,21 +34,21 @@ extern "C" {
 #define GATE_PAUSE_US 500000u
 #define GATE_MAX_SENDER 63
 #define GATE_SENDERS 32
-/* Where ages are not checked, a sender is remembered for this long after its last command. */
+/* If ages are not checked, a sender is remembered for this long after its last command. */
 #define GATE_FORGET_US 60000000u
 /* The shortest and the longest lease that the client accepts. */
 #define GATE_MIN_LEASE_US 20000u
 #define GATE_MAX_LEASE_US 1000000u
-/* Rejections of one cause are one incident until none came for this long. */
+/* Rejections with one cause are one incident until none has occurred for this long. */
 #define GATE_INCIDENT_US 5000000u
-/* The wall clock was set when it moved by more than this against the other one. */
+/* A larger step against the monotonic clock means that the wall clock was set. */
 #define GATE_CLOCK_SET_US 100000
-/* Longer than this a command's lease may not begin late. */
+/* A command's lease must not begin later than this after its arrival. */
 #define GATE_STALL_US 20000u
-/* A command is read within this time, except on a machine that is too busy. */
+/* The time allowed for reading a command; it is longer only on an overloaded machine. */
 #define GATE_READ_US 10000
 
-/* The kinds of command; a stop is obeyed without being judged. */
+/* The kinds of command. A stop is always obeyed. */
 enum gate_kind { GATE_DRIVE, GATE_RELOCALIZE, GATE_OUTPUT, GATE_STOP, GATE_KINDS };
 
 /* As REJECTED_* of LCM's bridge_state_t. */
@@ -78,23 +78,23 @@ typedef struct gate_rules {
 
 /* Both clocks, read together. */
 typedef struct gate_time {
-    uint64_t us;   /* never goes back */
+    uint64_t us;   /* monotonic */
     int64_t utime; /* microseconds since 1970 */
 } gate_time;
 
-/* What the gate has to know of a command. */
+/* What the gate needs to know of a command. */
 typedef struct gate_command {
     enum gate_kind kind;
     const char *sender; /* sender_length bytes, no NUL needed */
     size_t sender_length;
     int64_t utime;
-    int64_t arrived_utime; /* this machine's clock when it came in */
-    int32_t lease_us;      /* its own; 0 or less for the default */
+    int64_t arrived_utime; /* when it arrived, on this machine's clock */
+    int32_t lease_us;      /* 0 or less for the default */
     bool finite;
     bool zero; /* asks for no motion */
 } gate_command;
 
-/* What the gate has to know of the robot. */
+/* What the gate needs to know of the robot. */
 typedef struct gate_robot {
     bool ready;
     bool armed;
@@ -109,7 +109,7 @@ typedef struct gate_sender {
     uint64_t heard_us;
 } gate_sender;
 
-/* The last rejection of a cause. */
+/* The last rejection with one cause. */
 typedef struct gate_incident {
     uint64_t last_us, logged_us; /* 0: never */
     char sender[GATE_MAX_SENDER + 1];
@@ -127,57 +127,58 @@ typedef struct gate {
     int64_t taken[GATE_KINDS];
     int64_t rejected[GATE_VERDICTS];
     gate_incident incidents[GATE_VERDICTS];
-    int64_t clock_offset_us; /* of the wall clock, to notice that it was set */
+    int64_t clock_offset_us; /* wall clock minus monotonic clock, to notice when the wall clock is
+                              * set */
 } gate;
 
-/* Looks for times in which this process hung; see gate_look_for_stall(). */
+/* Detects times in which this process hung; see gate_look_for_stall(). */
 typedef struct gate_stall {
     gate_time last_look;
     int64_t began_utime; /* of the last stall ... */
     uint64_t until_us;   /* ... and until when commands from during it may still come in */
 } gate_stall;
 
-/* A gate that starts now: commands are held until all senders have paused, because a planner may
- * be streaming since before a restart. */
+/* Initialize a gate that starts now. Commands are held until all senders have paused, because a
+ * planner may have been streaming since before a restart. */
 void gate_init(gate *gate, const gate_rules *rules, gate_time now);
 
-/* Judge one command, and count it unless it is taken: a caller who could obey it reports that by
- * gate_count_taken(), else by gate_reject(). GATE_TAKEN of GATE_DRIVE for a robot that is not
- * armed means: arm, then drive. *lease_us is set to what is left of the command's lease. */
+/* Judge one command, and count it unless it is taken. A caller that could obey it then calls
+ * gate_count_taken(), otherwise gate_reject(). GATE_TAKEN for a drive command while the robot is
+ * not armed means: arm, then drive. *lease_us is set to the time left of the command's lease. */
 enum gate_verdict gate_judge(gate *gate, const gate_command *command, const gate_robot *robot,
                              gate_time now, uint32_t *lease_us);
 void gate_count_taken(gate *gate, enum gate_kind kind);
 /* Count a rejection that was decided elsewhere. */
 void gate_reject(gate *gate, enum gate_verdict verdict);
 
-/* A stop command of this sender (length bytes, which may be 0): nobody is in control, and drive
- * commands are held. */
+/* A stop command from this sender (length bytes, may be 0): nobody is in control any more, and
+ * drive commands are held. */
 void gate_stop(gate *gate, const char *sender, size_t length, uint64_t now_us);
 /* The robot was disarmed, overridden, lost or restarted: hold commands until all senders have
  * paused. */
 void gate_hold(gate *gate, uint64_t now_us);
-/* The bridge hung from since_us until now, and read nothing: that time is no pause. */
+/* The bridge hung from since_us until now and read nothing: that time does not count as a pause. */
 void gate_was_stalled(gate *gate, uint64_t since_us, uint64_t now_us);
-/* This machine's clock was set: all that is known of utimes is void. */
+/* This machine's clock was set: forget all utimes. */
 void gate_clock_was_set(gate *gate, gate_time now);
-/* Whether it was set since the last call or the start, and by how much; 0: it was not. */
+/* Whether the clock was set since the last call or the start, and by how much; 0: it was not. */
 int64_t gate_look_at_clock(gate *gate, gate_time now);
 
-/* To be called again and again, and once before all else. Where more time went by since the last
- * call than the caller asked to wait for (asked_us), this process was stopped, or starved: true,
- * and each gate must be told by gate_was_stalled(), since `since_us`. */
+/* Call this before anything else, and then repeatedly. Returns true if more time has passed since
+ * the last call than the caller wanted to wait (asked_us), so that this process was stopped or
+ * starved. Then call gate_was_stalled() for each gate, with `since_us`. */
 bool gate_look_for_stall(gate_stall *stall, uint64_t asked_us, gate_time now, uint64_t *since_us);
-/* When a command came, at the earliest, that seemed to come at this time: after a stall, what was
- * queued below this process is read late. */
+/* The earliest time at which a command that seems to come at this time can have arrived: after a
+ * stall, what was queued below this process is read late. */
 int64_t gate_arrival(const gate_stall *stall, int64_t utime);
 
-/* Whether a rejection begins an incident, which is worth a line in a log: none of its cause came
- * for GATE_INCIDENT_US, or the last one was of another sender, and then once a second at most. Ask
- * for each rejection; sender: length bytes, which may be 0. */
+/* Whether a rejection begins an incident, which should be logged: none with its cause came for
+ * GATE_INCIDENT_US, or the last one was from another sender (at most once a second). Call it for
+ * every rejection; sender: length bytes, may be 0. */
 bool gate_is_incident(gate *gate, enum gate_verdict verdict, const char *sender, size_t length,
                       uint64_t now_us);
 
-/* Whether the next drive command, of whoever may be in control, would move the robot. */
+/* Whether the next drive command, by whoever may be in control, would move the robot. */
 bool gate_can_drive(const gate *gate, const gate_robot *robot, uint64_t now_us);
 /* Whether commands are held until all senders have paused. */
 bool gate_is_waiting(const gate *gate, uint64_t now_us);

@@ -48,7 +48,7 @@ static void write_age(char *room, size_t capacity, const gate_rejection *rejecti
     (void)snprintf(
         room, capacity,
         "by its %s it is %.3f s %s (--max-age %u ms): a replayed log, a slow network, or clocks "
-        "that differ: set both by NTP (--max-age 0 takes all ages, replays too)",
+        "that differ: set both by NTP (--max-age 0 accepts all ages, including replays)",
         rejection->utime_word, age_s < 0 ? -age_s : age_s, age_s < 0 ? "in the future" : "old",
         rules->max_age_us / 1000u);
 }
@@ -56,7 +56,7 @@ static void write_age(char *room, size_t capacity, const gate_rejection *rejecti
 void gate_reason(char *room, size_t capacity, const gate_rejection *rejection,
                  const gate_rules *rules, gate_time now) {
     if (rejection->verdict == GATE_DISABLED) {
-        (void)snprintf(room, capacity, "start the bridge with %s to take it",
+        (void)snprintf(room, capacity, "start the bridge with %s to enable it",
                        option(rejection->kind));
     } else if (rejection->verdict == GATE_NO_UTIME) {
         (void)snprintf(room, capacity,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Why the gate rejected a command, and what to do, as a sentence.
+ * The reason why the gate rejected a command, and the remedy, as a sentence.
  */
 #ifndef ROBUROC4_GATE_REASON_H
 #define ROBUROC4_GATE_REASON_H
@@ -15,10 +15,10 @@ typedef struct gate_rejection {
     enum gate_verdict verdict;
     enum gate_kind kind;
     int64_t utime;
-    const char *utime_word; /* what a bridge calls it: "utime", "stamp" */
+    const char *utime_word; /* the bridge's name for it: "utime", "stamp" */
 } gate_rejection;
 
-/* The sentence begins in lower case and has no full stop; it is cut to `capacity` bytes with its
+/* The sentence starts in lower case and has no full stop; it is cut to `capacity` bytes with
  * NUL. */
 void gate_reason(char *room, size_t capacity, const gate_rejection *rejection,
                  const gate_rules *rules, gate_time now);

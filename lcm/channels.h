@@ -22,30 +22,31 @@ enum channel {
     CHANNEL_PROPERTIES,
     CHANNEL_BRIDGE_STATE,
     CHANNEL_BRIDGE_STATISTICS,
-    CHANNEL_DRIVE_CMD, /* the commands, in the order of enum gate_kind */
+    CHANNEL_DRIVE_CMD, /* the commands are in the order of enum gate_kind */
     CHANNEL_RELOCALIZE_CMD,
     CHANNEL_OUTPUT_CMD,
     CHANNEL_STOP_CMD,
-    CHANNEL_POSE, /* "" where it is not wanted */
+    CHANNEL_POSE, /* "" if it is not published */
     CHANNELS
 };
 
-/* LCM's longest channel name, and room for it. */
+/* The longest channel name that LCM allows. */
 #define CHANNEL_MAX_NAME 63
 
 typedef struct channel_names {
     char name[CHANNELS][CHANNEL_MAX_NAME + 1];
 } channel_names;
 
-/* Prefix and "_DIFFERENTIAL" and so on; no pose. False where the prefix makes a name too long. */
+/* Prefix followed by "_DIFFERENTIAL" and so on; no pose. Returns false if the prefix makes a name
+ * too long. */
 bool channels_set_prefix(channel_names *names, const char *prefix);
-/* The channel with this key, such as "DRIVE_CMD", of `length` bytes; CHANNELS for none. */
+/* The channel with this key, such as "DRIVE_CMD", of `length` bytes; CHANNELS if there is none. */
 enum channel channels_find(const char *key, size_t length);
-/* Whether LCM, which takes names for patterns, understands this one as itself. */
+/* Whether LCM, which treats names as patterns, takes this one literally. */
 bool channels_is_name(const char *name);
 bool channels_is_command(enum channel channel);
 
-/* All channels of a bridge, by their names. */
+/* All channels of a bridge, sorted by name. */
 typedef struct channels_entry {
     const char *name;
     uint32_t which;
@@ -56,11 +57,11 @@ typedef struct channels_directory {
     size_t count;
 } channels_directory;
 
-/* Sort the entries, once all are there. Returns a name that comes twice, or NULL. */
+/* Sort the entries once all have been added. Returns a name that occurs twice, or NULL. */
 const char *channels_sort(channels_directory *directory);
 /* The entry with this name, or NULL. */
 const channels_entry *channels_look_up(const channels_directory *directory, const char *name);
-/* Whether a name is that of a command: it ends in _CMD. */
+/* Whether a name is that of a command channel: it ends in _CMD. */
 bool channels_ends_in_cmd(const char *name);
 
 #ifdef __cplusplus

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * This machine's two clocks, read together. To be included after _POSIX_C_SOURCE is defined.
+ * This machine's two clocks, read together. Define _POSIX_C_SOURCE before including this file.
  */
 #ifndef ROBUROC4_LCM_CLOCK_H
 #define ROBUROC4_LCM_CLOCK_H

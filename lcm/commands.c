@@ -11,7 +11,7 @@
 
 /* ---------------------------------------------------------------------------------- reader --- */
 
-/* LCM is big-endian. Once a read fails, all later ones fail too and give 0. */
+/* LCM is big-endian. After a read has failed, all later ones fail too and return 0. */
 typedef struct reader {
     const uint8_t *at;
     size_t left;
@@ -60,7 +60,7 @@ static float read_float(reader *reader) {
     return value;
 }
 
-/* A string's length counts its NUL, which must be there and the only one. */
+/* A string's length includes its NUL; there must be no other. */
 static const char *read_text(reader *reader, size_t *text_length) {
     int32_t length = read_int32(reader);
     const uint8_t *text = length > 0 ? take(reader, (size_t)length) : NULL;
@@ -182,7 +182,7 @@ bool bridge_identity_decode(const void *data, size_t size, bridge_identity *out)
 
 /* -------------------------------------------------------------------------------- for gate --- */
 
-/* By the bits, so that no compiler's option can assume NaN away. */
+/* Tests the bits, so that no compiler option can assume NaN away. */
 static bool is_finite(double value) {
     uint64_t bits = 0;
     memcpy(&bits, &value, sizeof bits);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the bridge reads from LCM: commands, and the identity of other bridges.
+ * Decoders for what the bridge reads from LCM: commands, and the identity of other bridges.
  *
- * The decoders that lcm-gen generates allocate by lengths that they read from the network, and
- * believe them. These read within the message, allocate nothing, and accept all or nothing. The
- * fingerprints are lcm-gen's own.
+ * lcm-gen's decoders allocate as much as lengths from the network say. These stay within the
+ * message, allocate nothing, and accept all of a message or nothing. The fingerprints are lcm-gen's
+ * own.
  */
 #ifndef ROBUROC4_LCM_COMMANDS_H
 #define ROBUROC4_LCM_COMMANDS_H
@@ -20,7 +20,7 @@
 extern "C" {
 #endif
 
-/* No message is longer. LCM hands on some broken packets with a size of almost 4 GB. */
+/* No valid message is longer. LCM delivers some malformed packets with a size of almost 4 GB. */
 #define COMMANDS_MAX_SIZE 4096
 
 typedef struct command_analog {
@@ -28,7 +28,7 @@ typedef struct command_analog {
     float value;
 } command_analog;
 
-/* Any command, with the fields of its kind (others are 0). */
+/* Any command; the fields of other kinds are 0. */
 typedef struct command {
     enum gate_kind kind;
     const char *sender; /* a view on the message, sender_length bytes of UTF-8, no NUL */
@@ -39,15 +39,15 @@ typedef struct command {
     double x_m, y_m, theta_rad; /* relocalize */
     uint64_t digital_mask;      /* output: which digital outputs to set, and to what */
     uint64_t digital_values;
-    bool digital_beyond; /* names a digital output that no client stores */
+    bool digital_beyond; /* an index is above those that the client stores */
     uint32_t analog_count;
     command_analog analog[ROBUROC4_MAX_ANALOG_OUTPUTS];
 } command;
 
-/* Read a message of a kind's type; false, and nothing of use in *out, where it is none. A stop
- * command has a sender only. */
+/* Decode a message of this kind. Returns false, with *out undefined, if it is not one. A stop
+ * command has only a sender. */
 bool command_decode(enum gate_kind kind, const void *data, size_t size, command *out);
-/* What the gate has to know of it. */
+/* The part of a command that the gate looks at. */
 gate_command command_for_gate(const command *command, int64_t arrived_utime);
 
 /* The first fields of a bridge_state_t: which bridge serves which robot. */

@@ -20,12 +20,13 @@ void log_set_level(enum log_level level) {
     highest = level;
 }
 
-/* A pager that nobody scrolls, or a terminal that was stopped, must not delay a stop sequence: what
- * cannot be written at once is dropped. */
+/* A pager or a stopped terminal must not delay a stop sequence, so what cannot be written at once
+ * is dropped. */
 static void write_line(const char *line) {
     struct pollfd end = {.fd = STDERR_FILENO, .events = POLLOUT};
     if (poll(&end, 1, 0) == 1 && (end.revents & POLLOUT) != 0) {
-        /* One call, so that lines of several programs do not mix. A failed one is a lost one. */
+        /* A single write(), so that lines of several programs do not mix. After an error the line
+         * is lost. */
         ssize_t written = write(STDERR_FILENO, line, strlen(line));
         (void)written;
     }
@@ -69,7 +70,7 @@ void log_absence(const char *robot, const char *address, uint32_t fault) {
                                           : "is it on, and on this network?");
 }
 
-/** An event as a sentence; where it is a change of a fact, in the direction of the change. */
+/* An event as a sentence; if it is a change of a fact, in the direction of the change. */
 static const char *event_text(uint32_t event, const roburoc4_facts *facts) {
     bool holds = false;
     switch (event) {
@@ -88,7 +89,7 @@ static const char *event_text(uint32_t event, const roburoc4_facts *facts) {
     return roburoc4_name(holds ? ROBUROC4_NAME_EVENT_BEGAN : ROBUROC4_NAME_EVENT_ENDED, event);
 }
 
-/** Events that are logged by their name alone. */
+/* Events that are logged by name only. */
 #define NOTED                                                                                      \
     (ROBUROC4_EVENT_REBOOT | ROBUROC4_EVENT_SUBSCRIPTION_REFUSED | ROBUROC4_EVENT_CAPACITY |       \
      ROBUROC4_EVENT_ARMED | ROBUROC4_EVENT_LEASE_OVER | ROBUROC4_EVENT_OVERRIDE |                  \
@@ -126,5 +127,5 @@ void log_stop(const char *robot, const log_command *command, bool first) {
         text_for_terminal(sender, sizeof sender, command->sender, command->sender_length);
     }
     log_line(first ? LOG_NOTE : LOG_DETAIL, robot,
-             "stopped by '%s'; drive commands are refused until all senders have paused", sender);
+             "stopped by '%s'; drive commands are rejected until all senders have paused", sender);
 }

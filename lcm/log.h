@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What happens, for the person at the terminal or for the journal: lines on stderr, each with the
- * program's name and, where there are several, the robot's.
+ * Log lines on stderr, for a terminal or the journal. Each has the program's name and, if there are
+ * several robots, the robot's.
  */
 #ifndef ROBUROC4_LCM_LOG_H
 #define ROBUROC4_LCM_LOG_H
@@ -11,7 +11,7 @@
 
 enum log_level { LOG_ERROR, LOG_NOTE, LOG_DETAIL };
 
-/* Lines above this level are not printed; LOG_NOTE at first. */
+/* Lines above this level are not printed; initially LOG_NOTE. */
 void log_set_level(enum log_level level);
 
 #if defined(__GNUC__)
@@ -24,16 +24,16 @@ void log_line(enum log_level level, const char *robot, const char *format, ...);
 typedef struct log_command {
     enum gate_kind kind;
     const char *channel;
-    const char *sender; /* NULL where it could not be read; else sender_length bytes */
+    const char *sender; /* NULL if it could not be read; else sender_length bytes */
     size_t sender_length;
     int64_t utime;
 } log_command;
 
-/* A command that was rejected: a note where it is the first of an incident, else a detail. */
+/* Log a command that was rejected: as a note if it begins an incident, else as a detail. */
 void log_rejection(const char *robot, const log_command *command, const char *why, bool first);
-/* A stop command: a note the first time, else a detail. */
+/* Log a stop command: as a note the first time, else as a detail. */
 void log_stop(const char *robot, const log_command *command, bool first);
-/* What ROBUROC4_EVENT_* bits mean for the person who runs the bridge. */
+/* Log ROBUROC4_EVENT_* bits in the words of a user. */
 void log_events(const char *robot, const char *address, const roburoc4_client *client,
                 uint32_t events, uint64_t now_us);
 /* fault: ROBUROC4_FAULT_* */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * roburoc4-lcm: RobuROC4 robots on an LCM network. This file has the program's life and its loop:
- * one wait for LCM's descriptor and the robots' sockets.
- * Its cost for a status does not depend on how many robots there are.
+ * roburoc4-lcm: RobuROC4 robots on an LCM network. This file has main() and the main loop, which
+ * waits for LCM's descriptor and the robots' sockets. The cost of a status does not depend on the
+ * number of robots.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
@@ -24,38 +24,38 @@
 
 enum { EXIT_DONE = 0, EXIT_ERROR = 1, EXIT_USAGE = 2, EXIT_NO_LCM = 3 };
 
-/* A signal that comes right before poll() is seen at its end. */
+/* The longest wait, so that a signal that arrives right before poll() is noticed. */
 #define LONGEST_WAIT_US 200000u
-/* From a signal to the end; the stop sequence begins at once. */
+/* The longest time from a signal to exit; the stop sequence begins at once. */
 #define CLOSING_US 600000u
-/* Messages that are read before the robots have their turn again. */
+/* At most so many messages are read before the robots are served again. */
 #define LCM_BURST 1000
 #define LCM_RETRY_US 1000000u
-/* LCM drops what comes after this many messages that were not read, and keeps the old ones. */
+/* LCM drops new messages when this many are unread. */
 #define QUEUE_CAPACITY 10000
 /* LCM's number for watch_set(); a robot's is its index + 1. */
 #define WATCHED_LCM 0u
-/* From so many on, LCM's socket gets so large a buffer, where the system allows it. */
+/* From this many robots on, LCM's socket gets this large a buffer, if the system allows it. */
 #define MANY_ROBOTS 32u
 #define RECEIVE_BYTES (4 << 20)
-/* Descriptors beside those of the robots. */
+/* Descriptors in addition to those of the robots. */
 #define OTHER_FILES 64u
 
 static options settings;
 static robot robots[OPTIONS_MAX_ROBOTS];
-static uint32_t robot_count; /* those that were started */
+static uint32_t robot_count; /* robots that were started */
 static uint64_t deadlines_us[OPTIONS_MAX_ROBOTS];
-/* Whom this turn serves. */
+/* Robots that this iteration of the loop has served. */
 static bool served[OPTIONS_MAX_ROBOTS];
 static uint32_t serving[OPTIONS_MAX_ROBOTS];
 static uint32_t serving_count;
-/* Robots by their addresses, to find those that another bridge serves. */
+/* Robots by address, to find those that another bridge serves. */
 static channels_entry addresses[OPTIONS_MAX_ROBOTS];
 static channels_directory by_address = {addresses, 0};
 static robot_bridge this_bridge;
-static roburoc4_recorder *recorder; /* of all robots, or NULL */
+static roburoc4_recorder *recorder; /* records all robots, or NULL */
 static gate_stall stall;            /* of this process */
-static uint64_t lcm_rests_until_us; /* LCM is not read before this; 0: it could always be read */
+static uint64_t lcm_rests_until_us; /* LCM is not read before this time; 0: no error so far */
 static volatile sig_atomic_t stop_signal;
 /* SIGHUP: the terminal was closed. */
 static const int stop_signals[] = {SIGINT, SIGTERM, SIGHUP};
@@ -67,27 +67,27 @@ static void on_signal(int number) {
 
 /* ------------------------------------------------------------------------------------- LCM --- */
 
-/* The URL is one of multicast: options_read() takes no other. */
+/* The URL is a multicast URL: options_read() accepts no other. */
 static void explain_no_lcm(void) {
     const char *source = NULL;
     const char *url = options_lcm_url(&settings, &source);
     log_line(LOG_ERROR, NULL, "no LCM network at %s", url[0] != '\0' ? url : "LCM's default");
-    (void)fputs("LCM needs a route for multicast. For programs on this machine only:\n"
+    (void)fputs("LCM needs a multicast route. For programs on this machine only:\n"
                 "    ip link set lo multicast on\n"
                 "    ip route add 224.0.0.0/4 dev lo\n"
                 "    roburoc4-lcm --lcm-url 'udpm://239.255.76.67:7667?ttl=0'\n"
-                "For a network, route it through its interface, and let packets travel one hop:\n"
+                "For a network, through its interface and with packets that travel one hop:\n"
                 "    ip route add 224.0.0.0/4 dev eth0\n"
                 "    roburoc4-lcm --lcm-url 'udpm://239.255.76.67:7667?ttl=1'\n"
-                "The other programs take the same URL from the variable LCM_DEFAULT_URL.\n",
+                "Other programs read the URL from the environment variable LCM_DEFAULT_URL.\n",
                 stderr);
 }
 
-/* Only newer libraries have it: the one that is loaded need not be the one that was built with. */
+/* Only newer libraries have it, and the loaded library may be older than the one we were built
+ * with. */
 extern int lcm_subscription_get_queue_size(lcm_subscription_t *handler) __attribute__((weak));
 
-/* LCM before 1.5 has no check for a fragment whose offset wraps: it writes outside of its buffer.
- */
+/* Before LCM 1.5, a fragment whose offset wraps around is written outside of the buffer. */
 static void warn_of_old_lcm(void) {
     if (ROBUROC4_LCM_IS_OLD || &lcm_subscription_get_queue_size == NULL) {
         log_line(LOG_NOTE, NULL,
@@ -97,7 +97,7 @@ static void warn_of_old_lcm(void) {
     }
 }
 
-/* Read what the robot has, once in a turn; it is finished at the turn's end. */
+/* Read what the robot sent, once per iteration; robot_finish() is called at its end. */
 static void serve(uint32_t at) {
     if (!served[at]) {
         served[at] = true;
@@ -125,9 +125,9 @@ static void on_bridge_state(const lcm_recv_buf_t *message, const char *channel, 
     }
 }
 
-/* LCM calls this for each message on any channel of a command. What the robot reports counts
- * first, [A] on the game pad above all. Stops have a queue of their own, which no flood of other
- * commands fills; user: this is theirs. */
+/* Called by LCM for each message on a command channel. The robot's statuses are read first, because
+ * [A] on the game pad has priority. Stop commands have their own queue (user != NULL), which other
+ * commands cannot fill. */
 static void on_command(const lcm_recv_buf_t *message, const char *channel, void *user) {
     const channels_entry *found = channels_look_up(&settings.directory, channel);
     if (found == NULL || robot_count == 0) {
@@ -153,8 +153,8 @@ static bool ends_in(const char *name, const char *end) {
     return length >= strlen(end) && strcmp(name + length - strlen(end), end) == 0;
 }
 
-/* Few patterns for all robots, since LCM compares each new channel with each of them: all commands
- * end in _CMD. Those of other bridges are read and passed over. */
+/* Subscribe to a few patterns for all robots, because LCM compares each new channel with every
+ * pattern. All commands end in _CMD; those for other bridges are ignored. */
 static bool subscribe_to_all(lcm_t *lcm) {
     static const char stop[] = "_STOP_CMD";
     static const char state[] = "_BRIDGE_STATE";
@@ -173,8 +173,8 @@ static bool subscribe_to_all(lcm_t *lcm) {
     return good;
 }
 
-/* The URL for lcm_create(). A bridge of many robots hears all that it publishes, too: a larger
- * buffer keeps commands from being lost among that. */
+/* The URL for lcm_create(). A bridge also receives everything that it publishes; with many robots
+ * it needs a larger buffer so that no commands are lost. */
 static const char *lcm_url(void) {
     static char room[OPTIONS_MAX_TEXT + 64];
     const char *source = NULL;
@@ -189,7 +189,7 @@ static const char *lcm_url(void) {
     return room;
 }
 
-/* LCM works in a thread of its own, which must not take our signals. */
+/* LCM has its own thread, which must not receive our signals. */
 static lcm_t *open_lcm(void) {
     sigset_t stops;
     sigset_t before;
@@ -217,7 +217,7 @@ static void look_for_stall(uint64_t asked_us) {
     }
 }
 
-/* Read what LCM has. Where that fails, it is tried again after a second. */
+/* Read the messages that LCM has. After an error, retry after a second. */
 static void read_commands(lcm_t *lcm) {
     int result = 1;
     for (int count = 0; result > 0 && count < LCM_BURST; count++) {
@@ -226,7 +226,8 @@ static void read_commands(lcm_t *lcm) {
     }
     if (result < 0) {
         if (lcm_rests_until_us == 0) {
-            log_line(LOG_ERROR, NULL, "LCM cannot be read: no commands; trying again each second");
+            log_line(LOG_ERROR, NULL,
+                     "cannot read from LCM: no commands arrive; retrying every second");
         }
         lcm_rests_until_us = clock_now().us + LCM_RETRY_US;
     }
@@ -242,7 +243,7 @@ static int wait_ms(uint64_t now_us) {
     return until_us <= now_us ? 0 : (int)((until_us - now_us + 999u) / 1000u);
 }
 
-/* Wait until somebody has something, or something is due. */
+/* Wait until a descriptor is readable or a deadline is reached. */
 static uint32_t wait_for_work(lcm_t *lcm, uint32_t *ready) {
     look_for_stall(0);
     watch_set(WATCHED_LCM, stall.last_look.us < lcm_rests_until_us ? -1 : lcm_get_fileno(lcm));
@@ -252,7 +253,7 @@ static uint32_t wait_for_work(lcm_t *lcm, uint32_t *ready) {
     return count;
 }
 
-/* Wait, then serve whoever has something. */
+/* Wait, then serve the robots that have something to do. */
 static void turn(lcm_t *lcm) {
     static uint32_t ready[WATCH_MAX];
     uint32_t count = wait_for_work(lcm, ready);
@@ -290,7 +291,8 @@ static bool all_closed(void) {
     return true;
 }
 
-/* Stop sequences, until the robots confirm them or the time has passed. No command is read. */
+/* Send stop sequences until the robots confirm them or the time is over. Commands are no longer
+ * read. */
 static void close_robots(lcm_t *lcm) {
     gate_time now = clock_now();
     lcm_rests_until_us = UINT64_MAX;
@@ -333,13 +335,13 @@ static void start_robots(lcm_t *lcm, gate_time now) {
              robot_count == 1 ? "" : "s",
              can_drive == 0             ? "off"
              : can_drive == robot_count ? "ON"
-                                        : "ON for some of them",
+                                        : "ON for some",
              can_drive == 0 ? " (--enable-drive)" : "");
 }
 
 /* ------------------------------------------------------------------------------- recording --- */
 
-/* Where it cannot be begun, the bridge does not start: it was asked for. */
+/* If recording was requested but cannot start, the bridge does not start either. */
 static bool begin_recording(void) {
     roburoc4_recorder_options how = {.size = sizeof how, .robot = "roburoc4-lcm"};
     if (settings.record[0] == '\0') {
@@ -361,7 +363,7 @@ static void end_recording(void) {
     (void)roburoc4_recorder_close(recorder, &last);
     if (last.dropped > 0) {
         log_line(LOG_ERROR, NULL,
-                 "%s: %llu datagrams are missing, as the disk was full or slow: %s", last.path,
+                 "%s: %llu datagrams are missing because the disk was full or slow: %s", last.path,
                  (unsigned long long)last.dropped, strerror(last.system_error));
     }
 }
@@ -379,7 +381,7 @@ static void run(lcm_t *lcm) {
     close_robots(lcm);
 }
 
-/* Each robot has a socket. */
+/* Each robot needs a socket. */
 static void allow_sockets(void) {
     struct rlimit files;
     rlim_t needed = (rlim_t)settings.robot_count + OTHER_FILES;
@@ -399,12 +401,12 @@ static void catch_signals(void) {
             (void)sigaction(SIGHUP, &before, NULL);
         }
     }
-    /* A log that nobody reads any more is no reason to leave a robot without a stop sequence. */
+    /* A closed log pipe must not end the bridge before the stop sequence. */
     action.sa_handler = SIG_IGN;
     (void)sigaction(SIGPIPE, &action, NULL);
 }
 
-/* Descriptors 0 to 2 that whoever started us closed, so that no socket becomes our stderr. */
+/* Reopen descriptors 0 to 2 if the parent closed them, so that no socket becomes stderr. */
 static void fill_standard_files(void) {
     int file = 0;
     while (file >= 0 && file <= STDERR_FILENO) {
@@ -415,7 +417,7 @@ static void fill_standard_files(void) {
     }
 }
 
-/* Where the command line asks for no bridge, or for none that can be. */
+/* Exit without running a bridge: help, version, or an error. */
 static int end_early(enum options_result result, const char *error) {
     switch (result) {
     case OPTIONS_HELP:
@@ -438,7 +440,7 @@ int main(int count, char **arguments) {
     if (result == OPTIONS_RUN) {
         result = options_resolve(&settings, error, sizeof error);
     }
-    /* In a fleet, a name without an address is that robot's problem. */
+    /* In a fleet, a robot whose name has no address does not keep the others from running. */
     bool is_alone = settings.robot_count == 1;
     if (settings.check && (result == OPTIONS_RUN || result == OPTIONS_NO_ADDRESS)) {
         options_print(&settings);
@@ -452,8 +454,7 @@ int main(int count, char **arguments) {
     log_set_level(settings.level);
     allow_sockets();
     if (!watch_begin()) {
-        log_line(LOG_ERROR, NULL, "the system has no means to wait for sockets: %s",
-                 strerror(errno));
+        log_line(LOG_ERROR, NULL, "cannot wait for sockets: %s", strerror(errno));
         return EXIT_ERROR;
     }
     lcm_t *lcm = open_lcm();

@@ -8,7 +8,7 @@
 
 /* --------------------------------------------------------------------------- channel names --- */
 
-/* Where the names of a ROBUROC4_IO_* begin. */
+/* Index of the first name of each ROBUROC4_IO_* type. */
 static const uint32_t first_name[] = {
     0,
     ROBUROC4_MAX_ANALOG_INPUTS,
@@ -193,7 +193,7 @@ static void map_iocard_properties(const roburoc4_client *client, mapping_names *
     out->digital_output_count = at_most(in.digital_outputs, ROBUROC4_MAX_DIGITAL_OUTPUTS);
 }
 
-/* The manual's name of the service that has this id on the wire, or "". */
+/* The manual's name of the service with this id on the wire, or "". */
 static const char *name_of_id(const roburoc4_client *client, uint16_t id) {
     for (uint32_t service = 0; service < ROBUROC4_SERVICE_COUNT; service++) {
         if (roburoc4_client_service_id(client, service) == (roburoc4_result)id) {

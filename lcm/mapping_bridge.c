@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The bridge's own state, in fields and in a sentence, and its statistics.
+ * Mapping of the bridge's own state, in fields and as a sentence, and of its statistics.
  */
 #include <inttypes.h>
 #include <stdio.h>
@@ -173,12 +173,12 @@ static void write_absent(const mapping_view *view, char *room, size_t capacity) 
                                                       : "is it on, and on this network?");
 }
 
-/* The cause without what to do against it, which is past. */
+/* Only the cause: the remedy after the colon is for something that is over. */
 static int cause_length(const char *text) {
     return (int)strcspn(text, ":");
 }
 
-/* Ready, and what stands between the robot and the next drive command. */
+/* Ready; describe whether the next drive command will move the robot. */
 static void write_ready(const mapping_view *view, char *room, size_t capacity) {
     const roburoc4_facts *facts = view->facts;
     const char *next =
@@ -217,7 +217,7 @@ static void write_connected(const mapping_view *view, char *room, size_t capacit
 void mapping_message(const mapping_view *view, char *room, size_t capacity) {
     const char *state = roburoc4_name(ROBUROC4_NAME_STATE, view->facts->state);
     if (view->no_socket) {
-        (void)snprintf(room, capacity, "no socket for %s; trying again each second", view->robot);
+        (void)snprintf(room, capacity, "no socket for %s; retrying every second", view->robot);
     } else if (view->facts->state == ROBUROC4_STATE_READY) {
         write_connected(view, room, capacity);
     } else if (is_silent(view)) {
@@ -227,6 +227,6 @@ void mapping_message(const mapping_view *view, char *room, size_t capacity) {
     }
     if (view->other_bridge) {
         size_t length = strlen(room);
-        (void)snprintf(room + length, capacity - length, "; ANOTHER BRIDGE serves this robot, too");
+        (void)snprintf(room + length, capacity - length, "; ANOTHER BRIDGE also serves this robot");
     }
 }

@@ -12,7 +12,7 @@
 #include "ini.h"
 
 #define MAX_FILE_BYTES (1 << 20)
-/* Statuses that are older than this do not count for driving (roburoc4_config.fresh_ms). */
+/* Statuses older than this do not count for driving (roburoc4_config.fresh_ms). */
 #define SLOWEST_DRIVING_MS 100u
 
 const char options_help[] =
@@ -28,14 +28,14 @@ const char options_help[] =
     "  -l, --lcm-url URL    the LCM network (default: LCM's own, see LCM_DEFAULT_URL), such as\n"
     "                       'udpm://239.255.76.67:7667?ttl=0' for this machine only; LCM's tcpq\n"
     "                       and file are refused: they can block the bridge, or drive from a log\n"
-    "  -p, --prefix PREFIX  of a robot's channels that has no NAME (default ROBUROC4)\n"
+    "  -p, --prefix PREFIX  prefix of the channels of a robot without NAME (default ROBUROC4)\n"
     "      --channel [NAME:]KEY=CHANNEL  another name for one channel; KEY is DIFFERENTIAL,\n"
     "                       LOCALIZATION, BATTERY, TELEMETER, IOCARD, PROPERTIES,\n"
     "                       BRIDGE_STATE, BRIDGE_STATISTICS, DRIVE_CMD, RELOCALIZE_CMD,\n"
-    "                       OUTPUT_CMD or STOP_CMD; names of the _CMDs must end in _CMD\n"
+    "                       OUTPUT_CMD or STOP_CMD; command channels must end in _CMD\n"
     "      --pose-channel [NAME:]CHANNEL  also publish each localization as bot_core.pose_t\n"
-    "      --record FILE    record every datagram of all robots in FILE, a pcapng file, or in a\n"
-    "                       file of the folder FILE; one that exists is not overwritten\n"
+    "      --record FILE    record every datagram of all robots in the pcapng file FILE, or in a\n"
+    "                       new file in the folder FILE; existing files are not overwritten\n"
     "      --period SERVICE=MS  time between statuses, 10 to 2550 in steps of 10, or 0 for none;\n"
     "                       SERVICE is iocard, telemeter, battery, localization or differential\n"
     "\n"
@@ -60,15 +60,15 @@ const char options_help[] =
 
 enum { PASS_SETTINGS, PASS_ROBOTS, PASS_CHANNELS, PASSES };
 
-/* What is being read. Settings go to `robot`, which is `all` until the file names one. */
+/* The state of reading. Settings go to `robot`, which is `all` until the file names one. */
 typedef struct reading {
     options *out;
-    options_robot all; /* what holds for all robots */
+    options_robot all; /* what applies to all robots */
     options_robot *robot;
     const char *prefix;
-    const char *for_robots; /* an option of the command line that sets robots, or NULL */
+    const char *for_robots; /* a command line option that configures robots, or NULL */
     bool in_file;
-    char subject[OPTIONS_MAX_TEXT + 65]; /* what is wrong where a setter complains */
+    char subject[OPTIONS_MAX_TEXT + 65]; /* the option and value that an error is about */
     char *error;
     size_t error_size;
 } reading;
@@ -76,7 +76,7 @@ typedef struct reading {
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
-/* Write what is wrong; always false. */
+/* Write an error message; always returns false. */
 static bool
 complain(reading *reading, const char *format, ...) {
     va_list arguments;
@@ -86,14 +86,14 @@ complain(reading *reading, const char *format, ...) {
     return false;
 }
 
-/* Write what to give instead of the value that was read; always false. */
+/* Write the remedy for the value that was read; always returns false. */
 static bool refuse(reading *reading, const char *remedy) {
     return complain(reading, "%s: %s", reading->subject, remedy);
 }
 
 /* --------------------------------------------------------------------------- option values --- */
 
-/* A number of at most `max` at *text, which is moved behind it. */
+/* Parse a number of at most `max` at *text and move *text behind it. */
 static bool number(const char **text, uint32_t max, uint32_t *out) {
     size_t length = strspn(*text, "0123456789");
     if (length == 0 || length > 9) {
@@ -108,11 +108,11 @@ static bool whole(const char *text, uint32_t min, uint32_t max, uint32_t *out) {
     return number(&text, max, out) && *text == '\0' && *out >= min;
 }
 
-/* Where a setting may stand: on the command line (by pass), and in the file. */
+/* Where a setting is allowed: on the command line (by pass), and in the file. */
 enum place { ONLY_COMMAND_LINE, FOR_ALL, FOR_EACH, FOR_ONE };
 
-/* `set` gives `which` and the limits their meaning. A setter gets NULL where the option has no
- * value on the command line, and the value of the file otherwise. */
+/* `which` and the limits parametrize `set`. A setter gets NULL if the option has no value on the
+ * command line, otherwise the file's value. */
 typedef struct known_option {
     const char *name;
     char letter; /* 0: none */
@@ -155,7 +155,7 @@ static bool copy_text(reading *reading, char *room, const char *value) {
     return true;
 }
 
-/* The command line wins. */
+/* The command line takes precedence. */
 static bool set_url(reading *reading, const known_option *option, const char *value) {
     (void)option;
     return (reading->in_file && reading->out->lcm_url[0] != '\0') ||
@@ -234,8 +234,8 @@ static options_robot *find_robot(options *out, const char *name, size_t length) 
     return NULL;
 }
 
-/* A robot with the settings that hold for all; NULL (and an error) where it cannot be. name: ""
- * for the only one. */
+/* Add a robot with the settings that apply to all; returns NULL after writing an error. name: "" if
+ * it is the only one. */
 static options_robot *add_robot(reading *reading, const char *name, size_t length,
                                 const char *prefix) {
     options *out = reading->out;
@@ -245,7 +245,7 @@ static options_robot *add_robot(reading *reading, const char *name, size_t lengt
         return NULL;
     }
     if (find_robot(out, name, length) != NULL) {
-        (void)refuse(reading, "there is a robot of this name already");
+        (void)refuse(reading, "there already is a robot with this name");
         return NULL;
     }
     *robot = reading->all;
@@ -266,7 +266,7 @@ static options_robot *add_robot(reading *reading, const char *name, size_t lengt
     return robot;
 }
 
-/* [NAME=]HOST of the command line. */
+/* [NAME=]HOST on the command line. */
 static bool set_robot(reading *reading, const known_option *option, const char *value) {
     const char *equals = strchr(value, '=');
     size_t length = equals != NULL ? (size_t)(equals - value) : 0;
@@ -274,14 +274,14 @@ static bool set_robot(reading *reading, const known_option *option, const char *
     (void)option;
     if (equals != NULL && reading->prefix != NULL) {
         return complain(reading,
-                        "--prefix %s: a robot with a name has that as its prefix; leave out one of "
+                        "--prefix %s: a named robot has its name as prefix; leave out one of "
                         "them",
                         reading->prefix);
     }
     if (reading->out->robot_count > 0 && (equals == NULL || first[0] == '\0')) {
         return complain(reading,
-                        "--robot %s: several robots need a name each, such as --robot A=%s", value,
-                        value);
+                        "--robot %s: with several robots, each needs a name, such as --robot A=%s",
+                        value, value);
     }
     if (equals != NULL && length == 0) {
         return refuse(reading, "a name is missing before the =");
@@ -300,7 +300,7 @@ static bool set_address(reading *reading, const known_option *option, const char
 
 /* ---------------------------------------------------------------------------- the channels --- */
 
-/* The robot that `[NAME:]REST` is about, and REST; NULL (and an error) for none. */
+/* Split `[NAME:]REST` into the robot it is about and REST; returns NULL after writing an error. */
 static options_robot *robot_meant(reading *reading, const char *value, const char **rest) {
     options *out = reading->out;
     const char *colon = strchr(value, ':');
@@ -362,7 +362,7 @@ static bool set_pose(reading *reading, const known_option *option, const char *v
 #define MIN_LEASE_MS (GATE_MIN_LEASE_US / 1000u)
 #define MAX_LEASE_MS (GATE_MAX_LEASE_US / 1000u)
 
-/* Those without a setter end the reading; those without a value are yes or no in the file. */
+/* Options without a setter end the reading; those without a value are yes or no in the file. */
 static const known_option known[] = {
     {"robot", 'r', 1, PASS_ROBOTS, ONLY_COMMAND_LINE, set_robot, 0, 0, 0},
     {"config", 'c', 1, PASS_SETTINGS, ONLY_COMMAND_LINE, set_file, 0, 0, 0},
@@ -423,8 +423,8 @@ static bool is_group(const char *text) {
     return *text == '\0' || *text == '?';
 }
 
-/* LCM's other networks, tcpq and file, can block inside LCM: no stop would leave meanwhile, and no
- * signal would be noticed. And a file is a log, which must not drive. */
+/* LCM's other networks, tcpq and file, can block inside LCM: then no stop would be sent, and
+ * signals would not be noticed. A file is a log, which must not drive. */
 static bool check_network(reading *reading) {
     static const char udpm[] = "udpm://";
     static const char memq[] = "memq://";
@@ -457,7 +457,7 @@ static bool check_channels(reading *reading) {
            complain(reading, "two channels are named %s: give each its own name", doubled);
 }
 
-/* To drive, the bridge must soon notice whether the robot moves, and whether [A] is held. */
+/* To drive, the bridge must soon notice whether the robot moves and whether [A] is held. */
 static bool check_robot(reading *reading, const options_robot *robot) {
     static const uint32_t needed[] = {ROBUROC4_SERVICE_IOCARD, ROBUROC4_SERVICE_DIFFERENTIAL};
     char where[OPTIONS_MAX_TEXT + 80] = "--";
@@ -515,7 +515,7 @@ static void begin(reading *reading, options *out, char *error, size_t error_size
 static bool begin_section(reading *reading, const ini_line *line) {
     if (ini_is(line->section, "DEFAULT", false)) {
         return reading->out->robot_count == 0 ||
-               refuse(reading, "what holds for all robots stands before the robots");
+               refuse(reading, "put [DEFAULT], which applies to all robots, first");
     }
     reading->robot = add_robot(reading, line->section.at, line->section.length, "");
     if (reading->robot != NULL) {
@@ -546,8 +546,8 @@ static bool read_setting(reading *reading, const ini_line *line) {
                                "period.SERVICE, channel.KEY or pose-channel, = and a value");
     }
     if (found->place == (for_one ? FOR_ALL : FOR_ONE)) {
-        return refuse(reading, for_one ? "stands in [DEFAULT], for all robots"
-                                       : "stands in the section of a robot, such as [RED]");
+        return refuse(reading, for_one ? "put it into [DEFAULT]: it applies to all robots"
+                                       : "put it into the section of a robot, such as [RED]");
     }
     size_t name_length = strlen(found->name);
     bool dotted = line->name.length > name_length;
@@ -566,7 +566,7 @@ static bool read_line(void *user, const ini_line *line, char *error, size_t capa
     reading->error = error;
     reading->error_size = capacity;
     if (line->section.length == 0) {
-        return complain(reading, "a section is missing before it, such as [DEFAULT] or [RED]");
+        return complain(reading, "a section such as [DEFAULT] or [RED] must come before it");
     }
     bool section = line->name.length == 0 && line->value.at == NULL;
     ini_text name = section ? line->section : line->name;
@@ -625,16 +625,17 @@ static enum options_result read_file(reading *reading) {
 
 /* ---------------------------------------------------------------------------- command line --- */
 
-/* option: '?' or ':', as getopt_long() returned it; last: the argument before those to come. */
+/* option: '?' or ':', as getopt_long() returned it; last: the argument before the remaining
+ * ones. */
 static void complain_of_option(reading *reading, int option, const char *last) {
     bool is_short = optopt > 0 && optopt < 256 && strchr(letters, optopt) == NULL;
-    if (is_short) { /* it may stand within `-vx`, whose end is still to come */
+    if (is_short) { /* it may be in the middle of `-vx` */
         (void)complain(reading, "unknown option '-%c': see roburoc4-lcm --help", optopt);
     } else {
         (void)complain(reading, "%s '%s': see roburoc4-lcm --help",
                        option == ':' ? "a value is missing after"
                        : optopt == 0 ? "unknown option"
-                                     : "no value belongs to",
+                                     : "no value is allowed for",
                        last);
     }
 }
@@ -657,7 +658,7 @@ static bool apply(reading *reading, const known_option *option, const char *valu
     return option->set(reading, option, value);
 }
 
-/* The options of one pass. The passes are needed because values depend on one another. */
+/* Read the options of one pass. There are passes because some values depend on others. */
 static enum options_result read_pass(reading *reading, int pass, int count, char **arguments) {
     struct option long_options[KNOWN + 1] = {{NULL, 0, NULL, 0}};
     for (size_t at = 0; at < KNOWN; at++) {
@@ -714,7 +715,7 @@ enum options_result options_read(int count, char **arguments, options *out, char
 
 /* ------------------------------------------------------------------------------- addresses --- */
 
-/* An earlier robot with the same address, or NULL: two gates would command one robot. */
+/* An earlier robot with the same address, or NULL: two gates must not command one robot. */
 static const options_robot *doubled_robot(const options *out, uint32_t at) {
     const roburoc4_address *address = &out->robots[at].address;
     for (uint32_t other = 0; other < at; other++) {
@@ -727,7 +728,7 @@ static const options_robot *doubled_robot(const options *out, uint32_t at) {
     return NULL;
 }
 
-/* The address of one robot; a name that has none is that robot's problem. */
+/* Look up the address of one robot. A name without one affects only that robot. */
 static enum options_result resolve(options *out, uint32_t at, char *error, size_t error_size) {
     options_robot *robot = &out->robots[at];
     roburoc4_result result = roburoc4_udp_resolve(robot->host, 0, &robot->address);
@@ -737,7 +738,7 @@ static enum options_result resolve(options *out, uint32_t at, char *error, size_
             return OPTIONS_RUN;
         }
         (void)snprintf(error, error_size,
-                       "robot %s=%s: %s has this address already; name each robot once",
+                       "robot %s=%s: %s already has this address; name each robot once",
                        robot->name, robot->host, doubled->name);
         return OPTIONS_BAD;
     }
@@ -745,8 +746,8 @@ static enum options_result resolve(options *out, uint32_t at, char *error, size_
     memset(&robot->address, 0, sizeof robot->address);
     (void)snprintf(error, error_size, "robot %s: %s", robot->host,
                    bad ? "give HOST or HOST:PORT, with a port of 1 to 65535"
-                       : "the name has no address; give the address in numbers, such as "
-                         "192.168.0.2, or mend the name");
+                       : "the name has no address; give a numeric address, such as "
+                         "192.168.0.2, or correct the name");
     return bad ? OPTIONS_BAD : OPTIONS_NO_ADDRESS;
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The bridge's command line, and its configuration file.
+ * The bridge's command line and its configuration file.
  */
 #ifndef ROBUROC4_LCM_OPTIONS_H
 #define ROBUROC4_LCM_OPTIONS_H
@@ -22,12 +22,12 @@ extern "C" {
 #define OPTIONS_ERROR_SIZE 400
 #define OPTIONS_MAX_TEXT 255
 
-/* A robot, and what it alone is set to. */
+/* A robot and its own settings. */
 typedef struct options_robot {
-    char name[32];                   /* "" where it was not given */
+    char name[32];                   /* "" if it was not given */
     char host[OPTIONS_MAX_TEXT + 1]; /* as given */
-    unsigned line;                   /* of the file; 0: from the command line */
-    roburoc4_address address;        /* family 0: the name has none */
+    unsigned line;                   /* in the file; 0: from the command line */
+    roburoc4_address address;        /* family 0: the name has no address */
     channel_names channels;
     gate_rules rules;
     roburoc4_config config; /* with periods and subscriptions */
@@ -35,30 +35,30 @@ typedef struct options_robot {
 
 typedef struct options {
     char lcm_url[OPTIONS_MAX_TEXT + 1]; /* "": LCM's own default */
-    const char *file;                   /* NULL: none was read */
+    const char *file;                   /* NULL: no file was read */
     char record[OPTIONS_MAX_TEXT + 1];  /* "": nothing is recorded */
     options_robot robots[OPTIONS_MAX_ROBOTS];
     uint32_t robot_count;
     channels_directory directory; /* `which` is robot * CHANNELS + channel */
     channels_entry entries[OPTIONS_MAX_ROBOTS * CHANNELS];
     enum log_level level;
-    bool check; /* only show what would run */
+    bool check; /* only print what would run */
 } options;
 
 enum options_result { OPTIONS_RUN, OPTIONS_HELP, OPTIONS_VERSION, OPTIONS_BAD, OPTIONS_NO_ADDRESS };
 
-/* Read the command line, and the file that it names. With OPTIONS_BAD `error` is what is wrong and
- * what to do, and in which line of the file. `out` must be all 0 at first. */
+/* Read the command line and the file that it names. With OPTIONS_BAD, `error` says what is wrong,
+ * in which line of the file, and what to do. `out` must be all 0 at first. */
 enum options_result options_read(int count, char **arguments, options *out, char *error,
                                  size_t error_size);
 /* The same for the text of a file, called `name` in errors, without a command line. */
 enum options_result options_read_text(const char *name, const char *text, size_t length,
                                       options *out, char *error, size_t error_size);
-/* The URL that LCM is going to use, "" for its own default, and where it is from: "lcm-url" or the
- * variable's name. */
+/* The URL that LCM will use ("" for its own default), and its source: "lcm-url" or the name of the
+ * variable. */
 const char *options_lcm_url(const options *options, const char **source);
-/* Turn the robots' names into addresses: OPTIONS_RUN, _BAD (a port that is none, or two robots with
- * one address), or _NO_ADDRESS (of any robot). Asks the name server where there are names. */
+/* Resolve the robots' names. Returns OPTIONS_RUN, _BAD (an invalid port, or two robots with one
+ * address), or _NO_ADDRESS (for any robot). Asks the name server if there are names. */
 enum options_result options_resolve(options *out, char *error, size_t error_size);
 /* Print what --check shows. */
 void options_print(const options *options);

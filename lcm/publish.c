@@ -5,19 +5,19 @@
 
 #include "log.h"
 
-/* LCM works again when it has taken all messages for this long. */
+/* LCM counts as working again after it has accepted all messages for this long. */
 #define MENDED_US 1000000u
 
 static uint8_t buffer[MAPPING_MAX_ENCODED];
 static bool failing;
-static uint64_t failed_us; /* while failing: the last time */
+static uint64_t failed_us; /* time of the last failure; 0 while LCM works */
 
-/* Log once that LCM's network went away, and once that it is back. */
+/* Log once when sending starts to fail, and once when it works again. */
 static void look_at_result(bool good, uint64_t now_us) {
     if (!good) {
         if (!failing) {
             log_line(LOG_ERROR, NULL,
-                     "LCM cannot send: is there still a route for multicast? still trying");
+                     "LCM cannot send: is there still a multicast route? still retrying");
         }
         failing = true;
         failed_us = now_us;
@@ -27,7 +27,7 @@ static void look_at_result(bool good, uint64_t now_us) {
     }
 }
 
-/* size: what an encoder returned. */
+/* size: the result of an encoder. */
 static void send_bytes(robot *robot, enum channel channel, int size, uint64_t now_us) {
     bool encoded = size > 0;
     bool sent = encoded && lcm_publish(robot->lcm, robot->channels->name[channel], buffer,
@@ -42,7 +42,8 @@ static void send_bytes(robot *robot, enum channel channel, int size, uint64_t no
 #define SEND(type, channel, message)                                                               \
     send_bytes(robot, channel, type##_encode(buffer, 0, (int)sizeof buffer, &(message)), now.us)
 
-/* The robot's time on this machine's wall clock; now while the client does not know it. */
+/* The time of a measurement on this machine's wall clock; the current time while the client cannot
+ * convert it. */
 static int64_t wall_time(const robot *robot, uint64_t cycles, gate_time now) {
     uint64_t host_us = 0;
     if (roburoc4_client_host_time(&robot->client, cycles, &host_us) < 0) {
@@ -112,7 +113,7 @@ void publish_statuses(robot *robot, uint32_t events, gate_time now) {
         uint32_t event;
         void (*publish)(struct robot *robot, gate_time now);
     } services[] = {
-        /* speeds before the pose that carries them */
+        /* the speeds come before the pose, which includes them */
         {ROBUROC4_EVENT_DIFFERENTIAL, publish_differential},
         {ROBUROC4_EVENT_LOCALIZATION, publish_localization},
         {ROBUROC4_EVENT_BATTERY, publish_battery},
@@ -133,7 +134,7 @@ void publish_properties(robot *robot, gate_time now) {
     SEND(roburoc4_lcm_robot_properties_t, CHANNEL_PROPERTIES, out);
 }
 
-/* Publish what is true now, or the statistics: both come from the same facts. */
+/* Publish the state or the statistics: both come from the same facts. */
 static void publish_bridge(robot *robot, bool statistics, gate_time now) {
     roburoc4_facts facts = {.size = sizeof facts};
     roburoc4_link link = {.size = sizeof link};

@@ -18,12 +18,13 @@
 #define PROPERTIES_PERIOD_US 1000000u
 #define ABSENT_US 1000000u
 #define REOPEN_US 1000000u
-/* Another bridge is gone when its state was not heard for this long; older states are replays. */
+/* Another bridge counts as gone after its state was not received for this long. Older states are
+ * replays. */
 #define OTHER_BRIDGE_US 2000000u
 
 /* -------------------------------------------------------------------------------- commands --- */
 
-/* Keep and log a rejection that was counted. */
+/* Store a rejection that was counted, and log it. */
 static void log_rejected(robot *robot, enum gate_verdict verdict, const log_command *command,
                          gate_time now) {
     robot_rejection *rejection = &robot->rejections[verdict];
@@ -41,7 +42,7 @@ static void log_rejected(robot *robot, enum gate_verdict verdict, const log_comm
     }
 }
 
-/* readable: the message was one of its kind. */
+/* readable: the message could be decoded. */
 static log_command for_log(const robot *robot, const command *command, bool readable) {
     log_command for_log = {.kind = command->kind,
                            .channel =
@@ -61,11 +62,11 @@ static void log_rejected_message(robot *robot, enum gate_verdict verdict, const 
 }
 
 static float to_float(double value) {
-    const double far = 1e6; /* beyond any limit; the client clamps to the robot's own */
+    const double far = 1e6; /* beyond any limit; the client limits it to the robot's own */
     return (float)(value > far ? far : value < -far ? -far : value);
 }
 
-/* All of the outputs, or none. */
+/* Set all of the outputs, or none. */
 static roburoc4_result set_outputs(robot *robot, const command *command, uint64_t now_us) {
     roburoc4_iocard_properties card;
     roburoc4_result result = roburoc4_client_iocard_properties(&robot->client, &card);
@@ -92,7 +93,8 @@ static roburoc4_result set_outputs(robot *robot, const command *command, uint64_
     return result;
 }
 
-/* Of relocalize and output commands each one counts; of drive commands, the newest of a wake. */
+/* Every relocalize and output command is carried out; of the drive commands in one iteration of the
+ * loop, only the newest. */
 static void take(robot *robot, const command *command, uint32_t lease_us, gate_time now) {
     roburoc4_result result = 0;
     if (command->kind == GATE_DRIVE) {
@@ -119,7 +121,7 @@ static void take(robot *robot, const command *command, uint32_t lease_us, gate_t
     gate_count_taken(&robot->gate, command->kind);
 }
 
-/* Whatever comes on the stop channel stops the robot, even a message of another type. */
+/* Any message on the stop channel stops the robot, even one of another type. */
 static void stop(robot *robot, const command *command, bool readable, gate_time now) {
     log_command stopping = for_log(robot, command, readable);
     log_stop(robot->name, &stopping, !robot->gate.stopped);
@@ -156,7 +158,7 @@ void robot_take_message(robot *robot, enum gate_kind kind, const void *data, siz
 
 /* ---------------------------------------------------------------------------------- motion --- */
 
-/* By the robot's limits, or by the ceiling that always applies too. */
+/* Whether the speed was reduced: to the robot's limits, or to the configured ceiling. */
 static bool is_beyond(float asked, float min, float max, float ceiling) {
     return asked > max || asked < min || asked > ceiling || asked < -ceiling;
 }
@@ -209,7 +211,7 @@ static const uint32_t status_events = ROBUROC4_EVENT_IOCARD | ROBUROC4_EVENT_TEL
                                       ROBUROC4_EVENT_BATTERY | ROBUROC4_EVENT_LOCALIZATION |
                                       ROBUROC4_EVENT_DIFFERENTIAL;
 
-/* All that is no status: seldom. */
+/* The events that are not statuses; they are rare. */
 static void handle_change(robot *robot, uint32_t events, gate_time now) {
     gate_heed_events(&robot->gate, &robot->client, events, now.us);
     if (events & ROBUROC4_EVENT_REBOOT) {
@@ -244,24 +246,25 @@ static void open_socket(robot *robot, uint64_t now_us) {
     robot->open_us = robot->to.family != 0 ? now_us + REOPEN_US : UINT64_MAX;
     if (robot->to.family == 0) {
         log_line(LOG_ERROR, robot->name,
-                 "the name %s has no address: this robot is left out; give the address in numbers, "
-                 "or mend the name, and start the bridge again",
+                 "the name %s has no address: this robot is left out; give a numeric address or "
+                 "correct the name, then restart the bridge",
                  robot->address);
     } else if (roburoc4_udp_open(&robot->udp, sizeof robot->udp, &robot->to) >= 0) {
         watch_set(robot->number, (int)roburoc4_udp_fd(&robot->udp));
         (void)roburoc4_udp_record(&robot->udp, robot->recorder);
     } else if (!robot->logged_no_socket) {
         robot->logged_no_socket = true;
-        log_line(LOG_ERROR, robot->name, "no socket for %s: %s; trying again each second",
+        log_line(LOG_ERROR, robot->name, "no socket for %s: %s; retrying every second",
                  robot->address, strerror(robot->udp.system_error));
     }
 }
 
-/* The socket is unusable, not the network: try another one. The other robots go on. */
+/* Replace an unusable socket. This is not called for errors of the network. Other robots are not
+ * affected. */
 static void lose_socket(robot *robot, roburoc4_result why, gate_time now) {
     if (!robot->logged_no_socket) {
         log_line(LOG_ERROR, robot->name,
-                 "its socket broke (%s, error %d): stopped; trying another one each second",
+                 "its socket broke (%s, error %d): stopped; trying a new one every second",
                  roburoc4_result_text(why), robot->udp.system_error);
     }
     robot->logged_no_socket = true;
@@ -270,13 +273,13 @@ static void lose_socket(robot *robot, roburoc4_result why, gate_time now) {
     robot->open_us = now.us + REOPEN_US;
     (void)roburoc4_client_stop(&robot->client, now.us);
     gate_hold(&robot->gate, now.us);
-    (void)roburoc4_udp_transmit_all(&robot->udp, &robot->client); /* it may still send */
+    (void)roburoc4_udp_transmit_all(&robot->udp, &robot->client); /* it may still be able to send */
     watch_set(robot->number, -1);
     (void)roburoc4_udp_close(&robot->udp);
 }
 
-/* Each datagram is published before the next is read, so that no status is missed. What the client
- * has to send goes out in between. */
+/* Each datagram is published before the next is read, so that no status is skipped. The client may
+ * send in between. */
 static void receive(robot *robot) {
     for (uint32_t count = 0; count < ROBUROC4_UDP_BURST; count++) {
         const uint8_t *datagram = NULL;
@@ -304,7 +307,8 @@ static void receive(robot *robot) {
     }
 }
 
-/* Without a socket the client goes on, so that it notices the silence; what it sends is dropped. */
+/* Without a socket the client keeps running, so that it notices the silence; what it sends is
+ * dropped. */
 static void transmit(robot *robot, gate_time now) {
     uint8_t dropped[ROBUROC4_MAX_TRANSMIT];
     if (roburoc4_udp_transmit_all(&robot->udp, &robot->client) == ROBUROC4_ERR_CLOSED) {
@@ -319,7 +323,7 @@ static void transmit(robot *robot, gate_time now) {
 
 /* ---------------------------------------------------------------------------- other bridges --- */
 
-/* "HOST PROCESS": whether both run on the same host. */
+/* Whether two names "HOST PROCESS" have the same host. */
 static bool same_host(const char *one, const char *other) {
     size_t length = strcspn(one, " ");
     return strncmp(one, other, length) == 0 && other[length] == ' ';
@@ -349,7 +353,7 @@ void robot_hear_bridge(robot *robot, const bridge_identity *other, const char *c
     if (robot->other_until_us == 0) {
         char name[100];
         text_for_terminal(name, sizeof name, other->bridge, strlen(other->bridge));
-        log_line(LOG_ERROR, robot->name, "another bridge (%s) %s, too: end one of them", name,
+        log_line(LOG_ERROR, robot->name, "another bridge (%s) also %s: end one of them", name,
                  shares_robot ? "serves this robot" : "publishes on these channels");
         robot->state.due = true;
     }
@@ -399,7 +403,7 @@ static uint64_t deadline_of(const robot_publication *publication, uint32_t perio
     return publication->last_us + (publication->due ? SOONEST_US : period_us);
 }
 
-/* Whether to publish now; if so, it counts as done. */
+/* Whether to publish now; if so, the publication is marked as done. */
 static bool take_due(robot_publication *publication, uint32_t period_us, gate_time now) {
     bool due = now.us >= deadline_of(publication, period_us);
     if (due) {
@@ -415,7 +419,7 @@ void robot_finish(robot *robot) {
         apply_drive(robot, now);
     }
     transmit(robot, now);
-    handle_events(robot, NULL, 0, now); /* what time alone changed */
+    handle_events(robot, NULL, 0, now); /* events that are due to time alone */
     if (take_due(&robot->state, STATE_PERIOD_US, now)) {
         publish_bridge_state(robot, now);
     }
@@ -442,8 +446,8 @@ uint64_t robot_deadline(const robot *robot) {
 /* ----------------------------------------------------------------------------- start and end ---
  */
 
-/* A configuration refuses periods that are too long to drive by, and a bridge may only watch: so it
- * subscribes to each service itself. */
+/* A configuration rejects periods that are too long for driving, but the bridge may only watch. So
+ * it subscribes to each service itself. */
 static void start_client(robot *robot, const roburoc4_config *wanted, uint64_t now_us) {
     roburoc4_config config = *wanted;
     config.subscriptions = 0;
@@ -457,7 +461,7 @@ static void start_client(robot *robot, const roburoc4_config *wanted, uint64_t n
     }
 }
 
-/* Robots that start together publish by turns, so that LCM's buffers do not overflow. */
+/* Robots that start together publish at different times, so that LCM's buffers do not overflow. */
 static void spread(robot_publication *publication, uint32_t period_us, const robot *robot,
                    uint64_t now_us) {
     uint64_t turn_us = (uint64_t)period_us * robot->number / OPTIONS_MAX_ROBOTS;

@@ -7,7 +7,7 @@ static bool is_continuation(uint8_t byte) {
     return (byte & 0xC0u) == 0x80u;
 }
 
-/* Bytes of the UTF-8 character at the start of a text, or 0 where none is there. */
+/* Bytes of the UTF-8 character at the start of a text, or 0 if there is none. */
 static size_t character(const uint8_t *text, size_t length) {
     uint8_t lead = text[0];
     size_t size = lead < 0x80 ? 1 : lead < 0xC2 ? 0 : lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
@@ -19,7 +19,7 @@ static size_t character(const uint8_t *text, size_t length) {
             return 0;
         }
     }
-    /* Overlong forms, surrogates, and what lies beyond Unicode. */
+    /* Overlong forms, surrogates, and code points beyond Unicode. */
     bool bad = (lead == 0xE0 && text[1] < 0xA0) || (lead == 0xED && text[1] > 0x9F) ||
                (lead == 0xF0 && text[1] < 0x90) || (lead == 0xF4 && text[1] > 0x8F);
     return bad ? 0 : size;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Texts of unknown origin made fit for LCM, whose strings are UTF-8 that ends with a NUL.
+ * Makes texts of unknown origin fit for LCM, whose strings are UTF-8 with a NUL at the end.
  */
 #ifndef ROBUROC4_LCM_TEXT_H
 #define ROBUROC4_LCM_TEXT_H
@@ -15,10 +15,10 @@ extern "C" {
 
 /* Whether `length` bytes are UTF-8 without a NUL. */
 bool text_is_utf8(const uint8_t *text, size_t length);
-/* Copy a text into `room` (1 byte or more) with a NUL, cut at the first NUL or where room ends,
- * never within a character. What is not UTF-8 is taken for Latin-1. */
+/* Copy a text into `room` (1 byte or more) with a NUL. It is cut at its first NUL or where room
+ * ends, but never within a character. Text that is not UTF-8 is taken for Latin-1. */
 void text_copy(char *room, size_t capacity, const uint8_t *text, size_t length);
-/* The same text with '?' for each control byte, so that no sender commands the terminal. */
+/* The same text with '?' for each control byte, so that no sender can control the terminal. */
 void text_for_terminal(char *room, size_t capacity, const char *text, size_t length);
 
 #ifdef __cplusplus

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Waiting for sockets by number: epoll, whose cost does not grow with their count, or poll() where
- * there is none.
+ * Waits for sockets by number: with epoll, whose cost does not grow with their count, or with
+ * poll() where there is no epoll.
  */
 #ifndef ROBUROC4_LCM_WATCH_H
 #define ROBUROC4_LCM_WATCH_H
@@ -11,16 +11,16 @@
 
 #include "options.h"
 
-/* LCM, and each robot. */
+/* One for LCM and one for each robot. */
 #define WATCH_MAX (OPTIONS_MAX_ROBOTS + 1)
 
-/* False where the system has none. */
+/* Returns false if the system has no means to wait. */
 bool watch_begin(void);
-/* Watch this descriptor for `number`, instead of its last; -1: none, to be called before close().
- */
+/* Watch this descriptor for `number` instead of its previous one. -1: none; call this before
+ * close(). */
 void watch_set(uint32_t number, int fd);
-/* Wait until one has something to read, or for wait_ms. The numbers of those that have go into
- * ready[WATCH_MAX]; returns how many. */
+/* Wait until at least one is readable, or for wait_ms. Writes the numbers of the readable ones to
+ * ready[WATCH_MAX] and returns how many there are. */
 uint32_t watch_wait(int wait_ms, uint32_t *ready);
 
 #endif

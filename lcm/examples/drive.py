@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Drive a gentle curve for three seconds, through the bridge, and say why where it refuses.
+"""Drive a gentle curve for three seconds through the bridge, or print why it rejects that.
 
-The sender's name is different for each run: two programs with one name would both drive.
+The sender's name is different for each run: two programs with the same name would both drive.
 """
 
 import sys
@@ -27,8 +27,8 @@ listen(1)  # a bridge that has just started drives only after a pause
 if not states:
     sys.exit("drive.py: no bridge on this LCM network: start roburoc4-lcm with --enable-drive")
 for _ in range(60):
-    command.utime = time.time_ns() // 1000  # the bridge refuses what is old
+    command.utime = time.time_ns() // 1000  # old commands are rejected
     network.publish("ROBUROC4_DRIVE_CMD", command.encode())
     listen(0.05)  # each command's lease is 300 ms; after the last one the robot stops
     if states[-1].rejected_sender == command.sender:
-        sys.exit(f"drive.py: the bridge refuses to drive: {states[-1].rejected_message}")
+        sys.exit(f"drive.py: the bridge rejects the command: {states[-1].rejected_message}")

@@ -1,13 +1,13 @@
 % SPDX-License-Identifier: MIT
 %
-% Drive a gentle curve for three seconds through roburoc4-lcm, and plot the way by odometry.
+% Drive a gentle curve for three seconds through roburoc4-lcm, and plot the path by odometry.
 %
-% In MATLAB, or in GNU Octave, through LCM's Java. Once, before:
+% In MATLAB or GNU Octave, through LCM's Java interface. First, once:
 %
-%   javaaddpath('/path/to/lcm.jar')                  % of LCM; PyPI's wheel has it in share/java
-%   javaaddpath('/path/to/lcmtypes_roburoc4.jar')    % of roburoc4, in share/java
+%   javaaddpath('/path/to/lcm.jar')                  % from LCM; PyPI's wheel has it in share/java
+%   javaaddpath('/path/to/lcmtypes_roburoc4.jar')    % from roburoc4, in share/java
 %
-% and in the shell that starts MATLAB, LCM_DEFAULT_URL where it is not LCM's own default.
+% and, unless LCM's default is right, LCM_DEFAULT_URL in the shell that starts MATLAB.
 
 network = javaMethod('getSingleton', 'lcm.lcm.LCM');
 poses = javaObject('lcm.lcm.MessageAggregator');
@@ -15,14 +15,15 @@ poses.setMaxMessages(1000);
 network.subscribe('ROBUROC4_LOCALIZATION', poses);
 
 command = javaObject('roburoc4_lcm.drive_command_t');
-% A name of its own: two programs with one name would both drive.
+% A unique name: two programs with the same name would both drive.
 id = javaMethod('randomUUID', 'java.util.UUID');
 command.sender = ['drive_lcm.m ', char(id.toString())];
 command.linear_m_s = 0.3;
 command.angular_rad_s = 0.2;
 
 for step = 1:60
-    % The bridge refuses what is old; a command's lease is 300 ms, after the last one it stops.
+    % The bridge rejects old commands. A command's lease is 300 ms; after the last one the robot
+    % stops.
     command.utime = javaMethod('currentTimeMillis', 'java.lang.System') * 1000;
     network.publish('ROBUROC4_DRIVE_CMD', command);
     pause(0.05);

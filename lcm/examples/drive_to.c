@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
- * drive_to: drive to a point of the robot's own frame, by its odometry, through roburoc4-lcm.
+ * drive_to: drive to a point in the robot's own frame, by its odometry, through roburoc4-lcm.
  *
  *     drive_to X_M Y_M [CHANNEL_PREFIX]
  *
- * A move of roburoc4_move.h, which is shown what the bridge publishes, and whose speeds are
- * commanded on ROBUROC4_DRIVE_CMD. It waits until the bridge reports that the robot can be driven,
- * and prints the messages of ROBUROC4_BRIDGE_STATE. When the robot is stopped, overridden or lost,
- * or something is in the way, it ends: a person decides whether to go on. It steers by fresh
- * statuses only: those of a log that somebody replays would send the real robot to a wrong place.
- * LCM's network is that of $LCM_DEFAULT_URL. Exit status: 0 arrived, 1 stopped, no statuses, or not
- * in time, 2 bad usage.
+ * Runs a move of roburoc4_move.h on the statuses that the bridge publishes, and commands its speeds
+ * on ROBUROC4_DRIVE_CMD. It waits until the bridge reports that the robot can be driven, and prints
+ * the messages of ROBUROC4_BRIDGE_STATE. It ends when the robot is stopped, overridden or lost, or
+ * when something is in the way; a person then decides whether to continue. It steers only by fresh
+ * statuses, because those of a replayed log would send the real robot to a wrong place. The LCM
+ * network is $LCM_DEFAULT_URL. Exit status: 0 arrived, 1 stopped, no statuses, or timed out, 2 bad
+ * usage.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <lcm/lcm.h>
@@ -26,20 +26,20 @@
 
 #define SILENCE_US 2000000
 #define LOOK_MS 50
-#define SPEEDS_US 250000 /* age of the speeds up to which it commands */
-/* A status that is further from now than this is not fresh. */
+#define SPEEDS_US 250000 /* it commands only while the speeds are younger */
+/* A status that is further from the current time is not fresh. */
 #define FRESH_US 500000
 
 typedef struct trip {
     lcm_t *lcm;
     char command_channel[64], sender[64];
-    int64_t heard_us;                /* when the last fresh speeds came */
+    int64_t heard_us;                /* when the last fresh speeds arrived */
     int64_t speeds_us, distances_us; /* when the last fresh ones were measured */
     roburoc4_move move;
     roburoc4_move_view view;
-    int moved;                  /* a speed was asked for */
-    int ready, driven, stopped; /* it can be driven, it was, and it is no more */
-    char message[256];          /* the last one of the bridge */
+    int moved;                  /* a speed was commanded */
+    int ready, driven, stopped; /* it can be driven; it was driven; then it no longer could */
+    char message[256];          /* the bridge's last message */
 } trip;
 
 static int64_t now_us(void) {
@@ -58,7 +58,7 @@ static void drive(trip *trip, double linear_m_s, double angular_rad_s) {
         .sender = trip->sender,
         .linear_m_s = linear_m_s,
         .angular_rad_s = angular_rad_s,
-        .lease_us = 200000, /* a hung program stops the robot that soon */
+        .lease_us = 200000, /* a hung program stops the robot after this time */
     };
     (void)roburoc4_lcm_drive_command_t_publish(trip->lcm, trip->command_channel, &command);
     trip->view.sent_m_s = (float)linear_m_s;
@@ -123,7 +123,7 @@ static void on_bridge_state(const lcm_recv_buf_t *buffer, const char *channel,
     }
 }
 
-/* One look at what came, and the speeds that follow; 0 at the end. */
+/* Handle what has arrived, and command the resulting speeds; 0 at the end. */
 static int step(trip *trip) {
     if (trip->ready == 0) {
         return 1;

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""Turn an LCM log into CSV, one file a channel, and draw the robot's path.
+"""Convert an LCM log to CSV, one file per channel, and draw the robot's path.
 
     python log_to_csv.py lcmlog-2026-11-21.00 run
     python log_to_csv.py lcmlog-2026-11-21.00 run --plot run/path.svg     (needs matplotlib)
 
-makes run/ROBUROC4_LOCALIZATION.csv and so on, with a column for each field, named as in
-lcm/types/*.lcm; lists get a column for each element. What no file name should have, such as the
-slash of LAB/ROBUROC4_LOCALIZATION, becomes ``_``. ``log_utime`` is when lcm-logger heard it.
+writes run/ROBUROC4_LOCALIZATION.csv and so on, with a column for each field, named as in
+lcm/types/*.lcm; lists get a column for each element. Characters that do not belong in a file name,
+such as the slash of LAB/ROBUROC4_LOCALIZATION, become ``_``. ``log_utime`` is when lcm-logger
+received the message.
 """
 
 import argparse
@@ -32,7 +33,7 @@ BY_FINGERPRINT = {kind._get_packed_fingerprint(): kind for kind in TYPES}
 
 
 def columns(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
-    """Name and value of every field, those of lists and of structs in structs one by one."""
+    """Name and value of every field; lists and nested structs are flattened."""
     if hasattr(value, "__slots__"):
         for field in value.__slots__:
             yield from columns(getattr(value, field), f"{name}_{field}" if name else field)
@@ -44,7 +45,7 @@ def columns(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def rows(log: Path) -> Iterator[tuple[str, Any, dict[str, Any]]]:
-    """Channel, type and fields of each message of our types; others are left out."""
+    """Channel, type and fields of each message of our types; others are skipped."""
     for event in lcm.EventLog(str(log), "r"):
         kind = BY_FINGERPRINT.get(event.data[:8])
         if kind is None:
@@ -58,12 +59,12 @@ def rows(log: Path) -> Iterator[tuple[str, Any, dict[str, Any]]]:
 
 
 def file_of(folder: Path, channel: str) -> Path:
-    """Whatever a channel is called, its file is in the folder."""
+    """Return a file in the folder, whatever the channel is called."""
     return folder / (re.sub(r"[^A-Za-z0-9_.-]", "_", channel) + ".csv")
 
 
 def write(log: Path, folder: Path) -> int:
-    """One CSV a channel; its columns are those of all of its rows. How many files there are."""
+    """Write one CSV file per channel, with the columns of all of its rows; return their number."""
     names: dict[Path, dict[str, None]] = {}
     counts: Counter[Path] = Counter()
     for channel, _, row in rows(log):
@@ -76,7 +77,7 @@ def write(log: Path, folder: Path) -> int:
             file = files.enter_context(path.open("w", newline="", encoding="utf-8"))
             tables[path] = csv.DictWriter(file, list(columns_of_it))
             tables[path].writeheader()
-        for channel, _, row in rows(log):  # a second time: logs may be larger than memory
+        for channel, _, row in rows(log):  # a second pass, because logs may be larger than memory
             path = file_of(folder, channel)
             tables[path].writerow(row)
             counts[path] += 1
@@ -86,7 +87,7 @@ def write(log: Path, folder: Path) -> int:
 
 
 def plot(log: Path, picture: Path) -> None:
-    """Draw the way of every robot in the log, by its odometry."""
+    """Draw the path of every robot in the log, by its odometry."""
     import matplotlib as mpl
 
     mpl.use("Agg")
@@ -118,7 +119,7 @@ def plot(log: Path, picture: Path) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("log", type=Path, help="what lcm-logger wrote")
-    parser.add_argument("folder", type=Path, help="where the CSV files go; made if need be")
+    parser.add_argument("folder", type=Path, help="where the CSV files go; created if necessary")
     parser.add_argument("--plot", type=Path, help="draw the path into this .svg or .png")
     options = parser.parse_args()
     if not options.log.is_file():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""After a break nothing resumes by itself: commands that stream on are refused until they pause."""
+"""After an interruption nothing resumes by itself: a stream is rejected until it pauses."""
 
 import signal
 import time
@@ -109,7 +109,7 @@ def test_a_past_cause_is_reported_as_past(robot: Robot, armed: Bridge, plan: Pla
     assert "release" not in armed.state.message
 
 
-def test_a_clock_that_is_set_makes_all_pause(
+def test_after_the_clock_is_set_all_must_pause(
     programs: Programs, robot: Robot, start_bridge: StartBridge, plan: Plan, tmp_path: Path
 ) -> None:
     step = tmp_path / "step"
@@ -185,7 +185,7 @@ def test_a_port_where_nobody_listens_is_reported(start_bridge: StartBridge) -> N
     assert bridge.running
 
 
-def test_commands_for_an_absent_robot_are_refused(
+def test_commands_for_an_absent_robot_are_rejected(
     robot: Robot, start_bridge: StartBridge, plan: Plan
 ) -> None:
     robot.tap.cut = True

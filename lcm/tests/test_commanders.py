@@ -92,7 +92,7 @@ def test_outputs_do_not_prolong_a_pause(robot: Robot, bus: Bus, willing: Bridge)
         until(lambda: willing.statistics.accepted_output > before + 1, "the lamp is switched again")
 
 
-def test_drive_commands_that_are_not_enabled_hold_nothing_up(
+def test_disabled_drive_commands_do_not_delay_others(
     robot: Robot, bus: Bus, start_bridge: Callable[..., Bridge], plan: Plan
 ) -> None:
     bridge = start_bridge("--enable-outputs").connects()

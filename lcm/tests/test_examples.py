@@ -46,7 +46,7 @@ def test_drive_py_says_why_it_does_not_drive(
 
 
 def test_the_lines_of_the_readme_drive(programs: Programs, run: Run, tmp_path: Path) -> None:
-    """As they are there, in a network of their own, which has the robot's port free."""
+    """As printed, in a network namespace in which the robot's port is free."""
     readme = (Programs.checkout() / "README.md").read_text().splitlines()
     simulator = next(line for line in readme if line.startswith("build/bin/roburoc4-sim &"))
     first = next(n for n, line in enumerate(readme) if line.startswith("build/bin/roburoc4-lcm "))
@@ -76,7 +76,7 @@ def test_the_lines_of_the_readme_drive(programs: Programs, run: Run, tmp_path: P
     assert speeds[-1] == pytest.approx(0.0, abs=0.05)
 
 
-def test_the_python_example_has_ten_lines() -> None:
+def test_the_python_example_is_short() -> None:
     text = (EXAMPLES / "drive.py").read_text()
     code = [line for line in text.split('"""')[2].splitlines() if line.strip()]
     assert len(code) <= 25
@@ -245,7 +245,7 @@ def test_no_channel_of_a_log_gets_out_of_the_folder(run: Run, tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("fault", ["no localization", "picture", "folder"])
-def test_what_cannot_be_made_of_a_log_is_reported(run: Run, tmp_path: Path, fault: str) -> None:
+def test_a_log_that_cannot_be_converted_is_reported(run: Run, tmp_path: Path, fault: str) -> None:
     pose = roburoc4_lcm.localization_status_t()
     pose.x_m = math.pi
     # Poses are known by their type, whatever the channel is called.

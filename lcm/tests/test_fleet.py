@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A fleet from a configuration file: each robot has its own settings, and its own faults."""
+"""A fleet from a configuration file: each robot has its own settings and faults."""
 
 import itertools
 import subprocess
@@ -60,7 +60,7 @@ def test_each_robot_has_its_own_permissions(
     assert not bus.of("BLUE_BATTERY")
 
 
-def test_a_name_without_address_is_one_robots_problem(
+def test_a_name_without_address_affects_one_robot(
     start_robot: Callable[..., Robot], start_fleet: StartFleet, bus: Bus
 ) -> None:
     robot = start_robot()
@@ -75,7 +75,7 @@ def test_a_name_without_address_is_one_robots_problem(
     assert (state.robot, state.can_drive) == ("no-such-robot.invalid", False)
 
 
-def test_a_flood_from_one_robot_is_that_robots_problem(
+def test_a_flood_from_one_robot_does_not_affect_others(
     start_robot: Callable[..., Robot], start_fleet: StartFleet, bus: Bus, plan: Plan
 ) -> None:
     robots = start_robot("--robots", "2")
@@ -135,7 +135,7 @@ def test_check_shows_what_would_run(programs: Programs, tmp_path: Path) -> None:
     assert f"{file}:3: speed = 3: no such setting" in done.stderr
 
 
-def test_a_fleet_that_cannot_open_a_socket_goes_on(
+def test_a_fleet_that_cannot_open_a_socket_continues(
     programs: Programs, start_robot: Callable[..., Robot], tmp_path: Path, ends: ExitStack, bus: Bus
 ) -> None:
     robots = start_robot("--robots", "8")

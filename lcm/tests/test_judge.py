@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The judge of lcm/tests/fleet finds what must not be, and nothing else."""
+"""The judge of lcm/tests/fleet finds all violations and nothing else."""
 
 from collections.abc import Callable
 
@@ -79,7 +79,7 @@ def second_sender(robot: Robot) -> None:
         (second_sender, "planner is in control"),
     ],
 )
-def test_what_must_not_be_is_found(fault: Callable[[Robot], None], said: str) -> None:
+def test_violations_are_found(fault: Callable[[Robot], None], said: str) -> None:
     robot = driven()
     fault(robot)
     found = complaints(robot)
@@ -87,7 +87,7 @@ def test_what_must_not_be_is_found(fault: Callable[[Robot], None], said: str) ->
     assert said in found[0]
 
 
-def test_what_came_while_the_bridge_hung_is_old() -> None:
+def test_commands_during_a_hang_are_old() -> None:
     robot = driven(2000)
     robot.asks[0].append(ask(3900))
     robot.speeds.append(Speed(T + 4010 * MS, 0, 0.5, 0.0))

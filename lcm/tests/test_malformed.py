@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Whatever comes in on the LCM port, the bridge goes on, and the robot stays where it is."""
+"""Whatever arrives on the LCM port, the bridge keeps running and the robot does not move."""
 
 import random
 import struct
@@ -30,7 +30,7 @@ def short_packet(channel: bytes, payload: bytes) -> bytes:
     return struct.pack(">II", MAGIC_SHORT, 1) + channel + b"\0" + payload
 
 
-def test_packets_that_are_not_of_lcm_are_survived(robot: Robot, bus: Bus, willing: Bridge) -> None:
+def test_packets_that_are_not_lcm_are_survived(robot: Robot, bus: Bus, willing: Bridge) -> None:
     channel = b"ROBUROC4_DRIVE_CMD"
     good = drive_command(0.5, utime=now_us() + 3_600_000_000).encode()
     packets = [
@@ -64,7 +64,7 @@ def test_packets_that_are_not_of_lcm_are_survived(robot: Robot, bus: Bus, willin
 
 
 @pytest.mark.parametrize("kind", COMMANDS)
-def test_messages_that_are_no_commands_are_counted(
+def test_messages_that_are_not_commands_are_counted(
     robot: Robot, bus: Bus, willing: Bridge, kind: str
 ) -> None:
     good = COMMANDS[kind]().encode()
@@ -124,7 +124,7 @@ def test_bits_that_flip_are_survived(robot: Robot, bus: Bus, willing: Bridge) ->
 
 
 def test_a_fragment_whose_offset_wraps_is_survived(robot: Robot, bus: Bus, willing: Bridge) -> None:
-    """59 bytes in all; they kill LCM 1.3.1, which is in its own code."""
+    """These 59 bytes crash LCM 1.3.1, in its own code."""
     if willing.lcm_version < (1, 5):
         pytest.skip("this liblcm dies of it")
     head = struct.pack(">IIIIHH", MAGIC_LONG, 77, 64, 0, 0, 2)

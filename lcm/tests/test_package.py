@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The Python package of the types, as the wheel brings it."""
+"""The Python package of the types, as the wheel installs it."""
 
 import filecmp
 import importlib.metadata

@@ -73,8 +73,8 @@ def test_version(programs: Programs) -> None:
         (["surplus", "--bad"], "unknown option '--bad'"),
         (["surplus", "-qx"], "unknown option '-x'"),
         (["surplus", "--robot"], "missing after '--robot'"),
-        (["--enable-drive=1"], "no value belongs to '--enable-drive=1'"),
-        (["-r", "A=127.0.0.1", "-r", "B=127.0.0.1:60000"], "A has this address already"),
+        (["--enable-drive=1"], "no value is allowed for '--enable-drive=1'"),
+        (["-r", "A=127.0.0.1", "-r", "B=127.0.0.1:60000"], "A already has this address"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else None,
 )
@@ -132,7 +132,7 @@ def test_the_remedy_helps(programs: Programs, run: Callable[..., Program]) -> No
         "udpm://lab:7667",
     ],
 )
-def test_an_lcm_url_that_is_not_of_multicast_ends_with_2(
+def test_an_lcm_url_that_is_not_multicast_ends_with_2(
     programs: Programs, url: str, by: str
 ) -> None:
     """LCM's other networks wait within LCM: no zero, and no end on SIGTERM."""
@@ -147,7 +147,7 @@ def test_an_lcm_url_that_is_not_of_multicast_ends_with_2(
 
 
 @pytest.mark.parametrize("url", ["udpm://", "udpm://?ttl=0", "memq://"])
-def test_short_lcm_urls_are_taken(
+def test_short_lcm_urls_are_accepted(
     programs: Programs, run: Callable[..., Program], url: str
 ) -> None:
     bridge = run(programs("roburoc4-lcm"), "-r", "127.0.0.1:9", "-l", url)
@@ -173,7 +173,7 @@ def test_a_lost_route_is_logged_once_and_so_is_its_return(
 
 
 @pytest.mark.parametrize(("option", "lines"), [("-q", 0), ("", 1), ("-v", 3)])
-def test_quiet_tells_nothing_and_verbose_tells_each_rejection(
+def test_quiet_logs_nothing_and_verbose_logs_each_rejection(
     start_bridge: StartBridge, bus: Bus, option: str, lines: int
 ) -> None:
     bridge = start_bridge("--enable-drive", *option.split()).connects()
@@ -185,7 +185,7 @@ def test_quiet_tells_nothing_and_verbose_tells_each_rejection(
     assert bool(bridge.output) == (option != "-q")
 
 
-def test_an_old_lcm_is_warned_of(start_bridge: StartBridge) -> None:
+def test_an_old_lcm_is_reported(start_bridge: StartBridge) -> None:
     bridge = start_bridge()
     bridge.says("bridging")
     assert ("older than 1.5" in bridge.output) == (bridge.lcm_version < (1, 5))

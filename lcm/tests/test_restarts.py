@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A bridge that starts anew, a second bridge, and a socket that breaks."""
+"""A restarted bridge, a second bridge, and a broken socket."""
 
 import signal
 import time
@@ -66,7 +66,7 @@ def test_two_bridges_on_the_same_channels_notice_each_other(
     second.says("another bridge")
 
 
-def test_bridges_for_two_robots_do_not_mind_each_other(
+def test_bridges_for_different_robots_report_no_conflict(
     start_robot: Callable[..., Robot], start_bridge: StartBridge
 ) -> None:
     first = start_bridge().connects()
@@ -75,10 +75,10 @@ def test_bridges_for_two_robots_do_not_mind_each_other(
     assert "another bridge" not in first.output + second.output
 
 
-def test_a_robot_without_a_socket_is_tried_again(
+def test_a_robot_without_a_socket_is_retried(
     programs: Programs, robot: Robot, tmp_path: Path, ends: ExitStack, bus: Bus
 ) -> None:
-    """No socket may talk to the broadcast address."""
+    """No socket can be connected to the broadcast address."""
     bridge = Bridge(
         programs, tmp_path, bus, f"A={robot.address}", "--robot=B=255.255.255.255", "--quiet"
     )
@@ -94,7 +94,7 @@ def test_a_robot_without_a_socket_is_tried_again(
     assert bridge.output.count("no socket") == 1, "logged once"
 
 
-def test_one_broken_socket_is_the_loss_of_one_robot(
+def test_a_broken_socket_affects_one_robot(
     programs: Programs,
     start_robot: Callable[..., Robot],
     tmp_path: Path,

@@ -142,7 +142,7 @@ def test_messages_are_no_larger_than_they_need_to_be(
             assert len(message.data) <= size, end
 
 
-def test_rates_are_those_that_were_asked_for(
+def test_rates_are_those_that_were_requested(
     robot: Robot, bus: Bus, start_bridge: StartBridge
 ) -> None:
     start_bridge("--period", "localization=20", "--period=battery=200").connects()
@@ -170,7 +170,7 @@ def test_a_bridge_that_watches_may_be_slow(
     assert {b - a for a, b in itertools.pairwise(times)} == {60}
 
 
-def test_the_bridge_tells_of_itself_five_times_a_second(
+def test_the_bridge_publishes_its_state_five_times_a_second(
     robot: Robot, bus: Bus, start_bridge: StartBridge
 ) -> None:
     bridge = start_bridge().connects()
@@ -191,7 +191,7 @@ def test_the_bridge_tells_of_itself_five_times_a_second(
     assert abs(status.utime - bus.of("ROBUROC4_BRIDGE_STATE")[-1].time_us) < 1_000_000
 
 
-def test_statuses_that_are_no_news_are_not_republished(
+def test_old_statuses_are_not_republished(
     robot: Robot, bus: Bus, start_bridge: StartBridge
 ) -> None:
     start_bridge().connects()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Anyone can stop the robot at any time, and nobody keeps others from driving by zeros."""
+"""Anyone can stop the robot at any time, and zeros do not keep others from driving."""
 
 import signal
 import time
@@ -96,7 +96,7 @@ def test_a_bridge_that_only_watches_stops_the_robot_too(
     assert robot.tap.moves() == []
 
 
-def test_zeros_of_an_idle_joystick_keep_nobody_out(
+def test_zeros_of_an_idle_joystick_take_no_control(
     robot: Robot, bus: Bus, armed: Bridge, plan: Plan
 ) -> None:
     plan(sender="joystick", linear=0.0)
@@ -110,7 +110,7 @@ def test_zeros_of_an_idle_joystick_keep_nobody_out(
     assert all(command.moves for command in commands)
 
 
-def test_a_zero_of_who_drives_gives_up_control(robot: Robot, bus: Bus, armed: Bridge) -> None:
+def test_a_zero_gives_up_control(robot: Robot, bus: Bus, armed: Bridge) -> None:
     bus.publish(DRIVE, drive_command(0.5, sender="first", lease_us=300_000).encode())
     until(robot.tap.moves, "the first drives")
     bus.publish(DRIVE, drive_command(0.0, sender="first", lease_us=300_000).encode())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""However somebody falls silent, the robot stands: measured where the robot hears it."""
+"""Whatever falls silent, the robot stands: measured on the robot's side of the wire."""
 
 import contextlib
 import os
@@ -95,7 +95,7 @@ def test_a_signal_ends_the_bridge_with_zeros_within_a_second(
 
 
 @pytest.mark.parametrize("reader", ["hangs", "is gone"])
-def test_a_log_that_nobody_reads_does_not_hold_up_a_stop(
+def test_a_log_that_nobody_reads_does_not_delay_a_stop(
     programs: Programs,
     robot: Robot,
     bus: Bus,
@@ -142,10 +142,10 @@ MAX_AGES = pytest.mark.parametrize("options", [[], ["--max-age=0"]], ids=["max-a
 
 
 @MAX_AGES
-def test_what_a_hung_bridge_missed_is_not_driven_later(
+def test_commands_missed_by_a_hung_bridge_are_not_driven(
     robot: Robot, start_bridge: StartBridge, plan: Plan, options: list[str]
 ) -> None:
-    """Here all that disarms helps, too; in the next tests only how long the bridge hung."""
+    """Other causes of disarming help here; in the next tests only the length of the hang counts."""
     bridge = start_bridge("--enable-drive", *options).arms()
     planner = plan(linear=0.5, rate=100)
     drives(robot)
@@ -177,7 +177,7 @@ def test_a_lease_runs_while_the_bridge_is_hung(
 
 
 @MAX_AGES
-def test_time_in_which_the_bridge_hung_is_no_pause(
+def test_time_in_which_the_bridge_hung_is_not_a_pause(
     robot: Robot, bus: Bus, start_bridge: StartBridge, plan: Plan, options: list[str]
 ) -> None:
     bridge = start_bridge("--enable-drive", *options).arms()
@@ -232,7 +232,7 @@ def test_the_last_of_what_came_while_the_bridge_was_hung_counts(
     assert counted.accepted_drive + counted.superseded == 151
 
 
-def test_a_flood_of_commands_does_not_hold_up_a_stop(robot: Robot, bus: Bus, armed: Bridge) -> None:
+def test_a_flood_of_commands_does_not_delay_a_stop(robot: Robot, bus: Bus, armed: Bridge) -> None:
     end_us = now_us() + 1_500_000
     while now_us() < end_us:
         for _ in range(50):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""C and Python mean the same by each type."""
+"""C and Python agree about each type."""
 
 import random
 import string
@@ -36,7 +36,7 @@ def value_of(luck: random.Random, kind: str) -> Any:
 
 
 def message_of(luck: random.Random, name: str) -> Any:
-    """A message of this type with values that are unlikely to come about by mistake."""
+    """A message of this type with values that a mistake is unlikely to produce."""
     kind = getattr(roburoc4_lcm, name)
     message = kind()
     counts = {dimension[0] for dimension in kind.__dimensions__ if dimension}

@@ -715,7 +715,7 @@ TEST(GateReason, EachVerdictHasItsOwn) {
     EXPECT_EQ(static_cast<std::size_t>(GATE_VERDICTS - 1), reasons.size());
     EXPECT_EQ(1U, reasons.count("by its stamp it is 1.000 s old (--max-age 200 ms): a replayed "
                                 "log, a slow network, or clocks that differ: set both by NTP "
-                                "(--max-age 0 takes all ages, replays too)"));
+                                "(--max-age 0 accepts all ages, including replays)"));
 }
 
 /* ---------------------------------------------------------------------------------- oracle --- */

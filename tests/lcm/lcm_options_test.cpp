@@ -117,7 +117,7 @@ TEST(LcmOptions, TakeValuesInEveryForm) {
     EXPECT_EQ(nullptr, roburoc4_config_error(&r.out->robots[0].config));
 }
 
-TEST(LcmOptions, RefuseWhatCannotBeMeantAndNameIt) {
+TEST(LcmOptions, RejectInvalidValuesAndNameThem) {
     const struct {
         std::vector<std::string> arguments;
         const char *named;
@@ -126,8 +126,8 @@ TEST(LcmOptions, RefuseWhatCannotBeMeantAndNameIt) {
         {{"-x"}, "-x"},
         {{"stray"}, "stray"},
         {{"--robot"}, "--robot"},
-        {{"-r", "a", "-r", "b"}, "need a name"},
-        {{"-r", "A=a", "-r", "A=b"}, "this name already"},
+        {{"-r", "a", "-r", "b"}, "each needs a name"},
+        {{"-r", "A=a", "-r", "A=b"}, "already is a robot with this name"},
         {{"-r", "A=a", "-p", "B"}, "--prefix B"},
         {{"-r", "A.B=a"}, "A.B"},
         {{"-r", "=a"}, "name is missing"},
@@ -235,7 +235,7 @@ TEST(LcmConfigFile, ErrorsNameTheLineAndTheRemedy) {
     const struct {
         const char *text, *error;
     } cases[] = {
-        {"address = 10.0.0.1\n", "fleet.ini:1: a section is missing"},
+        {"address = 10.0.0.1\n", "fleet.ini:1: a section such as"},
         {"[RED\n", "fleet.ini:1: a section's name ends with ]"},
         {"[RED]\nadress = 10.0.0.1\n", "fleet.ini:2: adress = 10.0.0.1: no such setting"},
         {"[RED]\nenable-drive\n", "fleet.ini:2: enable-drive: no such setting"},
@@ -245,12 +245,12 @@ TEST(LcmConfigFile, ErrorsNameTheLineAndTheRemedy) {
          "fleet.ini:2: command-timeout = 5: give milliseconds, 20 to 1000"},
         {"[RED]\nperiod.lidar = 50\n", "fleet.ini:2: period.lidar = 50: give SERVICE=MS"},
         {"[RED]\nchannel.STOP_CMD = HALT\n", "fleet.ini:2: channel.STOP_CMD = HALT: names of"},
-        {"[RED]\nlcm-url = udpm://\n", "fleet.ini:2: lcm-url = udpm://: stands in [DEFAULT]"},
-        {"[DEFAULT]\naddress = 10.0.0.1\n", "fleet.ini:2: address = 10.0.0.1: stands in"},
-        {"[RED]\naddress = a\n[RED]\n", "fleet.ini:3: [RED]: there is a robot of this name"},
-        {"[RED]\naddress = a\n[DEFAULT]\n", "fleet.ini:3: [DEFAULT]: what holds for all"},
+        {"[RED]\nlcm-url = udpm://\n", "fleet.ini:2: lcm-url = udpm://: put it into [DEFAULT]"},
+        {"[DEFAULT]\naddress = 10.0.0.1\n", "fleet.ini:2: address = 10.0.0.1: put it into"},
+        {"[RED]\naddress = a\n[RED]\n", "fleet.ini:3: [RED]: there already is a robot"},
+        {"[RED]\naddress = a\n[DEFAULT]\n", "fleet.ini:3: [DEFAULT]: put [DEFAULT], which"},
         {"[A B]\n", "fleet.ini:1: 'A B' cannot be the start"},
-        {"[]\naddress = a\n", "fleet.ini:1: a section is missing"},
+        {"[]\naddress = a\n", "fleet.ini:1: a section such as"},
         {"[RED]\naddress =\n", "fleet.ini:2: address = : give HOST"},
         {"[RED]\n\n[BLUE]\naddress = b\n", "fleet.ini:1: [RED]: address is missing"},
         {"[BLUE]\naddress=b\nenable-drive=yes\nperiod.iocard=500\n",

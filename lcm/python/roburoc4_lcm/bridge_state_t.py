@@ -10,8 +10,8 @@ import struct
 
 class bridge_state_t(object):
     """
-    What is true now of the bridge and its robot, five times a second and soon after a change. Other
-    bridges read the first fields to notice one another. Channel ROBUROC4_BRIDGE_STATE.
+    The state of the bridge and its robot, five times a second and soon after a change. Bridges read
+    the first fields of one another to notice that they serve the same robot. Channel ROBUROC4_BRIDGE_STATE.
     """
 
     __slots__ = ["utime", "robot", "bridge", "started_utime", "state", "cause", "faults", "message", "can_drive", "armed", "driving", "stopping", "waiting", "stopped", "stopped_by", "override_known", "overridden", "control_owner", "lease_left_us", "command_age_us", "robot_age_us", "rejected_cause", "rejected_sender", "rejected_utime", "rejected_message", "drive_enabled", "outputs_enabled", "relocalize_enabled", "command_timeout_us", "max_age_us"]
@@ -27,7 +27,7 @@ class bridge_state_t(object):
     STATE_SUBSCRIBING = 3
     STATE_READY = 4
     STATE_LOST = 5
-    """ Was connected, fell silent """
+    """ The robot was connected, then fell silent """
     STATE_CLOSING = 6
     """ The bridge is ending """
     FAULT_REFUSED = 0x0001
@@ -43,20 +43,20 @@ class bridge_state_t(object):
     FAULT_NETWORK = 0x0020
     """ Another error of the network """
     FAULT_SILENT = 0x0040
-    """ No datagram of the robot for a second """
+    """ No datagram from the robot for a second """
     FAULT_SOCKET = 0x0080
-    """ The bridge has no socket for this robot; it tries again each second """
+    """ The bridge has no socket for this robot; it retries every second """
     FAULT_OTHER_COMMANDER = 0x0100
     """ Another program commands the robot directly """
     FAULT_INHIBITED = 0x0200
-    """ Asked to move, but stands: emergency stop, brakes, bumper """
+    """ Commanded to move, but does not: emergency stop, brakes, bumper """
     FAULT_FRONT_BUMPER = 0x0400
     FAULT_REAR_BUMPER = 0x0800
     FAULT_BATTERY_LOW = 0x1000
     FAULT_OTHER_BRIDGE = 0x2000
     """ Another bridge serves the same robot, or publishes on the same channels """
     REJECTED_MALFORMED = 1
-    """ As counted in bridge_statistics_t: not a message of the channel's type """
+    """ Not a message of the channel's type. Causes as in bridge_statistics_t """
     REJECTED_DISABLED = 2
     """ The bridge was not started to obey this kind of command """
     REJECTED_SENDER = 3
@@ -66,9 +66,9 @@ class bridge_state_t(object):
     REJECTED_NOT_FINITE = 5
     """ NaN or infinity """
     REJECTED_STARTING = 6
-    """ Sent before the bridge started, or too soon after that to be sure """
+    """ Sent before the bridge started, or so soon after that this is not certain """
     REJECTED_TOO_OLD = 7
-    """ Older than max_age_us, or its lease had ended before it was read """
+    """ Older than max_age_us, or its lease ended before it was read """
     REJECTED_IN_FUTURE = 8
     """ More than max_age_us in the future """
     REJECTED_REPEATED = 9
@@ -127,7 +127,7 @@ class bridge_state_t(object):
 
         self.message = ""
         """
-        All of this in a sentence, for people
+        The state as a sentence, for people
         LCM Type: string
         """
 
@@ -141,7 +141,7 @@ class bridge_state_t(object):
         """ LCM Type: boolean """
         self.driving = False
         """
-        A command's lease has not ended yet
+        The lease of a drive command is running
         LCM Type: boolean
         """
 
@@ -153,13 +153,13 @@ class bridge_state_t(object):
 
         self.waiting = False
         """
-        Drive commands are refused until nobody has asked for a speed for 500 ms
+        Drive commands are rejected until nobody has asked for a speed for 500 ms
         LCM Type: boolean
         """
 
         self.stopped = False
         """
-        Stopped by ROBUROC4_STOP_CMD; no drive command was obeyed since
+        Stopped by ROBUROC4_STOP_CMD, and no drive command was obeyed since
         LCM Type: boolean
         """
 
@@ -171,7 +171,7 @@ class bridge_state_t(object):
 
         self.override_known = False
         """
-        `overridden` means something
+        Whether `overridden` is known
         LCM Type: boolean
         """
 
@@ -183,25 +183,25 @@ class bridge_state_t(object):
 
         self.control_owner = ""
         """
-        The sender in control, until its lease ends; "" for nobody
+        The sender in control until its lease ends; "" if there is none
         LCM Type: string
         """
 
         self.lease_left_us = 0
         """
-        What is left of the lease of the last drive command; 0 when not driving
+        Time left of the lease of the last drive command; 0 when not driving
         LCM Type: int32_t
         """
 
         self.command_age_us = 0
         """
-        Since the last command that was obeyed arrived; -1 before the first
+        Time since the last obeyed command arrived; -1 before the first
         LCM Type: int64_t
         """
 
         self.robot_age_us = 0
         """
-        Since the last datagram of the robot; -1 before the first
+        Time since the robot's last datagram; -1 before the first
         LCM Type: int64_t
         """
 
@@ -213,19 +213,19 @@ class bridge_state_t(object):
 
         self.rejected_sender = ""
         """
-        Its sender; "" where it has none
+        Its sender; "" if it has none
         LCM Type: string
         """
 
         self.rejected_utime = 0
         """
-        Its own utime; 0 where it has none
+        Its utime; 0 if it has none
         LCM Type: int64_t
         """
 
         self.rejected_message = ""
         """
-        The cause and what to do, in a sentence for people
+        The cause and the remedy as a sentence, for people
         LCM Type: string
         """
 
@@ -241,7 +241,7 @@ class bridge_state_t(object):
         """ LCM Type: boolean """
         self.command_timeout_us = 0
         """
-        The longest lease, and that of a command without its own
+        The longest lease, and the default of commands without one
         LCM Type: int32_t
         """
 

@@ -11,7 +11,7 @@ import struct
 class bridge_statistics_t(object):
     """
     Counters since the bridge started, and the quality of its link to the robot: each second, and
-    soon after a command was rejected for another reason than before. Channel ROBUROC4_BRIDGE_STATISTICS.
+    soon after a command was rejected for a new reason. Channel ROBUROC4_BRIDGE_STATISTICS.
     """
 
     __slots__ = ["utime", "robot", "accepted_drive", "accepted_relocalize", "accepted_output", "accepted_stop", "superseded", "clamped", "rejected_malformed", "rejected_disabled", "rejected_sender", "rejected_no_utime", "rejected_not_finite", "rejected_starting", "rejected_too_old", "rejected_in_future", "rejected_repeated", "rejected_control", "rejected_not_ready", "rejected_disarmed", "rejected_impossible", "round_trip_us", "round_trip_min_us", "received", "lost", "loss", "times_lost", "reboots", "published", "publish_errors"]
@@ -47,19 +47,19 @@ class bridge_statistics_t(object):
         """ LCM Type: int64_t """
         self.superseded = 0
         """
-        Drive commands that were fine, but a newer one was there already
+        Valid drive commands that were dropped for a newer one
         LCM Type: int64_t
         """
 
         self.clamped = 0
         """
-        Of accepted_drive: reduced to the robot's limits, or to the bridge's
+        Those of accepted_drive whose speeds were reduced to the limits
         LCM Type: int64_t
         """
 
         self.rejected_malformed = 0
         """
-        Commands that were rejected, by cause: not a message of the channel's type
+        Rejected commands by cause: not a message of the channel's type
         LCM Type: int64_t
         """
 
@@ -89,13 +89,13 @@ class bridge_statistics_t(object):
 
         self.rejected_starting = 0
         """
-        Sent before the bridge started, or too soon after that to be sure
+        Sent before the bridge started, or so soon after that this is not certain
         LCM Type: int64_t
         """
 
         self.rejected_too_old = 0
         """
-        Older than --max-age, or its lease had ended before it was read
+        Older than --max-age, or its lease ended before it was read
         LCM Type: int64_t
         """
 
@@ -107,7 +107,7 @@ class bridge_statistics_t(object):
 
         self.rejected_repeated = 0
         """
-        `utime` is not later than the sender's last: a replay, or reordered
+        `utime` is not later than the sender's last: replayed or reordered
         LCM Type: int64_t
         """
 
@@ -145,7 +145,7 @@ class bridge_statistics_t(object):
         """ LCM Type: int32_t """
         self.received = 0
         """
-        Statuses of all services that arrived, and those that should have but did not
+        Statuses of all services that arrived, and those that were lost
         LCM Type: int64_t
         """
 
@@ -159,19 +159,19 @@ class bridge_statistics_t(object):
 
         self.times_lost = 0
         """
-        Times that the robot fell silent
+        How often the robot fell silent
         LCM Type: int64_t
         """
 
         self.reboots = 0
         """
-        Times that it restarted
+        How often it restarted
         LCM Type: int64_t
         """
 
         self.published = 0
         """
-        Messages given to LCM, and those that it did not take
+        Messages published, and those that LCM did not accept
         LCM Type: int64_t
         """
 

@@ -20,19 +20,19 @@ class differential_status_t(object):
     def __init__(self):
         self.utime = 0
         """
-        Of the robot's measurement on the bridge's clock, microseconds since 1970
+        When the robot measured this, on the bridge's clock: microseconds since 1970
         LCM Type: int64_t
         """
 
         self.robot_cycles = 0
         """
-        Of the same moment on the robot's clock, 10 ms each since power on
+        The same moment on the robot's clock: cycles of 10 ms since power on
         LCM Type: int64_t
         """
 
         self.target_linear_m_s = 0.0
         """
-        Asked for; forward is positive
+        Commanded; forward is positive
         LCM Type: float
         """
 
@@ -44,7 +44,7 @@ class differential_status_t(object):
 
         self.target_angular_rad_s = 0.0
         """
-        Asked for; counter-clockwise is positive
+        Commanded; counter-clockwise is positive
         LCM Type: float
         """
 

@@ -30,8 +30,8 @@ class drive_command_t(object):
 
         self.sender = ""
         """
-        Who sends: 1 to 63 bytes, different for every run of a program, for example with host and
-        process id in it: two programs with one name share control, and both drive
+        The sender: 1 to 63 bytes, different for every run of a program, for example with host and
+        process id: programs with the same name share control, and both drive
         LCM Type: string
         """
 
@@ -49,7 +49,7 @@ class drive_command_t(object):
 
         self.lease_us = 0
         """
-        0 or less: the bridge's --command-timeout, which also is the longest
+        0 or less: the bridge's --command-timeout, which is also the maximum
         LCM Type: int32_t
         """
 

@@ -10,8 +10,8 @@ import struct
 
 class output_command_t(object):
     """
-    Set outputs of the IO card, all of them or (where one does not exist) none. Outputs that are not
-    named keep what the bridge sent last; outputs that were never set are 0. Where an index comes
+    Set outputs of the IO card: all of them, or none if one does not exist. Outputs that are not
+    named keep the bridge's last value; outputs that were never set are 0. If an index occurs
     twice, the later one counts. At most 64 digital and 16 analog ones. Channel ROBUROC4_OUTPUT_CMD.
     """
 
@@ -30,7 +30,7 @@ class output_command_t(object):
 
         self.sender = ""
         """
-        Who sends: 1 to 63 bytes, different for every program
+        The sender: 1 to 63 bytes, different for every program
         LCM Type: string
         """
 

@@ -9,7 +9,7 @@ from io import BytesIO
 import struct
 
 class relocalize_command_t(object):
-    """ Tell the robot where it is. Channel ROBUROC4_RELOCALIZE_CMD. """
+    """ Set the robot's pose. Channel ROBUROC4_RELOCALIZE_CMD. """
 
     __slots__ = ["utime", "sender", "x_m", "y_m", "theta_rad"]
 
@@ -26,7 +26,7 @@ class relocalize_command_t(object):
 
         self.sender = ""
         """
-        Who sends: 1 to 63 bytes, different for every program
+        The sender: 1 to 63 bytes, different for every program
         LCM Type: string
         """
 

@@ -93,7 +93,7 @@ class robot_properties_t(object):
 
         self.minimum_percent = 0
         """
-        Below it the battery cannot operate
+        The battery cannot operate below this
         LCM Type: int32_t
         """
 
@@ -103,7 +103,7 @@ class robot_properties_t(object):
         """ LCM Type: int32_t """
         self.telemeters = []
         """
-        The distance is the last one
+        With the last distances
         LCM Type: roburoc4_lcm.telemeter_t[telemeter_count]
         """
 
@@ -150,7 +150,7 @@ class robot_properties_t(object):
 
         self.service_names = []
         """
-        The manual's; "" for a service that is not in it
+        The manual's name; "" for a service that it does not describe
         LCM Type: string[service_count]
         """
 

@@ -10,8 +10,8 @@ import struct
 
 class stop_command_t(object):
     """
-    Stop the robot now, whoever drives it. Obeyed from anyone at any time. It holds until a new drive
-    command after a pause: 500 ms in which nobody asks for a speed. Channel ROBUROC4_STOP_CMD.
+    Stop the robot now, whoever drives it. Obeyed from anyone at any time. It stays stopped until a
+    drive command after a pause: 500 ms in which nobody asks for a speed. Channel ROBUROC4_STOP_CMD.
     """
 
     __slots__ = ["sender"]
@@ -23,7 +23,7 @@ class stop_command_t(object):
     def __init__(self):
         self.sender = ""
         """
-        Who stops; may be ""
+        The sender; may be ""
         LCM Type: string
         """
 

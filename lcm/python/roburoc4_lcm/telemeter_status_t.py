@@ -25,13 +25,13 @@ class telemeter_status_t(object):
     def __init__(self):
         self.utime = 0
         """
-        Of the robot's measurement on the bridge's clock, microseconds since 1970
+        When the robot measured this, on the bridge's clock: microseconds since 1970
         LCM Type: int64_t
         """
 
         self.robot_cycles = 0
         """
-        Of the same moment on the robot's clock, 10 ms each since power on
+        The same moment on the robot's clock: cycles of 10 ms since power on
         LCM Type: int64_t
         """
 

@@ -10,8 +10,8 @@ import struct
 
 class telemeter_t(object):
     """
-    One distance sensor: what it measured, and what a viewer needs to draw it (manual 4.2.2.5). All
-    but the distance are NaN until the robot has reported them.
+    One distance sensor: its measurement and its geometry, for viewers (manual 4.2.2.5). All but the
+    distance are NaN until the robot has reported them.
     """
 
     __slots__ = ["distance_m", "x_m", "y_m", "theta_rad", "field_of_view_rad", "min_distance_m", "max_distance_m"]
@@ -37,7 +37,7 @@ class telemeter_t(object):
         """ LCM Type: float """
         self.theta_rad = 0.0
         """
-        Where it looks: 0 is ahead, counter-clockwise is positive
+        Its direction: 0 is ahead, counter-clockwise is positive
         LCM Type: float
         """
 
@@ -49,7 +49,7 @@ class telemeter_t(object):
 
         self.min_distance_m = 0.0
         """
-        What it can measure
+        Its measuring range
         LCM Type: float
         """
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * To be preloaded: a socket that is connected to the port $BREAK_PORT cannot be read where the file
- * $BREAK_FILE exists, as if it were no socket.
+ * For LD_PRELOAD: a socket that is connected to port $BREAK_PORT cannot be read while the file
+ * $BREAK_FILE exists, as if it were not a socket.
  */
 #define _GNU_SOURCE
 #include <arpa/inet.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * To be preloaded: the wall clock is two seconds behind where the file $CLOCK_STEP_FILE exists.
+ * For LD_PRELOAD: the wall clock is two seconds behind while the file $CLOCK_STEP_FILE exists.
  */
 #define _GNU_SOURCE
 #include <stdlib.h>

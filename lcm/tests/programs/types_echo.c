@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * types_echo: C's side of "C and Python read each other". Without arguments it prints each type and
- * its fingerprint. With the name of a type it decodes the message on its standard input, encodes
- * what it found, and writes that to its standard output; exit status 1 where it is no such message.
+ * types_echo: C's side of the test that C and Python read each other's messages. Without arguments
+ * it prints each type and its fingerprint. With the name of a type it decodes the message on stdin,
+ * encodes the result to stdout, and exits with 1 if it is not such a message.
  */
 #include <stdint.h>
 #include <stdio.h>
@@ -20,7 +20,7 @@
                 type(robot_properties_t) type(stop_command_t) type(telemeter_status_t)             \
                     type(telemeter_t)
 
-/* Decodes `in` and encodes it into `out`: the length, or less than 0. */
+/* Decode `in` and encode it into `out`; returns the length, or a negative value. */
 #define DEFINE_ECHO(name)                                                                          \
     static int echo_##name(const uint8_t *in, int size, uint8_t *out) {                            \
         roburoc4_lcm_##name message;                                                               \

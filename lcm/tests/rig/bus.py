@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""An LCM network of a test's own: an ear that hears everything, and planners that command."""
+"""An LCM network for one test: a listener on all channels, and planners that command."""
 
 import random
 import socket
@@ -29,7 +29,7 @@ OUTPUTS = {
 
 class Message(NamedTuple):
     time_us: int
-    """When this process had it, in epoch microseconds."""
+    """When this process received it, in epoch microseconds."""
     channel: str
     data: bytes
 
@@ -39,7 +39,7 @@ def now_us() -> int:
 
 
 def free_port() -> int:
-    """A port below those that the system gives away, on which nobody listens."""
+    """A free port below the system's ephemeral ports."""
     while True:
         port = random.randrange(20000, 32000)
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
@@ -73,7 +73,7 @@ class Bus:
 
     @contextmanager
     def deaf(self) -> Iterator[None]:
-        """Hear nothing meanwhile: LCM's own Python dies of some packets."""
+        """Stop listening for a while: LCM's Python module crashes on some packets."""
         self.close()
         del self._lcm
         yield
@@ -107,7 +107,7 @@ class Bus:
         until(lambda: self.of(channel), f"a message on {channel}", seconds)
 
     def raw(self, packet: bytes) -> None:
-        """Put a UDP packet on the network as LCM would, whatever it holds."""
+        """Send a UDP packet with any content, as LCM would."""
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as end:
             end.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
             end.sendto(packet, (self.group, self.port))
@@ -137,7 +137,7 @@ def stop_command(sender: str = "") -> Any:
 
 
 class Planner(Program):
-    """planner.py as a process of its own, which can be killed or hung."""
+    """planner.py as a process, which can be killed or stopped."""
 
     def __init__(self, python: str, folder: Path, bus: Bus, **options: object) -> None:
         self.sender = str(options.get("sender", "planner"))

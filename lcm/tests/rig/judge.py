@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Who may drive: a judge of what robots were told, written from docs/SAFETY.md and docs/lcm.md.
+"""Who may drive: a judge of the speeds sent to robots, written from docs/SAFETY.md and lcm.md.
 
 It knows nothing of the bridge's code. It reads what was delivered on the wire, commands on LCM and
 speeds to robots, and what was done to hosts, bridges and robots meanwhile, and it says which speeds

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A planner: commands one speed again and again, until it is ended. See --help."""
+"""A planner: commands one speed repeatedly until it is ended. See --help."""
 
 import argparse
 import time

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Many planners, good ones and bad ones, for the robots R0, R1, ... until it is ended.
 
-Each sender asks for speeds of its own, so that who drives can be told from the speed.
+Each sender uses its own speeds, so that the speed shows who drives.
 """
 
 import argparse
