@@ -54,10 +54,10 @@ def test_negative_numbers_are_plain_arguments(sim: roburoc4.Simulator) -> None:
     assert sim.true_pose.theta_rad < -0.01
 
 
-def test_more_than_the_robot_allows_is_said_to_be_cut(sim: roburoc4.Simulator) -> None:
+def test_a_speed_above_the_limit_is_reduced_and_reported(sim: roburoc4.Simulator) -> None:
     done = run("drive", "0", "20", "--seconds", "0.1", robot=sim.address)
     assert done.returncode == 0
-    assert "asked for" in one_line(done.stderr)
+    assert "more than the robot allows" in one_line(done.stderr)
 
 
 def test_it_accelerates_gently(sim: roburoc4.Simulator) -> None:

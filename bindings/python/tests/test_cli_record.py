@@ -109,7 +109,7 @@ def test_where_no_more_fits_the_file_ends_after_a_whole_row(tmp_path: Path) -> N
     complaint = one_line(done.stderr)
     assert done.returncode == 1
     assert f"the {len(rows)} rows" in complaint
-    assert "make room" in complaint
+    assert "free some space" in complaint
 
 
 def test_a_folder_that_is_not_there_is_one_line(tmp_path: Path) -> None:

@@ -85,7 +85,7 @@ def test_json_has_the_settings_and_the_controllers_words(
 ) -> None:
     arguments = ("--robot", "127.0.0.1:60000", "--telnet-port", console[0], "--yes", "--json")
     said = document(run("set-ip", *NEW, *arguments))
-    assert said.pop("answer").endswith("in use after a restart")
+    assert said.pop("answer").endswith("used after a restart")
     assert said == {
         "robot": "127.0.0.1",
         "address": NEW[0],

@@ -192,7 +192,7 @@ def test_a_full_disk_is_one_line(command: str) -> None:
     with roburoc4.Simulator(port=0) as sim:
         done = _shell(f"roburoc4 {command} > /dev/full", sim.address)
     assert done.returncode == 1
-    assert "make room" in one_line(done.stderr)
+    assert "free some space" in one_line(done.stderr)
 
 
 def test_a_surprise_is_one_line_too_and_the_traceback_is_an_option_away() -> None:

@@ -74,7 +74,7 @@ if TYPE_CHECKING:
         open_recording,
     )
 
-# They take longer to import than all of the rest.
+# These take longer to import than everything else.
 _LATER = {
     "aio": ".aio",
     "Command": ".recording",

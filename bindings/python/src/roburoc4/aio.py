@@ -7,8 +7,8 @@
         async for status in robot.statuses("localization"):
             ...
 
-The link is kept alive by the same native thread as that of :func:`roburoc4.connect`: a loop that
-hangs stops the robot. What does not wait is the same as on :class:`roburoc4.Robot`.
+The link is kept alive by the same native thread as that of :func:`roburoc4.connect`: if the loop
+hangs, the robot is stopped. Methods that do not wait are those of :class:`roburoc4.Robot`.
 """
 
 import asyncio
@@ -45,7 +45,7 @@ _T = TypeVar("_T")
 
 
 class _Bell:
-    """Wakes coroutines when a pump has news: a thread waits for it without the interpreter."""
+    """Wakes coroutines when a pump has news; a thread waits for it without the interpreter lock."""
 
     def __init__(self, connection: Connection) -> None:
         self._loop = asyncio.get_running_loop()
@@ -69,7 +69,7 @@ class _Bell:
         self._waiting.clear()
 
     async def wait(self, seconds: float) -> None:
-        """Wait for news, at most so long."""
+        """Wait for news, at most this long."""
         future = self._loop.create_future()
         self._waiting.add(future)
         try:
@@ -87,7 +87,7 @@ def _listen(
     loop: asyncio.AbstractEventLoop,
     ring: "weakref.WeakMethod[Callable[[], None]]",
 ) -> None:
-    """Run in a thread; it ends with the connection, its bell, or the loop."""
+    """Run in a thread, which ends with the connection, its bell, or the loop."""
     over = False
     while not over and connection() is not None:
         try:
@@ -106,7 +106,7 @@ def _listen(
 
 
 class Robot(RobotBase):
-    """A connected robot for asyncio; see :func:`connect`. Its loop is the one that made it."""
+    """A connected robot for asyncio; see :func:`connect`. It belongs to the loop that made it."""
 
     def __init__(self, connection: Connection, settings: Settings) -> None:
         super().__init__(connection, settings)
@@ -124,16 +124,16 @@ class Robot(RobotBase):
         await self.close()
 
     async def close(self) -> None:
-        """Stop the robot where it was driven, and end the link; several times.
+        """Stop the robot if it was driven, and close the link; may be called repeatedly.
 
-        A cancelled close goes on by itself.
+        A cancelled close continues by itself.
         """
         with contextlib.suppress(ClosedError):
             self.stop_if_driving()
         await asyncio.shield(asyncio.to_thread(self._connection.close))
 
     def stop_if_driving(self) -> None:
-        """Send the first zero at once, where a speed was sent."""
+        """Send the first zero at once if a speed was sent."""
         facts = self.facts
         if facts.driving or facts.stopping:
             self.stop()
@@ -153,7 +153,7 @@ class Robot(RobotBase):
             await self._bell.wait(min(left_s, LOOK_AGAIN_S))
 
     async def wait_ready(self, timeout: float = 10.0) -> None:
-        """Wait until the robot is ready and has sent statuses; after silence, close and raise."""
+        """Wait until the robot is ready and has sent statuses; close and raise after silence."""
         try:
             await self._wait_until(self._readiness(timeout), None, None)
             await self._wait_until(self._has_first_statuses, None, None)
@@ -194,7 +194,7 @@ class Robot(RobotBase):
             await self._bell.wait(min(left_s, LOOK_AGAIN_S))
 
     async def drive_for(self, linear_m_s: float, angular_rad_s: float, seconds: float) -> None:
-        """Drive for so long, and stop; a cancelled drive stops too."""
+        """Drive for this time, then stop; cancelling it also stops the robot."""
         end_s = self._end_of_drive_s(seconds)
         try:
             while (left_s := end_s - self._connection.now_s()) > 0:
@@ -212,7 +212,7 @@ class Robot(RobotBase):
         timeout: float | None = None,
         on_progress: Progress | None = None,
     ) -> MoveResult:
-        """See :meth:`roburoc4.Robot.move`; a cancelled move stops the robot."""
+        """See :meth:`roburoc4.Robot.move`; cancelling it stops the robot."""
         options = MoveOptions(speed, None, clearance, timeout)
         return await self._go(Move(self._connection, options).by(distance_m, 0.0), on_progress)
 
@@ -275,7 +275,7 @@ class Robot(RobotBase):
         return move.end()
 
     async def relocalize(self, x_m: float, y_m: float, theta_rad: float) -> None:
-        """Tell the robot where it is, and wait for its answer and the pose that follows it."""
+        """Set the robot's pose; wait for its answer and for a pose that follows it."""
         finite(x_m=x_m, y_m=y_m, theta_rad=theta_rad)
         _native.roburoc4_client_relocalize(self._connection.handle, x_m, y_m, theta_rad)
         await self._wait_until(self._is_relocalized, RELOCALIZE_S, self.relocalize)
@@ -307,16 +307,16 @@ class Robot(RobotBase):
         self, *services: str | Service, timeout: float | None = ...
     ) -> "Statuses[Status]": ...
     def statuses(self, *services: str | Service, timeout: float | None = None) -> "Statuses[Any]":
-        """Iterate over every status of these services; see :meth:`roburoc4.Robot.statuses`."""
+        """Iterate over all statuses of these services; see :meth:`roburoc4.Robot.statuses`."""
         source: Reader[Status] = Reader(self._connection.reader(), mask_of(services))
         return Statuses(source, self._bell, timeout, name_of_statuses(services))
 
     def events(self, *, timeout: float | None = None) -> "Events":
-        """Iterate over what happens from now on; see :meth:`roburoc4.Robot.events`."""
+        """Iterate over events from now on; see :meth:`roburoc4.Robot.events`."""
         return Events(EventQueue(self._connection.reader(), timeout), self._bell)
 
     async def record(self, seconds: float, *services: str | Service) -> Recording:
-        """Collect the statuses of these services (none: of all) for so long, as columns."""
+        """Collect the statuses of these services (none given: all) for this time, as columns."""
         duration_s("seconds", seconds)
         mask = mask_of(services)
         source: Reader[Status] = Reader(self._connection.reader(), mask)
@@ -330,7 +330,7 @@ class Robot(RobotBase):
 
 
 class Events(AsyncIterator[Event]):
-    """Every event from the moment that this was made, for ``async for``."""
+    """Every event since it was created, for ``async for``."""
 
     def __init__(self, queue: EventQueue, bell: _Bell) -> None:
         self._queue = queue
@@ -350,7 +350,7 @@ class Events(AsyncIterator[Event]):
 
 
 class Statuses(AsyncIterator[_S]):
-    """Every status from the moment that this was made, for ``async for``."""
+    """Every status since it was created, for ``async for``."""
 
     def __init__(self, source: Reader[_S], bell: _Bell, timeout: float | None, what: str) -> None:
         self._source = source
@@ -377,7 +377,7 @@ class Statuses(AsyncIterator[_S]):
 
 
 class _Connecting:
-    """A robot for ``await``, which closes it afterwards in ``async with``."""
+    """A robot to ``await``; ``async with`` also closes it."""
 
     def __init__(self, host: str, timeout: float, wait: bool, settings: Settings) -> None:
         self._host = host

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """UDP datagrams of a capture: pcapng or pcap, by our recorder, tcpdump, dumpcap or Wireshark.
 
-Blocks are read one after the other, so memory does not grow with the file, and a file whose end is
-missing is read up to there. The libraries on PyPI were tried: dpkt and python-pcapng end with an
-exception where a file is cut and skip the counts of drops, and a datagram takes 5 (dpkt) to 80
-(scapy) times as long.
+Blocks are read one after the other, so memory does not grow with the file, and a truncated file is
+read up to its end. The libraries on PyPI were tried: dpkt and python-pcapng raise an exception
+where a file is truncated and skip the drop counts, and a datagram takes 5 (dpkt) to 80 (scapy)
+times as long.
 """
 
 import struct
@@ -70,7 +70,7 @@ class Datagram(NamedTuple):
     destination: tuple[bytes, int]
     payload: bytes
     inbound: bool | None
-    """Whether the capturing machine received it; None where the file does not tell."""
+    """Whether the capturing machine received it; None if the file does not tell."""
 
 
 class Capture:
@@ -79,9 +79,9 @@ class Capture:
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
         self.cut = 0
-        """Bytes at the end that are no whole block: the file was cut there."""
+        """Bytes at the end that are not a whole block: the file was truncated there."""
         self.dropped = 0
-        """Datagrams that the recorder could not write, where it counted them."""
+        """Datagrams that the recorder could not write, if it counted them."""
         self.position = 0
         """Bytes of whole blocks that were read."""
         self._fragments: dict[bytes, dict[int, bytes]] = {}
@@ -110,7 +110,7 @@ class Capture:
     # ---- files ----
 
     def _take(self, file: IO[bytes], size: int) -> bytes | None:
-        """Read so many bytes; None at the end, or where the file is cut."""
+        """Read this many bytes; None at the end, or where the file is truncated."""
         data = file.read(size)
         if len(data) == size:
             return data
@@ -208,7 +208,7 @@ class Capture:
         return inbound
 
     def _statistics(self, body: bytes, order: str, interfaces: list["_Interface"]) -> None:
-        """Take the drops of an interface; those counted with packets are part of them."""
+        """Add the drops of an interface; those counted with packets are part of them."""
         if len(body) < 12:
             return
         number = struct.unpack_from(order + "I", body)[0]
@@ -222,7 +222,7 @@ class Capture:
     def _parse(
         self, link: int, data: bytes
     ) -> tuple[tuple[bytes, int], tuple[bytes, int], bytes] | None:
-        """Find the UDP datagram in a packet; None where there is none, or not all of it yet."""
+        """Find the UDP datagram in a packet; None if there is none, or not all of it yet."""
         try:
             found = _network(link, data)
             if found is None:
@@ -270,7 +270,7 @@ class Capture:
         return _udp(source, destination, body) if protocol == _UDP else None
 
     def _join(self, key: bytes, offset: int, part: bytes, more: bool) -> bytes | None:
-        """Keep a fragment; the whole, once all of it is there."""
+        """Store a fragment; return the datagram once it is complete."""
         parts = self._fragments.pop(key, {})
         parts[offset if more else -1 - offset] = part  # the last one is marked
         self._fragments[key] = parts
@@ -303,14 +303,14 @@ class _Interface:
                 self._offset_s = struct.unpack(order + "q", value)[0]
 
     def time_us(self, stamp: int) -> int:
-        """Turn a packet's time into Unix time; clients count it in 63 bits."""
+        """Convert a packet's time to Unix time; clients count it in 63 bits."""
         if self._units != 1_000_000:
             stamp = stamp * 1_000_000 // self._units
         return min(max(stamp + self._offset_s * 1_000_000, 0), 1 << 62)
 
 
 def _options(body: bytes, at: int, order: str) -> Iterator[tuple[int, bytes]]:
-    """Yield number and value; what is too short for its length ends them."""
+    """Yield number and value; an option that is too short for its length ends them."""
     while at + 4 <= len(body):
         code, size = struct.unpack_from(order + "HH", body, at)
         if code == 0 or at + 4 + size > len(body):
@@ -320,7 +320,7 @@ def _options(body: bytes, at: int, order: str) -> Iterator[tuple[int, bytes]]:
 
 
 def _network(link: int, data: bytes) -> tuple[int, int] | None:
-    """Return the type of the network layer and where it begins, by the type of the link."""
+    """Return the type and the position of the network layer, by the type of the link."""
     if link in (101, 12, 14):  # raw IP
         return {4: _IPV4, 6: _IPV6}.get(data[0] >> 4, 0), 0
     if link == 1:
@@ -352,7 +352,7 @@ _PLAIN = struct.Struct("!BxHxxHxB2x4s4sHHH")
 
 
 def _fast_raw(data: bytes) -> tuple[tuple[bytes, int], tuple[bytes, int], bytes] | None:
-    """Find the datagram in the usual case of our own files: IPv4 without options, whole."""
+    """Find the datagram in the usual packet of our own files: IPv4 without options, complete."""
     if len(data) < 28:
         return None
     version, size, fragment, protocol, source, destination, from_port, to_port, length = (

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""A client and who moves its datagrams: what robots are built on.
+"""A client and the code that moves its datagrams: the base of robots.
 
-In ``pump.py`` a native thread moves them, in ``udp.py`` the user does, and in ``virtual.py`` a
+In ``pump.py`` a native thread moves them, in ``udp.py`` the user, and in ``virtual.py`` a
 simulator's virtual time. Everything above works with any of them.
 """
 
@@ -28,7 +28,7 @@ READ_STATUS: dict[Service, Callable[["_native.Connection"], Status]] = {
     Service.LOCALIZATION: _native.roburoc4_client_localization,
     Service.DIFFERENTIAL: _native.roburoc4_client_differential,
 }
-"""What returns the latest status of a service, or raises NotKnownError before the first."""
+"""A function that returns the latest status of a service, or raises NotKnownError."""
 
 
 def events_of_services(mask: int) -> int:
@@ -37,24 +37,24 @@ def events_of_services(mask: int) -> int:
 
 
 class RecorderState(NamedTuple):
-    """What became of the datagrams that are recorded."""
+    """Counters of a recording."""
 
     path: str
-    """Of the file that is being written, or was written last."""
+    """The file that is being written, or was written last."""
     recorded: int
-    """Datagrams that are in the files, or will be in a moment."""
+    """Datagrams that are in the files, or soon will be."""
     dropped: int
-    """Datagrams that were lost, as the disk was full or too slow."""
+    """Datagrams that were lost because the disk was full or too slow."""
     bytes: int
-    """Written, to all files."""
+    """Bytes written to all files."""
     files: int
-    """Begun so far."""
+    """Files begun so far."""
     system_error: int
-    """``errno`` of the write that failed last; 0 as soon as one succeeds."""
+    """``errno`` of the last failed write; 0 once one succeeds."""
 
 
 def open_host(host: str, threaded: bool, settings: Settings) -> "_native.Connection":
-    """Connect to a robot, and record it where the settings say so."""
+    """Connect to a robot, and record it if the settings ask for that."""
     record = settings.get("record")
     with address_errors(host):
         return _native.connect_host(
@@ -75,7 +75,7 @@ def _limit(value: float, name: str) -> int:
 
 
 class EventReader(ABC):
-    """How far somebody has read events and statuses; used by one thread at a time."""
+    """A position in the events and statuses; used by one thread at a time."""
 
     def __init__(self, handle: "_native.Connection") -> None:
         self._handle = handle
@@ -92,13 +92,13 @@ class EventReader(ABC):
         return _native.reader_lost(self._reader)
 
     def take_events(self) -> int:
-        """Take what happened since the last time; raises ClosedError after the end."""
+        """Take what happened since the last call; raises ClosedError after the end."""
         return _native.roburoc4_pump_take_events(self._handle, self._reader)
 
     def statuses(self, mask: int) -> list[Status] | None:
         """Take some more statuses of the services in ``mask``, without waiting.
 
-        None when all were read; raises ClosedError when none will come either.
+        None if all were read; raises ClosedError if no more can come.
         """
         return _native.read_samples(self._handle, self._reader, mask)
 
@@ -106,24 +106,24 @@ class EventReader(ABC):
     def wait(self, mask: int, seconds: float) -> bool:
         """Wait for an event in ``mask`` that was not taken; False when the time is over.
 
-        It may end early, so that Ctrl-C is noticed. Raises ClosedError after the end.
+        It may return early, so that Ctrl-C is noticed. Raises ClosedError after the end.
         """
 
     def _wait_us(self, mask: int, timeout_us: int) -> bool:
-        """Wait without the interpreter."""
+        """Wait without holding the interpreter lock."""
         return _native.roburoc4_pump_wait_events(self._handle, self._reader, mask, timeout_us) != 0
 
 
 class Connection(ABC):
-    """A client, to be called by its ``handle``: ``_native.roburoc4_client_facts(handle)``."""
+    """A client, called by its ``handle``: ``_native.roburoc4_client_facts(handle)``."""
 
     def __init__(self, handle: "_native.Connection") -> None:
         self.handle = handle
         self.address = _native.connection_address(handle) or "the simulator"
-        """The robot's, for messages."""
+        """The robot's address, for messages."""
 
     def now_s(self) -> float:
-        """Return the time on the clock that leases and timeouts go by."""
+        """Return the time on the clock of leases and timeouts."""
         return _native.connection_now_us(self.handle) / 1e6
 
     def description(self, io_type: int, index: int) -> bytes | None:
@@ -135,33 +135,33 @@ class Connection(ABC):
 
     @property
     def recorder(self) -> RecorderState | None:
-        """What was recorded so far; None where nothing is."""
+        """What was recorded so far; None if nothing is recorded."""
         state = _native.connection_recorder_state(self.handle)
         return None if state is None else RecorderState(*state)
 
     def end_recording(self) -> None:
-        """Complete the file, and warn where something is missing in it."""
+        """Complete the file, and warn if something is missing in it."""
         _native.connection_end_recording(self.handle)
         if (state := self.recorder) is not None and (state.dropped or state.system_error):
             cause = f" ({os.strerror(state.system_error)})" if state.system_error else ""
             warnings.warn(
-                f"{state.path}: {state.dropped} datagrams are missing, as the disk was full or "
-                f"slow{cause}: make room for the next recording",
+                f"{state.path}: {state.dropped} datagrams are missing because the disk was full or "
+                f"slow{cause}: free some space for the next recording",
                 RuntimeWarning,
                 stacklevel=3,
             )
 
     @abstractmethod
     def reader(self) -> EventReader:
-        """Make a reader that begins now."""
+        """Make a reader that starts now."""
 
     @abstractmethod
     def sleep(self, seconds: float) -> None:
-        """Let time pass while datagrams are moved. It may end early, so that Ctrl-C is noticed."""
+        """Wait while datagrams are moved. It may return early, so that Ctrl-C is noticed."""
 
     @abstractmethod
     def close(self) -> None:
-        """Stop the robot where it was driven, and end; from any thread, several times."""
+        """Stop the robot if it was driven, and end; from any thread, repeatedly."""
 
     @property
     def closed(self) -> bool:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Names for the manual's numbers and for those of the client.
+"""Names for the numbers of the manual and of the client.
 
-Each class mirrors a family of ``ROBUROC4_*`` constants of the headers; a test compares them.
-Members explain themselves by ``text``, which is the C library's, or by a text here.
+Each class mirrors a family of ``ROBUROC4_*`` constants in the headers; a test compares them.
+Members are described by ``text``, which comes from the C library, or by a docstring here.
 """
 
 from enum import IntEnum, IntFlag
@@ -28,16 +28,16 @@ __all__ = [
 DEFAULT_HOST = "192.168.0.2"
 DEFAULT_PORT = 60000
 CYCLE_S = 0.01
-"""One low level cycle of the robot in seconds: the unit of ``robot_cycles``."""
+"""One low-level cycle of the robot in seconds: the unit of ``robot_cycles``."""
 
 
 class Service(IntEnum):
-    """A service, named by its id on a RobuROC4 (manual 4.2.1), whatever id a robot gives it."""
+    """A service, named by its id on a RobuROC4 (manual 4.2.1); a robot may use other ids."""
 
     DIRECTORY = 0
     """Lists the services."""
     NOTIFICATION = 1
-    """Takes subscriptions."""
+    """Accepts subscriptions."""
     IOCARD = 2
     """Inputs and outputs, analog and digital."""
     TELEMETER = 3
@@ -47,7 +47,7 @@ class Service(IntEnum):
     LOCALIZATION = 5
     """Odometry: the pose."""
     DIFFERENTIAL = 6
-    """Speeds, and the commands to drive."""
+    """Speeds, and drive commands."""
 
 
 class Action(IntEnum):
@@ -70,10 +70,10 @@ class Action(IntEnum):
 
 
 class WireError(IntEnum):
-    """Error byte of an answer (4.2.2.2); 0x10 and more are the service's own."""
+    """Error byte of an answer (4.2.2.2); 0x10 and above are specific to the service."""
 
     NONE = 0
-    """It worked."""
+    """Success."""
     TARGET = 1
     """There is no such service."""
     UNSUPPORTED = 2
@@ -81,11 +81,11 @@ class WireError(IntEnum):
     ACTION = 3
     """There is no such action."""
     LENGTH = 4
-    """The request has a wrong length."""
+    """The request has the wrong length."""
     DATA = 5
-    """The request has wrong contents."""
+    """The request has invalid contents."""
     SERVICE = 0x10
-    """This and above: the service's own."""
+    """This and above: specific to the service."""
 
 
 class BatteryState(IntEnum):
@@ -105,15 +105,15 @@ class LocalizationFlag(IntFlag):
     """Quality of the localization (4.2.4.7)."""
 
     INVALID = 0x01
-    """The pose means nothing."""
+    """The pose is meaningless."""
     METRIC = 0x02
-    """Exact to metres."""
+    """Accurate to metres."""
     DECIMETRIC = 0x04
-    """Exact to decimetres."""
+    """Accurate to decimetres."""
     CENTIMETRIC = 0x08
-    """Exact to centimetres."""
+    """Accurate to centimetres."""
     PROPRIOCEPTIVE = 0x10
-    """From the robot itself: odometry."""
+    """From the robot's own motion: odometry."""
     EXTEROCEPTIVE = 0x20
     """From the robot's surroundings."""
     ERROR = 0x40
@@ -141,13 +141,13 @@ class State(IntEnum):
     CONNECTING = 1
     """Asks whether a robot is there."""
     DISCOVERING = 2
-    """Reads which services there are, and their properties."""
+    """Reads the list of services and their properties."""
     SUBSCRIBING = 3
-    """Asks for statuses."""
+    """Subscribes to statuses."""
     READY = 4
-    """Statuses come; it can be armed."""
+    """Statuses arrive; it can be armed."""
     LOST = 5
-    """Was ready, then the robot fell silent: it is asked again and again."""
+    """Was ready, then the robot fell silent: it is asked repeatedly."""
     CLOSING = 6
     """Sends the last zero commands."""
 
@@ -173,7 +173,7 @@ class MoveOutcome(IntEnum):
 
 
 class Role(IntEnum):
-    """What an input is for, whatever its index."""
+    """The role of an input, whatever its index."""
 
     OVERRIDE = 0
     """Game pad [A]: somebody drives by hand."""
@@ -220,14 +220,14 @@ class Event(IntFlag):
 
     @property
     def text(self) -> str:
-        """What happened, as a sentence; of several events, one after the other."""
+        """What happened, as a sentence; several events one after the other."""
         return "; ".join(
             _native.roburoc4_name(_native.ROBUROC4_NAME_EVENT, event) for event in self
         )
 
 
 class Fault(IntEnum):
-    """Why the network did not take or deliver a datagram."""
+    """Why the network did not accept or deliver a datagram."""
 
     NONE = 0
     REFUSED = 1
@@ -244,10 +244,10 @@ class Fault(IntEnum):
 
 
 class Count(IntEnum):
-    """Counters of what became of datagrams."""
+    """Counters of datagrams by what became of them."""
 
     RECEIVED = 0
-    """Datagrams that came in."""
+    """Datagrams received."""
     SENT = 1
     """Datagrams that were sent."""
     RETRIES = 2
@@ -255,11 +255,11 @@ class Count(IntEnum):
     SHORT = 3
     """Dropped: shorter than their layout."""
     MALFORMED = 4
-    """Dropped: impossible contents."""
+    """Dropped: invalid contents."""
     UNMATCHED = 5
     """Dropped: answers to no open request."""
     UNSUBSCRIBED = 6
-    """Dropped: statuses that nobody subscribed to."""
+    """Dropped: statuses that were not subscribed to."""
     OLD = 7
     """Dropped: statuses not newer than the last."""
     SURPLUS = 8
@@ -267,13 +267,13 @@ class Count(IntEnum):
     REFUSED = 9
     """Requests that the robot answered with an error."""
     ABANDONED = 10
-    """Requests without an answer in all tries."""
+    """Requests without an answer after all tries."""
     LOST = 11
     """How often the robot fell silent."""
     REBOOTS = 12
     """How often the robot restarted."""
     CLOCK_FAULTS = 13
-    """How often this machine's clock went back, or far ahead."""
+    """How often this machine's clock went back or jumped far ahead."""
 
 
 class Result(IntEnum):

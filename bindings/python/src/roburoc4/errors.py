@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Exceptions. Each has the result of the C library as ``code``, and a message with what to do."""
+"""Exceptions. Each has the C library's result as ``code``, and a message with the remedy."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -22,7 +22,7 @@ __all__ = [
 
 
 class RobotError(Exception):
-    """Anything that went wrong with a robot; ``code`` says what."""
+    """Any error with a robot; ``code`` says which."""
 
     def __init__(self, message: str, code: int = Result.STATE) -> None:
         super().__init__(message)
@@ -33,7 +33,7 @@ class RobotError(Exception):
 
 
 class ArgumentError(RobotError, ValueError):
-    """A value that cannot be used; the message names it and its range."""
+    """An invalid value; the message gives its name and range."""
 
 
 class DecodeError(RobotError, ValueError):
@@ -45,7 +45,7 @@ class RefusedError(RobotError):
 
 
 class NotKnownError(RobotError):
-    """The robot has not reported it yet."""
+    """The robot has not reported this yet."""
 
 
 class NotArmedError(RobotError):
@@ -53,11 +53,11 @@ class NotArmedError(RobotError):
 
 
 class RobotTimeoutError(RobotError, TimeoutError):
-    """What was waited for did not happen in time."""
+    """Something did not happen in time."""
 
 
 class SamplesLostError(RobotError):
-    """Statuses came faster than they were read; ``lost`` is how many were overwritten."""
+    """Statuses arrived faster than they were read; ``lost`` is how many were overwritten."""
 
     def __init__(self, lost: int) -> None:
         super().__init__(
@@ -67,7 +67,7 @@ class SamplesLostError(RobotError):
         )
         self.lost = lost
 
-    # It is made of a count, the others of a text and a code.
+    # Made from a count; the other errors are made from a text and a code.
     def __reduce__(self) -> tuple[type["SamplesLostError"], tuple[int]]:  # type: ignore[override]
         return type(self), (self.lost,)
 
@@ -77,23 +77,23 @@ class NetworkError(RobotError, OSError):
 
 
 class ClosedError(RobotError):
-    """The robot object was closed, or belongs to the process that this one was forked from."""
+    """The robot object was closed, or belongs to the process from which this one was forked."""
 
 
 def unusable(name: str, value: object, usable: str, code: int = Result.ARGUMENT) -> ArgumentError:
-    """Make the error for an argument: its name, its value, and what can be used."""
+    """Make the error for an argument: its name, its value, and the allowed values."""
     return ArgumentError(f"{name}: {value} cannot be used; give {usable}", code)
 
 
 def finite(**values: float) -> None:
-    """Refuse values that no C number can hold."""
+    """Reject values that no C number can hold."""
     for name, value in values.items():
         if not abs(value) < _FLOAT_MAX:
             raise unusable(name, value, "a finite number", Result.NOT_FINITE)
 
 
 def duration_s(name: str, seconds: float) -> float:
-    """Refuse what is no duration."""
+    """Reject values that are not durations."""
     if not 0 <= seconds < _LONGEST_S:
         raise unusable(name, seconds, f"0 to {_LONGEST_S:g} s")
     return float(seconds)
@@ -120,7 +120,7 @@ _CLASSES: dict[int, type[RobotError]] = {
 
 
 def error_of(code: int) -> RobotError:
-    """Make the exception that stands for a result of the C library."""
+    """Make the exception for a result of the C library."""
     text = _native.roburoc4_result_text(code)
     if Result.INHIBITED <= code <= Result.DISARMED:
         return NotArmedError(f"not armed: {text.replace(':', ';', 1)}", code)
@@ -129,7 +129,7 @@ def error_of(code: int) -> RobotError:
 
 @contextmanager
 def address_errors(host: str) -> Iterator[None]:
-    """Name the host in errors of the block that are about it."""
+    """Name the host in errors raised by the block about it."""
     try:
         yield
     except ArgumentError as error:

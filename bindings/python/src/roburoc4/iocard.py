@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The IO card: inputs by name or index, outputs that remember what was set."""
+"""The IO card: inputs by name or index, and outputs that remember their values."""
 
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
@@ -14,7 +14,7 @@ __all__ = ["AnalogOutputs", "ChannelNames", "Inputs", "Outputs"]
 
 
 class ChannelNames(NamedTuple):
-    """Names of all channels: the robot's own texts, the manual's where it gave none."""
+    """Names of all channels: the robot's own text, else the manual's name."""
 
     analog_inputs: tuple[str, ...]
     analog_outputs: tuple[str, ...]
@@ -23,7 +23,7 @@ class ChannelNames(NamedTuple):
 
 
 def decode_text(text: bytes) -> str:
-    """Decode a robot's text, whose character set is not specified: UTF-8, else Latin-1."""
+    """Decode a robot's text. The encoding is not specified: UTF-8, else Latin-1."""
     try:
         return text.decode("utf-8")
     except UnicodeDecodeError:
@@ -31,7 +31,7 @@ def decode_text(text: bytes) -> str:
 
 
 class Channels:
-    """Names of one connection's channels: the robot's texts, where it gave none the manual's."""
+    """Names of one connection's channels: the robot's text, else the manual's name."""
 
     def __init__(self, connection: Connection) -> None:
         self._connection = connection
@@ -68,7 +68,7 @@ class Channels:
         return index
 
     def find(self, name: str, *io_types: IoType) -> tuple[IoType, int]:
-        """Return type and index of the channel with this name, or say which there are."""
+        """Return type and index of the channel with this name; the error lists all names."""
         for io_type in io_types:
             index = self._find(name, io_type)
             if index >= 0:
@@ -98,9 +98,9 @@ class Channels:
 class Inputs:
     """Latest inputs of the IO card: ``robot.inputs["Front bumper"]``, ``robot.inputs.digital(8)``.
 
-    Names are the robot's own texts; a channel without one has its name of the manual (5.5.1). The
-    manual's names of bumpers, game pad [A] and battery voltage always work. Case, punctuation and
-    order of the words do not matter.
+    Names are the robot's own texts; a channel without one has its name from the manual (5.5.1).
+    The manual's names of the bumpers, game pad [A] and battery voltage always work. Case,
+    punctuation and word order do not matter.
     """
 
     def __init__(self, connection: Connection) -> None:
@@ -144,7 +144,7 @@ class Inputs:
 class Outputs:
     """Digital outputs: ``robot.outputs[3] = True``.
 
-    A command carries all outputs and nothing reads them back: those that were never set are sent
+    A command carries all outputs, and they cannot be read back: those that were never set are sent
     as off, and reading one returns what this object has set. Output 0 is the robot's own.
     """
 
@@ -166,7 +166,7 @@ class Outputs:
         self.set({channel: on})
 
     def set(self, values: Mapping[int | str, bool]) -> None:
-        """Set several outputs in one command: all, or none where one cannot be."""
+        """Set several outputs in one command: all, or none if one is invalid."""
         indices = {
             self._channels.index_of(channel, IoType.DIGITAL_OUTPUT): bool(on)
             for channel, on in values.items()

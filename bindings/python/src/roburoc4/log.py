@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The logger ``roburoc4``: connections, losses, arming, and what ended it."""
+"""The logger ``roburoc4``: connections, losses, arming, and why connections ended."""
 
 import contextlib
 import functools
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from .connection import Connection
     from .pump import PumpConnection
 
-_INFO_LEVEL, _WARNING_LEVEL = 20, 30  # of logging, which is imported with the first robot
+_INFO_LEVEL, _WARNING_LEVEL = 20, 30  # logging, imported with the first robot
 _INFO = Event.READY | Event.ARMED | Event.OVERRIDE | Event.STOPPED | Event.RELOCALIZED
 _WARNING = (
     Event.LOST
@@ -57,7 +57,7 @@ class Log:
         _logger().info("%s: connecting", self._address)
 
     def step(self) -> None:
-        """Log what happened since the last time."""
+        """Log what happened since the last call."""
         with contextlib.suppress(ClosedError):
             events = _native.roburoc4_pump_take_events(self._handle, self._reader)
             for event in Event(events & (_INFO | _WARNING)):
@@ -93,7 +93,7 @@ _thread: threading.Thread | None = None
 
 
 def watch(connection: "PumpConnection") -> None:
-    """Log the events of a connection as they come, from one thread for all of them."""
+    """Log the events of a connection as they occur, from one thread for all of them."""
     global _thread
     with _lock:
         _watched.add(connection)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What connections without a native thread share: who waits moves their datagrams."""
+"""What connections without a native thread share: waiting calls move the datagrams."""
 
 from abc import abstractmethod
 from collections.abc import Callable
@@ -40,10 +40,10 @@ class ManualConnection(Connection):
 
     @abstractmethod
     def move(self, seconds: float, until: Callable[[], object]) -> None:
-        """Let time pass, at most until something is true; it may end early."""
+        """Let time pass, at most until something is true; it may return early."""
 
     def check_open(self) -> None:
-        """Raise unless this can be used: not after close(), not in a forked child."""
+        """Raise an error if this cannot be used: after close(), or in a forked child."""
         if self.closed:
             raise error_of(Result.CLOSED)
 
@@ -56,12 +56,12 @@ class ManualConnection(Connection):
         self.log.step()
 
     def is_idle(self) -> bool:
-        """Whether all zero commands are out."""
+        """Whether all zero commands have been sent."""
         return _native.roburoc4_client_state(self.handle) == State.IDLE
 
     @abstractmethod
     def leave(self) -> None:
-        """Let the zero commands out, then let go of the network."""
+        """Send the zero commands, then close the socket."""
 
     def close(self) -> None:
         if self._left or not self._belongs_here():
@@ -69,7 +69,7 @@ class ManualConnection(Connection):
         self.log.end()
         _native.connection_disarm_for_good(self.handle)
         self.leave()
-        self._left = True  # not where Ctrl-C cut it short: then the next close() goes on
+        self._left = True  # not if Ctrl-C interrupted it: then the next close() continues
 
     def _belongs_here(self) -> bool:
         """Whether this is not the child of a fork."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A move of roburoc4_move.h: one metre forward, a quarter turn, to a point, to rest."""
+"""A move of roburoc4_move.h: one metre forward, a quarter turn, to a point, or to a stop."""
 
 import contextlib
 import math
@@ -23,33 +23,33 @@ from .records import LocalizationStatus
 __all__ = ["MoveError", "MoveResult"]
 
 STEP_S = 0.05
-"""A move is stepped with every status, and at least so often."""
+"""A move is stepped with every status, and at least this often."""
 _LONGEST_S = 4e6
 
 
 class MoveResult(NamedTuple):
-    """How a move ended, or how far it is."""
+    """How a move ended, or its progress."""
 
     outcome: MoveOutcome
     distance_m: float
-    """Come so far, by odometry; backward is negative."""
+    """Distance driven, by odometry; backward is negative."""
     angle_rad: float
-    """Turned so far, by odometry; to the right is negative."""
+    """Angle turned, by odometry; to the right is negative."""
     left_m: float
-    """What is left of the way."""
+    """Distance left."""
     left_rad: float
-    """What is left of the turn."""
+    """Angle left."""
     pose: LocalizationStatus | None
-    """The last one that the robot reported."""
+    """The robot's last reported pose."""
 
 
 Progress: TypeAlias = Callable[[MoveResult], object]
 
 
 class MoveError(RobotError):
-    """A move ended anywhere but at its goal; ``result`` says how, and how far it came.
+    """A move did not reach its goal; ``result`` says why, and how far it came.
 
-    The stop sequence was sent, but the robot may still roll: ``rest`` waits for that.
+    The stop sequence was sent, but the robot may still roll: ``rest`` waits until it stands.
     """
 
     def __init__(self, result: MoveResult, code: int = Result.STATE) -> None:
@@ -60,13 +60,13 @@ class MoveError(RobotError):
         super().__init__(text, code)
         self.result = result
 
-    # It is made of a result, the others of a text.
+    # Made from a result; the other errors are made from a text.
     def __reduce__(self) -> tuple[type["MoveError"], tuple[MoveResult, Result]]:  # type: ignore[override]
         return type(self), (self.result, self.code)
 
 
 class MoveOptions(NamedTuple):
-    """How to move; None is the C library's default."""
+    """Options of a move; None is the C library's default."""
 
     linear_m_s: float | None = None
     angular_rad_s: float | None = None
@@ -74,7 +74,7 @@ class MoveOptions(NamedTuple):
     timeout_s: float | None = None
 
     def native(self) -> "_native.MoveOptions":
-        """Make the C struct; ArgumentError names what cannot be used."""
+        """Make the C struct; ArgumentError names invalid values."""
         options = _native.new_move_options()
         timeout_s = self.timeout_s
         if timeout_s is not None and not 0.001 <= timeout_s <= _LONGEST_S:
@@ -89,7 +89,7 @@ class MoveOptions(NamedTuple):
                 _native.set_member(options, name, value, 0)
         if self.clearance_m is not None:
             if not 0.0 <= self.clearance_m <= 100.0:
-                raise unusable("clearance", self.clearance_m, "0 (do not look) to 100 m")
+                raise unusable("clearance", self.clearance_m, "0 (ignore telemeters) to 100 m")
             _native.set_member(options, "clearance_m", self.clearance_m, 0)
         return options
 
@@ -101,7 +101,7 @@ def arc_options(
     clearance: float | None,
     timeout: float | None,
 ) -> MoveOptions:
-    """Have the turn rate that the speed asks for."""
+    """Choose the turn rate that results from the speed."""
     turn_rate = None
     if speed is not None and distance_m != 0.0:
         turn_rate = speed * abs(angle_rad / distance_m) or None
@@ -109,7 +109,7 @@ def arc_options(
 
 
 class Move:
-    """A move that is under way: step it, and cancel it in a ``finally``."""
+    """A move in progress: step it, and cancel it in a ``finally``."""
 
     def __init__(self, connection: Connection, options: MoveOptions) -> None:
         self._connection = connection
@@ -123,7 +123,7 @@ class Move:
             _native.roburoc4_move_by(self._move, distance_m, angle_rad, self._options)
         except (ArgumentError, OverflowError):
             raise ArgumentError(
-                f"{distance_m} m and {angle_rad} rad cannot be moved: give m within 10 km, and rad "
+                f"{distance_m} m and {angle_rad} rad is too far: give m within 10 km, and rad "
                 "within 10000",
                 Result.ARGUMENT,
             ) from None
@@ -151,7 +151,7 @@ class Move:
             raise error_of(facts.disarm_cause)
 
     def step(self) -> bool:
-        """Drive on; False when the move has ended."""
+        """Continue the move; False when it has ended."""
         return _native.move_step(self._connection.handle, self._move) == MoveOutcome.RUNNING
 
     def cancel(self) -> None:
@@ -160,7 +160,7 @@ class Move:
             _native.roburoc4_move_cancel(self._move, self._connection.handle)
 
     def now(self) -> MoveResult:
-        """Return how far it is."""
+        """Return the progress."""
         outcome, _, distance_m, angle_rad, left_m, left_rad = _native.move_values(self._move)
         try:
             pose = _native.roburoc4_client_localization(self._connection.handle)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The events that the dashboard's list and recordings show, and how much they matter."""
+"""The events that the dashboard's list and recordings show, and how serious they are."""
 
 from typing import Protocol
 
@@ -27,11 +27,11 @@ FACTS = {
     Event.OTHER_COMMANDER: "other_commander",
     Event.INHIBITED: "inhibited",
 }
-"""These events report that a fact changed, but not how."""
+"""These events report that a fact changed, but not in which direction."""
 
 
 class Dangers(Protocol):
-    """Those of the robot's facts that are dangers, and end."""
+    """Facts that are dangers, and end."""
 
     @property
     def overridden(self) -> bool:
@@ -39,11 +39,11 @@ class Dangers(Protocol):
 
     @property
     def other_commander(self) -> bool:
-        """Another program commands it."""
+        """Another commander drives it."""
 
     @property
     def inhibited(self) -> bool:
-        """It stands still against a command."""
+        """It stands still although a speed is commanded."""
 
 
 def change_text(event: Event, has_begun: bool) -> str:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""A connection with a native thread, which needs no Python to keep the link alive.
+"""A connection with a native thread, which keeps the link alive without Python.
 
-It never renews a drive command: a program that hangs stops the robot. The thread knows nothing of
-the objects here, so dropping the last reference ends it, with zero commands where they are due.
+It never renews a drive command: if the program hangs, the robot is stopped. The thread has no
+references to the objects here, so dropping the last reference ends it; it sends a stop sequence if
+needed.
 """
 
 import atexit

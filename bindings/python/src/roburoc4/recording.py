@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Recordings as sources: a client of the library lives through a capture again, in its time.
+"""Recordings as sources: a client of the library runs through a capture, in recorded time.
 
-The recorded answers are given to that client's own requests, and the recorded statuses come when
-they came, so what it reports (events, facts, loss) is what the library's own client would have
-reported, and not another reading of the bytes.
+It sends its own requests and gets the recorded answers; the recorded statuses arrive when they
+did. So what it reports (events, facts, loss) is what a live client would have reported, not
+another interpretation of the bytes.
 """
 
 from collections import OrderedDict, deque
@@ -59,7 +59,7 @@ class Command(NamedTuple):
     host_us: int
     """Unix time in microseconds."""
     sender: str
-    """Its address and port."""
+    """The sender's address and port."""
     telegram: DifferentialCommand | IoCardCommand | UnknownCommand
 
 
@@ -77,7 +77,7 @@ Item: TypeAlias = Status | Command | RecordedEvent
 
 
 class Answers:
-    """What the recorded robot answered to which request, as far as it has been read."""
+    """The recorded robot's answers by request, as far as the capture has been read."""
 
     def __init__(self) -> None:
         self._known: dict[Request, bytes] = {}
@@ -95,13 +95,13 @@ class Answers:
         return _get(Service.DIRECTORY) in self._known
 
     def ask(self, client: object, request: Request, time_us: int) -> None:
-        """Take note of a recorded request."""
+        """Remember a recorded request."""
         self._open[client, request.id] = (_key(request), time_us)
         if len(self._open) > _MOST_OPEN:
             self._open.popitem(last=False)
 
     def learn(self, client: object, data: bytes, answer: Answer, time_us: int) -> int | None:
-        """Take note of a recorded answer; how long it took, where its request is known."""
+        """Remember a recorded answer, and how long it took if its request is known."""
         key, took_us = _get(answer.service), None
         asked = self._open.pop((client, answer.id), None)
         if asked is not None and (asked[0].action, asked[0].service) == answer[1:3]:
@@ -113,12 +113,12 @@ class Answers:
         return took_us
 
     def answer(self, data: bytes, request: Request) -> bytes | None:
-        """Return what the robot said; to what nobody asked it, what any RobuROC4 would say."""
+        """Return the recorded answer; to unrecorded requests, what any RobuROC4 would answer."""
         known = self._known.get(_key(request))
         if known is not None:
             return bytes([request.id]) + known[1:]
         if request.action == Action.QUERY and any(k.action == request.action for k in self._known):
-            # it gave some of its texts: no others are made up
+            # it gave some of its texts: no others are invented
             error = WireError.UNSUPPORTED
             return _native.answer_bytes(request.id, request.action, request.service, error)
         if request.action in (Action.INSERT, Action.DELETE):
@@ -131,12 +131,12 @@ def _get(service: int) -> Request:
 
 
 def _key(request: Request) -> Request:
-    """Leave out what makes no difference to the answer: the id, the period, a pose."""
+    """Remove what makes no difference to the answer: the id, the period, a pose."""
     return Request(0, *request[1:4], 0, *request[5:7], 0, 0.0, 0.0, 0.0)
 
 
 def read_telegram(data: bytes, layout: Layout | None = None, *, from_client: bool) -> Any:
-    """Decode; None for what is no telegram."""
+    """Decode; None for what is not a telegram."""
     try:
         return _native.decode(data, layout, from_client)
     except DecodeError:
@@ -144,11 +144,11 @@ def read_telegram(data: bytes, layout: Layout | None = None, *, from_client: boo
 
 
 BARE = Layout(*(0xFFFF,) * 5)
-"""With it, statuses and commands are decoded to the service's id and the bytes."""
+"""A layout for which statuses and commands are decoded to the service's id and bytes."""
 
 
 class _Head:
-    """What the beginning of a capture tells: who the robot is, what it answers and sends."""
+    """What the beginning of a capture shows: the robot, its answers and its statuses."""
 
     def __init__(self, path: Path, robot: str | None) -> None:
         first: list[Datagram] = []
@@ -180,14 +180,14 @@ class _Head:
                 self.answers.learn(destination, data, answer, time_us)
 
     def _subscribed(self, request: Request) -> None:
-        """Expect statuses as often as they were asked for, as far as a client may."""
+        """Expect statuses at the recorded periods, as far as a client accepts them."""
         for name, service in STATUS_SERVICES.items():
             if request.subject == service and request.period_cycles > 0:
                 longest = _LONGEST_DRIVING_PERIOD_MS if name in _DRIVING else 2550
                 self.periods_ms[name] = min(request.period_cycles * 10, longest)
 
     def settings(self) -> Settings:
-        """Make those of a client that watches the recording."""
+        """Make the settings of a client that watches the recording."""
         return {"periods_ms": self.periods_ms, "fresh_ms": 1000}
 
 
@@ -195,7 +195,7 @@ _DRIVING = ("iocard", "differential")
 
 
 def _find_robot(path: Path, first: list[Datagram], name: str | None) -> tuple[bytes, int]:
-    """Return who sent the most statuses; of those with this name, where one is given."""
+    """Return the sender of most statuses; if an address is given, among those with it."""
     senders: dict[tuple[bytes, int], int] = {}
     for datagram in first:
         record = read_telegram(datagram.payload, from_client=False)
@@ -228,7 +228,7 @@ class _RecordedConnection(ManualConnection):
             _native.connect_played(config, buffer_of(settings), head.begun_us), settings
         )
         self.advance: Callable[[], object] = lambda: None
-        """Go on by one datagram; None at the end."""
+        """Continue to the next datagram; None at the end."""
 
     def move(self, seconds: float, until: Callable[[], object]) -> None:
         self.check_open()
@@ -243,7 +243,7 @@ class _RecordedConnection(ManualConnection):
 
 
 class _Pass:
-    """One reading of a capture, from its beginning to its end."""
+    """One reading of a capture, from beginning to end."""
 
     def __init__(self, path: Path, head: _Head, settings: Settings) -> None:
         self.capture = Capture(path)
@@ -267,12 +267,12 @@ class _Pass:
     # ---- the client's requests ----
 
     def _answer_all(self, time_us: int) -> None:
-        """Give the client the answers for which it has asked: the robot speaks now."""
+        """Answer the client's requests."""
         while self._pending:
             data = self._pending.popleft()
             request = read_telegram(data, from_client=True)
             if not isinstance(request, Request):
-                continue  # a command: nobody is there to move
+                continue  # a command: there is no robot to move
             answer = self._answers.answer(data, request)
             if answer is not None:
                 self._pending.extend(_native.connection_play(self._handle, answer, time_us))
@@ -280,7 +280,7 @@ class _Pass:
     # ---- datagrams ----
 
     def advance(self) -> list[Item] | None:
-        """Go on by one datagram; what happened, or None at the end."""
+        """Continue to the next datagram; return what happened, or None at the end."""
         datagram = next(self._datagrams, None)
         if datagram is None:
             return None
@@ -301,7 +301,7 @@ class _Pass:
         self._heard_us = time_us
         given: bytes | None = data
         if data[:1] != b"\xff":
-            given = None  # the client is given the answers to requests of its own
+            given = None  # the client gets the answers to its own requests
             answer = read_telegram(data, from_client=False)
             if isinstance(answer, Answer):
                 took_us = self._answers.learn(destination, data, answer, time_us)
@@ -319,9 +319,9 @@ class _Pass:
         return found
 
     def _live_until(self, time_us: int) -> list[Item]:
-        """Let the client do what is due before, so that its events have their time."""
+        """Let the client do what is due earlier, so that its events have the right times."""
         handle, found = self._handle, list[Item]()
-        # in a longer silence nothing happens any more, however long a damaged file makes it
+        # nothing happens later in a longer silence, however long a damaged file makes it
         until_us = min(time_us, self._heard_us + _LONG_SILENCE_US)
         while (due_us := _native.roburoc4_client_next_deadline(handle)) < until_us:
             due_us = max(due_us, _native.connection_now_us(handle) + 1)
@@ -332,7 +332,7 @@ class _Pass:
         return found
 
     def _is_copy(self, data: bytes, destination: object) -> bool:
-        """Whether this is a status that was sent to another client, too."""
+        """Whether this status was also sent to another client."""
         recent = self._recent
         known = recent.setdefault(data, destination)
         if len(recent) > _COPIES:
@@ -355,7 +355,7 @@ class _Pass:
     def _notices(self, events: Event, time_us: int) -> list[Item]:
         before, self._facts = self._facts, self.robot.facts
         if time_us - self._commanded_us < 2 * _WATCHDOG_US:
-            events &= ~Event.OTHER_COMMANDER  # it is in the recording: no stranger
+            events &= ~Event.OTHER_COMMANDER  # it is in the recording: not another commander
         found = texts_of(events, before, self._facts)
         for name in ("front", "rear"):
             was, now = (getattr(facts, name + "_bumper") for facts in (before, self._facts))
@@ -399,7 +399,7 @@ class _Pass:
     # ---- who drives ----
 
     def _driven(self, command: Command) -> list[Item]:
-        """Name the beginning and the end of somebody's drive; a short halt is part of it."""
+        """Report the beginning and the end of a drive; a short halt is part of it."""
         if not isinstance(command.telegram, DifferentialCommand):
             return []
         now_us, sender = command.host_us, command.sender
@@ -418,7 +418,7 @@ class _Pass:
         return found
 
     def _ended_drives(self, now_us: int, halt_us: int = _HALT_US) -> list[Item]:
-        """Name the drives after which so much time has passed."""
+        """Report the drives that this much time has ended."""
         found: list[Item] = []
         for sender, drive in list(self._drives.items()):
             if drive.halted_us is None and now_us - drive.last_us > _WATCHDOG_US:
@@ -434,13 +434,13 @@ class _Pass:
         return found
 
     def items(self) -> Iterator[Item]:
-        """Go on to the end."""
+        """Continue to the end."""
         while (found := self.advance()) is not None:
             yield from found
         yield from self.rest()
 
     def rest(self) -> list[Item]:
-        """Name the drives that had ended at the end of the recording."""
+        """Report the drives that had ended at the end of the recording."""
         return self._ended_drives(self.counts.last_us, halt_us=0)
 
 
@@ -452,7 +452,7 @@ class _Drive(NamedTuple):
 
 
 class Counts:
-    """What a pass found, beside what its client counts."""
+    """What a reading found, in addition to the client's counters."""
 
     def __init__(self) -> None:
         self.last_us = 0
@@ -462,7 +462,7 @@ class Counts:
         self.round_trip_min_us = self.round_trip_max_us = self.round_trip_sum_us = 0
 
     def round_trip(self, took_us: int) -> None:
-        """Take note of how long an answer took."""
+        """Remember how long an answer took."""
         least_us = self.round_trip_min_us if self.answered else took_us
         self.answered += 1
         self.round_trip_min_us = min(least_us, took_us)
@@ -471,7 +471,7 @@ class Counts:
 
 
 class RecordedRobot:
-    """A robot in a capture; see :func:`open_recording`. Each reading begins at the beginning."""
+    """A robot in a capture; see :func:`open_recording`. Each reading starts at the beginning."""
 
     def __init__(self, path: str | Path, robot: str | None = None) -> None:
         self.path = Path(path)
@@ -495,25 +495,25 @@ class RecordedRobot:
         return (item for item in self.items() if not isinstance(item, Command | RecordedEvent))
 
     def items(self) -> Iterator[Item]:
-        """Statuses, commands and events, in their order."""
+        """Statuses, commands and events, in order."""
         return self.read().items()
 
     def read(self) -> "_Pass":
-        """Begin a reading."""
+        """Start a reading."""
         return _Pass(self.path, self.head, self.head.settings())
 
     def connect(self, **settings: Unpack[Settings]) -> Robot:
         """Return a robot object in the recording's time, as ``Simulator.connect`` does.
 
-        Time goes on while it waits: in ``sleep``, ``wait_for``, ``statuses``. At the recording's
-        end it is closed. Commands reach nobody.
+        Time passes while it waits: in ``sleep``, ``wait_for``, ``statuses``. It is closed at the
+        end of the recording. Commands have no effect.
         """
         reading = _Pass(self.path, self.head, {**self.head.settings(), **settings})
         reading.robot.wait_ready(timeout=1e9)
         return reading.robot
 
     def columns(self, service: str | Service) -> dict[str, "npt.NDArray[Any]"]:
-        """Return the statuses of a service as NumPy arrays, for ``pandas.DataFrame``, too.
+        """Return the statuses of a service as NumPy arrays, suitable for ``pandas.DataFrame``.
 
         Names are those of the record's fields, lists as in :func:`~roburoc4.flatten`.
         """
@@ -536,7 +536,7 @@ class RecordedRobot:
 def open_recording(path: str | Path, robot: str | None = None) -> RecordedRobot:
     """Open a capture (pcapng, pcap) of `roburoc4 record`, `connect(record=)` or tcpdump.
 
-    ``robot`` is its ``HOST:PORT`` where the capture has several. Raises RecordingError for what is
-    no capture or has no robot, and OSError for a file that cannot be read.
+    ``robot`` is its ``HOST:PORT``, needed if the capture has several. Raises RecordingError if the
+    file is no capture or has no robot, and OSError if it cannot be read.
     """
     return RecordedRobot(path, robot)

@@ -4,9 +4,9 @@
 All values are SI units and radians; X is forward, Y left, angles counter-clockwise.
 ``robot_cycles`` counts the robot's cycles of 10 ms since power on. ``host_us`` is when a status
 was received, in microseconds of the robot object's clock (``Robot.now_s``). ``utc_s`` is when the
-robot made it, in seconds since 1970 by this machine's clock: ``robot_cycles``, mapped, without the
-network's jitter. Both are 0 in decoded bytes. A simulator's virtual time begins in 1970.
-Fields are those of the C structs in the headers, in any order.
+robot made it, in seconds since 1970 by this machine's clock: computed from ``robot_cycles``, so
+without the network's jitter. Both are 0 in decoded bytes. A simulator's virtual time begins in
+1970. The fields are those of the C structs in the headers, in any order.
 """
 
 from typing import Any, NamedTuple, TypeAlias
@@ -83,7 +83,7 @@ class BatteryStatus(NamedTuple):
 
     robot_cycles: int
     state: BatteryState | int
-    """A plain integer where the manual knows no such state."""
+    """A plain integer if the manual does not define the state."""
     remaining_percent: int
     host_us: int = 0
     utc_s: float = 0.0
@@ -101,14 +101,14 @@ class BatteryStatus(NamedTuple):
 
 
 class LocalizationStatus(NamedTuple):
-    """Where odometry believes the robot to be (4.2.4.7): far off after turns."""
+    """The pose by odometry (4.2.4.7): inaccurate after turns."""
 
     robot_cycles: int
     x_m: float
     y_m: float
     theta_rad: float
     flags: LocalizationFlag | int
-    """A plain integer where it has bits that the manual does not know."""
+    """A plain integer if it has bits that the manual does not define."""
     host_us: int = 0
     utc_s: float = 0.0
 
@@ -119,7 +119,7 @@ class LocalizationStatus(NamedTuple):
 
 
 class DifferentialStatus(NamedTuple):
-    """Speeds (4.2.4.8): what was asked for, and what the wheels do."""
+    """Speeds (4.2.4.8): commanded, and measured at the wheels."""
 
     robot_cycles: int
     target_linear_m_s: float
@@ -147,7 +147,7 @@ class UnknownStatus(NamedTuple):
 Status: TypeAlias = (
     IoCardStatus | TelemeterStatus | BatteryStatus | LocalizationStatus | DifferentialStatus
 )
-"""Any status that a robot object gives."""
+"""Any status that a robot object returns."""
 
 
 # ---------------------------------------------------------------------------------- properties
@@ -161,7 +161,7 @@ class DirectoryEntry(NamedTuple):
 
 
 class Subscription(NamedTuple):
-    """Who is subscribed (4.2.2.3)."""
+    """The subscribers (4.2.2.3)."""
 
     service: int
     period_cycles: int
@@ -177,7 +177,7 @@ class IoCardProperties(NamedTuple):
 
 
 class TelemeterProperties(NamedTuple):
-    """Where a telemeter sits in the robot's frame, and what it can measure (4.2.2.5)."""
+    """Where a telemeter is mounted in the robot's frame, and what it can measure (4.2.2.5)."""
 
     x_m: float
     y_m: float
@@ -186,7 +186,7 @@ class TelemeterProperties(NamedTuple):
     min_distance_m: float
     max_distance_m: float
     distance_m: float
-    """Measured when the properties were read, or by the latest status of a connected robot."""
+    """Measured when the properties were read; on a connected robot, by the latest status."""
 
 
 class BatteryProperties(NamedTuple):
@@ -230,7 +230,7 @@ class ServiceEntry(NamedTuple):
     id: int
     type: int
     kind: str | None
-    """``iocard``, ``battery`` ...; None for one that this library does not know."""
+    """``iocard``, ``battery`` ...; None for a service that this library does not know."""
     name: str
     """The robot's own text, else the manual's name, else empty."""
 
@@ -267,16 +267,16 @@ class Answer(NamedTuple):
     """The robot's answer to a request (4.2.2, 4.2.3)."""
 
     id: int
-    """Echo of the request's; 0 for an error telegram."""
+    """The request's identifier; 0 for an error telegram."""
     action: int
     service: int
     error: int
     body: AnswerBody
-    """Properties for GET, a text for QUERY, else the bytes that follow."""
+    """Properties for GET, a text for QUERY, else the remaining bytes."""
 
 
 class Request(NamedTuple):
-    """A client's request; fields that its action does not have are 0."""
+    """A client's request; fields that its action does not use are 0."""
 
     id: int
     action: int
@@ -285,7 +285,7 @@ class Request(NamedTuple):
     period_cycles: int
     io_type: int
     element: int
-    """Of the directory, or the IO channel."""
+    """Index in the directory, or of the IO channel."""
     timestamp: int
     x_m: float
     y_m: float
@@ -293,7 +293,7 @@ class Request(NamedTuple):
 
 
 class IoCardCommand(NamedTuple):
-    """A client's command of all outputs (4.2.5.2)."""
+    """A client's command that sets all outputs (4.2.5.2)."""
 
     analog_outputs: tuple[float, ...]
     digital_outputs: tuple[bool, ...]
@@ -323,7 +323,7 @@ Telegram: TypeAlias = (
 
 
 class Facts(NamedTuple):
-    """What is true now."""
+    """The current facts."""
 
     state: State
     armed: bool
@@ -336,9 +336,9 @@ class Facts(NamedTuple):
     overridden: bool
     """Somebody holds [A] on the game pad."""
     other_commander: bool
-    """Another client commands the robot."""
+    """Another commander drives the robot."""
     inhibited: bool
-    """A speed is asked for, but the robot stands still: emergency stop, brakes, bumper."""
+    """A speed is commanded, but the robot stands still: emergency stop, brakes, bumper."""
     fixed_id: bool
     front_bumper: bool
     rear_bumper: bool
@@ -347,17 +347,17 @@ class Facts(NamedTuple):
     disarm_cause: Result
     """Why it is not armed; ``OK`` while it is."""
     arm_refusal: Result
-    """What ``arm`` would raise; ``OK`` for nothing."""
+    """The result that ``arm`` would raise; ``OK`` if it would succeed."""
     relocalize_result: Result
-    """Of the last ``relocalize``; ``UNKNOWN`` while it is open."""
+    """Result of the last ``relocalize``; ``UNKNOWN`` until it is answered."""
     lease_left_us: int
     linear_m_s: float
-    """Speeds that were sent last; 0 after a zero."""
+    """The last speeds sent; 0 after a zero."""
     angular_rad_s: float
 
 
 class ServiceLink(NamedTuple):
-    """Figures of one service's statuses."""
+    """Statistics of one service's statuses."""
 
     subscribed: bool
     received: int
@@ -367,28 +367,28 @@ class ServiceLink(NamedTuple):
     period_us: int
     jitter_us: int
     age_us: int | None
-    """Since the last status; None before the first."""
+    """Time since the last status; None before the first."""
     loss: float
-    """Share of recent statuses that did not arrive, 0 to 1."""
+    """Share of recent statuses that were lost, 0 to 1."""
 
 
 class Link(NamedTuple):
-    """Figures of the link."""
+    """Statistics of the link."""
 
     round_trip_us: int
-    """Smoothed, of answered requests; 0 before the first."""
+    """Round trip of answered requests, smoothed; 0 before the first."""
     round_trip_min_us: int
     silence_us: int
-    """Since the last datagram that was used."""
+    """Time since the last datagram that was used."""
     received: int
     """Statuses of all services."""
     lost: int
     loss: float
-    """Share of recent statuses that did not arrive, 0 to 1."""
+    """Share of recent statuses that were lost, 0 to 1."""
 
 
 class Pose(NamedTuple):
-    """A place and a direction in the plane."""
+    """A position and a heading in the plane."""
 
     x_m: float
     y_m: float
@@ -396,7 +396,7 @@ class Pose(NamedTuple):
 
 
 class SimState(NamedTuple):
-    """All that can be known about a simulated robot; see ``roburoc4_sim.h``."""
+    """Everything that can be known about a simulated robot; see ``roburoc4_sim.h``."""
 
     battery_state: BatteryState | int
     now_us: int
@@ -454,7 +454,7 @@ _MEANINGS: dict[object, str] = {
     State: "s",
     Result: "r",
 }
-"""What a number of C becomes, by the type of the field; "." for the number that it is."""
+"""How C numbers are converted, by the type of the field; "." leaves them as they are."""
 
 # In the order of record_kind in native.h. Records without a struct are made field by field there,
 # in the order of their fields.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What can be saved of a recording that was cut or damaged: everything that is whole."""
+"""Recovers everything that is complete from a recording that was truncated or damaged."""
 
 import os
 import struct
@@ -19,20 +19,20 @@ Show = Callable[[int], None]
 
 
 class Recovered(NamedTuple):
-    """What became of a file."""
+    """What was saved of a file."""
 
     packets: int
     """Datagrams, rows or messages that were saved."""
     kept: int
-    """Bytes that were whole."""
+    """Bytes that were usable."""
     left_out: int
     """Bytes that were not."""
 
 
 def recover(source: Path, target: IO[bytes], show: Show) -> Recovered:
-    """Copy what is whole of a pcapng, pcap, MCAP or CSV file.
+    """Copy what is complete in a pcapng, pcap, MCAP or CSV file.
 
-    ``show`` is called with the bytes that were read.
+    ``show`` is called with the number of bytes read.
     """
     with source.open("rb") as file:
         size = os.fstat(file.fileno()).st_size
@@ -59,7 +59,7 @@ class _Blocks:
         self._order = "<"
 
     def size_at(self, at: int) -> int:
-        """Return the size of the block that begins there, whole; 0 where there is none."""
+        """Return the size of the complete block that begins there; 0 if there is none."""
         head = self._read(at, 12)
         if len(head) < 12:
             return 0
@@ -79,7 +79,7 @@ class _Blocks:
         return struct.unpack(self._order + "I", self._read(at, 4))[0] in _PACKET_BLOCKS
 
     def next_after(self, at: int) -> int:
-        """Return where the next whole block begins; the file's size where there is none."""
+        """Return where the next complete block begins; the file's size if there is none."""
         at += 4
         while at < self._size and not self.size_at(at):
             at += 4
@@ -121,7 +121,7 @@ def _pcap(file: IO[bytes], size: int, order: str, target: IO[bytes], show: Show)
         length = struct.unpack_from(order + "I", record, 8)[0]
         data = file.read(length) if length <= MOST_BLOCK else b""
         if len(data) < length:
-            break  # cut; nothing marks where another packet begins
+            break  # truncated; nothing marks where another packet begins
         target.write(record + data)
         kept += _PCAP_RECORD + length
         packets += 1
@@ -148,7 +148,7 @@ def _rows(file: IO[bytes], size: int, target: IO[bytes], show: Show) -> Recovere
 
 
 def _mcap(file: IO[bytes], size: int, target: IO[bytes], show: Show) -> Recovered:
-    """Write the messages of whole chunks to a file that has an index again."""
+    """Write the messages of complete chunks to a file with a new index."""
     from mcap.records import Channel, Header, Message, Schema
     from mcap.stream_reader import StreamReader
     from mcap.writer import Writer
@@ -182,7 +182,7 @@ def _mcap(file: IO[bytes], size: int, target: IO[bytes], show: Show) -> Recovere
                 messages += 1
                 if messages % 4096 == 0:
                     show(file.tell())
-    except Exception:  # what a damaged file makes of the reader: several kinds
+    except Exception:  # the reader raises several kinds of error on a damaged file
         pass
     if not begun:
         raise RecordingError("the MCAP file has no whole header: nothing can be recovered")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A robot that is a recording: it answers as the recorded one did, and nothing moves it.
+"""A robot made of a recording: it answers as the recorded one did, and cannot be moved.
 
 It has no clock and no socket: ``roburoc4 replay`` gives it datagrams and the time.
 """
@@ -13,7 +13,7 @@ from .recording import BARE, Answers, RecordedRobot, read_telegram
 from .records import Answer, Request, UnknownCommand, UnknownStatus
 
 TEXT = " (recording: commands change nothing)"
-"""Follows the recorded robot's own text for its service of speeds."""
+"""Appended to the recorded robot's text for its differential service."""
 _MOST_CLIENTS = 64
 _MOST_TEXT = 63
 _SILENT_S = 2.0
@@ -26,18 +26,18 @@ Send = Callable[[Peer, bytes], object]
 
 
 class Client:
-    """Somebody who sends to the replayed robot."""
+    """A client of the replayed robot."""
 
     def __init__(self) -> None:
         self.services: set[int] = set()
-        """Ids of the services whose statuses it subscribed to."""
+        """Ids of the services that it subscribed to."""
         self.commands = 0
         self.answered_s = -_ERRORS_EVERY_S
-        """When it was told the last time that its commands do nothing."""
+        """When it was last warned that its commands do nothing."""
 
 
 class _Stamps:
-    """The robot's clock: as recorded, and without a step back where a recording begins anew."""
+    """The robot's clock: as recorded, but without a step back where a recording starts over."""
 
     def __init__(self, speed: float) -> None:
         self._speed = speed
@@ -45,13 +45,13 @@ class _Stamps:
         self._last = self._base = self._shown = 0
 
     def begin(self) -> None:
-        """Expect the recording's beginning; time goes on."""
+        """Prepare for the beginning of the recording; time continues."""
         if self._first is not None:
             self._base = self._shown + _RESTART_CYCLES
             self._first = None
 
     def of(self, cycles: int) -> int:
-        """Return what to show for a recorded stamp."""
+        """Return the cycles to send for recorded ones."""
         if self._first is None:
             self._first = cycles
             self._base = self._base or cycles
@@ -64,7 +64,7 @@ class _Stamps:
 
 
 class ReplayedRobot:
-    """A robot made of a recording. It begins when somebody subscribes for the first time."""
+    """A robot made of a recording, which starts at the first subscription."""
 
     def __init__(
         self,
@@ -124,13 +124,13 @@ class ReplayedRobot:
 
     def _end(self, now_s: float) -> None:
         if self._loop:
-            self._tell("the recording begins again")
+            self._tell("the recording starts over")
             self._begin(now_s + 1.0 / self._speed)
         else:
             self.ended = True
 
     def _of_robot(self) -> Iterator[Datagram]:
-        """Read what the recorded robot sent, each status once; requests are learned meanwhile."""
+        """Read the recorded robot's statuses, each once; requests are learned as they pass."""
         robot = self._recording.head.robot
         recent: dict[bytes, object] = {}
         for datagram in self.capture:
@@ -157,7 +157,7 @@ class ReplayedRobot:
                 self._answers.learn(destination, data, answer, time_us)
             return
         status = read_telegram(data, BARE, from_client=False)
-        if not isinstance(status, UnknownStatus):  # too short to be one
+        if not isinstance(status, UnknownStatus):  # too short to be a status
             return
         stamped = _native.restamped(data, self._stamps.of(status.robot_cycles))
         self.statuses += 1
@@ -168,7 +168,7 @@ class ReplayedRobot:
     # ---- clients ----
 
     def receive(self, peer: Peer, data: bytes, now_s: float) -> None:
-        """Take a datagram of a client."""
+        """Handle a datagram from a client."""
         telegram = read_telegram(data, BARE, from_client=True)
         if telegram is None or (peer not in self.clients and len(self.clients) >= _MOST_CLIENTS):
             return
@@ -180,7 +180,7 @@ class ReplayedRobot:
         self._refuse(peer, client, "sends commands")
         if now_s - client.answered_s >= _ERRORS_EVERY_S:
             client.answered_s = now_s
-            # the protocol's own no; a command has no action that it could name
+            # the protocol's own refusal; a command has no action that could be named
             service = telegram.service if isinstance(telegram, UnknownCommand) else 0
             error = (0, Action.UPDATE, service, WireError.UNSUPPORTED)
             self._send(peer, _native.answer_bytes(*error))
@@ -191,7 +191,7 @@ class ReplayedRobot:
             self._tell(f"{peer[0]}:{peer[1]} {what}: this is a recording, nothing moves")
 
     def _is_silent(self, now_s: float) -> bool:
-        """Whether the recorded robot was silent for long: then it does not answer, either."""
+        """Whether the recorded robot was silent for long: then it does not answer either."""
         if self._begun_s is None or self._heard_us is None or self._next is None:
             return self.ended
         time_us = self._begun_us + (now_s - self._begun_s) * self._speed * 1e6
@@ -225,7 +225,7 @@ class ReplayedRobot:
             client.services.discard(request.subject)
 
     def _marked(self, request: Request, answer: bytes) -> bytes:
-        """Say in the text of the service of speeds that it is a recording."""
+        """Mention the recording in the text of the differential service."""
         said = read_telegram(answer, from_client=False)
         if not isinstance(said, Answer) or said.error or not isinstance(said.body, str):
             return answer
@@ -236,5 +236,5 @@ class ReplayedRobot:
         return head + text + TEXT.encode()
 
     def part(self, peer: Peer) -> None:
-        """Send nothing more to a client: nobody listens there."""
+        """Stop sending to a client: nobody listens there."""
         self.clients.pop(peer, None)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The blocking robot, and how to connect to one."""
+"""The blocking robot, and the function that connects to one."""
 
 import contextlib
 import math
@@ -57,9 +57,9 @@ class Robot(RobotBase):
         self.close()
 
     def close(self) -> None:
-        """Stop the robot where it was driven, and end the link; from any thread, several times.
+        """Stop the robot if it was driven, and close the link; from any thread, repeatedly.
 
-        Latest values can still be read; commands raise ClosedError.
+        The latest values can still be read; commands raise ClosedError.
         """
         self._connection.close()
 
@@ -78,7 +78,7 @@ class Robot(RobotBase):
             reader.wait(ALL_EVENTS, min(left_s, LOOK_AGAIN_S))
 
     def wait_ready(self, timeout: float = 10.0) -> None:
-        """Wait until the robot is ready, as ``connect`` does; after silence, close and raise."""
+        """Wait until the robot is ready, as ``connect`` does; close and raise after silence."""
         try:
             self._wait_until(self._readiness(timeout), None, None)
         except BaseException:
@@ -97,11 +97,11 @@ class Robot(RobotBase):
         condition: "Event | str | Service | Callable[[Robot], object]",
         timeout: float | None = 10.0,
     ) -> object:
-        """Wait for something, and return it; raises RobotTimeoutError after ``timeout`` seconds.
+        """Wait for something and return it; raises RobotTimeoutError after ``timeout`` seconds.
 
-        A service ("localization"): its next status. Events: those of them that happen from this
-        call on. A function of the robot: its first true value; it is called after every event.
-        What a function needs may be unknown at first: NotKnownError counts as not true.
+        A service ("localization"): its next status. Events: those that happen after this call. A
+        function of the robot: its first true value; it is called after every event, and may raise
+        NotKnownError as long as something is unknown.
         """
         if isinstance(condition, Event):
             events, reader = condition, self._connection.reader()
@@ -117,7 +117,7 @@ class Robot(RobotBase):
         return self._wait_until(source.next, timeout, service)
 
     def _first(self, read: "Callable[[_native.Connection], _T]", service: Service) -> _T:
-        """Read the latest status; the first one is waited for, for two of its periods."""
+        """Read the latest status; wait for the first one for up to two of its periods."""
         try:
             return super()._first(read, service)
         except NotKnownError:
@@ -126,16 +126,16 @@ class Robot(RobotBase):
             left_s = self._first_status_until_s(service) - self._connection.now_s()
             if left_s <= 0 or self.closed:
                 raise
-        with contextlib.suppress(RobotTimeoutError):  # super() raises an error that says more
+        with contextlib.suppress(RobotTimeoutError):  # super() raises an error that explains more
             self._wait_for_status(service, left_s)
         return super()._first(read, service)
 
     # ---- driving ----
 
     def arm(self, timeout: float = 5.0) -> None:
-        """Allow driving, or raise NotArmedError with the reason against it.
+        """Allow driving, or raise NotArmedError with the reason why not.
 
-        Waits for what may pass by itself: no status yet, the robot still rolls.
+        Waits for obstacles that pass by themselves: no status yet, or a robot that still rolls.
         """
         end_s = self._connection.now_s() + timeout
         reader = self._connection.reader()
@@ -144,9 +144,9 @@ class Robot(RobotBase):
             reader.wait(ALL_EVENTS, min(left_s, LOOK_AGAIN_S))
 
     def drive_for(self, linear_m_s: float, angular_rad_s: float, seconds: float) -> None:
-        """Drive for so long, and stop: blocks, and renews the command from this thread.
+        """Drive for this time, then stop. Blocks, and renews the command from this thread.
 
-        Raises NotArmedError, after stopping, as soon as driving is not allowed any more.
+        Raises NotArmedError, after stopping, as soon as driving is no longer allowed.
         """
         end_s = self._end_of_drive_s(seconds)
         try:
@@ -157,7 +157,7 @@ class Robot(RobotBase):
             self.stop()
 
     def sleep(self, seconds: float) -> None:
-        """Let time pass on the robot's clock, also in virtual time."""
+        """Wait on the robot's clock, also in virtual time."""
         end_s = self._connection.now_s() + seconds
         while (left_s := end_s - self._connection.now_s()) > 0:
             self._connection.sleep(left_s)
@@ -173,12 +173,12 @@ class Robot(RobotBase):
         timeout: float | None = None,
         on_progress: Progress | None = None,
     ) -> MoveResult:
-        """Drive so far straight ahead (less than 0: backward), and wait until the robot stands.
+        """Drive this far straight ahead (negative: backward), and wait until the robot stands.
 
-        ``speed`` is in m/s (0.3). A telemeter that sees something nearer than ``clearance``
-        metres (0.5; 0: do not look) and the braking distance ends the move; sonar misses things.
-        ``timeout`` is in seconds. ``on_progress`` is called again and again with a MoveResult.
-        The robot must be armed. Raises MoveError where the goal was not reached.
+        ``speed`` is in m/s (0.3). The move ends if a telemeter sees something nearer than the
+        braking distance plus ``clearance`` in metres (0.5; 0: ignore telemeters). Sonar misses
+        things. ``timeout`` is in seconds. ``on_progress`` is called repeatedly with a MoveResult.
+        The robot must be armed. Raises MoveError if the goal was not reached.
         """
         options = MoveOptions(speed, None, clearance, timeout)
         return self._go(Move(self._connection, options).by(distance_m, 0.0), on_progress)
@@ -191,9 +191,9 @@ class Robot(RobotBase):
         timeout: float | None = None,
         on_progress: Progress | None = None,
     ) -> MoveResult:
-        """Turn in place by this angle (less than 0: to the right), at ``speed`` rad/s (0.5).
+        """Turn in place by this angle (negative: to the right), at ``speed`` rad/s (0.5).
 
-        Otherwise as :meth:`move`, but telemeters are not looked at.
+        Otherwise as :meth:`move`, but telemeters are ignored.
         """
         options = MoveOptions(None, speed, None, timeout)
         return self._go(Move(self._connection, options).by(0.0, angle_rad), on_progress)
@@ -208,7 +208,7 @@ class Robot(RobotBase):
         timeout: float | None = None,
         on_progress: Progress | None = None,
     ) -> MoveResult:
-        """Drive so far along an arc that turns by this angle; otherwise as :meth:`move`."""
+        """Drive this far along an arc that turns by this angle; otherwise as :meth:`move`."""
         options = arc_options(distance_m, angle_rad, speed, clearance, timeout)
         return self._go(Move(self._connection, options).by(distance_m, angle_rad), on_progress)
 
@@ -223,7 +223,7 @@ class Robot(RobotBase):
         timeout: float | None = None,
         on_progress: Progress | None = None,
     ) -> MoveResult:
-        """Turn to a point of the main frame and drive there, then turn to ``theta_rad`` if given.
+        """Turn to a point in the main frame, drive there, then turn to ``theta_rad`` if given.
 
         Otherwise as :meth:`move`.
         """
@@ -231,7 +231,7 @@ class Robot(RobotBase):
         return self._go(Move(self._connection, options).to(x_m, y_m, theta_rad), on_progress)
 
     def rest(self, *, timeout: float | None = None) -> MoveResult:
-        """Stop, and wait until the robot stands, armed or not; 5 s at most."""
+        """Stop, and wait until the robot stands, armed or not; at most 5 s."""
         options = MoveOptions(None, None, None, timeout)
         return self._go(Move(self._connection, options).rest(), None)
 
@@ -250,9 +250,9 @@ class Robot(RobotBase):
     # ---- odometry ----
 
     def relocalize(self, x_m: float, y_m: float, theta_rad: float) -> None:
-        """Tell the robot where it is, and wait for its answer and the pose that follows it.
+        """Set the robot's pose; wait for its answer and for a pose that follows it.
 
-        Raises RefusedError, or RobotTimeoutError after 3 s without the one or the other.
+        Raises RefusedError, or RobotTimeoutError if either is missing after 3 s.
         """
         finite(x_m=x_m, y_m=y_m, theta_rad=theta_rad)
         _native.roburoc4_client_relocalize(self._connection.handle, x_m, y_m, theta_rad)
@@ -263,7 +263,7 @@ class Robot(RobotBase):
     # ---- statuses ----
 
     def reader(self, *services: str | Service) -> Reader[Status]:
-        """Read events, and every status of these services (none: of all), without waiting."""
+        """Read events, and all statuses of these services (none given: all), without waiting."""
         return Reader(self._connection.reader(), mask_of(services))
 
     @overload
@@ -291,25 +291,26 @@ class Robot(RobotBase):
         self, *services: str | Service, timeout: float | None = ...
     ) -> Statuses[Status]: ...
     def statuses(self, *services: str | Service, timeout: float | None = None) -> Statuses[Any]:
-        """Iterate over every status of these services (none: of all) from now on.
+        """Iterate over all statuses of these services (none given: all) from now on.
 
-        Waits for each, at most ``timeout`` seconds: then RobotTimeoutError is raised, and the next
-        ``next()`` waits anew. It continues when the link is lost and found again, and ends at
-        ``close``. Statuses wait in a buffer (``connect(buffer=10000)``). When it overflows,
-        SamplesLostError is raised once, and the next ``next()`` continues with the oldest left.
+        Waits for each status. After ``timeout`` seconds RobotTimeoutError is raised; the following
+        ``next()`` waits again. Iteration continues after the link was lost, and ends at ``close``.
+        Unread statuses are buffered (``connect(buffer=10000)``). When the buffer overflows,
+        SamplesLostError is raised once, and the following ``next()`` continues with the oldest one
+        left.
         """
         return Statuses(self.reader(*services), timeout, name_of_statuses(services))
 
     def events(self, *, timeout: float | None = None) -> Events:
-        """Iterate over what happens from now on; ``event.text`` is a sentence.
+        """Iterate over events from now on; ``event.text`` describes an event in a sentence.
 
-        Waits for each, at most ``timeout`` seconds: then RobotTimeoutError is raised, and the next
-        ``next()`` waits anew. Ends at ``close``. Events that announce statuses are left out.
+        Waits for each event. After ``timeout`` seconds RobotTimeoutError is raised; the following
+        ``next()`` waits again. Ends at ``close``. Events that only announce statuses are omitted.
         """
         return Events(EventQueue(self._connection.reader(), timeout))
 
     def record(self, seconds: float, *services: str | Service) -> Recording:
-        """Collect the statuses of these services (none: of all) for so long, as columns."""
+        """Collect the statuses of these services (none given: all) for this time, as columns."""
         duration_s("seconds", seconds)
         source = self.reader(*services)
         recording = Recording(mask_of(services), self.period_s)
@@ -322,10 +323,10 @@ class Robot(RobotBase):
 
 
 class ManualRobot(Robot):
-    """A robot without a thread of its own: ``connect(threaded=False)``.
+    """A robot without its own thread: ``connect(threaded=False)``.
 
-    Call ``spin``, or any method that waits, again and again: nothing is received or repeated
-    otherwise. A program that hangs is stopped by the robot's own watchdog only (1 s).
+    Call ``spin``, or any method that waits, repeatedly: otherwise nothing is received or repeated.
+    If the program hangs, only the robot's own watchdog stops the robot (after 1 s).
     """
 
     def __init__(self, connection: SocketConnection, settings: Settings) -> None:
@@ -337,11 +338,11 @@ class ManualRobot(Robot):
         self._socket.spin(timeout)
 
     def fileno(self) -> int:
-        """Return the socket, to be watched for reading: then call ``spin(0)``. Only watch it."""
+        """Return the socket. Only wait until it is readable, then call ``spin(0)``."""
         return self._socket.fileno()
 
     def next_deadline(self) -> float:
-        """Return the seconds until ``spin(0)`` is due if nothing can be read before."""
+        """Return the seconds until ``spin(0)`` is due if nothing can be read earlier."""
         return self._socket.next_deadline_s()
 
 
@@ -373,12 +374,13 @@ def connect(
 ) -> Robot:
     """Connect to the robot at "HOST" or "HOST:PORT", and wait until it is ready.
 
-    ``timeout`` counts silence, not progress: RobotTimeoutError says what was tried and what to
-    check. With ``wait=False`` the robot is returned at once, while it connects. The settings are
-    those of :class:`~roburoc4.Settings`.
+    ``timeout`` limits silence, not progress: RobotTimeoutError reports what was tried and what to
+    check. With ``wait=False`` the robot is returned at once and connects in the background. The
+    settings are those of :class:`~roburoc4.Settings`.
 
-    With ``threaded`` a native thread keeps the link alive whatever Python does. It never renews a
-    drive command, so a program that hangs stops the robot. Without, see :class:`ManualRobot`.
+    With ``threaded`` a native thread keeps the link alive, whatever Python does. It never renews a
+    drive command, so if the program hangs, the robot is stopped. Without it, see
+    :class:`ManualRobot`.
 
         with roburoc4.connect("192.168.0.2") as robot:
             robot.arm()
@@ -395,6 +397,6 @@ def connect(
 
 
 def resolve(host: str) -> str:
-    """Turn "HOST", "HOST:PORT" or "[IPV6]:PORT" into an address in numbers; asks the network."""
+    """Resolve "HOST", "HOST:PORT" or "[IPV6]:PORT" to a numeric address; may ask a name server."""
     with address_errors(host):
         return _native.resolve_address(host)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a blocking and an asyncio robot have in common: everything that does not wait."""
+"""What the blocking and the asyncio robot have in common: everything that does not wait."""
 
 from collections.abc import Callable
 from contextvars import ContextVar
@@ -76,25 +76,25 @@ class RobotBase:
 
     @property
     def facts(self) -> Facts:
-        """What is true now: armed, overridden, bumpers, speeds sent ..."""
+        """The current facts: armed, overridden, bumpers, speeds sent ..."""
         return _native.roburoc4_client_facts(self._connection.handle)
 
     @property
     def link(self) -> Link:
-        """Figures of the link: round trip, silence, loss."""
+        """Statistics of the link: round trip, silence, loss."""
         return _native.roburoc4_client_link(self._connection.handle)
 
     def service_link(self, service: str | Service) -> ServiceLink:
-        """Return the figures of one service's statuses: period, jitter, age, loss."""
+        """Return the statistics of one service's statuses: period, jitter, age, loss."""
         return _native.roburoc4_client_service_link(self._connection.handle, service_of(service))
 
     def period_s(self, service: str | Service) -> float:
-        """Return the seconds between two statuses of a service, as observed."""
+        """Return the observed seconds between two statuses of a service."""
         return self.service_link(service).period_us / 1e6
 
     @property
     def counts(self) -> dict[Count, int]:
-        """What became of datagrams."""
+        """Counters of datagrams by what became of them."""
         return {
             counter: _native.roburoc4_client_count(self._connection.handle, counter)
             for counter in Count
@@ -102,21 +102,21 @@ class RobotBase:
 
     @property
     def fault(self) -> Fault:
-        """Why the network does not take or deliver datagrams; NONE as soon as one comes in."""
+        """Why the network does not accept or deliver datagrams; NONE once one arrives."""
         return Fault(_native.connection_fault(self._connection.handle))
 
     @property
     def recorder(self) -> RecorderState | None:
-        """What ``connect(record=...)`` has recorded so far; None where nothing is recorded."""
+        """What ``connect(record=...)`` has recorded so far; None if nothing is recorded."""
         return self._connection.recorder
 
     @property
     def now_s(self) -> float:
-        """Seconds of the clock that ``host_us``, leases and timeouts go by; its zero is any."""
+        """The clock of ``host_us``, leases and timeouts, in seconds; its zero is arbitrary."""
         return self._connection.now_s()
 
     def host_time_s(self, robot_cycles: int) -> float:
-        """Return when, on ``now_s``, the robot's clock showed ``robot_cycles``; an estimate."""
+        """Estimate when, on ``now_s``, the robot's clock showed ``robot_cycles``."""
         return _native.roburoc4_client_host_time(self._connection.handle, robot_cycles) / 1e6
 
     # ---- what the robot is ----
@@ -134,7 +134,7 @@ class RobotBase:
 
     @property
     def properties(self) -> Properties:
-        """What the robot reported about itself; its texts may come after it is ready."""
+        """What the robot reported about itself; texts may arrive after it is ready."""
         handle = self._connection.handle
         ids = {_known(_native.roburoc4_client_service_id, handle, s): s for s in Service}
         kinds = {wire_id: service for wire_id, service in ids.items() if wire_id is not None}
@@ -148,7 +148,7 @@ class RobotBase:
         )
 
     def role_index(self, role: Role) -> int | None:
-        """Return the index on the wire of the input with this role; None where it is not known."""
+        """Return the index on the wire of the input with this role; None if it is unknown."""
         return _known(_native.roburoc4_client_role_index, self._connection.handle, role)
 
     # ---- statuses ----
@@ -170,7 +170,7 @@ class RobotBase:
         return _known(READ_STATUS[service_of(service)], self._connection.handle)
 
     def _first(self, read: "Callable[[_native.Connection], _R]", service: Service) -> _R:
-        """Read the latest status; before the first, raise with what to do."""
+        """Read the latest status; before the first, raise an error that names the remedy."""
         try:
             return read(self._connection.handle)
         except NotKnownError as error:
@@ -186,12 +186,12 @@ class RobotBase:
 
     @property
     def localization(self) -> LocalizationStatus:
-        """The latest localization status: odometry, far off after turns."""
+        """The latest localization status: odometry, inaccurate after turns."""
         return self._first(_native.roburoc4_client_localization, Service.LOCALIZATION)
 
     @property
     def differential(self) -> DifferentialStatus:
-        """The latest speeds, asked for and reached."""
+        """The latest speeds, commanded and measured."""
         return self._first(_native.roburoc4_client_differential, Service.DIFFERENTIAL)
 
     @property
@@ -227,11 +227,11 @@ class RobotBase:
         return self._analog_outputs
 
     def drive(self, linear_m_s: float, angular_rad_s: float, *, lease_ms: int = 0) -> None:
-        """Drive at these speeds for one lease; call it again and again to go on.
+        """Drive at these speeds for one lease; call it repeatedly to keep driving.
 
-        Never waits. The lease is ``lease_ms`` (20 to 1000; 0 means the setting's, 250 by
-        default), then the robot is stopped. Speeds are scaled and clamped to the robot's limits
-        and the settings' ceilings. Raises NotArmedError while disarmed, naming cause and remedy.
+        Never waits. The lease is ``lease_ms`` (20 to 1000; 0: the setting's, 250 by default); then
+        the robot is stopped. Speeds are scaled and limited to the robot's limits and the settings'
+        ceilings. Raises NotArmedError while disarmed, with cause and remedy.
         """
         try:
             _native.roburoc4_client_drive(
@@ -264,7 +264,7 @@ class RobotBase:
     # ---- for subclasses, which wait ----
 
     def _readiness(self, timeout_s: float) -> Callable[[], bool]:
-        """Return a look whether it is ready, which raises after too long a silence."""
+        """Return a check whether it is ready, which raises after too long a silence."""
         heard_s = self._connection.now_s()
 
         def look() -> bool:
@@ -287,11 +287,11 @@ class RobotBase:
             check = self.fault.text
         elif heard == 0:
             check = (
-                "check that the robot is on, the cable is in, this machine has an address in the "
-                "robot's network, and no firewall drops UDP"
+                "check that the robot is on, its cable is plugged in, this machine is in "
+                "the robot's network, and no firewall drops UDP"
             )
         else:
-            check = "something answers there; check that it is a RobuROC4, and the link's loss"
+            check = "something answers there; check that it is a RobuROC4, and the loss of the link"
         return (
             f"no answer from {self.address} for {timeout_s:g} s (state {self.state.name.lower()}, "
             f"{sent} datagrams sent, {heard} received): {check}"
@@ -302,7 +302,7 @@ class RobotBase:
         return self._ready_s + 2 * self.service_link(service).period_us / 1e6 + _STATUS_MARGIN_S
 
     def _has_first_statuses(self) -> bool:
-        """Whether each subscribed service has sent a status, or has had its time."""
+        """Whether each subscribed service has sent a status, or its time is over."""
         now_s = self._connection.now_s()
         return all(
             _known(READ_STATUS[service], self._connection.handle) is not None
@@ -312,7 +312,7 @@ class RobotBase:
         )
 
     def _try_to_arm(self, end_s: float) -> float:
-        """Arm, and return 0; or return the seconds for which it is worth to try again."""
+        """Arm and return 0; or return the seconds during which retrying makes sense."""
         try:
             _native.roburoc4_client_arm(self._connection.handle)
         except NotArmedError as error:
@@ -331,7 +331,7 @@ class RobotBase:
         return self._lease_s / _RENEWALS_PER_LEASE
 
     def _is_relocalized(self) -> bool:
-        """Whether relocalize was answered; raises where it was refused."""
+        """Whether relocalize was answered; raises if it was refused."""
         code = self.facts.relocalize_result
         if code == Result.UNKNOWN:
             return False
@@ -351,7 +351,7 @@ def _known(function: Callable[_P, _R], *arguments: _P.args, **names: _P.kwargs) 
 
 
 def _listed(read: Callable[[int], _R]) -> tuple[_R, ...]:
-    """Read a list of the client by its index, to the end."""
+    """Read a list of the client by index, to its end."""
     entries: list[_R] = []
     try:
         while True:
@@ -361,15 +361,15 @@ def _listed(read: Callable[[int], _R]) -> tuple[_R, ...]:
 
 
 RELOCALIZE_S = 3.0
-"""Longer than the client asks for (2 s)."""
+"""Longer than the client's own timeout (2 s)."""
 in_condition = ContextVar("in_condition", default=False)
-"""Whether a condition of wait_for is looked at: then properties do not wait."""
+"""Whether a condition of wait_for is being evaluated: then properties do not wait."""
 LOOK_AGAIN_S = 0.1
-"""Conditions are looked at after every event, and so often because of those on time alone."""
+"""Conditions are evaluated after every event, and this often because some depend on time alone."""
 
 
 def true_or_unknown(condition: Callable[[_R], object], robot: _R) -> Callable[[], object]:
-    """Return a look at the condition, which what is not known yet does not fulfil."""
+    """Return a check of the condition; it is false while it needs something unknown."""
 
     def look() -> object:
         token = in_condition.set(True)
@@ -384,7 +384,7 @@ def true_or_unknown(condition: Callable[[_R], object], robot: _R) -> Callable[[]
 
 
 def name_of(condition: object) -> str:
-    """Say what did not happen."""
+    """Describe what did not happen."""
     if isinstance(condition, Event):
         return f"no {condition.name or repr(condition)} event"
     if isinstance(condition, Service):

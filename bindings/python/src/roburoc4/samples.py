@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Statuses one after the other, and columns of them."""
+"""Statuses one by one, and columns of them."""
 
 import contextlib
 import math
@@ -30,7 +30,7 @@ def mask_of(services: tuple[str | Service, ...]) -> int:
 
 
 class Reader(Generic[_S]):
-    """Events and statuses, one after the other, from the moment that this was made.
+    """Events and statuses, one by one, from the moment it was created.
 
     Used by one thread at a time; see :meth:`roburoc4.Robot.reader`.
     """
@@ -48,9 +48,9 @@ class Reader(Generic[_S]):
         return self._reader.lost
 
     def next(self) -> _S | None:
-        """Take the next status that is there; raises ClosedError at the end."""
+        """Take the next available status; raises ClosedError at the end."""
         while not self._waiting:
-            with contextlib.suppress(ClosedError):  # statuses() raises it, when all are read
+            with contextlib.suppress(ClosedError):  # statuses() raises it once all are read
                 self._taken |= Event(self._reader.take_events())
             found = self._reader.statuses(self._mask)
             if found is None:
@@ -63,12 +63,12 @@ class Reader(Generic[_S]):
         return self._waiting.pop()
 
     def take_events(self) -> Event:
-        """Take what happened since the last time; raises ClosedError after the end."""
+        """Take what happened since the last call; raises ClosedError after the end."""
         events, self._taken = self._taken, Event(0)
         return events or Event(self._reader.take_events())
 
     def drain(self, use: Callable[[_S], None]) -> None:
-        """Pass on all that are there; lost ones are only counted."""
+        """Pass on all available statuses; lost ones are only counted."""
         while True:
             try:
                 status = self.next()
@@ -83,12 +83,12 @@ class Reader(Generic[_S]):
         return self._reader.now_s()
 
     def wait(self, seconds: float) -> None:
-        """Wait for a status; it may end early."""
+        """Wait for a status; it may return early."""
         self._reader.wait(events_of_services(self._mask), seconds)
 
 
 class Patience:
-    """How long to wait for the next of something; None: for ever."""
+    """How long to wait for the next item; None: forever."""
 
     def __init__(self, now_s: Callable[[], float], timeout: float | None, what: str) -> None:
         self._now_s = now_s
@@ -97,7 +97,7 @@ class Patience:
         self._end_s = math.inf if timeout is None else now_s() + timeout
 
     def left_s(self) -> float:
-        """Return how long to wait now; raises RobotTimeoutError when it is over."""
+        """Return how long to wait now; raises RobotTimeoutError when the time is over."""
         left_s = self._end_s - self._now_s()
         if left_s <= 0.0:
             raise RobotTimeoutError(f"no {self._what} within {self._timeout:g} s", Result.TIMEOUT)
@@ -105,13 +105,13 @@ class Patience:
 
 
 def name_of_statuses(services: tuple[str | Service, ...]) -> str:
-    """Say what did not come."""
+    """Describe what did not arrive."""
     names = " or ".join(service_of(service).name.lower() for service in services)
     return f"{names} status".strip()
 
 
 class EventQueue:
-    """Events but those that announce statuses, one after the other."""
+    """Events, one by one, except those that only announce statuses."""
 
     def __init__(self, reader: EventReader, timeout: float | None) -> None:
         self.reader = reader
@@ -119,18 +119,18 @@ class EventQueue:
         self._waiting: list[Event] = []
 
     def next(self) -> Event | None:
-        """Take the next event that is there; raises ClosedError at the end."""
+        """Take the next available event; raises ClosedError at the end."""
         if not self._waiting:
             self._waiting = list(Event(self.reader.take_events() & ~STATUS_EVENTS))
         return self._waiting.pop(0) if self._waiting else None
 
     def patience(self) -> Patience:
-        """Begin to wait for the next."""
+        """Start to wait for the next one."""
         return Patience(self.reader.now_s, self._timeout, "event")
 
 
 class Events(Iterator[Event]):
-    """Every event from the moment that this was made; see :meth:`roburoc4.Robot.events`."""
+    """Every event since it was created; see :meth:`roburoc4.Robot.events`."""
 
     def __init__(self, queue: EventQueue) -> None:
         self._queue = queue
@@ -149,7 +149,7 @@ class Events(Iterator[Event]):
 
 
 class Statuses(Iterator[_S]):
-    """Every status from the moment that this was made; see :meth:`roburoc4.Robot.statuses`."""
+    """Every status since it was created; see :meth:`roburoc4.Robot.statuses`."""
 
     def __init__(self, source: "Reader[_S]", timeout: float | None, what: str) -> None:
         self._source = source
@@ -182,7 +182,7 @@ _LISTS = {
 
 
 def flatten(status: Status) -> dict[str, Any]:
-    """Return a status as a row of a table: a list becomes ``distance_0_m``, ``distance_1_m`` ..."""
+    """Return a status as a table row: a list becomes ``distance_0_m``, ``distance_1_m`` ..."""
     row: dict[str, Any] = {}
     for name, value in status._asdict().items():
         if name in _LISTS:
@@ -193,7 +193,7 @@ def flatten(status: Status) -> dict[str, Any]:
 
 
 class Gap(NamedTuple):
-    """A hole in a recording: services that said nothing for several of their periods."""
+    """A gap in a recording: services that were silent for several of their periods."""
 
     utc_s: float
     """When the last status before it was made."""
@@ -206,26 +206,26 @@ _GAP_PERIODS = 3
 
 
 class Gaps:
-    """Statuses in; what is missing between them out. Each service is asked for its own period."""
+    """Counts missing statuses. Each service is asked for its own period."""
 
     def __init__(self, period_s: Callable[[str], float]) -> None:
         self._period_s = period_s
         self._last: dict[str, Status] = {}
         self.lost = 0
-        """Statuses that should have come and are missing, whatever the reason."""
+        """Statuses that should have arrived but are missing, for whatever reason."""
         self.found: list[Gap] = []
-        """Gaps of at least half a second; those of several services at once are one."""
+        """Gaps of at least half a second; simultaneous gaps of several services are one."""
 
     def add(self, status: Status) -> None:
         """Take the next status."""
         last = self._last.get(status.kind)
         self._last[status.kind] = status
         if last is not None:
-            # Not by robot_cycles, which begin anew when the robot restarts.
+            # Not by robot_cycles, which start over when the robot restarts.
             self._look(last, status.utc_s - last.utc_s)
 
     def end(self, now_s: float) -> None:
-        """Look for services that were silent at the end; ``now_s`` is the robot object's."""
+        """Look for services that were silent at the end; ``now_s`` is the robot object's time."""
         for last in self._last.values():
             self._look(last, now_s - last.host_us / 1e6)
         self._last.clear()
@@ -259,7 +259,7 @@ class Recording(dict[str, dict[str, Column]]):
 
     @property
     def lost(self) -> int:
-        """Statuses that are missing: the network lost them, or they came too fast."""
+        """Statuses that are missing: lost by the network, or overwritten before they were read."""
         return self._gaps.lost
 
     @property
@@ -296,7 +296,7 @@ class Recording(dict[str, dict[str, Column]]):
         columns = self[status.kind]
         length = len(columns.get("robot_cycles", ()))
         for name, value in flatten(status).items():
-            # Another robot after a reboot may have more channels.
+            # After a reboot, the robot may have more channels.
             columns.setdefault(name, [None] * length).append(value)
         for column in columns.values():
             if len(column) == length:

@@ -13,7 +13,7 @@ __all__ = ["Settings"]
 
 
 class Settings(TypedDict, total=False):
-    """What ``connect`` and ``Simulator.connect`` take beside the address; all have defaults."""
+    """Keyword arguments of ``connect`` and ``Simulator.connect``; all have defaults."""
 
     periods_ms: Mapping[str, int | None]
     """Status periods by service ("iocard", "telemeter", "battery", "localization",
@@ -22,47 +22,48 @@ class Settings(TypedDict, total=False):
     lease_ms: int
     """Lease of a drive command; 20 to 1000; 250."""
     drive_period_ms: int
-    """Repetition of a drive command in its lease; 10 to 500, at most half of ``lease_ms``; 50."""
+    """Period at which a drive command is repeated; 10 to 500, at most half of ``lease_ms``; 50."""
     fresh_ms: int
-    """Age to which a status counts for driving; 50 to 1000; 300."""
+    """Maximum age of a status that counts for driving; 50 to 1000; 300."""
     lost_ms: int
-    """Silence after which the robot is lost; 200 to 60000; 1000."""
+    """Silence after which the robot counts as lost; 200 to 60000; 1000."""
     first_retry_ms: int
-    """A request is repeated after this, doubling to 1 s; 10 to 100; 100."""
+    """Time until a request is repeated, doubling to 1 s; 10 to 100; 100."""
     robot_watchdog_ms: int
-    """The robot's own watchdog; 100 to 60000; 1000."""
+    """The watchdog time of the robot itself; 100 to 60000; 1000."""
     max_linear_m_s: float
     """Ceiling of speed; 0.001 to 20; 2.6."""
     max_angular_rad_s: float
     """Ceiling of turn rate; 0.001 to 50; 6.5."""
     scale_linear: float
-    """Multiplies what ``drive`` is given; 0.01 to 10; 1."""
+    """Factor on the speed given to ``drive``; 0.01 to 10; 1."""
     scale_angular: float
-    """Likewise, for the turn rate; 0.01 to 10; 1."""
+    """Factor on the turn rate given to ``drive``; 0.01 to 10; 1."""
     turn_keeping: bool
-    """Slow down rather than turn less; off."""
+    """At a limit, slow down instead of turning less; off."""
     allow_unknown_override: bool
-    """Arm although the game pad's input is not known; off. Gives up a protection."""
+    """Arm although the game pad's input is unknown; off. Gives up a protection."""
     ignore_other_commander: bool
     """Stay armed while another client commands; off. Gives up a protection."""
     override_index: int
-    """Index of game pad [A] among the digital inputs, where the robot's texts do not show it."""
+    """Index of game pad [A] among the digital inputs, if the robot's texts do not tell it."""
     front_bumper_index: int
     """Index of the front bumper among the digital inputs, likewise."""
     rear_bumper_index: int
     """Index of the rear bumper among the digital inputs, likewise."""
     battery_voltage_index: int
-    """Index of the battery's voltage among the analog inputs, likewise."""
+    """Index of the battery voltage among the analog inputs, likewise."""
     buffer: int
-    """Statuses that are kept for slow readers; 16 to 1000000; 10000."""
+    """Number of statuses kept for slow readers; 16 to 1000000; 10000."""
     record: str | PathLike[str]
-    """File (``.pcapng``) in which every datagram is recorded, or a folder for one that is named
-    after the time. What exists is not overwritten: ``run.2.pcapng`` is made beside
-    ``run.pcapng``."""
+    """File (``.pcapng``) in which every datagram is recorded, or a folder for a file named after
+    the time. Existing files are not overwritten: ``run.2.pcapng`` is created beside
+    ``run.pcapng``.
+    """
     record_max_bytes: int
-    """The next file begins where this one would be longer; 0: never; 0."""
+    """Begin a new file before this one grows longer; 0: never; 0."""
     record_max_s: int
-    """The next file begins where this one is older; 0: never; 0."""
+    """Begin a new file when this one is older; 0: never; 0."""
 
 
 BUFFER_DEFAULT = 10_000
@@ -101,7 +102,7 @@ STATUS_SERVICES = {
 
 
 def service_of(service: str | Service) -> Service:
-    """Return the service that sends statuses of this name, or say which there are."""
+    """Return the service with this name; the error lists those that send statuses."""
     name = service.lower() if isinstance(service, str) else None
     found = next((s for n, s in STATUS_SERVICES.items() if name == n or service == s), None)
     if found is None:
@@ -154,7 +155,7 @@ def config_of(settings: Settings) -> "_native.Config":
 
 
 def _names_of(wrong: str) -> set[str]:
-    """Which settings the C library's name and range are about."""
+    """Return the settings that the C library's name and range refer to."""
     name = wrong.partition(":")[0].partition(" ")[0]
     return {"period_ms": {"periods_ms"}, "role_index": set(_ROLES)}.get(name, {name})
 
@@ -170,7 +171,7 @@ def _wrong(settings: Settings, wrong: str) -> ArgumentError:
 
 
 def _range_of(name: str) -> str | None:
-    """Ask the C library for a range, with a value that fits none."""
+    """Ask the C library for the range by passing an invalid value."""
     config = _native.new_config()
     _set(config, name, {"battery": 0} if name == "periods_ms" else -2 if name in _ROLES else 0)
     wrong = _native.roburoc4_config_error(config)
@@ -178,7 +179,7 @@ def _range_of(name: str) -> str | None:
 
 
 def buffer_of(settings: Settings) -> int:
-    """Return how many statuses are kept for late readers."""
+    """Return how many statuses are kept for slow readers."""
     buffer = settings.get("buffer", BUFFER_DEFAULT)
     if not 16 <= buffer <= 1_000_000:
         raise unusable("buffer", buffer, "16 to 1000000", Result.CONFIG)

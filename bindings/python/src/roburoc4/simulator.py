@@ -25,7 +25,7 @@ _WALL_THICKNESS_M = 0.1
 
 
 class SimSettings(TypedDict, total=False):
-    """What a simulated robot can be; ``roburoc4_sim.h`` describes each. All have defaults."""
+    """Settings of a simulated robot; ``roburoc4_sim.h`` describes each. All have defaults."""
 
     watchdog_cycles: int
     service_ids: dict[str, int]
@@ -39,7 +39,7 @@ class SimSettings(TypedDict, total=False):
     error_header: bool
     start_safe: bool
     as_manual: bool
-    """The manual to the letter, where the defaults make a first drive easy."""
+    """Exactly as in the manual; the defaults make a first drive easier."""
     localization_flags: int
     analog_inputs: int
     analog_outputs: int
@@ -55,7 +55,7 @@ class SimSettings(TypedDict, total=False):
     min_angular_rad_s2: float
     width_m: float
     slip: float
-    """Share of a turn that skidding eats, 0 (none, and no noise) to 0.9."""
+    """Share of a turn that is lost to skidding, 0 (none, and no noise) to 0.9."""
     nominal_voltage_v: float
     capacity_ah: float
     battery_percent: float
@@ -97,18 +97,18 @@ def _number_of(control: str) -> int:
 
 
 class Simulator:
-    """A simulated robot to try programs on, and to write tests with.
+    """A simulated robot for trying out programs and for tests.
 
-    In virtual time (by default) nothing happens but by ``step`` and by what waits on a robot of
-    ``connect``: a test takes no real time and always goes the same way.
+    In virtual time (the default) time passes only in ``step`` and in waiting calls on a robot of
+    ``connect``: a test takes no real time and is reproducible.
 
         with roburoc4.Simulator() as sim, sim.connect() as robot:
             robot.arm()
             robot.drive_for(0.5, 0.0, seconds=2)
             assert sim.true_pose.x_m > 0.5
 
-    With a port (0 picks a free one) it serves UDP in real time, on a thread that needs no Python;
-    ``address`` is where. ``sim.connect`` then returns a robot in real time.
+    With a port (0 picks a free one) it serves UDP in real time, on a thread that needs no Python,
+    at ``address``. ``sim.connect`` then returns a robot in real time.
     """
 
     def __init__(
@@ -148,7 +148,7 @@ class Simulator:
         return f"<roburoc4.Simulator {self._address}>"
 
     def close(self) -> None:
-        """End it; several times. Its state can still be read."""
+        """End the simulator; may be called repeatedly. Its state can still be read."""
         with self._closing:
             if self._closed or self._process != os.getpid():
                 return
@@ -161,7 +161,7 @@ class Simulator:
         *arguments: _P.args,
         **names: _P.kwargs,
     ) -> _R:
-        """Call a native function that does something to the simulator."""
+        """Call a native function that acts on the simulator."""
         if self._process != os.getpid():
             raise error_of(Result.CLOSED)
         return function(self._sim, *arguments, **names)
@@ -175,11 +175,11 @@ class Simulator:
 
     @property
     def now_s(self) -> float:
-        """Seconds of the simulator's clock; its zero is any."""
+        """The simulator's clock in seconds; its zero is arbitrary."""
         return self.state.now_us / 1e6
 
     def step(self, seconds: float) -> None:
-        """Let virtual time pass, for the robots of ``connect`` too."""
+        """Let virtual time pass, also for the robots of ``connect``."""
         if not self._virtual:
             raise RobotError(
                 "a simulator on a port runs in real time: use time.sleep()", Result.STATE
@@ -187,7 +187,7 @@ class Simulator:
         run(self._sim, duration_s("seconds", seconds))
 
     def connect(self, timeout: float = 10.0, **settings: Unpack[Settings]) -> Robot:
-        """Connect a robot object; in virtual time it has the simulator's clock."""
+        """Connect a robot object; in virtual time it uses the simulator's clock."""
         if not self._virtual:
             return connect(self._address, timeout=timeout, **settings)
         robot = Robot(VirtualConnection(self._sim, settings), settings)
@@ -204,7 +204,7 @@ class Simulator:
         delay_ms: float = 0.0,
         jitter_ms: float = 0.0,
     ) -> None:
-        """Make the network bad, in both directions; shares are 0 to 1. Without arguments: good."""
+        """Degrade the network in both directions; shares are 0 to 1; no arguments: restore it."""
         shares = {"loss": loss, "duplicate": duplicate, "reorder": reorder, "corrupt": corrupt}
         for name, share in shares.items():
             if not 0 <= share <= 1:
@@ -221,31 +221,31 @@ class Simulator:
 
     @property
     def state(self) -> SimState:
-        """All that can be known about the robot."""
+        """Everything that can be known about the robot."""
         return _native.roburoc4_sim_snapshot(self._sim)
 
     @property
     def true_pose(self) -> Pose:
-        """The robot's true pose, which odometry does not show."""
+        """The robot's true pose, which odometry does not report."""
         state = self.state
         return Pose(state.true_x_m, state.true_y_m, state.true_theta_rad)
 
     # ---- controls ----
 
     def set(self, control: str, value: float) -> None:
-        """Do what a person beside the robot can do; `panel("help")` lists all of it.
+        """Do what a person beside the robot can do; `panel("help")` lists everything.
 
-        By the names of ``roburoc4_sim.h``: "power", "motor_button", "estop_local", "estop_remote",
-        "brakes_released", "charger", "bumper_front", "bumper_rear" and the game pad's buttons,
-        "pad_a" to "pad_rb", take True and False; "battery_percent" 0 to 100; its axes, "pad_lj_x"
-        to "pad_rt", -1 to 1 ("pad" 0 lets all of it go); "localization_flags" 0 to 127. What an
-        input reports is pinned by "pin_analog_2" and "pin_digital_8", and unpinned by "pin" 0.
+        Controls are named as in ``roburoc4_sim.h``: "power", "motor_button", "estop_local",
+        "estop_remote", "brakes_released", "charger", "bumper_front", "bumper_rear" and the game
+        pad's buttons, "pad_a" to "pad_rb", take True and False; "battery_percent" 0 to 100; the
+        axes, "pad_lj_x" to "pad_rt", -1 to 1 ("pad" 0 releases everything); "localization_flags" 0
+        to 127. "pin_analog_2" and "pin_digital_8" fix what an input reports, "pin" 0 undoes this.
         """
         result = self._act(_native.roburoc4_sim_set, _number_of(control), value)
         if result == Result.STATE:
             raise RobotError(
-                f"{control}: not now; turn the power on, release both emergency stops and set the "
-                "brakes to automatic first",
+                f"{control}: impossible now; turn power on, release both emergency stops and set "
+                "the brakes to automatic first",
                 Result.STATE,
             )
         if result < 0:
@@ -258,7 +258,7 @@ class Simulator:
 
     @contextmanager
     def held(self, control: str) -> Iterator[None]:
-        """Press something, such as "pad_a", for the length of a ``with`` block."""
+        """Press something, such as "pad_a", for the duration of a ``with`` block."""
         self.set(control, True)
         try:
             yield
@@ -298,12 +298,12 @@ class Simulator:
         self._act(_native.roburoc4_sim_clear_obstacles)
 
     def place(self, x_m: float, y_m: float, theta_rad: float = 0.0) -> None:
-        """Lift the robot to another place; its odometry notices nothing."""
+        """Lift the robot to another place, unnoticed by its odometry."""
         finite(x_m=x_m, y_m=y_m, theta_rad=theta_rad)
         self._act(_native.roburoc4_sim_place, x_m, y_m, theta_rad)
 
     def panel(self, line: str) -> str:
-        """Obey a line such as "pad a down", and return the reply; "help" lists them all."""
+        """Execute a line such as "pad a down", and return the reply; "help" lists all commands."""
         if not line.isascii():
             raise ArgumentError(f"{line!r}: give letters without accents", Result.ARGUMENT)
         result, reply = self._act(_native.simulation_panel, line)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Telegrams of tools: bytes to typed records, and many statuses to a NumPy table."""
+"""Telegrams for tools: bytes to typed records, and many statuses to a NumPy table."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
@@ -20,7 +20,7 @@ Bytes: TypeAlias = bytes | bytearray | memoryview
 
 
 class Layout(NamedTuple):
-    """What bytes alone do not show: the services' ids, and the IO card's counts of channels."""
+    """What bytes alone do not tell: the services' ids, and the IO card's channel counts."""
 
     iocard: int = 2
     telemeter: int = 3
@@ -46,7 +46,7 @@ _native_decode = _native.decode
 def decode(
     data: Bytes, layout: Layout | None = None, sender: Literal["robot", "client"] = "robot"
 ) -> Telegram:
-    """Decode one datagram that a robot (or, on request, a client) has sent.
+    """Decode one datagram from a robot (or, on request, from a client).
 
     A status becomes the record of its service, an answer an :class:`~roburoc4.Answer`, a client's
     telegram a :class:`~roburoc4.Request` or a command. Raises DecodeError for anything else.
@@ -64,13 +64,13 @@ class Batch(NamedTuple):
     """Result of :func:`decode_batch`."""
 
     values: "npt.NDArray[np.void]"
-    """One row for each good status, in their order."""
+    """One row for each valid status, in order."""
     bad: "npt.NDArray[np.intp]"
-    """Indices of those that are not such a status."""
+    """Indices of the items that are not such a status."""
 
 
 def _columns(service: Service, layout: Layout, telemeters: int) -> list[tuple[Any, ...]]:
-    """Name, format on the wire and shape of a status's fields; digital inputs are bits there."""
+    """Name, wire format and shape of a status's fields; digital inputs are bits there."""
     if service is Service.IOCARD:
         blocks = (layout.digital_inputs + 7) // 8
         return [
@@ -84,9 +84,9 @@ def _columns(service: Service, layout: Layout, telemeters: int) -> list[tuple[An
 
 
 def _cut(datagram: Bytes, size: int, service: Service) -> Bytes:
-    """Return the first bytes of a longer status; zeros, never a status, for a shorter one.
+    """Return the first bytes of a longer status; for a shorter one, zeros that are no status.
 
-    Three bytes after the distances mean nothing; a fourth makes one telemeter more.
+    Up to three bytes after the distances are ignored; a fourth makes one telemeter more.
     """
     view = memoryview(datagram).cast("B")
     longest = size + 3 if service is Service.TELEMETER else len(view)
@@ -102,9 +102,9 @@ def decode_batch(
 ) -> Batch:
     """Decode many statuses of one service into a NumPy structured array; needs NumPy.
 
-    ``data`` is a list of datagrams, or one buffer of statuses of the manual's length, one after
-    the other. Each is checked; the indices of those that are not a status of this service (or
-    have another number of ``telemeters``) are reported. Fields are named as in the records.
+    ``data`` is a list of datagrams, or one buffer with statuses of the manual's length, one after
+    the other. Each is checked; the indices of those that are not a status of this service (or have
+    another number of ``telemeters``) are reported. Fields are named as in the records.
     """
     try:
         import numpy as np

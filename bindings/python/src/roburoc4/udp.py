@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""A connection on a socket that its user spins: one thread, or somebody else's event loop.
+"""A connection on a socket that its user spins: one thread, or another event loop.
 
-Nothing moves datagrams while the program does other things, so a program that hangs is stopped by
-the robot's own watchdog only.
+Nothing moves datagrams while the program does other things. If the program hangs, only the robot's
+own watchdog stops the robot.
 """
 
 import atexit
@@ -43,14 +43,14 @@ class SocketConnection(ManualConnection):
             self.close()
 
     def move(self, seconds: float, until: Callable[[], object]) -> None:
-        del until  # one turn ends as soon as something came
+        del until  # return as soon as something arrived
         if _native.connection_exchange(self.handle) == 0 and seconds > 0:
             wait_s = min(seconds, _SLICE_S, self.next_deadline_s())
             _wait_readable(_native.connection_fd(self.handle), wait_s)
             _native.connection_exchange(self.handle)
 
     def spin(self, seconds: float) -> None:
-        """Receive and send for so long; 0 does what is due and returns."""
+        """Receive and send for this time; 0 does what is due and returns."""
         end_s = self.now_s() + seconds
         while True:
             self.sleep(end_s - self.now_s())
@@ -58,12 +58,12 @@ class SocketConnection(ManualConnection):
                 return
 
     def fileno(self) -> int:
-        """Return the socket; only watch it."""
+        """Return the socket; only wait until it is readable."""
         self.check_open()
         return _native.connection_fd(self.handle)
 
     def next_deadline_s(self) -> float:
-        """Return the seconds until spin(0) is due if nothing comes in."""
+        """Return the seconds until spin(0) is due if nothing arrives."""
         deadline_us = _native.roburoc4_client_next_deadline(self.handle)
         return max(0.0, deadline_us / 1e6 - self.now_s())
 

@@ -11,14 +11,15 @@ from .manual import ManualConnection
 from .settings import Settings, buffer_of, config_of
 
 _SLICE_US = 1_000_000
-"""Time goes on in slices, between which Python notices Ctrl-C."""
+"""Time passes in slices, between which Python notices Ctrl-C."""
 
 
 def run(
     simulation: "_native.Simulation", seconds: float, until: Callable[[], object] = lambda: False
 ) -> None:
     """Let virtual time pass, at most until something is true."""
-    # At least a microsecond, or who waits for the rest of a rounded time waits forever.
+    # At least a microsecond, or a caller that waits for the rest of a rounded time would never
+    # finish.
     end_us = _native.simulation_now_us(simulation) + max(0, math.ceil(seconds * 1e6))
     _native.simulation_exchange(simulation)
     while (now_us := _native.simulation_now_us(simulation)) < end_us and not until():
@@ -43,7 +44,7 @@ class VirtualConnection(ManualConnection):
         self._simulation = simulation
 
     def __del__(self) -> None:
-        # Time does not go on because of garbage: one zero is sent, the watchdog does the rest.
+        # Garbage collection must not move time: one zero is sent, the watchdog does the rest.
         if hasattr(self, "_simulation"):
             _native.connection_disarm_for_good(self.handle)
 

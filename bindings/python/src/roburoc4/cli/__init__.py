@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The command `roburoc4`, part of the extra `cli`: look at a robot, check it, drive it.
 
-Each command has a file of its own; the other files are what they share.
+Each command has its own file; the other files are shared.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The command line: which commands there are, and what their ends mean to the shell."""
+"""The command line: its commands, and how their results become exit codes."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ try it without a robot:
   roburoc4 move 1
   roburoc4 turn 90deg
 
-exit codes: 0 fine, 1 the robot refused or was lost, 2 usage, 3 not reachable,
+exit codes: 0 success, 1 the robot refused or was lost, 2 usage, 3 not reachable,
 129, 130, 131 and 143 after SIGHUP, Ctrl-C, Ctrl-\\ and SIGTERM
 """
 
@@ -94,7 +94,7 @@ def run(arguments: list[str]) -> int:
         _let_go_of_stdout()
         return ExitCode.FINE
     except ModuleNotFoundError:
-        raise  # main() knows what to install
+        raise  # main() reports what to install
     except Exception as error:
         if os.environ.get("ROBUROC4_DEBUG"):
             raise
@@ -103,7 +103,7 @@ def run(arguments: list[str]) -> int:
 
 
 def _prepare_streams() -> None:
-    """Have all three streams, whatever the shell closed, and no character that cannot be shown."""
+    """Make all three streams usable, whatever the shell closed; replace what cannot be encoded."""
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         stream = getattr(sys, name)
         if stream is None:
@@ -120,7 +120,7 @@ def _let_go_of_stdout() -> None:
 def _surprise(error: Exception) -> CommandError:
     if isinstance(error, OSError):
         _let_go_of_stdout()
-        return refused(f"the output cannot be written ({error.strerror or error}): make room")
+        return refused(f"the output cannot be written ({error.strerror or error}): free some space")
     return refused(
         f"unexpected {type(error).__name__} ({error}): please report it, with what this command "
         "prints under ROBUROC4_DEBUG=1"

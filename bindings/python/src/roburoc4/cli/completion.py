@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`completion`: what a shell needs to complete commands and options."""
+"""`completion`: prints scripts with which shells complete commands and options."""
 
 from __future__ import annotations
 

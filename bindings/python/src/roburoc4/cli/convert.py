@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`roburoc4 convert`: a recording in another form."""
+"""`roburoc4 convert`: converts recordings."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _SHOW_EVERY = 5000
 _COUNTED = {".mcap": "messages", ".csv": "rows", ".pcapng": "datagrams"}
 _MISSING = {
     ".csv": "a CSV file has no commands, events, properties or names of inputs: /cmd_vel_sent, "
-    "/diagnostics, /joy, the battery's voltage, and limits and places of telemeters are left out",
+    "/diagnostics, /joy, the battery's voltage, and limits and poses of telemeters are left out",
     ".mcap": "an MCAP file has no robot_s, robot_cycles, localization_flags, battery_state or "
     "inputs of the IO card by index: these columns are left out",
 }
@@ -57,9 +57,12 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "and an MCAP file CSV; neither has the datagrams that a pcapng file consists of.",
     )
     parser.add_argument(
-        "file", metavar="FILE", type=Path, help="a pcapng or pcap file, or .csv or .mcap of ours"
+        "file",
+        metavar="FILE",
+        type=Path,
+        help="a pcapng or pcap file, or a .csv or .mcap file by roburoc4",
     )
-    parser.add_argument("output", metavar="OUT", type=Path, help="its suffix says what it becomes")
+    parser.add_argument("output", metavar="OUT", type=Path, help="its suffix chooses the format")
     parser.add_argument("--force", action="store_true", help="replace a file that has contents")
     add_recorded(parser)
     add_json(parser, "print JSON")
@@ -86,7 +89,7 @@ def run(options: ConvertOptions) -> int:
         ):
             count, cut = convert(options, path, show)
     if cut:
-        note(f"{options.file} is cut: all that is whole was converted")
+        note(f"{options.file} is truncated: everything before that was converted")
     if options.json:
         print_json({"file": str(options.output), _COUNTED[suffix]: count, "cut_bytes": cut})
     else:
@@ -95,7 +98,7 @@ def run(options: ConvertOptions) -> int:
 
 
 def _check_statuses(options: ConvertOptions) -> None:
-    """Refuse what cannot be made of statuses."""
+    """Reject conversions that need more than statuses."""
     source, suffix = options.file.suffix.lower(), options.output.suffix.lower()
     if suffix == ".pcapng":
         raise usage(
@@ -103,13 +106,13 @@ def _check_statuses(options: ConvertOptions) -> None:
             "convert a recording that roburoc4 record FILE.pcapng made"
         )
     if suffix == source:
-        raise usage(f"{options.file} is such a file already: copy it")
+        raise usage(f"{options.file} already is such a file: copy it")
     if options.recorded is not None:
-        raise usage(f"--robot: {options.file} holds one robot only: leave --robot out")
+        raise usage(f"--robot: {options.file} holds only one robot: omit --robot")
 
 
 def _of_statuses(options: ConvertOptions, output: Path, show: Show) -> tuple[int, int]:
-    """Convert a CSV file to MCAP, or the other way."""
+    """Convert a CSV file to MCAP, or the reverse."""
     from roburoc4 import rosbag
 
     from . import rows
@@ -162,7 +165,7 @@ def _write_mcap(items: Iterable[Item], output: Path, robot: Robot | None, addres
 
 def _write_csv(items: Iterable[Item], output: Path, header: Callable[[], list[str]]) -> int:
     rows = _rows(items)
-    first = next(rows, None)  # before it the robot's properties are not known
+    first = next(rows, None)  # before it, the robot's properties are not known
     count = 0
     with output.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, header(), extrasaction="ignore")

@@ -36,10 +36,10 @@ _CEILING_ANGULAR_RAD_S = 1.0
 _SHORTEST_TOKEN = 16
 _FREE_TOKEN = ""
 _SLOWEST_DRIVEN_MS = 100
-"""Statuses must be fresh, 300 ms, to arm, and one may get lost."""
+"""To arm, statuses must not be older than 300 ms; one may get lost."""
 _NAME = re.compile(r"([\w.-]+|\[[0-9a-f:]+\])(:\d{1,5})?", re.ASCII | re.IGNORECASE)
 _ROBOT_NAME = re.compile(r"[\w-]{1,20}", re.ASCII)
-# What stands in the content security policy must not end a part of it.
+# These characters would end a part of the content security policy.
 _CAMERA = re.compile(r"https?://[\w.:\[\]-]+(/[^\s;,'\"]*)?", re.ASCII)
 _DESKTOPS = ("DISPLAY", "WAYLAND_DISPLAY")
 
@@ -87,7 +87,7 @@ def _add_seen(parser: argparse.ArgumentParser) -> None:
         dest="robots",
         metavar="[NAME=]HOST[:PORT]",
         action="append",
-        help="the robot's address; several, with names, are shown on one map, and the one that is "
+        help="the robot's address; several named robots are shown on one map, and the "
         f"chosen is driven (default: $ROBUROC4_ROBOT, else {DEFAULT_ROBOT})",
     )
     parser.add_argument(
@@ -122,7 +122,7 @@ def _add_driving(parser: argparse.ArgumentParser) -> None:
         metavar="MS",
         type=whole(100, 1000, "milliseconds"),
         default=_LEASE_MS,
-        help="the robot stops so long after the driver's page saw it last (default: 250)",
+        help="the robot stops this long after the driver's page last saw it (default: 250)",
     )
     group.add_argument(
         "--ignore-override",
@@ -151,14 +151,14 @@ def _add_serving(parser: argparse.ArgumentParser) -> None:
         "--bind",
         metavar="ADDRESS",
         default="127.0.0.1",
-        help="address to serve at; other than loopback needs --token",
+        help="address to serve at; any but loopback needs --token",
     )
     group.add_argument(
         "--token",
         nargs="?",
         const=_FREE_TOKEN,
         metavar="TEXT",
-        help="let in only who has the link that is printed; TEXT (other users of this computer "
+        help="require the printed link; TEXT (other users of this computer "
         "can read it), else $ROBUROC4_TOKEN, else a new one at every start",
     )
     group.add_argument("--tls-cert", metavar="FILE", help="serve https with this certificate (PEM)")
@@ -168,7 +168,7 @@ def _add_serving(parser: argparse.ArgumentParser) -> None:
         metavar="HOST[:PORT]",
         action="append",
         default=[],
-        help="another name that it goes by, such as the certificate's; the first is in the link",
+        help="another name of this computer, such as the certificate's; the first is in the link",
     )
     group.add_argument("--no-open", action="store_true", help="do not open a browser")
 
@@ -249,9 +249,9 @@ def _serve(to_open: str | None, place: Place, rules: Rules, opened: Any, hubs: l
 
 
 def _tell(options: DashboardOptions, link: str) -> None:
-    """Say what to mind and, on stdout, where it is."""
+    """Print warnings and, on stdout, the link."""
     if ipaddress.ip_address(options.bind).is_unspecified and not options.name:
-        note("from another machine, write this computer's address in the place of localhost")
+        note("from another machine, use this computer's address instead of localhost")
     if options.token:
         note("other users of this computer can read --token TEXT: put it into $ROBUROC4_TOKEN")
     if options.allow_drive and not options.sim:
@@ -262,11 +262,11 @@ def _tell(options: DashboardOptions, link: str) -> None:
 
 @contextlib.contextmanager
 def _private(link: str) -> Iterator[str]:
-    """Give what a browser may be started with: everybody sees its command line, and no token."""
+    """Return what to pass to a browser. Its command line is public, so the token is not in it."""
     if "?token=" not in link:
         yield link
         return
-    with tempfile.TemporaryDirectory(prefix="roburoc4-") as folder:  # for this user alone
+    with tempfile.TemporaryDirectory(prefix="roburoc4-") as folder:  # readable by this user only
         page = Path(folder, "open.html")
         target = html.escape(link)
         page.write_text(
@@ -294,20 +294,20 @@ def _place(options: DashboardOptions, make: type[Place]) -> Place:
         ipaddress.ip_address(options.bind)
     except ValueError:
         raise usage(
-            f"--bind: '{options.bind}' is not an address: give one of this computer in numbers, "
+            f"--bind: '{options.bind}' is not an address: give a numeric address of this computer, "
             "such as 192.168.0.10, or 0.0.0.0 for all"
         ) from None
     given = options.robots or [options.robot]
     if options.sim and given not in ([DEFAULT_ROBOT], [os.environ.get("ROBUROC4_ROBOT")]):
-        raise usage(f"--sim starts a robot of its own: leave out --robot {given[0]}, or --sim")
+        raise usage(f"--sim starts its own robot: omit --robot {given[0]} or --sim")
     if (options.tls_cert is None) != (options.tls_key is None):
         raise usage("--tls-cert and --tls-key go together: give both")
     if options.period_ms is not None and options.period_ms % 10:
         raise usage(f"--period-ms: {options.period_ms} is not a multiple of 10")
     if options.allow_drive and (options.period_ms or 0) > _SLOWEST_DRIVEN_MS:
         raise usage(
-            f"--period-ms: at {options.period_ms} the statuses are too old to drive by: give "
-            f"{_SLOWEST_DRIVEN_MS} or less, or leave out --allow-drive"
+            f"--period-ms: at {options.period_ms} the statuses are too old for driving: give "
+            f"{_SLOWEST_DRIVEN_MS} or less, or omit --allow-drive"
         )
     return make(options.bind, options.port, options.tls_cert, options.tls_key)
 
@@ -330,7 +330,7 @@ def _named(options: DashboardOptions) -> dict[str, str]:
         if not (_ROBOT_NAME.fullmatch(name) and address):
             raise usage(f"--robot: '{text}' has no name: give several as RED=192.168.0.2")
         if name in named:
-            raise usage(f"--robot: two are called {name}: give each a name of its own")
+            raise usage(f"--robot: two are called {name}: give each its own name")
         named[name] = address
     return named
 
@@ -341,7 +341,7 @@ def _cameras(options: DashboardOptions) -> list[tuple[str, str]]:
         name, _, url = text.partition("=")
         if not (name.isprintable() and name and _CAMERA.fullmatch(url)):
             raise usage(
-                f"--camera: '{text}' is no name and URL: give one as "
+                f"--camera: '{text}' is not a name and URL: give one as "
                 "front=http://192.168.0.20:8080/stream.mjpg"
             )
         cameras.append((name, url))
@@ -352,7 +352,7 @@ def _token(options: DashboardOptions, loopback: bool) -> str | None:
     if options.token is None:
         if not loopback:
             raise usage(
-                f"--bind {options.bind} lets others in: add --token, and open the link that is "
+                f"--bind {options.bind} is open to others: add --token, and open the link that is "
                 "printed"
             )
         return None
@@ -381,7 +381,7 @@ def _simulator(options: DashboardOptions) -> Iterator[Simulator | None]:
 
 @contextlib.contextmanager
 def _robot(options: DashboardOptions, address: str) -> Iterator[Robot]:
-    """Connect without waiting: the page shows how that goes on."""
+    """Connect without waiting: the page shows the progress."""
     from roburoc4 import ArgumentError, NetworkError, connect
     from roburoc4.settings import STATUS_SERVICES, Settings
 
@@ -402,7 +402,9 @@ def _robot(options: DashboardOptions, address: str) -> Iterator[Robot]:
         raise refused(f"{error.filename}: no recording can be made: {error.strerror}") from None
     with robot:
         note_recording(robot)
-        if options.period_ms is not None:  # no setting: those must be short enough to drive by
+        if (
+            options.period_ms is not None
+        ):  # not a setting: settings must be short enough for driving
             for service in STATUS_SERVICES:
                 robot.subscribe(service, options.period_ms)
         yield robot

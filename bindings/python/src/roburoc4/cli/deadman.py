@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Which keys are held now, to the best of a terminal's knowledge. A doubt counts as let go."""
+"""Which keys are held now, as far as a terminal can tell. In doubt a key counts as released."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from .keyboard import Key
 
-FIRST_S = 0.7  # a keyboard waits up to so long before it repeats a key
-REPEAT_S = 0.2  # and then repeats it more often than this
+FIRST_S = 0.7  # a keyboard waits at most this long before it repeats a key
+REPEAT_S = 0.2  # and then repeats it at least this often
 
 
 class DeadMan:
-    """Feed it keys; ask it what is held. Times are those of one monotonic clock.
+    """Give it key events; ask which keys are held. Times are of one monotonic clock.
 
-    Where releases are reported a key is held until then; the terminal must be heard all the while
-    (ask it for echoes), because a line that hangs brings no release either. Elsewhere a key is
+    If releases are reported, a key is held until then; but the terminal must keep responding (ask
+    it for echoes), because a line that hangs does not deliver releases either. Otherwise a key is
     held as long as it repeats.
     """
 
     def __init__(self, reports_releases: bool) -> None:
         self._reports_releases = reports_releases
-        self._held: dict[str, None] = {}  # in the order of pressing
+        self._held: dict[str, None] = {}  # in the order in which they were pressed
         self._heard_s = 0.0
         self._repeats = False
 
@@ -35,7 +35,7 @@ class DeadMan:
             self._held.pop(key.name, None)
         elif key.action != "echo":
             if not self._reports_releases:
-                self._held.clear()  # only the last key repeats: of others nothing is known
+                self._held.clear()  # only the last key repeats: nothing is known about others
             self._held[key.name] = None
             self._repeats = key.name in held
         if key.action != "echo" or self._reports_releases:
@@ -49,6 +49,6 @@ class DeadMan:
         return list(self._held)
 
     def let_go(self) -> None:
-        """Take all keys as released."""
+        """Treat all keys as released."""
         self._held.clear()
         self._repeats = False

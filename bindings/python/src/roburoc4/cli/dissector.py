@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`roburoc4 dissector`: what makes Wireshark and tshark read the robot's telegrams."""
+"""`roburoc4 dissector`: the plugin with which Wireshark and tshark decode the telegrams."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 
 
 def plugin_folder() -> Path:
-    """Return the folder of this user's plugins, as Wireshark has it in Help > About > Folders."""
+    """Return the folder of this user's plugins, as in Wireshark's Help > About > Folders."""
     if sys.platform == "win32":
         return Path(os.environ["APPDATA"]) / "Wireshark" / "plugins"
     return Path.home() / ".local" / "lib" / "wireshark" / "plugins"
 
 
 def run(options: DissectorOptions) -> int:
-    """Print the path of the file that counts."""
+    """Print the path of the file that is used."""
     path = Path(__file__).resolve().parents[1] / NAME
     if options.install:
         folder = plugin_folder()
@@ -52,6 +52,6 @@ def run(options: DissectorOptions) -> int:
             path = Path(shutil.copyfile(path, folder / NAME))
         except OSError as error:
             raise refused(f"{folder} cannot be written to: {error.strerror}") from error
-        note("installed: start Wireshark anew, or look: tshark -r FILE -Y roburoc4")
+        note("installed: restart Wireshark, or try: tshark -r FILE -Y roburoc4")
     print(path)
     return ExitCode.FINE

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`roburoc4 doctor`: check the way to the robot step by step, and name what to fix first."""
+"""`roburoc4 doctor`: checks the link to the robot step by step, and names what to fix first."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`roburoc4 drive V W --seconds N`: drive gently, and stop however it ends."""
+"""`roburoc4 drive V W --seconds N`: drives gently, and stops however it ends."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command."""
     parser = commands.add_parser(
         "drive",
-        help="drive at V m/s and W rad/s, as far as N seconds come to",
+        help="drive at V m/s and W rad/s, as far as in N seconds",
         description="Drive at V m/s (ahead is positive) and W rad/s (to the left is positive), as "
         "far as that comes to in N seconds, with gentle acceleration. The robot stops however "
         "this ends.",

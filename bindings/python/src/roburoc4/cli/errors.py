@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Exit codes, and how a command ends early: with one line on stderr of what to do."""
+"""Exit codes, and the error that ends a command with one line on stderr: what to do."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def refused(message: str) -> CommandError:
 
 
 def usage(message: str) -> CommandError:
-    """Make the error of a command line that does not make sense."""
+    """Make the error for a command line that makes no sense."""
     return CommandError(ExitCode.USAGE, message)
 
 

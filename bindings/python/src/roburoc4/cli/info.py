@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`roburoc4 info`: what the robot reports about itself."""
+"""`roburoc4 info`: shows what the robot reports about itself."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from roburoc4 import Properties, Robot
     from roburoc4.iocard import ChannelNames
 
-_NEXT_TEXT_S = 4.0  # texts are requested several times: a robot that has one has answered by then
+_NEXT_TEXT_S = 4.0  # texts are requested several times; by then a robot that has one has answered
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -25,7 +25,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = commands.add_parser(
         "info",
         help="show services, properties and the names of inputs and outputs",
-        description="Show what the robot says about itself: its services, their properties, and "
+        description="Show what the robot reports about itself: its services, their properties, and "
         "the names of its inputs and outputs.",
     )
     add_robot(parser)
@@ -53,7 +53,7 @@ def _wait_for_descriptions(robot: Robot) -> None:
         except RobotTimeoutError:
             if not robot.facts.descriptions_done:
                 note(
-                    f"{robot.address} gives no more texts: the manual's names stand in for those "
+                    f"{robot.address} sends no more texts: the manual's names replace those "
                     "that are missing"
                 )
             return

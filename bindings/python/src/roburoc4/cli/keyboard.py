@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The keyboard of a terminal as key events, with releases where the terminal reports them."""
+"""The keyboard of a terminal as key events, including releases if the terminal reports them."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 Action = Literal["press", "repeat", "release", "blur", "echo"]
 
-# The keyboard protocol that kitty began and foot, WezTerm, Ghostty, Konsole and others speak:
-# tell keys apart (1), report repeats and releases (2), of letters too (8).
+# The keyboard protocol that kitty introduced and foot, WezTerm, Ghostty, Konsole and others
+# support: distinguish keys (1), report repeats and releases (2), also of letters (8).
 _ASK_RELEASES = "\x1b[>11u\x1b[?u"
 _END_RELEASES = "\x1b[<u"
-_ASK_DEVICE = "\x1b[c"  # every terminal answers it: no need to wait longer for the other answer
+_ASK_DEVICE = "\x1b[c"  # every terminal answers this: no need to wait longer for the other answer
 _ASK_ECHO = "\x1b[5n"
 _FOCUS_ON, _FOCUS_OFF = "\x1b[?1004h", "\x1b[?1004l"
 _ANSWER_S = 0.3
@@ -42,7 +42,7 @@ _CTRL_C = "\x03"
 class Key:
     """A key (`up`, `w`, ` `) and what happened to it.
 
-    Two are of no key: `blur`, the window lost the keyboard; `echo`, the line to the terminal lives.
+    Two are not keys: `blur`, the window lost the keyboard; `echo`, the line to the terminal works.
     """
 
     name: str
@@ -50,7 +50,7 @@ class Key:
 
 
 class Decoder:
-    """Bytes of a terminal in, keys out; keeps what is not complete yet."""
+    """Bytes of a terminal in, keys out; incomplete sequences are kept."""
 
     def __init__(self) -> None:
         self._rest = b""
@@ -58,11 +58,11 @@ class Decoder:
         self.answered = False
 
     def forget(self) -> None:
-        """Drop what is not complete yet."""
+        """Drop an incomplete sequence."""
         self._rest = b""
 
     def feed(self, data: bytes) -> Iterator[Key]:
-        """Decode what came."""
+        """Decode these bytes."""
         self._rest += data
         while self._rest:
             match = _SEQUENCE.match(self._rest)
@@ -110,7 +110,7 @@ class Decoder:
 
 
 class Keyboard:
-    """The terminal on stdin, switched to give each key at once, and restored at the end."""
+    """The terminal on stdin, switched to deliver each key at once, and restored at the end."""
 
     def __init__(self) -> None:
         self._decoder = Decoder()
@@ -145,7 +145,7 @@ class Keyboard:
         return self._decoder.reports_releases
 
     def keys(self, wait_s: float) -> Iterator[Key]:
-        """Yield what was typed; wait for it, at most this long."""
+        """Yield the keys typed; wait at most this long for the first."""
         early, self._early = self._early, []
         yield from early
         yield from self._read(wait_s)
@@ -162,7 +162,7 @@ class Keyboard:
         yield from self._decoder.feed(data)
 
     def forget(self) -> None:
-        """Drop what was typed and not taken yet."""
+        """Drop keys that were typed but not taken yet."""
         import termios
 
         termios.tcflush(self._input, termios.TCIFLUSH)
@@ -170,7 +170,7 @@ class Keyboard:
         self._early = []
 
     def ask_echo(self, now_s: float) -> None:
-        """Have the terminal send an `echo` now and then, where releases depend on its line."""
+        """Make the terminal send an `echo` periodically if releases depend on its line."""
         if self.reports_releases and now_s - self._asked_s >= _ECHO_S:
             self._asked_s = now_s
             self._write(_ASK_ECHO)
@@ -187,5 +187,5 @@ class Keyboard:
 
 
 def is_ctrl_c(key: Key) -> bool:
-    """Ctrl-C as a key: a terminal that reports releases makes no signal of it."""
+    """Return Ctrl-C as a key: a terminal that reports releases does not make it a signal."""
     return key.name == _CTRL_C and key.action == "press"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`roburoc4 monitor`: what the robot reports, as it comes. It never commands."""
+"""`roburoc4 monitor`: shows what the robot reports, live. It never commands."""
 
 from __future__ import annotations
 
@@ -39,15 +39,15 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "monitor",
         help="show what the robot reports, live",
         description="Show values, rates, ages and losses of all statuses until Ctrl-C. "
-        "With --json every status is an object in a line of its own.",
+        "With --json every status is an object on its own line.",
     )
-    add_seconds(parser, "end after so long")
+    add_seconds(parser, "end after this time")
     add_robot(parser)
     parser.set_defaults(run=run)
 
 
 def run(options: MonitorOptions) -> int:
-    """Show it until the time is over."""
+    """Show the statuses until the time is over."""
     with session.connected(options) as robot:
         watch = _Watch(robot, options.seconds or math.inf)
         if options.json:
@@ -63,7 +63,7 @@ def run(options: MonitorOptions) -> int:
 
 
 class _Watch:
-    """How long to watch, and reports of a link that is lost and found again."""
+    """How long to watch, and messages about a link that is lost and found again."""
 
     def __init__(self, robot: Robot, seconds: float) -> None:
         self.robot = robot

@@ -18,7 +18,7 @@ from .progress import progress
 if TYPE_CHECKING:
     from roburoc4 import LocalizationStatus, MoveResult, Robot
 
-    # A step of a command: given the robot and what to call with progress.
+    # A step of a command: called with the robot and a function that reports progress.
     Step = Callable[[Robot, Callable[[MoveResult], object]], MoveResult]
 
 _SPEED = number(0.001, 20.0, "m/s or rad/s")
@@ -40,10 +40,10 @@ class MoveOptions(session.DrivingOptions):
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the commands."""
     parser = _add(commands, "move", _run_move, "drive so many metres straight ahead, or back")
-    parser.add_argument("metres", metavar="METRES", type=metres, help="less than 0: backward")
+    parser.add_argument("metres", metavar="METRES", type=metres, help="negative: backward")
     parser = _add(commands, "turn", _run_turn, "turn in place by an angle")
     parser.add_argument(
-        "angle", metavar="ANGLE", type=angle, help="radians, or 90deg; less than 0: to the right"
+        "angle", metavar="ANGLE", type=angle, help="radians, or 90deg; negative: to the right"
     )
     parser = _add(commands, "goto", _run_goto, "turn to a point and drive there, by odometry")
     parser.add_argument("x", metavar="X", type=metres, help="metres, in the main frame")
@@ -84,10 +84,10 @@ def add_looking(parser: argparse.ArgumentParser) -> None:
         "--clearance",
         metavar="METRES",
         type=_CLEARANCE,
-        help="to be kept from what telemeters see (default 0.5; 0: do not look)",
+        help="distance to keep from what telemeters see (default 0.5; 0: ignore them)",
     )
     parser.add_argument(
-        "--timeout", metavar="SECONDS", type=seconds, help="the longest that it may take"
+        "--timeout", metavar="SECONDS", type=seconds, help="the longest time that it may take"
     )
 
 
@@ -140,7 +140,7 @@ def within_limits(robot: Robot, speed: float | None, unit: str) -> float | None:
     most = limits.max_linear_m_s if unit == "m/s" else limits.max_angular_rad_s
     if not 0.0 < most < abs(speed):
         return speed
-    note(f"{speed:g} {unit} is more than the robot allows: it is asked for {most:g} {unit}")
+    note(f"{speed:g} {unit} is more than the robot allows: using {most:g} {unit}")
     return math.copysign(most, speed)
 
 

@@ -18,7 +18,7 @@ _CONNECT_S = 5.0
 _WELCOME_S = 10.0
 # The manual promises the confirmation "after a few seconds".
 _ANSWER_S = 20.0
-# As long as this after its last words, the console waits for ours.
+# After this much silence, the console waits for our input.
 _QUIET_S = 1.0
 _LONGEST = 20_000
 _NOT_KNOWN = (
@@ -39,7 +39,7 @@ def set_address(
     settings: tuple[IPv4Interface, IPv4Address],
     tell: Callable[[str], None],
 ) -> str:
-    """Run netcfg on the controller, and return its words of confirmation in one line."""
+    """Run netcfg on the controller, and return its confirmation in one line."""
     interface, gateway = settings
     where = f"{host}:{port}"
     tell(f"1/3 open a telnet session to {where}")
@@ -77,7 +77,7 @@ def _open(host: str, port: int) -> Telnet:
 
 
 def _hear(console: Telnet, patience_s: float, done: Callable[[str], bool]) -> str:
-    """Listen until what was said is `done` and the console is quiet, or patience is over."""
+    """Read until `done` accepts the output and the console is quiet, or until a timeout."""
     heard = ""
     until_s = time.monotonic() + patience_s
     while (left_s := until_s - time.monotonic()) > 0.0 and len(heard) < _LONGEST:
@@ -125,7 +125,7 @@ def _ask(console: Telnet, command: str, where: str) -> str:
 
 
 def _words(text: str, command: str) -> str:
-    """Leave out the echo of the command, and the prompt."""
+    """Remove the echo of the command, and the prompt."""
     return _line(_PROMPT.sub("", text.replace(command, "", 1)).rstrip("\\ "))
 
 

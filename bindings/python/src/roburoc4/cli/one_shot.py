@@ -12,7 +12,7 @@ from .options import Options, add_robot, metres, radians
 from .output import print_json
 
 _REST_S = 10.0
-# An output is sent three times, 50 ms or so apart: leaving earlier would keep the rest back.
+# An output is sent three times, about 50 ms apart: ending earlier would suppress the rest.
 _SENT_S = 0.3
 
 
@@ -37,7 +37,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "stop",
         help="stop the robot",
         description="Send zero speeds until the robot stands. Another program that drives it, or "
-        "somebody at its game pad, goes on: this is not an emergency stop.",
+        "somebody at its game pad, continues: this is not an emergency stop.",
     )
     add_robot(stop)
     stop.set_defaults(run=run_stop)
@@ -45,8 +45,8 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     output = commands.add_parser(
         "output",
         help="switch a digital output",
-        description="Switch digital output INDEX. A command carries all outputs and nothing reads "
-        "them back: all others are switched off by it.",
+        description="Switch digital output INDEX. A command carries all outputs, and none can be "
+        "read back: it switches all others off.",
     )
     output.add_argument("index", metavar="INDEX", type=_index, help="1 or more; 0 is the robot's")
     output.add_argument("state", metavar="on|off", choices=("on", "off"))
@@ -55,9 +55,8 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 
     relocalize = commands.add_parser(
         "relocalize",
-        help="tell the robot where it is",
-        description="Tell the robot where it is in the main frame: its odometry goes on from "
-        "there.",
+        help="set the robot's pose",
+        description="Set the robot's pose in the main frame: its odometry continues from there.",
     )
     relocalize.add_argument("x", metavar="X", type=metres, help="metres")
     relocalize.add_argument("y", metavar="Y", type=metres, help="metres")
@@ -117,7 +116,7 @@ def run_output(options: OutputOptions) -> int:
 
 
 def run_relocalize(options: RelocalizeOptions) -> int:
-    """Give it a pose."""
+    """Set the robot's pose."""
     pose = {"x_m": options.x, "y_m": options.y, "theta_rad": options.theta}
     with session.connected(options) as robot:
         robot.relocalize(options.x, options.y, options.theta)

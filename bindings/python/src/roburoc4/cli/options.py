@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The options that commands share, and numbers that are checked before any contact."""
+"""The options that commands share, and numbers that are checked before anything is sent."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ DEFAULT_ROBOT = "192.168.0.2:60000"
 
 
 class Options(argparse.Namespace):
-    """What every command is given."""
+    """The options of every command."""
 
     robot: str
     json: bool
 
 
 class Parser(argparse.ArgumentParser):
-    """An ArgumentParser whose complaint is one line, and which takes no half options."""
+    """An ArgumentParser whose errors are one line, and which accepts no abbreviated options."""
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(allow_abbrev=False, **settings)
 
     def error(self, message: str) -> None:  # type: ignore[override] # it raises, too
-        """Refuse the command line."""
+        """Reject the command line."""
         raise usage(f"{message}: see {self.prog} --help")
 
 
@@ -74,7 +74,7 @@ def angle(text: str) -> float:
 
 
 def shield_numbers(arguments: list[str]) -> list[str]:
-    """Put a blank before negative numbers, which keeps argparse from taking them for options."""
+    """Put a blank before negative numbers, so that argparse does not take them for options."""
     return [f" {text}" if text.startswith("-") and _is_number(text) else text for text in arguments]
 
 
@@ -87,7 +87,7 @@ def _is_number(text: str) -> bool:
 
 
 def add_robot(parser: argparse.ArgumentParser, *, top: bool = False) -> None:
-    """Add `--robot` and `--json`, which may stand before the command as well as behind it."""
+    """Add `--robot` and `--json`, which may come before or after the command."""
     parser.add_argument(
         "--robot",
         metavar="HOST[:PORT]",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What goes to stdout: JSON, or text that a person reads."""
+"""What goes to stdout: JSON, or text for people."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def plain(value: Any) -> Any:
-    """Turn records into what JSON has: a named tuple into an object, NaN into null."""
+    """Convert records to JSON types: a named tuple to an object, NaN to null."""
     if isinstance(value, Enum):
         return value.value
     if isinstance(value, float):
@@ -29,12 +29,12 @@ def plain(value: Any) -> Any:
 
 
 def print_json(value: Any, *, line: bool = False) -> None:
-    """Print one document, or one object in a line of its own, at once."""
+    """Print one document, or one object on its own line, at once."""
     print(json.dumps(plain(value), indent=None if line else 2), flush=True)
 
 
 def note(text: str) -> None:
-    """Tell the person at the terminal something that is not the result."""
+    """Print a message that is not the result, for the person at the terminal."""
     print(f"roburoc4: {text}", file=sys.stderr, flush=True)
 
 
@@ -49,13 +49,13 @@ def console(*, stderr: bool = False) -> Console:
 
     class Screen(Console):
         def on_broken_pipe(self) -> None:
-            raise BrokenPipeError  # a pipe that was closed is no failure; Rich would exit with 1
+            raise BrokenPipeError  # a closed pipe is not an error; Rich would exit with 1
 
     return Screen(stderr=stderr, highlight=False)
 
 
 def printable(text: str) -> str:
-    """Keep a robot's text from steering the terminal."""
+    """Keep a robot's text from controlling the terminal."""
     return "".join(
         character if character.isprintable() else "\N{REPLACEMENT CHARACTER}" for character in text
     )

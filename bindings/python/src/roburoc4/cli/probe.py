@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Requests of our own to a robot's port: who is there, and how fast they answer."""
+"""Our own requests to a robot's port: who is there, and how fast it answers."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def _get_directory(request_id: int) -> bytes:
 
 @dataclass
 class Probe:
-    """Asks for the directory, which changes nothing, and counts what comes back."""
+    """Requests the directory, which changes nothing, and counts the answers."""
 
     address: tuple[str, int]
     asked: int = 0
@@ -68,7 +68,7 @@ class Probe:
             self._note(error)
 
     def listen(self, wait_s: float) -> bool:
-        """Take what comes for this long at most; end early, with True, after an answer."""
+        """Receive for at most this long; end early, with True, after an answer."""
         until_s = time.monotonic() + wait_s
         before = self.answered
         while self.answered == before and (left_s := until_s - time.monotonic()) > 0.0:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A progress bar on stderr, where that is a terminal."""
+"""A progress bar on stderr, if that is a terminal."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Show = Callable[[float, str], None]
 
 @contextmanager
 def progress(title: str, total: float | None, unit: str = "s") -> Iterator[Show]:
-    """Show how much of a total is done: call what this gives with how much, and a text."""
+    """Show how much of a total is done: call the returned function with the amount and a text."""
     if not sys.stderr.isatty():
         yield lambda _done, _text: None
         return

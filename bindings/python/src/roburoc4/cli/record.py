@@ -49,12 +49,15 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         description="Record until Ctrl-C. FILE.pcapng: every datagram in both directions, for "
         "report, replay, convert and Wireshark. FILE.mcap: statuses and events as ROS 2 messages. "
         "FILE.csv: every status, one row for each robot cycle in which there was one, empty cells "
-        "for services that said nothing in it.",
+        "for services that were silent in it.",
     )
     parser.add_argument(
-        "file", metavar="FILE", type=Path, help="its suffix says what; -: standard output, CSV"
+        "file",
+        metavar="FILE",
+        type=Path,
+        help="its suffix chooses the format; -: standard output, CSV",
     )
-    add_seconds(parser, "end after so long")
+    add_seconds(parser, "end after this time")
     parser.add_argument("--force", action="store_true", help="replace a file that has contents")
     add_robot(parser)
     parser.set_defaults(run=run)
@@ -83,7 +86,7 @@ def run(options: RecordOptions) -> int:
 
 
 class Sheet:
-    """A CSV file that has whole rows only, on a full disk too."""
+    """A CSV file that contains only whole rows, even when the disk is full."""
 
     def __init__(self, path: Path, header: list[str]) -> None:
         self._path = path
@@ -102,7 +105,7 @@ class Sheet:
 
     @property
     def full(self) -> bool:
-        """Whether no more fits: what was last written is closed."""
+        """Whether nothing more fits: the last row written is complete."""
         return self._file.closed
 
     def __enter__(self) -> Self:
@@ -132,19 +135,19 @@ class Sheet:
             self._file.close()
             raise
         except OSError as error:
-            if self._path != STDOUT:  # which may be a file that had contents
+            if self._path != STDOUT:  # which may be a file with contents
                 with suppress(OSError):  # a pipe
                     self._file.truncate(self._bytes)
             self._file.close()
             raise refused(
                 f"{self._path} cannot be written any more ({error.strerror}): the {self.rows} rows "
-                "in it are whole; make room, then record again"
+                "in it are complete; free some space, then record again"
             ) from None
         self._bytes += length
 
 
 class _Recording:
-    """What was written so far."""
+    """What has been written so far."""
 
     def __init__(self, options: RecordOptions, robot: Robot) -> None:
         from roburoc4.samples import Gaps
@@ -180,7 +183,7 @@ class _Recording:
                 show(elapsed_s, f"recording  {sheet.rows} rows")
 
     def report(self, rows: int) -> None:
-        """Say what is in the file and what is missing; on stderr where the file is stdout."""
+        """Report what is in the file and what is missing; on stderr if the file is stdout."""
         file, gaps = self._options.file, self._gaps
         with redirect_stdout(sys.stderr) if file == STDOUT else nullcontext():
             if self._options.json:

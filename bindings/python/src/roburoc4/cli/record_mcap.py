@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from .record import RecordOptions
 
 _LOOK_S = 0.2
-_CHUNK = 16 * 1024  # about a second: what a killed process loses
+_CHUNK = 16 * 1024  # about a second: a killed process loses this much
 
 
 def run(options: RecordOptions) -> int:
@@ -44,8 +44,8 @@ def run(options: RecordOptions) -> int:
                     bag.finish()
             except OSError as error:
                 raise refused(
-                    f"{options.file} cannot be written any more ({error.strerror}): make room, and "
-                    "save what is in it with roburoc4 recover"
+                    f"{options.file} cannot be written any more ({error.strerror}): free some "
+                    "space, and save what is in it with roburoc4 recover"
                 ) from None
             finally:
                 _report(options, bag)

@@ -25,7 +25,7 @@ def run(options: RecordOptions) -> int:
     """Record until the time is over."""
     if not options.file.absolute().parent.is_dir():
         raise usage(f"{options.file} cannot be written (no such folder): give another name")
-    options.file.unlink(missing_ok=True)  # it has contents only where --force allows to replace it
+    options.file.unlink(missing_ok=True)  # it has contents only if --force allows replacing it
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # what is missing is reported here
         with session.connected(options, record=options.file) as robot:
@@ -59,6 +59,6 @@ def _report(options: RecordOptions, state: RecorderState | None) -> None:
         print(f"{state.path}: {state.recorded} datagrams")
     if state.dropped or state.system_error:
         note(
-            f"{state.dropped} datagrams are not in the file, as the disk was full or slow: make "
-            "room, then record again"
+            f"{state.dropped} datagrams are missing because the disk was full or slow: free "
+            "some space, then record again"
         )

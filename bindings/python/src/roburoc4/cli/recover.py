@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`roburoc4 recover`: save what is whole of a recording that was cut or damaged."""
+"""`roburoc4 recover`: saves what is complete in a truncated or damaged recording."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command."""
     parser = commands.add_parser(
         "recover",
-        help="save what is whole of a damaged recording",
-        description="Copy all that is whole of a pcapng, pcap, MCAP or CSV file, whose program was "
-        "killed or whose disk was full, to another file.",
+        help="save what is complete in a damaged recording",
+        description="Copy everything complete from a pcapng, pcap, MCAP or CSV file after its "
+        "program was killed or the disk was full, to another file.",
     )
-    parser.add_argument("file", metavar="FILE", type=Path, help="the recording; it stays as it is")
+    parser.add_argument("file", metavar="FILE", type=Path, help="the recording; it is not changed")
     parser.add_argument(
         "-o",
         "--output",
@@ -68,17 +68,17 @@ def run(options: RecoverOptions) -> int:
     else:
         names = {".csv": "rows", ".mcap": "messages"}
         what = names.get(source.suffix.lower(), "datagrams")
-        left = f"; {found.left_out} bytes were not whole" if found.left_out else ""
+        left = f"; {found.left_out} bytes were not usable" if found.left_out else ""
         print(f"{output}: {found.packets} {what}{left}")
     return ExitCode.FINE
 
 
 def check_new(path: Path, force: bool) -> None:
-    """End the command where a file would be replaced unasked."""
+    """End the command if a file would be replaced without --force."""
     if not force and path.is_file() and path.stat().st_size > 0:
         raise usage(f"{path} exists: give another name, or --force to replace it")
 
 
 def unusable(error: OSError) -> Exception:
-    """Say which file cannot be used, and what to do."""
+    """Report which file cannot be used, and what to do."""
     return usage(f"{error.filename} cannot be used ({error.strerror}): give another name")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`roburoc4 replay`: a robot on a port that is a recording."""
+"""`roburoc4 replay`: serves a recording on a port as if it were the robot."""
 
 from __future__ import annotations
 
@@ -42,9 +42,9 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command."""
     parser = commands.add_parser(
         "replay",
-        help="be a robot that is a recording",
+        help="serve a recording as if it were the robot",
         description="Answer on a UDP port as the recorded robot did, and send its statuses in "
-        "their time, from the moment that somebody subscribes. Commands are counted and change "
+        "their time, starting when somebody subscribes. Commands are counted and change "
         "nothing.",
     )
     parser.add_argument("file", metavar="FILE", type=Path, help="a pcapng or pcap file")
@@ -63,9 +63,9 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         metavar="N",
         type=number(0.01, 100.0, "times as fast"),
         default=1.0,
-        help="so many times as fast (default 1)",
+        help="this many times as fast (default 1)",
     )
-    parser.add_argument("--loop", action="store_true", help="begin again at the end")
+    parser.add_argument("--loop", action="store_true", help="start over at the end")
     add_recorded(parser)
     add_json(parser, "print a document at the end")
     parser.set_defaults(run=run)
@@ -113,7 +113,7 @@ def _bound(options: ReplayOptions) -> socket.socket:
 def _send(port: socket.socket, peer: Peer, data: bytes) -> None:
     try:
         port.sendto(data, peer)
-    except OSError:  # as a network loses it
+    except OSError:  # as the network would lose it
         return
 
 

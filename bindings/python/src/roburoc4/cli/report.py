@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`roburoc4 report`: what a recording shows, as a page or as figures."""
+"""`roburoc4 report`: shows a recording as a page or as figures."""
 
 from __future__ import annotations
 
@@ -46,12 +46,12 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 
 
 def add_recorded(parser: argparse.ArgumentParser) -> None:
-    """Add `--robot`, which is another one here: one of the recording."""
+    """Add `--robot`, which here selects a robot of the recording."""
     parser.add_argument(
         "--robot",
         dest="recorded",
         metavar="HOST[:PORT]",
-        help="the robot, where the recording has several",
+        help="the robot, if the recording has several",
     )
 
 
@@ -68,7 +68,7 @@ def run(options: ReportOptions) -> int:
     output = options.output or options.file.with_name(options.file.name + ".html")
     document = figures.document()
     if document["cut_bytes"]:
-        note(f"{options.file} is cut: all that is whole was read")
+        note(f"{options.file} is truncated: everything before that was read")
     if options.json:
         print_json(document)
     if options.output or not options.json:
@@ -81,7 +81,7 @@ def run(options: ReportOptions) -> int:
 
 @contextmanager
 def opened(path: Path, robot: str | None) -> Iterator[RecordedRobot]:
-    """Open a recording, and end the command in one line where it cannot be read."""
+    """Open a recording; end the command with one line if it cannot be read."""
     from roburoc4 import open_recording
 
     with reading(path):
@@ -90,7 +90,7 @@ def opened(path: Path, robot: str | None) -> Iterator[RecordedRobot]:
 
 @contextmanager
 def reading(path: Path) -> Iterator[None]:
-    """End the command in one line where this file cannot be read."""
+    """End the command with one line if this file cannot be read."""
     from roburoc4 import RecordingError
 
     try:
@@ -105,7 +105,7 @@ def reading(path: Path) -> Iterator[None]:
 
 @contextmanager
 def written_whole(path: Path) -> Iterator[Path]:
-    """Give a name to write to; at the end it becomes the file, after an error nothing is left."""
+    """Give a name to write to; it becomes the file at the end, and is deleted after an error."""
     try:
         handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
     except OSError as error:
@@ -121,7 +121,7 @@ def written_whole(path: Path) -> Iterator[Path]:
         if error.filename not in (None, name):
             raise
         raise refused(
-            f"{path} cannot be written ({error.strerror}): make room, or give another name"
+            f"{path} cannot be written ({error.strerror}): free some space, or give another name"
         ) from None
     finally:
         with suppress(OSError):

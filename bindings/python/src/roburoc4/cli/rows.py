@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Statuses as the rows of a table: one row for each robot cycle in which there was a status."""
+"""Statuses as table rows: one row for each robot cycle in which there was a status."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 Cell = float | int | None
 
 _CYCLES_IN_A_SECOND = 100
-_LATE_CYCLES = 50  # a status that comes later than this gets a row of its own
+_LATE_CYCLES = 50  # a status that arrives later than this gets its own row
 _REBOOT_CYCLES = 100
 _LONGEST_LINE = 1 << 16
 _MOST = 3.4e38  # of a float on the wire
@@ -44,9 +44,9 @@ def _telemeters(count: int) -> list[str]:
 
 
 def columns(properties: Properties | None = None) -> list[str]:
-    """Name the columns: the time, then all that a robot with these properties reports.
+    """Name the columns: the time, then everything that a robot with these properties reports.
 
-    Without properties, of a RobuROC4 but for its IO card.
+    Without properties, those of a RobuROC4 without IO card.
     """
     names = ["utc_s", "robot_s", "robot_cycles", *_FIXED]
     names += _telemeters(len(properties.telemeter) if properties else _TELEMETERS)
@@ -61,7 +61,7 @@ def cells(status: Status) -> dict[str, Cell]:
     """Give the values of one status by column."""
     from roburoc4 import flatten
 
-    # 1 and 0 rather than True and False: every reader of CSV takes them for numbers.
+    # 1 and 0 instead of True and False: every CSV reader takes them for numbers.
     return {
         f"{status.kind}_{name}": None if value is None else +value
         for name, value in plain(flatten(status)).items()
@@ -70,14 +70,14 @@ def cells(status: Status) -> dict[str, Cell]:
 
 
 class Rows:
-    """Statuses in, rows out, in the robot's order."""
+    """Collects statuses and returns rows, in the robot's order."""
 
     def __init__(self) -> None:
         self._open: dict[int, dict[str, Cell]] = {}
         self._newest = 0
 
     def add(self, status: Status) -> Iterator[dict[str, Cell]]:
-        """Take a status; yield the rows to which nothing can be added any more."""
+        """Take a status; yield the rows that are complete."""
         cycles = status.robot_cycles
         if cycles + _REBOOT_CYCLES < self._newest:
             yield from self.rest()
@@ -103,9 +103,9 @@ class Rows:
 
 
 def statuses(path: Path, file: IO[bytes]) -> Iterator[Status]:
-    """Read the statuses of a file of such rows, without those of the IO card.
+    """Read the statuses from a file of such rows, without those of the IO card.
 
-    What the file does not hold is 0, or NaN where another value of the same status is there.
+    Missing values are 0, or NaN if another value of the same status is present.
     """
     from roburoc4 import RecordingError
 
@@ -117,7 +117,7 @@ def statuses(path: Path, file: IO[bytes]) -> Iterator[Status]:
         names = names or row
         if not line.endswith(b"\n") or b"\0" in line or len(row) != len(names):
             raise RecordingError(
-                f"{path} is cut or damaged in line {number}: save what is whole with "
+                f"{path} is truncated or damaged in line {number}: save the rest with "
                 f"roburoc4 recover {path}"
             )
         if number == 1:
@@ -142,7 +142,7 @@ def _number(cell: str) -> float:
     except ValueError:
         value = math.nan
     if not abs(value) <= _MOST:
-        raise ValueError(f"{cell!r} is no number that a robot reports")
+        raise ValueError(f"{cell!r} is not a number that a robot reports")
     return value
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A connection for the time of a command, and what every command that moves the robot asks."""
+"""A connection for the duration of a command, and the questions before the robot moves."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from .signals import Signalled, unsuspendable
 if TYPE_CHECKING:
     from roburoc4 import DifferentialStatus, Robot
 
-SILENCE_S = 5.0  # how long a robot may be silent before we give up
+SILENCE_S = 5.0  # how long a robot may be silent before the command gives up
 _FIRST_INPUTS_S = 2.0
 _REST_S = 3.0
 _POLL_S = 0.02
 _STILL_M_S = 0.01
 _STILL_RAD_S = 0.02
-_NO_INPUT = 63  # the highest index of a digital input: where no RobuROC4 has its game pad
+_NO_INPUT = 63  # the highest index of a digital input, where no RobuROC4 has its game pad
 
 
 class DrivingOptions(Options):
@@ -47,7 +47,7 @@ def add_driving(parser: argparse.ArgumentParser) -> None:
 
 
 def address_of(robot: str) -> str:
-    """Turn the text of `--robot` into an address in numbers."""
+    """Resolve the text of `--robot` to a numeric address."""
     from roburoc4 import resolve
 
     return resolve(robot)
@@ -55,7 +55,7 @@ def address_of(robot: str) -> str:
 
 @contextmanager
 def connected(options: Options, **settings: Any) -> Iterator[Robot]:
-    """Connect, and leave the robot at rest however the block ends."""
+    """Connect, and leave the robot standing however the block ends."""
     from roburoc4 import ArgumentError, NetworkError, RobotTimeoutError, connect
 
     try:
@@ -66,7 +66,7 @@ def connected(options: Options, **settings: Any) -> Iterator[Robot]:
         raise unreachable(str(error)) from None
     except NetworkError as error:
         named = str(error) if options.robot in str(error) else f"{options.robot}: {error}"
-        raise unreachable(f"{named}; roburoc4 doctor looks closer") from None
+        raise unreachable(f"{named}; run roburoc4 doctor for details") from None
     except OSError as error:
         raise refused(f"{error.filename}: no recording can be made: {error.strerror}") from None
     with robot:
@@ -74,26 +74,28 @@ def connected(options: Options, **settings: Any) -> Iterator[Robot]:
 
 
 def recording() -> dict[str, Any]:
-    """Return the setting that records a drive, where ROBUROC4_RECORD names a folder."""
+    """Return the setting that records a drive if ROBUROC4_RECORD names a folder."""
     folder = os.environ.get("ROBUROC4_RECORD")
     if not folder:
         return {}
     try:
         Path(folder).mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise refused(f"ROBUROC4_RECORD: {folder} is no folder: {error.strerror}") from None
+        raise refused(
+            f"ROBUROC4_RECORD: {folder} is not a usable folder: {error.strerror}"
+        ) from None
     return {"record": folder}
 
 
 def note_recording(robot: Robot) -> None:
-    """Tell where the datagrams go."""
+    """Report where the datagrams are recorded."""
     if robot.recorder is not None:
         note(f"recording to {robot.recorder.path}")
 
 
 @contextmanager
 def driven(options: DrivingOptions) -> Iterator[Robot]:
-    """Connect to a robot that may be driven: its game pad is known to be at rest."""
+    """Connect to a robot that may be driven: its game pad is known to be released."""
     with unsuspendable(), connected(options, **recording()) as robot:
         note_recording(robot)
         if _has_inputs(robot):
@@ -103,9 +105,9 @@ def driven(options: DrivingOptions) -> Iterator[Robot]:
         if not options.ignore_override:
             raise refused(
                 "the robot does not report its inputs, so it is not known whether its game pad is "
-                "in use: run roburoc4 doctor, or drive all the same with --ignore-override"
+                "in use: run roburoc4 doctor, or drive anyway with --ignore-override"
             )
-    note("driving without sight of the game pad: keep an emergency stop in your hand")
+    note("driving without knowing the game pad's state: keep an emergency stop in your hand")
     blind = {"allow_unknown_override": True, "override_index": _NO_INPUT}
     with unsuspendable(), connected(options, **blind, **recording()) as robot:
         note_recording(robot)
@@ -180,7 +182,7 @@ def armed(robot: Robot) -> Iterator[None]:
             note(
                 "interrupted: the robot was stopped, and stands"
                 if stands
-                else "interrupted: the robot was told to stop, but it is not known to stand: look!"
+                else "interrupted: a stop was sent, but the robot may still be moving: look!"
             )
         raise
     except NotArmedError:

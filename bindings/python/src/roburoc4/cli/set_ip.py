@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`roburoc4 set-ip`: the manual's procedure (section 5.3) to give the robot another address."""
+"""`roburoc4 set-ip`: the procedure of manual section 5.3 to change the robot's address."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "set-ip",
         help="give the robot another IP address",
         description="Open a telnet session to the robot's controller and run its netcfg there. The "
-        "new settings count after the robot was switched off and on.",
+        "new settings take effect when the robot is switched off and on.",
         epilog="example: roburoc4 set-ip 10.0.0.10 255.0.0.0 10.0.0.1",
     )
     parser.add_argument("address", metavar="ADDRESS", help="the robot's new address")
@@ -42,7 +42,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         metavar="PORT",
         type=whole(1, 65535, "a port"),
         default=TELNET_PORT,
-        help=f"where telnet is (default: {TELNET_PORT})",
+        help=f"telnet port (default: {TELNET_PORT})",
     )
     parser.add_argument("--yes", "-y", action="store_true", help="do not ask")
     add_robot(parser)
@@ -78,7 +78,7 @@ def run(options: SetIpOptions) -> int:
 
 
 def checked(address: str, mask: str, gateway: str) -> tuple[IPv4Interface, IPv4Address]:
-    """Refuse settings that would make the robot unreachable."""
+    """Reject settings that would make the robot unreachable."""
     host = _address("ADDRESS", address)
     way_out = _address("GATEWAY", gateway)
     try:
@@ -86,7 +86,9 @@ def checked(address: str, mask: str, gateway: str) -> tuple[IPv4Interface, IPv4A
     except (AddressValueError, NetmaskValueError, ValueError):
         network = None
     if network is None or str(network.netmask) != mask or not 1 <= network.prefixlen <= 30:
-        raise usage(f"MASK '{mask}' is none: give 128.0.0.0 to 255.255.255.252, as 255.255.255.0")
+        raise usage(
+            f"MASK '{mask}' is not valid: give 128.0.0.0 to 255.255.255.252, such as 255.255.255.0"
+        )
     interface = IPv4Interface(f"{host}/{mask}")
     for name, value in (("ADDRESS", host), ("GATEWAY", way_out)):
         if value in (interface.network.network_address, interface.network.broadcast_address):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The signals that end a program as one exception that unwinds, so that every robot is stopped."""
+"""Turns the signals that end a program into one exception, so that every robot is stopped."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ class Signalled(BaseException):
 
     @property
     def exit_code(self) -> int:
-        """What a shell reports of a program that this signal ended: 130, 143."""
+        """The exit code that a shell reports for a program that this signal ended: 130, 143."""
         return 128 + self.number
 
 
 def _end(number: int, _frame: FrameType | None) -> None:
-    # A second Ctrl-C must not cut short the zeros that the first one sends; they are soon over.
+    # A second Ctrl-C must not interrupt the zeros that the first one sends; they take little time.
     for other in _NUMBERS:
         signal.signal(other, signal.SIG_IGN)
     raise Signalled(number)
@@ -37,7 +37,7 @@ def _end(number: int, _frame: FrameType | None) -> None:
 
 @contextmanager
 def unsuspendable() -> Iterator[None]:
-    """Ignore Ctrl-Z: a program that sleeps cannot stop a robot."""
+    """Ignore Ctrl-Z: a suspended program cannot stop a robot."""
     number = getattr(signal, "SIGTSTP", None)
     if number is None:
         yield
@@ -50,7 +50,7 @@ def unsuspendable() -> Iterator[None]:
 
 
 def install() -> None:
-    """Raise Signalled in the main thread, except for signals that our parent had us ignore."""
+    """Raise Signalled in the main thread, except for signals that our parent made us ignore."""
     for number in _NUMBERS:
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, _end)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`roburoc4 sim`: start the simulator, and print how other commands reach it."""
+"""`roburoc4 sim`: starts the simulator, and prints how other commands reach it."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def _program() -> str:
 
 
 def _without_telnet(arguments: list[str]) -> tuple[list[str], int | None]:
-    """Take out --telnet PORT, the one option that is ours."""
+    """Remove --telnet PORT, the one option that is ours."""
     if "--telnet" not in arguments:
         return arguments, None
     index = arguments.index("--telnet")

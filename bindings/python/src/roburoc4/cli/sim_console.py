@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The simulated controller's telnet console, with its one useful program, netcfg."""
+"""The simulated controller's telnet console, with its only program, netcfg."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from .set_ip import checked
 
 _WELCOME = "Welcome to the simulated controller: netcfg ADDRESS MASK GATEWAY, exit\r\n"
 _PROMPT = "\r\n\\> "
-# The robot's own takes a few seconds.
+# The real one takes a few seconds.
 _WORK_S = 1.0
-# Nothing here depends on what the other end can do.
+# Nothing here depends on the other side's abilities.
 _NEGOTIATION_S = 0.1
 
 
@@ -69,4 +69,4 @@ async def _answer(words: list[str], changed: Callable[[str], None]) -> str:
     await asyncio.sleep(_WORK_S)
     settings = f"address {interface.ip}, mask {interface.netmask}, gateway {gateway}"
     changed(settings)
-    return f"{settings}: stored, in use after a restart"
+    return f"{settings}: stored, used after a restart"

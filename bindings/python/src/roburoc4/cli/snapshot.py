@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""All that is known of a robot at one moment."""
+"""Everything that is known about a robot at one moment."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SERVICES = ("iocard", "telemeter", "battery", "localization", "differential")
 
 @dataclass(frozen=True)
 class StreamFigures:
-    """How the statuses of one service come in; `age_s` is None before the first."""
+    """How the statuses of one service arrive; `age_s` is None before the first."""
 
     service: str
     rate_hz: float
@@ -34,7 +34,7 @@ class StreamFigures:
 
 @dataclass(frozen=True)
 class Snapshot:
-    """What a person wants to see at once; a status is None before the first."""
+    """What a person wants to see at a glance; a status is None before the first."""
 
     address: str
     elapsed_s: float

@@ -28,13 +28,13 @@ if TYPE_CHECKING:
 _STEP_S = 0.05
 _GENTLE_LINEAR_M_S2 = 0.5
 _GENTLE_ANGULAR_RAD_S2 = 1.0
-_HELD_UP_S = 0.25  # the lease is over then, and keys that wait are old
+_HELD_UP_S = 0.25  # by then the lease is over, and keys in the queue are old
 _FULL_LINEAR_M_S = 1.0
 _FULL_ANGULAR_RAD_S = 1.0
 _SCALES = (0.1, 0.2, 0.3, 0.5, 0.7, 1.0)
 _FIRST_SCALE = 2
 
-# How much of the full speeds: ahead, and to the left.
+# Share of the full speeds: ahead, and to the left.
 _MOTIONS = {
     "up": (1, 0),
     "down": (-1, 0),
@@ -61,7 +61,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "teleop",
         help="drive with the keyboard",
         description="Drive with the keyboard of this terminal, up to 1 m/s and 1 rad/s. The robot "
-        "moves while a key is held and stops when it is let go.",
+        "moves while a key is held and stops when it is released.",
         epilog=_HELP,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -120,7 +120,7 @@ class _Teleop:
                     last_s = now_s
 
     def _forget(self, keys: list[Key]) -> list[Key]:
-        """Stop after a frozen terminal, or the like; keep the keys that end and stop."""
+        """Stop after the terminal froze, for example; keep only the keys that end and stop."""
         self._keyboard.forget()
         self._man.let_go()
         self._speeds = (0.0, 0.0)
@@ -145,7 +145,7 @@ class _Teleop:
             self._scale = max(self._scale - 1, 0)
 
     def _step(self, now_s: float, step_s: float) -> None:
-        """Drive for one step, or arm again once all keys are up."""
+        """Drive for one step, or arm again once all keys are released."""
         from roburoc4 import NotArmedError, Result
 
         facts = self._robot.facts
@@ -156,7 +156,7 @@ class _Teleop:
         if not facts.armed:
             self._speeds = (0.0, 0.0)
             if wanted != (0.0, 0.0):
-                return  # a key that was held while somebody else drove must be pressed anew
+                return  # a key that was held while somebody else drove must be pressed again
             try:
                 self._robot.arm(timeout=0.0)
             except NotArmedError as error:
@@ -208,7 +208,7 @@ class _Teleop:
 
 
 def _approach(now: float, wanted: float, most: float) -> float:
-    """Speed up gently; slow down, and turn back by way of 0, at once."""
+    """Accelerate gently; slow down at once, and change direction through 0."""
     if now * wanted < 0.0:
         return 0.0
     if abs(wanted) <= abs(now):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What doctor found, and the one verdict that follows from it: a number, a sentence, a remedy."""
+"""What doctor found, and the resulting verdict: a number, a sentence, a remedy."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from .errors import ExitCode
 
-# Above these a robot still answers, but driving it by what it reports is no longer sound.
+# Beyond these limits a robot still answers, but driving by its statuses is no longer sound.
 LOSS_SHARE = 0.02
 ROUND_TRIP_MS = 50.0
 JITTER_MS = 25.0
@@ -27,13 +27,13 @@ class Stream:
 
     @property
     def loss(self) -> float:
-        """Share of the statuses that did not arrive."""
+        """Share of the statuses that were lost."""
         return self.lost / max(1, self.received + self.lost)
 
 
 @dataclass
 class Findings:
-    """What was measured, in the order of measuring. A later part is empty where an earlier failed.
+    """What was measured, in order. Later parts are empty if an earlier one failed.
 
     `fault`: "" or what keeps datagrams away: name, route, denied, refused, silence.
     """
@@ -44,7 +44,7 @@ class Findings:
     fault_detail: str = ""
     asked: int = 0
     answered: int = 0
-    foreign: int = 0  # answers that are none of this protocol
+    foreign: int = 0  # answers that do not follow this protocol
     round_trip_ms: float = 0.0
     connected: bool = False
     missing: list[str] = field(default_factory=list)
@@ -54,7 +54,7 @@ class Findings:
 
     @property
     def loss(self) -> float:
-        """Share of all statuses that did not arrive."""
+        """Share of all statuses that were lost."""
         lost = sum(stream.lost for stream in self.streams)
         return lost / max(1, lost + sum(stream.received for stream in self.streams))
 
@@ -79,13 +79,13 @@ def _contact(found: Findings) -> Verdict | None:
             "name",
             gone,
             f"the name '{found.robot}' has no address ({found.fault_detail})",
-            "give the robot's address in numbers: --robot 192.168.0.2",
+            "give the robot's numeric address: --robot 192.168.0.2",
         ),
         "route": Verdict(
             2,
             "route",
             gone,
-            f"this computer has no way to {where} ({found.fault_detail})",
+            f"this computer has no route to {where} ({found.fault_detail})",
             "plug in the cable and give this computer an address of the robot's network, "
             "such as 192.168.0.10/24",
         ),
@@ -201,7 +201,7 @@ def _steadiness(found: Findings) -> Verdict | None:
 
 
 def judge(found: Findings) -> Verdict:
-    """Return the first thing that is wrong, in the order in which one would fix it."""
+    """Return the first problem, in the order in which one would fix them."""
     return (
         _contact(found)
         or _discovery(found)

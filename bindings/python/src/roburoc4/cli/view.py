@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The live table of `monitor`: what a Snapshot looks like in a terminal, or as one line."""
+"""The live table of `monitor`: a Snapshot in a terminal, or as one line."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def bar(share: float, style: str, cells: int = _BAR_CELLS) -> Text:
 
 
 def lamp(name: str, lit: bool | None, style: str) -> Text:
-    """Draw a lamp: lit, dark, or not known."""
+    """Draw an indicator: on, off, or unknown."""
     if lit is None:
         return Text(f" ? {name} ", "dim")
     return Text(f" {'●' if lit else '○'} {name} ", f"bold white on {style}" if lit else "dim")
@@ -51,7 +51,7 @@ _NARROW_CELLS = 100
 
 
 def render(seen: Snapshot, cells: int = _NARROW_CELLS) -> RenderableType:
-    """Draw everything, for a terminal of so many cells: in a narrow one values stand below."""
+    """Draw everything, for a terminal of this width: if it is narrow, values are listed below."""
     if cells < _NARROW_CELLS:
         return Group(_headline(seen), lamps(seen.facts), *_stack(seen))
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, expand=False)
@@ -89,7 +89,7 @@ def _headline(seen: Snapshot) -> Text:
 
 
 def lamps(facts: Facts) -> Text:
-    """Draw what is lit: the game pad's override, bumpers, battery, another commander."""
+    """Draw the active warnings: the game pad's override, bumpers, battery, another commander."""
     known = facts.override_known
     return Text(" ").join(
         [
@@ -97,7 +97,7 @@ def lamps(facts: Facts) -> Text:
             lamp("FRONT BUMPER", facts.front_bumper if known else None, "red"),
             lamp("REAR BUMPER", facts.rear_bumper if known else None, "red"),
             lamp("BATTERY LOW", facts.battery_low, "yellow"),
-            lamp("ANOTHER DRIVER", facts.other_commander, "yellow"),
+            lamp("ANOTHER COMMANDER", facts.other_commander, "yellow"),
         ]
     )
 
@@ -134,7 +134,7 @@ def _values(seen: Snapshot, service: str) -> RenderableType:
 
 
 def speeds(status: DifferentialStatus) -> str:
-    """Tell what the wheels do, and what was asked of them."""
+    """Show the measured speeds and the targets."""
     return (
         f"{status.current_linear_m_s:+.2f} m/s (target {status.target_linear_m_s:+.2f})  "
         f"{status.current_angular_rad_s:+.2f} rad/s (target {status.target_angular_rad_s:+.2f})"
