@@ -1,21 +1,52 @@
 # SPDX-License-Identifier: MIT
 """A simulator behind a port, and programs as their users start them."""
 
+import os
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import hypothesis
 import pytest
 
 import roburoc4
+from roburoc4 import _native
 
 pytest_plugins = ["pytester"]
 
+LONG_S = 120.0
+"""A loaded machine is slow; what is wrong never comes."""
+
+# No time decides a test.
+hypothesis.settings.register_profile(
+    "roburoc4", deadline=None, suppress_health_check=[hypothesis.HealthCheck.too_slow]
+)
+hypothesis.settings.load_profile("roburoc4")
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _programs_are_patient() -> None:
+    """See patience/sitecustomize.py."""
+    os.environ["PYTHONPATH"] = str(Path(__file__).resolve().parent / "patience")
+
 
 @pytest.fixture
-def served() -> Iterator[roburoc4.Simulator]:
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Robots in this process are as patient as those of the programs that it starts."""
+    new_config = _native.new_config
+
+    def patient_config() -> "_native.Config":
+        config = new_config()
+        _native.set_member(config, "fresh_ms", 1000, 0)
+        return config
+
+    monkeypatch.setattr(_native, "new_config", patient_config)
+
+
+@pytest.fixture
+def served(patient: None) -> Iterator[roburoc4.Simulator]:
     """A simulator in real time; its clock is that of time.monotonic()."""
     with roburoc4.Simulator(port=0) as simulator:
         yield simulator
@@ -43,7 +74,7 @@ def start() -> Iterator[Callable[..., subprocess.Popen[str]]]:
         process.communicate()
 
 
-def until(condition: Callable[[], object], seconds: float = 10.0) -> None:
+def until(condition: Callable[[], object], seconds: float = LONG_S) -> None:
     """Look again and again; fail where it does not come true."""
     end = time.monotonic() + seconds
     while not condition():
@@ -51,10 +82,10 @@ def until(condition: Callable[[], object], seconds: float = 10.0) -> None:
         time.sleep(0.001)
 
 
-def first_zero_s(simulator: roburoc4.Simulator, seconds: float = 10.0) -> float:
+def first_zero_s(simulator: roburoc4.Simulator) -> float:
     """When the first zero command came, on time.monotonic(), after a speed was seen."""
-    until(lambda: simulator.state.last_linear_m_s != 0, seconds)
-    until(lambda: simulator.state.last_linear_m_s == 0, seconds)
+    until(lambda: simulator.state.last_linear_m_s != 0)
+    until(lambda: simulator.state.last_linear_m_s == 0)
     return simulator.state.last_command_us / 1e6
 
 

@@ -139,7 +139,7 @@ def test_a_reader_that_takes_one_line_is_no_error() -> None:
             env=environment(sim.address),
             capture_output=True,
             text=True,
-            timeout=30,
+            timeout=120,
             check=False,
         )
     assert done.stdout == f"robot at {sim.address}\n0\n"

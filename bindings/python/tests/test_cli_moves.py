@@ -32,7 +32,7 @@ def test_move_and_turn_end_where_they_should(sim: roburoc4.Simulator) -> None:
 
 def test_goto_and_square_end_where_they_should(sim: roburoc4.Simulator) -> None:
     process = start("square", "0.2", robot=sim.address)  # half a minute
-    stdout, stderr = process.communicate(timeout=90)
+    stdout, stderr = process.communicate(timeout=120)
     assert (process.returncode, stderr) == (0, "")
     assert re.match(r"done: 0\.(79|80|81) m", stdout), stdout
     assert math.hypot(sim.true_pose.x_m, sim.true_pose.y_m) < 0.05
@@ -84,7 +84,7 @@ def test_a_signal_stops_the_robot(sim: roburoc4.Simulator) -> None:
     process = start("move", "50", robot=sim.address)
     eventually(lambda: sim.state.target_linear_m_s > 0.1)
     process.send_signal(signal.SIGTERM)
-    _, stderr = process.communicate(timeout=30)
+    _, stderr = process.communicate(timeout=120)
     assert process.returncode == 143
     assert "was stopped, and stands" in one_line(stderr)
     assert sim.state.last_linear_m_s == 0.0

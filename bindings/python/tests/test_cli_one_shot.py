@@ -99,5 +99,5 @@ def test_a_signal_ends_stop_with_its_code() -> None:
         process = start("stop", robot=sim.address)
         eventually(lambda: sim.state.speed_commands > 0)
         process.terminate()
-        _, stderr = process.communicate(timeout=30)
+        _, stderr = process.communicate(timeout=120)
     assert (process.returncode, stderr) == (143, "")

@@ -30,7 +30,7 @@ def console() -> Iterator[tuple[str, Callable[[], str]]]:
         yield port[1], read
     finally:
         process.terminate()
-        process.communicate(timeout=30)
+        process.communicate(timeout=120)
 
 
 class Scripted:

@@ -21,13 +21,13 @@ def test_its_export_line_makes_the_other_commands_work() -> None:
             env=environment(),
             capture_output=True,
             text=True,
-            timeout=30,
+            timeout=120,
             check=False,
         )
         assert (done.returncode, done.stderr) == (0, "")
     finally:
         process.terminate()
-        process.communicate(timeout=30)
+        process.communicate(timeout=120)
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
@@ -37,7 +37,7 @@ def test_signals_end_it_and_free_the_port(number: signal.Signals, code: int) -> 
     process.stdout.readline()
     address = process.stdout.readline().strip().partition("=")[2]
     process.send_signal(number)
-    _, stderr = process.communicate(timeout=30)
+    _, stderr = process.communicate(timeout=120)
     assert (process.returncode, stderr) == (code, "")
     assert run("stop", "--robot", address).returncode == 3
 
@@ -60,7 +60,7 @@ def test_the_panel_can_be_used_through_it() -> None:
         stdout=subprocess.PIPE,
         text=True,
     )
-    stdout, _ = process.communicate("pad a down\nstatus\nquit\n", timeout=30)
+    stdout, _ = process.communicate("pad a down\nstatus\nquit\n", timeout=120)
     assert process.returncode == 0
     assert "game pad drives" in stdout
 
@@ -71,5 +71,5 @@ def test_every_address_can_be_bound_and_one_of_them_is_told() -> None:
     process.stdout.readline()
     export = process.stdout.readline()
     process.terminate()
-    process.communicate(timeout=30)
+    process.communicate(timeout=120)
     assert "=127.0.0.1:" in export

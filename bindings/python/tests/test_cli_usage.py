@@ -116,7 +116,7 @@ def test_signals_end_it_while_it_still_connects(name: str, code: int) -> None:
         silent.recv(100)
         time.sleep(0.1)
         process.send_signal(getattr(signal, name))
-        _, stderr = process.communicate(timeout=30)
+        _, stderr = process.communicate(timeout=120)
     assert (process.returncode, stderr) == (code, "")
 
 
@@ -164,7 +164,7 @@ def _shell(line: str, robot: str) -> subprocess.CompletedProcess[str]:
         env=environment(robot),
         capture_output=True,
         text=True,
-        timeout=30,
+        timeout=120,
         check=False,
     )
 

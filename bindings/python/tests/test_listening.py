@@ -98,7 +98,7 @@ def test_what_came_before_the_end_is_still_read_after_it(
             rest(2.5)
             came = robot.link.received - before
             robot.close()
-            assert came > 100
+            assert came > 20
             assert len(list(statuses)) >= came
             assert statuses.lost == 0
 
@@ -158,7 +158,7 @@ def test_a_recording_becomes_tables_of_pandas(
 ) -> None:
     pytest.importorskip("pandas")
     process = start(TABLES)
-    assert process.communicate(timeout=60) == ("", "")
+    assert process.communicate(timeout=120) == ("", "")
     assert process.returncode == 0
 
 

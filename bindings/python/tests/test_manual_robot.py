@@ -5,7 +5,7 @@ import select
 import time
 
 import pytest
-from conftest import until
+from conftest import LONG_S, until
 
 import roburoc4
 from roburoc4 import Simulator
@@ -17,11 +17,11 @@ def test_everything_that_waits_spins(served: Simulator) -> None:
         robot.drive_for(0.5, 0.0, seconds=0.5)
         robot.relocalize(1.0, 2.0, 0.5)
         assert robot.wait_for("localization")
-        assert len(robot.record(0.5, "localization")["localization"]["x_m"]) >= 5
+        assert len(robot.record(2.0, "localization")["localization"]["x_m"]) >= 5
         statuses = robot.statuses("differential")
         assert [type(next(statuses)) for _ in range(3)] == [roburoc4.DifferentialStatus] * 3
     assert served.state.last_linear_m_s == 0
-    assert served.state.nonzero_speed_commands >= 5
+    assert served.state.nonzero_speed_commands >= 2
 
 
 def test_nothing_happens_without_spin(served: Simulator) -> None:
@@ -30,8 +30,7 @@ def test_nothing_happens_without_spin(served: Simulator) -> None:
         before = robot.localization
         time.sleep(0.3)
         assert robot.localization == before
-        robot.spin(0.0)
-        assert robot.localization != before
+        until(lambda: robot.spin(0.0) or robot.localization != before)
 
 
 def test_a_hang_ends_in_the_robots_watchdog(served: Simulator) -> None:
@@ -48,7 +47,7 @@ def test_a_hang_ends_in_the_robots_watchdog(served: Simulator) -> None:
 def test_another_loop_can_watch_the_socket(served: Simulator) -> None:
     with roburoc4.connect(served.address, threaded=False) as robot:
         statuses = robot.service_link("localization").received
-        end = time.monotonic() + 10
+        end = time.monotonic() + LONG_S
         while robot.service_link("localization").received < statuses + 10:
             select.select([robot.fileno()], [], [], min(robot.next_deadline(), 1.0))
             robot.spin(0)
@@ -59,7 +58,7 @@ def test_nobody_there_is_told_in_time() -> None:
     begun = time.monotonic()
     with pytest.raises(TimeoutError, match="nothing listens"):
         roburoc4.connect("127.0.0.1:9", timeout=0.5, threaded=False)
-    assert 0.4 < time.monotonic() - begun < 5
+    assert 0.4 < time.monotonic() - begun < LONG_S
 
 
 @pytest.mark.parametrize("threaded", [True, False])

@@ -29,7 +29,7 @@ def test_every_datagram_is_recorded(
 ) -> None:
     path = tmp_path / "run.pcapng"
     with roburoc4.connect(served.address, record=path, threaded=threaded) as robot:
-        robot.sleep(0.3)
+        robot.wait_for(lambda robot: robot.recorder.recorded > 60, timeout=60)
         assert robot.recorder is not None
         assert robot.recorder.path == str(path)
     state = robot.recorder

@@ -45,7 +45,15 @@ def test_the_walk_of_the_page_works_as_it_is_typed(tmp_path: Path) -> None:
     size = "$(stat -c %s runs/*.pcapng 2>/dev/null || echo 0)"
     recorded = f'until [ "{size}" -gt 60000 ]; do sleep 0.1; done'
     assert text.count("sleep 6") == 1
-    text = text.replace("sleep 6", recorded).replace("sleep 2", "sleep 4")
+    text = text.replace("sleep 6", recorded)
+    # ... and each robot is there before the next line
+    text, robots = re.subn(
+        r"& sleep 2$",
+        ">ready.log 2>&1 & until grep ready ready.log; do sleep 0.1; done",
+        text,
+        flags=re.MULTILINE,
+    )
+    assert robots == 2
     with roburoc4.Simulator(port=0) as taken:
         text = text.replace("60001", taken.address.rpartition(":")[2])
     env = environment()
@@ -55,7 +63,7 @@ def test_the_walk_of_the_page_works_as_it_is_typed(tmp_path: Path) -> None:
         env=env | {"PATH": f"{FOLDER}:{env['PATH']}", "HOME": str(tmp_path)},
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=300,
         check=False,
     )
     said = done.stdout + done.stderr

@@ -22,7 +22,7 @@ from capture_support import (
     statuses,
     write,
 )
-from cli_support import eventually, one_line, run, start
+from cli_support import doctor, eventually, one_line, run, start
 
 import roburoc4
 from roburoc4.replay import ReplayedRobot
@@ -229,7 +229,7 @@ def test_a_client_reads_what_was_recorded_and_moves_nothing(tmp_path: Path) -> N
                 robot.relocalize(1.0, 2.0, 0.0)
             assert (robot.localization.x_m, robot.localization.y_m) == (0.0, 0.0)
             eventually(lambda: robot.state is roburoc4.State.LOST)
-        stdout, stderr = process.communicate(timeout=20)
+        stdout, stderr = process.communicate(timeout=120)
     assert process.returncode == 0
     document = json.loads(stdout)
     assert document["commands"] > 3
@@ -239,10 +239,10 @@ def test_a_client_reads_what_was_recorded_and_moves_nothing(tmp_path: Path) -> N
 
 def test_the_command_line_looks_at_a_recording(path: Path) -> None:
     with replayed(str(path), "--loop") as (address, process):
-        done = run("doctor", "--seconds", "2", "--json", robot=address)
+        done = doctor("--seconds", "2", "--json", robot=address)
         assert json.loads(done.stdout)["verdict"]["number"] == 0, done.stdout
         process.send_signal(signal.SIGTERM)
-        stdout, _ = process.communicate(timeout=20)
+        stdout, _ = process.communicate(timeout=120)
     assert process.returncode == 143
     assert json.loads(stdout)["clients"]
 
