@@ -169,7 +169,10 @@ def test_a_robot_that_nobody_keeps_is_stopped() -> None:
         assert sim.state.last_linear_m_s == 0
 
 
-def test_the_fixture_is_part_of_the_package(pytester: pytest.Pytester) -> None:
+def test_the_fixture_is_part_of_the_package(
+    pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("PYTHONPATH")  # pytest wants to import its plugins first
     pytester.makepyfile(
         """
         def test_drive(roburoc4_simulator):
