@@ -374,15 +374,14 @@ void roburoc4_drive_status(drive *d, const roburoc4_config *config,
         (is_ours(d, LINEAR, s->target_linear_m_s) && is_ours(d, ANGULAR, s->target_angular_rad_s));
     d->moving = !zero || magnitude_bits(s->current_linear_m_s) > bits_from_f32(standing[LINEAR]) ||
                 magnitude_bits(s->current_angular_rad_s) > bits_from_f32(standing[ANGULAR]);
+    watch_other_commander(d, config, ours, events);
     if (!is_finite(s->target_linear_m_s) || !is_finite(s->target_angular_rad_s) ||
         !is_finite(s->current_linear_m_s) || !is_finite(s->current_angular_rad_s)) {
-        watch_other_commander(d, config, ours, events);
         return;
     }
     if (zero && d->zeros_sent >= STOP_ZEROS && now_us - d->stop_us >= age_us) {
         d->confirmed = 1; /* an older status is from before the zeros */
     }
-    watch_other_commander(d, config, ours, events);
     bool expected = false; /* to move */
     if (!overridden && (!zero || d->lease_active)) {
         expected = has_target(d, LINEAR, s->target_linear_m_s, s->current_linear_m_s, &follows);

@@ -131,34 +131,35 @@ static void measure_jitter(service *s, uint64_t transit) {
     s->jitter_us = s->jitter_us - s->jitter_us / 16 + deviation / 16;
 }
 
-/** The smallest offset of the last one to two windows, because delays only add to it. */
-static void map_clock(roburoc4_private_link *l, int64_t offset, uint64_t now_us) {
-    if (!l->mapped) {
-        l->mapped = 1;
-        l->offset_us = l->offset_before_us = offset;
-        l->offset_since_us = now_us;
-    } else if (now_us - l->offset_since_us >= MAP_WINDOW_US) {
-        l->offset_before_us = l->offset_us;
-        l->offset_us = offset;
-        l->offset_since_us = now_us;
-    } else if (offset < l->offset_us) {
-        l->offset_us = offset;
-    }
-}
-
 /** How much later than the best status a status with this transit time arrived. */
 static uint64_t lateness(const roburoc4_private_link *l, uint64_t transit) {
     const int64_t late_us = (int64_t)(transit - l->floor_us);
     return late_us > 0 ? (uint64_t)late_us : 0;
 }
 
-/** The floor of transit times is that of the best status, which was at most floor_age_us old. */
-static void follow_best(roburoc4_private_link *l, uint64_t transit) {
-    if (!l->mapped) {
-        l->floor_age_us = AGE_UNKNOWN;
-        l->floor_us = transit;
-        l->excess_us = 0;
-    } else if ((int64_t)(transit - l->floor_us) < 0) {
+/** The first status that the clock is mapped by; how old it is, is not known. */
+static void begin_times(roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
+    l->mapped = 1;
+    l->offset_us = l->offset_before_us = (int64_t)transit;
+    l->offset_since_us = now_us;
+    l->floor_age_us = AGE_UNKNOWN;
+    l->floor_us = transit;
+    l->excess_us = 0;
+}
+
+/** The clock is mapped by the smallest offset of the last one to two windows, because delays only
+ *  add to it. The floor of transit times is that of the best status, which was at most floor_age_us
+ *  old. */
+static void follow_times(roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
+    const int64_t offset = (int64_t)transit;
+    if (now_us - l->offset_since_us >= MAP_WINDOW_US) {
+        l->offset_before_us = l->offset_us;
+        l->offset_us = offset;
+        l->offset_since_us = now_us;
+    } else if (offset < l->offset_us) {
+        l->offset_us = offset;
+    }
+    if ((int64_t)(transit - l->floor_us) < 0) {
         l->floor_us = transit;
     }
 }
@@ -196,7 +197,9 @@ static void learn_age(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
 verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robot_cycles,
                              uint64_t now_us) {
     const uint64_t transit = transit_of(robot_cycles, now_us);
-    if (robot_cycles >= l->newest_cycles) {
+    const bool newest = robot_cycles >= l->newest_cycles;
+    if (newest) {
+        l->newest_cycles = robot_cycles;
         l->back_count = 0;
     } else if (restarted(l, s, robot_cycles, now_us)) {
         return VERDICT_REBOOT;
@@ -210,20 +213,20 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
         count_gap(s, robot_cycles - s->robot_cycles);
         measure_jitter(s, transit);
     }
-    follow_best(l, transit);
-    if (l->answered && robot_cycles >= l->newest_cycles) {
+    if (l->mapped) {
+        follow_times(l, transit, now_us);
+    } else {
+        begin_times(l, transit, now_us);
+    }
+    if (l->answered && newest) {
         l->answered = 0;
         learn_age(l, transit, now_us);
     }
-    map_clock(l, (int64_t)transit, now_us);
     s->received++;
     s->robot_cycles = robot_cycles;
     s->received_us = now_us;
     s->fresh = 1;
     l->resubscribed = 0;
-    if (robot_cycles > l->newest_cycles) {
-        l->newest_cycles = robot_cycles;
-    }
     return VERDICT_NEW;
 }
 
