@@ -85,32 +85,26 @@ double robot_open(const char *address, const robot_settings *settings) {
     return enter(resolve(address, &numbers) ? make(address, &numbers, settings) : NULL);
 }
 
-double robot_join(roburoc4_world *world, const robot_settings *settings) {
+double robot_join(simulation *world, const robot_settings *settings) {
     robot *made = make("the simulator", NULL, settings);
-    roburoc4_result number;
     if (made == NULL) {
         return 0.0;
     }
-    number = roburoc4_world_join(world, roburoc4_pump_lock(made->pump));
-    roburoc4_pump_unlock(made->pump);
     made->simulated = 1;
-    if (number < 0) {
+    if (simulation_join(world, made->pump) < 0) {
         robot_close(made);
         return fail(FAIL_LIMIT, "a simulator has room for %d robots; delete one",
                     ROBUROC4_WORLD_CLIENTS);
     }
     made->world = world;
-    made->number = (uint32_t)number;
     return enter(made);
 }
 
 void robot_close(robot *r) {
     handles_remove(r);
     if (r->world != NULL) {
-        uint64_t now_us;
         robot_disarm(r);
-        roburoc4_world_leave(r->world, robot_lock(r, &now_us));
-        robot_unlock(r);
+        simulation_part(r->world, r->pump);
     }
     roburoc4_pump_destroy(r->pump);
     (void)roburoc4_recorder_close(r->recorder, NULL);
@@ -147,34 +141,10 @@ int robot_can(const robot *r, int be_commanded) {
            fail(FAIL_CLOSED, "the simulator of this robot was deleted; make a new one");
 }
 
-/* ----------------------------------------------------------------------------- virtual time --- */
-
-/* The robot at a place of the table, if it is in this world. */
-static robot *robot_in(const roburoc4_world *world, uint32_t place) {
-    robot *r = handles_at(HANDLE_ROBOT, place);
-    return r != NULL && r->world == world ? r : NULL;
-}
-
-void robots_run(roburoc4_world *world, uint64_t until_us) {
-    const uint8_t *datagram;
-    size_t size;
-    uint32_t number;
-    while ((number = roburoc4_world_step(world, until_us, &datagram, &size)) != 0) {
-        for (uint32_t place = 0; place < HANDLES_MAX; place++) {
-            robot *r = robot_in(world, place);
-            if (r != NULL && r->number == number) {
-                (void)roburoc4_pump_lock(r->pump);
-                roburoc4_pump_collect(r->pump, datagram, size);
-                roburoc4_pump_unlock(r->pump);
-            }
-        }
-    }
-}
-
-void robots_lose(const roburoc4_world *world) {
+void robots_lose(const simulation *world) {
     for (uint32_t place = 0; place < HANDLES_MAX; place++) {
-        robot *r = robot_in(world, place);
-        if (r != NULL) {
+        robot *r = handles_at(HANDLE_ROBOT, place);
+        if (r != NULL && r->world == world) {
             r->left_us = robot_now_us(r);
             r->world = NULL;
         }
@@ -187,7 +157,7 @@ uint64_t robot_now_us(const robot *r) {
     if (!r->simulated) {
         return roburoc4_udp_now_us();
     }
-    return r->world != NULL ? roburoc4_world_now_us(r->world) : r->left_us;
+    return r->world != NULL ? simulation_now_us(r->world) : r->left_us;
 }
 
 roburoc4_client *robot_lock(robot *r, uint64_t *now_us) {
@@ -200,7 +170,7 @@ roburoc4_client *robot_lock(robot *r, uint64_t *now_us) {
 void robot_unlock(robot *r) {
     roburoc4_pump_unlock(r->pump);
     if (r->world != NULL) {
-        robots_run(r->world, robot_now_us(r));
+        simulation_exchange(r->world);
     }
 }
 
@@ -214,7 +184,7 @@ roburoc4_client *robot_copy(robot *r, uint64_t *now_us) {
 void robot_wait(robot *r, uint32_t duration_us) {
     const roburoc4_pump_reader nothing = {0};
     if (r->world != NULL) {
-        robots_run(r->world, robot_now_us(r) + duration_us);
+        simulation_run(r->world, robot_now_us(r) + duration_us);
     } else {
         (void)roburoc4_pump_wait_events(r->pump, &nothing, 0, duration_us);
     }
@@ -223,7 +193,7 @@ void robot_wait(robot *r, uint32_t duration_us) {
 void robot_wait_sample(robot *r, const roburoc4_pump_reader *reader, uint64_t until_us) {
     const uint64_t now_us = robot_now_us(r);
     if (r->world != NULL) {
-        robots_run(r->world, now_us + ROBUROC4_CYCLE_US);
+        simulation_run(r->world, now_us + ROBUROC4_CYCLE_US);
     } else if (now_us < until_us) {
         (void)roburoc4_pump_wait_samples(r->pump, reader, (uint32_t)(until_us - now_us));
     }

@@ -7,9 +7,9 @@
 #define ROBUROC4_MEX_ROBOT_H
 
 #include "roburoc4_move.h"
-#include "roburoc4_sim.h"
 #include "samples.h"
 #include "settings.h"
+#include "simulation.h"
 
 /** The most channels of a type that have names. */
 #define CHANNELS_MAX ROBUROC4_MAX_DIGITAL_INPUTS
@@ -29,8 +29,7 @@ typedef struct robot {
     roburoc4_pump *pump;         /* in virtual time one without a thread */
     roburoc4_recorder *recorder; /* or NULL */
     int simulated;               /* in virtual time */
-    roburoc4_world *world;       /* of virtual time; NULL when the simulator is gone */
-    uint32_t number;             /* the client's in the world */
+    simulation *world;           /* of virtual time; NULL when the simulator is gone */
     uint64_t left_us;            /* the time when the simulator went */
     uint64_t opened_us;
     uint64_t furthest_us; /* when it came to the state below */
@@ -49,7 +48,7 @@ typedef struct robot {
  */
 double robot_open(const char *address, const robot_settings *settings);
 /** Join a world. Its id, or 0 after noting why. */
-double robot_join(roburoc4_world *world, const robot_settings *settings);
+double robot_join(simulation *world, const robot_settings *settings);
 /** End the link. In real time it waits until the stop sequence is over: see robot_facts(). */
 void robot_close(robot *r);
 /** End all of them; their stop sequences run together. */
@@ -72,10 +71,8 @@ void robot_unlock(robot *r);
 void robot_wait(robot *r, uint32_t duration_us);
 /** Wait for a sample that a reader has not read, until then. In virtual time one cycle passes. */
 void robot_wait_sample(robot *r, const roburoc4_pump_reader *reader, uint64_t until_us);
-/** Let virtual time pass in a world, for all its robots. */
-void robots_run(roburoc4_world *world, uint64_t until_us);
 /** A world is about to be destroyed: its robots keep what they know. */
-void robots_lose(const roburoc4_world *world);
+void robots_lose(const simulation *world);
 
 roburoc4_facts robot_facts(robot *r);
 roburoc4_facts client_facts(const roburoc4_client *client, uint64_t now_us);

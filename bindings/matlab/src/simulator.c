@@ -3,78 +3,44 @@
  * Commands of simulated robots: in virtual time, or in real time on a port and a thread of its own.
  */
 #include <errno.h>
-#include <stdlib.h>
 
 #include "commands.h"
 #include "fail.h"
-#include "host.h"
 #include "net.h"
-
-typedef struct simulator {
-    roburoc4_sim *sim;     /* belongs to one of these */
-    roburoc4_world *world; /* in virtual time, or NULL */
-    sim_host *host;        /* on a port, or NULL */
-} simulator;
-
-static roburoc4_sim *begin(const simulator *s) {
-    if (s->host != NULL) {
-        sim_host_lock(s->host);
-    }
-    return s->sim;
-}
-
-static void end(const simulator *s) {
-    if (s->host != NULL) {
-        sim_host_unlock(s->host);
-    }
-}
 
 /* ----------------------------------------------------------------------------------- life --- */
 
-static void close_simulator(simulator *s) {
+static void close_simulator(simulation *s) {
     handles_remove(s);
-    if (s->host != NULL) {
-        sim_host_destroy(s->host);
-    } else {
-        robots_lose(s->world);
-        roburoc4_world_destroy(s->world);
-    }
-    free(s);
+    robots_lose(s);
+    simulation_destroy(s);
 }
 
 void close_simulators(void) {
     for (uint32_t place = 0; place < HANDLES_MAX; place++) {
-        simulator *s = handles_at(HANDLE_SIMULATOR, place);
+        simulation *s = handles_at(HANDLE_SIMULATOR, place);
         if (s != NULL) {
             close_simulator(s);
         }
     }
 }
 
-static int begin_host(simulator *s, const roburoc4_sim_config *config, const char *address,
-                      uint16_t port) {
+/* NULL after noting why not. */
+static simulation *serve(const roburoc4_sim_config *config, const char *address, uint16_t port) {
     const char *remedy = "";
     char text[128];
-    int error = 0;
-    s->sim = roburoc4_sim_create(config);
-    s->host = s->sim != NULL ? sim_host_open(s->sim, address, port, &error) : NULL;
-    if (s->host != NULL || s->sim == NULL) {
-        return s->host != NULL;
+    int error;
+    simulation *s = simulation_on_port(config, address, port, &error);
+    if (s == NULL) {
+        net_error_text(error, text, sizeof text);
+        if (port != 0 && (error == EADDRINUSE || error == EACCES)) {
+            remedy = "; give another port, or 0 for any";
+        } else if (error == EADDRNOTAVAIL) {
+            remedy = "; give an address of this machine";
+        }
+        (void)fail(FAIL_NETWORK, "cannot serve on %s:%u: %s%s", address, port, text, remedy);
     }
-    roburoc4_sim_destroy(s->sim);
-    net_error_text(error, text, sizeof text);
-    if (port != 0 && (error == EADDRINUSE || error == EACCES)) {
-        remedy = "; give another port, or 0 for any";
-    } else if (error == EADDRNOTAVAIL) {
-        remedy = "; give an address of this machine";
-    }
-    return fail(FAIL_NETWORK, "cannot serve on %s:%u: %s%s", address, port, text, remedy);
-}
-
-static int begin_world(simulator *s, const roburoc4_sim_config *config) {
-    s->world = roburoc4_world_create(config);
-    s->sim = s->world != NULL ? roburoc4_world_robot(s->world) : NULL;
-    return s->world != NULL;
+    return s;
 }
 
 /* simOpen(options) or simOpen(options, host, port): id */
@@ -82,7 +48,7 @@ static int open_simulator(call *in) {
     roburoc4_sim_config config;
     char address[TEXT_SIZE];
     int64_t port = -1;
-    simulator *made;
+    simulation *made;
     if (!settings_of_simulator(in->arguments[0], &config)) {
         return 0;
     }
@@ -91,10 +57,8 @@ static int open_simulator(call *in) {
         return in->count == 3 ? 0 : fail(FAIL_ARGUMENT, "give a host and a port");
     }
     (void)fail(FAIL_LIMIT, "there is no memory for another simulator");
-    made = calloc(1, sizeof *made);
-    if (made == NULL || !(port < 0 ? begin_world(made, &config)
-                                   : begin_host(made, &config, address, (uint16_t)port))) {
-        free(made);
+    made = port < 0 ? simulation_in_world(&config) : serve(&config, address, (uint16_t)port);
+    if (made == NULL) {
         return 0;
     }
     in->number = handles_add(HANDLE_SIMULATOR, made);
@@ -114,8 +78,7 @@ static int close_one(call *in) {
 
 /* simPort(id): 0 in virtual time */
 static int read_port(call *in) {
-    const simulator *s = in->object;
-    in->number = s->host != NULL ? (double)sim_host_port(s->host) : 0.0;
+    in->number = simulation_port(in->object);
     return 1;
 }
 
@@ -128,15 +91,14 @@ static int fail_real_time(void) {
 
 /* simConnect(id, options): id of a robot in virtual time */
 static int connect_robot(call *in) {
-    const simulator *s = in->object;
     robot_settings settings;
     if (!settings_of_robot(in->arguments[0], &settings)) {
         return 0;
     }
-    if (s->world == NULL) {
+    if (simulation_port(in->object) != 0) {
         return fail_real_time();
     }
-    in->number = robot_join(s->world, &settings);
+    in->number = robot_join(in->object, &settings);
     return in->number != 0.0;
 }
 
@@ -145,30 +107,26 @@ static int connect_robot(call *in) {
 
 /* simStep(id, seconds) */
 static int step(call *in) {
-    const simulator *s = in->object;
+    simulation *s = in->object;
     double seconds;
     if (!take_range(in->arguments[0], "seconds", 0.0, LONGEST_STEP_S, &seconds)) {
         return 0;
     }
-    if (s->world == NULL) {
+    if (simulation_port(s) != 0) {
         return fail_real_time();
     }
-    robots_run(s->world, roburoc4_world_now_us(s->world) + (uint64_t)(seconds * 1e6 + 0.5));
+    simulation_run(s, simulation_now_us(s) + (uint64_t)(seconds * 1e6 + 0.5));
     return 1;
 }
 
 /* simFaults(id, faults) */
 static int set_faults(call *in) {
-    const simulator *s = in->object;
     roburoc4_sim_faults faults;
     roburoc4_result result;
     if (!settings_of_faults(in->arguments[0], &faults)) {
         return 0;
     }
-    (void)begin(s);
-    result = s->host != NULL ? sim_host_set_faults(s->host, &faults)
-                             : roburoc4_world_set_faults(s->world, &faults);
-    end(s);
+    result = simulation_set_faults(in->object, &faults);
     return result >= 0 || fail_result("the shares of faults: give 0 to 1", result);
 }
 
@@ -202,8 +160,8 @@ static const field telemeters = {"telemeters_m", 0, sizeof(float), FIELD_FLOAT, 
 /* simState(id) */
 static int read_state(call *in) {
     roburoc4_sim_state state = {.size = sizeof state};
-    (void)roburoc4_sim_snapshot(begin(in->object), &state);
-    end(in->object);
+    (void)roburoc4_sim_snapshot(simulation_lock(in->object), &state);
+    simulation_unlock(in->object);
     answer_fields(&in->out, state_fields, COUNT_OF(state_fields), &state);
     answer_rows(&in->out, &telemeters, 1, state.telemeters_m, sizeof *state.telemeters_m,
                 COUNT_OF(state.telemeters_m));
@@ -240,8 +198,8 @@ static int set_control(call *in) {
         !take_number(in->arguments[1], name, &value)) {
         return 0;
     }
-    result = roburoc4_sim_set(begin(in->object), control, value);
-    end(in->object);
+    result = roburoc4_sim_set(simulation_lock(in->object), control, value);
+    simulation_unlock(in->object);
     return result >= 0 || fail_control(name, value, result);
 }
 
@@ -253,8 +211,8 @@ static int get_control(call *in) {
     if (!take_text(in->arguments[0], "control", name) || !find_control(name, &control)) {
         return 0;
     }
-    result = roburoc4_sim_get(begin(in->object), control, &in->number);
-    end(in->object);
+    result = roburoc4_sim_get(simulation_lock(in->object), control, &in->number);
+    simulation_unlock(in->object);
     return result >= 0 || fail_control(name, 0.0, result);
 }
 
@@ -266,8 +224,8 @@ static int panel(call *in) {
     if (!take_text(in->arguments[0], "line", line)) {
         return 0;
     }
-    result = roburoc4_sim_panel(begin(in->object), line, reply, sizeof reply);
-    end(in->object);
+    result = roburoc4_sim_panel(simulation_lock(in->object), line, reply, sizeof reply);
+    simulation_unlock(in->object);
     if (result < 0) {
         return fail(FAIL_ARGUMENT, "'%s': %s", line, reply);
     }

@@ -10,11 +10,10 @@
 #include <Python.h>
 
 #include "gate_client.h"
-#include "host.h"
 #include "reason.h"
 #include "roburoc4_move.h"
 #include "roburoc4_pump.h"
-#include "roburoc4_sim.h"
+#include "simulation.h"
 
 /* ---- records, settings and exceptions (records.c) ---- */
 
@@ -96,35 +95,18 @@ PyObject *answer_bytes(uint8_t id, uint8_t action, uint16_t service, uint8_t err
 /* The bytes of a status with another time of the robot. */
 PyObject *restamped(PyObject *status, uint64_t robot_cycles);
 
-/* ---- the simulator (simulator.c) ---- */
+/* ---- the simulator (simulator.c, beside simulation.h) ---- */
 
-/* A simulated robot, in virtual time or on a port. All roburoc4_sim_*() calls are made on a
- * simulation, by simulation_enter() and simulation_leave(). */
-typedef struct simulation simulation;
-simulation *new_world(const roburoc4_sim_config *config);
-/* On an IPv4 address and a port (0: a free one); OSError. */
+/* simulation_on_port(); OSError. */
 simulation *new_host(const roburoc4_sim_config *config, const char *address, uint16_t port);
-void simulation_destroy(simulation *s);
 /* What a RobuROC4 out of the box answers to a request; None where it does not. */
 PyObject *usual_answer(PyObject *request);
-uint16_t simulation_port(const simulation *s);
-/* Serve no longer, or let no more time pass; its robot can still be looked at. */
-PyObject *simulation_stop(simulation *s);
-int simulation_stopped(const simulation *s);
-PyObject *simulation_set_faults(simulation *s, double loss, double duplicate, double reorder,
-                                double corrupt, uint32_t delay_us, uint32_t jitter_us);
-/* Lock the simulator for one call, and give it back; the latter does nothing where none is
- * entered. */
+PyObject *set_faults(simulation *s, double loss, double duplicate, double reorder, double corrupt,
+                     uint32_t delay_us, uint32_t jitter_us);
+/* All roburoc4_sim_*() calls are made on a simulation: lock it for one call, and give it back; the
+ * latter does nothing where none is entered. */
 roburoc4_sim *simulation_enter(simulation *s);
 void simulation_leave(void);
-/* In virtual time: carry the datagrams of a pump's client; its number in the world, or an error. */
-roburoc4_result simulation_join(simulation *s, roburoc4_pump *pump);
-void simulation_part(simulation *s, const roburoc4_pump *pump);
-uint64_t simulation_now_us(const simulation *s);
-/* Let time go on to the next news of a client, at most until then; whether there were any. */
-int simulation_step(simulation *s, uint64_t until_us);
-/* Carry all that can arrive at this moment. */
-void simulation_exchange(simulation *s);
 /* (result, reply) of a line for the simulator's panel. */
 PyObject *simulation_panel(simulation *s, const char *line);
 

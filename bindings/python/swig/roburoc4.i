@@ -13,6 +13,7 @@
 %nothread;
 %thread roburoc4_pump_close;
 %thread roburoc4_pump_wait_events;
+%thread simulation_stop;
 
 %include <stdint.i>
 %include "typemaps.i"
@@ -53,7 +54,8 @@
 %include "gate.h"
 
 %ignore raise_result;
-%rename("$ignore", regextarget=1) "^(record_|decode_telegram|tuple_of|connection_(pump|utc_us)$|simulation_(join|part)$|(connection|simulation)_(enter|leave|entered_us|destroy)$)";
+%rename("$ignore", regextarget=1) "^(record_|decode_telegram|tuple_of|connection_(pump|utc_us)$|simulation_(on_port|lock|unlock|set_faults|join|part|run)$|(connection|simulation)_(enter|leave|entered_us|destroy)$)";
+%include "simulation.h"
 %include "native.h"
 
 /* The hottest call: without SWIG's unpacking of arguments. */

@@ -126,7 +126,7 @@ class Simulator:
         config = _config_of(seed, settings)
         self._virtual = port is None
         if port is None:
-            self._sim = _native.new_world(config)
+            self._sim = _native.simulation_in_world(config)
             self._address = "virtual"
         else:
             self._sim = _native.new_host(config, host, port)
@@ -213,9 +213,7 @@ class Simulator:
             if not 0 <= milliseconds <= 1e6:
                 raise unusable(name, milliseconds, "0 to 1000000")
         delay_us, jitter_us = round(delay_ms * 1e3), round(jitter_ms * 1e3)
-        _native.simulation_set_faults(
-            self._sim, loss, duplicate, reorder, corrupt, delay_us, jitter_us
-        )
+        _native.set_faults(self._sim, loss, duplicate, reorder, corrupt, delay_us, jitter_us)
 
     # ---- observation ----
 
