@@ -139,11 +139,13 @@ typedef union roburoc4_sample_value {
     roburoc4_differential_status differential;
 } roburoc4_sample_value;
 
-/** One status (frozen: this struct never changes). */
+/** One status. */
 typedef struct roburoc4_sample {
     uint64_t sequence;     /* 0, 1, 2 ... over all services, in the order of arrival */
     uint64_t robot_cycles; /* when, on the robot's clock */
     uint64_t host_us;      /* when it was received, on roburoc4_udp_now_us() */
+    uint64_t made_us;      /* when the robot made it, by roburoc4_client_host_time(); at the latest
+                              host_us, and that of a status from before a restart */
     uint32_t service;      /* ROBUROC4_SERVICE_IOCARD (inputs), _TELEMETER (distances), _BATTERY,
                               _LOCALIZATION, _DIFFERENTIAL */
     uint32_t reserved;

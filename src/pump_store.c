@@ -10,7 +10,19 @@
 /* Samples copied per lock: a few microseconds. */
 #define CHUNK 64u
 
+/* A status that is older than this when it comes in is one from before a restart. */
+#define LATEST_US 10000000u
+
 /* ------------------------------------------------------------------------------- the writer --- */
+
+static uint64_t made_us(const roburoc4_client *client, const roburoc4_sample *sample) {
+    uint64_t mapped_us;
+    if (roburoc4_client_host_time(client, sample->robot_cycles, &mapped_us) < 0 ||
+        mapped_us > sample->host_us || sample->host_us - mapped_us > LATEST_US) {
+        return sample->host_us;
+    }
+    return mapped_us;
+}
 
 roburoc4_result roburoc4_sample_latest(const roburoc4_client *client, uint32_t service,
                                        roburoc4_sample *out) {
@@ -38,6 +50,7 @@ roburoc4_result roburoc4_sample_latest(const roburoc4_client *client, uint32_t s
         break;
     }
     out->robot_cycles = value->inputs.robot_cycles; /* the first member of every status */
+    out->made_us = made_us(client, out);
     return result;
 }
 

@@ -584,6 +584,8 @@ TEST(PumpWithoutAddress, KeepsWhatItsClientIsGivenForReaders) {
         EXPECT_EQ(latest.service, service);
         EXPECT_GT(latest.robot_cycles, 0U);
         EXPECT_GT(latest.host_us, 0U);
+        EXPECT_LE(latest.made_us, latest.host_us);
+        EXPECT_GT(latest.made_us + 1000000, latest.host_us);
     }
     EXPECT_EQ(roburoc4_sample_latest(client, ROBUROC4_SERVICE_DIRECTORY, &latest),
               ROBUROC4_ERR_ARGUMENT);

@@ -9,7 +9,7 @@
 #include "fail.h"
 #include "handles.h"
 
-/* The most that is recorded: 192 bytes each. */
+/* The most that is recorded: 200 bytes each. */
 #define SAMPLES_MAX 4000000u
 
 /* ----------------------------------------------------------------------------------- life --- */

@@ -48,15 +48,6 @@ static int read_status(call *in) {
     return 1;
 }
 
-/* When the robot made a sample, on our clock: at the latest when it came in. */
-static uint64_t made_us(const roburoc4_client *client, const roburoc4_sample *sample) {
-    uint64_t mapped_us;
-    return roburoc4_client_host_time(client, sample->robot_cycles, &mapped_us) >= 0 &&
-                   mapped_us < sample->host_us
-               ? mapped_us
-               : sample->host_us;
-}
-
 /* The latest status of a service, for loops that steer by it and need no more: a row costs a third
  * of a struct. All NaN where it is older than fresh_ms. */
 static double *make_row(call *in, uint32_t service, size_t count, roburoc4_sample *latest) {
@@ -79,8 +70,7 @@ static int read_pose(call *in) {
         row[0] = latest.value.localization.x_m;
         row[1] = latest.value.localization.y_m;
         row[2] = latest.value.localization.theta_rad;
-        row[3] =
-            seconds_since(made_us(in->client, &latest), ((const robot *)in->object)->opened_us);
+        row[3] = seconds_since(latest.made_us, ((const robot *)in->object)->opened_us);
     }
     return 1;
 }
@@ -353,14 +343,11 @@ static int take_mask(const call *in, int first, uint32_t *mask) {
  * the same. */
 static int take_clocks(const call *in, uint64_t begin_us, clocks *out) {
     const robot *r = in->object;
-    roburoc4_link link = {.size = sizeof link};
     double utc_s;
     if (!take_range(in->arguments[0], "utc_s", 0, 1e12, &utc_s)) {
         return 0;
     }
-    (void)roburoc4_client_link(in->client, in->now_us, &link);
-    *out = (clocks){begin_us, r->simulated ? 0.0 : utc_s - (double)in->now_us / 1e6,
-                    link.round_trip_min_us};
+    *out = (clocks){begin_us, r->simulated ? 0.0 : utc_s - (double)in->now_us / 1e6};
     return 1;
 }
 
@@ -415,7 +402,7 @@ static int receive(call *in) {
         (void)make_doubles(&in->results[0], 0, 0);
         return !found;
     }
-    samples_one(&in->out, &sample, made_us(in->client, &sample), &times);
+    samples_one(&in->out, &sample, &times);
     in->results[0] = answer_finish(&in->out);
     return 1;
 }

@@ -134,42 +134,14 @@ double seconds_since(uint64_t time_us, uint64_t begin_us) {
     return (double)(int64_t)(time_us - begin_us) / 1e6;
 }
 
-/* The robot's clock is mapped to ours by the statuses that came quickest in the last 5 to 10 s: the
- * network's jitter is not in the result, and the clocks' drift has no time to grow. */
-#define WINDOW_US 5000000u
-
-typedef struct mapping {
-    int64_t offset_us, offset_before_us; /* ours less the robot's, at best */
-    uint64_t begun_us, cycles;
-} mapping;
-
-static uint64_t made_us(mapping *m, const roburoc4_sample *sample, uint32_t round_trip_us) {
-    const uint64_t robot_us = sample->robot_cycles * ROBUROC4_CYCLE_US;
-    const int64_t offset_us = (int64_t)(sample->host_us - robot_us);
-    if (m->begun_us == 0 || sample->robot_cycles < m->cycles) { /* the first, or after a reboot */
-        m->offset_us = m->offset_before_us = offset_us;
-        m->begun_us = sample->host_us;
-    } else if (sample->host_us - m->begun_us > WINDOW_US) {
-        m->offset_before_us = m->offset_us;
-        m->offset_us = offset_us;
-        m->begun_us = sample->host_us;
-    }
-    m->cycles = sample->robot_cycles;
-    m->offset_us = offset_us < m->offset_us ? offset_us : m->offset_us;
-    return robot_us +
-           (uint64_t)(m->offset_us < m->offset_before_us ? m->offset_us : m->offset_before_us) -
-           round_trip_us / 2;
-}
-
 static void add_times(answer *out, const rows *from, const clocks *times) {
     mxArray *time, *utc, *cycles;
     double *time_s = make_doubles(&time, from->count, 1);
     double *utc_s = make_doubles(&utc, from->count, 1);
     uint64_t *robot_cycles = make_cycles(&cycles, from->count);
-    mapping clock = {0};
     for (uint32_t i = 0; i < from->count; i++) {
         time_s[i] = seconds_since(from->at[i]->host_us, times->begin_us);
-        utc_s[i] = times->utc_s + (double)made_us(&clock, from->at[i], times->round_trip_us) / 1e6;
+        utc_s[i] = times->utc_s + (double)from->at[i]->made_us / 1e6;
         robot_cycles[i] = from->at[i]->robot_cycles;
     }
     answer_add(out, "time_s", time);
@@ -190,11 +162,10 @@ void samples_answer(answer *out, uint32_t service, const roburoc4_sample *latest
     }
 }
 
-void samples_one(answer *out, const roburoc4_sample *sample, uint64_t made_us,
-                 const clocks *times) {
+void samples_one(answer *out, const roburoc4_sample *sample, const clocks *times) {
     static const field cycles = FIELD(roburoc4_sample, robot_cycles, CYCLES);
     answer_number(out, "time_s", seconds_since(sample->host_us, times->begin_us));
-    answer_number(out, "utc_s", times->utc_s + (double)made_us / 1e6);
+    answer_number(out, "utc_s", times->utc_s + (double)sample->made_us / 1e6);
     answer_fields(out, &cycles, 1, sample);
     samples_answer(out, sample->service, sample);
 }

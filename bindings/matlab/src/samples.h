@@ -33,15 +33,14 @@ double seconds_since(uint64_t time_us, uint64_t begin_us);
 
 /** What the times of samples are counted from, all on the clock that they came in by. */
 typedef struct clocks {
-    uint64_t begin_us;      /* time_s is 0 */
-    double utc_s;           /* UTC of a time of 0, in seconds since 1970 */
-    uint32_t round_trip_us; /* the shortest */
+    uint64_t begin_us; /* time_s is 0 */
+    double utc_s;      /* UTC of a time of 0, in seconds since 1970 */
 } clocks;
 
 /** A scalar struct with a struct of columns for each service whose bit is set in `mask`. */
 mxArray *samples_columns(const sample_list *list, uint32_t mask, const clocks *times,
                          uint64_t lost);
-/** One sample: its times, and the values of samples_answer(). made_us is when the robot made it. */
-void samples_one(answer *out, const roburoc4_sample *sample, uint64_t made_us, const clocks *times);
+/** One sample: its times, and the values of samples_answer(). */
+void samples_one(answer *out, const roburoc4_sample *sample, const clocks *times);
 
 #endif

@@ -13,8 +13,6 @@
 
 /* Samples that are copied from a pump at once: the interpreter is not held up for long. */
 #define SAMPLES_AT_ONCE 64
-/* A status that is older than this when it comes in is one from before a reboot. */
-#define LATEST_US 10000000u
 #define AT_ONCE_US 20u
 
 struct connection {
@@ -289,29 +287,50 @@ static uint64_t utc_offset_us(const connection *c) {
     return utc_us - after_us;
 }
 
-/* On the client's clock; it came in later. A stamp from before a reboot cannot be mapped any more:
- * then it is when it came in. */
-static uint64_t made_us(const roburoc4_client *client, uint64_t robot_cycles, uint64_t host_us) {
-    uint64_t mapped_us;
-    if (roburoc4_client_host_time(client, robot_cycles, &mapped_us) < 0 || mapped_us > host_us ||
-        host_us - mapped_us > LATEST_US) {
-        return host_us;
-    }
-    return mapped_us;
-}
-
-uint64_t connection_utc_us(connection *c, record_kind kind, uint64_t robot_cycles,
-                           uint64_t host_us) {
-    if (c->made[kind].host_us != host_us || c->made[kind].utc_us == 0) {
-        const roburoc4_client *client = roburoc4_pump_lock(c->pump);
-        c->made[kind].host_us = c->made[kind].utc_us = host_us;
-        if (client != NULL) {
-            c->made[kind].utc_us = made_us(client, robot_cycles, host_us);
-            roburoc4_pump_unlock(c->pump);
-        }
-        c->made[kind].utc_us += utc_offset_us(c);
+/* When the robot made a status: the same each time that the latest of a kind is read. */
+static uint64_t utc_us_of(connection *c, record_kind kind, const roburoc4_sample *sample) {
+    if (c->made[kind].host_us != sample->host_us || c->made[kind].utc_us == 0) {
+        c->made[kind].host_us = sample->host_us;
+        c->made[kind].utc_us = sample->made_us + utc_offset_us(c);
     }
     return c->made[kind].utc_us;
+}
+
+static PyObject *record_of_sample(connection *c, const roburoc4_sample *sample) {
+    const record_kind kind = sample->service - ROBUROC4_SERVICE_IOCARD + RECORD_IOCARD_STATUS;
+    return record_of_status(kind, &sample->value, sample->host_us, utc_us_of(c, kind, sample));
+}
+
+static PyObject *latest_status(connection *c, uint32_t service) {
+    const roburoc4_client *client = connection_enter(c, 0);
+    roburoc4_sample sample;
+    roburoc4_result result;
+    if (client == NULL) {
+        return NULL;
+    }
+    result = roburoc4_sample_latest(client, service, &sample);
+    connection_leave();
+    return result < 0 ? raise_result(result) : record_of_sample(c, &sample);
+}
+
+PyObject *latest_iocard(connection *c) {
+    return latest_status(c, ROBUROC4_SERVICE_IOCARD);
+}
+
+PyObject *latest_telemeter(connection *c) {
+    return latest_status(c, ROBUROC4_SERVICE_TELEMETER);
+}
+
+PyObject *latest_battery(connection *c) {
+    return latest_status(c, ROBUROC4_SERVICE_BATTERY);
+}
+
+PyObject *latest_localization(connection *c) {
+    return latest_status(c, ROBUROC4_SERVICE_LOCALIZATION);
+}
+
+PyObject *latest_differential(connection *c) {
+    return latest_status(c, ROBUROC4_SERVICE_DIFFERENTIAL);
 }
 
 uint32_t connection_fault(connection *c) {
@@ -427,9 +446,7 @@ PyObject *connection_play(connection *c, PyObject *datagram, uint64_t at_us) {
  */
 
 static int append(connection *c, PyObject *list, const roburoc4_sample *sample) {
-    record_kind kind = sample->service - ROBUROC4_SERVICE_IOCARD + RECORD_IOCARD_STATUS;
-    uint64_t utc_us = connection_utc_us(c, kind, sample->robot_cycles, sample->host_us);
-    PyObject *record = record_of_status(kind, &sample->value, sample->host_us, utc_us);
+    PyObject *record = record_of_sample(c, sample);
     int result = record != NULL ? PyList_Append(list, record) : -1;
     Py_XDECREF(record);
     return result;

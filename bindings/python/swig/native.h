@@ -144,11 +144,13 @@ void connection_leave(void);
 
 roburoc4_pump *connection_pump(connection *c);
 uint64_t connection_now_us(const connection *c);
-/* When the robot made a status, in microseconds since 1970: by the clock that this machine shows
- * now; in virtual time by the simulation's. It is the same each time that it is asked for the
- * latest status of a kind. */
-uint64_t connection_utc_us(connection *c, record_kind kind, uint64_t robot_cycles,
-                           uint64_t host_us);
+/* Records of the latest statuses. Their utc_s, when the robot made them, is by the clock that this
+ * machine shows now; in virtual time by the simulation's. */
+PyObject *latest_iocard(connection *c);
+PyObject *latest_telemeter(connection *c);
+PyObject *latest_battery(connection *c);
+PyObject *latest_localization(connection *c);
+PyObject *latest_differential(connection *c);
 /* ROBUROC4_FAULT_*. */
 uint32_t connection_fault(connection *c);
 

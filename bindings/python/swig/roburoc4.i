@@ -25,7 +25,7 @@
 
 /* Of no use from Python: the codec is behind decode(), and native.h opens connections. */
 %rename("$ignore", regextarget=1) "^roburoc4_(decode_|encode_|directory_at|notification_at|telemeter_at|floats|config_init|abi_version|move_(options_init|step)$)";
-%rename("$ignore", regextarget=1) "^roburoc4_(client_(size|init|start|close|receive|poll_transmit|take_events|description))$";
+%rename("$ignore", regextarget=1) "^roburoc4_(client_(size|init|start|close|receive|poll_transmit|take_events|description|inputs|distances|battery|localization|differential))$";
 %rename("$ignore", regextarget=1) "^roburoc4_udp_(?!fault_text$|now_us$)";
 %rename("$ignore", regextarget=1) "^roburoc4_recorder_";
 %rename("$ignore", regextarget=1) "^roburoc4_pump_(?!close|running|description|reader_init|take_events|wait_events).*";
@@ -54,7 +54,7 @@
 %include "gate.h"
 
 %ignore raise_result;
-%rename("$ignore", regextarget=1) "^(record_|decode_telegram|tuple_of|connection_(pump|utc_us)$|simulation_(on_port|lock|unlock|set_faults|join|part|run)$|(connection|simulation)_(enter|leave|entered_us|destroy)$)";
+%rename("$ignore", regextarget=1) "^(record_|decode_telegram|tuple_of|connection_pump$|simulation_(on_port|lock|unlock|set_faults|join|part|run)$|(connection|simulation)_(enter|leave|entered_us|destroy)$)";
 %include "simulation.h"
 %include "native.h"
 

@@ -60,22 +60,6 @@ ROBUROC4_WHOLE(int32_t, INT32_MIN, INT32_MAX)
     $result = record_of(KIND, $1);
 }
 %enddef
-%define ROBUROC4_STATUS(TYPE, KIND)
-%typemap(in, numinputs=0) (TYPE *out, uint64_t *host_us) (TYPE value, uint64_t host) {
-    $1 = &value;
-    $2 = &host;
-}
-%typemap(argout) (TYPE *out, uint64_t *host_us) {
-    Py_XDECREF($result);
-    $result = record_of_status(KIND, $1, *$2, connection_utc_us(handle1, KIND, $1->robot_cycles, *$2));
-}
-%enddef
-
-ROBUROC4_STATUS(roburoc4_inputs, RECORD_IOCARD_STATUS)
-ROBUROC4_STATUS(roburoc4_distances, RECORD_TELEMETER_STATUS)
-ROBUROC4_STATUS(roburoc4_battery_status, RECORD_BATTERY_STATUS)
-ROBUROC4_STATUS(roburoc4_localization_status, RECORD_LOCALIZATION_STATUS)
-ROBUROC4_STATUS(roburoc4_differential_status, RECORD_DIFFERENTIAL_STATUS)
 
 ROBUROC4_OUTPUT(roburoc4_directory_entry, , RECORD_DIRECTORY_ENTRY)
 ROBUROC4_OUTPUT(roburoc4_iocard_properties, , RECORD_IOCARD_PROPERTIES)

@@ -22,11 +22,11 @@ STATUS_EVENTS = STATUS_MASK << 4
 """Events that announce statuses."""
 
 READ_STATUS: dict[Service, Callable[["_native.Connection"], Status]] = {
-    Service.IOCARD: _native.roburoc4_client_inputs,
-    Service.TELEMETER: _native.roburoc4_client_distances,
-    Service.BATTERY: _native.roburoc4_client_battery,
-    Service.LOCALIZATION: _native.roburoc4_client_localization,
-    Service.DIFFERENTIAL: _native.roburoc4_client_differential,
+    Service.IOCARD: _native.latest_iocard,
+    Service.TELEMETER: _native.latest_telemeter,
+    Service.BATTERY: _native.latest_battery,
+    Service.LOCALIZATION: _native.latest_localization,
+    Service.DIFFERENTIAL: _native.latest_differential,
 }
 """A function that returns the latest status of a service, or raises NotKnownError."""
 

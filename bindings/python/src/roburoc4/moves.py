@@ -163,7 +163,7 @@ class Move:
         """Return the progress."""
         outcome, _, distance_m, angle_rad, left_m, left_rad = _native.move_values(self._move)
         try:
-            pose = _native.roburoc4_client_localization(self._connection.handle)
+            pose = _native.latest_localization(self._connection.handle)
         except NotKnownError:
             pose = None
         return MoveResult(MoveOutcome(outcome), distance_m, angle_rad, left_m, left_rad, pose)

@@ -182,27 +182,27 @@ class RobotBase:
     @property
     def battery(self) -> BatteryStatus:
         """The latest battery status."""
-        return self._first(_native.roburoc4_client_battery, Service.BATTERY)
+        return self._first(_native.latest_battery, Service.BATTERY)
 
     @property
     def localization(self) -> LocalizationStatus:
         """The latest localization status: odometry, inaccurate after turns."""
-        return self._first(_native.roburoc4_client_localization, Service.LOCALIZATION)
+        return self._first(_native.latest_localization, Service.LOCALIZATION)
 
     @property
     def differential(self) -> DifferentialStatus:
         """The latest speeds, commanded and measured."""
-        return self._first(_native.roburoc4_client_differential, Service.DIFFERENTIAL)
+        return self._first(_native.latest_differential, Service.DIFFERENTIAL)
 
     @property
     def telemeter(self) -> TelemeterStatus:
         """The latest ultrasonic distances."""
-        return self._first(_native.roburoc4_client_distances, Service.TELEMETER)
+        return self._first(_native.latest_telemeter, Service.TELEMETER)
 
     @property
     def iocard(self) -> IoCardStatus:
         """The latest inputs of the IO card."""
-        return self._first(_native.roburoc4_client_inputs, Service.IOCARD)
+        return self._first(_native.latest_iocard, Service.IOCARD)
 
     @property
     def inputs(self) -> Inputs:
