@@ -18,9 +18,6 @@ static const char *reason(enum gate_verdict verdict) {
                "name each program once";
     case GATE_NOT_FINITE:
         return "it has NaN or infinity in it";
-    case GATE_STARTING:
-        return "the bridge has just started, and the command may be from before: wait for "
-               "--max-age, then pause 500 ms";
     case GATE_CONTROL:
         return "another sender is in control until its lease ends; a stop command needs no control";
     case GATE_NOT_READY:
@@ -47,10 +44,10 @@ static void write_age(char *room, size_t capacity, const gate_rejection *rejecti
     double age_s = (double)(now.utime - rejection->utime) / 1e6;
     (void)snprintf(
         room, capacity,
-        "by its %s it is %.3f s %s (--max-age %u ms): a replayed log, a slow network, or clocks "
-        "that differ: set both by NTP (--max-age 0 accepts all ages, including replays)",
+        "by its %s it is %.3f s %s (%s %u ms): a replayed log, a slow network, or clocks that "
+        "differ: set both by NTP (%s 0 accepts all ages, including replays)",
         rejection->utime_word, age_s < 0 ? -age_s : age_s, age_s < 0 ? "in the future" : "old",
-        rules->max_age_us / 1000u);
+        rejection->max_age_option, rules->max_age_us / 1000u, rejection->max_age_option);
 }
 
 void gate_reason(char *room, size_t capacity, const gate_rejection *rejection,
@@ -67,6 +64,11 @@ void gate_reason(char *room, size_t capacity, const gate_rejection *rejection,
                        "its %s is not later than the sender's last: a replayed log, or two "
                        "programs with one sender",
                        rejection->utime_word);
+    } else if (rejection->verdict == GATE_STARTING) {
+        (void)snprintf(room, capacity,
+                       "the bridge has just started, and the command may be from before: wait for "
+                       "%s, then pause 500 ms",
+                       rejection->max_age_option);
     } else if (is_about_age(rejection, rules, now)) {
         write_age(room, capacity, rejection, rules, now);
     } else {

@@ -708,7 +708,7 @@ TEST(GateReason, EachVerdictHasItsOwn) {
         const gate_time now{boot, epoch};
         const std::int64_t utime = verdict == GATE_IN_FUTURE ? epoch + second : epoch - second;
         const gate_rejection rejection{static_cast<gate_verdict>(verdict), GATE_DRIVE, utime,
-                                       "stamp"};
+                                       "stamp", "--max-age"};
         gate_reason(room, sizeof room, &rejection, &rules, now);
         reasons.insert(room);
     }

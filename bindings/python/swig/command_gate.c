@@ -7,7 +7,6 @@
 
 #include <stdlib.h>
 
-#define STAMP "stamp"
 #define REASON_SIZE 300
 
 struct command_gate {
@@ -60,7 +59,7 @@ int64_t command_arrival(const command_gate *g, int64_t utime) {
 PyObject *explain_rejection(command_gate *g, uint32_t verdict, const char *sender, size_t length,
                             int64_t utime, gate_time now) {
     char why[REASON_SIZE];
-    gate_rejection rejection = {GATE_TAKEN, GATE_DRIVE, 0, STAMP};
+    gate_rejection rejection = {GATE_TAKEN, GATE_DRIVE, 0, "stamp", "--max-age-ms"};
     if (verdict >= GATE_VERDICTS) {
         PyErr_Format(PyExc_ValueError, "%u is no verdict", (unsigned)verdict);
         return NULL;

@@ -32,6 +32,10 @@ class Ros2Options(Options):
     no_tf: bool
     remap: list[str]
     period_ms: str | None
+    enable_drive: bool
+    twist: bool
+    lease_ms: str | None
+    max_age_ms: str | None
     list: bool
 
 
@@ -56,9 +60,30 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "--list", action="store_true", help="print topics, types and quality of service, and end"
     )
     parser.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="as JSON")
+    _add_drive(parser)
     _add_ros(parser)
     _add_names(parser)
     parser.set_defaults(run=run)
+
+
+def _add_drive(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("drive")
+    group.add_argument(
+        "--enable-drive", action="store_true", help="obey cmd_vel: the robot can move"
+    )
+    group.add_argument(
+        "--twist",
+        action="store_true",
+        help="cmd_vel is a geometry_msgs/Twist, without a stamp: a replayed bag drives the robot",
+    )
+    group.add_argument(
+        "--lease-ms", metavar="MS", help="how long a command holds, 20 to 1000 (default: 250)"
+    )
+    group.add_argument(
+        "--max-age-ms",
+        metavar="MS",
+        help="refuse commands with an older stamp; 0: none, so that bags drive, too (default: 200)",
+    )
 
 
 def _add_ros(parser: argparse.ArgumentParser) -> None:
@@ -201,6 +226,10 @@ def _common(options: Ros2Options) -> dict[str, Any]:
     given: dict[str, Any] = {name: text for name, text in texts.items() if text is not None}
     if options.no_tf:
         given["tf"] = False
+    given |= {name: True for name in ("enable_drive", "twist") if getattr(options, name)}
+    for name in ("lease_ms", "max_age_ms"):
+        if (text := getattr(options, name)) is not None:
+            given[name] = _given(text, "--" + name.replace("_", "-"), name)
     if options.period_ms is not None:
         whole = int(options.period_ms) if options.period_ms.isdecimal() else options.period_ms
         given["period_ms"] = _given(whole, "--period-ms", "period_ms")
@@ -241,11 +270,15 @@ def _list(options: Ros2Options, config: Config) -> None:
         {
             "topic": resolve(topic.name, robot.namespace),
             "type": ros_name(topic.kind),
-            "direction": "published",
+            "direction": direction,
             "qos": topic.profile.text,
         }
         for robot in config.robots
-        for topic in robot.topics().values()
+        for direction, topics in (
+            ("published", robot.topics().values()),
+            ("subscribed", robot.subscriptions()),
+        )
+        for topic in topics
     ]
     rows = [row for at, row in enumerate(rows) if row not in rows[:at]]  # of several robots: /tf
     if options.json:

@@ -9,8 +9,9 @@ from typing import Any, NamedTuple
 
 from ..ros_topics import Frames
 from ..settings import STATUS_SERVICES
+from .commands import DriveConfig
 from .names import is_namespace, is_node, is_topic
-from .topics import PUBLISHED, Topic
+from .topics import CMD_VEL, CMD_VEL_UNSTAMPED, PUBLISHED, STOPS, Topic
 
 DISTROS = ("humble", "iron", "jazzy", "kilted", "lyrical", "rolling")
 DEFAULT_DISTRO = "jazzy"
@@ -37,6 +38,7 @@ class RobotConfig:
     """Publish where the robot is on /tf; off where another node does, by a better estimate."""
     remap: Mapping[str, str] = field(default_factory=dict)
     periods_ms: Mapping[str, int] = field(default_factory=dict)
+    drive: DriveConfig = field(default_factory=DriveConfig)
 
     def topics(self) -> dict[str, Topic]:
         """Return what it publishes, by key, with the names that it was given."""
@@ -45,6 +47,13 @@ class RobotConfig:
             for key, topic in PUBLISHED.items()
             if self.tf or key != "tf"
         }
+
+    def subscriptions(self) -> list[Topic]:
+        """Return what it listens to: stop, and cmd_vel where driving is enabled."""
+        found = list(STOPS)
+        if self.drive.enabled:
+            found.append(CMD_VEL if self.drive.stamped else CMD_VEL_UNSTAMPED)
+        return [one._replace(name=self.remap.get(one.name, one.name)) for one in found]
 
 
 @dataclass(frozen=True)
@@ -78,11 +87,11 @@ def _yes(value: Any) -> bool:
     return value
 
 
-def _whole(highest: int) -> Callable[[Any], int]:
+def _between(lowest: int, highest: int) -> Callable[[Any], int]:
     def check(value: Any) -> int:
         if isinstance(value, str) and value.isdecimal():
             value = int(value)
-        if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= highest:
+        if type(value) is not int or not lowest <= value <= highest:
             raise ValueError(value)
         return value
 
@@ -90,7 +99,7 @@ def _whole(highest: int) -> Callable[[Any], int]:
 
 
 def _remap(value: Any) -> dict[str, str]:
-    if not isinstance(value, dict) or not value.keys() <= PUBLISHED.keys():
+    if not isinstance(value, dict) or not value.keys() <= _TOPICS:
         raise ValueError(value)
     if not all(isinstance(to, str) and is_topic(to) for to in value.values()):
         raise ValueError(value)
@@ -106,6 +115,7 @@ def _periods_ms(value: Any) -> dict[str, int]:
     return periods
 
 
+_TOPICS = {*PUBLISHED, CMD_VEL.name, STOPS[0].name}
 _FRAME_USABLE = "a frame: letters, digits, _ . / -"
 ROBOT_SETTINGS = {
     "address": _Setting(_text(bool), "the robot's address, HOST or HOST:PORT"),
@@ -116,8 +126,12 @@ ROBOT_SETTINGS = {
     "frame_prefix": _Setting(_text(_FRAME.fullmatch), _FRAME_USABLE),
     "tf": _Setting(_yes, "true or false"),
     "remap": _Setting(
-        _remap, f"topics such as {{odom: odometry}}, of {', '.join(sorted(PUBLISHED))}"
+        _remap, f"topics such as {{odom: odometry}}, of {', '.join(sorted(_TOPICS))}"
     ),
+    "enable_drive": _Setting(_yes, "true or false"),
+    "twist": _Setting(_yes, "true for geometry_msgs/Twist, false for TwistStamped"),
+    "lease_ms": _Setting(_between(20, 1000), "20 to 1000"),
+    "max_age_ms": _Setting(_between(0, 60000), "0 (any age) to 60000"),
     "period_ms": _Setting(
         _periods_ms,
         "a multiple of 10, 10 to 2550, or such by service: " + ", ".join(STATUS_SERVICES),
@@ -125,7 +139,7 @@ ROBOT_SETTINGS = {
 }
 """What can be set for each robot, or for all."""
 PROGRAM_SETTINGS = {
-    "domain": _Setting(_whole(HIGHEST_DOMAIN), f"0 to {HIGHEST_DOMAIN}"),
+    "domain": _Setting(_between(0, HIGHEST_DOMAIN), f"0 to {HIGHEST_DOMAIN}"),
     "distro": _Setting(_text(lambda text: text in DISTROS), ", ".join(DISTROS)),
     "interface": _Setting(_text(bool), "a network interface, such as eth0"),
 }
@@ -158,6 +172,12 @@ def robot_config(name: str, settings: Mapping[str, Any]) -> RobotConfig:
         settings.get("tf", defaults.tf),
         settings.get("remap", defaults.remap),
         settings.get("period_ms", defaults.periods_ms),
+        DriveConfig(
+            settings.get("enable_drive", defaults.drive.enabled),
+            not settings.get("twist", not defaults.drive.stamped),
+            settings.get("lease_ms", defaults.drive.lease_ms),
+            settings.get("max_age_ms", defaults.drive.max_age_ms),
+        ),
     )
 
 

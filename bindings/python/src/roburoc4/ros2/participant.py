@@ -175,7 +175,9 @@ def _qos(kind: str, profile: Profile) -> Qos:
     """Return what an rmw layer asks for, with the hash that tells the type."""
     durability = Policy.Durability
     return Qos(
-        Policy.Reliability.Reliable(duration(milliseconds=_LONGEST_BLOCK_MS)),
+        Policy.Reliability.Reliable(duration(milliseconds=_LONGEST_BLOCK_MS))
+        if profile.reliable
+        else Policy.Reliability.BestEffort,
         durability.TransientLocal if profile.latched else durability.Volatile,
         Policy.History.KeepLast(profile.depth),
         Policy.DataRepresentation(use_cdrv0_representation=True),

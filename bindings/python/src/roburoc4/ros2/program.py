@@ -35,9 +35,10 @@ class Program:
 
     def __enter__(self) -> Self:
         for node in self._nodes:
-            thread = threading.Thread(target=node.run, args=(self._ended,), daemon=True)
-            self._threads.append(thread)
-            thread.start()
+            for run in (node.run, node.listener.run):
+                thread = threading.Thread(target=run, args=(self._ended,), daemon=True)
+                self._threads.append(thread)
+                thread.start()
         return self
 
     def __exit__(

@@ -10,7 +10,9 @@ from ..constants import Event, State
 from ..records import Status
 from ..robot import Robot
 from ..ros_topics import Messages, diagnostics
+from .commands import Commands
 from .config import RobotConfig
+from .listener import Listener
 from .participant import Participant
 from .state import conditions, diagnoses
 from .urdf import urdf
@@ -21,7 +23,7 @@ _FIRST_NOTE_S = 3.0
 
 
 class RobotNode:
-    """One robot, and what is published of it."""
+    """One robot: what is published of it, and the commands that it is given."""
 
     def __init__(
         self,
@@ -42,6 +44,10 @@ class RobotNode:
         self._presence = _Presence(robot, tell)
         self._conditions: dict[str, bool] = {}
         self._diagnosed_s = -_DIAGNOSE_S
+        self.commands = Commands(robot, config.drive, tell)
+        self.listener = Listener(
+            participant, self.node, self.commands, config.subscriptions(), tell
+        )
 
     def run(self, ended: threading.Event) -> None:
         """Publish until the end."""
@@ -81,6 +87,7 @@ class RobotNode:
             self._diagnosed_s = now_s
             name = f"{self.config.namespace}/{self.config.node_name}".lstrip("/")
             found = diagnoses(self.robot, name, self._distro)
+            found.append(self.commands.state.diagnosis(name))
             self._publish("diagnostics", diagnostics(time.time(), self.robot.address, found))
 
 

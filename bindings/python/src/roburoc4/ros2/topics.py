@@ -7,22 +7,27 @@ from ..ros_topics import TOPICS
 
 
 class Profile(NamedTuple):
-    """Quality of service; all are reliable, so that reliable and best-effort listeners match."""
+    """Quality of service; publishers are reliable, so that all listeners match."""
 
     depth: int
     latched: bool = False
     """Transient local: who comes later gets the last ones, too."""
+    reliable: bool = True
+    """Of a subscription: whether it hears reliable publishers only."""
 
     @property
     def text(self) -> str:
         """As `ros2 topic info --verbose` names it."""
         durability = "transient local" if self.latched else "volatile"
-        return f"reliable, {durability}, keep last {self.depth}"
+        reliability = "reliable" if self.reliable else "best effort"
+        return f"{reliability}, {durability}, keep last {self.depth}"
 
 
 DEFAULT = Profile(10)
 TRANSFORMS = Profile(100)
 LATCHED = Profile(1, latched=True)
+# A command that was lost is not worth a second try: the next one is newer.
+COMMANDS = Profile(10, reliable=False)
 
 
 class Topic(NamedTuple):
@@ -56,3 +61,11 @@ PUBLISHED: dict[str, Topic] = dict(
         ("robot_description", Topic("robot_description", "std_msgs/String", LATCHED)),
     )
 )
+
+# A stop is worth a second try, and comes from publishers of all kinds: two subscriptions.
+STOPS = (
+    Topic("stop", "std_msgs/Empty", DEFAULT),
+    Topic("stop", "std_msgs/Empty", COMMANDS),
+)
+CMD_VEL = Topic("cmd_vel", "geometry_msgs/TwistStamped", COMMANDS)
+CMD_VEL_UNSTAMPED = Topic("cmd_vel", "geometry_msgs/Twist", COMMANDS)

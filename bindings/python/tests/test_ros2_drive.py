@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: MIT
+"""`roburoc4 ros2 --enable-drive`: other processes drive and stop a robot over DDS."""
+
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from cli_support import eventually, start
+from conftest import first_zero_s
+
+from roburoc4 import Simulator
+from roburoc4.cdr import Cdr
+from roburoc4.ros2.participant import Participant
+from roburoc4.ros2.topics import Profile
+
+RELIABLE = Profile(10)
+BEST_EFFORT = Profile(10, reliable=False)
+WATCHDOG_S = 1.0
+PERIOD_S = 0.05
+# A publisher as a process of its own, which streams until it is killed.
+STREAM = """
+import sys, time
+from roburoc4.cdr import Cdr
+from roburoc4.ros2.participant import Participant
+from roburoc4.ros2.topics import Profile
+with_stamp = sys.argv[3] == "stamped"
+participant = Participant(int(sys.argv[1]), interface="lo")
+node = participant.node("/", sys.argv[2])
+kind = "geometry_msgs/TwistStamped" if with_stamp else "geometry_msgs/Twist"
+publisher = node.publisher("cmd_vel", kind, Profile(10))
+participant.announce()
+time.sleep(1.5)
+while True:
+    message = Cdr().header(time.time(), "") if with_stamp else Cdr()
+    publisher.publish(bytes(message.numbers("d", 0.3, 0.0, 0.0, 0.0, 0.0, 0.0).data))
+    time.sleep(0.05)
+"""
+
+
+@pytest.fixture
+def domain(worker_id: str) -> int:
+    """A domain of this process: tests that run beside it must not hear each other."""
+    return 150 + int(worker_id.removeprefix("gw") or 0) if worker_id != "master" else 149
+
+
+class Bridge:
+    """The command, as a process, and what it tells."""
+
+    def __init__(self, domain: int, robot: str, *arguments: str) -> None:
+        options = ("--domain", str(domain), "--interface", "lo", "--enable-drive")
+        self.process = start("ros2", *options, *arguments, robot=robot)
+        self.notes: list[str] = []
+        self._thread = threading.Thread(target=self._read, daemon=True)
+        self._thread.start()
+        assert self.process.stdout is not None
+        assert self.process.stdout.readline()
+
+    def _read(self) -> None:
+        assert self.process.stderr is not None
+        self.notes.extend(iter(self.process.stderr.readline, ""))
+
+    def told(self, text: str) -> bool:
+        return any(text in note for note in self.notes)
+
+    def end(self, number: signal.Signals) -> None:
+        self.process.send_signal(number)
+        self.process.wait(timeout=30)
+        self._thread.join()
+
+
+@pytest.fixture
+def bridge(domain: int, served: Simulator) -> Iterator[Callable[..., Bridge]]:
+    started: list[Bridge] = []
+
+    def start_it(*arguments: str) -> Bridge:
+        started.append(Bridge(domain, served.address, *arguments))
+        eventually(lambda: started[-1].told("connected to the robot"))
+        return started[-1]
+
+    yield start_it
+    for one in started:
+        if one.process.poll() is None:
+            one.process.kill()
+            one.process.wait()
+
+
+@pytest.fixture
+def stream(domain: int) -> Iterator[Callable[..., "subprocess.Popen[bytes]"]]:
+    started = []
+
+    def start_it(name: str = "planner", kind: str = "stamped") -> "subprocess.Popen[bytes]":
+        command = [sys.executable, "-c", STREAM, str(domain), name, kind]
+        started.append(subprocess.Popen(command))
+        return started[-1]
+
+    yield start_it
+    for one in started:
+        one.kill()
+        one.wait()
+
+
+@pytest.fixture
+def others(domain: int) -> Iterator[Participant]:
+    participant = Participant(domain, interface="lo")
+    yield participant
+    participant.close()
+
+
+def drives(served: Simulator) -> bool:
+    return served.state.last_linear_m_s > 0.29
+
+
+def stands(served: Simulator) -> bool:
+    return served.state.last_linear_m_s == 0 and served.state.target_linear_m_s == 0
+
+
+def test_a_publisher_drives_and_the_robot_stops_when_it_is_killed(
+    served: Simulator, bridge: Callable[..., Bridge], stream: Callable[..., Any]
+) -> None:
+    bridge()
+    publisher = stream()
+    eventually(lambda: drives(served))
+    publisher.kill()
+    killed_s = time.monotonic()
+    # Virtual time checks the lease; here, that it is the bridge which stops, before the watchdog.
+    assert first_zero_s(served) - killed_s < WATCHDOG_S
+
+
+def test_a_plain_twist_drives_by_option(
+    served: Simulator, bridge: Callable[..., Bridge], stream: Callable[..., Any]
+) -> None:
+    bridge("--twist")
+    stream("planner", "plain")
+    eventually(lambda: drives(served))
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_leaves_the_robot_standing(
+    served: Simulator,
+    bridge: Callable[..., Bridge],
+    stream: Callable[..., Any],
+    number: signal.Signals,
+) -> None:
+    running = bridge()
+    stream()
+    eventually(lambda: drives(served))
+    running.end(number)
+    assert stands(served)
+    assert not running.told("Traceback"), running.notes
+
+
+def test_a_killed_bridge_leaves_the_robot_to_its_watchdog(
+    served: Simulator, bridge: Callable[..., Bridge], stream: Callable[..., Any]
+) -> None:
+    running = bridge()
+    stream()
+    eventually(lambda: drives(served))
+    running.process.kill()
+    eventually(lambda: served.state.target_linear_m_s == 0, 3.0)
+
+
+@pytest.mark.parametrize("profile", [RELIABLE, BEST_EFFORT])
+def test_stop_is_obeyed_from_any_publisher_and_holds(
+    served: Simulator,
+    bridge: Callable[..., Bridge],
+    stream: Callable[..., Any],
+    others: Participant,
+    profile: Profile,
+) -> None:
+    running = bridge()
+    stop = others.node("/", "operator").publisher("stop", "std_msgs/Empty", profile)
+    others.announce()
+    stream()
+    eventually(lambda: drives(served))
+    stop.publish(bytes(Cdr().numbers("B", 0).data))
+    eventually(lambda: stands(served))
+    eventually(lambda: running.told("stopped by "))
+    assert running.told("stopped by /operator"), running.notes
+    before = served.state.nonzero_speed_commands
+    eventually(lambda: running.told("cmd_vel of /planner rejected"))
+    time.sleep(1.0)
+    assert stands(served)
+    assert served.state.nonzero_speed_commands == before
+
+
+def test_a_second_publisher_is_refused_and_named(
+    served: Simulator, bridge: Callable[..., Bridge], stream: Callable[..., Any]
+) -> None:
+    running = bridge()
+    stream("first")
+    eventually(lambda: drives(served))
+    stream("second")
+    eventually(lambda: running.told("cmd_vel of /second rejected"))
+    assert any("in control: /first" in note for note in running.notes)
+    assert drives(served)
+
+
+def test_a_message_that_is_none_is_refused_and_the_next_drives(
+    served: Simulator, bridge: Callable[..., Bridge], others: Participant
+) -> None:
+    running = bridge()
+    node = others.node("/", "broken")
+    publisher = node.publisher("cmd_vel", "geometry_msgs/TwistStamped", RELIABLE)
+    others.announce()
+
+    def send(message: bytes) -> None:
+        publisher.publish(message)
+        time.sleep(PERIOD_S)
+
+    def message(frame: bytes) -> bytes:
+        whole = bytes(Cdr().header(time.time(), "f").numbers("d", 0.3, *[0.0] * 5).data)
+        return whole.replace(b"f\0", frame + b"\0")
+
+    def refused() -> bool:
+        send(message(b"\xff"))  # no UTF-8; what is not CDR at all, DDS drops
+        return running.told("it is not a message")
+
+    def obeyed() -> bool:
+        send(message(b"f"))
+        return drives(served)
+
+    eventually(refused)
+    time.sleep(1.0)  # the pause that the start of the bridge asks for
+    eventually(obeyed)
+
+
+def test_without_enable_drive_nobody_listens_to_cmd_vel(
+    domain: int, served: Simulator, others: Participant
+) -> None:
+    process = start(
+        "ros2", "--domain", str(domain), "--interface", "lo", "--list", robot=served.address
+    )
+    text, _ = process.communicate(timeout=30)
+    subscribed = [line.split()[0] for line in text.splitlines() if "subscribed" in line]
+    assert set(subscribed) == {"/stop"}
