@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * commands.h - what roburoc4_mex('COMMAND', ...) can be called with, by file. Each command returns
- * 1, or 0 after noting why not (fail.h). A command that waits does so for LONGEST_WAIT_S at most,
- * so that Ctrl-C takes effect between two of them.
+ * commands.h - the commands of roburoc4_mex('COMMAND', ...), by file. Each command returns 1, or 0
+ * after noting the error (fail.h). A command that waits does so for at most LONGEST_WAIT_S, so that
+ * Ctrl-C takes effect between two of them.
  */
 #ifndef ROBUROC4_MEX_COMMANDS_H
 #define ROBUROC4_MEX_COMMANDS_H
@@ -16,12 +16,12 @@
 typedef enum subject {
     NO_ID,
     READ_ROBOT,    /* the id of a robot; call.client is a copy of its client */
-    CONTROL_ROBOT, /* the id of a robot that takes commands; call.client is locked and its own: a
-                      command may not wait, nor make a value for MATLAB */
-    WAIT_ROBOT,    /* the id of a robot that takes commands; call.client is NULL */
-    ANY_ROBOT,     /* likewise, or of a robot that is gone: call.object is NULL */
+    CONTROL_ROBOT, /* the id of a robot that accepts commands; call.client is locked and its own: a
+                    * command must not wait, nor make a value for MATLAB */
+    WAIT_ROBOT,    /* the id of a robot that accepts commands; call.client is NULL */
+    ANY_ROBOT,     /* likewise, but the robot may be gone: then call.object is NULL */
     SIMULATOR,     /* the id of a simulator */
-    ANY_SIMULATOR  /* likewise, or of one that is gone: call.object is NULL */
+    ANY_SIMULATOR  /* likewise, but it may be gone: then call.object is NULL */
 } subject;
 
 /** What the result is. */
@@ -30,15 +30,15 @@ typedef enum result_kind {
     NUMBER, /* call.number */
     FLAG,   /* call.number, as a logical */
     STRUCT, /* call.out */
-    OTHER   /* the command has made it */
+    OTHER   /* made by the command */
 } result_kind;
 
-/** A call of a command. */
+/** The call of a command. */
 typedef struct call {
     mxArray **results;
     int count;
     const mxArray **arguments; /* behind the name of the command and the id */
-    void *object;              /* the robot or simulator of the id */
+    void *object;              /* the robot or simulator with this id */
     roburoc4_client *client;
     uint64_t now_us; /* the robot's time */
     double number;
@@ -48,7 +48,7 @@ typedef struct call {
 typedef struct command {
     const char *name;
     subject of;
-    int arguments; /* how many follow the id; as many as -arguments - 1 or more where negative */
+    int arguments; /* how many follow the id; if negative, -arguments - 1 or more */
     result_kind result;
     int (*run)(call *in);
 } command;

@@ -2,8 +2,8 @@
  *
  * convert.h - values from MATLAB to C and back.
  *
- * What MATLAB passes is checked here once more: the .m files are not the last line. mxGetData() and
- * mxGetLogicals() mean the same under both of MATLAB's APIs, -R2017b and -R2018a.
+ * Checks again what MATLAB passes: users can bypass the .m files. mxGetData() and mxGetLogicals()
+ * mean the same under both of MATLAB's APIs, -R2017b and -R2018a.
  */
 #ifndef ROBUROC4_MEX_CONVERT_H
 #define ROBUROC4_MEX_CONVERT_H
@@ -17,9 +17,9 @@
 
 /* ------------------------------------------------------------------------------ arguments --- */
 /* Functions return 1 and write *out, or note what is wrong with the value (fail.h) and return 0.
- * `name` is what the message calls the argument. */
+ * `name` is the argument's name in messages. */
 
-/** Room for every text that is taken: addresses, names, lines of the simulator's panel. */
+/** Room for any text that is accepted: addresses, names, lines of the simulator's panel. */
 #define TEXT_SIZE 512
 
 /** A real number, finite or not. */
@@ -60,21 +60,21 @@ typedef struct field {
     uint32_t bit; /* FIELD_BIT */
 } field;
 
-/** A row of a table: a member under its own name, or under another one. */
+/** A row of a table: a member under its own name, or under a different one. */
 #define FIELD(of, member, type) FIELD_AS(#member, of, member, type)
 #define FIELD_AS(name, of, member, type)                                                           \
     { name, offsetof(of, member), sizeof(((of *)0)->member), FIELD_##type, 0 }
 
 /** The value of a member, as a double. */
 double field_value(const field *from, const void *base);
-/** Set a member. 1, or 0 after noting why the value does not fit. */
+/** Set a member. Returns 1, or 0 after noting why the value does not fit. */
 int field_take(const field *to, void *base, const mxArray *value);
 
 /* -------------------------------------------------------------------------------- answers --- */
 
 #define ANSWER_FIELDS 64
 
-/** A scalar struct for MATLAB, field by field: no more than ANSWER_FIELDS. count 0: without any. */
+/** A scalar struct for MATLAB, built field by field, with at most ANSWER_FIELDS. count 0: empty. */
 typedef struct answer {
     int count;
     const char *names[ANSWER_FIELDS]; /* must outlive the call of answer_finish() */
@@ -84,17 +84,17 @@ typedef struct answer {
 void answer_add(answer *out, const char *name, mxArray *value);
 void answer_number(answer *out, const char *name, double value);
 void answer_flag(answer *out, const char *name, int value);
-/** Members of a struct; base is NULL where it is not known: NaN, 255, false. */
+/** Members of a struct; if base is NULL, they are unknown: NaN, 255, false. */
 void answer_fields(answer *out, const field *fields, size_t count, const void *base);
-/** For each member a row, over an array of `count` structs of this size. */
+/** A row for each member, over an array of `count` structs of this size. */
 void answer_rows(answer *out, const field *fields, size_t members, const void *base, size_t size,
                  uint32_t count);
 /** The struct. */
 mxArray *answer_finish(const answer *in);
 
-/** A char row; bytes that are not printable ASCII become '?', as their character set is unknown. */
+/** A char row; bytes that are not printable ASCII become '?', because their encoding is unknown. */
 mxArray *make_text(const char *text);
-/** Doubles or uint64 of this size, all 0, and where their memory is. */
+/** Doubles or uint64 of this size, all 0, and a pointer to their memory. */
 double *make_doubles(mxArray **out, size_t rows, size_t columns);
 uint64_t *make_cycles(mxArray **out, size_t rows);
 

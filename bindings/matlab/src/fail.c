@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which error id a result is.
+ * The error ids of results.
  */
 #include "fail.h"
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * fail.h - why a call failed, kept until nothing is left to be given back.
+ * fail.h - the error of a call, kept until everything is cleaned up.
  *
- * Raising an error does not return. So commands only note what went wrong, and
- * mexFunction() raises it as the very last thing that it does.
+ * Raising an error does not return. So commands only note the error, and mexFunction() raises it as
+ * its very last action.
  */
 #ifndef ROBUROC4_MEX_FAIL_H
 #define ROBUROC4_MEX_FAIL_H
@@ -23,9 +23,10 @@
 __attribute__((format(printf, 2, 3)))
 #endif
 int fail(const char *id, const char *format, ...);
-/** Note what a negative result of the library means, and the remedy. `what` is put before it. 0. */
+/** Note the meaning of a negative result of the library, and the remedy, after `what`. Returns 0.
+ */
 int fail_result(const char *what, roburoc4_result result);
-/** The id and the text of what was noted. */
+/** The id and the text of the noted error. */
 const char *fail_id(void);
 const char *fail_text(void);
 

@@ -7,7 +7,7 @@
 #include "roburoc4_udp.h"
 
 static struct {
-    void *object; /* NULL: the place is free */
+    void *object; /* NULL: the slot is free */
     double id;
     int kind;
 } table[HANDLES_MAX];
@@ -16,7 +16,8 @@ static uint64_t generation;
 
 double handles_add(int kind, void *object) {
     if (generation == 0) {
-        /* Milliseconds: above what an earlier life of this MEX file, in this MATLAB, gave out. */
+        /* Milliseconds: above any generation that this MEX file used before it was cleared and
+         * loaded again. */
         generation = 1 + roburoc4_udp_now_us() / 1000;
     }
     for (uint32_t place = 0; place < HANDLES_MAX; place++) {

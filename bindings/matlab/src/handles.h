@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * handles.h - what MATLAB holds of a robot or a simulator: a number, never a pointer.
+ * handles.h - MATLAB's references to robots and simulators: numbers, never pointers.
  *
- * An id is a place in a table and a generation that is used once: an id of something that was
- * closed, of an earlier life of this MEX file, or made up, finds nothing.
+ * An id is a slot in a table and a generation that is used only once. So an id of something that
+ * was closed, of a MEX file that was cleared, or an invented one, finds nothing.
  */
 #ifndef ROBUROC4_MEX_HANDLES_H
 #define ROBUROC4_MEX_HANDLES_H
@@ -15,13 +15,14 @@
 /** Robots and simulators at a time. */
 #define HANDLES_MAX 64
 
-/** Enter an object; its id (more than 0), or 0 after noting that the table is full (fail.h). */
+/** Add an object. Returns its id (more than 0), or 0 after noting that the table is full
+ * (fail.h). */
 double handles_add(int kind, void *object);
 /** The object of this id and kind, or NULL. */
 void *handles_find(int kind, double id);
 /** Forget an object. */
 void handles_remove(const void *object);
-/** The object of this kind at a place (0 to HANDLES_MAX - 1), or NULL. */
+/** The object of this kind in a slot (0 to HANDLES_MAX - 1), or NULL. */
 void *handles_at(int kind, uint32_t place);
 /** How many there are of a kind. */
 uint32_t handles_count(int kind);

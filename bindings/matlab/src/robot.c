@@ -24,7 +24,7 @@ static int resolve(const char *text, roburoc4_address *out) {
     return result < 0 ? fail_result(text, result) : 1;
 }
 
-/* 1, also where nothing is to be recorded. */
+/* Returns 1, also if nothing is to be recorded. */
 static int open_recorder(robot *made, const char *name, const roburoc4_address *address,
                          const robot_settings *settings) {
     roburoc4_recorder_options how = {.size = sizeof how, .robot = name};
@@ -40,7 +40,7 @@ static int open_recorder(robot *made, const char *name, const roburoc4_address *
            fail(FAIL_ARGUMENT, "record: %s: %s", settings->record, strerror(errno));
 }
 
-/* A robot with a pump: without an address for virtual time. */
+/* A robot with a pump; without an address, in virtual time. */
 static robot *make(const char *name, const roburoc4_address *address,
                    const robot_settings *settings) {
     roburoc4_result result;
@@ -67,7 +67,7 @@ static robot *make(const char *name, const roburoc4_address *address,
     return made;
 }
 
-/* Enter it; its id. NULL is one that was not made. */
+/* Add it to the table and return its id. NULL: it could not be made. */
 static double enter(robot *made) {
     double id = 0.0;
     if (made != NULL) {

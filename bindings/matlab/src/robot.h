@@ -11,15 +11,15 @@
 #include "settings.h"
 #include "simulation.h"
 
-/** The most channels of a type that have names. */
+/** At most so many channels of a type have names. */
 #define CHANNELS_MAX ROBUROC4_MAX_DIGITAL_INPUTS
 #define CHANNEL_TYPES (ROBUROC4_IO_DIGITAL_OUTPUT + 1)
 #define CHANNEL_TEXT (ROBUROC4_PUMP_DESCRIPTION_MAX + 1)
 
-/** The robot's own texts for the channels of one type; "" where there is none. */
+/** The robot's own texts for the channels of one type; "" if there is none. */
 typedef char channel_texts[CHANNELS_MAX][CHANNEL_TEXT];
 
-/** What came since a moment. All bytes zero: since the pump was made. */
+/** Statuses since a moment. All bytes zero: since the pump was made. */
 typedef struct recording {
     roburoc4_pump_reader reader;
     sample_list list;
@@ -32,44 +32,45 @@ typedef struct robot {
     simulation *world;           /* of virtual time; NULL when the simulator is gone */
     uint64_t left_us;            /* the time when the simulator went */
     uint64_t opened_us;
-    uint64_t furthest_us; /* when it came to the state below */
-    uint32_t furthest;    /* the last state on the way to ready that it came to */
+    uint64_t furthest_us; /* when the state below was reached */
+    uint32_t furthest;    /* the last state on the way to ready that was reached */
     uint32_t lease_us;
-    uint32_t fresh_us;  /* age to which a status counts */
-    int busy;           /* a method that waits is running: if it ends early, the robot stops */
+    uint32_t fresh_us;  /* maximum age of a status that counts */
+    int busy;           /* a waiting method is running: if it ends early, the robot stops */
     recording logged;   /* since the robot was made, or since the last log() */
     recording recorded; /* of record(), which began then */
     uint64_t recorded_us;
     roburoc4_pump_reader received; /* of receive() */
-    roburoc4_move move;            /* the last one that was begun */
+    roburoc4_move move;            /* the one that was started last */
 } robot;
 
-/** Open a link in real time. Its id, or 0 after noting why (fail.h); an absent robot is no error.
- */
+/** Open a link in real time. Returns its id, or 0 after noting the error (fail.h); an absent robot
+ * is not an error. */
 double robot_open(const char *address, const robot_settings *settings);
 /** Join a world. Its id, or 0 after noting why. */
 double robot_join(simulation *world, const robot_settings *settings);
 /** End the link. In real time it waits until the stop sequence is over: see robot_facts(). */
 void robot_close(robot *r);
-/** End all of them; their stop sequences run together. */
+/** Close all of them; their stop sequences run in parallel. */
 void robots_close(void);
 
-/** Whether it takes commands: not when its simulator is gone, or in a fork. */
+/** Whether it accepts commands: not after its simulator was deleted, nor in a forked process. */
 int robot_is_open(const robot *r);
-/** 0 after noting why the robot cannot be read, or cannot be commanded. */
+/** Returns 0 after noting why the robot cannot be read, or cannot be commanded. */
 int robot_can(const robot *r, int be_commanded);
-/** The clock that the robot's times go by. */
+/** The clock of the robot's times. */
 uint64_t robot_now_us(const robot *r);
-/** A copy of its client, for whatever only reads, and the time. Valid until the next call. */
+/** A copy of its client, for reading only, and the time. Valid until the next call. */
 roburoc4_client *robot_copy(robot *r, uint64_t *now_us);
-/** Its client and the time, for any roburoc4_client_*() call until robot_unlock(): then what it has
- *  to send is sent. Nothing between the two may wait, or call MATLAB, which may not return. Only
- *  for a robot that was open at the beginning of the command, or is in virtual time. */
+/** Its client and the time, for any roburoc4_client_*() call until robot_unlock(), which sends what
+ * is due. Nothing in between may wait, or call MATLAB, which may not return. Only for a robot that
+ * was open at the beginning of the command, or is in virtual time. */
 roburoc4_client *robot_lock(robot *r, uint64_t *now_us);
 void robot_unlock(robot *r);
-/** Let so much of the robot's time pass. */
+/** Let this much of the robot's time pass. */
 void robot_wait(robot *r, uint32_t duration_us);
-/** Wait for a sample that a reader has not read, until then. In virtual time one cycle passes. */
+/** Wait for a sample that a reader has not read, until this time. In virtual time one cycle
+ * passes. */
 void robot_wait_sample(robot *r, const roburoc4_pump_reader *reader, uint64_t until_us);
 /** A world is about to be destroyed: its robots keep what they know. */
 void robots_lose(const simulation *world);
@@ -79,14 +80,14 @@ roburoc4_facts client_facts(const roburoc4_client *client, uint64_t now_us);
 /** How many channels of a type the robot has; 0 before it is known. */
 uint32_t channel_count(const roburoc4_client *client, uint32_t io_type);
 void robot_disarm(robot *r);
-/** Where the robot is, or "the simulator". Returns ROBUROC4_FAULT_* of its socket. */
+/** The robot's address, or "the simulator". Returns ROBUROC4_FAULT_* of its socket. */
 uint32_t robot_socket(robot *r, char address[ROBUROC4_ADDRESS_TEXT_SIZE]);
 /** The robot's texts for the first channels of a type, by index. Not between lock and unlock. */
 void robot_texts(robot *r, uint32_t io_type, uint32_t count, channel_texts out);
 
-/** Take what has come since. 0 after noting that there is no room. */
+/** Add the new statuses. Returns 0 after noting that there is no room. */
 int recording_go_on(recording *rec, roburoc4_pump *pump);
-/** Forget what was recorded; the next sample is the one after. */
+/** Drop what was recorded; the next sample will be the following one. */
 void recording_end(recording *rec);
 
 #endif

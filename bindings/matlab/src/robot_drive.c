@@ -5,7 +5,7 @@
 #include "commands.h"
 #include "fail.h"
 
-/* Beyond every robot, and well within a float. */
+/* Beyond any robot, and well within a float. */
 #define FASTEST 1e6
 #define FARTHEST_M 1e9
 
@@ -13,7 +13,7 @@ static int done(const char *what, roburoc4_result result) {
     return result >= 0 || fail_result(what, result);
 }
 
-/* For what needs a robot that answers, but not that it is armed. */
+/* For commands that need a robot that answers, but not that it is armed. */
 static int done_unarmed(const char *what, roburoc4_result result) {
     if (result == ROBUROC4_ERR_NOT_READY) {
         return fail(FAIL_TIMEOUT,
@@ -23,7 +23,7 @@ static int done_unarmed(const char *what, roburoc4_result result) {
     return done(what, result);
 }
 
-/* arm(id, last_try): true when armed; false where time may help, unless this is the last try */
+/* arm(id, last_try): true when armed; false if waiting may help, unless this is the last try */
 static int arm(call *in) {
     roburoc4_result result;
     int last_try;
@@ -45,7 +45,7 @@ static int stop(call *in) {
     return done("stop", roburoc4_client_stop(in->client, in->now_us));
 }
 
-/* A speed: true is a number elsewhere, but nobody means 1 m/s by it. */
+/* A speed. Elsewhere true counts as a number, but nobody means 1 m/s by it. */
 static int take_speed(const mxArray *value, const char *name, double *out) {
     if (mxIsLogical(value)) {
         return fail(FAIL_ARGUMENT, "%s: this is logical; give one real number", name);
@@ -108,7 +108,7 @@ static int relocalize(call *in) {
                         roburoc4_client_relocalize(in->client, x_m, y_m, theta_rad, in->now_us));
 }
 
-/* relocalized(id): true when the robot took it; false while it did not answer */
+/* relocalized(id): true when the robot accepted it; false until it answers */
 static int is_relocalized(call *in) {
     const roburoc4_result result = client_facts(in->client, in->now_us).relocalize_result;
     in->number = result == ROBUROC4_OK;

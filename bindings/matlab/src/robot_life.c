@@ -38,7 +38,7 @@ static uint32_t count(const call *in, uint32_t counter) {
     return roburoc4_client_count(in->client, counter);
 }
 
-/* progress(id): how far a robot came that is not ready */
+/* progress(id): the progress of a robot that is not ready */
 static int read_progress(call *in) {
     roburoc4_link link = {.size = sizeof link};
     robot *r = in->object;
@@ -78,7 +78,7 @@ static int wait(call *in) {
         return 0;
     }
     duration_us = (uint32_t)(seconds * 1e6);
-    /* Rounded up, or who waits for the rest of a rounded time waits forever. */
+    /* Rounded up, because a caller that waits for the rest of a rounded time would never finish. */
     robot_wait(in->object, duration_us + ((double)duration_us < seconds * 1e6));
     return read_time(in);
 }
@@ -89,13 +89,13 @@ static int read_lease(call *in) {
     return 1;
 }
 
-/* busy(id, on): a method that waits begins, or came to its end */
+/* busy(id, on): a waiting method starts, or reached its end */
 static int set_busy(call *in) {
     return take_flag(in->arguments[0], "busy", &((robot *)in->object)->busy);
 }
 
-/* interrupted(id): stop the robot if the method that waits did not come to its end. Only where this
- * object drives: another one would take the robot from the program that drives it. */
+/* interrupted(id): stop the robot if the waiting method did not reach its end. Only if this object
+ * drives: otherwise it would take the robot from the program that drives it. */
 static int interrupt(call *in) {
     robot *r = in->object;
     if (r != NULL && r->busy && robot_is_open(r)) {

@@ -65,7 +65,7 @@ static int begin_move(call *in) {
            fail(FAIL_ARGUMENT, "a move is at most 10 km long, and turns by at most 10000 rad");
 }
 
-/* moveStep(id): drive on; false when the move has ended */
+/* moveStep(id): continue; false when the move has ended */
 static int step_move(call *in) {
     roburoc4_move *move = &((robot *)in->object)->move;
     in->number = roburoc4_move_step(move, in->client, in->now_us) == ROBUROC4_MOVE_RUNNING;
@@ -76,7 +76,7 @@ static int step_move(call *in) {
     return 1;
 }
 
-/* moveResult(id): how far it is, or how it ended */
+/* moveResult(id): its progress, or how it ended */
 static int read_move(call *in) {
     static const char *const names[] = {"running",  "reached",   "override", "bumper",
                                         "obstacle", "inhibited", "lost",     "other_commander",

@@ -229,7 +229,7 @@ static roburoc4_result find_channel(const call *in, uint32_t io_type, const char
     return roburoc4_client_channel_find(in->client, io_type, name, pointers, count);
 }
 
-/* A channel of some types (bits by ROBUROC4_IO_*). 0 after noting why there is none. */
+/* A channel of some types (bits by ROBUROC4_IO_*). Returns 0 after noting why there is none. */
 static int take_channel(const call *in, uint32_t types, uint32_t *io_type, uint32_t *index) {
     char name[TEXT_SIZE];
     uint32_t found = 0;
@@ -268,7 +268,7 @@ static int find_output(call *in) {
     return 1;
 }
 
-/* The latest inputs. 0 after noting that there are none yet. */
+/* The latest inputs. Returns 0 after noting that there are none yet. */
 static int read_sample(const call *in, roburoc4_sample *out) {
     return roburoc4_sample_latest(in->client, ROBUROC4_SERVICE_IOCARD, out) >= 0 ||
            fail(FAIL_PROTOCOL, "the robot has sent no IO card status yet; wait with spin(0.1)");
@@ -326,7 +326,7 @@ static int read_inputs(call *in) {
 
 /* -------------------------------------------------------------------------------- columns --- */
 
-/* The services that the arguments from `first` on name; all where there are none. */
+/* The services that the arguments name, starting with `first`; all if there are none. */
 static int take_mask(const call *in, int first, uint32_t *mask) {
     *mask = in->count > first ? 0 : ALL_SERVICES;
     for (int i = first; i < in->count; i++) {
@@ -339,8 +339,8 @@ static int take_mask(const call *in, int first, uint32_t *mask) {
     return 1;
 }
 
-/* The first argument: UTC now. In virtual time UTC is the simulator's time, or no two runs would be
- * the same. */
+/* The first argument: UTC now. In virtual time UTC is the simulator's time, so that runs are
+ * reproducible. */
 static int take_clocks(const call *in, uint64_t begin_us, clocks *out) {
     const robot *r = in->object;
     double utc_s;
@@ -362,14 +362,14 @@ static int read_start(call *in) {
     return 1;
 }
 
-/* receiveBegin(id): the next status is one that comes after this */
+/* receiveBegin(id): the next status is the first that arrives after this */
 static int begin_receiving(call *in) {
     robot *r = in->object;
     (void)roburoc4_pump_reader_init(r->pump, &r->received);
     return 1;
 }
 
-/* The next sample of a service, if it is there. */
+/* The next sample of a service, if available. */
 static int next_sample(robot *r, uint32_t service, roburoc4_sample *out) {
     while (roburoc4_pump_read_samples(r->pump, &r->received, out, 1) > 0) {
         if (out->service == service) {
@@ -379,8 +379,8 @@ static int next_sample(robot *r, uint32_t service, roburoc4_sample *out) {
     return 0;
 }
 
-/* receive(id, utc_s, service, seconds): the next status of a service, or [] where none came in so
- * long */
+/* receive(id, utc_s, service, seconds): the next status of a service, or [] if none arrived in
+ * time */
 static int receive(call *in) {
     robot *r = in->object;
     uint64_t end_us;
@@ -420,13 +420,13 @@ static int begin_recording(call *in) {
     return 1;
 }
 
-/* recorded(id): take what has come since */
+/* recorded(id): add what has arrived since */
 static int go_on_recording(call *in) {
     robot *r = in->object;
     return recording_go_on(&r->recorded, r->pump);
 }
 
-/* recording(id, utc_s, service, ...): all that was recorded, as columns */
+/* recording(id, utc_s, service, ...): everything recorded, as columns */
 static int end_recording(call *in) {
     robot *r = in->object;
     uint32_t mask;
@@ -443,7 +443,7 @@ static int end_recording(call *in) {
     return 1;
 }
 
-/* log(id, utc_s, service, ...): all since the robot was made, or since the last logged() */
+/* log(id, utc_s, service, ...): everything since the robot was made, or since the last logged() */
 static int read_log(call *in) {
     robot *r = in->object;
     uint32_t mask;
@@ -456,7 +456,7 @@ static int read_log(call *in) {
     return 1;
 }
 
-/* logged(id): the next log begins here; what log() gave, if it was called, is dropped */
+/* logged(id): the next log starts here; drops what log() returned, if it was called */
 static int end_log(call *in) {
     recording_end(&((robot *)in->object)->logged);
     return 1;

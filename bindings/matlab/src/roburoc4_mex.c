@@ -62,7 +62,7 @@ static int take_object(call *in, subject of) {
     return simulated || robot_can(in->object, of != READ_ROBOT);
 }
 
-/* Run a command with the client that it is to have. */
+/* Run a command with the client that it needs. */
 static int run_with_client(const command *found, call *in) {
     int fine;
     if (found->of == READ_ROBOT) {
@@ -87,7 +87,7 @@ static void give_result(const call *in, result_kind kind) {
     }
 }
 
-/* Lock the MEX file while there is anything, once. */
+/* Lock the MEX file while there is any robot or simulator, once. */
 static void lock_while_living(void) {
     static int locked;
     const int wanted = handles_count(HANDLE_ROBOT) + handles_count(HANDLE_SIMULATOR) > 0;
@@ -105,7 +105,7 @@ static int run(int result_count, mxArray **results, int count, const mxArray **a
     call in = {.results = results, .count = count - 1, .arguments = arguments + 1};
     int least, fine;
     if (count < 1 || !take_text(arguments[0], "command", name)) {
-        return fail(FAIL_ARGUMENT, "this is no command; use roburoc4.Robot");
+        return fail(FAIL_ARGUMENT, "this is not a command; use roburoc4.Robot");
     }
     found = find(name);
     if (found == NULL || result_count > 1) {
@@ -124,7 +124,7 @@ static int run(int result_count, mxArray **results, int count, const mxArray **a
     return fine;
 }
 
-/* mexErrMsgIdAndTxt() would put the name of this file before the message, in Octave. */
+/* In Octave, mexErrMsgIdAndTxt() would put the name of this file before the message. */
 static void raise_error(void) {
     mxArray *arguments[] = {mxCreateString(fail_id()), mxCreateString("%s"),
                             mxCreateString(fail_text())};

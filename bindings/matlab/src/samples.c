@@ -109,7 +109,7 @@ static double number_at(const roburoc4_sample *sample, const field *member, uint
     return column < width_of(sample, member) ? (double)number : mxGetNaN();
 }
 
-/* A row for each sample, and as many columns as the widest has numbers. */
+/* A row for each sample, with as many columns as the widest has numbers. */
 static void add_matrix(answer *out, const rows *from, const field *member) {
     const int digital = member->type == FIELD_BITS;
     const uint32_t width = widest(from, member);
@@ -181,7 +181,7 @@ static mxArray *columns_of(const rows *from, uint32_t service, const clocks *tim
 
 mxArray *samples_columns(const sample_list *list, uint32_t mask, const clocks *times,
                          uint64_t lost) {
-    /* mxMalloc: given back by MATLAB, should it run out of memory meanwhile. */
+    /* mxMalloc: freed by MATLAB if it runs out of memory meanwhile. */
     rows from = {mxMalloc((list->count + (size_t)1) * sizeof(const roburoc4_sample *)), 0};
     answer out = {0};
     for (uint32_t service = FIRST_SERVICE; service < ROBUROC4_SERVICE_COUNT; service++) {

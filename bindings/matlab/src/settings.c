@@ -76,7 +76,7 @@ static const field of_faults[] = {
 
 #define LONGEST_NAME 32
 
-/* How many letters to change, insert or leave out from one name to another (Levenshtein). */
+/* How many letters to change, insert or delete between two names (Levenshtein). */
 static size_t letters_between(const char *a, const char *b) {
     size_t row[LONGEST_NAME + 1], i, j;
     const size_t width = strlen(b);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Commands of simulated robots: in virtual time, or in real time on a port and a thread of its own.
+ * Commands of simulated robots: in virtual time, or in real time on a port with its own thread.
  */
 #include <errno.h>
 
@@ -102,7 +102,7 @@ static int connect_robot(call *in) {
     return in->number != 0.0;
 }
 
-/* So much virtual time takes well below LONGEST_WAIT_S, also with as many robots as can be. */
+/* Simulating this much virtual time takes well below LONGEST_WAIT_S, even with all robots. */
 #define LONGEST_STEP_S 1.0
 
 /* simStep(id, seconds) */
@@ -168,7 +168,7 @@ static int read_state(call *in) {
     return 1;
 }
 
-/* The number of the control that is named. */
+/* The number of a named control. */
 static int find_control(const char *name, uint32_t *out) {
     roburoc4_result number = roburoc4_sim_control_find(name);
     *out = (uint32_t)number;
@@ -179,7 +179,7 @@ static int find_control(const char *name, uint32_t *out) {
 static int fail_control(const char *name, double value, roburoc4_result result) {
     if (result == ROBUROC4_ERR_STATE) {
         return fail(FAIL_ARGUMENT,
-                    "%s: not now; turn the power on, release both emergency stops "
+                    "%s: impossible now; turn power on, release both emergency stops "
                     "and set the brakes to automatic first",
                     name);
     }

@@ -1,6 +1,6 @@
 classdef BatteryState
 %BATTERYSTATE States of the battery (manual 4.2.4.6), as in status.battery_state.
-%   NOT_KNOWN, 255, stands there before the first status.
+%   It is NOT_KNOWN, 255, before the first status.
 %
 %   Example:
 %      r.status.battery_state == roburoc4.BatteryState.CRITICAL

@@ -2,7 +2,7 @@
 %
 % Objects
 %   Robot            - A RobuROC4: drive it, read it, record it
-%   Simulator        - A simulated RobuROC4, to try programs on without a robot
+%   Simulator        - A simulated RobuROC4, to try out programs without a robot
 %   Rate             - A control loop with a fixed rate, without a timer
 %   System           - A RobuROC4 as a block of Simulink
 %

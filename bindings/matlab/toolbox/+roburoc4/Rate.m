@@ -4,7 +4,7 @@ classdef Rate < handle
 %   the loop computes and drives; wait ends at the next tick of the rate. If the loop takes longer
 %   than a period, the ticks that it missed are counted in overruns and skipped: it does not run
 %   faster later. With a robot in virtual time, virtual time passes. A loop does not keep its robot
-%   from being deleted: when R is deleted or cleared, wait raises roburoc4:closed.
+%   alive: when R is deleted or cleared, wait raises roburoc4:closed.
 %
 %   Rate methods:
 %      wait          - Wait for the next tick
@@ -36,7 +36,7 @@ properties (SetAccess = private)
 end
 
 properties (Access = private, Transient)
-    id = 0     % not the object: clearing that must stop the robot
+    id = 0     % not the object, because clearing that must stop the robot
 end
 
 properties (Access = private)

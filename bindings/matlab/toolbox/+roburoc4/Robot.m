@@ -11,7 +11,7 @@ classdef Robot < handle
 %      max_linear_m_s (2.6)      highest speed
 %      max_angular_rad_s (6.5)   highest turn rate
 %      scale_linear (1), scale_angular (1)   factors for the speeds given to drive
-%      turn_keeping (false)      where a limit applies, slow down so that the curve stays the same
+%      turn_keeping (false)      at a limit, slow down so that the curve stays the same
 %      iocard_period_ms (50), telemeter_period_ms (100), battery_period_ms (1000),
 %      localization_period_ms (50), differential_period_ms (50)
 %                                how often the robot sends each status: a multiple of 10, 10 to
@@ -50,14 +50,14 @@ classdef Robot < handle
 %      setAnalogOutput - Set an analog output
 %      relocalize      - Set the pose of the odometry
 %      record          - Collect the statuses of the next seconds as columns
-%      log             - Give or write all statuses since the last log
+%      log             - Return or write all statuses since the last log
 %      subscribe       - Set how often a service sends its status
 %      unsubscribe     - End the statuses of a service
 %      serviceLink     - Quality of the link for one service
 %
 %   Robot properties:
 %      status          - Latest values of everything and their ages: a scalar struct
-%      pose            - [x_m y_m theta_rad time_s] of the odometry, which is far off after turns
+%      pose            - [x_m y_m theta_rad time_s] of the odometry, inaccurate after turns
 %      speeds          - [current_linear_m_s current_angular_rad_s] of the wheels
 %      info            - Limits, sensors and services of the robot: a scalar struct
 %      link            - Quality of the link: a scalar struct
@@ -65,7 +65,7 @@ classdef Robot < handle
 %      time_s          - Seconds since the robot was connected
 %      start_utc_s     - UTC when time_s was 0, in seconds since 1970
 %   pose and speeds are NaN when they are older than fresh_ms (300); the time_s of pose is when
-%   the robot made it. docs/matlab.md explains the fields of the structs.
+%   the robot measured it. docs/matlab.md explains the fields of the structs.
 %
 %   Example:
 %      r = roburoc4.Robot('192.168.0.2', 'max_linear_m_s', 0.5);
@@ -117,7 +117,7 @@ methods
     end
 
     function delete(this)
-        %DELETE Stop the robot if R drives it, and end the link.
+        %DELETE Stop the robot if R drives it, and close the link.
         %   delete(R) waits until the robot has confirmed the stop, at most for the robot's watchdog
         %   time. Later calls with R raise roburoc4:closed; a second delete does nothing.
         %
@@ -130,7 +130,7 @@ methods
                 roburoc4_mex('wait', id, 0.02);
             end
         catch
-            % Its simulator is gone, or the program ends: then the MEX file stops all robots.
+            % Its simulator was deleted, or the program ends: then the MEX file stops all robots.
         end
     end
 
@@ -150,7 +150,7 @@ methods
     end
 
     function drive(this, linear_m_s, angular_rad_s)
-        %DRIVE Drive at these speeds for one lease; call it again and again to keep driving.
+        %DRIVE Drive at these speeds for one lease; call it repeatedly to keep driving.
         %   drive(R, V, W) sends the speeds V in m/s and W in rad/s at once and returns. They are
         %   scaled, and limited by the robot and by the options. After lease_ms without another call
         %   the robot is stopped. Raises roburoc4:notArmed with the reason if driving is not allowed.
@@ -187,19 +187,19 @@ methods
 
     function result = move(this, distance_m, varargin)
         %MOVE Drive straight ahead, and wait until the robot stands.
-        %   RESULT = move(R, METRES) drives so far by odometry; less than 0 is backward. RESULT is a
-        %   struct: result ('reached'), distance_m, angle_rad, and what is left_m and left_rad.
+        %   RESULT = move(R, METRES) drives this far by odometry; negative is backward. RESULT is a
+        %   struct: result ('reached'), distance_m, angle_rad, and the rest: left_m and left_rad.
         %   move(R, METRES, 'Name', value, ...) takes options:
         %
         %      speed (0.3)       m/s
-        %      clearance (0.5)   metres to be kept from what telemeters see in the direction of
-        %                        travel, beside the braking distance; 0: do not look. Sonar misses
-        %                        things
-        %      timeout           seconds; without it, four times what it should take, and 10
+        %      clearance (0.5)   metres to keep from what telemeters see in the direction of
+        %                        travel, in addition to the braking distance; 0: ignore telemeters.
+        %                        Sonar misses things
+        %      timeout           seconds; by default four times what it should take, plus 10
         %
-        %   Raises roburoc4:moveEnded with the reason where it does not reach its goal: a pressed
+        %   Raises roburoc4:moveEnded with the reason if it does not reach its goal: a pressed
         %   bumper, something in the way, the game pad, an emergency stop, a lost link. The robot may
-        %   still roll then: rest waits. Ctrl-C or an error stops the robot at once.
+        %   still roll then: call rest. Ctrl-C or an error stops the robot at once.
         %
         %   Example:
         %      r.move(1); r.turn(pi / 2); r.move(0.5, 'speed', 0.6)
@@ -209,8 +209,8 @@ methods
 
     function result = turn(this, angle_rad, varargin)
         %TURN Turn in place, and wait until the robot stands.
-        %   RESULT = turn(R, RADIANS) turns by odometry, which is far off after turns; less than 0 is to
-        %   the right. Options and result are those of move; speed is in rad/s (0.5).
+        %   RESULT = turn(R, RADIANS) turns by odometry, which is inaccurate; negative is to the right.
+        %   Options and result are those of move; speed is in rad/s (0.5).
         %
         %   Example:
         %      r.turn(pi / 2)
@@ -220,7 +220,7 @@ methods
 
     function result = arc(this, distance_m, angle_rad, varargin)
         %ARC Drive along an arc, and wait until the robot stands.
-        %   RESULT = arc(R, METRES, RADIANS) drives so far, and turns by the angle meanwhile. Options
+        %   RESULT = arc(R, METRES, RADIANS) drives this far while it turns by the angle. Options
         %   and result are those of move.
         %
         %   Example:
@@ -231,7 +231,7 @@ methods
 
     function result = goTo(this, x_m, y_m, varargin)
         %GOTO Turn to a point and drive there, and wait until the robot stands.
-        %   RESULT = goTo(R, X, Y) goes to a point of the frame in which pose is. goTo(R, X, Y, THETA)
+        %   RESULT = goTo(R, X, Y) goes to a point in the frame of pose. goTo(R, X, Y, THETA)
         %   turns to that heading at the end. Options and result are those of move.
         %
         %   Example:
@@ -246,7 +246,7 @@ methods
 
     function result = rest(this, varargin)
         %REST Stop, and wait until the robot stands, armed or not.
-        %   rest(R, 'timeout', SECONDS) waits for at most so long (5). stop does not wait.
+        %   rest(R, 'timeout', SECONDS) waits at most this long (5). stop does not wait.
         %
         %   Example:
         %      r.driveFor(0.5, 0, 2); r.rest()
@@ -288,7 +288,7 @@ methods
 
     function spin(this, seconds)
         %SPIN Wait, in slices short enough for Ctrl-C.
-        %   spin(R, SECONDS) returns after so many seconds. It renews nothing: a drive command ends
+        %   spin(R, SECONDS) returns after this time. It renews nothing: a drive command ends
         %   with its lease. Ctrl-C stops a robot that R drives at once. With a robot in virtual time,
         %   virtual time passes.
         %
@@ -360,8 +360,8 @@ methods
     function value = inputs(this, name)
         %INPUTS Read inputs of the IO card by name.
         %   VALUE = inputs(R, NAME) is logical for a digital input, and a double, generally volts, for
-        %   an analog one. NAME is what the robot calls the input, or the manual (5.5.1) if the robot
-        %   does not name it; case, punctuation and the order of words do not matter. S = inputs(R) is a
+        %   an analog one. NAME is the robot's name of the input, or the manual's (5.5.1) if the robot
+        %   does not name it; case, punctuation and word order do not matter. S = inputs(R) is a
         %   scalar struct of all inputs, by their index in the protocol, and of the names of all
         %   channels. These are the latest values; status.iocard_age_s is their age.
         %
@@ -415,7 +415,7 @@ methods
         subscribed = this.serviceLink('localization').subscribed;
         while subscribed && s.time_s - s.localization_age_s <= answered_s
             if s.time_s > answered_s + 3
-                error('roburoc4:timeout', ['relocalize: the robot took the pose, but has not ' ...
+                error('roburoc4:timeout', ['relocalize: the robot accepted the pose, but has not ' ...
                     'reported it within 3 s; look at link']);
             end
             this.spin(0.01);
@@ -509,7 +509,7 @@ methods
     end
 
     function data = log(this, file, varargin)
-        %LOG Give all statuses since the last log, or write them to a MAT-file.
+        %LOG Return all statuses since the last log, or write them to a MAT-file.
         %   DATA = log(R) has what arrived since R was made, or since the last log, with the fields of
         %   record; time_s counts from when R was made. log(R, FILE) writes it to a MAT-file. To log
         %   one drive, call log(R) before it and log(R, FILE) after it. log(R, FILE, SERVICE, ...) has
@@ -539,7 +539,7 @@ methods
                 'it more often, or give roburoc4.Robot a larger buffer'], data.lost);
         end
         if nargout == 0
-            clear data;                    % or without a semicolon all of it would be printed
+            clear data;                    % otherwise all of it would be printed without a semicolon
         end
     end
 end

@@ -1,9 +1,9 @@
 classdef Simulator < handle
-%SIMULATOR A simulated RobuROC4, to try programs on without a robot.
+%SIMULATOR A simulated RobuROC4, to try out programs without a robot.
 %   SIM = roburoc4.Simulator() is a robot in virtual time: time passes only in SIM.step and in the
-%   methods of a robot of SIM.connect that wait, so a program runs as fast as it can, and in the same
-%   way each time. SIM = roburoc4.Simulator('port', PORT) serves UDP in real time on a thread of its
-%   own (0 picks a free port); programs connect to SIM.address.
+%   methods of a robot of SIM.connect that wait, so a program runs as fast as it can, and is
+%   reproducible. SIM = roburoc4.Simulator('port', PORT) serves UDP in real time on its own
+%   thread (0 picks a free port); programs connect to SIM.address.
 %
 %   SIM = roburoc4.Simulator('Name', value, ...) takes options: port, host ('127.0.0.1'; the address
 %   of this machine to serve on, with port), seed (1), slip (0.12: the share of a turn that is lost
@@ -13,7 +13,7 @@ classdef Simulator < handle
 %   Simulator methods:
 %      connect        - Make a robot object for this simulator
 %      step           - Let virtual time pass
-%      panel          - Do what a line such as 'pad a down' says; 'help' lists all lines
+%      panel          - Execute a line such as 'pad a down'; 'help' lists all commands
 %      set            - Press a button, turn a switch, move the game pad, pin an input
 %      get            - Read a control, an input or an output
 %      place          - Move the robot to another place
@@ -132,7 +132,7 @@ methods
     end
 
     function reply = panel(this, line)
-        %PANEL Do what a line of text says, and return the reply; panel(SIM, 'help') lists all lines.
+        %PANEL Execute a line of text, and return the reply; panel(SIM, 'help') lists all commands.
         %
         %   Example:
         %      sim.panel('pin analog 2 24.5')
@@ -142,14 +142,14 @@ methods
     end
 
     function set(this, control, value)
-        %SET Do what a person beside the robot can do; panel(SIM, 'help') lists all of it.
-        %   By the names of roburoc4_sim.h: power, motor_button, estop_local, estop_remote,
+        %SET Do what a person beside the robot can do; panel(SIM, 'help') lists everything.
+        %   Controls are named as in roburoc4_sim.h: power, motor_button, estop_local, estop_remote,
         %   brakes_released, charger, bumper_front, bumper_rear and the game pad's buttons, pad_a to
         %   pad_rb, take true and false; battery_percent 0 to 100, its axes, pad_lj_x to pad_rt, -1
-        %   to 1 (set(SIM, 'pad', 0) lets all of it go), localization_flags 0 to 127. While pad_a is
+        %   to 1 (set(SIM, 'pad', 0) releases everything), localization_flags 0 to 127. While pad_a is
         %   held, the pad drives and no client does. After an emergency stop is released the motors
-        %   still have no power: press motor_button. What an input reports is pinned by pin_analog_2
-        %   and pin_digital_8, and unpinned by set(SIM, 'pin', 0).
+        %   still have no power: press motor_button. pin_analog_2 and pin_digital_8 fix what an input
+        %   reports; set(SIM, 'pin', 0) undoes this.
         %
         %   Example:
         %      sim.set('pad_a', true); sim.set('pad_rt', 0.5)
@@ -168,7 +168,7 @@ methods
     end
 
     function place(this, x_m, y_m, theta_rad)
-        %PLACE Move the robot to another place; its odometry does not notice.
+        %PLACE Move the robot to another place, unnoticed by its odometry.
         %
         %   Example:
         %      sim.place(1, 2, pi / 2)

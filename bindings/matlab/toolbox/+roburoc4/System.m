@@ -4,11 +4,11 @@ classdef System < matlab.System
 %   that roburoc4_library makes, is a robot. In MATLAB: S = roburoc4.System('address', ADDRESS).
 %
 %   Inputs: linear_m_s and angular_rad_s, and arm. The robot is armed once, when arm becomes true, and
-%   disarmed when it becomes false. Whatever else disarms it (game pad, emergency stop, a lost link)
-%   keeps it so until arm was false again. An arming that is refused ends the simulation.
+%   disarmed when it becomes false. If something else disarms it (game pad, emergency stop, a lost link),
+%   it stays disarmed until arm was false again. If arming is refused, the simulation ends.
 %
-%   Outputs, of the moment before the inputs take effect, so that a control loop can be closed without
-%   an algebraic loop: pose, [x_m y_m theta_rad], and speeds, [linear_m_s angular_rad_s], NaN when they
+%   Outputs are from before the inputs take effect, so that a control loop can be closed without an
+%   algebraic loop: pose, [x_m y_m theta_rad], and speeds, [linear_m_s angular_rad_s], NaN when they
 %   are old; battery_percent, NaN when unknown; state, [ready armed overridden inhibited].
 %
 %   Properties:
@@ -19,9 +19,9 @@ classdef System < matlab.System
 %      max_linear_m_s    - Highest speed (0.5)
 %      max_angular_rad_s - Highest turn rate (1)
 %
-%   A model that is paused, or slower than 0.25 s a step, stops the robot, and drives on when it goes
-%   on. The end of the simulation stops it, and so does an error. It was not run in MATLAB yet: its
-%   methods are tested in Octave, with a stand-in for matlab.System.
+%   While a model is paused, or slower than 0.25 s per step, the robot is stopped; it drives again when
+%   the model continues. The end of the simulation and errors stop it. The block has not been run in
+%   MATLAB yet: its methods are tested in Octave, with a substitute for matlab.System.
 %
 %   Example:
 %      S = roburoc4.System();
@@ -112,7 +112,7 @@ methods (Access = protected)
             try
                 this.robot.drive(linear_m_s, angular_rad_s);
             catch problem
-                % It was disarmed meanwhile: the next output says so.
+                % It was disarmed meanwhile; the next output shows that.
                 if ~strcmp(problem.identifier, 'roburoc4:notArmed')
                     rethrow(problem);
                 end

@@ -2,7 +2,7 @@ function table = asTimetable(columns)
 %ASTIMETABLE Make a timetable of one service's columns.
 %   TABLE = roburoc4.asTimetable(DATA.localization) takes the columns of a service, as record, log and
 %   load give them, and returns a timetable whose row times are utc_s as datetimes. Octave has no
-%   timetables: there it returns the columns as they are.
+%   timetables: there it returns the columns unchanged.
 %
 %   Example:
 %      data = r.record(2);

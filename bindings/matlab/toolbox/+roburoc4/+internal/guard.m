@@ -1,5 +1,5 @@
 function cleanup = guard(id)
-%GUARD Stop a robot when a method that waits ends early, as by Ctrl-C.
+%GUARD Stop a robot when a waiting method ends early, for example by Ctrl-C.
 %   CLEANUP = roburoc4.internal.guard(ID) marks the robot as busy. If it is still marked when CLEANUP
 %   is cleared, the robot is stopped, but only if this object drives it: one that only reads never
 %   commands. A method that reaches its end removes the mark:

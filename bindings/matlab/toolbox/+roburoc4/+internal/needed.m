@@ -1,5 +1,5 @@
 function needed(enough, call)
-%NEEDED Raise an error with what a call needs, unless it has that.
+%NEEDED Raise an error that shows the call's arguments, unless they are there.
 %   roburoc4.internal.needed(ENOUGH, CALL) raises roburoc4:badArgument with the text CALL if ENOUGH
 %   is false.
 %

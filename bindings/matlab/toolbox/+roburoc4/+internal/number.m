@@ -1,7 +1,7 @@
 function checked = number(value, name, least, most)
 %NUMBER Check that a value is one finite real number within a range.
 %   CHECKED = roburoc4.internal.number(VALUE, NAME, LEAST, MOST) returns it as a double.
-%   NAME is how a message calls the value.
+%   NAME is the value's name in messages.
 %
 %   Example:
 %      roburoc4.internal.number(2.5, 'seconds', 0, Inf)

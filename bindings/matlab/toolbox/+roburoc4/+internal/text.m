@@ -1,7 +1,7 @@
 function row = text(value, name)
-%TEXT Make a char row of a text of either kind, or raise an error.
-%   ROW = roburoc4.internal.text(VALUE, NAME) takes 'abc' and, in MATLAB, "abc". NAME is how a
-%   message calls the value.
+%TEXT Convert a text of either kind to a char row, or raise an error.
+%   ROW = roburoc4.internal.text(VALUE, NAME) takes 'abc' and, in MATLAB, "abc". NAME is
+%   the value's name in messages.
 %
 %   Example:
 %      roburoc4.internal.text('192.168.0.2', 'address')
