@@ -17,7 +17,7 @@ _TOOLS = ("tshark", "octave")
 def _session() -> str:
     """All that a reader types, in a shell: blocks of sh, and those of Python as programs."""
     parts = []
-    walk = PAGE.read_text(encoding="utf-8").partition("## A walk")[2].partition("\n## ")[0]
+    walk = PAGE.read_text(encoding="utf-8").partition("## A tour")[2].partition("\n## ")[0]
     for language, text in re.findall(
         r"^```(sh|python)\n(.*?)^```$", walk, re.MULTILINE | re.DOTALL
     ):
@@ -32,7 +32,7 @@ def _session() -> str:
 
 
 @pytest.mark.skipif(not PAGE.exists(), reason="an sdist has no pages but python.md")
-def test_the_walk_of_the_page_works_as_it_is_typed(tmp_path: Path) -> None:
+def test_the_tour_of_the_page_works_as_typed(tmp_path: Path) -> None:
     import roburoc4
 
     with roburoc4.Simulator(port=0) as taken:  # a port that is free, instead of the usual one
