@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: MIT
+"""Nodes, and programs of Fast DDS that meet them, in a domain of each worker's own."""
+
+import json
+import os
+import subprocess
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import pytest
+from processes import Program, Robot
+from ros import Listener, Node, Publisher, command, dds_program
+
+pytest_plugins = ["processes.plugin"]
+
+
+@pytest.fixture
+def domain() -> int:
+    return 20 + int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
+
+
+@pytest.fixture
+def start_node(tmp_path: Path, ends: ExitStack, domain: int, robot: Robot) -> Callable[..., Node]:
+    """Start a node for the robot, with more options."""
+    count = 0
+
+    def start(*options: str) -> Node:
+        nonlocal count
+        count += 1
+        folder = tmp_path / f"node{count}"
+        folder.mkdir()
+        node = Node(folder, domain, "--robot", robot.address, *options)
+        ends.callback(node.end)
+        return node
+
+    return start
+
+
+@pytest.fixture
+def listen(tmp_path: Path, ends: ExitStack, domain: int) -> Callable[..., Listener]:
+    count = 0
+
+    def start(*options: str) -> Listener:
+        nonlocal count
+        count += 1
+        listener = Listener(tmp_path / f"listen{count}.log", domain, *options)
+        ends.callback(listener.end)
+        return listener
+
+    return start
+
+
+@pytest.fixture
+def listener(listen: Callable[..., Listener]) -> Listener:
+    return listen()
+
+
+@pytest.fixture
+def driven(start_node: Callable[..., Node], listener: Listener) -> Node:
+    """A node that obeys cmd_vel, and has been heard."""
+    node = start_node()
+    listener.hears("rt/odom")
+    return node
+
+
+@pytest.fixture
+def publish(tmp_path: Path, ends: ExitStack, domain: int) -> Callable[..., Publisher]:
+    """Start a publisher of a topic, and wait until somebody subscribes to it."""
+    count = 0
+
+    def start(topic: str, kind: str) -> Publisher:
+        nonlocal count
+        count += 1
+        publisher = Publisher(tmp_path / f"publish{count}.log", domain, topic, kind)
+        ends.callback(publisher.end)
+        publisher.says("ready")
+        return publisher
+
+    return start
+
+
+@pytest.fixture
+def drive(run: Callable[..., Program], domain: int) -> Callable[..., Program]:
+    """Start programs/drive.cpp, and wait until it sends commands."""
+
+    def start(*arguments: object) -> Program:
+        program = run(
+            dds_program("drive"), *[str(each) for each in arguments], ROS_DOMAIN_ID=str(domain)
+        )
+        program.says("driving")
+        return program
+
+    return start
+
+
+@pytest.fixture(scope="session")
+def listed() -> list[dict[str, Any]]:
+    """What ``roburoc4 ros2 --list`` says that it publishes and obeys."""
+    said = subprocess.run(
+        [command(), "ros2", "--list", "--json"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    found = json.loads(said.stdout)
+    assert isinstance(found, list)
+    return found
