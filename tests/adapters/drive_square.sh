@@ -32,6 +32,20 @@ start() {
     robot=$(sed -n 's/.* \([0-9.]*:[0-9]*\)$/\1/p' "$folder/log")
 }
 
+# It gives up, as it should, where it has heard no status for 300 ms. On a machine that does not run it
+# for so long that tells nothing of it: the whole test begins again.
+starved() {
+    grep -E 'no (recent|fresh) status|no recent .* status' "$folder/out"
+}
+again() {
+    clean_up
+    trap - EXIT
+    tries=$((${tries:-0} + 1))
+    [ "$tries" -lt 10 ]
+    export tries
+    exec sh "$0" "$case_name" "$simulator" "$drive_square" "$judge"
+}
+
 # The exit status of drive_square has to be $1.
 drive() {
     wanted=$1
@@ -39,6 +53,7 @@ drive() {
     status=0
     "$drive_square" "$@" >"$folder/out" 2>&1 || status=$?
     cat "$folder/out"
+    ! starved || again
     if [ "$status" -ne "$wanted" ]; then
         echo "exit status $status, not $wanted"
         exit 1
@@ -50,7 +65,7 @@ wait_for_motion() {
     until grep -q ' target [0-9.]*[1-9]' "$folder/log"; do
         echo status >&3
         kill -0 "$simulator_process"
-        sleep 1
+        sleep 0.2 2>/dev/null || sleep 1
     done
 }
 
@@ -84,11 +99,13 @@ interrupted)
     status=0
     wait "$driver" || status=$?
     cat "$folder/out"
+    ! starved || again
     test "$status" -eq 130
-    sleep 1
-    echo status >&3
-    sleep 1
-    tail -n 1 "$folder/log" | grep 'target 0.000 m/s 0.000 rad/s'
+    until tail -n 1 "$folder/log" | grep 'target 0.000 m/s 0.000 rad/s'; do
+        kill -0 "$simulator_process"
+        echo status >&3
+        sleep 1
+    done
     ;;
 *)
     echo "no such case: $case_name"
