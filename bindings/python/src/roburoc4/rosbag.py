@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Recordings as MCAP files of ROS 2 messages, for Foxglove, PlotJuggler and `ros2 bag`.
 
-No topic is one that a robot obeys: a recording that is played drives nothing.
+A robot obeys none of these topics: playing a recording drives nothing.
 """
 
 import math
@@ -19,8 +19,8 @@ from .ros_topics import TOPICS, UNKNOWN, Item, Messages
 _CHUNK = 256 * 1024
 _CYCLES_IN_A_SECOND = 100
 _COVARIANCE_SIZE = 36
-# How ros2 bag play shall publish it: listeners that come later need it, too. In numbers, which
-# Humble reads, too: keep last, reliable, transient local; durations are infinite.
+# The QoS with which ros2 bag play publishes it: late listeners need it, too. As numbers, which
+# Humble also reads: keep last, reliable, transient local; durations are infinite.
 _LATCHED = """\
 - history: 1
   depth: 1
@@ -45,7 +45,7 @@ class RosBag:
         offset_s: float = 0.0,
         chunk_size: int = _CHUNK,
     ) -> None:
-        """Begin; ``offset_s`` is from the robot object's clock to Unix time."""
+        """Start; ``offset_s`` is added to the robot object's time to get Unix time."""
         from mcap.writer import Writer
 
         self._writer = Writer(file, chunk_size=chunk_size)
@@ -82,10 +82,10 @@ class RosBag:
 
 
 def statuses(path: Path, file: IO[bytes]) -> Iterator[Status]:
-    """Read the statuses of a file that RosBag wrote, without those of the IO card.
+    """Read the statuses from a file by RosBag, without those of the IO card.
 
-    What the file does not hold is 0: ``flags`` and the battery's ``state``. ``robot_cycles`` count
-    from the first status. Speeds that were reached are NaN where no odometry came after them.
+    Missing values are 0: ``flags`` and the battery's ``state``. ``robot_cycles`` count from the
+    first status. Measured speeds are NaN if no odometry followed them.
     """
     from mcap.records import Channel, Message, Schema
     from mcap.stream_reader import StreamReader
@@ -107,7 +107,7 @@ def statuses(path: Path, file: IO[bytes]) -> Iterator[Status]:
         yield from reader.rest()
     except OSError:
         raise
-    except Exception:  # what a damaged file makes of the reader: several kinds
+    except Exception:  # the reader raises several kinds of error on a damaged file
         raise RecordingError(
             f"{path} is cut or damaged: save what is whole with roburoc4 recover {path}"
         ) from None
@@ -116,7 +116,7 @@ def statuses(path: Path, file: IO[bytes]) -> Iterator[Status]:
 
 
 class _StatusReader:
-    """Messages in, statuses out: what one message lacks of a status, the next one may hold."""
+    """Converts messages to statuses: what one message lacks, the next one may have."""
 
     def __init__(self) -> None:
         self._cycles = 0
@@ -135,13 +135,13 @@ class _StatusReader:
         if topic in self._handlers:
             message = CdrReader(data)
             made_s = message.header()
-            if self._made_s is not None:  # step by step: the robot's clock drifts
+            if self._made_s is not None:  # step by step, because the robot's clock drifts
                 self._cycles += round((made_s - self._made_s) * _CYCLES_IN_A_SECOND)
             self._made_s = made_s
             yield from self._handlers[topic](message, (time_ns // 1000, made_s))
 
     def rest(self) -> Iterator[Status]:
-        """Give what waited for another message."""
+        """Return what waited for another message."""
         if self._speeds is not None:
             yield self._speeds
         if self._front is not None:

@@ -15,13 +15,13 @@ _SILENT_MS = 1000.0
 
 
 class Advice(NamedTuple):
-    """How good the link is."""
+    """The quality of the link."""
 
     level: str
     """good, weak or bad."""
     say: str
     attempt: str
-    """What to try; empty where nothing is wrong."""
+    """What to try; empty if nothing is wrong."""
 
 
 _FAULTS = {
@@ -79,12 +79,12 @@ def _without_link(state: State, fault: Fault, link: Link, heard: int, address: s
 
 
 def why_disarmed(code: int) -> str:
-    """Say why it was disarmed: what remains true when the reason has gone."""
+    """Return why it was disarmed: the part that stays true after the reason has gone."""
     return why_not_armed(code).partition(":")[0]
 
 
 def why_not_armed(code: int) -> str:
-    """Say why the robot is not armed, and what to do; empty where nothing stands against it."""
+    """Return why the robot is not armed, and what to do; empty if nothing prevents arming."""
     if code in (Result.OK, Result.DISARMED):
         return ""
     if code == Result.OVERRIDE_UNKNOWN:
@@ -96,5 +96,5 @@ def why_not_armed(code: int) -> str:
 
 
 def blocked(facts: Facts) -> str:
-    """Say what stands against arming now."""
+    """Return what prevents arming now."""
     return why_not_armed(facts.arm_refusal)

@@ -30,7 +30,7 @@ _POLICY = 1008
 
 def application(fleet: Fleet, rules: Rules) -> ASGIApp:
     """Make the whole web application, guarded."""
-    # What a Windows registry says of these may be wrong, and then no browser runs the page.
+    # These types may be wrong in a Windows registry, and then no browser runs the page.
     mimetypes.add_type("text/javascript", ".js")
     mimetypes.add_type("text/css", ".css")
     mimetypes.add_type("image/svg+xml", ".svg")
@@ -84,14 +84,14 @@ def _beat(fleet: Fleet, hub: Hub) -> asyncio.Task[None]:
 
 
 def _note_end(fleet: Fleet, hub: Hub, beating: asyncio.Task[None]) -> None:
-    """Where no frames are made any more, nothing is driven, and the server ends."""
+    """When no frames are made any more, nothing is driven, and the server ends."""
     if not beating.cancelled() and (error := beating.exception()) is not None:
         hub.failure = error
         fleet.close()
 
 
 async def _serve(fleet: Fleet, hub: Hub, websocket: WebSocket) -> None:
-    """Messages with a page until it is gone."""
+    """Exchange messages with a page until it is gone."""
     await websocket.accept()
     if len(hub.pages) >= MOST_PAGES:
         await websocket.close(_TRY_LATER, "too many pages are open")

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Who drives, and which inputs count. Nothing else of the dashboard moves the robot.
+"""Who drives, and which inputs count. Nothing else in the dashboard moves the robot.
 
 One page at a time has control. Its inputs answer to a tick: the number of the frame that its
-driver saw. An input that answers to the tick of `age` ago gets a lease of `lease - age`, so that
-the robot stops one lease after the driver saw it last, however late or often inputs arrive. No
-timer renews: only a valid input does.
+driver saw. An input that answers a tick of age `a` gets a lease of `lease - a`, so that the robot
+stops one lease after the driver last saw it, however late or often inputs arrive. No timer renews:
+only a valid input does.
 """
 
 from __future__ import annotations
@@ -21,24 +21,24 @@ from .going import Going
 from .ticks import Ticks
 
 SHORTEST_LEASE_S = 0.02
-"""The client takes no shorter one."""
+"""The client accepts no shorter one."""
 HELD_UP_S = 0.02
-"""A delay before the command lengthens its lease; after a longer one it is given again."""
+"""A delay before the command lengthens its lease; after a longer delay it is sent again."""
 _ATTEMPTS = 3
 FORGOTTEN_S = 30.0
-"""A driver's page that shows nothing for so long loses control."""
+"""A driver's page that shows nothing for this long loses control."""
 
 
 class ControlError(Exception):
-    """Why a page may not do this, to be shown on it."""
+    """Why a page may not do something, to be shown on it."""
 
 
 Sides = tuple[float, float]
-"""How fast at full deflection backward or right, and forward or left; both 0 or more."""
+"""Speeds at full deflection backward or right, and forward or left; both 0 or more."""
 
 
 class Limits(NamedTuple):
-    """What full deflection means: the lower of the robot's limit and the ceiling."""
+    """The meaning of full deflection: the lower of the robot's limit and the ceiling."""
 
     linear_m_s: Sides
     angular_rad_s: Sides
@@ -56,7 +56,7 @@ class Input:
     left: float
     scale: float
     going: bool = False
-    """The page shows where the robot goes by itself, and its driver lets it."""
+    """The page shows where the robot goes by itself, and its driver allows it."""
 
     def __post_init__(self) -> None:
         shares = (self.forward, self.left, self.scale)
@@ -77,7 +77,7 @@ class Viewer:
 
     number: int
     sent_tick: int = 0
-    """The newest that was sent to it."""
+    """The newest tick that was sent to it."""
     heard_s: float = field(default=-math.inf)
     """When it last showed a frame."""
 
@@ -95,9 +95,9 @@ class Control:
         self.asker: Viewer | None = None
         """The page that asks the driver for control."""
         self.why = ""
-        """Why the robot was stopped, or does not move; for the driver."""
+        """Why the robot was stopped, or does not move; shown to the driver."""
         self.dropped = 0
-        """Inputs that were too old, or answered to no tick of this page."""
+        """Inputs that were too old, or answered no tick of this page."""
         self.going: Going | None = None
         self._armed = False
         self._floor = 0
@@ -125,7 +125,7 @@ class Control:
     def ask(self, page: Viewer) -> None:
         """Take control, or ask the driver for it.
 
-        It comes with the driver's consent, or when the driver is gone.
+        It is given when the driver agrees, or is gone.
         """
         if self.driver in (None, page) or not self.offered:
             self.take(page)
@@ -135,7 +135,7 @@ class Control:
             self.asker = page
 
     def keep(self, page: Viewer) -> Viewer | None:
-        """Refuse to give control to the page that asks; return that page."""
+        """Deny control to the page that asks for it; return that page."""
         self.check_driver(page)
         asker, self.asker = self.asker, None
         return asker
@@ -143,7 +143,7 @@ class Control:
     def leave(self, page: Viewer, why: str = "") -> None:
         """Release control, if this page has it; the robot is stopped and disarmed.
 
-        A page that asked for control gets it, disarmed.
+        A page that asked for control then gets it, disarmed.
         """
         if self.asker is page:
             self.asker = None
@@ -167,7 +167,7 @@ class Control:
     # ---- arming and stopping ----
 
     def arm(self, page: Viewer, tick: int, now_s: float) -> None:
-        """Allow driving; the page must have seen the robot a moment ago."""
+        """Allow driving; the page must have seen the robot recently."""
         self.check_driver(page)
         if self._lease_left_s(page, tick, now_s) is None:
             raise ControlError("the page is late: its link is slow or stalled; try again")
@@ -186,14 +186,14 @@ class Control:
         self._end_driving(why)
 
     def stop(self, page: Viewer) -> None:
-        """Stop and disarm: any page may, where driving is offered at all."""
+        """Stop and disarm: any page may do this, if driving is enabled at all."""
         if not self.offered:
             raise ControlError("this dashboard only watches, and sends the robot no command at all")
         self._robot.stop()
         self._end_driving(f"STOP was pressed on page {page.number}")
 
     def close(self) -> None:
-        """End it all."""
+        """End everything."""
         self.offered = False
         self.asker = None
         if self.driver is not None:
@@ -202,7 +202,7 @@ class Control:
     # ---- driving ----
 
     def drive(self, page: Viewer, inputs: Input, now_s: float) -> None:
-        """One input: the only place that renews a drive command."""
+        """Handle one input: the only place that renews a drive command."""
         self.check_driver(page)
         left_s = self._lease_left_s(page, inputs.tick, now_s)
         if left_s is None:
@@ -231,7 +231,7 @@ class Control:
     def go(
         self, page: Viewer, tick: int, x_m: float, y_m: float, scale: float, now_s: float
     ) -> None:
-        """Let the robot go to a place by itself, as long as this page answers that it may."""
+        """Let the robot go to a place by itself, as long as this page keeps allowing it."""
         self.check_driver(page)
         left_s = self._lease_left_s(page, tick, now_s)
         if left_s is None:
@@ -257,7 +257,7 @@ class Control:
             self._robot.stop()
 
     def _command(self, inputs: Input, end_s: float) -> None:
-        """Drive until then, and no longer even if this process is delayed right here."""
+        """Drive until this time, and no longer even if this process is delayed right here."""
         for _ in range(_ATTEMPTS):
             now_s = self._robot.now_s
             left_s = end_s - now_s
@@ -280,7 +280,7 @@ class Control:
         self._begin_anew("this computer was held up while it drove: let go, then drive on")
 
     def _lease_left_s(self, page: Viewer, tick: int, now_s: float) -> float | None:
-        """Return what is left of the lease that began when this tick was issued."""
+        """Return what is left of the lease that started when this tick was issued."""
         age_s = self._ticks.age_s(tick, now_s)
         if age_s is None or not self._floor <= tick <= page.sent_tick:
             return None
@@ -288,14 +288,14 @@ class Control:
         return left_s if left_s >= SHORTEST_LEASE_S else None
 
     def check_driver(self, page: Viewer) -> None:
-        """Raise where this page has no control."""
+        """Raise if this page is not in control."""
         if self.driver is not page:
             raise ControlError("this page has not taken control")
 
     # ---- looking after it ----
 
     def watch(self, now_s: float) -> None:
-        """Take driving away where it has become unsafe; called at each step."""
+        """Withdraw control if driving has become unsafe; called at each step."""
         facts = self._robot.facts
         if self.driver is None:
             return
@@ -310,7 +310,7 @@ class Control:
 
 
 def limits_of(robot: Robot, max_linear_m_s: float, max_angular_rad_s: float) -> Limits:
-    """Return what full deflection means on this robot; 0 while its limits are not known."""
+    """Return the meaning of full deflection on this robot; 0 while its limits are unknown."""
     found = robot.properties.differential
     if found is None:
         return NO_LIMITS

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The robots of one dashboard: each page shows one of them whole, and the others in short."""
+"""The robots of one dashboard: each page shows one of them in full, and the others in short."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Fleet:
             hub.look_around = self.now if len(self.hubs) > 1 else list
 
     def find(self, name: str) -> Hub | None:
-        """Return the robot of that name; the first where there is no name."""
+        """Return the robot with this name; without a name, the first."""
         if not name:
             return self.hubs[0]
         return next((hub for hub in self.hubs if hub.name == name), None)
@@ -42,6 +42,6 @@ class Fleet:
         return next((hub.failure for hub in self.hubs if hub.failure is not None), None)
 
     def close(self) -> None:
-        """Stop and disarm all that are driven from here."""
+        """Stop and disarm all robots that are driven from here."""
         for hub in self.hubs:
             hub.control.close()

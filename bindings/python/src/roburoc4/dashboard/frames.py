@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The robot as documents for the page: what it is, and how it is now."""
+"""The robot as documents for the page: its properties, and its current state."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Document = dict[str, Any]
 
 
 class Frames:
-    """Looks at a robot without ever waiting for it."""
+    """Reads a robot without ever waiting for it."""
 
     def __init__(self, robot: Robot, history: History) -> None:
         self._robot = robot
@@ -46,7 +46,7 @@ class Frames:
     # ---- now ----
 
     def take(self, now_s: float, time_s: float) -> Document:
-        """Return how the robot is now, and keep in the history what belongs there."""
+        """Return the robot's current state, and add to the history."""
         events = self._reader.take_events()
         facts = self._robot.facts
         for level, text in texts_of(events, self._facts, facts):
@@ -82,7 +82,7 @@ class Frames:
 
     @property
     def _fresh(self) -> bool:
-        """Whether its values are still current: those of a lost robot are not."""
+        """Whether its values are current: those of a lost robot are not."""
         return self._robot.state is State.READY
 
     def _speeds(self, time_s: float) -> list[float | None] | None:
@@ -173,13 +173,13 @@ class Frames:
         }
 
     def _measured(self, value: float) -> float | None:
-        """Round a figure of the link; None where a robot that is silent has none."""
+        """Round a figure of the link; None if the robot is silent."""
         return number(value, 4) if self._fresh else None
 
     # ---- what it is ----
 
     def about(self, now_s: float) -> Document | None:
-        """Return what the robot is, where that is not what was returned the last time."""
+        """Return the robot's properties if they have changed since the last call."""
         if not self._about_old or now_s < self._about_due_s:
             return None
         self._about_due_s = now_s + _ABOUT_EVERY_S
@@ -192,7 +192,7 @@ class Frames:
 
     @property
     def known(self) -> Document:
-        """What the robot is, as it was sent last."""
+        """The robot's properties, as last sent."""
         return self._about
 
     def _describe(self) -> Document:

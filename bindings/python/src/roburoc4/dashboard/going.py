@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A move to a place of the map, for as long as the driver's page goes on to show it."""
+"""A move to a place on the map, for as long as the driver's page keeps showing it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class _EndedError(Exception):
 
 
 class Going:
-    """The robot's own way there, in a thread; only ``renew`` lets it go on."""
+    """The robot's move, in a thread; it continues only while ``renew`` is called."""
 
     def __init__(self, robot: Robot, x_m: float, y_m: float, speed: float, end_s: float) -> None:
         self.place = (x_m, y_m)
@@ -30,11 +30,11 @@ class Going:
 
     @property
     def on(self) -> bool:
-        """Whether it goes."""
+        """Whether it is moving."""
         return self._thread.is_alive()
 
     def renew(self, end_s: float) -> None:
-        """Go on until then; it is looked at once in a step, so one is taken off."""
+        """Continue until this time; it is checked once per step, so one step is subtracted."""
         self._end_s = end_s - STEP_S
 
     def end(self) -> None:

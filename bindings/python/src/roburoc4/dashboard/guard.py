@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Who may ask at all: Host, Origin and token of every request, and the headers of every answer.
+"""Checks requests: Host, Origin and token, and sets the headers of every answer.
 
 A page of another site, open in the same browser, can send requests to the loopback interface. It
-cannot choose their Host (which defeats names that were bound to this address for the purpose) nor
-their Origin, so both must be ours. The WebSocket, which browsers let any site open, must name its
-Origin. There is no polling: everything that is not the WebSocket is a plain GET.
+cannot choose their Host (which defeats DNS rebinding) nor their Origin, so both must be ours. The
+WebSocket, which browsers let any site open, must have an Origin. There is no polling: everything
+that is not the WebSocket is a plain GET.
 """
 
 from __future__ import annotations
@@ -43,11 +43,11 @@ class Rules:
 
     token: str | None = None
     names: tuple[str, ...] = ()
-    """Further hosts by which it is reached, "HOST" or "HOST:PORT": a certificate's, a tunnel's."""
+    """Further hosts by which it is reached, "HOST" or "HOST:PORT", such as a certificate's."""
     secure: bool = False
     """It speaks TLS itself."""
     cameras: tuple[str, ...] = ()
-    """URLs of pictures that pages may load from elsewhere."""
+    """URLs of pictures that pages may load from other servers."""
 
 
 class Guard:
@@ -72,7 +72,7 @@ class Guard:
     # ---- requests ----
 
     def complaint(self, scope: Scope) -> str:
-        """Say why this request is refused; empty where it is not."""
+        """Return why this request is refused; empty if it is not."""
         headers = Headers(scope=scope)
         websocket = scope["type"] == "websocket"
         hosts, origins = headers.getlist("host"), headers.getlist("origin")
@@ -126,12 +126,12 @@ class Guard:
 
     @property
     def _pass(self) -> str:
-        """What the cookie holds: not the token itself."""
+        """The cookie's value: not the token itself."""
         key = (self._rules.token or "").encode()
         return hmac.new(key, b"roburoc4 dashboard", hashlib.sha256).hexdigest()
 
     def _cookie_name(self, scope: Scope) -> str:
-        # Cookies are not kept apart by port.
+        # Cookies do not distinguish ports.
         return f"roburoc4-{scope['server'][1]}"
 
     # ---- answers ----
@@ -147,7 +147,7 @@ class Guard:
     def _add_headers(self, scope: Scope, headers: MutableHeaders) -> None:
         host = Headers(scope=scope).get("host", "")
         socket = f"{'wss' if self._rules.secure else 'ws'}://{host}"
-        # A host that is not ours was refused, and might contain anything.
+        # A foreign host was refused, and might contain anything.
         socket = socket if host.lower() in self._own_hosts(scope) else ""
         headers["Content-Security-Policy"] = _POLICY.format(
             socket=socket,

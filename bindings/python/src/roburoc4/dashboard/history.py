@@ -22,7 +22,7 @@ _DIGITS = 3
 
 
 class Ring:
-    """The latest rows of a table of numbers; its memory is taken once."""
+    """The latest rows of a table of numbers; its memory is allocated once."""
 
     def __init__(self, columns: int, rows: int) -> None:
         self._columns = columns
@@ -34,7 +34,7 @@ class Ring:
         return min(self._written, self._rows)
 
     def append(self, row: Sequence[float]) -> None:
-        """Add a row in the place of the oldest."""
+        """Add a row, replacing the oldest."""
         place = self._written % self._rows * self._columns
         self._data[place : place + self._columns] = array("d", row)
         self._written += 1
@@ -44,7 +44,7 @@ class Ring:
         self._written = 0
 
     def row(self, back: int) -> tuple[float, ...]:
-        """Return the row that is the ``back``-th before the latest."""
+        """Return the ``back``-th row before the latest."""
         place = (self._written - 1 - back) % self._rows * self._columns
         return tuple(self._data[place : place + self._columns])
 
@@ -73,7 +73,7 @@ class Notice(NamedTuple):
 
 
 class History:
-    """Speeds, battery, path and events of late."""
+    """Recent speeds, battery values, path and events."""
 
     def __init__(self) -> None:
         self.speeds = Ring(5, SPEED_ROWS)
@@ -87,7 +87,7 @@ class History:
 
     @property
     def last_event(self) -> int:
-        """The newest event's number; 0 where nothing happened yet."""
+        """The newest event's number; 0 if nothing has happened yet."""
         return self.events[-1].number if self.events else 0
 
     def note(self, time_s: float, level: str, text: str) -> None:
@@ -95,21 +95,21 @@ class History:
         self.events.append(Notice(self.last_event + 1, time_s, level, text))
 
     def add_speeds(self, time_s: float, speeds: Sequence[float]) -> None:
-        """Keep target and current speeds, now and then."""
+        """Store target and current speeds periodically."""
         self._look_at_clock(time_s)
         if time_s >= self._speed_due_s:
             self._speed_due_s = time_s + SPEED_EVERY_S
             self.speeds.append((time_s, *speeds))
 
     def add_battery(self, time_s: float, percent: float, volts: float) -> None:
-        """Keep the battery's values, now and then."""
+        """Store the battery's values periodically."""
         self._look_at_clock(time_s)
         if time_s >= self._battery_due_s:
             self._battery_due_s = time_s + BATTERY_EVERY_S
             self.battery.append((time_s, percent, volts))
 
     def _look_at_clock(self, time_s: float) -> None:
-        """Begin anew where the system's clock was set back: plots need times that rise."""
+        """Start over if the system's clock was set back: plots need times that rise."""
         if time_s < self._latest_s:
             self.speeds.clear()
             self.battery.clear()
@@ -117,14 +117,14 @@ class History:
         self._latest_s = time_s
 
     def add_place(self, time_s: float, x_m: float, y_m: float) -> None:
-        """Keep a place that is another than the last."""
+        """Store a place if it differs from the last."""
         moved_m = math.hypot(x_m - self._place[0], y_m - self._place[1])
-        if moved_m >= PATH_STEP_M:  # false for NaN
+        if moved_m >= PATH_STEP_M:  # False for NaN.
             self._place = (x_m, y_m)
             self.path.append((x_m, y_m, time_s))
 
     def trend_percent_h(self) -> float | None:
-        """Return how the battery changes, in percent per hour; None while that is not known."""
+        """Return the battery's trend in percent per hour; None while it is unknown."""
         count = min(len(self.battery), _TREND_ROWS)
         if count < _TREND_LEAST_ROWS:
             return None

@@ -28,25 +28,25 @@ FRAME_S = 1 / 30
 IDLE_S = 0.2
 """Time between steps while no page draws: for history and events."""
 _AWAKE_S = 1.0
-"""A page that has drawn nothing for so long is hidden, or frozen."""
+"""A page that has drawn nothing for this long is hidden, or frozen."""
 MOST_PAGES = 32
 _UNANSWERED = 3
 
 
 def encode(document: object) -> str:
-    """Make compact JSON; NaN would be a mistake of ours."""
+    """Make compact JSON; NaN would be our own mistake."""
     return json.dumps(document, separators=(",", ":"), allow_nan=False)
 
 
 class Camera(NamedTuple):
-    """A server of moving pictures (MJPEG) that the operator runs."""
+    """A server of moving pictures (MJPEG) run by the operator."""
 
     name: str
     url: str
 
 
 class Page(Viewer):
-    """An open page: what it was sent and has not drawn yet."""
+    """An open page, and the frames that it has not drawn yet."""
 
     def __init__(self, number: int) -> None:
         super().__init__(number)
@@ -64,7 +64,7 @@ class Page(Viewer):
         return self.ready or now_s - self.heard_s < _AWAKE_S
 
     def say(self, kind: str, document: dict[str, Any]) -> bool:
-        """Send it something else than a frame; false where it takes nothing any more."""
+        """Send it anything but a frame; false if it accepts nothing any more."""
         if self.outbox.full():
             return False
         self.outbox.put_nowait(encode({"type": kind, **document}))
@@ -77,7 +77,7 @@ class Page(Viewer):
         self.outbox.put_nowait(text)
 
     def answer(self, tick: int, now_s: float) -> None:
-        """Note that it has drawn the frame of this tick."""
+        """Note that it has drawn the frame with this tick."""
         if tick in self._owed:
             self._owed = [owed for owed in self._owed if owed > tick]
             self.heard_s = now_s
@@ -104,7 +104,7 @@ class Hub:
         self.recorder = Recorder(robot)
         self.numbers: Iterator[int] = itertools.count(1)
         self.look_around: Callable[[], list[dict[str, Any]]] = list
-        """Returns all robots in short, where there are several."""
+        """Returns all robots in short, if there are several."""
         self.ticks = Ticks()
         self.control = Control(robot, self.ticks, lease_s, offered=allow_drive)
         self.pages: set[Page] = set()
@@ -118,13 +118,13 @@ class Hub:
 
     @property
     def now_s(self) -> float:
-        """Time on the robot object's clock, which leases go by."""
+        """Time on the robot object's clock, on which leases run."""
         return self.robot.now_s
 
     # ---- pages ----
 
     def join(self) -> Page:
-        """Add a page, and send it all that it needs to begin."""
+        """Add a page, and send everything that it needs at first."""
         page = Page(next(self.numbers))
         page.sent_tick = self.ticks.last
         page.heard_s = self.now_s
@@ -136,7 +136,7 @@ class Hub:
         return page
 
     def path_of_recording(self, form: str) -> str | None:
-        """Where a recording is: every datagram since the start, or what the button recorded."""
+        """Return the path of a recording: all datagrams since the start, or the button's."""
         if form != "pcapng":
             return self.recorder.path(form)
         capture = self.robot.recorder
@@ -175,7 +175,7 @@ class Hub:
     # ---- steps ----
 
     async def beat(self) -> None:
-        """Look at the robot and show it, again and again."""
+        """Read the robot and show it, repeatedly."""
         loop = asyncio.get_running_loop()
         due_s = loop.time()
         while True:
@@ -186,7 +186,7 @@ class Hub:
             await asyncio.sleep(due_s - loop.time())
 
     def step(self) -> None:
-        """Look at the robot once, and send frames."""
+        """Read the robot once, and send frames."""
         now_s, time_s = self.now_s, time.time()
         self.control.watch(now_s)
         frame = self._frames.take(now_s, time_s)
@@ -221,7 +221,7 @@ class Hub:
 
     @property
     def in_short(self) -> dict[str, Any]:
-        """The robot as pages of other robots show it."""
+        """The robot as shown on pages of other robots."""
         frame = self._latest
         if not frame:
             return {"name": self.name, "state": "idle", "armed": False, "pose": None}
@@ -238,7 +238,7 @@ class Hub:
         }
 
     def forget_trail(self) -> None:
-        """Begin the robot's trail anew, on all pages and on those that open later."""
+        """Restart the robot's trail, on all pages and on those that open later."""
         self._history.path.clear()
         self._to_all(lambda page: page.say("trail", {"path": self._history.path.columns()}))
 

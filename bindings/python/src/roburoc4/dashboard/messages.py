@@ -58,7 +58,7 @@ class Messages:
         }
 
     def receive(self, text: str) -> None:
-        """Do what a message asks for; raises BadMessageError where it makes no sense."""
+        """Do what a message asks for; raises BadMessageError if it is invalid."""
         self._count()
         message = _parse(text)
         handler = self._handlers.get(str(message.get("type")))
@@ -74,7 +74,7 @@ class Messages:
         return self._page.say("refused", {"text": text, "what": what})
 
     def end(self) -> None:
-        """Remove the page at once: it sent what no page of ours sends."""
+        """Remove the page at once: it sent something that our page never sends."""
         self._hub.part(self._page)
 
     def _count(self) -> None:
@@ -85,7 +85,7 @@ class Messages:
             raise BadMessageError("too much")
 
     def _drawn(self, message: dict[str, Any]) -> None:
-        """Take note of a drawn frame; the driver's page adds its inputs at that moment."""
+        """Record that a frame was drawn; the driver's page adds its inputs at that moment."""
         tick, now_s = _tick(message), self._hub.now_s
         self._page.answer(tick, now_s)
         inputs = message.get("input")
@@ -105,7 +105,7 @@ class Messages:
             )
         except ValueError as error:
             raise BadMessageError(str(error)) from None
-        # A page that has just released control, or lost it, may not know yet.
+        # A page that has just released or lost control may not know that yet.
         if self._hub.control.driver is self._page:
             self._hub.control.drive(self._page, wanted, now_s)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The simulator's panel: what the page may do to a simulated robot, and how that is now."""
+"""The simulator's panel: what the page can do to a simulated robot, and its real state."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _WORDS = frozenset(
 
 
 class PanelError(Exception):
-    """Why the simulator does not do this; to be shown on the page."""
+    """Why the simulator does not do this; shown on the page."""
 
 
 class Panel:
@@ -38,13 +38,13 @@ class Panel:
         self._simulator = simulator
         self._boxes: list[list[float]] = []
         self._faults = dict.fromkeys(_FAULTS, 0.0)
-        # Only what is put here is known here, and can be drawn and dragged.
+        # Only obstacles that were put here are known here, and can be drawn and dragged.
         simulator.clear_obstacles()
         for box in _ROOM:
             self.add_box(*box)
 
     def now(self) -> dict[str, Any]:
-        """Return how the simulated robot really is."""
+        """Return the real state of the simulated robot."""
         state = self._simulator.state
         return {
             "powered": bool(state.powered),
@@ -68,7 +68,7 @@ class Panel:
         }
 
     def obey(self, line: str) -> None:
-        """Obey a line such as "estop local press"."""
+        """Execute a line such as "estop local press"."""
         if line.partition(" ")[0] not in _WORDS:
             raise PanelError(f"the panel has no {line!r}")
         self._panel(line)
@@ -90,7 +90,7 @@ class Panel:
         self._boxes.append([x_m, y_m, size_x_m, size_y_m])
 
     def move_box(self, index: int, x_m: float, y_m: float) -> None:
-        """Drag an obstacle to another place; where the robot stands it stays what it was."""
+        """Drag an obstacle to another place; it stops at the robot."""
         if not 0 <= index < len(self._boxes):
             raise PanelError(f"there is no obstacle {index}")
         try:
@@ -105,7 +105,7 @@ class Panel:
         self._boxes.clear()
 
     def set_faults(self, faults: dict[str, float]) -> None:
-        """Make the network between dashboard and robot bad; what is not named is good."""
+        """Degrade the network between dashboard and robot; faults that are not named are off."""
         unknown = set(faults) - set(_FAULTS)
         if unknown:
             raise PanelError(f"no such fault: {', '.join(sorted(unknown))}")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The record button: what `roburoc4 record` writes, kept until the next recording."""
+"""The record button: it writes what `roburoc4 record` writes, kept until the next recording."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ from ..samples import Reader
 
 MOST_BYTES = 500_000_000
 _CHUNK = 16 * 1024
-"""Of an MCAP file: about a second."""
+"""Size of chunks in an MCAP file: about a second."""
 
 
 class RecordError(Exception):
-    """Why it is not recorded, to be shown on the page."""
+    """Why it is not recorded, shown on the page."""
 
 
 class _Format(Protocol):
     """A file that is being written."""
 
     def add(self, item: Status | RecordedEvent) -> None:
-        """Take the next."""
+        """Add the next status."""
 
     def finish(self) -> None:
         """Complete the file."""
 
 
 class _Table:
-    """Statuses as columns (.csv): whole rows at any time."""
+    """Statuses as columns (.csv): only whole rows at any time."""
 
     def __init__(self, file: IO[bytes], robot: Robot) -> None:
         self._file = file
@@ -62,7 +62,7 @@ class _Table:
 
 
 def _bag(file: IO[bytes], robot: Robot) -> _Format | None:
-    """Statuses and events as ROS 2 messages (.mcap), where the extra `record` is installed."""
+    """Statuses and events as ROS 2 messages (.mcap), if the extra `record` is installed."""
     from ..rosbag import RosBag
 
     try:
@@ -75,7 +75,7 @@ _FORMS: dict[str, Callable[[IO[bytes], Robot], _Format | None]] = {"csv": _Table
 
 
 class Recorder:
-    """One recording of a robot, which goes on while pages come and go."""
+    """One recording of a robot, which continues while pages come and go."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
@@ -95,7 +95,7 @@ class Recorder:
 
     @property
     def now(self) -> dict[str, Any] | None:
-        """What a page shows of it; None where nothing was recorded."""
+        """What a page shows of it; None if nothing was recorded."""
         if not self._files:
             return None
         length_s = time.monotonic() - self._begun_s if self.on else self._length_s
@@ -110,18 +110,18 @@ class Recorder:
 
     @property
     def forms(self) -> list[str]:
-        """What can be downloaded: an MCAP file when it is complete."""
+        """What can be downloaded: an MCAP file once it is complete."""
         return [form for form in self._files if form == "csv" or not self.on]
 
     def path(self, form: str) -> str | None:
-        """Where the recording is in this form, if it can be downloaded."""
+        """Return the path of the recording in this form, if it can be downloaded."""
         if form not in self.forms:
             return None
         self._files[form].flush()
         return self._files[form].name
 
     def start(self) -> None:
-        """Begin anew; the recording before is deleted."""
+        """Start over; the previous recording is deleted."""
         if self.on:
             return
         if self._robot.properties.differential is None:
@@ -142,13 +142,13 @@ class Recorder:
         self._reader = self._robot.reader()
 
     def stop(self) -> None:
-        """End it; what was recorded remains to be downloaded."""
+        """Stop; what was recorded can still be downloaded."""
         if self.on:
             self.step()
             self._end("")
 
     def step(self) -> None:
-        """Write what came in."""
+        """Write what has arrived."""
         if self._reader is None:
             return
         try:
@@ -184,7 +184,7 @@ class Recorder:
             self.why = f"it cannot be completed ({error.strerror}): make room"
 
     def close(self) -> None:
-        """End, and delete it."""
+        """Stop, and delete the recording."""
         self._reader = None
         self._formats.clear()
         for file in self._files.values():

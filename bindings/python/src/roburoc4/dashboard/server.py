@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The socket, TLS, and the end."""
+"""The socket, TLS, and the shutdown."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from .guard import Rules, has_port
 _PING_S = 5.0
 _END_S = 1
 _LONGEST_MESSAGE = 4096
-# Uvicorn handles SIGINT and SIGTERM. An exception, as the command raises for these, would end in
-# whatever callback the loop is at, and not the program.
+# Uvicorn handles SIGINT and SIGTERM. An exception, as the command raises for these, would end only
+# the callback that runs in the loop, not the program.
 _MORE_SIGNALS = [getattr(signal, name) for name in ("SIGHUP", "SIGQUIT") if hasattr(signal, name)]
 
 
@@ -86,7 +86,7 @@ def _no_password() -> str:
 
 
 def link(place: Place, opened: socket.socket, rules: Rules) -> str:
-    """Return what to open in a browser: by the first name that it goes by, where it has one."""
+    """Return the URL to open in a browser, with the first name from --name if there is one."""
     address, port = opened.getsockname()[:2]
     ip = ipaddress.ip_address(address)
     host = "localhost" if ip.is_unspecified else (f"[{ip}]" if ip.version == 6 else str(ip))
@@ -97,7 +97,7 @@ def link(place: Place, opened: socket.socket, rules: Rules) -> str:
 
 
 def _patient(protocol: Any) -> Any:
-    """Make uvicorn's WebSocket end quietly where a page is just leaving."""
+    """Make uvicorn's WebSocket end quietly if a page is just leaving."""
 
     class Patient(protocol):  # type: ignore[misc]
         def shutdown(self) -> None:
@@ -110,7 +110,7 @@ def _patient(protocol: Any) -> Any:
 
 
 class Server(uvicorn.Server):
-    """A server that says when it is ready, and stops the robot before it ends."""
+    """A server that reports when it is ready, and stops the robot before it ends."""
 
     def __init__(self, config: uvicorn.Config, fleet: Fleet, on_ready: Callable[[], None]) -> None:
         super().__init__(config)
@@ -125,7 +125,7 @@ class Server(uvicorn.Server):
 
     @contextlib.contextmanager
     def capture_signals(self) -> Iterator[None]:
-        """End by these signals too; the command gets them when all is closed."""
+        """Also end on these signals; the command gets them once everything is closed."""
         with super().capture_signals():
             before = {}
             if threading.current_thread() is threading.main_thread():
@@ -143,7 +143,7 @@ class Server(uvicorn.Server):
         return await super().on_tick(counter) or self._fleet.failure is not None
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """End: first of all the robots are stopped, then connections are closed."""
+        """End: first stop the robots, then close the connections."""
         self._fleet.close()
         await super().shutdown(sockets)
 

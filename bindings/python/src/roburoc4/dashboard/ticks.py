@@ -20,7 +20,7 @@ class Ticks:
         return self.last
 
     def age_s(self, tick: int, now_s: float) -> float | None:
-        """Return how long ago it was issued; None for one that never was, or long ago."""
+        """Return how long ago it was issued; None if it never was, or too long ago."""
         back = self.last - tick
         if not 0 <= back < len(self._issued_s):
             return None

@@ -3,5 +3,5 @@
 
 figures  reads a recording once, with memory that does not grow with it
 plots    pictures as SVG
-page     the page, which needs nothing but itself
+page     the page, which loads nothing else
 """

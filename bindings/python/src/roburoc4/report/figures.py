@@ -32,7 +32,7 @@ _PROGRESS_EVERY = 5000
 
 
 class Series:
-    """A value in time: lowest and highest of each stretch, and stretches grow as time goes on."""
+    """A value over time: the lowest and highest of each interval; intervals grow with time."""
 
     def __init__(self, begun_s: float) -> None:
         self._begun_s = begun_s
@@ -45,7 +45,7 @@ class Series:
         self.first = self.latest = math.nan
 
     def add(self, time_s: float, value: float) -> None:
-        """Take a value; NaN is left out."""
+        """Add a value; NaN is ignored."""
         if not math.isfinite(value):
             return
         self.latest = value
@@ -86,23 +86,24 @@ class Series:
 
     @property
     def gap_s(self) -> float:
-        """Time without values from which on a line is broken."""
+        """A line is broken where values are missing for this long."""
         return max(3.0, 4 * self._width_s)
 
 
 class Path:
-    """Where odometry was; points grow apart as the path grows."""
+    """The path by odometry; the distance of points grows with the path."""
 
     def __init__(self) -> None:
         self.points: list[tuple[float, float]] = []
         self.breaks: set[int] = set()
-        """Indices of points to which the robot did not drive: odometry was set, or it restarted."""
+        """Indices of points to which the robot did not drive: odometry was set, or it restarted.
+        """
         self.driven_m = 0.0
         self._step_m = _PATH_STEP_M
         self.end: tuple[float, float] | None = None
 
     def add(self, x_m: float, y_m: float) -> None:
-        """Take a place."""
+        """Add a position."""
         if not (math.isfinite(x_m) and math.isfinite(y_m)):
             return
         before, self.end = self.end, (x_m, y_m)
@@ -129,17 +130,17 @@ class Path:
 
 
 class Switch:
-    """A digital input in time."""
+    """A digital input over time."""
 
     def __init__(self) -> None:
         self.spans: list[list[float]] = []
-        """From when to when it was on; the first ones, where there are too many."""
+        """When it was on, from and until; only the first ones if there are too many."""
         self.times = 0
         self.on_s = 0.0
         self._since_s: float | None = None
 
     def set(self, on: bool, seconds: float) -> None:
-        """Take what it is now."""
+        """Add its current value."""
         if on and self._since_s is None:
             self._since_s = seconds
             self.times += 1
@@ -151,7 +152,7 @@ class Switch:
 
 
 class Figures:
-    """All that a report tells."""
+    """Everything that a report shows."""
 
     def __init__(self, recording: RecordedRobot) -> None:
         begun_s = recording.begun_s
@@ -186,7 +187,7 @@ class Figures:
         }
 
     def read(self, show: Callable[[int], None]) -> None:
-        """Read the recording; ``show`` is called now and then with the bytes that were read."""
+        """Read the recording; ``show`` is called periodically with the number of bytes read."""
         handlers = self._handlers
         for count, item in enumerate(self._reading.items()):
             self._now_s = item.host_us / 1e6
@@ -272,7 +273,7 @@ class Figures:
 
     @property
     def seconds(self) -> float:
-        """How long the recording is."""
+        """The duration of the recording."""
         return max(0.0, self._reading.counts.last_us / 1e6 - self._begun_s)
 
     @property

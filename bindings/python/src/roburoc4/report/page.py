@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The page: one file that asks nobody for anything."""
+"""The page: one file that loads nothing."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def page(figures: Figures) -> str:
         [
             '<!doctype html><html lang="en"><head><meta charset="utf-8">',
             '<meta name="viewport" content="width=device-width,initial-scale=1">',
-            # nothing of a recording can make the page ask for anything
+            # nothing in a recording can make the page load anything
             '<meta http-equiv="Content-Security-Policy" '
             "content=\"default-src 'none'; style-src 'unsafe-inline'\">",
             f"<title>{escape(title)}, {document['begun']}</title>",
@@ -128,7 +128,7 @@ def _tiles(document: dict[str, Any]) -> str:
 
 
 def _table(head: list[str], rows: list[list[Any]], texts: int) -> str:
-    """Make a table whose first columns are texts, and the others numbers."""
+    """Make a table whose first columns are texts, the others numbers."""
     kind = ["" if at < texts else ' class="number"' for at in range(len(head))]
     header = "".join(f"<th{kind[at]}>{escape(text)}</th>" for at, text in enumerate(head))
     body = "".join(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Pictures as SVG, whose colours are the page's."""
+"""SVG pictures in the page's colours."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _TICKS = 8
 
 
 class Line(NamedTuple):
-    """A series, and how it is drawn: a class of the page's style."""
+    """A series, and its style: a class in the page's style sheet."""
 
     name: str
     style: str
@@ -47,7 +47,7 @@ class Line(NamedTuple):
 
 
 def clock(seconds: float, *, exact: bool = False) -> str:
-    """Write a time from the beginning: 1:02:03, or 2:03; 2:03.5 where it is exact or no second."""
+    """Write a time from the beginning: 1:02:03, or 2:03; exact or below a second 2:03.5."""
     tenths = round(seconds * 10)
     whole, tenth = divmod(tenths, 10)
     text = f"{whole // 60 % 60}:{whole % 60:02d}"
@@ -57,7 +57,7 @@ def clock(seconds: float, *, exact: bool = False) -> str:
 
 
 def _nice(span: float, parts: int) -> float:
-    """Return a step of 1, 2 or 5 that divides a span into about so many parts."""
+    """Return a step of 1, 2 or 5 that divides a span into about this many parts."""
     raw = span / parts
     power = 10.0 ** math.floor(math.log10(raw))
     return next(step * power for step in (1, 2, 5, 10) if step * power >= raw * 0.999)
@@ -76,7 +76,7 @@ def _number(value: float, step: float) -> str:
 
 
 class _Frame:
-    """Axes, and where a value is."""
+    """Axes, and the positions of values."""
 
     def __init__(self, seconds: float, low: float, high: float, height: int) -> None:
         if high - low < 1e-6:
@@ -127,7 +127,7 @@ def _trace(frame: _Frame, series: Series) -> str:
         if high != low:
             parts.append(f"V{frame.y(high):.1f}")
         elif first == "M":
-            parts.append("h.1")  # a lone value is seen, too
+            parts.append("h.1")  # a single value should be visible, too
         before_s = seconds
     return "".join(parts)
 
@@ -140,7 +140,7 @@ def _svg(width: int, height: int, label: str, content: str) -> str:
 def chart(
     title: str, unit: str, seconds: float, lines: Sequence[Line], bounds: Sequence[float] = ()
 ) -> str:
-    """Draw values in time; the axis has these bounds, too."""
+    """Draw values over time; the axis includes these bounds."""
     drawn = [line for line in lines if line.series.points]
     if not drawn:
         return ""
@@ -161,7 +161,7 @@ def chart(
 
 
 def way(path: Path) -> str:
-    """Draw where odometry was; both axes have one scale."""
+    """Draw the path by odometry; both axes have the same scale."""
     if len(path.points) < 2:
         return ""
     xs, ys = [place[0] for place in path.points], [place[1] for place in path.points]
