@@ -88,7 +88,7 @@ double cpu_seconds() {
 
 /* ------------------------------------------------------------------------------------ life --- */
 
-TEST(Pump, RefusesWhatItCannotBeMadeOf) {
+TEST(Pump, RefusesInvalidArguments) {
     roburoc4_address address{};
     roburoc4_result result = 0;
     EXPECT_EQ(roburoc4_pump_create(&address, nullptr, 0, &result), nullptr);
@@ -111,7 +111,7 @@ TEST(Pump, RefusesWhatItCannotBeMadeOf) {
     roburoc4_pump_destroy(nullptr);
 }
 
-TEST(Pump, BecomesReadyByItselfAndShowsAllThatTheRobotSays) {
+TEST(Pump, BecomesReadyByItselfAndShowsWhatTheRobotReports) {
     UdpRobot robot;
     Pump pump = make_pump(robot.address());
     ASSERT_TRUE(becomes_ready(pump.get()));
@@ -249,7 +249,7 @@ TEST(Pump, RetriesAnAbsentRobotWithoutSpinningAndFindsItLater) {
     EXPECT_TRUE(becomes_ready(pump.get()));
 }
 
-TEST(Pump, ComesBackToARobotThatStartsAgainOnItsPort) {
+TEST(Pump, ReconnectsToARobotThatRestartsOnItsPort) {
     auto robot = std::make_unique<UdpRobot>();
     uint16_t port = robot->port();
     Pump pump = make_pump(robot->address());
@@ -287,7 +287,7 @@ TEST(Pump, StopsTheRobotOfAProgramThatHangs) {
         << "it stays armed";
 }
 
-TEST(Pump, KeepsDrivingOnlyWhileItIsTold) {
+TEST(Pump, KeepsDrivingOnlyWhileCommanded) {
     UdpRobot robot;
     Pump pump = make_pump(robot.address());
     ASSERT_TRUE(becomes_armed(pump.get()));
@@ -377,7 +377,7 @@ TEST(Pump, PassesEveryCommandOn) {
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_disarm), ROBUROC4_OK);
 }
 
-TEST(Pump, TellsOfAnOverrideAndStopsCommanding) {
+TEST(Pump, ReportsAnOverrideAndStopsCommanding) {
     UdpRobot robot;
     Pump pump = make_pump(robot.address());
     ASSERT_TRUE(becomes_armed(pump.get()));
@@ -409,7 +409,7 @@ TEST(PumpArm, WaitsForARobotThatComesLater) {
     later.join();
 }
 
-TEST(PumpArm, RefusesAtOnceWhatTimeDoesNotMend) {
+TEST(PumpArm, RefusesAtOnceWhatWaitingCannotChange) {
     UdpRobot robot;
     Pump pump = make_pump(robot.address());
     ASSERT_TRUE(becomes_armed(pump.get()));
@@ -510,7 +510,7 @@ TEST(Samples, CarryTheValuesOfTheirService) {
     }));
 }
 
-TEST(Samples, ASlowReaderLosesTheOldestAndIsTold) {
+TEST(Samples, ASlowReaderLosesTheOldestAndLearnsThat) {
     UdpRobot robot;
     Pump pump = make_pump(robot.address(), ROBUROC4_PUMP_QUEUE_MIN);
     roburoc4_pump_reader slow{}, newest{};
@@ -549,7 +549,7 @@ TEST(Samples, WaitingEndsWithItsTime) {
 }
 
 /** A pump without a thread, whose client a world moves. */
-TEST(PumpWithoutAddress, KeepsWhatItsClientIsGivenForReaders) {
+TEST(PumpWithoutAddress, KeepsWhatItsClientReceivesForReaders) {
     roburoc4_result result = ROBUROC4_ERR_SYSTEM;
     roburoc4_pump *pump = roburoc4_pump_create(nullptr, nullptr, 0, &result);
     ASSERT_NE(pump, nullptr);
@@ -614,7 +614,7 @@ TEST(Events, AreTakenByEachReaderForItself) {
 /* ----------------------------------------------------------------------------------- the end ---
  */
 
-TEST(PumpStop, SendsTheZeroTrainOfADrivingRobot) {
+TEST(PumpStop, SendsTheStopSequenceOfADrivingRobot) {
     UdpRobot robot;
     Pump pump = make_pump(robot.address());
     ASSERT_TRUE(becomes_armed(pump.get()));
@@ -668,7 +668,7 @@ TEST(PumpStop, LeavesValuesReadableAndRefusesCommands) {
     EXPECT_EQ(roburoc4_pump_take_events(p, &reader), ROBUROC4_ERR_CLOSED);
 }
 
-TEST(PumpStop, IsBoundedWhereTheRobotIsSilent) {
+TEST(PumpStop, IsBoundedIfTheRobotIsSilent) {
     UdpRobot robot;
     Pump pump = make_pump(robot.address());
     ASSERT_TRUE(becomes_armed(pump.get()));
@@ -679,7 +679,7 @@ TEST(PumpStop, IsBoundedWhereTheRobotIsSilent) {
     EXPECT_LT(roburoc4_udp_now_us() - before_us, 10000000u);
 }
 
-TEST(PumpStop, WakesAllWhoWait) {
+TEST(PumpStop, WakesAllWaitingThreads) {
     roburoc4_address address{};
     ASSERT_EQ(roburoc4_udp_resolve("127.0.0.1", test::free_port(), &address), ROBUROC4_OK);
     Pump pump = make_pump(address);
@@ -710,7 +710,7 @@ TEST(PumpStop, WakesAllWhoWait) {
     EXPECT_EQ(closed, 6);
 }
 
-TEST(PumpStop, DestroyLetsThoseWhoWaitLeaveFirst) {
+TEST(PumpStop, DestroyWaitsForWaitingThreads) {
     roburoc4_address address{};
     ASSERT_EQ(roburoc4_udp_resolve("127.0.0.1", test::free_port(), &address), ROBUROC4_OK);
     for (int round = 0; round < 20; round++) {
@@ -780,7 +780,7 @@ TEST_F(RequestStop, DisarmsAndStopsTheRobot) {
     EXPECT_TRUE(becomes_armed(pump_.get())) << "as after any disarm()";
 }
 
-TEST_F(RequestStop, LetsNoSpeedOutThatIsGrantedAfterIt) {
+TEST_F(RequestStop, SendsNoSpeedCommandedAfterIt) {
     drive_off();
     roburoc4_client *client = roburoc4_pump_lock(pump_.get());
     std::raise(SIGUSR1); /* while this thread has the lock */
@@ -897,14 +897,14 @@ int run_exit_in_mid_drive(const UdpRobot &robot, const char *how) {
     return status;
 }
 
-TEST(Exit, InMidDriveStopsTheRobot) {
+TEST(Exit, WhileDrivingStopsTheRobot) {
     UdpRobot robot;
     EXPECT_EQ(run_exit_in_mid_drive(robot, ""), 0);
     EXPECT_TRUE(eventually([&] { return zeros_at_the_end(robot.commands()) >= 3; }));
     EXPECT_GE(speeds_in(robot.commands()), 1u);
 }
 
-TEST(Exit, WithTheLockHeldEndsAllTheSame) {
+TEST(Exit, WithTheLockHeldStillEnds) {
     UdpRobot robot;
     EXPECT_EQ(run_exit_in_mid_drive(robot, "locked"), 0);
     EXPECT_GE(speeds_in(robot.commands()), 1u);

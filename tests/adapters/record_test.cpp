@@ -288,7 +288,7 @@ void expect_gaps_are_counted(const Capture &capture) {
     }
 }
 
-TEST(Record, WhatASlowDiskDoesNotTakeIsCountedInTheFile) {
+TEST(Record, WhatASlowDiskDropsIsCountedInTheFile) {
     Folder folder;
     Pipe pipe(folder);
     roburoc4_recorder *recorder = open_small(pipe.path());
@@ -367,7 +367,7 @@ TEST(Record, ADiskThatStaysFullLeavesWholeBlocks) {
     expect_gaps_are_counted(capture);
 }
 
-TEST(Record, ZerosLeaveWhileTheDiskHangs) {
+TEST(Record, ZerosAreSentWhileTheDiskHangs) {
     Folder folder;
     Pipe pipe(folder);
     UdpRobot robot;
@@ -396,7 +396,7 @@ TEST(Record, ZerosLeaveWhileTheDiskHangs) {
     (void)dup(open(pipe.path().c_str(), O_RDONLY | O_NONBLOCK)); /* the thread hangs on */
 }
 
-TEST(Record, TheNextFileBeginsWhereThisOneIsFull) {
+TEST(Record, TheNextFileBeginsWhenThisOneIsFull) {
     Folder folder;
     roburoc4_recorder_options wanted = options();
     wanted.max_file_bytes = 5000;
@@ -428,7 +428,7 @@ TEST(Record, TheNextFileBeginsWhereThisOneIsFull) {
     EXPECT_EQ(number, 160u);
 }
 
-TEST(Record, TheNextFileBeginsWhereThisOneIsOld) {
+TEST(Record, TheNextFileBeginsWhenThisOneIsOld) {
     Folder folder;
     roburoc4_recorder_options wanted = options();
     wanted.max_file_s = 1;

@@ -117,7 +117,7 @@ TEST(SimHost, IsARobotForAClient) {
     EXPECT_TRUE(moves(robot, pump.get()));
 }
 
-TEST(SimHost, SaysWhyItCannotServe) {
+TEST(SimHost, ReportsWhyItCannotServe) {
     const test::Socket taken;
     roburoc4_sim *sim = roburoc4_sim_create(nullptr);
     int error = 0;
@@ -202,7 +202,7 @@ TEST(SimHost, DoesNotStarveWhileCommandsLieInItsSocket) {
     EXPECT_GT(judged, 0);
 }
 
-TEST(SimHost, StopsAsOftenAsOneLikesAndCanBeLookedAtThen) {
+TEST(SimHost, CanBeStoppedRepeatedlyAndReadAfterwards) {
     Served robot;
     ASSERT_NE(robot.host, nullptr);
     const Pump pump = robot.pump();

@@ -56,7 +56,7 @@ struct Driver {
 
 /* ----------------------------------------------------------------------- command line, life --- */
 
-TEST(SimProgram, SaysOnOneLineWhereItIsReady) {
+TEST(SimProgram, ReportsItsAddressOnOneLine) {
     SimProcess sim({"--port", "0"});
     std::string ready = sim.line();
     EXPECT_EQ(ready.rfind("roburoc4-sim: ready on 127.0.0.1:", 0), 0u) << ready;
@@ -72,7 +72,7 @@ TEST(SimProgram, EndsCleanlyOnSigtermAndSigint) {
     }
 }
 
-TEST(SimProgram, TakesThePortThatItIsGivenAndTakesItAgain) {
+TEST(SimProgram, UsesTheGivenPortRepeatedly) {
     std::string port = std::to_string(test::free_port());
     for (int life = 0; life < 3; life++) {
         SimProcess sim({"--port", port});
@@ -82,7 +82,7 @@ TEST(SimProgram, TakesThePortThatItIsGivenAndTakesItAgain) {
     }
 }
 
-TEST(SimProgram, EndsWithOneWhereThePortIsTaken) {
+TEST(SimProgram, EndsWithOneIfThePortIsTaken) {
     Socket other;
     SimProcess sim({"--port", std::to_string(other.port())});
     EXPECT_EQ(sim.exit_status(), 1);
@@ -162,7 +162,7 @@ TEST(SimProgram, RefusesABadConfigurationFile) {
 /* ------------------------------------------------------------------------------------- panel ---
  */
 
-TEST(SimProgram, ObeysItsPanel) {
+TEST(SimProgram, ExecutesPanelCommands) {
     SimProcess sim({"--port", "0", "--panel"});
     std::vector<uint16_t> ports = sim.ports();
     ASSERT_EQ(ports.size(), 1u);
@@ -232,7 +232,7 @@ TEST(SimProgram, AsManualWaitsForTheMotorButton) {
     EXPECT_TRUE(driver.reaches(drives));
 }
 
-TEST(SimProgram, TakesTheRobotsNumbersByTheirNames) {
+TEST(SimProgram, AcceptsTheRobotsNumbersByTheirNames) {
     std::string path = testing::TempDir() + "roburoc4_numbers_" + std::to_string(getpid());
     std::ofstream(path) << "[Simulator]\nbattery_percent=30\n";
     SimProcess sim(
@@ -292,7 +292,7 @@ TEST(SimProgram, RunsManyRobotsOnConsecutivePorts) {
     }));
 }
 
-TEST(SimProgram, GivesServicesOtherIds) {
+TEST(SimProgram, CanUseOtherServiceIds) {
     SimProcess sim({"--port", "0", "--ids", "differential=40,iocard=300"});
     std::vector<uint16_t> ports = sim.ports();
     ASSERT_EQ(ports.size(), 1u);

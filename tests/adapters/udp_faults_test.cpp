@@ -158,7 +158,7 @@ TEST_F(Faults, AForbiddenAddressAtOpenIsAnError) {
     EXPECT_EQ(roburoc4_udp_fd(&udp_), -1);
 }
 
-TEST_F(Faults, ConnectingAnewIsPacedToOnceASecond) {
+TEST_F(Faults, ReconnectingIsLimitedToOnceASecond) {
     fake.connect_fault = ROBUROC4_FAULT_DOWN;
     open();
     for (int i = 0; i < 100000; i++) { /* a caller that calls without end */
@@ -172,7 +172,7 @@ TEST_F(Faults, ConnectingAnewIsPacedToOnceASecond) {
     }
 }
 
-TEST_F(Faults, APathThatFailsForASecondIsConnectedAnew) {
+TEST_F(Faults, APathThatFailsForASecondIsReconnected) {
     open();
     fake.send_fault = ROBUROC4_FAULT_DOWN; /* the address that it sends from was taken away */
     live(600000);
@@ -187,7 +187,7 @@ TEST_F(Faults, APathThatFailsForASecondIsConnectedAnew) {
     EXPECT_EQ(fake.connects_us.size(), connects) << "a path that works is left alone";
 }
 
-TEST_F(Faults, APathThatMendsByItselfKeepsItsConnection) {
+TEST_F(Faults, APathThatRecoversByItselfKeepsItsConnection) {
     open();
     fake.send_faults = {ROBUROC4_FAULT_UNREACHABLE, ROBUROC4_FAULT_UNREACHABLE};
     live(10000000);
@@ -196,7 +196,7 @@ TEST_F(Faults, APathThatMendsByItselfKeepsItsConnection) {
     EXPECT_EQ(count(ROBUROC4_UDP_COUNT_RECONNECTS), 0u);
 }
 
-TEST_F(Faults, RefusalsAndFullBuffersDoNotConnectAnew) {
+TEST_F(Faults, RefusalsAndFullBuffersDoNotReconnect) {
     for (uint32_t fault : {uint32_t{ROBUROC4_FAULT_REFUSED}, uint32_t{ROBUROC4_FAULT_FULL},
                            uint32_t{ROBUROC4_FAULT_DENIED}}) {
         SetUp();
@@ -217,7 +217,7 @@ TEST_F(Faults, AReportedRefusalDoesNotCostTheDatagram) {
     EXPECT_EQ(count(ROBUROC4_UDP_COUNT_DROPPED), 0u);
 }
 
-TEST_F(Faults, WhatTheSocketDoesNotTakeIsDroppedNotQueued) {
+TEST_F(Faults, WhatTheSocketRefusesIsDroppedNotQueued) {
     open();
     fake.send_fault = ROBUROC4_FAULT_FULL;
     EXPECT_EQ(roburoc4_udp_transmit_all(&udp_, &client_), 0);
@@ -228,7 +228,7 @@ TEST_F(Faults, WhatTheSocketDoesNotTakeIsDroppedNotQueued) {
     EXPECT_TRUE(fake.sent.empty());
 }
 
-TEST_F(Faults, EveryFaultOnReceivingIsPassedOver) {
+TEST_F(Faults, EveryFaultOnReceivingIsSkipped) {
     open();
     fake.receives = {ROBUROC4_OS_FAULT, ROBUROC4_OS_OVERSIZED, ROBUROC4_OS_FAULT,
                      ROBUROC4_OS_DATAGRAM};
@@ -245,7 +245,7 @@ TEST_F(Faults, FaultsWithoutEndDoNotTrapTheCaller) {
     EXPECT_EQ(fake.receive_calls, ROBUROC4_UDP_BURST);
 }
 
-TEST_F(Faults, AFloodStopsWhereTheClientHasToSend) {
+TEST_F(Faults, AFloodIsInterruptedWhenTheClientMustSend) {
     open();
     roburoc4_udp_transmit_all(&udp_, &client_);
     fake.receive_forever = 1;

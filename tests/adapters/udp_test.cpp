@@ -98,14 +98,14 @@ TEST(Resolve, AcceptsEveryDocumentedForm) {
     EXPECT_EQ(text_of("[2001:db8::5]:65535"), "[2001:db8::5]:65535");
 }
 
-TEST(Resolve, UsesTheRobotsPortWhereNoneIsGiven) {
+TEST(Resolve, UsesTheRobotsPortByDefault) {
     roburoc4_address address{};
     ASSERT_EQ(roburoc4_udp_resolve(ROBUROC4_DEFAULT_HOST, 0, &address), ROBUROC4_OK);
     EXPECT_EQ(address.port, ROBUROC4_DEFAULT_PORT);
     EXPECT_EQ(address.family, 4);
 }
 
-TEST(Resolve, RefusesTextsThatAreNoAddress) {
+TEST(Resolve, RefusesTextsThatAreNotAddresses) {
     for (const char *text :
          {"", ":60000", "host:", "host:0", "host:65536", "host:100000", "host:-1", "host:6x", "[]",
           "[::1", "[::1]60000", "[::1]:", "[::1]:0", "[host]:1", "a b", " 1.2.3.4", "1.2.3.4\n"}) {
@@ -119,7 +119,7 @@ TEST(Resolve, RefusesTextsThatAreNoAddress) {
               ROBUROC4_ERR_ARGUMENT);
 }
 
-TEST(Resolve, NamesTheLackOfAnAddress) {
+TEST(Resolve, ReportsAMissingAddress) {
     roburoc4_address address{};
     EXPECT_EQ(roburoc4_udp_resolve("no..such..name", 1, &address), ROBUROC4_ERR_RESOLVE);
     EXPECT_EQ(address.family, 0);
@@ -148,7 +148,7 @@ TEST(AddressText, ShowsTheZoneOfALinkLocalAddress) {
     EXPECT_STREQ(text, "[fe80::1%4294967295]:60000");
 }
 
-TEST(Clock, NeverGoesBackAndGoesOn) {
+TEST(Clock, NeverGoesBackAndKeepsRunning) {
     uint64_t first = roburoc4_udp_now_us(), last = first;
     ASSERT_TRUE(eventually([&] {
         uint64_t now = roburoc4_udp_now_us();
@@ -178,7 +178,7 @@ TEST(Udp, RefusesAnotherStructSizeAndBadAddresses) {
     EXPECT_EQ(roburoc4_udp_fd(&udp), -1);
 }
 
-TEST(Udp, SaysWhyTheSystemRefusesAnAddress) {
+TEST(Udp, ReportsWhyTheSystemRefusesAnAddress) {
     roburoc4_udp udp{};
     roburoc4_address broadcast{};
     ASSERT_EQ(roburoc4_udp_resolve("255.255.255.255:60000", 0, &broadcast), ROBUROC4_OK);
@@ -188,7 +188,7 @@ TEST(Udp, SaysWhyTheSystemRefusesAnAddress) {
     EXPECT_EQ(roburoc4_udp_close(&udp), ROBUROC4_ERR_CLOSED);
 }
 
-TEST(Udp, IsClosedOnceAndForAll) {
+TEST(Udp, CanBeClosedRepeatedly) {
     Socket robot;
     Link link(robot.address());
     const uint8_t *datagram;
@@ -311,7 +311,7 @@ TEST(Udp, SurvivesGarbageOfEveryLength) {
     EXPECT_EQ(roburoc4_client_state(&link.client), uint32_t{ROBUROC4_STATE_CONNECTING});
 }
 
-TEST(Udp, ThrowsOversizedDatagramsAwayAndTakesTheNext) {
+TEST(Udp, DropsOversizedDatagramsAndReadsTheNext) {
     Socket robot;
     Link link(robot.address(), false);
     robot.send(link.seen_from(), std::vector<uint8_t>(ROBUROC4_UDP_MAX_RECEIVE + 1));
@@ -327,7 +327,7 @@ TEST(Udp, ThrowsOversizedDatagramsAwayAndTakesTheNext) {
     EXPECT_EQ(link.udp_count(ROBUROC4_UDP_COUNT_RECEIVED), 1u);
 }
 
-TEST(Udp, HearsNobodyButTheRobotsAddressAndPort) {
+TEST(Udp, ReceivesOnlyFromTheRobotsAddressAndPort) {
     Socket robot;
     Socket same_host;
     Socket same_port(robot.port(), "127.0.0.2");
@@ -421,7 +421,7 @@ TEST(Flood, IsTakenInBurstsOfBoundedLength) {
     EXPECT_EQ(link.udp_count(ROBUROC4_UDP_COUNT_RECEIVED), 150u);
 }
 
-TEST(Flood, DoesNotHoldBackWhatIsDue) {
+TEST(Flood, DoesNotDelayWhatIsDue) {
     Socket robot;
     Link link(robot.address());
     sockaddr_in to = link.seen_from();
@@ -442,7 +442,7 @@ TEST(Flood, DoesNotHoldBackWhatIsDue) {
 
 /* --------------------------------------------------------------------------------- waiting --- */
 
-TEST(Wait, LastsAsLongAsItWasTold) {
+TEST(Wait, LastsAsLongAsRequested) {
     Socket robot;
     Link link(robot.address(), false);
     uint64_t before_us = roburoc4_udp_now_us();

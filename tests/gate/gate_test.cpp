@@ -120,7 +120,7 @@ class GateWithoutAges : public Gate {
 
 /* ------------------------------------------------------------------------------------ form --- */
 
-TEST_F(Gate, TakesAGoodCommandAndCountsItByKind) {
+TEST_F(Gate, AcceptsAValidCommandAndCountsItByKind) {
     for (int kind = 0; kind < judged_kinds; kind++) {
         gate_command c = command();
         c.kind = static_cast<gate_kind>(kind);
@@ -144,7 +144,7 @@ TEST_F(Gate, IsReadOnlyForEveryKindThatIsNotEnabled) {
     }
 }
 
-TEST_F(Gate, WantsASenderOf1To63Bytes) {
+TEST_F(Gate, RequiresASenderOf1To63Bytes) {
     const std::string longest(GATE_MAX_SENDER, 's');
     const std::string longer(GATE_MAX_SENDER + 1, 's');
     EXPECT_EQ(GATE_SENDER, judge(command("")));
@@ -153,7 +153,7 @@ TEST_F(Gate, WantsASenderOf1To63Bytes) {
     EXPECT_EQ(longest, owner());
 }
 
-TEST_F(Gate, RejectsNaNAndInfinityAndAllUtimesThatAreNone) {
+TEST_F(Gate, RejectsNaNAndInfinityAndInvalidUtimes) {
     gate_command c = command();
     c.finite = false;
     EXPECT_EQ(GATE_NOT_FINITE, judge(c));
@@ -195,7 +195,7 @@ TEST_F(Gate, APlannerThatStreamsSinceBeforeTheStartMustPause) {
     }
 }
 
-TEST_F(Gate, TakesNothingFromBeforeItsStartEvenFromAClockThatIsAhead) {
+TEST_F(Gate, RejectsCommandsFromBeforeItsStartEvenWithAClockAhead) {
     /* Commands that the bridge received before its restart, of a clock that is 199 ms ahead. */
     const std::int64_t last_utime = time().utime + 199 * ms;
     restart();
@@ -207,7 +207,7 @@ TEST_F(Gate, TakesNothingFromBeforeItsStartEvenFromAClockThatIsAhead) {
     }
 }
 
-TEST_F(Gate, TakesACommandOfExactlyTheMaximumAgeAndNoneBeyondIt) {
+TEST_F(Gate, AcceptsExactlyTheMaximumAgeAndNothingOlder) {
     gate_command c = command();
     c.utime = time().utime - 200 * ms - 1;
     EXPECT_EQ(GATE_TOO_OLD, judge(c));
@@ -230,7 +230,7 @@ TEST_F(Gate, AClockFarAheadDoesNotLockItsSenderOut) {
     EXPECT_EQ(GATE_TAKEN, judge(command())) << "rejected utimes are not remembered";
 }
 
-TEST_F(Gate, TakesEachUtimeOfASenderOnceAndInOrder) {
+TEST_F(Gate, AcceptsEachUtimeOfASenderOnceAndInOrder) {
     gate_command c = command();
     EXPECT_EQ(GATE_TAKEN, judge(c));
     EXPECT_EQ(GATE_REPEATED, judge(c));
@@ -272,7 +272,7 @@ TEST_F(Gate, ARejectedCommandCannotBeReplayedEither) {
     EXPECT_EQ(GATE_REPEATED, judge(c));
 }
 
-TEST_F(GateWithoutAges, TakesAllAgesButNoRepetition) {
+TEST_F(GateWithoutAges, AcceptsAllAgesButNoRepetition) {
     gate_command c = command();
     c.utime = 5;
     EXPECT_EQ(GATE_TAKEN, judge(c));
@@ -351,7 +351,7 @@ TEST_F(Gate, MoreSendersAtOnceThanItCanRememberAreRejected) {
     EXPECT_EQ(GATE_TAKEN, judge(command("one more")));
 }
 
-TEST_F(Gate, AClockThatIsSetMakesAllPause) {
+TEST_F(Gate, AfterTheClockIsSetAllMustPause) {
     ASSERT_EQ(GATE_TAKEN, judge(command()));
     const gate_time set{us(), epoch - 3600 * second};
     gate_clock_was_set(&gate, set);
@@ -499,7 +499,7 @@ TEST_F(Gate, AfterADisarmItWaitsUntilAllHavePausedFor500Milliseconds) {
     EXPECT_EQ(GATE_TAKEN, judge(command(), armable)) << "the next command arms again";
 }
 
-TEST_F(Gate, ACommandRightBeforeTheEndOfThePauseBeginsItAnew) {
+TEST_F(Gate, ACommandRightBeforeTheEndOfThePauseRestartsIt) {
     gate_hold(&gate, us());
     for (int i = 0; i < 5; i++) {
         run(500 * ms - 1);
@@ -509,7 +509,7 @@ TEST_F(Gate, ACommandRightBeforeTheEndOfThePauseBeginsItAnew) {
     EXPECT_EQ(GATE_TAKEN, judge(command(), armable));
 }
 
-TEST_F(Gate, TimeInWhichTheBridgeHungIsNoPause) {
+TEST_F(Gate, TimeInWhichTheBridgeHungIsNotAPause) {
     gate_hold(&gate, us());
     EXPECT_EQ(GATE_DISARMED, stream(400 * ms, armed));
     const std::uint64_t since_us = us();
@@ -524,7 +524,7 @@ TEST_F(Gate, TimeInWhichTheBridgeHungIsNoPause) {
     EXPECT_EQ(GATE_TAKEN, judge(command())) << "the pause was over before";
 }
 
-TEST_F(Gate, ZerosCountAsAPauseButAreRefusedDuringIt) {
+TEST_F(Gate, ZerosCountAsAPauseButAreRejectedDuringIt) {
     gate_hold(&gate, us());
     EXPECT_EQ(GATE_DISARMED, stream(450 * ms, armable, true));
     EXPECT_EQ(GATE_TAKEN, stream(50 * ms, armable, true));
@@ -544,7 +544,7 @@ TEST_F(Gate, EverySenderMustPauseAlsoOneThatWouldBeRejected) {
     EXPECT_EQ(GATE_TAKEN, judge(command(), armable));
 }
 
-TEST_F(Gate, OnlyWhoAsksForMotionProlongsAPause) {
+TEST_F(Gate, OnlyRequestsForMotionProlongAPause) {
     for (int kind = 0; kind < judged_kinds; kind++) {
         for (const bool enabled : {true, false}) {
             rules_ = default_rules();
@@ -563,7 +563,7 @@ TEST_F(Gate, OnlyWhoAsksForMotionProlongsAPause) {
     }
 }
 
-TEST_F(Gate, AllKindsOfCommandsAreRefusedDuringAPause) {
+TEST_F(Gate, AllKindsOfCommandsAreRejectedDuringAPause) {
     gate_hold(&gate, us());
     for (const gate_kind kind : {GATE_OUTPUT, GATE_RELOCALIZE}) {
         gate_command c = command();
@@ -572,7 +572,7 @@ TEST_F(Gate, AllKindsOfCommandsAreRefusedDuringAPause) {
     }
 }
 
-TEST_F(Gate, WhoStreamsWhileTheRobotIsAwayMustPauseOnceItIsBack) {
+TEST_F(Gate, ASenderThatStreamsWhileTheRobotIsAwayMustPauseLater) {
     gate_hold(&gate, us());
     run(2 * second); /* paused while [A] is held or the robot is away ... */
     for (const gate_robot &state : {overridden, absent}) {
@@ -583,7 +583,7 @@ TEST_F(Gate, WhoStreamsWhileTheRobotIsAwayMustPauseOnceItIsBack) {
     }
 }
 
-TEST_F(Gate, ThatIsNotReadyTakesNothingOfAnyKind) {
+TEST_F(Gate, ThatIsNotReadyAcceptsNoCommands) {
     for (int kind = 0; kind < judged_kinds; kind++) {
         gate_command c = command();
         c.kind = static_cast<gate_kind>(kind);
@@ -629,7 +629,7 @@ TEST_F(Gate, ZerosNeitherTakeNorKeepControl) {
     EXPECT_EQ("", owner());
 }
 
-TEST_F(Gate, CanDriveOnlyWhereItIsEnabled) {
+TEST_F(Gate, CanDriveOnlyIfEnabled) {
     EXPECT_TRUE(gate_can_drive(&gate, &armed, us()));
     EXPECT_FALSE(gate_can_drive(&gate, &overridden, us()));
     EXPECT_FALSE(gate_can_drive(&gate, &absent, us()));

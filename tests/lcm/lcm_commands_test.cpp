@@ -180,7 +180,7 @@ TEST(LcmCommands, OfSeveralValuesForOneOutputTheLaterCounts) {
     EXPECT_EQ(1ULL << 3, c.digital_values);
 }
 
-TEST(LcmCommands, MarkOutputsThatNoClientStores) {
+TEST(LcmCommands, MarkOutputsBeyondTheClientsCapacity) {
     for (const std::int32_t index : {-1, 64, INT32_MIN, INT32_MAX}) {
         command c;
         ASSERT_TRUE(decode(GATE_OUTPUT, outputs({1, index}, {1, 1}), &c));
@@ -188,7 +188,7 @@ TEST(LcmCommands, MarkOutputsThatNoClientStores) {
     }
 }
 
-TEST(LcmCommands, AreNoMessagesOfAnotherTypeLengthOrFingerprint) {
+TEST(LcmCommands, RejectOtherTypesLengthsAndFingerprints) {
     command c;
     for (const auto &good : good_ones) {
         for (int kind = 0; kind < GATE_KINDS; kind++)
@@ -210,7 +210,7 @@ TEST(LcmCommands, AreNoMessagesOfAnotherTypeLengthOrFingerprint) {
     }
 }
 
-TEST(LcmCommands, RejectStringsThatLieAboutTheirLength) {
+TEST(LcmCommands, RejectStringsWithAWrongLength) {
     command c;
     for (const auto &good : good_ones) {
         for (const std::int32_t length : {INT32_MIN, -1, 0, 1, 3, 10, 1000, INT32_MAX}) {
@@ -230,7 +230,7 @@ TEST(LcmCommands, RejectStringsThatLieAboutTheirLength) {
     EXPECT_TRUE(decode(GATE_DRIVE, drive("é"), &c));
 }
 
-TEST(LcmCommands, RejectSizesThatNoCommandHas) {
+TEST(LcmCommands, RejectImpossibleSizes) {
     /* LCM passes on a packet without a channel with the size -1 and the like. */
     const Bytes good = drive(std::string(3000, 's'));
     command c;
@@ -242,7 +242,7 @@ TEST(LcmCommands, RejectSizesThatNoCommandHas) {
         EXPECT_FALSE(command_decode(GATE_DRIVE, lies.data(), size, &c)) << size;
 }
 
-TEST(LcmCommands, RejectListsThatLieAboutTheirLength) {
+TEST(LcmCommands, RejectListsWithAWrongLength) {
     const Bytes good = outputs({1}, {1}, {0}, {1.0F});
     const std::size_t digital_at = sender_at + 4 + 5;
     const std::size_t analog_at = digital_at + 4 + 4 + 1;

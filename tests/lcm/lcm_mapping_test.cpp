@@ -331,7 +331,7 @@ TEST(LcmMapping, PropertiesAreThoseOfTheRobotAndFitTheBuffer) {
     EXPECT_LE(roburoc4_lcm_robot_properties_t_encoded_size(&out), MAPPING_MAX_ENCODED);
 }
 
-TEST(LcmMapping, PropertiesOfARobotThatIsNotThereAreEmptyLists) {
+TEST(LcmMapping, PropertiesOfAnAbsentRobotAreEmptyLists) {
     auto client = std::make_unique<roburoc4_client>();
     auto names = std::make_unique<mapping_names>();
     auto storage = std::make_unique<mapping_services>();
@@ -399,7 +399,7 @@ TEST(LcmMapping, StatisticsHaveEveryCountUnderItsCause) {
     });
 }
 
-TEST(LcmMapping, StateTellsTheBridgeAndItsRules) {
+TEST(LcmMapping, StateHasTheBridgeAndItsRules) {
     View v;
     v.link.silence_us = 403;
     TRAVEL(roburoc4_lcm_bridge_state_t, v.state(), {
@@ -416,7 +416,7 @@ TEST(LcmMapping, StateTellsTheBridgeAndItsRules) {
     });
 }
 
-TEST(LcmMapping, StateTellsWhoStoppedTheRobot) {
+TEST(LcmMapping, StateNamesWhoStoppedTheRobot) {
     View v;
     gate_stop(&v.gate, "operator", 8, v.view.now.us);
     const roburoc4_lcm_bridge_state_t state = v.state();
@@ -428,7 +428,7 @@ TEST(LcmMapping, StateTellsWhoStoppedTheRobot) {
     EXPECT_EQ("stopped by operator; the next command drives", v.message());
 }
 
-TEST(LcmMapping, StateTellsWhoDrivesAndWhyNobodyCan) {
+TEST(LcmMapping, StateNamesTheDriverOrTheReason) {
     View v;
     EXPECT_STREQ("", v.state().control_owner);
     EXPECT_EQ(-1, v.state().command_age_us);

@@ -103,7 +103,7 @@ TEST(LcmOptions, NameSeveralRobotsAndTheirChannels) {
     EXPECT_EQ("", channel_of(r, 1, CHANNEL_POSE));
 }
 
-TEST(LcmOptions, TakeValuesInEveryForm) {
+TEST(LcmOptions, AcceptValuesInEveryForm) {
     const Read r = read({"-p", "LAB", "-l", "udpm://", "--period", "battery=0",
                          "--period=iocard=10", "--command-timeout=20", "--max-age", "0", "-q"});
     ASSERT_EQ(OPTIONS_RUN, r.result) << r.error;
@@ -190,7 +190,7 @@ TEST(LcmOptions, AtMost1000Robots) {
     EXPECT_EQ(OPTIONS_BAD, read(arguments).result);
 }
 
-TEST(LcmConfigFile, SetsEachRobotApart) {
+TEST(LcmConfigFile, ConfiguresEachRobotSeparately) {
     const Read r = read_file("# the lab\n"
                              "[DEFAULT]\n"
                              "lcm-url = udpm://239.255.76.67:7667?ttl=1\n"
@@ -274,7 +274,7 @@ TEST(LcmConfigFile, CommandLineSetsNoRobotBesideIt) {
     EXPECT_EQ(0U, read({"-c", "/no/such/file"}).error.find("--config /no/such/file: "));
 }
 
-TEST(LcmConfigFile, UnknownNameOfOneRobotIsItsOwn) {
+TEST(LcmConfigFile, UnknownNameAffectsOneRobot) {
     const Read r =
         read_file("[RED]\naddress = no-such-robot.invalid\n[BLUE]\naddress = 10.0.0.1\n");
     char error[OPTIONS_ERROR_SIZE] = "";
@@ -288,7 +288,7 @@ TEST(LcmOptions, HelpAndVersionWinOverWhatFollows) {
     EXPECT_EQ(OPTIONS_VERSION, read({"--version"}).result);
 }
 
-TEST(LcmText, IsUtf8WhereItIsAndLatin1Elsewhere) {
+TEST(LcmText, IsReadAsUtf8ElseAsLatin1) {
     EXPECT_EQ("Télémètre", copied("Télémètre", 64));
     EXPECT_EQ("Télémètre", copied("T\xE9l\xE9m\xE8tre", 64));
     EXPECT_EQ("cut", copied(std::string("cut\0here", 8), 64));
@@ -302,7 +302,7 @@ TEST(LcmText, IsNeverCutWithinACharacter) {
     EXPECT_EQ("T", copied("T\xE9", 3));
 }
 
-TEST(LcmText, TellsUtf8FromWhatOnlyLooksLikeIt) {
+TEST(LcmText, DistinguishesUtf8FromLookalikes) {
     const struct {
         const char *text;
         bool good;
@@ -326,7 +326,7 @@ TEST(LcmText, TellsUtf8FromWhatOnlyLooksLikeIt) {
     EXPECT_FALSE(text_is_utf8(reinterpret_cast<const std::uint8_t *>("a\0b"), 3));
 }
 
-TEST(LcmText, CommandsNoTerminal) {
+TEST(LcmText, CannotControlTheTerminal) {
     char room[16];
     text_for_terminal(room, sizeof room, "a\x1B[2J\n\x7F", 7);
     EXPECT_STREQ("a?[2J??", room);

@@ -154,7 +154,7 @@ TEST_F(SimPad, DrivesWhileAIsHeldAndCommandsAreIgnored) {
     EXPECT_EQ(300U, robot.take().size()) << "statuses go on";
 }
 
-TEST_F(SimPad, AxesGoTheManualsWays) {
+TEST_F(SimPad, AxesHaveTheManualsDirections) {
     (void)roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_A, 1);
     robot.run(1);
     EXPECT_EQ(0.0, robot.state().target_linear_m_s) << "triggers rest at -1";
@@ -207,7 +207,7 @@ TEST_F(SimPad, RefusesWhatItDoesNotHave) {
                                std::numeric_limits<float>::quiet_NaN()));
 }
 
-TEST_F(SimPad, ReleasePadLetsAllGo) {
+TEST_F(SimPad, ReleasePadReleasesEverything) {
     (void)roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD_AXIS + ROBUROC4_AI_PAD_RT, 1.0F);
     (void)roburoc4_sim_set(sim(), ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_A, 1);
     robot.run(10);

@@ -70,7 +70,7 @@ TEST(SimControls, OfThePadHaveTheNamesOfTheirChannels) {
     EXPECT_EQ(20, found);
 }
 
-TEST(SimControls, CanBeCalledByTheBeginningsOfTheirNames) {
+TEST(SimControls, CanBeAbbreviated) {
     EXPECT_EQ(ROBUROC4_SIM_BATTERY_PERCENT, roburoc4_sim_control_find("battery"));
     EXPECT_EQ(ROBUROC4_SIM_BRAKES_RELEASED, roburoc4_sim_control_find("brakes"));
     EXPECT_EQ(ROBUROC4_SIM_PAD_AXIS + ROBUROC4_AI_PAD_LJ_X, roburoc4_sim_control_find("pad_ljx"));

@@ -176,7 +176,7 @@ TEST(SimTarget, IsClampedToThePropertiesLimits) {
     EXPECT_NEAR(-0.25, slow.state().target_linear_m_s, 1e-6);
 }
 
-TEST(SimTarget, IsKeptSensibleWhereTheReportedLimitsAreNot) {
+TEST(SimTarget, StaysWithinBoundsWhenTheReportedLimitsAreInvalid) {
     roburoc4_sim_config config = without_slip();
     config.max_linear_m_s = std::numeric_limits<float>::quiet_NaN();
     config.max_angular_rad_s = -1.0F;
@@ -196,7 +196,7 @@ TEST(SimTarget, IgnoresNaNAndInfinity) {
     EXPECT_EQ(3U, robot.state().speed_commands);
 }
 
-TEST(SimWatchdog, BitesExactlyAfterItsCyclesAndReportsTargetZero) {
+TEST(SimWatchdog, TripsExactlyAfterItsCyclesAndReportsTargetZero) {
     OpenFloor robot;
     robot.command(1.0F, 0.5F);
     robot.run(99);
@@ -285,7 +285,7 @@ TEST(SimSlip, TheBodyTurnsLessThanTheWheelsSay) {
     EXPECT_GT(1.0 - body / wheels, 0.02);
 }
 
-TEST(SimSlip, SpoilsTurningMostAndStraightMotionLittle) {
+TEST(SimSlip, AffectsTurningMostAndStraightMotionLittle) {
     OpenFloor straight(default_sim_config());
     straight.drive(1.0F, 0.0F, 600);
     auto state = straight.state();

@@ -111,7 +111,7 @@ void expect_share(double share, std::uint64_t count) {
 
 } // namespace
 
-TEST(SimNetwork, WithoutFaultsDeliversAllAtOnceInOrderAndUnchanged) {
+TEST(SimNetwork, WithoutFaultsDeliversEverythingAtOnceAndInOrder) {
     const Channel channel(no_faults());
     const auto all = pass_many(channel);
     ASSERT_EQ(many, all.size());
@@ -120,7 +120,7 @@ TEST(SimNetwork, WithoutFaultsDeliversAllAtOnceInOrderAndUnchanged) {
     EXPECT_EQ(many, channel.counts().delivered);
 }
 
-TEST(SimNetwork, LosesTheShareThatItIsToldTo) {
+TEST(SimNetwork, LosesTheConfiguredShare) {
     auto faults = no_faults();
     faults.loss = 0.2;
     const Channel channel(faults);
@@ -151,7 +151,7 @@ TEST(SimNetwork, DelaysAndJittersWithinBoundsAndKeepsTheOrder) {
     EXPECT_GT(longest, 75000U);
 }
 
-TEST(SimNetwork, DuplicatesTheShareThatItIsToldTo) {
+TEST(SimNetwork, DuplicatesTheConfiguredShare) {
     auto faults = no_faults();
     faults.duplicate = 0.1;
     faults.jitter_us = 3000;
@@ -163,7 +163,7 @@ TEST(SimNetwork, DuplicatesTheShareThatItIsToldTo) {
         ASSERT_EQ(numbered(number_of(arrival.bytes)), arrival.bytes);
 }
 
-TEST(SimNetwork, ReordersSoThatLaterOnesOvertake) {
+TEST(SimNetwork, ReordersDatagrams) {
     auto faults = no_faults();
     faults.reorder = 0.1;
     const Channel channel(faults);
@@ -179,7 +179,7 @@ TEST(SimNetwork, ReordersSoThatLaterOnesOvertake) {
     EXPECT_LE(overtaken, channel.counts().reordered);
 }
 
-TEST(SimNetwork, CorruptsTheShareThatItIsToldToAndNothingElse) {
+TEST(SimNetwork, CorruptsTheConfiguredShareAndNothingElse) {
     auto faults = no_faults();
     faults.corrupt = 0.25;
     const Channel channel(faults);
@@ -242,7 +242,7 @@ TEST(SimNetwork, ASmallBufferLeavesTheDatagramWhereItIs) {
     EXPECT_EQ(20, sim_network_poll(channel.get(), 0, nullptr, buffer.data(), 20));
 }
 
-TEST(SimNetwork, TakesOtherFaultsOnTheWay) {
+TEST(SimNetwork, AcceptsOtherFaultsWhileItRuns) {
     auto faults = no_faults();
     faults.loss = 1.0;
     const Channel channel(faults);

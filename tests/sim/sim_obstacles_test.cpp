@@ -167,7 +167,7 @@ TEST_F(SimObstacles, FastMotionDoesNotTunnelThroughThinWalls) {
     EXPECT_EQ(1, robot.state().bumper_front);
 }
 
-TEST_F(SimObstacles, RefusesWhatCannotBe) {
+TEST_F(SimObstacles, RefusesInvalidObstacles) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_sim_add_box(sim(), 0.9, 0.0, 1.0, 1.0, 0.0));
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_add_box(sim(), nan, 0.0, 1.0, 1.0, 0.0));
@@ -225,7 +225,7 @@ TEST_F(SimTelemeter, SeeWithinTheirConeAndRange) {
     EXPECT_DOUBLE_EQ(6.0, front()) << "farther than it can measure";
 }
 
-TEST_F(SimTelemeter, PropertiesSayWhereTheySitAndWhatTheySee) {
+TEST_F(SimTelemeter, PropertiesHoldTheirMountingAndRange) {
     ASSERT_EQ(0, wall(4.0, -3.0, 4.0, 3.0));
     const Bytes answer = robot.ask(from_hex("07 00 03 00"));
     roburoc4_telemeter_list list{};

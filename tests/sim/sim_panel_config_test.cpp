@@ -56,7 +56,7 @@ std::uint32_t watchdog_of(const std::string &text) {
 
 /* ----------------------------------------------------------------------------------- panel --- */
 
-TEST_F(SimPanel, MovesEveryKnob) {
+TEST_F(SimPanel, SetsEveryControl) {
     EXPECT_EQ(ROBUROC4_OK, obey("pad rt 0.5"));
     EXPECT_EQ("ok", reply);
     EXPECT_EQ(ROBUROC4_OK, obey("pad a down"));
@@ -141,7 +141,7 @@ TEST_F(SimPanel, PinsInputs) {
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, obey("pin digital 22 on"));
 }
 
-TEST_F(SimPanel, TakesAControlByItsName) {
+TEST_F(SimPanel, AcceptsAControlByItsName) {
     EXPECT_EQ(ROBUROC4_OK, obey("estop_local 1"));
     EXPECT_EQ(1, robot.state().estop_local);
     EXPECT_EQ(ROBUROC4_OK, obey("localization 82"));
@@ -153,7 +153,7 @@ TEST_F(SimPanel, TakesAControlByItsName) {
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, obey("digital_output_1 1"));
 }
 
-TEST_F(SimPanel, TellsWhyThereIsNoMotorPower) {
+TEST_F(SimPanel, ReportsWhyThereIsNoMotorPower) {
     EXPECT_EQ(ROBUROC4_OK, obey("estop remote press"));
     EXPECT_EQ(ROBUROC4_ERR_STATE, obey("motor on"));
     EXPECT_NE(std::string::npos, reply.find("emergency stop")) << reply;
@@ -169,7 +169,7 @@ TEST_F(SimPanel, HelpListsEveryCommandAndStatusShowsThePose) {
     EXPECT_NE(std::string::npos, reply.find("pose 1.250")) << reply;
 }
 
-TEST_F(SimPanel, TakesBlanksCapitalsCommentsAndEmptyLines) {
+TEST_F(SimPanel, AcceptsBlanksCapitalsCommentsAndEmptyLines) {
     EXPECT_EQ(ROBUROC4_OK, obey("  Power \t OFF \r\n"));
     EXPECT_EQ(0, robot.state().powered);
     EXPECT_EQ(ROBUROC4_OK, obey(""));
@@ -240,7 +240,7 @@ TEST(SimConfigFile, GivesTheWatchdogOfTheDifferentialService) {
     EXPECT_EQ(20U, watchdog_of("[DifferentialService]\nWatchdog=10\nWatchdog=20"));
 }
 
-TEST(SimConfigFile, LeavesTheDefaultWhereNothingIsSaid) {
+TEST(SimConfigFile, KeepsTheDefaultIfNothingIsConfigured) {
     for (const char *text :
          {"", "\n\n", "[DifferentialService]", "Watchdog=5", "[Other]\nWatchdog=5",
           "[DifferentialService]\n#Watchdog=5\n;Watchdog=6\nWatchdogs=7",

@@ -84,7 +84,7 @@ TEST(SimProperties, DirectoryListsItselfFirstAndAllServicesById) {
     }
 }
 
-TEST(SimProperties, IoCardTellsItsChannelsByTheManualsNames) {
+TEST(SimProperties, IoCardNamesItsChannelsAsTheManual) {
     SimRobot robot;
     const Bytes answer = robot.ask(get(2));
     const auto card = decode<roburoc4_iocard_properties>(answer, roburoc4_decode_iocard_properties);
@@ -100,7 +100,7 @@ TEST(SimProperties, IoCardTellsItsChannelsByTheManualsNames) {
     EXPECT_EQ("", channel_text(robot, ROBUROC4_IO_DIGITAL_INPUT, 5));
 }
 
-TEST(SimProperties, DifferentialTellsTargetsSpeedsAndLimits) {
+TEST(SimProperties, DifferentialReportsTargetsSpeedsAndLimits) {
     SimRobot robot;
     robot.drive(1.0F, -0.5F, 40);
     const Bytes answer = robot.ask(get(6));
@@ -208,7 +208,7 @@ TEST(SimErrors, SurplusBytesAreTolerated) {
     EXPECT_EQ(from_hex("05 04 01 00 00"), robot.ask(from_hex("05 04 01 00 06 00 05 AA BB")));
 }
 
-TEST(SimErrors, WhatIsNoRequestGetsNoAnswer) {
+TEST(SimErrors, InvalidRequestsGetNoAnswer) {
     SimRobot robot;
     EXPECT_TRUE(robot.ask({}).empty());
     EXPECT_TRUE(robot.ask(from_hex("00 00 02 00")).empty());
@@ -218,7 +218,7 @@ TEST(SimErrors, WhatIsNoRequestGetsNoAnswer) {
     EXPECT_EQ(0U, robot.state().requests);
 }
 
-TEST(SimErrors, NoDatagramOfAnyKindOrLengthHarmsIt) {
+TEST(SimErrors, SurvivesDatagramsOfAnyKindAndLength) {
     SimRobot robot;
     std::mt19937 random(7);
     for (int round = 0; round < 20000; round++) {
@@ -337,7 +337,7 @@ TEST(SimSubscriptions, EndWhenThePeerIsSilentAndUnreachable) {
     EXPECT_EQ(0U, robot.state().subscriptions);
 }
 
-TEST(SimSubscriptions, OutliveAStrayPortUnreachable) {
+TEST(SimSubscriptions, SurviveAStrayPortUnreachable) {
     SimRobot robot;
     EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_BATTERY, 10));
     robot.run(1000);
@@ -353,7 +353,7 @@ TEST(SimSubscriptions, OutliveAStrayPortUnreachable) {
     roburoc4_sim_receive(robot.get(), 999, nullptr, 0);
 }
 
-TEST(SimPeers, SpoofedSendersDoNotTakeThePlacesOfThoseWhoListen) {
+TEST(SimPeers, SpoofedSendersDoNotReplaceSubscribers) {
     SimRobot robot;
     robot.ask(get(0), 1);
     EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_DIFFERENTIAL, 50, 1));
@@ -484,7 +484,7 @@ TEST(SimInputs, WithLiteralNumbersLieOneIndexHigher) {
     EXPECT_EQ(0x02, statuses[0].bytes[11 + 40 + 1]) << "bit 1 of block 1 is channel 9";
 }
 
-TEST(SimInputs, CanBePinnedAndUnpinned) {
+TEST(SimInputs, CanBeFixedAndReleased) {
     SimRobot robot;
     EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(robot.get(), ROBUROC4_SIM_PIN_DIGITAL + 3, 1));
     EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(robot.get(), ROBUROC4_SIM_PIN_ANALOG + 2, 7.5F));
@@ -519,7 +519,7 @@ TEST(SimDialects, OtherIdsHoldForRequestsStatusesAndCommands) {
     EXPECT_DOUBLE_EQ(1.0, robot.state().target_linear_m_s);
 }
 
-TEST(SimDialects, PlainTypesAreNoneThatIsKnown) {
+TEST(SimDialects, PlainTypesAreUnknownOnes) {
     roburoc4_sim_config config = default_sim_config();
     config.plain_types = 1;
     SimRobot robot(config);
@@ -563,7 +563,7 @@ TEST(SimDialects, AsManualAnswersWithOneAndTheTablesWords) {
     EXPECT_EQ("-- exists but not used --", std::string(text.begin() + 5, text.end()));
 }
 
-TEST(SimDialects, LocalizationReportsTheFlagsThatItIsGiven) {
+TEST(SimDialects, LocalizationReportsTheConfiguredFlags) {
     roburoc4_sim_config config = default_sim_config();
     config.localization_flags |= ROBUROC4_LOCALIZATION_ERROR;
     SimRobot robot(config);
@@ -581,7 +581,7 @@ TEST(SimDialects, ErrorsCanComeWithHeaderZero) {
     EXPECT_EQ(0x77, robot.ask(get(4, 0x77)).at(0));
 }
 
-TEST(SimDialects, AHiddenServiceIsNowhere) {
+TEST(SimDialects, AHiddenServiceIsNeverReported) {
     roburoc4_sim_config config = default_sim_config();
     config.hidden_services = 1U << ROBUROC4_SERVICE_BATTERY;
     config.refused_inserts = 1U << ROBUROC4_SERVICE_TELEMETER;

@@ -114,7 +114,7 @@ TEST_F(World, ACommandLeavesAtOnce) {
     EXPECT_EQ(before + 1, robot().nonzero_speed_commands);
 }
 
-TEST_F(World, TimeGoesNoFurtherThanItIsTold) {
+TEST_F(World, TimeGoesNoFurtherThanRequested) {
     run(1);
     run(12344);
     EXPECT_EQ(second + 12345, now());
@@ -123,7 +123,7 @@ TEST_F(World, TimeGoesNoFurtherThanItIsTold) {
     EXPECT_EQ(now(), robot().now_us);
 }
 
-TEST_F(World, NoStatusIsLeftOut) {
+TEST_F(World, NoStatusIsOmitted) {
     std::uint64_t last = 0, count = 0;
     make_ready();
     const std::uint64_t until_us = now() + 10 * second;
@@ -176,7 +176,7 @@ TEST_F(World, TheSameCallsGiveTheSameRun) {
     EXPECT_EQ(first, run_with_faults());
 }
 
-TEST_F(World, FaultsThatCannotBeAreRefusedAndNothingChanges) {
+TEST_F(World, InvalidFaultsAreRefusedAndNothingChanges) {
     make_ready();
     roburoc4_sim_faults faults{};
     faults.size = sizeof faults;
@@ -211,7 +211,7 @@ TEST_F(World, HasRoomForAFixedNumberOfClients) {
     EXPECT_EQ(ROBUROC4_WORLD_CLIENTS + 1, roburoc4_world_join(world.get(), &last));
 }
 
-TEST_F(World, AClientThatLeftIsNotTouchedAnyMore) {
+TEST_F(World, AClientThatLeftIsNoLongerTouched) {
     auto gone = std::make_unique<roburoc4_client>();
     roburoc4_client_init(gone.get(), sizeof *gone, nullptr);
     ASSERT_GT(roburoc4_world_join(world.get(), gone.get()), 0);

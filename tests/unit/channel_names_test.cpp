@@ -141,7 +141,7 @@ TEST(ChannelFind, BelievesTheRobotsOwnTextsFirst) {
     EXPECT_EQ(ROBUROC4_ERR_INDEX, find(bench, "game pad \"D\" left", digital, texts));
 }
 
-TEST(ChannelFind, TellsANameThatTwoChannelsHave) {
+TEST(ChannelFind, ReportsANameThatTwoChannelsHave) {
     ScriptedRobot robot = silent_robot(22, 9);
     Bench bench(robot);
     bench.ready();

@@ -90,7 +90,7 @@ TEST(Config, Defaults) {
     EXPECT_EQ(nullptr, roburoc4_config_error(&c));
 }
 
-TEST(Config, InitOfASizeThatNoVersionHadWritesNothing) {
+TEST(Config, InitWithAnUnknownSizeWritesNothing) {
     roburoc4_config c;
     memset(&c, 0xEE, sizeof c);
     const roburoc4_config before = c;
@@ -270,7 +270,7 @@ TEST(Init, OfASmallerSizeIsRefusedAndNothingWorks) {
     EXPECT_EQ(0, memcmp(&before, &c, sizeof c));
 }
 
-TEST(Init, ByABuildWithAnotherStructIsNoneOfOurs) {
+TEST(Init, ByABuildWithAnotherStructIsRefused) {
     for (const std::size_t size : {sizeof(roburoc4_client) - 8, sizeof(roburoc4_client) + 8}) {
         roburoc4_client c;
         ASSERT_EQ(ROBUROC4_OK, roburoc4_client_init(&c, sizeof c, nullptr));
@@ -304,7 +304,7 @@ TEST(Init, AfterAnErrorEveryOtherFunctionRefusesTheClient) {
     }
 }
 
-TEST(Struct, OfASizeThatNoVersionHadIsRefused) {
+TEST(Struct, OfAnUnknownSizeIsRefused) {
     ScriptedRobot robot;
     Bench bench(robot);
     roburoc4_facts facts{};

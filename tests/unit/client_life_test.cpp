@@ -32,7 +32,7 @@ void expect_ready_within(ScriptedRobot &robot, std::uint64_t limit_us) {
 
 } // namespace
 
-TEST(Life, IsIdleAndDisarmedAfterInitWhateverWasInItsMemory) {
+TEST(Life, IsIdleAndDisarmedAfterInitWhateverItsMemoryHeld) {
     ScriptedRobot robot;
     roburoc4_client client;
     memset(&client, 0xA5, sizeof client);
@@ -49,7 +49,7 @@ TEST(Life, IsIdleAndDisarmedAfterInitWhateverWasInItsMemory) {
     EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_client_receive(&client, buffer, 5, 5));
 }
 
-TEST(Life, GoesFromIdleOverConnectingDiscoveringSubscribingToReady) {
+TEST(Life, GoesFromIdleThroughAllStatesToReady) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.delay_to_client = [] { return 1 * ms; };
@@ -64,7 +64,7 @@ TEST(Life, GoesFromIdleOverConnectingDiscoveringSubscribingToReady) {
     EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_READY) << "events are cleared when taken";
 }
 
-TEST(Life, TellsOfEveryNewStateAndThatItIsReadyOnlyWhenItIs) {
+TEST(Life, ReportsEveryNewStateAndReadyOnlyWhenItIs) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.delay_to_client = [] { return 1 * ms; };
@@ -107,7 +107,7 @@ TEST(Life, TellsOfEveryNewStateAndThatItIsReadyOnlyWhenItIs) {
     EXPECT_EQ(wanted, told);
 }
 
-TEST(Life, WorksWithTheSimulatorToo) {
+TEST(Life, AlsoWorksWithTheSimulator) {
     SimPartner sim;
     Bench bench(sim);
     states_until_ready(bench);
@@ -205,7 +205,7 @@ TEST(Life, IsLostAfterTheConfiguredSilenceAndReturnsByItself) {
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_REBOOTS)) << "the same robot, its clock went on";
 }
 
-TEST(Life, WhileItStaysReadyItTellsOfStatusesOnly) {
+TEST(Life, WhileItStaysReadyItReportsOnlyStatuses) {
     ScriptedRobot robot;
     Bench bench(robot);
     ASSERT_NO_FATAL_FAILURE(bench.ready());
@@ -391,7 +391,7 @@ TEST(ReadyWithout, AnyService) {
     EXPECT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.arm());
 }
 
-TEST(Ready, StatusesBeforeTheAcknowledgementAreTaken) {
+TEST(Ready, StatusesBeforeTheAcknowledgementAreAccepted) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_BATTERY).insert_silent = true;
     Bench bench(robot);
@@ -476,7 +476,7 @@ TEST(Directory, AnotherOneIsNoticedAndDiscovered) {
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_PROPERTIES);
 }
 
-TEST(Directory, IsAPropertyWhoseNewsAreAnEvent) {
+TEST(Directory, IsAPropertyWhoseChangeIsAnEvent) {
     ScriptedRobot robot;
     robot.services.resize(2); /* itself and notification, which have no others */
     Bench bench(robot);
@@ -510,7 +510,7 @@ TEST(Directory, WithAnotherTypeIsAnotherOne) {
     EXPECT_TRUE(bench.run_until([&] { return bench.facts().armed == 0; }, 10 * second));
 }
 
-TEST(Directory, AnIoCardThatIsGoneIsNotAsked) {
+TEST(Directory, ARemovedIoCardIsNotRequested) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.delay_to_client = [] { return 1 * ms; };

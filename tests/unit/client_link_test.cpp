@@ -113,7 +113,7 @@ TEST(Link, LossOfTheOnlyServiceIsThatOfTheLink) {
     EXPECT_FLOAT_EQ(bench.service_link(differential).loss, figures(bench).loss);
 }
 
-TEST(Link, PeriodIsTheObservedOneWhereTheRobotUsesAnother) {
+TEST(Link, PeriodIsTheObservedOneIfTheRobotUsesAnother) {
     for (const std::uint8_t cycles : {std::uint8_t{2}, std::uint8_t{10}, std::uint8_t{25}}) {
         ScriptedRobot robot;
         robot.forced_period = cycles;
@@ -130,7 +130,7 @@ TEST(Link, PeriodIsTheObservedOneWhereTheRobotUsesAnother) {
     }
 }
 
-TEST(Link, LossOfBeforeIsKeptWhereThePeriodTurnsOutToBeLonger) {
+TEST(Link, EarlierLossIsKeptIfThePeriodTurnsOutToBeLonger) {
     struct Periods {
         std::uint8_t asked, used;
     };
@@ -188,7 +188,7 @@ TEST(Link, CountsDuplicatesAndLateOnesAndTakesLateOnesOffTheLost) {
     EXPECT_EQ(0U, bench.service_link(differential).lost) << "one that nobody missed";
 }
 
-TEST(Link, AStatusThatIsVeryLateIsLateAndNoDuplicate) {
+TEST(Link, AVeryLateStatusIsLateAndNotADuplicate) {
     ScriptedRobot robot;
     roburoc4_config config = default_config();
     config.period_ms[differential] = 10;
@@ -301,7 +301,7 @@ TEST(Link, AgeIsThatOfTheVeryFirstStatus) {
     EXPECT_EQ(before_us + 20000U, bench.service_link(differential).age_us);
 }
 
-TEST(Link, AgeAndSilenceBeyondAllMeasureAreTheLargestNumber) {
+TEST(Link, HugeAgeAndSilenceAreTheLargestNumber) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
@@ -419,7 +419,7 @@ TEST(HostTime, OfTheSimulatorIsRight) {
     EXPECT_NEAR(static_cast<double>(bench.now_us), static_cast<double>(host_us), 10000);
 }
 
-TEST(RoundTrip, OfMoreThanAnHourIsTheLongestThatThereIs) {
+TEST(RoundTrip, OfMoreThanAnHourIsTheMaximum) {
     ScriptedRobot robot;
     Bench bench(robot);
     Bytes answer;

@@ -128,7 +128,7 @@ TEST(Outputs, AreSentAtOnceAndTwiceMore) {
     EXPECT_EQ(start_us + 100 * ms, robot.output_commands[2].first);
 }
 
-TEST(Outputs, AreSentToTheMicrosecondForWhoPollsAtTheDeadlineOnly) {
+TEST(Outputs, AreSentToTheMicrosecondWhenPolledOnlyAtDeadlines) {
     ScriptedRobot robot;
     robot.iocard.analog_outputs = 1;
     Bench bench(robot);
@@ -146,7 +146,7 @@ TEST(Outputs, AreSentToTheMicrosecondForWhoPollsAtTheDeadlineOnly) {
     }
 }
 
-TEST(Outputs, AreSentAtOnceAtTimeZeroToo) {
+TEST(Outputs, AreAlsoSentAtOnceAtTimeZero) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.skew_us = -static_cast<std::int64_t>(bench.now_us);
@@ -219,7 +219,7 @@ TEST(Outputs, AreNotRepeatedToACardThatTurnsOutToBeAnother) {
     EXPECT_EQ(1U, robot.output_commands.size());
 }
 
-TEST(Outputs, OfBeforeARebootOrOfAnotherCardAreForgotten) {
+TEST(Outputs, FromBeforeARebootOrOfAnotherCardAreForgotten) {
     for (const bool reboot : {false, true}) {
         SCOPED_TRACE(reboot);
         ScriptedRobot robot;
@@ -379,7 +379,7 @@ TEST(Relocalize, EndsAfterTwoSecondsFromAnyTimeOn) {
     }
 }
 
-TEST(Relocalize, EndsToTheMicrosecondForWhoPollsAtTheDeadlineOnly) {
+TEST(Relocalize, EndsToTheMicrosecondWhenPolledOnlyAtDeadlines) {
     ScriptedRobot robot;
     robot.replace_silent = true;
     Bench bench(robot);
@@ -423,7 +423,7 @@ TEST(Relocalize, HasNoResultWhileItIsOpen) {
     EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result);
 }
 
-TEST(Relocalize, IsRefusedWhereItCannotBe) {
+TEST(Relocalize, IsRefusedIfItIsImpossible) {
     ScriptedRobot robot;
     robot.remove(ROBUROC4_SERVICE_LOCALIZATION);
     Bench bench(robot);
@@ -438,7 +438,7 @@ TEST(Relocalize, IsRefusedWhereItCannotBe) {
     }
 }
 
-TEST(Relocalize, SendsOneAsTimestampWhereNoCountIsKnown) {
+TEST(Relocalize, SendsOneAsTimestampIfNoCountIsKnown) {
     ScriptedRobot robot;
     roburoc4_config config = default_config();
     config.subscriptions = 0;
@@ -514,7 +514,7 @@ TEST(Subscribe, ChangesThePeriodAtRunTime) {
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
 }
 
-TEST(Subscribe, RefusesPeriodsAndServicesThatMakeNoSense) {
+TEST(Subscribe, RefusesInvalidPeriodsAndServices) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
@@ -577,7 +577,7 @@ TEST(Unsubscribe, EndsTheStatuses) {
     EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result) << "its answer is no other's";
 }
 
-TEST(Unsubscribe, SurvivesARefusalAndDropsWhatComesAllTheSame) {
+TEST(Unsubscribe, SurvivesARefusalAndDropsWhatStillArrives) {
     ScriptedRobot robot;
     robot.delete_refused = true;
     Bench bench(robot);
@@ -616,7 +616,7 @@ TEST(Unsubscribe, IsKeptOverALossAndANewStart) {
     EXPECT_EQ(4U, robot.subscriptions.size());
 }
 
-TEST(Unsubscribe, EndsAlsoASubscriptionThatIsStillAskedFor) {
+TEST(Unsubscribe, AlsoEndsASubscriptionThatIsStillRequested) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
@@ -665,7 +665,7 @@ TEST(Unsubscribe, EndsNothingThatThisClientNeverSubscribedTo) {
     EXPECT_EQ(1U, robot.seen(ROBUROC4_ACTION_DELETE).size());
 }
 
-TEST(Unsubscribe, ThenSubscribeBringsTheStatusesBack) {
+TEST(Unsubscribe, ThenSubscribeRestartsTheStatuses) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
@@ -678,7 +678,7 @@ TEST(Unsubscribe, ThenSubscribeBringsTheStatusesBack) {
     EXPECT_EQ(5, robot.subscriptions[3]);
 }
 
-TEST(Subscribe, AsksAtOnceWhateverWasRefusedBefore) {
+TEST(Subscribe, IsRequestedAtOnceWhateverWasRefusedBefore) {
     for (int way = 0; way < 4; way++) {
         SCOPED_TRACE(way);
         ScriptedRobot robot;

@@ -115,7 +115,7 @@ TEST(Reboot, OfTheSimulatorIsNoticed) {
     EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_REBOOTS));
 }
 
-TEST(Reboot, TooQuickToBeLostIsNoticedAllTheSame) {
+TEST(Reboot, TooQuickToBeLostIsStillNoticed) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();

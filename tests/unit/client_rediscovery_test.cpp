@@ -15,7 +15,7 @@ void swap_ids(ScriptedRobot &robot) {
               robot.service(ROBUROC4_SERVICE_TELEMETER).id);
 }
 
-TEST(Rediscovery, TakesNoPropertiesThatWereAskedOfAnotherService) {
+TEST(Rediscovery, AcceptsNoPropertiesOfAnotherService) {
     ScriptedRobot robot;
     std::vector<Bytes> kept;
     Bench bench(robot);
@@ -64,7 +64,7 @@ TEST(Rediscovery, TakesNoPropertiesThatWereAskedOfAnotherService) {
     EXPECT_GT(commands, 0);
 }
 
-TEST(Rediscovery, TakesNoAnswerToAQuestionOfBefore) {
+TEST(Rediscovery, AcceptsNoAnswerToAnEarlierRequest) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
@@ -85,7 +85,7 @@ TEST(Rediscovery, TakesNoAnswerToAQuestionOfBefore) {
     EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive(late)) << "6 are the telemeters now";
 }
 
-TEST(Rediscovery, DisarmsAndDoesNotArmOnStatusesOfBefore) {
+TEST(Rediscovery, DisarmsAndDoesNotArmOnEarlierStatuses) {
     ScriptedRobot robot;
     roburoc4_config config = default_config();
     Bench bench(robot, config);
@@ -102,7 +102,7 @@ TEST(Rediscovery, DisarmsAndDoesNotArmOnStatusesOfBefore) {
     }
 }
 
-TEST(Rediscovery, OutputsOfBeforeARebootStayOff) {
+TEST(Rediscovery, OutputsFromBeforeARebootStayOff) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
@@ -121,7 +121,7 @@ TEST(Rediscovery, OutputsOfBeforeARebootStayOff) {
         EXPECT_EQ(0x02, command.second.back());
 }
 
-TEST(Rediscovery, OfTheSameRobotAfterALossAsksForNoTextAgain) {
+TEST(Rediscovery, OfTheSameRobotAfterALossRequestsNoTextAgain) {
     ScriptedRobot robot;
     robot.channel_text = [](std::uint32_t io_type, std::uint32_t index) -> std::string {
         return io_type == ROBUROC4_IO_DIGITAL_INPUT && index == 3 ? "Game pad A button" : "?";
@@ -191,7 +191,7 @@ TEST(Rediscovery, AStopGoesToNoServiceThatIsKnownToBeAnother) {
 }
 
 /* Its limits are those of before: another program may run there now. */
-TEST(Rediscovery, WhatNoLongerGivesPropertiesIsNotDriven) {
+TEST(Rediscovery, AServiceWithoutPropertiesIsNoLongerDriven) {
     const std::array<std::function<void(ScriptedService &)>, 3> ways{
         [](ScriptedService &s) { s.get_silent = true; },
         [](ScriptedService &s) { s.get_refused = true; },

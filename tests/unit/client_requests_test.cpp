@@ -67,7 +67,7 @@ TEST(Retry, ComesEachSecondWhileNobodyAnswers) {
     EXPECT_EQ(waits.size(), bench.count(ROBUROC4_COUNT_RETRIES));
 }
 
-TEST(Retry, TriesTheManualsIdInBetweenAndGoesOnWithAnother) {
+TEST(Retry, TriesTheManualsIdThenContinuesWithAnother) {
     ScriptedRobot robot;
     bool silent = true;
     silence(robot, ROBUROC4_ACTION_GET, silent);
@@ -156,7 +156,7 @@ TEST(Answer, ToAnEarlierTryCounts) {
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_ABANDONED));
 }
 
-TEST(Answer, ThatComesAfterTheQuestionWasGivenUpIsRejected) {
+TEST(Answer, ThatArrivesAfterTheRequestWasGivenUpIsRejected) {
     ScriptedRobot robot;
     bool silent = true;
     silence(robot, ROBUROC4_ACTION_GET, silent, ROBUROC4_SERVICE_BATTERY);
@@ -196,7 +196,7 @@ TEST(Answer, FromBeforeALossDoesNotCount) {
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_LOST), bench.state());
 }
 
-TEST(Answer, ThatIsCutOrOfNoLengthIsCounted) {
+TEST(Answer, ThatIsTruncatedOrEmptyIsCounted) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
@@ -224,7 +224,7 @@ TEST(Description, IsTriedAtLeastTenTimes) {
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST));
 }
 
-TEST(Description, ThatIsRefusedIsNotAskedForAgain) {
+TEST(Description, ThatIsRefusedIsNotRequestedAgain) {
     ScriptedRobot robot;
     robot.texts_refused = true;
     Bench bench(robot);
@@ -346,7 +346,7 @@ TEST(Request, ThatIsNeverAnsweredIsGivenUpAfterTwoAndAHalfSeconds) {
     }
 }
 
-TEST(Description, ThatIsNotAnsweredHoldsNothingElseUp) {
+TEST(Description, ThatIsNotAnsweredDelaysNothingElse) {
     ScriptedRobot robot;
     robot.texts_silent = true;
     Bench bench(robot);
@@ -362,7 +362,7 @@ TEST(Description, ThatIsNotAnsweredHoldsNothingElseUp) {
     EXPECT_EQ(0, bench.facts().descriptions_done);
 }
 
-TEST(Probe, AsksOneServiceASecondInTurn) {
+TEST(Probe, RequestsOneServiceASecondInTurn) {
     for (const bool all : {true, false}) {
         ScriptedRobot robot;
         const std::uint64_t start_us = all ? 0 : 1000 * second;
@@ -407,7 +407,7 @@ TEST(Probe, ThatIsLostIsRepeatedAsEveryRequest) {
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_ABANDONED));
 }
 
-TEST(Probe, AsksOncePerRoundForASubscriptionThatWasRefused) {
+TEST(Probe, RetriesARefusedSubscriptionOncePerRound) {
     ScriptedRobot robot;
     ScriptedService &battery = robot.service(ROBUROC4_SERVICE_BATTERY);
     battery.insert_refused = true;
@@ -428,7 +428,7 @@ TEST(Probe, AsksOncePerRoundForASubscriptionThatWasRefused) {
 }
 
 /* Four of them would leave no room for anything else. */
-TEST(Probe, ThatIsNeverAnsweredIsGivenUpAndHoldsNothingUp) {
+TEST(Probe, ThatIsNeverAnsweredIsGivenUpAndDelaysNothing) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
@@ -491,7 +491,7 @@ TEST(ErrorTelegram, IsAnErrorEvenWhenItsErrorByteIsZero) {
 }
 
 /* Refused, or never answered. */
-TEST(Request, ThatComesToNothingIsToldAsWhatItWasAndEndsNoOther) {
+TEST(Request, ThatFailsIsReportedAsItselfAndEndsNoOther) {
     const std::uint32_t told = ROBUROC4_EVENT_SUBSCRIPTION_REFUSED | ROBUROC4_EVENT_RELOCALIZED |
                                ROBUROC4_EVENT_RELOCALIZE_FAILED;
     for (std::size_t i = 0; i < 10; i++) {
@@ -553,7 +553,7 @@ TEST(ErrorTelegram, OfTheSimulatorIsUnderstood) {
     EXPECT_EQ(0U, bench.service_link(ROBUROC4_SERVICE_BATTERY).subscribed);
 }
 
-TEST(Directory, ThatIsRefusedIsNotHammered) {
+TEST(Directory, ThatIsRefusedIsNotRequestedTooOften) {
     ScriptedRobot robot;
     robot.directory_refused = true;
     Bench bench(robot);
@@ -569,7 +569,7 @@ TEST(Directory, ThatIsRefusedIsNotHammered) {
 
 /* ---- the manual to the letter ---- */
 
-TEST(FixedId, IsTakenAfterThreeTriesThatSawOnlyOne) {
+TEST(FixedId, IsEnteredAfterThreeTriesThatSawOnlyOne) {
     ScriptedRobot robot;
     robot.always_manual_id = true;
     Bench bench(robot);
@@ -586,7 +586,7 @@ TEST(FixedId, IsTakenAfterThreeTriesThatSawOnlyOne) {
     EXPECT_EQ(1, bench.facts().descriptions_done);
 }
 
-TEST(FixedId, IsNotTakenForFewerTries) {
+TEST(FixedId, IsNotEnteredAfterFewerTries) {
     ScriptedRobot robot;
     robot.always_manual_id = true;
     Bench bench(robot);
@@ -598,7 +598,7 @@ TEST(FixedId, IsNotTakenForFewerTries) {
     EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_FIXED_ID);
 }
 
-TEST(FixedId, IsNotTakenForThreeAnswersToOneTry) {
+TEST(FixedId, IsNotEnteredAfterThreeAnswersToOneTry) {
     ScriptedRobot robot;
     robot.instead = [](const roburoc4_request &r, std::vector<Bytes> &answers) {
         for (int i = 0; i < 5; i++)
@@ -628,7 +628,7 @@ TEST(FixedId, HasOneRequestInFlight) {
     }
 }
 
-TEST(FixedId, LetsWhatIsUrgentGoFirst) {
+TEST(FixedId, SendsUrgentRequestsFirst) {
     ScriptedRobot robot;
     robot.always_manual_id = true;
     Bench bench(robot);
@@ -668,7 +668,7 @@ TEST(FixedId, IsFoundForARobotThatIgnoresAllOtherIds) {
 
 /* After a loss the directory comes for the sixth try, which has the manual's id, or after a minute
  * for another id; of all else three tries are lost. */
-TEST(FixedId, IsNotTakenForAnEchoHoweverMuchIsLost) {
+TEST(FixedId, IsNotEnteredForAnEchoingRobotHoweverMuchIsLost) {
     for (const bool echoed_before : {true, false}) {
         SCOPED_TRACE(echoed_before);
         ScriptedRobot robot;
@@ -702,7 +702,7 @@ TEST(FixedId, IsNotTakenForAnEchoHoweverMuchIsLost) {
     }
 }
 
-TEST(FixedId, IsToldOnce) {
+TEST(FixedId, IsReportedOnce) {
     ScriptedRobot robot;
     robot.only_manual_id = true;
     Bench bench(robot);
@@ -717,7 +717,7 @@ TEST(FixedId, IsToldOnce) {
     EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_FIXED_ID);
 }
 
-TEST(FixedId, IsFoundForAnotherRobotThatComesInThePlaceOfTheFirst) {
+TEST(FixedId, IsFoundForARobotThatReplacesTheFirst) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
@@ -731,7 +731,7 @@ TEST(FixedId, IsFoundForAnotherRobotThatComesInThePlaceOfTheFirst) {
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_FIXED_ID);
 }
 
-TEST(FixedId, ATextThatMayBeAnothersNamesNoService) {
+TEST(FixedId, AnAmbiguousTextNamesNoService) {
     ScriptedRobot robot;
     robot.always_manual_id = true;
     /* as where the text of service 1 comes once more, late, and is taken for that of service 2 ...
@@ -765,7 +765,7 @@ void name_services_by_text(ScriptedRobot &robot) {
 
 } // namespace
 
-TEST(FixedId, EndsWhereTheRobotEchoesAnotherIdAfterAll) {
+TEST(FixedId, EndsIfTheRobotEchoesAnotherId) {
     ScriptedRobot robot;
     name_services_by_text(robot);
     robot.only_manual_id = true; /* as on a link that loses all but one answer */
@@ -781,7 +781,7 @@ TEST(FixedId, EndsWhereTheRobotEchoesAnotherIdAfterAll) {
     EXPECT_EQ(1, bench.facts().override_known);
 }
 
-TEST(FixedId, IsNotTakenOverToTheRobotThatIsFoundAfterALoss) {
+TEST(FixedId, IsNotKeptForTheRobotFoundAfterALoss) {
     ScriptedRobot robot;
     robot.only_manual_id = true;
     Bench bench(robot);
@@ -835,7 +835,7 @@ TEST(FixedId, StaysForARobotThatKnowsNoOther) {
 }
 
 /* An unknown card under an unknown id, and a differential service that is found by its type. */
-TEST(FixedId, NoUnseenCardIsTakenForNone) {
+TEST(FixedId, AnUnreportedCardIsNotTakenForAMissingOne) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_IOCARD).type = 0x7100;
     robot.service(ROBUROC4_SERVICE_IOCARD).id = 20;
@@ -849,7 +849,7 @@ TEST(FixedId, NoUnseenCardIsTakenForNone) {
     EXPECT_EQ(ROBUROC4_ERR_STALE_IOCARD, bench.arm());
 }
 
-TEST(Requests, TheIdOfAnOpenOneIsNotGivenAgain) {
+TEST(Requests, TheIdOfAnOpenRequestIsNotReused) {
     ScriptedRobot robot;
     std::uint8_t open_id = 0;
     robot.instead = [&](const roburoc4_request &r, std::vector<Bytes> &) {

@@ -55,7 +55,7 @@ TEST(Seldom, AnAnswerThatComesWhileTheClientClosesIsUnmatched) {
     EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_IDLE));
 }
 
-TEST(Seldom, AStopThatWaitsForTheRobotEndsWithTheClient) {
+TEST(Seldom, APendingStopEndsWithTheClient) {
     ScriptedRobot robot;
     robot.powered = false;
     Bench bench(robot);
@@ -68,7 +68,7 @@ TEST(Seldom, AStopThatWaitsForTheRobotEndsWithTheClient) {
     EXPECT_EQ(UINT64_MAX, roburoc4_client_next_deadline(&bench.client));
 }
 
-TEST(Seldom, EveryDatagramThatIsGivenOutIsCounted) {
+TEST(Seldom, EveryDatagramSentIsCounted) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.start();
@@ -81,7 +81,7 @@ TEST(Seldom, EveryDatagramThatIsGivenOutIsCounted) {
 }
 
 /* The bench checks each deadline itself: nothing is due before it, and no loop spins. */
-TEST(Seldom, DeadlinesAreRightWhateverTheRobotKeepsSilentAbout) {
+TEST(Seldom, DeadlinesAreRightWhateverTheRobotDoesNotAnswer) {
     for (std::uint32_t silent = 0; silent < 64; silent++) {
         SCOPED_TRACE(silent);
         ScriptedRobot robot;
@@ -103,7 +103,7 @@ TEST(Seldom, DeadlinesAreRightWhateverTheRobotKeepsSilentAbout) {
     }
 }
 
-TEST(Seldom, WaitsASecondForTextsThatNeverCome) {
+TEST(Seldom, WaitsASecondForMissingTexts) {
     ScriptedRobot robot;
     robot.texts_silent = true;
     roburoc4_config config = default_config();
@@ -119,7 +119,7 @@ TEST(Seldom, WaitsASecondForTextsThatNeverCome) {
     EXPECT_FALSE(robot.seen(ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIFFERENTIAL).empty());
 }
 
-TEST(Seldom, ABumperThatIsChosenByHandDisturbsNobody) {
+TEST(Seldom, ABumperThatTheUserChoseHasNoSideEffects) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
@@ -133,7 +133,7 @@ TEST(Seldom, ABumperThatIsChosenByHandDisturbsNobody) {
     EXPECT_EQ(1, bench.facts().front_bumper);
 }
 
-TEST(Seldom, ADescriptionIsReadOnlyFromTheDatagramThatBroughtIt) {
+TEST(Seldom, ADescriptionIsReadOnlyFromItsOwnDatagram) {
     ScriptedRobot robot;
     Bench bench(robot);
     Bytes text;
@@ -159,7 +159,7 @@ TEST(Seldom, ADescriptionIsReadOnlyFromTheDatagramThatBroughtIt) {
               roburoc4_client_description(&bench.client, text.data(), text.size(), &description));
 }
 
-TEST(Seldom, SilenceAndAgeBeyondAllMeasureAreTheLargestNumber) {
+TEST(Seldom, HugeSilenceAndAgeAreTheLargestNumber) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
@@ -175,7 +175,7 @@ TEST(Seldom, SilenceAndAgeBeyondAllMeasureAreTheLargestNumber) {
     EXPECT_EQ(UINT32_MAX, service.age_us);
 }
 
-TEST(Seldom, MoreChannelsThanCanBeStoredAreSaidOnce) {
+TEST(Seldom, MoreChannelsThanCanBeStoredAreReportedOnce) {
     for (const roburoc4_iocard_properties &card :
          {roburoc4_iocard_properties{17, 0, 22, 8, 0, 0},
           roburoc4_iocard_properties{9, 5, 22, 8, 0, 0},
@@ -208,7 +208,7 @@ TEST(Seldom, MoreChannelsThanCanBeStoredAreSaidOnce) {
     }
 }
 
-TEST(Seldom, MoreTelemetersThanCanBeStoredAreSaidOnce) {
+TEST(Seldom, MoreTelemetersThanCanBeStoredAreReportedOnce) {
     ScriptedRobot robot;
     robot.telemeters.resize(9, robot.telemeters[0]);
     Bench bench(robot);
@@ -220,7 +220,7 @@ TEST(Seldom, MoreTelemetersThanCanBeStoredAreSaidOnce) {
     EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
 }
 
-TEST(Seldom, PropertiesThatAreCutShortAreNotKnown) {
+TEST(Seldom, TruncatedPropertiesAreNotKnown) {
     const std::array<std::pair<std::uint32_t, std::size_t>, 5> cuts{
         {{ROBUROC4_SERVICE_IOCARD, 20},
          {ROBUROC4_SERVICE_TELEMETER, 40},
@@ -254,7 +254,7 @@ TEST(Seldom, PropertiesThatAreCutShortAreNotKnown) {
     }
 }
 
-TEST(Seldom, PropertiesThatAreCutShortLeaveThoseOfBefore) {
+TEST(Seldom, TruncatedPropertiesKeepTheEarlierOnes) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
@@ -297,7 +297,7 @@ TEST(Seldom, AnotherCardHasNoKnownOverrideBeforeItsFirstStatus) {
     EXPECT_EQ(0x20003U, inputs.digital) << "the latest status is still that of before";
 }
 
-TEST(Seldom, ZerosAreOwedOnWhereADirectoryComesThatListsNothing) {
+TEST(Seldom, ZerosAreStillSentAfterAnEmptyDirectory) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
@@ -327,7 +327,7 @@ TEST(Seldom, ZerosAreOwedOnWhereADirectoryComesThatListsNothing) {
     EXPECT_EQ(0U, bench.speeds());
 }
 
-TEST(Seldom, WhatIsReservedIsZero) {
+TEST(Seldom, ReservedFieldsAreZero) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
@@ -389,7 +389,7 @@ TEST(Seldom, AClockThatStepsBackChangesNoCounterButItsOwn) {
 }
 
 /* But for the next request's id, which goes on, and for events that nobody has taken yet. */
-TEST(Seldom, AClientStartedAgainIsAsNew) {
+TEST(Seldom, ARestartedClientIsLikeANewOne) {
     for (const std::int64_t pause_us : {0, 5000000, -900000000}) {
         ScriptedRobot robot;
         Bench bench(robot);
@@ -544,7 +544,7 @@ TEST(Seldom, AnEmptyDatagramIsShortWhateverStandsWhereItWouldBegin) {
     }
 }
 
-TEST(Seldom, EveryDroppedDatagramIsCountedOnceAndForWhatItIs) {
+TEST(Seldom, EveryDroppedDatagramIsCountedOnceByItsCause) {
     ScriptedRobot robot;
     roburoc4_config config = default_config();
     config.subscriptions &= ~(1U << ROBUROC4_SERVICE_BATTERY);

@@ -37,7 +37,7 @@ TEST(ServiceId, FirstTwoAreFixed) {
         EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, id_of(bench, service));
 }
 
-TEST(ServiceId, OfANumberThatIsNoServiceIsUnknown) {
+TEST(ServiceId, OfANumberThatIsNotAServiceIsUnknown) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
@@ -45,7 +45,7 @@ TEST(ServiceId, OfANumberThatIsNoServiceIsUnknown) {
         EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, id_of(bench, service)) << service;
 }
 
-TEST(ServiceId, IsTakenByTypeCodeWhereItIsKnown) {
+TEST(ServiceId, IsIdentifiedByTypeCodeIfKnown) {
     ScriptedRobot robot;
     const std::vector<int> ids{0, 1, 300, 0x1203, 40, 0xFFFF, 9};
     for (ScriptedService &s : robot.services) {
@@ -69,7 +69,7 @@ TEST(ServiceId, TypeCodeBeatsTextAndText) {
     expect_every_service(bench, {0, 1, 2, 3, 4, 5, 6});
 }
 
-TEST(ServiceId, IsTakenByTextWhereTheTypeIsNotKnown) {
+TEST(ServiceId, IsIdentifiedByTextIfTheTypeIsUnknown) {
     ScriptedRobot robot;
     forget_types(robot);
     const std::vector<int> ids{0, 1, 6, 5, 3, 4, 2}; /* each other's places */
@@ -85,7 +85,7 @@ TEST(ServiceId, IsTakenByTextWhereTheTypeIsNotKnown) {
     expect_every_service(bench, ids);
 }
 
-TEST(ServiceId, IsTheManualsWhereTheRobotRefusesItsTexts) {
+TEST(ServiceId, IsTheManualsIfTheRobotRefusesItsTexts) {
     ScriptedRobot robot;
     forget_types(robot);
     robot.texts_refused = true;
@@ -106,7 +106,7 @@ TEST(ServiceId, IsTheManualsOnlyIfTheDirectoryListsIt) {
     EXPECT_EQ(0U, bench.commands().size());
 }
 
-TEST(ServiceId, IsNotTheManualsWhereAnotherServiceClaimsTheId) {
+TEST(ServiceId, IsNotTheManualsIfAnotherServiceClaimsTheId) {
     ScriptedRobot robot;
     robot.remove(ROBUROC4_SERVICE_DIFFERENTIAL);
     robot.services.push_back({ROBUROC4_TYPE_LASER, 6, 99, "Laser"});
@@ -134,7 +134,7 @@ TEST(ServiceId, OfTwoOtherClaimantsIsTheFirst) {
     EXPECT_EQ(50, id_of(bench, ROBUROC4_SERVICE_DIFFERENTIAL));
 }
 
-TEST(ServiceId, DirectoryAndNotificationAreNeverTakenForAnother) {
+TEST(ServiceId, DirectoryAndNotificationAreNeverMistakenForOthers) {
     ScriptedRobot robot;
     robot.services[0].type = ROBUROC4_TYPE_DIFFERENTIAL;
     robot.services[1].text = "Differential";
@@ -178,7 +178,7 @@ TEST(ServiceId, OtherNumbersWorkWithTheSimulator) {
     }
 }
 
-TEST(ServiceList, GivesTheDirectory) {
+TEST(ServiceList, ReturnsTheDirectory) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();

@@ -178,7 +178,7 @@ TEST(Value, IsTheLatestStatusWithItsRobotTimeAndHostTime) {
     EXPECT_EQ(-0.0625F, speeds.current_angular_rad_s);
 }
 
-TEST(Value, IsAllThatTheStatusSaidAndNothingElse) {
+TEST(Value, IsExactlyWhatTheStatusReported) {
     ScriptedRobot robot;
     renumber(robot);
     robot.follows = false;
@@ -328,7 +328,7 @@ TEST(Value, SurvivesAStatusThatIsNotNewer) {
     EXPECT_EQ(0U, bench.take_events());
 }
 
-TEST(Value, OfAServiceThatNobodySubscribedToIsCountedAndNotUsed) {
+TEST(Value, OfAServiceWithoutSubscriptionIsCountedAndNotUsed) {
     ScriptedRobot robot;
     roburoc4_config config = default_config();
     config.subscriptions &= ~(1U << ROBUROC4_SERVICE_BATTERY);
@@ -394,7 +394,7 @@ TEST(Properties, AreUnknownFirstThenTheRobots) {
         EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_client_telemeter(&bench.client, beyond, &telemeter));
 }
 
-TEST(Properties, AreAllThatTheRobotSaidAndNothingElse) {
+TEST(Properties, AreExactlyWhatTheRobotReported) {
     ScriptedRobot robot;
     renumber(robot);
     robot.iocard.analog_outputs = 3;
@@ -407,7 +407,7 @@ TEST(Properties, AreAllThatTheRobotSaidAndNothingElse) {
     expect_properties(bench, robot);
 }
 
-TEST(Properties, WithSurplusBytesAreAllThatTheRobotSaidToo) {
+TEST(Properties, WithSurplusBytesAreStillWhatTheRobotReported) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_IOCARD).get_length = 5 + 4 * 4 + 3;
     robot.service(ROBUROC4_SERVICE_TELEMETER).get_length = 5 + 4 + 2 * 28 + 3;
@@ -710,7 +710,7 @@ TEST(Role, BumpersAreFacts) {
 
 /* ---- facts ---- */
 
-TEST(Facts, AreAllThatIsTrueNowAndNothingElse) {
+TEST(Facts, AreExactlyTheCurrentFacts) {
     ScriptedRobot robot;
     Bench bench(robot);
     roburoc4_facts facts{};
@@ -776,7 +776,7 @@ TEST(Facts, ALeaseIsOverAtItsEndAlsoBeforeAPoll) {
     }
 }
 
-TEST(Facts, AnOverrideThatIsNotKnownAnyMoreIsNotHeld) {
+TEST(Facts, AnOverrideThatIsNoLongerKnownIsNotHeld) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
@@ -789,7 +789,7 @@ TEST(Facts, AnOverrideThatIsNotKnownAnyMoreIsNotHeld) {
     EXPECT_EQ(0, bench.facts().overridden);
 }
 
-TEST(Facts, TellTheSpeedsThatWereSentLast) {
+TEST(Facts, ReportTheSpeedsThatWereSentLast) {
     ScriptedRobot robot;
     roburoc4_config config = default_config();
     config.max_angular_rad_s = 0.75F;
@@ -872,7 +872,7 @@ TEST(Battery, IsCriticalInNoOtherState) {
     }
 }
 
-TEST(Battery, HasNoMinimumWhereTheRobotDoesNotSayItAnyMore) {
+TEST(Battery, HasNoMinimumIfTheRobotNoLongerReportsIt) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();

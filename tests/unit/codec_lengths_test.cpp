@@ -118,7 +118,7 @@ TEST(Lengths, ListsGrowWithTheDatagram) {
     }
 }
 
-TEST(Lengths, TextsAndHeadsOfAnswersTakeAllThatFollows) {
+TEST(Lengths, TextsAndHeadsOfAnswersTakeAllRemainingBytes) {
     check_lengths<roburoc4_text>("text-directory", vector_bytes("text-directory"),
                                  roburoc4_decode_text, 5, 0, true);
     check_lengths<roburoc4_answer>("text-directory", vector_bytes("text-directory"),

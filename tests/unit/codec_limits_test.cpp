@@ -159,7 +159,7 @@ Output both_ways(roburoc4_result (*decode)(const std::uint8_t *, std::size_t, Ou
 
 } // namespace
 
-TEST(CodecLimits, WhatIsReservedIsZero) {
+TEST(CodecLimits, ReservedFieldsAreZero) {
     const roburoc4_directory_entry entry{5, 6};
     const auto directory =
         both_ways(roburoc4_decode_directory, [&](std::uint8_t *b, std::size_t n) {
@@ -231,7 +231,7 @@ TEST(CodecLimits, ATextMayBeEmpty) {
     EXPECT_EQ(0U, text.length);
 }
 
-TEST(CodecLimits, WhatATelegramDoesNotSayIsZero) {
+TEST(CodecLimits, FieldsThatATelegramLacksAreZero) {
     expect_decoded(
         roburoc4_answer{7, 4, 5, 0, 0x0201, 0, nullptr, 0},
         [](const std::uint8_t *data, std::size_t size, roburoc4_answer *out) {

@@ -145,7 +145,7 @@ TEST(Vectors, FieldsThatAnActionDoesNotHaveAreZero) {
     EXPECT_EQ(0.0, out.theta_rad);
 }
 
-TEST(Vectors, SurplusBytesOfARequestAreNoFields) {
+TEST(Vectors, SurplusBytesOfARequestAreNotFields) {
     for (const char *const name :
          {"get", "query-directory", "query-analog-input", "query-digital-output", "insert",
           "delete", "replace-localization"}) {
@@ -159,7 +159,7 @@ TEST(Vectors, SurplusBytesOfARequestAreNoFields) {
     }
 }
 
-TEST(Vectors, ActionsWithoutALayoutAreGivenWithHeaderFieldsOnly) {
+TEST(Vectors, ActionsWithoutALayoutHaveOnlyHeaderFields) {
     for (const int action : {ROBUROC4_ACTION_UPDATE, ROBUROC4_ACTION_SUBMIT, 7, 255}) {
         const Bytes bytes = {9, static_cast<uint8_t>(action), 0x34, 0x12};
         roburoc4_request out{};

@@ -50,7 +50,7 @@ void expect_disarmed(Bench &bench, roburoc4_result cause, const std::function<vo
 
 } // namespace
 
-TEST(Arm, OnlyWhatPassesByItselfIsWorthWaitingFor) {
+TEST(Arm, OnlyTransientReasonsAreWorthWaitingFor) {
     const std::set<roburoc4_result> passing = {
         ROBUROC4_ERR_NOT_READY, ROBUROC4_ERR_STALE_DIFFERENTIAL, ROBUROC4_ERR_STALE_IOCARD,
         ROBUROC4_ERR_OVERRIDE_UNKNOWN, ROBUROC4_ERR_MOVING};
@@ -113,7 +113,7 @@ static bool tells_armable(Bench &bench, std::uint64_t within_us = 5 * second) {
     return told;
 }
 
-TEST(Armable, IsToldWhenArmingBecomesPossibleAndReadyIsNot) {
+TEST(Armable, IsReportedWhenArmingBecomesPossibleUnlikeReady) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.start();
@@ -126,7 +126,7 @@ TEST(Armable, IsToldWhenArmingBecomesPossibleAndReadyIsNot) {
     EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_ARMABLE) << "it is armed";
 }
 
-TEST(Armable, IsToldAgainAfterEachRefusalAndDisarm) {
+TEST(Armable, IsReportedAgainAfterEachRefusalAndDisarm) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
@@ -204,7 +204,7 @@ TEST(ArmRefused, WithLimitsThatAreNotUsable) {
     }
 }
 
-TEST(Arm, AsksForLimitsOfSpeedOnly) {
+TEST(Arm, RequiresOnlyLimitsOfSpeed) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     ScriptedRobot robot;
     robot.differential.max_linear_m_s2 = robot.differential.min_linear_m_s2 = nan;
@@ -305,7 +305,7 @@ TEST(ArmRefused, FromATenthOfAMetreOrTwoTenthsOfARadianPerSecondOn) {
     }
 }
 
-TEST(ArmRefused, WhileItReportsASpeedThatIsNone) {
+TEST(ArmRefused, WhileItReportsASpeedThatIsNotFinite) {
     ScriptedRobot robot;
     robot.current_linear = nan_f;
     Bench bench(robot);
@@ -586,7 +586,7 @@ TEST(UnknownOverride, IsNotAllowedBeforeAListedCardGaveItsCounts) {
     }
 }
 
-TEST(UnknownOverride, AllowedStillHeedsAnOverrideThatIsKnown) {
+TEST(UnknownOverride, AllowedStillObeysAKnownOverride) {
     for (const int input : {ROBUROC4_DI_PAD_A, 0, 1}) {
         SCOPED_TRACE(input);
         roburoc4_config config = default_config();
@@ -605,7 +605,7 @@ TEST(UnknownOverride, AllowedStillHeedsAnOverrideThatIsKnown) {
     }
 }
 
-TEST(UnknownOverride, IsNotThatOfACardThatIsGone) {
+TEST(UnknownOverride, IsNotThatOfARemovedCard) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
     ScriptedRobot robot;

@@ -45,7 +45,7 @@ TEST(Lease, EndsExactlyWhenItsTimeIsOver) {
     }
 }
 
-TEST(Lease, IsTheConfiguredOneWhereNoneIsGiven) {
+TEST(Lease, IsTheConfiguredOneByDefault) {
     roburoc4_config config = default_config();
     config.lease_ms = 777;
     ScriptedRobot robot;
@@ -279,7 +279,7 @@ TEST(Clock, StepBackSeenFirstByAnyCallEndsTheLease) {
     }
 }
 
-TEST(Clock, StepBackLosesNoRobotButTrustsNoStatusOfBefore) {
+TEST(Clock, StepBackLosesNoRobotButTrustsNoEarlierStatus) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
@@ -298,7 +298,7 @@ TEST(Clock, StepBackLosesNoRobotButTrustsNoStatusOfBefore) {
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST));
 }
 
-TEST(Clock, StepBackWhileConnectingGoesOnAsking) {
+TEST(Clock, StepBackWhileConnectingKeepsRequesting) {
     ScriptedRobot robot;
     robot.powered = false;
     Bench bench(robot);
@@ -313,7 +313,7 @@ TEST(Clock, StepBackWhileConnectingGoesOnAsking) {
     EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 3 * second));
 }
 
-TEST(Clock, StepBackToNearZeroDoesNotHoldUpTheZeros) {
+TEST(Clock, StepBackToNearZeroDoesNotDelayTheZeros) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
@@ -328,7 +328,7 @@ TEST(Clock, StepBackToNearZeroDoesNotHoldUpTheZeros) {
     EXPECT_EQ(0, bench.facts().stopping);
 }
 
-TEST(Clock, JumpFarAheadSendsNoSpeedAndDoesNotWedge) {
+TEST(Clock, JumpFarAheadSendsNoSpeedAndDoesNotBlock) {
     for (const std::int64_t step_us :
          {std::int64_t{300000}, std::int64_t{3600000000}, std::int64_t{1} << 52}) {
         SCOPED_TRACE(step_us);

@@ -72,7 +72,7 @@ TEST(Limits, CeilingsOfTheConfigurationAlwaysApplyToo) {
     expect_sent(sent_for(config, limits, 0.39F, -0.69F), 0.39F, -0.69F);
 }
 
-TEST(Limits, OfZeroLetNothingThrough) {
+TEST(Limits, OfZeroPreventAllMotion) {
     auto limits = usual_limits();
     limits.max_linear_m_s = 0;
     limits.max_angular_rad_s = limits.min_angular_rad_s = 0;
@@ -88,7 +88,7 @@ TEST(Limits, ScaleComesBeforeTheClamp) {
     expect_sent(sent_for(config, usual_limits(), 2.5F, -13), 2.6F, -6.5F);
 }
 
-TEST(Limits, HugeSpeedsAreClampedNotOverflown) {
+TEST(Limits, HugeSpeedsAreClampedWithoutOverflow) {
     roburoc4_config config = default_config();
     config.scale_linear = 10;
     config.scale_angular = 10;
@@ -238,7 +238,7 @@ TEST(TurnKeeping, ADirectionThatTheRobotDoesNotHaveHasNoCurve) {
     expect_sent(sent_for(config, limits, -1, 2), 0, 2);
 }
 
-TEST(TurnKeeping, IsOffWhereTheWidthIsNotSensible) {
+TEST(TurnKeeping, IsOffIfTheWidthIsImplausible) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_TURN_KEEPING;
     for (const float width : {0.0F, -0.68F, nan_f, inf_f, -inf_f, 1e9F}) {

@@ -143,7 +143,7 @@ TEST_F(DriveSimulator, TheRobotGetsNoMoreThanItsLimits) {
     EXPECT_NEAR(-6.5, robot.state().last_angular_rad_s, 1e-6);
 }
 
-TEST_F(DriveSimulator, ALossyNetworkDoesNotStopADriverWhoRenews) {
+TEST_F(DriveSimulator, ALossyNetworkDoesNotStopADriverThatRenews) {
     std::uint32_t number = 0;
     bench.drop_to_robot = [&](const Bytes &) { return ++number % 3 == 0; };
     bench.drop_to_client = [&](const Bytes &) { return ++number % 5 == 0; };
@@ -158,7 +158,7 @@ TEST_F(DriveSimulator, ALossyNetworkDoesNotStopADriverWhoRenews) {
 
 /* ------------------------------------------------------------------------------- the pad --- */
 
-TEST_F(DriveSimulator, WhoHoldsAOnThePadHasTheRobot) {
+TEST_F(DriveSimulator, HoldingAOnThePadTakesControl) {
     drive_at_one_metre_per_second();
     press_a(1);
     bench.run(60 * ms); /* a status tells it */
@@ -189,7 +189,7 @@ TEST_F(DriveSimulator, SpeedsOfOthersDoNotReachAnOverriddenRobot) {
     EXPECT_TRUE(stands());
 }
 
-TEST_F(DriveSimulator, LettingThePadGoMovesNothingByItself) {
+TEST_F(DriveSimulator, ReleasingThePadMovesNothingByItself) {
     drive_at_one_metre_per_second();
     press_a(1);
     bench.run(3 * second);
@@ -241,7 +241,7 @@ TEST_F(DriveSimulator, BrakesAndBumperShowAsInhibited) {
     EXPECT_LT(robot.state().true_linear_m_s, -0.3);
 }
 
-TEST_F(DriveSimulator, ALostNetworkStopsTheRobotForGood) {
+TEST_F(DriveSimulator, ALostNetworkStopsTheRobotPermanently) {
     drive_at_one_metre_per_second();
     bench.drop_to_robot = bench.drop_to_client = [](const Bytes &) { return true; };
     const std::uint64_t lost_us = bench.now_us;
@@ -319,7 +319,7 @@ TEST_F(DriveSimulator, AMonitorNeverCommands) {
     EXPECT_EQ(0U, bench.commands().size());
 }
 
-TEST_F(DriveSimulator, AnotherCommanderDisarmsWhoDrives) {
+TEST_F(DriveSimulator, AnotherCommanderDisarmsTheDriver) {
     drive_at_one_metre_per_second();
     for (int i = 0; i < 50; i++) {
         Bytes command(11);

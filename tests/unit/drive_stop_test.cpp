@@ -236,7 +236,7 @@ TEST(StopSequence, IsNeverSentByAMonitor) {
     EXPECT_EQ(0U, bench.commands().size());
 }
 
-TEST(StopSequence, IsNotSentByWhoArmedOrDroveAtZeroOnly) {
+TEST(StopSequence, IsNotSentAfterOnlyArmingOrDrivingAtZero) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
@@ -315,7 +315,7 @@ TEST(Stop, KeepsTheArming) {
     EXPECT_EQ(0.5F, bench.commands().back().linear);
 }
 
-TEST(Stop, CalledAllTheTimeStillKeepsItsDistanceAndStops) {
+TEST(Stop, CalledRepeatedlyStillKeepsItsPeriodAndStops) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();

@@ -31,7 +31,7 @@ TEST(OtherCommander, IsReportedAfterThreeStatuses) {
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_OTHER_COMMANDER) << "and when it ends";
 }
 
-TEST(OtherCommander, IsAlsoWhoCommandsSlowly) {
+TEST(OtherCommander, IsAlsoOneThatCommandsSlowly) {
     for (const float speed : {0.05F, -0.05F})
         for (const bool turning : {false, true}) {
             ScriptedRobot robot;
@@ -203,7 +203,7 @@ TEST(Inhibited, DisarmsWhenATargetIsSetButTheRobotStands) {
     EXPECT_GE(bench.commands(at_us).size(), 3U);
 }
 
-TEST(Inhibited, IsNotForARobotWhoseSpeedIsNoNumber) {
+TEST(Inhibited, IsNotReportedWhenTheSpeedIsNotFinite) {
     for (const bool turning : {false, true}) {
         ScriptedRobot robot;
         robot.follows = false;
@@ -257,7 +257,7 @@ TEST(Inhibited, DisarmsWhereTheRobotDropsTheTargetItself) {
     EXPECT_EQ(ROBUROC4_ERR_INHIBITED, bench.drive_until_refused(0.5F, 0, second));
 }
 
-TEST(Inhibited, IsNotForARobotThatMovesOrHasNoTarget) {
+TEST(Inhibited, IsNotReportedWhenItMovesOrHasNoTarget) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
@@ -297,7 +297,7 @@ TEST(Override, IsAnEventOnBothEdges) {
     EXPECT_EQ(0, bench.facts().overridden);
 }
 
-TEST(Override, IsAnEventWhereItIsKnownAgainAndStillPressed) {
+TEST(Override, IsAnEventWhenItIsKnownAgainAndStillPressed) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
@@ -317,7 +317,7 @@ TEST(Override, IsAnEventWhereItIsKnownAgainAndStillPressed) {
     }
 }
 
-TEST(Override, IsNoEventWhereItIsNotKnown) {
+TEST(Override, IsNoEventWhileItIsUnknown) {
     ScriptedRobot robot;
     robot.iocard.digital_inputs = 4;
     robot.digital = 0xF;
@@ -330,7 +330,7 @@ TEST(Override, IsNoEventWhereItIsNotKnown) {
     EXPECT_EQ(0, bench.facts().overridden);
 }
 
-TEST(Override, LetsNoSpeedOutAfterTheStatusThatShowedIt) {
+TEST(Override, SendsNoSpeedAfterTheStatusThatShowedIt) {
     for (int offset = 0; offset < 60; offset += 7) {
         ScriptedRobot robot;
         Bench bench(robot);

@@ -209,7 +209,7 @@ TEST_F(Move, AQuarterTurnEndsWithinADegree) {
     }
 }
 
-TEST_F(Moving, AFifthOfDatagramsLostCostsThreeCentimetres) {
+TEST_F(Moving, LosingAFifthOfDatagramsCostsThreeCentimetres) {
     config.fresh_ms = 1000; /* six in a row get lost now and then, which disarms */
     connect_and_arm();
     fault(0.2);
@@ -338,7 +338,7 @@ TEST_F(Moving, CeilingsAndLimitsBoundAMove) {
     EXPECT_GT(took_s, 5);
 }
 
-TEST_F(Moving, WithoutLocalizationSpeedsAndTheClockDo) {
+TEST_F(Moving, WithoutLocalizationSpeedsAreIntegrated) {
     robot_config.hidden_services = 1U << ROBUROC4_SERVICE_LOCALIZATION;
     connect_and_arm();
     ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(1.0F)) << move.cause;
@@ -463,7 +463,7 @@ TEST_F(Move, ATimeoutStopsTheRobot) {
     expect_stopped();
 }
 
-TEST_F(Move, AProgramThatStepsNoMoreStopsTheRobot) {
+TEST_F(Move, AProgramThatNoLongerStepsStopsTheRobot) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 2.0F, 0, &options));
     EXPECT_EQ(ROBUROC4_MOVE_RUNNING, go(nullptr, 2.0));
     EXPECT_GT(state().target_linear_m_s, 0.2);
@@ -520,7 +520,7 @@ TEST_F(Move, GoingAwayFromAWallIsPossible) {
     EXPECT_NEAR(-0.5, ahead(), 0.01);
 }
 
-TEST_F(Move, TurnsInPlaceAndNoClearanceDoNotLook) {
+TEST_F(Move, TurnsInPlaceAndNoClearanceIgnoreTelemeters) {
     roburoc4_sim_add_box(robot(), 1.0, 0.0, 0.1, 2.0, 0.0);
     pass(second);
     options.clearance_m = 0;
@@ -559,7 +559,7 @@ TEST_F(Move, BackingAwayFromAPressedBumperIsPossible) {
     EXPECT_EQ(ROBUROC4_MOVE_REACHED, turn(0.3));
 }
 
-TEST_F(Moving, WithTelemetersUnheardItDoesNotGo) {
+TEST_F(Moving, WithoutTelemeterStatusesItDoesNotStart) {
     config.subscriptions &= ~(1U << ROBUROC4_SERVICE_TELEMETER);
     connect_and_arm();
     EXPECT_EQ(ROBUROC4_MOVE_LOST, straight(1.0F));
@@ -611,7 +611,7 @@ TEST_F(Move, OptionsOfAnotherSizeAreRefused) {
     EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_move_by(&move, 1.0F, 0, &options));
 }
 
-TEST_F(Move, APointTooFarAwayIsNoGoal) {
+TEST_F(Move, APointTooFarAwayIsRefused) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_point(&move, 1e9, 0, nullptr));
     EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, go());
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, move.cause);

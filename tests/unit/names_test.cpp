@@ -63,7 +63,7 @@ template <size_t rows> void check_names(uint32_t io_type, const Row (&table)[row
             << "table id " << row.id;
 }
 
-TEST(Names, EveryChannelOfTheManualStandsAtItsWireIndex) { // 5.5.1
+TEST(Names, EveryChannelOfTheManualIsAtItsWireIndex) { // 5.5.1
     check_names(ROBUROC4_IO_ANALOG_INPUT, analog_inputs);
     check_names(ROBUROC4_IO_DIGITAL_INPUT, digital_inputs);
     check_names(ROBUROC4_IO_DIGITAL_OUTPUT, digital_outputs);
@@ -161,7 +161,7 @@ TEST(Names, StatesOfAClient) {
     EXPECT_EQ(nullptr, roburoc4_name(ROBUROC4_NAME_STATE, 0xFFFFFFFFu));
 }
 
-TEST(Names, EveryEventHasASentenceOfItsOwn) {
+TEST(Names, EveryEventHasItsOwnSentence) {
     std::set<std::string> seen;
     for (uint32_t event = ROBUROC4_EVENT_STATE; event <= ROBUROC4_EVENT_ARMABLE; event <<= 1) {
         const char *text = roburoc4_name(ROBUROC4_NAME_EVENT, event);

@@ -162,7 +162,7 @@ TEST_F(Safety, PadAIsUnknownUntilItsTextsWereRead) {
     EXPECT_LT(arm_within(10 * second), 10 * second);
 }
 
-TEST_F(Safety, PadAIsUnknownWhereNoTextFits) {
+TEST_F(Safety, PadAIsUnknownIfNoTextFits) {
     RobotPlan plan = friendly_robot();
     plan.give_texts(soak::pad_texts(22, 8, 0));
     plan.input_texts[8] = "spare";
@@ -171,7 +171,7 @@ TEST_F(Safety, PadAIsUnknownWhereNoTextFits) {
     EXPECT_EQ(result_, ROBUROC4_ERR_OVERRIDE_UNKNOWN);
 }
 
-TEST_F(Safety, PadAIsUnknownWhereTwoTextsFit) {
+TEST_F(Safety, PadAIsUnknownIfTwoTextsFit) {
     RobotPlan plan = friendly_robot();
     plan.input_texts[20] = "gamepad: button a";
     make(plan);
@@ -179,7 +179,7 @@ TEST_F(Safety, PadAIsUnknownWhereTwoTextsFit) {
     EXPECT_EQ(result_, ROBUROC4_ERR_OVERRIDE_UNKNOWN);
 }
 
-TEST_F(Safety, PadAIsTheManualsWhereTheRobotRefusesTexts) {
+TEST_F(Safety, PadAIsTheManualsIfTheRobotRefusesTexts) {
     for (const int inputs : {22, 23}) {
         RobotPlan plan = friendly_robot();
         plan.pad_a = inputs == 22 ? 8 : 9;
@@ -229,7 +229,7 @@ TEST_F(Safety, AServiceIsNotGuessedWhileItsTextIsMissing) {
     EXPECT_FALSE(world_->oracle().over()) << "a command went to another service";
 }
 
-TEST_F(Safety, AServicesTextThatWasLostIsAskedForAgain) {
+TEST_F(Safety, ALostServiceTextIsRequestedAgain) {
     RobotPlan plan = robot_told_by_texts();
     plan.text_us = 3600 * second;
     make(plan);

@@ -69,7 +69,7 @@ TEST(Security, ForgedLimitsNeverLiftTheConfiguredCeilings) {
     }
 }
 
-TEST(Security, ForgedLimitsThatAreNoNumbersForbidDriving) {
+TEST(Security, ForgedLimitsThatAreNotFinitePreventDriving) {
     ScriptedRobot robot;
     robot.differential.max_linear_m_s = std::numeric_limits<float>::quiet_NaN();
     Bench bench(robot);
