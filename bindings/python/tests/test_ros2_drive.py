@@ -7,16 +7,20 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
-from cli_support import eventually, start
+from cli_support import eventually, one_line, run, start
 from conftest import first_zero_s
 
+import roburoc4
 from roburoc4 import Simulator
 from roburoc4.cdr import Cdr
+from roburoc4.ros2.commands import Commands, DriveConfig
+from roburoc4.ros2.listener import Listener
 from roburoc4.ros2.participant import Participant
-from roburoc4.ros2.topics import Profile
+from roburoc4.ros2.topics import CMD_VEL, Profile
 
 RELIABLE = Profile(10)
 BEST_EFFORT = Profile(10, reliable=False)
@@ -227,6 +231,47 @@ def test_a_message_that_is_none_is_refused_and_the_next_drives(
     eventually(refused)
     time.sleep(1.0)  # the pause that the start of the bridge asks for
     eventually(obeyed)
+
+
+def test_a_file_and_options_say_what_drives(
+    served: Simulator, bridge: Callable[..., Bridge], stream: Callable[..., Any], tmp_path: Path
+) -> None:
+    file = tmp_path / "robots.yaml"
+    file.write_text("lease_ms: 400\nmax_linear_m_s: 0.1\n", encoding="utf-8")
+    bridge("--config", str(file))
+    stream()
+    eventually(lambda: served.state.last_linear_m_s == pytest.approx(0.1))
+
+
+@pytest.mark.parametrize(
+    ("option", "value"), [("--lease-ms", "5"), ("--max-linear", "fast"), ("--max-age-ms", "-1")]
+)
+def test_a_value_that_cannot_be_used_is_named(option: str, value: str) -> None:
+    done = run("ros2", "--enable-drive", f"{option}={value}", "--list")
+    assert done.returncode == 2
+    assert option in one_line(done.stderr)
+
+
+def test_without_dds_the_robot_stands_and_a_person_is_told(domain: int, served: Simulator) -> None:
+    ended, notes = threading.Event(), list[str]()
+    participant = Participant(domain, interface="lo")
+    with roburoc4.connect(served.address) as robot:
+        commands = Commands(robot, DriveConfig(enabled=True), notes.append)
+        listener = Listener(
+            participant, participant.node("/", "x"), commands, [CMD_VEL], notes.append
+        )
+        thread = threading.Thread(target=listener.run, args=(ended,))
+        thread.start()
+        robot.arm()
+        robot.drive(0.3, 0.0, lease_ms=1000)
+        eventually(lambda: drives(served))
+        participant.close()
+        eventually(lambda: stands(served))
+        eventually(lambda: notes)
+        assert "commands cannot be read" in notes[-1]
+        assert not robot.facts.armed
+        ended.set()
+        thread.join()
 
 
 def test_without_enable_drive_nobody_listens_to_cmd_vel(

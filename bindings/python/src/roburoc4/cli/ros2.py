@@ -36,6 +36,8 @@ class Ros2Options(Options):
     twist: bool
     lease_ms: str | None
     max_age_ms: str | None
+    max_linear: str | None
+    max_angular: str | None
     list: bool
 
 
@@ -83,6 +85,14 @@ def _add_drive(parser: argparse.ArgumentParser) -> None:
         "--max-age-ms",
         metavar="MS",
         help="refuse commands with an older stamp; 0: none, so that bags drive, too (default: 200)",
+    )
+    group.add_argument(
+        "--max-linear",
+        metavar="M_S",
+        help="ceiling of speed, beside the robot's own (default: 2.6)",
+    )
+    group.add_argument(
+        "--max-angular", metavar="RAD_S", help="ceiling of turn rate, likewise (default: 6.5)"
     )
 
 
@@ -227,9 +237,15 @@ def _common(options: Ros2Options) -> dict[str, Any]:
     if options.no_tf:
         given["tf"] = False
     given |= {name: True for name in ("enable_drive", "twist") if getattr(options, name)}
-    for name in ("lease_ms", "max_age_ms"):
-        if (text := getattr(options, name)) is not None:
-            given[name] = _given(text, "--" + name.replace("_", "-"), name)
+    for option, name in (
+        ("--lease-ms", "lease_ms"),
+        ("--max-age-ms", "max_age_ms"),
+        ("--max-linear", "max_linear_m_s"),
+        ("--max-angular", "max_angular_rad_s"),
+    ):
+        text = getattr(options, option[2:].replace("-", "_"))
+        if text is not None:
+            given[name] = _given(text, option, name)
     if options.period_ms is not None:
         whole = int(options.period_ms) if options.period_ms.isdecimal() else options.period_ms
         given["period_ms"] = _given(whole, "--period-ms", "period_ms")

@@ -31,6 +31,9 @@ class DriveConfig:
     """TwistStamped; else Twist, of which only DDS says when it was sent."""
     lease_ms: int = 250
     max_age_ms: int = 200
+    max_linear_m_s: float = 2.6
+    """Ceilings beside the robot's own limits."""
+    max_angular_rad_s: float = 6.5
 
 
 class Sender(NamedTuple):

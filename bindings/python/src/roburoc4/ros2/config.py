@@ -98,6 +98,15 @@ def _between(lowest: int, highest: int) -> Callable[[Any], int]:
     return check
 
 
+def _speed(highest: float) -> Callable[[Any], float]:
+    def check(value: Any) -> float:
+        if type(value) not in {int, float, str} or not 0.001 <= (found := float(value)) <= highest:
+            raise ValueError(value)
+        return found
+
+    return check
+
+
 def _remap(value: Any) -> dict[str, str]:
     if not isinstance(value, dict) or not value.keys() <= _TOPICS:
         raise ValueError(value)
@@ -132,6 +141,8 @@ ROBOT_SETTINGS = {
     "twist": _Setting(_yes, "true for geometry_msgs/Twist, false for TwistStamped"),
     "lease_ms": _Setting(_between(20, 1000), "20 to 1000"),
     "max_age_ms": _Setting(_between(0, 60000), "0 (any age) to 60000"),
+    "max_linear_m_s": _Setting(_speed(20.0), "0.001 to 20 m/s"),
+    "max_angular_rad_s": _Setting(_speed(50.0), "0.001 to 50 rad/s"),
     "period_ms": _Setting(
         _periods_ms,
         "a multiple of 10, 10 to 2550, or such by service: " + ", ".join(STATUS_SERVICES),
@@ -177,6 +188,8 @@ def robot_config(name: str, settings: Mapping[str, Any]) -> RobotConfig:
             not settings.get("twist", not defaults.drive.stamped),
             settings.get("lease_ms", defaults.drive.lease_ms),
             settings.get("max_age_ms", defaults.drive.max_age_ms),
+            settings.get("max_linear_m_s", defaults.drive.max_linear_m_s),
+            settings.get("max_angular_rad_s", defaults.drive.max_angular_rad_s),
         ),
     )
 

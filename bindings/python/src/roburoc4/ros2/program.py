@@ -54,4 +54,10 @@ class Program:
 
 
 def _connect(config: RobotConfig) -> Robot:
-    return connect(config.address, wait=False, periods_ms=config.periods_ms)
+    return connect(
+        config.address,
+        wait=False,
+        periods_ms=config.periods_ms,
+        max_linear_m_s=config.drive.max_linear_m_s,
+        max_angular_rad_s=config.drive.max_angular_rad_s,
+    )
