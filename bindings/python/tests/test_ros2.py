@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """`roburoc4 ros2`, seen by another participant of the same domain."""
 
+import os
 import re
 import signal
 import socket
@@ -15,6 +16,7 @@ from typing import Any
 import pytest
 from cli_support import COMMAND, document, environment, eventually, one_line, run, start
 from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication
+from cyclonedds.pub import DataWriter
 from cyclonedds.qos import Policy, Qos
 from cyclonedds.sub import DataReader
 from rosbags.typesys import Stores, get_typestore
@@ -22,7 +24,14 @@ from urdf_parser_py.urdf import URDF
 
 import roburoc4
 from roburoc4 import ros_messages
-from roburoc4.ros2.participant import Participant
+from roburoc4.ros2.announcement import (
+    GID_SIZE,
+    HUMBLE_GID_SIZE,
+    AnnouncedNode,
+    Announcement,
+    decode,
+)
+from roburoc4.ros2.participant import Participant, Publisher, Raw
 from roburoc4.ros2.topics import PUBLISHED, Profile, Topic
 from roburoc4.ros2.types import struct_of
 from roburoc4.ros_topics import Messages
@@ -37,9 +46,9 @@ DISCOVERY_TYPES = ("d5a2a4d65f7a49b37ab3e7628202", "2e82f50c0ec361f7a2abe38ff5cf
 
 
 @pytest.fixture
-def domain(worker_id: str) -> int:
+def domain() -> int:
     """A domain of this process: tests that run beside it must not hear each other."""
-    return 100 + int(worker_id.removeprefix("gw") or 0) if worker_id != "master" else 99
+    return 1 + os.getpid() % 229
 
 
 @pytest.fixture
@@ -143,18 +152,10 @@ def test_odometry_comes_at_every_status(
 def test_the_node_is_announced_with_its_topics(
     listener: Participant, launch: Callable[..., Ros2], served: roburoc4.Simulator
 ) -> None:
-    reader = listener.discovery_reader()
     launch(robot=served.address)
-    ours = bytes(listener.dds.guid.bytes)
-    found: list[Any] = []
-
-    def announced() -> list[Any]:
-        found.extend(one for one in reader.take(100) if bytes(one.gid.data) != ours)
-        return found
-
-    eventually(announced)
-    (node,) = found[-1].node_entities_info_seq
-    assert (node.node_namespace, node.node_name) == ("/", "roburoc4")
+    eventually(listener.others)
+    ((node,),) = [announcement.nodes for announcement in listener.others()]
+    assert node.full_name == "/roburoc4"
     known: dict[str, Any] = {}
 
     def seen() -> bool:
@@ -163,18 +164,11 @@ def test_the_node_is_announced_with_its_topics(
 
     eventually(seen)
     gids = {bytes(one.key.bytes) for name, one in known.items() if name.startswith("rt/")}
-    assert {bytes(gid.data) for gid in node.writer_gid_seq} == gids
+    assert set(node.writers) == gids
+    assert {listener.node_of(gid) for gid in gids} == {"/roburoc4"}
 
 
 # ------------------------------------------------------------------------------ what is published
-
-
-class Raw(bytes):
-    """A message as it came; cyclonedds adds an attribute."""
-
-    @classmethod
-    def deserialize(cls, data: bytes) -> "Raw":
-        return cls(data)
 
 
 def messages(listener: Participant, topics: dict[str, Topic], namespace: str = "/") -> Any:
@@ -329,15 +323,10 @@ def test_two_robots_have_namespaces_frames_and_nodes(
         launch("--robot", f"RED={served.address}", "--robot", f"BLUE={other.address}")
         assert red()["odom"].header.frame_id == "RED/odom"
         assert blue()["odom"].child_frame_id == "BLUE/base_link"
-        nodes: set[tuple[str, str]] = set()
-        reader = listener.discovery_reader()
-
-        def both() -> bool:
-            for one in reader.take(100):
-                nodes.update((it.node_namespace, it.node_name) for it in one.node_entities_info_seq)
-            return {("/RED", "roburoc4"), ("/BLUE", "roburoc4")} <= nodes
-
-        eventually(both)
+        expected = {"/RED/roburoc4", "/BLUE/roburoc4"}
+        eventually(
+            lambda: expected == {node.full_name for one in listener.others() for node in one.nodes}
+        )
 
 
 def test_a_file_sets_names_domain_and_frames(tmp_path: Path) -> None:
@@ -454,24 +443,57 @@ def test_a_robot_that_is_off_is_waited_for(
     assert "connected" in program.process.stderr.readline()
 
 
-def test_humble_is_told_in_its_own_form(
-    domain: int, launch: Callable[..., Ros2], served: roburoc4.Simulator
+def announce(listener: Participant, size: int) -> DataWriter[Any]:
+    """Announce a node as another program would, with gids of this size."""
+    node = AnnouncedNode("/", "talker", (), ())
+    topic = listener.topic("ros_discovery_info", DISCOVERY)
+    policies = Policy.Durability.TransientLocal, Policy.Reliability.Reliable(10**8)
+    writer: DataWriter[Any] = DataWriter(listener.dds, topic, Qos(*policies))
+    publisher = Publisher(writer)
+    publisher.publish(Announcement(b"t" * 16, (node,)).encode(size))
+    return writer
+
+
+def heard_sizes(listener: Participant) -> Callable[[int], None]:
+    """Return what waits for an announcement of the robot with gids of this size."""
+    policies = Policy.Durability.TransientLocal, Policy.Reliability.Reliable(10**8)
+    topic = listener.topic("ros_discovery_info", DISCOVERY)
+    reader: DataReader[Any] = DataReader(listener.dds, topic, Qos(*policies))
+
+    def wait_for(size: int) -> None:
+        def came() -> bool:
+            for data in reader.take(100):
+                found, its_size = decode(data)
+                if its_size == size and "/roburoc4" in [node.full_name for node in found.nodes]:
+                    return True
+            return False
+
+        eventually(came)
+
+    return wait_for
+
+
+def test_the_node_is_announced_in_the_form_of_others(
+    listener: Participant, launch: Callable[..., Ros2], served: roburoc4.Simulator
 ) -> None:
-    humble = Participant(domain, humble=True, interface="lo")
-    try:
-        reader = humble.discovery_reader()
-        launch("--distro", "humble", robot=served.address)
-        found: list[Any] = []
+    wait_for = heard_sizes(listener)
+    launch(robot=served.address)
+    wait_for(GID_SIZE)
+    humble = announce(listener, HUMBLE_GID_SIZE)
+    wait_for(HUMBLE_GID_SIZE)
+    later = announce(listener, GID_SIZE)
+    wait_for(GID_SIZE)
+    assert humble.guid != later.guid
 
-        def announced() -> list[Any]:
-            found.extend(one for one in reader.take(100) if one.node_entities_info_seq)
-            return found
 
-        eventually(announced)
-        assert len(found[-1].gid.data) == 24
-        assert found[-1].node_entities_info_seq[0].node_name == "roburoc4"
-    finally:
-        humble.close()
+def test_two_of_our_programs_do_not_follow_each_other(
+    listener: Participant, domain: int, launch: Callable[..., Ros2], served: roburoc4.Simulator
+) -> None:
+    wait_for = heard_sizes(listener)
+    launch("--distro", "humble", "--namespace", "/other", robot=served.address)
+    eventually(listener.others)
+    launch(robot=served.address)
+    wait_for(GID_SIZE)
 
 
 def test_without_cyclonedds_the_command_says_what_to_install(tmp_path: Path) -> None:

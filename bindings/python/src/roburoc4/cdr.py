@@ -45,7 +45,7 @@ class Cdr:
 
 
 class CdrReader:
-    """What Cdr wrote, in the same order."""
+    """What Cdr wrote, in the same order; ValueError where it ends too early."""
 
     def __init__(self, data: bytes) -> None:
         if data[: len(_HEAD)] != _HEAD:
@@ -56,17 +56,31 @@ class CdrReader:
     def numbers(self, code: str, count: int) -> tuple[float, ...]:
         """Read so many numbers of one type."""
         self._at += (len(_HEAD) - self._at) % _SIZES[code]
+        if count * _SIZES[code] > self.left:
+            raise ValueError("a message ends too early")
         values = struct.unpack_from(f"<{count}{code}", self._data, self._at)
         self._at += count * _SIZES[code]
         return values
 
-    def skip_text(self) -> None:
-        """Pass over a string."""
+    def octets(self, count: int) -> bytes:
+        """Read so many bytes."""
+        if count > self.left:
+            raise ValueError("a message ends too early")
+        self._at += count
+        return self._data[self._at - count : self._at]
+
+    def text(self) -> str:
+        """Read a string."""
         (size,) = self.numbers("I", 1)
-        self._at += int(size)
+        return self.octets(int(size)).removesuffix(b"\0").decode()
+
+    @property
+    def left(self) -> int:
+        """Bytes that were not read."""
+        return len(self._data) - self._at
 
     def header(self) -> float:
         """Read a std_msgs/Header; return its stamp in seconds."""
         second, nanosecond = self.numbers("I", 2)
-        self.skip_text()
+        self.text()
         return round(second + nanosecond / 1e9, 6)

@@ -149,7 +149,7 @@ class _StatusReader:
         self._speeds = self._front = None
 
     def _odometry(self, message: CdrReader, times: tuple[int, float]) -> Iterator[Status]:
-        message.skip_text()
+        message.text()
         x_m, y_m, _, _, _, z, w = message.numbers("d", 7)
         message.numbers("d", _COVARIANCE_SIZE)
         linear_m_s, _, _, _, _, angular_rad_s = message.numbers("d", 6)

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -105,7 +104,7 @@ def _add_ros(parser: argparse.ArgumentParser) -> None:
         "--distro",
         metavar="NAME",
         help="the distribution that the others run; only humble differs (default: $ROS_DISTRO, "
-        "else jazzy)",
+        "else as they announce themselves)",
     )
     group.add_argument(
         "--interface", metavar="NAME", help="network interface, such as eth0 (default: any)"
@@ -167,7 +166,7 @@ def _serve(config: Config) -> int:
                 f"roburoc4: node {node} in domain {config.domain}, robot at {robot.address}",
                 flush=True,
             )
-        threading.Event().wait()  # until a signal
+        program.wait()  # until a signal
     return ExitCode.FINE
 
 
@@ -176,7 +175,6 @@ def _serve(config: Config) -> int:
 
 def _config(options: Ros2Options) -> Config:
     from roburoc4.ros2.config import (
-        DEFAULT_DISTRO,
         Config,
         FileSettings,
         check_distinct,
@@ -205,7 +203,7 @@ def _config(options: Ros2Options) -> Config:
     return Config(
         tuple(made),
         program.get("domain", 0),
-        program.get("distro", DEFAULT_DISTRO),
+        program.get("distro"),
         checked("interface", program["interface"]) if "interface" in program else None,
     )
 

@@ -14,7 +14,6 @@ from .names import is_namespace, is_node, is_topic
 from .topics import CMD_VEL, CMD_VEL_UNSTAMPED, PUBLISHED, STOPS, Topic
 
 DISTROS = ("humble", "iron", "jazzy", "kilted", "lyrical", "rolling")
-DEFAULT_DISTRO = "jazzy"
 HIGHEST_DOMAIN = 232
 _FRAME = re.compile(r"[\w./-]*", re.ASCII)
 _PERIODS_MS = range(10, 2551, 10)
@@ -62,7 +61,8 @@ class Config:
 
     robots: tuple[RobotConfig, ...]
     domain: int = 0
-    distro: str = DEFAULT_DISTRO
+    distro: str | None = None
+    """Of the others; None to find out what matters of it."""
     interface: str | None = None
 
 

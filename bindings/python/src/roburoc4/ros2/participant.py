@@ -4,6 +4,7 @@
 docs/ros2.md says which of their files each rule here is taken from.
 """
 
+import contextlib
 import os
 import threading
 from typing import Any
@@ -17,17 +18,19 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic as DdsTopic
 from cyclonedds.util import duration
 
-from ..cdr import Cdr
 from ..ros_messages import type_hash
+from .announcement import GID_SIZE, HUMBLE_GID_SIZE, AnnouncedNode, Announcement, decode
 from .names import resolve
 from .topics import LATCHED, Profile
 from .types import struct_of
 
+# Of participants that are remembered, and of messages that are taken at a time.
+_MANY = 1000
 _LOOPBACKS = ("lo", "127.0.0.1", "localhost")
+_MARK = b"by=roburoc4;"
 _ENCLAVE = b"enclave=/;"
 _DISCOVERY = "ros_discovery_info"
 _DISCOVERY_KIND = "rmw_dds_common/ParticipantEntitiesInfo"
-_GID_SIZE, _HUMBLE_GID_SIZE = 16, 24
 # A listener that hangs may hold up its robot's messages so long, and then loses them.
 _LONGEST_BLOCK_MS = 100
 
@@ -44,6 +47,17 @@ class _Encoded:
 
     def serialize(self, use_version_2: bool | None = None) -> bytes:
         return self._data
+
+
+class Raw(bytes):
+    """A message in CDR as it came; cyclonedds adds an attribute."""
+
+    @classmethod
+    def deserialize(cls, data: bytes) -> "Raw":
+        """Take it as it is."""
+        return cls(data)
+
+    deserialize_key = deserialize
 
 
 class Publisher:
@@ -94,6 +108,12 @@ class Node:
         self.readers.append(reader)
         return reader
 
+    def announced(self) -> AnnouncedNode:
+        """Return what others are told of it."""
+        readers = tuple(bytes(reader.guid.bytes) for reader in self.readers)
+        writers = tuple(publisher.gid for publisher in self.publishers)
+        return AnnouncedNode(self.namespace, self.name, readers, writers)
+
     def _resolve(self, topic: str) -> str:
         return "rt" + resolve(topic, self.namespace)
 
@@ -101,8 +121,14 @@ class Node:
 class Participant:
     """All nodes of this program, as one participant of a domain; to be closed."""
 
-    def __init__(self, domain: int, *, humble: bool = False, interface: str | None = None) -> None:
-        self._humble = humble
+    def __init__(
+        self, domain: int, *, humble: bool | None = None, interface: str | None = None
+    ) -> None:
+        """Join; nodes are announced in Humble's form or not, or (None) in that of others."""
+        self._gid_size = HUMBLE_GID_SIZE if humble else GID_SIZE
+        self._follows = humble is None
+        self._others: dict[bytes, Announcement] = {}
+        self._is_due = False
         self._lock = threading.Lock()
         self._nodes: list[Node] = []
         self._topics: dict[str, DdsTopic[Any]] = {}
@@ -118,12 +144,12 @@ class Participant:
                 f"DDS cannot start in domain {domain}{at} ({error.msg}): look at --interface and "
                 "CYCLONEDDS_URI, and whether the network is up"
             ) from None
-        self._topics[_DISCOVERY] = DdsTopic(
-            self.dds, _DISCOVERY, struct_of(_DISCOVERY_KIND, humble)
-        )
-        self._discovery = Publisher(
-            DataWriter(self.dds, self._topics[_DISCOVERY], _qos(_DISCOVERY_KIND, LATCHED))
-        )
+        discovery, qos = self.topic(_DISCOVERY, _DISCOVERY_KIND), _qos(_DISCOVERY_KIND, LATCHED)
+        marked = Qos(Policy.Userdata(_type_hash(_DISCOVERY_KIND) + _MARK), base=qos)
+        self._discovery = Publisher(DataWriter(self.dds, discovery, marked))
+        all_of_others = Qos(Policy.History.KeepAll, Policy.IgnoreLocal.Participant, base=qos)
+        self._heard: DataReader[Any] = DataReader(self.dds, discovery, all_of_others)
+        self._heard.topic.data_type = Raw
 
     def node(self, namespace: str, name: str) -> Node:
         """Make a node; call ``announce`` when it has all its topics."""
@@ -139,27 +165,62 @@ class Participant:
                 self._topics[name] = DdsTopic(self.dds, name, struct_of(kind))
             return self._topics[name]
 
-    def discovery_reader(self) -> DataReader[Any]:
-        """Read what others, and we, announce."""
-        qos = Qos(Policy.History.KeepAll, base=_qos(_DISCOVERY_KIND, LATCHED))
-        return DataReader(self.dds, self._topics[_DISCOVERY], qos)
-
     def announce(self) -> None:
         """Say which nodes there are, and what belongs to them."""
         with self._lock:
-            message = self._gid(Cdr(), bytes(self.dds.guid.bytes)).numbers("I", len(self._nodes))
-            for node in self._nodes:
-                message.text(node.namespace).text(node.name)
-                readers = [bytes(reader.guid.bytes) for reader in node.readers]
-                for gids in (readers, [one.gid for one in node.publishers]):
-                    message.numbers("I", len(gids))
-                    for gid in gids:
-                        self._gid(message, gid)
-            self._discovery.publish(bytes(message.data))
+            nodes = tuple(node.announced() for node in self._nodes)
+            message = Announcement(bytes(self.dds.guid.bytes), nodes).encode(self._gid_size)
+            self._is_due = False
+        self._discovery.publish(message)  # may wait for a listener: nobody waits for that
 
-    def _gid(self, message: Cdr, gid: bytes) -> Cdr:
-        size = _HUMBLE_GID_SIZE if self._humble else _GID_SIZE
-        return message.numbers("B", *gid.ljust(size, b"\0"))
+    def look(self) -> None:
+        """Take what others announce, and announce the nodes again if it shall be in their form."""
+        self._hear()
+        if self._is_due:
+            self.announce()
+
+    def _hear(self) -> None:
+        with self._lock:
+            for data in self._heard.take(_MANY):
+                if not isinstance(data, Raw):  # somebody went
+                    continue
+                with contextlib.suppress(ValueError):
+                    announcement, size = decode(data)
+                    self._remember(announcement)
+                    if size == self._gid_size or not self._follows or not announcement.nodes:
+                        continue
+                    if not self._is_ours(data):
+                        self._gid_size, self._is_due = size, True
+
+    def _remember(self, announcement: Announcement) -> None:
+        self._others.pop(announcement.gid, None)
+        if announcement.nodes:
+            self._others[announcement.gid] = announcement
+        if len(self._others) > _MANY:
+            del self._others[next(iter(self._others))]
+
+    def _is_ours(self, data: Any) -> bool:
+        """Whether another program of this kind announces that: they would follow one another."""
+        with contextlib.suppress(DDSException):
+            handle = data.sample_info.publication_handle
+            if endpoint := self._heard.get_matched_publication_data(handle):
+                return any(
+                    _MARK in policy.data
+                    for policy in endpoint.qos.policies
+                    if isinstance(policy, Policy.Userdata)
+                )
+        return True  # who is gone is not followed
+
+    def others(self) -> list[Announcement]:
+        """Return what other participants announced last."""
+        self._hear()
+        with self._lock:
+            return list(self._others.values())
+
+    def node_of(self, gid: bytes) -> str:
+        """Return the full name of the node that a publisher belongs to; empty if not known."""
+        nodes = (node for one in self.others() for node in one.nodes if gid in node.writers)
+        return next((node.full_name for node in nodes), "")
 
     def close(self) -> None:
         """Take everything back: others see at once that it is gone."""
@@ -182,8 +243,12 @@ def _qos(kind: str, profile: Profile) -> Qos:
         Policy.History.KeepLast(profile.depth),
         Policy.DataRepresentation(use_cdrv0_representation=True),
         Policy.WriterDataLifecycle(autodispose=False),
-        Policy.Userdata(f"typehash={type_hash(kind)};".encode()),
+        Policy.Userdata(_type_hash(kind)),
     )
+
+
+def _type_hash(kind: str) -> bytes:
+    return f"typehash={type_hash(kind)};".encode()
 
 
 def _only(interface: str) -> str:

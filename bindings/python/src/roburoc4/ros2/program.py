@@ -12,6 +12,8 @@ from .config import Config, RobotConfig
 from .participant import Participant
 from .robot_node import RobotNode
 
+_LOOK_S = 0.2
+
 
 class Program:
     """Robots and their nodes; to be used in a ``with`` block, which leaves no entity behind."""
@@ -22,12 +24,12 @@ class Program:
         self._threads: list[threading.Thread] = []
         with contextlib.ExitStack() as stack:
             robots = [stack.enter_context(_connect(robot)) for robot in config.robots]
-            participant = Participant(
-                config.domain, humble=config.distro == "humble", interface=config.interface
-            )
+            humble = None if config.distro is None else config.distro == "humble"
+            participant = Participant(config.domain, humble=humble, interface=config.interface)
             stack.callback(participant.close)
+            self._participant = participant
             self._nodes = [
-                RobotNode(robot, participant, its, config.distro, tell)
+                RobotNode(robot, participant, its, tell)
                 for robot, its in zip(robots, config.robots, strict=True)
             ]
             participant.announce()
@@ -40,6 +42,11 @@ class Program:
                 self._threads.append(thread)
                 thread.start()
         return self
+
+    def wait(self) -> None:
+        """Wait for ever, and answer to what other nodes announce."""
+        while not self._ended.wait(_LOOK_S):
+            self._participant.look()
 
     def __exit__(
         self,

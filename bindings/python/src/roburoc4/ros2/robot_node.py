@@ -30,13 +30,11 @@ class RobotNode:
         robot: Robot,
         participant: Participant,
         config: RobotConfig,
-        distro: str,
         tell: Callable[[str], None],
     ) -> None:
         self.robot = robot
         self.config = config
         self.node = participant.node(config.namespace, config.node_name)
-        self._distro = distro
         self._messages = Messages(robot, robot.address, frames=config.frames)
         self._publishers = {
             key: self.node.publisher(*topic) for key, topic in config.topics().items()
@@ -86,7 +84,7 @@ class RobotNode:
         if is_due:
             self._diagnosed_s = now_s
             name = f"{self.config.namespace}/{self.config.node_name}".lstrip("/")
-            found = diagnoses(self.robot, name, self._distro)
+            found = diagnoses(self.robot, name)
             found.append(self.commands.state.diagnosis(name))
             self._publish("diagnostics", diagnostics(time.time(), self.robot.address, found))
 

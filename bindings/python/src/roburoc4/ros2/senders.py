@@ -15,16 +15,13 @@ class Senders:
     """Publishers of some topics; used by one thread at a time."""
 
     def __init__(self, participant: Participant) -> None:
-        self._announced = participant.discovery_reader()
-        self._nodes: dict[bytes, dict[bytes, str]] = {}
+        self._participant = participant
         self._known: dict[int, bytes] = {}
 
     def of(self, reader: DataReader[Any], handle: int) -> Sender:
         """Return who sent what this reader got from the publisher of this handle."""
         gid = self._gid(reader, handle)
-        self._hear()
-        nodes = (nodes[gid] for nodes in self._nodes.values() if gid in nodes)
-        return Sender(gid.hex(), next(nodes, ""))
+        return Sender(gid.hex(), self._participant.node_of(gid))
 
     def _gid(self, reader: DataReader[Any], handle: int) -> bytes:
         if handle not in self._known:
@@ -35,22 +32,3 @@ class Senders:
                 return handle.to_bytes(8, "big")
             keep(self._known, handle, endpoint.key.bytes)
         return self._known[handle]
-
-    def _hear(self) -> None:
-        while True:
-            try:
-                samples = self._announced.take(1)
-            except DDSException:
-                return
-            except Exception:  # of another distribution, or broken
-                continue
-            if not samples:
-                return
-            for sample in samples:
-                if sample.sample_info.valid_data:
-                    names = {
-                        bytes(gid.data)[:16]: f"{node.node_namespace.rstrip('/')}/{node.node_name}"
-                        for node in sample.node_entities_info_seq
-                        for gid in node.writer_gid_seq
-                    }
-                    keep(self._nodes, bytes(sample.gid.data), names)

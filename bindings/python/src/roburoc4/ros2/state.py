@@ -27,14 +27,13 @@ def conditions(robot: Robot) -> dict[str, bool]:
     return found
 
 
-def diagnoses(robot: Robot, node: str, distro: str) -> list[Diagnosis]:
+def diagnoses(robot: Robot, node: str) -> list[Diagnosis]:
     """Return what /diagnostics says of a robot."""
     makers: list[Callable[[Robot], Diagnosis]] = [_link, _driving, _battery]
     found = [make(robot) for make in makers]
     versions = {
         "roburoc4": __version__,
         "cyclonedds": importlib.metadata.version("cyclonedds"),
-        "distro": distro,
     }
     found.append(Diagnosis(_FINE, "versions", __version__, versions))
     return [one._replace(name=f"{node}: {one.name}") for one in found]

@@ -10,14 +10,13 @@ from ..ros_messages import Field, dds_name, fields, is_message
 
 # rmw_cyclonedds_cpp describes a byte as uint8 (dyntype.cpp), and types are compared.
 _SCALARS: dict[str, Any] = {"string": str, "bool": bool, "byte": types.uint8}
-_HUMBLE_GID_SIZE = 24
 
 
 @functools.cache
-def struct_of(kind: str, humble: bool = False) -> type[IdlStruct]:
-    """Make the type of a message: final, in plain CDR; in Humble a Gid is longer."""
+def struct_of(kind: str) -> type[IdlStruct]:
+    """Make the type of a message: final, in plain CDR."""
     name = dds_name(kind)
-    members = {field.name: _type_of(field, kind, humble) for field in fields(kind)}
+    members = {field.name: _type_of(field) for field in fields(kind)}
     made: type[IdlStruct] = make_idl_struct(
         name.rpartition(":")[2], name.replace("::", "."), members
     )
@@ -26,10 +25,10 @@ def struct_of(kind: str, humble: bool = False) -> type[IdlStruct]:
     return made
 
 
-def _type_of(field: Field, kind: str, humble: bool) -> Any:
+def _type_of(field: Field) -> Any:
     single: Any = _SCALARS.get(field.kind)
     if is_message(field.kind):
-        single = struct_of(field.kind, humble)
+        single = struct_of(field.kind)
     elif field.text_length:
         single = types.bounded_str[field.text_length]
     elif single is None:
@@ -38,5 +37,4 @@ def _type_of(field: Field, kind: str, humble: bool) -> Any:
         return single
     if not field.length:
         return types.sequence[single]
-    is_gid = humble and kind == "rmw_dds_common/Gid"
-    return types.array[single, _HUMBLE_GID_SIZE if is_gid else field.length]
+    return types.array[single, field.length]
