@@ -24,7 +24,7 @@ LEASE_S = 0.5
 """Longer than by default, so that pages on a loaded machine can answer in time."""
 WATCHDOG_S = 1.0
 """The robot's own, which has nothing to do here: whoever stops later than this relied on it."""
-PATIENCE_S = 20.0
+PATIENCE_S = 60.0
 
 FAKE_PAD = """
 window.pad = null;
@@ -61,6 +61,31 @@ def until(condition: Callable[[], object], seconds: float = PATIENCE_S) -> None:
     while not condition():
         assert time.monotonic() < end, "it did not come true"
         time.sleep(0.002)
+
+
+class Stopwatch:
+    """Time since it was made, less that in which a loaded machine did not run this thread."""
+
+    def __init__(self, begun_s: float | None = None) -> None:
+        self.begun_s = time.monotonic() if begun_s is None else begun_s
+        self.stalled_s = 0.0
+
+    def nap(self, seconds: float = 0.002) -> None:
+        """Sleep; whatever it lasts longer is not counted."""
+        begun_s = time.monotonic()
+        time.sleep(seconds)
+        self.stalled_s += max(0.0, time.monotonic() - begun_s - seconds - 0.01)
+
+    def seconds(self, now_s: float | None = None) -> float:
+        """Return what it shows, or did at a time."""
+        return (time.monotonic() if now_s is None else now_s) - self.begun_s - self.stalled_s
+
+    def until(self, condition: Callable[[], object]) -> None:
+        """Look again and again; fail where it does not come true."""
+        end = time.monotonic() + PATIENCE_S
+        while not condition():
+            assert time.monotonic() < end, "it did not come true"
+            self.nap()
 
 
 class Station:
@@ -162,11 +187,12 @@ class Station:
             hold()
 
     def wait_until_stopped(self, begun_s: float) -> float:
-        """Wait for the first zero; return how long after ``begun_s`` it came."""
-        until(lambda: not self.driven)
+        """Wait for the first zero; return how long after ``begun_s`` it came, without stalls."""
+        watch = Stopwatch(begun_s)
+        watch.until(lambda: not self.driven)
         state = self.sim.state
         assert not state.watchdog_tripped
-        return state.last_command_us / 1e6 - begun_s
+        return watch.seconds(state.last_command_us / 1e6)
 
     def speeds_sent(self) -> int:
         """How many commands carried a speed so far."""

