@@ -37,7 +37,7 @@ static void get_ready(void) {
     const uint64_t until_us = roburoc4_udp_now_us();
     roburoc4_result size;
     uint64_t peer;
-    now_us = until_us - GET_READY_US; /* the adapter goes on with the real time */
+    now_us = until_us - GET_READY_US; /* the adapter continues in real time */
     roburoc4_client_init(&client, sizeof client, NULL);
     roburoc4_client_start(&client, now_us);
     for (; now_us < until_us; now_us += STEP_US) {

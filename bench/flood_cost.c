@@ -100,7 +100,7 @@ static size_t blank_text(uint8_t *data, unsigned turn) {
 }
 
 /** `pattern` again and again: beginnings of words that are looked for, so that the search for one
- *  goes on, and none of which comes to its end. Of all texts these were the dearest to be found. */
+ *  goes on, and none of which comes to its end. Of all texts tried, these were the slowest. */
 static size_t near_text(uint8_t *data, const char *pattern) {
     const size_t length = strlen(pattern);
     for (size_t i = 5; i < LONGEST; i++) {

@@ -200,7 +200,7 @@ ROBUROC4_API const char *roburoc4_result_text(roburoc4_result result);
 /** The name of a number, by what the number is (ROBUROC4_NAME_*); NULL where it has none. */
 ROBUROC4_API const char *roburoc4_name(uint32_t what, uint32_t number);
 
-/** The robot's address out of the box (4.2.1). */
+/** The robot's factory-default address (4.2.1). */
 #define ROBUROC4_DEFAULT_HOST "192.168.0.2"
 #define ROBUROC4_DEFAULT_PORT 60000
 /** One low level cycle of the robot in microseconds (4.2.4). */

@@ -104,8 +104,8 @@ typedef struct roburoc4_sim_config {
 /** Fill with the defaults; `size` is sizeof(roburoc4_sim_config). ROBUROC4_ERR_SIZE (nothing
  *  written) for a size that no version has had. */
 ROBUROC4_SIM_API roburoc4_result roburoc4_sim_config_init(roburoc4_sim_config *config, size_t size);
-/** What is wrong with a configuration and how to mend it, as one English sentence; NULL if nothing
- *  is. Lives as long as the program. */
+/** What is wrong with a configuration and how to correct it, as one English sentence; NULL if
+ * nothing is. Lives as long as the program. */
 ROBUROC4_SIM_API const char *roburoc4_sim_config_error(const roburoc4_sim_config *config);
 
 /* ------------------------------------------------------------------------------- the robot --- */

@@ -47,7 +47,7 @@ bool ini_is(ini_text text, const char *wanted, bool any_case) {
     return wanted[text.length] == '\0';
 }
 
-/* Take a line apart; `line->section` goes on from line to line. */
+/* Take a line apart; `line->section` carries over from line to line. */
 static bool split(ini_text text, ini_line *line, char *error, size_t capacity) {
     line->name = (ini_text){text.at, 0};
     line->value = (ini_text){NULL, 0};

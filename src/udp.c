@@ -143,7 +143,7 @@ static int is_open(const roburoc4_udp *udp) {
     return udp->private_size == sizeof *udp;
 }
 
-/* Connects, or connects anew, where the system chooses this end's address again. */
+/* Connects or reconnects the socket, where the system chooses this end's address again. */
 static roburoc4_os_outcome connect_now(roburoc4_udp *udp) {
     roburoc4_os_outcome outcome = roburoc4_os_connect(udp->private_socket, &udp->address);
     udp->private_connected = outcome.fault == ROBUROC4_FAULT_NONE;

@@ -2,7 +2,7 @@
  *
  * lcm_sink LCM_URL PERIOD_CYCLES SECONDS [SERVICES]: counts the statuses of all robots on an LCM
  * network (of all services, or of SERVICES such as DIFFERENTIAL|IOCARD), and those that are
- * missing: each service's robot_cycles must go on in steps of PERIOD_CYCLES. Prints "channels C
+ * missing: each service's robot_cycles must advance in steps of PERIOD_CYCLES. Prints "channels C
  * messages M lost L", of the time between the first full second and the end.
  */
 #define _POSIX_C_SOURCE 200809L

@@ -34,7 +34,7 @@ def test_the_committed_package_is_what_lcm_gen_generates(tmp_path: Path) -> None
     lcm_gen = Path(sys.executable).with_name("lcm-gen")
     subprocess.run([lcm_gen, "-p", "--ppath", tmp_path, *types], check=True)
     assert equal(COMMITTED, tmp_path / "roburoc4_lcm"), (
-        f"make it anew: {lcm_gen} -p --ppath lcm/python lcm/types/*.lcm"
+        f"generate it again: {lcm_gen} -p --ppath lcm/python lcm/types/*.lcm"
     )
 
 

@@ -68,7 +68,7 @@ roburoc4_recorder_state state_of(roburoc4_recorder *recorder) {
     return state;
 }
 
-/* A client's socket that talks with a socket of the test, without a client's own traffic: what is
+/* A client's socket connected to a socket of the test, without a client's own traffic: what is
  * received is a number that counts up. */
 class Traffic {
   public:

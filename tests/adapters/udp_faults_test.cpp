@@ -176,7 +176,7 @@ TEST_F(Faults, APathThatFailsForASecondIsReconnected) {
     open();
     fake.send_fault = ROBUROC4_FAULT_DOWN; /* the address that it sends from was taken away */
     live(600000);
-    EXPECT_EQ(fake.connects_us.size(), 1u) << "time to mend by itself";
+    EXPECT_EQ(fake.connects_us.size(), 1u) << "time to recover by itself";
     live(2500000);
     EXPECT_GE(fake.connects_us.size(), 2u);
     fake.send_fault = ROBUROC4_FAULT_NONE;

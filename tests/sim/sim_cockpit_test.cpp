@@ -151,7 +151,7 @@ TEST_F(SimPad, DrivesWhileAIsHeldAndCommandsAreIgnored) {
     EXPECT_NEAR(3.25, state.target_angular_rad_s, 1e-6) << "stick to the left turns left";
     EXPECT_NEAR(1.3, state.wheel_linear_m_s, 0.03);
     EXPECT_EQ(30U, state.refused_speed_commands);
-    EXPECT_EQ(300U, robot.take().size()) << "statuses go on";
+    EXPECT_EQ(300U, robot.take().size()) << "statuses continue";
 }
 
 TEST_F(SimPad, AxesHaveTheManualsDirections) {

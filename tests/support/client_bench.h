@@ -46,10 +46,10 @@ class Bench {
 
     roburoc4_client client{};
     std::uint64_t now_us;
-    std::int64_t skew_us = 0; /* the client's clock less the true time */
+    std::int64_t skew_us = 0; /* the client's clock minus the true time */
     std::uint64_t polls = 0;
     std::vector<Datagram> sent;
-    /** What the network does: where set, true drops a datagram; a delay in microseconds. */
+    /** Faults of the network, if set: true drops a datagram; a delay in microseconds. */
     std::function<bool(const Bytes &)> drop_to_robot, drop_to_client;
     std::function<std::uint64_t()> delay_to_client;
 
@@ -72,7 +72,7 @@ class Bench {
     void run(std::uint64_t span_us) {
         run_to(now_us + span_us);
     }
-    /** Run until it is so; false if that takes longer than `limit_us`. */
+    /** Run until the condition holds; false if that takes longer than `limit_us`. */
     bool run_until(const std::function<bool()> &so, std::uint64_t limit_us = 30 * second) {
         const std::uint64_t end_us = now_us + limit_us;
         pump();
@@ -87,7 +87,7 @@ class Bench {
     bool run_until_state(std::uint32_t wanted, std::uint64_t limit_us = 30 * second) {
         return run_until([&] { return state() == wanted; }, limit_us);
     }
-    /** Start, be ready with a status of every service, and forget what it took. */
+    /** Start, become ready with a status of every service, and forget the datagrams until then. */
     void ready() {
         start();
         ASSERT_TRUE(run_until_state(ROBUROC4_STATE_READY));
@@ -101,11 +101,11 @@ class Bench {
         ASSERT_EQ(ROBUROC4_OK, arm());
         take_events();
     }
-    /** Drive, renewing the lease every 50 ms, for so long. */
+    /** Drive for this time, renewing the lease every 50 ms. */
     void driving(float linear, float angular, std::uint64_t span_us) {
         ASSERT_EQ(ROBUROC4_OK, drive_until_refused(linear, angular, span_us)) << "at " << now_us;
     }
-    /** The same until the client refuses; why it does, or 0. */
+    /** The same until the client refuses; returns the reason, or 0. */
     roburoc4_result drive_until_refused(float linear, float angular, std::uint64_t span_us) {
         const std::uint64_t end_us = now_us + span_us;
         roburoc4_result result = ROBUROC4_OK;
@@ -134,7 +134,7 @@ class Bench {
         ExactBlock block(bytes);
         return roburoc4_client_receive(&client, block.data(), block.size(), client_us());
     }
-    /** One datagram of the client, which the partner gets; false if nothing was due. */
+    /** Pass one datagram of the client to the partner; false if nothing was due. */
     bool poll() {
         ExactBlock buffer(ROBUROC4_MAX_TRANSMIT);
         polls++;
@@ -154,7 +154,7 @@ class Bench {
             partner_.deliver(bytes);
         return true;
     }
-    /** Everything that can happen at this time. */
+    /** Do everything that is due at this time. */
     void pump() {
         partner_.advance(now_us);
         bool moved = true;
@@ -201,7 +201,7 @@ class Bench {
         EXPECT_EQ(ROBUROC4_OK, roburoc4_client_service_link(&client, service, client_us(), &link));
         return link;
     }
-    /** Speed commands that were sent since then. */
+    /** Speed commands sent since then. */
     [[nodiscard]] std::vector<Command> commands(std::uint64_t since_us = 0) const {
         std::vector<Command> all;
         Command command{};
@@ -215,7 +215,7 @@ class Bench {
         return static_cast<std::size_t>(std::count_if(
             all.begin(), all.end(), [](const Command &command) { return !command.zero(); }));
     }
-    /** When the loop around the client has to go on. */
+    /** When the loop around the client has to continue. */
     [[nodiscard]] std::uint64_t next_us() const {
         const std::uint64_t deadline = roburoc4_client_next_deadline(&client);
         std::uint64_t next = partner_.next_us();
@@ -237,7 +237,7 @@ class Bench {
     }
 
   private:
-    /** Who polls just before would have got nothing, and changed nothing. */
+    /** Polling just before would have returned nothing and changed nothing. */
     void sleep_to(std::uint64_t later_us) {
         roburoc4_client poller = client;
         ExactBlock buffer(ROBUROC4_MAX_TRANSMIT);
@@ -246,7 +246,7 @@ class Bench {
                   roburoc4_client_poll_transmit(&poller, buffer.data(), buffer.size(), client_us()))
             << "due before the deadline, at " << now_us << " in state " << state();
         EXPECT_EQ(state(), roburoc4_client_state(&poller)) << "before the deadline, at " << now_us;
-        /* A lease that ends while zeros are sent anyhow is told with the next of them. */
+        /* A lease that ends while zeros are sent anyway is reported with the next of them. */
         const std::uint32_t lease_over = ROBUROC4_EVENT_LEASE_OVER;
         EXPECT_EQ(client.private_events | lease_over, poller.private_events | lease_over)
             << "before the deadline, at " << now_us;

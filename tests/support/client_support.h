@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * client_support.h - a robot out of a table for tests of the client: it answers requests and sends
- * statuses as its fields say, right or wrong. Built on the codec's encoders alone.
+ * client_support.h - a table-driven robot for tests of the client: it answers requests and sends
+ * statuses as its fields say, right or wrong. Built only on the codec's encoders.
  */
 #ifndef ROBUROC4_TESTS_CLIENT_SUPPORT_H
 #define ROBUROC4_TESTS_CLIENT_SUPPORT_H
@@ -27,7 +27,7 @@ namespace roburoc4_tests {
 constexpr std::uint64_t ms = 1000;
 constexpr std::uint64_t second = 1000000;
 
-/** Whoever a client talks with, in virtual time. */
+/** The other end of a client's link, in virtual time. */
 class Partner {
   public:
     virtual ~Partner() = default;
@@ -44,7 +44,7 @@ inline roburoc4_result set_digital_output(roburoc4_client *client, std::uint32_t
                                                static_cast<std::uint64_t>(on) << index, now_us);
 }
 
-/** Call an encoder with a buffer and give what it wrote. */
+/** Call an encoder with a buffer and return what it wrote. */
 template <typename Encoder> Bytes encoded(Encoder encoder) {
     std::array<std::uint8_t, 2048> buffer{};
     const roburoc4_result size = encoder(buffer.data(), buffer.size());
@@ -97,7 +97,7 @@ class ScriptedRobot : public Partner {
     bool only_manual_id = false;    /* requests with another id are ignored */
     bool error_header = false;      /* errors come as telegrams with header 0x00 */
     std::uint8_t forced_period = 0; /* the robot's own idea of every period, in cycles */
-    /** Answers instead of the table where it gives true. */
+    /** Answers instead of the table if it returns true. */
     std::function<bool(const roburoc4_request &, std::vector<Bytes> &)> instead;
     std::function<std::string(std::uint32_t io_type, std::uint32_t index)> channel_text =
         [](std::uint32_t io_type, std::uint32_t index) {
@@ -117,7 +117,7 @@ class ScriptedRobot : public Partner {
     std::vector<float> distances{1.5F, 2.5F};
     std::uint8_t battery_state = ROBUROC4_BATTERY_OK, battery_percent = 80;
     std::array<double, 3> pose{0, 0, 0};
-    /** Targets and currents follow the last command, unless a test has its own idea. */
+    /** Targets and currents follow the last command, unless a test sets them. */
     bool follows = true;
     float target_linear = 0, current_linear = 0, target_angular = 0, current_angular = 0;
 
@@ -136,7 +136,7 @@ class ScriptedRobot : public Partner {
     [[nodiscard]] std::uint64_t cycles() const {
         return (now_us_ - boot_us_) / ROBUROC4_CYCLE_US;
     }
-    /** Let the cycle counter start from here. */
+    /** Start the cycle counter from here. */
     void set_cycles(std::uint64_t cycles) {
         boot_us_ = now_us_ - cycles * ROBUROC4_CYCLE_US;
         last_cycle_ = cycles;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * pcapng.h - what a pcapng file of roburoc4_record.h holds, read strictly: every block whole, every
- * length where the format has it.
+ * pcapng.h - strict reader of the pcapng files of roburoc4_record.h: complete blocks, and every
+ * length as the format requires.
  */
 #ifndef ROBUROC4_TESTS_PCAPNG_H
 #define ROBUROC4_TESTS_PCAPNG_H
@@ -64,7 +64,7 @@ class CaptureReader {
   private:
     static void check(bool holds) {
         if (!holds) {
-            throw std::runtime_error("not a pcapng file of ours");
+            throw std::runtime_error("not a pcapng file by our recorder");
         }
     }
     uint32_t word(size_t at) const {

@@ -76,7 +76,7 @@ class SimProcess {
         close(error_);
     }
 
-    /* The next line of its standard output, without its end; "" where none comes. */
+    /* The next line of its standard output, without its end; "" if none arrives. */
     std::string line() {
         std::string text;
         char byte;
@@ -94,7 +94,7 @@ class SimProcess {
     std::string output() {
         return rest_of(out_);
     }
-    /* The ports of the line that says it is ready. */
+    /* The ports in the line that reports that it is ready. */
     std::vector<uint16_t> ports() {
         std::vector<uint16_t> found;
         std::string ready = line();
@@ -106,7 +106,7 @@ class SimProcess {
         }
         return found;
     }
-    /* Says a line to its panel and hears its answer. */
+    /* Sends a line to its panel and returns the answer. */
     std::string panel(const std::string &text) {
         std::string line_end = text + "\n";
         if (write(in_, line_end.data(), line_end.size()) < 0) {

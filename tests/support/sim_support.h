@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * sim_support.h - a simulated robot for tests: created from a configuration, moved by cycles, and
- * asked in telegrams.
+ * sim_support.h - a simulated robot for tests: created from a configuration, advanced by cycles,
+ * and queried in telegrams.
  */
 #ifndef ROBUROC4_TESTS_SIM_SUPPORT_H
 #define ROBUROC4_TESTS_SIM_SUPPORT_H
@@ -30,7 +30,7 @@ inline roburoc4_sim_config default_sim_config() {
     return config;
 }
 
-/** A robot whose network is perfect and whose time goes on when told. */
+/** A robot with a perfect network, whose time advances on request. */
 class SimRobot {
   public:
     static constexpr std::uint64_t origin_us = 5000000;
@@ -62,7 +62,7 @@ class SimRobot {
         }
     }
 
-    /** All that it wants to send now. */
+    /** Everything that it wants to send now. */
     std::vector<Sent> take() {
         std::vector<Sent> all;
         std::array<std::uint8_t, ROBUROC4_SIM_MAX_TRANSMIT> buffer{};
@@ -75,7 +75,7 @@ class SimRobot {
         return all;
     }
 
-    /** Send a request and take its one answer, which goes to who asked; empty if there is none. */
+    /** Send a request and take its one answer, which goes to the sender; empty if there is none. */
     Bytes ask(const Bytes &bytes, std::uint64_t peer = 1) {
         take();
         send(bytes, peer);
@@ -95,7 +95,7 @@ class SimRobot {
         send(Bytes(buffer.begin(), buffer.end()), peer);
     }
 
-    /** Command a speed in every tenth cycle for so many cycles. */
+    /** Command a speed in every tenth cycle for this many cycles. */
     void drive(float linear_m_s, float angular_rad_s, std::uint64_t cycles) {
         for (std::uint64_t cycle = 0; cycle < cycles; cycle++) {
             if (cycle % 10 == 0)

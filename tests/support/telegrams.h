@@ -69,7 +69,7 @@ static inline roburoc4_result encode_replace_localization(uint8_t *buffer, size_
     return roburoc4_encode_request(buffer, capacity, &request);
 }
 
-/** Analog channel `index` by the library's own reading; ROBUROC4_ERR_INDEX beyond the last. */
+/** Analog channel `index`, read by the library; ROBUROC4_ERR_INDEX beyond the last. */
 static inline roburoc4_result analog_at(const roburoc4_channels *channels, uint32_t index,
                                         float *out) {
     if (index >= channels->analog_count) {
@@ -87,7 +87,7 @@ static inline roburoc4_result digital_at(const roburoc4_channels *channels, uint
     return channels->digital[index / 8] >> (index % 8) & 1;
 }
 
-/** Distance `index` by the library's own reading; ROBUROC4_ERR_INDEX beyond the last. */
+/** Distance `index`, read by the library; ROBUROC4_ERR_INDEX beyond the last. */
 static inline roburoc4_result distance_at(const roburoc4_telemeter_status *status, uint32_t index,
                                           float *out) {
     if (index >= status->count) {

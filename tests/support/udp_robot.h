@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * udp_robot.h - the simulator's library behind a loopback socket, on a thread of the test: a robot
- * whose knobs the test can turn, and which remembers every speed command and when it came.
+ * that the test can control, and that remembers every speed command and its arrival.
  */
 #ifndef ROBUROC4_TESTS_UDP_ROBOT_H
 #define ROBUROC4_TESTS_UDP_ROBOT_H
@@ -42,7 +42,7 @@ class UdpRobot {
     uint16_t port() const {
         return socket_.port();
     }
-    /* Does what a line of the control panel says; true where the robot could. */
+    /* Executes a line of the control panel; true if the robot could. */
     bool panel(const std::string &line) {
         std::lock_guard<std::mutex> guard(mutex_);
         char reply[ROBUROC4_SIM_REPLY];
@@ -59,7 +59,7 @@ class UdpRobot {
         std::lock_guard<std::mutex> guard(mutex_);
         return commands_;
     }
-    /* From now on it neither hears nor says anything, but its socket stays. */
+    /* From now on it neither receives nor sends, but its socket stays open. */
     void fall_silent() {
         silent_ = true;
     }

@@ -23,7 +23,7 @@
 
 namespace test {
 
-/* Generous: a loaded machine is slow, a wrong program never gets there. */
+/* Generous: a loaded machine is slow, but a wrong program never succeeds. */
 constexpr uint64_t kPatienceUs = 60000000;
 
 inline sockaddr_in loopback(uint16_t port, const char *ip = "127.0.0.1") {
@@ -34,8 +34,8 @@ inline sockaddr_in loopback(uint16_t port, const char *ip = "127.0.0.1") {
     return address;
 }
 
-/* What a client in real time needs in these tests: a machine that does not run it for a while is no
- * reason to disarm. */
+/* Settings of a client in real time: a machine that does not run it for a while must not make it
+ * disarm. */
 inline roburoc4_config patient_config() {
     roburoc4_config config;
     roburoc4_config_init(&config, sizeof config);
@@ -80,7 +80,7 @@ class Socket {
         roburoc4_udp_resolve(ip_, port_, &out);
         return out;
     }
-    /* What arrives within the time; no bytes from port 0 where nothing does. */
+    /* What arrives in time; no bytes from port 0 if nothing does. */
     Received receive(int timeout_ms) const {
         Received got;
         pollfd watched{fd_, POLLIN, 0};
@@ -111,7 +111,7 @@ inline uint16_t free_port() {
     return Socket().port();
 }
 
-/* Calls `step` until it is true, or the patience is over. */
+/* Calls `step` until it returns true, or the time is over. */
 inline bool eventually(const std::function<bool()> &step) {
     uint64_t until_us = roburoc4_udp_now_us() + kPatienceUs;
     while (!step()) {

@@ -687,7 +687,7 @@ TEST(Subscribe, IsRequestedAtOnceWhateverWasRefusedBefore) {
         Bench bench(robot);
         bench.ready();
         telemeter.insert_refused = false;
-        if (way == 1) { /* is asked for with another period, in vain so far */
+        if (way == 1) { /* is requested with another period, so far without an answer */
             telemeter.insert_silent = true;
             ASSERT_EQ(ROBUROC4_OK, subscribe(bench, ROBUROC4_SERVICE_TELEMETER, 200));
             bench.run(450 * ms);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A robot that restarts: how a client notices, and that it learns everything anew.
+ * A robot that restarts: how a client notices, and that it reads everything again.
  */
 #include "client_bench.h"
 

@@ -567,7 +567,7 @@ TEST(Directory, ThatIsRefusedIsNotRequestedTooOften) {
     EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 3 * second));
 }
 
-/* ---- the manual to the letter ---- */
+/* ---- exactly as in the manual ---- */
 
 TEST(FixedId, IsEnteredAfterThreeTriesThatSawOnlyOne) {
     ScriptedRobot robot;

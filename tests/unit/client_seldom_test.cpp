@@ -388,7 +388,7 @@ TEST(Seldom, AClockThatStepsBackChangesNoCounterButItsOwn) {
         EXPECT_EQ(before[i] + (i == ROBUROC4_COUNT_CLOCK_FAULTS ? 1 : 0), bench.count(i)) << i;
 }
 
-/* But for the next request's id, which goes on, and for events that nobody has taken yet. */
+/* Except for the next request's id, which continues, and for events that were not taken yet. */
 TEST(Seldom, ARestartedClientIsLikeANewOne) {
     for (const std::int64_t pause_us : {0, 5000000, -900000000}) {
         ScriptedRobot robot;
@@ -504,7 +504,7 @@ TEST(Seldom, AStatusFromBeforeAClockStepIsNeverRecentAgain) {
     }
 }
 
-/* What the robot said stays known; only that [A] is not pressed must be said anew after a loss. */
+/* The robot's reports stay known; only [A] must be reported as released again after a loss. */
 TEST(Seldom, NeitherAClockThatStepsBackNorALossChangesAValue) {
     for (const bool loss : {false, true}) {
         SCOPED_TRACE(loss);

@@ -222,7 +222,7 @@ TEST(Clock, StepBackEndsTheLeaseDisarmsAndNeverRevivesIt) {
         EXPECT_GE(bench.commands(at_us).size(), 3U);
         EXPECT_EQ(0, bench.facts().stopping);
         EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
-        EXPECT_EQ(ROBUROC4_OK, bench.arm()) << "it is not wedged";
+        EXPECT_EQ(ROBUROC4_OK, bench.arm()) << "it is not blocked";
     }
 }
 

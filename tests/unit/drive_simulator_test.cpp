@@ -18,7 +18,7 @@ constexpr std::uint64_t cycle_us = ROBUROC4_CYCLE_US;
 /* From 1 m/s to a standstill by the measured response. */
 constexpr std::uint64_t stopping_us = 4 * second;
 
-/** A client and a robot in an empty world; time goes on in robot cycles, so nothing is missed. */
+/** A client and a robot in an empty world; time advances in robot cycles, so nothing is missed. */
 class DriveSimulator : public testing::Test {
   protected:
     DriveSimulator() : bench(robot) {

@@ -72,7 +72,7 @@ check(speeds(1) > 0.1, 'a new arming did not help');
 s.release();
 check(living_robots() == 0, 'a robot is left');
 pose = s.step(0, 0, false);
-check(isequal(pose, [0 0 0]), 'a second run does not begin anew');
+check(isequal(pose, [0 0 0]), 'a second run does not start from the beginning');
 s.release();
 
 % With the wall clock a step takes its time; an address needs that clock.

@@ -99,7 +99,7 @@ PyObject *restamped(PyObject *status, uint64_t robot_cycles);
 
 /* simulation_on_port(); OSError. */
 simulation *new_host(const roburoc4_sim_config *config, const char *address, uint16_t port);
-/* What a RobuROC4 out of the box answers to a request; None where it does not. */
+/* The answer of a factory-new RobuROC4 to a request; None if it does not answer. */
 PyObject *usual_answer(PyObject *request);
 PyObject *set_faults(simulation *s, double loss, double duplicate, double reorder, double corrupt,
                      uint32_t delay_us, uint32_t jitter_us);
@@ -162,7 +162,7 @@ PyObject *connection_recorder_state(connection *c);
 /* Without a thread. */
 
 /* Disarm, and send the first zero command where a speed was sent; no command is taken after it. The
- * others are sent as time goes on, until the client is idle. */
+ * others are sent as time passes, until the client is idle. */
 PyObject *connection_disarm_for_good(connection *c);
 /* Send what is due and receive what is there; how many datagrams came in. */
 PyObject *connection_exchange(connection *c);

@@ -126,7 +126,7 @@ def test_a_loss_that_heals_is_told_and_is_no_error() -> None:
     assert process.returncode == 0, stderr
     assert "fell silent" in stderr
     assert "is back" in stderr
-    assert _lines(stdout)[-1]["robot_cycles"] < 1000, "the robot began to count anew"
+    assert _lines(stdout)[-1]["robot_cycles"] < 1000, "the robot started counting again"
 
 
 def test_a_robot_that_stays_away_is_an_error() -> None:

@@ -103,7 +103,7 @@ def test_arm_gives_up_where_the_input_of_the_override_stays_unknown() -> None:
                 robot.arm(timeout=1.0)
             assert caught.value.code == Result.OVERRIDE_UNKNOWN
         with sim.connect(allow_unknown_override=True) as robot:
-            robot.arm(timeout=60.0)  # once all texts of the inputs were asked for in vain
+            robot.arm(timeout=60.0)  # once all requests for the inputs' texts have failed
 
 
 def test_stop_sends_zeros_and_keeps_the_arming(roburoc4_simulator: Simulator) -> None:

@@ -29,7 +29,7 @@ void take(roburoc4_sim *sim) {
         expect(roburoc4_decode_answer(block.data(), length, &answer) >= 0 ||
                    roburoc4_decode_status_header(block.data(), length, &status) >= 0,
                "the robot sends telegrams");
-        expect(peer < 4, "the robot answers whom it knows");
+        expect(peer < 4, "the robot answers only known peers");
     }
     expect(size == 0, "the largest buffer is large enough");
 }

@@ -48,5 +48,5 @@ static void on_fault(void) {
 
 __attribute__((section(".vectors"), used)) static const struct {
     uint32_t *stack;
-    void (*handlers[6])(void); /* reset, then all that tell of a fault */
+    void (*handlers[6])(void); /* reset, then all fault handlers */
 } vectors = {stack_top, {on_reset, on_fault, on_fault, on_fault, on_fault, on_fault}};

@@ -27,7 +27,7 @@ typedef struct robot {
 /** Switch it on. */
 void robot_boot(robot *r, uint64_t now_us);
 uint16_t robot_id(const robot *r, uint32_t service);
-/** Let its time go on, by less than a second. */
+/** Advance its time by less than a second. */
 void robot_advance(robot *r, uint64_t now_us);
 /** Whether it has a target that is not 0. */
 int robot_moves(const robot *r);

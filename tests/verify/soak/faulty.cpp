@@ -331,7 +331,7 @@ class NeverArms : public Wrapper {
     }
 };
 
-/** After a restart, stamps go on from where they were: nobody notices. */
+/** After a restart, stamps continue where they were, so the restart goes unnoticed. */
 class HidesRestarts : public Wrapper {
     void change_received(Datagram &datagram, std::uint64_t) override {
         if (datagram.origin.made_us == 0 || !is_command(datagram))

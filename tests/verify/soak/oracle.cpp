@@ -689,7 +689,7 @@ void Oracle::judge_stop_in_time(Moment now, const Report &report) {
         !robot_.literal_ids && calm_us_ < now.true_us && now.true_us - calm_us_ > 5000000;
     if (calm && stop_.sure_us != 0 && now.true_us - stop_.sure_us > period + slack_us)
         violate(robot_.rounds ? Promise::rounding_is_not_motion : Promise::stop_ends, now.true_us,
-                "a status has confirmed the stop, and the sequence goes on");
+                "a status has confirmed the stop, but the sequence continues");
 }
 
 void Oracle::judge_feeding(Moment now) {

@@ -3,7 +3,7 @@
  * override_rule.h - which digital input may be taken for game pad [A], by what the robot said:
  *
  *   - the index that the user set; else
- *   - the one input whose own text says so, once the robot gave or refused the text of every input
+ *   - the one input whose text names it, once the robot sent or refused the text of every input
  *     (another text may fit as well: then it is unknown which); else
  *   - the manual's index, if the robot refused to give that input's text, no other text fits, and
  *     the counts are the manual's.

@@ -314,7 +314,7 @@ class Scenario {
 
     /* ------------------------------------------------------------------------------- the end */
 
-    /** Which promise a robot that cannot be armed stands for. */
+    /** The promise that a robot that cannot be armed tests. */
     Promise promise_behind(std::int32_t refusal) const {
         if (refusal == ROBUROC4_ERR_OVERRIDE_UNKNOWN)
             return Promise::override_by_texts;
