@@ -454,46 +454,47 @@ def announce(listener: Participant, size: int) -> DataWriter[Any]:
     return writer
 
 
-def heard_sizes(listener: Participant) -> Callable[[int], None]:
-    """Return what waits for an announcement of the robot with gids of this size."""
+def heard_sizes(listener: Participant) -> Callable[[], set[int]]:
+    """Return what tells the sizes of gids in which /roburoc4 was announced since the last time."""
     policies = Policy.Durability.TransientLocal, Policy.Reliability.Reliable(10**8)
     topic = listener.topic("ros_discovery_info", DISCOVERY)
-    reader: DataReader[Any] = DataReader(listener.dds, topic, Qos(*policies))
+    depth = Policy.History.KeepLast(100)
+    reader: DataReader[Any] = DataReader(listener.dds, topic, Qos(*policies, depth))
 
-    def wait_for(size: int) -> None:
-        def came() -> bool:
-            for data in reader.take(100):
-                found, its_size = decode(data)
-                if its_size == size and "/roburoc4" in [node.full_name for node in found.nodes]:
-                    return True
-            return False
+    def sizes() -> set[int]:
+        found = [decode(data) for data in reader.take(100) if isinstance(data, Raw)]
+        return {
+            size
+            for announcement, size in found
+            if "/roburoc4" in [node.full_name for node in announcement.nodes]
+        }
 
-        eventually(came)
-
-    return wait_for
+    return sizes
 
 
 def test_the_node_is_announced_in_the_form_of_others(
     listener: Participant, launch: Callable[..., Ros2], served: roburoc4.Simulator
 ) -> None:
-    wait_for = heard_sizes(listener)
+    sizes = heard_sizes(listener)
     launch(robot=served.address)
-    wait_for(GID_SIZE)
+    eventually(lambda: sizes() == {GID_SIZE})
     humble = announce(listener, HUMBLE_GID_SIZE)
-    wait_for(HUMBLE_GID_SIZE)
+    eventually(lambda: sizes() == {HUMBLE_GID_SIZE})
     later = announce(listener, GID_SIZE)
-    wait_for(GID_SIZE)
+    eventually(lambda: sizes() == {GID_SIZE})
     assert humble.guid != later.guid
 
 
 def test_two_of_our_programs_do_not_follow_each_other(
-    listener: Participant, domain: int, launch: Callable[..., Ros2], served: roburoc4.Simulator
+    listener: Participant, launch: Callable[..., Ros2], served: roburoc4.Simulator
 ) -> None:
-    wait_for = heard_sizes(listener)
+    sizes = heard_sizes(listener)
     launch("--distro", "humble", "--namespace", "/other", robot=served.address)
     eventually(listener.others)
     launch(robot=served.address)
-    wait_for(GID_SIZE)
+    eventually(lambda: sizes() == {GID_SIZE})
+    time.sleep(1.0)  # it looks five times a second
+    assert not sizes()
 
 
 def test_without_cyclonedds_the_command_says_what_to_install(tmp_path: Path) -> None:

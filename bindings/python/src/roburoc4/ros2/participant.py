@@ -13,6 +13,7 @@ from xml.sax import saxutils
 from cyclonedds.core import DDSException
 from cyclonedds.domain import Domain, DomainParticipant
 from cyclonedds.pub import DataWriter
+from cyclonedds.pub import Publisher as DdsPublisher
 from cyclonedds.qos import Policy, Qos
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic as DdsTopic
@@ -27,7 +28,8 @@ from .types import struct_of
 # Of participants that are remembered, and of messages that are taken at a time.
 _MANY = 1000
 _LOOPBACKS = ("lo", "127.0.0.1", "localhost")
-_MARK = b"by=roburoc4;"
+# By this, which ROS 2 does not look at, our programs know each other.
+_MARK = b"roburoc4"
 _ENCLAVE = b"enclave=/;"
 _DISCOVERY = "ros_discovery_info"
 _DISCOVERY_KIND = "rmw_dds_common/ParticipantEntitiesInfo"
@@ -145,8 +147,8 @@ class Participant:
                 "CYCLONEDDS_URI, and whether the network is up"
             ) from None
         discovery, qos = self.topic(_DISCOVERY, _DISCOVERY_KIND), _qos(_DISCOVERY_KIND, LATCHED)
-        marked = Qos(Policy.Userdata(_type_hash(_DISCOVERY_KIND) + _MARK), base=qos)
-        self._discovery = Publisher(DataWriter(self.dds, discovery, marked))
+        marked = DdsPublisher(self.dds, Qos(Policy.Groupdata(_MARK)))
+        self._discovery = Publisher(DataWriter(marked, discovery, qos))
         all_of_others = Qos(Policy.History.KeepAll, Policy.IgnoreLocal.Participant, base=qos)
         self._heard: DataReader[Any] = DataReader(self.dds, discovery, all_of_others)
         self._heard.topic.data_type = Raw
@@ -204,11 +206,7 @@ class Participant:
         with contextlib.suppress(DDSException):
             handle = data.sample_info.publication_handle
             if endpoint := self._heard.get_matched_publication_data(handle):
-                return any(
-                    _MARK in policy.data
-                    for policy in endpoint.qos.policies
-                    if isinstance(policy, Policy.Userdata)
-                )
+                return Policy.Groupdata(_MARK) in endpoint.qos.policies
         return True  # who is gone is not followed
 
     def others(self) -> list[Announcement]:
@@ -243,12 +241,8 @@ def _qos(kind: str, profile: Profile) -> Qos:
         Policy.History.KeepLast(profile.depth),
         Policy.DataRepresentation(use_cdrv0_representation=True),
         Policy.WriterDataLifecycle(autodispose=False),
-        Policy.Userdata(_type_hash(kind)),
+        Policy.Userdata(f"typehash={type_hash(kind)};".encode()),
     )
-
-
-def _type_hash(kind: str) -> bytes:
-    return f"typehash={type_hash(kind)};".encode()
 
 
 def _only(interface: str) -> str:
