@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * pump_test.cpp - the pump against a simulated robot over loopback UDP: who hangs stops the robot,
- * every reader sees every sample, and it ends cleanly whatever the robot and the readers do.
+ * pump_test.cpp - the pump with a simulated robot over loopback UDP: a hung program stops the
+ * robot, every reader sees every sample, and it ends cleanly whatever the robot and the readers do.
  */
 #include "pump_calls.h"
 #include "roburoc4_pump.h"
@@ -824,7 +824,7 @@ TEST_F(RequestStop, IsHarmlessBeforeReadyAfterCloseAndOfNone) {
     EXPECT_EQ(speeds_in(robot_.commands()), 0u);
 }
 
-/* Cancels a thread again and again until it ends, at whatever it does. */
+/* Cancels a thread repeatedly until it ends, whatever it is doing. */
 template <class Work> void cancel_in(Work work) {
     pthread_t thread;
     const auto begin = [](void *argument) -> void * {
@@ -879,7 +879,7 @@ TEST(Cancel, WaitsForTheLastOfTheLocksOfAThread) {
     roburoc4_pump_unlock(second.get());
 }
 
-/* Runs the program of exit_in_mid_drive.c to its end; its status as waitpid() has it. */
+/* Runs exit_in_mid_drive.c's program to its end; returns its status as waitpid() does. */
 int run_exit_in_mid_drive(const UdpRobot &robot, const char *how) {
     const std::string address = "127.0.0.1:" + std::to_string(robot.port());
     const std::string program = test::beside_this_program("exit_in_mid_drive");

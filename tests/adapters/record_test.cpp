@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The flight recorder: what is in its files, whatever becomes of the disk and of the process, and
+ * The flight recorder: the contents of its files, whatever happens to the disk and the process, and
  * that the robot's datagrams never wait for it. The pump's robot is on a loopback socket.
  */
 #include "pcapng.h"
@@ -213,7 +213,7 @@ TEST(Record, WhatCannotBeOpenedIsAnError) {
     EXPECT_EQ(roburoc4_recorder_close(nullptr, nullptr), ROBUROC4_OK);
 }
 
-/* A pipe that nobody reads until a test wants it. */
+/* A pipe that is not read until a test wants it. */
 class Pipe {
   public:
     explicit Pipe(const Folder &folder) : path_(folder / "pipe.pcapng") {
@@ -235,7 +235,7 @@ class Pipe {
         }
         close(fd);
     }
-    /* What is in it now is added to the file. */
+    /* Its current contents are appended to the file. */
     void drain_to(const std::string &file) {
         std::vector<char> bytes(1 << 16);
         std::ofstream out(file, std::ios::binary | std::ios::app);
@@ -250,7 +250,7 @@ class Pipe {
     int fd_;
 };
 
-/* Where a file of this process ends, whoever writes it: a disk that is full, for one thread. */
+/* Limits the file size for this process: a full disk for one thread. */
 class FileLimit {
   public:
     explicit FileLimit(rlim_t bytes) {
@@ -278,7 +278,7 @@ roburoc4_recorder *open_small(const std::string &path) {
     return roburoc4_recorder_open(path.c_str(), &wanted, nullptr);
 }
 
-/* All numbers, but for the gaps that the file counts. */
+/* All numbers, except for the gaps that the file counts. */
 void expect_gaps_are_counted(const Capture &capture) {
     uint64_t next = 0;
     for (const RecordedDatagram &datagram : capture.datagrams) {

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT
  *
- * sim_host_test.cpp - the simulated robot on a thread of its own, which bindings start in their
- * process: it is a robot like others, can be looked at and changed from another thread while it
- * runs, and is patient with a process that stands still.
+ * sim_host_test.cpp - the simulated robot on its own thread, which bindings start in their process:
+ * it behaves like other robots, can be read and changed from another thread while it runs, and
+ * tolerates a process that stands still.
  */
 #include "pump_calls.h"
 #include "roburoc4_pump.h"
 #include "roburoc4_sim.h"
 #include "udp_support.h"
 
-extern "C" { /* a header of the bindings, all of them in C */
+extern "C" { /* a C header of the bindings */
 #include "host.h"
 }
 
@@ -40,7 +40,7 @@ struct DestroyPump {
 };
 using Pump = std::unique_ptr<roburoc4_pump, DestroyPump>;
 
-/* A host and its simulator, which only a locked host may be asked for. */
+/* A host and its simulator, which may only be used while the host is locked. */
 struct Served {
     roburoc4_sim *sim = roburoc4_sim_create(nullptr);
     Host host;
@@ -83,7 +83,7 @@ bool moves(const Served &robot, roburoc4_pump *pump) {
     });
 }
 
-/* A program that says a speed every 50 ms and does nothing else. */
+/* A program that sends a speed every 50 ms and does nothing else. */
 class Commander {
   public:
     explicit Commander(uint16_t port) : to_(test::loopback(port)), command_(11) {
@@ -170,13 +170,13 @@ TEST(SimHost, FaultsCanBeSetWhileItRuns) {
     EXPECT_TRUE(moves(robot, pump.get()));
 }
 
-/* Somebody looks at it for longer than its watchdog is patient. Commands come meanwhile: they lie
- * in the socket, and the robot must not stop for want of them. A round in which the test itself was
- * kept from saying the next in time tells nothing. */
+/* The host stays locked for longer than the watchdog time. Commands arrive meanwhile: they wait in
+ * the socket, and the robot must not stop. A round in which the test itself could not send the next
+ * command in time is ignored. */
 TEST(SimHost, DoesNotStarveWhileCommandsLieInItsSocket) {
     Served robot;
     ASSERT_NE(robot.host, nullptr);
-    const Pump pump = robot.pump(); /* only listens: the robot speaks every cycle */
+    const Pump pump = robot.pump(); /* only listens: the robot sends every cycle */
     const Commander commander(sim_host_port(robot.host.get()));
     int judged = 0;
     for (int round = 0; round < 30 && judged < 3; round++) {
@@ -184,7 +184,7 @@ TEST(SimHost, DoesNotStarveWhileCommandsLieInItsSocket) {
         uint64_t longest_us = 0;
         commander.say_for(300);
         sim_host_lock(robot.host.get());
-        sleep_ms(60); /* it wakes for what it has to say, not for a command */
+        sleep_ms(60); /* it wakes up to send statuses, not for a command */
         commander.say_for(1200);
         sim_host_unlock(robot.host.get());
         for (int i = 0; i < 40; i++) {

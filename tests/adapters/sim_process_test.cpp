@@ -280,7 +280,7 @@ TEST(SimProgram, RunsManyRobots) {
 }
 
 TEST(SimProgram, RunsManyRobotsOnConsecutivePorts) {
-    ASSERT_TRUE(eventually([] { /* somebody else may have one of the ports */
+    ASSERT_TRUE(eventually([] { /* another program may use one of the ports */
                                 unsigned first = test::free_port();
                                 if (first > 65533) {
                                     return false;
@@ -320,8 +320,8 @@ TEST(SimProgram, ReadsTheWatchdogFromAConfigurationFile) {
     ASSERT_EQ(ports.size(), 1u);
     Driver driver(ports[0]);
     ASSERT_TRUE(driver.gets_armed());
-    /* One command past the client, then none: the target must be gone after 300 cycles, but not
-     * after the 100 that it has unless the file says otherwise. */
+    /* One command without the client, then none: the target must be gone after 300 cycles, but not
+     * after the default of 100, which the file changes. */
     uint8_t command[16];
     ASSERT_EQ(roburoc4_encode_differential_command(command, sizeof command, 6, 0.5f, 0.0f), 11);
     ASSERT_EQ(send(static_cast<int>(roburoc4_udp_fd(&driver.udp)), command, 11, 0), 11);

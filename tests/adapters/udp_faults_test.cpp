@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * udp_faults_test.cpp - the UDP adapter over a network of the test's making: linked with the static
- * library, this file takes the place of the operating system's part (src/os.h) and of its
- * clock, so that every failure comes exactly when it is wanted.
+ * udp_faults_test.cpp - the UDP adapter on a simulated network: linked with the static library,
+ * this file replaces the operating system's part (src/os.h) and its clock, so that every failure
+ * happens exactly when it is wanted.
  */
 extern "C" {
 #include "os.h"
@@ -19,7 +19,7 @@ namespace {
 
 constexpr int64_t kHandle = 77;
 
-/* The system: what it answers, and what it was asked. */
+/* The system: its answers, and the calls it received. */
 struct System {
     uint64_t now_us = 1000000;
     uint64_t waited_us = 0;
@@ -174,7 +174,7 @@ TEST_F(Faults, ReconnectingIsLimitedToOnceASecond) {
 
 TEST_F(Faults, APathThatFailsForASecondIsReconnected) {
     open();
-    fake.send_fault = ROBUROC4_FAULT_DOWN; /* the address that it sends from was taken away */
+    fake.send_fault = ROBUROC4_FAULT_DOWN; /* its own address was removed */
     live(600000);
     EXPECT_EQ(fake.connects_us.size(), 1u) << "time to recover by itself";
     live(2500000);

@@ -44,7 +44,7 @@ struct Link {
     uint32_t udp_count(uint32_t counter) const {
         return udp.counters[counter];
     }
-    /* Where a robot sees this link come from. */
+    /* The address from which a robot sees this link come. */
     sockaddr_in seen_from() const {
         sockaddr_in own{};
         socklen_t length = sizeof own;
@@ -476,7 +476,7 @@ TEST(Wait, EndsWhenASignalHandlerRan) {
     ASSERT_EQ(sigaction(SIGALRM, &action, &before), 0);
     itimerval soon{};
     soon.it_value.tv_usec = 50000;
-    soon.it_interval.tv_usec = 50000; /* again, should the first come before the wait */
+    soon.it_interval.tv_usec = 50000; /* again, if the first comes before the wait */
     ASSERT_EQ(setitimer(ITIMER_REAL, &soon, nullptr), 0);
     uint64_t before_us = roburoc4_udp_now_us();
     EXPECT_EQ(link.wait(60000000), 0);

@@ -21,11 +21,11 @@ namespace {
 
 constexpr std::int64_t ms = 1000;
 constexpr std::int64_t second = 1000000;
-/** Some day of 2026; the clock that never goes back has another zero. */
+/** Some day in 2026; the monotonic clock has another zero. */
 constexpr std::int64_t epoch = 1790000000 * second;
 constexpr std::uint64_t boot = 77 * 1000000ULL;
 
-/** Those that are judged: a stop is obeyed. */
+/** The kinds that are judged: a stop is always obeyed. */
 constexpr int judged_kinds = GATE_STOP;
 
 constexpr gate_robot absent{false, false, ROBUROC4_ERR_NOT_READY};
@@ -61,7 +61,7 @@ class Gate : public testing::Test {
     [[nodiscard]] std::uint64_t us() const {
         return time().us;
     }
-    /** A good drive command, sent and arriving now. */
+    /** A valid drive command, sent and arriving now. */
     [[nodiscard]] gate_command command(const char *sender = "planner") const {
         gate_command c{};
         c.kind = GATE_DRIVE;
@@ -78,7 +78,7 @@ class Gate : public testing::Test {
             gate_count_taken(&gate, c.kind);
         return verdict;
     }
-    /** Send a good command every 50 ms for some time; the verdict of the last. */
+    /** Send a valid command every 50 ms for some time; returns the last verdict. */
     gate_verdict stream(std::int64_t for_us, const gate_robot &robot, bool zero = false) {
         gate_verdict last = GATE_VERDICTS;
         for (std::int64_t at = 0; at < for_us; at += 50 * ms) {
@@ -307,7 +307,7 @@ TEST_F(GateWithoutAges, ForgetsTheSenderThatWasSilentLongest) {
     EXPECT_EQ(GATE_TAKEN, judge(command("a new program")));
     EXPECT_EQ("a new program", owner());
     run(second);
-    log.erase(log.begin() + 1); /* who was silent for longest: its log is as good as new */
+    log.erase(log.begin() + 1); /* the sender that was silent for longest: its log counts as new */
     for (gate_command &c : log) {
         c.arrived_utime = time().utime;
         EXPECT_EQ(GATE_REPEATED, judge(c)) << c.sender;
@@ -720,7 +720,7 @@ TEST(GateReason, EachVerdictHasItsOwn) {
 
 /* ---------------------------------------------------------------------------------- oracle --- */
 
-/** Thousands of random commands; an oracle of its own says which may not pass. */
+/** Thousands of random commands; an independent oracle decides which may not pass. */
 TEST_F(Gate, NothingPassesThatAPlainOracleForbids) {
     std::mt19937 random(5);
     const auto below = [&](std::int64_t n) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Commands from LCM: what lcm-gen's encoders write is read as it was meant; everything else that a
- * network may bring is rejected without reading beyond it.
+ * Commands from LCM: messages from lcm-gen's encoders are read correctly; everything else that a
+ * network may deliver is rejected without reading beyond it.
  */
 #include <gtest/gtest.h>
 
@@ -88,7 +88,7 @@ Bytes bridge_state(std::string robot = "10.0.0.1:60000", std::string bridge = "l
     return encoded(m, roburoc4_lcm_bridge_state_t_encoded_size, roburoc4_lcm_bridge_state_t_encode);
 }
 
-/** Decoded from memory of exactly that size, so that a sanitizer sees each byte beyond. */
+/** Decoded from memory of exactly that size, so that a sanitizer sees each access beyond it. */
 bool decode(gate_kind kind, const Bytes &bytes, command *out) {
     const Bytes exact(bytes);
     const bool good = command_decode(kind, exact.data(), exact.size(), out);
@@ -105,7 +105,7 @@ void put_int32(Bytes *bytes, std::size_t at, std::int32_t value) {
             static_cast<std::uint8_t>(static_cast<std::uint32_t>(value) >> (24 - 8 * byte));
 }
 
-/* Where the sender's length stands: after the fingerprint and the utime. */
+/* The position of the sender's length: after the fingerprint and the utime. */
 constexpr std::size_t sender_at = 16;
 
 const struct {
@@ -231,7 +231,7 @@ TEST(LcmCommands, RejectStringsWithAWrongLength) {
 }
 
 TEST(LcmCommands, RejectImpossibleSizes) {
-    /* LCM passes on a packet without a channel with the size -1 and the like. */
+    /* LCM passes on a packet without a channel with sizes such as -1. */
     const Bytes good = drive(std::string(3000, 's'));
     command c;
     ASSERT_TRUE(decode(GATE_DRIVE, good, &c)) << "for the gate to judge";

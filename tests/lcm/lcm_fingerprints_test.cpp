@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Released LCM types never change: a program of today must understand the logs of last year. Each
- * type's fingerprint, which hangs on its fields' names, types and order, is kept in
- * tests/lcm/lcm_fingerprints.txt.
+ * Released LCM types never change, so that old logs stay readable. Each type's fingerprint, which
+ * depends on its fields' names, types and order, is kept in tests/lcm/lcm_fingerprints.txt.
  */
 #include <gtest/gtest.h>
 

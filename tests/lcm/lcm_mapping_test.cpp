@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the client knows, as LCM messages: every field arrives with its value. Messages travel over
+ * The client's data as LCM messages: every field arrives with its value. Messages travel over
  * memq://, LCM's network within one process.
  */
 #include <gtest/gtest.h>
@@ -58,7 +58,7 @@ void travel(const Message &message,
     travel<type, type##_subscription_t>(message, type##_subscribe,                                 \
                                         type##_publish, [&](const type &got) look)
 
-/** All that the bridge's state and statistics are made from. */
+/** Everything from which the bridge's state and statistics are made. */
 struct View {
     View() {
         facts.size = sizeof facts;

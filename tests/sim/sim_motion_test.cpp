@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * sim_motion_test.cpp - how the simulated robot moves: the measured speed response, its limits,
- * the watchdog, odometry, and the slip that spoils it.
+ * sim_motion_test.cpp - how the simulated robot moves: the measured speed response, its limits, the
+ * watchdog, odometry, and slip.
  */
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ class OpenFloor : public SimRobot {
     }
 };
 
-/** Speeds after each of so many cycles of a step, as the differential statuses report them. */
+/** Speeds after each of this many cycles of a step, as the differential statuses report them. */
 std::vector<double> step_response(float linear_m_s, float angular_rad_s, int cycles) {
     OpenFloor robot;
     std::vector<double> speeds;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * sim_network_test.cpp - the bad network: each fault as often as asked for, in virtual time, the
+ * sim_network_test.cpp - the bad network: each fault at the configured rate, in virtual time, the
  * same for the same seed.
  */
 #include <gtest/gtest.h>
@@ -103,7 +103,7 @@ roburoc4_sim_faults no_faults() {
     return {sizeof(roburoc4_sim_faults), 0, 0, 0, 0.0, 0.0, 0.0, 0.0};
 }
 
-/** Whether a count is what a share of `many` gives, within five standard deviations. */
+/** Whether a count matches a share of `many`, within five standard deviations. */
 void expect_share(double share, std::uint64_t count) {
     const double expected = share * double(many);
     EXPECT_NEAR(expected, double(count), 5.0 * std::sqrt(expected * (1.0 - share)) + 1.0);

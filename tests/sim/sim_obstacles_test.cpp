@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * sim_obstacles_test.cpp - the obstacles around the simulated robot: free room at the start, walls
+ * sim_obstacles_test.cpp - the obstacles around the simulated robot: free space at the start, walls
  * that no body passes, bumpers, telemeters.
  */
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ roburoc4_sim_config without_slip() {
     return config;
 }
 
-/** A robot on an empty floor, for tests that furnish it themselves. */
+/** A robot on an empty floor, for tests that add their own obstacles. */
 class SimObstacles : public testing::Test {
   protected:
     SimObstacles() : robot(without_slip()) {
@@ -90,7 +90,7 @@ TEST(SimDefaultWorld, CannotBeLeft) {
         ASSERT_LT(std::fabs(state.true_y_m), 6.5);
         ASSERT_LT(state.true_x_m, 10.0);
         ASSERT_GT(state.true_x_m, -6.0);
-        /* Where it is it may stand: it never got into a box. */
+        /* It never entered a box, so its position is allowed. */
         ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_place(robot.get(), state.true_x_m, state.true_y_m,
                                                   state.true_theta_rad));
     }

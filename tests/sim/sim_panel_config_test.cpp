@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * sim_panel_config_test.cpp - the simulator's words: lines of the panel, the udpserver.cfg of the
- * robot, and configurations that make no robot.
+ * sim_panel_config_test.cpp - the simulator's texts: lines of the panel, the robot's udpserver.cfg,
+ * and invalid configurations.
  */
 #include <gtest/gtest.h>
 
@@ -335,7 +335,7 @@ TEST(SimConfig, NonsenseIsNamedAndMakesNoRobot) {
     refused("start pose", [nan](Config &config) { config.start_theta_rad = nan; });
 }
 
-/* The header's members but the arrays and the size. */
+/* The header's members, except arrays and the size. */
 TEST(SimConfig, EveryNumberHasItsName) {
     std::ifstream file(ROBUROC4_SOURCE_DIR "/include/roburoc4_sim.h");
     const std::string header((std::istreambuf_iterator<char>(file)), {});

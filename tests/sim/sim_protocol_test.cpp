@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * sim_protocol_test.cpp - the simulated robot on the wire: answers to every request, subscriptions
- * and statuses, commands, errors, many peers, and any datagram at all.
+ * and statuses, commands, errors, many peers, and arbitrary datagrams.
  */
 #include <gtest/gtest.h>
 

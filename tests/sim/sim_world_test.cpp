@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * sim_world_test.cpp - virtual time: clients and a robot meet without sockets, nothing that happens
- * is left out, and everything goes the same way every time.
+ * sim_world_test.cpp - virtual time: clients and a robot meet without sockets, no event is missed,
+ * and runs are reproducible.
  */
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ class World : public testing::Test {
     [[nodiscard]] std::uint64_t now() const {
         return roburoc4_world_now_us(world.get());
     }
-    /** Let time pass; the events of the client meanwhile. */
+    /** Let time pass; returns the client's events meanwhile. */
     std::uint32_t run(std::uint64_t duration_us) {
         const std::uint64_t until_us = now() + duration_us;
         std::uint32_t events = 0;
@@ -63,7 +63,7 @@ class World : public testing::Test {
     roburoc4_result number;
 };
 
-/** All statuses of a run with faults, and where the robot is at its end. */
+/** All statuses of a run with faults, and the robot's final pose. */
 std::string run_with_faults() {
     const std::unique_ptr<roburoc4_world, decltype(&roburoc4_world_destroy)> world(
         roburoc4_world_create(nullptr), roburoc4_world_destroy);

@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint32_t analog = ROBUROC4_IO_ANALOG_INPUT;
 constexpr std::uint32_t digital = ROBUROC4_IO_DIGITAL_INPUT;
 
-/** A robot that gives no texts, with so many inputs. */
+/** A robot that sends no texts, with this many inputs. */
 ScriptedRobot silent_robot(std::int32_t digital_inputs, std::int32_t analog_inputs) {
     ScriptedRobot robot;
     robot.texts_refused = true;

@@ -36,7 +36,7 @@ void expect_bad(const char *name, const Change &change) {
 
 template <typename T> using Member = T roburoc4_config::*;
 
-/** Just beyond its ends, and far beyond, the error is this range. */
+/** Just outside its range, and far outside, the error is this range. */
 void check_range(
     const char *name, Member<std::uint32_t> member, std::uint32_t low, std::uint32_t high,
     const Change &with = [](roburoc4_config &) {}) {
@@ -260,7 +260,7 @@ TEST(Init, OfASmallerSizeTouchesNothingBeyondIt) {
 
 TEST(Init, OfASmallerSizeIsRefusedAndNothingWorks) {
     roburoc4_client c;
-    memset(&c, 0x5A, sizeof c); /* what stands behind the smaller one is not the client's */
+    memset(&c, 0x5A, sizeof c); /* what follows the smaller struct is not the client's */
     EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_client_init(&c, 64, nullptr));
     const roburoc4_client before = c;
     EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_client_start(&c, 1));

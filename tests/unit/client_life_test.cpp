@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A client's life: connect, discover, subscribe, ready, lost, and back; restarts of the robot; and
- * all that a robot may lack without keeping a client from being ready.
+ * States of a client: connect, discover, subscribe, ready, lost, and back; restarts of the robot;
+ * and everything that a robot may lack without keeping a client from being ready.
  */
 #include "client_bench.h"
 
@@ -405,7 +405,7 @@ TEST(Ready, StatusesBeforeTheAcknowledgementAreAccepted) {
         << "a status is as good as an acknowledgement";
 }
 
-/* The robot may have lost the subscription; one lost status or two are no reason. */
+/* The robot may have lost the subscription; one or two lost statuses do not show that. */
 TEST(Ready, AServiceThatFallsSilentIsSubscribedToAgain) {
     for (std::uint32_t service = 2; service < ROBUROC4_SERVICE_COUNT; service++) {
         for (const bool from_the_first : {true, false}) {

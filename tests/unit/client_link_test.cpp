@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Figures of the link: loss, order, period, jitter, round trip, age, and the robot's clock on the
- * host's.
+ * Statistics of the link: loss, order, period, jitter, round trip, age, and the robot's clock on
+ * the host's.
  */
 #include "client_bench.h"
 
@@ -16,7 +16,7 @@ std::uint64_t true_us(const ScriptedRobot &robot, const Bench &bench, std::uint6
     return bench.now_us - (robot.cycles() - cycles) * ROBUROC4_CYCLE_US;
 }
 
-/** The link's figures, in a struct that was full of something else. */
+/** The link's statistics, in a struct that had other contents before. */
 roburoc4_link figures(const Bench &bench) {
     roburoc4_link link;
     memset(&link, 0xA5, sizeof link);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a user asks for beside motion: outputs, relocalization, subscriptions.
+ * Control calls other than motion: outputs, relocalization, subscriptions.
  */
 #include "client_bench.h"
 
@@ -648,7 +648,7 @@ TEST(Unsubscribe, TakesThePeriodOutOfTheSilenceThatIsALoss) {
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST)) << "three of 600 ms";
 }
 
-/* It may be another client's: whether they share them is not known. */
+/* It may belong to another client: whether clients share subscriptions is unknown. */
 TEST(Unsubscribe, EndsNothingThatThisClientNeverSubscribedTo) {
     ScriptedRobot robot;
     roburoc4_config config = default_config();
@@ -694,7 +694,7 @@ TEST(Subscribe, IsRequestedAtOnceWhateverWasRefusedBefore) {
             telemeter.insert_silent = false;
         } else if (way == 2) { /* its end is owed, and not sent yet */
             ASSERT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_TELEMETER));
-        } else if (way == 3) { /* its end is sent, and not answered yet */
+        } else if (way == 3) { /* its end was sent, but not answered yet */
             bench.drop_to_robot = [](const Bytes &) { return true; };
             ASSERT_EQ(ROBUROC4_OK, unsubscribe(bench, ROBUROC4_SERVICE_TELEMETER));
             bench.pump();

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Another directory in mid-life: nothing that was asked or learned before counts for the services
- * that are listed now.
+ * A different directory while the client runs: earlier requests and knowledge do not count for the
+ * services that are listed now.
  */
 #include "client_bench.h"
 
@@ -9,7 +9,7 @@ using namespace roburoc4_tests;
 
 namespace {
 
-/** Differential and telemeter change places, as after somebody else's configuration. */
+/** Differential and telemeter swap places, as after a reconfiguration by somebody else. */
 void swap_ids(ScriptedRobot &robot) {
     std::swap(robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).id,
               robot.service(ROBUROC4_SERVICE_TELEMETER).id);
@@ -161,7 +161,8 @@ TEST(Rediscovery, AStopIsNotForgottenWhenTheServiceGetsAnotherId) {
     EXPECT_GE(zeros, 3);
 }
 
-/* Where no type tells, the directory alone does not say that the old id is another service. */
+/* If no type code is known, the directory alone does not show that the old id is another
+ * service. */
 TEST(Rediscovery, AStopGoesToNoServiceThatIsKnownToBeAnother) {
     for (const std::uint16_t before : {std::uint16_t{6}, std::uint16_t{3}}) {
         SCOPED_TRACE(before);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Requests: an id of its own for each, retries that double, answers that are late, doubled,
- * refused or of another dialect.
+ * Requests: a new id for each, retries at doubling intervals, answers that are late, duplicate,
+ * refused or in another dialect.
  */
 #include "client_bench.h"
 
@@ -304,7 +304,7 @@ TEST(ErrorTelegram, BelongsToARequestByEveryByteThatItHas) {
             Bytes error(fitting.begin(), fitting.begin() + static_cast<std::ptrdiff_t>(length));
             if (wrong < length)
                 error[wrong] ^= 1;
-            /* of the target both bytes or none tell */
+            /* with both bytes of the target or none */
             const bool seen = wrong < length && (wrong == 1 || length >= 4);
             EXPECT_EQ(seen ? ROBUROC4_ERR_UNMATCHED : ROBUROC4_OK, bench.receive(error));
             EXPECT_EQ(seen ? 0U : 1U, bench.count(ROBUROC4_COUNT_REFUSED));
@@ -427,7 +427,7 @@ TEST(Probe, RetriesARefusedSubscriptionOncePerRound) {
     EXPECT_GT(bench.service_link(ROBUROC4_SERVICE_BATTERY).received, 0U);
 }
 
-/* Four of them would leave no room for anything else. */
+/* Four of them would leave no room for other requests. */
 TEST(Probe, ThatIsNeverAnsweredIsGivenUpAndDelaysNothing) {
     ScriptedRobot robot;
     Bench bench(robot);
@@ -666,8 +666,8 @@ TEST(FixedId, IsFoundForARobotThatIgnoresAllOtherIds) {
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_READY), bench.state());
 }
 
-/* After a loss the directory comes for the sixth try, which has the manual's id, or after a minute
- * for another id; of all else three tries are lost. */
+/* After a loss, the directory is received at the sixth try, which has the manual's id, or after a
+ * minute under another id; of all other requests three tries are lost. */
 TEST(FixedId, IsNotEnteredForAnEchoingRobotHoweverMuchIsLost) {
     for (const bool echoed_before : {true, false}) {
         SCOPED_TRACE(echoed_before);
@@ -802,7 +802,7 @@ TEST(FixedId, IsNotKeptForTheRobotFoundAfterALoss) {
         EXPECT_NE(ROBUROC4_HEADER_MANUAL, r.what.id);
 }
 
-/* A text that was read while one id stood for all named nothing: it has to come once more. */
+/* A text that was read while there was a single id named nothing: it must be read again. */
 TEST(FixedId, HidesNoServiceAfterALoss) {
     ScriptedRobot robot;
     name_services_by_text(robot);
@@ -834,7 +834,7 @@ TEST(FixedId, StaysForARobotThatKnowsNoOther) {
     }
 }
 
-/* An unknown card under an unknown id, and a differential service that is found by its type. */
+/* An unknown card with an unknown id, and a differential service identified by its type. */
 TEST(FixedId, AnUnreportedCardIsNotTakenForAMissingOne) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_IOCARD).type = 0x7100;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What hardly ever happens to a client, and what it promises even then.
+ * Rare situations, and what the client promises even then.
  */
 #include <cstring>
 #include <tuple>
@@ -93,7 +93,7 @@ TEST(Seldom, DeadlinesAreRightWhateverTheRobotDoesNotAnswer) {
         robot.service(ROBUROC4_SERVICE_LOCALIZATION).mute = (silent & 32) != 0;
         Bench bench(robot, default_config(), 1000 * second + 3700);
         bench.start();
-        bench.now_us += 2100; /* no more in step with the robot's cycles */
+        bench.now_us += 2100; /* no longer in step with the robot's cycles */
         ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
         bench.run(1234567);
         ASSERT_EQ(ROBUROC4_OK,
@@ -263,7 +263,7 @@ TEST(Seldom, TruncatedPropertiesKeepTheEarlierOnes) {
         ASSERT_EQ(ROBUROC4_OK, roburoc4_client_telemeter(&bench.client, i, &before[i]));
     robot.service(ROBUROC4_SERVICE_TELEMETER).get_length = 8;
     bench.drop_to_client = [](const Bytes &) {
-        /* what is left on the stack would be read where nothing was decoded */
+        /* if nothing was decoded, leftovers on the stack would be read */
         volatile std::uint8_t litter[16384];
         for (volatile std::uint8_t &byte : litter)
             byte = 1;
@@ -313,7 +313,7 @@ TEST(Seldom, ZerosAreStillSentAfterAnEmptyDirectory) {
     bench.run(60 * ms);
     ASSERT_EQ(2U, bench.commands().size()) << "two zeros of the stop sequence";
 
-    /* when the third is due, an answer comes that was cut short */
+    /* when the third is due, a truncated answer arrives */
     bench.now_us = first_us + 100 * ms;
     const std::uint8_t id = robot.seen(ROBUROC4_ACTION_GET, 0).back().what.id;
     ASSERT_EQ(ROBUROC4_OK, bench.receive(plain_answer(id, ROBUROC4_ACTION_GET, 0, 0)));

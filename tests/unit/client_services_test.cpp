@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Services under other ids, texts and claims; robots of another kind; robots with more of
- * everything than a client stores.
+ * Services with other ids, texts and claims; other kinds of robots; robots that exceed the client's
+ * capacities.
  */
 #include "client_bench.h"
 
@@ -13,7 +13,7 @@ roburoc4_result id_of(const Bench &bench, std::uint32_t service) {
     return roburoc4_client_service_id(&bench.client, service);
 }
 
-/** Give no type code, so that texts or ids decide. */
+/** Send no type code, so that texts or ids decide. */
 void forget_types(ScriptedRobot &robot) {
     for (ScriptedService &s : robot.services)
         s.type = static_cast<std::uint16_t>(0x5000 + s.id);

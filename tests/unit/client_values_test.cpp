@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a user reads: latest values and their events, properties, texts, roles of inputs, battery.
+ * Accessors: latest values and their events, properties, texts, roles of inputs, battery.
  */
 #include <cstring>
 
@@ -26,7 +26,7 @@ void renumber(ScriptedRobot &robot) {
             static_cast<std::uint16_t>(service.kind < 2 ? service.kind : 0x1230 + service.kind);
 }
 
-/** The getter gives these bytes, whatever was in its memory before. None of the structs has gaps.
+/** The accessor returns these bytes, whatever was in its memory before. The structs have no gaps.
  */
 template <typename T, typename Getter> void expect_all(const T &expected, Getter getter) {
     T given;
@@ -39,7 +39,7 @@ template <typename T, typename Getter> void expect_all(const T &expected, Getter
     EXPECT_EQ(bytes(expected), bytes(given));
 }
 
-/** Each property that the client gives is the robot's. */
+/** Each property that the client returns is the robot's. */
 void expect_properties(const Bench &bench, const ScriptedRobot &robot) {
     const roburoc4_client *client = &bench.client;
     expect_all(robot.iocard, [&](roburoc4_iocard_properties *out) {
@@ -64,7 +64,7 @@ void expect_properties(const Bench &bench, const ScriptedRobot &robot) {
     }
 }
 
-/** What the client gives as a service's latest status, as bytes. */
+/** A service's latest status in the client, as bytes. */
 std::string value_of(const Bench &bench, std::uint32_t service) {
     const auto bytes = [](auto getter, auto out) {
         EXPECT_EQ(ROBUROC4_OK, getter(&out));
@@ -478,7 +478,7 @@ TEST(Properties, OfWhichAnyFieldChangesRaiseTheEvent) {
         robot.differential = before.differential;
         expect_news(); /* and back */
     }
-    /* what is true of a moment only is no property */
+    /* facts that are only momentary are not properties */
     robot.telemeters[0].distance_m++;
     robot.differential.target_linear_m_s++;
     robot.differential.current_linear_m_s++;
@@ -570,7 +570,7 @@ TEST(Role, IsFoundByText) {
         EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, role(bench, none)) << none;
 }
 
-/* The same words stand at outputs and at inputs of the other type. */
+/* Outputs and inputs of the other type have the same texts. */
 TEST(Role, IsFoundByTextOfAnInputOfItsTypeOnly) {
     const std::array<std::string, ROBUROC4_ROLE_COUNT> texts{"Game pad A button", "Front bumper",
                                                              "Rear bumper", "Battery voltage"};

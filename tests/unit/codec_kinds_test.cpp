@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * codec_kinds_test.cpp - what the codec makes of telegrams of another kind than asked for, of the
- * robot's errors, and of values that cannot be.
+ * codec_kinds_test.cpp - how the codec handles telegrams of another kind than expected, the robot's
+ * errors, and impossible values.
  */
 #include <gtest/gtest.h>
 
@@ -184,7 +184,7 @@ TEST(Values, ANegativeNumberOfTelemetersIsImpossible) {
     }
 }
 
-/** The encoder refuses, and writes not a byte. */
+/** The encoder refuses, and writes no byte. */
 template <class Encode> void expect_refused(Encode encode) {
     ExactBlock buffer(80, 0xA5);
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, encode(buffer.data(), buffer.size()));

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * codec_lengths_test.cpp - what the codec promises about lengths: every decoder on every length
- * from nothing to three bytes too many, every encoder in every capacity, and counts that claim
- * more than a datagram can hold. Inputs and outputs lie in heap blocks of exactly their size.
+ * codec_lengths_test.cpp - lengths in the codec: every decoder with every length from nothing to
+ * three bytes too many, every encoder with every capacity, and counts that claim more than a
+ * datagram can hold. Inputs and outputs are in heap blocks of exactly their size.
  */
 #include <gtest/gtest.h>
 
@@ -323,7 +323,7 @@ TEST(Views, EndAtTheirCount) {
 
 /* ------------------------------------------------------------------------------ encoders --- */
 
-/** In every capacity below the telegram's length nothing is written; beyond it nothing either. */
+/** Nothing is written if the capacity is below the telegram's length, and nothing beyond it. */
 template <class Encode> void check_capacities(const char *name, Encode encode) {
     const Bytes full = vector_bytes(name);
     for (std::size_t capacity = 0; capacity < full.size(); capacity++) {
@@ -355,7 +355,7 @@ TEST(Capacities, OfRequests) {
     });
 }
 
-/** Checks an encoder that takes one struct, with what the decoder makes of the vector. */
+/** Checks an encoder that takes one struct, with the decoded vector. */
 template <class Value, class Decode, class Encode>
 void check_struct(const char *name, Decode decode, Encode encode) {
     const Bytes bytes = vector_bytes(name);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * What no datagram can carry is refused before anything is read or written, however large the
- * numbers are; and the library says which one it is.
+ * numbers are; and the library's version is reported.
  */
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@
 
 namespace {
 
-/* The largest payload of UDP over IPv4, and the heads that lists stand behind. */
+/* The largest payload of UDP over IPv4, and the headers before lists. */
 constexpr std::size_t datagram = 65507;
 constexpr std::size_t answer_head = 5, status_head = 11;
 constexpr std::size_t huge = std::numeric_limits<std::size_t>::max();
@@ -81,7 +81,7 @@ TEST(CodecLimits, MoreEntriesThanADatagramCarriesAreRefused) {
         SCOPED_TRACE(e.name);
         for (const std::size_t count : {e.most + 1, e.most * 2, huge / 2, huge}) {
             buffer.fill(0xAA);
-            /* decided without a look at the entries: there are none here */
+            /* decided without reading the entries: there are none here */
             EXPECT_EQ(ROBUROC4_ERR_ARGUMENT,
                       e.encode(buffer.data(), buffer.size(), nullptr, count));
             EXPECT_EQ(0xAA, buffer[0]) << "something was written";
@@ -137,7 +137,7 @@ TEST(CodecLimits, ALengthBeyondEveryDatagramIsClipped) {
 
 namespace {
 
-/** What a decoder makes of these bytes, where the output was full of something else. */
+/** The decoded bytes, in an output that had other contents before. */
 template <class Output>
 Output decoded(roburoc4_result (*decode)(const std::uint8_t *, std::size_t, Output *),
                const std::vector<std::uint8_t> &bytes) {

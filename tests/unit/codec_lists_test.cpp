@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * codec_lists_test.cpp - reading all of a status' list at once gives what reading it one by one
- * does, never more than there is room for, and never a bit that is no input.
+ * codec_lists_test.cpp - reading a status' list at once gives the same values as reading them one
+ * by one, never more than there is room for, and never a bit that is not an input.
  */
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ namespace {
 
 constexpr float untouched = -77.0F;
 
-/** A status of so many inputs; all bits of its blocks are set, those of no input too. */
+/** A status with this many inputs; all bits of its blocks are set, even those without an input. */
 std::vector<uint8_t> iocard(uint32_t analog, uint32_t digital) {
     std::vector<float> values;
     for (uint32_t i = 0; i < analog; i++) {

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * codec_roundtrip_test.cpp - what goes through encoder and decoder comes back bit for bit, for
- * seeded random values of every telegram: extremes of integers, NaN payloads, infinities,
- * denormals and minus zero among them.
+ * codec_roundtrip_test.cpp - encoding and decoding preserves every bit, for seeded random values of
+ * every telegram, including extreme integers, NaN payloads, infinities, denormals and minus zero.
  */
 #include <gtest/gtest.h>
 
@@ -402,7 +401,7 @@ Channels random_channels(Source &source) {
     return channels;
 }
 
-/** Compares what the accessors give with what was sent. */
+/** Compares what the accessors return with what was sent. */
 template <class View, class Analog, class Digital>
 void check_channels(const Channels &sent, const View &view, Analog analog_at, Digital digital_at) {
     for (std::uint32_t i = 0; i < sent.analog.size(); i++) {

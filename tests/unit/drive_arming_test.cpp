@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Arming: refused for each reason alone, lost with each condition, and no drive without it.
+ * Arming: refused for each single reason, lost with each condition, and no driving without it.
  */
 #include "client_bench.h"
 
@@ -14,7 +14,7 @@ namespace {
 constexpr float nan_f = std::numeric_limits<float>::quiet_NaN();
 constexpr float inf_f = std::numeric_limits<float>::infinity();
 
-/** arm(), what arm_refusal says, and that a refused client drives nothing. */
+/** arm() and arm_refusal give this result, and a refused client does not drive. */
 void expect_refused(Bench &bench, roburoc4_result reason) {
     EXPECT_EQ(reason, bench.facts().arm_refusal);
     EXPECT_EQ(reason, bench.arm());
@@ -26,7 +26,7 @@ void expect_refused(Bench &bench, roburoc4_result reason) {
     EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_ARMED);
 }
 
-/** Drive, let the condition go, and see that the client disarmed for this cause. */
+/** Drive, remove the condition, and check that the client disarmed for this cause. */
 void expect_disarmed(Bench &bench, roburoc4_result cause, const std::function<void()> &lose,
                      std::uint64_t within_us) {
     bench.armed();
@@ -99,7 +99,7 @@ TEST(Disarm, IsAlwaysPossible) {
 
 /* ---- the event of armable ---- */
 
-/** Whether the event comes within so long, and exactly when arming becomes possible. */
+/** Whether the event occurs within this time, and exactly when arming becomes possible. */
 static bool tells_armable(Bench &bench, std::uint64_t within_us = 5 * second) {
     bool told = false;
     const bool possible = bench.run_until(
@@ -494,7 +494,7 @@ void keep_battery_nameless(ScriptedRobot &robot, const bool &silent) {
 
 } // namespace
 
-/* Of two services that are called so, it is the one with the manual's id. */
+/* If two services have this name, the one with the manual's id counts. */
 TEST(Disarms, WhenALateTextNamesAnotherService) {
     ScriptedRobot robot;
     bool silent = true;
@@ -550,7 +550,7 @@ TEST(UnknownOverride, CanBeAllowed) {
     }
 }
 
-/* A card of unknown type and under another id than the manual's may be there until texts tell. */
+/* There may be a card of unknown type with another id than the manual's, until texts are read. */
 TEST(UnknownOverride, IsNotAllowedWhileAServiceIsNotKnown) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A drive command is a lease: its target lives for its time and not a microsecond longer, whatever
+ * A drive command is a lease: its target holds for its time and not a microsecond longer, whatever
  * the clock does and however often the client is polled.
  */
 #include "client_bench.h"
@@ -186,7 +186,7 @@ TEST(Lease, GapBetweenCallsLongerThanItEndsItAndNeverRevivesIt) {
     bench.armed();
     ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
     bench.pump();
-    bench.now_us += 260 * ms; /* nobody called: a blocked program, a machine that slept */
+    bench.now_us += 260 * ms; /* no call was made: a blocked program, or a machine that slept */
     const std::uint64_t back_us = bench.now_us;
     ASSERT_TRUE(bench.poll());
     EXPECT_TRUE(bench.commands().back().zero());
@@ -350,7 +350,7 @@ TEST(Clock, JumpFarAheadSendsNoSpeedAndDoesNotBlock) {
 }
 
 TEST(Deadline, NeverLetsALoopSpinInAnyState) {
-    /* the bench itself checks that a deadline is never in the past after all was polled */
+    /* the bench itself checks that no deadline is in the past after everything was polled */
     ScriptedRobot robot;
     roburoc4_config config = default_config();
     config.drive_period_ms = 10;

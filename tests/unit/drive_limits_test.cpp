@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Limits: scale, then by choice keep the curve, then clamp; NaN and infinity never leave.
+ * Limits: scale, then optionally keep the curve, then clamp; NaN and infinity are never sent.
  */
 #include "client_bench.h"
 
@@ -191,7 +191,7 @@ TEST(TurnKeeping, KeepsTheCurveOfAWideRobot) {
     expect_sent(sent_for(config, limits, -1, 6), -2.6F / 7, 6 * 2.6F / 7);
 }
 
-/** Double precision, and no word of the client's own. */
+/** In double precision, independent of the client's code. */
 std::array<double, 2> expected_speeds(const roburoc4_config &config, float width_m, double linear,
                                       double angular) {
     const double most[2] = {2.6F, 6.5F};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * drive_simulator_test.cpp - what the promises on motion come to at the robot: a client drives the
- * simulated robot, and the robot's target and true speed tell whether it stopped.
+ * drive_simulator_test.cpp - the effect of the promises on motion at the robot: a client drives the
+ * simulated robot, whose target and true speed show whether it stopped.
  */
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ class DriveSimulator : public testing::Test {
         bench.driving(1.0F, 0.0F, 4 * second);
         ASSERT_NEAR(1.0, robot.state().true_linear_m_s, 0.05);
     }
-    /** Time until the robot's target is 0; more than `limit_us` when it does not become so. */
+    /** Time until the robot's target is 0; more than `limit_us` if that does not happen. */
     std::uint64_t until_target_is_zero(std::uint64_t limit_us = 5 * second) {
         const std::uint64_t begin_us = bench.now_us;
         while (has_target() && bench.now_us - begin_us <= limit_us)
@@ -109,7 +109,7 @@ TEST_F(DriveSimulator, TheWatchdogStopsTheRobotOfAFrozenProcess) {
     }
     EXPECT_LE(bench.now_us - frozen_us, watchdog_us + cycle_us);
     EXPECT_EQ(1, robot.state().watchdog_tripped);
-    /* it wakes up: what it was asked to do before is over */
+    /* it wakes up: its earlier command is over */
     bench.now_us += 2 * second;
     bench.sent.clear();
     bench.run(stopping_us);

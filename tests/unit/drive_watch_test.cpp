@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a client sees while it drives: another commander, motion that is inhibited, the override.
+ * What a client watches for while it drives: another commander, inhibited motion, the override.
  */
 #include "client_bench.h"
 

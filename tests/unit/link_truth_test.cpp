@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * link_truth_test.cpp - the figures of the link against what the network really did: two faulty
- * channels lie between a client and a robot, and the test counts every status itself.
+ * link_truth_test.cpp - the link's statistics against what the network really did: two faulty
+ * channels connect a client and a robot, and the test counts every status itself.
  */
 #include <gtest/gtest.h>
 
@@ -77,7 +77,7 @@ class Network {
         EXPECT_EQ(ROBUROC4_OK, roburoc4_client_link(&client, now_us_, &link));
         return link;
     }
-    /** Share of the statuses between the first and the last that arrived, which never did. */
+    /** Share of lost statuses, between the first and the last that arrived. */
     [[nodiscard]] double true_loss() const {
         const auto sent = static_cast<double>(
             std::distance(sent_.find(*arrived_.begin()), sent_.find(*arrived_.rbegin())) + 1);
@@ -86,7 +86,7 @@ class Network {
     [[nodiscard]] std::uint64_t duplicates() const {
         return duplicates_;
     }
-    /** When the robot's clock showed `cycles`, by the clock of the host. */
+    /** When the robot's clock showed `cycles`, on the host's clock. */
     [[nodiscard]] double true_host_us(std::uint64_t cycles) const {
         return static_cast<double>(origin_us) +
                static_cast<double>(cycles * ROBUROC4_CYCLE_US) / (1 + drift_);

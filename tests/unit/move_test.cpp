@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * move_test.cpp - moves of roburoc4_move.h: a client and the simulated robot in virtual time,
- * judged by where the robot came to, and by what it was asked for.
+ * judged by the robot's final position and by the commanded speeds.
  */
 #include "roburoc4_move.h"
 
@@ -21,7 +21,7 @@ constexpr double pi = 3.14159265358979323846;
 constexpr double degree = pi / 180;
 constexpr std::uint64_t second = 1000000;
 constexpr std::uint64_t cycle_us = 10000;
-/* How much later than its target a RobuROC4 has a speed: 2 * damping / natural frequency. */
+/* Lag of a RobuROC4's speed behind its target: 2 * damping / natural frequency. */
 constexpr double response_s = 0.64;
 
 double wrapped(double angle_rad) {
@@ -81,7 +81,7 @@ class Moving : public testing::Test {
         ASSERT_EQ(ROBUROC4_OK, roburoc4_world_set_faults(world, &faults));
     }
 
-    /** Step the move to its end, or for so long; what happens meanwhile is called at each step. */
+    /** Step the move to its end, or for this long; `meanwhile` is called at each step. */
     std::int32_t go(const std::function<void()> &meanwhile = nullptr, double seconds = 120) {
         begun_us = now();
         start = state();
@@ -108,7 +108,7 @@ class Moving : public testing::Test {
         took_s = static_cast<double>(now() - begun_us) * 1e-6;
         return move.result;
     }
-    /** Ahead of where the last move began, to its left, and turned since. */
+    /** Ahead and to the left of where the last move started, and turned since. */
     double ahead() {
         const roburoc4_sim_state s = state();
         return (s.true_x_m - start.true_x_m) * std::cos(start.true_theta_rad) +
@@ -139,7 +139,7 @@ class Moving : public testing::Test {
         EXPECT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 0, static_cast<float>(angle_rad), &options));
         return go();
     }
-    /** The time of a profile of constant acceleration, and of the robot's answer to it. */
+    /** The time of a profile with constant acceleration, and of the robot's response to it. */
     static double ideal_s(double way, double speed, double acceleration) {
         const double rise_s = speed / acceleration;
         return response_s +

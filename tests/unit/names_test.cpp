@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * names_test.cpp - the constants and names of the header against the manual's tables, which are
- * typed here once more from the manual; and the words for results.
+ * copied here independently from the manual; and the texts for results.
  */
 #include <gtest/gtest.h>
 
@@ -52,7 +52,7 @@ const Row digital_inputs[] = {{0, "Front bumper"},
 const Row digital_outputs[] = {{0, "Watchdog"}, {1, ""}, {3, ""}, {4, ""},
                                {5, ""},         {6, ""}, {7, ""}};
 
-/** What stands at an id of the table: its index on the wire. */
+/** The entry with an id in the table: its index on the wire. */
 uint32_t wire_index(uint32_t id) {
     return id <= 1 ? id : id - 1;
 }
@@ -203,8 +203,7 @@ TEST(Names, ChangesHaveASentenceForEachDirection) {
     }
 }
 
-/** Typed here once more: behind a text that went missing, whatever lies in memory would look like
- *  one. */
+/** Copied here again: if a text were missing, whatever follows in memory would look like one. */
 const struct {
     roburoc4_result code;
     const char *text;

@@ -52,8 +52,8 @@ Document read_document(std::istream &file) {
     return document;
 }
 
-/** Three or more pairs of hex digits in a row, which should be an example; "" where there is none.
- */
+/** Three or more pairs of hex digits in a row, which should be in an example; "" if there are
+ * none. */
 std::string loose_bytes(const std::string &prose) {
     std::istringstream words(prose);
     std::string word, run;

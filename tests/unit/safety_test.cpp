@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * safety_test.cpp - what people found who did not write the client, each as a test at the wire: an
- * independent robot and network (tests/verify/soak), the public API, and nothing else.
+ * safety_test.cpp - findings of people who did not write the client, each as a test on the wire:
+ * with an independent robot and network (tests/verify/soak), the public API, and nothing else.
  */
 #include "world.h"
 
@@ -42,7 +42,8 @@ Weather delayed(std::uint64_t us) {
     return weather;
 }
 
-/** A client and a robot in virtual time. The oracle watches, but these tests say what they want. */
+/** A client and a robot in virtual time. The oracle also watches, but these tests have their own
+ * expectations. */
 class Safety : public ::testing::Test {
   protected:
     void make(const RobotPlan &plan, const roburoc4_config &config = default_config()) {
@@ -51,7 +52,7 @@ class Safety : public ::testing::Test {
         world_->start();
     }
 
-    /** Tries to arm every 10 ms; how long it took, or `patience_us`. */
+    /** Tries to arm every 10 ms; returns how long it took, or `patience_us`. */
     std::uint64_t arm_within(std::uint64_t patience_us) {
         const std::uint64_t begin_us = world_->now_us();
         while (world_->now_us() - begin_us < patience_us && (result_ = world_->arm()) < 0)
@@ -208,8 +209,8 @@ TEST_F(Safety, AMissingTextIsNoRefusal) {
     EXPECT_EQ(result_, ROBUROC4_ERR_OVERRIDE_UNKNOWN);
 }
 
-/** Only texts tell its services apart, and their ids are the manual's in another order: 6 is the
- *  telemeters. */
+/** Only texts identify its services, and their ids are a permutation of the manual's: 6 is the
+ * telemeters. */
 RobotPlan robot_told_by_texts() {
     RobotPlan plan = friendly_robot();
     const std::uint16_t ids[5] = {4, 6, 2, 5, 3};
@@ -340,7 +341,7 @@ TEST_F(Safety, TheDrivePeriodMustFitTheWatchdog) {
     EXPECT_NE(error.find("robot_watchdog_ms"), std::string::npos) << error;
 }
 
-/* Memory that was never prepared can look like a driving client, so init() cannot refuse one. */
+/* Uninitialized memory can look like a driving client, so init() cannot refuse it. */
 TEST_F(Safety, InitOfADrivingClientLeavesItToTheWatchdog) {
     make(friendly_robot());
     ASSERT_LT(arm_within(10 * second), 10 * second);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * security_test.cpp - the claims of docs/SECURITY.md: what somebody who can forge the robot's
- * address can do to a client, and what not. That others are not heard at all is in udp_test.cpp.
+ * address can do to a client, and what they cannot. udp_test.cpp tests that other hosts are not
+ * received.
  */
 #include <gtest/gtest.h>
 
@@ -15,7 +16,7 @@ using namespace roburoc4_tests;
 
 namespace {
 
-/** A datagram as a forger makes one: a telegram of the robot with any bytes behind its head. */
+/** A forged datagram: a telegram of the robot with any bytes after its header. */
 Bytes forged(std::mt19937 &random) {
     Bytes bytes(1 + random() % 120);
     for (std::uint8_t &byte : bytes)
