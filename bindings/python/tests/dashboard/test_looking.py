@@ -166,7 +166,7 @@ def test_plots_scroll_pause_and_zoom(station: Make, visit: Visit) -> None:
     expect(span).to_have_text("2 min")
     pause = page.locator("#plot-pause")
     pause.click()
-    expect(pause).to_have_text("go on")
+    expect(pause).to_have_text("continue")
     pause.click()
     over = page.locator("#plots .u-over")
     box = over.bounding_box()
@@ -175,7 +175,7 @@ def test_plots_scroll_pause_and_zoom(station: Make, visit: Visit) -> None:
     page.mouse.down()
     page.mouse.move(box["x"] + 50 + box["width"] / 4, box["y"] + 20, steps=4)
     page.mouse.up()
-    expect(pause).to_have_text("go on")
+    expect(pause).to_have_text("continue")
     expect(span).to_have_text("30 s")
     page.mouse.dblclick(box["x"] + 100, box["y"] + 20)
     expect(pause).to_have_text("pause")
@@ -231,7 +231,7 @@ def test_the_battery_s_trend_is_told_in_words(station: Make, visit: Visit) -> No
     ready(page)
     text = page.locator("#battery-text")
     expect(text).to_contain_text("\u2198 \u221220\u202f% per hour")
-    expect(text).to_contain_text("2.0\u202fh to its least")
+    expect(text).to_contain_text("2.0\u202fh to the minimum")
 
 
 @pytest.mark.both

@@ -17,7 +17,7 @@ function conditions(frame, { mine, offered }, about) {
   const bumpers = [facts.front_bumper && "FRONT", facts.rear_bumper && "REAR"].filter(Boolean).join(" AND ");
   add(facts.other_commander, "bad", "ANOTHER PROGRAM COMMANDS THE ROBOT", "Two drivers at once are dangerous: end one of them.");
   add(bumpers, "bad", `${bumpers} BUMPER`, "The robot touches something there: look, then drive away from it.");
-  add(facts.inhibited, "bad", "MOTION INHIBITED", end(why) || "The robot stands still although it was told to move: look at emergency stops, brakes selector and bumpers.");
+  add(facts.inhibited, "bad", "MOTION INHIBITED", end(why) || "The robot stands still although a speed was commanded: check emergency stops, brakes selector and bumpers.");
   add(facts.overridden, "bad", "OVERRIDE", "Somebody holds [A] on the robot’s game pad and drives it. Commands from here are ignored.");
   add(battery?.state === "critical", "bad", "BATTERY CRITICAL", "Stop work and bring the robot to its charger now.");
   add(link.level === "bad", "bad", "LINK BAD", said(link));

@@ -34,7 +34,7 @@ export class Drawer {
     next.focus();
   }
 
-  /** By key: what is opened has the focus, so that Tab goes on in it; what is closed leaves it to its tab. */
+  /** By key: what is opened has the focus, so that Tab moves within it; what is closed leaves it to its tab. */
   enter(name) {
     const within = by("drawer").contains(document.activeElement);
     this.toggle(name);

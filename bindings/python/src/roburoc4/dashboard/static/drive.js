@@ -120,7 +120,7 @@ export class Drive {
     put(by("drive-why"), this.why(frame, armed));
     put(by("pad-text"), this.offered ? this.inputs.padText() : "");
     if (!this.mine) {
-      put(by("asked"), "Nothing is asked for.");
+      put(by("asked"), "No speed is commanded.");
       return null;
     }
     const { forward, left, by: source } = this.inputs.look();
@@ -141,7 +141,7 @@ export class Drive {
   showButtons(wanted) {
     const focused = document.activeElement;
     for (const [what, on] of Object.entries(wanted)) show(by(what), on);
-    // Who presses them by key goes on with the one that came in its place.
+    // A user who presses them by key continues with the replacement.
     if (focused?.hidden && focused.id in wanted) Object.keys(wanted).filter((what) => wanted[what]).map(by)[0]?.focus();
   }
 
@@ -154,10 +154,10 @@ export class Drive {
   why(frame, armed) {
     if (!this.offered) return "Start roburoc4 dashboard with --allow-drive to drive from here.";
     if (this.refusal) return this.refusal;
-    if (!this.mine) return frame.driver === null ? "One page at a time can drive: take control, then arm." : frame.asker === this.page ? `Page ${frame.driver} is asked. You get control with its consent, or when it is gone.` : "Another page drives. STOP works from every page.";
+    if (!this.mine) return frame.driver === null ? "One page at a time can drive: take control, then arm." : frame.asker === this.page ? `Page ${frame.driver} was asked. You get control when it agrees, or when it is gone.` : "Another page drives. STOP works from every page.";
     if (frame.going) return "The robot goes to the place on the map. Any key or deflection, Escape, or leaving this page ends that.";
     if (armed && frame.must_let_go) return "Armed: let go of everything once, then drive.";
-    if (armed && this.inputs.unrepeated) return "Ready: the key no longer repeated, so it counts as let go. Press it anew. Where the system repeats no keys, drive with the game pad or the stick.";
+    if (armed && this.inputs.unrepeated) return "Ready: the key stopped repeating, so it counts as released. Press it again. If the system does not repeat keys, drive with the game pad or the stick.";
     if (armed) return "Ready: hold [A] on the game pad, drag the stick, or hold a key. Letting go stops.";
     return frame.facts.blocked ? `Not ready to arm: ${frame.facts.blocked}.` : "Is the way clear, is the emergency stop in somebody’s hand? Then arm.";
   }

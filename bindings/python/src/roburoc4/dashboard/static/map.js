@@ -306,7 +306,7 @@ export class RobotMap {
       pen.beginPath();
       let last = null;
       for (const [x, y] of part) {
-        // A robot that was told its place anew did not drive there.
+        // A robot that was relocalized did not drive there.
         if (last && Math.hypot(x - last[0], y - last[1]) > JUMP_M) pen.moveTo(...this.at(x, y));
         pen.lineTo(...this.at(x, y));
         last = [x, y];

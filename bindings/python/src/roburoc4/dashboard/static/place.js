@@ -5,8 +5,8 @@ import { by, put, show } from "./text.js";
 const FIELDS = ["x", "y", "theta"];
 const DEGREES = 180 / Math.PI;
 const TEXTS = {
-  relocalize: "Press where the robot is and drag where it looks, or write it.",
-  go: "Press where the robot shall go, or write it. It sees with its telemeters only.",
+  relocalize: "Press where the robot is and drag in its direction, or type it.",
+  go: "Press where the robot should go, or type it. It only sees with its telemeters.",
 };
 
 export class Place {
@@ -72,6 +72,6 @@ export class Place {
     show(by("map-relocalize"), mine);
     show(by("map-go"), mine && armed);
     if (!mine || (this.what === "go" && !armed)) if (this.active) this.begin("");
-    put(by("relocalize-warning"), !armed ? "" : this.what === "go" ? "The robot will move by itself. " : "The robot is armed: it stays so, at another place of the map. ");
+    put(by("relocalize-warning"), !armed ? "" : this.what === "go" ? "The robot will move by itself. " : "The robot is armed and stays armed, at another place on the map. ");
   }
 }

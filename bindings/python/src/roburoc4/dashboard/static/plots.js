@@ -133,7 +133,7 @@ export class Plots {
     this.paused = on;
     this.range = on ? range ?? [this.now - this.span, this.now] : null;
     by("plot-pause").setAttribute("aria-pressed", String(on));
-    put(by("plot-pause"), on ? "go on" : "pause");
+    put(by("plot-pause"), on ? "continue" : "pause");
     this.redraw();
   }
 

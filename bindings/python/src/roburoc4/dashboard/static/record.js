@@ -25,7 +25,7 @@ export class Recording {
     by("record").setAttribute("aria-pressed", String(this.on));
     show(by("recording"), this.on);
     put(by("record-text"), recording === null
-      ? "Every status of the robot, until you end it. Closing this page does not."
+      ? "Every status of the robot, until you stop it. Closing this page does not stop it."
       : `${figure(recording.seconds, 0, "s")}, ${recording.statuses} statuses${recording.lost ? `, ${recording.lost} statuses lost` : ""}${recording.why ? `; ended: ${recording.why}` : ""}`);
     for (const form of ["csv", "mcap"]) show(by(`record-${form}`), recording?.forms.includes(form) ?? false);
   }

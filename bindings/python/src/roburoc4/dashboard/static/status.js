@@ -47,13 +47,13 @@ export function showBattery({ battery }, about) {
   put(by("gauge-text"), battery ? `${figure(battery.percent, 0, "%")}${battery.state === "charging" ? " ⚡" : ""}` : "–");
   by("gauge-fill").style.width = `${Math.max(0, Math.min(100, battery?.percent ?? 0))}%`;
   put(by("battery-state"), battery ? STATES[battery.state] ?? battery.state : "Not reported");
-  put(by("battery-text"), battery ? [battery.volts === null ? "" : figure(battery.volts, 1, "V"), trend(battery, low), low ? `least ${figure(low, 0, "%")}` : ""].filter(Boolean).join(" · ") : "");
+  put(by("battery-text"), battery ? [battery.volts === null ? "" : figure(battery.volts, 1, "V"), trend(battery, low), low ? `minimum ${figure(low, 0, "%")}` : ""].filter(Boolean).join(" · ") : "");
 }
 
 function trend({ trend_percent_h: slope, percent }, low) {
   if (slope === null) return "trend: known after a minute";
   if (Math.abs(slope) < 0.5) return "→ steady";
   const hours = slope > 0 ? (100 - percent) / slope : (percent - low) / -slope;
-  const left = hours > 48 || hours <= 0 ? "" : `, ${hours < 1.5 ? figure(hours * 60, 0, "min") : figure(hours, 1, "h")} to ${slope > 0 ? "full" : "its least"}`;
+  const left = hours > 48 || hours <= 0 ? "" : `, ${hours < 1.5 ? figure(hours * 60, 0, "min") : figure(hours, 1, "h")} to ${slope > 0 ? "full" : "the minimum"}`;
   return `${slope > 0 ? "↗ +" : "↘ "}${figure(slope, 0, "% per hour")}${left}`;
 }
