@@ -55,7 +55,7 @@ def test_properties_have_values_right_after_connecting(served: Simulator) -> Non
     asyncio.run(program())
 
 
-def test_events_and_statuses_wait_no_longer_than_told(served: Simulator) -> None:
+def test_events_and_statuses_wait_no_longer_than_requested(served: Simulator) -> None:
     async def program() -> None:
         async with roburoc4.aio.connect(served.address) as robot:
             events = robot.events(timeout=60)
@@ -161,7 +161,7 @@ def test_a_robot_that_nobody_keeps_ends_with_its_thread(served: Simulator) -> No
     until(lambda: not [t for t in threading.enumerate() if t.name == "roburoc4-aio"])
 
 
-def test_silence_is_told(served: Simulator) -> None:
+def test_silence_is_reported(served: Simulator) -> None:
     async def program() -> None:
         with pytest.raises(roburoc4.RobotTimeoutError, match="nothing listens"):
             await roburoc4.aio.connect("127.0.0.1:9", timeout=0.5)

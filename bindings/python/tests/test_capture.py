@@ -65,7 +65,7 @@ def test_fragments_are_joined_in_whatever_order_they_come(tmp_path: Path) -> Non
         assert read(tmp_path / "a", data) == [packet]
 
 
-def test_a_missing_fragment_leaves_out_its_datagram_alone(tmp_path: Path) -> None:
+def test_a_missing_fragment_only_loses_its_datagram(tmp_path: Path) -> None:
     packet = Packet(BEGIN_US, ROBOT, CLIENT, iocard(5))
     parts = fragments(packet)
     data = pcapng([]) + b"".join(enhanced(packet, part) for part in parts[1:])
@@ -99,7 +99,7 @@ def test_two_recordings_one_after_the_other_are_one(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("form", [pcap, pcapng])
-def test_a_cut_file_is_read_up_to_the_cut(tmp_path: Path, form: object) -> None:
+def test_a_truncated_file_is_read_up_to_its_end(tmp_path: Path, form: object) -> None:
     assert callable(form)
     packets = statuses(BEGIN_US, 0.1)
     data = form(packets)
@@ -127,7 +127,7 @@ def test_drops_that_the_recorder_counted_are_reported(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("data", "text"), [(b"", "empty"), (b"a text, no capture", "neither pcapng nor pcap")]
 )
-def test_what_is_no_capture_is_named(tmp_path: Path, data: bytes, text: str) -> None:
+def test_a_file_that_is_not_a_capture_is_named(tmp_path: Path, data: bytes, text: str) -> None:
     with pytest.raises(RecordingError, match=text):
         read(tmp_path / "a", data)
 

@@ -201,7 +201,7 @@ def test_people_get_every_check_a_table_and_the_next_thing_to_try() -> None:
         assert text in done.stdout
 
 
-def test_people_are_told_why_it_is_unreachable() -> None:
+def test_people_learn_why_it_is_unreachable() -> None:
     with _socket() as somebody:
         port = somebody.getsockname()[1]
     done = run("doctor", "--robot", f"127.0.0.1:{port}")

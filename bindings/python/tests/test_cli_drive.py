@@ -75,7 +75,7 @@ def test_it_accelerates_gently(sim: roburoc4.Simulator) -> None:
     assert process.communicate()[1] == ""
 
 
-def test_a_speed_above_the_limits_is_lowered_and_told() -> None:
+def test_a_speed_above_the_limits_is_lowered_and_reported() -> None:
     with roburoc4.Simulator(port=0, max_linear_m_s=0.2) as sim:
         done = run("drive", "1", "0", "--seconds", "0.5", "--json", robot=sim.address)
     assert done.returncode == 0
@@ -102,7 +102,7 @@ def test_signals_stop_the_robot(sim: roburoc4.Simulator, number: signal.Signals,
     assert _stands(sim)
 
 
-def test_a_second_ctrl_c_does_not_keep_the_zero_back(sim: roburoc4.Simulator) -> None:
+def test_a_second_ctrl_c_does_not_delay_the_zero(sim: roburoc4.Simulator) -> None:
     process = start("drive", "0.5", "0", "--seconds", "100", robot=sim.address)
     eventually(lambda: sim.state.target_linear_m_s > 0.1)
     for _ in range(3):
@@ -114,7 +114,7 @@ def test_a_second_ctrl_c_does_not_keep_the_zero_back(sim: roburoc4.Simulator) ->
     assert _last_command_is_zero(sim)
 
 
-def test_killed_outright_it_leaves_the_robot_to_its_watchdog(sim: roburoc4.Simulator) -> None:
+def test_if_it_is_killed_the_watchdog_stops_the_robot(sim: roburoc4.Simulator) -> None:
     process = start("drive", "0.5", "0", "--seconds", "100", robot=sim.address)
     eventually(lambda: sim.state.target_linear_m_s > 0.1)
     process.kill()
@@ -131,7 +131,7 @@ def test_under_override_it_says_so_and_sends_no_speed(sim: roburoc4.Simulator) -
     assert sim.state.speed_commands == 0
 
 
-def test_an_override_on_the_way_ends_it(sim: roburoc4.Simulator) -> None:
+def test_an_override_during_the_drive_ends_it(sim: roburoc4.Simulator) -> None:
     process = start("drive", "0.5", "0", "--seconds", "100", robot=sim.address)
     eventually(lambda: sim.state.target_linear_m_s > 0.1)
     sim.set("pad_a", True)
@@ -152,7 +152,7 @@ def test_without_inputs_it_refuses_until_told_to_ignore_them() -> None:
         assert sim.true_pose.x_m > 0.02
 
 
-def test_a_refusal_is_told_in_the_words_of_the_command() -> None:
+def test_a_refusal_is_reported_in_the_words_of_the_command() -> None:
     with roburoc4.Simulator(port=0, max_linear_m_s=float("nan")) as sim:
         done = run("drive", "0.5", "0", "--seconds", "1", robot=sim.address)
     assert done.returncode == 1
@@ -186,7 +186,7 @@ def test_a_person_is_asked_once_with_name_and_address(sim: roburoc4.Simulator) -
     assert sim.true_pose.x_m > 0.02
 
 
-def test_a_name_is_told_beside_the_address(sim: roburoc4.Simulator) -> None:
+def test_the_question_shows_the_name_and_the_address(sim: roburoc4.Simulator) -> None:
     port = sim.address.rpartition(":")[2]
     terminal = Terminal("drive", "0.3", "0", "--seconds", "1", "--robot", f"localhost:{port}")
     terminal.wait_for(rf"'localhost:{port}' at {sim.address}")
@@ -203,7 +203,7 @@ def test_a_person_sees_the_progress(sim: roburoc4.Simulator) -> None:
     assert "[y/N]" not in terminal.text
 
 
-def test_ctrl_z_does_not_leave_a_driven_robot_alone(sim: roburoc4.Simulator) -> None:
+def test_ctrl_z_does_not_suspend_a_drive(sim: roburoc4.Simulator) -> None:
     terminal = Terminal("drive", "0.3", "0", "--seconds", "2", "--yes", robot=sim.address)
     eventually(lambda: sim.state.target_linear_m_s > 0.1)
     terminal.type("\x1a")

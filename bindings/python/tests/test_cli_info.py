@@ -96,7 +96,7 @@ def test_a_robot_without_texts_has_the_manuals_names() -> None:
     assert {service["name"] for service in info["services"]} >= {"IOCard", "Battery"}
 
 
-def test_a_robot_that_never_answers_for_a_text_is_told_and_is_no_error() -> None:
+def test_missing_texts_are_reported_and_not_an_error() -> None:
     with roburoc4.Simulator(port=0, query_mode=1) as sim:
         done = run("info", "--json", robot=sim.address)
     assert "no more texts" in one_line(done.stderr)

@@ -54,7 +54,7 @@ def test_every_line_of_json_is_a_status_with_its_fields() -> None:
     assert pose["flags"] == 18
 
 
-def test_no_status_is_left_out() -> None:
+def test_no_status_is_omitted() -> None:
     with roburoc4.Simulator(port=0) as sim:
         done = run("monitor", "--json", "--seconds", "2", robot=sim.address)
     cycles = [line["robot_cycles"] for line in _lines(done.stdout) if line["service"] == "iocard"]
@@ -62,7 +62,7 @@ def test_no_status_is_left_out() -> None:
     assert [b - a for a, b in itertools.pairwise(cycles)] == [5] * (len(cycles) - 1)
 
 
-def test_a_value_that_is_no_number_is_null() -> None:
+def test_values_that_are_not_finite_are_null() -> None:
     with roburoc4.Simulator(port=0) as sim:
         sim.set("pin_analog_2", float("nan"))
         done = run("monitor", "--json", "--seconds", "2", robot=sim.address)
@@ -70,7 +70,7 @@ def test_a_value_that_is_no_number_is_null() -> None:
     assert iocard["analog_inputs"][2] is None
 
 
-def test_without_a_terminal_people_get_a_line_now_and_then() -> None:
+def test_without_a_terminal_a_line_is_printed_periodically() -> None:
     with roburoc4.Simulator(port=0) as sim:
         sim.set("pad_a", True)
         done = run("monitor", "--seconds", "3", robot=sim.address)
@@ -103,7 +103,7 @@ def test_a_terminal_shows_the_live_table() -> None:
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_signals_end_it_without_a_word(number: signal.Signals, code: int) -> None:
+def test_signals_end_it_quietly(number: signal.Signals, code: int) -> None:
     with roburoc4.Simulator(port=0) as sim:
         process = start("monitor", "--json", robot=sim.address)
         assert process.stdout is not None
@@ -113,7 +113,7 @@ def test_signals_end_it_without_a_word(number: signal.Signals, code: int) -> Non
     assert (process.returncode, stderr) == (code, "")
 
 
-def test_a_loss_that_heals_is_told_and_is_no_error() -> None:
+def test_a_temporary_loss_is_reported_and_not_an_error() -> None:
     with roburoc4.Simulator(port=0) as sim:
         process = start("monitor", "--json", "--seconds", "12", robot=sim.address)
         assert process.stdout is not None

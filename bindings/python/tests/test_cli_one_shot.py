@@ -19,7 +19,7 @@ def test_stop_ends_the_drive_of_another_program() -> None:
         assert abs(sim.state.wheel_linear_m_s) < 0.05
 
 
-def test_stop_says_when_somebody_goes_on_driving() -> None:
+def test_stop_reports_when_somebody_keeps_driving() -> None:
     with roburoc4.Simulator(port=0) as sim:
         sim.set("pad_a", True)
         sim.set("pad_rt", 0.0)
@@ -39,7 +39,7 @@ def test_stop_always_sends_a_zero() -> None:
         assert sim.state.nonzero_speed_commands == 0
 
 
-def test_stop_says_when_there_is_nothing_to_stop() -> None:
+def test_stop_reports_when_there_is_nothing_to_stop() -> None:
     with roburoc4.Simulator(port=0, hidden_services=1 << 6) as sim:
         done = run("stop", robot=sim.address)
     assert done.returncode == 1
@@ -53,7 +53,7 @@ def test_stop_does_not_claim_what_it_cannot_see() -> None:
         assert sim.state.speed_commands > 0
 
 
-def test_output_switches_and_tells() -> None:
+def test_output_switches_and_reports() -> None:
     with roburoc4.Simulator(port=0) as sim:
         done = run("output", "3", "on", robot=sim.address)
         assert (done.returncode, done.stderr) == (0, "")
@@ -71,7 +71,7 @@ def test_an_output_that_the_robot_lacks_is_refused() -> None:
     assert "0 to 7" in one_line(done.stderr)
 
 
-def test_relocalize_takes_negative_numbers() -> None:
+def test_relocalize_accepts_negative_numbers() -> None:
     with roburoc4.Simulator(port=0) as sim:
         done = run("relocalize", "1.5", "-2", "-0.5", "--json", robot=sim.address)
         assert document(done) == {

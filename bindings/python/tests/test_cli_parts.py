@@ -20,7 +20,7 @@ def test_a_duration_is_finite_and_positive(text: str) -> None:
         options.seconds(text)
 
 
-def test_negative_numbers_are_shielded_and_options_are_not() -> None:
+def test_negative_numbers_are_escaped_and_options_are_not() -> None:
     shielded = options.shield_numbers(["-0.5", "-.5", "-1e-3", "-inf", "--yes", "-y", "5", "-"])
     assert shielded == [" -0.5", " -.5", " -1e-3", " -inf", "--yes", "-y", "5", "-"]
 
@@ -35,7 +35,7 @@ def test_an_angle_is_in_radians_or_degrees() -> None:
             options.angle(text)
 
 
-def test_a_robots_text_does_not_steer_the_terminal() -> None:
+def test_a_robots_text_does_not_control_the_terminal() -> None:
     assert output.printable("Möhre\x1b[2J\n") == "Möhre\N{REPLACEMENT CHARACTER}[2J" + (
         "\N{REPLACEMENT CHARACTER}"
     )
@@ -80,7 +80,7 @@ def test_a_terminal_says_whether_it_reports_releases() -> None:
     assert decoder.reports_releases
 
 
-def test_ctrl_c_is_heard_as_a_key_too() -> None:
+def test_ctrl_c_is_also_read_as_a_key() -> None:
     (key,) = Decoder().feed(b"\x1b[99;5u")
     assert is_ctrl_c(key)
     (let_go,) = Decoder().feed(b"\x1b[99;5:3u")
@@ -97,7 +97,7 @@ def test_without_releases_a_key_is_held_until_repeats_are_due() -> None:
     assert man.held(FIRST_S + 0.01) == []
 
 
-def test_without_releases_a_repeated_key_is_let_go_soon_after_its_last_repeat() -> None:
+def test_without_releases_a_key_ends_soon_after_its_last_repeat() -> None:
     man = DeadMan(reports_releases=False)
     man.feed(Key("w"), 0.0)
     man.feed(Key("w"), 0.5)

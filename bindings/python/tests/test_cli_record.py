@@ -87,7 +87,7 @@ def test_a_file_with_contents_is_not_replaced_unasked(tmp_path: Path) -> None:
     assert _read(path)
 
 
-def test_where_no_more_fits_the_file_ends_after_a_whole_row(tmp_path: Path) -> None:
+def test_on_a_full_disk_the_file_ends_after_a_whole_row(tmp_path: Path) -> None:
     path = tmp_path / "run.csv"
     room = 4001
     with roburoc4.Simulator(port=0) as sim:
@@ -111,7 +111,7 @@ def test_where_no_more_fits_the_file_ends_after_a_whole_row(tmp_path: Path) -> N
     assert "free some space" in complaint
 
 
-def test_a_folder_that_is_not_there_is_one_line(tmp_path: Path) -> None:
+def test_a_missing_folder_is_one_line(tmp_path: Path) -> None:
     with roburoc4.Simulator(port=0) as sim:
         done = run("record", str(tmp_path / "no" / "run.csv"), "--seconds", "1", robot=sim.address)
     assert done.returncode == 2
@@ -126,7 +126,7 @@ def test_a_terminal_shows_the_progress(tmp_path: Path) -> None:
     assert "rows of" in terminal.text
 
 
-def test_rows_come_in_the_robots_order_and_a_reboot_begins_anew() -> None:
+def test_rows_are_in_the_robots_order_and_a_reboot_starts_over() -> None:
     rows = Rows()
     given: list[roburoc4.Status] = [
         roburoc4.BatteryStatus(1000, 2, 90),
@@ -160,7 +160,7 @@ def test_each_row_has_the_time_of_this_machines_clock(tmp_path: Path) -> None:
     assert last_utc_s - first_utc_s == pytest.approx(last_s - first_s, abs=0.5)
 
 
-def test_a_hole_in_a_recording_is_counted_and_reported(tmp_path: Path) -> None:
+def test_a_gap_in_a_recording_is_counted_and_reported(tmp_path: Path) -> None:
     path = tmp_path / "run.csv"
     with roburoc4.Simulator(port=0) as sim:
         process = start("record", str(path), "--seconds", "10", "--json", robot=sim.address)
@@ -222,7 +222,7 @@ def test_a_killed_recording_is_read_up_to_the_last_moment(tmp_path: Path) -> Non
     assert list(roburoc4.open_recording(path))[-1].robot_cycles > cycles
 
 
-def test_a_folder_that_is_not_there_is_one_line_for_pcapng(tmp_path: Path) -> None:
+def test_a_missing_folder_is_one_line_for_pcapng(tmp_path: Path) -> None:
     done = run("record", str(tmp_path / "no" / "run.pcapng"), "--seconds", "1")
     assert done.returncode == 2
     assert "another name" in one_line(done.stderr)

@@ -69,7 +69,7 @@ def hurried(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(netcfg, "_QUIET_S", 0.1)
 
 
-def test_the_simulated_controller_takes_the_address(
+def test_the_simulated_controller_accepts_the_address(
     console: tuple[str, Callable[[], str]],
 ) -> None:
     port, read = console
@@ -147,7 +147,7 @@ def test_without_a_console_it_says_that_nothing_was_changed() -> None:
         (b"HTTP/1.1 400 Bad Request\r\n", "showed no prompt"),
     ],
 )
-def test_what_is_no_controller_is_sent_nothing(welcome: bytes, complaint: str) -> None:
+def test_nothing_is_sent_to_other_machines(welcome: bytes, complaint: str) -> None:
     other = Scripted(welcome, b"")
     with pytest.raises(CommandError, match=complaint) as raised:
         other.set()
@@ -185,14 +185,14 @@ def test_a_session_that_ends_before_anything_was_sent_changed_nothing() -> None:
 
 
 @pytest.mark.usefixtures("hurried")
-def test_a_session_that_breaks_off_leaves_it_open() -> None:
+def test_after_a_broken_session_the_result_is_unknown() -> None:
     robot = Scripted(b"Welcome\r\n\\> ", b"", ends=True)
     with pytest.raises(CommandError, match=r"broke off .*is not known"):
         robot.set()
 
 
 @pytest.mark.usefixtures("hurried")
-def test_the_confirmation_is_told_in_a_line() -> None:
+def test_the_confirmation_is_reported_in_one_line() -> None:
     robot = Scripted(b"Welcome\r\n\\> ", ASKED + b"IP settings\r\nstored.\r\n\r\n\\> ")
     assert robot.set() == "IP settings stored."
 

@@ -65,7 +65,7 @@ def test_the_panel_can_be_used_through_it() -> None:
     assert "game pad drives" in stdout
 
 
-def test_every_address_can_be_bound_and_one_of_them_is_told() -> None:
+def test_every_address_can_be_bound_and_one_is_printed() -> None:
     process = start("sim", "--port", "0", "--bind", "0.0.0.0")
     assert process.stdout is not None
     process.stdout.readline()

@@ -67,7 +67,7 @@ def test_a_repeating_key_drives_and_letting_go_stops(sim: roburoc4.Simulator) ->
     assert sim.true_pose.x_m > 0.01
 
 
-def test_one_press_lasts_no_longer_than_a_keyboard_needs_to_repeat(sim: roburoc4.Simulator) -> None:
+def test_one_press_lasts_until_a_keyboard_would_repeat(sim: roburoc4.Simulator) -> None:
     terminal = _teleop(sim, NO_RELEASES)
     terminal.type("a")
     eventually(lambda: _moves(sim))
@@ -166,7 +166,7 @@ def test_space_stops(sim: roburoc4.Simulator) -> None:
     assert terminal.wait() == 0
 
 
-def test_a_robot_that_was_lost_is_told_in_words_for_drivers(sim: roburoc4.Simulator) -> None:
+def test_a_lost_robot_is_reported_in_words_for_drivers(sim: roburoc4.Simulator) -> None:
     terminal = _teleop(sim, NO_RELEASES)
     sim.set("power", False)
     terminal.wait_for("not armed|not ready|not connected")
@@ -207,7 +207,7 @@ def test_a_person_is_asked_with_name_and_address(sim: roburoc4.Simulator) -> Non
     assert sim.state.speed_commands == 0
 
 
-def test_it_does_not_begin_under_override(sim: roburoc4.Simulator) -> None:
+def test_it_does_not_start_under_override(sim: roburoc4.Simulator) -> None:
     sim.set("pad_a", True)
     terminal = Terminal("teleop", "--yes", robot=sim.address)
     assert terminal.wait() == 1

@@ -41,7 +41,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("arguments", BAD.values(), ids=BAD.keys())
-def test_a_bad_command_line_is_one_line_and_no_contact(arguments: list[str]) -> None:
+def test_a_bad_command_line_is_one_line_and_sends_nothing(arguments: list[str]) -> None:
     with roburoc4.Simulator(port=0) as sim:
         done = run(*arguments, robot=sim.address)
         assert done.returncode == 2
@@ -181,7 +181,7 @@ def _shell(line: str, robot: str) -> subprocess.CompletedProcess[str]:
         "PYTHONIOENCODING=ascii roburoc4 info | cat",
     ],
 )
-def test_whatever_the_shell_does_to_its_streams_it_stays_quiet(line: str) -> None:
+def test_it_stays_quiet_whatever_the_shell_does_to_its_streams(line: str) -> None:
     with roburoc4.Simulator(port=0) as sim:
         done = _shell(line, sim.address)
     assert (done.returncode, done.stderr) == (0, "")
@@ -195,7 +195,7 @@ def test_a_full_disk_is_one_line(command: str) -> None:
     assert "free some space" in one_line(done.stderr)
 
 
-def test_a_surprise_is_one_line_too_and_the_traceback_is_an_option_away() -> None:
+def test_an_unexpected_error_is_one_line_with_an_optional_traceback() -> None:
     program = (
         "import sys; import roburoc4.cli.info as info;"
         "info.names_of = lambda robot: 1 / 0;"

@@ -221,7 +221,7 @@ def test_statuses_do_not_become_datagrams(path: Path, tmp_path: Path, form: str)
     assert "copy" in one_line(same.stderr)
 
 
-def test_a_foreign_capture_becomes_one_of_ours(tmp_path: Path) -> None:
+def test_another_programs_capture_can_be_converted(tmp_path: Path) -> None:
     path, out = tmp_path / "a.pcap", tmp_path / "b.pcapng"
     path.write_bytes(pcap(drive(1.0), link="two vlans"))
     assert document(run("convert", str(path), str(out), "--json"))["datagrams"] == len(drive(1.0))

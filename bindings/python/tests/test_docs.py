@@ -68,7 +68,7 @@ def test_the_manual_page_has_every_command_and_option() -> None:
         assert not missing, f"{name}: {missing}: run tests/reference.py"
 
 
-def test_the_patrol_waits_for_an_obstacle_and_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_patrol_waits_for_an_obstacle_and_continues(monkeypatch: pytest.MonkeyPatch) -> None:
     (block,) = [block for block in blocks(PAGES[0]) if "OBSTACLE" in block]
     assert len(block.splitlines()) < 20
     said: list[str] = []
@@ -89,7 +89,7 @@ def test_the_patrol_waits_for_an_obstacle_and_goes_on(monkeypatch: pytest.Monkey
     assert (pose.x_m, pose.y_m) == pytest.approx((0.0, 0.0), abs=0.05)
 
 
-def test_the_tutorial_is_fine_with_strict_types(tmp_path: Path) -> None:
+def test_the_tutorial_passes_strict_type_checks(tmp_path: Path) -> None:
     api = pytest.importorskip("mypy.api")
     imports: list[str] = []
     files = []

@@ -141,7 +141,7 @@ def test_a_program_that_hangs_with_the_interpreter_stops_the_robot(start: Start)
     assert min(took_s) <= LEASE_S + 2 * PERIOD_S
 
 
-def test_ctrl_c_while_waiting_is_heard_and_stops_the_robot(start: Start) -> None:
+def test_ctrl_c_while_waiting_stops_the_robot(start: Start) -> None:
     program = CONNECT + (
         "with robot:\n"
         "    threading.Thread(target=lambda: [robot.drive(0.5, 0) or time.sleep(0.05)"
@@ -331,7 +331,7 @@ def test_the_interpreter_runs_while_somebody_waits(served: Simulator) -> None:
         assert turns > 10
 
 
-def test_living_and_dying_again_and_again_leaks_nothing(served: Simulator) -> None:
+def test_creating_and_closing_repeatedly_leaks_nothing(served: Simulator) -> None:
     def life() -> None:
         with Simulator() as simulator, simulator.connect() as robot:
             robot.arm()

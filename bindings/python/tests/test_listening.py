@@ -30,7 +30,7 @@ def test_statuses_that_nobody_reads_wait_in_the_buffer(roburoc4_simulator: Simul
         assert statuses.lost == 0
 
 
-def test_overflow_is_counted_raised_once_and_iteration_goes_on(
+def test_overflow_is_counted_raised_once_and_iteration_continues(
     roburoc4_simulator: Simulator,
 ) -> None:
     with roburoc4_simulator.connect(buffer=100) as robot:
@@ -51,7 +51,7 @@ def test_two_readers_see_everything_each(roburoc4_simulator: Simulator) -> None:
         assert [next(one) for _ in range(50)] == [next(other) for _ in range(50)]
 
 
-def test_iteration_goes_on_over_a_loss_and_ends_at_close(roburoc4_simulator: Simulator) -> None:
+def test_iteration_continues_after_a_loss_and_ends_at_close(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         statuses = robot.statuses("localization")
         roburoc4_simulator.set("power", False)
@@ -111,7 +111,7 @@ def test_a_wait_is_not_longer_than_its_timeout_while_nothing_came() -> None:
         assert robot.now_s - before_s == pytest.approx(0.3, abs=0.01)
 
 
-def test_statuses_wait_no_longer_than_they_are_told(roburoc4_simulator: Simulator) -> None:
+def test_statuses_wait_no_longer_than_requested(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         statuses = robot.statuses("battery", timeout=0.3)
         with pytest.raises(TimeoutError, match=r"no battery status within 0\.3 s"):
@@ -208,7 +208,7 @@ def test_the_time_of_a_status_is_when_the_robot_made_it() -> None:
         assert max(late) > 0.03
 
 
-def test_a_reboot_is_seen_and_outlived(roburoc4_simulator: Simulator) -> None:
+def test_a_reboot_is_noticed_and_survived(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         robot.arm()
         robot.sleep(5.0)

@@ -10,7 +10,7 @@ import roburoc4
 from roburoc4 import Simulator
 
 
-def test_the_log_tells_of_connecting_arming_and_losses(
+def test_the_log_reports_connecting_arming_and_losses(
     roburoc4_simulator: Simulator, caplog: pytest.LogCaptureFixture
 ) -> None:
     caplog.set_level(logging.INFO, logger="roburoc4")

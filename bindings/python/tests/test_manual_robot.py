@@ -33,7 +33,7 @@ def test_nothing_happens_without_spin(served: Simulator) -> None:
         until(lambda: robot.spin(0.0) or robot.localization != before)
 
 
-def test_a_hang_ends_in_the_robots_watchdog(served: Simulator) -> None:
+def test_after_a_hang_the_robots_watchdog_stops_it(served: Simulator) -> None:
     with roburoc4.connect(served.address, threaded=False) as robot:
         robot.arm()
         robot.drive(0.5, 0.0, lease_ms=1000)
@@ -54,7 +54,7 @@ def test_another_loop_can_watch_the_socket(served: Simulator) -> None:
             assert time.monotonic() < end
 
 
-def test_nobody_there_is_told_in_time() -> None:
+def test_an_absent_robot_is_reported_in_time() -> None:
     begun = time.monotonic()
     with pytest.raises(TimeoutError, match="nothing listens"):
         roburoc4.connect("127.0.0.1:9", timeout=0.5, threaded=False)
@@ -71,9 +71,7 @@ def test_nobody_there_is_told_in_time() -> None:
         ("no.such.host.invalid", roburoc4.NetworkError),
     ],
 )
-def test_addresses_that_are_none_are_named(
-    threaded: bool, host: str, error: type[Exception]
-) -> None:
+def test_invalid_addresses_are_named(threaded: bool, host: str, error: type[Exception]) -> None:
     with pytest.raises(error, match=repr(host)):
         if threaded:
             roburoc4.connect(host, timeout=1)

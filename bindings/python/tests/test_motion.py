@@ -139,7 +139,7 @@ def test_durations_must_be_durations(roburoc4_simulator: Simulator, seconds: flo
         assert roburoc4_simulator.state.nonzero_speed_commands == 0
 
 
-def test_numbers_beyond_all_measure_are_told_as_such(roburoc4_simulator: Simulator) -> None:
+def test_huge_numbers_are_reported_as_such(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         robot.arm()
         for speed, lease_ms, name in (

@@ -69,7 +69,7 @@ def test_speed_is_that_of_the_move(sim: Simulator) -> None:
         assert robot.now_s - begun_s > 9
 
 
-def test_progress_is_told(sim: Simulator) -> None:
+def test_progress_is_reported(sim: Simulator) -> None:
     seen: list[MoveResult] = []
     with sim.connect() as robot:
         robot.arm()

@@ -64,7 +64,7 @@ def test_without_record_there_is_no_recorder(served: roburoc4.Simulator) -> None
         assert robot.recorder is None
 
 
-def test_a_path_that_cannot_be_is_named(tmp_path: Path) -> None:
+def test_an_invalid_path_is_named(tmp_path: Path) -> None:
     path = tmp_path / "none" / "run.pcapng"
     with pytest.raises(FileNotFoundError, match="none"):
         roburoc4.connect("127.0.0.1", record=path)

@@ -138,14 +138,14 @@ def test_the_game_pad_and_bumpers_are_events(path: Path) -> None:
     ]
 
 
-def test_only_a_commander_who_is_not_recorded_is_another(path: Path) -> None:
+def test_only_an_unrecorded_commander_is_another_commander(path: Path) -> None:
     moved = discovery() + statuses(BEGIN_US + 100_000, 3.0)
     assert [text for _, text in events(path, moved)] == ["another client commands the robot"]
     packets = sorted([*moved, *commands(BEGIN_US + 90_000, 3.0)], key=lambda packet: packet.time_us)
     assert [text for _, text in events(path, packets)] == ["192.168.0.5:40001 begins to drive"]
 
 
-def test_what_two_clients_heard_is_counted_once(path: Path) -> None:
+def test_what_two_clients_received_is_counted_once(path: Path) -> None:
     packets = drive(2.0)
     copies = [
         packet._replace(destination=OTHER, time_us=packet.time_us + 5)
@@ -174,7 +174,7 @@ def test_loss_and_round_trips_are_the_recorded_ones(path: Path) -> None:
     assert (counts.round_trip_min_us, counts.round_trip_max_us) == (400, 400)
 
 
-def test_a_robot_object_lives_in_the_recordings_time(path: Path) -> None:
+def test_a_robot_object_uses_the_recordings_time(path: Path) -> None:
     recording = roburoc4.open_recording(write(path, drive(5.0)))
     with recording.connect() as robot:
         assert robot.properties.differential is not None
@@ -225,7 +225,7 @@ def test_other_service_ids_are_those_of_the_directory(path: Path) -> None:
     assert found[2].kind == "differential"
 
 
-def test_the_robot_can_be_named_where_there_are_several(path: Path) -> None:
+def test_the_robot_can_be_chosen_if_there_are_several(path: Path) -> None:
     second = (b"\xc0\xa8\x00\x09", 60000)
     packets = drive(1.0)
     packets += [
@@ -272,6 +272,6 @@ def test_any_payloads_are_read_without_a_crash(path: Path) -> None:
     assert len(list(roburoc4.open_recording(write(path, packets)).items())) > 50
 
 
-def test_distances_that_are_not_there_stay_nan(path: Path) -> None:
+def test_missing_distances_stay_nan(path: Path) -> None:
     columns = roburoc4.open_recording(write(path, drive(1.0))).columns("telemeter")
     assert all(math.isnan(value) for value in columns["distance_1_m"])

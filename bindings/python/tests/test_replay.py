@@ -86,7 +86,7 @@ def test_requests_get_the_recorded_answers(path: Path) -> None:
     assert answers
 
 
-def test_recorded_statuses_come_in_their_time_to_who_subscribed(path: Path) -> None:
+def test_recorded_statuses_reach_subscribers_in_their_time(path: Path) -> None:
     stage = Stage(path)
     stage.subscribe(6)
     begin_s = stage.now_s
@@ -112,7 +112,7 @@ def test_it_waits_for_the_first_subscription(path: Path) -> None:
     assert stamps(stage.sent)[0] == 1000
 
 
-def test_commands_are_counted_refused_and_change_nothing(path: Path) -> None:
+def test_commands_are_counted_rejected_and_have_no_effect(path: Path) -> None:
     stage, untouched = Stage(path), Stage(path)
     for one in (stage, untouched):
         one.subscribe(6)
@@ -134,7 +134,7 @@ def test_odometry_is_not_set(path: Path) -> None:
     assert "nothing moves" in stage.told[0]
 
 
-def test_at_the_end_it_ends_or_begins_again_with_a_clock_that_goes_on(path: Path) -> None:
+def test_at_the_end_it_ends_or_starts_over_with_a_steady_clock(path: Path) -> None:
     stage = Stage(path)
     stage.subscribe(6)
     stage.run(20.0)
@@ -254,6 +254,6 @@ def test_a_port_that_is_in_use_is_one_line(path: Path) -> None:
     assert "another --port" in one_line(done.stderr)
 
 
-def test_what_is_no_recording_is_one_line(tmp_path: Path) -> None:
+def test_a_file_that_is_not_a_recording_is_one_line(tmp_path: Path) -> None:
     path = write(tmp_path / "a", [Packet(BEGIN_US, (b"\x7f\0\0\1", 5), ROBOT, b"hello")])
     assert run("replay", str(path)).returncode == 1

@@ -85,7 +85,7 @@ class _Page(html.parser.HTMLParser):
         self.texts.append(data)
 
 
-def test_the_page_shows_all_of_it_and_asks_for_nothing(path: Path) -> None:
+def test_the_page_shows_everything_and_loads_nothing(path: Path) -> None:
     done = run("report", str(path))
     assert done.returncode == 0, done.stderr
     text = path.with_name("run.pcapng.html").read_text(encoding="utf-8")
@@ -113,7 +113,7 @@ def test_a_robots_text_cannot_become_part_of_the_page(path: Path) -> None:
     assert "&lt;script&gt;" in text
 
 
-def test_what_a_page_cannot_show_it_says(tmp_path: Path) -> None:
+def test_a_page_mentions_what_it_cannot_show(tmp_path: Path) -> None:
     path = tmp_path / "short.pcapng"
     data = pcapng(statuses(BEGIN_US, 0.01)[:1])
     path.write_bytes(data[:-1] + data[:10])
@@ -176,7 +176,7 @@ def test_a_terminal_shows_how_much_was_read(path: Path) -> None:
 
 
 @pytest.mark.parametrize("form", [pcap, pcapng])
-def test_recover_saves_what_is_whole_of_a_cut_file(tmp_path: Path, form: object) -> None:
+def test_recover_saves_what_is_complete_in_a_truncated_file(tmp_path: Path, form: object) -> None:
     assert callable(form)
     data = form(drive(1.0))
     path = tmp_path / "run.pcapng"
@@ -190,7 +190,7 @@ def test_recover_saves_what_is_whole_of_a_cut_file(tmp_path: Path, form: object)
     assert done["packets"] > 20
 
 
-def test_recover_goes_on_behind_a_damaged_part(tmp_path: Path) -> None:
+def test_recover_continues_after_a_damaged_part(tmp_path: Path) -> None:
     packets = drive(1.0)
     data = pcapng(packets)
     middle = len(data) // 2

@@ -46,7 +46,7 @@ def test_the_form_of_an_announcement_is_recognized(announcement: Announcement, s
 
 
 @given(st.binary(max_size=200))
-def test_what_is_no_announcement_is_refused(data: bytes) -> None:
+def test_invalid_announcements_are_rejected(data: bytes) -> None:
     try:
         found, size = decode(b"\0\1\0\0" + data)
     except ValueError:

@@ -98,7 +98,7 @@ def test_inputs_can_be_pinned() -> None:
         assert not robot.inputs['Game pad "RB" button']
 
 
-def test_the_panel_obeys_lines() -> None:
+def test_the_panel_executes_lines() -> None:
     with Simulator() as sim:
         assert sim.panel("pad a down") == "ok"
         assert sim.state.overridden
@@ -126,7 +126,7 @@ def test_a_port_that_is_taken_is_an_os_error() -> None:
         Simulator(port=int(sim.address.rpartition(":")[2]))
 
 
-def test_after_close_its_state_is_still_there_and_robots_are_closed() -> None:
+def test_after_close_its_state_remains_and_robots_are_closed() -> None:
     sim = Simulator()
     robot = sim.connect()
     robot.arm()
@@ -186,6 +186,6 @@ def test_the_fixture_is_part_of_the_package(
 
 
 @pytest.mark.parametrize("line", ["pad \ud800", "estop l\u00f6cal press", "fly"])
-def test_a_panel_line_that_is_none_is_an_argument_error(line: str) -> None:
+def test_an_invalid_panel_line_is_an_argument_error(line: str) -> None:
     with roburoc4.Simulator() as sim, pytest.raises(roburoc4.ArgumentError):
         sim.panel(line)

@@ -101,7 +101,7 @@ def test_short_telegrams_are_errors(length: int) -> None:
         decode(BATTERY[:length])
 
 
-def test_things_that_are_no_bytes_are_type_errors() -> None:
+def test_values_that_are_not_bytes_are_type_errors() -> None:
     with pytest.raises(TypeError):
         decode("text")  # type: ignore[arg-type]
     with pytest.raises(TypeError):
@@ -218,7 +218,7 @@ def test_a_batch_follows_a_layout_and_the_number_of_telemeters() -> None:
     assert decode_batch("telemeter", [TELEMETER], telemeters=3).bad.tolist() == [0]
 
 
-def test_buffers_and_services_that_cannot_be_are_refused() -> None:
+def test_invalid_buffers_and_services_are_refused() -> None:
     with pytest.raises(roburoc4.DecodeError, match="13 bytes"):
         decode_batch("battery", BATTERY + b"\x00")
     with pytest.raises(roburoc4.ArgumentError, match="localization"):

@@ -43,14 +43,14 @@ def test_the_first_status_is_waited_for_and_later_ones_are_not(
         assert roburoc4_simulator.now_s == before_s
 
 
-def test_what_was_never_said_names_the_remedy(roburoc4_simulator: Simulator) -> None:
+def test_unknown_values_name_the_remedy(roburoc4_simulator: Simulator) -> None:
     robot = roburoc4_simulator.connect(periods_ms={"battery": None})
     with robot, pytest.raises(roburoc4.NotKnownError, match=r"wait_for\('battery'\)") as caught:
         _ = robot.battery
     assert caught.value.code == roburoc4.Result.UNKNOWN
 
 
-def test_properties_have_everything_the_robot_said(roburoc4_simulator: Simulator) -> None:
+def test_properties_have_everything_the_robot_reported(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         properties = robot.properties
         assert [service.kind for service in properties.services] == [
@@ -96,7 +96,7 @@ def test_names_follow_a_card_whose_numbers_are_literal() -> None:
         assert not robot.inputs.digital(9)
 
 
-def test_names_work_where_the_robot_gives_no_texts() -> None:
+def test_names_work_if_the_robot_has_no_texts() -> None:
     with Simulator(query_mode=1) as sim, sim.connect() as robot:
         sim.set("bumper_rear", True)
         robot.wait_for("iocard")
@@ -104,7 +104,7 @@ def test_names_work_where_the_robot_gives_no_texts() -> None:
         assert robot.channels.digital_inputs[1] == "Rear bumper"
 
 
-def test_unknown_names_and_numbers_say_what_there_is(roburoc4_simulator: Simulator) -> None:
+def test_errors_for_unknown_names_list_the_known_ones(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         with pytest.raises(roburoc4.ArgumentError, match="Front bumper"):
             _ = robot.inputs["Coffee machine"]
@@ -147,7 +147,7 @@ def test_telemeters_have_a_distance_before_their_first_status(
         assert robot.properties.telemeter[0].distance_m > 0
 
 
-def test_armable_is_told_after_the_pad_is_released(roburoc4_simulator: Simulator) -> None:
+def test_armable_is_reported_after_the_pad_is_released(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         robot.arm()
         roburoc4_simulator.set("pad_a", True)
@@ -160,7 +160,7 @@ def test_armable_is_told_after_the_pad_is_released(roburoc4_simulator: Simulator
         robot.arm(timeout=0)
 
 
-def test_relocalize_waits_until_the_robot_has_taken_it(roburoc4_simulator: Simulator) -> None:
+def test_relocalize_waits_until_the_robot_has_accepted_it(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         robot.relocalize(3.0, -4.0, 1.5)
         assert robot.localization[1:4] == (3.0, -4.0, 1.5)
@@ -283,6 +283,6 @@ def test_texts_that_are_not_utf8_are_latin1(channels: Named) -> None:
     assert found.names(IoType.DIGITAL_INPUT)[5] == "Éclairage"
 
 
-def test_a_name_of_the_manual_works_where_the_robot_has_it(channels: Named) -> None:
+def test_a_name_of_the_manual_works_if_the_robot_has_it(channels: Named) -> None:
     moved = {(IoType.DIGITAL_INPUT, 9): b"spare", (IoType.DIGITAL_INPUT, 12): b"Game pad B button"}
     assert channels(moved).find('Game pad "B" button', IoType.DIGITAL_INPUT)[1] == 12

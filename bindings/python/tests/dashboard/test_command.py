@@ -132,7 +132,7 @@ def test_the_robot_s_watchdog_stops_it_where_the_program_cannot(number: signal.S
         running.kill()
 
 
-def test_an_unreachable_robot_is_told_and_not_armed() -> None:
+def test_an_unreachable_robot_is_reported_and_not_armed() -> None:
     with start("--robot", f"127.0.0.1:{free_port()}", "--allow-drive") as running:
         with Visitor(port=port_of(link_of(running))) as visitor:
             visitor.say("take")
@@ -177,7 +177,7 @@ def test_its_output_may_be_closed_and_it_ends_quietly() -> None:
         assert running.stderr.read() == ""
 
 
-def test_the_token_is_not_told_to_all_who_see_the_browser_s_command_line() -> None:
+def test_the_token_is_not_on_the_browsers_command_line() -> None:
     link = "http://127.0.0.1:1/?token=0123456789abcdef"
     with dashboard._private(link) as opened:
         assert "0123456789abcdef" not in opened
@@ -190,7 +190,7 @@ def test_the_token_is_not_told_to_all_who_see_the_browser_s_command_line() -> No
         assert opened == "http://127.0.0.1:1/", "there is nothing to hide"
 
 
-def test_a_token_on_the_command_line_is_warned_of() -> None:
+def test_a_token_on_the_command_line_gives_a_warning() -> None:
     with start("--sim", "--token", "0123456789abcdef") as running:
         link_of(running)
         running.terminate()
@@ -257,7 +257,9 @@ def test_other_than_loopback_needs_a_token() -> None:
         (("--camera", "front=http://192.168.0.20/; script-src *"), "--camera"),
     ],
 )
-def test_what_cannot_be_used_is_told_with_the_remedy(arguments: tuple[str, ...], text: str) -> None:
+def test_invalid_options_are_reported_with_the_remedy(
+    arguments: tuple[str, ...], text: str
+) -> None:
     assert text in refused(*arguments)
 
 
@@ -303,7 +305,7 @@ def test_without_its_extra_it_says_what_to_install(missing: str) -> None:
     assert 'pip install "./bindings/python[dashboard]"' in done.stderr
 
 
-def test_a_port_that_is_taken_is_told() -> None:
+def test_a_port_in_use_is_reported() -> None:
     with start("--sim") as running:
         port = port_of(link_of(running))
         assert "choose another port" in refused("--sim", "--port", str(port))

@@ -64,7 +64,7 @@ def scene() -> Iterator[Scene]:
         yield one
 
 
-def test_an_input_lives_until_one_lease_after_its_tick(scene: Scene) -> None:
+def test_an_input_holds_until_one_lease_after_its_tick(scene: Scene) -> None:
     scene.arm()
     tick = scene.show()
     scene.sim.step(0.1)
@@ -95,7 +95,7 @@ def test_no_timer_renews(scene: Scene) -> None:
     assert not scene.driven
 
 
-def test_being_held_up_while_a_command_is_given_makes_no_lease_longer(
+def test_a_delay_while_commanding_makes_no_lease_longer(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     scene.arm()
@@ -120,7 +120,7 @@ def test_being_held_up_while_a_command_is_given_makes_no_lease_longer(
     assert scene.control.must_let_go
 
 
-def test_arming_again_in_mid_drive_stops(scene: Scene) -> None:
+def test_arming_again_while_driving_stops(scene: Scene) -> None:
     scene.arm()
     scene.drive(0, scene.show(), 0.5)
     scene.sim.step(0.05)
@@ -130,7 +130,7 @@ def test_arming_again_in_mid_drive_stops(scene: Scene) -> None:
     assert not scene.driven
 
 
-def test_inputs_from_before_arming_are_dead(scene: Scene) -> None:
+def test_inputs_from_before_arming_are_ignored(scene: Scene) -> None:
     scene.arm()
     old = scene.show()
     scene.control.arm(scene.pages[0], old, scene.robot.now_s)
@@ -191,7 +191,7 @@ def test_full_deflection_is_the_lower_of_limit_and_ceiling_in_each_direction() -
 
 
 @pytest.mark.parametrize("high", [math.nan, math.inf, -0.5, None])
-def test_limits_that_make_no_sense_allow_nothing(high: float | None) -> None:
+def test_invalid_limits_allow_nothing(high: float | None) -> None:
     found = None
     if high is not None:
         found = SimpleNamespace(

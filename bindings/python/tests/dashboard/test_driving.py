@@ -89,7 +89,7 @@ def stays_stopped(here: Station) -> None:
 
 
 @pytest.mark.both
-def test_a_key_that_repeats_no_more_counts_as_let_go(station: Make, visit: Visit) -> None:
+def test_a_key_that_stops_repeating_counts_as_released(station: Make, visit: Visit) -> None:
     here, page = armed(station, visit)
     drive_by_keys(here, page)
     page.evaluate("repeats = false")  # its release was lost
@@ -112,9 +112,7 @@ def test_a_key_that_never_repeats_counts_for_a_moment_only(station: Make, visit:
     stays_stopped(here)
 
 
-def test_a_key_is_held_on_for_a_moment_when_the_one_that_repeated_is_let_go(
-    station: Make, visit: Visit
-) -> None:
+def test_other_keys_hold_for_a_moment_after_a_release(station: Make, visit: Visit) -> None:
     here, page = armed(station, visit)
 
     def hold() -> None:
@@ -311,7 +309,7 @@ def test_a_robot_that_only_drives_ahead_can_be_driven(station: Make, visit: Visi
     expect(page.locator("#asked")).to_contain_text("0.30")
 
 
-def test_disarmed_is_told_on_every_page(station: Make, visit: Visit) -> None:
+def test_disarmed_is_shown_on_every_page(station: Make, visit: Visit) -> None:
     here = station()
     first, second = visit(here.url), visit(here.url)
     ready(second)
@@ -321,7 +319,7 @@ def test_disarmed_is_told_on_every_page(station: Make, visit: Visit) -> None:
     expect(second.locator("#banner-title")).to_have_text("ARMED")
 
 
-def test_a_closed_page_disarms_and_frees_the_seat(station: Make, visit: Visit) -> None:
+def test_a_closed_page_disarms_and_releases_control(station: Make, visit: Visit) -> None:
     here, page = armed(station, visit)
     page.close()
     until(lambda: not here.robot.facts.armed)
@@ -557,7 +555,7 @@ def test_a_page_that_only_watches_sends_the_robot_nothing(station: Make, visit: 
 # ---- when the robot says no ----
 
 
-def test_override_takes_the_robot_away_and_is_told(station: Make, visit: Visit) -> None:
+def test_override_disarms_and_is_shown(station: Make, visit: Visit) -> None:
     here, page = armed(station, visit)
     drive(here, page)
     here.sim.set("pad_a", True)
@@ -569,7 +567,7 @@ def test_override_takes_the_robot_away_and_is_told(station: Make, visit: Visit) 
     assert here.speeds_sent() == before, "the old command came back"
 
 
-def test_inhibited_motion_disarms_and_is_told(station: Make, visit: Visit) -> None:
+def test_inhibited_motion_disarms_and_is_shown(station: Make, visit: Visit) -> None:
     here = station()
     here.sim.set("estop_remote", True)
     page = visit(here.url)
@@ -585,7 +583,7 @@ def test_inhibited_motion_disarms_and_is_told(station: Make, visit: Visit) -> No
     assert not here.driven
 
 
-def test_a_lost_robot_is_told_and_comes_back_disarmed(station: Make, visit: Visit) -> None:
+def test_a_lost_robot_is_shown_and_comes_back_disarmed(station: Make, visit: Visit) -> None:
     here, page = armed(station, visit)
     drive(here, page)
     here.sim.set("power", False)

@@ -50,7 +50,7 @@ def test_history_has_a_fixed_size() -> None:
     assert history.events[-1].number == 2 * SPEED_ROWS
 
 
-def test_speeds_are_kept_now_and_then() -> None:
+def test_speeds_are_stored_periodically() -> None:
     history = History()
     for row in range(300):
         history.add_speeds(row * 0.02, (0.0, 0.0, 0.0, 0.0))
@@ -86,7 +86,7 @@ def test_every_event_that_matters_has_words() -> None:
         (Event.INHIBITED, "inhibited"),
     ],
 )
-def test_the_end_of_a_danger_is_not_told_as_the_danger(event: Event, fact: str) -> None:
+def test_the_end_of_a_danger_is_not_reported_as_the_danger(event: Event, fact: str) -> None:
     quiet, danger = Facts(), Facts(**{fact: True})
     begun = texts_of(event, quiet, danger)
     ended = texts_of(event, danger, quiet)

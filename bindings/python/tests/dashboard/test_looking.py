@@ -25,7 +25,7 @@ def number(text: str | None) -> float:
 
 
 @pytest.mark.both
-def test_it_shows_what_the_simulator_says(station: Make, visit: Visit) -> None:
+def test_it_shows_what_the_simulator_reports(station: Make, visit: Visit) -> None:
     here = station(start_x_m=1.5, start_y_m=-2.25, start_theta_rad=1.0, battery_percent=73.0)
     here.sim.add_wall(6.0, -9.0, 6.0, 9.0)
     here.sim.set("pad_rj_x", 0.5)
@@ -124,7 +124,7 @@ def test_no_count_of_seconds_is_spoken(station: Make, visit: Visit) -> None:
     assert page.evaluate("spoken") == 0
 
 
-def test_a_bad_link_is_told_in_plain_words(station: Make, visit: Visit) -> None:
+def test_a_bad_link_is_explained_in_plain_words(station: Make, visit: Visit) -> None:
     here = station(allow_drive=False, panel=True)
     page = visit(here.url)
     ready(page)
@@ -209,7 +209,7 @@ def right_edge(page: Page) -> float:
     return float(page.evaluate("document.getElementById('plots').dataset.until"))
 
 
-def test_plots_go_on_until_they_are_paused(station: Make, visit: Visit) -> None:
+def test_plots_continue_until_they_are_paused(station: Make, visit: Visit) -> None:
     here = station(allow_drive=False)
     page = visit(here.url)
     ready(page)
@@ -224,7 +224,7 @@ def test_plots_go_on_until_they_are_paused(station: Make, visit: Visit) -> None:
     until(lambda: right_edge(page) > paused_s + 1.0)
 
 
-def test_the_battery_s_trend_is_told_in_words(station: Make, visit: Visit) -> None:
+def test_the_battery_s_trend_is_shown_in_words(station: Make, visit: Visit) -> None:
     here = station(allow_drive=False, battery_percent=60.0)
     here.hub._history.trend_percent_h = lambda: -20.0
     page = visit(here.url)
@@ -288,7 +288,7 @@ def test_a_dashboard_without_a_robot_says_what_to_try(station: Make, visit: Visi
     expect(page.locator("#banner-text")).to_contain_text("Try: ")
 
 
-def test_numbers_that_are_none_are_dashes_and_the_page_goes_on(station: Make, visit: Visit) -> None:
+def test_missing_numbers_are_dashes_and_the_page_keeps_working(station: Make, visit: Visit) -> None:
     here = station(allow_drive=False)
     here.sim.set("pin_analog_0", float("nan"))
     here.sim.set("pin_analog_2", float("inf"))
@@ -379,7 +379,7 @@ def test_an_obstacle_is_dragged_and_the_telemeter_sees_it(station: Make, visit: 
     until(lambda: here.sim.state.telemeters_m[0] > 5.0)
 
 
-def test_true_pose_stands_beside_odometry(station: Make, visit: Visit) -> None:
+def test_true_pose_is_shown_beside_odometry(station: Make, visit: Visit) -> None:
     here = station(panel=True)
     page = visit(here.url)
     ready(page)
@@ -488,7 +488,7 @@ def test_map_stick_and_stop_fit_on_one_screen_of_a_phone(station: Make, visit: V
 
 
 @pytest.mark.parametrize("turned", [False, True])
-def test_telemeter_cones_stand_where_they_are_mounted(
+def test_telemeter_cones_are_drawn_where_they_are_mounted(
     turned: bool, station: Make, visit: Visit
 ) -> None:
     here = station(start_theta_rad=math.pi / 2 if turned else 0.0)

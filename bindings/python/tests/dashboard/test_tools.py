@@ -41,7 +41,7 @@ def text_of(download: Download) -> str:
 # ---- recording and events ----
 
 
-def test_a_recording_goes_on_without_the_page_and_is_downloaded(
+def test_a_recording_continues_without_the_page_and_is_downloaded(
     station: Make, visit: Visit
 ) -> None:
     here = station(battery_percent=61.0)
@@ -75,7 +75,7 @@ def test_a_recording_goes_on_without_the_page_and_is_downloaded(
     expect(page.get_by_role("link", name="pcapng")).to_be_hidden()
 
 
-def test_every_datagram_is_recorded_where_that_is_asked_for(
+def test_every_datagram_is_recorded_if_requested(
     station: Make, visit: Visit, tmp_path: Path
 ) -> None:
     here = station(client={"record": tmp_path / "run.pcapng"})
@@ -122,7 +122,7 @@ def test_events_are_filtered_and_downloaded(station: Make, visit: Visit) -> None
 
 
 @pytest.mark.both
-def test_a_drag_on_the_map_tells_the_robot_its_place(station: Make, visit: Visit) -> None:
+def test_a_drag_on_the_map_sets_the_robots_pose(station: Make, visit: Visit) -> None:
     here = station()
     page = visit(here.url)
     ready(page)
@@ -256,7 +256,7 @@ def test_every_robot_can_be_chosen_in_every_size(station: Make, visit: Visit) ->
             expect(page.locator("#address")).to_have_text(sim.address)
 
 
-def test_a_robot_without_a_name_of_ours_is_refused(station: Make, visit: Visit) -> None:
+def test_a_robot_with_an_unknown_name_is_refused(station: Make, visit: Visit) -> None:
     here = station(robots=("RED", "BLUE"))
     page = visit(f"{here.url}#GREY")
     expect(page.locator("#banner-text")).to_contain_text("o robot has that name")

@@ -89,7 +89,7 @@ def tab_to(page: Page, name: str) -> None:
     raise AssertionError(f"no Tab reaches {name}")
 
 
-def test_a_walk_with_a_keyboard_alone(station: Make, visit: Visit) -> None:
+def test_a_tour_with_only_a_keyboard(station: Make, visit: Visit) -> None:
     here = room(station)
     page, other = visit(here.url), visit(here.url)
     ready(page)
@@ -126,7 +126,7 @@ def test_a_walk_with_a_keyboard_alone(station: Make, visit: Visit) -> None:
 
 
 @pytest.mark.parametrize("size", [(390, 844), (844, 390)])
-def test_a_walk_on_a_phone(size: tuple[int, int], station: Make, visit: Visit) -> None:
+def test_a_tour_on_a_phone(size: tuple[int, int], station: Make, visit: Visit) -> None:
     here = room(station)
     phone = {
         "viewport": {"width": size[0], "height": size[1]},
