@@ -152,6 +152,16 @@ def test_a_second_publisher_is_refused_and_both_are_named(topics: Topics) -> Non
     assert topics.commands.state.in_control == "/nav/controller"
 
 
+def test_a_name_does_not_command_the_terminal(topics: Topics) -> None:
+    topics.send(topics.stamped(math.nan), Sender("cc", "/evil\x1b[2J\nstopped"))
+    assert topics.notes[-1].startswith("cmd_vel of /evil?[2J?stopped rejected")
+
+
+def test_a_publisher_without_a_node_is_named_by_its_gid(topics: Topics) -> None:
+    topics.send(topics.stamped(math.nan), Sender("010fab", ""))
+    assert "(gid 010fab)" in topics.notes[-1]
+
+
 def test_a_stop_from_anyone_holds_until_all_paused(topics: Topics) -> None:
     topics.send(topics.stamped(0.3))
     topics.step(0.05)

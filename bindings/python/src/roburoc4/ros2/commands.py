@@ -46,8 +46,9 @@ class Sender(NamedTuple):
 
     @property
     def text(self) -> str:
-        """For a person."""
-        return self.node or f"a publisher without a known node (gid {self.gid})"
+        """For a person, and so without what would command a terminal."""
+        name = "".join(letter if letter.isprintable() else "?" for letter in self.node)
+        return name or f"a publisher without a known node (gid {self.gid})"
 
 
 class DriveState(NamedTuple):
@@ -196,7 +197,7 @@ class Commands:
     def stop(self, sender: Sender) -> None:
         """Stop, and hold: whatever came on the topic, and from whom."""
         if not self._stopped_by:
-            self._tell(f"stopped by {sender.text}: commands are held until all senders paused")
+            self._tell(f"stopped by {sender.text}: commands are held until all publishers pause")
         self._stopped_by = sender.text
         self._gate.stop(sender.gid)
 
