@@ -207,7 +207,7 @@ def test_a_reboot_is_counted_and_statuses_go_on(
     bridge = start_bridge().connects()
     time.sleep(0.5)
     robot.reboot()
-    until(lambda: bridge.statistics.reboots == 1, "the reboot is counted", 15)
+    until(lambda: bridge.statistics.reboots == 1, "the reboot is counted")
     before = len(bus.of("ROBUROC4_LOCALIZATION"))
     until(lambda: len(bus.of("ROBUROC4_LOCALIZATION")) > before + 10, "poses go on")
     assert bus.last("ROBUROC4_LOCALIZATION").robot_cycles < 2000

@@ -87,7 +87,7 @@ def test_outputs_do_not_prolong_a_pause(robot: Robot, bus: Bus, willing: Bridge)
         until(lambda: willing.state.overridden, "the bridge sees the override")
         robot.tell("pad a up")
         until(lambda: not willing.state.overridden, "the bridge sees its end")
-        until(lambda: not willing.state.waiting, "the pause is over", 2)
+        until(lambda: not willing.state.waiting, "the pause is over")
         before = willing.statistics.accepted_output
         until(lambda: willing.statistics.accepted_output > before + 1, "the lamp is switched again")
 
@@ -98,7 +98,7 @@ def test_disabled_drive_commands_do_not_delay_others(
     bridge = start_bridge("--enable-outputs").connects()
     plan(linear=0.3)
     robot.reboot()
-    until(lambda: bridge.statistics.reboots == 1, "the reboot is counted", 15)
+    until(lambda: bridge.statistics.reboots == 1, "the reboot is counted")
     with lamp(bus):
         until(lambda: bridge.statistics.accepted_output > 1, "the lamp is switched")
     assert robot.tap.moves() == []

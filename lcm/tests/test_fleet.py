@@ -34,7 +34,7 @@ def can_drive(bus: Bus, *names: str) -> None:
         states = [bus.last(f"{name}_BRIDGE_STATE") for name in names]
         return all(state and state.can_drive for state in states)
 
-    until(all_can, f"{names} can be driven", 20)
+    until(all_can, f"{names} can be driven")
 
 
 def test_each_robot_has_its_own_permissions(

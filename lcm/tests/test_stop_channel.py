@@ -103,7 +103,7 @@ def test_zeros_of_an_idle_joystick_take_no_control(
     time.sleep(1.0)
     begun_us = now_us()
     plan(sender="planner", linear=0.5)
-    until(lambda: robot.tap.moves(begun_us), "the planner drives", 2.0)
+    until(lambda: robot.tap.moves(begun_us), "the planner drives")
     time.sleep(1.0)
     # And the joystick's zeros do not make it stutter.
     commands = robot.tap.commands(robot.tap.moves(begun_us)[0].time_us)

@@ -134,7 +134,7 @@ def test_a_killed_bridge_leaves_the_robot_to_its_watchdog(
     plan(linear=0.5)
     drives(robot)
     armed.signal(signal.SIGKILL)
-    until(lambda: robot.speeds()[2] == 0, "the robot's watchdog trips", 2.0)
+    until(lambda: robot.speeds()[2] == 0, "the robot's watchdog trips")
     until(robot.stands, "the robot stands")
 
 

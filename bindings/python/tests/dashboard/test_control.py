@@ -153,7 +153,7 @@ def test_a_refusal_to_arm_says_why(scene: Scene) -> None:
     scene.control.take(scene.pages[0])
     scene.sim.set("pad_a", True)
     scene.sim.step(0.2)
-    with pytest.raises(ControlError, match=r"holds \[A\]"):
+    with pytest.raises(ControlError, match=r"release \[A\]"):
         scene.control.arm(scene.pages[0], scene.show(), scene.robot.now_s)
 
 
