@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * codec_changes_test.cpp - telegrams with seeded random changes, for every decoder: the fuzzer's
+ * harness (verify/fuzz/codec.cpp) demands that what is accepted is encoded to the same bytes again,
+ * and that what is refused leaves the output alone.
+ */
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <random>
+
+#include "../verify/fuzz/fuzz.h"
+#include "vectors.h"
+
+using namespace roburoc4_tests;
+
+namespace {
+
+constexpr std::uint8_t decoders = 18; /* of the harness */
+constexpr int rounds = 100;
+
+/** The bytes that a field is most often read wrong with, and any others. */
+std::uint8_t any_byte(std::mt19937_64 &random) {
+    const std::uint8_t edges[] = {0x00, 0x01, 0x7F, 0x80, 0xFF};
+    return random() % 2 == 0 ? edges[random() % std::size(edges)]
+                             : static_cast<std::uint8_t>(random());
+}
+
+/** Other values behind the head, and sometimes another length. */
+Bytes changed(Bytes telegram, std::mt19937_64 &random) {
+    for (std::uint64_t changes = 1 + random() % 16; changes > 0; changes--)
+        telegram[random() % 4 == 0 ? random() % telegram.size()
+                                   : telegram.size() - 1 - random() % (telegram.size() / 2)] =
+            any_byte(random);
+    if (random() % 4 == 0)
+        telegram.resize(telegram.size() + random() % 20 - 4, any_byte(random));
+    return telegram;
+}
+
+/** For the IO card the harness takes the numbers of analog and digital channels first. */
+Bytes counts_of_channels(std::mt19937_64 &random) {
+    const std::uint8_t usual[][2] = {{9, 22}, {0, 8}};
+    const auto &[analog, digital] = usual[random() % std::size(usual)];
+    return {analog, 0, 0, 0, digital, 0, 0, 0};
+}
+
+TEST(Changes, OfATelegramAreWrittenBackAsTheyWereRead) {
+    std::mt19937_64 random(1);
+    for (std::uint8_t decoder = 0; decoder < decoders; decoder++) {
+        for (const Vector &vector : vectors) {
+            for (int round = 0; round < rounds; round++) {
+                const Bytes telegram = changed(from_hex(vector.hex), random);
+                for (const Bytes &counts : {Bytes(), counts_of_channels(random)}) {
+                    Bytes input(1, decoder);
+                    input.insert(input.end(), counts.begin(), counts.end());
+                    input.insert(input.end(), telegram.begin(), telegram.end());
+                    LLVMFuzzerTestOneInput(input.data(), input.size());
+                }
+            }
+        }
+    }
+}
+
+} // namespace
