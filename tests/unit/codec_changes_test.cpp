@@ -2,7 +2,7 @@
  *
  * codec_changes_test.cpp - telegrams with seeded random changes, for every decoder: the fuzzer's
  * harness (verify/fuzz/codec.cpp) demands that what is accepted is encoded to the same bytes again,
- * and that what is refused leaves the output alone.
+ * that what is refused leaves the output alone, and that encoders respect their capacity.
  */
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * codec_lengths_test.cpp - lengths in the codec: every decoder with every length from nothing to
- * three bytes too many, every encoder with every capacity, and counts that claim more than a
- * datagram can hold. Inputs and outputs are in heap blocks of exactly their size.
+ * three bytes too many, and counts that claim more than a datagram can hold. Inputs and outputs are
+ * in heap blocks of exactly their size. Capacities: codec_changes_test.cpp.
  */
 #include <gtest/gtest.h>
 
@@ -319,134 +319,6 @@ TEST(Views, EndAtTheirCount) {
                                                   &distances));
     float beyond[3];
     EXPECT_EQ(2U, roburoc4_floats(distances.distances, distances.count, beyond, 3));
-}
-
-/* ------------------------------------------------------------------------------ encoders --- */
-
-/** Nothing is written if the capacity is below the telegram's length, and nothing beyond it. */
-template <class Encode> void check_capacities(const char *name, Encode encode) {
-    const Bytes full = vector_bytes(name);
-    for (std::size_t capacity = 0; capacity < full.size(); capacity++) {
-        ExactBlock buffer(capacity, pattern);
-        EXPECT_EQ(ROBUROC4_ERR_BUFFER, encode(buffer.data(), capacity)) << name << ", " << capacity;
-        EXPECT_EQ(Bytes(capacity, pattern), buffer.bytes()) << name << ", " << capacity;
-    }
-    for (const std::size_t room : {0U, 1U, 9U}) {
-        ExactBlock buffer(full.size() + room, pattern);
-        EXPECT_EQ(static_cast<roburoc4_result>(full.size()), encode(buffer.data(), buffer.size()))
-            << name;
-        Bytes expected = full;
-        expected.insert(expected.end(), room, pattern);
-        EXPECT_EQ(to_hex(expected), to_hex(buffer.bytes())) << name;
-    }
-}
-
-TEST(Capacities, OfRequests) {
-    check_capacities("get", [](uint8_t *b, size_t n) { return encode_get(b, n, 1, 6); });
-    check_capacities("query-directory",
-                     [](uint8_t *b, size_t n) { return encode_query_directory(b, n, 42, 3); });
-    check_capacities("query-digital-input", [](uint8_t *b, size_t n) {
-        return encode_query_iocard(b, n, 45, 2, ROBUROC4_IO_DIGITAL_INPUT, 8);
-    });
-    check_capacities("insert", [](uint8_t *b, size_t n) { return encode_insert(b, n, 47, 6, 5); });
-    check_capacities("delete", [](uint8_t *b, size_t n) { return encode_delete(b, n, 48, 6); });
-    check_capacities("replace-localization", [](uint8_t *b, size_t n) {
-        return encode_replace_localization(b, n, 49, 5, 12345, 10.0, -4.5, 1.5);
-    });
-}
-
-/** Checks an encoder that takes one struct, with the decoded vector. */
-template <class Value, class Decode, class Encode>
-void check_struct(const char *name, Decode decode, Encode encode) {
-    const Bytes bytes = vector_bytes(name);
-    Value value{};
-    ASSERT_EQ(0, decode(bytes.data(), bytes.size(), &value)) << name;
-    check_capacities(name, [&](uint8_t *b, size_t n) { return encode(b, n, value); });
-}
-
-/** The same for properties, which are sent under request id 1. */
-template <class Value, class Decode, class Encode>
-void check_properties(const char *name, Decode decode, Encode encode) {
-    check_struct<Value>(name, decode, [encode](uint8_t *b, size_t n, const Value &value) {
-        return encode(b, n, 1, &value);
-    });
-}
-
-TEST(Capacities, OfPropertyAnswers) {
-    check_properties<roburoc4_iocard_properties>(
-        "iocard-properties", roburoc4_decode_iocard_properties, roburoc4_encode_iocard_properties);
-    check_properties<roburoc4_battery_properties>("battery-properties",
-                                                  roburoc4_decode_battery_properties,
-                                                  roburoc4_encode_battery_properties);
-    check_properties<roburoc4_localization_properties>("localization-properties",
-                                                       roburoc4_decode_localization_properties,
-                                                       roburoc4_encode_localization_properties);
-    check_properties<roburoc4_differential_properties>("differential-properties",
-                                                       roburoc4_decode_differential_properties,
-                                                       roburoc4_encode_differential_properties);
-}
-
-TEST(Capacities, OfLists) {
-    const roburoc4_directory_entry services[] = {{0, 0}, {0, 1},      {0x4001, 2}, {0x4008, 3},
-                                                 {0, 4}, {0x8002, 5}, {0x4005, 6}};
-    check_capacities("directory", [&](uint8_t *b, size_t n) {
-        return roburoc4_encode_directory(b, n, 1, 0, services, 7);
-    });
-    const roburoc4_subscription subscriptions[] = {{6, 5, 0}, {2, 10, 0}, {4, 100, 0}};
-    check_capacities("notification", [&](uint8_t *b, size_t n) {
-        return roburoc4_encode_notification(b, n, 1, 1, subscriptions, 3);
-    });
-    const roburoc4_telemeter telemeters[] = {
-        {0.625F, 0.0F, 0.0F, 0.5F, 0.25F, 4.0F, 1.5F},
-        {-0.625F, 0.125F, 3.14159265F, 0.75F, 0.1875F, 3.5F, 2.25F}};
-    check_capacities("telemeter-properties", [&](uint8_t *b, size_t n) {
-        return roburoc4_encode_telemeter_properties(b, n, 1, 3, telemeters, 2);
-    });
-}
-
-TEST(Capacities, OfOtherAnswers) {
-    check_capacities("text-directory", [](uint8_t *b, size_t n) {
-        return roburoc4_encode_text(b, n, 42, 0, "Differential", 12);
-    });
-    check_capacities("insert-answer", [](uint8_t *b, size_t n) {
-        return roburoc4_encode_answer(b, n, 47, ROBUROC4_ACTION_INSERT, 1, 0);
-    });
-    check_capacities("error-telegram", [](uint8_t *b, size_t n) {
-        return roburoc4_encode_answer(b, n, 0, ROBUROC4_ACTION_GET, 9, ROBUROC4_ERROR_TARGET);
-    });
-}
-
-TEST(Capacities, OfStatuses) {
-    const auto by_pointer = [](auto encode) {
-        return [encode](uint8_t *b, size_t n, const auto &value) { return encode(b, n, &value); };
-    };
-    check_struct<roburoc4_battery_status>("battery-status", roburoc4_decode_battery_status,
-                                          by_pointer(roburoc4_encode_battery_status));
-    check_struct<roburoc4_localization_status>("localization-status",
-                                               roburoc4_decode_localization_status,
-                                               by_pointer(roburoc4_encode_localization_status));
-    check_struct<roburoc4_differential_status>("differential-status",
-                                               roburoc4_decode_differential_status,
-                                               by_pointer(roburoc4_encode_differential_status));
-    const float analog[] = {0.75F, 1.25F, 25.5F, -1.0F, -0.5F, 0.0F, 0.5F, 1.0F, -0.25F};
-    const uint8_t digital[] = {0x01, 0x01, 0x20};
-    check_capacities("iocard-status", [&](uint8_t *b, size_t n) {
-        return roburoc4_encode_iocard_status(b, n, 2, 360000, analog, 9, digital, 22);
-    });
-    const float distances[] = {1.5F, 2.25F};
-    check_capacities("telemeter-status", [&](uint8_t *b, size_t n) {
-        return roburoc4_encode_telemeter_status(b, n, 3, 360000, distances, 2);
-    });
-}
-
-TEST(Capacities, OfCommands) {
-    check_capacities("differential-command", [](uint8_t *b, size_t n) {
-        return roburoc4_encode_differential_command(b, n, 6, 0.5F, -0.25F);
-    });
-    const uint8_t digital[] = {0x82};
-    check_capacities("iocard-command", [&](uint8_t *b, size_t n) {
-        return roburoc4_encode_iocard_command(b, n, 2, nullptr, 0, digital, 8);
-    });
 }
 
 } // namespace

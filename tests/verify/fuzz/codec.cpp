@@ -16,15 +16,23 @@ namespace {
 
 using Encoder = std::function<roburoc4_result(std::uint8_t *, std::size_t)>;
 
-/** An encoder writes exactly as much as it returns, and nothing into a buffer that is shorter. */
+/** An encoder writes exactly as much as it returns, also where there is more room, and nothing into
+ * a buffer that is shorter. */
 void encodes_to(const Bytes &expected, const Encoder &encode) {
-    ExactBlock block(expected.size(), 0xAA);
-    const roburoc4_result size = encode(block.data(), block.size());
-    expect(size == static_cast<roburoc4_result>(expected.size()), "encoded again: same length");
-    expect(block.bytes() == expected, "encoded again: same bytes");
-    ExactBlock tight(expected.size() - 1, 0xAA);
-    expect(encode(tight.data(), tight.size()) == ROBUROC4_ERR_BUFFER, "too short is said");
-    expect(tight.bytes() == Bytes(tight.size(), 0xAA), "too short: nothing is written");
+    for (const std::size_t room : {0U, 9U}) {
+        ExactBlock block(expected.size() + room, 0xAA);
+        const roburoc4_result size = encode(block.data(), block.size());
+        expect(size == static_cast<roburoc4_result>(expected.size()), "encoded again: same length");
+        Bytes all = expected;
+        all.insert(all.end(), room, 0xAA);
+        expect(block.bytes() == all, "encoded again: same bytes");
+    }
+    for (const std::size_t capacity :
+         {std::size_t{0}, std::size_t{1}, expected.size() / 2, expected.size() - 1}) {
+        ExactBlock tight(capacity, 0xAA);
+        expect(encode(tight.data(), tight.size()) == ROBUROC4_ERR_BUFFER, "too short is said");
+        expect(tight.bytes() == Bytes(tight.size(), 0xAA), "too short: nothing is written");
+    }
 }
 
 /** Decode `datagram` to `out`; false and an untouched output where it is refused. With success,
