@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 #
-# What is installed of the LCM bridge; part of lcm/CMakeLists.txt.
+# Install rules of the LCM bridge; part of lcm/CMakeLists.txt.
 
 install(TARGETS roburoc4-lcm RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES ${PROJECT_SOURCE_DIR}/docs/man/roburoc4-lcm.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
-# Where packages of LCM types have them, and named as there: share/lcmtypes/PACKAGE_TYPE.lcm.
+# In the usual place and form of LCM packages: share/lcmtypes/PACKAGE_TYPE.lcm.
 foreach(type IN LISTS types)
     cmake_path(GET type FILENAME name)
     install(FILES ${type} DESTINATION ${CMAKE_INSTALL_DATADIR}/lcmtypes RENAME roburoc4_lcm_${name})
