@@ -541,3 +541,27 @@ def test_the_page_has_every_topic_and_option() -> None:
         names = (f"`{row['topic']}`", f"`{row['topic'].removeprefix('/')}`")
         assert any(name in text for name in names), row["topic"]
         assert row["type"].replace("/msg/", "/") in text or row["topic"].startswith("/tf")
+
+
+REPORT = PAGE.parents[1] / "scripts" / "ros2-report"
+
+
+@HAS_PAGE
+def test_the_report_runs_ten_commands_of_ros2(tmp_path: Path) -> None:
+    fake = tmp_path / "ros2"
+    fake.write_text('#!/bin/sh\necho "ran $*"\n', encoding="utf-8")
+    fake.chmod(0o755)
+    env = environment() | {"PATH": f"{tmp_path}:/usr/bin:/bin", "NODE": "/RED/roburoc4"}
+    done = subprocess.run([REPORT], env=env, capture_output=True, text=True, check=True)
+    ran = [line for line in done.stdout.splitlines() if line.startswith("ran ")]
+    assert len(ran) == 10
+    assert not any("pub " in line or "call" in line for line in ran)
+    assert any("/RED/odom" in line for line in ran)
+
+
+@HAS_PAGE
+def test_the_report_says_what_is_missing_without_ros2() -> None:
+    env = environment() | {"PATH": "/usr/bin:/bin"}
+    done = subprocess.run([REPORT], env=env, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "source /opt/ros/DISTRO/setup.sh" in done.stderr

@@ -28,19 +28,26 @@ class Program:
             participant = Participant(config.domain, humble=humble, interface=config.interface)
             stack.callback(participant.close)
             self._participant = participant
-            self._nodes = [
+            nodes = [
                 RobotNode(robot, participant, its, tell)
                 for robot, its in zip(robots, config.robots, strict=True)
             ]
             participant.announce()
+            stack.callback(self._end)  # first: a signal may come at any time
+            for node in nodes:
+                for run in (node.run, node.listener.run):
+                    thread = threading.Thread(target=run, args=(self._ended,), daemon=True)
+                    self._threads.append(thread)
+                    thread.start()
             self._stack = stack.pop_all()
 
+    def _end(self) -> None:
+        self._ended.set()
+        for thread in self._threads:
+            if thread.ident is not None:  # it was started
+                thread.join()
+
     def __enter__(self) -> Self:
-        for node in self._nodes:
-            for run in (node.run, node.listener.run):
-                thread = threading.Thread(target=run, args=(self._ended,), daemon=True)
-                self._threads.append(thread)
-                thread.start()
         return self
 
     def wait(self) -> None:
@@ -54,9 +61,6 @@ class Program:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        self._ended.set()
-        for thread in self._threads:
-            thread.join()
         self._stack.close()
 
 
