@@ -28,7 +28,7 @@ enum { EXIT_DONE = 0, EXIT_ERROR = 1, EXIT_USAGE = 2, EXIT_NO_LCM = 3 };
 #define LONGEST_WAIT_US 200000u
 /* The longest time from a signal to exit; the stop sequence begins at once. */
 #define CLOSING_US 600000u
-/* At most so many messages are read before the robots are served again. */
+/* At most this many messages are read before the robots are served again. */
 #define LCM_BURST 1000
 #define LCM_RETRY_US 1000000u
 /* LCM drops new messages when this many are unread. */

@@ -411,7 +411,7 @@ int take_float(PyObject *number, float *out) {
     return isinf(*out) && !isinf(value) ? out_of_range(number) : 0;
 }
 
-/* The integer that a number is, NULL with an exception where it is none. */
+/* Convert a number to an integer; NULL with an exception if it is not one. */
 static PyObject *whole_of(PyObject *number) {
     double value;
     if (PyIndex_Check(number)) {
@@ -449,7 +449,7 @@ int take_uint64(PyObject *number, uint64_t *out) {
 
 /* -------------------------------------------------------------------------------- settings --- */
 
-/* Write a number where it belongs; -1 with an exception where it is none, or does not fit. */
+/* Store a number in a member; -1 with an exception if it is not a number or does not fit. */
 static int store(const field *f, void *at, PyObject *value) {
     long long whole = 0;
     if (f->type == 'f') {

@@ -48,7 +48,7 @@ class Bridge(Program):
 
     @property
     def statistics(self) -> Any:
-        """A bridge_statistics_t that was published from now on: it counts all that was."""
+        """A bridge_statistics_t published from now on: it counts everything until now."""
         channel = self.channel("BRIDGE_STATISTICS")
         before = len(self.bus.of(channel))
         until(lambda: len(self.bus.of(channel)) > before, "statistics")

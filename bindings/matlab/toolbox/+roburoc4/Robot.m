@@ -450,7 +450,7 @@ methods
         %RECEIVE Wait for the next status of a service.
         %   S = receive(R, SERVICE, SECONDS) is a scalar struct of the first status that comes in after
         %   this call: its values, time_s when it came in, utc_s when the robot made it, and
-        %   robot_cycles. It waits for at most so long (1), and does not renew a drive command. Raises
+        %   robot_cycles. It waits for at most this long (1), and does not renew a drive command. Raises
         %   roburoc4:timeout if none came.
         %
         %   Example:
