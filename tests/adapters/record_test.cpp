@@ -376,7 +376,8 @@ TEST(Record, ZerosAreSentWhileTheDiskHangs) {
     pipe.fill();
     const uint64_t written = state_of(recorder).bytes;
     roburoc4_address address = robot.address();
-    roburoc4_pump *pump = roburoc4_pump_create(&address, nullptr, 0, nullptr);
+    const roburoc4_config patient = test::patient_config();
+    roburoc4_pump *pump = roburoc4_pump_create(&address, &patient, 0, nullptr);
     ASSERT_NE(pump, nullptr);
     EXPECT_EQ(roburoc4_pump_record(pump, recorder), ROBUROC4_OK);
     ASSERT_EQ(roburoc4_pump_arm(pump, kPatienceUs), ROBUROC4_OK);
