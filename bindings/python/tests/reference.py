@@ -151,7 +151,7 @@ def manual() -> str:
     facts = {"project_name": "roburoc4", "version": roburoc4.__version__, "format": "pretty"}
     lines = str(Manpage(parser(), facts)).splitlines()
     begin = next(number for number, line in enumerate(lines) if line.startswith(".TH"))
-    head = f'.TH ROBUROC4 1 "" "roburoc4 {roburoc4.__version__}" "User Commands"'
+    head = '.TH ROBUROC4 1 "" "roburoc4" "User Commands"'
     lines[begin : begin + 3] = [
         head,
         ".SH NAME",
