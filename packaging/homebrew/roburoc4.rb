@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: MIT
+#
+# Until the archive has an address: put it into this folder; brew install --formula ./roburoc4.rb
+class Roburoc4 < Formula
+  desc "Client library and simulator for the RobuROC4 mobile robot"
+  homepage "https://example.org"
+  url "file://#{__dir__}/roburoc4-@VERSION@.tar.gz"
+  sha256 "@SHA256@"
+  license "MIT"
+
+  depends_on "cmake" => :build
+
+  def install
+    system "cmake", "-S", ".", "-B", "build", "-DBUILD_SHARED_LIBS=ON", "-DROBUROC4_EXAMPLES=OFF",
+           "-DROBUROC4_MATLAB=OFF", "-DROBUROC4_WITH_LCM=OFF", *std_cmake_args
+    system "cmake", "--build", "build"
+    system "cmake", "--install", "build"
+  end
+
+  test do
+    system bin/"roburoc4-sim", "--version"
+    (testpath/"version.c").write <<~C
+      #include <roburoc4.h>
+      int main(void) { return roburoc4_version() != ROBUROC4_VERSION; }
+    C
+    system ENV.cc, "version.c", "-I#{include}", "-L#{lib}", "-lroburoc4", "-o", "version"
+    system "./version"
+  end
+end
