@@ -5,7 +5,7 @@ import sys
 
 import roburoc4
 
-with roburoc4.connect(sys.argv[1]) as robot:
+with roburoc4.connect(sys.argv[1], fresh_ms=1000) as robot:
     robot.arm()
     robot.move(0.5)
     print(f"roburoc4 {roburoc4.__version__}, x {robot.localization.x_m:.2f} m")
