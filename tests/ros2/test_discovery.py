@@ -121,3 +121,13 @@ def test_a_killed_node_disappears_with_its_lease(start_node: StartNode, listener
         "nothing is left",
         participant["lease_s"] + 5,
     )
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_leaves_no_entity_behind(
+    start_node: StartNode, listener: Listener, number: signal.Signals
+) -> None:
+    node = start_node()
+    whole_graph(listener)
+    node.signal(number)
+    until(lambda: not listener.of_node() and not listener.participants, "nothing is left", 5.0)
