@@ -4,6 +4,7 @@
 import json
 import os
 import subprocess
+import time
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
@@ -59,9 +60,10 @@ def listener(listen: Callable[..., Listener]) -> Listener:
 
 @pytest.fixture
 def driven(start_node: Callable[..., Node], listener: Listener) -> Node:
-    """A node that obeys cmd_vel, and has been heard."""
-    node = start_node()
+    """A node that obeys cmd_vel: it has been heard, and nobody has asked for a speed since."""
+    node = start_node("--enable-drive")
     listener.hears("rt/odom")
+    time.sleep(1)
     return node
 
 
@@ -99,7 +101,7 @@ def drive(run: Callable[..., Program], domain: int) -> Callable[..., Program]:
 def listed() -> list[dict[str, Any]]:
     """What ``roburoc4 ros2 --list`` says that it publishes and obeys."""
     said = subprocess.run(
-        [command(), "ros2", "--list", "--json"],
+        [command(), "ros2", "--enable-drive", "--list", "--json"],
         capture_output=True,
         text=True,
         check=True,

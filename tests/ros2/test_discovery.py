@@ -49,7 +49,7 @@ def test_rosbags_computes_known_hashes(name: str) -> None:
 
 
 def test_endpoints_carry_the_hash_of_their_type(start_node: StartNode, listener: Listener) -> None:
-    start_node()
+    start_node("--enable-drive")
     for each in whole_graph(listener):
         name = ros_type(each.type)
         expected = GRAPH_HASH if each.topic == GRAPH else STORE.hash_rihs01(name)
@@ -65,7 +65,7 @@ def test_the_participant_names_its_enclave(start_node: StartNode, listener: List
 
 
 def test_qos_is_what_nodes_of_ros_expect(start_node: StartNode, listener: Listener) -> None:
-    start_node()
+    start_node("--enable-drive")
     for each in whole_graph(listener):
         assert each.topic.startswith("rt/") or each.topic == GRAPH, each
         if each.kind == "reader" and each.topic != GRAPH:
@@ -81,7 +81,7 @@ def test_qos_is_what_nodes_of_ros_expect(start_node: StartNode, listener: Listen
 def test_the_graph_has_one_node_with_all_endpoints(
     start_node: StartNode, listener: Listener
 ) -> None:
-    start_node()
+    start_node("--enable-drive")
     endpoints = whole_graph(listener)
     info = listener.samples(GRAPH)[-1].message
     (participant,) = listener.participants
@@ -100,7 +100,7 @@ def test_the_graph_has_one_node_with_all_endpoints(
 def test_list_prints_what_is_announced(
     start_node: StartNode, listener: Listener, listed: list[dict[str, str]]
 ) -> None:
-    start_node()
+    start_node("--enable-drive")
     announced = {
         (each.kind == "writer", each.topic.removeprefix("rt"), ros_type(each.type))
         for each in whole_graph(listener)

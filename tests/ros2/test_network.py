@@ -3,6 +3,7 @@
 
 import re
 import subprocess
+import time
 from collections.abc import Callable
 from contextlib import ExitStack
 from functools import partial
@@ -10,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from processes import Program, Programs, until
-from ros import Listener, Node
+from ros import Listener, Node, dds_program
 
 
 def works(enter: tuple[str, ...]) -> bool:
@@ -45,7 +46,7 @@ def machines(ends: ExitStack) -> list[tuple[str, ...]]:
     return inside
 
 
-def test_another_machine_reads_odometry_and_urdf(
+def test_another_machine_reads_odometry_and_drives(
     machines: list[tuple[str, ...]],
     programs: Programs,
     tmp_path: Path,
@@ -57,9 +58,12 @@ def test_another_machine_reads_odometry_and_urdf(
     simulator = run(*here, programs("roburoc4-sim"), "--port", "0")
     simulator.says("ready")
     address = re.findall(r"127\.0\.0\.1:\d+", simulator.output)[0]
-    node = Node(tmp_path, domain, "--robot", address, through=here)
+    node = Node(tmp_path, domain, "--robot", address, "--enable-drive", through=here)
     ends.callback(node.end)
     listener = Listener(tmp_path / "listen.log", domain, through=there)
     ends.callback(listener.end)
     listener.hears("rt/odom")
     listener.hears("rt/robot_description")
+    time.sleep(1)
+    run(*there, dds_program("drive"), "speed", "0.3", "0", ROS_DOMAIN_ID=str(domain))
+    listener.hears_that("rt/odom", lambda odometry: odometry.twist.twist.linear.x > 0.2)

@@ -25,7 +25,7 @@ def test_every_topic_reaches_fast_dds(
     start_node: StartNode, listen: Listen, options: list[str], listed: list[dict[str, str]]
 ) -> None:
     listener = listen(*options)
-    start_node()
+    start_node("--enable-drive")
     published = [each["topic"] for each in listed if each["direction"] == "published"]
     assert len(published) >= 13
     for topic in published:

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: MIT
+"""A node of ROS 2 drives the robot; however it falls silent, the robot stands.
+
+All is judged where the robot hears it, and by its wheels.
+"""
+
+import math
+import re
+import signal
+import time
+from collections.abc import Callable
+
+import pytest
+from processes import Program, Robot, holds, until
+from ros import TWIST_STAMPED, Listener, Node, Publisher, twist_stamped
+
+StartNode = Callable[..., Node]
+Drive = Callable[..., Program]
+Publish = Callable[..., Publisher]
+
+LEASE_US = 250_000
+MARGIN_US = 150_000
+"""For a loaded machine."""
+
+
+def now_us() -> int:
+    return time.time_ns() // 1000
+
+
+def drives(robot: Robot) -> None:
+    until(robot.tap.moves, "a speed reaches the robot")
+    time.sleep(0.5)
+    assert robot.speeds()[2] != 0, "the robot has a target"
+
+
+def first_zero_us(robot: Robot) -> int:
+    """When the robot heard the first zero after the last speed; no speed may follow."""
+    until(lambda: not robot.tap.commands()[-1].moves, "zero reaches the robot")
+    time.sleep(0.8)
+    assert robot.speeds()[2:] == (0, 0)
+    commands = robot.tap.commands()
+    last = max(index for index, command in enumerate(commands) if command.moves)
+    return commands[last + 1].time_us
+
+
+def test_a_fast_dds_program_drives_a_square(robot: Robot, driven: Node, drive: Drive) -> None:
+    program = drive("square", 1.0)
+    program.says("done", 90)
+    assert program.ends() == 0
+    corners = [(float(x), float(y)) for x, y in re.findall(r"corner (\S+) (\S+)", program.output)]
+    sides = [math.dist(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
+    assert sides == pytest.approx([1.0] * 4, abs=0.15), corners
+    until(robot.stands, "the robot stands")
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
+def test_a_dead_publisher_stops_the_robot_within_lease(
+    robot: Robot, driven: Node, listener: Listener, drive: Drive, number: signal.Signals
+) -> None:
+    program = drive("speed", 0.5, 0)
+    drives(robot)
+    listener.hears("rt/cmd_vel")
+    program.signal(number)
+    time.sleep(0.05)
+    last_us = listener.samples("rt/cmd_vel")[-1].time_us
+    assert first_zero_us(robot) - last_us < LEASE_US + MARGIN_US
+    until(robot.stands, "the robot stands")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_ends_the_node_with_zeros_at_once(
+    robot: Robot, driven: Node, drive: Drive, number: signal.Signals
+) -> None:
+    drive("speed", 0.5, 0)
+    drives(robot)
+    signalled_us = now_us()
+    driven.signal(number)
+    driven.ends(5)
+    assert first_zero_us(robot) - signalled_us < 2 * MARGIN_US
+    assert len(robot.tap.commands(signalled_us)) >= 3
+    until(robot.stands, "the robot stands")
+
+
+def test_a_killed_node_leaves_the_robot_to_its_watchdog(
+    robot: Robot, driven: Node, drive: Drive
+) -> None:
+    drive("speed", 0.5, 0)
+    drives(robot)
+    driven.signal(signal.SIGKILL)
+    until(lambda: robot.speeds()[2] == 0, "the robot's watchdog trips", 2.0)
+    until(robot.stands, "the robot stands")
+
+
+def test_after_the_game_pad_a_stream_must_pause(
+    robot: Robot, driven: Node, publish: Publish
+) -> None:
+    stream = publish("rt/cmd_vel", TWIST_STAMPED)
+    stream.stream(1, lambda: twist_stamped(0.3))
+    assert robot.tap.moves()
+    robot.tell("pad a down")
+    stream.stream(1, lambda: twist_stamped(0.3))
+    robot.tell("pad a up")
+    released_us = now_us()
+    stream.stream(1.5, lambda: twist_stamped(0.3))
+    assert not robot.tap.moves(released_us), "it went on by itself"
+    time.sleep(1)
+    stream.stream(1, lambda: twist_stamped(0.3))
+    assert robot.tap.moves(released_us), "after a pause it drives again"
+
+
+def test_after_an_emergency_stop_a_stream_must_pause(
+    robot: Robot, driven: Node, publish: Publish
+) -> None:
+    stream = publish("rt/cmd_vel", TWIST_STAMPED)
+    stream.stream(1, lambda: twist_stamped(0.3))
+    assert robot.tap.moves()
+    robot.tell("estop local press")
+    stream.stream(2, lambda: twist_stamped(0.3))
+    robot.tell("estop local release")
+    robot.tell("motor on")
+    released_us = now_us()
+    stream.stream(1.5, lambda: twist_stamped(0.3))
+    assert not robot.tap.moves(released_us), "power that came back set it off"
+    assert robot.stands()
+
+
+def test_a_lost_robot_is_driven_again_only_after_a_pause(
+    robot: Robot, driven: Node, publish: Publish
+) -> None:
+    stream = publish("rt/cmd_vel", TWIST_STAMPED)
+    stream.stream(1, lambda: twist_stamped(0.3))
+    assert robot.tap.moves()
+    robot.tap.cut = True
+    stream.stream(2, lambda: twist_stamped(0.3))
+    robot.tap.cut = False
+    back_us = now_us()
+    stream.stream(3, lambda: twist_stamped(0.3))
+    assert not robot.tap.moves(back_us)
+    holds(robot.stands, "it stands", 0.5)

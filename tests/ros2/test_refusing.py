@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: MIT
+"""What must not move the robot does not."""
+
+import time
+from collections.abc import Callable
+
+import pytest
+from processes import Program, Robot, until
+from ros import STORE, TWIST_STAMPED, Listener, Node, Publisher, twist, twist_stamped
+
+StartNode = Callable[..., Node]
+Drive = Callable[..., Program]
+Publish = Callable[..., Publisher]
+
+TWIST = "geometry_msgs/msg/Twist"
+NAN = float("nan")
+INFINITE = float("inf")
+
+
+def test_without_enable_drive_nobody_subscribes(
+    robot: Robot, start_node: StartNode, listener: Listener
+) -> None:
+    start_node()
+    listener.hears("rt/odom")
+    time.sleep(1)
+    assert not [e for e in listener.of_node() if e.kind == "reader" and "cmd_vel" in e.topic]
+    assert not robot.tap.commands(), "a node that only watches sends no command"
+
+
+@pytest.mark.parametrize("age_s", [1.0, 3600.0, -3600.0])
+def test_stamps_of_another_time_move_nothing(
+    robot: Robot, driven: Node, publish: Publish, age_s: float
+) -> None:
+    publish("rt/cmd_vel", TWIST_STAMPED).stream(1, lambda: twist_stamped(0.3, age_s=age_s))
+    assert not robot.tap.moves()
+    assert "cmd_vel" in driven.output, "it says why nothing moves"
+
+
+def test_a_replayed_recording_moves_nothing(
+    robot: Robot, driven: Node, listener: Listener, publish: Publish
+) -> None:
+    first = publish("rt/cmd_vel", TWIST_STAMPED)
+    first.stream(1, lambda: twist_stamped(0.3))
+    first.end()
+    until(robot.stands, "the robot stands")
+    time.sleep(1)
+    recorded = [sample.cdr for sample in listener.samples("rt/cmd_vel")]
+    assert len(recorded) > 5
+    robot.tap.forget()
+    replay = publish("rt/cmd_vel", TWIST_STAMPED)
+    for cdr in recorded:
+        replay.send(cdr)
+        time.sleep(0.05)
+    assert not robot.tap.moves()
+
+
+@pytest.mark.parametrize("value", [NAN, INFINITE, -INFINITE])
+@pytest.mark.parametrize("place", ["linear", "angular"])
+def test_a_value_that_is_no_number_moves_nothing(
+    robot: Robot, driven: Node, publish: Publish, value: float, place: str
+) -> None:
+    speed = (value, 0.0) if place == "linear" else (0.2, value)
+    publish("rt/cmd_vel", TWIST_STAMPED).stream(0.5, lambda: twist_stamped(*speed))
+    assert not robot.tap.moves()
+    assert driven.running
+
+
+def test_a_broken_payload_moves_nothing_and_ends_nothing(
+    robot: Robot, driven: Node, publish: Publish, listener: Listener
+) -> None:
+    whole = twist_stamped(0.3)
+    broken = publish("rt/cmd_vel", TWIST_STAMPED)
+    for size in (4, 8, 16, 40, len(whole) - 8):
+        broken.send(whole[:size])
+    broken.send(whole[:12] + b"\xff\xff\xff\x7f" + whole[16:])
+    time.sleep(0.5)
+    assert not robot.tap.moves()
+    assert driven.running
+    broken.end()
+    time.sleep(1)
+    publish("rt/cmd_vel", TWIST_STAMPED).stream(1, lambda: twist_stamped(0.3))
+    assert robot.tap.moves(), "it still drives"
+
+
+def test_a_second_publisher_is_refused_and_named(
+    robot: Robot, driven: Node, drive: Drive, publish: Publish
+) -> None:
+    drive("speed", 0.3, 0)
+    until(robot.tap.moves, "the first drives")
+    publish("rt/cmd_vel", TWIST_STAMPED).stream(2, lambda: twist_stamped(-0.5))
+    assert all(command.linear_m_s >= 0 for command in robot.tap.commands())
+    assert "control" in driven.output, driven.output
+
+
+def test_a_plain_twist_is_refused_unless_asked_for(
+    robot: Robot, start_node: StartNode, listener: Listener, driven: Node
+) -> None:
+    time.sleep(1)
+    types = [e.type for e in listener.of_node() if e.topic == "rt/cmd_vel" and e.kind == "reader"]
+    assert types == ["geometry_msgs::msg::dds_::TwistStamped_"]
+
+
+def test_stop_is_obeyed_from_anyone_and_holds(
+    robot: Robot, driven: Node, listener: Listener, drive: Drive, publish: Publish
+) -> None:
+    drive("speed", 0.3, 0)
+    until(robot.tap.moves, "it drives")
+    stop = next(e for e in listener.of_node() if e.kind == "reader" and e.topic.endswith("stop"))
+    assert stop.type == "std_msgs::msg::dds_::Empty_"
+    empty = bytes(STORE.serialize_cdr(STORE.types["std_msgs/msg/Empty"](), "std_msgs/msg/Empty"))
+    # A single one can be lost before both sides know each other: see docs/ros2.md.
+    publish(stop.topic, "std_msgs/msg/Empty").stream(1, lambda: empty)
+    driven.says("stopped by")
+    until(lambda: not robot.tap.commands()[-1].moves, "the robot is stopped")
+    stopped_us = robot.tap.commands()[-1].time_us
+    time.sleep(1.5)
+    assert not robot.tap.moves(stopped_us), "the stream goes on, the robot does not"
+    until(robot.stands, "the robot stands")
+
+
+def test_sideways_is_not_turned_into_a_way_ahead(
+    robot: Robot, driven: Node, publish: Publish
+) -> None:
+    def sideways() -> bytes:
+        message = STORE.deserialize_cdr(twist_stamped(0.0), TWIST_STAMPED)
+        message.twist = twist(0.0, 0.0, 0.5)  # type: ignore[attr-defined]
+        return bytes(STORE.serialize_cdr(message, TWIST_STAMPED))
+
+    publish("rt/cmd_vel", TWIST_STAMPED).stream(0.5, sideways)
+    assert not robot.tap.moves()
