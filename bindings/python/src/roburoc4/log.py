@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     import logging
 
     from .connection import Connection
-    from .pump import PumpConnection
 
 _INFO_LEVEL, _WARNING_LEVEL = 20, 30  # logging, imported with the first robot
 _INFO = Event.READY | Event.ARMED | Event.OVERRIDE | Event.STOPPED | Event.RELOCALIZED
@@ -56,6 +55,11 @@ class Log:
         self._reader = _native.new_reader()  # from the beginning
         _logger().info("%s: connecting", self._address)
 
+    @property
+    def is_running(self) -> bool:
+        """Whether there can be more to log."""
+        return bool(_native.roburoc4_pump_running(self._handle))
+
     def step(self) -> None:
         """Log what happened since the last call."""
         with contextlib.suppress(ClosedError):
@@ -86,17 +90,17 @@ class Log:
 
 
 _PERIOD_S = 0.1
-_watched: "weakref.WeakSet[PumpConnection]" = weakref.WeakSet()
+_watched: weakref.WeakSet[Log] = weakref.WeakSet()
 _lock = threading.Lock()
 _news = threading.Event()
 _thread: threading.Thread | None = None
 
 
-def watch(connection: "PumpConnection") -> None:
-    """Log the events of a connection as they occur, from one thread for all of them."""
+def watch(log: Log) -> None:
+    """Log the events of a pump as they occur, from one thread for all of them."""
     global _thread
     with _lock:
-        _watched.add(connection)
+        _watched.add(log)
         _news.set()
         if _thread is None or not _thread.is_alive():  # not in the child of a fork
             _thread = threading.Thread(target=_watch, name="roburoc4-log", daemon=True)
@@ -112,8 +116,8 @@ def _watch() -> None:
 
 def _step() -> None:
     with _lock:
-        connections = [connection for connection in _watched if not connection.closed]
-        if not connections:
+        logs = [log for log in _watched if log.is_running]
+        if not logs:
             _news.clear()
-    for connection in connections:
-        connection.log.step()
+    for log in logs:
+        log.step()

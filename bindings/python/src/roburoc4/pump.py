@@ -34,7 +34,7 @@ class PumpConnection(Connection):
         super().__init__(open_host(host, True, settings))
         _living.add(self)
         self.log = Log(self)
-        watch(self)
+        watch(self.log)
 
     def reader(self) -> PumpReader:
         return PumpReader(self.handle)

@@ -7,6 +7,7 @@ import argparse
 import math
 import os
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from .errors import usage
@@ -19,6 +20,14 @@ class Options(argparse.Namespace):
 
     robot: str
     json: bool
+
+
+class RecordOptions(Options):
+    """What `record` is given."""
+
+    file: Path
+    seconds: float | None
+    force: bool
 
 
 class Parser(argparse.ArgumentParser):

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from . import record_mcap, record_raw, session
 from .errors import ExitCode, refused, usage
-from .options import Options, add_robot, add_seconds
+from .options import RecordOptions, add_robot, add_seconds
 from .output import note, print_json
 from .progress import progress
 from .rows import Rows, columns
@@ -31,14 +31,6 @@ if TYPE_CHECKING:
 
 STDOUT = Path("-")
 _WAIT_S = 0.2
-
-
-class RecordOptions(Options):
-    """What `record` is given."""
-
-    file: Path
-    seconds: float | None
-    force: bool
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from roburoc4 import Robot
     from roburoc4.rosbag import RosBag
 
-    from .record import RecordOptions
+    from .options import RecordOptions
 
 _LOOK_S = 0.2
 _CHUNK = 16 * 1024  # about a second: a killed process loses this much

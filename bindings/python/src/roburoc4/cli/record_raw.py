@@ -16,7 +16,7 @@ from .progress import progress
 if TYPE_CHECKING:
     from roburoc4 import RecorderState, Robot
 
-    from .record import RecordOptions
+    from .options import RecordOptions
 
 _LOOK_S = 0.2
 
