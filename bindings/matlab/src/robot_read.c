@@ -102,9 +102,9 @@ static const field battery[] = {
     FIELD(roburoc4_battery_properties, minimum_percent, BYTE),
 };
 static const field start[] = {
-    FIELD_AS("initial_x_m", roburoc4_localization_properties, x_m, FLOAT),
-    FIELD_AS("initial_y_m", roburoc4_localization_properties, y_m, FLOAT),
-    FIELD_AS("initial_theta_rad", roburoc4_localization_properties, theta_rad, FLOAT),
+    FIELD_AS("power_on_x_m", roburoc4_localization_properties, x_m, FLOAT),
+    FIELD_AS("power_on_y_m", roburoc4_localization_properties, y_m, FLOAT),
+    FIELD_AS("power_on_theta_rad", roburoc4_localization_properties, theta_rad, FLOAT),
 };
 /* clang-format on */
 #define CHANNELS(member) FIELD(roburoc4_iocard_properties, member, INT)
@@ -271,7 +271,7 @@ static int find_output(call *in) {
 /* The latest inputs. Returns 0 after noting that there are none yet. */
 static int read_sample(const call *in, roburoc4_sample *out) {
     return roburoc4_sample_latest(in->client, ROBUROC4_SERVICE_IOCARD, out) >= 0 ||
-           fail(FAIL_PROTOCOL, "the robot has sent no IO card status yet; wait with spin(0.1)");
+           fail(FAIL_PROTOCOL, "the robot has sent no IO card status yet; wait with sleep(0.1)");
 }
 
 /* input(id, name): double of an analog input, logical of a digital one */

@@ -11,7 +11,7 @@ function bench_calls()
 sim = roburoc4.Simulator('port', 0);
 r = sim.connect();
 r.arm();
-r.spin(1.2);
+r.sleep(1.2);
 empty = bench_robot();
 fprintf('%-44s %9s %9s %5s\n', 'microseconds a call', 'fastest', 'median', 'aim');
 measure('r.drive(0.2, 0)', @() r.drive(0.2, 0), 20);

@@ -9,7 +9,7 @@ function careless(address)
 r = roburoc4.Robot(address, 'lease_ms', 1000);
 r.arm(10);
 r.drive(0.3, 0);
-r.spin(0.02);
+r.sleep(0.02);
 r.drive(0.3, 0);
 error('roburoc4:check', 'a user''s mistake');
 end

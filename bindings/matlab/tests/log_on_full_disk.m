@@ -9,11 +9,11 @@ function log_on_full_disk(folder)
 % SPDX-License-Identifier: MIT
 sim = roburoc4.Simulator();
 r = sim.connect();
-r.spin(0.1);
+r.sleep(0.1);
 r.log(fullfile(folder, 'drive'));            % adds .mat
 file = fullfile(folder, 'drive.mat');
 before = fileread(file);
-r.spin(20);
+r.sleep(20);
 check_raises('roburoc4:limit', @() r.log(file));
 check(isequal(before, fileread(file)), 'the old file was touched');
 check(numel(dir(folder)) == 3, 'something half-written was left');

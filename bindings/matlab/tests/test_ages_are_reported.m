@@ -4,7 +4,7 @@ function test_ages_are_reported()
 sim = roburoc4.Simulator('start_x_m', 1.5);
 r = sim.connect();
 patient = sim.connect('fresh_ms', 1000);
-r.spin(1.5);
+r.sleep(1.5);
 ages = {'iocard_age_s', 'telemeter_age_s', 'battery_age_s', 'localization_age_s', ...
     'differential_age_s'};
 longest_s = [0.06 0.11 1.01 0.06 0.06];
@@ -15,23 +15,23 @@ end
 
 % One service falls silent; the robot can still be driven.
 r.unsubscribe('localization');
-r.spin(0.2);
+r.sleep(0.2);
 check(isequal(r.pose(1:3), [1.5 0 0]), 'a pose of 0.2 s is fresh');
-r.spin(0.5);
+r.sleep(0.5);
 check(isequal(isnan(r.pose), true(1, 4)), 'a pose of 0.7 s is no NaN');
 check(~any(isnan(r.speeds)), 'speeds are fresh');
 check(r.status.x_m == 1.5 && abs(r.status.localization_age_s - 0.7) < 0.06, ...
     'status has the last pose and its age: %g s', r.status.localization_age_s);
 
 % All of them do.
-sim.faults('loss', 1);
-r.spin(0.5);
+sim.setFaults('loss', 1);
+r.sleep(0.5);
 check(all(isnan(r.speeds)) && r.status.differential_age_s > 0.4, 'old speeds');
 check(~any(isnan([patient.pose, patient.speeds])), 'fresh_ms 1000 was not heeded');
-patient.spin(0.6);
+patient.sleep(0.6);
 check(all(isnan([patient.pose, patient.speeds])), 'old values, with fresh_ms 1000');
-sim.faults();
-r.spin(3);
+sim.setFaults();
+r.sleep(3);
 check(~any(isnan(r.speeds)), 'the robot is there again');
 
 % Never reported.

@@ -13,7 +13,7 @@ if ~ispc()
 end
 for k = 1:numel(names)
     for again = 1:2
-        r.spin(0.2);
+        r.sleep(0.2);
         r.log(names{k});
     end
     data = load(fullfile(folder, names{k}));

@@ -24,7 +24,7 @@ sim = roburoc4.Simulator();
 check_options(listed.roburoc4_Robot_Robot, @() sim.connect('nothing', 1));
 check_options(listed.roburoc4_Simulator_connect, @() sim.connect('nothing', 1));
 check_options(listed.roburoc4_Simulator_Simulator, @() roburoc4.Simulator('nothing', 1));
-check_options(listed.roburoc4_Simulator_faults, @() sim.faults('nothing', 1));
+check_options(listed.roburoc4_Simulator_setFaults, @() sim.setFaults('nothing', 1));
 check_options(listed.roburoc4_Robot_move, @() error('There are speed, clearance, timeout'));
 delete(sim);
 choices = regexp(text, 'choices=\{([^}]*)\}', 'tokens');

@@ -22,7 +22,7 @@ check(living_robots() == 1, 'a made-up id closed the robot');
 
 delete(r);
 for attempt = 1:2
-    dead = {@() r.status, @() r.drive(0, 0), @() r.stop(), @() r.arm(), @() r.spin(0.1), ...
+    dead = {@() r.status, @() r.drive(0, 0), @() r.stop(), @() r.arm(), @() r.sleep(0.1), ...
         @() r.record(0.1), @() r.log([tempname() '.mat']), @() r.inputs('x'), @() r.pose, ...
         @() r.driveFor(0.1, 0, 1), @() r.disarm(), @() r.relocalize(0, 0, 0), @() r.rate(10)};
     for k = 1:numel(dead)
@@ -42,7 +42,7 @@ delete(sim);
 check_raises(dead_id, @() sim.state);
 check_raises(dead_id, @() sim.step(1));
 check_raises(closed, @() again.drive(0.1, 0));
-check_raises(closed, @() again.spin(0.1));
+check_raises(closed, @() again.sleep(0.1));
 delete(again);
 clear again sim
 

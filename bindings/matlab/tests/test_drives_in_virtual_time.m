@@ -5,7 +5,7 @@ r = sim.connect();
 check_raises('roburoc4:notArmed', @() r.drive(0.5, 0));
 r.arm();
 r.driveFor(0.5, 0, 2);
-r.spin(3);
+r.sleep(3);
 moved_m = sim.state.true_x_m;
 check(moved_m > 0.8 && moved_m < 1.1, 'moved %g m', moved_m);
 check(r.speeds(1) == r.status.current_linear_m_s, 'speeds and status differ');

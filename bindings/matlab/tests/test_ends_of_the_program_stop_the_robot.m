@@ -4,7 +4,7 @@ function test_ends_of_the_program_stop_the_robot()
 if ~exist('OCTAVE_VERSION', 'builtin')
     return
 end
-drive = 'r.drive(0.3, 0); r.spin(0.02); r.drive(0.3, 0); ';
+drive = 'r.drive(0.3, 0); r.sleep(0.02); r.drive(0.3, 0); ';
 mistake = 'try, careless(''%s''); catch, end; pause(3)';
 ways = {'exit', [drive 'exit(0)']; ...
     'an error', [drive 'error(''no'')']; ...

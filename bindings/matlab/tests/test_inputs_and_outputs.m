@@ -4,7 +4,7 @@ sim = roburoc4.Simulator('port', 0);
 r = sim.connect();
 begun = tic();
 while r.status.robot_cycles < 10 && toc(begun) < 60
-    r.spin(0.05);
+    r.sleep(0.05);
 end
 names = r.inputs();
 names = names.digital_input_names;
@@ -57,6 +57,6 @@ function wait_for(r, condition)
 begun = tic();
 while ~condition()
     check(toc(begun) < 60, 'not within a minute: %s', func2str(condition));
-    r.spin(0.02);
+    r.sleep(0.02);
 end
 end

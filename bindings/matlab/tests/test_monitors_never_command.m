@@ -4,10 +4,10 @@ function test_monitors_never_command()
 % SPDX-License-Identifier: MIT
 sim = roburoc4.Simulator();
 monitor = sim.connect();
-monitor.spin(0.1);
+monitor.sleep(0.1);
 monitor.record(0.1);
 monitor.driveFor(0.3, 0, 0);
-check_raises('roburoc4:badArgument', @() monitor.spin('a'));
+check_raises('roburoc4:badArgument', @() monitor.sleep('a'));
 check_raises('roburoc4:badArgument', @() monitor.record(0.1, 'localisation'));
 check_raises('roburoc4:badArgument', @() monitor.driveFor(NaN, 0, 1));
 check_raises('roburoc4:notArmed', @() monitor.driveFor(0.3, 0, 1));
@@ -28,7 +28,7 @@ delete(driver);
 delete(sim);
 
 if exist('OCTAVE_VERSION', 'builtin')
-    ctrl_c('r.spin(60)');
+    ctrl_c('r.sleep(60)');
     ctrl_c('r.record(60)');
     ctrl_c('l = r.rate(1); while true, l.wait(); end');
 end

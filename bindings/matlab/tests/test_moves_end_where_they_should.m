@@ -31,7 +31,7 @@ sim.set('pad_a', true);
 sim.step(0.2);
 check_raises('roburoc4:notArmed', @() r.move(1));
 sim.set('pad_a', false);
-r.spin(1);
+r.sleep(1);
 r.arm();
 check_raises('roburoc4:badArgument', @() r.move(NaN));
 check_raises('roburoc4:badArgument', @() r.move(1e6));

@@ -14,7 +14,7 @@ while any(longest_s >= 0.1)
     id = r.id;
     r.arm();
     r.drive(0.3, 0);
-    sim.faults('loss', 1);
+    sim.setFaults('loss', 1);
     longest_s(1) = min(longest_s(1), duration(@() mex('wait', id, 0.1)) - 0.1);
     leave_s = 0;
     waited = tic();

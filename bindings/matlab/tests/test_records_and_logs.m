@@ -3,7 +3,7 @@ function test_records_and_logs()
 sim = roburoc4.Simulator();
 r = sim.connect('localization_period_ms', 20);
 r.arm();
-r.spin(0.5);
+r.sleep(0.5);
 data = r.record(2);
 check(isequal(sort(fieldnames(data))', {'battery', 'differential', 'iocard', 'localization', ...
     'lost', 'start_utc_s', 'telemeter'}), 'fields');
@@ -32,14 +32,14 @@ delete(file);
 
 % A new log can begin, and end, without a file.
 r.log();
-r.spin(1);
+r.sleep(1);
 data = r.log('', 'localization');
 check(numel(data.localization.x_m) == 50 && ~isfield(data, 'battery'), 'log without a file');
 check(isempty(evalc('r.log()')), 'a log that nobody wants is printed');
 
 % If the buffer is too small, the lost statuses are counted.
 small = sim.connect('buffer', 16);
-small.spin(2);
+small.sleep(2);
 state = warning('off', 'roburoc4:limit');
 lossy = small.log(file);
 warning(state);
@@ -49,7 +49,7 @@ delete(small);
 
 % No robot, no silent lack of data.
 sim.set('power', false);
-r.spin(3);
+r.sleep(3);
 check_raises('roburoc4:timeout', @() r.record(0.5));
 delete(r);
 delete(sim);

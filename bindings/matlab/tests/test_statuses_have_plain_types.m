@@ -2,7 +2,7 @@ function test_statuses_have_plain_types()
 % SPDX-License-Identifier: MIT
 sim = roburoc4.Simulator('start_x_m', 1.5);
 r = sim.connect();
-r.spin(1.5);
+r.sleep(1.5);
 look(r.status);
 look(r.info);
 look(r.link);
@@ -25,7 +25,7 @@ check(quiet.status.battery_state == roburoc4.BatteryState.NOT_KNOWN, 'a battery 
 figures = quiet.serviceLink('battery');
 check(~figures.subscribed, 'subscribed');
 quiet.subscribe('localization', 20);
-quiet.spin(0.2);
+quiet.sleep(0.2);
 check(quiet.status.x_m == 1.5, 'subscribe');
 quiet.unsubscribe('localization');
 delete(quiet);

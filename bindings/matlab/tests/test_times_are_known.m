@@ -3,10 +3,10 @@ function test_times_are_known()
 % waited for.
 % SPDX-License-Identifier: MIT
 sim = roburoc4.Simulator();
-sim.faults('delay_ms', 40, 'jitter_ms', 40);
+sim.setFaults('delay_ms', 40, 'jitter_ms', 40);
 r = sim.connect('localization_period_ms', 20);
 r.arm();
-r.spin(1);
+r.sleep(1);
 
 % In virtual time UTC is the simulator's time: no jitter is left in it, and half the round trip.
 data = r.record(2);
@@ -37,10 +37,10 @@ check(isequal(fieldnames(s)', {'time_s', 'utc_s', 'robot_cycles', 'x_m', 'y_m', 
     'localization_flags'}), 'fields');
 s = r.receive('iocard');
 check(islogical(s.digital_inputs) && numel(s.analog_inputs) == 9, 'inputs');
-sim.faults('loss', 1);
-r.spin(0.2);
+sim.setFaults('loss', 1);
+r.sleep(0.2);
 check_raises('roburoc4:timeout', @() r.receive('battery', 0.3));
-sim.faults();
+sim.setFaults();
 delete(r);
 delete(sim);
 

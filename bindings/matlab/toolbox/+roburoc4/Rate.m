@@ -85,7 +85,7 @@ methods
             this.ticks = past;
         end
         this.ticks = this.ticks + 1;
-        roburoc4.internal.spin(this.id, max(0, this.ticks * this.period_s - this.time_s));
+        roburoc4.internal.sleep(this.id, max(0, this.ticks * this.period_s - this.time_s));
         now_s = this.time_s;
         this.last_period_s = now_s - this.ended_s;
         this.ended_s = now_s;

@@ -42,7 +42,7 @@ classdef Robot < handle
 %      stop            - Stop now
 %      arm             - Allow driving
 %      disarm          - Forbid driving, and stop
-%      spin            - Wait
+%      sleep           - Wait
 %      rate            - Make a loop with a fixed rate
 %      receive         - Wait for the next status of a service
 %      inputs          - Read inputs by name
@@ -263,18 +263,18 @@ methods
 
     function arm(this, timeout)
         %ARM Allow driving.
-        %   arm(R) raises roburoc4:notArmed with the reason if it is refused. It waits for 2 seconds,
+        %   arm(R) raises roburoc4:notArmed with the reason if it is refused. It waits for 5 seconds,
         %   or arm(R, SECONDS), if the reason can go away by itself: no status yet, the robot rolls.
         %
         %   Example:
         %      r.arm()
         if nargin < 2
-            timeout = 2;
+            timeout = 5;
         end
         timeout = roburoc4.internal.number(timeout, 'timeout', 0, 1e6);
         finish_s = this.time_s + timeout;
         while ~roburoc4_mex('arm', this.id, this.time_s >= finish_s)
-            this.spin(0.02);
+            this.sleep(0.02);
         end
     end
 
@@ -286,17 +286,17 @@ methods
         roburoc4_mex('disarm', this.id);
     end
 
-    function spin(this, seconds)
-        %SPIN Wait, in slices short enough for Ctrl-C.
-        %   spin(R, SECONDS) returns after this time. It renews nothing: a drive command ends
+    function sleep(this, seconds)
+        %SLEEP Wait, in slices short enough for Ctrl-C.
+        %   sleep(R, SECONDS) returns after this time. It renews nothing: a drive command ends
         %   with its lease. Ctrl-C stops a robot that R drives at once. With a robot in virtual time,
         %   virtual time passes.
         %
         %   Example:
-        %      r.drive(0.3, 0); r.spin(0.2)
-        roburoc4.internal.needed(nargin == 2, 'spin(seconds)');
+        %      r.drive(0.3, 0); r.sleep(0.2)
+        roburoc4.internal.needed(nargin == 2, 'sleep(seconds)');
         seconds = roburoc4.internal.number(seconds, 'seconds', 0, 1e6);
-        roburoc4.internal.spin(this.id, seconds);
+        roburoc4.internal.sleep(this.id, seconds);
     end
 
     function loop = rate(this, hertz)
@@ -408,7 +408,7 @@ methods
         roburoc4.internal.needed(nargin == 4, 'relocalize(x in m, y in m, theta in rad)');
         roburoc4_mex('relocalize', this.id, x_m, y_m, theta_rad);
         while ~roburoc4_mex('relocalized', this.id)
-            this.spin(0.01);
+            this.sleep(0.01);
         end
         answered_s = this.time_s;
         s = this.status;
@@ -418,7 +418,7 @@ methods
                 error('roburoc4:timeout', ['relocalize: the robot accepted the pose, but has not ' ...
                     'reported it within 3 s; look at link']);
             end
-            this.spin(0.01);
+            this.sleep(0.01);
             s = this.status;
         end
     end

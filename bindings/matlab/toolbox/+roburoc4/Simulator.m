@@ -20,7 +20,7 @@ classdef Simulator < handle
 %      addBox         - Put a box on the floor
 %      addWall        - Build a wall
 %      clearObstacles - Remove all boxes and walls
-%      faults         - Make the network worse
+%      setFaults      - Make the network worse
 %
 %   Simulator properties:
 %      state         - Everything about the simulated robot: a scalar struct
@@ -202,13 +202,13 @@ methods
         this.panel('box clear');
     end
 
-    function faults(this, varargin)
-        %FAULTS Make the network worse, in both directions.
-        %   faults(SIM, 'Name', value, ...) takes loss, duplicate, reorder and corrupt, shares of 0
+    function setFaults(this, varargin)
+        %SETFAULTS Make the network worse, in both directions.
+        %   setFaults(SIM, 'Name', value, ...) takes loss, duplicate, reorder and corrupt, shares of 0
         %   to 1, delay_ms and jitter_ms. Without arguments the network is perfect again.
         %
         %   Example:
-        %      sim.faults('loss', 0.2, 'delay_ms', 10)
+        %      sim.setFaults('loss', 0.2, 'delay_ms', 10)
         faults = roburoc4.internal.options(varargin, struct());
         roburoc4_mex('simFaults', this.id, faults);
     end

@@ -27,7 +27,7 @@ longest_s = 60;
 
 robot.arm();
 loop = robot.rate(20);
-robot.spin(0.2);
+robot.sleep(0.2);
 start = pose_or_stop(robot, loop, longest_s);
 along = (0:0.02:6)';
 wave = [along, 0.6 * sin(2 * pi * along / 4) .* min(1, along)];

@@ -4,7 +4,7 @@ function needed(enough, call)
 %   is false.
 %
 %   Example:
-%      roburoc4.internal.needed(nargin == 2, 'spin(seconds)')
+%      roburoc4.internal.needed(nargin == 2, 'sleep(seconds)')
 %
 %   See also roburoc4.internal.number.
 

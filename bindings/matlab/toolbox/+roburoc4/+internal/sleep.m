@@ -1,10 +1,10 @@
-function spin(id, seconds)
-%SPIN Wait with a robot, in slices short enough for Ctrl-C.
-%   roburoc4.internal.spin(ID, SECONDS) takes the id and not the object, so that it does not keep the
+function sleep(id, seconds)
+%SLEEP Wait with a robot, in slices short enough for Ctrl-C.
+%   roburoc4.internal.sleep(ID, SECONDS) takes the id and not the object, so that it does not keep the
 %   object from being deleted: clearing the object stops the robot.
 %
 %   Example:
-%      roburoc4.internal.spin(id, 0.2)
+%      roburoc4.internal.sleep(id, 0.2)
 %
 %   See also roburoc4.Robot, roburoc4.Rate.
 
