@@ -30,9 +30,9 @@ static int32_t network_fault(uint32_t fault) {
     case ROBUROC4_FAULT_DENIED:
         return FAULT(DENIED);
     case ROBUROC4_FAULT_FULL:
-        return FAULT(BUFFERS);
+        return FAULT(FULL);
     default:
-        return FAULT(NETWORK);
+        return FAULT(OTHER);
     }
 }
 

@@ -38,9 +38,9 @@ class bridge_state_t(object):
     """ This machine's interface is down """
     FAULT_DENIED = 0x0008
     """ This machine forbids it """
-    FAULT_BUFFERS = 0x0010
+    FAULT_FULL = 0x0010
     """ This machine's buffers are full """
-    FAULT_NETWORK = 0x0020
+    FAULT_OTHER = 0x0020
     """ Another error of the network """
     FAULT_SILENT = 0x0040
     """ No datagram from the robot for a second """

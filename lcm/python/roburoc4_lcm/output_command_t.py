@@ -12,7 +12,7 @@ class output_command_t(object):
     """
     Set outputs of the IO card: all of them, or none if one does not exist. Outputs that are not
     named keep the bridge's last value; outputs that were never set are 0. If an index occurs
-    twice, the later one counts. At most 64 digital and 16 analog ones. Channel ROBUROC4_OUTPUT_CMD.
+    twice, the later one counts. At most 64 digital and 4 analog ones. Channel ROBUROC4_OUTPUT_CMD.
     """
 
     __slots__ = ["utime", "sender", "digital_count", "digital_index", "digital_on", "analog_count", "analog_index", "analog_value"]
