@@ -25,8 +25,8 @@ def test_numbers_of_numpy_and_whole_floats_are_numbers(roburoc4_simulator: Simul
         robot.stop()
         robot.subscribe("battery", 100.0)  # type: ignore[arg-type]
         robot.relocalize(np.float32(1), np.int32(0), 0)
-        robot.outputs[np.int64(2)] = np.bool_(True)
-        assert robot.outputs[2.0] is True  # type: ignore[index]
+        robot.digital_outputs[np.int64(2)] = np.bool_(True)
+        assert robot.digital_outputs[2.0] is True  # type: ignore[index]
         assert robot.move(np.float32(0.1), speed=np.float32(0.3)).outcome
         roburoc4_simulator.set("battery_percent", np.float32(50))
 
@@ -50,8 +50,8 @@ Call = Callable[[Robot], object]
         (lambda r: r.relocalize(0, float("inf"), 0), "y_m: inf .* a finite number"),
         (lambda r: r.go_to(float("nan"), 0), "x_m: nan .* a finite number"),
         (lambda r: r.move(1, speed=0), "speed: 0 .* more than 0, up to 100"),
-        (lambda r: r.outputs[99], "no digital output 99: its 8 are 0 to 7"),
-        (lambda r: r.outputs[1.5], "no digital output 1.5: its 8 are 0 to 7"),
+        (lambda r: r.digital_outputs[99], "no digital output 99: its 8 are 0 to 7"),
+        (lambda r: r.digital_outputs[1.5], "no digital output 1.5: its 8 are 0 to 7"),
         (lambda r: r.inputs[8], r"inputs.digital\(8\) or inputs.analog\(8\)"),
     ],
 )
@@ -98,8 +98,8 @@ def test_states_and_causes_are_members_of_enumerations(roburoc4_simulator: Simul
 
 def test_outputs_and_inputs_can_be_listed(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
-        robot.outputs[3] = True
-        assert list(robot.outputs) == [index == 3 for index in range(8)]
+        robot.digital_outputs[3] = True
+        assert list(robot.digital_outputs) == [index == 3 for index in range(8)]
         assert list(robot.analog_outputs) == []
         assert "Front bumper" in list(robot.inputs)
 

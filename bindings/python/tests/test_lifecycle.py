@@ -98,7 +98,7 @@ def test_close_can_be_called_twice_and_values_stay(served: Simulator) -> None:
         robot.arm,
         lambda: robot.wait_for("localization"),
         lambda: robot.relocalize(0, 0, 0),
-        lambda: robot.outputs.set({1: True}),
+        lambda: robot.digital_outputs.set({1: True}),
     ):
         with pytest.raises(roburoc4.ClosedError):
             use()

@@ -116,19 +116,19 @@ def test_errors_for_unknown_names_list_the_known_ones(roburoc4_simulator: Simula
 
 def test_outputs_reach_the_robot_and_output_0_is_its_own(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
-        robot.outputs[3] = True
-        robot.outputs.set({4: True, 5: False})
+        robot.digital_outputs[3] = True
+        robot.digital_outputs.set({4: True, 5: False})
         assert [roburoc4_simulator.get(f"digital_output_{i}") for i in (3, 4, 5)] == [
             True,
             True,
             False,
         ]
-        assert robot.outputs[3]
+        assert robot.digital_outputs[3]
         with pytest.raises(roburoc4.ArgumentError, match="output 1 or above"):
-            robot.outputs[0] = True
+            robot.digital_outputs[0] = True
         with pytest.raises(roburoc4.ArgumentError, match="0 to 7"):
-            robot.outputs[8] = True
-        assert len(robot.outputs) == 8
+            robot.digital_outputs[8] = True
+        assert len(robot.digital_outputs) == 8
 
 
 def test_analog_outputs_reach_the_robot() -> None:

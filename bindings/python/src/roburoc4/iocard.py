@@ -10,7 +10,7 @@ from .constants import IoType, Result
 from .errors import ArgumentError, finite
 from .records import IoCardStatus
 
-__all__ = ["AnalogOutputs", "ChannelNames", "Inputs", "Outputs"]
+__all__ = ["AnalogOutputs", "ChannelNames", "DigitalOutputs", "Inputs"]
 
 
 class ChannelNames(NamedTuple):
@@ -141,8 +141,8 @@ class Inputs:
         return self._status().analog_inputs[index]
 
 
-class Outputs:
-    """Digital outputs: ``robot.outputs[3] = True``.
+class DigitalOutputs:
+    """Digital outputs: ``robot.digital_outputs[3] = True``.
 
     A command carries all outputs, and they cannot be read back: those that were never set are sent
     as off, and reading one returns what this object has set. Output 0 is the robot's own.
@@ -178,7 +178,10 @@ class Outputs:
 
 
 class AnalogOutputs:
-    """Analog outputs, generally volts: ``robot.analog_outputs[0] = 2.5``; see :class:`Outputs`."""
+    """Analog outputs, generally volts: ``robot.analog_outputs[0] = 2.5``.
+
+    See :class:`DigitalOutputs`.
+    """
 
     def __init__(self, connection: Connection) -> None:
         self._connection = connection

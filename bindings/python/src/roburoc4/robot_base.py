@@ -19,7 +19,7 @@ from .errors import (
     finite,
     unusable,
 )
-from .iocard import AnalogOutputs, ChannelNames, Inputs, Outputs, decode_text
+from .iocard import AnalogOutputs, ChannelNames, DigitalOutputs, Inputs, decode_text
 from .records import (
     BatteryStatus,
     DifferentialStatus,
@@ -50,7 +50,7 @@ class RobotBase:
         self._lease_s = settings.get("lease_ms", 250) / 1000
         self._ready_s = connection.now_s()
         self._inputs = Inputs(connection)
-        self._outputs = Outputs(connection)
+        self._digital_outputs = DigitalOutputs(connection)
         self._analog_outputs = AnalogOutputs(connection)
 
     def __repr__(self) -> str:
@@ -217,9 +217,9 @@ class RobotBase:
     # ---- commands ----
 
     @property
-    def outputs(self) -> Outputs:
-        """Digital outputs: ``robot.outputs[3] = True``."""
-        return self._outputs
+    def digital_outputs(self) -> DigitalOutputs:
+        """Digital outputs: ``robot.digital_outputs[3] = True``."""
+        return self._digital_outputs
 
     @property
     def analog_outputs(self) -> AnalogOutputs:

@@ -103,7 +103,7 @@ def run_output(options: OutputOptions) -> int:
     on = options.state == "on"
     with session.connected(options) as robot:
         try:
-            robot.outputs[options.index] = on
+            robot.digital_outputs[options.index] = on
         except RobotError as error:
             raise refused(f"output {options.index}: {error}") from None
         time.sleep(_SENT_S)
