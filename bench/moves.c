@@ -41,7 +41,7 @@ static void pass(drive *d, uint64_t span_us) {
 
 static void look(drive *d, roburoc4_sim_state *out) {
     out->size = sizeof *out;
-    (void)roburoc4_sim_snapshot(roburoc4_world_robot(d->world), out);
+    (void)roburoc4_sim_get_state(roburoc4_world_robot(d->world), out);
 }
 
 static void open_world(drive *d, float slip, double loss, uint64_t seed) {

@@ -13,7 +13,7 @@
  *     roburoc4_sim_poll_transmit()  the next datagram to send and to whom, until 0
  *     roburoc4_sim_next_deadline()  when to call advance() next
  *     roburoc4_sim_set()            power, game pad, emergency stops, bumpers ...
- *     roburoc4_sim_snapshot()       everything about the robot, including its true pose
+ *     roburoc4_sim_get_state()      everything about the robot, including its true pose
  *
  * The same configuration, seed and calls give the same bytes. roburoc4-sim is this model behind
  * a UDP socket.
@@ -232,7 +232,7 @@ typedef struct roburoc4_sim_state {
     /* the last differential command that had the right length, accepted or not, as it was sent */
     double last_linear_m_s, last_angular_rad_s;
     uint64_t last_command_us;
-    float telemeters_m[2]; /* ROBUROC4_TELEMETER_* */
+    float distances_m[2]; /* ROBUROC4_TELEMETER_* */
     float battery_percent, battery_v;
     /* 1 or 0 */
     int32_t powered, motors_enabled;
@@ -255,14 +255,14 @@ typedef struct roburoc4_sim_state {
 } roburoc4_sim_state;
 
 /** Read the state. ROBUROC4_ERR_SIZE for a size that no version has had. */
-ROBUROC4_SIM_API roburoc4_result roburoc4_sim_snapshot(const roburoc4_sim *sim,
-                                                       roburoc4_sim_state *state);
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_get_state(const roburoc4_sim *sim,
+                                                        roburoc4_sim_state *out);
 /** Carry out one line of text, such as `pad a down`, `pad rt 0.5`, `estop local press`, `power
  *  off`; `help` lists them all. `reply` (capacity bytes, at least 1) gets "ok", the requested text,
- *  or an error message; ROBUROC4_SIM_REPLY bytes hold the longest. An empty line, or one that
+ *  or an error message; ROBUROC4_SIM_REPLY_SIZE bytes hold the longest. An empty line, or one that
  *  begins with `#`, does nothing. ROBUROC4_ERR_ARGUMENT: invalid line; nothing was changed.
  *  ROBUROC4_ERR_STATE: not possible now. */
-#define ROBUROC4_SIM_REPLY 2048
+#define ROBUROC4_SIM_REPLY_SIZE 2048
 ROBUROC4_SIM_API roburoc4_result roburoc4_sim_panel(roburoc4_sim *sim, const char *line,
                                                     char *reply, size_t capacity);
 
@@ -296,7 +296,7 @@ typedef struct roburoc4_sim_faults {
 } roburoc4_sim_faults;
 
 /** The most clients in a world. */
-#define ROBUROC4_WORLD_CLIENTS 16
+#define ROBUROC4_WORLD_MAX_CLIENTS 16
 
 /** A world with one robot, which is on, and without clients; its time begins at 1 s. config is that
  *  of roburoc4_sim_create(). NULL: a bad configuration, or no memory. */

@@ -173,7 +173,7 @@ static roburoc4_result do_status(roburoc4_sim *sim, const words *line, panel_ans
         return NOT_UNDERSTOOD;
     }
     roburoc4_sim_state state = {.size = sizeof state};
-    (void)roburoc4_sim_snapshot(sim, &state);
+    (void)roburoc4_sim_get_state(sim, &state);
     (void)snprintf(
         answer->text, answer->capacity,
         "power %s, motors %s%s%s%s, %llu cycles, pose %.3f %.3f %.3f, odometry %.3f "
@@ -186,8 +186,8 @@ static roburoc4_result do_status(roburoc4_sim *sim, const words *line, panel_ans
         state.odometry_theta_rad, state.wheel_linear_m_s, state.wheel_angular_rad_s,
         state.target_linear_m_s, state.target_angular_rad_s, (double)state.battery_percent,
         (double)state.battery_v, roburoc4_name(ROBUROC4_NAME_BATTERY, state.battery_state),
-        (double)state.telemeters_m[ROBUROC4_TELEMETER_FRONT],
-        (double)state.telemeters_m[ROBUROC4_TELEMETER_REAR], state.peers, state.subscriptions);
+        (double)state.distances_m[ROBUROC4_TELEMETER_FRONT],
+        (double)state.distances_m[ROBUROC4_TELEMETER_REAR], state.peers, state.subscriptions);
     return ROBUROC4_OK;
 }
 

@@ -105,7 +105,7 @@ static void fill_motion(const roburoc4_sim *sim, roburoc4_sim_state *state) {
     state->target_linear_m_s = sim->target.linear_m_s;
     state->target_angular_rad_s = sim->target.angular_rad_s;
     for (uint32_t which = 0; which < ROBUROC4_TELEMETER_COUNT; which++) {
-        state->telemeters_m[which] = sim_telemeter_distance(sim, which);
+        state->distances_m[which] = sim_telemeter_distance(sim, which);
     }
 }
 
@@ -135,9 +135,9 @@ static void fill_link(const roburoc4_sim *sim, roburoc4_sim_state *state) {
     }
 }
 
-roburoc4_result roburoc4_sim_snapshot(const roburoc4_sim *sim, roburoc4_sim_state *state) {
-    const uint32_t size = state->size;
-    if (!sim_size_is_valid(size, sizeof *state)) {
+roburoc4_result roburoc4_sim_get_state(const roburoc4_sim *sim, roburoc4_sim_state *out) {
+    const uint32_t size = out->size;
+    if (!sim_size_is_valid(size, sizeof *out)) {
         return ROBUROC4_ERR_SIZE;
     }
     roburoc4_sim_state all = sim->counts;
@@ -147,6 +147,6 @@ roburoc4_result roburoc4_sim_snapshot(const roburoc4_sim *sim, roburoc4_sim_stat
     fill_motion(sim, &all);
     fill_panel(sim, &all);
     fill_link(sim, &all);
-    memcpy(state, &all, size);
+    memcpy(out, &all, size);
     return ROBUROC4_OK;
 }

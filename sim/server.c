@@ -144,7 +144,7 @@ static bool choose_robots(const server_state *server, const char **line, uint32_
 }
 
 static void obey(server_state *server, const char *line) {
-    char reply[ROBUROC4_SIM_REPLY];
+    char reply[ROBUROC4_SIM_REPLY_SIZE];
     uint32_t first = 0;
     uint32_t last = 0;
     if (strcmp(line, "quit") == 0) {

@@ -19,7 +19,7 @@ struct simulation {
     sim_host *host;        /* on a port, or NULL */
     roburoc4_sim *robot;   /* belongs to one of these */
     bool stopped;
-    member members[ROBUROC4_WORLD_CLIENTS];
+    member members[ROBUROC4_WORLD_MAX_CLIENTS];
 };
 
 /* ----------------------------------------------------------------------------- both of them --- */
@@ -118,7 +118,7 @@ roburoc4_result simulation_join(simulation *s, roburoc4_pump *pump) {
 }
 
 void simulation_part(simulation *s, const roburoc4_pump *pump) {
-    for (int i = 0; i < ROBUROC4_WORLD_CLIENTS; i++) {
+    for (int i = 0; i < ROBUROC4_WORLD_MAX_CLIENTS; i++) {
         if (s->members[i].number != 0 && s->members[i].pump == pump) {
             roburoc4_world_leave(s->world, s->members[i].client);
             s->members[i].number = 0;
@@ -134,7 +134,7 @@ int simulation_step(simulation *s, uint64_t until_us) {
     const uint8_t *datagram;
     size_t size;
     const uint32_t number = roburoc4_world_step(s->world, until_us, &datagram, &size);
-    for (int i = 0; number != 0 && i < ROBUROC4_WORLD_CLIENTS; i++) {
+    for (int i = 0; number != 0 && i < ROBUROC4_WORLD_MAX_CLIENTS; i++) {
         if (s->members[i].number == number && roburoc4_pump_lock(s->members[i].pump) != NULL) {
             roburoc4_pump_collect(s->members[i].pump, size > 0 ? datagram : NULL, size);
             roburoc4_pump_unlock(s->members[i].pump);

@@ -28,7 +28,7 @@ struct roburoc4_world {
     roburoc4_sim_faults faults;
     uint32_t joined; /* ever: seeds and numbers are not reused */
     uint32_t count;
-    member members[ROBUROC4_WORLD_CLIENTS]; /* in the order in which they joined */
+    member members[ROBUROC4_WORLD_MAX_CLIENTS]; /* in the order in which they joined */
     uint8_t datagram[LONGEST];
 };
 
@@ -80,7 +80,7 @@ roburoc4_result roburoc4_world_join(roburoc4_world *world, roburoc4_client *clie
     const uint64_t seed = 2 * ((uint64_t)world->joined + 1);
     member *made = &world->members[world->count];
     roburoc4_result result;
-    if (world->count == ROBUROC4_WORLD_CLIENTS) {
+    if (world->count == ROBUROC4_WORLD_MAX_CLIENTS) {
         return ROBUROC4_ERR_BUFFER;
     }
     result = roburoc4_client_start(client, world->now_us);

@@ -40,7 +40,7 @@ static double x_after(uint64_t until_us) {
         roburoc4_sim_advance(robot, now_us);
         robot_poll();
     }
-    (void)roburoc4_sim_snapshot(robot, ROBUROC4_SIZED(&state));
+    (void)roburoc4_sim_get_state(robot, ROBUROC4_SIZED(&state));
     return state.true_x_m;
 }
 

@@ -54,7 +54,7 @@ struct Served {
         roburoc4_sim_state state{};
         state.size = sizeof state;
         sim_host_lock(host.get());
-        EXPECT_EQ(roburoc4_sim_snapshot(sim, &state), ROBUROC4_OK);
+        EXPECT_EQ(roburoc4_sim_get_state(sim, &state), ROBUROC4_OK);
         sim_host_unlock(host.get());
         return state;
     }

@@ -144,7 +144,7 @@ TEST(SimSizes, AShorterStateIsNotWrittenBeyondItsEnd) {
     std::fill_n(reinterpret_cast<std::uint8_t *>(&state), sizeof state, std::uint8_t{0x5A});
     state.size = offsetof(roburoc4_sim_state, true_x_m);
     const double beyond = state.true_x_m;
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_snapshot(robot.get(), &state));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_get_state(robot.get(), &state));
     EXPECT_EQ(3U, state.cycles);
     EXPECT_EQ(beyond, state.true_x_m);
     EXPECT_EQ(offsetof(roburoc4_sim_state, true_x_m), state.size);

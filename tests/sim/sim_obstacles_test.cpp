@@ -75,7 +75,7 @@ TEST(SimDefaultWorld, LeavesFiveMetresClearAllAroundTheStart) {
 TEST(SimDefaultWorld, IsSeenByBothTelemetersFromTheStart) {
     SimRobot robot;
     const auto state = robot.state();
-    for (const float distance : state.telemeters_m) {
+    for (const float distance : state.distances_m) {
         EXPECT_GE(distance, 5.0F);
         EXPECT_LT(distance, 6.0F);
     }
@@ -201,18 +201,17 @@ TEST_F(SimTelemeter, MeasureFromTheBodysEnds) {
     ASSERT_EQ(0, wall(4.0, -3.0, 4.0, 3.0));
     ASSERT_EQ(1, wall(-3.0, -3.0, -3.0, 3.0));
     auto state = robot.state();
-    EXPECT_NEAR(4.0 - 0.05 - half_length, double(state.telemeters_m[ROBUROC4_TELEMETER_FRONT]),
+    EXPECT_NEAR(4.0 - 0.05 - half_length, double(state.distances_m[ROBUROC4_TELEMETER_FRONT]),
                 1e-5);
-    EXPECT_NEAR(3.0 - 0.05 - half_length, double(state.telemeters_m[ROBUROC4_TELEMETER_REAR]),
-                1e-5);
+    EXPECT_NEAR(3.0 - 0.05 - half_length, double(state.distances_m[ROBUROC4_TELEMETER_REAR]), 1e-5);
     ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_place(sim(), 1.0, 0.0, pi));
     state = robot.state();
-    EXPECT_NEAR(4.0 - 0.05 - half_length, double(state.telemeters_m[ROBUROC4_TELEMETER_FRONT]),
+    EXPECT_NEAR(4.0 - 0.05 - half_length, double(state.distances_m[ROBUROC4_TELEMETER_FRONT]),
                 1e-5);
 }
 
 TEST_F(SimTelemeter, SeeWithinTheirConeAndRange) {
-    const auto front = [this] { return double(robot.state().telemeters_m[0]); };
+    const auto front = [this] { return double(robot.state().distances_m[0]); };
     EXPECT_DOUBLE_EQ(6.0, front()) << "nothing there: the largest distance";
     const auto box = roburoc4_sim_add_box(sim(), 4.0, 0.7, 0.4, 0.4, 0.0);
     ASSERT_EQ(0, box);
@@ -241,5 +240,5 @@ TEST_F(SimTelemeter, PropertiesHoldTheirMountingAndRange) {
     EXPECT_NEAR(pi / 6.0, double(front.field_of_view_rad), 1e-4);
     EXPECT_FLOAT_EQ(0.25F, front.min_distance_m);
     EXPECT_FLOAT_EQ(6.0F, front.max_distance_m);
-    EXPECT_FLOAT_EQ(robot.state().telemeters_m[0], front.distance_m);
+    EXPECT_FLOAT_EQ(robot.state().distances_m[0], front.distance_m);
 }

@@ -25,7 +25,7 @@ namespace {
 class SimPanel : public testing::Test {
   protected:
     roburoc4_result obey(const std::string &line) {
-        std::array<char, ROBUROC4_SIM_REPLY> buffer{};
+        std::array<char, ROBUROC4_SIM_REPLY_SIZE> buffer{};
         const auto result =
             roburoc4_sim_panel(robot.get(), line.c_str(), buffer.data(), buffer.size());
         reply = buffer.data();
@@ -119,11 +119,11 @@ TEST_F(SimPanel, PutsBoxesOnTheFloor) {
     EXPECT_EQ(ROBUROC4_OK, obey("box clear"));
     EXPECT_EQ(ROBUROC4_OK, obey("box add 3 0 0.5 0.5 0"));
     EXPECT_EQ("ok 0", reply);
-    EXPECT_NEAR(2.75 - 0.655, double(robot.state().telemeters_m[0]), 1e-5);
+    EXPECT_NEAR(2.75 - 0.655, double(robot.state().distances_m[0]), 1e-5);
     EXPECT_EQ(ROBUROC4_OK, obey("box wall -3 -1 -3 1"));
     EXPECT_EQ("ok 1", reply);
     EXPECT_EQ(ROBUROC4_OK, obey("box move 0 4 0 0"));
-    EXPECT_NEAR(3.75 - 0.655, double(robot.state().telemeters_m[0]), 1e-5);
+    EXPECT_NEAR(3.75 - 0.655, double(robot.state().distances_m[0]), 1e-5);
     EXPECT_EQ(ROBUROC4_ERR_STATE, obey("box move 0 0 0 0"));
     EXPECT_NE(std::string::npos, reply.find("overlap")) << reply;
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, obey("box move 7 0 0 0"));
@@ -383,5 +383,5 @@ TEST(SimConfig, TheLargestCardFitsIntoADatagram) {
 TEST(SimConfig, SnapshotRefusesAnotherSize) {
     SimRobot robot;
     roburoc4_sim_state state{};
-    EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_sim_snapshot(robot.get(), &state));
+    EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_sim_get_state(robot.get(), &state));
 }

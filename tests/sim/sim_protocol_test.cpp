@@ -459,7 +459,7 @@ TEST(SimInputs, ShowPadBumpersAndVoltages) {
     EXPECT_FLOAT_EQ(0.75F, analog(ROBUROC4_AI_PAD_RJ_Y));
     EXPECT_FLOAT_EQ(-1.0F, analog(ROBUROC4_AI_PAD_LT)) << "a trigger at rest";
     EXPECT_FLOAT_EQ(state.battery_v, analog(ROBUROC4_AI_BATTERY_V));
-    EXPECT_NEAR(double(state.telemeters_m[0]) * 5.0 / 6.0,
+    EXPECT_NEAR(double(state.distances_m[0]) * 5.0 / 6.0,
                 double(analog(ROBUROC4_AI_FRONT_TELEMETER_V)), 1e-5);
 }
 

@@ -45,7 +45,7 @@ class World : public testing::Test {
     [[nodiscard]] roburoc4_sim_state robot() const {
         roburoc4_sim_state state{};
         state.size = sizeof state;
-        roburoc4_sim_snapshot(roburoc4_world_robot(world.get()), &state);
+        roburoc4_sim_get_state(roburoc4_world_robot(world.get()), &state);
         return state;
     }
     void make_ready() {
@@ -195,8 +195,8 @@ TEST_F(World, FaultsHoldForClientsThatJoinLater) {
 }
 
 TEST_F(World, HasRoomForAFixedNumberOfClients) {
-    std::vector<roburoc4_client> others(ROBUROC4_WORLD_CLIENTS);
-    for (size_t i = 0; i + 1 < ROBUROC4_WORLD_CLIENTS; i++) {
+    std::vector<roburoc4_client> others(ROBUROC4_WORLD_MAX_CLIENTS);
+    for (size_t i = 0; i + 1 < ROBUROC4_WORLD_MAX_CLIENTS; i++) {
         roburoc4_client_init(&others[i], sizeof others[i], nullptr);
         EXPECT_EQ(number + 1 + (int)i, roburoc4_world_join(world.get(), &others[i]));
     }
@@ -208,7 +208,7 @@ TEST_F(World, HasRoomForAFixedNumberOfClients) {
         EXPECT_EQ(&at == &last ? ROBUROC4_STATE_IDLE : ROBUROC4_STATE_READY,
                   roburoc4_client_state(&at));
     roburoc4_world_leave(world.get(), &others[3]);
-    EXPECT_EQ(ROBUROC4_WORLD_CLIENTS + 1, roburoc4_world_join(world.get(), &last));
+    EXPECT_EQ(ROBUROC4_WORLD_MAX_CLIENTS + 1, roburoc4_world_join(world.get(), &last));
 }
 
 TEST_F(World, AClientThatLeftIsNoLongerTouched) {

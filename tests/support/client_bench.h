@@ -271,7 +271,7 @@ class SimPartner : public Partner {
     [[nodiscard]] roburoc4_sim_state state() const {
         roburoc4_sim_state state{};
         state.size = sizeof state;
-        EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_snapshot(sim_.get(), &state));
+        EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_get_state(sim_.get(), &state));
         return state;
     }
     void advance(std::uint64_t now_us) override {

@@ -107,7 +107,7 @@ class SimRobot {
     [[nodiscard]] roburoc4_sim_state state() const {
         roburoc4_sim_state state{};
         state.size = sizeof state;
-        EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_snapshot(sim_.get(), &state));
+        EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_get_state(sim_.get(), &state));
         return state;
     }
 

@@ -45,14 +45,14 @@ class UdpRobot {
     /* Executes a line of the control panel; true if the robot could. */
     bool panel(const std::string &line) {
         std::lock_guard<std::mutex> guard(mutex_);
-        char reply[ROBUROC4_SIM_REPLY];
+        char reply[ROBUROC4_SIM_REPLY_SIZE];
         return roburoc4_sim_panel(sim_, line.c_str(), reply, sizeof reply) == ROBUROC4_OK;
     }
     roburoc4_sim_state state() {
         std::lock_guard<std::mutex> guard(mutex_);
         roburoc4_sim_state state{};
         state.size = sizeof state;
-        roburoc4_sim_snapshot(sim_, &state);
+        roburoc4_sim_get_state(sim_, &state);
         return state;
     }
     std::vector<SpeedCommand> commands() {

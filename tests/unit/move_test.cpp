@@ -66,7 +66,7 @@ class Moving : public testing::Test {
     roburoc4_sim_state state() {
         roburoc4_sim_state s;
         s.size = sizeof s;
-        roburoc4_sim_snapshot(robot(), &s);
+        roburoc4_sim_get_state(robot(), &s);
         return s;
     }
     void pass(std::uint64_t span_us) {

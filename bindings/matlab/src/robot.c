@@ -94,7 +94,7 @@ double robot_join(simulation *world, const robot_settings *settings) {
     if (simulation_join(world, made->pump) < 0) {
         robot_close(made);
         return fail(FAIL_LIMIT, "a simulator has room for %d robots; delete one",
-                    ROBUROC4_WORLD_CLIENTS);
+                    ROBUROC4_WORLD_MAX_CLIENTS);
     }
     made->world = world;
     return enter(made);

@@ -155,16 +155,16 @@ static const field state_fields[] = {
     COUNT(ignored), COUNT(peers), COUNT(subscriptions),
 };
 /* clang-format on */
-static const field telemeters = {"telemeters_m", 0, sizeof(float), FIELD_FLOAT, 0};
+static const field telemeters = {"distances_m", 0, sizeof(float), FIELD_FLOAT, 0};
 
 /* simState(id) */
 static int read_state(call *in) {
     roburoc4_sim_state state = {.size = sizeof state};
-    (void)roburoc4_sim_snapshot(simulation_lock(in->object), &state);
+    (void)roburoc4_sim_get_state(simulation_lock(in->object), &state);
     simulation_unlock(in->object);
     answer_fields(&in->out, state_fields, COUNT_OF(state_fields), &state);
-    answer_rows(&in->out, &telemeters, 1, state.telemeters_m, sizeof *state.telemeters_m,
-                COUNT_OF(state.telemeters_m));
+    answer_rows(&in->out, &telemeters, 1, state.distances_m, sizeof *state.distances_m,
+                COUNT_OF(state.distances_m));
     return 1;
 }
 
@@ -218,7 +218,7 @@ static int get_control(call *in) {
 
 /* simPanel(id, line): the reply */
 static int panel(call *in) {
-    static char reply[ROBUROC4_SIM_REPLY];
+    static char reply[ROBUROC4_SIM_REPLY_SIZE];
     char line[TEXT_SIZE];
     roburoc4_result result;
     if (!take_text(in->arguments[0], "line", line)) {

@@ -70,7 +70,7 @@ void simulation_leave(void) {
 }
 
 PyObject *simulation_panel(simulation *s, const char *line) {
-    char reply[ROBUROC4_SIM_REPLY] = "";
+    char reply[ROBUROC4_SIM_REPLY_SIZE] = "";
     roburoc4_result result;
     result = roburoc4_sim_panel(simulation_enter(s), line, reply, sizeof reply);
     simulation_leave();

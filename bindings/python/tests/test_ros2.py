@@ -209,7 +209,7 @@ def test_what_was_sent_is_what_rosbags_reads(
     launch(robot=served.address)
     found = published()
     front, rear = found["range/front"], found["range/rear"]
-    assert front.range == pytest.approx(served.state.telemeters_m[0])
+    assert front.range == pytest.approx(served.state.distances_m[0])
     assert (front.min_range, front.max_range) == (0.25, 6.0)
     assert (front.header.frame_id, rear.header.frame_id) == ("range_front", "range_rear")
     places = {one.child_frame_id: one.transform for one in found["tf_static"].transforms}

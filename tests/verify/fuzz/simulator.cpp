@@ -37,7 +37,7 @@ void take(roburoc4_sim *sim) {
 void look(const roburoc4_sim *sim) {
     roburoc4_sim_state s{};
     s.size = sizeof s;
-    expect(roburoc4_sim_snapshot(sim, &s) == ROBUROC4_OK, "its state can be read");
+    expect(roburoc4_sim_get_state(sim, &s) == ROBUROC4_OK, "its state can be read");
     expect(std::isfinite(s.true_x_m) && std::isfinite(s.true_y_m) &&
                std::isfinite(s.true_linear_m_s) && std::isfinite(s.true_angular_rad_s) &&
                std::isfinite(s.target_linear_m_s) && std::isfinite(s.target_angular_rad_s),
@@ -50,7 +50,7 @@ void look(const roburoc4_sim *sim) {
 
 void command_line(roburoc4_sim *sim, const Bytes &text) {
     const std::string line(text.begin(), text.end());
-    char reply[ROBUROC4_SIM_REPLY];
+    char reply[ROBUROC4_SIM_REPLY_SIZE];
     const roburoc4_result result = roburoc4_sim_panel(sim, line.c_str(), reply, sizeof reply);
     expect(result == ROBUROC4_OK || result == ROBUROC4_ERR_ARGUMENT || result == ROBUROC4_ERR_STATE,
            "the panel says how it went");

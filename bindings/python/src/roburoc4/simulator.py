@@ -220,7 +220,7 @@ class Simulator:
     @property
     def state(self) -> SimState:
         """Everything that can be known about the robot."""
-        return _native.roburoc4_sim_snapshot(self._sim)
+        return _native.roburoc4_sim_get_state(self._sim)
 
     @property
     def true_pose(self) -> Pose:

@@ -199,7 +199,7 @@ def test_any_signal_can_be_plotted_read_and_exported(station: Make, visit: Visit
     assert lines[0] == f"time_s,{names}"
     last = dict(zip(names.split(","), map(float, lines[-1].split(",")[1:]), strict=True))
     assert last["battery"] == 61.0
-    assert last["distance_0"] == pytest.approx(here.sim.state.telemeters_m[0], abs=0.1)
+    assert last["distance_0"] == pytest.approx(here.sim.state.distances_m[0], abs=0.1)
     page.reload()
     expect(page.locator("#plots .uplot")).to_have_count(8)
 
@@ -359,10 +359,10 @@ def test_an_obstacle_is_dragged_and_the_telemeter_sees_it(station: Make, visit: 
     page = visit(here.url)
     ready(page)
     open_tab(page, "sim")
-    free_m = here.sim.state.telemeters_m[0]
+    free_m = here.sim.state.distances_m[0]
     page.get_by_role("button", name="Add an obstacle").click()
-    until(lambda: here.sim.state.telemeters_m[0] < 2.0 < free_m)
-    near_m = here.sim.state.telemeters_m[0]
+    until(lambda: here.sim.state.distances_m[0] < 2.0 < free_m)
+    near_m = here.sim.state.distances_m[0]
     canvas = page.locator("#map")
     canvas.scroll_into_view_if_needed()
     box = canvas.bounding_box()
@@ -374,9 +374,9 @@ def test_an_obstacle_is_dragged_and_the_telemeter_sees_it(station: Make, visit: 
         page.mouse.move(middle[0], middle[1] - (2.2 - 0.08 * step) * 60)
         time.sleep(0.05)
     page.mouse.up()
-    until(lambda: here.sim.state.telemeters_m[0] < near_m - 0.3)
+    until(lambda: here.sim.state.distances_m[0] < near_m - 0.3)
     page.get_by_role("button", name="Clear obstacles").click()
-    until(lambda: here.sim.state.telemeters_m[0] > 5.0)
+    until(lambda: here.sim.state.distances_m[0] > 5.0)
 
 
 def test_true_pose_is_shown_beside_odometry(station: Make, visit: Visit) -> None:
