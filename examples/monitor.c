@@ -68,7 +68,7 @@ static const char *channel(roburoc4_pump *pump, int32_t io_type, uint32_t index,
 /* The names of the inputs that are on, or "none", cut where the room ends. */
 static const char *pressed(roburoc4_pump *pump, const roburoc4_inputs *inputs, char *out,
                            size_t size) {
-    char room[ROBUROC4_PUMP_DESCRIPTION_MAX + 1];
+    char room[ROBUROC4_PUMP_DESCRIPTION_SIZE];
     size_t length = 0;
     snprintf(out, size, "none");
     for (uint32_t i = 0; i < inputs->digital_count && length < size; i++) {
@@ -82,7 +82,7 @@ static const char *pressed(roburoc4_pump *pump, const roburoc4_inputs *inputs, c
 }
 
 static void print_inputs(roburoc4_pump *pump, const roburoc4_inputs *inputs) {
-    char room[ROBUROC4_PUMP_DESCRIPTION_MAX + 1], on[1024];
+    char room[ROBUROC4_PUMP_DESCRIPTION_SIZE], on[1024];
     for (uint32_t i = 0; i < inputs->analog_count; i++) {
         const char *name = channel(pump, ROBUROC4_IO_ANALOG_INPUT, i, room, sizeof room);
         printf("%s %.2f%s; ", name, (double)inputs->analog[i], strstr(name, "olt") ? " V" : "");

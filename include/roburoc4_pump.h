@@ -164,7 +164,7 @@ ROBUROC4_API roburoc4_result roburoc4_sample_latest(const roburoc4_client *clien
 typedef struct roburoc4_pump_reader {
     uint64_t next_sample; /* sequence of the next sample to read */
     uint64_t lost;        /* samples that were overwritten before this reader read them */
-    uint64_t next_event;  /* private */
+    uint64_t private_next_event;
 } roburoc4_pump_reader;
 
 /** Start with the samples and events from now on instead. ROBUROC4_ERR_CLOSED only in a forked
@@ -195,14 +195,14 @@ ROBUROC4_API roburoc4_result roburoc4_pump_wait_events(roburoc4_pump *pump,
 
 /* ---------------------------------------------------------------------------- descriptions --- */
 
-/** Bytes that are kept of a description; longer texts are cut. */
-#define ROBUROC4_PUMP_DESCRIPTION_MAX 63
+/** Enough for every description, including its NUL; the pump cuts longer texts. */
+#define ROBUROC4_PUMP_DESCRIPTION_SIZE 64
 
 /** The robot's text for an IO channel (io_type ROBUROC4_IO_*, wire index) or for entry `index` of
  *  its directory (io_type -1). Writes it with a terminating NUL and returns its length. Its
- *  character set is not specified, and it may be empty. A buffer of ROBUROC4_PUMP_DESCRIPTION_MAX +
- *  1 always suffices. ROBUROC4_ERR_UNKNOWN: the robot gave none (yet); ROBUROC4_ERR_INDEX: beyond
- *  the client's capacities; ROBUROC4_ERR_ARGUMENT: no such io_type; ROBUROC4_ERR_BUFFER. */
+ *  character set is not specified, and it may be empty. A buffer of ROBUROC4_PUMP_DESCRIPTION_SIZE
+ *  always suffices. ROBUROC4_ERR_UNKNOWN: the robot gave none (yet); ROBUROC4_ERR_INDEX: beyond the
+ *  client's capacities; ROBUROC4_ERR_ARGUMENT: no such io_type; ROBUROC4_ERR_BUFFER. */
 ROBUROC4_API roburoc4_result roburoc4_pump_description(roburoc4_pump *pump, int32_t io_type,
                                                        uint32_t index, char *buffer,
                                                        size_t capacity);

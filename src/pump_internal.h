@@ -22,7 +22,7 @@
 
 typedef struct roburoc4_pump_text {
     uint8_t known, length;
-    char text[ROBUROC4_PUMP_DESCRIPTION_MAX];
+    char text[ROBUROC4_PUMP_DESCRIPTION_SIZE - 1];
 } roburoc4_pump_text;
 
 struct roburoc4_pump {

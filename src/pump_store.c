@@ -92,8 +92,8 @@ static void store_text(roburoc4_pump *pump, const uint8_t *datagram, size_t size
         return;
     }
     length = description.length;
-    if (length > ROBUROC4_PUMP_DESCRIPTION_MAX) {
-        length = ROBUROC4_PUMP_DESCRIPTION_MAX;
+    if (length > ROBUROC4_PUMP_DESCRIPTION_SIZE - 1) {
+        length = ROBUROC4_PUMP_DESCRIPTION_SIZE - 1;
     }
     memcpy(text->text, description.text, length);
     text->length = (uint8_t)length;
@@ -143,7 +143,7 @@ roburoc4_result roburoc4_pump_reader_init(roburoc4_pump *pump, roburoc4_pump_rea
     }
     reader->next_sample = pump->next_sample;
     reader->lost = 0;
-    reader->next_event = pump->event_turn + 1;
+    reader->private_next_event = pump->event_turn + 1;
     roburoc4_pump_leave(pump);
     return ROBUROC4_OK;
 }
@@ -194,7 +194,7 @@ static uint32_t look_for_events(const roburoc4_pump *pump, const roburoc4_pump_r
                                 uint32_t mask) {
     uint32_t events = 0, bit;
     for (bit = 0; bit < 32; bit++) {
-        if (pump->event_last[bit] != 0 && pump->event_last[bit] >= reader->next_event) {
+        if (pump->event_last[bit] != 0 && pump->event_last[bit] >= reader->private_next_event) {
             events |= (uint32_t)1 << bit;
         }
     }
@@ -238,7 +238,7 @@ roburoc4_result roburoc4_pump_take_events(roburoc4_pump *pump, roburoc4_pump_rea
         return ROBUROC4_ERR_CLOSED;
     }
     events = look_for_events(pump, reader, UINT32_MAX);
-    reader->next_event = pump->event_turn + 1;
+    reader->private_next_event = pump->event_turn + 1;
     over = pump->phase != ROBUROC4_PUMP_RUNNING;
     roburoc4_pump_leave(pump);
     return events == 0 && over ? ROBUROC4_ERR_CLOSED : (roburoc4_result)events;

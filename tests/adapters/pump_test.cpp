@@ -196,7 +196,7 @@ TEST(Pump, KeepsTheRobotsTexts) {
     UdpRobot robot;
     Pump pump = make_pump(robot.address());
     roburoc4_pump_reader reader{};
-    char text[ROBUROC4_PUMP_DESCRIPTION_MAX + 1];
+    char text[ROBUROC4_PUMP_DESCRIPTION_SIZE];
     EXPECT_EQ(
         roburoc4_pump_description(pump.get(), ROBUROC4_IO_DIGITAL_INPUT, 63, text, sizeof text),
         ROBUROC4_ERR_UNKNOWN);
@@ -567,7 +567,7 @@ TEST(PumpWithoutAddress, KeepsWhatItsClientReceivesForReaders) {
     std::vector<roburoc4_sample> samples(1000);
     EXPECT_GT(roburoc4_pump_read_samples(pump, &reader, samples.data(), 1000), 600);
     EXPECT_NE(roburoc4_pump_take_events(pump, &reader) & ROBUROC4_EVENT_READY, 0);
-    std::array<char, ROBUROC4_PUMP_DESCRIPTION_MAX + 1> text{};
+    std::array<char, ROBUROC4_PUMP_DESCRIPTION_SIZE> text{};
     EXPECT_GT(
         roburoc4_pump_description(pump, ROBUROC4_IO_DIGITAL_INPUT, 0, text.data(), text.size()), 0);
     EXPECT_STREQ(text.data(), "Front bumper");

@@ -14,7 +14,7 @@
 /** At most so many channels of a type have names. */
 #define CHANNELS_MAX ROBUROC4_MAX_DIGITAL_INPUTS
 #define CHANNEL_TYPES (ROBUROC4_IO_DIGITAL_OUTPUT + 1)
-#define CHANNEL_TEXT (ROBUROC4_PUMP_DESCRIPTION_MAX + 1)
+#define CHANNEL_TEXT ROBUROC4_PUMP_DESCRIPTION_SIZE
 
 /** The robot's own texts for the channels of one type; "" if there is none. */
 typedef char channel_texts[CHANNELS_MAX][CHANNEL_TEXT];
