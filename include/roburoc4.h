@@ -19,7 +19,8 @@
  *     roburoc4_client_take_events()    what changed since the last call
  *
  * roburoc4_udp.h does this over a socket; examples/bare_loop.c does it by hand. The telegrams
- * themselves are in roburoc4_codec.h, which this header includes.
+ * themselves are in roburoc4_codec.h, which this header includes. A firmware compiles the sources
+ * that cmake/core_sources.txt lists, or the two files that scripts/amalgamate writes.
  *
  * CONVENTIONS
  *
@@ -94,7 +95,8 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_STATE_LOST 5    /* was ready, fell silent: asking for the directory again */
 #define ROBUROC4_STATE_CLOSING 6 /* sending the last zero commands */
 
-/** Events: a set of bits that tell what changed since the last roburoc4_client_take_events(). */
+/** Events: a set of bits that tell what changed since the last roburoc4_client_take_events().
+ *  Bit 31 stays free, so that a set of events is also a roburoc4_result. */
 #define ROBUROC4_EVENT_STATE 0x00000001        /* the state changed */
 #define ROBUROC4_EVENT_READY 0x00000002        /* became ready */
 #define ROBUROC4_EVENT_LOST 0x00000004         /* the robot fell silent */
@@ -122,7 +124,7 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_EVENT_CLOCK 0x01000000             /* the clock went back */
 #define ROBUROC4_EVENT_CAPACITY 0x02000000          /* the robot has more than the client stores */
 #define ROBUROC4_EVENT_DESCRIPTIONS_DONE 0x04000000 /* every text was answered or given up */
-#define ROBUROC4_EVENT_ROLE 0x08000000              /* an input of a role was found elsewhere */
+#define ROBUROC4_EVENT_ROLE 0x08000000              /* a text named the input of a role */
 #define ROBUROC4_EVENT_ARMABLE 0x10000000           /* arm() would now be accepted */
 
 /** What an IO input is for, independent of its index. */
@@ -149,7 +151,7 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 /** Settings of a client. Fill it with roburoc4_config_init(), then change what you need. */
 typedef struct roburoc4_config {
     uint32_t size; /* sizeof(roburoc4_config), set by roburoc4_config_init() */
-    /** Bit k set: subscribe to service ROBUROC4_SERVICE_k. Default 0x7C, all five. */
+    /** The services to subscribe to: bits 1u << ROBUROC4_SERVICE_*. Default 0x7C, all five. */
     uint32_t subscriptions;
     /** Status periods by service (the first two are not used): a multiple of 10, 10 to 2550.
      *  Defaults: IO card 50, telemeter 100, battery 1000, localization 50, differential 50.
@@ -218,18 +220,19 @@ ROBUROC4_API size_t roburoc4_client_size(void);
  *  client that cannot be started, armed or driven. */
 ROBUROC4_API roburoc4_result roburoc4_client_init(roburoc4_client *client, size_t client_size,
                                                   const roburoc4_config *config);
-/** Begin to connect. ROBUROC4_ERR_STATE unless idle. */
+/** Begin to connect. Values, counters and statistics start anew. ROBUROC4_ERR_STATE unless idle. */
 ROBUROC4_API roburoc4_result roburoc4_client_start(roburoc4_client *client, uint64_t now_us);
 /** Begin to close: disarms, and stays in ROBUROC4_STATE_CLOSING until the stop sequence, if any,
  *  has ended. Keep calling receive() and poll_transmit() until the state is idle, at most
  *  robot_watchdog_ms or three drive periods. Subscriptions are kept, as other clients may share
- *  them. */
+ *  them. ROBUROC4_ERR_STATE if idle. */
 ROBUROC4_API roburoc4_result roburoc4_client_close(roburoc4_client *client, uint64_t now_us);
 
 /** Process a datagram from the robot. The caller ensures that it comes from the robot (connect the
  *  socket). Returns 0 or more if it was used; ROBUROC4_ERR_SHORT, _KIND, _VALUE, _UNMATCHED,
  *  _UNSUBSCRIBED or _OLD if it was dropped and counted. A dropped datagram changes no value, but it
- *  may reveal a restart of the robot, or end the request that it answers in an unknown layout. */
+ *  may reveal a restart of the robot, or end the request that it answers in an unknown layout. The
+ *  longest of a RobuROC4 has 65 bytes; a receive buffer of 1024 holds all that a client can use. */
 ROBUROC4_API roburoc4_result roburoc4_client_receive(roburoc4_client *client,
                                                      const uint8_t *datagram, size_t size,
                                                      uint64_t now_us);
@@ -266,7 +269,7 @@ ROBUROC4_API roburoc4_result roburoc4_client_arm(roburoc4_client *client, uint64
 /** 1 if a reason against arming may go away by itself (no answer or status yet, the robot still
  *  rolls), so that trying again makes sense; else 0, also for a value that is no reason. */
 ROBUROC4_API int32_t roburoc4_refusal_may_pass(roburoc4_result refusal);
-/** Forbid driving and stop. Always possible. */
+/** Forbid driving and stop. Always possible; returns 0. */
 ROBUROC4_API roburoc4_result roburoc4_client_disarm(roburoc4_client *client, uint64_t now_us);
 /** Drive at these speeds for lease_us (0: the configured lease; else 20000 to 1000000) from now.
  *  Scaled, then (by option) kept on its curve, then clamped to the robot's limits and the
@@ -298,9 +301,10 @@ typedef struct roburoc4_facts {
     uint8_t battery_low;       /* 1: remaining is below minimum_percent, or the state is Critical */
     int32_t disarm_cause;      /* why the client is not armed; 0 while armed */
     int32_t arm_refusal;       /* what roburoc4_client_arm() would return */
-    int32_t relocalize_result; /* of the last one: 0, ROBUROC4_ERR_TIMEOUT, _ROBOT or _UNKNOWN */
+    int32_t relocalize_result; /* of the last one: 0, ROBUROC4_ERR_TIMEOUT or _ROBOT; _UNKNOWN
+                                  before the first, and until it is answered */
     uint32_t lease_left_us;    /* 0 when not driving */
-    float linear_m_s, angular_rad_s; /* the last speeds sent; 0 after a stop */
+    float sent_linear_m_s, sent_angular_rad_s; /* the last speeds sent; 0 after a stop */
 } roburoc4_facts;
 /** ROBUROC4_ERR_SIZE for a size that no version has had. */
 ROBUROC4_API roburoc4_result roburoc4_client_facts(const roburoc4_client *client, uint64_t now_us,
@@ -343,7 +347,8 @@ ROBUROC4_API roburoc4_result roburoc4_client_description(const roburoc4_client *
                                                          const uint8_t *datagram, size_t size,
                                                          roburoc4_description *out);
 
-/** The wire index of the input with ROBUROC4_ROLE_*, or ROBUROC4_ERR_UNKNOWN. */
+/** The wire index of the input with ROBUROC4_ROLE_*. ROBUROC4_ERR_UNKNOWN, or _ARGUMENT for no such
+ *  role. */
 ROBUROC4_API roburoc4_result roburoc4_client_role_index(const roburoc4_client *client,
                                                         uint32_t role);
 /** The manual's name (5.5.1) of a channel of this robot's IO card, for channels without a text of
@@ -362,12 +367,14 @@ ROBUROC4_API roburoc4_result roburoc4_client_channel_find(const roburoc4_client 
                                                           const char *const *texts,
                                                           uint32_t text_count);
 /** Set which input has a role (ROBUROC4_INDEX_AUTO: find it). The override is unknown until the
- *  next IO card status, so an armed client disarms. */
+ *  next IO card status, so an armed client disarms. ROBUROC4_ERR_ARGUMENT: no such role, or
+ *  an index beyond the client's capacity. */
 ROBUROC4_API roburoc4_result roburoc4_client_set_role_index(roburoc4_client *client, uint32_t role,
                                                             int32_t index, uint64_t now_us);
 
-/* Values: the latest status of each service. ROBUROC4_ERR_UNKNOWN before the first. *host_us is set
- * to the host time at which the status was received; host_us may be NULL. */
+/* Values: the latest status of each service; inputs are those of the IO card, distances those of
+ * the telemeters. ROBUROC4_ERR_UNKNOWN before the first. *host_us is set to the host time at which
+ * the status was received; host_us may be NULL. */
 
 ROBUROC4_API roburoc4_result roburoc4_client_battery(const roburoc4_client *client,
                                                      roburoc4_battery_status *out,
@@ -390,7 +397,7 @@ ROBUROC4_API roburoc4_result roburoc4_client_inputs(const roburoc4_client *clien
 /** All distances (frozen). */
 typedef struct roburoc4_distances {
     uint64_t robot_cycles;
-    float distance_m[ROBUROC4_MAX_TELEMETERS];
+    float distances_m[ROBUROC4_MAX_TELEMETERS];
     uint32_t count; /* stored ones */
     uint32_t reserved;
 } roburoc4_distances;
@@ -435,6 +442,7 @@ typedef struct roburoc4_link {
     float loss;              /* share of recent statuses that did not arrive, 0 to 1 */
     uint32_t reserved;
 } roburoc4_link;
+/** ROBUROC4_ERR_SIZE for a size that no version has had. */
 ROBUROC4_API roburoc4_result roburoc4_client_link(const roburoc4_client *client, uint64_t now_us,
                                                   roburoc4_link *out);
 /** Statistics of one service's statuses. */
@@ -449,6 +457,7 @@ typedef struct roburoc4_service_link {
     uint32_t age_us; /* upper bound of the last status's age; UINT32_MAX before the first */
     float loss;      /* share of recent statuses that did not arrive, 0 to 1 */
 } roburoc4_service_link;
+/** ROBUROC4_ERR_ARGUMENT: a service without statuses; ROBUROC4_ERR_SIZE as above. */
 ROBUROC4_API roburoc4_result roburoc4_client_service_link(const roburoc4_client *client,
                                                           uint32_t service, uint64_t now_us,
                                                           roburoc4_service_link *out);
@@ -563,7 +572,7 @@ struct roburoc4_client {
     roburoc4_private_outputs private_outputs;
     roburoc4_private_link private_link;
     roburoc4_private_values private_values;
-    uint32_t private_reserved[2];
+    uint32_t private_reserved[8];
 };
 
 #ifdef __cplusplus

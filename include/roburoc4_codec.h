@@ -70,7 +70,7 @@ typedef int32_t roburoc4_result;
 /* of the UDP adapter and the pump (roburoc4_udp.h, roburoc4_pump.h) */
 #define ROBUROC4_ERR_SYSTEM (-40)  /* the operating system refused; errno says why */
 #define ROBUROC4_ERR_RESOLVE (-41) /* a host name has no address */
-#define ROBUROC4_ERR_CLOSED (-42)  /* already closed */
+#define ROBUROC4_ERR_CLOSED (-42)  /* already closed, or made before a fork() */
 
 /** One English sentence for a result, without a full stop: the cause, and often after a colon what
  *  to do. "ok" for 0 and more, "unknown error" for an invalid value. Valid as long as the program

@@ -97,7 +97,8 @@ ROBUROC4_API roburoc4_result roburoc4_move_options_init(roburoc4_move_options *o
 
 /* ---------------------------------------------------------------------------------- moves --- */
 
-/** A move. Read the first fields after each step; the others are private. */
+/** A move (frozen: its size never changes). Read the first fields after each step; the others are
+ *  private. */
 typedef struct roburoc4_move {
     int32_t result;                  /* ROBUROC4_MOVE_* */
     roburoc4_result cause;           /* why the client disarmed, if that ended the move; else 0 */
@@ -118,6 +119,7 @@ typedef struct roburoc4_move {
     float private_way_m, private_last_turn_rad, private_aside_m;
     uint8_t private_kind, private_leg, private_ready, private_planned;
     uint8_t private_still, private_bumpers, private_posed, private_begun, private_reserved[4];
+    uint32_t private_spare[8];
 } roburoc4_move;
 
 /* Begin a move in any memory. Nothing is sent: the first step plans the move.
@@ -157,10 +159,10 @@ typedef struct roburoc4_move_view {
     uint64_t pose_cycles;  /* robot time of the pose; 0: none yet, or not usable */
     double x_m, y_m, theta_rad;
     float linear_m_s, angular_rad_s;           /* measured */
-    float sent_m_s, sent_rad_s;                /* the last speeds sent; 0 after a stop */
+    float sent_linear_m_s, sent_angular_rad_s; /* the last speeds sent; 0 after a stop */
     float max_linear_m_s2, max_angular_rad_s2; /* the robot's own; 0: not known */
-    float ahead_m, astern_m; /* distances ahead and behind; a large value without telemeter */
-    int32_t disarm_cause;    /* ROBUROC4_ERR_*, if it is not armed */
+    float front_m, rear_m; /* distances ahead and behind; a large value without telemeter */
+    int32_t disarm_cause;  /* ROBUROC4_ERR_*, if it is not armed */
     uint8_t armed, overridden, inhibited;
     uint8_t front_bumper, rear_bumper; /* pressed */
     uint8_t blind;                     /* there are telemeters, but no fresh distances */

@@ -84,7 +84,7 @@ void mapping_telemeter(const roburoc4_distances *in, const roburoc4_telemeter *k
                        roburoc4_lcm_telemeter_status_t *out) {
     static const roburoc4_telemeter unknown = {NAN, NAN, NAN, NAN, NAN, NAN, NAN};
     for (uint32_t at = 0; at < in->count; at++) {
-        map_telemeter(at < known_count ? &known[at] : &unknown, in->distance_m[at], &storage[at]);
+        map_telemeter(at < known_count ? &known[at] : &unknown, in->distances_m[at], &storage[at]);
     }
     out->utime = utime;
     out->robot_cycles = (int64_t)in->robot_cycles;

@@ -462,7 +462,7 @@ roburoc4_result roburoc4_client_distances(const client *c, roburoc4_distances *o
         return ROBUROC4_ERR_UNKNOWN;
     }
     out->robot_cycles = s->robot_cycles;
-    memcpy(out->distance_m, c->private_values.distances, sizeof out->distance_m);
+    memcpy(out->distances_m, c->private_values.distances, sizeof out->distances_m);
     out->count = c->private_values.distance_count;
     out->reserved = 0;
     return ROBUROC4_OK;
@@ -512,8 +512,8 @@ roburoc4_result roburoc4_client_facts(const client *c, uint64_t now_us, roburoc4
     f.arm_refusal = arming_refusal(c, now_us);
     f.relocalize_result = c->private_outputs.relocalize_result;
     f.lease_left_us = f.driving ? d->lease_us - (uint32_t)elapsed_us : 0;
-    f.linear_m_s = d->sent[0];
-    f.angular_rad_s = d->sent[1];
+    f.sent_linear_m_s = d->sent[0];
+    f.sent_angular_rad_s = d->sent[1];
     return give(out, &f, sizeof f);
 }
 

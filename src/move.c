@@ -31,6 +31,9 @@
 #define FAR_M 10000.0F
 #define PI_F 3.14159265F
 
+/* Callers declare moves: their size is part of the ABI. */
+typedef char assert_move_never_grows[sizeof(roburoc4_move) == 264 ? 1 : -1];
+
 enum { LENGTH, ANGLE, BOTH };
 enum { BY, TO_POINT, TO_POSE, REST };
 enum { AHEAD = 1, ASTERN = 2 };
@@ -213,17 +216,17 @@ static void view_distances(roburoc4_move_view *v, const roburoc4_client *client,
     roburoc4_distances distances;
     roburoc4_telemeter telemeter;
     uint64_t host_us;
-    v->ahead_m = FAR_M;
-    v->astern_m = FAR_M;
+    v->front_m = FAR_M;
+    v->rear_m = FAR_M;
     v->blind = roburoc4_client_telemeter(client, 0, &telemeter) == ROBUROC4_OK &&
                (roburoc4_client_distances(client, &distances, &host_us) != ROBUROC4_OK ||
                 now_us - host_us > SILENCE_US);
     for (uint32_t i = 0; roburoc4_client_telemeter(client, i, &telemeter) == ROBUROC4_OK; i++) {
         const int32_t aside = order_of(size_of(half_turn(telemeter.theta_rad)));
         if (aside < order_of(PI_F / 3)) {
-            v->ahead_m = nearer(v->ahead_m, telemeter.distance_m);
+            v->front_m = nearer(v->front_m, telemeter.distance_m);
         } else if (aside > order_of(2 * PI_F / 3)) {
-            v->astern_m = nearer(v->astern_m, telemeter.distance_m);
+            v->rear_m = nearer(v->rear_m, telemeter.distance_m);
         }
     }
 }
@@ -244,8 +247,8 @@ static void view_client(roburoc4_move_view *v, const roburoc4_client *client, ui
     v->front_bumper = facts.front_bumper;
     v->rear_bumper = facts.rear_bumper;
     v->disarm_cause = facts.disarm_cause;
-    v->sent_m_s = facts.linear_m_s;
-    v->sent_rad_s = facts.angular_rad_s;
+    v->sent_linear_m_s = facts.sent_linear_m_s;
+    v->sent_angular_rad_s = facts.sent_angular_rad_s;
     if (roburoc4_client_differential(client, &speeds, &host_us) == ROBUROC4_OK) {
         (void)roburoc4_client_link(client, now_us, ROBUROC4_SIZED(&link));
         v->speed_cycles = speeds.robot_cycles;
@@ -442,7 +445,7 @@ static void hear(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us)
         hear_pose(m, v);
     }
     const float age_s = (float)v->age_us * 1e-6F;
-    const float sent[BOTH] = {v->sent_m_s, v->sent_rad_s};
+    const float sent[BOTH] = {v->sent_linear_m_s, v->sent_angular_rad_s};
     for (uint32_t axis = 0; news && axis < BOTH; axis++) {
         const float measured = m->private_goal[axis] - m->private_come[axis] -
                                RESPONSE_S * m->private_speed[axis] - BEND_S2 * slopes[axis] -
@@ -482,8 +485,8 @@ static int32_t look_ahead(const roburoc4_move *m, const roburoc4_move_view *v, u
     if (v->blind) {
         return ROBUROC4_MOVE_LOST;
     }
-    return ((way & AHEAD) != 0 && order_of(nearer(FAR_M, v->ahead_m)) < order_of(needed)) ||
-                   ((way & ASTERN) != 0 && order_of(nearer(FAR_M, v->astern_m)) < order_of(needed))
+    return ((way & AHEAD) != 0 && order_of(nearer(FAR_M, v->front_m)) < order_of(needed)) ||
+                   ((way & ASTERN) != 0 && order_of(nearer(FAR_M, v->rear_m)) < order_of(needed))
                ? ROBUROC4_MOVE_OBSTACLE
                : ROBUROC4_MOVE_RUNNING;
 }
@@ -604,8 +607,8 @@ static void count_sent(roburoc4_move *m, const roburoc4_move_view *v, uint64_t n
     const uint64_t passed_us = now_us - m->private_step_us;
     const float passed_s = passed_us > STEP_MAX_US ? 0 : (float)(uint32_t)passed_us * 1e-6F;
     m->private_step_us = now_us;
-    m->private_to_ask[LENGTH] -= v->sent_m_s * passed_s;
-    m->private_to_ask[ANGLE] -= v->sent_rad_s * passed_s;
+    m->private_to_ask[LENGTH] -= v->sent_linear_m_s * passed_s;
+    m->private_to_ask[ANGLE] -= v->sent_angular_rad_s * passed_s;
 }
 
 int32_t roburoc4_move_step_view(roburoc4_move *move, const roburoc4_move_view *view,

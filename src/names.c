@@ -112,18 +112,18 @@ const char *roburoc4_name(uint32_t what, uint32_t number) {
         "no new drive command came within the lease: the robot is stopped\0"
         "the stop sequence ended\0"
         "game pad [A] was pressed or released\0"
-        "another client began or ended to command the robot\0"
+        "another client started or stopped commanding the robot\0"
         "the robot stands although it should move, or moves again\0"
         "the battery fell below the robot's minimum\0"
         "the battery is critical\0"
-        "the robot took its new place\0"
-        "the robot did not take its new place\0"
+        "the robot accepted the new pose\0"
+        "the robot did not accept the new pose\0"
         "the robot refused a subscription\0"
         "the robot answers every request with the id 1\0"
         "the clock of this machine went back\0"
         "the robot has more channels than are stored\0"
         "every text of the robot was read or given up\0"
-        "an input was found at another index than the manual's\0"
+        "the robot's text shows which input is a bumper, [A] or the battery's voltage\0"
         "arming is possible now";
     switch (what) {
     case ROBUROC4_NAME_SERVICE:

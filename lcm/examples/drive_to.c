@@ -61,8 +61,8 @@ static void drive(trip *trip, double linear_m_s, double angular_rad_s) {
         .lease_us = 200000, /* a hung program stops the robot after this time */
     };
     (void)roburoc4_lcm_drive_command_t_publish(trip->lcm, trip->command_channel, &command);
-    trip->view.sent_m_s = (float)linear_m_s;
-    trip->view.sent_rad_s = (float)angular_rad_s;
+    trip->view.sent_linear_m_s = (float)linear_m_s;
+    trip->view.sent_angular_rad_s = (float)angular_rad_s;
 }
 
 static void on_localization(const lcm_recv_buf_t *buffer, const char *channel,
@@ -99,8 +99,8 @@ static void on_telemeter(const lcm_recv_buf_t *buffer, const char *channel,
     (void)channel;
     if (fresh(distances->utime) && distances->count > ROBUROC4_TELEMETER_REAR) {
         trip->distances_us = distances->utime;
-        trip->view.ahead_m = distances->telemeters[ROBUROC4_TELEMETER_FRONT].distance_m;
-        trip->view.astern_m = distances->telemeters[ROBUROC4_TELEMETER_REAR].distance_m;
+        trip->view.front_m = distances->telemeters[ROBUROC4_TELEMETER_FRONT].distance_m;
+        trip->view.rear_m = distances->telemeters[ROBUROC4_TELEMETER_REAR].distance_m;
     }
 }
 

@@ -178,9 +178,9 @@ TEST(LcmMapping, TelemeterStatusHasTheMountingBesideEachDistance) {
     roburoc4_distances in{};
     in.robot_cycles = cycles;
     in.count = 3;
-    in.distance_m[0] = 1.5F;
-    in.distance_m[1] = 2.5F;
-    in.distance_m[2] = 3.5F;
+    in.distances_m[0] = 1.5F;
+    in.distances_m[1] = 2.5F;
+    in.distances_m[2] = 3.5F;
     const roburoc4_telemeter known[] = {{0.1F, 0.2F, 0.3F, 0.4F, 0.5F, 0.6F, 9.0F},
                                         {1.1F, 1.2F, 1.3F, 1.4F, 1.5F, 1.6F, 9.0F}};
     roburoc4_lcm_telemeter_t storage[ROBUROC4_MAX_TELEMETERS];

@@ -316,7 +316,7 @@ TEST(Capacity, TelemetersBeyondAreReportedAndNotStored) {
     roburoc4_distances distances;
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_distances(&bench.client, &distances, nullptr));
     EXPECT_EQ(8U, distances.count);
-    EXPECT_EQ(0.5F, distances.distance_m[7]);
+    EXPECT_EQ(0.5F, distances.distances_m[7]);
     for (const std::uint32_t reserved : bench.client.private_reserved)
         EXPECT_EQ(0U, reserved);
 }

@@ -156,8 +156,8 @@ TEST(Value, IsTheLatestStatusWithItsRobotTimeAndHostTime) {
     roburoc4_distances distances;
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_distances(&bench.client, &distances, nullptr));
     EXPECT_EQ(2U, distances.count);
-    EXPECT_EQ(0.75F, distances.distance_m[0]);
-    EXPECT_EQ(3.5F, distances.distance_m[1]);
+    EXPECT_EQ(0.75F, distances.distances_m[0]);
+    EXPECT_EQ(3.5F, distances.distances_m[1]);
 
     roburoc4_battery_status battery;
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_battery(&bench.client, &battery, &host_us));
@@ -739,15 +739,15 @@ TEST(Facts, AreExactlyTheCurrentFacts) {
     bench.run(30 * ms);
     facts.driving = 1;
     facts.lease_left_us = 170000;
-    facts.linear_m_s = 0.5F;
-    facts.angular_rad_s = -0.25F;
+    facts.sent_linear_m_s = 0.5F;
+    facts.sent_angular_rad_s = -0.25F;
     expect_facts();
     ASSERT_EQ(ROBUROC4_OK, bench.stop());
     bench.pump();
     facts.driving = 0;
     facts.stopping = 1;
     facts.lease_left_us = 0;
-    facts.linear_m_s = facts.angular_rad_s = 0;
+    facts.sent_linear_m_s = facts.sent_angular_rad_s = 0;
     expect_facts();
     bench.run(second);
     facts.stopping = 0;
@@ -796,11 +796,11 @@ TEST(Facts, ReportTheSpeedsThatWereSentLast) {
     Bench bench(robot, config);
     bench.armed();
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, -2, 100 * ms));
-    EXPECT_EQ(0.5F, bench.facts().linear_m_s);
-    EXPECT_EQ(-0.75F, bench.facts().angular_rad_s) << "as it was clamped";
+    EXPECT_EQ(0.5F, bench.facts().sent_linear_m_s);
+    EXPECT_EQ(-0.75F, bench.facts().sent_angular_rad_s) << "as it was clamped";
     bench.run(second);
-    EXPECT_EQ(0.0F, bench.facts().linear_m_s);
-    EXPECT_EQ(0.0F, bench.facts().angular_rad_s);
+    EXPECT_EQ(0.0F, bench.facts().sent_linear_m_s);
+    EXPECT_EQ(0.0F, bench.facts().sent_angular_rad_s);
 }
 
 /* ---- battery ---- */

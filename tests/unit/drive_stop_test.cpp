@@ -82,8 +82,8 @@ TEST(StopSequence, FollowsEveryExitFromDriving) {
         EXPECT_LE(zeros, 22U);
         EXPECT_EQ(0, bench.facts().stopping);
         EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_STOPPED);
-        EXPECT_EQ(0.0F, bench.facts().linear_m_s);
-        EXPECT_EQ(0.0F, bench.facts().angular_rad_s);
+        EXPECT_EQ(0.0F, bench.facts().sent_linear_m_s);
+        EXPECT_EQ(0.0F, bench.facts().sent_angular_rad_s);
     }
 }
 

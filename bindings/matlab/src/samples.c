@@ -12,7 +12,7 @@ static const field iocard[] = {
     FIELD_AS("digital_inputs", roburoc4_inputs, digital, BITS),
 };
 static const field telemeter[] = {
-    FIELD_AS("distances_m", roburoc4_distances, distance_m, FLOATS),
+    FIELD(roburoc4_distances, distances_m, FLOATS),
 };
 static const field battery[] = {
     FIELD_AS("battery_state", roburoc4_battery_status, state, BYTE),

@@ -352,7 +352,7 @@ static PyObject *values_of_status(record_kind kind, const void *status) {
     if (kind == RECORD_TELEMETER_STATUS) {
         const roburoc4_distances *d = status;
         return Py_BuildValue("(KNOO)", (unsigned long long)d->robot_cycles,
-                             tuple_of_floats(d->distance_m, d->count), Py_None, Py_None);
+                             tuple_of_floats(d->distances_m, d->count), Py_None, Py_None);
     }
     return values_of(kind, status, 2);
 }

@@ -351,9 +351,9 @@ class Facts(NamedTuple):
     relocalize_result: Result
     """Result of the last ``relocalize``; ``UNKNOWN`` until it is answered."""
     lease_left_us: int
-    linear_m_s: float
+    sent_linear_m_s: float
     """The last speeds sent; 0 after a zero."""
-    angular_rad_s: float
+    sent_angular_rad_s: float
 
 
 class ServiceLink(NamedTuple):
@@ -417,7 +417,7 @@ class SimState(NamedTuple):
     """The last speed command, accepted or not, as it was sent."""
     last_angular_rad_s: float
     last_command_us: int
-    telemeters_m: tuple[float, float]
+    distances_m: tuple[float, float]
     battery_percent: float
     battery_v: float
     powered: bool

@@ -77,8 +77,8 @@ def _driving(robot: Robot) -> Diagnosis:
         "override": _override(facts),
         "other_commander": _yes(facts.other_commander),
         "inhibited": _yes(facts.inhibited),
-        "linear_m_s": f"{facts.linear_m_s:.3f}",
-        "angular_rad_s": f"{facts.angular_rad_s:.3f}",
+        "linear_m_s": f"{facts.sent_linear_m_s:.3f}",
+        "angular_rad_s": f"{facts.sent_angular_rad_s:.3f}",
     }
     return Diagnosis(level, "driving", text, values)
 
