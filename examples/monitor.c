@@ -94,7 +94,7 @@ static void print_distances(const roburoc4_distances *distances) {
     static const char *const ends[] = {"front", "rear"};
     for (uint32_t i = 0; i < distances->count; i++) {
         printf("%s%s %.2f m", i > 0 ? ", " : "", i < 2 ? ends[i] : "next",
-               (double)distances->distance_m[i]);
+               (double)distances->distances_m[i]);
     }
 }
 

@@ -48,7 +48,7 @@ class GateClient : public testing::Test {
     [[nodiscard]] double speed() const {
         roburoc4_sim_state state{};
         state.size = sizeof state;
-        roburoc4_sim_snapshot(roburoc4_world_robot(world), &state);
+        roburoc4_sim_get_state(roburoc4_world_robot(world), &state);
         return state.last_linear_m_s;
     }
     void set(const char *control, double value) {
