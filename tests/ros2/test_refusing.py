@@ -36,16 +36,18 @@ def test_stamps_of_another_time_move_nothing(
     assert "cmd_vel" in driven.output, "it says why nothing moves"
 
 
-def test_a_replayed_recording_moves_nothing(
-    robot: Robot, driven: Node, listener: Listener, publish: Publish
-) -> None:
+def test_a_replayed_recording_moves_nothing(robot: Robot, driven: Node, publish: Publish) -> None:
+    recorded: list[bytes] = []
+
+    def record() -> bytes:
+        recorded.append(twist_stamped(0.3))
+        return recorded[-1]
+
     first = publish("rt/cmd_vel", TWIST_STAMPED)
-    first.stream(1, lambda: twist_stamped(0.3))
+    first.stream(1, record)
     first.end()
     until(robot.stands, "the robot stands")
     time.sleep(1)
-    recorded = [sample.cdr for sample in listener.samples("rt/cmd_vel")]
-    assert len(recorded) > 5
     robot.tap.forget()
     replay = publish("rt/cmd_vel", TWIST_STAMPED)
     for cdr in recorded:

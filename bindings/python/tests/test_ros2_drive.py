@@ -192,6 +192,18 @@ def test_stop_is_obeyed_from_any_publisher_and_holds(
     assert served.state.nonzero_speed_commands == before
 
 
+def test_a_stop_sent_before_the_bridge_knew_its_sender_is_obeyed(
+    bridge: Callable[..., Bridge], others: Participant
+) -> None:
+    # Transient local, as `ros2 topic pub --once` sends it.
+    stop = others.node("/", "operator").publisher(
+        "stop", "std_msgs/Empty", Profile(1, latched=True)
+    )
+    stop.publish(bytes(Cdr().numbers("B", 0).data))
+    running = bridge()
+    eventually(lambda: running.told("stopped by "))
+
+
 def test_a_second_publisher_is_refused_and_named(
     served: Simulator, bridge: Callable[..., Bridge], stream: Callable[..., Any]
 ) -> None:

@@ -62,10 +62,12 @@ PUBLISHED: dict[str, Topic] = dict(
     )
 )
 
-# A stop is worth a second try, and comes from publishers of all kinds: two subscriptions.
+# A stop is worth a second try, and comes from publishers of all kinds. The latched subscription
+# gets the single stop of a program that has only just appeared, as `ros2 topic pub --once`.
 STOPS = (
     Topic("stop", "std_msgs/Empty", DEFAULT),
     Topic("stop", "std_msgs/Empty", COMMANDS),
+    Topic("stop", "std_msgs/Empty", LATCHED),
 )
 CMD_VEL = Topic("cmd_vel", "geometry_msgs/TwistStamped", COMMANDS)
 CMD_VEL_UNSTAMPED = Topic("cmd_vel", "geometry_msgs/Twist", COMMANDS)
