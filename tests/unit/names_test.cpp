@@ -196,9 +196,9 @@ TEST(Names, ChangesHaveASentenceForEachDirection) {
         EXPECT_STREQ(change.began, roburoc4_name(ROBUROC4_NAME_EVENT_BEGAN, change.event));
         EXPECT_STREQ(change.ended, roburoc4_name(ROBUROC4_NAME_EVENT_ENDED, change.event));
     }
-    for (const uint32_t other : std::initializer_list<uint32_t>{
-             0, ROBUROC4_EVENT_STATE, ROBUROC4_EVENT_STOPPED, ROBUROC4_EVENT_BATTERY_LOW,
-             ROBUROC4_EVENT_ARMABLE}) {
+    for (const uint32_t other :
+         std::initializer_list<uint32_t>{0, ROBUROC4_EVENT_STATE, ROBUROC4_EVENT_STOPPED,
+                                         ROBUROC4_EVENT_BATTERY_LOW, ROBUROC4_EVENT_ARMABLE}) {
         EXPECT_EQ(nullptr, roburoc4_name(ROBUROC4_NAME_EVENT_BEGAN, other)) << other;
         EXPECT_EQ(nullptr, roburoc4_name(ROBUROC4_NAME_EVENT_ENDED, other)) << other;
     }
