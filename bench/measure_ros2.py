@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """The ROS 2 node: how long a status takes to become a DDS sample, and what the node costs.
 
-Called by scripts/test-ros2 --bench, which has its programs: a simulated robot, a relay before it that
-notes when it hands on each datagram, the node, and a subscriber on Fast DDS that notes when it has
-each sample; real processes, in a network namespace of their own.
+Called by scripts/test-ros2 --bench, which has its programs: a simulated robot, a relay before it
+that notes when it passes each datagram on, the node, and a subscriber on Fast DDS that notes when
+it has each sample; real processes, in a network namespace of their own.
 """
 
 import pathlib

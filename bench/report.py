@@ -21,6 +21,7 @@ ORDER = (
     "python",
     "matlab",
     "lcm",
+    "ros2",
     "dashboard",
     "growth",
     "moves",
