@@ -572,7 +572,7 @@ struct roburoc4_client {
     roburoc4_private_outputs private_outputs;
     roburoc4_private_link private_link;
     roburoc4_private_values private_values;
-    uint32_t private_reserved[8];
+    uint32_t private_reserved[2];
 };
 
 #ifdef __cplusplus

@@ -16,7 +16,7 @@ LAYOUT(discovery, sizeof(roburoc4_private_discovery) == 224);
 LAYOUT(values, sizeof(roburoc4_private_values) == 512);
 LAYOUT(outputs, sizeof(roburoc4_private_outputs) == 72);
 LAYOUT(config, sizeof(roburoc4_config) == 76);
-LAYOUT(client, sizeof(roburoc4_client) == 1624);
+LAYOUT(client, sizeof(roburoc4_client) == 1600);
 LAYOUT(client_drive, offsetof(roburoc4_client, private_drive) == 104);
 LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 680);
 LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1080);

@@ -246,9 +246,10 @@ const char *roburoc4_client_channel_name(const roburoc4_client *client, uint32_t
     return place < 0 ? NULL : table_name(io_type, (uint32_t)place);
 }
 
+/* At most 64 KiB; without a limit, compilers call strlen, which a firmware may not have. */
 static piece piece_of(const char *text) {
     uint32_t length = 0;
-    while (text[length] != '\0') {
+    while (length < UINT16_MAX && text[length] != '\0') {
         length++;
     }
     return (piece){text, length};
