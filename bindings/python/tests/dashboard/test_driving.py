@@ -95,7 +95,7 @@ def test_a_key_that_stops_repeating_counts_as_released(station: Make, visit: Vis
     page.evaluate("repeats = false")  # its release was lost
     begun_s = time.monotonic()
     assert here.wait_until_stopped(begun_s) < WITHIN_S
-    expect(page.locator("#drive-why")).to_contain_text("Where the system repeats no keys")
+    expect(page.locator("#drive-why")).to_contain_text("If the system does not repeat keys")
     page.evaluate("repeats = true")
     stays_stopped(here)
     page.keyboard.up("w")
