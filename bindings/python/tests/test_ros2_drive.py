@@ -286,6 +286,30 @@ def test_without_dds_the_robot_stands_and_a_person_is_told(domain: int, served: 
         thread.join()
 
 
+def test_an_unforeseen_error_stops_the_robot_and_reading_goes_on(
+    domain: int, served: Simulator, others: Participant, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ended, notes, looks = threading.Event(), list[str](), list[float]()
+    with roburoc4.connect(served.address) as robot:
+        commands = Commands(robot, DriveConfig(enabled=True), notes.append)
+
+        def look(*arguments: float) -> None:
+            looks.append(time.monotonic())
+            if len(looks) == 1:
+                raise RuntimeError("odd")
+
+        monkeypatch.setattr(commands, "look", look)
+        listener = Listener(others, others.node("/", "x"), commands, [CMD_VEL], notes.append)
+        robot.arm()
+        thread = threading.Thread(target=listener.run, args=(ended,))
+        thread.start()
+        eventually(lambda: len(looks) > 2)
+        assert "RuntimeError('odd')" in notes[0]
+        assert not robot.facts.armed
+        ended.set()
+        thread.join()
+
+
 def test_without_enable_drive_nobody_listens_to_cmd_vel(
     domain: int, served: Simulator, others: Participant
 ) -> None:

@@ -59,8 +59,9 @@ class Listener:
             while not ended.is_set():
                 try:
                     self._turn()
-                except DDSException as error:
-                    self._tell(f"commands cannot be read ({error.msg}): stopped; trying again")
+                except Exception as error:  # an unforeseen one, too: `stop` must be read again
+                    why = error.msg if isinstance(error, DDSException) else repr(error)
+                    self._tell(f"commands cannot be read ({why}): stopped; trying again")
                     self._commands.end()
                     ended.wait(_RETRY_S)
         finally:
