@@ -109,7 +109,7 @@ def test_fault_jitter() -> None:
         sim.set_faults(jitter_ms=150.0)
         for _ in range(10):
             found = _read(run("doctor", "--json", "--seconds", "3", robot=sim.address))
-            if found["name"] != "interrupted":  # a busy computer
+            if found["name"] == "jitter":  # else a busy computer, or the lower half of the jitter
                 break
     assert (found["name"], found["exit"]) == ("jitter", 1)
 
