@@ -66,10 +66,15 @@ def test_the_participant_names_its_enclave(start_node: StartNode, listener: List
 
 def test_qos_is_what_nodes_of_ros_expect(start_node: StartNode, listener: Listener) -> None:
     start_node("--enable-drive")
-    for each in whole_graph(listener):
+    endpoints = whole_graph(listener)
+    commands = [each for each in endpoints if each.kind == "reader" and each.topic != GRAPH]
+    for topic in ("rt/cmd_vel", "rt/stop"):
+        plain = [each for each in commands if each.topic == topic and not each.latched]
+        assert plain, "publishers of commands offer no more than rclcpp's default"
+    for each in endpoints:
         assert each.topic.startswith("rt/") or each.topic == GRAPH, each
-        if each.kind == "reader" and each.topic != GRAPH:
-            assert not each.latched, "publishers of commands offer no more than rclcpp's default"
+        if each in commands:
+            assert each.topic == "rt/stop" or not each.latched, each
         elif each.topic not in STATES:
             assert each.latched == (each.topic in LATCHED), each
         assert each.deadline_s is None, "a subscriber without a deadline would not match"
