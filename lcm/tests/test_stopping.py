@@ -10,6 +10,7 @@ from collections.abc import Callable
 from contextlib import ExitStack
 
 import pytest
+from processes import drives, first_zero_us
 from rig import Bridge, Bus, Planner, Programs, Robot, until
 from rig.bus import drive_command, now_us, stop_command
 
@@ -21,22 +22,6 @@ STATE = "ROBUROC4_BRIDGE_STATE"
 LEASE_US = 300_000
 MARGIN_US = 150_000
 """For a loaded machine; the zero of a sleeping one comes within a millisecond."""
-
-
-def drives(robot: Robot) -> None:
-    until(robot.tap.moves, "a speed reaches the robot")
-    time.sleep(0.5)
-    assert robot.speeds()[2] != 0, "the robot has a target"
-
-
-def first_zero_us(robot: Robot) -> int:
-    """When the robot heard the first zero after the last speed; no speed may follow."""
-    until(lambda: not robot.tap.commands()[-1].moves, "zero reaches the robot")
-    time.sleep(0.8)
-    assert robot.speeds()[2:] == (0, 0)
-    commands = robot.tap.commands()
-    last = max(index for index, command in enumerate(commands) if command.moves)
-    return commands[last + 1].time_us
 
 
 def test_a_killed_planner_stops_the_robot_within_the_lease(

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Real processes for tests: programs, simulated robots, and a tap on the robot's wire."""
 
+from .driving import drives, first_zero_us
 from .process import Program
 from .programs import Programs
 from .robot import Robot
@@ -15,6 +16,8 @@ __all__ = [
     "Robot",
     "Strain",
     "Tap",
+    "drives",
+    "first_zero_us",
     "holds",
     "until",
 ]

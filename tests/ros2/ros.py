@@ -175,6 +175,14 @@ class Publisher(Program):
         self.process.stdin.write(cdr.hex().encode() + b"\n")
         self.process.stdin.flush()
 
+    def stream_until(self, condition: Callable[[], object], make: Callable[[], bytes]) -> None:
+        """Stream until this has its effect: the first messages may be sent before the node knows
+        this publisher."""
+        end = time.monotonic() + 60
+        while not condition():
+            assert time.monotonic() < end, "the stream has no effect"
+            self.stream(0.1, make)
+
     def stream(self, seconds: float, make: Callable[[], bytes]) -> None:
         """Send what ``make`` makes, 20 times a second."""
         end = time.monotonic() + seconds

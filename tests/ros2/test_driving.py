@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 
 import pytest
-from processes import Program, Robot, holds, until
+from processes import Program, Robot, drives, first_zero_us, holds, until
 from ros import TWIST_STAMPED, Listener, Node, Publisher, twist_stamped
 
 StartNode = Callable[..., Node]
@@ -25,22 +25,6 @@ MARGIN_US = 150_000
 
 def now_us() -> int:
     return time.time_ns() // 1000
-
-
-def drives(robot: Robot) -> None:
-    until(robot.tap.moves, "a speed reaches the robot")
-    time.sleep(0.5)
-    assert robot.speeds()[2] != 0, "the robot has a target"
-
-
-def first_zero_us(robot: Robot) -> int:
-    """When the robot heard the first zero after the last speed; no speed may follow."""
-    until(lambda: not robot.tap.commands()[-1].moves, "zero reaches the robot")
-    time.sleep(0.8)
-    assert robot.speeds()[2:] == (0, 0)
-    commands = robot.tap.commands()
-    last = max(index for index, command in enumerate(commands) if command.moves)
-    return commands[last + 1].time_us
 
 
 def test_a_fast_dds_program_drives_a_square(robot: Robot, driven: Node, drive: Drive) -> None:
@@ -95,6 +79,7 @@ def test_after_the_game_pad_a_stream_must_pause(
     robot: Robot, driven: Node, publish: Publish
 ) -> None:
     stream = publish("rt/cmd_vel", TWIST_STAMPED)
+    stream.stream_until(robot.tap.moves, lambda: twist_stamped(0.3))
     stream.stream(1, lambda: twist_stamped(0.3))
     assert robot.tap.moves()
     robot.tell("pad a down")
@@ -112,6 +97,7 @@ def test_after_an_emergency_stop_a_stream_must_pause(
     robot: Robot, driven: Node, publish: Publish
 ) -> None:
     stream = publish("rt/cmd_vel", TWIST_STAMPED)
+    stream.stream_until(robot.tap.moves, lambda: twist_stamped(0.3))
     stream.stream(1, lambda: twist_stamped(0.3))
     assert robot.tap.moves()
     robot.tell("estop local press")
@@ -128,6 +114,7 @@ def test_a_lost_robot_is_driven_again_only_after_a_pause(
     robot: Robot, driven: Node, publish: Publish
 ) -> None:
     stream = publish("rt/cmd_vel", TWIST_STAMPED)
+    stream.stream_until(robot.tap.moves, lambda: twist_stamped(0.3))
     stream.stream(1, lambda: twist_stamped(0.3))
     assert robot.tap.moves()
     robot.tap.cut = True

@@ -80,7 +80,7 @@ def test_a_broken_payload_moves_nothing_and_ends_nothing(
     assert driven.running
     broken.end()
     time.sleep(1)
-    publish("rt/cmd_vel", TWIST_STAMPED).stream(1, lambda: twist_stamped(0.3))
+    publish("rt/cmd_vel", TWIST_STAMPED).stream_until(robot.tap.moves, lambda: twist_stamped(0.3))
     assert robot.tap.moves(), "it still drives"
 
 

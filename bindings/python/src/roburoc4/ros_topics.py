@@ -76,6 +76,11 @@ class Diagnosis(NamedTuple):
     values: dict[str, str]
 
 
+def yes_or_no(fact: bool) -> str:
+    """As the values of diagnoses have it."""
+    return "yes" if fact else "no"
+
+
 def diagnostics(made_s: float, hardware: str, found: Sequence[Diagnosis]) -> bytes:
     """Make a diagnostic_msgs/DiagnosticArray."""
     message = Cdr().header(made_s, "").numbers("I", len(found))

@@ -6,16 +6,14 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 from .._gate import Counts, DriveCommand, Gate, Rejection, Verdict
 from ..errors import ClosedError
 from ..robot import Robot
-from ..ros_topics import Diagnosis
+from ..ros_topics import Diagnosis, yes_or_no
+from .remembered import keep
 
-_K = TypeVar("_K")
-_V = TypeVar("_V")
-_MOST = 1000
 _RECENT_S = 5.0
 _FINE, _WARNING = 0, 1
 # A publisher may send a stamp again (nav2's velocity smoother does): they are told apart by this.
@@ -73,8 +71,8 @@ class DriveState(NamedTuple):
         rejected = sum(self.counts.rejected.values())
         values = {
             "in_control": self.in_control,
-            "can_drive": _yes(self.can_drive),
-            "waiting_for_a_pause": _yes(self.is_waiting),
+            "can_drive": yes_or_no(self.can_drive),
+            "waiting_for_a_pause": yes_or_no(self.is_waiting),
             "stopped_by": self.stopped_by,
             "obeyed": str(self.counts.driven),
             "rejected": str(rejected),
@@ -90,10 +88,6 @@ class DriveState(NamedTuple):
         elif not self.can_drive:
             level, message = _WARNING, "commands do not drive the robot now"
         return Diagnosis(level, f"{node}: commands", message, values)
-
-
-def _yes(value: bool) -> str:
-    return "yes" if value else "no"
 
 
 class Commands:
@@ -205,11 +199,3 @@ class Commands:
         """Leave the robot standing, if it was driven from here."""
         with contextlib.suppress(ClosedError):
             self._robot.disarm()
-
-
-def keep(table: dict[_K, _V], key: _K, value: _V) -> None:
-    """Set an entry; those that were set first make room: publishers come and go."""
-    table.pop(key, None)
-    table[key] = value
-    while len(table) > _MOST:
-        del table[next(iter(table))]

@@ -22,10 +22,11 @@ from cyclonedds.util import duration
 from ..ros_messages import type_hash
 from .announcement import GID_SIZE, HUMBLE_GID_SIZE, AnnouncedNode, Announcement, decode
 from .names import resolve
+from .remembered import keep
 from .topics import LATCHED, Profile
 from .types import struct_of
 
-# Of participants that are remembered, and of messages that are taken at a time.
+# Of messages that are taken at a time.
 _MANY = 1000
 _LOOPBACKS = ("lo", "127.0.0.1", "localhost")
 # By this, which ROS 2 does not look at, our programs know each other.
@@ -198,11 +199,10 @@ class Participant:
                         self._gid_size, self._is_due = size, True
 
     def _remember(self, announcement: Announcement) -> None:
-        self._others.pop(announcement.gid, None)
         if announcement.nodes:
-            self._others[announcement.gid] = announcement
-        if len(self._others) > _MANY:
-            del self._others[next(iter(self._others))]
+            keep(self._others, announcement.gid, announcement)
+        else:
+            self._others.pop(announcement.gid, None)
 
     def _is_ours(self, data: Any) -> bool:
         """Whether another program of this kind announces that: they would follow one another."""

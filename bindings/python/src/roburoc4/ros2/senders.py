@@ -7,8 +7,9 @@ from typing import Any
 from cyclonedds.core import DDSException
 from cyclonedds.sub import DataReader
 
-from .commands import Sender, keep
+from .commands import Sender
 from .participant import Participant
+from .remembered import keep
 
 
 class Senders:

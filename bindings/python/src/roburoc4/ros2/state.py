@@ -8,7 +8,7 @@ from .. import __version__
 from ..constants import BatteryState, Fault, Role, State
 from ..records import Facts
 from ..robot import Robot
-from ..ros_topics import Diagnosis
+from ..ros_topics import Diagnosis, yes_or_no
 
 _FINE, _WARNING, _ERROR = 0, 1, 2
 _MUCH_LOSS = 0.05
@@ -71,12 +71,12 @@ def _driving(robot: Robot) -> Diagnosis:
     elif facts.overridden:
         level, text = _WARNING, "somebody drives with the game pad"
     values = {
-        "armed": _yes(facts.armed),
+        "armed": yes_or_no(facts.armed),
         "cause": "" if facts.armed else facts.disarm_cause.text,
         "arming": "possible" if not facts.arm_refusal else facts.arm_refusal.text,
         "override": _override(facts),
-        "other_commander": _yes(facts.other_commander),
-        "inhibited": _yes(facts.inhibited),
+        "other_commander": yes_or_no(facts.other_commander),
+        "inhibited": yes_or_no(facts.inhibited),
         "linear_m_s": f"{facts.sent_linear_m_s:.3f}",
         "angular_rad_s": f"{facts.sent_angular_rad_s:.3f}",
     }
@@ -84,11 +84,7 @@ def _driving(robot: Robot) -> Diagnosis:
 
 
 def _override(facts: Facts) -> str:
-    return _yes(facts.overridden) if facts.override_known else "unknown"
-
-
-def _yes(fact: bool) -> str:
-    return "yes" if fact else "no"
+    return yes_or_no(facts.overridden) if facts.override_known else "unknown"
 
 
 def _battery(robot: Robot) -> Diagnosis:

@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: MIT
+"""Tables of who was heard: publishers and participants come and go, so they are bounded."""
+
+from typing import TypeVar
+
+_K = TypeVar("_K")
+_V = TypeVar("_V")
+MOST = 1000
+
+
+def keep(table: dict[_K, _V], key: _K, value: _V) -> None:
+    """Set an entry; those that were set first make room."""
+    table.pop(key, None)
+    table[key] = value
+    while len(table) > MOST:
+        del table[next(iter(table))]
