@@ -111,7 +111,9 @@ def test_stop_is_obeyed_from_anyone_and_holds(
     assert stop.type == "std_msgs::msg::dds_::Empty_"
     empty = bytes(STORE.serialize_cdr(STORE.types["std_msgs/msg/Empty"](), "std_msgs/msg/Empty"))
     # A single one can be lost before both sides know each other: see docs/ros2.md.
-    publish(stop.topic, "std_msgs/msg/Empty").stream(1, lambda: empty)
+    publish(stop.topic, "std_msgs/msg/Empty").stream_until(
+        lambda: "stopped by" in driven.output, lambda: empty
+    )
     driven.says("stopped by")
     until(lambda: not robot.tap.commands()[-1].moves, "the robot is stopped")
     stopped_us = robot.tap.commands()[-1].time_us
