@@ -56,13 +56,13 @@ extern "C" {
 /* ------------------------------------------------------------------------------- versions --- */
 
 /** Version of this header. Compare with roburoc4_version() of the library that runs. */
-#define ROBUROC4_VERSION_MAJOR 0
-#define ROBUROC4_VERSION_MINOR 1
+#define ROBUROC4_VERSION_MAJOR 1
+#define ROBUROC4_VERSION_MINOR 0
 #define ROBUROC4_VERSION_PATCH 0
 #define ROBUROC4_VERSION                                                                           \
     (ROBUROC4_VERSION_MAJOR * 0x10000 + ROBUROC4_VERSION_MINOR * 0x100 + ROBUROC4_VERSION_PATCH)
 /** Incremented by every incompatible change of a struct or a function. */
-#define ROBUROC4_ABI_VERSION 0
+#define ROBUROC4_ABI_VERSION 1
 /** Revision of the manual that the codec follows: 1 is revision A of 2011-03-09. */
 #define ROBUROC4_PROTOCOL_REVISION 1
 
