@@ -105,6 +105,7 @@ class Proxy:
         self.port: int = self._listening.getsockname()[1]
         self.flows = threading.Event()
         self.flows.set()
+        self._dead: list[threading.Event] = []
         self._to = 0
         self._ended = False
         self._threads: list[threading.Thread] = []
@@ -119,22 +120,29 @@ class Proxy:
         self._threads.append(thread)
         thread.start()
 
+    def kill(self) -> None:
+        """Carry nothing more on the connections that are open; new ones work."""
+        self._dead.append(self.flows)
+        self.flows.clear()
+        self.flows = threading.Event()
+        self.flows.set()
+
     def _accept(self) -> None:
         while not self._ended:
             if select.select([self._listening], [], [], 0.05)[0]:
                 near = self._listening.accept()[0]
                 far = socket.create_connection(("127.0.0.1", self._to))
-                self._start(self._carry, near, far)
-                self._start(self._carry, far, near)
+                self._start(self._carry, near, far, self.flows)
+                self._start(self._carry, far, near, self.flows)
 
-    def _carry(self, source: socket.socket, sink: socket.socket) -> None:
+    def _carry(self, source: socket.socket, sink: socket.socket, flows: threading.Event) -> None:
         try:
             while not self._ended:
                 if not select.select([source], [], [], 0.05)[0]:
                     continue
-                self.flows.wait()
+                flows.wait()
                 data = source.recv(65536)
-                self.flows.wait()
+                flows.wait()
                 if not data:
                     break
                 sink.sendall(data)
@@ -146,7 +154,8 @@ class Proxy:
 
     def close(self) -> None:
         self._ended = True
-        self.flows.set()
+        for flows in (*self._dead, self.flows):
+            flows.set()
         for thread in self._threads:
             thread.join(PATIENCE_S)
         self._listening.close()

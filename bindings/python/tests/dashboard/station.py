@@ -194,6 +194,12 @@ class Station:
         assert not state.watchdog_tripped
         return watch.seconds(state.last_command_us / 1e6)
 
+    def wait_for_stop_pressed(self) -> None:
+        """Wait until STOP has come and the robot is stopped; a bumper or a lease stops it, too."""
+        until(lambda: self.hub.control.why.startswith("STOP was pressed"))
+        assert not self.robot.facts.armed
+        until(lambda: not self.driven)
+
     def speeds_sent(self) -> int:
         """How many commands carried a speed so far."""
         return self.sim.state.nonzero_speed_commands

@@ -301,6 +301,20 @@ def test_one_press_of_stop_is_one(station: Make, visit: Visit) -> None:
     assert stops.count() == 2
 
 
+@pytest.mark.both
+def test_a_stop_without_connection_is_shown_and_sent_later(station: Make, visit: Visit) -> None:
+    here = station()
+    page = visit(here.url)
+    ready(page)
+    here.stop_serving()
+    expect(page.locator("#banner-title")).to_have_text("NO CONNECTION TO THE DASHBOARD")
+    page.locator("#stop").click()
+    expect(page.locator("#banner-title")).to_have_text("STOP NOT CONFIRMED")
+    station(place=Place(port=here.port))
+    expect(page.locator("#banner-title")).to_have_text("DISARMED")
+    expect(page.locator("#events li", has_text="STOP was pressed")).to_have_count(1)
+
+
 def test_a_robot_that_only_drives_ahead_can_be_driven(station: Make, visit: Visit) -> None:
     here = station(min_linear_m_s=0.0)
     page = visit(here.url)

@@ -88,8 +88,7 @@ def test_a_second_finger_stops_while_the_first_drives(station: Make, visit: Visi
     box = page.locator("#stop").bounding_box()
     assert box is not None
     finger.press_beside(box["x"] + 40, box["y"] + 20)
-    until(lambda: not here.robot.facts.armed)
-    until(lambda: not here.driven)
+    here.wait_for_stop_pressed()
 
 
 def boxes(page: Page) -> list[Any]:
@@ -168,15 +167,14 @@ def test_who_asks_for_control_is_answered_in_every_size(station: Make, visit: Vi
             assert page.evaluate(SEEN, name), (size, name)
 
 
-@pytest.mark.both
+# In Firefox: test_firefox.py.
 def test_a_finger_presses_stop(station: Make, visit: Visit) -> None:
     here = station()
     page = visit(here.url, viewport={"width": 844, "height": 390}, has_touch=True)
     arm(page)
     drive(here, page)
     page.locator("#stop").tap()
-    until(lambda: not here.robot.facts.armed)
-    until(lambda: not here.driven)
+    here.wait_for_stop_pressed()
 
 
 @pytest.mark.both

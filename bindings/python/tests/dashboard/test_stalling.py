@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 
 import pytest
 from page_client import Proxy, Visitor
-from playwright.sync_api import Page
-from station import LEASE_S, Station, Stopwatch, arm, drive, until
+from playwright.sync_api import Page, expect
+from station import LEASE_S, Station, Stopwatch, arm, drive, ready, until
 from test_driving import MARGIN_S, WITHIN_S
 from websockets.exceptions import ConnectionClosed
 
@@ -80,6 +80,20 @@ def test_a_browser_behind_a_stalled_socket_stops_the_robot(
     proxy.flows.set()
     time.sleep(4 * LEASE_S)
     assert behind.speeds_sent() == before, "it drove on with a button that was held all the time"
+
+
+def test_stop_does_not_wait_for_a_dead_connection(
+    behind: Station, proxy: Proxy, visit: Callable[..., Page]
+) -> None:
+    page = visit(f"http://127.0.0.1:{proxy.port}/")
+    ready(page)
+    proxy.kill()
+    expect(page.locator("#banner-title")).to_have_text("NO CONNECTION TO THE DASHBOARD")
+    with Visitor(behind) as driver:
+        driver.arm()
+        page.locator("#stop").click()
+        until(lambda: "STOP was pressed" in behind.hub.control.why)
+        assert not behind.robot.facts.armed
 
 
 def test_one_tick_renews_one_lease_however_often_it_is_answered(station: Make) -> None:

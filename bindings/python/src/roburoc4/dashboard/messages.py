@@ -120,6 +120,8 @@ class Messages:
 
     def _stop(self, _message: dict[str, Any]) -> None:
         self._fleet.stop(self._page)
+        if not self._page.say("stopped", {}):
+            raise BadMessageError("its outbox is full")
 
     def _go(self, message: dict[str, Any]) -> None:
         x_m, y_m, scale = (_number(message, name) for name in ("x_m", "y_m", "scale"))

@@ -59,6 +59,9 @@ function announce(level, title, text) {
 
 export const showBanner = (frame, drive, about) => showConditions(conditions(frame, drive, about));
 
-export function showSilence(why) {
-  showConditions([["bad", "NO CONNECTION TO THE DASHBOARD", `What you see is old, and nothing can be driven from here. ${why ? `The dashboard says: ${end(why)}` : "Is the program roburoc4 dashboard still running? Is the network up? This page connects again by itself."}`]]);
+export function showSilence(why, stopping) {
+  const [title, text, next] = stopping
+    ? ["STOP NOT CONFIRMED", "There is no connection to the dashboard: press the robot’s emergency stop.", "This page sends STOP again when it is connected."]
+    : ["NO CONNECTION TO THE DASHBOARD", "What you see is old, and nothing can be driven from here.", "Is the program roburoc4 dashboard still running? Is the network up? This page connects again by itself."];
+  showConditions([["bad", title, `${text} ${why ? `The dashboard says: ${end(why)}` : next}`]]);
 }

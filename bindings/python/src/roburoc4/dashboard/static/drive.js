@@ -7,8 +7,10 @@ const REFUSAL_MS = 8000;
 const TAKES_SPACE = "input:not([type=range]), select, textarea";
 
 export class Drive {
-  constructor(send) {
+  constructor(send, onStop) {
     this.send = send;
+    this.onStop = onStop;
+    this.stopping = false; // STOP was pressed, and the dashboard has not confirmed it
     this.page = null;
     this.mine = false;
     this.tick = 0;
@@ -34,6 +36,8 @@ export class Drive {
     this.page = hello.page;
     this.offered = hello.allow_drive;
     this.mine = false;
+    this.stopping &&= this.offered;
+    if (this.stopping) this.send({ type: "stop" });
     show(by("stop"), this.offered);
     document.body.classList.toggle("drivable", this.offered);
     this.showScale();
@@ -57,8 +61,16 @@ export class Drive {
     this.send(message);
   }
 
+  /** An open connection loses nothing, so STOP is sent once on each until the dashboard has confirmed it. */
   stop() {
-    if (this.offered) this.ask({ type: "stop" });
+    if (!this.offered) return;
+    this.stopping = true;
+    this.ask({ type: "stop" });
+    this.onStop();
+  }
+
+  stopped() {
+    this.stopping = false;
   }
 
   /** Whether a key is the space bar, and not meant for what it switches or writes in. */

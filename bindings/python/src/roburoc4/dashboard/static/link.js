@@ -46,9 +46,17 @@ export class Link {
     if (robot === this.robot) return;
     this.robot = robot;
     location.hash = encodeURIComponent(robot);
+    this.reconnect();
+  }
+
+  reconnect() {
     this.latest = null;
     this.socket?.close();
     this.connect();
+  }
+
+  get open() {
+    return this.socket?.readyState === WebSocket.OPEN;
   }
 
   /** A refused WebSocket gives a page no reason; a refused request does. */
@@ -60,8 +68,7 @@ export class Link {
     }
     if (why === this.why) return;
     this.why = why;
-    this.wasSilent = null;
-    this.look();
+    this.lookAgain();
   }
 
   hear(text) {
@@ -89,7 +96,12 @@ export class Link {
 
   /** Send it now or never: later it would be out of date. */
   send(message) {
-    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
+    if (this.open) this.socket.send(JSON.stringify(message));
+  }
+
+  lookAgain() {
+    this.wasSilent = null;
+    this.look();
   }
 
   look() {

@@ -22,7 +22,7 @@ if (location.search) history.replaceState(null, "", location.pathname);
 
 let about = { everReady: false, telemeter: [], name: "" };
 const send = (message) => link.send(message);
-const drive = new Drive(send);
+const drive = new Drive(send, () => link.lookAgain());
 const panel = new Panel(send);
 const place = new Place((what, pose) => (what === "go" ? drive.go(pose) : send({ type: what, ...pose })));
 const events = new Events();
@@ -92,8 +92,10 @@ function silent(on, why) {
   document.body.classList.toggle("silent", on);
   drive.silent(on);
   if (!on) return;
-  showSilence(why);
+  showSilence(why, drive.stopping);
   showNoLink();
+  // A network that failed holds back what was sent on an old connection for up to a minute.
+  if (drive.stopping && link.open) link.reconnect();
 }
 
-const link = new Link({ hello, about: describe, events: (message) => events.add(message), trail: (message) => map.begin(message), refused: (message) => drive.refused(message) }, drawFrame, silent);
+const link = new Link({ hello, about: describe, events: (message) => events.add(message), trail: (message) => map.begin(message), refused: (message) => drive.refused(message), stopped: () => drive.stopped() }, drawFrame, silent);
