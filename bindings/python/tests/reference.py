@@ -2,7 +2,7 @@
 """Write docs/python-api.md, and the command's manual page docs/man/roburoc4.1, from the package.
 
 What each name means is taken from where it is declared. Run it after a change of the package; tests
-compare the pages. The manual page is made by argparse-manpage.
+compare the pages. The manual page is made by argparse-manpage (see requirements-dev.txt).
 """
 
 import ast

@@ -180,7 +180,7 @@ def test_fault_something_else_is_there() -> None:
         ended.set()
         thread.join()
     assert (found["name"], found["exit"]) == ("discovery", 1)
-    assert found["foreign"] == found["answered"] > 0
+    assert found["malformed"] == found["answered"] > 0
 
 
 def test_people_get_every_check_a_table_and_the_next_thing_to_try() -> None:

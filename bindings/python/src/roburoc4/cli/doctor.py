@@ -133,7 +133,7 @@ def _contact(found: Findings, probe: Probe, say: Say) -> bool:
 
 
 def _note_probe(found: Findings, probe: Probe) -> None:
-    found.asked, found.answered, found.foreign = probe.asked, probe.answered, probe.foreign
+    found.asked, found.answered, found.malformed = probe.asked, probe.answered, probe.malformed
     found.round_trip_ms = probe.round_trip_ms
 
 
@@ -196,7 +196,7 @@ def _look_at_robot(found: Findings, robot: Robot, say: Say) -> None:
     notes = {
         "somebody drives with the game pad": facts.overridden,
         "the robot does not report its game pad: it cannot be driven": not facts.override_known,
-        "another program drives the robot": facts.other_commander,
+        "another commander drives the robot": facts.other_commander,
         "its speed limits are not usable: it cannot be driven": facts.arm_refusal == Result.LIMITS,
         "the front bumper is pressed": facts.front_bumper,
         "the rear bumper is pressed": facts.rear_bumper,

@@ -27,7 +27,7 @@ class Probe:
     address: tuple[str, int]
     asked: int = 0
     answered: int = 0
-    foreign: int = 0
+    malformed: int = 0
     refused: int = 0
     fault: str = ""
     fault_detail: str = ""
@@ -84,7 +84,7 @@ class Probe:
             return
         self.answered += 1
         if len(data) < 5 or data[1:4] != b"\0\0\0":
-            self.foreign += 1
+            self.malformed += 1
         elif (sent_s := self._sent_s.pop(data[0], None)) is not None:
             self.round_trips_s.append(time.monotonic() - sent_s)
 

@@ -44,7 +44,7 @@ class Findings:
     fault_detail: str = ""
     asked: int = 0
     answered: int = 0
-    foreign: int = 0  # answers that do not follow this protocol
+    malformed: int = 0  # answers that do not follow this protocol
     round_trip_ms: float = 0.0
     connected: bool = False
     missing: list[str] = field(default_factory=list)
@@ -123,7 +123,7 @@ def _discovery(found: Findings) -> Verdict | None:
             "discovery",
             ExitCode.REFUSED,
             f"something answers at {found.address} ({found.answered} of {found.asked} requests, "
-            f"{found.foreign} of them not understood), but its services cannot be found",
+            f"{found.malformed} of them not understood), but its services cannot be found",
             "check that the address and port are the robot's; if they are, restart the robot",
         )
     if found.missing:

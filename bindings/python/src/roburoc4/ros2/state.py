@@ -67,7 +67,7 @@ def _driving(robot: Robot) -> Diagnosis:
     if facts.inhibited:
         level, text = _WARNING, "a speed is asked for, but the robot stands still"
     elif facts.other_commander:
-        level, text = _WARNING, "another program commands the robot"
+        level, text = _WARNING, "another commander drives the robot"
     elif facts.overridden:
         level, text = _WARNING, "somebody drives with the game pad"
     values = {

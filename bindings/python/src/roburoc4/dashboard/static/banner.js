@@ -15,7 +15,7 @@ function conditions(frame, { mine, offered }, about) {
     return [[link.level === "weak" ? "weak" : "bad", state === "lost" || about.everReady ? "ROBOT LOST" : "NO ROBOT YET", said(link)]];
   }
   const bumpers = [facts.front_bumper && "FRONT", facts.rear_bumper && "REAR"].filter(Boolean).join(" AND ");
-  add(facts.other_commander, "bad", "ANOTHER PROGRAM COMMANDS THE ROBOT", "Two drivers at once are dangerous: end one of them.");
+  add(facts.other_commander, "bad", "ANOTHER COMMANDER", "Another program commands the robot, too. Two drivers at once are dangerous: end one of them.");
   add(bumpers, "bad", `${bumpers} BUMPER`, "The robot touches something there: look, then drive away from it.");
   add(facts.inhibited, "bad", "MOTION INHIBITED", end(why) || "The robot stands still although a speed was commanded: check emergency stops, brakes selector and bumpers.");
   add(facts.overridden, "bad", "OVERRIDE", "Somebody holds [A] on the robot’s game pad and drives it. Commands from here are ignored.");
