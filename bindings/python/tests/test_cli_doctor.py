@@ -183,7 +183,7 @@ def test_fault_something_else_is_there() -> None:
     assert found["malformed"] == found["answered"] > 0
 
 
-def test_people_get_every_check_a_table_and_the_next_thing_to_try() -> None:
+def test_people_get_every_check_and_what_to_do_next() -> None:
     with roburoc4.Simulator(port=0) as sim:
         sim.set("battery_percent", 5)
         done = doctor("--seconds", "3", robot=sim.address)

@@ -177,7 +177,7 @@ def test_no_confirmation_is_neither_success_nor_failure(answer: bytes, complaint
 
 
 @pytest.mark.usefixtures("hurried")
-def test_a_session_that_ends_before_anything_was_sent_changed_nothing() -> None:
+def test_a_session_that_ends_early_changed_nothing() -> None:
     robot = Scripted(b"")
     with pytest.raises(CommandError, match="nothing was changed") as raised:
         robot.set()

@@ -195,7 +195,7 @@ def test_a_full_disk_is_one_line(command: str) -> None:
     assert "free some space" in one_line(done.stderr)
 
 
-def test_an_unexpected_error_is_one_line_with_an_optional_traceback() -> None:
+def test_an_unexpected_error_is_one_line() -> None:
     program = (
         "import sys; import roburoc4.cli.info as info;"
         "info.names_of = lambda robot: 1 / 0;"

@@ -103,7 +103,7 @@ def test_what_came_before_the_end_is_still_read_after_it(
             assert statuses.lost == 0
 
 
-def test_a_wait_is_not_longer_than_its_timeout_while_nothing_came() -> None:
+def test_a_wait_ends_at_its_timeout_where_nothing_comes() -> None:
     with Simulator() as sim, sim.connect(periods_ms={"battery": 2550}) as robot:
         before_s = robot.now_s
         with pytest.raises(TimeoutError):

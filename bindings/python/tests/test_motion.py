@@ -51,7 +51,7 @@ def test_a_lease_can_be_given_with_the_command(roburoc4_simulator: Simulator) ->
             robot.drive(0.5, 0.0, lease_ms=5)
 
 
-def test_override_disarms_and_its_release_does_not_bring_the_command_back(
+def test_override_disarms_and_its_release_restores_nothing(
     roburoc4_simulator: Simulator,
 ) -> None:
     with roburoc4_simulator.connect() as robot:
@@ -96,7 +96,7 @@ def test_arm_waits_until_the_robot_stands(roburoc4_simulator: Simulator) -> None
         assert abs(robot.differential.current_linear_m_s) < 0.2
 
 
-def test_arm_gives_up_where_the_input_of_the_override_stays_unknown() -> None:
+def test_arm_gives_up_while_the_override_stays_unknown() -> None:
     with Simulator(digital_inputs=12, query_mode=1) as sim:
         with sim.connect() as robot:
             with pytest.raises(roburoc4.NotArmedError, match="override_index") as caught:

@@ -123,7 +123,7 @@ def stands(served: Simulator) -> bool:
     return served.state.last_linear_m_s == 0 and served.state.target_linear_m_s == 0
 
 
-def test_a_publisher_drives_and_the_robot_stops_when_it_is_killed(
+def test_the_robot_stops_when_its_publisher_is_killed(
     served: Simulator, bridge: Callable[..., Bridge], stream: Callable[..., Any]
 ) -> None:
     bridge()

@@ -95,7 +95,7 @@ def test_lines_and_signs_can_be_seen(theme: str) -> None:
         ("orange", "full"),  # target, and full deflection
     ],
 )
-def test_colours_that_mean_different_things_look_different_to_everybody(
+def test_colours_of_other_meanings_look_different_to_everybody(
     one: str, other: str, theme: str, eyes: str
 ) -> None:
     ink = colours(theme)

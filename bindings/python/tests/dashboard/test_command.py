@@ -278,7 +278,7 @@ def test_robots_have_names_and_one_may_have_none() -> None:
         running.terminate()
 
 
-def test_a_name_without_an_address_ends_it_as_in_the_other_commands() -> None:
+def test_a_name_without_an_address_ends_it_as_elsewhere() -> None:
     done = subprocess.run(
         [*COMMAND, "--robot", "nosuch.invalid"],
         capture_output=True,
@@ -312,7 +312,7 @@ def test_a_port_in_use_is_reported() -> None:
         running.terminate()
 
 
-def test_the_page_is_in_the_package_with_the_licence_of_what_is_vendored() -> None:
+def test_the_package_has_the_page_and_its_parts_licences() -> None:
     import roburoc4.dashboard
 
     static = Path(roburoc4.dashboard.__file__).parent / "static"

@@ -183,7 +183,7 @@ def test_after_a_lease_that_ran_out_inputs_must_be_released_once(scene: Scene) -
     assert scene.driven
 
 
-def test_full_deflection_is_the_lower_of_limit_and_ceiling_in_each_direction() -> None:
+def test_each_direction_has_its_own_full_deflection() -> None:
     with roburoc4.Simulator(min_linear_m_s=0.0) as sim, sim.connect() as robot:
         limits = limits_of(robot, 0.8, 9.0)
         assert limits.linear_m_s == (0.0, 0.8)
@@ -220,7 +220,7 @@ _STEPS = st.lists(
 
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(_STEPS)
-def test_whatever_pages_say_no_speed_outlives_the_lease_of_its_tick(
+def test_no_speed_outlives_the_lease_of_its_tick(
     steps: list[tuple[str, float]],
 ) -> None:
     scene = Scene()

@@ -275,9 +275,7 @@ def test_a_tab_that_is_really_hidden_stops_and_disarms(
     stays_stopped(here)
 
 
-def test_a_page_that_hung_does_not_drive_on_with_a_button_that_was_held(
-    station: Make, visit: Visit
-) -> None:
+def test_a_page_that_hung_does_not_drive_on_with_a_held_button(station: Make, visit: Visit) -> None:
     here, page = armed(station, visit)
     drive(here, page)
     hang(page, 1.5)
@@ -424,9 +422,7 @@ def let_go(page: Page) -> None:
 
 
 @pytest.mark.both
-def test_what_was_held_while_the_page_was_left_must_be_let_go_first(
-    station: Make, visit: Visit
-) -> None:
+def test_what_was_held_when_the_page_was_left_must_be_let_go(station: Make, visit: Visit) -> None:
     here, page = armed(station, visit)
     drive(here, page)
     page.evaluate("document.hasFocus = () => false; dispatchEvent(new Event('blur'))")

@@ -69,7 +69,7 @@ def test_another_origin_is_refused_everywhere(path: str, station: Make) -> None:
         assert get(here, path, Origin=origin).status == 403, origin
 
 
-def test_scripts_and_frames_of_another_site_are_refused_and_links_are_not(station: Make) -> None:
+def test_other_sites_may_link_and_neither_script_nor_frame(station: Make) -> None:
     here = station()
     for site in ("cross-site", "same-site"):
         fetch = {"Sec_Fetch_Site": site, "Sec_Fetch_Mode": "no-cors", "Sec_Fetch_Dest": "script"}
@@ -204,7 +204,7 @@ def test_a_websocket_without_the_token_is_refused(station: Make) -> None:
             Visitor(here, additional_headers=cookie)
 
 
-def test_the_link_with_the_token_opens_the_page_and_hides_the_token(
+def test_the_link_opens_the_page_and_hides_its_token(
     station: Make, visit: Callable[..., Page]
 ) -> None:
     here = station(rules=Rules(TOKEN))

@@ -424,9 +424,7 @@ def trail(page: Page) -> int:
     return int(page.locator("#map").get_attribute("data-trail") or 0)
 
 
-def test_a_trail_survives_a_reload_and_a_cleared_one_stays_cleared(
-    station: Make, visit: Visit
-) -> None:
+def test_a_trail_survives_a_reload_and_stays_cleared(station: Make, visit: Visit) -> None:
     here = station()
     page, other = visit(here.url), visit(here.url)
     ready(page)

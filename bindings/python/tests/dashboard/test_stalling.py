@@ -279,7 +279,7 @@ def test_no_more_pages_than_can_be_served_are_let_in(station: Make) -> None:
         assert len(here.hub.pages) == MOST_PAGES
 
 
-def test_a_page_that_answers_nothing_gets_no_more_and_loses_nothing_of_the_others(
+def test_a_page_that_answers_nothing_costs_others_nothing(
     station: Make,
 ) -> None:
     here = station()
@@ -329,7 +329,7 @@ def test_a_driver_that_releases_control_still_gets_frames(
         assert here.speeds_sent() == 0
 
 
-def test_without_allow_drive_nothing_that_a_page_says_sends_a_command(station: Make) -> None:
+def test_without_allow_drive_no_message_sends_a_command(station: Make) -> None:
     here = station(allow_drive=False)
     with Visitor(here) as visitor:
         place = {"x_m": 1.0, "y_m": 0.0, "theta_rad": 0.0, "scale": 1.0}

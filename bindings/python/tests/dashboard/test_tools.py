@@ -41,9 +41,7 @@ def text_of(download: Download) -> str:
 # ---- recording and events ----
 
 
-def test_a_recording_continues_without_the_page_and_is_downloaded(
-    station: Make, visit: Visit
-) -> None:
+def test_a_recording_continues_without_the_page(station: Make, visit: Visit) -> None:
     here = station(battery_percent=61.0)
     page = visit(here.url)
     ready(page)
