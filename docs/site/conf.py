@@ -59,7 +59,7 @@ def matlab_reference() -> str:
 
 
 def help_texts(source: str) -> list[tuple[str, str]]:
-    """Of each class, function and public method with a help text: its name and the text."""
+    """Name and text of each class, function and public method that has a help text."""
     found = []
     name, public, lines = "", True, source.splitlines()
     for number, line in enumerate(lines):
@@ -96,7 +96,7 @@ def write_references(app: Sphinx) -> None:
 
 
 def mend_links(app: Sphinx, page: str, content: list[str]) -> None:
-    """README.md is the first page here, and a folder has none."""
+    """README.md is index.md here; a link to a folder becomes plain text, as folders have no page."""
 
     def mend(link: re.Match[str]) -> str:
         text, path, anchor = link.groups()

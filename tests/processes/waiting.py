@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 
 def until(condition: Callable[[], object], what: str, seconds: float = 60.0) -> None:
-    """Look again and again; fail where it does not come true."""
+    """Wait until it is true; fail if it never is."""
     end = time.monotonic() + seconds
     while not condition():
         if time.monotonic() > end:
@@ -15,7 +15,7 @@ def until(condition: Callable[[], object], what: str, seconds: float = 60.0) -> 
 
 
 def holds(condition: Callable[[], object], what: str, seconds: float) -> None:
-    """Look again and again; fail where it does not stay true."""
+    """Watch that it stays true; fail if it does not."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:
         assert condition(), f"no longer true: {what}"

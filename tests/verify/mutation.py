@@ -3,8 +3,8 @@
 """Change the core in random places and count how many of the changes the unit tests notice.
 
 universalmutator makes the changes. One that does not compile, or that compiles to the same code,
-does not count. Those that nobody noticed are printed: each is a test that is missing, or a change
-that makes no difference.
+does not count. Those that nobody noticed are printed: each is a missing test, or a change that
+makes no difference.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ TEST_S = 120
 
 
 def changes(file: Path, mutate: str) -> list[str]:
-    """Each change of a file that universalmutator knows, as the file's whole text."""
+    """Each changed version of a file that universalmutator makes."""
     with tempfile.TemporaryDirectory() as folder:
         command = [mutate, str(file), "c", "--noCheck", "--mutantDir", folder]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL, cwd=folder)
@@ -39,7 +39,7 @@ def copy_sources(folder: Path) -> None:
 
 
 def compile_core(folder: Path, sources: list[Path]) -> dict[str, bytes] | None:
-    """Compiles the files that are in the folder; None where one does not compile."""
+    """Compile the files in the folder; None if one does not compile."""
     objects = {}
     for source in sources:
         out = folder / (source.stem + ".o")
@@ -53,7 +53,7 @@ def compile_core(folder: Path, sources: list[Path]) -> dict[str, bytes] | None:
 
 
 def pass_with(objects: dict[str, bytes], program: Path, folder: Path) -> bool:
-    """Whether the tests pass with a core of these objects."""
+    """Whether the tests pass with a core made of these objects."""
     files = []
     for source, code in objects.items():
         files.append(folder / (source + ".o"))
@@ -74,7 +74,7 @@ def pass_with(objects: dict[str, bytes], program: Path, folder: Path) -> bool:
 def verdict(
     program: Path, sources: list[Path], sound: dict[str, bytes], file: Path, text: str
 ) -> str:
-    """Whether the tests notice that a file has this text."""
+    """Whether the tests notice this version of a file."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         copy_sources(folder)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Captures as tests want them, and what tshark says of them."""
+"""Captures made for tests, and what tshark shows of them."""
 
 import os
 import shutil
@@ -77,7 +77,7 @@ def ip(
 
 
 def ethernet(packet: bytes, vlan: int | None = None) -> bytes:
-    """An Ethernet frame, with a VLAN tag where it is asked for."""
+    """An Ethernet frame, with a VLAN tag if wanted."""
     tag = b"" if vlan is None else struct.pack(">HH", 0x8100, vlan)
     return bytes(6) + b"\x02" + bytes(5) + tag + b"\x08\x00" + packet
 
@@ -89,7 +89,7 @@ def upper_pdu(data: bytes) -> bytes:
 
 
 def run(*arguments: str) -> str:
-    """What tshark prints; fails where it or a script in it does."""
+    """What tshark prints; fails if tshark or a Lua script does."""
     with tempfile.TemporaryDirectory() as home:
         plugins = Path(home) / ".local" / "lib" / "wireshark" / "plugins"
         plugins.mkdir(parents=True)

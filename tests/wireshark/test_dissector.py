@@ -64,7 +64,7 @@ SENT = {
     "iocard-command",
 }
 
-# What vectors.h says of each in words, with the manual's order of the members.
+# The values of each vector, in the manual's order, as the comments of vectors.h have them.
 VALUES: dict[str, dict[str, list[float | str]]] = {
     "get": {"id": [1], "action": [0], "service": [6]},
     "query-directory": {"id": [42], "action": [1], "service": [0], "request.index": [3]},
@@ -202,7 +202,7 @@ def command(linear: float, angular: float = 0.0) -> bytes:
 
 
 class Values(unittest.TestCase):
-    """Bytes beside values, whatever they came in."""
+    """The same values, whatever carries the bytes."""
 
     def check_packet(self, packet: Packet, name: str) -> None:
         for field, wanted in VALUES[name].items():
@@ -262,7 +262,7 @@ class Values(unittest.TestCase):
         assert "roburoc4" not in packet["protocols"]
 
     def test_of_upper_pdus(self) -> None:
-        """Without addresses, a telegram's direction is guessed from its looks."""
+        """Without addresses, a telegram's direction is guessed from its contents."""
         alike = {"differential-properties", "iocard-command"}
         names = [name for name in VALUES if name not in alike]
         packets = show(pcapng(UPPER_PDU, [(0.0, upper_pdu(VECTORS[name])) for name in names]))
@@ -290,7 +290,7 @@ class RealTools(unittest.TestCase):
 
 
 class Exchange(unittest.TestCase):
-    """What follows from one datagram for another."""
+    """What one datagram says about another."""
 
     def test_requests_are_matched_to_answers(self) -> None:
         talk = Talk()
@@ -416,7 +416,7 @@ class Exchange(unittest.TestCase):
 
 
 class Malformed(unittest.TestCase):
-    """What is no telegram is an expert info, and never an error of the script."""
+    """A datagram that is no telegram gives an expert info, never an error of the script."""
 
     def test_every_shortened_telegram_is_reported(self) -> None:
         lists = {"directory", "notification", "text-directory", "text-iocard", "telemeter-status"}
@@ -474,7 +474,7 @@ class Malformed(unittest.TestCase):
                 data[dice.randrange(len(data))] = dice.choice((0, 1, 2, 6, 0x7F, 0x80, 0xFF))
             data = data[: dice.randrange(len(data) + 1)] if dice.random() < 0.2 else data
             data += dice.randbytes(dice.choice((0, 0, 0, 1, 5, 1200)))
-            data = data or b"\0"  # an empty datagram is nobody's
+            data = data or b"\0"  # nothing dissects an empty datagram
             sent = dice.random() < 0.5
             frames.append(
                 (i * dice.choice((0.001, -0.001, 0.01)), ip(udp(bytes(data), sent), sent))
@@ -495,9 +495,9 @@ class Table(unittest.TestCase):
         "float": "FT_FLOAT",
         "double": "FT_DOUBLE",
     }
-    # What many telegrams begin with has the same name in all of them.
+    # The first fields have the same names in all telegrams.
     HEAD = ("id", "action", "service", "error", "robot_cycles")
-    # Views: what they point to.
+    # Views: their elements.
     VIEWS: ClassVar = {
         "iocard.analog": "FT_FLOAT",
         "iocard.digital": "FT_BYTES",
@@ -517,7 +517,7 @@ class Table(unittest.TestCase):
     PREFIXES: ClassVar = {"directory_entry": "directory", "answer": "", "status_header": ""}
 
     def members(self) -> dict[str, str]:
-        """Types by filter name, of all that is on the wire."""
+        """The type of each field on the wire, by filter name."""
         found = dict(self.VIEWS)
         plain = re.sub(r"/\*.*?\*/", "", HEADER, flags=re.DOTALL)
         for name, body in re.findall(r"typedef struct roburoc4_(\w+) \{(.*?)\}", plain, re.DOTALL):

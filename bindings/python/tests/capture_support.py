@@ -55,7 +55,7 @@ def command(linear_m_s: float, angular_rad_s: float) -> bytes:
 
 
 def requests() -> list[bytes]:
-    """What a client asks at first: properties, texts, subscriptions."""
+    """What a client requests first: properties, texts, subscriptions."""
     asked = [struct.pack("<BH", 0, service) for service in (0, 2, 3, 4, 5, 6)]
     asked += [struct.pack("<BHH", 1, 0, index) for index in range(7)]
     asked += [

@@ -21,7 +21,7 @@ _STYLES = re.compile(r"\x1b\[[0-9;]*m")
 
 
 def environment(robot: str | None = None) -> dict[str, str]:
-    """What a user's shell would give, with a robot or none."""
+    """The environment of a user's shell, with or without a robot."""
     env = {name: value for name, value in os.environ.items() if name != "ROBUROC4_ROBOT"}
     if robot is not None:
         env["ROBUROC4_ROBOT"] = robot
@@ -60,7 +60,7 @@ def document(done: subprocess.CompletedProcess[str]) -> Any:
 
 
 def one_line(text: str) -> str:
-    """Check that this is one line of complaint, and return it."""
+    """Check that this is an error message of one line, and return it."""
     assert text.startswith("roburoc4: "), text
     assert text.count("\n") == 1, text
     assert text.endswith("\n"), text
@@ -76,9 +76,9 @@ def eventually(condition: Callable[[], object], within_s: float = LONG_S) -> Non
 
 
 def doctor(*arguments: str, robot: str) -> subprocess.CompletedProcess[str]:
-    """Run `roburoc4 doctor` until it does not find this computer too busy for a judgement.
+    """Run `roburoc4 doctor`; again, while this computer is too busy for a verdict.
 
-    On one that is, statuses come early or late, whatever else is wrong with the link.
+    Statuses then come early or late, whatever else is wrong with the link.
     """
     for _ in range(10):
         done = run("doctor", *arguments, robot=robot)
@@ -103,7 +103,7 @@ class Terminal:
         os.write(self._fd, keys.encode())
 
     def read(self, wait_s: float) -> bool:
-        """Take what is shown; False at the end."""
+        """Read what the terminal shows; False at its end."""
         if not select.select([self._fd], [], [], wait_s)[0]:
             return True
         try:

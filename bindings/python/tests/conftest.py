@@ -75,10 +75,10 @@ def start() -> Iterator[Callable[..., subprocess.Popen[str]]]:
 
 
 def until(condition: Callable[[], object], seconds: float = LONG_S) -> None:
-    """Look again and again; fail where it does not come true."""
+    """Wait until it is true; fail if it never is."""
     end = time.monotonic() + seconds
     while not condition():
-        assert time.monotonic() < end, "it did not come true"
+        assert time.monotonic() < end, "it never became true"
         time.sleep(0.001)
 
 

@@ -142,7 +142,7 @@ def test_a_loop_that_hangs_stops_the_robot(served: Simulator) -> None:
         async with roburoc4.aio.connect(served.address) as robot:
             await robot.arm()
             robot.drive(0.5, 0.0)
-            first_zero_s(served)  # which does not await anything
+            first_zero_s(served)  # blocks the event loop
             assert not served.state.watchdog_tripped
 
     asyncio.run(program())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What is given to a robot: numbers of any kind, and errors that name the value and its range."""
+"""Arguments: numbers of any type, and errors that name the value and its range."""
 
 import struct
 from collections.abc import Callable

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Captures of any tool are read alike, cut or not; what is damaged is an error and no crash."""
+"""Captures of any tool are read, truncated or not; a damaged one is an error and no crash."""
 
 import random
 from contextlib import suppress
@@ -73,7 +73,7 @@ def test_a_missing_fragment_only_loses_its_datagram(tmp_path: Path) -> None:
     assert read(tmp_path / "a", data) == PACKETS
 
 
-# by the length of UDP, as tshark counts them; that of 58 was cut in two by a network of 68 bytes
+# Length of UDP: how many tshark counts. Those of 58 were fragmented by a network with an MTU of 68.
 OF_SIZE = {13: 21, 27: 10, 35: 22, 47: 20, 58: 20}
 
 

@@ -55,9 +55,6 @@ def test_a_good_link_is_healthy() -> None:
         assert stream["rate_hz"] == pytest.approx(stream["asked_hz"], rel=0.05)
 
 
-# Six faults to stage, six verdicts ...
-
-
 def test_fault_name() -> None:
     found = _verdict(robot="no-such-robot.invalid")
     assert (found["name"], found["exit"]) == ("name", 3)
@@ -101,27 +98,24 @@ def test_fault_slow() -> None:
     assert 115.0 < found["round_trip_ms"] < 1000.0  # more only where this computer is busy
 
 
-# ... and more.
-
-
 def test_fault_jitter() -> None:
     with roburoc4.Simulator(port=0) as sim:
         sim.set_faults(jitter_ms=150.0)
         for _ in range(10):
             found = _read(run("doctor", "--json", "--seconds", "3", robot=sim.address))
-            if found["name"] == "jitter":  # else a busy computer, or the lower half of the jitter
+            if found["name"] == "jitter":  # else it is busy, or the jitter was low
                 break
     assert (found["name"], found["exit"]) == ("jitter", 1)
 
 
 def test_fault_denied() -> None:
-    # A broadcast address needs a permission that nobody asked for.
+    # Sending to a broadcast address needs a permission of the socket.
     found = _verdict(robot="127.255.255.255:60000")
     assert (found["name"], found["exit"]) == ("denied", 3)
 
 
 def test_fault_route(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    """No address is without a route on every machine, so the system's word is staged."""
+    """Each address has a route on some machine, so the system's error is faked."""
 
     def no_route(_self: socket.socket, _address: object) -> None:
         raise OSError(errno.ENETUNREACH, "Network is unreachable")
@@ -150,7 +144,7 @@ def test_fault_interrupted() -> None:
             time.sleep(1.0)
             sim.reboot()
 
-        # Its clock must go back for all to see: it was on for longer than the silence lasts.
+        # It was on for longer than the silence lasts, so that its clock is seen to go back.
         eventually(lambda: sim.state.cycles > 300)
         thread = threading.Thread(target=reboot_in_the_midst)
         thread.start()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`roburoc4 drive`: gently, so far, and a zero at its end however it ends."""
+"""`roburoc4 drive`: a gentle start, the distance asked for, and a zero however it ends."""
 
 import signal
 import time
@@ -67,7 +67,7 @@ def test_it_accelerates_gently(sim: roburoc4.Simulator) -> None:
         now_s, target_m_s = state.now_us / 1e6, state.target_linear_m_s
         if state.nonzero_speed_commands == 0:
             rest_s = now_s
-        # 0.32 m/s begin with 0.5 m/s2
+        # a drive at 0.32 m/s accelerates with 0.5 m/s2
         assert target_m_s < 0.35 + 0.5 * (now_s - rest_s)
         fastest_m_s = max(fastest_m_s, target_m_s)
         time.sleep(0.005)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`roburoc4 info`: all that the robot says about itself, for people and as JSON."""
+"""`roburoc4 info`: all that the robot reports about itself, for people and as JSON."""
 
 import re
 import subprocess

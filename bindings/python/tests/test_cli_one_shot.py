@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`roburoc4 stop`, `output`, `relocalize`: one thing told, one line said."""
+"""`roburoc4 stop`, `output`, `relocalize`: one request, one line of output."""
 
 import pytest
 from cli_support import document, eventually, one_line, run, start

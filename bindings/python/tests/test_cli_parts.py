@@ -59,7 +59,7 @@ def test_a_robots_text_does_not_control_the_terminal() -> None:
             b"\x1b[119u\x1b[119;1:2u\x1b[119:87;2:3u",
             [Key("w", a) for a in ("press", "repeat", "release")],
         ),
-        (b"\x1b[57441;2u", []),  # a shift key of its own
+        (b"\x1b[57441;2u", []),  # the shift key alone
         (b"\x1b[97;5u", []),  # Ctrl-A is not A
         (b"\x1b[O\x1b[I", [Key("", "blur")]),
         (b"\x1b[0n", [Key("", "echo")]),

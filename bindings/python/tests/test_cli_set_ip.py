@@ -19,7 +19,7 @@ ASKED = b"netcfg 10.0.0.10 255.0.0.0 10.0.0.1\r\n"
 
 @pytest.fixture
 def console() -> Iterator[tuple[str, Callable[[], str]]]:
-    """A simulator's telnet port, and how to read what it says next."""
+    """A simulator's telnet port, and a function that reads its next line."""
     process = start("sim", "--port", "0", "--telnet", "0")
     assert process.stdout is not None
     read = process.stdout.readline
@@ -34,7 +34,7 @@ def console() -> Iterator[tuple[str, Callable[[], str]]]:
 
 
 class Scripted:
-    """A telnet console that says one thing at the start, and one after a line."""
+    """A telnet console with one text at the start, and one after a line."""
 
     def __init__(self, welcome: bytes, answer: bytes | None = None, *, ends: bool = False) -> None:
         self._ends = ends

@@ -46,7 +46,7 @@ def test_its_arguments_are_the_simulators_own() -> None:
     done = run("sim", "--help")
     assert done.returncode == 0
     assert "--loss SHARE" in done.stdout
-    assert "export" not in done.stdout  # what its help says about the ready line is none
+    assert "export" not in done.stdout  # there is no ready line here
     assert done.stdout.index("Exit status:") < done.stdout.index("--telnet PORT")
     done = run("sim", "--loss", "2")
     assert done.returncode == 2

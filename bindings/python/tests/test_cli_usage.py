@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What is wrong on the command line costs one line, exit code 2, and no contact."""
+"""A wrong command line: one line, exit code 2, and the robot is not contacted."""
 
 import subprocess
 import sys

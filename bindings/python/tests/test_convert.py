@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`roburoc4 convert` and `record FILE.mcap`: what other people's readers read is what was sent."""
+"""`roburoc4 convert` and `record FILE.mcap`: other people's readers get what was sent."""
 
 import csv
 import math
@@ -46,7 +46,7 @@ def messages(path: Path) -> dict[str, list[tuple[int, Any]]]:
         assert kinds.items() <= TOPICS.items()
         for connection, time_ns, raw in reader.messages():
             message = STORE.deserialize_cdr(raw, connection.msgtype)
-            # byte by byte what ROS itself would have written
+            # byte for byte what ROS itself would have written
             assert bytes(STORE.serialize_cdr(message, connection.msgtype)) == bytes(raw)
             found.setdefault(connection.topic, []).append((time_ns, message))
     return found

@@ -15,7 +15,7 @@ PAUSE_S = 0.5
 
 
 class Network:
-    """A gate, and commands that come to it at once."""
+    """A gate, and commands that reach it without delay."""
 
     def __init__(self, simulator: Simulator, robot: Robot, *, enabled: bool = True) -> None:
         self.simulator = simulator
@@ -43,7 +43,7 @@ class Network:
         return self.gate.drive(DriveCommand(sender, stamp_us, linear, angular))
 
     def stream(self, seconds: float, **command: float) -> Rejection | None:
-        """Send a command every 50 ms; what became of the last one."""
+        """Send a command every 50 ms; return what the gate said to the last one."""
         last = None
         for _ in range(round(seconds / PERIOD_S)):
             self.step(PERIOD_S)
@@ -52,7 +52,7 @@ class Network:
 
     @property
     def speed_m_s(self) -> float:
-        """That was sent to the robot last."""
+        """The linear speed that was sent to the robot last."""
         return self.simulator.state.last_linear_m_s
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What is written twice, in the C headers and here, says the same."""
+"""What stands both in the C headers and in the package is the same."""
 
 import ast
 import functools

@@ -39,7 +39,7 @@ def test_connecting_over_a_socket_takes_no_time(served: Simulator) -> None:
             assert robot.address == served.address
             return time.monotonic() - begun
 
-    # This machine may be busy, connecting must not be the reason.
+    # Only a busy machine may be slow, so one of ten is enough.
     assert any(connecting_s() < 1.0 for _ in range(10))
 
 
@@ -66,7 +66,7 @@ def test_garbage_collection_stops_the_robot(served: Simulator) -> None:
     robot.arm()
     robot.drive(0.5, 0.0, lease_ms=1000)
     driven(served)
-    # Even as a part of a cycle, with a finalizer that still uses it.
+    # Even as part of a reference cycle, with a finalizer that still uses it.
 
     class User:
         def __init__(self, robot: roburoc4.Robot) -> None:
@@ -122,7 +122,7 @@ def test_a_hanging_interpreter_stops_the_robot(start: Start) -> None:
     program = CONNECT + (
         "robot.drive(0.5, 0.0)\n"
         "print(time.monotonic(), flush=True)\n"
-        "ctypes.PyDLL(None).usleep(2_000_000)\n"  # keeps the interpreter to itself
+        "ctypes.PyDLL(None).usleep(2_000_000)\n"  # holds the GIL
         "print(time.monotonic(), flush=True)\n"
     )
     took_s = []
@@ -137,7 +137,7 @@ def test_a_hanging_interpreter_stops_the_robot(start: Start) -> None:
             took_s.append(zero_s - driven_s)
         if min(took_s) <= LEASE_S + 2 * PERIOD_S:
             break
-    # The best of ten: this machine may be busy, the pump must not be the reason.
+    # The best of ten: only a busy machine may be late, not the pump.
     assert min(took_s) <= LEASE_S + 2 * PERIOD_S
 
 
@@ -309,7 +309,7 @@ def test_drive_never_waits(served: Simulator) -> None:
             begun_s = time.perf_counter()
             robot.drive(0.1, 0.0)
             calls_s.append(time.perf_counter() - begun_s)
-        # Some are late on a busy machine. All would be where it waits for anything.
+        # On a busy machine some are late. If drive() waited for anything, all would be.
         assert statistics.median(calls_s) < 0.001
 
 

@@ -34,7 +34,7 @@ def path(tmp_path: Path) -> Path:
 
 
 def events(path: Path, packets: Sequence[Packet]) -> list[tuple[float, str]]:
-    """What happened after the client was ready: seconds from the beginning, and the text."""
+    """Events after the client was ready: seconds from the beginning, and the text."""
     write(path, packets)
     found = [
         (item.host_us / 1e6 - BEGIN_US / 1e6, item.text)
@@ -51,7 +51,7 @@ def test_statuses_have_the_values_and_times_that_were_sent(path: Path) -> None:
     assert [status.host_us for status in found] == [packet.time_us for packet in packets]
     for status, packet in zip(found, packets, strict=True):
         sent = roburoc4.decode(packet.payload)._replace(host_us=packet.time_us, utc_s=status.utc_s)
-        assert repr(status) == repr(sent)  # NaN is itself
+        assert repr(status) == repr(sent)  # NaN differs from itself
         assert status.utc_s == pytest.approx(packet.time_us / 1e6, abs=1e-3)
 
 

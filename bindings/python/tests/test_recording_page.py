@@ -15,7 +15,7 @@ _TOOLS = ("tshark", "octave")
 
 
 def _session() -> str:
-    """All that a reader types, in a shell: blocks of sh, and those of Python as programs."""
+    """All that a reader types, for a shell: blocks of sh, and those of Python as programs."""
     parts = []
     walk = PAGE.read_text(encoding="utf-8").partition("## A tour")[2].partition("\n## ")[0]
     for language, text in re.findall(

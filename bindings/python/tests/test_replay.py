@@ -32,7 +32,7 @@ OTHER = ("127.0.0.1", 5001)
 
 
 class Stage:
-    """A replayed robot in a time of the test's own, and what it sent."""
+    """A replayed robot in virtual time, and what it sent."""
 
     def __init__(self, path: Path, **options: object) -> None:
         self.now_s = 100.0

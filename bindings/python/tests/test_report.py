@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`roburoc4 report` and `recover`: the figures are what was sent, and the page needs nothing."""
+"""`roburoc4 report` and `recover`: the numbers match what was sent; the page loads nothing."""
 
 import html.parser
 import json

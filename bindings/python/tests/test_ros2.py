@@ -188,7 +188,7 @@ def messages(listener: Participant, topics: dict[str, Topic], namespace: str = "
                 kind = ros_messages.ros_name(topics[key].kind)
                 for data in reader.take(100):
                     found[key] = STORE.deserialize_cdr(data, kind)
-                    # byte by byte what ROS itself would have written, but for what fills up
+                    # byte for byte what ROS itself would have written, except for padding
                     assert data.startswith(bytes(STORE.serialize_cdr(found[key], kind)))
             return found.keys() == readers.keys()
 

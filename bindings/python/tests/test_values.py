@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a robot says: statuses, properties, names; and what it is told beside motion."""
+"""What a robot reports: statuses, properties, names; and commands other than motion."""
 
 import math
 from collections.abc import Callable
@@ -165,7 +165,7 @@ def test_relocalize_waits_until_the_robot_has_accepted_it(roburoc4_simulator: Si
         robot.relocalize(3.0, -4.0, 1.5)
         assert robot.localization[1:4] == (3.0, -4.0, 1.5)
         robot.unsubscribe("localization")
-        robot.relocalize(1.0, 2.0, 0.5)  # there is no pose to wait for
+        robot.relocalize(1.0, 2.0, 0.5)  # no pose will come to confirm it
         with pytest.raises(roburoc4.ArgumentError):
             robot.relocalize(math.inf, 0, 0)
 
@@ -241,7 +241,7 @@ def test_the_override_input_can_be_named() -> None:
 
 
 class FakeConnection:
-    """A connection of a robot that gives these texts."""
+    """A connection to a robot with these texts."""
 
     def __init__(self, robot: roburoc4.Robot, texts: dict[tuple[int, int], bytes]) -> None:
         self.handle = robot._connection.handle

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A dashboard in a thread, a simulator behind it, and a real browser before it."""
+"""A dashboard in a thread, between a simulator and a real browser."""
 
 import re
 import subprocess
@@ -23,12 +23,12 @@ expect.set_options(timeout=1000 * PATIENCE_S)
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Name the mark."""
+    """Register the mark."""
     config.addinivalue_line("markers", "both: runs in Firefox, too, as it may differ there")
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """Run what is marked "both" in both browsers, and all else in Chromium."""
+    """Run tests that are marked "both" in both browsers, all others in Chromium."""
     if "engine" in metafunc.fixturenames:
         both = metafunc.definition.get_closest_marker("both") is not None
         metafunc.parametrize(
@@ -52,7 +52,7 @@ def station() -> Iterator[Callable[..., Station]]:
 
 @pytest.fixture(scope="session")
 def playwright() -> Iterator[Playwright]:
-    """What the browsers are driven by."""
+    """Playwright, which drives the browsers."""
     with sync_playwright() as running:
         yield running
 
@@ -78,7 +78,7 @@ def hideable(
 ) -> Iterator[Callable[[str], tuple[Page, Callable[[], Page]]]]:
     """Open a page, and a tab over it that really hides it.
 
-    Playwright keeps all pages of a Chromium that it has launched visible; so this one is not.
+    Playwright keeps all pages of a Chromium that it launches visible, so this one is launched here.
     """
     running: list[subprocess.Popen[str]] = []
 
@@ -140,10 +140,10 @@ def go_to(page: Page, url: str) -> None:
 
 @pytest.fixture
 def visit(browser: Browser) -> Iterator[Callable[..., Page]]:
-    """Open pages; a complaint of any page's script, or a request to another host, is a failure."""
+    """Open pages; an error of a page's script, or a request to another host, fails the test."""
     contexts: list[BrowserContext] = []
     complaints: list[str] = []
-    # A page whose dashboard went away says so; that is what some tests are about.
+    # Browsers log a lost connection, which is what some tests are about.
     forgiven = ["WebSocket connection to", "net::ERR_CONNECTION", "net::ERR_EMPTY", "at ws://"]
 
     def open_page(url: str, *, forgive: str | None = None, **settings: Any) -> Page:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A page without a browser: it says what it wants, and a proxy that can stall."""
+"""A page without a browser, which sends whatever a test wants, and a proxy that can stall."""
 
 import json
 import select
@@ -15,7 +15,7 @@ from websockets.sync.client import ClientConnection, connect
 
 
 class Visitor:
-    """A WebSocket that answers frames when it is told to."""
+    """A WebSocket that answers frames when a test tells it to."""
 
     def __init__(
         self,
@@ -111,7 +111,7 @@ class Proxy:
         self._threads: list[threading.Thread] = []
 
     def serve(self, port: int) -> None:
-        """Begin, towards this port."""
+        """Begin to forward to this port."""
         self._to = port
         self._start(self._accept)
 

@@ -39,8 +39,8 @@ navigator.getGamepads = () => [window.pad];
 """
 A, LT, RT = 0, 6, 7
 
-# Keys that the browser is told to press do not repeat by themselves, as those of a keyboard do: the
-# one that was pressed last, until it is let go.
+# A keyboard repeats the key that was pressed last until it is released. Playwright's keys do not
+# repeat, so this does it.
 REPEATS = """
 window.repeats = true;
 {
@@ -56,35 +56,35 @@ window.repeats = true;
 
 
 def until(condition: Callable[[], object], seconds: float = PATIENCE_S) -> None:
-    """Look again and again; fail where it does not come true."""
+    """Wait until it is true; fail if it never is."""
     end = time.monotonic() + seconds
     while not condition():
-        assert time.monotonic() < end, "it did not come true"
+        assert time.monotonic() < end, "it never became true"
         time.sleep(0.002)
 
 
 class Stopwatch:
-    """Time since it was made, less that in which a loaded machine did not run this thread."""
+    """Time since it was made, without that in which a loaded machine did not run this thread."""
 
     def __init__(self, begun_s: float | None = None) -> None:
         self.begun_s = time.monotonic() if begun_s is None else begun_s
         self.stalled_s = 0.0
 
     def nap(self, seconds: float = 0.002) -> None:
-        """Sleep; whatever it lasts longer is not counted."""
+        """Sleep; oversleeping is not counted."""
         begun_s = time.monotonic()
         time.sleep(seconds)
         self.stalled_s += max(0.0, time.monotonic() - begun_s - seconds - 0.01)
 
     def seconds(self, now_s: float | None = None) -> float:
-        """Return what it shows, or did at a time."""
+        """Return the time that it shows, or showed at ``now_s``."""
         return (time.monotonic() if now_s is None else now_s) - self.begun_s - self.stalled_s
 
     def until(self, condition: Callable[[], object]) -> None:
-        """Look again and again; fail where it does not come true."""
+        """Wait until it is true; fail if it never is."""
         end = time.monotonic() + PATIENCE_S
         while not condition():
-            assert time.monotonic() < end, "it did not come true"
+            assert time.monotonic() < end, "it never became true"
             self.nap()
 
 
@@ -151,7 +151,7 @@ class Station:
             ended.close()
         self._socket.close()
 
-    # ---- what the robot was told ----
+    # ---- commands to the robot ----
 
     @property
     def driven(self) -> bool:
@@ -160,7 +160,7 @@ class Station:
         return (state.last_linear_m_s, state.last_angular_rad_s) != (0.0, 0.0)
 
     def drives_on(self) -> bool:
-        """Whether speeds come in, and go on to come in for a few leases."""
+        """Whether speeds come in, and keep coming for a few leases."""
         begun_s = time.monotonic()
         while not self.driven:
             if time.monotonic() - begun_s > 4 * LEASE_S:
@@ -172,7 +172,7 @@ class Station:
     def wait_until_driven(
         self, page: Page, hold: Callable[[], object], let_go: Callable[[], object]
     ) -> None:
-        """Hold until it drives on and on.
+        """Hold until the robot keeps driving.
 
         Where a stall of a loaded machine ends that, release all inputs, arm where it was disarmed,
         and try again.
@@ -180,7 +180,7 @@ class Station:
         end = time.monotonic() + 3 * PATIENCE_S
         hold()
         while not self.drives_on():
-            assert time.monotonic() < end, "it was never driven on and on"
+            assert time.monotonic() < end, "the robot never kept driving"
             let_go()
             time.sleep(LEASE_S)
             press_arm(page)
@@ -256,14 +256,14 @@ def hold_pad(page: Page, **held: float) -> None:
 
 
 def drive(here: Station, page: Page, **held: float) -> None:
-    """Drive on and on by game pad: ahead, where nothing else is named."""
+    """Drive by game pad until the robot keeps driving: ahead, unless inputs are given."""
     here.wait_until_driven(
         page, lambda: hold_pad(page, **(held or {"rt": 1.0})), lambda: page.evaluate("hold(0, 0)")
     )
 
 
 class Finger:
-    """A finger on a page's screen, and one that presses beside it."""
+    """A finger on the page, and a second one that presses beside it."""
 
     def __init__(self, page: Page) -> None:
         self._devices = page.context.new_cdp_session(page)

@@ -26,7 +26,7 @@ LYING = PHONE | {"viewport": {"width": 844, "height": 390}}
 
 @contextmanager
 def scene(browser: Browser, theme: str, size: dict[str, Any], **settings: Any) -> Iterator[Any]:
-    """A dashboard and a page before it."""
+    """A dashboard and a page that shows it."""
     here = Station(battery_percent=68.0, lease_s=1.0, **settings)  # pictures take their time
     context = browser.new_context(color_scheme=theme, **size)
     context.add_init_script(FAKE_PAD)
@@ -50,7 +50,7 @@ def drive_about(here: Station, page: Page, seconds: float) -> None:
 
 
 def save(page: Page, folder: Path, name: str) -> None:
-    """Take a picture, of few colours: a third of the size, and nobody sees it."""
+    """Take a picture with few colours: a third of the size, and it looks the same."""
     path = folder / f"dashboard-{name}.png"
     taken = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
     few = taken.quantize(256, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)

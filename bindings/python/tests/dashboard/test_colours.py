@@ -40,13 +40,13 @@ def colours(theme: str) -> dict[str, Colour]:
 
 
 def mixed(one: Colour, other: Colour, share: float) -> Colour:
-    """What is seen where one covers so much of the other; browsers mix before linear RGB."""
+    """A mix, with this share of the first; browsers mix before they convert to linear RGB."""
     pairs = zip(one, other, strict=True)
     return tuple((share * a ** (1 / 2.2) + (1 - share) * b ** (1 / 2.2)) ** 2.2 for a, b in pairs)
 
 
 def contrast(one: Colour, other: Colour) -> float:
-    """As in WCAG 2."""
+    """Return the contrast of WCAG 2."""
     low, high = sorted(0.2126 * r + 0.7152 * g + 0.0722 * b for r, g, b in (one, other))
     return (high + 0.05) / (low + 0.05)
 

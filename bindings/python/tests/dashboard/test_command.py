@@ -43,7 +43,7 @@ def start(*arguments: str) -> subprocess.Popen[str]:
 
 
 def hear_signals() -> None:
-    """As from a terminal, whatever these tests were started from."""
+    """Obey signals as in a terminal, even where these tests run with signals ignored."""
     for number in ENDING:
         signal.signal(number, signal.SIG_DFL)
 
@@ -85,7 +85,7 @@ def test_it_prints_its_link_serves_and_ends_quietly(number: signal.Signals, code
 
 @contextmanager
 def driven(*arguments: str) -> Iterator[tuple[subprocess.Popen[str], roburoc4.Simulator]]:
-    """A dashboard of its own process that drives a robot, by a page that goes on and on."""
+    """A dashboard in its own process, and a page that keeps driving the robot."""
     with (
         roburoc4.Simulator(port=0) as sim,
         start("--robot", sim.address, "--allow-drive", *arguments) as running,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The control alone, in virtual time: whatever pages say and whenever, the lease holds."""
+"""The control alone, in virtual time: whatever pages send and whenever, the lease holds."""
 
 from __future__ import annotations
 

@@ -281,7 +281,7 @@ def test_a_page_that_hung_does_not_drive_on_with_a_held_button(station: Make, vi
     hang(page, 1.5)
     until(lambda: not here.driven)
     before = here.speeds_sent()
-    page.evaluate("0")  # answered when it hangs no more
+    page.evaluate("0")  # answered once it no longer hangs
     stays_stopped(here)
     assert here.speeds_sent() == before
 
@@ -562,7 +562,7 @@ def test_a_page_that_only_watches_sends_the_robot_nothing(station: Make, visit: 
     assert here.sim.state.speed_commands == 0
 
 
-# ---- when the robot says no ----
+# ---- when the robot refuses ----
 
 
 def test_override_disarms_and_is_shown(station: Make, visit: Visit) -> None:

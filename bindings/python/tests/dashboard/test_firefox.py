@@ -33,7 +33,7 @@ class Tab:
         self.send("browsingContext.navigate", **self._here, url=url, wait="complete")
 
     def send(self, method: str, **parameters: Any) -> dict[str, Any]:
-        """Command, and wait for the answer."""
+        """Send a command, and wait for the answer."""
         number = next(self._numbers)
         self._socket.send(json.dumps({"id": number, "method": method, "params": parameters}))
         while (answer := json.loads(self._socket.recv(timeout=PATIENCE_S))).get("id") != number:
@@ -43,7 +43,7 @@ class Tab:
         return result
 
     def evaluate(self, expression: str) -> Any:
-        """Return what a script gives."""
+        """Return the value of a script."""
         answer = self.send(
             "script.evaluate", expression=expression, target=self._here, awaitPromise=False
         )
@@ -119,7 +119,7 @@ def arm(tab: Tab) -> None:
 
 
 def drive_by_stick(here: Station, tab: Tab) -> None:
-    """Take control, arm, and push the stick ahead until the robot drives on and on."""
+    """Take control, arm, and push the stick ahead until the robot keeps driving."""
     until(lambda: tab.text("quality-say") == "Link good")
     tab.tap("take")
     until(lambda: "this page" in tab.text("control"))

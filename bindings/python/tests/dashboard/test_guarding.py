@@ -119,7 +119,7 @@ def test_a_page_of_another_site_can_neither_read_nor_drive(
         elsewhere.url.replace("127.0.0.1", "localhost"), forgive=r"asked|Failed to load|CORS"
     )
     ready(page)
-    # Without the other site's own policy, which would not even let it ask.
+    # Without the other site's own policy, which would keep it from asking at all.
     page.context.new_cdp_session(page).send("Page.setBypassCSP", {"enabled": True})
     page.reload()
     ready(page)

@@ -61,9 +61,9 @@ def test_a_layout_that_moves_changes_no_speed(station: Make, visit: Visit) -> No
     x, y = middle(page)
     page.evaluate(
         "document.getElementById('stick').style.transform = 'translateY(60px)'"
-    )  # whatever moves it
+    )  # as anything might
     page.wait_for_timeout(300)
-    finger.move(x + 1, y - PUSHED_PX)  # no finger rests
+    finger.move(x + 1, y - PUSHED_PX)  # a finger is never quite still
     page.wait_for_timeout(2000 * LEASE_S)
     assert here.sim.state.last_linear_m_s == pytest.approx(speed, abs=1e-6)
 

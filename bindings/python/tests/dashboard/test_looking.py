@@ -494,7 +494,7 @@ def test_telemeter_cones_are_drawn_where_they_are_mounted(
     ready(page)
 
     def painted(right_px: int, down_px: int) -> bool:
-        """Look beside the robot, which is in the middle, and away from the grid."""
+        """Whether a pixel is painted; the robot is in the middle, and grid lines are left out."""
         alpha = page.evaluate(
             """([x, y]) => {
                 const { width, height } = document.getElementById("map");

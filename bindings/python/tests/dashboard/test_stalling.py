@@ -28,7 +28,7 @@ def proxy() -> Iterator[Proxy]:
 
 @pytest.fixture
 def behind(station: Make, proxy: Proxy) -> Station:
-    """A dashboard behind a proxy, by whose name it goes."""
+    """A dashboard that pages reach through a proxy."""
     here = station(names=lambda _: (f"127.0.0.1:{proxy.port}",))
     proxy.serve(here.port)
     return here
@@ -40,7 +40,7 @@ def test_what_a_stalled_socket_delivers_late_is_ignored(behind: Station, proxy: 
         driver.drive(lambda: behind.driven)
         begun_s = time.monotonic()
         proxy.flows.clear()
-        for _ in range(20):  # a page that goes on and on about the last frame it saw
+        for _ in range(20):  # a page that keeps answering the last frame it saw
             driver.answer(driver.tick, 0.4)
             time.sleep(0.02)
         assert behind.wait_until_stopped(begun_s) < WITHIN_S
@@ -318,7 +318,7 @@ def test_a_driver_that_releases_control_still_gets_frames(
     with Visitor(here) as driver:
         driver.arm()
         driver.refusals.clear()
-        for _ in range(3):  # as many as a page may owe
+        for _ in range(3):  # as many as a page may leave unanswered
             while driver.receive()["type"] != "frame":
                 pass
         driver.say("leave")

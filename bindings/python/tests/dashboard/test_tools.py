@@ -157,7 +157,7 @@ class Pictures(http.server.BaseHTTPRequestHandler):
         self.wfile.write(picture.getvalue())
 
     def log_message(self, *_: object) -> None:
-        """Be quiet."""
+        """Log nothing."""
 
 
 @pytest.fixture
@@ -336,7 +336,7 @@ def test_axe_finds_nothing(theme: str, station: Make, visit: Visit) -> None:
     page = visit(here.url, color_scheme=theme, reduced_motion="reduce")
     ready(page)
     axe = Axe()
-    # The tabs look alike in each state, but for what events and the simulator tell.
+    # Only the tabs of the events and of the simulator depend on the robot's state.
     for prepare, tabs in (
         (lambda: None, TABS),
         (lambda: arm(page), ["events"]),
@@ -357,7 +357,7 @@ SOON_MS = 3000
 
 
 def go_to(page: Page, x_m: float, y_m: float) -> bool:
-    """Ask for it; False where a stall of a loaded machine disarmed the robot meanwhile."""
+    """Send the robot there; False where a stall of a loaded machine disarmed it meanwhile."""
     try:
         page.locator("#map-go").click(timeout=SOON_MS)
         for name, value in (("x", x_m), ("y", y_m)):
@@ -373,7 +373,7 @@ def go_to(page: Page, x_m: float, y_m: float) -> bool:
 def arrive(
     hub: Hub, page: Page, place: tuple[float, float], there: Callable[[], bool]
 ) -> list[object]:
-    """Go there, again where a stall ended it; return what other pages were shown as its goal."""
+    """Go there; again, where a stall ended it. Return the goals that other pages showed."""
     end = time.monotonic() + 60
     goals = []
     while not there():
@@ -387,13 +387,13 @@ def arrive(
 
 
 def set_out(here: Station, page: Page, x_m: float, y_m: float) -> None:
-    """Be on the way there; again, where a stall of a loaded machine ended it."""
+    """Start to go there; again, where a stall of a loaded machine ended it."""
     for _ in range(5):
         press_arm(page)
         if go_to(page, x_m, y_m) and here.drives_on():
             return
         page.wait_for_timeout(1000)
-    raise AssertionError("it never set out")
+    raise AssertionError("it never started")
 
 
 @pytest.mark.both

@@ -15,7 +15,7 @@ else:
 
     def _patient() -> "_native.Config":
         config = _new_config()
-        _native.set_member(config, "fresh_ms", 1000, 0)  # the longest that there is
+        _native.set_member(config, "fresh_ms", 1000, 0)  # the maximum
         return config
 
     _native.new_config = _patient

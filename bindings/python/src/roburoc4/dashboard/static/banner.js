@@ -6,7 +6,7 @@ import { by, make, mark, put } from "./text.js";
 const end = (text) => (text ? text[0].toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? "" : ".") : "");
 const said = ({ say, attempt }) => end(say) + (attempt ? ` Try: ${attempt}.` : "");
 
-/** All that is true and that somebody should know, most urgent first: [level, title, text]. */
+/** All conditions that hold, most urgent first: [level, title, text]. */
 function conditions(frame, { mine, offered }, about) {
   const { facts, link, state, battery, why } = frame;
   const found = [];
@@ -49,7 +49,7 @@ function showConditions([first, ...others]) {
   announce(level, title, text);
 }
 
-/** Spoken when another condition comes, and not when a number in its text counts on. */
+/** Let a screen reader speak when the condition changes, not when a number in its text does. */
 function announce(level, title, text) {
   if (title === announced) return;
   const calm = announced === "" && level === "calm";

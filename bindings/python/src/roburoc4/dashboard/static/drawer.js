@@ -9,7 +9,7 @@ const ROOMY = "(min-width: 1000px) and (min-height: 820px)";
 const writes = (node) => node.closest?.("input, select, textarea") !== null;
 
 export class Drawer {
-  /** onOpen: told the name of the tab that was opened. */
+  /** onOpen: called with the name of the tab that was opened. */
   constructor(onOpen) {
     this.onOpen = onOpen;
     this.open = "";
@@ -34,7 +34,7 @@ export class Drawer {
     next.focus();
   }
 
-  /** By key: what is opened has the focus, so that Tab moves within it; what is closed leaves it to its tab. */
+  /** By key: an opened panel gets the focus, so that Tab moves within it; a closed one gives it to its tab. */
   enter(name) {
     const within = by("drawer").contains(document.activeElement);
     this.toggle(name);

@@ -24,7 +24,7 @@ export class Drive {
     by("hand-over").addEventListener("click", () => this.ask({ type: "leave" }));
     by("arm").addEventListener("click", () => this.ask({ type: "arm", tick: this.tick }));
     by("stop").addEventListener("pointerdown", () => this.stop());
-    // A click by key has no pointer before it.
+    // A press by key is a click without a pointerdown.
     by("stop").addEventListener("click", (event) => event.detail === 0 && this.stop());
     by("scale").addEventListener("input", () => this.showScale());
     addEventListener("keydown", (event) => this.key(event), true);
@@ -73,7 +73,7 @@ export class Drive {
     this.stopping = false;
   }
 
-  /** Whether a key is the space bar, and not meant for what it switches or writes in. */
+  /** Whether a key is the space bar, and nothing that has the focus uses it. */
   stops(event) {
     return event.code === "Space" && this.offered && !event.target.closest?.(TAKES_SPACE);
   }
@@ -97,7 +97,7 @@ export class Drive {
     if (this.mine) this.send({ type: "drawn", tick: this.tick, input: { forward: 0, left: 0, scale: this.scale } });
   }
 
-  /** Let the robot go to a place by itself, until something of the driver's ends that. */
+  /** Let the robot go to a place by itself, until any input of the driver ends that. */
   go({ x_m, y_m }) {
     this.going = true;
     this.ask({ type: "go", tick: this.tick, x_m, y_m, scale: this.scale });
@@ -113,7 +113,7 @@ export class Drive {
     if (on) this.mine = false;
   }
 
-  /** Show how it is, and return what the inputs want, if this page drives. */
+  /** Show a frame, and return the inputs if this page drives. */
   show(frame) {
     this.tick = frame.tick;
     this.mine = frame.driver !== null && frame.driver === this.page;
@@ -153,11 +153,11 @@ export class Drive {
   showButtons(wanted) {
     const focused = document.activeElement;
     for (const [what, on] of Object.entries(wanted)) show(by(what), on);
-    // A user who presses them by key continues with the replacement.
+    // Users who press the buttons by key go on with the one that replaces theirs.
     if (focused?.hidden && focused.id in wanted) Object.keys(wanted).filter((what) => wanted[what]).map(by)[0]?.focus();
   }
 
-  /** What was refused is said until something changed, or long enough to read it. */
+  /** Show a refusal until the state changes, or long enough to read it. */
   forgetRefusal(state) {
     if (state !== this.state || performance.now() - this.refusedAt > REFUSAL_MS) this.refusal = "";
     this.state = state;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What happened, newest first: filtered by how bad it is and by words, and downloaded as CSV.
+// What happened, newest first: filtered by severity and by words, and downloaded as CSV.
 import { by, make, put, save, show } from "./text.js";
 
 const MOST = 200;

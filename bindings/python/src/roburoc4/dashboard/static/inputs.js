@@ -26,7 +26,7 @@ const NEUTRAL = { forward: 0, left: 0, by: "" };
 const beyond = (value) => (Math.abs(value) < DEAD_ZONE ? 0 : (value - Math.sign(value) * DEAD_ZONE) / (1 - DEAD_ZONE));
 const within = (value) => Math.max(-1, Math.min(1, value || 0));
 
-/** Whether the Command key is in it: while that is down, a Mac reports no releases of others. */
+/** Whether the Command key is involved: while it is down, a Mac does not report that other keys are released. */
 const commands = (event) => event.metaKey || /^(Meta|OS)/.test(event.code);
 
 /** Whether a key is meant for what has the focus rather than for the robot. */
@@ -62,7 +62,7 @@ export class Inputs {
       stick.addEventListener(end, (event) => event.pointerId === this.held?.pointer && this.release());
     }
     addEventListener("resize", () => this.release());
-    // A finger that rests on the stick asks for a menu, too.
+    // A finger that rests on the stick opens a context menu, too.
     stick.addEventListener("contextmenu", (event) => { event.preventDefault(); event.stopPropagation(); });
   }
 
@@ -71,7 +71,7 @@ export class Inputs {
     if (!(event.code in MOTIONS) || event.ctrlKey || event.altKey || event.metaKey || writes(event)) return;
     if (this.wanted) event.preventDefault();
     this.listen();
-    // A repeat whose beginning this page has not seen began somewhere else.
+    // A key that repeats but was not pressed on this page was pressed on another one.
     if (event.repeat && !this.keys.has(event.code)) return;
     this.keys.add(event.code);
     this.hear(event.repeat);
@@ -91,20 +91,20 @@ export class Inputs {
     this.unrepeated = "";
   }
 
-  /** A keyboard that is silent may have been so for long. */
+  /** Count keys that no longer repeat as released. */
   listen() {
     if (!this.keys.size || performance.now() - this.heard <= (this.repeats ? REPEAT_MS : FIRST_MS)) return;
     this.unrepeated = [...this.keys][0];
     this.keys.clear();
   }
 
-  /** What begins here would keep the release of a key to itself. */
+  /** A menu or a drag would hide the release of a key. */
   refuse(begun) {
     this.letGo();
     if (this.wanted) begun.preventDefault();
   }
 
-  /** Deflection counts from where the stick was touched, so that no layout that moves changes a speed. */
+  /** Deflection counts from where the stick was touched, so that a change of the layout does not change a speed. */
   grip(event) {
     if (this.held || event.button > 0) return;
     this.stick.setPointerCapture(event.pointerId);
@@ -139,7 +139,7 @@ export class Inputs {
     this.onLetGo();
   }
 
-  /** At once, and not with the next frame. */
+  /** Report a release at once, not with the next frame. */
   tellIfFree() {
     const inputs = this.look();
     if (inputs.forward === 0 && inputs.left === 0) this.onLetGo();
@@ -176,7 +176,7 @@ export class Inputs {
     return { forward: within(sum[0]) * this.risen, left: within(sum[1]) * this.risen, by: this.keys.size ? "keys" : "" };
   }
 
-  /** What is wanted now. */
+  /** The inputs at this moment. */
   look() {
     this.listen();
     const now = performance.now();

@@ -4,11 +4,11 @@
 
 const RETRY_MS = 1000;
 const SILENCE_MS = 1000;
-const SAYS_WHY = [1008, 1013]; // it closed the connection for what this page did, or for all the others
+const SAYS_WHY = [1008, 1013]; // refused what the page sent; too many pages
 const REFUSED = 403;
 
 export class Link {
-  /** handlers: by type of message; frame: draws, returns the inputs or null; silent: told (true/false) and why. */
+  /** handlers: by type of message; frame: draws, returns the inputs or null; silent: called with true or false, and why. */
   constructor(handlers, frame, silent) {
     this.tick = 0;
     this.handlers = handlers;
@@ -41,7 +41,7 @@ export class Link {
     });
   }
 
-  /** Show another robot; what this page held of the one before ends with its connection. */
+  /** Show another robot. The new connection ends the control of the one before. */
   use(robot) {
     if (robot === this.robot) return;
     this.robot = robot;

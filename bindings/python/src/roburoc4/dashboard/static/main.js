@@ -17,7 +17,7 @@ import { showCameras } from "./cameras.js";
 import { Speed } from "./speeds.js";
 import { showBattery, showLink, showNoLink } from "./status.js";
 
-// The cookie has it now; the address bar, and what is copied from there, should not.
+// The token is in the cookie now. It should not stay in the address bar, from where links are copied.
 if (location.search) history.replaceState(null, "", location.pathname);
 
 let about = { everReady: false, telemeter: [], name: "" };
@@ -37,7 +37,7 @@ const speeds = [
   new Speed(by("speed-angular"), { name: "Turn", unit: "rad/s", sign: -1, sides: ["left +", "right −"] }),
 ];
 
-// ---- what comes in ----
+// ---- messages ----
 
 function hello(message) {
   put(by("address"), message.address);
@@ -66,7 +66,7 @@ function describe(message) {
   speeds[1].setLimits(limits?.min_angular_rad_s, limits?.max_angular_rad_s, message.full_angular_rad_s);
 }
 
-// ---- what is drawn with each frame ----
+// ---- frames ----
 
 function drawFrame(frame) {
   document.body.classList.toggle("stale", frame.state !== "ready");
@@ -94,7 +94,7 @@ function silent(on, why) {
   if (!on) return;
   showSilence(why, drive.stopping);
   showNoLink();
-  // A network that failed holds back what was sent on an old connection for up to a minute.
+  // After a failure of the network, TCP may hold back what was sent on the old connection for a minute.
   if (drive.stopping && link.open) link.reconnect();
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The robot from above at its pose: X up and Y left where the view is not turned, as on paper.
+// The robot from above at its pose: X up, Y left.
 import { by, colour, figure, mark, put } from "./text.js";
 
 const LENGTH = 1.31;
@@ -11,7 +11,7 @@ const NEAR_PX = 14;
 const NEAR_M = 0.5;
 const RECENT_S = 60;
 const JUMP_M = 0.5;
-const LONGEST_CONE_M = 2.5; // what is farther is a line, and leaves the view free
+const LONGEST_CONE_M = 2.5; // longer ones are lines, which hide less
 const clock = new Intl.DateTimeFormat(undefined, { hour: "2-digit", minute: "2-digit", second: "2-digit", hourCycle: "h23" });
 const COLOURS = ["--grid", "--grid-bold", "--text", "--soft", "--card", "--blue", "--orange", "--red", "--sky", "--body", "--wheel", "--box"];
 
@@ -142,7 +142,7 @@ export class RobotMap {
     }
   }
 
-  // ---- what is known ----
+  // ---- path and pose ----
 
   /** The trail as the dashboard keeps it: places and their times. */
   begin({ path: [xs, ys, times] }) {
@@ -198,7 +198,7 @@ export class RobotMap {
     this.paintScale();
   }
 
-  /** Where the robot goes by itself. */
+  /** The place to which the robot goes by itself. */
   paintGoal([x, y], text = "goes here") {
     const { pen, ink } = this;
     const [px, py] = this.at(x, y);
@@ -212,7 +212,7 @@ export class RobotMap {
     this.label(text, px, py - 20, ink.text);
   }
 
-  /** The name of each robot at the place that it reports; the others have an outline, and where they go. */
+  /** Each robot's name at its pose; for those that are not shown in full, also an outline and the goal. */
   paintFleet({ name, pose, state, going }, chosen) {
     if (pose.x_m === null || pose.y_m === null || pose.theta_rad === null) return;
     const ink = state === "ready" ? this.ink.text : this.ink.soft;
@@ -222,7 +222,7 @@ export class RobotMap {
     this.label(name, px, py + 4, ink);
   }
 
-  /** When the robot was where the pointer is on its trail. */
+  /** The time at which the robot passed the point of its trail under the pointer. */
   paintTime() {
     if (!this.pointer) return;
     const { pen, ink } = this;
@@ -286,13 +286,13 @@ export class RobotMap {
     pen.fillText(text, x, y);
   }
 
-  /** A middle from which all of a text is seen. */
+  /** The nearest centre at which a text is not cut off. */
   inside(text, x, y) {
     const half = this.pen.measureText(text).width / 2 + 8;
     return [Math.max(half, Math.min(this.width - half, x)), Math.max(16, Math.min(this.height - 42, y))];
   }
 
-  /** The last minute in full colour, what is older paler. */
+  /** The last minute in full colour, older parts paler. */
   paintPath(places, ink, dashes) {
     const recent = places.findIndex(([, , time_s]) => time_s > this.frame.time_s - RECENT_S);
     const from = recent < 0 ? places.length : recent;
@@ -370,7 +370,7 @@ export class RobotMap {
     }
   }
 
-  /** Beside what was measured; where that is out of view, on the way there. */
+  /** Write each distance beside the obstacle; where that is out of view, nearer to the robot. */
   paintDistances(pose) {
     const [c, s] = [Math.cos(pose.theta_rad), Math.sin(pose.theta_rad)];
     for (const { x_m, y_m, theta_rad, distance, max_distance_m } of this.sensors()) {

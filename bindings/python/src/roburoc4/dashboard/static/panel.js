@@ -39,7 +39,7 @@ export class Panel {
     this.send({ type: "panel", line: text });
   }
 
-  /** Send it with the next frame, unless it is moved again before: sliders move faster. */
+  /** Send only the latest value, with the next frame: sliders change more often than that. */
   soon(what, message) {
     this.pending.set(what, message);
   }
@@ -141,7 +141,7 @@ export class Panel {
     put(by("sim-state"), `true pose x ${figure(sim.pose.x_m, 2, "m")}   y ${figure(sim.pose.y_m, 2, "m")}   θ ${figure((sim.pose.theta_rad * 180) / Math.PI, 0, "°")}${sim.watchdog_tripped ? "   watchdog: no command" : ""}`);
   }
 
-  /** A slider shows what is, unless somebody holds it. */
+  /** Show the current value on a slider, unless somebody holds it. */
   follow(slider, value, unit) {
     put(slider.output, figure(value, 0, unit));
     if (!held(slider.input)) {

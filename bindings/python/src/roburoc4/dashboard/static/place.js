@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A place of the map, pressed and dragged or written, and confirmed: where the robot is, or where it shall go.
+// A place on the map, chosen by press and drag or typed in, then confirmed: where the robot is, or where it goes.
 import { by, put, show } from "./text.js";
 
 const FIELDS = ["x", "y", "theta"];
@@ -10,7 +10,7 @@ const TEXTS = {
 };
 
 export class Place {
-  /** onChosen: told what for ("relocalize" or "go"), and the pose. */
+  /** onChosen: called with the purpose ("relocalize" or "go") and the pose. */
   constructor(onChosen) {
     this.what = "";
     this.from = null;
@@ -20,7 +20,7 @@ export class Place {
       const { x_m, y_m, theta_rad } = this.wanted;
       const wrong = [x_m, y_m, theta_rad].findIndex((value) => !Number.isFinite(value));
       if (wrong >= 0) {
-        by(`relocalize-${FIELDS[wrong]}`).focus(); // what is still to be written
+        by(`relocalize-${FIELDS[wrong]}`).focus(); // still to be filled in
         return;
       }
       onChosen(this.what, { x_m, y_m, theta_rad });
@@ -41,7 +41,7 @@ export class Place {
     if (!what) return;
     put(by("relocalize-text"), TEXTS[what]);
     if (this.pose) this.fill(this.pose.x_m, this.pose.y_m, this.pose.theta_rad);
-    // On a phone the keyboard would cover the map on which the place is pressed.
+    // On a phone, the keyboard would cover the map.
     if (matchMedia("(hover: hover)").matches) by("relocalize-x").focus();
   }
 
@@ -59,7 +59,7 @@ export class Place {
     this.fill(this.from.x, this.from.y, Math.atan2(y - this.from.y, x - this.from.x));
   }
 
-  /** What is asked for, to be drawn. */
+  /** The place that is not confirmed yet, for the map. */
   get wanted() {
     if (!this.active) return null;
     const [x_m, y_m, degrees] = FIELDS.map((name) => by(`relocalize-${name}`).valueAsNumber);

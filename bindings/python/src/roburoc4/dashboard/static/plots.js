@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What happened over time: signals that somebody chose, one plot for each unit, on one time axis. uPlot draws;
-// this feeds it, and lets it scroll, stand, zoom, and go out as a table.
+// Signals over time: those that the user chose, one plot for each unit, on one time axis. uPlot draws; this
+// feeds it, scrolls, pauses, zooms, and exports what is shown.
 import { by, colour, figure, make, mark, put, save } from "./text.js";
 
 const MOST = 12000;
@@ -8,11 +8,11 @@ const EVERY_S = 0.1;
 const REDRAW_S = 0.1;
 const TIME_STEPS_S = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200];
 const LEAST_HEIGHT = 128;
-const BESIDES = 32; // the legend of a plot
+const BESIDES = 32; // height of a plot's legend, in pixels
 const SPANS = [10, 30, 60, 120, 300, 600, 3600, 43200];
 const INKS = ["--blue", "--orange", "--green", "--violet", "--red", "--sky", "--text", "--soft"];
 const DASHES = [[], [7, 4], [2, 3]];
-// Noise of a robot that stands is not the whole plot.
+// At least this much is shown: the noise of a robot at rest does not fill the plot.
 const RANGES = {
   "m/s": (low, high) => [Math.min(-0.2, low * 1.1), Math.max(0.2, high * 1.1)],
   "rad/s": (low, high) => [Math.min(-0.2, low * 1.1), Math.max(0.2, high * 1.1)],
@@ -107,7 +107,7 @@ export class Plots {
     return this.values.get(id);
   }
 
-  /** A missing value was not measured then; null is a gap. */
+  /** undefined: not measured at that time; null: a gap. */
   add(time, row) {
     if (this.times.length && time < this.times.at(-1)) {
       this.times.length = 0;
@@ -185,7 +185,7 @@ export class Plots {
     return plot;
   }
 
-  /** What was dragged across becomes the time that all plots show. */
+  /** Zoom all plots to the time that was dragged across. */
   select(plot) {
     const { left, width } = plot.select;
     if (width <= 2) return;
@@ -204,7 +204,7 @@ export class Plots {
     this.plots.forEach((plot) => plot.setSize({ width: this.width, height }));
   }
 
-  /** It was not seen, and is. */
+  /** Redraw when the tab is opened. */
   wake() {
     this.resize();
     this.redraw();
@@ -219,13 +219,13 @@ export class Plots {
       const data = [this.times, ...plot.signals.map(({ id }) => { const column = this.column(id); column.length = this.times.length; return column; })];
       plot.setData(data, false);
       plot.setScale("x", { min, max });
-      // The legend shows the newest values, unless the pointer is on others.
+      // The legend shows the newest values, unless the pointer is on the plot.
       if (plot.cursor.left < 0) plot.setLegend({ idx: this.times.length ? this.times.length - 1 : null });
     }
     mark(by("plots"), "until", max);
   }
 
-  // ---- out ----
+  // ---- export ----
 
   /** The signals and the time that are shown, as CSV. */
   export() {

@@ -27,7 +27,7 @@ export class Speed {
     this.setLimits(null, null, [0, 0]);
   }
 
-  /** Where a value is, in percent from the left. */
+  /** The position of a value, in percent from the left. */
   at(value) {
     const share = Math.min(1, Math.sqrt(Math.abs(value) / this.reach));
     return 50 + 50 * Math.sign(value) * this.sign * share;
@@ -49,7 +49,7 @@ export class Speed {
     this.marks.replaceChildren(...marks.map((mark) => {
       const node = make("span", "", figure(mark, 1).replace(/\.0$/, ""));
       node.style.left = `${this.at(mark)}%`;
-      node.style.transform = `translateX(-${this.at(mark)}%)`; // those at the ends stay within
+      node.style.transform = `translateX(-${this.at(mark)}%)`; // at the ends, the text stays within the bar
       return node;
     }));
   }

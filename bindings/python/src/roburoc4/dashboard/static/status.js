@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Link and battery: a word and a figure on top, all figures in their tab.
+// Link and battery: a word and a number at the top, all numbers in their tab.
 import { by, figure, make, mark, put } from "./text.js";
 
 const SERVICES = { iocard: "IO card", telemeter: "telemeters", battery: "battery", localization: "localization", differential: "speeds" };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Numbers as people read them, and small help with the document.
+// Numbers for people to read, and helpers for the document.
 
 export const by = (id) => document.getElementById(id);
 
@@ -11,7 +11,7 @@ export function figure(value, digits, unit = "") {
   return text.replace("-", "−") + (unit ? `\u202f${unit}` : "");
 }
 
-/** Set a text, where it is another: the browser then has nothing to lay out again. */
+/** Set a text if it differs, so that the browser does not lay out the page again. */
 export function put(node, text) {
   if (node.textContent !== text) node.textContent = text;
 }
@@ -33,7 +33,7 @@ export function make(tag, className = "", text = "", ...children) {
   return node;
 }
 
-/** Offer a text as a file. */
+/** Download a text as a file. */
 export function save(name, text) {
   const link = make("a");
   link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
