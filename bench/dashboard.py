@@ -134,9 +134,8 @@ def write_results(path: str, shares: dict[str, float]) -> None:
     document = {
         "part": "dashboard",
         "title": "Dashboard",
-        "about": "What `roburoc4 dashboard` uses of one core: five services at 50 Hz, three pages "
-        "open in Chromium, driving with a lease of 1 s (`--lease-ms 1000`; the default is 250), so "
-        "that a stall of the machine does not end it. By bench/dashboard.py.",
+        "about": "Share of one core: five services at 50 Hz, three pages open in Chromium. Driven "
+        "with a lease of 1 s (default 250 ms), so that a stall of the machine does not end it.",
         "measured": time.strftime("%Y-%m-%d"),
         "machine": figures.machine(),
         "code": figures.code(),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""One part's figures, and the file that keeps them (the format is in bench/README.md)."""
+"""Write one part's figures to a file; bench/README.md has its format."""
 
 import argparse
 import datetime
@@ -19,7 +19,7 @@ TOP = BENCH.parent
 
 
 def run(*command, cwd=None, env=None, timeout=600):
-    """Output of a command; its errors are shown, and end the program, where it fails."""
+    """Run a command and return its output; if it fails, the exception ends the program."""
     return subprocess.run(
         [str(word) for word in command],
         check=True,
@@ -32,17 +32,17 @@ def run(*command, cwd=None, env=None, timeout=600):
 
 
 def first_line(*command):
-    """First line that a tool says of itself."""
+    """Return the first line of a command's output: a tool's version."""
     return run(*command).splitlines()[0].strip()
 
 
 def packaged(name):
-    """A Debian package and its version."""
+    """Return a Debian package and its version."""
     return run("dpkg-query", "-W", "-f", "${Package} ${Version}", name)
 
 
 def pinned(*names):
-    """What is compared with, as bench/requirements.txt has it."""
+    """Return these packages with their versions from bench/requirements.txt."""
     text = (BENCH / "requirements.txt").read_text(encoding="utf-8")
     return [
         re.search(rf"^{name}==.*$", text, re.MULTILINE).group(0).replace("==", " ")
@@ -51,14 +51,14 @@ def pinned(*names):
 
 
 def compiler(build):
-    """The C compiler of a build folder."""
+    """Return the version of a build folder's C compiler."""
     cache = (build / "CMakeCache.txt").read_text(encoding="utf-8")
     found = re.search(r"^CMAKE_C_COMPILER:\w+=(.*)$", cache, re.MULTILINE)
     return first_line(found.group(1), "--version") + ", -O2"
 
 
 def code():
-    """Which code this is: the commit, and whether anything but figures differs from it."""
+    """Return the commit, with -dirty if anything but figures differs from it."""
     git = ("git", "-C", TOP)
     try:
         commit = first_line(*git, "describe", "--always", "--tags")
@@ -70,7 +70,7 @@ def code():
 
 
 def source():
-    """A checksum of src/ and include/: of what figures are, whatever is committed when."""
+    """Return a checksum of src/ and include/, by which a report knows that figures are old."""
     digest = hashlib.sha256()
     for path in sorted(p for folder in ("src", "include") for p in (TOP / folder).rglob("*.[ch]")):
         digest.update(path.relative_to(TOP).as_posix().encode() + b"\0" + path.read_bytes())
@@ -78,17 +78,17 @@ def source():
 
 
 def median_interval(samples):
-    """Median, and the ends of its 95 % interval, by the order of the samples."""
+    """Return the median, and the ends of its 95 % interval (by order statistics)."""
     ordered = sorted(samples)
     count = len(ordered)
-    # How many lie below the median is binomial: 1.96 deviations of it to each side.
+    # The number of samples below the median is binomial: take 1.96 deviations to each side.
     aside = 0.98 * count**0.5
     low = max(0, math.floor((count - 1) / 2 - aside))
     return statistics.median(ordered), ordered[low], ordered[count - 1 - low]
 
 
 def arguments(doc):
-    """What scripts/bench gives to a measuring program of a build folder."""
+    """Parse what scripts/bench passes to a measuring program."""
     parser = argparse.ArgumentParser(
         description=doc, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -99,7 +99,7 @@ def arguments(doc):
 
 
 def machine():
-    """Processor, how many, system."""
+    """Return the processor, their number, and the system."""
     name = platform.machine()
     info = pathlib.Path("/proc/cpuinfo")
     if info.exists():
@@ -111,7 +111,7 @@ def machine():
 
 
 class Part:
-    """What one part measured."""
+    """The figures of one part."""
 
     def __init__(self, part, title, about, versions):
         self.part = part
@@ -129,7 +129,7 @@ class Part:
         self.results = []
 
     def add(self, name, subject, unit, value, **more):
-        """One figure; `more` is low, high, aim, better, note."""
+        """Add one figure; `more` is low, high, aim, better, note."""
         self.results.append(
             {
                 "name": name,
@@ -141,7 +141,7 @@ class Part:
         )
 
     def write(self, folder):
-        """Leave the figures in FOLDER/PART.json."""
+        """Write the figures to FOLDER/PART.json."""
         folder = pathlib.Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
         text = json.dumps({**self.head, "results": self.results}, indent=1)

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""What the client's state machine costs: a status, what it refuses, and many clients."""
+"""Measure the client: its time, its instructions, many clients, and growing payloads."""
 
 import json
+import re
 
 import figures
 
@@ -11,6 +12,20 @@ ABOUT = (
     "clients in turn, in one process; its ratio to one client, with an interval as wide as both "
     "allow."
 )
+
+
+ABOUT_COST = (
+    "Machine instructions of x86-64 at -O2, counted by callgrind without the kernel; they do not "
+    "depend on what else the machine does. By `bench/client-cost`."
+)
+CALLS = {
+    "receive-differential": "receive a differential status",
+    "receive-iocard": "receive an IO card's status",
+    "receive-battery": "receive a battery status",
+    "poll-idle": "poll with nothing due",
+    "udp-differential": "differential status through the UDP adapter",
+    "udp-recorded": "the same, recorded",
+}
 
 
 def measure(build, quick):
@@ -34,7 +49,7 @@ def measure(build, quick):
 
 
 def place(item):
-    """Order of rows: statuses, what is refused, many clients, payloads; numbers by size."""
+    """Sort key of rows: statuses, rejected datagrams, many clients, payloads; numbers by size."""
     group, case = item[0]
     groups = ("status", "refused", "poll", "clients", "payload")
     return groups.index(group), int(case) if case.isdigit() else 0, case
@@ -44,7 +59,7 @@ def main():
     given = figures.arguments(__doc__)
     values, payload_bytes = measure(given.build, given.quick)
     versions = [figures.compiler(given.build), figures.packaged("libbenchmark-dev")]
-    part = figures.Part("client", "Client", ABOUT, versions)
+    part = figures.Part("client", "Client: time", ABOUT, versions)
     one = values["clients", "1"]
     for (group, case), (value, low, high) in sorted(values.items(), key=place):
         if group == "payload":
@@ -77,6 +92,12 @@ def main():
                 f"{payload_bytes[group, case]} bytes", "roburoc4", "ns", value, low=low, high=high
             )
     payload.write(given.out)
+    tools = [figures.first_line("gcc", "--version"), figures.packaged("valgrind")]
+    cost = figures.Part("client_cost", "Client: instructions", ABOUT_COST, tools)
+    counted = figures.run(figures.BENCH / "client-cost")
+    for kind, count, aim in re.findall(r"^(\S+) +(\d+) +(\d+)$", counted, re.MULTILINE):
+        cost.add(CALLS[kind], "roburoc4", "instructions", int(count), aim=int(aim))
+    cost.write(given.out)
 
 
 if __name__ == "__main__":

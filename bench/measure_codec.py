@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The codec beside its peers: nanoseconds by Google Benchmark, instructions by callgrind."""
+"""Measure the codec beside its peers: time by Google Benchmark, instructions by callgrind."""
 
 import json
 import pathlib
@@ -12,7 +12,7 @@ CALLS_COUNTED = 1000
 ABOUT_TIME = (
     "Nanoseconds of processor time a message, through a function pointer: median of the "
     "repetitions, and its 95 % interval. Decoding ends with every value in a plain "
-    "struct. `memcpy` moves the same bytes by hand and checks nothing: the limit. MAVLink also "
+    "struct. `memcpy` only moves the same bytes, and checks nothing. MAVLink also "
     "frames, computes a checksum, and parses byte by byte as from a serial line; LCM prefixes a "
     "type hash; nanopb writes tagged variable-length integers."
 )
@@ -23,7 +23,7 @@ ABOUT_COUNT = (
 
 
 def versions(build):
-    """The compiler, and the peers as their own packages call themselves."""
+    """Return the versions of compiler and peers."""
     found = [figures.compiler(build)]
     for package in ("liblcm-dev", "libbenchmark-dev", "valgrind"):
         found.append(figures.packaged(package))
@@ -34,13 +34,13 @@ MESSAGES = ("iocard", "telemeter", "battery", "localization", "differential", "d
 
 
 def place(name):
-    """Order of rows: decoding first, messages as the manual has them."""
+    """Sort key of rows: decoding first, messages in the manual's order."""
     direction, message, peer = name
     return direction != "decode", MESSAGES.index(message), peer
 
 
 def add_all(part, unit, values):
-    """values: (direction, message, peer) -> value, low, high. bench/aims.py judges the ratios."""
+    """Add values: (direction, message, peer) -> value, low, high."""
     for direction, message, peer in sorted(values, key=place):
         value, low, high = values[direction, message, peer]
         more = {"low": low, "high": high} if low != high else {}

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""Bytes of text, data, bss and stack on small processors; the same messages by other codecs.
+"""Measure flash, RAM and stack on small processors, beside other codecs and an MQTT client.
 
-bench/measure_footprint.py --functions    list the functions of the Cortex-M0, largest first
-bench/measure_footprint.py --print        print its figures, and keep none
+bench/measure_footprint.py --functions    list the core's functions on a Cortex-M0, largest first
+bench/measure_footprint.py --print        print the Cortex-M0's figures without keeping them
 """
 
 import argparse
 import pathlib
-import re
 import subprocess
 import sys
 import tempfile
@@ -22,28 +21,31 @@ TARGETS = {
         ["-mthumb", "-mcpu=cortex-m4", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"],
     ),
     "RV32": ("riscv64-unknown-elf-", ["-march=rv32imac", "-mabi=ilp32", "--specs=picolibc.specs"]),
-    "AVR": ("avr-", ["-mmcu=atmega2560"]),
 }
 SMALL = ["-std=c99", "-Os", "-ffunction-sections", "-fdata-sections"]
 ABOUT = (
     "Bytes at -Os. *All of it* is every function of the library. *Linked* is a whole program with "
-    "`--gc-sections`, less one that does nothing: what it really takes, the compiler's own "
-    "functions (64-bit arithmetic, floats) included: *bare loop that drives* receives, arms, "
-    "drives and reads three statuses. *Stack* is the deepest path of calls."
+    "`--gc-sections`, less one that does nothing; it includes what the compiler adds for 64-bit "
+    "numbers and floats. The *firmware* receives, arms, drives and reads three statuses. *Stack* "
+    "is the deepest path of calls."
 )
 ABOUT_PEERS = (
-    "Encode and decode of the five statuses and the drive command, linked with `--gc-sections`, at "
-    "-Os, less a program that does nothing. Each is rebuilt here; coreSNTP, a protocol of like "
-    "size, is in no package registry: its figure is its own documentation's."
+    "Linked programs at -Os on a Cortex-M0, less a program that does nothing. *Six messages*: "
+    "encode and decode the five statuses and the drive command. *Client*: connect, subscribe, "
+    "receive and publish. roburoc4 is the firmware above, the peer is lwIP's MQTT client (quality "
+    "of service 1); the network functions are left out, or are those of lwIP with its default "
+    "options and Ethernet (UDP for roburoc4, TCP for MQTT). Alike: both match answers to requests "
+    "with a time-out, and notice a lost connection. Not alike: roburoc4 sends lost requests again "
+    "itself, which TCP does for MQTT; it decodes the statuses and includes arming, leases and stop "
+    "sequences."
 )
-# part of the table -> bytes aimed at, on the Cortex-M0
+# Aims on the Cortex-M0, in bytes.
 AIMS = {
     "codec, all of it": 2560,
     "codec of six messages, linked": 2560,
-    "codec + client, all of it": 8192,
-    "bare loop that drives, linked": 8192,
+    "firmware that drives, linked": 17000,
     "moves, all of it": 1536,
-    "a client's memory": 1024,
+    "a client's memory": 1600,
 }
 
 
@@ -53,21 +55,20 @@ def core_sources():
 
 
 class Target:
-    """One processor: compiling, linking and measuring for it."""
+    """Compiles, links and measures for one processor."""
 
     def __init__(self, name, folder):
         self.name = name
         self.prefix, self.flags = TARGETS[name]
         self.folder = folder / name
         self.folder.mkdir()
-        # AVR's gcc is too old for call graphs: stack_depth.py makes do with frames.
-        self.frames = "-fstack-usage" if name == "AVR" else "-fcallgraph-info=su"
 
     def tool(self, name, *arguments):
         return figures.run(self.prefix + name, *arguments)
 
-    def compile(self, source, *more):
-        out = self.folder / (pathlib.Path(source).stem + ".o")
+    def compile(self, source, *more, folder=""):
+        out = self.folder / folder / (pathlib.Path(source).stem + ".o")
+        out.parent.mkdir(exist_ok=True)
         self.tool(
             "gcc",
             *SMALL,
@@ -83,25 +84,30 @@ class Target:
         return out
 
     def core(self):
-        return [self.compile(source, self.frames) for source in core_sources()]
+        return [self.compile(source, "-fcallgraph-info=su") for source in core_sources()]
 
     def sizes(self, path):
         """text, data, bss"""
         return [int(n) for n in self.tool("size", path).splitlines()[1].split()[:3]]
 
     def link(self, name, objects, *more):
-        """A program without start-up code and system: main() is where it begins."""
+        """Link a program without start-up code."""
         out = self.folder / name
         self.tool("gcc", *self.flags, "-nostartfiles", *more, *objects, "-o", out)
         return out
 
-    def linked(self, source, objects, *more):
-        """Size of a program of `source` and what it uses of `objects`, less the empty program's."""
+    def linked(self, source, objects, *more, unresolved=False):
+        """Sizes of a program made of `source` and what it uses of `objects`, less the empty one's.
+
+        unresolved: functions that are in none of them are left out.
+        """
         used = ("-Wl,--gc-sections", "-Wl,--entry=main", "-Wl,-Map=" + str(self.map_of(source)))
+        if unresolved:
+            used += ("-Wl,--unresolved-symbols=ignore-all",)
         own = self.compile(source, *more)
         whole = self.sizes(self.link(own.stem, [own, *objects], *used))
         if "unwind" in self.linked_map(source):
-            # 4 kB that none of the codecs asked for: those of C++, or of tables for exceptions.
+            # 4 kB for C++ exceptions that no program here uses.
             raise SystemExit(f"measure_footprint: {source} carries an unwinder for {self.name}")
         empty = self.compile(figures.BENCH / "size/nothing.c")
         nothing = self.sizes(self.link("nothing", [empty], *used[:2]))
@@ -111,7 +117,7 @@ class Target:
         return self.folder / (pathlib.Path(source).stem + ".map")
 
     def linked_map(self, source):
-        """The linker's map without its beginning: what was left out, and why what was taken."""
+        """The part of the linker's map that lists what is in the program."""
         text = self.map_of(source).read_text(encoding="utf-8")
         return text.split("Linker script and memory map")[1]
 
@@ -121,21 +127,8 @@ class Target:
         return self.sizes(self.compile(probe, "-fno-common"))[2]
 
 
-def linked_files(target, source):
-    """Bytes of a linked program by where they come from, largest first, by the linker's map."""
-    text = target.linked_map(source)
-    found = {}
-    for size, origin in re.findall(
-        r"^ \.(?:text|rodata)\S*\s+0x[0-9a-f]+\s+0x([0-9a-f]+)\s+(\S+)$", text, re.MULTILINE
-    ):
-        library = re.search(r"(lib\w+\.a)\(", origin)
-        name = library.group(1) if library else pathlib.Path(origin).stem + ".c"
-        found[name] = found.get(name, 0) + int(size, 16)
-    return sorted(((size, name) for name, size in found.items() if size), reverse=True)
-
-
 def stack(target, objects):
-    """The deepest path of stack, and the path as text."""
+    """Bytes of the deepest path of calls; or None, and why it is unknown."""
     program = target.link("core", objects, "-Wl,--no-gc-sections", "-Wl,--entry=0")
     done = subprocess.run(
         [
@@ -153,7 +146,7 @@ def stack(target, objects):
     )
     if done.returncode != 0:
         return None, done.stderr.strip().splitlines()[-1]
-    return int(done.stdout.split()[-1]), done.stdout
+    return int(done.stdout.split()[-1]), None
 
 
 def functions(target, objects):
@@ -167,7 +160,7 @@ def functions(target, objects):
 
 
 def measure_target(part, target):
-    """All figures of one processor; the objects of the core."""
+    """Add all figures of one processor; return the core's objects."""
     objects = target.core()
     sizes = {o.stem: target.sizes(o) for o in objects}
     m0 = target.name == "Cortex-M0"
@@ -182,42 +175,60 @@ def measure_target(part, target):
     )
     add("codec + client, all of it", sum(s[0] for s in sizes.values()))
     add(
-        "bare loop that drives, linked",
+        "firmware that drives, linked",
         target.linked(figures.BENCH / "size/client_drive.c", objects)[0],
     )
     add("data + bss, all of it", sum(s[1] + s[2] for s in sizes.values()))
     add("moves, all of it", target.sizes(target.compile(figures.TOP / "src/move.c"))[0])
     add("a client's memory", target.client_bytes())
-    depth, path = stack(target, objects)
-    add("stack", depth, None if depth else path)
+    depth, why_not = stack(target, objects)
+    add("stack", depth, note=why_not)
     return objects
 
 
-def measure_peers(part, target, peers, objects):
-    """The same messages by others."""
+def measure_codecs(part, target, peers, objects):
+    """The codec beside others for the same messages."""
     quiet = ["-w", "-I", peers / "nanopb", "-I", peers / "mavlink"]
     size = figures.BENCH / "size"
-
-    def add(name, subject, value, note=None):
-        part.add(f"{name}, {target.name}", subject, "bytes", value, note=note)
-
-    def add_linked(subject, *program):
+    nanopb = [target.compile(s, *quiet) for s in sorted((peers / "nanopb").glob("*.c"))]
+    for subject, program in (
+        ("roburoc4", (size / "codec_roburoc4.c", objects)),
+        ("nanopb", (size / "codec_nanopb.c", nanopb, *quiet)),
+        ("MAVLink", (size / "codec_mavlink.c", [], *quiet)),
+    ):
         text, data, bss = target.linked(*program)
-        add("codec of six messages", subject, text)
-        add("its data + bss", subject, data + bss)
+        part.add("six messages, flash", subject, "bytes", text + data)
+        part.add("six messages, RAM", subject, "bytes", data + bss)
 
-    add_linked("roburoc4", size / "codec_roburoc4.c", objects)
-    if target.name == "AVR":
-        add("codec of six messages", "nanopb", None, "needs a double of 8 bytes")
-    else:
-        nanopb = [target.compile(s, *quiet) for s in sorted((peers / "nanopb").glob("*.c"))]
-        add_linked("nanopb", size / "codec_nanopb.c", nanopb, *quiet)
-    add_linked("MAVLink", size / "codec_mavlink.c", [], "-DALL_MESSAGES", *quiet)
-    add(
-        "codec of the drive command alone",
-        "MAVLink",
-        target.linked(size / "codec_mavlink.c", [], *quiet)[0],
-    )
+
+def measure_clients(part, target, peers, objects):
+    """A firmware's client beside lwIP's MQTT client, without a network stack and with lwIP's."""
+    size, lwip = figures.BENCH / "size", peers / "lwip"
+    udp = ["-w", "-I", size / "lwip", "-I", lwip / "include"]
+    tcp = [*udp, "-DUSES_TCP"]
+    mqtt = target.compile(lwip / "apps/mqtt/mqtt.c", *tcp)
+    stack_sources = [
+        *sorted((lwip / "core").glob("*.c")),
+        *sorted((lwip / "core/ipv4").glob("*.c")),
+        lwip / "netif/ethernet.c",
+    ]
+
+    def stack_of(folder, options):
+        return [target.compile(source, *options, folder=folder) for source in stack_sources]
+
+    def add(name, subject, *program, **options):
+        text, data, bss = target.linked(*program, **options)
+        part.add(f"{name}, flash", subject, "bytes", text + data)
+        part.add(f"{name}, RAM", subject, "bytes", data + bss)
+
+    alone, whole = "client, without network functions", "client, with lwIP's network stack"
+    mqtt_program = size / "lwip/client_mqtt.c"
+    add(alone, "roburoc4", size / "client_drive.c", objects)
+    add(alone, "lwIP MQTT", mqtt_program, [mqtt], *tcp, unresolved=True)
+    own = [*objects, *stack_of("lwip-udp", udp)]
+    add(whole, "roburoc4", size / "lwip/client_drive_lwip.c", own, *udp)
+    their = [mqtt, *stack_of("lwip-tcp", tcp)]
+    add(whole, "lwIP MQTT", mqtt_program, their, *tcp, "-DWITH_STACK")
 
 
 def print_m0(target, only_functions):
@@ -235,25 +246,21 @@ def print_m0(target, only_functions):
 def measure_all(folder, given):
     versions = sorted({figures.first_line(p + "gcc", "--version") for p, _ in TARGETS.values()})
     part = figures.Part("footprint", "Footprint", ABOUT, versions)
+    lwip = "lwIP " + (given.peers / "lwip/version").read_text(encoding="utf-8").strip()
     beside = figures.Part(
         "footprint_peers",
         "Footprint beside peers",
         ABOUT_PEERS,
-        [*versions, *figures.pinned("nanopb", "pymavlink")],
+        [*versions[:1], *figures.pinned("nanopb", "pymavlink"), lwip],
     )
-    for target_name in ("Cortex-M0",) if given.quick else TARGETS:
+    for target_name in TARGETS:
         target = Target(target_name, folder)
         objects = measure_target(part, target)
         if target_name == "Cortex-M0":
-            part.head["functions"] = functions(target, objects)
-            part.head["linked"] = linked_files(target, "client_drive.c")
-            part.head["stack_path"] = stack(target, objects)[1]
-        if given.peers:
-            measure_peers(beside, target, given.peers, objects)
+            measure_codecs(beside, target, given.peers, objects)
+            measure_clients(beside, target, given.peers, objects)
     part.write(given.out)
-    if given.peers:
-        beside.add("SNTP codec and client, Cortex-M", "coreSNTP", "bytes", 2048, note="not rebuilt")
-        beside.write(given.out)
+    beside.write(given.out)
 
 
 def main():
@@ -262,9 +269,9 @@ def main():
     )
     parser.add_argument("--out", type=pathlib.Path)
     parser.add_argument("--peers", type=pathlib.Path, help="folder of bench/codec/generate")
-    parser.add_argument("--print", action="store_true", help="print the Cortex-M0's figures only")
+    parser.add_argument("--print", action="store_true", help="print the Cortex-M0's figures")
     parser.add_argument("--functions", action="store_true")
-    parser.add_argument("--quick", action="store_true", help="Cortex-M0 only")
+    parser.add_argument("--quick", action="store_true", help="the same: nothing here takes long")
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         if given.functions or given.print:

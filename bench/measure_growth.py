@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""How cost grows: robots in one simulator, and services × rate through one client.
+"""Measure how cost grows with robots in one simulator, and with services × rate in one client.
 
 Runs in the virtual environment of scripts/bench, where the Python package is installed.
 """
@@ -19,7 +19,7 @@ ABOUT = (
     "Processor time in milliseconds for each second, of one process. *simulator*: `roburoc4-sim "
     "--robots N`, every robot sending the five services at the client's usual periods (71 statuses "
     "a second). *client*: a program with the pump, the UDP adapter and the client, for 1 to 5 "
-    "services at several periods. The statuses that arrived were counted: at least 95 % did."
+    "services at several periods. At least 95 % of the statuses arrived."
 )
 LEAST = 0.95  # share of the statuses that must arrive
 # service -> period in cycles of 10 ms
@@ -29,14 +29,14 @@ SERVICES = ("differential", "localization", "iocard", "telemeter", "battery")
 
 
 def processor_s(pid):
-    """Seconds that a process (of one thread) has run on a processor."""
+    """Return the processor time of a process with one thread."""
     fields = pathlib.Path(f"/proc/{pid}/schedstat").read_text(encoding="utf-8").split()
     return int(fields[0]) / 1e9
 
 
 @contextlib.contextmanager
 def simulator(program, robots):
-    """A simulator, and its robots' ports."""
+    """Run a simulator; give its process id and its robots' ports."""
     process = subprocess.Popen(
         [program, "--port", "0", "--robots", str(robots)], text=True, stdout=subprocess.PIPE
     )
@@ -51,8 +51,11 @@ def simulator(program, robots):
 
 
 def steady(measure, due, what, least):
-    """Arrived, time and processor time that measure() gives when the statuses come: without them
-    there is no cost of a status. Something else may have needed the processor: three tries."""
+    """Call measure() until enough statuses arrived, at most three times.
+
+    It returns how many arrived, the time and the processor time. Something else may have needed the
+    processor, and the cost of statuses that were lost would be missing.
+    """
     for _ in range(3):
         arrived, took, used = measure()
         if arrived >= least * due:
@@ -63,7 +66,7 @@ def steady(measure, due, what, least):
 
 
 def count_statuses(subscriber, seconds):
-    """Read for so long: statuses that came, and how long it was."""
+    """Read for some seconds; return how many statuses came, and how long it took."""
     end = begun = time.monotonic()
     arrived = 0
     while end - begun < seconds:
@@ -89,8 +92,8 @@ def measure_robots(part, program, counts, seconds, least):
                 for service, period in USUAL.items():
                     insert = struct.pack("<BBHHB", 1, 4, 1, service, period)
                     subscriber.sendto(insert, ("127.0.0.1", port))
-                time.sleep(0.0005)  # so that no queue is full
-            count_statuses(subscriber, 0.5)  # what has queued meanwhile
+                time.sleep(0.0005)  # so that no queue overflows
+            count_statuses(subscriber, 0.5)  # what is in the queue by now
 
             def measure(pid=pid, subscriber=subscriber):
                 before = processor_s(pid)
@@ -150,7 +153,7 @@ def main():
         ABOUT,
         [figures.compiler(given.build), f"Python {platform.python_version()}"],
     )
-    # A moment on a busy machine decides nothing.
+    # A quick run is not judged, and may be on a busy machine.
     least = 0.01 if given.quick else LEAST
     measure_robots(
         part,

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""End to end over loopback: what roburoc4 adds to a bare recv/send loop, in interleaved pairs."""
+"""Measure what roburoc4 adds to a bare recv/send loop over loopback, in interleaved pairs."""
 
 import random
 
 import figures
 
 ABOUT = (
-    "Each datagram goes once through a bare, blocking `recv`/`send` loop and once through the UDP "
+    "Each datagram goes through a bare, blocking `recv`/`send` loop and through the UDP "
     "adapter and client, one right after the other, in changing order; a status also through a "
     "bare loop with `ppoll` before its `recv`, which can wake in time to send a command. "
     "Microseconds from sending to the value (or the datagram) on the other side, which sleeps "
@@ -23,10 +23,10 @@ def quantile(ordered, share):
 
 
 def quantile_interval(samples, share, chance):
-    """A quantile and its 95 % interval: from the order statistics of resampled data."""
+    """Return a quantile and its 95 % interval, by order statistics of resampled data."""
     ordered = sorted(samples)
     n = len(ordered)
-    # The rank of a quantile in a resample is binomial: draw ranks, not whole resamples.
+    # The rank of a quantile in a resample is binomial, so it is enough to draw ranks.
     spread = (n * share * (1 - share)) ** 0.5
     ranks = sorted(int(chance.gauss(share * n, spread)) for _ in range(RESAMPLINGS))
     low, high = ranks[RESAMPLINGS // 40], ranks[-RESAMPLINGS // 40]
@@ -40,7 +40,7 @@ def pairs_of(program, *arguments):
 
 
 def ratio_interval(bare, own, share, chance):
-    """Own over bare, resampling pairs together."""
+    """Return our quantile divided by the bare one, and its interval by resampling pairs."""
     n = len(bare)
     ratios = []
     for _ in range(min(RESAMPLINGS, 200)):

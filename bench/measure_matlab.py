@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""What a call from Octave costs: the figures that bench/matlab prints, kept."""
+"""Measure what a call from Octave costs: keep the figures that bench/matlab prints."""
 
 import re
 
 import figures
 
 ABOUT = (
-    "Microseconds a call from GNU Octave, by `bench/matlab`: median, and fastest, of 300 rounds of "
+    "Microseconds a call from GNU Octave, by `bench/matlab`: median of 300 rounds of "
     "20 calls, with a simulated robot on a port of this machine. *The interpreter alone* is the "
     "same call with a MEX file that does nothing."
 )

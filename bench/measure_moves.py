@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""How well moves end, on the simulated robot in virtual time."""
+"""Measure how well moves end, on the simulated robot in virtual time."""
 
 import figures
 
 ABOUT = (
-    "The worst of 20 drives each, on the simulated robot in virtual time. *Profile alone* is the "
-    "time of constant acceleration (0.5 m/s², 1 rad/s²), speed, and braking; the robot has every "
-    "speed 0.64 s later than its target, which *the robot's response* adds. *With slip* is the "
-    "measured one, 12 % of each turn. *Really* is where the robot was, not what its odometry said."
+    "The worst of 20 drives each, on the simulated robot in virtual time. The *profile* is "
+    "constant acceleration (0.5 m/s², 1 rad/s²), speed and braking; the *robot's response* adds "
+    "the 0.64 s by which its speed lags behind the target. *With slip*: 12 % of each turn, as "
+    "measured on a robot. *Really* is where the robot was, not what its odometry reported."
 )
 AIMS = {
     ("straight metre", "error"): 10,

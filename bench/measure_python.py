@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The Python package beside what else Python has for the same bytes.
+"""Measure the Python package beside other Python libraries.
 
 Runs in the virtual environment of scripts/bench, where the package is installed from its wheel.
 """
@@ -18,8 +18,8 @@ import figures
 
 ABOUT = (
     "Microseconds: median of the repetitions, and its 95 % interval, of one interpreter thread. "
-    "All decode the same differential status to an object with typed fields, but for `struct`, "
-    "which gives a bare tuple; the other statuses follow. `lcm`, `construct` (compiled) and "
+    "All decode the same differential status to an object with typed fields, except `struct`, "
+    "which gives a plain tuple. `lcm`, `construct` (compiled) and "
     "`pymavlink` decode their own form of the same fields. *Batch*: roburoc4 checks each status, "
     "and reports the bad ones; NumPy (`frombuffer`, which needs one buffer: a list is joined "
     "first) copies the bytes and checks nothing; `struct` makes a tuple of each. drive() and "
@@ -33,7 +33,7 @@ Tuple = collections.namedtuple(
     "target_angular_rad_s current_angular_rad_s",
 )
 WIRE = LAYOUT.pack(0xFF, 6, 123456, 1.0, 0.75, -0.5, -0.25)
-# The other four, each with its own layout.
+# The other four statuses: layout and values.
 OTHERS = {
     "IO card": (struct.Struct("<BHQ9f3s"), (0xFF, 2, 123456, *[0.5] * 9, b"\x01\x83\x3f")),
     "telemeter": (struct.Struct("<BHQ2f"), (0xFF, 3, 123456, 1.25, 3.5)),
@@ -50,7 +50,7 @@ class Timer:
         self.seconds = 0.005 if quick else 0.05
 
     def us(self, work):
-        """Microseconds of a call: the median, and its interval."""
+        """Return the median microseconds of a call, and its interval."""
         timer = timeit.Timer(work)
         number = 1
         while timer.timeit(number) < self.seconds:
@@ -64,7 +64,7 @@ def add(part, name, subject, unit, found, **more):
 
 
 def peers(generated):
-    """Name -> function that decodes its own form of the same status, checked."""
+    """Return name -> function that decodes its own form of the same status."""
     import construct
 
     sys.path.insert(0, str(generated / "python"))
@@ -100,9 +100,7 @@ def peers(generated):
 
 
 def check(name, decoded):
-    cycles = (
-        decoded[2] if isinstance(decoded, tuple) and len(decoded) == 7 else decoded.robot_cycles
-    )
+    cycles = decoded[2] if type(decoded) is tuple else decoded.robot_cycles
     if cycles != 123456:
         raise SystemExit(f"measure_python: {name} does not decode what went in")
 
@@ -200,7 +198,7 @@ def measure_imports(part, generated, quick):
 
 
 def installed_kb(name):
-    """What a distribution takes on disk: all of its files, less the bytecode that pip makes."""
+    """Return the size of a distribution's files without the bytecode that pip makes."""
     files = importlib.metadata.files(name)
     if not files:
         raise SystemExit(f"measure_python: {name} does not say which files it has")

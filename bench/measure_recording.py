@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A day of recording: its size, and what reading, reporting and converting it take.
+"""Measure a day of recording: its size, and what it costs to read, report and convert it.
 
 Runs in the virtual environment of scripts/bench, where the package is installed from its wheel.
 """
@@ -19,9 +19,9 @@ from roburoc4.capture import Datagram, RawWriter
 
 ABOUT = (
     "A robot that sends 71 statuses a second, as the library subscribes by default, recorded for a "
-    "day, written in virtual time. *Read*: every status as a typed record, with a client of the "
-    "library living through it for its events. *tcpdump* copies the file: the cost of "
-    "the blocks alone. Seconds are of the processor, for a whole process."
+    "day, written in virtual time. *Read* gives every status as a typed record, and runs a client "
+    "on the recording for its events. *tcpdump* only copies the file. Seconds are processor time "
+    "of a whole process."
 )
 ROBOT, CLIENT = (b"\xc0\xa8\x00\x02", 60000), (b"\xc0\xa8\x00\x05", 40001)
 BEGIN_US = 1_700_000_000_000_000
@@ -29,7 +29,7 @@ READ = "import sys, roburoc4; sum(1 for _ in roburoc4.open_recording(sys.argv[1]
 
 
 def statuses(cycles):
-    """Those of one cycle of a robot that drives in a circle."""
+    """Statuses of one cycle of a robot that drives in a circle."""
     angle = cycles / 200
     if cycles % 5 == 0:
         volts = 25 - cycles / 1e7
@@ -44,7 +44,7 @@ def statuses(cycles):
 
 
 def write(path, hours):
-    """Write a recording; how many statuses it has."""
+    """Write a recording; return how many statuses it has."""
     with path.open("wb") as file:
         writer = RawWriter(file)
         for cycles in range(0, round(hours * 360_000), 5):
@@ -55,7 +55,7 @@ def write(path, hours):
 
 
 def child(*command):
-    """Processor seconds and the most memory, in MB, of a command."""
+    """Run a command; return its processor seconds and its peak memory in MB."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     begun_s = time.monotonic()
     process = subprocess.Popen(
@@ -86,6 +86,7 @@ def main():
     if shutil.which("tcpdump"):
         versions.append(figures.packaged("tcpdump"))
     part = figures.Part("recording", "Recordings", ABOUT, versions)
+    most = {}
     with tempfile.TemporaryDirectory(dir=given.build) as folder:
         path, out = pathlib.Path(folder) / "day.pcapng", pathlib.Path(folder) / "out"
         for length in hours:
@@ -93,12 +94,12 @@ def main():
             count = write(path, length)
             part.add(f"{name}: statuses", "roburoc4", "", count)
             part.add(f"{name}: size", "roburoc4", "MB", path.stat().st_size / 1e6)
-            seconds, memory = child(sys.executable, "-c", READ, path)
+            seconds, read_mb = child(sys.executable, "-c", READ, path)
             part.add(f"{name}: read", "roburoc4", "s", seconds)
-            part.add(f"{name}: read, memory", "roburoc4", "MB", memory)
-            seconds, memory = child(roburoc4, "report", path, "-o", f"{out}.html")
+            part.add(f"{name}: read, memory", "roburoc4", "MB", read_mb)
+            seconds, report_mb = child(roburoc4, "report", path, "-o", f"{out}.html")
             part.add(f"{name}: report", "roburoc4", "s", seconds)
-            part.add(f"{name}: report, memory", "roburoc4", "MB", memory)
+            part.add(f"{name}: report, memory", "roburoc4", "MB", report_mb)
             part.add(
                 f"{name}: page", "roburoc4", "MB", out.with_suffix(".html").stat().st_size / 1e6
             )
@@ -108,12 +109,17 @@ def main():
                 part.add(f"{name}: read, memory", "tcpdump", "MB", memory)
                 size = out.with_suffix(".pcap").stat().st_size / 1e6
                 part.add(f"{name}: size", "tcpdump", "MB", size)
+            for what, memory in (("read", read_mb), ("report", report_mb)):
+                most.setdefault(what, []).append(memory)
             if length == hours[0]:
                 for suffix in (".csv", ".mcap"):
                     seconds, memory = child(roburoc4, "convert", path, f"{out}{suffix}")
                     size = out.with_suffix(suffix).stat().st_size / 1e6
                     part.add(f"{name}: to {suffix}", "roburoc4", "s", seconds)
                     part.add(f"{name}: to {suffix}, size", "roburoc4", "MB", size)
+    for what, (short, long) in most.items():
+        ratio = f"{hours[1]} h by {hours[0]} h: {what}, memory"
+        part.add(ratio, "roburoc4", "×", round(long / short, 3), aim=1.1)
     part.write(given.out)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The ROS 2 node: how long a status takes to become a DDS sample, and what the node costs.
+"""Measure the ROS 2 node: how long a status takes to become a DDS sample, and what it costs.
 
 Called by scripts/test-ros2 --bench, which has its programs: a simulated robot, a relay before it
 that notes when it passes each datagram on, the node, and a subscriber on Fast DDS that notes when
@@ -23,17 +23,16 @@ from processes import Program, Programs  # noqa: E402
 from ros import Listener, Node  # noqa: E402
 
 ABOUT = (
-    "From the moment at which a datagram of the robot is handed to the node, to the moment at "
-    "which a subscriber on Fast DDS (reliable, rclcpp's default) has the message, decoded. "
-    "Processor time is that of the whole node; it publishes all of its topics, to one subscriber "
-    "each."
+    "From passing a datagram of the robot to the node until a subscriber on Fast DDS (reliable, as "
+    "rclcpp's default) has decoded the message. Processor time is that of the whole node, which "
+    "publishes all of its topics to one subscriber each."
 )
 SOURCES = {"odom": 5, "cmd_vel_applied": 6, "joy": 2}
-"""Topics, and the service whose status makes each."""
+"""Topic -> the service whose statuses it is made from."""
 
 
 class Relay:
-    """Passes datagrams on, and notes when each status left."""
+    """Passes datagrams on, and notes when it did so with each status."""
 
     def __init__(self, robot: str) -> None:
         host, port = robot.rsplit(":", 1)
@@ -63,7 +62,7 @@ def percentile(values: list[float], share: float) -> float:
 
 
 def delays(listener: Listener, topic: str, left_us: list[float]) -> list[float]:
-    """Microseconds from the datagram before each sample to the sample."""
+    """Return the microseconds from the last datagram before each sample to the sample."""
     found, index = [], 0
     for sample in listener.samples(topic):
         while index + 1 < len(left_us) and left_us[index + 1] < sample.time_us:
@@ -74,13 +73,13 @@ def delays(listener: Listener, topic: str, left_us: list[float]) -> list[float]:
 
 
 def cpu_s(node: Node) -> float:
-    """Processor time of all its threads."""
+    """Return the processor time of all threads."""
     tasks = pathlib.Path(f"/proc/{node.process.pid}/task").glob("*/schedstat")
     return sum(int(task.read_text().split()[0]) for task in tasks) / 1e9
 
 
 def measure(part: figures.Part, robots: int, seconds: float) -> None:
-    """A node with so many robots, the first of them behind the relay."""
+    """Measure a node with so many robots, the first of them behind the relay."""
     folder = pathlib.Path(tempfile.mkdtemp())
     simulator = Program(
         folder / "sim.log", Programs()("roburoc4-sim"), "--port", "0", "--robots", str(robots)

@@ -2,6 +2,7 @@
 """Write bench/RESULTS.md and docs/images/bench-*.svg from the figures in bench/results/*.json."""
 
 import argparse
+import dataclasses
 import json
 import os
 import pathlib
@@ -10,30 +11,14 @@ import re
 import aims
 import figures
 
-# What is shown first, in this order; other parts follow by name.
-ORDER = (
-    "codec",
-    "instructions",
-    "client",
-    "loopback",
-    "footprint",
-    "footprint_peers",
-    "python",
-    "matlab",
-    "lcm",
-    "ros2",
-    "dashboard",
-    "growth",
-    "moves",
-    "recording",
-    "payload",
-)
+MOST_LINES = 200  # of RESULTS.md
 PEERS = (
     "roburoc4",
     "memcpy",
     "LCM",
     "nanopb",
     "MAVLink",
+    "lwIP MQTT",
     "bare loop",
     "bare ppoll loop",
     "bare recv",
@@ -43,30 +28,87 @@ PEERS = (
     "Cortex-M3",
     "Cortex-M4F",
     "RV32",
-    "AVR",
 )
 HEAD = """# Figures
 
-Written by `scripts/bench` from `bench/results/*.json`; [README.md](README.md) says what each part
-is. Not a promise for other machines: run it on yours.
+Written by `scripts/bench` on an idle machine. Other machines give other figures: run it on yours.
+[README.md](README.md) says how each part is measured. The tables show what decides; every figure is
+in `bench/results/PART.json`. The × beside a peer's figure is that figure divided by roburoc4's.
 
 """
-RATIOS = "`×` in a peer's column is how many times roburoc4's figure the peer's is.\n"
+
+
+@dataclasses.dataclass(frozen=True)
+class Section:
+    """A section of the report: a picture, and a table with the rows that it shows of some parts."""
+
+    title: str
+    picture: str
+    shown: dict[str, str]  # part -> regular expression that matches the names of its rows
+
+
+SECTIONS = (
+    Section(
+        "Codec",
+        "bench-codec.svg",
+        {
+            "codec": "(de|en)code (iocard|differential)",
+            "instructions": "(de|en)code (iocard|differential)",
+        },
+    ),
+    Section(
+        "Client on a PC",
+        "bench-loopback.svg",
+        {
+            "client_cost": ".*",
+            "client": "status, Differential|4096 clients, ratio.*",
+            "loopback": ".*p50|statuses a second.*",
+        },
+    ),
+    Section(
+        "Microcontrollers",
+        "bench-footprint.svg",
+        {"footprint": "codec of six.*|firmware.*|moves.*|a client's.*|stack"},
+    ),
+    Section("Microcontrollers, other libraries", "", {"footprint_peers": ".*"}),
+    Section(
+        "Python, MATLAB and Octave",
+        "bench-python.svg",
+        {
+            "python": "decode to an object|batch decode.*|drive.*|import|installed",
+            "matlab": r"r\.drive.*|p = .*|s = r\.status.*",
+        },
+    ),
+    Section(
+        "LCM, ROS 2 and the dashboard",
+        "lcm-latency.svg",
+        {
+            "lcm": "status.*p50|lost of.*|1000 robots.*(processor|memory|p50|p99|bridge)",
+            "ros2": "71.*(processor|odom, p..)|355.*processor",
+            "dashboard": ".*",
+        },
+    ),
+    Section("Growth", "bench-growth.svg", {"growth": "1000 robots|5 services, 10 ms"}),
+    Section(
+        "Moves on the simulator",
+        "",
+        {"moves": "[a-z ]+ at 1.0 [a-z/]+: (error|time by .*response)|square.* by .*without.*"},
+    ),
+    Section("Recordings", "", {"recording": "(24|0.2) h: (size|read|report)(, memory)?"}),
+)
 
 
 def number(value):
-    """Three significant digits, and thousands apart."""
+    """Three significant digits, and a comma between thousands."""
     if value is None:
         return "-"
-    if isinstance(value, str):
-        return value
     if abs(value) >= 100:
         return f"{value:,.0f}"
     return f"{value:.3g}"
 
 
 def table(rows):
-    """Columns as wide as their widest cell; what is empty throughout is left out."""
+    """A Markdown table without the columns that are empty."""
     kept = [i for i, _ in enumerate(rows[0]) if any(row[i] for row in rows[1:])]
     rows = [[row[i] for i in kept] for row in rows]
     widths = [max(len(row[i]) for row in rows) for i in range(len(kept))]
@@ -86,7 +128,7 @@ def by_name(part):
 
 
 def compared(result, own):
-    """A peer's figure: how many times ours first, then the figure itself."""
+    """A peer's figure: first as a multiple of ours, then itself."""
     if result is None:
         return ""
     if own is None or own is result or not own["value"] or result["value"] is None:
@@ -94,108 +136,88 @@ def compared(result, own):
     return f"×{result['value'] / own['value']:.3g} ({number(result['value'])})"
 
 
-def section_table(part):
-    names = by_name(part)
-    subjects = list(dict.fromkeys(s for of_name in names.values() for s in of_name))
+def section_table(parts, shown):
+    """The rows that a section shows of its parts, with the peers that these rows have."""
+    chosen = []  # part, row, subject -> figure
+    for part in parts:
+        names = by_name(part)
+        matching = [n for n in names if re.fullmatch(shown[part["part"]], n)]
+        if not matching:
+            raise SystemExit(f"report: {part['part']} has no row {shown[part['part']]}")
+        chosen += [(part, name, names[name]) for name in matching]
+    subjects = list(dict.fromkeys(s for _, _, of_name in chosen for s in of_name))
     subjects.sort(key=lambda s: PEERS.index(s) if s in PEERS else len(PEERS))
-    rows = [["what", "unit", *subjects, "interval", "aim", "result", "note"]]
-    for name, of_name in names.items():
-        # The row's own figure: ours, or the first (sizes on several processors).
+    rows = [["part", "what", "unit", *subjects, "interval", "aim", "result"]]
+    last = parts[0] if len(parts) == 1 else None
+    for part, name, of_name in chosen:
+        # Sizes on several processors have no figure of "roburoc4": the first one has the aim.
         main = of_name.get("roburoc4") or next(iter(of_name.values()))
         interval = f"{number(main['low'])} to {number(main['high'])}" if "low" in main else ""
         rows.append(
             [
+                "" if part is last else part["title"],
                 name,
                 main["unit"],
                 *(compared(of_name.get(s), of_name.get("roburoc4")) for s in subjects),
                 interval,
                 number(main["aim"]) if "aim" in main else "",
                 "" if part.get("quick") else aims.verdict(main),
-                main.get("note", ""),
             ]
         )
+        last = part
     return table(rows)
 
 
-def details(summary, text):
-    return f"\n<details><summary>{summary}</summary>\n\n{text}\n</details>\n"
-
-
-def footprint_details(part, most=40):
-    """Where the bytes are."""
-    functions = [[str(size), file, f"`{name}`"] for size, file, name in part["functions"][:most]]
-    linked = [[str(size), name] for size, name in part["linked"]]
-    return (
-        details(
-            f"The {most} largest functions and tables on Cortex-M0",
-            table([["bytes", "file", "function"], *functions]),
-        )
-        + details(
-            "The bare loop that drives on Cortex-M0: what is linked, by where it is from",
-            table([["bytes", "from"], *linked]),
-        )
-        + details("The deepest stack on Cortex-M0", f"```\n{part['stack_path'].rstrip()}\n```\n")
-    )
-
-
 def older(part):
-    """Whether the library is no longer what these figures are of."""
+    """Whether src/ or include/ changed since these figures were measured."""
     return part.get("source") != figures.source()
 
 
-def section(part):
-    lines = [f"## {part['title']}\n"]
-    if part.get("about"):
-        lines.append(part["about"] + "\n")
-    lines.append(section_table(part))
-    if "functions" in part:
-        lines.append(footprint_details(part))
-    measured = f"Measured {part['measured']}"
-    if part.get("quick"):
-        measured = f"A quick look (`--quick`), which judges nothing, {part['measured']}"
-    if part.get("machine"):
-        measured += f" on {part['machine']}"
-    measured += f"; code: {part.get('code', 'not noted')}"
-    if older(part):
-        measured += ", **older than `src/`**"
-    if part.get("versions"):
-        measured += "; " + "; ".join(part["versions"])
-    lines.append(f"\n<sub>{measured}.</sub>\n")
-    return "\n".join(lines)
+def aims_text(parts):
+    """What was reached; each other aim with its reason."""
+    judged = list(aims.judge([p for p in parts if not p.get("quick")], number))
+    if not judged:
+        return "## Aims\n\nA quick run (`--quick`) judges nothing.\n"
+    met = [aim for aim in judged if aim.verdict == aims.MET]
+    others = [aim for aim in judged if aim.verdict != aims.MET]
+    lines = ["## Aims\n", f"Of {len(judged)} aims, {len(met)} are met.\n"]
+    unexplained = [aim.aim for aim in others if aim.reason == aims.NO_REASON]
+    if unexplained:
+        warning = f"Missed without a reason in bench/aims.py: {'; '.join(unexplained)}."
+        print(f"report: {warning}")
+        lines.append(f"**{warning}**\n")
+    if others:
+        rows = [[a.part, a.aim, a.figure, a.verdict, a.reason] for a in others]
+        lines.append(table([["part", "aim", "figure", "result", "reason"], *rows]))
+    lines.append("<details><summary>The aims that are met</summary>\n")
+    for title in dict.fromkeys(aim.part for aim in met):
+        of_part = [f"{aim.aim} ({aim.figure})" for aim in met if aim.part == title]
+        lines.append(f"- {title}: {'; '.join(of_part)}")
+    return "\n".join([*lines, "\n</details>\n"])
 
 
 def header(parts, failed):
-    """What it was measured on and with, and the aims."""
+    """What the figures were measured on and with."""
     machines = dict.fromkeys(p["machine"] for p in parts if "machine" in p)
     versions = dict.fromkeys(v for p in parts for v in p.get("versions", []))
+    code = dict.fromkeys(p.get("code", "unknown") for p in parts)
+    dates = sorted({p["measured"] for p in parts})
     lines = [
         HEAD + f"- Machine: {'; '.join(machines)}",
-        f"- Compilers, and what is compared with: {'; '.join(versions)}",
-        f"- Measured: {', '.join(sorted({p['measured'] for p in parts}))}\n",
+        f"- Tools and peers: {'; '.join(versions)}",
+        f"- Measured: {', '.join(dates)}; code: {', '.join(code)}\n",
     ]
     if failed:
         lines.append(
-            f"**Not measured this time, for an error: {', '.join(failed)}.** Their "
-            "figures, where there are any, are of an earlier run.\n"
+            f"**Not measured this time because of an error: {', '.join(failed)}.** Their figures, "
+            "if there are any, are from an earlier run.\n"
         )
     titles = [part["title"] for part in parts if older(part)]
     if titles:
         lines.append(
-            f"**Of other code than `src/` is now, or not noted of which: {', '.join(titles)}.** "
-            "Measure them again before you rely on them.\n"
+            f"**Older than `src/`: {', '.join(titles)}.** Measure them again before you rely on "
+            "them.\n"
         )
-    judged = list(aims.rows([p for p in parts if not p.get("quick")], number))
-    lines.append("## The aims\n")
-    if judged:
-        counts = {word: sum(row[-1] == word for row in judged) for word in aims.WORDS}
-        lines.append(
-            f"Of {len(judged)}, {counts[aims.MET]} are met; {counts[aims.MISSED]} are missed, why "
-            f"is at the end; {counts[aims.UNDECIDED]} are undecided: the aim is in the interval.\n"
-        )
-        lines.append(table([["part", "aim", "figure", "verdict"], *judged]))
-    else:
-        lines.append("A quick look judges nothing.\n")
-    lines.append(RATIOS)
     return "\n".join(lines)
 
 
@@ -203,7 +225,7 @@ def load(folder):
     parts = {}
     for path in sorted(pathlib.Path(folder).glob("*.json")):
         part = json.loads(path.read_text(encoding="utf-8"))
-        missing = {"part", "title", "measured", "results"} - set(part)
+        missing = {"part", "title", "about", "measured", "results"} - set(part)
         if missing:
             raise SystemExit(
                 f"report: {path} has no {', '.join(sorted(missing))}: see "
@@ -214,19 +236,23 @@ def load(folder):
 
 
 def ordered(parts):
-    known = [parts[name] for name in ORDER if name in parts]
-    return known + [parts[name] for name in sorted(set(parts) - set(ORDER))]
+    """The parts as the report shows them; those that it does not show come last."""
+    known = [name for section in SECTIONS for name in section.shown if name in parts]
+    return [parts[name] for name in dict.fromkeys([*known, *sorted(parts)])]
 
 
-def filled(text, parts):
-    """Put the figure into each {PART/NAME/SUBJECT}."""
-
-    def figure(place):
-        part, name, subject = place.groups()
-        result = by_name(parts[part])[name][subject] if part in parts else {"value": None}
-        return number(result["value"])
-
-    return re.sub(r"\{(\w+)/([^{}/]+)/([^{}/]+)\}", figure, text)
+def section_text(section, parts, folder, images):
+    shown = [parts[name] for name in section.shown if name in parts]
+    if not shown:
+        return ""
+    lines = [f"## {section.title}\n"]
+    if section.picture and (folder / section.picture).exists():
+        lines.append(f"![{section.title}]({images}/{section.picture})\n")
+    if len(shown) == 1:
+        lines.append(shown[0]["about"])
+    else:
+        lines += [f"- *{part['title']}.* {part['about']}" for part in shown]
+    return "\n".join([*lines, "", section_table(shown, section.shown)])
 
 
 # ------------------------------------------------------------------------------------ pictures
@@ -237,17 +263,17 @@ COLOURS = {
     "LCM": "#2980b9",
     "nanopb": "#27ae60",
     "MAVLink": "#8e44ad",
-    # Processors are no peers: shades of one colour.
+    "lwIP MQTT": "#e67e22",
+    # Processors are not peers: shades of one colour.
     "Cortex-M0": "#0b3c5d",
     "Cortex-M3": "#1f6f8b",
     "Cortex-M4F": "#3aa6b9",
     "RV32": "#8fc9c2",
-    "AVR": "#cfe3d4",
 }
 
 
 def errors(results):
-    """Distances below and above, for error bars; None where nothing varies."""
+    """Lengths of the error bars below and above; None if nothing varies."""
     if not any("low" in r for r in results):
         return None
     return [
@@ -257,7 +283,7 @@ def errors(results):
 
 
 def plain_numbers(axis):
-    """100 and 0.2 instead of powers of ten; 2 and 5 between them where decades are few."""
+    """Label an axis with 100 and 0.2, not powers of ten; with 2 and 5 too if it is short."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     plain = FuncFormatter(lambda value, _: f"{value:g}")
@@ -347,8 +373,8 @@ def draw_footprint(plt, parts):
         for n in (
             "codec, all of it",
             "codec of six messages, linked",
-            "bare loop that drives, linked",
-            "codec + client, all of it",
+            "firmware that drives, linked",
+            "moves, all of it",
         )
         if n in names
     ]
@@ -357,14 +383,14 @@ def draw_footprint(plt, parts):
     grouped_bars(axes, {n: names[n] for n in chosen}, targets, log=False)
     axes.set_ylabel("bytes of text at -Os")
     axes.legend(fontsize=8)
-    start = "codec of six messages, "
     beside = {
-        n[len(start) :]: v
-        for n, v in by_name(parts["footprint_peers"]).items()
-        if n.startswith(start)
+        n.removesuffix(", flash").replace(", ", ",\n"): found
+        for n, found in by_name(parts["footprint_peers"]).items()
+        if n.endswith(", flash")
     }
-    grouped_bars(peers, beside, ["roburoc4", "nanopb", "MAVLink"], log=False)
-    peers.set_title(f"{start}linked")
+    subjects = [s for s in PEERS if any(s in found for found in beside.values())]
+    grouped_bars(peers, beside, subjects, log=False)
+    peers.set_title("flash on Cortex-M0")
     peers.legend(fontsize=8)
     figure.tight_layout()
     return figure
@@ -479,20 +505,15 @@ def main():
     parts = load(given.results)
     given.images.mkdir(parents=True, exist_ok=True)
     drawn = draw(parts, given.images)
-    pictures = {name: f"bench-{name}.svg" for name in drawn} | {"lcm": "lcm-latency.svg"}
     images = os.path.relpath(given.images, given.out.parent)
-    sections = []
-    for part in ordered(parts):
-        text = section(part)
-        picture = pictures.get(part["part"], "")
-        if picture and (given.images / picture).exists():
-            title, rest = text.split("\n", 1)
-            text = f"{title}\n\n![{part['title']}]({images}/{picture})\n{rest}"
-        sections.append(text)
-    changes = filled((figures.BENCH / "changes.md").read_text(encoding="utf-8"), parts)
-    head = header(ordered(parts), given.failed)
-    given.out.write_text("\n".join([head, *sections, changes]), encoding="utf-8")
-    print(f"{given.out}: {len(parts)} parts, {len(drawn)} pictures")
+    texts = [header(ordered(parts), given.failed), aims_text(ordered(parts))]
+    texts += [section_text(section, parts, given.images, images) for section in SECTIONS]
+    report = "\n".join(text for text in texts if text)
+    given.out.write_text(report, encoding="utf-8")
+    count = len(report.splitlines())
+    print(f"{given.out}: {count} lines, {len(parts)} parts, {len(drawn)} pictures")
+    if count > MOST_LINES:
+        raise SystemExit(f"report: more than {MOST_LINES} lines: show fewer rows in SECTIONS")
 
 
 if __name__ == "__main__":

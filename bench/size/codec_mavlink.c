@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * For its size only: encode and decode with MAVLink's headers; of the drive command alone, or
- * (ALL_MESSAGES) of the five statuses too.
+ * For its size only: encode and decode of the five statuses and the drive command with MAVLink.
  */
 #include "statuses/mavlink.h"
 
@@ -22,7 +21,6 @@ static union {
 int main(void) {
     mavlink_msg_drive_encode(1, 1, &framed, &v.drive);
     mavlink_msg_drive_decode(&framed, &v.drive);
-#ifdef ALL_MESSAGES
     mavlink_msg_iocard_encode(1, 1, &framed, &v.iocard);
     mavlink_msg_iocard_decode(&framed, &v.iocard);
     mavlink_msg_telemeter_encode(1, 1, &framed, &v.telemeter);
@@ -33,7 +31,6 @@ int main(void) {
     mavlink_msg_localization_decode(&framed, &v.localization);
     mavlink_msg_differential_encode(1, 1, &framed, &v.differential);
     mavlink_msg_differential_decode(&framed, &v.differential);
-#endif
     result = mavlink_msg_to_send_buffer(buffer, &framed);
     result = mavlink_parse_char(MAVLINK_COMM_0, buffer[0], &framed, &status);
     return 0;

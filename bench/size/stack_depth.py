@@ -1,13 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The deepest path of stack through the core.
+"""Find the deepest path of stack through the core, on ARM and RISC-V.
 
 Reads the call graphs that gcc writes beside each object (-fcallgraph-info=su), joins them across
-files, and looks for the longest path. From a gcc that is too old for them (AVR's) it takes frames
-(-fstack-usage) and the calls in the object's machine code. The compiler's own functions and memcpy
-are in neither: their stack is read from the machine code of the core linked with them. A loop in
-the graph (recursion), a frame of unknown size or a function of unknown stack is an error, since
-then there is no deepest path to tell. Knows ARM, RISC-V and AVR.
+files, and looks for the longest path. The compiler's own functions and memcpy are not in these
+graphs: their stack is read from the machine code of the linked program. Recursion, a frame of
+unknown size or a function of unknown stack is an error, because the depth is then unknown.
 """
 
 import argparse
@@ -19,14 +17,12 @@ import sys
 NODE = re.compile(r'node: \{ title: "([^"]*)" label: "([^"]*)"')
 EDGE = re.compile(r'edge: \{ sourcename: "([^"]*)" targetname: "([^"]*)"')
 FRAME = re.compile(r"(\d+) bytes \(([^)]*)\)")
-USAGE = re.compile(r"^[^\t]*:([^:\t]+)\t(\d+)\t(\S+)$", re.MULTILINE)
 INDIRECT = "__indirect_call"
-CALLING = re.compile(r"(b|bl|blx|b[a-z]{2,4}|j|jal|r?call|r?jmp)(\.[nw])?$")
-AVR_RETURN_ADDRESS = 3  # bytes, where flash is larger than 128 kB
+CALLING = re.compile(r"(b|bl|blx|b[a-z]{2,4}|j|jal|call)(\.[nw])?$")
 
 
 class UnknownDepthError(Exception):
-    """No deepest path can be told."""
+    """The deepest path cannot be found."""
 
 
 def said(*command):
@@ -34,7 +30,7 @@ def said(*command):
 
 
 class CallGraph:
-    """The core's functions, by gcc's titles: a name, or (static functions) file:name."""
+    """The core's functions, by gcc's titles: NAME, or FILE:NAME for a static function."""
 
     def __init__(self):
         self.frames = {}  # title -> bytes
@@ -54,34 +50,8 @@ class CallGraph:
         for caller, callee in EDGE.findall(text):
             self.calls.setdefault(caller, set()).add(callee)
 
-    def read_usage(self, objdump, nm, obj):
-        """The same from frames and the object's own machine code."""
-        symbols = dict(line.split()[:-3:-1] for line in said(nm, obj).splitlines())
-
-        def title(name):
-            # gcc gives copies of a function their last number after it has written the frames.
-            if name not in symbols:
-                name = next((s for s in symbols if s.startswith(f"{name}.")), name)
-            return f"{obj.stem}.c:{name}" if symbols.get(name) == "t" else name
-
-        for name, frame, kind in USAGE.findall(obj.with_suffix(".su").read_text(encoding="utf-8")):
-            if kind == "dynamic":
-                raise UnknownDepthError(f"{name}: its frame has no fixed size")
-            self.frames[title(name)] = int(frame)
-            self.calls.setdefault(title(name), set())
-        caller = None
-        for line in said(objdump, "-dr", obj).splitlines():
-            head = re.match(r"[0-9a-f]+ <([^>]*)>:", line)
-            call = re.search(r"R_AVR_(?:CALL|13_PCREL)\t(?:\.text\.)?([^+\s]+)", line)
-            if head:
-                caller = title(head.group(1))
-            elif call and title(call.group(1)) != caller:
-                self.calls[caller].add(title(call.group(1)))
-            elif re.search(r"\te?icall", line):
-                self.calls[caller].add(INDIRECT)
-
     def note_addresses(self, objdump, obj):
-        """Functions whose address an object takes: any of them may be called indirectly."""
+        """Note the functions whose address an object takes: any may be called indirectly."""
         here = {
             t.rsplit(":", 1)[-1]: t
             for t in self.frames
@@ -89,7 +59,7 @@ class CallGraph:
         }
         for line in said(objdump, "-r", obj).splitlines():
             fields = line.split()
-            # With an offset it is a place within a function: a case of a switch.
+            # An address with an offset is inside a function: a case of a switch.
             if (
                 len(fields) == 3
                 and fields[1].startswith("R_")
@@ -101,8 +71,11 @@ class CallGraph:
 
 
 class MachineCode:
-    """Stack of functions without a call graph, from a disassembly: whatever a function can reach is
-    counted as if all of it were on the stack at once, and nothing ever taken off."""
+    """Stack of functions without a call graph, from a disassembly.
+
+    An upper bound: everything that a function can reach is counted as if it were on the stack at
+    the same time.
+    """
 
     def __init__(self, objdump, nm, program):
         self.address = {}
@@ -114,13 +87,12 @@ class MachineCode:
         self.reaches = {}
         self.by_register = {}
         listing = said(objdump, "-d", program)
-        at_entry = AVR_RETURN_ADDRESS if "elf32-avr" in listing else 0
         function = None
         for line in listing.splitlines():
             head = re.match(r"([0-9a-f]+) <[^>]*>:", line)
             if head:
                 function = int(head.group(1), 16)
-                self.frames[function] = at_entry
+                self.frames[function] = 0
                 self.reaches[function] = set()
             elif function is not None and line.count("\t") >= 3:
                 _, _, mnemonic, operands = line.split("\t", 3)
@@ -130,9 +102,7 @@ class MachineCode:
                     self.reaches[function].add(target.group(1))
 
     def _taken(self, function, line, mnemonic, operands):
-        """Bytes of stack that an instruction takes."""
-        if mnemonic == "push" and operands.startswith("r"):  # AVR
-            return 1
+        """Return how many bytes of stack an instruction takes."""
         if re.match(r"v?push|stmdb", mnemonic) and (
             mnemonic.endswith("push") or operands.startswith("sp!")
         ):
@@ -140,9 +110,7 @@ class MachineCode:
         down = re.match(r"sp, ?(?:sp, ?)?(?:#|-)(\d+)", operands)
         if down and (mnemonic.startswith("sub") or "sp,sp,-" in operands):
             return int(down.group(1))
-        if (mnemonic.startswith("sub") and operands.startswith("sp,")) or re.match(
-            r"out\t0x3d", f"{mnemonic}\t{operands}"
-        ):
+        if mnemonic.startswith("sub") and operands.startswith("sp,"):
             self.by_register[function] = line.strip()
             return 0
         push_one = re.search(r"\[sp, #-(\d+)\]!", operands)
@@ -172,7 +140,7 @@ class MachineCode:
 
 
 def deepest(graph, code):
-    """title -> (bytes, path) of its deepest path."""
+    """Return title -> (bytes, path) of its deepest path."""
     known = {}
     entered = []
 
@@ -193,7 +161,7 @@ def deepest(graph, code):
             if callee == INDIRECT:
                 targets = sorted(graph.address_taken)
                 if not targets:
-                    raise UnknownDepthError(f"{title}: calls a function that nothing names")
+                    raise UnknownDepthError(f"{title}: calls through a pointer that no object sets")
             below = max([below] + [visit(t) for t in targets], key=lambda b: b[0])
         entered.pop()
         frame = graph.frames[title]
@@ -211,8 +179,8 @@ def short(title):
 
 def main():
     parser = argparse.ArgumentParser(
-        description="The deepest path of stack through objects that "
-        "were compiled with -fcallgraph-info=su or -fstack-usage."
+        description="Find the deepest path of stack through objects that "
+        "were compiled with -fcallgraph-info=su."
     )
     parser.add_argument("--program", required=True, help="the objects linked with their helpers")
     parser.add_argument("--tools", default="", help="prefix of objdump and nm")
@@ -229,10 +197,7 @@ def main():
 
     graph = CallGraph()
     for obj in arguments.objects:
-        if obj.with_suffix(".ci").exists():
-            graph.read(obj.with_suffix(".ci"))
-        else:
-            graph.read_usage(objdump, nm, obj)
+        graph.read(obj.with_suffix(".ci"))
     for obj in arguments.objects:
         graph.note_addresses(objdump, obj)
     known = deepest(graph, MachineCode(objdump, nm, arguments.program))
