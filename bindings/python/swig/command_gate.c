@@ -56,35 +56,19 @@ int64_t command_arrival(const command_gate *g, int64_t utime) {
     return gate_arrival(&g->stall, utime);
 }
 
-PyObject *explain_rejection(command_gate *g, uint32_t verdict, const char *sender, size_t length,
-                            int64_t utime, gate_time now) {
+PyObject *explain_rejection(command_gate *g, enum gate_verdict verdict, const char *sender,
+                            size_t length, int64_t utime, gate_time now) {
     char why[REASON_SIZE];
-    gate_rejection rejection = {GATE_TAKEN, GATE_DRIVE, 0, "stamp", "--max-age-ms"};
-    if (verdict >= GATE_VERDICTS) {
-        PyErr_Format(PyExc_ValueError, "%u is no verdict", (unsigned)verdict);
-        return NULL;
-    }
-    rejection.verdict = (enum gate_verdict)verdict;
-    rejection.utime = utime;
+    const gate_rejection rejection = {verdict, GATE_DRIVE, utime, "stamp", "--max-age-ms"};
     gate_reason(why, sizeof why, &rejection, &g->gate.rules, now);
     return Py_BuildValue(
-        "sN", why,
-        PyBool_FromLong(gate_is_incident(&g->gate, rejection.verdict, sender, length, now.us)));
-}
-
-void count_rejection(command_gate *g, uint32_t verdict) {
-    if (verdict < GATE_VERDICTS) {
-        gate_reject(&g->gate, (enum gate_verdict)verdict);
-    }
+        "sN", why, PyBool_FromLong(gate_is_incident(&g->gate, verdict, sender, length, now.us)));
 }
 
 PyObject *command_counts(const command_gate *g) {
     PyObject *rejected = PyTuple_New(GATE_VERDICTS);
-    for (Py_ssize_t at = 0; rejected != NULL && at < GATE_VERDICTS; at++) {
-        if (PyTuple_SetItem(rejected, at, PyLong_FromLongLong(g->gate.rejected[at])) < 0) {
-            Py_DECREF(rejected);
-            return NULL;
-        }
+    for (int i = 0; rejected != NULL && i < GATE_VERDICTS; i++) {
+        rejected = put_item(rejected, i, PyLong_FromLongLong(g->gate.rejected[i]));
     }
     return rejected == NULL ? NULL
                             : Py_BuildValue("LLN", (long long)g->gate.taken[GATE_DRIVE],

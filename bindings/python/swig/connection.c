@@ -301,7 +301,7 @@ static PyObject *record_of_sample(connection *c, const roburoc4_sample *sample) 
     return record_of_status(kind, &sample->value, sample->host_us, utc_us_of(c, kind, sample));
 }
 
-static PyObject *latest_status(connection *c, uint32_t service) {
+PyObject *latest_status(connection *c, uint32_t service) {
     const roburoc4_client *client = connection_enter(c, 0);
     roburoc4_sample sample;
     roburoc4_result result;
@@ -311,26 +311,6 @@ static PyObject *latest_status(connection *c, uint32_t service) {
     result = roburoc4_sample_latest(client, service, &sample);
     connection_leave();
     return result < 0 ? raise_result(result) : record_of_sample(c, &sample);
-}
-
-PyObject *latest_iocard(connection *c) {
-    return latest_status(c, ROBUROC4_SERVICE_IOCARD);
-}
-
-PyObject *latest_telemeter(connection *c) {
-    return latest_status(c, ROBUROC4_SERVICE_TELEMETER);
-}
-
-PyObject *latest_battery(connection *c) {
-    return latest_status(c, ROBUROC4_SERVICE_BATTERY);
-}
-
-PyObject *latest_localization(connection *c) {
-    return latest_status(c, ROBUROC4_SERVICE_LOCALIZATION);
-}
-
-PyObject *latest_differential(connection *c) {
-    return latest_status(c, ROBUROC4_SERVICE_DIFFERENTIAL);
 }
 
 uint32_t connection_fault(connection *c) {
@@ -403,6 +383,15 @@ void connection_close_socket(connection *c) {
 /* ------------------------------------------------------------------- moved by a recording ---
  */
 
+/* Append a new item; NULL, with the list released, if there is none. */
+static PyObject *append(PyObject *list, PyObject *item) {
+    if (item == NULL || PyList_Append(list, item) < 0) {
+        Py_CLEAR(list);
+    }
+    Py_XDECREF(item);
+    return list;
+}
+
 /* What the client has to send now, or NULL with an exception. */
 static PyObject *take_transmits(connection *c, roburoc4_client *client) {
     uint8_t buffer[ROBUROC4_MAX_TRANSMIT];
@@ -410,11 +399,7 @@ static PyObject *take_transmits(connection *c, roburoc4_client *client) {
     roburoc4_result size;
     while (list != NULL && (size = roburoc4_client_poll_transmit(client, buffer, sizeof buffer,
                                                                  c->played_us)) > 0) {
-        PyObject *bytes = PyBytes_FromStringAndSize((const char *)buffer, size);
-        if (bytes == NULL || PyList_Append(list, bytes) < 0) {
-            Py_CLEAR(list);
-        }
-        Py_XDECREF(bytes);
+        list = append(list, PyBytes_FromStringAndSize((const char *)buffer, size));
     }
     roburoc4_pump_collect(c->pump, NULL, 0);
     return list;
@@ -445,18 +430,10 @@ PyObject *connection_play(connection *c, PyObject *datagram, uint64_t at_us) {
 /* -------------------------------------------------------------------------- readers of a pump ---
  */
 
-static int append(connection *c, PyObject *list, const roburoc4_sample *sample) {
-    PyObject *record = record_of_sample(c, sample);
-    int result = record != NULL ? PyList_Append(list, record) : -1;
-    Py_XDECREF(record);
-    return result;
-}
-
 PyObject *read_samples(connection *c, roburoc4_pump_reader *reader, uint32_t mask) {
     roburoc4_sample samples[SAMPLES_AT_ONCE];
     roburoc4_result got = roburoc4_pump_read_samples(c->pump, reader, samples, SAMPLES_AT_ONCE);
     PyObject *list;
-    roburoc4_result i;
     if (got < 0) {
         return raise_result(got);
     }
@@ -464,18 +441,37 @@ PyObject *read_samples(connection *c, roburoc4_pump_reader *reader, uint32_t mas
         Py_RETURN_NONE;
     }
     list = PyList_New(0);
-    for (i = 0; list != NULL && i < got; i++) {
-        if ((mask >> samples[i].service & 1u) != 0 && append(c, list, &samples[i]) < 0) {
-            Py_CLEAR(list);
+    for (roburoc4_result i = 0; list != NULL && i < got; i++) {
+        if ((mask >> samples[i].service & 1u) != 0) {
+            list = append(list, record_of_sample(c, &samples[i]));
         }
     }
     return list;
 }
 
-roburoc4_pump_reader *new_reader(void) {
-    return calloc(1, sizeof(roburoc4_pump_reader));
-}
-
 uint64_t reader_lost(const roburoc4_pump_reader *reader) {
     return reader->lost;
+}
+
+/* -------------------------------------------------------------------------------------- moves ---
+ */
+
+PyObject *move_step(connection *c, roburoc4_move *move) {
+    roburoc4_client *client = connection_enter(c, 1);
+    uint64_t now_us;
+    if (client == NULL) {
+        return NULL;
+    }
+    now_us = connection_entered_us();
+    if (roburoc4_move_step(move, client, now_us) == ROBUROC4_MOVE_RUNNING) {
+        (void)roburoc4_client_drive(client, move->linear_m_s, move->angular_rad_s, 0, now_us);
+    }
+    connection_leave();
+    return PyLong_FromLong(move->result);
+}
+
+PyObject *move_values(const roburoc4_move *move) {
+    return Py_BuildValue("(iidddd)", (int)move->result, (int)move->cause,
+                         shortest(move->distance_m), shortest(move->angle_rad),
+                         shortest(move->left_m), shortest(move->left_rad));
 }

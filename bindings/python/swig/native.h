@@ -38,20 +38,13 @@ typedef enum record_kind {
     RECORD_LINK,
     RECORD_SERVICE_LINK,
     RECORD_SIM_STATE,
-    RECORD_UNKNOWN_STATUS,
-    RECORD_ANSWER,
-    RECORD_IOCARD_COMMAND,
-    RECORD_UNKNOWN_COMMAND,
     RECORD_KINDS
 } record_kind;
 
-/* Learn a class: which members of its C struct it has, a list of (name, letter of a meaning). One
- * without a struct gives its own name in its place, and all of its fields.
- * AttributeError for a member that the struct does not have, or in another order than it is made.
- */
+/* Learn a class and its members: a list of (name in the C struct, what Python has for some of its
+ * numbers: a dict, or None). For a class that is made by hand, `structure` is its name and those of
+ * its fields. AttributeError for a member that the struct does not have, or for other fields. */
 PyObject *register_record(uint32_t kind, PyObject *type, const char *structure, PyObject *members);
-PyObject *register_enumerations(PyObject *battery_state, PyObject *localization_flag,
-                                PyObject *state, PyObject *result);
 /* Learn the function that makes an exception of a result. */
 PyObject *register_errors(PyObject *error_of);
 /* Set the exception of a result below 0; always NULL. */
@@ -63,6 +56,8 @@ int take_float(PyObject *number, float *out);
 int take_whole(PyObject *number, long long low, long long high, long long *out);
 int take_uint64(PyObject *number, uint64_t *out);
 
+/* Put an item into a new tuple; NULL, with both released, if there is no tuple or no item. */
+PyObject *put_item(PyObject *tuple, Py_ssize_t i, PyObject *item);
 /* A record of these values, a tuple, which it takes over (NULL: an exception is set already). */
 PyObject *record_new(record_kind kind, PyObject *values);
 /* The record of a C struct of this kind. */
@@ -73,27 +68,19 @@ PyObject *record_of_status(record_kind kind, const void *status, uint64_t host_u
 /* The shortest decimal that is this number in 32 bits: 2.6, not 2.5999999046325684. */
 double shortest(float value);
 PyObject *tuple_of_floats(const float *values, uint32_t count);
+/* Of a view on a datagram. */
+PyObject *tuple_of_view(const uint8_t *view, uint32_t count);
 /* Channel 8 k + b is bit b of byte k. */
 PyObject *tuple_of_bits(const uint8_t *blocks, uint32_t count);
-/* The formats that NumPy has for the members of a C struct, in the byte order of the wire. */
-PyObject *packed_formats(uint32_t kind);
-
-/* Settings, with their defaults. set_member() changes a member, of an array the one at index;
- * `settings` is the capsule of one of these.
+/* Change a member of settings, of an array the one at index; `settings` is the capsule of a struct.
  * AttributeError, OverflowError. */
-roburoc4_config *new_config(void);
-roburoc4_sim_config *new_sim_config(void);
 PyObject *set_member(PyObject *settings, const char *name, PyObject *value, uint32_t index);
 
 /* ---- telegrams of tools (decode.c) ---- */
 
-/* decode(data, layout, from_client): layout is None or the tuple of nine integers of Layout in
- * telegrams.py. For METH_FASTCALL. */
-PyObject *decode_telegram(PyObject *self, PyObject *const *arguments, Py_ssize_t count);
-/* The plain answer to a request, as bytes. */
-PyObject *answer_bytes(uint8_t id, uint8_t action, uint16_t service, uint8_t error);
-/* The bytes of a status with another time of the robot. */
-PyObject *restamped(PyObject *status, uint64_t robot_cycles);
+/* decode_status(data, layout): layout is None or the tuple of nine integers of Layout in
+ * telegrams.py; None for what is not a status, or of another service. For METH_FASTCALL. */
+PyObject *decode_status(PyObject *self, PyObject *const *arguments, Py_ssize_t count);
 
 /* ---- the simulator (simulator.c, beside simulation.h) ---- */
 
@@ -101,8 +88,6 @@ PyObject *restamped(PyObject *status, uint64_t robot_cycles);
 simulation *new_host(const roburoc4_sim_config *config, const char *address, uint16_t port);
 /* The answer of a factory-new RobuROC4 to a request; None if it does not answer. */
 PyObject *usual_answer(PyObject *request);
-PyObject *set_faults(simulation *s, double loss, double duplicate, double reorder, double corrupt,
-                     uint32_t delay_us, uint32_t jitter_us);
 /* All roburoc4_sim_*() calls are made on a simulation: lock it for one call, and give it back; the
  * latter does nothing where none is entered. */
 roburoc4_sim *simulation_enter(simulation *s);
@@ -144,13 +129,9 @@ void connection_leave(void);
 
 roburoc4_pump *connection_pump(connection *c);
 uint64_t connection_now_us(const connection *c);
-/* Records of the latest statuses. Their utc_s, when the robot made them, is by the clock that this
- * machine shows now; in virtual time by the simulation's. */
-PyObject *latest_iocard(connection *c);
-PyObject *latest_telemeter(connection *c);
-PyObject *latest_battery(connection *c);
-PyObject *latest_localization(connection *c);
-PyObject *latest_differential(connection *c);
+/* The record of the latest status of a service. Its utc_s, when the robot made it, is by the clock
+ * that this machine shows now; in virtual time by the simulation's. */
+PyObject *latest_status(connection *c, uint32_t service);
 /* ROBUROC4_FAULT_*. */
 uint32_t connection_fault(connection *c);
 
@@ -176,8 +157,12 @@ PyObject *connection_play(connection *c, PyObject *datagram, uint64_t at_us);
 
 /* Some more samples, of the services in `mask`; None when all were read. */
 PyObject *read_samples(connection *c, roburoc4_pump_reader *reader, uint32_t mask);
-roburoc4_pump_reader *new_reader(void);
 uint64_t reader_lost(const roburoc4_pump_reader *reader);
+
+/* One step of a move, and the drive command that it proposes; ROBUROC4_MOVE_*. */
+PyObject *move_step(connection *c, roburoc4_move *move);
+/* (result, cause, distance_m, angle_rad, left_m, left_rad) */
+PyObject *move_values(const roburoc4_move *move);
 
 /* ---- the gate of bridges, for drive commands (command_gate.c) ---- */
 
@@ -192,21 +177,9 @@ PyObject *look_for_trouble(command_gate *g, uint32_t asked_us, gate_time now);
 /* When a command came at the earliest that seems to come at this time. */
 int64_t command_arrival(const command_gate *g, int64_t utime);
 /* (why, whether it begins an incident) of a rejection, for a log. */
-PyObject *explain_rejection(command_gate *g, uint32_t verdict, const char *sender, size_t length,
-                            int64_t utime, gate_time now);
-/* Count a rejection that was decided elsewhere. */
-void count_rejection(command_gate *g, uint32_t verdict);
+PyObject *explain_rejection(command_gate *g, enum gate_verdict verdict, const char *sender,
+                            size_t length, int64_t utime, gate_time now);
 /* How many commands were taken, and rejected by verdict. */
 PyObject *command_counts(const command_gate *g);
-
-/* ---- moves (move.c) ---- */
-
-roburoc4_move *new_move(void);
-/* With their defaults, for set_member(). */
-roburoc4_move_options *new_move_options(void);
-/* One step, and the drive command that it proposes; ROBUROC4_MOVE_*. */
-PyObject *move_step(connection *c, roburoc4_move *move);
-/* (result, cause, distance_m, angle_rad, left_m, left_rad) */
-PyObject *move_values(const roburoc4_move *move);
 
 #endif

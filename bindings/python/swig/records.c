@@ -2,7 +2,7 @@
  *
  * C structs to the records of records.py, and Python values to settings. A record's class says
  * which fields of its struct it has, and in which order: they are looked up by name, once. Records
- * without a struct are made by hand, here and in decode.c: importing checks that their fields are
+ * without a struct are made by hand, here and in decode.c; importing checks that their fields are
  * those of this order.
  */
 #include "native.h"
@@ -10,18 +10,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* How a field becomes a Python value: as the number that it is, or as something that C has no type
- * for. records.py has the same letters. */
-typedef enum meaning {
-    PLAIN = '.',
-    FLAG = '?',
-    AGE = 'a',     /* UINT32_MAX is None */
-    BATTERY = 'b', /* a BatteryState, or an integer */
-    QUALITY = 'l', /* a LocalizationFlag, or an integer */
-    STATE = 's',   /* a State */
-    RESULT = 'r'   /* a Result */
-} meaning;
 
 typedef struct field {
     const char *name; /* struct.member */
@@ -44,7 +32,7 @@ static const field all_fields[] = {
 
 typedef struct column {
     const field *field;
-    meaning meaning;
+    PyObject *meanings; /* a dict: what Python has for some of the numbers; or None */
 } column;
 
 #define COLUMNS_MAX 64
@@ -59,19 +47,10 @@ typedef struct record_class {
 static const char *const by_hand[RECORD_KINDS] = {
     [RECORD_IOCARD_STATUS] = "IoCardStatus robot_cycles analog_inputs digital_inputs host_us utc_s",
     [RECORD_TELEMETER_STATUS] = "TelemeterStatus robot_cycles distances_m host_us utc_s",
-    [RECORD_UNKNOWN_STATUS] = "UnknownStatus robot_cycles service payload",
-    [RECORD_ANSWER] = "Answer id action service error body",
-    [RECORD_IOCARD_COMMAND] = "IoCardCommand analog_outputs digital_outputs",
-    [RECORD_UNKNOWN_COMMAND] = "UnknownCommand service payload",
 };
 
-#define BATTERY_STATES 4
-#define QUALITIES 128
-
 static record_class classes[RECORD_KINDS];
-static PyObject *battery_states[BATTERY_STATES];
-static PyObject *qualities[QUALITIES];
-static PyObject *battery_state_class, *quality_class, *state_class, *result_class, *make_error;
+static PyObject *make_error;
 static newfunc tuple_new;
 
 /* ---------------------------------------------------------------------------- registration --- */
@@ -90,36 +69,6 @@ static const field *find_field(const char *structure, const char *member) {
     return f;
 }
 
-/* The name of a member of register_record(), and its meaning; NULL with an exception. */
-static const char *take_member(PyObject *members, Py_ssize_t i, int *letter) {
-    const char *name = NULL;
-    return PyArg_ParseTuple(PyList_GetItem(members, i), "sC", &name, letter) ? name : NULL;
-}
-
-/* Whether a record that is made by hand has these fields; else -1 with an exception. */
-static int check_by_hand(const char *expected, const char *class, PyObject *members) {
-    const char *next = expected;
-    Py_ssize_t count = PyList_Size(members), i;
-    int letter;
-    for (i = -1; i < count; i++) {
-        const char *name = i < 0 ? class : take_member(members, i, &letter);
-        const size_t length = name != NULL ? strlen(name) : 0;
-        if (name == NULL) {
-            return -1;
-        }
-        if (strncmp(next, name, length) != 0 || (next[length] != ' ' && next[length] != '\0')) {
-            break;
-        }
-        next += length + (next[length] == ' ');
-    }
-    if (i < count || *next != '\0') {
-        (void)PyErr_Format(PyExc_AttributeError, "%s has other fields than are made: %s", class,
-                           expected);
-        return -1;
-    }
-    return 0;
-}
-
 PyObject *register_record(uint32_t kind, PyObject *type, const char *structure, PyObject *members) {
     record_class *record = &classes[kind < RECORD_KINDS ? kind : 0];
     Py_ssize_t count = PyList_Size(members), i;
@@ -128,21 +77,19 @@ PyObject *register_record(uint32_t kind, PyObject *type, const char *structure, 
         PyErr_SetString(PyExc_ValueError, "register_record");
         return NULL;
     }
-    if (by_hand[kind] != NULL) {
-        if (check_by_hand(by_hand[kind], structure, members) < 0) {
-            return NULL;
-        }
-        count = 0;
+    if (by_hand[kind] != NULL && strcmp(structure, by_hand[kind]) != 0) {
+        return PyErr_Format(PyExc_AttributeError, "%s: other fields are made: %s", structure,
+                            by_hand[kind]);
     }
     for (i = 0; i < count; i++) {
-        int letter;
-        const char *name = take_member(members, i, &letter);
-        if (name == NULL) {
+        column *made = &record->columns[i];
+        const char *name;
+        if (!PyArg_ParseTuple(PyList_GetItem(members, i), "sO", &name, &made->meanings)) {
             return NULL;
         }
-        record->columns[i].meaning = (meaning)letter;
-        record->columns[i].field = find_field(structure, name);
-        if (record->columns[i].field == NULL) {
+        Py_INCREF(made->meanings);
+        made->field = find_field(structure, name);
+        if (made->field == NULL) {
             return NULL;
         }
     }
@@ -150,19 +97,6 @@ PyObject *register_record(uint32_t kind, PyObject *type, const char *structure, 
     Py_INCREF(type);
     record->class = type;
     record->count = (int)count;
-    Py_RETURN_NONE;
-}
-
-PyObject *register_enumerations(PyObject *battery_state, PyObject *quality, PyObject *state,
-                                PyObject *result) {
-    Py_INCREF(battery_state);
-    battery_state_class = battery_state;
-    Py_INCREF(quality);
-    quality_class = quality;
-    Py_INCREF(state);
-    state_class = state;
-    Py_INCREF(result);
-    result_class = result;
     Py_RETURN_NONE;
 }
 
@@ -182,18 +116,6 @@ PyObject *raise_result(roburoc4_result result) {
 }
 
 /* --------------------------------------------------------------------------------- records --- */
-
-/* A member of an enumeration; a plain integer for a value that the manual does not have. */
-static PyObject *member_of(PyObject *type, PyObject **members, uint64_t count, uint64_t value) {
-    if (value >= count) {
-        return PyLong_FromUnsignedLongLong(value);
-    }
-    if (members[value] == NULL) {
-        members[value] = PyObject_CallFunction(type, "I", (unsigned)value);
-    }
-    Py_XINCREF(members[value]);
-    return members[value];
-}
 
 static uint64_t unsigned_at(const void *at, size_t size) {
     switch (size) {
@@ -247,30 +169,20 @@ static PyObject *number_at(const field *f, const void *at) {
 static PyObject *value_of(const column *column, const void *structure) {
     const field *f = column->field;
     const void *at = (const uint8_t *)structure + f->offset;
+    PyObject *number, *meaning = NULL;
     if (f->count > 0) {
         return tuple_of_floats(at, f->count);
     }
-    switch (column->meaning) {
-    case FLAG:
-        return PyBool_FromLong(unsigned_at(at, f->size) != 0);
-    case BATTERY:
-        return member_of(battery_state_class, battery_states, BATTERY_STATES,
-                         unsigned_at(at, f->size));
-    case QUALITY:
-        return member_of(quality_class, qualities, QUALITIES, unsigned_at(at, f->size));
-    case STATE:
-        return PyObject_CallFunction(state_class, "i", (int)unsigned_at(at, f->size));
-    case RESULT:
-        return PyObject_CallFunction(result_class, "i", (int)*(const int32_t *)at);
-    case AGE:
-        if (unsigned_at(at, f->size) == UINT32_MAX) {
-            Py_RETURN_NONE;
-        }
-        break;
-    default:
-        break;
+    number = number_at(f, at);
+    if (number != NULL && column->meanings != Py_None) {
+        meaning = PyDict_GetItemWithError(column->meanings, number);
     }
-    return number_at(f, at);
+    if (meaning == NULL) {
+        return number;
+    }
+    Py_INCREF(meaning);
+    Py_DECREF(number);
+    return meaning;
 }
 
 /* tuple.__new__ is called directly: the __new__ of a NamedTuple costs more than all the rest. */
@@ -289,18 +201,22 @@ PyObject *record_new(record_kind kind, PyObject *values) {
     return record;
 }
 
+PyObject *put_item(PyObject *tuple, Py_ssize_t i, PyObject *item) {
+    if (tuple != NULL && item != NULL) {
+        (void)PyTuple_SetItem(tuple, i, item);
+        return tuple;
+    }
+    Py_XDECREF(tuple);
+    Py_XDECREF(item);
+    return NULL;
+}
+
 /* A tuple of the values, with room for more. */
 static PyObject *values_of(record_kind kind, const void *structure, int more) {
     const record_class *record = &classes[kind];
     PyObject *tuple = PyTuple_New(record->count + more);
-    int i;
-    for (i = 0; tuple != NULL && i < record->count; i++) {
-        PyObject *value = value_of(&record->columns[i], structure);
-        if (value == NULL) {
-            Py_CLEAR(tuple);
-        } else {
-            (void)PyTuple_SetItem(tuple, i, value);
-        }
+    for (int i = 0; tuple != NULL && i < record->count; i++) {
+        tuple = put_item(tuple, i, value_of(&record->columns[i], structure));
     }
     return tuple;
 }
@@ -311,83 +227,58 @@ PyObject *record_of(record_kind kind, const void *value) {
 
 PyObject *tuple_of_floats(const float *values, uint32_t count) {
     PyObject *tuple = PyTuple_New(count);
-    uint32_t i;
-    for (i = 0; tuple != NULL && i < count; i++) {
-        PyObject *value = PyFloat_FromDouble(shortest(values[i]));
-        if (value == NULL) {
-            Py_CLEAR(tuple);
-        } else {
-            (void)PyTuple_SetItem(tuple, i, value);
-        }
+    for (uint32_t i = 0; tuple != NULL && i < count; i++) {
+        tuple = put_item(tuple, i, PyFloat_FromDouble(shortest(values[i])));
+    }
+    return tuple;
+}
+
+PyObject *tuple_of_view(const uint8_t *view, uint32_t count) {
+    PyObject *tuple = PyTuple_New(count);
+    for (uint32_t i = 0; tuple != NULL && i < count; i++) {
+        float value;
+        (void)roburoc4_floats(view + i * sizeof value, 1, &value, 1);
+        tuple = put_item(tuple, i, PyFloat_FromDouble(shortest(value)));
     }
     return tuple;
 }
 
 PyObject *tuple_of_bits(const uint8_t *blocks, uint32_t count) {
     PyObject *tuple = PyTuple_New(count);
-    uint32_t i;
-    for (i = 0; tuple != NULL && i < count; i++) {
-        (void)PyTuple_SetItem(tuple, i, PyBool_FromLong(blocks[i / 8] >> i % 8 & 1));
+    for (uint32_t i = 0; tuple != NULL && i < count; i++) {
+        tuple = put_item(tuple, i, PyBool_FromLong(blocks[i / 8] >> i % 8 & 1));
     }
     return tuple;
 }
 
 static PyObject *tuple_of_digital_inputs(const roburoc4_inputs *inputs) {
     uint8_t blocks[8];
-    int i;
-    for (i = 0; i < 8; i++) {
+    for (int i = 0; i < 8; i++) {
         blocks[i] = (uint8_t)(inputs->digital >> 8 * i);
     }
     return tuple_of_bits(blocks, inputs->digital_count);
 }
 
-/* With room for the two times. */
-static PyObject *values_of_status(record_kind kind, const void *status) {
-    if (kind == RECORD_IOCARD_STATUS) {
-        const roburoc4_inputs *inputs = status;
-        return Py_BuildValue("(KNNOO)", (unsigned long long)inputs->robot_cycles,
-                             tuple_of_floats(inputs->analog, inputs->analog_count),
-                             tuple_of_digital_inputs(inputs), Py_None, Py_None);
-    }
-    if (kind == RECORD_TELEMETER_STATUS) {
-        const roburoc4_distances *d = status;
-        return Py_BuildValue("(KNOO)", (unsigned long long)d->robot_cycles,
-                             tuple_of_floats(d->distances_m, d->count), Py_None, Py_None);
-    }
-    return values_of(kind, status, 2);
-}
-
 PyObject *record_of_status(record_kind kind, const void *status, uint64_t host_us,
                            uint64_t utc_us) {
-    PyObject *values = values_of_status(kind, status);
-    PyObject *host = PyLong_FromUnsignedLongLong(host_us);
-    PyObject *utc = PyFloat_FromDouble((double)utc_us / 1e6);
-    if (values == NULL || host == NULL || utc == NULL) {
-        Py_XDECREF(values);
-        Py_XDECREF(host);
-        Py_XDECREF(utc);
-        return NULL;
+    const unsigned long long host = host_us;
+    const double utc_s = (double)utc_us / 1e6;
+    const int count = classes[kind].count;
+    PyObject *values;
+    if (kind == RECORD_IOCARD_STATUS) {
+        const roburoc4_inputs *inputs = status;
+        values = Py_BuildValue("(KNNKd)", (unsigned long long)inputs->robot_cycles,
+                               tuple_of_floats(inputs->analog, inputs->analog_count),
+                               tuple_of_digital_inputs(inputs), host, utc_s);
+    } else if (kind == RECORD_TELEMETER_STATUS) {
+        const roburoc4_distances *d = status;
+        values = Py_BuildValue("(KNKd)", (unsigned long long)d->robot_cycles,
+                               tuple_of_floats(d->distances_m, d->count), host, utc_s);
+    } else {
+        values = put_item(values_of(kind, status, 2), count, PyLong_FromUnsignedLongLong(host));
+        values = put_item(values, count + 1, PyFloat_FromDouble(utc_s));
     }
-    (void)PyTuple_SetItem(values, PyTuple_Size(values) - 2, host);
-    (void)PyTuple_SetItem(values, PyTuple_Size(values) - 1, utc);
     return record_new(kind, values);
-}
-
-/* ---------------------------------------------------------------------------- rows of NumPy --- */
-
-PyObject *packed_formats(uint32_t kind) {
-    const record_class *record = &classes[kind < RECORD_KINDS ? kind : 0];
-    PyObject *formats = PyList_New(0);
-    int i;
-    for (i = 0; formats != NULL && i < record->count; i++) {
-        const field *f = record->columns[i].field;
-        PyObject *format = PyUnicode_FromFormat("<%c%d", f->type, (int)f->size);
-        if (format == NULL || PyList_Append(formats, format) < 0) {
-            Py_CLEAR(formats);
-        }
-        Py_XDECREF(format);
-    }
-    return formats;
 }
 
 /* --------------------------------------------------------------------------------- numbers --- */
@@ -451,6 +342,8 @@ int take_uint64(PyObject *number, uint64_t *out) {
 
 /* Store a number in a member; -1 with an exception if it is not a number or does not fit. */
 static int store(const field *f, void *at, PyObject *value) {
+    const long long count = f->size == 2 ? 1ll << 16 : 1ll << 32;
+    const long long low = f->type == 'i' ? -count / 2 : 0;
     long long whole = 0;
     if (f->type == 'f') {
         return f->size == 8 ? take_double(value, at) : take_float(value, at);
@@ -458,12 +351,7 @@ static int store(const field *f, void *at, PyObject *value) {
     if (f->size == 8) {
         return take_uint64(value, at);
     }
-    if (f->type == 'i') {
-        const long long high = f->size == 2 ? INT16_MAX : INT32_MAX;
-        if (take_whole(value, -high - 1, high, &whole) < 0) {
-            return -1;
-        }
-    } else if (take_whole(value, 0, f->size == 2 ? UINT16_MAX : UINT32_MAX, &whole) < 0) {
+    if (take_whole(value, low, low + count - 1, &whole) < 0) {
         return -1;
     }
     if (f->size == 2) {
@@ -488,20 +376,4 @@ PyObject *set_member(PyObject *settings, const char *name, PyObject *value, uint
         return NULL;
     }
     Py_RETURN_NONE;
-}
-
-roburoc4_config *new_config(void) {
-    roburoc4_config *config = calloc(1, sizeof *config);
-    if (config != NULL) {
-        (void)roburoc4_config_init(config, sizeof *config);
-    }
-    return config;
-}
-
-roburoc4_sim_config *new_sim_config(void) {
-    roburoc4_sim_config *config = calloc(1, sizeof *config);
-    if (config != NULL) {
-        (void)roburoc4_sim_config_init(config, sizeof *config);
-    }
-    return config;
 }

@@ -23,8 +23,8 @@
 %nodefaultdtor;
 %rename("$ignore", regextarget=1, fullname=1) ".*::.*";
 
-/* Of no use from Python: the codec is behind decode(), and native.h opens connections. */
-%rename("$ignore", regextarget=1) "^roburoc4_(decode_|encode_|directory_at|notification_at|telemeter_at|floats|config_init|abi_version|move_(options_init|step)$)";
+/* Of no use from Python: decode_status() has the statuses, and native.h opens connections. */
+%rename("$ignore", regextarget=1) "^roburoc4_(decode_(text|\\w+_status|status_header)$|encode_(?!answer$)|directory_at|notification_at|telemeter_at|floats|config_init|abi_version|move_(options_init|step)$)";
 %rename("$ignore", regextarget=1) "^roburoc4_(client_(size|init|start|close|receive|poll_transmit|take_events|description|inputs|distances|battery|localization|differential))$";
 %rename("$ignore", regextarget=1) "^roburoc4_udp_(?!fault_text$|now_us$)";
 %rename("$ignore", regextarget=1) "^roburoc4_recorder_";
@@ -43,7 +43,7 @@
 %include "roburoc4.h"
 %include "roburoc4_move.h"
 /* Its facts and commands are ours: the rest of a gate knows no client. */
-%rename("$ignore", regextarget=1) "^(gate_init|gate_judge|gate_look_for_stall|gate_arrival|gate_is_incident|gate_reject|gate_stop|gate_hold|gate_count_taken|gate_clock_was_set|gate_was_stalled|gate_look_at_clock)$";
+%rename("$ignore", regextarget=1) "^(gate_init|gate_judge|gate_look_for_stall|gate_arrival|gate_is_incident|gate_stop|gate_hold|gate_count_taken|gate_clock_was_set|gate_was_stalled|gate_look_at_clock)$";
 %include "gate_client.h"
 %clear uint64_t now_us; /* from here on it is an argument */
 %include "roburoc4_udp.h"
@@ -54,7 +54,7 @@
 %include "gate.h"
 
 %ignore raise_result;
-%rename("$ignore", regextarget=1) "^(record_|decode_telegram|tuple_of|connection_pump$|simulation_(on_port|lock|unlock|set_faults|join|part|run)$|(connection|simulation)_(enter|leave|entered_us|destroy)$)";
+%rename("$ignore", regextarget=1) "^(record_|decode_status$|put_item$|tuple_of|connection_pump$|simulation_(on_port|lock|unlock|join|part|run)$|(connection|simulation)_(enter|leave|entered_us|destroy)$)";
 %include "simulation.h"
 %include "native.h"
 
@@ -62,11 +62,11 @@
 %init %{
     {
         static PyMethodDef methods[] = {
-            {"decode", (PyCFunction)(void (*)(void))decode_telegram, METH_FASTCALL,
-             "decode(data, layout, from_client)"},
+            {"decode_status", (PyCFunction)(void (*)(void))decode_status, METH_FASTCALL,
+             "decode_status(data, layout)"},
             {NULL, NULL, 0, NULL}};
         if (PyModule_AddFunctions(m, methods) < 0) {
-            SWIG_Error(SWIG_RuntimeError, "decode cannot be added");
+            SWIG_Error(SWIG_RuntimeError, "decode_status cannot be added");
         }
     }
 %}

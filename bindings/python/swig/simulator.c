@@ -45,14 +45,6 @@ PyObject *usual_answer(PyObject *request) {
     return PyBytes_FromStringAndSize((const char *)answer, length);
 }
 
-PyObject *set_faults(simulation *s, double loss, double duplicate, double reorder, double corrupt,
-                     uint32_t delay_us, uint32_t jitter_us) {
-    const roburoc4_sim_faults faults = {sizeof faults, delay_us,  jitter_us, 0,
-                                        loss,          duplicate, reorder,   corrupt};
-    (void)simulation_set_faults(s, &faults);
-    Py_RETURN_NONE;
-}
-
 roburoc4_sim *simulation_enter(simulation *s) {
     entered = s;
     return simulation_lock(s);

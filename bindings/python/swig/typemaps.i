@@ -42,6 +42,7 @@
 ROBUROC4_WHOLE(uint16_t, 0, UINT16_MAX)
 ROBUROC4_WHOLE(uint32_t, 0, UINT32_MAX)
 ROBUROC4_WHOLE(int32_t, INT32_MIN, INT32_MAX)
+ROBUROC4_WHOLE(enum gate_verdict, 0, GATE_VERDICTS - 1)
 %typemap(in) uint64_t {
     if (take_uint64($input, &$1) < 0) {
         SWIG_fail;
@@ -61,6 +62,8 @@ ROBUROC4_WHOLE(int32_t, INT32_MIN, INT32_MAX)
 }
 %enddef
 
+ROBUROC4_OUTPUT(roburoc4_request, , RECORD_REQUEST)
+ROBUROC4_OUTPUT(roburoc4_differential_command, , RECORD_DIFFERENTIAL_COMMAND)
 ROBUROC4_OUTPUT(roburoc4_directory_entry, , RECORD_DIRECTORY_ENTRY)
 ROBUROC4_OUTPUT(roburoc4_iocard_properties, , RECORD_IOCARD_PROPERTIES)
 ROBUROC4_OUTPUT(roburoc4_telemeter, , RECORD_TELEMETER_PROPERTIES)
@@ -89,14 +92,63 @@ ROBUROC4_OUTPUT(roburoc4_sim_state, value.size = sizeof value, RECORD_SIM_STATE)
 }
 
 /* ---- datagrams ---- */
-/* A text of unknown character set. */
-%typemap(in, numinputs=0) (char *buffer, size_t capacity) (char space[64]) {
+%typemap(in) (const uint8_t *data, size_t size) (Py_buffer view = {0}) {
+    if (PyObject_GetBuffer($input, &view, PyBUF_SIMPLE) < 0) {
+        SWIG_fail;
+    }
+    $1 = view.buf;
+    $2 = (size_t)view.len;
+}
+%typemap(freearg) (const uint8_t *data, size_t size) {
+    PyBuffer_Release(&view$argnum);
+}
+/* (id, action, service, error, payload) */
+%typemap(in, numinputs=0) roburoc4_answer * (roburoc4_answer value) {
+    $1 = &value;
+}
+%typemap(argout) roburoc4_answer * {
+    Py_XDECREF($result);
+    $result = Py_BuildValue("(iiiiy#)", $1->id, $1->action, $1->service, $1->error, $1->payload,
+                            (Py_ssize_t)$1->payload_size);
+}
+/* (analog, digital) */
+%typemap(in, numinputs=0) roburoc4_channels * (roburoc4_channels value) {
+    $1 = &value;
+}
+%typemap(argout) roburoc4_channels * {
+    Py_XDECREF($result);
+    $result = Py_BuildValue("(NN)", tuple_of_view($1->analog, $1->analog_count),
+                            tuple_of_bits($1->digital, $1->digital_count));
+}
+%define ROBUROC4_LIST(TYPE, ITEM, AT, KIND)
+%typemap(in, numinputs=0) TYPE * (TYPE list) {
+    $1 = &list;
+}
+%typemap(argout) TYPE * {
+    Py_XDECREF($result);
+    $result = PyTuple_New($1->count);
+    for (uint32_t i = 0; $result != NULL && i < $1->count; i++) {
+        ITEM item;
+        (void)AT($1, i, &item);
+        $result = put_item($result, i, record_of(KIND, &item));
+    }
+}
+%enddef
+ROBUROC4_LIST(roburoc4_directory, roburoc4_directory_entry, roburoc4_directory_at,
+              RECORD_DIRECTORY_ENTRY)
+ROBUROC4_LIST(roburoc4_notification, roburoc4_subscription, roburoc4_notification_at,
+              RECORD_SUBSCRIPTION)
+ROBUROC4_LIST(roburoc4_telemeter_list, roburoc4_telemeter, roburoc4_telemeter_at,
+              RECORD_TELEMETER_PROPERTIES)
+/* A text of unknown character set, or a telegram. */
+%typemap(in, numinputs=0) (char *buffer, size_t capacity) (char space[64]),
+    (uint8_t *buffer, size_t capacity) (uint8_t space[64]) {
     $1 = space;
     $2 = sizeof space;
 }
-%typemap(argout) (char *buffer, size_t capacity) {
+%typemap(argout) (char *buffer, size_t capacity), (uint8_t *buffer, size_t capacity) {
     Py_XDECREF($result);
-    $result = PyBytes_FromStringAndSize($1, result);
+    $result = PyBytes_FromStringAndSize((const char *)$1, result);
 }
 /* Texts, some of them empty. */
 %typemap(in) (const char *const *texts, uint32_t text_count) (char *texts[256]) {
@@ -134,13 +186,28 @@ static void capsule_free_##TYPE(PyObject *capsule) {
     $result = PyCapsule_New($1, #TYPE, capsule_free_##TYPE);
 }
 %enddef
-ROBUROC4_CAPSULE(roburoc4_config, free)
-ROBUROC4_CAPSULE(roburoc4_sim_config, free)
-ROBUROC4_CAPSULE(roburoc4_move, free)
-ROBUROC4_CAPSULE(roburoc4_move_options, free)
 ROBUROC4_CAPSULE(connection, connection_destroy)
-ROBUROC4_CAPSULE(roburoc4_pump_reader, free)
 ROBUROC4_CAPSULE(simulation, simulation_destroy)
+
+/* A struct that Python allocates by NAME(); set_member() changes its members. */
+%define ROBUROC4_NEW(TYPE, NAME, PREPARE)
+ROBUROC4_CAPSULE(TYPE, free)
+%inline %{
+TYPE *NAME(void) {
+    TYPE *value = calloc(1, sizeof *value);
+    if (value != NULL) {
+        PREPARE;
+    }
+    return value;
+}
+%}
+%enddef
+ROBUROC4_NEW(roburoc4_config, new_config, (void)roburoc4_config_init(value, sizeof *value))
+ROBUROC4_NEW(roburoc4_sim_config, new_sim_config, (void)roburoc4_sim_config_init(value, sizeof *value))
+ROBUROC4_NEW(roburoc4_sim_faults, new_sim_faults, value->size = sizeof *value)
+ROBUROC4_NEW(roburoc4_move_options, new_move_options, (void)roburoc4_move_options_init(value, sizeof *value))
+ROBUROC4_NEW(roburoc4_move, new_move, )
+ROBUROC4_NEW(roburoc4_pump_reader, new_reader, )
 
 /* ---- the gate of bridges ---- */
 ROBUROC4_CAPSULE(command_gate, free)

@@ -105,6 +105,8 @@ def test_values_that_are_not_bytes_are_type_errors() -> None:
     with pytest.raises(TypeError):
         decode("text")  # type: ignore[arg-type]
     with pytest.raises(TypeError):
+        decode(5, sender="client")  # type: ignore[arg-type]
+    with pytest.raises(TypeError):
         decode(BATTERY, (1, 2))  # type: ignore[arg-type]
     with pytest.raises(roburoc4.ArgumentError, match="battery=70000"):
         decode(BATTERY, Layout(battery=70000))

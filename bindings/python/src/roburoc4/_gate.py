@@ -146,7 +146,7 @@ class Gate:
 
     def reject(self, verdict: Verdict, sender: str) -> Rejection | None:
         """Count a command that could not be read."""
-        _native.count_rejection(self._gate, verdict)
+        _native.gate_reject(self._gate, verdict)
         return self._rejection(verdict, sender, 0)
 
     def _rejection(self, verdict: int, sender: str, stamp_us: int) -> Rejection | None:

@@ -8,11 +8,10 @@ simulator's virtual time. Everything above works with any of them.
 import os
 import warnings
 from abc import ABC, abstractmethod
-from collections.abc import Callable
 from typing import NamedTuple
 
 from . import _native
-from .constants import Result, Service
+from .constants import Result
 from .errors import ArgumentError, NotKnownError, address_errors
 from .records import Status
 from .settings import STATUS_MASK, Settings, buffer_of, config_of
@@ -20,15 +19,6 @@ from .settings import STATUS_MASK, Settings, buffer_of, config_of
 ALL_EVENTS = 0x1FFFFFFF
 STATUS_EVENTS = STATUS_MASK << 4
 """Events that announce statuses."""
-
-READ_STATUS: dict[Service, Callable[["_native.Connection"], Status]] = {
-    Service.IOCARD: _native.latest_iocard,
-    Service.TELEMETER: _native.latest_telemeter,
-    Service.BATTERY: _native.latest_battery,
-    Service.LOCALIZATION: _native.latest_localization,
-    Service.DIFFERENTIAL: _native.latest_differential,
-}
-"""A function that returns the latest status of a service, or raises NotKnownError."""
 
 
 def events_of_services(mask: int) -> int:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from . import _native
 from .connection import Connection
-from .constants import IoType, Result
+from .constants import IoType, Result, Service
 from .errors import ArgumentError, finite
 from .records import IoCardStatus
 
@@ -113,7 +113,7 @@ class Inputs:
         return ChannelNames(*(self._channels.names(io_type) for io_type in IoType))
 
     def _status(self) -> IoCardStatus:
-        return _native.latest_iocard(self._connection.handle)
+        return _native.latest_status(self._connection.handle, Service.IOCARD)
 
     def __iter__(self) -> Iterator[str]:
         """Iterate over the names of all inputs that have one."""

@@ -8,7 +8,7 @@ from typing import NamedTuple, TypeAlias
 
 from . import _native
 from .connection import Connection
-from .constants import MoveOutcome, Result
+from .constants import MoveOutcome, Result, Service
 from .errors import (
     ArgumentError,
     ClosedError,
@@ -163,7 +163,7 @@ class Move:
         """Return the progress."""
         outcome, _, distance_m, angle_rad, left_m, left_rad = _native.move_values(self._move)
         try:
-            pose = _native.latest_localization(self._connection.handle)
+            pose = _native.latest_status(self._connection.handle, Service.LOCALIZATION)
         except NotKnownError:
             pose = None
         return MoveResult(MoveOutcome(outcome), distance_m, angle_rad, left_m, left_rad, pose)

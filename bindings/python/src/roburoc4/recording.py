@@ -30,7 +30,7 @@ from .records import (
 from .robot import Robot
 from .samples import flatten
 from .settings import STATUS_MASK, STATUS_SERVICES, Settings, buffer_of, config_of, service_of
-from .telegrams import Layout
+from .telegrams import Layout, decode
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -120,9 +120,11 @@ class Answers:
         if request.action == Action.QUERY and any(k.action == request.action for k in self._known):
             # it gave some of its texts: no others are invented
             error = WireError.UNSUPPORTED
-            return _native.answer_bytes(request.id, request.action, request.service, error)
+            return _native.roburoc4_encode_answer(
+                request.id, request.action, request.service, error
+            )
         if request.action in (Action.INSERT, Action.DELETE):
-            return _native.answer_bytes(request.id, request.action, request.service, 0)
+            return _native.roburoc4_encode_answer(request.id, request.action, request.service, 0)
         return _native.usual_answer(data)
 
 
@@ -138,7 +140,7 @@ def _key(request: Request) -> Request:
 def read_telegram(data: bytes, layout: Layout | None = None, *, from_client: bool) -> Any:
     """Decode; None for what is not a telegram."""
     try:
-        return _native.decode(data, layout, from_client)
+        return decode(data, layout, "client" if from_client else "robot")
     except DecodeError:
         return None
 

@@ -446,15 +446,15 @@ class SimState(NamedTuple):
 # -------------------------------------------------------------------------- made by the extension
 
 
-_MEANINGS: dict[object, str] = {
-    bool: "?",
-    BatteryState | int: "b",
-    LocalizationFlag | int: "l",
-    int | None: "a",
-    State: "s",
-    Result: "r",
+_MEANINGS: dict[object, dict[int, object]] = {
+    bool: {0: False, 1: True},
+    BatteryState | int: {int(state): state for state in BatteryState},
+    LocalizationFlag | int: {bits: LocalizationFlag(bits) for bits in range(128)},
+    int | None: {0xFFFFFFFF: None},
+    State: {int(state): state for state in State},
+    Result: {int(result): result for result in Result},
 }
-"""How C numbers are converted, by the type of the field; "." leaves them as they are."""
+"""What the numbers of a field are, by its type; others stay numbers."""
 
 # In the order of record_kind in native.h. Records without a struct are made field by field there,
 # in the order of their fields.
@@ -477,23 +477,21 @@ _MADE: tuple[tuple[Any, str | None], ...] = (
     (Link, "roburoc4_link"),
     (ServiceLink, "roburoc4_service_link"),
     (SimState, "roburoc4_sim_state"),
-    (UnknownStatus, None),
-    (Answer, None),
-    (IoCardCommand, None),
-    (UnknownCommand, None),
 )
 
 
 def _register() -> None:
     for kind, (record, struct) in enumerate(_MADE):
+        if struct is None:
+            _native.register_record(kind, record, " ".join((record.__name__, *record._fields)), [])
+            continue
         members = [
             # tuples have a method named index
-            ("index" if name == "element" else name, _MEANINGS.get(type_, "."))
+            ("index" if name == "element" else name, _MEANINGS.get(type_))
             for name, type_ in record.__annotations__.items()
-            if struct is None or name not in ("host_us", "utc_s")
+            if name not in ("host_us", "utc_s")
         ]
-        _native.register_record(kind, record, struct or record.__name__, members)
-    _native.register_enumerations(BatteryState, LocalizationFlag, State, Result)
+        _native.register_record(kind, record, struct, members)
 
 
 _register()

@@ -159,7 +159,8 @@ class ReplayedRobot:
         status = read_telegram(data, BARE, from_client=False)
         if not isinstance(status, UnknownStatus):  # too short to be a status
             return
-        stamped = _native.restamped(data, self._stamps.of(status.robot_cycles))
+        stamp = self._stamps.of(status.robot_cycles).to_bytes(8, "little")
+        stamped = data[:3] + stamp + data[11:]
         self.statuses += 1
         for peer, client in self.clients.items():
             if status.service in client.services:
@@ -183,7 +184,7 @@ class ReplayedRobot:
             # the protocol's own refusal; a command has no action that could be named
             service = telegram.service if isinstance(telegram, UnknownCommand) else 0
             error = (0, Action.UPDATE, service, WireError.UNSUPPORTED)
-            self._send(peer, _native.answer_bytes(*error))
+            self._send(peer, _native.roburoc4_encode_answer(*error))
 
     def _refuse(self, peer: Peer, client: Client, what: str) -> None:
         client.commands += 1
@@ -204,7 +205,7 @@ class ReplayedRobot:
         if request.action == Action.REPLACE:
             self._refuse(peer, client, "sets odometry")
             error = WireError.UNSUPPORTED
-            answer: bytes | None = _native.answer_bytes(
+            answer: bytes | None = _native.roburoc4_encode_answer(
                 request.id, request.action, request.service, error
             )
         else:
@@ -231,7 +232,7 @@ class ReplayedRobot:
             return answer
         if "differential" not in said.body.lower():
             return answer
-        head = _native.answer_bytes(request.id, request.action, request.service, 0)
+        head = _native.roburoc4_encode_answer(request.id, request.action, request.service, 0)
         text = answer[len(head) :][: _MOST_TEXT - len(TEXT)]
         return head + text + TEXT.encode()
 

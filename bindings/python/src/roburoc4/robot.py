@@ -116,10 +116,10 @@ class Robot(RobotBase):
         source = self.reader(service)
         return self._wait_until(source.next, timeout, service)
 
-    def _first(self, read: "Callable[[_native.Connection], _T]", service: Service) -> _T:
+    def _first(self, service: Service) -> Status:
         """Read the latest status; wait for the first one for up to two of its periods."""
         try:
-            return super()._first(read, service)
+            return super()._first(service)
         except NotKnownError:
             if in_condition.get():
                 raise
@@ -128,7 +128,7 @@ class Robot(RobotBase):
                 raise
         with contextlib.suppress(RobotTimeoutError):  # super() raises an error that explains more
             self._wait_for_status(service, left_s)
-        return super()._first(read, service)
+        return super()._first(service)
 
     # ---- driving ----
 

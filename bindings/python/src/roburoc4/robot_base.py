@@ -3,10 +3,10 @@
 
 from collections.abc import Callable
 from contextvars import ContextVar
-from typing import Literal, ParamSpec, TypeVar, overload
+from typing import Literal, ParamSpec, TypeVar, cast, overload
 
 from . import _native
-from .connection import READ_STATUS, Connection, RecorderState
+from .connection import Connection, RecorderState
 from .constants import Count, Event, Fault, Result, Role, Service, State
 from .errors import (
     ArgumentError,
@@ -167,12 +167,12 @@ class RobotBase:
     def latest(self, service: Service) -> Status | None: ...
     def latest(self, service: str | Service) -> Status | None:
         """Return the latest status of a service, None before the first; never waits."""
-        return _known(READ_STATUS[service_of(service)], self._connection.handle)
+        return _known(_native.latest_status, self._connection.handle, service_of(service))
 
-    def _first(self, read: "Callable[[_native.Connection], _R]", service: Service) -> _R:
+    def _first(self, service: Service) -> Status:
         """Read the latest status; before the first, raise an error that names the remedy."""
         try:
-            return read(self._connection.handle)
+            return _native.latest_status(self._connection.handle, service)
         except NotKnownError as error:
             name = service.name.lower()
             raise NotKnownError(
@@ -182,27 +182,27 @@ class RobotBase:
     @property
     def battery(self) -> BatteryStatus:
         """The latest battery status."""
-        return self._first(_native.latest_battery, Service.BATTERY)
+        return cast(BatteryStatus, self._first(Service.BATTERY))
 
     @property
     def localization(self) -> LocalizationStatus:
         """The latest localization status: odometry, inaccurate after turns."""
-        return self._first(_native.latest_localization, Service.LOCALIZATION)
+        return cast(LocalizationStatus, self._first(Service.LOCALIZATION))
 
     @property
     def differential(self) -> DifferentialStatus:
         """The latest speeds, commanded and measured."""
-        return self._first(_native.latest_differential, Service.DIFFERENTIAL)
+        return cast(DifferentialStatus, self._first(Service.DIFFERENTIAL))
 
     @property
     def telemeter(self) -> TelemeterStatus:
         """The latest ultrasonic distances."""
-        return self._first(_native.latest_telemeter, Service.TELEMETER)
+        return cast(TelemeterStatus, self._first(Service.TELEMETER))
 
     @property
     def iocard(self) -> IoCardStatus:
         """The latest inputs of the IO card."""
-        return self._first(_native.latest_iocard, Service.IOCARD)
+        return cast(IoCardStatus, self._first(Service.IOCARD))
 
     @property
     def inputs(self) -> Inputs:
@@ -305,7 +305,7 @@ class RobotBase:
         """Whether each subscribed service has sent a status, or its time is over."""
         now_s = self._connection.now_s()
         return all(
-            _known(READ_STATUS[service], self._connection.handle) is not None
+            self.latest(service) is not None
             or not self.service_link(service).subscribed
             or now_s >= self._first_status_until_s(service)
             for service in STATUS_SERVICES.values()

@@ -212,8 +212,11 @@ class Simulator:
         for name, milliseconds in (("delay_ms", delay_ms), ("jitter_ms", jitter_ms)):
             if not 0 <= milliseconds <= 1e6:
                 raise unusable(name, milliseconds, "0 to 1000000")
-        delay_us, jitter_us = round(delay_ms * 1e3), round(jitter_ms * 1e3)
-        _native.set_faults(self._sim, loss, duplicate, reorder, corrupt, delay_us, jitter_us)
+        delays = {"delay_us": round(delay_ms * 1e3), "jitter_us": round(jitter_ms * 1e3)}
+        faults = _native.new_sim_faults()
+        for name, value in (shares | delays).items():
+            _native.set_member(faults, name, value, 0)
+        _native.simulation_set_faults(self._sim, faults)
 
     # ---- observation ----
 

@@ -1,13 +1,22 @@
 # SPDX-License-Identifier: MIT
 """Telegrams for tools: bytes to typed records, and many statuses to a NumPy table."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
 from . import _native
-from .constants import Result, Service
+from .constants import Action, Result, Service
 from .errors import ArgumentError, DecodeError
-from .records import BatteryStatus, DifferentialStatus, LocalizationStatus, Telegram
+from .iocard import decode_text
+from .records import (
+    Answer,
+    AnswerBody,
+    IoCardCommand,
+    Telegram,
+    UnknownCommand,
+    UnknownStatus,
+)
 from .settings import service_of
 
 if TYPE_CHECKING:
@@ -33,14 +42,21 @@ class Layout(NamedTuple):
     digital_outputs: int = 8
 
 
-_RECORDS: dict[Service, Any] = {
-    Service.BATTERY: BatteryStatus,
-    Service.LOCALIZATION: LocalizationStatus,
-    Service.DIFFERENTIAL: DifferentialStatus,
-}
 _USUAL = Layout()
 _STATUS = 0xFF
-_native_decode = _native.decode
+# As plain integers: each telegram is compared with them.
+_IOCARD, _DIFFERENTIAL = int(Service.IOCARD), int(Service.DIFFERENTIAL)
+_GET, _QUERY = int(Action.GET), int(Action.QUERY)
+_decode_status = _native.decode_status
+_PROPERTIES: dict[int, Callable[[bytes], Any]] = {
+    Service.DIRECTORY: _native.roburoc4_decode_directory,
+    Service.NOTIFICATION: _native.roburoc4_decode_notification,
+    Service.IOCARD: _native.roburoc4_decode_iocard_properties,
+    Service.TELEMETER: _native.roburoc4_decode_telemeter_properties,
+    Service.BATTERY: _native.roburoc4_decode_battery_properties,
+    Service.LOCALIZATION: _native.roburoc4_decode_localization_properties,
+    Service.DIFFERENTIAL: _native.roburoc4_decode_differential_properties,
+}
 
 
 def decode(
@@ -52,12 +68,56 @@ def decode(
     telegram a :class:`~roburoc4.Request` or a command. Raises DecodeError for anything else.
     """
     try:
-        return _native_decode(data, layout, sender != "robot")
+        if sender != "robot":
+            return _decode_sent(data, layout or _USUAL)
+        return _decode_status(data, layout) or _decode_other(data, layout or _USUAL)
     except OverflowError:
         raise ArgumentError(
             f"{layout} is out of range: ids are 0 to 65535, counts 0 to 2147483647",
             Result.ARGUMENT,
         ) from None
+
+
+@lru_cache(maxsize=16)
+def _services(layout: Layout) -> dict[int, int]:
+    """Return the service of each id; directory and notification always have their own."""
+    ids = {wire_id: k + Service.IOCARD for k, wire_id in reversed([*enumerate(layout[:5])])}
+    return ids | {service: service for service in range(Service.IOCARD)}
+
+
+def _decode_other(data: Bytes, layout: Layout) -> Telegram:
+    """Decode an answer, or a status of an unknown service."""
+    data = bytes(data)
+    if data[:1] == b"\xff":
+        return UnknownStatus(_whole(data[3:11]), _whole(data[1:3]), data[11:])
+    request_id, action, wire_id, error, payload = _native.roburoc4_decode_answer(data)
+    body: AnswerBody = payload
+    if request_id and not error:
+        if action == _QUERY:
+            body = decode_text(payload)
+        elif action == _GET and (service := _services(layout).get(wire_id)) is not None:
+            body = _PROPERTIES[service](data)
+    return Answer(request_id, action, wire_id, error, body)
+
+
+def _decode_sent(data: Bytes, layout: Layout) -> Telegram:
+    """Decode what a client has sent."""
+    data = bytes(memoryview(data))  # no number, of which bytes() makes zeros
+    if data[:1] != b"\xff":
+        return _native.roburoc4_decode_request(data)
+    wire_id = _whole(data[1:3])
+    service = _services(layout).get(wire_id)
+    if service == _DIFFERENTIAL:
+        return _native.roburoc4_decode_differential_command(data)
+    if service == _IOCARD:
+        counts = layout.analog_outputs, layout.digital_outputs
+        return IoCardCommand(*_native.roburoc4_decode_iocard_command(data, *counts))
+    _native.roburoc4_decode_iocard_command(data, 0, 0)  # raises where there is no id
+    return UnknownCommand(wire_id, data[3:])
+
+
+def _whole(field: bytes) -> int:
+    return int.from_bytes(field, "little")
 
 
 class Batch(NamedTuple):
@@ -67,6 +127,23 @@ class Batch(NamedTuple):
     """One row for each valid status, in order."""
     bad: "npt.NDArray[np.intp]"
     """Indices of the items that are not such a status."""
+
+
+_PACKED: dict[Service, list[tuple[Any, ...]]] = {
+    Service.BATTERY: [("state", "u1"), ("remaining_percent", "u1")],
+    Service.LOCALIZATION: [
+        ("x_m", "<f8"),
+        ("y_m", "<f8"),
+        ("theta_rad", "<f8"),
+        ("flags", "<u4"),
+    ],
+    Service.DIFFERENTIAL: [
+        ("target_linear_m_s", "<f4"),
+        ("current_linear_m_s", "<f4"),
+        ("target_angular_rad_s", "<f4"),
+        ("current_angular_rad_s", "<f4"),
+    ],
+}
 
 
 def _columns(service: Service, layout: Layout, telemeters: int) -> list[tuple[Any, ...]]:
@@ -79,8 +156,7 @@ def _columns(service: Service, layout: Layout, telemeters: int) -> list[tuple[An
         ]
     if service is Service.TELEMETER:
         return [("distances_m", "<f4", (telemeters,))]
-    formats = _native.packed_formats(service - Service.IOCARD)
-    return list(zip(_RECORDS[service]._fields, formats, strict=False))[1:]
+    return _PACKED[service]
 
 
 def _cut(datagram: Bytes, size: int, service: Service) -> Bytes:
