@@ -2,6 +2,8 @@
  *
  * Commands that open, wait for and close robots.
  */
+#include <math.h>
+
 #include "commands.h"
 #include "fail.h"
 
@@ -72,14 +74,12 @@ static int read_time(call *in) {
 
 /* wait(id, seconds): seconds on the robot's clock afterwards */
 static int wait(call *in) {
-    uint32_t duration_us;
     double seconds;
     if (!take_range(in->arguments[0], "seconds", 0.0, LONGEST_WAIT_S, &seconds)) {
         return 0;
     }
-    duration_us = (uint32_t)(seconds * 1e6);
     /* Rounded up, because a caller that waits for the rest of a rounded time would never finish. */
-    robot_wait(in->object, duration_us + ((double)duration_us < seconds * 1e6));
+    robot_wait(in->object, (uint32_t)ceil(seconds * 1e6));
     return read_time(in);
 }
 

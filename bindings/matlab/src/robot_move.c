@@ -15,9 +15,7 @@ static roburoc4_result begin(roburoc4_move *move, int64_t kind, const double *va
                              const roburoc4_move_options *options) {
     switch (kind) {
     case STRAIGHT:
-        return roburoc4_move_by(move, (float)values[0], 0, options);
     case TURN:
-        return roburoc4_move_by(move, 0, (float)values[1], options);
     case ARC:
         return roburoc4_move_by(move, (float)values[0], (float)values[1], options);
     case TO_POINT:

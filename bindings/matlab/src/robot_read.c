@@ -4,6 +4,7 @@
  */
 #include "commands.h"
 #include "fail.h"
+#include "os.h"
 
 /* --------------------------------------------------------------------------------- status --- */
 
@@ -326,10 +327,10 @@ static int read_inputs(call *in) {
 
 /* -------------------------------------------------------------------------------- columns --- */
 
-/* The services that the arguments name, starting with `first`; all if there are none. */
-static int take_mask(const call *in, int first, uint32_t *mask) {
-    *mask = in->count > first ? 0 : ALL_SERVICES;
-    for (int i = first; i < in->count; i++) {
+/* The services that the arguments name; all if there are none. */
+static int take_mask(const call *in, uint32_t *mask) {
+    *mask = in->count > 0 ? 0 : ALL_SERVICES;
+    for (int i = 0; i < in->count; i++) {
         uint32_t service;
         if (!take_service(in->arguments[i], &service)) {
             return 0;
@@ -339,26 +340,17 @@ static int take_mask(const call *in, int first, uint32_t *mask) {
     return 1;
 }
 
-/* The first argument: UTC now. In virtual time UTC is the simulator's time, so that runs are
- * reproducible. */
-static int take_clocks(const call *in, uint64_t begin_us, clocks *out) {
-    const robot *r = in->object;
-    double utc_s;
-    if (!take_range(in->arguments[0], "utc_s", 0, 1e12, &utc_s)) {
-        return 0;
-    }
-    *out = (clocks){begin_us, r->simulated ? 0.0 : utc_s - (double)in->now_us / 1e6};
-    return 1;
+/* UTC is what this machine's clock shows now; in virtual time the simulator's time, so that runs
+ * are reproducible. */
+static clocks clocks_since(const robot *r, uint64_t begin_us) {
+    const uint64_t offset_us = roburoc4_os_calendar_us() - roburoc4_udp_now_us();
+    return (clocks){begin_us, r->simulated ? 0.0 : (double)(int64_t)offset_us / 1e6};
 }
 
-/* startUtc(id, utc_s): UTC when the robot was made */
+/* startUtc(id): UTC when the robot was made */
 static int read_start(call *in) {
-    clocks times;
-    const uint64_t opened_us = ((const robot *)in->object)->opened_us;
-    if (!take_clocks(in, opened_us, &times)) {
-        return 0;
-    }
-    in->number = times.utc_s + (double)opened_us / 1e6;
+    const robot *r = in->object;
+    in->number = clocks_since(r, 0).utc_s + (double)r->opened_us / 1e6;
     return 1;
 }
 
@@ -379,31 +371,29 @@ static int next_sample(robot *r, uint32_t service, roburoc4_sample *out) {
     return 0;
 }
 
-/* receive(id, utc_s, service, seconds): the next status of a service, or [] if none arrived in
- * time */
+/* receive(id, service, seconds): the next status of a service, or [] if none arrived in time */
 static int receive(call *in) {
     robot *r = in->object;
+    const clocks times = clocks_since(r, r->opened_us);
     uint64_t end_us;
     roburoc4_sample sample;
     uint32_t service;
     double seconds;
-    clocks times;
     int found;
-    if (!take_service(in->arguments[1], &service) ||
-        !take_range(in->arguments[2], "seconds", 0.0, LONGEST_WAIT_S, &seconds)) {
+    if (!take_service(in->arguments[0], &service) ||
+        !take_range(in->arguments[1], "seconds", 0.0, LONGEST_WAIT_S, &seconds)) {
         return 0;
     }
     end_us = robot_now_us(r) + (uint64_t)(seconds * 1e6 + 0.5);
     while (!(found = next_sample(r, service, &sample)) && robot_now_us(r) < end_us) {
         robot_wait_sample(r, &r->received, end_us);
     }
-    in->client = robot_copy(r, &in->now_us);
-    if (!found || !take_clocks(in, r->opened_us, &times)) {
+    if (found) {
+        samples_one(&in->out, &sample, &times);
+        in->results[0] = answer_finish(&in->out);
+    } else {
         (void)make_doubles(&in->results[0], 0, 0);
-        return !found;
     }
-    samples_one(&in->out, &sample, &times);
-    in->results[0] = answer_finish(&in->out);
     return 1;
 }
 
@@ -411,7 +401,7 @@ static int receive(call *in) {
 static int begin_recording(call *in) {
     robot *r = in->object;
     uint32_t mask;
-    if (!take_mask(in, 0, &mask)) {
+    if (!take_mask(in, &mask)) {
         return 0;
     }
     recording_end(&r->recorded);
@@ -426,34 +416,35 @@ static int go_on_recording(call *in) {
     return recording_go_on(&r->recorded, r->pump);
 }
 
-/* recording(id, utc_s, service, ...): everything recorded, as columns */
+/* All of a recording, of the services that the arguments name, as columns. */
+static int give_columns(call *in, recording *rec, uint64_t begin_us) {
+    const robot *r = in->object;
+    const clocks times = clocks_since(r, begin_us);
+    uint32_t mask;
+    if (!take_mask(in, &mask) || !recording_go_on(rec, r->pump)) {
+        return 0;
+    }
+    in->results[0] = samples_columns(&rec->list, mask, &times, rec->reader.lost);
+    return 1;
+}
+
+/* recording(id, service, ...): everything recorded */
 static int end_recording(call *in) {
     robot *r = in->object;
-    uint32_t mask;
-    clocks times;
-    if (!take_clocks(in, r->recorded_us, &times) || !take_mask(in, 1, &mask) ||
-        !recording_go_on(&r->recorded, r->pump)) {
+    if (!give_columns(in, &r->recorded, r->recorded_us)) {
         return 0;
     }
     if (r->recorded.list.count == 0 && roburoc4_client_state(in->client) != ROBUROC4_STATE_READY) {
         return fail(FAIL_TIMEOUT, "nothing was recorded: the robot does not answer; look at link");
     }
-    in->results[0] = samples_columns(&r->recorded.list, mask, &times, r->recorded.reader.lost);
     recording_end(&r->recorded);
     return 1;
 }
 
-/* log(id, utc_s, service, ...): everything since the robot was made, or since the last logged() */
+/* log(id, service, ...): everything since the robot was made, or since the last logged() */
 static int read_log(call *in) {
     robot *r = in->object;
-    uint32_t mask;
-    clocks times;
-    if (!take_clocks(in, r->opened_us, &times) || !take_mask(in, 1, &mask) ||
-        !recording_go_on(&r->logged, r->pump)) {
-        return 0;
-    }
-    in->results[0] = samples_columns(&r->logged.list, mask, &times, r->logged.reader.lost);
-    return 1;
+    return give_columns(in, &r->logged, r->opened_us);
 }
 
 /* logged(id): the next log starts here; drops what log() returned, if it was called */
@@ -475,11 +466,11 @@ const command robot_read_commands[] = {
     {"inputs", READ_ROBOT, 0, STRUCT, read_inputs},
     {"record", READ_ROBOT, -1, NOTHING, begin_recording},
     {"recorded", READ_ROBOT, 0, NOTHING, go_on_recording},
-    {"startUtc", READ_ROBOT, 1, NUMBER, read_start},
+    {"startUtc", READ_ROBOT, 0, NUMBER, read_start},
     {"receiveBegin", READ_ROBOT, 0, NOTHING, begin_receiving},
-    {"receive", WAIT_ROBOT, 3, OTHER, receive},
-    {"recording", READ_ROBOT, -2, OTHER, end_recording},
-    {"log", READ_ROBOT, -2, OTHER, read_log},
+    {"receive", WAIT_ROBOT, 2, OTHER, receive},
+    {"recording", READ_ROBOT, -1, OTHER, end_recording},
+    {"log", READ_ROBOT, -1, OTHER, read_log},
     {"logged", READ_ROBOT, 0, NOTHING, end_log},
     {NULL, NO_ID, 0, NOTHING, NULL},
 };

@@ -17,7 +17,7 @@ r.sleep(20);
 check_raises('roburoc4:limit', @() r.log(file));
 check(isequal(before, fileread(file)), 'the old file was touched');
 check(numel(dir(folder)) == 3, 'something half-written was left');
-kept = roburoc4_mex('log', r.id, 0);
+kept = roburoc4_mex('log', r.id);
 check(numel(kept.localization.x_m) == 400, '%d statuses are left', numel(kept.localization.x_m));
 delete(r);
 delete(sim);

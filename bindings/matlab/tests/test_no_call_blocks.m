@@ -35,7 +35,7 @@ r = sim.connect('iocard_period_ms', 10, 'localization_period_ms', 10, 'different
 sim.step(200);
 id = r.id;
 check(r.link.received > 50000, 'the buffer is not full');
-calls = {@() mex('log', id, 0), @() mex('record', id), @() mex('simStep', sim.id, 1)};
+calls = {@() mex('log', id), @() mex('record', id), @() mex('simStep', sim.id, 1)};
 limit_s = 0.1;
 if ~isempty(getenv('ASAN_OPTIONS'))
     limit_s = 0.5;               % a sanitizer needs some of it

@@ -47,21 +47,33 @@ delete(sim);
 % In real time UTC is the time of day.
 live = roburoc4.Simulator('port', 0);
 r = live.connect();
-begun_s = roburoc4.internal.utc();
+begun_s = time();
 s = r.receive('differential', 60);
 is_now(s.utc_s, begun_s);
 recorded_s = [];
 while isempty(recorded_s)
-    begun_s = roburoc4.internal.utc();
+    begun_s = time();
     data = r.record(0.2, 'differential');
     recorded_s = data.differential.utc_s;
 end
 is_now(recorded_s(end), begun_s);
+
+% However long receive waited, it and log agree when the robot made a status.
+r.log();
+apart_s = [];
+for k = 1:9
+    s = r.receive('differential', 60);
+    data = r.log('', 'differential');
+    made_s = data.differential.utc_s(data.differential.robot_cycles == s.robot_cycles);
+    apart_s = [apart_s, abs(s.utc_s - made_s')]; %#ok<AGROW>
+end
+check(numel(apart_s) >= 9, 'only %d statuses were in the log', numel(apart_s));
+check(median(apart_s) < 0.005, 'UTC differs by %g s', median(apart_s));
 delete(r);
 delete(live);
 end
 
 function is_now(utc_s, begun_s)
 % A status that was made before may come only now.
-check(utc_s > begun_s - 5 && utc_s <= roburoc4.internal.utc(), 'UTC is off by %g s', utc_s - begun_s);
+check(utc_s > begun_s - 5 && utc_s <= time(), 'UTC is off by %g s', utc_s - begun_s);
 end

@@ -342,7 +342,7 @@ methods
     end
 
     function s = get.start_utc_s(this)
-        s = roburoc4_mex('startUtc', this.id, roburoc4.internal.utc());
+        s = roburoc4_mex('startUtc', this.id);
     end
 
     function s = serviceLink(this, service)
@@ -467,8 +467,7 @@ methods
         left_s = timeout;
         s = [];
         while isempty(s) && left_s >= 0
-            utc_s = roburoc4.internal.utc();
-            s = roburoc4_mex('receive', this.id, utc_s, service, min(left_s, 0.05));
+            s = roburoc4_mex('receive', this.id, service, min(left_s, 0.05));
             left_s = finish_s - this.time_s - 1e-6;
         end
         if isempty(s)
@@ -504,7 +503,7 @@ methods
             left_s = finish_s - roburoc4_mex('wait', this.id, min(left_s, 0.05));
             roburoc4_mex('recorded', this.id);
         end
-        data = roburoc4_mex('recording', this.id, roburoc4.internal.utc(), services{:});
+        data = roburoc4_mex('recording', this.id, services{:});
         roburoc4_mex('busy', this.id, false);
     end
 
@@ -529,7 +528,7 @@ methods
             file = roburoc4.internal.text(file, 'file');
         end
         services = roburoc4.Robot.texts(varargin);
-        data = roburoc4_mex('log', this.id, roburoc4.internal.utc(), services{:});
+        data = roburoc4_mex('log', this.id, services{:});
         if ~isempty(file)
             roburoc4.internal.write(file, data);
         end
