@@ -153,7 +153,7 @@ ROBUROC4_API int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *cl
 /** The input of a move. roburoc4_move_step() takes it from a client. If another process has the
  *  client, such as the LCM bridge, fill it with what that reports, and 0 for the rest. */
 typedef struct roburoc4_move_view {
-    uint32_t size;         /* sizeof(roburoc4_move_view) */
+    uint32_t size;         /* set by ROBUROC4_SIZED() */
     uint32_t age_us;       /* age of the speeds now; they do not show what was sent since */
     uint64_t speed_cycles; /* robot time of the speeds; 0: none yet */
     uint64_t pose_cycles;  /* robot time of the pose; 0: none yet, or not usable */
@@ -170,7 +170,8 @@ typedef struct roburoc4_move_view {
 } roburoc4_move_view;
 
 /** roburoc4_move_step() with your own view. When the move ends, your program must stop the robot;
- *  for a move to rest, stop it before. Returns move->result. */
+ *  for a move to rest, stop it before. A view of a size that no version has had ends the move as
+ *  ROBUROC4_MOVE_CANCELLED, with ROBUROC4_ERR_SIZE as its cause. Returns move->result. */
 ROBUROC4_API int32_t roburoc4_move_step_view(roburoc4_move *move, const roburoc4_move_view *view,
                                              uint64_t now_us);
 /** End a move that runs, and stop. */

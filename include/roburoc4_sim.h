@@ -252,6 +252,7 @@ typedef struct roburoc4_sim_state {
     /* now */
     uint32_t peers;         /* with at least one subscription */
     uint32_t subscriptions; /* of all peers */
+    uint32_t reserved;
 } roburoc4_sim_state;
 
 /** Read the state. ROBUROC4_ERR_SIZE for a size that no version has had. */

@@ -111,12 +111,12 @@ static float angle_of(float x, float y) {
 static const roburoc4_move_options move_defaults = {
     sizeof(roburoc4_move_options), 0, 0.3F, 0.5F, 0.5F, 1.0F, 0.5F};
 
-static bool move_size_valid(size_t size) {
-    return size >= 2 * sizeof(uint32_t) && size <= sizeof(roburoc4_move_options) && size % 4 == 0;
+static bool move_size_valid(size_t size, size_t newest) {
+    return size >= 2 * sizeof(uint32_t) && size <= newest && size % 4 == 0;
 }
 
 roburoc4_result roburoc4_move_options_init(roburoc4_move_options *options, size_t size) {
-    if (!move_size_valid(size)) {
+    if (!move_size_valid(size, sizeof move_defaults)) {
         return ROBUROC4_ERR_SIZE;
     }
     memcpy(options, &move_defaults, size);
@@ -142,7 +142,7 @@ static roburoc4_result begin(roburoc4_move *m, uint8_t kind, const roburoc4_move
     m->private_kind = kind;
     m->private_options = move_defaults;
     if (options != NULL) {
-        if (!move_size_valid(options->size)) {
+        if (!move_size_valid(options->size, sizeof move_defaults)) {
             return ROBUROC4_ERR_SIZE;
         }
         memcpy(&m->private_options, options, options->size);
@@ -614,6 +614,13 @@ static void count_sent(roburoc4_move *m, const roburoc4_move_view *v, uint64_t n
 int32_t roburoc4_move_step_view(roburoc4_move *move, const roburoc4_move_view *view,
                                 uint64_t now_us) {
     if (move->result != ROBUROC4_MOVE_RUNNING) {
+        return move->result;
+    }
+    if (!move_size_valid(view->size, sizeof *view)) {
+        move->linear_m_s = 0;
+        move->angular_rad_s = 0;
+        move->cause = ROBUROC4_ERR_SIZE;
+        move->result = ROBUROC4_MOVE_CANCELLED;
         return move->result;
     }
     int32_t result = move->private_ready ? ROBUROC4_MOVE_RUNNING : plan(move, view, now_us);

@@ -531,6 +531,19 @@ static void free_recorder(roburoc4_recorder *r) {
     free(r);
 }
 
+/* Options of this or an older size, 0 where they have none. */
+static int take_options(roburoc4_recorder_options *out, const roburoc4_recorder_options *options) {
+    memset(out, 0, sizeof *out);
+    if (options == NULL) {
+        return 1;
+    }
+    if (options->size < 8 || options->size > sizeof *out || options->size % 4 != 0) {
+        return 0;
+    }
+    memcpy(out, options, options->size);
+    return 1;
+}
+
 /* NULL for invalid options, or without memory; *result says which. */
 static roburoc4_recorder *allocate(const char *path, const roburoc4_recorder_options *options,
                                    roburoc4_result *result) {
@@ -539,10 +552,8 @@ static roburoc4_recorder *allocate(const char *path, const roburoc4_recorder_opt
     const char *robot = options->robot != NULL ? options->robot : "roburoc4";
     roburoc4_recorder *r = NULL;
     *result = ROBUROC4_ERR_ARGUMENT;
-    if (options->size != sizeof *options) {
-        *result = ROBUROC4_ERR_SIZE;
-    } else if (path != NULL && path[0] != '\0' && strlen(path) < sizeof r->wanted &&
-               capacity >= BUFFER_BYTES_MIN) {
+    if (path != NULL && path[0] != '\0' && strlen(path) < sizeof r->wanted &&
+        capacity >= BUFFER_BYTES_MIN) {
         *result = ROBUROC4_ERR_SYSTEM;
         r = calloc(1, sizeof *r);
     }
@@ -594,12 +605,12 @@ static int begin_recording(roburoc4_recorder *r) {
 roburoc4_recorder *roburoc4_recorder_open(const char *path,
                                           const roburoc4_recorder_options *options,
                                           roburoc4_result *result) {
-    roburoc4_recorder_options defaults;
-    roburoc4_result outcome;
-    roburoc4_recorder *r;
-    memset(&defaults, 0, sizeof defaults);
-    defaults.size = sizeof defaults;
-    r = allocate(path, options != NULL ? options : &defaults, &outcome);
+    roburoc4_recorder_options all;
+    roburoc4_result outcome = ROBUROC4_ERR_SIZE;
+    roburoc4_recorder *r = NULL;
+    if (take_options(&all, options)) {
+        r = allocate(path, &all, &outcome);
+    }
     if (r != NULL && begin_recording(r)) {
         outcome = ROBUROC4_OK;
     } else {

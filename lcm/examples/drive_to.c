@@ -186,6 +186,7 @@ int main(int count, char **arguments) {
         return 2;
     }
     set_sender(&trip);
+    (void)ROBUROC4_SIZED(&trip.view);
     (void)roburoc4_move_to_point(&trip.move, x_m, y_m, NULL);
     (void)setvbuf(stdout, NULL, _IOLBF, BUFSIZ);
     trip.lcm = lcm_create(NULL);

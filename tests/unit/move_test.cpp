@@ -440,6 +440,18 @@ TEST_F(Move, ACancelledMoveStopsTheRobot) {
     EXPECT_EQ(0, move.linear_m_s);
 }
 
+TEST_F(Move, AViewOfAnUnknownSizeEndsIt) {
+    for (const std::size_t size :
+         {std::size_t{0}, std::size_t{7}, sizeof(roburoc4_move_view) + 4}) {
+        roburoc4_move_view view{};
+        view.size = static_cast<std::uint32_t>(size);
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, nullptr));
+        EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, roburoc4_move_step_view(&move, &view, now()));
+        EXPECT_EQ(ROBUROC4_ERR_SIZE, move.cause);
+        EXPECT_EQ(0, move.linear_m_s);
+    }
+}
+
 TEST_F(Move, ADisarmedClientEndsIt) {
     EXPECT_EQ(ROBUROC4_MOVE_CANCELLED,
               interrupted_by([&] { roburoc4_client_disarm(&client, now()); }));
