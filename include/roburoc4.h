@@ -468,7 +468,7 @@ ROBUROC4_API roburoc4_result roburoc4_client_host_time(const roburoc4_client *cl
                                                        uint64_t robot_cycles, uint64_t *host_us);
 
 /* ------------------------------------------------------------------------- private layout --- */
-/* Everything from here on may change with ROBUROC4_ABI_VERSION. */
+/* Everything from here on may change with any version, except sizeof(roburoc4_client). */
 
 typedef struct roburoc4_private_ask {
     uint16_t target, subject;

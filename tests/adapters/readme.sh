@@ -1,10 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 #
-# readme.sh CASE ROOT BUILD [CMAKE]: the C program of README.md, compiled as it says there, against
+# readme.sh CASE ROOT BUILD [ARGUMENT...]: the C program of README.md, compiled as it says there, against
 # the simulator as real processes. CASE is what happens: drives, silent, closed, lost, killed; or
 # installed: it is built by the lines of docs/c.md from what is installed; or pump: the example at the
-# top of roburoc4_pump.h drives.
+# top of roburoc4_pump.h drives; or newer: compiled with shared libraries, it runs with later ones.
 set -eu
 LC_ALL=C
 export LC_ALL
@@ -189,6 +189,18 @@ killed)
     until state | grep 'target 0.000 m/s 0.000 rad/s'; do
         kill -0 "$simulator"
     done
+    ;;
+newer)
+    older_libraries=$4
+    newer_libraries=$5
+    cc -std=c99 -I"$root/include" "$root/examples/drive.c" -o drive -L"$older_libraries" \
+        -lroburoc4_udp -lroburoc4
+    LD_LIBRARY_PATH=$newer_libraries
+    export LD_LIBRARY_PATH
+    ldd drive | grep -F "$newer_libraries"
+    start
+    drive 0 ./drive
+    stands_after_a_drive
     ;;
 installed)
     cmake=$4

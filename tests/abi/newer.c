@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * newer.c - part of the library that newer.sh makes: a new result, event, counter and function.
+ */
+#include "roburoc4.h"
+
+#define REFUSALS 3
+#define ROBUROC4_ERR_NEW (-70)
+#define ROBUROC4_EVENT_NEW 0x20000000
+
+roburoc4_result inner_client_arm(roburoc4_client *client, uint64_t now_us);
+uint32_t inner_client_take_events(roburoc4_client *client);
+
+roburoc4_result roburoc4_client_arm(roburoc4_client *client, uint64_t now_us) {
+    static int calls;
+    calls++;
+    return calls <= REFUSALS ? ROBUROC4_ERR_NEW : inner_client_arm(client, now_us);
+}
+
+uint32_t roburoc4_client_take_events(roburoc4_client *client) {
+    return inner_client_take_events(client) | ROBUROC4_EVENT_NEW;
+}
+
+uint32_t roburoc4_client_new(const roburoc4_client *client) {
+    return roburoc4_client_count(client, ROBUROC4_COUNT_NEW);
+}

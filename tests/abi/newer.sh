@@ -1,0 +1,105 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+#
+# newer.sh CC ROOT SHARED NEWER: make libraries in NEWER in which everything was changed that
+# docs/ABI.md allows, and run a program with them that was compiled for those in SHARED.
+#
+# awk's programs contain dollar signs:
+# shellcheck disable=SC2016
+set -eu
+cc=$1
+root=$2
+shared=$3
+newer=$4
+
+rm -rf "$newer"
+mkdir -p "$newer/lib" "$newer/recordings"
+cp -R "$root/include" "$root/src" "$root/sim" "$newer/"
+cp "$root/tests/abi/newer.c" "$newer/src/"
+
+# change FILE PROGRAM: by awk; it has to find what it changes, as often as it counts `left` down.
+change() {
+    awk "$2"' { print } END { exit left != 0 }' "$newer/$1" >"$newer/changed" || {
+        echo "newer.sh no longer finds what it changes in $1: correct the pattern"
+        exit 1
+    }
+    mv "$newer/changed" "$newer/$1"
+}
+
+# A later version, with a new function and a new counter.
+change include/roburoc4.h 'BEGIN { left = 3 }
+    /^#define ROBUROC4_VERSION_MINOR / { $3++; left-- }
+    /^#define ROBUROC4_COUNTERS / { print "#define ROBUROC4_COUNT_NEW " $3; $3++; left-- }
+    /^typedef struct roburoc4_client roburoc4_client;/ {
+        $0 = $0 "\nROBUROC4_API uint32_t roburoc4_client_new(const roburoc4_client *client);"; left--
+    }'
+# A field at the end of each struct that begins with its size.
+structs=0
+for header in roburoc4 roburoc4_move roburoc4_record roburoc4_sim; do
+    count=$(grep -c '^    uint32_t size;' "$newer/include/$header.h")
+    change "include/$header.h" "BEGIN { left = $count }"'
+        /^    uint32_t size;/ { sized = 1 }
+        /^}/ && sized { print "    uint32_t new_field;"; sized = 0; left-- }'
+    structs=$((structs + count))
+done
+[ "$structs" -eq "$(grep -c ^GROWS "$root/tests/abi/released.inc")" ]
+# A client and a move hold such structs: they take the space from their reserves, in another order.
+change include/roburoc4.h 'BEGIN { left = 3 }
+    /^    uint32_t private_counters\[/ { left--; next }
+    /^    uint32_t private_reserved\[2\];/ { left--; next }
+    /^    roburoc4_config private_config;/ {
+        $0 = $0 "\n    uint32_t private_counters[ROBUROC4_COUNTERS];"; left--
+    }'
+change include/roburoc4_move.h 'BEGIN { left = 3 }
+    /^    roburoc4_move_options private_options;/ { left--; next }
+    /^    uint32_t private_timeout_ms;/ { left--; next }
+    /^    uint32_t private_spare\[8\];/ {
+        $0 = "    uint32_t private_spare[7], private_timeout_ms;\n    roburoc4_move_options private_options;"
+        left--
+    }'
+# What checks offsets inside of a client does so for one version of the library.
+change src/client.c 'BEGIN { left = 1 }
+    /^LAYOUT\(client, / { left-- }
+    /^LAYOUT\((config|client_)/ { next }'
+
+abi=$(sed -n 's/^#define ROBUROC4_ABI_VERSION //p' "$newer/include/roburoc4.h")
+sed "s/@ROBUROC4_ABI_VERSION@/$abi/" "$root/cmake/roburoc4.map.in" >"$newer/map"
+
+# library NAME FILE...: with the flags in $flags and the libraries in $uses.
+public='__attribute__((visibility("default")))'
+library() {
+    name=$1
+    shift
+    # Flags and files are lists of words.
+    # shellcheck disable=SC2086
+    "$cc" -std=c99 -O1 -fPIC -shared -fvisibility=hidden "-DROBUROC4_API=$public" \
+        "-DROBUROC4_SIM_API=$public" $flags -Iinclude "$@" -o "lib/lib$name.so.$abi" \
+        "-Wl,-soname,lib$name.so.$abi,--version-script=map" $uses
+    ln -s "lib$name.so.$abi" "lib/lib$name.so"
+}
+cd "$newer"
+flags='-Droburoc4_client_arm=inner_client_arm -Droburoc4_client_take_events=inner_client_take_events'
+uses='inner.o'
+"$cc" -std=c99 -O1 -fPIC "-DROBUROC4_API=$public" -Iinclude -c src/newer.c -o inner.o
+# shellcheck disable=SC2046
+library roburoc4 $(cat "$root/cmake/core_sources.txt") src/move.c
+flags=
+uses='-Llib -lroburoc4 -pthread'
+library roburoc4_udp src/pump.c src/pump_store.c src/record.c src/udp.c src/os_posix.c
+uses='-Llib -lroburoc4 -lm'
+# shellcheck disable=SC2046
+library roburoc4_sim $(cat "$root/cmake/sim_sources.txt")
+
+"$cc" -std=c99 -Wall -Wextra -Werror -I"$root/include" "$root/tests/abi/program.c" -o program \
+    -L"$shared" -lroburoc4_sim -lroburoc4_udp -lroburoc4
+LD_LIBRARY_PATH=$shared ./program recordings >same
+LD_LIBRARY_PATH=$newer/lib ./program recordings >other
+cat same other
+if cmp -s same other; then
+    echo "that was the same library"
+    exit 1
+fi
+# Only the core is newer.
+mkdir mixed
+cp "lib/libroburoc4.so.$abi" mixed/
+LD_LIBRARY_PATH=$newer/mixed:$shared ./program recordings
