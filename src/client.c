@@ -66,7 +66,7 @@ void roburoc4_lifecycle_forget_services(client *c, uint32_t state) {
     roburoc4_discovery_restart(&c->private_discovery);
     roburoc4_requests_cancel_all(&c->private_requests);
     roburoc4_link_invalidate(&c->private_link);
-    c->private_values.override_known = 0;
+    forget_override(c);
     if (c->private_outputs.relocalizing) {
         roburoc4_lifecycle_relocalize_ends(c, ROBUROC4_ERR_TIMEOUT);
     }

@@ -353,7 +353,7 @@ roburoc4_result roburoc4_encode_notification(uint8_t *buffer, size_t capacity, u
 
 /* The number of 8-bit blocks for this many digital channels (4.2.4.4). */
 static uint32_t digital_blocks(uint32_t channels) {
-    return channels == 0 ? 0 : (channels - 1) / 8 + 1;
+    return channels / 8 + (channels % 8 != 0);
 }
 
 roburoc4_result roburoc4_decode_iocard_properties(const uint8_t *data, size_t size,
@@ -572,8 +572,8 @@ roburoc4_result roburoc4_decode_status_header(const uint8_t *data, size_t size,
 /** Read `analog` floats and the blocks of `digital` bits; the reader is behind the head. */
 CURSOR roburoc4_result read_channels(reader *r, uint32_t analog, uint32_t digital, uint16_t service,
                                      uint64_t robot_cycles, roburoc4_channels *out) {
-    const uint32_t blocks = digital_blocks(digital);
-    if (analog > r->left / 4 || blocks > r->left - (size_t)analog * 4) {
+    const uint64_t length = (uint64_t)analog * 4 + digital_blocks(digital);
+    if (length > r->left) {
         return ROBUROC4_ERR_SHORT;
     }
     out->robot_cycles = robot_cycles;
@@ -583,7 +583,7 @@ CURSOR roburoc4_result read_channels(reader *r, uint32_t analog, uint32_t digita
     out->digital_count = digital;
     out->service = service;
     memset(out->reserved, 0, sizeof out->reserved);
-    return surplus(r, (size_t)analog * 4 + blocks);
+    return surplus(r, (size_t)length);
 }
 
 uint32_t roburoc4_floats(const uint8_t *view, uint32_t count, float *out, uint32_t capacity) {

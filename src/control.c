@@ -54,7 +54,7 @@ static roburoc4_result refusal(const client *c, uint64_t now_us) {
             return ROBUROC4_ERR_OVERRIDE_UNKNOWN;
         }
     }
-    if (v->override_known && v->overridden) {
+    if (v->overridden) {
         return ROBUROC4_ERR_OVERRIDE;
     }
     if (c->private_drive.other_commander &&
@@ -155,7 +155,7 @@ roburoc4_result roburoc4_client_set_role_index(client *c, uint32_t role, int32_t
     c->private_config.role_index[role] = (int16_t)index;
     if (role == ROBUROC4_ROLE_OVERRIDE) {
         roburoc4_control_tick(c);
-        c->private_values.override_known = 0;
+        forget_override(c);
         roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_OVERRIDE_UNKNOWN);
     }
     return ROBUROC4_OK;
@@ -500,7 +500,7 @@ roburoc4_result roburoc4_client_facts(const client *c, uint64_t now_us, roburoc4
     f.driving = d->lease_active && elapsed_us < d->lease_us;
     f.stopping = d->stopping || d->stop_pending;
     f.override_known = v->override_known;
-    f.overridden = v->override_known && v->overridden;
+    f.overridden = v->overridden;
     f.other_commander = d->other_commander;
     f.inhibited = d->inhibited;
     f.fixed_id = c->private_requests.fixed_id;

@@ -338,9 +338,7 @@ static uint32_t list_length(const discovery *d, const int32_t *io_counts, uint32
 
 /** Whether these bits are set for every element of a list. */
 static bool complete(const discovery *d, const int32_t *io_counts, uint32_t list, uint64_t bits) {
-    const uint32_t length = list_length(d, io_counts, list);
-    const uint64_t all = length < 64 ? ((uint64_t)1 << length) - 1 : UINT64_MAX;
-    return (bits & all) == all;
+    return (~bits & lowest_bits(list_length(d, io_counts, list))) == 0;
 }
 
 bool roburoc4_discovery_next_text(const discovery *d, const requests *r, const int32_t *io_counts,
@@ -412,10 +410,10 @@ void roburoc4_discovery_ask_again(discovery *d, const int32_t *io_counts) {
 /** Which input is [A]. If late texts may belong to other requests (`sure` is false), text and table
  * must agree. */
 static int32_t find_pad(const discovery *d, const int32_t *io_counts, bool sure) {
-    const uint32_t list = ROBUROC4_IO_DIGITAL_INPUT;
+    const int32_t count = io_counts[ROBUROC4_IO_DIGITAL_INPUT];
     const int32_t index = d->role_texts[ROBUROC4_ROLE_OVERRIDE];
-    if (io_counts[list] > ROBUROC4_MAX_DIGITAL_INPUTS ||
-        !complete(d, io_counts, list, d->described[list])) {
+    if (count > ROBUROC4_MAX_DIGITAL_INPUTS ||
+        (~d->described[ROBUROC4_IO_DIGITAL_INPUT] & lowest_bits((uint32_t)count)) != 0) {
         return ROLE_TEXT_NONE;
     }
     if (index == ROLE_TEXT_NONE && d->table_pad_refused) {
@@ -424,17 +422,19 @@ static int32_t find_pad(const discovery *d, const int32_t *io_counts, bool sure)
     return sure || index == pad_by_table(io_counts) ? index : ROLE_TEXT_NONE;
 }
 
+/** Which input has another role, for which a guess is enough. */
+static int32_t find_input(const discovery *d, const int32_t *io_counts, uint32_t role) {
+    const int32_t index = d->role_texts[role];
+    return index == ROLE_TEXT_NONE ? role_by_table(role, io_counts[role_list(role)]) : index;
+}
+
 roburoc4_result roburoc4_discovery_role(const discovery *d, const roburoc4_config *config,
                                         const int32_t *io_counts, uint32_t role, bool sure) {
-    const int32_t count = io_counts[role_list(role)];
     int32_t index = config->role_index[role];
-    if (index == ROBUROC4_INDEX_AUTO && role == ROBUROC4_ROLE_OVERRIDE) {
-        index = find_pad(d, io_counts, sure);
-    } else if (index == ROBUROC4_INDEX_AUTO) {
-        index = d->role_texts[role];
-        if (index == ROLE_TEXT_NONE) { /* for other roles a guess is enough */
-            index = role_by_table(role, count);
-        }
+    if (index == ROBUROC4_INDEX_AUTO) {
+        index = role == ROBUROC4_ROLE_OVERRIDE ? find_pad(d, io_counts, sure)
+                                               : find_input(d, io_counts, role);
     }
-    return index >= 0 && index < count ? index : ROBUROC4_ERR_UNKNOWN; /* all below capacity */
+    /* below 64, which is the most that a client stores */
+    return index >= 0 && index < io_counts[role_list(role)] ? index : ROBUROC4_ERR_UNKNOWN;
 }

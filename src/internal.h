@@ -227,6 +227,11 @@ static inline uint32_t at_most(uint32_t value, uint32_t limit) {
     return value < limit ? value : limit;
 }
 
+/** As many bits as the count says, at most 64, from the lowest. */
+static inline uint64_t lowest_bits(uint32_t count) {
+    return count < 64 ? ((uint64_t)1 << count) - 1 : UINT64_MAX;
+}
+
 static inline void count(roburoc4_client *c, uint32_t counter) {
     c->private_counters[counter]++;
 }
@@ -239,6 +244,12 @@ static inline void raise_event(roburoc4_client *c, uint32_t event) {
 static inline bool connected(const roburoc4_client *c) {
     return c->private_state >= ROBUROC4_STATE_DISCOVERING &&
            c->private_state <= ROBUROC4_STATE_READY;
+}
+
+/** Until the next status of the right input, nothing is known of the override. */
+static inline void forget_override(roburoc4_client *c) {
+    c->private_values.override_known = 0;
+    c->private_values.overridden = 0;
 }
 
 /** Index of the input with a role, or ROBUROC4_ERR_UNKNOWN. */

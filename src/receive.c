@@ -37,7 +37,7 @@ static roburoc4_result take_iocard(client *c, const uint8_t *data, size_t size) 
     if (result >= 0 && memcmp(c->private_values.io_counts, counts, sizeof counts) != 0) {
         memcpy(c->private_values.io_counts, counts, sizeof counts);
         roburoc4_discovery_forget_inputs(d);
-        c->private_values.override_known = 0;
+        forget_override(c);
         roburoc4_lifecycle_forget_outputs(c); /* they belong to another card */
         c->private_events |= ROBUROC4_EVENT_PROPERTIES;
         exceed(c, p.analog_inputs > ROBUROC4_MAX_ANALOG_INPUTS ||
@@ -149,11 +149,12 @@ static bool is_new(client *c, uint32_t service, uint64_t robot_cycles) {
 /** The first 64 digital inputs, bit i for input i; the last block may have bits of no input. */
 static uint64_t digital_bits(const roburoc4_channels *inputs) {
     const uint32_t count = at_most(inputs->digital_count, 64);
+    const uint8_t *block = inputs->digital + (count + 7) / 8;
     uint64_t bits = 0;
-    for (uint32_t blocks = (count + 7) / 8; blocks > 0; blocks--) {
-        bits = bits << 8 | inputs->digital[blocks - 1];
+    while (block != inputs->digital) {
+        bits = bits << 8 | *--block;
     }
-    return count < 64 ? bits & (((uint64_t)1 << count) - 1) : bits;
+    return bits & lowest_bits(count);
 }
 
 /** Any of the statuses; each begins with the robot's time. */
@@ -193,15 +194,16 @@ static void take_inputs(client *c, const roburoc4_channels *inputs) {
     (void)roburoc4_floats(inputs->analog, inputs->analog_count, v->analog,
                           ROBUROC4_MAX_ANALOG_INPUTS);
     v->digital = digital_bits(inputs); /* the first ROBUROC4_MAX_DIGITAL_INPUTS */
-    const roburoc4_result override = index_of_role(c, ROBUROC4_ROLE_OVERRIDE);
-    const uint8_t overridden = override >= 0 ? (uint8_t)(v->digital >> override & 1) : 0;
-    if (overridden != (v->override_known && v->overridden)) {
+    const roburoc4_result index = index_of_role(c, ROBUROC4_ROLE_OVERRIDE);
+    const uint8_t known = index >= 0;
+    const uint8_t overridden = known ? (uint8_t)(v->digital >> index & 1) : 0;
+    if (overridden != v->overridden) {
         raise_event(c, ROBUROC4_EVENT_OVERRIDE);
     }
-    if ((override >= 0) != v->override_known) {
-        v->override_known = override >= 0;
+    if (known != v->override_known) {
         wake(c);
     }
+    v->override_known = known;
     v->overridden = overridden;
     if (overridden) {
         roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_OVERRIDE);
@@ -230,11 +232,11 @@ static void take_speeds(client *c, const roburoc4_differential_status *status) {
     drive *d = &c->private_drive;
     const uint8_t armed = d->armed;
     v->differential = *status;
-    roburoc4_drive_status(
-        d, &c->private_config, &v->differential, v->override_known && v->overridden,
-        roburoc4_link_age(&c->private_link, STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL),
-                          c->private_now_us),
-        c->private_now_us, &c->private_events);
+    roburoc4_drive_status(d, &c->private_config, &v->differential, v->overridden,
+                          roburoc4_link_age(&c->private_link,
+                                            STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL),
+                                            c->private_now_us),
+                          c->private_now_us, &c->private_events);
     if (d->stopping || d->armed != armed) {
         wake(c);
     }
@@ -244,8 +246,7 @@ static void take_speeds(client *c, const roburoc4_differential_status *status) {
  * RobuROC4 uses. */
 static uint32_t subscribed_service(const client *c, uint16_t id) {
     const discovery *d = &c->private_discovery;
-    if (id < ROBUROC4_SERVICE_COUNT && d->service_ids[id] == id &&
-        (d->inserted & service_bit(id)) != 0) {
+    if (id < ROBUROC4_SERVICE_COUNT && d->service_ids[id] == id && (d->inserted >> id & 1) != 0) {
         return id;
     }
     for (uint32_t service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT; service++) {
@@ -400,7 +401,7 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
     const bool fixed_id = c->private_requests.fixed_id;
     slot *s = roburoc4_requests_match(&c->private_requests, data, size, c->private_now_us);
     if (fixed_id != c->private_requests.fixed_id) {
-        c->private_values.override_known = 0; /* other texts are believed now */
+        forget_override(c); /* other texts are believed now */
         if (fixed_id) {
             roburoc4_discovery_read_texts_again(&c->private_discovery);
         }
@@ -439,7 +440,7 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
             identify_again(c);
         }
         if (index_of_role(c, ROBUROC4_ROLE_OVERRIDE) != pad) {
-            c->private_values.override_known = 0; /* until a status with the right input arrives */
+            forget_override(c);
         }
     }
     return result;

@@ -188,7 +188,7 @@ static void advance(client *c) {
         }
         if ((d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0) {
             memset(c->private_values.io_counts, 0, sizeof c->private_values.io_counts);
-            c->private_values.override_known = 0;
+            forget_override(c);
         }
     }
     if (c->private_state == ROBUROC4_STATE_DISCOVERING && d->identified && properties_due(d) == 0) {
