@@ -395,5 +395,4 @@ void roburoc4_drive_rebase(drive *d, uint64_t now_us) {
     d->sent_us = now_us - SECOND;
     d->stop_us = now_us;
     d->still_us = now_us;
-    d->envelope_us = now_us;
 }

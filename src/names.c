@@ -216,7 +216,7 @@ static int32_t manual_place(uint32_t io_type, int32_t count, uint32_t index) {
     static const uint8_t places[] = {ROBUROC4_AI_COUNT, ROBUROC4_AO_COUNT, ROBUROC4_DI_COUNT,
                                      ROBUROC4_DO_COUNT};
     const int32_t place = (int32_t)index;
-    if (places[io_type] == 0 || index >= (uint32_t)count) {
+    if (index >= (uint32_t)count) {
         return -1;
     }
     if (count == places[io_type] || (count == places[io_type] + 1 && place < 2)) {
