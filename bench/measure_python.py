@@ -46,7 +46,7 @@ BATCH = 100_000
 
 class Timer:
     def __init__(self, quick):
-        self.repetitions = 3 if quick else 25
+        self.repetitions = 3 if quick else 15
         self.seconds = 0.005 if quick else 0.05
 
     def us(self, work):
