@@ -24,7 +24,7 @@ CALLS = {
     "receive-battery": "receive a battery status",
     "poll-idle": "poll with nothing due",
     "udp-differential": "differential status through the UDP adapter",
-    "udp-recorded": "the same, recorded",
+    "udp-recorded": "differential status through the UDP adapter, recorded",
 }
 
 
