@@ -42,9 +42,9 @@ REASONS = {
         "their texts and to bound the age of a status by round trips."
     ),
     ("footprint", "moves, all of it"): (
-        "Each step closes the loop on localization, brakes for obstacles and bumpers and ends with a "
-        "cause; on a processor without floats that is about 120 calls of float functions. A firmware "
-        "without moves does not link them."
+        "Each step closes the loop on localization, brakes for obstacles and bumpers and ends with "
+        "a cause; on a processor without floats that is about 120 calls of float functions. A "
+        "firmware without moves does not link them."
     ),
     ("python", "decode to an object: IO card"): (
         "The status with the most values: each of 9 analog and 22 digital inputs becomes an object."

@@ -6,8 +6,8 @@ import figures
 ABOUT = (
     "The worst of 20 drives each, on the simulated robot in virtual time. The *profile* is "
     "constant acceleration (0.5 m/s², 1 rad/s²), speed and braking; the *robot's response* adds "
-    "the 0.64 s by which its speed lags behind the target. *With slip*: 12 % of each turn, as "
-    "measured on a robot. *Really* is where the robot was, not what its odometry reported."
+    "the 0.64 s by which its speed lags behind the target. *With slip*: the "
+    "measured 12 % of each turn. *Really* is where the robot was, not what its odometry reported."
 )
 AIMS = {
     ("straight metre", "error"): 10,
