@@ -168,13 +168,9 @@ static int read_state(call *in) {
     return 1;
 }
 
-/* The first argument: a control's name, and its number. */
-static int take_control(const call *in, char name[TEXT_SIZE], uint32_t *out) {
-    roburoc4_result number;
-    if (!take_text(in->arguments[0], "control", name)) {
-        return 0;
-    }
-    number = roburoc4_sim_control_find(name);
+/* The number of a named control. */
+static int find_control(const char *name, uint32_t *out) {
+    roburoc4_result number = roburoc4_sim_control_find(name);
     *out = (uint32_t)number;
     return number >= 0 ||
            fail(FAIL_ARGUMENT, "there is no control '%s'; see help roburoc4.Simulator.set", name);
@@ -198,7 +194,8 @@ static int set_control(call *in) {
     roburoc4_result result;
     uint32_t control;
     double value;
-    if (!take_control(in, name, &control) || !take_number(in->arguments[1], name, &value)) {
+    if (!take_text(in->arguments[0], "control", name) || !find_control(name, &control) ||
+        !take_number(in->arguments[1], name, &value)) {
         return 0;
     }
     result = roburoc4_sim_set(simulation_lock(in->object), control, value);
@@ -211,7 +208,7 @@ static int get_control(call *in) {
     char name[TEXT_SIZE];
     roburoc4_result result;
     uint32_t control;
-    if (!take_control(in, name, &control)) {
+    if (!take_text(in->arguments[0], "control", name) || !find_control(name, &control)) {
         return 0;
     }
     result = roburoc4_sim_get(simulation_lock(in->object), control, &in->number);
