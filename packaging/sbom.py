@@ -24,7 +24,6 @@ from cyclonedx.schema import SchemaVersion
 from cyclonedx.validation.json import JsonStrictValidator
 from packageurl import PackageURL
 
-
 # Inside of the Python package.
 UPLOT = (
     Path(__file__).parents[1]
