@@ -45,25 +45,28 @@ def wheel_needs(wheel: Path) -> list[PackageURL]:
     return [uplot(), *(PackageURL("pypi", None, package) for package in required)]
 
 
+def debian_field(package: Path, field: str) -> str:
+    """Return a field of the package's control file."""
+    command = ["dpkg-deb", "--field", str(package), field]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+
+
 def debian_needs(package: Path) -> list[PackageURL]:
     """Return what the package depends on; of alternatives, the first."""
-    fields = ["dpkg-deb", "--field", str(package), "Depends"]
-    depends = subprocess.run(fields, capture_output=True, text=True, check=True).stdout
-    names = [re.split(r"[ (|:]", field.strip())[0] for field in depends.split(",")]
+    depends = debian_field(package, "Depends").split(",")
+    names = [re.split(r"[ (|:]", field.strip())[0] for field in depends]
     needs = [PackageURL("deb", "debian", name) for name in names if name]
     return [*needs, *([uplot()] if package.name.startswith("python3-roburoc4_") else [])]
 
 
-def write(file: Path, kind: str, version: str, needs: list[PackageURL]) -> None:
+def write(file: Path, purl: PackageURL, needs: list[PackageURL]) -> None:
     """Write FILE.cdx.json: the package, its hash, its licence, and what it needs."""
     content = file.read_bytes()
-    name = re.split(r"[-_]\d", file.name)[0] if kind == "pypi" else file.name.split("_")[0]
-    group = "debian" if kind == "deb" else None
     package = Component(
-        name=name,
-        version=version,
+        name=purl.name,
+        version=purl.version,
         type=ComponentType.LIBRARY,
-        purl=PackageURL(kind, group, name, version),
+        purl=purl,
         bom_ref=file.name,
         licenses=[DisjunctiveLicense(id="MIT")],
         hashes=[HashType(alg=HashAlgorithm.SHA_256, content=hashlib.sha256(content).hexdigest())],
@@ -98,9 +101,13 @@ def main() -> None:
     """Write all of them."""
     version, folder = sys.argv[1], Path(sys.argv[2])
     for wheel in sorted(folder.glob("python/*.whl")):
-        write(wheel, "pypi", version, wheel_needs(wheel))
+        write(wheel, PackageURL("pypi", None, "roburoc4", version), wheel_needs(wheel))
     for package in sorted(folder.glob("debian/*.deb")):
-        write(package, "deb", version, debian_needs(package))
+        name, full_version, arch = (
+            debian_field(package, field) for field in ("Package", "Version", "Architecture")
+        )
+        purl = PackageURL("deb", "debian", name, full_version, {"arch": arch})
+        write(package, purl, debian_needs(package))
 
 
 if __name__ == "__main__":
