@@ -3,6 +3,7 @@
 
 import os
 import re
+import subprocess
 from pathlib import Path
 
 from sphinx.application import Sphinx
@@ -89,21 +90,37 @@ def lcm_reference() -> str:
     return "\n".join(parts)
 
 
+def manual_pages() -> str:
+    parts = ["# Manual pages\n", "What `man` shows where the programs are installed.\n"]
+    for file in sorted((TOP / "docs/man").glob("*.1")):
+        ragged = re.sub(r"(?m)^\.TH .*$", r"\g<0>\n.ad l\n.nh", file.read_text())
+        command = ["groff", "-man", "-Tascii", "-P-cbou", "-rLL=92n"]
+        text = subprocess.run(
+            command, input=ragged, capture_output=True, text=True, check=True
+        ).stdout
+        parts.append(f"## {file.stem}\n\n```text\n{text.strip()}\n```\n")
+    return "\n".join(parts)
+
+
 def write_references(app: Sphinx) -> None:
     folder = app.srcdir / "docs" / "reference"
     (folder / "matlab.md").write_text(matlab_reference())
     (folder / "lcm.md").write_text(lcm_reference())
+    (folder / "man.md").write_text(manual_pages())
 
 
 def mend_links(app: Sphinx, page: str, content: list[str]) -> None:
-    """README.md is index.md here; a link to a folder becomes plain text, as folders have no page."""
+    """README.md is index.md here; a link to a folder becomes plain text, as folders have no page. A
+    file's name becomes the page's title."""
 
     def mend(link: re.Match[str]) -> str:
         text, path, anchor = link.groups()
         target = ((app.srcdir / page).parent / path).resolve()
+        if text.endswith(".md"):
+            text = ""
         if target == app.srcdir / "README.md":
             return f"[{text}]({os.path.relpath(app.srcdir / 'index.md', (app.srcdir / page).parent)}{anchor})"
-        return text if target.is_dir() else link[0]
+        return text if target.is_dir() else f"[{text}]({path}{anchor})"
 
     content[0] = re.sub(r"(?<!!)\[([^]]+)\]\(([\w./+-]+)((?:#[\w-]+)?)\)", mend, content[0])
 

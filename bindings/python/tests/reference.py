@@ -14,7 +14,7 @@ from pathlib import Path
 import roburoc4
 
 HEAD = """\
-# Python: reference
+# Python reference
 
 Every name of the package `roburoc4`; [python.md](python.md) shows how they are used.
 `bindings/python/tests/reference.py` writes this page from the
