@@ -59,6 +59,6 @@ elseif(ROBUROC4_WITH_LCM STREQUAL "ON")
         "site-packages as CMAKE_PREFIX_PATH; or Debian's liblcm-dev and liblcm-bin), or "
         "configure with -DROBUROC4_WITH_LCM=OFF")
 else()
-    message(STATUS "The LCM bridge is off: LCM was not found (pip install lcm, or Debian's "
+    message(STATUS "The LCM bridge is off: LCM was not found (pip install lcm, beside Debian's libglib2.0-0, or Debian's "
         "liblcm-dev and liblcm-bin)")
 endif()

@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 from rig import Bridge, Bus, Program, Programs, until
@@ -49,6 +50,16 @@ def test_help_names_every_option(programs: Programs) -> None:
             "--version",
         ):
             assert name in done.stdout, name
+
+
+def test_the_file_of_the_page_is_accepted(programs: Programs, tmp_path: Path) -> None:
+    page = (Programs.checkout() / "docs" / "lcm.md").read_text()
+    (text,) = re.findall(r"^```ini\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    file = tmp_path / "fleet.ini"
+    file.write_text(text)
+    done = said(programs, "--config", str(file), "--check")
+    assert done.returncode == 0, done.stderr
+    assert "BLUE" in done.stdout
 
 
 def test_version(programs: Programs) -> None:

@@ -11,18 +11,9 @@ shift 2
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
-# block NAME: the file that begins with a comment of this name.
-block() {
-    awk -v first="/* $1 */" '
-        /^```/ { inside = 0 }
-        $0 == first { inside = 1; found = 1 }
-        inside
-        END { exit !found }
-    ' "$root/docs/firmware.md" >"$folder/$1"
-}
-
-block board.h
-block main.c
+for file in board.h main.c; do
+    awk -v want=$file -f "$root/scripts/pages.awk" "$root/docs/firmware.md" >"$folder/$file"
+done
 sh "$root/scripts/amalgamate" "$folder"
 cp "$root/tests/adapters/firmware_board.c" "$folder"
 "$cc" -std=c99 -Wall -Wextra -Werror -O1 -I"$folder" -I"$root/include" "$folder/main.c" \

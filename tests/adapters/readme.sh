@@ -3,8 +3,9 @@
 #
 # readme.sh CASE ROOT BUILD [ARGUMENT...]: the C program of README.md, compiled as it says there, against
 # the simulator as real processes. CASE is what happens: drives, silent, closed, lost, killed; or
-# installed: it is built by the lines of docs/c.md from what is installed; or pump: the example at the
-# top of roburoc4_pump.h drives; or newer: compiled with shared libraries, it runs with later ones.
+# installed: the program of docs/c.md is built as it says there from what is installed; or pump: the
+# example at the top of roburoc4_pump.h drives; or newer: compiled with shared libraries, it runs with
+# later ones.
 set -eu
 LC_ALL=C
 export LC_ALL
@@ -21,9 +22,9 @@ clean_up() {
 trap clean_up EXIT
 cd "$folder"
 
-# block LANGUAGE PAGE: the first block of code in that language.
+# block NAME PAGE: the file of that name, or the first block of code in that language.
 block() {
-    awk -v first="\`\`\`$1" '$0 == "```" && inside { exit } inside; $0 == first { inside = 1 }' "$2"
+    awk -v want="$1" -f "$root/scripts/pages.awk" "$2"
 }
 
 # As in a checkout: build/drive.
@@ -206,19 +207,21 @@ installed)
     cmake=$4
     "$cmake" --install "$build" --config "$CONFIG" --prefix "$folder/installed" >install.log
     mkdir project
-    block c "$root/README.md" >project/drive.c
-    block cmake "$root/docs/c.md" >project/CMakeLists.txt
+    block first.c "$root/docs/c.md" >project/first.c
+    block CMakeLists.txt "$root/docs/c.md" >project/CMakeLists.txt
     "$cmake" -S project -B project/build "-DCMAKE_PREFIX_PATH=$folder/installed" >cmake.log
     "$cmake" --build project/build >>cmake.log
     PKG_CONFIG_PATH=$(dirname "$(find "$folder/installed" -name roburoc4-udp.pc)")
     LD_LIBRARY_PATH=$(dirname "$PKG_CONFIG_PATH")
     export PKG_CONFIG_PATH LD_LIBRARY_PATH
-    line=$(grep '^cc drive.c ' "$root/docs/c.md")
-    (cd project && eval "$line")
+    line=$(grep '^cc first.c ' "$root/docs/c.md")
+    (cd project && eval "$line -std=c99 -Wall -Wextra -Werror")
     start
-    drive 0 project/build/drive
-    stands_after_a_drive
-    drive 0 project/drive
+    drive 0 project/build/first
+    state | tee state
+    grep -q 'target 0.000 m/s 0.000 rad/s' state
+    grep -qE 'odometry (0\.9[89]|1\.0[01])' state
+    drive 0 project/first
     ;;
 *)
     echo "no such case: $case_name"

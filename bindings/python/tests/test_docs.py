@@ -2,6 +2,7 @@
 """The tutorial does what it says: its blocks are run, one after the other, as a reader would."""
 
 import re
+import shlex
 import sys
 from pathlib import Path
 
@@ -24,6 +25,13 @@ PAGES = [
 ]
 
 
+COMMANDS = [
+    page
+    for name in ("cli.md", "dashboard.md", "ros2.md", "recording.md")
+    if (page := HERE.parents[2] / "docs" / name).exists()
+]
+
+
 def blocks(page: Path) -> list[str]:
     return re.findall(r"^```python\n(.*?)^```$", page.read_text(encoding="utf-8"), re.M | re.S)
 
@@ -43,6 +51,17 @@ def test_the_blocks_of_a_page_run(
         assert simulator.state.nonzero_speed_commands > 0
     assert "Traceback" not in capsys.readouterr().out
     assert "roburoc4" in sys.modules
+
+
+@pytest.mark.skipif(not COMMANDS, reason="an sdist has no pages but python.md")
+@pytest.mark.parametrize("page", COMMANDS, ids=lambda page: page.name)
+def test_the_parser_accepts_each_command_of_a_page(page: Path) -> None:
+    shell = re.findall(r"^```(?:sh|console)\n(.*?)^```$", page.read_text("utf-8"), re.M | re.S)
+    commands = re.findall(r"^(?:\$ )?roburoc4 ([^&>|\n]*)", "\n".join(shell), re.M)
+    assert commands
+    for command in commands:
+        _, unknown = parser().parse_known_args(shlex.split(command, comments=True))
+        assert not unknown or command.startswith("sim "), command
 
 
 def test_there_are_pages() -> None:

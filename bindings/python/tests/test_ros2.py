@@ -535,6 +535,18 @@ def test_the_file_of_the_page_is_accepted(tmp_path: Path) -> None:
 
 
 @HAS_PAGE
+def test_the_commands_for_ros2_on_the_page_name_topics_of_the_node() -> None:
+    found = re.findall(r"^ros2 topic \w+ .*?(/\w+)(?: (\w+/msg/\w+))?", "".join(fenced("sh")), re.M)
+    topics = {
+        row["topic"]: row["type"]
+        for row in document(run("ros2", "--list", "--json", "--enable-drive"))
+    }
+    assert len(found) == 3
+    for topic, kind in found:
+        assert kind in ("", topics[topic])
+
+
+@HAS_PAGE
 def test_the_page_has_every_topic_and_option() -> None:
     text = PAGE.read_text(encoding="utf-8")
     for row in document(run("ros2", "--list", "--json")):
