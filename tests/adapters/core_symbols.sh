@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 #
-# core_symbols.sh CC NM ROOT FILE... [-- FLAG...]: the core's files, compiled with FLAGs, ask for
+# core_symbols.sh CC NM ROOT FILE... [-- FLAG...]: the core's files, compiled with FLAGs, need
 # nothing but each other, memcpy, memset, memcmp, memmove and the compiler's own arithmetic, and
 # have no variable that can be written: no heap, no input or output, no state outside a client.
 set -eu
@@ -27,7 +27,7 @@ trap 'rm -rf "$folder"' EXIT
 # Files of the project have no spaces in their names.
 # shellcheck disable=SC2086
 for file in $files; do
-    # Without position-independent code a table of texts is as constant as it was written.
+    # Position-independent code would move constant tables of pointers into writable sections.
     "$cc" -std=c99 "$@" -fno-pic -fno-stack-protector -U_FORTIFY_SOURCE -I"$root/include" \
         -c "$root/$file" -o "$folder/$(basename "$file" .c).o"
 done

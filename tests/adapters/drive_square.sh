@@ -32,8 +32,8 @@ start() {
     robot=$(sed -n 's/.* \([0-9.]*:[0-9]*\)$/\1/p' "$folder/log")
 }
 
-# It gives up, as it should, where it has heard no status for 300 ms. On a machine that does not run it
-# for so long that tells nothing of it: the whole test begins again.
+# It gives up when it has heard no status for 300 ms, as it should. A loaded machine may not run it for
+# that long, which proves nothing: then the whole test begins again.
 starved() {
     grep -E 'no (recent|fresh) status|no recent .* status' "$folder/out"
 }

@@ -55,14 +55,14 @@ start() {
     robot=$(sed -n 's/.* \([0-9.]*:[0-9]*\)$/\1/p' log)
 }
 
-# A program gives up, as it should, where it has heard no status for 300 ms. On a machine that does
-# not run it for so long that tells nothing of it: it is to be started again.
+# A program gives up when it has heard no status for 300 ms, as it should. A loaded machine may not
+# run it for that long, which proves nothing: then it is started again.
 starved() {
     tries=$((${tries:-0} + 1))
     [ "$tries" -lt 10 ] && grep 'no recent .* status' errors
 }
 
-# drive STATUS PROGRAM: its exit status has to be that.
+# drive STATUS PROGRAM: the program ends with this exit status.
 drive() {
     while :; do
         status=0
@@ -118,7 +118,7 @@ drives)
     stands_after_a_drive
     ;;
 silent)
-    # A stopped process has its port, and says nothing.
+    # A stopped process keeps its port and sends nothing.
     compile
     start
     kill -STOP "$simulator"

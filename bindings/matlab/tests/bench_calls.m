@@ -1,6 +1,6 @@
 function bench_calls()
 %BENCH_CALLS Print what a call costs, in microseconds: the fastest and the median of 300 rounds of
-%   20 calls. On a busy machine believe the fastest.
+%   20 calls. On a busy machine only the fastest counts.
 %   The robot is a simulator on a port of this machine, so that drive really sends a datagram.
 %   bench/matlab builds bench_mex, by which the interpreter's share is known.
 %

@@ -1,6 +1,6 @@
 classdef bench_robot < handle
-%BENCH_ROBOT What roburoc4.Robot is to the interpreter, on a MEX file that does nothing.
-%   The methods are those of roburoc4.Robot, line by line: what they cost is the interpreter's share.
+%BENCH_ROBOT A copy of roburoc4.Robot on a MEX file that does nothing.
+%   Its methods are those of roburoc4.Robot, line by line: their time is the interpreter's share.
 %
 %   Example:
 %      r = bench_robot(); r.drive(0.2, 0)

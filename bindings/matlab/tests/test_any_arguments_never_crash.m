@@ -15,7 +15,7 @@ for round = 1:40
         [seed, count] = drawn(seed, 5);
         given = cell(1, count - 1);
         for n = 1:count - 1
-            % Mostly an id comes first: the rest is looked at after it.
+            % Mostly with an id first, or the other arguments would not be looked at.
             among = numel(values);
             if n == 1 && mod(k, 5) > 0
                 among = 12;
@@ -35,7 +35,7 @@ end
 end
 
 function id = called(name, given)
-% Call it; the ids of what it opened.
+% Call it; return the ids of what it opened.
 id = [];
 try
     if any(strcmp(name, {'simOpen', 'simConnect'}))
@@ -50,7 +50,7 @@ end
 end
 
 function [seed, number] = drawn(seed, most)
-% A number from 1 to most: always the same ones.
+% A number from 1 to most, from the same sequence in each run.
 seed = mod(16807 * seed, 2 ^ 31 - 1);
 number = 1 + floor(seed / 2 ^ 31 * most);
 end
@@ -65,7 +65,7 @@ values = {r.id, r.id, r.id, r.id, r.id, r.id, r.id, r.id, sim.id, sim.id, sim.id
 end
 
 function names = commands()
-% Of the tables in the C files, but 'open', which would ask name servers.
+% The names in the tables of the C files, without 'open', which would ask name servers.
 folder = fullfile(fileparts(fileparts(mfilename('fullpath'))), 'src');
 files = dir(fullfile(folder, '*.c'));
 names = {'living'};

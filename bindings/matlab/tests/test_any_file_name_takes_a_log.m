@@ -1,5 +1,5 @@
 function test_any_file_name_takes_a_log()
-% A name of a file is no pattern, and nothing for a shell.
+% A file name is neither expanded as a pattern nor passed to a shell.
 % SPDX-License-Identifier: MIT
 folder = tempname();
 mkdir(folder);

@@ -68,7 +68,7 @@ names_it('there is no option ''speed''. There are', @() sim.connect('speed', 1))
 names_it('15 is not allowed; give a multiple of 10, 10 to 2550', @() r.subscribe('battery', 15));
 names_it('give 10 to 2550', @() r.subscribe('battery', 5));
 
-% Numbers of all kinds are fine, and texts of both.
+% Numbers of all classes are accepted, and both kinds of text.
 r.drive(single(0.1), int8(0));
 check(isequal(r.inputs('FRONT bumper'), r.inputs("Front Bumper")), 'texts of both kinds');
 delete(r);

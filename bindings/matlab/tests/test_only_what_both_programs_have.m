@@ -20,9 +20,9 @@ for k = 1:numel(files)
     check_syntax(own{k}, text);
     used = [used, check_functions(own{k}, text, known, own)]; %#ok<AGROW>
 end
-check_catches_what_is_foreign(known);
+check_rules(known);
 idle = setdiff(known(:, 1)', used);
-idle = idle(cellfun(@(name) any(exist(name) == [2 5]), idle)); % an Octave may lack one, as 9 runtests
+idle = idle(cellfun(@(name) any(exist(name) == [2 5]), idle)); % an Octave may lack one, as Octave 9 lacks runtests
 check(isempty(idle) || ~exist('OCTAVE_VERSION', 'builtin'), ...
     'listed in functions.txt, but not used: %s', strjoin(idle, ', '));
 end
@@ -36,8 +36,8 @@ code = regexprep(code, '\.\.\.[^\n]*', '...');
 end
 
 function check_syntax(name, text)
-% Octave's alone, then MATLAB's after R2018a or not in Octave 7.
-foreign = {'#', 'a comment with #'; ...
+% Only in Octave; then only in MATLAB, since R2018a or not in Octave 7.
+unshared = {'#', 'a comment with #'; ...
     '\<(end(if|while|for|function|switch|_try_catch|parfor|classdef|methods|properties)|until)\>', ...
         'an end with a name'; ...
     '\<(unwind_protect\w*|end_unwind_protect)\>', 'unwind_protect'; ...
@@ -49,15 +49,15 @@ foreign = {'#', 'a comment with #'; ...
         'name=value in a call'; ...
     '^ *import\>', 'import'};
 code = stripped(text);
-for k = 1:size(foreign, 1)
-    place = regexp(code, foreign{k, 1}, 'once', 'lineanchors', 'dotexceptnewline');
+for k = 1:size(unshared, 1)
+    place = regexp(code, unshared{k, 1}, 'once', 'lineanchors', 'dotexceptnewline');
     check(isempty(place), '%s, line %d: %s', name, 1 + sum(code(1:place) == sprintf('\n')), ...
-        foreign{k, 2});
+        unshared{k, 2});
 end
 end
 
-function check_catches_what_is_foreign(known)
-% The rules above find what they are for.
+function check_rules(known)
+% The rules above find what they are meant to find.
 bad = {'x = 1; # one', 'endif', 'until x', 'unwind_protect', 'x += 1;', 'x++;', 'if !x', ...
     'x != 2', 'y = f(x)(2);', 'arguments', 'plot(x, LineWidth=2)', '    events'};
 for k = 1:numel(bad)
@@ -71,8 +71,8 @@ check_syntax('a test', 'x = a'' + b.''; y = ''don''''t != #''; % it''s # fine');
 end
 
 function names = check_functions(file, text, known, own)
-% Words of the code that Octave knows as functions; fields and methods aside, and the lines that
-% define functions; OWN are the files of this project.
+% The functions that Octave knows among the words of the code, without fields, methods and lines that
+% define functions. OWN are the files of this project.
 names = {};
 if ~exist('OCTAVE_VERSION', 'builtin')
     return
@@ -98,7 +98,7 @@ end
 end
 
 function known = listed(file)
-% Names, and 'octave' behind those of Octave alone.
+% Names; those that only Octave has are followed by 'octave'.
 row_texts = strsplit(fileread(file), sprintf('\n'));
 row_texts = row_texts(~cellfun(@(line) isempty(line) || line(1) == '#', row_texts));
 known = cell(numel(row_texts), 2);

@@ -1,6 +1,6 @@
 function test_options_are_complete()
-% Every setting of the client and every number of the simulator's is an option; what it cannot be is
-% refused with its name.
+% Every setting of the client and every number of the simulator is an option; a value that it cannot
+% have is refused with its name.
 % SPDX-License-Identifier: MIT
 root = fileparts(fileparts(mfilename('fullpath')));
 include = fullfile(root, '..', '..', 'include');
@@ -37,7 +37,7 @@ delete(sim);
 end
 
 function refused(option, action)
-% With its own name, and not as an option that there is not.
+% As a bad value of this option, and not as an unknown option.
 try
     action();
 catch problem
@@ -49,7 +49,7 @@ check(false, '%s: any value is taken', option);
 end
 
 function names = fields_of(header, type, others)
-% The fields of a struct but these and the arrays.
+% The fields of a struct, without these and without arrays.
 text = regexp(header, ['typedef struct ' type ' \{(.*?)\} ' type ';'], 'tokens', 'once');
 text = regexprep(text{1}, '/\*.*?\*/', '');
 declared = regexp(text, '(?:u?int\d+_t|float|double) ([^;]*);', 'tokens');

@@ -47,7 +47,7 @@ check(lossy.lost > 50, 'lost %d', lossy.lost);
 delete(file);
 delete(small);
 
-% No robot, no silent lack of data.
+% A robot that is off is an error, not an empty record.
 sim.set('power', false);
 r.sleep(3);
 check_raises('roburoc4:timeout', @() r.record(0.5));

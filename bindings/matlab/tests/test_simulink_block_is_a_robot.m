@@ -122,7 +122,7 @@ count = str2double(found{1});
 end
 
 function check_parameters(script, text)
-% What the scripts set at the block, and connect, is there.
+% The block has the properties and outputs that the scripts set and connect.
 for name = regexp(script, '''([a-z_]+_s)'', ''[\d.]+''', 'tokens')
     check(~isempty(regexp(text, ['\n +' name{1}{1} ' = '], 'once')), 'there is no %s', name{1}{1});
 end

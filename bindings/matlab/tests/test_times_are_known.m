@@ -23,7 +23,7 @@ check(all(abs(late_s) < 0.03), 'late by %g s', max(abs(late_s)));
 check(isequal(fieldnames(roburoc4.asTimetable(data.battery)), fieldnames(data.battery)) || ...
     ~exist('OCTAVE_VERSION', 'builtin'), 'Octave has no timetables');
 
-% A pose is older than when it came in.
+% A pose is older than the time since it arrived.
 p = r.pose;
 age_s = r.time_s - p(4);
 check(age_s >= 0.03 && age_s <= 0.15, 'the pose is %g s old', age_s);
@@ -74,6 +74,6 @@ delete(live);
 end
 
 function is_now(utc_s, begun_s)
-% A status that was made before may come only now.
+% A status may arrive later than it was made.
 check(utc_s > begun_s - 5 && utc_s <= time(), 'UTC is off by %g s', utc_s - begun_s);
 end

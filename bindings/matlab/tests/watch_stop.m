@@ -3,7 +3,7 @@ function driven_s = watch_stop(sim, then)
 %   DRIVEN_S = watch_stop(SIM) is the time between the first speed and the first zero, by the clock of
 %   the simulator on a port; NaN where both fell between two looks, on a busy machine.
 %   watch_stop(SIM, THEN) calls THEN once it is driven for 0.3 s, and counts from there; NaN where it
-%   was told to stand before, so that THEN was not called.
+%   was stopped before that, so that THEN was not called.
 %
 %   Example:
 %      driven_s = watch_stop(sim)

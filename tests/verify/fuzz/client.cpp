@@ -113,7 +113,7 @@ class World {
     [[nodiscard]] std::uint64_t client_us() const {
         return now_us_ + skew_us_;
     }
-    /** Without a fault until it is ready. */
+    /** Runs without faults until the client is ready. */
     void connect() {
         for (int i = 0; i < 200 && roburoc4_client_state(&client_.client) != ROBUROC4_STATE_READY;
              i++) {

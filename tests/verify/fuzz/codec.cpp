@@ -200,7 +200,7 @@ void status_header(const Bytes &datagram) {
         expect(used.size() == 11, "a status has a head of 11 bytes");
 }
 
-/** How many channels the robot has is in the first bytes. */
+/** The first bytes say how many channels the robot has. */
 void iocard_status(const Bytes &input) {
     Input in(input.data(), input.size());
     const auto analog = in.number<std::uint32_t>();
@@ -209,7 +209,7 @@ void iocard_status(const Bytes &input) {
     const Bytes datagram = block.bytes();
     roburoc4_channels s;
     Bytes used;
-    /* `analog` and `digital` may be written before the refusal, they mean nothing then */
+    /* `analog` and `digital` may be written before the refusal; then they are not valid */
     const roburoc4_result result =
         roburoc4_decode_iocard_status(datagram.data(), datagram.size(), analog, digital, &s);
     if (result < 0)

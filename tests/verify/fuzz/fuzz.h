@@ -29,7 +29,7 @@ inline void expect(bool holds, const char *promise) {
         broken(promise);
 }
 
-/** The input, taken from its front; zeros where it is over. */
+/** The input, read from its front; zeros after its end. */
 class Input {
   public:
     Input(const std::uint8_t *data, std::size_t size) : data_(data), left_(size) {}

@@ -53,13 +53,13 @@ void command_line(roburoc4_sim *sim, const Bytes &text) {
     char reply[ROBUROC4_SIM_REPLY_SIZE];
     const roburoc4_result result = roburoc4_sim_panel(sim, line.c_str(), reply, sizeof reply);
     expect(result == ROBUROC4_OK || result == ROBUROC4_ERR_ARGUMENT || result == ROBUROC4_ERR_STATE,
-           "the panel says how it went");
-    expect(std::memchr(reply, 0, sizeof reply) != nullptr, "the reply has an end");
+           "the panel reports the result");
+    expect(std::memchr(reply, 0, sizeof reply) != nullptr, "the reply ends with a NUL");
 }
 
 using Robot = std::unique_ptr<roburoc4_sim, void (*)(roburoc4_sim *)>;
 
-/** A robot of any configuration in the place of one; the same where the configuration is bad. */
+/** Replaces a robot by one of any configuration; keeps it if that is not valid. */
 void replace(Robot &sim, Input &in) {
     roburoc4_sim_config config;
     roburoc4_sim_config_init(&config, sizeof config);

@@ -86,7 +86,7 @@ static int test_adapter(const roburoc4_address *robot) {
 
 /* ---------------------------------------------------------------------------------- pump --- */
 
-/** Arm and drive where the robot is to move; whether it does what is wanted. */
+/** Arm and drive if the robot is to move; returns whether it does what is wanted. */
 static int pump_turn(roburoc4_pump *pump, int moving) {
     roburoc4_differential_status speed;
     roburoc4_client *of_pump = roburoc4_pump_lock(pump);

@@ -19,7 +19,7 @@
 #define RECOVERED_US (25 * SECOND) /* after the faults the robot moves again within this */
 #define FLIGHTS 20
 #define LONGEST 75
-#define STATUS_HEAD 11 /* never damaged: whose status it is, and its time */
+#define STATUS_HEAD 11 /* service and time of a status, which are never damaged */
 
 enum { TO_CLIENT, TO_ROBOT };
 
@@ -40,7 +40,7 @@ static robot partner;
 static uint32_t dice, digest = 2166136261UL;
 static uint64_t now_us;         /* true time */
 static uint64_t clock_us;       /* what the client's clock shows at true time 0 */
-static uint64_t hung_until_us;  /* the caller does not call */
+static uint64_t hung_until_us;  /* until then the caller makes no call */
 static uint64_t event_until_us; /* the pad is held, or the robot is off */
 static uint64_t drive_until_us, quiet_until_us, drove_us;
 static float want[2];
@@ -77,7 +77,7 @@ static void add_to_digest(const void *data, size_t size) {
     }
 }
 
-/** In the same order of bytes on every target. */
+/** In the same byte order on every target. */
 static void add_number(uint64_t number) {
     uint8_t bytes[8];
     int i;

@@ -8,7 +8,7 @@
 #include "bytes.h"
 #include "internal.h"
 
-/* WP's memory has no bytes of floats: what copying and clearing do is stated. */
+/* WP's memory model has no bytes of floats, so what copying and clearing do is stated here. */
 /*@ requires \valid(to + (0 .. 1)) && \valid_read(from + (0 .. 1));
     assigns to[0 .. 1] \from from[0 .. 1]; */
 void copy_pair(float *to, const float *from);
@@ -30,7 +30,7 @@ int differ(const float *one, const float *other);
         (d->lease_active != 0 && (uint64_t)(now_us - d->granted_us) >= d->lease_us); */
 static bool lease_over(const drive *d, uint64_t now_us);
 
-/* These only compute: that they assign no more than this is believed, not proved. */
+/* These only compute: that they assign no more than this is assumed, not proved. */
 /*@ assigns \nothing; */
 static bool is_zero(float value);
 /*@ assigns \nothing; */

@@ -35,7 +35,7 @@ void put_stamp(Datagram &datagram, std::uint64_t stamp) {
         datagram.bytes[stamp_at + i] = static_cast<std::uint8_t>(stamp >> (8 * i));
 }
 
-/** Sends nothing of its own, changes nothing: what a fault does not touch. */
+/** A client without a fault, from which the faulty ones are derived. */
 class Wrapper : public RealClient {
   public:
     std::int32_t poll_transmit(Datagram &out, std::uint64_t now) override {
@@ -52,7 +52,7 @@ class Wrapper : public RealClient {
     }
 
   protected:
-    /** May change what is sent; false swallows it. */
+    /** May change what is sent; false drops it. */
     virtual bool passes(Datagram &, std::uint64_t) {
         return true;
     }
@@ -170,7 +170,7 @@ class IgnoresAge : public Wrapper {
     }
 };
 
-/** Does not see that the clock steps back: it runs on from where it was. */
+/** Does not notice that the clock steps back: its own continues from where it was. */
 class HidesClockSteps : public Wrapper {
     std::int32_t receive(const Datagram &datagram, std::uint64_t now) override {
         return RealClient::receive(datagram, steady(now));

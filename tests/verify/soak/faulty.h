@@ -16,7 +16,7 @@
 namespace soak {
 
 struct Fault {
-    Promise promise; /* the one that it breaks */
+    Promise promise; /* the promise that it breaks */
     const char *what;
     std::function<std::unique_ptr<Client>()> make;
 };

@@ -30,17 +30,17 @@ struct Weather {
     bool dark = false;          /* nothing arrives */
 };
 
-/** Weather of some kind, drawn at random; every kind that the promises speak of comes up. */
+/** Random conditions of the network; each kind that a promise names occurs. */
 Weather draw_weather(Random &random);
 
 class Path {
   public:
     explicit Path(std::uint64_t seed) : random_(seed) {}
 
-    /** Changes the weather. A queue that had grown is delivered at once, or dropped. */
+    /** Changes the conditions. A queue that had grown is delivered at once, or dropped. */
     void set_weather(const Weather &weather, std::uint64_t now_us);
     void send(const Datagram &datagram, std::uint64_t now_us);
-    /** Time of the next arrival; UINT64_MAX where nothing is under way. */
+    /** Time of the next arrival; UINT64_MAX if nothing is in flight. */
     std::uint64_t next_arrival() const;
     /** The datagram that arrives next. */
     Datagram take();

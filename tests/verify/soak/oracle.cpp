@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint64_t spacing_us = 10000;
 constexpr std::uint64_t slack_us = 1000;
-/* A client knows of a status's age only what round trips and the pauses between statuses tell. */
+/* A client can judge a status's age only by round trips and by the pauses between statuses. */
 constexpr std::uint64_t sure_after_us = 300000;
 constexpr std::uint64_t inhibited_us = 2000000;
 constexpr float rounding = 1e-3F;
@@ -94,13 +94,13 @@ void Oracle::observe(Moment now) {
                 std::min(stop_.again_us + static_cast<std::uint64_t>(truly), now.true_us);
         if (by_client < 0 && lease_.alive) {
             last_ = now;
-            leave_driving(now, Promise::clock_ends_lease);
+            end_driving(now, Promise::clock_ends_lease);
         }
     }
     clock_known_ = true;
     last_ = now;
     if (lease_.alive && now.client_us - lease_.granted_us >= lease_.length_us)
-        leave_driving(now, Promise::speed_needs_lease);
+        end_driving(now, Promise::speed_needs_lease);
 }
 
 void Oracle::end_lease(Promise promise) {
@@ -110,7 +110,7 @@ void Oracle::end_lease(Promise promise) {
     lease_.end_promise = promise;
 }
 
-void Oracle::leave_driving(Moment now, Promise promise) {
+void Oracle::end_driving(Moment now, Promise promise) {
     end_lease(promise);
     if (speed_out_)
         begin_stop(now);
@@ -118,8 +118,8 @@ void Oracle::leave_driving(Moment now, Promise promise) {
 
 void Oracle::disarm(Moment now, Promise promise) {
     if (excluded_.test(number(promise)) && promise != Promise::nothing_arms_itself)
-        return; /* the client is known not to */
-    leave_driving(now, promise);
+        return; /* this promise is not judged in this run */
+    end_driving(now, promise);
     if (armed_)
         disarm_promise_ = promise;
     armed_ = false;
@@ -178,7 +178,7 @@ void Oracle::end_stop(Moment now, Promise otherwise) {
 /* ------------------------------------------------------------------- calls of the application */
 
 void Oracle::started(Moment now) {
-    clock_known_ = false; /* a new life may use another clock */
+    clock_known_ = false; /* after a restart the clock may be another one */
     observe(now);
     started_ = true;
     started_us_ = now.true_us;
@@ -267,7 +267,7 @@ void Oracle::stopped(Moment now, std::int32_t result) {
     observe(now);
     if (result < 0)
         return;
-    leave_driving(now, Promise::speed_needs_lease);
+    end_driving(now, Promise::speed_needs_lease);
     stop_requested_ = true;
     stop_requested_us_ = stop_.again_us = now.true_us;
 }
@@ -313,7 +313,7 @@ void Oracle::sent(Moment now, const Datagram &datagram) {
                 now.true_us,
                 "a command of " + std::to_string(datagram.size) + " bytes went to service " +
                     std::to_string(service));
-        gave_up_ = true; /* what follows from it is no news */
+        gave_up_ = true; /* what follows from this is not another violation */
         return;
     }
     const Speeds speeds = command_speeds(datagram);
@@ -346,8 +346,8 @@ void Oracle::zero_sent(Moment now) {
     const bool within_lease = lease_.alive && armed_ && target_may_be_zero();
     if (!stop_.active && stop_requested_)
         begin_stop(now);
-    if (!stop_.active && speed_out_ && !within_lease) /* it left driving by itself */
-        leave_driving(now, Promise::speed_needs_lease);
+    if (!stop_.active && speed_out_ && !within_lease) /* it ended driving by itself */
+        end_driving(now, Promise::speed_needs_lease);
     else if (!stop_.active && !within_lease && now.true_us <= zeros_welcome_us_)
         begin_stop(now);
     stop_requested_ = false;
@@ -361,7 +361,7 @@ void Oracle::zero_sent(Moment now) {
         violate(Promise::monitor_is_silent, now.true_us, "a zero left that nobody asked for");
 }
 
-/* Zero was asked for, or what was asked for is beyond limits that leave nothing of it. */
+/* A target of zero, or one of which the limits leave nothing. */
 bool Oracle::target_may_be_zero() const {
     const Bounds bounds = this->bounds();
     const auto gone = [](float value, float low, float high) {
@@ -623,7 +623,7 @@ void Oracle::reported(Moment now, const Report &report, bool drained, std::uint6
     if (report.state == ROBUROC4_STATE_IDLE)
         started_ = false;
     if (lease_.alive && !report.driving)
-        leave_driving(now, Promise::speed_needs_lease);
+        end_driving(now, Promise::speed_needs_lease);
     if (report.driving && !lease_.alive)
         violate(lease_.end_promise, now.true_us, "the client reports a living lease");
     judge_stop_in_time(now, report);
@@ -659,7 +659,7 @@ void Oracle::judge_stop_in_time(Moment now, const Report &report) {
                 "no zero has left " + ms_text(now.true_us - stop_requested_us_) + " after stop()");
     if (!stop_.active)
         return;
-    if (stop_.zeros == 0 && speed_out_) { /* after a zero within the lease it may be spaced */
+    if (stop_.zeros == 0 && speed_out_) { /* a zero within the lease may delay it */
         if (!last_command_zero_ || now.true_us - last_command_us_ > spacing_us + slack_us)
             violate(Promise::zeros_first, now.true_us, "driving has ended, and no zero has left");
         return;
@@ -670,7 +670,8 @@ void Oracle::judge_stop_in_time(Moment now, const Report &report) {
         stop_.active = false;
         return;
     }
-    if (!report.differential_known && (!speed_out_ || stop_may_end(now))) { /* stop() waits */
+    if (!report.differential_known &&
+        (!speed_out_ || stop_may_end(now))) { /* stop() is latched until the service is known */
         stop_.again_us = stop_.last_zero_us = now.true_us;
         return;
     }

@@ -27,12 +27,12 @@ struct Moment {
 
 /** What the oracle may know of the robot beyond the wire. */
 struct RobotTruth {
-    std::uint16_t differential_id = 0; /* 0: there is none that may be commanded */
+    std::uint16_t differential_id = 0; /* 0: none may be commanded */
     std::uint16_t iocard_id = 0;
     std::int32_t pad_a = -1;      /* the input that really is [A] */
-    bool only_texts_tell = false; /* which service is which */
+    bool only_texts_tell = false; /* only the texts say which service is which */
     bool literal_ids = false;
-    bool rounds = false; /* reports tiny speeds for zero */
+    bool rounds = false; /* reports tiny speeds instead of zero */
 };
 
 struct Violation {
@@ -68,7 +68,7 @@ class Oracle {
     void motors_changed(bool dead) {
         motors_dead_ = dead;
     }
-    /** From now on network, robot and clock are as good as can be. */
+    /** From now on network, robot and clock have no faults. */
     void calm_from(std::uint64_t true_us) {
         calm_us_ = true_us;
     }
@@ -133,7 +133,7 @@ class Oracle {
 
     void observe(Moment now);
     void end_lease(Promise promise);
-    void leave_driving(Moment now, Promise promise);
+    void end_driving(Moment now, Promise promise);
     void disarm(Moment now, Promise promise);
     Promise unarmed_promise() const;
     void begin_stop(Moment now);

@@ -49,7 +49,7 @@ using Promises = std::bitset<static_cast<std::size_t>(Promise::count_)>;
 const char *promise_name(Promise promise);
 /** The promise in one sentence. */
 const char *promise_sentence(Promise promise);
-/** False for a name that is none. */
+/** False if there is no promise of this name. */
 bool find_promise(const std::string &name, Promise &out);
 
 inline std::size_t number(Promise promise) {

@@ -53,7 +53,7 @@ void draw_card(Random &random, RobotPlan &plan) {
     const auto count = static_cast<std::size_t>(plan.digital_inputs);
     const auto a = static_cast<std::size_t>(plan.pad_a);
     switch (random.between(0, 15)) {
-    case 0: /* no texts at all: the manual's table must do, so [A] is where it says */
+    case 0: /* no texts at all: then the manual's table counts, so [A] is where it says */
         plan.refused_texts.assign(count, true);
         plan.pad_a = plan.digital_inputs == 23 ? 9 : 8;
         break;
@@ -66,7 +66,7 @@ void draw_card(Random &random, RobotPlan &plan) {
     case 3: /* two inputs are called [A] */
         plan.input_texts[a < 5 ? count - 1 : 3] = button_text("A", 1);
         break;
-    case 4: /* none is */
+    case 4: /* no input is called [A] */
         plan.input_texts[a] = "spare";
         break;
     default:
@@ -165,7 +165,7 @@ RobotPlan draw_robot(Random &random) {
     plan.answer_us = random.between(100, 10000);
     plan.text_us = random.chance(0.2) ? random.between(10000, 400000) : plan.answer_us;
     plan.literal_ids = random.chance(0.05);
-    if (plan.literal_ids) { /* such a robot's texts decide nothing, its numbers must */
+    if (plan.literal_ids) { /* such a robot's texts decide nothing, so its ids must */
         plan.type_codes = plan.type_codes || plan.ids[iocard] != 2 || plan.ids[differential] != 6;
         plan.pad_a = 8;
         plan.give_texts(pad_texts(22, 8, 0));

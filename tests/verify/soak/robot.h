@@ -16,7 +16,7 @@
 
 namespace soak {
 
-/** What a robot is like; fixed for its life. */
+/** Properties of a robot, which never change. */
 struct RobotPlan {
     /* directory: ids by the manual's order IOCard, Telemeter, Battery, Localization, Differential;
      * 0 where the robot has no such service */
@@ -47,11 +47,11 @@ struct RobotPlan {
     double response_s = 0.3;
 
     bool drivable() const;
-    /** Texts of the digital inputs, all of them given. */
+    /** Sets the texts of the digital inputs; the robot gives all of them. */
     void give_texts(const std::vector<std::string> &texts);
 };
 
-/** Draws a robot; most are friendly. */
+/** A random robot; most have few oddities. */
 RobotPlan draw_robot(Random &random);
 
 /** Texts like the manual's for a card with `count` digital inputs, with [A] at `pad_a`. Wordings:
@@ -86,7 +86,7 @@ class Robot {
     void reboot(std::uint64_t off_us, std::uint64_t now_us);
     void receive(const Datagram &datagram, std::uint64_t now_us, bool from_other_commander);
 
-    /* what is true of it */
+    /* its true state */
     bool pad_a_held() const {
         return pad_a_held_;
     }

@@ -64,7 +64,7 @@ Manners draw_manners(Random &random) {
     switch (random.between(0, 5)) {
     case 0: /* only watches */
         break;
-    case 1: /* streams commands whatever comes back, and arms again and again */
+    case 1: /* streams commands whatever the results, and keeps arming */
         manners = {0.2, 0.8, 0.005, 0.005, 0.005, 5000, 60000, true};
         break;
     case 2: /* does everything at random */
@@ -77,7 +77,7 @@ Manners draw_manners(Random &random) {
     return manners;
 }
 
-/** Can [A] be found by what this robot says? */
+/** Whether [A] can be found from what this robot reports. */
 bool override_can_be_known(const RobotPlan &plan, const roburoc4_config &config) {
     OverrideRule rule;
     rule.user_set(config.role_index[ROBUROC4_ROLE_OVERRIDE]);
@@ -314,7 +314,7 @@ class Scenario {
 
     /* ------------------------------------------------------------------------------- the end */
 
-    /** The promise that a robot that cannot be armed tests. */
+    /** The promise that is tested with a robot that cannot be armed. */
     Promise promise_behind(std::int32_t refusal) const {
         if (refusal == ROBUROC4_ERR_OVERRIDE_UNKNOWN)
             return Promise::override_by_texts;

@@ -20,7 +20,7 @@ struct Outcome {
     std::uint64_t lasted_us = 0;
     std::uint64_t speeds_sent = 0;
     std::uint64_t armings = 0;
-    std::uint32_t friendly = 0; /* 1: the robot can be driven, and was in the end */
+    std::uint32_t friendly = 0; /* 1: the robot can be driven, and was driven at the end */
 };
 
 /** Runs the scenario of `seed` with this client (not yet initialized). */

@@ -180,7 +180,7 @@ std::uint32_t World::take_events() {
 /* ----------------------------------------------------------------------- the application's calls
  */
 
-/* An application may call at any time, also before the client got to see what has arrived. */
+/* An application may call at any time, also before the client has received what has arrived. */
 std::int32_t World::called(const char *call, std::int32_t result) {
     say("%s: %d %s", call, result, result < 0 ? roburoc4_result_text(result) : "");
     const Report report = client_.report(client_now());

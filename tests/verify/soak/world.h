@@ -46,7 +46,7 @@ class World {
         run_until(now_us_ + us);
     }
     void run_until(std::uint64_t end_us);
-    /** Lets time pass for all but the client's machine, which does nothing until it wakes up. */
+    /** Lets time pass while the client's machine is frozen. */
     void freeze(std::uint64_t us);
     /** The client's clock jumps. */
     void step_clock(std::int64_t us);
@@ -72,7 +72,7 @@ class World {
     void other_commander(Speeds speeds);
     void calm();
 
-    /** The last zero-or-not command that left, and how many; for tests. */
+    /** For tests: the last command that was sent, and how many were. */
     Speeds last_command() const {
         return last_command_;
     }

@@ -1,5 +1,5 @@
 %% Getting started with roburoc4
-% These lines drive a simulated robot. It lives in virtual time, so they take a second. For a real
+% These lines drive a simulated robot. It runs in virtual time, so they take a second. For a real
 % one write |r = roburoc4.Robot('192.168.0.2')|, and read docs/SAFETY.md first: it weighs 140 kg.
 
 % SPDX-License-Identifier: MIT
