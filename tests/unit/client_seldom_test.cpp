@@ -159,22 +159,6 @@ TEST(Seldom, ADescriptionIsReadOnlyFromItsOwnDatagram) {
               roburoc4_client_description(&bench.client, text.data(), text.size(), &description));
 }
 
-TEST(Seldom, HugeSilenceAndAgeAreTheLargestNumber) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.ready();
-    const std::uint64_t later_us = bench.client_us() + (std::uint64_t{1} << 33);
-    roburoc4_link link{};
-    link.size = sizeof link;
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_link(&bench.client, later_us, &link));
-    EXPECT_EQ(UINT32_MAX, link.silence_us);
-    roburoc4_service_link service{};
-    service.size = sizeof service;
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_service_link(&bench.client, ROBUROC4_SERVICE_IOCARD,
-                                                        later_us, &service));
-    EXPECT_EQ(UINT32_MAX, service.age_us);
-}
-
 TEST(Seldom, MoreChannelsThanCanBeStoredAreReportedOnce) {
     for (const roburoc4_iocard_properties &card :
          {roburoc4_iocard_properties{17, 0, 22, 8, 0, 0},
@@ -206,18 +190,6 @@ TEST(Seldom, MoreChannelsThanCanBeStoredAreReportedOnce) {
         ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
         EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_CAPACITY) << "as many as fit";
     }
-}
-
-TEST(Seldom, MoreTelemetersThanCanBeStoredAreReportedOnce) {
-    ScriptedRobot robot;
-    robot.telemeters.resize(9, robot.telemeters[0]);
-    Bench bench(robot);
-    bench.start();
-    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
-    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
-    EXPECT_EQ(8U, telemeter_count(&bench.client));
-    bench.run(20 * second);
-    EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
 }
 
 TEST(Seldom, TruncatedPropertiesAreNotKnown) {

@@ -302,10 +302,10 @@ TEST(Capacity, ServicesBeyondAreReportedAndNotStored) {
     EXPECT_EQ(16U + 9U + 22U + 8U, robot.seen(ROBUROC4_ACTION_QUERY).size());
 }
 
-TEST(Capacity, TelemetersBeyondAreReportedAndNotStored) {
+TEST(Capacity, TelemetersBeyondAreReportedOnceAndNotStored) {
     ScriptedRobot robot;
-    robot.telemeters.resize(20, robot.telemeters[1]);
-    robot.distances.assign(20, 4.5F);
+    robot.telemeters.resize(9, robot.telemeters[1]);
+    robot.distances.assign(9, 4.5F);
     robot.distances[7] = 0.5F;
     Bench bench(robot);
     bench.start();
@@ -317,6 +317,8 @@ TEST(Capacity, TelemetersBeyondAreReportedAndNotStored) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_distances(&bench.client, &distances, nullptr));
     EXPECT_EQ(8U, distances.count);
     EXPECT_EQ(0.5F, distances.distances_m[7]);
+    bench.run(20 * second); /* they are read again */
+    EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_CAPACITY) << "reported once";
     for (const std::uint32_t reserved : bench.client.private_reserved)
         EXPECT_EQ(0U, reserved);
 }

@@ -86,6 +86,8 @@ TEST_F(DriveSimulator, TheRobotStopsWhenTheCallerNoLongerRenews) {
     EXPECT_LE(until_target_is_zero(), 250 * ms + cycle_us);
     EXPECT_EQ(0, robot.state().watchdog_tripped);
     expect_stop();
+    EXPECT_EQ(0, bench.facts().stopping);
+    EXPECT_EQ(0U, robot.state().refused_speed_commands);
 }
 
 TEST_F(DriveSimulator, EveryLeaseEndsAtTheRobotInTime) {

@@ -403,15 +403,3 @@ TEST(Close, TakesAtMostTheRobotsWatchdog) {
     bench.run(1000 * ms);
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_IDLE), bench.state());
 }
-
-TEST(StopSequence, StopsTheSimulatedRobot) {
-    SimPartner sim;
-    Bench bench(sim);
-    bench.armed();
-    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, 2 * second));
-    EXPECT_GT(sim.state().true_linear_m_s, 0.8);
-    bench.run(3 * second);
-    EXPECT_NEAR(0, sim.state().true_linear_m_s, 0.01);
-    EXPECT_EQ(0, bench.facts().stopping);
-    EXPECT_EQ(0U, sim.state().refused_speed_commands);
-}

@@ -165,20 +165,6 @@ TEST(OtherCommander, IsNotAScaledOrClampedTargetOfOurs) {
     EXPECT_EQ(0, bench.facts().other_commander);
 }
 
-TEST(OtherCommander, IsSeenInTheSimulator) {
-    SimPartner sim;
-    Bench bench(sim);
-    bench.ready();
-    Bytes command(11);
-    for (int i = 0; i < 10; i++) {
-        roburoc4_encode_differential_command(command.data(), command.size(), 6, 0.5F, 0);
-        roburoc4_sim_receive(sim.get(), 2, command.data(), command.size());
-        bench.run(50 * ms);
-    }
-    EXPECT_EQ(1, bench.facts().other_commander);
-    EXPECT_EQ(ROBUROC4_ERR_OTHER_COMMANDER, bench.arm());
-}
-
 /* ---- motion inhibited ---- */
 
 TEST(Inhibited, DisarmsWhenATargetIsSetButTheRobotStands) {
@@ -267,16 +253,6 @@ TEST(Inhibited, IsNotReportedWhenItMovesOrHasNoTarget) {
     EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_INHIBITED);
 }
 
-TEST(Inhibited, IsTheEmergencyStopOfTheSimulator) {
-    SimPartner sim;
-    Bench bench(sim);
-    bench.armed();
-    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 2 * second));
-    EXPECT_EQ(0, bench.facts().inhibited);
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_set(sim.get(), ROBUROC4_SIM_ESTOP_REMOTE, 1));
-    EXPECT_EQ(ROBUROC4_ERR_INHIBITED, bench.drive_until_refused(0.5F, 0, 3 * second));
-}
-
 /* ---- override ---- */
 
 TEST(Override, IsAnEventOnBothEdges) {
@@ -349,21 +325,4 @@ TEST(Override, SendsNoSpeedAfterTheStatusThatShowedIt) {
             }
         }
     }
-}
-
-TEST(Override, OfTheSimulatorStopsTheClientAndItStaysStopped) {
-    SimPartner sim;
-    Bench bench(sim);
-    bench.armed();
-    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
-    ASSERT_EQ(ROBUROC4_OK,
-              roburoc4_sim_set(sim.get(), ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_A, 1));
-    bench.run(200 * ms);
-    EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, bench.drive(0.5F, 0));
-    ASSERT_EQ(ROBUROC4_OK,
-              roburoc4_sim_set(sim.get(), ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_A, 0));
-    bench.run(3 * second);
-    EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, bench.drive(0.5F, 0));
-    EXPECT_NEAR(0, sim.state().true_linear_m_s, 0.02);
-    EXPECT_EQ(ROBUROC4_OK, bench.arm());
 }

@@ -172,26 +172,6 @@ TEST_F(Safety, PadAIsUnknownIfNoTextFits) {
     EXPECT_EQ(result_, ROBUROC4_ERR_OVERRIDE_UNKNOWN);
 }
 
-TEST_F(Safety, PadAIsUnknownIfTwoTextsFit) {
-    RobotPlan plan = friendly_robot();
-    plan.input_texts[20] = "gamepad: button a";
-    make(plan);
-    EXPECT_EQ(arm_within(10 * second), 10 * second);
-    EXPECT_EQ(result_, ROBUROC4_ERR_OVERRIDE_UNKNOWN);
-}
-
-TEST_F(Safety, PadAIsTheManualsIfTheRobotRefusesTexts) {
-    for (const int inputs : {22, 23}) {
-        RobotPlan plan = friendly_robot();
-        plan.pad_a = inputs == 22 ? 8 : 9;
-        plan.give_texts(soak::pad_texts(inputs, plan.pad_a, 0));
-        plan.refused_texts.assign(plan.refused_texts.size(), true);
-        make(plan);
-        EXPECT_LT(arm_within(10 * second), 10 * second) << inputs;
-        EXPECT_EQ(world_->report().override_index, plan.pad_a);
-    }
-}
-
 TEST_F(Safety, TheManualsPadAIsNotBelievedOnAnotherCard) {
     RobotPlan plan = friendly_robot();
     plan.refused_texts.assign(22, true);
@@ -301,22 +281,6 @@ TEST_F(Safety, RoundingIsNotMotion) {
 }
 
 /* ------------------------------------------------------------------- speeds and settings */
-
-TEST_F(Safety, TurnKeepingKeepsTheCurve) {
-    roburoc4_config config = default_config();
-    config.options = ROBUROC4_OPTION_TURN_KEEPING;
-    make(friendly_robot(), config);
-    ASSERT_LT(arm_within(10 * second), 10 * second);
-    const Speeds targets[] = {{2.6F, 2.0F}, {-2.6F, 2.0F}, {1.0F, 9.0F}, {0.5F, 0.5F}};
-    for (const Speeds target : targets) {
-        drive_for(200 * ms, target);
-        const Speeds sent = world_->last_command();
-        EXPECT_NEAR(sent.v * target.w, sent.w * target.v, 1e-3);
-        EXPECT_LE(std::fabs(sent.v) + std::fabs(sent.w) * 0.34F, 2.6001F);
-        EXPECT_GT(std::hypot(sent.v, sent.w), 0.4F);
-    }
-    EXPECT_FLOAT_EQ(world_->last_command().v, 0.5F); /* what fits stays as it is */
-}
 
 TEST_F(Safety, PeriodsMustFitFreshMs) {
     for (const int service : {ROBUROC4_SERVICE_IOCARD, ROBUROC4_SERVICE_DIFFERENTIAL}) {

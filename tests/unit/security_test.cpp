@@ -131,17 +131,6 @@ TEST(Security, AnAnswerToNoOpenRequestChangesNothing) {
     EXPECT_EQ(ROBUROC4_OK, bench.arm());
 }
 
-TEST(Security, ARobotThatClaimsTwoBillionInputsCostsNothing) {
-    ScriptedRobot robot;
-    robot.iocard = {0x7FFFFFFF, 0x7FFFFFFF, 0x7FFFFFFF, 0x7FFFFFFF, 0, 0};
-    robot.service(ROBUROC4_SERVICE_IOCARD).mute = true; /* no datagram holds such a status */
-    Bench bench(robot);
-    bench.start();
-    bench.run(20 * second);
-    EXPECT_NE(0U, bench.take_events() & ROBUROC4_EVENT_CAPACITY);
-    EXPECT_LT(bench.sent.size(), 20000U); /* it asks at its own pace, not for two billion texts */
-}
-
 TEST(Security, AFloodOfNonsenseDoesNotEndALeaseNorRenewIt) {
     ScriptedRobot robot;
     Bench bench(robot);

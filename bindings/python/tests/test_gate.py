@@ -92,15 +92,6 @@ def test_a_gate_that_is_not_enabled_lets_only_stops_through(roburoc4_simulator: 
         assert network.speed_m_s == 0
 
 
-def test_who_streams_since_before_the_start_must_pause(roburoc4_simulator: Simulator) -> None:
-    with roburoc4_simulator.connect() as robot:
-        network = Network(roburoc4_simulator, robot)
-        assert verdict(network.stream(3.0)) is Verdict.DISARMED
-        assert roburoc4_simulator.state.speed_commands == 0
-        network.pause()
-        assert network.send() is None
-
-
 @pytest.mark.parametrize("age_s", [0.25, 3600.0, -0.25, -1e9])
 def test_an_old_stamp_or_one_of_the_future_moves_nothing(network: Network, age_s: float) -> None:
     assert verdict(network.stream(1.0, age_s=age_s)) in {Verdict.TOO_OLD, Verdict.IN_FUTURE}
@@ -158,15 +149,6 @@ def test_one_sender_has_control_until_its_lease_ends(network: Network) -> None:
     network.step(0.15)
     assert network.gate.owner == ""
     assert network.send(-0.3, sender="joy") is None
-
-
-def test_zeros_give_control_away(network: Network) -> None:
-    assert network.send() is None
-    network.step(PERIOD_S)
-    assert network.send(0.0) is None
-    network.step(PERIOD_S)
-    assert network.speed_m_s == 0
-    assert network.send(sender="joy") is None
 
 
 def test_a_stop_is_obeyed_from_anyone_and_holds(network: Network) -> None:

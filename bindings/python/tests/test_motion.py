@@ -198,12 +198,3 @@ def test_a_monitor_never_commands(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         robot.sleep(3.0)
     assert roburoc4_simulator.state.speed_commands == 0
-
-
-def test_leaving_by_an_exception_stops_the_robot(roburoc4_simulator: Simulator) -> None:
-    with pytest.raises(ZeroDivisionError), roburoc4_simulator.connect() as robot:
-        robot.arm()
-        robot.drive(0.5, 0.0, lease_ms=1000)
-        _ = 1 / 0
-    assert roburoc4_simulator.state.last_linear_m_s == 0
-    assert not roburoc4_simulator.state.watchdog_tripped
