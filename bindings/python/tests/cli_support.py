@@ -10,13 +10,15 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from conftest import LONG_S
+
+import roburoc4
+
 FOLDER = Path(sys.executable).parent
 COMMAND = str(FOLDER / "roburoc4")
-LONG_S = 120.0
 _STYLES = re.compile(r"\x1b\[[0-9;]*m")
 
 
@@ -67,12 +69,10 @@ def one_line(text: str) -> str:
     return text
 
 
-def eventually(condition: Callable[[], object], within_s: float = LONG_S) -> None:
-    """Wait until something is true."""
-    until_s = time.monotonic() + within_s
-    while not condition():
-        assert time.monotonic() < until_s, "it did not happen"
-        time.sleep(0.01)
+def last_command_is_zero(sim: roburoc4.Simulator) -> bool:
+    """Whether the last speed command that the robot got was a zero."""
+    state = sim.state
+    return (state.last_linear_m_s, state.last_angular_rad_s) == (0.0, 0.0)
 
 
 def doctor(*arguments: str, robot: str) -> subprocess.CompletedProcess[str]:

@@ -11,7 +11,8 @@ from contextlib import contextmanager
 from typing import Any
 
 import pytest
-from cli_support import doctor, eventually, one_line, run
+from cli_support import doctor, one_line, run
+from conftest import until
 
 import roburoc4
 from roburoc4.cli import app
@@ -145,7 +146,7 @@ def test_fault_interrupted() -> None:
             sim.reboot()
 
         # It was on for longer than the silence lasts, so that its clock is seen to go back.
-        eventually(lambda: sim.state.cycles > 300)
+        until(lambda: sim.state.cycles > 300)
         thread = threading.Thread(target=reboot_in_the_midst)
         thread.start()
         found = _verdict("--seconds", "6", robot=sim.address)

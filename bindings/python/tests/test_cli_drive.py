@@ -6,7 +6,8 @@ import time
 from collections.abc import Iterator
 
 import pytest
-from cli_support import Terminal, document, eventually, one_line, run, start
+from cli_support import Terminal, document, last_command_is_zero, one_line, run, start
+from conftest import until
 
 import roburoc4
 
@@ -20,11 +21,6 @@ def sim() -> Iterator[roburoc4.Simulator]:
 def _stands(sim: roburoc4.Simulator) -> bool:
     state = sim.state
     return (state.target_linear_m_s, state.target_angular_rad_s) == (0.0, 0.0)
-
-
-def _last_command_is_zero(sim: roburoc4.Simulator) -> bool:
-    state = sim.state
-    return (state.last_linear_m_s, state.last_angular_rad_s) == (0.0, 0.0)
 
 
 def test_it_drives_as_far_as_the_time_and_reports(sim: roburoc4.Simulator) -> None:
@@ -42,7 +38,7 @@ def test_it_drives_as_far_as_the_time_and_reports(sim: roburoc4.Simulator) -> No
         "pose",
     }
     assert set(report["pose"]) == {"x_m", "y_m", "theta_rad"}
-    assert _last_command_is_zero(sim)
+    assert last_command_is_zero(sim)
 
 
 def test_negative_numbers_are_plain_arguments(sim: roburoc4.Simulator) -> None:
@@ -87,33 +83,33 @@ def test_a_speed_above_the_limits_is_lowered_and_reported() -> None:
 )
 def test_signals_stop_the_robot(sim: roburoc4.Simulator, number: signal.Signals, code: int) -> None:
     process = start("drive", "0.5", "0.2", "--seconds", "100", robot=sim.address)
-    eventually(lambda: sim.state.target_linear_m_s > 0.1)
+    until(lambda: sim.state.target_linear_m_s > 0.1)
     process.send_signal(number)
     _, stderr = process.communicate(timeout=120)
     assert process.returncode == code
     assert "was stopped, and stands" in one_line(stderr)
-    assert _last_command_is_zero(sim)
+    assert last_command_is_zero(sim)
     assert _stands(sim)
 
 
 def test_a_second_ctrl_c_does_not_delay_the_zero(sim: roburoc4.Simulator) -> None:
     process = start("drive", "0.5", "0", "--seconds", "100", robot=sim.address)
-    eventually(lambda: sim.state.target_linear_m_s > 0.1)
+    until(lambda: sim.state.target_linear_m_s > 0.1)
     for _ in range(3):
         process.send_signal(signal.SIGINT)
         time.sleep(0.005)
     _, stderr = process.communicate(timeout=120)
     assert process.returncode == 130
     assert "interrupted" in one_line(stderr)
-    assert _last_command_is_zero(sim)
+    assert last_command_is_zero(sim)
 
 
 def test_if_it_is_killed_the_watchdog_stops_the_robot(sim: roburoc4.Simulator) -> None:
     process = start("drive", "0.5", "0", "--seconds", "100", robot=sim.address)
-    eventually(lambda: sim.state.target_linear_m_s > 0.1)
+    until(lambda: sim.state.target_linear_m_s > 0.1)
     process.kill()
     process.communicate()
-    eventually(lambda: sim.state.watchdog_tripped)
+    until(lambda: sim.state.watchdog_tripped)
     assert _stands(sim)
 
 
@@ -127,12 +123,12 @@ def test_under_override_it_says_so_and_sends_no_speed(sim: roburoc4.Simulator) -
 
 def test_an_override_during_the_drive_ends_it(sim: roburoc4.Simulator) -> None:
     process = start("drive", "0.5", "0", "--seconds", "100", robot=sim.address)
-    eventually(lambda: sim.state.target_linear_m_s > 0.1)
+    until(lambda: sim.state.target_linear_m_s > 0.1)
     sim.set("pad_a", True)
     _, stderr = process.communicate(timeout=120)
     assert process.returncode == 1
     assert "game pad" in one_line(stderr)
-    assert _last_command_is_zero(sim)
+    assert last_command_is_zero(sim)
 
 
 def test_without_inputs_it_refuses_until_told_to_ignore_them() -> None:
@@ -158,12 +154,12 @@ def test_an_emergency_stop_ends_it(sim: roburoc4.Simulator) -> None:
     done = run("drive", "0.5", "0", "--seconds", "20", robot=sim.address)
     assert done.returncode == 1
     assert "emergency stop" in one_line(done.stderr)
-    assert _last_command_is_zero(sim)
+    assert last_command_is_zero(sim)
 
 
 def test_a_robot_that_is_lost_ends_it(sim: roburoc4.Simulator) -> None:
     process = start("drive", "0.5", "0", "--seconds", "100", robot=sim.address)
-    eventually(lambda: sim.state.target_linear_m_s > 0.1)
+    until(lambda: sim.state.target_linear_m_s > 0.1)
     sim.set("power", False)
     _, stderr = process.communicate(timeout=120)
     assert process.returncode == 1
@@ -199,6 +195,6 @@ def test_a_person_sees_the_progress(sim: roburoc4.Simulator) -> None:
 
 def test_ctrl_z_does_not_suspend_a_drive(sim: roburoc4.Simulator) -> None:
     terminal = Terminal("drive", "0.3", "0", "--seconds", "2", "--yes", robot=sim.address)
-    eventually(lambda: sim.state.target_linear_m_s > 0.1)
+    until(lambda: sim.state.target_linear_m_s > 0.1)
     terminal.type("\x1a")
     assert terminal.wait() == 0

@@ -10,7 +10,8 @@ import time
 from typing import Any
 
 import pytest
-from cli_support import COMMAND, Terminal, environment, eventually, one_line, run, start
+from cli_support import COMMAND, Terminal, environment, one_line, run, start
+from conftest import until
 from rich.console import Console
 
 import roburoc4
@@ -154,7 +155,7 @@ def test_a_closed_pipe_ends_it_quietly(json_or_not: list[str]) -> None:
         )
         assert done.stdout.count("\n") == 1
         assert done.stderr == ""
-        eventually(lambda: sim.state.peers <= 1)
+        until(lambda: sim.state.peers <= 1)
 
 
 def test_a_narrow_terminal_shows_whole_values() -> None:

@@ -8,7 +8,8 @@ import signal
 from collections.abc import Iterator
 
 import pytest
-from cli_support import Terminal, document, eventually, one_line, run, start
+from cli_support import Terminal, document, one_line, run, start
+from conftest import until
 
 import roburoc4
 
@@ -82,7 +83,7 @@ def test_bad_usage_sends_nothing(sim: roburoc4.Simulator, arguments: tuple[str, 
 
 def test_a_signal_stops_the_robot(sim: roburoc4.Simulator) -> None:
     process = start("move", "50", robot=sim.address)
-    eventually(lambda: sim.state.target_linear_m_s > 0.1)
+    until(lambda: sim.state.target_linear_m_s > 0.1)
     process.send_signal(signal.SIGTERM)
     _, stderr = process.communicate(timeout=120)
     assert process.returncode == 143

@@ -2,7 +2,8 @@
 """`roburoc4 stop`, `output`, `relocalize`: one request, one line of output."""
 
 import pytest
-from cli_support import document, eventually, one_line, run, start
+from cli_support import document, one_line, run, start
+from conftest import until
 
 import roburoc4
 
@@ -11,7 +12,7 @@ def test_stop_ends_the_drive_of_another_program() -> None:
     with roburoc4.Simulator(port=0) as sim, sim.connect(ignore_other_commander=True) as robot:
         robot.arm()
         robot.drive(0.5, 0.0, lease_ms=1000)
-        eventually(lambda: sim.state.wheel_linear_m_s > 0.1)
+        until(lambda: sim.state.wheel_linear_m_s > 0.1)
         done = run("stop", robot=sim.address)
         assert (done.returncode, done.stderr) == (0, "")
         assert done.stdout == f"{sim.address} stands\n"
@@ -23,7 +24,7 @@ def test_stop_reports_when_somebody_keeps_driving() -> None:
     with roburoc4.Simulator(port=0) as sim:
         sim.set("pad_a", True)
         sim.set("pad_rt", 0.0)
-        eventually(lambda: sim.state.wheel_linear_m_s > 0.1)
+        until(lambda: sim.state.wheel_linear_m_s > 0.1)
         done = run("stop", robot=sim.address)
     assert done.returncode == 1
     assert "emergency stop" in one_line(done.stderr)
@@ -97,7 +98,7 @@ def test_a_signal_ends_stop_with_its_code() -> None:
         sim.set("pad_a", True)
         sim.set("pad_rt", 0.0)
         process = start("stop", robot=sim.address)
-        eventually(lambda: sim.state.speed_commands > 0)
+        until(lambda: sim.state.speed_commands > 0)
         process.terminate()
         _, stderr = process.communicate(timeout=120)
     assert (process.returncode, stderr) == (143, "")

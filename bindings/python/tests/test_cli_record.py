@@ -10,7 +10,8 @@ import time
 from pathlib import Path
 
 import pytest
-from cli_support import COMMAND, Terminal, document, environment, eventually, one_line, run, start
+from cli_support import COMMAND, Terminal, document, environment, one_line, run, start
+from conftest import until
 
 import roburoc4
 from roburoc4.cli.rows import Rows
@@ -64,7 +65,7 @@ def test_a_signal_ends_it_and_the_file_is_whole(
     path = tmp_path / "run.csv"
     with roburoc4.Simulator(port=0) as sim:
         process = start("record", str(path), robot=sim.address)
-        eventually(lambda: path.exists() and _read(path))
+        until(lambda: path.exists() and _read(path))
         process.send_signal(number)
         _, stderr = process.communicate(timeout=120)
     assert (process.returncode, stderr) == (code, "")
@@ -164,7 +165,7 @@ def test_a_gap_in_a_recording_is_counted_and_reported(tmp_path: Path) -> None:
     path = tmp_path / "run.csv"
     with roburoc4.Simulator(port=0) as sim:
         process = start("record", str(path), "--seconds", "10", "--json", robot=sim.address)
-        eventually(lambda: len(_read(path)) > 10 if path.exists() else False)
+        until(lambda: len(_read(path)) > 10 if path.exists() else False)
         sim.set("power", False)
         time.sleep(2.5)
         sim.set("power", True)
@@ -214,9 +215,9 @@ def test_a_killed_recording_is_read_up_to_the_last_moment(tmp_path: Path) -> Non
     path = tmp_path / "run.pcapng"
     with roburoc4.Simulator(port=0) as sim:
         process = start("record", str(path), robot=sim.address)
-        eventually(lambda: path.exists() and path.stat().st_size > 20_000)
+        until(lambda: path.exists() and path.stat().st_size > 20_000)
         cycles = sim.state.cycles
-        eventually(lambda: list(roburoc4.open_recording(path))[-1].robot_cycles > cycles)
+        until(lambda: list(roburoc4.open_recording(path))[-1].robot_cycles > cycles)
         process.kill()
         process.communicate(timeout=120)
     assert list(roburoc4.open_recording(path))[-1].robot_cycles > cycles

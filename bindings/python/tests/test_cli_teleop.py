@@ -6,7 +6,8 @@ import time
 from collections.abc import Callable, Iterator
 
 import pytest
-from cli_support import Terminal, eventually
+from cli_support import Terminal, last_command_is_zero
+from conftest import until
 
 import roburoc4
 
@@ -42,7 +43,7 @@ def _hold(terminal: Terminal, key: str, seconds: float) -> None:
 
 
 def _hold_until(terminal: Terminal, key: str, condition: Callable[[], object]) -> None:
-    eventually(lambda: _press(terminal, key) or condition())
+    until(lambda: _press(terminal, key) or condition())
 
 
 def _drives_at(sim: roburoc4.Simulator, linear_m_s: float) -> bool:
@@ -53,15 +54,10 @@ def _moves(sim: roburoc4.Simulator) -> bool:
     return sim.state.nonzero_speed_commands > 0
 
 
-def _last_command_is_zero(sim: roburoc4.Simulator) -> bool:
-    state = sim.state
-    return (state.last_linear_m_s, state.last_angular_rad_s) == (0.0, 0.0)
-
-
 def test_a_repeating_key_drives_and_letting_go_stops(sim: roburoc4.Simulator) -> None:
     terminal = _teleop(sim, NO_RELEASES)
     _hold_until(terminal, "w", lambda: _drives_at(sim, 0.3))
-    eventually(lambda: _last_command_is_zero(sim))
+    until(lambda: last_command_is_zero(sim))
     terminal.type("x")
     assert terminal.wait() == 0
     assert sim.true_pose.x_m > 0.01
@@ -70,8 +66,8 @@ def test_a_repeating_key_drives_and_letting_go_stops(sim: roburoc4.Simulator) ->
 def test_one_press_lasts_until_a_keyboard_would_repeat(sim: roburoc4.Simulator) -> None:
     terminal = _teleop(sim, NO_RELEASES)
     terminal.type("a")
-    eventually(lambda: _moves(sim))
-    eventually(lambda: _last_command_is_zero(sim))
+    until(lambda: _moves(sim))
+    until(lambda: last_command_is_zero(sim))
     assert sim.state.nonzero_speed_commands < 30, "a second and a half, at 50 ms each"
     terminal.type("x")
     assert terminal.wait() == 0
@@ -83,7 +79,7 @@ def test_with_releases_one_press_lasts_until_the_release(sim: roburoc4.Simulator
     _hold_until(terminal, ECHO, lambda: _drives_at(sim, 0.3))
     assert "until let go" in terminal.text
     terminal.type("\x1b[119;1:3u")
-    _hold_until(terminal, ECHO, lambda: _last_command_is_zero(sim))
+    _hold_until(terminal, ECHO, lambda: last_command_is_zero(sim))
     terminal.type("\x1b[120;1:1u")
     assert terminal.wait() == 0
 
@@ -91,8 +87,8 @@ def test_with_releases_one_press_lasts_until_the_release(sim: roburoc4.Simulator
 def test_with_releases_a_line_that_hangs_stops(sim: roburoc4.Simulator) -> None:
     terminal = _teleop(sim, RELEASES)
     terminal.type("\x1b[119;1:1u")
-    eventually(lambda: _moves(sim))
-    eventually(lambda: _last_command_is_zero(sim))
+    until(lambda: _moves(sim))
+    until(lambda: last_command_is_zero(sim))
     terminal.type("\x1b[99;5u")
     assert terminal.wait() == 130
 
@@ -102,7 +98,7 @@ def test_a_window_that_loses_the_keyboard_stops(sim: roburoc4.Simulator) -> None
     terminal.type("\x1b[119;1:1u")
     _hold_until(terminal, ECHO, lambda: _moves(sim))
     terminal.type("\x1b[O")
-    _hold_until(terminal, ECHO, lambda: _last_command_is_zero(sim))
+    _hold_until(terminal, ECHO, lambda: last_command_is_zero(sim))
     terminal.type("\x1b[120u")
     assert terminal.wait() == 0
 
@@ -133,7 +129,7 @@ def test_override_is_shown_and_ends_with_a_new_press(sim: roburoc4.Simulator) ->
         _hold(terminal, "w", 1.0)
         return _moves(sim)
 
-    eventually(moves_with_a_new_press)
+    until(moves_with_a_new_press)
     terminal.type("x")
     assert terminal.wait() == 0
 
@@ -160,7 +156,7 @@ def test_space_stops(sim: roburoc4.Simulator) -> None:
     _hold_until(terminal, "w", lambda: _moves(sim))
     terminal.type(" ")
     before = sim.state.nonzero_speed_commands
-    eventually(lambda: _last_command_is_zero(sim))
+    until(lambda: last_command_is_zero(sim))
     assert sim.state.nonzero_speed_commands - before < 10, "sooner than by letting go"
     terminal.type("x")
     assert terminal.wait() == 0
@@ -186,7 +182,7 @@ def test_signals_stop_the_robot_and_restore_the_terminal(
     _hold_until(terminal, "w", lambda: _moves(sim))
     terminal.send_signal(number)
     assert terminal.wait() == code
-    assert _last_command_is_zero(sim)
+    assert last_command_is_zero(sim)
     assert "\x1b[<u" in terminal.text
     assert "\x1b[?1004l" in terminal.text
 
@@ -196,7 +192,7 @@ def test_ctrl_c_stops_the_robot(sim: roburoc4.Simulator) -> None:
     _hold_until(terminal, "w", lambda: _moves(sim))
     terminal.type("\x03")
     assert terminal.wait() == 130
-    assert _last_command_is_zero(sim)
+    assert last_command_is_zero(sim)
 
 
 def test_a_person_is_asked_with_name_and_address(sim: roburoc4.Simulator) -> None:

@@ -22,7 +22,8 @@ from capture_support import (
     statuses,
     write,
 )
-from cli_support import doctor, eventually, one_line, run, start
+from cli_support import doctor, one_line, run, start
+from conftest import until
 
 import roburoc4
 from roburoc4.replay import ReplayedRobot
@@ -219,7 +220,7 @@ def test_a_client_reads_what_was_recorded_and_moves_nothing(tmp_path: Path) -> N
     with replayed(str(path)) as (address, process):
         with roburoc4.connect(address) as robot:
             marked = "Differential (recording: commands change nothing)"
-            eventually(lambda: marked in [entry.name for entry in robot.properties.services])
+            until(lambda: marked in [entry.name for entry in robot.properties.services])
             first = robot.wait_for("battery")
             assert first.remaining_percent == 90
             robot.arm()
@@ -228,7 +229,7 @@ def test_a_client_reads_what_was_recorded_and_moves_nothing(tmp_path: Path) -> N
             with pytest.raises(roburoc4.RefusedError):
                 robot.relocalize(1.0, 2.0, 0.0)
             assert (robot.localization.x_m, robot.localization.y_m) == (0.0, 0.0)
-            eventually(lambda: robot.state is roburoc4.State.LOST)
+            until(lambda: robot.state is roburoc4.State.LOST)
         stdout, stderr = process.communicate(timeout=120)
     assert process.returncode == 0
     document = json.loads(stdout)

@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cli_support import COMMAND, document, environment, eventually, one_line, run, start
+from cli_support import COMMAND, document, environment, one_line, run, start
+from conftest import until
 from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication
 from cyclonedds.pub import DataWriter
 from cyclonedds.qos import Policy, Qos
@@ -96,7 +97,7 @@ def take(reader: Any, count: int) -> list[Any]:
         found.extend(reader.take(100))
         return len(found) >= count
 
-    eventually(enough)
+    until(enough)
     return found
 
 
@@ -153,7 +154,7 @@ def test_the_node_is_announced_with_its_topics(
     listener: Participant, launch: Callable[..., Ros2], served: roburoc4.Simulator
 ) -> None:
     launch(robot=served.address)
-    eventually(listener.others)
+    until(listener.others)
     ((node,),) = [announcement.nodes for announcement in listener.others()]
     assert node.full_name == "/roburoc4"
     known: dict[str, Any] = {}
@@ -162,7 +163,7 @@ def test_the_node_is_announced_with_its_topics(
         known.update(writers(listener))
         return len(known) == len(PUBLISHED) + 1
 
-    eventually(seen)
+    until(seen)
     gids = {bytes(one.key.bytes) for name, one in known.items() if name.startswith("rt/")}
     assert set(node.writers) == gids
     assert {listener.node_of(gid) for gid in gids} == {"/roburoc4"}
@@ -192,7 +193,7 @@ def messages(listener: Participant, topics: dict[str, Topic], namespace: str = "
                     assert data.startswith(bytes(STORE.serialize_cdr(found[key], kind)))
             return found.keys() == readers.keys()
 
-        eventually(all_came)
+        until(all_came)
         return found
 
     return read
@@ -233,7 +234,7 @@ def test_a_pressed_bumper_is_published(
     launch(robot=served.address)
     published()
     served.set("bumper_front", 1)
-    eventually(lambda: published()["bumpers/front"].data)
+    until(lambda: published()["bumpers/front"].data)
     assert not published()["bumpers/rear"].data
 
 
@@ -248,7 +249,7 @@ def test_diagnostics_tell_link_override_arming_and_versions(
         found.update({one.name: one for one in message.status})
         return found["roburoc4: link"].message == "connected"
 
-    eventually(connected)
+    until(connected)
     values = {name: {one.key: one.value for one in status.values} for name, status in found.items()}
     assert found["roburoc4: link"].hardware_id == served.address
     assert values["roburoc4: link"]["loss"] == "0.000"
@@ -302,7 +303,7 @@ def test_the_list_is_what_is_published(
             known
         )
 
-    eventually(seen)
+    until(seen)
     for row in rows:
         package, _, name = row["type"].split("/")
         one = known["rt" + row["topic"]]
@@ -324,7 +325,7 @@ def test_two_robots_have_namespaces_frames_and_nodes(
         assert red()["odom"].header.frame_id == "RED/odom"
         assert blue()["odom"].child_frame_id == "BLUE/base_link"
         expected = {"/RED/roburoc4", "/BLUE/roburoc4"}
-        eventually(
+        until(
             lambda: expected == {node.full_name for one in listener.others() for node in one.nodes}
         )
 
@@ -419,13 +420,11 @@ def test_a_signal_leaves_no_entity_behind(
     reader()
     odom = listener.topic("rt/odom", "nav_msgs/Odometry")
     watcher = DataReader(listener.dds, odom, Qos(Policy.Reliability.BestEffort))
-    eventually(watcher.get_matched_publications)
+    until(watcher.get_matched_publications)
     code, _ = program.end(number)
     assert code == 128 + number
-    until = time.monotonic() + 2.0  # a participant that only fell silent is missed after 10 s
-    while watcher.get_matched_publications():
-        assert time.monotonic() < until
-        time.sleep(0.01)
+    # It says goodbye: one that only falls silent is missed after 10 s.
+    until(lambda: not watcher.get_matched_publications(), 2.0)
 
 
 def test_a_robot_that_is_off_is_waited_for(
@@ -477,11 +476,11 @@ def test_the_node_is_announced_in_the_form_of_others(
 ) -> None:
     sizes = heard_sizes(listener)
     launch(robot=served.address)
-    eventually(lambda: sizes() == {GID_SIZE})
+    until(lambda: sizes() == {GID_SIZE})
     humble = announce(listener, HUMBLE_GID_SIZE)
-    eventually(lambda: sizes() == {HUMBLE_GID_SIZE})
+    until(lambda: sizes() == {HUMBLE_GID_SIZE})
     later = announce(listener, GID_SIZE)
-    eventually(lambda: sizes() == {GID_SIZE})
+    until(lambda: sizes() == {GID_SIZE})
     assert humble.guid != later.guid
 
 
@@ -490,9 +489,9 @@ def test_two_of_our_programs_do_not_follow_each_other(
 ) -> None:
     sizes = heard_sizes(listener)
     launch("--distro", "humble", "--namespace", "/other", robot=served.address)
-    eventually(listener.others)
+    until(listener.others)
     launch(robot=served.address)
-    eventually(lambda: sizes() == {GID_SIZE})
+    until(lambda: sizes() == {GID_SIZE})
     time.sleep(1.0)  # it looks five times a second
     assert not sizes()
 

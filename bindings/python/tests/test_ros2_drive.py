@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cli_support import eventually, one_line, run, start
-from conftest import first_zero_s
+from cli_support import one_line, run, start
+from conftest import first_zero_s, until
 
 import roburoc4
 from roburoc4 import Simulator
@@ -83,7 +83,7 @@ def bridge(domain: int, served: Simulator) -> Iterator[Callable[..., Bridge]]:
 
     def start_it(*arguments: str) -> Bridge:
         started.append(Bridge(domain, served.address, *arguments))
-        eventually(lambda: started[-1].told("connected to the robot"))
+        until(lambda: started[-1].told("connected to the robot"))
         return started[-1]
 
     yield start_it
@@ -128,7 +128,7 @@ def test_the_robot_stops_when_its_publisher_is_killed(
 ) -> None:
     bridge()
     publisher = stream()
-    eventually(lambda: drives(served))
+    until(lambda: drives(served))
     publisher.kill()
     killed_s = time.monotonic()
     # Virtual time checks the lease; here, that it is the bridge which stops, before the watchdog.
@@ -140,7 +140,7 @@ def test_a_plain_twist_drives_by_option(
 ) -> None:
     bridge("--twist")
     stream("planner", "plain")
-    eventually(lambda: drives(served))
+    until(lambda: drives(served))
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
@@ -152,7 +152,7 @@ def test_a_signal_leaves_the_robot_standing(
 ) -> None:
     running = bridge()
     stream()
-    eventually(lambda: drives(served))
+    until(lambda: drives(served))
     running.end(number)
     assert stands(served)
     assert not running.told("Traceback"), running.notes
@@ -163,9 +163,9 @@ def test_a_killed_bridge_leaves_the_robot_to_its_watchdog(
 ) -> None:
     running = bridge()
     stream()
-    eventually(lambda: drives(served))
+    until(lambda: drives(served))
     running.process.kill()
-    eventually(lambda: served.state.target_linear_m_s == 0, 3.0)
+    until(lambda: served.state.target_linear_m_s == 0, 3.0)
 
 
 @pytest.mark.parametrize("profile", [RELIABLE, BEST_EFFORT])
@@ -180,13 +180,13 @@ def test_stop_is_obeyed_from_any_publisher_and_holds(
     stop = others.node("/", "operator").publisher("stop", "std_msgs/Empty", profile)
     others.announce()
     stream()
-    eventually(lambda: drives(served))
+    until(lambda: drives(served))
     stop.publish(bytes(Cdr().numbers("B", 0).data))
-    eventually(lambda: stands(served))
-    eventually(lambda: running.told("stopped by "))
+    until(lambda: stands(served))
+    until(lambda: running.told("stopped by "))
     assert running.told("stopped by /operator"), running.notes
     before = served.state.nonzero_speed_commands
-    eventually(lambda: running.told("cmd_vel of /planner rejected"))
+    until(lambda: running.told("cmd_vel of /planner rejected"))
     time.sleep(1.0)
     assert stands(served)
     assert served.state.nonzero_speed_commands == before
@@ -201,7 +201,7 @@ def test_a_stop_sent_before_the_bridge_knew_its_sender_is_obeyed(
     )
     stop.publish(bytes(Cdr().numbers("B", 0).data))
     running = bridge()
-    eventually(lambda: running.told("stopped by "))
+    until(lambda: running.told("stopped by "))
 
 
 def test_a_second_publisher_is_refused_and_named(
@@ -209,9 +209,9 @@ def test_a_second_publisher_is_refused_and_named(
 ) -> None:
     running = bridge()
     stream("first")
-    eventually(lambda: drives(served))
+    until(lambda: drives(served))
     stream("second")
-    eventually(lambda: running.told("cmd_vel of /second rejected"))
+    until(lambda: running.told("cmd_vel of /second rejected"))
     assert any("in control: /first" in note for note in running.notes)
     assert drives(served)
 
@@ -240,9 +240,9 @@ def test_a_message_that_is_none_is_refused_and_the_next_drives(
         send(message(b"f"))
         return drives(served)
 
-    eventually(refused)
+    until(refused)
     time.sleep(1.0)  # the pause that the start of the bridge asks for
-    eventually(obeyed)
+    until(obeyed)
 
 
 def test_a_file_and_options_say_what_drives(
@@ -252,7 +252,7 @@ def test_a_file_and_options_say_what_drives(
     file.write_text("lease_ms: 400\nmax_linear_m_s: 0.1\n", encoding="utf-8")
     bridge("--config", str(file))
     stream()
-    eventually(lambda: served.state.last_linear_m_s == pytest.approx(0.1))
+    until(lambda: served.state.last_linear_m_s == pytest.approx(0.1))
 
 
 @pytest.mark.parametrize(
@@ -276,10 +276,10 @@ def test_without_dds_the_robot_stands_and_a_person_is_told(domain: int, served: 
         thread.start()
         robot.arm()
         robot.drive(0.3, 0.0, lease_ms=1000)
-        eventually(lambda: drives(served))
+        until(lambda: drives(served))
         participant.close()
-        eventually(lambda: stands(served))
-        eventually(lambda: notes)
+        until(lambda: stands(served))
+        until(lambda: notes)
         assert "commands cannot be read" in notes[-1]
         assert not robot.facts.armed
         ended.set()
@@ -303,7 +303,7 @@ def test_an_unforeseen_error_stops_the_robot_and_reading_goes_on(
         robot.arm()
         thread = threading.Thread(target=listener.run, args=(ended,))
         thread.start()
-        eventually(lambda: len(looks) > 2)
+        until(lambda: len(looks) > 2)
         assert "RuntimeError('odd')" in notes[0]
         assert not robot.facts.armed
         ended.set()
