@@ -323,6 +323,7 @@ roburoc4_result roburoc4_client_poll_transmit(client *c, uint8_t *buffer, size_t
     }
     return length;
 }
+
 uint64_t roburoc4_client_next_deadline(const client *c) {
     return c->private_idle_until_us > 0 ? c->private_idle_until_us : next_deadline(c);
 }

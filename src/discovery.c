@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Discovery: which id on the wire is which service, which input is the game pad's [A], and which
- * texts are still to be asked for. Nothing here is sent: asking.c asks, this file remembers.
+ * texts are still to be asked for. Nothing here is sent: schedule.c asks, this file remembers.
  */
 #include "internal.h"
 

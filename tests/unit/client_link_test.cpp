@@ -208,6 +208,21 @@ TEST(Link, AVeryLateStatusIsLateAndNotADuplicate) {
     EXPECT_EQ(0U, bench.service_link(differential).duplicates);
 }
 
+TEST(Link, APauseOfMoreThanAMinuteIsNotLoss) {
+    constexpr std::uint64_t minute_cycles = 60 * second / ROBUROC4_CYCLE_US;
+    for (const std::uint64_t cycles : {minute_cycles, minute_cycles + 1}) {
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.ready();
+        roburoc4_differential_status last;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_client_differential(&bench.client, &last, nullptr));
+        const std::uint32_t period_us = bench.service_link(differential).period_us;
+        const std::uint64_t missing = cycles * ROBUROC4_CYCLE_US / period_us - 1;
+        EXPECT_EQ(0, bench.receive(robot.status_at(differential, last.robot_cycles + cycles)));
+        EXPECT_EQ(cycles > minute_cycles ? 0 : missing, bench.service_link(differential).lost);
+    }
+}
+
 TEST(Link, JitterIsTheSmoothedDeviationOfArrivals) {
     ScriptedRobot robot;
     Bench bench(robot);

@@ -216,6 +216,20 @@ TEST(Rediscovery, AServiceWithoutPropertiesIsNoLongerDriven) {
     }
 }
 
+TEST(Rediscovery, PropertiesThatWereRefusedAreRequestedAgain) {
+    ScriptedRobot robot;
+    robot.service(ROBUROC4_SERVICE_BATTERY).get_refused = true;
+    Bench bench(robot);
+    bench.ready();
+    robot.powered = false;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+    robot.service(ROBUROC4_SERVICE_BATTERY).get_refused = false;
+    robot.powered = true;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    roburoc4_battery_properties battery;
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_client_battery_properties(&bench.client, &battery));
+}
+
 TEST(Rediscovery, ARobotWithTheManualIdIsFoundHoweverLate) {
     ScriptedRobot robot;
     robot.only_manual_id = true;
