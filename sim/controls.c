@@ -251,9 +251,11 @@ roburoc4_result roburoc4_sim_get(const roburoc4_sim *sim, uint32_t number, doubl
         *out = sim->localization_flags;
         break;
     default:
-        *out = number >= ROBUROC4_SIM_PAD_AXIS
-                   ? (double)sim->axes[number - ROBUROC4_SIM_PAD_AXIS - ROBUROC4_AI_PAD_LJ_X]
-                   : sim->buttons[number - ROBUROC4_SIM_PAD_BUTTON - ROBUROC4_DI_PAD_A];
+        if (number >= ROBUROC4_SIM_PAD_AXIS) {
+            *out = (double)sim->axes[number - ROBUROC4_SIM_PAD_AXIS - ROBUROC4_AI_PAD_LJ_X];
+        } else if (number - ROBUROC4_SIM_PAD_BUTTON - ROBUROC4_DI_PAD_A < SIM_PAD_BUTTONS) {
+            *out = sim->buttons[number - ROBUROC4_SIM_PAD_BUTTON - ROBUROC4_DI_PAD_A];
+        }
         break;
     }
     return ROBUROC4_OK;

@@ -224,6 +224,9 @@ static bool contains_letters(piece text, const char *wanted) {
     for (; text.length > 0; skip(&text)) {
         piece rest = text;
         uint32_t i = 0;
+        if (!is_letter(*text.text)) {
+            continue; /* else a text of blanks would take the square of its length */
+        }
         for (; rest.length > 0 && wanted[i] != '\0'; skip(&rest)) {
             if (!is_letter(*rest.text)) {
                 continue;

@@ -246,10 +246,11 @@ const char *roburoc4_client_channel_name(const roburoc4_client *client, uint32_t
     return place < 0 ? NULL : table_name(io_type, (uint32_t)place);
 }
 
-/* At most 64 KiB; without a limit, compilers call strlen, which a firmware may not have. */
+/* An empty one for NULL. At most 64 KiB: without a limit, compilers call strlen, which a firmware
+ * may not have. */
 static piece piece_of(const char *text) {
     uint32_t length = 0;
-    while (length < UINT16_MAX && text[length] != '\0') {
+    while (text != NULL && length < UINT16_MAX && text[length] != '\0') {
         length++;
     }
     return (piece){text, length};
@@ -288,7 +289,7 @@ roburoc4_result roburoc4_client_channel_find(const roburoc4_client *client, uint
         if (own == NULL || own[0] == '\0') {
             own = roburoc4_client_channel_name(client, io_type, index);
         }
-        if (own != NULL && same_words(piece_of(name), piece_of(own))) {
+        if (same_words(piece_of(name), piece_of(own))) {
             if (found >= 0) {
                 return ROBUROC4_ERR_VALUE;
             }
