@@ -30,7 +30,8 @@ struct alignment {
 #define FIELD(type, field, pointer, at)                                                            \
     SAME(IS(((type *)0)->field, pointer), #type "." #field " has another type");                   \
     SAME(offsetof(type, field) == (at), #type "." #field " is at another place");
-#define CONSTANT(name, value) SAME((name) == (value), #name " has another value");
+#define CONSTANT(name, value)                                                                      \
+    SAME((uint32_t)(name) == (uint32_t)(value), #name " has another value");
 #define AT_LEAST(name, value) SAME((name) >= (value), #name " is less than it was");
 
 #include "released.inc"

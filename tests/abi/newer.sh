@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 #
-# newer.sh CC ROOT SHARED NEWER: make libraries in NEWER in which everything was changed that
+# newer.sh CC ROOT SHARED NEWER: make libraries in NEWER in which each kind of change was made that
 # docs/ABI.md allows, and run a program with them that was compiled for those in SHARED.
 #
 # awk's programs contain dollar signs:
@@ -17,12 +17,15 @@ mkdir -p "$newer/lib" "$newer/recordings"
 cp -R "$root/include" "$root/src" "$root/sim" "$newer/"
 cp "$root/tests/abi/newer.c" "$newer/src/"
 
+fail() {
+    echo "$1"
+    exit 1
+}
+
 # change FILE PROGRAM: by awk; it has to find what it changes, as often as it counts `left` down.
 change() {
-    awk "$2"' { print } END { exit left != 0 }' "$newer/$1" >"$newer/changed" || {
-        echo "newer.sh no longer finds what it changes in $1: correct the pattern"
-        exit 1
-    }
+    awk "$2"' { print } END { exit left != 0 }' "$newer/$1" >"$newer/changed" ||
+        fail "newer.sh no longer finds what it changes in $1: correct the pattern"
     mv "$newer/changed" "$newer/$1"
 }
 
@@ -42,11 +45,33 @@ for header in roburoc4 roburoc4_move roburoc4_record roburoc4_sim; do
         /^}/ && sized { print "    uint32_t new_field;"; sized = 0; left-- }'
     structs=$((structs + count))
 done
-[ "$structs" -eq "$(grep -c ^GROWS "$root/tests/abi/released.inc")" ]
+released=$(grep -c ^GROWS "$root/tests/abi/released.inc")
+[ "$structs" -eq "$released" ] ||
+    fail "$structs structs begin with their size, and $released were released: name all headers above"
+# What a program passes may end before the new field; the library has to see the default.
+inputs=0
+for file in src/config.c src/move.c src/record.c sim/config.c sim/network.c; do
+    count=$(grep -c 'memcpy(.*->size);' "$newer/$file" || true)
+    change "$file" "BEGIN { left = $count }"'
+        /^#include/ && !included { print "#include <assert.h>"; included = 1 }
+        /memcpy\(.*->size\);/ {
+            split($0, part, /memcpy\(|, /)
+            field = sub(/^&/, "", part[2]) ? ".new_field" : "->new_field"
+            $0 = $0 "\nassert(" part[2] field " == 0 && \"read beyond an older struct\");"; left--
+        }'
+    inputs=$((inputs + count))
+done
+[ "$inputs" -ge 5 ] || fail "only $inputs structs are copied by their size: correct the pattern"
 # A client and a move hold such structs: they take the space from their reserves, in another order.
 change include/roburoc4.h 'BEGIN { left = 3 }
     /^    uint32_t private_counters\[/ { left--; next }
-    /^    uint32_t private_reserved\[2\];/ { left--; next }
+    /^    uint32_t private_reserved\[[0-9]+\];/ {
+        split($0, part, /[][]/)
+        left--
+        if (part[2] == 2)
+            next
+        $0 = "    uint32_t private_reserved[" part[2] - 2 "];"
+    }
     /^    roburoc4_config private_config;/ {
         $0 = $0 "\n    uint32_t private_counters[ROBUROC4_COUNTERS];"; left--
     }'
@@ -56,6 +81,16 @@ change include/roburoc4_move.h 'BEGIN { left = 3 }
     /^    uint32_t private_spare\[8\];/ {
         $0 = "    uint32_t private_spare[7], private_timeout_ms;\n    roburoc4_move_options private_options;"
         left--
+    }'
+# A state of the socket, and a counter of it.
+change include/roburoc4_udp.h 'BEGIN { left = 2 }
+    /^#define ROBUROC4_UDP_COUNTERS / { print "#define ROBUROC4_UDP_COUNT_NEW " $3; $3++; left-- }
+    /^    uint8_t private_connected, private_broken, private_reserved\[2\];/ {
+        $0 = "    uint8_t private_new, private_reserved, private_broken, private_connected;"; left--
+    }'
+change src/udp.c 'BEGIN { left = 1 }
+    /^    udp->counters\[counter\]\+\+;/ {
+        print "    udp->private_new = 1;\n    udp->counters[ROBUROC4_UDP_COUNT_NEW]++;"; left--
     }'
 # What checks offsets inside of a client does so for one version of the library.
 change src/client.c 'BEGIN { left = 1 }
@@ -78,7 +113,10 @@ library() {
     ln -s "lib$name.so.$abi" "lib/lib$name.so"
 }
 cd "$newer"
-flags='-Droburoc4_client_arm=inner_client_arm -Droburoc4_client_take_events=inner_client_take_events'
+flags=
+for function in arm state take_events; do
+    flags="$flags -Droburoc4_client_$function=inner_client_$function"
+done
 uses='inner.o'
 "$cc" -std=c99 -O1 -fPIC "-DROBUROC4_API=$public" -Iinclude -c src/newer.c -o inner.o
 # shellcheck disable=SC2046
@@ -95,11 +133,12 @@ library roburoc4_sim $(cat "$root/cmake/sim_sources.txt")
 LD_LIBRARY_PATH=$shared ./program recordings >same
 LD_LIBRARY_PATH=$newer/lib ./program recordings >other
 cat same other
-if cmp -s same other; then
-    echo "that was the same library"
-    exit 1
-fi
+! cmp -s same other || fail "that was the same library"
 # Only the core is newer.
 mkdir mixed
 cp "lib/libroburoc4.so.$abi" mixed/
 LD_LIBRARY_PATH=$newer/mixed:$shared ./program recordings
+# A newer program uses what is new.
+"$cc" -std=c99 -DNEWER -Wall -Wextra -Werror -Iinclude "$root/tests/abi/program.c" -o newer_program \
+    -Llib -lroburoc4_sim -lroburoc4_udp -lroburoc4
+LD_LIBRARY_PATH=$newer/lib ./newer_program recordings

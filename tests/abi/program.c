@@ -74,23 +74,22 @@ static void connect_to_robot(void) {
     all.config.value.lease_ms = 300;
     world = roburoc4_world_create(&all.sim_config.value);
     check(world != NULL, "no world");
-    (void)ROBUROC4_SIZED(&all.sim_faults.value);
+    memset(&all.sim_faults.value, 0, sizeof all.sim_faults.value);
     all.sim_faults.value.delay_us = 1000;
-    all.sim_faults.value.jitter_us = 0;
-    all.sim_faults.value.reserved = 0;
-    all.sim_faults.value.loss = 0.0;
-    all.sim_faults.value.duplicate = 0.0;
-    all.sim_faults.value.reorder = 0.0;
-    all.sim_faults.value.corrupt = 0.0;
-    check(roburoc4_world_set_faults(world, &all.sim_faults.value) == 0, "faults");
+    check(roburoc4_world_set_faults(world, ROBUROC4_SIZED(&all.sim_faults.value)) == 0, "faults");
     check(roburoc4_client_size() == sizeof all.client.value, "a client has another size");
     check(roburoc4_client_init(&all.client.value, sizeof all.client.value, &all.config.value) == 0,
           "no client");
     check(roburoc4_world_join(world, &all.client.value) > 0, "not joined");
 }
 
-/* A result that this program does not know is an error like others: it tries again. */
+/* A result that this program does not know is an error like others: it tries again; and a state is
+ * not the one it waits for. */
 static void arm(void) {
+    for (int tries = 0;
+         tries < 500 && roburoc4_client_state(&all.client.value) != ROBUROC4_STATE_READY; tries++) {
+        pass(10000);
+    }
     roburoc4_result result = ROBUROC4_ERR_NOT_READY;
     for (int tries = 0; result < 0 && tries < 500; tries++) {
         pass(10000);
@@ -157,9 +156,26 @@ static void record(const char *folder) {
     check(roburoc4_udp_resolve("127.0.0.1", 9, &address) == 0, "address");
     check(roburoc4_udp_open(&all.udp.value, sizeof all.udp.value, &address) == 0, "socket");
     check(roburoc4_udp_record(&all.udp.value, recorder) == 0, "record");
+    check(roburoc4_client_init(&all.client.value, sizeof all.client.value, NULL) == 0, "a client");
+    check(roburoc4_client_start(&all.client.value, roburoc4_udp_now_us()) == 0, "start");
+    check(roburoc4_udp_transmit_all(&all.udp.value, &all.client.value) == 1, "send a request");
+    check(all.udp.value.counters[ROBUROC4_UDP_COUNT_SENT] == 1 &&
+              all.udp.value.counters[ROBUROC4_UDP_COUNT_RECEIVED] == 0 &&
+              all.udp.value.address.port == address.port,
+          "the socket's fields are others");
     check(roburoc4_udp_close(&all.udp.value) == 0, "close");
     check(roburoc4_recorder_close(recorder, NULL) == 0, "close the recorder");
 }
+
+#ifdef NEWER
+static void use_what_is_new(void) {
+    check(all.config.value.new_field == 0, "a new field has another default");
+    check(roburoc4_client_new(&all.client.value) == 0, "a new function");
+    check(all.udp.value.counters[ROBUROC4_UDP_COUNT_NEW] == 1, "a new counter");
+}
+#else
+static void use_what_is_new(void) {}
+#endif
 
 int main(int argc, char **argv) {
     check(argc == 2, "usage: program FOLDER");
@@ -171,6 +187,7 @@ int main(int argc, char **argv) {
     check(robot_x_m() > 1.0, "the robot did not drive");
     move();
     record(argv[1]);
+    use_what_is_new();
     roburoc4_world_destroy(world);
     CHECK_BEHIND(client);
     CHECK_BEHIND(udp);

@@ -12,7 +12,8 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 HEADERS = ("codec", "", "move", "udp", "record", "pump", "sim")
 LIVING = ("VERSION", "PROTOCOL_REVISION")  # a later library may have other ones
-COUNTS = ("ROBUROC4_COUNTERS", "ROBUROC4_ROLE_COUNT")  # or more
+COUNTS = ("ROBUROC4_COUNTERS", "ROBUROC4_UDP_COUNTERS")  # or more
+FREE = ("private_", "reserved")  # fields that are not public, or will get another name and type
 INCLUDES = "".join(f'#include "roburoc4{"_" * bool(h)}{h}.h"\n' for h in HEADERS)
 TARGETS = ("x86_64-linux-gnu", "armv7-linux-gnueabihf", "i386-linux-gnu")
 CLANG = ["clang", "-x", "c", "-ffreestanding", "-DROBUROC4_API=API", "-DROBUROC4_SIM_API=API"]
@@ -54,7 +55,7 @@ def fields(body: str) -> list[tuple[str, str]]:
         ).groups()
         for text in (declarator, *others):
             stars, name, dimensions = re.fullmatch(r"\s*(\**)\s*(\w+)((?:\[\d+\])*)", text).groups()
-            if not name.startswith("private_"):
+            if not name.startswith(FREE):
                 pointer = f"(*){dimensions}" if dimensions else "*"
                 found.append((name, f"{' '.join(base.split())} {stars}{pointer}"))
     return found
