@@ -105,6 +105,7 @@ class Proxy:
         self.port: int = self._listening.getsockname()[1]
         self.flows = threading.Event()
         self.flows.set()
+        self.connections = 0
         self._dead: list[threading.Event] = []
         self._to = 0
         self._ended = False
@@ -134,6 +135,7 @@ class Proxy:
                 far = socket.create_connection(("127.0.0.1", self._to))
                 self._start(self._carry, near, far, self.flows)
                 self._start(self._carry, far, near, self.flows)
+                self.connections += 1
 
     def _carry(self, source: socket.socket, sink: socket.socket, flows: threading.Event) -> None:
         try:

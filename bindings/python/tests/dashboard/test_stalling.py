@@ -96,6 +96,20 @@ def test_stop_does_not_wait_for_a_dead_connection(
         assert not behind.robot.facts.armed
 
 
+def test_stop_does_not_wait_for_a_connection_that_does_not_open(
+    behind: Station, proxy: Proxy, visit: Callable[..., Page]
+) -> None:
+    page = visit(f"http://127.0.0.1:{proxy.port}/")
+    ready(page)
+    proxy.flows.clear()
+    expect(page.locator("#banner-title")).to_have_text("NO CONNECTION TO THE DASHBOARD")
+    before = proxy.connections
+    page.locator("#stop").click()
+    until(lambda: proxy.connections > before)
+    proxy.kill()
+    until(lambda: "STOP was pressed" in behind.hub.control.why)
+
+
 def test_one_tick_renews_one_lease_however_often_it_is_answered(station: Make) -> None:
     here = station()
     with Visitor(here) as driver:

@@ -3,6 +3,7 @@
 // go along. A page that is hidden or frozen draws nothing, so it answers nothing.
 
 const RETRY_MS = 1000;
+const CONNECT_MS = 3000; // a browser alone may wait half a minute after an outage
 const SILENCE_MS = 1000;
 const SAYS_WHY = [1008, 1013]; // refused what the page sent; too many pages
 const REFUSED = 403;
@@ -20,7 +21,10 @@ export class Link {
     this.why = "";
     this.robot = decodeURIComponent(location.hash.slice(1));
     this.connect();
-    setInterval(() => this.look(), 200);
+    setInterval(() => {
+      this.look();
+      if (this.connecting && performance.now() - this.begun > CONNECT_MS) this.reconnect();
+    }, 200);
     addEventListener("pagehide", () => this.socket?.close());
     addEventListener("pageshow", (event) => event.persisted && this.connect());
   }
@@ -29,6 +33,7 @@ export class Link {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
     const socket = new WebSocket(`${scheme}://${location.host}/socket?robot=${encodeURIComponent(this.robot)}`);
     this.socket = socket;
+    this.begun = performance.now();
     socket.addEventListener("message", (event) => socket === this.socket && this.hear(event.data));
     socket.addEventListener("close", (closed) => {
       if (socket !== this.socket) return;
@@ -57,6 +62,10 @@ export class Link {
 
   get open() {
     return this.socket?.readyState === WebSocket.OPEN;
+  }
+
+  get connecting() {
+    return this.socket?.readyState === WebSocket.CONNECTING;
   }
 
   /** A refused WebSocket gives a page no reason; a refused request does. */
