@@ -23,6 +23,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 COMPILE = ["gcc", "-std=c99", "-O2", "-fPIC", "-w", f"-I{ROOT}/include", "-c"]
 TEST_S = 120
+MEMORY_BYTES = 2 << 30
 
 
 def changes(file: Path, mutate: str) -> list[str]:
@@ -60,7 +61,8 @@ def pass_with(objects: dict[str, bytes], program: Path, folder: Path) -> bool:
         files[-1].write_bytes(code)
     library = folder / "core.so"
     subprocess.run(["gcc", "-shared", "-o", library, *files], check=True)
-    command = [program, "--gtest_brief=1", "--gtest_fail_fast"]
+    limit = ["prlimit", f"--as={MEMORY_BYTES}"]
+    command = [*limit, program, "--gtest_brief=1", "--gtest_fail_fast"]
     preload = dict(os.environ, LD_PRELOAD=str(library))
     try:
         done = subprocess.run(
