@@ -20,7 +20,7 @@ class Roburoc4(ConanFile):
 
     def export_sources(self):
         archives = str(Path(self.recipe_folder).parents[1])
-        copy(self, f"roburoc4-{self.version}.tar.gz", archives, self.export_sources_folder)
+        copy(self, f"roburoc4-source-{self.version}.tar.gz", archives, self.export_sources_folder)
 
     def configure(self):
         self.settings.rm_safe("compiler.cppstd")
@@ -30,7 +30,7 @@ class Roburoc4(ConanFile):
         cmake_layout(self)
 
     def source(self):
-        archive = f"roburoc4-{self.version}.tar.gz"
+        archive = f"roburoc4-source-{self.version}.tar.gz"
         unzip(self, str(Path(self.export_sources_folder) / archive), strip_root=True)
 
     def generate(self):

@@ -2,12 +2,12 @@
 #
 # Until the archive has an address, it lies beside this file. Homebrew installs from a tap alone:
 #   brew tap-new local/roburoc4
-#   cp roburoc4.rb roburoc4-@VERSION@.tar.gz "$(brew --repository local/roburoc4)/Formula/"
+#   cp roburoc4.rb roburoc4-source-@VERSION@.tar.gz "$(brew --repository local/roburoc4)/Formula/"
 #   brew install local/roburoc4/roburoc4
 class Roburoc4 < Formula
   desc "Client library and simulator for the RobuROC4 mobile robot"
   homepage "https://example.org"
-  url "file://#{__dir__}/roburoc4-@VERSION@.tar.gz"
+  url "file://#{__dir__}/roburoc4-source-@VERSION@.tar.gz"
   sha256 "@SHA256@"
   license "MIT"
 

@@ -1,6 +1,6 @@
 # The archive of this release, beside the recipes, until it has an address:
 # vcpkg install roburoc4 --overlay-ports=build/release/recipes/vcpkg/ports
-set(archive "${CURRENT_PORT_DIR}/../../../../roburoc4-${VERSION}.tar.gz")
+set(archive "${CURRENT_PORT_DIR}/../../../../roburoc4-source-${VERSION}.tar.gz")
 file(SHA512 "${archive}" sum)
 if(NOT sum STREQUAL "@SHA512@")
     message(FATAL_ERROR "${archive} is not the archive that this port was made for")
