@@ -74,15 +74,14 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 /* --------------------------------------------------------------------------------- client --- */
 
 /** Capacities of the client: about twice what a RobuROC4 has (7 services, 9 analog and 22 digital
- *  inputs, 8 digital outputs, 2 telemeters), and enough for every published robot of its family.
- *  What a robot has beyond them is reported (ROBUROC4_EVENT_CAPACITY) and not stored; the codec
- *  reads all of it. */
+ *  inputs, 8 digital outputs, 2 telemeters), or more. What a robot has beyond them is reported
+ *  (ROBUROC4_EVENT_CAPACITY) and not stored; the codec reads all of it. */
 #define ROBUROC4_MAX_SERVICES 16
 #define ROBUROC4_MAX_ANALOG_INPUTS 16
 #define ROBUROC4_MAX_ANALOG_OUTPUTS 4
 #define ROBUROC4_MAX_DIGITAL_INPUTS 64
 #define ROBUROC4_MAX_DIGITAL_OUTPUTS 64
-#define ROBUROC4_MAX_TELEMETERS 8
+#define ROBUROC4_MAX_TELEMETERS 6
 /** The longest datagram that a client sends. */
 #define ROBUROC4_MAX_TRANSMIT 36
 
@@ -181,7 +180,7 @@ typedef struct roburoc4_config {
 
 /** Set all defaults; `size` is sizeof(roburoc4_config). A program that was compiled with an older
  *  header has fewer fields, and the library gives the others their defaults. ROBUROC4_ERR_SIZE
- *  (nothing written) for a size that no version has had. */
+ *  (nothing written) for a size that the library does not know. */
 ROBUROC4_API roburoc4_result roburoc4_config_init(roburoc4_config *config, size_t size);
 /** NULL if all values are in range, else the first bad value's name and range, for example
  *  "lease_ms: 20 to 1000". Lives as long as the program. */
@@ -306,7 +305,7 @@ typedef struct roburoc4_facts {
     uint32_t lease_left_us;    /* 0 when not driving */
     float sent_linear_m_s, sent_angular_rad_s; /* the last speeds sent; 0 after a stop */
 } roburoc4_facts;
-/** ROBUROC4_ERR_SIZE for a size that no version has had. */
+/** ROBUROC4_ERR_SIZE for a size that the library does not know. */
 ROBUROC4_API roburoc4_result roburoc4_client_facts(const roburoc4_client *client, uint64_t now_us,
                                                    roburoc4_facts *out);
 
@@ -442,7 +441,7 @@ typedef struct roburoc4_link {
     float loss;              /* share of recent statuses that did not arrive, 0 to 1 */
     uint32_t reserved;
 } roburoc4_link;
-/** ROBUROC4_ERR_SIZE for a size that no version has had. */
+/** ROBUROC4_ERR_SIZE for a size that the library does not know. */
 ROBUROC4_API roburoc4_result roburoc4_client_link(const roburoc4_client *client, uint64_t now_us,
                                                   roburoc4_link *out);
 /** Statistics of one service's statuses. */
@@ -572,7 +571,7 @@ struct roburoc4_client {
     roburoc4_private_outputs private_outputs;
     roburoc4_private_link private_link;
     roburoc4_private_values private_values;
-    uint32_t private_reserved[2];
+    uint32_t private_reserved[16];
 };
 
 #ifdef __cplusplus

@@ -91,7 +91,7 @@ typedef struct roburoc4_move_options {
 } roburoc4_move_options;
 
 /** Set all defaults; `size` is sizeof(roburoc4_move_options). ROBUROC4_ERR_SIZE, with nothing
- *  written, for a size that no version has had. */
+ *  written, for a size that the library does not know. */
 ROBUROC4_API roburoc4_result roburoc4_move_options_init(roburoc4_move_options *options,
                                                         size_t size);
 
@@ -170,7 +170,7 @@ typedef struct roburoc4_move_view {
 } roburoc4_move_view;
 
 /** roburoc4_move_step() with your own view. When the move ends, your program must stop the robot;
- *  for a move to rest, stop it before. A view of a size that no version has had ends the move as
+ *  for a move to rest, stop it before. A view of a size that the library does not know ends the move as
  *  ROBUROC4_MOVE_CANCELLED, with ROBUROC4_ERR_SIZE as its cause. Returns move->result. */
 ROBUROC4_API int32_t roburoc4_move_step_view(roburoc4_move *move, const roburoc4_move_view *view,
                                              uint64_t now_us);

@@ -102,7 +102,7 @@ typedef struct roburoc4_sim_config {
 } roburoc4_sim_config;
 
 /** Fill with the defaults; `size` is sizeof(roburoc4_sim_config). ROBUROC4_ERR_SIZE (nothing
- *  written) for a size that no version has had. */
+ *  written) for a size that the library does not know. */
 ROBUROC4_SIM_API roburoc4_result roburoc4_sim_config_init(roburoc4_sim_config *config, size_t size);
 /** What is wrong with a configuration and how to correct it, as one English sentence; NULL if
  * nothing is. Lives as long as the program. */
@@ -255,7 +255,7 @@ typedef struct roburoc4_sim_state {
     uint32_t reserved;
 } roburoc4_sim_state;
 
-/** Read the state. ROBUROC4_ERR_SIZE for a size that no version has had. */
+/** Read the state. ROBUROC4_ERR_SIZE for a size that the library does not know. */
 ROBUROC4_SIM_API roburoc4_result roburoc4_sim_get_state(const roburoc4_sim *sim,
                                                         roburoc4_sim_state *out);
 /** Carry out one line of text, such as `pad a down`, `pad rt 0.5`, `estop local press`, `power

@@ -13,7 +13,7 @@ LAYOUT(service, sizeof(roburoc4_private_service) == 64);
 LAYOUT(link, sizeof(roburoc4_private_link) == 400);
 LAYOUT(drive, sizeof(roburoc4_private_drive) == 112);
 LAYOUT(discovery, sizeof(roburoc4_private_discovery) == 224);
-LAYOUT(values, sizeof(roburoc4_private_values) == 512);
+LAYOUT(values, sizeof(roburoc4_private_values) == 456);
 LAYOUT(outputs, sizeof(roburoc4_private_outputs) == 72);
 LAYOUT(config, sizeof(roburoc4_config) == 76);
 LAYOUT(client, sizeof(roburoc4_client) == 1600);

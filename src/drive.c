@@ -349,7 +349,7 @@ static bool has_target(const drive *d, uint32_t axis, float target, float curren
 
 /** The robot must not start moving because power returns or a bumper is released. */
 static void watch_inhibited(drive *d, bool still, uint64_t now_us, uint32_t *events) {
-    if (still && !d->still) {
+    if (!d->still) {
         d->still_us = now_us;
     }
     d->still = still;
@@ -395,4 +395,5 @@ void roburoc4_drive_rebase(drive *d, uint64_t now_us) {
     d->sent_us = now_us - SECOND;
     d->stop_us = now_us;
     d->still_us = now_us;
+    d->envelope_us = now_us;
 }

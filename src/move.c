@@ -111,6 +111,9 @@ static float angle_of(float x, float y) {
 static const roburoc4_move_options move_defaults = {
     sizeof(roburoc4_move_options), 0, 0.3F, 0.5F, 0.5F, 1.0F, 0.5F};
 
+/* Nothing shorter has ever been a view. */
+#define VIEW_SIZE_1_0 (offsetof(roburoc4_move_view, reserved) + 6)
+
 static bool move_size_valid(size_t size, size_t newest) {
     return size >= 2 * sizeof(uint32_t) && size <= newest && size % 4 == 0;
 }
@@ -611,18 +614,7 @@ static void count_sent(roburoc4_move *m, const roburoc4_move_view *v, uint64_t n
     m->private_to_ask[ANGLE] -= v->sent_angular_rad_s * passed_s;
 }
 
-int32_t roburoc4_move_step_view(roburoc4_move *move, const roburoc4_move_view *view,
-                                uint64_t now_us) {
-    if (move->result != ROBUROC4_MOVE_RUNNING) {
-        return move->result;
-    }
-    if (!move_size_valid(view->size, sizeof *view)) {
-        move->linear_m_s = 0;
-        move->angular_rad_s = 0;
-        move->cause = ROBUROC4_ERR_SIZE;
-        move->result = ROBUROC4_MOVE_CANCELLED;
-        return move->result;
-    }
+static int32_t step(roburoc4_move *move, const roburoc4_move_view *view, uint64_t now_us) {
     int32_t result = move->private_ready ? ROBUROC4_MOVE_RUNNING : plan(move, view, now_us);
     if (result == ROBUROC4_MOVE_RUNNING) {
         count_sent(move, view, now_us);
@@ -648,6 +640,24 @@ int32_t roburoc4_move_step_view(roburoc4_move *move, const roburoc4_move_view *v
     return result;
 }
 
+int32_t roburoc4_move_step_view(roburoc4_move *move, const roburoc4_move_view *view,
+                                uint64_t now_us) {
+    roburoc4_move_view known; /* the view of an older program lacks the last fields */
+    if (move->result != ROBUROC4_MOVE_RUNNING) {
+        return move->result;
+    }
+    if (view->size < VIEW_SIZE_1_0 || !move_size_valid(view->size, sizeof known)) {
+        move->linear_m_s = 0;
+        move->angular_rad_s = 0;
+        move->cause = ROBUROC4_ERR_SIZE;
+        move->result = ROBUROC4_MOVE_CANCELLED;
+        return move->result;
+    }
+    memset(&known, 0, sizeof known);
+    memcpy(&known, view, view->size);
+    return step(move, &known, now_us);
+}
+
 int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_t now_us) {
     roburoc4_move_view view;
     if (move->result != ROBUROC4_MOVE_RUNNING) {
@@ -659,7 +669,7 @@ int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_
     view_client(&view, client, now_us);
     /* A client that disarmed itself has begun its stop sequence, and one that never drove commands
      * nothing. */
-    if (roburoc4_move_step_view(move, &view, now_us) != ROBUROC4_MOVE_RUNNING && view.armed) {
+    if (step(move, &view, now_us) != ROBUROC4_MOVE_RUNNING && view.armed) {
         (void)roburoc4_client_stop(client, now_us);
     }
     return move->result;

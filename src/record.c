@@ -537,7 +537,8 @@ static int take_options(roburoc4_recorder_options *out, const roburoc4_recorder_
     if (options == NULL) {
         return 1;
     }
-    if (options->size < 8 || options->size > sizeof *out || options->size % 4 != 0) {
+    if (options->size < offsetof(roburoc4_recorder_options, robot) + sizeof options->robot ||
+        options->size > sizeof *out || options->size % 4 != 0) {
         return 0;
     }
     memcpy(out, options, options->size);

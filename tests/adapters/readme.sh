@@ -59,7 +59,7 @@ start() {
 # run it for that long, which proves nothing: then it is started again.
 starved() {
     tries=$((${tries:-0} + 1))
-    [ "$tries" -lt 10 ] && grep 'no recent .* status' errors
+    [ "$tries" -lt 10 ] && grep -E 'no (recent|fresh) .*status|not connected' errors
 }
 
 # drive STATUS PROGRAM: the program ends with this exit status.

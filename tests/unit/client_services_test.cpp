@@ -306,17 +306,17 @@ TEST(Capacity, TelemetersBeyondAreReportedOnceAndNotStored) {
     ScriptedRobot robot;
     robot.telemeters.resize(9, robot.telemeters[1]);
     robot.distances.assign(9, 4.5F);
-    robot.distances[7] = 0.5F;
+    robot.distances[ROBUROC4_MAX_TELEMETERS - 1] = 0.5F;
     Bench bench(robot);
     bench.start();
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, second));
     bench.run(200 * ms);
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_CAPACITY);
-    EXPECT_EQ(8U, telemeter_count(&bench.client));
+    EXPECT_EQ(ROBUROC4_MAX_TELEMETERS, telemeter_count(&bench.client));
     roburoc4_distances distances;
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_distances(&bench.client, &distances, nullptr));
-    EXPECT_EQ(8U, distances.count);
-    EXPECT_EQ(0.5F, distances.distances_m[7]);
+    EXPECT_EQ(ROBUROC4_MAX_TELEMETERS, distances.count);
+    EXPECT_EQ(0.5F, distances.distances_m[ROBUROC4_MAX_TELEMETERS - 1]);
     bench.run(20 * second); /* they are read again */
     EXPECT_FALSE(bench.take_events() & ROBUROC4_EVENT_CAPACITY) << "reported once";
     for (const std::uint32_t reserved : bench.client.private_reserved)
