@@ -53,6 +53,12 @@ def compile_core(folder: Path, sources: list[Path]) -> dict[str, bytes] | None:
     return objects
 
 
+def exported(code: bytes) -> str:
+    """The names that an object defines."""
+    command = ["nm", "-gj", "--defined-only", "/dev/stdin"]
+    return subprocess.run(command, input=code, capture_output=True, check=True).stdout.decode()
+
+
 def pass_with(objects: dict[str, bytes], program: Path, folder: Path) -> bool:
     """Whether the tests pass with a core made of these objects."""
     files = []
@@ -86,6 +92,8 @@ def verdict(
             return "invalid"
         if all(sound[source] == code for source, code in changed.items()):
             return "same"
+        if any(exported(sound[source]) != exported(code) for source, code in changed.items()):
+            return "invalid"  # with a renamed function, the program's own would run
         return "missed" if pass_with(sound | changed, program, folder) else "noticed"
 
 
