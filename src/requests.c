@@ -15,6 +15,7 @@
 #define FIXED_AFTER 3
 /* Texts wait this long after an error that does not name its request, as a copy may come late. */
 #define QUIET_US (700 * MS)
+#define LONGEST_QUIET_US (5 * SECOND)
 /* If answers do not name their request, a text is repeated only this much later. */
 #define PATIENCE 5
 /* A request is repeated after four of the shortest round trip, but not earlier than this. */
@@ -230,10 +231,16 @@ static bool only_manual_id(slot *s) {
     return (s->ones & 0x7F) >= FIXED_AFTER;
 }
 
-/** Texts (and in fixed-id mode all requests) wait until no answer to this one can still arrive. */
+/** Texts (and in fixed-id mode all requests) wait until no answer to this one can still arrive:
+ *  answers to its other tries may take as long as this one took. */
 static void be_quiet(requests *r, const slot *s, uint64_t now_us) {
-    const bool again = s != NULL && s->tries > 1;
-    const uint64_t until_us = now_us + (again ? at_most(s->wait_us, MAX_WAIT_US) : QUIET_US);
+    uint64_t wait_us = QUIET_US;
+    if (s != NULL && s->tries > 1) {
+        const uint64_t took_us = now_us - s->sent_us;
+        wait_us = at_most(s->wait_us, MAX_WAIT_US);
+        wait_us = took_us > wait_us && took_us < LONGEST_QUIET_US ? took_us : wait_us;
+    }
+    const uint64_t until_us = now_us + wait_us;
     r->quiet_us = r->quiet && r->quiet_us > until_us ? r->quiet_us : until_us;
     r->quiet = 1;
 }
