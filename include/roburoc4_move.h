@@ -170,8 +170,8 @@ typedef struct roburoc4_move_view {
 } roburoc4_move_view;
 
 /** roburoc4_move_step() with your own view. When the move ends, your program must stop the robot;
- *  for a move to rest, stop it before. A view of a size that the library does not know ends the move as
- *  ROBUROC4_MOVE_CANCELLED, with ROBUROC4_ERR_SIZE as its cause. Returns move->result. */
+ *  for a move to rest, stop it before. A view of a size that the library does not know ends the
+ *  move as ROBUROC4_MOVE_CANCELLED, with ROBUROC4_ERR_SIZE as its cause. Returns move->result. */
 ROBUROC4_API int32_t roburoc4_move_step_view(roburoc4_move *move, const roburoc4_move_view *view,
                                              uint64_t now_us);
 /** End a move that runs, and stop. */

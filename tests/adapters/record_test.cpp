@@ -206,8 +206,8 @@ TEST(Record, WhatCannotBeOpenedIsAnError) {
     wanted.buffer_bytes = 100;
     EXPECT_EQ(roburoc4_recorder_open((folder / "a").c_str(), &wanted, &result), nullptr);
     EXPECT_EQ(result, ROBUROC4_ERR_ARGUMENT);
-    for (const std::size_t size : {std::size_t{1}, std::size_t{8}, sizeof wanted - 4,
-                                    sizeof wanted + 4}) {
+    for (const std::size_t size :
+         {std::size_t{1}, std::size_t{8}, sizeof wanted - 4, sizeof wanted + 4}) {
         wanted.size = static_cast<uint32_t>(size);
         EXPECT_EQ(roburoc4_recorder_open((folder / "a").c_str(), &wanted, &result), nullptr);
         EXPECT_EQ(result, ROBUROC4_ERR_SIZE);

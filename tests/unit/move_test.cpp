@@ -441,9 +441,8 @@ TEST_F(Move, ACancelledMoveStopsTheRobot) {
 }
 
 TEST_F(Move, AViewOfAnUnknownSizeEndsIt) {
-    for (const std::size_t size :
-         {std::size_t{0}, std::size_t{8}, sizeof(roburoc4_move_view) - 4,
-          sizeof(roburoc4_move_view) + 4}) {
+    for (const std::size_t size : {std::size_t{0}, std::size_t{8}, sizeof(roburoc4_move_view) - 4,
+                                   sizeof(roburoc4_move_view) + 4}) {
         roburoc4_move_view view{};
         view.size = static_cast<std::uint32_t>(size);
         ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, nullptr));
