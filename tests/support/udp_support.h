@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <random>
 #include <stdexcept>
 #include <vector>
 
@@ -106,9 +107,17 @@ class Socket {
     const char *ip_;
 };
 
-/* A loopback port on which nobody listens. */
+/* A loopback port on which nobody listens; none that the system may give to another test meanwhile.
+ */
 inline uint16_t free_port() {
-    return Socket().port();
+    std::random_device random;
+    for (;;) {
+        try {
+            return Socket(static_cast<uint16_t>(12000 + random() % 20000)).port();
+        } catch (const std::runtime_error &) {
+            continue; /* taken */
+        }
+    }
 }
 
 /* Calls `step` until it returns true, or the time is over. */
