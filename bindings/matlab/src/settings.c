@@ -74,34 +74,46 @@ static const field of_faults[] = {
 /* ------------------------------------------------------------------------------- all of them ---
  */
 
-/* Whether at most so many letters changed, inserted or deleted make one name of the other. */
-static int is_near(const char *a, const char *b, int letters) {
-    while (*a != '\0' && *a == *b) {
-        a++;
-        b++;
+#define LONGEST_NAME 32
+
+/* How many letters to change, insert or delete between two names (Levenshtein). */
+static size_t letters_between(const char *a, const char *b) {
+    size_t row[LONGEST_NAME + 1], i, j;
+    const size_t width = strlen(b);
+    if (width > LONGEST_NAME) {
+        return LONGEST_NAME;
     }
-    if (letters == 0 || *a == *b) {
-        return *a == *b;
+    for (j = 0; j <= width; j++) {
+        row[j] = j;
     }
-    return (*a != '\0' && is_near(a + 1, b, letters - 1)) ||
-           (*b != '\0' && is_near(a, b + 1, letters - 1)) ||
-           (*a != '\0' && *b != '\0' && is_near(a + 1, b + 1, letters - 1));
+    for (i = 0; a[i] != '\0'; i++) {
+        size_t diagonal = row[0];
+        row[0] = i + 1;
+        for (j = 0; j < width; j++) {
+            const size_t above = row[j + 1];
+            const size_t least = above < row[j] ? above : row[j];
+            const size_t changed = diagonal + (a[i] != b[j]);
+            row[j + 1] = least + 1 < changed ? least + 1 : changed;
+            diagonal = above;
+        }
+    }
+    return row[width];
 }
 
 static int fail_unknown(const char *name, const field *settings, size_t count) {
-    char known[1536] = "", meant[64] = "";
-    size_t i, used = 0;
-    int letters = 2; /* that the nearest name may differ by */
+    char known[1536] = "", meant[LONGEST_NAME + 32] = "";
+    size_t i, used = 0, nearest = 3;
     for (i = 0; i < count; i++) {
+        const size_t distance = letters_between(settings[i].name, name);
         used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "",
                                  settings[i].name);
-        while (letters >= 0 && is_near(settings[i].name, name, letters)) {
-            letters--;
+        if (distance < nearest) {
+            nearest = distance;
             (void)snprintf(meant, sizeof meant, "; did you mean '%s'?", settings[i].name);
         }
     }
     return fail(FAIL_ARGUMENT, "there is no option '%s'%s There are %s", name,
-                letters < 2 ? meant : ".", known);
+                nearest < 3 ? meant : ".", known);
 }
 
 static int write_all(const mxArray *options, const field *settings, size_t count, void *base) {
