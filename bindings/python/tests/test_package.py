@@ -85,7 +85,8 @@ def test_every_public_thing_is_described() -> None:
 
 
 def test_roburoc4_sim_is_a_program() -> None:
-    assert run(program("roburoc4-sim"), "--version").stdout.startswith("roburoc4-sim 0.")
+    version = run(program("roburoc4-sim"), "--version").stdout
+    assert version == f"roburoc4-sim {roburoc4.__version__}\n"
     assert "Usage" in run(program("roburoc4-sim"), "--help").stdout
     wrong = run(program("roburoc4-sim"), "--coffee")
     assert wrong.returncode == 2
