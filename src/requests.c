@@ -15,6 +15,7 @@
 #define FIXED_AFTER 3
 /* Texts wait this long after an error that does not name its request, as a copy may come late. */
 #define QUIET_US (700 * MS)
+/* After several tries they wait as long as the answer took, up to this. */
 #define LONGEST_QUIET_US (5 * SECOND)
 /* If answers do not name their request, a text is repeated only this much later. */
 #define PATIENCE 5
@@ -234,11 +235,13 @@ static bool only_manual_id(slot *s) {
 /** Texts (and in fixed-id mode all requests) wait until no answer to this one can still arrive:
  *  answers to its other tries may take as long as this one took. */
 static void be_quiet(requests *r, const slot *s, uint64_t now_us) {
-    uint64_t wait_us = QUIET_US;
+    uint32_t wait_us = QUIET_US;
     if (s != NULL && s->tries > 1) {
         const uint64_t took_us = now_us - s->sent_us;
         wait_us = at_most(s->wait_us, MAX_WAIT_US);
-        wait_us = took_us > wait_us && took_us < LONGEST_QUIET_US ? took_us : wait_us;
+        if (took_us > wait_us) {
+            wait_us = took_us < LONGEST_QUIET_US ? (uint32_t)took_us : LONGEST_QUIET_US;
+        }
     }
     const uint64_t until_us = now_us + wait_us;
     r->quiet_us = r->quiet && r->quiet_us > until_us ? r->quiet_us : until_us;
