@@ -2,6 +2,7 @@
 """Conan 2: `conan create build/release/recipes/conan`; it takes the sources of build/release."""
 
 from pathlib import Path
+from typing import ClassVar
 
 from conan import ConanFile
 from conan.tools.cmake import CMake, CMakeToolchain, cmake_layout
@@ -15,8 +16,8 @@ class Roburoc4(ConanFile):
     license = "MIT"
     package_type = "library"
     settings = "os", "arch", "compiler", "build_type"
-    options = {"shared": [True, False]}
-    default_options = {"shared": False}
+    options: ClassVar = {"shared": [True, False]}
+    default_options: ClassVar = {"shared": False}
 
     def export_sources(self):
         archives = str(Path(self.recipe_folder).parents[1])
