@@ -26,16 +26,18 @@ static int read_layout(PyObject *tuple, int out[NUMBERS]) {
 
 static PyObject *iocard_status(const Py_buffer *data, const int layout[NUMBERS]) {
     roburoc4_channels s;
+    PyObject *values;
     roburoc4_result result =
         roburoc4_decode_iocard_status(data->buf, (size_t)data->len, (uint32_t)layout[ANALOG_INPUTS],
                                       (uint32_t)layout[DIGITAL_INPUTS], &s);
     if (result < 0) {
         return raise_result(result);
     }
-    return record_new(RECORD_IOCARD_STATUS,
-                      Py_BuildValue("(KNNid)", (unsigned long long)s.robot_cycles,
-                                    tuple_of_view(s.analog, s.analog_count),
-                                    tuple_of_bits(s.digital, s.digital_count), 0, 0.0));
+    values = put_item(PyTuple_New(5), 0, PyLong_FromUnsignedLongLong(s.robot_cycles));
+    values = put_item(values, 1, tuple_of_view(s.analog, s.analog_count));
+    values = put_item(values, 2, tuple_of_bits(s.digital, s.digital_count));
+    values = put_item(values, 3, PyLong_FromLong(0));
+    return record_new(RECORD_IOCARD_STATUS, put_item(values, 4, PyFloat_FromDouble(0.0)));
 }
 
 static PyObject *telemeter_status(const Py_buffer *data) {

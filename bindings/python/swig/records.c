@@ -7,6 +7,8 @@
  */
 #include "native.h"
 
+#include "bytes.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -236,8 +238,7 @@ PyObject *tuple_of_floats(const float *values, uint32_t count) {
 PyObject *tuple_of_view(const uint8_t *view, uint32_t count) {
     PyObject *tuple = PyTuple_New(count);
     for (uint32_t i = 0; tuple != NULL && i < count; i++) {
-        float value;
-        (void)roburoc4_floats(view + i * sizeof value, 1, &value, 1);
+        const float value = f32_from_bits(load_u32(view + i * sizeof value));
         tuple = put_item(tuple, i, PyFloat_FromDouble(shortest(value)));
     }
     return tuple;
@@ -246,7 +247,7 @@ PyObject *tuple_of_view(const uint8_t *view, uint32_t count) {
 PyObject *tuple_of_bits(const uint8_t *blocks, uint32_t count) {
     PyObject *tuple = PyTuple_New(count);
     for (uint32_t i = 0; tuple != NULL && i < count; i++) {
-        tuple = put_item(tuple, i, PyBool_FromLong(blocks[i / 8] >> i % 8 & 1));
+        tuple = put_item(tuple, i, Py_NewRef(blocks[i / 8] >> i % 8 & 1 ? Py_True : Py_False));
     }
     return tuple;
 }

@@ -196,7 +196,9 @@ def decode_batch(
     if not 0 <= telemeters <= 0xFFFF:
         raise ArgumentError(f"telemeters: {telemeters} is out of range", Result.ARGUMENT)
     columns = [("robot_cycles", "<u8"), *_columns(which, layout, telemeters)]
-    wire = np.dtype([("header", "u1"), ("service", "<u2"), *columns])
+    row = np.dtype(columns).itemsize
+    # A row in one piece is copied several times faster than field by field.
+    wire = np.dtype([("header", "u1"), ("service", "<u2"), ("row", f"V{row}")])
     size = wire.itemsize
     if isinstance(data, bytes | bytearray | memoryview):
         total = memoryview(data).nbytes
@@ -207,19 +209,16 @@ def decode_batch(
                 Result.SHORT,
             )
     else:
-        data = b"".join(one if len(one) == size else _cut(one, size, which) for one in data)
+        if [*map(len, data)].count(size) != len(data):
+            data = [one if len(one) == size else _cut(one, size, which) for one in data]
+        data = b"".join(data)
     found = np.frombuffer(data, dtype=wire)
     good = (found["header"] == _STATUS) & (found["service"] == layout[which - Service.IOCARD])
-    found = found[good]
+    rows = found["row"][good]
     if which is Service.IOCARD:
+        octets = rows.view(np.uint8).reshape(len(rows), row)
+        rest, bits = np.hsplit(octets, [8 + 4 * layout.analog_inputs])
+        bits = np.unpackbits(bits, axis=1, count=layout.digital_inputs, bitorder="little")
+        rows = np.hstack([rest, bits])
         columns[-1] = ("digital_inputs", "?", (layout.digital_inputs,))
-    values = np.empty(len(found), dtype=columns)
-    for name in values.dtype.names or ():
-        values[name] = (
-            np.unpackbits(
-                found[name], axis=1, count=layout.digital_inputs, bitorder="little"
-            ).astype(bool)
-            if name == "digital_inputs"
-            else found[name]
-        )
-    return Batch(values, np.flatnonzero(~good))
+    return Batch(rows.view(columns).reshape(-1), np.flatnonzero(~good))
