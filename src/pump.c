@@ -321,7 +321,7 @@ static uint32_t longest_stop_sequence_us(const roburoc4_config *config) {
 
 /* Sets up socket, client and thread: all or none. Without an address only the client. */
 static roburoc4_result begin(roburoc4_pump *pump, const roburoc4_address *address,
-                             const roburoc4_config *config) {
+                             const roburoc4_config *config, roburoc4_recorder *recorder) {
     roburoc4_config defaults;
     roburoc4_result result = roburoc4_client_init(&pump->client, sizeof pump->client, config);
     if (result < 0) {
@@ -338,6 +338,7 @@ static roburoc4_result begin(roburoc4_pump *pump, const roburoc4_address *addres
         return result;
     }
     if (make_meeting_points(pump)) {
+        (void)roburoc4_udp_record(&pump->udp, recorder); /* before the thread sends anything */
         (void)roburoc4_client_start(&pump->client, roburoc4_udp_now_us());
         if (roburoc4_thread_start(&pump->thread, run, pump)) {
             close_at_exit(pump);
@@ -349,14 +350,15 @@ static roburoc4_result begin(roburoc4_pump *pump, const roburoc4_address *addres
     return ROBUROC4_ERR_SYSTEM;
 }
 
-roburoc4_pump *roburoc4_pump_create(const roburoc4_address *address, const roburoc4_config *config,
-                                    uint32_t queue_capacity, roburoc4_result *result) {
+roburoc4_pump *roburoc4_pump_create_recorded(const roburoc4_address *address,
+                                             const roburoc4_config *config, uint32_t queue_capacity,
+                                             roburoc4_recorder *recorder, roburoc4_result *result) {
     uint32_t capacity = queue_capacity != 0 ? queue_capacity : ROBUROC4_PUMP_QUEUE_DEFAULT;
     roburoc4_pump *pump = NULL;
     roburoc4_result outcome = ROBUROC4_ERR_ARGUMENT;
     if (capacity >= ROBUROC4_PUMP_QUEUE_MIN && capacity <= ROBUROC4_PUMP_QUEUE_MAX) {
         pump = allocate(capacity);
-        outcome = pump != NULL ? begin(pump, address, config) : ROBUROC4_ERR_SYSTEM;
+        outcome = pump != NULL ? begin(pump, address, config, recorder) : ROBUROC4_ERR_SYSTEM;
     }
     if (outcome < 0) {
         int error = errno;
@@ -368,6 +370,11 @@ roburoc4_pump *roburoc4_pump_create(const roburoc4_address *address, const robur
         *result = outcome;
     }
     return pump;
+}
+
+roburoc4_pump *roburoc4_pump_create(const roburoc4_address *address, const roburoc4_config *config,
+                                    uint32_t queue_capacity, roburoc4_result *result) {
+    return roburoc4_pump_create_recorded(address, config, queue_capacity, NULL, result);
 }
 
 roburoc4_result roburoc4_pump_close(roburoc4_pump *pump) {

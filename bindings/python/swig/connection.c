@@ -7,6 +7,8 @@
  */
 #include "native.h"
 
+#include "pump_internal.h"
+
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -35,16 +37,15 @@ static connection *entered;
 static roburoc4_client *entered_client;
 static int entered_for_command;
 
-/* ------------------------------------------------------------------------------------ opening ---
- */
+/* ---------------------------------------------------------------------------------- opening --- */
 
 /* A connection whose pump has this address, or NULL. */
 static connection *open_pump(const roburoc4_address *address, const roburoc4_config *config,
-                             uint32_t capacity) {
+                             uint32_t capacity, roburoc4_recorder *recorder) {
     roburoc4_result result = ROBUROC4_ERR_SYSTEM;
     connection *c = calloc(1, sizeof *c);
     if (c != NULL) {
-        c->pump = roburoc4_pump_create(address, config, capacity, &result);
+        c->pump = roburoc4_pump_create_recorded(address, config, capacity, recorder, &result);
     }
     if (c == NULL || c->pump == NULL) {
         (void)raise_result(result);
@@ -104,13 +105,10 @@ connection *connect_host(const char *host, int threaded, const roburoc4_config *
     if (open_recorder(record, max_file_bytes, max_file_s, text, &recorder) < 0) {
         return NULL;
     }
-    c = open_pump(threaded ? &address : NULL, config, capacity);
+    c = open_pump(threaded ? &address : NULL, config, capacity, recorder);
     if (c == NULL) {
         (void)roburoc4_recorder_close(recorder, NULL);
         return NULL;
-    }
-    if (threaded) {
-        (void)roburoc4_pump_record(c->pump, recorder);
     }
     c->recorder = recorder;
     memcpy(c->address, text, sizeof text);
@@ -129,7 +127,7 @@ connection *connect_host(const char *host, int threaded, const roburoc4_config *
 
 connection *connect_virtual(PyObject *owner, const roburoc4_config *config, uint32_t capacity) {
     simulation *world = PyCapsule_GetPointer(owner, "simulation");
-    connection *c = world != NULL ? open_pump(NULL, config, capacity) : NULL;
+    connection *c = world != NULL ? open_pump(NULL, config, capacity, NULL) : NULL;
     roburoc4_result result;
     if (c == NULL) {
         return NULL;
@@ -147,7 +145,7 @@ connection *connect_virtual(PyObject *owner, const roburoc4_config *config, uint
 }
 
 connection *connect_played(const roburoc4_config *config, uint32_t capacity, uint64_t begin_us) {
-    connection *c = open_pump(NULL, config, capacity);
+    connection *c = open_pump(NULL, config, capacity, NULL);
     if (c != NULL) {
         c->is_played = 1;
         c->played_us = begin_us;
@@ -214,8 +212,7 @@ const char *connection_address(const connection *c) {
     return c->address;
 }
 
-/* ---------------------------------------------------------------------------------- one call ---
- */
+/* --------------------------------------------------------------------------------- one call --- */
 
 uint64_t connection_now_us(const connection *c) {
     if (c->is_played) {
@@ -322,8 +319,7 @@ uint32_t connection_fault(connection *c) {
     return fault;
 }
 
-/* --------------------------------------------------------------------- moved by hand: a socket ---
- */
+/* ------------------------------------------------------------------ moved by hand: a socket --- */
 
 PyObject *connection_disarm_for_good(connection *c) {
     roburoc4_client *client = roburoc4_pump_lock(c->pump);
@@ -380,8 +376,7 @@ void connection_close_socket(connection *c) {
     (void)roburoc4_udp_close(&c->udp);
 }
 
-/* ------------------------------------------------------------------- moved by a recording ---
- */
+/* --------------------------------------------------------------------- moved by a recording --- */
 
 /* Append a new item; NULL, with the list released, if there is none. */
 static PyObject *append(PyObject *list, PyObject *item) {
@@ -427,8 +422,7 @@ PyObject *connection_play(connection *c, PyObject *datagram, uint64_t at_us) {
     return list;
 }
 
-/* -------------------------------------------------------------------------- readers of a pump ---
- */
+/* ------------------------------------------------------------------------ readers of a pump --- */
 
 PyObject *read_samples(connection *c, roburoc4_pump_reader *reader, uint32_t mask) {
     roburoc4_sample samples[SAMPLES_AT_ONCE];
@@ -453,8 +447,7 @@ uint64_t reader_lost(const roburoc4_pump_reader *reader) {
     return reader->lost;
 }
 
-/* -------------------------------------------------------------------------------------- moves ---
- */
+/* ------------------------------------------------------------------------------------ moves --- */
 
 PyObject *move_step(connection *c, roburoc4_move *move) {
     roburoc4_client *client = connection_enter(c, 1);
