@@ -30,6 +30,12 @@
 #define WORDS_AS_ON_THE_WIRE 0
 #endif
 
+/** Whether a struct that begins with its size may be of a program of this or an older version; the
+ * size tells which of its members that program knows. */
+static inline bool size_known(size_t size, size_t newest) {
+    return size >= 2 * sizeof(uint32_t) && size <= newest && size % 4 == 0;
+}
+
 /* Assumptions: IEEE floats of these sizes; int may have only 16 bits. */
 typedef char assert_floats_are_ieee[sizeof(float) == 4 && sizeof(double) == 8 ? 1 : -1];
 

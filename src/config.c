@@ -52,11 +52,6 @@ enum {
     ALL_GOOD
 };
 
-/** Sizes that a program of another version may have; they tell which fields it knows. */
-static bool size_valid(size_t size) {
-    return size >= 2 * sizeof(uint32_t) && size <= sizeof(roburoc4_config) && size % 4 == 0;
-}
-
 static void set_defaults(roburoc4_config *config) {
     static const uint8_t period_in_10_ms[8] = {0, 0, 5, 10, 100, 5, 5, 0};
     uint8_t *base = (uint8_t *)config;
@@ -78,7 +73,7 @@ static void set_defaults(roburoc4_config *config) {
 
 roburoc4_result roburoc4_config_init(roburoc4_config *config, size_t size) {
     roburoc4_config defaults;
-    if (!size_valid(size)) {
+    if (!size_known(size, sizeof *config)) {
         return ROBUROC4_ERR_SIZE;
     }
     set_defaults(&defaults);
@@ -138,7 +133,7 @@ static uint32_t first_bad(const roburoc4_config *config) {
  * errors above. */
 static uint32_t load(roburoc4_config *out, const roburoc4_config *config) {
     set_defaults(out);
-    if (!size_valid(config->size)) {
+    if (!size_known(config->size, sizeof *out)) {
         return BAD_SIZE;
     }
     memcpy(out, config, config->size);

@@ -483,7 +483,7 @@ static uint32_t clipped(uint64_t span_us) {
 static roburoc4_result give(void *out, const void *filled, uint32_t filled_size) {
     uint32_t size;
     memcpy(&size, out, sizeof size);
-    if (size < 2 * sizeof size || size > filled_size || size % 4 != 0) {
+    if (!size_known(size, filled_size)) {
         return ROBUROC4_ERR_SIZE;
     }
     memcpy((uint8_t *)out + sizeof size, (const uint8_t *)filled + sizeof size, size - sizeof size);

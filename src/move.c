@@ -114,12 +114,8 @@ static const roburoc4_move_options move_defaults = {
 /* Nothing shorter has ever been a view. */
 #define VIEW_SIZE_1_0 (offsetof(roburoc4_move_view, reserved) + 6)
 
-static bool move_size_valid(size_t size, size_t newest) {
-    return size >= 2 * sizeof(uint32_t) && size <= newest && size % 4 == 0;
-}
-
 roburoc4_result roburoc4_move_options_init(roburoc4_move_options *options, size_t size) {
-    if (!move_size_valid(size, sizeof move_defaults)) {
+    if (!size_known(size, sizeof move_defaults)) {
         return ROBUROC4_ERR_SIZE;
     }
     memcpy(options, &move_defaults, size);
@@ -145,7 +141,7 @@ static roburoc4_result begin(roburoc4_move *m, uint8_t kind, const roburoc4_move
     m->private_kind = kind;
     m->private_options = move_defaults;
     if (options != NULL) {
-        if (!move_size_valid(options->size, sizeof move_defaults)) {
+        if (!size_known(options->size, sizeof move_defaults)) {
             return ROBUROC4_ERR_SIZE;
         }
         memcpy(&m->private_options, options, options->size);
@@ -646,7 +642,7 @@ int32_t roburoc4_move_step_view(roburoc4_move *move, const roburoc4_move_view *v
     if (move->result != ROBUROC4_MOVE_RUNNING) {
         return move->result;
     }
-    if (view->size < VIEW_SIZE_1_0 || !move_size_valid(view->size, sizeof known)) {
+    if (view->size < VIEW_SIZE_1_0 || !size_known(view->size, sizeof known)) {
         move->linear_m_s = 0;
         move->angular_rad_s = 0;
         move->cause = ROBUROC4_ERR_SIZE;

@@ -6,6 +6,7 @@
  */
 #include "record_internal.h"
 
+#include "bytes.h"
 #include "os.h"
 
 #include <errno.h>
@@ -538,7 +539,7 @@ static int take_options(roburoc4_recorder_options *out, const roburoc4_recorder_
         return 1;
     }
     if (options->size < offsetof(roburoc4_recorder_options, robot) + sizeof options->robot ||
-        options->size > sizeof *out || options->size % 4 != 0) {
+        !size_known(options->size, sizeof *out)) {
         return 0;
     }
     memcpy(out, options, options->size);
