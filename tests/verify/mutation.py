@@ -53,10 +53,12 @@ def compile_core(folder: Path, sources: list[Path]) -> dict[str, bytes] | None:
     return objects
 
 
-def exported(code: bytes) -> str:
+def exported(code: bytes, folder: Path) -> bytes:
     """The names that an object defines."""
-    command = ["nm", "-gj", "--defined-only", "/dev/stdin"]
-    return subprocess.run(command, input=code, capture_output=True, check=True).stdout.decode()
+    file = folder / "names.o"  # nm reads no pipe
+    file.write_bytes(code)
+    command = ["nm", "-gj", "--defined-only", file]
+    return subprocess.run(command, capture_output=True, check=True).stdout
 
 
 def pass_with(objects: dict[str, bytes], program: Path, folder: Path) -> bool:
@@ -92,7 +94,10 @@ def verdict(
             return "invalid"
         if all(sound[source] == code for source, code in changed.items()):
             return "same"
-        if any(exported(sound[source]) != exported(code) for source, code in changed.items()):
+        if any(
+            exported(sound[source], folder) != exported(code, folder)
+            for source, code in changed.items()
+        ):
             return "invalid"  # with a renamed function, the program's own would run
         return "missed" if pass_with(sound | changed, program, folder) else "noticed"
 
