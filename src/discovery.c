@@ -227,7 +227,7 @@ static bool contains_letters(piece text, const char *wanted) {
         if (!is_letter(*text.text)) {
             continue; /* else a text of blanks would take the square of its length */
         }
-        for (; rest.length > 0 && wanted[i] != '\0'; skip(&rest)) {
+        for (; rest.length > 0; skip(&rest)) {
             if (!is_letter(*rest.text)) {
                 continue;
             }

@@ -190,24 +190,13 @@ static const struct {
 
 /** How many channels of a type the card has, or an error. */
 static roburoc4_result channel_count(const roburoc4_client *client, uint32_t io_type) {
-    roburoc4_iocard_properties card;
-    const roburoc4_result result = roburoc4_client_iocard_properties(client, &card);
     if (io_type > ROBUROC4_IO_DIGITAL_OUTPUT) {
         return ROBUROC4_ERR_ARGUMENT;
     }
-    if (result < 0) {
-        return result;
+    if ((client->private_discovery.known & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0) {
+        return ROBUROC4_ERR_UNKNOWN;
     }
-    switch (io_type) {
-    case ROBUROC4_IO_ANALOG_INPUT:
-        return card.analog_inputs;
-    case ROBUROC4_IO_ANALOG_OUTPUT:
-        return card.analog_outputs;
-    case ROBUROC4_IO_DIGITAL_INPUT:
-        return card.digital_inputs;
-    default:
-        return card.digital_outputs;
-    }
+    return client->private_values.io_counts[io_type];
 }
 
 /** A channel's place in the manual's table, or -1. The table skips number 02, so on a card with one

@@ -389,7 +389,7 @@ static bool measures_round_trip(const client *c, const slot *s, uint8_t id) {
     }
     return !c->private_requests.fixed_id ||
            (s->tries == 1 && s->ask.action == ROBUROC4_ACTION_GET &&
-            s->ask.kind >= ROBUROC4_SERVICE_IOCARD && c->private_state == ROBUROC4_STATE_READY &&
+            c->private_state == ROBUROC4_STATE_READY &&
             c->private_now_us - c->private_discovery.phase_us >= LATE_ANSWER_US);
 }
 
@@ -423,8 +423,6 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
         c->private_requests.announce = 0;
         raise_event(c, ROBUROC4_EVENT_FIXED_ID);
     }
-    const bool is_text = request.ask.action == ROBUROC4_ACTION_QUERY;
-    const roburoc4_result pad = is_text ? index_of_role(c, ROBUROC4_ROLE_OVERRIDE) : 0;
     roburoc4_result result = ROBUROC4_OK;
     if (bad) {
         count(c, ROBUROC4_COUNT_REFUSED);
@@ -435,13 +433,8 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
             roburoc4_schedule_failed(c, &request, result);
         }
     }
-    if (is_text) {
-        if (request.ask.detail == LIST_DIRECTORY) {
-            identify_again(c);
-        }
-        if (index_of_role(c, ROBUROC4_ROLE_OVERRIDE) != pad) {
-            forget_override(c);
-        }
+    if (request.ask.action == ROBUROC4_ACTION_QUERY && request.ask.detail == LIST_DIRECTORY) {
+        identify_again(c);
     }
     return result;
 }

@@ -268,7 +268,7 @@ slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size,
         if (!s->open || s->tries == 0 || !error_fits(s, datagram, size)) {
             continue;
         }
-        if (size >= 5 && datagram[0] == s->id) {
+        if (datagram[0] == s->id) {
             note_answered_id(r, s);
             return s;
         }
@@ -291,7 +291,7 @@ slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size,
     if (oldest == NULL || datagram[0] == ROBUROC4_HEADER_ERROR) {
         return oldest;
     }
-    if (size < 5 || datagram[0] != ROBUROC4_HEADER_MANUAL) {
+    if (datagram[0] != ROBUROC4_HEADER_MANUAL) {
         return NULL;
     }
     if (r->fixed_id) {
