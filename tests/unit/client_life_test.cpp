@@ -401,7 +401,7 @@ TEST(Ready, StatusesBeforeTheAcknowledgementAreAccepted) {
     EXPECT_EQ(0, bench.receive(robot.status(ROBUROC4_SERVICE_BATTERY)));
     roburoc4_battery_status battery;
     EXPECT_EQ(ROBUROC4_OK, roburoc4_client_battery(&bench.client, &battery, nullptr));
-    EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 200 * ms))
+    EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 0))
         << "a status is as good as an acknowledgement";
 }
 
@@ -503,11 +503,13 @@ TEST(Directory, WithFewerEntriesIsAnotherOne) {
 }
 
 TEST(Directory, WithAnotherTypeIsAnotherOne) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    bench.armed();
-    robot.services.back().type = ROBUROC4_TYPE_LASER;
-    EXPECT_TRUE(bench.run_until([&] { return bench.facts().armed == 0; }, 10 * second));
+    for (std::size_t i = 0; i < usual_services().size(); i++) {
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.armed();
+        robot.services[i].type = ROBUROC4_TYPE_LASER;
+        EXPECT_TRUE(bench.run_until([&] { return bench.facts().armed == 0; }, 10 * second)) << i;
+    }
 }
 
 TEST(Directory, ARemovedIoCardIsNotRequested) {

@@ -237,6 +237,21 @@ TEST(Description, ThatIsRefusedIsNotRequestedAgain) {
 
 /* ---- errors ---- */
 
+TEST(Description, ThatIsMissingIsRequestedOnceASecondLater) {
+    ScriptedRobot robot;
+    robot.texts_silent = true;
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(
+        bench.run_until([&] { return bench.facts().descriptions_done == 1; }, 600 * second));
+    robot.requests.clear();
+    bench.run(20 * second);
+    std::set<std::pair<int, int>> texts;
+    for (const Request &r : robot.seen(ROBUROC4_ACTION_QUERY))
+        texts.emplace(r.what.service == 0 ? -1 : r.what.io_type, r.what.index);
+    EXPECT_NEAR(20, static_cast<double>(texts.size()), 1);
+}
+
 TEST(ErrorTelegram, OfOneToFiveBytesEndsTheRequestThatItFits) {
     for (std::size_t length = 1; length <= 5; length++) {
         SCOPED_TRACE(length);
@@ -280,6 +295,26 @@ TEST(ErrorTelegram, RefusesNoTextThatTheRobotGives) {
         EXPECT_EQ(ROBUROC4_ERR_UNKNOWN,
                   roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
     }
+}
+
+TEST(ErrorTelegram, EndsAllTextRequestsForAWhile) {
+    ScriptedRobot robot;
+    robot.instead = [](const roburoc4_request &r, std::vector<Bytes> &) {
+        return r.action == ROBUROC4_ACTION_QUERY && r.service != 0;
+    };
+    Bench bench(robot);
+    const auto texts = [&] { return robot.seen(ROBUROC4_ACTION_QUERY, 2).size(); };
+    bench.start();
+    ASSERT_TRUE(bench.run_until([&] { return texts() > 1; }));
+    const std::size_t before = texts();
+    bench.receive({0, ROBUROC4_ACTION_QUERY, 2, 0, ROBUROC4_ERROR_UNSUPPORTED});
+    bench.run(699 * ms);
+    EXPECT_EQ(before, texts());
+    bench.run(50 * ms);
+    EXPECT_EQ(before + 1, texts()) << "one at a time";
+    robot.instead = [](const roburoc4_request &, std::vector<Bytes> &) { return true; };
+    bench.run(400 * ms); /* a probe is sent */
+    EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive({0})) << "it may refuse either";
 }
 
 TEST(ErrorTelegram, ThatFitsNothingIsCounted) {
@@ -699,6 +734,42 @@ TEST(FixedId, IsNotEnteredForAnEchoingRobotHoweverMuchIsLost) {
         ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
         EXPECT_EQ(0, bench.facts().fixed_id);
         EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_FIXED_ID);
+    }
+}
+
+TEST(FixedId, MeasuresNoRoundTripBeforeReady) {
+    ScriptedRobot robot;
+    robot.always_manual_id = true;
+    robot.texts_silent = true; /* discovery takes more than a second */
+    Bench bench(robot);
+    bench.delay_to_client = [] { return 5 * ms; };
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    EXPECT_EQ(0U, bench.link().round_trip_us);
+    robot.texts_silent = false;
+    bench.run(5 * second);
+    EXPECT_EQ(5000U, bench.link().round_trip_us);
+}
+
+TEST(FixedId, InputTextsAreReadAgainUntilTheyNameTheOverride) {
+    for (const int configured : {ROBUROC4_INDEX_AUTO, 0}) {
+        SCOPED_TRACE(configured);
+        ScriptedRobot robot;
+        robot.always_manual_id = true;
+        const auto names = robot.channel_text;
+        robot.channel_text = [](std::uint32_t, std::uint32_t) { return "spare"; };
+        roburoc4_config config = default_config();
+        config.role_index[ROBUROC4_ROLE_OVERRIDE] = static_cast<std::int16_t>(configured);
+        Bench bench(robot, config);
+        bench.ready();
+        ASSERT_TRUE(bench.run_until([&] { return bench.facts().descriptions_done == 1; }));
+        EXPECT_EQ(configured == 0, bench.facts().override_known == 1);
+        robot.channel_text = names;
+        EXPECT_TRUE(bench.run_until([&] { return bench.facts().override_known == 1; }));
+        bench.run(20 * second);
+        robot.requests.clear();
+        bench.run(20 * second);
+        EXPECT_TRUE(robot.seen(ROBUROC4_ACTION_QUERY).empty());
     }
 }
 

@@ -64,9 +64,19 @@ TEST(ServiceId, TypeCodeBeatsTextAndText) {
     ScriptedRobot robot;
     robot.service(ROBUROC4_SERVICE_LOCALIZATION).text = "Differential drive";
     robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).text = "Localization";
+    robot.services.push_back({0x7100, 90, 99, "Localization"});
     Bench bench(robot);
     bench.ready();
     expect_every_service(bench, {0, 1, 2, 3, 4, 5, 6});
+}
+
+TEST(ServiceId, TextBeatsTheManualsId) {
+    ScriptedRobot robot;
+    robot.service(ROBUROC4_SERVICE_BATTERY).id = 40;
+    robot.services.push_back({0x7777, ROBUROC4_SERVICE_BATTERY, 99, "nonsense"});
+    Bench bench(robot);
+    bench.ready();
+    expect_every_service(bench, {0, 1, 2, 3, 40, 5, 6});
 }
 
 TEST(ServiceId, IsIdentifiedByTextIfTheTypeIsUnknown) {

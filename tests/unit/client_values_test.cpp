@@ -394,6 +394,18 @@ TEST(Properties, AreUnknownFirstThenTheRobots) {
         EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_client_telemeter(&bench.client, beyond, &telemeter));
 }
 
+TEST(Properties, ThatAreReadAgainAfterALossAreNew) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.powered = false;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+    robot.powered = true;
+    bench.take_events();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_PROPERTIES);
+}
+
 TEST(Properties, AreExactlyWhatTheRobotReported) {
     ScriptedRobot robot;
     renumber(robot);

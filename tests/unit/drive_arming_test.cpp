@@ -419,6 +419,19 @@ TEST(Disarms, WhenAnotherClientCommands) {
         bench, ROBUROC4_ERR_OTHER_COMMANDER, [&] { robot.target_linear = -1.5F; }, 200 * ms);
 }
 
+TEST(Disarms, OnTheThirdStatusOfAnotherCommander) {
+    ScriptedRobot robot;
+    robot.follows = false;
+    Bench bench(robot);
+    bench.armed();
+    robot.target_linear = -1.5F;
+    for (std::uint64_t i = 1; i <= 3; i++) {
+        EXPECT_EQ(1, bench.facts().armed) << i;
+        bench.receive(robot.status_at(ROBUROC4_SERVICE_DIFFERENTIAL, robot.cycles() + i));
+    }
+    EXPECT_EQ(0, bench.facts().armed);
+}
+
 TEST(Disarms, WhenTheInputOfTheOverrideIsChanged) {
     ScriptedRobot robot;
     Bench bench(robot);

@@ -176,7 +176,7 @@ TEST(StopSequence, IsNotEndedByAStatusBeforeItsThirdZero) {
 }
 
 TEST(StopSequence, EndsWhenTheRobotsWatchdogHasTripped) {
-    for (const std::uint32_t watchdog_ms : {100U, 1000U, 3000U}) {
+    for (const std::uint32_t watchdog_ms : {100U, 1023U, 3000U}) {
         roburoc4_config config = default_config();
         config.robot_watchdog_ms = watchdog_ms;
         ScriptedRobot robot;
@@ -189,7 +189,11 @@ TEST(StopSequence, EndsWhenTheRobotsWatchdogHasTripped) {
         bench.run(30 * ms);
         const std::uint64_t start_us = bench.now_us;
         bench.stop();
-        bench.run(10 * second);
+        bench.take_events();
+        ASSERT_TRUE(
+            bench.run_until([&] { return (bench.take_events() & ROBUROC4_EVENT_STOPPED) != 0; }));
+        EXPECT_EQ(start_us + watchdog_ms * ms, bench.now_us);
+        bench.run(6 * second);
         const std::size_t wanted = std::max<std::size_t>(3, watchdog_ms / 50);
         const std::size_t zeros = expect_train(bench, start_us, 50 * ms);
         EXPECT_GE(zeros, wanted);
