@@ -65,6 +65,14 @@ bool roburoc4_discovery_directory(discovery *d, const roburoc4_directory *direct
     return directory->count > ROBUROC4_MAX_SERVICES;
 }
 
+bool roburoc4_discovery_lists(const discovery *d, uint16_t id) {
+    uint32_t i = 0;
+    while (i < d->service_count && d->ids[i] != id) {
+        i++;
+    }
+    return i < d->service_count;
+}
+
 static uint8_t kind_of_type(uint16_t type) {
     switch (type) {
     case ROBUROC4_TYPE_IOCARD:
@@ -386,12 +394,6 @@ bool roburoc4_discovery_texts_passed(const discovery *d, const int32_t *io_count
 bool roburoc4_discovery_inputs_passed(const discovery *d, const int32_t *io_counts) {
     const uint32_t list = ROBUROC4_IO_DIGITAL_INPUT;
     return d->done || complete(d, io_counts, list, d->described[list] | d->given_up[list]);
-}
-
-void roburoc4_discovery_doubt_inputs(discovery *d, const int32_t *io_counts) {
-    if (roburoc4_discovery_inputs_passed(d, io_counts)) {
-        roburoc4_discovery_forget_inputs(d);
-    }
 }
 
 bool roburoc4_discovery_services_passed(const discovery *d) {

@@ -82,6 +82,10 @@ slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint32_t round
 slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size, uint64_t now_us);
 void roburoc4_requests_close(requests *r, slot *s, uint64_t now_us);
 uint64_t roburoc4_requests_deadline(const requests *r);
+/** Texts (and in fixed-id mode all requests) wait until no answer to this one can still arrive:
+ *  answers to its other tries may take as long as this one took. Without one, the next copy of an
+ *  answer to any is waited for. */
+void roburoc4_requests_be_quiet(requests *r, const slot *s, uint64_t now_us);
 /** Make everything due: after a fault of the clock. */
 void roburoc4_requests_rebase(requests *r, uint64_t now_us);
 
@@ -91,6 +95,8 @@ typedef enum verdict { VERDICT_NEW, VERDICT_OLD, VERDICT_REBOOT } verdict;
 
 /** Forget the order of statuses (of a lost or restarted robot), keep the totals. */
 void roburoc4_link_restart(roburoc4_private_link *l);
+/** Learn times from a status of a subscription that an earlier client made. */
+void roburoc4_link_overhear(roburoc4_private_link *l, uint64_t robot_cycles, uint64_t now_us);
 /** The ids may now belong to other services: no stored status is fresh. */
 void roburoc4_link_invalidate(roburoc4_private_link *l);
 /** The robot accepted the requested period: measure loss against it until another is observed. */
@@ -153,14 +159,14 @@ typedef roburoc4_private_discovery discovery;
 void roburoc4_discovery_clear(discovery *d);
 /** Request everything again except the texts that were answered. */
 void roburoc4_discovery_restart(discovery *d);
-/** In fixed-id mode, when all texts came and do not tell which input is [A]: request them again. */
-void roburoc4_discovery_doubt_inputs(discovery *d, const int32_t *io_counts);
 /** The IO card changed: forget its channels' texts. */
 void roburoc4_discovery_forget_inputs(discovery *d);
 /** Forget the texts and request them again. */
 void roburoc4_discovery_read_texts_again(discovery *d);
 /** Whether this directory equals the stored one. */
 bool roburoc4_discovery_same(const discovery *d, const roburoc4_directory *directory);
+/** Whether the stored directory has a service with this id. */
+bool roburoc4_discovery_lists(const discovery *d, uint16_t id);
 /** Store the directory; true if it lists more services than fit. */
 bool roburoc4_discovery_directory(discovery *d, const roburoc4_directory *directory);
 /** Whether the directory lists this id and it may be the differential service. */

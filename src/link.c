@@ -137,22 +137,19 @@ static uint64_t lateness(const roburoc4_private_link *l, uint64_t transit) {
     return late_us > 0 ? (uint64_t)late_us : 0;
 }
 
-/** The first status that the clock is mapped by; how old it is, is not known. */
-static void begin_times(roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
-    l->mapped = 1;
-    l->offset_us = l->offset_before_us = (int64_t)transit;
-    l->offset_since_us = now_us;
-    l->floor_age_us = AGE_UNKNOWN;
-    l->floor_us = transit;
-    l->excess_us = 0;
-}
-
 /** The clock is mapped by the smallest offset of the last one to two windows, because delays only
  *  add to it. The floor of transit times is that of the best status, which was at most floor_age_us
- *  old. */
-static void follow_times(roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
+ *  old; how old the first one is, is not known. */
+static void map_times(roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
     const int64_t offset = (int64_t)transit;
-    if (now_us - l->offset_since_us >= MAP_WINDOW_US) {
+    if (!l->mapped) {
+        l->mapped = 1;
+        l->offset_us = l->offset_before_us = offset;
+        l->offset_since_us = now_us;
+        l->floor_age_us = AGE_UNKNOWN;
+        l->floor_us = transit;
+        l->excess_us = 0;
+    } else if (now_us - l->offset_since_us >= MAP_WINDOW_US) {
         l->offset_before_us = l->offset_us;
         l->offset_us = offset;
         l->offset_since_us = now_us;
@@ -194,6 +191,16 @@ static void learn_age(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
     }
 }
 
+void roburoc4_link_overhear(roburoc4_private_link *l, uint64_t robot_cycles, uint64_t now_us) {
+    if (robot_cycles < l->newest_cycles) {
+        return;
+    }
+    l->newest_cycles = robot_cycles;
+    l->back_count = 0;
+    l->resubscribed = 0;
+    map_times(l, transit_of(robot_cycles, now_us), now_us);
+}
+
 verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robot_cycles,
                              uint64_t now_us) {
     const uint64_t transit = transit_of(robot_cycles, now_us);
@@ -213,11 +220,7 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
         count_gap(s, robot_cycles - s->robot_cycles);
         measure_jitter(s, transit);
     }
-    if (l->mapped) {
-        follow_times(l, transit, now_us);
-    } else {
-        begin_times(l, transit, now_us);
-    }
+    map_times(l, transit, now_us);
     if (l->answered && newest) {
         l->answered = 0;
         learn_age(l, transit, now_us);

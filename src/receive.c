@@ -259,11 +259,16 @@ static uint32_t subscribed_service(const client *c, uint16_t id) {
 
 /** A status of at least its head's length. */
 static roburoc4_result receive_status(client *c, const uint8_t *data, size_t size) {
-    const uint32_t service = subscribed_service(c, load_u16(data + 1));
+    const uint16_t id = load_u16(data + 1);
+    const uint32_t service = subscribed_service(c, id);
     values *v = &c->private_values;
     any_status status;
     const roburoc4_result result = decode_status(c, service, data, size, &status);
     if (result < 0) {
+        if (c->private_state == ROBUROC4_STATE_DISCOVERING &&
+            roburoc4_discovery_lists(&c->private_discovery, id)) {
+            roburoc4_link_overhear(&c->private_link, load_u64(data + 3), c->private_now_us);
+        }
         return result;
     }
     if (!is_new(c, service, status.robot_cycles)) {

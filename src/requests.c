@@ -232,9 +232,7 @@ static bool only_manual_id(slot *s) {
     return (s->ones & 0x7F) >= FIXED_AFTER;
 }
 
-/** Texts (and in fixed-id mode all requests) wait until no answer to this one can still arrive:
- *  answers to its other tries may take as long as this one took. */
-static void be_quiet(requests *r, const slot *s, uint64_t now_us) {
+void roburoc4_requests_be_quiet(requests *r, const slot *s, uint64_t now_us) {
     uint32_t wait_us = QUIET_US;
     if (s != NULL && s->tries > 1) {
         const uint64_t took_us = now_us - s->sent_us;
@@ -255,7 +253,7 @@ static void ask_single_texts(requests *r, uint64_t now_us) {
     for (uint32_t i = 0; i < SLOTS; i++) {
         if (r->slots[i].open && r->slots[i].ask.action == ROBUROC4_ACTION_QUERY) {
             r->slots[i].open = 0;
-            be_quiet(r, &r->slots[i], now_us);
+            roburoc4_requests_be_quiet(r, &r->slots[i], now_us);
         }
     }
 }
@@ -278,7 +276,7 @@ slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size,
         }
     }
     if (oldest == NULL && r->quiet) {
-        be_quiet(r, NULL, now_us);
+        roburoc4_requests_be_quiet(r, NULL, now_us);
     }
     if (oldest != NULL && datagram[0] == ROBUROC4_HEADER_ERROR &&
         oldest->ask.action == ROBUROC4_ACTION_QUERY) {
@@ -286,7 +284,7 @@ slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size,
             ask_single_texts(r, now_us);
             return NULL;
         }
-        be_quiet(r, oldest, now_us);
+        roburoc4_requests_be_quiet(r, oldest, now_us);
     }
     if (oldest == NULL || datagram[0] == ROBUROC4_HEADER_ERROR) {
         return oldest;
@@ -303,7 +301,7 @@ slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size,
 void roburoc4_requests_close(requests *r, slot *s, uint64_t now_us) {
     s->open = 0;
     if (r->fixed_id && s->tries > 1) {
-        be_quiet(r, s, now_us);
+        roburoc4_requests_be_quiet(r, s, now_us);
     }
 }
 

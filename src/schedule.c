@@ -79,8 +79,11 @@ static bool open_probe(client *c) {
     roburoc4_discovery_ask_again(d, c->private_values.io_counts);
     if (d->probe_kind == 0) {
         d->declined = 0;
-        if (c->private_requests.fixed_id && index_of_role(c, ROBUROC4_ROLE_OVERRIDE) < 0) {
-            roburoc4_discovery_doubt_inputs(d, c->private_values.io_counts);
+        if (c->private_requests.fixed_id && index_of_role(c, ROBUROC4_ROLE_OVERRIDE) < 0 &&
+            roburoc4_discovery_inputs_passed(d, c->private_values.io_counts)) {
+            roburoc4_discovery_forget_inputs(d);
+            /* each answer may have been taken for that to the next request, all the time */
+            roburoc4_requests_be_quiet(&c->private_requests, NULL, c->private_now_us);
         }
     }
     do {

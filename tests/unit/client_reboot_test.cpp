@@ -48,6 +48,18 @@ TEST(Reboot, IsNotThreeStatusesAHundredCyclesBack) {
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_REBOOTS));
 }
 
+TEST(Reboot, BetweenStatusesOfTwoSubscriptionsIsSurvived) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.delay_to_client = [] { return 1 * ms; };
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_DISCOVERING));
+    const std::uint64_t before = robot.cycles() + 1000000;
+    EXPECT_EQ(ROBUROC4_ERR_UNSUBSCRIBED, bench.receive(robot.status_at(6, before)));
+    EXPECT_TRUE(bench.run_until([&] { return bench.arm() >= 0; }, 5 * second));
+    EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_REBOOTS));
+}
+
 TEST(Reboot, IsNotTwoStatusesBackAndANewerOne) {
     ScriptedRobot robot;
     Bench bench(robot);

@@ -235,6 +235,27 @@ TEST(ArmRefused, WithoutAFreshIoCardStatus) {
     expect_refused(bench, ROBUROC4_ERR_STALE_IOCARD);
 }
 
+TEST(ArmRefused, OnStatusesFromBeforeTheClientWasStartedAgain) {
+    constexpr std::uint64_t held_back = 40; /* cycles, so 400 ms */
+    constexpr std::uint16_t needed[] = {ROBUROC4_SERVICE_IOCARD, ROBUROC4_SERVICE_DIFFERENTIAL};
+    ScriptedRobot robot;
+    roburoc4_config config = default_config();
+    config.options |= ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    Bench bench(robot, config);
+    bench.delay_to_client = [] { return 1 * ms; };
+    bench.drop_to_client = [](const Bytes &bytes) { return bytes[0] == ROBUROC4_HEADER_STATUS; };
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_DISCOVERING));
+    EXPECT_EQ(ROBUROC4_ERR_UNSUBSCRIBED, bench.receive(robot.status_at(6, robot.cycles())));
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    for (const std::uint16_t service : needed)
+        EXPECT_EQ(ROBUROC4_OK, bench.receive(robot.status_at(service, robot.cycles() - held_back)));
+    expect_refused(bench, ROBUROC4_ERR_STALE_DIFFERENTIAL);
+    for (const std::uint16_t service : needed)
+        EXPECT_EQ(ROBUROC4_OK, bench.receive(robot.status_at(service, robot.cycles())));
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+}
+
 TEST(ArmRefused, WithoutTheSubscriptionsThatDrivingNeeds) {
     for (const std::uint32_t service : {2U, 6U}) {
         ScriptedRobot robot;

@@ -147,7 +147,7 @@ void Oracle::count_zero(Moment now) {
     stop_.last_zero_us = now.true_us;
     if (stop_.zeros == 1)
         stop_.first_zero_us = now.true_us;
-    if (stop_.zeros == 3)
+    if (++stop_.zeros_since_known == 3)
         stop_.third_zero_us = now.true_us;
 }
 
@@ -538,7 +538,8 @@ void Oracle::differential_status(Moment now, const Datagram &datagram) {
             stop_.confirmed = true;
         else
             stop_.confirmed_old = true;
-        if (stop_.zeros >= 3 && made > stop_.third_zero_us + sure_after_us && stop_.sure_us == 0)
+        if (stop_.zeros_since_known >= 3 && made > stop_.third_zero_us + sure_after_us &&
+            stop_.sure_us == 0)
             stop_.sure_us = now.true_us;
     }
     if (differential_.known && made <= differential_.made_us)
@@ -659,6 +660,10 @@ void Oracle::judge_stop_in_time(Moment now, const Report &report) {
                 "no zero has left " + ms_text(now.true_us - stop_requested_us_) + " after stop()");
     if (!stop_.active)
         return;
+    if (!report.differential_known) {
+        stop_.zeros_since_known = 0;
+        stop_.sure_us = 0;
+    }
     if (stop_.zeros == 0 && speed_out_) { /* a zero within the lease may delay it */
         if (!last_command_zero_ || now.true_us - last_command_us_ > spacing_us + slack_us)
             violate(Promise::zeros_first, now.true_us, "driving has ended, and no zero has left");
@@ -685,9 +690,9 @@ void Oracle::judge_stop_in_time(Moment now, const Report &report) {
     if (now.true_us - std::max(stop_.first_zero_us, stop_.again_us) > longest)
         violate(Promise::stop_ends, now.true_us,
                 "the stop sequence lasts " + ms_text(now.true_us - stop_.due_us));
-    /* where all answers have one id, ages are known late */
-    const bool calm =
-        !robot_.literal_ids && calm_us_ < now.true_us && now.true_us - calm_us_ > 5000000;
+    /* where all answers have one id, or take long, ages are known late */
+    const bool calm = !robot_.literal_ids && !robot_.slow_texts && calm_us_ < now.true_us &&
+                      now.true_us - calm_us_ > 5000000;
     if (calm && stop_.sure_us != 0 && now.true_us - stop_.sure_us > period + slack_us)
         violate(robot_.rounds ? Promise::rounding_is_not_motion : Promise::stop_ends, now.true_us,
                 "a status has confirmed the stop, but the sequence continues");

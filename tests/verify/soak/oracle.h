@@ -32,7 +32,8 @@ struct RobotTruth {
     std::int32_t pad_a = -1;      /* the input that really is [A] */
     bool only_texts_tell = false; /* only the texts say which service is which */
     bool literal_ids = false;
-    bool rounds = false; /* reports tiny speeds instead of zero */
+    bool slow_texts = false; /* answers with texts take so long that they bound no age */
+    bool rounds = false;     /* reports tiny speeds instead of zero */
 };
 
 struct Violation {
@@ -108,6 +109,7 @@ class Oracle {
         std::uint64_t again_us = 0; /* due, or asked for again */
         std::uint64_t due_client_us = 0;
         std::uint32_t zeros = 0;
+        std::uint32_t zeros_since_known = 0; /* the service, whose id may be another now */
         std::uint64_t first_zero_us = 0, third_zero_us = 0, last_zero_us = 0;
         bool confirmed = false;     /* by a status made after the first zero */
         bool confirmed_old = false; /* by an older one only */

@@ -16,6 +16,7 @@ RobotTruth truth_of(const RobotPlan &plan) {
     truth.pad_a = plan.pad_a;
     truth.only_texts_tell = !plan.type_codes;
     truth.literal_ids = plan.literal_ids;
+    truth.slow_texts = plan.text_us > 100000;
     truth.rounds = plan.noise > 0;
     return truth;
 }
