@@ -98,6 +98,8 @@ TEST(ChannelName, OfTheManualGoesToTheInputWithTheRole) {
     EXPECT_EQ("Game pad \"A\" button", name(bench, digital, 12));
     EXPECT_EQ("none", name(bench, digital, 8));
     EXPECT_EQ(12, find(bench, "Game pad \"A\" button"));
+    std::vector<const char *> texts(22, "Front bumper");
+    EXPECT_EQ(0, find(bench, "Front bumper", digital, texts)) << "the input with the role";
 }
 
 TEST(ChannelName, IsUnknownBeforeTheRobotReportsItsCard) {

@@ -210,6 +210,9 @@ TEST(Config, OfAnOlderProgramGetsDefaultsForTheRest) {
     EXPECT_EQ(nullptr, roburoc4_config_error(&config));
     roburoc4_client client{};
     EXPECT_EQ(ROBUROC4_OK, roburoc4_client_init(&client, sizeof client, &config));
+    config.size = 2 * sizeof config.size; /* far older */
+    EXPECT_EQ(nullptr, roburoc4_config_error(&config));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_client_init(&client, sizeof client, &config));
     for (const std::size_t wrong : {std::size_t{0}, std::size_t{4}, older - 1, sizeof config + 4})
         EXPECT_EQ(ROBUROC4_ERR_SIZE, roburoc4_config_init(&config, wrong)) << wrong;
 }

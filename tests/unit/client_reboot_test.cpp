@@ -154,6 +154,17 @@ TEST(Reboot, AnOlderCountAfterANewSubscriptionIsOne) {
         bench.run_until([&] { return bench.count(ROBUROC4_COUNT_REBOOTS) == 1; }, 3 * second));
 }
 
+TEST(Reboot, IsNoStragglerOfAServiceThatPaused) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true;
+    const std::uint64_t last = robot.cycles();
+    bench.run(1100 * ms); /* not yet subscribed to again */
+    EXPECT_EQ(ROBUROC4_ERR_OLD, bench.receive(robot.status_at(6, last - 7)));
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_REBOOTS));
+}
+
 TEST(Reboot, DoesNotComeFromAnotherPeriodOfAService) {
     ScriptedRobot robot;
     Bench bench(robot);

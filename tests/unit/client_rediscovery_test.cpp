@@ -161,6 +161,18 @@ TEST(Rediscovery, AStopIsNotForgottenWhenTheServiceGetsAnotherId) {
     EXPECT_GE(zeros, 3);
 }
 
+TEST(Rediscovery, ZerosWaitForNoPropertiesWhereverTheServiceIsListed) {
+    ScriptedRobot robot;
+    std::reverse(robot.services.begin(), robot.services.end());
+    Bench bench(robot);
+    bench.armed();
+    robot.service(ROBUROC4_SERVICE_BATTERY).id = 44;
+    robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).get_silent = true;
+    EXPECT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.drive_until_refused(0.5F, 0, 10 * second));
+    ASSERT_FALSE(bench.commands().empty());
+    EXPECT_TRUE(bench.commands().back().zero());
+}
+
 /* If no type code is known, the directory alone does not show that the old id is another
  * service. */
 TEST(Rediscovery, AStopGoesToNoServiceThatIsKnownToBeAnother) {

@@ -324,6 +324,12 @@ TEST(ErrorTelegram, ThatFitsNothingIsCounted) {
     bench.run(50 * ms);
     EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive({0}));
     EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive({0, 2, 5, 0, 1}));
+    robot.service(ROBUROC4_SERVICE_BATTERY).get_silent = true;
+    robot.requests.clear();
+    ASSERT_TRUE(bench.run_until(
+        [&] { return !robot.seen(ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_BATTERY).empty(); }));
+    for (const std::uint8_t other : {std::uint8_t{3}, std::uint8_t{5}})
+        EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive({0, ROBUROC4_ACTION_GET, other, 0, 1}));
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_REFUSED));
 }
 
@@ -343,6 +349,7 @@ TEST(ErrorTelegram, BelongsToARequestByEveryByteThatItHas) {
             const bool seen = wrong < length && (wrong == 1 || length >= 4);
             EXPECT_EQ(seen ? ROBUROC4_ERR_UNMATCHED : ROBUROC4_OK, bench.receive(error));
             EXPECT_EQ(seen ? 0U : 1U, bench.count(ROBUROC4_COUNT_REFUSED));
+            EXPECT_EQ(0U, bench.link().round_trip_min_us) << "an error may be to an earlier one";
         }
 }
 

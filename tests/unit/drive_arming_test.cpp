@@ -604,6 +604,19 @@ TEST(UnknownOverride, IsNotAllowedWhileAServiceIsNotKnown) {
     EXPECT_EQ(ROBUROC4_OK, bench.arm());
 }
 
+TEST(UnknownOverride, IsNotAllowedBeforeTextsWereRequested) {
+    roburoc4_config config = default_config();
+    config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
+    ScriptedRobot robot;
+    robot.texts_silent = true;
+    Bench bench(robot, config);
+    bench.ready();
+    expect_refused(bench, ROBUROC4_ERR_OVERRIDE_UNKNOWN);
+    ASSERT_TRUE(
+        bench.run_until([&] { return bench.facts().descriptions_done == 1; }, 600 * second));
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+}
+
 TEST(UnknownOverride, IsNotAllowedBeforeAListedCardGaveItsCounts) {
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;

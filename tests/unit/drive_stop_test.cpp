@@ -4,6 +4,8 @@
  * traffic, one per period, at least three, until the robot shows that it obeys or its watchdog must
  * have tripped.
  */
+#include <cmath>
+
 #include "client_bench.h"
 
 using namespace roburoc4_tests;
@@ -176,7 +178,12 @@ TEST(StopSequence, IsNotEndedByAStatusBeforeItsThirdZero) {
 }
 
 TEST(StopSequence, EndsWhenTheRobotsWatchdogHasTripped) {
-    for (const std::uint32_t watchdog_ms : {100U, 1023U, 3000U}) {
+    using Speed = float ScriptedRobot::*;
+    const Speed speeds[] = {&ScriptedRobot::target_linear, &ScriptedRobot::target_angular,
+                            &ScriptedRobot::current_linear, &ScriptedRobot::current_angular};
+    const std::uint32_t watchdogs_ms[] = {100, 1023, 3000, 1000};
+    for (std::size_t i = 0; i < 4; i++) {
+        const std::uint32_t watchdog_ms = watchdogs_ms[i];
         roburoc4_config config = default_config();
         config.robot_watchdog_ms = watchdog_ms;
         ScriptedRobot robot;
@@ -185,7 +192,7 @@ TEST(StopSequence, EndsWhenTheRobotsWatchdogHasTripped) {
         bench.armed();
         bench.drive(0.5F, 0);
         bench.pump();
-        robot.target_linear = 0.5F; /* never obeys */
+        robot.*speeds[i] = i < 2 ? 0.5F : NAN; /* never obeys, or reports nonsense */
         bench.run(30 * ms);
         const std::uint64_t start_us = bench.now_us;
         bench.stop();
