@@ -62,6 +62,9 @@ TEST(ChannelFind, LooksAtNoMoreChannelsThanAClientStores) {
     EXPECT_EQ(ROBUROC4_ERR_INDEX, find(bench, "{front} bumper~"));
     EXPECT_EQ(ROBUROC4_ERR_INDEX,
               roburoc4_client_channel_find(&bench.client, digital, "lamp", nullptr, 5));
+    std::vector<const char *> texts(100, "?");
+    texts[64] = "lamp";
+    EXPECT_EQ(ROBUROC4_ERR_INDEX, find(bench, "lamp", digital, texts));
 }
 
 TEST(ChannelName, HasTheManualsNumberOnACardWithOneInputMore) {

@@ -208,6 +208,9 @@ TEST(Link, AVeryLateStatusIsLateAndNotADuplicate) {
     ASSERT_FALSE(held.empty());
     EXPECT_EQ(ROBUROC4_ERR_OLD, bench.receive(held));
     EXPECT_EQ(1U, bench.service_link(differential).late);
+    EXPECT_EQ(0, bench.receive(robot.status_at(differential, robot.cycles() + 70)));
+    EXPECT_EQ(ROBUROC4_ERR_OLD, bench.receive(robot.status_at(differential, robot.cycles() + 60)));
+    EXPECT_EQ(2U, bench.service_link(differential).late);
     EXPECT_EQ(0U, bench.service_link(differential).duplicates);
 }
 

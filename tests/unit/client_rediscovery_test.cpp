@@ -161,7 +161,7 @@ TEST(Rediscovery, AStopIsNotForgottenWhenTheServiceGetsAnotherId) {
     EXPECT_GE(zeros, 3);
 }
 
-TEST(Rediscovery, ZerosWaitForNoPropertiesWhereverTheServiceIsListed) {
+TEST(Rediscovery, ZerosWaitForNoPropertiesWhereverItIsListed) {
     ScriptedRobot robot;
     std::reverse(robot.services.begin(), robot.services.end());
     Bench bench(robot);
