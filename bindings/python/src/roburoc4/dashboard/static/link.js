@@ -73,7 +73,7 @@ export class Link {
     let why = SAYS_WHY.includes(code) ? reason : "";
     if (!why) {
       const answer = await fetch("/", { cache: "no-store" }).catch(() => null);
-      if (answer?.status === REFUSED) why = await answer.text();
+      if (answer?.status === REFUSED) why = await answer.text().catch(() => "");
     }
     if (why === this.why) return;
     this.why = why;
