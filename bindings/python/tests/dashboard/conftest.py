@@ -11,6 +11,7 @@ import pytest
 from playwright.sync_api import (
     Browser,
     BrowserContext,
+    ConsoleMessage,
     Error,
     Page,
     Playwright,
@@ -138,30 +139,45 @@ def go_to(page: Page, url: str) -> None:
     page.goto(url)
 
 
+# What browsers log of a lost connection to a page's own server, which is what some tests are about.
+LOST = r"""
+Firefox can.t establish a connection to the server at SOCKET\.
+The connection to SOCKET was interrupted while the page was loading\.
+WebSocket connection to 'SOCKET' failed: (?!.*Unexpected response code).*
+Failed to load resource: net::ERR_(CONNECTION|EMPTY|SOCKET_NOT_CONNECTED)\w* at PAGE
+""".strip().replace("\n", "|")
+
+
 @pytest.fixture
 def visit(browser: Browser) -> Iterator[Callable[..., Page]]:
     """Open pages; an error of a page's script, or a request to another host, fails the test."""
     contexts: list[BrowserContext] = []
     complaints: list[str] = []
-    # Browsers log a lost connection, which is what some tests are about.
-    forgiven = ["WebSocket connection to", "net::ERR_CONNECTION", "net::ERR_EMPTY", "at ws://"]
 
     def open_page(url: str, *, forgive: str | None = None, **settings: Any) -> Page:
-        if forgive is not None:
-            forgiven.append(forgive)
         context = browser.new_context(**settings)
         contexts.append(context)
         context.add_init_script(FAKE_PAD + REPEATS)
         page = context.new_page()
         page.set_default_timeout(1000 * PATIENCE_S)
         host = url.split("/")[2]
-        page.on("pageerror", lambda error: complaints.append(str(error)))
-        page.on("console", lambda said: said.type == "error" and complaints.append(said.text))
+        lost = LOST.replace("SOCKET", rf"wss?://{re.escape(host)}/socket\?robot=\w*")
+        lost = lost.replace("PAGE", rf"https?://{re.escape(host)}/")
+
+        def complain(text: str) -> None:
+            if not re.fullmatch(lost, text) and not (forgive and re.search(forgive, text)):
+                complaints.append(text)
+
+        def hear(said: ConsoleMessage) -> None:
+            if said.type == "error":
+                failed = said.text.startswith("Failed to load resource")
+                complain(f"{said.text} at {said.location['url']}" if failed else said.text)
+
+        page.on("pageerror", lambda error: complain(str(error)))
+        page.on("console", hear)
         page.on(
             "request",
-            lambda asked: (
-                asked.url.split("/")[2] == host or complaints.append(f"asked {asked.url}")
-            ),
+            lambda asked: asked.url.split("/")[2] == host or complain(f"asked {asked.url}"),
         )
         go_to(page, url)
         return page
@@ -169,4 +185,5 @@ def visit(browser: Browser) -> Iterator[Callable[..., Page]]:
     yield open_page
     for context in contexts:
         context.close()
-    assert [text for text in complaints if not re.search("|".join(forgiven), text)] == []
+    if complaints:
+        pytest.fail("\n".join(complaints), pytrace=False)

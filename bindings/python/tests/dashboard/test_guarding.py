@@ -116,7 +116,8 @@ def test_a_page_of_another_site_can_neither_read_nor_drive(
 ) -> None:
     here, elsewhere = station(), station(allow_drive=False)
     page = visit(
-        elsewhere.url.replace("127.0.0.1", "localhost"), forgive=r"asked|Failed to load|CORS"
+        elsewhere.url.replace("127.0.0.1", "localhost"),
+        forgive="asked|Failed to load|CORS|WebSocket",
     )
     ready(page)
     # Without the other site's own policy, which would keep it from asking at all.
