@@ -161,10 +161,11 @@ run_ctest() {
 }
 
 # run_pytest PYTHON ARGUMENT...; a thread watches the time limit, as tests use signals themselves.
+# With $CI, pytest's summary has each failure's whole message.
 run_pytest() {
     pytest_python=$1
     shift
-    heeding "$pytest_python" -m pytest -q -p no:cacheprovider -o faulthandler_timeout=120 \
+    heeding env CI=true "$pytest_python" -m pytest -q -p no:cacheprovider -o faulthandler_timeout=120 \
         --timeout "$longest_test_s" --timeout-method thread "$@"
 }
 
@@ -266,9 +267,15 @@ stage() {
     printf '%-6s %-18s %4d s  %s\n' "$stage_word" "$stage_name" $(($(date +%s) - stage_begun)) \
         "$(stage_summary "$stage_log")"
     if [ "$logged_status" -ne 0 ]; then
-        grep -v -e ' Passed ' -e '^ *Start ' "$stage_log" | tail -n 60
+        stage_failure "$stage_log"
         fail "$stage_name failed; all of its output is in $stage_log"
     fi
+}
+
+# What failed: pytest's summary, or else the end of the log.
+stage_failure() {
+    sed '1,/^=* short test summary info/d; /^SKIPPED /d' "$1" | head -n 60 | grep . ||
+        grep -v -e ' Passed ' -e '^ *Start ' "$1" | tail -n 60
 }
 
 stage_summary() {
