@@ -322,7 +322,8 @@ int main(int argc, char **argv) {
 
     roburoc4_address address;
     roburoc4_result result = roburoc4_udp_resolve(host, 0, &address);
-    roburoc4_pump *pump = result == 0 ? roburoc4_pump_create(&address, NULL, 0, &result) : NULL;
+    roburoc4_pump *pump =
+        result == 0 ? roburoc4_pump_create(&address, NULL, 0, NULL, &result) : NULL;
     if (pump == NULL) {
         fprintf(stderr,
                 "monitor: '%s': %s; give the robot's name or address, and :PORT (1 to 65535) "

@@ -7,7 +7,7 @@
  * sequence when it is over. Language bindings use it: the interpreter may compute, collect garbage
  * or wait for a lock without harm to the link.
  *
- *     roburoc4_pump *pump = roburoc4_pump_create(&address, NULL, 0, &result);
+ *     roburoc4_pump *pump = roburoc4_pump_create(&address, NULL, 0, NULL, &result);
  *     if (pump != NULL) {
  *         result = roburoc4_pump_arm(pump, 10000000);
  *     }
@@ -67,17 +67,18 @@ typedef struct roburoc4_pump roburoc4_pump;
 #define ROBUROC4_PUMP_QUEUE_MAX 1000000
 
 /** Open a socket to `address`, start a client with `config` (NULL: all defaults) and the thread,
- *  which connects by itself. queue_capacity is the number of samples to keep (0: the default).
- *  Returns NULL on an error; *result (result may be NULL) then says which: ROBUROC4_ERR_ARGUMENT
- *  (address or capacity), ROBUROC4_ERR_CONFIG (roburoc4_config_error() names the value),
- *  ROBUROC4_ERR_SYSTEM (no socket, thread or memory; errno says why). An absent robot is not an
- *  error. Free the pump with roburoc4_pump_destroy(). With a NULL address the pump has neither
- *  socket nor thread, for clients that are run in another way, as in the virtual time of
- *  roburoc4_sim.h: start the client and give it its datagrams with the pump locked, and call
+ *  which connects by itself. queue_capacity is the number of samples to keep (0: the default). The
+ *  recorder (or NULL) gets every datagram; close it after the pump is destroyed. Returns NULL on an
+ *  error; *result (result may be NULL) then says which: ROBUROC4_ERR_ARGUMENT (address or
+ *  capacity), ROBUROC4_ERR_CONFIG (roburoc4_config_error() names the value), ROBUROC4_ERR_SYSTEM
+ *  (no socket, thread or memory; errno says why). An absent robot is not an error. Free the pump
+ *  with roburoc4_pump_destroy(). With a NULL address the pump has neither socket, thread nor
+ *  recording, for clients that are run in another way, as in the virtual time of roburoc4_sim.h:
+ *  start the client and give it its datagrams with the pump locked, and call
  *  roburoc4_pump_collect() after each. */
-ROBUROC4_API roburoc4_pump *roburoc4_pump_create(const roburoc4_address *address,
-                                                 const roburoc4_config *config,
-                                                 uint32_t queue_capacity, roburoc4_result *result);
+ROBUROC4_API roburoc4_pump *
+roburoc4_pump_create(const roburoc4_address *address, const roburoc4_config *config,
+                     uint32_t queue_capacity, roburoc4_recorder *recorder, roburoc4_result *result);
 /** Store the client's events, and the samples and texts that they announce, for readers: after the
  *  client received `datagram`, or was polled (NULL). Between lock and unlock, and only with a pump
  *  without an address. */
@@ -91,9 +92,8 @@ ROBUROC4_API roburoc4_result roburoc4_pump_close(roburoc4_pump *pump);
 /** Close, wait until all waiting calls have returned, and free the memory. NULL is ignored. No
  * thread may use the pump afterwards. */
 ROBUROC4_API void roburoc4_pump_destroy(roburoc4_pump *pump);
-/** Record what the pump sends and receives from now on; NULL ends it. For a complete recording call
- *  it right after create; close the recorder after the pump is destroyed. exit() ends the
- *  recording, too. ROBUROC4_ERR_CLOSED, also for a pump without an address. */
+/** Record what the pump sends and receives from now on with this recorder, or with none (NULL).
+ *  exit() ends the recording, too. ROBUROC4_ERR_CLOSED, also for a pump without an address. */
 ROBUROC4_API roburoc4_result roburoc4_pump_record(roburoc4_pump *pump, roburoc4_recorder *recorder);
 /** Take the pump's lock and get its client, for any roburoc4_client_*() call except receive(),
  *  poll_transmit(), take_events(), start() and close(), which only the pump makes. NULL in a forked

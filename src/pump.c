@@ -350,9 +350,9 @@ static roburoc4_result begin(roburoc4_pump *pump, const roburoc4_address *addres
     return ROBUROC4_ERR_SYSTEM;
 }
 
-roburoc4_pump *roburoc4_pump_create_recorded(const roburoc4_address *address,
-                                             const roburoc4_config *config, uint32_t queue_capacity,
-                                             roburoc4_recorder *recorder, roburoc4_result *result) {
+roburoc4_pump *roburoc4_pump_create(const roburoc4_address *address, const roburoc4_config *config,
+                                    uint32_t queue_capacity, roburoc4_recorder *recorder,
+                                    roburoc4_result *result) {
     uint32_t capacity = queue_capacity != 0 ? queue_capacity : ROBUROC4_PUMP_QUEUE_DEFAULT;
     roburoc4_pump *pump = NULL;
     roburoc4_result outcome = ROBUROC4_ERR_ARGUMENT;
@@ -370,11 +370,6 @@ roburoc4_pump *roburoc4_pump_create_recorded(const roburoc4_address *address,
         *result = outcome;
     }
     return pump;
-}
-
-roburoc4_pump *roburoc4_pump_create(const roburoc4_address *address, const roburoc4_config *config,
-                                    uint32_t queue_capacity, roburoc4_result *result) {
-    return roburoc4_pump_create_recorded(address, config, queue_capacity, NULL, result);
 }
 
 roburoc4_result roburoc4_pump_close(roburoc4_pump *pump) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * pump_internal.h - the pump's memory, and what pump.c (lock, life, thread) and pump_store.c
- * (samples, events, descriptions) offer each other and the bindings. Not public.
+ * (samples, events, descriptions) offer each other. Not public.
  */
 #ifndef ROBUROC4_PUMP_INTERNAL_H
 #define ROBUROC4_PUMP_INTERNAL_H
@@ -53,12 +53,6 @@ struct roburoc4_pump {
     roburoc4_sample *samples; /* a ring: sequence s is at s modulo capacity */
     roburoc4_pump_text texts[ROBUROC4_PUMP_TEXTS];
 };
-
-/** roburoc4_pump_create() with a recorder (or NULL) that takes every datagram from the first one;
- * roburoc4_pump_record() may come after the thread has received an answer. */
-roburoc4_pump *roburoc4_pump_create_recorded(const roburoc4_address *address,
-                                             const roburoc4_config *config, uint32_t queue_capacity,
-                                             roburoc4_recorder *recorder, roburoc4_result *result);
 
 /** Takes the lock; 0 in a forked child, where it must not be touched. */
 int roburoc4_pump_enter(roburoc4_pump *pump);

@@ -14,7 +14,8 @@ int main(int argc, char **argv) {
     roburoc4_result result = roburoc4_udp_resolve(argc > 1 ? argv[1] : "127.0.0.1", 0, &address);
     roburoc4_config_init(&config, sizeof config);
     config.fresh_ms = 1000; /* for a simulator on a busy machine */
-    roburoc4_pump *pump = result < 0 ? NULL : roburoc4_pump_create(&address, &config, 0, &result);
+    roburoc4_pump *pump =
+        result < 0 ? NULL : roburoc4_pump_create(&address, &config, 0, NULL, &result);
     result = pump == NULL ? result : roburoc4_pump_arm(pump, 10000000);
     (void)roburoc4_pump_reader_init(pump, &reader);
     for (time_t end = time(NULL) + 4; result == 0 && time(NULL) < end;) {

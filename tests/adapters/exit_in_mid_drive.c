@@ -15,14 +15,15 @@ int main(int argc, char **argv) {
     roburoc4_result result = ROBUROC4_ERR_NOT_READY;
     roburoc4_pump_reader reader = {0, 0, 0};
     roburoc4_client *client;
+    roburoc4_recorder *recorder = NULL;
     roburoc4_pump *pump;
     if (argc < 2 || roburoc4_udp_resolve(argv[1], 0, &address) < 0) {
         return 2;
     }
-    pump = roburoc4_pump_create(&address, NULL, 0, NULL);
     if (argc > 2 && strchr(argv[2], '/') != NULL) {
-        (void)roburoc4_pump_record(pump, roburoc4_recorder_open(argv[2], NULL, NULL));
+        recorder = roburoc4_recorder_open(argv[2], NULL, NULL);
     }
+    pump = roburoc4_pump_create(&address, NULL, 0, recorder, NULL);
     while (result < 0 || status.target_linear_m_s == 0.0f) {
         roburoc4_pump_wait_events(pump, &reader, ROBUROC4_EVENT_DIFFERENTIAL, 50000);
         roburoc4_pump_take_events(pump, &reader);

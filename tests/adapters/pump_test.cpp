@@ -45,8 +45,8 @@ Pump make_pump(const roburoc4_address &address, uint32_t queue = 0,
                const roburoc4_config *config = nullptr) {
     roburoc4_result result = 1;
     const roburoc4_config patient = test::patient_config();
-    Pump pump(
-        roburoc4_pump_create(&address, config != nullptr ? config : &patient, queue, &result));
+    Pump pump(roburoc4_pump_create(&address, config != nullptr ? config : &patient, queue, nullptr,
+                                   &result));
     EXPECT_EQ(result, ROBUROC4_OK);
     return pump;
 }
@@ -91,22 +91,24 @@ double cpu_seconds() {
 TEST(Pump, RefusesInvalidArguments) {
     roburoc4_address address{};
     roburoc4_result result = 0;
-    EXPECT_EQ(roburoc4_pump_create(&address, nullptr, 0, &result), nullptr);
+    EXPECT_EQ(roburoc4_pump_create(&address, nullptr, 0, nullptr, &result), nullptr);
     EXPECT_EQ(result, ROBUROC4_ERR_ARGUMENT);
     ASSERT_EQ(roburoc4_udp_resolve("127.0.0.1:9", 0, &address), ROBUROC4_OK);
-    EXPECT_EQ(roburoc4_pump_create(&address, nullptr, ROBUROC4_PUMP_QUEUE_MIN - 1, &result),
-              nullptr);
+    EXPECT_EQ(
+        roburoc4_pump_create(&address, nullptr, ROBUROC4_PUMP_QUEUE_MIN - 1, nullptr, &result),
+        nullptr);
     EXPECT_EQ(result, ROBUROC4_ERR_ARGUMENT);
-    EXPECT_EQ(roburoc4_pump_create(&address, nullptr, ROBUROC4_PUMP_QUEUE_MAX + 1, &result),
-              nullptr);
+    EXPECT_EQ(
+        roburoc4_pump_create(&address, nullptr, ROBUROC4_PUMP_QUEUE_MAX + 1, nullptr, &result),
+        nullptr);
     EXPECT_EQ(result, ROBUROC4_ERR_ARGUMENT);
     roburoc4_config config;
     ASSERT_EQ(roburoc4_config_init(&config, sizeof config), ROBUROC4_OK);
     config.lease_ms = 1;
-    EXPECT_EQ(roburoc4_pump_create(&address, &config, 0, &result), nullptr);
+    EXPECT_EQ(roburoc4_pump_create(&address, &config, 0, nullptr, &result), nullptr);
     EXPECT_EQ(result, ROBUROC4_ERR_CONFIG);
     ASSERT_EQ(roburoc4_udp_resolve("255.255.255.255:9", 0, &address), ROBUROC4_OK);
-    EXPECT_EQ(roburoc4_pump_create(&address, nullptr, 0, nullptr), nullptr)
+    EXPECT_EQ(roburoc4_pump_create(&address, nullptr, 0, nullptr, nullptr), nullptr)
         << "the result is not asked for";
     roburoc4_pump_destroy(nullptr);
 }
@@ -442,7 +444,7 @@ TEST(PumpArm, IsEndedByAStopAndByTheEnd) {
     }
     EXPECT_EQ(roburoc4_pump_arm(pump.get(), UINT32_MAX), ROBUROC4_ERR_CLOSED);
     roburoc4_result result = 0;
-    Pump manual(roburoc4_pump_create(nullptr, nullptr, 0, &result));
+    Pump manual(roburoc4_pump_create(nullptr, nullptr, 0, nullptr, &result));
     EXPECT_EQ(roburoc4_pump_arm(manual.get(), UINT32_MAX), ROBUROC4_ERR_CLOSED);
 }
 
@@ -551,7 +553,7 @@ TEST(Samples, WaitingEndsWithItsTime) {
 /** A pump without a thread, whose client a world moves. */
 TEST(PumpWithoutAddress, KeepsWhatItsClientReceivesForReaders) {
     roburoc4_result result = ROBUROC4_ERR_SYSTEM;
-    roburoc4_pump *pump = roburoc4_pump_create(nullptr, nullptr, 0, &result);
+    roburoc4_pump *pump = roburoc4_pump_create(nullptr, nullptr, 0, nullptr, &result);
     ASSERT_NE(pump, nullptr);
     roburoc4_world *world = roburoc4_world_create(nullptr);
     ASSERT_EQ(roburoc4_world_join(world, roburoc4_pump_lock(pump)), 1);

@@ -163,6 +163,24 @@ TEST(Record, EveryDatagramOfBothDirectionsIsInTheFile) {
     EXPECT_EQ(capture.datagrams[0].payload.size(), 4u);
 }
 
+TEST(Record, OfAPumpIsCompleteFromItsFirstRequest) {
+    Folder folder;
+    UdpRobot robot;
+    roburoc4_recorder *recorder =
+        roburoc4_recorder_open((folder / "a.pcapng").c_str(), nullptr, nullptr);
+    ASSERT_NE(recorder, nullptr);
+    roburoc4_address address = robot.address();
+    roburoc4_pump *pump = roburoc4_pump_create(&address, nullptr, 0, recorder, nullptr);
+    ASSERT_NE(pump, nullptr);
+    EXPECT_TRUE(eventually([&] { return state_of(recorder).recorded > 60; }));
+    roburoc4_pump_destroy(pump);
+    EXPECT_EQ(roburoc4_recorder_close(recorder, nullptr), ROBUROC4_OK);
+    const Capture capture = read_capture(folder / "a.pcapng");
+    ASSERT_FALSE(capture.datagrams.empty());
+    EXPECT_EQ(capture.datagrams[0].flags, 2u);
+    EXPECT_EQ(capture.datagrams[0].payload.size(), 4u);
+}
+
 TEST(Record, WhatExistsIsNotOverwritten) {
     Folder folder;
     roburoc4_recorder *recorders[3];
@@ -380,9 +398,8 @@ TEST(Record, ZerosAreSentWhileTheDiskHangs) {
     const uint64_t written = state_of(recorder).bytes;
     roburoc4_address address = robot.address();
     const roburoc4_config patient = test::patient_config();
-    roburoc4_pump *pump = roburoc4_pump_create(&address, &patient, 0, nullptr);
+    roburoc4_pump *pump = roburoc4_pump_create(&address, &patient, 0, recorder, nullptr);
     ASSERT_NE(pump, nullptr);
-    EXPECT_EQ(roburoc4_pump_record(pump, recorder), ROBUROC4_OK);
     ASSERT_EQ(roburoc4_pump_arm(pump, kPatienceUs), ROBUROC4_OK);
     ASSERT_TRUE(eventually([&] {
         (void)on_client(pump, roburoc4_client_drive, 0.3f, 0.0f, 0u);

@@ -8,7 +8,6 @@
 
 #include "fail.h"
 #include "handles.h"
-#include "pump_internal.h"
 
 /* The most that is recorded: 200 bytes each. */
 #define SAMPLES_MAX 4000000u
@@ -54,8 +53,8 @@ static robot *make(const char *name, const roburoc4_address *address,
         free(made);
         return NULL;
     }
-    made->pump = roburoc4_pump_create_recorded(address, &settings->config, settings->buffer,
-                                               made->recorder, &result);
+    made->pump =
+        roburoc4_pump_create(address, &settings->config, settings->buffer, made->recorder, &result);
     if (made->pump == NULL) {
         (void)roburoc4_recorder_close(made->recorder, NULL);
         (void)fail(FAIL_NETWORK, "%s: %s (%s)", name, roburoc4_result_text(result),

@@ -7,8 +7,6 @@
  */
 #include "native.h"
 
-#include "pump_internal.h"
-
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -45,7 +43,7 @@ static connection *open_pump(const roburoc4_address *address, const roburoc4_con
     roburoc4_result result = ROBUROC4_ERR_SYSTEM;
     connection *c = calloc(1, sizeof *c);
     if (c != NULL) {
-        c->pump = roburoc4_pump_create_recorded(address, config, capacity, recorder, &result);
+        c->pump = roburoc4_pump_create(address, config, capacity, recorder, &result);
     }
     if (c == NULL || c->pump == NULL) {
         (void)raise_result(result);

@@ -21,7 +21,8 @@ int main(void) {
     }
 
     result = roburoc4_udp_resolve("127.0.0.1:9", 0, &address);
-    roburoc4_pump *pump = result == 0 ? roburoc4_pump_create(&address, NULL, 0, &result) : NULL;
+    roburoc4_pump *pump =
+        result == 0 ? roburoc4_pump_create(&address, NULL, 0, NULL, &result) : NULL;
     if (pump == NULL || roburoc4_pump_running(pump) != 1) {
         printf("no pump: %s\n", roburoc4_result_text(result));
         return 1;

@@ -119,7 +119,7 @@ static int pump_until(roburoc4_pump *pump, roburoc4_pump_reader *reader, int mov
 static int test_pump(const roburoc4_address *robot) {
     roburoc4_pump_reader reader = {0, 0, 0};
     roburoc4_result result = 0;
-    roburoc4_pump *pump = roburoc4_pump_create(robot, NULL, 0, &result);
+    roburoc4_pump *pump = roburoc4_pump_create(robot, NULL, 0, NULL, &result);
     int moved, stopped;
     if (pump == NULL) {
         return failed(roburoc4_result_text(result));
