@@ -131,7 +131,10 @@ bool roburoc4_drive_limits_valid(const roburoc4_differential_properties *limits)
 }
 
 void roburoc4_drive_arm(drive *d, uint32_t *events) {
-    *events |= d->armed ? 0 : ROBUROC4_EVENT_ARMED;
+    if (!d->armed) {
+        *events |= ROBUROC4_EVENT_ARMED;
+        d->still = 0; /* from now on, else a robot that stands all the time is not noticed again */
+    }
     d->armed = 1;
     d->disarm_cause = ROBUROC4_OK;
 }

@@ -243,6 +243,17 @@ TEST(Inhibited, DisarmsWhereTheRobotDropsTheTargetItself) {
     EXPECT_EQ(ROBUROC4_ERR_INHIBITED, bench.drive_until_refused(0.5F, 0, second));
 }
 
+TEST(Inhibited, DisarmsAgainWhenArmedAgainAtOnce) {
+    ScriptedRobot robot;
+    robot.follows = false;
+    Bench bench(robot);
+    bench.armed();
+    EXPECT_EQ(ROBUROC4_ERR_INHIBITED, bench.drive_until_refused(0.5F, 0, second));
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+    robot.target_linear = 0.5F; /* the command from before arrives late */
+    EXPECT_EQ(ROBUROC4_ERR_INHIBITED, bench.drive_until_refused(0.5F, 0, second));
+}
+
 TEST(Inhibited, IsNotReportedWhenItMovesOrHasNoTarget) {
     ScriptedRobot robot;
     Bench bench(robot);
