@@ -7,8 +7,6 @@
  */
 #include "native.h"
 
-#include "bytes.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -236,10 +234,13 @@ PyObject *tuple_of_floats(const float *values, uint32_t count) {
 }
 
 PyObject *tuple_of_view(const uint8_t *view, uint32_t count) {
+    float some[16];
     PyObject *tuple = PyTuple_New(count);
     for (uint32_t i = 0; tuple != NULL && i < count; i++) {
-        const float value = f32_from_bits(load_u32(view + i * sizeof value));
-        tuple = put_item(tuple, i, PyFloat_FromDouble(shortest(value)));
+        if (i % 16 == 0) {
+            (void)roburoc4_floats(view + i * sizeof *some, count - i, some, 16);
+        }
+        tuple = put_item(tuple, i, PyFloat_FromDouble(shortest(some[i % 16])));
     }
     return tuple;
 }
