@@ -59,15 +59,15 @@ start() {
 # run it for that long, which proves nothing: then it is started again.
 starved() {
     tries=$((${tries:-0} + 1))
-    [ "$tries" -lt 10 ] && grep -E 'no (recent|fresh) .*status|not connected' errors
+    [ "$tries" -lt 10 ] && grep -E 'no (recent|fresh) .*status|not connected' said
 }
 
 # drive STATUS PROGRAM: the program ends with this exit status.
 drive() {
     while :; do
         status=0
-        "$2" "$robot" 2>errors || status=$?
-        cat errors
+        "$2" "$robot" >said 2>&1 || status=$?
+        cat said
         if [ "$status" -eq "$1" ] || ! starved; then
             break
         fi
@@ -103,7 +103,7 @@ drive_until_it_moves() {
     until grep -q ' target [0-9.]*[1-9]' log; do
         if [ -z "$driver" ] || ! kill -0 "$driver" 2>/dev/null; then
             [ -z "$driver" ] || starved
-            build/drive "$robot" 2>errors &
+            build/drive "$robot" >said 2>&1 &
             driver=$!
         fi
         state >/dev/null
@@ -124,13 +124,13 @@ silent)
     kill -STOP "$simulator"
     drive 1 build/drive
     kill -CONT "$simulator"
-    grep -q 'gave up: not connected' errors
+    grep -q 'gave up: not connected' said
     ;;
 closed)
     compile
     robot=127.0.0.1:9
     drive 1 build/drive
-    grep -q 'nothing listens on this port' errors
+    grep -q 'nothing listens on this port' said
     ;;
 lost)
     compile
@@ -140,9 +140,9 @@ lost)
     simulator=
     status=0
     wait "$driver" || status=$?
-    cat errors
+    cat said
     test "$status" -eq 1
-    grep -q 'gave up' errors
+    grep -q 'gave up' said
     ;;
 pump)
     # The example at the top of roburoc4_pump.h, in a program that wants it to drive for 2 s.
