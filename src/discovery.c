@@ -65,14 +65,6 @@ bool roburoc4_discovery_directory(discovery *d, const roburoc4_directory *direct
     return directory->count > ROBUROC4_MAX_SERVICES;
 }
 
-bool roburoc4_discovery_lists(const discovery *d, uint16_t id) {
-    uint32_t i = 0;
-    while (i < d->service_count && d->ids[i] != id) {
-        i++;
-    }
-    return i < d->service_count;
-}
-
 static uint8_t kind_of_type(uint16_t type) {
     switch (type) {
     case ROBUROC4_TYPE_IOCARD:
@@ -161,6 +153,15 @@ bool roburoc4_discovery_identify(discovery *d) {
     }
     d->identified = 1;
     return changed; /* a service that is not listed has id 0 */
+}
+
+bool roburoc4_discovery_reads(const discovery *d, uint16_t id) {
+    for (uint32_t kind = ROBUROC4_SERVICE_IOCARD; kind < ROBUROC4_SERVICE_COUNT; kind++) {
+        if (d->identified && (d->listed & service_bit(kind)) != 0 && d->service_ids[kind] == id) {
+            return true;
+        }
+    }
+    return false;
 }
 
 /* ---- texts ---- */

@@ -37,6 +37,7 @@ static roburoc4_result take_iocard(client *c, const uint8_t *data, size_t size) 
     if (result >= 0 && memcmp(c->private_values.io_counts, counts, sizeof counts) != 0) {
         memcpy(c->private_values.io_counts, counts, sizeof counts);
         roburoc4_discovery_forget_inputs(d);
+        roburoc4_requests_cancel_texts(&c->private_requests, LIST_DIRECTORY, c->private_now_us);
         forget_override(c);
         roburoc4_lifecycle_forget_outputs(c); /* they belong to another card */
         c->private_events |= ROBUROC4_EVENT_PROPERTIES;
@@ -266,7 +267,7 @@ static roburoc4_result receive_status(client *c, const uint8_t *data, size_t siz
     const roburoc4_result result = decode_status(c, service, data, size, &status);
     if (result < 0) {
         if (c->private_state == ROBUROC4_STATE_DISCOVERING &&
-            roburoc4_discovery_lists(&c->private_discovery, id)) {
+            roburoc4_discovery_reads(&c->private_discovery, id)) {
             roburoc4_link_overhear(&c->private_link, load_u64(data + 3), c->private_now_us);
         }
         return result;

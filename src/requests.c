@@ -246,16 +246,21 @@ void roburoc4_requests_be_quiet(requests *r, const slot *s, uint64_t now_us) {
     r->quiet = 1;
 }
 
+void roburoc4_requests_cancel_texts(requests *r, uint32_t lists, uint64_t now_us) {
+    for (uint32_t i = 0; i < SLOTS; i++) {
+        slot *s = &r->slots[i];
+        if (s->open && s->ask.action == ROBUROC4_ACTION_QUERY && s->ask.detail < lists) {
+            s->open = 0;
+            roburoc4_requests_be_quiet(r, s, now_us);
+        }
+    }
+}
+
 /** An error telegram does not name the text that it refuses: from now on request one text at a
  * time. */
 static void ask_single_texts(requests *r, uint64_t now_us) {
     r->single_texts = 1;
-    for (uint32_t i = 0; i < SLOTS; i++) {
-        if (r->slots[i].open && r->slots[i].ask.action == ROBUROC4_ACTION_QUERY) {
-            r->slots[i].open = 0;
-            roburoc4_requests_be_quiet(r, &r->slots[i], now_us);
-        }
-    }
+    roburoc4_requests_cancel_texts(r, LIST_DIRECTORY + 1, now_us);
 }
 
 slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size, uint64_t now_us) {

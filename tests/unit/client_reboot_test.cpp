@@ -53,11 +53,25 @@ TEST(Reboot, BetweenStatusesOfTwoSubscriptionsIsSurvived) {
     Bench bench(robot);
     bench.delay_to_client = [] { return 1 * ms; };
     bench.start();
-    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_DISCOVERING));
+    ASSERT_TRUE(bench.run_until([&] { return roburoc4_client_service_id(&bench.client, 6) > 0; }));
     const std::uint64_t before = robot.cycles() + 1000000;
     EXPECT_EQ(ROBUROC4_ERR_UNSUBSCRIBED, bench.receive(robot.status_at(6, before)));
     EXPECT_TRUE(bench.run_until([&] { return bench.arm() >= 0; }, 5 * second));
     EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_REBOOTS));
+}
+
+TEST(Reboot, IsNotAnotherKindOfStatusWithAStampOfItsOwn) {
+    ScriptedRobot robot;
+    robot.services.push_back({ROBUROC4_TYPE_LASER, 9, 99, "Laser"});
+    Bench bench(robot);
+    bench.delay_to_client = [] { return 1 * ms; };
+    bench.start();
+    for (int i = 0; i < 5000 && bench.arm() < 0; i++) {
+        bench.run(2 * ms);
+        bench.receive(robot.status_at(99, bench.now_us));
+    }
+    EXPECT_EQ(1, bench.facts().armed);
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_REBOOTS));
 }
 
 TEST(Reboot, IsNotTwoStatusesBackAndANewerOne) {

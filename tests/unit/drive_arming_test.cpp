@@ -245,7 +245,7 @@ TEST(ArmRefused, OnStatusesFromBeforeTheClientWasStartedAgain) {
     bench.delay_to_client = [] { return 1 * ms; };
     bench.drop_to_client = [](const Bytes &bytes) { return bytes[0] == ROBUROC4_HEADER_STATUS; };
     bench.start();
-    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_DISCOVERING));
+    ASSERT_TRUE(bench.run_until([&] { return roburoc4_client_service_id(&bench.client, 6) > 0; }));
     EXPECT_EQ(ROBUROC4_ERR_UNSUBSCRIBED, bench.receive(robot.status_at(6, robot.cycles())));
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
     for (const std::uint16_t service : needed)
@@ -650,6 +650,30 @@ TEST(UnknownOverride, AllowedStillObeysAKnownOverride) {
         bench.run(400 * ms);
         EXPECT_EQ(ROBUROC4_ERR_STALE_IOCARD, bench.arm()) << "the robot has a game pad";
     }
+}
+
+TEST(Override, IsNotChangedByALateTextOfTheCardBefore) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    roburoc4_request late{};
+    robot.iocard.digital_inputs = 40;
+    robot.instead = [&](const roburoc4_request &request, std::vector<Bytes> &) {
+        const bool held = request.action == ROBUROC4_ACTION_QUERY &&
+                          request.service == ROBUROC4_SERVICE_IOCARD &&
+                          request.io_type == ROBUROC4_IO_DIGITAL_INPUT && request.index == 39;
+        late = held ? request : late;
+        return held;
+    };
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    ASSERT_EQ(39, late.index);
+    robot.iocard.digital_inputs = 22;
+    ASSERT_TRUE(bench.run_until([&] { return bench.facts().override_known == 1; }, 5 * second));
+    const std::string text = "Game pad \"A\" button";
+    EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive(encoded([&](std::uint8_t *b, std::size_t n) {
+        return roburoc4_encode_text(b, n, late.id, late.service, text.data(), text.size());
+    })));
+    EXPECT_EQ(ROBUROC4_DI_PAD_A, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
 }
 
 TEST(UnknownOverride, IsNotThatOfARemovedCard) {

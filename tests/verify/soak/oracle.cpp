@@ -552,9 +552,11 @@ void Oracle::differential_status(Moment now, const Datagram &datagram) {
 }
 
 void Oracle::watch_other_commander(Moment now, const Datagram &datagram) {
+    Envelope recent = ours_; /* each axis by itself */
+    recent.include({ours_before_.low_v, ours_before_.low_w});
+    recent.include({ours_before_.high_v, ours_before_.high_w});
     const bool others = datagram.origin.others_target && !zero_by_rounding(reported_target_) &&
-                        !ours_.contains(reported_target_) &&
-                        !ours_before_.contains(reported_target_);
+                        !recent.contains(reported_target_);
     others_ = others ? others_ + 1 : 0;
     if (others_ >= 3 && (config_.options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0)
         disarm(now, Promise::other_commander_disarms);
