@@ -49,10 +49,6 @@ REASONS = {
     ("python", "decode to an object: IO card"): (
         "The status with the most values: each of 9 analog and 22 digital inputs becomes an object."
     ),
-    ("python", "batch decode, one buffer"): (
-        "Every header is compared and every field copied into its column, in several passes of "
-        "NumPy over the buffer."
-    ),
     ("python", "batch decode, a list of datagrams"): (
         "Python goes through the list, one object at a time, before NumPy decodes the joined bytes."
     ),
