@@ -155,15 +155,6 @@ bool roburoc4_discovery_identify(discovery *d) {
     return changed; /* a service that is not listed has id 0 */
 }
 
-bool roburoc4_discovery_reads(const discovery *d, uint16_t id) {
-    for (uint32_t kind = ROBUROC4_SERVICE_IOCARD; kind < ROBUROC4_SERVICE_COUNT; kind++) {
-        if (d->identified && (d->listed & service_bit(kind)) != 0 && d->service_ids[kind] == id) {
-            return true;
-        }
-    }
-    return false;
-}
-
 /* ---- texts ---- */
 
 static char lower(char c) {

@@ -133,7 +133,7 @@ bool roburoc4_drive_limits_valid(const roburoc4_differential_properties *limits)
 void roburoc4_drive_arm(drive *d, uint32_t *events) {
     if (!d->armed) {
         *events |= ROBUROC4_EVENT_ARMED;
-        d->still = 0; /* from now on, else a robot that stands all the time is not noticed again */
+        d->still = 0; /* else a robot that has not moved since would go unnoticed */
     }
     d->armed = 1;
     d->disarm_cause = ROBUROC4_OK;

@@ -83,10 +83,10 @@ slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size,
 void roburoc4_requests_close(requests *r, slot *s, uint64_t now_us);
 uint64_t roburoc4_requests_deadline(const requests *r);
 /** Texts (and in fixed-id mode all requests) wait until no answer to this one can still arrive:
- *  answers to its other tries may take as long as this one took. Without one, the next copy of an
- *  answer to any is waited for. */
+ *  answers to its other tries may take as long as this one took. Without one they wait as after an
+ *  error that does not name its request. */
 void roburoc4_requests_be_quiet(requests *r, const slot *s, uint64_t now_us);
-/** Ask no longer for texts of the first `lists` lists, and be quiet for their late answers. */
+/** Stop asking for texts of the first `lists` lists, and wait until no answer can still arrive. */
 void roburoc4_requests_cancel_texts(requests *r, uint32_t lists, uint64_t now_us);
 /** Make everything due: after a fault of the clock. */
 void roburoc4_requests_rebase(requests *r, uint64_t now_us);
@@ -167,8 +167,6 @@ void roburoc4_discovery_forget_inputs(discovery *d);
 void roburoc4_discovery_read_texts_again(discovery *d);
 /** Whether this directory equals the stored one. */
 bool roburoc4_discovery_same(const discovery *d, const roburoc4_directory *directory);
-/** Whether this is the id of a service whose statuses the client reads. */
-bool roburoc4_discovery_reads(const discovery *d, uint16_t id);
 /** Store the directory; true if it lists more services than fit. */
 bool roburoc4_discovery_directory(discovery *d, const roburoc4_directory *directory);
 /** Whether the directory lists this id and it may be the differential service. */

@@ -243,15 +243,14 @@ static void take_speeds(client *c, const roburoc4_differential_status *status) {
     }
 }
 
-/** The subscribed service with this id, or 0. The search begins with the manual's ids, which a
+/** The one of these services with this id, or 0. The search begins with the manual's ids, which a
  * RobuROC4 uses. */
-static uint32_t subscribed_service(const client *c, uint16_t id) {
-    const discovery *d = &c->private_discovery;
-    if (id < ROBUROC4_SERVICE_COUNT && d->service_ids[id] == id && (d->inserted >> id & 1) != 0) {
+static inline uint32_t service_with_id(const discovery *d, uint32_t services, uint16_t id) {
+    if (id < ROBUROC4_SERVICE_COUNT && d->service_ids[id] == id && (services >> id & 1) != 0) {
         return id;
     }
     for (uint32_t service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT; service++) {
-        if (d->service_ids[service] == id && (d->inserted & service_bit(service)) != 0) {
+        if (d->service_ids[service] == id && (services & service_bit(service)) != 0) {
             return service;
         }
     }
@@ -260,16 +259,12 @@ static uint32_t subscribed_service(const client *c, uint16_t id) {
 
 /** A status of at least its head's length. */
 static roburoc4_result receive_status(client *c, const uint8_t *data, size_t size) {
-    const uint16_t id = load_u16(data + 1);
-    const uint32_t service = subscribed_service(c, id);
+    const discovery *d = &c->private_discovery;
+    const uint32_t service = service_with_id(d, d->inserted, load_u16(data + 1));
     values *v = &c->private_values;
     any_status status;
     const roburoc4_result result = decode_status(c, service, data, size, &status);
     if (result < 0) {
-        if (c->private_state == ROBUROC4_STATE_DISCOVERING &&
-            roburoc4_discovery_reads(&c->private_discovery, id)) {
-            roburoc4_link_overhear(&c->private_link, load_u64(data + 3), c->private_now_us);
-        }
         return result;
     }
     if (!is_new(c, service, status.robot_cycles)) {
@@ -295,6 +290,15 @@ static roburoc4_result receive_status(client *c, const uint8_t *data, size_t siz
         break;
     }
     return result;
+}
+
+/** A status that was not subscribed to yet: of a subscription that an earlier client made. */
+static void overhear(client *c, const uint8_t *data) {
+    const discovery *d = &c->private_discovery;
+    if (c->private_state == ROBUROC4_STATE_DISCOVERING && d->identified &&
+        service_with_id(d, d->listed, load_u16(data + 1)) != 0) {
+        roburoc4_link_overhear(&c->private_link, load_u64(data + 3), c->private_now_us);
+    }
 }
 
 /* ---- answers ---- */
@@ -486,6 +490,9 @@ roburoc4_result roburoc4_client_receive(client *c, const uint8_t *datagram, size
         result = receive_answer(c, datagram, size);
     }
     if (result < 0) {
+        if (result == ROBUROC4_ERR_UNSUBSCRIBED) {
+            overhear(c, datagram);
+        }
         count_drop(c, result);
         return result;
     }

@@ -82,7 +82,7 @@ static bool open_probe(client *c) {
         if (c->private_requests.fixed_id && index_of_role(c, ROBUROC4_ROLE_OVERRIDE) < 0 &&
             roburoc4_discovery_inputs_passed(d, c->private_values.io_counts)) {
             roburoc4_discovery_forget_inputs(d);
-            /* each answer may have been taken for that to the next request, all the time */
+            /* every answer may have been matched to the request after its own */
             roburoc4_requests_be_quiet(&c->private_requests, NULL, c->private_now_us);
         }
     }
