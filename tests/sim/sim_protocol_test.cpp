@@ -40,8 +40,13 @@ std::string channel_text(SimRobot &robot, std::uint8_t type, std::uint8_t index)
 
 Bytes replace_localization(double x, double y, double theta) {
     Bytes bytes(36);
-    EXPECT_EQ(36, encode_replace_localization(bytes.data(), bytes.size(), 0x24,
-                                              ROBUROC4_SERVICE_LOCALIZATION, 1, x, y, theta));
+    roburoc4_request request =
+        request_of(0x24, ROBUROC4_ACTION_REPLACE, ROBUROC4_SERVICE_LOCALIZATION);
+    request.timestamp = 1;
+    request.x_m = x;
+    request.y_m = y;
+    request.theta_rad = theta;
+    EXPECT_EQ(36, roburoc4_encode_request(bytes.data(), bytes.size(), &request));
     return bytes;
 }
 
@@ -450,17 +455,14 @@ TEST(SimInputs, ShowPadBumpersAndVoltages) {
         const bool expected = index == ROBUROC4_DI_PAD_RB || index == ROBUROC4_DI_REAR_BUMPER;
         EXPECT_EQ(expected ? 1 : 0, digital_at(&status, index)) << index;
     }
-    const auto analog = [&](std::uint32_t index) {
-        float value = 0.0F;
-        EXPECT_EQ(0, analog_at(&status, index, &value));
-        return value;
-    };
+    float analog[9];
+    ASSERT_EQ(9U, roburoc4_floats(status.analog, status.analog_count, analog, 9));
     const auto state = robot.state();
-    EXPECT_FLOAT_EQ(0.75F, analog(ROBUROC4_AI_PAD_RJ_Y));
-    EXPECT_FLOAT_EQ(-1.0F, analog(ROBUROC4_AI_PAD_LT)) << "a trigger at rest";
-    EXPECT_FLOAT_EQ(state.battery_v, analog(ROBUROC4_AI_BATTERY_V));
+    EXPECT_FLOAT_EQ(0.75F, analog[ROBUROC4_AI_PAD_RJ_Y]);
+    EXPECT_FLOAT_EQ(-1.0F, analog[ROBUROC4_AI_PAD_LT]) << "a trigger at rest";
+    EXPECT_FLOAT_EQ(state.battery_v, analog[ROBUROC4_AI_BATTERY_V]);
     EXPECT_NEAR(double(state.distances_m[0]) * 5.0 / 6.0,
-                double(analog(ROBUROC4_AI_FRONT_TELEMETER_V)), 1e-5);
+                double(analog[ROBUROC4_AI_FRONT_TELEMETER_V]), 1e-5);
 }
 
 TEST(SimInputs, WithLiteralNumbersLieOneIndexHigher) {

@@ -111,42 +111,35 @@ TEST(Kinds, AStatusIsNoAnswer) {
     EXPECT_EQ(ROBUROC4_ERR_KIND, roburoc4_decode_answer(bytes.data(), bytes.size(), &out));
 }
 
-TEST(Kinds, StatusesAndCommandsHaveHeader255) {
+/** No other header is that of a status or a command. */
+template <class Out, class Decode> void expect_header_255(const char *name, Decode decode) {
+    Bytes bytes = vector_bytes(name);
     for (int header = 0; header < 255; header++) {
-        const auto with_header = [header](const char *name) {
-            Bytes bytes = vector_bytes(name);
-            bytes[0] = static_cast<uint8_t>(header);
-            return bytes;
-        };
-        const Bytes io = with_header("iocard-status"), tele = with_header("telemeter-status"),
-                    battery = with_header("battery-status"),
-                    pose = with_header("localization-status"),
-                    diff = with_header("differential-status"),
-                    drive = with_header("differential-command"),
-                    out = with_header("iocard-command");
-        roburoc4_channels io_status{};
-        roburoc4_telemeter_status tele_status{};
-        roburoc4_battery_status battery_status{};
-        roburoc4_localization_status pose_status{};
-        roburoc4_differential_status diff_status{};
-        roburoc4_differential_command drive_command{};
-        roburoc4_channels io_command{};
-        roburoc4_status_header head{};
-        const roburoc4_result kind = ROBUROC4_ERR_KIND;
-        EXPECT_EQ(kind, roburoc4_decode_iocard_status(io.data(), io.size(), 9, 22, &io_status));
-        EXPECT_EQ(kind, roburoc4_decode_telemeter_status(tele.data(), tele.size(), &tele_status));
-        EXPECT_EQ(kind,
-                  roburoc4_decode_battery_status(battery.data(), battery.size(), &battery_status));
-        EXPECT_EQ(kind,
-                  roburoc4_decode_localization_status(pose.data(), pose.size(), &pose_status));
-        EXPECT_EQ(kind,
-                  roburoc4_decode_differential_status(diff.data(), diff.size(), &diff_status));
-        EXPECT_EQ(kind,
-                  roburoc4_decode_differential_command(drive.data(), drive.size(), &drive_command));
-        EXPECT_EQ(kind, roburoc4_decode_iocard_command(out.data(), out.size(), 0, 8, &io_command));
-        EXPECT_EQ(kind, roburoc4_decode_status_header(io.data(), io.size(), &head));
-        EXPECT_EQ(kind, roburoc4_decode_iocard_command(out.data(), out.size(), 0, 0, &io_command));
+        Out out{};
+        bytes[0] = static_cast<uint8_t>(header);
+        EXPECT_EQ(ROBUROC4_ERR_KIND, decode(bytes.data(), bytes.size(), &out)) << name;
     }
+}
+
+TEST(Kinds, StatusesAndCommandsHaveHeader255) {
+    expect_header_255<roburoc4_status_header>("iocard-status", roburoc4_decode_status_header);
+    expect_header_255<roburoc4_channels>("iocard-status", [](auto *data, auto size, auto *out) {
+        return roburoc4_decode_iocard_status(data, size, 9, 22, out);
+    });
+    expect_header_255<roburoc4_telemeter_status>("telemeter-status",
+                                                 roburoc4_decode_telemeter_status);
+    expect_header_255<roburoc4_battery_status>("battery-status", roburoc4_decode_battery_status);
+    expect_header_255<roburoc4_localization_status>("localization-status",
+                                                    roburoc4_decode_localization_status);
+    expect_header_255<roburoc4_differential_status>("differential-status",
+                                                    roburoc4_decode_differential_status);
+    expect_header_255<roburoc4_differential_command>("differential-command",
+                                                     roburoc4_decode_differential_command);
+    for (const uint32_t digital : {0U, 8U})
+        expect_header_255<roburoc4_channels>(
+            "iocard-command", [digital](auto *data, auto size, auto *out) {
+                return roburoc4_decode_iocard_command(data, size, 0, digital, out);
+            });
 }
 
 TEST(Values, ACardWithANegativeCountIsImpossible) {
@@ -194,15 +187,12 @@ template <class Encode> void expect_refused(Encode encode) {
 TEST(Values, RequestsAreNotSentWithAReservedId) {
     for (const int reserved : {ROBUROC4_HEADER_ERROR, ROBUROC4_HEADER_STATUS}) {
         const auto id = static_cast<uint8_t>(reserved);
-        expect_refused([&](uint8_t *b, size_t n) { return encode_get(b, n, id, 6); });
-        expect_refused([&](uint8_t *b, size_t n) { return encode_query_directory(b, n, id, 0); });
-        expect_refused(
-            [&](uint8_t *b, size_t n) { return encode_query_iocard(b, n, id, 2, 0, 0); });
-        expect_refused([&](uint8_t *b, size_t n) { return encode_insert(b, n, id, 6, 5); });
-        expect_refused([&](uint8_t *b, size_t n) { return encode_delete(b, n, id, 6); });
-        expect_refused([&](uint8_t *b, size_t n) {
-            return encode_replace_localization(b, n, id, 5, 1, 0, 0, 0);
-        });
+        for (uint8_t action = ROBUROC4_ACTION_GET; action <= ROBUROC4_ACTION_DELETE; action++) {
+            roburoc4_request request = request_of(id, action, 2);
+            request.period_cycles = 5;
+            expect_refused(
+                [&](uint8_t *b, size_t n) { return roburoc4_encode_request(b, n, &request); });
+        }
     }
 }
 
@@ -242,10 +232,13 @@ TEST(Values, AnAnswerIsNotSentUnderTheHeaderOfAStatus) {
 }
 
 TEST(Values, APeriodOf0IsNotSent) {
-    uint8_t b[64];
-    expect_refused([](uint8_t *to, size_t n) { return encode_insert(to, n, 1, 6, 0); });
-    EXPECT_EQ(7, encode_insert(b, sizeof b, 1, 6, 1));
-    EXPECT_EQ(7, encode_insert(b, sizeof b, 1, 6, 255));
+    roburoc4_request insert = request_of(1, ROBUROC4_ACTION_INSERT, 1);
+    expect_refused([&](uint8_t *b, size_t n) { return roburoc4_encode_request(b, n, &insert); });
+    for (const uint8_t period : {uint8_t{1}, uint8_t{255}}) {
+        uint8_t b[64];
+        insert.period_cycles = period;
+        EXPECT_EQ(7, roburoc4_encode_request(b, sizeof b, &insert));
+    }
 }
 
 } // namespace

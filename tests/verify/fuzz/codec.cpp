@@ -6,7 +6,6 @@
  */
 #include <functional>
 
-#include "../../support/telegrams.h"
 #include "fuzz.h"
 #include "roburoc4.h"
 
@@ -60,13 +59,9 @@ std::uint8_t id_of(const Bytes &datagram) {
 }
 
 /** Floats are moved bit by bit, so that a vector of them is good for encoding them again. */
-template <class View, class Accessor>
-std::vector<float> all_floats(const View &view, std::uint32_t count, Accessor at) {
-    std::vector<float> values(count);
-    for (std::uint32_t i = 0; i < count; i++)
-        expect(at(&view, i, &values[i]) == ROBUROC4_OK, "each listed float can be read");
-    float beyond = 0;
-    expect(at(&view, count, &beyond) == ROBUROC4_ERR_INDEX, "none beyond the last");
+std::vector<float> all_floats(const std::uint8_t *list, std::uint32_t count) {
+    std::vector<float> values(count + 1);
+    expect(roburoc4_floats(list, count, values.data(), count + 1) == count, "all floats are read");
     return values;
 }
 
@@ -201,43 +196,34 @@ void status_header(const Bytes &datagram) {
 }
 
 /** The first bytes say how many channels the robot has. */
-void iocard_status(const Bytes &input) {
-    Input in(input.data(), input.size());
-    const auto analog = in.number<std::uint32_t>();
-    const auto digital = in.number<std::uint32_t>();
-    const ExactBlock block(in.rest());
-    const Bytes datagram = block.bytes();
-    roburoc4_channels s;
-    Bytes used;
-    /* `analog` and `digital` may be written before the refusal; then they are not valid */
-    const roburoc4_result result =
-        roburoc4_decode_iocard_status(datagram.data(), datagram.size(), analog, digital, &s);
-    if (result < 0)
-        return;
-    const auto floats = all_floats(s, analog, analog_at);
-    used = Bytes(datagram.begin(), datagram.end() - result);
-    encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
-        return roburoc4_encode_iocard_status(b, n, s.service, s.robot_cycles, floats.data(), analog,
-                                             s.digital, digital);
-    });
-}
-
-void iocard_command(const Bytes &input) {
+/** The numbers of analog and digital channels come first; `status`, or a command. */
+void channels(const Bytes &input, bool status) {
     Input in(input.data(), input.size());
     const auto analog = in.number<std::uint32_t>();
     const auto digital = in.number<std::uint32_t>();
     const Bytes datagram = in.rest();
+    const auto decode = status ? roburoc4_decode_iocard_status : roburoc4_decode_iocard_command;
     roburoc4_channels c;
-    const roburoc4_result result =
-        roburoc4_decode_iocard_command(datagram.data(), datagram.size(), analog, digital, &c);
-    if (result < 0)
+    Bytes used;
+    if (!decodes(datagram, c, used, [&](auto *data, auto size, auto *out) {
+            return decode(data, size, analog, digital, out);
+        }))
         return;
-    const auto floats = all_floats(c, analog, analog_at);
-    const Bytes used(datagram.begin(), datagram.end() - result);
+    const auto floats = all_floats(c.analog, analog);
     encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
-        return roburoc4_encode_iocard_command(b, n, c.service, floats.data(), analog, c.digital,
-                                              digital);
+        return status ? roburoc4_encode_iocard_status(b, n, c.service, c.robot_cycles,
+                                                      floats.data(), analog, c.digital, digital)
+                      : roburoc4_encode_iocard_command(b, n, c.service, floats.data(), analog,
+                                                       c.digital, digital);
     });
+}
+
+void iocard_status(const Bytes &input) {
+    channels(input, true);
+}
+
+void iocard_command(const Bytes &input) {
+    channels(input, false);
 }
 
 void telemeter_status(const Bytes &datagram) {
@@ -245,7 +231,7 @@ void telemeter_status(const Bytes &datagram) {
     Bytes used;
     if (!decodes(datagram, s, used, roburoc4_decode_telemeter_status))
         return;
-    const auto floats = all_floats(s, s.count, distance_at);
+    const auto floats = all_floats(s.distances, s.count);
     encodes_to(used, [&](std::uint8_t *b, std::size_t n) {
         return roburoc4_encode_telemeter_status(b, n, s.service, s.robot_cycles, floats.data(),
                                                 s.count);
