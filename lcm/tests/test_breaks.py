@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import roburoc4_lcm
 from rig import Bridge, Bus, Planner, Programs, Robot, until
-from rig.bus import drive_command, now_us
+from rig.bus import now_us
 
 StartBridge = Callable[..., Bridge]
 Plan = Callable[..., Planner]
@@ -84,19 +84,6 @@ def test_after_a_break_it_stays_still_until_commands_pause(
     until(lambda: robot.tap.moves(ready_us), "the next command drives")
 
 
-def test_a_break_stops_it_at_once(robot: Robot, armed: Bridge, plan: Plan) -> None:
-    plan(linear=0.5)
-    until(robot.tap.moves, "a speed reaches the robot")
-    time.sleep(0.3)
-    robot.tell("pad a down")
-    taken_us = now_us()
-    until(lambda: armed.state.overridden, "the bridge sees the override")
-    time.sleep(0.5)
-    # The IO card reports every 50 ms.
-    assert robot.tap.moves(taken_us + 250_000) == []
-    assert not armed.state.armed
-
-
 def test_a_past_cause_is_reported_as_past(robot: Robot, armed: Bridge, plan: Plan) -> None:
     planner = plan(linear=0.3)
     until(robot.tap.moves, "a speed reaches the robot")
@@ -131,32 +118,6 @@ def test_after_the_clock_is_set_all_must_pause(
     until(lambda: robot.tap.moves(paused_us), "the next command drives")
 
 
-def test_zeros_are_a_pause_too(robot: Robot, bus: Bus, armed: Bridge, plan: Plan) -> None:
-    planner = plan(linear=0.5)
-    ready_us = break_off(robot, armed, "override")
-    planner.signal(signal.SIGKILL)
-    planner.ends()
-    for _ in range(20):
-        bus.publish("ROBUROC4_DRIVE_CMD", drive_command(0.0).encode())
-        time.sleep(0.05)
-    bus.publish("ROBUROC4_DRIVE_CMD", drive_command(0.5).encode())
-    until(lambda: robot.tap.moves(ready_us), "the next command drives")
-
-
-def test_every_sender_must_pause(robot: Robot, armed: Bridge, plan: Plan) -> None:
-    first = plan(linear=0.5, sender="first")
-    second = plan(linear=-0.5, sender="second")
-    ready_us = break_off(robot, armed, "override")
-    first.signal(signal.SIGKILL)
-    time.sleep(1.0)
-    assert armed.state.waiting
-    assert robot.tap.moves(ready_us) == []
-    second.signal(signal.SIGSTOP)
-    until(lambda: not armed.state.waiting, "the pause is over")
-    second.signal(signal.SIGCONT)
-    until(lambda: robot.tap.moves(ready_us), "the next command drives")
-
-
 def test_a_robot_that_is_absent_is_reported_and_found(
     robot: Robot, bus: Bus, start_bridge: StartBridge
 ) -> None:
@@ -183,22 +144,6 @@ def test_a_port_where_nobody_listens_is_reported(start_bridge: StartBridge) -> N
         "the bridge says that the port is closed",
     )
     assert bridge.running
-
-
-def test_commands_for_an_absent_robot_are_rejected(
-    robot: Robot, start_bridge: StartBridge, plan: Plan
-) -> None:
-    robot.tap.cut = True
-    bridge = start_bridge("--enable-drive", "--enable-outputs")
-    planner = plan()
-    until(
-        lambda: bridge.state and bridge.statistics.rejected_not_ready > 10, "commands are refused"
-    )
-    planner.end()
-    robot.tap.cut = False
-    bridge.connects()
-    time.sleep(1.0)
-    assert robot.tap.moves() == [], "commands from before are not driven later"
 
 
 def test_a_reboot_is_counted_and_statuses_go_on(

@@ -3,7 +3,6 @@
 
 import signal
 import threading
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -49,19 +48,6 @@ def test_of_two_commanders_the_first_keeps_control(robot: Robot, armed: Bridge, 
     # Not before the first one's lease was over, the last of which began 50 ms ago at most.
     changed = next(command for command in robot.tap.moves() if command.linear_m_s < 0)
     assert changed.time_us - killed_us > 200_000
-
-
-def test_control_ends_with_the_lease(robot: Robot, armed: Bridge, plan: Plan) -> None:
-    first = plan(sender="first", linear=0.3)
-    until(robot.tap.moves, "the first drives")
-    first.signal(signal.SIGSTOP)
-    until(lambda: armed.state.control_owner == "", "nobody commands")
-    plan(sender="second", linear=-0.3)
-    until(lambda: armed.state.control_owner == "second", "the second commands")
-    first.signal(signal.SIGCONT)
-    time.sleep(0.5)
-    assert armed.state.control_owner == "second"
-    assert robot.tap.moves()[-1].linear_m_s < 0
 
 
 def test_outputs_take_no_control_from_a_planner(

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Commands that are obeyed, and those that are rejected and counted."""
 
-import math
 import time
 from collections.abc import Callable
 from typing import Any
@@ -198,36 +197,6 @@ def test_each_incident_of_rejections_is_logged(bus: Bus, willing: Bridge) -> Non
     assert rejections("another") == 3
 
 
-@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
-@pytest.mark.parametrize(
-    ("kind", "field"),
-    [
-        ("DRIVE_CMD", "linear_m_s"),
-        ("DRIVE_CMD", "angular_rad_s"),
-        ("RELOCALIZE_CMD", "x_m"),
-        ("RELOCALIZE_CMD", "y_m"),
-        ("RELOCALIZE_CMD", "theta_rad"),
-    ],
-)
-def test_numbers_that_are_not_finite_are_rejected(
-    robot: Robot, bus: Bus, willing: Bridge, kind: str, field: str, value: float
-) -> None:
-    command = COMMANDS[kind]()
-    setattr(command, field, value)
-    bus.publish(f"ROBUROC4_{kind}", command.encode())
-    wait_for_count(willing, "rejected_not_finite", 1)
-    assert effects(robot) == 0
-
-
-@pytest.mark.parametrize("kind", COMMANDS)
-def test_a_repeated_command_is_rejected(robot: Robot, bus: Bus, willing: Bridge, kind: str) -> None:
-    command = COMMANDS[kind]().encode()
-    bus.publish(f"ROBUROC4_{kind}", command)
-    until(lambda: effects(robot), "it is obeyed once")
-    bus.publish(f"ROBUROC4_{kind}", command)
-    wait_for_count(willing, "rejected_repeated", 1)
-
-
 def test_outputs_are_set(robot: Robot, bus: Bus, willing: Bridge) -> None:
     bus.publish("ROBUROC4_OUTPUT_CMD", output_command(3).encode())
     wait_for_count(willing, "accepted_output", 1)
@@ -315,21 +284,6 @@ def test_commands_right_after_the_start_are_rejected(
     wait_for_count(bridge, "rejected_disarmed", 50)
     assert bridge.statistics.rejected_starting > 0
     assert robot.tap.moves() == []
-
-
-def test_a_rejection_is_explained_once_in_the_log(bus: Bus, armed: Bridge) -> None:
-    for _ in range(5):
-        bus.publish(DRIVE, drive_command(0.3, utime=0).encode())
-    wait_for_count(armed, "rejected_no_utime", 5)
-    lines = [line for line in armed.output.splitlines() if "utime" in line]
-    assert len(lines) == 1, armed.output
-
-
-def test_different_clocks_are_reported(bus: Bus, armed: Bridge) -> None:
-    bus.publish(DRIVE, drive_command(0.3, utime=now_us() - 3_600_000_000).encode())
-    wait_for_count(armed, "rejected_too_old", 1)
-    assert "clock" in armed.output
-    assert "--max-age" in armed.output
 
 
 def test_max_age_0_accepts_any_clock(robot: Robot, start_bridge: StartBridge, plan: Plan) -> None:

@@ -191,24 +191,6 @@ def test_the_bridge_publishes_its_state_five_times_a_second(
     assert abs(status.utime - bus.of("ROBUROC4_BRIDGE_STATE")[-1].time_us) < 1_000_000
 
 
-def test_old_statuses_are_not_republished(
-    robot: Robot, bus: Bus, start_bridge: StartBridge
-) -> None:
-    start_bridge().connects()
-    until(lambda: len(bus.of("ROBUROC4_LOCALIZATION")) > 5, "poses")
-    old = next(
-        telegram.data
-        for telegram in robot.tap.from_robot
-        if telegram.data[:1] == b"\xff"
-        and isinstance(roburoc4.decode(telegram.data), roburoc4.LocalizationStatus)
-    )
-    for _ in range(20):
-        robot.tap.inject(old)
-    time.sleep(0.5)
-    times = [message.robot_cycles for message in bus.decoded("ROBUROC4_LOCALIZATION")]
-    assert times == sorted(set(times))
-
-
 def test_properties_are_those_of_the_robot(
     robot: Robot, bus: Bus, start_bridge: StartBridge
 ) -> None:
@@ -254,14 +236,6 @@ def test_telemeters_can_be_drawn(robot: Robot, bus: Bus, start_bridge: StartBrid
     for seen in (front, rear):
         assert 0 < seen.field_of_view_rad < math.pi
         assert seen.min_distance_m <= seen.distance_m <= seen.max_distance_m
-
-
-def test_inputs_have_names(robot: Robot, bus: Bus, start_bridge: StartBridge) -> None:
-    start_bridge().connects()
-    status = bus.last("ROBUROC4_IOCARD")
-    assert status.digital_input_names[8].startswith("Game pad")
-    robot.tell("pad a down")
-    until(lambda: bus.last("ROBUROC4_IOCARD").digital_inputs[8], "[A] is on the bus")
 
 
 def test_channels_can_be_renamed(robot: Robot, bus: Bus, start_bridge: StartBridge) -> None:

@@ -94,25 +94,3 @@ def test_a_bridge_that_only_watches_stops_the_robot_too(
     bus.publish(STOP, stop_command("operator").encode())
     until(lambda: len(robot.tap.commands()) >= 3, "zeros reach the robot")
     assert robot.tap.moves() == []
-
-
-def test_zeros_of_an_idle_joystick_take_no_control(
-    robot: Robot, bus: Bus, armed: Bridge, plan: Plan
-) -> None:
-    plan(sender="joystick", linear=0.0)
-    time.sleep(1.0)
-    begun_us = now_us()
-    plan(sender="planner", linear=0.5)
-    until(lambda: robot.tap.moves(begun_us), "the planner drives")
-    time.sleep(1.0)
-    # And the joystick's zeros do not make it stutter.
-    commands = robot.tap.commands(robot.tap.moves(begun_us)[0].time_us)
-    assert all(command.moves for command in commands)
-
-
-def test_a_zero_gives_up_control(robot: Robot, bus: Bus, armed: Bridge) -> None:
-    bus.publish(DRIVE, drive_command(0.5, sender="first", lease_us=300_000).encode())
-    until(robot.tap.moves, "the first drives")
-    bus.publish(DRIVE, drive_command(0.0, sender="first", lease_us=300_000).encode())
-    bus.publish(DRIVE, drive_command(-0.5, sender="second", lease_us=300_000).encode())
-    until(lambda: robot.tap.moves()[-1].linear_m_s < 0, "the second drives at once", 0.25)

@@ -119,61 +119,6 @@ struct View {
 
 } // namespace
 
-TEST(LcmMapping, DifferentialStatus) {
-    roburoc4_differential_status in{};
-    in.robot_cycles = cycles;
-    in.target_linear_m_s = 1.25F;
-    in.current_linear_m_s = 0.1F;
-    in.target_angular_rad_s = -3.5F;
-    in.current_angular_rad_s = NAN;
-    roburoc4_lcm_differential_status_t out;
-    mapping_differential(&in, utime, &out);
-    TRAVEL(roburoc4_lcm_differential_status_t, out, {
-        EXPECT_EQ(utime, got.utime);
-        EXPECT_EQ(static_cast<std::int64_t>(cycles), got.robot_cycles);
-        EXPECT_EQ(1.25F, got.target_linear_m_s);
-        EXPECT_EQ(0.1F, got.current_linear_m_s);
-        EXPECT_EQ(-3.5F, got.target_angular_rad_s);
-        EXPECT_TRUE(std::isnan(got.current_angular_rad_s)) << "NaN stays NaN";
-    });
-}
-
-TEST(LcmMapping, LocalizationStatus) {
-    roburoc4_localization_status in{};
-    in.robot_cycles = cycles;
-    in.x_m = 1e6;
-    in.y_m = -0.1;
-    in.theta_rad = 3.0;
-    in.flags = ROBUROC4_LOCALIZATION_METRIC | ROBUROC4_LOCALIZATION_PROPRIOCEPTIVE;
-    roburoc4_lcm_localization_status_t out;
-    mapping_localization(&in, utime, &out);
-    TRAVEL(roburoc4_lcm_localization_status_t, out, {
-        EXPECT_EQ(utime, got.utime);
-        EXPECT_EQ(static_cast<std::int64_t>(cycles), got.robot_cycles);
-        EXPECT_EQ(1e6, got.x_m);
-        EXPECT_EQ(-0.1, got.y_m);
-        EXPECT_EQ(3.0, got.theta_rad);
-        EXPECT_EQ(ROBUROC4_LCM_LOCALIZATION_STATUS_T_FLAG_METRIC |
-                      ROBUROC4_LCM_LOCALIZATION_STATUS_T_FLAG_PROPRIOCEPTIVE,
-                  got.flags);
-    });
-}
-
-TEST(LcmMapping, BatteryStatus) {
-    roburoc4_battery_status in{};
-    in.robot_cycles = cycles;
-    in.state = 200;
-    in.remaining_percent = 255;
-    roburoc4_lcm_battery_status_t out;
-    mapping_battery(&in, utime, &out);
-    TRAVEL(roburoc4_lcm_battery_status_t, out, {
-        EXPECT_EQ(utime, got.utime);
-        EXPECT_EQ(static_cast<std::int64_t>(cycles), got.robot_cycles);
-        EXPECT_EQ(200, got.state);
-        EXPECT_EQ(255, got.remaining_percent);
-    });
-}
-
 TEST(LcmMapping, TelemeterStatusHasTheMountingBesideEachDistance) {
     roburoc4_distances in{};
     in.robot_cycles = cycles;
