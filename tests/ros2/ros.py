@@ -198,16 +198,13 @@ def header(age_s: float = 0.0, frame: str = "base_link") -> Any:
     return types["std_msgs/msg/Header"](stamp, frame)
 
 
-def twist(linear_m_s: float, angular_rad_s: float = 0.0, sideways_m_s: float = 0.0) -> Any:
+def twist_stamped(linear_m_s: float, angular_rad_s: float = 0.0, *, age_s: float = 0.0) -> bytes:
     types = STORE.types
     vector = types["geometry_msgs/msg/Vector3"]
-    return types["geometry_msgs/msg/Twist"](
-        vector(linear_m_s, sideways_m_s, 0.0), vector(0.0, 0.0, angular_rad_s)
+    twist = types["geometry_msgs/msg/Twist"](
+        vector(linear_m_s, 0.0, 0.0), vector(0.0, 0.0, angular_rad_s)
     )
-
-
-def twist_stamped(linear_m_s: float, angular_rad_s: float = 0.0, *, age_s: float = 0.0) -> bytes:
-    message = STORE.types[TWIST_STAMPED](header(age_s), twist(linear_m_s, angular_rad_s))
+    message = types[TWIST_STAMPED](header(age_s), twist)
     return bytes(STORE.serialize_cdr(message, TWIST_STAMPED))
 
 

@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 
 import pytest
-from processes import Program, Robot, drives, first_zero_us, holds, until
+from processes import Program, Robot, drives, first_zero_us, until
 from ros import TWIST_STAMPED, Listener, Node, Publisher, twist_stamped
 
 StartNode = Callable[..., Node]
@@ -91,36 +91,3 @@ def test_after_the_game_pad_a_stream_must_pause(
     time.sleep(1)
     stream.stream(1, lambda: twist_stamped(0.3))
     assert robot.tap.moves(released_us), "after a pause it drives again"
-
-
-def test_after_an_emergency_stop_a_stream_must_pause(
-    robot: Robot, driven: Node, publish: Publish
-) -> None:
-    stream = publish("rt/cmd_vel", TWIST_STAMPED)
-    stream.stream_until(robot.tap.moves, lambda: twist_stamped(0.3))
-    stream.stream(1, lambda: twist_stamped(0.3))
-    assert robot.tap.moves()
-    robot.tell("estop local press")
-    stream.stream(2, lambda: twist_stamped(0.3))
-    robot.tell("estop local release")
-    robot.tell("motor on")
-    released_us = now_us()
-    stream.stream(1.5, lambda: twist_stamped(0.3))
-    assert not robot.tap.moves(released_us), "power that came back set it off"
-    assert robot.stands()
-
-
-def test_a_lost_robot_is_driven_again_only_after_a_pause(
-    robot: Robot, driven: Node, publish: Publish
-) -> None:
-    stream = publish("rt/cmd_vel", TWIST_STAMPED)
-    stream.stream_until(robot.tap.moves, lambda: twist_stamped(0.3))
-    stream.stream(1, lambda: twist_stamped(0.3))
-    assert robot.tap.moves()
-    robot.tap.cut = True
-    stream.stream(2, lambda: twist_stamped(0.3))
-    robot.tap.cut = False
-    back_us = now_us()
-    stream.stream(3, lambda: twist_stamped(0.3))
-    assert not robot.tap.moves(back_us)
-    holds(robot.stands, "it stands", 0.5)

@@ -6,15 +6,11 @@ from collections.abc import Callable
 
 import pytest
 from processes import Program, Robot, until
-from ros import STORE, TWIST_STAMPED, Listener, Node, Publisher, twist, twist_stamped
+from ros import STORE, TWIST_STAMPED, Listener, Node, Publisher, twist_stamped
 
 StartNode = Callable[..., Node]
 Drive = Callable[..., Program]
 Publish = Callable[..., Publisher]
-
-TWIST = "geometry_msgs/msg/Twist"
-NAN = float("nan")
-INFINITE = float("inf")
 
 
 def test_without_enable_drive_nobody_subscribes(
@@ -58,17 +54,6 @@ def test_a_replayed_recording_moves_nothing(robot: Robot, driven: Node, publish:
         replay.send(cdr)
         time.sleep(0.05)
     assert not robot.tap.moves()
-
-
-@pytest.mark.parametrize("value", [NAN, INFINITE, -INFINITE])
-@pytest.mark.parametrize("place", ["linear", "angular"])
-def test_a_value_that_is_no_number_moves_nothing(
-    robot: Robot, driven: Node, publish: Publish, value: float, place: str
-) -> None:
-    speed = (value, 0.0) if place == "linear" else (0.2, value)
-    publish("rt/cmd_vel", TWIST_STAMPED).stream(0.5, lambda: twist_stamped(*speed))
-    assert not robot.tap.moves()
-    assert driven.running
 
 
 def test_a_broken_payload_moves_nothing_and_ends_nothing(
@@ -125,15 +110,3 @@ def test_stop_is_obeyed_from_anyone_and_holds(
     time.sleep(1.5)
     assert not robot.tap.moves(stopped_us), "the stream goes on, the robot does not"
     until(robot.stands, "the robot stands")
-
-
-def test_sideways_is_not_turned_into_a_way_ahead(
-    robot: Robot, driven: Node, publish: Publish
-) -> None:
-    def sideways() -> bytes:
-        message = STORE.deserialize_cdr(twist_stamped(0.0), TWIST_STAMPED)
-        message.twist = twist(0.0, 0.0, 0.5)  # type: ignore[attr-defined]
-        return bytes(STORE.serialize_cdr(message, TWIST_STAMPED))
-
-    publish("rt/cmd_vel", TWIST_STAMPED).stream(0.5, sideways)
-    assert not robot.tap.moves()
