@@ -24,10 +24,6 @@ REASONS = {
     ("instructions", "memcpy"): CHECKED,
     ("codec", "LCM"): LISTS,
     ("instructions", "LCM"): LISTS,
-    ("client_cost", "receive an IO card's status"): (
-        "The status with the most values: 9 analog and 22 digital inputs are copied, and the "
-        "override is judged by them."
-    ),
     ("loopback", "status to value, p50, ratio to bare"): (
         "The adapter waits for a datagram or for the client's deadline, so that a stop sequence "
         "leaves in time; that is one system call more than a `recv` that waits for ever. The row "

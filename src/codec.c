@@ -572,7 +572,7 @@ roburoc4_result roburoc4_decode_status_header(const uint8_t *data, size_t size,
 /** Read `analog` floats and the blocks of `digital` bits; the reader is behind the head. */
 CURSOR roburoc4_result read_channels(reader *r, uint32_t analog, uint32_t digital, uint16_t service,
                                      uint64_t robot_cycles, roburoc4_channels *out) {
-    const uint64_t length = (uint64_t)analog * 4 + digital_blocks(digital);
+    const uint64_t length = ((uint64_t)analog * 32 + digital + 7) / 8; /* whole bytes */
     if (length > r->left) {
         return ROBUROC4_ERR_SHORT;
     }

@@ -517,15 +517,15 @@ roburoc4_result roburoc4_client_facts(const client *c, uint64_t now_us, roburoc4
     return give(out, &f, sizeof f);
 }
 
-static float share(uint32_t lost, uint32_t received) {
-    return lost > 0 ? (float)lost / (float)(lost + received) : 0;
+static float share(uint32_t lost, uint32_t of) {
+    return lost > 0 ? (float)lost / (float)of : 0;
 }
 
 roburoc4_result roburoc4_client_link(const client *c, uint64_t now_us, roburoc4_link *out) {
     roburoc4_link f;
     const roburoc4_private_link *l = &c->private_link;
     uint32_t recent_lost = 0;
-    uint32_t recent_received = 0;
+    uint32_t recent = 0;
     f.round_trip_us = l->round_trip_us;
     f.round_trip_min_us = l->round_trip_min_us;
     f.silence_us = clipped(now_us - l->last_used_us);
@@ -534,10 +534,10 @@ roburoc4_result roburoc4_client_link(const client *c, uint64_t now_us, roburoc4_
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         f.received += l->services[i].received;
         f.lost += l->services[i].lost;
-        recent_received += l->services[i].recent_received;
+        recent += l->services[i].recent;
         recent_lost += l->services[i].recent_lost;
     }
-    f.loss = share(recent_lost, recent_received);
+    f.loss = share(recent_lost, recent);
     f.reserved = 0;
     return give(out, &f, sizeof f);
 }
@@ -560,7 +560,7 @@ roburoc4_result roburoc4_client_service_link(const client *c, uint32_t service, 
     f.age_us = s->received > 0
                    ? clipped(roburoc4_link_age(&c->private_link, STATUS_INDEX(service), now_us))
                    : UINT32_MAX;
-    f.loss = share(s->recent_lost, s->recent_received);
+    f.loss = share(s->recent_lost, s->recent);
     return give(out, &f, sizeof f);
 }
 

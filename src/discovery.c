@@ -404,9 +404,9 @@ void roburoc4_discovery_ask_again(discovery *d, const int32_t *io_counts) {
     d->text_due = d->done;
 }
 
-/** Which input is [A]. If late texts may belong to other requests (`sure` is false), text and table
- * must agree. */
-static int32_t find_pad(const discovery *d, const int32_t *io_counts, bool sure) {
+/** Which input is [A]. In fixed-id mode, where late texts may belong to other requests, text
+ * and table must agree. */
+static int32_t find_pad(const discovery *d, const int32_t *io_counts, uint8_t fixed_id) {
     const int32_t count = io_counts[ROBUROC4_IO_DIGITAL_INPUT];
     const int32_t index = d->role_texts[ROBUROC4_ROLE_OVERRIDE];
     if (count > ROBUROC4_MAX_DIGITAL_INPUTS ||
@@ -416,7 +416,7 @@ static int32_t find_pad(const discovery *d, const int32_t *io_counts, bool sure)
     if (index == ROLE_TEXT_NONE && d->table_pad_refused) {
         return pad_by_table(io_counts);
     }
-    return sure || index == pad_by_table(io_counts) ? index : ROLE_TEXT_NONE;
+    return fixed_id && index != pad_by_table(io_counts) ? ROLE_TEXT_NONE : index;
 }
 
 /** Which input has another role, for which a guess is enough. */
@@ -426,10 +426,10 @@ static int32_t find_input(const discovery *d, const int32_t *io_counts, uint32_t
 }
 
 roburoc4_result roburoc4_discovery_role(const discovery *d, const roburoc4_config *config,
-                                        const int32_t *io_counts, uint32_t role, bool sure) {
+                                        const int32_t *io_counts, uint32_t role, uint8_t fixed_id) {
     int32_t index = config->role_index[role];
     if (index == ROBUROC4_INDEX_AUTO) {
-        index = role == ROBUROC4_ROLE_OVERRIDE ? find_pad(d, io_counts, sure)
+        index = role == ROBUROC4_ROLE_OVERRIDE ? find_pad(d, io_counts, fixed_id)
                                                : find_input(d, io_counts, role);
     }
     /* below 64, which is the most that a client stores */

@@ -207,10 +207,10 @@ bool roburoc4_discovery_services_passed(const discovery *d);
 bool roburoc4_discovery_inputs_passed(const discovery *d, const int32_t *io_counts);
 /** After that, allow one of the missing texts to be requested. */
 void roburoc4_discovery_ask_again(discovery *d, const int32_t *io_counts);
-/** Index of the input with a role, or ROBUROC4_ERR_UNKNOWN. `sure`: texts certainly belong to their
- * requests. */
+/** Index of the input with a role, or ROBUROC4_ERR_UNKNOWN. In fixed-id mode, text and table must
+ * agree on [A]. */
 roburoc4_result roburoc4_discovery_role(const discovery *d, const roburoc4_config *config,
-                                        const int32_t *io_counts, uint32_t role, bool sure);
+                                        const int32_t *io_counts, uint32_t role, uint8_t fixed_id);
 
 /** A text or a part of one: words of letters, digits and non-ASCII bytes, and separators. */
 typedef struct piece {
@@ -261,8 +261,7 @@ static inline void forget_override(roburoc4_client *c) {
 /** Index of the input with a role, or ROBUROC4_ERR_UNKNOWN. */
 static inline roburoc4_result index_of_role(const roburoc4_client *c, uint32_t role) {
     return roburoc4_discovery_role(&c->private_discovery, &c->private_config,
-                                   c->private_values.io_counts, role,
-                                   !c->private_requests.fixed_id);
+                                   c->private_values.io_counts, role, c->private_requests.fixed_id);
 }
 
 /* How long to wait for the texts of the directory before services without one are left out. */

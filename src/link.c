@@ -74,7 +74,6 @@ static void late(service *s, uint64_t robot_cycles) {
         if (s->recent_lost > 0) {
             s->recent_lost--;
         }
-        s->recent_received++; /* it did arrive */
     }
 }
 
@@ -83,7 +82,9 @@ static void revoke_losses(service *s) {
     const uint32_t steps = (s->gap_min + s->period_cycles / 2U) / s->period_cycles;
     const uint32_t wrong = (steps - 1) * (PERIOD_GAPS - 1);
     s->lost -= wrong < s->lost ? wrong : s->lost;
-    s->recent_lost = (uint16_t)(wrong < s->recent_lost ? s->recent_lost - wrong : 0);
+    const uint16_t recent = (uint16_t)at_most(wrong, s->recent_lost);
+    s->recent_lost -= recent;
+    s->recent -= recent;
 }
 
 /** Take the shortest of several gaps as the period. */
@@ -107,13 +108,15 @@ static void count_gap(service *s, uint64_t gap) {
         return;
     }
     learn_period(s, (uint16_t)gap);
+    uint32_t steps = 1;
     if (gap > s->period_cycles) { /* otherwise nothing is missing */
-        const uint32_t steps = ((uint32_t)gap + s->period_cycles / 2U) / s->period_cycles;
+        steps = ((uint32_t)gap + s->period_cycles / 2U) / s->period_cycles;
         s->lost += steps - 1;
         s->recent_lost = (uint16_t)(s->recent_lost + steps - 1); /* both are small */
     }
-    if (++s->recent_received + s->recent_lost >= RECENT_STATUSES) {
-        s->recent_received /= 2;
+    s->recent = (uint16_t)(s->recent + steps);
+    if (s->recent >= RECENT_STATUSES) {
+        s->recent /= 2;
         s->recent_lost /= 2;
     }
 }

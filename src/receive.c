@@ -194,10 +194,11 @@ static void take_inputs(client *c, const roburoc4_channels *inputs) {
     values *v = &c->private_values;
     (void)roburoc4_floats(inputs->analog, inputs->analog_count, v->analog,
                           ROBUROC4_MAX_ANALOG_INPUTS);
-    v->digital = digital_bits(inputs); /* the first ROBUROC4_MAX_DIGITAL_INPUTS */
+    const uint64_t digital = digital_bits(inputs); /* the first ROBUROC4_MAX_DIGITAL_INPUTS */
+    v->digital = digital;
     const roburoc4_result index = index_of_role(c, ROBUROC4_ROLE_OVERRIDE);
     const uint8_t known = index >= 0;
-    const uint8_t overridden = known ? (uint8_t)(v->digital >> index & 1) : 0;
+    const uint8_t overridden = known ? (uint8_t)(digital >> index & 1) : 0;
     if (overridden != v->overridden) {
         raise_event(c, ROBUROC4_EVENT_OVERRIDE);
     }
