@@ -12,7 +12,7 @@ TOP = Path(__file__).resolve().parents[2]
 
 project = "roburoc4"
 author = "The roburoc4 maintainers"
-copyright = author
+copyright = author  # noqa: A001, the name that Sphinx reads
 release = ".".join(
     re.findall(
         r"#define ROBUROC4_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)",
@@ -119,7 +119,8 @@ def mend_links(app: Sphinx, page: str, content: list[str]) -> None:
         if text.endswith(".md"):
             text = ""
         if target == app.srcdir / "README.md":
-            return f"[{text}]({os.path.relpath(app.srcdir / 'index.md', (app.srcdir / page).parent)}{anchor})"
+            index = os.path.relpath(app.srcdir / "index.md", (app.srcdir / page).parent)
+            return f"[{text}]({index}{anchor})"
         return text if target.is_dir() else f"[{text}]({path}{anchor})"
 
     content[0] = re.sub(r"(?<!!)\[([^]]+)\]\(([\w./+-]+)((?:#[\w-]+)?)\)", mend, content[0])
