@@ -113,87 +113,6 @@ TEST(Pump, RefusesInvalidArguments) {
     roburoc4_pump_destroy(nullptr);
 }
 
-TEST(Pump, BecomesReadyByItselfAndShowsWhatTheRobotReports) {
-    UdpRobot robot;
-    Pump pump = make_pump(robot.address());
-    ASSERT_TRUE(becomes_ready(pump.get()));
-    EXPECT_EQ(roburoc4_pump_running(pump.get()), 1);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_state), uint32_t{ROBUROC4_STATE_READY});
-
-    roburoc4_battery_status battery{};
-    roburoc4_localization_status localization{};
-    roburoc4_differential_status differential{};
-    roburoc4_inputs inputs{};
-    roburoc4_distances distances{};
-    uint64_t host_us = 0;
-    ASSERT_TRUE(eventually([&] {
-        sleep_ms(5);
-        return on_client(pump.get(), roburoc4_client_battery, &battery, &host_us) == 0 &&
-               on_client(pump.get(), roburoc4_client_localization, &localization, nullptr) == 0 &&
-               on_client(pump.get(), roburoc4_client_differential, &differential, nullptr) == 0 &&
-               on_client(pump.get(), roburoc4_client_inputs, &inputs, nullptr) == 0 &&
-               on_client(pump.get(), roburoc4_client_distances, &distances, nullptr) == 0;
-    }));
-    EXPECT_EQ(battery.remaining_percent, 100);
-    EXPECT_GT(host_us, 0u);
-    EXPECT_EQ(inputs.digital_count, uint32_t{ROBUROC4_DI_COUNT});
-    EXPECT_EQ(distances.count, uint32_t{ROBUROC4_TELEMETER_COUNT});
-
-    roburoc4_facts facts{};
-    facts.size = sizeof facts;
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_facts, roburoc4_udp_now_us(), &facts), 0);
-    roburoc4_link link{};
-    link.size = sizeof link;
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_link, roburoc4_udp_now_us(), &link), 0);
-    EXPECT_GT(link.received, 0u);
-    roburoc4_service_link service{};
-    service.size = sizeof service;
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_service_link, ROBUROC4_SERVICE_IOCARD,
-                        roburoc4_udp_now_us(), &service),
-              0);
-    EXPECT_EQ(service.subscribed, 1u);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_host_time, battery.robot_cycles, &host_us), 0);
-    EXPECT_GT(on_client(pump.get(), roburoc4_client_count, ROBUROC4_COUNT_RECEIVED), 5u);
-    EXPECT_GT(socket_of(pump.get()).counters[ROBUROC4_UDP_COUNT_RECEIVED], 5u);
-    EXPECT_EQ(socket_of(pump.get()).fault, uint32_t{ROBUROC4_FAULT_NONE});
-    EXPECT_EQ(socket_of(pump.get()).address.port, robot.port());
-}
-
-TEST(Pump, KnowsServicesAndProperties) {
-    UdpRobot robot;
-    Pump pump = make_pump(robot.address());
-    ASSERT_TRUE(becomes_ready(pump.get()));
-    roburoc4_directory_entry entry{};
-    roburoc4_iocard_properties io{};
-    roburoc4_battery_properties battery{};
-    roburoc4_localization_properties localization{};
-    roburoc4_differential_properties differential{};
-    roburoc4_telemeter telemeter{};
-    EXPECT_EQ(on_client(pump.get(), service_count), uint32_t{ROBUROC4_SERVICE_COUNT});
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_service_at, 1, &entry), 0);
-    EXPECT_EQ(entry.id, ROBUROC4_SERVICE_NOTIFICATION);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_service_id, ROBUROC4_SERVICE_DIFFERENTIAL), 6);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_iocard_properties, &io), 0);
-    EXPECT_EQ(io.digital_outputs, ROBUROC4_DO_COUNT);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_battery_properties, &battery), 0);
-    EXPECT_FLOAT_EQ(battery.nominal_voltage_v, 24.0f);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_localization_properties, &localization), 0);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_differential_properties, &differential), 0);
-    EXPECT_FLOAT_EQ(differential.max_linear_m_s, 2.6f);
-    EXPECT_EQ(on_client(pump.get(), telemeter_count), uint32_t{ROBUROC4_TELEMETER_COUNT});
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_telemeter, 1, &telemeter), 0);
-    EXPECT_GT(telemeter.max_distance_m, 0.0f);
-    EXPECT_TRUE(eventually([&] { /* its texts tell */
-                                 return on_client(pump.get(), roburoc4_client_role_index,
-                                                  ROBUROC4_ROLE_OVERRIDE) == ROBUROC4_DI_PAD_A;
-    }));
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_set_role_index, ROBUROC4_ROLE_OVERRIDE,
-                        ROBUROC4_DI_PAD_B),
-              0);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_role_index, ROBUROC4_ROLE_OVERRIDE),
-              ROBUROC4_DI_PAD_B);
-}
-
 TEST(Pump, KeepsTheRobotsTexts) {
     UdpRobot robot;
     Pump pump = make_pump(robot.address());
@@ -251,22 +170,6 @@ TEST(Pump, RetriesAnAbsentRobotWithoutSpinningAndFindsItLater) {
     EXPECT_TRUE(becomes_ready(pump.get()));
 }
 
-TEST(Pump, ReconnectsToARobotThatRestartsOnItsPort) {
-    auto robot = std::make_unique<UdpRobot>();
-    uint16_t port = robot->port();
-    Pump pump = make_pump(robot->address());
-    ASSERT_TRUE(becomes_ready(pump.get()));
-    roburoc4_pump_reader reader{};
-    ASSERT_EQ(roburoc4_pump_reader_init(pump.get(), &reader), ROBUROC4_OK);
-    robot.reset();
-    EXPECT_EQ(roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_LOST, kPatience),
-              ROBUROC4_EVENT_LOST);
-    ASSERT_EQ(roburoc4_pump_reader_init(pump.get(), &reader), ROBUROC4_OK);
-    robot = std::make_unique<UdpRobot>(port);
-    EXPECT_EQ(roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_READY, kPatience),
-              ROBUROC4_EVENT_READY);
-}
-
 /* ---------------------------------------------------------------------------------- motion --- */
 
 TEST(Pump, StopsTheRobotOfAProgramThatHangs) {
@@ -287,24 +190,6 @@ TEST(Pump, StopsTheRobotOfAProgramThatHangs) {
     EXPECT_EQ(speeds_in(robot.commands()), speeds) << "no speed after the lease";
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.2f, 0.0f, 0), ROBUROC4_OK)
         << "it stays armed";
-}
-
-TEST(Pump, KeepsDrivingOnlyWhileCommanded) {
-    UdpRobot robot;
-    Pump pump = make_pump(robot.address());
-    ASSERT_TRUE(becomes_armed(pump.get()));
-    ASSERT_TRUE(eventually([&] {
-        EXPECT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.4f, 0.1f, 1000000), ROBUROC4_OK);
-        sleep_ms(50);
-        return robot.commands().size() >= 10 && robot.state().true_linear_m_s > 0.1;
-    }));
-    std::vector<SpeedCommand> commands = robot.commands();
-    EXPECT_EQ(speeds_in(commands), commands.size()) << "no zero in between";
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_stop), ROBUROC4_OK);
-    EXPECT_TRUE(eventually([&] {
-        sleep_ms(5);
-        return zeros_at_the_end(robot.commands()) >= 3;
-    }));
 }
 
 TEST(Pump, FeedsALeaseWhileTheRobotIsQuiet) {
@@ -351,46 +236,6 @@ TEST(Pump, SendsCommandsBeforeTheCallReturns) {
     before = socket_of(pump.get()).counters[ROBUROC4_UDP_COUNT_SENT];
     ASSERT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.1f, 0.0f, 0), ROBUROC4_OK);
     EXPECT_GT(socket_of(pump.get()).counters[ROBUROC4_UDP_COUNT_SENT], before);
-}
-
-TEST(Pump, PassesEveryCommandOn) {
-    UdpRobot robot;
-    Pump pump = make_pump(robot.address());
-    ASSERT_TRUE(becomes_ready(pump.get()));
-    roburoc4_pump_reader reader{};
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.1f, 0.0f, 0), ROBUROC4_ERR_DISARMED);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_set_digital_outputs, uint64_t{1} << 0,
-                        uint64_t{1} << 0),
-              ROBUROC4_ERR_RESERVED);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_set_digital_outputs, 0x06, 0x02), ROBUROC4_OK);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_set_analog_output, 0, 1.0f),
-              ROBUROC4_ERR_INDEX);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_relocalize, 1.0, 2.0, 0.5), ROBUROC4_OK);
-    EXPECT_EQ(roburoc4_pump_wait_events(
-                  pump.get(), &reader,
-                  ROBUROC4_EVENT_RELOCALIZED | ROBUROC4_EVENT_RELOCALIZE_FAILED, kPatience),
-              ROBUROC4_EVENT_RELOCALIZED);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_subscribe, ROBUROC4_SERVICE_BATTERY, 15),
-              ROBUROC4_ERR_ARGUMENT);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_subscribe, ROBUROC4_SERVICE_BATTERY, 100),
-              ROBUROC4_OK);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_subscribe, ROBUROC4_SERVICE_TELEMETER, 0),
-              ROBUROC4_OK);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_disarm), ROBUROC4_OK);
-}
-
-TEST(Pump, ReportsAnOverrideAndStopsCommanding) {
-    UdpRobot robot;
-    Pump pump = make_pump(robot.address());
-    ASSERT_TRUE(becomes_armed(pump.get()));
-    ASSERT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.3f, 0.0f, 1000000), ROBUROC4_OK);
-    roburoc4_pump_reader reader{};
-    ASSERT_EQ(roburoc4_pump_reader_init(pump.get(), &reader), ROBUROC4_OK);
-    ASSERT_TRUE(robot.panel("pad a down"));
-    ASSERT_EQ(roburoc4_pump_wait_events(pump.get(), &reader, ROBUROC4_EVENT_DISARMED, kPatience),
-              ROBUROC4_EVENT_DISARMED);
-    EXPECT_NE(roburoc4_pump_take_events(pump.get(), &reader) & ROBUROC4_EVENT_OVERRIDE, 0);
-    EXPECT_EQ(on_client(pump.get(), roburoc4_client_drive, 0.3f, 0.0f, 0), ROBUROC4_ERR_OVERRIDE);
 }
 
 /* ---------------------------------------------------------------------------------- arming --- */
@@ -630,16 +475,6 @@ TEST(PumpStop, SendsTheStopSequenceOfADrivingRobot) {
     EXPECT_EQ(on_client(pump.get(), roburoc4_client_state), uint32_t{ROBUROC4_STATE_IDLE});
     EXPECT_TRUE(eventually([&] { return zeros_at_the_end(robot.commands()) >= 3; }));
     EXPECT_EQ(roburoc4_pump_close(pump.get()), ROBUROC4_OK) << "a second time";
-}
-
-TEST(PumpStop, OfAMonitorCommandsNothing) {
-    UdpRobot robot;
-    Pump pump = make_pump(robot.address());
-    ASSERT_TRUE(becomes_ready(pump.get()));
-    ASSERT_EQ(roburoc4_pump_close(pump.get()), ROBUROC4_OK);
-    pump.reset();
-    sleep_ms(50);
-    EXPECT_EQ(robot.state().speed_commands, 0u);
 }
 
 TEST(PumpStop, LeavesValuesReadableAndRefusesCommands) {

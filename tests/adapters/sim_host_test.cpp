@@ -109,14 +109,6 @@ class Commander {
 
 } // namespace
 
-TEST(SimHost, IsARobotForAClient) {
-    Served robot;
-    ASSERT_NE(robot.host, nullptr);
-    ASSERT_NE(sim_host_port(robot.host.get()), 0);
-    const Pump pump = robot.pump();
-    EXPECT_TRUE(moves(robot, pump.get()));
-}
-
 TEST(SimHost, ReportsWhyItCannotServe) {
     const test::Socket taken;
     roburoc4_sim *sim = roburoc4_sim_create(nullptr);

@@ -152,12 +152,6 @@ TEST_F(Faults, AnUnreachableNetworkAtOpenIsAStateNotAnError) {
     EXPECT_EQ(fake.waited_on, kHandle);
 }
 
-TEST_F(Faults, AForbiddenAddressAtOpenIsAnError) {
-    fake.connect_fault = ROBUROC4_FAULT_DENIED;
-    EXPECT_EQ(roburoc4_udp_open(&udp_, sizeof udp_, &address_), ROBUROC4_ERR_SYSTEM);
-    EXPECT_EQ(roburoc4_udp_fd(&udp_), -1);
-}
-
 TEST_F(Faults, ReconnectingIsLimitedToOnceASecond) {
     fake.connect_fault = ROBUROC4_FAULT_DOWN;
     open();
