@@ -86,45 +86,6 @@ TEST(Names, ChannelsThatTheManualDoesNotHaveAreNull) {
     EXPECT_EQ(nullptr, roburoc4_client_channel_name(nullptr, 0xFFFFFFFFu, 0));
 }
 
-TEST(Constants, ChannelsFollowTheIndexRule) { // 5.5.1: index = id up to 01, id - 1 after it
-    const struct {
-        uint32_t id, index;
-    } rows[] = {{0, ROBUROC4_AI_FRONT_TELEMETER_V},
-                {1, ROBUROC4_AI_REAR_TELEMETER_V},
-                {3, ROBUROC4_AI_BATTERY_V},
-                {4, ROBUROC4_AI_PAD_LJ_X},
-                {5, ROBUROC4_AI_PAD_LJ_Y},
-                {6, ROBUROC4_AI_PAD_RJ_X},
-                {7, ROBUROC4_AI_PAD_RJ_Y},
-                {8, ROBUROC4_AI_PAD_LT},
-                {9, ROBUROC4_AI_PAD_RT},
-                {0, ROBUROC4_DI_FRONT_BUMPER},
-                {1, ROBUROC4_DI_REAR_BUMPER},
-                {9, ROBUROC4_DI_PAD_A},
-                {10, ROBUROC4_DI_PAD_B},
-                {11, ROBUROC4_DI_PAD_X},
-                {12, ROBUROC4_DI_PAD_Y},
-                {13, ROBUROC4_DI_PAD_BACK},
-                {14, ROBUROC4_DI_PAD_START},
-                {15, ROBUROC4_DI_PAD_D_DOWN},
-                {16, ROBUROC4_DI_PAD_D_LEFT},
-                {17, ROBUROC4_DI_PAD_D_RIGHT},
-                {18, ROBUROC4_DI_PAD_D_UP},
-                {19, ROBUROC4_DI_PAD_LJ_CLICK},
-                {20, ROBUROC4_DI_PAD_RJ_CLICK},
-                {21, ROBUROC4_DI_PAD_LB},
-                {22, ROBUROC4_DI_PAD_RB},
-                {0, ROBUROC4_DO_WATCHDOG}};
-    for (const auto &row : rows)
-        EXPECT_EQ(wire_index(row.id), row.index);
-    EXPECT_EQ(std::size(analog_inputs), static_cast<size_t>(ROBUROC4_AI_COUNT));
-    EXPECT_EQ(0, ROBUROC4_AO_COUNT);
-    EXPECT_EQ(std::size(digital_inputs), static_cast<size_t>(ROBUROC4_DI_COUNT));
-    EXPECT_EQ(0, ROBUROC4_TELEMETER_FRONT); // 5.5.2
-    EXPECT_EQ(1, ROBUROC4_TELEMETER_REAR);
-    EXPECT_EQ(2, ROBUROC4_TELEMETER_COUNT);
-}
-
 TEST(Names, ServicesAreTheManuals) { // 4.2.1
     EXPECT_STREQ("Directory", roburoc4_name(ROBUROC4_NAME_SERVICE, 0x0000));
     EXPECT_STREQ("Notification", roburoc4_name(ROBUROC4_NAME_SERVICE, 0x0001));
