@@ -113,16 +113,6 @@ def test_a_log_that_nobody_reads_does_not_delay_a_stop(
         assert bridge.wait(5) == 0
 
 
-def test_a_killed_bridge_leaves_the_robot_to_its_watchdog(
-    robot: Robot, armed: Bridge, plan: Plan
-) -> None:
-    plan(linear=0.5)
-    drives(robot)
-    armed.signal(signal.SIGKILL)
-    until(lambda: robot.speeds()[2] == 0, "the robot's watchdog trips")
-    until(robot.stands, "the robot stands")
-
-
 MAX_AGES = pytest.mark.parametrize("options", [[], ["--max-age=0"]], ids=["max-age", "no max-age"])
 
 

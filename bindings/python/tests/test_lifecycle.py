@@ -43,15 +43,6 @@ def test_connecting_over_a_socket_takes_no_time(served: Simulator) -> None:
     assert any(connecting_s() < 1.0 for _ in range(10))
 
 
-def test_leaving_the_block_stops_the_robot(served: Simulator) -> None:
-    with roburoc4.connect(served.address) as robot:
-        robot.arm()
-        robot.drive(0.5, 0.0, lease_ms=1000)
-        driven(served)
-    assert served.state.last_linear_m_s == 0
-    assert not served.state.watchdog_tripped
-
-
 def test_an_exception_stops_the_robot(served: Simulator) -> None:
     with pytest.raises(ZeroDivisionError), roburoc4.connect(served.address) as robot:
         robot.arm()
@@ -170,20 +161,6 @@ def test_the_end_of_a_program_without_a_block_stops_the_robot(start: Start) -> N
         assert process.wait(timeout=120) == 3
         assert simulator.state.nonzero_speed_commands > 0
         assert simulator.state.last_linear_m_s == 0
-
-
-def test_a_killed_program_leaves_it_to_the_robots_watchdog(start: Start) -> None:
-    program = CONNECT + "while True: robot.drive(0.5, 0.0); time.sleep(0.05)\n"
-    with Simulator(port=0) as simulator:
-        process = start(program, simulator.address)
-        until(lambda: simulator.state.nonzero_speed_commands > 5)
-        process.kill()
-        process.wait()
-        until(lambda: simulator.state.watchdog_tripped)
-        state = simulator.state
-        assert state.last_linear_m_s == 0.5
-        assert state.target_linear_m_s == 0
-        assert state.now_us - state.last_command_us >= 0.95e6
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")

@@ -8,8 +8,6 @@ import pytest
 import roburoc4
 from roburoc4 import Result, Simulator
 
-LEASE_S = 0.25
-
 
 def test_three_lines_drive_the_robot(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
@@ -27,16 +25,6 @@ def test_drive_while_disarmed_names_cause_and_remedy(roburoc4_simulator: Simulat
         assert caught.value.code == Result.DISARMED
         robot.sleep(1.0)
     assert roburoc4_simulator.state.speed_commands == 0
-
-
-def test_a_command_that_is_not_renewed_ends_with_its_lease(roburoc4_simulator: Simulator) -> None:
-    with roburoc4_simulator.connect() as robot:
-        robot.arm()
-        robot.drive(0.5, 0.0)
-        roburoc4_simulator.step(LEASE_S - 0.01)
-        assert roburoc4_simulator.state.last_linear_m_s == 0.5
-        roburoc4_simulator.step(0.02)
-        assert roburoc4_simulator.state.last_linear_m_s == 0
 
 
 def test_a_lease_can_be_given_with_the_command(roburoc4_simulator: Simulator) -> None:
@@ -67,14 +55,6 @@ def test_override_disarms_and_its_release_restores_nothing(
         assert roburoc4_simulator.state.last_linear_m_s == 0
         robot.arm()
         robot.drive(0.1, 0.0)
-
-
-def test_arming_is_refused_with_its_reason(roburoc4_simulator: Simulator) -> None:
-    with roburoc4_simulator.held("pad_a"), roburoc4_simulator.connect() as robot:
-        with pytest.raises(roburoc4.NotArmedError) as caught:
-            robot.arm()
-        assert caught.value.code == Result.OVERRIDE
-        assert not robot.facts.armed
 
 
 def test_arm_waits_for_what_the_next_status_brings(roburoc4_simulator: Simulator) -> None:
@@ -169,32 +149,3 @@ def test_drive_for_ends_with_zero_on_any_exception(roburoc4_simulator: Simulator
         with pytest.raises(OddError):
             robot.drive_for(0.5, 0.0, seconds=1)
         assert roburoc4_simulator.state.last_linear_m_s == 0
-
-
-def test_an_emergency_stop_ends_drive_for(roburoc4_simulator: Simulator) -> None:
-    with roburoc4_simulator.connect() as robot:
-        robot.arm()
-        roburoc4_simulator.set("estop_local", True)
-        with pytest.raises(roburoc4.NotArmedError, match="emergency stops"):
-            robot.drive_for(0.5, 0.0, seconds=5)
-        assert robot.facts.disarm_cause == Result.INHIBITED
-        roburoc4_simulator.set("estop_local", False)
-        roburoc4_simulator.set("motor_button", True)
-        with pytest.raises(roburoc4.NotArmedError):
-            robot.drive(0.5, 0.0)
-
-
-def test_another_commander_disarms(roburoc4_simulator: Simulator) -> None:
-    with roburoc4_simulator.connect() as one, roburoc4_simulator.connect() as other:
-        one.arm()
-        other.arm()
-        other.drive_for(0.5, 0.0, seconds=1)
-        assert one.facts.disarm_cause == Result.OTHER_COMMANDER
-        with pytest.raises(roburoc4.NotArmedError, match="other program"):
-            one.drive(0.1, 0.0)
-
-
-def test_a_monitor_never_commands(roburoc4_simulator: Simulator) -> None:
-    with roburoc4_simulator.connect() as robot:
-        robot.sleep(3.0)
-    assert roburoc4_simulator.state.speed_commands == 0

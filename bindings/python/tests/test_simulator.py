@@ -21,17 +21,6 @@ def test_virtual_time_passes_by_step_only() -> None:
         assert time.monotonic() - begun < 20
 
 
-def test_the_same_seed_gives_the_same_run() -> None:
-    def run(seed: int) -> tuple[object, ...]:
-        with Simulator(seed=seed) as sim, sim.connect() as robot:
-            robot.arm()
-            robot.drive_for(0.5, 1.0, seconds=3)
-            return (*sim.true_pose, *robot.localization)
-
-    assert run(7) == run(7)
-    assert run(7) != run(8)
-
-
 def test_controls_are_set_and_read() -> None:
     with Simulator() as sim:
         sim.set("pad_a", True)
@@ -71,31 +60,6 @@ def test_obstacles_are_seen() -> None:
         assert sim.true_pose.x_m == -1.0
         with pytest.raises(roburoc4.RobotError):
             sim.place(2.0, 0.0)
-
-
-def test_as_manual_nothing_moves_before_the_motor_button() -> None:
-    with Simulator(as_manual=True) as sim, sim.connect() as robot:
-        robot.arm()
-        with pytest.raises(roburoc4.NotArmedError, match="does not move"):
-            robot.drive_for(0.5, 0.0, seconds=5)
-        assert sim.true_pose.x_m == 0
-        robot.sleep(1.0)
-        sim.set("motor_button", True)
-        robot.arm()
-        robot.drive_for(0.5, 0.0, seconds=2)
-        assert sim.true_pose.x_m > 0.5
-
-
-def test_inputs_can_be_pinned() -> None:
-    with Simulator() as sim, sim.connect() as robot:
-        sim.set("pin_analog_2", 11.5)
-        sim.set("pin_digital_21", True)
-        robot.wait_for("iocard")
-        assert robot.inputs["Battery voltage"] == 11.5
-        assert robot.inputs['Game pad "RB" button']
-        sim.set("pin", 0)
-        robot.wait_for("iocard")
-        assert not robot.inputs['Game pad "RB" button']
 
 
 def test_the_panel_executes_lines() -> None:

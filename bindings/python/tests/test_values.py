@@ -87,15 +87,6 @@ def test_the_manuals_names_find_inputs_in_any_case(roburoc4_simulator: Simulator
         assert robot.inputs.digital(20)
 
 
-def test_names_follow_a_card_whose_numbers_are_literal() -> None:
-    with Simulator(digital_inputs=23, analog_inputs=10) as sim, sim.connect() as robot:
-        sim.set("pad_b", True)
-        robot.wait_for("iocard")
-        assert robot.inputs['Game pad "B" button'] is True
-        assert robot.inputs.digital(10)
-        assert not robot.inputs.digital(9)
-
-
 def test_names_work_if_the_robot_has_no_texts() -> None:
     with Simulator(query_mode=1) as sim, sim.connect() as robot:
         sim.set("bumper_rear", True)
@@ -138,26 +129,6 @@ def test_analog_outputs_reach_the_robot() -> None:
         assert sim.state.io_commands > 0
         with pytest.raises(roburoc4.ArgumentError, match="nan"):
             robot.analog_outputs[1] = math.nan
-
-
-def test_telemeters_have_a_distance_before_their_first_status(
-    roburoc4_simulator: Simulator,
-) -> None:
-    with roburoc4_simulator.connect(periods_ms={"telemeter": None}) as robot:
-        assert robot.properties.telemeter[0].distance_m > 0
-
-
-def test_armable_is_reported_after_the_pad_is_released(roburoc4_simulator: Simulator) -> None:
-    with roburoc4_simulator.connect() as robot:
-        robot.arm()
-        roburoc4_simulator.set("pad_a", True)
-        robot.wait_for(roburoc4.Event.OVERRIDE)
-        with pytest.raises(roburoc4.NotArmedError):
-            robot.arm()
-        reader = robot.reader()
-        roburoc4_simulator.set("pad_a", False)
-        robot.wait_for(lambda _: roburoc4.Event.ARMABLE in reader.take_events())
-        robot.arm(timeout=0)
 
 
 def test_relocalize_waits_until_the_robot_has_accepted_it(roburoc4_simulator: Simulator) -> None:
@@ -281,8 +252,3 @@ def test_an_ambiguous_name_is_refused(channels: Named) -> None:
 def test_texts_that_are_not_utf8_are_latin1(channels: Named) -> None:
     found = channels({(IoType.DIGITAL_INPUT, 5): "Éclairage".encode("latin-1")})
     assert found.names(IoType.DIGITAL_INPUT)[5] == "Éclairage"
-
-
-def test_a_name_of_the_manual_works_if_the_robot_has_it(channels: Named) -> None:
-    moved = {(IoType.DIGITAL_INPUT, 9): b"spare", (IoType.DIGITAL_INPUT, 12): b"Game pad B button"}
-    assert channels(moved).find('Game pad "B" button', IoType.DIGITAL_INPUT)[1] == 12

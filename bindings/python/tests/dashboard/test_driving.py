@@ -313,14 +313,6 @@ def test_a_stop_without_connection_is_shown_and_sent_later(station: Make, visit:
     expect(page.locator("#events li", has_text="STOP was pressed")).to_have_count(1)
 
 
-def test_a_robot_that_only_drives_ahead_can_be_driven(station: Make, visit: Visit) -> None:
-    here = station(min_linear_m_s=0.0)
-    page = visit(here.url)
-    arm(page)
-    drive(here, page)
-    expect(page.locator("#asked")).to_contain_text("0.30")
-
-
 def test_disarmed_is_shown_on_every_page(station: Make, visit: Visit) -> None:
     here = station()
     first, second = visit(here.url), visit(here.url)

@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterator
 import pytest
 from page_client import Proxy, Visitor
 from playwright.sync_api import Page, expect
-from station import LEASE_S, Station, Stopwatch, arm, drive, ready, until
-from test_driving import MARGIN_S, WITHIN_S
+from station import LEASE_S, Station, arm, drive, ready, until
+from test_driving import WITHIN_S
 from websockets.exceptions import ConnectionClosed
 
 from roburoc4.dashboard.fleet import Fleet
@@ -49,21 +49,6 @@ def test_what_a_stalled_socket_delivers_late_is_ignored(behind: Station, proxy: 
         proxy.flows.set()
         until(lambda: behind.hub.control.dropped >= dropped + 15)
         assert behind.speeds_sent() == before
-
-
-def test_after_a_stall_inputs_must_be_released_once(behind: Station, proxy: Proxy) -> None:
-    with Visitor(behind, port=proxy.port) as driver:
-        driver.arm()
-        driver.drive(lambda: behind.driven)
-        proxy.flows.clear()
-        until(lambda: not behind.driven)
-        time.sleep(LEASE_S)
-        proxy.flows.set()
-        before = behind.speeds_sent()
-        driver.draw_for(1.0, 0.4)
-        assert behind.speeds_sent() == before
-        assert "let go" in driver.frame["why"]
-        driver.drive(lambda: behind.driven)
 
 
 def test_a_browser_behind_a_stalled_socket_stops_the_robot(
@@ -110,20 +95,6 @@ def test_stop_does_not_wait_for_a_connection_that_does_not_open(
     until(lambda: "STOP was pressed" in behind.hub.control.why)
 
 
-def test_one_tick_renews_one_lease_however_often_it_is_answered(station: Make) -> None:
-    here = station()
-    with Visitor(here) as driver:
-        driver.arm()
-        driver.draw(0.4)
-        watch = Stopwatch()
-        while watch.seconds() < 4 * LEASE_S:
-            driver.answer(driver.tick, 0.4)
-            watch.nap(0.01)
-            if watch.seconds() > WITHIN_S:
-                assert not here.driven
-        assert here.hub.control.dropped > 0
-
-
 def test_ticks_that_were_never_sent_are_ignored(station: Make) -> None:
     here = station()
     with Visitor(here) as driver:
@@ -149,31 +120,6 @@ def test_ticks_of_another_connection_are_ignored(station: Make) -> None:
         driver.draw_for(0.3)
         assert not here.robot.facts.armed
         assert here.speeds_sent() == 0
-
-
-@pytest.mark.parametrize(("forward", "linear_m_s"), [(1.0, 0.5), (-1.0, -0.4)])
-def test_full_deflection_is_the_lower_of_limit_and_ceiling(
-    forward: float, linear_m_s: float, station: Make
-) -> None:
-    here = station(max_linear_m_s=0.5, min_linear_m_s=-0.4)
-    with Visitor(here) as driver:
-        driver.arm()
-        driver.drive(lambda: here.driven, forward)
-        assert here.sim.state.last_linear_m_s == pytest.approx(linear_m_s, abs=1e-4)
-
-
-def test_a_lease_counts_from_the_frame_and_not_from_its_answer(station: Make) -> None:
-    here = station(lease_s=1.0)
-    with Visitor(here) as driver:
-        driver.arm()
-        driver.drive(lambda: here.driven)
-        driver.draw(0.4)
-        age_s = here.hub.ticks.age_s(driver.tick, here.hub.now_s)
-        assert age_s is not None
-        begun_s = time.monotonic() - age_s
-        time.sleep(0.8 - age_s)
-        driver.answer(driver.tick, 0.4)
-        assert here.wait_until_stopped(begun_s) < 1.0 + MARGIN_S
 
 
 @pytest.mark.parametrize(
