@@ -45,16 +45,40 @@ static void on_every_length(void (*use)(const uint8_t *, size_t), const uint8_t 
         on_every_length(name, long_datagram);                                                      \
     }
 
-static void request(const uint8_t *data, size_t size) {
-    roburoc4_request out;
-    if (roburoc4_decode_request(data, size, &out) >= 0) {
-        READ(out.id + out.action + out.service + out.subject + out.period_cycles + out.io_type);
-        READ(out.index);
-        READ(out.timestamp);
-        READ(out.x_m + out.y_m + out.theta_rad);
+/** All of a result can be read: it is set. */
+static void read_all(const uint8_t *result, size_t size) {
+    for (size_t i = 0; i < size; i++) {
+        READ(result[i]);
     }
 }
+
+/* Of a layout without a list. */
+#define DECODES(name)                                                                              \
+    static void name(const uint8_t *data, size_t size) {                                           \
+        roburoc4_##name out;                                                                       \
+        if (roburoc4_decode_##name(data, size, &out) >= 0) {                                       \
+            read_all((const uint8_t *)&out, sizeof out);                                           \
+        }                                                                                          \
+    }
+
+DECODES(request)
 HARNESS(request, FIXED)
+DECODES(battery_properties)
+HARNESS(battery_properties, FIXED)
+DECODES(localization_properties)
+HARNESS(localization_properties, FIXED)
+DECODES(differential_properties)
+HARNESS(differential_properties, FIXED)
+DECODES(status_header)
+HARNESS(status_header, FIXED)
+DECODES(battery_status)
+HARNESS(battery_status, FIXED)
+DECODES(localization_status)
+HARNESS(localization_status, FIXED)
+DECODES(differential_status)
+HARNESS(differential_status, FIXED)
+DECODES(differential_command)
+HARNESS(differential_command, FIXED)
 
 static void answer(const uint8_t *data, size_t size) {
     roburoc4_answer out;
@@ -116,40 +140,6 @@ static void telemeter_properties(const uint8_t *data, size_t size) {
 }
 HARNESS(telemeter_properties, LIST)
 
-static void battery_properties(const uint8_t *data, size_t size) {
-    roburoc4_battery_properties out;
-    if (roburoc4_decode_battery_properties(data, size, &out) >= 0) {
-        READ(out.nominal_voltage_v + out.capacity_ah);
-        READ(out.minimum_percent + out.service);
-    }
-}
-HARNESS(battery_properties, FIXED)
-
-static void localization_properties(const uint8_t *data, size_t size) {
-    roburoc4_localization_properties out;
-    if (roburoc4_decode_localization_properties(data, size, &out) >= 0) {
-        READ(out.x_m + out.y_m + out.theta_rad);
-        READ(out.flags);
-        READ(out.service);
-    }
-}
-HARNESS(localization_properties, FIXED)
-
-static void differential_properties(const uint8_t *data, size_t size) {
-    roburoc4_differential_properties out;
-    if (roburoc4_decode_differential_properties(data, size, &out) >= 0) {
-        READ(out.target_linear_m_s + out.target_angular_rad_s);
-        READ(out.current_linear_m_s + out.current_angular_rad_s);
-        READ(out.max_linear_m_s + out.min_linear_m_s);
-        READ(out.max_angular_rad_s + out.min_angular_rad_s);
-        READ(out.max_linear_m_s2 + out.min_linear_m_s2);
-        READ(out.max_angular_rad_s2 + out.min_angular_rad_s2);
-        READ(out.width_m);
-        READ(out.service);
-    }
-}
-HARNESS(differential_properties, FIXED)
-
 static void text(const uint8_t *data, size_t size) {
     roburoc4_text out;
     if (roburoc4_decode_text(data, size, &out) >= 0) {
@@ -161,15 +151,6 @@ static void text(const uint8_t *data, size_t size) {
     }
 }
 HARNESS(text, LIST)
-
-static void status_header(const uint8_t *data, size_t size) {
-    roburoc4_status_header out;
-    if (roburoc4_decode_status_header(data, size, &out) >= 0) {
-        READ(out.robot_cycles);
-        READ(out.service);
-    }
-}
-HARNESS(status_header, FIXED)
 
 static void telemeter_status(const uint8_t *data, size_t size) {
     roburoc4_telemeter_status out;
@@ -183,46 +164,6 @@ static void telemeter_status(const uint8_t *data, size_t size) {
     }
 }
 HARNESS(telemeter_status, LIST)
-
-static void battery_status(const uint8_t *data, size_t size) {
-    roburoc4_battery_status out;
-    if (roburoc4_decode_battery_status(data, size, &out) >= 0) {
-        READ(out.robot_cycles);
-        READ(out.state + out.remaining_percent + out.service);
-    }
-}
-HARNESS(battery_status, FIXED)
-
-static void localization_status(const uint8_t *data, size_t size) {
-    roburoc4_localization_status out;
-    if (roburoc4_decode_localization_status(data, size, &out) >= 0) {
-        READ(out.robot_cycles);
-        READ(out.x_m + out.y_m + out.theta_rad);
-        READ(out.flags);
-        READ(out.service);
-    }
-}
-HARNESS(localization_status, FIXED)
-
-static void differential_status(const uint8_t *data, size_t size) {
-    roburoc4_differential_status out;
-    if (roburoc4_decode_differential_status(data, size, &out) >= 0) {
-        READ(out.robot_cycles);
-        READ(out.target_linear_m_s + out.current_linear_m_s);
-        READ(out.target_angular_rad_s + out.current_angular_rad_s);
-        READ(out.service);
-    }
-}
-HARNESS(differential_status, FIXED)
-
-static void differential_command(const uint8_t *data, size_t size) {
-    roburoc4_differential_command out;
-    if (roburoc4_decode_differential_command(data, size, &out) >= 0) {
-        READ(out.linear_m_s + out.angular_rad_s);
-        READ(out.service);
-    }
-}
-HARNESS(differential_command, FIXED)
 
 /* ---- channels: their counts are the caller's, and as arbitrary as the bytes ---- */
 
