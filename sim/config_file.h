@@ -15,6 +15,8 @@ extern "C" {
  * ROBUROC4_ERR_ARGUMENT: it cannot hold the value. Nothing was changed then. Whether the value
  * makes a robot is for roburoc4_sim_config_error() to say. */
 roburoc4_result sim_config_set(roburoc4_sim_config *config, const char *name, double value);
+/* The name of a member, from index 0 on; NULL beyond the last. */
+const char *sim_config_name(uint32_t index);
 
 /* Read the text of an `udpserver.cfg` (4.2.5.6): an INI file of which `Watchdog` of the section
  * `DifferentialService` is used (in cycles of 10 ms), and the section `Simulator`, which the

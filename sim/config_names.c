@@ -104,3 +104,7 @@ roburoc4_result sim_config_set(roburoc4_sim_config *config, const char *name, do
     }
     return ROBUROC4_ERR_INDEX;
 }
+
+const char *sim_config_name(uint32_t index) {
+    return index < sizeof members / sizeof members[0] ? members[index].name : NULL;
+}

@@ -2,6 +2,7 @@
 #include "convert.h"
 
 #include <assert.h>
+#include <math.h>
 #include <string.h>
 
 #include "fail.h"
@@ -34,28 +35,9 @@ int take_range(const mxArray *value, const char *name, double least, double most
     return 1;
 }
 
-int take_whole(const mxArray *value, const char *name, int64_t least, int64_t most, int64_t *out) {
-    double number = 0.0;
-    if (!take_range(value, name, (double)least, (double)most, &number)) {
-        return 0;
-    }
-    if ((double)(int64_t)number != number) {
-        return fail(FAIL_ARGUMENT, "%s: %g is not a whole number", name, number);
-    }
-    *out = (int64_t)number;
-    return 1;
-}
-
-int take_flag(const mxArray *value, const char *name, int *out) {
-    double number = 0.0;
-    if (!take_number(value, name, &number)) {
-        return 0;
-    }
-    if (number != 0.0 && number != 1.0) {
-        return fail(FAIL_ARGUMENT, "%s: %g is neither true nor false", name, number);
-    }
-    *out = number != 0.0;
-    return 1;
+int take_whole(const mxArray *value, const char *name, double least, double most, double *out) {
+    return take_range(value, name, least, most, out) &&
+           (floor(*out) == *out || fail(FAIL_ARGUMENT, "%s: %g is not a whole number", name, *out));
 }
 
 int take_text(const mxArray *value, const char *name, char out[TEXT_SIZE]) {
@@ -73,89 +55,74 @@ int take_text(const mxArray *value, const char *name, char out[TEXT_SIZE]) {
     return 1;
 }
 
-/* ------------------------------------------------------------------------- members of structs ---
- */
+/* -------------------------------------------------------------------- members of structs --- */
 
-typedef union member {
-    uint8_t u8;
-    uint16_t u16;
-    uint32_t u32;
-    uint64_t u64;
-    float f32;
-    double f64;
-} member;
-
-static uint64_t bits_of(const member *m, size_t size) {
-    return size == 1 ? m->u8 : size == 2 ? m->u16 : size == 4 ? m->u32 : m->u64;
+static uint64_t bits_at(const void *at, size_t size) {
+    return size == 1   ? *(const uint8_t *)at
+           : size == 2 ? *(const uint16_t *)at
+           : size == 4 ? *(const uint32_t *)at
+                       : *(const uint64_t *)at;
 }
 
-double field_value(const field *from, const void *base) {
-    const double range = from->size < 4 ? 65536.0 : 4294967296.0;
-    double number;
-    member m;
-    memcpy(&m, (const char *)base + from->offset, from->size);
-    number = (double)bits_of(&m, from->size);
+/* Number `column` of a member. */
+static double number_at(const answer *times, const field *from, const void *base, size_t column) {
+    const void *at = (const char *)base + from->offset + column * from->stride;
+    const uint64_t bits = from->type == FIELD_FLOAT ? 0 : bits_at(at, from->size);
     switch (from->type) {
     case FIELD_INT:
-        return number < range / 2 ? number : number - range;
+        return *(const int32_t *)at;
     case FIELD_FLOAT:
-        return from->size == sizeof m.f32 ? (double)m.f32 : m.f64;
+        return from->size == sizeof(float) ? (double)*(const float *)at : *(const double *)at;
     case FIELD_SECONDS:
-        return number / 1e6;
+        return (double)bits / 1e6;
+    case FIELD_TIME:
+        return answer_time(times, bits);
+    case FIELD_UTC:
+        return (double)(int64_t)(times->utc_us + bits) / 1e6;
+    case FIELD_BITS:
+        return (double)(bits >> column & 1u);
     default:
-        return number;
+        return (double)bits;
     }
 }
 
-static int take_integer(const field *to, const mxArray *value, member *out) {
-    const int64_t half = (int64_t)1 << (to->size < 8 ? 8 * to->size - 1 : 52);
-    int64_t number;
-    if (!take_whole(value, to->name, to->type == FIELD_INT ? -half : 0,
-                    to->type == FIELD_INT ? half - 1 : 2 * half - 1, &number)) {
-        return 0;
-    }
-    /* Modulo 2^n: the bits of the signed types. */
-    *out = to->size == 2   ? (member){.u16 = (uint16_t)number}
-           : to->size == 4 ? (member){.u32 = (uint32_t)number}
-                           : (member){.u64 = (uint64_t)number};
-    return 1;
+double field_value(const answer *times, const field *from, const void *base) {
+    return number_at(times, from, base, 0);
 }
 
-int field_take(const field *to, void *base, const mxArray *value) {
-    char *place = (char *)base + to->offset;
-    double number = 0.0;
-    int fine, on = 0;
-    member m;
-    if (to->type == FIELD_TEXT) {
-        return (mxIsChar(value) && mxGetString(value, place, (mwSize)to->size) == 0) ||
-               fail(FAIL_ARGUMENT, "%s: give a text of less than %lu characters", to->name,
-                    (unsigned long)to->size);
+/* How many numbers a member has; base may be NULL. */
+static uint32_t width_of(const field *from, const void *base) {
+    if (from->count == 0) {
+        return 1;
     }
-    memcpy(&m, place, to->size);
-    switch (to->type) {
-    case FIELD_BIT:
-        fine = take_flag(value, to->name, &on);
-        m.u32 = on ? m.u32 | to->bit : m.u32 & ~to->bit;
-        break;
-    case FIELD_MS:
-        fine = take_range(value, to->name, 0, 60000.0, &number);
-        m.u32 = (uint32_t)(number * 1e3);
-        break;
-    case FIELD_FLOAT:
-        fine = take_range(value, to->name, -1e30, 1e30, &number);
-        m = to->size == sizeof m.f32 ? (member){.f32 = (float)number} : (member){.f64 = number};
-        break;
-    default:
-        fine = take_integer(to, value, &m);
-        break;
-    }
-    if (fine) {
-        memcpy(place, &m, to->size);
-    }
-    return fine;
+    return base != NULL ? *(const uint32_t *)(const void *)((const char *)base + from->count) : 0;
 }
 
-/* -------------------------------------------------------------------------------- answers --- */
+static mxArray *make_array(mxClassID class, size_t rows, size_t columns) {
+    return class == mxLOGICAL_CLASS
+               ? mxCreateLogicalMatrix((mwSize)rows, (mwSize)columns)
+               : mxCreateNumericMatrix((mwSize)rows, (mwSize)columns, class, mxREAL);
+}
+
+/* Write number `at` of an array. */
+static void store(void *data, mxClassID class, size_t at, double number) {
+    if (class == mxLOGICAL_CLASS) {
+        ((mxLogical *)data)[at] = number > 0.0;
+    } else if (class == mxUINT8_CLASS) {
+        ((uint8_t *)data)[at] = isnan(number) ? NOT_KNOWN : (uint8_t)((uint32_t)number & 0xFFu);
+    } else {
+        ((double *)data)[at] = number;
+    }
+}
+
+static mxClassID class_of(kind type, int in_columns) {
+    return type == FIELD_FLAG || type == FIELD_BITS ? mxLOGICAL_CLASS
+           : type == FIELD_CYCLES                   ? mxUINT64_CLASS
+           : type == FIELD_BYTE && !in_columns      ? mxUINT8_CLASS
+                                                    : mxDOUBLE_CLASS;
+}
+
+/* ------------------------------------------------------------------------------- answers --- */
 
 void answer_add(answer *out, const char *name, mxArray *value) {
     assert(out->count < ANSWER_FIELDS);
@@ -172,42 +139,61 @@ void answer_flag(answer *out, const char *name, int value) {
     answer_add(out, name, mxCreateLogicalScalar(value != 0));
 }
 
-static mxArray *make_field(const field *from, const void *base) {
-    mxArray *made;
-    switch (from->type) {
-    case FIELD_FLAG:
-        return mxCreateLogicalScalar(base != NULL && field_value(from, base) != 0.0);
-    case FIELD_BYTE:
-        made = mxCreateNumericMatrix(1, 1, mxUINT8_CLASS, mxREAL);
-        *(uint8_t *)mxGetData(made) =
-            base != NULL ? (uint8_t)((uint32_t)field_value(from, base) & 0xFFu) : NOT_KNOWN;
-        return made;
-    case FIELD_CYCLES:
-        memcpy(make_cycles(&made, 1), (const char *)base + from->offset, sizeof(uint64_t));
-        return made;
-    default:
-        return mxCreateDoubleScalar(base != NULL ? field_value(from, base) : mxGetNaN());
+/* Some structs, `size` bytes apart; or at NULL, one that is unknown. */
+typedef struct rows {
+    const char *base;
+    size_t size;
+    uint32_t count;
+} rows;
+
+static const void *row_at(const rows *of, uint32_t row) {
+    return of->base != NULL ? of->base + row * of->size : NULL;
+}
+
+static uint32_t widest(const rows *of, const field *from) {
+    uint32_t width = from->count == 0, row;
+    for (row = 0; row < of->count; row++) {
+        const uint32_t here = width_of(from, row_at(of, row));
+        width = here > width ? here : width;
+    }
+    return width;
+}
+
+/* A row for each struct, as wide as the widest; beyond their ends NaN. */
+static void add_field(answer *out, const field *from, const rows *of) {
+    const mxClassID class = class_of(from->type, of->size != 0);
+    const uint32_t width = widest(of, from);
+    mxArray *made = make_array(class, of->count, width);
+    void *data = class == mxLOGICAL_CLASS ? (void *)mxGetLogicals(made) : mxGetData(made);
+    size_t place = 0;
+    for (uint32_t column = 0; column < width; column++) {
+        for (uint32_t row = 0; row < of->count; row++) {
+            const void *at = row_at(of, row);
+            if (class == mxUINT64_CLASS) { /* a double could round it */
+                ((uint64_t *)data)[place++] = bits_at((const char *)at + from->offset, 8);
+            } else {
+                const int known = at != NULL && column < width_of(from, at);
+                store(data, class, place++, known ? number_at(out, from, at, column) : mxGetNaN());
+            }
+        }
+    }
+    answer_add(out, from->name, made);
+}
+
+void answer_columns(answer *out, const field *fields, size_t count, const void *base, size_t size,
+                    uint32_t rows_count) {
+    const rows of = {base, size, rows_count};
+    for (size_t i = 0; i < count; i++) {
+        add_field(out, &fields[i], &of);
     }
 }
 
 void answer_fields(answer *out, const field *fields, size_t count, const void *base) {
-    for (size_t i = 0; i < count; i++) {
-        answer_add(out, fields[i].name, make_field(&fields[i], base));
-    }
+    answer_columns(out, fields, count, base, 0, 1);
 }
 
-void answer_rows(answer *out, const field *fields, size_t members, const void *base, size_t size,
-                 uint32_t count) {
-    size_t k;
-    uint32_t i;
-    for (k = 0; k < members; k++) {
-        mxArray *made;
-        double *row = make_doubles(&made, 1, count);
-        for (i = 0; i < count; i++) {
-            row[i] = field_value(&fields[k], (const char *)base + i * size);
-        }
-        answer_add(out, fields[k].name, made);
-    }
+double answer_time(const answer *times, uint64_t time_us) {
+    return (double)(int64_t)(time_us - times->begin_us) / 1e6;
 }
 
 mxArray *answer_finish(const answer *in) {
@@ -231,12 +217,7 @@ mxArray *make_text(const char *text) {
     return mxCreateString(copy);
 }
 
-double *make_doubles(mxArray **out, size_t rows, size_t columns) {
-    *out = mxCreateDoubleMatrix((mwSize)rows, (mwSize)columns, mxREAL);
-    return mxGetData(*out);
-}
-
-uint64_t *make_cycles(mxArray **out, size_t rows) {
-    *out = mxCreateNumericMatrix((mwSize)rows, 1, mxUINT64_CLASS, mxREAL);
+double *make_row(mxArray **out, size_t columns) {
+    *out = mxCreateDoubleMatrix(1, (mwSize)columns, mxREAL);
     return mxGetData(*out);
 }

@@ -8,6 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "mex.h"
+
 static const char *noted_id = FAIL_PROTOCOL;
 static char noted_text[2560];
 
@@ -42,17 +44,17 @@ int fail(const char *id, const char *format, ...) {
     return 0;
 }
 
-int fail_result(const char *what, roburoc4_result result) {
+int done(const char *what, roburoc4_result result) {
     const char *text = roburoc4_result_text(result);
     const size_t cause = strcspn(text, ":"); /* a remedy follows */
-    return fail(id_of(result), "%s: %.*s%s%s", what, (int)cause, text,
+    return result >= 0 ||
+           fail(id_of(result), "%s: %.*s%s%s", what, (int)cause, text,
                 text[cause] != '\0' ? ";" : "", text[cause] != '\0' ? text + cause + 1 : "");
 }
 
-const char *fail_id(void) {
-    return noted_id;
-}
-
-const char *fail_text(void) {
-    return noted_text;
+/* In Octave, mexErrMsgIdAndTxt() would put the name of this file before the message. */
+void fail_raise(void) {
+    mxArray *arguments[] = {mxCreateString(noted_id), mxCreateString("%s"),
+                            mxCreateString(noted_text)};
+    (void)mexCallMATLAB(0, NULL, 3, arguments, "error");
 }

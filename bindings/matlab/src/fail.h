@@ -23,11 +23,10 @@
 __attribute__((format(printf, 2, 3)))
 #endif
 int fail(const char *id, const char *format, ...);
-/** Note the meaning of a negative result of the library, and the remedy, after `what`. Returns 0.
- */
-int fail_result(const char *what, roburoc4_result result);
-/** The id and the text of the noted error. */
-const char *fail_id(void);
-const char *fail_text(void);
+/** 1; or 0 after noting the meaning of a negative result of the library, and the remedy, after
+ * `what`. */
+int done(const char *what, roburoc4_result result);
+/** Raise the noted error, and do not return. */
+void fail_raise(void);
 
 #endif

@@ -33,7 +33,7 @@ double handles_add(int kind, void *object) {
 
 void *handles_find(int kind, double id) {
     for (uint32_t place = 0; place < HANDLES_MAX; place++) {
-        if (handles_at(kind, place) != NULL && table[place].id == id) {
+        if (table[place].kind == kind && table[place].id == id) {
             return table[place].object;
         }
     }
@@ -48,14 +48,18 @@ void handles_remove(const void *object) {
     }
 }
 
-void *handles_at(int kind, uint32_t place) {
-    return table[place].kind == kind ? table[place].object : NULL;
+void handles_each(int kind, void (*act)(void *object)) {
+    for (uint32_t place = 0; place < HANDLES_MAX; place++) {
+        if (table[place].kind == kind && table[place].object != NULL) {
+            act(table[place].object);
+        }
+    }
 }
 
 uint32_t handles_count(int kind) {
     uint32_t place, count = 0;
     for (place = 0; place < HANDLES_MAX; place++) {
-        count += handles_at(kind, place) != NULL;
+        count += table[place].kind == kind && table[place].object != NULL;
     }
     return count;
 }

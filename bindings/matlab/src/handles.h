@@ -22,8 +22,8 @@ double handles_add(int kind, void *object);
 void *handles_find(int kind, double id);
 /** Forget an object. */
 void handles_remove(const void *object);
-/** The object of this kind in a slot (0 to HANDLES_MAX - 1), or NULL. */
-void *handles_at(int kind, uint32_t place);
+/** Do this with each object of a kind; it may remove the object. */
+void handles_each(int kind, void (*act)(void *object));
 /** How many there are of a kind. */
 uint32_t handles_count(int kind);
 

@@ -8,22 +8,7 @@
 
 #include "roburoc4_move.h"
 #include "samples.h"
-#include "settings.h"
 #include "simulation.h"
-
-/** At most so many channels of a type have names. */
-#define CHANNELS_MAX ROBUROC4_MAX_DIGITAL_INPUTS
-#define CHANNEL_TYPES (ROBUROC4_IO_DIGITAL_OUTPUT + 1)
-#define CHANNEL_TEXT ROBUROC4_PUMP_DESCRIPTION_SIZE
-
-/** The robot's own texts for the channels of one type; "" if there is none. */
-typedef char channel_texts[CHANNELS_MAX][CHANNEL_TEXT];
-
-/** Statuses since a moment. All bytes zero: since the pump was made. */
-typedef struct recording {
-    roburoc4_pump_reader reader;
-    sample_list list;
-} recording;
 
 typedef struct robot {
     roburoc4_pump *pump;         /* in virtual time one without a thread */
@@ -32,8 +17,6 @@ typedef struct robot {
     simulation *world;           /* of virtual time; NULL when the simulator is gone */
     uint64_t left_us;            /* the time when the simulator went */
     uint64_t opened_us;
-    uint64_t furthest_us; /* when the state below was reached */
-    uint32_t furthest;    /* the last state on the way to ready that was reached */
     uint32_t lease_us;
     uint32_t fresh_us;  /* maximum age of a status that counts */
     int busy;           /* a waiting method is running: if it ends early, the robot stops */
@@ -44,11 +27,16 @@ typedef struct robot {
     roburoc4_move move;            /* the one that was started last */
 } robot;
 
-/** Open a link in real time. Returns its id, or 0 after noting the error (fail.h); an absent robot
- * is not an error. */
-double robot_open(const char *address, const robot_settings *settings);
-/** Join a world. Its id, or 0 after noting why. */
-double robot_join(simulation *world, const robot_settings *settings);
+/** Settings with which a robot is opened. */
+typedef struct robot_settings {
+    roburoc4_config config;
+    uint32_t buffer;    /* statuses that are kept for record() and log() */
+    const char *record; /* file or folder for all datagrams; "": they are not recorded */
+} robot_settings;
+
+/** Open a link in real time, or (with a NULL address) join a world. Returns its id, or 0 after
+ * noting the error (fail.h); an absent robot is not an error. */
+double robot_open(const char *address, simulation *world, const robot_settings *settings);
 /** End the link. In real time it waits until the stop sequence is over: see robot_facts(). */
 void robot_close(robot *r);
 /** Close all of them; their stop sequences run in parallel. */
@@ -60,6 +48,9 @@ int robot_is_open(const robot *r);
 int robot_can(const robot *r, int be_commanded);
 /** The clock of the robot's times. */
 uint64_t robot_now_us(const robot *r);
+/** UTC when that clock is 0, by what this machine's clock shows now; in virtual time 0, so that
+ * runs are reproducible. */
+uint64_t robot_utc_us(const robot *r);
 /** A copy of its client, for reading only, and the time. Valid until the next call. */
 roburoc4_client *robot_copy(robot *r, uint64_t *now_us);
 /** Its client and the time, for any roburoc4_client_*() call until robot_unlock(), which sends what
@@ -77,17 +68,10 @@ void robots_lose(const simulation *world);
 
 roburoc4_facts robot_facts(robot *r);
 roburoc4_facts client_facts(const roburoc4_client *client, uint64_t now_us);
-/** How many channels of a type the robot has; 0 before it is known. */
-uint32_t channel_count(const roburoc4_client *client, uint32_t io_type);
+/** How many channels the robot has; none before that is known. */
+roburoc4_iocard_properties client_card(const roburoc4_client *client);
 void robot_disarm(robot *r);
 /** The robot's address, or "the simulator". Returns ROBUROC4_FAULT_* of its socket. */
 uint32_t robot_socket(robot *r, char address[ROBUROC4_ADDRESS_TEXT_SIZE]);
-/** The robot's texts for the first channels of a type, by index. Not between lock and unlock. */
-void robot_texts(robot *r, uint32_t io_type, uint32_t count, channel_texts out);
-
-/** Add the new statuses. Returns 0 after noting that there is no room. */
-int recording_go_on(recording *rec, roburoc4_pump *pump);
-/** Drop what was recorded; the next sample will be the following one. */
-void recording_end(recording *rec);
 
 #endif

@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * Commands that are sent to the robot. None of them waits.
+ * Commands that are sent to the robot, and moves (roburoc4_move.h). None of them waits: Robot.m
+ * steps a move to its end.
  */
+#include <math.h>
+
 #include "commands.h"
 #include "fail.h"
-
-/* Beyond any robot, and well within a float. */
-#define FASTEST 1e6
-#define FARTHEST_M 1e9
-
-static int done(const char *what, roburoc4_result result) {
-    return result >= 0 || fail_result(what, result);
-}
 
 /* For commands that need a robot that answers, but not that it is armed. */
 static int done_unarmed(const char *what, roburoc4_result result) {
@@ -25,14 +20,10 @@ static int done_unarmed(const char *what, roburoc4_result result) {
 
 /* arm(id, last_try): true when armed; false if waiting may help, unless this is the last try */
 static int arm(call *in) {
-    roburoc4_result result;
-    int last_try;
-    if (!take_flag(in->arguments[0], "last_try", &last_try)) {
-        return 0;
-    }
-    result = roburoc4_client_arm(in->client, in->now_us);
+    const roburoc4_result result = roburoc4_client_arm(in->client, in->now_us);
     in->number = result >= 0;
-    return (!last_try && roburoc4_refusal_may_pass(result)) || done("not armed", result);
+    return (in->numbers[0] == 0.0 && roburoc4_refusal_may_pass(result)) ||
+           done("not armed", result);
 }
 
 /* disarm(id) */
@@ -45,67 +36,47 @@ static int stop(call *in) {
     return done("stop", roburoc4_client_stop(in->client, in->now_us));
 }
 
-/* A speed. Elsewhere true counts as a number, but nobody means 1 m/s by it. */
-static int take_speed(const mxArray *value, const char *name, double *out) {
-    if (mxIsLogical(value)) {
-        return fail(FAIL_ARGUMENT, "%s: this is logical; give one real number", name);
-    }
-    return take_range(value, name, -FASTEST, FASTEST, out);
-}
-
-/* drive(id, linear_m_s, angular_rad_s) */
+/* drive(id, linear_m_s, angular_rad_s): how many seconds it lasts */
 static int drive(call *in) {
-    double linear_m_s, angular_rad_s;
-    return take_speed(in->arguments[0], "linear speed", &linear_m_s) &&
-           take_speed(in->arguments[1], "angular speed", &angular_rad_s) &&
-           done("not driving", roburoc4_client_drive(in->client, (float)linear_m_s,
-                                                     (float)angular_rad_s, 0, in->now_us));
+    in->number = ((const robot *)in->object)->lease_us / 1e6;
+    return done("not driving", roburoc4_client_drive(in->client, (float)in->numbers[0],
+                                                     (float)in->numbers[1], 0, in->now_us));
 }
 
-static int done_output(const call *in, uint32_t io_type, int64_t index, roburoc4_result result) {
+/* ---------------------------------------------------------------------- outputs and the pose ---
+ */
+
+static int done_output(const call *in, const char *type, int32_t count, roburoc4_result result) {
     if (result != ROBUROC4_ERR_INDEX) {
         return done_unarmed("output", result);
     }
-    return fail(FAIL_ARGUMENT, "the robot has no %s output %d: it has %lu, from 0 on",
-                io_type == ROBUROC4_IO_DIGITAL_OUTPUT ? "digital" : "analog", (int)index,
-                (unsigned long)channel_count(in->client, io_type));
+    return fail(FAIL_ARGUMENT, "the robot has no %s output %g: it has %ld, from 0 on", type,
+                in->numbers[0], (long)count);
 }
 
 /* digital(id, index, on) */
 static int set_digital(call *in) {
-    int64_t index;
-    uint64_t bit;
-    int on;
-    if (!take_whole(in->arguments[0], "output", 0, UINT16_MAX, &index) ||
-        !take_flag(in->arguments[1], "on", &on)) {
-        return 0;
-    }
-    bit = index < ROBUROC4_MAX_DIGITAL_OUTPUTS ? (uint64_t)1 << index : 0;
-    return done_output(
-        in, ROBUROC4_IO_DIGITAL_OUTPUT, index,
-        bit == 0 ? ROBUROC4_ERR_INDEX
-                 : roburoc4_client_set_digital_outputs(in->client, bit, on ? bit : 0, in->now_us));
+    const double index = in->numbers[0];
+    const uint64_t bit = index < ROBUROC4_MAX_DIGITAL_OUTPUTS ? (uint64_t)1 << (uint32_t)index : 0;
+    return done_output(in, "digital", client_card(in->client).digital_outputs,
+                       bit == 0
+                           ? ROBUROC4_ERR_INDEX
+                           : roburoc4_client_set_digital_outputs(
+                                 in->client, bit, in->numbers[1] != 0.0 ? bit : 0, in->now_us));
 }
 
 /* analog(id, index, value) */
 static int set_analog(call *in) {
-    int64_t index;
-    double value;
-    return take_whole(in->arguments[0], "output", 0, UINT16_MAX, &index) &&
-           take_range(in->arguments[1], "value", -1e9, 1e9, &value) &&
-           done_output(in, ROBUROC4_IO_ANALOG_OUTPUT, index,
-                       roburoc4_client_set_analog_output(in->client, (uint32_t)index, (float)value,
-                                                         in->now_us));
+    return done_output(in, "analog", client_card(in->client).analog_outputs,
+                       roburoc4_client_set_analog_output(in->client, (uint32_t)in->numbers[0],
+                                                         (float)in->numbers[1], in->now_us));
 }
 
 /* relocalize(id, x_m, y_m, theta_rad) */
 static int relocalize(call *in) {
-    double x_m, y_m, theta_rad;
-    return take_range(in->arguments[0], "x", -FARTHEST_M, FARTHEST_M, &x_m) &&
-           take_range(in->arguments[1], "y", -FARTHEST_M, FARTHEST_M, &y_m) &&
-           take_range(in->arguments[2], "theta", -FARTHEST_M, FARTHEST_M, &theta_rad) &&
-           done_unarmed("relocalize",
-                        roburoc4_client_relocalize(in->client, x_m, y_m, theta_rad, in->now_us));
+    return done_unarmed("relocalize",
+                        roburoc4_client_relocalize(in->client, in->numbers[0], in->numbers[1],
+                                                   in->numbers[2], in->now_us));
 }
 
 /* relocalized(id): true when the robot accepted it; false until it answers */
@@ -117,30 +88,96 @@ static int is_relocalized(call *in) {
 
 /* subscribe(id, service, period_ms): a period of 0 ends a subscription */
 static int subscribe(call *in) {
-    uint32_t service;
-    int64_t period_ms;
-    if (!take_service(in->arguments[0], &service) ||
-        !take_whole(in->arguments[1], "period_ms", 0, 2550, &period_ms)) {
-        return 0;
-    }
-    if (period_ms % 10 != 0) {
+    const double period_ms = in->numbers[1];
+    if (fmod(period_ms, 10) != 0.0) {
         return fail(FAIL_ARGUMENT,
-                    "period_ms: %d is not allowed; give a multiple of 10, 10 to 2550",
-                    (int)period_ms);
+                    "period_ms: %g is not allowed; give a multiple of 10, 10 to 2550", period_ms);
     }
-    return done("subscribe",
-                roburoc4_client_subscribe(in->client, service, (uint32_t)period_ms, in->now_us));
+    return done("subscribe", roburoc4_client_subscribe(in->client, (uint32_t)in->numbers[0],
+                                                       (uint32_t)period_ms, in->now_us));
 }
 
+/* ---------------------------------------------------------------------------------- moves --- */
+
+enum { BY, TO_POINT, TO_POSE, REST, MOVES };
+
+static roburoc4_result begin(roburoc4_move *move, int kind, const double *to,
+                             const roburoc4_move_options *options) {
+    return kind == BY         ? roburoc4_move_by(move, (float)to[0], (float)to[1], options)
+           : kind == TO_POINT ? roburoc4_move_to_point(move, to[0], to[1], options)
+           : kind == TO_POSE  ? roburoc4_move_to_pose(move, to[0], to[1], to[2], options)
+                              : roburoc4_move_rest(move, options);
+}
+
+/* moveBegin(id, kind, x or distance, y or angle, theta, speed, clearance, timeout): a speed or
+ * timeout of 0, and a clearance below 0, are the default */
+static int begin_move(call *in) {
+    const int kind = (int)in->numbers[0];
+    const double *to = &in->numbers[1], speed = in->numbers[4], clearance_m = in->numbers[5];
+    const roburoc4_facts facts = client_facts(in->client, in->now_us);
+    roburoc4_move_options options;
+    (void)roburoc4_move_options_init(&options, sizeof options);
+    if (kind != REST && !facts.armed) {
+        return done("not moving", facts.disarm_cause);
+    }
+    if (speed > 0) {
+        options.linear_m_s = (float)speed;
+    }
+    if (speed > 0 && kind == BY && to[1] != 0) { /* of an arc, both rates in proportion */
+        options.angular_rad_s = (float)(to[0] != 0 ? speed * fabs(to[1] / to[0]) : speed);
+    }
+    options.clearance_m = clearance_m < 0 ? options.clearance_m : (float)clearance_m;
+    options.timeout_ms = (uint32_t)(in->numbers[6] * 1000);
+    return begin(&((robot *)in->object)->move, kind, to, &options) >= 0 ||
+           fail(FAIL_ARGUMENT, "a move is at most 10 km long, and turns by at most 10000 rad");
+}
+
+/* moveStep(id): continue; false when the move has ended */
+static int step_move(call *in) {
+    roburoc4_move *move = &((robot *)in->object)->move;
+    in->number = roburoc4_move_step(move, in->client, in->now_us) == ROBUROC4_MOVE_RUNNING;
+    if (in->number != 0.0) {
+        (void)roburoc4_client_drive(in->client, move->linear_m_s, move->angular_rad_s, 0,
+                                    in->now_us);
+    }
+    return 1;
+}
+
+/* moveResult(id): its progress, or how it ended */
+static int read_move(call *in) {
+    static const char *const names[] = {"running",  "reached",   "override", "bumper",
+                                        "obstacle", "inhibited", "lost",     "other_commander",
+                                        "timeout",  "cancelled"};
+    static const field figures[] = {
+        FIELD(roburoc4_move, distance_m, FLOAT), FIELD(roburoc4_move, angle_rad, FLOAT),
+        FIELD(roburoc4_move, left_m, FLOAT), FIELD(roburoc4_move, left_rad, FLOAT)};
+    const roburoc4_move *move = &((const robot *)in->object)->move;
+    answer_add(&in->out, "result", make_text(names[move->result]));
+    answer_fields(&in->out, figures, COUNT_OF(figures), move);
+    answer_add(&in->out, "text", make_text(roburoc4_move_result_text(move->result)));
+    return 1;
+}
+
+/* clang-format off */
+#define OUTPUT WHOLE("output", 0, UINT16_MAX)
+#define FINITE(name) WITHIN(name, -1e9, 1e9)
+
 const command robot_drive_commands[] = {
-    {"drive", CONTROL_ROBOT, 2, NOTHING, drive},
-    {"arm", CONTROL_ROBOT, 1, FLAG, arm},
-    {"disarm", CONTROL_ROBOT, 0, NOTHING, disarm},
-    {"stop", CONTROL_ROBOT, 0, NOTHING, stop},
-    {"digital", CONTROL_ROBOT, 2, NOTHING, set_digital},
-    {"analog", CONTROL_ROBOT, 2, NOTHING, set_analog},
-    {"relocalize", CONTROL_ROBOT, 3, NOTHING, relocalize},
-    {"relocalized", READ_ROBOT, 0, FLAG, is_relocalized},
-    {"subscribe", CONTROL_ROBOT, 2, NOTHING, subscribe},
-    {NULL, NO_ID, 0, NOTHING, NULL},
+    {"drive", CONTROL_ROBOT, NUMBER, drive, {SPEED("linear speed"), SPEED("angular speed")}},
+    {"arm", CONTROL_ROBOT, FLAG, arm, {SWITCH("last_try")}},
+    {"disarm", CONTROL_ROBOT, NOTHING, disarm, {NONE}},
+    {"stop", CONTROL_ROBOT, NOTHING, stop, {NONE}},
+    {"digital", CONTROL_ROBOT, NOTHING, set_digital, {OUTPUT, SWITCH("on")}},
+    {"analog", CONTROL_ROBOT, NOTHING, set_analog, {OUTPUT, FINITE("value")}},
+    {"relocalize", CONTROL_ROBOT, NOTHING, relocalize, {FINITE("x"), FINITE("y"), FINITE("theta")}},
+    {"relocalized", READ_ROBOT, FLAG, is_relocalized, {NONE}},
+    {"subscribe", CONTROL_ROBOT, NOTHING, subscribe, {SERVICE, WHOLE("period_ms", 0, 2550)}},
+    {"moveBegin", CONTROL_ROBOT, NOTHING, begin_move,
+     {WHOLE("kind", 0, MOVES - 1), FINITE("distance or x"), FINITE("angle or y"),
+      WITHIN("theta", -1e4, 1e4), WITHIN("speed", 0, 100), WITHIN("clearance", -1, 100),
+      WITHIN("timeout", 0, 4e6)}},
+    {"moveStep", CONTROL_ROBOT, FLAG, step_move, {NONE}},
+    {"moveResult", READ_ROBOT, STRUCT, read_move, {NONE}},
+    LAST,
 };
+/* clang-format on */

@@ -7,13 +7,19 @@
 #include "commands.h"
 #include "fail.h"
 
-/* open(address, options): id */
-static int open_robot(call *in) {
-    char address[TEXT_SIZE];
-    robot_settings settings;
-    return take_text(in->arguments[0], "address", address) &&
-           settings_of_robot(in->arguments[1], &settings) &&
-           (in->number = robot_open(address, &settings)) != 0.0;
+/* open(address, options, buffer, record) or simConnect(id, options, buffer, record): its id */
+static int open_robot(call *in, const char *address, int i) {
+    robot_settings settings = {.buffer = (uint32_t)in->numbers[i + 1], .record = in->texts[i + 2]};
+    return settings_of_robot(in->arguments[i], &settings.config) &&
+           (in->number = robot_open(address, in->object, &settings)) != 0.0;
+}
+
+static int open_real(call *in) {
+    return open_robot(in, in->texts[0], 1);
+}
+
+static int open_simulated(call *in) {
+    return simulator_is_virtual(in->object) && open_robot(in, NULL, 0);
 }
 
 /* close(id): delete() can be called twice */
@@ -36,62 +42,47 @@ static int leave(call *in) {
 
 /* -------------------------------------------------------------------------------- waiting --- */
 
-static uint32_t count(const call *in, uint32_t counter) {
-    return roburoc4_client_count(in->client, counter);
+static void add_count(call *in, const char *name, uint32_t counter) {
+    answer_number(&in->out, name, roburoc4_client_count(in->client, counter));
 }
 
 /* progress(id): the progress of a robot that is not ready */
 static int read_progress(call *in) {
     roburoc4_link link = {.size = sizeof link};
-    robot *r = in->object;
     const uint32_t state = roburoc4_client_state(in->client);
     char address[ROBUROC4_ADDRESS_TEXT_SIZE];
-    const uint32_t fault = robot_socket(r, address);
+    const uint32_t fault = robot_socket(in->object, address);
     (void)roburoc4_client_link(in->client, in->now_us, &link);
-    if (state > r->furthest && state <= ROBUROC4_STATE_READY) {
-        r->furthest = state;
-        r->furthest_us = in->now_us;
-    }
     answer_flag(&in->out, "ready", state == ROBUROC4_STATE_READY);
+    answer_number(&in->out, "step", state <= ROBUROC4_STATE_READY ? state : 0);
     answer_add(&in->out, "state", make_text(roburoc4_name(ROBUROC4_NAME_STATE, state)));
     answer_add(&in->out, "address", make_text(address));
-    answer_number(&in->out, "open_s", (double)(in->now_us - r->opened_us) / 1e6);
-    answer_number(&in->out, "standstill_s", (double)(in->now_us - r->furthest_us) / 1e6);
+    answer_number(&in->out, "time_s", answer_time(&in->out, in->now_us));
     answer_number(&in->out, "silence_s", link.silence_us / 1e6);
-    answer_number(&in->out, "sent", count(in, ROBUROC4_COUNT_SENT));
-    answer_number(&in->out, "received", count(in, ROBUROC4_COUNT_RECEIVED));
-    answer_number(&in->out, "refused", count(in, ROBUROC4_COUNT_REFUSED));
+    add_count(in, "sent", ROBUROC4_COUNT_SENT);
+    add_count(in, "received", ROBUROC4_COUNT_RECEIVED);
+    add_count(in, "refused", ROBUROC4_COUNT_REFUSED);
     answer_add(&in->out, "fault", make_text(fault != 0 ? roburoc4_udp_fault_text(fault) : ""));
     return 1;
 }
 
 /* now(id): seconds on the robot's clock */
 static int read_time(call *in) {
-    const robot *r = in->object;
-    in->number = (double)(robot_now_us(r) - r->opened_us) / 1e6;
+    in->number = answer_time(&in->out, robot_now_us(in->object));
     return 1;
 }
 
 /* wait(id, seconds): seconds on the robot's clock afterwards */
 static int wait(call *in) {
-    double seconds;
-    if (!take_range(in->arguments[0], "seconds", 0.0, LONGEST_WAIT_S, &seconds)) {
-        return 0;
-    }
     /* Rounded up, because a caller that waits for the rest of a rounded time would never finish. */
-    robot_wait(in->object, (uint32_t)ceil(seconds * 1e6));
+    robot_wait(in->object, (uint32_t)ceil(in->numbers[0] * 1e6));
     return read_time(in);
-}
-
-/* lease(id): duration of a drive command in seconds */
-static int read_lease(call *in) {
-    in->number = ((const robot *)in->object)->lease_us / 1e6;
-    return 1;
 }
 
 /* busy(id, on): a waiting method starts, or reached its end */
 static int set_busy(call *in) {
-    return take_flag(in->arguments[0], "busy", &((robot *)in->object)->busy);
+    ((robot *)in->object)->busy = in->numbers[0] != 0.0;
+    return 1;
 }
 
 /* interrupted(id): stop the robot if the waiting method did not reach its end. Only if this object
@@ -111,15 +102,20 @@ static int interrupt(call *in) {
     return 1;
 }
 
+/* clang-format off */
+#define SETTINGS                                                                                   \
+    OPTIONS, WHOLE("buffer", ROBUROC4_PUMP_QUEUE_MIN, ROBUROC4_PUMP_QUEUE_MAX), TEXT("record")
+
 const command robot_life_commands[] = {
-    {"open", NO_ID, 2, NUMBER, open_robot},
-    {"close", ANY_ROBOT, 0, NOTHING, close_one},
-    {"leave", ANY_ROBOT, 0, FLAG, leave},
-    {"now", READ_ROBOT, 0, NUMBER, read_time},
-    {"progress", READ_ROBOT, 0, STRUCT, read_progress},
-    {"wait", WAIT_ROBOT, 1, NUMBER, wait},
-    {"lease", READ_ROBOT, 0, NUMBER, read_lease},
-    {"busy", READ_ROBOT, 1, NOTHING, set_busy},
-    {"interrupted", ANY_ROBOT, 0, NOTHING, interrupt},
-    {NULL, NO_ID, 0, NOTHING, NULL},
+    {"open", NO_ID, NUMBER, open_real, {TEXT("address"), SETTINGS}},
+    {"simConnect", SIMULATOR, NUMBER, open_simulated, {SETTINGS}},
+    {"close", ANY_ROBOT, NOTHING, close_one, {NONE}},
+    {"leave", ANY_ROBOT, FLAG, leave, {NONE}},
+    {"now", READ_ROBOT, NUMBER, read_time, {NONE}},
+    {"progress", READ_ROBOT, STRUCT, read_progress, {NONE}},
+    {"wait", WAIT_ROBOT, NUMBER, wait, {WITHIN("seconds", 0, LONGEST_WAIT_S)}},
+    {"busy", READ_ROBOT, NOTHING, set_busy, {SWITCH("busy")}},
+    {"interrupted", ANY_ROBOT, NOTHING, interrupt, {NONE}},
+    LAST,
 };
+/* clang-format on */

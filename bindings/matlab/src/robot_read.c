@@ -2,9 +2,10 @@
  *
  * Commands that read: the latest of everything, what the robot is, the link, and columns.
  */
+#include <string.h>
+
 #include "commands.h"
 #include "fail.h"
-#include "os.h"
 
 /* --------------------------------------------------------------------------------- status --- */
 
@@ -17,6 +18,7 @@ static const field facts_fields[] = {
     FACT(battery_low), FIELD(roburoc4_facts, disarm_cause, INT),
 };
 /* clang-format on */
+static const field robot_cycles = FIELD(roburoc4_sample, robot_cycles, CYCLES);
 
 /* How old a status is; Inf before the first. */
 static double age_s(const roburoc4_sample *latest, uint64_t now_us) {
@@ -30,143 +32,112 @@ static double age_s(const roburoc4_sample *latest, uint64_t now_us) {
 static int read_status(call *in) {
     static const char *const ages[SERVICES] = {"iocard_age_s", "telemeter_age_s", "battery_age_s",
                                                "localization_age_s", "differential_age_s"};
-    static const field cycles = FIELD(roburoc4_sample, robot_cycles, CYCLES);
     const roburoc4_facts facts = client_facts(in->client, in->now_us);
     roburoc4_sample latest, newest = {0};
-    answer_number(&in->out, "time_s",
-                  (double)(in->now_us - ((const robot *)in->object)->opened_us) / 1e6);
+    answer_number(&in->out, "time_s", answer_time(&in->out, in->now_us));
     answer_flag(&in->out, "ready", facts.state == ROBUROC4_STATE_READY);
     answer_fields(&in->out, facts_fields, COUNT_OF(facts_fields), &facts);
     for (uint32_t i = 0; i < SERVICES; i++) {
         (void)roburoc4_sample_latest(in->client, FIRST_SERVICE + i, &latest);
         if (FIRST_SERVICE + i != ROBUROC4_SERVICE_IOCARD) {
-            samples_answer(&in->out, FIRST_SERVICE + i, &latest);
+            sample_values(&in->out, &latest);
         }
         answer_number(&in->out, ages[i], age_s(&latest, in->now_us));
         newest = latest.robot_cycles > newest.robot_cycles ? latest : newest;
     }
-    answer_fields(&in->out, &cycles, 1, &newest);
+    answer_fields(&in->out, &robot_cycles, 1, &newest);
     return 1;
 }
 
 /* The latest status of a service, for loops that steer by it and need no more: a row costs a third
  * of a struct. All NaN where it is older than fresh_ms. */
-static double *make_row(call *in, uint32_t service, size_t count, roburoc4_sample *latest) {
-    double *row = make_doubles(&in->results[0], 1, count);
-    (void)roburoc4_sample_latest(in->client, service, latest);
-    if (age_s(latest, in->now_us) < ((const robot *)in->object)->fresh_us / 1e6) {
-        return row;
-    }
+static int read_row(call *in, uint32_t service, const field *fields, size_t count) {
+    double *row = make_row(&in->results[0], count);
+    roburoc4_sample latest;
+    int fresh;
+    (void)roburoc4_sample_latest(in->client, service, &latest);
+    fresh = age_s(&latest, in->now_us) < ((const robot *)in->object)->fresh_us / 1e6;
     for (size_t i = 0; i < count; i++) {
-        row[i] = mxGetNaN();
+        row[i] = fresh ? field_value(&in->out, &fields[i], &latest) : mxGetNaN();
     }
-    return NULL;
+    return 1;
 }
+
+#define VALUE(member) FIELD(roburoc4_sample, value.member, FLOAT)
 
 /* pose(id): x_m, y_m, theta_rad, and when the robot made it, time_s */
 static int read_pose(call *in) {
-    roburoc4_sample latest;
-    double *row = make_row(in, ROBUROC4_SERVICE_LOCALIZATION, 4, &latest);
-    if (row != NULL) {
-        row[0] = latest.value.localization.x_m;
-        row[1] = latest.value.localization.y_m;
-        row[2] = latest.value.localization.theta_rad;
-        row[3] = seconds_since(latest.made_us, ((const robot *)in->object)->opened_us);
-    }
-    return 1;
+    static const field row[] = {VALUE(localization.x_m), VALUE(localization.y_m),
+                                VALUE(localization.theta_rad),
+                                FIELD(roburoc4_sample, made_us, TIME)};
+    return read_row(in, ROBUROC4_SERVICE_LOCALIZATION, row, COUNT_OF(row));
 }
 
 /* speeds(id): current_linear_m_s, current_angular_rad_s */
 static int read_speeds(call *in) {
-    roburoc4_sample latest;
-    double *row = make_row(in, ROBUROC4_SERVICE_DIFFERENTIAL, 2, &latest);
-    if (row != NULL) {
-        row[0] = (double)latest.value.differential.current_linear_m_s;
-        row[1] = (double)latest.value.differential.current_angular_rad_s;
-    }
-    return 1;
+    static const field row[] = {VALUE(differential.current_linear_m_s),
+                                VALUE(differential.current_angular_rad_s)};
+    return read_row(in, ROBUROC4_SERVICE_DIFFERENTIAL, row, COUNT_OF(row));
 }
 
 /* ----------------------------------------------------------------------------------- info --- */
 
-#define LIMIT(member) FIELD(roburoc4_differential_properties, member, FLOAT)
+/* What a robot has. */
+typedef struct properties {
+    roburoc4_differential_properties drive;
+    roburoc4_battery_properties battery;
+    roburoc4_localization_properties start;
+    roburoc4_iocard_properties card;
+    roburoc4_telemeter telemeters[ROBUROC4_MAX_TELEMETERS];
+    roburoc4_directory_entry entries[ROBUROC4_MAX_SERVICES];
+    uint32_t telemeter_count, entry_count;
+} properties;
+
+#define LIMIT(member) FIELD_AS(#member, properties, drive.member, FLOAT)
+#define BATTERY(member, type) FIELD_AS(#member, properties, battery.member, type)
+#define START(member) FIELD_AS("power_on_" #member, properties, start.member, FLOAT)
+#define CHANNELS(member) FIELD_AS(#member, properties, card.member, INT)
+#define TELEMETER(member)                                                                          \
+    FIELD_ROW("telemeter_" #member, properties, telemeters, telemeters[0].member, FLOAT,           \
+              telemeter_count)
+#define ENTRY(name, member)                                                                        \
+    FIELD_ROW(name, properties, entries, entries[0].member, UINT, entry_count)
 
 /* clang-format off */
-static const field limits[] = {
+static const field info_fields[] = {
     LIMIT(max_linear_m_s), LIMIT(min_linear_m_s), LIMIT(max_angular_rad_s),
     LIMIT(min_angular_rad_s), LIMIT(max_linear_m_s2), LIMIT(min_linear_m_s2),
     LIMIT(max_angular_rad_s2), LIMIT(min_angular_rad_s2), LIMIT(width_m),
-};
-static const field battery[] = {
-    FIELD(roburoc4_battery_properties, nominal_voltage_v, FLOAT),
-    FIELD(roburoc4_battery_properties, capacity_ah, FLOAT),
-    FIELD(roburoc4_battery_properties, minimum_percent, BYTE),
-};
-static const field start[] = {
-    FIELD_AS("power_on_x_m", roburoc4_localization_properties, x_m, FLOAT),
-    FIELD_AS("power_on_y_m", roburoc4_localization_properties, y_m, FLOAT),
-    FIELD_AS("power_on_theta_rad", roburoc4_localization_properties, theta_rad, FLOAT),
-};
-/* clang-format on */
-#define CHANNELS(member) FIELD(roburoc4_iocard_properties, member, INT)
-
-/* By ROBUROC4_IO_*. */
-/* clang-format off */
-static const field channels[CHANNEL_TYPES] = {
+    BATTERY(nominal_voltage_v, FLOAT), BATTERY(capacity_ah, FLOAT), BATTERY(minimum_percent, BYTE),
+    START(x_m), START(y_m), START(theta_rad),
     CHANNELS(analog_inputs), CHANNELS(analog_outputs), CHANNELS(digital_inputs),
     CHANNELS(digital_outputs),
-};
-/* clang-format on */
-#define TELEMETER(member) FIELD_AS("telemeter_" #member, roburoc4_telemeter, member, FLOAT)
-
-/* clang-format off */
-static const field telemeter[] = {
     TELEMETER(x_m), TELEMETER(y_m), TELEMETER(theta_rad), TELEMETER(field_of_view_rad),
     TELEMETER(min_distance_m), TELEMETER(max_distance_m),
-};
-static const field directory[] = {
-    FIELD_AS("service_ids", roburoc4_directory_entry, id, UINT),
-    FIELD_AS("service_types", roburoc4_directory_entry, type, UINT),
+    ENTRY("service_ids", id), ENTRY("service_types", type),
 };
 /* clang-format on */
 
 /* info(id) */
 static int read_info(call *in) {
-    roburoc4_differential_properties drive;
-    roburoc4_battery_properties energy;
-    roburoc4_localization_properties pose;
-    roburoc4_iocard_properties card = {0};
-    roburoc4_telemeter telemeters[ROBUROC4_MAX_TELEMETERS] = {{0}};
-    roburoc4_directory_entry entries[ROBUROC4_MAX_SERVICES] = {{0}};
-    const int has_drive = roburoc4_client_differential_properties(in->client, &drive) >= 0;
-    const int has_energy = roburoc4_client_battery_properties(in->client, &energy) >= 0;
-    const int has_pose = roburoc4_client_localization_properties(in->client, &pose) >= 0;
-    uint32_t telemeter_count = 0, entry_count = 0;
-    while (telemeter_count < ROBUROC4_MAX_TELEMETERS &&
-           roburoc4_client_telemeter(in->client, telemeter_count, &telemeters[telemeter_count]) >=
+    properties all;
+    memset(&all, 0xFF, sizeof all); /* what is not reported yet: NaN of floats, 255 of bytes */
+    (void)roburoc4_client_differential_properties(in->client, &all.drive);
+    (void)roburoc4_client_battery_properties(in->client, &all.battery);
+    (void)roburoc4_client_localization_properties(in->client, &all.start);
+    all.card = client_card(in->client);
+    all.telemeter_count = all.entry_count = 0;
+    while (all.telemeter_count < ROBUROC4_MAX_TELEMETERS &&
+           roburoc4_client_telemeter(in->client, all.telemeter_count,
+                                     &all.telemeters[all.telemeter_count]) >= 0) {
+        all.telemeter_count++;
+    }
+    while (all.entry_count < ROBUROC4_MAX_SERVICES &&
+           roburoc4_client_service_at(in->client, all.entry_count, &all.entries[all.entry_count]) >=
                0) {
-        telemeter_count++;
+        all.entry_count++;
     }
-    while (entry_count < ROBUROC4_MAX_SERVICES &&
-           roburoc4_client_service_at(in->client, entry_count, &entries[entry_count]) >= 0) {
-        entry_count++;
-    }
-    (void)roburoc4_client_iocard_properties(in->client, &card);
-    answer_fields(&in->out, limits, COUNT_OF(limits), has_drive ? &drive : NULL);
-    answer_fields(&in->out, battery, COUNT_OF(battery), has_energy ? &energy : NULL);
-    answer_fields(&in->out, start, COUNT_OF(start), has_pose ? &pose : NULL);
-    answer_fields(&in->out, channels, COUNT_OF(channels), &card);
-    answer_rows(&in->out, telemeter, COUNT_OF(telemeter), telemeters, sizeof *telemeters,
-                telemeter_count);
-    answer_rows(&in->out, directory, COUNT_OF(directory), entries, sizeof *entries, entry_count);
-    return 1;
-}
-
-/* address(id) */
-static int read_address(call *in) {
-    char address[ROBUROC4_ADDRESS_TEXT_SIZE];
-    (void)robot_socket(in->object, address);
-    in->results[0] = make_text(address);
+    answer_fields(&in->out, info_fields, COUNT_OF(info_fields), &all);
     return 1;
 }
 
@@ -201,11 +172,7 @@ static int read_link(call *in) {
 /* serviceLink(id, service) */
 static int read_service_link(call *in) {
     roburoc4_service_link link = {.size = sizeof link};
-    uint32_t service;
-    if (!take_service(in->arguments[0], &service)) {
-        return 0;
-    }
-    (void)roburoc4_client_service_link(in->client, service, in->now_us, &link);
+    (void)roburoc4_client_service_link(in->client, (uint32_t)in->numbers[0], in->now_us, &link);
     answer_fields(&in->out, service_link_fields, COUNT_OF(service_link_fields), &link);
     answer_number(&in->out, "age_s", link.age_us == UINT32_MAX ? mxGetInf() : link.age_us / 1e6);
     return 1;
@@ -213,144 +180,89 @@ static int read_service_link(call *in) {
 
 /* ------------------------------------------------------------------------------ the IO card --- */
 
-/* How many channels of a type can have a name here. */
-static uint32_t named_channels(const call *in, uint32_t io_type) {
-    const uint32_t all = channel_count(in->client, io_type);
-    return all < CHANNELS_MAX ? all : CHANNELS_MAX;
-}
+/* At most so many channels of a type have names. */
+#define CHANNELS_MAX ROBUROC4_MAX_DIGITAL_INPUTS
+#define CHANNEL_TYPES (ROBUROC4_IO_DIGITAL_OUTPUT + 1)
 
-static roburoc4_result find_channel(const call *in, uint32_t io_type, const char *name) {
-    static channel_texts texts;
-    const char *pointers[CHANNELS_MAX];
-    const uint32_t count = named_channels(in, io_type);
-    robot_texts(in->object, io_type, count, texts);
-    for (uint32_t i = 0; i < count; i++) {
-        pointers[i] = texts[i];
-    }
-    return roburoc4_client_channel_find(in->client, io_type, name, pointers, count);
-}
-
-/* A channel of some types (bits by ROBUROC4_IO_*). Returns 0 after noting why there is none. */
-static int take_channel(const call *in, uint32_t types, uint32_t *io_type, uint32_t *index) {
-    char name[TEXT_SIZE];
-    uint32_t found = 0;
-    if (!take_text(in->arguments[0], "channel", name)) {
-        return 0;
-    }
-    for (uint32_t type = 0; type < CHANNEL_TYPES; type++) {
-        const roburoc4_result at =
-            (types >> type & 1u) != 0 ? find_channel(in, type, name) : ROBUROC4_ERR_INDEX;
-        if (at >= 0) {
-            *io_type = type;
-            *index = (uint32_t)at;
-            found++;
+/* The robot's own texts for the channels of one type, "" where it has none; how many there are. */
+static uint32_t read_texts(const call *in, uint32_t io_type, const char *texts[CHANNELS_MAX]) {
+    static char memory[CHANNELS_MAX][ROBUROC4_PUMP_DESCRIPTION_SIZE];
+    const roburoc4_iocard_properties card = client_card(in->client);
+    const int32_t counts[CHANNEL_TYPES] = {card.analog_inputs, card.analog_outputs,
+                                           card.digital_inputs, card.digital_outputs};
+    uint32_t i;
+    for (i = 0; i < CHANNELS_MAX && (int32_t)i < counts[io_type]; i++) {
+        texts[i] = memory[i];
+        if (roburoc4_pump_description(((robot *)in->object)->pump, (int32_t)io_type, i, memory[i],
+                                      sizeof memory[i]) < 0) {
+            memory[i][0] = '\0';
         }
-        found += at == ROBUROC4_ERR_VALUE ? 2 : 0;
     }
-    if (found > 1) {
-        return fail(FAIL_ARGUMENT,
-                    "'%s' is ambiguous: several channels have this name; use inputs() and an index",
-                    name);
+    return i;
+}
+
+/* channel(id, name, types): [type index] of the channel with this name, among those of types whose
+ * bits (by ROBUROC4_IO_*) are set */
+static int find_channel(call *in) {
+    const char *name = in->texts[0], *texts[CHANNELS_MAX];
+    double *row = make_row(&in->results[0], 2);
+    int found = 0;
+    for (uint32_t type = 0; type < CHANNEL_TYPES; type++) {
+        if (((uint32_t)in->numbers[1] >> type & 1u) != 0) {
+            const uint32_t count = read_texts(in, type, texts);
+            const roburoc4_result index =
+                roburoc4_client_channel_find(in->client, type, name, texts, count);
+            if (index >= 0) {
+                row[0] = type;
+                row[1] = index;
+            }
+            found += index >= 0 ? 1 : index == ROBUROC4_ERR_VALUE ? 2 : 0;
+        }
+    }
+    if (found == 0) {
+        return fail(FAIL_ARGUMENT, "the robot has no channel '%s'; inputs() lists the names", name);
     }
     return found == 1 ||
-           fail(FAIL_ARGUMENT, "the robot has no channel '%s'; inputs() lists the names", name);
+           fail(FAIL_ARGUMENT,
+                "'%s' is ambiguous: several channels have this name; use inputs() and an index",
+                name);
 }
 
-/* output(id, name, digital): the index of an output; call digital() or analog() with it */
-static int find_output(call *in) {
-    uint32_t io_type, index;
-    int digital;
-    if (!take_flag(in->arguments[1], "digital", &digital) ||
-        !take_channel(in, 1u << (digital ? ROBUROC4_IO_DIGITAL_OUTPUT : ROBUROC4_IO_ANALOG_OUTPUT),
-                      &io_type, &index)) {
-        return 0;
-    }
-    in->number = index;
-    return 1;
-}
-
-/* The latest inputs. Returns 0 after noting that there are none yet. */
-static int read_sample(const call *in, roburoc4_sample *out) {
-    return roburoc4_sample_latest(in->client, ROBUROC4_SERVICE_IOCARD, out) >= 0 ||
-           fail(FAIL_PROTOCOL, "the robot has sent no IO card status yet; wait with sleep(0.1)");
-}
-
-/* input(id, name): double of an analog input, logical of a digital one */
-static int read_input(call *in) {
-    const uint32_t types = 1u << ROBUROC4_IO_ANALOG_INPUT | 1u << ROBUROC4_IO_DIGITAL_INPUT;
-    roburoc4_sample sample;
-    const roburoc4_inputs *inputs = &sample.value.inputs;
-    uint32_t io_type, index;
-    if (!take_channel(in, types, &io_type, &index) || !read_sample(in, &sample)) {
-        return 0;
-    }
-    if (io_type == ROBUROC4_IO_DIGITAL_INPUT && index < inputs->digital_count) {
-        in->results[0] = mxCreateLogicalScalar((inputs->digital >> index & 1u) != 0);
-    } else if (io_type == ROBUROC4_IO_ANALOG_INPUT && index < inputs->analog_count) {
-        in->results[0] = mxCreateDoubleScalar((double)inputs->analog[index]);
-    } else {
-        return fail(FAIL_LIMIT, "input %lu is beyond those that the client stores",
-                    (unsigned long)index);
-    }
-    return 1;
-}
-
-/* The names of all channels of a type: the robot's own, else the manual's. */
-static mxArray *make_names(const call *in, uint32_t io_type) {
-    static channel_texts texts;
-    const uint32_t count = named_channels(in, io_type);
-    mxArray *names = mxCreateCellMatrix(1, count);
-    robot_texts(in->object, io_type, count, texts);
-    for (uint32_t i = 0; i < count; i++) {
-        const char *manual = roburoc4_client_channel_name(in->client, io_type, i);
-        mxSetCell(names, i, make_text(texts[i][0] != '\0' || manual == NULL ? texts[i] : manual));
-    }
-    return names;
-}
-
-/* inputs(id): all of them, with the names of all channels */
+/* inputs(id): the latest values */
 static int read_inputs(call *in) {
+    roburoc4_sample sample;
+    if (roburoc4_sample_latest(in->client, ROBUROC4_SERVICE_IOCARD, &sample) < 0) {
+        return fail(FAIL_PROTOCOL,
+                    "the robot has sent no IO card status yet; wait with sleep(0.1)");
+    }
+    answer_fields(&in->out, &robot_cycles, 1, &sample);
+    sample_values(&in->out, &sample);
+    return 1;
+}
+
+/* names(id): those of all channels, the robot's own, else the manual's */
+static int read_names(call *in) {
     static const char *const names[CHANNEL_TYPES] = {"analog_input_names", "analog_output_names",
                                                      "digital_input_names", "digital_output_names"};
-    static const field cycles = FIELD(roburoc4_sample, robot_cycles, CYCLES);
-    roburoc4_sample sample;
-    if (!read_sample(in, &sample)) {
-        return 0;
-    }
-    answer_fields(&in->out, &cycles, 1, &sample);
-    samples_answer(&in->out, ROBUROC4_SERVICE_IOCARD, &sample);
-    for (uint32_t i = 0; i < CHANNEL_TYPES; i++) {
-        answer_add(&in->out, names[i], make_names(in, i));
+    const char *texts[CHANNELS_MAX];
+    for (uint32_t type = 0; type < CHANNEL_TYPES; type++) {
+        const uint32_t count = read_texts(in, type, texts);
+        mxArray *cell = mxCreateCellMatrix(1, count);
+        for (uint32_t i = 0; i < count; i++) {
+            const char *manual = roburoc4_client_channel_name(in->client, type, i);
+            mxSetCell(cell, i,
+                      make_text(texts[i][0] != '\0' || manual == NULL ? texts[i] : manual));
+        }
+        answer_add(&in->out, names[type], cell);
     }
     return 1;
 }
 
 /* -------------------------------------------------------------------------------- columns --- */
 
-/* The services that the arguments name; all if there are none. */
-static int take_mask(const call *in, uint32_t *mask) {
-    *mask = in->count > 0 ? 0 : ALL_SERVICES;
-    for (int i = 0; i < in->count; i++) {
-        uint32_t service;
-        if (!take_service(in->arguments[i], &service)) {
-            return 0;
-        }
-        *mask |= 1u << service;
-    }
-    return 1;
-}
-
-/* UTC is what this machine's clock shows now; in virtual time the simulator's time, so that runs
- * are reproducible. */
-static clocks clocks_since(const robot *r, uint64_t begin_us) {
-    const uint64_t offset_us = roburoc4_os_calendar_us() - roburoc4_udp_now_us();
-    return (clocks){begin_us, r->simulated ? 0.0 : (double)(int64_t)offset_us / 1e6};
-}
-
 /* startUtc(id): UTC when the robot was made */
 static int read_start(call *in) {
-    const robot *r = in->object;
-    in->number = clocks_since(r, 0).utc_s + (double)r->opened_us / 1e6;
+    in->number = (double)(in->out.utc_us + in->out.begin_us) / 1e6;
     return 1;
 }
 
@@ -374,25 +286,19 @@ static int next_sample(robot *r, uint32_t service, roburoc4_sample *out) {
 /* receive(id, service, seconds): the next status of a service, or [] if none arrived in time */
 static int receive(call *in) {
     robot *r = in->object;
-    const clocks times = clocks_since(r, r->opened_us);
-    uint64_t end_us;
+    const uint32_t service = (uint32_t)in->numbers[0];
+    const uint64_t end_us = robot_now_us(r) + (uint64_t)(in->numbers[1] * 1e6 + 0.5);
     roburoc4_sample sample;
-    uint32_t service;
-    double seconds;
     int found;
-    if (!take_service(in->arguments[0], &service) ||
-        !take_range(in->arguments[1], "seconds", 0.0, LONGEST_WAIT_S, &seconds)) {
-        return 0;
-    }
-    end_us = robot_now_us(r) + (uint64_t)(seconds * 1e6 + 0.5);
     while (!(found = next_sample(r, service, &sample)) && robot_now_us(r) < end_us) {
         robot_wait_sample(r, &r->received, end_us);
     }
     if (found) {
-        samples_one(&in->out, &sample, &times);
+        sample_times(&in->out, &sample);
+        sample_values(&in->out, &sample);
         in->results[0] = answer_finish(&in->out);
     } else {
-        (void)make_doubles(&in->results[0], 0, 0);
+        (void)make_row(&in->results[0], 0);
     }
     return 1;
 }
@@ -400,10 +306,6 @@ static int receive(call *in) {
 /* record(id, service, ...): record from now on; the services are only checked */
 static int begin_recording(call *in) {
     robot *r = in->object;
-    uint32_t mask;
-    if (!take_mask(in, &mask)) {
-        return 0;
-    }
     recording_end(&r->recorded);
     (void)roburoc4_pump_reader_init(r->pump, &r->recorded.reader);
     r->recorded_us = in->now_us;
@@ -416,27 +318,17 @@ static int go_on_recording(call *in) {
     return recording_go_on(&r->recorded, r->pump);
 }
 
-/* All of a recording, of the services that the arguments name, as columns. */
-static int give_columns(call *in, recording *rec, uint64_t begin_us) {
-    const robot *r = in->object;
-    const clocks times = clocks_since(r, begin_us);
-    uint32_t mask;
-    if (!take_mask(in, &mask) || !recording_go_on(rec, r->pump)) {
-        return 0;
-    }
-    in->results[0] = samples_columns(&rec->list, mask, &times, rec->reader.lost);
-    return 1;
-}
-
-/* recording(id, service, ...): everything recorded */
+/* recording(id, service, ...): everything recorded, as columns */
 static int end_recording(call *in) {
     robot *r = in->object;
-    if (!give_columns(in, &r->recorded, r->recorded_us)) {
+    in->out.begin_us = r->recorded_us;
+    if (!recording_go_on(&r->recorded, r->pump)) {
         return 0;
     }
-    if (r->recorded.list.count == 0 && roburoc4_client_state(in->client) != ROBUROC4_STATE_READY) {
+    if (r->recorded.count == 0 && roburoc4_client_state(in->client) != ROBUROC4_STATE_READY) {
         return fail(FAIL_TIMEOUT, "nothing was recorded: the robot does not answer; look at link");
     }
+    recording_columns(&in->out, &r->recorded, in->services);
     recording_end(&r->recorded);
     return 1;
 }
@@ -444,7 +336,11 @@ static int end_recording(call *in) {
 /* log(id, service, ...): everything since the robot was made, or since the last logged() */
 static int read_log(call *in) {
     robot *r = in->object;
-    return give_columns(in, &r->logged, r->opened_us);
+    if (!recording_go_on(&r->logged, r->pump)) {
+        return 0;
+    }
+    recording_columns(&in->out, &r->logged, in->services);
+    return 1;
 }
 
 /* logged(id): the next log starts here; drops what log() returned, if it was called */
@@ -453,24 +349,25 @@ static int end_log(call *in) {
     return 1;
 }
 
+/* clang-format off */
 const command robot_read_commands[] = {
-    {"status", READ_ROBOT, 0, STRUCT, read_status},
-    {"pose", READ_ROBOT, 0, OTHER, read_pose},
-    {"speeds", READ_ROBOT, 0, OTHER, read_speeds},
-    {"info", READ_ROBOT, 0, STRUCT, read_info},
-    {"address", READ_ROBOT, 0, OTHER, read_address},
-    {"link", READ_ROBOT, 0, STRUCT, read_link},
-    {"serviceLink", READ_ROBOT, 1, STRUCT, read_service_link},
-    {"output", READ_ROBOT, 2, NUMBER, find_output},
-    {"input", READ_ROBOT, 1, OTHER, read_input},
-    {"inputs", READ_ROBOT, 0, STRUCT, read_inputs},
-    {"record", READ_ROBOT, -1, NOTHING, begin_recording},
-    {"recorded", READ_ROBOT, 0, NOTHING, go_on_recording},
-    {"startUtc", READ_ROBOT, 0, NUMBER, read_start},
-    {"receiveBegin", READ_ROBOT, 0, NOTHING, begin_receiving},
-    {"receive", WAIT_ROBOT, 2, OTHER, receive},
-    {"recording", READ_ROBOT, -1, OTHER, end_recording},
-    {"log", READ_ROBOT, -1, OTHER, read_log},
-    {"logged", READ_ROBOT, 0, NOTHING, end_log},
-    {NULL, NO_ID, 0, NOTHING, NULL},
+    {"status", READ_ROBOT, STRUCT, read_status, {NONE}},
+    {"pose", READ_ROBOT, OTHER, read_pose, {NONE}},
+    {"speeds", READ_ROBOT, OTHER, read_speeds, {NONE}},
+    {"info", READ_ROBOT, STRUCT, read_info, {NONE}},
+    {"link", READ_ROBOT, STRUCT, read_link, {NONE}},
+    {"serviceLink", READ_ROBOT, STRUCT, read_service_link, {SERVICE}},
+    {"channel", READ_ROBOT, OTHER, find_channel, {TEXT("channel"), WHOLE("types", 0, 15)}},
+    {"inputs", READ_ROBOT, STRUCT, read_inputs, {NONE}},
+    {"names", READ_ROBOT, STRUCT, read_names, {NONE}},
+    {"startUtc", READ_ROBOT, NUMBER, read_start, {NONE}},
+    {"receiveBegin", READ_ROBOT, NOTHING, begin_receiving, {NONE}},
+    {"receive", WAIT_ROBOT, OTHER, receive, {SERVICE, WITHIN("seconds", 0, LONGEST_WAIT_S)}},
+    {"record", READ_ROBOT, NOTHING, begin_recording, {SERVICES_IF_ANY}},
+    {"recorded", READ_ROBOT, NOTHING, go_on_recording, {NONE}},
+    {"recording", READ_ROBOT, STRUCT, end_recording, {SERVICES_IF_ANY}},
+    {"log", READ_ROBOT, STRUCT, read_log, {SERVICES_IF_ANY}},
+    {"logged", READ_ROBOT, NOTHING, end_log, {NONE}},
+    LAST,
 };
+/* clang-format on */

@@ -24,13 +24,12 @@ static int count_living(call *in) {
     return 1;
 }
 
-static const command own_commands[] = {{"living", NO_ID, 0, STRUCT, count_living},
-                                       {NULL, NO_ID, 0, NOTHING, NULL}};
+static const command own_commands[] = {{"living", NO_ID, STRUCT, count_living, {NONE}}, LAST};
 
 static const command *find(const char *name) {
-    static const command *const tables[] = {robot_drive_commands, robot_move_commands,
-                                            robot_read_commands,  robot_life_commands,
-                                            simulator_commands,   own_commands};
+    static const command *const tables[] = {robot_drive_commands, robot_read_commands,
+                                            robot_life_commands,  simulator_commands,
+                                            settings_commands,    own_commands};
     const command *found;
     for (size_t i = 0; i < COUNT_OF(tables); i++) {
         for (found = tables[i]; found->name != NULL; found++) {
@@ -46,8 +45,8 @@ static const command *find(const char *name) {
 static int take_object(call *in, subject of) {
     const int simulated = of == SIMULATOR || of == ANY_SIMULATOR;
     double id;
-    if (!take_number(in->arguments[0], "id", &id)) {
-        return 0;
+    if (in->count < 1 || !take_number(in->arguments[0], "id", &id)) {
+        return in->count < 1 ? fail(FAIL_ARGUMENT, "id: it is missing") : 0;
     }
     in->object = handles_find(simulated ? HANDLE_SIMULATOR : HANDLE_ROBOT, id);
     in->arguments++;
@@ -59,7 +58,65 @@ static int take_object(call *in, subject of) {
         return fail(FAIL_CLOSED, "this %s was deleted; make a new one with roburoc4.%s",
                     simulated ? "simulator" : "robot", simulated ? "Simulator" : "Robot");
     }
+    if (!simulated) {
+        in->out.begin_us = ((const robot *)in->object)->opened_us;
+        in->out.utc_us = robot_utc_us(in->object);
+    }
     return simulated || robot_can(in->object, of != READ_ROBOT);
+}
+
+static int take_argument(call *in, const argument *wanted, int i) {
+    static char texts[ARGUMENTS_MAX][TEXT_SIZE];
+    const mxArray *value = in->arguments[i];
+    uint32_t service;
+    switch (wanted->kind) {
+    case TAKE_SPEED:
+        if (mxIsLogical(value)) {
+            return fail(FAIL_ARGUMENT, "%s: this is logical; give one real number", wanted->name);
+        }
+        return take_range(value, wanted->name, wanted->least, wanted->most, &in->numbers[i]);
+    case TAKE_RANGE:
+        return take_range(value, wanted->name, wanted->least, wanted->most, &in->numbers[i]);
+    case TAKE_WHOLE:
+        return take_whole(value, wanted->name, wanted->least, wanted->most, &in->numbers[i]);
+    case TAKE_NUMBER:
+        return take_number(value, wanted->name, &in->numbers[i]);
+    case TAKE_TEXT:
+        in->texts[i] = texts[i];
+        return take_text(value, wanted->name, texts[i]);
+    case TAKE_SERVICE:
+    case TAKE_SERVICES:
+        if (!take_service(value, &service)) {
+            return 0;
+        }
+        in->services |= 1u << service;
+        if (wanted->kind == TAKE_SERVICE) {
+            in->numbers[i] = service;
+        }
+        return 1;
+    default:
+        return 1;
+    }
+}
+
+static int take_arguments(call *in, const command *found) {
+    const argument *wanted = found->arguments;
+    int count = 0, has_rest;
+    while (count < ARGUMENTS_MAX && wanted[count].name != NULL) {
+        count++;
+    }
+    has_rest = count > 0 && wanted[count - 1].kind == TAKE_SERVICES;
+    if (in->count < count - has_rest || (in->count > count && !has_rest)) {
+        return fail(FAIL_ARGUMENT, "%s: %d arguments are too few or too many", found->name,
+                    in->count);
+    }
+    for (int i = 0; i < in->count; i++) {
+        if (!take_argument(in, &wanted[i < count ? i : count - 1], i)) {
+            return 0;
+        }
+    }
+    in->services = in->services != 0 ? in->services : ALL_SERVICES;
+    return 1;
 }
 
 /* Run a command with the client that it needs. */
@@ -103,7 +160,7 @@ static int run(int result_count, mxArray **results, int count, const mxArray **a
     char name[TEXT_SIZE] = "";
     const command *found;
     call in = {.results = results, .count = count - 1, .arguments = arguments + 1};
-    int least, fine;
+    int fine;
     if (count < 1 || !take_text(arguments[0], "command", name)) {
         return fail(FAIL_ARGUMENT, "this is not a command; use roburoc4.Robot");
     }
@@ -112,23 +169,12 @@ static int run(int result_count, mxArray **results, int count, const mxArray **a
         return fail(FAIL_ARGUMENT, "there is no command '%s' with %d results; use roburoc4.Robot",
                     name, result_count);
     }
-    least =
-        (found->arguments < 0 ? -found->arguments - 1 : found->arguments) + (found->of != NO_ID);
-    if (in.count < least || (in.count > least && found->arguments >= 0)) {
-        return fail(FAIL_ARGUMENT, "%s: %d arguments are too few or too many", name, in.count);
-    }
-    fine = (found->of == NO_ID || take_object(&in, found->of)) && run_with_client(found, &in);
+    fine = (found->of == NO_ID || take_object(&in, found->of)) && take_arguments(&in, found) &&
+           run_with_client(found, &in);
     if (fine) {
         give_result(&in, found->result);
     }
     return fine;
-}
-
-/* In Octave, mexErrMsgIdAndTxt() would put the name of this file before the message. */
-static void raise_error(void) {
-    mxArray *arguments[] = {mxCreateString(fail_id()), mxCreateString("%s"),
-                            mxCreateString(fail_text())};
-    (void)mexCallMATLAB(0, NULL, (int)COUNT_OF(arguments), arguments, "error");
 }
 
 #ifdef __GNUC__
@@ -140,6 +186,6 @@ void mexFunction(int result_count, mxArray *results[], int count, const mxArray 
     fine = run(result_count, results, count, arguments);
     lock_while_living();
     if (!fine) {
-        raise_error();
+        fail_raise();
     }
 }

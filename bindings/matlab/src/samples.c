@@ -1,62 +1,64 @@
 /* SPDX-License-Identifier: MIT */
 #include "samples.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "fail.h"
 
+/* The most that is recorded of a service: 128 bytes each. A power of two. */
+#define SAMPLES_MAX 2097152u
+#define SAMPLES_FIRST 256u
+
 /* ------------------------------------------------------------------------------- services --- */
 
-static const field iocard[] = {
-    FIELD_AS("analog_inputs", roburoc4_inputs, analog, FLOATS),
-    FIELD_AS("digital_inputs", roburoc4_inputs, digital, BITS),
-};
-static const field telemeter[] = {
-    FIELD(roburoc4_distances, distances_m, FLOATS),
-};
-static const field battery[] = {
-    FIELD_AS("battery_state", roburoc4_battery_status, state, BYTE),
-    FIELD(roburoc4_battery_status, remaining_percent, BYTE),
-};
-static const field localization[] = {
-    FIELD(roburoc4_localization_status, x_m, FLOAT),
-    FIELD(roburoc4_localization_status, y_m, FLOAT),
-    FIELD(roburoc4_localization_status, theta_rad, FLOAT),
-    FIELD_AS("localization_flags", roburoc4_localization_status, flags, BYTE),
-};
-static const field differential[] = {
-    FIELD(roburoc4_differential_status, target_linear_m_s, FLOAT),
-    FIELD(roburoc4_differential_status, current_linear_m_s, FLOAT),
-    FIELD(roburoc4_differential_status, target_angular_rad_s, FLOAT),
-    FIELD(roburoc4_differential_status, current_angular_rad_s, FLOAT),
+#define VALUE(name, member, type) FIELD_AS(name, roburoc4_sample, value.member, type)
+#define FLOATS(name, member, count)                                                                \
+    FIELD_ROW(name, roburoc4_sample, value.member, value.member[0], FLOAT, value.count)
+
+static const field times[] = {
+    FIELD_AS("time_s", roburoc4_sample, host_us, TIME),
+    FIELD_AS("utc_s", roburoc4_sample, made_us, UTC),
+    FIELD(roburoc4_sample, robot_cycles, CYCLES),
 };
 
 /* By service, from FIRST_SERVICE on. */
 static const struct {
     const char *name;
-    const field *fields;
     size_t count;
+    field values[4];
 } services[SERVICES] = {
-    {"iocard", iocard, COUNT_OF(iocard)},
-    {"telemeter", telemeter, COUNT_OF(telemeter)},
-    {"battery", battery, COUNT_OF(battery)},
-    {"localization", localization, COUNT_OF(localization)},
-    {"differential", differential, COUNT_OF(differential)},
+    {"iocard",
+     2,
+     {FLOATS("analog_inputs", inputs.analog, inputs.analog_count),
+      {"digital_inputs", offsetof(roburoc4_sample, value.inputs.digital), sizeof(uint64_t),
+       FIELD_BITS, 0, offsetof(roburoc4_sample, value.inputs.digital_count)}}},
+    {"telemeter", 1, {FLOATS("distances_m", distances.distances_m, distances.count)}},
+    {"battery",
+     2,
+     {VALUE("battery_state", battery.state, BYTE),
+      VALUE("remaining_percent", battery.remaining_percent, BYTE)}},
+    {"localization",
+     4,
+     {VALUE("x_m", localization.x_m, FLOAT), VALUE("y_m", localization.y_m, FLOAT),
+      VALUE("theta_rad", localization.theta_rad, FLOAT),
+      VALUE("localization_flags", localization.flags, BYTE)}},
+    {"differential",
+     4,
+     {VALUE("target_linear_m_s", differential.target_linear_m_s, FLOAT),
+      VALUE("current_linear_m_s", differential.current_linear_m_s, FLOAT),
+      VALUE("target_angular_rad_s", differential.target_angular_rad_s, FLOAT),
+      VALUE("current_angular_rad_s", differential.current_angular_rad_s, FLOAT)}},
 };
-
-const char *service_name(uint32_t service) {
-    return services[service - FIRST_SERVICE].name;
-}
 
 int take_service(const mxArray *value, uint32_t *out) {
     char text[TEXT_SIZE];
-    uint32_t service;
     if (!take_text(value, "service", text)) {
         return 0;
     }
-    for (service = FIRST_SERVICE; service < ROBUROC4_SERVICE_COUNT; service++) {
-        if (strcmp(text, service_name(service)) == 0) {
-            *out = service;
+    for (uint32_t i = 0; i < SERVICES; i++) {
+        if (strcmp(text, services[i].name) == 0) {
+            *out = FIRST_SERVICE + i;
             return 1;
         }
     }
@@ -66,137 +68,69 @@ int take_service(const mxArray *value, uint32_t *out) {
                 text);
 }
 
-/* -------------------------------------------------------------------------------- columns --- */
-
-/* The samples of one service. */
-typedef struct rows {
-    const roburoc4_sample **at;
-    uint32_t count;
-} rows;
-
-/* How many numbers a member of a status has. */
-static uint32_t width_of(const roburoc4_sample *sample, const field *member) {
-    if (member->type == FIELD_BITS) {
-        return sample->value.inputs.digital_count;
-    }
-    if (member->type != FIELD_FLOATS) {
-        return 1;
-    }
-    return sample->service == ROBUROC4_SERVICE_IOCARD ? sample->value.inputs.analog_count
-                                                      : sample->value.distances.count;
+void sample_times(answer *out, const roburoc4_sample *sample) {
+    answer_fields(out, times, COUNT_OF(times), sample);
 }
 
-static uint32_t widest(const rows *from, const field *member) {
-    uint32_t width = member->type == FIELD_FLOATS || member->type == FIELD_BITS ? 0 : 1, i;
-    for (i = 0; i < from->count; i++) {
-        const uint32_t here = width_of(from->at[i], member);
-        width = here > width ? here : width;
-    }
-    return width;
+void sample_values(answer *out, const roburoc4_sample *latest) {
+    const uint32_t i = latest->service - FIRST_SERVICE;
+    answer_fields(out, services[i].values, services[i].count, latest->host_us != 0 ? latest : NULL);
 }
 
-/* One of a member's numbers; NaN beyond its last. */
-static double number_at(const roburoc4_sample *sample, const field *member, uint32_t column) {
-    const char *place = (const char *)&sample->value + member->offset;
-    float number;
-    if (member->type == FIELD_BITS) {
-        return (double)(sample->value.inputs.digital >> column & 1u);
+/* ----------------------------------------------------------------------------- recordings --- */
+
+static int append(struct sample_list *to, const roburoc4_sample *sample) {
+    if (to->count == to->capacity) {
+        const uint32_t capacity = to->capacity != 0 ? 2 * to->capacity : SAMPLES_FIRST;
+        void *bigger =
+            capacity <= SAMPLES_MAX ? realloc(to->samples, capacity * sizeof *sample) : NULL;
+        if (bigger == NULL) {
+            return fail(FAIL_LIMIT, "there is no room for more than %lu statuses; record less long",
+                        (unsigned long)to->count);
+        }
+        to->samples = bigger;
+        to->capacity = capacity;
     }
-    if (member->type != FIELD_FLOATS) {
-        return field_value(member, &sample->value);
-    }
-    memcpy(&number, place + column * sizeof number, sizeof number);
-    return column < width_of(sample, member) ? (double)number : mxGetNaN();
+    to->samples[to->count++] = *sample;
+    return 1;
 }
 
-/* A row for each sample, with as many columns as the widest has numbers. */
-static void add_matrix(answer *out, const rows *from, const field *member) {
-    const int digital = member->type == FIELD_BITS;
-    const uint32_t width = widest(from, member);
-    mxArray *made = digital ? mxCreateLogicalMatrix(from->count, width)
-                            : mxCreateDoubleMatrix(from->count, width, mxREAL);
-    mxLogical *bits = digital ? mxGetLogicals(made) : NULL;
-    double *numbers = digital ? NULL : mxGetData(made);
-    for (uint32_t k = 0; k < width; k++) {
-        for (uint32_t i = 0; i < from->count; i++) {
-            const double number = number_at(from->at[i], member, k);
-            if (digital) {
-                *bits++ = number != 0.0;
-            } else {
-                *numbers++ = number;
+int recording_go_on(recording *rec, roburoc4_pump *pump) {
+    roburoc4_sample some[64];
+    roburoc4_result got;
+    while ((got = roburoc4_pump_read_samples(pump, &rec->reader, some, COUNT_OF(some))) > 0) {
+        for (roburoc4_result i = 0; i < got; i++) {
+            if (!append(&rec->lists[some[i].service - FIRST_SERVICE], &some[i])) {
+                return 0;
             }
+            rec->count++;
         }
     }
-    answer_add(out, member->name, made);
+    return 1;
 }
 
-double seconds_since(uint64_t time_us, uint64_t begin_us) {
-    return (double)(int64_t)(time_us - begin_us) / 1e6;
-}
-
-static void add_times(answer *out, const rows *from, const clocks *times) {
-    mxArray *time, *utc, *cycles;
-    double *time_s = make_doubles(&time, from->count, 1);
-    double *utc_s = make_doubles(&utc, from->count, 1);
-    uint64_t *robot_cycles = make_cycles(&cycles, from->count);
-    for (uint32_t i = 0; i < from->count; i++) {
-        time_s[i] = seconds_since(from->at[i]->host_us, times->begin_us);
-        utc_s[i] = times->utc_s + (double)from->at[i]->made_us / 1e6;
-        robot_cycles[i] = from->at[i]->robot_cycles;
+void recording_end(recording *rec) {
+    for (uint32_t i = 0; i < SERVICES; i++) {
+        free(rec->lists[i].samples);
     }
-    answer_add(out, "time_s", time);
-    answer_add(out, "utc_s", utc);
-    answer_add(out, "robot_cycles", cycles);
+    memset(rec->lists, 0, sizeof rec->lists);
+    rec->reader.lost = rec->count = 0;
 }
 
-void samples_answer(answer *out, uint32_t service, const roburoc4_sample *latest) {
-    const rows one_row = {&latest, 1};
-    const field *at = services[service - FIRST_SERVICE].fields;
-    const field *end = at + services[service - FIRST_SERVICE].count;
-    for (; at < end; at++) {
-        if (at->type == FIELD_FLOATS || at->type == FIELD_BITS) {
-            add_matrix(out, &one_row, at);
-        } else {
-            answer_fields(out, at, 1, latest->host_us != 0 ? &latest->value : NULL);
-        }
-    }
-}
-
-void samples_one(answer *out, const roburoc4_sample *sample, const clocks *times) {
-    static const field cycles = FIELD(roburoc4_sample, robot_cycles, CYCLES);
-    answer_number(out, "time_s", seconds_since(sample->host_us, times->begin_us));
-    answer_number(out, "utc_s", times->utc_s + (double)sample->made_us / 1e6);
-    answer_fields(out, &cycles, 1, sample);
-    samples_answer(out, sample->service, sample);
-}
-
-static mxArray *columns_of(const rows *from, uint32_t service, const clocks *times) {
-    answer out = {0};
-    add_times(&out, from, times);
-    for (size_t i = 0; i < services[service - FIRST_SERVICE].count; i++) {
-        add_matrix(&out, from, &services[service - FIRST_SERVICE].fields[i]);
-    }
+static mxArray *columns_of(const answer *zero, const struct sample_list *list, uint32_t i) {
+    answer out = {.begin_us = zero->begin_us, .utc_us = zero->utc_us};
+    answer_columns(&out, times, COUNT_OF(times), list->samples, sizeof *list->samples, list->count);
+    answer_columns(&out, services[i].values, services[i].count, list->samples,
+                   sizeof *list->samples, list->count);
     return answer_finish(&out);
 }
 
-mxArray *samples_columns(const sample_list *list, uint32_t mask, const clocks *times,
-                         uint64_t lost) {
-    /* mxMalloc: freed by MATLAB if it runs out of memory meanwhile. */
-    rows from = {mxMalloc((list->count + (size_t)1) * sizeof(const roburoc4_sample *)), 0};
-    answer out = {0};
-    for (uint32_t service = FIRST_SERVICE; service < ROBUROC4_SERVICE_COUNT; service++) {
-        if ((mask >> service & 1u) != 0) {
-            from.count = 0;
-            for (uint32_t i = 0; i < list->count; i++) {
-                if (list->samples[i].service == service) {
-                    from.at[from.count++] = &list->samples[i];
-                }
-            }
-            answer_add(&out, service_name(service), columns_of(&from, service, times));
+void recording_columns(answer *out, const recording *rec, uint32_t wanted) {
+    for (uint32_t i = 0; i < SERVICES; i++) {
+        if ((wanted >> (FIRST_SERVICE + i) & 1u) != 0) {
+            answer_add(out, services[i].name, columns_of(out, &rec->lists[i], i));
         }
     }
-    answer_number(&out, "start_utc_s", times->utc_s + (double)times->begin_us / 1e6);
-    answer_number(&out, "lost", (double)lost);
-    mxFree(from.at);
-    return answer_finish(&out);
+    answer_number(out, "start_utc_s", (double)(int64_t)(out->utc_us + out->begin_us) / 1e6);
+    answer_number(out, "lost", (double)rec->reader.lost);
 }

@@ -13,34 +13,30 @@
 #define SERVICES (ROBUROC4_SERVICE_COUNT - FIRST_SERVICE)
 #define ALL_SERVICES (((1u << SERVICES) - 1) << FIRST_SERVICE)
 
-/** The name of a service with statuses, in calls and in columns. */
-const char *service_name(uint32_t service);
 /** The service that a text names. Returns 0 after noting that it has no statuses or does not
  * exist. */
 int take_service(const mxArray *value, uint32_t *out);
 
-/** Values of roburoc4_sample_latest(), as scalars and rows; unknown ones are NaN, 255 or empty. */
-void samples_answer(answer *out, uint32_t service, const roburoc4_sample *latest);
+/** When a sample came in, when the robot made it, and the robot's clock. */
+void sample_times(answer *out, const roburoc4_sample *sample);
+/** The values of roburoc4_sample_latest(); if there are none yet, NaN, 255 or empty. */
+void sample_values(answer *out, const roburoc4_sample *latest);
 
-/** A list that grows. All bytes zero: empty. */
-typedef struct sample_list {
-    roburoc4_sample *samples;
-    uint32_t count, capacity;
-} sample_list;
+/** Statuses since a moment. All bytes zero: since the pump was made. */
+typedef struct recording {
+    roburoc4_pump_reader reader;
+    struct sample_list {
+        roburoc4_sample *samples;
+        uint32_t count, capacity;
+    } lists[SERVICES];
+    uint32_t count; /* of all lists */
+} recording;
 
-/** From one time to a later or an earlier one. */
-double seconds_since(uint64_t time_us, uint64_t begin_us);
-
-/** The zero points of sample times, all on the clock on which they arrived. */
-typedef struct clocks {
-    uint64_t begin_us; /* time_s is 0 */
-    double utc_s;      /* UTC of a time of 0, in seconds since 1970 */
-} clocks;
-
-/** A scalar struct with a struct of columns for each service whose bit is set in `mask`. */
-mxArray *samples_columns(const sample_list *list, uint32_t mask, const clocks *times,
-                         uint64_t lost);
-/** One sample: its times, and the values of samples_answer(). */
-void samples_one(answer *out, const roburoc4_sample *sample, const clocks *times);
+/** Add the new statuses. Returns 0 after noting that there is no room. */
+int recording_go_on(recording *rec, roburoc4_pump *pump);
+/** Drop what was recorded; the next sample will be the following one. */
+void recording_end(recording *rec);
+/** A struct of columns for each service whose bit is set in `wanted`, and what they share. */
+void recording_columns(answer *out, const recording *rec, uint32_t wanted);
 
 #endif

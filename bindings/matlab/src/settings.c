@@ -1,190 +1,167 @@
 /* SPDX-License-Identifier: MIT
  *
- * A table for each struct has the place and the type of each option; the ranges are checked by
- * roburoc4_config_error() and roburoc4_sim_config_error().
+ * The options of robots and simulators. The client's ranges are checked by roburoc4_config_error(),
+ * and the simulator's members are known by name to config_file.h and roburoc4_sim_config_error().
  */
-#include "settings.h"
-
-#include <stdio.h>
 #include <string.h>
 
+#include "commands.h"
+#include "config_file.h"
 #include "fail.h"
 
-/* Named in messages only. */
-#define TAKEN_IN_M(name)                                                                           \
-    { name, 0, 0, FIELD_UINT, 0 }
-#define ROBOT_UINT(name) FIELD_AS(#name, robot_settings, config.name, UINT)
-#define ROBOT_FLOAT(name) FIELD_AS(#name, robot_settings, config.name, FLOAT)
+/* ---------------------------------------------------------------------------- of the client --- */
+
+/* A member of roburoc4_config; with a bit, a flag of its options. */
+typedef struct setting {
+    field place;
+    uint32_t bit;
+} setting;
+
+#define WHOLE_OF(name)                                                                             \
+    { FIELD(roburoc4_config, name, UINT), 0 }
+#define FLOAT_OF(name)                                                                             \
+    { FIELD(roburoc4_config, name, FLOAT), 0 }
 #define PERIOD(name, service)                                                                      \
-    FIELD_AS(name, robot_settings, config.period_ms[ROBUROC4_SERVICE_##service], UINT)
+    { FIELD_AS(name, roburoc4_config, period_ms[ROBUROC4_SERVICE_##service], UINT), 0 }
 #define ROLE(name, role)                                                                           \
-    FIELD_AS(name, robot_settings, config.role_index[ROBUROC4_ROLE_##role], INT)
-#define OPTION(name, bit)                                                                          \
-    { name, offsetof(robot_settings, config.options), sizeof(uint32_t), FIELD_BIT, bit }
+    { FIELD_AS(name, roburoc4_config, role_index[ROBUROC4_ROLE_##role], INT), 0 }
+#define OPTION(name, option)                                                                       \
+    { FIELD_AS(name, roburoc4_config, options, UINT), ROBUROC4_OPTION_##option }
 
 /* clang-format off */
-static const field of_robot[] = {
-    ROBOT_UINT(first_retry_ms), ROBOT_UINT(lost_ms), ROBOT_UINT(fresh_ms),
-    ROBOT_UINT(drive_period_ms), ROBOT_UINT(lease_ms), ROBOT_UINT(robot_watchdog_ms),
-    ROBOT_FLOAT(max_linear_m_s), ROBOT_FLOAT(max_angular_rad_s), ROBOT_FLOAT(scale_linear),
-    ROBOT_FLOAT(scale_angular),
+static const setting settings[] = {
+    WHOLE_OF(first_retry_ms), WHOLE_OF(lost_ms), WHOLE_OF(fresh_ms), WHOLE_OF(drive_period_ms),
+    WHOLE_OF(lease_ms), WHOLE_OF(robot_watchdog_ms),
+    FLOAT_OF(max_linear_m_s), FLOAT_OF(max_angular_rad_s), FLOAT_OF(scale_linear),
+    FLOAT_OF(scale_angular),
     PERIOD("iocard_period_ms", IOCARD), PERIOD("telemeter_period_ms", TELEMETER),
     PERIOD("battery_period_ms", BATTERY), PERIOD("localization_period_ms", LOCALIZATION),
     PERIOD("differential_period_ms", DIFFERENTIAL),
-    OPTION("turn_keeping", ROBUROC4_OPTION_TURN_KEEPING),
-    OPTION("allow_unknown_override", ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE),
-    OPTION("ignore_other_commander", ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER),
+    OPTION("turn_keeping", TURN_KEEPING),
+    OPTION("allow_unknown_override", ALLOW_UNKNOWN_OVERRIDE),
+    OPTION("ignore_other_commander", IGNORE_OTHER_COMMANDER),
     ROLE("override_index", OVERRIDE), ROLE("front_bumper_index", FRONT_BUMPER),
     ROLE("rear_bumper_index", REAR_BUMPER), ROLE("battery_voltage_index", BATTERY_V),
-    FIELD(robot_settings, buffer, UINT), FIELD(robot_settings, record, TEXT), TAKEN_IN_M("timeout"),
 };
 /* clang-format on */
 
-#define SIM_UINT(name) FIELD(roburoc4_sim_config, name, UINT)
-#define SIM_INT(name) FIELD(roburoc4_sim_config, name, INT)
-#define SIM_FLOAT(name) FIELD(roburoc4_sim_config, name, FLOAT)
-
-/* clang-format off */
-static const field of_simulator[] = {
-    SIM_UINT(watchdog_cycles), SIM_UINT(seed), SIM_UINT(plain_types), SIM_UINT(hidden_services),
-    SIM_UINT(refused_inserts), SIM_UINT(query_mode), SIM_UINT(answer_id_fixed),
-    SIM_UINT(only_id_fixed), SIM_UINT(error_header), SIM_UINT(start_safe),
-    SIM_UINT(as_manual), SIM_UINT(localization_flags),
-    SIM_INT(analog_inputs), SIM_INT(analog_outputs), SIM_INT(digital_inputs),
-    SIM_INT(digital_outputs),
-    SIM_FLOAT(max_linear_m_s), SIM_FLOAT(min_linear_m_s), SIM_FLOAT(max_angular_rad_s),
-    SIM_FLOAT(min_angular_rad_s), SIM_FLOAT(max_linear_m_s2), SIM_FLOAT(min_linear_m_s2),
-    SIM_FLOAT(max_angular_rad_s2), SIM_FLOAT(min_angular_rad_s2), SIM_FLOAT(width_m),
-    SIM_FLOAT(slip), SIM_FLOAT(nominal_voltage_v), SIM_FLOAT(capacity_ah),
-    SIM_FLOAT(battery_percent), SIM_UINT(minimum_percent),
-    SIM_FLOAT(start_x_m), SIM_FLOAT(start_y_m), SIM_FLOAT(start_theta_rad),
-    TAKEN_IN_M("port"), TAKEN_IN_M("host"),
-};
-/* clang-format on */
-
-static const field of_faults[] = {
-    FIELD(roburoc4_sim_faults, loss, FLOAT),
-    FIELD(roburoc4_sim_faults, duplicate, FLOAT),
-    FIELD(roburoc4_sim_faults, reorder, FLOAT),
-    FIELD(roburoc4_sim_faults, corrupt, FLOAT),
-    FIELD_AS("delay_ms", roburoc4_sim_faults, delay_us, MS),
-    FIELD_AS("jitter_ms", roburoc4_sim_faults, jitter_us, MS),
-};
-
-/* ------------------------------------------------------------------------------- all of them ---
- */
-
-#define LONGEST_NAME 32
-
-/* How many letters to change, insert or delete between two names (Levenshtein). */
-static size_t letters_between(const char *a, const char *b) {
-    size_t row[LONGEST_NAME + 1], i, j;
-    const size_t width = strlen(b);
-    if (width > LONGEST_NAME) {
-        return LONGEST_NAME;
-    }
-    for (j = 0; j <= width; j++) {
-        row[j] = j;
-    }
-    for (i = 0; a[i] != '\0'; i++) {
-        size_t diagonal = row[0];
-        row[0] = i + 1;
-        for (j = 0; j < width; j++) {
-            const size_t above = row[j + 1];
-            const size_t least = above < row[j] ? above : row[j];
-            const size_t changed = diagonal + (a[i] != b[j]);
-            row[j + 1] = least + 1 < changed ? least + 1 : changed;
-            diagonal = above;
+static int store(const setting *to, void *at, const mxArray *value) {
+    const char *name = to->place.name;
+    const int is_short = to->place.size == sizeof(int16_t);
+    uint32_t *whole = at;
+    double number;
+    if (to->place.type == FIELD_FLOAT) {
+        if (!take_range(value, name, -1e30, 1e30, &number)) {
+            return 0;
         }
+        *(float *)at = (float)number;
+        return 1;
     }
-    return row[width];
+    if (!take_whole(value, name, to->place.type == FIELD_INT ? INT16_MIN : 0,
+                    to->bit != 0 ? 1
+                    : is_short   ? INT16_MAX
+                                 : UINT32_MAX,
+                    &number)) {
+        return 0;
+    }
+    if (to->bit != 0) {
+        *whole = number != 0.0 ? *whole | to->bit : *whole & ~to->bit;
+    } else if (is_short) {
+        *(int16_t *)at = (int16_t)number;
+    } else {
+        *whole = (uint32_t)number;
+    }
+    return 1;
 }
 
-static int fail_unknown(const char *name, const field *settings, size_t count) {
-    char known[1536] = "", meant[LONGEST_NAME + 32] = "";
-    size_t i, used = 0, nearest = 3;
-    for (i = 0; i < count; i++) {
-        const size_t distance = letters_between(settings[i].name, name);
-        used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "",
-                                 settings[i].name);
-        if (distance < nearest) {
-            nearest = distance;
-            (void)snprintf(meant, sizeof meant, "; did you mean '%s'?", settings[i].name);
+static int take_setting(void *config, const char *name, const mxArray *value) {
+    for (size_t i = 0; i < COUNT_OF(settings); i++) {
+        if (strcmp(settings[i].place.name, name) == 0) {
+            return store(&settings[i], (char *)config + settings[i].place.offset, value);
         }
     }
-    return fail(FAIL_ARGUMENT, "there is no option '%s'%s There are %s", name,
-                nearest < 3 ? meant : ".", known);
+    return fail(FAIL_ARGUMENT, "there is no option '%s'", name);
 }
 
-static int write_all(const mxArray *options, const field *settings, size_t count, void *base) {
-    int fields;
+/* A period of 0 means: do not subscribe. */
+static void drop_unwanted(roburoc4_config *config) {
+    roburoc4_config usual;
+    (void)roburoc4_config_init(&usual, sizeof usual);
+    for (uint32_t service = FIRST_SERVICE; service < ROBUROC4_SERVICE_COUNT; service++) {
+        if (config->period_ms[service] == 0) {
+            config->period_ms[service] = usual.period_ms[service];
+            config->subscriptions &= ~((uint32_t)1 << service);
+        }
+    }
+}
+
+/* ------------------------------------------------------------------------- of the simulator --- */
+
+static int take_sim_setting(void *config, const char *name, const mxArray *value) {
+    roburoc4_result result;
+    double number;
+    if (!take_number(value, name, &number)) {
+        return 0;
+    }
+    result = sim_config_set(config, name, number);
+    return result == ROBUROC4_ERR_INDEX
+               ? fail(FAIL_ARGUMENT, "there is no option '%s'", name)
+               : result >= 0 ||
+                     fail(FAIL_ARGUMENT,
+                          "%s: %g does not fit; see roburoc4_sim_config in roburoc4_sim.h", name,
+                          number);
+}
+
+/* -------------------------------------------------------------------------------- of both --- */
+
+static int take_all(const mxArray *options, void *config,
+                    int (*take)(void *config, const char *name, const mxArray *value)) {
+    int count;
     if (!mxIsStruct(options) || mxGetNumberOfElements(options) != 1) {
         return fail(FAIL_ARGUMENT, "options: give a scalar struct");
     }
-    fields = mxGetNumberOfFields(options);
-    for (int number = 0; number < fields; number++) {
-        const char *name = mxGetFieldNameByNumber(options, number);
-        const mxArray *value = mxGetFieldByNumber(options, 0, number);
-        size_t i;
-        for (i = 0; i < count && strcmp(settings[i].name, name) != 0; i++) {
-        }
-        if (i == count || settings[i].size == 0) {
-            return fail_unknown(name, settings, count);
-        }
-        if (value == NULL || !field_take(&settings[i], base, value)) {
+    count = mxGetNumberOfFields(options);
+    for (int i = 0; i < count; i++) {
+        const char *name = mxGetFieldNameByNumber(options, i);
+        const mxArray *value = mxGetFieldByNumber(options, 0, i);
+        if (value == NULL || !take(config, name, value)) {
             return value != NULL ? 0 : fail(FAIL_ARGUMENT, "%s: a value is missing", name);
         }
     }
     return 1;
 }
 
-/* A period of 0 means: do not subscribe. */
-static void drop_unwanted(roburoc4_config *config) {
-    uint16_t usual_ms[8];
-    roburoc4_config defaults;
-    (void)roburoc4_config_init(&defaults, sizeof defaults);
-    memcpy(usual_ms, defaults.period_ms, sizeof usual_ms);
-    for (uint32_t service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT; service++) {
-        if (config->period_ms[service] == 0) {
-            config->period_ms[service] = usual_ms[service];
-            config->subscriptions &= ~((uint32_t)1 << service);
-        }
-    }
+static int check(const char *wrong) {
+    return wrong == NULL || fail(FAIL_ARGUMENT, "option out of range: %s", wrong);
 }
 
-#define BUFFER_DEFAULT 50000u
-
-int settings_of_robot(const mxArray *options, robot_settings *out) {
-    const char *wrong;
-    (void)roburoc4_config_init(&out->config, sizeof out->config);
-    out->buffer = BUFFER_DEFAULT;
-    out->record[0] = '\0';
-    if (!write_all(options, of_robot, COUNT_OF(of_robot), out)) {
+int settings_of_robot(const mxArray *options, roburoc4_config *out) {
+    (void)roburoc4_config_init(out, sizeof *out);
+    if (!take_all(options, out, take_setting)) {
         return 0;
     }
-    drop_unwanted(&out->config);
-    wrong = roburoc4_config_error(&out->config);
-    if (wrong != NULL) {
-        return fail(FAIL_ARGUMENT, "option out of range: %s", wrong);
+    drop_unwanted(out);
+    return check(roburoc4_config_error(out));
+}
+
+int settings_of_simulator(const mxArray *options, roburoc4_sim_config *out) {
+    (void)roburoc4_sim_config_init(out, sizeof *out);
+    return take_all(options, out, take_sim_setting) && check(roburoc4_sim_config_error(out));
+}
+
+/* options(simulated): a struct whose fields are the names of a simulator's or a robot's options */
+static int list_options(call *in) {
+    const char *name;
+    for (uint32_t i = 0; in->numbers[0] != 0.0 && (name = sim_config_name(i)) != NULL; i++) {
+        answer_flag(&in->out, name, 1);
     }
-    if (out->buffer < ROBUROC4_PUMP_QUEUE_MIN || out->buffer > ROBUROC4_PUMP_QUEUE_MAX) {
-        return fail(FAIL_ARGUMENT, "buffer: %lu is out of range; give %d to %d",
-                    (unsigned long)out->buffer, ROBUROC4_PUMP_QUEUE_MIN, ROBUROC4_PUMP_QUEUE_MAX);
+    for (uint32_t i = 0; in->numbers[0] == 0.0 && i < COUNT_OF(settings); i++) {
+        answer_flag(&in->out, settings[i].place.name, 1);
     }
     return 1;
 }
 
-int settings_of_simulator(const mxArray *options, roburoc4_sim_config *out) {
-    const char *wrong;
-    (void)roburoc4_sim_config_init(out, sizeof *out);
-    if (!write_all(options, of_simulator, COUNT_OF(of_simulator), out)) {
-        return 0;
-    }
-    wrong = roburoc4_sim_config_error(out);
-    return wrong == NULL ? 1 : fail(FAIL_ARGUMENT, "option out of range: %s", wrong);
-}
-
-int settings_of_faults(const mxArray *options, roburoc4_sim_faults *out) {
-    *out = (roburoc4_sim_faults){.size = sizeof *out};
-    return write_all(options, of_faults, COUNT_OF(of_faults), out);
-}
+const command settings_commands[] = {
+    {"options", NO_ID, STRUCT, list_options, {SWITCH("simulated")}},
+    LAST,
+};

@@ -3,6 +3,7 @@
  * Commands of simulated robots: in virtual time, or in real time on a port with its own thread.
  */
 #include <errno.h>
+#include <string.h>
 
 #include "commands.h"
 #include "fail.h"
@@ -10,19 +11,14 @@
 
 /* ----------------------------------------------------------------------------------- life --- */
 
-static void close_simulator(simulation *s) {
+static void close_simulator(void *s) {
     handles_remove(s);
     robots_lose(s);
     simulation_destroy(s);
 }
 
 void close_simulators(void) {
-    for (uint32_t place = 0; place < HANDLES_MAX; place++) {
-        simulation *s = handles_at(HANDLE_SIMULATOR, place);
-        if (s != NULL) {
-            close_simulator(s);
-        }
-    }
+    handles_each(HANDLE_SIMULATOR, close_simulator);
 }
 
 /* NULL after noting why not. */
@@ -43,29 +39,30 @@ static simulation *serve(const roburoc4_sim_config *config, const char *address,
     return s;
 }
 
-/* simOpen(options) or simOpen(options, host, port): id */
+/* simOpen(options, host, port): [id port]; with '' as host in virtual time */
 static int open_simulator(call *in) {
+    const char *host = in->texts[1];
     roburoc4_sim_config config;
-    char address[TEXT_SIZE];
-    int64_t port = -1;
     simulation *made;
+    double *row, id;
     if (!settings_of_simulator(in->arguments[0], &config)) {
         return 0;
     }
-    if (in->count > 1 && (in->count != 3 || !take_text(in->arguments[1], "host", address) ||
-                          !take_whole(in->arguments[2], "port", 0, 65535, &port))) {
-        return in->count == 3 ? 0 : fail(FAIL_ARGUMENT, "give a host and a port");
-    }
     (void)fail(FAIL_LIMIT, "there is no memory for another simulator");
-    made = port < 0 ? simulation_in_world(&config) : serve(&config, address, (uint16_t)port);
+    made = host[0] == '\0' ? simulation_in_world(&config)
+                           : serve(&config, host, (uint16_t)in->numbers[2]);
     if (made == NULL) {
         return 0;
     }
-    in->number = handles_add(HANDLE_SIMULATOR, made);
-    if (in->number == 0.0) {
+    id = handles_add(HANDLE_SIMULATOR, made);
+    if (id == 0.0) {
         close_simulator(made);
+        return 0;
     }
-    return in->number != 0.0;
+    row = make_row(&in->results[0], 2);
+    row[0] = id;
+    row[1] = simulation_port(made);
+    return 1;
 }
 
 /* simClose(id): delete() can be called twice */
@@ -76,30 +73,10 @@ static int close_one(call *in) {
     return 1;
 }
 
-/* simPort(id): 0 in virtual time */
-static int read_port(call *in) {
-    in->number = simulation_port(in->object);
-    return 1;
-}
-
-/* ---------------------------------------------------------------------------- virtual time --- */
-
-static int fail_real_time(void) {
-    return fail(FAIL_ARGUMENT, "a simulator on a port runs in real time; use pause(), and "
+int simulator_is_virtual(const simulation *s) {
+    return simulation_port(s) == 0 ||
+           fail(FAIL_ARGUMENT, "a simulator on a port runs in real time; use pause(), and "
                                "roburoc4.Robot with its address");
-}
-
-/* simConnect(id, options): id of a robot in virtual time */
-static int connect_robot(call *in) {
-    robot_settings settings;
-    if (!settings_of_robot(in->arguments[0], &settings)) {
-        return 0;
-    }
-    if (simulation_port(in->object) != 0) {
-        return fail_real_time();
-    }
-    in->number = robot_join(in->object, &settings);
-    return in->number != 0.0;
 }
 
 /* Simulating this much virtual time takes well below LONGEST_WAIT_S, even with all robots. */
@@ -108,30 +85,27 @@ static int connect_robot(call *in) {
 /* simStep(id, seconds) */
 static int step(call *in) {
     simulation *s = in->object;
-    double seconds;
-    if (!take_range(in->arguments[0], "seconds", 0.0, LONGEST_STEP_S, &seconds)) {
+    if (!simulator_is_virtual(s)) {
         return 0;
     }
-    if (simulation_port(s) != 0) {
-        return fail_real_time();
-    }
-    simulation_run(s, simulation_now_us(s) + (uint64_t)(seconds * 1e6 + 0.5));
+    simulation_run(s, simulation_now_us(s) + (uint64_t)(in->numbers[0] * 1e6 + 0.5));
     return 1;
 }
 
-/* simFaults(id, faults) */
+/* simFaults(id, loss, duplicate, reorder, corrupt, delay_ms, jitter_ms) */
 static int set_faults(call *in) {
-    roburoc4_sim_faults faults;
-    roburoc4_result result;
-    if (!settings_of_faults(in->arguments[0], &faults)) {
-        return 0;
-    }
-    result = simulation_set_faults(in->object, &faults);
-    return result >= 0 || fail_result("the shares of faults: give 0 to 1", result);
+    const double *of = in->numbers;
+    const roburoc4_sim_faults faults = {.size = sizeof faults,
+                                        .loss = of[0],
+                                        .duplicate = of[1],
+                                        .reorder = of[2],
+                                        .corrupt = of[3],
+                                        .delay_us = (uint32_t)(of[4] * 1e3),
+                                        .jitter_us = (uint32_t)(of[5] * 1e3)};
+    return done("faults", simulation_set_faults(in->object, &faults));
 }
 
-/* ------------------------------------------------------------------------ looking and acting ---
- */
+/* -------------------------------------------------------------------- looking and acting --- */
 
 #define SI(member) FIELD(roburoc4_sim_state, member, FLOAT)
 #define ON(member) FIELD(roburoc4_sim_state, member, FLAG)
@@ -155,94 +129,84 @@ static const field state_fields[] = {
     COUNT(ignored), COUNT(peers), COUNT(subscriptions),
 };
 /* clang-format on */
-static const field telemeters = {"distances_m", 0, sizeof(float), FIELD_FLOAT, 0};
 
 /* simState(id) */
 static int read_state(call *in) {
     roburoc4_sim_state state = {.size = sizeof state};
+    double *distances_m;
+    mxArray *row;
     (void)roburoc4_sim_get_state(simulation_lock(in->object), &state);
     simulation_unlock(in->object);
     answer_fields(&in->out, state_fields, COUNT_OF(state_fields), &state);
-    answer_rows(&in->out, &telemeters, 1, state.distances_m, sizeof *state.distances_m,
-                COUNT_OF(state.distances_m));
+    distances_m = make_row(&row, COUNT_OF(state.distances_m));
+    for (size_t i = 0; i < COUNT_OF(state.distances_m); i++) {
+        distances_m[i] = (double)state.distances_m[i];
+    }
+    answer_add(&in->out, "distances_m", row);
     return 1;
 }
 
-/* The number of a named control. */
-static int find_control(const char *name, uint32_t *out) {
-    roburoc4_result number = roburoc4_sim_control_find(name);
-    *out = (uint32_t)number;
-    return number >= 0 ||
-           fail(FAIL_ARGUMENT, "there is no control '%s'; see help roburoc4.Simulator.set", name);
-}
-
-static int fail_control(const char *name, double value, roburoc4_result result) {
+/* simControl(id, control) or simControl(id, control, value): the value */
+static int set_or_get(call *in, int set) {
+    const char *name = in->texts[0];
+    const roburoc4_result control = roburoc4_sim_control_find(name);
+    roburoc4_result result = control;
+    roburoc4_sim *sim = simulation_lock(in->object);
+    if (control >= 0) {
+        result = set ? roburoc4_sim_set(sim, (uint32_t)control, in->numbers[1])
+                     : roburoc4_sim_get(sim, (uint32_t)control, &in->number);
+    }
+    simulation_unlock(in->object);
     if (result == ROBUROC4_ERR_STATE) {
         return fail(FAIL_ARGUMENT,
                     "%s: impossible now; turn power on, release both emergency stops "
                     "and set the brakes to automatic first",
                     name);
     }
-    return result == ROBUROC4_ERR_INDEX
-               ? fail(FAIL_ARGUMENT, "%s: this robot has none, or it is not for that", name)
-               : fail(FAIL_ARGUMENT, "%s: %g is out of range", name, value);
+    if (result == ROBUROC4_ERR_INDEX) {
+        return control < 0
+                   ? fail(FAIL_ARGUMENT,
+                          "there is no control '%s'; see help roburoc4.Simulator.set", name)
+                   : fail(FAIL_ARGUMENT, "%s: this robot has none, or it is not for that", name);
+    }
+    return result >= 0 || fail(FAIL_ARGUMENT, "%s: %g is out of range", name, in->numbers[1]);
 }
 
 /* simSet(id, control, value) */
 static int set_control(call *in) {
-    char name[TEXT_SIZE];
-    roburoc4_result result;
-    uint32_t control;
-    double value;
-    if (!take_text(in->arguments[0], "control", name) || !find_control(name, &control) ||
-        !take_number(in->arguments[1], name, &value)) {
-        return 0;
-    }
-    result = roburoc4_sim_set(simulation_lock(in->object), control, value);
-    simulation_unlock(in->object);
-    return result >= 0 || fail_control(name, value, result);
+    return set_or_get(in, 1);
 }
 
 /* simGet(id, control) */
 static int get_control(call *in) {
-    char name[TEXT_SIZE];
-    roburoc4_result result;
-    uint32_t control;
-    if (!take_text(in->arguments[0], "control", name) || !find_control(name, &control)) {
-        return 0;
-    }
-    result = roburoc4_sim_get(simulation_lock(in->object), control, &in->number);
-    simulation_unlock(in->object);
-    return result >= 0 || fail_control(name, 0.0, result);
+    return set_or_get(in, 0);
 }
 
 /* simPanel(id, line): the reply */
 static int panel(call *in) {
     static char reply[ROBUROC4_SIM_REPLY_SIZE];
-    char line[TEXT_SIZE];
-    roburoc4_result result;
-    if (!take_text(in->arguments[0], "line", line)) {
-        return 0;
-    }
-    result = roburoc4_sim_panel(simulation_lock(in->object), line, reply, sizeof reply);
+    const roburoc4_result result =
+        roburoc4_sim_panel(simulation_lock(in->object), in->texts[0], reply, sizeof reply);
     simulation_unlock(in->object);
     if (result < 0) {
-        return fail(FAIL_ARGUMENT, "'%s': %s", line, reply);
+        return fail(FAIL_ARGUMENT, "'%s': %s", in->texts[0], reply);
     }
     in->results[0] = mxCreateString(reply);
     return 1;
 }
 
+/* clang-format off */
 const command simulator_commands[] = {
-    {"simOpen", NO_ID, -2, NUMBER, open_simulator},
-    {"simClose", ANY_SIMULATOR, 0, NOTHING, close_one},
-    {"simPort", SIMULATOR, 0, NUMBER, read_port},
-    {"simConnect", SIMULATOR, 1, NUMBER, connect_robot},
-    {"simStep", SIMULATOR, 1, NOTHING, step},
-    {"simFaults", SIMULATOR, 1, NOTHING, set_faults},
-    {"simState", SIMULATOR, 0, STRUCT, read_state},
-    {"simSet", SIMULATOR, 2, NOTHING, set_control},
-    {"simGet", SIMULATOR, 1, NUMBER, get_control},
-    {"simPanel", SIMULATOR, 1, OTHER, panel},
-    {NULL, NO_ID, 0, NOTHING, NULL},
+    {"simOpen", NO_ID, OTHER, open_simulator, {OPTIONS, TEXT("host"), WHOLE("port", 0, 65535)}},
+    {"simClose", ANY_SIMULATOR, NOTHING, close_one, {NONE}},
+    {"simStep", SIMULATOR, NOTHING, step, {WITHIN("seconds", 0, LONGEST_STEP_S)}},
+    {"simFaults", SIMULATOR, NOTHING, set_faults,
+     {WITHIN("loss", 0, 1), WITHIN("duplicate", 0, 1), WITHIN("reorder", 0, 1),
+      WITHIN("corrupt", 0, 1), WITHIN("delay_ms", 0, 60000), WITHIN("jitter_ms", 0, 60000)}},
+    {"simState", SIMULATOR, STRUCT, read_state, {NONE}},
+    {"simSet", SIMULATOR, NOTHING, set_control, {TEXT("control"), ANY_NUMBER("value")}},
+    {"simGet", SIMULATOR, NUMBER, get_control, {TEXT("control")}},
+    {"simPanel", SIMULATOR, OTHER, panel, {TEXT("line")}},
+    LAST,
 };
+/* clang-format on */

@@ -71,7 +71,7 @@ files = dir(fullfile(folder, '*.c'));
 names = {'living'};
 for k = 1:numel(files)
     text = fileread(fullfile(folder, files(k).name));
-    found = regexp(text, '\{"(\w+)", [A-Z_]+, -?\d, [A-Z]+, \w+\}', 'tokens');
+    found = regexp(text, '\{"(\w+)", [A-Z_]+, [A-Z]+, \w+,', 'tokens');
     names = [names, cellfun(@(one) one{1}, found, 'UniformOutput', false)]; %#ok<AGROW>
 end
 names = setdiff(names, {'open'});

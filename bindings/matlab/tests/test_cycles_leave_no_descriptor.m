@@ -5,7 +5,7 @@ function test_cycles_leave_no_descriptor()
 sim = roburoc4.Simulator('port', 0);
 cycles = 1000;
 for k = 1:cycles
-    id = roburoc4_mex('open', sim.address, struct());
+    id = roburoc4_mex('open', sim.address, struct(), 16, '');
     if mod(k, 100) == 0
         all_the_way(sim);
     end

@@ -51,8 +51,6 @@ mxArray *mxCreateLogicalScalar(mxLogical value);
 mxArray *mxCreateNumericMatrix(mwSize m, mwSize n, mxClassID type, mxComplexity complexity);
 mxArray *mxCreateString(const char *text);
 mxArray *mxCreateStructMatrix(mwSize m, mwSize n, int fields, const char **names);
-void mxFree(void *memory);
-void *mxMalloc(mwSize size);
 
 const char *mxGetClassName(const mxArray *array);
 void *mxGetData(const mxArray *array);

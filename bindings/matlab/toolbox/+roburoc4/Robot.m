@@ -99,14 +99,14 @@ methods
         %ROBOT Connect, and wait until the robot is ready.
         %   See the help of the class.
         roburoc4.internal.needed(nargin > 0, 'Robot(address), such as Robot(''192.168.0.2'')');
-        own = struct('timeout', 10);
-        [options, own] = roburoc4.internal.options(varargin, own);
+        own = struct('timeout', 10, 'buffer', 50000, 'record', '');
+        [options, own] = roburoc4.internal.options(varargin, own, false);
         timeout = roburoc4.internal.number(own.timeout, 'timeout', 0, 1e6);
         if isa(address, 'roburoc4.Simulator')
-            this.id = roburoc4_mex('simConnect', address.id, options);
+            this.id = roburoc4_mex('simConnect', address.id, options, own.buffer, own.record);
         else
             address = roburoc4.internal.text(address, 'address');
-            this.id = roburoc4_mex('open', address, options);
+            this.id = roburoc4_mex('open', address, options, own.buffer, own.record);
         end
         try
             roburoc4.internal.connect(this.id, timeout);
@@ -175,12 +175,11 @@ methods
         seconds = roburoc4.internal.number(seconds, 'seconds', 0, 1e6);
         % The guard also stops the robot at the end.
         cleanup = roburoc4.internal.guard(this.id); %#ok<NASGU>
-        renewal_s = roburoc4_mex('lease', this.id) / 4;
         left_s = seconds;
         finish_s = this.time_s + seconds;
         while left_s > 0
-            this.drive(linear_m_s, angular_rad_s);
-            now_s = roburoc4_mex('wait', this.id, min([left_s renewal_s 0.05]));
+            lease_s = roburoc4_mex('drive', this.id, linear_m_s, angular_rad_s);
+            now_s = roburoc4_mex('wait', this.id, min([left_s lease_s / 4, 0.05]));
             left_s = finish_s - now_s;
         end
     end
@@ -215,7 +214,7 @@ methods
         %   Example:
         %      r.turn(pi / 2)
         roburoc4.internal.needed(nargin >= 2, 'turn(radians)');
-        result = this.go(1, 0, angle_rad, 0, varargin);
+        result = this.go(0, 0, angle_rad, 0, varargin);
     end
 
     function result = arc(this, distance_m, angle_rad, varargin)
@@ -226,7 +225,7 @@ methods
         %   Example:
         %      r.arc(1, pi / 2)
         roburoc4.internal.needed(nargin >= 3, 'arc(metres, radians)');
-        result = this.go(2, distance_m, angle_rad, 0, varargin);
+        result = this.go(0, distance_m, angle_rad, 0, varargin);
     end
 
     function result = goTo(this, x_m, y_m, varargin)
@@ -238,9 +237,9 @@ methods
         %      r.goTo(1, 0.5); r.goTo(0, 0, 0, 'speed', 0.6)
         roburoc4.internal.needed(nargin >= 3, 'goTo(x in m, y in m)');
         if mod(numel(varargin), 2) == 1
-            result = this.go(4, x_m, y_m, varargin{1}, varargin(2:end));
+            result = this.go(2, x_m, y_m, varargin{1}, varargin(2:end));
         else
-            result = this.go(3, x_m, y_m, 0, varargin);
+            result = this.go(1, x_m, y_m, 0, varargin);
         end
     end
 
@@ -250,7 +249,7 @@ methods
         %
         %   Example:
         %      r.driveFor(0.5, 0, 2); r.rest()
-        result = this.go(5, 0, 0, 0, varargin);
+        result = this.go(3, 0, 0, 0, varargin);
     end
 
     function stop(this)
@@ -334,7 +333,8 @@ methods
     end
 
     function s = get.address(this)
-        s = roburoc4_mex('address', this.id);
+        progress = roburoc4_mex('progress', this.id);
+        s = progress.address;
     end
 
     function s = get.time_s(this)
@@ -370,10 +370,23 @@ methods
         %      r.inputs('Battery voltage')
         if nargin < 2
             value = roburoc4_mex('inputs', this.id);
-        else
-            name = roburoc4.internal.text(name, 'name of an input');
-            value = roburoc4_mex('input', this.id, name);
+            names = roburoc4_mex('names', this.id);
+            for kind = fieldnames(names)'
+                value.(kind{1}) = names.(kind{1});
+            end
+            return
         end
+        name = roburoc4.internal.text(name, 'name of an input');
+        at = roburoc4_mex('channel', this.id, name, 1 + 4); % analog and digital inputs
+        s = roburoc4_mex('inputs', this.id);
+        values = s.digital_inputs;
+        if at(1) == 0
+            values = s.analog_inputs;
+        end
+        if at(2) >= numel(values)
+            error('roburoc4:limit', 'input %d is beyond those that the client stores', at(2));
+        end
+        value = values(at(2) + 1);
     end
 
     function setOutput(this, channel, on)
@@ -385,7 +398,7 @@ methods
         %   Example:
         %      r.setOutput(3, true)
         roburoc4.internal.needed(nargin == 3, 'setOutput(index or name, true or false)');
-        roburoc4_mex('digital', this.id, this.output(channel, true), on);
+        roburoc4_mex('digital', this.id, this.output(channel, 8), on);
     end
 
     function setAnalogOutput(this, channel, volts)
@@ -394,7 +407,7 @@ methods
         %   Example:
         %      r.setAnalogOutput(0, 2.5)
         roburoc4.internal.needed(nargin == 3, 'setAnalogOutput(index or name, volts)');
-        roburoc4_mex('analog', this.id, this.output(channel, false), volts);
+        roburoc4_mex('analog', this.id, this.output(channel, 2), volts);
     end
 
     function relocalize(this, x_m, y_m, theta_rad)
@@ -545,13 +558,8 @@ end
 
 methods (Access = private)
     function result = go(this, kind, x, y, theta, given)
-        [others, own] = roburoc4.internal.options(given, ...
+        [~, own] = roburoc4.internal.options(given, ...
             struct('speed', [], 'clearance', -1, 'timeout', 0));
-        if ~isempty(fieldnames(others))
-            names = fieldnames(others);
-            error('roburoc4:badArgument', ...
-                'there is no option ''%s''; a move has speed, clearance and timeout', names{1});
-        end
         speed = 0;
         if ~isempty(own.speed)
             speed = roburoc4.internal.number(own.speed, 'speed', 0.001, 100);
@@ -574,11 +582,12 @@ methods (Access = private)
         end
     end
 
-    function index = output(this, channel, digital)
+    function index = output(this, channel, type)
         index = channel;
         if ~isnumeric(channel)
             channel = roburoc4.internal.text(channel, 'channel');
-            index = roburoc4_mex('output', this.id, channel, digital);
+            at = roburoc4_mex('channel', this.id, channel, type);
+            index = at(2);
         end
     end
 end

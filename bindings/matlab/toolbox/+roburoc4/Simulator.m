@@ -40,6 +40,7 @@ classdef Simulator < handle
 properties (SetAccess = private, Hidden, Transient)
     id = 0
     host = ''
+    port = 0
 end
 
 properties (Dependent, SetAccess = private)
@@ -52,19 +53,20 @@ methods
         %SIMULATOR Make a simulated robot.
         %   See the help of the class.
         own = struct('port', [], 'host', '');
-        [options, own] = roburoc4.internal.options(varargin, own);
+        [options, own] = roburoc4.internal.options(varargin, own, true);
         if isempty(own.port)
             roburoc4.internal.needed(isempty(own.host), ...
                 '''port'' together with ''host''; 0 picks a free port');
-            this.id = roburoc4_mex('simOpen', options);
-        else
-            if isempty(own.host)
-                own.host = '127.0.0.1';
-            end
-            this.host = roburoc4.internal.text(own.host, 'host');
-            port = roburoc4.internal.number(own.port, 'port', 0, 65535);
-            this.id = roburoc4_mex('simOpen', options, this.host, port);
+            own.port = 0;
+        elseif isempty(own.host)
+            own.host = '127.0.0.1';
         end
+        if ~isempty(own.host)
+            this.host = roburoc4.internal.text(own.host, 'host');
+        end
+        opened = roburoc4_mex('simOpen', options, this.host, own.port);
+        this.id = opened(1);
+        this.port = opened(2);
     end
 
     function delete(this)
@@ -126,8 +128,7 @@ methods
     function s = get.address(this)
         s = 'virtual';
         if ~isempty(this.host)
-            port = roburoc4_mex('simPort', this.id);
-            s = sprintf('%s:%d', this.host, port);
+            s = sprintf('%s:%d', this.host, this.port);
         end
     end
 
@@ -209,8 +210,10 @@ methods
         %
         %   Example:
         %      sim.setFaults('loss', 0.2, 'delay_ms', 10)
-        faults = roburoc4.internal.options(varargin, struct());
-        roburoc4_mex('simFaults', this.id, faults);
+        [~, faults] = roburoc4.internal.options(varargin, struct('loss', 0, 'duplicate', 0, ...
+            'reorder', 0, 'corrupt', 0, 'delay_ms', 0, 'jitter_ms', 0));
+        faults = struct2cell(faults);
+        roburoc4_mex('simFaults', this.id, faults{:});
     end
 end
 

@@ -9,20 +9,26 @@ function connect(id, timeout)
 %   See also roburoc4.Robot.
 
 % SPDX-License-Identifier: MIT
+furthest = 0;
+reached_s = 0;
 while true
     p = roburoc4_mex('progress', id);
     if p.ready
         return
     end
-    silence_s = p.open_s;
+    if p.step > furthest
+        furthest = p.step;
+        reached_s = p.time_s;
+    end
+    silence_s = p.time_s;
     if p.received > 0
-        silence_s = min(p.silence_s, p.open_s);
+        silence_s = min(p.silence_s, p.time_s);
     end
     if silence_s >= timeout
         error('roburoc4:timeout', ['no answer from %s for %g s (state %s, %d datagrams sent, %d ' ...
             'received): %s'], p.address, timeout, p.state, p.sent, p.received, remedy(p));
     end
-    if p.standstill_s >= timeout
+    if p.time_s - reached_s >= timeout
         error('roburoc4:timeout', ['%s is not ready: it answers, but refuses or leaves out what ' ...
             'is needed (no progress for %g s, state %s, %d datagrams received, %d of them ' ...
             'refusals). Check that it is a RobuROC4 and that the network loses little, or give ' ...
