@@ -18,7 +18,7 @@ struct simulation {
     roburoc4_world *world; /* in virtual time, or NULL */
     sim_host *host;        /* on a port, or NULL */
     roburoc4_sim *robot;   /* belongs to one of these */
-    bool stopped;
+    bool stopped, destroyed;
     member members[ROBUROC4_WORLD_MAX_CLIENTS];
 };
 
@@ -55,12 +55,23 @@ simulation *simulation_on_port(const roburoc4_sim_config *config, const char *ad
     return s;
 }
 
-void simulation_destroy(simulation *s) {
+static void free_if_unused(simulation *s) {
+    for (int i = 0; i < ROBUROC4_WORLD_MAX_CLIENTS; i++) {
+        if (s->members[i].number != 0) {
+            return;
+        }
+    }
     if (s->host != NULL) {
         sim_host_destroy(s->host);
     }
     roburoc4_world_destroy(s->world);
     free(s);
+}
+
+void simulation_destroy(simulation *s) {
+    s->destroyed = true;
+    simulation_stop(s);
+    free_if_unused(s);
 }
 
 uint16_t simulation_port(const simulation *s) {
@@ -123,6 +134,9 @@ void simulation_part(simulation *s, const roburoc4_pump *pump) {
             roburoc4_world_leave(s->world, s->members[i].client);
             s->members[i].number = 0;
         }
+    }
+    if (s->destroyed) {
+        free_if_unused(s);
     }
 }
 

@@ -19,9 +19,10 @@ typedef enum subject {
     CONTROL_ROBOT, /* the id of a robot that accepts commands; call.client is locked and its own: a
                     * command must not wait, nor make a value for MATLAB */
     WAIT_ROBOT,    /* the id of a robot that accepts commands; call.client is NULL */
-    ANY_ROBOT,     /* likewise, but the robot may be gone: then call.object is NULL */
+    ANY_ROBOT,     /* likewise, but the robot may be gone: then nothing is done, as delete() may be
+                    * called twice */
     SIMULATOR,     /* the id of a simulator */
-    ANY_SIMULATOR  /* likewise, but it may be gone: then call.object is NULL */
+    ANY_SIMULATOR  /* likewise, but it may be gone */
 } subject;
 
 /** What another argument is, and where the call has it. */

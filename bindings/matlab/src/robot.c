@@ -55,7 +55,6 @@ static int begin(robot *made, const char *address, simulation *world,
         return fail(FAIL_LIMIT, "a simulator has room for %d robots; delete one",
                     ROBUROC4_WORLD_MAX_CLIENTS);
     }
-    made->simulated = world != NULL;
     made->world = world;
     made->opened_us = robot_now_us(made);
     made->lease_us = settings->config.lease_ms * 1000;
@@ -107,7 +106,7 @@ void robots_close(void) {
 }
 
 int robot_is_open(const robot *r) {
-    return roburoc4_pump_running(r->pump) && (!r->simulated || r->world != NULL);
+    return roburoc4_pump_running(r->pump) && (r->world == NULL || !simulation_stopped(r->world));
 }
 
 int robot_can(const robot *r, int be_commanded) {
@@ -118,32 +117,14 @@ int robot_can(const robot *r, int be_commanded) {
            fail(FAIL_CLOSED, "the simulator of this robot was deleted; make a new one");
 }
 
-static const simulation *lost;
-
-static void lose(void *object) {
-    robot *r = object;
-    if (r->world == lost) {
-        r->left_us = robot_now_us(r);
-        r->world = NULL;
-    }
-}
-
-void robots_lose(const simulation *world) {
-    lost = world;
-    handles_each(HANDLE_ROBOT, lose);
-}
-
 /* ------------------------------------------------------------------------- time and client --- */
 
 uint64_t robot_now_us(const robot *r) {
-    if (!r->simulated) {
-        return roburoc4_udp_now_us();
-    }
-    return r->world != NULL ? simulation_now_us(r->world) : r->left_us;
+    return r->world != NULL ? simulation_now_us(r->world) : roburoc4_udp_now_us();
 }
 
 uint64_t robot_utc_us(const robot *r) {
-    return r->simulated ? 0 : roburoc4_os_calendar_us() - roburoc4_udp_now_us();
+    return r->world != NULL ? 0 : roburoc4_os_calendar_us() - roburoc4_udp_now_us();
 }
 
 roburoc4_client *robot_lock(robot *r, uint64_t *now_us) {
@@ -167,21 +148,14 @@ roburoc4_client *robot_copy(robot *r, uint64_t *now_us) {
     return &copy;
 }
 
-void robot_wait(robot *r, uint32_t duration_us) {
+void robot_wait(robot *r, uint32_t duration_us, const roburoc4_pump_reader *reader) {
     const roburoc4_pump_reader nothing = {0};
     if (r->world != NULL) {
         simulation_run(r->world, robot_now_us(r) + duration_us);
+    } else if (reader != NULL) {
+        (void)roburoc4_pump_wait_samples(r->pump, reader, duration_us);
     } else {
         (void)roburoc4_pump_wait_events(r->pump, &nothing, 0, duration_us);
-    }
-}
-
-void robot_wait_sample(robot *r, const roburoc4_pump_reader *reader, uint64_t until_us) {
-    const uint64_t now_us = robot_now_us(r);
-    if (r->world != NULL) {
-        simulation_run(r->world, now_us + ROBUROC4_CYCLE_US);
-    } else if (now_us < until_us) {
-        (void)roburoc4_pump_wait_samples(r->pump, reader, (uint32_t)(until_us - now_us));
     }
 }
 
@@ -189,12 +163,6 @@ roburoc4_facts client_facts(const roburoc4_client *client, uint64_t now_us) {
     roburoc4_facts facts = {.size = sizeof facts};
     (void)roburoc4_client_facts(client, now_us, &facts);
     return facts;
-}
-
-roburoc4_iocard_properties client_card(const roburoc4_client *client) {
-    roburoc4_iocard_properties card = {0};
-    (void)roburoc4_client_iocard_properties(client, &card);
-    return card;
 }
 
 roburoc4_facts robot_facts(robot *r) {
@@ -208,17 +176,4 @@ void robot_disarm(robot *r) {
     roburoc4_client *client = robot_lock(r, &now_us);
     (void)roburoc4_client_disarm(client, now_us);
     robot_unlock(r);
-}
-
-uint32_t robot_socket(robot *r, char address[ROBUROC4_ADDRESS_TEXT_SIZE]) {
-    const roburoc4_udp *udp;
-    uint32_t fault;
-    (void)roburoc4_pump_lock(r->pump);
-    udp = roburoc4_pump_udp(r->pump);
-    fault = udp->fault;
-    if (roburoc4_udp_address_text(&udp->address, address, ROBUROC4_ADDRESS_TEXT_SIZE) < 0) {
-        (void)snprintf(address, ROBUROC4_ADDRESS_TEXT_SIZE, "the simulator");
-    }
-    roburoc4_pump_unlock(r->pump);
-    return fault;
 }

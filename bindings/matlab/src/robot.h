@@ -13,18 +13,15 @@
 typedef struct robot {
     roburoc4_pump *pump;         /* in virtual time one without a thread */
     roburoc4_recorder *recorder; /* or NULL */
-    int simulated;               /* in virtual time */
-    simulation *world;           /* of virtual time; NULL when the simulator is gone */
-    uint64_t left_us;            /* the time when the simulator went */
+    simulation *world;           /* in virtual time; stopped when the simulator was deleted */
     uint64_t opened_us;
     uint32_t lease_us;
     uint32_t fresh_us;  /* maximum age of a status that counts */
     int busy;           /* a waiting method is running: if it ends early, the robot stops */
     recording logged;   /* since the robot was made, or since the last log() */
-    recording recorded; /* of record(), which began then */
+    recording recorded; /* of record() or receive(), which began then */
     uint64_t recorded_us;
-    roburoc4_pump_reader received; /* of receive() */
-    roburoc4_move move;            /* the one that was started last */
+    roburoc4_move move; /* the one that was started last */
 } robot;
 
 /** Settings with which a robot is opened. */
@@ -58,20 +55,12 @@ roburoc4_client *robot_copy(robot *r, uint64_t *now_us);
  * was open at the beginning of the command, or is in virtual time. */
 roburoc4_client *robot_lock(robot *r, uint64_t *now_us);
 void robot_unlock(robot *r);
-/** Let this much of the robot's time pass. */
-void robot_wait(robot *r, uint32_t duration_us);
-/** Wait for a sample that a reader has not read, until this time. In virtual time one cycle
- * passes. */
-void robot_wait_sample(robot *r, const roburoc4_pump_reader *reader, uint64_t until_us);
-/** A world is about to be destroyed: its robots keep what they know. */
-void robots_lose(const simulation *world);
+/** Let this much of the robot's time pass; in real time less if there is a reader (or NULL) and a
+ * sample that it has not read. */
+void robot_wait(robot *r, uint32_t duration_us, const roburoc4_pump_reader *reader);
 
 roburoc4_facts robot_facts(robot *r);
 roburoc4_facts client_facts(const roburoc4_client *client, uint64_t now_us);
-/** How many channels the robot has; none before that is known. */
-roburoc4_iocard_properties client_card(const roburoc4_client *client);
 void robot_disarm(robot *r);
-/** The robot's address, or "the simulator". Returns ROBUROC4_FAULT_* of its socket. */
-uint32_t robot_socket(robot *r, char address[ROBUROC4_ADDRESS_TEXT_SIZE]);
 
 #endif

@@ -3,6 +3,7 @@
  * Commands that open, wait for and close robots.
  */
 #include <math.h>
+#include <stdio.h>
 
 #include "commands.h"
 #include "fail.h"
@@ -22,18 +23,16 @@ static int open_simulated(call *in) {
     return simulator_is_virtual(in->object) && open_robot(in, NULL, 0);
 }
 
-/* close(id): delete() can be called twice */
+/* close(id) */
 static int close_one(call *in) {
-    if (in->object != NULL) {
-        robot_close(in->object);
-    }
+    robot_close(in->object);
     return 1;
 }
 
 /* leave(id): disarm; true while the stop sequence runs */
 static int leave(call *in) {
     robot *r = in->object;
-    if (r != NULL && robot_is_open(r)) {
+    if (robot_is_open(r)) {
         robot_disarm(r);
         in->number = robot_facts(r).stopping;
     }
@@ -41,6 +40,20 @@ static int leave(call *in) {
 }
 
 /* -------------------------------------------------------------------------------- waiting --- */
+
+/* The robot's address, or "the simulator". Returns ROBUROC4_FAULT_* of its socket. */
+static uint32_t read_socket(robot *r, char address[ROBUROC4_ADDRESS_TEXT_SIZE]) {
+    const roburoc4_udp *udp;
+    uint32_t fault;
+    (void)roburoc4_pump_lock(r->pump);
+    udp = roburoc4_pump_udp(r->pump);
+    fault = udp->fault;
+    if (roburoc4_udp_address_text(&udp->address, address, ROBUROC4_ADDRESS_TEXT_SIZE) < 0) {
+        (void)snprintf(address, ROBUROC4_ADDRESS_TEXT_SIZE, "the simulator");
+    }
+    roburoc4_pump_unlock(r->pump);
+    return fault;
+}
 
 static void add_count(call *in, const char *name, uint32_t counter) {
     answer_number(&in->out, name, roburoc4_client_count(in->client, counter));
@@ -51,7 +64,7 @@ static int read_progress(call *in) {
     roburoc4_link link = {.size = sizeof link};
     const uint32_t state = roburoc4_client_state(in->client);
     char address[ROBUROC4_ADDRESS_TEXT_SIZE];
-    const uint32_t fault = robot_socket(in->object, address);
+    const uint32_t fault = read_socket(in->object, address);
     (void)roburoc4_client_link(in->client, in->now_us, &link);
     answer_flag(&in->out, "ready", state == ROBUROC4_STATE_READY);
     answer_number(&in->out, "step", state <= ROBUROC4_STATE_READY ? state : 0);
@@ -75,7 +88,7 @@ static int read_time(call *in) {
 /* wait(id, seconds): seconds on the robot's clock afterwards */
 static int wait(call *in) {
     /* Rounded up, because a caller that waits for the rest of a rounded time would never finish. */
-    robot_wait(in->object, (uint32_t)ceil(in->numbers[0] * 1e6));
+    robot_wait(in->object, (uint32_t)ceil(in->numbers[0] * 1e6), NULL);
     return read_time(in);
 }
 
@@ -89,7 +102,7 @@ static int set_busy(call *in) {
  * drives: otherwise it would take the robot from the program that drives it. */
 static int interrupt(call *in) {
     robot *r = in->object;
-    if (r != NULL && r->busy && robot_is_open(r)) {
+    if (r->busy && robot_is_open(r)) {
         const roburoc4_facts facts = robot_facts(r);
         r->busy = 0;
         if (facts.driving || facts.stopping) {

@@ -122,10 +122,11 @@ static const field info_fields[] = {
 static int read_info(call *in) {
     properties all;
     memset(&all, 0xFF, sizeof all); /* what is not reported yet: NaN of floats, 255 of bytes */
+    memset(&all.card, 0, sizeof all.card);
     (void)roburoc4_client_differential_properties(in->client, &all.drive);
     (void)roburoc4_client_battery_properties(in->client, &all.battery);
     (void)roburoc4_client_localization_properties(in->client, &all.start);
-    all.card = client_card(in->client);
+    (void)roburoc4_client_iocard_properties(in->client, &all.card);
     all.telemeter_count = all.entry_count = 0;
     while (all.telemeter_count < ROBUROC4_MAX_TELEMETERS &&
            roburoc4_client_telemeter(in->client, all.telemeter_count,
@@ -187,11 +188,15 @@ static int read_service_link(call *in) {
 /* The robot's own texts for the channels of one type, "" where it has none; how many there are. */
 static uint32_t read_texts(const call *in, uint32_t io_type, const char *texts[CHANNELS_MAX]) {
     static char memory[CHANNELS_MAX][ROBUROC4_PUMP_DESCRIPTION_SIZE];
-    const roburoc4_iocard_properties card = client_card(in->client);
-    const int32_t counts[CHANNEL_TYPES] = {card.analog_inputs, card.analog_outputs,
-                                           card.digital_inputs, card.digital_outputs};
+    roburoc4_iocard_properties card = {0};
+    int32_t count;
     uint32_t i;
-    for (i = 0; i < CHANNELS_MAX && (int32_t)i < counts[io_type]; i++) {
+    (void)roburoc4_client_iocard_properties(in->client, &card);
+    count = io_type == ROBUROC4_IO_ANALOG_INPUT    ? card.analog_inputs
+            : io_type == ROBUROC4_IO_ANALOG_OUTPUT ? card.analog_outputs
+            : io_type == ROBUROC4_IO_DIGITAL_INPUT ? card.digital_inputs
+                                                   : card.digital_outputs;
+    for (i = 0; i < CHANNELS_MAX && (int32_t)i < count; i++) {
         texts[i] = memory[i];
         if (roburoc4_pump_description(((robot *)in->object)->pump, (int32_t)io_type, i, memory[i],
                                       sizeof memory[i]) < 0) {
@@ -266,16 +271,18 @@ static int read_start(call *in) {
     return 1;
 }
 
-/* receiveBegin(id): the next status is the first that arrives after this */
-static int begin_receiving(call *in) {
+/* record(id, service, ...): record from now on; the services are only checked */
+static int begin_recording(call *in) {
     robot *r = in->object;
-    (void)roburoc4_pump_reader_init(r->pump, &r->received);
+    recording_end(&r->recorded);
+    (void)roburoc4_pump_reader_init(r->pump, &r->recorded.reader);
+    r->recorded_us = in->now_us;
     return 1;
 }
 
-/* The next sample of a service, if available. */
+/* The next recorded status of a service. */
 static int next_sample(robot *r, uint32_t service, roburoc4_sample *out) {
-    while (roburoc4_pump_read_samples(r->pump, &r->received, out, 1) > 0) {
+    while (roburoc4_pump_read_samples(r->pump, &r->recorded.reader, out, 1) > 0) {
         if (out->service == service) {
             return 1;
         }
@@ -283,32 +290,25 @@ static int next_sample(robot *r, uint32_t service, roburoc4_sample *out) {
     return 0;
 }
 
-/* receive(id, service, seconds): the next status of a service, or [] if none arrived in time */
+/* receive(id, service, seconds): the next status of a service since record(), or [] if none arrived
+ * in time */
 static int receive(call *in) {
     robot *r = in->object;
-    const uint32_t service = (uint32_t)in->numbers[0];
-    const uint64_t end_us = robot_now_us(r) + (uint64_t)(in->numbers[1] * 1e6 + 0.5);
+    uint64_t now_us = robot_now_us(r);
+    const uint64_t end_us = now_us + (uint64_t)(in->numbers[1] * 1e6 + 0.5);
     roburoc4_sample sample;
-    int found;
-    while (!(found = next_sample(r, service, &sample)) && robot_now_us(r) < end_us) {
-        robot_wait_sample(r, &r->received, end_us);
+    while (!next_sample(r, (uint32_t)in->numbers[0], &sample)) {
+        if (now_us >= end_us) {
+            (void)make_row(&in->results[0], 0);
+            return 1;
+        }
+        robot_wait(r, r->world != NULL ? ROBUROC4_CYCLE_US : (uint32_t)(end_us - now_us),
+                   &r->recorded.reader);
+        now_us = robot_now_us(r);
     }
-    if (found) {
-        sample_times(&in->out, &sample);
-        sample_values(&in->out, &sample);
-        in->results[0] = answer_finish(&in->out);
-    } else {
-        (void)make_row(&in->results[0], 0);
-    }
-    return 1;
-}
-
-/* record(id, service, ...): record from now on; the services are only checked */
-static int begin_recording(call *in) {
-    robot *r = in->object;
-    recording_end(&r->recorded);
-    (void)roburoc4_pump_reader_init(r->pump, &r->recorded.reader);
-    r->recorded_us = in->now_us;
+    sample_times(&in->out, &sample);
+    sample_values(&in->out, &sample);
+    in->results[0] = answer_finish(&in->out);
     return 1;
 }
 
@@ -361,7 +361,6 @@ const command robot_read_commands[] = {
     {"inputs", READ_ROBOT, STRUCT, read_inputs, {NONE}},
     {"names", READ_ROBOT, STRUCT, read_names, {NONE}},
     {"startUtc", READ_ROBOT, NUMBER, read_start, {NONE}},
-    {"receiveBegin", READ_ROBOT, NOTHING, begin_receiving, {NONE}},
     {"receive", WAIT_ROBOT, OTHER, receive, {SERVICE, WITHIN("seconds", 0, LONGEST_WAIT_S)}},
     {"record", READ_ROBOT, NOTHING, begin_recording, {SERVICES_IF_ANY}},
     {"recorded", READ_ROBOT, NOTHING, go_on_recording, {NONE}},

@@ -126,6 +126,8 @@ static int run_with_client(const command *found, call *in) {
         in->client = robot_copy(in->object, &in->now_us);
     } else if (found->of == CONTROL_ROBOT) {
         in->client = robot_lock(in->object, &in->now_us);
+    } else if (found->of != NO_ID && in->object == NULL) {
+        return 1;
     }
     fine = found->run(in);
     if (found->of == CONTROL_ROBOT) {

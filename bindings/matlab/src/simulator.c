@@ -13,7 +13,6 @@
 
 static void close_simulator(void *s) {
     handles_remove(s);
-    robots_lose(s);
     simulation_destroy(s);
 }
 
@@ -65,11 +64,9 @@ static int open_simulator(call *in) {
     return 1;
 }
 
-/* simClose(id): delete() can be called twice */
+/* simClose(id) */
 static int close_one(call *in) {
-    if (in->object != NULL) {
-        close_simulator(in->object);
-    }
+    close_simulator(in->object);
     return 1;
 }
 
@@ -133,53 +130,41 @@ static const field state_fields[] = {
 /* simState(id) */
 static int read_state(call *in) {
     roburoc4_sim_state state = {.size = sizeof state};
-    double *distances_m;
-    mxArray *row;
+    roburoc4_sample seen = {.service = ROBUROC4_SERVICE_TELEMETER, .host_us = 1};
     (void)roburoc4_sim_get_state(simulation_lock(in->object), &state);
     simulation_unlock(in->object);
+    seen.value.distances.count = COUNT_OF(state.distances_m);
+    memcpy(seen.value.distances.distances_m, state.distances_m, sizeof state.distances_m);
     answer_fields(&in->out, state_fields, COUNT_OF(state_fields), &state);
-    distances_m = make_row(&row, COUNT_OF(state.distances_m));
-    for (size_t i = 0; i < COUNT_OF(state.distances_m); i++) {
-        distances_m[i] = (double)state.distances_m[i];
-    }
-    answer_add(&in->out, "distances_m", row);
+    sample_values(&in->out, &seen);
     return 1;
 }
 
-/* simControl(id, control) or simControl(id, control, value): the value */
-static int set_or_get(call *in, int set) {
+/* simSet(id, control, value), or simGet(id, control): its value */
+static int set_or_get(call *in) {
     const char *name = in->texts[0];
     const roburoc4_result control = roburoc4_sim_control_find(name);
     roburoc4_result result = control;
     roburoc4_sim *sim = simulation_lock(in->object);
     if (control >= 0) {
-        result = set ? roburoc4_sim_set(sim, (uint32_t)control, in->numbers[1])
-                     : roburoc4_sim_get(sim, (uint32_t)control, &in->number);
+        result = in->count == 2 ? roburoc4_sim_set(sim, (uint32_t)control, in->numbers[1])
+                                : roburoc4_sim_get(sim, (uint32_t)control, &in->number);
     }
     simulation_unlock(in->object);
-    if (result == ROBUROC4_ERR_STATE) {
+    switch (result) {
+    case ROBUROC4_ERR_STATE:
         return fail(FAIL_ARGUMENT,
                     "%s: impossible now; turn power on, release both emergency stops "
                     "and set the brakes to automatic first",
                     name);
+    case ROBUROC4_ERR_INDEX:
+        return fail(FAIL_ARGUMENT,
+                    "%s: this robot has no such control, or it is not for that; see help "
+                    "roburoc4.Simulator.set",
+                    name);
+    default:
+        return result >= 0 || fail(FAIL_ARGUMENT, "%s: %g is out of range", name, in->numbers[1]);
     }
-    if (result == ROBUROC4_ERR_INDEX) {
-        return control < 0
-                   ? fail(FAIL_ARGUMENT,
-                          "there is no control '%s'; see help roburoc4.Simulator.set", name)
-                   : fail(FAIL_ARGUMENT, "%s: this robot has none, or it is not for that", name);
-    }
-    return result >= 0 || fail(FAIL_ARGUMENT, "%s: %g is out of range", name, in->numbers[1]);
-}
-
-/* simSet(id, control, value) */
-static int set_control(call *in) {
-    return set_or_get(in, 1);
-}
-
-/* simGet(id, control) */
-static int get_control(call *in) {
-    return set_or_get(in, 0);
 }
 
 /* simPanel(id, line): the reply */
@@ -204,8 +189,8 @@ const command simulator_commands[] = {
      {WITHIN("loss", 0, 1), WITHIN("duplicate", 0, 1), WITHIN("reorder", 0, 1),
       WITHIN("corrupt", 0, 1), WITHIN("delay_ms", 0, 60000), WITHIN("jitter_ms", 0, 60000)}},
     {"simState", SIMULATOR, STRUCT, read_state, {NONE}},
-    {"simSet", SIMULATOR, NOTHING, set_control, {TEXT("control"), ANY_NUMBER("value")}},
-    {"simGet", SIMULATOR, NUMBER, get_control, {TEXT("control")}},
+    {"simSet", SIMULATOR, NOTHING, set_or_get, {TEXT("control"), ANY_NUMBER("value")}},
+    {"simGet", SIMULATOR, NUMBER, set_or_get, {TEXT("control")}},
     {"simPanel", SIMULATOR, OTHER, panel, {TEXT("line")}},
     LAST,
 };

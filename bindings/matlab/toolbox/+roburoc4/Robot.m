@@ -446,6 +446,10 @@ methods
         roburoc4.internal.needed(nargin == 3, 'subscribe(service, period_ms)');
         service = roburoc4.internal.text(service, 'service');
         period_ms = roburoc4.internal.number(period_ms, 'period_ms', 10, 2550);
+        if mod(period_ms, 10) ~= 0
+            error('roburoc4:badArgument', ['period_ms: %g is not allowed; give a multiple of 10, ' ...
+                '10 to 2550'], period_ms);
+        end
         roburoc4_mex('subscribe', this.id, service, period_ms);
     end
 
@@ -475,7 +479,7 @@ methods
         end
         timeout = roburoc4.internal.number(timeout, 'timeout', 0, 1e6);
         cleanup = roburoc4.internal.guard(this.id); %#ok<NASGU>
-        roburoc4_mex('receiveBegin', this.id);
+        roburoc4_mex('record', this.id, service);
         finish_s = this.time_s + timeout;
         left_s = timeout;
         s = [];
