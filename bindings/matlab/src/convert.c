@@ -7,8 +7,6 @@
 
 #include "fail.h"
 
-#define NOT_KNOWN 255
-
 /* ------------------------------------------------------------------------------ arguments --- */
 
 int take_number(const mxArray *value, const char *name, double *out) {
@@ -64,8 +62,7 @@ static uint64_t bits_at(const void *at, size_t size) {
                        : *(const uint64_t *)at;
 }
 
-/* Number `column` of a member. */
-static double number_at(const answer *times, const field *from, const void *base, size_t column) {
+double field_number(const answer *times, const field *from, const void *base, size_t column) {
     const void *at = (const char *)base + from->offset + column * from->stride;
     const uint64_t bits = from->type == FIELD_FLOAT ? 0 : bits_at(at, from->size);
     switch (from->type) {
@@ -86,33 +83,18 @@ static double number_at(const answer *times, const field *from, const void *base
     }
 }
 
-double field_value(const answer *times, const field *from, const void *base) {
-    return number_at(times, from, base, 0);
-}
-
-/* How many numbers a member has; base may be NULL. */
+/* How many numbers a member has. */
 static uint32_t width_of(const field *from, const void *base) {
-    if (from->count == 0) {
-        return 1;
-    }
-    return base != NULL ? *(const uint32_t *)(const void *)((const char *)base + from->count) : 0;
+    return from->count != 0 ? (uint32_t)bits_at((const char *)base + from->count, 4) : 1;
 }
 
-static mxArray *make_array(mxClassID class, size_t rows, size_t columns) {
-    return class == mxLOGICAL_CLASS
-               ? mxCreateLogicalMatrix((mwSize)rows, (mwSize)columns)
-               : mxCreateNumericMatrix((mwSize)rows, (mwSize)columns, class, mxREAL);
-}
-
-/* Write number `at` of an array. */
-static void store(void *data, mxClassID class, size_t at, double number) {
-    if (class == mxLOGICAL_CLASS) {
-        ((mxLogical *)data)[at] = number > 0.0;
-    } else if (class == mxUINT8_CLASS) {
-        ((uint8_t *)data)[at] = isnan(number) ? NOT_KNOWN : (uint8_t)((uint32_t)number & 0xFFu);
-    } else {
-        ((double *)data)[at] = number;
+static uint32_t widest(const field *from, const char *base, size_t size, uint32_t rows) {
+    uint32_t width = from->count == 0, row;
+    for (row = 0; row < rows; row++) {
+        const uint32_t here = width_of(from, base + row * size);
+        width = here > width ? here : width;
     }
+    return width;
 }
 
 static mxClassID class_of(kind type, int in_columns) {
@@ -139,41 +121,28 @@ void answer_flag(answer *out, const char *name, int value) {
     answer_add(out, name, mxCreateLogicalScalar(value != 0));
 }
 
-/* Some structs, `size` bytes apart; or at NULL, one that is unknown. */
-typedef struct rows {
-    const char *base;
-    size_t size;
-    uint32_t count;
-} rows;
-
-static const void *row_at(const rows *of, uint32_t row) {
-    return of->base != NULL ? of->base + row * of->size : NULL;
-}
-
-static uint32_t widest(const rows *of, const field *from) {
-    uint32_t width = from->count == 0, row;
-    for (row = 0; row < of->count; row++) {
-        const uint32_t here = width_of(from, row_at(of, row));
-        width = here > width ? here : width;
-    }
-    return width;
-}
-
-/* A row for each struct, as wide as the widest; beyond their ends NaN. */
-static void add_field(answer *out, const field *from, const rows *of) {
-    const mxClassID class = class_of(from->type, of->size != 0);
-    const uint32_t width = widest(of, from);
-    mxArray *made = make_array(class, of->count, width);
+/* A row for each of some structs, as wide as the widest; NaN or false beyond their ends. */
+static void add_field(answer *out, const field *from, const char *base, size_t size,
+                      uint32_t rows) {
+    const mxClassID class = class_of(from->type, size != 0);
+    const uint32_t width = widest(from, base, size, rows);
+    mxArray *made = class == mxLOGICAL_CLASS ? mxCreateLogicalMatrix(rows, width)
+                                             : mxCreateNumericMatrix(rows, width, class, mxREAL);
     void *data = class == mxLOGICAL_CLASS ? (void *)mxGetLogicals(made) : mxGetData(made);
     size_t place = 0;
     for (uint32_t column = 0; column < width; column++) {
-        for (uint32_t row = 0; row < of->count; row++) {
-            const void *at = row_at(of, row);
-            if (class == mxUINT64_CLASS) { /* a double could round it */
-                ((uint64_t *)data)[place++] = bits_at((const char *)at + from->offset, 8);
+        for (uint32_t row = 0; row < rows; row++, place++) {
+            const char *at = base + row * size;
+            const double number =
+                column < width_of(from, at) ? field_number(out, from, at, column) : mxGetNaN();
+            if (class == mxLOGICAL_CLASS) {
+                ((mxLogical *)data)[place] = number > 0.0;
+            } else if (class == mxUINT8_CLASS) {
+                ((uint8_t *)data)[place] = (uint8_t)(uint32_t)number;
+            } else if (class == mxUINT64_CLASS) { /* a double could round it */
+                ((uint64_t *)data)[place] = bits_at(at + from->offset, from->size);
             } else {
-                const int known = at != NULL && column < width_of(from, at);
-                store(data, class, place++, known ? number_at(out, from, at, column) : mxGetNaN());
+                ((double *)data)[place] = number;
             }
         }
     }
@@ -181,10 +150,9 @@ static void add_field(answer *out, const field *from, const rows *of) {
 }
 
 void answer_columns(answer *out, const field *fields, size_t count, const void *base, size_t size,
-                    uint32_t rows_count) {
-    const rows of = {base, size, rows_count};
+                    uint32_t rows) {
     for (size_t i = 0; i < count; i++) {
-        add_field(out, &fields[i], &of);
+        add_field(out, &fields[i], base, size, rows);
     }
 }
 

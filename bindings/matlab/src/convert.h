@@ -43,10 +43,11 @@ typedef enum kind {
     FIELD_TIME,    /* a uint64_t, microseconds of the robot's clock; seconds since the answer's
                     * begin_us */
     FIELD_UTC,     /* likewise; seconds since 1970 */
-    FIELD_BYTE,    /* unsigned; uint8, 255 where it is not known; in columns a double */
+    FIELD_BYTE,    /* unsigned; the lowest byte, uint8; in columns all of it, a double */
     FIELD_FLAG,    /* logical */
     FIELD_BITS,    /* a uint64_t; a row of logicals */
-    FIELD_CYCLES   /* a uint64_t of robot cycles; uint64 */
+    FIELD_CYCLES,  /* a uint64_t of robot cycles; uint64 */
+    FIELD_BIT      /* options only: the bit `count` of a uint32_t */
 } kind;
 
 typedef struct field {
@@ -84,7 +85,7 @@ typedef struct answer {
 void answer_add(answer *out, const char *name, mxArray *value);
 void answer_number(answer *out, const char *name, double value);
 void answer_flag(answer *out, const char *name, int value);
-/** Members of a struct; if base is NULL, they are unknown: NaN, 255, false or empty. */
+/** Members of a struct. */
 void answer_fields(answer *out, const field *fields, size_t count, const void *base);
 /** Columns with a row for each of the structs in an array. */
 void answer_columns(answer *out, const field *fields, size_t count, const void *base, size_t size,
@@ -92,8 +93,8 @@ void answer_columns(answer *out, const field *fields, size_t count, const void *
 /** The struct. */
 mxArray *answer_finish(const answer *in);
 
-/** A number that is not a row, as a double; CYCLES may be rounded. */
-double field_value(const answer *times, const field *from, const void *base);
+/** A number of a member, of a row the one in this column; CYCLES may be rounded. */
+double field_number(const answer *times, const field *from, const void *base, size_t column);
 /** A time on the robot's clock, in seconds since begin_us. */
 double answer_time(const answer *times, uint64_t time_us);
 /** A char row; bytes that are not printable ASCII become '?', because their encoding is unknown. */

@@ -56,7 +56,7 @@ static int begin(robot *made, const char *address, simulation *world,
                     ROBUROC4_WORLD_MAX_CLIENTS);
     }
     made->world = world;
-    made->opened_us = robot_now_us(made);
+    made->opened_us = made->logged.begin_us = robot_now_us(made);
     made->lease_us = settings->config.lease_ms * 1000;
     made->fresh_us = settings->config.fresh_ms * 1000;
     return 1;
@@ -80,7 +80,7 @@ double robot_open(const char *address, simulation *world, const robot_settings *
 void robot_close(robot *r) {
     handles_remove(r);
     if (r->world != NULL) {
-        robot_disarm(r);
+        (void)robot_disarm(r);
         simulation_part(r->world, r->pump);
     }
     roburoc4_pump_destroy(r->pump);
@@ -92,7 +92,7 @@ void robot_close(robot *r) {
 
 static void disarm(void *r) {
     if (robot_is_open(r)) {
-        robot_disarm(r);
+        (void)robot_disarm(r);
     }
 }
 
@@ -165,15 +165,12 @@ roburoc4_facts client_facts(const roburoc4_client *client, uint64_t now_us) {
     return facts;
 }
 
-roburoc4_facts robot_facts(robot *r) {
+int robot_disarm(robot *r) {
     uint64_t now_us;
-    const roburoc4_client *client = robot_copy(r, &now_us);
-    return client_facts(client, now_us);
-}
-
-void robot_disarm(robot *r) {
-    uint64_t now_us;
+    int stopping;
     roburoc4_client *client = robot_lock(r, &now_us);
     (void)roburoc4_client_disarm(client, now_us);
+    stopping = client_facts(client, now_us).stopping;
     robot_unlock(r);
+    return stopping;
 }

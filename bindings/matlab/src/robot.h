@@ -20,7 +20,6 @@ typedef struct robot {
     int busy;           /* a waiting method is running: if it ends early, the robot stops */
     recording logged;   /* since the robot was made, or since the last log() */
     recording recorded; /* of record() or receive(), which began then */
-    uint64_t recorded_us;
     roburoc4_move move; /* the one that was started last */
 } robot;
 
@@ -34,7 +33,7 @@ typedef struct robot_settings {
 /** Open a link in real time, or (with a NULL address) join a world. Returns its id, or 0 after
  * noting the error (fail.h); an absent robot is not an error. */
 double robot_open(const char *address, simulation *world, const robot_settings *settings);
-/** End the link. In real time it waits until the stop sequence is over: see robot_facts(). */
+/** End the link. In real time it waits until the stop sequence is over: see robot_disarm(). */
 void robot_close(robot *r);
 /** Close all of them; their stop sequences run in parallel. */
 void robots_close(void);
@@ -59,8 +58,8 @@ void robot_unlock(robot *r);
  * sample that it has not read. */
 void robot_wait(robot *r, uint32_t duration_us, const roburoc4_pump_reader *reader);
 
-roburoc4_facts robot_facts(robot *r);
 roburoc4_facts client_facts(const roburoc4_client *client, uint64_t now_us);
-void robot_disarm(robot *r);
+/** Whether a stop sequence runs then. */
+int robot_disarm(robot *r);
 
 #endif

@@ -31,11 +31,7 @@ static int close_one(call *in) {
 
 /* leave(id): disarm; true while the stop sequence runs */
 static int leave(call *in) {
-    robot *r = in->object;
-    if (robot_is_open(r)) {
-        robot_disarm(r);
-        in->number = robot_facts(r).stopping;
-    }
+    in->number = robot_is_open(in->object) && robot_disarm(in->object);
     return 1;
 }
 
@@ -103,15 +99,22 @@ static int set_busy(call *in) {
 static int interrupt(call *in) {
     robot *r = in->object;
     if (r->busy && robot_is_open(r)) {
-        const roburoc4_facts facts = robot_facts(r);
-        r->busy = 0;
+        uint64_t now_us;
+        roburoc4_client *client = robot_lock(r, &now_us);
+        const roburoc4_facts facts = client_facts(client, now_us);
         if (facts.driving || facts.stopping) {
-            uint64_t now_us;
-            roburoc4_client *client = robot_lock(r, &now_us);
             (void)roburoc4_client_stop(client, now_us);
-            robot_unlock(r);
         }
+        robot_unlock(r);
+        r->busy = 0;
     }
+    return 1;
+}
+
+/* living(): how many robots and simulators there are */
+static int count_living(call *in) {
+    answer_number(&in->out, "robots", handles_count(HANDLE_ROBOT));
+    answer_number(&in->out, "simulators", handles_count(HANDLE_SIMULATOR));
     return 1;
 }
 
@@ -128,6 +131,7 @@ const command robot_life_commands[] = {
     {"progress", READ_ROBOT, STRUCT, read_progress, {NONE}},
     {"wait", WAIT_ROBOT, NUMBER, wait, {WITHIN("seconds", 0, LONGEST_WAIT_S)}},
     {"busy", READ_ROBOT, NOTHING, set_busy, {SWITCH("busy")}},
+    {"living", NO_ID, STRUCT, count_living, {NONE}},
     {"interrupted", ANY_ROBOT, NOTHING, interrupt, {NONE}},
     LAST,
 };

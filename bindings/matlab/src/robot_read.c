@@ -58,7 +58,7 @@ static int read_row(call *in, uint32_t service, const field *fields, size_t coun
     (void)roburoc4_sample_latest(in->client, service, &latest);
     fresh = age_s(&latest, in->now_us) < ((const robot *)in->object)->fresh_us / 1e6;
     for (size_t i = 0; i < count; i++) {
-        row[i] = fresh ? field_value(&in->out, &fields[i], &latest) : mxGetNaN();
+        row[i] = fresh ? field_number(&in->out, &fields[i], &latest, 0) : mxGetNaN();
     }
     return 1;
 }
@@ -276,7 +276,7 @@ static int begin_recording(call *in) {
     robot *r = in->object;
     recording_end(&r->recorded);
     (void)roburoc4_pump_reader_init(r->pump, &r->recorded.reader);
-    r->recorded_us = in->now_us;
+    r->recorded.begin_us = in->now_us;
     return 1;
 }
 
@@ -321,7 +321,6 @@ static int go_on_recording(call *in) {
 /* recording(id, service, ...): everything recorded, as columns */
 static int end_recording(call *in) {
     robot *r = in->object;
-    in->out.begin_us = r->recorded_us;
     if (!recording_go_on(&r->recorded, r->pump)) {
         return 0;
     }

@@ -17,19 +17,10 @@ static void at_exit(void) {
     close_simulators();
 }
 
-/* living(): how many robots and simulators there are */
-static int count_living(call *in) {
-    answer_number(&in->out, "robots", handles_count(HANDLE_ROBOT));
-    answer_number(&in->out, "simulators", handles_count(HANDLE_SIMULATOR));
-    return 1;
-}
-
-static const command own_commands[] = {{"living", NO_ID, STRUCT, count_living, {NONE}}, LAST};
-
 static const command *find(const char *name) {
     static const command *const tables[] = {robot_drive_commands, robot_read_commands,
-                                            robot_life_commands,  simulator_commands,
-                                            settings_commands,    own_commands};
+                                            robot_life_commands, simulator_commands,
+                                            settings_commands};
     const command *found;
     for (size_t i = 0; i < COUNT_OF(tables); i++) {
         for (found = tables[i]; found->name != NULL; found++) {
@@ -74,7 +65,7 @@ static int take_argument(call *in, const argument *wanted, int i) {
         if (mxIsLogical(value)) {
             return fail(FAIL_ARGUMENT, "%s: this is logical; give one real number", wanted->name);
         }
-        return take_range(value, wanted->name, wanted->least, wanted->most, &in->numbers[i]);
+        /* fall through */
     case TAKE_RANGE:
         return take_range(value, wanted->name, wanted->least, wanted->most, &in->numbers[i]);
     case TAKE_WHOLE:

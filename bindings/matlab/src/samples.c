@@ -74,7 +74,11 @@ void sample_times(answer *out, const roburoc4_sample *sample) {
 
 void sample_values(answer *out, const roburoc4_sample *latest) {
     const uint32_t i = latest->service - FIRST_SERVICE;
-    answer_fields(out, services[i].values, services[i].count, latest->host_us != 0 ? latest : NULL);
+    roburoc4_sample known = *latest;
+    if (latest->host_us == 0 && services[i].values[0].count == 0) {
+        memset(&known.value, 0xFF, sizeof known.value); /* NaN of floats, 255 of bytes */
+    }
+    answer_fields(out, services[i].values, services[i].count, &known);
 }
 
 /* ----------------------------------------------------------------------------- recordings --- */
@@ -117,8 +121,7 @@ void recording_end(recording *rec) {
     rec->reader.lost = rec->count = 0;
 }
 
-static mxArray *columns_of(const answer *zero, const struct sample_list *list, uint32_t i) {
-    answer out = {.begin_us = zero->begin_us, .utc_us = zero->utc_us};
+static mxArray *columns_of(answer out, const struct sample_list *list, uint32_t i) {
     answer_columns(&out, times, COUNT_OF(times), list->samples, sizeof *list->samples, list->count);
     answer_columns(&out, services[i].values, services[i].count, list->samples,
                    sizeof *list->samples, list->count);
@@ -126,11 +129,12 @@ static mxArray *columns_of(const answer *zero, const struct sample_list *list, u
 }
 
 void recording_columns(answer *out, const recording *rec, uint32_t wanted) {
+    const answer empty = {.begin_us = rec->begin_us, .utc_us = out->utc_us};
     for (uint32_t i = 0; i < SERVICES; i++) {
         if ((wanted >> (FIRST_SERVICE + i) & 1u) != 0) {
-            answer_add(out, services[i].name, columns_of(out, &rec->lists[i], i));
+            answer_add(out, services[i].name, columns_of(empty, &rec->lists[i], i));
         }
     }
-    answer_number(out, "start_utc_s", (double)(int64_t)(out->utc_us + out->begin_us) / 1e6);
+    answer_number(out, "start_utc_s", (double)(int64_t)(out->utc_us + rec->begin_us) / 1e6);
     answer_number(out, "lost", (double)rec->reader.lost);
 }

@@ -29,7 +29,8 @@ typedef struct recording {
         roburoc4_sample *samples;
         uint32_t count, capacity;
     } lists[SERVICES];
-    uint32_t count; /* of all lists */
+    uint32_t count;    /* of all lists */
+    uint64_t begin_us; /* when time_s is 0 */
 } recording;
 
 /** Add the new statuses. Returns 0 after noting that there is no room. */

@@ -11,25 +11,19 @@
 
 /* ---------------------------------------------------------------------------- of the client --- */
 
-/* A member of roburoc4_config; with a bit, a flag of its options. */
-typedef struct setting {
-    field place;
-    uint32_t bit;
-} setting;
-
-#define WHOLE_OF(name)                                                                             \
-    { FIELD(roburoc4_config, name, UINT), 0 }
-#define FLOAT_OF(name)                                                                             \
-    { FIELD(roburoc4_config, name, FLOAT), 0 }
+#define WHOLE_OF(name) FIELD(roburoc4_config, name, UINT)
+#define FLOAT_OF(name) FIELD(roburoc4_config, name, FLOAT)
 #define PERIOD(name, service)                                                                      \
-    { FIELD_AS(name, roburoc4_config, period_ms[ROBUROC4_SERVICE_##service], UINT), 0 }
-#define ROLE(name, role)                                                                           \
-    { FIELD_AS(name, roburoc4_config, role_index[ROBUROC4_ROLE_##role], INT), 0 }
-#define OPTION(name, option)                                                                       \
-    { FIELD_AS(name, roburoc4_config, options, UINT), ROBUROC4_OPTION_##option }
+    FIELD_AS(name, roburoc4_config, period_ms[ROBUROC4_SERVICE_##service], UINT)
+#define ROLE(name, role) FIELD_AS(name, roburoc4_config, role_index[ROBUROC4_ROLE_##role], INT)
+#define OPTION(name, bit)                                                                          \
+    {                                                                                              \
+        name, offsetof(roburoc4_config, options), sizeof(uint32_t), FIELD_BIT, 0,                  \
+            ROBUROC4_OPTION_##bit                                                                  \
+    }
 
 /* clang-format off */
-static const setting settings[] = {
+static const field settings[] = {
     WHOLE_OF(first_retry_ms), WHOLE_OF(lost_ms), WHOLE_OF(fresh_ms), WHOLE_OF(drive_period_ms),
     WHOLE_OF(lease_ms), WHOLE_OF(robot_watchdog_ms),
     FLOAT_OF(max_linear_m_s), FLOAT_OF(max_angular_rad_s), FLOAT_OF(scale_linear),
@@ -45,39 +39,32 @@ static const setting settings[] = {
 };
 /* clang-format on */
 
-static int store(const setting *to, void *at, const mxArray *value) {
-    const char *name = to->place.name;
-    const int is_short = to->place.size == sizeof(int16_t);
+static int store(const field *to, void *at, const mxArray *value) {
+    const int is_float = to->type == FIELD_FLOAT, is_short = to->size == sizeof(int16_t);
+    const double least = is_float ? -1e30 : to->type == FIELD_INT ? INT16_MIN : 0;
+    const double most = is_float ? 1e30 : is_short ? INT16_MAX : UINT32_MAX;
     uint32_t *whole = at;
     double number;
-    if (to->place.type == FIELD_FLOAT) {
-        if (!take_range(value, name, -1e30, 1e30, &number)) {
-            return 0;
-        }
-        *(float *)at = (float)number;
-        return 1;
-    }
-    if (!take_whole(value, name, to->place.type == FIELD_INT ? INT16_MIN : 0,
-                    to->bit != 0 ? 1
-                    : is_short   ? INT16_MAX
-                                 : UINT32_MAX,
-                    &number)) {
+    if (!(is_float ? take_range : take_whole)(value, to->name, least,
+                                              to->type == FIELD_BIT ? 1 : most, &number)) {
         return 0;
     }
-    if (to->bit != 0) {
-        *whole = number != 0.0 ? *whole | to->bit : *whole & ~to->bit;
+    if (is_float) {
+        *(float *)at = (float)number;
     } else if (is_short) {
         *(int16_t *)at = (int16_t)number;
-    } else {
+    } else if (to->type == FIELD_UINT) {
         *whole = (uint32_t)number;
+    } else {
+        *whole = number != 0.0 ? *whole | (uint32_t)to->count : *whole & ~(uint32_t)to->count;
     }
     return 1;
 }
 
 static int take_setting(void *config, const char *name, const mxArray *value) {
     for (size_t i = 0; i < COUNT_OF(settings); i++) {
-        if (strcmp(settings[i].place.name, name) == 0) {
-            return store(&settings[i], (char *)config + settings[i].place.offset, value);
+        if (strcmp(settings[i].name, name) == 0) {
+            return store(&settings[i], (char *)config + settings[i].offset, value);
         }
     }
     return fail(FAIL_ARGUMENT, "there is no option '%s'", name);
@@ -98,18 +85,11 @@ static void drop_unwanted(roburoc4_config *config) {
 /* ------------------------------------------------------------------------- of the simulator --- */
 
 static int take_sim_setting(void *config, const char *name, const mxArray *value) {
-    roburoc4_result result;
     double number;
-    if (!take_number(value, name, &number)) {
-        return 0;
-    }
-    result = sim_config_set(config, name, number);
-    return result == ROBUROC4_ERR_INDEX
-               ? fail(FAIL_ARGUMENT, "there is no option '%s'", name)
-               : result >= 0 ||
-                     fail(FAIL_ARGUMENT,
-                          "%s: %g does not fit; see roburoc4_sim_config in roburoc4_sim.h", name,
-                          number);
+    return take_number(value, name, &number) &&
+           (sim_config_set(config, name, number) >= 0 ||
+            fail(FAIL_ARGUMENT, "%s: %g does not fit; see roburoc4_sim_config in roburoc4_sim.h",
+                 name, number));
 }
 
 /* -------------------------------------------------------------------------------- of both --- */
@@ -156,7 +136,7 @@ static int list_options(call *in) {
         answer_flag(&in->out, name, 1);
     }
     for (uint32_t i = 0; in->numbers[0] == 0.0 && i < COUNT_OF(settings); i++) {
-        answer_flag(&in->out, settings[i].place.name, 1);
+        answer_flag(&in->out, settings[i].name, 1);
     }
     return 1;
 }
