@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * commands.h - the commands of roburoc4_mex('COMMAND', ...), by file. Each command returns 1, or 0
- * after noting the error (fail.h). A command that waits does so for at most LONGEST_WAIT_S, so that
- * Ctrl-C takes effect between two of them.
+ * after noting the error. A command that waits does so for at most LONGEST_WAIT_S, so that Ctrl-C
+ * takes effect between two of them.
  */
 #ifndef ROBUROC4_MEX_COMMANDS_H
 #define ROBUROC4_MEX_COMMANDS_H

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * convert.h - values from MATLAB to C and back.
+ * convert.h - values from MATLAB to C and back, and errors.
  *
  * Checks again what MATLAB passes: users can bypass the .m files. mxGetData() and mxGetLogicals()
  * mean the same under both of MATLAB's APIs, -R2017b and -R2018a.
@@ -12,11 +12,35 @@
 #include <stdint.h>
 
 #include "mex.h"
+#include "roburoc4.h"
 
 #define COUNT_OF(array) (sizeof(array) / sizeof *(array))
 
+/* --------------------------------------------------------------------------------- errors --- */
+/* Raising an error does not return. So commands only note the error of a call, and mexFunction()
+ * raises it as its very last action, when everything is cleaned up. */
+
+#define FAIL_ARGUMENT "roburoc4:badArgument"
+#define FAIL_CLOSED "roburoc4:closed"
+#define FAIL_LIMIT "roburoc4:limit"
+#define FAIL_NETWORK "roburoc4:network"
+#define FAIL_NOT_ARMED "roburoc4:notArmed"
+#define FAIL_PROTOCOL "roburoc4:protocol"
+#define FAIL_TIMEOUT "roburoc4:timeout"
+
+/** Note an error with its id. Returns 0, for `return fail(...)` in a command. */
+#ifdef __GNUC__
+__attribute__((format(printf, 2, 3)))
+#endif
+int fail(const char *id, const char *format, ...);
+/** 1; or 0 after noting the meaning of a negative result of the library, and the remedy, after
+ * `what`. */
+int done(const char *what, roburoc4_result result);
+/** Raise the noted error, and do not return. */
+void fail_raise(void);
+
 /* ------------------------------------------------------------------------------ arguments --- */
-/* Functions return 1 and write *out, or note what is wrong with the value (fail.h) and return 0.
+/* Functions return 1 and write *out, or note what is wrong with the value and return 0.
  * `name` is the argument's name in messages. */
 
 /** Room for any text that is accepted: addresses, names, paths, lines of the simulator's panel. */

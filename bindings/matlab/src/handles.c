@@ -3,7 +3,7 @@
 
 #include <stddef.h>
 
-#include "fail.h"
+#include "convert.h"
 #include "roburoc4_udp.h"
 
 static struct {

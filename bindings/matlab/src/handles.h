@@ -15,8 +15,7 @@
 /** Robots and simulators at a time. */
 #define HANDLES_MAX 64
 
-/** Add an object. Returns its id (more than 0), or 0 after noting that the table is full
- * (fail.h). */
+/** Add an object. Returns its id (more than 0), or 0 after noting that the table is full. */
 double handles_add(int kind, void *object);
 /** The object of this id and kind, or NULL. */
 void *handles_find(int kind, double id);

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fail.h"
 #include "handles.h"
 #include "os.h"
 
@@ -77,7 +76,8 @@ double robot_open(const char *address, simulation *world, const robot_settings *
     return id;
 }
 
-void robot_close(robot *r) {
+void robot_close(void *closed) {
+    robot *r = closed;
     handles_remove(r);
     if (r->world != NULL) {
         (void)robot_disarm(r);
@@ -91,18 +91,12 @@ void robot_close(robot *r) {
 }
 
 static void disarm(void *r) {
-    if (robot_is_open(r)) {
-        (void)robot_disarm(r);
-    }
-}
-
-static void close_one(void *r) {
-    robot_close(r);
+    (void)robot_disarm(r);
 }
 
 void robots_close(void) {
     handles_each(HANDLE_ROBOT, disarm);
-    handles_each(HANDLE_ROBOT, close_one);
+    handles_each(HANDLE_ROBOT, robot_close);
 }
 
 int robot_is_open(const robot *r) {
@@ -167,10 +161,12 @@ roburoc4_facts client_facts(const roburoc4_client *client, uint64_t now_us) {
 
 int robot_disarm(robot *r) {
     uint64_t now_us;
-    int stopping;
-    roburoc4_client *client = robot_lock(r, &now_us);
-    (void)roburoc4_client_disarm(client, now_us);
-    stopping = client_facts(client, now_us).stopping;
-    robot_unlock(r);
+    int stopping = 0;
+    if (robot_is_open(r)) {
+        roburoc4_client *client = robot_lock(r, &now_us);
+        (void)roburoc4_client_disarm(client, now_us);
+        stopping = client_facts(client, now_us).stopping;
+        robot_unlock(r);
+    }
     return stopping;
 }

@@ -31,10 +31,11 @@ typedef struct robot_settings {
 } robot_settings;
 
 /** Open a link in real time, or (with a NULL address) join a world. Returns its id, or 0 after
- * noting the error (fail.h); an absent robot is not an error. */
+ * noting the error; an absent robot is not an error. */
 double robot_open(const char *address, simulation *world, const robot_settings *settings);
-/** End the link. In real time it waits until the stop sequence is over: see robot_disarm(). */
-void robot_close(robot *r);
+/** End the link of a robot, and free it. In real time it waits until the stop sequence is over: see
+ * robot_disarm(). */
+void robot_close(void *closed);
 /** Close all of them; their stop sequences run in parallel. */
 void robots_close(void);
 
@@ -59,7 +60,7 @@ void robot_unlock(robot *r);
 void robot_wait(robot *r, uint32_t duration_us, const roburoc4_pump_reader *reader);
 
 roburoc4_facts client_facts(const roburoc4_client *client, uint64_t now_us);
-/** Whether a stop sequence runs then. */
+/** If it is open; whether a stop sequence runs then. */
 int robot_disarm(robot *r);
 
 #endif

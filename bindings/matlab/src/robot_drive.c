@@ -6,7 +6,6 @@
 #include <math.h>
 
 #include "commands.h"
-#include "fail.h"
 
 /* For commands that need a robot that answers, but not that it is armed. */
 static int done_unarmed(const char *what, roburoc4_result result) {

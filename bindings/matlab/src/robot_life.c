@@ -3,24 +3,18 @@
  * Commands that open, wait for and close robots.
  */
 #include <math.h>
-#include <stdio.h>
 
 #include "commands.h"
-#include "fail.h"
 
 /* open(address, options, buffer, record) or simConnect(id, options, buffer, record): its id */
-static int open_robot(call *in, const char *address, int i) {
+static int open_robot(call *in) {
+    simulation *world = in->object;
+    const char *address = world == NULL ? in->texts[0] : NULL;
+    const int i = address != NULL; /* the options */
     robot_settings settings = {.buffer = (uint32_t)in->numbers[i + 1], .record = in->texts[i + 2]};
-    return settings_of_robot(in->arguments[i], &settings.config) &&
-           (in->number = robot_open(address, in->object, &settings)) != 0.0;
-}
-
-static int open_real(call *in) {
-    return open_robot(in, in->texts[0], 1);
-}
-
-static int open_simulated(call *in) {
-    return simulator_is_virtual(in->object) && open_robot(in, NULL, 0);
+    return (world == NULL || simulator_is_virtual(world)) &&
+           settings_of_robot(in->arguments[i], &settings.config) &&
+           (in->number = robot_open(address, world, &settings)) != 0.0;
 }
 
 /* close(id) */
@@ -31,25 +25,11 @@ static int close_one(call *in) {
 
 /* leave(id): disarm; true while the stop sequence runs */
 static int leave(call *in) {
-    in->number = robot_is_open(in->object) && robot_disarm(in->object);
+    in->number = robot_disarm(in->object);
     return 1;
 }
 
 /* -------------------------------------------------------------------------------- waiting --- */
-
-/* The robot's address, or "the simulator". Returns ROBUROC4_FAULT_* of its socket. */
-static uint32_t read_socket(robot *r, char address[ROBUROC4_ADDRESS_TEXT_SIZE]) {
-    const roburoc4_udp *udp;
-    uint32_t fault;
-    (void)roburoc4_pump_lock(r->pump);
-    udp = roburoc4_pump_udp(r->pump);
-    fault = udp->fault;
-    if (roburoc4_udp_address_text(&udp->address, address, ROBUROC4_ADDRESS_TEXT_SIZE) < 0) {
-        (void)snprintf(address, ROBUROC4_ADDRESS_TEXT_SIZE, "the simulator");
-    }
-    roburoc4_pump_unlock(r->pump);
-    return fault;
-}
 
 static void add_count(call *in, const char *name, uint32_t counter) {
     answer_number(&in->out, name, roburoc4_client_count(in->client, counter));
@@ -57,15 +37,20 @@ static void add_count(call *in, const char *name, uint32_t counter) {
 
 /* progress(id): the progress of a robot that is not ready */
 static int read_progress(call *in) {
-    roburoc4_link link = {.size = sizeof link};
+    roburoc4_pump *pump = ((const robot *)in->object)->pump;
     const uint32_t state = roburoc4_client_state(in->client);
-    char address[ROBUROC4_ADDRESS_TEXT_SIZE];
-    const uint32_t fault = read_socket(in->object, address);
+    roburoc4_link link = {.size = sizeof link};
+    char address[ROBUROC4_ADDRESS_TEXT_SIZE] = "";
+    uint32_t fault;
+    (void)roburoc4_pump_lock(pump);
+    fault = roburoc4_pump_udp(pump)->fault;
+    (void)roburoc4_udp_address_text(&roburoc4_pump_udp(pump)->address, address, sizeof address);
+    roburoc4_pump_unlock(pump);
     (void)roburoc4_client_link(in->client, in->now_us, &link);
     answer_flag(&in->out, "ready", state == ROBUROC4_STATE_READY);
     answer_number(&in->out, "step", state <= ROBUROC4_STATE_READY ? state : 0);
     answer_add(&in->out, "state", make_text(roburoc4_name(ROBUROC4_NAME_STATE, state)));
-    answer_add(&in->out, "address", make_text(address));
+    answer_add(&in->out, "address", make_text(address[0] != '\0' ? address : "the simulator"));
     answer_number(&in->out, "time_s", answer_time(&in->out, in->now_us));
     answer_number(&in->out, "silence_s", link.silence_us / 1e6);
     add_count(in, "sent", ROBUROC4_COUNT_SENT);
@@ -123,8 +108,8 @@ static int count_living(call *in) {
     OPTIONS, WHOLE("buffer", ROBUROC4_PUMP_QUEUE_MIN, ROBUROC4_PUMP_QUEUE_MAX), TEXT("record")
 
 const command robot_life_commands[] = {
-    {"open", NO_ID, NUMBER, open_real, {TEXT("address"), SETTINGS}},
-    {"simConnect", SIMULATOR, NUMBER, open_simulated, {SETTINGS}},
+    {"open", NO_ID, NUMBER, open_robot, {TEXT("address"), SETTINGS}},
+    {"simConnect", SIMULATOR, NUMBER, open_robot, {SETTINGS}},
     {"close", ANY_ROBOT, NOTHING, close_one, {NONE}},
     {"leave", ANY_ROBOT, FLAG, leave, {NONE}},
     {"now", READ_ROBOT, NUMBER, read_time, {NONE}},

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "commands.h"
-#include "fail.h"
 
 /* --------------------------------------------------------------------------------- status --- */
 
@@ -128,14 +127,12 @@ static int read_info(call *in) {
     (void)roburoc4_client_localization_properties(in->client, &all.start);
     (void)roburoc4_client_iocard_properties(in->client, &all.card);
     all.telemeter_count = all.entry_count = 0;
-    while (all.telemeter_count < ROBUROC4_MAX_TELEMETERS &&
-           roburoc4_client_telemeter(in->client, all.telemeter_count,
+    while (roburoc4_client_telemeter(in->client, all.telemeter_count,
                                      &all.telemeters[all.telemeter_count]) >= 0) {
         all.telemeter_count++;
     }
-    while (all.entry_count < ROBUROC4_MAX_SERVICES &&
-           roburoc4_client_service_at(in->client, all.entry_count, &all.entries[all.entry_count]) >=
-               0) {
+    while (roburoc4_client_service_at(in->client, all.entry_count, &all.entries[all.entry_count]) >=
+           0) {
         all.entry_count++;
     }
     answer_fields(&in->out, info_fields, COUNT_OF(info_fields), &all);
@@ -321,13 +318,12 @@ static int go_on_recording(call *in) {
 /* recording(id, service, ...): everything recorded, as columns */
 static int end_recording(call *in) {
     robot *r = in->object;
-    if (!recording_go_on(&r->recorded, r->pump)) {
+    if (!recording_columns(&in->out, &r->recorded, r->pump, in->services)) {
         return 0;
     }
     if (r->recorded.count == 0 && roburoc4_client_state(in->client) != ROBUROC4_STATE_READY) {
         return fail(FAIL_TIMEOUT, "nothing was recorded: the robot does not answer; look at link");
     }
-    recording_columns(&in->out, &r->recorded, in->services);
     recording_end(&r->recorded);
     return 1;
 }
@@ -335,11 +331,7 @@ static int end_recording(call *in) {
 /* log(id, service, ...): everything since the robot was made, or since the last logged() */
 static int read_log(call *in) {
     robot *r = in->object;
-    if (!recording_go_on(&r->logged, r->pump)) {
-        return 0;
-    }
-    recording_columns(&in->out, &r->logged, in->services);
-    return 1;
+    return recording_columns(&in->out, &r->logged, r->pump, in->services);
 }
 
 /* logged(id): the next log starts here; drops what log() returned, if it was called */

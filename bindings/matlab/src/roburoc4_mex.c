@@ -10,7 +10,6 @@
 #include <string.h>
 
 #include "commands.h"
-#include "fail.h"
 
 static void at_exit(void) {
     robots_close();

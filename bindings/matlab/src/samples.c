@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fail.h"
-
 /* The most that is recorded of a service: 128 bytes each. A power of two. */
 #define SAMPLES_MAX 2097152u
 #define SAMPLES_FIRST 256u
@@ -128,8 +126,11 @@ static mxArray *columns_of(answer out, const struct sample_list *list, uint32_t 
     return answer_finish(&out);
 }
 
-void recording_columns(answer *out, const recording *rec, uint32_t wanted) {
+int recording_columns(answer *out, recording *rec, roburoc4_pump *pump, uint32_t wanted) {
     const answer empty = {.begin_us = rec->begin_us, .utc_us = out->utc_us};
+    if (!recording_go_on(rec, pump)) {
+        return 0;
+    }
     for (uint32_t i = 0; i < SERVICES; i++) {
         if ((wanted >> (FIRST_SERVICE + i) & 1u) != 0) {
             answer_add(out, services[i].name, columns_of(empty, &rec->lists[i], i));
@@ -137,4 +138,5 @@ void recording_columns(answer *out, const recording *rec, uint32_t wanted) {
     }
     answer_number(out, "start_utc_s", (double)(int64_t)(out->utc_us + rec->begin_us) / 1e6);
     answer_number(out, "lost", (double)rec->reader.lost);
+    return 1;
 }

@@ -35,9 +35,10 @@ typedef struct recording {
 
 /** Add the new statuses. Returns 0 after noting that there is no room. */
 int recording_go_on(recording *rec, roburoc4_pump *pump);
+/** Likewise, and give a struct of columns for each service whose bit is set in `wanted`, and what
+ * they share. */
+int recording_columns(answer *out, recording *rec, roburoc4_pump *pump, uint32_t wanted);
 /** Drop what was recorded; the next sample will be the following one. */
 void recording_end(recording *rec);
-/** A struct of columns for each service whose bit is set in `wanted`, and what they share. */
-void recording_columns(answer *out, const recording *rec, uint32_t wanted);
 
 #endif

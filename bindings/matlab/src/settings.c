@@ -7,7 +7,6 @@
 
 #include "commands.h"
 #include "config_file.h"
-#include "fail.h"
 
 /* ---------------------------------------------------------------------------- of the client --- */
 

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "commands.h"
-#include "fail.h"
 #include "net.h"
 
 /* ----------------------------------------------------------------------------------- life --- */
