@@ -77,8 +77,8 @@ int take_range(const mxArray *value, const char *name, double least, double most
     }
     /* NaN fails both comparisons. */
     if (!(number >= least && number <= most)) {
-        return fail(FAIL_ARGUMENT, "%s: %g is out of range; give %g to %g", name, number, least,
-                    most);
+        return fail(FAIL_ARGUMENT, "%s: %g is out of range; give %.10g to %.10g", name, number,
+                    least, most);
     }
     *out = number;
     return 1;

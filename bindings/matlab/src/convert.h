@@ -71,15 +71,15 @@ typedef enum kind {
     FIELD_FLAG,    /* logical */
     FIELD_BITS,    /* a uint64_t; a row of logicals */
     FIELD_CYCLES,  /* a uint64_t of robot cycles; uint64 */
-    FIELD_BIT      /* options only: the bit `count` of a uint32_t */
+    FIELD_BIT      /* one bit of a uint32_t; options only */
 } kind;
 
 typedef struct field {
     const char *name; /* in MATLAB */
     size_t offset, size;
     kind type;
-    size_t stride, count; /* a row: from one number to the next, and the offset of a uint32_t that
-                           * tells how many there are */
+    size_t stride, count; /* of a row: from one number to the next, and the offset of a uint32_t
+                           * that tells how many there are; of a FIELD_BIT: 0, and the bit */
 } field;
 
 /** A row of a table: a member under its own name, or under a different one. */

@@ -42,8 +42,7 @@ static int drive(call *in) {
                                                      (float)in->numbers[1], 0, in->now_us));
 }
 
-/* ---------------------------------------------------------------------- outputs and the pose ---
- */
+/* -------------------------------------------------------------------- outputs and the pose --- */
 
 static int done_output(const call *in, const char *type, roburoc4_result result) {
     if (result == ROBUROC4_ERR_INDEX) {
