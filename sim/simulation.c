@@ -69,8 +69,7 @@ static void free_if_unused(simulation *s) {
 }
 
 void simulation_destroy(simulation *s) {
-    s->destroyed = true;
-    simulation_stop(s);
+    s->stopped = s->destroyed = true;
     free_if_unused(s);
 }
 
