@@ -2,25 +2,21 @@
 # SPDX-License-Identifier: MIT
 #
 # readme.sh CASE ROOT BUILD [ARGUMENT...]: the C program of README.md, compiled as it says there, against
-# the simulator as real processes. CASE is what happens: drives, silent, closed, lost, killed; or
-# installed: the program of docs/c.md is built as it says there from what is installed; or pump: the
-# example at the top of roburoc4_pump.h drives; or newer: compiled with shared libraries, it runs with
-# later ones.
+# the simulator as real processes. CASE is what happens: drives, closed, lost; or installed: the program of
+# docs/c.md is built as it says there from what is installed; or pump: the example at the top of
+# roburoc4_pump.h drives; or newer: compiled with shared libraries, it runs with later ones.
 set -eu
-LC_ALL=C
-export LC_ALL
 case_name=$1
 root=$2
 build=$3
-
-folder=$(mktemp -d)
-simulator=
-clean_up() {
-    [ -z "$simulator" ] || kill "$simulator" 2>/dev/null || :
-    rm -rf "$folder"
+older_libraries=${4:-}
+newer_libraries=${5:-}
+cmake=${4:-}
+# shellcheck source=tests/adapters/simulator.sh
+. "$(dirname "$0")/simulator.sh"
+restart() {
+    exec sh "$0" "$case_name" "$root" "$build" "$older_libraries" "$newer_libraries"
 }
-trap clean_up EXIT
-cd "$folder"
 
 # block NAME PAGE: the file of that name, or the first block of code in that language.
 block() {
@@ -41,107 +37,32 @@ compile() {
     eval "$line -std=c99 -Wall -Wextra -Werror"
 }
 
-# start: a simulator whose panel is file descriptor 3; sets $robot.
-start() {
-    rm -f panel
-    mkfifo panel
-    exec 3<>panel
-    "$build/bin/roburoc4-sim" --port 0 --panel <&3 >log &
-    simulator=$!
-    until grep -q ready log; do
-        kill -0 "$simulator"
-        sleep 1
-    done
-    robot=$(sed -n 's/.* \([0-9.]*:[0-9]*\)$/\1/p' log)
-}
-
-# A program gives up when it has heard no status for 300 ms, as it should. A loaded machine may not
-# run it for that long, which proves nothing: then it is started again.
-starved() {
-    tries=$((${tries:-0} + 1))
-    [ "$tries" -lt 10 ] && grep -E 'no (recent|fresh) .*status|not connected' said
-}
-
-# drive STATUS PROGRAM: the program ends with this exit status.
-drive() {
-    while :; do
-        status=0
-        "$2" "$robot" >said 2>&1 || status=$?
-        cat said
-        if [ "$status" -eq "$1" ] || ! starved; then
-            break
-        fi
-        kill "$simulator"
-        start
-    done
-    if [ "$status" -ne "$1" ]; then
-        echo "exit status $status, not $1"
-        exit 1
-    fi
-}
-
-# Waits for the simulator's next line.
-state() {
-    lines=$(wc -l <log)
-    echo status >&3
-    while [ "$(wc -l <log)" -le "$lines" ]; do
-        kill -0 "$simulator"
-        sleep 0.2 2>/dev/null || sleep 1
-    done
-    tail -n 1 log
-}
-
 stands_after_a_drive() {
     state | tee state
     grep -q 'target 0.000 m/s 0.000 rad/s' state
     grep -q 'odometry 0\.[4-7]' state
 }
 
-# In the background, until the robot moves.
-drive_until_it_moves() {
-    driver=
-    until grep -q ' target [0-9.]*[1-9]' log; do
-        if [ -z "$driver" ] || ! kill -0 "$driver" 2>/dev/null; then
-            [ -z "$driver" ] || starved
-            build/drive "$robot" >said 2>&1 &
-            driver=$!
-        fi
-        state >/dev/null
-    done
-}
-
 case $case_name in
 drives)
     compile
-    start
-    drive 0 build/drive
+    start "$build/bin/roburoc4-sim"
+    drive 0 build/drive "$robot"
     stands_after_a_drive
-    ;;
-silent)
-    # A stopped process keeps its port and sends nothing.
-    compile
-    start
-    kill -STOP "$simulator"
-    drive 1 build/drive
-    kill -CONT "$simulator"
-    grep -q 'gave up: not connected' said
     ;;
 closed)
     compile
     robot=127.0.0.1:9
-    drive 1 build/drive
+    drive 1 build/drive "$robot"
     grep -q 'nothing listens on this port' said
     ;;
 lost)
     compile
-    start
-    drive_until_it_moves
+    start "$build/bin/roburoc4-sim"
+    drive_off build/drive "$robot"
     kill "$simulator"
     simulator=
-    status=0
-    wait "$driver" || status=$?
-    cat said
-    test "$status" -eq 1
+    end_of_drive 1
     grep -q 'gave up' said
     ;;
 pump)
@@ -174,37 +95,23 @@ END
     cat pump.c
     cc -I"$root/include" pump.c "$build/libroburoc4_udp.a" "$build/libroburoc4.a" -pthread -o pump \
         -std=c99 -Wall -Wextra -Werror
-    start
-    drive 0 ./pump
+    start "$build/bin/roburoc4-sim"
+    drive 0 ./pump "$robot"
     state | tee state
     grep -q 'target 0.000 m/s 0.000 rad/s' state
     grep -q 'odometry [0-9]*\.[0-9]*[1-9]' state
     ;;
-killed)
-    # Nothing more is sent: the robot's own watchdog stops it after a second.
-    compile
-    start
-    drive_until_it_moves
-    kill "$driver" 2>/dev/null || :
-    wait "$driver" || :
-    until state | grep 'target 0.000 m/s 0.000 rad/s'; do
-        kill -0 "$simulator"
-    done
-    ;;
 newer)
-    older_libraries=$4
-    newer_libraries=$5
     cc -std=c99 -I"$root/include" "$root/examples/drive.c" -o drive -L"$older_libraries" \
         -lroburoc4_udp -lroburoc4
     LD_LIBRARY_PATH=$newer_libraries
     export LD_LIBRARY_PATH
     ldd drive | grep -F "$newer_libraries"
-    start
-    drive 0 ./drive
+    start "$build/bin/roburoc4-sim"
+    drive 0 ./drive "$robot"
     stands_after_a_drive
     ;;
 installed)
-    cmake=$4
     "$cmake" --install "$build" --config "$CONFIG" --prefix "$folder/installed" >install.log
     mkdir project
     block first.c "$root/docs/c.md" >project/first.c
@@ -216,12 +123,12 @@ installed)
     export PKG_CONFIG_PATH LD_LIBRARY_PATH
     line=$(grep '^cc first.c ' "$root/docs/c.md")
     (cd project && eval "$line -std=c99 -Wall -Wextra -Werror")
-    start
-    drive 0 project/build/first
+    start "$build/bin/roburoc4-sim"
+    drive 0 project/build/first "$robot"
     state | tee state
     grep -q 'target 0.000 m/s 0.000 rad/s' state
     grep -qE 'odometry (0\.9[89]|1\.0[01])' state
-    drive 0 project/first
+    drive 0 project/first "$robot"
     ;;
 *)
     echo "no such case: $case_name"

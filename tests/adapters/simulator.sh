@@ -1,0 +1,91 @@
+# shellcheck shell=sh
+# SPDX-License-Identifier: MIT
+#
+# Sourced by scripts that run a program against the simulator as real processes, in a new folder.
+# They define restart(), which begins the whole script again.
+LC_ALL=C
+export LC_ALL
+
+folder=$(mktemp -d)
+simulator=
+clean_up() {
+    [ -z "$simulator" ] || kill "$simulator" 2>/dev/null || :
+    rm -rf "$folder"
+}
+trap clean_up EXIT
+cd "$folder" || exit 1
+
+# start PROGRAM OPTION...: the simulator, whose panel is file descriptor 3; sets $robot.
+# shellcheck disable=SC2034
+start() {
+    mkfifo panel
+    exec 3<>panel
+    "$@" --port 0 --panel <&3 >log &
+    simulator=$!
+    until grep -q ready log; do
+        kill -0 "$simulator"
+        sleep 1
+    done
+    robot=$(sed -n 's/.* \([0-9.]*:[0-9]*\)$/\1/p' log)
+}
+
+# A program gives up when it has heard no status for 300 ms, as it should. A loaded machine may not
+# run it for that long, which proves nothing: then the whole test begins again.
+starved() {
+    grep -E 'no (recent|fresh) .*status|not connected' said
+}
+tries=$((${tries:-0} + 1))
+export tries
+again() {
+    [ "$tries" -lt 10 ]
+    cd /
+    clean_up
+    trap - EXIT
+    restart
+}
+
+# ended WANTED STATUS: of a program.
+ended() {
+    cat said
+    if [ "$2" -ne "$1" ]; then
+        ! starved || again
+        echo "exit status $2, not $1"
+        exit 1
+    fi
+}
+
+# drive STATUS PROGRAM ARGUMENT...: it ends with this exit status.
+drive() {
+    wanted=$1
+    shift
+    status=0
+    "$@" >said 2>&1 || status=$?
+    ended "$wanted" "$status"
+}
+
+# Waits for the simulator's next line, and prints it.
+state() {
+    lines=$(wc -l <log)
+    echo status >&3
+    while [ "$(wc -l <log)" -le "$lines" ]; do
+        kill -0 "$simulator"
+        sleep 0.2 2>/dev/null || sleep 1
+    done
+    tail -n 1 log
+}
+
+# drive_off PROGRAM ARGUMENT...: in the background, until the robot moves; sets $driver.
+drive_off() {
+    "$@" >said 2>&1 &
+    driver=$!
+    until state | grep -q ' target [0-9.]*[1-9]'; do
+        kill -0 "$driver" 2>/dev/null || again
+    done
+}
+
+# end_of_drive STATUS: the program of drive_off ends with this exit status.
+end_of_drive() {
+    status=0
+    wait "$driver" || status=$?
+    ended "$1" "$status"
+}
