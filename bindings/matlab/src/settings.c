@@ -43,7 +43,7 @@ static int store(const field *to, void *at, const mxArray *value) {
     const double least = is_float ? -1e30 : to->type == FIELD_INT ? INT16_MIN : 0;
     const double most = is_float ? 1e30 : is_short ? INT16_MAX : UINT32_MAX;
     uint32_t *whole = at;
-    double number;
+    double number = 0.0;
     if (!(is_float ? take_range : take_whole)(value, to->name, least,
                                               to->type == FIELD_BIT ? 1 : most, &number)) {
         return 0;
