@@ -53,12 +53,10 @@ enum {
 };
 
 static void set_defaults(roburoc4_config *config) {
-    static const uint8_t period_in_10_ms[8] = {0, 0, 5, 10, 100, 5, 5, 0};
+    static const uint16_t period_ms[8] = {0, 0, 50, 100, 1000, 50, 50, 0};
     uint8_t *base = (uint8_t *)config;
     memset(config, 0, sizeof *config);
-    for (size_t i = 0; i < COUNT(period_in_10_ms); i++) {
-        config->period_ms[i] = (uint16_t)(period_in_10_ms[i] * 10U);
-    }
+    memcpy(config->period_ms, period_ms, sizeof config->period_ms);
     for (size_t i = 0; i < COUNT(integers); i++) {
         const uint32_t value = integers[i].preset;
         memcpy(base + integers[i].offset, &value, sizeof value);
@@ -149,7 +147,7 @@ bool roburoc4_config_load(roburoc4_config *out, const roburoc4_config *config) {
 }
 
 const char *roburoc4_config_error(const roburoc4_config *config) {
-    static const char *const texts[ALL_GOOD + 1] = {
+    static const char *const texts[] = {
         "size: set by roburoc4_config_init()",
         "subscriptions: bits 2 to 6",
         "first_retry_ms: 10 to 100",

@@ -56,12 +56,12 @@ bool roburoc4_discovery_same(const discovery *d, const roburoc4_directory *direc
 
 bool roburoc4_discovery_directory(discovery *d, const roburoc4_directory *directory) {
     roburoc4_directory_entry entry;
-    uint32_t i = 0;
-    for (; i < ROBUROC4_MAX_SERVICES && roburoc4_directory_at(directory, i, &entry) >= 0; i++) {
+    d->service_count = (uint8_t)at_most(directory->count, ROBUROC4_MAX_SERVICES);
+    for (uint32_t i = 0; i < d->service_count; i++) {
+        roburoc4_directory_at(directory, i, &entry);
         d->types[i] = entry.type;
         d->ids[i] = entry.id;
     }
-    d->service_count = (uint8_t)i;
     return directory->count > ROBUROC4_MAX_SERVICES;
 }
 

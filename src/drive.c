@@ -106,14 +106,12 @@ void roburoc4_drive_stop(drive *d) {
 }
 
 void roburoc4_drive_service(drive *d, bool known, uint16_t id) {
-    if (!known && id == d->service) {
-        end_lease(d); /* it is still there: its last command must be zero */
-    } else if (!known) {
+    if (!known) {
+        end_lease(d); /* if it is still there, its last command must be zero */
+    }
+    if (!known && id != d->service) {
         /* pending zeros go to the service that is found next */
-        d->stop_pending =
-            d->stop_pending || d->nonzero_sent || (d->stopping && d->zeros_sent < STOP_ZEROS);
-        d->lease_active = 0;
-        d->nonzero_sent = 0;
+        d->stop_pending = d->stop_pending || (d->stopping && d->zeros_sent < STOP_ZEROS);
         d->stopping = 0;
     }
     d->known = known;

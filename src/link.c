@@ -41,7 +41,6 @@ void roburoc4_link_restart(roburoc4_private_link *l) {
         s->seen = 0;
         roburoc4_link_expect(l, i);
     }
-    l->back_count = 0;
     forget_times(l);
 }
 

@@ -180,10 +180,10 @@ slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint32_t round
     r->quiet = r->quiet && now_us < r->quiet_us;
     for (uint32_t i = 0; i < SLOTS; i++) {
         slot *s = &r->slots[i];
-        if (!s->open || (s->tries > 0 && now_us - s->sent_us < s->wait_us)) {
+        const uint64_t elapsed_us = now_us - s->sent_us;
+        if (!s->open || elapsed_us < s->wait_us) {
             continue;
         }
-        const uint64_t elapsed_us = now_us - s->sent_us;
         const uint32_t end_us = longest_try_us(s, longest_us);
         if (s->ask.max_tries != REQUEST_FOREVER && s->tries >= s->ask.max_tries &&
             elapsed_us >= end_us) {
@@ -315,7 +315,7 @@ uint64_t roburoc4_requests_deadline(const requests *r) {
     for (uint32_t i = 0; i < SLOTS; i++) {
         const slot *s = &r->slots[i];
         if (s->open) {
-            const uint64_t due = s->tries == 0 ? 0 : s->sent_us + s->wait_us;
+            const uint64_t due = s->sent_us + s->wait_us;
             deadline = due < deadline ? due : deadline;
         }
     }
