@@ -73,6 +73,7 @@ TEST(ChannelName, HasTheManualsNumberOnACardWithOneInputMore) {
     bench.ready();
     EXPECT_EQ("Rear bumper", name(bench, digital, 1));
     EXPECT_EQ("none", name(bench, digital, 2));
+    EXPECT_EQ("", name(bench, digital, 3));
     EXPECT_EQ("", name(bench, digital, 8));
     EXPECT_EQ("Game pad \"A\" button", name(bench, digital, 9));
     EXPECT_EQ("Game pad \"RB\" button", name(bench, digital, 22));
@@ -119,7 +120,7 @@ TEST(ChannelFind, ComparesWordsWhateverTheirFormAndOrder) {
     Bench bench(robot);
     bench.ready();
     for (const char *wanted : {"Game pad \"B\" button", "gamepad b", "Button B, game-pad",
-                               "Joystick button B", "  B (GAMEPAD)"})
+                               "Joystick button B", "  B (GAMEPAD)", "Button, button B: gamepad"})
         EXPECT_EQ(9, find(bench, wanted)) << wanted;
     EXPECT_EQ(0, find(bench, "bumper, front"));
     EXPECT_EQ(4, find(bench, "gamepad lj up/down", analog));
@@ -150,8 +151,24 @@ TEST(ChannelFind, ReportsANameThatTwoChannelsHave) {
     ScriptedRobot robot = silent_robot(22, 9);
     Bench bench(robot);
     bench.ready();
-    std::vector<const char *> texts(22, "Spare");
+    std::vector<const char *> texts(22, nullptr);
+    texts[0] = texts[1] = "Spare";
     EXPECT_EQ(ROBUROC4_ERR_VALUE, find(bench, "spare", digital, texts));
+}
+
+TEST(ChannelFind, TellsDigitsAndForeignLettersApart) {
+    ScriptedRobot robot = silent_robot(22, 9);
+    Bench bench(robot);
+    bench.ready();
+    std::vector<const char *> texts(22, nullptr);
+    texts[15] = "Lamp 1";
+    texts[16] = "Lamp 2";
+    texts[17] = "Tür";
+    texts[18] = "Tor";
+    texts[19] = "Tör";
+    EXPECT_EQ(16, find(bench, "lamp 2", digital, texts));
+    EXPECT_EQ(17, find(bench, "Tür", digital, texts));
+    EXPECT_EQ(19, find(bench, "Tör", digital, texts));
 }
 
 } // namespace

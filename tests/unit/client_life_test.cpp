@@ -205,6 +205,22 @@ TEST(Life, IsLostAfterTheConfiguredSilenceAndReturnsByItself) {
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_REBOOTS)) << "the same robot, its clock went on";
 }
 
+TEST(Life, ConnectsAgainAfterFiveSecondsOfSilenceBeforeItWasReady) {
+    ScriptedRobot robot;
+    robot.service(ROBUROC4_SERVICE_BATTERY).get_silent = true;
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_DISCOVERING));
+    bench.run(100 * ms);
+    const std::uint64_t last_us = bench.now_us - bench.link().silence_us;
+    robot.powered = false;
+    bench.run_to(last_us + 5 * second - 1);
+    EXPECT_NE(static_cast<std::uint32_t>(ROBUROC4_STATE_CONNECTING), bench.state());
+    bench.run_to(last_us + 5 * second);
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CONNECTING), bench.state());
+    EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_LOST));
+}
+
 TEST(Life, WhileItStaysReadyItReportsOnlyStatuses) {
     ScriptedRobot robot;
     Bench bench(robot);

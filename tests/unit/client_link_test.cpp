@@ -214,6 +214,18 @@ TEST(Link, AVeryLateStatusIsLateAndNotADuplicate) {
     EXPECT_EQ(0U, bench.service_link(differential).duplicates);
 }
 
+TEST(Link, AStatusFromBeforeTheFirstIsLateAndNotADuplicate) {
+    ScriptedRobot robot;
+    robot.service(ROBUROC4_SERVICE_BATTERY).mute = true;
+    Bench bench(robot);
+    bench.ready();
+    const std::uint64_t now = robot.cycles();
+    EXPECT_EQ(0, bench.receive(robot.status_at(ROBUROC4_SERVICE_BATTERY, now + 10)));
+    EXPECT_EQ(ROBUROC4_ERR_OLD, bench.receive(robot.status_at(ROBUROC4_SERVICE_BATTERY, now + 5)));
+    EXPECT_EQ(1U, bench.service_link(ROBUROC4_SERVICE_BATTERY).late);
+    EXPECT_EQ(0U, bench.service_link(ROBUROC4_SERVICE_BATTERY).duplicates);
+}
+
 TEST(Link, APauseOfMoreThanAMinuteIsNotLoss) {
     constexpr std::uint64_t minute_cycles = 60 * second / ROBUROC4_CYCLE_US;
     for (const std::uint64_t cycles : {minute_cycles, minute_cycles + 1}) {

@@ -224,6 +224,39 @@ TEST(Description, IsTriedAtLeastTenTimes) {
     EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_LOST));
 }
 
+TEST(Description, OfWhichAnswersDoNotNameTheRequestIsRepeatedAfterHalfASecond) {
+    ScriptedRobot robot;
+    robot.remove(ROBUROC4_SERVICE_BATTERY); /* the only one that needs its text */
+    robot.always_manual_id = true;
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(bench.run_until([&] { return bench.facts().fixed_id == 1; }, 2 * second));
+    robot.texts_silent = true;
+    bench.run(5 * second);
+    const auto tries = robot.seen(ROBUROC4_ACTION_QUERY, ROBUROC4_SERVICE_IOCARD);
+    ASSERT_GE(tries.size(), 3U);
+    EXPECT_EQ(500 * ms, tries[1].at_us - tries[0].at_us);
+    EXPECT_EQ(second, tries[2].at_us - tries[1].at_us);
+}
+
+TEST(Description, IsNotForgottenWhenASubscriptionChanges) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.delay_to_client = [] { return 20 * ms; };
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    for (int i = 0; i < 20; i++) {
+        for (std::uint32_t service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT;
+             service++)
+            ASSERT_EQ(ROBUROC4_OK,
+                      roburoc4_client_subscribe(&bench.client, service, 100, bench.client_us()));
+        bench.run(30 * ms);
+    }
+    bench.run(5 * second);
+    EXPECT_EQ(1, bench.facts().descriptions_done);
+    EXPECT_EQ(7U + 9U + 22U + 8U, robot.seen(ROBUROC4_ACTION_QUERY).size()) << "each once";
+}
+
 TEST(Description, ThatIsRefusedIsNotRequestedAgain) {
     ScriptedRobot robot;
     robot.texts_refused = true;

@@ -117,12 +117,14 @@ TEST(ServiceId, IsTheManualsOnlyIfTheDirectoryListsIt) {
 }
 
 TEST(ServiceId, IsNotTheManualsIfAnotherServiceClaimsTheId) {
-    ScriptedRobot robot;
-    robot.remove(ROBUROC4_SERVICE_DIFFERENTIAL);
-    robot.services.push_back({ROBUROC4_TYPE_LASER, 6, 99, "Laser"});
-    Bench bench(robot);
-    bench.ready();
-    EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, id_of(bench, ROBUROC4_SERVICE_DIFFERENTIAL));
+    for (const int type : {ROBUROC4_TYPE_LASER, ROBUROC4_TYPE_DIAGNOSTIC, ROBUROC4_TYPE_DRIVE}) {
+        ScriptedRobot robot;
+        robot.remove(ROBUROC4_SERVICE_DIFFERENTIAL);
+        robot.services.push_back({static_cast<std::uint16_t>(type), 6, 99, "Differential"});
+        Bench bench(robot);
+        bench.ready();
+        EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, id_of(bench, ROBUROC4_SERVICE_DIFFERENTIAL)) << type;
+    }
 }
 
 TEST(ServiceId, OfTwoClaimantsByTypeIsTheManualsOne) {

@@ -629,6 +629,18 @@ TEST(Role, IsFoundByTheManualsTableWhereThereAreNoTexts) {
     }
 }
 
+TEST(Role, OfThePadIsNotGuessedOnACardWithOtherOutputs) {
+    for (const bool analog : {false, true}) {
+        ScriptedRobot robot;
+        robot.texts_refused = true;
+        (analog ? robot.iocard.analog_outputs : robot.iocard.digital_outputs)++;
+        Bench bench(robot);
+        bench.ready();
+        EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, role(bench, ROBUROC4_ROLE_OVERRIDE));
+        EXPECT_EQ(0, role(bench, ROBUROC4_ROLE_FRONT_BUMPER)) << "for which a guess is enough";
+    }
+}
+
 TEST(Role, ThatTwoTextsClaimIsUnknown) {
     ScriptedRobot robot;
     robot.channel_text = [](std::uint32_t, std::uint32_t index) -> std::string {

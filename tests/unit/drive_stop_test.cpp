@@ -110,6 +110,26 @@ TEST(StopSequence, FollowsLoss) {
         << "until the robot's watchdog must have tripped";
 }
 
+TEST(StopSequence, ContinuesWhileTheSameRobotIsDiscoveredAgain) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
+    bench.drop_to_client = [](const Bytes &) { return true; };
+    while (bench.state() == ROBUROC4_STATE_READY) {
+        bench.drive(0.5F, 0);
+        bench.run(10 * ms);
+    }
+    bench.drop_to_client = nullptr;
+    robot.subscriptions.clear();
+    robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).get_silent = true;
+    bench.stop();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_DISCOVERING));
+    const std::uint64_t found_us = bench.now_us;
+    bench.run(200 * ms);
+    EXPECT_GE(bench.commands(found_us).size(), 3U);
+}
+
 TEST(StopSequence, GoesBeforeAllOtherTraffic) {
     ScriptedRobot robot;
     Bench bench(robot);

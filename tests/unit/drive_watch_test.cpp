@@ -52,8 +52,8 @@ TEST(OtherCommander, IsNotTwoStatuses) {
     for (std::uint64_t i = 1; i <= 9; i++) {
         robot.target_linear = i % 3 == 0 ? 0.0F : 0.5F;
         bench.receive(robot.status_at(6, robot.cycles() + i));
+        EXPECT_EQ(0, bench.facts().other_commander) << i;
     }
-    EXPECT_EQ(0, bench.facts().other_commander);
 }
 
 TEST(OtherCommander, IsNeverTheClientItself) {
@@ -262,6 +262,19 @@ TEST(Inhibited, IsNotReportedWhenItMovesOrHasNoTarget) {
     ASSERT_NO_FATAL_FAILURE(bench.driving(0, 0, 3 * second));
     bench.run(3 * second);
     EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_INHIBITED);
+}
+
+TEST(Inhibited, IsNotARobotWhoseTargetIsNearlyZero) {
+    ScriptedRobot robot;
+    robot.follows = false;
+    for (float *target : {&robot.target_linear, &robot.target_angular}) {
+        Bench bench(robot);
+        bench.ready();
+        *target = 0.015F;
+        bench.run(2 * second);
+        EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_INHIBITED);
+        *target = 0;
+    }
 }
 
 /* ---- override ---- */
