@@ -10,7 +10,7 @@ from pathlib import Path
 
 COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 STRUCT = re.compile(r"typedef struct (\w+) \{(.*?)\} \1;", re.DOTALL)
-NUMBERS = re.compile(r"\s*(?:u?int\d+_t|float|double)\s+([^*]+)$")
+NUMBERS = re.compile(r"\s*(?:u?int\d+_t|float|double|char)\s+([^*]+)$")
 
 
 def main() -> None:

@@ -40,6 +40,7 @@
 }
 %enddef
 ROBUROC4_WHOLE(uint16_t, 0, UINT16_MAX)
+ROBUROC4_WHOLE(int16_t, INT16_MIN, INT16_MAX)
 ROBUROC4_WHOLE(uint32_t, 0, UINT32_MAX)
 ROBUROC4_WHOLE(int32_t, INT32_MIN, INT32_MAX)
 ROBUROC4_WHOLE(enum gate_verdict, 0, GATE_VERDICTS - 1)
@@ -49,8 +50,18 @@ ROBUROC4_WHOLE(enum gate_verdict, 0, GATE_VERDICTS - 1)
     }
 }
 
+%typemap(out) float {
+    $result = PyFloat_FromDouble(shortest($1));
+}
+%typemap(out) int64_t[ANY] {
+    $result = PyTuple_New($1_dim0);
+    for (int i = 0; i < $1_dim0; i++) {
+        $result = put_item($result, i, PyLong_FromLongLong($1[i]));
+    }
+}
+
 /* ---- output structs ---- */
-%define ROBUROC4_OUTPUT(TYPE, PREPARE, KIND)
+%define ROBUROC4_OUTPUT(TYPE, PREPARE)
 %typemap(in, numinputs=0) TYPE * (TYPE value) {
     memset(&value, 0, sizeof value);
     PREPARE;
@@ -58,22 +69,22 @@ ROBUROC4_WHOLE(enum gate_verdict, 0, GATE_VERDICTS - 1)
 }
 %typemap(argout) TYPE * {
     Py_XDECREF($result);
-    $result = record_of(KIND, $1);
+    $result = record_of(#TYPE, $1);
 }
 %enddef
 
-ROBUROC4_OUTPUT(roburoc4_request, , RECORD_REQUEST)
-ROBUROC4_OUTPUT(roburoc4_differential_command, , RECORD_DIFFERENTIAL_COMMAND)
-ROBUROC4_OUTPUT(roburoc4_directory_entry, , RECORD_DIRECTORY_ENTRY)
-ROBUROC4_OUTPUT(roburoc4_iocard_properties, , RECORD_IOCARD_PROPERTIES)
-ROBUROC4_OUTPUT(roburoc4_telemeter, , RECORD_TELEMETER_PROPERTIES)
-ROBUROC4_OUTPUT(roburoc4_battery_properties, , RECORD_BATTERY_PROPERTIES)
-ROBUROC4_OUTPUT(roburoc4_localization_properties, , RECORD_LOCALIZATION_PROPERTIES)
-ROBUROC4_OUTPUT(roburoc4_differential_properties, , RECORD_DIFFERENTIAL_PROPERTIES)
-ROBUROC4_OUTPUT(roburoc4_facts, value.size = sizeof value, RECORD_FACTS)
-ROBUROC4_OUTPUT(roburoc4_link, value.size = sizeof value, RECORD_LINK)
-ROBUROC4_OUTPUT(roburoc4_service_link, value.size = sizeof value, RECORD_SERVICE_LINK)
-ROBUROC4_OUTPUT(roburoc4_sim_state, value.size = sizeof value, RECORD_SIM_STATE)
+ROBUROC4_OUTPUT(roburoc4_request, )
+ROBUROC4_OUTPUT(roburoc4_differential_command, )
+ROBUROC4_OUTPUT(roburoc4_directory_entry, )
+ROBUROC4_OUTPUT(roburoc4_iocard_properties, )
+ROBUROC4_OUTPUT(roburoc4_telemeter, )
+ROBUROC4_OUTPUT(roburoc4_battery_properties, )
+ROBUROC4_OUTPUT(roburoc4_localization_properties, )
+ROBUROC4_OUTPUT(roburoc4_differential_properties, )
+ROBUROC4_OUTPUT(roburoc4_facts, value.size = sizeof value)
+ROBUROC4_OUTPUT(roburoc4_link, value.size = sizeof value)
+ROBUROC4_OUTPUT(roburoc4_service_link, value.size = sizeof value)
+ROBUROC4_OUTPUT(roburoc4_sim_state, value.size = sizeof value)
 
 %typemap(in, numinputs=0) uint64_t *host_us (uint64_t value) {
     $1 = &value;
@@ -120,7 +131,7 @@ ROBUROC4_OUTPUT(roburoc4_sim_state, value.size = sizeof value, RECORD_SIM_STATE)
     $result = Py_BuildValue("(NN)", tuple_of_view($1->analog, $1->analog_count),
                             tuple_of_bits($1->digital, $1->digital_count));
 }
-%define ROBUROC4_LIST(TYPE, ITEM, AT, KIND)
+%define ROBUROC4_LIST(TYPE, ITEM, AT)
 %typemap(in, numinputs=0) TYPE * (TYPE list) {
     $1 = &list;
 }
@@ -130,25 +141,60 @@ ROBUROC4_OUTPUT(roburoc4_sim_state, value.size = sizeof value, RECORD_SIM_STATE)
     for (uint32_t i = 0; $result != NULL && i < $1->count; i++) {
         ITEM item;
         (void)AT($1, i, &item);
-        $result = put_item($result, i, record_of(KIND, &item));
+        $result = put_item($result, i, record_of(#ITEM, &item));
     }
 }
 %enddef
-ROBUROC4_LIST(roburoc4_directory, roburoc4_directory_entry, roburoc4_directory_at,
-              RECORD_DIRECTORY_ENTRY)
-ROBUROC4_LIST(roburoc4_notification, roburoc4_subscription, roburoc4_notification_at,
-              RECORD_SUBSCRIPTION)
-ROBUROC4_LIST(roburoc4_telemeter_list, roburoc4_telemeter, roburoc4_telemeter_at,
-              RECORD_TELEMETER_PROPERTIES)
+ROBUROC4_LIST(roburoc4_directory, roburoc4_directory_entry, roburoc4_directory_at)
+ROBUROC4_LIST(roburoc4_notification, roburoc4_subscription, roburoc4_notification_at)
+ROBUROC4_LIST(roburoc4_telemeter_list, roburoc4_telemeter, roburoc4_telemeter_at)
 /* A text of unknown character set, or a telegram. */
 %typemap(in, numinputs=0) (char *buffer, size_t capacity) (char space[64]),
-    (uint8_t *buffer, size_t capacity) (uint8_t space[64]) {
+    (uint8_t *buffer, size_t capacity) (uint8_t space[ROBUROC4_SIM_MAX_TRANSMIT]) {
     $1 = space;
     $2 = sizeof space;
 }
 %typemap(argout) (char *buffer, size_t capacity), (uint8_t *buffer, size_t capacity) {
     Py_XDECREF($result);
     $result = PyBytes_FromStringAndSize((const char *)$1, result);
+}
+/* A text of our own, after what else is returned. */
+%typemap(in, numinputs=0) (char *reply, size_t capacity) (char space[ROBUROC4_SIM_REPLY_SIZE] = ""),
+    (char *room, size_t capacity) (char space[300]) {
+    $1 = space;
+    $2 = sizeof space;
+}
+%typemap(argout) (char *reply, size_t capacity) {
+    $result = Py_BuildValue("(Ns)", $result, $1);
+}
+%typemap(argout) (char *room, size_t capacity) {
+    Py_XDECREF($result);
+    $result = PyUnicode_FromString($1);
+}
+/* An address is text: "192.168.0.2:60000". Reading one does not wait. */
+%typemap(in, numinputs=0) roburoc4_address * (roburoc4_address value) {
+    $1 = &value;
+}
+%typemap(argout) roburoc4_address * {
+    char text[ROBUROC4_ADDRESS_TEXT_SIZE] = "";
+    (void)roburoc4_udp_address_text($1, text, sizeof text);
+    Py_XDECREF($result);
+    $result = PyUnicode_FromString(text);
+}
+%typemap(argout) const roburoc4_address * "";
+%typemap(in) const roburoc4_address * (roburoc4_address value) {
+    $1 = NULL;
+    if ($input != Py_None) {
+        const char *text = PyUnicode_AsUTF8AndSize($input, NULL);
+        roburoc4_result error = text != NULL ? roburoc4_udp_resolve(text, 0, &value) : 0;
+        if (error < 0) {
+            (void)raise_result(error);
+        }
+        if (text == NULL || error < 0) {
+            SWIG_fail;
+        }
+        $1 = &value;
+    }
 }
 /* Texts, some of them empty. */
 %typemap(in) (const char *const *texts, uint32_t text_count) (char *texts[256]) {
@@ -170,7 +216,7 @@ static void capsule_free_##TYPE(PyObject *capsule) {
     FREE(PyCapsule_GetPointer(capsule, #TYPE));
 }
 %}
-%typemap(in) TYPE *, const TYPE * {
+%typemap(in) TYPE *, const TYPE *, struct TYPE * {
     $1 = PyCapsule_GetPointer($input, #TYPE);
     if ($1 == NULL) {
         SWIG_fail;
@@ -189,7 +235,8 @@ static void capsule_free_##TYPE(PyObject *capsule) {
 ROBUROC4_CAPSULE(connection, connection_destroy)
 ROBUROC4_CAPSULE(simulation, simulation_destroy)
 
-/* A struct that Python allocates by NAME(); set_member() changes its members. */
+/* A struct that Python allocates by NAME(); its members are read and set by STRUCT_MEMBER_get() and
+ * STRUCT_MEMBER_set(). */
 %define ROBUROC4_NEW(TYPE, NAME, PREPARE)
 ROBUROC4_CAPSULE(TYPE, free)
 %inline %{
@@ -208,15 +255,54 @@ ROBUROC4_NEW(roburoc4_sim_faults, new_sim_faults, value->size = sizeof *value)
 ROBUROC4_NEW(roburoc4_move_options, new_move_options, (void)roburoc4_move_options_init(value, sizeof *value))
 ROBUROC4_NEW(roburoc4_move, new_move, )
 ROBUROC4_NEW(roburoc4_pump_reader, new_reader, )
+ROBUROC4_NEW(gate, new_gate, )
+ROBUROC4_NEW(gate_rules, new_gate_rules, )
+ROBUROC4_NEW(gate_stall, new_stall, )
+
+/* STRUCT_MEMBER_set() of an array, for one item. */
+%define ROBUROC4_ARRAY(TYPE, MEMBER, ITEM)
+%inline %{
+void TYPE##_##MEMBER##_set(TYPE *settings, uint32_t index, ITEM value) {
+    if (index < sizeof settings->MEMBER / sizeof value) {
+        settings->MEMBER[index] = value;
+    }
+}
+%}
+%enddef
+ROBUROC4_ARRAY(roburoc4_config, period_ms, uint16_t)
+ROBUROC4_ARRAY(roburoc4_config, role_index, int16_t)
+ROBUROC4_ARRAY(roburoc4_sim_config, service_ids, uint16_t)
+ROBUROC4_ARRAY(gate_rules, enabled, bool)
 
 /* ---- the gate of bridges ---- */
-ROBUROC4_CAPSULE(command_gate, free)
-/* A gate is the first thing in a command_gate. */
-%typemap(in) gate *, const gate * {
-    $1 = PyCapsule_GetPointer($input, "command_gate");
-    if ($1 == NULL) {
+/* A drive command: (sender, utime, arrived_utime, finite, zero) */
+%typemap(in) const gate_command * (gate_command command = {GATE_DRIVE, 0, 0, 0, 0, 0, 0, 0}) {
+    Py_ssize_t length;
+    int finite, zero;
+    if (!PyArg_ParseTuple($input, "s#LLpp", &command.sender, &length, &command.utime,
+                          &command.arrived_utime, &finite, &zero)) {
         SWIG_fail;
     }
+    command.sender_length = (size_t)length;
+    command.finite = finite != 0;
+    command.zero = zero != 0;
+    $1 = &command;
+}
+/* Of a drive command: (verdict, utime) */
+%typemap(in) const gate_rejection * (gate_rejection rejection = {0, GATE_DRIVE, 0, "stamp",
+                                                                "--max-age-ms"}) {
+    int verdict;
+    if (!PyArg_ParseTuple($input, "iL", &verdict, &rejection.utime)) {
+        SWIG_fail;
+    }
+    rejection.verdict = verdict;
+    $1 = &rejection;
+}
+%typemap(in, numinputs=0) uint32_t *lease_us (uint32_t value = 0), uint64_t *since_us (uint64_t value = 0) {
+    $1 = &value;
+}
+%typemap(argout) uint32_t *lease_us, uint64_t *since_us {
+    $result = Py_BuildValue("(NK)", $result, (unsigned long long)*$1);
 }
 %typemap(in) gate_time {
     if (!PyArg_ParseTuple($input, "KL", &$1.us, &$1.utime)) {
@@ -254,7 +340,7 @@ ROBUROC4_CAPSULE(command_gate, free)
 /* Where the headers take a client or a simulator, Python gives a connection or a simulation. It is
  * locked when all arguments are read, and the time after that. Only commands change a client. */
 %typemap(out) roburoc4_result roburoc4_client_channel_find, roburoc4_result roburoc4_sim_control_find,
-    roburoc4_result roburoc4_sim_set {
+    roburoc4_result roburoc4_sim_set, roburoc4_result roburoc4_sim_panel, roburoc4_result cause {
     $result = PyLong_FromLong($1); /* who calls it explains what is below 0 */
 }
 %typemap(in) roburoc4_client * (connection *handle), const roburoc4_client * (connection *handle) {
@@ -288,6 +374,20 @@ ROBUROC4_CAPSULE(command_gate, free)
 %typemap(check) uint64_t now_us {
     $1 = connection_entered_us();
 }
+%typemap(in, numinputs=0) roburoc4_sample * (roburoc4_sample value) {
+    $1 = &value;
+}
+%typemap(argout) roburoc4_sample * {
+    Py_XDECREF($result);
+    $result = connection_status(handle1, $1); /* of the first argument */
+}
+%typemap(in) roburoc4_udp *, const roburoc4_udp * {
+    connection *handle = PyCapsule_GetPointer($input, "connection");
+    if (handle == NULL) {
+        SWIG_fail;
+    }
+    $1 = connection_udp(handle);
+}
 %typemap(in) roburoc4_sim * (simulation *handle), const roburoc4_sim * (simulation *handle) {
     handle = PyCapsule_GetPointer($input, "simulation");
     if (handle == NULL) {
@@ -296,4 +396,15 @@ ROBUROC4_CAPSULE(command_gate, free)
 }
 %typemap(check) roburoc4_sim *, const roburoc4_sim * {
     $1 = simulation_enter(handle$argnum);
+}
+/* The system's error number. */
+%typemap(in, numinputs=0) int *error (int value = 0) {
+    $1 = &value;
+}
+%exception simulation_on_port {
+    $action
+    if (result == NULL) {
+        errno = value4; /* of the fourth argument */
+        (void)PyErr_SetFromErrno(PyExc_OSError);
+    }
 }

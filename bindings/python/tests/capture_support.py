@@ -73,7 +73,7 @@ def discovery(begin_us: int = BEGIN_US, client: Endpoint = CLIENT) -> list[Packe
     for at, request in enumerate(requests()):
         time_us = begin_us + 1000 * at
         answer = _native.usual_answer(request)
-        assert answer is not None
+        assert answer
         packets.append(Packet(time_us, client, ROBOT, request))
         packets.append(Packet(time_us + 400, ROBOT, client, answer))
     return packets

@@ -39,7 +39,7 @@ def patient(monkeypatch: pytest.MonkeyPatch) -> None:
 
     def patient_config() -> "_native.Config":
         config = new_config()
-        _native.set_member(config, "fresh_ms", 1000, 0)
+        _native.roburoc4_config_fresh_ms_set(config, 1000)
         return config
 
     monkeypatch.setattr(_native, "new_config", patient_config)

@@ -90,9 +90,13 @@ class Gate:
         self._client = robot._connection.handle
         self._events = robot._connection.reader()
         self._utc_us = utc_us
-        self._gate = _native.new_command_gate(
-            enabled, round(lease_s * 1e6), round(max_age_s * 1e6), self._now()
-        )
+        self._rules = _native.new_gate_rules()
+        _native.gate_rules_enabled_set(self._rules, _native.GATE_DRIVE, enabled)
+        _native.gate_rules_command_timeout_us_set(self._rules, round(lease_s * 1e6))
+        _native.gate_rules_max_age_us_set(self._rules, round(max_age_s * 1e6))
+        self._gate = _native.new_gate()
+        self._stall = _native.new_stall()
+        _native.gate_init(self._gate, self._rules, self._now())
 
     def _now(self) -> tuple[int, int]:
         return _native.connection_now_us(self._client), self._utc_us()
@@ -105,8 +109,11 @@ class Gate:
         many seconds the clock was set, mostly 0.
         """
         self._heed_events()
-        _, step_us = _native.look_for_trouble(self._gate, round(waited_s * 1e6), self._now())
-        return step_us / 1e6
+        now = self._now()
+        stalled, since_us = _native.gate_look_for_stall(self._stall, round(waited_s * 1e6), now)
+        if stalled:
+            _native.gate_was_stalled(self._gate, since_us, now[0])
+        return _native.gate_look_at_clock(self._gate, now) / 1e6
 
     def _heed_events(self) -> bool:
         """Hold where driving ended; whether commands are held."""
@@ -121,15 +128,10 @@ class Gate:
         now = self._now()
         speeds = command.linear_m_s, command.angular_rad_s
         finite = command.finite and all(map(math.isfinite, speeds))
-        verdict, lease_us = _native.judge_drive(
+        arrived_us = _native.gate_arrival(self._stall, now[1])
+        verdict, lease_us = _native.gate_judge(
             self._gate,
-            (
-                command.sender,
-                command.stamp_us,
-                _native.command_arrival(self._gate, now[1]),
-                finite,
-                not any(speeds),
-            ),
+            (command.sender, command.stamp_us, arrived_us, finite, not any(speeds)),
             robot,
             now,
         )
@@ -152,9 +154,9 @@ class Gate:
     def _rejection(self, verdict: int, sender: str, stamp_us: int) -> Rejection | None:
         if verdict == Verdict.TAKEN:
             return None
-        why, is_incident = _native.explain_rejection(
-            self._gate, verdict, sender, stamp_us, self._now()
-        )
+        now = self._now()
+        why = _native.gate_reason((verdict, stamp_us), self._rules, now)
+        is_incident = _native.gate_is_incident(self._gate, verdict, sender, now[0])
         return Rejection(Verdict(verdict), sender, why, is_incident)
 
     def stop(self, sender: str) -> None:
@@ -180,5 +182,10 @@ class Gate:
     @property
     def counts(self) -> Counts:
         """What became of all commands so far."""
-        driven, stopped, rejected = _native.command_counts(self._gate)
-        return Counts(driven, stopped, {verdict: rejected[verdict] for verdict in Verdict})
+        taken = _native.gate_taken_get(self._gate)
+        rejected = _native.gate_rejected_get(self._gate)
+        return Counts(
+            taken[_native.GATE_DRIVE],
+            taken[_native.GATE_STOP],
+            {verdict: rejected[verdict] for verdict in Verdict},
+        )

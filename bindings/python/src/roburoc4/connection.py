@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 from . import _native
 from .constants import Result
-from .errors import ArgumentError, NotKnownError, address_errors
-from .records import Status
+from .errors import ArgumentError, NetworkError, NotKnownError
+from .records import Status, made_of
 from .settings import STATUS_MASK, Settings, buffer_of, config_of
 
 ALL_EVENTS = 0x1FFFFFFF
@@ -43,19 +43,46 @@ class RecorderState(NamedTuple):
     """``errno`` of the last failed write; 0 once one succeeds."""
 
 
-def open_host(host: str, threaded: bool, settings: Settings) -> "_native.Connection":
-    """Connect to a robot, and record it if the settings ask for that."""
+made_of("roburoc4_recorder_state", RecorderState)
+
+
+def resolve(host: str) -> str:
+    """Resolve "HOST", "HOST:PORT" or "[IPV6]:PORT" to a numeric address; may ask a name server."""
+    try:
+        return _native.roburoc4_udp_resolve(host, 0)
+    except ArgumentError:
+        raise ArgumentError(
+            f"{host!r} is not an address: give HOST or HOST:PORT, such as 192.168.0.2:60000",
+            Result.ARGUMENT,
+        ) from None
+    except NetworkError as error:
+        raise NetworkError(f"{host!r}: {error}", error.code) from None
+
+
+def open_alone(settings: Settings) -> "_native.Connection":
+    """Make a client that somebody moves."""
+    return _native.new_connection(None, config_of(settings), buffer_of(settings), None, None, 0, 0)
+
+
+def open_host(host: str, threaded: bool, settings: Settings) -> "tuple[_native.Connection, str]":
+    """Connect to a robot, and record it if the settings ask for that; with its address."""
+    config = config_of(settings)
     record = settings.get("record")
-    with address_errors(host):
-        return _native.connect_host(
-            host,
-            threaded,
-            config_of(settings),
-            buffer_of(settings),
-            None if record is None else os.fspath(record),
-            _limit(settings.get("record_max_bytes", 0), "record_max_bytes"),
-            _limit(settings.get("record_max_s", 0), "record_max_s"),
-        )
+    max_bytes = _limit(settings.get("record_max_bytes", 0), "record_max_bytes")
+    max_s = _limit(settings.get("record_max_s", 0), "record_max_s")
+    robot = resolve(host)
+    handle = _native.new_connection(
+        robot if threaded else None,
+        config,
+        buffer_of(settings),
+        robot,
+        None if record is None else os.fspath(record),
+        max_bytes,
+        max_s,
+    )
+    if not threaded:
+        _native.connection_open_socket(handle, robot)
+    return handle, robot
 
 
 def _limit(value: float, name: str) -> int:
@@ -79,7 +106,7 @@ class EventReader(ABC):
     @property
     def lost(self) -> int:
         """Statuses, of any service, that were overwritten before this reader read them."""
-        return _native.reader_lost(self._reader)
+        return _native.roburoc4_pump_reader_lost_get(self._reader)
 
     def take_events(self) -> int:
         """Take what happened since the last call; raises ClosedError after the end."""
@@ -107,9 +134,9 @@ class EventReader(ABC):
 class Connection(ABC):
     """A client, called by its ``handle``: ``_native.roburoc4_client_facts(handle)``."""
 
-    def __init__(self, handle: "_native.Connection") -> None:
+    def __init__(self, handle: "_native.Connection", address: str) -> None:
         self.handle = handle
-        self.address = _native.connection_address(handle) or "the simulator"
+        self.address = address
         """The robot's address, for messages."""
 
     def now_s(self) -> float:
@@ -126,8 +153,7 @@ class Connection(ABC):
     @property
     def recorder(self) -> RecorderState | None:
         """What was recorded so far; None if nothing is recorded."""
-        state = _native.connection_recorder_state(self.handle)
-        return None if state is None else RecorderState(*state)
+        return _native.connection_recorder_state(self.handle)
 
     def end_recording(self) -> None:
         """Complete the file, and warn if something is missing in it."""

@@ -1,9 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Exceptions. Each has the C library's result as ``code``, and a message with the remedy."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-
 from . import _native
 from .constants import Result
 
@@ -125,24 +122,6 @@ def error_of(code: int) -> RobotError:
     if Result.INHIBITED <= code <= Result.DISARMED:
         return NotArmedError(f"not armed: {text.replace(':', ';', 1)}", code)
     return _CLASSES.get(code, RobotError)(text, code)
-
-
-@contextmanager
-def address_errors(host: str) -> Iterator[None]:
-    """Name the host in errors raised by the block about it."""
-    try:
-        yield
-    except ArgumentError as error:
-        if error.code != Result.ARGUMENT:
-            raise
-        raise ArgumentError(
-            f"{host!r} is not an address: give HOST or HOST:PORT, such as 192.168.0.2:60000",
-            Result.ARGUMENT,
-        ) from None
-    except NetworkError as error:
-        if error.code != Result.RESOLVE:
-            raise
-        raise NetworkError(f"{host!r}: {error}", error.code) from None
 
 
 _native.register_errors(error_of)

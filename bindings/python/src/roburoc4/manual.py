@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What connections without a native thread share: waiting calls move the datagrams."""
 
+import contextlib
 from abc import abstractmethod
 from collections.abc import Callable
 
@@ -32,8 +33,8 @@ class ManualReader(EventReader):
 class ManualConnection(Connection):
     """A client whose datagrams Python moves."""
 
-    def __init__(self, handle: "_native.Connection", settings: Settings) -> None:
-        super().__init__(handle)
+    def __init__(self, handle: "_native.Connection", address: str, settings: Settings) -> None:
+        super().__init__(handle, address)
         self.watchdog_s = settings.get("robot_watchdog_ms", 1000) / 1000
         self._left = False
         self.log = Log(self)
@@ -67,9 +68,18 @@ class ManualConnection(Connection):
         if self._left or not self._belongs_here():
             return
         self.log.end()
-        _native.connection_disarm_for_good(self.handle)
+        self.disarm_for_good()
         self.leave()
         self._left = True  # not if Ctrl-C interrupted it: then the next close() continues
+
+    def disarm_for_good(self) -> None:
+        """Disarm, and send the first zero command if a speed was sent; then refuse commands.
+
+        The other zeros are sent as time passes, until the client is idle.
+        """
+        for close in (_native.roburoc4_client_close, _native.roburoc4_pump_close):
+            with contextlib.suppress(ClosedError):
+                close(self.handle)
 
     def _belongs_here(self) -> bool:
         """Whether this is not the child of a fork."""

@@ -19,6 +19,7 @@ from .errors import (
     unusable,
 )
 from .records import LocalizationStatus
+from .settings import set_member
 
 __all__ = ["MoveError", "MoveResult"]
 
@@ -80,17 +81,17 @@ class MoveOptions(NamedTuple):
         if timeout_s is not None and not 0.001 <= timeout_s <= _LONGEST_S:
             raise unusable("timeout", timeout_s, f"0.001 to {_LONGEST_S:g} s")
         if timeout_s is not None:
-            _native.set_member(options, "timeout_ms", round(timeout_s * 1000), 0)
+            set_member("move_options", options, "timeout_ms", round(timeout_s * 1000))
         for name in ("linear_m_s", "angular_rad_s"):
             value = getattr(self, name)
             if value is not None and not 0.0 < value <= 100.0:
                 raise unusable("speed", value, "more than 0, up to 100")
             if value is not None:
-                _native.set_member(options, name, value, 0)
+                set_member("move_options", options, name, value)
         if self.clearance_m is not None:
             if not 0.0 <= self.clearance_m <= 100.0:
                 raise unusable("clearance", self.clearance_m, "0 (ignore telemeters) to 100 m")
-            _native.set_member(options, "clearance_m", self.clearance_m, 0)
+            set_member("move_options", options, "clearance_m", self.clearance_m)
         return options
 
 
@@ -161,17 +162,24 @@ class Move:
 
     def now(self) -> MoveResult:
         """Return the progress."""
-        outcome, _, distance_m, angle_rad, left_m, left_rad = _native.move_values(self._move)
         try:
-            pose = _native.latest_status(self._connection.handle, Service.LOCALIZATION)
+            pose = _native.roburoc4_sample_latest(self._connection.handle, Service.LOCALIZATION)
         except NotKnownError:
             pose = None
-        return MoveResult(MoveOutcome(outcome), distance_m, angle_rad, left_m, left_rad, pose)
+        move = self._move
+        return MoveResult(
+            MoveOutcome(_native.roburoc4_move_result_get(move)),
+            _native.roburoc4_move_distance_m_get(move),
+            _native.roburoc4_move_angle_rad_get(move),
+            _native.roburoc4_move_left_m_get(move),
+            _native.roburoc4_move_left_rad_get(move),
+            pose,
+        )
 
     def end(self) -> MoveResult:
         """Return the result; raise MoveError unless the goal was reached."""
         result = self.now()
         if result.outcome is not MoveOutcome.REACHED:
-            cause = _native.move_values(self._move)[1]
+            cause = _native.roburoc4_move_cause_get(self._move)
             raise MoveError(result, cause or Result.STATE)
         return result

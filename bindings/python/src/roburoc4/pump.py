@@ -31,7 +31,7 @@ class PumpConnection(Connection):
     """A pump of roburoc4_pump.h."""
 
     def __init__(self, host: str, settings: Settings) -> None:
-        super().__init__(open_host(host, True, settings))
+        super().__init__(*open_host(host, True, settings))
         _living.add(self)
         self.log = Log(self)
         watch(self.log)

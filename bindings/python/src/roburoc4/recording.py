@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, Unpack
 
 from . import _native
 from .capture import Capture, Datagram, Endpoint, RecordingError
-from .connection import ALL_EVENTS, events_of_services
+from .connection import ALL_EVENTS, events_of_services, open_alone
 from .constants import DEFAULT_PORT, Action, Event, Service, WireError
 from .errors import DecodeError
 from .manual import ManualConnection
@@ -29,7 +29,7 @@ from .records import (
 )
 from .robot import Robot
 from .samples import flatten
-from .settings import STATUS_MASK, STATUS_SERVICES, Settings, buffer_of, config_of, service_of
+from .settings import STATUS_MASK, STATUS_SERVICES, Settings, service_of
 from .telegrams import Layout, decode
 
 if TYPE_CHECKING:
@@ -125,7 +125,7 @@ class Answers:
             )
         if request.action in (Action.INSERT, Action.DELETE):
             return _native.roburoc4_encode_answer(request.id, request.action, request.service, 0)
-        return _native.usual_answer(data)
+        return _native.usual_answer(data) or None
 
 
 def _get(service: int) -> Request:
@@ -225,10 +225,8 @@ class _RecordedConnection(ManualConnection):
     """A client whose time is that of a recording."""
 
     def __init__(self, head: _Head, settings: Settings) -> None:
-        config = config_of(settings)
-        super().__init__(
-            _native.connect_played(config, buffer_of(settings), head.begun_us), settings
-        )
+        super().__init__(open_alone(settings), "the simulator", settings)
+        _native.connection_begin(self.handle, head.begun_us)
         self.advance: Callable[[], object] = lambda: None
         """Continue to the next datagram; None at the end."""
 
@@ -301,9 +299,9 @@ class _Pass:
         if self._drives:
             found += self._ended_drives(time_us)
         self._heard_us = time_us
-        given: bytes | None = data
+        given = data
         if data[:1] != b"\xff":
-            given = None  # the client gets the answers to its own requests
+            given = b""  # the client gets the answers to its own requests
             answer = read_telegram(data, from_client=False)
             if isinstance(answer, Answer):
                 took_us = self._answers.learn(destination, data, answer, time_us)
@@ -327,7 +325,7 @@ class _Pass:
         until_us = min(time_us, self._heard_us + _LONG_SILENCE_US)
         while (due_us := _native.roburoc4_client_next_deadline(handle)) < until_us:
             due_us = max(due_us, _native.connection_now_us(handle) + 1)
-            self._pending.extend(_native.connection_play(handle, None, due_us))
+            self._pending.extend(_native.connection_play(handle, b"", due_us))
             if due_us - self._heard_us < _SILENCE_US:
                 self._answer_all(due_us)
             found += self._happened(due_us)

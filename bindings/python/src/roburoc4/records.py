@@ -456,42 +456,37 @@ _MEANINGS: dict[object, dict[int, object]] = {
 }
 """What the numbers of a field are, by its type; others stay numbers."""
 
-# In the order of record_kind in native.h. Records without a struct are made field by field there,
-# in the order of their fields.
-_MADE: tuple[tuple[Any, str | None], ...] = (
-    (IoCardStatus, None),
-    (TelemeterStatus, None),
-    (BatteryStatus, "roburoc4_battery_status"),
-    (LocalizationStatus, "roburoc4_localization_status"),
-    (DifferentialStatus, "roburoc4_differential_status"),
-    (DirectoryEntry, "roburoc4_directory_entry"),
-    (Subscription, "roburoc4_subscription"),
-    (IoCardProperties, "roburoc4_iocard_properties"),
-    (TelemeterProperties, "roburoc4_telemeter"),
-    (BatteryProperties, "roburoc4_battery_properties"),
-    (LocalizationProperties, "roburoc4_localization_properties"),
-    (DifferentialProperties, "roburoc4_differential_properties"),
-    (Request, "roburoc4_request"),
-    (DifferentialCommand, "roburoc4_differential_command"),
-    (Facts, "roburoc4_facts"),
-    (Link, "roburoc4_link"),
-    (ServiceLink, "roburoc4_service_link"),
-    (SimState, "roburoc4_sim_state"),
-)
+
+def made_of(struct: str, record: Any) -> None:
+    """Let the extension make this record of a C struct, or by hand if no struct is named."""
+    members = [
+        # tuples have a method named index
+        ("index" if name == "element" else name, _MEANINGS.get(type_))
+        for name, type_ in record.__annotations__.items()
+        if struct and name not in ("host_us", "utc_s")
+    ]
+    _native.register_record(struct, record, members)
 
 
-def _register() -> None:
-    for kind, (record, struct) in enumerate(_MADE):
-        if struct is None:
-            _native.register_record(kind, record, " ".join((record.__name__, *record._fields)), [])
-            continue
-        members = [
-            # tuples have a method named index
-            ("index" if name == "element" else name, _MEANINGS.get(type_))
-            for name, type_ in record.__annotations__.items()
-            if name not in ("host_us", "utc_s")
-        ]
-        _native.register_record(kind, record, struct, members)
-
-
-_register()
+# Those of statuses come first, in the order of the services.
+for _struct, _record in (
+    ("", IoCardStatus),
+    ("", TelemeterStatus),
+    ("roburoc4_battery_status", BatteryStatus),
+    ("roburoc4_localization_status", LocalizationStatus),
+    ("roburoc4_differential_status", DifferentialStatus),
+    ("roburoc4_directory_entry", DirectoryEntry),
+    ("roburoc4_subscription", Subscription),
+    ("roburoc4_iocard_properties", IoCardProperties),
+    ("roburoc4_telemeter", TelemeterProperties),
+    ("roburoc4_battery_properties", BatteryProperties),
+    ("roburoc4_localization_properties", LocalizationProperties),
+    ("roburoc4_differential_properties", DifferentialProperties),
+    ("roburoc4_request", Request),
+    ("roburoc4_differential_command", DifferentialCommand),
+    ("roburoc4_facts", Facts),
+    ("roburoc4_link", Link),
+    ("roburoc4_service_link", ServiceLink),
+    ("roburoc4_sim_state", SimState),
+):
+    made_of(_struct, _record)

@@ -8,9 +8,9 @@ from types import TracebackType
 from typing import Any, Literal, Self, TypeVar, Unpack, overload
 
 from . import _native
-from .connection import ALL_EVENTS
+from .connection import ALL_EVENTS, resolve
 from .constants import DEFAULT_HOST, Event, Result, Service
-from .errors import NotKnownError, RobotTimeoutError, address_errors, duration_s, finite
+from .errors import NotKnownError, RobotTimeoutError, duration_s, finite
 from .moves import STEP_S, Move, MoveOptions, MoveResult, Progress, arc_options
 from .pump import PumpConnection
 from .records import (
@@ -394,9 +394,3 @@ def connect(
     if wait:
         robot.wait_ready(timeout)
     return robot
-
-
-def resolve(host: str) -> str:
-    """Resolve "HOST", "HOST:PORT" or "[IPV6]:PORT" to a numeric address; may ask a name server."""
-    with address_errors(host):
-        return _native.resolve_address(host)

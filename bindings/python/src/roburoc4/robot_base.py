@@ -167,12 +167,12 @@ class RobotBase:
     def latest(self, service: Service) -> Status | None: ...
     def latest(self, service: str | Service) -> Status | None:
         """Return the latest status of a service, None before the first; never waits."""
-        return _known(_native.latest_status, self._connection.handle, service_of(service))
+        return _known(_native.roburoc4_sample_latest, self._connection.handle, service_of(service))
 
     def _first(self, service: Service) -> Status:
         """Read the latest status; before the first, raise an error that names the remedy."""
         try:
-            return _native.latest_status(self._connection.handle, service)
+            return _native.roburoc4_sample_latest(self._connection.handle, service)
         except NotKnownError as error:
             name = service.name.lower()
             raise NotKnownError(

@@ -113,6 +113,11 @@ def service_of(service: str | Service) -> Service:
     return found
 
 
+def set_member(struct: str, settings: object, name: str, value: float) -> None:
+    """Change a member of settings of the C library; OverflowError."""
+    getattr(_native, f"roburoc4_{struct}_{name}_set")(settings, value)
+
+
 def _set_periods(config: "_native.Config", periods: Mapping[str, int | None]) -> None:
     wanted = STATUS_MASK
     for name, period_ms in periods.items():
@@ -120,16 +125,16 @@ def _set_periods(config: "_native.Config", periods: Mapping[str, int | None]) ->
         if period_ms is None:
             wanted &= ~(1 << service)
         else:
-            _native.set_member(config, "period_ms", period_ms, service)
-    _native.set_member(config, "subscriptions", wanted, 0)
+            _native.roburoc4_config_period_ms_set(config, service, period_ms)
+    _native.roburoc4_config_subscriptions_set(config, wanted)
 
 
 # Settings gives each name its type.
 def _set(config: "_native.Config", name: str, value: Any) -> None:
     if name in _PLAIN:
-        _native.set_member(config, name, value, 0)
+        set_member("config", config, name, value)
     elif name in _ROLES:
-        _native.set_member(config, "role_index", value, _ROLES[name])
+        _native.roburoc4_config_role_index_set(config, _ROLES[name], value)
     elif name == "periods_ms":
         _set_periods(config, value)
     elif name not in _OPTIONS and name not in _ELSEWHERE:
@@ -146,7 +151,7 @@ def config_of(settings: Settings) -> "_native.Config":
         except OverflowError as error:
             raise unusable(name, value, _range_of(name) or str(error), Result.CONFIG) from error
     options = sum(bit for name, bit in _OPTIONS.items() if settings.get(name))
-    _native.set_member(config, "options", options, 0)
+    _native.roburoc4_config_options_set(config, options)
     wrong = _native.roburoc4_config_error(config)
     if wrong is not None:
         raise _wrong(settings, wrong)

@@ -14,7 +14,7 @@ from .constants import Result, Service
 from .errors import ArgumentError, RobotError, duration_s, error_of, finite, unusable
 from .records import Pose, SimState
 from .robot import Robot, connect
-from .settings import Settings
+from .settings import Settings, set_member
 from .virtual import VirtualConnection, run
 
 __all__ = ["SimSettings", "Simulator"]
@@ -68,9 +68,10 @@ class SimSettings(TypedDict, total=False):
 def _set(config: "_native.SimConfig", name: str, value: Any) -> None:
     if name == "service_ids":
         for service, wire_id in value.items():
-            _native.set_member(config, "service_ids", wire_id, Service[service.upper()])
+            index = Service[service.upper()]
+            _native.roburoc4_sim_config_service_ids_set(config, index, wire_id)
     elif name in SimSettings.__annotations__ or name == "seed":
-        _native.set_member(config, name, value, 0)
+        set_member("sim_config", config, name, value)
     else:
         known = ", ".join(sorted(SimSettings.__annotations__))
         raise TypeError(f"no setting {name!r}: there are {known}")
@@ -129,7 +130,7 @@ class Simulator:
             self._sim = _native.simulation_in_world(config)
             self._address = "virtual"
         else:
-            self._sim = _native.new_host(config, host, port)
+            self._sim = _native.simulation_on_port(config, host, port)
             self._address = f"{host}:{_native.simulation_port(self._sim)}"
         self._closing = threading.Lock()
 
@@ -215,7 +216,7 @@ class Simulator:
         delays = {"delay_us": round(delay_ms * 1e3), "jitter_us": round(jitter_ms * 1e3)}
         faults = _native.new_sim_faults()
         for name, value in (shares | delays).items():
-            _native.set_member(faults, name, value, 0)
+            set_member("sim_faults", faults, name, value)
         _native.simulation_set_faults(self._sim, faults)
 
     # ---- observation ----
@@ -307,7 +308,7 @@ class Simulator:
         """Execute a line such as "pad a down", and return the reply; "help" lists all commands."""
         if not line.isascii():
             raise ArgumentError(f"{line!r}: give letters without accents", Result.ARGUMENT)
-        result, reply = self._act(_native.simulation_panel, line)
+        result, reply = self._act(_native.roburoc4_sim_panel, line)
         if result < 0:
             raise ArgumentError(f"{line!r}: {reply}", result)
         return reply

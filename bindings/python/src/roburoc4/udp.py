@@ -14,7 +14,7 @@ from collections.abc import Callable
 
 from . import _native
 from .connection import open_host
-from .errors import NetworkError
+from .errors import ClosedError, NetworkError
 from .manual import ManualConnection
 from .settings import Settings
 
@@ -35,7 +35,7 @@ class SocketConnection(ManualConnection):
     """A client on a connected socket of roburoc4_udp.h."""
 
     def __init__(self, host: str, settings: Settings) -> None:
-        super().__init__(open_host(host, False, settings), settings)
+        super().__init__(*open_host(host, False, settings), settings)
         _living.add(self)
 
     def __del__(self) -> None:
@@ -46,7 +46,7 @@ class SocketConnection(ManualConnection):
         del until  # return as soon as something arrived
         if _native.connection_exchange(self.handle) == 0 and seconds > 0:
             wait_s = min(seconds, _SLICE_S, self.next_deadline_s())
-            _wait_readable(_native.connection_fd(self.handle), wait_s)
+            _wait_readable(_native.roburoc4_udp_fd(self.handle), wait_s)
             _native.connection_exchange(self.handle)
 
     def spin(self, seconds: float) -> None:
@@ -60,7 +60,7 @@ class SocketConnection(ManualConnection):
     def fileno(self) -> int:
         """Return the socket; only wait until it is readable."""
         self.check_open()
-        return _native.connection_fd(self.handle)
+        return _native.roburoc4_udp_fd(self.handle)
 
     def next_deadline_s(self) -> float:
         """Return the seconds until spin(0) is due if nothing arrives."""
@@ -72,7 +72,8 @@ class SocketConnection(ManualConnection):
         while not self.is_idle() and self.now_s() < end_s:
             with contextlib.suppress(NetworkError):  # a network that is down may come back
                 self.move(_SLICE_S, self.is_idle)
-        _native.connection_close_socket(self.handle)
+        with contextlib.suppress(ClosedError):
+            _native.roburoc4_udp_close(self.handle)
         self.end_recording()
 
 

@@ -5,10 +5,11 @@ import math
 from collections.abc import Callable
 
 from . import _native
+from .connection import open_alone
 from .constants import Result
 from .errors import ArgumentError
 from .manual import ManualConnection
-from .settings import Settings, buffer_of, config_of
+from .settings import Settings
 
 _SLICE_US = 1_000_000
 """Time passes in slices, between which Python notices Ctrl-C."""
@@ -33,20 +34,20 @@ class VirtualConnection(ManualConnection):
     """A client in a simulation's time."""
 
     def __init__(self, simulation: "_native.Simulation", settings: Settings) -> None:
-        config = config_of(settings)
         if settings.get("record") is not None:
             raise ArgumentError(
                 "record: nothing is sent over UDP in virtual time: connect to a Simulator that "
                 "serves a port",
                 Result.CONFIG,
             )
-        super().__init__(_native.connect_virtual(simulation, config, buffer_of(settings)), settings)
+        super().__init__(open_alone(settings), "the simulator", settings)
+        _native.connection_join(self.handle, simulation)
         self._simulation = simulation
 
     def __del__(self) -> None:
         # Garbage collection must not move time: one zero is sent, the watchdog does the rest.
         if hasattr(self, "_simulation"):
-            _native.connection_disarm_for_good(self.handle)
+            self.disarm_for_good()
 
     @property
     def closed(self) -> bool:

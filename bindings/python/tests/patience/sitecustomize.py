@@ -15,7 +15,7 @@ else:
 
     def _patient() -> "_native.Config":
         config = _new_config()
-        _native.set_member(config, "fresh_ms", 1000, 0)  # the maximum
+        _native.roburoc4_config_fresh_ms_set(config, 1000)  # the maximum
         return config
 
     _native.new_config = _patient
