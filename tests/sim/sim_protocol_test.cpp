@@ -7,7 +7,6 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
 #include <string>
 
 #include "sim_support.h"
@@ -223,26 +222,6 @@ TEST(SimErrors, InvalidRequestsGetNoAnswer) {
     EXPECT_EQ(0U, robot.state().requests);
 }
 
-TEST(SimErrors, SurvivesDatagramsOfAnyKindAndLength) {
-    SimRobot robot;
-    std::mt19937 random(7);
-    for (int round = 0; round < 20000; round++) {
-        Bytes bytes(round < 200 ? std::size_t(round) : random() % 64);
-        for (auto &byte : bytes)
-            byte = static_cast<std::uint8_t>(random() % 8 == 0 ? random() : random() % 8);
-        robot.send(bytes, random() % 100);
-        if (round % 16 == 0)
-            robot.run(1);
-        robot.take();
-    }
-    robot.send(Bytes(65507, 0x01));
-    robot.take();
-    const auto state = robot.state();
-    EXPECT_TRUE(std::isfinite(state.odometry_x_m) && std::isfinite(state.true_x_m));
-    EXPECT_LE(state.peers, unsigned(ROBUROC4_SIM_MAX_PEERS));
-    EXPECT_EQ(33U, robot.ask(get(0)).size());
-}
-
 /* --------------------------------------------------------------------------- subscriptions --- */
 
 TEST(SimSubscriptions, SendEachStatusAtItsPeriod) {
@@ -270,19 +249,6 @@ TEST(SimSubscriptions, SendEachStatusAtItsPeriod) {
         }
         EXPECT_EQ(expected, statuses.size()) << "cycle " << cycle;
     }
-}
-
-TEST(SimSubscriptions, StatusesHaveTheManualsLengths) {
-    SimRobot robot;
-    const std::vector<std::size_t> lengths = {0, 0, 50, 19, 13, 39, 27};
-    for (std::uint16_t service = 2; service < 7; service++)
-        EXPECT_EQ(0, robot.insert(service, 1));
-    robot.take();
-    robot.run(1);
-    const auto statuses = robot.take();
-    ASSERT_EQ(5U, statuses.size());
-    for (const auto &status : statuses)
-        EXPECT_EQ(lengths[status.bytes[1]], status.bytes.size());
 }
 
 TEST(SimSubscriptions, BelongToThePeerThatAsked) {
@@ -573,14 +539,6 @@ TEST(SimDialects, LocalizationReportsTheConfiguredFlags) {
     EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_LOCALIZATION, 1));
     robot.run(1);
     EXPECT_EQ(0x52, robot.take().at(0).bytes.at(35));
-}
-
-TEST(SimDialects, ErrorsCanComeWithHeaderZero) {
-    roburoc4_sim_config config = default_sim_config();
-    config.error_header = 1;
-    SimRobot robot(config);
-    EXPECT_EQ(from_hex("00 00 63 00 01"), robot.ask(from_hex("77 00 63 00")));
-    EXPECT_EQ(0x77, robot.ask(get(4, 0x77)).at(0));
 }
 
 TEST(SimDialects, AHiddenServiceIsNeverReported) {

@@ -442,16 +442,6 @@ TEST(HostTime, IsThatOfTheFastestStatusOfTheLastSeconds) {
     }
 }
 
-TEST(HostTime, OfTheSimulatorIsRight) {
-    SimPartner sim;
-    Bench bench(sim);
-    bench.ready();
-    bench.run(5 * second);
-    std::uint64_t host_us = 0;
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_host_time(&bench.client, sim.state().cycles, &host_us));
-    EXPECT_NEAR(static_cast<double>(bench.now_us), static_cast<double>(host_us), 10000);
-}
-
 TEST(RoundTrip, OfMoreThanAnHourIsTheMaximum) {
     ScriptedRobot robot;
     Bench bench(robot);

@@ -299,18 +299,6 @@ TEST(Outputs, OfTheLargestCardFitTheLongestDatagram) {
     EXPECT_EQ(0x80, bytes.back());
 }
 
-TEST(Outputs, ReachTheSimulator) {
-    SimPartner sim;
-    Bench bench(sim);
-    bench.ready();
-    ASSERT_EQ(ROBUROC4_OK, set_one(bench, 5, 1));
-    bench.run(200 * ms);
-    double on = 0;
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_get(sim.get(), ROBUROC4_SIM_DIGITAL_OUTPUT + 5, &on));
-    EXPECT_EQ(1, on);
-    EXPECT_EQ(3U, sim.state().io_commands);
-}
-
 /* ---- relocalization ---- */
 
 TEST(Relocalize, IsAnsweredWithAnEvent) {

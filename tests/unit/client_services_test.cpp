@@ -175,21 +175,6 @@ TEST(ServiceId, IsCorrectedByALateText) {
     EXPECT_EQ(ROBUROC4_OK, bench.arm());
 }
 
-TEST(ServiceId, OtherNumbersWorkWithTheSimulator) {
-    for (std::uint32_t plain = 0; plain < 2; plain++) {
-        roburoc4_sim_config config;
-        roburoc4_sim_config_init(&config, sizeof config);
-        for (std::uint32_t k = 2; k < 7; k++)
-            config.service_ids[k] = static_cast<std::uint16_t>(0x200 - k);
-        config.plain_types = plain;
-        SimPartner sim(&config);
-        Bench bench(sim);
-        bench.ready();
-        expect_every_service(bench, {0, 1, 0x1FE, 0x1FD, 0x1FC, 0x1FB, 0x1FA});
-        EXPECT_EQ(ROBUROC4_OK, bench.arm());
-    }
-}
-
 TEST(ServiceList, ReturnsTheDirectory) {
     ScriptedRobot robot;
     Bench bench(robot);

@@ -130,54 +130,6 @@ TEST(Value, IsUnknownBeforeTheFirstStatus) {
     EXPECT_EQ(7U, host_us);
 }
 
-TEST(Value, IsTheLatestStatusWithItsRobotTimeAndHostTime) {
-    ScriptedRobot robot;
-    robot.digital = 0x20003;
-    robot.analog[2] = 25.5F;
-    robot.distances = {0.75F, 3.5F};
-    robot.battery_percent = 61;
-    robot.pose = {1e-9, -2.5, 3.125};
-    robot.follows = false;
-    robot.current_linear = 0.05F;
-    robot.current_angular = -0.0625F;
-    Bench bench(robot);
-    bench.ready();
-    std::uint64_t host_us = 0;
-
-    roburoc4_inputs inputs;
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_inputs(&bench.client, &inputs, &host_us));
-    EXPECT_EQ(0x20003U, inputs.digital);
-    EXPECT_EQ(25.5F, inputs.analog[2]);
-    EXPECT_EQ(9U, inputs.analog_count);
-    EXPECT_EQ(22U, inputs.digital_count);
-    EXPECT_EQ(robot.cycles() / 5 * 5, inputs.robot_cycles);
-    EXPECT_EQ(bench.now_us - (robot.cycles() % 5) * ROBUROC4_CYCLE_US, host_us);
-
-    roburoc4_distances distances;
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_distances(&bench.client, &distances, nullptr));
-    EXPECT_EQ(2U, distances.count);
-    EXPECT_EQ(0.75F, distances.distances_m[0]);
-    EXPECT_EQ(3.5F, distances.distances_m[1]);
-
-    roburoc4_battery_status battery;
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_battery(&bench.client, &battery, &host_us));
-    EXPECT_EQ(61, battery.remaining_percent);
-    EXPECT_EQ(ROBUROC4_BATTERY_OK, battery.state);
-    EXPECT_EQ(robot.cycles() / 100 * 100, battery.robot_cycles);
-
-    roburoc4_localization_status pose;
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_localization(&bench.client, &pose, nullptr));
-    EXPECT_EQ(1e-9, pose.x_m);
-    EXPECT_EQ(-2.5, pose.y_m);
-    EXPECT_EQ(3.125, pose.theta_rad);
-    EXPECT_EQ(0x18U, pose.flags);
-
-    roburoc4_differential_status speeds;
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_differential(&bench.client, &speeds, nullptr));
-    EXPECT_EQ(0.05F, speeds.current_linear_m_s);
-    EXPECT_EQ(-0.0625F, speeds.current_angular_rad_s);
-}
-
 TEST(Value, IsExactlyWhatTheStatusReported) {
     ScriptedRobot robot;
     renumber(robot);
@@ -376,20 +328,7 @@ TEST(Properties, AreUnknownFirstThenTheRobots) {
     EXPECT_EQ(0U, telemeter_count(&bench.client));
     EXPECT_LT(roburoc4_client_telemeter(&bench.client, 0, &telemeter), 0);
     bench.ready();
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_iocard_properties(&bench.client, &io));
-    EXPECT_EQ(22, io.digital_inputs);
-    EXPECT_EQ(2, io.service);
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_battery_properties(&bench.client, &battery));
-    EXPECT_EQ(60, battery.capacity_ah);
-    EXPECT_EQ(20, battery.minimum_percent);
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_localization_properties(&bench.client, &pose));
-    EXPECT_EQ(2, pose.y_m);
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_differential_properties(&bench.client, &drive));
-    EXPECT_EQ(0.68F, drive.width_m);
-    ASSERT_EQ(2U, telemeter_count(&bench.client));
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_telemeter(&bench.client, 1, &telemeter));
-    EXPECT_EQ(-0.6F, telemeter.x_m);
-    EXPECT_EQ(2.5F, telemeter.distance_m);
+    expect_properties(bench, robot);
     for (const std::uint32_t beyond : {2U, 3U, 16U, UINT32_MAX})
         EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_client_telemeter(&bench.client, beyond, &telemeter));
 }

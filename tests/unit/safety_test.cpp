@@ -282,29 +282,6 @@ TEST_F(Safety, RoundingIsNotMotion) {
 
 /* ------------------------------------------------------------------- speeds and settings */
 
-TEST_F(Safety, PeriodsMustFitFreshMs) {
-    for (const int service : {ROBUROC4_SERVICE_IOCARD, ROBUROC4_SERVICE_DIFFERENTIAL}) {
-        roburoc4_config config = default_config();
-        config.period_ms[service] = 500;
-        ASSERT_NE(roburoc4_config_error(&config), nullptr);
-        const std::string error = roburoc4_config_error(&config);
-        EXPECT_NE(error.find("period_ms"), std::string::npos) << error;
-        EXPECT_NE(error.find("fresh_ms"), std::string::npos) << error;
-        EXPECT_EQ(soak::RealClient().init(config), ROBUROC4_ERR_CONFIG);
-    }
-}
-
-TEST_F(Safety, TheDrivePeriodMustFitTheWatchdog) {
-    roburoc4_config config = default_config();
-    config.lease_ms = 1000;
-    config.drive_period_ms = 500;
-    config.robot_watchdog_ms = 100;
-    ASSERT_NE(roburoc4_config_error(&config), nullptr);
-    const std::string error = roburoc4_config_error(&config);
-    EXPECT_NE(error.find("drive_period_ms"), std::string::npos) << error;
-    EXPECT_NE(error.find("robot_watchdog_ms"), std::string::npos) << error;
-}
-
 /* Uninitialized memory can look like a driving client, so init() cannot refuse it. */
 TEST_F(Safety, InitOfADrivingClientLeavesItToTheWatchdog) {
     make(friendly_robot());
