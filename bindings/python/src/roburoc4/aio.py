@@ -17,7 +17,6 @@ import math
 import threading
 import weakref
 from collections.abc import AsyncIterator, Callable, Generator
-from types import TracebackType
 from typing import Any, Literal, Self, TypeVar, Unpack, overload
 
 from . import _native
@@ -115,12 +114,7 @@ class Robot(RobotBase):
     async def __aenter__(self) -> Self:
         return self
 
-    async def __aexit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    async def __aexit__(self, *_: object) -> None:
         await self.close()
 
     async def close(self) -> None:

@@ -5,8 +5,10 @@ In ``pump.py`` a native thread moves them, in ``udp.py`` the user, and in ``virt
 simulator's virtual time. Everything above works with any of them.
 """
 
+import atexit
 import os
 import warnings
+import weakref
 from abc import ABC, abstractmethod
 from typing import NamedTuple
 
@@ -179,7 +181,20 @@ class Connection(ABC):
     def close(self) -> None:
         """Stop the robot if it was driven, and end; from any thread, repeatedly."""
 
+    def close_at_exit(self) -> None:
+        """Call close() when the program ends, unless this was forgotten before."""
+        _living.add(self)
+
     @property
     def closed(self) -> bool:
         """Whether close() was called, or this is the child of a fork."""
         return not _native.roburoc4_pump_running(self.handle)
+
+
+_living: weakref.WeakSet[Connection] = weakref.WeakSet()
+
+
+@atexit.register
+def _close_all() -> None:
+    for connection in list(_living):
+        connection.close()

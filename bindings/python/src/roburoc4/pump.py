@@ -6,9 +6,7 @@ references to the objects here, so dropping the last reference ends it; it sends
 needed.
 """
 
-import atexit
 import contextlib
-import weakref
 
 from . import _native
 from .connection import Connection, EventReader, open_host
@@ -32,7 +30,7 @@ class PumpConnection(Connection):
 
     def __init__(self, host: str, settings: Settings) -> None:
         super().__init__(*open_host(host, True, settings))
-        _living.add(self)
+        self.close_at_exit()
         self.log = Log(self)
         watch(self.log)
 
@@ -48,12 +46,3 @@ class PumpConnection(Connection):
         with contextlib.suppress(ClosedError):  # a forked child has nothing to end
             _native.roburoc4_pump_close(self.handle)
         self.end_recording()
-
-
-_living: weakref.WeakSet[PumpConnection] = weakref.WeakSet()
-
-
-@atexit.register
-def _close_all() -> None:
-    for connection in list(_living):
-        connection.close()

@@ -4,7 +4,6 @@
 import contextlib
 import math
 from collections.abc import Callable
-from types import TracebackType
 from typing import Any, Literal, Self, TypeVar, Unpack, overload
 
 from . import _native
@@ -48,12 +47,7 @@ class Robot(RobotBase):
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def close(self) -> None:

@@ -5,11 +5,9 @@ Nothing moves datagrams while the program does other things. If the program hang
 own watchdog stops the robot.
 """
 
-import atexit
 import contextlib
 import math
 import select
-import weakref
 from collections.abc import Callable
 
 from . import _native
@@ -36,7 +34,7 @@ class SocketConnection(ManualConnection):
 
     def __init__(self, host: str, settings: Settings) -> None:
         super().__init__(*open_host(host, False, settings), settings)
-        _living.add(self)
+        self.close_at_exit()
 
     def __del__(self) -> None:
         if not getattr(self, "_left", True):
@@ -75,12 +73,3 @@ class SocketConnection(ManualConnection):
         with contextlib.suppress(ClosedError):
             _native.roburoc4_udp_close(self.handle)
         self.end_recording()
-
-
-_living: weakref.WeakSet[SocketConnection] = weakref.WeakSet()
-
-
-@atexit.register
-def _close_all() -> None:
-    for connection in list(_living):
-        connection.close()

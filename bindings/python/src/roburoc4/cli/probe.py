@@ -8,7 +8,6 @@ import select
 import socket
 import time
 from dataclasses import dataclass, field
-from types import TracebackType
 from typing import Self
 
 _FIRST_ID, _LAST_ID = 2, 254
@@ -44,12 +43,7 @@ class Probe:
             self._note(error)
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._socket.close()
 
     @property

@@ -4,7 +4,6 @@
 import contextlib
 import threading
 from collections.abc import Callable
-from types import TracebackType
 from typing import Self
 
 from ..robot import Robot, connect
@@ -55,12 +54,7 @@ class Program:
         while not self._ended.wait(_LOOK_S):
             self._participant.look()
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._stack.close()
 
 
