@@ -321,6 +321,18 @@ TEST(Seldom, AClockStepBackLeavesNoRequestWaiting) {
         << "who sleeps until then would sleep for a quarter of an hour";
 }
 
+TEST(Seldom, AClockStepBackEndsThePauseOfTextsAfterAnError) {
+    ScriptedRobot robot;
+    robot.error_header = robot.texts_refused = true;
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    const std::size_t before = robot.seen(ROBUROC4_ACTION_QUERY).size();
+    bench.skew_us -= 900000000;
+    bench.run(5 * second);
+    EXPECT_GT(robot.seen(ROBUROC4_ACTION_QUERY).size(), before);
+}
+
 TEST(Seldom, NoPoseWasSetBeforeOneIsSet) {
     ScriptedRobot robot;
     const Bench bench(robot);

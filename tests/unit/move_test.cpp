@@ -624,9 +624,122 @@ TEST_F(Move, OptionsOfAnotherSizeAreRefused) {
 }
 
 TEST_F(Move, APointTooFarAwayIsRefused) {
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_point(&move, 1e9, 0, nullptr));
-    EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, go());
-    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, move.cause);
+    for (const bool aside : {false, true}) {
+        ASSERT_EQ(ROBUROC4_OK,
+                  roburoc4_move_to_point(&move, aside ? 0 : 1e9, aside ? 1e9 : 0, nullptr));
+        EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, go());
+        EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, move.cause);
+    }
+}
+
+/* ---------------------------------------------------------------- a program with its own view */
+
+class MoveView : public testing::Test {
+  protected:
+    MoveView() {
+        view.size = sizeof view;
+        view.speed_cycles = view.pose_cycles = 1;
+        view.armed = 1;
+        view.front_m = view.rear_m = 100;
+        roburoc4_move_options_init(&options, sizeof options);
+    }
+    /** A status of both services came, and the move is stepped. */
+    std::int32_t step(std::uint64_t later_us = 50000) {
+        now_us += later_us;
+        view.speed_cycles += later_us / cycle_us;
+        view.pose_cycles += later_us / cycle_us;
+        return roburoc4_move_step_view(&move, &view, now_us);
+    }
+    roburoc4_move move{};
+    roburoc4_move_view view{};
+    roburoc4_move_options options{};
+    std::uint64_t now_us = second;
+};
+
+TEST_F(MoveView, EachCauseOfADisarmedClientHasItsResult) {
+    const std::pair<roburoc4_result, std::int32_t> rows[] = {
+        {ROBUROC4_ERR_OVERRIDE, ROBUROC4_MOVE_OVERRIDE},
+        {ROBUROC4_ERR_OVERRIDE_UNKNOWN, ROBUROC4_MOVE_OVERRIDE},
+        {ROBUROC4_ERR_OTHER_COMMANDER, ROBUROC4_MOVE_OTHER_COMMANDER},
+        {ROBUROC4_ERR_INHIBITED, ROBUROC4_MOVE_INHIBITED},
+        {ROBUROC4_ERR_DISARMED, ROBUROC4_MOVE_CANCELLED},
+        {ROBUROC4_ERR_LOST, ROBUROC4_MOVE_LOST}};
+    for (const auto &[cause, result] : rows) {
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, nullptr));
+        view.armed = 1;
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+        EXPECT_GT(move.linear_m_s, 0);
+        view.armed = 0;
+        view.disarm_cause = cause;
+        EXPECT_EQ(result, step());
+        EXPECT_EQ(cause, move.cause);
+        EXPECT_EQ(0, move.linear_m_s);
+        view.armed = 1;
+        EXPECT_EQ(result, step()) << "it has ended";
+    }
+}
+
+TEST_F(MoveView, ASecondOfSilenceEndsIt) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, nullptr));
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, roburoc4_move_step_view(&move, &view, now_us + second));
+    EXPECT_EQ(ROBUROC4_MOVE_LOST, roburoc4_move_step_view(&move, &view, now_us + second + 1));
+}
+
+TEST_F(MoveView, AMoveToAPointWaitsASecondForThePose) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_point(&move, 1, 0, nullptr));
+    view.pose_cycles = 0;
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, roburoc4_move_step_view(&move, &view, now_us));
+    EXPECT_EQ(0, move.linear_m_s);
+    EXPECT_EQ(ROBUROC4_MOVE_LOST, roburoc4_move_step_view(&move, &view, now_us + second + 1));
+}
+
+TEST_F(MoveView, RestEndsWhenThePadDrives) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&move, nullptr));
+    view.linear_m_s = 0.5F;
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+    view.overridden = 1;
+    EXPECT_EQ(ROBUROC4_MOVE_OVERRIDE, step());
+}
+
+TEST_F(MoveView, ALongWayHasTime) {
+    options.linear_m_s = 0.001F;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 10000, 0, &options));
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step(3000000 * second)) << "a month later";
+}
+
+TEST_F(MoveView, ASpeedThatIsNoNumberCountsAsNone) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, nullptr));
+    view.linear_m_s = view.angular_rad_s = std::numeric_limits<float>::quiet_NaN();
+    for (int i = 0; i < 3; i++)
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+    EXPECT_NEAR(0, move.distance_m, 1e-6);
+    EXPECT_GT(move.linear_m_s, 0);
+}
+
+TEST_F(MoveView, AccelerationsThatTheRobotDoesNotReportLimitNothing) {
+    const auto speed_with = [&](float most) {
+        view.max_linear_m_s2 = view.max_angular_rad_s2 = most;
+        EXPECT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, nullptr));
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+        return move.linear_m_s;
+    };
+    const float unlimited = speed_with(100);
+    EXPECT_LT(speed_with(0.1F), unlimited);
+    for (const float most : {0.0F, -1.0F, std::numeric_limits<float>::quiet_NaN()})
+        EXPECT_EQ(unlimited, speed_with(most)) << most;
+}
+
+TEST_F(MoveView, APoseWhereTheRobotStandsIsATurn) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_pose(&move, 0, 0, 1, nullptr));
+    bool turned = false;
+    for (int i = 0; i < 10; i++) {
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+        EXPECT_EQ(0, move.linear_m_s);
+        turned = turned || move.angular_rad_s > 0;
+    }
+    EXPECT_TRUE(turned);
 }
 
 TEST(MoveResult, EveryResultHasASentence) {
