@@ -271,6 +271,9 @@ TEST(Link, RoundTripIsThatOfAnsweredRequests) {
     bench.run(60 * second);
     EXPECT_EQ(7000U, bench.link().round_trip_min_us);
     EXPECT_NEAR(21000, bench.link().round_trip_us, 300);
+    bench.delay_to_client = [] { return 3 * ms; };
+    bench.run(60 * second);
+    EXPECT_EQ(3000U, bench.link().round_trip_min_us);
 }
 
 TEST(Link, RoundTripIsThatOfTheNetworkSinceTheRobotWasFoundAgain) {
