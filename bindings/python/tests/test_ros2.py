@@ -16,7 +16,6 @@ from typing import Any
 import pytest
 from cli_support import COMMAND, document, environment, one_line, run, start
 from conftest import until
-from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication
 from cyclonedds.pub import DataWriter
 from cyclonedds.qos import Policy, Qos
 from cyclonedds.sub import DataReader
@@ -101,13 +100,6 @@ def take(reader: Any, count: int) -> list[Any]:
     return found
 
 
-def writers(listener: Participant) -> dict[str, Any]:
-    """What is published by others, by the topic's name on the wire."""
-    source = BuiltinDataReader(listener.dds, BuiltinTopicDcpsPublication)
-    ours = listener.dds.guid
-    return {one.topic_name: one for one in source.take(100) if one.participant_key != ours}
-
-
 # -------------------------------------------------------------------------------------- messages
 
 
@@ -148,25 +140,6 @@ def test_odometry_comes_at_every_status(
         assert after - before == pytest.approx(0.05, abs=0.02)
     assert found[0].header.frame_id == "odom"
     assert found[0].child_frame_id == "base_link"
-
-
-def test_the_node_is_announced_with_its_topics(
-    listener: Participant, launch: Callable[..., Ros2], served: roburoc4.Simulator
-) -> None:
-    launch(robot=served.address)
-    until(listener.others)
-    ((node,),) = [announcement.nodes for announcement in listener.others()]
-    assert node.full_name == "/roburoc4"
-    known: dict[str, Any] = {}
-
-    def seen() -> bool:
-        known.update(writers(listener))
-        return len(known) == len(PUBLISHED) + 1
-
-    until(seen)
-    gids = {bytes(one.key.bytes) for name, one in known.items() if name.startswith("rt/")}
-    assert set(node.writers) == gids
-    assert {listener.node_of(gid) for gid in gids} == {"/roburoc4"}
 
 
 # ------------------------------------------------------------------------------ what is published
@@ -228,16 +201,6 @@ def test_what_was_sent_is_what_rosbags_reads(
     assert (twist.linear.x, twist.angular.z) == (0.0, 0.0)
 
 
-def test_a_pressed_bumper_is_published(
-    published: Any, launch: Callable[..., Ros2], served: roburoc4.Simulator
-) -> None:
-    launch(robot=served.address)
-    published()
-    served.set("bumper_front", 1)
-    until(lambda: published()["bumpers/front"].data)
-    assert not published()["bumpers/rear"].data
-
-
 def test_diagnostics_tell_link_override_arming_and_versions(
     published: Any, launch: Callable[..., Ros2], served: roburoc4.Simulator
 ) -> None:
@@ -287,31 +250,6 @@ def test_covariances_grow_with_the_way_and_never_shrink() -> None:
 
 
 # --------------------------------------------------------------------------------- tools and names
-
-
-def test_the_list_is_what_is_published(
-    listener: Participant, launch: Callable[..., Ros2], served: roburoc4.Simulator
-) -> None:
-    listed = document(run("ros2", "--list", "--json"))
-    rows = [row for row in listed if row["direction"] == "published"]
-    launch(robot=served.address)
-    known: dict[str, Any] = {}
-
-    def seen() -> bool:
-        known.update(writers(listener))
-        return {"rt" + row["topic"] for row in rows if row["direction"] == "published"} <= set(
-            known
-        )
-
-    until(seen)
-    for row in rows:
-        package, _, name = row["type"].split("/")
-        one = known["rt" + row["topic"]]
-        assert one.type_name == f"{package}::msg::dds_::{name}_"
-        latched = "transient local" in row["qos"]
-        assert (Policy.Durability.TransientLocal in one.qos.policies) is latched
-        user_data = next(p for p in one.qos.policies if isinstance(p, Policy.Userdata))
-        assert user_data.data.decode() == f"typehash={STORE.hash_rihs01(row['type'])};"
 
 
 def test_two_robots_have_namespaces_frames_and_nodes(
@@ -406,25 +344,6 @@ def test_the_domain_is_that_of_ros_domain_id(
 
 
 # ---------------------------------------------------------------------------------- beginning, end
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_leaves_no_entity_behind(
-    listener: Participant,
-    launch: Callable[..., Ros2],
-    served: roburoc4.Simulator,
-    number: signal.Signals,
-) -> None:
-    reader = messages(listener, {"odom": PUBLISHED["odom"]})
-    program = launch(robot=served.address)
-    reader()
-    odom = listener.topic("rt/odom", "nav_msgs/Odometry")
-    watcher = DataReader(listener.dds, odom, Qos(Policy.Reliability.BestEffort))
-    until(watcher.get_matched_publications)
-    code, _ = program.end(number)
-    assert code == 128 + number
-    # It says goodbye: one that only falls silent is missed after 10 s.
-    until(lambda: not watcher.get_matched_publications(), 2.0)
 
 
 def test_a_robot_that_is_off_is_waited_for(
