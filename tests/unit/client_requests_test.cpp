@@ -350,6 +350,21 @@ TEST(ErrorTelegram, EndsAllTextRequestsForAWhile) {
     EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive({0})) << "it may refuse either";
 }
 
+TEST(ErrorTelegram, ThatComesWhileTextsWaitMakesThemWaitLonger) {
+    ScriptedRobot robot;
+    robot.error_header = robot.texts_refused = true;
+    Bench bench(robot);
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    bench.run(500 * ms);
+    const std::size_t before = robot.seen(ROBUROC4_ACTION_QUERY).size();
+    const std::uint64_t at_us = bench.now_us;
+    EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive({0}));
+    ASSERT_TRUE(bench.run_until([&] { return robot.seen(ROBUROC4_ACTION_QUERY).size() > before; },
+                                5 * second));
+    EXPECT_EQ(700 * ms, bench.now_us - at_us);
+}
+
 TEST(ErrorTelegram, ThatFitsNothingIsCounted) {
     ScriptedRobot robot;
     Bench bench(robot);

@@ -321,6 +321,19 @@ TEST(Seldom, AClockStepBackLeavesNoRequestWaiting) {
         << "who sleeps until then would sleep for a quarter of an hour";
 }
 
+/** A faster status of one service shows that those of the others were later than they seemed. */
+TEST(Seldom, AFasterStatusBringsTheEndOfArmingForward) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    const std::size_t before = robot.requests.size();
+    ASSERT_TRUE(bench.run_until([&] { return robot.requests.size() > before; }, 2 * second));
+    const std::uint64_t deadline_us = roburoc4_client_next_deadline(&bench.client);
+    EXPECT_EQ(ROBUROC4_OK,
+              bench.receive(robot.status_at(ROBUROC4_SERVICE_TELEMETER, robot.cycles() + 5)));
+    EXPECT_LE(roburoc4_client_next_deadline(&bench.client), deadline_us - 50 * ms);
+}
+
 TEST(Seldom, AClockStepBackEndsThePauseOfTextsAfterAnError) {
     ScriptedRobot robot;
     robot.error_header = robot.texts_refused = true;

@@ -568,6 +568,17 @@ TEST(Role, IsFoundByTheManualsTableWhereThereAreNoTexts) {
     }
 }
 
+TEST(Role, OneTextMayNameTwo) {
+    ScriptedRobot robot;
+    robot.channel_text = [](std::uint32_t io_type, std::uint32_t index) -> std::string {
+        return io_type == ROBUROC4_IO_DIGITAL_INPUT && index == 5 ? "Bumper front/rear" : "";
+    };
+    Bench bench(robot);
+    bench.ready();
+    EXPECT_EQ(5, role(bench, ROBUROC4_ROLE_FRONT_BUMPER));
+    EXPECT_EQ(5, role(bench, ROBUROC4_ROLE_REAR_BUMPER));
+}
+
 TEST(Role, OfThePadIsNotGuessedOnACardWithOtherOutputs) {
     for (const bool analog : {false, true}) {
         ScriptedRobot robot;
