@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from . import _native
 from .constants import Result
-from .errors import ArgumentError, NetworkError, NotKnownError
+from .errors import ArgumentError, NetworkError, NotKnownError, unusable
 from .records import Status, made_of
 from .settings import STATUS_MASK, Settings, buffer_of, config_of
 
@@ -73,15 +73,15 @@ def open_host(host: str, threaded: bool, settings: Settings) -> "tuple[_native.C
     max_bytes = _limit(settings.get("record_max_bytes", 0), "record_max_bytes")
     max_s = _limit(settings.get("record_max_s", 0), "record_max_s")
     robot = resolve(host)
-    handle = _native.new_connection(
-        robot if threaded else None,
-        config,
-        buffer_of(settings),
-        robot,
-        None if record is None else os.fspath(record),
-        max_bytes,
-        max_s,
-    )
+    pumped = robot if threaded else None
+    path = None if record is None else os.fspath(record)
+    try:
+        handle = _native.new_connection(
+            pumped, config, buffer_of(settings), robot, path, max_bytes, max_s
+        )
+    except ArgumentError:
+        usable = "a path of 1 to 1000 bytes"
+        raise unusable("record", repr(path), usable, Result.CONFIG) from None
     if not threaded:
         _native.connection_open_socket(handle, robot)
     return handle, robot

@@ -68,20 +68,6 @@ class Settings(TypedDict, total=False):
 
 BUFFER_DEFAULT = 10_000
 
-_PLAIN = frozenset(
-    (
-        "lease_ms",
-        "drive_period_ms",
-        "fresh_ms",
-        "lost_ms",
-        "first_retry_ms",
-        "robot_watchdog_ms",
-        "max_linear_m_s",
-        "max_angular_rad_s",
-        "scale_linear",
-        "scale_angular",
-    )
-)
 _OPTIONS = {"turn_keeping": 1, "allow_unknown_override": 2, "ignore_other_commander": 4}
 _ELSEWHERE = ("buffer", "record", "record_max_bytes", "record_max_s")
 _ROLES = {
@@ -131,15 +117,15 @@ def _set_periods(config: "_native.Config", periods: Mapping[str, int | None]) ->
 
 # Settings gives each name its type.
 def _set(config: "_native.Config", name: str, value: Any) -> None:
-    if name in _PLAIN:
-        set_member("config", config, name, value)
-    elif name in _ROLES:
+    if name in _ROLES:
         _native.roburoc4_config_role_index_set(config, _ROLES[name], value)
     elif name == "periods_ms":
         _set_periods(config, value)
-    elif name not in _OPTIONS and name not in _ELSEWHERE:
+    elif name not in Settings.__annotations__:
         known = ", ".join(sorted(Settings.__annotations__))
         raise TypeError(f"no setting {name!r}: there are {known}")
+    elif name not in _OPTIONS and name not in _ELSEWHERE:
+        set_member("config", config, name, value)
 
 
 def config_of(settings: Settings) -> "_native.Config":
