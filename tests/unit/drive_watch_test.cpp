@@ -203,6 +203,20 @@ TEST(Inhibited, IsNotReportedWhenTheSpeedIsNotFinite) {
     }
 }
 
+TEST(Inhibited, IsNotReportedWhenTheTargetIsNotFinite) {
+    for (const bool turning : {false, true}) {
+        ScriptedRobot robot;
+        robot.follows = false;
+        Bench bench(robot);
+        bench.ready();
+        (turning ? robot.target_angular : robot.target_linear) =
+            std::numeric_limits<float>::quiet_NaN();
+        bench.run(2 * second);
+        EXPECT_EQ(0, bench.facts().inhibited) << "nobody knows whether it should move";
+        EXPECT_EQ(1, bench.facts().other_commander);
+    }
+}
+
 TEST(Inhibited, DisarmsForATurnToo) {
     ScriptedRobot robot;
     robot.follows = false;
