@@ -96,7 +96,6 @@ void roburoc4_lifecycle_reboot(client *c) {
     count(c, ROBUROC4_COUNT_REBOOTS);
     raise_event(c, ROBUROC4_EVENT_REBOOT);
     c->private_link.newest_cycles = 0;
-    c->private_link.resubscribed = 0;
     roburoc4_lifecycle_forget_outputs(c); /* the robot switched its outputs off */
     roburoc4_discovery_clear(&c->private_discovery);
     roburoc4_lifecycle_connect(c, ROBUROC4_STATE_CONNECTING);
