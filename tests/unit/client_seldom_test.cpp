@@ -346,6 +346,16 @@ TEST(Seldom, AClockStepBackEndsThePauseOfTextsAfterAnError) {
     EXPECT_GT(robot.seen(ROBUROC4_ACTION_QUERY).size(), before);
 }
 
+TEST(Seldom, AServiceThatIsSilentAfterAClockStepIsSubscribedToAgain) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.subscriptions.clear();
+    bench.skew_us -= 900000000;
+    bench.run(3 * second);
+    EXPECT_EQ(1U, robot.subscriptions.count(6)) << "the differential service";
+}
+
 TEST(Seldom, NoPoseWasSetBeforeOneIsSet) {
     ScriptedRobot robot;
     const Bench bench(robot);
