@@ -180,6 +180,7 @@ def test_a_command_is_rejected_and_counted_by_cause(
     assert state.rejected_cause == getattr(State, counter.upper())
     assert (state.rejected_sender, state.rejected_utime) == (command.sender[:63], command.utime)
     assert state.rejected_message in willing.output
+    assert ("--max-age" in state.rejected_message) == ("ahead_us" in fault)
 
 
 def test_each_incident_of_rejections_is_logged(bus: Bus, willing: Bridge) -> None:

@@ -83,6 +83,7 @@ def test_every_status_arrives_once_and_with_equal_values(
     bridge = start_bridge("--enable-drive", *FAST).arms()
     # Something that changes, so that a wrong value cannot hide.
     robot.tell("pad rt 0.25")
+    robot.tell("pad ljx -0.5")
     robot.tell("battery 37")
     robot.tell("pad a down")
     time.sleep(2.0)

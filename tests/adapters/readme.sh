@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 #
 # readme.sh CASE ROOT BUILD [ARGUMENT...]: the C program of README.md, compiled as it says there, against
-# the simulator as real processes. CASE is what happens: drives, closed, lost; or installed: the program of
-# docs/c.md is built as it says there from what is installed; or pump: the example at the top of
+# the simulator as real processes. CASE is what happens: drives, silent, closed, lost; or installed: the
+# program of docs/c.md is built as it says there from what is installed; or pump: the example at the top of
 # roburoc4_pump.h drives; or newer: compiled with shared libraries, it runs with later ones.
 set -eu
 case_name=$1
@@ -49,6 +49,15 @@ drives)
     start "$build/bin/roburoc4-sim"
     drive 0 build/drive "$robot"
     stands_after_a_drive
+    ;;
+silent)
+    # A stopped process keeps its port and sends nothing.
+    compile
+    start "$build/bin/roburoc4-sim"
+    kill -STOP "$simulator"
+    drive 1 build/drive "$robot"
+    kill -CONT "$simulator"
+    grep -q 'gave up: not connected' said
     ;;
 closed)
     compile

@@ -59,7 +59,8 @@ def test_a_signal_ends_the_node_with_zeros_at_once(
     drives(robot)
     signalled_us = now_us()
     driven.signal(number)
-    driven.ends(5)
+    assert driven.ends(5) == 128 + number
+    assert "Traceback" not in driven.output
     assert first_zero_us(robot) - signalled_us < 2 * MARGIN_US
     assert len(robot.tap.commands(signalled_us)) >= 3
     until(robot.stands, "the robot stands")

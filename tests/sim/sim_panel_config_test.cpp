@@ -129,6 +129,16 @@ TEST_F(SimPanel, PutsBoxesOnTheFloor) {
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, obey("box move 7 0 0 0"));
 }
 
+TEST_F(SimPanel, PinsInputs) {
+    EXPECT_EQ(0, robot.insert(ROBUROC4_SERVICE_IOCARD, 1));
+    EXPECT_EQ(ROBUROC4_OK, obey("pin digital 4 on"));
+    robot.run(1);
+    EXPECT_EQ(0x10, robot.take().at(0).bytes.at(47));
+    EXPECT_EQ(ROBUROC4_OK, obey("pin none"));
+    robot.run(1);
+    EXPECT_EQ(0x00, robot.take().at(0).bytes.at(47));
+}
+
 TEST_F(SimPanel, AcceptsAControlByItsName) {
     EXPECT_EQ(ROBUROC4_OK, obey("estop_local 1"));
     EXPECT_EQ(1, robot.state().estop_local);

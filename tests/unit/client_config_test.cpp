@@ -135,7 +135,9 @@ TEST(Config, ErrorIsTheNameAndTheRange) {
              c.drive_period_ms = 100;
          }},
         {"period_ms of IO card and differential: at most a third of fresh_ms",
-         [](roburoc4_config &c) { c.fresh_ms = 50; }},
+         [](roburoc4_config &c) { c.period_ms[2] = 500; }},
+        {"period_ms of IO card and differential: at most a third of fresh_ms",
+         [](roburoc4_config &c) { c.period_ms[6] = 500; }},
         {"period_ms: multiples of 10, 10 to 2550", [](roburoc4_config &c) { c.period_ms[6] = 0; }},
         {"role_index: -1, or an index to 63 (battery voltage: 15)",
          [](roburoc4_config &c) { c.role_index[0] = 64; }},

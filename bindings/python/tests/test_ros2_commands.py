@@ -132,6 +132,12 @@ def test_nan_anywhere_in_a_message_is_refused(topics: Topics, axis: str, value: 
     assert "NaN or infinity" in topics.notes[-1]
 
 
+def test_speeds_beyond_all_limits_are_clamped(topics: Topics) -> None:
+    topics.send(topics.stamped(1e300))
+    topics.step(0.1)
+    assert topics.speeds == (2.6, 0.0)
+
+
 def test_speeds_that_the_robot_cannot_have_are_ignored(topics: Topics) -> None:
     topics.send(topics.stamped(0.3, linear_y=0.5, linear_z=0.1, angular_x=1.0, angular_y=1.0))
     topics.step(0.05)

@@ -122,6 +122,28 @@ def test_a_plain_twist_drives_by_option(
     until(lambda: drives(served))
 
 
+def test_stop_is_obeyed_from_any_publisher_and_holds(
+    served: Simulator,
+    bridge: Callable[..., Bridge],
+    stream: Callable[..., Any],
+    others: Participant,
+) -> None:
+    running = bridge()
+    node = others.node("/", "operator")
+    stop = node.publisher("stop", "std_msgs/Empty", Profile(10, reliable=False))
+    others.announce()
+    stream()
+    until(lambda: drives(served))
+    stop.publish(bytes(Cdr().numbers("B", 0).data))
+    until(lambda: stands(served))
+    until(lambda: running.told("stopped by /operator"))
+    before = served.state.nonzero_speed_commands
+    until(lambda: running.told("cmd_vel of /planner rejected"))
+    time.sleep(1.0)
+    assert stands(served)
+    assert served.state.nonzero_speed_commands == before
+
+
 def test_a_stop_sent_before_the_bridge_knew_its_sender_is_obeyed(
     bridge: Callable[..., Bridge], others: Participant
 ) -> None:

@@ -24,8 +24,8 @@ CYCLE_S = 0.011
 class Scene:
     """A robot in virtual time, a control, and two pages."""
 
-    def __init__(self) -> None:
-        self.sim = roburoc4.Simulator()
+    def __init__(self, sim: roburoc4.Simulator) -> None:
+        self.sim = sim
         self.robot = self.sim.connect()
         self.ticks = Ticks()
         self.control = Control(self.robot, self.ticks, LEASE_S, offered=True)
@@ -59,7 +59,7 @@ class Scene:
 
 @pytest.fixture
 def scene() -> Iterator[Scene]:
-    one = Scene()
+    one = Scene(roburoc4.Simulator())
     with one.sim, one.robot:
         yield one
 
@@ -73,6 +73,18 @@ def test_an_input_holds_until_one_lease_after_its_tick(scene: Scene) -> None:
     assert scene.driven
     scene.sim.step(0.05 + CYCLE_S)
     assert not scene.driven
+
+
+@pytest.mark.parametrize(("forward", "linear_m_s"), [(1.0, 0.5), (-1.0, -0.4)])
+def test_full_deflection_is_the_lower_of_limit_and_ceiling(
+    forward: float, linear_m_s: float
+) -> None:
+    scene = Scene(roburoc4.Simulator(max_linear_m_s=0.5, min_linear_m_s=-0.4))
+    with scene.sim, scene.robot:
+        scene.arm()
+        scene.drive(0, scene.show(), forward)
+        scene.sim.step(0.1)
+        assert scene.sim.state.last_linear_m_s == pytest.approx(linear_m_s, abs=1e-4)
 
 
 def test_an_input_that_is_older_than_the_lease_is_dropped(scene: Scene) -> None:
@@ -223,7 +235,7 @@ _STEPS = st.lists(
 def test_no_speed_outlives_the_lease_of_its_tick(
     steps: list[tuple[str, float]],
 ) -> None:
-    scene = Scene()
+    scene = Scene(roburoc4.Simulator())
     newest_s = float("-inf")  # issue of the newest tick that an accepted speed can answer to
     with scene.sim, scene.robot:
         scene.arm()
