@@ -337,6 +337,30 @@ TEST(Link, AgeIsThatOfTheVeryFirstStatus) {
     EXPECT_EQ(before_us + 20000U, bench.service_link(differential).age_us);
 }
 
+TEST(Link, AnOlderRequestThatIsAnsweredLaterMakesNoStatusOlder) {
+    ScriptedRobot robot;
+    for (ScriptedService &service : robot.services)
+        service.mute = true;
+    std::uint8_t id = 0;
+    robot.instead = [&](const roburoc4_request &r, std::vector<Bytes> &) {
+        id = r.action == ROBUROC4_ACTION_REPLACE ? r.id : id;
+        return r.action == ROBUROC4_ACTION_REPLACE;
+    };
+    roburoc4_config config = default_config();
+    config.lost_ms = 2000; /* no status comes for a second */
+    Bench bench(robot, config);
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_relocalize(&bench.client, 1, 2, 3, bench.client_us()));
+    bench.run(1010 * ms); /* a probe is answered */
+    robot.say(plain_answer(id, ROBUROC4_ACTION_REPLACE, ROBUROC4_SERVICE_LOCALIZATION, 0));
+    bench.pump();
+    ASSERT_EQ(ROBUROC4_OK, bench.facts().relocalize_result);
+    robot.say(robot.status(ROBUROC4_SERVICE_DIFFERENTIAL));
+    bench.pump();
+    EXPECT_EQ(20000U, bench.service_link(differential).age_us) << "since the probe, and a cycle";
+}
+
 TEST(Link, HugeAgeAndSilenceAreTheLargestNumber) {
     ScriptedRobot robot;
     Bench bench(robot);

@@ -350,6 +350,25 @@ TEST(ErrorTelegram, EndsAllTextRequestsForAWhile) {
     EXPECT_EQ(ROBUROC4_ERR_UNMATCHED, bench.receive({0})) << "it may refuse either";
 }
 
+TEST(ErrorTelegram, EndsTextRequestsForServicesForAWhile) {
+    ScriptedRobot robot;
+    for (ScriptedService &service : robot.services)
+        service.type = 0x7100; /* of another maker: texts must tell */
+    bool silent = true;
+    silence(robot, ROBUROC4_ACTION_QUERY, silent);
+    Bench bench(robot);
+    const auto texts = [&] { return robot.seen(ROBUROC4_ACTION_QUERY, 0).size(); };
+    bench.start();
+    const std::size_t before = texts();
+    ASSERT_GE(before, 3U) << "at the same time";
+    EXPECT_EQ(ROBUROC4_ERR_UNMATCHED,
+              bench.receive({0, ROBUROC4_ACTION_QUERY, 0, 0, ROBUROC4_ERROR_UNSUPPORTED}));
+    bench.run(699 * ms);
+    EXPECT_EQ(before, texts());
+    bench.run(ms);
+    EXPECT_EQ(before + 1, texts()) << "one at a time";
+}
+
 TEST(ErrorTelegram, ThatComesWhileTextsWaitMakesThemWaitLonger) {
     ScriptedRobot robot;
     robot.error_header = robot.texts_refused = true;
