@@ -12,7 +12,10 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <tuple>
+#include <utility>
 
+#include "client_bench.h"
 #include "roburoc4_sim.h"
 
 namespace {
@@ -23,6 +26,7 @@ constexpr std::uint64_t second = 1000000;
 constexpr std::uint64_t cycle_us = 10000;
 /* Lag of a RobuROC4's speed behind its target: 2 * damping / natural frequency. */
 constexpr double response_s = 0.64;
+constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
 double wrapped(double angle_rad) {
     return std::remainder(angle_rad, 2 * pi);
@@ -440,6 +444,12 @@ TEST_F(Move, ACancelledMoveStopsTheRobot) {
     EXPECT_EQ(0, move.linear_m_s);
 }
 
+TEST_F(Move, ThatHasEndedKeepsItsResultWhenItIsCancelled) {
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(0.1F));
+    roburoc4_move_cancel(&move, &client, now());
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.result);
+}
+
 TEST_F(Move, AViewOfAnUnknownSizeEndsIt) {
     for (const std::size_t size : {std::size_t{0}, std::size_t{8}, sizeof(roburoc4_move_view) - 4,
                                    sizeof(roburoc4_move_view) + 4}) {
@@ -597,8 +607,8 @@ TEST_F(Move, BadArgumentsAreRefused) {
     EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE, roburoc4_move_by(&move, 0, infinite, nullptr));
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_move_by(&move, 10001.0F, 0, nullptr));
     EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_move_by(&move, 0, -10001.0F, nullptr));
-    EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE,
-              roburoc4_move_to_point(&move, 0, std::numeric_limits<double>::quiet_NaN(), nullptr));
+    EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE, roburoc4_move_to_point(&move, no_number, 0, nullptr));
+    EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE, roburoc4_move_to_point(&move, 0, no_number, nullptr));
     EXPECT_EQ(ROBUROC4_ERR_NOT_FINITE,
               roburoc4_move_to_pose(&move, 0, 0, std::numeric_limits<double>::infinity(), nullptr));
     for (float roburoc4_move_options::*field :
@@ -740,6 +750,102 @@ TEST_F(MoveView, APoseWhereTheRobotStandsIsATurn) {
         turned = turned || move.angular_rad_s > 0;
     }
     EXPECT_TRUE(turned);
+}
+
+TEST_F(MoveView, ADistanceThatIsNoNumberIsAnObstacle) {
+    for (const bool ahead : {true, false}) {
+        view.front_m = view.rear_m = 100;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, ahead ? 1 : -1, 0, nullptr));
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+        (ahead ? view.rear_m : view.front_m) = static_cast<float>(no_number);
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step()) << "not where it goes";
+        (ahead ? view.front_m : view.rear_m) = static_cast<float>(no_number);
+        EXPECT_EQ(ROBUROC4_MOVE_OBSTACLE, step());
+    }
+}
+
+TEST_F(MoveView, AHeadingFarTooLargeIsNoTurn) {
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_pose(&move, 0, 0, 1e6, nullptr));
+    for (int i = 0; i < 10; i++) {
+        step();
+        EXPECT_EQ(0, move.angular_rad_s);
+    }
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.result);
+}
+
+TEST_F(MoveView, HoweverFarItStraysItTurnsBackWithinTheLimit) {
+    for (const float side : {1.0F, -1.0F}) {
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 10, 0, nullptr));
+        view.linear_m_s = 1;
+        view.angular_rad_s = side * 0.3F;
+        view.pose_cycles = 0;
+        for (int i = 0; i < 40; i++) {
+            now_us += 5 * cycle_us;
+            view.speed_cycles += 5;
+            EXPECT_EQ(ROBUROC4_MOVE_RUNNING, roburoc4_move_step_view(&move, &view, now_us));
+        }
+        EXPECT_EQ(-side * options.angular_rad_s, move.angular_rad_s);
+    }
+}
+
+/* ------------------------------------------------------------------------- what a client knows */
+
+TEST(MoveOfAClient, RestIsLostIfNothingIsHeardForASecond) {
+    roburoc4_tests::ScriptedRobot robot;
+    roburoc4_tests::Bench bench(robot);
+    roburoc4_move move;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&move, nullptr));
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, roburoc4_move_step(&move, &bench.client, second));
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, roburoc4_move_step(&move, &bench.client, 2 * second));
+    EXPECT_EQ(ROBUROC4_MOVE_LOST, roburoc4_move_step(&move, &bench.client, 2 * second + 1));
+}
+
+TEST(MoveOfAClient, UsesNoPoseThatIsInvalidOrNoNumber) {
+    const std::pair<bool, roburoc4_localization_status> rows[] = {
+        {true, {}},
+        {false, {0, no_number, 0, 0, 0, 0, 0}},
+        {false, {0, 0, no_number, 0, 0, 0, 0}},
+        {false, {0, 0, 0, no_number, 0, 0, 0}},
+        {false, {0, 0, 0, 0, ROBUROC4_LOCALIZATION_INVALID, 0, 0}},
+        {false, {0, 0, 0, 0, ROBUROC4_LOCALIZATION_ERROR, 0, 0}}};
+    for (auto [good, pose] : rows) {
+        roburoc4_tests::ScriptedRobot robot;
+        robot.service(ROBUROC4_SERVICE_LOCALIZATION).mute = true;
+        roburoc4_tests::Bench bench(robot);
+        bench.armed();
+        pose.robot_cycles = robot.cycles();
+        pose.service = ROBUROC4_SERVICE_LOCALIZATION;
+        robot.say(roburoc4_tests::encoded([&status = pose](std::uint8_t *b, std::size_t n) {
+            return roburoc4_encode_localization_status(b, n, &status);
+        }));
+        bench.pump();
+        roburoc4_move move;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_point(&move, 0, 1, nullptr));
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, roburoc4_move_step(&move, &bench.client, bench.now_us));
+        bench.run(second + 1);
+        EXPECT_EQ(good ? ROBUROC4_MOVE_RUNNING : ROBUROC4_MOVE_LOST,
+                  roburoc4_move_step(&move, &bench.client, bench.now_us));
+    }
+}
+
+TEST(MoveOfAClient, WhatATelemeterSeesBesideOrBehindIsNoObstacle) {
+    const std::tuple<float, float, std::int32_t> rows[] = {
+        {1.0F, 1.57F, ROBUROC4_MOVE_RUNNING}, {-1.0F, -1.57F, ROBUROC4_MOVE_RUNNING},
+        {1.0F, 3.14F, ROBUROC4_MOVE_RUNNING}, {-1.0F, 0, ROBUROC4_MOVE_RUNNING},
+        {1.0F, 0, ROBUROC4_MOVE_OBSTACLE},    {-1.0F, 3.14F, ROBUROC4_MOVE_OBSTACLE}};
+    for (const auto &[way_m, theta_rad, result] : rows) {
+        roburoc4_tests::ScriptedRobot robot;
+        robot.telemeters[0].theta_rad = theta_rad;
+        robot.distances[0] = 0.1F;
+        roburoc4_tests::Bench bench(robot);
+        bench.armed();
+        roburoc4_move move;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, way_m, 0, nullptr));
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, roburoc4_move_step(&move, &bench.client, bench.now_us));
+        bench.run(5 * cycle_us);
+        EXPECT_EQ(result, roburoc4_move_step(&move, &bench.client, bench.now_us))
+            << way_m << " m, " << theta_rad << " rad";
+    }
 }
 
 TEST(MoveResult, EveryResultHasASentence) {
