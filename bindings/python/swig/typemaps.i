@@ -262,10 +262,12 @@ ROBUROC4_NEW(gate_stall, new_stall, )
 /* STRUCT_MEMBER_set() of an array, for one item. */
 %define ROBUROC4_ARRAY(TYPE, MEMBER, ITEM)
 %inline %{
-void TYPE##_##MEMBER##_set(TYPE *settings, uint32_t index, ITEM value) {
-    if (index < sizeof settings->MEMBER / sizeof value) {
-        settings->MEMBER[index] = value;
+roburoc4_result TYPE##_##MEMBER##_set(TYPE *settings, uint32_t index, ITEM value) {
+    if (index >= sizeof settings->MEMBER / sizeof value) {
+        return ROBUROC4_ERR_INDEX;
     }
+    settings->MEMBER[index] = value;
+    return ROBUROC4_OK;
 }
 %}
 %enddef

@@ -163,6 +163,26 @@ def test_the_end_of_a_program_without_a_block_stops_the_robot(start: Start) -> N
         assert simulator.state.last_linear_m_s == 0
 
 
+def test_at_the_end_all_are_closed_and_those_without_thread_first(start: Start) -> None:
+    program = """
+import sys, roburoc4
+from roburoc4.pump import PumpConnection
+from roburoc4.udp import SocketConnection
+def failing(kind, close):
+    def close_and_fail(connection):
+        print(kind.__name__, flush=True)
+        close(connection)
+        raise OSError("as of a full disk")
+    return close_and_fail
+for kind in PumpConnection, SocketConnection:
+    kind.close = failing(kind, kind.close)
+robots = [roburoc4.connect(sys.argv[1], threaded=threaded) for threaded in (1, 1, 0, 1, 1)]
+"""
+    with Simulator(port=0) as simulator:
+        output, _ = start(program, simulator.address).communicate(timeout=120)
+    assert output.split()[:5] == ["SocketConnection"] + 4 * ["PumpConnection"]
+
+
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
 def test_after_a_fork_only_the_parents_object_works(served: Simulator, start: Start) -> None:
     program = CONNECT + (
@@ -190,6 +210,30 @@ def test_after_a_fork_only_the_parents_object_works(served: Simulator, start: St
     assert process.returncode == 0
     assert "Traceback" not in errors
     assert served.state.nonzero_speed_commands > 0
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
+def test_after_a_fork_only_the_parents_simulator_works(start: Start) -> None:
+    program = """
+import os, sys, roburoc4
+with roburoc4.Simulator(port=0) as simulator:
+    if (child := os.fork()) == 0:
+        uses = lambda: simulator.state, lambda: simulator.get("power"), simulator.set_faults
+        for use in uses:
+            try:
+                use()
+            except roburoc4.ClosedError:
+                continue
+            os._exit(1)
+        simulator.close()
+        os._exit(0)
+    code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    assert simulator.get("power")
+sys.exit(code)
+"""
+    process = start(program)
+    _, errors = process.communicate(timeout=120)
+    assert process.returncode == 0, errors
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")

@@ -6,6 +6,7 @@ simulator's virtual time. Everything above works with any of them.
 """
 
 import atexit
+import contextlib
 import os
 import warnings
 import weakref
@@ -62,7 +63,7 @@ def resolve(host: str) -> str:
 
 
 def open_alone(settings: Settings) -> "_native.Connection":
-    """Make a client that somebody moves."""
+    """Make a client without a socket."""
     return _native.new_connection(None, config_of(settings), buffer_of(settings), None, None, 0, 0)
 
 
@@ -80,6 +81,8 @@ def open_host(host: str, threaded: bool, settings: Settings) -> "tuple[_native.C
             pumped, config, buffer_of(settings), robot, path, max_bytes, max_s
         )
     except ArgumentError:
+        if path is None:
+            raise
         usable = "a path of 1 to 1000 bytes"
         raise unusable("record", repr(path), usable, Result.CONFIG) from None
     if not threaded:
@@ -136,6 +139,9 @@ class EventReader(ABC):
 class Connection(ABC):
     """A client, called by its ``handle``: ``_native.roburoc4_client_facts(handle)``."""
 
+    own_thread = False
+    """Whether a native thread moves it, rather than calls of the user."""
+
     def __init__(self, handle: "_native.Connection", address: str) -> None:
         self.handle = handle
         self.address = address
@@ -182,7 +188,7 @@ class Connection(ABC):
         """Stop the robot if it was driven, and end; from any thread, repeatedly."""
 
     def close_at_exit(self) -> None:
-        """Call close() when the program ends, unless this was forgotten before."""
+        """Call close() when the program ends, unless this was garbage-collected before."""
         _living.add(self)
 
     @property
@@ -196,5 +202,8 @@ _living: weakref.WeakSet[Connection] = weakref.WeakSet()
 
 @atexit.register
 def _close_all() -> None:
-    for connection in list(_living):
-        connection.close()
+    # Closing waits until the robot stands. Meanwhile native threads stop other robots, but nobody
+    # serves a socket of the user: these come first. All are closed even if one raises.
+    with contextlib.ExitStack() as stack:
+        for connection in sorted(_living, key=lambda each: not each.own_thread):
+            stack.callback(connection.close)  # called last in, first out

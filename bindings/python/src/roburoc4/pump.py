@@ -28,6 +28,8 @@ class PumpReader(EventReader):
 class PumpConnection(Connection):
     """A pump of roburoc4_pump.h."""
 
+    own_thread = True
+
     def __init__(self, host: str, settings: Settings) -> None:
         super().__init__(*open_host(host, True, settings))
         self.close_at_exit()

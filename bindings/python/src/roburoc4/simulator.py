@@ -156,7 +156,7 @@ class Simulator:
         *arguments: _P.args,
         **names: _P.kwargs,
     ) -> _R:
-        """Call a native function that acts on the simulator."""
+        """Call a native function on the simulator."""
         if self._process != os.getpid():
             raise error_of(Result.CLOSED)
         return function(self._sim, *arguments, **names)
@@ -211,14 +211,14 @@ class Simulator:
         faults = _native.new_sim_faults()
         for name, value in (shares | delays).items():
             set_member("sim_faults", faults, name, value)
-        _native.simulation_set_faults(self._sim, faults)
+        self._act(_native.simulation_set_faults, faults)
 
     # ---- observation ----
 
     @property
     def state(self) -> SimState:
         """Everything that can be known about the robot."""
-        return _native.roburoc4_sim_get_state(self._sim)
+        return self._act(_native.roburoc4_sim_get_state)
 
     @property
     def true_pose(self) -> Pose:
