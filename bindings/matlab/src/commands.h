@@ -29,7 +29,7 @@ typedef enum subject {
 typedef enum argument_kind {
     TAKE_RANGE,    /* numbers: finite */
     TAKE_SPEED,    /* likewise, and not logical: nobody means 1 m/s by true */
-    TAKE_WHOLE,    /* numbers; with 0 to 1, also a logical */
+    TAKE_WHOLE,    /* numbers: whole; with 0 to 1, also a logical */
     TAKE_NUMBER,   /* numbers: finite or not */
     TAKE_TEXT,     /* texts */
     TAKE_SERVICE,  /* numbers: ROBUROC4_SERVICE_* */

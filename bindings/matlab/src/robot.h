@@ -16,11 +16,12 @@ typedef struct robot {
     simulation *world;           /* in virtual time; stopped when the simulator was deleted */
     uint64_t opened_us;
     uint32_t lease_us;
-    uint32_t fresh_us;  /* maximum age of a status that counts */
-    int busy;           /* a waiting method is running: if it ends early, the robot stops */
-    recording logged;   /* since the robot was made, or since the last log() */
-    recording recorded; /* of record() or receive(), which began then */
-    roburoc4_move move; /* the one that was started last */
+    uint32_t fresh_us;          /* maximum age of a status that counts */
+    int busy;                   /* a waiting method is running: if it ends early, the robot stops */
+    recording logged;           /* since the robot was made, or since the last log() */
+    recording recorded;         /* since record() */
+    roburoc4_pump_reader heard; /* of receive() */
+    roburoc4_move move;         /* the one that was started last */
 } robot;
 
 /** Settings with which a robot is opened. */

@@ -277,9 +277,16 @@ static int begin_recording(call *in) {
     return 1;
 }
 
-/* The next recorded status of a service. */
+/* listen(id): from now on, for receive() */
+static int begin_listening(call *in) {
+    robot *r = in->object;
+    (void)roburoc4_pump_reader_init(r->pump, &r->heard);
+    return 1;
+}
+
+/* The next status of a service. */
 static int next_sample(robot *r, uint32_t service, roburoc4_sample *out) {
-    while (roburoc4_pump_read_samples(r->pump, &r->recorded.reader, out, 1) > 0) {
+    while (roburoc4_pump_read_samples(r->pump, &r->heard, out, 1) > 0) {
         if (out->service == service) {
             return 1;
         }
@@ -287,7 +294,7 @@ static int next_sample(robot *r, uint32_t service, roburoc4_sample *out) {
     return 0;
 }
 
-/* receive(id, service, seconds): the next status of a service since record(), or [] if none arrived
+/* receive(id, service, seconds): the next status of a service since listen(), or [] if none arrived
  * in time */
 static int receive(call *in) {
     robot *r = in->object;
@@ -300,7 +307,7 @@ static int receive(call *in) {
             return 1;
         }
         robot_wait(r, r->world != NULL ? ROBUROC4_CYCLE_US : (uint32_t)(end_us - now_us),
-                   &r->recorded.reader);
+                   &r->heard);
         now_us = robot_now_us(r);
     }
     sample_times(&in->out, &sample);
@@ -352,6 +359,7 @@ const command robot_read_commands[] = {
     {"inputs", READ_ROBOT, STRUCT, read_inputs, {NONE}},
     {"names", READ_ROBOT, STRUCT, read_names, {NONE}},
     {"startUtc", READ_ROBOT, NUMBER, read_start, {NONE}},
+    {"listen", READ_ROBOT, NOTHING, begin_listening, {NONE}},
     {"receive", WAIT_ROBOT, OTHER, receive, {SERVICE, WITHIN("seconds", 0, LONGEST_WAIT_S)}},
     {"record", READ_ROBOT, NOTHING, begin_recording, {SERVICES_IF_ANY}},
     {"recorded", READ_ROBOT, NOTHING, go_on_recording, {NONE}},

@@ -103,6 +103,7 @@ int recording_go_on(recording *rec, roburoc4_pump *pump) {
     while ((got = roburoc4_pump_read_samples(pump, &rec->reader, some, COUNT_OF(some))) > 0) {
         for (roburoc4_result i = 0; i < got; i++) {
             if (!append(&rec->lists[some[i].service - FIRST_SERVICE], &some[i])) {
+                rec->reader.lost += (uint32_t)(got - i);
                 return 0;
             }
             rec->count++;

@@ -479,7 +479,7 @@ methods
         end
         timeout = roburoc4.internal.number(timeout, 'timeout', 0, 1e6);
         cleanup = roburoc4.internal.guard(this.id); %#ok<NASGU>
-        roburoc4_mex('record', this.id, service);
+        roburoc4_mex('listen', this.id);
         finish_s = this.time_s + timeout;
         left_s = timeout;
         s = [];

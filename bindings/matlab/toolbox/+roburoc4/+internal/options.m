@@ -27,7 +27,7 @@ for k = 1:2:numel(given)
     elseif any(strcmp(name, known))
         others.(name) = value;
     else
-        [fewest, nearest] = min(cellfun(@(one) changes(name, one), known));
+        [fewest, nearest] = min(cellfun(@(option) changes(name, option), known));
         meant = '.';
         if fewest < 3
             meant = sprintf('; did you mean ''%s''?', known{nearest});
