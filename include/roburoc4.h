@@ -493,7 +493,7 @@ typedef struct roburoc4_private_service {
     uint16_t period_cycles, gap_min;
     uint64_t robot_cycles, received_us, inserted_us, seen;
     uint32_t received, lost, late, duplicates;
-    uint16_t recent, recent_lost; /* statuses: all, lost ones */
+    uint16_t recent, recent_lost; /* statuses: received or lost; lost */
     uint32_t jitter_us;
 } roburoc4_private_service;
 

@@ -147,7 +147,7 @@ bool roburoc4_config_load(roburoc4_config *out, const roburoc4_config *config) {
 }
 
 const char *roburoc4_config_error(const roburoc4_config *config) {
-    static const char *const texts[] = {
+    static const char *const texts[ALL_GOOD + 1] = {
         "size: set by roburoc4_config_init()",
         "subscriptions: bits 2 to 6",
         "first_retry_ms: 10 to 100",

@@ -517,8 +517,8 @@ roburoc4_result roburoc4_client_facts(const client *c, uint64_t now_us, roburoc4
     return give(out, &f, sizeof f);
 }
 
-static float share(uint32_t lost, uint32_t of) {
-    return lost > 0 ? (float)lost / (float)of : 0;
+static float share(uint32_t lost, uint32_t all) {
+    return lost > 0 ? (float)lost / (float)all : 0;
 }
 
 roburoc4_result roburoc4_client_link(const client *c, uint64_t now_us, roburoc4_link *out) {

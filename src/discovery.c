@@ -55,7 +55,7 @@ bool roburoc4_discovery_same(const discovery *d, const roburoc4_directory *direc
 }
 
 bool roburoc4_discovery_directory(discovery *d, const roburoc4_directory *directory) {
-    roburoc4_directory_entry entry = {0, 0}; /* as a compiler may not see that each is there */
+    roburoc4_directory_entry entry = {0, 0}; /* always written below, but gcc cannot see that */
     d->service_count = (uint8_t)at_most(directory->count, ROBUROC4_MAX_SERVICES);
     for (uint32_t i = 0; i < d->service_count; i++) {
         roburoc4_directory_at(directory, i, &entry);

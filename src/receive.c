@@ -380,7 +380,6 @@ static roburoc4_result take_answer(client *c, const slot *s, const uint8_t *data
     case ROBUROC4_ACTION_INSERT:
         roburoc4_link_expect(&c->private_link, STATUS_INDEX((uint32_t)s->ask.kind));
         d->acked |= service_bit(s->ask.kind);
-        d->declined &= (uint8_t)~service_bit(s->ask.kind);
         break;
     case ROBUROC4_ACTION_DELETE:
         d->leaving &= (uint8_t)~service_bit(s->ask.kind);

@@ -58,7 +58,7 @@ std::uint8_t id_of(const Bytes &datagram) {
     return datagram[0];
 }
 
-/** Floats are moved bit by bit, so that a vector of them is good for encoding them again. */
+/** All floats of a list, which may be empty: hence one more than there are. */
 std::vector<float> all_floats(const std::uint8_t *list, std::uint32_t count) {
     std::vector<float> values(count + 1);
     expect(roburoc4_floats(list, count, values.data(), count + 1) == count, "all floats are read");
