@@ -149,7 +149,7 @@ def write_results(path: str, shares: dict[str, float]) -> None:
 def bench_cpu(seconds: float, path: str | None) -> bool:
     """Measure while watched, and while driven."""
     with program(*SIMULATOR, "--port", "0", ready=r"ready on (\S+)") as (_, robot):
-        options = ("--robot", robot, "--period-ms", "20", "--allow-drive")
+        options = ("--robot", robot, "--period-ms", "20", "--enable-drive")
         options += ("--lease-ms", "1000", "--port", "0", "--no-open")
         with (
             program(*COMMAND, "dashboard", *options, ready=r"(http\S+)") as (pid, link),
@@ -221,7 +221,7 @@ def trend(
 
 def bench_memory(minutes: float, every_s: float) -> int:
     """Drive in circles, and look again and again; return the exit status."""
-    options = ("--sim", "--allow-drive", "--lease-ms", "1000", "--port", "0", "--no-open")
+    options = ("--sim", "--enable-drive", "--lease-ms", "1000", "--port", "0", "--no-open")
     with (
         program(*COMMAND, "dashboard", *options, ready=r"(http\S+)") as (pid, link),
         pages(link) as opened,

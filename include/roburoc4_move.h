@@ -62,7 +62,7 @@ extern "C" {
 /* -------------------------------------------------------------------------------- results --- */
 
 #define ROBUROC4_MOVE_RUNNING 0
-#define ROBUROC4_MOVE_REACHED 1         /* the robot stands; left_m and left_rad tell how close */
+#define ROBUROC4_MOVE_REACHED 1         /* at the goal, and at rest */
 #define ROBUROC4_MOVE_OVERRIDE 2        /* somebody holds [A] on the game pad, or might */
 #define ROBUROC4_MOVE_BUMPER 3          /* a bumper is pressed */
 #define ROBUROC4_MOVE_OBSTACLE 4        /* a telemeter saw something too near */
@@ -100,12 +100,12 @@ ROBUROC4_API roburoc4_result roburoc4_move_options_init(roburoc4_move_options *o
 /** A move (frozen: its size never changes). Read the first fields after each step; the others are
  *  private. */
 typedef struct roburoc4_move {
-    int32_t result;                  /* ROBUROC4_MOVE_* */
-    roburoc4_result cause;           /* why the client disarmed, if that ended the move; else 0 */
-    float linear_m_s, angular_rad_s; /* speeds to drive now; 0 after the end */
-    float distance_m, angle_rad;     /* covered and turned so far, by odometry; backward and to the
-                                        right are negative */
-    float left_m, left_rad;          /* what is left of the distance and of the current turn */
+    int32_t result;                   /* ROBUROC4_MOVE_* */
+    roburoc4_result cause;            /* why the client disarmed, if that ended the move; else 0 */
+    float linear_m_s, angular_rad_s;  /* speeds to drive now; 0 after the end */
+    float distance_m, angle_rad;      /* covered and turned so far, by odometry; backward and to the
+                                         right are negative */
+    float remaining_m, remaining_rad; /* what is left of the distance and of the current turn */
 
     roburoc4_move_options private_options;
     uint32_t private_timeout_ms;

@@ -160,8 +160,8 @@ ROBUROC4_SIM_API uint64_t roburoc4_sim_next_deadline(const roburoc4_sim *sim);
 #define ROBUROC4_SIM_BATTERY_PERCENT 6
 /* bumpers, pressed by hand; contact with an obstacle presses them as well. A pressed bumper stops
  * motion towards it; the other direction is free */
-#define ROBUROC4_SIM_BUMPER_FRONT 7
-#define ROBUROC4_SIM_BUMPER_REAR 8
+#define ROBUROC4_SIM_FRONT_BUMPER 7
+#define ROBUROC4_SIM_REAR_BUMPER 8
 #define ROBUROC4_SIM_LOCALIZATION_FLAGS 9 /* a sum of ROBUROC4_LOCALIZATION_* */
 #define ROBUROC4_SIM_PAD 10               /* 0 releases all buttons and axes of the game pad */
 #define ROBUROC4_SIM_PIN 11               /* 0 unpins all inputs */
@@ -239,7 +239,7 @@ typedef struct roburoc4_sim_state {
     int32_t estop_local, estop_remote, brakes_released, charger;
     int32_t overridden;       /* [A] is held */
     int32_t watchdog_tripped; /* no speed command for too long, or none since power on */
-    int32_t bumper_front, bumper_rear;
+    int32_t front_bumper, rear_bumper;
     /* since creation, reboots included */
     uint32_t reboots;                /* power on after power off */
     uint32_t requests, errors;       /* requests received; answered with an error */

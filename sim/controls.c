@@ -17,8 +17,8 @@ static const sim_control controls[] = {
     {ROBUROC4_SIM_BRAKES_RELEASED,    1, "brakes_released",    {"automatic", "released"},  0, 1},
     {ROBUROC4_SIM_CHARGER,            1, "charger",            {"off", "on"},              0, 1},
     {ROBUROC4_SIM_BATTERY_PERCENT,    1, "battery_percent",    {NULL, NULL},               0, 100},
-    {ROBUROC4_SIM_BUMPER_FRONT,       1, "bumper_front",       {"release", "press"},       0, 1},
-    {ROBUROC4_SIM_BUMPER_REAR,        1, "bumper_rear",        {"release", "press"},       0, 1},
+    {ROBUROC4_SIM_FRONT_BUMPER,       1, "front_bumper",       {"release", "press"},       0, 1},
+    {ROBUROC4_SIM_REAR_BUMPER,        1, "rear_bumper",        {"release", "press"},       0, 1},
     {ROBUROC4_SIM_LOCALIZATION_FLAGS, 1, "localization_flags", {NULL, NULL},               0, 127},
     {ROBUROC4_SIM_PAD,                1, "pad",                {"release", NULL},          0, 0},
     {ROBUROC4_SIM_PIN,                1, "pin",                {"none", NULL},             0, 0},
@@ -153,9 +153,9 @@ static roburoc4_result set(roburoc4_sim *sim, uint32_t number, double value) {
     case ROBUROC4_SIM_BATTERY_PERCENT:
         sim_battery_set(sim, (float)value);
         break;
-    case ROBUROC4_SIM_BUMPER_FRONT:
-    case ROBUROC4_SIM_BUMPER_REAR:
-        sim->bumper_pressed[number - ROBUROC4_SIM_BUMPER_FRONT] = on;
+    case ROBUROC4_SIM_FRONT_BUMPER:
+    case ROBUROC4_SIM_REAR_BUMPER:
+        sim->bumper_pressed[number - ROBUROC4_SIM_FRONT_BUMPER] = on;
         break;
     case ROBUROC4_SIM_LOCALIZATION_FLAGS:
         sim->localization_flags = (uint32_t)value;
@@ -243,9 +243,9 @@ roburoc4_result roburoc4_sim_get(const roburoc4_sim *sim, uint32_t number, doubl
     case ROBUROC4_SIM_BATTERY_PERCENT:
         *out = (double)sim_battery_percent(sim);
         break;
-    case ROBUROC4_SIM_BUMPER_FRONT:
-    case ROBUROC4_SIM_BUMPER_REAR:
-        *out = sim_bumper(sim, number - ROBUROC4_SIM_BUMPER_FRONT);
+    case ROBUROC4_SIM_FRONT_BUMPER:
+    case ROBUROC4_SIM_REAR_BUMPER:
+        *out = sim_bumper(sim, number - ROBUROC4_SIM_FRONT_BUMPER);
         break;
     case ROBUROC4_SIM_LOCALIZATION_FLAGS:
         *out = sim->localization_flags;

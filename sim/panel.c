@@ -180,8 +180,8 @@ static roburoc4_result do_status(roburoc4_sim *sim, const words *line, panel_ans
         "%.3f %.3f, speed %.3f m/s %.3f rad/s, target %.3f m/s %.3f rad/s, battery "
         "%.0f %% %.1f V %s, telemeters %.2f %.2f m, peers %u, subscriptions %u",
         state.powered ? "on" : "off", state.motors_enabled ? "on" : "off",
-        state.overridden ? ", game pad drives" : "", state.bumper_front ? ", front bumper" : "",
-        state.bumper_rear ? ", rear bumper" : "", (unsigned long long)state.cycles, state.true_x_m,
+        state.overridden ? ", game pad drives" : "", state.front_bumper ? ", front bumper" : "",
+        state.rear_bumper ? ", rear bumper" : "", (unsigned long long)state.cycles, state.true_x_m,
         state.true_y_m, state.true_theta_rad, state.odometry_x_m, state.odometry_y_m,
         state.odometry_theta_rad, state.wheel_linear_m_s, state.wheel_angular_rad_s,
         state.target_linear_m_s, state.target_angular_rad_s, (double)state.battery_percent,
@@ -221,7 +221,7 @@ static const char controls_usage[] =
     "power on|off\n"
     "charger on|off\n"
     "battery 0..100\n"
-    "bumper front|rear press|release\n"
+    "front|rear bumper press|release\n"
     "localization 0..127   (its flags; 82 with Error)\n"
     "pin analog INDEX VALUE   (an input reports this, whatever it measures)\n"
     "pin digital INDEX on|off\n"

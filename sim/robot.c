@@ -121,8 +121,8 @@ static void fill_panel(const roburoc4_sim *sim, roburoc4_sim_state *state) {
     state->charger = sim->charger;
     state->overridden = sim_pad_drives(sim);
     state->watchdog_tripped = !sim->fed;
-    state->bumper_front = sim_bumper(sim, SIM_FRONT);
-    state->bumper_rear = sim_bumper(sim, SIM_REAR);
+    state->front_bumper = sim_bumper(sim, SIM_FRONT);
+    state->rear_bumper = sim_bumper(sim, SIM_REAR);
 }
 
 static void fill_link(const roburoc4_sim *sim, roburoc4_sim_state *state) {

@@ -617,8 +617,8 @@ static int32_t step(roburoc4_move *move, const roburoc4_move_view *view, uint64_
         hear(move, view, now_us);
         result = look_out(move, view, now_us);
     }
-    move->left_m = move->private_goal[LENGTH] - move->private_come[LENGTH];
-    move->left_rad = move->private_goal[ANGLE] - move->private_come[ANGLE];
+    move->remaining_m = move->private_goal[LENGTH] - move->private_come[LENGTH];
+    move->remaining_rad = move->private_goal[ANGLE] - move->private_come[ANGLE];
     if (result == ROBUROC4_MOVE_RUNNING && move->private_ready && move->private_planned) {
         if (move->private_kind != REST) {
             propose(move);

@@ -172,7 +172,7 @@ TEST(SimProgram, ExecutesPanelCommands) {
     EXPECT_EQ(driver.facts().armed, 0);
     EXPECT_EQ(sim.panel("pad a up"), "ok");
     EXPECT_TRUE(driver.reaches([&] { return driver.facts().overridden == 0; }));
-    EXPECT_EQ(sim.panel("bumper front press"), "ok");
+    EXPECT_EQ(sim.panel("front bumper press"), "ok");
     EXPECT_TRUE(driver.reaches([&] { return driver.facts().front_bumper == 1; }));
     EXPECT_EQ(sim.panel("dance").rfind("error: ", 0), 0u);
     EXPECT_EQ(sim.panel("power off"), "ok");

@@ -86,7 +86,7 @@ TEST(SimControls, CanBeAbbreviated) {
 TEST(SimControls, ReadWhatWasSet) {
     SimRobot robot;
     for (const char *name : {"power", "estop_local", "estop_remote", "brakes_released", "charger",
-                             "bumper_front", "bumper_rear", "pad_a", "pad_rb", "pin_digital_4"}) {
+                             "front_bumper", "rear_bumper", "pad_a", "pad_rb", "pin_digital_4"}) {
         const auto control = std::uint32_t(roburoc4_sim_control_find(name));
         for (const double value : {0.0, 1.0, 0.0}) {
             EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(robot.get(), control, value)) << name;

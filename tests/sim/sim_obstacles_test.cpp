@@ -102,8 +102,8 @@ TEST_F(SimBumper, StopsAtAWallAndFreesTheOtherDirection) {
     ASSERT_EQ(0, wall(3.0, -2.0, 3.0, 2.0));
     robot.drive(1.0F, 0.0F, 500);
     auto state = robot.state();
-    EXPECT_EQ(1, state.bumper_front);
-    EXPECT_EQ(0, state.bumper_rear);
+    EXPECT_EQ(1, state.front_bumper);
+    EXPECT_EQ(0, state.rear_bumper);
     EXPECT_NEAR(3.0 - 0.05 - half_length, state.true_x_m, 0.01) << "nose at the wall's face";
     EXPECT_LE(state.true_x_m, 3.0 - 0.05 - half_length);
     EXPECT_EQ(0.0, state.wheel_linear_m_s);
@@ -111,7 +111,7 @@ TEST_F(SimBumper, StopsAtAWallAndFreesTheOtherDirection) {
     EXPECT_DOUBLE_EQ(1.0, state.target_linear_m_s) << "the target is still reported";
     robot.drive(-1.0F, 0.0F, 100);
     state = robot.state();
-    EXPECT_EQ(0, state.bumper_front);
+    EXPECT_EQ(0, state.front_bumper);
     EXPECT_LT(state.true_x_m, 2.0);
 }
 
@@ -119,8 +119,8 @@ TEST_F(SimBumper, OfTheRearStopsBackwardMotion) {
     ASSERT_EQ(0, roburoc4_sim_add_box(sim(), -3.0, 0.0, 1.0, 1.0, 0.0));
     robot.drive(-2.6F, 0.0F, 500);
     const auto state = robot.state();
-    EXPECT_EQ(1, state.bumper_rear);
-    EXPECT_EQ(0, state.bumper_front);
+    EXPECT_EQ(1, state.rear_bumper);
+    EXPECT_EQ(0, state.front_bumper);
     EXPECT_NEAR(-2.5 + half_length, state.true_x_m, 0.01);
     EXPECT_GE(state.true_x_m, -2.5 + half_length);
     EXPECT_EQ(0.0, state.wheel_linear_m_s);
@@ -128,16 +128,16 @@ TEST_F(SimBumper, OfTheRearStopsBackwardMotion) {
 
 TEST_F(SimBumper, PressedByHandBlocksItsDirectionOnly) {
     robot.drive(1.0F, 0.0F, 200);
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_set(sim(), ROBUROC4_SIM_BUMPER_FRONT, 1));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_set(sim(), ROBUROC4_SIM_FRONT_BUMPER, 1));
     robot.drive(1.0F, 0.5F, 100);
     EXPECT_EQ(0.0, robot.state().wheel_linear_m_s);
     EXPECT_GT(robot.state().wheel_angular_rad_s, 0.3) << "turning is free";
     robot.drive(-0.5F, 0.0F, 200);
     EXPECT_NEAR(-0.5, robot.state().wheel_linear_m_s, 0.02);
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_set(sim(), ROBUROC4_SIM_BUMPER_FRONT, 0));
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_set(sim(), ROBUROC4_SIM_FRONT_BUMPER, 0));
     robot.drive(1.0F, 0.0F, 300);
     EXPECT_NEAR(1.0, robot.state().wheel_linear_m_s, 0.02);
-    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_set(sim(), ROBUROC4_SIM_BUMPER_FRONT, 0.5));
+    EXPECT_EQ(ROBUROC4_ERR_ARGUMENT, roburoc4_sim_set(sim(), ROBUROC4_SIM_FRONT_BUMPER, 0.5));
 }
 
 TEST_F(SimBumper, IsPressedByABoxThatIsPushedAgainstIt) {
@@ -145,9 +145,9 @@ TEST_F(SimBumper, IsPressedByABoxThatIsPushedAgainstIt) {
     ASSERT_GE(box, 0);
     ASSERT_EQ(ROBUROC4_OK, sim_obstacles_move_box(sim(), std::uint32_t(box),
                                                   0.5 + half_length + 0.005, 0.0, 0.0));
-    EXPECT_EQ(1, robot.state().bumper_front);
+    EXPECT_EQ(1, robot.state().front_bumper);
     roburoc4_sim_clear_obstacles(sim());
-    EXPECT_EQ(0, robot.state().bumper_front);
+    EXPECT_EQ(0, robot.state().front_bumper);
 }
 
 TEST_F(SimObstacles, AWallAtTheSideBlocksTheTurnWhileTheWheelsSpin) {
@@ -164,7 +164,7 @@ TEST_F(SimObstacles, FastMotionDoesNotTunnelThroughThinWalls) {
     ASSERT_EQ(0, wall(8.0, -5.0, 8.0, 5.0));
     robot.drive(2.6F, 0.0F, 1000);
     EXPECT_LT(robot.state().true_x_m, 8.0);
-    EXPECT_EQ(1, robot.state().bumper_front);
+    EXPECT_EQ(1, robot.state().front_bumper);
 }
 
 TEST_F(SimObstacles, RefusesInvalidObstacles) {

@@ -80,9 +80,9 @@ TEST_F(SimPanel, SetsEveryControl) {
     EXPECT_NEAR(12.0, double(robot.state().battery_percent), 1e-3);
     EXPECT_EQ(ROBUROC4_OK, obey("charger on"));
     EXPECT_EQ(1, robot.state().charger);
-    EXPECT_EQ(ROBUROC4_OK, obey("bumper front press"));
-    EXPECT_EQ(1, robot.state().bumper_front);
-    EXPECT_EQ(ROBUROC4_OK, obey("bumper front release"));
+    EXPECT_EQ(ROBUROC4_OK, obey("front bumper press"));
+    EXPECT_EQ(1, robot.state().front_bumper);
+    EXPECT_EQ(ROBUROC4_OK, obey("front bumper release"));
     EXPECT_EQ(ROBUROC4_OK, obey("power off"));
     EXPECT_EQ(0, robot.state().powered);
     EXPECT_EQ(ROBUROC4_OK, obey("power on"));

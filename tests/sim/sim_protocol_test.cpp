@@ -410,7 +410,7 @@ TEST(SimInputs, ShowPadBumpersAndVoltages) {
               roburoc4_sim_set(robot.get(), ROBUROC4_SIM_PAD_BUTTON + ROBUROC4_DI_PAD_RB, 1));
     EXPECT_EQ(ROBUROC4_OK,
               roburoc4_sim_set(robot.get(), ROBUROC4_SIM_PAD_AXIS + ROBUROC4_AI_PAD_RJ_Y, 0.75F));
-    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(robot.get(), ROBUROC4_SIM_BUMPER_REAR, 1));
+    EXPECT_EQ(ROBUROC4_OK, roburoc4_sim_set(robot.get(), ROBUROC4_SIM_REAR_BUMPER, 1));
     robot.run(1);
     const auto statuses = robot.take();
     ASSERT_EQ(1U, statuses.size());

@@ -196,7 +196,7 @@ TEST_F(Move, AStraightMetreEndsWithinACentimetre) {
         EXPECT_LE(most_linear, speed);
         expect_standing();
         EXPECT_NEAR(1.0, move.distance_m, 0.01);
-        EXPECT_NEAR(0.0, move.left_m, 0.01);
+        EXPECT_NEAR(0.0, move.remaining_m, 0.01);
     }
 }
 
@@ -481,7 +481,7 @@ TEST_F(Move, ATimeoutStopsTheRobot) {
     options.timeout_ms = 2000;
     EXPECT_EQ(ROBUROC4_MOVE_TIMEOUT, straight(10.0F));
     EXPECT_NEAR(2.0, took_s, 0.1);
-    EXPECT_GT(move.left_m, 9);
+    EXPECT_GT(move.remaining_m, 9);
     expect_stopped();
 }
 
@@ -519,7 +519,7 @@ TEST_F(Move, AWallEndsItBeforeTheClearance) {
         roburoc4_client_arm(&client, now());
         options.linear_m_s = speed;
         EXPECT_EQ(ROBUROC4_MOVE_OBSTACLE, straight(4.0F));
-        EXPECT_GT(move.left_m, 1.0);
+        EXPECT_GT(move.remaining_m, 1.0);
         pass(3 * second);
         const double gap = 3.0 - 0.05 - 0.655 - state().true_x_m;
         EXPECT_GT(gap, 0.45) << speed;
@@ -561,7 +561,7 @@ TEST_F(Move, AMoveThatEndsBeforeTheClearanceIsReached) {
 
 TEST_F(Move, ABumperEndsIt) {
     EXPECT_EQ(ROBUROC4_MOVE_BUMPER,
-              interrupted_by([&] { roburoc4_sim_set(robot(), ROBUROC4_SIM_BUMPER_FRONT, 1); }));
+              interrupted_by([&] { roburoc4_sim_set(robot(), ROBUROC4_SIM_FRONT_BUMPER, 1); }));
     expect_stopped();
 }
 
@@ -569,12 +569,12 @@ TEST_F(Move, AnyBumperThatGetsPressedEndsIt) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 0, 3.0F, &options));
     EXPECT_EQ(ROBUROC4_MOVE_BUMPER, go([&] {
                   if (turned() > 0.5)
-                      roburoc4_sim_set(robot(), ROBUROC4_SIM_BUMPER_REAR, 1);
+                      roburoc4_sim_set(robot(), ROBUROC4_SIM_REAR_BUMPER, 1);
               }));
 }
 
 TEST_F(Move, BackingAwayFromAPressedBumperIsPossible) {
-    roburoc4_sim_set(robot(), ROBUROC4_SIM_BUMPER_FRONT, 1);
+    roburoc4_sim_set(robot(), ROBUROC4_SIM_FRONT_BUMPER, 1);
     pass(second);
     EXPECT_EQ(ROBUROC4_MOVE_BUMPER, straight(0.5F));
     EXPECT_EQ(ROBUROC4_MOVE_REACHED, straight(-0.5F));

@@ -144,7 +144,7 @@ static int read_move(call *in) {
                                         "timeout",  "cancelled"};
     static const field figures[] = {
         FIELD(roburoc4_move, distance_m, FLOAT), FIELD(roburoc4_move, angle_rad, FLOAT),
-        FIELD(roburoc4_move, left_m, FLOAT), FIELD(roburoc4_move, left_rad, FLOAT)};
+        FIELD(roburoc4_move, remaining_m, FLOAT), FIELD(roburoc4_move, remaining_rad, FLOAT)};
     const roburoc4_move *move = &((const robot *)in->object)->move;
     answer_add(&in->out, "result", make_text(names[move->result]));
     answer_fields(&in->out, figures, COUNT_OF(figures), move);

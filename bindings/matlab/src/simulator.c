@@ -119,7 +119,7 @@ static const field state_fields[] = {
     FIELD(roburoc4_sim_state, battery_percent, FLOAT), FIELD(roburoc4_sim_state, battery_v, FLOAT),
     FIELD(roburoc4_sim_state, battery_state, BYTE),
     ON(powered), ON(motors_enabled), ON(estop_local), ON(estop_remote), ON(brakes_released),
-    ON(charger), ON(overridden), ON(watchdog_tripped), ON(bumper_front), ON(bumper_rear),
+    ON(charger), ON(overridden), ON(watchdog_tripped), ON(front_bumper), ON(rear_bumper),
     COUNT(reboots), COUNT(requests), COUNT(errors), COUNT(speed_commands),
     COUNT(nonzero_speed_commands), COUNT(refused_speed_commands), COUNT(io_commands),
     COUNT(ignored), COUNT(peers), COUNT(subscriptions),

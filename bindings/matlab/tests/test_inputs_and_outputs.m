@@ -11,7 +11,7 @@ names = names.digital_input_names;
 check(strcmpi(names{1}, 'Front bumper') && numel(names) == 22, 'names');
 check(islogical(r.inputs('front bumper')) && ~r.inputs('Front bumper'), 'bumper');
 check(isa(r.inputs('Battery voltage'), 'double') && r.inputs('battery voltage') > 20, 'voltage');
-sim.set('bumper_front', true);
+sim.set('front_bumper', true);
 wait_for(r, @() r.inputs('Front bumper'));
 check(r.status.front_bumper, 'status does not show the bumper');
 sim.panel('pin analog 2 12.5');

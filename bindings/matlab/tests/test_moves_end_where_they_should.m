@@ -8,7 +8,7 @@ check_raises('roburoc4:notArmed', @() r.move(1));
 r.arm();
 result = r.move(1);
 check(strcmp(result.result, 'reached'), '%s', result.result);
-check(abs(result.distance_m - 1) < 0.01 && abs(result.left_m) < 0.01, 'came %g', result.distance_m);
+check(abs(result.distance_m - 1) < 0.01 && abs(result.remaining_m) < 0.01, 'came %g', result.distance_m);
 check(abs(sim.state.true_x_m - 1) < 0.01, 'x %g', sim.state.true_x_m);
 result = r.turn(pi / 2, 'speed', 1);
 check(abs(result.angle_rad - pi / 2) < 0.0175, 'turned %g', result.angle_rad);

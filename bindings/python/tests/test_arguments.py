@@ -14,7 +14,7 @@ def test_numbers_of_numpy_and_whole_floats_are_numbers(roburoc4_simulator: Simul
     np = pytest.importorskip("numpy")
     settings: roburoc4.Settings = {
         "lease_ms": 250.0,  # type: ignore[typeddict-item]
-        "periods_ms": {"battery": np.int64(500)},
+        "period_ms": {"battery": np.int64(500)},
         "max_linear_m_s": np.float32(0.5),
     }
     with roburoc4_simulator.connect(**settings) as robot:
@@ -73,7 +73,7 @@ def test_an_argument_error_names_value_and_range(
         ({"lost_ms": -1}, "lost_ms: -1 .* give 200 to 60000"),
         ({"max_linear_m_s": 1e300}, r"max_linear_m_s: 1e\+300 .* give 0.001 to 20"),
         ({"fresh_ms": 100}, "fresh_ms: 100 .* at most a third of fresh_ms"),
-        ({"periods_ms": {"battery": 15}}, "periods_ms: {'battery': 15} .* multiples of 10"),
+        ({"period_ms": {"battery": 15}}, "period_ms: {'battery': 15} .* multiples of 10"),
         ({"override_index": 99}, "override_index: 99 .* index to 63"),
         ({"buffer": 3}, "buffer: 3 .* 16 to 1000000"),
     ],

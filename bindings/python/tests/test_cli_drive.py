@@ -33,8 +33,8 @@ def test_it_drives_as_far_as_the_time_and_reports(sim: roburoc4.Simulator) -> No
         "result",
         "distance_m",
         "angle_rad",
-        "left_m",
-        "left_rad",
+        "remaining_m",
+        "remaining_rad",
         "pose",
     }
     assert set(report["pose"]) == {"x_m", "y_m", "theta_rad"}
@@ -135,9 +135,11 @@ def test_without_inputs_it_refuses_until_told_to_ignore_them() -> None:
     with roburoc4.Simulator(port=0, refused_inserts=1 << 2) as sim:
         refused = run("drive", "0.5", "0", "--seconds", "0.5", robot=sim.address)
         assert refused.returncode == 1
-        assert "--ignore-override" in one_line(refused.stderr)
+        assert "--allow-unknown-override" in one_line(refused.stderr)
         assert sim.state.speed_commands == 0
-        done = run("drive", "0.5", "0", "--seconds", "0.5", "--ignore-override", robot=sim.address)
+        done = run(
+            "drive", "0.5", "0", "--seconds", "0.5", "--allow-unknown-override", robot=sim.address
+        )
         assert done.returncode == 0, done.stderr
         assert sim.true_pose.x_m > 0.02
 

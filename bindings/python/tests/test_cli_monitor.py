@@ -91,7 +91,7 @@ def test_a_terminal_shows_the_live_table() -> None:
     with roburoc4.Simulator(port=0) as sim:
         terminal = Terminal("monitor", robot=sim.address)
         terminal.wait_for("○ FRONT BUMPER")
-        sim.set("bumper_front", True)
+        sim.set("front_bumper", True)
         sim.set("pad_a", True)
         terminal.wait_for("● OVERRIDE")
         terminal.wait_for("● FRONT BUMPER")

@@ -25,7 +25,7 @@ def _read(path: Path) -> list[dict[str, str]]:
 def test_the_file_has_a_row_for_each_cycle_with_a_status(tmp_path: Path) -> None:
     path = tmp_path / "run.csv"
     with roburoc4.Simulator(port=0) as sim:
-        sim.set("bumper_rear", True)
+        sim.set("rear_bumper", True)
         report = document(run("record", str(path), "--seconds", "2", "--json", robot=sim.address))
     rows = _read(path)
     assert report == {

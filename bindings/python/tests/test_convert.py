@@ -234,7 +234,7 @@ def test_another_programs_capture_can_be_converted(tmp_path: Path) -> None:
 def test_a_live_mcap_file_is_read_and_a_killed_one_saved(tmp_path: Path) -> None:
     whole, cut = tmp_path / "a.mcap", tmp_path / "b.mcap"
     with roburoc4.Simulator(port=0) as sim:
-        sim.set("bumper_front", True)
+        sim.set("front_bumper", True)
         done = document(run("record", str(whole), "--seconds", "2", "--json", robot=sim.address))
         process = start("record", str(cut), robot=sim.address)
         until(lambda: cut.exists() and cut.stat().st_size > 20_000)

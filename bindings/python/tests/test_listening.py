@@ -104,7 +104,7 @@ def test_what_came_before_the_end_is_still_read_after_it(
 
 
 def test_a_wait_ends_at_its_timeout_where_nothing_comes() -> None:
-    with Simulator() as sim, sim.connect(periods_ms={"battery": 2550}) as robot:
+    with Simulator() as sim, sim.connect(period_ms={"battery": 2550}) as robot:
         before_s = robot.now_s
         with pytest.raises(TimeoutError):
             robot.wait_for(lambda r: r.battery.remaining_percent > 200, timeout=0.3)

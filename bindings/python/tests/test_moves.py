@@ -27,7 +27,7 @@ def test_a_metre_and_a_quarter_turn(sim: Simulator) -> None:
         result = robot.move(1.0)
         assert result.outcome is MoveOutcome.REACHED
         assert result.distance_m == pytest.approx(1.0, abs=CENTIMETRE)
-        assert abs(result.left_m) < CENTIMETRE
+        assert abs(result.remaining_m) < CENTIMETRE
         assert sim.true_pose.x_m == pytest.approx(1.0, abs=CENTIMETRE)
         result = robot.turn(math.pi / 2)
         assert result.angle_rad == pytest.approx(math.pi / 2, abs=DEGREE)
@@ -75,7 +75,7 @@ def test_progress_is_reported(sim: Simulator) -> None:
         robot.arm()
         robot.move(0.5, on_progress=seen.append)
     assert seen[0].outcome is MoveOutcome.RUNNING
-    assert seen[0].left_m == pytest.approx(0.5, abs=0.1)
+    assert seen[0].remaining_m == pytest.approx(0.5, abs=0.1)
     ways = [result.distance_m for result in seen]
     assert ways == sorted(ways)
 
@@ -88,7 +88,7 @@ def test_what_ends_a_move_cannot_be_overlooked(sim: Simulator) -> None:
             robot.move(3.0)
         assert caught.value.result.outcome is MoveOutcome.OBSTACLE
         assert 0.1 < caught.value.result.distance_m < 1.0
-        assert caught.value.result.left_m > 1.0
+        assert caught.value.result.remaining_m > 1.0
         robot.rest()
         robot.move(-0.2)
         with pytest.raises(MoveError) as caught:

@@ -42,9 +42,9 @@ def test_controls_are_set_and_read() -> None:
         sim.set("brakes_released", True)
         assert sim.state.brakes_released
         sim.set("charger", True)
-        sim.set("bumper_rear", True)
-        assert (sim.state.charger, sim.state.bumper_rear) == (True, True)
-        assert (sim.get("charger"), sim.get("bumper_front")) == (1, 0)
+        sim.set("rear_bumper", True)
+        assert (sim.state.charger, sim.state.rear_bumper) == (True, True)
+        assert (sim.get("charger"), sim.get("front_bumper")) == (1, 0)
 
 
 def test_obstacles_are_seen() -> None:

@@ -44,7 +44,7 @@ def test_the_first_status_is_waited_for_and_later_ones_are_not(
 
 
 def test_unknown_values_name_the_remedy(roburoc4_simulator: Simulator) -> None:
-    robot = roburoc4_simulator.connect(periods_ms={"battery": None})
+    robot = roburoc4_simulator.connect(period_ms={"battery": None})
     with robot, pytest.raises(roburoc4.NotKnownError, match=r"wait_for\('battery'\)") as caught:
         _ = robot.battery
     assert caught.value.code == roburoc4.Result.UNKNOWN
@@ -76,7 +76,7 @@ def test_a_robot_without_a_service_has_none_of_its_properties() -> None:
 
 def test_the_manuals_names_find_inputs_in_any_case(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
-        roburoc4_simulator.set("bumper_front", True)
+        roburoc4_simulator.set("front_bumper", True)
         robot.wait_for("iocard")
         assert robot.inputs["Front bumper"] is True
         assert robot.inputs["rear BUMPER"] is False
@@ -89,7 +89,7 @@ def test_the_manuals_names_find_inputs_in_any_case(roburoc4_simulator: Simulator
 
 def test_names_work_if_the_robot_has_no_texts() -> None:
     with Simulator(query_mode=1) as sim, sim.connect() as robot:
-        sim.set("bumper_rear", True)
+        sim.set("rear_bumper", True)
         robot.wait_for("iocard")
         assert robot.inputs["Rear bumper"] is True
         assert robot.channels.digital_inputs[1] == "Rear bumper"
@@ -183,8 +183,8 @@ def test_subscriptions_can_be_changed(roburoc4_simulator: Simulator) -> None:
         ({"lease_ms": 5000}, "lease_ms"),
         ({"lease_ms": -1}, "lease_ms"),
         ({"max_linear_m_s": math.nan}, "max_linear_m_s"),
-        ({"periods_ms": {"battery": 15}}, "period_ms"),
-        ({"periods_ms": {"coffee": 50}}, "coffee"),
+        ({"period_ms": {"battery": 15}}, "period_ms"),
+        ({"period_ms": {"coffee": 50}}, "coffee"),
         ({"override_index": 64}, "role_index"),
         ({"buffer": 1}, "buffer"),
     ],

@@ -187,7 +187,7 @@ methods
     function result = move(this, distance_m, varargin)
         %MOVE Drive straight ahead, and wait until the robot stands.
         %   RESULT = move(R, METRES) drives this far by odometry; negative is backward. RESULT is a
-        %   struct: result ('reached'), distance_m, angle_rad, and the rest: left_m and left_rad.
+        %   struct: result ('reached'), distance_m, angle_rad, remaining_m and remaining_rad.
         %   move(R, METRES, 'Name', value, ...) takes options:
         %
         %      speed (0.3)       m/s

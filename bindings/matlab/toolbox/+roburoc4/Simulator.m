@@ -145,7 +145,7 @@ methods
     function set(this, control, value)
         %SET Do what a person beside the robot can do; panel(SIM, 'help') lists everything.
         %   Controls are named as in roburoc4_sim.h: power, motor_button, estop_local, estop_remote,
-        %   brakes_released, charger, bumper_front, bumper_rear and the game pad's buttons, pad_a to
+        %   brakes_released, charger, front_bumper, rear_bumper and the game pad's buttons, pad_a to
         %   pad_rb, take true and false; battery_percent 0 to 100, its axes, pad_lj_x to pad_rt, -1
         %   to 1 (set(SIM, 'pad', 0) releases everything), localization_flags 0 to 127. While pad_a is
         %   held, the pad drives and no client does. After an emergency stop is released the motors

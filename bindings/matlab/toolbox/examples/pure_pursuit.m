@@ -49,8 +49,8 @@ while norm(path(end, :) - track(end, 1:2)) > 0.1
     end
     toward = path(ahead, :) - pose(1:2);
     alpha = atan2(toward(2), toward(1)) - pose(3);
-    left_m = norm(path(end, :) - pose(1:2));
-    v = min(speed_m_s, 0.15 + 0.5 * left_m);
+    remaining_m = norm(path(end, :) - pose(1:2));
+    v = min(speed_m_s, 0.15 + 0.5 * remaining_m);
     robot.drive(v, 2 * v * sin(alpha) / max(norm(toward), 0.3));
     loop.wait();
     track(end + 1, :) = pose; %#ok<AGROW>

@@ -36,9 +36,9 @@ class MoveResult(NamedTuple):
     """Distance driven, by odometry; backward is negative."""
     angle_rad: float
     """Angle turned, by odometry; to the right is negative."""
-    left_m: float
+    remaining_m: float
     """Distance left."""
-    left_rad: float
+    remaining_rad: float
     """Angle left."""
     pose: LocalizationStatus | None
     """The robot's last reported pose."""
@@ -171,8 +171,8 @@ class Move:
             MoveOutcome(_native.roburoc4_move_result_get(move)),
             _native.roburoc4_move_distance_m_get(move),
             _native.roburoc4_move_angle_rad_get(move),
-            _native.roburoc4_move_left_m_get(move),
-            _native.roburoc4_move_left_rad_get(move),
+            _native.roburoc4_move_remaining_m_get(move),
+            _native.roburoc4_move_remaining_rad_get(move),
             pose,
         )
 

@@ -164,7 +164,7 @@ class _Head:
         self.robot = _find_robot(path, first, robot)
         self.begun_us = first[0].time_us
         self.answers = Answers()
-        self.periods_ms: dict[str, int | None] = {}
+        self.period_ms: dict[str, int | None] = {}
         for datagram in first:
             self._take(datagram)
 
@@ -186,11 +186,11 @@ class _Head:
         for name, service in STATUS_SERVICES.items():
             if request.subject == service and request.period_cycles > 0:
                 longest = _LONGEST_DRIVING_PERIOD_MS if name in _DRIVING else 2550
-                self.periods_ms[name] = min(request.period_cycles * 10, longest)
+                self.period_ms[name] = min(request.period_cycles * 10, longest)
 
     def settings(self) -> Settings:
         """Make the settings of a client that watches the recording."""
-        return {"periods_ms": self.periods_ms, "fresh_ms": 1000}
+        return {"period_ms": self.period_ms, "fresh_ms": 1000}
 
 
 _DRIVING = ("iocard", "differential")

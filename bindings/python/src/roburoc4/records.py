@@ -428,8 +428,8 @@ class SimState(NamedTuple):
     charger: bool
     overridden: bool
     watchdog_tripped: bool
-    bumper_front: bool
-    bumper_rear: bool
+    front_bumper: bool
+    rear_bumper: bool
     reboots: int
     requests: int
     errors: int

@@ -15,7 +15,7 @@ __all__ = ["Settings"]
 class Settings(TypedDict, total=False):
     """Keyword arguments of ``connect`` and ``Simulator.connect``; all have defaults."""
 
-    periods_ms: Mapping[str, int | None]
+    period_ms: Mapping[str, int | None]
     """Status periods by service ("iocard", "telemeter", "battery", "localization",
     "differential"): a multiple of 10, 10 to 2550; None to leave a service out. Defaults: 50, 100,
     1000, 50, 50. Driving needs IO card and differential statuses more often than ``fresh_ms``."""
@@ -119,7 +119,7 @@ def _set_periods(config: "_native.Config", periods: Mapping[str, int | None]) ->
 def _set(config: "_native.Config", name: str, value: Any) -> None:
     if name in _ROLES:
         _native.roburoc4_config_role_index_set(config, _ROLES[name], value)
-    elif name == "periods_ms":
+    elif name == "period_ms":
         _set_periods(config, value)
     elif name not in Settings.__annotations__:
         known = ", ".join(sorted(Settings.__annotations__))
@@ -148,7 +148,7 @@ def config_of(settings: Settings) -> "_native.Config":
 def _names_of(wrong: str) -> set[str]:
     """Return the settings that the C library's name and range refer to."""
     name = wrong.partition(":")[0].partition(" ")[0]
-    return {"period_ms": {"periods_ms"}, "role_index": set(_ROLES)}.get(name, {name})
+    return set(_ROLES) if name == "role_index" else {name}
 
 
 def _wrong(settings: Settings, wrong: str) -> ArgumentError:
@@ -164,7 +164,7 @@ def _wrong(settings: Settings, wrong: str) -> ArgumentError:
 def _range_of(name: str) -> str | None:
     """Ask the C library for the range by passing an invalid value."""
     config = _native.new_config()
-    _set(config, name, {"battery": 0} if name == "periods_ms" else -2 if name in _ROLES else 0)
+    _set(config, name, {"battery": 0} if name == "period_ms" else -2 if name in _ROLES else 0)
     wrong = _native.roburoc4_config_error(config)
     return wrong.removeprefix(f"{name}: ") if wrong is not None else None
 

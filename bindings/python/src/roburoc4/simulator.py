@@ -232,7 +232,7 @@ class Simulator:
         """Do what a person beside the robot can do; `panel("help")` lists everything.
 
         Controls are named as in ``roburoc4_sim.h``: "power", "motor_button", "estop_local",
-        "estop_remote", "brakes_released", "charger", "bumper_front", "bumper_rear" and the game
+        "estop_remote", "brakes_released", "charger", "front_bumper", "rear_bumper" and the game
         pad's buttons, "pad_a" to "pad_rb", take True and False; "battery_percent" 0 to 100; the
         axes, "pad_lj_x" to "pad_rt", -1 to 1 ("pad" 0 releases everything); "localization_flags" 0
         to 127. "pin_analog_2" and "pin_digital_8" fix what an input reports, "pin" 0 undoes this.

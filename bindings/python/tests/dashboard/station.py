@@ -94,7 +94,7 @@ class Station:
     def __init__(
         self,
         *,
-        allow_drive: bool = True,
+        enable_drive: bool = True,
         lease_s: float = LEASE_S,
         panel: bool = False,
         rules: Rules | None = None,
@@ -113,7 +113,7 @@ class Station:
                 robot,
                 lease_s,
                 (1.0, 1.0),
-                allow_drive=allow_drive,
+                enable_drive=enable_drive,
                 panel=Panel(sim) if panel else None,
                 name=name,
                 cameras=cameras,

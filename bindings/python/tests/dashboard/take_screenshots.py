@@ -72,7 +72,7 @@ def driving(browser: Browser, folder: Path) -> None:
 def panel(browser: Browser, folder: Path) -> None:
     with scene(browser, "light", LAPTOP, panel=True) as (here, page):
         drive_about(here, page, 6.0)
-        here.sim.set("bumper_front", True)
+        here.sim.set("front_bumper", True)
         time.sleep(0.6)
         open_tab(page, "sim")
         time.sleep(0.3)
@@ -80,7 +80,7 @@ def panel(browser: Browser, folder: Path) -> None:
 
 
 def override(browser: Browser, folder: Path) -> None:
-    with scene(browser, "dark", LAPTOP, allow_drive=False) as (here, page):
+    with scene(browser, "dark", LAPTOP, enable_drive=False) as (here, page):
         ready(page)
         here.sim.set("pad_a", True)
         here.sim.set("pad_rt", -0.2)

@@ -88,7 +88,7 @@ def driven(*arguments: str) -> Iterator[tuple[subprocess.Popen[str], roburoc4.Si
     """A dashboard in its own process, and a page that keeps driving the robot."""
     with (
         roburoc4.Simulator(port=0) as sim,
-        start("--robot", sim.address, "--allow-drive", *arguments) as running,
+        start("--robot", sim.address, "--enable-drive", *arguments) as running,
     ):
         try:
             with Visitor(port=port_of(link_of(running))) as driver:
@@ -133,7 +133,7 @@ def test_the_robot_s_watchdog_stops_it_where_the_program_cannot(number: signal.S
 
 
 def test_an_unreachable_robot_is_reported_and_not_armed() -> None:
-    with start("--robot", f"127.0.0.1:{free_port()}", "--allow-drive") as running:
+    with start("--robot", f"127.0.0.1:{free_port()}", "--enable-drive") as running:
         with Visitor(port=port_of(link_of(running))) as visitor:
             visitor.say("take")
             visitor.draw_for(1.0)
@@ -241,7 +241,7 @@ def test_other_than_loopback_needs_a_token() -> None:
         (("--lease-ms", "50"), "100 to 1000"),
         (("--max-linear", "nan"), "m/s"),
         (("--period-ms", "25"), "multiple of 10"),
-        (("--period-ms", "210", "--allow-drive"), "100 or less"),
+        (("--period-ms", "210", "--enable-drive"), "100 or less"),
         (("--name", "http://p"), "--name"),
         (("--name", "lab-pc/page"), "--name"),
         (("--name", "lab-pc:x"), "--name"),

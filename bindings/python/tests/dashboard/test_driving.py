@@ -542,7 +542,7 @@ def test_every_page_can_stop(station: Make, visit: Visit) -> None:
 
 
 def test_a_page_that_only_watches_sends_the_robot_nothing(station: Make, visit: Visit) -> None:
-    here = station(allow_drive=False)
+    here = station(enable_drive=False)
     page = visit(here.url)
     ready(page)
     expect(page.locator("#stop")).to_be_hidden()

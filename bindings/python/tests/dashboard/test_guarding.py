@@ -114,7 +114,7 @@ def test_a_websocket_to_another_host_is_refused(station: Make) -> None:
 def test_a_page_of_another_site_can_neither_read_nor_drive(
     station: Make, visit: Callable[..., Page]
 ) -> None:
-    here, elsewhere = station(), station(allow_drive=False)
+    here, elsewhere = station(), station(enable_drive=False)
     page = visit(
         elsewhere.url.replace("127.0.0.1", "localhost"),
         forgive="asked|Failed to load|CORS|WebSocket",

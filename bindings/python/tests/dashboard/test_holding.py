@@ -116,7 +116,7 @@ def test_no_warning_moves_stick_or_stop(station: Make, visit: Visit) -> None:
     before = boxes_in_every_size(page)
     for warn, title in (
         (lambda: here.sim.set("battery_percent", 5.0), "BATTERY"),
-        (lambda: here.sim.set("bumper_front", True), "BUMPER"),
+        (lambda: here.sim.set("front_bumper", True), "BUMPER"),
         (lambda: here.sim.set("pad_a", True), "OVERRIDE"),
         (lambda: here.sim.set("power", False), "LOST"),
     ):

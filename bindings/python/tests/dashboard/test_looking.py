@@ -30,7 +30,7 @@ def test_it_shows_what_the_simulator_reports(station: Make, visit: Visit) -> Non
     here.sim.add_wall(6.0, -9.0, 6.0, 9.0)
     here.sim.set("pad_rj_x", 0.5)
     here.sim.set("pad_lb", True)
-    here.sim.set("bumper_rear", True)
+    here.sim.set("rear_bumper", True)
     page = visit(here.url)
     ready(page)
     expect(page.locator("#address")).to_have_text(here.sim.address)
@@ -53,7 +53,7 @@ def test_it_shows_what_the_simulator_reports(station: Make, visit: Visit) -> Non
 
 
 def test_speeds_targets_and_limits_are_the_robot_s(station: Make, visit: Visit) -> None:
-    here = station(allow_drive=False, slip=0.0)
+    here = station(enable_drive=False, slip=0.0)
     page = visit(here.url)
     ready(page)
     marks = page.locator("#speed-linear .marks span")
@@ -73,7 +73,7 @@ def test_speeds_targets_and_limits_are_the_robot_s(station: Make, visit: Visit) 
 
 
 def test_override_and_loss_are_unmistakable(station: Make, visit: Visit) -> None:
-    here = station(allow_drive=False)
+    here = station(enable_drive=False)
     page = visit(here.url)
     ready(page)
     here.sim.set("pad_a", True)
@@ -101,7 +101,7 @@ def test_the_most_urgent_condition_has_the_banner(station: Make, visit: Visit) -
     for warn, first, also in (
         (lambda: here.sim.set("battery_percent", 3.0), "BATTERY CRITICAL", ""),
         (lambda: here.sim.set("pad_a", True), "OVERRIDE", "BATTERY CRITICAL"),
-        (lambda: here.sim.set("bumper_rear", True), "REAR BUMPER", "OVERRIDEBATTERY CRITICAL"),
+        (lambda: here.sim.set("rear_bumper", True), "REAR BUMPER", "OVERRIDEBATTERY CRITICAL"),
         (lambda: here.sim.set("power", False), "ROBOT LOST", ""),
     ):
         warn()
@@ -125,7 +125,7 @@ def test_no_count_of_seconds_is_spoken(station: Make, visit: Visit) -> None:
 
 
 def test_a_bad_link_is_explained_in_plain_words(station: Make, visit: Visit) -> None:
-    here = station(allow_drive=False, panel=True)
+    here = station(enable_drive=False, panel=True)
     page = visit(here.url)
     ready(page)
     open_tab(page, "sim")
@@ -139,7 +139,7 @@ def test_a_bad_link_is_explained_in_plain_words(station: Make, visit: Visit) -> 
 
 
 def test_a_page_that_opens_later_sees_what_happened(station: Make, visit: Visit) -> None:
-    here = station(allow_drive=False)
+    here = station(enable_drive=False)
     first = visit(here.url)
     ready(first)
     here.sim.set("pad_a", True)
@@ -153,7 +153,7 @@ def test_a_page_that_opens_later_sees_what_happened(station: Make, visit: Visit)
 
 
 def test_plots_scroll_pause_and_zoom(station: Make, visit: Visit) -> None:
-    here = station(allow_drive=False)
+    here = station(enable_drive=False)
     page = visit(here.url)
     ready(page)
     open_tab(page, "plots")
@@ -210,7 +210,7 @@ def right_edge(page: Page) -> float:
 
 
 def test_plots_continue_until_they_are_paused(station: Make, visit: Visit) -> None:
-    here = station(allow_drive=False)
+    here = station(enable_drive=False)
     page = visit(here.url)
     ready(page)
     open_tab(page, "plots")
@@ -225,7 +225,7 @@ def test_plots_continue_until_they_are_paused(station: Make, visit: Visit) -> No
 
 
 def test_the_battery_s_trend_is_shown_in_words(station: Make, visit: Visit) -> None:
-    here = station(allow_drive=False, battery_percent=60.0)
+    here = station(enable_drive=False, battery_percent=60.0)
     here.hub._history.trend_percent_h = lambda: -20.0
     page = visit(here.url)
     ready(page)
@@ -257,7 +257,7 @@ def test_the_page_asks_no_other_host_for_anything(station: Make, visit: Visit) -
 def test_a_clock_that_is_set_back_leaves_the_page_alive(
     station: Make, visit: Visit, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    here = station(allow_drive=False)
+    here = station(enable_drive=False)
     page = visit(here.url)
     ready(page)
     open_tab(page, "plots")
@@ -270,7 +270,7 @@ def test_a_clock_that_is_set_back_leaves_the_page_alive(
 
 
 def test_the_theme_can_be_chosen_and_is_kept(station: Make, visit: Visit) -> None:
-    here = station(allow_drive=False)
+    here = station(enable_drive=False)
     page = visit(here.url, color_scheme="dark")
     root = page.locator("html")
     expect(root).to_have_attribute("data-theme", "dark")
@@ -289,7 +289,7 @@ def test_a_dashboard_without_a_robot_says_what_to_try(station: Make, visit: Visi
 
 
 def test_missing_numbers_are_dashes_and_the_page_keeps_working(station: Make, visit: Visit) -> None:
-    here = station(allow_drive=False)
+    here = station(enable_drive=False)
     here.sim.set("pin_analog_0", float("nan"))
     here.sim.set("pin_analog_2", float("inf"))
     page = visit(here.url)
@@ -314,8 +314,8 @@ def test_switches_of_the_panel_do_what_they_say(station: Make, visit: Visit) -> 
         "estop_remote",
         "brakes_released",
         "charger",
-        "bumper_front",
-        "bumper_rear",
+        "front_bumper",
+        "rear_bumper",
         "overridden",
     ):
         box = page.locator(f"#sim input[name={name}]")

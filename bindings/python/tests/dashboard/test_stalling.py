@@ -289,8 +289,8 @@ def test_a_driver_that_releases_control_still_gets_frames(
         assert here.speeds_sent() == 0
 
 
-def test_without_allow_drive_no_message_sends_a_command(station: Make) -> None:
-    here = station(allow_drive=False)
+def test_without_enable_drive_no_message_sends_a_command(station: Make) -> None:
+    here = station(enable_drive=False)
     with Visitor(here) as visitor:
         place = {"x_m": 1.0, "y_m": 0.0, "theta_rad": 0.0, "scale": 1.0}
         for kind in ("take", "arm", "stop", "disarm", "leave", "go", "relocalize"):

@@ -318,7 +318,7 @@ def test_control_arm_and_drive_by_key_alone(station: Make, visit: Visit) -> None
 
 def alarm(here: Station, page: Page) -> None:
     here.sim.set("battery_percent", 3.0)
-    here.sim.set("bumper_front", True)
+    here.sim.set("front_bumper", True)
     expect(page.locator("#banner-title")).to_have_text("FRONT BUMPER")
 
 

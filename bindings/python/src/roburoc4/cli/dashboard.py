@@ -52,8 +52,8 @@ class DashboardOptions(Options):
     camera: list[str]
     port: int
     bind: str
-    allow_drive: bool
-    ignore_override: bool
+    enable_drive: bool
+    allow_unknown_override: bool
     max_linear: float
     max_angular: float
     lease_ms: int
@@ -70,7 +70,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = commands.add_parser(
         "dashboard",
         help="look at the robot, and drive it, in a browser",
-        description="Serve a page that shows the robot and, with --allow-drive, drives it by game "
+        description="Serve a page that shows the robot and, with --enable-drive, drives it by game "
         "pad, stick or keyboard. Needs roburoc4[dashboard]. Read docs/dashboard.md and "
         "docs/SAFETY.md before you drive a robot.",
     )
@@ -102,7 +102,7 @@ def _add_seen(parser: argparse.ArgumentParser) -> None:
 
 def _add_driving(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("driving")
-    group.add_argument("--allow-drive", action="store_true", help="let one page at a time drive")
+    group.add_argument("--enable-drive", action="store_true", help="let one page at a time drive")
     group.add_argument(
         "--max-linear",
         metavar="M_S",
@@ -125,7 +125,7 @@ def _add_driving(parser: argparse.ArgumentParser) -> None:
         help="the robot stops this long after the driver's page last saw it (default: 250)",
     )
     group.add_argument(
-        "--ignore-override",
+        "--allow-unknown-override",
         action="store_true",
         help="drive although the robot does not report whether its game pad is in use",
     )
@@ -196,7 +196,7 @@ def run(options: DashboardOptions) -> int:
     except server.ServeError as error:
         raise usage(str(error)) from None
     named = _named(options)
-    keep_awake = unsuspendable() if options.allow_drive else contextlib.nullcontext()
+    keep_awake = unsuspendable() if options.enable_drive else contextlib.nullcontext()
     link = server.link(place, opened, rules)
     with opened, keep_awake, _simulator(options) as simulator, contextlib.ExitStack() as robots:
         if simulator is not None:
@@ -226,7 +226,7 @@ def _hub(
         robot,
         options.lease_ms / 1000,
         (options.max_linear, options.max_angular),
-        allow_drive=options.allow_drive,
+        enable_drive=options.enable_drive,
         panel=None if simulator is None else Panel(simulator),
         name=name,
         cameras=[Camera(*camera) for camera in cameras],
@@ -254,7 +254,7 @@ def _tell(options: DashboardOptions, link: str) -> None:
         note("from another machine, use this computer's address instead of localhost")
     if options.token:
         note("other users of this computer can read --token TEXT: put it into $ROBUROC4_TOKEN")
-    if options.allow_drive and not options.sim:
+    if options.enable_drive and not options.sim:
         note("a page can drive the robot (140 kg): keep an emergency stop in your hand")
     text = json.dumps({"link": link}) if options.json else f"roburoc4: dashboard at {link}"
     print(text, flush=True)
@@ -304,10 +304,10 @@ def _place(options: DashboardOptions, make: type[Place]) -> Place:
         raise usage("--tls-cert and --tls-key go together: give both")
     if options.period_ms is not None and options.period_ms % 10:
         raise usage(f"--period-ms: {options.period_ms} is not a multiple of 10")
-    if options.allow_drive and (options.period_ms or 0) > _SLOWEST_DRIVEN_MS:
+    if options.enable_drive and (options.period_ms or 0) > _SLOWEST_DRIVEN_MS:
         raise usage(
             f"--period-ms: at {options.period_ms} the statuses are too old for driving: give "
-            f"{_SLOWEST_DRIVEN_MS} or less, or omit --allow-drive"
+            f"{_SLOWEST_DRIVEN_MS} or less, or omit --enable-drive"
         )
     return make(options.bind, options.port, options.tls_cert, options.tls_key)
 
@@ -390,7 +390,7 @@ def _robot(options: DashboardOptions, address: str) -> Iterator[Robot]:
         "max_linear_m_s": options.max_linear,
         "max_angular_rad_s": options.max_angular,
     }
-    if options.ignore_override:
+    if options.allow_unknown_override:
         settings["allow_unknown_override"] = True
     try:
         robot = connect(address, wait=False, **settings, **recording())

@@ -141,7 +141,7 @@ def _watch(found: Findings, options: DoctorOptions, probe: Probe, say: Say) -> N
     from .errors import CommandError
 
     try:
-        with session.connected(options, periods_ms=_PERIODS_MS) as robot:
+        with session.connected(options, period_ms=_PERIODS_MS) as robot:
             found.connected = True
             _look_at_services(found, robot, say)
             with progress("watching", options.seconds or _WATCH_S) as show:

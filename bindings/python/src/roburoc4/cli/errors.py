@@ -48,7 +48,7 @@ def why_not_armed(error: NotArmedError) -> str:
     from roburoc4 import Result
 
     if error.code is Result.OVERRIDE_UNKNOWN:
-        return "game pad input unknown: run roburoc4 doctor, or use --ignore-override"
+        return "game pad input unknown: run roburoc4 doctor, or use --allow-unknown-override"
     return error.code.text
 
 

@@ -215,8 +215,8 @@ def _report(robot: Robot, done: list[MoveResult]) -> dict[str, Any]:
         "result": last.outcome.name.lower(),
         "distance_m": sum(result.distance_m for result in done),
         "angle_rad": sum(result.angle_rad for result in done),
-        "left_m": last.left_m,
-        "left_rad": last.left_rad,
+        "remaining_m": last.remaining_m,
+        "remaining_rad": last.remaining_rad,
         "pose": _pose(robot.latest("localization")),
     }
 

@@ -33,13 +33,13 @@ class DrivingOptions(Options):
     """What a command that moves the robot is given."""
 
     yes: bool
-    ignore_override: bool
+    allow_unknown_override: bool
 
 
 def add_driving(parser: argparse.ArgumentParser) -> None:
-    """Add `--ignore-override` and `--yes`."""
+    """Add `--allow-unknown-override` and `--yes`."""
     parser.add_argument(
-        "--ignore-override",
+        "--allow-unknown-override",
         action="store_true",
         help="drive although the robot does not report whether its game pad is in use",
     )
@@ -102,10 +102,10 @@ def driven(options: DrivingOptions) -> Iterator[Robot]:
             refuse_override(robot)
             yield robot
             return
-        if not options.ignore_override:
+        if not options.allow_unknown_override:
             raise refused(
                 "the robot does not report its inputs, so it is not known whether its game pad is "
-                "in use: run roburoc4 doctor, or drive anyway with --ignore-override"
+                "in use: run roburoc4 doctor, or drive anyway with --allow-unknown-override"
             )
     note("driving without knowing the game pad's state: keep an emergency stop in your hand")
     blind = {"allow_unknown_override": True, "override_index": _NO_INPUT}

@@ -90,7 +90,7 @@ def why_not_armed(code: int) -> str:
     if code == Result.OVERRIDE_UNKNOWN:
         return (
             "it is not known whether the robot's game pad is in use: run roburoc4 doctor, or start "
-            "the dashboard with --ignore-override"
+            "the dashboard with --allow-unknown-override"
         )
     return Result(code).text
 

@@ -115,7 +115,7 @@ class Control:
     def take(self, page: Viewer) -> None:
         """Take control, unless another page has it."""
         if not self.offered:
-            raise ControlError("this dashboard only watches: start it with --allow-drive to drive")
+            raise ControlError("this dashboard only watches: start it with --enable-drive to drive")
         if self.driver not in (None, page):
             raise ControlError("somebody else drives: wait until that page releases control")
         if self.driver is None:

@@ -92,7 +92,7 @@ class Hub:
         lease_s: float,
         ceilings: tuple[float, float],
         *,
-        allow_drive: bool,
+        enable_drive: bool,
         panel: Panel | None = None,
         name: str = "",
         cameras: Sequence[Camera] = (),
@@ -106,7 +106,7 @@ class Hub:
         self.look_around: Callable[[], list[dict[str, Any]]] = list
         """Returns all robots in short, if there are several."""
         self.ticks = Ticks()
-        self.control = Control(robot, self.ticks, lease_s, offered=allow_drive)
+        self.control = Control(robot, self.ticks, lease_s, offered=enable_drive)
         self.pages: set[Page] = set()
         self.failure: BaseException | None = None
         """Why no more frames are made."""
@@ -156,7 +156,7 @@ class Hub:
             "name": self.name,
             "captured": self.robot.recorder is not None,
             "cameras": [camera._asdict() for camera in self.cameras],
-            "allow_drive": self.control.offered,
+            "enable_drive": self.control.offered,
             "simulated": self.panel is not None,
             "speeds": history.speeds.columns(),
             "battery": history.battery.columns(),

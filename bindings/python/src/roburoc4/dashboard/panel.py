@@ -55,8 +55,8 @@ class Panel:
             "charger": bool(state.charger),
             "overridden": bool(state.overridden),
             "watchdog_tripped": bool(state.watchdog_tripped),
-            "bumper_front": bool(state.bumper_front),
-            "bumper_rear": bool(state.bumper_rear),
+            "front_bumper": bool(state.front_bumper),
+            "rear_bumper": bool(state.rear_bumper),
             "battery_percent": number(state.battery_percent, 1),
             "pose": {
                 "x_m": number(state.true_x_m),

@@ -36,7 +36,7 @@ class RobotConfig:
     tf: bool = True
     """Publish where the robot is on /tf; off where another node does, by a better estimate."""
     remap: Mapping[str, str] = field(default_factory=dict)
-    periods_ms: Mapping[str, int] = field(default_factory=dict)
+    period_ms: Mapping[str, int] = field(default_factory=dict)
     drive: DriveConfig = field(default_factory=DriveConfig)
 
     def topics(self) -> dict[str, Topic]:
@@ -182,7 +182,7 @@ def robot_config(name: str, settings: Mapping[str, Any]) -> RobotConfig:
         ),
         settings.get("tf", defaults.tf),
         settings.get("remap", defaults.remap),
-        settings.get("period_ms", defaults.periods_ms),
+        settings.get("period_ms", defaults.period_ms),
         DriveConfig(
             settings.get("enable_drive", defaults.drive.enabled),
             not settings.get("twist", not defaults.drive.stamped),

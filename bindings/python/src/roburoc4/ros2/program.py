@@ -62,7 +62,7 @@ def _connect(config: RobotConfig) -> Robot:
     return connect(
         config.address,
         wait=False,
-        periods_ms=config.periods_ms,
+        period_ms=config.period_ms,
         max_linear_m_s=config.drive.max_linear_m_s,
         max_angular_rad_s=config.drive.max_angular_rad_s,
     )

@@ -34,7 +34,7 @@ export class Drive {
 
   begin(hello) {
     this.page = hello.page;
-    this.offered = hello.allow_drive;
+    this.offered = hello.enable_drive;
     this.mine = false;
     this.stopping &&= this.offered;
     if (this.stopping) this.send({ type: "stop" });
@@ -164,7 +164,7 @@ export class Drive {
   }
 
   why(frame, armed) {
-    if (!this.offered) return "Start roburoc4 dashboard with --allow-drive to drive from here.";
+    if (!this.offered) return "Start roburoc4 dashboard with --enable-drive to drive from here.";
     if (this.refusal) return this.refusal;
     if (!this.mine) return frame.driver === null ? "One page at a time can drive: take control, then arm." : frame.asker === this.page ? `Page ${frame.driver} was asked. You get control when it agrees, or when it is gone.` : "Another page drives. STOP works from every page.";
     if (frame.going) return "The robot goes to the place on the map. Any key or deflection, Escape, or leaving this page ends that.";

@@ -8,8 +8,8 @@ const SWITCHES = [
   ["estop_remote", "Emergency stop, remote", "estop remote press", "estop remote release"],
   ["brakes_released", "Brakes selector: released", "brakes released", "brakes automatic"],
   ["charger", "Charger plugged in", "charger on", "charger off"],
-  ["bumper_front", "Front bumper pressed", "bumper front press", "bumper front release"],
-  ["bumper_rear", "Rear bumper pressed", "bumper rear press", "bumper rear release"],
+  ["front_bumper", "Front bumper pressed", "front bumper press", "front bumper release"],
+  ["rear_bumper", "Rear bumper pressed", "rear bumper press", "rear bumper release"],
   ["overridden", "Game pad: [A] held", "pad a down", "pad a up"],
 ];
 const HOLD_MS = 600;
