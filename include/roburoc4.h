@@ -304,6 +304,8 @@ typedef struct roburoc4_facts {
                                   before the first, and until it is answered */
     uint32_t lease_left_us;    /* 0 when not driving */
     float sent_linear_m_s, sent_angular_rad_s; /* the last speeds sent; 0 after a stop */
+    uint32_t stops; /* calls of stop(), and times it disarmed: a loop that renews drive() must end
+                       when this changes, or nobody else can stop the robot */
 } roburoc4_facts;
 /** ROBUROC4_ERR_SIZE for a size that the library does not know. */
 ROBUROC4_API roburoc4_result roburoc4_client_facts(const roburoc4_client *client, uint64_t now_us,
@@ -517,6 +519,7 @@ typedef struct roburoc4_private_drive {
     uint64_t granted_us, sent_us, stop_us, still_us, envelope_us;
     uint32_t lease_us;
     int32_t disarm_cause;
+    uint32_t stops, reserved;
     float target[2], sent[2];
     float low[2], high[2], low_before[2], high_before[2];
 } roburoc4_private_drive;
@@ -571,7 +574,7 @@ struct roburoc4_client {
     roburoc4_private_outputs private_outputs;
     roburoc4_private_link private_link;
     roburoc4_private_values private_values;
-    uint32_t private_reserved[16];
+    uint32_t private_reserved[14];
 };
 
 #ifdef __cplusplus

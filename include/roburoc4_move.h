@@ -70,7 +70,7 @@ extern "C" {
 #define ROBUROC4_MOVE_LOST 6            /* no fresh statuses of what the move needs */
 #define ROBUROC4_MOVE_OTHER_COMMANDER 7 /* another client commands the robot */
 #define ROBUROC4_MOVE_TIMEOUT 8
-#define ROBUROC4_MOVE_CANCELLED 9 /* by roburoc4_move_cancel(), or the client is not armed */
+#define ROBUROC4_MOVE_CANCELLED 9 /* by roburoc4_move_cancel() or client_stop(), or not armed */
 
 /** A result as one English sentence without a full stop: what happened and what to do. "unknown
  *  result" for an invalid number. Valid as long as the program runs. */
@@ -118,7 +118,9 @@ typedef struct roburoc4_move {
     float private_speed[2], private_since_pose[2];
     float private_way_m, private_last_turn_rad, private_aside_m;
     uint8_t private_kind, private_leg, private_ready, private_planned;
-    uint8_t private_still, private_bumpers, private_posed, private_begun, private_reserved[4];
+    uint8_t private_still, private_bumpers, private_posed, private_begun;
+    uint8_t private_reserved[2];
+    uint16_t private_stops;
     uint32_t private_spare[8];
 } roburoc4_move;
 
@@ -140,14 +142,15 @@ ROBUROC4_API roburoc4_result roburoc4_move_to_point(roburoc4_move *move, double 
 ROBUROC4_API roburoc4_result roburoc4_move_to_pose(roburoc4_move *move, double x_m, double y_m,
                                                    double theta_rad,
                                                    const roburoc4_move_options *options);
-/** Stop, and wait until the robot stands; armed or not. */
+/** Stop, and wait until the robot is at rest; armed or not. Other moves of the client end. */
 ROBUROC4_API roburoc4_result roburoc4_move_rest(roburoc4_move *move,
                                                 const roburoc4_move_options *options);
 
 /** Read the client's latest values and propose the next speeds. Call it after each receive(), and
  *  before the drive() that it proposes. The first steps propose 0 until the statuses that the move
- *  needs have arrived, at most 1 s. The last one calls roburoc4_client_stop(). Returns
- *  move->result; an ended move does nothing. */
+ *  needs have arrived, at most 1 s. The last one calls roburoc4_client_stop(). Any call of
+ *  roburoc4_client_stop() since the first step, such as by a stop button, ends the move as
+ *  ROBUROC4_MOVE_CANCELLED. Returns move->result; an ended move does nothing. */
 ROBUROC4_API int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client,
                                         uint64_t now_us);
 /** The input of a move. roburoc4_move_step() takes it from a client. If another process has the

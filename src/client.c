@@ -11,15 +11,15 @@ LAYOUT(slot, sizeof(roburoc4_private_slot) == 24);
 LAYOUT(requests, sizeof(roburoc4_private_requests) == 112);
 LAYOUT(service, sizeof(roburoc4_private_service) == 64);
 LAYOUT(link, sizeof(roburoc4_private_link) == 400);
-LAYOUT(drive, sizeof(roburoc4_private_drive) == 112);
+LAYOUT(drive, sizeof(roburoc4_private_drive) == 120);
 LAYOUT(discovery, sizeof(roburoc4_private_discovery) == 224);
 LAYOUT(values, sizeof(roburoc4_private_values) == 456);
 LAYOUT(outputs, sizeof(roburoc4_private_outputs) == 72);
 LAYOUT(config, sizeof(roburoc4_config) == 76);
 LAYOUT(client, sizeof(roburoc4_client) == 1600);
 LAYOUT(client_drive, offsetof(roburoc4_client, private_drive) == 104);
-LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 680);
-LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1080);
+LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 688);
+LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1088);
 
 /* The longest wait before a request is repeated while the client is not ready. */
 #define PATIENCE_US (5 * SECOND)

@@ -514,6 +514,7 @@ roburoc4_result roburoc4_client_facts(const client *c, uint64_t now_us, roburoc4
     f.lease_left_us = f.driving ? d->lease_us - (uint32_t)elapsed_us : 0;
     f.sent_linear_m_s = d->sent[0];
     f.sent_angular_rad_s = d->sent[1];
+    f.stops = d->stops;
     return give(out, &f, sizeof f);
 }
 

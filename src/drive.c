@@ -95,6 +95,7 @@ void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events)
     end_lease(d);
     if (d->armed) {
         d->disarm_cause = cause;
+        d->stops++;
         *events |= ROBUROC4_EVENT_DISARMED;
         d->armed = 0;
     }
@@ -102,6 +103,7 @@ void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events)
 
 void roburoc4_drive_stop(drive *d) {
     d->stop_pending = 1;
+    d->stops++;
     end_lease(d);
 }
 

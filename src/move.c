@@ -230,24 +230,23 @@ static void view_distances(roburoc4_move_view *v, const roburoc4_client *client,
     }
 }
 
-static void view_client(roburoc4_move_view *v, const roburoc4_client *client, uint64_t now_us) {
+static void view_client(roburoc4_move_view *v, const roburoc4_client *client,
+                        const roburoc4_facts *facts, uint64_t now_us) {
     roburoc4_differential_properties limits;
     roburoc4_differential_status speeds;
     roburoc4_localization_status pose;
-    roburoc4_facts facts;
     roburoc4_link link;
     uint64_t host_us;
     memset(v, 0, sizeof *v);
     v->size = sizeof *v;
-    (void)roburoc4_client_facts(client, now_us, ROBUROC4_SIZED(&facts));
-    v->armed = facts.armed;
-    v->overridden = facts.overridden;
-    v->inhibited = facts.inhibited;
-    v->front_bumper = facts.front_bumper;
-    v->rear_bumper = facts.rear_bumper;
-    v->disarm_cause = facts.disarm_cause;
-    v->sent_linear_m_s = facts.sent_linear_m_s;
-    v->sent_angular_rad_s = facts.sent_angular_rad_s;
+    v->armed = facts->armed;
+    v->overridden = facts->overridden;
+    v->inhibited = facts->inhibited;
+    v->front_bumper = facts->front_bumper;
+    v->rear_bumper = facts->rear_bumper;
+    v->disarm_cause = facts->disarm_cause;
+    v->sent_linear_m_s = facts->sent_linear_m_s;
+    v->sent_angular_rad_s = facts->sent_angular_rad_s;
     if (roburoc4_client_differential(client, &speeds, &host_us) == ROBUROC4_OK) {
         (void)roburoc4_client_link(client, now_us, ROBUROC4_SIZED(&link));
         v->speed_cycles = speeds.robot_cycles;
@@ -656,17 +655,29 @@ int32_t roburoc4_move_step_view(roburoc4_move *move, const roburoc4_move_view *v
 
 int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_t now_us) {
     roburoc4_move_view view;
+    roburoc4_facts facts;
     if (move->result != ROBUROC4_MOVE_RUNNING) {
         return move->result;
     }
-    if (move->private_kind == REST && !move->private_begun) {
-        (void)roburoc4_client_stop(client, now_us);
+    (void)roburoc4_client_facts(client, now_us, ROBUROC4_SIZED(&facts));
+    if (move->private_kind == REST) {
+        if (!facts.stopping) { /* another commander may have driven the robot since */
+            (void)roburoc4_client_stop(client, now_us);
+        }
+    } else if (!move->private_begun) {
+        move->private_stops = (uint16_t)facts.stops;
+    } else if (move->private_stops != (uint16_t)facts.stops && facts.armed) {
+        roburoc4_move_cancel(move, client, now_us);
+        return move->result;
     }
-    view_client(&view, client, now_us);
+    view_client(&view, client, &facts, now_us);
     /* A client that disarmed itself has begun its stop sequence, and one that never drove commands
      * nothing. */
     if (step(move, &view, now_us) != ROBUROC4_MOVE_RUNNING && view.armed) {
         (void)roburoc4_client_stop(client, now_us);
+    }
+    if (move->result == ROBUROC4_MOVE_TIMEOUT && facts.other_commander) {
+        move->result = ROBUROC4_MOVE_OTHER_COMMANDER;
     }
     return move->result;
 }

@@ -718,6 +718,7 @@ TEST(Facts, AreExactlyTheCurrentFacts) {
     expect_facts();
     ASSERT_EQ(ROBUROC4_OK, bench.stop());
     bench.pump();
+    facts.stops = 1;
     facts.driving = 0;
     facts.stopping = 1;
     facts.lease_left_us = 0;
@@ -728,6 +729,7 @@ TEST(Facts, AreExactlyTheCurrentFacts) {
     expect_facts();
     robot.press(ROBUROC4_DI_PAD_A);
     bench.run(100 * ms);
+    facts.stops = 2;
     facts.armed = 0;
     facts.overridden = 1;
     facts.disarm_cause = facts.arm_refusal = ROBUROC4_ERR_OVERRIDE;

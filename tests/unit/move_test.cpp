@@ -469,6 +469,55 @@ TEST_F(Move, ADisarmedClientEndsIt) {
     expect_stopped();
 }
 
+TEST_F(Move, AStopButtonEndsIt) {
+    EXPECT_EQ(ROBUROC4_MOVE_CANCELLED,
+              interrupted_by([&] { roburoc4_client_stop(&client, now()); }));
+    EXPECT_EQ(ROBUROC4_OK, move.cause);
+    expect_stopped();
+    pass(2 * second);
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, straight(0.1F)) << "the next one is free";
+}
+
+TEST_F(Move, AClientThatWasDisarmedMeanwhileEndsIt) {
+    EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, interrupted_by([&] {
+                  roburoc4_client_disarm(&client, now());
+                  pass(3 * second);
+                  EXPECT_EQ(ROBUROC4_OK, roburoc4_client_arm(&client, now()));
+              }));
+    expect_stopped();
+}
+
+TEST_F(Move, ToRestEndsAnother) {
+    roburoc4_move rest;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&rest, nullptr));
+    EXPECT_EQ(ROBUROC4_MOVE_CANCELLED,
+              interrupted_by([&] { roburoc4_move_step(&rest, &client, now()); }));
+    expect_stopped();
+}
+
+TEST_F(Moving, ToRestSendsZerosAsLongAsAnotherCommanderDrives) {
+    connect();
+    roburoc4_client other;
+    config.options = ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER;
+    roburoc4_client_init(&other, sizeof other, &config);
+    roburoc4_world_join(world, &other);
+    pass(second);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_arm(&other, now()));
+    for (int i = 0; i < 100; i++) {
+        roburoc4_client_drive(&other, 0.5F, 0, 0, now());
+        pass(cycle_us);
+    }
+    std::uint64_t late_zeros = 0;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&move, nullptr));
+    EXPECT_EQ(ROBUROC4_MOVE_OTHER_COMMANDER, go([&] {
+                  roburoc4_client_drive(&other, 0.5F, 0, 0, now());
+                  roburoc4_facts facts;
+                  roburoc4_client_facts(&client, now(), ROBUROC4_SIZED(&facts));
+                  late_zeros += now() - begun_us > 3 * second && facts.stopping != 0;
+              }));
+    EXPECT_GT(late_zeros, 100U);
+}
+
 TEST_F(Moving, AMoveNeverArms) {
     connect();
     pass(2 * second);

@@ -354,6 +354,8 @@ class Facts(NamedTuple):
     sent_linear_m_s: float
     """The last speeds sent; 0 after a zero."""
     sent_angular_rad_s: float
+    stops: int
+    """Calls of ``stop`` so far, and how often it disarmed. Moves and ``drive_for`` end with it."""
 
 
 class ServiceLink(NamedTuple):
