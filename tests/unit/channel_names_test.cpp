@@ -106,6 +106,16 @@ TEST(ChannelName, OfTheManualGoesToTheInputWithTheRole) {
     EXPECT_EQ(0, find(bench, "Front bumper", digital, texts)) << "the input with the role";
 }
 
+TEST(ChannelName, OfTheOverrideGoesToTheInputOfTheUser) {
+    ScriptedRobot robot = silent_robot(22, 9);
+    roburoc4_config config = default_config();
+    config.role_index[ROBUROC4_ROLE_OVERRIDE] = 20;
+    Bench bench(robot, config);
+    bench.ready();
+    EXPECT_EQ("Game pad \"A\" button", name(bench, digital, 20));
+    EXPECT_EQ("none", name(bench, digital, 8));
+}
+
 TEST(ChannelName, IsUnknownBeforeTheRobotReportsItsCard) {
     ScriptedRobot robot;
     robot.powered = false;

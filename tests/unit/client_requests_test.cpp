@@ -196,6 +196,20 @@ TEST(Answer, FromBeforeALossDoesNotCount) {
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_LOST), bench.state());
 }
 
+TEST(Answer, FromBeforeARestartDoesNotCount) {
+    ScriptedRobot robot;
+    bool silent = true;
+    silence(robot, ROBUROC4_ACTION_GET, silent);
+    Bench bench(robot);
+    bench.start();
+    const Request before = robot.requests.at(0);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_close(&bench.client, bench.client_us()));
+    bench.run(100 * ms);
+    bench.start();
+    EXPECT_EQ(ROBUROC4_ERR_UNMATCHED,
+              bench.receive(plain_answer(before.what.id, before.what.action, 0, 0)));
+}
+
 TEST(Answer, ThatIsTruncatedOrEmptyIsCounted) {
     ScriptedRobot robot;
     Bench bench(robot);
@@ -844,6 +858,21 @@ TEST(FixedId, InputTextsAreReadAgainUntilTheyNameTheOverride) {
         robot.requests.clear();
         bench.run(20 * second);
         EXPECT_TRUE(robot.seen(ROBUROC4_ACTION_QUERY).empty());
+    }
+}
+
+TEST(FixedId, ATextThatContradictsTheTableNamesNoOverride) {
+    for (const std::uint32_t index : {0U, 7U, 9U, 21U}) {
+        ScriptedRobot robot;
+        robot.always_manual_id = true;
+        robot.channel_text = [index](std::uint32_t, std::uint32_t i) -> std::string {
+            return i == index ? "Game pad A button" : "spare";
+        };
+        Bench bench(robot);
+        bench.ready();
+        ASSERT_TRUE(bench.run_until([&] { return bench.facts().descriptions_done == 1; }));
+        bench.run(10 * second);
+        EXPECT_EQ(0, bench.facts().override_known) << index;
     }
 }
 
