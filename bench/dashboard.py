@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What `roburoc4 dashboard` costs, with real pages in Debian's Chromium before it.
+"""What `roburoc4 dashboard` costs, with real pages in Debian's Chromium.
 
     dashboard.py cpu        the program's share of a core: 5 services at 50 Hz, three pages
     dashboard.py memory     what an hour of driving leaves in program and page
@@ -43,7 +43,7 @@ navigator.getGamepads = () => [window.pad];
 
 @contextlib.contextmanager
 def program(*command: str, ready: str) -> Iterator[tuple[int, str]]:
-    """Run a program; give its process and what its ready line says."""
+    """Run a program; return its process and the match of its ready line."""
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as running:
         assert running.stdout is not None
         for line in running.stdout:
@@ -119,11 +119,11 @@ def share_while_driving(page: Page, pid: int, seconds: float) -> float:
         share = share_of_core(pid, seconds)
         if drives_on(page):
             return share
-    sys.exit("it did not drive on: leave the machine idle, and start again")
+    sys.exit("it did not keep driving: leave the machine idle, and start again")
 
 
 def write_results(path: str, shares: dict[str, float]) -> None:
-    """Leave the figures as bench/README.md asks for them."""
+    """Write the figures in the format of bench/README.md."""
     import figures
 
     results = [
@@ -207,7 +207,7 @@ class Trend:
 def trend(
     name: str, times_s: list[float], values_mb: list[float], most_mb_per_hour: float
 ) -> Trend:
-    """Judge the second half of a run, where all that fills once is full."""
+    """Judge the second half of a run, when everything that fills up is full."""
     times_h = [time_s / 3600.0 for time_s in times_s[len(times_s) // 2 :]]
     values = values_mb[len(times_s) // 2 :]
     slope, start = statistics.linear_regression(times_h, values)
@@ -220,7 +220,7 @@ def trend(
 
 
 def bench_memory(minutes: float, every_s: float) -> int:
-    """Drive in circles, and look again and again; return the exit status."""
+    """Drive in circles, and sample repeatedly; return the exit status."""
     options = ("--sim", "--enable-drive", "--lease-ms", "1000", "--port", "0", "--no-open")
     with (
         program(*COMMAND, "dashboard", *options, ready=r"(http\S+)") as (pid, link),
@@ -258,11 +258,11 @@ def main() -> int:
     parser.add_argument("what", choices=("cpu", "memory"))
     parser.add_argument("--seconds", type=float, default=15.0, help="of each measurement of cpu")
     parser.add_argument("--minutes", type=float, default=60.0, help="of the run of memory")
-    parser.add_argument("--every", type=float, default=15.0, metavar="S", help="look so often")
-    parser.add_argument("--json", metavar="FILE", help="leave the figures of cpu there")
+    parser.add_argument("--every", type=float, default=15.0, metavar="S", help="sample this often")
+    parser.add_argument("--json", metavar="FILE", help="write the figures of cpu there")
     options = parser.parse_args()
     if options.minutes * 60.0 < 8 * options.every:
-        parser.error(f"--minutes {options.minutes:g}: give time for 8 looks, or a shorter --every")
+        parser.error(f"--minutes {options.minutes:g}: give time for 8 samples, or less to --every")
     if options.what == "memory":
         return bench_memory(options.minutes, options.every)
     return 0 if bench_cpu(options.seconds, options.json) else 1

@@ -70,7 +70,7 @@ def code():
 
 
 def source():
-    """Return a checksum of src/ and include/, by which a report knows that figures are old."""
+    """Return a checksum of src/ and include/, which shows a report that figures are old."""
     digest = hashlib.sha256()
     for path in sorted(p for folder in ("src", "include") for p in (TOP / folder).rglob("*.[ch]")):
         digest.update(path.relative_to(TOP).as_posix().encode() + b"\0" + path.read_bytes())

@@ -65,7 +65,7 @@ def steady(measure, due, what, least):
 
 
 def count_statuses(subscriber, seconds):
-    """Read for some seconds; return how many statuses came, and how long it took."""
+    """Read for some seconds; return how many statuses arrived, and how long it took."""
     end = begun = time.monotonic()
     arrived = 0
     while end - begun < seconds:

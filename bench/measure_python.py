@@ -201,7 +201,7 @@ def installed_kb(name):
     """Return the size of a distribution's files without the bytecode that pip makes."""
     files = importlib.metadata.files(name)
     if not files:
-        raise SystemExit(f"measure_python: {name} does not say which files it has")
+        raise SystemExit(f"measure_python: {name} has no list of its files")
     kept = [f.locate() for f in files if "__pycache__" not in f.parts]
     return round(sum(path.stat().st_size for path in kept if path.is_file()) / 1000)
 

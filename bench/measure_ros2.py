@@ -79,7 +79,7 @@ def cpu_s(node: Node) -> float:
 
 
 def measure(part: figures.Part, robots: int, seconds: float) -> None:
-    """Measure a node with so many robots, the first of them behind the relay."""
+    """Measure a node with this many robots, the first of them behind the relay."""
     folder = pathlib.Path(tempfile.mkdtemp())
     simulator = Program(
         folder / "sim.log", Programs()("roburoc4-sim"), "--port", "0", "--robots", str(robots)

@@ -139,7 +139,7 @@ $install"
 
 # ---------------------------------------------------------------------- tests and builds
 
-# The time limit of a test: one that hangs fails, and the log tells where.
+# The time limit of a test: one that hangs fails, and the log shows where.
 longest_test_s=600
 
 # heeding COMMAND...: run it with signals enabled that nohup and a shell's & leave ignored, because

@@ -49,7 +49,7 @@ function type_block(    i) {
     }
 }
 
-# Whether the reader types something of a block: else it needs a row.
+# Whether the reader types something of a block; if not, it needs a row.
 function is_typed(    i) {
     if (typing && language == "sh") {
         for (i = 1; i <= count; i++) {
@@ -76,10 +76,10 @@ function end_of_block() {
         if (is_typed()) {
             typed++
             if (file == "" && language !~ /^(sh|python|matlab)$/) {
-                complain(page ":" begun ": what does a reader do with this block? See scripts/pages.txt")
+                complain(page ":" begun ": blocks in this language are not typed; see scripts/pages.txt")
             }
         } else if (!row_of("```" language) && !row_of(lines[1])) {
-            complain(page ":" begun ": no test runs this block, and scripts/pages.txt does not say why")
+            complain(page ":" begun ": no test runs this block, and scripts/pages.txt has no reason for that")
         }
     } else if (is_typed()) {
         typed++

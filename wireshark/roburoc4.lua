@@ -11,11 +11,11 @@ local roburoc4 = Proto("roburoc4", "RobuROC4")
 roburoc4.prefs.watchdog_ms = Pref.uint("Watchdog in ms", 1000,
     "How long after the last command the robot stops by itself (4.2.5.6)")
 roburoc4.prefs.late_ms = Pref.uint("Late statuses in ms", 100,
-    "A status that comes later than this, against the one that came soonest, is reported")
+    "Statuses that took this much longer than the fastest one are reported")
 
 ---------------------------------------------------------------------------------------- the table
 
--- The structs of roburoc4_codec.h: what their members are called in filters, and how they stand on
+-- The structs of roburoc4_codec.h: the names of their members in filters, and their layout on
 -- the wire. Members are in the order of the wire; {name, type, label, names of values}. A type is
 -- that of C, or what a view in C has: "f32[]", "u8[]", "text".
 local ACTIONS = {[0] = "GET", "QUERY", "REPLACE", "UPDATE", "INSERT", "DELETE", "SUBMIT"}
@@ -217,7 +217,7 @@ add_expert("late", "A status came late", expert.group.SEQUENCE, expert.severity.
 add_expert("restart", "The robot restarted", expert.group.SEQUENCE, expert.severity.WARN)
 add_expert("limits", "A speed is outside the robot's limits", expert.group.PROTOCOL,
     expert.severity.WARN)
-add_expert("not_finite", "A speed is not a number", expert.group.PROTOCOL, expert.severity.ERROR)
+add_expert("not_finite", "A speed is not a finite number", expert.group.PROTOCOL, expert.severity.ERROR)
 add_expert("watchdog", "The robot's watchdog has stopped it", expert.group.SEQUENCE,
     expert.severity.WARN)
 add_expert("watchdog_starves", "More than half of the watchdog's time passed without a command",
@@ -295,8 +295,8 @@ local function is_recording(pinfo)
         (port ~= nil and (port == pinfo.src_port or port == pinfo.dst_port))
 end
 
--- Whether a client sends this: in a recording of a client, by its direction; else by the manual's port, by what was learned of both ends, by the port
--- of Decode As, or by its looks.
+-- Whether a client sends this: in a recording of a client, by its direction; else by the manual's
+-- port, by what was learned of both ends, by the port of Decode As, or by its contents.
 local function goes_to_robot(pinfo, buf, source, target)
     local from, to = pinfo.src_port, pinfo.dst_port
     local direction = flags_direction()
@@ -344,7 +344,7 @@ local function kind_of_entry(robot, index)
     return kind
 end
 
--- Which service is which: by type or text, and by the manual's number where neither says it.
+-- Which service is which: by type or text, and by the manual's number if neither identifies it.
 local function learn_kinds(robot)
     local kinds, claimed = {[0] = "directory", [1] = "notification"}, {}
     for index, entry in pairs(robot.entries) do
@@ -472,28 +472,28 @@ local function learn_status(record, v, pinfo)
     client.last[v.service] = v.cycles
 end
 
--- Of all clients, as the robot's watchdog is.
+-- Commands of all clients count, as for the robot's watchdog.
 local function learn_command(record, v, pinfo)
     local robot = record.robot
     local waited_ms = robot.commanded_at and (pinfo.rel_ts - robot.commanded_at) * 1000
-    if robot.moving and not robot.starved and waited_ms <= roburoc4.prefs.watchdog_ms and
+    if robot.moving and not robot.watchdog_tripped and waited_ms <= roburoc4.prefs.watchdog_ms and
         waited_ms > roburoc4.prefs.watchdog_ms / 2 then
         note(record, "watchdog_starves", string.format("%.0f ms passed without a command: "
             .. "the robot's watchdog stops it after %d", waited_ms, roburoc4.prefs.watchdog_ms))
     end
     robot.commanded_at = pinfo.rel_ts
     robot.moving = v.linear_m_s ~= 0 or v.angular_rad_s ~= 0
-    robot.starved = false
+    robot.watchdog_tripped = false
 end
 
 local function watch_the_watchdog(record, pinfo)
     local robot = record.robot
-    if not robot.moving or robot.starved then
+    if not robot.moving or robot.watchdog_tripped then
         return
     end
     local waited_ms = (pinfo.rel_ts - robot.commanded_at) * 1000
     if waited_ms > roburoc4.prefs.watchdog_ms then
-        robot.starved = true
+        robot.watchdog_tripped = true
         note(record, "watchdog", string.format(
             "No command for %.0f ms: the robot's watchdog has stopped it", waited_ms))
     end
@@ -595,7 +595,7 @@ local function add_bits(item, buf, at, count, names)
     end
 end
 
--- analog and digital are counts, or nil where nobody has said them.
+-- analog and digital are counts, or nil if they are unknown.
 local function read_channels(reader, analog, digital, analog_names, digital_names)
     local blocks = digital > 0 and math.floor((digital - 1) / 8) + 1 or 0
     if not fits(reader, 4 * analog + blocks) then

@@ -25,7 +25,7 @@ class UnknownDepthError(Exception):
     """The deepest path cannot be found."""
 
 
-def said(*command):
+def output_of(*command):
     return subprocess.run(command, check=True, text=True, capture_output=True).stdout
 
 
@@ -57,7 +57,7 @@ class CallGraph:
             for t in self.frames
             if ":" not in t or pathlib.Path(t.rsplit(":", 1)[0]).stem == obj.stem
         }
-        for line in said(objdump, "-r", obj).splitlines():
+        for line in output_of(objdump, "-r", obj).splitlines():
             fields = line.split()
             # An address with an offset is inside a function: a case of a switch.
             if (
@@ -79,14 +79,14 @@ class MachineCode:
 
     def __init__(self, objdump, nm, program):
         self.address = {}
-        for line in said(nm, program).splitlines():
+        for line in output_of(nm, program).splitlines():
             fields = line.split()
             if len(fields) == 3 and fields[1] in "tTwW":
                 self.address[fields[2]] = int(fields[0], 16) & ~1
         self.frames = {}
         self.reaches = {}
         self.by_register = {}
-        listing = said(objdump, "-d", program)
+        listing = output_of(objdump, "-d", program)
         function = None
         for line in listing.splitlines():
             head = re.match(r"([0-9a-f]+) <[^>]*>:", line)

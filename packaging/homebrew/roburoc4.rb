@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 #
-# Until the archive has an address, it lies beside this file. Homebrew installs from a tap alone:
+# Until the archive has an address, it is next to this file. Homebrew installs only from a tap:
 #   brew tap-new local/roburoc4
 #   cp roburoc4.rb roburoc4-source-@VERSION@.tar.gz "$(brew --repository local/roburoc4)/Formula/"
 #   brew install local/roburoc4/roburoc4

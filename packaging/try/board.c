@@ -2,7 +2,7 @@
  *
  * board ADDRESS:PORT: the firmware of examples/Firmware on this computer. Its network is a socket
  * to the simulator, and its button is held for three seconds, after two. It fails unless the robot
- * was driven, and stands at the end.
+ * was driven, and is at rest at the end.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <arpa/inet.h>

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Build the conda recipe and run its tests, with this machine's compiler instead of conda's.
 
-build_conda.py RECIPE FOLDER: no channel is needed, as what comes of one is removed from RECIPE.
+build_conda.py RECIPE FOLDER: no channel is needed, as RECIPE loses what would come from one.
 """
 
 import sys

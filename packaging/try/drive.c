@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * drive ADDRESS: drive forward for three seconds, and fail unless the robot says that it did.
+ * drive ADDRESS: drive forward for three seconds, and fail unless the robot reports that it did.
  */
 #include <roburoc4_pump.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-% drive.m ADDRESS: drive half a metre forward, and fail unless the robot says that it did.
+% drive.m ADDRESS: drive half a metre forward, and fail unless the robot reports that it did.
 % SPDX-License-Identifier: MIT
 r = roburoc4.Robot(argv(){end}, 'fresh_ms', 1000);
 r.arm();

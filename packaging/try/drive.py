@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""drive.py ADDRESS: drive half a metre forward, and fail unless the robot says that it did."""
+"""drive.py ADDRESS: drive half a metre forward, and fail unless the robot reports that it did."""
 
 import sys
 

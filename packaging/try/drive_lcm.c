@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * drive_lcm: drive forward through roburoc4-lcm, and fail unless the robot says that it did.
+ * drive_lcm: drive forward through roburoc4-lcm, and fail unless the robot reports that it did.
  */
 #include <lcm/lcm.h>
 #include <roburoc4_lcm.h>
