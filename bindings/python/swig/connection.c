@@ -26,7 +26,7 @@ struct connection {
     uint64_t played_us;
     struct made {
         uint64_t host_us, utc_us;
-    } made[STATUS_SERVICES]; /* the last status of each service that was asked for */
+    } made[STATUS_SERVICES]; /* the last record of each service's status */
 };
 
 /* The call that is being made: of a client, or of a simulated robot. */

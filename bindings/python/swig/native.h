@@ -35,7 +35,7 @@ int take_float(PyObject *number, float *out);
 int take_whole(PyObject *number, long long low, long long high, long long *out);
 int take_uint64(PyObject *number, uint64_t *out);
 
-/* Put an item into a new tuple; NULL, with both released, if there is no tuple or no item. */
+/* Put an item into a new tuple; NULL, with both released, if either is NULL. */
 PyObject *put_item(PyObject *tuple, Py_ssize_t i, PyObject *item);
 PyObject *tuple_of_floats(const float *values, uint32_t count);
 /* Of a view on a datagram. */
@@ -61,22 +61,23 @@ PyObject *decode_status(PyObject *self, PyObject *const *arguments, Py_ssize_t c
 /* ---- a client, and who moves its datagrams (connection.c) ---- */
 
 /*
- * A client with its pump, its socket, or in the world of a simulation. All roburoc4_client_*()
+ * A client with its pump, its socket, or in a simulation. All roburoc4_client_*()
  * calls are made on a connection, by connection_enter() and leave_call(), whatever moves it.
  */
 typedef struct connection connection;
 
-/* With an address, the pump's thread moves the datagrams; else, who then calls one of the three
- * functions below. capacity: samples that are kept. record: where to record, or None; see
+/* With an address, the pump's thread moves the datagrams; without one, whoever calls one of the
+ * three functions below. capacity: samples that are kept. record: where to record, or None; see
  * roburoc4_recorder_options. Also OSError. */
 connection *new_connection(const roburoc4_address *address, const roburoc4_config *config,
                            uint32_t capacity, const char *robot, const char *record,
                            uint64_t max_file_bytes, uint64_t max_file_s);
 /* To a robot: the user calls connection_exchange(). */
 roburoc4_result connection_open_socket(connection *c, const roburoc4_address *robot);
-/* In the world of a simulation (a capsule), which lives as long as the connection. */
+/* In a simulation (a capsule), which is kept as long as the connection. */
 PyObject *connection_join(connection *c, PyObject *owner);
-/* Without a network: who plays a recording gives it the time, from begin_us on, and datagrams. */
+/* Without a network: the player of a recording passes it the time, from begin_us on, and
+ * datagrams. */
 void connection_begin(connection *c, uint64_t begin_us);
 void connection_destroy(connection *c);
 
@@ -87,8 +88,8 @@ roburoc4_client *connection_enter(connection *c, int is_command);
 uint64_t connection_entered_us(void);
 /* All roburoc4_sim_*() calls are made on a simulation: lock it for one call. */
 roburoc4_sim *simulation_enter(simulation *s);
-/* After the call: send what a command has to send, and unlock. Does nothing where none is
- * entered. */
+/* After the call: send what a command has to send, and unlock. Does nothing without an
+ * entered call. */
 void leave_call(void);
 
 roburoc4_pump *connection_pump(connection *c);
@@ -105,10 +106,10 @@ void connection_end_recording(connection *c);
 /* None where nothing is recorded. */
 PyObject *connection_recorder_state(connection *c);
 
-/* Send what is due and receive what is there; how many datagrams came in. */
+/* Send what is due and receive what is there; return how many datagrams were received. */
 PyObject *connection_exchange(connection *c);
-/* It is this time in the recording: give the client a datagram (empty: none); a list of what it has
- * to send now. */
+/* At this time of the recording, pass the client a datagram (empty: none); return a list of what it
+ * has to send now. */
 PyObject *connection_play(connection *c, const uint8_t *data, size_t size, uint64_t at_us);
 /* Some more samples, of the services in `mask`; None when all were read. */
 PyObject *read_samples(connection *c, roburoc4_pump_reader *reader, uint32_t mask);

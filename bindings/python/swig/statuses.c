@@ -5,7 +5,7 @@
  */
 #include "native.h"
 
-/* What bytes alone do not tell, in the order of Layout in telegrams.py: ids of the services that
+/* What the bytes do not contain, in the order of Layout in telegrams.py: ids of the services that
  * send statuses, and counts of the IO card's channels. */
 enum {
     IDS = STATUS_SERVICES,

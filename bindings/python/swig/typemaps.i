@@ -343,7 +343,7 @@ ROBUROC4_ARRAY(gate_rules, enabled, bool)
  * locked when all arguments are read, and the time after that. Only commands change a client. */
 %typemap(out) roburoc4_result roburoc4_client_channel_find, roburoc4_result roburoc4_sim_control_find,
     roburoc4_result roburoc4_sim_set, roburoc4_result roburoc4_sim_panel, roburoc4_result cause {
-    $result = PyLong_FromLong($1); /* who calls it explains what is below 0 */
+    $result = PyLong_FromLong($1); /* the caller explains a result below 0 */
 }
 %typemap(in) roburoc4_client * (connection *handle), const roburoc4_client * (connection *handle) {
     handle = PyCapsule_GetPointer($input, "connection");

@@ -87,7 +87,7 @@ def statuses(
     digital: int = 0,
     speed: float = 0.5,
 ) -> list[Packet]:
-    """Of a robot that drives in a circle of one metre with 0.5 m/s, or stands."""
+    """Of a robot that drives in a circle of one metre with 0.5 m/s, or is at rest."""
     packets = []
     for cycle in range(0, round(seconds * 100), 5):
         time_us, cycles = begin_us + cycle * 10_000, first_cycles + cycle

@@ -17,9 +17,9 @@ from roburoc4 import _native
 pytest_plugins = ["pytester"]
 
 LONG_S = 120.0
-"""A loaded machine is slow; what is wrong never comes."""
+"""Time limit of what should happen soon: generous, because a loaded machine is slow."""
 
-# No time decides a test.
+# No test result depends on timing.
 hypothesis.settings.register_profile(
     "roburoc4", deadline=None, suppress_health_check=[hypothesis.HealthCheck.too_slow]
 )

@@ -23,7 +23,7 @@ package's own texts. In `roburoc4.aio` methods of the same names are awaited.
 
 
 def attribute_texts(owner: type) -> dict[str, str]:
-    """Return the texts that stand below the attributes of a class."""
+    """Return the texts below the attributes of a class."""
     (tree,) = ast.parse(inspect.getsource(owner)).body
     assert isinstance(tree, ast.ClassDef)
     found: dict[str, str] = {}

@@ -87,7 +87,7 @@ def test_signals_stop_the_robot(sim: roburoc4.Simulator, number: signal.Signals,
     process.send_signal(number)
     _, stderr = process.communicate(timeout=120)
     assert process.returncode == code
-    assert "was stopped, and stands" in one_line(stderr)
+    assert "the robot has stopped" in one_line(stderr)
     assert last_command_is_zero(sim)
     assert _stands(sim)
 

@@ -87,7 +87,7 @@ def test_a_signal_stops_the_robot(sim: roburoc4.Simulator) -> None:
     process.send_signal(signal.SIGTERM)
     _, stderr = process.communicate(timeout=120)
     assert process.returncode == 143
-    assert "was stopped, and stands" in one_line(stderr)
+    assert "the robot has stopped" in one_line(stderr)
     assert sim.state.last_linear_m_s == 0.0
 
 

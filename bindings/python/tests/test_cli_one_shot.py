@@ -15,7 +15,7 @@ def test_stop_ends_the_drive_of_another_program() -> None:
         until(lambda: sim.state.wheel_linear_m_s > 0.1)
         done = run("stop", robot=sim.address)
         assert (done.returncode, done.stderr) == (0, "")
-        assert done.stdout == f"{sim.address} stands\n"
+        assert done.stdout == f"{sim.address} has stopped\n"
         assert sim.state.target_linear_m_s == 0.0
         assert abs(sim.state.wheel_linear_m_s) < 0.05
 

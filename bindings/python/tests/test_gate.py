@@ -40,7 +40,7 @@ class Network:
         return self.gate.drive(DriveCommand("nav", stamp_us, 0.3, 0.0))
 
     def stream(self, seconds: float, age_s: float = 0.0) -> Rejection | None:
-        """Send a command every 50 ms; return what the gate said to the last one."""
+        """Send a command every 50 ms; return the gate's answer to the last one."""
         last = None
         for _ in range(round(seconds / PERIOD_S)):
             self.step(PERIOD_S)

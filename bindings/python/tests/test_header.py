@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What stands both in the C headers and in the package is the same."""
+"""What is both in the C headers and in the package is the same."""
 
 import ast
 import re

@@ -202,7 +202,7 @@ def replayed(*arguments: str) -> Iterator[tuple[str, "subprocess.Popen[str]"]]:
     assert process.stderr is not None
     ready = process.stderr.readline()
     found = re.match(
-        r"replay: ready on (127\.0\.0\.1:\d+), recorded of 192\.168\.0\.2:60000", ready
+        r"replay: ready on (127\.0\.0\.1:\d+), recorded from 192\.168\.0\.2:60000", ready
     )
     assert found, ready
     assert process.stderr.readline() == f"export ROBUROC4_ROBOT={found[1]}\n"

@@ -125,7 +125,7 @@ def test_a_page_mentions_what_it_cannot_show(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert "truncated" in one_line(done.stderr)
     text = output.read_text(encoding="utf-8")
-    for words in ("The file is cut", "services: those of the manual", "has no speeds"):
+    for words in ("The file is truncated", "services: those of the manual", "has no speeds"):
         assert words in text
 
 

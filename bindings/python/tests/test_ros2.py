@@ -289,8 +289,8 @@ def test_a_file_sets_names_domain_and_frames(tmp_path: Path) -> None:
         ("domain: 300\n", "line 1: domain: 300 cannot be used: give 0 to 232"),
         ("tf: maybe\n", "line 1: tf: 'maybe' cannot be used: give true or false"),
         ("robots:\n  RED:\n    adress: x\n", "line 3: there is no setting adress here"),
-        ("robots:\n  R-D: {address: x}\n", "line 2: 'R-D' is no name"),
-        ("tf: true\ntf: false\n", "line 2: tf stands here again"),
+        ("robots:\n  R-D: {address: x}\n", "line 2: 'R-D' is not a valid name"),
+        ("tf: true\ntf: false\n", "line 2: tf is given twice"),
         ("remap: {odom: 9x}\n", "line 1: remap"),
         ("domain: [1\n", "line 2: "),
         ("robots:\n  RED: {tf: true}\n", "the robot RED has no address"),
@@ -373,7 +373,7 @@ def announce(listener: Participant, size: int) -> DataWriter[Any]:
 
 
 def heard_sizes(listener: Participant) -> Callable[[], set[int]]:
-    """Return what tells the sizes of gids in which /roburoc4 was announced since the last time."""
+    """Return a reader of the gid sizes with which /roburoc4 was announced since the last call."""
     policies = Policy.Durability.TransientLocal, Policy.Reliability.Reliable(10**8)
     topic = listener.topic("ros_discovery_info", DISCOVERY)
     depth = Policy.History.KeepLast(100)

@@ -34,7 +34,7 @@ class Verdict(IntEnum):
 
 
 class DriveCommand(NamedTuple):
-    """Speeds that somebody asks for."""
+    """A drive command from the network."""
 
     sender: str
     stamp_us: int
@@ -42,18 +42,18 @@ class DriveCommand(NamedTuple):
     linear_m_s: float
     angular_rad_s: float
     finite: bool = True
-    """Whether all other numbers of its message are numbers, too."""
+    """False if another number of its message is NaN or infinite."""
 
 
 class Rejection(NamedTuple):
-    """Why a command moves nothing."""
+    """Why a command was rejected."""
 
     verdict: Verdict
     sender: str
     why: str
-    """With what to do about it."""
+    """The cause, and what to do."""
     is_incident: bool
-    """Whether to tell a person; the others are more of the same."""
+    """Whether to report it to the user; others repeat one that was reported."""
 
 
 class Counts(NamedTuple):
@@ -71,9 +71,10 @@ def _utc_us() -> int:
 class Gate:
     """The gate in front of one robot; used by one thread at a time.
 
-    A command is a lease from its arrival. The robot is armed for the first speed after a pause in
-    which nobody asked for one; after a stop, a disarm, and whatever else ends driving, commands
-    are held until the next such pause. One sender is in control until its lease ends.
+    A command is a lease from its arrival. The gate first waits for a pause: 500 ms without a
+    command that has a speed. The next speed arms the robot. After a stop, a disarm, or anything
+    else that ends driving, commands are rejected until the next pause. One sender is in control
+    until its lease ends.
     """
 
     def __init__(
@@ -85,7 +86,7 @@ class Gate:
         max_age_s: float = 0.2,
         utc_us: Callable[[], int] = _utc_us,
     ) -> None:
-        """Begin, on hold. ``max_age_s`` 0: stamps of any age are taken."""
+        """Begin by waiting for a pause. With ``max_age_s`` 0, stamps of any age are accepted."""
         self._robot = robot
         self._client = robot._connection.handle
         self._events = robot._connection.reader()
@@ -102,11 +103,11 @@ class Gate:
         return _native.connection_now_us(self._client), self._utc_us()
 
     def look(self, waited_s: float = 0.0) -> float:
-        """Notice what ended driving, that this program hung, and that the clock was set.
+        """Notice that driving ended, that this program hung, or that the clock was set.
 
-        To be called at least every few milliseconds more than ``waited_s``, for which the caller
-        meant to wait: where it took longer, commands that come now count as old. Returns by how
-        many seconds the clock was set, mostly 0.
+        Call it after each wait, with the time that the caller meant to wait. If the wait took
+        some milliseconds longer, commands that arrive now count as old. Returns by how many
+        seconds the clock was set, usually 0.
         """
         self._heed_events()
         now = self._now()
@@ -116,13 +117,13 @@ class Gate:
         return _native.gate_look_at_clock(self._gate, now) / 1e6
 
     def _heed_events(self) -> bool:
-        """Hold where driving ended; whether commands are held."""
+        """Wait for a pause if driving ended; return whether the gate is waiting."""
         with contextlib.suppress(ClosedError):
             _native.gate_heed_events(self._gate, self._client, self._events.take_events())
         return self.is_waiting
 
     def drive(self, command: DriveCommand) -> Rejection | None:
-        """Obey a command that came just now, or say why not."""
+        """Obey a command that has just arrived, or return why it is rejected."""
         robot = _native.gate_robot_of(self._client)
         self._heed_events()
         now = self._now()
@@ -140,7 +141,7 @@ class Gate:
             verdict = _native.gate_drive(
                 self._gate, self._client, linear_m_s, angular_rad_s, lease_us
             )
-            # The robot's thread may have ended driving after the look at it: no arming then.
+            # The robot's thread may have ended driving since it was checked: no arming then.
             if self._heed_events() and any(speeds):
                 self._robot.disarm()
                 verdict = Verdict.DISARMED
@@ -160,22 +161,22 @@ class Gate:
         return Rejection(Verdict(verdict), sender, why, is_incident)
 
     def stop(self, sender: str) -> None:
-        """Stop the robot, and hold drive commands until all senders have paused."""
+        """Stop the robot, and reject drive commands until all senders have paused."""
         _native.gate_stop_client(self._gate, self._client, sender)
 
     @property
     def owner(self) -> str:
-        """Who is in control; empty for nobody."""
+        """The sender in control; empty if there is none."""
         return _native.gate_control_owner(self._gate, self._now()[0])
 
     @property
     def is_waiting(self) -> bool:
-        """Whether commands are held until all senders have paused."""
+        """Whether commands are rejected until all senders have paused."""
         return _native.gate_is_waiting(self._gate, self._now()[0])
 
     @property
     def can_drive(self) -> bool:
-        """Whether the next command of whoever may be in control would move the robot."""
+        """Whether the next command would move the robot, if its sender may be in control."""
         robot = _native.gate_robot_of(self._client)
         return _native.gate_can_drive(self._gate, robot, self._now()[0])
 

@@ -32,7 +32,7 @@ _OPTION_FLAGS, _OPTION_DROPPED, _OPTION_RESOLUTION, _OPTION_OFFSET, _OPTION_ISB_
     14,
     5,
 )
-_ONLY_FLAGS = b"\x02\0\x04\0"  # little-endian, which is where its direction is then
+_ONLY_FLAGS = b"\x02\0\x04\0"  # little-endian: then its direction is known, too
 _INBOUND = {1: True, 2: False}
 _VLAN = (0x8100, 0x88A8, 0x9100)
 _IPV4, _IPV6, _UDP = 0x0800, 0x86DD, 17
@@ -70,7 +70,7 @@ class Datagram(NamedTuple):
     destination: tuple[bytes, int]
     payload: bytes
     inbound: bool | None
-    """Whether the capturing machine received it; None if the file does not tell."""
+    """Whether the capturing machine received it; None if the file does not record it."""
 
 
 class Capture:
@@ -289,7 +289,7 @@ class Capture:
 
 
 class _Interface:
-    """What an interface block says about the packets that follow."""
+    """What an interface block specifies for the packets that follow."""
 
     def __init__(self, body: bytes, order: str) -> None:
         self.link: int = struct.unpack_from(order + "H", body)[0]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Messages as bytes: plain CDR (XCDR1), little-endian, with the four bytes that head it."""
+"""Messages as bytes: plain CDR (XCDR1), little-endian, with its header of four bytes."""
 
 import struct
 from collections.abc import Sequence
@@ -9,7 +9,7 @@ _SIZES = {code: struct.calcsize(code) for code in "BIifd"}
 
 
 class Cdr:
-    """A message that is being written: each number at a multiple of its size."""
+    """A message that is being written: each number is aligned to its size."""
 
     def __init__(self) -> None:
         self.data = bytearray(_HEAD)
@@ -29,7 +29,7 @@ class Cdr:
         return self
 
     def sequence(self, code: str, values: Sequence[float]) -> "Cdr":
-        """Append so many numbers and how many they are."""
+        """Append a sequence: its length, then its numbers."""
         self.numbers("I", len(values))
         return self.numbers(code, *values) if values else self
 
@@ -45,7 +45,7 @@ class Cdr:
 
 
 class CdrReader:
-    """What Cdr wrote, in the same order; ValueError where it ends too early."""
+    """Reads what Cdr has written, in the same order; ValueError if it ends too early."""
 
     def __init__(self, data: bytes) -> None:
         if data[: len(_HEAD)] != _HEAD:
@@ -54,7 +54,7 @@ class CdrReader:
         self._at = len(_HEAD)
 
     def numbers(self, code: str, count: int) -> tuple[float, ...]:
-        """Read so many numbers of one type."""
+        """Read this many numbers of one type."""
         self._at += (len(_HEAD) - self._at) % _SIZES[code]
         if count * _SIZES[code] > self.left:
             raise ValueError("a message ends too early")
@@ -63,7 +63,7 @@ class CdrReader:
         return values
 
     def octets(self, count: int) -> bytes:
-        """Read so many bytes."""
+        """Read this many bytes."""
         if count > self.left:
             raise ValueError("a message ends too early")
         self._at += count

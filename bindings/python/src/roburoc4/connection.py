@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""A client and the code that moves its datagrams: the base of robots.
+"""A client and the code that moves its datagrams: the base of the robot classes.
 
-In ``pump.py`` a native thread moves them, in ``udp.py`` the user, and in ``virtual.py`` a
-simulator's virtual time. Everything above works with any of them.
+In ``pump.py`` a native thread moves them, in ``udp.py`` the user's calls, and in ``virtual.py`` a
+simulator in virtual time. All other code works with any of them.
 """
 
 import atexit
@@ -202,8 +202,9 @@ _living: weakref.WeakSet[Connection] = weakref.WeakSet()
 
 @atexit.register
 def _close_all() -> None:
-    # Closing waits until the robot stands. Meanwhile native threads stop other robots, but nobody
-    # serves a socket of the user: these come first. All are closed even if one raises.
+    # Closing waits until the robot is at rest. Native threads stop their robots meanwhile, but
+    # nothing serves connections without a thread: these come first. All are closed even if one
+    # raises.
     with contextlib.ExitStack() as stack:
         for connection in sorted(_living, key=lambda each: not each.own_thread):
             stack.callback(connection.close)  # called last in, first out

@@ -147,7 +147,7 @@ class State(IntEnum):
     READY = 4
     """Statuses arrive; it can be armed."""
     LOST = 5
-    """Was ready, then the robot fell silent: it is asked repeatedly."""
+    """Was ready, then the robot fell silent: requests are repeated."""
     CLOSING = 6
     """Sends the last zero commands."""
 
@@ -273,7 +273,7 @@ class Count(IntEnum):
     REBOOTS = 12
     """How often the robot restarted."""
     CLOCK_FAULTS = 13
-    """How often this machine's clock went back or jumped far ahead."""
+    """How often this machine's clock went back."""
 
 
 class Result(IntEnum):

@@ -83,7 +83,7 @@ def unusable(name: str, value: object, usable: str, code: int = Result.ARGUMENT)
 
 
 def finite(**values: float) -> None:
-    """Reject values that no C number can hold."""
+    """Reject NaN, infinity, and values beyond the range of a C float."""
     for name, value in values.items():
         if not abs(value) < _FLOAT_MAX:
             raise unusable(name, value, "a finite number", Result.NOT_FINITE)

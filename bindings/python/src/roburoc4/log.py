@@ -68,7 +68,7 @@ class Log:
                 self._log(event)
 
     def end(self) -> None:
-        """Log what is left, and the end."""
+        """Log the remaining events, and the end."""
         self.step()
         _logger().info("%s: closing", self._address)
 

@@ -48,9 +48,10 @@ Progress: TypeAlias = Callable[[MoveResult], object]
 
 
 class MoveError(RobotError):
-    """A move did not reach its goal; ``result`` says why, and how far it came.
+    """A move did not reach its goal; ``result`` has the reason, and how far the robot got.
 
-    The stop sequence was sent, but the robot may still roll: ``rest`` waits until it stands.
+    The stop sequence was sent, but the robot may still be rolling: ``rest`` waits until it has
+    stopped.
     """
 
     def __init__(self, result: MoveResult, code: int = Result.STATE) -> None:
@@ -142,7 +143,7 @@ class Move:
         return self
 
     def rest(self) -> "Move":
-        """Stop, and wait until the robot stands."""
+        """Stop, and wait until the robot is at rest."""
         _native.roburoc4_move_rest(self._move, self._options)
         return self
 

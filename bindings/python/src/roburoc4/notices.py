@@ -43,11 +43,11 @@ class Dangers(Protocol):
 
     @property
     def inhibited(self) -> bool:
-        """It stands still although a speed is commanded."""
+        """It does not move although a speed is commanded."""
 
 
 def change_text(event: Event, has_begun: bool) -> str:
-    """Say that the fact of an event in FACTS began or ended."""
+    """Describe that the fact of an event in FACTS began or ended."""
     direction = (
         _native.ROBUROC4_NAME_EVENT_BEGAN if has_begun else _native.ROBUROC4_NAME_EVENT_ENDED
     )
@@ -55,12 +55,12 @@ def change_text(event: Event, has_begun: bool) -> str:
 
 
 def texts_of(events: Event, before: Dangers, now: Dangers) -> list[tuple[str, str]]:
-    """Name events between two looks at the robot for the list: level and text."""
+    """Describe the events between two readings of the robot for the list: level and text."""
     found = [(level, event.text) for event, level in _LEVELS.items() if events & event]
     for event, fact in FACTS.items():
         if events & event:
             was, is_now = getattr(before, fact), getattr(now, fact)
-            if is_now or not was:  # it may have come and gone between the two
+            if is_now or not was:  # it may have begun and ended between the two
                 found.append(("bad", change_text(event, True)))
             if not is_now:
                 found.append(("plain", change_text(event, False)))

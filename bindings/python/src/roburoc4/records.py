@@ -338,7 +338,7 @@ class Facts(NamedTuple):
     other_commander: bool
     """Another commander drives the robot."""
     inhibited: bool
-    """A speed is commanded, but the robot stands still: emergency stop, brakes, bumper."""
+    """A speed is commanded, but the robot does not move: emergency stop, brakes, bumper."""
     fixed_id: bool
     front_bumper: bool
     rear_bumper: bool
@@ -398,7 +398,7 @@ class Pose(NamedTuple):
 
 
 class SimState(NamedTuple):
-    """Everything that can be known about a simulated robot; see ``roburoc4_sim.h``."""
+    """The whole state of a simulated robot; see ``roburoc4_sim.h``."""
 
     battery_state: BatteryState | int
     now_us: int

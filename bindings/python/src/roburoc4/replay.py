@@ -70,7 +70,7 @@ class ReplayedRobot:
         self,
         recording: RecordedRobot,
         send: Send,
-        tell: Callable[[str], object],
+        report: Callable[[str], object],
         *,
         speed: float = 1.0,
         loop: bool = False,
@@ -82,7 +82,7 @@ class ReplayedRobot:
         self._recording = recording
         self._answers: Answers = recording.head.answers.copy()
         self._send = send
-        self._tell = tell
+        self._report = report
         self._speed = speed
         self._loop = loop
         self._stamps = _Stamps(speed)
@@ -124,7 +124,7 @@ class ReplayedRobot:
 
     def _end(self, now_s: float) -> None:
         if self._loop:
-            self._tell("the recording starts over")
+            self._report("the recording starts over")
             self._begin(now_s + 1.0 / self._speed)
         else:
             self.ended = True
@@ -189,7 +189,7 @@ class ReplayedRobot:
     def _refuse(self, peer: Peer, client: Client, what: str) -> None:
         client.commands += 1
         if client.commands == 1:
-            self._tell(f"{peer[0]}:{peer[1]} {what}: this is a recording, nothing moves")
+            self._report(f"{peer[0]}:{peer[1]} {what}: this is a recording, nothing moves")
 
     def _is_silent(self, now_s: float) -> bool:
         """Whether the recorded robot was silent for long: then it does not answer either."""
@@ -215,8 +215,8 @@ class ReplayedRobot:
         if request.action == Action.QUERY and request.service == Service.DIRECTORY:
             answer = self._marked(request, answer)
         self._send(peer, answer)
-        said = read_telegram(answer, from_client=False)
-        if not isinstance(said, Answer) or said.error:
+        reply = read_telegram(answer, from_client=False)
+        if not isinstance(reply, Answer) or reply.error:
             return
         if request.action == Action.INSERT:
             client.services.add(request.subject)
@@ -227,10 +227,10 @@ class ReplayedRobot:
 
     def _marked(self, request: Request, answer: bytes) -> bytes:
         """Mention the recording in the text of the differential service."""
-        said = read_telegram(answer, from_client=False)
-        if not isinstance(said, Answer) or said.error or not isinstance(said.body, str):
+        reply = read_telegram(answer, from_client=False)
+        if not isinstance(reply, Answer) or reply.error or not isinstance(reply.body, str):
             return answer
-        if "differential" not in said.body.lower():
+        if "differential" not in reply.body.lower():
             return answer
         head = _native.roburoc4_encode_answer(request.id, request.action, request.service, 0)
         text = answer[len(head) :][: _MOST_TEXT - len(TEXT)]

@@ -129,7 +129,7 @@ class Robot(RobotBase):
     def arm(self, timeout: float = 5.0) -> None:
         """Allow driving, or raise NotArmedError with the reason why not.
 
-        Waits for obstacles that pass by themselves: no status yet, or a robot that still rolls.
+        Waits if the reason will pass by itself: no status yet, or a robot that is still rolling.
         """
         end_s = self._connection.now_s() + timeout
         reader = self._connection.reader()
@@ -167,12 +167,13 @@ class Robot(RobotBase):
         timeout: float | None = None,
         on_progress: Progress | None = None,
     ) -> MoveResult:
-        """Drive this far straight ahead (negative: backward), and wait until the robot stands.
+        """Drive this far straight ahead (negative: backward), and wait until the robot is at rest.
 
-        ``speed`` is in m/s (0.3). The move ends if a telemeter sees something nearer than the
-        braking distance plus ``clearance`` in metres (0.5; 0: ignore telemeters). Sonar misses
-        things. ``timeout`` is in seconds. ``on_progress`` is called repeatedly with a MoveResult.
-        The robot must be armed. Raises MoveError if the goal was not reached.
+        ``speed`` is in m/s (0.3). The move ends if a telemeter (ultrasonic rangefinder) sees
+        something nearer than the braking distance plus ``clearance`` in metres (0.5; 0: ignore
+        telemeters). Telemeters miss things. ``timeout`` is in seconds. ``on_progress`` is called
+        repeatedly with a MoveResult. The robot must be armed. Raises MoveError if the goal was not
+        reached.
         """
         options = MoveOptions(speed, None, clearance, timeout)
         return self._go(Move(self._connection, options).by(distance_m, 0.0), on_progress)
@@ -217,15 +218,15 @@ class Robot(RobotBase):
         timeout: float | None = None,
         on_progress: Progress | None = None,
     ) -> MoveResult:
-        """Turn to a point in the main frame, drive there, then turn to ``theta_rad`` if given.
+        """Turn to a point, drive there, then turn to ``theta_rad`` if given.
 
-        Otherwise as :meth:`move`.
+        They are in the main (odometry) frame. Otherwise as :meth:`move`.
         """
         options = MoveOptions(speed, None, clearance, timeout)
         return self._go(Move(self._connection, options).to(x_m, y_m, theta_rad), on_progress)
 
     def rest(self, *, timeout: float | None = None) -> MoveResult:
-        """Stop, and wait until the robot stands, armed or not; at most 5 s."""
+        """Stop, and wait until the robot is at rest, armed or not; at most 5 s."""
         options = MoveOptions(None, None, None, timeout)
         return self._go(Move(self._connection, options).rest(), None)
 

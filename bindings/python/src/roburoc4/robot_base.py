@@ -388,5 +388,5 @@ def name_of(condition: object) -> str:
     if isinstance(condition, Event):
         return f"no {condition.name or repr(condition)} event"
     if isinstance(condition, Service):
-        return f"no {condition.name.lower()} status came"
+        return f"no {condition.name.lower()} status arrived"
     return f"{getattr(condition, '__name__', 'the condition')} was not true"

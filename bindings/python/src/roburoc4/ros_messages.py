@@ -79,13 +79,13 @@ class Field(NamedTuple):
     kind: str
     """A number's type, "string", or another message."""
     length: int | None
-    """Of an array; 0 for one of any length, None for a single value."""
+    """The length of an array; 0 if it varies, None for a single value."""
     text_length: int
-    """The greatest of a string; 0 for any."""
+    """The greatest length of a string; 0 for any."""
 
 
 def definition(kind: str) -> str:
-    """Return the definition of a message, and of all that it is made of, as in ROS 2 files."""
+    """Return the definitions of a message and of all messages in it, as in ROS 2 files."""
     parts, seen = [_DEFINITIONS[kind]], {kind}
     for part in parts:
         for name in re.findall(r"^(\w+/\w+)(?:\[\d*\])? ", part, re.MULTILINE):
@@ -112,7 +112,7 @@ def fields(kind: str) -> tuple[Field, ...]:
 
 # ----------------------------------------------------------------------------------- type hash
 
-# Of type_description_interfaces/FieldType: arrays and sequences are so much above it.
+# Of type_description_interfaces/FieldType; arrays and sequences have these offsets.
 _TYPE_IDS = {
     "int8": 2,
     "uint8": 3,
@@ -141,7 +141,7 @@ def dds_name(kind: str) -> str:
 
 @functools.cache
 def type_hash(kind: str) -> str:
-    """Return the hash of REP 2011 by which ROS 2 tells types apart."""
+    """Return the hash of REP 2011 by which ROS 2 distinguishes types."""
     needed, waiting = set[str](), [kind]
     while waiting:
         for field in fields(waiting.pop()):

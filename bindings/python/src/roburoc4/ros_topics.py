@@ -59,10 +59,10 @@ class Frames(NamedTuple):
     odom: str = "odom"
     base: str = "base_link"
     prefix: str = ""
-    """Stands before all of them."""
+    """The prefix of all of them."""
 
     def named(self, name: str) -> str:
-        """Return the whole name of a frame."""
+        """Return the full name of a frame."""
         return self.prefix + name
 
 
@@ -77,7 +77,7 @@ class Diagnosis(NamedTuple):
 
 
 def yes_or_no(fact: bool) -> str:
-    """As the values of diagnoses have it."""
+    """Return a fact as the value of a diagnosis."""
     return "yes" if fact else "no"
 
 
@@ -105,10 +105,10 @@ def _twist(linear_m_s: float, angular_rad_s: float) -> tuple[float, ...]:
 # ---------------------------------------------------------------------------------- covariances
 
 _NOT_MEASURED = 1e6
-"""A variance: of height, roll and pitch, and of all that is not known."""
+"""The variance of height, roll and pitch, and of everything that is not known."""
 _DISTANCE_ERROR = 0.05
 _TURN_ERROR = 0.12
-"""The share of a turn that slip took on a real robot (moves.md)."""
+"""The fraction of a turn that was lost to slip on a real robot (moves.md)."""
 _HEADING_ERROR_RAD_M = 0.01
 _LEAST_M, _LEAST_RAD = 0.01, 0.01
 _LEAST_M_S, _LEAST_RAD_S = 0.02, 0.02
@@ -127,7 +127,7 @@ _ALL_UNKNOWN = _covariance(*(math.sqrt(_NOT_MEASURED),) * 3)
 
 
 class _Drift:
-    """How far off odometry may be: standard deviations that grow on the way, and never shrink."""
+    """Standard deviations of odometry, which grow with the path and never shrink."""
 
     def __init__(self) -> None:
         self._last: LocalizationStatus | None = None
@@ -167,7 +167,7 @@ def _twist_covariance(speeds: DifferentialStatus | None) -> tuple[float, ...]:
 
 
 class Messages:
-    """Items of one robot in, messages out, in the order in which a listener needs them."""
+    """Converts one robot's items to messages, in the order in which a subscriber needs them."""
 
     def __init__(
         self,
@@ -176,9 +176,9 @@ class Messages:
         offset_s: float = 0.0,
         frames: Frames | None = None,
     ) -> None:
-        """Begin; ``offset_s`` is from the robot object's clock to Unix time.
+        """Begin; ``offset_s`` is what has to be added to the robot object's clock for Unix time.
 
-        Without a robot, what statuses do not hold is left out: limits, and the names of inputs.
+        Without a robot, what statuses do not contain is left out: limits, and names of inputs.
         """
         self._robot = robot
         self._address = address
@@ -252,7 +252,7 @@ class Messages:
             yield f"range/{name}", bytes(message.data)
 
     def _places(self, made_s: float) -> bytes:
-        """Say where the telemeters are."""
+        """Make the transforms to the telemeters."""
         places = list(zip(RANGES, self._placed, strict=False))
         message = Cdr().numbers("I", len(places))
         for name, one in places:

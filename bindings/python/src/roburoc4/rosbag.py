@@ -109,7 +109,7 @@ def statuses(path: Path, file: IO[bytes]) -> Iterator[Status]:
         raise
     except Exception:  # the reader raises several kinds of error on a damaged file
         raise RecordingError(
-            f"{path} is cut or damaged: save what is whole with roburoc4 recover {path}"
+            f"{path} is truncated or damaged: save what is complete with roburoc4 recover {path}"
         ) from None
     if not found:
         raise RecordingError(f"{path} holds no statuses of a RobuROC4: give another file")

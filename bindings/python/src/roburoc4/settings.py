@@ -18,7 +18,8 @@ class Settings(TypedDict, total=False):
     period_ms: Mapping[str, int | None]
     """Status periods by service ("iocard", "telemeter", "battery", "localization",
     "differential"): a multiple of 10, 10 to 2550; None to leave a service out. Defaults: 50, 100,
-    1000, 50, 50. Driving needs IO card and differential statuses more often than ``fresh_ms``."""
+    1000, 50, 50. The periods of IO card and differential may be at most a third of ``fresh_ms``.
+    """
     lease_ms: int
     """Lease of a drive command; 20 to 1000; 250."""
     drive_period_ms: int
@@ -46,7 +47,7 @@ class Settings(TypedDict, total=False):
     ignore_other_commander: bool
     """Stay armed while another client commands; off. Gives up a protection."""
     override_index: int
-    """Index of game pad [A] among the digital inputs, if the robot's texts do not tell it."""
+    """Index of game pad [A] among the digital inputs, if the robot's texts do not identify it."""
     front_bumper_index: int
     """Index of the front bumper among the digital inputs, likewise."""
     rear_bumper_index: int

@@ -54,7 +54,7 @@ class SimSettings(TypedDict, total=False):
     min_angular_rad_s2: float
     width_m: float
     slip: float
-    """Share of a turn that is lost to skidding, 0 (none, and no noise) to 0.9."""
+    """Fraction of a turn that is lost to skidding, 0 (none, and no noise) to 0.9."""
     nominal_voltage_v: float
     capacity_ah: float
     battery_percent: float
@@ -217,7 +217,7 @@ class Simulator:
 
     @property
     def state(self) -> SimState:
-        """Everything that can be known about the robot."""
+        """The robot's whole state."""
         return self._act(_native.roburoc4_sim_get_state)
 
     @property

@@ -29,7 +29,7 @@ Bytes: TypeAlias = bytes | bytearray | memoryview
 
 
 class Layout(NamedTuple):
-    """What bytes alone do not tell: the services' ids, and the IO card's channel counts."""
+    """What the bytes do not contain: the services' ids, and the IO card's channel counts."""
 
     iocard: int = 2
     telemeter: int = 3

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Connections in virtual time: the world of roburoc4_sim.h moves datagrams and the clock."""
+"""Connections in virtual time: roburoc4_sim.h moves the datagrams and the clock."""
 
 import math
 from collections.abc import Callable

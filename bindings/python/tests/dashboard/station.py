@@ -64,7 +64,7 @@ def until(condition: Callable[[], object], seconds: float = PATIENCE_S) -> None:
 
 
 class Stopwatch:
-    """Time since it was made, without that in which a loaded machine did not run this thread."""
+    """Time since it was made, without the time that a loaded machine kept this thread waiting."""
 
     def __init__(self, begun_s: float | None = None) -> None:
         self.begun_s = time.monotonic() if begun_s is None else begun_s

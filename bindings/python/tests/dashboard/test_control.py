@@ -18,7 +18,7 @@ from roburoc4.dashboard.ticks import Ticks
 
 LEASE_S = 0.25
 CYCLE_S = 0.011
-"""Until the simulator's state tells what arrived."""
+"""Until the simulator's state shows what arrived."""
 
 
 class Scene:

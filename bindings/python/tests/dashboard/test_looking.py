@@ -132,7 +132,7 @@ def test_a_bad_link_is_explained_in_plain_words(station: Make, visit: Visit) -> 
     page.locator("#sim input[name=loss]").fill("20")
     expect(page.locator("#banner-text")).to_contain_text("of the statuses are lost", timeout=30_000)
     expect(page.locator("#link-try")).to_contain_text("cable instead of radio")
-    page.get_by_role("button", name="A good network again").click()
+    page.get_by_role("button", name="Restore the network").click()
     expect(page.locator("#quality-say")).to_have_text("Link good", timeout=60_000)
     expect(page.locator("#link-try")).to_be_empty()
     expect(page.locator("#banner")).not_to_contain_text("Try:")
@@ -412,7 +412,7 @@ def test_the_robot_s_own_game_pad_drives_the_simulator(station: Make, visit: Vis
     page.locator("#sim input[name=overridden]").check()
     page.get_by_label("RT forward").fill("50")
     until(lambda: here.sim.state.wheel_linear_m_s > 0.3)
-    page.get_by_role("button", name="Let the pad go").click()
+    page.get_by_role("button", name="Release the pad").click()
     until(lambda: not here.sim.state.overridden)
     until(lambda: abs(here.sim.state.wheel_linear_m_s) < 0.05)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The command `roburoc4`, part of the extra `cli`: look at a robot, check it, drive it.
+"""The command `roburoc4`, part of the extra `cli`: watch, check and drive a robot.
 
 Each command has its own file; the other files are shared.
 """

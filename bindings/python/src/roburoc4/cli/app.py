@@ -66,7 +66,7 @@ def parser() -> argparse.ArgumentParser:
     """Make the whole command line."""
     top = Parser(
         prog="roburoc4",
-        description="Look at a RobuROC4 robot or its simulator, check it, drive it.",
+        description="Watch, check and drive a RobuROC4 robot or its simulator.",
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

@@ -10,7 +10,7 @@ from .options import Options
 
 
 class CompletionOptions(Options):
-    """What `completion` is given."""
+    """Options of `completion`."""
 
     shell: str
     parser: argparse.ArgumentParser

@@ -38,7 +38,7 @@ _T = TypeVar("_T")
 
 
 class ConvertOptions(Options):
-    """What `convert` is given."""
+    """Options of `convert`."""
 
     file: Path
     output: Path
@@ -51,7 +51,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = commands.add_parser(
         "convert",
         help="convert a recording",
-        description="Convert a recording by the suffix of OUT: .mcap (ROS 2 messages, for "
+        description="Convert a recording to the format of OUT's suffix: .mcap (ROS 2 messages, for "
         "Foxglove, PlotJuggler and ros2 bag), .csv (statuses as columns), or .pcapng (only the "
         "robot's datagrams, without Ethernet, VLAN tags and fragments). A CSV file can become MCAP "
         "and an MCAP file CSV; neither has the datagrams that a pcapng file consists of.",

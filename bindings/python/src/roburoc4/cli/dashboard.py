@@ -45,7 +45,7 @@ _DESKTOPS = ("DISPLAY", "WAYLAND_DISPLAY")
 
 
 class DashboardOptions(Options):
-    """What the command is given."""
+    """Options of the command."""
 
     sim: bool
     robots: list[str] | None
@@ -69,7 +69,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command."""
     parser = commands.add_parser(
         "dashboard",
-        help="look at the robot, and drive it, in a browser",
+        help="watch and drive the robot in a browser",
         description="Serve a page that shows the robot and, with --enable-drive, drives it by game "
         "pad, stick or keyboard. Needs roburoc4[dashboard]. Read docs/dashboard.md and "
         "docs/SAFETY.md before you drive a robot.",
@@ -205,7 +205,7 @@ def run(options: DashboardOptions) -> int:
             _hub(options, name, robots.enter_context(_robot(options, address)), simulator, cameras)
             for name, address in named.items()
         ]
-        _tell(options, link)
+        _print_link(options, link)
         opens = not options.no_open and _has_desktop()
         with _private(link) if opens else contextlib.nullcontext() as to_open:
             _serve(to_open, place, rules, opened, hubs)
@@ -248,7 +248,7 @@ def _serve(to_open: str | None, place: Place, rules: Rules, opened: Any, hubs: l
         raise fleet.failure
 
 
-def _tell(options: DashboardOptions, link: str) -> None:
+def _print_link(options: DashboardOptions, link: str) -> None:
     """Print warnings and, on stdout, the link."""
     if ipaddress.ip_address(options.bind).is_unspecified and not options.name:
         note("from another machine, use this computer's address instead of localhost")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Which keys are held now, as far as a terminal can tell. In doubt a key counts as released."""
+"""Which keys are held now, as far as a terminal reports it. In doubt a key counts as released."""
 
 from __future__ import annotations
 

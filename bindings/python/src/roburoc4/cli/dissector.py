@@ -17,7 +17,7 @@ NAME = "roburoc4.lua"
 
 
 class DissectorOptions(Options):
-    """What `dissector` is given."""
+    """Options of `dissector`."""
 
     install: bool
 
@@ -26,7 +26,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command."""
     parser = commands.add_parser(
         "dissector",
-        help="teach Wireshark the robot's protocol",
+        help="find or install the dissector for Wireshark",
         description="Print where the dissector for Wireshark and tshark is; with --install, copy "
         "it into the folder for your own plugins.",
         epilog="example: roburoc4 dissector --install",

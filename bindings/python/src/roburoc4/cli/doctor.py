@@ -38,7 +38,7 @@ _LOW = "the battery is low: charge it"
 
 
 class DoctorOptions(Options):
-    """What `doctor` is given."""
+    """Options of `doctor`."""
 
     seconds: float | None
 
@@ -143,15 +143,15 @@ def _watch(found: Findings, options: DoctorOptions, probe: Probe, say: Say) -> N
     try:
         with session.connected(options, period_ms=_PERIODS_MS) as robot:
             found.connected = True
-            _look_at_services(found, robot, say)
+            _check_services(found, robot, say)
             with progress("watching", options.seconds or _WATCH_S) as show:
                 _measure(found, robot, probe, options.seconds or _WATCH_S, show)
-            _look_at_robot(found, robot, say)
+            _check_robot(found, robot, say)
     except CommandError as error:
         say(_Mark.BAD, "discovery", error.message)
 
 
-def _look_at_services(found: Findings, robot: Robot, say: Say) -> None:
+def _check_services(found: Findings, robot: Robot, say: Say) -> None:
     listed = {entry.kind for entry in robot.properties.services}
     found.missing = [service for service in _SERVICES if service not in listed]
     text = f"{len(robot.properties.services)} services"
@@ -189,7 +189,7 @@ def _measure(found: Findings, robot: Robot, probe: Probe, length_s: float, show:
         )
 
 
-def _look_at_robot(found: Findings, robot: Robot, say: Say) -> None:
+def _check_robot(found: Findings, robot: Robot, say: Say) -> None:
     from roburoc4 import Result
 
     facts = robot.facts

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class DriveOptions(session.DrivingOptions):
-    """What `drive` is given."""
+    """Options of `drive`."""
 
     linear: float
     angular: float
@@ -29,14 +29,13 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command."""
     parser = commands.add_parser(
         "drive",
-        help="drive at V m/s and W rad/s, as far as in N seconds",
-        description="Drive at V m/s (ahead is positive) and W rad/s (to the left is positive), as "
-        "far as that comes to in N seconds, with gentle acceleration. The robot stops however "
-        "this ends.",
+        help="drive the distance V*N and turn by W*N, with gentle acceleration",
+        description="Drive the distance V*N and turn by the angle W*N, with gentle acceleration. "
+        "Positive is ahead and to the left. The robot stops however this ends.",
     )
     parser.add_argument("linear", metavar="V", type=linear_m_s, help="speed in m/s")
     parser.add_argument("angular", metavar="W", type=angular_rad_s, help="turn rate in rad/s")
-    add_seconds(parser, "how long, at these speeds", required=True)
+    add_seconds(parser, "how long the robot would drive at these speeds, in s", required=True)
     add_looking(parser)
     session.add_driving(parser)
     add_robot(parser)

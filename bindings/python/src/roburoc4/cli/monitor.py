@@ -28,7 +28,7 @@ _LINE_S = 1.0
 
 
 class MonitorOptions(Options):
-    """What `monitor` is given."""
+    """Options of `monitor`."""
 
     seconds: float | None
 
@@ -57,7 +57,7 @@ def run(options: MonitorOptions) -> int:
         else:
             _print_lines(watch)
         session.refuse_loss(
-            robot, robot.address, "look at its power and cable, then run roburoc4 doctor"
+            robot, robot.address, "check its power and cable, then run roburoc4 doctor"
         )
     return ExitCode.FINE
 

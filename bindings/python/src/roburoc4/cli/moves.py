@@ -26,7 +26,7 @@ _CLEARANCE = number(0.0, 100.0, "m")
 
 
 class MoveOptions(session.DrivingOptions):
-    """What these commands are given."""
+    """Options of these commands."""
 
     metres: float
     angle: float
@@ -39,7 +39,7 @@ class MoveOptions(session.DrivingOptions):
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the commands."""
-    parser = _add(commands, "move", _run_move, "drive so many metres straight ahead, or back")
+    parser = _add(commands, "move", _run_move, "drive this many metres straight ahead, or back")
     parser.add_argument("metres", metavar="METRES", type=metres, help="negative: backward")
     parser = _add(commands, "turn", _run_turn, "turn in place by an angle")
     parser.add_argument(
@@ -62,8 +62,8 @@ def _add(
         name,
         help=text,
         description=f"{text[0].upper()}{text[1:]}, with gentle acceleration, and wait until the "
-        "robot stands. A pressed bumper, or something near in the direction of travel, ends it; "
-        "sonar misses things.",
+        "robot is at rest. A pressed bumper, or something near in the direction of travel, ends "
+        "it; telemeters (ultrasonic rangefinders) miss things.",
     )
     parser.add_argument(
         "--speed",
@@ -173,14 +173,14 @@ def _take(
 ) -> CommandError | None:
     from roburoc4 import MoveError
 
-    def tell(result: MoveResult) -> None:
+    def progressed(result: MoveResult) -> None:
         done[-1] = result
         show(_speed(robot))
 
     for step in steps:
         done.append(_nothing())
         try:
-            done[-1] = step(robot, tell)
+            done[-1] = step(robot, progressed)
         except MoveError as error:
             done[-1] = error.result
             with contextlib.suppress(MoveError):

@@ -37,21 +37,21 @@ def set_address(
     host: str,
     port: int,
     settings: tuple[IPv4Interface, IPv4Address],
-    tell: Callable[[str], None],
+    report: Callable[[str], None],
 ) -> str:
     """Run netcfg on the controller, and return its confirmation in one line."""
     interface, gateway = settings
     where = f"{host}:{port}"
-    tell(f"1/3 open a telnet session to {where}")
+    report(f"1/3 open a telnet session to {where}")
     console = _open(host, port)
     try:
-        tell("2/3 wait for its prompt")
+        report("2/3 wait for its prompt")
         try:
             _wait_for_prompt(console, where)
         except (OSError, EOFError) as error:
             raise refused(f"{_broke_off(where, error)}: nothing was changed") from None
         command = f"netcfg {interface.ip} {interface.netmask} {gateway}"
-        tell(f"3/3 {command}")
+        report(f"3/3 {command}")
         try:
             return _ask(console, command, where)
         except (OSError, EOFError) as error:
@@ -68,11 +68,11 @@ def _open(host: str, port: int) -> Telnet:
     try:
         return Telnet(host, port, _CONNECT_S)
     except TimeoutError:
-        why = "no answer: look at power, cable and address"
+        why = "no answer: check power, cable and address"
     except ConnectionRefusedError:
         why = "refused: that machine has no telnet console; is it the robot's controller?"
     except OSError as error:
-        why = f"{error.strerror or error}: look at the address, and at this machine's network"
+        why = f"{error.strerror or error}: check the address, and this machine's network"
     raise unreachable(f"telnet to {host}:{port}: {why}; nothing was changed")
 
 

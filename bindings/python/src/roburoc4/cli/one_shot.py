@@ -17,14 +17,14 @@ _SENT_S = 0.3
 
 
 class OutputOptions(Options):
-    """What `output` is given."""
+    """Options of `output`."""
 
     index: int
     state: str
 
 
 class RelocalizeOptions(Options):
-    """What `relocalize` is given."""
+    """Options of `relocalize`."""
 
     x: float
     y: float
@@ -36,7 +36,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     stop = commands.add_parser(
         "stop",
         help="stop the robot",
-        description="Send zero speeds until the robot stands. Another program that drives it, or "
+        description="Send zero speeds until the robot stops. Another program that drives it, or "
         "somebody at its game pad, continues: this is not an emergency stop.",
     )
     add_robot(stop)
@@ -56,7 +56,8 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     relocalize = commands.add_parser(
         "relocalize",
         help="set the robot's pose",
-        description="Set the robot's pose in the main frame: its odometry continues from there.",
+        description="Set the robot's pose in the main (odometry) frame; odometry continues from "
+        "there.",
     )
     relocalize.add_argument("x", metavar="X", type=metres, help="metres")
     relocalize.add_argument("y", metavar="Y", type=metres, help="metres")
@@ -88,7 +89,7 @@ def run_stop(options: Options) -> int:
         seen = robot.latest("differential") is not None
         _done(
             options,
-            f"{robot.address} stands"
+            f"{robot.address} has stopped"
             if seen
             else f"{robot.address} was sent zeros; it does not report its speed",
             {"robot": robot.address, "stopped": True if seen else None},

@@ -23,7 +23,7 @@ class Options(argparse.Namespace):
 
 
 class RecordOptions(Options):
-    """What `record` is given."""
+    """Options of `record`."""
 
     file: Path
     seconds: float | None

@@ -72,7 +72,7 @@ def run(options: RecordOptions) -> int:
                 if not sheet.full:
                     recording.report(sheet.rows)
         session.refuse_loss(
-            robot, options.robot, "the file ends there; look at the robot's power and cable"
+            robot, options.robot, "the file ends there; check the robot's power and cable"
         )
     return ExitCode.FINE
 
@@ -196,5 +196,5 @@ class _Recording:
             times = [gap.seconds for gap in gaps.found]
             note(
                 f"the recording has {len(times)} gaps, {sum(times):.1f} s in all, the longest "
-                f"{max(times):.1f} s: the robot was silent; look at its power and cable"
+                f"{max(times):.1f} s: the robot was silent; check its power and cable"
             )

@@ -50,7 +50,7 @@ def run(options: RecordOptions) -> int:
             finally:
                 _report(options, bag)
         session.refuse_loss(
-            robot, options.robot, "the file ends there; look at the robot's power and cable"
+            robot, options.robot, "the file ends there; check the robot's power and cable"
         )
     return ExitCode.FINE
 

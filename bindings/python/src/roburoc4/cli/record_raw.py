@@ -32,7 +32,7 @@ def run(options: RecordOptions) -> int:
             try:
                 _wait(options, robot)
                 session.refuse_loss(
-                    robot, options.robot, "the file ends there; look at the robot's power and cable"
+                    robot, options.robot, "the file ends there; check the robot's power and cable"
                 )
             finally:
                 robot.close()

@@ -13,7 +13,7 @@ from .progress import progress
 
 
 class RecoverOptions(Options):
-    """What `recover` is given."""
+    """Options of `recover`."""
 
     file: Path
     output: Path | None

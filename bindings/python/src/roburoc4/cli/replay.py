@@ -28,7 +28,7 @@ _RECEIVED_AT_ONCE = 100
 
 
 class ReplayOptions(Options):
-    """What `replay` is given."""
+    """Options of `replay`."""
 
     file: Path
     bind: str
@@ -86,7 +86,7 @@ def run(options: ReplayOptions) -> int:
         host, number = port.getsockname()
         # with --json, stdout is for the document
         out = sys.stderr if options.json else sys.stdout
-        print(f"replay: ready on {host}:{number}, recorded of {recording.address}", file=out)
+        print(f"replay: ready on {host}:{number}, recorded from {recording.address}", file=out)
         address = "127.0.0.1" if host == "0.0.0.0" else host
         print(f"export ROBUROC4_ROBOT={address}:{number}", file=out, flush=True)
         try:

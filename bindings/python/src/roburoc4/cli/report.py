@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class ReportOptions(Options):
-    """What `report` is given."""
+    """Options of `report`."""
 
     file: Path
     output: Path | None

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Ros2Options(Options):
-    """What the command is given."""
+    """Options of the command."""
 
     robots: list[str] | None
     config: Path | None
@@ -83,12 +83,12 @@ def _add_drive(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--max-age-ms",
         metavar="MS",
-        help="refuse commands with an older stamp; 0: none, so that bags drive, too (default: 200)",
+        help="reject commands with an older stamp; 0: none, so that bags drive, too (default: 200)",
     )
     group.add_argument(
         "--max-linear",
         metavar="M_S",
-        help="ceiling of speed, beside the robot's own (default: 2.6)",
+        help="ceiling of speed, in addition to the robot's own (default: 2.6)",
     )
     group.add_argument(
         "--max-angular", metavar="RAD_S", help="ceiling of turn rate, likewise (default: 6.5)"
@@ -104,7 +104,7 @@ def _add_ros(parser: argparse.ArgumentParser) -> None:
         "--distro",
         metavar="NAME",
         help="the distribution that the others run; only humble differs (default: $ROS_DISTRO, "
-        "else as they announce themselves)",
+        "else detected from what they announce)",
     )
     group.add_argument(
         "--interface", metavar="NAME", help="network interface, such as eth0 (default: any)"
@@ -117,7 +117,7 @@ def _add_names(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--odom-frame", metavar="NAME", help="default: odom")
     group.add_argument("--base-frame", metavar="NAME", help="default: base_link")
     group.add_argument(
-        "--frame-prefix", metavar="TEXT", help="before all frames (default: the robot's NAME/)"
+        "--frame-prefix", metavar="TEXT", help="prefix of all frames (default: the robot's NAME/)"
     )
     group.add_argument(
         "--remap",
@@ -226,7 +226,7 @@ def _environment() -> dict[str, Any]:
 
 
 def _common(options: Ros2Options) -> dict[str, Any]:
-    """Return what options say of all robots."""
+    """Return the settings from options, which are for all robots."""
     texts = {
         name: _given(getattr(options, name), "--" + name.replace("_", "-"), name)
         for name in ("namespace", "odom_frame", "base_frame", "frame_prefix")
@@ -266,7 +266,7 @@ def _robots(options: Ros2Options, found: Any) -> dict[str, dict[str, Any]]:
     for text in options.robots:
         name, sign, address = text.rpartition("=")
         if sign and not is_node(name):
-            raise usage(f"--robot: '{name}' is no name for a namespace: give letters, digits and _")
+            raise usage(f"--robot: '{name}' cannot be a namespace: give letters, digits and _")
         if name in robots:
             raise usage("--robot: several robots need different names: --robot RED=192.168.0.2 ...")
         robots[name] = found.robots.get(name, {}) | {"address": address}

@@ -30,7 +30,7 @@ _NO_INPUT = 63  # the highest index of a digital input, where no RobuROC4 has it
 
 
 class DrivingOptions(Options):
-    """What a command that moves the robot is given."""
+    """Options of a command that moves the robot."""
 
     yes: bool
     allow_unknown_override: bool
@@ -55,7 +55,7 @@ def address_of(robot: str) -> str:
 
 @contextmanager
 def connected(options: Options, **settings: Any) -> Iterator[Robot]:
-    """Connect, and leave the robot standing however the block ends."""
+    """Connect, and stop the robot however the block ends."""
     from roburoc4 import ArgumentError, NetworkError, RobotTimeoutError, connect
 
     try:
@@ -177,12 +177,13 @@ def armed(robot: Robot) -> Iterator[None]:
         yield
     except Signalled:
         robot.stop()
-        stands = wait_for_rest(robot, _REST_S)
+        at_rest = wait_for_rest(robot, _REST_S)
         with suppress(OSError):  # the terminal may be gone
             note(
-                "interrupted: the robot was stopped, and stands"
-                if stands
-                else "interrupted: a stop was sent, but the robot may still be moving: look!"
+                "interrupted: the robot has stopped"
+                if at_rest
+                else "interrupted: a stop was sent, but the robot may still be moving: watch it, "
+                "and press an emergency stop if it does"
             )
         raise
     except NotArmedError:

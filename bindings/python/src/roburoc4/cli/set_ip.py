@@ -16,7 +16,7 @@ TELNET_PORT = 23
 
 
 class SetIpOptions(Options):
-    """What `set-ip` is given."""
+    """Options of `set-ip`."""
 
     address: str
     mask: str
@@ -92,7 +92,10 @@ def checked(address: str, mask: str, gateway: str) -> tuple[IPv4Interface, IPv4A
     interface = IPv4Interface(f"{host}/{mask}")
     for name, value in (("ADDRESS", host), ("GATEWAY", way_out)):
         if value in (interface.network.network_address, interface.network.broadcast_address):
-            raise usage(f"{name} {value} means all of {interface.network}: give a host's")
+            raise usage(
+                f"{name} {value} is the network or broadcast address of {interface.network}: "
+                "give a host's"
+            )
     if way_out not in interface.network:
         raise usage(f"GATEWAY {way_out} is not in {interface.network}, the network of {host}")
     if way_out == host:

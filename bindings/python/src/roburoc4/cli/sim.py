@@ -16,7 +16,7 @@ _PROGRAM = "roburoc4-sim" + (".exe" if sys.platform == "win32" else "")
 _HIGHEST_PORT = 65535
 _READY = re.compile(r"^roburoc4-sim: ready on ([^\s,]+:\d+)")
 _TELNET_HELP = """
-One option more, of roburoc4 sim only:
+One more option, of roburoc4 sim only:
   --telnet PORT    serve the controller's telnet console, too, to try roburoc4 set-ip on
                    (0 picks a free port)"""
 

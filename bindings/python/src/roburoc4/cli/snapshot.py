@@ -64,7 +64,7 @@ def _stream(robot: Robot, service: str) -> StreamFigures:
 
 
 def take(robot: Robot, elapsed_s: float, channels: ChannelNames) -> Snapshot:
-    """Look at everything."""
+    """Take a snapshot."""
     link = robot.link
     return Snapshot(
         robot.address,

@@ -83,7 +83,7 @@ def run(options: session.DrivingOptions) -> int:
                 _Teleop(robot, keyboard).loop()
             finally:
                 robot.stop()
-        session.refuse_loss(robot, options.robot, "look at its power and cable")
+        session.refuse_loss(robot, options.robot, "check its power and cable")
     return ExitCode.FINE
 
 
@@ -151,7 +151,7 @@ class _Teleop:
         facts = self._robot.facts
         if facts.disarm_cause is Result.INHIBITED:
             self._man.let_go()
-            self._trouble = "it stands still: look at emergency stops, brakes and bumpers"
+            self._trouble = "the robot does not move: check emergency stops, brakes and bumpers"
         wanted = self._wanted(now_s)
         if not facts.armed:
             self._speeds = (0.0, 0.0)

@@ -146,7 +146,7 @@ def _streams(found: Findings) -> Verdict | None:
             "interrupted",
             ExitCode.REFUSED,
             f"the robot fell silent or restarted {found.interruptions} times in these seconds",
-            "look at its power supply and cable, and run doctor again",
+            "check its power supply and cable, and run doctor again",
         )
     if mute:
         return Verdict(
@@ -176,7 +176,7 @@ def _steadiness(found: Findings) -> Verdict | None:
             ExitCode.REFUSED,
             f"statuses come {unsteady.jitter_ms:.0f} ms early or late (up to {JITTER_MS:.0f} is "
             f"fine), most of all those of {unsteady.service}",
-            "use the cable; switch off the power saving of the radio link; look at the load of "
+            "use the cable; switch off the power saving of the radio link; check the load of "
             "this computer",
         )
     if found.round_trip_ms > ROUND_TRIP_MS:

@@ -25,12 +25,12 @@ class Advice(NamedTuple):
 
 
 _FAULTS = {
-    Fault.REFUSED: "look whether the robot's UDP server runs, and whether the port is right",
+    Fault.REFUSED: "check that the robot's UDP server is running and that the port is right",
     Fault.UNREACHABLE: "give this computer an address of the robot's network (192.168.0.10/24)",
     Fault.DOWN: "plug in the network cable, switch the network on",
     Fault.DENIED: "let this program through the firewall",
 }
-_CABLE = "look at the robot's main power, the cable and the switches between"
+_CABLE = "check the robot's main power, the cable and the switches between"
 
 
 def advise(
@@ -47,7 +47,7 @@ def advise(
         return Advice(
             "weak",
             f"{link.loss:.0%} of the statuses are lost",
-            "use a cable instead of radio, end other heavy traffic, look at the plugs",
+            "use a cable instead of radio, end other heavy traffic, check the plugs",
         )
     if link.round_trip_us > ROUND_TRIP_MS * 1000:
         return Advice(
@@ -65,7 +65,7 @@ def _without_link(state: State, fault: Fault, link: Link, heard: int, address: s
     if state is State.LOST or (heard and link.silence_us > _SILENT_MS * 1000):
         return Advice(
             "bad",
-            "the robot fell silent; it is asked again and again",
+            "the robot fell silent; the dashboard keeps asking it",
             _CABLE,
         )
     if not heard:

@@ -117,7 +117,7 @@ class Control:
         if not self.offered:
             raise ControlError("this dashboard only watches: start it with --enable-drive to drive")
         if self.driver not in (None, page):
-            raise ControlError("somebody else drives: wait until that page releases control")
+            raise ControlError("another page drives: wait until it releases control")
         if self.driver is None:
             self.driver = page
             self._begin_anew("")
@@ -130,7 +130,7 @@ class Control:
         if self.driver in (None, page) or not self.offered:
             self.take(page)
         elif self.asker not in (None, page):
-            raise ControlError("another page asks already: wait for the answer")
+            raise ControlError("another page has already asked: wait for the answer")
         else:
             self.asker = page
 
@@ -224,7 +224,7 @@ class Control:
         if self._lease_end_s is not None and now_s >= self._lease_end_s:
             self.must_let_go = True
             self._lease_end_s = None
-            self.why = "inputs came too late and the robot was stopped: let go, then drive on"
+            self.why = "inputs arrived too late and the robot was stopped: let go, then drive on"
         if not self.must_let_go:
             self._command(inputs, now_s + left_s)
 
@@ -238,7 +238,7 @@ class Control:
             raise ControlError("the page is late: its link is slow or stalled; try again")
         speed = scale * self.limits.linear_m_s[1]
         if not self._robot.facts.armed or not speed > 0.0:
-            raise ControlError("the robot goes nowhere while it is disarmed: arm it first")
+            raise ControlError("the robot is disarmed: arm it first")
         self._end_going()
         self.why = ""
         self.going = Going(self._robot, x_m, y_m, speed, now_s + left_s)
@@ -277,7 +277,7 @@ class Control:
                 self.why = ""
                 return
         self._robot.stop()
-        self._begin_anew("this computer was held up while it drove: let go, then drive on")
+        self._begin_anew("this computer was delayed while it drove: let go, then drive on")
 
     def _lease_left_s(self, page: Viewer, tick: int, now_s: float) -> float | None:
         """Return what is left of the lease that started when this tick was issued."""
@@ -292,7 +292,7 @@ class Control:
         if self.driver is not page:
             raise ControlError("this page has not taken control")
 
-    # ---- looking after it ----
+    # ---- supervision ----
 
     def watch(self, now_s: float) -> None:
         """Withdraw control if driving has become unsafe; called at each step."""

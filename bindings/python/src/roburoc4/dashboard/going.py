@@ -45,7 +45,7 @@ class Going:
         try:
             self._robot.go_to(*self.place, speed=self._speed, on_progress=self._look)
         except _EndedError:
-            self.why = "the way there was ended"
+            self.why = "the move was ended"
         except RobotError as error:
             self.why = str(error)
 

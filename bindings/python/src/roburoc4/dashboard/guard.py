@@ -82,7 +82,7 @@ class Guard:
                 "start it with --name."
             )
         if len(origins) > 1 or (websocket and not origins):
-            return "The request names no single Origin."
+            return "The request must have exactly one Origin."
         if origins and origins[0].lower() != f"{self._scheme}://{hosts[0].lower()}":
             return "A page of another site asks."
         if not websocket and (why := _odd_fetch(scope, headers)):
@@ -147,7 +147,7 @@ class Guard:
     def _add_headers(self, scope: Scope, headers: MutableHeaders) -> None:
         host = Headers(scope=scope).get("host", "")
         socket = f"{'wss' if self._rules.secure else 'ws'}://{host}"
-        # A foreign host was refused, and might contain anything.
+        # An unknown host was refused, and might contain anything.
         socket = socket if host.lower() in self._own_hosts(scope) else ""
         headers["Content-Security-Policy"] = _POLICY.format(
             socket=socket,
@@ -167,7 +167,7 @@ class Guard:
 
 def _odd_fetch(scope: Scope, headers: Headers) -> str:
     if scope["method"] not in _GETS:
-        return "Nothing here takes anything but GET."
+        return "Only GET is allowed here."
     site = headers.get("sec-fetch-site", "none")
     if site in ("none", "same-origin"):
         return ""

@@ -63,7 +63,7 @@ class Page(Viewer):
         """Whether it draws what it gets, as far as is known."""
         return self.ready or now_s - self.heard_s < _AWAKE_S
 
-    def say(self, kind: str, document: dict[str, Any]) -> bool:
+    def send(self, kind: str, document: dict[str, Any]) -> bool:
         """Send it anything but a frame; false if it accepts nothing any more."""
         if self.outbox.full():
             return False
@@ -129,9 +129,9 @@ class Hub:
         page.sent_tick = self.ticks.last
         page.heard_s = self.now_s
         page.seen_event = self._history.last_event
-        page.say("hello", self._hello(page))
+        page.send("hello", self._hello(page))
         if self._frames.known:
-            page.say("about", self._about())
+            page.send("about", self._about())
         self.pages.add(page)
         return page
 
@@ -196,7 +196,7 @@ class Hub:
         self._note_driver(time_s)
         if self._frames.about(now_s) is not None:
             self.control.limits = limits_of(self.robot, *self._ceilings)
-            self._to_all(lambda page: page.say("about", self._about()))
+            self._to_all(lambda page: page.send("about", self._about()))
         ready = [page for page in self.pages if page.ready]
         if not ready:
             return
@@ -240,7 +240,7 @@ class Hub:
     def forget_trail(self) -> None:
         """Restart the robot's trail, on all pages and on those that open later."""
         self._history.path.clear()
-        self._to_all(lambda page: page.say("trail", {"path": self._history.path.columns()}))
+        self._to_all(lambda page: page.send("trail", {"path": self._history.path.columns()}))
 
     def _to_all(self, tell: Callable[[Page], object]) -> None:
         for page in self.pages:
@@ -265,4 +265,4 @@ class Hub:
             news.append(notice)
         if news:
             page.seen_event = news[0].number
-            page.say("events", {"events": [notice._asdict() for notice in reversed(news)]})
+            page.send("events", {"events": [notice._asdict() for notice in reversed(news)]})

@@ -71,7 +71,7 @@ class Messages:
                 raise BadMessageError("its outbox is full") from None
 
     def _refuse(self, text: str, what: str) -> bool:
-        return self._page.say("refused", {"text": text, "what": what})
+        return self._page.send("refused", {"text": text, "what": what})
 
     def end(self) -> None:
         """Remove the page at once: it sent something that our page never sends."""
@@ -116,11 +116,11 @@ class Messages:
         asker = self._hub.control.keep(self._page)
         if isinstance(asker, Page):
             number = self._page.number
-            asker.say("refused", {"text": f"page {number} keeps control", "what": "take"})
+            asker.send("refused", {"text": f"page {number} keeps control", "what": "take"})
 
     def _stop(self, _message: dict[str, Any]) -> None:
         self._fleet.stop(self._page)
-        if not self._page.say("stopped", {}):
+        if not self._page.send("stopped", {}):
             raise BadMessageError("its outbox is full")
 
     def _go(self, message: dict[str, Any]) -> None:

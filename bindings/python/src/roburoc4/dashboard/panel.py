@@ -28,7 +28,7 @@ _WORDS = frozenset(
 
 
 class PanelError(Exception):
-    """Why the simulator does not do this; shown on the page."""
+    """Why the simulator refuses this; shown on the page."""
 
 
 class Panel:

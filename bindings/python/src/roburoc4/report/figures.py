@@ -269,7 +269,7 @@ class Figures:
         else:
             self.more_events += 1
 
-    # ---- what it comes to ----
+    # ---- results ----
 
     @property
     def seconds(self) -> float:

@@ -92,9 +92,13 @@ def page(figures: Figures) -> str:
 def _notes(document: dict[str, Any]) -> list[str]:
     notes = []
     if document["cut_bytes"]:
-        notes.append(f"The file is cut: its last {document['cut_bytes']} bytes are not whole.")
+        notes.append(
+            f"The file is truncated: its last {document['cut_bytes']} bytes are incomplete."
+        )
     if document["not_recorded"]:
-        notes.append(f"The recorder had no room for {document['not_recorded']} datagrams.")
+        notes.append(
+            f"The recorder lost {document['not_recorded']} datagrams: the disk was full or slow."
+        )
     if document["assumed"]:
         notes.append(
             "The recording begins after the robot was asked for its services: those of the manual "
@@ -167,8 +171,8 @@ def _or_none(picture: str, what: str) -> str:
 def _speeds(figures: Figures, document: dict[str, Any]) -> list[str]:
     target, current, target_turn, turn = figures.speeds
     seconds = document["seconds"]
-    linear = [Line("reached", "s1", current), Line("asked for", "s2", target)]
-    angular = [Line("reached", "s1", turn), Line("asked for", "s2", target_turn)]
+    linear = [Line("measured", "s1", current), Line("target", "s2", target)]
+    angular = [Line("measured", "s1", turn), Line("target", "s2", target_turn)]
     return [
         _or_none(chart("Speed", "m/s", seconds, linear), "speeds"),
         chart("Turn rate, left is positive", "rad/s", seconds, angular),
@@ -252,7 +256,7 @@ def _link(document: dict[str, Any]) -> str:
             f" within {trip['low']:.2f} to {trip['high']:.2f} ms, {trip['mean']:.2f} on average"
         )
     clients = _table(
-        ["who commanded", "commands", "of them speeds"],
+        ["sender", "commands", "of them speeds"],
         [[one["address"], one["commands"], one["speeds"]] for one in document["clients"]],
         1,
     )

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""What a participant says about its nodes: rmw_dds_common/ParticipantEntitiesInfo, in both forms.
+"""What a participant announces of its nodes: rmw_dds_common/ParticipantEntitiesInfo, both forms.
 
-A gid has 16 bytes, in Humble 24, of which the last eight are 0. No form can be read as the other.
+A gid has 16 bytes, in Humble 24, of which the last eight are 0. Neither form can be taken for the
+other.
 """
 
 from typing import NamedTuple
@@ -14,7 +15,7 @@ _PADDING = 3
 
 
 class AnnouncedNode(NamedTuple):
-    """A node, and by their gids of 16 bytes what belongs to it."""
+    """A node, and its readers and writers by their gids of 16 bytes."""
 
     namespace: str
     name: str
@@ -47,7 +48,7 @@ class Announcement(NamedTuple):
 
 
 def decode(data: bytes) -> tuple[Announcement, int]:
-    """Return an announcement and the size of its gids; ValueError where it is none."""
+    """Return an announcement and the size of its gids; ValueError if it is not one."""
     for size in (GID_SIZE, HUMBLE_GID_SIZE):
         try:
             return _decode(data, size), size

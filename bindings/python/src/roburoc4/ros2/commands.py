@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Commands from ROS 2 to one robot: what they mean, before its gate. It knows no DDS."""
+"""Interprets commands from ROS 2 to one robot, for its gate. It does not depend on DDS."""
 
 import contextlib
 import math
@@ -16,7 +16,7 @@ from .remembered import keep
 
 _RECENT_S = 5.0
 _FINE, _WARNING = 0, 1
-# A publisher may send a stamp again (nav2's velocity smoother does): they are told apart by this.
+# A publisher may send a stamp again (nav2's velocity smoother does): this makes them distinct.
 _NEXT_US = 1
 
 
@@ -26,11 +26,11 @@ class DriveConfig:
 
     enabled: bool = False
     stamped: bool = True
-    """TwistStamped; else Twist, of which only DDS says when it was sent."""
+    """TwistStamped; else Twist, which has no other stamp than that of DDS."""
     lease_ms: int = 250
     max_age_ms: int = 200
     max_linear_m_s: float = 2.6
-    """Ceilings beside the robot's own limits."""
+    """Ceilings in addition to the robot's own limits."""
     max_angular_rad_s: float = 6.5
 
 
@@ -40,23 +40,23 @@ class Sender(NamedTuple):
     gid: str
     """In hexadecimal."""
     node: str
-    """Empty where it is not known."""
+    """Empty if it is not known."""
 
     @property
     def text(self) -> str:
-        """For a person, and so without what would command a terminal."""
+        """For a terminal: without characters that would control it."""
         name = "".join(letter if letter.isprintable() else "?" for letter in self.node)
         return name or f"a publisher without a known node (gid {self.gid})"
 
 
 class DriveState(NamedTuple):
-    """Who drives, and why not."""
+    """Who is in control, and why commands are rejected."""
 
     enabled: bool
     can_drive: bool
-    """Whether the next command of whoever may be in control moves the robot."""
+    """Whether the next command would move the robot, if its sender may be in control."""
     is_waiting: bool
-    """Whether commands are held until all publishers have paused for half a second."""
+    """Whether commands are rejected until all publishers have paused for 500 ms."""
     in_control: str
     stopped_by: str
     """Who sent the last stop, while no command was obeyed after it."""
@@ -67,7 +67,7 @@ class DriveState(NamedTuple):
     counts: Counts
 
     def diagnosis(self, node: str) -> Diagnosis:
-        """Return what diagnostics show."""
+        """Return it as /diagnostics shows it."""
         rejected = sum(self.counts.rejected.values())
         values = {
             "in_control": self.in_control,
@@ -91,19 +91,19 @@ class DriveState(NamedTuple):
 
 
 class Commands:
-    """Messages of the topics cmd_vel and stop, as they come; used by one thread at a time."""
+    """Handles messages of the topics cmd_vel and stop; used by one thread at a time."""
 
     def __init__(
         self,
         robot: Robot,
         config: DriveConfig,
-        tell: Callable[[str], None],
+        report: Callable[[str], None],
         utc_us: Callable[[], int] = lambda: time.time_ns() // 1000,
     ) -> None:
-        """Begin, on hold; ``tell`` is given sentences for the person at the terminal."""
+        """Begin by waiting for a pause; ``report`` is called with messages for the user."""
         self._robot = robot
         self._config = config
-        self._tell = tell
+        self._report = report
         self._gate = Gate(
             robot,
             enabled=config.enabled,
@@ -122,7 +122,7 @@ class Commands:
     def look(self, waited_s: float = 0.0) -> None:
         """Do what :meth:`Gate.look` does, and renew the state."""
         if step_s := self._gate.look(waited_s):
-            self._tell(
+            self._report(
                 f"this machine's clock was set by {step_s:.3f} s: all publishers must pause for "
                 "500 ms"
             )
@@ -142,10 +142,10 @@ class Commands:
         )
 
     def drive(self, sender: Sender, message: Any, sent_us: int) -> None:
-        """Obey a message of cmd_vel, or tell why not; DDS says that it was sent then.
+        """Obey a message of cmd_vel, or report why not; ``sent_us`` is the stamp of DDS.
 
-        Linear x and angular z count, as that is what the robot can do; NaN or infinity in any
-        place is refused, as whoever sends that is broken.
+        Only linear x and angular z count, as the robot cannot move otherwise. NaN or infinity in
+        any field rejects the message, because its sender is faulty.
         """
         twist, stamp_us = message, sent_us
         if self._config.stamped:
@@ -163,7 +163,7 @@ class Commands:
             self._stopped_by = ""
 
     def _distinct(self, sender: Sender, stamp_us: int) -> int:
-        """Return a stamp, a little later where it is the sender's last one again.
+        """Return a stamp, a little later if it is the sender's last one again.
 
         DDS delivers nothing twice, so this is no repeated message; the gate judges its age.
         """
@@ -173,7 +173,7 @@ class Commands:
         return used
 
     def unreadable(self, sender: Sender) -> None:
-        """Tell about a message of cmd_vel that is none."""
+        """Reject a message of cmd_vel that cannot be decoded."""
         rejection = self._gate.reject(Verdict.MALFORMED, sender.gid)
         if rejection is not None:
             self._note(sender, rejection)
@@ -186,16 +186,19 @@ class Commands:
         self._rejected = f"{sender.text}: {why}"
         self._rejected_s = self._robot.now_s
         if rejection.is_incident:
-            self._tell(f"cmd_vel of {sender.text} rejected: {why}")
+            self._report(f"cmd_vel of {sender.text} rejected: {why}")
 
     def stop(self, sender: Sender) -> None:
-        """Stop, and hold: whatever came on the topic, and from whom."""
+        """Stop, whatever the message contains and whoever sent it; then wait for a pause."""
         if not self._stopped_by:
-            self._tell(f"stopped by {sender.text}: commands are held until all publishers pause")
+            self._report(
+                f"stopped by {sender.text}: commands are rejected until all publishers have paused "
+                "for 500 ms"
+            )
         self._stopped_by = sender.text
         self._gate.stop(sender.gid)
 
     def end(self) -> None:
-        """Leave the robot standing, if it was driven from here."""
+        """Stop the robot, if it was driven from here."""
         with contextlib.suppress(ClosedError):
             self._robot.disarm()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the node is to do: of options, a YAML file, and the environment."""
+"""The node's configuration: from options, a YAML file, and the environment."""
 
 import re
 from collections.abc import Callable, Mapping
@@ -20,7 +20,7 @@ _PERIODS_MS = range(10, 2551, 10)
 
 
 class ConfigError(Exception):
-    """Something in the configuration cannot be used; the message says what, where, and the way."""
+    """Something in the configuration cannot be used; the message has its place and the remedy."""
 
 
 @dataclass(frozen=True)
@@ -29,18 +29,18 @@ class RobotConfig:
 
     address: str
     name: str = ""
-    """Empty for the only one."""
+    """Empty if there is only one."""
     namespace: str = "/"
     node_name: str = "roburoc4"
     frames: Frames = field(default_factory=Frames)
     tf: bool = True
-    """Publish where the robot is on /tf; off where another node does, by a better estimate."""
+    """Publish the robot's pose on /tf; off if another node publishes a better estimate."""
     remap: Mapping[str, str] = field(default_factory=dict)
     period_ms: Mapping[str, int] = field(default_factory=dict)
     drive: DriveConfig = field(default_factory=DriveConfig)
 
     def topics(self) -> dict[str, Topic]:
-        """Return what it publishes, by key, with the names that it was given."""
+        """Return what it publishes, by key, with remapped names."""
         return {
             key: topic._replace(name=self.remap.get(key, topic.name))
             for key, topic in PUBLISHED.items()
@@ -48,7 +48,7 @@ class RobotConfig:
         }
 
     def subscriptions(self) -> list[Topic]:
-        """Return what it listens to: stop, and cmd_vel where driving is enabled."""
+        """Return what it listens to: stop, and cmd_vel if driving is enabled."""
         found = list(STOPS)
         if self.drive.enabled:
             found.append(CMD_VEL if self.drive.stamped else CMD_VEL_UNSTAMPED)
@@ -57,18 +57,18 @@ class RobotConfig:
 
 @dataclass(frozen=True)
 class Config:
-    """All robots, and where they are seen."""
+    """All robots, and the ROS 2 system that they appear in."""
 
     robots: tuple[RobotConfig, ...]
     domain: int = 0
     distro: str | None = None
-    """Of the others; None to find out what matters of it."""
+    """The one that the others run; None: derived from what they announce."""
     interface: str | None = None
 
 
 class _Setting(NamedTuple):
     check: Callable[[Any], Any]
-    """Returns what it means; raises ValueError for what cannot be used."""
+    """Returns the value to use; raises ValueError if there is none."""
     usable: str
 
 
@@ -157,7 +157,7 @@ PROGRAM_SETTINGS = {
 
 
 def checked(name: str, value: Any, where: str = "") -> Any:
-    """Return what a setting means, or say what it can be; ``where`` it was found."""
+    """Return a setting's value, or raise ConfigError; ``where`` it was found."""
     setting = ROBOT_SETTINGS.get(name) or PROGRAM_SETTINGS[name]
     try:
         return setting.check(value)
@@ -168,7 +168,7 @@ def checked(name: str, value: Any, where: str = "") -> Any:
 
 
 def robot_config(name: str, settings: Mapping[str, Any]) -> RobotConfig:
-    """Make a robot's configuration of its settings; what is named has a namespace of that name."""
+    """Make a robot's configuration from its settings; its name is also its default namespace."""
     defaults = RobotConfig(settings["address"])
     return RobotConfig(
         settings["address"],
@@ -195,7 +195,7 @@ def robot_config(name: str, settings: Mapping[str, Any]) -> RobotConfig:
 
 
 def check_distinct(robots: tuple[RobotConfig, ...]) -> None:
-    """Refuse robots that could not be told apart."""
+    """Refuse robots whose nodes would have the same name."""
     nodes: dict[str, str] = {}
     for robot in robots:
         node = f"{robot.namespace.rstrip('/')}/{robot.node_name}"
@@ -211,7 +211,7 @@ def check_distinct(robots: tuple[RobotConfig, ...]) -> None:
 
 
 class FileSettings(NamedTuple):
-    """What a YAML file says, checked."""
+    """The contents of a YAML file, checked."""
 
     program: dict[str, Any]
     common: dict[str, Any]
@@ -239,7 +239,7 @@ def read_file(path: Path) -> FileSettings:
 
 
 class _YamlFile:
-    """Values with the lines where they stand."""
+    """Values with their line numbers."""
 
     def __init__(self, path: Path, text: str) -> None:
         import yaml
@@ -254,7 +254,9 @@ class _YamlFile:
             if name == "robots":
                 for robot, (at, its) in self._members(node, line).items():
                     if not is_node(robot):
-                        raise self._error(at, f"'{robot}' is no name: give letters, digits and _")
+                        raise self._error(
+                            at, f"'{robot}' is not a valid name: give letters, digits and _"
+                        )
                     settings = {
                         key: self._checked(key, *value, ROBOT_SETTINGS)
                         for key, value in self._members(its, at).items()
@@ -273,7 +275,7 @@ class _YamlFile:
         for key, value in node.value:
             name, at = str(key.value), key.start_mark.line + 1
             if name in members:
-                raise self._error(at, f"{name} stands here again: remove one of the two")
+                raise self._error(at, f"{name} is given twice: remove one of the two")
             members[name] = (at, value)
         return members
 

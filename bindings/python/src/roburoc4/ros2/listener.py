@@ -38,11 +38,11 @@ class Listener:
         node: Node,
         commands: Commands,
         topics: list[Topic],
-        tell: Callable[[str], None],
+        report: Callable[[str], None],
     ) -> None:
         """Subscribe to these topics: those without content stop the robot, others drive it."""
         self._commands = commands
-        self._tell = tell
+        self._report = report
         self._senders = Senders(participant)
         self._stops = [node.reader(*one) for one in topics if one.kind == _STOP]
         self._cmd_vel = [node.reader(*one) for one in topics if one.kind != _STOP]
@@ -54,14 +54,14 @@ class Listener:
             self._waitset.attach(condition)
 
     def run(self, ended: threading.Event) -> None:
-        """Read until the end. Whatever happens here: the robot is left standing."""
+        """Read until the end. However this ends, the robot is stopped."""
         try:
             while not ended.is_set():
                 try:
                     self._turn()
                 except Exception as error:  # an unforeseen one, too: `stop` must be read again
                     why = error.msg if isinstance(error, DDSException) else repr(error)
-                    self._tell(f"commands cannot be read ({why}): stopped; trying again")
+                    self._report(f"commands cannot be read ({why}): stopped; trying again")
                     self._commands.end()
                     ended.wait(_RETRY_S)
         finally:
@@ -96,7 +96,7 @@ def _taken(reader: DataReader[Any]) -> Iterator[Any]:
             samples = reader.take(1)
         except DDSException:
             raise
-        except Exception:  # whatever somebody else's bytes do to the decoder
+        except Exception:  # the decoder may raise anything for bytes of others
             yield None
             continue
         if not samples:

@@ -25,5 +25,5 @@ def is_node(name: str) -> bool:
 
 
 def resolve(topic: str, namespace: str) -> str:
-    """Return the whole name of a topic: relative ones are in the namespace."""
+    """Return the full name of a topic: relative ones are in the namespace."""
     return topic if topic.startswith("/") else f"{namespace.rstrip('/')}/{topic}"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Nodes, publishers and subscriptions that ROS 2 sees: what its rmw layers do, over CycloneDDS.
 
-docs/ros2.md says which of their files each rule here is taken from.
+docs/ros2.md lists the files of theirs from which the rules here are taken.
 """
 
 import contextlib
@@ -26,17 +26,17 @@ from .remembered import keep
 from .topics import LATCHED, Profile
 from .types import struct_of
 
-# Of messages that are taken at a time.
+# Messages that are taken at a time.
 _MANY = 1000
 _LOOPBACKS = ("lo", "127.0.0.1", "localhost")
-# By this, which ROS 2 does not look at, our programs know each other.
+# By this mark our programs recognize each other; ROS 2 ignores it.
 _MARK = b"roburoc4"
 _ENCLAVE = b"enclave=/;"
 _DISCOVERY = "ros_discovery_info"
 _DISCOVERY_KIND = "rmw_dds_common/ParticipantEntitiesInfo"
-# A listener that hangs may hold up its robot's messages so long, and then loses them.
+# A subscriber that hangs may delay its robot's messages this long, and then loses them.
 _LONGEST_BLOCK_MS = 100
-# Fast DDS forgets what ended only if it is told with the key's hash; else it waits for 10 s.
+# With the key's hash, Fast DDS removes at once what has ended; without it, after 10 s.
 _LEAVES_AT_ONCE = "<Internal><GenerateKeyhash>true</GenerateKeyhash></Internal>"
 
 
@@ -55,7 +55,7 @@ class _Encoded:
 
 
 class Raw(bytes):
-    """A message in CDR as it came; cyclonedds adds an attribute."""
+    """A message in CDR as it was received; cyclonedds adds an attribute."""
 
     @classmethod
     def deserialize(cls, data: bytes) -> "Raw":
@@ -70,13 +70,13 @@ class Publisher:
 
     def __init__(self, writer: DataWriter[Any]) -> None:
         self.lost = 0
-        """Messages that were given up, as a listener did not take them in time."""
+        """Messages that were dropped because a subscriber did not take them in time."""
         self._writer = writer
         self._writer.data_type = _Encoded
 
     @property
     def gid(self) -> bytes:
-        """What ROS 2 knows it by."""
+        """Its identifier in ROS 2."""
         return bytes(self._writer.guid.bytes)
 
     def publish(self, message: bytes) -> None:
@@ -98,7 +98,7 @@ class Node:
         self._participant = participant
 
     def publisher(self, topic: str, kind: str, profile: Profile) -> Publisher:
-        """Publish a topic; nobody sees to whom it belongs before ``announce``."""
+        """Publish a topic; only ``announce`` shows others that it belongs to this node."""
         dds, qos = self._participant.topic(self._resolve(topic), kind), _qos(kind, profile)
         publisher = Publisher(DataWriter(self._participant.dds, dds, qos))
         self.publishers.append(publisher)
@@ -114,7 +114,7 @@ class Node:
         return reader
 
     def announced(self) -> AnnouncedNode:
-        """Return what others are told of it."""
+        """Return what is announced of it."""
         readers = tuple(bytes(reader.guid.bytes) for reader in self.readers)
         writers = tuple(publisher.gid for publisher in self.publishers)
         return AnnouncedNode(self.namespace, self.name, readers, writers)
@@ -129,7 +129,7 @@ class Participant:
     def __init__(
         self, domain: int, *, humble: bool | None = None, interface: str | None = None
     ) -> None:
-        """Join; nodes are announced in Humble's form or not, or (None) in that of others."""
+        """Join; nodes are announced in Humble's form or not, or (None) as other nodes are."""
         self._gid_size = HUMBLE_GID_SIZE if humble else GID_SIZE
         self._follows = humble is None
         self._others: dict[bytes, Announcement] = {}
@@ -147,7 +147,7 @@ class Participant:
         except DDSException as error:
             at = f" at the interface {interface}" if interface else ""
             raise DdsError(
-                f"DDS cannot start in domain {domain}{at} ({error.msg}): look at --interface and "
+                f"DDS cannot start in domain {domain}{at} ({error.msg}): check --interface and "
                 "CYCLONEDDS_URI, and whether the network is up"
             ) from None
         discovery, qos = self.topic(_DISCOVERY, _DISCOVERY_KIND), _qos(_DISCOVERY_KIND, LATCHED)
@@ -172,15 +172,15 @@ class Participant:
             return self._topics[name]
 
     def announce(self) -> None:
-        """Say which nodes there are, and what belongs to them."""
+        """Announce all nodes, and what belongs to them."""
         with self._lock:
             nodes = tuple(node.announced() for node in self._nodes)
             message = Announcement(bytes(self.dds.guid.bytes), nodes).encode(self._gid_size)
             self._is_due = False
-        self._discovery.publish(message)  # may wait for a listener: nobody waits for that
+        self._discovery.publish(message)  # may wait for a subscriber: not under the lock
 
     def look(self) -> None:
-        """Take what others announce, and announce the nodes again if it shall be in their form."""
+        """Read what others announce; announce the nodes again if the form must change to theirs."""
         self._hear()
         if self._is_due:
             self.announce()
@@ -188,7 +188,7 @@ class Participant:
     def _hear(self) -> None:
         with self._lock:
             for data in self._heard.take(_MANY):
-                if not isinstance(data, Raw):  # somebody went
+                if not isinstance(data, Raw):  # a participant has left
                     continue
                 with contextlib.suppress(ValueError):
                     announcement, size = decode(data)
@@ -205,12 +205,12 @@ class Participant:
             self._others.pop(announcement.gid, None)
 
     def _is_ours(self, data: Any) -> bool:
-        """Whether another program of this kind announces that: they would follow one another."""
+        """Whether our own kind of program announces that: two would follow each other."""
         with contextlib.suppress(DDSException):
             handle = data.sample_info.publication_handle
             if endpoint := self._heard.get_matched_publication_data(handle):
                 return Policy.Groupdata(_MARK) in endpoint.qos.policies
-        return True  # who is gone is not followed
+        return True  # one that has left is not followed
 
     def others(self) -> list[Announcement]:
         """Return what other participants announced last."""
@@ -224,17 +224,17 @@ class Participant:
         return next((node.full_name for node in nodes), "")
 
     def close(self) -> None:
-        """Take everything back: others see at once that it is gone."""
+        """Withdraw everything: others see at once that it is gone."""
         with self._lock:
             self._nodes = []
         self.announce()
         with self._lock:
-            # With all that belongs to it, whoever still has a part of it.
+            # With all that belongs to it, even if something else still refers to a part.
             self._domain._delete(self._domain._ref)
 
 
 def _qos(kind: str, profile: Profile) -> Qos:
-    """Return what an rmw layer asks for, with the hash that tells the type."""
+    """Return the QoS that an rmw layer requests, with the type's hash."""
     durability = Policy.Durability
     return Qos(
         Policy.Reliability.Reliable(duration(milliseconds=_LONGEST_BLOCK_MS))
@@ -254,7 +254,7 @@ def _only(interface: str) -> str:
     general = f"<General><Interfaces><NetworkInterface name={name}/></Interfaces></General>"
     if interface not in _LOOPBACKS:
         return general
-    # Loopback mostly lacks multicast, so others there are looked for by their ports.
+    # Loopback usually lacks multicast, so other participants are searched for by their ports.
     return general + (
         "<Discovery><ParticipantIndex>auto</ParticipantIndex>"
         "<Peers><Peer Address='localhost'/></Peers></Discovery>"

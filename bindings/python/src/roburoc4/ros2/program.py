@@ -17,8 +17,8 @@ _LOOK_S = 0.2
 class Program:
     """Robots and their nodes; to be used in a ``with`` block, which leaves no entity behind."""
 
-    def __init__(self, config: Config, tell: Callable[[str], None]) -> None:
-        """Begin; ``tell`` is given sentences for the person at the terminal."""
+    def __init__(self, config: Config, report: Callable[[str], None]) -> None:
+        """Begin; ``report`` is called with messages for the user."""
         self._ended = threading.Event()
         self._threads: list[threading.Thread] = []
         with contextlib.ExitStack() as stack:
@@ -28,7 +28,7 @@ class Program:
             stack.callback(participant.close)
             self._participant = participant
             nodes = [
-                RobotNode(robot, participant, its, tell)
+                RobotNode(robot, participant, its, report)
                 for robot, its in zip(robots, config.robots, strict=True)
             ]
             participant.announce()
@@ -50,7 +50,7 @@ class Program:
         return self
 
     def wait(self) -> None:
-        """Wait for ever, and answer to what other nodes announce."""
+        """Wait forever, and react to what other nodes announce."""
         while not self._ended.wait(_LOOK_S):
             self._participant.look()
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Tables of who was heard: publishers and participants come and go, so they are bounded."""
+"""Tables of publishers and participants; these come and go, so the tables are bounded."""
 
 from typing import TypeVar
 
@@ -9,7 +9,7 @@ MOST = 1000
 
 
 def keep(table: dict[_K, _V], key: _K, value: _V) -> None:
-    """Set an entry; those that were set first make room."""
+    """Set an entry; the oldest ones are dropped to make room."""
     table.pop(key, None)
     table[key] = value
     while len(table) > MOST:

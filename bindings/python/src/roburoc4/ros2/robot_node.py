@@ -23,14 +23,14 @@ _FIRST_NOTE_S = 3.0
 
 
 class RobotNode:
-    """One robot: what is published of it, and the commands that it is given."""
+    """One robot: what is published of it, and the commands that it receives."""
 
     def __init__(
         self,
         robot: Robot,
         participant: Participant,
         config: RobotConfig,
-        tell: Callable[[str], None],
+        report: Callable[[str], None],
     ) -> None:
         self.robot = robot
         self.config = config
@@ -39,12 +39,12 @@ class RobotNode:
         self._publishers = {
             key: self.node.publisher(*topic) for key, topic in config.topics().items()
         }
-        self._presence = _Presence(robot, tell)
+        self._presence = _Presence(robot, report)
         self._conditions: dict[str, bool] = {}
         self._diagnosed_s = -_DIAGNOSE_S
-        self.commands = Commands(robot, config.drive, tell)
+        self.commands = Commands(robot, config.drive, report)
         self.listener = Listener(
-            participant, self.node, self.commands, config.subscriptions(), tell
+            participant, self.node, self.commands, config.subscriptions(), report
         )
 
     def run(self, ended: threading.Event) -> None:
@@ -74,7 +74,7 @@ class RobotNode:
             self._publish("robot_description", bytes(Cdr().text(text).data))
 
     def _look(self) -> None:
-        """Publish what is true now: changes at once, and all of it once a second."""
+        """Publish the current state: changes at once, and all of it once a second."""
         now_s = time.monotonic()
         is_due = now_s - self._diagnosed_s >= _DIAGNOSE_S
         before, self._conditions = self._conditions, conditions(self.robot)
@@ -90,11 +90,11 @@ class RobotNode:
 
 
 class _Presence:
-    """Tells a person when the robot comes and goes."""
+    """Reports when the robot is connected and when it falls silent."""
 
-    def __init__(self, robot: Robot, tell: Callable[[str], None]) -> None:
+    def __init__(self, robot: Robot, report: Callable[[str], None]) -> None:
         self._robot = robot
-        self._tell = tell
+        self._report = report
         self._ready: bool | None = None
         self._begun_s = time.monotonic()
 
@@ -102,10 +102,12 @@ class _Presence:
         state, address = self._robot.state, self._robot.address
         if state is State.READY and self._ready is not True:
             self._ready = True
-            self._tell(f"connected to the robot at {address}")
+            self._report(f"connected to the robot at {address}")
         elif state is State.LOST and self._ready:
             self._ready = False
-            self._tell(f"the robot at {address} fell silent: waiting for it; look at power, cable")
+            self._report(
+                f"the robot at {address} fell silent: waiting for it; check its power and cable"
+            )
         elif self._ready is None and time.monotonic() - self._begun_s > _FIRST_NOTE_S:
             self._ready = False
-            self._tell(f"no answer from {address} yet: still waiting; roburoc4 doctor looks closer")
+            self._report(f"no answer from {address} yet: still waiting; run roburoc4 doctor")

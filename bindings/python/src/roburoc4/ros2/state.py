@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What is true of a robot now, as messages: bumpers, inhibition, and a diagnosis."""
+"""A robot's current state as messages: bumpers, inhibition, and a diagnosis."""
 
 import importlib.metadata
 from collections.abc import Callable
@@ -28,7 +28,7 @@ def conditions(robot: Robot) -> dict[str, bool]:
 
 
 def diagnoses(robot: Robot, node: str) -> list[Diagnosis]:
-    """Return what /diagnostics says of a robot."""
+    """Return a robot's entry in /diagnostics."""
     makers: list[Callable[[Robot], Diagnosis]] = [_link, _driving, _battery]
     found = [make(robot) for make in makers]
     versions = {
@@ -47,7 +47,7 @@ def _link(robot: Robot) -> Diagnosis:
         if link.loss > _MUCH_LOSS:
             level, text = _WARNING, f"{link.loss:.0%} of the statuses do not arrive"
     elif state is State.LOST:
-        text = "the robot fell silent: look at power and cable"
+        text = "the robot fell silent: check power and cable"
     values = {
         "state": state.name.lower(),
         "address": robot.address,
@@ -65,7 +65,7 @@ def _driving(robot: Robot) -> Diagnosis:
     facts = robot.facts
     level, text = _FINE, "armed" if facts.armed else "not armed"
     if facts.inhibited:
-        level, text = _WARNING, "a speed is asked for, but the robot stands still"
+        level, text = _WARNING, "a speed is commanded, but the robot does not move"
     elif facts.other_commander:
         level, text = _WARNING, "another commander drives the robot"
     elif facts.overridden:

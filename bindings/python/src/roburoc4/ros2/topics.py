@@ -11,9 +11,9 @@ class Profile(NamedTuple):
 
     depth: int
     latched: bool = False
-    """Transient local: who comes later gets the last ones, too."""
+    """Transient local: late subscribers get the last messages, too."""
     reliable: bool = True
-    """Of a subscription: whether it hears reliable publishers only."""
+    """Of a subscription: whether it only matches reliable publishers."""
 
     @property
     def text(self) -> str:

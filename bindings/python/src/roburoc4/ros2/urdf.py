@@ -7,7 +7,7 @@ from xml.etree import ElementTree as Xml
 from ..records import Properties
 from ..ros_topics import RANGES, Frames
 
-# The manual's (2.2); the wheels are not in it, and only for the eye.
+# The manual's (2.2); the wheels are not in it, and only for display.
 _LENGTH_M, _WIDTH_M, _HEIGHT_M = 1.31, 0.75, 0.77
 _WHEEL_RADIUS_M, _WHEEL_WIDTH_M = 0.28, 0.16
 _CLEARANCE_M = 0.25
@@ -56,7 +56,7 @@ def _track_m(properties: Properties) -> float:
 def _visual(
     link: Xml.Element, colour: str, place: tuple[float, float, float], turned: str = "0 0 0"
 ) -> Xml.Element:
-    """Add something that is seen; return where its shape goes."""
+    """Add something visible; return the element for its shape."""
     visual = Xml.SubElement(link, "visual")
     _origin(visual, place, turned)
     geometry = Xml.SubElement(visual, "geometry")

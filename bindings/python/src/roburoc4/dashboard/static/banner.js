@@ -4,7 +4,7 @@
 import { by, make, mark, put } from "./text.js";
 
 const end = (text) => (text ? text[0].toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? "" : ".") : "");
-const said = ({ say, attempt }) => end(say) + (attempt ? ` Try: ${attempt}.` : "");
+const advice = ({ say, attempt }) => end(say) + (attempt ? ` Try: ${attempt}.` : "");
 
 /** All conditions that hold, most urgent first: [level, title, text]. */
 function conditions(frame, { mine, offered }, about) {
@@ -12,20 +12,20 @@ function conditions(frame, { mine, offered }, about) {
   const found = [];
   const add = (on, level, title, text) => on && found.push([level, title, text]);
   if (state !== "ready") {
-    return [[link.level === "weak" ? "weak" : "bad", state === "lost" || about.everReady ? "ROBOT LOST" : "NO ROBOT YET", said(link)]];
+    return [[link.level === "weak" ? "weak" : "bad", state === "lost" || about.everReady ? "ROBOT LOST" : "NO ROBOT YET", advice(link)]];
   }
   const bumpers = [facts.front_bumper && "FRONT", facts.rear_bumper && "REAR"].filter(Boolean).join(" AND ");
   add(facts.other_commander, "bad", "ANOTHER COMMANDER", "Another program commands the robot, too. Two drivers at once are dangerous: end one of them.");
-  add(bumpers, "bad", `${bumpers} BUMPER`, "The robot touches something there: look, then drive away from it.");
-  add(facts.inhibited, "bad", "MOTION INHIBITED", end(why) || "The robot stands still although a speed was commanded: check emergency stops, brakes selector and bumpers.");
+  add(bumpers, "bad", `${bumpers} BUMPER`, "The robot touches something there: check what it is, then drive away from it.");
+  add(facts.inhibited, "bad", "MOTION INHIBITED", end(why) || "The robot does not move although a speed was commanded: check emergency stops, brakes selector and bumpers.");
   add(facts.overridden, "bad", "OVERRIDE", "Somebody holds [A] on the robot’s game pad and drives it. Commands from here are ignored.");
   add(battery?.state === "critical", "bad", "BATTERY CRITICAL", "Stop work and bring the robot to its charger now.");
-  add(link.level === "bad", "bad", "LINK BAD", said(link));
+  add(link.level === "bad", "bad", "LINK BAD", advice(link));
   add(facts.battery_low && battery?.state !== "critical", "weak", "BATTERY LOW", "Bring the robot to its charger. Charger and platform off before plugging it in.");
-  add(link.level === "weak", "weak", "LINK WEAK", said(link));
+  add(link.level === "weak", "weak", "LINK WEAK", advice(link));
   add(mine && facts.armed && why, "weak", "STOPPED", end(why));
-  if (facts.armed) add(true, "go", facts.driving ? "DRIVING" : "ARMED", frame.going ? "The robot goes by itself to the place on the map." : mine ? "Letting go stops the robot." : "The robot takes speeds from another page.");
-  else add(true, "calm", "DISARMED", end(mine ? why || facts.blocked : "") || (offered ? "The robot takes no speed from here." : "This page only watches."));
+  if (facts.armed) add(true, "go", facts.driving ? "DRIVING" : "ARMED", frame.going ? "The robot goes by itself to the place on the map." : mine ? "Letting go stops the robot." : "The robot accepts speeds from another page.");
+  else add(true, "calm", "DISARMED", end(mine ? why || facts.blocked : "") || (offered ? "The robot accepts no speed from here." : "This page only watches."));
   return found;
 }
 

@@ -153,7 +153,7 @@ export class Drive {
   showButtons(wanted) {
     const focused = document.activeElement;
     for (const [what, on] of Object.entries(wanted)) show(by(what), on);
-    // Users who press the buttons by key go on with the one that replaces theirs.
+    // Users who press the buttons by key continue with the one that replaces theirs.
     if (focused?.hidden && focused.id in wanted) Object.keys(wanted).filter((what) => wanted[what]).map(by)[0]?.focus();
   }
 

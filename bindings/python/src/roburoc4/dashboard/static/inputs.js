@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Input sources: game pad, stick on the page, keyboard. In doubt an input counts as released, and whatever
-// was held when the page was left, or another pad came, must be released before it counts again.
+// was held when the page was left, or another pad appeared, must be released before it counts again.
 //
 // The game pad is read as in the manual (4.1): [A] held is the dead-man, RT forward, LT backward,
 // LJ left and right to turn.
 //
 // Browsers do not always report that a key was released: a menu, a drag or the Command key hide it. So a
 // key is held no longer than the keyboard repeats, as in cli/deadman.py. Only the key that was pressed
-// last repeats; it keeps the others alive.
+// last repeats; it keeps the others held.
 
 const A = 0;
 const LT = 6;
@@ -15,7 +15,7 @@ const RT = 7;
 const LJ_X = 0;
 const DEAD_ZONE = 0.12;
 const RISE_MS = 600;
-const FIRST_MS = 700; // a keyboard waits up to so long before it repeats a key
+const FIRST_MS = 700; // a keyboard waits up to this long before it repeats a key
 const REPEAT_MS = 200; // and then repeats it more often than this
 const MOTIONS = {
   KeyW: [1, 0], ArrowUp: [1, 0], KeyS: [-1, 0], ArrowDown: [-1, 0],

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The WebSocket. Each frame that was drawn is answered with its tick; the driver's inputs
-// go along. A page that is hidden or frozen draws nothing, so it answers nothing.
+// are sent with it. A page that is hidden or frozen draws nothing, so it answers nothing.
 
 const RETRY_MS = 1000;
 const CONNECT_MS = 3000; // a browser alone may wait half a minute after an outage
@@ -103,7 +103,7 @@ export class Link {
     this.send(input ? { type: "drawn", tick: frame.tick, input } : { type: "drawn", tick: frame.tick });
   }
 
-  /** Send it now or never: later it would be out of date. */
+  /** Send it now or not at all: later it would be out of date. */
   send(message) {
     if (this.open) this.socket.send(JSON.stringify(message));
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The simulator's panel: everything that a person beside the robot could do, and faults of the network.
+// The simulator's panel: everything that a person beside the robot could do, and network faults.
 import { by, figure, make, mark, put } from "./text.js";
 
 const SWITCHES = [
@@ -94,7 +94,7 @@ export class Panel {
       });
       place.append(slider.node);
     }
-    place.append(this.button("Let the pad go", () => {
+    place.append(this.button("Release the pad", () => {
       this.line("pad release");
       place.querySelectorAll("input").forEach((input) => { input.value = 0; });
       place.querySelectorAll("output").forEach((output) => put(output, figure(0, 0, "%")));
@@ -109,7 +109,7 @@ export class Panel {
   }
 
   faults() {
-    const place = make("div", "group", "", make("h2", "", "Faults of the network"));
+    const place = make("div", "group", "", make("h2", "", "Network faults"));
     const tell = () => {
       const faults = {};
       for (const [name, , , , unit] of FAULTS) faults[name] = Number(this.sliders.get(name).input.value) / (unit === "%" ? 100 : 1);
@@ -121,7 +121,7 @@ export class Panel {
       this.sliders.set(name, slider);
       place.append(slider.node);
     }
-    place.append(this.button("A good network again", () => this.send({ type: "faults", faults: {} })));
+    place.append(this.button("Restore the network", () => this.send({ type: "faults", faults: {} })));
     return place;
   }
 

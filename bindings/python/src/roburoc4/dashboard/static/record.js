@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The record button: the dashboard records, so it goes on when this page is closed.
+// The record button: the dashboard records, so it continues when this page is closed.
 import { by, figure, put, show } from "./text.js";
 
 const FORMS = ["csv", "mcap", "pcapng"];
