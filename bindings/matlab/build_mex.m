@@ -6,7 +6,7 @@ function file = build_mex(api, folder)
 %   is '-R2017b'. No array here is complex, so that both are the same. Octave has one API only.
 %   FILE = build_mex(API, FOLDER) puts the MEX file into another folder.
 %
-%   This was not run in MATLAB yet: it uses only what is documented. Please report how it went.
+%   This has not been run in MATLAB yet: it uses only documented functions. Please report the result.
 %
 %   Example:
 %      build_mex

@@ -1,6 +1,6 @@
 function plan = buildfile()
 %BUILDFILE What MATLAB's buildtool (R2022b and later) can do here: mex, test, toolbox.
-%   This was not run in MATLAB yet.
+%   This has not been run in MATLAB yet.
 %
 %   Example:
 %      buildtool test

@@ -3,7 +3,7 @@ function file = package_toolbox(file)
 %   FILE = package_toolbox() writes roburoc4.mltbx into the current folder, with the folder toolbox and
 %   nothing else. Run build_mex first: the file claims the platforms whose MEX files are there, and
 %   this release and later ones, as a MEX file may not run in older ones. It needs MATLAB R2023a or
-%   later, where it was not run yet. package_toolbox(FILE) writes to another file.
+%   later, and has not been run there yet. package_toolbox(FILE) writes to another file.
 %
 %   Example:
 %      build_mex('-R2018a'); package_toolbox()

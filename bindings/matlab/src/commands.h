@@ -34,7 +34,7 @@ typedef enum argument_kind {
     TAKE_TEXT,     /* texts */
     TAKE_SERVICE,  /* numbers: ROBUROC4_SERVICE_* */
     TAKE_SERVICES, /* services: all further arguments; all services if there are none */
-    TAKE_OPTIONS   /* arguments, not looked at yet */
+    TAKE_OPTIONS   /* arguments that the command checks itself */
 } argument_kind;
 
 typedef struct argument {

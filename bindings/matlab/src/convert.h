@@ -79,7 +79,7 @@ typedef struct field {
     size_t offset, size;
     kind type;
     size_t stride, count; /* of a row: from one number to the next, and the offset of a uint32_t
-                           * that tells how many there are; of a FIELD_BIT: 0, and the bit */
+                           * with their number; of a FIELD_BIT: 0, and the bit */
 } field;
 
 /** A row of a table: a member under its own name, or under a different one. */

@@ -9,7 +9,7 @@
 #include "handles.h"
 #include "os.h"
 
-/* ----------------------------------------------------------------------------------- life --- */
+/* ------------------------------------------------------------------------------ lifecycle --- */
 
 static int resolve(const char *text, roburoc4_address *out) {
     const roburoc4_result result = roburoc4_udp_resolve(text, 0, out);

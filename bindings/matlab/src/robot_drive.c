@@ -7,11 +7,11 @@
 
 #include "commands.h"
 
-/* For commands that need a robot that answers, but not that it is armed. */
+/* For commands that need a robot that answers, armed or not. */
 static int done_unarmed(const char *what, roburoc4_result result) {
     if (result == ROBUROC4_ERR_NOT_READY) {
         return fail(FAIL_TIMEOUT,
-                    "%s: the robot does not answer; look at link, and try again when status.ready",
+                    "%s: the robot does not answer; check link, and try again when status.ready",
                     what);
     }
     return done(what, result);

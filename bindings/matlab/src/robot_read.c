@@ -178,7 +178,7 @@ static int read_service_link(call *in) {
 
 /* ------------------------------------------------------------------------------ the IO card --- */
 
-/* At most so many channels of a type have names. */
+/* At most this many channels of a type have names. */
 #define CHANNELS_MAX ROBUROC4_MAX_DIGITAL_INPUTS
 #define CHANNEL_TYPES (ROBUROC4_IO_DIGITAL_OUTPUT + 1)
 
@@ -329,7 +329,7 @@ static int end_recording(call *in) {
         return 0;
     }
     if (r->recorded.count == 0 && roburoc4_client_state(in->client) != ROBUROC4_STATE_READY) {
-        return fail(FAIL_TIMEOUT, "nothing was recorded: the robot does not answer; look at link");
+        return fail(FAIL_TIMEOUT, "nothing was recorded: the robot does not answer; check link");
     }
     recording_end(&r->recorded);
     return 1;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * roburoc4_mex(COMMAND, ...): the one way from MATLAB or Octave to the C libraries. See
+ * roburoc4_mex(COMMAND, ...): the only connection of MATLAB and Octave to the C libraries. See
  * roburoc4_mex.m; users call roburoc4.Robot and roburoc4.Simulator.
  *
  * While there is a robot or simulator the MEX file is locked, as threads run in it; when the

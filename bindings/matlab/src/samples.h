@@ -17,7 +17,7 @@
  * exist. */
 int take_service(const mxArray *value, uint32_t *out);
 
-/** When a sample came in, when the robot made it, and the robot's clock. */
+/** When a sample was received, when the robot made it, and the robot's clock. */
 void sample_times(answer *out, const roburoc4_sample *sample);
 /** The values of roburoc4_sample_latest(); if there are none yet, NaN, 255 or empty. */
 void sample_values(answer *out, const roburoc4_sample *latest);

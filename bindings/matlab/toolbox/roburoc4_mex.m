@@ -1,5 +1,5 @@
 function varargout = roburoc4_mex(command, varargin) %#ok<STOUT,INUSD>
-%ROBUROC4_MEX The way to the C libraries; use roburoc4.Robot and roburoc4.Simulator instead.
+%ROBUROC4_MEX The connection to the C libraries; use roburoc4.Robot and roburoc4.Simulator instead.
 %   The MEX file of this name, in the same folder, runs instead of this file. This file runs only if
 %   the MEX file was not built:
 %

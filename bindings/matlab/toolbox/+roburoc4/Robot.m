@@ -34,11 +34,11 @@ classdef Robot < handle
 %   Robot methods:
 %      drive           - Drive at two speeds, for one lease
 %      driveFor        - Drive for some seconds, and stop
-%      move            - Drive straight ahead, and wait until the robot stands
+%      move            - Drive straight ahead, and wait until the robot is at rest
 %      turn            - Turn in place
 %      arc             - Drive along an arc
 %      goTo            - Go to a point, or to a pose
-%      rest            - Stop, and wait until the robot stands
+%      rest            - Stop, and wait until the robot is at rest
 %      stop            - Stop now
 %      arm             - Allow driving
 %      disarm          - Forbid driving, and stop
@@ -166,8 +166,8 @@ methods
     function driveFor(this, linear_m_s, angular_rad_s, seconds)
         %DRIVEFOR Drive at these speeds for some seconds, and stop.
         %   driveFor(R, V, W, SECONDS) renews the command and returns at the end. Ctrl-C or an error
-        %   stops the robot at once; so do a held game pad, and motors that are inhibited (emergency
-        %   stop, brakes), with the error roburoc4:notArmed.
+        %   stops the robot at once; so do [A] on the game pad, and a robot that does not move
+        %   (emergency stop, brakes), with the error roburoc4:notArmed.
         %
         %   Example:
         %      r.driveFor(0.5, 0, 2)
@@ -185,7 +185,7 @@ methods
     end
 
     function result = move(this, distance_m, varargin)
-        %MOVE Drive straight ahead, and wait until the robot stands.
+        %MOVE Drive straight ahead, and wait until the robot is at rest.
         %   RESULT = move(R, METRES) drives this far by odometry; negative is backward. RESULT is a
         %   struct: result ('reached'), distance_m, angle_rad, remaining_m and remaining_rad.
         %   move(R, METRES, 'Name', value, ...) takes options:
@@ -193,7 +193,7 @@ methods
         %      speed (0.3)       m/s
         %      clearance (0.5)   metres to keep from what telemeters see in the direction of
         %                        travel, in addition to the braking distance; 0: ignore telemeters.
-        %                        Sonar misses things
+        %                        Telemeters miss things
         %      timeout           seconds; by default four times what it should take, plus 10
         %
         %   Raises roburoc4:moveEnded with the reason if it does not reach its goal: a pressed
@@ -207,7 +207,7 @@ methods
     end
 
     function result = turn(this, angle_rad, varargin)
-        %TURN Turn in place, and wait until the robot stands.
+        %TURN Turn in place, and wait until the robot is at rest.
         %   RESULT = turn(R, RADIANS) turns by odometry, which is inaccurate; negative is to the right.
         %   Options and result are those of move; speed is in rad/s (0.5).
         %
@@ -218,7 +218,7 @@ methods
     end
 
     function result = arc(this, distance_m, angle_rad, varargin)
-        %ARC Drive along an arc, and wait until the robot stands.
+        %ARC Drive along an arc, and wait until the robot is at rest.
         %   RESULT = arc(R, METRES, RADIANS) drives this far while it turns by the angle. Options
         %   and result are those of move.
         %
@@ -229,7 +229,7 @@ methods
     end
 
     function result = goTo(this, x_m, y_m, varargin)
-        %GOTO Turn to a point and drive there, and wait until the robot stands.
+        %GOTO Turn to a point and drive there, and wait until the robot is at rest.
         %   RESULT = goTo(R, X, Y) goes to a point in the frame of pose. goTo(R, X, Y, THETA)
         %   turns to that heading at the end. Options and result are those of move.
         %
@@ -244,7 +244,7 @@ methods
     end
 
     function result = rest(this, varargin)
-        %REST Stop, and wait until the robot stands, armed or not.
+        %REST Stop, and wait until the robot is at rest, armed or not.
         %   rest(R, 'timeout', SECONDS) waits at most this long (5). stop does not wait.
         %
         %   Example:
@@ -263,7 +263,8 @@ methods
     function arm(this, timeout)
         %ARM Allow driving.
         %   arm(R) raises roburoc4:notArmed with the reason if it is refused. It waits for 5 seconds,
-        %   or arm(R, SECONDS), if the reason can go away by itself: no status yet, the robot rolls.
+        %   or arm(R, SECONDS), if the reason can go away by itself: no status yet, the robot still
+        %   rolls.
         %
         %   Example:
         %      r.arm()
@@ -429,7 +430,7 @@ methods
         while subscribed && s.time_s - s.localization_age_s <= answered_s
             if s.time_s > answered_s + 3
                 error('roburoc4:timeout', ['relocalize: the robot accepted the pose, but has not ' ...
-                    'reported it within 3 s; look at link']);
+                    'reported it within 3 s; check link']);
             end
             this.sleep(0.01);
             s = this.status;
@@ -465,10 +466,10 @@ methods
 
     function s = receive(this, service, timeout)
         %RECEIVE Wait for the next status of a service.
-        %   S = receive(R, SERVICE, SECONDS) is a scalar struct of the first status that comes in after
-        %   this call: its values, time_s when it came in, utc_s when the robot made it, and
+        %   S = receive(R, SERVICE, SECONDS) is a scalar struct of the first status that arrives after
+        %   this call: its values, time_s when it arrived, utc_s when the robot made it, and
         %   robot_cycles. It waits for at most this long (1), and does not renew a drive command. Raises
-        %   roburoc4:timeout if none came.
+        %   roburoc4:timeout if none arrived.
         %
         %   Example:
         %      s = r.receive('localization', 1); s.x_m
@@ -488,8 +489,8 @@ methods
             left_s = finish_s - this.time_s - 1e-6;
         end
         if isempty(s)
-            error('roburoc4:timeout', ['no status of the service %s within %g s; look at link, and ' ...
-                'at its period: subscribe'], service, timeout);
+            error('roburoc4:timeout', ['no status of the service %s within %g s; check link, and ' ...
+                'its period (subscribe)'], service, timeout);
         end
         roburoc4_mex('busy', this.id, false);
     end
@@ -497,7 +498,7 @@ methods
     function data = record(this, seconds, varargin)
         %RECORD Collect the statuses of the next seconds, as columns ready to plot.
         %   DATA = record(R, SECONDS) is a struct with a struct of columns for each service: iocard,
-        %   telemeter, battery, localization, differential. All have time_s, when a status came in, in
+        %   telemeter, battery, localization, differential. All have time_s, when a status arrived, in
         %   seconds from now; utc_s, when the robot made it, in seconds since 1970 by this machine's
         %   clock; and robot_cycles, uint64 counts of 10 ms. DATA.start_utc_s is UTC when time_s was
         %   0, DATA.lost the number of statuses that were overwritten before they were read.

@@ -1,13 +1,13 @@
 %% Getting started with roburoc4
 % These lines drive a simulated robot. It runs in virtual time, so they take a second. For a real
-% one write |r = roburoc4.Robot('192.168.0.2')|, and read docs/SAFETY.md first: it weighs 140 kg.
+% one write |r = roburoc4.Robot('192.168.0.2')|, and read docs/SAFETY.md first: a RobuROC4 weighs 140 kg.
 
 % SPDX-License-Identifier: MIT
 sim = roburoc4.Simulator();
 r = sim.connect();
 
 %% One metre ahead, and a quarter turn
-% Driving must be allowed first; a hand on the game pad or an emergency stop ends that.
+% Driving must be allowed first; [A] on the game pad or an emergency stop ends that.
 r.arm();
 r.move(1);
 r.turn(pi / 2);
@@ -22,7 +22,7 @@ plot(data.telemeter.time_s, data.telemeter.distances_m);
 xlabel('time, s'); ylabel('telemeters, m');
 
 %% The end
-% A real robot is stopped by this, too, and by clear r.
+% This also stops a real robot, and so does clear r.
 delete(r);
 delete(sim);
 

@@ -17,7 +17,7 @@ function pose = pose_or_stop(robot, loop, longest_s)
 pose = robot.pose;
 if any(isnan(pose))
     robot.disarm();
-    error('roburoc4:timeout', ['the pose is old. Look at link, and at the period of the ' ...
+    error('roburoc4:timeout', ['the pose is old. Check link, and the period of the ' ...
         'localization''s statuses']);
 elseif loop.time_s > longest_s
     robot.disarm();

@@ -7,8 +7,8 @@ function [track, path] = pure_pursuit(robot, picture)
 %
 %   Twenty times a second: find the point of the path that is LOOK_M ahead, and take the curve that
 %   leads to it, omega = 2 v sin(alpha) / LOOK_M. The speed response lags behind by more than half
-%   a second, so the speed is low and LOOK_M is long. It gives up and disarms when the motors are
-%   inhibited, the pose is old, or after a minute.
+%   a second, so the speed is low and LOOK_M is long. It gives up and disarms when the robot
+%   does not move, the pose is old, or after a minute.
 %
 %   Example:
 %      pure_pursuit(roburoc4.Robot('192.168.0.2', 'max_linear_m_s', 0.5))

@@ -2,7 +2,7 @@ function file = roburoc4_library(folder)
 %ROBUROC4_LIBRARY Make a Simulink library with the block of a RobuROC4.
 %   FILE = roburoc4_library() writes roburoc4_blocks.slx into the current folder;
 %   roburoc4_library(FOLDER) writes it into another one. Where the folder is on the path, the Library
-%   Browser shows it. It needs Simulink R2021a or newer, where it was not run yet.
+%   Browser shows it. It needs Simulink R2021a or newer, and has not been run there yet.
 %
 %   Example:
 %      roburoc4_library(); open_system('roburoc4_blocks')

@@ -3,7 +3,7 @@ function file = roburoc4_model(folder)
 %   FILE = roburoc4_model() writes roburoc4_circle.slx into the current folder; roburoc4_model(FOLDER)
 %   writes it into another one. The model leaves its outputs in the workspace. For a real robot set
 %   the block's address, and its clock to 'wall': it then needs 4 m by 4 m of FREE SPACE. It needs
-%   Simulink R2021a or newer, where it was not run yet.
+%   Simulink R2021a or newer, and has not been run there yet.
 %
 %   Example:
 %      roburoc4_model(); result = sim('roburoc4_circle'); plot(result.pose(:, 1), result.pose(:, 2))

@@ -45,6 +45,6 @@ elseif p.received == 0
     text = ['check that the robot is on, the cable is in, this machine has an address in the ' ...
         'robot''s network, and no firewall drops UDP'];
 else
-    text = 'something answers there; check that it is a RobuROC4, and look at link';
+    text = 'something answers there; check that it is a RobuROC4, and check link';
 end
 end
