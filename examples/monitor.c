@@ -41,7 +41,6 @@ static int is_terminal(void) {
 #endif
 }
 
-/* ROBUROC4_STATE_*. */
 static uint32_t state_of(roburoc4_pump *pump) {
     uint32_t state = roburoc4_client_state(roburoc4_pump_lock(pump));
     roburoc4_pump_unlock(pump);
@@ -54,7 +53,7 @@ static const char *channel(roburoc4_pump *pump, int32_t io_type, uint32_t index,
     const char *manual = roburoc4_client_channel_name(NULL, (uint32_t)io_type, index);
     if (roburoc4_pump_description(pump, io_type, index, room, size) > 0) {
         for (char *c = room; *c != '\0'; c++) {
-            *c = *c >= ' ' && *c <= '~' ? *c : '?'; /* no text commands the terminal */
+            *c = *c >= ' ' && *c <= '~' ? *c : '?'; /* so that no text can control the terminal */
         }
         return room;
     }
@@ -198,7 +197,7 @@ static void print_line(const latest *now) {
            now->facts.rear_bumper ? "; rear bumper" : "");
 }
 
-/* Eight lines, each of which clears what stood there. */
+/* Eight lines, each of which clears the previous one. */
 #define BLOCK_LINES 8
 static void print_block(roburoc4_pump *pump, const char *host, const latest *now) {
     const char *end = "\x1b[K\n";

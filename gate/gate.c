@@ -272,7 +272,7 @@ enum gate_verdict gate_judge(gate *gate, const gate_command *command, const gate
         return verdict;
     }
     gate_reject(gate, verdict);
-    /* Any request for motion prolongs the hold for all; all must pause once the robot is back. */
+    /* Any request for motion prolongs the wait for all; all must pause once the robot is back. */
     bool asks_for_motion =
         command->kind == GATE_DRIVE && gate->rules.enabled[GATE_DRIVE] && !command->zero;
     if (asks_for_motion && judge_robot(gate, command, robot, now.us) != GATE_TAKEN) {

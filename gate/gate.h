@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The gate: which commands from the network may reach the robot, and how many may not, by cause. A
- * pure state machine: times and facts in, a verdict out; no clock, no socket. The bridges share it;
- * it is not part of the public libraries.
+ * The gate decides which commands from the network may reach the robot, and counts the others by
+ * cause. It is a pure state machine: its callers give it times and the robot's state. The bridges
+ * share it; it is not part of the public libraries.
  *
  * It promises that a command passes only if
  *
@@ -13,8 +13,8 @@
  * - no other sender is in control. A speed takes control until its lease ends; zeros and commands
  *   of the other kinds neither take nor keep it;
  * - the robot is ready, and (to drive) armed, or can be armed;
- * - nobody has asked for a speed for GATE_PAUSE_US since the start, the last disarm and the last
- *   stop command.
+ * - since the start, the last disarm and the last stop command, there was a pause: GATE_PAUSE_US
+ *   without a request for a speed.
  *
  * A replay within max_age_us of the original is caught by the sender's last utime, one across a
  * restart by the start rule: what was sent before the start has a utime of at most
@@ -120,7 +120,7 @@ typedef struct gate {
     gate_time start;
     gate_sender senders[GATE_SENDERS];
     uint64_t control_until_us;
-    uint64_t quiet_since_us; /* the last hold, or the last request for a speed while held */
+    uint64_t quiet_since_us; /* the last interruption, or request for a speed while waiting */
     uint32_t owner;          /* index of the sender in control, or GATE_SENDERS */
     bool stopped;            /* by a stop command, and no speed was obeyed since */
     char stopped_by[GATE_MAX_SENDER + 1];
@@ -135,10 +135,10 @@ typedef struct gate {
 typedef struct gate_stall {
     gate_time last_look;
     int64_t began_utime; /* of the last stall ... */
-    uint64_t until_us;   /* ... and until when commands from during it may still come in */
+    uint64_t until_us;   /* ... and until when commands sent during it may still arrive */
 } gate_stall;
 
-/* Initialize a gate that starts now. Commands are held until all senders have paused, because a
+/* Initialize a gate that starts now. Commands are rejected until all senders have paused, because a
  * planner may have been streaming since before a restart. */
 void gate_init(gate *gate, const gate_rules *rules, gate_time now);
 
@@ -152,10 +152,10 @@ void gate_count_taken(gate *gate, enum gate_kind kind);
 void gate_reject(gate *gate, enum gate_verdict verdict);
 
 /* A stop command from this sender (length bytes, may be 0): nobody is in control any more, and
- * drive commands are held. */
+ * drive commands are rejected until all senders have paused. */
 void gate_stop(gate *gate, const char *sender, size_t length, uint64_t now_us);
-/* The robot was disarmed, overridden, lost or restarted: hold commands until all senders have
- * paused. */
+/* An interruption (the robot was disarmed, overridden, lost or restarted): reject commands until
+ * all senders have paused. */
 void gate_hold(gate *gate, uint64_t now_us);
 /* The bridge hung from since_us until now and read nothing: that time does not count as a pause. */
 void gate_was_stalled(gate *gate, uint64_t since_us, uint64_t now_us);
@@ -166,10 +166,10 @@ int64_t gate_look_at_clock(gate *gate, gate_time now);
 
 /* Call this before anything else, and then repeatedly. Returns true if more time has passed since
  * the last call than the caller wanted to wait (asked_us), so that this process was stopped or
- * starved. Then call gate_was_stalled() for each gate, with `since_us`. */
+ * got no CPU time. Then call gate_was_stalled() for each gate, with `since_us`. */
 bool gate_look_for_stall(gate_stall *stall, uint64_t asked_us, gate_time now, uint64_t *since_us);
-/* The earliest time at which a command that seems to come at this time can have arrived: after a
- * stall, what was queued below this process is read late. */
+/* The earliest time at which a command that was read at this time can have arrived: after a stall,
+ * what the system queued meanwhile is read late. */
 int64_t gate_arrival(const gate_stall *stall, int64_t utime);
 
 /* Whether a rejection begins an incident, which should be logged: none with its cause came for
@@ -178,9 +178,9 @@ int64_t gate_arrival(const gate_stall *stall, int64_t utime);
 bool gate_is_incident(gate *gate, enum gate_verdict verdict, const char *sender, size_t length,
                       uint64_t now_us);
 
-/* Whether the next drive command, by whoever may be in control, would move the robot. */
+/* Whether the next drive command, of any sender that may be in control, would move the robot. */
 bool gate_can_drive(const gate *gate, const gate_robot *robot, uint64_t now_us);
-/* Whether commands are held until all senders have paused. */
+/* Whether commands are rejected until all senders have paused. */
 bool gate_is_waiting(const gate *gate, uint64_t now_us);
 /* The sender in control (*length bytes, no NUL), or NULL. */
 const char *gate_control_owner(const gate *gate, uint64_t now_us, size_t *length);

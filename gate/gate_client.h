@@ -12,15 +12,15 @@
 extern "C" {
 #endif
 
-/* What the gate has to know of the robot now. */
+/* What the gate needs to know of the robot now. */
 gate_robot gate_robot_of(const roburoc4_client *client, uint64_t now_us);
 
-/* Hold commands where these events of the client (ROBUROC4_EVENT_*) ended driving. */
+/* Reject commands until a pause if these events of the client (ROBUROC4_EVENT_*) ended driving. */
 void gate_heed_events(gate *gate, const roburoc4_client *client, uint32_t events, uint64_t now_us);
 
 /* Obey a drive command that gate_judge() let through: arm where that is needed, and drive. Zeros
- * arm nothing: a robot that is not armed stands, or is being stopped. Counted as taken, or as
- * rejected with GATE_DISARMED, which also holds further commands. */
+ * arm nothing: a robot that is not armed is at rest, or is being stopped. Counted as taken, or as
+ * rejected with GATE_DISARMED; then further commands are rejected until a pause, too. */
 enum gate_verdict gate_drive(gate *gate, roburoc4_client *client, float linear_m_s,
                              float angular_rad_s, uint32_t lease_us, uint64_t now_us);
 

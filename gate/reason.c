@@ -12,12 +12,12 @@ static const char *option(enum gate_kind kind) {
 static const char *reason(enum gate_verdict verdict) {
     switch (verdict) {
     case GATE_MALFORMED:
-        return "it is not a message of the expected type; are its types those of this bridge?";
+        return "it is not a message of the expected type; use the types of this bridge's version";
     case GATE_SENDER:
         return "its sender is empty or longer than 63 bytes, or there are more than 32 senders; "
-               "name each program once";
+               "give each program its own name, and use at most 32";
     case GATE_NOT_FINITE:
-        return "it has NaN or infinity in it";
+        return "it contains NaN or infinity";
     case GATE_CONTROL:
         return "another sender is in control until its lease ends; a stop command needs no control";
     case GATE_NOT_READY:
@@ -32,7 +32,7 @@ static const char *reason(enum gate_verdict verdict) {
     }
 }
 
-/* Whether its utime is the cause, which is positive then: the difference cannot overflow. */
+/* Whether its utime is the cause. Then it is positive: the difference cannot overflow. */
 static bool is_about_age(const gate_rejection *rejection, const gate_rules *rules, gate_time now) {
     return rejection->verdict == GATE_IN_FUTURE ||
            (rejection->verdict == GATE_TOO_OLD && rules->max_age_us != 0 &&
@@ -62,11 +62,11 @@ void gate_reason(char *room, size_t capacity, const gate_rejection *rejection,
     } else if (rejection->verdict == GATE_REPEATED) {
         (void)snprintf(room, capacity,
                        "its %s is not later than the sender's last: a replayed log, or two "
-                       "programs with one sender",
+                       "programs with the same name",
                        rejection->utime_word);
     } else if (rejection->verdict == GATE_STARTING) {
         (void)snprintf(room, capacity,
-                       "the bridge has just started, and the command may be from before: wait for "
+                       "the bridge has just started, and the command may be older: wait for "
                        "%s, then pause 500 ms",
                        rejection->max_age_option);
     } else if (is_about_age(rejection, rules, now)) {

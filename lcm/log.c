@@ -70,7 +70,7 @@ void log_absence(const char *robot, const char *address, uint32_t fault) {
                                           : "is it on, and on this network?");
 }
 
-/* An event as a sentence; if it is a change of a fact, in the direction of the change. */
+/* An event as a sentence; if it begins or ends a condition, which of the two. */
 static const char *event_text(uint32_t event, const roburoc4_facts *facts) {
     bool holds = false;
     switch (event) {

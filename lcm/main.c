@@ -243,7 +243,6 @@ static int wait_ms(uint64_t now_us) {
     return until_us <= now_us ? 0 : (int)((until_us - now_us + 999u) / 1000u);
 }
 
-/* Wait until a descriptor is readable or a deadline is reached. */
 static uint32_t wait_for_work(lcm_t *lcm, uint32_t *ready) {
     look_for_stall(0);
     watch_set(WATCHED_LCM, stall.last_look.us < lcm_rests_until_us ? -1 : lcm_get_fileno(lcm));
@@ -253,8 +252,7 @@ static uint32_t wait_for_work(lcm_t *lcm, uint32_t *ready) {
     return count;
 }
 
-/* Wait, then serve the robots that have something to do. */
-static void turn(lcm_t *lcm) {
+static void serve_due_robots(lcm_t *lcm) {
     static uint32_t ready[WATCH_MAX];
     uint32_t count = wait_for_work(lcm, ready);
     bool reads_lcm = false;
@@ -302,7 +300,7 @@ static void close_robots(lcm_t *lcm) {
         deadlines_us[at] = robot_deadline(&robots[at]);
     }
     while (!all_closed() && clock_now().us - now.us < CLOSING_US) {
-        turn(lcm);
+        serve_due_robots(lcm);
     }
     for (uint32_t at = 0; at < robot_count; at++) {
         robot_end(&robots[at]);
@@ -368,7 +366,7 @@ static void end_recording(void) {
     }
 }
 
-/* ------------------------------------------------------------------------------------ life --- */
+/* --------------------------------------------------------------------------------- process --- */
 
 static void run(lcm_t *lcm) {
     gate_time now = clock_now();
@@ -376,7 +374,7 @@ static void run(lcm_t *lcm) {
     introduce_bridge(now);
     start_robots(lcm, now);
     while (stop_signal == 0) {
-        turn(lcm);
+        serve_due_robots(lcm);
     }
     close_robots(lcm);
 }

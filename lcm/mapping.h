@@ -59,8 +59,8 @@ void mapping_telemeter(const roburoc4_distances *in, const roburoc4_telemeter *k
 void mapping_iocard(const roburoc4_inputs *in, const roburoc4_client *client, mapping_names *names,
                     int64_t utime, int8_t *storage, roburoc4_lcm_iocard_status_t *out);
 
-/* Position and heading in the main frame, which is the local frame of libbot2's viewers; z, roll
- * and pitch are 0. speeds (NULL: 0) are rotated from the robot's frame into it. */
+/* Position and heading in the main (odometry) frame, which is the local frame of libbot2's viewers;
+ * z, roll and pitch are 0. speeds (NULL: 0) are rotated from the robot's frame into it. */
 void mapping_pose(const roburoc4_localization_status *in,
                   const roburoc4_differential_status *speeds, int64_t utime, bot_core_pose_t *out);
 

@@ -60,9 +60,7 @@ const char *options_lcm_url(const options *options, const char **source);
 /* Resolve the robots' names. Returns OPTIONS_RUN, _BAD (an invalid port, or two robots with one
  * address), or _NO_ADDRESS (for any robot). Asks the name server if there are names. */
 enum options_result options_resolve(options *out, char *error, size_t error_size);
-/* Print what --check shows. */
 void options_print(const options *options);
-/* What --help prints. */
 extern const char options_help[];
 
 #ifdef __cplusplus

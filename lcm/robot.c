@@ -419,7 +419,7 @@ void robot_finish(robot *robot) {
         apply_drive(robot, now);
     }
     transmit(robot, now);
-    handle_events(robot, NULL, 0, now); /* events that are due to time alone */
+    handle_events(robot, NULL, 0, now); /* events that the passing of time caused */
     if (take_due(&robot->state, STATE_PERIOD_US, now)) {
         publish_bridge_state(robot, now);
     }

@@ -51,7 +51,7 @@ float sim_battery_percent(const roburoc4_sim *sim) {
 uint8_t sim_battery_remaining(const roburoc4_sim *sim) {
     double percent = (double)sim_battery_percent(sim);
     if (sim->config.as_manual != 0) {
-        /* The service has only the voltage to go by (5.5.3). */
+        /* The service knows only the voltage (5.5.3). */
         double share = (double)sim_reported_voltage(sim) / (double)sim->config.nominal_voltage_v;
         percent = 100.0 * (share - EMPTY_SHARE) / CHARGE_SHARE;
     }

@@ -103,7 +103,7 @@ static const char *counts_error(const roburoc4_sim_config *config) {
 
 static const char *model_error(const roburoc4_sim_config *config) {
     if (!within((double)config->slip, 0.0, 0.9)) {
-        return "slip: give a share of 0 to 0.9";
+        return "slip: give a fraction of 0 to 0.9";
     }
     if (!within((double)config->nominal_voltage_v, 1.0, 1000.0)) {
         return "nominal_voltage_v: give 1 to 1000";

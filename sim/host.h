@@ -18,7 +18,6 @@ sim_host *sim_host_open(roburoc4_sim *sim, const char *address, uint16_t port, i
 void sim_host_stop(sim_host *host);
 /* Stop, and free host and simulator. */
 void sim_host_destroy(sim_host *host);
-/* The port on which it listens. */
 uint16_t sim_host_port(const sim_host *host);
 /* Lock the simulator for the calling thread; not recursive. */
 void sim_host_lock(sim_host *host);

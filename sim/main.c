@@ -27,7 +27,7 @@ static const char help[] =
     "                   picks a free one\n"
     "  --ids LIST       other service ids, such as iocard=12,battery=3; names: iocard,\n"
     "                   telemeter, battery, localization, differential; ids: 2 to 65535\n"
-    "  --config FILE    read the watchdog from an udpserver.cfg\n"
+    "  --config FILE    read the watchdog from a udpserver.cfg\n"
     "                   ([DifferentialService] Watchdog=100, in cycles of 10 ms), and any\n"
     "                   of the settings below ([Simulator] slip=0.2)\n"
     "  --panel          obey lines from standard input, such as 'pad a down' or\n"
@@ -38,7 +38,7 @@ static const char help[] =
     "  --as-manual      the manual to the letter, where the defaults make a first drive\n"
     "                   easy: motors are off until the motor button (panel: 'motor on'),\n"
     "                   while the charger is plugged in and below the minimum charge;\n"
-    "                   every answer has the id 0x01; the charge is told by the voltage\n"
+    "                   every answer has the id 0x01; the charge comes from the voltage\n"
     "  --start-safe     of these only: motors are off until the motor button\n"
     "  --battery-percent P   the charge at the start (default 100)\n"
     "  --localization-flags N   the flags that it reports (default 18; 82 with Error)\n"
@@ -51,7 +51,7 @@ static const char help[] =
     "  --reorder SHARE  held back so that later ones overtake them\n"
     "  --corrupt SHARE  damaged\n"
     "  --delay-ms MS    delay of each datagram (0 to 60000)\n"
-    "  --jitter-ms MS   up to so much more\n"
+    "  --jitter-ms MS   up to this much more\n"
     "\n"
     "  --help           print this and exit\n"
     "  --version        print the version and exit\n"
@@ -174,7 +174,7 @@ static bool read_text(server_options *options, const char *option, const char *p
     if (ferror(file) != 0) {
         (void)complain(option, path, "cannot be read; give a text file");
     } else if (length == MAX_CONFIG_BYTES) {
-        (void)complain(option, path, "is larger than 1 MiB; give an udpserver.cfg");
+        (void)complain(option, path, "is larger than 1 MiB; give a udpserver.cfg");
     } else if (sim_config_read(&options->config, text, length, error, sizeof error) < 0) {
         (void)complain(option, path, error);
     } else {

@@ -125,7 +125,7 @@ static inline bool sim_is_finite(double value) {
     return value >= -DBL_MAX && value <= DBL_MAX;
 }
 
-/* Sizes that a struct of another version may have; it tells which members there are. */
+/* Sizes that a struct of another version may have; the size says which members there are. */
 static inline bool sim_size_is_valid(size_t size, size_t own) {
     return size >= 8 && size <= own && size % 8 == 0;
 }

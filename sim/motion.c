@@ -19,7 +19,7 @@
 #define ROLL_M_S2 0.8
 #define ROLL_RAD_S2 4.0
 
-/* An axis with target 0 counts as standing below these speeds. */
+/* An axis with target 0 counts as at rest below these speeds. */
 #define REST_SPEED 1e-4
 #define REST_SLOPE 1e-3
 

@@ -21,12 +21,11 @@ void net_destroy(net_sockets *net);
 /* Open socket `index` on an IPv4 address and port (0: any free one), and store the port. Returns 0
  * or the system's error number. */
 int net_bind(net_sockets *net, size_t index, const char *address, uint16_t port, uint16_t *bound);
-/* A text for an error number. */
 void net_error_text(int error, char *text, size_t capacity);
 /* Whether `address` is a numeric IPv4 address. */
 bool net_is_address(const char *address);
 
-/* Sleep until a datagram is there, or input if `input`, or timeout_us went by. */
+/* Sleep until a datagram is there, or input if `input`, or timeout_us has passed. */
 void net_wait(net_sockets *net, bool input, uint64_t timeout_us);
 /* Whether socket `index` had something at the last net_wait(). */
 bool net_is_ready(const net_sockets *net, size_t index);

@@ -96,7 +96,7 @@ static roburoc4_result do_control(roburoc4_sim *sim, const words *line, panel_an
         (void)snprintf(answer->text, answer->capacity,
                        "no motor power: turn the power on, release both emergency stops and set "
                        "the brakes to automatic first%s",
-                       sim->config.as_manual != 0 ? "; pull the charger, and charge the battery"
+                       sim->config.as_manual != 0 ? "; unplug the charger, and charge the battery"
                                                   : "");
     } else if (result < 0) {
         explain(answer, control);

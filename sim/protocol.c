@@ -94,7 +94,7 @@ static uint8_t replace(roburoc4_sim *sim, const roburoc4_request *request) {
     return ROBUROC4_ERROR_NONE;
 }
 
-/* The error of a request, as far as its header tells. */
+/* The error of a request, as far as its header shows. */
 static uint8_t refusal(const roburoc4_sim *sim, const roburoc4_request *request, int32_t service) {
     if (service < 0) {
         return ROBUROC4_ERROR_TARGET;

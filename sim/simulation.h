@@ -16,11 +16,11 @@ simulation *simulation_in_world(const roburoc4_sim_config *config);
 /* On an IPv4 address and port (0: any free one). On NULL, *error is the system's error number. */
 simulation *simulation_on_port(const roburoc4_sim_config *config, const char *address,
                                uint16_t port, int *error);
-/* Stop it. Clients in it can still be read; its memory is freed when the last one has parted. */
+/* Stop it. Clients in it can still be read; its memory is freed when the last one has left. */
 void simulation_destroy(simulation *s);
 /* 0 in virtual time. */
 uint16_t simulation_port(const simulation *s);
-/* Serve no longer, or let no more time pass; its robot can still be inspected. */
+/* Stop serving, or stop the virtual time; its robot can still be inspected. */
 void simulation_stop(simulation *s);
 int simulation_stopped(const simulation *s);
 /* The robot, for one call. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * drive_to: drive to a point in the robot's own frame, by its odometry, through roburoc4-lcm.
+ * drive_to: drive to a point in the odometry frame, through roburoc4-lcm.
  *
  *     drive_to X_M Y_M [CHANNEL_PREFIX]
  *
@@ -164,7 +164,7 @@ static int travel(trip *trip) {
     return 1;
 }
 
-/* Different for each run: two programs with one name would share control, and both drive. */
+/* Different for each run: two programs with the same name would share control and both drive. */
 static void set_sender(trip *trip) {
     char host[33] = "";
     (void)gethostname(host, sizeof host - 1);

@@ -273,7 +273,7 @@ TEST(SimConfigFile, SetsAnyNumberInTheSectionSimulator) {
     EXPECT_EQ(ROBUROC4_ERR_VALUE, read_config(config, "[Simulator]\nwings=2\n", &error));
     EXPECT_NE(std::string::npos, error.find("line 2: wings=2: no such setting")) << error;
     EXPECT_EQ(ROBUROC4_ERR_VALUE, read_config(config, "[Simulator]\nslip=2\n", &error));
-    EXPECT_EQ("line 2: slip=2: slip: give a share of 0 to 0.9", error);
+    EXPECT_EQ("line 2: slip=2: slip: give a fraction of 0 to 0.9", error);
     for (const char *value : {"", "-1", "0.5", "yes", "4294967296"}) {
         const auto text = std::string("[Simulator]\nas_manual=") + value;
         EXPECT_EQ(ROBUROC4_ERR_VALUE, read_config(config, text, &error)) << value;

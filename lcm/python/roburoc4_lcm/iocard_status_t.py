@@ -11,8 +11,8 @@ import struct
 class iocard_status_t(object):
     """
     All inputs of the IO card by their index on the wire (manual 4.2.4.4), each with its name: the
-    robot's own text, else the manual's (5.5.1) for a card with so many channels, else "". The robot
-    does not report its outputs. Channel ROBUROC4_IOCARD.
+    robot's own text, else the manual's (5.5.1) for a card with this many channels, else "". The
+    robot does not report its outputs. Channel ROBUROC4_IOCARD.
     """
 
     __slots__ = ["utime", "robot_cycles", "analog_input_count", "analog_inputs", "analog_input_names", "digital_input_count", "digital_inputs", "digital_input_names"]

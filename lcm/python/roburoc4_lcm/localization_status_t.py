@@ -48,7 +48,7 @@ class localization_status_t(object):
 
         self.x_m = 0.0
         """
-        In the main frame: X forward, Y left at the pose of power on
+        In the main (odometry) frame
         LCM Type: double
         """
 

@@ -67,7 +67,7 @@ class robot_properties_t(object):
         """ LCM Type: boolean """
         self.power_on_x_m = 0.0
         """
-        Pose at power on, in the main frame
+        Pose at power on, in the main (odometry) frame
         LCM Type: double
         """
 
@@ -110,7 +110,7 @@ class robot_properties_t(object):
         self.iocard_known = False
         """
         Channels of the IO card by their index on the wire: the robot's own text, else the manual's
-        name for a card with so many channels, else ""
+        name for a card with this many channels, else ""
         LCM Type: boolean
         """
 
