@@ -27,6 +27,8 @@
  *   Units       SI: metres, radians, seconds; times in microseconds (_us) or milliseconds (_ms);
  *               robot time in cycles of 10 ms since power on (_cycles).
  *   Frame       X forward, Y left, Z up, angles counter-clockwise (manual 2.3).
+ *   Main frame  the frame of the odometry (ROS: odom). The robot's pose in it at power on is in the
+ *               localization properties.
  *   Time        now_us is any clock that never goes back and runs during sleep: read it for each
  *               call. If it jumps nevertheless, that never makes the client send a motion command,
  *               and a time before that of an earlier call disarms it.
@@ -73,9 +75,10 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 
 /* --------------------------------------------------------------------------------- client --- */
 
-/** Capacities of the client: about twice what a RobuROC4 has (7 services, 9 analog and 22 digital
- *  inputs, 8 digital outputs, 2 telemeters), or more. What a robot has beyond them is reported
- *  (ROBUROC4_EVENT_CAPACITY) and not stored; the codec reads all of it. */
+/** Capacities of the client: about twice what a RobuROC4 has, or more. It has 7 services, 9 analog
+ *  and 22 digital inputs, 8 digital outputs, and 2 telemeters (ultrasonic rangefinders). What a
+ *  robot has beyond them is reported (ROBUROC4_EVENT_CAPACITY) and not stored; the codec reads all
+ *  of it. */
 #define ROBUROC4_MAX_SERVICES 16
 #define ROBUROC4_MAX_ANALOG_INPUTS 16
 #define ROBUROC4_MAX_ANALOG_OUTPUTS 4
@@ -94,7 +97,7 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_STATE_LOST 5    /* was ready, fell silent: asking for the directory again */
 #define ROBUROC4_STATE_CLOSING 6 /* sending the last zero commands */
 
-/** Events: a set of bits that tell what changed since the last roburoc4_client_take_events().
+/** Events are a set of bits: what changed since the last roburoc4_client_take_events().
  *  Bit 31 stays free, so that a set of events is also a roburoc4_result. */
 #define ROBUROC4_EVENT_STATE 0x00000001        /* the state changed */
 #define ROBUROC4_EVENT_READY 0x00000002        /* became ready */
@@ -123,8 +126,8 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_EVENT_CLOCK 0x01000000             /* the clock went back */
 #define ROBUROC4_EVENT_CAPACITY 0x02000000          /* the robot has more than the client stores */
 #define ROBUROC4_EVENT_DESCRIPTIONS_DONE 0x04000000 /* every text was answered or given up */
-#define ROBUROC4_EVENT_ROLE 0x08000000              /* a text named the input of a role */
-#define ROBUROC4_EVENT_ARMABLE 0x10000000           /* arm() would now be accepted */
+#define ROBUROC4_EVENT_ROLE 0x08000000    /* a text identified the input for a ROBUROC4_ROLE_* */
+#define ROBUROC4_EVENT_ARMABLE 0x10000000 /* arm() would now be accepted */
 
 /** What an IO input is for, independent of its index. */
 #define ROBUROC4_ROLE_OVERRIDE 0     /* digital: game pad [A] */
@@ -140,7 +143,8 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_INDEX_AUTO (-1)
 
 /** Bits of roburoc4_config.options. */
-#define ROBUROC4_OPTION_TURN_KEEPING 0x01 /* keep the curve: scale both speeds alike */
+/* preserve curvature: if one speed exceeds its limit, reduce both by the same factor */
+#define ROBUROC4_OPTION_TURN_KEEPING 0x01
 /* for a robot without game pad inputs. An IO card that is listed must still report its counts; if
  * none is listed, every service must be identified by type or text */
 #define ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE 0x02
@@ -159,13 +163,13 @@ typedef struct roburoc4_config {
     uint16_t period_ms[8];
     uint32_t first_retry_ms; /* a request is repeated after this, doubling to 1 s; sooner where the
                                 round trip is known to be shorter; 10 to 100; default 100 */
-    uint32_t lost_ms; /* silence after which the robot is lost; 200 to 60000; default 1000; at least
-                         three of the shortest period */
-    uint32_t fresh_ms;        /* age, by an upper bound, to which a status counts for driving; 50 to
-                                 1000; default 300 */
-    uint32_t drive_period_ms; /* period of drive commands; 10 to 500, at most half of lease_ms
-                                 and of robot_watchdog_ms; default 50 */
-    uint32_t lease_ms;        /* how long a drive command lasts; 20 to 1000; default 250 */
+    uint32_t lost_ms;  /* silence after which the robot is lost; 200 to 60000; default 1000. Raised
+                          at run time to three times the shortest subscribed period */
+    uint32_t fresh_ms; /* a status whose greatest possible age exceeds this does not count for
+                          driving; 50 to 1000; default 300 */
+    uint32_t drive_period_ms;   /* period of drive commands; 10 to 500, at most half of lease_ms
+                                   and of robot_watchdog_ms; default 50 */
+    uint32_t lease_ms;          /* how long a drive command lasts; 20 to 1000; default 250 */
     uint32_t robot_watchdog_ms; /* the robot's own watchdog, bounds the stop sequence; 100 to 60000;
                                    default 1000 */
     float max_linear_m_s;       /* ceiling of speed; 0.001 to 20; default 2.6 */
@@ -208,7 +212,8 @@ ROBUROC4_API const char *roburoc4_config_error(const roburoc4_config *config);
  *  moved or copied as plain bytes. */
 typedef struct roburoc4_client roburoc4_client;
 
-/** sizeof(roburoc4_client) of the library; compare it before linking to another build. */
+/** The library's sizeof(roburoc4_client). If it differs from yours, header and library do not
+ *  match. */
 ROBUROC4_API size_t roburoc4_client_size(void);
 
 /** Initialize a client in any memory; it is idle and disarmed. A client that was driving there is
@@ -258,22 +263,23 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
  * first zero after a speed is sent at once; all other commands are at least a robot cycle (10 ms)
  * apart. */
 
-/** Allow driving. 0, or the first reason against it: ROBUROC4_ERR_NOT_READY, _NO_DIFFERENTIAL,
- *  _LIMITS, _STALE_DIFFERENTIAL, _STALE_IOCARD, _OVERRIDE_UNKNOWN, _OVERRIDE, _OTHER_COMMANDER,
- *  _MOVING. The client disarms itself when one of these conditions no longer holds, or when the
- * robot does not follow its speeds for half a second. Arming an armed client is fine. A ready
- * client may not be armable yet, as the first statuses come later: ROBUROC4_EVENT_ARMABLE is raised
- * whenever arming becomes possible; roburoc4_pump_arm() waits for it. */
+/** Allow driving. Returns 0, or the first reason against it: ROBUROC4_ERR_NOT_READY,
+ *  _NO_DIFFERENTIAL, _LIMITS, _STALE_DIFFERENTIAL, _STALE_IOCARD, _OVERRIDE_UNKNOWN, _OVERRIDE,
+ *  _OTHER_COMMANDER, _MOVING. While armed, the client disarms itself as soon as one of these
+ *  reasons except _MOVING applies, or when the robot does not follow its speeds for half a second.
+ *  Arming an armed client is fine. A ready client may not be armable yet, as the first statuses
+ *  come later: ROBUROC4_EVENT_ARMABLE is raised whenever arming becomes possible;
+ *  roburoc4_pump_arm() waits for it. */
 ROBUROC4_API roburoc4_result roburoc4_client_arm(roburoc4_client *client, uint64_t now_us);
 /** 1 if a reason against arming may go away by itself (no answer or status yet, the robot still
- *  rolls), so that trying again makes sense; else 0, also for a value that is no reason. */
+ *  rolls), so that trying again makes sense; else 0, also for a value that is not a reason. */
 ROBUROC4_API int32_t roburoc4_refusal_may_pass(roburoc4_result refusal);
 /** Forbid driving and stop. Always possible; returns 0. */
 ROBUROC4_API roburoc4_result roburoc4_client_disarm(roburoc4_client *client, uint64_t now_us);
 /** Drive at these speeds for lease_us (0: the configured lease; else 20000 to 1000000) from now.
- *  Scaled, then (by option) kept on its curve, then clamped to the robot's limits and the
- *  ceilings. ROBUROC4_ERR_NOT_FINITE, _ARGUMENT (lease), or why the client is not armed; then
- *  nothing changes. */
+ *  The speeds are scaled, then reduced together if ROBUROC4_OPTION_TURN_KEEPING is set, then
+ *  clamped to the robot's limits and the ceilings. ROBUROC4_ERR_NOT_FINITE, _ARGUMENT (lease), or
+ *  why the client is not armed; then nothing changes. */
 ROBUROC4_API roburoc4_result roburoc4_client_drive(roburoc4_client *client, float linear_m_s,
                                                    float angular_rad_s, uint32_t lease_us,
                                                    uint64_t now_us);

@@ -193,7 +193,8 @@ ROBUROC4_API const char *roburoc4_result_text(roburoc4_result result);
 #define ROBUROC4_NAME_BATTERY 1 /* ROBUROC4_BATTERY_*, as the manual (4.2.4.6): "Charging" */
 #define ROBUROC4_NAME_STATE 2   /* ROBUROC4_STATE_* of a client, in lower case: "connecting" */
 #define ROBUROC4_NAME_EVENT 3   /* one ROBUROC4_EVENT_*, as a sentence */
-/** Likewise, of an event whose fact began or ended: _OVERRIDE, _OTHER_COMMANDER, _INHIBITED. */
+/** Likewise, of an event whose condition began or ended: _OVERRIDE, _OTHER_COMMANDER, _INHIBITED.
+ */
 #define ROBUROC4_NAME_EVENT_BEGAN 4
 #define ROBUROC4_NAME_EVENT_ENDED 5
 
@@ -478,7 +479,7 @@ ROBUROC4_API roburoc4_result roburoc4_encode_battery_status(uint8_t *buffer, siz
 /** Localization status (4.2.4.7): odometry, "highly inaccurate, especially when turning". */
 typedef struct roburoc4_localization_status {
     uint64_t robot_cycles;
-    double x_m, y_m, theta_rad; /* in the main frame */
+    double x_m, y_m, theta_rad; /* in the main frame, that of the odometry */
     uint32_t flags;             /* ROBUROC4_LOCALIZATION_* */
     uint16_t service;
     uint16_t reserved;

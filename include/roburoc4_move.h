@@ -27,22 +27,23 @@
  *                 that is lower. No proposal exceeds the requested speed; the client's limits and
  *                 ceilings apply, too.
  *   Braking       By the robot's measured response: a robot whose target becomes 0 at 1 m/s still
- *                 rolls 0.64 m. At each step a move knows how much distance remains to ask for, and
- *                 brakes by that.
+ *                 rolls 0.64 m. At each step the move knows how much distance it still has to
+ *                 command, and slows down accordingly.
  *   Odometry      Distance is measured by the localization service; by the reported speeds and
  *                 their time stamps if there is none, while it is silent or invalid, and when a
  *                 pose jumps because the robot was relocalized. A relocalization affects only later
  *                 moves: the current one continues to its original goal. Wheels slip, above all in
- *                 turns, and odometry cannot tell: relocalize between moves if you know the pose
- *                 better (docs/moves.md has figures).
- *   Looking       A bumper that is pressed in the direction of travel, or newly pressed anywhere,
- *                 ends a move. So does a telemeter in the direction of travel that reports less
- *                 than the clearance and the braking distance at the present speed. Turns in place
- *                 do not use telemeters. SONAR MISSES THINGS: thin legs, soft or slanted surfaces,
- *                 everything outside of its cone. Backing away from an obstacle is possible.
+ *                 turns, and odometry does not notice: relocalize between moves if you know the
+ *                 pose better (docs/moves.md has figures).
+ *   Obstacles     A bumper that is pressed in the direction of travel, or newly pressed anywhere,
+ *                 ends a move. So does a telemeter (ultrasonic rangefinder) in the direction
+ *                 of travel that reports less than the clearance and the braking distance at the
+ *                 present speed. Turns in place do not use telemeters. TELEMETERS MISS THINGS: thin
+ *                 legs, soft or slanted surfaces, everything outside of their cones. Backing away
+ *                 from an obstacle is possible.
  *   The end       Whatever the result, the last step calls roburoc4_client_stop(), which sends a
- *                 stop sequence. After ROBUROC4_MOVE_REACHED the robot stands; after the others it
- *                 may still roll: roburoc4_move_rest() waits for that.
+ *                 stop sequence. After ROBUROC4_MOVE_REACHED the robot is at rest; after the others
+ *                 it may still roll: roburoc4_move_rest() waits for that.
  *
  * CONVENTIONS
  *
@@ -63,7 +64,7 @@ extern "C" {
 
 #define ROBUROC4_MOVE_RUNNING 0
 #define ROBUROC4_MOVE_REACHED 1         /* at the goal, and at rest */
-#define ROBUROC4_MOVE_OVERRIDE 2        /* somebody holds [A] on the game pad, or might */
+#define ROBUROC4_MOVE_OVERRIDE 2        /* [A] on the game pad is held, or its state is unknown */
 #define ROBUROC4_MOVE_BUMPER 3          /* a bumper is pressed */
 #define ROBUROC4_MOVE_OBSTACLE 4        /* a telemeter saw something too near */
 #define ROBUROC4_MOVE_INHIBITED 5       /* it does not move: emergency stop, brakes, no power */
@@ -83,10 +84,10 @@ typedef struct roburoc4_move_options {
     uint32_t size;        /* set by roburoc4_move_options_init() */
     uint32_t timeout_ms;  /* limit of the duration; 0 (default): four times the expected duration
                              plus 10 s; 5 s to come to rest */
-    float linear_m_s;     /* speed along the way, greater than 0; default 0.3 */
-    float angular_rad_s;  /* turn rate, greater than 0; default 0.5 */
-    float linear_m_s2;    /* accelerations, greater than 0; default 0.5. The robot's own limits */
-    float angular_rad_s2; /* apply where they are lower; default 1 */
+    float linear_m_s;     /* maximum forward or backward speed, greater than 0; default 0.3 */
+    float angular_rad_s;  /* maximum turn rate, greater than 0; default 0.5 */
+    float linear_m_s2;    /* acceleration, greater than 0; default 0.5 */
+    float angular_rad_s2; /* likewise; default 1. Lower limits of the robot apply to both */
     float clearance_m;    /* distance to keep from obstacles; 0: ignore telemeters; default 0.5 */
 } roburoc4_move_options;
 
@@ -114,9 +115,9 @@ typedef struct roburoc4_move {
     double private_x_m, private_y_m, private_theta_rad;    /* the goal */
     double private_x0_m, private_y0_m, private_theta0_rad; /* the last pose */
     float private_limit[2], private_slope[2];
-    float private_goal[2], private_come[2], private_to_ask[2];
+    float private_goal[2], private_covered[2], private_to_command[2];
     float private_speed[2], private_since_pose[2];
-    float private_way_m, private_last_turn_rad, private_aside_m;
+    float private_line_m, private_last_turn_rad, private_aside_m;
     uint8_t private_kind, private_leg, private_ready, private_planned;
     uint8_t private_still, private_bumpers, private_posed, private_begun;
     uint8_t private_reserved[2];
@@ -135,7 +136,7 @@ typedef struct roburoc4_move {
 ROBUROC4_API roburoc4_result roburoc4_move_by(roburoc4_move *move, float distance_m,
                                               float angle_rad,
                                               const roburoc4_move_options *options);
-/** Turn to a point of the main frame, then drive straight to it. Needs the localization service. */
+/** Turn to a point in the main frame, then drive straight to it. Needs the localization service. */
 ROBUROC4_API roburoc4_result roburoc4_move_to_point(roburoc4_move *move, double x_m, double y_m,
                                                     const roburoc4_move_options *options);
 /** The same, then turn to this heading. */

@@ -32,9 +32,9 @@
  *   The end       roburoc4_pump_close() disarms, sends the stop sequence if one is due, ends the
  *                 thread, and wakes all waiting calls. exit(), and the return from main(), do the
  *                 same, unless the calling thread holds the lock. A process that is killed,
- *                 or ends by abort() or _exit(), cannot send anything, nor can a DLL of Windows at
- *                 exit(), whose thread the system has ended before: then the robot's own watchdog
- *                 stops it, 1 s after the last command.
+ *                 or ends by abort() or _exit(), cannot send anything. Nor can a Windows DLL during
+ *                 exit(), because the system has already ended its thread. Then the robot's own
+ *                 watchdog stops it, 1 s after the last command.
  *
  * Threads: all functions can be called from any thread at any time between create and destroy. A
  * roburoc4_pump_reader is used by one thread at a time. After a fork() the child has no pump: there
@@ -55,7 +55,7 @@
 extern "C" {
 #endif
 
-/* ------------------------------------------------------------------------------------ life --- */
+/* ------------------------------------------------------------------------------- lifecycle --- */
 
 /** A client, its socket and its thread. */
 typedef struct roburoc4_pump roburoc4_pump;
@@ -139,15 +139,15 @@ typedef union roburoc4_sample_value {
     roburoc4_differential_status differential;
 } roburoc4_sample_value;
 
-/** One status. */
+/** A sample is one status with its times. */
 typedef struct roburoc4_sample {
     uint64_t sequence;     /* 0, 1, 2 ... over all services, in the order of arrival */
     uint64_t robot_cycles; /* when, on the robot's clock */
     uint64_t host_us;      /* when it was received, on roburoc4_udp_now_us() */
-    uint64_t made_us;      /* when the robot made it, by roburoc4_client_host_time(); at the latest
-                              host_us, and that of a status from before a restart */
-    uint32_t service;      /* ROBUROC4_SERVICE_IOCARD (inputs), _TELEMETER (distances), _BATTERY,
-                              _LOCALIZATION, _DIFFERENTIAL */
+    uint64_t made_us; /* when the robot made it, by roburoc4_client_host_time(); never later than
+                         host_us; equal to host_us for a status from before a restart */
+    uint32_t service; /* ROBUROC4_SERVICE_IOCARD (inputs), _TELEMETER (distances), _BATTERY,
+                         _LOCALIZATION, _DIFFERENTIAL */
     uint32_t reserved;
     roburoc4_sample_value value;
 } roburoc4_sample;

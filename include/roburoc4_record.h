@@ -14,9 +14,9 @@
  *   No delay          recording copies a datagram into a buffer and never waits for the disk: a
  *                     thread writes the buffer. Nothing is allocated after
  *                     roburoc4_recorder_open().
- *   A crash           the thread writes at least every 100 ms, so a killed process loses no more
- *                     than that, unless the disk is full or slow. A power cut may lose more: the
- *                     system decides when data reaches the disk.
+ *   A crash           the thread writes every 50 ms, so a killed process usually loses less than
+ *                     the last 100 ms; with a full or slow disk, the buffers too. A power cut may
+ *                     lose more: the system decides when data reaches the disk.
  *   A full disk       datagrams that do not fit into the buffer while the disk is full or slow are
  *                     dropped and counted: in the file, with the next datagram that is written and
  *                     in the statistics at its end, and in roburoc4_recorder_state. Writing is

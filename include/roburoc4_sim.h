@@ -58,31 +58,31 @@ extern "C" {
 
 /** Configuration of a simulated robot. Fill it with roburoc4_sim_config_init(), then change what
  *  you need. Arrays by service use ROBUROC4_SERVICE_* as index, masks `1u << ROBUROC4_SERVICE_*`.
- */
+ *  A value after the last semicolon of a comment is the default. */
 typedef struct roburoc4_sim_config {
     uint32_t size;             /* sizeof(roburoc4_sim_config), set by roburoc4_sim_config_init() */
     uint32_t watchdog_cycles;  /* cycles without speed command until it stops: 1 to 1000000; 100 */
     uint64_t seed;             /* of all its noise; 1 */
-    uint16_t service_ids[8];   /* wire ids; 0 to 6. The first two stay 0 and 1, all differ */
+    uint16_t service_ids[8];   /* wire ids: the first two stay 0 and 1, all differ; 0 to 6 */
     uint16_t service_types[8]; /* type codes in the directory */
-    uint32_t plain_types;      /* 1: every type code is one that nobody knows */
+    uint32_t plain_types;      /* 1: all type codes are unknown ones; 0 */
     uint32_t hidden_services;  /* mask of services that the robot lacks (not the first two); 0 */
     uint32_t refused_inserts;  /* mask of services that cannot be subscribed to; 0 */
-    uint32_t query_mode;       /* ROBUROC4_SIM_QUERY_* */
-    uint32_t answer_id_fixed;  /* 1: every answer carries id 0x01, as the manual prints it */
-    uint32_t only_id_fixed;    /* 1: requests whose id is not 0x01 are ignored */
-    uint32_t error_header;     /* 1: an error answer carries header 0x00, not the request's id */
+    uint32_t query_mode;       /* ROBUROC4_SIM_QUERY_*; _ANSWERED */
+    uint32_t answer_id_fixed;  /* 1: every answer carries id 0x01, as the manual prints it; 0 */
+    uint32_t only_id_fixed;    /* 1: requests whose id is not 0x01 are ignored; 0 */
+    uint32_t error_header;     /* 1: an error answer carries header 0x00, not the request's id; 0 */
     uint32_t start_safe;       /* 1: power on leaves the motors off until the motor button; 0 */
     /* 1: the manual to the letter, where the defaults make a first drive easy. start_safe and
      * answer_id_fixed; no motor power while the charger is plugged in (5.1) or the charge is below
-     * minimum_percent (4.2.2.6); the battery service goes by the battery voltage of the IO card
-     * (5.5.3); unused channels answer "-- exists but not used --" (5.5.1). 0 */
+     * minimum_percent (4.2.2.6); the battery service takes the charge from the battery voltage of
+     * the IO card (5.5.3); unused channels answer "-- exists but not used --" (5.5.1); 0 */
     uint32_t as_manual;
     uint32_t localization_flags; /* ROBUROC4_LOCALIZATION_*; METRIC and PROPRIOCEPTIVE */
     /* IO card. With 10 analog or 23 digital inputs the manual's numbers (5.5.1) are literal: all
-     * from 03 on lie one index higher than on a robot with the usual 9 and 22. */
-    int32_t analog_inputs, analog_outputs;   /* 9 and 0; up to ROBUROC4_SIM_MAX_ANALOG */
-    int32_t digital_inputs, digital_outputs; /* 22 and 8; up to ROBUROC4_SIM_MAX_DIGITAL */
+     * from 03 on are one index higher than on a robot with the usual 9 and 22. */
+    int32_t analog_inputs, analog_outputs;   /* up to ROBUROC4_SIM_MAX_ANALOG; 9 and 0 */
+    int32_t digital_inputs, digital_outputs; /* up to ROBUROC4_SIM_MAX_DIGITAL; 22 and 8 */
     /* Speed limits, accelerations and width that its properties report (4.2.2.8). The robot obeys
      * them where they are finite with min <= 0 <= max, else the defaults: +-2.6 m/s, +-6.5 rad/s,
      * +-3 m/s2, +-8 rad/s2, 0.68 m. The accelerations leave a step from rest to full speed
@@ -92,7 +92,7 @@ typedef struct roburoc4_sim_config {
     float max_linear_m_s2, min_linear_m_s2;
     float max_angular_rad_s2, min_angular_rad_s2;
     float width_m;
-    float slip; /* share of a turn that skidding eats, 0 (no slip, no noise) to 0.9; 0.12 */
+    float slip; /* fraction of a turn lost to skidding, 0 (no slip, no noise) to 0.9; 0.12 */
     /* Battery (4.2.2.6): 24 V, 60 Ah, cannot operate below 20 %; starts with 100 %. */
     float nominal_voltage_v; /* 1 to 1000 */
     float capacity_ah;       /* 0.001 to 100000 */
@@ -112,9 +112,9 @@ ROBUROC4_SIM_API const char *roburoc4_sim_config_error(const roburoc4_sim_config
 
 typedef struct roburoc4_sim roburoc4_sim;
 
-/** A powered robot at its start pose in its default room, with a few boxes, of which none
- *  is nearer than 5 m. Every control is released, the brakes are AUTOMATIC, the motors are on
- * (unless start_safe). config may be NULL for the defaults. NULL: a bad configuration (see
+/** A powered robot at its start pose in its default room, with a few boxes, all at least 5 m
+ *  away. Every control is released, the brakes are AUTOMATIC, the motors are on (unless
+ *  start_safe). config may be NULL for the defaults. NULL: a bad configuration (see
  *  roburoc4_sim_config_error()), or no memory. */
 ROBUROC4_SIM_API roburoc4_sim *roburoc4_sim_create(const roburoc4_sim_config *config);
 /** Free it; NULL is ignored. */
@@ -138,9 +138,9 @@ ROBUROC4_SIM_API uint64_t roburoc4_sim_next_deadline(const roburoc4_sim *sim);
 
 /* ------------------------------------------------------------------------------- controls --- */
 
-/** What a person beside the robot can do (5.1, 5.2, 4.1, 5.4), and some things that nobody can. The
- *  value is 1 or 0 unless the comment says otherwise. The name of a control, in the panel's lines
- *  and in other languages, is that of its constant: "estop_local". */
+/** What a person beside the robot can do (5.1, 5.2, 4.1, 5.4), and some things that are possible
+ *  only in simulation. The value is 1 or 0 unless the comment says otherwise. The name of a
+ *  control, in the panel's lines and in other languages, is that of its constant: "estop_local". */
 /* main power switch. Off: silent, motors off, all subscriptions gone. On after off is a reboot:
  * cycles from 0, odometry at the start pose, targets 0. The robot stays where it is. */
 #define ROBUROC4_SIM_POWER 0
@@ -152,7 +152,8 @@ ROBUROC4_SIM_API uint64_t roburoc4_sim_next_deadline(const roburoc4_sim *sim);
  * no power back */
 #define ROBUROC4_SIM_ESTOP_LOCAL 2
 #define ROBUROC4_SIM_ESTOP_REMOTE 3
-/* brakes selector: AUTOMATIC (0), or RELEASED, which cuts the motors' power: the robot rolls out */
+/* brakes selector: AUTOMATIC (0), or RELEASED, which cuts the motors' power: the robot coasts
+ * to a stop */
 #define ROBUROC4_SIM_BRAKES_RELEASED 4
 #define ROBUROC4_SIM_CHARGER 5 /* plugged in */
 /* remaining energy, 0 to 100. With an empty battery the robot keeps running, so that a test decides
@@ -173,13 +174,13 @@ ROBUROC4_SIM_API uint64_t roburoc4_sim_next_deadline(const roburoc4_sim *sim);
  * go to 1 at right and up; the triggers LT and RT rest at -1 and reach 1 fully pressed. RT drives
  * forward, LT backward, LJ_X turns (right is clockwise); full means the robot's limit */
 #define ROBUROC4_SIM_PAD_AXIS 200
-/* pin the value that an input reports, whatever the model says (it does not drive by it): add its
- * index on the wire; "pin_analog_2". Any float, NaN too. Reads: what the input reports */
+/* pin the value that an input reports, whatever the model's own value, which stays in effect: add
+ * its index on the wire; "pin_analog_2". Any float, NaN too. Reads: what the input reports */
 #define ROBUROC4_SIM_PIN_ANALOG 1000
 #define ROBUROC4_SIM_PIN_DIGITAL 2000
 /* read-only: the last commanded value of an output, 0 before the first command and after a
- * reboot; "digital_output_3". Digital output 0 is the robot's own: 1 while speed commands feed its
- * watchdog */
+ * reboot; "digital_output_3". Digital output 0 is the robot's own: 1 while speed commands keep its
+ * watchdog from tripping */
 #define ROBUROC4_SIM_ANALOG_OUTPUT 3000
 #define ROBUROC4_SIM_DIGITAL_OUTPUT 4000
 
@@ -202,7 +203,7 @@ ROBUROC4_SIM_API roburoc4_result roburoc4_sim_control_find(const char *name);
  */
 
 /** Add a box by its centre, its sizes (0.01 to 10000 m) along its own axes, and its orientation.
- *  Its number (0 or more), ROBUROC4_ERR_ARGUMENT (a value), ROBUROC4_ERR_STATE (the robot stands
+ *  Its number (0 or more), ROBUROC4_ERR_ARGUMENT (a value), ROBUROC4_ERR_STATE (the robot is
  *  there), ROBUROC4_ERR_BUFFER (there are ROBUROC4_SIM_MAX_BOXES). A wall is a thin box. */
 ROBUROC4_SIM_API roburoc4_result roburoc4_sim_add_box(roburoc4_sim *sim, double x_m, double y_m,
                                                       double size_x_m, double size_y_m,

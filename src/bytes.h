@@ -30,8 +30,8 @@
 #define WORDS_AS_ON_THE_WIRE 0
 #endif
 
-/** Whether a struct that begins with its size may be of a program of this or an older version; the
- * size tells which of its members that program knows. */
+/** Whether a struct that begins with its size is from a program of this or an older version; the
+ * size says which of its members that program knows. */
 static inline bool size_known(size_t size, size_t newest) {
     return size >= 2 * sizeof(uint32_t) && size <= newest && size % 4 == 0;
 }

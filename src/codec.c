@@ -74,8 +74,6 @@ CURSOR roburoc4_result claim(writer *w, size_t length) {
     return fits ? (roburoc4_result)length : ROBUROC4_ERR_BUFFER;
 }
 
-/* Poses. */
-
 CURSOR void write_pose(writer *w, const double *x_m, const double *y_m, const double *theta_rad) {
     write_f64(w, *x_m);
     write_f64(w, *y_m);

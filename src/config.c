@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * The client's settings: one table of place, range and default serves the defaults and the check.
- * The texts stand apart, so that a linker leaves them out where nobody asks for them.
+ * The texts are separate, so that a linker leaves them out of programs that do not use them.
  */
 #include "bytes.h"
 #include "internal.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The calls of a program: arm and drive, outputs, relocalization, subscriptions, roles; and what it
- * can read: services, properties, statuses, facts, figures of the link.
+ * The control calls (arm and drive, outputs, relocalization, subscriptions, roles) and the
+ * accessors (services, properties, statuses, facts, statistics of the link).
  */
 #include "bytes.h"
 #include "internal.h"
@@ -256,7 +256,7 @@ static bool has_status(uint32_t service) {
     return service >= ROBUROC4_SERVICE_IOCARD && service < ROBUROC4_SERVICE_COUNT;
 }
 
-/** Forget what was agreed about this subscription. */
+/** Forget what the robot answered about this subscription. */
 static void forget_subscription(client *c, uint32_t service) {
     discovery *d = &c->private_discovery;
     const uint8_t others = (uint8_t)~service_bit(service);
@@ -468,7 +468,7 @@ roburoc4_result roburoc4_client_distances(const client *c, roburoc4_distances *o
     return ROBUROC4_OK;
 }
 
-/* ---- facts and figures ---- */
+/* ---- facts and statistics ---- */
 
 static uint8_t input_of_role(const client *c, uint32_t role) {
     const roburoc4_result index = index_of_role(c, role);

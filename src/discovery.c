@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Discovery: which id on the wire is which service, which input is the game pad's [A], and which
- * texts are still to be asked for. Nothing here is sent: schedule.c asks, this file remembers.
+ * texts are still missing. Nothing is sent here: schedule.c sends the requests.
  */
 #include "internal.h"
 
@@ -225,7 +225,7 @@ static bool contains_letters(piece text, const char *wanted) {
         piece rest = text;
         uint32_t i = 0;
         if (!is_letter(*text.text)) {
-            continue; /* else a text of blanks would take the square of its length */
+            continue; /* else a text of blanks would take time proportional to its length squared */
         }
         for (; rest.length > 0; skip(&rest)) {
             if (!is_letter(*rest.text)) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Motion: arming, the lease of a drive command, limits, the stop sequence. This is the only file
- * that lets a speed out, and it does so in one function, roburoc4_drive_poll().
+ * that decides which speeds are sent, and it does so in one function, roburoc4_drive_poll().
  *
  * Times are compared as `now - then >= span` on unsigned numbers: a clock that went back makes the
  * difference huge and ends the lease.
@@ -28,8 +28,8 @@
 
 /* m/s and rad/s are treated alike, axis by axis. */
 enum { LINEAR, ANGULAR, AXES };
-/* A robot slower than `standing` is at rest; a target above `noticeable` should be followed. */
-static const float standing[AXES] = {0.1F, 0.2F};
+/* A robot slower than `rest_below` is at rest; a target above `noticeable` should be followed. */
+static const float rest_below[AXES] = {0.1F, 0.2F};
 static const float noticeable[AXES] = {0.02F, 0.05F};
 
 /* ---- floats compared by their bits: for speed and size where floats are software, and for NaN,
@@ -57,7 +57,6 @@ static bool is_finite(float value) {
     return finite_f32_bits(bits_from_f32(value));
 }
 
-/** Clamp the value to the bounds. */
 static float clamp(float value, float low, float high) {
     return order_of(value) < order_of(low) ? low : order_of(value) > order_of(high) ? high : value;
 }
@@ -133,7 +132,7 @@ bool roburoc4_drive_limits_valid(const roburoc4_differential_properties *limits)
 void roburoc4_drive_arm(drive *d, uint32_t *events) {
     if (!d->armed) {
         *events |= ROBUROC4_EVENT_ARMED;
-        d->still = 0; /* else a robot that has not moved since would go unnoticed */
+        d->still = 0; /* else a robot that has been at rest since would go unnoticed */
     }
     d->armed = 1;
     d->disarm_cause = ROBUROC4_OK;
@@ -146,7 +145,7 @@ roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lea
     }
     const float bounded[AXES] = {clamp(target[LINEAR], -ANY_SPEED, ANY_SPEED),
                                  clamp(target[ANGULAR], -ANY_SPEED, ANY_SPEED)};
-    /* NOLINTNEXTLINE: another zero counts as another target, which does no harm */
+    /* NOLINTNEXTLINE: -0 counts as another target than 0, which does no harm */
     if (!d->lease_active || memcmp(d->target, bounded, sizeof bounded) != 0) {
         d->changed = 1; /* until it was sent, however often it is renewed before */
     }
@@ -173,9 +172,9 @@ void roburoc4_drive_tick(drive *d, roburoc4_result refusal, uint64_t now_us, uin
 
 /* ---- sending ---- */
 
-/** The factor, at most 1, that brings both speeds within the limits and keeps the curve. The outer
- * wheels have the linear limit, too. There is no curve to keep in a direction that the robot does
- * not have. */
+/** The factor, at most 1, that brings both speeds within the limits and preserves the curvature.
+ * The linear limit holds for the outer wheels, too. A limit of 0 is ignored: in that direction the
+ * robot cannot drive at all, so there is no curvature to preserve. */
 static float curve_share(const float *speeds, const float *low, const float *high, float width_m) {
     const float outer = magnitude(speeds[LINEAR]) + magnitude(speeds[ANGULAR]) * width_m * 0.5F;
     const float wanted[AXES] = {outer, magnitude(speeds[ANGULAR])};
@@ -189,7 +188,7 @@ static float curve_share(const float *speeds, const float *low, const float *hig
     return share;
 }
 
-/** Scale, then keep the curve, then clamp. */
+/** Scale, then reduce both speeds together, then clamp. */
 static void shape(const drive *d, const roburoc4_config *config,
                   const roburoc4_differential_properties *limits, float *speeds) {
     const float ceiling[AXES] = {config->max_linear_m_s, config->max_angular_rad_s};
@@ -375,8 +374,9 @@ void roburoc4_drive_status(drive *d, const roburoc4_config *config,
     const bool ours =
         overridden || zero ||
         (is_ours(d, LINEAR, s->target_linear_m_s) && is_ours(d, ANGULAR, s->target_angular_rad_s));
-    d->moving = !zero || magnitude_bits(s->current_linear_m_s) > bits_from_f32(standing[LINEAR]) ||
-                magnitude_bits(s->current_angular_rad_s) > bits_from_f32(standing[ANGULAR]);
+    d->moving = !zero ||
+                magnitude_bits(s->current_linear_m_s) > bits_from_f32(rest_below[LINEAR]) ||
+                magnitude_bits(s->current_angular_rad_s) > bits_from_f32(rest_below[ANGULAR]);
     watch_other_commander(d, config, ours, events);
     if (!is_finite(s->target_linear_m_s) || !is_finite(s->target_angular_rad_s) ||
         !is_finite(s->current_linear_m_s) || !is_finite(s->current_angular_rad_s)) {

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
  * What the files of the client share. Four state machines each keep their own part of
- * roburoc4_client, and read none of another's (discovery is shown the open requests, to ask nothing
- * twice):
+ * roburoc4_client, and read none of another's (discovery gets the open requests, so that nothing is
+ * requested twice):
  *
  *   requests.c   request ids, retries, matching of answers
  *   link.c       statuses in order, loss, jitter, clock mapping, reboot
- *   drive.c      arming, lease, limits, stop sequence: the only file that lets a speed out
- *   discovery.c  which service has which id, what is still to be asked, which input is what
+ *   drive.c      arming, lease, limits, stop sequence: the only file that decides which speeds are
+ * sent discovery.c  which service has which id, which texts are missing, which input is what
  *
  * client.c, schedule.c, receive.c and control.c put them together.
  */
@@ -67,11 +67,9 @@ void roburoc4_requests_cancel_all(requests *r);
 bool roburoc4_requests_free(const requests *r, uint32_t keep);
 /** Whether a text may be requested now. */
 bool roburoc4_requests_free_for_text(const requests *r);
-/** Whether this request is open. */
 bool roburoc4_requests_open(const requests *r, const ask *a);
 /** Open a request; false if it is open already or there is no room. */
 bool roburoc4_requests_begin(requests *r, const ask *a);
-/** Close requests of this action and kind. */
 void roburoc4_requests_cancel(requests *r, uint8_t action, uint8_t kind);
 /** The next request that must be sent or repeated now, or NULL. If its tries are used up it is
  * closed and stored in *given_up instead. */
@@ -88,7 +86,7 @@ uint64_t roburoc4_requests_deadline(const requests *r);
 void roburoc4_requests_be_quiet(requests *r, const slot *s, uint64_t now_us);
 /** Stop asking for texts of the first `lists` lists, and wait until no answer can still arrive. */
 void roburoc4_requests_cancel_texts(requests *r, uint32_t lists, uint64_t now_us);
-/** Make everything due: after a fault of the clock. */
+/** After a clock fault: make everything due. */
 void roburoc4_requests_rebase(requests *r, uint64_t now_us);
 
 /* ---- link ---- */
@@ -132,7 +130,7 @@ void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events)
 void roburoc4_drive_stop(drive *d);
 /** Advance the time: end an expired lease, and disarm if `refusal` is set. */
 void roburoc4_drive_tick(drive *d, roburoc4_result refusal, uint64_t now_us, uint32_t *events);
-/** A speed command that must leave now: true, and the speeds. */
+/** Whether a speed command must be sent now, and its speeds. */
 bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
                          const roburoc4_differential_properties *limits, uint64_t now_us,
                          float *speeds, uint32_t *events);
@@ -144,7 +142,7 @@ void roburoc4_drive_status(drive *d, const roburoc4_config *config,
 void roburoc4_drive_service(drive *d, bool known, uint16_t id);
 /** When poll or tick must be called next. */
 uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config);
-/** After a fault of the clock: a stop sequence continues by count, everything else is due. */
+/** After a clock fault: a stop sequence continues by count, everything else is due. */
 void roburoc4_drive_rebase(drive *d, uint64_t now_us);
 
 /* ---- discovery ---- */
@@ -157,7 +155,6 @@ typedef roburoc4_private_discovery discovery;
 #define ROLE_TEXT_NONE (-1)
 #define ROLE_TEXT_AMBIGUOUS (-2)
 
-/** Forget the robot. */
 void roburoc4_discovery_clear(discovery *d);
 /** Request everything again except the texts that were answered. */
 void roburoc4_discovery_restart(discovery *d);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The link: are statuses new, how many were lost, how even do they come, what time does the robot's
- * clock show, did the robot restart.
+ * The link: order, loss and jitter of statuses; mapping of the robot's clock; detection of
+ * restarts.
  */
 #include "internal.h"
 
@@ -133,15 +133,15 @@ static void measure_jitter(service *s, uint64_t transit) {
     s->jitter_us = s->jitter_us - s->jitter_us / 16 + deviation / 16;
 }
 
-/** How much later than the best status a status with this transit time arrived. */
+/** By how much this transit time exceeds the shortest one. */
 static uint64_t lateness(const roburoc4_private_link *l, uint64_t transit) {
     const int64_t late_us = (int64_t)(transit - l->floor_us);
     return late_us > 0 ? (uint64_t)late_us : 0;
 }
 
 /** The clock is mapped by the smallest offset of the last one to two windows, because delays only
- *  add to it. The floor of transit times is that of the best status, which was at most floor_age_us
- *  old; how old the first one is, is not known. */
+ *  add to it. floor_us is the shortest transit time so far; the status that had it was at most
+ *  floor_age_us old when it arrived, which is unknown until the first answer. */
 static void map_times(roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
     const int64_t offset = (int64_t)transit;
     if (!l->mapped) {
@@ -163,7 +163,7 @@ static void map_times(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
     }
 }
 
-/** Lower the bound on ages by this excess: first the lateness, then the age of the floor. */
+/** Lower the bound on ages by this excess: first raise floor_us, then lower floor_age_us. */
 static void lower_bound(roburoc4_private_link *l, uint64_t transit, uint32_t by_us) {
     const uint64_t late_us = lateness(l, transit);
     const uint32_t rise_us = late_us < by_us ? (uint32_t)late_us : by_us;
@@ -172,9 +172,9 @@ static void lower_bound(roburoc4_private_link *l, uint64_t transit, uint32_t by_
 }
 
 /** The first status after an answer was made after the request was sent, give or take a cycle. That
- *  bounds its age, and tells clocks that drift apart from a queue that grows: both make everything
- *  look late. It is believed when all of a second agree, because a network can change the order of
- *  an answer and a status. */
+ *  bounds its age, and distinguishes drifting clocks from a growing queue: with either, all
+ *  statuses look late. Because a network can swap an answer and a status, the bound is lowered only
+ *  by what all such pairs within a second agree on. */
 static void learn_age(roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
     const uint64_t proven_us = now_us - l->asked_us + ROBUROC4_CYCLE_US;
     const uint64_t bound_us = lateness(l, transit) + l->floor_age_us;

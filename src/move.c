@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * Moves: what to ask the robot for, so that it comes to rest where it should.
+ * Moves: which speeds to command so that the robot comes to rest at its goal.
  *
- * The robot follows a speed as a linear system of second order with unit gain. Two things follow.
- * The way that it will have come once it stands is the sum of all that it was asked for: so the way
- * to ask for yet, `to_ask`, shrinks by what was sent, at once and without the robot's delay, and a
- * loop closed on it has neither lag nor overshoot. And from what is measured, it is the way left,
- * less RESPONSE_S times the speed, less BEND_S2 times the acceleration.
+ * The robot follows a speed command like a linear second-order system with unit gain. So the
+ * distance it has covered at rest is the integral of the commanded speed, and `to_command`, the
+ * distance still to be commanded, shrinks with each command at once: a loop closed on it has
+ * neither lag nor overshoot. From measurements, it is the remaining distance minus RESPONSE_S times
+ * the speed minus BEND_S2 times the acceleration.
  */
 #include "roburoc4_move.h"
 
@@ -16,9 +16,9 @@
  * damping by the frequency, and one by the frequency squared. */
 #define RESPONSE_S 0.64F
 #define BEND_S2 0.168F
-/* Weight of a status in the correction of `to_ask`; below 1 to smooth noise. */
+/* Weight of a status in the correction of `to_command`; below 1 to smooth noise. */
 #define TRUST 0.5F
-/* Speed per distance still to ask for, at the end of a move. */
+/* Speed per distance still to be commanded, at the end of a move. */
 #define APPROACH_PER_S 4.0F
 /* Turn rate per heading error, and heading per distance from the line. */
 #define STEER_PER_S 1.5F
@@ -41,7 +41,7 @@ enum { AHEAD = 1, ASTERN = 2 };
 /* Accepted error; the lowest speed that moves a robot; a robot slower than this is at rest. */
 static const float near_enough[BOTH] = {0.004F, 0.004F};
 static const float least_speed[BOTH] = {0.03F, 0.06F};
-static const float standing_speed[BOTH] = {0.015F, 0.03F};
+static const float rest_speed[BOTH] = {0.015F, 0.03F};
 /* How far a pose may differ from the measured speeds, at once and per second, before it counts as a
  * jump. */
 static const float jump[BOTH] = {0.02F, 0.02F};
@@ -198,7 +198,7 @@ roburoc4_result roburoc4_move_rest(roburoc4_move *move, const roburoc4_move_opti
     return begin(move, REST, options);
 }
 
-/* ---------------------------------------------------------------------------- what is looked at */
+/* ----------------------------------------------------------------------------- what a move sees */
 
 static bool usable(const roburoc4_localization_status *pose) {
     return finite_f64_bits(bits_from_f64(pose->x_m)) && finite_f64_bits(bits_from_f64(pose->y_m)) &&
@@ -275,17 +275,17 @@ static void start_leg(roburoc4_move *m, float distance_m, float angle_rad) {
     m->private_goal[LENGTH] = distance_m;
     m->private_goal[ANGLE] = angle_rad;
     m->private_still = 0;
-    m->private_planned = 0; /* to_ask begins with the next status */
+    m->private_planned = 0; /* to_command is set by the next status */
 }
 
-/** What is left of this leg, or the next, of a turn and a way to a point; false after the last. */
+/** Begin the next leg, with what the last one left over; false after the last leg. */
 static bool next_leg(roburoc4_move *m) {
-    m->private_come[LENGTH] -= m->private_goal[LENGTH];
-    m->private_come[ANGLE] -= m->private_goal[ANGLE];
+    m->private_covered[LENGTH] -= m->private_goal[LENGTH];
+    m->private_covered[ANGLE] -= m->private_goal[ANGLE];
     m->private_leg++;
     if (m->private_kind == TO_POINT || m->private_kind == TO_POSE) {
         if (m->private_leg == 1) {
-            start_leg(m, m->private_way_m, 0);
+            start_leg(m, m->private_line_m, 0);
             return true;
         }
         if (m->private_leg == 2 && m->private_kind == TO_POSE) {
@@ -304,11 +304,11 @@ static bool plan_to(roburoc4_move *m, const roburoc4_move_view *pose) {
     }
     const float heading = (float)pose->theta_rad;
     float bearing = heading;
-    m->private_way_m = root(x * x + y * y);
-    if (order_of(m->private_way_m) > order_of(near_enough[LENGTH])) {
+    m->private_line_m = root(x * x + y * y);
+    if (order_of(m->private_line_m) > order_of(near_enough[LENGTH])) {
         bearing = angle_of(x, y);
     } else {
-        m->private_way_m = 0;
+        m->private_line_m = 0;
     }
     m->private_last_turn_rad = half_turn((float)m->private_theta_rad - bearing);
     start_leg(m, 0, half_turn(bearing - heading));
@@ -322,7 +322,7 @@ static float curvature(const roburoc4_move *m) {
                : m->private_goal[ANGLE] / m->private_goal[LENGTH];
 }
 
-/** Speeds and accelerations: those asked for, limited to the robot's own. */
+/** Speeds and accelerations: the requested ones, limited to the robot's own. */
 static void set_profile(roburoc4_move *m, const roburoc4_move_view *v) {
     const roburoc4_move_options *o = &m->private_options;
     const float slopes[BOTH] = {o->linear_m_s2, o->angular_rad_s2};
@@ -340,30 +340,30 @@ static void set_profile(roburoc4_move *m, const roburoc4_move_view *v) {
     }
 }
 
-static uint32_t patience_ms(const roburoc4_move *m) {
+static uint32_t default_timeout_ms(const roburoc4_move *m) {
     if (m->private_options.timeout_ms != 0) {
         return m->private_options.timeout_ms;
     }
     if (m->private_kind == REST) {
         return 5000;
     }
-    const float ways[BOTH] = {size_of(m->private_goal[LENGTH]) + m->private_way_m,
+    const float path[BOTH] = {size_of(m->private_goal[LENGTH]) + m->private_line_m,
                               size_of(m->private_goal[ANGLE]) + size_of(m->private_last_turn_rad)};
     float seconds = 0;
     for (uint32_t axis = 0; axis < BOTH; axis++) {
         const float speed = m->private_limit[axis];
-        seconds += ways[axis] / speed + speed / m->private_slope[axis];
+        seconds += path[axis] / speed + speed / m->private_slope[axis];
     }
     return order_of(seconds) > order_of(1e6F) ? UINT32_MAX : 10000 + (uint32_t)(4000 * seconds);
 }
 
 /* ------------------------------------------------------------------------------------ odometry */
 
-/** Add a distance that the wheels covered. */
-static void come(roburoc4_move *m, float distance_m, float angle_rad) {
-    const float astray = m->private_come[ANGLE] - curvature(m) * m->private_come[LENGTH];
-    m->private_come[LENGTH] += distance_m;
-    m->private_come[ANGLE] += angle_rad;
+/** Add a distance and an angle that the wheels covered. */
+static void add_covered(roburoc4_move *m, float distance_m, float angle_rad) {
+    const float astray = m->private_covered[ANGLE] - curvature(m) * m->private_covered[LENGTH];
+    m->private_covered[LENGTH] += distance_m;
+    m->private_covered[ANGLE] += angle_rad;
     m->private_aside_m += distance_m * (astray + 0.5F * angle_rad);
     m->distance_m += distance_m;
     m->angle_rad += angle_rad;
@@ -375,32 +375,31 @@ static float seconds_from(uint64_t before_cycles, uint64_t cycles) {
     return before_cycles == 0 || passed > 1000 ? 0 : (float)(uint32_t)passed * 0.01F;
 }
 
-/** Follow the pose since the last status, unless it jumped: then the speeds tell how far the robot
- * came. */
-static void hear_pose(roburoc4_move *m, const roburoc4_move_view *pose) {
+/** Follow the change of the pose. If the pose jumped, the integrated speeds count instead. */
+static void note_pose(roburoc4_move *m, const roburoc4_move_view *pose) {
     const float ahead_s = seconds_from(m->private_pose_cycles, pose->pose_cycles);
     const float since_s = m->private_speed_cycles > pose->pose_cycles
                               ? -seconds_from(pose->pose_cycles, m->private_speed_cycles)
                               : seconds_from(m->private_speed_cycles, pose->pose_cycles);
     const float rest[BOTH] = {m->private_speed[LENGTH] * since_s,
                               m->private_speed[ANGLE] * since_s};
-    const float said[BOTH] = {m->private_since_pose[LENGTH] + rest[LENGTH],
-                              m->private_since_pose[ANGLE] + rest[ANGLE]};
+    const float by_speeds[BOTH] = {m->private_since_pose[LENGTH] + rest[LENGTH],
+                                   m->private_since_pose[ANGLE] + rest[ANGLE]};
     const float x = (float)(pose->x_m - m->private_x0_m), y = (float)(pose->y_m - m->private_y0_m);
     const float turned = half_turn((float)(pose->theta_rad - m->private_theta0_rad));
     const float chord =
         order_of(size_of(x)) > order_of(1.0F) || order_of(size_of(y)) > order_of(1.0F)
             ? 1.0F
             : root(x * x + y * y);
-    const float differs[BOTH] = {with_sign(chord, said[LENGTH]) - said[LENGTH],
-                                 turned - said[ANGLE]};
+    const float differs[BOTH] = {with_sign(chord, by_speeds[LENGTH]) - by_speeds[LENGTH],
+                                 turned - by_speeds[ANGLE]};
     bool jumped = !m->private_posed;
     for (uint32_t axis = 0; axis < BOTH; axis++) {
         jumped = jumped || order_of(size_of(differs[axis])) >
                                order_of(jump[axis] + jump_per_s[axis] * ahead_s);
     }
     if (!jumped) {
-        come(m, differs[LENGTH], differs[ANGLE]);
+        add_covered(m, differs[LENGTH], differs[ANGLE]);
     }
     m->private_posed = 1;
     m->private_pose_cycles = pose->pose_cycles;
@@ -411,80 +410,80 @@ static void hear_pose(roburoc4_move *m, const roburoc4_move_view *pose) {
     m->private_since_pose[ANGLE] = -rest[ANGLE];
 }
 
-/** A differential status: the way since the last one, and what remains to ask for. */
-static void hear_speeds(roburoc4_move *m, const roburoc4_move_view *v, float *slopes) {
+/** A differential status: add the distance since the last one. */
+static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v, float *slopes) {
     const float speeds[BOTH] = {v->linear_m_s, v->angular_rad_s};
     const float passed_s = seconds_from(m->private_speed_cycles, v->speed_cycles);
-    float ways[BOTH];
+    float covered[BOTH];
     bool still = true;
     for (uint32_t axis = 0; axis < BOTH; axis++) {
         const float speed = move_finite(speeds[axis]) ? speeds[axis] : 0;
-        ways[axis] = 0.5F * (speed + m->private_speed[axis]) * passed_s;
+        covered[axis] = 0.5F * (speed + m->private_speed[axis]) * passed_s;
         slopes[axis] =
             bits_from_f32(passed_s) == 0 ? 0 : (speed - m->private_speed[axis]) / passed_s;
-        m->private_since_pose[axis] += ways[axis];
+        m->private_since_pose[axis] += covered[axis];
         m->private_speed[axis] = speed;
-        still = still && order_of(size_of(speed)) < order_of(standing_speed[axis]);
+        still = still && order_of(size_of(speed)) < order_of(rest_speed[axis]);
     }
     m->private_speed_cycles = v->speed_cycles;
     m->private_still = still ? (uint8_t)(m->private_still + (m->private_still < 100)) : 0;
-    come(m, ways[LENGTH], ways[ANGLE]);
+    add_covered(m, covered[LENGTH], covered[ANGLE]);
 }
 
 /** Take what is new in the view, and note when it arrived. */
-static void hear(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
+static void note_view(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
     float slopes[BOTH] = {0, 0};
     const bool news = v->speed_cycles != m->private_speed_cycles;
     if (news) {
-        hear_speeds(m, v, slopes);
+        note_speeds(m, v, slopes);
         m->private_heard_us = now_us;
     }
     if (v->pose_cycles != 0 && v->pose_cycles != m->private_pose_cycles) {
-        hear_pose(m, v);
+        note_pose(m, v);
     }
     const float age_s = (float)v->age_us * 1e-6F;
     const float sent[BOTH] = {v->sent_linear_m_s, v->sent_angular_rad_s};
     for (uint32_t axis = 0; news && axis < BOTH; axis++) {
-        const float measured = m->private_goal[axis] - m->private_come[axis] -
+        const float measured = m->private_goal[axis] - m->private_covered[axis] -
                                RESPONSE_S * m->private_speed[axis] - BEND_S2 * slopes[axis] -
                                age_s * sent[axis];
-        m->private_to_ask[axis] +=
-            (m->private_planned ? TRUST : 1) * (measured - m->private_to_ask[axis]);
+        m->private_to_command[axis] +=
+            (m->private_planned ? TRUST : 1) * (measured - m->private_to_command[axis]);
     }
     m->private_planned = m->private_planned || news;
 }
 
-/* --------------------------------------------------------------------------------- looking out */
+/* ------------------------------------------------------------------------------- reasons to end */
 
 /** The direction in which the robot moves, or is about to. */
 static uint8_t direction(const roburoc4_move *m) {
-    const float speed = m->private_speed[LENGTH], asked = m->linear_m_s;
+    const float speed = m->private_speed[LENGTH], commanded = m->linear_m_s;
     const bool rolls = order_of(size_of(speed)) > order_of(0.05F);
-    uint8_t way = 0;
-    way |= order_of(asked) > 0 || (rolls && order_of(speed) > 0) ? AHEAD : 0;
-    way |= order_of(asked) < 0 || (rolls && order_of(speed) < 0) ? ASTERN : 0;
-    return way;
+    uint8_t sides = 0;
+    sides |= order_of(commanded) > 0 || (rolls && order_of(speed) > 0) ? AHEAD : 0;
+    sides |= order_of(commanded) < 0 || (rolls && order_of(speed) < 0) ? ASTERN : 0;
+    return sides;
 }
 
-static int32_t look_at_bumpers(roburoc4_move *m, const roburoc4_move_view *v, uint8_t way) {
+static int32_t check_bumpers(roburoc4_move *m, const roburoc4_move_view *v, uint8_t sides) {
     const uint8_t pressed =
         (uint8_t)((v->front_bumper ? AHEAD : 0) | (v->rear_bumper ? ASTERN : 0));
     m->private_bumpers &= pressed; /* pressed since the beginning */
-    return (pressed & (way | ~m->private_bumpers)) != 0 ? ROBUROC4_MOVE_BUMPER
-                                                        : ROBUROC4_MOVE_RUNNING;
+    return (pressed & (sides | ~m->private_bumpers)) != 0 ? ROBUROC4_MOVE_BUMPER
+                                                          : ROBUROC4_MOVE_RUNNING;
 }
 
-static int32_t look_ahead(const roburoc4_move *m, const roburoc4_move_view *v, uint8_t way) {
+static int32_t check_clearance(const roburoc4_move *m, const roburoc4_move_view *v, uint8_t sides) {
     const float needed =
         m->private_options.clearance_m + RESPONSE_S * size_of(m->private_speed[LENGTH]);
-    if (way == 0 || order_of(m->private_options.clearance_m) == 0) {
+    if (sides == 0 || order_of(m->private_options.clearance_m) == 0) {
         return ROBUROC4_MOVE_RUNNING;
     }
     if (v->blind) {
         return ROBUROC4_MOVE_LOST;
     }
-    return ((way & AHEAD) != 0 && order_of(nearer(FAR_M, v->front_m)) < order_of(needed)) ||
-                   ((way & ASTERN) != 0 && order_of(nearer(FAR_M, v->rear_m)) < order_of(needed))
+    return ((sides & AHEAD) != 0 && order_of(nearer(FAR_M, v->front_m)) < order_of(needed)) ||
+                   ((sides & ASTERN) != 0 && order_of(nearer(FAR_M, v->rear_m)) < order_of(needed))
                ? ROBUROC4_MOVE_OBSTACLE
                : ROBUROC4_MOVE_RUNNING;
 }
@@ -506,9 +505,9 @@ static int32_t result_of(roburoc4_result cause) {
 }
 
 /** Reasons to end the move, whether it has arrived or not. */
-static int32_t look_out(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
-    const uint8_t way = direction(m);
-    int32_t result = look_at_bumpers(m, v, way);
+static int32_t check_for_end(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
+    const uint8_t sides = direction(m);
+    int32_t result = check_bumpers(m, v, sides);
     if (m->private_kind == REST) {
         result = v->overridden ? ROBUROC4_MOVE_OVERRIDE : ROBUROC4_MOVE_RUNNING;
     } else if (v->inhibited) {
@@ -517,7 +516,7 @@ static int32_t look_out(roburoc4_move *m, const roburoc4_move_view *v, uint64_t 
         m->cause = v->disarm_cause;
         result = result_of(m->cause);
     } else if (result == ROBUROC4_MOVE_RUNNING) {
-        result = look_ahead(m, v, way);
+        result = check_clearance(m, v, sides);
     }
     if (result == ROBUROC4_MOVE_RUNNING && now_us - m->private_heard_us > SILENCE_US) {
         result = ROBUROC4_MOVE_LOST;
@@ -531,35 +530,34 @@ static int32_t look_out(roburoc4_move *m, const roburoc4_move_view *v, uint64_t 
 
 /* ----------------------------------------------------------------------------------- the speed */
 
-/** The speed from which the robot comes to rest exactly when nothing remains to ask for. A target
- * ahead of the speed by RESPONSE_S times an acceleration yields that acceleration; while braking,
- * the square root does, which is the speed at constant deceleration in terms of what remains to ask
- * for. */
+/** The speed from which the robot comes to rest exactly when `to_command` is 0. A target ahead of
+ * the speed by RESPONSE_S times an acceleration yields that acceleration. While braking, the square
+ * root yields it: it is the speed at constant deceleration as a function of `to_command`. */
 static float speed_for(const roburoc4_move *m, uint32_t axis) {
-    const float to_ask = m->private_to_ask[axis], slope = m->private_slope[axis];
-    const float way = size_of(to_ask), lead = RESPONSE_S * slope;
-    if (order_of(way) < order_of(near_enough[axis])) {
+    const float to_command = m->private_to_command[axis], slope = m->private_slope[axis];
+    const float distance = size_of(to_command), lead = RESPONSE_S * slope;
+    if (order_of(distance) < order_of(near_enough[axis])) {
         return 0;
     }
     const float now = with_sign(m->private_speed[axis], m->private_speed[axis]);
-    const bool turns_back = (order_of(m->private_speed[axis]) < 0) != (order_of(to_ask) < 0);
+    const bool turns_back = (order_of(m->private_speed[axis]) < 0) != (order_of(to_command) < 0);
     float speed = (turns_back ? 0 : now) + lead;
-    speed =
-        lesser(speed, root(slope * (slope * (RESPONSE_S * RESPONSE_S - 2 * BEND_S2) + 2 * way)));
-    speed = lesser(speed, APPROACH_PER_S * way);
+    speed = lesser(speed,
+                   root(slope * (slope * (RESPONSE_S * RESPONSE_S - 2 * BEND_S2) + 2 * distance)));
+    speed = lesser(speed, APPROACH_PER_S * distance);
     speed = order_of(speed) < order_of(least_speed[axis]) ? least_speed[axis] : speed;
-    return with_sign(lesser(speed, m->private_limit[axis]), to_ask);
+    return with_sign(lesser(speed, m->private_limit[axis]), to_command);
 }
 
 /** The turn rate that keeps the robot on its line. */
 static float steer(const roburoc4_move *m, float linear_m_s) {
     const float bend = curvature(m);
-    const float way_m = size_of(m->private_to_ask[LENGTH]);
+    const float distance_m = size_of(m->private_to_command[LENGTH]);
     const float back = within(RETURN_PER_M * m->private_aside_m, RETURN_MAX_RAD);
     const float faded =
-        order_of(way_m) < order_of(RETURN_MAX_RAD) ? back * way_m / RETURN_MAX_RAD : back;
-    const float heading =
-        m->private_to_ask[ANGLE] - bend * m->private_to_ask[LENGTH] - with_sign(faded, linear_m_s);
+        order_of(distance_m) < order_of(RETURN_MAX_RAD) ? back * distance_m / RETURN_MAX_RAD : back;
+    const float heading = m->private_to_command[ANGLE] - bend * m->private_to_command[LENGTH] -
+                          with_sign(faded, linear_m_s);
     const float lead = size_of(m->private_speed[ANGLE]) + RESPONSE_S * m->private_slope[ANGLE];
     return within(within(bend * linear_m_s + STEER_PER_S * heading, lead), m->private_limit[ANGLE]);
 }
@@ -594,30 +592,30 @@ static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_
         return ROBUROC4_MOVE_CANCELLED;
     }
     set_profile(m, v);
-    m->private_timeout_ms = patience_ms(m);
+    m->private_timeout_ms = default_timeout_ms(m);
     m->private_ready = 1;
-    (void)look_at_bumpers(m, v, 0);
+    (void)check_bumpers(m, v, 0);
     return ROBUROC4_MOVE_RUNNING;
 }
 
-/** Subtract what was sent since the last step from what remains to ask for. */
+/** Subtract what was sent since the last step from `to_command`. */
 static void count_sent(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
     const uint64_t passed_us = now_us - m->private_step_us;
     const float passed_s = passed_us > STEP_MAX_US ? 0 : (float)(uint32_t)passed_us * 1e-6F;
     m->private_step_us = now_us;
-    m->private_to_ask[LENGTH] -= v->sent_linear_m_s * passed_s;
-    m->private_to_ask[ANGLE] -= v->sent_angular_rad_s * passed_s;
+    m->private_to_command[LENGTH] -= v->sent_linear_m_s * passed_s;
+    m->private_to_command[ANGLE] -= v->sent_angular_rad_s * passed_s;
 }
 
 static int32_t step(roburoc4_move *move, const roburoc4_move_view *view, uint64_t now_us) {
     int32_t result = move->private_ready ? ROBUROC4_MOVE_RUNNING : plan(move, view, now_us);
     if (result == ROBUROC4_MOVE_RUNNING) {
         count_sent(move, view, now_us);
-        hear(move, view, now_us);
-        result = look_out(move, view, now_us);
+        note_view(move, view, now_us);
+        result = check_for_end(move, view, now_us);
     }
-    move->remaining_m = move->private_goal[LENGTH] - move->private_come[LENGTH];
-    move->remaining_rad = move->private_goal[ANGLE] - move->private_come[ANGLE];
+    move->remaining_m = move->private_goal[LENGTH] - move->private_covered[LENGTH];
+    move->remaining_rad = move->private_goal[ANGLE] - move->private_covered[ANGLE];
     if (result == ROBUROC4_MOVE_RUNNING && move->private_ready && move->private_planned) {
         if (move->private_kind != REST) {
             propose(move);
@@ -694,14 +692,14 @@ void roburoc4_move_cancel(roburoc4_move *move, roburoc4_client *client, uint64_t
 const char *roburoc4_move_result_text(int32_t result) {
     static const char *const texts[] = {
         "the move is under way",
-        "reached; the robot stands",
+        "goal reached, the robot is at rest",
         "somebody holds [A] on the game pad: wait until it is released, then begin again",
-        "a bumper is pressed: look at what is there, and back away",
+        "a bumper is pressed: check what it touches, then back away",
         "a telemeter sees something too near: clear the way, or give a smaller clearance",
-        "the robot does not move: look at emergency stops, brakes selector and motor power",
+        "the robot does not move: check emergency stops, brakes selector and motor power",
         "no fresh statuses of what the move needs: check the link and the subscriptions",
         "another client commands the robot: end that one first",
-        "it took too long: look at what holds the robot back, or give more time",
+        "timed out: check what blocks the robot, or allow more time",
         "cancelled, or the client is not armed",
     };
     return result >= 0 && result < (int32_t)(sizeof texts / sizeof *texts) ? texts[result]

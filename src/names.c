@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Names: numbers to text, and the channels of a robot's IO card by name. Nothing else of the core
- * uses this file, so a linker leaves it out where nobody asks for a name.
+ * uses this file, so a linker leaves it out of programs that use no names.
  */
 #include "internal.h"
 
@@ -36,30 +36,29 @@ const char *roburoc4_result_text(roburoc4_result result) {
         "struct size differs from the library's\0"
         "configuration value out of range\0"
         "client not started, or closing\0"
-        "not known yet: wait, and look again\0"
+        "not reported by the robot yet: wait, then try again\0"
         "the robot has no such channel\0"
         "output 0 belongs to the robot: use output 1 or above\0"
         "NaN or infinity: give finite numbers\0"
         "answer to no open request\0"
         "status not subscribed to\0"
         "status not newer than the last\0"
-        "no answer in all tries: look at the link, and try again";
+        "the robot did not answer any of the tries: check the link, then try again";
     static const char motion[] =
         "disarmed: call arm() before drive()\0"
         "not connected: wait until the robot answers\0"
         "no usable differential service: this robot cannot be driven\0"
-        "the robot's speed limits are not usable: look at its properties\0"
+        "the robot's speed limits are not usable: check its properties\0"
         "no recent differential status: check the link and the status period\0"
         "no recent IO card status: check the link and the status period\0"
         "game pad input unknown: set override_index, or allow_unknown_override\0"
         "game pad override: release [A] on the game pad\0"
-        "the robot is moving: wait until it stands still\0"
+        "the robot is moving: wait until it is at rest\0"
         "another client commands the robot: end the other program\0"
         "the robot fell silent: check cable and power\0"
-        "the robot restarted: look at the robot\0"
+        "the robot restarted: check it, then arm again\0"
         "the clock went back: find out what sets this machine's clock\0"
-        "the robot does not move: look at emergency stops, brakes "
-        "selector and bumpers";
+        "the robot does not move: check emergency stops, brakes selector and bumpers";
     static const char adapter[] =
         "the operating system refused\0"
         "host name has no address: check the spelling, or give the address in numbers\0"
@@ -79,7 +78,7 @@ const char *roburoc4_result_text(roburoc4_result result) {
     return text != NULL ? text : "unknown error";
 }
 
-/** The place of ROBUROC4_EVENT_OVERRIDE, the first of the events that are changes of a fact. */
+/** The place of ROBUROC4_EVENT_OVERRIDE, the first of the events that begin or end a condition. */
 #define FIRST_CHANGE 15
 
 /** The place of the only bit of an event. */
@@ -101,19 +100,19 @@ const char *roburoc4_name(uint32_t what, uint32_t number) {
         "the robot fell silent: connecting again\0"
         "the robot restarted\0"
         "properties of a service are new or changed\0"
-        "the robot's text for a service or a channel came\0"
-        "a status of the IO card came\0"
-        "a status of the telemeters came\0"
-        "a status of the battery came\0"
-        "a status of the localization came\0"
-        "a status of the speeds came\0"
+        "text for a service or channel received\0"
+        "IO card status received\0"
+        "telemeter status received\0"
+        "battery status received\0"
+        "localization status received\0"
+        "differential status received\0"
         "armed: drive commands are accepted\0"
         "disarmed: drive commands are refused\0"
-        "no new drive command came within the lease: the robot is stopped\0"
+        "the lease expired without a new drive command: the robot is stopped\0"
         "the stop sequence ended\0"
         "game pad [A] was pressed or released\0"
         "another client started or stopped commanding the robot\0"
-        "the robot stands although it should move, or moves again\0"
+        "the robot does not move although it should, or moves again\0"
         "the battery fell below the robot's minimum\0"
         "the battery is critical\0"
         "the robot accepted the new pose\0"
@@ -121,9 +120,9 @@ const char *roburoc4_name(uint32_t what, uint32_t number) {
         "the robot refused a subscription\0"
         "the robot answers every request with the id 1\0"
         "the clock of this machine went back\0"
-        "the robot has more channels than are stored\0"
-        "every text of the robot was read or given up\0"
-        "the robot's text shows which input is a bumper, [A] or the battery's voltage\0"
+        "the robot has more services, channels or telemeters than the client stores\0"
+        "every text was read or given up\0"
+        "a text identified an input: a bumper, [A] or the battery voltage\0"
         "arming is possible now";
     switch (what) {
     case ROBUROC4_NAME_SERVICE:
@@ -137,14 +136,14 @@ const char *roburoc4_name(uint32_t what, uint32_t number) {
     case ROBUROC4_NAME_EVENT:
         return nth(events, 29, bit_index(number));
     case ROBUROC4_NAME_EVENT_BEGAN:
-        return nth("[A] is held on the game pad: it drives\0"
+        return nth("[A] is held on the game pad: the pad drives the robot\0"
                    "another client commands the robot\0"
-                   "motion inhibited: the robot stands although it should move",
+                   "motion inhibited: the robot does not move although it should",
                    3, bit_index(number) - FIRST_CHANGE);
     case ROBUROC4_NAME_EVENT_ENDED:
         return nth("[A] on the game pad was released\0"
                    "no other client commands the robot any more\0"
-                   "the robot moves again, or nothing asks it to move",
+                   "the robot moves again, or no speed is commanded",
                    3, bit_index(number) - FIRST_CHANGE);
     default:
         return NULL;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the UDP adapter, the pump and the simulator's host need of the operating system: sockets,
+ * What the UDP adapter, the pump and the simulator's host need from the operating system: sockets,
  * addresses and the clock; threads, locks and wake-ups. os_posix.c or os_windows.c implements it; a
  * build has one of them. Not public.
  */
@@ -80,7 +80,7 @@ void roburoc4_os_calendar_text(uint64_t calendar_us, char text[17]);
 int roburoc4_os_path_kind(const char *path);
 /** Opens a stream, or makes a file; ROBUROC4_OS_NO_FILE and errno, EEXIST where it exists. */
 int64_t roburoc4_os_file_create(const char *path);
-/** How many bytes were written, fewer than asked for or even none; errno says why. */
+/** How many bytes were written, fewer than requested or even none; errno says why. */
 size_t roburoc4_os_file_write(int64_t file, const uint8_t *bytes, size_t size);
 void roburoc4_os_file_truncate(int64_t file, uint64_t size);
 void roburoc4_os_file_close(int64_t file);
@@ -124,7 +124,6 @@ typedef struct roburoc4_thread {
 int roburoc4_thread_start(roburoc4_thread *thread, void (*function)(void *), void *argument);
 /** Whether it has ended or never started. Does not wait. */
 int roburoc4_thread_is_over(roburoc4_thread *thread);
-/** Wait for the thread's end. */
 void roburoc4_thread_join(roburoc4_thread *thread);
 
 /** Ends a roburoc4_os_wait() of another thread. */
@@ -136,9 +135,8 @@ typedef struct roburoc4_wake {
 /** 0 if none can be created. */
 int roburoc4_wake_create(roburoc4_wake *wake);
 void roburoc4_wake_destroy(roburoc4_wake *wake);
-/** May be called in a signal handler; keeps errno. */
+/** Can be called in a signal handler; keeps errno. */
 void roburoc4_wake_raise(const roburoc4_wake *wake);
-/** Clear it. */
 void roburoc4_wake_clear(const roburoc4_wake *wake);
 
 #endif

@@ -169,7 +169,7 @@ static roburoc4_os_outcome failure(int error) {
 
 static const roburoc4_os_outcome success = {ROBUROC4_FAULT_NONE, 0};
 
-/* Optional: without them everything works, too. */
+/* Optional: everything works without them. */
 static void tune(int fd, uint8_t family) {
     int receive_bytes = RECEIVE_BUFFER_BYTES, send_bytes = SEND_BUFFER_BYTES;
     (void)setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &receive_bytes, sizeof receive_bytes);
@@ -327,7 +327,7 @@ int64_t roburoc4_os_file_create(const char *path) {
     if (roburoc4_os_path_kind(path) != ROBUROC4_OS_STREAM) {
         return open(path, flags | O_CREAT | O_EXCL, 0666);
     }
-    fd = open(path, flags | O_NONBLOCK); /* does not wait for somebody who reads the pipe */
+    fd = open(path, flags | O_NONBLOCK); /* does not wait for a reader of the pipe */
     if (fd >= 0) {
         (void)fcntl(fd, F_SETFL, 0);
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * os.h on Windows (Vista and later). Link with ws2_32. What os_posix.c says of its choices holds
- * here too.
+ * os.h on Windows (Vista and later). Link with ws2_32. The reasons given in os_posix.c apply
+ * here, too.
  */
 #define WIN32_LEAN_AND_MEAN
 #ifndef _WIN32_WINNT

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * pump.c - a pump: its lock, its life and its thread, the loop that waits for the robot or the
+ * pump.c - a pump: its lock, its lifecycle and its thread, the loop that waits for the robot or the
  * client's deadline without the lock, and receives and sends with it; and what exit() does to it.
  */
 #include "pump_internal.h"
@@ -67,7 +67,7 @@ static void heed_requests(roburoc4_pump *pump) {
 }
 
 void roburoc4_pump_flush(roburoc4_pump *pump) {
-    if (!pump->manual) { /* a manual pump has its own time */
+    if (!pump->threadless) { /* a pump without a thread gets its time from the caller */
         heed_requests(pump);
     }
     (void)roburoc4_udp_transmit_all(&pump->udp, &pump->client);
@@ -189,7 +189,7 @@ roburoc4_result roburoc4_pump_arm(roburoc4_pump *pump, uint32_t timeout_us) {
     uint64_t until_us = roburoc4_udp_now_us() + timeout_us;
     roburoc4_result result;
     uint32_t stops;
-    if (pump->manual || !roburoc4_pump_enter(pump)) {
+    if (pump->threadless || !roburoc4_pump_enter(pump)) {
         return ROBUROC4_ERR_CLOSED;
     }
     stops = pump->stops;
@@ -269,7 +269,7 @@ static void forget_at_exit(const roburoc4_pump *pump) {
     roburoc4_lock_give(&living_lock);
 }
 
-/* ------------------------------------------------------------------------------------ life --- */
+/* ------------------------------------------------------------------------------- lifecycle --- */
 
 static void free_memory(roburoc4_pump *pump) {
     if (pump != NULL) {
@@ -330,7 +330,7 @@ static roburoc4_result begin(roburoc4_pump *pump, const roburoc4_address *addres
     (void)roburoc4_config_init(&defaults, sizeof defaults);
     pump->stop_sequence_us = longest_stop_sequence_us(config != NULL ? config : &defaults);
     if (address == NULL) {
-        pump->manual = 1;
+        pump->threadless = 1;
         return make_meeting_points(pump) ? ROBUROC4_OK : ROBUROC4_ERR_SYSTEM;
     }
     result = roburoc4_udp_open(&pump->udp, sizeof pump->udp, address);
@@ -376,7 +376,7 @@ roburoc4_result roburoc4_pump_close(roburoc4_pump *pump) {
     if (!roburoc4_pump_enter(pump)) {
         return ROBUROC4_ERR_CLOSED;
     }
-    if (pump->phase == ROBUROC4_PUMP_RUNNING && pump->manual) {
+    if (pump->phase == ROBUROC4_PUMP_RUNNING && pump->threadless) {
         pump->phase = ROBUROC4_PUMP_JOINED;
         roburoc4_signal_wake_all(&pump->changed);
     }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * pump_internal.h - the pump's memory, and what pump.c (lock, life, thread) and pump_store.c
+ * pump_internal.h - the pump's memory, and what pump.c (lock, lifecycle, thread) and pump_store.c
  * (samples, events, descriptions) offer each other. Not public.
  */
 #ifndef ROBUROC4_PUMP_INTERNAL_H
@@ -9,7 +9,7 @@
 #include "os.h"
 #include "roburoc4_pump.h"
 
-/** Life of a pump; it only goes forward. */
+/** Phases of a pump's lifecycle; they only advance. */
 #define ROBUROC4_PUMP_RUNNING 0
 #define ROBUROC4_PUMP_STOPPING 1 /* close() was called: the stop sequence is being sent */
 #define ROBUROC4_PUMP_ENDED 2    /* the thread has left its loop */
@@ -36,7 +36,7 @@ struct roburoc4_pump {
     uint32_t waiters;         /* threads inside a wait on `changed` */
     uint64_t stop_by_us;      /* STOPPING ends then, whatever the robot does */
     uint64_t asleep_until_us; /* what the thread waits for; 0 while it is awake */
-    int manual;               /* without socket and thread */
+    int threadless;           /* without socket and thread */
     uint32_t stop_sequence_us;
     uint32_t stops; /* stop requests that were carried out */
 

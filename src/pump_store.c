@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * pump_store.c - what a pump keeps for its readers: the ring of samples, the turn in which each
- * event came last, and the robot's texts; and how readers wait for them.
+ * event last occurred, and the robot's texts; and how readers wait for them.
  */
 #include "pump_internal.h"
 
@@ -10,7 +10,7 @@
 /* Samples copied per lock: a few microseconds. */
 #define CHUNK 64u
 
-/* A status that is older than this when it comes in is one from before a restart. */
+/* A status that is older than this when it is received is from before a restart. */
 #define LATEST_US 10000000u
 
 /* ------------------------------------------------------------------------------- the writer --- */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A datagram that came in: statuses go into the stored values, to the link and to the drive state
- * machine; answers to the request that they belong to.
+ * Received datagrams: statuses go into the stored values, to the link and to the drive state
+ * machine; answers go to the request to which they belong.
  */
 #include "bytes.h"
 #include "internal.h"
@@ -120,9 +120,8 @@ static roburoc4_result take_properties(client *c, uint32_t service, const uint8_
 
 /* ---- statuses ----
  *
- * Most statuses of a ready robot change nothing of when the client must act next: they only put off
- * what happens where they stay away. So they do not wake() it, unless they end driving, end a stop
- * sequence, or make the override known or unknown. */
+ * Most statuses of a ready robot only postpone time-outs. So they do not wake() the client, unless
+ * they end driving, end a stop sequence, or make the override known or unknown. */
 
 /** Count a status; true if it is newer than the last of its service. */
 static bool is_new(client *c, uint32_t service, uint64_t robot_cycles) {
@@ -293,7 +292,7 @@ static roburoc4_result receive_status(client *c, const uint8_t *data, size_t siz
     return result;
 }
 
-/** A status that was not subscribed to yet: of a subscription that an earlier client made. */
+/** A status that was not subscribed to yet: an earlier client subscribed to it. */
 static void overhear(client *c, const uint8_t *data) {
     const discovery *d = &c->private_discovery;
     if (c->private_state == ROBUROC4_STATE_DISCOVERING && d->identified &&

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * record.c - the flight recorder. Whoever moves a datagram appends it, as a whole block of pcapng,
- * to one of two buffers; a thread swaps them and writes the other one. The lock is held for a copy
- * and for the swap, never while the disk is waited for.
+ * record.c - the flight recorder. The thread that sends or receives a datagram appends it, as a
+ * whole block of pcapng, to one of two buffers; a thread swaps them and writes the other one. The
+ * lock is held for a copy and for the swap, never while the disk is waited for.
  */
 #include "record_internal.h"
 
@@ -522,7 +522,7 @@ static void run_recorder(void *argument) {
     roburoc4_lock_give(&r->lock);
 }
 
-/* ------------------------------------------------------------------------------------ life --- */
+/* ------------------------------------------------------------------------------- lifecycle --- */
 
 static void free_recorder(roburoc4_recorder *r) {
     if (r != NULL) {

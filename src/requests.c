@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Requests: each has an id of its own, which all its tries share, so that a slow answer counts
- * whichever of them it is to; a few are open at once. A robot that answers everything with 0x01, as
- * the manual prints it, is recognised after three tries and served one request at a time. A bad
- * link can look like such a robot: the probe of the directory tries another id first, and an answer
- * to it ends the mode.
+ * Requests: all tries of a request share its id, so a slow answer to any of them counts; a few
+ * requests are open at once. A robot that answers everything with 0x01, as the manual prints it, is
+ * recognised after three tries and served one request at a time. A bad link can look like such a
+ * robot: the probe of the directory tries another id first, and an answer to it ends the mode.
  */
 #include "internal.h"
 
@@ -164,7 +163,7 @@ static void begin_try(requests *r, slot *s, uint32_t wait_us, uint64_t now_us) {
     s->tries = s->tries < TRIES_WRAP ? s->tries + 1U : TRIES_WRAP + 1 - MANUAL_ID_EVERY;
 }
 
-/** How long its tries take at the configured rate; it is not given up earlier. */
+/** How long all tries take at the configured rate; the request is not given up earlier. */
 static uint32_t longest_try_us(const slot *s, uint32_t longest_us) {
     uint32_t sum_us = 0;
     for (uint32_t i = 0; i < s->ask.max_tries; i++) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Which request comes next: from the directory to the last channel's text, subscriptions, the
- * probe; what a request that failed leaves behind; and when a state has nothing left to wait for.
+ * probe; the consequences of a failed request; and when a state has nothing left to wait for.
  */
 #include "internal.h"
 

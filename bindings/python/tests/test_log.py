@@ -26,7 +26,7 @@ def test_the_log_reports_connecting_arming_and_losses(
         ("INFO", "the simulator: connecting"),
         ("INFO", "the simulator: the robot is ready"),
         ("INFO", "the simulator: armed: drive commands are accepted"),
-        ("INFO", "the simulator: [A] is held on the game pad: it drives"),
+        ("INFO", "the simulator: [A] is held on the game pad: the pad drives the robot"),
         ("WARNING", "the simulator: disarmed: game pad override: release [A] on the game pad"),
         ("WARNING", "the simulator: the robot fell silent: connecting again"),
         ("INFO", "the simulator: closing"),

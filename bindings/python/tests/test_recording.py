@@ -131,7 +131,7 @@ def test_the_game_pad_and_bumpers_are_events(path: Path) -> None:
         for at, digital in enumerate((0, 1 << 8 | 1, 0))
     ]
     assert events(path, [*discovery(), *parts[0], *parts[1], *parts[2]]) == [
-        (pytest.approx(1.1), "[A] is held on the game pad: it drives"),
+        (pytest.approx(1.1), "[A] is held on the game pad: the pad drives the robot"),
         (pytest.approx(1.1), "the front bumper was pressed"),
         (pytest.approx(2.1), "[A] on the game pad was released"),
         (pytest.approx(2.1), "the front bumper was released"),
