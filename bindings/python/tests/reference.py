@@ -61,14 +61,8 @@ def table(*rows: tuple[str, ...]) -> Iterator[str]:
 def signature(function: object) -> str:
     """Return the names of a function's arguments, with their defaults."""
     parameters = inspect.signature(function).parameters.values()  # type: ignore[arg-type]
-    shown = []
-    for parameter in parameters:
-        if parameter.name in ("self", "_cls"):
-            continue
-        default = parameter.default
-        text = str(parameter.replace(annotation=parameter.empty))
-        shown.append(text if default is not None else f"{parameter.name}=None")
-    return "(" + ", ".join(shown) + ")"
+    shown = [p.replace(annotation=p.empty) for p in parameters if p.name not in ("self", "_cls")]
+    return str(inspect.Signature(shown))
 
 
 def members(owner: type) -> Iterator[tuple[str, str]]:
