@@ -34,6 +34,8 @@ int take_double(PyObject *number, double *out);
 int take_float(PyObject *number, float *out);
 int take_whole(PyObject *number, long long low, long long high, long long *out);
 int take_uint64(PyObject *number, uint64_t *out);
+/* A text without NUL characters, which C would take as its end. */
+int take_text(PyObject *text, const char **out);
 
 /* Put an item into a new tuple; NULL, with both released, if either is NULL. */
 PyObject *put_item(PyObject *tuple, Py_ssize_t i, PyObject *item);

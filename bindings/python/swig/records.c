@@ -281,6 +281,21 @@ int take_float(PyObject *number, float *out) {
     return isinf(*out) && !isinf(value) ? out_of_range(number) : 0;
 }
 
+int take_text(PyObject *text, const char **out) {
+    Py_ssize_t length = 0;
+    *out = NULL;
+    if (!PyUnicode_Check(text)) {
+        (void)PyErr_Format(PyExc_TypeError, "%R is not a text", text);
+        return -1;
+    }
+    *out = PyUnicode_AsUTF8AndSize(text, &length);
+    if (*out != NULL && strlen(*out) != (size_t)length) {
+        (void)PyErr_Format(PyExc_ValueError, "%R contains a NUL character", text);
+        *out = NULL;
+    }
+    return *out != NULL ? 0 : -1;
+}
+
 /* Convert a number to an integer; NULL with an exception if it is not one. */
 static PyObject *whole_of(PyObject *number) {
     double value;

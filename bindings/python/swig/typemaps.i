@@ -50,6 +50,23 @@ ROBUROC4_WHOLE(enum gate_verdict, 0, GATE_VERDICTS - 1)
     }
 }
 
+/* ---- texts ---- */
+%typemap(in) const char * (const char *text) {
+    if (take_text($input, &text) < 0) {
+        SWIG_fail;
+    }
+    $1 = (char *)text;
+}
+/* A text or None. */
+%typemap(in) const char *robot (const char *text), const char *record (const char *text) {
+    text = NULL;
+    if ($input != Py_None && take_text($input, &text) < 0) {
+        SWIG_fail;
+    }
+    $1 = (char *)text;
+}
+%typemap(freearg) const char * "";
+
 %typemap(out) float {
     $result = PyFloat_FromDouble(shortest($1));
 }

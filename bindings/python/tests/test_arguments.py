@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Arguments: numbers of any type, and errors that name the value and its range."""
 
+import asyncio
 import struct
 from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -16,6 +19,8 @@ def test_numbers_of_numpy_and_whole_floats_are_numbers(roburoc4_simulator: Simul
         "lease_ms": 250.0,  # type: ignore[typeddict-item]
         "period_ms": {"battery": np.int64(500)},
         "max_linear_m_s": np.float32(0.5),
+        "turn_keeping": np.bool_(True),
+        "allow_unknown_override": 0,  # type: ignore[typeddict-item]
     }
     with roburoc4_simulator.connect(**settings) as robot:
         robot.arm()
@@ -26,6 +31,7 @@ def test_numbers_of_numpy_and_whole_floats_are_numbers(roburoc4_simulator: Simul
         robot.subscribe("battery", 100.0)  # type: ignore[arg-type]
         robot.relocalize(np.float32(1), np.int32(0), 0)
         robot.digital_outputs[np.int64(2)] = np.bool_(True)
+        robot.digital_outputs[3] = 0
         assert robot.digital_outputs[2.0] is True  # type: ignore[index]
         assert robot.move(np.float32(0.1), speed=np.float32(0.3)).outcome
         roburoc4_simulator.set("battery_percent", np.float32(50))
@@ -39,18 +45,35 @@ Call = Callable[[Robot], object]
     [
         (lambda r: r.drive(float("nan"), 0), "linear_m_s: nan .* a finite number"),
         (lambda r: r.drive(0, 1e300), r"angular_rad_s: 1e\+300 .* a finite number"),
+        (lambda r: r.drive(1e308, 0), r"linear_m_s: 1e\+308 .* -3.4e\+38 to 3.4e\+38"),
+        (lambda r: r.drive("0.1", 0), "linear_m_s: '0.1' .* a finite number"),
+        (lambda r: r.drive(0.1, 0, lease_ms="a"), "lease_ms: 'a' .* 20 to 1000"),
         (lambda r: r.drive(0, 0, lease_ms=5), "lease_ms: 5 .* 20 to 1000"),
         (lambda r: r.drive(0, 0, lease_ms=-5), "lease_ms: -5 .* 20 to 1000"),
         (lambda r: r.subscribe("battery", 15), "period_ms: 15 .* multiple of 10, 10 to 2550"),
         (lambda r: r.subscribe("battery", -1), "period_ms: -1 .* multiple of 10, 10 to 2550"),
+        (lambda r: r.subscribe("battery", "a"), "period_ms: 'a' .* multiple of 10, 10 to 2550"),
+        (lambda r: r.role_index(9), "role: 9 .* Role.FRONT_BUMPER"),
+        (lambda r: r.host_time_s(-1), "robot_cycles: -1 .* 0 to"),
+        (lambda r: r.host_time_s("a"), "robot_cycles: 'a' .* 0 to"),
         (lambda r: r.latest("sonar"), "'sonar' .* iocard, telemeter"),
         (lambda r: r.service_link(17), "17 .* iocard, telemeter"),
         (lambda r: r.drive_for(0, 0, -1), "seconds: -1 .* 0 to"),
         (lambda r: r.record(float("nan")), "seconds: nan .* 0 to"),
+        (lambda r: r.sleep(float("nan")), "seconds: nan .* 0 to"),
+        (lambda r: r.sleep(-1), "seconds: -1 .* 0 to"),
+        (lambda r: r.arm(timeout=float("nan")), "timeout: nan .* 0 to"),
+        (lambda r: r.wait_ready(-1), "timeout: -1 .* 0 to"),
+        (lambda r: r.wait_for("battery", "1"), "timeout: '1' .* 0 to"),
+        (lambda r: next(r.events(timeout=-1)), "timeout: -1 .* 0 to"),
+        (lambda r: r.move("1"), "distance_m: '1' .* a finite number"),
         (lambda r: r.relocalize(0, float("inf"), 0), "y_m: inf .* a finite number"),
         (lambda r: r.go_to(float("nan"), 0), "x_m: nan .* a finite number"),
         (lambda r: r.move(1, speed=0), "speed: 0 .* more than 0, up to 100"),
         (lambda r: r.digital_outputs[99], "no digital output 99: its 8 are 0 to 7"),
+        (lambda r: r.digital_outputs.set({3: "off"}), r"outputs\[3\]: 'off' .* True or False"),
+        (lambda r: r.digital_outputs.set({3: float("nan")}), "nan .* True or False"),
+        (lambda r: r.digital_outputs.set({3: 2}), "2 .* True or False"),
         (lambda r: r.digital_outputs[1.5], "no digital output 1.5: its 8 are 0 to 7"),
         (lambda r: r.inputs[8], r"inputs.digital\(8\) or inputs.analog\(8\)"),
     ],
@@ -73,6 +96,14 @@ def test_an_argument_error_names_value_and_range(
         ({"lost_ms": -1}, "lost_ms: -1 .* give 200 to 60000"),
         ({"max_linear_m_s": 1e300}, r"max_linear_m_s: 1e\+300 .* give 0.001 to 20"),
         ({"fresh_ms": 100}, "fresh_ms: 100 .* at most a third of fresh_ms"),
+        ({"lease_ms": "a"}, "lease_ms: 'a' .* give 20 to 1000"),
+        ({"max_linear_m_s": "0.5"}, "max_linear_m_s: '0.5' .* give 0.001 to 20"),
+        ({"override_index": "a"}, "override_index: 'a' .* index to 63"),
+        ({"period_ms": 50}, 'period_ms: 50 .* {"battery": 500}'),
+        ({"ignore_other_commander": "off"}, "ignore_other_commander: 'off' .* True or False"),
+        ({"allow_unknown_override": "no"}, "allow_unknown_override: 'no' .* True or False"),
+        ({"turn_keeping": 2}, "turn_keeping: 2 .* True or False"),
+        ({"buffer": "a"}, "buffer: 'a' .* 16 to 1000000"),
         ({"period_ms": {"battery": 15}}, "period_ms: {'battery': 15} .* multiples of 10"),
         ({"override_index": 99}, "override_index: 99 .* index to 63"),
         ({"buffer": 3}, "buffer: 3 .* 16 to 1000000"),
@@ -84,6 +115,51 @@ def test_a_setting_that_cannot_be_used_names_its_range(
     with pytest.raises(ArgumentError, match=text) as caught:
         roburoc4_simulator.connect(**settings)
     assert caught.value.code is Result.CONFIG
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        ({"timeout": float("nan")}, "timeout: nan .* 0 to"),
+        ({"timeout": -1}, "timeout: -1 .* 0 to"),
+        ({"timeout": "1"}, "timeout: '1' .* 0 to"),
+        ({"wait": "no"}, "wait: 'no' .* True or False"),
+        ({"record_max_s": "a"}, "record_max_s: 'a' .* 0 to"),
+        ({"record": "x\0y.pcapng"}, r"record: 'x\\x00y.pcapng' .* a path"),
+        ({"record": Path("x\0y.pcapng")}, r"record: 'x\\x00y.pcapng' .* a path"),
+        ({"record": 5}, "record: 5 .* a path"),
+        ({"host": None}, "None is not an address: give HOST"),
+        ({"host": "127.0.0.1\0.evil"}, r"'127.0.0.1\\x00.evil' is not an address: give HOST"),
+        ({"host": 5}, "5 is not an address: give HOST"),
+        ({"host": b"x"}, "b'x' is not an address: give HOST"),
+    ],
+)
+def test_connect_names_what_it_cannot_use(
+    arguments: dict[str, Any], text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    arguments = {"host": "127.0.0.1:9", "wait": False} | arguments
+
+    async def connect_in_loop() -> None:
+        await roburoc4.aio.connect(**arguments)
+
+    with pytest.raises(ArgumentError, match=text):
+        roburoc4.connect(**arguments)
+    with pytest.raises(ArgumentError, match=text):
+        asyncio.run(connect_in_loop())
+    assert not list(tmp_path.iterdir())
+
+
+def test_threaded_is_true_or_false() -> None:
+    with pytest.raises(ArgumentError, match=r"threaded: 'no' .* True or False"):
+        roburoc4.connect("127.0.0.1:9", wait=False, threaded="no")  # type: ignore[call-overload]
+
+
+def test_a_robot_remains_open_after_a_bad_timeout(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        with pytest.raises(ArgumentError):
+            robot.wait_ready(-1)
+        robot.wait_ready()
 
 
 def test_states_and_causes_are_members_of_enumerations(roburoc4_simulator: Simulator) -> None:

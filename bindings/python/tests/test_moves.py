@@ -149,7 +149,7 @@ def test_bad_arguments_are_named(
 ) -> None:
     with sim.connect() as robot:
         robot.arm()
-        with pytest.raises(roburoc4.ArgumentError, match=r"m within 10 km|speed|clearance|timeout"):
+        with pytest.raises(roburoc4.ArgumentError, match=r"m within 10 km|distance_m|speed|clearance|timeout"):
             robot.move(*arguments, **settings)
     assert sim.state.nonzero_speed_commands == 0
 

@@ -85,9 +85,21 @@ def test_a_port_serves_in_real_time() -> None:
             robot.wait_for(lambda r: r.state is roburoc4.State.READY)
 
 
-def test_a_port_that_is_taken_is_an_os_error() -> None:
-    with Simulator(port=0) as sim, pytest.raises(OSError, match="in use"):
-        Simulator(port=int(sim.address.rpartition(":")[2]))
+def test_a_port_that_is_taken_is_named_with_the_remedy() -> None:
+    with Simulator(port=0) as sim:
+        text = f"{sim.address} is in use: .* port=0"
+        with pytest.raises(roburoc4.NetworkError, match=text) as caught:
+            Simulator(port=int(sim.address.rpartition(":")[2]))
+    assert isinstance(caught.value, OSError)
+
+
+def test_a_host_that_cannot_be_served_is_named() -> None:
+    with pytest.raises(roburoc4.NetworkError, match=r"foo:0 .* give an IPv4 address"):
+        Simulator(port=0, host="foo")
+    with pytest.raises(roburoc4.ArgumentError, match=r"host: None .* IPv4 address"):
+        Simulator(port=0, host=None)  # type: ignore[arg-type]
+    with pytest.raises(roburoc4.ArgumentError, match=r"host: '127.0.0.1\\x00x' .* IPv4 address"):
+        Simulator(port=0, host="127.0.0.1\0x")
 
 
 def test_after_close_its_state_remains_and_robots_are_closed() -> None:
@@ -111,6 +123,10 @@ def test_settings_out_of_range_are_refused_by_name() -> None:
         Simulator(slip=2.0)
     with pytest.raises(roburoc4.ArgumentError, match="port"):
         Simulator(port=70000)
+    with pytest.raises(roburoc4.ArgumentError, match=r"width_m: 'a' .* number"):
+        Simulator(width_m="a")  # type: ignore[arg-type]
+    with pytest.raises(roburoc4.ArgumentError, match=r"port: '1' .* 0 to 65535"):
+        Simulator(port="1")  # type: ignore[arg-type]
     with Simulator() as sim:
         with pytest.raises(roburoc4.ArgumentError, match="loss"):
             sim.set_faults(loss=1.5)

@@ -22,7 +22,7 @@ from typing import Any, Literal, Self, TypeVar, Unpack, overload
 from . import _native
 from .connection import ALL_EVENTS, Connection, EventReader
 from .constants import DEFAULT_HOST, Event, Result, Service
-from .errors import ClosedError, RobotTimeoutError, duration_s, finite
+from .errors import ClosedError, RobotTimeoutError, duration_s, finite, switch
 from .moves import STEP_S, Move, MoveOptions, MoveResult, Progress, arc_options
 from .pump import PumpConnection
 from .records import (
@@ -136,7 +136,9 @@ class Robot(RobotBase):
         self, condition: Callable[[], _T], timeout: float | None, what: object
     ) -> _T:
         reader = self._connection.reader()
-        end_s = math.inf if timeout is None else self._connection.now_s() + timeout
+        end_s = math.inf
+        if timeout is not None:
+            end_s = self._connection.now_s() + duration_s("timeout", timeout)
         while True:
             reader.take_events()
             if found := condition():
@@ -148,8 +150,9 @@ class Robot(RobotBase):
 
     async def wait_ready(self, timeout: float = 10.0) -> None:
         """Wait until the robot is ready and has sent statuses; close and raise after silence."""
+        readiness = self._readiness(duration_s("timeout", timeout))
         try:
-            await self._wait_until(self._readiness(timeout), None, None)
+            await self._wait_until(readiness, None, None)
             await self._wait_until(self._has_first_statuses, None, None)
         except BaseException:
             await self.close()
@@ -183,7 +186,7 @@ class Robot(RobotBase):
 
     async def arm(self, timeout: float = 5.0) -> None:
         """Allow driving, or raise NotArmedError; see :meth:`roburoc4.Robot.arm`."""
-        end_s = self._connection.now_s() + timeout
+        end_s = self._connection.now_s() + duration_s("timeout", timeout)
         while left_s := self._try_to_arm(end_s):
             await self._bell.wait(min(left_s, LOOK_AGAIN_S))
 
@@ -411,4 +414,4 @@ def connect(
     The arguments are those of :func:`roburoc4.connect`. Properties cannot wait here, so this also
     waits for the first status of each service.
     """
-    return _Connecting(host, timeout, wait, settings)
+    return _Connecting(host, duration_s("timeout", timeout), switch("wait", wait), settings)

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from . import _native
 from .constants import Result
-from .errors import ArgumentError, NetworkError, NotKnownError, unusable
+from .errors import ArgumentError, NetworkError, NotKnownError, is_within, unusable
 from .records import Status, made_of
 from .settings import STATUS_MASK, Settings, buffer_of, config_of
 
@@ -53,7 +53,7 @@ def resolve(host: str) -> str:
     """Resolve "HOST", "HOST:PORT" or "[IPV6]:PORT" to a numeric address; may ask a name server."""
     try:
         return _native.roburoc4_udp_resolve(host, 0)
-    except ArgumentError:
+    except (TypeError, ValueError):
         raise ArgumentError(
             f"{host!r} is not an address: give HOST or HOST:PORT, such as 192.168.0.2:60000",
             Result.ARGUMENT,
@@ -75,24 +75,28 @@ def open_host(host: str, threaded: bool, settings: Settings) -> "tuple[_native.C
     max_s = _limit(settings.get("record_max_s", 0), "record_max_s")
     robot = resolve(host)
     pumped = robot if threaded else None
-    path = None if record is None else os.fspath(record)
     try:
+        path = None if record is None else os.fspath(record)
         handle = _native.new_connection(
             pumped, config, buffer_of(settings), robot, path, max_bytes, max_s
         )
-    except ArgumentError:
-        if path is None:
+    except (TypeError, ValueError):
+        if record is None:
             raise
-        usable = "a path of 1 to 1000 bytes"
-        raise unusable("record", repr(path), usable, Result.CONFIG) from None
+        shown = str(record) if isinstance(record, os.PathLike) else record
+        usable = "a path of 1 to 1000 bytes, as str or Path"
+        raise unusable("record", shown, usable, Result.CONFIG) from None
     if not threaded:
         _native.connection_open_socket(handle, robot)
     return handle, robot
 
 
+_HIGHEST_LIMIT = (1 << 48) - 1
+
+
 def _limit(value: float, name: str) -> int:
-    if not 0 <= value < 1 << 48:
-        raise ArgumentError(f"{name}: {value} is out of range: 0 or more", Result.CONFIG)
+    if not is_within(0, value, _HIGHEST_LIMIT):
+        raise unusable(name, value, f"0 to {_HIGHEST_LIMIT}", Result.CONFIG)
     return int(value)
 
 

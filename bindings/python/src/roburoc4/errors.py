@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Exceptions. Each has the C library's result as ``code``, and a message with the remedy."""
 
+from typing import SupportsFloat
+
 from . import _native
 from .constants import Result
 
@@ -79,21 +81,35 @@ class ClosedError(RobotError):
 
 def unusable(name: str, value: object, usable: str, code: int = Result.ARGUMENT) -> ArgumentError:
     """Make the error for an argument: its name, its value, and the allowed values."""
-    return ArgumentError(f"{name}: {value} cannot be used; give {usable}", code)
+    shown = repr(value) if isinstance(value, str | bytes) else value
+    return ArgumentError(f"{name}: {shown} cannot be used; give {usable}", code)
+
+
+def is_within(low: float, value: float, high: float) -> bool:
+    """Whether the value is a number in this range; a text is none, and NaN is in no range."""
+    return isinstance(value, SupportsFloat) and low <= value <= high
 
 
 def finite(**values: float) -> None:
     """Reject NaN, infinity, and values beyond the range of a C float."""
     for name, value in values.items():
-        if not abs(value) < _FLOAT_MAX:
-            raise unusable(name, value, "a finite number", Result.NOT_FINITE)
+        if not is_within(-_FLOAT_MAX, value, _FLOAT_MAX):
+            usable = f"a finite number, {-_FLOAT_MAX:g} to {_FLOAT_MAX:g}"
+            raise unusable(name, value, usable, Result.NOT_FINITE)
 
 
 def duration_s(name: str, seconds: float) -> float:
     """Reject values that are not durations."""
-    if not 0 <= seconds < _LONGEST_S:
+    if not is_within(0, seconds, _LONGEST_S):
         raise unusable(name, seconds, f"0 to {_LONGEST_S:g} s")
     return float(seconds)
+
+
+def switch(name: str, value: object, code: int = Result.ARGUMENT) -> bool:
+    """Reject values that are neither true nor false, such as "off", which Python takes as true."""
+    if value not in (True, False):
+        raise unusable(name, value, "True or False", code)
+    return bool(value)
 
 
 _FLOAT_MAX = 3.4e38

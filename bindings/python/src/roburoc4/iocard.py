@@ -7,7 +7,7 @@ from typing import NamedTuple
 from . import _native
 from .connection import Connection
 from .constants import IoType, Result, Service
-from .errors import ArgumentError, finite
+from .errors import ArgumentError, finite, switch
 from .records import IoCardStatus
 
 __all__ = ["AnalogOutputs", "ChannelNames", "DigitalOutputs", "Inputs"]
@@ -168,7 +168,9 @@ class DigitalOutputs:
     def set(self, values: Mapping[int | str, bool]) -> None:
         """Set several outputs in one command: all, or none if one is invalid."""
         indices = {
-            self._channels.index_of(channel, IoType.DIGITAL_OUTPUT): bool(on)
+            self._channels.index_of(channel, IoType.DIGITAL_OUTPUT): switch(
+                f"digital_outputs[{channel!r}]", on
+            )
             for channel, on in values.items()
         }
         mask = sum(1 << index for index in indices)

@@ -120,6 +120,7 @@ class Move:
 
     def by(self, distance_m: float, angle_rad: float) -> "Move":
         """Drive straight, turn in place or along an arc."""
+        finite(distance_m=distance_m, angle_rad=angle_rad)
         self._refuse_disarmed()
         try:
             _native.roburoc4_move_by(self._move, distance_m, angle_rad, self._options)

@@ -9,7 +9,7 @@ from typing import Any, Literal, Self, TypeVar, Unpack, overload
 from . import _native
 from .connection import ALL_EVENTS, resolve
 from .constants import DEFAULT_HOST, Event, Result, Service
-from .errors import NotKnownError, RobotTimeoutError, duration_s, finite
+from .errors import NotKnownError, RobotTimeoutError, duration_s, finite, switch
 from .moves import STEP_S, Move, MoveOptions, MoveResult, Progress, arc_options
 from .pump import PumpConnection
 from .records import (
@@ -61,7 +61,9 @@ class Robot(RobotBase):
 
     def _wait_until(self, condition: Callable[[], _T], timeout: float | None, what: object) -> _T:
         reader = self._connection.reader()
-        end_s = math.inf if timeout is None else self._connection.now_s() + timeout
+        end_s = math.inf
+        if timeout is not None:
+            end_s = self._connection.now_s() + duration_s("timeout", timeout)
         while True:
             reader.take_events()
             if found := condition():
@@ -73,8 +75,9 @@ class Robot(RobotBase):
 
     def wait_ready(self, timeout: float = 10.0) -> None:
         """Wait until the robot is ready, as ``connect`` does; close and raise after silence."""
+        readiness = self._readiness(duration_s("timeout", timeout))
         try:
-            self._wait_until(self._readiness(timeout), None, None)
+            self._wait_until(readiness, None, None)
         except BaseException:
             self.close()
             raise
@@ -131,7 +134,7 @@ class Robot(RobotBase):
 
         Waits if the reason will pass by itself: no status yet, or a robot that is still rolling.
         """
-        end_s = self._connection.now_s() + timeout
+        end_s = self._connection.now_s() + duration_s("timeout", timeout)
         reader = self._connection.reader()
         while left_s := self._try_to_arm(end_s):
             reader.take_events()
@@ -152,7 +155,7 @@ class Robot(RobotBase):
 
     def sleep(self, seconds: float) -> None:
         """Wait on the robot's clock, also in virtual time."""
-        end_s = self._connection.now_s() + seconds
+        end_s = self._connection.now_s() + duration_s("seconds", seconds)
         while (left_s := end_s - self._connection.now_s()) > 0:
             self._connection.sleep(left_s)
 
@@ -330,7 +333,7 @@ class ManualRobot(Robot):
 
     def spin(self, timeout: float = 0.0) -> None:
         """Receive and send for ``timeout`` seconds; 0 does what is due and returns."""
-        self._socket.spin(timeout)
+        self._socket.spin(duration_s("timeout", timeout))
 
     def fileno(self) -> int:
         """Return the socket. Only wait until it is readable, then call ``spin(0)``."""
@@ -381,8 +384,10 @@ def connect(
             robot.arm()
             robot.drive_for(0.5, 0.0, seconds=2)
     """
+    duration_s("timeout", timeout)
+    wait = switch("wait", wait)
     robot: Robot
-    if threaded:
+    if switch("threaded", threaded):
         robot = Robot(PumpConnection(host, settings), settings)
     else:
         robot = ManualRobot(SocketConnection(host, settings), settings)

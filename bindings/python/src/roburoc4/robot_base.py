@@ -117,7 +117,11 @@ class RobotBase:
 
     def host_time_s(self, robot_cycles: int) -> float:
         """Estimate when, on ``now_s``, the robot's clock showed ``robot_cycles``."""
-        return _native.roburoc4_client_host_time(self._connection.handle, robot_cycles) / 1e6
+        handle = self._connection.handle
+        try:
+            return _native.roburoc4_client_host_time(handle, robot_cycles) / 1e6
+        except (OverflowError, TypeError):
+            raise unusable("robot_cycles", robot_cycles, f"0 to {(1 << 64) - 1}") from None
 
     # ---- what the robot is ----
 
@@ -149,6 +153,8 @@ class RobotBase:
 
     def role_index(self, role: Role) -> int | None:
         """Return the index on the wire of the input with this role; None if it is unknown."""
+        if role not in list(Role):
+            raise unusable("role", role, "a member of Role, such as Role.FRONT_BUMPER")
         return _known(_native.roburoc4_client_role_index, self._connection.handle, role)
 
     # ---- statuses ----
@@ -237,7 +243,7 @@ class RobotBase:
             _native.roburoc4_client_drive(
                 self._connection.handle, linear_m_s, angular_rad_s, lease_ms * 1000.0
             )
-        except (ArgumentError, OverflowError):
+        except (ArgumentError, OverflowError, TypeError):
             finite(linear_m_s=linear_m_s, angular_rad_s=angular_rad_s)
             raise unusable("lease_ms", lease_ms, "20 to 1000") from None
 
@@ -254,7 +260,7 @@ class RobotBase:
         kind = service_of(service)
         try:
             _native.roburoc4_client_subscribe(self._connection.handle, kind, period_ms)
-        except (ArgumentError, OverflowError):
+        except (ArgumentError, OverflowError, TypeError):
             raise unusable("period_ms", period_ms, "a multiple of 10, 10 to 2550") from None
 
     def unsubscribe(self, service: str | Service) -> None:

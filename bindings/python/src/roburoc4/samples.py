@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, cast
 
 from .connection import ALL_EVENTS, STATUS_EVENTS, EventReader, events_of_services
 from .constants import Event, Result, Service
-from .errors import ClosedError, RobotTimeoutError, SamplesLostError
+from .errors import ClosedError, RobotTimeoutError, SamplesLostError, duration_s
 from .records import Status
 from .settings import STATUS_SERVICES, service_of
 
@@ -94,7 +94,9 @@ class Patience:
         self._now_s = now_s
         self._timeout = timeout
         self._what = what
-        self._end_s = math.inf if timeout is None else now_s() + timeout
+        self._end_s = math.inf
+        if timeout is not None:
+            self._end_s = now_s() + duration_s("timeout", timeout)
 
     def left_s(self) -> float:
         """Return how long to wait now; raises RobotTimeoutError when the time is over."""

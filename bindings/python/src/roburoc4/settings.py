@@ -7,7 +7,7 @@ from typing import Any, TypedDict
 
 from . import _native
 from .constants import Result, Role, Service
-from .errors import ArgumentError, unusable
+from .errors import ArgumentError, is_within, switch, unusable
 
 __all__ = ["Settings"]
 
@@ -101,11 +101,15 @@ def service_of(service: str | Service) -> Service:
 
 
 def set_member(struct: str, settings: object, name: str, value: float) -> None:
-    """Change a member of settings of the C library; OverflowError."""
+    """Change a member of settings of the C library; OverflowError, TypeError."""
     getattr(_native, f"roburoc4_{struct}_{name}_set")(settings, value)
 
 
 def _set_periods(config: "_native.Config", periods: Mapping[str, int | None]) -> None:
+    if not isinstance(periods, Mapping):
+        raise unusable(
+            "period_ms", periods, 'periods by service, such as {"battery": 500}', Result.CONFIG
+        )
     wanted = STATUS_MASK
     for name, period_ms in periods.items():
         service = service_of(name)
@@ -122,9 +126,6 @@ def _set(config: "_native.Config", name: str, value: Any) -> None:
         _native.roburoc4_config_role_index_set(config, _ROLES[name], value)
     elif name == "period_ms":
         _set_periods(config, value)
-    elif name not in Settings.__annotations__:
-        known = ", ".join(sorted(Settings.__annotations__))
-        raise TypeError(f"no setting {name!r}: there are {known}")
     elif name not in _OPTIONS and name not in _ELSEWHERE:
         set_member("config", config, name, value)
 
@@ -133,11 +134,18 @@ def config_of(settings: Settings) -> "_native.Config":
     """Make the C struct."""
     config = _native.new_config()
     for name, value in settings.items():
+        if name not in Settings.__annotations__:
+            known = ", ".join(sorted(Settings.__annotations__))
+            raise TypeError(f"no setting {name!r}: there are {known}")
         try:
             _set(config, name, value)
-        except OverflowError as error:
+        except (OverflowError, TypeError) as error:
             raise unusable(name, value, _range_of(name) or str(error), Result.CONFIG) from error
-    options = sum(bit for name, bit in _OPTIONS.items() if settings.get(name))
+    options = sum(
+        bit
+        for name, bit in _OPTIONS.items()
+        if switch(name, settings.get(name, False), Result.CONFIG)
+    )
     _native.roburoc4_config_options_set(config, options)
     wrong = _native.roburoc4_config_error(config)
     if wrong is not None:
@@ -173,6 +181,6 @@ def _range_of(name: str) -> str | None:
 def buffer_of(settings: Settings) -> int:
     """Return how many statuses are kept for slow readers."""
     buffer = settings.get("buffer", BUFFER_DEFAULT)
-    if not 16 <= buffer <= 1_000_000:
+    if not is_within(16, buffer, 1_000_000):
         raise unusable("buffer", buffer, "16 to 1000000", Result.CONFIG)
     return int(buffer)

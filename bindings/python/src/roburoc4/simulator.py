@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """A simulated RobuROC4: in virtual time, or in real time behind a UDP port."""
 
+import errno
 import math
 import os
 import threading
@@ -10,7 +11,16 @@ from typing import Any, Concatenate, ParamSpec, Self, TypedDict, TypeVar, Unpack
 
 from . import _native
 from .constants import Result, Service
-from .errors import ArgumentError, RobotError, duration_s, error_of, finite, unusable
+from .errors import (
+    ArgumentError,
+    NetworkError,
+    RobotError,
+    duration_s,
+    error_of,
+    finite,
+    is_within,
+    unusable,
+)
 from .records import Pose, SimState
 from .robot import Robot, connect
 from .settings import Settings, set_member
@@ -69,24 +79,39 @@ def _set(config: "_native.SimConfig", name: str, value: Any) -> None:
         for service, wire_id in value.items():
             index = Service[service.upper()]
             _native.roburoc4_sim_config_service_ids_set(config, index, wire_id)
-    elif name in SimSettings.__annotations__ or name == "seed":
-        set_member("sim_config", config, name, value)
     else:
-        known = ", ".join(sorted(SimSettings.__annotations__))
-        raise TypeError(f"no setting {name!r}: there are {known}")
+        set_member("sim_config", config, name, value)
 
 
 def _config_of(seed: int, settings: SimSettings) -> "_native.SimConfig":
     config = _native.new_sim_config()
     for name, value in {"seed": seed, **settings}.items():
+        if name not in SimSettings.__annotations__ and name != "seed":
+            known = ", ".join(sorted(SimSettings.__annotations__))
+            raise TypeError(f"no setting {name!r}: there are {known}")
         try:
             _set(config, name, value)
-        except OverflowError as error:
-            raise ArgumentError(f"{name} cannot be used: {error}", Result.CONFIG) from None
+        except (OverflowError, TypeError) as error:
+            raise ArgumentError(
+                f"{name}: {value!r} cannot be used: {error}", Result.CONFIG
+            ) from None
     wrong = _native.roburoc4_sim_config_error(config)
     if wrong is not None:
         raise ArgumentError(f"setting out of range: {wrong}", Result.CONFIG)
     return config
+
+
+def _serve(config: "_native.SimConfig", host: str, port: int) -> "_native.Simulation":
+    try:
+        return _native.simulation_on_port(config, host, port)
+    except (TypeError, ValueError):
+        raise unusable("host", host, "an IPv4 address of this machine") from None
+    except OSError as error:
+        if error.errno == errno.EADDRINUSE:
+            problem = "is in use: give another port, or port=0 for a free one"
+        else:
+            problem = f"cannot be used ({error.strerror}): give an IPv4 address of this machine"
+        raise NetworkError(f"{host}:{port} {problem}", Result.SYSTEM) from None
 
 
 def _number_of(control: str) -> int:
@@ -121,7 +146,7 @@ class Simulator:
     ) -> None:
         self._process = os.getpid()
         self._closed = False
-        if port is not None and not 0 <= port <= 65535:
+        if port is not None and not is_within(0, port, 65535):
             raise unusable("port", port, "0 to 65535")
         config = _config_of(seed, settings)
         self._virtual = port is None
@@ -129,7 +154,7 @@ class Simulator:
             self._sim = _native.simulation_in_world(config)
             self._address = "virtual"
         else:
-            self._sim = _native.simulation_on_port(config, host, port)
+            self._sim = _serve(config, host, port)
             self._address = f"{host}:{_native.simulation_port(self._sim)}"
         self._closing = threading.Lock()
 
