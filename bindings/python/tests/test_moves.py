@@ -118,6 +118,48 @@ def test_a_robot_that_is_not_armed_does_not_move(sim: Simulator) -> None:
     assert sim.state.nonzero_speed_commands == 0
 
 
+def test_a_closed_robot_does_not_move(sim: Simulator) -> None:
+    robot = sim.connect()
+    robot.arm()
+    robot.close()
+    for move in (
+        lambda: robot.move(1.0),
+        lambda: robot.turn(1.0),
+        lambda: robot.arc(1.0, 1.0),
+        lambda: robot.go_to(1.0, 0.0),
+    ):
+        with pytest.raises(roburoc4.ClosedError):
+            move()
+
+
+def test_a_second_move_is_refused_at_once(sim: Simulator) -> None:
+    refused: list[str] = []
+
+    def interfere(result: MoveResult) -> None:
+        for second in (lambda: robot.move(-0.4), lambda: robot.drive_for(-0.1, 0.0, 1.0)):
+            with pytest.raises(roburoc4.RobotError, match="under way") as caught:
+                second()
+            assert caught.value.code is roburoc4.Result.STATE
+            refused.append(str(caught.value))
+
+    with sim.connect() as robot:
+        robot.arm()
+        assert robot.move(0.4, on_progress=interfere).outcome is MoveOutcome.REACHED
+        assert refused
+        robot.move(-0.4)
+        robot.drive_for(0.1, 0.0, 0.1)
+        robot.rest()
+
+
+def test_rest_and_stop_are_possible_during_a_move(sim: Simulator) -> None:
+    with sim.connect() as robot:
+        robot.arm()
+        for stop in (robot.stop, robot.rest):
+            with pytest.raises(MoveError):
+                robot.move(1.0, on_progress=lambda r, s=stop: s() if r.distance_m > 0.2 else None)
+            robot.rest()
+
+
 def test_an_exception_in_mid_move_stops_the_robot(sim: Simulator) -> None:
     def interrupt(result: MoveResult) -> None:
         if result.distance_m > 0.3:
@@ -149,7 +191,9 @@ def test_bad_arguments_are_named(
 ) -> None:
     with sim.connect() as robot:
         robot.arm()
-        with pytest.raises(roburoc4.ArgumentError, match=r"m within 10 km|distance_m|speed|clearance|timeout"):
+        with pytest.raises(
+            roburoc4.ArgumentError, match=r"m within 10 km|distance_m|speed|clearance|timeout"
+        ):
             robot.move(*arguments, **settings)
     assert sim.state.nonzero_speed_commands == 0
 
@@ -161,6 +205,12 @@ def test_asyncio_moves_and_cancels(patient: None) -> None:
             result = await robot.move(0.2)
             assert result.outcome is MoveOutcome.REACHED
             await robot.turn(0.2)
+            first, second = await asyncio.gather(
+                robot.move(0.2), robot.move(-0.2), return_exceptions=True
+            )
+            assert isinstance(first, MoveResult)
+            assert isinstance(second, roburoc4.RobotError)
+            assert "under way" in str(second)
             task = asyncio.create_task(robot.move(5.0))
             await robot.wait_for(lambda r: r.differential.current_linear_m_s > 0.1)
             task.cancel()
@@ -168,6 +218,8 @@ def test_asyncio_moves_and_cancels(patient: None) -> None:
                 await task
             assert robot.facts.stopping
             await robot.rest()
+        with pytest.raises(roburoc4.ClosedError):
+            await robot.move(0.2)
 
     with Simulator(port=0, slip=0.0) as sim:
         asyncio.run(main(sim))

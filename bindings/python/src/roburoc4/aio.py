@@ -193,12 +193,13 @@ class Robot(RobotBase):
     async def drive_for(self, linear_m_s: float, angular_rad_s: float, seconds: float) -> None:
         """Drive for this time, then stop; cancelling it also stops the robot."""
         end_s = self._end_of_drive_s(seconds)
-        try:
-            while (left_s := end_s - self._connection.now_s()) > 0:
-                self.drive(linear_m_s, angular_rad_s)
-                await asyncio.sleep(min(left_s, self._renewal_s))
-        finally:
-            self.stop()
+        with self._connection.only_move():
+            try:
+                while (left_s := end_s - self._connection.now_s()) > 0:
+                    self.drive(linear_m_s, angular_rad_s)
+                    await asyncio.sleep(min(left_s, self._renewal_s))
+            finally:
+                self.stop()
 
     async def move(
         self,
@@ -259,9 +260,13 @@ class Robot(RobotBase):
     async def rest(self, *, timeout: float | None = None) -> MoveResult:
         """See :meth:`roburoc4.Robot.rest`."""
         options = MoveOptions(None, None, None, timeout)
-        return await self._go(Move(self._connection, options).rest(), None)
+        return await self._finish(Move(self._connection, options).rest())
 
     async def _go(self, move: Move, on_progress: Progress | None) -> MoveResult:
+        with self._connection.only_move():
+            return await self._finish(move, on_progress)
+
+    async def _finish(self, move: Move, on_progress: Progress | None = None) -> MoveResult:
         try:
             while move.step():
                 if on_progress is not None:

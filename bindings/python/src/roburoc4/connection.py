@@ -8,14 +8,23 @@ simulator in virtual time. All other code works with any of them.
 import atexit
 import contextlib
 import os
+import threading
 import warnings
 import weakref
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from . import _native
 from .constants import Result
-from .errors import ArgumentError, NetworkError, NotKnownError, is_within, unusable
+from .errors import (
+    ArgumentError,
+    NetworkError,
+    NotKnownError,
+    RobotError,
+    is_within,
+    unusable,
+)
 from .records import Status, made_of
 from .settings import STATUS_MASK, Settings, buffer_of, config_of
 
@@ -150,6 +159,17 @@ class Connection(ABC):
         self.handle = handle
         self.address = address
         """The robot's address, for messages."""
+        self._moving = threading.Lock()
+
+    @contextlib.contextmanager
+    def only_move(self) -> Iterator[None]:
+        """Refuse a second move: each would end the other."""
+        if not self._moving.acquire(blocking=False):
+            raise RobotError("a move is under way: wait for its end, or call stop()", Result.STATE)
+        try:
+            yield
+        finally:
+            self._moving.release()
 
     def now_s(self) -> float:
         """Return the time on the clock of leases and timeouts."""

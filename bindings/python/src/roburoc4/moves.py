@@ -149,6 +149,8 @@ class Move:
         return self
 
     def _refuse_disarmed(self) -> None:
+        if self._connection.closed:
+            raise error_of(Result.CLOSED)
         facts = _native.roburoc4_client_facts(self._connection.handle)
         if not facts.armed:
             raise error_of(facts.disarm_cause)

@@ -146,12 +146,13 @@ class Robot(RobotBase):
         Raises NotArmedError, after stopping, as soon as driving is no longer allowed.
         """
         end_s = self._end_of_drive_s(seconds)
-        try:
-            while (left_s := end_s - self._connection.now_s()) > 0:
-                self.drive(linear_m_s, angular_rad_s)
-                self.sleep(min(left_s, self._renewal_s))
-        finally:
-            self.stop()
+        with self._connection.only_move():
+            try:
+                while (left_s := end_s - self._connection.now_s()) > 0:
+                    self.drive(linear_m_s, angular_rad_s)
+                    self.sleep(min(left_s, self._renewal_s))
+            finally:
+                self.stop()
 
     def sleep(self, seconds: float) -> None:
         """Wait on the robot's clock, also in virtual time."""
@@ -231,9 +232,13 @@ class Robot(RobotBase):
     def rest(self, *, timeout: float | None = None) -> MoveResult:
         """Stop, and wait until the robot is at rest, armed or not; at most 5 s."""
         options = MoveOptions(None, None, None, timeout)
-        return self._go(Move(self._connection, options).rest(), None)
+        return self._finish(Move(self._connection, options).rest())
 
     def _go(self, move: Move, on_progress: Progress | None) -> MoveResult:
+        with self._connection.only_move():
+            return self._finish(move, on_progress)
+
+    def _finish(self, move: Move, on_progress: Progress | None = None) -> MoveResult:
         reader = self._connection.reader()
         try:
             while move.step():
