@@ -196,7 +196,8 @@ const struct {
      "no recent differential status: check the link and the status period"},
     {ROBUROC4_ERR_STALE_IOCARD, "no recent IO card status: check the link and the status period"},
     {ROBUROC4_ERR_OVERRIDE_UNKNOWN,
-     "game pad input unknown: set override_index, or allow_unknown_override"},
+     "game pad input unknown: wait a minute for its text, else set override_index or "
+     "allow_unknown_override"},
     {ROBUROC4_ERR_OVERRIDE, "game pad override: release [A] on the game pad"},
     {ROBUROC4_ERR_MOVING, "the robot is moving: wait until it is at rest"},
     {ROBUROC4_ERR_OTHER_COMMANDER, "another client commands the robot: end the other program"},

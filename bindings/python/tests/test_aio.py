@@ -135,6 +135,19 @@ def test_cancelling_a_drive_stops_the_robot(served: Simulator) -> None:
     asyncio.run(program())
 
 
+def test_stop_in_another_task_ends_a_drive(served: Simulator) -> None:
+    async def program() -> None:
+        async with roburoc4.aio.connect(served.address) as robot:
+            await robot.arm()
+            task = asyncio.create_task(robot.drive_for(0.5, 0.0, seconds=60))
+            await asyncio.to_thread(until, lambda: served.state.last_linear_m_s != 0)
+            robot.stop()
+            with pytest.raises(roburoc4.RobotError, match="stop"):
+                await task
+
+    asyncio.run(program())
+
+
 def test_cancelling_the_whole_block_stops_the_robot(served: Simulator) -> None:
     async def drive() -> None:
         async with roburoc4.aio.connect(served.address) as robot:

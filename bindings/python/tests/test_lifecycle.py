@@ -110,6 +110,15 @@ def test_close_from_another_thread_ends_an_iteration(served: Simulator) -> None:
     assert sum(1 for _ in robot.statuses()) > 0
 
 
+def test_stop_from_another_thread_ends_drive_for(served: Simulator) -> None:
+    with roburoc4.connect(served.address) as robot:
+        robot.arm()
+        threading.Timer(0.5, robot.stop).start()
+        with pytest.raises(roburoc4.RobotError, match="stop"):
+            robot.drive_for(0.3, 0.0, seconds=60)
+        until(lambda: served.state.last_linear_m_s == 0)
+
+
 def test_a_hanging_interpreter_stops_the_robot(start: Start) -> None:
     program = CONNECT + (
         "robot.drive(0.5, 0.0)\n"

@@ -96,6 +96,21 @@ def test_what_ends_a_move_cannot_be_overlooked(sim: Simulator) -> None:
         assert caught.value.result.outcome is MoveOutcome.TIMEOUT
 
 
+@pytest.mark.parametrize("end", ["stop", "disarm"])
+def test_a_stop_button_ends_a_move(sim: Simulator, end: str) -> None:
+    with sim.connect() as robot:
+
+        def press(result: MoveResult) -> None:
+            if 0.3 < result.distance_m < 0.35:
+                getattr(robot, end)()
+
+        robot.arm()
+        with pytest.raises(MoveError) as caught:
+            robot.move(2.0, on_progress=press)
+        assert caught.value.result.outcome is MoveOutcome.CANCELLED
+        assert sim.state.last_linear_m_s == 0
+
+
 def test_an_override_ends_a_move_with_its_remedy(sim: Simulator) -> None:
     def press(result: MoveResult) -> None:
         if result.distance_m > 0.3:

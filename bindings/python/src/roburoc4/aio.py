@@ -194,9 +194,10 @@ class Robot(RobotBase):
         """Drive for this time, then stop; cancelling it also stops the robot."""
         end_s = self._end_of_drive_s(seconds)
         with self._connection.only_move():
+            stops = self.facts.stops
             try:
                 while (left_s := end_s - self._connection.now_s()) > 0:
-                    self.drive(linear_m_s, angular_rad_s)
+                    self._renew(linear_m_s, angular_rad_s, stops)
                     await asyncio.sleep(min(left_s, self._renewal_s))
             finally:
                 self.stop()

@@ -143,13 +143,15 @@ class Robot(RobotBase):
     def drive_for(self, linear_m_s: float, angular_rad_s: float, seconds: float) -> None:
         """Drive for this time, then stop. Blocks, and renews the command from this thread.
 
-        Raises NotArmedError, after stopping, as soon as driving is no longer allowed.
+        Raises NotArmedError, after stopping, as soon as driving is no longer allowed, and
+        RobotError after ``stop`` from another thread.
         """
         end_s = self._end_of_drive_s(seconds)
         with self._connection.only_move():
+            stops = self.facts.stops
             try:
                 while (left_s := end_s - self._connection.now_s()) > 0:
-                    self.drive(linear_m_s, angular_rad_s)
+                    self._renew(linear_m_s, angular_rad_s, stops)
                     self.sleep(min(left_s, self._renewal_s))
             finally:
                 self.stop()

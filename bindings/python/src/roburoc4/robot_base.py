@@ -331,6 +331,13 @@ class RobotBase:
     def _end_of_drive_s(self, seconds: float) -> float:
         return self._connection.now_s() + duration_s("seconds", seconds)
 
+    def _renew(self, linear_m_s: float, angular_rad_s: float, stops: int) -> None:
+        """Renew the command of drive_for, unless the robot was stopped since ``stops``."""
+        facts = self.facts
+        if facts.armed and facts.stops != stops:
+            raise RobotError("drive_for ended: stop() was called meanwhile", Result.STATE)
+        self.drive(linear_m_s, angular_rad_s)
+
     @property
     def _renewal_s(self) -> float:
         """How often drive_for renews its command."""
