@@ -6,6 +6,7 @@ import json
 import resource
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -227,3 +228,60 @@ def test_a_missing_folder_is_one_line_for_pcapng(tmp_path: Path) -> None:
     done = run("record", str(tmp_path / "no" / "run.pcapng"), "--seconds", "1")
     assert done.returncode == 2
     assert "another name" in one_line(done.stderr)
+
+
+def test_on_a_full_disk_a_pcapng_file_ends_with_code_1(tmp_path: Path) -> None:
+    path = tmp_path / "run.pcapng"
+    with roburoc4.Simulator(port=0) as sim:
+        done = subprocess.run(
+            [COMMAND, "record", str(path), "--seconds", "2"],
+            env=environment(sim.address),
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4001, 4001)),
+        )
+    assert done.returncode == 1
+    assert f"missing in {path}" in one_line(done.stderr)
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".mcap", ".pcapng"])
+def test_a_name_that_cannot_be_used_is_named(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / ("x" * 300 + suffix)
+    with roburoc4.Simulator(port=0) as sim:
+        done = run("record", str(path), "--seconds", "1", robot=sim.address)
+    assert done.returncode == 2
+    assert f"{path} cannot be written" in one_line(done.stderr)
+    assert "another name" in done.stderr
+
+
+def test_without_the_extra_no_file_is_made(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    program = (
+        "import sys; sys.modules['mcap.writer'] = sys.modules['mcap'] = None;"
+        f"sys.argv = ['roburoc4', 'record', {str(path)!r}, '--seconds', '1'];"
+        "from roburoc4.cli import main; main()"
+    )
+    with roburoc4.Simulator(port=0) as sim:
+        done = subprocess.run(
+            [sys.executable, "-c", program],
+            env=environment(sim.address),
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+        )
+    assert done.returncode == 2
+    assert "[record]" in one_line(done.stderr)
+    assert not path.exists()
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".mcap", ".pcapng"])
+def test_without_a_robot_no_file_is_left(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"run{suffix}"
+    with roburoc4.Simulator(port=0) as sim:
+        address = sim.address
+    done = run("record", str(path), "--seconds", "1", robot=address)
+    assert done.returncode == 3
+    assert not path.exists()

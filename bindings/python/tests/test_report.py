@@ -99,6 +99,24 @@ def test_the_page_shows_everything_and_loads_nothing(path: Path) -> None:
     assert len(text) < 200_000
 
 
+def test_a_page_replaces_no_file_unasked(path: Path) -> None:
+    recorded, output = path.read_bytes(), path.with_name("run.pcapng.html")
+    for arguments in (("-o", str(path)), ("-o", str(path), "--force"), ("--json", "-o", str(path))):
+        done = run("report", str(path), *arguments)
+        assert done.returncode == 2
+        assert f"{path} is the recording itself" in one_line(done.stderr)
+        assert path.read_bytes() == recorded
+    output.write_text("precious")
+    for arguments in ((), ("-o", str(output))):
+        done = run("report", str(path), *arguments)
+        assert done.returncode == 2
+        assert "--force" in one_line(done.stderr)
+        assert output.read_text() == "precious"
+    assert run("report", str(path), "--json").returncode == 0
+    assert run("report", str(path), "--force").returncode == 0
+    assert output.read_text(encoding="utf-8").startswith("<!")
+
+
 def test_a_robots_text_cannot_become_part_of_the_page(path: Path) -> None:
     packets = []
     for packet in drive(1.0):

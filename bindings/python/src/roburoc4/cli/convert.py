@@ -78,11 +78,9 @@ def run(options: ConvertOptions) -> int:
     if options.file.suffix.lower() in _MISSING:
         _check_statuses(options)
         convert = _of_statuses
-    check_new(options.output, options.force)
+    check_new(options.output, options.force, options.file)
     with reading(options.file):
         size = options.file.stat().st_size
-        if options.output.exists() and options.output.samefile(options.file):
-            raise usage(f"{options.output} is the recording itself: give another name")
         with (
             written_whole(options.output) as path,
             progress("converting", size / 1e6, "MB") as show,

@@ -7,6 +7,8 @@ from enum import IntEnum
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from roburoc4 import NotArmedError
 
 
@@ -36,6 +38,11 @@ def refused(message: str) -> CommandError:
 def usage(message: str) -> CommandError:
     """Make the error for a command line that makes no sense."""
     return CommandError(ExitCode.USAGE, message)
+
+
+def unwritable(path: Path, error: OSError) -> CommandError:
+    """Make the error for an output file that cannot be opened."""
+    return usage(f"{path} cannot be written ({error.strerror}): give another name")
 
 
 def unreachable(message: str) -> CommandError:

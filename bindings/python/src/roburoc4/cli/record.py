@@ -14,10 +14,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import record_mcap, record_raw, session
-from .errors import ExitCode, refused, usage
+from .errors import ExitCode, refused, unwritable
 from .options import RecordOptions, add_robot, add_seconds
 from .output import note, print_json
 from .progress import progress
+from .recover import check_new
 from .rows import Rows, columns
 
 if TYPE_CHECKING:
@@ -57,8 +58,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 
 def run(options: RecordOptions) -> int:
     """Record until the time is over."""
-    if not options.force and options.file.is_file() and options.file.stat().st_size > 0:
-        raise usage(f"{options.file} exists: give another name, or --force to replace it")
+    check_new(options.file, options.force)
     if options.file.suffix.lower() == ".pcapng":
         return record_raw.run(options)
     if options.file.suffix.lower() == ".mcap":
@@ -93,7 +93,7 @@ class Sheet:
                 else path.open("wb", buffering=0)
             )
         except OSError as error:
-            raise usage(f"{path} cannot be written ({error.strerror}): give another name") from None
+            raise unwritable(path, error) from None
 
     @property
     def full(self) -> bool:

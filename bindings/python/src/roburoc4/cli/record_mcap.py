@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from . import session
-from .errors import ExitCode, refused, usage
+from .errors import ExitCode, refused, unwritable
 from .output import print_json
 from .progress import progress
 
@@ -25,15 +25,15 @@ _CHUNK = 16 * 1024  # about a second: a killed process loses this much
 
 def run(options: RecordOptions) -> int:
     """Record until the time is over."""
+    import mcap.writer  # noqa: F401  # if it is missing, no file is made
+
     from roburoc4.rosbag import RosBag
 
     with session.connected(options) as robot:
         try:
             file = options.file.open("wb")
         except OSError as error:
-            raise usage(
-                f"{options.file} cannot be written ({error.strerror}): give another name"
-            ) from None
+            raise unwritable(options.file, error) from None
         with file:
             offset_s = time.time() - robot.now_s
             bag = RosBag(file, robot, robot.address, offset_s, chunk_size=_CHUNK)

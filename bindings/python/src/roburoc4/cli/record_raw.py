@@ -6,14 +6,17 @@ from __future__ import annotations
 import math
 import time
 import warnings
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from . import session
-from .errors import ExitCode, usage
+from .errors import ExitCode, unwritable
 from .output import note, print_json
 from .progress import progress
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from roburoc4 import RecorderState, Robot
 
     from .options import RecordOptions
@@ -23,9 +26,18 @@ _LOOK_S = 0.2
 
 def run(options: RecordOptions) -> int:
     """Record until the time is over."""
-    if not options.file.absolute().parent.is_dir():
-        raise usage(f"{options.file} cannot be written (no such folder): give another name")
-    options.file.unlink(missing_ok=True)  # it has contents only if --force allows replacing it
+    try:
+        options.file.open("wb").close()  # it has contents only if --force allows replacing it
+        options.file.unlink()
+    except OSError as error:
+        raise unwritable(options.file, error) from None
+    try:
+        return _record(options)
+    finally:
+        _remove_without_answer(options.file)
+
+
+def _record(options: RecordOptions) -> int:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # what is missing is reported here
         with session.connected(options, record=options.file) as robot:
@@ -36,8 +48,8 @@ def run(options: RecordOptions) -> int:
                 )
             finally:
                 robot.close()
-                _report(options, robot.recorder)
-    return ExitCode.FINE
+                code = _report(options, robot.recorder)
+    return code
 
 
 def _wait(options: RecordOptions, robot: Robot) -> None:
@@ -50,15 +62,27 @@ def _wait(options: RecordOptions, robot: Robot) -> None:
                 show(elapsed_s, f"recording  {state.recorded} datagrams")
 
 
-def _report(options: RecordOptions, state: RecorderState | None) -> None:
+def _remove_without_answer(path: Path) -> None:
+    """Remove a file of requests only, so that a second try can have its name."""
+    from roburoc4 import RecordingError
+    from roburoc4.capture import Capture
+
+    with suppress(OSError, RecordingError):
+        if not any(datagram.inbound for datagram in Capture(path)):
+            path.unlink()
+
+
+def _report(options: RecordOptions, state: RecorderState | None) -> ExitCode:
     if state is None:
-        return
+        return ExitCode.FINE
     if options.json:
         print_json({"file": state.path, "datagrams": state.recorded, "not_recorded": state.dropped})
     else:
         print(f"{state.path}: {state.recorded} datagrams")
-    if state.dropped or state.system_error:
-        note(
-            f"{state.dropped} datagrams are missing because the disk was full or slow: free "
-            "some space, then record again"
-        )
+    if not (state.dropped or state.system_error):
+        return ExitCode.FINE
+    note(
+        f"{state.dropped} datagrams are missing in {state.path} because the disk was full or slow: "
+        "free some space, then record again"
+    )
+    return ExitCode.REFUSED

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
 
 from .errors import ExitCode, refused, usage
@@ -48,9 +49,7 @@ def run(options: RecoverOptions) -> int:
 
     source = options.file
     output = options.output or source.with_name(f"{source.stem}.recovered{source.suffix}")
-    check_new(output, options.force)
-    if output.exists() and source.exists() and output.samefile(source):
-        raise usage(f"{output} is the recording itself: give another name with -o")
+    check_new(output, options.force, source)
     try:
         size = source.stat().st_size
         with (
@@ -73,9 +72,13 @@ def run(options: RecoverOptions) -> int:
     return ExitCode.FINE
 
 
-def check_new(path: Path, force: bool) -> None:
-    """End the command if a file would be replaced without --force."""
-    if not force and path.is_file() and path.stat().st_size > 0:
+def check_new(path: Path, force: bool, source: Path | None = None) -> None:
+    """End the command if a file would be replaced without --force, or the recording itself."""
+    # Those of os.path return False for a name that is too long; opening it reports the reason.
+    exists = os.path.exists(path)
+    if exists and source and os.path.exists(source) and path.samefile(source):
+        raise usage(f"{path} is the recording itself: give another name")
+    if exists and not force and path.is_file() and path.stat().st_size > 0:
         raise usage(f"{path} exists: give another name, or --force to replace it")
 
 

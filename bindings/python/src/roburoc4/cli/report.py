@@ -11,10 +11,11 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .errors import ExitCode, refused, usage
+from .errors import ExitCode, refused, unwritable, usage
 from .options import Options, add_json
 from .output import note, print_json
 from .progress import progress
+from .recover import check_new
 
 if TYPE_CHECKING:
     from roburoc4 import RecordedRobot
@@ -26,6 +27,7 @@ class ReportOptions(Options):
     file: Path
     output: Path | None
     recorded: str | None
+    force: bool
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -40,6 +42,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.add_argument(
         "-o", "--output", metavar="OUT.html", type=Path, help="the page (default: FILE.html)"
     )
+    parser.add_argument("--force", action="store_true", help="replace a file that has contents")
     add_recorded(parser)
     add_json(parser, "print the figures instead; a page only with -o")
     parser.set_defaults(run=run)
@@ -60,18 +63,21 @@ def run(options: ReportOptions) -> int:
     from roburoc4.report.figures import Figures
     from roburoc4.report.page import page
 
+    output = options.output or options.file.with_name(options.file.name + ".html")
+    writes = options.output is not None or not options.json
+    if writes:
+        check_new(output, options.force, options.file)
     with opened(options.file, options.recorded) as recording:
         figures = Figures(recording)
         size = options.file.stat().st_size
         with progress("reading", size / 1e6, "MB") as show:
             figures.read(lambda done: show(done / 1e6, "reading"))
-    output = options.output or options.file.with_name(options.file.name + ".html")
     document = figures.document()
     if document["cut_bytes"]:
         note(f"{options.file} is truncated: everything before that was read")
     if options.json:
         print_json(document)
-    if options.output or not options.json:
+    if writes:
         with written_whole(output) as path:
             path.write_bytes(page(figures).encode())
     if not options.json:
@@ -109,7 +115,7 @@ def written_whole(path: Path) -> Iterator[Path]:
     try:
         handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
     except OSError as error:
-        raise usage(f"{path} cannot be written ({error.strerror}): give another name") from None
+        raise unwritable(path, error) from None
     os.close(handle)
     try:
         yield Path(name)
