@@ -8,8 +8,9 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from . import session
+from .errors import usage
 from .moves import add_looking, go, within_limits
-from .options import add_robot, add_seconds, angular_rad_s, linear_m_s
+from .options import FARTHEST, add_robot, add_seconds, angular_rad_s, linear_m_s
 
 if TYPE_CHECKING:
     from roburoc4 import MoveResult, Robot
@@ -62,11 +63,16 @@ def run(options: DriveOptions) -> int:
             on_progress=show,
         )
 
-    way_m = abs(options.linear) * options.seconds
+    way_m, turn_rad = abs(options.linear) * options.seconds, abs(options.angular) * options.seconds
+    if max(way_m, turn_rad) > FARTHEST:
+        raise usage(
+            f"{options.seconds:g} s at these speeds are {way_m:g} m and {turn_rad:g} rad: give "
+            "less time, for at most 10 km and 10000 rad"
+        )
     intention = (
         f"at {options.linear:g} m/s and {options.angular:g} rad/s for {options.seconds:g} s, "
         f"about {way_m:.1f} m"
     )
     if options.linear == 0.0:
-        return go(options, intention, abs(options.angular) * options.seconds, "rad", [step])
+        return go(options, intention, turn_rad, "rad", [step])
     return go(options, intention, way_m, "m", [step])

@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 from . import session
-from .errors import CommandError, ExitCode, refused
-from .options import add_robot, angle, metres, number, seconds
+from .errors import CommandError, ExitCode, refused, usage
+from .options import FARTHEST, add_robot, angle, coordinate, number, seconds, way_m
 from .output import note, print_json
 from .progress import progress
 
@@ -40,16 +40,16 @@ class MoveOptions(session.DrivingOptions):
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the commands."""
     parser = _add(commands, "move", _run_move, "drive this many metres straight ahead, or back")
-    parser.add_argument("metres", metavar="METRES", type=metres, help="negative: backward")
+    parser.add_argument("metres", metavar="METRES", type=way_m, help="negative: backward")
     parser = _add(commands, "turn", _run_turn, "turn in place by an angle")
     parser.add_argument(
         "angle", metavar="ANGLE", type=angle, help="radians, or 90deg; negative: to the right"
     )
     parser = _add(commands, "goto", _run_goto, "turn to a point and drive there, by odometry")
-    parser.add_argument("x", metavar="X", type=metres, help="metres, in the main frame")
-    parser.add_argument("y", metavar="Y", type=metres, help="metres, in the main frame")
+    parser.add_argument("x", metavar="X", type=coordinate, help="metres, in the main frame")
+    parser.add_argument("y", metavar="Y", type=coordinate, help="metres, in the main frame")
     parser = _add(commands, "square", _run_square, "drive a square to the left")
-    parser.add_argument("metres", metavar="METRES", type=metres, help="the length of a side")
+    parser.add_argument("metres", metavar="METRES", type=way_m, help="the length of a side")
 
 
 def _add(
@@ -111,9 +111,19 @@ def _run_turn(options: MoveOptions) -> int:
 def _run_goto(options: MoveOptions) -> int:
     def step(robot: Robot, show: Callable[[MoveResult], object]) -> MoveResult:
         speed = within_limits(robot, options.speed, "m/s")
+        _check_reach(robot, options.x, options.y)
         return robot.go_to(options.x, options.y, **_given(options, speed), on_progress=show)
 
     return go(options, f"to x {options.x:g} m, y {options.y:g} m", None, "m", [step])
+
+
+def _check_reach(robot: Robot, x_m: float, y_m: float) -> None:
+    pose = robot.latest("localization")
+    if pose is not None and max(abs(x_m - pose.x_m), abs(y_m - pose.y_m)) > FARTHEST:
+        raise usage(
+            f"x {x_m:g} m, y {y_m:g} m is more than 10 km away: the robot is at x {pose.x_m:g} m, "
+            f"y {pose.y_m:g} m; give a nearer point"
+        )
 
 
 def _run_square(options: MoveOptions) -> int:

@@ -13,6 +13,8 @@ from typing import Any
 from .errors import usage
 
 DEFAULT_ROBOT = "192.168.0.2:60000"
+FARTHEST = 1e4
+"""Metres or radians of a move: the limit of roburoc4_move.h."""
 
 
 class Options(argparse.Namespace):
@@ -69,6 +71,8 @@ def whole(low: int, high: int, what: str) -> Callable[[str], int]:
 
 linear_m_s = number(-20.0, 20.0, "m/s")
 angular_rad_s = number(-50.0, 50.0, "rad/s")
+way_m = number(-FARTHEST, FARTHEST, "m")
+coordinate = number(-1e7, 1e7, "m")  # the main frame may be that of a map
 metres = number(-1e9, 1e9, "m")
 radians = number(-1e9, 1e9, "rad")
 seconds = number(0.001, 1e6, "seconds")
