@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """`roburoc4 stop`, `output`, `relocalize`: one request, one line of output."""
 
+import time
+
 import pytest
 from cli_support import document, one_line, run, start
 from conftest import until
@@ -28,6 +30,32 @@ def test_stop_reports_when_somebody_keeps_driving() -> None:
         done = run("stop", robot=sim.address)
     assert done.returncode == 1
     assert "emergency stop" in one_line(done.stderr)
+
+
+@pytest.mark.parametrize("seconds", [3.0, 60.0])
+def test_stop_reports_another_program_that_keeps_driving(seconds: float) -> None:
+    with roburoc4.Simulator(port=0) as sim, sim.connect(ignore_other_commander=True) as robot:
+        robot.arm()
+        robot.drive(0.5, 0.0, lease_ms=1000)
+        until(lambda: sim.state.wheel_linear_m_s > 0.1)
+        process = start("stop", "--json", robot=sim.address)
+        begun_s = time.monotonic()
+        zeros = []  # when the last command was one
+        while process.poll() is None:
+            if time.monotonic() < begun_s + seconds:
+                robot.drive(0.5, 0.0, lease_ms=1000)
+            state = sim.state
+            if state.last_linear_m_s == 0.0:
+                zeros.append(state.now_us / 1e6)
+            time.sleep(0.002)
+        stdout, stderr = process.communicate(timeout=120)
+    assert process.returncode == 1
+    assert stdout == ""
+    assert stderr.count("another program") == 2
+    assert "hold [A]" in stderr
+    assert zeros[-1] - zeros[0] > 2.0, "they do not end after the first ones"
+    ended = "stands, but another program" if seconds < 10 else "still moves: another program"
+    assert ended in stderr
 
 
 def test_stop_always_sends_a_zero() -> None:

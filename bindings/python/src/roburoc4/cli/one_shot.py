@@ -4,14 +4,23 @@
 from __future__ import annotations
 
 import argparse
+import math
 import time
+from typing import TYPE_CHECKING
 
 from . import session
 from .errors import ExitCode, refused
 from .options import Options, add_robot, metres, radians
-from .output import print_json
+from .output import note, print_json
+
+if TYPE_CHECKING:
+    from roburoc4 import DifferentialStatus, Facts, Robot
 
 _REST_S = 10.0
+# A drive command from before the zeros may be repeated until its lease ends.
+_LEASE_S = 1.0
+_UNDRIVEN_S = 0.5
+_POLL_S = 0.02
 # An output is sent three times, about 50 ms apart: ending earlier would suppress the rest.
 _SENT_S = 0.3
 
@@ -80,12 +89,7 @@ def run_stop(options: Options) -> int:
     with session.connected(options) as robot:
         if robot.properties.differential is None:
             raise refused(f"{robot.address} has no differential service to stop: see roburoc4 info")
-        robot.stop()
-        if not session.wait_for_rest(robot, _REST_S):
-            raise refused(
-                f"zeros were sent, but {robot.address} still moves after {_REST_S:g} s: another "
-                "program or its game pad drives it; press an emergency stop"
-            )
+        _stop(robot)
         seen = robot.latest("differential") is not None
         _done(
             options,
@@ -95,6 +99,51 @@ def run_stop(options: Options) -> int:
             {"robot": robot.address, "stopped": True if seen else None},
         )
     return ExitCode.FINE
+
+
+def _stop(robot: Robot) -> None:
+    """Send zeros until the robot stands; refused if it does not, or another program drives it."""
+    begun_s = now_s = time.monotonic()
+    driven_s, cycles, other = -math.inf, -1, False
+    robot.stop()
+    while now_s < begun_s + _REST_S:
+        time.sleep(_POLL_S)
+        now_s = time.monotonic()
+        facts, speeds = robot.facts, robot.latest("differential")
+        if speeds is not None and speeds.robot_cycles != cycles and _has_target(speeds):
+            driven_s, cycles = now_s, speeds.robot_cycles
+            if now_s > begun_s + _LEASE_S and not (other or facts.overridden):
+                other = True
+                note(
+                    f"another program drives {robot.address} in spite of the zeros: end it, hold "
+                    "[A] on the game pad, or press an emergency stop"
+                )
+        if facts.stopping:
+            continue
+        if session.is_at_rest(speeds) and now_s > driven_s + _UNDRIVEN_S:
+            break
+        robot.stop()
+    else:
+        session.refuse_loss(robot, robot.address, "look at the robot; press an emergency stop")
+        raise refused(
+            f"zeros were sent for {_REST_S:g} s, but {robot.address} still moves: "
+            f"{_driver(other, facts)} drives it; press an emergency stop"
+        )
+    if other:
+        raise refused(
+            f"{robot.address} stands, but another program drove it in spite of the zeros: end "
+            "that program, else it may drive again"
+        )
+
+
+def _has_target(speeds: DifferentialStatus) -> bool:
+    return speeds.target_linear_m_s != 0.0 or speeds.target_angular_rad_s != 0.0
+
+
+def _driver(other: bool, facts: Facts) -> str:
+    if facts.overridden:
+        return "its game pad"
+    return "another program" if other else "another program or its game pad"
 
 
 def run_output(options: OutputOptions) -> int:

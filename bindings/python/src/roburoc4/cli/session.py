@@ -161,7 +161,7 @@ def wait_for_rest(robot: Robot, patience_s: float) -> bool:
     """Wait until the robot reports targets of zero and wheels at rest."""
     until_s = time.monotonic() + patience_s
     while time.monotonic() < until_s:
-        if _is_at_rest(robot.latest("differential")) and not robot.facts.stopping:
+        if is_at_rest(robot.latest("differential")) and not robot.facts.stopping:
             return True
         time.sleep(_POLL_S)
     return False
@@ -197,7 +197,8 @@ def armed(robot: Robot) -> Iterator[None]:
         robot.stop()
 
 
-def _is_at_rest(speeds: DifferentialStatus | None) -> bool:
+def is_at_rest(speeds: DifferentialStatus | None) -> bool:
+    """Whether targets are zero and the wheels stand; True for a robot that reports no speeds."""
     if speeds is None:
         return True
     return (
