@@ -3,6 +3,7 @@
 
 import html.parser
 import json
+import os
 import random
 import re
 import struct
@@ -115,6 +116,15 @@ def test_a_page_replaces_no_file_unasked(path: Path) -> None:
     assert run("report", str(path), "--json").returncode == 0
     assert run("report", str(path), "--force").returncode == 0
     assert output.read_text(encoding="utf-8").startswith("<!")
+
+
+def test_a_page_replaces_no_device(path: Path, tmp_path: Path) -> None:
+    output = tmp_path / "device"
+    os.mkfifo(output)
+    done = run("report", str(path), "-o", str(output), "--force")
+    assert done.returncode == 2
+    assert "is not a file" in one_line(done.stderr)
+    assert output.is_fifo()
 
 
 def test_a_robots_text_cannot_become_part_of_the_page(path: Path) -> None:

@@ -112,6 +112,8 @@ def reading(path: Path) -> Iterator[None]:
 @contextmanager
 def written_whole(path: Path) -> Iterator[Path]:
     """Give a name to write to; it becomes the file at the end, and is deleted after an error."""
+    if os.path.exists(path) and not path.is_file():  # a device would become a file
+        raise usage(f"{path} is not a file: give another name")
     try:
         handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
     except OSError as error:
