@@ -13,6 +13,7 @@ from .errors import (
     NotArmedError,
     NotKnownError,
     RefusedError,
+    RobotError,
     RobotTimeoutError,
     duration_s,
     error_of,
