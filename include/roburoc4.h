@@ -284,7 +284,8 @@ ROBUROC4_API roburoc4_result roburoc4_client_drive(roburoc4_client *client, floa
                                                    float angular_rad_s, uint32_t lease_us,
                                                    uint64_t now_us);
 /** End the lease and send a stop sequence, armed or not, now or as soon as the differential service
- *  is known. The client stays armed. ROBUROC4_ERR_STATE unless started. */
+ *  is known. The client stays armed: a loop elsewhere in the program that renews drive() must watch
+ *  `stops` of roburoc4_client_facts(), else it drives on. ROBUROC4_ERR_STATE unless started. */
 ROBUROC4_API roburoc4_result roburoc4_client_stop(roburoc4_client *client, uint64_t now_us);
 
 /** The client's and the robot's current state. */
@@ -310,8 +311,7 @@ typedef struct roburoc4_facts {
                                   before the first, and until it is answered */
     uint32_t lease_left_us;    /* 0 when not driving */
     float sent_linear_m_s, sent_angular_rad_s; /* the last speeds sent; 0 after a stop */
-    uint32_t stops; /* calls of stop(), and times it disarmed: a loop that renews drive() must end
-                       when this changes, or nobody else can stop the robot */
+    uint32_t stops; /* calls of stop(), and how often it disarmed, since start() */
 } roburoc4_facts;
 /** ROBUROC4_ERR_SIZE for a size that the library does not know. */
 ROBUROC4_API roburoc4_result roburoc4_client_facts(const roburoc4_client *client, uint64_t now_us,

@@ -54,7 +54,7 @@ def test_stop_reports_another_program_that_keeps_driving(seconds: float) -> None
     assert stderr.count("another program") == 2
     assert "hold [A]" in stderr
     assert zeros[-1] - zeros[0] > 2.0, "they do not end after the first ones"
-    ended = "stands, but another program" if seconds < 10 else "still moves: another program"
+    ended = "has stopped, but another program" if seconds < 10 else "still moves: another program"
     assert ended in stderr
 
 

@@ -102,7 +102,7 @@ def run_stop(options: Options) -> int:
 
 
 def _stop(robot: Robot) -> None:
-    """Send zeros until the robot stands; refused if it does not, or another program drives it."""
+    """Send zeros until the robot is at rest; refused if another program drives it."""
     begun_s = now_s = time.monotonic()
     driven_s, cycles, other = -math.inf, -1, False
     robot.stop()
@@ -124,14 +124,14 @@ def _stop(robot: Robot) -> None:
             break
         robot.stop()
     else:
-        session.refuse_loss(robot, robot.address, "look at the robot; press an emergency stop")
+        session.refuse_loss(robot, robot.address, "check the robot; press an emergency stop")
         raise refused(
             f"zeros were sent for {_REST_S:g} s, but {robot.address} still moves: "
             f"{_driver(other, facts)} drives it; press an emergency stop"
         )
     if other:
         raise refused(
-            f"{robot.address} stands, but another program drove it in spite of the zeros: end "
+            f"{robot.address} has stopped, but another program drove it in spite of the zeros: end "
             "that program, else it may drive again"
         )
 
