@@ -218,9 +218,9 @@ add_expert("restart", "The robot restarted", expert.group.SEQUENCE, expert.sever
 add_expert("limits", "A speed is outside the robot's limits", expert.group.PROTOCOL,
     expert.severity.WARN)
 add_expert("not_finite", "A speed is not a finite number", expert.group.PROTOCOL, expert.severity.ERROR)
-add_expert("watchdog", "The robot's watchdog has stopped it", expert.group.SEQUENCE,
+add_expert("watchdog_tripped", "The robot's watchdog has stopped it", expert.group.SEQUENCE,
     expert.severity.WARN)
-add_expert("watchdog_starves", "More than half of the watchdog's time passed without a command",
+add_expert("watchdog_due", "More than half of the watchdog's time passed without a command",
     expert.group.SEQUENCE, expert.severity.NOTE)
 roburoc4.experts = experts
 
@@ -478,7 +478,7 @@ local function learn_command(record, v, pinfo)
     local waited_ms = robot.commanded_at and (pinfo.rel_ts - robot.commanded_at) * 1000
     if robot.moving and not robot.watchdog_tripped and waited_ms <= roburoc4.prefs.watchdog_ms and
         waited_ms > roburoc4.prefs.watchdog_ms / 2 then
-        note(record, "watchdog_starves", string.format("%.0f ms passed without a command: "
+        note(record, "watchdog_due", string.format("%.0f ms passed without a command: "
             .. "the robot's watchdog stops it after %d", waited_ms, roburoc4.prefs.watchdog_ms))
     end
     robot.commanded_at = pinfo.rel_ts
@@ -494,7 +494,7 @@ local function watch_the_watchdog(record, pinfo)
     local waited_ms = (pinfo.rel_ts - robot.commanded_at) * 1000
     if waited_ms > roburoc4.prefs.watchdog_ms then
         robot.watchdog_tripped = true
-        note(record, "watchdog", string.format(
+        note(record, "watchdog_tripped", string.format(
             "No command for %.0f ms: the robot's watchdog has stopped it", waited_ms))
     end
 end

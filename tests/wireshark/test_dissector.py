@@ -339,7 +339,7 @@ class Exchange(unittest.TestCase):
         assert [experts(p) for p in packets] == [[], [], ["late"], ["late", "old"], ["restart"]]
         assert math.isclose(float(packets[2]["roburoc4.late_ms"][0]), 250, abs_tol=0.01)
 
-    def test_a_watchdog_that_starves_is_reported(self) -> None:
+    def test_a_watchdog_that_is_due_is_reported(self) -> None:
         talk = Talk()
         talk.ask(0.0, command(0.5))
         talk.ask(0.3, command(0.5))
@@ -354,9 +354,9 @@ class Exchange(unittest.TestCase):
         assert [[e for e in one if e.startswith("watchdog")] for one in found] == [
             [],
             [],
-            ["watchdog_starves"],
+            ["watchdog_due"],
             [],
-            ["watchdog"],
+            ["watchdog_tripped"],
             [],
             [],
             [],
