@@ -61,7 +61,7 @@ static uint32_t find_sender(const gate *gate, const gate_command *command) {
 /* An old sender may be forgotten, because its earlier commands would be rejected for their age. If
  * ages are not checked, senders are forgotten after a while, because otherwise 32 names would lock
  * out all others. From then on, a replayed log of that sender is obeyed like new commands: this is
- * the documented price of --max-age 0. */
+ * the documented price of --max-age-ms 0. */
 static bool is_forgettable(const gate *gate, uint32_t at, gate_time now) {
     const gate_sender *sender = &gate->senders[at];
     if (sender->length == 0) {
@@ -177,7 +177,7 @@ static enum gate_verdict judge_utime(const gate *gate, int64_t utime, gate_time 
 /* Time left of a command's lease, which began when it arrived; 0 if it has ended. The time that
  * reading a command takes does not shorten the shortest lease. */
 static uint32_t lease_left(const gate *gate, const gate_command *command, gate_time now) {
-    uint32_t lease_us = gate->rules.command_timeout_us;
+    uint32_t lease_us = gate->rules.lease_us;
     if (command->lease_us > 0 && (uint32_t)command->lease_us < lease_us) {
         lease_us = (uint32_t)command->lease_us;
     }

@@ -72,8 +72,8 @@ enum gate_verdict {
 
 typedef struct gate_rules {
     bool enabled[GATE_KINDS];
-    uint32_t command_timeout_us; /* default and longest lease: GATE_MIN_ to GATE_MAX_LEASE_US */
-    uint32_t max_age_us;         /* 0: ages are not checked */
+    uint32_t lease_us;   /* default and longest lease: GATE_MIN_ to GATE_MAX_LEASE_US */
+    uint32_t max_age_us; /* 0: ages are not checked */
 } gate_rules;
 
 /* Both clocks, read together. */

@@ -15,9 +15,7 @@ typedef struct gate_rejection {
     enum gate_verdict verdict;
     enum gate_kind kind;
     int64_t utime;
-    /* The bridge's names. */
-    const char *utime_word;     /* "utime", "stamp" */
-    const char *max_age_option; /* "--max-age" */
+    const char *utime_word; /* the bridge's: "utime", "stamp" */
 } gate_rejection;
 
 /* The sentence starts in lower case and has no full stop; it is cut to `capacity` bytes with

@@ -87,7 +87,7 @@ static void map_rules(const gate_rules *rules, roburoc4_lcm_bridge_state_t *out)
     out->drive_enabled = rules->enabled[GATE_DRIVE];
     out->outputs_enabled = rules->enabled[GATE_OUTPUT];
     out->relocalize_enabled = rules->enabled[GATE_RELOCALIZE];
-    out->command_timeout_us = (int32_t)rules->command_timeout_us;
+    out->lease_us = (int32_t)rules->lease_us;
     out->max_age_us = (int32_t)rules->max_age_us;
 }
 

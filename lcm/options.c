@@ -36,17 +36,18 @@ const char options_help[] =
     "      --pose-channel [NAME:]CHANNEL  also publish each localization as bot_core.pose_t\n"
     "      --record FILE    record every datagram of all robots in the pcapng file FILE, or in a\n"
     "                       new file in the folder FILE; existing files are not overwritten\n"
-    "      --period SERVICE=MS  time between statuses, 10 to 2550 in steps of 10, or 0 for none;\n"
-    "                       SERVICE is iocard, telemeter, battery, localization or differential\n"
+    "      --period-ms SERVICE=MS  time between statuses, 10 to 2550 in steps of 10, or 0 for\n"
+    "                       none; SERVICE is iocard, telemeter, battery, localization or\n"
+    "                       differential\n"
     "\n"
     "Commands; without these the bridge only watches, and obeys PREFIX_STOP_CMD:\n"
     "      --enable-drive       obey PREFIX_DRIVE_CMD: THE ROBOT CAN MOVE. Statuses of iocard and\n"
     "                           differential must come at least every 100 ms\n"
     "      --enable-outputs     obey PREFIX_OUTPUT_CMD\n"
     "      --enable-relocalize  obey PREFIX_RELOCALIZE_CMD\n"
-    "      --command-timeout MS longest lease of a command, and that of one without its own\n"
-    "                       (20 to 1000; default 300)\n"
-    "      --max-age MS     oldest command that is obeyed, by its utime (default 200; at most\n"
+    "      --lease-ms MS    longest lease of a command, and that of one without its own (20\n"
+    "                       to 1000; default 300)\n"
+    "      --max-age-ms MS  oldest command that is obeyed, by its utime (default 200; at most\n"
     "                       3600000). 0 obeys all ages, for clocks that cannot be set; then a\n"
     "                       replayed log can move the robot\n"
     "\n"
@@ -188,7 +189,7 @@ static bool set_time(reading *reading, const known_option *option, const char *v
         return complain(reading, "%s: give milliseconds, %u to %u", reading->subject,
                         (unsigned)option->min, (unsigned)option->max);
     }
-    *(option->which == 1 ? &rules->max_age_us : &rules->command_timeout_us) = ms * 1000u;
+    *(option->which == 1 ? &rules->max_age_us : &rules->lease_us) = ms * 1000u;
     return true;
 }
 
@@ -210,7 +211,7 @@ static bool set_period(reading *reading, const known_option *option, const char 
         !whole(value + length + 1, 0, 2550, &period_ms) || period_ms % 10 != 0) {
         return refuse(reading, "give SERVICE=MS; SERVICE is iocard, telemeter, battery, "
                                "localization or differential, MS is 0 or 10 to 2550 in steps of "
-                               "10; in a file, period.SERVICE = MS");
+                               "10; in a file, period-ms.SERVICE = MS");
     }
     uint32_t service = ROBUROC4_SERVICE_IOCARD + at;
     if (period_ms == 0) {
@@ -372,12 +373,12 @@ static const known_option known[] = {
     {"prefix", 'p', 1, PASS_SETTINGS, ONLY_COMMAND_LINE, set_prefix, 0, 0, 0},
     {"channel", 0, 1, PASS_CHANNELS, FOR_ONE, set_channel, 0, 0, 0},
     {"pose-channel", 0, 1, PASS_CHANNELS, FOR_ONE, set_pose, 0, 0, 0},
-    {"period", 0, 1, PASS_SETTINGS, FOR_EACH, set_period, 0, 0, 0},
+    {"period-ms", 0, 1, PASS_SETTINGS, FOR_EACH, set_period, 0, 0, 0},
     {"enable-drive", 0, 0, PASS_SETTINGS, FOR_EACH, set_enabled, GATE_DRIVE, 0, 0},
     {"enable-outputs", 0, 0, PASS_SETTINGS, FOR_EACH, set_enabled, GATE_OUTPUT, 0, 0},
     {"enable-relocalize", 0, 0, PASS_SETTINGS, FOR_EACH, set_enabled, GATE_RELOCALIZE, 0, 0},
-    {"command-timeout", 0, 1, PASS_SETTINGS, FOR_EACH, set_time, 0, MIN_LEASE_MS, MAX_LEASE_MS},
-    {"max-age", 0, 1, PASS_SETTINGS, FOR_EACH, set_time, 1, 0, 3600000u},
+    {"lease-ms", 0, 1, PASS_SETTINGS, FOR_EACH, set_time, 0, MIN_LEASE_MS, MAX_LEASE_MS},
+    {"max-age-ms", 0, 1, PASS_SETTINGS, FOR_EACH, set_time, 1, 0, 3600000u},
     {"verbose", 'v', 0, PASS_SETTINGS, ONLY_COMMAND_LINE, set_level, LOG_DETAIL, 0, 0},
     {"quiet", 'q', 0, PASS_SETTINGS, ONLY_COMMAND_LINE, set_level, LOG_ERROR, 0, 0},
     {"help", 'h', 0, PASS_SETTINGS, ONLY_COMMAND_LINE, NULL, OPTIONS_HELP, 0, 0},
@@ -503,7 +504,7 @@ static void begin(reading *reading, options *out, char *error, size_t error_size
     reading->error = error;
     reading->error_size = error_size;
     reading->robot = &reading->all;
-    reading->all.rules.command_timeout_us = 300000;
+    reading->all.rules.lease_us = 300000;
     reading->all.rules.max_age_us = 200000;
     out->level = LOG_NOTE;
     (void)roburoc4_config_init(&reading->all.config, sizeof reading->all.config);
@@ -542,8 +543,8 @@ static bool read_setting(reading *reading, const ini_line *line) {
     bool for_one = reading->robot != &reading->all;
     if (found == NULL || line->value.at == NULL) {
         return refuse(reading, "no such setting; give address, lcm-url, record, enable-drive, "
-                               "enable-outputs, enable-relocalize, command-timeout, max-age, "
-                               "period.SERVICE, channel.KEY or pose-channel, = and a value");
+                               "enable-outputs, enable-relocalize, lease-ms, max-age-ms, "
+                               "period-ms.SERVICE, channel.KEY or pose-channel, = and a value");
     }
     if (found->place == (for_one ? FOR_ALL : FOR_ONE)) {
         return refuse(reading, for_one ? "put it into [DEFAULT]: it applies to all robots"
@@ -796,10 +797,10 @@ static void print_robot(const options_robot *robot) {
         (void)printf("%s%s", robot->rules.enabled[kind] ? ", " : "",
                      robot->rules.enabled[kind] ? kinds[kind] : "");
     }
-    (void)printf("%s; lease at most %u ms, commands at most %u ms old%s\n    statuses:",
-                 any ? "" : " only", (unsigned)robot->rules.command_timeout_us / 1000u,
-                 (unsigned)robot->rules.max_age_us / 1000u,
-                 robot->rules.max_age_us == 0 ? " (ANY AGE)" : "");
+    (void)printf(
+        "%s; lease at most %u ms, commands at most %u ms old%s\n    statuses:", any ? "" : " only",
+        (unsigned)robot->rules.lease_us / 1000u, (unsigned)robot->rules.max_age_us / 1000u,
+        robot->rules.max_age_us == 0 ? " (ANY AGE)" : "");
     for (uint32_t at = 0; at < SERVICES; at++) {
         uint32_t service = ROBUROC4_SERVICE_IOCARD + at;
         bool wanted = (robot->config.subscriptions >> service & 1u) != 0;

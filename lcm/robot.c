@@ -28,7 +28,7 @@
 static void log_rejected(robot *robot, enum gate_verdict verdict, const log_command *command,
                          gate_time now) {
     robot_rejection *rejection = &robot->rejections[verdict];
-    const gate_rejection rejected = {verdict, command->kind, command->utime, "utime", "--max-age"};
+    const gate_rejection rejected = {verdict, command->kind, command->utime, "utime"};
     text_copy(rejection->sender, sizeof rejection->sender, (const uint8_t *)command->sender,
               command->sender_length);
     bool first = gate_is_incident(&robot->gate, verdict, rejection->sender,

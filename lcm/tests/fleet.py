@@ -108,8 +108,8 @@ class Fleet:
     def write_files(self) -> None:
         """Robots by turns to the bridges; every seventh is only watched; some have two bridges."""
         default = (
-            f"[DEFAULT]\nlcm-url = {URL}\nperiod.iocard = 100\nperiod.differential = 100\n"
-            "period.localization = 100\nperiod.telemeter = 0\n"
+            f"[DEFAULT]\nlcm-url = {URL}\nperiod-ms.iocard = 100\nperiod-ms.differential = 100\n"
+            "period-ms.localization = 100\nperiod-ms.telemeter = 0\n"
         )
         texts = dict.fromkeys(BRIDGES, default)
         for number, (name, robot) in enumerate(self.robots.items()):
@@ -118,7 +118,7 @@ class Fleet:
             section = f"[{name}]\naddress = 10.0.0.{FIELD + 1}:{60000 + number}\n"
             robot.may_drive = frozenset({host} if drives else ())
             robot.timeout_us = 200_000 if number % 5 == 0 else 300_000
-            texts[host] += section + f"command-timeout = {robot.timeout_us // 1000}\n"
+            texts[host] += section + f"lease-ms = {robot.timeout_us // 1000}\n"
             texts[host] += "enable-drive = yes\n" if drives else ""
             if number < SHARED:
                 texts[BRIDGES[1]] += section

@@ -101,7 +101,7 @@ def test_after_the_clock_is_set_all_must_pause(
 ) -> None:
     step = tmp_path / "step"
     clock = {"LD_PRELOAD": str(programs("clock_step.so")), "CLOCK_STEP_FILE": str(step)}
-    bridge = start_bridge("--enable-drive", "--max-age=0", environment=clock).arms()
+    bridge = start_bridge("--enable-drive", "--max-age-ms=0", environment=clock).arms()
     planner = plan(linear=0.5)
     until(robot.tap.moves, "a speed reaches the robot")
     step.touch()

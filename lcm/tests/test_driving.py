@@ -64,8 +64,8 @@ def test_of_a_burst_of_100_commands_the_last_wins(robot: Robot, bus: Bus, armed:
         pytest.param([], 0, 300_000, id="the default"),
         pytest.param([], -5, 300_000, id="negative: the default"),
         pytest.param([], 2_000_000_000, 300_000, id="longer than allowed"),
-        pytest.param(["--command-timeout=120"], 0, 120_000, id="another default"),
-        pytest.param(["--command-timeout=120"], 200_000, 120_000, id="another cap"),
+        pytest.param(["--lease-ms=120"], 0, 120_000, id="another default"),
+        pytest.param(["--lease-ms=120"], 200_000, 120_000, id="another cap"),
     ],
 )
 def test_one_command_is_a_lease(
@@ -180,7 +180,7 @@ def test_a_command_is_rejected_and_counted_by_cause(
     assert state.rejected_cause == getattr(State, counter.upper())
     assert (state.rejected_sender, state.rejected_utime) == (command.sender[:63], command.utime)
     assert state.rejected_message in willing.output
-    assert ("--max-age" in state.rejected_message) == ("ahead_us" in fault)
+    assert ("--max-age-ms" in state.rejected_message) == ("ahead_us" in fault)
 
 
 def test_each_incident_of_rejections_is_logged(bus: Bus, willing: Bridge) -> None:
@@ -288,7 +288,7 @@ def test_commands_right_after_the_start_are_rejected(
 
 
 def test_max_age_0_accepts_any_clock(robot: Robot, start_bridge: StartBridge, plan: Plan) -> None:
-    start_bridge("--enable-drive", "--max-age=0").arms()
+    start_bridge("--enable-drive", "--max-age-ms=0").arms()
     planner = plan(sender="slow", ahead_s=-3600)
     until(robot.tap.moves, "it drives")
     planner.end()

@@ -42,9 +42,9 @@ def test_each_robot_has_its_own_permissions(
 ) -> None:
     red, blue = start_robot("--robots", "2").taps
     start_fleet(
-        f"[RED]\naddress = {red.address}\nenable-drive = yes\ncommand-timeout = 100\n"
+        f"[RED]\naddress = {red.address}\nenable-drive = yes\nlease-ms = 100\n"
         "channel.DRIVE_CMD = GO_RED_CMD\n"
-        f"[BLUE]\naddress = {blue.address}\nperiod.battery = 0\n"
+        f"[BLUE]\naddress = {blue.address}\nperiod-ms.battery = 0\n"
     )
     can_drive(bus, "RED")
     plan(channel="GO_RED_CMD", linear=0.5)
@@ -54,8 +54,8 @@ def test_each_robot_has_its_own_permissions(
         lambda: bus.last("BLUE_BRIDGE_STATISTICS").rejected_disabled > 5, "commands were rejected"
     )
     assert not blue.moves()
-    assert bus.last("RED_BRIDGE_STATE").command_timeout_us == 100_000
-    assert bus.last("BLUE_BRIDGE_STATE").command_timeout_us == 300_000
+    assert bus.last("RED_BRIDGE_STATE").lease_us == 100_000
+    assert bus.last("BLUE_BRIDGE_STATE").lease_us == 300_000
     assert bus.of("RED_BATTERY")
     assert not bus.of("BLUE_BATTERY")
 
@@ -118,7 +118,7 @@ def test_check_shows_what_would_run(programs: Programs, tmp_path: Path) -> None:
         )
 
     file.write_text(
-        "[RED]\naddress = 10.0.0.1\nenable-drive = yes\nmax-age = 0\n"
+        "[RED]\naddress = 10.0.0.1\nenable-drive = yes\nmax-age-ms = 0\n"
         "channel.LOCALIZATION = ODOMETRY\n[BLUE]\naddress = 10.0.0.2\n"
     )
     done = check()

@@ -82,9 +82,9 @@ def rejected(bridge: Bridge) -> int:
     [
         pytest.param([], 0.0, id="good clock"),
         pytest.param([], 0.15, id="sender's clock a little ahead"),
-        pytest.param(["--max-age=0"], 0.0, id="no max-age"),
-        pytest.param(["--max-age=0"], 3600.0, id="no max-age, sender an hour ahead"),
-        pytest.param(["--max-age=5000"], 4.0, id="long max-age, sender ahead"),
+        pytest.param(["--max-age-ms=0"], 0.0, id="any age"),
+        pytest.param(["--max-age-ms=0"], 3600.0, id="any age, sender an hour ahead"),
+        pytest.param(["--max-age-ms=5000"], 4.0, id="long max age, sender ahead"),
     ],
 )
 def test_a_replayed_log_does_not_move_the_robot(
@@ -138,7 +138,7 @@ def test_a_log_replayed_within_max_age_does_not_move_the_robot(
     [
         pytest.param([], 0.0, id="good clock"),
         # By its age alone the log would drive: its commands seem to be from now on.
-        pytest.param(["--max-age=5000"], 4.0, id="long max-age, sender ahead"),
+        pytest.param(["--max-age-ms=5000"], 4.0, id="long max age, sender ahead"),
     ],
 )
 def test_a_log_replayed_to_a_new_bridge_does_not_move_the_robot(

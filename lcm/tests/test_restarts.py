@@ -15,7 +15,7 @@ StartBridge = Callable[..., Bridge]
 Plan = Callable[..., Planner]
 
 
-@pytest.mark.parametrize("options", [[], ["--max-age=0"]], ids=["max-age", "no max-age"])
+@pytest.mark.parametrize("options", [[], ["--max-age-ms=0"]], ids=["max age", "any age"])
 @pytest.mark.parametrize("ending", [signal.SIGKILL, signal.SIGTERM])
 def test_a_restarted_bridge_stays_still_until_commands_pause(
     robot: Robot,

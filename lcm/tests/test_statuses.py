@@ -27,7 +27,7 @@ CHANNELS = {
     roburoc4.IoCardStatus: "ROBUROC4_IOCARD",
 }
 FAST = [
-    f"--period={service}=10"
+    f"--period-ms={service}=10"
     for service in ("differential", "localization", "battery", "telemeter", "iocard")
 ]
 
@@ -104,7 +104,7 @@ def test_every_status_arrives_once_and_with_equal_values(
 def test_times_are_those_of_the_measurement(
     robot: Robot, bus: Bus, start_bridge: StartBridge
 ) -> None:
-    start_bridge("--period=localization=10").connects()
+    start_bridge("--period-ms=localization=10").connects()
     time.sleep(2.0)
     messages = bus.decoded("ROBUROC4_LOCALIZATION")[100:]
     arrival = {
@@ -146,7 +146,7 @@ def test_messages_are_no_larger_than_they_need_to_be(
 def test_rates_are_those_that_were_requested(
     robot: Robot, bus: Bus, start_bridge: StartBridge
 ) -> None:
-    start_bridge("--period", "localization=20", "--period=battery=200").connects()
+    start_bridge("--period-ms", "localization=20", "--period-ms=battery=200").connects()
     time.sleep(1.5)
     # On the robot's clock, so that a busy machine does not matter.
     for channel, cycles in {
@@ -164,7 +164,7 @@ def test_rates_are_those_that_were_requested(
 def test_a_bridge_that_watches_may_be_slow(
     robot: Robot, bus: Bus, start_bridge: StartBridge
 ) -> None:
-    start_bridge("--period=differential=600", "--period=iocard=900").connects()
+    start_bridge("--period-ms=differential=600", "--period-ms=iocard=900").connects()
     channel = "ROBUROC4_DIFFERENTIAL"
     until(lambda: len(bus.decoded(channel)) > 2, "three statuses", 10)
     times = [message.robot_cycles for message in bus.decoded(channel)]

@@ -113,7 +113,7 @@ def test_a_log_that_nobody_reads_does_not_delay_a_stop(
         assert bridge.wait(5) == 0
 
 
-MAX_AGES = pytest.mark.parametrize("options", [[], ["--max-age=0"]], ids=["max-age", "no max-age"])
+MAX_AGES = pytest.mark.parametrize("options", [[], ["--max-age-ms=0"]], ids=["max age", "any age"])
 
 
 @MAX_AGES

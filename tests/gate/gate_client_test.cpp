@@ -22,7 +22,7 @@ class GateClient : public testing::Test {
         roburoc4_world_join(world, &client);
         gate_rules rules{};
         rules.enabled[GATE_DRIVE] = true;
-        rules.command_timeout_us = lease_us;
+        rules.lease_us = lease_us;
         gate_init(&gate, &rules, {now_us(), 0});
         pass(2000);
     }

@@ -36,7 +36,7 @@ constexpr gate_robot overridden{true, false, ROBUROC4_ERR_OVERRIDE};
 gate_rules default_rules() {
     gate_rules rules{};
     rules.enabled[GATE_DRIVE] = rules.enabled[GATE_RELOCALIZE] = rules.enabled[GATE_OUTPUT] = true;
-    rules.command_timeout_us = 300 * ms;
+    rules.lease_us = 300 * ms;
     rules.max_age_us = 200 * ms;
     return rules;
 }
@@ -315,7 +315,7 @@ TEST_F(GateWithoutAges, ForgetsTheSenderThatWasSilentLongest) {
 }
 
 TEST_F(GateWithoutAges, DoesNotForgetTheSenderInControl) {
-    rules_.command_timeout_us = GATE_MAX_LEASE_US;
+    rules_.lease_us = GATE_MAX_LEASE_US;
     restart();
     run(second);
     for (int i = 0; i < GATE_SENDERS; i++)
@@ -708,14 +708,14 @@ TEST(GateReason, EachVerdictHasItsOwn) {
         const gate_time now{boot, epoch};
         const std::int64_t utime = verdict == GATE_IN_FUTURE ? epoch + second : epoch - second;
         const gate_rejection rejection{static_cast<gate_verdict>(verdict), GATE_DRIVE, utime,
-                                       "stamp", "--max-age"};
+                                       "stamp"};
         gate_reason(room, sizeof room, &rejection, &rules, now);
         reasons.insert(room);
     }
     EXPECT_EQ(static_cast<std::size_t>(GATE_VERDICTS - 1), reasons.size());
-    EXPECT_EQ(1U, reasons.count("by its stamp it is 1.000 s old (--max-age 200 ms): a replayed "
+    EXPECT_EQ(1U, reasons.count("by its stamp it is 1.000 s old (--max-age-ms 200): a replayed "
                                 "log, a slow network, or clocks that differ: set both by NTP "
-                                "(--max-age 0 accepts all ages, including replays)"));
+                                "(--max-age-ms 0 accepts all ages, including replays)"));
 }
 
 /* ---------------------------------------------------------------------------------- oracle --- */

@@ -65,7 +65,7 @@ struct View {
         link.size = sizeof link;
         gate_rules rules{};
         rules.enabled[GATE_DRIVE] = true;
-        rules.command_timeout_us = 300000;
+        rules.lease_us = 300000;
         rules.max_age_us = 200000;
         gate_init(&gate, &rules, {0, utime - 10000000});
         view.now = {10000000, utime};
@@ -353,7 +353,7 @@ TEST(LcmMapping, StateHasTheBridgeAndItsRules) {
         EXPECT_EQ(utime - 10000000, got.started_utime);
         EXPECT_EQ(403, got.robot_age_us);
         EXPECT_TRUE(got.can_drive);
-        EXPECT_EQ(300000, got.command_timeout_us);
+        EXPECT_EQ(300000, got.lease_us);
         EXPECT_EQ(200000, got.max_age_us);
         EXPECT_TRUE(got.drive_enabled);
         EXPECT_FALSE(got.outputs_enabled);

@@ -63,7 +63,7 @@ TEST(LcmOptions, OnlyWatchByDefault) {
     ASSERT_EQ(OPTIONS_RUN, r.result) << r.error;
     for (const bool enabled : r.out->robots[0].rules.enabled)
         EXPECT_FALSE(enabled);
-    EXPECT_EQ(300000U, r.out->robots[0].rules.command_timeout_us);
+    EXPECT_EQ(300000U, r.out->robots[0].rules.lease_us);
     EXPECT_EQ(200000U, r.out->robots[0].rules.max_age_us);
     EXPECT_STREQ("", r.out->lcm_url);
     EXPECT_EQ(1U, r.out->robot_count);
@@ -104,14 +104,14 @@ TEST(LcmOptions, NameSeveralRobotsAndTheirChannels) {
 }
 
 TEST(LcmOptions, AcceptValuesInEveryForm) {
-    const Read r = read({"-p", "LAB", "-l", "udpm://", "--period", "battery=0",
-                         "--period=iocard=10", "--command-timeout=20", "--max-age", "0", "-q"});
+    const Read r = read({"-p", "LAB", "-l", "udpm://", "--period-ms", "battery=0",
+                         "--period-ms=iocard=10", "--lease-ms=20", "--max-age-ms", "0", "-q"});
     ASSERT_EQ(OPTIONS_RUN, r.result) << r.error;
     EXPECT_EQ("LAB_DRIVE_CMD", channel_of(r, 0, CHANNEL_DRIVE_CMD));
     EXPECT_STREQ("udpm://", r.out->lcm_url);
     EXPECT_EQ(0U, r.out->robots[0].config.subscriptions & 1U << ROBUROC4_SERVICE_BATTERY);
     EXPECT_EQ(10U, r.out->robots[0].config.period_ms[ROBUROC4_SERVICE_IOCARD]);
-    EXPECT_EQ(20000U, r.out->robots[0].rules.command_timeout_us);
+    EXPECT_EQ(20000U, r.out->robots[0].rules.lease_us);
     EXPECT_EQ(0U, r.out->robots[0].rules.max_age_us);
     EXPECT_EQ(LOG_ERROR, r.out->level);
     EXPECT_EQ(nullptr, roburoc4_config_error(&r.out->robots[0].config));
@@ -132,17 +132,17 @@ TEST(LcmOptions, RejectInvalidValuesAndNameThem) {
         {{"-r", "A.B=a"}, "A.B"},
         {{"-r", "=a"}, "name is missing"},
         {{"-p", std::string(46, 'p')}, "ppp"},
-        {{"--period", "battery"}, "battery"},
-        {{"--period", "battery=15"}, "battery=15"},
-        {{"--period", "battery=2560"}, "battery=2560"},
-        {{"--period", "batteries=10"}, "batteries=10"},
-        {{"--period", "battery=-10"}, "battery=-10"},
-        {{"--command-timeout", "19"}, "19"},
-        {{"--command-timeout", "1001"}, "1001"},
-        {{"--command-timeout", "0.5"}, "0.5"},
-        {{"--max-age", "-1"}, "-1"},
-        {{"--max-age", "3600001"}, "3600001"},
-        {{"--max-age", "99999999999999999999"}, "9999"},
+        {{"--period-ms", "battery"}, "battery"},
+        {{"--period-ms", "battery=15"}, "battery=15"},
+        {{"--period-ms", "battery=2560"}, "battery=2560"},
+        {{"--period-ms", "batteries=10"}, "batteries=10"},
+        {{"--period-ms", "battery=-10"}, "battery=-10"},
+        {{"--lease-ms", "19"}, "19"},
+        {{"--lease-ms", "1001"}, "1001"},
+        {{"--lease-ms", "0.5"}, "0.5"},
+        {{"--max-age-ms", "-1"}, "-1"},
+        {{"--max-age-ms", "3600001"}, "3600001"},
+        {{"--max-age-ms", "99999999999999999999"}, "9999"},
         {{"--channel", "DRIVE_CMD=GO"}, "_CMD"},
         {{"--channel", "BATTERY=X_CMD"}, "_CMD"},
         {{"--channel", "BATTERY=.*"}, ".*"},
@@ -153,8 +153,8 @@ TEST(LcmOptions, RejectInvalidValuesAndNameThem) {
         {{"--channel", "BATTERY=ROBUROC4_IOCARD"}, "two channels"},
         {{"--pose-channel", "P_CMD"}, "P_CMD"},
         {{"--pose-channel", ""}, "--pose-channel"},
-        {{"--enable-drive", "--period", "iocard=0"}, "iocard"},
-        {{"--enable-drive", "--period", "differential=300"}, "differential"},
+        {{"--enable-drive", "--period-ms", "iocard=0"}, "iocard"},
+        {{"--enable-drive", "--period-ms", "differential=300"}, "differential"},
     };
     for (const auto &each : cases) {
         const Read r = read(each.arguments);
@@ -194,19 +194,19 @@ TEST(LcmConfigFile, ConfiguresEachRobotSeparately) {
     const Read r = read_file("# the lab\n"
                              "[DEFAULT]\n"
                              "lcm-url = udpm://239.255.76.67:7667?ttl=1\n"
-                             "period.battery = 2000 ; slow\n"
-                             "command-timeout = 200\n"
+                             "period-ms.battery = 2000 ; slow\n"
+                             "lease-ms = 200\n"
                              "\n"
                              "[RED]\n"
                              "address = 192.168.0.2\n"
                              "enable-drive = yes\n"
-                             "max-age = 50\n"
+                             "max-age-ms = 50\n"
                              "channel.LOCALIZATION = ODOMETRY\n"
                              "pose-channel = POSE\n"
                              "[BLUE]\n"
                              "address = 192.168.0.3:6001\n"
-                             "period.telemeter = 0\n"
-                             "command-timeout = 500\n");
+                             "period-ms.telemeter = 0\n"
+                             "lease-ms = 500\n");
     ASSERT_EQ(OPTIONS_RUN, r.result) << r.error;
     EXPECT_STREQ("udpm://239.255.76.67:7667?ttl=1", r.out->lcm_url);
     ASSERT_EQ(2U, r.out->robot_count);
@@ -215,13 +215,13 @@ TEST(LcmConfigFile, ConfiguresEachRobotSeparately) {
     EXPECT_STREQ("RED", red.name);
     EXPECT_STREQ("192.168.0.2", red.host);
     EXPECT_TRUE(red.rules.enabled[GATE_DRIVE]);
-    EXPECT_EQ(200000U, red.rules.command_timeout_us);
+    EXPECT_EQ(200000U, red.rules.lease_us);
     EXPECT_EQ(50000U, red.rules.max_age_us);
     EXPECT_EQ(2000U, red.config.period_ms[ROBUROC4_SERVICE_BATTERY]);
     EXPECT_STREQ("ODOMETRY", red.channels.name[CHANNEL_LOCALIZATION]);
     EXPECT_STREQ("POSE", red.channels.name[CHANNEL_POSE]);
     EXPECT_FALSE(blue.rules.enabled[GATE_DRIVE]);
-    EXPECT_EQ(500000U, blue.rules.command_timeout_us);
+    EXPECT_EQ(500000U, blue.rules.lease_us);
     EXPECT_EQ(200000U, blue.rules.max_age_us);
     EXPECT_EQ(0U, blue.config.subscriptions >> ROBUROC4_SERVICE_TELEMETER & 1U);
     EXPECT_STREQ("BLUE_LOCALIZATION", blue.channels.name[CHANNEL_LOCALIZATION]);
@@ -241,9 +241,8 @@ TEST(LcmConfigFile, ErrorsNameTheLineAndTheRemedy) {
         {"[RED]\nenable-drive\n", "fleet.ini:2: enable-drive: no such setting"},
         {"[RED]\naddress = 10.0.0.1\nenable-drive = true\n",
          "fleet.ini:3: enable-drive = true: give yes or no"},
-        {"[RED]\ncommand-timeout = 5\n",
-         "fleet.ini:2: command-timeout = 5: give milliseconds, 20 to 1000"},
-        {"[RED]\nperiod.lidar = 50\n", "fleet.ini:2: period.lidar = 50: give SERVICE=MS"},
+        {"[RED]\nlease-ms = 5\n", "fleet.ini:2: lease-ms = 5: give milliseconds, 20 to 1000"},
+        {"[RED]\nperiod-ms.lidar = 50\n", "fleet.ini:2: period-ms.lidar = 50: give SERVICE=MS"},
         {"[RED]\nchannel.STOP_CMD = HALT\n", "fleet.ini:2: channel.STOP_CMD = HALT: names of"},
         {"[RED]\nlcm-url = udpm://\n", "fleet.ini:2: lcm-url = udpm://: put it into [DEFAULT]"},
         {"[DEFAULT]\naddress = 10.0.0.1\n", "fleet.ini:2: address = 10.0.0.1: put it into"},
@@ -253,7 +252,7 @@ TEST(LcmConfigFile, ErrorsNameTheLineAndTheRemedy) {
         {"[]\naddress = a\n", "fleet.ini:1: a section such as"},
         {"[RED]\naddress =\n", "fleet.ini:2: address = : give HOST"},
         {"[RED]\n\n[BLUE]\naddress = b\n", "fleet.ini:1: [RED]: address is missing"},
-        {"[BLUE]\naddress=b\nenable-drive=yes\nperiod.iocard=500\n",
+        {"[BLUE]\naddress=b\nenable-drive=yes\nperiod-ms.iocard=500\n",
          "fleet.ini:1: [BLUE]: enable-drive needs statuses"},
         {"[A]\naddress=a\n[B]\naddress=b\nchannel.BATTERY=A_BATTERY\n", "two channels are named"},
         {"# nothing\n", "fleet.ini: no robot"},

@@ -308,8 +308,7 @@ ROBUROC4_ARRAY(gate_rules, enabled, bool)
     $1 = &command;
 }
 /* Of a drive command: (verdict, utime) */
-%typemap(in) const gate_rejection * (gate_rejection rejection = {0, GATE_DRIVE, 0, "stamp",
-                                                                "--max-age-ms"}) {
+%typemap(in) const gate_rejection * (gate_rejection rejection = {0, GATE_DRIVE, 0, "stamp"}) {
     int verdict;
     if (!PyArg_ParseTuple($input, "iL", &verdict, &rejection.utime)) {
         SWIG_fail;

@@ -14,7 +14,7 @@ class bridge_state_t(object):
     the first fields of one another to notice that they serve the same robot. Channel ROBUROC4_BRIDGE_STATE.
     """
 
-    __slots__ = ["utime", "robot", "bridge", "started_utime", "state", "cause", "faults", "message", "can_drive", "armed", "driving", "stopping", "waiting", "stopped", "stopped_by", "override_known", "overridden", "control_owner", "lease_left_us", "command_age_us", "robot_age_us", "rejected_cause", "rejected_sender", "rejected_utime", "rejected_message", "drive_enabled", "outputs_enabled", "relocalize_enabled", "command_timeout_us", "max_age_us"]
+    __slots__ = ["utime", "robot", "bridge", "started_utime", "state", "cause", "faults", "message", "can_drive", "armed", "driving", "stopping", "waiting", "stopped", "stopped_by", "override_known", "overridden", "control_owner", "lease_left_us", "command_age_us", "robot_age_us", "rejected_cause", "rejected_sender", "rejected_utime", "rejected_message", "drive_enabled", "outputs_enabled", "relocalize_enabled", "lease_us", "max_age_us"]
 
     __typenames__ = ["int64_t", "string", "string", "int64_t", "int32_t", "int32_t", "int32_t", "string", "boolean", "boolean", "boolean", "boolean", "boolean", "boolean", "string", "boolean", "boolean", "string", "int32_t", "int64_t", "int64_t", "int32_t", "string", "int64_t", "string", "boolean", "boolean", "boolean", "int32_t", "int32_t"]
 
@@ -239,7 +239,7 @@ class bridge_state_t(object):
         """ LCM Type: boolean """
         self.relocalize_enabled = False
         """ LCM Type: boolean """
-        self.command_timeout_us = 0
+        self.lease_us = 0
         """
         The longest lease, and the default of commands without one
         LCM Type: int32_t
@@ -293,7 +293,7 @@ class bridge_state_t(object):
         buf.write(struct.pack('>I', len(__rejected_message_encoded)+1))
         buf.write(__rejected_message_encoded)
         buf.write(b"\0")
-        buf.write(struct.pack(">bbbii", self.drive_enabled, self.outputs_enabled, self.relocalize_enabled, self.command_timeout_us, self.max_age_us))
+        buf.write(struct.pack(">bbbii", self.drive_enabled, self.outputs_enabled, self.relocalize_enabled, self.lease_us, self.max_age_us))
 
     @staticmethod
     def decode(data: bytes):
@@ -337,13 +337,13 @@ class bridge_state_t(object):
         self.drive_enabled = bool(struct.unpack('b', buf.read(1))[0])
         self.outputs_enabled = bool(struct.unpack('b', buf.read(1))[0])
         self.relocalize_enabled = bool(struct.unpack('b', buf.read(1))[0])
-        self.command_timeout_us, self.max_age_us = struct.unpack(">ii", buf.read(8))
+        self.lease_us, self.max_age_us = struct.unpack(">ii", buf.read(8))
         return self
 
     @staticmethod
     def _get_hash_recursive(parents):
         if bridge_state_t in parents: return 0
-        tmphash = (0xd09e254e2bcc0a08) & 0xffffffffffffffff
+        tmphash = (0x4e51a3b463a581) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

@@ -95,13 +95,13 @@ class bridge_statistics_t(object):
 
         self.rejected_too_old = 0
         """
-        Older than --max-age, or its lease ended before it was read
+        Older than --max-age-ms, or its lease ended before it was read
         LCM Type: int64_t
         """
 
         self.rejected_in_future = 0
         """
-        More than --max-age in the future
+        More than --max-age-ms in the future
         LCM Type: int64_t
         """
 

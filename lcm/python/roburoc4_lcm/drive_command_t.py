@@ -49,7 +49,7 @@ class drive_command_t(object):
 
         self.lease_us = 0
         """
-        0 or less: the bridge's --command-timeout, which is also the maximum
+        0 or less: the bridge's --lease-ms, which is also the maximum
         LCM Type: int32_t
         """
 

@@ -93,7 +93,7 @@ class Gate:
         self._utc_us = utc_us
         self._rules = _native.new_gate_rules()
         _native.gate_rules_enabled_set(self._rules, _native.GATE_DRIVE, enabled)
-        _native.gate_rules_command_timeout_us_set(self._rules, round(lease_s * 1e6))
+        _native.gate_rules_lease_us_set(self._rules, round(lease_s * 1e6))
         _native.gate_rules_max_age_us_set(self._rules, round(max_age_s * 1e6))
         self._gate = _native.new_gate()
         self._stall = _native.new_stall()
