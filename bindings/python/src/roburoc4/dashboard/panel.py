@@ -22,9 +22,8 @@ _ROOM = (
     (-2.2, -2.6, 0.5, 1.4),
 )
 """Four walls and two crates: middle and size in X and Y, in metres."""
-_WORDS = frozenset(
-    ("pad", "estop", "brakes", "motor", "power", "charger", "battery", "bumper", "pin", "place")
-)
+_WORDS = ("pad", "estop", "brakes", "motor", "power", "charger", "battery", "pin", "place")
+_BUMPERS = ("front", "rear")
 
 
 class PanelError(Exception):
@@ -69,7 +68,7 @@ class Panel:
 
     def obey(self, line: str) -> None:
         """Execute a line such as "estop local press"."""
-        if line.partition(" ")[0] not in _WORDS:
+        if line.partition(" ")[0] not in _WORDS + _BUMPERS:
             raise PanelError(f"the panel has no {line!r}")
         self._panel(line)
 
