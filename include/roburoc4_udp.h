@@ -137,8 +137,8 @@ typedef struct roburoc4_udp {
 
 /** Open a non-blocking socket that is connected to `address`. udp_size is sizeof(roburoc4_udp).
  *  An unreachable network is not an error: the field fault says why, and later calls connect again,
- * at most once a second. The socket is not inherited by child programs. ROBUROC4_ERR_SIZE: header
- * and library differ. ROBUROC4_ERR_ARGUMENT: not an address of roburoc4_udp_resolve().
+ *  at most once a second. The socket is not inherited by child programs. ROBUROC4_ERR_SIZE: header
+ *  and library differ. ROBUROC4_ERR_ARGUMENT: not an address of roburoc4_udp_resolve().
  *  ROBUROC4_ERR_SYSTEM: no socket; the field system_error says why. After an error the socket
  *  counts as closed. */
 ROBUROC4_API roburoc4_result roburoc4_udp_open(roburoc4_udp *udp, size_t udp_size,

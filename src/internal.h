@@ -6,8 +6,8 @@
  *
  *   requests.c   request ids, retries, matching of answers
  *   link.c       statuses in order, loss, jitter, clock mapping, reboot
- *   drive.c      arming, lease, limits, stop sequence: the only file that decides which speeds are
- * sent discovery.c  which service has which id, which texts are missing, which input is what
+ *   drive.c      arming, lease, limits, stop sequence: it alone decides which speeds are sent
+ *   discovery.c  which service has which id, which texts are missing, which input is what
  *
  * client.c, schedule.c, receive.c and control.c put them together.
  */

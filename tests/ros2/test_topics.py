@@ -102,7 +102,7 @@ def test_a_pressed_bumper_is_seen(
     start_node()
     topic = f"rt/bumpers/{side}"
     assert listener.hears(topic).message.data is False
-    robot.tell(f"bumper {side} press")
+    robot.tell(f"{side} bumper press")
     listener.hears_that(topic, lambda message: message.data)
-    robot.tell(f"bumper {side} release")
+    robot.tell(f"{side} bumper release")
     listener.hears_that(topic, lambda message: not message.data)

@@ -343,6 +343,24 @@ PyObject *read_samples(connection *c, roburoc4_pump_reader *reader, uint32_t mas
 
 /* ------------------------------------------------------------------------------------ moves --- */
 
+PyObject *renew_drive(connection *c, float linear_m_s, float angular_rad_s, uint32_t stops) {
+    roburoc4_client *client = connection_enter(c, 1);
+    roburoc4_facts facts;
+    roburoc4_result result = ROBUROC4_OK;
+    int renewed;
+    if (client == NULL) {
+        return NULL;
+    }
+    (void)roburoc4_client_facts(client, connection_entered_us(), ROBUROC4_SIZED(&facts));
+    renewed = !facts.armed || facts.stops == stops;
+    if (renewed) {
+        result =
+            roburoc4_client_drive(client, linear_m_s, angular_rad_s, 0, connection_entered_us());
+    }
+    leave_call();
+    return result < 0 ? raise_result(result) : PyBool_FromLong(renewed);
+}
+
 PyObject *move_step(connection *c, roburoc4_move *move) {
     roburoc4_client *client = connection_enter(c, 1);
     uint64_t now_us;

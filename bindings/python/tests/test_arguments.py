@@ -2,6 +2,7 @@
 """Arguments: numbers of any type, and errors that name the value and its range."""
 
 import asyncio
+import math
 import struct
 from collections.abc import Callable
 from pathlib import Path
@@ -61,7 +62,6 @@ Call = Callable[[Robot], object]
         (lambda r: r.drive_for(0, 0, -1), "seconds: -1 .* 0 to"),
         (lambda r: r.record(float("nan")), "seconds: nan .* 0 to"),
         (lambda r: r.sleep(float("nan")), "seconds: nan .* 0 to"),
-        (lambda r: r.sleep(-1), "seconds: -1 .* 0 to"),
         (lambda r: r.arm(timeout=float("nan")), "timeout: nan .* 0 to"),
         (lambda r: r.wait_ready(-1), "timeout: -1 .* 0 to"),
         (lambda r: r.wait_for("battery", "1"), "timeout: '1' .* 0 to"),
@@ -70,6 +70,9 @@ Call = Callable[[Robot], object]
         (lambda r: r.relocalize(0, float("inf"), 0), "y_m: inf .* a finite number"),
         (lambda r: r.go_to(float("nan"), 0), "x_m: nan .* a finite number"),
         (lambda r: r.move(1, speed=0), "speed: 0 .* more than 0, up to 100"),
+        (lambda r: r.move(1, speed="a"), "speed: 'a' .* more than 0, up to 100"),
+        (lambda r: r.move(1, timeout="a"), "timeout: 'a' .* 0.001 to"),
+        (lambda r: r.drive_for("a", 0, 1), "linear_m_s: 'a' .* a finite number"),
         (lambda r: r.digital_outputs[99], "no digital output 99: its 8 are 0 to 7"),
         (lambda r: r.digital_outputs.set({3: "off"}), r"outputs\[3\]: 'off' .* True or False"),
         (lambda r: r.digital_outputs.set({3: float("nan")}), "nan .* True or False"),
@@ -107,6 +110,10 @@ def test_an_argument_error_names_value_and_range(
         ({"period_ms": {"battery": 15}}, "period_ms: {'battery': 15} .* multiples of 10"),
         ({"override_index": 99}, "override_index: 99 .* index to 63"),
         ({"buffer": 3}, "buffer: 3 .* 16 to 1000000"),
+        (
+            {"period_ms": {"battery": 500}, "drive_period_ms": 5},
+            "^drive_period_ms: 5 .* give 10 to 500",
+        ),
     ],
 )
 def test_a_setting_that_cannot_be_used_names_its_range(
@@ -120,9 +127,9 @@ def test_a_setting_that_cannot_be_used_names_its_range(
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
-        ({"timeout": float("nan")}, "timeout: nan .* 0 to"),
-        ({"timeout": -1}, "timeout: -1 .* 0 to"),
-        ({"timeout": "1"}, "timeout: '1' .* 0 to"),
+        ({"timeout": float("nan"), "wait": True}, "timeout: nan .* 0 to"),
+        ({"timeout": -1, "wait": True}, "timeout: -1 .* 0 to"),
+        ({"timeout": "1", "wait": True}, "timeout: '1' .* 0 to"),
         ({"wait": "no"}, "wait: 'no' .* True or False"),
         ({"record_max_s": "a"}, "record_max_s: 'a' .* 0 to"),
         ({"record": "x\0y.pcapng"}, r"record: 'x\\x00y.pcapng' .* a path"),
@@ -148,6 +155,12 @@ def test_connect_names_what_it_cannot_use(
     with pytest.raises(ArgumentError, match=text):
         asyncio.run(connect_in_loop())
     assert not list(tmp_path.iterdir())
+
+
+def test_no_end_no_switch_and_no_time_left_are_accepted(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect(timeout=math.inf, turn_keeping=None) as robot:
+        robot.arm(timeout=math.inf)
+        robot.sleep(-1e-9)
 
 
 def test_threaded_is_true_or_false() -> None:

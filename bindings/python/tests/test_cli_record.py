@@ -3,6 +3,7 @@
 
 import csv
 import json
+import os
 import resource
 import signal
 import subprocess
@@ -275,6 +276,32 @@ def test_without_the_extra_no_file_is_made(tmp_path: Path) -> None:
     assert done.returncode == 2
     assert "[record]" in one_line(done.stderr)
     assert not path.exists()
+
+
+def test_force_spares_another_name_of_the_old_recording(tmp_path: Path) -> None:
+    path, kept = tmp_path / "run.pcapng", tmp_path / "kept.pcapng"
+    path.write_bytes(b"old")
+    kept.hardlink_to(path)
+    with roburoc4.Simulator(port=0) as sim:
+        done = run("record", str(path), "--seconds", "1", "--force", robot=sim.address)
+    assert done.returncode == 0
+    assert kept.read_bytes() == b"old"
+    assert path.stat().st_size > 1000
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes on this system")
+def test_a_recording_may_go_to_a_named_pipe(tmp_path: Path) -> None:
+    pipe, copy = tmp_path / "run.pcapng", tmp_path / "copy.pcapng"
+    os.mkfifo(pipe)
+    with (
+        roburoc4.Simulator(port=0) as sim,
+        copy.open("wb") as out,
+        subprocess.Popen(["cat", str(pipe)], stdout=out),
+    ):
+        done = run("record", str(pipe), "--seconds", "1", robot=sim.address)
+    assert done.returncode == 0
+    assert pipe.is_fifo()
+    assert copy.stat().st_size > 1000
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".mcap", ".pcapng"])

@@ -111,6 +111,26 @@ def test_a_stop_button_ends_a_move(sim: Simulator, end: str) -> None:
         assert sim.state.last_linear_m_s == 0
 
 
+@pytest.mark.parametrize("seconds", [0.01, 60])
+def test_a_stop_between_two_commands_ends_drive_for(
+    sim: Simulator, seconds: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with sim.connect(lease_ms=1000) as robot:
+        sleep = robot.sleep
+
+        def sleep_and_stop(left_s: float) -> None:
+            sleep(left_s)
+            robot.stop()
+
+        robot.arm()
+        monkeypatch.setattr(robot, "sleep", sleep_and_stop)
+        with pytest.raises(roburoc4.RobotError, match="was stopped meanwhile"):
+            robot.drive_for(0.3, 0.0, seconds=seconds)
+        commands = sim.state.nonzero_speed_commands
+        sleep(2)
+        assert sim.state.nonzero_speed_commands == commands
+
+
 def test_an_override_ends_a_move_with_its_remedy(sim: Simulator) -> None:
     def press(result: MoveResult) -> None:
         if result.distance_m > 0.3:

@@ -22,7 +22,7 @@ from typing import Any, Literal, Self, TypeVar, Unpack, overload
 from . import _native
 from .connection import ALL_EVENTS, Connection, EventReader
 from .constants import DEFAULT_HOST, Event, Result, Service
-from .errors import ClosedError, RobotTimeoutError, duration_s, finite, switch
+from .errors import ClosedError, RobotTimeoutError, duration_s, finite, switch, timeout_s
 from .moves import STEP_S, Move, MoveOptions, MoveResult, Progress, arc_options
 from .pump import PumpConnection
 from .records import (
@@ -138,7 +138,7 @@ class Robot(RobotBase):
         reader = self._connection.reader()
         end_s = math.inf
         if timeout is not None:
-            end_s = self._connection.now_s() + duration_s("timeout", timeout)
+            end_s = self._connection.now_s() + timeout_s(timeout)
         while True:
             reader.take_events()
             if found := condition():
@@ -150,7 +150,7 @@ class Robot(RobotBase):
 
     async def wait_ready(self, timeout: float = 10.0) -> None:
         """Wait until the robot is ready and has sent statuses; close and raise after silence."""
-        readiness = self._readiness(duration_s("timeout", timeout))
+        readiness = self._readiness(timeout_s(timeout))
         try:
             await self._wait_until(readiness, None, None)
             await self._wait_until(self._has_first_statuses, None, None)
@@ -186,7 +186,7 @@ class Robot(RobotBase):
 
     async def arm(self, timeout: float = 5.0) -> None:
         """Allow driving, or raise NotArmedError; see :meth:`roburoc4.Robot.arm`."""
-        end_s = self._connection.now_s() + duration_s("timeout", timeout)
+        end_s = self._connection.now_s() + timeout_s(timeout)
         while left_s := self._try_to_arm(end_s):
             await self._bell.wait(min(left_s, LOOK_AGAIN_S))
 
@@ -199,6 +199,7 @@ class Robot(RobotBase):
                 while (left_s := end_s - self._connection.now_s()) > 0:
                     self._renew(linear_m_s, angular_rad_s, stops)
                     await asyncio.sleep(min(left_s, self._renewal_s))
+                self._renew(0.0, 0.0, stops)
             finally:
                 self.stop()
 
@@ -420,4 +421,6 @@ def connect(
     The arguments are those of :func:`roburoc4.connect`. Properties cannot wait here, so this also
     waits for the first status of each service.
     """
-    return _Connecting(host, duration_s("timeout", timeout), switch("wait", wait), settings)
+    if wait := switch("wait", wait):
+        timeout_s(timeout)
+    return _Connecting(host, timeout, wait, settings)

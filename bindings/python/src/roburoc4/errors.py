@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Exceptions. Each has the C library's result as ``code``, and a message with the remedy."""
 
+import math
 from typing import SupportsFloat
 
 from . import _native
@@ -105,9 +106,14 @@ def duration_s(name: str, seconds: float) -> float:
     return float(seconds)
 
 
+def timeout_s(seconds: float) -> float:
+    """Reject values that are not timeouts; infinity is one."""
+    return seconds if seconds == math.inf else duration_s("timeout", seconds)
+
+
 def switch(name: str, value: object, code: int = Result.ARGUMENT) -> bool:
-    """Reject values that are neither true nor false, such as "off", which Python takes as true."""
-    if value not in (True, False):
+    """Reject values that are not true, false or None, such as "off", which Python takes as true."""
+    if value not in (True, False, None):
         raise unusable(name, value, "True or False", code)
     return bool(value)
 

@@ -16,6 +16,7 @@ from .errors import (
     RobotError,
     error_of,
     finite,
+    is_within,
     unusable,
 )
 from .records import LocalizationStatus
@@ -79,18 +80,18 @@ class MoveOptions(NamedTuple):
         """Make the C struct; ArgumentError names invalid values."""
         options = _native.new_move_options()
         timeout_s = self.timeout_s
-        if timeout_s is not None and not 0.001 <= timeout_s <= _LONGEST_S:
+        if timeout_s is not None and not is_within(0.001, timeout_s, _LONGEST_S):
             raise unusable("timeout", timeout_s, f"0.001 to {_LONGEST_S:g} s")
         if timeout_s is not None:
             set_member("move_options", options, "timeout_ms", round(timeout_s * 1000))
         for name in ("linear_m_s", "angular_rad_s"):
             value = getattr(self, name)
-            if value is not None and not 0.0 < value <= 100.0:
+            if value is not None and not (is_within(0.0, value, 100.0) and value > 0.0):
                 raise unusable("speed", value, "more than 0, up to 100")
             if value is not None:
                 set_member("move_options", options, name, value)
         if self.clearance_m is not None:
-            if not 0.0 <= self.clearance_m <= 100.0:
+            if not is_within(0.0, self.clearance_m, 100.0):
                 raise unusable("clearance", self.clearance_m, "0 (ignore telemeters) to 100 m")
             set_member("move_options", options, "clearance_m", self.clearance_m)
         return options

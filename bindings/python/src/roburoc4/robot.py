@@ -9,7 +9,7 @@ from typing import Any, Literal, Self, TypeVar, Unpack, overload
 from . import _native
 from .connection import ALL_EVENTS, resolve
 from .constants import DEFAULT_HOST, Event, Result, Service
-from .errors import NotKnownError, RobotTimeoutError, duration_s, finite, switch
+from .errors import NotKnownError, RobotTimeoutError, duration_s, finite, switch, timeout_s
 from .moves import STEP_S, Move, MoveOptions, MoveResult, Progress, arc_options
 from .pump import PumpConnection
 from .records import (
@@ -63,7 +63,7 @@ class Robot(RobotBase):
         reader = self._connection.reader()
         end_s = math.inf
         if timeout is not None:
-            end_s = self._connection.now_s() + duration_s("timeout", timeout)
+            end_s = self._connection.now_s() + timeout_s(timeout)
         while True:
             reader.take_events()
             if found := condition():
@@ -75,7 +75,7 @@ class Robot(RobotBase):
 
     def wait_ready(self, timeout: float = 10.0) -> None:
         """Wait until the robot is ready, as ``connect`` does; close and raise after silence."""
-        readiness = self._readiness(duration_s("timeout", timeout))
+        readiness = self._readiness(timeout_s(timeout))
         try:
             self._wait_until(readiness, None, None)
         except BaseException:
@@ -134,7 +134,7 @@ class Robot(RobotBase):
 
         Waits if the reason will pass by itself: no status yet, or a robot that is still rolling.
         """
-        end_s = self._connection.now_s() + duration_s("timeout", timeout)
+        end_s = self._connection.now_s() + timeout_s(timeout)
         reader = self._connection.reader()
         while left_s := self._try_to_arm(end_s):
             reader.take_events()
@@ -153,12 +153,13 @@ class Robot(RobotBase):
                 while (left_s := end_s - self._connection.now_s()) > 0:
                     self._renew(linear_m_s, angular_rad_s, stops)
                     self.sleep(min(left_s, self._renewal_s))
+                self._renew(0.0, 0.0, stops)
             finally:
                 self.stop()
 
     def sleep(self, seconds: float) -> None:
-        """Wait on the robot's clock, also in virtual time."""
-        end_s = self._connection.now_s() + duration_s("seconds", seconds)
+        """Wait on the robot's clock, also in virtual time; not at all if ``seconds`` is below 0."""
+        end_s = self._connection.now_s() + duration_s("seconds", max(seconds, 0.0))
         while (left_s := end_s - self._connection.now_s()) > 0:
             self._connection.sleep(left_s)
 
@@ -391,8 +392,8 @@ def connect(
             robot.arm()
             robot.drive_for(0.5, 0.0, seconds=2)
     """
-    duration_s("timeout", timeout)
-    wait = switch("wait", wait)
+    if wait := switch("wait", wait):
+        timeout_s(timeout)
     robot: Robot
     if switch("threaded", threaded):
         robot = Robot(PumpConnection(host, settings), settings)

@@ -334,10 +334,14 @@ class RobotBase:
 
     def _renew(self, linear_m_s: float, angular_rad_s: float, stops: int) -> None:
         """Renew the command of drive_for, unless the robot was stopped since ``stops``."""
-        facts = self.facts
-        if facts.armed and facts.stops != stops:
-            raise RobotError("drive_for ended: stop() was called meanwhile", Result.STATE)
-        self.drive(linear_m_s, angular_rad_s)
+        handle = self._connection.handle
+        try:
+            renewed = _native.renew_drive(handle, linear_m_s, angular_rad_s, stops)
+        except (ArgumentError, OverflowError, TypeError):
+            finite(linear_m_s=linear_m_s, angular_rad_s=angular_rad_s)
+            raise
+        if not renewed:
+            raise RobotError("drive_for ended: the robot was stopped meanwhile", Result.STATE)
 
     @property
     def _renewal_s(self) -> float:

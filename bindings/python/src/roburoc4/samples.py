@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, cast
 
 from .connection import ALL_EVENTS, STATUS_EVENTS, EventReader, events_of_services
 from .constants import Event, Result, Service
-from .errors import ClosedError, RobotTimeoutError, SamplesLostError, duration_s
+from .errors import ClosedError, RobotTimeoutError, SamplesLostError, timeout_s
 from .records import Status
 from .settings import STATUS_SERVICES, service_of
 
@@ -96,7 +96,7 @@ class Patience:
         self._what = what
         self._end_s = math.inf
         if timeout is not None:
-            self._end_s = now_s() + duration_s("timeout", timeout)
+            self._end_s = now_s() + timeout_s(timeout)
 
     def left_s(self) -> float:
         """Return how long to wait now; raises RobotTimeoutError when the time is over."""

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Settings of a client: from keyword arguments to the C library's struct."""
 
+import re
 from collections.abc import Mapping
 from os import PathLike
 from typing import Any, TypedDict
@@ -162,7 +163,11 @@ def _names_of(wrong: str) -> set[str]:
 
 def _wrong(settings: Settings, wrong: str) -> ArgumentError:
     about = _names_of(wrong)
-    given = {name: value for name, value in settings.items() if name in about or name in wrong}
+    given = {
+        name: value
+        for name, value in settings.items()
+        if name in about or re.search(rf"\b{name}\b", wrong)
+    }
     if len(given) == 1:
         name, value = next(iter(given.items()))
         return unusable(name, value, wrong.removeprefix(f"{name}: "), Result.CONFIG)

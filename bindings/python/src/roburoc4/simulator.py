@@ -107,11 +107,12 @@ def _serve(config: "_native.SimConfig", host: str, port: int) -> "_native.Simula
     except (TypeError, ValueError):
         raise unusable("host", host, "an IPv4 address of this machine") from None
     except OSError as error:
+        problem = f"{host}:{port} cannot be used ({error.strerror})"
         if error.errno == errno.EADDRINUSE:
-            problem = "is in use: give another port, or port=0 for a free one"
-        else:
-            problem = f"cannot be used ({error.strerror}): give an IPv4 address of this machine"
-        raise NetworkError(f"{host}:{port} {problem}", Result.SYSTEM) from None
+            problem = f"{host}:{port} is in use: give another port, or port=0 for a free one"
+        elif error.errno in (errno.EADDRNOTAVAIL, errno.EINVAL):
+            problem += ": give an IPv4 address of this machine"
+        raise NetworkError(problem, Result.SYSTEM) from error
 
 
 def _number_of(control: str) -> int:
@@ -146,7 +147,7 @@ class Simulator:
     ) -> None:
         self._process = os.getpid()
         self._closed = False
-        if port is not None and not is_within(0, port, 65535):
+        if port is not None and not (is_within(0, port, 65535) and port == int(port)):
             raise unusable("port", port, "0 to 65535")
         config = _config_of(seed, settings)
         self._virtual = port is None
@@ -154,7 +155,7 @@ class Simulator:
             self._sim = _native.simulation_in_world(config)
             self._address = "virtual"
         else:
-            self._sim = _serve(config, host, port)
+            self._sim = _serve(config, host, int(port))
             self._address = f"{host}:{_native.simulation_port(self._sim)}"
         self._closing = threading.Lock()
 

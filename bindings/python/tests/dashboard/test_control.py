@@ -4,16 +4,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from types import SimpleNamespace
 from typing import cast
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from station import until
 
 import roburoc4
 from roburoc4.dashboard.control import FORGOTTEN_S, Control, ControlError, Input, Viewer, limits_of
+from roburoc4.dashboard.going import Going
 from roburoc4.dashboard.ticks import Ticks
 
 LEASE_S = 0.25
@@ -95,6 +98,31 @@ def test_an_input_that_is_older_than_the_lease_is_dropped(scene: Scene) -> None:
     scene.sim.step(0.1)
     assert not scene.driven
     assert scene.control.dropped == 1
+
+
+def test_another_place_waits_until_the_first_move_has_ended() -> None:
+    under_way: list[float] = []
+
+    def go_to(x_m: float, _: float, *, speed: float, on_progress: Callable[[None], None]) -> None:
+        if under_way:
+            raise roburoc4.RobotError("a move is under way", roburoc4.Result.STATE)
+        under_way.append(x_m)
+        try:
+            while speed > 0.0:
+                time.sleep(0.1)
+                on_progress(None)
+        finally:
+            under_way.clear()
+
+    robot = cast(roburoc4.Robot, SimpleNamespace(now_s=0.0, go_to=go_to))
+    first = Going(robot, 1.0, 0.0, 0.5, math.inf)
+    until(lambda: under_way == [1.0])
+    first.end()
+    second = Going(robot, 2.0, 0.0, 0.5, math.inf, first)
+    until(lambda: under_way == [2.0])
+    second.end()
+    until(lambda: not second.on)
+    assert first.why == second.why == "the move was ended"
 
 
 def test_no_timer_renews(scene: Scene) -> None:

@@ -27,14 +27,19 @@ _LOOK_S = 0.2
 def run(options: RecordOptions) -> int:
     """Record until the time is over."""
     try:
-        options.file.open("wb").close()  # it has contents only if --force allows replacing it
-        options.file.unlink()
+        if options.file.is_file():
+            options.file.unlink()  # it has contents only if --force allows replacing it
+        is_new = not options.file.exists()  # not a pipe
+        if is_new:
+            options.file.open("xb").close()
+            options.file.unlink()
     except OSError as error:
         raise unwritable(options.file, error) from None
     try:
         return _record(options)
     finally:
-        _remove_without_answer(options.file)
+        if is_new:
+            _remove_without_answer(options.file)
 
 
 def _record(options: RecordOptions) -> int:

@@ -99,6 +99,7 @@ class Control:
         self.dropped = 0
         """Inputs that were too old, or answered no tick of this page."""
         self.going: Going | None = None
+        self._gone: Going | None = None
         self._armed = False
         self._floor = 0
         self.must_let_go = True
@@ -241,12 +242,12 @@ class Control:
             raise ControlError("the robot is disarmed: arm it first")
         self._end_going()
         self.why = ""
-        self.going = Going(self._robot, x_m, y_m, speed, now_s + left_s)
+        self.going = Going(self._robot, x_m, y_m, speed, now_s + left_s, self._gone)
 
     def _end_going(self) -> None:
         if self.going is not None:
             self.going.end()
-            self.going = None
+            self._gone, self.going = self.going, None
 
     def _let_go(self) -> None:
         if self.must_let_go and self._robot.facts.armed:

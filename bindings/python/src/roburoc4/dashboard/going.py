@@ -17,7 +17,16 @@ class _EndedError(Exception):
 class Going:
     """The robot's move, in a thread; it continues only while ``renew`` is called."""
 
-    def __init__(self, robot: Robot, x_m: float, y_m: float, speed: float, end_s: float) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        x_m: float,
+        y_m: float,
+        speed: float,
+        end_s: float,
+        before: Going | None = None,
+    ) -> None:
+        """Begin when ``before``, which was ended, has stopped."""
         self.place = (x_m, y_m)
         self.why = ""
         """Why it did not arrive."""
@@ -25,7 +34,7 @@ class Going:
         self._speed = speed
         self._ended = False
         self.renew(end_s)
-        self._thread = threading.Thread(target=self._go, daemon=True)
+        self._thread = threading.Thread(target=self._go, args=(before,), daemon=True)
         self._thread.start()
 
     @property
@@ -41,7 +50,9 @@ class Going:
         """Stop at the next step."""
         self._ended = True
 
-    def _go(self) -> None:
+    def _go(self, before: Going | None) -> None:
+        if before is not None:
+            before._thread.join()  # it stops the robot as its last act
         try:
             self._robot.go_to(*self.place, speed=self._speed, on_progress=self._look)
         except _EndedError:
