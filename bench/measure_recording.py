@@ -97,7 +97,7 @@ def main():
             seconds, read_mb = child(sys.executable, "-c", READ, path)
             part.add(f"{name}: read", "roburoc4", "s", seconds)
             part.add(f"{name}: read, memory", "roburoc4", "MB", read_mb)
-            seconds, report_mb = child(roburoc4, "report", path, "-o", f"{out}.html")
+            seconds, report_mb = child(roburoc4, "report", path, "--force", "-o", f"{out}.html")
             part.add(f"{name}: report", "roburoc4", "s", seconds)
             part.add(f"{name}: report, memory", "roburoc4", "MB", report_mb)
             part.add(
