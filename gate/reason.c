@@ -42,12 +42,12 @@ static bool is_about_age(const gate_rejection *rejection, const gate_rules *rule
 static void write_age(char *room, size_t capacity, const gate_rejection *rejection,
                       const gate_rules *rules, gate_time now) {
     double age_s = (double)(now.utime - rejection->utime) / 1e6;
-    (void)snprintf(room, capacity,
-                   "by its %s it is %.3f s %s (--max-age-ms %u): a replayed log, a slow network, "
-                   "or clocks that "
-                   "differ: set both by NTP (--max-age-ms 0 accepts all ages, including replays)",
-                   rejection->utime_word, age_s < 0 ? -age_s : age_s,
-                   age_s < 0 ? "in the future" : "old", rules->max_age_us / 1000u);
+    (void)snprintf(
+        room, capacity,
+        "by its %s it is %.3f s %s (--max-age-ms %u): a replayed log, a slow network, or clocks "
+        "that differ: set both by NTP (--max-age-ms 0 accepts all ages, including replays)",
+        rejection->utime_word, age_s < 0 ? -age_s : age_s, age_s < 0 ? "in the future" : "old",
+        rules->max_age_us / 1000u);
 }
 
 void gate_reason(char *room, size_t capacity, const gate_rejection *rejection,

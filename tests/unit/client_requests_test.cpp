@@ -26,6 +26,12 @@ void silence(ScriptedRobot &robot, std::uint8_t action, const bool &silent, int 
     };
 }
 
+/** Types of another maker, so that only texts identify the services. */
+void hide_types(ScriptedRobot &robot) {
+    for (ScriptedService &service : robot.services)
+        service.type = 0x7100;
+}
+
 } // namespace
 
 TEST(Retry, ComesFirstAfterAHundredMillisecondsAndDoublesToASecond) {
@@ -109,8 +115,7 @@ TEST(Request, HasAnIdThatNoOtherOpenOneHas) {
 
 TEST(Request, SeveralAreInFlightAtOnce) {
     ScriptedRobot robot;
-    for (ScriptedService &service : robot.services)
-        service.type = 0x7100; /* of another maker: texts must tell */
+    hide_types(robot);
     bool silent = true;
     silence(robot, ROBUROC4_ACTION_QUERY, silent);
     Bench bench(robot);
@@ -366,8 +371,7 @@ TEST(ErrorTelegram, EndsAllTextRequestsForAWhile) {
 
 TEST(ErrorTelegram, EndsTextRequestsForServicesForAWhile) {
     ScriptedRobot robot;
-    for (ScriptedService &service : robot.services)
-        service.type = 0x7100; /* of another maker: texts must tell */
+    hide_types(robot);
     bool silent = true;
     silence(robot, ROBUROC4_ACTION_QUERY, silent);
     Bench bench(robot);
@@ -912,8 +916,7 @@ TEST(FixedId, AnAmbiguousTextNamesNoService) {
      */
     robot.service(ROBUROC4_SERVICE_TELEMETER).text = robot.service(ROBUROC4_SERVICE_IOCARD).text;
     robot.service(ROBUROC4_SERVICE_IOCARD).text = "Notification";
-    for (ScriptedService &service : robot.services)
-        service.type = 0x7100; /* of another maker */
+    hide_types(robot);
     roburoc4_config config = default_config();
     config.options = ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE;
     Bench bench(robot, config);
@@ -930,8 +933,8 @@ namespace {
 
 /** Only texts tell which service is which. */
 void name_services_by_text(ScriptedRobot &robot) {
+    hide_types(robot);
     for (ScriptedService &service : robot.services) {
-        service.type = 0x7100; /* of another maker */
         if (service.id > ROBUROC4_SERVICE_NOTIFICATION)
             service.id = static_cast<std::uint16_t>(service.id + 50);
     }

@@ -120,12 +120,17 @@ def test_iteration_ends_at_close(served: Simulator) -> None:
     assert asyncio.run(program()) > 0
 
 
+async def driving(robot: roburoc4.aio.Robot, served: Simulator) -> asyncio.Task[None]:
+    await robot.arm()
+    task = asyncio.create_task(robot.drive_for(0.5, 0.0, seconds=60))
+    await asyncio.to_thread(until, lambda: served.state.last_linear_m_s != 0)
+    return task
+
+
 def test_cancelling_a_drive_stops_the_robot(served: Simulator) -> None:
     async def program() -> None:
         async with roburoc4.aio.connect(served.address) as robot:
-            await robot.arm()
-            task = asyncio.create_task(robot.drive_for(0.5, 0.0, seconds=60))
-            await asyncio.to_thread(until, lambda: served.state.last_linear_m_s != 0)
+            task = await driving(robot, served)
             task.cancel()
             with pytest.raises(asyncio.CancelledError):
                 await task
@@ -138,9 +143,7 @@ def test_cancelling_a_drive_stops_the_robot(served: Simulator) -> None:
 def test_stop_in_another_task_ends_a_drive(served: Simulator) -> None:
     async def program() -> None:
         async with roburoc4.aio.connect(served.address) as robot:
-            await robot.arm()
-            task = asyncio.create_task(robot.drive_for(0.5, 0.0, seconds=60))
-            await asyncio.to_thread(until, lambda: served.state.last_linear_m_s != 0)
+            task = await driving(robot, served)
             robot.stop()
             with pytest.raises(roburoc4.RobotError, match="stop"):
                 await task

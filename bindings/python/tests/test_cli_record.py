@@ -90,21 +90,27 @@ def test_a_file_with_contents_is_not_replaced_unasked(tmp_path: Path) -> None:
     assert _read(path)
 
 
-def test_on_a_full_disk_the_file_ends_after_a_whole_row(tmp_path: Path) -> None:
-    path = tmp_path / "run.csv"
-    room = 4001
+ROOM = 4001
+
+
+def _record_on_a_full_disk(path: Path, seconds: str) -> subprocess.CompletedProcess[str]:
     with roburoc4.Simulator(port=0) as sim:
-        done = subprocess.run(
-            [COMMAND, "record", str(path), "--seconds", "20"],
+        return subprocess.run(
+            [COMMAND, "record", str(path), "--seconds", seconds],
             env=environment(sim.address),
             capture_output=True,
             text=True,
             timeout=120,
             check=False,
-            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (room, room)),
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (ROOM, ROOM)),
         )
+
+
+def test_on_a_full_disk_the_file_ends_after_a_whole_row(tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    done = _record_on_a_full_disk(path, "20")
     rows = _read(path)
-    assert path.stat().st_size <= room
+    assert path.stat().st_size <= ROOM
     assert path.read_bytes().endswith(b"\r\n")
     assert len(rows) > 5
     assert None not in rows[-1].values()
@@ -233,16 +239,7 @@ def test_a_missing_folder_is_one_line_for_pcapng(tmp_path: Path) -> None:
 
 def test_on_a_full_disk_a_pcapng_file_ends_with_code_1(tmp_path: Path) -> None:
     path = tmp_path / "run.pcapng"
-    with roburoc4.Simulator(port=0) as sim:
-        done = subprocess.run(
-            [COMMAND, "record", str(path), "--seconds", "2"],
-            env=environment(sim.address),
-            capture_output=True,
-            text=True,
-            timeout=120,
-            check=False,
-            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4001, 4001)),
-        )
+    done = _record_on_a_full_disk(path, "2")
     assert done.returncode == 1
     assert f"missing in {path}" in one_line(done.stderr)
 

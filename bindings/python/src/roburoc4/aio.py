@@ -13,7 +13,6 @@ hangs, the robot is stopped. Methods that do not wait are those of :class:`robur
 
 import asyncio
 import contextlib
-import math
 import threading
 import weakref
 from collections.abc import AsyncIterator, Callable, Generator
@@ -21,8 +20,8 @@ from typing import Any, Literal, Self, TypeVar, Unpack, overload
 
 from . import _native
 from .connection import ALL_EVENTS, Connection, EventReader
-from .constants import DEFAULT_HOST, Event, Result, Service
-from .errors import ClosedError, RobotTimeoutError, duration_s, finite, switch, timeout_s
+from .constants import DEFAULT_HOST, Event, Service
+from .errors import ClosedError, duration_s, finite, switch, timeout_s
 from .moves import STEP_S, Move, MoveOptions, MoveResult, Progress, arc_options
 from .pump import PumpConnection
 from .records import (
@@ -136,17 +135,12 @@ class Robot(RobotBase):
         self, condition: Callable[[], _T], timeout: float | None, what: object
     ) -> _T:
         reader = self._connection.reader()
-        end_s = math.inf
-        if timeout is not None:
-            end_s = self._connection.now_s() + timeout_s(timeout)
+        patience = Patience(self._connection.now_s, timeout, name_of(what))
         while True:
             reader.take_events()
             if found := condition():
                 return found
-            left_s = end_s - self._connection.now_s()
-            if left_s <= 0:
-                raise RobotTimeoutError(f"{name_of(what)} within {timeout:g} s", Result.TIMEOUT)
-            await self._bell.wait(min(left_s, LOOK_AGAIN_S))
+            await self._bell.wait(min(patience.left_s(), LOOK_AGAIN_S))
 
     async def wait_ready(self, timeout: float = 10.0) -> None:
         """Wait until the robot is ready and has sent statuses; close and raise after silence."""

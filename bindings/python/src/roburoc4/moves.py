@@ -125,7 +125,7 @@ class Move:
         self._refuse_disarmed()
         try:
             _native.roburoc4_move_by(self._move, distance_m, angle_rad, self._options)
-        except (ArgumentError, OverflowError):
+        except ArgumentError:
             raise ArgumentError(
                 f"{distance_m} m and {angle_rad} rad is too far: give m within 10 km, and rad "
                 "within 10000",

@@ -2,13 +2,12 @@
 """The blocking robot, and the function that connects to one."""
 
 import contextlib
-import math
 from collections.abc import Callable
 from typing import Any, Literal, Self, TypeVar, Unpack, overload
 
 from . import _native
 from .connection import ALL_EVENTS, resolve
-from .constants import DEFAULT_HOST, Event, Result, Service
+from .constants import DEFAULT_HOST, Event, Service
 from .errors import NotKnownError, RobotTimeoutError, duration_s, finite, switch, timeout_s
 from .moves import STEP_S, Move, MoveOptions, MoveResult, Progress, arc_options
 from .pump import PumpConnection
@@ -28,7 +27,16 @@ from .robot_base import (
     name_of,
     true_or_unknown,
 )
-from .samples import EventQueue, Events, Reader, Recording, Statuses, mask_of, name_of_statuses
+from .samples import (
+    EventQueue,
+    Events,
+    Patience,
+    Reader,
+    Recording,
+    Statuses,
+    mask_of,
+    name_of_statuses,
+)
 from .settings import Settings, service_of
 from .udp import SocketConnection
 
@@ -61,17 +69,12 @@ class Robot(RobotBase):
 
     def _wait_until(self, condition: Callable[[], _T], timeout: float | None, what: object) -> _T:
         reader = self._connection.reader()
-        end_s = math.inf
-        if timeout is not None:
-            end_s = self._connection.now_s() + timeout_s(timeout)
+        patience = Patience(self._connection.now_s, timeout, name_of(what))
         while True:
             reader.take_events()
             if found := condition():
                 return found
-            left_s = end_s - self._connection.now_s()
-            if left_s <= 0:
-                raise RobotTimeoutError(f"{name_of(what)} within {timeout:g} s", Result.TIMEOUT)
-            reader.wait(ALL_EVENTS, min(left_s, LOOK_AGAIN_S))
+            reader.wait(ALL_EVENTS, min(patience.left_s(), LOOK_AGAIN_S))
 
     def wait_ready(self, timeout: float = 10.0) -> None:
         """Wait until the robot is ready, as ``connect`` does; close and raise after silence."""

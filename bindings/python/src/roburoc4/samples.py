@@ -90,10 +90,10 @@ class Reader(Generic[_S]):
 class Patience:
     """How long to wait for the next item; None: forever."""
 
-    def __init__(self, now_s: Callable[[], float], timeout: float | None, what: str) -> None:
+    def __init__(self, now_s: Callable[[], float], timeout: float | None, missing: str) -> None:
         self._now_s = now_s
         self._timeout = timeout
-        self._what = what
+        self._missing = missing
         self._end_s = math.inf
         if timeout is not None:
             self._end_s = now_s() + timeout_s(timeout)
@@ -102,14 +102,14 @@ class Patience:
         """Return how long to wait now; raises RobotTimeoutError when the time is over."""
         left_s = self._end_s - self._now_s()
         if left_s <= 0.0:
-            raise RobotTimeoutError(f"no {self._what} within {self._timeout:g} s", Result.TIMEOUT)
+            raise RobotTimeoutError(f"{self._missing} within {self._timeout:g} s", Result.TIMEOUT)
         return min(left_s, _PATIENCE_S)
 
 
 def name_of_statuses(services: tuple[str | Service, ...]) -> str:
     """Describe what did not arrive."""
     names = " or ".join(service_of(service).name.lower() for service in services)
-    return f"{names} status".strip()
+    return "no " + f"{names} status".strip()
 
 
 class EventQueue:
@@ -128,7 +128,7 @@ class EventQueue:
 
     def patience(self) -> Patience:
         """Start to wait for the next one."""
-        return Patience(self.reader.now_s, self._timeout, "event")
+        return Patience(self.reader.now_s, self._timeout, "no event")
 
 
 class Events(Iterator[Event]):
