@@ -46,7 +46,7 @@ static int application(uint32_t events, uint64_t now_us) {
             if (pose.x_m < 1.0) {
                 roburoc4_client_drive(&client, 0.5f, 0.0f, 0, now_us);
             } else {
-                roburoc4_client_disarm(&client, now_us);
+                roburoc4_client_stop(&client, now_us);
                 printf("%5.2f s  stopping at x %.2f m\n", now_s, pose.x_m);
                 phase = STOPPING;
             }

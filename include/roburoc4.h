@@ -113,7 +113,7 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_EVENT_ARMED 0x00000800        /* became armed */
 #define ROBUROC4_EVENT_DISARMED 0x00001000     /* disarmed; see disarm_cause */
 #define ROBUROC4_EVENT_LEASE_OVER 0x00002000   /* a lease expired */
-#define ROBUROC4_EVENT_STOPPED 0x00004000      /* a stop sequence ended */
+#define ROBUROC4_EVENT_STOPPED 0x00004000      /* a stop sequence ended, confirmed by the robot */
 #define ROBUROC4_EVENT_OVERRIDE 0x00008000     /* game pad [A] was pressed or released */
 #define ROBUROC4_EVENT_OTHER_COMMANDER 0x00010000   /* another client commands, or no longer */
 #define ROBUROC4_EVENT_INHIBITED 0x00020000         /* commanded but not moving, or no longer */
@@ -128,6 +128,15 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 #define ROBUROC4_EVENT_DESCRIPTIONS_DONE 0x04000000 /* every text was answered or given up */
 #define ROBUROC4_EVENT_ROLE 0x08000000    /* a text identified the input for a ROBUROC4_ROLE_* */
 #define ROBUROC4_EVENT_ARMABLE 0x10000000 /* arm() would now be accepted */
+#define ROBUROC4_EVENT_STOP_UNCONFIRMED                                                            \
+    0x20000000 /* a stop sequence ended without the robot's confirmation; see stop_outcome */
+
+/** How the last stop sequence ended: stop_outcome of roburoc4_facts. */
+#define ROBUROC4_STOP_NONE 0       /* none was sent yet */
+#define ROBUROC4_STOP_RUNNING 1    /* it has not ended */
+#define ROBUROC4_STOP_CONFIRMED 2  /* a status that was made after it began shows both targets 0 */
+#define ROBUROC4_STOP_TIMED_OUT 3  /* robot_watchdog_ms passed without such a status */
+#define ROBUROC4_STOP_OVERRIDDEN 4 /* [A] was held, so the robot may have ignored the zeros */
 
 /** What an IO input is for, independent of its index. */
 #define ROBUROC4_ROLE_OVERRIDE 0     /* digital: game pad [A] */
@@ -141,6 +150,8 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
  *  manual's table decides, provided that the robot refused that input's text and has as many
  *  channels as in the manual. Other roles are found by their text, else by the manual's table. */
 #define ROBUROC4_INDEX_AUTO (-1)
+/** In iocard_id and differential_id: find the service. */
+#define ROBUROC4_ID_AUTO (-1)
 
 /** Bits of roburoc4_config.options. */
 /* preserve curvature: if one speed exceeds its limit, reduce both by the same factor */
@@ -172,14 +183,20 @@ typedef struct roburoc4_config {
     uint32_t lease_ms;          /* how long a drive command lasts; 20 to 1000; default 250 */
     uint32_t robot_watchdog_ms; /* the robot's own watchdog, bounds the stop sequence; 100 to 60000;
                                    default 1000 */
-    float max_linear_m_s;       /* ceiling of speed; 0.001 to 20; default 2.6 */
-    float max_angular_rad_s;    /* ceiling of turn rate; 0.001 to 50; default 6.5 */
+    float max_linear_m_s;       /* ceiling of speed; 0.001 to 20; default 1.0 */
+    float max_angular_rad_s;    /* ceiling of turn rate; 0.001 to 50; default 1.5 */
     float scale_linear;         /* factor for speeds given to drive(); 0.01 to 10; default 1 */
     float scale_angular;        /* likewise */
     uint32_t options;           /* ROBUROC4_OPTION_*; default 0 */
     /** By ROBUROC4_ROLE_*: index of the input on the wire, or ROBUROC4_INDEX_AUTO (default);
      *  to 63 for the digital ones, 15 for the analog one. */
     int16_t role_index[4];
+    uint32_t lapse_disarm_ms; /* a lease that expired and was not renewed for this long disarms; 0 to
+                                 60000; default 1000. What pause() ended stays armed */
+    /** Ids of services on the wire, for a robot whose types and texts do not identify them; they
+     *  must be in its directory. ROBUROC4_ID_AUTO (default): found by type, text, or the manual's
+     *  id. */
+    int32_t iocard_id, differential_id;
 } roburoc4_config;
 
 /** Set all defaults; `size` is sizeof(roburoc4_config). A program that was compiled with an older
@@ -257,16 +274,18 @@ ROBUROC4_API uint32_t roburoc4_client_state(const roburoc4_client *client);
 ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint32_t counter);
 
 /* Motion. A drive command is a lease: the target holds for lease_us unless it is renewed. However
- * driving ends (lease over, stop, disarm, or an automatic disarm), the stop sequence follows: zero
+ * driving ends (lease over, pause, stop, or an automatic disarm), the stop sequence follows: zero
  * commands, one per drive period, at least three, until a status that was made after the first of
- * them shows both targets 0, or robot_watchdog_ms has passed. A new lease waits for its end. The
- * first zero after a speed is sent at once; all other commands are at least a robot cycle (10 ms)
- * apart. */
+ * them shows both targets 0, or robot_watchdog_ms has passed. Nothing confirms it while [A] is
+ * held; it is sent again when [A] is released, and for as long as a fresh status shows a target of
+ * ours without a lease. A new lease waits for its end. The first zero after a speed is sent at once;
+ * all other commands are at least a robot cycle (10 ms) apart. */
 
 /** Allow driving. Returns 0, or the first reason against it: ROBUROC4_ERR_NOT_READY,
  *  _NO_DIFFERENTIAL, _LIMITS, _STALE_DIFFERENTIAL, _STALE_IOCARD, _OVERRIDE_UNKNOWN, _OVERRIDE,
  *  _OTHER_COMMANDER, _MOVING. While armed, the client disarms itself as soon as one of these
- *  reasons except _MOVING applies, or when the robot does not follow its speeds for half a second.
+ *  reasons except _MOVING applies, when the robot does not follow its speeds (_INHIBITED), when
+ *  commands reach it late (_UPLINK), and lapse_disarm_ms after a lease expired (_LAPSED).
  *  Arming an armed client is fine. A ready client may not be armable yet, as the first statuses
  *  come later: ROBUROC4_EVENT_ARMABLE is raised whenever arming becomes possible;
  *  roburoc4_pump_arm() waits for it. */
@@ -274,19 +293,26 @@ ROBUROC4_API roburoc4_result roburoc4_client_arm(roburoc4_client *client, uint64
 /** 1 if a reason against arming may go away by itself (no answer or status yet, the robot still
  *  rolls), so that trying again makes sense; else 0, also for a value that is not a reason. */
 ROBUROC4_API int32_t roburoc4_refusal_may_pass(roburoc4_result refusal);
-/** Forbid driving and stop. Always possible; returns 0. */
-ROBUROC4_API roburoc4_result roburoc4_client_disarm(roburoc4_client *client, uint64_t now_us);
+/** The greatest speeds that drive() accepts: beyond those of any RobuROC4, so a larger one is a
+ *  mistake of units. */
+#define ROBUROC4_MAX_DRIVE_M_S 5.0f
+#define ROBUROC4_MAX_DRIVE_RAD_S 10.0f
 /** Drive at these speeds for lease_us (0: the configured lease; else 20000 to 1000000) from now.
  *  The speeds are scaled, then reduced together if ROBUROC4_OPTION_TURN_KEEPING is set, then
- *  clamped to the robot's limits and the ceilings. ROBUROC4_ERR_NOT_FINITE, _ARGUMENT (lease), or
- *  why the client is not armed; then nothing changes. */
+ *  clamped to the robot's limits and the ceilings. ROBUROC4_ERR_NOT_FINITE, _UNITS (more than
+ *  ROBUROC4_MAX_DRIVE_M_S or _RAD_S), _ARGUMENT (lease), or why the client is not armed; then
+ *  nothing changes. */
 ROBUROC4_API roburoc4_result roburoc4_client_drive(roburoc4_client *client, float linear_m_s,
                                                    float angular_rad_s, uint32_t lease_us,
                                                    uint64_t now_us);
-/** End the lease and send a stop sequence, armed or not, now or as soon as the differential service
- *  is known. The client stays armed: a loop elsewhere in the program that renews drive() must watch
- *  `stops` of roburoc4_client_facts(), else it drives on. ROBUROC4_ERR_STATE unless started. */
+/** Stop the robot, and disarm: end the lease and send a stop sequence, armed or not, now or as soon
+ *  as the differential service is known. drive() is refused (ROBUROC4_ERR_STOPPED) until somebody
+ *  calls arm() again. ROBUROC4_ERR_STATE if idle or closing: then nothing is to be stopped, and
+ *  nothing changes. */
 ROBUROC4_API roburoc4_result roburoc4_client_stop(roburoc4_client *client, uint64_t now_us);
+/** As stop(), but stay armed: the program's own end of driving, after which it may drive() again.
+ *  ROBUROC4_ERR_STATE if idle or closing. */
+ROBUROC4_API roburoc4_result roburoc4_client_pause(roburoc4_client *client, uint64_t now_us);
 
 /** The client's and the robot's current state. */
 typedef struct roburoc4_facts {
@@ -303,15 +329,25 @@ typedef struct roburoc4_facts {
     uint8_t fixed_id;        /* 1: the robot answers every request with 0x01 */
     uint8_t front_bumper;    /* 1: pressed, by the last IO status */
     uint8_t rear_bumper;
-    uint8_t descriptions_done; /* 1: every text was answered or given up */
-    uint8_t battery_low;       /* 1: remaining is below minimum_percent, or the state is Critical */
+    uint8_t front_bumper_known; /* 1: `front_bumper` is valid: its input is known, and a status of
+                                   it was received since the robot was found */
+    uint8_t rear_bumper_known;  /* likewise */
+    uint8_t battery_low;        /* 1: remaining is below minimum_percent, or the state is Critical */
+    uint8_t battery_known;      /* 1: `battery_low` is valid */
+    uint8_t descriptions_done;  /* 1: every text was answered or given up */
+    uint8_t lapsed;             /* 1: the last lease expired, and none was granted since */
+    uint8_t stop_outcome;       /* ROBUROC4_STOP_* of the last stop sequence */
+    uint8_t missing; /* subscriptions without data: bits 1u << ROBUROC4_SERVICE_* of services that
+                        the robot does not list, or whose subscription it refused */
+    uint8_t reserved[2];
     int32_t disarm_cause;      /* why the client is not armed; 0 while armed */
     int32_t arm_refusal;       /* what roburoc4_client_arm() would return */
     int32_t relocalize_result; /* of the last one: 0, ROBUROC4_ERR_TIMEOUT or _ROBOT; _UNKNOWN
                                   before the first, and until it is answered */
     uint32_t lease_left_us;    /* 0 when not driving */
     float sent_linear_m_s, sent_angular_rad_s; /* the last speeds sent; 0 after a stop */
-    uint32_t stops; /* calls of stop(), and how often it disarmed, since start() */
+    uint32_t age_us[8]; /* by ROBUROC4_SERVICE_*: how old the last status can be at most, now;
+                           UINT32_MAX if there is none, or it is from before the robot was found */
 } roburoc4_facts;
 /** ROBUROC4_ERR_SIZE for a size that the library does not know. */
 ROBUROC4_API roburoc4_result roburoc4_client_facts(const roburoc4_client *client, uint64_t now_us,
@@ -525,7 +561,8 @@ typedef struct roburoc4_private_drive {
     uint64_t granted_us, sent_us, stop_us, still_us, envelope_us;
     uint32_t lease_us;
     int32_t disarm_cause;
-    uint32_t stops, reserved;
+    uint8_t lapsed, outcome, resend, reserved;
+    uint32_t spare;
     float target[2], sent[2];
     float low[2], high[2], low_before[2], high_before[2];
 } roburoc4_private_drive;

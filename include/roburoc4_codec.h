@@ -53,7 +53,7 @@ typedef int32_t roburoc4_result;
 #define ROBUROC4_ERR_OLD (-16)          /* a status not newer than the last of its service */
 #define ROBUROC4_ERR_TIMEOUT (-17)      /* none of a request's tries was answered */
 /* why a client is not armed, or arm() or drive() was refused */
-#define ROBUROC4_ERR_DISARMED (-20)           /* never armed, or disarm() was called */
+#define ROBUROC4_ERR_DISARMED (-20)           /* never armed, or closed */
 #define ROBUROC4_ERR_NOT_READY (-21)          /* the client is not in ROBUROC4_STATE_READY */
 #define ROBUROC4_ERR_NO_DIFFERENTIAL (-22)    /* no differential service with full properties */
 #define ROBUROC4_ERR_LIMITS (-23)             /* the robot's speed limits are not usable */
@@ -67,6 +67,11 @@ typedef int32_t roburoc4_result;
 #define ROBUROC4_ERR_REBOOT (-31)             /* the robot restarted */
 #define ROBUROC4_ERR_CLOCK (-32)              /* the clock went back */
 #define ROBUROC4_ERR_INHIBITED (-33)          /* the robot does not follow its commands */
+#define ROBUROC4_ERR_STOPPED (-34)            /* stop() was called */
+#define ROBUROC4_ERR_LAPSED (-35)             /* a lease expired, and the program did not renew it */
+#define ROBUROC4_ERR_UPLINK (-36)             /* commands reach the robot late, or not at all */
+#define ROBUROC4_ERR_UNITS (-37)              /* a speed beyond any RobuROC4: mm/s, degrees? */
+#define ROBUROC4_ERR_NOT_SUBSCRIBED (-38)     /* the robot refused a subscription for driving */
 /* of the UDP adapter and the pump (roburoc4_udp.h, roburoc4_pump.h) */
 #define ROBUROC4_ERR_SYSTEM (-40)  /* the operating system refused; errno says why */
 #define ROBUROC4_ERR_RESOLVE (-41) /* a host name has no address */

@@ -41,7 +41,7 @@
  *                 present speed. Turns in place do not use telemeters. TELEMETERS MISS THINGS: thin
  *                 legs, soft or slanted surfaces, everything outside of their cones. Backing away
  *                 from an obstacle is possible.
- *   The end       Whatever the result, the last step calls roburoc4_client_stop(), which sends a
+ *   The end       Whatever the result, the last step calls roburoc4_client_pause(), which sends a
  *                 stop sequence. After ROBUROC4_MOVE_REACHED the robot is at rest; after the others
  *                 it may still roll: roburoc4_move_rest() waits for that.
  *
@@ -71,7 +71,8 @@ extern "C" {
 #define ROBUROC4_MOVE_LOST 6            /* no fresh statuses of what the move needs */
 #define ROBUROC4_MOVE_OTHER_COMMANDER 7 /* another client commands the robot */
 #define ROBUROC4_MOVE_TIMEOUT 8
-#define ROBUROC4_MOVE_CANCELLED 9 /* by roburoc4_move_cancel() or client_stop(), or not armed */
+#define ROBUROC4_MOVE_CANCELLED 9 /* by roburoc4_move_cancel(), client_pause() or client_stop() */
+#define ROBUROC4_MOVE_LAPSED 10   /* the program hung: a lease of the move expired */
 
 /** A result as one English sentence without a full stop: what happened and what to do. "unknown
  *  result" for an invalid number. Valid as long as the program runs. */
@@ -121,7 +122,7 @@ typedef struct roburoc4_move {
     uint8_t private_kind, private_leg, private_ready, private_planned;
     uint8_t private_still, private_bumpers, private_posed, private_begun;
     uint8_t private_reserved[2];
-    uint16_t private_stops;
+    uint8_t private_driven, private_padding;
     uint32_t private_spare[8];
 } roburoc4_move;
 
@@ -149,9 +150,9 @@ ROBUROC4_API roburoc4_result roburoc4_move_rest(roburoc4_move *move,
 
 /** Read the client's latest values and propose the next speeds. Call it after each receive(), and
  *  before the drive() that it proposes. The first steps propose 0 until the statuses that the move
- *  needs have arrived, at most 1 s. The last one calls roburoc4_client_stop(). Any call of
- *  roburoc4_client_stop() since the first step, such as by a stop button, ends the move as
- *  ROBUROC4_MOVE_CANCELLED. Returns move->result; an ended move does nothing. */
+ *  needs have arrived, at most 1 s. The last one calls roburoc4_client_pause(). A lease that ends
+ *  without the move ends the move: as ROBUROC4_MOVE_CANCELLED after roburoc4_client_stop() or
+ *  _pause() elsewhere in the program, as ROBUROC4_MOVE_LAPSED if it expired. Returns move->result; an ended move does nothing. */
 ROBUROC4_API int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client,
                                         uint64_t now_us);
 /** The input of a move. roburoc4_move_step() takes it from a client. If another process has the

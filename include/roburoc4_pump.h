@@ -111,14 +111,13 @@ ROBUROC4_API void roburoc4_pump_unlock(roburoc4_pump *pump);
 /** Arm as soon as possible, waiting at most timeout_us. Returns 0, or the reason against it, as
  *  roburoc4_client_arm() does: at once if it does not go away by itself (see
  *  roburoc4_refusal_may_pass()), such as a held game pad, else after the time.
- *  ROBUROC4_ERR_DISARMED if roburoc4_pump_request_stop() was called meanwhile; ROBUROC4_ERR_CLOSED,
+ *  ROBUROC4_ERR_STOPPED if roburoc4_pump_request_stop() was called meanwhile; ROBUROC4_ERR_CLOSED,
  *  also with a pump that was made without an address. */
 ROBUROC4_API roburoc4_result roburoc4_pump_arm(roburoc4_pump *pump, uint32_t timeout_us);
-/** For signal handlers: disarm and stop the robot, as roburoc4_client_disarm() and
- *  roburoc4_client_stop() do. It only sets a request for the thread, so it never waits and keeps
+/** For signal handlers: stop the robot and disarm, as roburoc4_client_stop() does. It only sets a request for the thread, so it never waits and keeps
  *  errno; the link stays up. If the lock is held meanwhile, the zeros are sent when it is released,
  *  and a speed granted in between is never sent. The program's next drive() returns
- *  ROBUROC4_ERR_DISARMED. Several requests count as one. May also be called outside of handlers;
+ *  ROBUROC4_ERR_STOPPED. Several requests count as one. May also be called outside of handlers;
  *  does nothing with a NULL pump, after close, in a forked child, or with a pump without an
  *  address. It must not be called after destroy: first set the pointer that the handler uses to
  *  NULL. Windows: for the handler of SetConsoleCtrlHandler(), which is a thread of its own. On

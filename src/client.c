@@ -15,11 +15,11 @@ LAYOUT(drive, sizeof(roburoc4_private_drive) == 120);
 LAYOUT(discovery, sizeof(roburoc4_private_discovery) == 224);
 LAYOUT(values, sizeof(roburoc4_private_values) == 456);
 LAYOUT(outputs, sizeof(roburoc4_private_outputs) == 72);
-LAYOUT(config, sizeof(roburoc4_config) == 76);
-LAYOUT(client, sizeof(roburoc4_client) == 1600);
-LAYOUT(client_drive, offsetof(roburoc4_client, private_drive) == 104);
-LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 688);
-LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1088);
+LAYOUT(config, sizeof(roburoc4_config) == 88);
+LAYOUT(client, sizeof(roburoc4_client) == 1616);
+LAYOUT(client_drive, offsetof(roburoc4_client, private_drive) == 120);
+LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 704);
+LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1104);
 
 /* The longest wait before a request is repeated while the client is not ready. */
 #define PATIENCE_US (5 * SECOND)

@@ -27,11 +27,12 @@ static const setting integers[] = {
     {AT(lease_ms),        LEASE_MIN_MS, LEASE_MAX_MS,  250},
     {AT(robot_watchdog_ms),        100,        60000, 1000},
     {AT(options),                    0,            7,    0},
+    {AT(lapse_disarm_ms),            0,        60000, 1000},
 };
 
 static const float_setting floats[] = {
-    {AT(max_linear_m_s),    0.001F, 20, 2.6F},
-    {AT(max_angular_rad_s), 0.001F, 50, 6.5F},
+    {AT(max_linear_m_s),    0.001F, 20,    1},
+    {AT(max_angular_rad_s), 0.001F, 50, 1.5F},
     {AT(scale_linear),       0.01F, 10,    1},
     {AT(scale_angular),      0.01F, 10,    1},
 };
@@ -49,6 +50,7 @@ enum {
     BAD_PERIOD,
     BAD_FRESH,
     BAD_ROLE,
+    BAD_ID,
     ALL_GOOD
 };
 
@@ -67,6 +69,8 @@ static void set_defaults(roburoc4_config *config) {
     for (uint32_t role = 0; role < ROBUROC4_ROLE_COUNT; role++) {
         config->role_index[role] = ROBUROC4_INDEX_AUTO;
     }
+    config->iocard_id = ROBUROC4_ID_AUTO;
+    config->differential_id = ROBUROC4_ID_AUTO;
 }
 
 roburoc4_result roburoc4_config_init(roburoc4_config *config, size_t size) {
@@ -78,6 +82,11 @@ roburoc4_result roburoc4_config_init(roburoc4_config *config, size_t size) {
     defaults.size = (uint32_t)size;
     memcpy(config, &defaults, size);
     return ROBUROC4_OK;
+}
+
+/** Of a service other than directory and notification, or ROBUROC4_ID_AUTO. */
+static bool id_valid(int32_t id) {
+    return id == ROBUROC4_ID_AUTO || (id > ROBUROC4_SERVICE_NOTIFICATION && id <= UINT16_MAX);
 }
 
 static uint32_t first_bad(const roburoc4_config *config) {
@@ -124,6 +133,10 @@ static uint32_t first_bad(const roburoc4_config *config) {
             return BAD_ROLE;
         }
     }
+    if (!id_valid(config->iocard_id) || !id_valid(config->differential_id) ||
+        (config->iocard_id >= 0 && config->iocard_id == config->differential_id)) {
+        return BAD_ID;
+    }
     return ALL_GOOD;
 }
 
@@ -157,6 +170,7 @@ const char *roburoc4_config_error(const roburoc4_config *config) {
         "lease_ms: 20 to 1000",
         "robot_watchdog_ms: 100 to 60000",
         "options: unknown bit",
+        "lapse_disarm_ms: 0 to 60000",
         "max_linear_m_s: 0.001 to 20",
         "max_angular_rad_s: 0.001 to 50",
         "scale_linear: 0.01 to 10",
@@ -166,6 +180,7 @@ const char *roburoc4_config_error(const roburoc4_config *config) {
         "period_ms: multiples of 10, 10 to 2550",
         "period_ms of IO card and differential: at most a third of fresh_ms",
         "role_index: -1, or an index to 63 (battery voltage: 15)",
+        "iocard_id, differential_id: -1, or 2 to 65535, not the same",
         NULL,
     };
     roburoc4_config loaded;

@@ -84,7 +84,8 @@ void roburoc4_control_watch_arming(client *c) {
 }
 
 void roburoc4_control_tick(client *c) {
-    roburoc4_drive_tick(&c->private_drive, refusal(c, c->private_now_us), c->private_now_us,
+    roburoc4_drive_tick(&c->private_drive, refusal(c, c->private_now_us),
+                        c->private_config.lapse_disarm_ms * MS, c->private_now_us,
                         &c->private_events);
     roburoc4_control_watch_arming(c);
 }
@@ -109,12 +110,6 @@ roburoc4_result roburoc4_client_arm(client *c, uint64_t now_us) {
     return refusal;
 }
 
-roburoc4_result roburoc4_client_disarm(client *c, uint64_t now_us) {
-    begin_call(c, now_us);
-    roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_DISARMED);
-    return ROBUROC4_OK;
-}
-
 roburoc4_result roburoc4_client_drive(client *c, float linear_m_s, float angular_rad_s,
                                       uint32_t lease_us, uint64_t now_us) {
     const float target[2] = {linear_m_s, angular_rad_s};
@@ -124,6 +119,10 @@ roburoc4_result roburoc4_client_drive(client *c, float linear_m_s, float angular
     if (!finite_f32_bits(bits_from_f32(linear_m_s)) ||
         !finite_f32_bits(bits_from_f32(angular_rad_s))) {
         return ROBUROC4_ERR_NOT_FINITE;
+    }
+    if ((bits_from_f32(linear_m_s) & 0x7FFFFFFFU) > bits_from_f32(ROBUROC4_MAX_DRIVE_M_S) ||
+        (bits_from_f32(angular_rad_s) & 0x7FFFFFFFU) > bits_from_f32(ROBUROC4_MAX_DRIVE_RAD_S)) {
+        return ROBUROC4_ERR_UNITS;
     }
     if (lease_us == 0) {
         lease_us = c->private_config.lease_ms * 1000U;
@@ -136,13 +135,21 @@ roburoc4_result roburoc4_client_drive(client *c, float linear_m_s, float angular
     return roburoc4_drive_grant(&c->private_drive, target, lease_us, now_us);
 }
 
-roburoc4_result roburoc4_client_stop(client *c, uint64_t now_us) {
+roburoc4_result roburoc4_client_pause(client *c, uint64_t now_us) {
     if (!started(c)) {
         return ROBUROC4_ERR_STATE;
     }
     begin_call(c, now_us);
-    roburoc4_drive_stop(&c->private_drive);
+    roburoc4_drive_pause(&c->private_drive);
     return ROBUROC4_OK;
+}
+
+roburoc4_result roburoc4_client_stop(client *c, uint64_t now_us) {
+    const roburoc4_result result = roburoc4_client_pause(c, now_us);
+    if (result >= 0) {
+        roburoc4_drive_interrupt(&c->private_drive, ROBUROC4_ERR_STOPPED, &c->private_events);
+    }
+    return result;
 }
 
 roburoc4_result roburoc4_client_set_role_index(client *c, uint32_t role, int32_t index,
@@ -470,9 +477,20 @@ roburoc4_result roburoc4_client_distances(const client *c, roburoc4_distances *o
 
 /* ---- facts and statistics ---- */
 
+static uint8_t input_known(const client *c, uint32_t role) {
+    return c->private_link.services[STATUS_INDEX(ROBUROC4_SERVICE_IOCARD)].fresh &&
+           index_of_role(c, role) >= 0;
+}
+
 static uint8_t input_of_role(const client *c, uint32_t role) {
     const roburoc4_result index = index_of_role(c, role);
     return index >= 0 ? (uint8_t)(c->private_values.digital >> index & 1) : 0;
+}
+
+/** Services that were to be subscribed to, but send nothing. */
+static uint8_t missing(const client *c) {
+    const discovery *d = &c->private_discovery;
+    return d->identified ? (uint8_t)(d->wanted & (~d->listed | d->declined)) : 0;
 }
 
 static uint32_t clipped(uint64_t span_us) {
@@ -514,7 +532,22 @@ roburoc4_result roburoc4_client_facts(const client *c, uint64_t now_us, roburoc4
     f.lease_left_us = f.driving ? d->lease_us - (uint32_t)elapsed_us : 0;
     f.sent_linear_m_s = d->sent[0];
     f.sent_angular_rad_s = d->sent[1];
-    f.stops = d->stops;
+    f.lapsed = d->lapsed || (d->lease_active && !f.driving);
+    f.stop_outcome = f.stopping ? ROBUROC4_STOP_RUNNING : d->outcome;
+    f.front_bumper_known = input_known(c, ROBUROC4_ROLE_FRONT_BUMPER);
+    f.rear_bumper_known = input_known(c, ROBUROC4_ROLE_REAR_BUMPER);
+    f.battery_known = c->private_link.services[STATUS_INDEX(ROBUROC4_SERVICE_BATTERY)].fresh;
+    f.missing = missing(c);
+    memset(f.reserved, 0, sizeof f.reserved);
+    for (uint32_t service = 0; service < ROBUROC4_SERVICE_COUNT + 1; service++) {
+        f.age_us[service] = UINT32_MAX;
+    }
+    for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
+        if (c->private_link.services[i].fresh) {
+            f.age_us[i + ROBUROC4_SERVICE_IOCARD] =
+                clipped(roburoc4_link_age(&c->private_link, i, now_us));
+        }
+    }
     return give(out, &f, sizeof f);
 }
 

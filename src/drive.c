@@ -94,15 +94,14 @@ void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events)
     end_lease(d);
     if (d->armed) {
         d->disarm_cause = cause;
-        d->stops++;
         *events |= ROBUROC4_EVENT_DISARMED;
         d->armed = 0;
     }
 }
 
-void roburoc4_drive_stop(drive *d) {
+void roburoc4_drive_pause(drive *d) {
     d->stop_pending = 1;
-    d->stops++;
+    d->lapsed = 0;
     end_lease(d);
 }
 
@@ -135,6 +134,7 @@ void roburoc4_drive_arm(drive *d, uint32_t *events) {
         d->still = 0; /* else a robot that has been at rest since would go unnoticed */
     }
     d->armed = 1;
+    d->lapsed = 0;
     d->disarm_cause = ROBUROC4_OK;
 }
 
@@ -151,6 +151,7 @@ roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lea
     }
     memcpy(d->target, bounded, sizeof bounded);
     d->lease_active = 1;
+    d->lapsed = 0;
     d->granted_us = now_us;
     d->lease_us = lease_us;
     return ROBUROC4_OK;
@@ -160,10 +161,15 @@ static bool lease_over(const drive *d, uint64_t now_us) {
     return d->lease_active && now_us - d->granted_us >= d->lease_us;
 }
 
-void roburoc4_drive_tick(drive *d, roburoc4_result refusal, uint64_t now_us, uint32_t *events) {
+void roburoc4_drive_tick(drive *d, roburoc4_result refusal, uint32_t lapse_us, uint64_t now_us,
+                         uint32_t *events) {
     if (lease_over(d, now_us)) {
         end_lease(d);
+        d->lapsed = 1;
         *events |= ROBUROC4_EVENT_LEASE_OVER;
+    }
+    if (d->lapsed && d->armed && now_us - d->granted_us >= d->lease_us + lapse_us) {
+        roburoc4_drive_interrupt(d, ROBUROC4_ERR_LAPSED, events);
     }
     if (refusal < 0 && d->armed) {
         roburoc4_drive_interrupt(d, refusal, events);
@@ -266,7 +272,8 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
     memset(speeds, 0, sizeof d->sent);
     if (d->stopping && stop_sequence_over(d, config, now_us)) {
         d->stopping = 0;
-        *events |= ROBUROC4_EVENT_STOPPED;
+        d->outcome = d->confirmed ? ROBUROC4_STOP_CONFIRMED : ROBUROC4_STOP_TIMED_OUT;
+        *events |= d->confirmed ? ROBUROC4_EVENT_STOPPED : ROBUROC4_EVENT_STOP_UNCONFIRMED;
     }
     if (d->stopping) {
         if (!poll_stop_sequence(d, config, now_us)) {
@@ -299,6 +306,10 @@ uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config) 
     }
     if (d->lease_active) {
         const uint64_t over = d->granted_us + d->lease_us;
+        deadline = over < deadline ? over : deadline;
+    }
+    if (d->lapsed && d->armed) {
+        const uint64_t over = d->granted_us + d->lease_us + config->lapse_disarm_ms * MS;
         deadline = over < deadline ? over : deadline;
     }
     return deadline;

@@ -126,10 +126,11 @@ roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lea
                                      uint64_t now_us);
 /** End the lease and disarm for this cause; a stop sequence if a speed was sent. */
 void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events);
-/** End the lease; a stop sequence in any case. */
-void roburoc4_drive_stop(drive *d);
-/** Advance the time: end an expired lease, and disarm if `refusal` is set. */
-void roburoc4_drive_tick(drive *d, roburoc4_result refusal, uint64_t now_us, uint32_t *events);
+/** End the lease and stay armed; a stop sequence in any case. */
+void roburoc4_drive_pause(drive *d);
+/** Advance the time: end an expired lease, disarm lapse_us later, and disarm if `refusal` is set. */
+void roburoc4_drive_tick(drive *d, roburoc4_result refusal, uint32_t lapse_us, uint64_t now_us,
+                         uint32_t *events);
 /** Whether a speed command must be sent now, and its speeds. */
 bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
                          const roburoc4_differential_properties *limits, uint64_t now_us,

@@ -660,19 +660,22 @@ int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_
     (void)roburoc4_client_facts(client, now_us, ROBUROC4_SIZED(&facts));
     if (move->private_kind == REST) {
         if (!facts.stopping) { /* another commander may have driven the robot since */
-            (void)roburoc4_client_stop(client, now_us);
+            (void)roburoc4_client_pause(client, now_us);
         }
-    } else if (!move->private_begun) {
-        move->private_stops = (uint16_t)facts.stops;
-    } else if (move->private_stops != (uint16_t)facts.stops && facts.armed) {
+    } else if (facts.driving) {
+        move->private_driven = 1;
+    } else if (move->private_driven && facts.armed) { /* the lease ended without this move */
         roburoc4_move_cancel(move, client, now_us);
+        if (facts.lapsed) {
+            move->result = ROBUROC4_MOVE_LAPSED;
+        }
         return move->result;
     }
     view_client(&view, client, &facts, now_us);
     /* A client that disarmed itself has begun its stop sequence, and one that never drove commands
      * nothing. */
     if (step(move, &view, now_us) != ROBUROC4_MOVE_RUNNING && view.armed) {
-        (void)roburoc4_client_stop(client, now_us);
+        (void)roburoc4_client_pause(client, now_us);
     }
     if (move->result == ROBUROC4_MOVE_TIMEOUT && facts.other_commander) {
         move->result = ROBUROC4_MOVE_OTHER_COMMANDER;
@@ -685,7 +688,7 @@ void roburoc4_move_cancel(roburoc4_move *move, roburoc4_client *client, uint64_t
         move->result = ROBUROC4_MOVE_CANCELLED;
         move->linear_m_s = 0;
         move->angular_rad_s = 0;
-        (void)roburoc4_client_stop(client, now_us);
+        (void)roburoc4_client_pause(client, now_us);
     }
 }
 
@@ -701,6 +704,7 @@ const char *roburoc4_move_result_text(int32_t result) {
         "another client commands the robot: end that one first",
         "timed out: check what blocks the robot, or allow more time",
         "cancelled, or the client is not armed",
+        "the program did not step the move in time: find what blocked it, then begin again",
     };
     return result >= 0 && result < (int32_t)(sizeof texts / sizeof *texts) ? texts[result]
                                                                            : "unknown result";

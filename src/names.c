@@ -45,7 +45,7 @@ const char *roburoc4_result_text(roburoc4_result result) {
         "status not newer than the last\0"
         "the robot did not answer any of the tries: check the link, then try again";
     static const char motion[] =
-        "disarmed: call arm() before drive()\0"
+        "not armed: call arm() before drive()\0"
         "not connected: wait until the robot answers\0"
         "no usable differential service: this robot cannot be driven\0"
         "the robot's speed limits are not usable: check its properties\0"
@@ -59,7 +59,12 @@ const char *roburoc4_result_text(roburoc4_result result) {
         "the robot fell silent: check cable and power\0"
         "the robot restarted: check it, then arm again\0"
         "the clock went back: find out what sets this machine's clock\0"
-        "the robot does not move: check emergency stops, brakes selector and bumpers";
+        "the robot does not follow its commands: check emergency stops, brakes selector and bumpers\0"
+        "stopped by stop(): call arm() to drive again\0"
+        "the program did not renew its drive command in time: call arm() to drive again\0"
+        "commands reach the robot late or not at all: check the link\0"
+        "faster than any RobuROC4: give m/s and rad/s, at most 5 and 10\0"
+        "the robot refused the subscription that driving needs: its list may be full; restart it";
     static const char adapter[] =
         "the operating system refused\0"
         "host name has no address: check the spelling, or give the address in numbers\0"
@@ -72,7 +77,7 @@ const char *roburoc4_result_text(roburoc4_result result) {
     if (code < 20) {
         text = nth(codec_and_client, 17, code - 1);
     } else if (code < 40) {
-        text = nth(motion, 14, code - 20);
+        text = nth(motion, 19, code - 20);
     } else {
         text = nth(adapter, 3, code - 40);
     }
@@ -110,7 +115,7 @@ const char *roburoc4_name(uint32_t what, uint32_t number) {
         "armed: drive commands are accepted\0"
         "disarmed: drive commands are refused\0"
         "the lease expired without a new drive command: the robot is stopped\0"
-        "the stop sequence ended\0"
+        "the robot confirmed the stop\0"
         "game pad [A] was pressed or released\0"
         "another client started or stopped commanding the robot\0"
         "the robot does not move although it should, or moves again\0"
@@ -124,7 +129,8 @@ const char *roburoc4_name(uint32_t what, uint32_t number) {
         "the robot has more services, channels or telemeters than the client stores\0"
         "every text was read or given up\0"
         "a text identified an input: a bumper, [A] or the battery voltage\0"
-        "arming is possible now";
+        "arming is possible now\0"
+        "the stop sequence ended, but the robot did not confirm it";
     switch (what) {
     case ROBUROC4_NAME_SERVICE:
         return nth(
@@ -135,7 +141,7 @@ const char *roburoc4_name(uint32_t what, uint32_t number) {
     case ROBUROC4_NAME_STATE:
         return nth("idle\0connecting\0discovering\0subscribing\0ready\0lost\0closing", 7, number);
     case ROBUROC4_NAME_EVENT:
-        return nth(events, 29, bit_index(number));
+        return nth(events, 30, bit_index(number));
     case ROBUROC4_NAME_EVENT_BEGAN:
         return nth("[A] is held on the game pad: the pad drives the robot\0"
                    "another client commands the robot\0"

@@ -59,7 +59,6 @@ static void heed_requests(roburoc4_pump *pump) {
         begin_to_close(pump);
     } else if (roburoc4_atomic_exchange(&pump->stop_requested, 0)) {
         uint64_t now_us = roburoc4_udp_now_us();
-        (void)roburoc4_client_disarm(&pump->client, now_us);
         (void)roburoc4_client_stop(&pump->client, now_us);
         pump->stops++;
         roburoc4_signal_wake_all(&pump->changed);
@@ -178,7 +177,7 @@ static roburoc4_result try_to_arm(roburoc4_pump *pump, uint32_t stops) {
         return ROBUROC4_ERR_CLOSED;
     }
     if (pump->stops != stops) {
-        return ROBUROC4_ERR_DISARMED;
+        return ROBUROC4_ERR_STOPPED;
     }
     result = roburoc4_client_arm(&pump->client, roburoc4_udp_now_us());
     roburoc4_pump_flush(pump);

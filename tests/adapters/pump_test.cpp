@@ -486,7 +486,7 @@ TEST(PumpStop, LeavesValuesReadableAndRefusesCommands) {
     ASSERT_EQ(roburoc4_pump_close(pump.get()), ROBUROC4_OK);
     roburoc4_pump *p = pump.get();
     EXPECT_EQ(on_client(p, roburoc4_client_arm), ROBUROC4_ERR_NOT_READY);
-    EXPECT_EQ(on_client(p, roburoc4_client_disarm), ROBUROC4_OK);
+    EXPECT_EQ(on_client(p, roburoc4_client_stop), ROBUROC4_OK);
     EXPECT_EQ(on_client(p, roburoc4_client_drive, 0.0f, 0.0f, 0), ROBUROC4_ERR_DISARMED);
     EXPECT_EQ(on_client(p, roburoc4_client_stop), ROBUROC4_ERR_STATE);
     EXPECT_EQ(on_client(p, roburoc4_client_set_digital_outputs, 2, 2), ROBUROC4_ERR_NOT_READY);

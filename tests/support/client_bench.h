@@ -118,11 +118,11 @@ class Bench {
     roburoc4_result arm() {
         return roburoc4_client_arm(&client, client_us());
     }
-    roburoc4_result disarm() {
-        return roburoc4_client_disarm(&client, client_us());
-    }
     roburoc4_result stop() {
         return roburoc4_client_stop(&client, client_us());
+    }
+    roburoc4_result pause() {
+        return roburoc4_client_pause(&client, client_us());
     }
     roburoc4_result close() {
         return roburoc4_client_close(&client, client_us());

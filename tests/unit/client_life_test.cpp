@@ -160,7 +160,7 @@ TEST(Life, StartIsRefusedUnlessIdleAndCloseUnlessStarted) {
     ScriptedRobot robot;
     Bench bench(robot);
     EXPECT_EQ(ROBUROC4_ERR_STATE, bench.close());
-    EXPECT_EQ(ROBUROC4_ERR_STATE, bench.stop());
+    EXPECT_EQ(ROBUROC4_ERR_STATE, bench.pause());
     bench.start();
     EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_client_start(&bench.client, bench.client_us()));
     EXPECT_EQ(ROBUROC4_OK, bench.close());

@@ -56,7 +56,7 @@ TEST(Outputs, AndPosesAreRefusedWheneverTheClientIsNotReady) {
     expect_refused_in(ROBUROC4_STATE_LOST);
     robot.powered = true;
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
-    EXPECT_EQ(ROBUROC4_OK, bench.stop());
+    EXPECT_EQ(ROBUROC4_OK, bench.pause());
     EXPECT_EQ(ROBUROC4_OK, bench.close());
     expect_refused_in(ROBUROC4_STATE_CLOSING);
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_IDLE));

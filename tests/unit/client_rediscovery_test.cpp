@@ -193,7 +193,7 @@ TEST(Rediscovery, AStopGoesToNoServiceThatIsKnownToBeAnother) {
             return roburoc4_client_service_id(&bench.client, ROBUROC4_SERVICE_DIFFERENTIAL) ==
                    after;
         }));
-        ASSERT_EQ(ROBUROC4_OK, bench.stop());
+        ASSERT_EQ(ROBUROC4_OK, bench.pause());
         bench.sent.clear();
         bench.run(200 * ms);
         EXPECT_TRUE(bench.commands().empty()) << "to the telemeters";

@@ -60,7 +60,7 @@ TEST(Seldom, APendingStopEndsWithTheClient) {
     robot.powered = false;
     Bench bench(robot);
     bench.start();
-    ASSERT_EQ(ROBUROC4_OK, bench.stop());
+    ASSERT_EQ(ROBUROC4_OK, bench.pause());
     ASSERT_EQ(1, bench.facts().stopping);
     ASSERT_EQ(ROBUROC4_OK, bench.close());
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_IDLE), bench.state()) << "nothing is due";
@@ -373,7 +373,7 @@ TEST(Seldom, AClockThatStepsBackChangesNoCounterButItsOwn) {
     for (std::uint32_t i = 0; i < ROBUROC4_COUNTERS; i++)
         before[i] = bench.count(i);
     bench.skew_us -= 900000000;
-    EXPECT_EQ(ROBUROC4_OK, bench.disarm());
+    EXPECT_EQ(ROBUROC4_OK, bench.stop());
     for (std::uint32_t i = 0; i < ROBUROC4_COUNTERS; i++)
         EXPECT_EQ(before[i] + (i == ROBUROC4_COUNT_CLOCK_FAULTS ? 1 : 0), bench.count(i)) << i;
 }
@@ -391,7 +391,7 @@ TEST(Seldom, ARestartedClientIsLikeANewOne) {
         bench.run(10 * ms);
         robot.powered = false;
         ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
-        EXPECT_EQ(ROBUROC4_OK, bench.stop());
+        EXPECT_EQ(ROBUROC4_OK, bench.pause());
         EXPECT_EQ(ROBUROC4_OK, bench.close());
         ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_IDLE));
         EXPECT_EQ(0, bench.facts().stopping);
@@ -425,7 +425,7 @@ TEST(Seldom, RepeatsAnOutputAfterTheClockSteppedBack) {
     bench.pump();
     ASSERT_EQ(1U, robot.output_commands.size());
     bench.skew_us -= 900000000;
-    ASSERT_EQ(ROBUROC4_OK, bench.disarm()); /* whichever call comes first sees the step */
+    ASSERT_EQ(ROBUROC4_OK, bench.stop()); /* whichever call comes first sees the step */
     EXPECT_TRUE(bench.poll()) << "a probe, because ages are unknown";
     for (std::size_t i = 2; i <= 3; i++) {
         const std::uint64_t wait_us =
@@ -511,7 +511,7 @@ TEST(Seldom, NeitherAClockThatStepsBackNorALossChangesAValue) {
             before.armable = 0;
         } else {
             bench.skew_us -= 900000000;
-            EXPECT_EQ(ROBUROC4_OK, bench.disarm());
+            EXPECT_EQ(ROBUROC4_OK, bench.stop());
             ASSERT_EQ(1U, bench.count(ROBUROC4_COUNT_CLOCK_FAULTS));
         }
         EXPECT_EQ(0, std::memcmp(&before, &bench.client.private_values, sizeof before));

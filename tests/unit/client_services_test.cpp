@@ -154,7 +154,7 @@ TEST(ServiceId, DirectoryAndNotificationAreNeverMistakenForOthers) {
     Bench bench(robot);
     bench.ready();
     EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, id_of(bench, ROBUROC4_SERVICE_DIFFERENTIAL));
-    bench.stop();
+    bench.pause();
     bench.run(second);
     EXPECT_EQ(0U, bench.commands().size());
 }
@@ -199,7 +199,7 @@ TEST(OtherRobot, WithNineDifferentialPropertiesIsNeverCommanded) {
     bench.ready();
     EXPECT_EQ(ROBUROC4_ERR_NO_DIFFERENTIAL, bench.arm());
     EXPECT_LT(bench.drive(1, 0), 0);
-    EXPECT_EQ(ROBUROC4_OK, bench.stop());
+    EXPECT_EQ(ROBUROC4_OK, bench.pause());
     bench.run(20 * second);
     EXPECT_EQ(ROBUROC4_OK, bench.close());
     bench.run(2 * second);

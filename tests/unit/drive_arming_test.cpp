@@ -88,11 +88,11 @@ TEST(Drive, WhileDisarmedIsAnErrorAndStoresNothing) {
 TEST(Disarm, IsAlwaysPossible) {
     ScriptedRobot robot;
     Bench bench(robot);
-    EXPECT_EQ(ROBUROC4_OK, bench.disarm());
+    EXPECT_EQ(ROBUROC4_OK, bench.stop());
     bench.armed();
-    EXPECT_EQ(ROBUROC4_OK, bench.disarm());
+    EXPECT_EQ(ROBUROC4_OK, bench.stop());
     EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_DISARMED);
-    EXPECT_EQ(ROBUROC4_OK, bench.disarm());
+    EXPECT_EQ(ROBUROC4_OK, bench.stop());
     EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_DISARMED);
     EXPECT_EQ(ROBUROC4_ERR_DISARMED, bench.facts().disarm_cause);
 }
@@ -130,7 +130,7 @@ TEST(Armable, IsReportedAgainAfterEachRefusalAndDisarm) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
-    bench.disarm();
+    bench.stop();
     ASSERT_TRUE(tells_armable(bench)) << "disarmed by the program";
     ASSERT_EQ(ROBUROC4_OK, bench.arm());
     robot.digital = std::uint64_t{1} << ROBUROC4_DI_PAD_A;

@@ -253,8 +253,8 @@ TEST(Clock, StepBackSeenFirstByAnyCallEndsTheLease) {
          [](Bench &b) { return roburoc4_client_relocalize(&b.client, 0, 0, 0, b.client_us()); }},
         {ROBUROC4_OK,
          [](Bench &b) { return roburoc4_client_set_role_index(&b.client, 1, 3, b.client_us()); }},
+        {ROBUROC4_OK, [](Bench &b) { return b.pause(); }},
         {ROBUROC4_OK, [](Bench &b) { return b.stop(); }},
-        {ROBUROC4_OK, [](Bench &b) { return b.disarm(); }},
         {ROBUROC4_OK, [](Bench &b) { return b.close(); }},
         {1, [](Bench &b) { return b.poll() ? 1 : 0; }},
     };
@@ -324,7 +324,7 @@ TEST(Clock, StepBackToNearZeroDoesNotDelayTheZeros) {
     bench.armed();
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
     robot.powered = false;
-    bench.stop();
+    bench.pause();
     bench.pump();
     const std::uint64_t at_us = bench.now_us;
     bench.skew_us = -static_cast<std::int64_t>(bench.now_us) + 5;
@@ -377,7 +377,7 @@ TEST(Deadline, NeverLetsALoopSpinInAnyState) {
         bench.drive(0.5F, 0);
         EXPECT_LT(polls_per_second(1), 700U) << "driving and stopping";
     }
-    bench.stop();
+    bench.pause();
     EXPECT_LT(polls_per_second(3), 500U) << "stopping";
     robot.powered = false;
     EXPECT_LT(polls_per_second(10), 300U) << "lost";

@@ -114,7 +114,7 @@ TEST(Limits, AStopSequenceNeedsNoUsableLimits) {
     robot.differential.min_angular_rad_s = 3;
     Bench bench(robot);
     bench.ready();
-    bench.stop();
+    bench.pause();
     bench.run(second);
     ASSERT_GE(bench.commands().size(), 3U);
     for (const Command &c : bench.commands())

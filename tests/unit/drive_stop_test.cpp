@@ -15,8 +15,8 @@ namespace {
 using Exit = std::pair<const char *, std::function<void(Bench &, ScriptedRobot &)>>;
 
 const std::vector<Exit> exits{{"lease over", [](Bench &b, ScriptedRobot &) { b.run(251 * ms); }},
-                              {"stop", [](Bench &b, ScriptedRobot &) { b.stop(); }},
-                              {"disarm", [](Bench &b, ScriptedRobot &) { b.disarm(); }},
+                              {"stop", [](Bench &b, ScriptedRobot &) { b.pause(); }},
+                              {"disarm", [](Bench &b, ScriptedRobot &) { b.stop(); }},
                               {"close", [](Bench &b, ScriptedRobot &) { b.close(); }},
                               {"override",
                                [](Bench &b, ScriptedRobot &r) {
@@ -123,7 +123,7 @@ TEST(StopSequence, ContinuesWhileTheSameRobotIsDiscoveredAgain) {
     bench.drop_to_client = nullptr;
     robot.subscriptions.clear();
     robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).get_silent = true;
-    bench.stop();
+    bench.pause();
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_DISCOVERING));
     const std::uint64_t found_us = bench.now_us;
     bench.run(200 * ms);
@@ -140,7 +140,7 @@ TEST(StopSequence, GoesBeforeAllOtherTraffic) {
     ASSERT_EQ(ROBUROC4_OK, set_digital_output(&bench.client, 1, 1, bench.client_us()));
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_relocalize(&bench.client, 1, 2, 3, bench.client_us()));
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_subscribe(&bench.client, 3, 50, bench.client_us()));
-    bench.stop();
+    bench.pause();
     bench.pump();
     ASSERT_GE(bench.sent.size(), 4U);
     Command c{};
@@ -164,7 +164,7 @@ TEST(StopSequence, EndsOnALaterStatusWithBothTargetsZero) {
     robot.target_angular = 0.5F;
     bench.run(101 * ms);
     const std::uint64_t start_us = bench.now_us;
-    bench.stop();
+    bench.pause();
     bench.run(400 * ms);
     EXPECT_EQ(1, bench.facts().stopping);
     robot.target_linear = 0;
@@ -187,7 +187,7 @@ TEST(StopSequence, IsNotEndedByAStatusBeforeItsThirdZero) {
     bench.drive(0.5F, 0);
     bench.pump();
     const std::uint64_t start_us = bench.now_us;
-    bench.stop();
+    bench.pause();
     for (std::uint64_t i = 1; i < 8; i++) {
         bench.run(10 * ms);
         bench.receive(robot.status_at(6, robot.cycles() + 1));
@@ -215,7 +215,7 @@ TEST(StopSequence, EndsWhenTheRobotsWatchdogHasTripped) {
         robot.*speeds[i] = i < 2 ? 0.5F : NAN; /* never obeys, or reports nonsense */
         bench.run(30 * ms);
         const std::uint64_t start_us = bench.now_us;
-        bench.stop();
+        bench.pause();
         bench.take_events();
         ASSERT_TRUE(
             bench.run_until([&] { return (bench.take_events() & ROBUROC4_EVENT_STOPPED) != 0; }));
@@ -239,7 +239,7 @@ TEST(StopSequence, HasTheConfiguredPeriod) {
     bench.pump();
     bench.run(5 * ms);
     const std::uint64_t start_us = bench.now_us;
-    bench.disarm();
+    bench.stop();
     bench.run(second);
     EXPECT_GE(expect_train(bench, start_us, 20 * ms), 3U);
 }
@@ -248,7 +248,7 @@ TEST(StopSequence, IsNeverSentByAMonitor) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
-    bench.disarm();
+    bench.stop();
     robot.press(ROBUROC4_DI_PAD_A);
     bench.run(second);
     robot.press(ROBUROC4_DI_PAD_A, false);
@@ -271,7 +271,7 @@ TEST(StopSequence, IsNotSentAfterOnlyArmingOrDrivingAtZero) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
-    bench.disarm();
+    bench.stop();
     bench.run(second);
     EXPECT_EQ(0U, bench.commands().size());
     ASSERT_EQ(ROBUROC4_OK, bench.arm());
@@ -279,7 +279,7 @@ TEST(StopSequence, IsNotSentAfterOnlyArmingOrDrivingAtZero) {
     bench.run(200 * ms);
     const std::size_t before = bench.commands().size();
     EXPECT_EQ(5U, before);
-    bench.disarm();
+    bench.stop();
     bench.run(second);
     EXPECT_EQ(before, bench.commands().size());
 }
@@ -291,7 +291,7 @@ TEST(StopSequence, IsSentOnceForEachDrive) {
     bench.drive(0.5F, 0);
     bench.run(3 * second);
     const std::size_t before = bench.commands().size();
-    bench.disarm();
+    bench.stop();
     bench.run(second);
     EXPECT_EQ(before, bench.commands().size());
 }
@@ -304,7 +304,7 @@ TEST(Stop, AlwaysSendsZeros) {
     bench.ready();
     for (int i = 0; i < 3; i++) {
         const std::uint64_t start_us = bench.now_us;
-        ASSERT_EQ(ROBUROC4_OK, bench.stop());
+        ASSERT_EQ(ROBUROC4_OK, bench.pause());
         EXPECT_EQ(1, bench.facts().stopping);
         bench.run(second);
         EXPECT_GE(expect_train(bench, start_us, 50 * ms), 3U);
@@ -317,7 +317,7 @@ TEST(Stop, BeforeDiscoveryIsLatchedUntilTheServiceIsKnown) {
     robot.powered = false;
     Bench bench(robot);
     bench.start();
-    ASSERT_EQ(ROBUROC4_OK, bench.stop());
+    ASSERT_EQ(ROBUROC4_OK, bench.pause());
     bench.run(5 * second);
     EXPECT_EQ(1, bench.facts().stopping);
     EXPECT_EQ(0U, bench.commands().size());
@@ -337,7 +337,7 @@ TEST(Stop, KeepsTheArming) {
     bench.armed();
     bench.drive(0.5F, 0);
     bench.pump();
-    bench.stop();
+    bench.pause();
     EXPECT_EQ(1, bench.facts().armed);
     EXPECT_EQ(0, bench.facts().driving);
     bench.run(second);
@@ -354,7 +354,7 @@ TEST(Stop, CalledRepeatedlyStillKeepsItsPeriodAndStops) {
     bench.run(1 * ms);
     const std::uint64_t start_us = bench.now_us;
     for (int i = 0; i < 1000; i++) {
-        bench.stop();
+        bench.pause();
         bench.run(1 * ms);
     }
     EXPECT_EQ(0.0F, robot.target_linear);
@@ -371,7 +371,7 @@ TEST(StopSequence, NewLeaseWaitsForThreeZeros) {
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
     bench.run(1 * ms);
     const std::uint64_t start_us = bench.now_us;
-    bench.stop();
+    bench.pause();
     ASSERT_EQ(ROBUROC4_OK, bench.drive(0.75F, 0, 1000000));
     EXPECT_EQ(1, bench.facts().driving);
     bench.run(second);
@@ -394,7 +394,7 @@ TEST(StopSequence, LeaseThatEndsWhileItWaitsSendsNoSpeed) {
     ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
     bench.run(1 * ms);
     const std::uint64_t start_us = bench.now_us;
-    bench.stop();
+    bench.pause();
     ASSERT_EQ(ROBUROC4_OK, bench.drive(0.75F, 0, 90000));
     bench.run(3 * second);
     EXPECT_EQ(0U, bench.speeds(start_us));
@@ -411,7 +411,7 @@ TEST(Close, SendsItsZerosThenIsIdle) {
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CLOSING), bench.state());
     EXPECT_EQ(ROBUROC4_ERR_DISARMED, bench.drive(0.5F, 0));
     EXPECT_EQ(ROBUROC4_ERR_NOT_READY, bench.arm());
-    EXPECT_EQ(ROBUROC4_ERR_STATE, bench.stop());
+    EXPECT_EQ(ROBUROC4_ERR_STATE, bench.pause());
     EXPECT_EQ(ROBUROC4_ERR_STATE, roburoc4_client_start(&bench.client, bench.client_us()));
     bench.run(400 * ms);
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_IDLE), bench.state());

@@ -464,14 +464,14 @@ TEST_F(Move, AViewOfAnUnknownSizeEndsIt) {
 
 TEST_F(Move, ADisarmedClientEndsIt) {
     EXPECT_EQ(ROBUROC4_MOVE_CANCELLED,
-              interrupted_by([&] { roburoc4_client_disarm(&client, now()); }));
+              interrupted_by([&] { roburoc4_client_stop(&client, now()); }));
     EXPECT_EQ(ROBUROC4_ERR_DISARMED, move.cause);
     expect_stopped();
 }
 
 TEST_F(Move, AStopButtonEndsIt) {
     EXPECT_EQ(ROBUROC4_MOVE_CANCELLED,
-              interrupted_by([&] { roburoc4_client_stop(&client, now()); }));
+              interrupted_by([&] { roburoc4_client_pause(&client, now()); }));
     EXPECT_EQ(ROBUROC4_OK, move.cause);
     expect_stopped();
     pass(2 * second);
@@ -480,7 +480,7 @@ TEST_F(Move, AStopButtonEndsIt) {
 
 TEST_F(Move, AClientThatWasDisarmedMeanwhileEndsIt) {
     EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, interrupted_by([&] {
-                  roburoc4_client_disarm(&client, now());
+                  roburoc4_client_stop(&client, now());
                   pass(3 * second);
                   EXPECT_EQ(ROBUROC4_OK, roburoc4_client_arm(&client, now()));
               }));

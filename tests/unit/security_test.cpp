@@ -99,7 +99,7 @@ TEST(Security, AForgedConfirmationLeavesThreeZeros) {
     bench.armed();
     bench.driving(0.5F, 0.0F, 200 * ms);
     bench.sent.clear();
-    bench.disarm();
+    bench.stop();
     bench.poll();
     bench.receive(speed_status(robot, robot.cycles() + 2, 0));
     bench.run(1 * second);

@@ -164,7 +164,7 @@ int robot_disarm(robot *r) {
     int stopping = 0;
     if (robot_is_open(r)) {
         roburoc4_client *client = robot_lock(r, &now_us);
-        (void)roburoc4_client_disarm(client, now_us);
+        (void)roburoc4_client_stop(client, now_us);
         stopping = client_facts(client, now_us).stopping;
         robot_unlock(r);
     }

@@ -249,7 +249,7 @@ void World::act(std::uint8_t what) {
         (void)roburoc4_client_stop(&client_.client, client_us());
         break;
     case 14:
-        (void)roburoc4_client_disarm(&client_.client, client_us());
+        (void)roburoc4_client_stop(&client_.client, client_us());
         break;
     case 15:
         ask();

@@ -72,7 +72,7 @@ static int test_adapter(const roburoc4_address *robot) {
     if (!adapter_until(1)) {
         return failed("adapter: the robot does not move");
     }
-    roburoc4_client_disarm(&client, roburoc4_udp_now_us());
+    roburoc4_client_stop(&client, roburoc4_udp_now_us());
     if (!adapter_until(0)) {
         return failed("adapter: the robot does not stop");
     }
@@ -95,7 +95,7 @@ static int pump_turn(roburoc4_pump *pump, int moving) {
         (void)roburoc4_client_arm(of_pump, roburoc4_udp_now_us());
         (void)roburoc4_client_drive(of_pump, SPEED_M_S, 0, 0, roburoc4_udp_now_us());
     } else {
-        roburoc4_client_disarm(of_pump, roburoc4_udp_now_us());
+        roburoc4_client_stop(of_pump, roburoc4_udp_now_us());
     }
     done = roburoc4_client_differential(of_pump, &speed, NULL) == 0 &&
            (speed.current_linear_m_s > 0.1f) == moving;

@@ -194,7 +194,7 @@ static void user_asks_else(void) {
         (void)roburoc4_client_stop(&client, client_us());
         break;
     case 1:
-        (void)roburoc4_client_disarm(&client, client_us());
+        (void)roburoc4_client_stop(&client, client_us());
         break;
     case 2:
         (void)roburoc4_client_relocalize(&client, 1.5, -2.25, 0.5, client_us());

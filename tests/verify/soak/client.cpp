@@ -20,7 +20,7 @@ std::int32_t RealClient::arm(std::uint64_t now) {
 }
 
 std::int32_t RealClient::disarm(std::uint64_t now) {
-    return roburoc4_client_disarm(&client_, now);
+    return roburoc4_client_stop(&client_, now);
 }
 
 std::int32_t RealClient::drive(Speeds speeds, std::uint32_t lease_us, std::uint64_t now) {

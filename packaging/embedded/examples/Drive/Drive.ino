@@ -46,7 +46,7 @@ void loop() {
     if (held && !was_held) {
         roburoc4_client_arm(&client, now_us()); // refused while driving is not safe
     } else if (!held && was_held) {
-        roburoc4_client_disarm(&client, now_us()); // stops the robot
+        roburoc4_client_stop(&client, now_us()); // stops the robot
     }
     if (held) {
         roburoc4_client_drive(&client, 0.2f, 0.0f, 0, now_us()); // holds for 250 ms

@@ -30,7 +30,7 @@ int main(void) {
         if (held && !was_held) {
             roburoc4_client_arm(&client, board_now_us()); /* refused while driving is not safe */
         } else if (!held && was_held) {
-            roburoc4_client_disarm(&client, board_now_us()); /* stops the robot */
+            roburoc4_client_stop(&client, board_now_us()); /* stops the robot */
         }
         if (held) {
             roburoc4_client_drive(&client, 0.2f, 0.0f, 0, board_now_us()); /* holds for 250 ms */
