@@ -63,6 +63,7 @@ def test_stop_always_sends_a_zero() -> None:
         assert document(run("stop", "--json", robot=sim.address)) == {
             "robot": sim.address,
             "stopped": True,
+            "outcome": "confirmed",
         }
         assert sim.state.speed_commands > 0
         assert sim.state.nonzero_speed_commands == 0

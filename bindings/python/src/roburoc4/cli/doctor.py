@@ -195,7 +195,7 @@ def _check_robot(found: Findings, robot: Robot, say: Say) -> None:
     facts = robot.facts
     notes = {
         "somebody drives with the game pad": facts.overridden,
-        "the robot does not report its game pad: it cannot be driven": not facts.override_known,
+        "the robot does not report its game pad: it cannot be driven": facts.overridden is None,
         "another commander drives the robot": facts.other_commander,
         "its speed limits are not usable: it cannot be driven": facts.arm_refusal == Result.LIMITS,
         "the front bumper is pressed": facts.front_bumper,

@@ -5,7 +5,7 @@ import importlib.metadata
 from collections.abc import Callable
 
 from .. import __version__
-from ..constants import BatteryState, Fault, Role, State
+from ..constants import BatteryState, Fault, State
 from ..records import Facts
 from ..robot import Robot
 from ..ros_topics import Diagnosis, yes_or_no
@@ -15,16 +15,14 @@ _MUCH_LOSS = 0.05
 
 
 def conditions(robot: Robot) -> dict[str, bool]:
-    """Return bumpers and inhibition, by topic; without bumpers that have no input."""
+    """Return bumpers and inhibition, by topic; without bumpers that are not known."""
     facts = robot.facts
-    found = {"inhibited": facts.inhibited}
-    for role, name, pressed in (
-        (Role.FRONT_BUMPER, "front", facts.front_bumper),
-        (Role.REAR_BUMPER, "rear", facts.rear_bumper),
-    ):
-        if robot.role_index(role) is not None and robot.latest("iocard") is not None:
-            found[f"bumpers/{name}"] = pressed
-    return found
+    found = {
+        "inhibited": facts.inhibited,
+        "bumpers/front": facts.front_bumper,
+        "bumpers/rear": facts.rear_bumper,
+    }
+    return {topic: fact for topic, fact in found.items() if fact is not None}
 
 
 def diagnoses(robot: Robot, node: str) -> list[Diagnosis]:
@@ -84,7 +82,7 @@ def _driving(robot: Robot) -> Diagnosis:
 
 
 def _override(facts: Facts) -> str:
-    return yes_or_no(facts.overridden) if facts.override_known else "unknown"
+    return "unknown" if facts.overridden is None else yes_or_no(facts.overridden)
 
 
 def _battery(robot: Robot) -> Diagnosis:
