@@ -176,7 +176,8 @@ def _wrong(settings: Settings, wrong: str) -> ArgumentError:
     }
     if len(given) == 1:
         name, value = next(iter(given.items()))
-        return unusable(name, value, wrong.removeprefix(f"{name}: "), Result.CONFIG)
+        usable = wrong.removeprefix(f"{name}: ").removeprefix("iocard_id, differential_id: ")
+        return unusable(name, value, usable, Result.CONFIG)
     values = ", ".join(f"{name}={value!r}" for name, value in given.items())
     return ArgumentError(f"{values} cannot be used; give {wrong}", Result.CONFIG)
 

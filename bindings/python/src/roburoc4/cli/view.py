@@ -129,7 +129,8 @@ def _values(seen: Snapshot, service: str) -> RenderableType:
         return _pose(seen.localization)
     if service == "differential" and seen.differential is not None:
         return Text(speeds(seen.differential))
-    return Text("nothing yet", "dim")
+    missing = service in (absent.name.lower() for absent in seen.facts.missing)
+    return Text("not sent by the robot" if missing else "nothing yet", "dim")
 
 
 def speeds(status: DifferentialStatus) -> str:

@@ -188,7 +188,7 @@ class Control:
         self._end_driving(why)
 
     def stop(self, page: Viewer) -> None:
-        """Stop and disarm: any page may do this, if driving is enabled at all."""
+        """Stop the robot, armed or not: any page may do this, if driving is enabled at all."""
         if not self.offered:
             raise ControlError("this dashboard only watches, and sends the robot no command at all")
         self._robot.stop()
@@ -251,10 +251,11 @@ class Control:
             self._gone, self.going = self.going, None
 
     def _let_go(self) -> None:
-        if self.must_let_go and self._robot.facts.armed:
+        facts = self._robot.facts
+        if self.must_let_go and facts.armed:
             self.why = ""
         self.must_let_go = False
-        if self._lease_end_s is not None:
+        if self._lease_end_s is not None or (facts.armed and facts.lapsed):
             self._lease_end_s = None
             self._robot.pause()
 

@@ -5,13 +5,14 @@ import importlib.metadata
 from collections.abc import Callable
 
 from .. import __version__
-from ..constants import BatteryState, Fault, State
+from ..constants import BatteryState, Fault, State, StopOutcome
 from ..records import Facts
 from ..robot import Robot
 from ..ros_topics import Diagnosis, yes_or_no
 
 _FINE, _WARNING, _ERROR = 0, 1, 2
 _MUCH_LOSS = 0.05
+_UNCONFIRMED = (StopOutcome.TIMED_OUT, StopOutcome.OVERRIDDEN)
 
 
 def conditions(robot: Robot) -> dict[str, bool]:
@@ -38,7 +39,7 @@ def diagnoses(robot: Robot, node: str) -> list[Diagnosis]:
 
 
 def _link(robot: Robot) -> Diagnosis:
-    link, state, fault = robot.link, robot.state, robot.fault
+    link, state, fault, facts = robot.link, robot.state, robot.fault, robot.facts
     level, text = _ERROR, "no answer yet: run roburoc4 doctor"
     if state is State.READY:
         level, text = _FINE, "connected"
@@ -54,6 +55,7 @@ def _link(robot: Robot) -> Diagnosis:
         "received": str(link.received),
         "lost": str(link.lost),
         "loss": f"{link.loss:.3f}",
+        "missing": " ".join(service.name.lower() for service in facts.missing),
         "network": "fine" if fault is Fault.NONE else fault.text,
     }
     return Diagnosis(level, "link", text, values)
@@ -68,6 +70,8 @@ def _driving(robot: Robot) -> Diagnosis:
         level, text = _WARNING, "another commander drives the robot"
     elif facts.overridden:
         level, text = _WARNING, "somebody drives with the game pad"
+    elif facts.stop_outcome in _UNCONFIRMED and not facts.armed:
+        level, text = _WARNING, "the robot did not confirm the stop: watch it"
     values = {
         "armed": yes_or_no(facts.armed),
         "cause": "" if facts.armed else facts.disarm_cause.text,
@@ -75,6 +79,7 @@ def _driving(robot: Robot) -> Diagnosis:
         "override": _override(facts),
         "other_commander": yes_or_no(facts.other_commander),
         "inhibited": yes_or_no(facts.inhibited),
+        "stop": facts.stop_outcome.name.lower(),
         "linear_m_s": f"{facts.sent_linear_m_s:.3f}",
         "angular_rad_s": f"{facts.sent_angular_rad_s:.3f}",
     }
