@@ -180,8 +180,8 @@ class Robot(RobotBase):
 
     async def arm(self, timeout: float = 5.0) -> None:
         """Allow driving, or raise NotArmedError; see :meth:`roburoc4.Robot.arm`."""
-        end_s = self._connection.now_s() + timeout_s(timeout)
-        while left_s := self._try_to_arm(end_s):
+        end_s, stops = self._connection.now_s() + timeout_s(timeout), self._stops
+        while left_s := self._try_to_arm(end_s, stops):
             await self._bell.wait(min(left_s, LOOK_AGAIN_S))
 
     async def drive_for(self, linear_m_s: float, angular_rad_s: float, seconds: float) -> None:

@@ -136,10 +136,11 @@ class Robot(RobotBase):
         """Allow driving, or raise NotArmedError with the reason why not.
 
         Waits if the reason will pass by itself: no status yet, or a robot that is still rolling.
+        ``stop`` from another thread ends the wait.
         """
-        end_s = self._connection.now_s() + timeout_s(timeout)
+        end_s, stops = self._connection.now_s() + timeout_s(timeout), self._stops
         reader = self._connection.reader()
-        while left_s := self._try_to_arm(end_s):
+        while left_s := self._try_to_arm(end_s, stops):
             reader.take_events()
             reader.wait(ALL_EVENTS, min(left_s, LOOK_AGAIN_S))
 

@@ -51,6 +51,7 @@ class RobotBase:
         self._connection = connection
         self._lease_s = settings.get("lease_ms", 250) / 1000
         self._ready_s = connection.now_s()
+        self._stops = 0
         self._inputs = Inputs(connection)
         self._digital_outputs = DigitalOutputs(connection)
         self._analog_outputs = AnalogOutputs(connection)
@@ -260,6 +261,7 @@ class RobotBase:
 
         Driving needs ``arm`` again. Never waits. After ``close`` it does nothing.
         """
+        self._stops += 1
         self._end_lease(_native.roburoc4_client_stop)
 
     def pause(self) -> None:
@@ -334,16 +336,22 @@ class RobotBase:
             for service in STATUS_SERVICES.values()
         )
 
-    def _try_to_arm(self, end_s: float) -> float:
-        """Arm and return 0; or return the seconds during which retrying makes sense."""
+    def _try_to_arm(self, end_s: float, stops: int) -> float:
+        """Arm and return 0; or return the seconds during which retrying makes sense.
+
+        Raises if ``stop`` was called since ``stops``: it also ends a wait for arming.
+        """
+        left_s = 0.0
         try:
             _native.roburoc4_client_arm(self._connection.handle)
         except NotArmedError as error:
             left_s = end_s - self._connection.now_s()
             if not _native.roburoc4_refusal_may_pass(error.code) or left_s <= 0:
                 raise
-            return left_s
-        return 0.0
+        if self._stops != stops:
+            self.stop()
+            raise error_of(Result.STOPPED)
+        return left_s
 
     def _end_of_drive_s(self, seconds: float) -> float:
         return self._connection.now_s() + duration_s("seconds", seconds)

@@ -168,10 +168,13 @@ def confirm(robot: Robot, options: DrivingOptions, intention: str) -> None:
 
 
 def wait_for_rest(robot: Robot, patience_s: float) -> bool:
-    """Wait until the robot reports targets of zero and wheels at rest."""
+    """Wait until the robot has confirmed a stop and reports wheels at rest."""
+    from roburoc4 import StopOutcome
+
     until_s = time.monotonic() + patience_s
     while time.monotonic() < until_s:
-        if is_at_rest(robot.latest("differential")) and not robot.facts.stopping:
+        confirmed = robot.facts.stop_outcome is StopOutcome.CONFIRMED
+        if confirmed and is_at_rest(robot.latest("differential")):
             return True
         time.sleep(_POLL_S)
     return False

@@ -85,8 +85,10 @@ def why_disarmed(code: int) -> str:
 
 def why_not_armed(code: int) -> str:
     """Return why the robot is not armed, and what to do; empty if nothing prevents arming."""
-    if code in (Result.OK, Result.DISARMED, Result.STOPPED):
+    if code in (Result.OK, Result.DISARMED):
         return ""
+    if code == Result.STOPPED:
+        return "the robot was stopped"
     if code == Result.LAPSED:
         return "inputs came too late, so the robot was stopped: arm it again"
     if code == Result.OVERRIDE_UNKNOWN:
