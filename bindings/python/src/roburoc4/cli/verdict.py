@@ -142,6 +142,8 @@ def _discovery(found: Findings) -> Verdict | None:
 
 def _streams(found: Findings) -> Verdict | None:
     mute = [stream.service for stream in found.streams if stream.received == 0]
+    if found.other_source is not None:
+        return _no_statuses(found, mute)
     if found.interruptions:
         return Verdict(
             8,
