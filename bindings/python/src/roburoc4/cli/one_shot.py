@@ -95,8 +95,8 @@ def run_stop(options: Options) -> int:
         outcome = robot.facts.stop_outcome
         if outcome is StopOutcome.OVERRIDDEN:
             raise refused(
-                f"somebody holds [A] on the game pad of {robot.address}, which then ignores zeros: "
-                "it is not certain that it has stopped; press an emergency stop"
+                f"{robot.address} ignores zeros while somebody holds [A] on its game pad: press an "
+                "emergency stop if it moves, and stop it again when [A] is released"
             )
         confirmed = outcome is StopOutcome.CONFIRMED
         _done(
