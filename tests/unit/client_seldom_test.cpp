@@ -45,7 +45,7 @@ TEST(Seldom, AnAnswerThatComesWhileTheClientClosesIsUnmatched) {
     robot.instead = [](const roburoc4_request &r, std::vector<Bytes> &) {
         return r.action == ROBUROC4_ACTION_GET;
     };
-    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 1500 * ms));
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 300 * ms));
     const auto asked = robot.seen(ROBUROC4_ACTION_GET).back().what;
     ASSERT_EQ(ROBUROC4_OK, bench.close());
     ASSERT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CLOSING), bench.state());

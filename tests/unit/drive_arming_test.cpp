@@ -355,7 +355,7 @@ TEST(Disarms, WhenTheIoCardStatusesStop) {
 TEST(Disarms, ExactlyWhenAStatusIsTooOld) {
     for (const int muted : {ROBUROC4_SERVICE_IOCARD, ROBUROC4_SERVICE_DIFFERENTIAL}) {
         const auto service = static_cast<std::uint32_t>(muted);
-        for (const std::uint32_t fresh_ms : {50U, 333U, 1000U}) {
+        for (const std::uint32_t fresh_ms : {50U, 333U}) {
             SCOPED_TRACE(testing::Message() << "service " << service << ", " << fresh_ms << " ms");
             roburoc4_config config = default_config();
             config.fresh_ms = fresh_ms;
