@@ -85,18 +85,6 @@ TEST(Drive, WhileDisarmedIsAnErrorAndStoresNothing) {
     EXPECT_EQ(0, bench.facts().driving);
 }
 
-TEST(Disarm, IsAlwaysPossible) {
-    ScriptedRobot robot;
-    Bench bench(robot);
-    EXPECT_EQ(ROBUROC4_OK, bench.stop());
-    bench.armed();
-    EXPECT_EQ(ROBUROC4_OK, bench.stop());
-    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_DISARMED);
-    EXPECT_EQ(ROBUROC4_OK, bench.stop());
-    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_DISARMED);
-    EXPECT_EQ(ROBUROC4_ERR_DISARMED, bench.facts().disarm_cause);
-}
-
 /* ---- the event of armable ---- */
 
 /** Whether the event occurs within this time, and exactly when arming becomes possible. */

@@ -68,6 +68,7 @@ TEST(OtherCommander, IsNeverTheClientItself) {
             << i;
         bench.run(30 * ms);
     }
+    bench.pause();
     bench.run(3 * second);
     EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_OTHER_COMMANDER);
     EXPECT_EQ(ROBUROC4_ERR_LAPSED, bench.facts().disarm_cause) << "nothing else disarmed it";
