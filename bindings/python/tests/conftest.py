@@ -84,6 +84,14 @@ def until(condition: Callable[[], object], seconds: float = LONG_S) -> None:
         time.sleep(0.001)
 
 
+def size_of(path: Path) -> int:
+    """The size of a file; 0 while it is not there, as where it is created once more."""
+    try:
+        return path.stat().st_size
+    except FileNotFoundError:
+        return 0
+
+
 def first_zero_s(simulator: roburoc4.Simulator) -> float:
     """When the first zero command came, on time.monotonic(), after a speed was seen."""
     until(lambda: simulator.state.last_linear_m_s != 0)
