@@ -16,6 +16,7 @@
 #define MAX_ROBOTS 10000
 #define MAX_TIME_MS 60000.0
 #define MAX_SETTING 40
+#define MAX_FAMILY_SEED 9007199254740992u
 
 static const char help[] =
     "Usage: roburoc4-sim [OPTION]...\n"
@@ -33,6 +34,8 @@ static const char help[] =
     "  --panel          obey lines from standard input, such as 'pad a down' or\n"
     "                   'estop local press'; 'help' lists them, 'quit' ends\n"
     "  --seed N         seed of slip and faults (default 1)\n"
+    "  --family SEED    a robot of the family that the manual allows (docs/PROTOCOL.md),\n"
+    "                   drawn from the seed and printed as settings; later options win\n"
     "\n"
     "Settings of the robot:\n"
     "  --as-manual      the manual to the letter, where the defaults make a first drive\n"
@@ -103,6 +106,28 @@ static bool set_seed(server_options *options, const char *option, const char *va
     if (!whole(value, 0, UINT64_MAX, &options->config.seed)) {
         return complain(option, value, "give a whole number of 0 to 18446744073709551615");
     }
+    return true;
+}
+
+static bool set_family(server_options *options, const char *option, const char *value) {
+    const sim_setting *setting;
+    roburoc4_sim_config usual;
+    uint64_t seed = 0;
+    if (!whole(value, 0, MAX_FAMILY_SEED, &seed)) {
+        return complain(option, value, "give a whole number of 0 to 9007199254740992");
+    }
+    (void)roburoc4_sim_config_init(&usual, sizeof usual);
+    (void)roburoc4_sim_config_family(&options->config, sizeof options->config, seed);
+    (void)printf("roburoc4-sim: family %s:", value);
+    for (uint32_t index = 0; (setting = sim_setting_at(index)) != NULL; index++) {
+        double drawn = sim_setting_get(&options->config, setting);
+        double usually = sim_setting_get(&usual, setting);
+        if (drawn < usually || drawn > usually) {
+            (void)printf(setting->kind == SIM_FLOAT ? " --%s %.7g" : " --%s %.16g", setting->name,
+                         drawn);
+        }
+    }
+    (void)printf("\n");
     return true;
 }
 
@@ -230,6 +255,7 @@ static const option with_value[] = {
     {"--ids", set_ids},       {"--config", set_config},   {"--seed", set_seed},
     {"--loss", set_share},    {"--duplicate", set_share}, {"--reorder", set_share},
     {"--corrupt", set_share}, {"--delay-ms", set_time},   {"--jitter-ms", set_time},
+    {"--family", set_family},
 };
 
 static const option *find_option(const char *argument, size_t length) {
