@@ -78,10 +78,7 @@ const char *roburoc4_sim_config_error(const roburoc4_sim_config *given) {
     }
     const char *error = ids_error(&config);
     for (uint32_t index = 0; error == NULL && (setting = sim_setting_at(index)) != NULL; index++) {
-        double value = sim_setting_get(&config, setting);
-        bool any = setting->low > setting->high;
-        bool valid = value >= (double)(float)setting->low && value <= (double)(float)setting->high;
-        error = any || valid ? NULL : setting->remedy;
+        error = sim_setting_error(setting, sim_setting_get(&config, setting));
     }
     return error;
 }

@@ -28,20 +28,22 @@ static const sim_control controls[] = {
     ROW(ROBUROC4_SIM_PIN,                1, "pin",                "none", NULL,             0, 0),
     ROW(ROBUROC4_SIM_FAMILY,             1, "family",             NULL, NULL,               0, MAX_WHOLE),
     ROW(ROBUROC4_SIM_FROZEN,             1, "frozen",             "none", NULL,             0, 124),
-#define STORED(number, name, member, kind, low, high) \
-    {ROBUROC4_SIM_##number, 1, name, {NULL, NULL}, low, high, offsetof(roburoc4_sim, member), SIM_##kind}
-    STORED(NAN,                "nan",                nan,                   WHOLE,    0, 124),
-    STORED(UPTIME_CYCLES,      "uptime_cycles",      config.uptime_cycles,  WHOLE_64, 0, MAX_WHOLE),
-    STORED(BLOCKED_LINEAR,     "blocked_linear",     blocked_linear,        WHOLE,    0, 1),
-    STORED(BLOCKED_ANGULAR,    "blocked_angular",    blocked_angular,       WHOLE,    0, 1),
-    STORED(CREEP_M_S,          "creep_m_s",          creep.linear_m_s,      DOUBLE,   -2.6, 2.6),
-    STORED(CREEP_RAD_S,        "creep_rad_s",        creep.angular_rad_s,   DOUBLE,   -6.5, 6.5),
-    STORED(ODOMETRY_SCALE,     "odometry_scale",     config.odometry_scale, FLOAT,    -2, 2),
-    STORED(ODOMETRY_X_M,       "odometry_x_m",       odometry.x_m,          DOUBLE,   -1e5, 1e5),
-    STORED(ODOMETRY_Y_M,       "odometry_y_m",       odometry.y_m,          DOUBLE,   -1e5, 1e5),
-    STORED(ODOMETRY_THETA_RAD, "odometry_theta_rad", odometry.theta_rad,    DOUBLE,   -4, 4),
+#define STORED(number, name, zero, one, member, kind, low, high) \
+    {ROBUROC4_SIM_##number, 1, name, {zero, one}, low, high, offsetof(roburoc4_sim, member), SIM_##kind}
+    STORED(NAN,                "nan",             "none", NULL, nan,             WHOLE, 0, 124),
+    STORED(BLOCKED_LINEAR,     "blocked_linear",  "off", "on",  blocked_linear,  WHOLE, 0, 1),
+    STORED(BLOCKED_ANGULAR,    "blocked_angular", "off", "on",  blocked_angular, WHOLE, 0, 1),
+#define NUMBER(number, name, member, kind, low, high) \
+    STORED(number, name, NULL, NULL, member, kind, low, high)
+    NUMBER(UPTIME_CYCLES,      "uptime_cycles",      config.uptime_cycles,  WHOLE_64, 0, MAX_WHOLE),
+    NUMBER(CREEP_M_S,          "creep_m_s",          creep.linear_m_s,      DOUBLE,   -2.6, 2.6),
+    NUMBER(CREEP_RAD_S,        "creep_rad_s",        creep.angular_rad_s,   DOUBLE,   -6.5, 6.5),
+    NUMBER(ODOMETRY_SCALE,     "odometry_scale",     config.odometry_scale, FLOAT,    -2, 2),
+    NUMBER(ODOMETRY_X_M,       "odometry_x_m",       odometry.x_m,          DOUBLE,   -1e5, 1e5),
+    NUMBER(ODOMETRY_Y_M,       "odometry_y_m",       odometry.y_m,          DOUBLE,   -1e5, 1e5),
+    NUMBER(ODOMETRY_THETA_RAD, "odometry_theta_rad", odometry.theta_rad,    DOUBLE,   -4, 4),
 #define QUEUE(number, which) \
-    STORED(QUEUE_##number##_MS, "queue_" #which "_ms", config.queue_##which##_ms, WHOLE, 0, ROBUROC4_SIM_MAX_QUEUE_MS)
+    NUMBER(QUEUE_##number##_MS, "queue_" #which "_ms", config.queue_##which##_ms, WHOLE, 0, ROBUROC4_SIM_MAX_QUEUE_MS)
     QUEUE(UPLINK, uplink), QUEUE(ANSWER, answer), QUEUE(TEXT, text), QUEUE(IOCARD, iocard),
     QUEUE(TELEMETER, telemeter), QUEUE(BATTERY, battery), QUEUE(LOCALIZATION, localization),
     QUEUE(DIFFERENTIAL, differential),

@@ -24,16 +24,15 @@ static void begin(roburoc4_sim *sim) {
 }
 
 void sim_robot_replace(roburoc4_sim *sim, const roburoc4_sim_config *config) {
-    roburoc4_sim *fresh = sim;
     const bool started = sim->started;
     const uint64_t now_us = sim->now_us;
     const uint64_t next_us = sim->next_us;
-    memset(fresh, 0, sizeof *fresh);
-    fresh->config = *config;
-    fresh->started = started;
-    fresh->now_us = now_us;
-    fresh->next_us = next_us;
-    begin(fresh);
+    memset(sim, 0, sizeof *sim);
+    sim->config = *config;
+    sim->started = started;
+    sim->now_us = now_us;
+    sim->next_us = next_us;
+    begin(sim);
 }
 
 roburoc4_sim *roburoc4_sim_create(const roburoc4_sim_config *config) {

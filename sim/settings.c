@@ -118,6 +118,24 @@ const sim_setting *sim_setting_at(uint32_t index) {
     return index < sizeof settings / sizeof settings[0] ? &settings[index] : NULL;
 }
 
+const sim_setting *sim_setting_named(const char *name) {
+    for (uint32_t index = 0; index < sizeof settings / sizeof settings[0]; index++) {
+        if (strcmp(settings[index].name, name) == 0) {
+            return &settings[index];
+        }
+    }
+    return NULL;
+}
+
+const char *sim_setting_error(const sim_setting *setting, double value) {
+    bool any = setting->low > setting->high;
+    bool single = setting->kind == SIM_FLOAT; /* limits are rounded as the value is */
+    double low = single ? (double)(float)setting->low : setting->low;
+    double high = single ? (double)(float)setting->high : setting->high;
+    double kept = single ? (double)(float)value : value;
+    return any || (kept >= low && kept <= high) ? NULL : setting->remedy;
+}
+
 double sim_setting_get(const roburoc4_sim_config *config, const sim_setting *setting) {
     return sim_value_get((const uint8_t *)config + setting->offset, setting->kind);
 }
@@ -183,15 +201,12 @@ bool sim_value_store(void *at, sim_kind kind, double value) {
 }
 
 roburoc4_result sim_config_set(roburoc4_sim_config *config, const char *name, double value) {
-    for (uint32_t index = 0; index < sizeof settings / sizeof settings[0]; index++) {
-        const sim_setting *found = &settings[index];
-        bool known = found->offset < config->size; /* to the version that made the struct */
-        if (known && strcmp(found->name, name) == 0) {
-            void *at = (uint8_t *)config + found->offset;
-            return sim_value_store(at, found->kind, value) ? ROBUROC4_OK : ROBUROC4_ERR_ARGUMENT;
-        }
+    const sim_setting *found = sim_setting_named(name);
+    if (found == NULL || found->offset >= config->size) { /* of the version that made the struct */
+        return ROBUROC4_ERR_INDEX;
     }
-    return ROBUROC4_ERR_INDEX;
+    void *at = (uint8_t *)config + found->offset;
+    return sim_value_store(at, found->kind, value) ? ROBUROC4_OK : ROBUROC4_ERR_ARGUMENT;
 }
 
 const char *sim_config_name(uint32_t index) {

@@ -35,6 +35,10 @@ typedef struct sim_setting {
 
 /* The table's row, from index 0 on; NULL beyond the last. */
 const sim_setting *sim_setting_at(uint32_t index);
+/* The row of a member; NULL: none has this name. */
+const sim_setting *sim_setting_named(const char *name);
+/* What is wrong with a value, by itself; NULL: nothing. */
+const char *sim_setting_error(const sim_setting *setting, double value);
 double sim_setting_get(const roburoc4_sim_config *config, const sim_setting *setting);
 /* A number of this kind, of settings and of controls. False if it cannot hold the value. */
 double sim_value_get(const void *at, sim_kind kind);

@@ -354,7 +354,7 @@ TEST(SimConfig, EveryNumberHasItsName) {
             EXPECT_NE(0, std::memcmp(&config, &defaults, sizeof config)) << name;
         }
     }
-    EXPECT_GT(names, 80U);
+    EXPECT_GT(names, 70U);
     roburoc4_sim_config config = default_sim_config();
     EXPECT_EQ(ROBUROC4_ERR_INDEX, sim_config_set(&config, "size", 1.0));
     EXPECT_EQ(ROBUROC4_ERR_INDEX, sim_config_set(&config, "", 1.0));
