@@ -26,8 +26,6 @@ static const char help[] =
     "  --port N         UDP port (default 60000; 0 picks a free one)\n"
     "  --robots N       N robots on consecutive ports (default 1); with --port 0 each\n"
     "                   picks a free one\n"
-    "  --ids LIST       other service ids, such as iocard=12,battery=3; names: iocard,\n"
-    "                   telemeter, battery, localization, differential; ids: 2 to 65535\n"
     "  --config FILE    read the watchdog from a udpserver.cfg\n"
     "                   ([DifferentialService] Watchdog=100, in cycles of 10 ms), and any\n"
     "                   of the settings below ([Simulator] slip=0.2)\n"
@@ -46,7 +44,8 @@ static const char help[] =
     "  --battery-percent P   the charge at the start (default 100)\n"
     "  --localization-flags N   the flags that it reports (default 18; 82 with Error)\n"
     "  and each other number of roburoc4_sim_config in roburoc4_sim.h by its name, such as\n"
-    "  --slip 0.2 or --digital-inputs 23; one without a value is set to 1\n"
+    "  --slip 0.2 or --digital-inputs 23, and --iocard-id to --differential-id; one\n"
+    "  without a value is set to 1. docs/PROTOCOL.md, \"The family\", explains many\n"
     "\n"
     "Faults of the network, each way; SHARE is 0 to 1 of all datagrams:\n"
     "  --loss SHARE     lost\n"
@@ -110,15 +109,21 @@ static bool set_seed(server_options *options, const char *option, const char *va
 }
 
 static bool set_family(server_options *options, const char *option, const char *value) {
-    const sim_setting *setting;
-    roburoc4_sim_config usual;
     uint64_t seed = 0;
     if (!whole(value, 0, MAX_FAMILY_SEED, &seed)) {
         return complain(option, value, "give a whole number of 0 to 9007199254740992");
     }
-    (void)roburoc4_sim_config_init(&usual, sizeof usual);
     (void)roburoc4_sim_config_family(&options->config, sizeof options->config, seed);
-    (void)printf("roburoc4-sim: family %s:", value);
+    options->family = value;
+    return true;
+}
+
+/* As options, to repeat it without its seed. */
+static void print_family(const server_options *options) {
+    const sim_setting *setting;
+    roburoc4_sim_config usual;
+    (void)roburoc4_sim_config_init(&usual, sizeof usual);
+    (void)printf("roburoc4-sim: family %s:", options->family);
     for (uint32_t index = 0; (setting = sim_setting_at(index)) != NULL; index++) {
         double drawn = sim_setting_get(&options->config, setting);
         double usually = sim_setting_get(&usual, setting);
@@ -128,7 +133,6 @@ static bool set_family(server_options *options, const char *option, const char *
         }
     }
     (void)printf("\n");
-    return true;
 }
 
 static bool set_share(server_options *options, const char *option, const char *value) {
@@ -155,37 +159,6 @@ static bool set_time(server_options *options, const char *option, const char *va
         options->faults.jitter_us = us;
     }
     return true;
-}
-
-/* One `name=id` of --ids. */
-static bool set_id(server_options *options, const char *text, size_t length) {
-    static const char *const names[] = {"iocard", "telemeter", "battery", "localization",
-                                        "differential"};
-    for (uint32_t index = 0; index < sizeof names / sizeof names[0]; index++) {
-        size_t name = strlen(names[index]);
-        uint64_t id = 0;
-        if (length > name && strncmp(text, names[index], name) == 0 && text[name] == '=' &&
-            number_whole(text + name + 1, length - name - 1, 65535, &id) && id >= 2) {
-            options->config.service_ids[ROBUROC4_SERVICE_IOCARD + index] = (uint16_t)id;
-            return true;
-        }
-    }
-    return false;
-}
-
-static bool set_ids(server_options *options, const char *option, const char *value) {
-    for (const char *at = value;; at++) {
-        size_t length = strcspn(at, ",");
-        if (!set_id(options, at, length)) {
-            return complain(option, value,
-                            "give NAME=ID,... with the names iocard, telemeter, battery, "
-                            "localization, differential and ids of 2 to 65535");
-        }
-        at += length;
-        if (*at == '\0') {
-            return true;
-        }
-    }
 }
 
 static bool read_text(server_options *options, const char *option, const char *path, FILE *file) {
@@ -251,11 +224,10 @@ typedef struct option {
 } option;
 
 static const option with_value[] = {
-    {"--bind", set_bind},     {"--port", set_port},       {"--robots", set_robots},
-    {"--ids", set_ids},       {"--config", set_config},   {"--seed", set_seed},
-    {"--loss", set_share},    {"--duplicate", set_share}, {"--reorder", set_share},
-    {"--corrupt", set_share}, {"--delay-ms", set_time},   {"--jitter-ms", set_time},
-    {"--family", set_family},
+    {"--bind", set_bind},       {"--port", set_port},      {"--robots", set_robots},
+    {"--config", set_config},   {"--seed", set_seed},      {"--loss", set_share},
+    {"--duplicate", set_share}, {"--reorder", set_share},  {"--corrupt", set_share},
+    {"--delay-ms", set_time},   {"--jitter-ms", set_time}, {"--family", set_family},
 };
 
 static const option *find_option(const char *argument, size_t length) {
@@ -337,5 +309,11 @@ int main(int count, char **arguments) {
             return USAGE_ERROR;
         }
     }
-    return is_consistent(&options) ? server_run(&options) : USAGE_ERROR;
+    if (!is_consistent(&options)) {
+        return USAGE_ERROR;
+    }
+    if (options.family != NULL) {
+        print_family(&options);
+    }
+    return server_run(&options);
 }
