@@ -75,7 +75,9 @@ def test_json_lists_services_with_their_ids_and_channels_by_name() -> None:
         "notification": 1,
         "localization": 5,
         "differential": 6,
-        **ids,
+        "iocard": 12,
+        "battery": 3,
+        "telemeter": 40,
     }
     for service in info["services"]:
         assert set(service) == {"id", "type", "kind", "name"}

@@ -34,8 +34,10 @@ _WALL_THICKNESS_M = 0.1
 
 
 class SimSettings(TypedDict, total=False):
-    """Settings of a simulated robot; ``roburoc4_sim.h`` describes each, and for those that no manual
-    fixes, docs/PROTOCOL.md. All have defaults."""
+    """Settings of a simulated robot; all have defaults.
+
+    ``roburoc4_sim.h`` describes each, and docs/PROTOCOL.md those that the manual leaves open.
+    """
 
     watchdog_cycles: int
     iocard_id: int
@@ -137,9 +139,7 @@ def _set(config: "_native.SimConfig", name: str, value: Any) -> None:
         set_member("sim_config", config, name, value)
 
 
-def _config_of(
-    seed: int | None, family: int | None, settings: SimSettings
-) -> "_native.SimConfig":
+def _config_of(seed: int | None, family: int | None, settings: SimSettings) -> "_native.SimConfig":
     config = _native.new_sim_config()
     if family is not None:
         if not is_within(0, family, 2**53):
