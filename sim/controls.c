@@ -29,7 +29,8 @@ static const sim_control controls[] = {
     ROW(ROBUROC4_SIM_FAMILY,             1, "family",             NULL, NULL,               0, MAX_WHOLE),
     ROW(ROBUROC4_SIM_FROZEN,             1, "frozen",             "none", NULL,             0, 124),
 #define STORED(number, name, zero, one, member, kind, low, high) \
-    {ROBUROC4_SIM_##number, 1, name, {zero, one}, low, high, offsetof(roburoc4_sim, member), SIM_##kind}
+    {ROBUROC4_SIM_##number, 1, name, {zero, one}, low, high, \
+     offsetof(roburoc4_sim, member), SIM_##kind}
     STORED(NAN,                "nan",             "none", NULL, nan,             WHOLE, 0, 124),
     STORED(BLOCKED_LINEAR,     "blocked_linear",  "off", "on",  blocked_linear,  WHOLE, 0, 1),
     STORED(BLOCKED_ANGULAR,    "blocked_angular", "off", "on",  blocked_angular, WHOLE, 0, 1),
@@ -43,7 +44,8 @@ static const sim_control controls[] = {
     NUMBER(ODOMETRY_Y_M,       "odometry_y_m",       odometry.y_m,          DOUBLE,   -1e5, 1e5),
     NUMBER(ODOMETRY_THETA_RAD, "odometry_theta_rad", odometry.theta_rad,    DOUBLE,   -4, 4),
 #define QUEUE(number, which) \
-    NUMBER(QUEUE_##number##_MS, "queue_" #which "_ms", config.queue_##which##_ms, WHOLE, 0, ROBUROC4_SIM_MAX_QUEUE_MS)
+    NUMBER(QUEUE_##number##_MS, "queue_" #which "_ms", config.queue_##which##_ms, WHOLE, 0, \
+           ROBUROC4_SIM_MAX_QUEUE_MS)
     QUEUE(UPLINK, uplink), QUEUE(ANSWER, answer), QUEUE(TEXT, text), QUEUE(IOCARD, iocard),
     QUEUE(TELEMETER, telemeter), QUEUE(BATTERY, battery), QUEUE(LOCALIZATION, localization),
     QUEUE(DIFFERENTIAL, differential),
