@@ -1,0 +1,285 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * explore - applies every sequence of letters (world.h) to the client, up to a length, and judges
+ * each state. Equal states are explored once.
+ */
+#include "world.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace explore;
+
+constexpr std::size_t client_words = sizeof(roburoc4_client) / 4;
+constexpr std::size_t longest = 32;
+
+/** From where, with which letters, and how far. */
+struct Exploration {
+    const char *name;
+    std::uint32_t robot;
+    const char *start;    /* letters from power on; "." takes 50 ms */
+    const char *alphabet; /* letters */
+    std::uint32_t depth, full_depth;
+};
+
+#define READY ".........."
+const char all_letters[] = ".xlr2vUDPSABORCH";
+const Exploration explorations[] = {
+    {"armed", 0, READY "A", all_letters, 6, 8},
+    {"driving", 0, READY "ADDD", all_letters, 6, 8},
+    {"driving, robot 2", 1, READY "ADDD", all_letters, 6, 8},
+};
+
+/** States that were explored, with the number of letters that were applied to them. A state that
+ *  does not fit replaces one that was explored less: then some are explored again, none is missed. */
+class Table {
+  public:
+    explicit Table(std::uint32_t bits) : entries_(std::size_t{1} << bits) {}
+
+    /** False if so many letters were applied to it before; else it is stored. */
+    bool add(std::uint64_t hash, std::uint32_t letters) {
+        std::uint64_t *bucket = &entries_[(hash >> 20) % (entries_.size() / 8) * 8];
+        std::uint64_t *oldest = bucket;
+        for (std::uint64_t *entry = bucket; entry != bucket + 8; entry++) {
+            if (*entry >> 5 == hash >> 5) {
+                if ((*entry & 31) >= letters)
+                    return false;
+                oldest = entry;
+                break;
+            }
+            if ((*entry & 31) < (*oldest & 31))
+                oldest = entry;
+        }
+        if (*oldest == 0)
+            states_++;
+        *oldest = (hash & ~std::uint64_t{31}) | letters;
+        return true;
+    }
+    std::uint64_t states() const {
+        return states_;
+    }
+    void clear() {
+        std::fill(entries_.begin(), entries_.end(), 0);
+        states_ = 0;
+    }
+
+  private:
+    std::vector<std::uint64_t> entries_;
+    std::uint64_t states_ = 0;
+};
+
+World started(const Exploration &exploration, std::uint64_t start_us = 0) {
+    World world(exploration.robot, start_us);
+    for (const char *letter = exploration.start; *letter; letter++)
+        if (!world.step(*letter)) {
+            std::fprintf(stderr, "explore: start %s: broken: %s\n", exploration.name,
+                         promise_text(world.judge().broken));
+            std::exit(1);
+        }
+    return world;
+}
+
+/* ---- what need not be compared ---- */
+
+/** Which 32-bit words of the client are ignored when states are compared: statistics. It is found
+ *  out by trial: in pairs of states that two histories led to, the word of one is put into the
+ *  other, and nothing that can be seen from outside may change in the periods that follow. */
+class Ignored {
+  public:
+    Ignored() {
+        std::uint32_t random = 1;
+        const auto draw = [&](std::uint32_t below) {
+            random = random * 1664525 + 1013904223;
+            return (random >> 8) % below;
+        };
+        for (const Exploration &exploration : explorations) {
+            const World start = started(exploration);
+            const auto letter = [&] {
+                return all_letters[draw(sizeof all_letters - 1)];
+            };
+            for (int trial = 0; trial < 1000; trial++) {
+                World a = start, b = start;
+                for (std::uint32_t i = 0, n = 1 + draw(12); i < n; i++) {
+                    const char both = letter();
+                    const bool fixed = both == 'H' || both == 'C' || both == 'R';
+                    a.step(both);
+                    b.step(fixed ? both : "..x2lvD"[draw(7)]);
+                }
+                std::string rest;
+                for (int i = 0; i < 16; i++)
+                    rest += letter();
+                try_words(a, b, rest);
+            }
+        }
+        for (std::size_t i = 0; i < client_words; i++)
+            words[i] = tried_[i] >= 200 && !matters_[i];
+    }
+    std::uint32_t count() const {
+        return static_cast<std::uint32_t>(std::count(words, words + client_words, 1));
+    }
+    std::uint8_t words[client_words + 1] = {};
+
+  private:
+    static std::uint64_t seen_after(World world, const std::string &letters) {
+        for (const char letter : letters)
+            world.step(letter);
+        return world.seen() ^ 0;
+    }
+    void try_words(World &a, World &b, const std::string &rest) {
+        std::uint32_t from_a[client_words], from_b[client_words];
+        std::memcpy(from_a, &a.client(), sizeof from_a);
+        std::memcpy(from_b, &b.client(), sizeof from_b);
+        const std::uint64_t seen = seen_after(a, rest);
+        for (std::size_t i = 0; i < client_words; i++) {
+            if (from_a[i] == from_b[i] || matters_[i])
+                continue;
+            World changed = a;
+            std::memcpy(reinterpret_cast<char *>(&changed.client()) + 4 * i, from_b + i, 4);
+            tried_[i]++;
+            matters_[i] = seen_after(changed, rest) != seen;
+        }
+    }
+    bool matters_[client_words] = {};
+    std::uint32_t tried_[client_words] = {};
+};
+
+/* ---- the search ---- */
+
+class Search {
+  public:
+    Search(const Exploration &exploration, Table &table, const std::uint8_t *ignored)
+        : alphabet_(exploration.alphabet), table_(table), ignored_(ignored) {
+        world_.reserve(longest + 1);
+        world_.assign(longest + 1, started(exploration));
+    }
+    /** All sequences of so many letters. */
+    void run(std::uint32_t letters) {
+        from(0, letters);
+    }
+    std::uint64_t steps = 0, merged = 0;
+    std::string broken[promise_count]; /* by which history first */
+
+  private:
+    void from(std::uint32_t depth, std::uint32_t letters) {
+        for (const char *letter = alphabet_; *letter; letter++) {
+            World &next = world_[depth + 1];
+            next = world_[depth];
+            steps++;
+            history_.resize(depth);
+            history_ += *letter;
+            if (!next.step(*letter)) {
+                std::string &first = broken[next.judge().broken];
+                if (first.empty())
+                    first = history_;
+            } else if (letters > 1) {
+                if (table_.add(next.hash(ignored_), letters - 1))
+                    from(depth + 1, letters - 1);
+                else
+                    merged++;
+            }
+        }
+    }
+
+    std::string history_;
+    const char *alphabet_;
+    Table &table_;
+    const std::uint8_t *ignored_;
+    std::vector<World> world_;
+};
+
+double seconds() {
+    using clock = std::chrono::steady_clock;
+    return std::chrono::duration<double>(clock::now().time_since_epoch()).count();
+}
+
+void replay(const Exploration &exploration, const std::string &history) {
+    World world = started(exploration);
+    world.trace = true;
+    std::printf("start: %s, then %s\n", exploration.start, history.c_str());
+    for (const char letter : history)
+        if (!world.step(letter)) {
+            std::printf("broken: %s\n", promise_text(world.judge().broken));
+            return;
+        }
+}
+
+
+class Explorer {
+  public:
+    /** How often the letters of the alphabet can be chained; 0: to the depth in the table. */
+    std::uint32_t deepest = 0;
+    bool full = false;
+
+    /** True if no promise was broken. */
+    bool run() {
+        const double begun = seconds();
+        bool kept = true;
+        for (const Exploration &exploration : explorations)
+            kept = run(exploration) && kept;
+        std::printf("in all: %llu steps, %.0f s\n", static_cast<unsigned long long>(steps_),
+                    seconds() - begun);
+        return kept;
+    }
+
+  private:
+    bool run(const Exploration &exploration) {
+        table_.clear();
+        std::uint32_t last = full ? exploration.full_depth : exploration.depth;
+        last = deepest > 0 ? deepest : last;
+        std::string found[promise_count];
+        for (std::uint32_t letters = 1; letters <= last; letters++) {
+            const double start = seconds();
+            Search search(exploration, table_, ignored_.words);
+            search.run(letters);
+            steps_ += search.steps;
+            std::printf("%s: all %.3g histories of %u letters: %.3g steps, %.3g merged, %.3g "
+                        "states, %.1f s\n",
+                        exploration.name,
+                        std::pow(static_cast<double>(std::strlen(exploration.alphabet)), letters),
+                        letters, static_cast<double>(search.steps),
+                        static_cast<double>(search.merged), static_cast<double>(table_.states()),
+                        seconds() - start);
+            std::fflush(stdout);
+            for (std::uint32_t i = none + 1; i < promise_count; i++)
+                if (found[i].empty() && !search.broken[i].empty()) {
+                    found[i] = search.broken[i];
+                    std::printf("  BROKEN: %s\n", promise_text(static_cast<Promise>(i)));
+                    std::printf("  again: explore --replay '%s' %s\n", exploration.name,
+                                found[i].c_str());
+                }
+        }
+        return std::all_of(found, found + promise_count,
+                           [](const std::string &history) { return history.empty(); });
+    }
+    Ignored ignored_;
+    Table table_{26};
+    std::uint64_t steps_ = 0;
+};
+
+} // namespace
+
+int main(int count, char **arguments) {
+    if (count == 4 && std::strcmp(arguments[1], "--replay") == 0) {
+        for (const Exploration &exploration : explorations)
+            if (std::strcmp(exploration.name, arguments[2]) == 0)
+                replay(exploration, arguments[3]);
+        return 0;
+    }
+    Explorer explorer;
+    for (int i = 1; i < count; i++) {
+        if (std::strcmp(arguments[i], "--full") == 0)
+            explorer.full = true;
+        else if (std::strcmp(arguments[i], "--depth") == 0 && i + 1 < count)
+            explorer.deepest = static_cast<std::uint32_t>(std::atoi(arguments[++i]));
+    }
+    return explorer.run() ? 0 : 1;
+}
