@@ -121,8 +121,8 @@ void Judge::arm(roburoc4_result result, const roburoc4_facts &before, std::uint6
     armed_ = 1;
     lapsed_ = 0; /* the program is awake */
     require(io_known_ != 0 && held_ == 0, arming);
-    require(since(io_made_us_ + clock_steps_us_, true_us) <= fresh_us &&
-                since(differential_made_us_ + clock_steps_us_, true_us) <= fresh_us,
+    require(settled_ == 0 || (since(io_made_us_ + clock_steps_us_, true_us) <= fresh_us &&
+                              since(differential_made_us_ + clock_steps_us_, true_us) <= fresh_us),
             arming);
     require(before.armed != 0 || speed_.zero() || speed_ == sent_, arming);
 }
@@ -131,11 +131,11 @@ void Judge::drive(roburoc4_result result, Speeds speeds, std::uint64_t client_us
     if (result < 0)
         return;
     require(armed_ != 0, arming);
+    if (lease_ == 0 || !(target_ == speeds))
+        unseen_ = 0;
     lease_ = 1;
     lapsed_ = 0;
     granted_us_ = client_us;
-    if (!(target_ == speeds))
-        unseen_ = 0;
     target_ = speeds;
 }
 
@@ -157,7 +157,7 @@ void Judge::stop(roburoc4_result result, bool is_armed) {
 /* --------------------------------------------------------------------------------- statuses */
 
 void Judge::io_status(bool held, std::uint64_t made_us, std::uint8_t boot) {
-    if (held_ != 0 && !held && last_confirmed_ == 0 && driven_boot_ == boot) {
+    if (held_ != 0 && !held && unconfirmed_ != 0 && driven_boot_ == boot) {
         /* Zeros were ignored until now. */
         sequence_ = zeros_ = 0;
         wanted_ = 1;
@@ -170,11 +170,11 @@ void Judge::io_status(bool held, std::uint64_t made_us, std::uint8_t boot) {
 
 void Judge::differential_status(Speeds target, Speeds speed, std::uint64_t made_us,
                                 std::uint8_t boot, std::uint64_t true_us) {
-    differential_known_ = 1;
     differential_boot_ = boot;
     differential_made_us_ = made_us;
-    reported_ = target;
     speed_ = speed;
+    if (true_us - made_us <= on_time_us && io_made_us_ == made_us)
+        settled_ = 1;
     if (sequence_ != 0 && held_ == 0 && made_us >= first_zero_true_us_)
         confirmed_ = target.zero() ? 1 : 0;
     const bool ours = ever_driven_ != 0 && driven_boot_ == boot && target == sent_;
@@ -190,13 +190,13 @@ void Judge::differential_status(Speeds target, Speeds speed, std::uint64_t made_
 
 /* -------------------------------------------------------------------------------- datagrams */
 
-void Judge::before_poll(std::uint64_t client_us) {
+void Judge::before_poll(std::uint64_t client_us, std::uint64_t true_us) {
     called(client_us);
     polled_ = 0;
     first_due_ = (wanted_ != 0 && since(command_us_, client_us) >= cycle_us) || (driven_ != 0 && lease_ == 0) ||
                  (sequence_ != 0 && since(command_us_, client_us) >= command_period_us &&
                   !(zeros_ >= 3 && (confirmed_ != 0 ||
-                                    since(first_zero_us_, client_us) >= watchdog_us)));
+                                    since(first_zero_true_us_, true_us) >= watchdog_us)));
 }
 
 void Judge::other_traffic() {
@@ -216,7 +216,6 @@ void Judge::command(Speeds speeds, std::uint64_t client_us, std::uint64_t true_u
             sequence_ = 1;
             zeros_ = 0;
             confirmed_ = 0;
-            first_zero_us_ = client_us;
             first_zero_true_us_ = true_us;
         }
         zeros_ = static_cast<std::uint8_t>(zeros_ + (zeros_ < 3));
@@ -227,7 +226,7 @@ void Judge::command(Speeds speeds, std::uint64_t client_us, std::uint64_t true_u
     require(armed_ != 0, arming);
     require(held_ == 0, override_);
     if (sequence_ != 0)
-        end_sequence(client_us);
+        end_sequence(true_us);
     if (unseen_ == 0) {
         unseen_ = 1;
         unseen_us_ = client_us;
@@ -235,13 +234,13 @@ void Judge::command(Speeds speeds, std::uint64_t client_us, std::uint64_t true_u
     driven_ = ever_driven_ = 1;
     driven_boot_ = differential_boot_;
     sent_ = speeds;
-    last_confirmed_ = 0;
+    unconfirmed_ = 1;
 }
 
 void Judge::after_poll(const roburoc4_facts &facts, std::uint64_t client_us,
                        std::uint64_t true_us) {
     judge_driving(facts, client_us, true_us);
-    judge_sequence(facts, client_us);
+    judge_sequence(facts, client_us, true_us);
     if (was_armed_ != 0 && facts.armed == 0)
         disarmed_event_due_ = 1;
     was_armed_ = facts.armed;
@@ -257,7 +256,7 @@ void Judge::judge_driving(const roburoc4_facts &facts, std::uint64_t client_us,
     if (facts.armed != 0) {
         require(armed_ != 0, arming);
         require(held_ == 0, override_);
-        require(io_age <= fresh_us && differential_age <= fresh_us, fresh);
+        require(settled_ == 0 || (io_age <= fresh_us && differential_age <= fresh_us), fresh);
         require(clock_back_ == 0, clock);
         require(lapsed_ == 0 || since(granted_us_ + lease_us, client_us) < lapse_us, lapse);
         require(others_ < 3, commander);
@@ -269,37 +268,42 @@ void Judge::judge_driving(const roburoc4_facts &facts, std::uint64_t client_us,
                 was_armed_ == 0,
             lapse);
     require(facts.driving == 0 || lease_ != 0, lease);
-    if (io_known_ != 0)
+    if (facts.state != ROBUROC4_STATE_READY)
+        settled_ = 0;
+    if (settled_ != 0) {
         require(facts.age_us[ROBUROC4_SERVICE_IOCARD] >= io_age, age);
-    if (differential_known_ != 0)
         require(facts.age_us[ROBUROC4_SERVICE_DIFFERENTIAL] >= differential_age, age);
+    }
     if (lease_ != 0 && facts.armed != 0 && sequence_ == 0)
         require(command_us_ != 0 && since(command_us_, client_us) < command_period_us, fed);
 }
 
-void Judge::judge_sequence(const roburoc4_facts &facts, std::uint64_t client_us) {
+void Judge::judge_sequence(const roburoc4_facts &facts, std::uint64_t client_us,
+                           std::uint64_t true_us) {
     require(driven_ == 0 || (lease_ != 0 && facts.armed != 0), exit_);
     const bool ready = facts.state == ROBUROC4_STATE_READY;
     if (wanted_ != 0 && ready)
-        require(since(command_us_, client_us) < cycle_us, held_ == 0 && last_confirmed_ == 0 && stop_called_ == 0 ? release : exit_);
+        require(since(command_us_, client_us) < cycle_us, held_ == 0 && unconfirmed_ != 0 && stop_called_ == 0 ? release : exit_);
     if (sequence_ != 0 && facts.stopping != 0)
         require(since(command_us_, client_us) < command_period_us, period);
     if (sequence_ != 0 && facts.stopping == 0)
-        end_sequence(client_us);
+        end_sequence(true_us);
     if (ended_ != 0) {
         require(confirmed_ != 0 || facts.stop_outcome != ROBUROC4_STOP_CONFIRMED, belief);
-        last_confirmed_ = facts.stop_outcome == ROBUROC4_STOP_CONFIRMED;
-        (last_confirmed_ != 0 ? ended_confirmed_ : ended_unconfirmed_) = 1;
+        const bool confirmed = facts.stop_outcome == ROBUROC4_STOP_CONFIRMED;
+        (confirmed ? ended_confirmed_ : ended_unconfirmed_) = 1;
+        if (confirmed)
+            unconfirmed_ = 0;
         ended_ = confirmed_ = 0;
     }
-    if (watch_ != 0 && ready)
-        require(sequence_ != 0 && facts.stopping != 0, watched);
+    if (watch_ != 0 && ready && facts.age_us[ROBUROC4_SERVICE_DIFFERENTIAL] <= fresh_us)
+        require((sequence_ != 0 || wanted_ != 0) && facts.stopping != 0, watched);
     watch_ = 0;
 }
 
-void Judge::end_sequence(std::uint64_t client_us) {
+void Judge::end_sequence(std::uint64_t true_us) {
     require(zeros_ >= 3, three);
-    require(confirmed_ != 0 || since(first_zero_us_, client_us) >= watchdog_us, ending);
+    require(confirmed_ != 0 || since(first_zero_true_us_, true_us) >= watchdog_us, ending);
     sequence_ = zeros_ = 0;
     ended_ = 1;
 }

@@ -74,7 +74,7 @@ class Judge {
     void differential_status(Speeds target, Speeds speed, std::uint64_t made_us, std::uint8_t boot,
                              std::uint64_t true_us);
     /* Datagrams between before_poll() and after_poll(). */
-    void before_poll(std::uint64_t client_us);
+    void before_poll(std::uint64_t client_us, std::uint64_t true_us);
     void command(Speeds speeds, std::uint64_t client_us, std::uint64_t true_us);
     void other_traffic();
     void after_poll(const roburoc4_facts &facts, std::uint64_t client_us, std::uint64_t true_us);
@@ -89,8 +89,9 @@ class Judge {
         if (!kept && broken == none)
             broken = promise;
     }
-    void judge_sequence(const roburoc4_facts &facts, std::uint64_t client_us);
-    void end_sequence(std::uint64_t client_us);
+    void judge_sequence(const roburoc4_facts &facts, std::uint64_t client_us,
+                        std::uint64_t true_us);
+    void end_sequence(std::uint64_t true_us);
     void judge_driving(const roburoc4_facts &facts, std::uint64_t client_us,
                        std::uint64_t true_us);
 
@@ -98,18 +99,19 @@ class Judge {
     std::uint8_t driven_ = 0, ever_driven_ = 0;       /* a speed left since the last zero; ever */
     std::uint8_t wanted_ = 0, stop_called_ = 0;       /* a zero is due; stop() or pause() ever */
     std::uint8_t sequence_ = 0, zeros_ = 0;           /* a stop sequence runs */
-    std::uint8_t confirmed_ = 0, last_confirmed_ = 1; /* this sequence; the last that ended */
+    std::uint8_t confirmed_ = 0, unconfirmed_ = 0; /* this sequence; a speed left since the last */
+    std::uint8_t settled_ = 0; /* a status was on time since it became ready: before, no client can tell */
     std::uint8_t held_ = 0, watch_ = 0, clock_back_ = 0;
     std::uint8_t first_due_ = 0, polled_ = 0;
-    std::uint8_t io_known_ = 0, io_boot_ = 0, differential_known_ = 0, differential_boot_ = 0;
+    std::uint8_t io_known_ = 0, io_boot_ = 0, differential_boot_ = 0;
     std::uint8_t driven_boot_ = 0, others_ = 0;
     std::uint8_t was_armed_ = 0, disarmed_event_due_ = 0, armed_event_due_ = 0;
     std::uint8_t ended_confirmed_ = 0, ended_unconfirmed_ = 0, ended_ = 0;
     std::uint8_t not_following_ = 0, unseen_ = 0, reserved_[4]{};
-    Speeds target_{}, sent_{}, reported_{}, speed_{};
+    Speeds target_{}, sent_{}, speed_{};
     std::uint64_t now_us_ = 0; /* of the latest call, by the client's clock */
     std::uint64_t clock_steps_us_ = 0; /* back, in all */
-    std::uint64_t granted_us_ = 0, first_zero_us_ = 0, command_us_ = 0, unseen_us_ = 0;
+    std::uint64_t granted_us_ = 0, command_us_ = 0, unseen_us_ = 0;
     std::uint64_t first_zero_true_us_ = 0, command_true_us_ = 0, io_made_us_ = 0, differential_made_us_ = 0;
 };
 

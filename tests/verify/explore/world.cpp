@@ -226,7 +226,7 @@ void World::run_to(std::uint64_t end_us) {
 void World::call_client() {
     const std::uint64_t now = client_us();
     std::uint8_t buffer[ROBUROC4_MAX_TRANSMIT];
-    judge_.before_poll(now);
+    judge_.before_poll(now, true_us_);
     for (std::uint32_t i = 0; i < 32; i++) {
         const roburoc4_result size = client_.poll(buffer, now);
         if (size <= 0)
