@@ -142,6 +142,7 @@ roburoc4_result roburoc4_client_start(client *c, uint64_t now_us) {
     memset(&c->private_discovery, 0, sizeof c->private_discovery);
     memset(&c->private_values, 0, sizeof c->private_values);
     memset(&c->private_outputs, 0, sizeof c->private_outputs);
+    memset(&c->private_follow, 0, sizeof c->private_follow);
     memset(c->private_counters, 0, sizeof c->private_counters);
     c->private_outputs.relocalize_result = ROBUROC4_ERR_UNKNOWN;
     roburoc4_discovery_clear(&c->private_discovery);

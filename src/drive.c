@@ -258,9 +258,9 @@ static void widen_envelope(drive *d) {
     }
 }
 
-/** Until a stop is confirmed, the robot may have any of the speeds since the last one that was. */
+/** Until a stop is confirmed, the robot may keep the last speeds. */
 static void age_envelope(drive *d, uint32_t window_us, uint64_t now_us) {
-    if (!d->unconfirmed && now_us - d->envelope_us >= window_us) {
+    if ((d->lease_active || !d->unconfirmed) && now_us - d->envelope_us >= window_us) {
         memcpy(d->low_before, d->low, sizeof d->low);
         memcpy(d->high_before, d->high, sizeof d->high);
         memcpy(d->low, d->sent, sizeof d->low);
@@ -430,11 +430,15 @@ static void watch_echo(drive *d, const roburoc4_config *config, const float *rep
         d->echo_due = 0;
         roburoc4_drive_heard(d, d->echo_us);
     }
+    const uint32_t limit_us = uplink_limit_us(config);
     if (!d->echo_due) {
         memcpy(d->echoed, reported, sizeof d->echoed);
-    } else if (now_us - d->echo_us >= uplink_limit_us(config) &&
+    } else if (now_us - d->echo_us >= limit_us &&
                (config->options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0) {
-        roburoc4_drive_interrupt(d, ROBUROC4_ERR_UPLINK, events);
+        /* if it answers requests in time, it received the target, and dropped it */
+        roburoc4_drive_interrupt(
+            d, now_us - d->heard_us < limit_us ? ROBUROC4_ERR_INHIBITED : ROBUROC4_ERR_UPLINK,
+            events);
     }
 }
 
@@ -442,8 +446,9 @@ static void watch_echo(drive *d, const roburoc4_config *config, const float *rep
 static void watch_following(drive *d, follow *f, const roburoc4_differential_status *s,
                             bool expected, uint32_t *events) {
     const float reported[AXES] = {s->target_linear_m_s, s->target_angular_rad_s};
-    const bool inhibited = roburoc4_follow_status(
-        f, !expected ? NULL : d->lease_active ? d->sent : reported, s);
+    const bool ours = d->lease_active && !d->other_commander;
+    const bool inhibited =
+        roburoc4_follow_status(f, !expected ? NULL : ours ? d->sent : reported, s);
     if (inhibited != (d->inhibited != 0)) {
         d->inhibited = inhibited;
         *events |= ROBUROC4_EVENT_INHIBITED;
@@ -477,7 +482,10 @@ void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
     } else if (!zero && ours && age_us < config->fresh_ms * MS && has_driven(d)) {
         stop_again(d); /* a speed of ours came late, or came back */
     }
-    watch_following(d, f, s, !d->overridden && (!zero || d->lease_active), events);
+    watch_following(d, f, s,
+                    !d->overridden && (d->lease_active || (!zero && is_finite(reported[LINEAR]) &&
+                                                           is_finite(reported[ANGULAR]))),
+                    events);
 }
 
 void roburoc4_drive_rebase(drive *d, uint64_t now_us) {

@@ -60,6 +60,8 @@ void roburoc4_link_restart(roburoc4_private_link *l) {
         roburoc4_link_expect(l, i);
     }
     l->answered = 0;
+    l->round_trip_us = 0;
+    l->round_trip_min_us = 0;
 }
 
 /** Whether a status that is older than the newest of all services is from a restarted robot. */
