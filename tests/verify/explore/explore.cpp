@@ -37,6 +37,8 @@ const Exploration explorations[] = {
     {"armed", 0, READY "A", all_letters, 6, 8},
     {"driving", 0, READY "ADDD", all_letters, 6, 8},
     {"driving, robot 2", 1, READY "ADDD", all_letters, 6, 8},
+    {"uplink out", 0, READY "AUDDDDDDD", all_letters, 5, 8},
+    {"motors off", 0, READY "AEDDDDDDDDDDDDDDD", all_letters, 5, 8},
 };
 
 /** States that were explored, with the number of letters that were applied to them. A state that
@@ -77,14 +79,10 @@ class Table {
     std::uint64_t states_ = 0;
 };
 
-World started(const Exploration &exploration, std::uint64_t start_us = 0) {
-    World world(exploration.robot, start_us);
-    for (const char *letter = exploration.start; *letter; letter++)
-        if (!world.step(*letter)) {
-            std::fprintf(stderr, "explore: start %s: broken: %s\n", exploration.name,
-                         promise_text(world.judge().broken));
-            std::exit(1);
-        }
+World started(const Exploration &exploration) {
+    World world(exploration.robot);
+    for (const char *letter = exploration.start; *letter && world.step(*letter);)
+        letter++;
     return world;
 }
 
@@ -163,14 +161,19 @@ class Search {
     }
     /** All sequences of so many letters. */
     void run(std::uint32_t letters) {
-        from(0, letters);
+        const Promise at_start = world_[0].judge().broken;
+        if (at_start != none)
+            broken[at_start] = "-";
+        else
+            from(0, letters);
     }
     std::uint64_t steps = 0, merged = 0;
     std::string broken[promise_count]; /* by which history first */
+    Promise only = none;               /* ends when this one was broken */
 
   private:
     void from(std::uint32_t depth, std::uint32_t letters) {
-        for (const char *letter = alphabet_; *letter; letter++) {
+        for (const char *letter = alphabet_; *letter && broken[only].empty(); letter++) {
             World &next = world_[depth + 1];
             next = world_[depth];
             steps++;
@@ -265,6 +268,39 @@ class Explorer {
     std::uint64_t steps_ = 0;
 };
 
+/** Clients with one fault each: true if each breaks the promise that it should. */
+bool run_canaries(const Ignored &ignored) {
+    Table table(22);
+    bool all = true;
+    for (std::uint32_t fault = no_fault + 1; fault < fault_count; fault++) {
+        set_fault(fault);
+        const Promise breaks = faults[fault].breaks;
+        const double start = seconds();
+        std::string found;
+        std::uint64_t steps = 0;
+        for (std::uint32_t letters = 1; letters <= 5 && found.empty(); letters++)
+            for (const Exploration &exploration : explorations) {
+                table.clear();
+                Search search(exploration, table, ignored.words);
+                search.only = breaks;
+                search.run(letters);
+                steps += search.steps;
+                found = search.broken[breaks];
+                if (!found.empty()) {
+                    found = std::string(exploration.name) + ", " + found;
+                    break;
+                }
+            }
+        std::printf("%-64s %s (%s; %llu steps, %.1f s)\n", faults[fault].what,
+                    found.empty() ? "NOT NOTICED" : "noticed", found.c_str(),
+                    static_cast<unsigned long long>(steps), seconds() - start);
+        std::fflush(stdout);
+        all = all && !found.empty();
+    }
+    set_fault(no_fault);
+    return all;
+}
+
 } // namespace
 
 int main(int count, char **arguments) {
@@ -274,6 +310,8 @@ int main(int count, char **arguments) {
                 replay(exploration, arguments[3]);
         return 0;
     }
+    if (count == 2 && std::strcmp(arguments[1], "--canaries") == 0)
+        return run_canaries(Ignored()) ? 0 : 1;
     Explorer explorer;
     for (int i = 1; i < count; i++) {
         if (std::strcmp(arguments[i], "--full") == 0)

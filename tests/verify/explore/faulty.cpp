@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "faulty.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace explore {
@@ -32,12 +33,21 @@ enum : std::uint32_t {
     disarmed_event_missing,
     monitor_commands,
     others_ignored,
+    release_unanswered,
+    speeds_not_compared,
+    late_uplink_ignored,
 };
 
 std::uint32_t fault = no_fault;
 
 bool is_command(const std::uint8_t *datagram, roburoc4_result size) {
     return size == 11 && datagram[0] == ROBUROC4_HEADER_STATUS;
+}
+
+constexpr std::size_t iocard = 12, differential = 27; /* lengths of statuses */
+
+bool is_status(const std::uint8_t *datagram, std::size_t size, std::size_t wanted) {
+    return size == wanted && datagram[0] == ROBUROC4_HEADER_STATUS;
 }
 
 bool is_zero(const std::uint8_t *datagram) {
@@ -75,6 +85,9 @@ const Fault faults[] = {
     {"the event DISARMED is missing", events},
     {"a zero is sent without a reason", monitor},
     {"another commander goes unnoticed", commander},
+    {"nothing is sent when [A] is released", release},
+    {"reported speeds are not compared with the target", follows},
+    {"it stays armed when commands do not arrive", uplink},
 };
 const std::uint32_t fault_count = sizeof faults / sizeof *faults;
 
@@ -108,7 +121,9 @@ roburoc4_result Port::drive(Speeds wanted, std::uint64_t now_us) {
         speeds = wanted;
         zeros = 0;
     }
-    return roburoc4_client_drive(&client, wanted.linear, wanted.angular, 0, now_us);
+    const roburoc4_result result =
+        roburoc4_client_drive(&client, wanted.linear, wanted.angular, 0, now_us);
+    return fault == late_uplink_ignored && result == ROBUROC4_ERR_UPLINK ? ROBUROC4_OK : result;
 }
 
 roburoc4_result Port::pause(std::uint64_t now_us) {
@@ -126,11 +141,18 @@ roburoc4_result Port::stop(std::uint64_t now_us) {
 }
 
 roburoc4_result Port::receive(std::uint8_t *datagram, std::size_t size, std::uint64_t now_us) {
-    if (fault == override_not_seen && size == 12 && datagram[0] == ROBUROC4_HEADER_STATUS)
+    if (fault == override_not_seen && is_status(datagram, size, iocard))
         datagram[11] = 0;
-    if (fault == clock_fault_hidden) {
-        latest_us = now_us > latest_us ? now_us : latest_us;
-        now_us = latest_us;
+    if (fault == clock_fault_hidden)
+        now_us = latest_us = std::max(now_us, latest_us);
+    if (fault == release_unanswered && is_status(datagram, size, iocard)) {
+        if (polls != 0 && datagram[11] == 0)
+            latest_us = now_us + 1000 * ms;
+        polls = datagram[11];
+    }
+    if (fault == speeds_not_compared && is_status(datagram, size, differential)) {
+        std::memcpy(datagram + 15, datagram + 11, 4);
+        std::memcpy(datagram + 23, datagram + 19, 4);
     }
     return roburoc4_client_receive(&client, datagram, size, now_us);
 }
@@ -138,10 +160,8 @@ roburoc4_result Port::receive(std::uint8_t *datagram, std::size_t size, std::uin
 roburoc4_result Port::poll(std::uint8_t *buffer, std::uint64_t now_us) {
     if (fault == no_fault)
         return roburoc4_client_poll_transmit(&client, buffer, ROBUROC4_MAX_TRANSMIT, now_us);
-    if (fault == clock_fault_hidden) {
-        latest_us = now_us > latest_us ? now_us : latest_us;
-        now_us = latest_us;
-    }
+    if (fault == clock_fault_hidden)
+        now_us = latest_us = std::max(now_us, latest_us);
     if (fault == lease_renewed && facts(now_us).driving)
         roburoc4_client_drive(&client, speeds.linear, speeds.angular, 0, now_us);
     if (fault == arms_by_itself)
@@ -158,7 +178,8 @@ roburoc4_result Port::poll(std::uint8_t *buffer, std::uint64_t now_us) {
             zeros++;
             if ((fault == first_zero_missing && zeros == 1) ||
                 (fault == later_zeros_missing && zeros > 1) || (fault == two_zeros && zeros > 2) ||
-                (fault == sequence_not_repeated && zeros > 4))
+                (fault == sequence_not_repeated && zeros > 4) ||
+                (fault == release_unanswered && now_us < latest_us))
                 continue;
             if (fault == traffic_first && zeros == 1)
                 break;
@@ -168,7 +189,16 @@ roburoc4_result Port::poll(std::uint8_t *buffer, std::uint64_t now_us) {
             if (fault == speed_changed)
                 buffer[5] ^= 1;
         }
+        if (fault == commands_doubled && polls++ % 2 == 0) {
+            std::memcpy(doubled, buffer, sizeof doubled);
+            return size;
+        }
         return size;
+    }
+    if (fault == commands_doubled && polls % 2 != 0) {
+        polls++;
+        std::memcpy(buffer, doubled, sizeof doubled);
+        return sizeof doubled;
     }
     if (fault == traffic_first && zeros == 1) {
         zeros = 2;
@@ -201,6 +231,8 @@ roburoc4_facts Port::facts(std::uint64_t now_us) const {
     if (fault == age_halved)
         for (std::uint32_t &age_us : out.age_us)
             age_us /= 2;
+    if (fault == late_uplink_ignored && out.disarm_cause == ROBUROC4_ERR_UPLINK)
+        out.armed = 1;
     if (fault == confirmed_by_time && out.stop_outcome == ROBUROC4_STOP_TIMED_OUT)
         out.stop_outcome = ROBUROC4_STOP_CONFIRMED;
     return out;

@@ -39,6 +39,7 @@ struct Port {
     Speeds speeds;
     std::uint64_t latest_us;
     std::uint32_t zeros, polls;
+    std::uint8_t doubled[11], reserved[5];
 };
 
 } // namespace explore

@@ -7,8 +7,8 @@ namespace {
 
 constexpr std::uint64_t lease_us = 100 * ms, command_period_us = 50 * ms, watchdog_us = 200 * ms,
                         fresh_us = 150 * ms, lapse_us = 150 * ms, cycle_us = 10 * ms,
-                        on_time_us = 10 * ms, not_following_periods = 14,
-                        uplink_us = 550 * ms;
+                        on_time_us = 10 * ms, not_following_periods = 20,
+                        uplink_us = 500 * ms;
 
 /** Time since then; 0 if the clock went back to before it. */
 std::uint64_t since(std::uint64_t then_us, std::uint64_t now_us) {
@@ -244,8 +244,10 @@ void Judge::after_poll(const roburoc4_facts &facts, std::uint64_t client_us,
     if (was_armed_ != 0 && facts.armed == 0)
         disarmed_event_due_ = 1;
     was_armed_ = facts.armed;
-    if (facts.armed == 0)
-        armed_ = 0;
+    if (facts.armed == 0) {
+        end_lease();
+        armed_ = lapsed_ = 0;
+    }
 }
 
 void Judge::judge_driving(const roburoc4_facts &facts, std::uint64_t client_us,
@@ -264,9 +266,7 @@ void Judge::judge_driving(const roburoc4_facts &facts, std::uint64_t client_us,
         require(unseen_ == 0 || lease_ == 0 || since(unseen_us_, client_us) < uplink_us, uplink);
     }
     clock_back_ = 0;
-    require(facts.armed != 0 || facts.disarm_cause != ROBUROC4_ERR_LAPSED || lapsed_ != 0 ||
-                was_armed_ == 0,
-            lapse);
+    require(was_armed_ == 0 || facts.disarm_cause != ROBUROC4_ERR_LAPSED || lapsed_ != 0, lapse);
     require(facts.driving == 0 || lease_ != 0, lease);
     if (facts.state != ROBUROC4_STATE_READY)
         settled_ = 0;

@@ -47,8 +47,8 @@ constexpr std::uint64_t flight_us = 1 * ms;   /* of a datagram */
 constexpr std::uint64_t measured_us = 20 * ms; /* after a period's begin a status is made */
 
 /* Far from 0 and from each other, so that a hash can tell what a number is relative to. */
-constexpr std::uint64_t client_base = 0x0012345600000000, cycle_base = 0x0000034500000000,
-                        cycle_step = 0x0000001100000000;
+constexpr std::uint64_t client_base = 0x0012345600000000, true_base = 0x0023456700000000,
+                        cycle_base = 0x0000034500000000, cycle_step = 0x0000001100000000;
 
 bool near(std::uint64_t value, std::uint64_t base) {
     return value - base + 0x40000000 < 0x80000000;
@@ -56,9 +56,8 @@ bool near(std::uint64_t value, std::uint64_t base) {
 
 } // namespace
 
-World::World(std::uint32_t robot_kind, std::uint64_t start_us)
-    : true_us_(0x0023456700000000 + start_us), skew_us_(client_base - 0x0023456700000000),
-      status_us_(true_us_ + measured_us) {
+World::World(std::uint32_t robot_kind)
+    : true_us_(true_base), skew_us_(client_base - true_base), status_us_(true_us_ + measured_us) {
     robot_.kind = static_cast<std::uint8_t>(robot_kind);
     robot_.boot_us = true_us_ - 1000 * ROBUROC4_CYCLE_US;
     client_.begin(client_config(), client_us());

@@ -48,7 +48,7 @@ struct Robot {
 
 class World {
   public:
-    World(std::uint32_t robot_kind, std::uint64_t start_us);
+    explicit World(std::uint32_t robot_kind);
 
     /** One period in which this happens. False if a promise was broken: judge().broken. */
     bool step(char letter);
