@@ -248,6 +248,21 @@ void Judge::after_poll(const roburoc4_facts &facts, std::uint64_t client_us,
         end_lease();
         armed_ = lapsed_ = 0;
     }
+    forget();
+}
+
+/** What no longer matters is cleared, so that more states are equal. */
+void Judge::forget() {
+    if (lease_ == 0) {
+        target_ = Speeds{};
+        unseen_ = 0;
+        if (lapsed_ == 0)
+            granted_us_ = 0;
+    }
+    if (unseen_ == 0)
+        unseen_us_ = 0;
+    if (sequence_ == 0)
+        first_zero_true_us_ = 0;
 }
 
 void Judge::judge_driving(const roburoc4_facts &facts, std::uint64_t client_us,

@@ -91,6 +91,7 @@ class Judge {
     }
     void judge_sequence(const roburoc4_facts &facts, std::uint64_t client_us,
                         std::uint64_t true_us);
+    void forget();
     void end_sequence(std::uint64_t true_us);
     void judge_driving(const roburoc4_facts &facts, std::uint64_t client_us,
                        std::uint64_t true_us);

@@ -114,14 +114,15 @@ bool World::step(char letter) {
         if (robot_.held) {
             robot_.kept = robot_.target;
             robot_.target = Speeds{};
-        } else if (robot_kinds[robot_.kind].resumes) {
-            robot_.target = robot_.kept;
+        } else {
+            if (robot_kinds[robot_.kind].resumes)
+                robot_.target = robot_.kept;
+            robot_.kept = Speeds{};
         }
         break;
     case 'O':
         if (!robot_.held) {
             robot_.target = Speeds{0.4F, -0.4F};
-            robot_.commanded = 1;
             robot_.commanded_us = true_us_;
         }
         break;
@@ -133,7 +134,7 @@ bool World::step(char letter) {
             robot_.boots++;
             robot_.boot_us = true_us_;
             robot_.target = robot_.kept = Speeds{};
-            robot_.commanded = robot_.subscribed = 0;
+            robot_.subscribed = 0;
         }
         break;
     case 'C':
@@ -326,12 +327,10 @@ void World::client_receives(const Message &m) {
 /* ---- the robot and the network ---- */
 
 void World::watchdog() {
-    if (robot_.commanded &&
-        true_us_ - robot_.commanded_us >= robot_kinds[robot_.kind].watchdog_us) {
-        robot_.commanded = 0;
-        robot_.commanded_us = 0;
+    if (true_us_ - robot_.commanded_us >= robot_kinds[robot_.kind].watchdog_us)
         robot_.target = robot_.kept = Speeds{};
-    }
+    if (robot_.target.zero() && robot_.kept.zero())
+        robot_.commanded_us = 0;
 }
 
 void World::make_statuses() {
@@ -358,10 +357,9 @@ void World::robot_receives(const Message &m) {
         say("    the robot gets %g %g", m.target.linear, m.target.angular);
         if (!robot_.held)
             robot_.target = m.target;
-        if (!robot_.held || robot_kinds[robot_.kind].resumes) {
-            robot_.commanded = 1;
+        if (!robot_.held || robot_kinds[robot_.kind].resumes)
             robot_.commanded_us = true_us_;
-        }
+        watchdog();
         return;
     }
     Message reply = m;
@@ -422,44 +420,40 @@ void World::say(const char *format, ...) const {
 
 std::uint64_t World::hash(const std::uint8_t *ignored) const {
     const std::uint64_t client_now = client_us(), cycles_now = cycles(true_us_);
-    std::uint64_t a = 0x243F6A8885A308D3, b = 0x13198A2E03707344;
-    const auto mix = [&](std::uint64_t word) {
-        if (near(word, client_now))
-            word -= client_now;
-        else if (near(word, true_us_))
-            word -= true_us_;
-        else if (near(word, cycles_now))
-            word -= cycles_now;
-        a = (a ^ word) * 0x9E3779B97F4A7C15;
-        b = (b ^ (a >> 32)) * 0xC2B2AE3D27D4EB4F;
-        a ^= a >> 29;
+    /* Times count from now. */
+    const auto relative = [&](std::uint64_t word) {
+        return near(word, client_now)   ? word - client_now
+               : near(word, true_us_)   ? word - true_us_
+               : near(word, cycles_now) ? word - cycles_now
+                                        : word;
     };
-    const auto bytes = [&](const void *from, std::size_t size) {
-        std::uint64_t word = 0;
-        for (std::size_t i = 0; i < size; i += sizeof word) {
+    std::uint64_t hash = 0x243F6A8885A308D3;
+    const auto add = [&](const void *from, std::size_t size, const std::uint8_t *without) {
+        for (std::size_t i = 0; i < size; i += 8) {
+            std::uint64_t word = 0;
             std::memcpy(&word, static_cast<const char *>(from) + i, sizeof word);
-            mix(word);
+            word = relative(word);
+            if (without != nullptr) {
+                std::uint8_t halves[2];
+                std::memcpy(halves, without + i / 4, sizeof halves);
+                if (halves[0])
+                    word &= 0xFFFFFFFF00000000;
+                if (halves[1])
+                    word &= 0x00000000FFFFFFFF;
+            }
+            hash = (hash ^ word) * 0x9E3779B97F4A7C15;
+            hash ^= hash >> 29;
         }
     };
-    const char *client = reinterpret_cast<const char *>(&client_.client);
-    for (std::size_t i = 0; i < sizeof client_.client; i += 8) {
-        std::uint64_t word = 0;
-        std::memcpy(&word, client + i, sizeof word);
-        if (ignored[i / 4])
-            word &= 0xFFFFFFFF00000000;
-        if (ignored[i / 4 + 1])
-            word &= 0x00000000FFFFFFFF;
-        mix(word);
-    }
-    bytes(reinterpret_cast<const char *>(&client_) + sizeof client_.client,
-          sizeof client_ - sizeof client_.client);
-    bytes(&judge_, sizeof judge_);
-    bytes(&robot_, sizeof robot_);
-    mix(status_us_ - true_us_);
-    mix(skew_us_);
-    mix(uplink_out_);
-    bytes(messages_, count_ * sizeof(Message));
-    return a ^ (b >> 17) ^ (b << 47);
+    const std::uint64_t others[] = {status_us_ - true_us_, skew_us_, uplink_out_};
+    add(&client_.client, sizeof client_.client, ignored);
+    add(reinterpret_cast<const char *>(&client_) + sizeof client_.client,
+        sizeof client_ - sizeof client_.client, nullptr);
+    add(&judge_, sizeof judge_, nullptr);
+    add(&robot_, sizeof robot_, nullptr);
+    add(others, sizeof others, nullptr);
+    add(messages_, count_ * sizeof(Message), nullptr);
+    return hash;
 }
 
 } // namespace explore

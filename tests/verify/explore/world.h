@@ -43,7 +43,7 @@ struct Message {
 struct Robot {
     std::uint64_t boot_us, commanded_us;
     Speeds target, kept;
-    std::uint8_t kind, boots, held, motors_off, commanded, subscribed, reserved[2];
+    std::uint8_t kind, boots, held, motors_off, subscribed, reserved[3];
 };
 
 class World {
