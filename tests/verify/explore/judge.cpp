@@ -132,7 +132,7 @@ void Judge::drive(roburoc4_result result, Speeds speeds, std::uint64_t client_us
         return;
     require(armed_ != 0, arming);
     if (lease_ == 0 || !(target_ == speeds))
-        unseen_ = 0;
+        unseen_ = not_following_ = 0;
     lease_ = 1;
     lapsed_ = 0;
     granted_us_ = client_us;

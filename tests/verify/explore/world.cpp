@@ -28,7 +28,7 @@ const Letter letters[] = {
     {'B', "[A] is pressed, or released"},
     {'O', "another commander sends a speed"},
     {'E', "the emergency stop is pressed, or released"},
-    {'R', "the robot restarts"},
+    {'R', "the robot restarts: it is down for two periods"},
     {'C', "the host's clock steps back by 20 ms"},
     {'H', "the program hangs for three periods"},
 };
@@ -56,8 +56,9 @@ bool near(std::uint64_t value, std::uint64_t base) {
 
 } // namespace
 
-World::World(std::uint32_t robot_kind)
-    : true_us_(true_base), skew_us_(client_base - true_base), status_us_(true_us_ + measured_us) {
+World::World(std::uint32_t robot_kind, std::uint64_t later_us)
+    : begin_us_(true_base + later_us), first_cycle_(cycle_base + later_us / 7000),
+      true_us_(begin_us_), skew_us_(client_base - true_base), status_us_(true_us_ + measured_us) {
     robot_.kind = static_cast<std::uint8_t>(robot_kind);
     robot_.boot_us = true_us_ - 1000 * ROBUROC4_CYCLE_US;
     client_.begin(client_config(), client_us());
@@ -65,7 +66,9 @@ World::World(std::uint32_t robot_kind)
 }
 
 std::uint64_t World::cycles(std::uint64_t at_us) const {
-    return cycle_base - robot_.boots * cycle_step + (at_us - robot_.boot_us) / ROBUROC4_CYCLE_US;
+    const auto since_boot_us = static_cast<std::int64_t>(at_us - robot_.boot_us);
+    return first_cycle_ - robot_.boots * cycle_step +
+           static_cast<std::uint64_t>(since_boot_us / ROBUROC4_CYCLE_US);
 }
 
 bool World::step(char letter) {
@@ -132,7 +135,7 @@ bool World::step(char letter) {
     case 'R':
         if (robot_.boots < 2) {
             robot_.boots++;
-            robot_.boot_us = true_us_;
+            robot_.boot_us = true_us_ + 2 * period_us; /* so long it is down */
             robot_.target = robot_.kept = Speeds{};
             robot_.subscribed = 0;
         }
@@ -245,7 +248,7 @@ void World::call_client() {
 
 /** A datagram of the client. */
 void World::pass(const std::uint8_t *bytes, std::size_t size) {
-    note(true_us_);
+    note(true_us_ - begin_us_);
     for (std::size_t i = 0; i < size; i++)
         note(bytes[i]);
     Message message{};
@@ -334,6 +337,8 @@ void World::watchdog() {
 }
 
 void World::make_statuses() {
+    if (true_us_ < robot_.boot_us)
+        return;
     Message m{};
     m.made_us = true_us_;
     m.cycles = cycles(true_us_);
@@ -353,6 +358,8 @@ void World::make_statuses() {
 }
 
 void World::robot_receives(const Message &m) {
+    if (true_us_ < robot_.boot_us)
+        return;
     if (m.kind == command) {
         say("    the robot gets %g %g", m.target.linear, m.target.angular);
         if (!robot_.held)
@@ -410,7 +417,7 @@ void World::note(std::uint64_t value) {
 void World::say(const char *format, ...) const {
     if (!trace)
         return;
-    std::printf("%8.3f  ", static_cast<double>(true_us_ & 0xFFFFFFFF) / 1e6);
+    std::printf("%8.3f  ", static_cast<double>(true_us_ - begin_us_) / 1e6);
     va_list arguments;
     va_start(arguments, format);
     std::vprintf(format, arguments);

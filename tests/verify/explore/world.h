@@ -48,7 +48,8 @@ struct Robot {
 
 class World {
   public:
-    explicit World(std::uint32_t robot_kind);
+    /** Both clocks of a world that begins later show later times; nothing else differs. */
+    explicit World(std::uint32_t robot_kind, std::uint64_t later_us = 0);
 
     /** One period in which this happens. False if a promise was broken: judge().broken. */
     bool step(char letter);
@@ -99,7 +100,8 @@ class World {
     Port client_{};
     Judge judge_{};
     Robot robot_{};
-    std::uint64_t true_us_, skew_us_, status_us_;
+    std::uint64_t begin_us_, first_cycle_;
+    std::uint64_t true_us_, skew_us_, status_us_; /* the client's clock: true time plus skew */
     std::uint64_t seen_ = 0;
     std::uint8_t uplink_out_ = 0, letter_ = 0, asleep_ = 0, reserved_[1]{};
     std::uint32_t count_ = 0;
