@@ -215,3 +215,8 @@ gate_command command_for_gate(const command *command, int64_t arrived_utime) {
                     command->angular_rad_s == 0.0;
     return for_gate;
 }
+
+float command_speed(double value) {
+    const double far = 1e6;
+    return (float)(value > far ? far : value < -far ? -far : value);
+}

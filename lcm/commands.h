@@ -50,6 +50,10 @@ bool command_decode(enum gate_kind kind, const void *data, size_t size, command 
 /* The part of a command that the gate looks at. */
 gate_command command_for_gate(const command *command, int64_t arrived_utime);
 
+/* A speed of a drive command as the client takes it. One that no float has becomes 1e6 with its
+ * sign, which is still refused as too fast. */
+float command_speed(double value);
+
 /* The first fields of a bridge_state_t: which bridge serves which robot. */
 typedef struct bridge_identity {
     int64_t utime, started_utime;

@@ -19,7 +19,7 @@ extern "C" {
 #define MAPPING_NAMES                                                                              \
     (ROBUROC4_MAX_ANALOG_INPUTS + ROBUROC4_MAX_ANALOG_OUTPUTS + ROBUROC4_MAX_DIGITAL_INPUTS +      \
      ROBUROC4_MAX_DIGITAL_OUTPUTS)
-#define MAPPING_MESSAGE_SIZE 240
+#define MAPPING_MESSAGE_SIZE 300
 #define MAPPING_REASON_SIZE 300
 /* Room for the longest message: properties with the longest possible names. */
 #define MAPPING_MAX_ENCODED 20000

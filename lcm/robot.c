@@ -61,11 +61,6 @@ static void log_rejected_message(robot *robot, enum gate_verdict verdict, const 
     log_rejected(robot, verdict, &rejected, now);
 }
 
-static float to_float(double value) {
-    const double far = 1e6; /* beyond any limit; the client limits it to the robot's own */
-    return (float)(value > far ? far : value < -far ? -far : value);
-}
-
 /* Set all of the outputs, or none. */
 static roburoc4_result set_outputs(robot *robot, const command *command, uint64_t now_us) {
     roburoc4_iocard_properties card;
@@ -100,8 +95,8 @@ static void take(robot *robot, const command *command, uint32_t lease_us, gate_t
     if (command->kind == GATE_DRIVE) {
         robot->superseded += robot->has_drive;
         robot->has_drive = true;
-        robot->drive.linear_m_s = to_float(command->linear_m_s);
-        robot->drive.angular_rad_s = to_float(command->angular_rad_s);
+        robot->drive.linear_m_s = command_speed(command->linear_m_s);
+        robot->drive.angular_rad_s = command_speed(command->angular_rad_s);
         robot->drive.lease_us = lease_us;
         robot->drive.utime = command->utime;
         return;

@@ -60,6 +60,20 @@ def test_a_stop_holds_until_a_command_after_a_pause(
     until(lambda: robot.tap.moves(paused_us), "the next command drives")
 
 
+def test_a_stream_that_never_pauses_does_not_drive_on_after_a_stop(
+    robot: Robot, bus: Bus, armed: Bridge, plan: Plan
+) -> None:
+    plan(linear=0.5)
+    drives(robot)
+    stop_us = now_us()
+    bus.publish(STOP, stop_command("operator").encode())
+    stops_for_good(robot, stop_us)
+    time.sleep(2.0)
+    assert robot.tap.moves(stop_us + MARGIN_US) == []
+    assert not armed.state.armed, "a stop latches"
+    assert armed.state.stop_outcome == armed.state.STOP_CONFIRMED
+
+
 @pytest.mark.parametrize(
     "message",
     [b"", b"stop!", stop_command("x" * 300).encode(), drive_command(0.5).encode()],

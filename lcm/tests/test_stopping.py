@@ -36,7 +36,7 @@ def test_a_killed_planner_stops_the_robot_within_the_lease(
     assert first_zero_us(robot) - last_us < LEASE_US + MARGIN_US
     until(robot.stands, "the robot stands")
     assert not armed.state.driving
-    assert armed.state.armed, "a new command would drive again"
+    assert armed.state.can_drive, "a new command would drive again"
 
 
 def test_a_hung_planner_stops_the_robot_within_the_lease(

@@ -318,3 +318,12 @@ TEST(LcmCommands, MarkWhatIsFiniteAndWhatIsZero) {
         EXPECT_EQ(c.lease_us, for_gate.lease_us);
     }
 }
+
+TEST(LcmCommands, ASpeedKeepsItsSignAndOneThatIsTooFastStaysSo) {
+    for (const double size : {5.01, 300.0, 1e6, 1e30, 3.5e38, 1e300, 1.7e308}) {
+        EXPECT_GT(command_speed(size), ROBUROC4_MAX_DRIVE_M_S) << size;
+        EXPECT_LT(command_speed(-size), -ROBUROC4_MAX_DRIVE_M_S) << size;
+    }
+    EXPECT_EQ(-0.5F, command_speed(-0.5));
+    EXPECT_EQ(0.5F, command_speed(0.5));
+}

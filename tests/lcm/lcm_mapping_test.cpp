@@ -330,6 +330,7 @@ TEST(LcmMapping, StatisticsHaveEveryCountUnderItsCause) {
         EXPECT_EQ(200 + GATE_NOT_READY, got.rejected_not_ready);
         EXPECT_EQ(200 + GATE_DISARMED, got.rejected_disarmed);
         EXPECT_EQ(200 + GATE_IMPOSSIBLE, got.rejected_impossible);
+        EXPECT_EQ(200 + GATE_UNITS, got.rejected_units);
         EXPECT_EQ(301, got.superseded);
         EXPECT_EQ(302, got.clamped);
         EXPECT_EQ(303, got.published);
@@ -392,6 +393,49 @@ TEST(LcmMapping, StateNamesTheDriverOrTheReason) {
     v.facts.overridden = 1;
     EXPECT_EQ(ROBUROC4_ERR_OVERRIDE, v.state().cause) << "what prevents it now";
     EXPECT_TRUE(v.state().overridden);
+}
+
+TEST(LcmMapping, AStopThatTheRobotDidNotConfirmIsNamed) {
+    View v;
+    const auto is_named = [&] {
+        return v.message().find("THE STOP WAS NOT CONFIRMED") != std::string::npos;
+    };
+    for (const int outcome : {ROBUROC4_STOP_NONE, ROBUROC4_STOP_RUNNING, ROBUROC4_STOP_CONFIRMED}) {
+        v.facts.stop_outcome = static_cast<std::uint8_t>(outcome);
+        EXPECT_EQ(outcome, v.state().stop_outcome);
+        EXPECT_FALSE(is_named()) << outcome;
+    }
+    for (const int outcome : {ROBUROC4_STOP_TIMED_OUT, ROBUROC4_STOP_OVERRIDDEN}) {
+        v.facts.stop_outcome = static_cast<std::uint8_t>(outcome);
+        EXPECT_EQ(outcome, v.state().stop_outcome);
+        EXPECT_TRUE(is_named()) << outcome;
+    }
+    v.facts.state = ROBUROC4_STATE_LOST;
+    EXPECT_TRUE(is_named()) << "also of a robot that has fallen silent";
+    v.view.other_bridge = true;
+    EXPECT_NE(std::string::npos, v.message().find("ANOTHER BRIDGE"));
+    v.facts.state = ROBUROC4_STATE_READY;
+    v.facts.driving = 1;
+    EXPECT_FALSE(is_named()) << "it was driven since";
+}
+
+TEST(LcmMapping, StateTellsWhatIsNotKnownFromWhatIsNot) {
+    View v;
+    v.facts.front_bumper_known = 1;
+    v.facts.battery_known = 1;
+    v.facts.lapsed = 1;
+    v.facts.missing = 1 << ROBUROC4_SERVICE_TELEMETER;
+    TRAVEL(roburoc4_lcm_bridge_state_t, v.state(), {
+        EXPECT_TRUE(got.front_bumper_known);
+        EXPECT_FALSE(got.rear_bumper_known);
+        EXPECT_TRUE(got.battery_known);
+        EXPECT_TRUE(got.lapsed);
+        EXPECT_EQ(ROBUROC4_LCM_BRIDGE_STATE_T_MISSING_TELEMETER, got.missing);
+    });
+    v.facts.front_bumper_known = 0;
+    v.facts.rear_bumper_known = 1;
+    EXPECT_FALSE(v.state().front_bumper_known);
+    EXPECT_TRUE(v.state().rear_bumper_known);
 }
 
 TEST(LcmMapping, StateHasABitForEachFault) {
@@ -467,8 +511,9 @@ TEST(LcmMappingBridge, CausesOfRejectionsAreTheGates) {
     CAUSE(NOT_READY);
     CAUSE(DISARMED);
     CAUSE(IMPOSSIBLE);
+    CAUSE(UNITS);
 #undef CAUSE
-    EXPECT_EQ(GATE_VERDICTS, ROBUROC4_LCM_BRIDGE_STATE_T_REJECTED_IMPOSSIBLE + 1);
+    EXPECT_EQ(GATE_VERDICTS, ROBUROC4_LCM_BRIDGE_STATE_T_REJECTED_UNITS + 1);
 }
 
 TEST(LcmMapping, StatesAndFlagsAreNumberedAsInTheCore) {
@@ -479,6 +524,21 @@ TEST(LcmMapping, StatesAndFlagsAreNumberedAsInTheCore) {
     EXPECT_EQ(ROBUROC4_STATE_READY, ROBUROC4_LCM_BRIDGE_STATE_T_STATE_READY);
     EXPECT_EQ(ROBUROC4_STATE_LOST, ROBUROC4_LCM_BRIDGE_STATE_T_STATE_LOST);
     EXPECT_EQ(ROBUROC4_STATE_CLOSING, ROBUROC4_LCM_BRIDGE_STATE_T_STATE_CLOSING);
+#define SAME(core, lcm) EXPECT_EQ(ROBUROC4_##core, ROBUROC4_LCM_BRIDGE_STATE_T_##lcm)
+    SAME(STOP_NONE, STOP_NONE);
+    SAME(STOP_RUNNING, STOP_RUNNING);
+    SAME(STOP_CONFIRMED, STOP_CONFIRMED);
+    SAME(STOP_TIMED_OUT, STOP_TIMED_OUT);
+    SAME(STOP_OVERRIDDEN, STOP_OVERRIDDEN);
+#undef SAME
+#define MISSES(service)                                                                            \
+    EXPECT_EQ(1 << ROBUROC4_SERVICE_##service, ROBUROC4_LCM_BRIDGE_STATE_T_MISSING_##service)
+    MISSES(IOCARD);
+    MISSES(TELEMETER);
+    MISSES(BATTERY);
+    MISSES(LOCALIZATION);
+    MISSES(DIFFERENTIAL);
+#undef MISSES
     EXPECT_EQ(ROBUROC4_BATTERY_CHARGING, ROBUROC4_LCM_BATTERY_STATUS_T_STATE_CHARGING);
     EXPECT_EQ(ROBUROC4_BATTERY_CHARGED, ROBUROC4_LCM_BATTERY_STATUS_T_STATE_CHARGED);
     EXPECT_EQ(ROBUROC4_BATTERY_OK, ROBUROC4_LCM_BATTERY_STATUS_T_STATE_OK);
