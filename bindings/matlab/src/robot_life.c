@@ -23,9 +23,9 @@ static int close_one(call *in) {
     return 1;
 }
 
-/* leave(id): disarm; true while the stop sequence runs */
+/* leave(id): stop the robot if this object drives it; true while the stop sequence runs */
 static int leave(call *in) {
-    in->number = robot_disarm(in->object);
+    in->number = robot_leave(in->object);
     return 1;
 }
 

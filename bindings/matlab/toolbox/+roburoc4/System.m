@@ -4,7 +4,7 @@ classdef System < matlab.System
 %   that roburoc4_library makes, is a robot. In MATLAB: S = roburoc4.System('address', ADDRESS).
 %
 %   Inputs: linear_m_s and angular_rad_s, and arm. The robot is armed once, when arm becomes true, and
-%   disarmed when it becomes false. If something else disarms it (game pad, emergency stop, a lost link),
+%   stopped and disarmed when it becomes false. If something else disarms it (game pad, emergency stop, a lost link),
 %   it stays disarmed until arm was false again. If arming is refused, the simulation ends.
 %
 %   Outputs are from before the inputs take effect, so that a control loop can be closed without an
@@ -20,7 +20,7 @@ classdef System < matlab.System
 %      max_angular_rad_s - Highest turn rate (1)
 %
 %   While a model is paused, or slower than 0.25 s per step, the robot is stopped; it drives again when
-%   the model continues. The end of the simulation and errors stop it. The block has not been run in
+%   the model continues within a second, and is disarmed after that. The end of the simulation and errors stop it. The block has not been run in
 %   MATLAB yet: its methods are tested in Octave, with a substitute for matlab.System.
 %
 %   Example:
@@ -97,7 +97,7 @@ methods (Access = protected)
         if s.remaining_percent == 255
             battery_percent = NaN;
         end
-        state = [s.ready s.armed s.overridden s.inhibited];
+        state = [s.ready, s.armed, s.overridden == 1, s.inhibited];
     end
 
     function updateImpl(this, linear_m_s, angular_rad_s, arm)
@@ -105,7 +105,7 @@ methods (Access = protected)
         if arm && ~this.arm_before
             this.robot.arm();
         elseif ~arm && this.arm_before
-            this.robot.disarm();
+            this.robot.stop();
         end
         this.arm_before = arm;
         if this.robot.status.armed
