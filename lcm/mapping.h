@@ -74,9 +74,10 @@ typedef struct mapping_services {
     roburoc4_lcm_telemeter_t telemeters[ROBUROC4_MAX_TELEMETERS];
 } mapping_services;
 
-/* Everything that the client knows about the robot. robot: its address as text. */
-void mapping_properties(const roburoc4_client *client, mapping_names *names, char *robot,
-                        int64_t utime, mapping_services *storage,
+/* Everything that the client knows about the robot. config: of the client; robot: its address as
+ * text. */
+void mapping_properties(const roburoc4_client *client, const roburoc4_config *config,
+                        mapping_names *names, char *robot, int64_t utime, mapping_services *storage,
                         roburoc4_lcm_robot_properties_t *out);
 
 /* ------------------------------------------------------------------------------ the bridge --- */

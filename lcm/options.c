@@ -8,6 +8,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "ini.h"
 
@@ -50,6 +52,8 @@ const char options_help[] =
     "      --max-age-ms MS  oldest command that is obeyed, by its utime (default 200; at most\n"
     "                       3600000). 0 obeys all ages, for clocks that cannot be set; then a\n"
     "                       replayed log can move the robot\n"
+    "      --max-linear M_S, --max-angular RAD_S  ceilings of the speeds (default 1 and 1.5; at\n"
+    "                       most 5 and 10): faster commands are reduced to them\n"
     "\n"
     "  -v, --verbose        log more: each rejected command\n"
     "  -q, --quiet          log errors only\n"
@@ -61,6 +65,9 @@ const char options_help[] =
 
 enum { PASS_SETTINGS, PASS_ROBOTS, PASS_CHANNELS, PASSES };
 
+/* More than a section can have without giving one twice. */
+#define MAX_SETTINGS 64
+
 /* The state of reading. Settings go to `robot`, which is `all` until the file names one. */
 typedef struct reading {
     options *out;
@@ -68,7 +75,10 @@ typedef struct reading {
     options_robot *robot;
     const char *prefix;
     const char *for_robots; /* a command line option that configures robots, or NULL */
-    bool in_file;
+    bool in_file, has_default;
+    ini_text seen[MAX_SETTINGS]; /* the settings of this section so far, and their lines */
+    unsigned seen_lines[MAX_SETTINGS];
+    uint32_t seen_count;
     char subject[OPTIONS_MAX_TEXT + 65]; /* the option and value that an error is about */
     char *error;
     size_t error_size;
@@ -107,6 +117,72 @@ static bool number(const char **text, uint32_t max, uint32_t *out) {
 
 static bool whole(const char *text, uint32_t min, uint32_t max, uint32_t *out) {
     return number(&text, max, out) && *text == '\0' && *out >= min;
+}
+
+/* ADDRESS or ADDRESS:PORT of a multicast group, or nothing, up to the URL's end or '?'. */
+static bool is_group(const char *text) {
+    uint32_t part = 0;
+    if (*text == '\0' || *text == '?') {
+        return true;
+    }
+    for (int at = 0; at < 4; at++) {
+        if ((at > 0 && *text++ != '.') || !number(&text, 255, &part) ||
+            (at == 0 && (part < 224 || part > 239))) {
+            return false;
+        }
+    }
+    if (*text == ':') {
+        text++;
+        if (!number(&text, 65535, &part) || part == 0) {
+            return false;
+        }
+    }
+    return *text == '\0' || *text == '?';
+}
+
+/* `ttl=N&recv_buf_size=BYTES`, in any order: LCM ignores what it does not know, and a bridge that
+ * is heard by nobody, or by everybody, would be the result. */
+static bool is_query(const char *text) {
+    static const struct {
+        const char *key;
+        uint32_t max;
+    } keys[] = {{"ttl=", 255}, {"recv_buf_size=", 999999999}};
+    uint32_t value = 0;
+    for (;; text++) {
+        size_t at = 0;
+        while (at < 2 && strncmp(text, keys[at].key, strlen(keys[at].key)) != 0) {
+            at++;
+        }
+        if (at == 2) {
+            return false;
+        }
+        text += strlen(keys[at].key);
+        if (!number(&text, keys[at].max, &value) || (*text != '\0' && *text != '&')) {
+            return false;
+        }
+        if (*text == '\0') {
+            return true;
+        }
+    }
+}
+
+/* LCM's other networks, tcpq and file, can block inside LCM: then no stop would be sent, and
+ * signals would not be noticed. A file is a log, which must not drive. */
+static const char *url_remedy(const char *url) {
+    static const char udpm[] = "udpm://";
+    static const char memq[] = "memq://";
+    if (url[0] == '\0' || strncmp(url, memq, strlen(memq)) == 0) {
+        return NULL;
+    }
+    if (strncmp(url, udpm, strlen(udpm)) != 0 || !is_group(url + strlen(udpm))) {
+        return "the bridge has no such LCM network; give udpm://ADDRESS:PORT?ttl=N, such as "
+               "'udpm://239.255.76.67:7667?ttl=0'";
+    }
+    const char *query = strchr(url, '?');
+    return query == NULL || is_query(query + 1)
+               ? NULL
+               : "after the ? give ttl=0 (this machine) to ttl=255, recv_buf_size=BYTES, or both "
+                 "with & between them";
 }
 
 /* Where a setting is allowed: on the command line (by pass), and in the file. */
@@ -158,15 +234,43 @@ static bool copy_text(reading *reading, char *room, const char *value) {
 
 /* The command line takes precedence. */
 static bool set_url(reading *reading, const known_option *option, const char *value) {
+    const char *remedy = url_remedy(value);
     (void)option;
-    return (reading->in_file && reading->out->lcm_url[0] != '\0') ||
-           copy_text(reading, reading->out->lcm_url, value);
+    if (reading->in_file && reading->out->lcm_url[0] != '\0') {
+        return true;
+    }
+    return remedy == NULL ? copy_text(reading, reading->out->lcm_url, value)
+                          : refuse(reading, remedy);
+}
+
+/* Whether a file can be made at this path, or in this folder. */
+static bool can_record(const char *path) {
+    char folder[OPTIONS_MAX_TEXT + 1] = ".";
+    struct stat found;
+    if (stat(path, &found) == 0 && S_ISDIR(found.st_mode)) {
+        return access(path, W_OK | X_OK) == 0;
+    }
+    const char *slash = strrchr(path, '/');
+    if (slash != NULL) {
+        size_t length = slash == path ? 1 : (size_t)(slash - path);
+        memcpy(folder, path, length);
+        folder[length] = '\0';
+    }
+    return stat(folder, &found) == 0 && S_ISDIR(found.st_mode) &&
+           slash != path + strlen(path) - 1 && access(folder, W_OK | X_OK) == 0;
 }
 
 static bool set_record(reading *reading, const known_option *option, const char *value) {
     (void)option;
-    return (reading->in_file && reading->out->record[0] != '\0') ||
-           copy_text(reading, reading->out->record, value);
+    if (reading->in_file && reading->out->record[0] != '\0') {
+        return true;
+    }
+    if (!copy_text(reading, reading->out->record, value)) {
+        return false;
+    }
+    return (value[0] != '\0' && can_record(value)) ||
+           refuse(reading, "no file can be made there; give a folder that exists and can be "
+                           "written, or a file in one");
 }
 
 static bool set_prefix(reading *reading, const known_option *option, const char *value) {
@@ -190,6 +294,21 @@ static bool set_time(reading *reading, const known_option *option, const char *v
                         (unsigned)option->min, (unsigned)option->max);
     }
     *(option->which == 1 ? &rules->max_age_us : &rules->lease_us) = ms * 1000u;
+    return true;
+}
+
+/* A ceiling in thousandths of its unit, `min` to `max`: of the linear (`which` 0) or the angular
+ * speed. */
+static bool set_ceiling(reading *reading, const known_option *option, const char *value) {
+    roburoc4_config *config = &reading->robot->config;
+    char *end = NULL;
+    const bool plain = value[0] != '\0' && strspn(value, "0123456789.") == strlen(value);
+    const double ceiling = plain ? strtod(value, &end) : 0;
+    if (!plain || *end != '\0' || ceiling * 1000 < option->min || ceiling * 1000 > option->max) {
+        return complain(reading, "%s: give %s, 0.001 to %u", reading->subject,
+                        option->which == 0 ? "m/s" : "rad/s", (unsigned)option->max / 1000);
+    }
+    *(option->which == 0 ? &config->max_linear_m_s : &config->max_angular_rad_s) = (float)ceiling;
     return true;
 }
 
@@ -362,6 +481,9 @@ static bool set_pose(reading *reading, const known_option *option, const char *v
 
 #define MIN_LEASE_MS (GATE_MIN_LEASE_US / 1000u)
 #define MAX_LEASE_MS (GATE_MAX_LEASE_US / 1000u)
+/* drive() accepts no faster commands. */
+#define MAX_LINEAR_MM_S ((uint32_t)(ROBUROC4_MAX_DRIVE_M_S * 1000))
+#define MAX_ANGULAR_MRAD_S ((uint32_t)(ROBUROC4_MAX_DRIVE_RAD_S * 1000))
 
 /* Options without a setter end the reading; those without a value are yes or no in the file. */
 static const known_option known[] = {
@@ -379,6 +501,8 @@ static const known_option known[] = {
     {"enable-relocalize", 0, 0, PASS_SETTINGS, FOR_EACH, set_enabled, GATE_RELOCALIZE, 0, 0},
     {"lease-ms", 0, 1, PASS_SETTINGS, FOR_EACH, set_time, 0, MIN_LEASE_MS, MAX_LEASE_MS},
     {"max-age-ms", 0, 1, PASS_SETTINGS, FOR_EACH, set_time, 1, 0, 3600000u},
+    {"max-linear", 0, 1, PASS_SETTINGS, FOR_EACH, set_ceiling, 0, 1, MAX_LINEAR_MM_S},
+    {"max-angular", 0, 1, PASS_SETTINGS, FOR_EACH, set_ceiling, 1, 1, MAX_ANGULAR_MRAD_S},
     {"verbose", 'v', 0, PASS_SETTINGS, ONLY_COMMAND_LINE, set_level, LOG_DETAIL, 0, 0},
     {"quiet", 'q', 0, PASS_SETTINGS, ONLY_COMMAND_LINE, set_level, LOG_ERROR, 0, 0},
     {"help", 'h', 0, PASS_SETTINGS, ONLY_COMMAND_LINE, NULL, OPTIONS_HELP, 0, 0},
@@ -403,42 +527,12 @@ const char *options_lcm_url(const options *options, const char **source) {
     return url != NULL ? url : "";
 }
 
-/* ADDRESS or ADDRESS:PORT of a multicast group, or nothing, up to the URL's end or '?'. */
-static bool is_group(const char *text) {
-    uint32_t part = 0;
-    if (*text == '\0' || *text == '?') {
-        return true;
-    }
-    for (int at = 0; at < 4; at++) {
-        if ((at > 0 && *text++ != '.') || !number(&text, 255, &part) ||
-            (at == 0 && (part < 224 || part > 239))) {
-            return false;
-        }
-    }
-    if (*text == ':') {
-        text++;
-        if (!number(&text, 65535, &part) || part == 0) {
-            return false;
-        }
-    }
-    return *text == '\0' || *text == '?';
-}
-
-/* LCM's other networks, tcpq and file, can block inside LCM: then no stop would be sent, and
- * signals would not be noticed. A file is a log, which must not drive. */
+/* What LCM will use, also from the environment. */
 static bool check_network(reading *reading) {
-    static const char udpm[] = "udpm://";
-    static const char memq[] = "memq://";
     const char *source = NULL;
     const char *url = options_lcm_url(reading->out, &source);
-    if (url[0] == '\0' || strncmp(url, memq, strlen(memq)) == 0 ||
-        (strncmp(url, udpm, strlen(udpm)) == 0 && is_group(url + strlen(udpm)))) {
-        return true;
-    }
-    return complain(reading,
-                    "%s %s: the bridge has no such LCM network; give udpm://ADDRESS:PORT?ttl=N, "
-                    "such as 'udpm://239.255.76.67:7667?ttl=0'",
-                    source, url);
+    const char *remedy = url_remedy(url);
+    return remedy == NULL || complain(reading, "%s %s: %s", source, url, remedy);
 }
 
 /* ------------------------------------------------------------------------------- the whole --- */
@@ -514,9 +608,12 @@ static void begin(reading *reading, options *out, char *error, size_t error_size
 
 /* [DEFAULT], or the name of a robot. */
 static bool begin_section(reading *reading, const ini_line *line) {
+    reading->seen_count = 0;
     if (ini_is(line->section, "DEFAULT", false)) {
-        return reading->out->robot_count == 0 ||
-               refuse(reading, "put [DEFAULT], which applies to all robots, first");
+        const bool again = reading->has_default;
+        reading->has_default = true;
+        return (reading->out->robot_count == 0 && !again) ||
+               refuse(reading, "put [DEFAULT], which applies to all robots, first, and only once");
     }
     reading->robot = add_robot(reading, line->section.at, line->section.length, "");
     if (reading->robot != NULL) {
@@ -537,18 +634,39 @@ static const known_option *find_setting(ini_text name) {
     return ini_is(name, address_of_robot.name, false) ? &address_of_robot : NULL;
 }
 
+/* Each setting once in a section: nobody would know which one holds. */
+static bool is_first(reading *reading, const ini_line *line) {
+    for (uint32_t at = 0; at < reading->seen_count; at++) {
+        ini_text other = reading->seen[at];
+        if (other.length == line->name.length &&
+            memcmp(other.at, line->name.at, other.length) == 0) {
+            return complain(reading, "%s: line %u has it already; remove one of them",
+                            reading->subject, reading->seen_lines[at]);
+        }
+    }
+    if (reading->seen_count < MAX_SETTINGS) {
+        reading->seen[reading->seen_count] = line->name;
+        reading->seen_lines[reading->seen_count++] = line->number;
+    }
+    return true;
+}
+
 static bool read_setting(reading *reading, const ini_line *line) {
     char value[2 * OPTIONS_MAX_TEXT];
     const known_option *found = find_setting(line->name);
     bool for_one = reading->robot != &reading->all;
     if (found == NULL || line->value.at == NULL) {
-        return refuse(reading, "no such setting; give address, lcm-url, record, enable-drive, "
-                               "enable-outputs, enable-relocalize, lease-ms, max-age-ms, "
-                               "period-ms.SERVICE, channel.KEY or pose-channel, = and a value");
+        return refuse(reading,
+                      "no such setting; give address, lcm-url, record, enable-drive, "
+                      "enable-outputs, enable-relocalize, lease-ms, max-age-ms, max-linear, "
+                      "max-angular, period-ms.SERVICE, channel.KEY or pose-channel, = and a value");
     }
     if (found->place == (for_one ? FOR_ALL : FOR_ONE)) {
         return refuse(reading, for_one ? "put it into [DEFAULT]: it applies to all robots"
                                        : "put it into the section of a robot, such as [RED]");
+    }
+    if (!is_first(reading, line)) {
+        return false;
     }
     size_t name_length = strlen(found->name);
     bool dotted = line->name.length > name_length;
@@ -798,8 +916,11 @@ static void print_robot(const options_robot *robot) {
                      robot->rules.enabled[kind] ? kinds[kind] : "");
     }
     (void)printf(
-        "%s; lease at most %u ms, commands at most %u ms old%s\n    statuses:", any ? "" : " only",
-        (unsigned)robot->rules.lease_us / 1000u, (unsigned)robot->rules.max_age_us / 1000u,
+        "%s; at most %g m/s and %g rad/s; lease at most %u ms, commands at most %u ms old%s\n"
+        "    statuses:",
+        any ? "" : " only", (double)robot->config.max_linear_m_s,
+        (double)robot->config.max_angular_rad_s, (unsigned)robot->rules.lease_us / 1000u,
+        (unsigned)robot->rules.max_age_us / 1000u,
         robot->rules.max_age_us == 0 ? " (ANY AGE)" : "");
     for (uint32_t at = 0; at < SERVICES; at++) {
         uint32_t service = ROBUROC4_SERVICE_IOCARD + at;

@@ -130,7 +130,8 @@ void publish_statuses(robot *robot, uint32_t events, gate_time now) {
 void publish_properties(robot *robot, gate_time now) {
     mapping_services storage;
     roburoc4_lcm_robot_properties_t out;
-    mapping_properties(&robot->client, &robot->names, robot->address, now.utime, &storage, &out);
+    mapping_properties(&robot->client, robot->config, &robot->names, robot->address, now.utime,
+                       &storage, &out);
     SEND(roburoc4_lcm_robot_properties_t, CHANNEL_PROPERTIES, out);
 }
 

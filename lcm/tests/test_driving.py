@@ -108,6 +108,18 @@ def test_speeds_are_clamped_to_the_ceiling(robot: Robot, bus: Bus, armed: Bridge
     wait_for_count(armed, "clamped", 1)
 
 
+def test_ceilings_are_obeyed_and_published(
+    robot: Robot, bus: Bus, start_bridge: StartBridge
+) -> None:
+    bridge = start_bridge("--enable-drive", "--max-linear=0.25", "--max-angular=2").arms()
+    bus.publish(DRIVE, drive_command(3.0, 1.75).encode())
+    until(robot.tap.moves, "a speed reaches the robot")
+    assert robot.tap.moves()[0][1:] == (0.25, 1.75)
+    wait_for_count(bridge, "clamped", 1)
+    properties = bus.last("ROBUROC4_PROPERTIES")
+    assert (properties.ceiling_linear_m_s, properties.ceiling_angular_rad_s) == (0.25, 2.0)
+
+
 @pytest.mark.parametrize(
     ("linear", "angular"), [(300.0, 0.0), (0.0, 45.0), (-1e6, 0.0), (-1e300, 0.0), (0.0, -1.7e308)]
 )

@@ -240,13 +240,18 @@ TEST(LcmMapping, PropertiesAreThoseOfTheRobotAndFitTheBuffer) {
     auto storage = std::make_unique<mapping_services>();
     char address[] = "10.0.0.1:60000";
     roburoc4_lcm_robot_properties_t out;
-    mapping_properties(&bench.client, names.get(), address, utime, storage.get(), &out);
+    roburoc4_config config = default_config();
+    config.max_linear_m_s = 0.75F;
+    config.max_angular_rad_s = 1.25F;
+    mapping_properties(&bench.client, &config, names.get(), address, utime, storage.get(), &out);
     roburoc4_differential_properties differential;
     roburoc4_iocard_properties card;
     ASSERT_EQ(0, roburoc4_client_differential_properties(&bench.client, &differential));
     ASSERT_EQ(0, roburoc4_client_iocard_properties(&bench.client, &card));
     TRAVEL(roburoc4_lcm_robot_properties_t, out, {
         EXPECT_STREQ("10.0.0.1:60000", got.robot);
+        EXPECT_EQ(0.75F, got.ceiling_linear_m_s);
+        EXPECT_EQ(1.25F, got.ceiling_angular_rad_s);
         EXPECT_TRUE(got.differential_known);
         EXPECT_EQ(differential.max_linear_m_s, got.max_linear_m_s);
         EXPECT_EQ(differential.min_linear_m_s, got.min_linear_m_s);
@@ -283,7 +288,8 @@ TEST(LcmMapping, PropertiesOfAnAbsentRobotAreEmptyLists) {
     char address[] = "";
     ASSERT_EQ(0, roburoc4_client_init(client.get(), sizeof *client, nullptr));
     roburoc4_lcm_robot_properties_t out;
-    mapping_properties(client.get(), names.get(), address, utime, storage.get(), &out);
+    const roburoc4_config config = default_config();
+    mapping_properties(client.get(), &config, names.get(), address, utime, storage.get(), &out);
     TRAVEL(roburoc4_lcm_robot_properties_t, out, {
         EXPECT_EQ(utime, got.utime);
         EXPECT_FALSE(got.differential_known || got.localization_known || got.battery_known ||
