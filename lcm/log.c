@@ -131,9 +131,12 @@ void log_events(const char *robot, const char *address, const roburoc4_client *c
 
 void log_stop(const char *robot, const log_command *command, bool first) {
     char sender[GATE_MAX_SENDER + 1] = "";
-    if (command->sender != NULL) {
+    bool named = command->sender != NULL && command->sender_length > 0;
+    if (named) {
         text_for_terminal(sender, sizeof sender, command->sender, command->sender_length);
     }
     log_line(first ? LOG_NOTE : LOG_DETAIL, robot,
-             "stopped by '%s'; drive commands are rejected until all senders have paused", sender);
+             "stopped by %s%s%s; drive commands are rejected until all senders have paused",
+             named ? "'" : "a stop command ", named ? sender : "without a sender",
+             named ? "'" : "");
 }

@@ -117,7 +117,7 @@ static void on_bridge_state(const lcm_recv_buf_t *message, const char *channel, 
     }
     const channels_entry *by_channel = channels_look_up(&settings.directory, channel);
     const channels_entry *by_robot = channels_look_up(&by_address, other.robot);
-    if (by_channel != NULL) {
+    if (by_channel != NULL && by_channel->which != OPTIONS_FLEET_STOP) {
         robot_hear_bridge(&robots[by_channel->which / CHANNELS], &other, channel, now);
     }
     if (by_robot != NULL) {
@@ -131,6 +131,14 @@ static void on_bridge_state(const lcm_recv_buf_t *message, const char *channel, 
 static void on_command(const lcm_recv_buf_t *message, const char *channel, void *user) {
     const channels_entry *found = channels_look_up(&settings.directory, channel);
     if (found == NULL || robot_count == 0) {
+        return;
+    }
+    if (found->which == OPTIONS_FLEET_STOP) {
+        for (uint32_t at = 0; user != NULL && at < robot_count; at++) {
+            serve(at);
+            robot_take_message(&robots[at], GATE_STOP, message->data, message->data_size,
+                               gate_arrival(&stall, message->recv_utime));
+        }
         return;
     }
     enum channel which = (enum channel)(found->which % CHANNELS);
@@ -161,6 +169,9 @@ static bool subscribe_to_all(lcm_t *lcm) {
     bool good = subscribe(lcm, ".*_CMD", on_command, NULL) &&
                 subscribe(lcm, ".*_STOP_CMD", on_command, lcm) &&
                 subscribe(lcm, ".*_BRIDGE_STATE", on_bridge_state, NULL);
+    if (good && settings.fleet_stop[0] != '\0' && !ends_in(settings.fleet_stop, stop)) {
+        good = subscribe(lcm, settings.fleet_stop, on_command, lcm);
+    }
     for (uint32_t at = 0; good && at < settings.robot_count; at++) {
         const channel_names *own = &settings.robots[at].channels;
         if (!ends_in(own->name[CHANNEL_STOP_CMD], stop)) {
@@ -377,6 +388,10 @@ static void run(lcm_t *lcm) {
         serve_due_robots(lcm);
     }
     close_robots(lcm);
+    log_line(LOG_NOTE, NULL, "ended by SIG%s; the robots were told to stop",
+             stop_signal == SIGINT    ? "INT"
+             : stop_signal == SIGTERM ? "TERM"
+                                      : "HUP");
 }
 
 /* Each robot needs a socket. */

@@ -95,6 +95,7 @@ typedef struct mapping_view {
     uint32_t fault;    /* ROBUROC4_FAULT_* */
     bool heard;        /* a datagram from the robot has arrived */
     bool no_socket;    /* the socket broke, or could not be opened */
+    bool no_address;   /* the robot's name has none */
     bool other_bridge; /* another bridge serves this robot, or publishes on its channels */
     uint32_t times_lost, reboots;
     int64_t command_us; /* monotonic time of the last command; -1 before the first */

@@ -233,7 +233,14 @@ static void append(char *room, size_t capacity, const char *text) {
 
 void mapping_message(const mapping_view *view, char *room, size_t capacity) {
     const char *state = roburoc4_name(ROBUROC4_NAME_STATE, view->facts->state);
-    if (view->no_socket) {
+    if (view->facts->state == ROBUROC4_STATE_CLOSING || view->facts->state == ROBUROC4_STATE_IDLE) {
+        (void)snprintf(room, capacity, "the bridge %s",
+                       view->facts->state == ROBUROC4_STATE_IDLE ? "has ended" : "is ending");
+    } else if (view->no_address) {
+        (void)snprintf(room, capacity,
+                       "the name %s has no address; correct it, then restart the bridge",
+                       view->robot);
+    } else if (view->no_socket) {
         (void)snprintf(room, capacity, "no socket for %s; retrying every second", view->robot);
     } else if (view->facts->state == ROBUROC4_STATE_READY) {
         write_connected(view, room, capacity);

@@ -36,6 +36,8 @@ const char options_help[] =
     "                       BRIDGE_STATE, BRIDGE_STATISTICS, DRIVE_CMD, RELOCALIZE_CMD,\n"
     "                       OUTPUT_CMD or STOP_CMD; command channels must end in _CMD\n"
     "      --pose-channel [NAME:]CHANNEL  also publish each localization as bot_core.pose_t\n"
+    "      --fleet-stop CHANNEL  whatever arrives on it stops all robots of this bridge; it must\n"
+    "                       end in _CMD\n"
     "      --record FILE    record every datagram of all robots in the pcapng file FILE, or in a\n"
     "                       new file in the folder FILE; existing files are not overwritten\n"
     "      --period-ms SERVICE=MS  time between statuses, 10 to 2550 in steps of 10, or 0 for\n"
@@ -47,6 +49,9 @@ const char options_help[] =
     "                           differential must come at least every 100 ms\n"
     "      --enable-outputs     obey PREFIX_OUTPUT_CMD\n"
     "      --enable-relocalize  obey PREFIX_RELOCALIZE_CMD\n"
+    "      --allow-sender NAMES  obey only these senders: names, or beginnings such as planner*,\n"
+    "                       with commas between them. No protection: anybody can send any name.\n"
+    "                       Stops are obeyed from everybody\n"
     "      --lease-ms MS    longest lease of a command, and that of one without its own (20\n"
     "                       to 1000; default 300)\n"
     "      --max-age-ms MS  oldest command that is obeyed, by its utime (default 200; at most\n"
@@ -273,6 +278,64 @@ static bool set_record(reading *reading, const known_option *option, const char 
                            "written, or a file in one");
 }
 
+static bool set_fleet_stop(reading *reading, const known_option *option, const char *value) {
+    (void)option;
+    if (!channels_is_name(value) || !channels_ends_in_cmd(value)) {
+        return refuse(reading, "give 1 to 63 letters, digits, _, - or /, ending in _CMD, such as "
+                               "FLEET_STOP_CMD");
+    }
+    if (!reading->in_file || reading->out->fleet_stop[0] == '\0') {
+        memcpy(reading->out->fleet_stop, value, strlen(value) + 1);
+    }
+    return true;
+}
+
+/* The next pattern of a list at *text, its length, and *text behind it; NULL at the end. */
+static const char *next_pattern(const char **text, size_t *length) {
+    static const char between[] = ", ";
+    const char *at = *text + strspn(*text, between);
+    *length = strcspn(at, between);
+    *text = at + *length;
+    return *length > 0 ? at : NULL;
+}
+
+static bool set_allowed(reading *reading, const known_option *option, const char *value) {
+    const char *rest = value;
+    size_t length = 0;
+    uint32_t count = 0;
+    (void)option;
+    for (const char *at = NULL; (at = next_pattern(&rest, &length)) != NULL; count++) {
+        const char *star = memchr(at, '*', length);
+        if (length > GATE_MAX_SENDER || (star != NULL && star != at + length - 1)) {
+            count = 0;
+            break;
+        }
+    }
+    if (count == 0) {
+        return refuse(reading, "give names of at most 63 bytes with commas between them, or "
+                               "beginnings of names with a * behind, such as planner*");
+    }
+    return copy_text(reading, reading->robot->allowed, value);
+}
+
+bool options_allows(const options_robot *robot, const char *sender, size_t length) {
+    const char *rest = robot->allowed;
+    size_t pattern_length = 0;
+    const char *at = next_pattern(&rest, &pattern_length);
+    if (at == NULL) {
+        return true;
+    }
+    for (; at != NULL; at = next_pattern(&rest, &pattern_length)) {
+        const bool begins = at[pattern_length - 1] == '*';
+        const size_t compared = pattern_length - begins;
+        if ((begins ? length >= compared : length == compared) &&
+            (compared == 0 || memcmp(at, sender, compared) == 0)) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static bool set_prefix(reading *reading, const known_option *option, const char *value) {
     (void)option;
     reading->prefix = value;
@@ -370,7 +433,7 @@ static options_robot *add_robot(reading *reading, const char *name, size_t lengt
     }
     *robot = reading->all;
     if (length >= sizeof robot->name) {
-        (void)refuse(reading, "the name is too long; give at most 31 letters");
+        (void)refuse(reading, "the name is too long; give at most 45 letters");
         return NULL;
     }
     memcpy(robot->name, name, length);
@@ -499,6 +562,8 @@ static const known_option known[] = {
     {"enable-drive", 0, 0, PASS_SETTINGS, FOR_EACH, set_enabled, GATE_DRIVE, 0, 0},
     {"enable-outputs", 0, 0, PASS_SETTINGS, FOR_EACH, set_enabled, GATE_OUTPUT, 0, 0},
     {"enable-relocalize", 0, 0, PASS_SETTINGS, FOR_EACH, set_enabled, GATE_RELOCALIZE, 0, 0},
+    {"allow-sender", 0, 1, PASS_SETTINGS, FOR_EACH, set_allowed, 0, 0, 0},
+    {"fleet-stop", 0, 1, PASS_SETTINGS, FOR_ALL, set_fleet_stop, 0, 0, 0},
     {"lease-ms", 0, 1, PASS_SETTINGS, FOR_EACH, set_time, 0, MIN_LEASE_MS, MAX_LEASE_MS},
     {"max-age-ms", 0, 1, PASS_SETTINGS, FOR_EACH, set_time, 1, 0, 3600000u},
     {"max-linear", 0, 1, PASS_SETTINGS, FOR_EACH, set_ceiling, 0, 1, MAX_LINEAR_MM_S},
@@ -545,6 +610,9 @@ static bool check_channels(reading *reading) {
         if (name[0] != '\0') {
             out->entries[count++] = (channels_entry){name, which};
         }
+    }
+    if (out->fleet_stop[0] != '\0') {
+        out->entries[count++] = (channels_entry){out->fleet_stop, OPTIONS_FLEET_STOP};
     }
     out->directory = (channels_directory){out->entries, count};
     const char *doubled = channels_sort(&out->directory);
@@ -657,8 +725,9 @@ static bool read_setting(reading *reading, const ini_line *line) {
     bool for_one = reading->robot != &reading->all;
     if (found == NULL || line->value.at == NULL) {
         return refuse(reading,
-                      "no such setting; give address, lcm-url, record, enable-drive, "
-                      "enable-outputs, enable-relocalize, lease-ms, max-age-ms, max-linear, "
+                      "no such setting; give address, lcm-url, record, fleet-stop, "
+                      "enable-drive, enable-outputs, enable-relocalize, allow-sender, lease-ms, "
+                      "max-age-ms, max-linear, "
                       "max-angular, period-ms.SERVICE, channel.KEY or pose-channel, = and a value");
     }
     if (found->place == (for_one ? FOR_ALL : FOR_ONE)) {
@@ -929,6 +998,9 @@ static void print_robot(const options_robot *robot) {
                      (unsigned)robot->config.period_ms[service]);
     }
     (void)printf("\n");
+    if (robot->allowed[0] != '\0') {
+        (void)printf("    only from senders %s\n", robot->allowed);
+    }
     print_channels(robot);
 }
 
@@ -936,6 +1008,9 @@ void options_print(const options *options) {
     const char *source = NULL;
     const char *url = options_lcm_url(options, &source);
     (void)printf("network: %s\n", url[0] != '\0' ? url : "LCM's default");
+    if (options->fleet_stop[0] != '\0') {
+        (void)printf("all robots are stopped by %s\n", options->fleet_stop);
+    }
     for (uint32_t at = 0; at < options->robot_count; at++) {
         print_robot(&options->robots[at]);
     }

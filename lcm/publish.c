@@ -130,8 +130,8 @@ void publish_statuses(robot *robot, uint32_t events, gate_time now) {
 void publish_properties(robot *robot, gate_time now) {
     mapping_services storage;
     roburoc4_lcm_robot_properties_t out;
-    mapping_properties(&robot->client, robot->config, &robot->names, robot->address, now.utime,
-                       &storage, &out);
+    mapping_properties(&robot->client, &robot->settings->config, &robot->names, robot->address,
+                       now.utime, &storage, &out);
     SEND(roburoc4_lcm_robot_properties_t, CHANNEL_PROPERTIES, out);
 }
 
@@ -154,6 +154,7 @@ static void publish_bridge(robot *robot, bool statistics, gate_time now) {
         .fault = robot->udp.fault,
         .heard = robot->heard,
         .no_socket = roburoc4_udp_fd(&robot->udp) < 0,
+        .no_address = robot->to.family == 0,
         .other_bridge = robot->other_until_us != 0,
         .times_lost = roburoc4_client_count(&robot->client, ROBUROC4_COUNT_LOST),
         .reboots = roburoc4_client_count(&robot->client, ROBUROC4_COUNT_REBOOTS),

@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "robot.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "clock.h"
@@ -24,16 +25,32 @@
 
 /* -------------------------------------------------------------------------------- commands --- */
 
+/* The cause and the remedy: what the robot says is more exact than the gate's verdict. */
+static void write_reason(const robot *robot, enum gate_verdict verdict, const log_command *command,
+                         gate_time now, char *room, size_t capacity) {
+    const gate_rejection rejected = {verdict, command->kind, command->utime, "utime"};
+    const int32_t refusal = gate_robot_of(&robot->client, now.us).arm_refusal;
+    if (verdict == GATE_SENDER && command->sender != NULL &&
+        !options_allows(robot->settings, command->sender, command->sender_length)) {
+        (void)snprintf(room, capacity, "only senders %s are obeyed (--allow-sender)",
+                       robot->settings->allowed);
+    } else if (verdict == GATE_DISARMED && refusal < 0) {
+        (void)snprintf(room, capacity, "the robot cannot be armed: %s",
+                       roburoc4_result_text(refusal));
+    } else {
+        gate_reason(room, capacity, &rejected, &robot->gate.rules, now);
+    }
+}
+
 /* Store a rejection that was counted, and log it. */
 static void log_rejected(robot *robot, enum gate_verdict verdict, const log_command *command,
                          gate_time now) {
     robot_rejection *rejection = &robot->rejections[verdict];
-    const gate_rejection rejected = {verdict, command->kind, command->utime, "utime"};
     text_copy(rejection->sender, sizeof rejection->sender, (const uint8_t *)command->sender,
               command->sender_length);
     bool first = gate_is_incident(&robot->gate, verdict, rejection->sender,
                                   strlen(rejection->sender), now.us);
-    gate_reason(rejection->why, sizeof rejection->why, &rejected, &robot->gate.rules, now);
+    write_reason(robot, verdict, command, now, rejection->why, sizeof rejection->why);
     log_rejection(robot->name, command, rejection->why, first);
     rejection->utime = command->utime;
     robot->last_rejection = verdict;
@@ -131,14 +148,17 @@ void robot_take_message(robot *robot, enum gate_kind kind, const void *data, siz
     uint32_t lease_us = 0;
     command command;
     bool readable = command_decode(kind, data, size, &command);
-    if (!readable) {
-        gate_reject(&robot->gate, GATE_MALFORMED);
-        log_rejected_message(robot, GATE_MALFORMED, &command, now);
-    }
     if (kind == GATE_STOP) {
         stop(robot, &command, readable, now);
+        return;
     }
-    if (!readable || kind == GATE_STOP) {
+    enum gate_verdict early =
+        !readable                                                                 ? GATE_MALFORMED
+        : !options_allows(robot->settings, command.sender, command.sender_length) ? GATE_SENDER
+                                                                                  : GATE_TAKEN;
+    if (early != GATE_TAKEN) {
+        gate_reject(&robot->gate, early);
+        log_rejected_message(robot, early, &command, now);
         return;
     }
     gate_command for_gate = command_for_gate(&command, arrived_utime);
@@ -162,9 +182,9 @@ static bool is_clamped(const robot *robot) {
     roburoc4_differential_properties limits;
     return roburoc4_client_differential_properties(&robot->client, &limits) >= 0 &&
            (is_beyond(robot->drive.linear_m_s, limits.min_linear_m_s, limits.max_linear_m_s,
-                      robot->config->max_linear_m_s) ||
+                      robot->settings->config.max_linear_m_s) ||
             is_beyond(robot->drive.angular_rad_s, limits.min_angular_rad_s,
-                      limits.max_angular_rad_s, robot->config->max_angular_rad_s));
+                      limits.max_angular_rad_s, robot->settings->config.max_angular_rad_s));
 }
 
 static void apply_drive(robot *robot, gate_time now) {
@@ -478,13 +498,13 @@ void robot_start(robot *robot, uint32_t number, const options_robot *settings, l
     if (robot->to.family != 0) {
         (void)roburoc4_udp_address_text(&robot->to, robot->address, sizeof robot->address);
     }
-    robot->config = &settings->config;
+    robot->settings = settings;
     robot->bridge = bridge;
     robot->started = now;
     spread(&robot->state, STATE_PERIOD_US, robot, now.us);
     spread(&robot->statistics, STATISTICS_PERIOD_US, robot, now.us);
     spread(&robot->properties, PROPERTIES_PERIOD_US, robot, now.us);
-    start_client(robot, robot->config, now.us);
+    start_client(robot, &settings->config, now.us);
     gate_init(&robot->gate, &settings->rules, now);
     open_socket(robot, now.us);
 }

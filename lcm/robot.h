@@ -43,7 +43,7 @@ typedef struct robot {
     const char *name; /* "" if there is only one */
     uint32_t number;  /* of its socket, for watch_set() */
     const channel_names *channels;
-    const roburoc4_config *config;
+    const options_robot *settings;
     const robot_bridge *bridge;
     lcm_t *lcm;
     roburoc4_recorder *recorder; /* or NULL */

@@ -87,6 +87,10 @@ def test_a_stop_works_whatever_its_message_is(
     stop_us = now_us()
     bus.publish(STOP, message)
     stops_for_good(robot, stop_us)
+    assert armed.statistics.accepted_stop == 1
+    assert armed.statistics.rejected_malformed == 0, "it was obeyed, not rejected"
+    assert "stop command of" not in armed.output
+    assert "stop command on" not in armed.output
 
 
 def test_a_stop_right_after_a_command_wins(robot: Robot, bus: Bus, armed: Bridge) -> None:

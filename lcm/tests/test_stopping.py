@@ -77,6 +77,8 @@ def test_a_signal_ends_the_bridge_with_zeros_within_a_second(
     assert len(robot.tap.commands(signalled_us)) >= 3
     until(robot.stands, "the robot stands")
     assert "rejected" not in armed.output, "the planner did nothing wrong"
+    assert f"ended by {number.name}" in armed.output
+    assert armed.state.message == "the bridge has ended"
 
 
 @pytest.mark.parametrize("reader", ["hangs", "is gone"])

@@ -500,6 +500,14 @@ TEST(LcmMapping, TheMessageSaysWhatToDo) {
     v.view.no_socket = v.view.other_bridge = true;
     EXPECT_NE(std::string::npos, v.message().find("no socket for 10.0.0.1:60000")) << v.message();
     EXPECT_NE(std::string::npos, v.message().find("ANOTHER BRIDGE")) << v.message();
+    v.view.no_address = true;
+    EXPECT_NE(std::string::npos, v.message().find("has no address; correct it")) << v.message();
+    EXPECT_EQ(std::string::npos, v.message().find("retrying")) << v.message();
+    v.view.other_bridge = false;
+    v.facts.state = ROBUROC4_STATE_CLOSING;
+    EXPECT_EQ("the bridge is ending", v.message());
+    v.facts.state = ROBUROC4_STATE_IDLE;
+    EXPECT_EQ("the bridge has ended", v.message());
 }
 
 TEST(LcmMappingBridge, CausesOfRejectionsAreTheGates) {

@@ -328,6 +328,59 @@ TEST(LcmConfigFile, SectionsMayGiveTheSameSettings) {
     EXPECT_EQ(300000U, r.out->robots[1].rules.lease_us);
 }
 
+TEST(LcmOptions, SendersAreAllowedByNameOrBeginning) {
+    const auto allows = [](const std::string &patterns, const std::string &sender) {
+        const Read r = read({"--allow-sender", patterns});
+        EXPECT_EQ(OPTIONS_RUN, r.result) << r.error;
+        return options_allows(&r.out->robots[0], sender.data(), sender.size());
+    };
+    EXPECT_TRUE(options_allows(&read({}).out->robots[0], "anybody", 7));
+    for (const char *patterns :
+         {"planner*, joystick", "joystick,planner*", " planner* joystick "}) {
+        EXPECT_TRUE(allows(patterns, "planner"));
+        EXPECT_TRUE(allows(patterns, "planner 17"));
+        EXPECT_TRUE(allows(patterns, "joystick"));
+        EXPECT_FALSE(allows(patterns, "joystick 2"));
+        EXPECT_FALSE(allows(patterns, "plan"));
+        EXPECT_FALSE(allows(patterns, "a planner"));
+        EXPECT_FALSE(allows(patterns, ""));
+    }
+    EXPECT_TRUE(allows("*", "anybody"));
+    const Read fleet = read_file("[DEFAULT]\nallow-sender = planner*\n[A]\naddress = a\n"
+                                 "[B]\naddress = b\nallow-sender = joystick\n");
+    ASSERT_EQ(OPTIONS_RUN, fleet.result) << fleet.error;
+    EXPECT_TRUE(options_allows(&fleet.out->robots[0], "planner 1", 9));
+    EXPECT_FALSE(options_allows(&fleet.out->robots[1], "planner 1", 9));
+    for (const std::string &bad : {std::string(), std::string(" , "), std::string("a*b"),
+                                   std::string("a,*b"), std::string(64, 'x')}) {
+        const Read r = read({"--allow-sender", bad});
+        EXPECT_EQ(OPTIONS_BAD, r.result) << bad;
+        EXPECT_NE(std::string::npos, r.error.find("such as planner*")) << r.error;
+    }
+}
+
+TEST(LcmOptions, OneChannelMayStopTheFleet) {
+    EXPECT_STREQ("", read({}).out->fleet_stop);
+    const Read r = read({"-r", "A=a", "-r", "B=b", "--fleet-stop", "ALL_STOP_CMD"});
+    ASSERT_EQ(OPTIONS_RUN, r.result) << r.error;
+    const channels_entry *found = channels_look_up(&r.out->directory, "ALL_STOP_CMD");
+    ASSERT_NE(nullptr, found);
+    EXPECT_EQ(OPTIONS_FLEET_STOP, found->which);
+    EXPECT_STREQ("HALT_CMD",
+                 read_file("[DEFAULT]\nfleet-stop = HALT_CMD\n[A]\naddress = a\n").out->fleet_stop);
+    for (const char *bad : {"", "STOP", "A.*_CMD"})
+        EXPECT_EQ(OPTIONS_BAD, read({"--fleet-stop", bad}).result) << bad;
+    const Read doubled = read({"-r", "A=a", "--fleet-stop", "A_STOP_CMD"});
+    EXPECT_NE(std::string::npos, doubled.error.find("two channels are named A_STOP_CMD"));
+}
+
+TEST(LcmOptions, ANameIsAsLongAsAPrefix) {
+    EXPECT_EQ(OPTIONS_RUN, read({"-r", std::string(45, 'n') + "=a"}).result);
+    EXPECT_EQ(OPTIONS_RUN, read({"-p", std::string(45, 'n')}).result);
+    EXPECT_EQ(OPTIONS_BAD, read({"-r", std::string(46, 'n') + "=a"}).result);
+    EXPECT_EQ(OPTIONS_BAD, read({"-p", std::string(46, 'n')}).result);
+}
+
 TEST(LcmOptions, LcmUrlsAreTakenAsLcmReadsThem) {
     for (const char *url : {"udpm://", "udpm://?ttl=0", "udpm://239.255.76.67?ttl=255", "memq://",
                             "udpm://239.255.76.67:7667?recv_buf_size=4194304&ttl=1"})

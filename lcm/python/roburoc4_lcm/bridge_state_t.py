@@ -59,7 +59,10 @@ class bridge_state_t(object):
     FAULT_SILENT = 0x0040
     """ No datagram from the robot for a second """
     FAULT_SOCKET = 0x0080
-    """ The bridge has no socket for this robot; it retries every second """
+    """
+    The bridge has no socket for this robot: it retries every second, or `message` says that the
+    robot's name has no address
+    """
     FAULT_OTHER_COMMANDER = 0x0100
     """ Another program commands the robot directly """
     FAULT_INHIBITED = 0x0200
