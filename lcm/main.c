@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "clock.h"
+#include "filter.h"
 #include "log.h"
 #include "options.h"
 #include "robot.h"
@@ -87,14 +88,29 @@ static void explain_no_lcm(void) {
  * with. */
 extern int lcm_subscription_get_queue_size(lcm_subscription_t *handler) __attribute__((weak));
 
-/* Before LCM 1.5, a fragment whose offset wraps around is written outside of the buffer. */
-static void warn_of_old_lcm(void) {
-    if (ROBUROC4_LCM_IS_OLD || &lcm_subscription_get_queue_size == NULL) {
-        log_line(LOG_NOTE, NULL,
-                 "this LCM is older than 1.5: one malformed packet of 59 bytes on its network ends "
-                 "the bridge, and a moving robot then stops by its own watchdog only. Build with "
-                 "LCM 1.5 (pip install lcm)");
+static bool may_drive(void) {
+    for (uint32_t at = 0; at < settings.robot_count; at++) {
+        if (settings.robots[at].rules.enabled[GATE_DRIVE]) {
+            return true;
+        }
     }
+    return false;
+}
+
+/* Before LCM 1.5, a fragment whose offset wraps around is written outside of the buffer: one packet
+ * of 59 bytes ends the bridge. Where the system cannot drop such packets, such a bridge must not
+ * drive. */
+static bool bear_with_old_lcm(void) {
+    const uint16_t port = options_lcm_port(&settings);
+    if ((!ROBUROC4_LCM_IS_OLD && &lcm_subscription_get_queue_size != NULL) || port == 0 ||
+        filter_fragments(port)) {
+        return true;
+    }
+    log_line(may_drive() ? LOG_ERROR : LOG_NOTE, NULL,
+             "this LCM is older than 1.5: one malformed packet on its network ends the bridge, %s. "
+             "Build with LCM 1.5 (pip install lcm)",
+             may_drive() ? "so it does not drive" : "and this system cannot drop such packets");
+    return !may_drive();
 }
 
 /* Read what the robot sent, once per iteration; robot_finish() is called at its end. */
@@ -475,12 +491,11 @@ int main(int count, char **arguments) {
         explain_no_lcm();
         return EXIT_NO_LCM;
     }
-    if (!begin_recording()) {
+    if (!bear_with_old_lcm() || !begin_recording()) {
         lcm_destroy(lcm);
         return EXIT_ERROR;
     }
     catch_signals();
-    warn_of_old_lcm();
     run(lcm);
     end_recording();
     lcm_destroy(lcm);

@@ -592,6 +592,21 @@ const char *options_lcm_url(const options *options, const char **source) {
     return url != NULL ? url : "";
 }
 
+uint16_t options_lcm_port(const options *options) {
+    const char *source = NULL;
+    const char *url = options_lcm_url(options, &source);
+    const char *colon = strncmp(url, "udpm://", 7) == 0 ? strchr(url + 7, ':') : NULL;
+    uint32_t port = 7667; /* LCM's default */
+    if (strncmp(url, "memq", 4) == 0) {
+        return 0;
+    }
+    if (colon != NULL) {
+        colon++;
+        (void)number(&colon, 65535, &port);
+    }
+    return (uint16_t)port;
+}
+
 /* What LCM will use, also from the environment. */
 static bool check_network(reading *reading) {
     const char *source = NULL;

@@ -60,6 +60,8 @@ enum options_result options_read_text(const char *name, const char *text, size_t
 /* The URL that LCM will use ("" for its own default), and its source: "lcm-url" or the name of the
  * variable. */
 const char *options_lcm_url(const options *options, const char **source);
+/* The port of that network; 0 if it has none. */
+uint16_t options_lcm_port(const options *options);
 /* Resolve the robots' names. Returns OPTIONS_RUN, _BAD (an invalid port, or two robots with one
  * address), or _NO_ADDRESS (for any robot). Asks the name server if there are names. */
 enum options_result options_resolve(options *out, char *error, size_t error_size);

@@ -114,7 +114,9 @@ def test_a_rejection_names_what_keeps_the_robot_from_driving(
     until(lambda: armed.state.overridden, "the bridge sees the override")
     plan(linear=0.3)
     until(
-        lambda: "the robot cannot be armed" in armed.state.rejected_message
-        and "[A]" in armed.state.rejected_message,
+        lambda: (
+            "the robot cannot be armed" in armed.state.rejected_message
+            and "[A]" in armed.state.rejected_message
+        ),
         f"the cause is named, not: {armed.state.rejected_message}",
     )
