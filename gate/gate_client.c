@@ -31,6 +31,19 @@ static bool is_too_fast(float linear_m_s, float angular_rad_s) {
            angular_rad_s > ROBUROC4_MAX_DRIVE_RAD_S || angular_rad_s < -ROBUROC4_MAX_DRIVE_RAD_S;
 }
 
+static enum gate_verdict refuse(gate *gate, roburoc4_result result, uint64_t now_us) {
+    if (result != ROBUROC4_ERR_LAPSED) {
+        gate_hold(gate, now_us);
+    }
+    gate_reject(gate, GATE_DISARMED);
+    return GATE_DISARMED;
+}
+
+enum gate_verdict gate_arm(gate *gate, roburoc4_client *client, uint64_t now_us) {
+    const roburoc4_result result = roburoc4_client_arm(client, now_us);
+    return result < 0 ? refuse(gate, result, now_us) : GATE_TAKEN;
+}
+
 enum gate_verdict gate_drive(gate *gate, roburoc4_client *client, float linear_m_s,
                              float angular_rad_s, uint32_t lease_us, uint64_t now_us) {
     bool zero = linear_m_s == 0.0f && angular_rad_s == 0.0f;
@@ -44,11 +57,7 @@ enum gate_verdict gate_drive(gate *gate, roburoc4_client *client, float linear_m
         result = roburoc4_client_drive(client, linear_m_s, angular_rad_s, lease_us, now_us);
     }
     if (result < 0) {
-        if (result != ROBUROC4_ERR_LAPSED) {
-            gate_hold(gate, now_us);
-        }
-        gate_reject(gate, GATE_DISARMED);
-        return GATE_DISARMED;
+        return refuse(gate, result, now_us);
     }
     gate_count_taken(gate, GATE_DRIVE);
     return GATE_TAKEN;

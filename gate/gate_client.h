@@ -25,6 +25,10 @@ void gate_heed_events(gate *gate, const roburoc4_client *client, uint32_t events
 enum gate_verdict gate_drive(gate *gate, roburoc4_client *client, float linear_m_s,
                              float angular_rad_s, uint32_t lease_us, uint64_t now_us);
 
+/* Arm for a command that drives in another way, such as a move. Counted only where it is rejected.
+ */
+enum gate_verdict gate_arm(gate *gate, roburoc4_client *client, uint64_t now_us);
+
 /* Obey a stop command of this sender (length bytes, which may be 0): stop and disarm. Drive
  * commands are rejected until a pause; the first speed after it arms again. */
 void gate_stop_client(gate *gate, roburoc4_client *client, const char *sender, size_t length,

@@ -152,7 +152,7 @@ static void on_command(const lcm_recv_buf_t *message, const char *channel, void 
     if (found->which == OPTIONS_FLEET_STOP) {
         for (uint32_t at = 0; user != NULL && at < robot_count; at++) {
             serve(at);
-            robot_take_message(&robots[at], GATE_STOP, message->data, message->data_size,
+            robot_take_message(&robots[at], CHANNEL_STOP_CMD, message->data, message->data_size,
                                gate_arrival(&stall, message->recv_utime));
         }
         return;
@@ -161,8 +161,8 @@ static void on_command(const lcm_recv_buf_t *message, const char *channel, void 
     uint32_t at = found->which / CHANNELS;
     if (channels_is_command(which) && (which == CHANNEL_STOP_CMD) == (user != NULL)) {
         serve(at);
-        robot_take_message(&robots[at], (enum gate_kind)(which - CHANNEL_DRIVE_CMD), message->data,
-                           message->data_size, gate_arrival(&stall, message->recv_utime));
+        robot_take_message(&robots[at], which, message->data, message->data_size,
+                           gate_arrival(&stall, message->recv_utime));
     }
 }
 

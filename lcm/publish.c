@@ -135,6 +135,22 @@ void publish_properties(robot *robot, gate_time now) {
     SEND(roburoc4_lcm_robot_properties_t, CHANNEL_PROPERTIES, out);
 }
 
+void publish_move_status(robot *robot, gate_time now) {
+    const robot_move *moving = &robot->moving;
+    roburoc4_lcm_move_status_t out = {
+        .utime = now.utime,
+        .sender = (char *)moving->sender, /* LCM's encoders only read */
+        .move_id = moving->id,
+        .result = moving->move.result,
+        .message = (char *)roburoc4_move_result_text(moving->move.result),
+        .distance_m = (double)moving->move.distance_m,
+        .angle_rad = (double)moving->move.angle_rad,
+        .remaining_m = (double)moving->move.remaining_m,
+        .remaining_rad = (double)moving->move.remaining_rad,
+    };
+    SEND(roburoc4_lcm_move_status_t, CHANNEL_MOVE_STATUS, out);
+}
+
 /* Publish the state or the statistics: both come from the same facts. */
 static void publish_bridge(robot *robot, bool statistics, gate_time now) {
     roburoc4_facts facts = {.size = sizeof facts};
