@@ -61,7 +61,10 @@ void fail_raise(void) {
 /* ------------------------------------------------------------------------------ arguments --- */
 
 int take_number(const mxArray *value, const char *name, double *out) {
-    if (!(mxIsNumeric(value) || mxIsLogical(value)) || mxIsComplex(value) || mxIsSparse(value) ||
+    if (mxIsComplex(value)) {
+        return fail(FAIL_ARGUMENT, "%s: this is a complex number; give one real number", name);
+    }
+    if (!(mxIsNumeric(value) || mxIsLogical(value)) || mxIsSparse(value) ||
         mxGetNumberOfElements(value) != 1) {
         return fail(FAIL_ARGUMENT, "%s: this is %s of %lu elements; give one real number", name,
                     mxGetClassName(value), (unsigned long)mxGetNumberOfElements(value));
@@ -75,7 +78,9 @@ int take_range(const mxArray *value, const char *name, double least, double most
     if (!take_number(value, name, &number)) {
         return 0;
     }
-    /* NaN fails both comparisons. */
+    if (number != number) {
+        return fail(FAIL_ARGUMENT, "%s: this is NaN; give a number", name);
+    }
     if (!(number >= least && number <= most)) {
         return fail(FAIL_ARGUMENT, "%s: %g is out of range; give %.10g to %.10g", name, number,
                     least, most);

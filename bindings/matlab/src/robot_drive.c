@@ -55,10 +55,13 @@ static int renew(call *in) {
 /* -------------------------------------------------------------------- outputs and the pose --- */
 
 static int done_output(const call *in, const char *type, roburoc4_result result) {
+    roburoc4_iocard_properties card = {0};
+    (void)roburoc4_client_iocard_properties(in->client, &card);
     if (result == ROBUROC4_ERR_INDEX) {
-        return fail(FAIL_ARGUMENT,
-                    "the robot has no %s output %g; the first is 0, and info has their number",
-                    type, in->numbers[0]);
+        const int count = type[0] == 'a' ? card.analog_outputs : card.digital_outputs;
+        return count <= 0 ? fail(FAIL_ARGUMENT, "the robot has no %s outputs", type)
+                          : fail(FAIL_ARGUMENT, "the robot has no %s output %g; give 0 to %d", type,
+                                 in->numbers[0], count - 1);
     }
     return done_unarmed("output", result);
 }

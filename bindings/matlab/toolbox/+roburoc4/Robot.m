@@ -1,11 +1,12 @@
 classdef Robot < handle
 %ROBOT A RobuROC4: drive it, read it, record it.
 %   R = roburoc4.Robot(ADDRESS) connects to the robot at 'HOST' or 'HOST:PORT' (from the factory
-%   '192.168.0.2') and waits until it is ready. R = roburoc4.Robot(ADDRESS, 'Name', value, ...)
+%   '192.168.0.2') and waits until it is ready and each service has sent a status. R = roburoc4.Robot(ADDRESS, 'Name', value, ...)
 %   takes options:
 %
 %      timeout (10)              seconds without an answer, or without progress towards ready, after
 %                                which roburoc4:timeout is raised
+%      wait_for_data (true)      false: do not wait for the first statuses
 %      lease_ms (250)            duration of a drive command, 20 to 1000
 %      drive_period_ms (50)      how often a drive command is repeated, 10 to half of lease_ms
 %      max_linear_m_s (1)        highest speed
@@ -101,9 +102,10 @@ methods
         %ROBOT Connect, and wait until the robot is ready.
         %   See the help of the class.
         roburoc4.internal.needed(nargin > 0, 'Robot(address), such as Robot(''192.168.0.2'')');
-        own = struct('timeout', 10, 'buffer', 50000, 'record', '');
+        own = struct('timeout', 10, 'buffer', 50000, 'record', '', 'wait_for_data', true);
         [options, own] = roburoc4.internal.options(varargin, own, false);
         timeout = roburoc4.internal.number(own.timeout, 'timeout', 0, 1e6);
+        patient = roburoc4.internal.number(own.wait_for_data, 'wait_for_data', 0, 1) ~= 0;
         if isa(address, 'roburoc4.Simulator')
             this.id = roburoc4_mex('simConnect', address.id, options, own.buffer, own.record);
         else
@@ -111,7 +113,7 @@ methods
             this.id = roburoc4_mex('open', address, options, own.buffer, own.record);
         end
         try
-            roburoc4.internal.connect(this.id, timeout);
+            roburoc4.internal.connect(this.id, timeout, patient);
         catch problem
             roburoc4_mex('close', this.id);
             rethrow(problem);
@@ -197,7 +199,8 @@ methods
     function result = move(this, distance_m, varargin)
         %MOVE Drive straight ahead, and wait until the robot is at rest.
         %   RESULT = move(R, METRES) drives this far by odometry; negative is backward. RESULT is a
-        %   struct: result ('reached'), distance_m, angle_rad, remaining_m and remaining_rad.
+        %   struct: result ('reached'), distance_m, angle_rad, remaining_m, remaining_rad, and text, the
+        %   result as a sentence.
         %   move(R, METRES, 'Name', value, ...) takes options:
         %
         %      speed (0.3)       m/s
@@ -220,11 +223,13 @@ methods
     function result = turn(this, angle_rad, varargin)
         %TURN Turn in place, and wait until the robot is at rest.
         %   RESULT = turn(R, RADIANS) turns by odometry, which is inaccurate; negative is to the right.
+        %   More than one turn is refused, as degrees are.
         %   Options and result are those of move; speed is in rad/s (0.5).
         %
         %   Example:
         %      r.turn(pi / 2)
         roburoc4.internal.needed(nargin >= 2, 'turn(radians)');
+        angle_rad = roburoc4.Robot.radians(angle_rad, 'angle');
         result = this.go(0, 0, angle_rad, 0, varargin);
     end
 
@@ -248,7 +253,8 @@ methods
         %      r.goTo(1, 0.5); r.goTo(0, 0, 0, 'speed', 0.6)
         roburoc4.internal.needed(nargin >= 3, 'goTo(x in m, y in m)');
         if mod(numel(varargin), 2) == 1
-            result = this.go(2, x_m, y_m, varargin{1}, varargin(2:end));
+            theta_rad = roburoc4.Robot.radians(varargin{1}, 'theta');
+            result = this.go(2, x_m, y_m, theta_rad, varargin(2:end));
         else
             result = this.go(1, x_m, y_m, 0, varargin);
         end
@@ -613,6 +619,14 @@ methods (Access = private)
 end
 
 methods (Static, Access = private)
+    function angle_rad = radians(angle_rad, name)
+        angle_rad = roburoc4.internal.number(angle_rad, name, -1e9, 1e9);
+        if abs(angle_rad) > 2 * pi + 0.01
+            error('roburoc4:badArgument', ['%s: %g is more than one turn; give radians, such as ' ...
+                'pi / 2 for 90 degrees'], name, angle_rad);
+        end
+    end
+
     function names = texts(names)
         for k = 1:numel(names)
             names{k} = roburoc4.internal.text(names{k}, 'service');
