@@ -19,8 +19,8 @@ std::int32_t RealClient::arm(std::uint64_t now) {
     return roburoc4_client_arm(&client_, now);
 }
 
-std::int32_t RealClient::disarm(std::uint64_t now) {
-    return roburoc4_client_stop(&client_, now);
+std::int32_t RealClient::pause(std::uint64_t now) {
+    return roburoc4_client_pause(&client_, now);
 }
 
 std::int32_t RealClient::drive(Speeds speeds, std::uint32_t lease_us, std::uint64_t now) {
@@ -79,7 +79,10 @@ Report RealClient::report(std::uint64_t now) {
         roburoc4_client_service_id(&client_, ROBUROC4_SERVICE_DIFFERENTIAL) >= 0 &&
         roburoc4_client_differential_properties(&client_, &properties) >= 0;
     report.override_index = roburoc4_client_role_index(&client_, ROBUROC4_ROLE_OVERRIDE);
-    report.lease_left_us = facts.lease_left_us;
+    report.disarm_cause = facts.disarm_cause;
+    report.stop_outcome = facts.stop_outcome;
+    for (int service = 0; service < 5; service++)
+        report.age_us[service] = facts.age_us[ROBUROC4_SERVICE_IOCARD + service];
     return report;
 }
 

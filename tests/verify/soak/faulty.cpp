@@ -184,8 +184,8 @@ class HidesClockSteps : public Wrapper {
     std::int32_t arm(std::uint64_t now) override {
         return RealClient::arm(steady(now));
     }
-    std::int32_t disarm(std::uint64_t now) override {
-        return RealClient::disarm(steady(now));
+    std::int32_t pause(std::uint64_t now) override {
+        return RealClient::pause(steady(now));
     }
     std::int32_t stop(std::uint64_t now) override {
         return RealClient::stop(steady(now));
@@ -261,7 +261,7 @@ class NeverEndsAStop : public Wrapper {
         const Report report = RealClient::report(now);
         events_ |= report.events;
         if (report.stopping)
-            RealClient::disarm(now);
+            RealClient::stop(now);
         if ((report.events & ROBUROC4_EVENT_STOPPED) != 0)
             RealClient::stop(now);
         return RealClient::poll_transmit(out, now);
@@ -462,7 +462,7 @@ const std::vector<Fault> &faults() {
         {Promise::only_differential, "commands another service", sending(to_another_service)},
         {Promise::spacing, "sends each command twice", a<SendsTwice>()},
         {Promise::other_commander_disarms, "does not see others", receiving(hide_targets)},
-        {Promise::inhibited_disarms, "does not see that it stands", receiving(hide_standing)},
+        {Promise::follows_or_disarmed, "does not see that it stands", receiving(hide_standing)},
         {Promise::feeds_watchdog, "forgets to repeat", a<ForgetsToRepeat>()},
         {Promise::deadlines, "is always late", a<DeadlineInThePast>()},
         {Promise::comes_back, "never arms", a<NeverArms>()},

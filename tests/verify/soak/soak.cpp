@@ -10,11 +10,15 @@
  *   soak --canaries                        faulty clients: each must be caught
  *   soak --promises                        list all promises
  *
+ * Each scenario draws a member of the family of robots (docs/PROTOCOL.md) from its seed; --trace
+ * prints it.
+ *
  * Exit status: 0 where every judged promise was kept.
  */
 #include "faulty.h"
 #include "scenario.h"
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -84,10 +88,25 @@ class Run {
         if (options_.survey)
             for (const auto &entry : broken_)
                 print_violation(shortest(entry.second));
-        return broken_.empty();
+        return broken_.empty() && all_reached();
     }
 
   private:
+    /* What was never reached was never judged. */
+    bool all_reached() const {
+        bool all = true;
+        for (std::size_t i = 0; i < soak::reached_count; i++) {
+            std::printf("%s%s %llu", i == 0 ? "reached: " : ", ", soak::reached_name(i),
+                        static_cast<unsigned long long>(reached_[i]));
+            all = all && reached_[i] != 0;
+        }
+        std::printf("\n");
+        const bool long_enough = hours_of(lasted_us_) >= 9;
+        if (!all && long_enough)
+            std::printf("NOT REACHED: a run of this length must reach each of these\n");
+        return all || !long_enough;
+    }
+
     static const Outcome &shortest(const std::vector<Outcome> &outcomes) {
         const Outcome *best = &outcomes.front();
         for (const Outcome &outcome : outcomes)
@@ -107,6 +126,8 @@ class Run {
         speeds_ += outcome.speeds_sent;
         armings_ += outcome.armings;
         friendly_ += outcome.friendly;
+        for (std::size_t i = 0; i < soak::reached_count; i++)
+            reached_[i] += outcome.reached[i];
         scenarios_++;
         if (outcome.violation.found) {
             if (!options_.survey)
@@ -129,6 +150,7 @@ class Run {
     std::mutex mutex_;
     std::uint64_t lasted_us_ = 0, speeds_ = 0, armings_ = 0, scenarios_ = 0, friendly_ = 0;
     double printed_hours_ = 0;
+    std::array<std::uint64_t, soak::reached_count> reached_{};
     std::map<Promise, std::vector<Outcome>> broken_;
 };
 
