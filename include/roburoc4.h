@@ -335,7 +335,8 @@ typedef struct roburoc4_facts {
     uint8_t battery_low;        /* 1: remaining is below minimum_percent, or the state is Critical */
     uint8_t battery_known;      /* 1: `battery_low` is valid */
     uint8_t descriptions_done;  /* 1: every text was answered or given up */
-    uint8_t lapsed;             /* 1: the last lease expired, and none was granted since */
+    uint8_t lapsed;             /* 1: the last lease expired; 0 again after pause(), stop(), arm() or
+                                   drive() */
     uint8_t stop_outcome;       /* ROBUROC4_STOP_* of the last stop sequence */
     uint8_t missing; /* subscriptions without data: bits 1u << ROBUROC4_SERVICE_* of services that
                         the robot does not list, or whose subscription it refused */
@@ -545,27 +546,34 @@ typedef struct roburoc4_private_link {
     uint8_t back_count, resubscribed, mapped, answered;
     uint32_t floor_age_us;
     uint64_t offset_since_us, newest_cycles, last_used_us;
-    uint64_t floor_us, asked_us;
+    uint64_t floor_us, asked_us, proven_us, heard_us;
     int64_t offset_us, offset_before_us;
     uint32_t round_trip_us, round_trip_min_us;
-    uint32_t excess_us, excess_since_us;
+    uint32_t excess_us, excess_since_us, slack_us, contradicted_us;
     roburoc4_private_service services[5];
 } roburoc4_private_link;
 
 typedef struct roburoc4_private_drive {
     uint8_t known, armed, lease_active, stopping;
     uint8_t stop_pending, nonzero_sent, zeros_sent, confirmed;
-    uint8_t moving, other_count, other_commander, still;
-    uint8_t inhibited, changed;
+    uint8_t moving, other_count, other_commander, overridden;
+    uint8_t inhibited, changed, lapsed, outcome;
+    uint8_t unconfirmed, echo_due;
     uint16_t service;
-    uint64_t granted_us, sent_us, stop_us, still_us, envelope_us;
     uint32_t lease_us;
+    uint64_t granted_us, sent_us, stop_us, envelope_us, heard_us, echo_us;
     int32_t disarm_cause;
-    uint8_t lapsed, outcome, resend, reserved;
-    uint32_t spare;
+    uint32_t reserved;
     float target[2], sent[2];
     float low[2], high[2], low_before[2], high_before[2];
+    float echoed[2], echo_low[2], echo_high[2];
 } roburoc4_private_drive;
+
+typedef struct roburoc4_private_follow {
+    int32_t mean[2], low[2], high[2];
+    uint32_t cycles;
+    uint8_t fault_cycles, fault, reserved[2];
+} roburoc4_private_follow;
 
 typedef struct roburoc4_private_discovery {
     uint8_t service_count, listed, known, refused;
@@ -611,13 +619,14 @@ struct roburoc4_client {
     uint32_t private_size, private_events, private_state;
     roburoc4_config private_config;
     roburoc4_private_drive private_drive;
+    roburoc4_private_follow private_follow;
     roburoc4_private_discovery private_discovery;
     roburoc4_private_requests private_requests;
     uint32_t private_counters[14];
     roburoc4_private_outputs private_outputs;
     roburoc4_private_link private_link;
     roburoc4_private_values private_values;
-    uint32_t private_reserved[14];
+    uint32_t private_reserved[4];
 };
 
 #ifdef __cplusplus

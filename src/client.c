@@ -10,16 +10,17 @@
 LAYOUT(slot, sizeof(roburoc4_private_slot) == 24);
 LAYOUT(requests, sizeof(roburoc4_private_requests) == 112);
 LAYOUT(service, sizeof(roburoc4_private_service) == 64);
-LAYOUT(link, sizeof(roburoc4_private_link) == 400);
-LAYOUT(drive, sizeof(roburoc4_private_drive) == 120);
+LAYOUT(link, sizeof(roburoc4_private_link) == 424);
+LAYOUT(drive, sizeof(roburoc4_private_drive) == 152);
+LAYOUT(follow, sizeof(roburoc4_private_follow) == 32);
 LAYOUT(discovery, sizeof(roburoc4_private_discovery) == 224);
 LAYOUT(values, sizeof(roburoc4_private_values) == 456);
 LAYOUT(outputs, sizeof(roburoc4_private_outputs) == 72);
 LAYOUT(config, sizeof(roburoc4_config) == 88);
-LAYOUT(client, sizeof(roburoc4_client) == 1616);
+LAYOUT(client, sizeof(roburoc4_client) == 1664);
 LAYOUT(client_drive, offsetof(roburoc4_client, private_drive) == 120);
-LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 704);
-LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1104);
+LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 768);
+LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1192);
 
 /* The longest wait before a request is repeated while the client is not ready. */
 #define PATIENCE_US (5 * SECOND)
@@ -96,6 +97,7 @@ void roburoc4_lifecycle_reboot(client *c) {
     count(c, ROBUROC4_COUNT_REBOOTS);
     raise_event(c, ROBUROC4_EVENT_REBOOT);
     c->private_link.newest_cycles = 0;
+    roburoc4_link_forget_times(&c->private_link);
     roburoc4_lifecycle_forget_outputs(c); /* the robot switched its outputs off */
     roburoc4_discovery_clear(&c->private_discovery);
     roburoc4_lifecycle_connect(c, ROBUROC4_STATE_CONNECTING);
@@ -107,7 +109,7 @@ void roburoc4_lifecycle_clock_fault(client *c, uint64_t now_us) {
     roburoc4_requests_rebase(&c->private_requests, now_us);
     roburoc4_link_rebase(&c->private_link, now_us);
     c->private_discovery.phase_us = now_us;
-    c->private_discovery.probe_us = now_us - PROBE_US; /* no age is known before the first answer */
+    c->private_discovery.probe_us = now_us - SECOND; /* no age is known before the first answer */
     c->private_outputs.sent_us = now_us;
     c->private_outputs.relocalize_us = now_us;
     count(c, ROBUROC4_COUNT_CLOCK_FAULTS);
@@ -140,6 +142,7 @@ roburoc4_result roburoc4_client_start(client *c, uint64_t now_us) {
     memset(&c->private_discovery, 0, sizeof c->private_discovery);
     memset(&c->private_values, 0, sizeof c->private_values);
     memset(&c->private_outputs, 0, sizeof c->private_outputs);
+    memset(&c->private_follow, 0, sizeof c->private_follow);
     memset(c->private_counters, 0, sizeof c->private_counters);
     c->private_outputs.relocalize_result = ROBUROC4_ERR_UNKNOWN;
     roburoc4_discovery_clear(&c->private_discovery);
@@ -171,7 +174,7 @@ roburoc4_result roburoc4_client_close(client *c, uint64_t now_us) {
 /** The silence after which the robot is lost: at least three of the shortest period. */
 static uint32_t patience_us(const client *c) {
     uint32_t patience_us = c->private_config.lost_ms * MS;
-    uint32_t shortest_us = PROBE_US;
+    uint32_t shortest_us = SECOND;
     if (c->private_state != ROBUROC4_STATE_READY) {
         return PATIENCE_US;
     }
@@ -261,7 +264,7 @@ static uint64_t next_deadline(const client *c) {
         const uint64_t silent_us = roburoc4_schedule_deadline(c);
         deadline = sooner(deadline, &silent_us, 0);
         if (roburoc4_requests_free(&c->private_requests, 0)) {
-            deadline = sooner(deadline, &d->probe_us, PROBE_US);
+            deadline = sooner(deadline, &d->probe_us, probe_period_us(c));
         }
     }
     if (c->private_outputs.relocalizing) {
@@ -310,7 +313,7 @@ roburoc4_result roburoc4_client_poll_transmit(client *c, uint8_t *buffer, size_t
         return 0;
     }
     if (now_us >= c->private_now_us && now_us < c->private_idle_until_us) {
-        c->private_now_us = now_us;
+        see_time(c, now_us);
         return 0; /* nothing changed since this deadline was computed */
     }
     begin_call(c, now_us);

@@ -84,9 +84,11 @@ void roburoc4_control_watch_arming(client *c) {
 }
 
 void roburoc4_control_tick(client *c) {
-    roburoc4_drive_tick(&c->private_drive, refusal(c, c->private_now_us),
-                        c->private_config.lapse_disarm_ms * MS, c->private_now_us,
-                        &c->private_events);
+    if (c->private_requests.fixed_id) { /* an answer does not prove when its request arrived */
+        roburoc4_drive_heard(&c->private_drive, c->private_now_us);
+    }
+    roburoc4_drive_tick(&c->private_drive, &c->private_config, refusal(c, c->private_now_us),
+                        c->private_now_us, &c->private_events);
     roburoc4_control_watch_arming(c);
 }
 
@@ -104,7 +106,7 @@ roburoc4_result roburoc4_client_arm(client *c, uint64_t now_us) {
     roburoc4_control_tick(c);
     const roburoc4_result refusal = arming_refusal(c, now_us);
     if (refusal >= 0) {
-        roburoc4_drive_arm(&c->private_drive, &c->private_events);
+        roburoc4_drive_arm(&c->private_drive, &c->private_follow, &c->private_events);
         c->private_values.armable = 0; /* the event comes again after disarming */
     }
     return refusal;
@@ -178,6 +180,9 @@ static roburoc4_result output_count(const client *c, uint32_t io_type, int32_t c
     }
     if ((c->private_discovery.known & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0) {
         return ROBUROC4_ERR_UNKNOWN;
+    }
+    if (c->private_link.resubscribed && c->private_discovery.acked != 0) {
+        return ROBUROC4_ERR_NOT_READY; /* it may have restarted: its first status tells */
     }
     /* a command carries all outputs, so a card with more than fit cannot be commanded */
     if (counts[ROBUROC4_IO_ANALOG_OUTPUT] > ROBUROC4_MAX_ANALOG_OUTPUTS ||

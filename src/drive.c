@@ -13,24 +13,21 @@
 #define SPACING_US ROBUROC4_CYCLE_US
 #define STOP_ZEROS 3
 #define OTHER_STATUSES 3
-#define STILL_US (500 * MS)
+/* The longest time after which something of ours must have reached the robot, beside a drive period.
+ */
+#define UPLINK_US (400 * MS)
 /* A reported target or speed up to this, in m/s or rad/s, is a rounded zero. */
 #define ROUNDING 1e-3F
 /* How far reported targets may be from sent ones, due to rounding by the robot. */
 #define TARGET_TOLERANCE 0.02F
-/* Below this share of its target speed, the robot does not follow it. */
-#define FOLLOWING_SHARE 0.05F
 /* Far above any robot's speed, and low enough that products stay finite. */
 #define ANY_SPEED 1000.0F
 /* Widths outside of these are ignored. */
 #define WIDTH_MIN_M 0.01F
 #define WIDTH_MAX_M 10.0F
 
-/* m/s and rad/s are treated alike, axis by axis. */
-enum { LINEAR, ANGULAR, AXES };
-/* A robot slower than `rest_below` is at rest; a target above `noticeable` should be followed. */
+/* A robot slower than this is at rest. */
 static const float rest_below[AXES] = {0.1F, 0.2F};
-static const float noticeable[AXES] = {0.02F, 0.05F};
 
 /* ---- floats compared by their bits: for speed and size where floats are software, and for NaN,
  * which compilers may be told not to expect ---- */
@@ -65,6 +62,12 @@ static bool between(float value, float low, float high) {
     return order_of(value) >= order_of(low) && order_of(value) <= order_of(high);
 }
 
+/** Whether a value lies between two others, or as little outside of them as the tolerance. */
+static bool near(float value, float low, float high, float tolerance) {
+    return order_of(value + tolerance) >= order_of(low) &&
+           order_of(value) <= order_of(high + tolerance);
+}
+
 void roburoc4_drive_start(drive *d, uint64_t now_us) {
     memset(d, 0, sizeof *d);
     d->disarm_cause = ROBUROC4_ERR_DISARMED;
@@ -84,8 +87,14 @@ static void begin_stop_sequence(drive *d) {
     }
 }
 
+static void stop_again(drive *d) {
+    d->stop_pending = 1;
+    begin_stop_sequence(d);
+}
+
 static void end_lease(drive *d) {
     d->lease_active = 0;
+    d->echo_due = 0;
     d->stop_pending = d->stop_pending || d->nonzero_sent;
     begin_stop_sequence(d);
 }
@@ -103,6 +112,14 @@ void roburoc4_drive_pause(drive *d) {
     d->stop_pending = 1;
     d->lapsed = 0;
     end_lease(d);
+}
+
+void roburoc4_drive_override(drive *d, bool overridden) {
+    const bool released = d->overridden && !overridden;
+    d->overridden = overridden;
+    if (released && d->unconfirmed) {
+        stop_again(d); /* the robot may have ignored the zeros, and obey the speed from before */
+    }
 }
 
 void roburoc4_drive_service(drive *d, bool known, uint16_t id) {
@@ -128,10 +145,11 @@ bool roburoc4_drive_limits_valid(const roburoc4_differential_properties *limits)
            between(0, limits->min_angular_rad_s, limits->max_angular_rad_s);
 }
 
-void roburoc4_drive_arm(drive *d, uint32_t *events) {
+void roburoc4_drive_arm(drive *d, follow *f, uint32_t *events) {
     if (!d->armed) {
-        *events |= ROBUROC4_EVENT_ARMED;
-        d->still = 0; /* else a robot that has been at rest since would go unnoticed */
+        *events |= ROBUROC4_EVENT_ARMED | (d->inhibited ? ROBUROC4_EVENT_INHIBITED : 0);
+        d->inhibited = 0; /* else a robot that still does not follow would go unnoticed */
+        roburoc4_follow_begin(f);
     }
     d->armed = 1;
     d->lapsed = 0;
@@ -149,6 +167,10 @@ roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lea
     if (!d->lease_active || memcmp(d->target, bounded, sizeof bounded) != 0) {
         d->changed = 1; /* until it was sent, however often it is renewed before */
     }
+    if (!d->lease_active) {
+        d->heard_us = now_us; /* from now on, the robot must be heard to receive */
+        memset(d->echoed, 0, sizeof d->echoed);
+    }
     memcpy(d->target, bounded, sizeof bounded);
     d->lease_active = 1;
     d->lapsed = 0;
@@ -161,15 +183,29 @@ static bool lease_over(const drive *d, uint64_t now_us) {
     return d->lease_active && now_us - d->granted_us >= d->lease_us;
 }
 
-void roburoc4_drive_tick(drive *d, roburoc4_result refusal, uint32_t lapse_us, uint64_t now_us,
-                         uint32_t *events) {
+void roburoc4_drive_heard(drive *d, uint64_t sent_us) {
+    if ((int64_t)(sent_us - d->heard_us) > 0) {
+        d->heard_us = sent_us;
+    }
+}
+
+static uint32_t uplink_limit_us(const roburoc4_config *config) {
+    return UPLINK_US + config->drive_period_ms * MS;
+}
+
+void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_result refusal,
+                         uint64_t now_us, uint32_t *events) {
     if (lease_over(d, now_us)) {
         end_lease(d);
         d->lapsed = 1;
         *events |= ROBUROC4_EVENT_LEASE_OVER;
     }
-    if (d->lapsed && d->armed && now_us - d->granted_us >= d->lease_us + lapse_us) {
-        roburoc4_drive_interrupt(d, ROBUROC4_ERR_LAPSED, events);
+    if (refusal >= 0 && d->lapsed &&
+        now_us - d->granted_us >= d->lease_us + config->lapse_disarm_ms * MS) {
+        refusal = ROBUROC4_ERR_LAPSED;
+    } else if (refusal >= 0 && d->lease_active &&
+               now_us - d->heard_us >= uplink_limit_us(config)) {
+        refusal = ROBUROC4_ERR_UPLINK;
     }
     if (refusal < 0 && d->armed) {
         roburoc4_drive_interrupt(d, refusal, events);
@@ -222,13 +258,31 @@ static void widen_envelope(drive *d) {
     }
 }
 
+/** Until a stop is confirmed, the robot may keep the last speeds. */
 static void age_envelope(drive *d, uint32_t window_us, uint64_t now_us) {
-    if (now_us - d->envelope_us >= window_us) {
+    if ((d->lease_active || !d->unconfirmed) && now_us - d->envelope_us >= window_us) {
         memcpy(d->low_before, d->low, sizeof d->low);
         memcpy(d->high_before, d->high, sizeof d->high);
         memcpy(d->low, d->sent, sizeof d->low);
         memcpy(d->high, d->sent, sizeof d->high);
         d->envelope_us = now_us;
+    }
+}
+
+/** A target that the robot is not known to have must appear in its statuses. Any that was sent since
+ * counts, because statuses miss some of them. */
+static void expect_echo(drive *d, const float *speeds, uint64_t now_us) {
+    for (uint32_t axis = 0; axis < AXES && !d->echo_due; axis++) {
+        if (!near(speeds[axis], d->echoed[axis], d->echoed[axis], 2 * TARGET_TOLERANCE)) {
+            d->echo_due = 1;
+            d->echo_us = now_us;
+            memcpy(d->echo_low, speeds, sizeof d->echo_low);
+            memcpy(d->echo_high, speeds, sizeof d->echo_high);
+        }
+    }
+    for (uint32_t axis = 0; axis < AXES; axis++) {
+        d->echo_low[axis] = clamp(speeds[axis], -ANY_SPEED, d->echo_low[axis]);
+        d->echo_high[axis] = clamp(speeds[axis], d->echo_high[axis], ANY_SPEED);
     }
 }
 
@@ -272,7 +326,13 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
     memset(speeds, 0, sizeof d->sent);
     if (d->stopping && stop_sequence_over(d, config, now_us)) {
         d->stopping = 0;
-        d->outcome = d->confirmed ? ROBUROC4_STOP_CONFIRMED : ROBUROC4_STOP_TIMED_OUT;
+        d->outcome = d->confirmed    ? ROBUROC4_STOP_CONFIRMED
+                     : d->overridden ? ROBUROC4_STOP_OVERRIDDEN
+                                     : ROBUROC4_STOP_TIMED_OUT;
+        if (d->confirmed && d->unconfirmed) {
+            d->unconfirmed = 0;
+            d->envelope_us = now_us;
+        }
         *events |= d->confirmed ? ROBUROC4_EVENT_STOPPED : ROBUROC4_EVENT_STOP_UNCONFIRMED;
     }
     if (d->stopping) {
@@ -286,7 +346,11 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
         }
         shape(d, config, limits, speeds);
         d->changed = 0;
-        d->nonzero_sent = d->nonzero_sent || !is_zero(speeds[LINEAR]) || !is_zero(speeds[ANGULAR]);
+        if (!is_zero(speeds[LINEAR]) || !is_zero(speeds[ANGULAR])) {
+            d->nonzero_sent = 1;
+            d->unconfirmed = 1;
+        }
+        expect_echo(d, speeds, now_us);
     }
     d->sent_us = now_us;
     memcpy(d->sent, speeds, sizeof d->sent);
@@ -306,7 +370,9 @@ uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config) 
     }
     if (d->lease_active) {
         const uint64_t over = d->granted_us + d->lease_us;
+        const uint64_t unheard = d->heard_us + uplink_limit_us(config);
         deadline = over < deadline ? over : deadline;
+        deadline = unheard < deadline ? unheard : deadline;
     }
     if (d->lapsed && d->armed) {
         const uint64_t over = d->granted_us + d->lease_us + config->lapse_disarm_ms * MS;
@@ -320,13 +386,10 @@ uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config) 
 /** Whether a reported target is ours or zero: between the lowest and the highest that was sent
  * recently. */
 static bool is_ours(const drive *d, uint32_t axis, float target) {
-    if (nearly_zero(target)) {
-        return true;
-    }
-    const float low = clamp(d->low[axis], -ANY_SPEED, d->low_before[axis]);
-    const float high = clamp(d->high[axis], d->high_before[axis], ANY_SPEED);
-    return is_finite(target) && order_of(target + TARGET_TOLERANCE) >= order_of(low) &&
-           order_of(target) <= order_of(high + TARGET_TOLERANCE);
+    return nearly_zero(target) ||
+           (is_finite(target) && near(target, clamp(d->low[axis], -ANY_SPEED, d->low_before[axis]),
+                                      clamp(d->high[axis], d->high_before[axis], ANY_SPEED),
+                                      TARGET_TOLERANCE));
 }
 
 static void watch_other_commander(drive *d, const roburoc4_config *config, bool ours,
@@ -346,27 +409,46 @@ static void watch_other_commander(drive *d, const roburoc4_config *config, bool 
     }
 }
 
-/** Whether an axis has a nonzero target, set by us or on the robot; sets *follows if the robot
- * follows it. */
-static bool has_target(const drive *d, uint32_t axis, float target, float current, bool *follows) {
-    const uint32_t reported = magnitude_bits(target);
-    const uint32_t sent = d->lease_active ? magnitude_bits(d->sent[axis]) : 0;
-    const uint32_t least = bits_from_f32(noticeable[axis]);
-    if (reported < least && sent < least) {
-        return false;
+/** Whether one of our speeds may still reach the robot, or be obeyed by it. */
+static bool has_driven(const drive *d) {
+    bool driven = d->unconfirmed != 0;
+    for (uint32_t axis = 0; axis < AXES; axis++) {
+        driven = driven || !is_zero(d->low[axis]) || !is_zero(d->high[axis]) ||
+                 !is_zero(d->low_before[axis]) || !is_zero(d->high_before[axis]);
     }
-    const float wanted = clamp(f32_from_bits(reported), f32_from_bits(sent), ANY_SPEED);
-    *follows = *follows || magnitude_bits(current) > magnitude_bits(wanted * FOLLOWING_SHARE);
-    return true;
+    return driven;
+}
+
+/** While driving, what is sent must appear among the reported targets. */
+static void watch_echo(drive *d, const roburoc4_config *config, const float *reported,
+                       uint64_t now_us, uint32_t *events) {
+    const bool echoed = near(reported[LINEAR], d->echo_low[LINEAR], d->echo_high[LINEAR],
+                             TARGET_TOLERANCE) &&
+                        near(reported[ANGULAR], d->echo_low[ANGULAR], d->echo_high[ANGULAR],
+                             TARGET_TOLERANCE);
+    if (d->echo_due && echoed) {
+        d->echo_due = 0;
+        roburoc4_drive_heard(d, d->echo_us);
+    }
+    const uint32_t limit_us = uplink_limit_us(config);
+    if (!d->echo_due) {
+        memcpy(d->echoed, reported, sizeof d->echoed);
+    } else if (now_us - d->echo_us >= limit_us &&
+               (config->options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0) {
+        /* if it answers requests in time, it received the target, and dropped it */
+        roburoc4_drive_interrupt(
+            d, now_us - d->heard_us < limit_us ? ROBUROC4_ERR_INHIBITED : ROBUROC4_ERR_UPLINK,
+            events);
+    }
 }
 
 /** The robot must not start moving because power returns or a bumper is released. */
-static void watch_inhibited(drive *d, bool still, uint64_t now_us, uint32_t *events) {
-    if (!d->still) {
-        d->still_us = now_us;
-    }
-    d->still = still;
-    const bool inhibited = still && now_us - d->still_us >= STILL_US;
+static void watch_following(drive *d, follow *f, const roburoc4_differential_status *s,
+                            bool expected, uint32_t *events) {
+    const float reported[AXES] = {s->target_linear_m_s, s->target_angular_rad_s};
+    const bool ours = d->lease_active && !d->other_commander;
+    const bool inhibited =
+        roburoc4_follow_status(f, !expected ? NULL : ours ? d->sent : reported, s);
     if (inhibited != (d->inhibited != 0)) {
         d->inhibited = inhibited;
         *events |= ROBUROC4_EVENT_INHIBITED;
@@ -376,38 +458,39 @@ static void watch_inhibited(drive *d, bool still, uint64_t now_us, uint32_t *eve
     }
 }
 
-void roburoc4_drive_status(drive *d, const roburoc4_config *config,
-                           const roburoc4_differential_status *s, bool overridden, uint64_t age_us,
-                           uint64_t now_us, uint32_t *events) {
-    bool follows = false;
+void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
+                           const roburoc4_differential_status *s, uint64_t age_us, uint64_t now_us,
+                           uint32_t *events) {
+    const float reported[AXES] = {s->target_linear_m_s, s->target_angular_rad_s};
     age_envelope(d, config->robot_watchdog_ms * MS, now_us);
-    const bool zero = nearly_zero(s->target_linear_m_s) && nearly_zero(s->target_angular_rad_s);
+    const bool zero = nearly_zero(reported[LINEAR]) && nearly_zero(reported[ANGULAR]);
     const bool ours =
-        overridden || zero ||
-        (is_ours(d, LINEAR, s->target_linear_m_s) && is_ours(d, ANGULAR, s->target_angular_rad_s));
+        zero || (is_ours(d, LINEAR, reported[LINEAR]) && is_ours(d, ANGULAR, reported[ANGULAR]));
     d->moving = !zero ||
                 magnitude_bits(s->current_linear_m_s) > bits_from_f32(rest_below[LINEAR]) ||
                 magnitude_bits(s->current_angular_rad_s) > bits_from_f32(rest_below[ANGULAR]);
-    watch_other_commander(d, config, ours, events);
-    if (!is_finite(s->target_linear_m_s) || !is_finite(s->target_angular_rad_s) ||
-        !is_finite(s->current_linear_m_s) || !is_finite(s->current_angular_rad_s)) {
-        return;
+    watch_other_commander(d, config, ours || d->overridden, events);
+    if (d->overridden) {
+        d->confirmed = 0; /* the robot ignores commands now */
+        d->echo_due = 0;
+    } else if (d->stopping) {
+        if (zero && d->zeros_sent >= STOP_ZEROS && now_us - d->stop_us >= age_us) {
+            d->confirmed = 1; /* an older status is from before the zeros */
+        }
+    } else if (d->lease_active) {
+        watch_echo(d, config, reported, now_us, events);
+    } else if (!zero && ours && age_us < config->fresh_ms * MS && has_driven(d)) {
+        stop_again(d); /* a speed of ours came late, or came back */
     }
-    if (zero && d->zeros_sent >= STOP_ZEROS && now_us - d->stop_us >= age_us) {
-        d->confirmed = 1; /* an older status is from before the zeros */
-    }
-    bool expected = false; /* to move */
-    if (!overridden && (!zero || d->lease_active)) {
-        expected = has_target(d, LINEAR, s->target_linear_m_s, s->current_linear_m_s, &follows);
-        expected |=
-            has_target(d, ANGULAR, s->target_angular_rad_s, s->current_angular_rad_s, &follows);
-    }
-    watch_inhibited(d, expected && !follows, now_us, events);
+    watch_following(d, f, s,
+                    !d->overridden && (d->lease_active || (!zero && is_finite(reported[LINEAR]) &&
+                                                           is_finite(reported[ANGULAR]))),
+                    events);
 }
 
 void roburoc4_drive_rebase(drive *d, uint64_t now_us) {
     d->sent_us = now_us - SECOND;
     d->stop_us = now_us;
-    d->still_us = now_us;
+    d->heard_us = now_us;
     d->envelope_us = now_us;
 }

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the files of the client share. Four state machines each keep their own part of
+ * What the files of the client share. Five state machines each keep their own part of
  * roburoc4_client, and read none of another's (discovery gets the open requests, so that nothing is
  * requested twice):
  *
  *   requests.c   request ids, retries, matching of answers
  *   link.c       statuses in order, loss, jitter, clock mapping, reboot
  *   drive.c      arming, lease, limits, stop sequence: it alone decides which speeds are sent
+ *   follow.c     whether the robot follows its targets
  *   discovery.c  which service has which id, which texts are missing, which input is what
  *
  * client.c, schedule.c, receive.c and control.c put them together.
@@ -93,8 +94,13 @@ void roburoc4_requests_rebase(requests *r, uint64_t now_us);
 
 typedef enum verdict { VERDICT_NEW, VERDICT_OLD, VERDICT_REBOOT } verdict;
 
-/** Forget the order of statuses (of a lost or restarted robot), keep the totals. */
+/** Expect statuses anew (of a lost robot); what was learned of times holds if it is still the same.
+ */
 void roburoc4_link_restart(roburoc4_private_link *l);
+/** Forget what was learned by comparing the clocks of host and robot: it is another one now. */
+void roburoc4_link_forget_times(roburoc4_private_link *l);
+/** This much time passed between two calls: the clock may have jumped by it. */
+void roburoc4_link_pause(roburoc4_private_link *l, uint64_t pause_us);
 /** Learn times from a status of a subscription that an earlier client made. */
 void roburoc4_link_overhear(roburoc4_private_link *l, uint64_t robot_cycles, uint64_t now_us);
 /** The ids may now belong to other services: no stored status is fresh. */
@@ -116,11 +122,15 @@ void roburoc4_link_rebase(roburoc4_private_link *l, uint64_t now_us);
 /* ---- drive ---- */
 
 typedef roburoc4_private_drive drive;
+typedef roburoc4_private_follow follow;
+
+/* m/s and rad/s are treated alike, axis by axis. */
+enum { LINEAR, ANGULAR, AXES };
 
 void roburoc4_drive_start(drive *d, uint64_t now_us);
 /** Whether the robot's limits are plausible. */
 bool roburoc4_drive_limits_valid(const roburoc4_differential_properties *limits);
-void roburoc4_drive_arm(drive *d, uint32_t *events);
+void roburoc4_drive_arm(drive *d, follow *f, uint32_t *events);
 /** Grant a lease, or return why not; the caller has checked that the speeds are finite. */
 roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lease_us,
                                      uint64_t now_us);
@@ -128,16 +138,21 @@ roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lea
 void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events);
 /** End the lease and stay armed; a stop sequence in any case. */
 void roburoc4_drive_pause(drive *d);
-/** Advance the time: end an expired lease, disarm lapse_us later, and disarm if `refusal` is set. */
-void roburoc4_drive_tick(drive *d, roburoc4_result refusal, uint32_t lapse_us, uint64_t now_us,
-                         uint32_t *events);
+/** [A] on the game pad is held, or not. */
+void roburoc4_drive_override(drive *d, bool overridden);
+/** The robot received something that was sent at this time. */
+void roburoc4_drive_heard(drive *d, uint64_t sent_us);
+/** Advance the time: end an expired lease, and disarm if `refusal` is set, or for a reason of the
+ *  drive state machine's own. */
+void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_result refusal,
+                         uint64_t now_us, uint32_t *events);
 /** Whether a speed command must be sent now, and its speeds. */
 bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
                          const roburoc4_differential_properties *limits, uint64_t now_us,
                          float *speeds, uint32_t *events);
-void roburoc4_drive_status(drive *d, const roburoc4_config *config,
-                           const roburoc4_differential_status *status, bool overridden,
-                           uint64_t age_us, uint64_t now_us, uint32_t *events);
+void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
+                           const roburoc4_differential_status *status, uint64_t age_us,
+                           uint64_t now_us, uint32_t *events);
 /** The differential service has this id and its properties are known, or (known is false) it cannot
  * be driven: the old id still receives a pending stop sequence, another id nothing. */
 void roburoc4_drive_service(drive *d, bool known, uint16_t id);
@@ -145,6 +160,15 @@ void roburoc4_drive_service(drive *d, bool known, uint16_t id);
 uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config);
 /** After a clock fault: a stop sequence continues by count, everything else is due. */
 void roburoc4_drive_rebase(drive *d, uint64_t now_us);
+
+/* ---- follow ---- */
+
+/** Judge anew. */
+void roburoc4_follow_begin(follow *f);
+/** Judge a status: whether the robot has not followed these targets for a while. NULL: it has none
+ * to follow now. */
+bool roburoc4_follow_status(follow *f, const float *targets,
+                            const roburoc4_differential_status *status);
 
 /* ---- discovery ---- */
 
@@ -254,6 +278,7 @@ static inline bool connected(const roburoc4_client *c) {
 static inline void forget_override(roburoc4_client *c) {
     c->private_values.override_known = 0;
     c->private_values.overridden = 0;
+    roburoc4_drive_override(&c->private_drive, false);
 }
 
 /** Index of the input with a role, or ROBUROC4_ERR_UNKNOWN. */
@@ -264,8 +289,11 @@ static inline roburoc4_result index_of_role(const roburoc4_client *c, uint32_t r
 
 /* How long to wait for the texts of the directory before services without one are left out. */
 #define IDENTIFY_US SECOND
-/* One probe a second goes to each service in turn. */
-#define PROBE_US SECOND
+/* One probe a second goes to each service in turn; while driving, more of them show that the robot
+ * still receives. */
+static inline uint32_t probe_period_us(const roburoc4_client *c) {
+    return c->private_drive.lease_active ? 150 * MS : SECOND;
+}
 
 /* ---- client.c: the states, and what ends with them ---- */
 
@@ -290,9 +318,15 @@ void roburoc4_lifecycle_lose(roburoc4_client *c);
 void roburoc4_lifecycle_reboot(roburoc4_client *c);
 /** The clock went back: restart everything that is timed. */
 void roburoc4_lifecycle_clock_fault(roburoc4_client *c, uint64_t now_us);
+/* Longer pauses between two calls are noted. */
+#define PAUSE_US (100 * MS)
 static inline void see_time(roburoc4_client *c, uint64_t now_us) {
-    if (now_us < c->private_now_us) {
-        roburoc4_lifecycle_clock_fault(c, now_us);
+    if (now_us - c->private_now_us >= PAUSE_US) {
+        if (now_us < c->private_now_us) {
+            roburoc4_lifecycle_clock_fault(c, now_us);
+        } else {
+            roburoc4_link_pause(&c->private_link, now_us - c->private_now_us);
+        }
     }
     c->private_now_us = now_us;
 }

@@ -18,6 +18,18 @@ typedef roburoc4_private_service service;
 #define RECENT_STATUSES 200
 #define MAP_WINDOW_US (5 * SECOND)
 #define AGE_UNKNOWN UINT32_MAX
+/* A robot cannot restart within this time; after a longer gap, or once it was lost, its clock must
+ * have advanced as the host's, give or take a second. */
+#define RESTART_US (3 * SECOND)
+#define CLOCK_TOLERANCE_US SECOND
+/* Statuses that are late by more than a second though answers are not, for this long, are from a
+ * clock that was set anew. */
+#define CONTRADICTION_US (2 * SECOND)
+
+/** By how much the clocks of host and robot may have drifted apart: 500 ppm. */
+static uint64_t drift_us(uint64_t span_us) {
+    return (span_us >> 11) + (span_us >> 16);
+}
 
 void roburoc4_link_expect(roburoc4_private_link *l, uint32_t index) {
     service *s = &l->services[index];
@@ -26,13 +38,19 @@ void roburoc4_link_expect(roburoc4_private_link *l, uint32_t index) {
     s->gap_count = 0;
 }
 
-/** What was learned by comparing the clocks of host and robot. */
-static void forget_times(roburoc4_private_link *l) {
+void roburoc4_link_forget_times(roburoc4_private_link *l) {
     l->mapped = 0;
     l->asked_us = 0;
     l->answered = 0;
     l->round_trip_us = 0;
     l->round_trip_min_us = 0;
+    l->slack_us = 0;
+    l->contradicted_us = 0;
+}
+
+void roburoc4_link_pause(roburoc4_private_link *l, uint64_t pause_us) {
+    const uint64_t slack_us = l->slack_us + pause_us;
+    l->slack_us = slack_us < UINT32_MAX ? (uint32_t)slack_us : UINT32_MAX;
 }
 
 void roburoc4_link_restart(roburoc4_private_link *l) {
@@ -41,7 +59,9 @@ void roburoc4_link_restart(roburoc4_private_link *l) {
         s->seen = 0;
         roburoc4_link_expect(l, i);
     }
-    forget_times(l);
+    l->answered = 0;
+    l->round_trip_us = 0;
+    l->round_trip_min_us = 0;
 }
 
 /** Whether a status that is older than the newest of all services is from a restarted robot. */
@@ -139,6 +159,22 @@ static uint64_t lateness(const roburoc4_private_link *l, uint64_t transit) {
     return late_us > 0 ? (uint64_t)late_us : 0;
 }
 
+/** How far the bound on ages has grown since it was proven. */
+static uint64_t drifted_us(const roburoc4_private_link *l, uint64_t now_us) {
+    return now_us - l->proven_us < (uint64_t)1 << 63 ? drift_us(now_us - l->proven_us) : 0;
+}
+
+/** A status came in less time than any before. That much of the drift was not there. */
+static void lower_floor(roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
+    const uint64_t below_us = l->floor_us - transit;
+    const uint64_t drifted = drifted_us(l, now_us);
+    if (l->floor_age_us != AGE_UNKNOWN && drifted > below_us) {
+        l->floor_age_us += (uint32_t)(drifted - below_us);
+    }
+    l->floor_us = transit;
+    l->proven_us = now_us;
+}
+
 /** The clock is mapped by the smallest offset of the last one to two windows, because delays only
  *  add to it. floor_us is the shortest transit time so far; the status that had it was at most
  *  floor_age_us old when it arrived, which is unknown until the first answer. */
@@ -150,6 +186,7 @@ static void map_times(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
         l->offset_since_us = now_us;
         l->floor_age_us = AGE_UNKNOWN;
         l->floor_us = transit;
+        l->proven_us = now_us;
         l->excess_us = 0;
     } else if (now_us - l->offset_since_us >= MAP_WINDOW_US) {
         l->offset_before_us = l->offset_us;
@@ -159,16 +196,26 @@ static void map_times(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
         l->offset_us = offset;
     }
     if ((int64_t)(transit - l->floor_us) < 0) {
-        l->floor_us = transit;
+        lower_floor(l, transit, now_us);
     }
 }
 
-/** Lower the bound on ages by this excess: first raise floor_us, then lower floor_age_us. */
-static void lower_bound(roburoc4_private_link *l, uint64_t transit, uint32_t by_us) {
+/** Lower the bound on ages by this excess: first raise floor_us, as far as the clocks may have
+ *  drifted or jumped since, then lower floor_age_us. What is later than that is late, whatever
+ *  answers say, as they may have a queue of their own. */
+static void lower_bound(roburoc4_private_link *l, uint64_t transit, uint32_t by_us,
+                        uint64_t now_us) {
     const uint64_t late_us = lateness(l, transit);
-    const uint32_t rise_us = late_us < by_us ? (uint32_t)late_us : by_us;
+    const uint64_t drifted = drifted_us(l, now_us);
+    const uint64_t explained_us = drifted + l->slack_us;
+    const uint64_t highest_us = explained_us < late_us ? explained_us : late_us;
+    const uint64_t rise_us = by_us < highest_us ? by_us : highest_us;
+    const uint64_t age_us = l->floor_age_us + drifted;
+    const uint64_t rest_us = by_us - rise_us;
     l->floor_us += rise_us;
-    l->floor_age_us -= by_us - rise_us;
+    l->floor_age_us = age_us > rest_us ? (uint32_t)(age_us - rest_us) : 0;
+    l->slack_us = 0;
+    l->proven_us = now_us;
 }
 
 /** The first status after an answer was made after the request was sent, give or take a cycle. That
@@ -177,20 +224,48 @@ static void lower_bound(roburoc4_private_link *l, uint64_t transit, uint32_t by_
  *  by what all such pairs within a second agree on. */
 static void learn_age(roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
     const uint64_t proven_us = now_us - l->asked_us + ROBUROC4_CYCLE_US;
-    const uint64_t bound_us = lateness(l, transit) + l->floor_age_us;
-    const uint32_t excess_us = bound_us > proven_us ? (uint32_t)(bound_us - proven_us) : 0;
+    const uint64_t bound_us = lateness(l, transit) + l->floor_age_us + drifted_us(l, now_us);
+    const uint64_t over_us = bound_us > proven_us ? bound_us - proven_us : 0;
+    const uint32_t excess_us = over_us < AGE_UNKNOWN ? (uint32_t)over_us : AGE_UNKNOWN;
     if (l->floor_age_us == AGE_UNKNOWN) {
         l->floor_age_us = proven_us < AGE_UNKNOWN ? (uint32_t)proven_us : AGE_UNKNOWN;
+        l->proven_us = now_us;
     } else if (l->excess_us == 0) {
+        l->slack_us = excess_us == 0 ? 0 : l->slack_us; /* the clock did not jump */
         l->excess_us = excess_us;
         l->excess_since_us = (uint32_t)now_us;
     } else {
         l->excess_us = at_most(l->excess_us, excess_us);
         if ((uint32_t)now_us - l->excess_since_us >= SECOND) {
-            lower_bound(l, transit, l->excess_us);
+            lower_bound(l, transit, l->excess_us, now_us);
             l->excess_us = 0;
         }
     }
+}
+
+/** Whether the robot's clock differs from the host's by something else than lateness and drift, so
+ *  that the robot restarted unnoticed, or is another one. Ahead is certain, after a gap; behind may
+ *  be a queue that holds the statuses back, unless answers are on time. */
+static bool clock_was_set(roburoc4_private_link *l, uint64_t transit, bool gap, uint64_t now_us) {
+    const uint64_t drifted = drifted_us(l, now_us) + CLOCK_TOLERANCE_US;
+    if (!l->mapped) {
+        return false;
+    }
+    if (gap && (int64_t)(l->floor_us - transit) > (int64_t)drifted) {
+        return true;
+    }
+    if (lateness(l, transit) <= drifted) {
+        l->contradicted_us = 0;
+        return false;
+    }
+    if (!l->answered || now_us - l->asked_us >= CLOCK_TOLERANCE_US) {
+        return false;
+    }
+    if (l->contradicted_us == 0) {
+        l->contradicted_us = (uint32_t)now_us | 1;
+    }
+    return (uint32_t)now_us - l->contradicted_us >= CONTRADICTION_US &&
+           (uint32_t)now_us - l->contradicted_us < UINT32_MAX / 2;
 }
 
 void roburoc4_link_overhear(roburoc4_private_link *l, uint64_t robot_cycles, uint64_t now_us) {
@@ -207,6 +282,10 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
                              uint64_t now_us) {
     const uint64_t transit = transit_of(robot_cycles, now_us);
     const bool newest = robot_cycles >= l->newest_cycles;
+    const bool gap = l->resubscribed || now_us - l->heard_us >= RESTART_US;
+    if (newest && clock_was_set(l, transit, gap, now_us)) {
+        return VERDICT_REBOOT;
+    }
     if (newest) {
         l->newest_cycles = robot_cycles;
         l->back_count = 0;
@@ -231,6 +310,7 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
     s->robot_cycles = robot_cycles;
     s->received_us = now_us;
     s->fresh = 1;
+    l->heard_us = now_us;
     l->resubscribed = 0;
     return VERDICT_NEW;
 }
@@ -252,7 +332,7 @@ void roburoc4_link_round_trip(roburoc4_private_link *l, uint64_t sent_us, uint64
 uint64_t roburoc4_link_age(const roburoc4_private_link *l, uint32_t index, uint64_t now_us) {
     const service *s = &l->services[index];
     return now_us - s->received_us + lateness(l, transit_of(s->robot_cycles, s->received_us)) +
-           l->floor_age_us;
+           l->floor_age_us + drifted_us(l, s->received_us);
 }
 
 bool roburoc4_link_fresh(const roburoc4_private_link *l, uint32_t index, uint32_t limit_us,
@@ -273,6 +353,6 @@ void roburoc4_link_rebase(roburoc4_private_link *l, uint64_t now_us) {
         l->services[i].inserted_us = now_us;
     }
     l->last_used_us = now_us;
-    forget_times(l);
+    roburoc4_link_forget_times(l);
     l->asked_us = now_us; /* nor is it known when the open requests were sent */
 }

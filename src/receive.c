@@ -201,11 +201,12 @@ static void take_inputs(client *c, const roburoc4_channels *inputs) {
     if (overridden != v->overridden) {
         raise_event(c, ROBUROC4_EVENT_OVERRIDE);
     }
-    if (known != v->override_known) {
+    if (known != v->override_known || overridden != v->overridden) {
         wake(c);
     }
     v->override_known = known;
     v->overridden = overridden;
+    roburoc4_drive_override(&c->private_drive, overridden);
     if (overridden) {
         roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_OVERRIDE);
     }
@@ -233,7 +234,7 @@ static void take_speeds(client *c, const roburoc4_differential_status *status) {
     drive *d = &c->private_drive;
     const uint8_t armed = d->armed;
     v->differential = *status;
-    roburoc4_drive_status(d, &c->private_config, &v->differential, v->overridden,
+    roburoc4_drive_status(d, &c->private_follow, &c->private_config, &v->differential,
                           roburoc4_link_age(&c->private_link,
                                             STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL),
                                             c->private_now_us),
@@ -419,6 +420,7 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
         return ROBUROC4_ERR_UNMATCHED;
     }
     const slot request = *s;
+    roburoc4_drive_heard(&c->private_drive, s->sent_us);
     if (measures_round_trip(c, s, data[0])) {
         roburoc4_link_round_trip(&c->private_link, s->sent_us, c->private_now_us);
     }

@@ -67,16 +67,17 @@ static bool open_text(client *c, text_choice choice) {
     return roburoc4_requests_begin(&c->private_requests, &a);
 }
 
-/** One request a second, to each service in turn. It measures the round trip, keeps properties
- * current, notices a changed directory, and repeats what was refused. Then a missing text is
+/** A request to each service in turn. It measures the round trip, keeps properties current, notices a changed directory, and repeats what was refused. Then a missing text is
  * requested. */
 static bool open_probe(client *c) {
     discovery *d = &c->private_discovery;
-    if (c->private_now_us - d->probe_us < PROBE_US) {
+    if (c->private_now_us - d->probe_us < probe_period_us(c)) {
         return false;
     }
     d->probe_us = c->private_now_us;
-    roburoc4_discovery_ask_again(d, c->private_values.io_counts);
+    if (!c->private_drive.lease_active) {
+        roburoc4_discovery_ask_again(d, c->private_values.io_counts);
+    }
     if (d->probe_kind == 0) {
         d->declined = 0;
         if (c->private_requests.fixed_id && index_of_role(c, ROBUROC4_ROLE_OVERRIDE) < 0 &&

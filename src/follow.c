@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Whether the robot follows its targets: on each axis, by sign and size, averaged over a few
+ * statuses.
+ *
+ * How fast a robot responds is not known. Its measured speed must lie within what the fastest and
+ * the slowest robot would show: each bound goes away from the other at once with the target, and
+ * comes back in a few seconds. Numbers are fixed-point, as most targets have no floats.
+ */
+#include "bytes.h"
+#include "internal.h"
+
+#define ONE 65536
+#define LARGEST (32 * ONE)
+/* Averages are taken over this many cycles, and bounds come back in this many. */
+#define MEAN_CYCLES 32
+#define BOUND_CYCLES 256
+/* Longer gaps between statuses count as this. */
+#define LONGEST_GAP MEAN_CYCLES
+/* The robot does not follow if its speed was out of bounds for this long. */
+#define FAULT_CYCLES 80
+/* A share of the target below which the robot does not follow it. */
+#define LEAST(bound) ((bound) / 8)
+/* How far a robot may exceed its target: gain, overshoot, and rolling while it should rest. */
+#define MOST(bound) ((bound) + (bound) / 4 + (bound) / 16)
+static const int32_t tolerance[AXES] = {ONE / 10, ONE / 5};
+
+/** Rounded towards zero; infinity and NaN are the largest numbers. */
+static int32_t fixed_from(float value) {
+    const uint32_t bits = bits_from_f32(value);
+    const uint32_t exponent = bits >> 23 & 0xFF;
+    int32_t size = 0;
+    if (exponent >= 127 + 5) {
+        size = LARGEST;
+    } else if (exponent >= 127 - 16) {
+        size = (int32_t)(((bits & 0x7FFFFFU) | 0x800000U) >> (127 + 7 - exponent));
+    }
+    return bits >> 31 != 0 ? -size : size;
+}
+
+/** `passed` of `all` of the way. */
+static int32_t part_way(int32_t from, int32_t to, uint32_t passed, int32_t all) {
+    return from + (to - from) * (int32_t)passed / all;
+}
+
+static bool out_of_bounds(const follow *f, uint32_t axis) {
+    const int32_t low = f->low[axis];
+    const int32_t high = f->high[axis];
+    return f->mean[axis] < (low > 0 ? LEAST(low) : MOST(low) - tolerance[axis]) ||
+           f->mean[axis] > (high < 0 ? LEAST(high) : MOST(high) + tolerance[axis]);
+}
+
+void roburoc4_follow_begin(follow *f) {
+    f->fault_cycles = 0;
+    f->fault = 0;
+}
+
+bool roburoc4_follow_status(follow *f, const float *targets,
+                            const roburoc4_differential_status *s) {
+    const float speeds[AXES] = {s->current_linear_m_s, s->current_angular_rad_s};
+    const uint32_t passed = at_most((uint32_t)s->robot_cycles - f->cycles, LONGEST_GAP);
+    bool fault = false;
+    f->cycles = (uint32_t)s->robot_cycles;
+    for (uint32_t axis = 0; axis < AXES; axis++) {
+        if (!finite_f32_bits(bits_from_f32(speeds[axis]))) {
+            fault = true;
+            continue;
+        }
+        f->mean[axis] = part_way(f->mean[axis], fixed_from(speeds[axis]), passed, MEAN_CYCLES);
+        const int32_t target = targets != NULL ? fixed_from(targets[axis]) : f->mean[axis];
+        f->low[axis] = part_way(f->low[axis], target, passed, BOUND_CYCLES);
+        f->high[axis] = part_way(f->high[axis], target, passed, BOUND_CYCLES);
+        f->low[axis] = target < f->low[axis] ? target : f->low[axis];
+        f->high[axis] = target > f->high[axis] ? target : f->high[axis];
+        fault = fault || out_of_bounds(f, axis);
+    }
+    if (targets == NULL) {
+        roburoc4_follow_begin(f);
+    } else if (fault) {
+        f->fault_cycles = (uint8_t)at_most(f->fault_cycles + passed, FAULT_CYCLES);
+        f->fault = f->fault || f->fault_cycles == FAULT_CYCLES;
+    } else {
+        f->fault_cycles = (uint8_t)(f->fault_cycles > passed ? f->fault_cycles - passed : 0);
+        f->fault = f->fault && f->fault_cycles > 0;
+    }
+    return f->fault != 0;
+}
