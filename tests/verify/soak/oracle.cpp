@@ -216,6 +216,7 @@ void Oracle::armed(Moment now, std::int32_t result) {
         violate(Promise::arming_conditions, now.true_us,
                 "armed on a robot that reports target " + speeds_text(reported_target_) +
                     " and speed " + speeds_text(reported_current_));
+    lapse_us_ = UINT64_MAX; /* the program is awake */
     if (!armed_) {
         armings_++;
         restarted_statuses_ = 0;
@@ -308,13 +309,15 @@ void Oracle::sent(Moment now, const Datagram &datagram) {
         return;
     }
     const std::uint16_t service = datagram.u16_at(1);
-    if (service == robot_.iocard_id && service != 0 && outputs_allowed_) {
+    bool known = false, card = false; /* of any start that it may not have noticed yet */
+    for (std::size_t i = required_boot_; i < robots_.size(); i++) {
+        known = known || robots_[i].differential_id == service;
+        card = card || robots_[i].iocard_id == service;
+    }
+    if (card && service != 0 && outputs_allowed_ && datagram.size != 11) {
         request_sent(now, datagram);
         return;
     }
-    bool known = false; /* it may take a robot for another one until a restart can be noticed */
-    for (std::size_t i = required_boot_; i < robots_.size(); i++)
-        known = known || robots_[i].differential_id == service;
     if (!known || service == 0 || datagram.size != 11) {
         violate(robot_.only_texts_tell && service == ROBUROC4_SERVICE_DIFFERENTIAL
                     ? Promise::service_by_texts
@@ -363,7 +366,8 @@ void Oracle::zero_sent(Moment now) {
         begin_stop(now);
     if (!stop_.active && speed_out_ && !within_lease) /* it ended driving by itself */
         end_driving(now, Promise::speed_needs_lease);
-    else if (!stop_.active && !within_lease && now.true_us <= zeros_welcome_us_)
+    else if (!stop_.active && !within_lease &&
+             (unconfirmed_ || now.true_us <= zeros_welcome_us_))
         begin_stop(now); /* a status shows our target, or that [A] was released */
     stop_requested_ = false;
     if (lease_.alive && target_may_be_zero())

@@ -77,7 +77,7 @@ void Oracle::status(Moment now, const Datagram &datagram) {
     Newest &newest = newest_[datagram.origin.index];
     if (newest.known && made <= newest.made_us)
         return;
-    newest = {true, made, datagram.u64_at(3), now.client_us};
+    newest = {true, made, datagram.u64_at(3), now.client_us, datagram.origin.boot};
     const std::uint64_t age = now.true_us - made;
     const std::uint64_t crept = (now.true_us - unproven_since_us_) / 1000;
     if (unproven_us_ == UINT64_MAX || age <= unproven_us_ + crept) {
@@ -218,7 +218,8 @@ void Oracle::watch_restart(Moment now, const Datagram &datagram) {
         return;
     const Newest *last = nullptr; /* of the robot before */
     for (const Newest &newest : newest_)
-        if (newest.known && (last == nullptr || newest.received_us > last->received_us))
+        if (newest.known && newest.boot < datagram.origin.boot &&
+            (last == nullptr || newest.received_us > last->received_us))
             last = &newest;
     if (datagram.origin.boot != boot_) {
         boot_ = datagram.origin.boot;
@@ -250,7 +251,8 @@ void Oracle::forget_robot(Moment now) {
     overridden_ = outputs_allowed_ = unconfirmed_ = speed_out_ = false;
     sent_.clear();
     for (Newest &newest : newest_)
-        newest = Newest();
+        if (newest.boot < boot_)
+            newest = Newest();
     unproven_us_ = UINT64_MAX;
 }
 
@@ -284,6 +286,8 @@ void Oracle::reported(Moment now, const Report &report, const Truth &truth, bool
     judge_pose(now, report);
     if (!drained)
         return;
+    if (report.state != ROBUROC4_STATE_READY)
+        unproven_us_ = UINT64_MAX; /* as after a start */
     if (report.state == ROBUROC4_STATE_IDLE) {
         started_ = unconfirmed_ = false;
         sent_.clear();
@@ -347,7 +351,8 @@ void Oracle::judge_outcome(Moment now, const Report &before) {
                        before.stop_outcome != ROBUROC4_STOP_CONFIRMED);
     if (says && !stop_.confirmed)
         violate(Promise::outcome_is_true, now.true_us,
-                std::string("the stop is reported as confirmed, ") +
+                std::string("the stop is reported as confirmed") +
+                    ((report_.events & ROBUROC4_EVENT_STOPPED) != 0 ? ", " : " (no event), ") +
                     (overridden_ ? "but [A] is held" : "but no status shows it"));
 }
 
@@ -366,7 +371,7 @@ void Oracle::judge_watch(Moment now) {
 }
 
 void Oracle::judge_uplink(Moment now, const Truth &truth) {
-    if (!armed_ || !lease_.alive || stop_.active || truth.uplink_loses ||
+    if (!armed_ || !lease_.alive || stop_.active || last_command_zero_ || truth.uplink_loses ||
         config_.drive_period_ms > 100) {
         commanding_since_us_ = now.true_us;
         return;

@@ -436,6 +436,7 @@ class Scenario {
             world_.run_for(70 * second);
         if (world_.report().state == ROBUROC4_STATE_IDLE)
             world_.start();
+        world_.stop(); /* which also clears what another commander left behind */
         const std::uint64_t calm_us = world_.now_us();
         const std::uint64_t patience_us = (!friendly()                                   ? 5
                                            : plan_.literal_ids || plan_.error_shape != 0 ? 60
