@@ -74,10 +74,6 @@ void Oracle::observe(Moment now) {
         end_driving(now, Promise::speed_needs_lease);
         lapse_us_ = lease_.granted_us + lease_.length_us + milliseconds(config_.lapse_disarm_ms);
     }
-    if (lapse_us_ != UINT64_MAX && now.client_us >= lapse_us_ + slack_us && armed_) {
-        reach(Reached::lapsed);
-        disarm(now, Promise::lapse_disarms);
-    }
 }
 
 void Oracle::end_lease(Promise promise) {
@@ -241,6 +237,8 @@ void Oracle::drove(Moment now, Speeds speeds, std::uint32_t lease_us, std::int32
     }
     if (!armed_)
         violate(unarmed_promise(), now.true_us, "drive() was accepted while not armed");
+    if (lapse_us_ != UINT64_MAX && now.client_us > lapse_us_ + slack_us)
+        violate(Promise::lapse_disarms, now.true_us, "drive() was accepted long after a lapse");
     const bool changed = !lease_.alive || lease_.asked.v != speeds.v || lease_.asked.w != speeds.w;
     lease_.sent = lease_.sent && !changed;
     lease_.alive = true;

@@ -125,7 +125,8 @@ void Oracle::watch_target(Moment now, const Datagram &datagram) {
     if (lease_.alive && armed_ && !stop_.active && target_since_us_ != UINT64_MAX) {
         if (near(target, target_sent_) || interfered)
             target_seen_us_ = now.true_us;
-        else if (now.true_us - target_seen_us_ > uplink_us)
+        else if (now.true_us - target_seen_us_ > uplink_us &&
+                 (config_.options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0)
             disarm(now, Promise::target_must_appear);
     }
     if (zero_by_rounding(target)) {
@@ -145,7 +146,7 @@ void Oracle::watch_target(Moment now, const Datagram &datagram) {
 }
 
 void Oracle::watch_other_commander(Moment now, const Datagram &datagram) {
-    const std::uint64_t longest = 2 * milliseconds(config_.robot_watchdog_ms) + 100000;
+    const std::uint64_t longest = 2 * milliseconds(config_.robot_watchdog_ms) + 500000;
     Speeds low, high; /* each axis by itself */
     for (const Sent &sent : sent_) {
         if (now.true_us - sent.true_us > longest)
@@ -205,7 +206,7 @@ void Oracle::iocard_status(Moment now, const Datagram &datagram) {
     } else if (before) {
         zeros_welcome_us_ = now.true_us + milliseconds(config_.drive_period_ms) + slack_us;
         stop_.again_us = now.true_us;
-        if (unconfirmed_ && report_.state == ROBUROC4_STATE_READY && report_.differential_known &&
+        if (unconfirmed_ && !sent_.empty() && report_.state == ROBUROC4_STATE_READY && report_.differential_known &&
             !report_.stopping)
             release_due_us_ = now.true_us + spacing_us;
     }
@@ -248,7 +249,7 @@ void Oracle::forget_robot(Moment now) {
     rule_.forget_before(boot_);
     if (limits_.boot < boot_)
         limits_ = Limits();
-    overridden_ = outputs_allowed_ = unconfirmed_ = speed_out_ = false;
+    overridden_ = outputs_allowed_ = speed_out_ = false;
     sent_.clear();
     for (Newest &newest : newest_)
         if (newest.boot < boot_)
@@ -276,6 +277,8 @@ void Oracle::reported(Moment now, const Report &report, const Truth &truth, bool
     if (report.armed && !armed_)
         violate(disarm_promise_, now.true_us, "the client reports that it is armed");
     if (!report.armed && armed_) {
+        if (report.disarm_cause == ROBUROC4_ERR_LAPSED)
+            reach(Reached::lapsed);
         judge_disarming(now, report);
         disarm(now, Promise::nothing_arms_itself);
     }
@@ -286,7 +289,7 @@ void Oracle::reported(Moment now, const Report &report, const Truth &truth, bool
     judge_pose(now, report);
     if (!drained)
         return;
-    if (report.state != ROBUROC4_STATE_READY)
+    if (report.state != before.state && report.state != ROBUROC4_STATE_READY)
         unproven_us_ = UINT64_MAX; /* as after a start */
     if (report.state == ROBUROC4_STATE_IDLE) {
         started_ = unconfirmed_ = false;
@@ -301,8 +304,11 @@ void Oracle::reported(Moment now, const Report &report, const Truth &truth, bool
     judge_watch(now);
     judge_uplink(now, truth);
     judge_standing(now, truth);
-    if (lapse_us_ != UINT64_MAX && now.client_us > lapse_us_ + slack_us && report.armed)
-        violate(Promise::lapse_disarms, now.true_us, "it is armed long after the lease expired");
+    if (lapse_us_ != UINT64_MAX && now.client_us > lapse_us_ + slack_us) {
+        if (report.armed)
+            violate(Promise::lapse_disarms, now.true_us, "it is armed long after a lapse");
+        lapse_us_ = UINT64_MAX;
+    }
     if (next_deadline <= now.client_us)
         violate(Promise::deadlines, now.true_us, "everything was sent, and the deadline is past");
 }
