@@ -76,6 +76,7 @@ Report RealClient::report(std::uint64_t now) {
     report.override_known = facts.override_known != 0;
     roburoc4_differential_properties properties{};
     report.differential_known =
+        facts.state != ROBUROC4_STATE_CONNECTING && facts.state != ROBUROC4_STATE_DISCOVERING &&
         facts.arm_refusal != ROBUROC4_ERR_NO_DIFFERENTIAL &&
         roburoc4_client_service_id(&client_, ROBUROC4_SERVICE_DIFFERENTIAL) >= 0 &&
         roburoc4_client_differential_properties(&client_, &properties) >= 0;

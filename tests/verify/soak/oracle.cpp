@@ -215,7 +215,7 @@ void Oracle::armed(Moment now, std::int32_t result) {
     lapse_us_ = UINT64_MAX; /* the program is awake */
     if (!armed_) {
         armings_++;
-        restarted_statuses_ = 0;
+        armed_before_restart_ = false;
         others_ = 0;
         v_ = w_ = Axis();
     }
@@ -266,6 +266,7 @@ void Oracle::paused(Moment now, std::int32_t result) {
     if (armed_)
         reach(Reached::paused);
     end_driving(now, Promise::speed_needs_lease);
+    lapse_us_ = UINT64_MAX;
     stop_requested_ = true;
     stop_requested_us_ = stop_.again_us = now.true_us;
 }

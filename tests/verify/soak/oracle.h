@@ -98,7 +98,7 @@ class Oracle {
     void robot_changed(const RobotTruth &robot);
     /** The client's machine stood still, or its clock was changed. */
     void disturbed(std::uint64_t true_us) {
-        well_since_us_ = commanding_since_us_ = true_us;
+        disturbed_us_ = well_since_us_ = commanding_since_us_ = true_us;
     }
     /** From now on network, robot and clock have no faults. */
     void calm_from(std::uint64_t true_us) {
@@ -250,6 +250,7 @@ class Oracle {
     std::deque<RobotTruth> robots_; /* by start; those before required_boot_ are forgotten */
     std::uint32_t judged_boot_ = 0; /* whose restart was noticed, or could not be */
     int restarted_statuses_ = 0;
+    bool armed_before_restart_ = false;
     std::deque<Sent> sent_; /* speeds, during the last two watchdog times and longer */
     Speeds target_sent_;    /* the newest speed, and since when it has not changed */
     std::uint64_t target_since_us_ = 0, target_seen_us_ = 0;
@@ -259,7 +260,7 @@ class Oracle {
     std::uint64_t watch_due_us_ = UINT64_MAX, release_due_us_ = UINT64_MAX, zeros_allowed_us_ = 0;
     std::uint64_t lapse_us_ = UINT64_MAX; /* by the client's clock */
     bool pausing_ = false;
-    std::uint64_t commanding_since_us_ = 0, well_since_us_ = 0, standing_due_us_ = 0;
+    std::uint64_t commanding_since_us_ = 0, well_since_us_ = 0, disturbed_us_ = 0, standing_due_us_ = 0;
     bool well_ = false;
     double way_m_ = 0, way_at_pose_ = 0;
     std::uint64_t way_us_ = 0;

@@ -97,7 +97,8 @@ void Oracle::differential_status(Moment now, const Datagram &datagram) {
     reported_target_ = target;
     reported_current_ = current;
     if (stop_.active && zero_by_rounding(target)) {
-        if (stop_.zeros > 0 && made + tolerance_us(now) >= stop_.first_zero_us && !overridden_)
+        if (stop_.zeros > 0 && made + tolerance_us(now) >= stop_.first_zero_us &&
+            !(overridden_ && report_.override_known))
             stop_.confirmed = true;
         else
             stop_.confirmed_old = true;
@@ -137,7 +138,9 @@ void Oracle::watch_target(Moment now, const Datagram &datagram) {
     zeros_welcome_us_ = now.true_us + milliseconds(config_.drive_period_ms) + slack_us;
     stop_.again_us = std::max(stop_.again_us, now.true_us);
     const std::uint64_t watchdog = milliseconds(config_.robot_watchdog_ms);
-    const bool must = ours(target, unconfirmed_ ? 0 : now.true_us - watchdog) && !interfered;
+    const bool must = ours(target, unconfirmed_ ? 0 : now.true_us - watchdog) && !interfered &&
+                      datagram.origin.boot <= judged_boot_ &&
+                      now.true_us - disturbed_us_ > well_after_us;
     const bool fresh =
         now.true_us - datagram.origin.made_us + 100000 < milliseconds(config_.fresh_ms);
     if (must && fresh && !lease_.alive && !stop_.active && watch_due_us_ == UINT64_MAX &&
@@ -170,7 +173,7 @@ void Oracle::watch_axis(Moment now, const Datagram &datagram, Axis &axis, float 
                         float current) {
     const float size = std::fabs(target);
     const float along = target < 0 ? -current : current;
-    const bool slow = size >= 0.1F && !(along >= 0.35F * size);
+    const bool slow = size >= 0.1F && !(along >= 0.2F * size);
     const bool fast =
         size >= 0.1F ? !(along <= 1.8F * size + 0.15F) : !(std::fabs(current - target) <= 0.3F);
     const bool watched = armed_ && lease_.alive && !datagram.origin.pad_a && !overridden_ &&
@@ -202,8 +205,8 @@ void Oracle::iocard_status(Moment now, const Datagram &datagram) {
     if (overridden_) {
         disarm(now, report_.override_index == index ? Promise::override_disarms
                                                     : Promise::override_by_texts);
-        stop_.confirmed = false;
-    } else if (before) {
+        stop_.confirmed = stop_.confirmed && !report_.override_known;
+    } else if (before && datagram.origin.boot <= judged_boot_) {
         zeros_welcome_us_ = now.true_us + milliseconds(config_.drive_period_ms) + slack_us;
         stop_.again_us = now.true_us;
         if (unconfirmed_ && !sent_.empty() && report_.state == ROBUROC4_STATE_READY && report_.differential_known &&
@@ -225,6 +228,7 @@ void Oracle::watch_restart(Moment now, const Datagram &datagram) {
     if (datagram.origin.boot != boot_) {
         boot_ = datagram.origin.boot;
         restarted_statuses_ = 0;
+        armed_before_restart_ = armed_;
         const double passed = last != nullptr ? static_cast<double>(now.client_us) -
                                                     static_cast<double>(last->received_us)
                                               : 0;
@@ -245,7 +249,10 @@ void Oracle::watch_restart(Moment now, const Datagram &datagram) {
 void Oracle::forget_robot(Moment now) {
     judged_boot_ = required_boot_ = boot_;
     robot_ = robots_[boot_];
-    disarm(now, Promise::reboot_disarms);
+    if (armed_before_restart_)
+        disarm(now, Promise::reboot_disarms);
+    else if (armed_ && limits_.boot < boot_)
+        violate(Promise::restart_forgets, now.true_us, "armed on limits of the robot before");
     rule_.forget_before(boot_);
     if (limits_.boot < boot_)
         limits_ = Limits();
@@ -315,9 +322,11 @@ void Oracle::reported(Moment now, const Report &report, const Truth &truth, bool
 
 /* A healthy robot on a good network gives no reason to disarm, and pause() is none. */
 void Oracle::judge_disarming(Moment now, const Report &report) {
-    if (pausing_)
+    const std::int32_t cause = report.disarm_cause;
+    if (pausing_ && (cause == ROBUROC4_ERR_STOPPED || cause == ROBUROC4_ERR_DISARMED ||
+                     cause == ROBUROC4_ERR_LAPSED))
         violate(Promise::pause_keeps_armed, now.true_us, "pause() has disarmed");
-    switch (report.disarm_cause) {
+    switch (cause) {
     case ROBUROC4_ERR_STALE_DIFFERENTIAL:
     case ROBUROC4_ERR_STALE_IOCARD:
         if (!robot_.prompt)
@@ -334,7 +343,7 @@ void Oracle::judge_disarming(Moment now, const Report &report) {
     }
     if (well_ && now.true_us - well_since_us_ > well_after_us)
         violate(Promise::healthy_stays_armed, now.true_us,
-                "disarmed (" + std::string(roburoc4_result_text(report.disarm_cause)) +
+                "disarmed (" + std::string(roburoc4_result_text(cause)) +
                     ") although all was well for " + ms_text(now.true_us - well_since_us_));
 }
 

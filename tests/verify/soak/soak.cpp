@@ -86,8 +86,13 @@ class Run {
                         static_cast<unsigned long long>(shortest(entry.second).seed),
                         static_cast<double>(shortest(entry.second).lasted_us) * 1e-6);
         if (options_.survey)
-            for (const auto &entry : broken_)
+            for (const auto &entry : broken_) {
                 print_violation(shortest(entry.second));
+                std::printf("  all:");
+                for (const Outcome &outcome : entry.second)
+                    std::printf(" %llu", static_cast<unsigned long long>(outcome.seed));
+                std::printf("\n");
+            }
         return broken_.empty() && all_reached();
     }
 

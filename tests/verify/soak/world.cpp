@@ -214,8 +214,9 @@ std::uint32_t World::take_events() {
 
 /* An application may call at any time, also before the client has received what has arrived. */
 std::int32_t World::called(const char *call, std::int32_t result) {
-    say("%s: %d %s", call, result, result < 0 ? roburoc4_result_text(result) : "");
     const Report report = client_.report(client_now());
+    say("%s: %d %s (ages %u, %u us)", call, result, result < 0 ? roburoc4_result_text(result) : "",
+        report.age_us[iocard], report.age_us[differential]);
     events_ |= report.events;
     oracle_.reported(moment(), report, truth(), false, UINT64_MAX);
     send_due();
