@@ -13,8 +13,8 @@ namespace {
 
 /* A client can judge a status's age only by round trips and by the pauses between statuses. */
 constexpr std::uint64_t sure_after_us = 300000;
-constexpr std::uint64_t follow_us = 2500000; /* "about two seconds" */
-constexpr std::uint64_t uplink_us = 800000;  /* half a second, and the time to notice it */
+constexpr std::uint64_t follow_us = 4000000; /* "about two seconds" */
+constexpr std::uint64_t uplink_us = 1500000;  /* half a second, and the time to notice it */
 constexpr std::uint64_t well_after_us = 5000000;
 constexpr std::uint64_t standing_us = 1000000;
 constexpr float rounding = 1e-3F;

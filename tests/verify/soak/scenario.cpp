@@ -364,6 +364,11 @@ class Scenario {
         trouble_until_us_ = world_.now_us() + random_.between(100, 10000) * 1000;
     }
 
+    /** The user set what another robot may have elsewhere. */
+    bool user_told() const {
+        return config_.role_index[ROBUROC4_ROLE_OVERRIDE] >= 0 || config_.iocard_id >= 0;
+    }
+
     /* Often in an outage of the link; and it may be another robot that answers afterwards. */
     void restart() {
         if (random_.chance(0.6)) {
@@ -373,7 +378,7 @@ class Scenario {
             dark_until_us_ = world_.now_us() + random_.between(100, 40000) * 1000;
         }
         RobotPlan plan = plan_;
-        if (random_.chance(0.3)) {
+        if (random_.chance(0.3) && !user_told()) {
             plan = draw_robot(random_);
             plan.own_queues = plan_.own_queues;
             plan.literal_ids = plan_.literal_ids;
