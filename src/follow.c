@@ -14,16 +14,18 @@
 #define LARGEST (32 * ONE)
 /* Averages are taken over this many cycles, and bounds come back in this many. */
 #define MEAN_CYCLES 32
-#define BOUND_CYCLES 256
+#define BOUND_CYCLES 512
 /* Longer gaps between statuses count as this. */
 #define LONGEST_GAP MEAN_CYCLES
 /* The robot does not follow if its speed was out of bounds for this long. */
-#define FAULT_CYCLES 80
+#define FAULT_CYCLES 100
 /* A share of the target below which the robot does not follow it. */
-#define LEAST(bound) ((bound) / 8)
+#define LEAST(bound) ((bound) / 2)
 /* How far a robot may exceed its target: gain, overshoot, and rolling while it should rest. */
 #define MOST(bound) ((bound) + (bound) / 4 + (bound) / 16)
 static const int32_t tolerance[AXES] = {ONE / 10, ONE / 5};
+/* Slower than this is no motion, so targets of twice as much can be watched. */
+static const int32_t least_speed[AXES] = {ONE / 200, ONE / 50};
 
 /** Rounded towards zero; infinity and NaN are the largest numbers. */
 static int32_t fixed_from(float value) {
@@ -46,8 +48,10 @@ static int32_t part_way(int32_t from, int32_t to, uint32_t passed, int32_t all) 
 static bool out_of_bounds(const follow *f, uint32_t axis) {
     const int32_t low = f->low[axis];
     const int32_t high = f->high[axis];
-    return f->mean[axis] < (low > 0 ? LEAST(low) : MOST(low) - tolerance[axis]) ||
-           f->mean[axis] > (high < 0 ? LEAST(high) : MOST(high) + tolerance[axis]);
+    const int32_t lowest = low > 0 ? LEAST(low) - least_speed[axis] : MOST(low) - tolerance[axis];
+    const int32_t highest =
+        high < 0 ? LEAST(high) + least_speed[axis] : MOST(high) + tolerance[axis];
+    return f->mean[axis] < lowest || f->mean[axis] > highest;
 }
 
 void roburoc4_follow_begin(follow *f) {

@@ -49,8 +49,8 @@ void roburoc4_link_forget_times(roburoc4_private_link *l) {
 }
 
 void roburoc4_link_pause(roburoc4_private_link *l, uint64_t pause_us) {
-    const uint64_t slack_us = l->slack_us + pause_us;
-    l->slack_us = slack_us < UINT32_MAX ? (uint32_t)slack_us : UINT32_MAX;
+    const uint32_t jump_us = pause_us < UINT32_MAX ? (uint32_t)pause_us : UINT32_MAX;
+    l->slack_us = jump_us > l->slack_us ? jump_us : l->slack_us;
 }
 
 void roburoc4_link_restart(roburoc4_private_link *l) {
@@ -200,21 +200,22 @@ static void map_times(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
     }
 }
 
-/** Lower the bound on ages by this excess: first raise floor_us, as far as the clocks may have
- *  drifted or jumped since, then lower floor_age_us. What is later than that is late, whatever
- *  answers say, as they may have a queue of their own. */
+/** Pairs of an answer and a status showed that the bound is too high by this: raise floor_us as far
+ *  as the clocks may have drifted or jumped since it was proven, then lower floor_age_us. If both
+ *  do not suffice, answers have a queue of their own, and prove nothing. */
 static void lower_bound(roburoc4_private_link *l, uint64_t transit, uint32_t by_us,
                         uint64_t now_us) {
     const uint64_t late_us = lateness(l, transit);
     const uint64_t drifted = drifted_us(l, now_us);
-    const uint64_t explained_us = drifted + l->slack_us;
-    const uint64_t highest_us = explained_us < late_us ? explained_us : late_us;
-    const uint64_t rise_us = by_us < highest_us ? by_us : highest_us;
     const uint64_t age_us = l->floor_age_us + drifted;
-    const uint64_t rest_us = by_us - rise_us;
+    uint64_t rise_us = drifted + l->slack_us;
+    rise_us = rise_us < late_us ? rise_us : late_us;
+    rise_us = rise_us < by_us ? rise_us : by_us;
+    if (by_us - rise_us > age_us) {
+        rise_us = by_us = 0;
+    }
     l->floor_us += rise_us;
-    l->floor_age_us = age_us > rest_us ? (uint32_t)(age_us - rest_us) : 0;
-    l->slack_us = 0;
+    l->floor_age_us = (uint32_t)(age_us - (by_us - rise_us));
     l->proven_us = now_us;
 }
 
@@ -238,6 +239,7 @@ static void learn_age(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
         l->excess_us = at_most(l->excess_us, excess_us);
         if ((uint32_t)now_us - l->excess_since_us >= SECOND) {
             lower_bound(l, transit, l->excess_us, now_us);
+            l->slack_us = l->excess_us < excess_us ? l->slack_us : 0; /* was it before the jump? */
             l->excess_us = 0;
         }
     }

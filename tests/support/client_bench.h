@@ -22,6 +22,14 @@ inline roburoc4_config default_config() {
     return config;
 }
 
+/** Ceilings that leave only the robot's own limits. */
+inline roburoc4_config unlimited_config() {
+    roburoc4_config config = default_config();
+    config.max_linear_m_s = 2.6F;
+    config.max_angular_rad_s = 6.5F;
+    return config;
+}
+
 struct Command {
     std::uint64_t at_us;
     float linear, angular;

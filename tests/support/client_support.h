@@ -119,6 +119,7 @@ class ScriptedRobot : public Partner {
     std::array<double, 3> pose{0, 0, 0};
     /** Targets and currents follow the last command, unless a test sets them. */
     bool follows = true;
+    std::uint64_t watchdog_us = second;
     float target_linear = 0, current_linear = 0, target_angular = 0, current_angular = 0;
 
     /* ---- what it saw ---- */
@@ -242,7 +243,7 @@ class ScriptedRobot : public Partner {
             last_cycle_ = 1000;
         }
         now_us_ = now_us;
-        if (follows && last_command_us_ != 0 && now_us - last_command_us_ >= second) {
+        if (follows && last_command_us_ != 0 && now_us - last_command_us_ >= watchdog_us) {
             target_linear = current_linear = target_angular = current_angular = 0;
             last_command_us_ = 0; /* its watchdog has tripped */
         }

@@ -80,13 +80,16 @@ TEST(Config, Defaults) {
     EXPECT_EQ(50U, c.drive_period_ms);
     EXPECT_EQ(250U, c.lease_ms);
     EXPECT_EQ(1000U, c.robot_watchdog_ms);
-    EXPECT_FLOAT_EQ(2.6F, c.max_linear_m_s);
-    EXPECT_FLOAT_EQ(6.5F, c.max_angular_rad_s);
+    EXPECT_EQ(1.0F, c.max_linear_m_s);
+    EXPECT_EQ(1.5F, c.max_angular_rad_s);
     EXPECT_EQ(1.0F, c.scale_linear);
     EXPECT_EQ(1.0F, c.scale_angular);
     EXPECT_EQ(0U, c.options);
     for (const std::int16_t index : c.role_index)
         EXPECT_EQ(ROBUROC4_INDEX_AUTO, index);
+    EXPECT_EQ(1000U, c.lapse_disarm_ms);
+    EXPECT_EQ(ROBUROC4_ID_AUTO, c.iocard_id);
+    EXPECT_EQ(ROBUROC4_ID_AUTO, c.differential_id);
     EXPECT_EQ(nullptr, roburoc4_config_error(&c));
 }
 

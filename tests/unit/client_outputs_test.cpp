@@ -181,6 +181,8 @@ TEST(Outputs, AreKeptOverALossOfTheSameRobot) {
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
     robot.powered = true;
     ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+    EXPECT_EQ(ROBUROC4_ERR_NOT_READY, set_one(bench, 1, 1)) << "it may be another robot";
+    bench.run(100 * ms);
     ASSERT_EQ(ROBUROC4_OK, set_one(bench, 1, 1));
     bench.run(second);
     EXPECT_EQ(from_hex("FF 02 00 0A"), robot.output_commands.back().second);

@@ -690,6 +690,10 @@ TEST(Facts, AreExactlyTheCurrentFacts) {
     roburoc4_facts facts{};
     facts.size = sizeof facts;
     const auto expect_facts = [&] {
+        for (std::uint32_t service = 0; service < 8; service++) {
+            const bool has_status = service >= 2 && service <= 6;
+            facts.age_us[service] = has_status ? bench.service_link(service).age_us : UINT32_MAX;
+        }
         expect_all(facts, [&](roburoc4_facts *out) {
             out->size = sizeof *out;
             return roburoc4_client_facts(&bench.client, bench.client_us(), out);
@@ -701,7 +705,8 @@ TEST(Facts, AreExactlyTheCurrentFacts) {
     expect_facts();
     bench.ready();
     facts.state = ROBUROC4_STATE_READY;
-    facts.override_known = 1;
+    facts.override_known = facts.front_bumper_known = facts.rear_bumper_known = 1;
+    facts.battery_known = 1;
     facts.descriptions_done = 1;
     facts.arm_refusal = ROBUROC4_OK;
     expect_facts();

@@ -393,3 +393,71 @@ TEST(Deadline, NeverLetsALoopSpinInAnyState) {
     EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_IDLE), bench.state());
     EXPECT_EQ(UINT64_MAX, roburoc4_client_next_deadline(&bench.client));
 }
+
+/* ---- a lease that lapsed ---- */
+
+TEST(Lapse, DisarmsOnceTheLeaseWasNotRenewedForLongEnough) {
+    for (const std::uint32_t lapse_ms : {0U, 400U, 1000U, 60000U}) {
+        SCOPED_TRACE(lapse_ms);
+        roburoc4_config config = default_config();
+        config.lapse_disarm_ms = lapse_ms;
+        ScriptedRobot robot;
+        Bench bench(robot, config);
+        bench.armed();
+        const std::uint64_t granted_us = bench.now_us;
+        ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0, 250000));
+        EXPECT_EQ(0, bench.facts().lapsed);
+        bench.run_to(granted_us + 250 * ms + lapse_ms * ms - 1);
+        EXPECT_EQ(1, bench.facts().armed);
+        EXPECT_EQ(lapse_ms > 0, bench.facts().lapsed);
+        bench.take_events();
+        bench.run(1);
+        EXPECT_EQ(0, bench.facts().armed);
+        EXPECT_EQ(1, bench.facts().lapsed);
+        EXPECT_EQ(ROBUROC4_ERR_LAPSED, bench.facts().disarm_cause);
+        EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_DISARMED);
+        EXPECT_EQ(ROBUROC4_ERR_LAPSED, bench.drive(0.5F, 0));
+        bench.run(2 * second);
+        ASSERT_EQ(ROBUROC4_OK, bench.arm());
+        EXPECT_EQ(0, bench.facts().lapsed);
+        EXPECT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
+    }
+}
+
+TEST(Lapse, IsForgivenByANewLeaseInTimeAndByAPause) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    for (int i = 0; i < 5; i++) {
+        ASSERT_EQ(ROBUROC4_OK, bench.drive(0.2F, 0)) << i;
+        bench.run(1200 * ms); /* the lease of 250 ms, and less than a second more */
+        EXPECT_EQ(1, bench.facts().lapsed);
+    }
+    bench.pause();
+    EXPECT_EQ(0, bench.facts().lapsed);
+    bench.run(60 * second);
+    EXPECT_EQ(1, bench.facts().armed);
+}
+
+TEST(Lapse, AProgramThatHungNeverDrivesOn) {
+    for (const bool pump_runs_on : {false, true}) {
+        SCOPED_TRACE(pump_runs_on);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.armed();
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 500 * ms));
+        const std::uint64_t hang_us = bench.now_us;
+        if (pump_runs_on) {
+            bench.run(8 * second);
+        } else { /* statuses wait in the socket meanwhile */
+            bench.now_us += 8 * second;
+            robot.advance(bench.now_us);
+        }
+        for (int i = 0; i < 40; i++) {
+            EXPECT_EQ(ROBUROC4_ERR_LAPSED, bench.drive(0.5F, 0)) << i;
+            bench.run(50 * ms);
+        }
+        EXPECT_EQ(0U, bench.speeds(hang_us + 250 * ms));
+        EXPECT_EQ(ROBUROC4_ERR_LAPSED, bench.facts().disarm_cause);
+    }
+}

@@ -42,7 +42,7 @@ void expect_sent(const Command &sent, float linear, float angular) {
 TEST(Limits, WithinThemSpeedsLeaveAsTheyAre) {
     for (const float v : {-2.6F, -1.0F, -1e-6F, 0.0F, 0.1F, 2.6F})
         for (const float w : {-6.5F, -0.3F, 0.0F, 6.5F}) {
-            const Command sent = sent_for(default_config(), usual_limits(), v, w);
+            const Command sent = sent_for(unlimited_config(), usual_limits(), v, w);
             EXPECT_EQ(v, sent.linear);
             EXPECT_EQ(w, sent.angular);
         }
@@ -54,8 +54,8 @@ TEST(Limits, OfTheRobotClamp) {
     limits.min_linear_m_s = -0.5F;
     limits.max_angular_rad_s = 2;
     limits.min_angular_rad_s = -3;
-    expect_sent(sent_for(default_config(), limits, 2, 5), 1.5F, 2);
-    expect_sent(sent_for(default_config(), limits, -2, -5), -0.5F, -3);
+    expect_sent(sent_for(unlimited_config(), limits, 2, 5), 1.5F, 2);
+    expect_sent(sent_for(unlimited_config(), limits, -2, -5), -0.5F, -3);
 }
 
 TEST(Limits, CeilingsOfTheConfigurationAlwaysApplyToo) {
@@ -64,11 +64,11 @@ TEST(Limits, CeilingsOfTheConfigurationAlwaysApplyToo) {
     limits.min_linear_m_s = -100;
     limits.max_angular_rad_s = 100;
     limits.min_angular_rad_s = -100;
-    expect_sent(sent_for(default_config(), limits, 50, -50), 2.6F, -6.5F);
+    expect_sent(sent_for(default_config(), limits, 5, -10), 1, -1.5F);
     roburoc4_config config = default_config();
     config.max_linear_m_s = 0.4F;
     config.max_angular_rad_s = 0.7F;
-    expect_sent(sent_for(config, limits, -50, 50), -0.4F, 0.7F);
+    expect_sent(sent_for(config, limits, -5, 10), -0.4F, 0.7F);
     expect_sent(sent_for(config, limits, 0.39F, -0.69F), 0.39F, -0.69F);
 }
 
@@ -76,30 +76,30 @@ TEST(Limits, OfZeroPreventAllMotion) {
     auto limits = usual_limits();
     limits.max_linear_m_s = 0;
     limits.max_angular_rad_s = limits.min_angular_rad_s = 0;
-    expect_sent(sent_for(default_config(), limits, 1, 1), 0, 0);
-    expect_sent(sent_for(default_config(), limits, -1, -1), -1, 0);
+    expect_sent(sent_for(unlimited_config(), limits, 1, 1), 0, 0);
+    expect_sent(sent_for(unlimited_config(), limits, -1, -1), -1, 0);
 }
 
 TEST(Limits, ScaleComesBeforeTheClamp) {
-    roburoc4_config config = default_config();
+    roburoc4_config config = unlimited_config();
     config.scale_linear = 1.3F;
     config.scale_angular = 0.5F;
     expect_sent(sent_for(config, usual_limits(), 1, 1), 1.3F, 0.5F);
-    expect_sent(sent_for(config, usual_limits(), 2.5F, -13), 2.6F, -6.5F);
+    expect_sent(sent_for(config, usual_limits(), 2.5F, -8), 2.6F, -4);
 }
 
-TEST(Limits, HugeSpeedsAreClampedWithoutOverflow) {
-    roburoc4_config config = default_config();
+TEST(Limits, TheGreatestSpeedsAtTheGreatestScaleAreClamped) {
+    roburoc4_config config = unlimited_config();
     config.scale_linear = 10;
     config.scale_angular = 10;
-    const float most = std::numeric_limits<float>::max();
-    expect_sent(sent_for(config, usual_limits(), most, -most), 2.6F, -6.5F);
+    expect_sent(sent_for(config, usual_limits(), 5, -10), 2.6F, -6.5F);
     config.options = ROBUROC4_OPTION_TURN_KEEPING;
-    expect_sent(sent_for(config, usual_limits(), -most, most), -2.6F / 1.34F, 2.6F / 1.34F);
+    const float outer = 50 + 100 * 0.34F;
+    expect_sent(sent_for(config, usual_limits(), -5, 10), -2.6F * 50 / outer, 2.6F * 100 / outer);
 }
 
 TEST(Limits, ZeroPassesUntouched) {
-    roburoc4_config config = default_config();
+    roburoc4_config config = unlimited_config();
     config.scale_linear = 10;
     config.scale_angular = 0.01F;
     config.options = ROBUROC4_OPTION_TURN_KEEPING;
@@ -120,6 +120,43 @@ TEST(Limits, AStopSequenceNeedsNoUsableLimits) {
     for (const Command &c : bench.commands())
         EXPECT_TRUE(c.zero());
 }
+
+/* ---- mistakes of units ---- */
+
+TEST(Units, SpeedsBeyondAnyRobotAreRefusedAndStoreNothing) {
+    roburoc4_config config = unlimited_config();
+    config.scale_linear = config.scale_angular = 0.01F; /* judged before scaling */
+    ScriptedRobot robot;
+    Bench bench(robot, config);
+    bench.armed();
+    const float most = std::numeric_limits<float>::max();
+    const std::array<float, 2> mistakes[] = {{300, 0},    {-300, 0},    {0, 45},     {0, -45},
+                                             {5.001F, 0}, {-5.001F, 0}, {0, 10.01F}, {0, -10.01F},
+                                             {most, 0},   {0, -most},   {300, 45}};
+    for (const auto &[linear, angular] : mistakes) {
+        EXPECT_EQ(ROBUROC4_ERR_UNITS, bench.drive(linear, angular)) << linear << ' ' << angular;
+        EXPECT_EQ(0, bench.facts().driving);
+    }
+    bench.run(second);
+    EXPECT_EQ(0U, bench.commands().size());
+    EXPECT_EQ(1, bench.facts().armed);
+    EXPECT_EQ(ROBUROC4_OK, bench.drive(ROBUROC4_MAX_DRIVE_M_S, -ROBUROC4_MAX_DRIVE_RAD_S));
+}
+
+TEST(Units, AMistakeDoesNotRenewALease) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    const std::uint64_t granted_us = bench.now_us;
+    ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
+    for (int i = 0; i < 20; i++) {
+        bench.run(20 * ms);
+        EXPECT_EQ(ROBUROC4_ERR_UNITS, bench.drive(500, 0));
+    }
+    EXPECT_EQ(0U, bench.speeds(granted_us + 250 * ms));
+}
+
+/* ---- not finite ---- */
 
 TEST(NotFinite, IsRefusedAndStoresNothing) {
     ScriptedRobot robot;
@@ -166,11 +203,11 @@ TEST(NotFinite, OfEveryBitPatternIsRefused) {
 /* ---- keeping the curve ---- */
 
 TEST(TurnKeeping, IsOffByDefault) {
-    expect_sent(sent_for(default_config(), usual_limits(), 2.6F, 3), 2.6F, 3);
+    expect_sent(sent_for(unlimited_config(), usual_limits(), 2.6F, 3), 2.6F, 3);
 }
 
 TEST(TurnKeeping, ReducesBothSpeedsByOneFactor) {
-    roburoc4_config config = default_config();
+    roburoc4_config config = unlimited_config();
     config.options = ROBUROC4_OPTION_TURN_KEEPING;
     auto limits = usual_limits();
     limits.width_m = 0.5F;
@@ -179,11 +216,11 @@ TEST(TurnKeeping, ReducesBothSpeedsByOneFactor) {
     expect_sent(sent_for(config, limits, -2.6F, 2), -2.6F * share, 2 * share);
     expect_sent(sent_for(config, limits, 2.6F, -2), 2.6F * share, -2 * share);
     expect_sent(sent_for(config, limits, 1, 2), 1, 2);
-    expect_sent(sent_for(config, limits, 0.1F, 13), 0.1F / 2, 6.5F);
+    expect_sent(sent_for(config, limits, 0.1F, 10), 0.1F * 0.65F, 6.5F);
 }
 
 TEST(TurnKeeping, KeepsTheCurveOfAWideRobot) {
-    roburoc4_config config = default_config();
+    roburoc4_config config = unlimited_config();
     config.options = ROBUROC4_OPTION_TURN_KEEPING;
     auto limits = usual_limits();
     limits.width_m = 2;
@@ -216,13 +253,13 @@ TEST(TurnKeeping, IsExactToTheLastDigitsOfAFloat) {
         return static_cast<float>(random() % 2 == 0 ? size : -size);
     };
     for (int i = 0; i < 300; i++) {
-        roburoc4_config config = default_config();
+        roburoc4_config config = unlimited_config();
         config.options = i % 3 == 0 ? 0 : ROBUROC4_OPTION_TURN_KEEPING;
         config.scale_linear = std::abs(any(0.01, 10));
         config.scale_angular = std::abs(any(0.01, 10));
         auto limits = usual_limits();
         limits.width_m = std::abs(any(0.02, 9));
-        const float linear = any(1e-14, 900), angular = any(1e-14, 900);
+        const float linear = any(1e-14, 4.99), angular = any(1e-14, 9.99);
         const auto expected = expected_speeds(config, limits.width_m, linear, angular);
         const Command sent = sent_for(config, limits, linear, angular);
         EXPECT_NEAR(expected[0], sent.linear, std::abs(expected[0]) * 1e-6) << linear << angular;
@@ -231,7 +268,7 @@ TEST(TurnKeeping, IsExactToTheLastDigitsOfAFloat) {
 }
 
 TEST(TurnKeeping, ADirectionThatTheRobotDoesNotHaveHasNoCurve) {
-    roburoc4_config config = default_config();
+    roburoc4_config config = unlimited_config();
     config.options = ROBUROC4_OPTION_TURN_KEEPING;
     auto limits = usual_limits();
     limits.min_linear_m_s = 0;
@@ -239,7 +276,7 @@ TEST(TurnKeeping, ADirectionThatTheRobotDoesNotHaveHasNoCurve) {
 }
 
 TEST(TurnKeeping, IsOffIfTheWidthIsImplausible) {
-    roburoc4_config config = default_config();
+    roburoc4_config config = unlimited_config();
     config.options = ROBUROC4_OPTION_TURN_KEEPING;
     for (const float width : {0.0F, -0.68F, nan_f, inf_f, -inf_f, 1e9F}) {
         auto limits = usual_limits();

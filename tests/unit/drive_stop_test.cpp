@@ -15,8 +15,8 @@ namespace {
 using Exit = std::pair<const char *, std::function<void(Bench &, ScriptedRobot &)>>;
 
 const std::vector<Exit> exits{{"lease over", [](Bench &b, ScriptedRobot &) { b.run(251 * ms); }},
-                              {"stop", [](Bench &b, ScriptedRobot &) { b.pause(); }},
-                              {"disarm", [](Bench &b, ScriptedRobot &) { b.stop(); }},
+                              {"pause", [](Bench &b, ScriptedRobot &) { b.pause(); }},
+                              {"stop", [](Bench &b, ScriptedRobot &) { b.stop(); }},
                               {"close", [](Bench &b, ScriptedRobot &) { b.close(); }},
                               {"override",
                                [](Bench &b, ScriptedRobot &r) {
@@ -57,6 +57,14 @@ std::size_t expect_train(const Bench &bench, std::uint64_t since_us, std::uint64
     return commands.size();
 }
 
+/** The last stop sequence ended so, and exactly one event says it. */
+void expect_outcome(Bench &bench, std::uint8_t outcome) {
+    EXPECT_EQ(outcome, bench.facts().stop_outcome);
+    EXPECT_EQ(outcome == ROBUROC4_STOP_CONFIRMED ? ROBUROC4_EVENT_STOPPED
+                                                 : ROBUROC4_EVENT_STOP_UNCONFIRMED,
+              bench.take_events() & (ROBUROC4_EVENT_STOPPED | ROBUROC4_EVENT_STOP_UNCONFIRMED));
+}
+
 } // namespace
 
 TEST(StopSequence, FollowsEveryExitFromDriving) {
@@ -83,7 +91,8 @@ TEST(StopSequence, FollowsEveryExitFromDriving) {
         EXPECT_GE(zeros, 3U);
         EXPECT_LE(zeros, 22U);
         EXPECT_EQ(0, bench.facts().stopping);
-        EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_STOPPED);
+        expect_outcome(bench, exit.first == std::string("stale") ? ROBUROC4_STOP_TIMED_OUT
+                                                                 : ROBUROC4_STOP_CONFIRMED);
         EXPECT_EQ(0.0F, bench.facts().sent_linear_m_s);
         EXPECT_EQ(0.0F, bench.facts().sent_angular_rad_s);
     }
@@ -217,9 +226,9 @@ TEST(StopSequence, EndsWhenTheRobotsWatchdogHasTripped) {
         const std::uint64_t start_us = bench.now_us;
         bench.pause();
         bench.take_events();
-        ASSERT_TRUE(
-            bench.run_until([&] { return (bench.take_events() & ROBUROC4_EVENT_STOPPED) != 0; }));
+        ASSERT_TRUE(bench.run_until([&] { return bench.facts().stopping == 0; }));
         EXPECT_EQ(start_us + watchdog_ms * ms, bench.now_us);
+        expect_outcome(bench, ROBUROC4_STOP_TIMED_OUT);
         bench.run(6 * second);
         const std::size_t wanted = std::max<std::size_t>(3, watchdog_ms / 50);
         const std::size_t zeros = expect_train(bench, start_us, 50 * ms);
@@ -248,7 +257,6 @@ TEST(StopSequence, IsNeverSentByAMonitor) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
-    bench.stop();
     robot.press(ROBUROC4_DI_PAD_A);
     bench.run(second);
     robot.press(ROBUROC4_DI_PAD_A, false);
@@ -267,11 +275,13 @@ TEST(StopSequence, IsNeverSentByAMonitor) {
     EXPECT_EQ(0U, bench.commands().size());
 }
 
-TEST(StopSequence, IsNotSentAfterOnlyArmingOrDrivingAtZero) {
+TEST(StopSequence, DoesNotFollowAnAutomaticDisarmAfterOnlyArmingOrDrivingAtZero) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
-    bench.stop();
+    robot.press(ROBUROC4_DI_PAD_A);
+    bench.run(second);
+    robot.press(ROBUROC4_DI_PAD_A, false);
     bench.run(second);
     EXPECT_EQ(0U, bench.commands().size());
     ASSERT_EQ(ROBUROC4_OK, bench.arm());
@@ -279,7 +289,7 @@ TEST(StopSequence, IsNotSentAfterOnlyArmingOrDrivingAtZero) {
     bench.run(200 * ms);
     const std::size_t before = bench.commands().size();
     EXPECT_EQ(5U, before);
-    bench.stop();
+    robot.press(ROBUROC4_DI_PAD_A);
     bench.run(second);
     EXPECT_EQ(before, bench.commands().size());
 }
@@ -291,20 +301,20 @@ TEST(StopSequence, IsSentOnceForEachDrive) {
     bench.drive(0.5F, 0);
     bench.run(3 * second);
     const std::size_t before = bench.commands().size();
-    bench.stop();
+    robot.press(ROBUROC4_DI_PAD_A);
     bench.run(second);
     EXPECT_EQ(before, bench.commands().size());
 }
 
-/* ---- stop ---- */
+/* ---- stop and pause ---- */
 
 TEST(Stop, AlwaysSendsZeros) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.ready();
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 4; i++) {
         const std::uint64_t start_us = bench.now_us;
-        ASSERT_EQ(ROBUROC4_OK, bench.pause());
+        ASSERT_EQ(ROBUROC4_OK, i % 2 == 0 ? bench.stop() : bench.pause());
         EXPECT_EQ(1, bench.facts().stopping);
         bench.run(second);
         EXPECT_GE(expect_train(bench, start_us, 50 * ms), 3U);
@@ -317,7 +327,7 @@ TEST(Stop, BeforeDiscoveryIsLatchedUntilTheServiceIsKnown) {
     robot.powered = false;
     Bench bench(robot);
     bench.start();
-    ASSERT_EQ(ROBUROC4_OK, bench.pause());
+    ASSERT_EQ(ROBUROC4_OK, bench.stop());
     bench.run(5 * second);
     EXPECT_EQ(1, bench.facts().stopping);
     EXPECT_EQ(0U, bench.commands().size());
@@ -331,7 +341,58 @@ TEST(Stop, BeforeDiscoveryIsLatchedUntilTheServiceIsKnown) {
     EXPECT_EQ(0, bench.facts().stopping);
 }
 
-TEST(Stop, KeepsTheArming) {
+TEST(Stop, LatchesUntilTheNextArm) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
+    bench.run(1 * ms);
+    bench.take_events();
+    const std::uint64_t stop_us = bench.now_us;
+    ASSERT_EQ(ROBUROC4_OK, bench.stop());
+    EXPECT_EQ(0, bench.facts().armed);
+    EXPECT_EQ(0, bench.facts().driving);
+    EXPECT_EQ(ROBUROC4_ERR_STOPPED, bench.facts().disarm_cause);
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_DISARMED);
+    bench.pump();
+    ASSERT_FALSE(bench.commands(stop_us).empty());
+    EXPECT_TRUE(bench.commands(stop_us)[0].zero()) << "at once";
+    for (int i = 0; i < 40; i++) { /* the program's own loop knows nothing of the stop button */
+        EXPECT_EQ(ROBUROC4_ERR_STOPPED, bench.drive(0.5F, 0)) << i;
+        bench.run(50 * ms);
+    }
+    EXPECT_EQ(0U, bench.speeds(stop_us));
+    EXPECT_EQ(ROBUROC4_OK, bench.stop()) << "again";
+    EXPECT_EQ(0U, bench.take_events() & ROBUROC4_EVENT_DISARMED);
+    EXPECT_EQ(ROBUROC4_ERR_STOPPED, bench.facts().disarm_cause);
+    bench.run(second);
+    ASSERT_EQ(ROBUROC4_OK, bench.arm());
+    EXPECT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
+}
+
+TEST(Stop, OfAClientThatIsIdleOrClosingChangesNothing) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    const auto expect_nothing = [&](roburoc4_result cause) {
+        const roburoc4_client before = bench.client;
+        EXPECT_EQ(ROBUROC4_ERR_STATE, bench.stop());
+        EXPECT_EQ(ROBUROC4_ERR_STATE, bench.pause());
+        EXPECT_EQ(0, memcmp(&before, &bench.client, sizeof before));
+        EXPECT_EQ(cause, bench.facts().disarm_cause);
+    };
+    expect_nothing(ROBUROC4_ERR_DISARMED);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, 200 * ms));
+    robot.press(ROBUROC4_DI_PAD_A);
+    bench.run(100 * ms);
+    ASSERT_EQ(ROBUROC4_OK, bench.close());
+    ASSERT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_CLOSING), bench.state());
+    expect_nothing(ROBUROC4_ERR_OVERRIDE); /* the error that led there is not hidden */
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_IDLE));
+    expect_nothing(ROBUROC4_ERR_OVERRIDE);
+}
+
+TEST(Pause, KeepsTheArming) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();
@@ -340,13 +401,14 @@ TEST(Stop, KeepsTheArming) {
     bench.pause();
     EXPECT_EQ(1, bench.facts().armed);
     EXPECT_EQ(0, bench.facts().driving);
-    bench.run(second);
+    EXPECT_EQ(0, bench.facts().lapsed);
+    bench.run(60 * second);
     EXPECT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
     bench.pump();
     EXPECT_EQ(0.5F, bench.commands().back().linear);
 }
 
-TEST(Stop, CalledRepeatedlyStillKeepsItsPeriodAndStops) {
+TEST(Pause, CalledRepeatedlyStillKeepsItsPeriodAndStops) {
     ScriptedRobot robot;
     Bench bench(robot);
     bench.armed();

@@ -124,7 +124,8 @@ TEST(Names, StatesOfAClient) {
 
 TEST(Names, EveryEventHasItsOwnSentence) {
     std::set<std::string> seen;
-    for (uint32_t event = ROBUROC4_EVENT_STATE; event <= ROBUROC4_EVENT_ARMABLE; event <<= 1) {
+    for (uint32_t event = ROBUROC4_EVENT_STATE; event <= ROBUROC4_EVENT_STOP_UNCONFIRMED;
+         event <<= 1) {
         const char *text = roburoc4_name(ROBUROC4_NAME_EVENT, event);
         ASSERT_NE(nullptr, text) << event;
         EXPECT_TRUE(seen.insert(text).second) << text;
@@ -138,7 +139,7 @@ TEST(Names, EveryEventHasItsOwnSentence) {
     EXPECT_EQ(nullptr, roburoc4_name(ROBUROC4_NAME_EVENT, 0));
     EXPECT_EQ(nullptr,
               roburoc4_name(ROBUROC4_NAME_EVENT, ROBUROC4_EVENT_READY | ROBUROC4_EVENT_LOST));
-    EXPECT_EQ(nullptr, roburoc4_name(ROBUROC4_NAME_EVENT, ROBUROC4_EVENT_ARMABLE << 1));
+    EXPECT_EQ(nullptr, roburoc4_name(ROBUROC4_NAME_EVENT, ROBUROC4_EVENT_STOP_UNCONFIRMED << 1));
 }
 
 TEST(Names, ChangesHaveASentenceForEachDirection) {
@@ -188,7 +189,7 @@ const struct {
     {ROBUROC4_ERR_OLD, "status not newer than the last"},
     {ROBUROC4_ERR_TIMEOUT,
      "the robot did not answer any of the tries: check the link, then try again"},
-    {ROBUROC4_ERR_DISARMED, "disarmed: call arm() before drive()"},
+    {ROBUROC4_ERR_DISARMED, "not armed: call arm() before drive()"},
     {ROBUROC4_ERR_NOT_READY, "not connected: wait until the robot answers"},
     {ROBUROC4_ERR_NO_DIFFERENTIAL, "no usable differential service: this robot cannot be driven"},
     {ROBUROC4_ERR_LIMITS, "the robot's speed limits are not usable: check its properties"},
@@ -205,7 +206,14 @@ const struct {
     {ROBUROC4_ERR_REBOOT, "the robot restarted: check it, then arm again"},
     {ROBUROC4_ERR_CLOCK, "the clock went back: find out what sets this machine's clock"},
     {ROBUROC4_ERR_INHIBITED,
-     "the robot does not move: check emergency stops, brakes selector and bumpers"},
+     "the robot does not follow its commands: check emergency stops, brakes selector and bumpers"},
+    {ROBUROC4_ERR_STOPPED, "stopped by stop(): call arm() to drive again"},
+    {ROBUROC4_ERR_LAPSED,
+     "the program did not renew its drive command in time: call arm() to drive again"},
+    {ROBUROC4_ERR_UPLINK, "commands reach the robot late or not at all: check the link"},
+    {ROBUROC4_ERR_UNITS, "faster than any RobuROC4: give m/s and rad/s, at most 5 and 10"},
+    {ROBUROC4_ERR_NOT_SUBSCRIBED,
+     "the robot refused the subscription that driving needs: its list may be full; restart it"},
     {ROBUROC4_ERR_SYSTEM, "the operating system refused"},
     {ROBUROC4_ERR_RESOLVE,
      "host name has no address: check the spelling, or give the address in numbers"},

@@ -62,7 +62,7 @@ TEST(Security, ForgedLimitsNeverLiftTheConfiguredCeilings) {
     config.max_angular_rad_s = 1.0F;
     Bench bench(robot, config);
     bench.armed();
-    bench.driving(20.0F, 40.0F, 1 * second);
+    bench.driving(5.0F, 10.0F, 1 * second);
     ASSERT_GT(bench.speeds(), 0U);
     for (const auto &command : bench.commands()) {
         EXPECT_LE(std::fabs(command.linear), 0.5F);

@@ -1,0 +1,375 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What the client may believe about stops, ages, the uplink and restarts, on robots that answer the
+ * manual's open questions in other ways than the simulator (docs/PROTOCOL.md, the family).
+ */
+#include <gtest/gtest.h>
+
+#include <deque>
+
+#include "client_bench.h"
+
+using namespace roburoc4_tests;
+
+namespace {
+
+constexpr std::uint32_t differential = ROBUROC4_SERVICE_DIFFERENTIAL;
+
+bool is_command(const Bytes &bytes) {
+    return bytes.size() == 11 && bytes[0] == ROBUROC4_HEADER_STATUS;
+}
+bool is_status(const Bytes &bytes) {
+    return !bytes.empty() && bytes[0] == ROBUROC4_HEADER_STATUS;
+}
+
+/** Keeps its last target while [A] is held, ignores commands meanwhile, and obeys it again. */
+struct ResumingRobot : ScriptedRobot {
+    ResumingRobot() {
+        watchdog_us = 60 * second;
+    }
+    void hold(bool down) {
+        press(ROBUROC4_DI_PAD_A, down);
+        if (down) {
+            kept_[0] = target_linear;
+            kept_[1] = target_angular;
+        }
+        follows = !down;
+        target_linear = current_linear = down ? 0 : kept_[0];
+        target_angular = current_angular = down ? 0 : kept_[1];
+    }
+
+  private:
+    float kept_[2] = {0, 0};
+};
+
+class StopBelief : public testing::Test {
+  protected:
+    ResumingRobot robot;
+    Bench bench{robot};
+
+    void drive_and_hold(std::uint64_t held_us) {
+        bench.armed();
+        ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
+        robot.hold(true);
+        bench.run(held_us);
+        bench.take_events();
+        robot.hold(false);
+    }
+};
+
+} // namespace
+
+/* ---- a stop is believed late, and watched ---- */
+
+TEST_F(StopBelief, IsSentAgainWhenTheOverrideEnds) {
+    for (const std::uint64_t held_ms : {200U, 500U, 900U, 5000U}) {
+        SCOPED_TRACE(held_ms);
+        ResumingRobot fresh;
+        robot = fresh;
+        Bench again(robot);
+        again.armed();
+        ASSERT_NO_FATAL_FAILURE(again.driving(1, 0, second));
+        robot.hold(true);
+        again.run(held_ms * ms);
+        robot.hold(false);
+        ASSERT_EQ(1.0F, robot.target_linear) << "it resumes the target from before";
+        again.run(60 * ms);
+        EXPECT_EQ(0.0F, robot.target_linear);
+        again.run(second);
+        EXPECT_EQ(ROBUROC4_STOP_CONFIRMED, again.facts().stop_outcome);
+        EXPECT_TRUE(again.take_events() & ROBUROC4_EVENT_STOPPED);
+    }
+}
+
+TEST_F(StopBelief, IsNotConfirmedWhileTheOverrideLasts) {
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
+    bench.take_events();
+    robot.hold(true);
+    bench.run(3 * second);
+    EXPECT_EQ(ROBUROC4_STOP_OVERRIDDEN, bench.facts().stop_outcome);
+    const std::uint32_t events = bench.take_events();
+    EXPECT_FALSE(events & ROBUROC4_EVENT_STOPPED);
+    EXPECT_TRUE(events & ROBUROC4_EVENT_STOP_UNCONFIRMED);
+}
+
+TEST_F(StopBelief, IsSentAgainWhenOurSpeedComesBack) {
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
+    bench.pause();
+    bench.run(300 * ms);
+    ASSERT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome);
+    robot.target_linear = 1; /* an old command overtook nothing and comes last */
+    bench.run(60 * ms);
+    EXPECT_EQ(0.0F, robot.target_linear);
+}
+
+TEST_F(StopBelief, IsRepeatedForAsLongAsOurSpeedIsReported) {
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
+    bench.drop_to_robot = is_command;
+    bench.pause();
+    bench.take_events();
+    bench.run(30 * second);
+    EXPECT_EQ(1.0F, robot.target_linear) << "nothing arrived, and its watchdog is longer";
+    EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_STOP_UNCONFIRMED);
+    EXPECT_NE(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome);
+    bench.drop_to_robot = nullptr;
+    bench.run(100 * ms);
+    EXPECT_EQ(0.0F, robot.target_linear);
+}
+
+TEST_F(StopBelief, IsNeverSentToAnotherCommandersSpeed) {
+    bench.ready();
+    robot.follows = false;
+    for (const float speed : {0.01F, 0.5F}) {
+        robot.target_linear = speed;
+        bench.run(2 * second);
+    }
+    EXPECT_TRUE(bench.commands().empty()) << "a monitor never commands";
+}
+
+TEST_F(StopBelief, LeavesAnotherCommanderAloneLater) {
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
+    bench.pause();
+    bench.run(5 * second);
+    bench.stop();
+    bench.run(second);
+    bench.sent.clear();
+    robot.follows = false;
+    robot.target_linear = 0.5F;
+    bench.run(5 * second);
+    EXPECT_TRUE(bench.commands().empty());
+}
+
+/* ---- ages ---- */
+
+namespace {
+
+/** Delays statuses, and answers if `all`, by `queue_us`. Its clock is fast by `ppm`. */
+struct QueueingRobot : ScriptedRobot {
+    std::uint64_t queue_us = 0;
+    bool all = false;
+    std::int64_t ppm = 0;
+
+    std::vector<Bytes> take() override {
+        for (Bytes &bytes : ScriptedRobot::take()) {
+            if (all || is_status(bytes)) {
+                held_.emplace_back(at_us_ + queue_us, is_status(bytes) ? stamped(bytes) : bytes);
+            } else {
+                due_.push_back(bytes);
+            }
+        }
+        while (!held_.empty() && held_.front().first <= at_us_) {
+            due_.push_back(held_.front().second);
+            held_.pop_front();
+        }
+        return std::exchange(due_, {});
+    }
+    void advance(std::uint64_t now_us) override {
+        at_us_ = now_us;
+        ScriptedRobot::advance(now_us);
+    }
+    [[nodiscard]] std::uint64_t next_us() const override {
+        const std::uint64_t next = ScriptedRobot::next_us();
+        return held_.empty() ? next : std::min(next, held_.front().first);
+    }
+
+  private:
+    Bytes stamped(Bytes bytes) const {
+        std::uint64_t cycles = 0;
+        for (int i = 7; i >= 0; i--)
+            cycles = cycles << 8 | bytes[static_cast<std::size_t>(3 + i)];
+        cycles = static_cast<std::uint64_t>(static_cast<std::int64_t>(cycles) +
+                                            static_cast<std::int64_t>(cycles) * ppm / 1000000);
+        for (int i = 0; i < 8; i++)
+            bytes[static_cast<std::size_t>(3 + i)] = static_cast<std::uint8_t>(cycles >> (8 * i));
+        return bytes;
+    }
+    std::uint64_t at_us_ = 0;
+    std::deque<std::pair<std::uint64_t, Bytes>> held_;
+    std::vector<Bytes> due_;
+};
+
+std::uint32_t age_us(const Bench &bench) {
+    return bench.facts().age_us[differential];
+}
+
+} // namespace
+
+TEST(Age, OfStatusesThatAloneAreQueuedIsNotForgiven) {
+    QueueingRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    bench.run(10 * second);
+    ASSERT_LT(age_us(bench), 150 * ms);
+    robot.queue_us = 600 * ms;
+    bench.run(60 * second);
+    EXPECT_GE(age_us(bench), 600 * ms) << "answers are on time, but prove nothing";
+    EXPECT_EQ(ROBUROC4_ERR_STALE_DIFFERENTIAL, bench.arm());
+    robot.queue_us = 0;
+    bench.run(3 * second);
+    EXPECT_LT(age_us(bench), 150 * ms);
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+}
+
+TEST(Age, GrowsWithTheDriftThatAFastRobotClockMayHide) {
+    QueueingRobot robot;
+    robot.ppm = 200;
+    robot.all = true;
+    Bench bench(robot);
+    bench.ready();
+    for (int step = 0; step < 5; step++) {
+        bench.run(1000 * second); /* in which its clock gains 200 ms */
+        robot.queue_us += 200 * ms;
+        bench.run(5 * second);
+        EXPECT_GE(age_us(bench) + 20 * ms, robot.queue_us) << step;
+    }
+}
+
+TEST(Age, IsLearntAgainWhereClocksDrift) {
+    for (const std::int64_t ppm : {-400, 400}) {
+        QueueingRobot robot;
+        robot.ppm = ppm;
+        Bench bench(robot);
+        bench.ready();
+        for (int hour = 0; hour < 3; hour++) {
+            bench.run(3600 * second);
+            EXPECT_LT(age_us(bench), 200 * ms) << ppm;
+        }
+        EXPECT_EQ(ROBUROC4_OK, bench.arm()) << ppm;
+    }
+}
+
+TEST(Age, IsLearntAgainAfterThisClockJumpedAhead) {
+    for (const std::int64_t jump_ms : {150, 500, 900, 1500, 60000}) {
+        SCOPED_TRACE(jump_ms);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.ready();
+        bench.skew_us += jump_ms * 1000;
+        bench.run(15 * second);
+        EXPECT_EQ(ROBUROC4_OK, bench.arm());
+    }
+}
+
+/* ---- the uplink ---- */
+
+namespace {
+
+/** What arrives at the robot `delay_us` after it was sent. */
+class SlowUplink {
+  public:
+    SlowUplink(Bench &bench, ScriptedRobot &robot) : bench_(bench), robot_(robot) {
+        bench_.drop_to_robot = [this](const Bytes &bytes) {
+            if (delay_us == 0 && flight_.empty())
+                return false;
+            flight_.emplace_back(bench_.now_us + delay_us, bytes);
+            return true;
+        };
+    }
+    std::uint64_t delay_us = 0;
+
+    void run(std::uint64_t span_us) {
+        for (const std::uint64_t end = bench_.now_us + span_us; bench_.now_us < end;) {
+            bench_.run(5 * ms);
+            while (!flight_.empty() && flight_.front().first <= bench_.now_us) {
+                robot_.deliver(flight_.front().second);
+                flight_.pop_front();
+            }
+        }
+    }
+
+  private:
+    Bench &bench_;
+    ScriptedRobot &robot_;
+    std::deque<std::pair<std::uint64_t, Bytes>> flight_;
+};
+
+} // namespace
+
+TEST(Uplink, ThatGrowsLateDisarms) {
+    for (const bool steady : {true, false}) {
+        SCOPED_TRACE(steady);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.armed();
+        SlowUplink uplink(bench, robot);
+        ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
+        for (int i = 0; i < 200 && bench.facts().armed == 1; i++) {
+            ASSERT_LT(uplink.delay_us, 600 * ms) << "it still commands";
+            bench.drive(steady || i % 10 < 5 ? 0.5F : 0.3F, 0);
+            uplink.run(50 * ms);
+            uplink.delay_us += 10 * ms;
+        }
+        EXPECT_EQ(0, bench.facts().armed);
+        EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.facts().disarm_cause);
+    }
+}
+
+TEST(Uplink, ThatIsDeadDisarmsWithinHalfASecond) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0, second));
+    bench.drop_to_robot = [](const Bytes &) { return true; };
+    EXPECT_EQ(ROBUROC4_ERR_UPLINK, bench.drive_until_refused(0.5F, 0, 550 * ms));
+}
+
+TEST(Uplink, ThatLosesAFifthDisarmsNobody) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    std::uint32_t random = 20261124;
+    const auto lost = [&random](const Bytes &) {
+        random = random * 1664525U + 1013904223U;
+        return random >> 24 < 51;
+    };
+    bench.drop_to_robot = lost;
+    bench.drop_to_client = [&](const Bytes &bytes) { return !is_status(bytes) && lost(bytes); };
+    ASSERT_NO_FATAL_FAILURE(bench.driving(0.5F, 0.2F, 600 * second)) << "seed 20261124";
+}
+
+/* ---- restarts ---- */
+
+TEST(Restart, InAnOutageIsNoticedWhateverItsClockShows) {
+    for (const std::uint64_t up_s : {1U, 20U, 60U, 3600U, 1000000U}) {
+        SCOPED_TRACE(up_s);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        robot.set_cycles(1200);
+        bench.ready();
+        ASSERT_EQ(ROBUROC4_OK,
+                  roburoc4_client_set_digital_outputs(&bench.client, 2, 2, bench.client_us()));
+        bench.run(second);
+        robot.powered = false;
+        bench.run(30 * second);
+        robot.reboot();
+        robot.set_cycles(up_s * 100);
+        robot.powered = true;
+        robot.output_commands.clear();
+        bench.run(10 * second);
+        EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_REBOOTS));
+        EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_REBOOT);
+        EXPECT_EQ(ROBUROC4_OK,
+                  roburoc4_client_set_digital_outputs(&bench.client, 4, 4, bench.client_us()));
+        bench.run(second);
+        ASSERT_FALSE(robot.output_commands.empty());
+        EXPECT_EQ(4, robot.output_commands.back().second.back()) << "nothing from before";
+    }
+}
+
+TEST(Restart, IsNotReportedOfTheSameRobotAfterAnOutage) {
+    for (const std::uint64_t outage_s : {2U, 30U, 3600U}) {
+        ScriptedRobot robot;
+        Bench bench(robot);
+        bench.ready();
+        robot.powered = false;
+        bench.run(outage_s * second);
+        robot.powered = true;
+        bench.run(10 * second);
+        EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_REBOOTS)) << outage_s;
+        EXPECT_EQ(ROBUROC4_OK, bench.arm()) << outage_s;
+    }
+}
