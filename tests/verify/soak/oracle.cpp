@@ -173,6 +173,7 @@ void Oracle::closed(Moment now) {
     observe(now);
     disarm(now, Promise::nothing_arms_itself);
     stop_requested_ = false;
+    stop_.again_us = now.true_us;
 }
 
 bool Oracle::unknown_allowed() const {
@@ -203,7 +204,8 @@ void Oracle::armed(Moment now, std::int32_t result) {
         violate(required_boot_ > 0 && !limits_.known ? Promise::restart_forgets
                                                      : Promise::arming_conditions,
                 now.true_us, "armed on limits that are not valid");
-    if (robot_.differential_id == 0)
+    const auto drivable = [](const RobotTruth &robot) { return robot.differential_id != 0; };
+    if (std::none_of(robots_.begin() + required_boot_, robots_.end(), drivable))
         violate(Promise::arming_conditions, now.true_us, "armed without a differential service");
     const bool settled = !speed_out_ && now.true_us - last_speed_us_ > 5000000;
     if (!armed_ && settled &&
@@ -414,7 +416,7 @@ void Oracle::speed_sent(Moment now, Speeds speeds) {
     judge_fresh(now, "a speed left");
     if (pad_a_held_ && !(unknown_allowed() && judged_index() < 0) &&
         now.true_us - pad_a_us_ > milliseconds(config_.fresh_ms) + tolerance_us(now))
-        violate(now.true_us - newest_[0].made_us > milliseconds(config_.fresh_ms)
+        violate(now.true_us - newest_[iocard].made_us > milliseconds(config_.fresh_ms)
                     ? Promise::fresh_by_age
                 : rule_.index() == robot_.pad_a && report_.override_index == robot_.pad_a
                     ? Promise::override_disarms
@@ -502,10 +504,10 @@ void Oracle::judge_turn(Moment now, Speeds asked, Speeds speeds, Speeds low, Spe
 
 void Oracle::judge_fresh(Moment now, const char *what) {
     const std::uint64_t limit = milliseconds(config_.fresh_ms) + tolerance_us(now);
-    const Newest *const statuses[] = {&newest_[4], &newest_[0]};
+    const Newest *const statuses[] = {&newest_[differential], &newest_[iocard]};
     for (const Newest *status : statuses) {
-        const char *const name = status == &newest_[0] ? "IO card" : "differential";
-        if (status == &newest_[0] && unknown_allowed() &&
+        const char *const name = status == &newest_[iocard] ? "IO card" : "differential";
+        if (status == &newest_[iocard] && unknown_allowed() &&
             (robot_.iocard_id == 0 || judged_index() < 0))
             continue;
         if (!status->known)

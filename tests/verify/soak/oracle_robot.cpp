@@ -13,8 +13,8 @@ namespace {
 
 /* A client can judge a status's age only by round trips and by the pauses between statuses. */
 constexpr std::uint64_t sure_after_us = 300000;
-constexpr std::uint64_t follow_us = 4000000; /* "about two seconds" */
-constexpr std::uint64_t uplink_us = 1500000;  /* half a second, and the time to notice it */
+constexpr std::uint64_t follow_us = 2500000; /* "about two seconds" */
+constexpr std::uint64_t uplink_us = 800000;  /* half a second, and the time to notice it */
 constexpr std::uint64_t well_after_us = 5000000;
 constexpr std::uint64_t standing_us = 1000000;
 constexpr float rounding = 1e-3F;
@@ -141,15 +141,16 @@ void Oracle::watch_target(Moment now, const Datagram &datagram) {
     const bool must = ours(target, unconfirmed_ ? 0 : now.true_us - watchdog) && !interfered &&
                       datagram.origin.boot <= judged_boot_ &&
                       now.true_us - disturbed_us_ > well_after_us;
-    const bool fresh =
-        now.true_us - datagram.origin.made_us + 100000 < milliseconds(config_.fresh_ms);
+    const std::uint64_t age = /* by the client's own bound, too: others judge that */
+        std::max<std::uint64_t>(report_.age_us[differential], now.true_us - datagram.origin.made_us);
+    const bool fresh = age + 100000 < milliseconds(config_.fresh_ms);
     if (must && fresh && !lease_.alive && !stop_.active && watch_due_us_ == UINT64_MAX &&
         report_.state == ROBUROC4_STATE_READY && report_.differential_known)
         watch_due_us_ = now.true_us + milliseconds(config_.drive_period_ms) + spacing_us;
 }
 
 void Oracle::watch_other_commander(Moment now, const Datagram &datagram) {
-    const std::uint64_t longest = 2 * milliseconds(config_.robot_watchdog_ms) + 500000;
+    const std::uint64_t longest = 3 * milliseconds(config_.robot_watchdog_ms);
     Speeds low, high; /* each axis by itself */
     for (const Sent &sent : sent_) {
         if (now.true_us - sent.true_us > longest)
@@ -298,6 +299,8 @@ void Oracle::reported(Moment now, const Report &report, const Truth &truth, bool
         return;
     if (report.state != before.state && report.state != ROBUROC4_STATE_READY)
         unproven_us_ = UINT64_MAX; /* as after a start */
+    if (report.state != ROBUROC4_STATE_READY)
+        overridden_ = false;
     if (report.state == ROBUROC4_STATE_IDLE) {
         started_ = unconfirmed_ = false;
         sent_.clear();
@@ -403,7 +406,7 @@ void Oracle::judge_uplink(Moment now, const Truth &truth) {
 void Oracle::judge_standing(Moment now, const Truth &truth) {
     const bool loose = !lease_.alive && !truth.clients_target.zero() &&
                        report_.state == ROBUROC4_STATE_READY && report_.differential_known &&
-                       newest_[4].known && !sent_.empty();
+                       newest_[differential].known && !sent_.empty();
     if (loose && now.true_us - last_speed_us_ > milliseconds(config_.robot_watchdog_ms) + 100000)
         reach(Reached::long_watchdog);
     if (!loose || !truth.well || now.true_us - well_since_us_ < 100000)

@@ -18,8 +18,6 @@
 
 namespace soak {
 
-constexpr int iocard = 0, telemeter = 1, battery = 2, localization = 3, differential = 4;
-
 /** How one axis follows its target. */
 struct Response {
     double omega = 2.46; /* rad/s; more than 100: at once */

@@ -24,6 +24,9 @@ constexpr std::uint8_t header_status = 0xFF;
 constexpr std::uint8_t digital_input_type = 2;
 constexpr std::uint64_t cycle_us = 10000;
 
+/* The services with statuses, in the manual's order. */
+constexpr int iocard = 0, telemeter = 1, battery = 2, localization = 3, differential = 4;
+
 /** What only the simulation knows of a datagram. */
 struct Origin {
     enum class Kind : std::uint8_t {
@@ -38,7 +41,7 @@ struct Origin {
         replaced,      /* the answer to REPLACE */
     };
     Kind kind = Kind::other;
-    std::int32_t index = 0;    /* of the input; of a status: of its service, as in RobotPlan::ids */
+    std::int32_t index = 0;    /* of the input; of a status: of its service, iocard to differential */
     std::uint32_t boot = 0;    /* counts the robot's starts; another robot is another start */
     std::uint64_t made_us = 0; /* true time at which it was made */
     std::uint64_t asked_us = 0; /* of an answer: when its request was sent */
