@@ -367,8 +367,7 @@ void Oracle::zero_sent(Moment now) {
         begin_stop(now);
     if (!stop_.active && speed_out_ && !within_lease) /* it ended driving by itself */
         end_driving(now, Promise::speed_needs_lease);
-    else if (!stop_.active && !within_lease &&
-             (unconfirmed_ || now.true_us <= zeros_welcome_us_))
+    else if (!stop_.active && !within_lease && (unconfirmed_ || now.true_us <= zeros_welcome_us_))
         begin_stop(now); /* a status shows our target, or that [A] was released */
     stop_requested_ = false;
     if (lease_.alive && target_may_be_zero())
@@ -425,6 +424,7 @@ void Oracle::speed_sent(Moment now, Speeds speeds) {
                 "a speed left " + ms_text(now.true_us - pad_a_us_) + " after [A] was pressed");
     lease_.sent = true;
     speed_out_ = unconfirmed_ = true;
+    ended_under_pad_a_ = false;
     last_speed_us_ = now.true_us;
     remember(now, speeds);
 }

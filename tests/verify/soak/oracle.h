@@ -257,10 +257,12 @@ class Oracle {
     int others_ = 0;
     Axis v_, w_;
     bool unconfirmed_ = false; /* a speed left, and no stop was confirmed since */
+    bool ended_under_pad_a_ = false;
     std::uint64_t watch_due_us_ = UINT64_MAX, release_due_us_ = UINT64_MAX, zeros_allowed_us_ = 0;
     std::uint64_t lapse_us_ = UINT64_MAX; /* by the client's clock */
     bool pausing_ = false;
-    std::uint64_t commanding_since_us_ = 0, well_since_us_ = 0, disturbed_us_ = 0, standing_due_us_ = 0;
+    std::uint64_t commanding_since_us_ = 0, well_since_us_ = 0, disturbed_us_ = 0,
+                  standing_due_us_ = 0;
     bool well_ = false;
     double way_m_ = 0, way_at_pose_ = 0;
     std::uint64_t way_us_ = 0;

@@ -142,7 +142,8 @@ void Oracle::watch_target(Moment now, const Datagram &datagram) {
                       datagram.origin.boot <= judged_boot_ &&
                       now.true_us - disturbed_us_ > well_after_us;
     const std::uint64_t age = /* by the client's own bound, too: others judge that */
-        std::max<std::uint64_t>(report_.age_us[differential], now.true_us - datagram.origin.made_us);
+        std::max<std::uint64_t>(report_.age_us[differential],
+                                now.true_us - datagram.origin.made_us);
     const bool fresh = age + 100000 < milliseconds(config_.fresh_ms);
     if (must && fresh && !lease_.alive && !stop_.active && watch_due_us_ == UINT64_MAX &&
         report_.state == ROBUROC4_STATE_READY && report_.differential_known)
@@ -204,13 +205,15 @@ void Oracle::iocard_status(Moment now, const Datagram &datagram) {
     const std::uint8_t block = datagram.u8_at(first + static_cast<std::size_t>(index / 8));
     overridden_ = (block >> (index % 8) & 1) != 0;
     if (overridden_) {
+        ended_under_pad_a_ = ended_under_pad_a_ || lease_.alive || stop_.active;
         disarm(now, report_.override_index == index ? Promise::override_disarms
                                                     : Promise::override_by_texts);
         stop_.confirmed = stop_.confirmed && !report_.override_known;
     } else if (before && datagram.origin.boot <= judged_boot_) {
         zeros_welcome_us_ = now.true_us + milliseconds(config_.drive_period_ms) + slack_us;
         stop_.again_us = now.true_us;
-        if (unconfirmed_ && !sent_.empty() && report_.state == ROBUROC4_STATE_READY && report_.differential_known &&
+        if (unconfirmed_ && ended_under_pad_a_ && !sent_.empty() &&
+            report_.state == ROBUROC4_STATE_READY && report_.differential_known &&
             !report_.stopping)
             release_due_us_ = now.true_us + spacing_us;
     }
@@ -299,6 +302,8 @@ void Oracle::reported(Moment now, const Report &report, const Truth &truth, bool
         return;
     if (report.state != before.state && report.state != ROBUROC4_STATE_READY)
         unproven_us_ = UINT64_MAX; /* as after a start */
+    if (report.state != before.state)
+        stop_.again_us = now.true_us; /* a robot that is lost, or found, is stopped again */
     if (report.state != ROBUROC4_STATE_READY)
         overridden_ = false;
     if (report.state == ROBUROC4_STATE_IDLE) {
@@ -459,7 +464,8 @@ void Oracle::judge_stop_in_time(Moment now, const Report &report) {
         stop_.zeros_since_known = 0;
         stop_.sure_us = 0;
     }
-    if (stop_.zeros == 0 && speed_out_) { /* a zero within the lease may delay it */
+    if (stop_.zeros == 0 && speed_out_ &&
+        report.differential_known) { /* a zero within the lease may delay it */
         if (!last_command_zero_ || now.true_us - last_command_us_ > spacing_us + slack_us)
             violate(Promise::zeros_first, now.true_us, "driving has ended, and no zero has left");
         return;

@@ -11,7 +11,8 @@ namespace soak {
 
 class Random {
   public:
-    /* Neighbouring seeds must not give one sequence that is shifted by one: hence the second pass. */
+    /* Neighbouring seeds must not give one sequence that is shifted by one: hence the second pass.
+     */
     explicit Random(std::uint64_t seed) : state_(seed + 1) {
         state_ = next();
     }

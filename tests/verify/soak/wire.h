@@ -41,9 +41,9 @@ struct Origin {
         replaced,      /* the answer to REPLACE */
     };
     Kind kind = Kind::other;
-    std::int32_t index = 0;    /* of the input; of a status: of its service, iocard to differential */
-    std::uint32_t boot = 0;    /* counts the robot's starts; another robot is another start */
-    std::uint64_t made_us = 0; /* true time at which it was made */
+    std::int32_t index = 0; /* of the input; of a status: of its service, iocard to differential */
+    std::uint32_t boot = 0; /* counts the robot's starts; another robot is another start */
+    std::uint64_t made_us = 0;  /* true time at which it was made */
     std::uint64_t asked_us = 0; /* of an answer: when its request was sent */
     bool others_target = false; /* of a status: somebody else set the target */
     bool pad_a = false;         /* of a status: [A] was held */
