@@ -286,6 +286,7 @@ void Oracle::override_index_set(Moment now, std::int32_t index, std::int32_t res
         return;
     const int before = rule_.index();
     rule_.user_set(index);
+    stop_.again_us = now.true_us; /* as if [A] was released */
     if (rule_.index() == before || rule_.index() == report_.override_index)
         return; /* nothing changes */
     overridden_ = false;

@@ -50,6 +50,7 @@ struct RobotTruth {
     bool slow_texts = false; /* answers with texts take so long that they bound no age */
     bool rounds = false;     /* reports tiny speeds instead of zero */
     bool own_queues = false; /* then no answer proves how late statuses are */
+    bool drifts = false;     /* its clock, by 300 ppm or more */
     bool prompt = true;      /* its statuses come often enough to be fresh */
 };
 
@@ -159,7 +160,7 @@ class Oracle {
     };
     /** An axis that does not follow its target. */
     struct Axis {
-        bool off = false;
+        bool off = false, counted = false;
         std::uint64_t since_us = 0; /* and the target is the same since then */
         float target = 0;
     };
@@ -267,6 +268,7 @@ class Oracle {
     double way_m_ = 0, way_at_pose_ = 0;
     std::uint64_t way_us_ = 0;
     int poses_sent_ = 0;
+    std::uint64_t answer_delay_us_ = 0; /* of the last answer, from the robot */
     bool pad_a_held_ = false;
     std::uint64_t pad_a_us_ = 0;
     std::array<std::uint64_t, reached_count> reached_{};

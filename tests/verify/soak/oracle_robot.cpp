@@ -13,8 +13,7 @@ namespace {
 
 /* A client can judge a status's age only by round trips and by the pauses between statuses. */
 constexpr std::uint64_t sure_after_us = 300000;
-constexpr std::uint64_t follow_us = 2500000; /* "about two seconds" */
-constexpr std::uint64_t uplink_us = 800000;  /* half a second, and the time to notice it */
+constexpr std::uint64_t uplink_us = 800000; /* half a second, and the time to notice it */
 constexpr std::uint64_t well_after_us = 5000000;
 constexpr std::uint64_t standing_us = 1000000;
 constexpr float rounding = 1e-3F;
@@ -28,6 +27,11 @@ bool near(Speeds a, Speeds b) {
     return std::fabs(a.v - b.v) <= same_target && std::fabs(a.w - b.w) <= same_target;
 }
 
+/* "About two seconds", and longer for small targets; UINT64_MAX where it need not be noticed. */
+std::uint64_t follow_us(float size) {
+    return size >= 0.2F ? 2500000 : size >= 0.1F ? 4000000 : size >= 0.05F ? 10000000 : UINT64_MAX;
+}
+
 } // namespace
 
 /* --------------------------------------------------------------------------- what it receives */
@@ -37,6 +41,12 @@ void Oracle::received(Moment now, const Datagram &datagram, std::int32_t result)
     const Origin &origin = datagram.origin;
     if (is_status(datagram) && (result >= 0 || result == ROBUROC4_ERR_OLD))
         watch_restart(now, datagram);
+    const bool text =
+        origin.kind == Origin::Kind::input_text || origin.kind == Origin::Kind::input_refusal;
+    if (text && robot_.literal_ids && result == ROBUROC4_ERR_UNMATCHED)
+        reach(Reached::doubled_literal_text);
+    if (!is_status(datagram))
+        answer_delay_us_ = now.true_us - origin.made_us;
     if ((result < 0 && result != ROBUROC4_ERR_ROBOT) || origin.boot < required_boot_)
         return;
     switch (origin.kind) {
@@ -58,8 +68,10 @@ void Oracle::received(Moment now, const Datagram &datagram, std::int32_t result)
                    origin.boot};
         break;
     case Origin::Kind::input_text: {
-        const auto *const text = reinterpret_cast<const char *>(datagram.bytes.data() + 5);
-        rule_.text_read(origin.index, std::string(text, datagram.size - 5), origin.boot);
+        const auto *const letters = reinterpret_cast<const char *>(datagram.bytes.data() + 5);
+        rule_.text_read(origin.index, std::string(letters, datagram.size - 5), origin.boot);
+        if (rule_.doubtful())
+            reach(Reached::resembling_text);
         break;
     }
     case Origin::Kind::input_refusal:
@@ -84,6 +96,10 @@ void Oracle::status(Moment now, const Datagram &datagram) {
         unproven_us_ = age;
         unproven_since_us_ = now.true_us;
     }
+    if (armed_ && age > 200000 && answer_delay_us_ < 50000 && robot_.own_queues)
+        reach(Reached::late_statuses_only);
+    if (armed_ && robot_.drifts && now.true_us - started_us_ > 900000000)
+        reach(Reached::drifted);
     if (datagram.origin.kind == Origin::Kind::differential_status)
         differential_status(now, datagram);
     if (datagram.origin.kind == Origin::Kind::iocard_status)
@@ -160,8 +176,12 @@ void Oracle::watch_other_commander(Moment now, const Datagram &datagram) {
         high = {std::max(high.v, sent.speeds.v), std::max(high.w, sent.speeds.w)};
     }
     const Speeds target = reported_target_;
-    const bool within = target.v >= low.v - same_target && target.v <= high.v + same_target &&
-                        target.w >= low.w - same_target && target.w <= high.w + same_target;
+    const auto inside = [](float value, float at_least,
+                           float at_most) { /* and some tolerance */
+                                            return value >= at_least * 1.05F - same_target &&
+                                                   value <= at_most * 1.05F + same_target;
+    };
+    const bool within = inside(target.v, low.v, high.v) && inside(target.w, low.w, high.w);
     const bool others = datagram.origin.others_target && !zero_by_rounding(target);
     if (others && within)
         reach(Reached::others_within_limits);
@@ -175,24 +195,27 @@ void Oracle::watch_axis(Moment now, const Datagram &datagram, Axis &axis, float 
                         float current) {
     const float size = std::fabs(target);
     const float along = target < 0 ? -current : current;
-    const bool slow = size >= 0.1F && !(along >= 0.2F * size);
-    const bool fast =
-        size >= 0.1F ? !(along <= 1.8F * size + 0.15F) : !(std::fabs(current - target) <= 0.3F);
+    const bool slow = size >= 0.05F && !(along >= 0.2F * size);
+    const bool fast = !(along <= 1.8F * size + 0.3F) || !(along >= -0.3F - 0.8F * size);
     const bool watched = armed_ && lease_.alive && !datagram.origin.pad_a && !overridden_ &&
                          !datagram.origin.others_target && near(reported_target_, target_sent_);
     const bool off = watched && (slow || fast);
     const bool same = std::fabs(target - axis.target) <= 0.1F * size;
     if (!off || !axis.off || !same) {
-        axis = {off, now.true_us, target};
+        axis = {off, false, now.true_us, target};
         return;
     }
-    if (now.true_us - axis.since_us < follow_us)
-        return;
-    reach(std::isnan(current) ? Reached::not_a_number
-          : fast              ? Reached::runs_away
-          : v_.off != w_.off  ? Reached::one_axis_does_not_follow
-                              : Reached::stands_still);
-    disarm(now, Promise::follows_or_disarmed);
+    const std::uint64_t since = now.true_us - axis.since_us;
+    if (since >= 500000 && !axis.counted) {
+        axis.counted = true;
+        reach(std::isnan(current) ? Reached::not_a_number
+              : fast              ? Reached::runs_away
+              : size < 0.1F       ? Reached::small_target_stands
+              : v_.off != w_.off  ? Reached::one_axis_does_not_follow
+                                  : Reached::stands_still);
+    }
+    if (since >= (fast ? follow_us(1) : follow_us(size)))
+        disarm(now, Promise::follows_or_disarmed);
 }
 
 void Oracle::iocard_status(Moment now, const Datagram &datagram) {

@@ -79,7 +79,7 @@ struct RobotPlan {
     /** Its statuses are made often enough to count as fresh. */
     bool prompt(std::uint32_t fresh_ms) const {
         const std::uint64_t stamps = stamp_measured ? odometry_cycles : 1;
-        return 20 * std::max<std::uint64_t>(min_period, stamps) + 60 <= fresh_ms;
+        return 20 * std::max<std::uint64_t>(min_period, stamps) + 150 <= fresh_ms;
     }
     /** Sets the texts of the digital inputs; the robot gives all of them. */
     void give_texts(const std::vector<std::string> &texts);

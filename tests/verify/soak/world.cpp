@@ -2,6 +2,7 @@
 #include "world.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdarg>
 #include <cstdio>
 
@@ -19,6 +20,7 @@ RobotTruth truth_of(const RobotPlan &plan, const roburoc4_config &config) {
     truth.slow_texts = plan.text_us > 100000;
     truth.rounds = plan.rounding > 0;
     truth.own_queues = plan.own_queues;
+    truth.drifts = std::fabs(plan.clock_ppm) > 300;
     truth.prompt = plan.prompt(config.fresh_ms);
     return truth;
 }
@@ -55,8 +57,9 @@ void World::say_datagram(const char *what, const Datagram &datagram, std::int32_
             static_cast<double>(datagram.f32_at(15)), static_cast<double>(datagram.f32_at(23)),
             result);
     else if (status)
-        say("%s status of service %u made %.6f: %d", what, datagram.u16_at(1),
-            static_cast<double>(datagram.origin.made_us - 1000000000) * 1e-6, result);
+        say("%s status of service %u made %.6f, cycle %llu: %d", what, datagram.u16_at(1),
+            static_cast<double>(datagram.origin.made_us - 1000000000) * 1e-6,
+            static_cast<unsigned long long>(datagram.u64_at(3)), result);
     else if (is_command(datagram))
         say("%s command to service %u: (%g, %g)", what, datagram.u16_at(1),
             static_cast<double>(datagram.f32_at(3)), static_cast<double>(datagram.f32_at(7)));
