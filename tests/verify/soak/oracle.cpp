@@ -55,6 +55,8 @@ void Oracle::observe(Moment now) {
             disturbed(now.true_us);
             if (by_client < truly && by_client >= 0) /* which no client can notice */
                 clock_error_us_ += static_cast<std::uint64_t>(truly - by_client);
+            if (by_client < 0) /* the client's ages are by a clock that is no more */
+                ages_known_ = false;
             stop_.due_us = stop_.again_us = now.true_us;
             if (by_client < truly) /* ahead: by its own clock the time may be over */
                 stop_.due_client_us = now.client_us;
@@ -256,7 +258,7 @@ void Oracle::stopped(Moment now, std::int32_t result) {
     if (result < 0)
         return;
     disarm(now, Promise::stop_latches);
-    stop_requested_ = true;
+    stop_requested_ = unconfirmed_ = true;
     stop_requested_us_ = stop_.again_us = now.true_us;
 }
 
@@ -269,7 +271,7 @@ void Oracle::paused(Moment now, std::int32_t result) {
         reach(Reached::paused);
     end_driving(now, Promise::speed_needs_lease);
     lapse_us_ = UINT64_MAX;
-    stop_requested_ = true;
+    stop_requested_ = unconfirmed_ = true;
     stop_requested_us_ = stop_.again_us = now.true_us;
 }
 

@@ -89,6 +89,7 @@ void Oracle::status(Moment now, const Datagram &datagram) {
     Newest &newest = newest_[datagram.origin.index];
     if (newest.known && made <= newest.made_us)
         return;
+    ages_known_ = true;
     newest = {true, made, datagram.u64_at(3), now.client_us, datagram.origin.boot};
     const std::uint64_t age = now.true_us - made;
     const std::uint64_t crept = (now.true_us - unproven_since_us_) / 1000;
@@ -381,7 +382,7 @@ void Oracle::judge_disarming(Moment now, const Report &report) {
 void Oracle::judge_ages(Moment now, const Report &report) {
     for (int service = 0; service < 5; service++) {
         const Newest &newest = newest_[service];
-        if (!newest.known || report.age_us[service] == UINT32_MAX)
+        if (!newest.known || !ages_known_ || report.age_us[service] == UINT32_MAX)
             continue;
         const std::uint64_t age = now.true_us - newest.made_us;
         if (age > report.age_us[service] + tolerance_us(now))
@@ -499,8 +500,11 @@ void Oracle::judge_stop_in_time(Moment now, const Report &report) {
         stop_.active = false;
         return;
     }
+    const bool searching =
+        report.state == ROBUROC4_STATE_CONNECTING || report.state == ROBUROC4_STATE_DISCOVERING;
     if (!report.differential_known &&
-        (!speed_out_ || stop_may_end(now))) { /* stop() is latched until the service is known */
+        (searching || !speed_out_ ||
+         stop_may_end(now))) { /* stop() is latched until the service is known */
         stop_.again_us = stop_.last_zero_us = now.true_us;
         return;
     }
@@ -511,7 +515,8 @@ void Oracle::judge_stop_in_time(Moment now, const Report &report) {
                 "the last zero left " + ms_text(now.true_us - stop_.last_zero_us) + " ago");
     const std::uint64_t watchdog = milliseconds(config_.robot_watchdog_ms);
     const std::uint64_t longest = std::max(watchdog, 3 * period) + 3 * period;
-    if (now.true_us - std::max(stop_.first_zero_us, stop_.again_us) > longest)
+    if (now.true_us - std::max(stop_.first_zero_us, stop_.again_us) > longest &&
+        report.state != ROBUROC4_STATE_SUBSCRIBING)
         violate(Promise::stop_ends, now.true_us,
                 "the stop sequence lasts " + ms_text(now.true_us - stop_.due_us));
     /* where all answers have one id, or take long, ages are known late */
