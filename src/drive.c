@@ -129,6 +129,7 @@ void roburoc4_drive_service(drive *d, bool known, uint16_t id) {
     if (!known && id != d->service) {
         /* pending zeros go to the service that is found next */
         d->stop_pending = d->stop_pending || (d->stopping && d->zeros_sent < STOP_ZEROS);
+        d->outcome = d->stopping ? ROBUROC4_STOP_TIMED_OUT : d->outcome;
         d->stopping = 0;
     }
     d->known = known;
@@ -200,8 +201,7 @@ void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_resul
         d->lapsed = 1;
         *events |= ROBUROC4_EVENT_LEASE_OVER;
     }
-    if (refusal >= 0 && d->lapsed &&
-        now_us - d->granted_us >= d->lease_us + config->lapse_disarm_ms * MS) {
+    if (d->lapsed && now_us - d->granted_us >= d->lease_us + config->lapse_disarm_ms * MS) {
         refusal = ROBUROC4_ERR_LAPSED;
     } else if (refusal >= 0 && d->lease_active &&
                now_us - d->heard_us >= uplink_limit_us(config)) {
@@ -384,12 +384,16 @@ uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config) 
 /* ---- what the robot reports ---- */
 
 /** Whether a reported target is ours or zero: between the lowest and the highest that was sent
- * recently. */
+ * recently, or the last that the robot took, which it may keep. */
 static bool is_ours(const drive *d, uint32_t axis, float target) {
-    return nearly_zero(target) ||
-           (is_finite(target) && near(target, clamp(d->low[axis], -ANY_SPEED, d->low_before[axis]),
-                                      clamp(d->high[axis], d->high_before[axis], ANY_SPEED),
-                                      TARGET_TOLERANCE));
+    if (nearly_zero(target)) {
+        return true;
+    }
+    return is_finite(target) &&
+           (near(target, clamp(d->low[axis], -ANY_SPEED, d->low_before[axis]),
+                 clamp(d->high[axis], d->high_before[axis], ANY_SPEED), TARGET_TOLERANCE) ||
+            (!d->lease_active && d->unconfirmed &&
+             near(target, d->echoed[axis], d->echoed[axis], TARGET_TOLERANCE)));
 }
 
 static void watch_other_commander(drive *d, const roburoc4_config *config, bool ours,
@@ -426,9 +430,8 @@ static void watch_echo(drive *d, const roburoc4_config *config, const float *rep
                              TARGET_TOLERANCE) &&
                         near(reported[ANGULAR], d->echo_low[ANGULAR], d->echo_high[ANGULAR],
                              TARGET_TOLERANCE);
-    if (d->echo_due && echoed) {
+    if (echoed) {
         d->echo_due = 0;
-        roburoc4_drive_heard(d, d->echo_us);
     }
     const uint32_t limit_us = uplink_limit_us(config);
     if (!d->echo_due) {

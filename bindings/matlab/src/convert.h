@@ -95,7 +95,7 @@ typedef struct field {
 
 /* -------------------------------------------------------------------------------- answers --- */
 
-#define ANSWER_FIELDS 64
+#define ANSWER_FIELDS 128
 
 /** A scalar struct for MATLAB, built field by field, with at most ANSWER_FIELDS. count 0: empty. */
 typedef struct answer {

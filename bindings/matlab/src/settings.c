@@ -85,6 +85,9 @@ static void drop_unwanted(roburoc4_config *config) {
 
 static int take_sim_setting(void *config, const char *name, const mxArray *value) {
     double number;
+    if (strcmp(name, "family") == 0) { /* before all others: settings_of_simulator() */
+        return 1;
+    }
     return take_number(value, name, &number) &&
            (sim_config_set(config, name, number) >= 0 ||
             fail(FAIL_ARGUMENT, "%s: %g does not fit; see roburoc4_sim_config in roburoc4_sim.h",
@@ -124,13 +127,24 @@ int settings_of_robot(const mxArray *options, roburoc4_config *out) {
 }
 
 int settings_of_simulator(const mxArray *options, roburoc4_sim_config *out) {
+    const mxArray *family = mxIsStruct(options) ? mxGetField(options, 0, "family") : NULL;
+    double seed = 0.0;
     (void)roburoc4_sim_config_init(out, sizeof *out);
+    if (family != NULL) {
+        if (!take_whole(family, "family", 0, 9007199254740992.0, &seed)) {
+            return 0;
+        }
+        (void)roburoc4_sim_config_family(out, sizeof *out, (uint64_t)seed);
+    }
     return take_all(options, out, take_sim_setting) && check(roburoc4_sim_config_error(out));
 }
 
 /* options(simulated): a struct whose fields are the names of a simulator's or a robot's options */
 static int list_options(call *in) {
     const char *name;
+    if (in->numbers[0] != 0.0) {
+        answer_flag(&in->out, "family", 1);
+    }
     for (uint32_t i = 0; in->numbers[0] != 0.0 && (name = sim_config_name(i)) != NULL; i++) {
         answer_flag(&in->out, name, 1);
     }

@@ -122,6 +122,8 @@ PyObject *renew_drive(connection *c, float linear_m_s, float angular_rad_s, uint
 
 /* ---- what any robot answers (simulator.c) ---- */
 
+/* Make the configuration that of a member of the family. */
+void draw_family(roburoc4_sim_config *config, uint64_t seed);
 /* The answer of a factory-new RobuROC4 to a request; its length, or 0 if it does not answer. */
 roburoc4_result usual_answer(const uint8_t *data, size_t size, uint8_t *buffer, size_t capacity);
 

@@ -233,7 +233,7 @@ def test_bad_arguments_are_named(
     assert sim.state.nonzero_speed_commands == 0
 
 
-def test_asyncio_moves_and_cancels(patient: None) -> None:
+def test_asyncio_moves_and_cancels() -> None:
     async def main(sim: Simulator) -> None:
         async with roburoc4.aio.connect(sim.address) as robot:
             await robot.arm()
