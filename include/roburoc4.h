@@ -289,7 +289,8 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
  *  Arming an armed client is fine. A ready client may not be armable yet, as the first statuses
  *  come later: ROBUROC4_EVENT_ARMABLE is raised whenever arming becomes possible;
  *  roburoc4_pump_arm() waits for it. */
-ROBUROC4_API roburoc4_result roburoc4_client_arm(roburoc4_client *client, uint64_t now_us);
+ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_client_arm(roburoc4_client *client,
+                                                                     uint64_t now_us);
 /** 1 if a reason against arming may go away by itself (no answer or status yet, the robot still
  *  rolls), so that trying again makes sense; else 0, also for a value that is not a reason. */
 ROBUROC4_API int32_t roburoc4_refusal_may_pass(roburoc4_result refusal);
@@ -302,14 +303,17 @@ ROBUROC4_API int32_t roburoc4_refusal_may_pass(roburoc4_result refusal);
  *  clamped to the robot's limits and the ceilings. ROBUROC4_ERR_NOT_FINITE, _UNITS (more than
  *  ROBUROC4_MAX_DRIVE_M_S or _RAD_S), _ARGUMENT (lease), or why the client is not armed; then
  *  nothing changes. */
-ROBUROC4_API roburoc4_result roburoc4_client_drive(roburoc4_client *client, float linear_m_s,
-                                                   float angular_rad_s, uint32_t lease_us,
-                                                   uint64_t now_us);
+ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_client_drive(roburoc4_client *client,
+                                                                       float linear_m_s,
+                                                                       float angular_rad_s,
+                                                                       uint32_t lease_us,
+                                                                       uint64_t now_us);
 /** Stop the robot, and disarm: end the lease and send a stop sequence, armed or not, now or as soon
  *  as the differential service is known. drive() is refused (ROBUROC4_ERR_STOPPED) until somebody
  *  calls arm() again. ROBUROC4_ERR_STATE if idle or closing: then nothing is to be stopped, and
  *  nothing changes. */
-ROBUROC4_API roburoc4_result roburoc4_client_stop(roburoc4_client *client, uint64_t now_us);
+ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_client_stop(roburoc4_client *client,
+                                                                      uint64_t now_us);
 /** As stop(), but stay armed: the program's own end of driving, after which it may drive() again.
  *  ROBUROC4_ERR_STATE if idle or closing. */
 ROBUROC4_API roburoc4_result roburoc4_client_pause(roburoc4_client *client, uint64_t now_us);

@@ -59,7 +59,8 @@ static void heed_requests(roburoc4_pump *pump) {
         begin_to_close(pump);
     } else if (roburoc4_atomic_exchange(&pump->stop_requested, 0)) {
         uint64_t now_us = roburoc4_udp_now_us();
-        (void)roburoc4_client_stop(&pump->client, now_us);
+        const roburoc4_result stopped = roburoc4_client_stop(&pump->client, now_us);
+        (void)stopped; /* nothing moves if it is idle or closing */
         pump->stops++;
         roburoc4_signal_wake_all(&pump->changed);
     }
