@@ -79,6 +79,11 @@ typedef struct roburoc4_pump roburoc4_pump;
 ROBUROC4_API roburoc4_pump *
 roburoc4_pump_create(const roburoc4_address *address, const roburoc4_config *config,
                      uint32_t queue_capacity, roburoc4_recorder *recorder, roburoc4_result *result);
+/** The same, sending from this local address and port: see roburoc4_udp_open_from(). */
+ROBUROC4_API roburoc4_pump *
+roburoc4_pump_create_from(const roburoc4_address *address, const roburoc4_address *local,
+                          const roburoc4_config *config, uint32_t queue_capacity,
+                          roburoc4_recorder *recorder, roburoc4_result *result);
 /** Store the client's events, and the samples and texts that they announce, for readers: after the
  *  client received `datagram`, or was polled (NULL). Between lock and unlock, and only with a pump
  *  without an address. */
