@@ -84,10 +84,27 @@ static uint8_t kind_of_type(uint16_t type) {
     }
 }
 
-bool roburoc4_discovery_may_drive(const discovery *d, uint16_t id) {
+/** The id that the program set for a service, or ROBUROC4_ID_AUTO. */
+static int32_t set_id(const roburoc4_config *config, uint32_t kind) {
+    return kind == ROBUROC4_SERVICE_IOCARD         ? config->iocard_id
+           : kind == ROBUROC4_SERVICE_DIFFERENTIAL ? config->differential_id
+                                                   : ROBUROC4_ID_AUTO;
+}
+
+/** The service for which the program set this id, or CLAIM_NONE. */
+static uint8_t kind_set(const roburoc4_config *config, uint16_t id) {
+    return id == config->iocard_id         ? ROBUROC4_SERVICE_IOCARD
+           : id == config->differential_id ? ROBUROC4_SERVICE_DIFFERENTIAL
+                                           : CLAIM_NONE;
+}
+
+bool roburoc4_discovery_may_drive(const discovery *d, const roburoc4_config *config, uint16_t id) {
     for (uint32_t i = 0; i < d->service_count; i++) {
-        const uint8_t kind = kind_of_type(d->types[i]);
-        if (d->ids[i] == id && (kind == CLAIM_NONE || kind == ROBUROC4_SERVICE_DIFFERENTIAL)) {
+        const uint8_t kind = config->differential_id >= 0 || kind_set(config, id) != CLAIM_NONE
+                                 ? kind_set(config, id)
+                                 : kind_of_type(d->types[i]);
+        if (d->ids[i] == id && (kind == ROBUROC4_SERVICE_DIFFERENTIAL ||
+                                (kind == CLAIM_NONE && config->differential_id < 0))) {
             return true;
         }
     }
@@ -108,20 +125,26 @@ static bool any_unseen(const discovery *d) {
     return i < d->service_count;
 }
 
-bool roburoc4_discovery_doubtful(const discovery *d) {
+bool roburoc4_discovery_doubtful(const discovery *d, const roburoc4_config *config) {
     for (uint32_t i = 0; i < d->service_count; i++) {
-        if (unseen(d, i) || d->claims[i] == CLAIM_DOUBT) {
+        if (kind_set(config, d->ids[i]) == CLAIM_NONE &&
+            (unseen(d, i) || d->claims[i] == CLAIM_DOUBT)) {
             return true;
         }
     }
     return false;
 }
 
-/** How well element i matches a service: 3 by type, 2 by text, 1 by the manual's id, else 0. */
-static uint32_t claim_strength(const discovery *d, uint32_t i, uint32_t kind) {
+/** How well element i matches a service: 4 by the program's setting, 3 by type, 2 by text, 1 by the
+ * manual's id, else 0. */
+static uint32_t claim_strength(const discovery *d, const roburoc4_config *config, uint32_t i,
+                               uint32_t kind) {
     const uint8_t type = kind_of_type(d->types[i]);
     if (d->ids[i] <= ROBUROC4_SERVICE_NOTIFICATION) {
         return 0;
+    }
+    if (set_id(config, kind) >= 0 || kind_set(config, d->ids[i]) != CLAIM_NONE) {
+        return set_id(config, kind) == d->ids[i] ? 4 : 0;
     }
     if (type != CLAIM_NONE) {
         return type == kind ? 3 : 0;
@@ -133,14 +156,14 @@ static uint32_t claim_strength(const discovery *d, uint32_t i, uint32_t kind) {
     return d->ids[i] == kind && !any_unseen(d) ? 1 : 0;
 }
 
-bool roburoc4_discovery_identify(discovery *d) {
+bool roburoc4_discovery_identify(discovery *d, const roburoc4_config *config) {
     bool changed = false;
     d->listed = 0;
     for (uint32_t kind = ROBUROC4_SERVICE_IOCARD; kind < ROBUROC4_SERVICE_COUNT; kind++) {
         uint32_t best = 0;
         uint16_t id = 0;
         for (uint32_t i = 0; i < d->service_count; i++) {
-            const uint32_t strength = claim_strength(d, i, kind);
+            const uint32_t strength = claim_strength(d, config, i, kind);
             /* among equals the one with the manual's id, else the first */
             if (strength > best || (strength == best && strength > 0 && d->ids[i] == kind)) {
                 best = strength;

@@ -168,11 +168,11 @@ bool roburoc4_discovery_same(const discovery *d, const roburoc4_directory *direc
 /** Store the directory; true if it lists more services than fit. */
 bool roburoc4_discovery_directory(discovery *d, const roburoc4_directory *directory);
 /** Whether the directory lists this id and it may be the differential service. */
-bool roburoc4_discovery_may_drive(const discovery *d, uint16_t id);
-/** Whether the directory has a service that neither type nor text identifies for certain. */
-bool roburoc4_discovery_doubtful(const discovery *d);
+bool roburoc4_discovery_may_drive(const discovery *d, const roburoc4_config *config, uint16_t id);
+/** Whether the directory has a service that neither settings, type nor text identify for certain. */
+bool roburoc4_discovery_doubtful(const discovery *d, const roburoc4_config *config);
 /** Assign ids to services; true if a known service has another id now. */
-bool roburoc4_discovery_identify(discovery *d);
+bool roburoc4_discovery_identify(discovery *d, const roburoc4_config *config);
 /** A text arrived for an element of the directory, or (io_type 0 to 3) for a channel. True if an
  * input with a role was found. */
 bool roburoc4_discovery_text(discovery *d, uint32_t list, uint32_t index, const uint8_t *text,

@@ -325,7 +325,8 @@ static roburoc4_result take_directory(client *c, const uint8_t *data, size_t siz
         }
         raise_event(c, ROBUROC4_EVENT_PROPERTIES);
     }
-    if (!roburoc4_discovery_may_drive(d, c->private_drive.service)) { /* its list may be empty */
+    if (!roburoc4_discovery_may_drive(d, &c->private_config,
+                                      c->private_drive.service)) { /* its list may be empty */
         roburoc4_drive_service(&c->private_drive, false, 0);
     }
     roburoc4_lifecycle_forget_services(c, ROBUROC4_STATE_DISCOVERING);
@@ -348,7 +349,8 @@ static void take_text(client *c, const slot *s, const roburoc4_text *text) {
 
 /** A late text may identify a service, or show that one was misidentified. */
 static void identify_again(client *c) {
-    if (c->private_discovery.identified && roburoc4_discovery_identify(&c->private_discovery)) {
+    if (c->private_discovery.identified &&
+        roburoc4_discovery_identify(&c->private_discovery, &c->private_config)) {
         roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_NO_DIFFERENTIAL);
         roburoc4_lifecycle_forget_services(c, ROBUROC4_STATE_DISCOVERING);
     }

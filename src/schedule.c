@@ -183,7 +183,7 @@ static void advance(client *c) {
     const int32_t *io_counts = c->private_values.io_counts;
     if (c->private_state == ROBUROC4_STATE_DISCOVERING && !d->identified &&
         (roburoc4_discovery_services_passed(d) || c->private_now_us - d->phase_us >= IDENTIFY_US)) {
-        roburoc4_discovery_identify(d);
+        roburoc4_discovery_identify(d, &c->private_config);
         roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_QUERY,
                                  ROBUROC4_SERVICE_DIRECTORY);
         if (d->service_ids[ROBUROC4_SERVICE_DIFFERENTIAL] != c->private_drive.service) {
