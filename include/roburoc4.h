@@ -346,8 +346,8 @@ typedef struct roburoc4_facts {
     uint8_t reserved[2];
     int32_t disarm_cause;      /* why the client is not armed; 0 while armed */
     int32_t arm_refusal;       /* what roburoc4_client_arm() would return */
-    int32_t relocalize_result; /* of the last one: 0, ROBUROC4_ERR_TIMEOUT or _ROBOT; _UNKNOWN
-                                  before the first, and until it is answered */
+    int32_t relocalize_result; /* of the last one: 0, ROBUROC4_ERR_TIMEOUT, _MOVING or _ROBOT;
+                                  _UNKNOWN before the first, and until it is answered */
     uint32_t lease_left_us;    /* 0 when not driving */
     float sent_linear_m_s, sent_angular_rad_s; /* the last speeds sent; 0 after a stop */
     uint32_t age_us[8]; /* by ROBUROC4_SERVICE_*: how old the last status can be at most, now;
@@ -465,9 +465,13 @@ ROBUROC4_API roburoc4_result roburoc4_client_set_analog_output(roburoc4_client *
                                                                uint32_t index, float value,
                                                                uint64_t now_us);
 
-/** Set the robot's pose (REPLACE, 4.2.6.5). The request is repeated until it is answered, for at
- *  most 2 s; a later call replaces it. It ends with ROBUROC4_EVENT_RELOCALIZED or
- *  _RELOCALIZE_FAILED. ROBUROC4_ERR_NOT_FINITE, _NOT_READY, _UNKNOWN (no localization service). */
+/** Set the robot's pose (REPLACE, 4.2.6.5). The request is sent at once. While the robot is at rest
+ *  by fresh statuses, it is repeated until it is answered, for at most 2 s. Once it has
+ *  moved, the pose is an old one: the request is not repeated, and fails unless the first answer
+ *  comes in time (relocalize_result: ROBUROC4_ERR_MOVING). Nor is it repeated after a time without
+ *  fresh statuses. A later call replaces it. It ends with ROBUROC4_EVENT_RELOCALIZED or
+ *  _RELOCALIZE_FAILED. ROBUROC4_ERR_NOT_FINITE, _NOT_READY, _UNKNOWN
+ * (no localization service). */
 ROBUROC4_API roburoc4_result roburoc4_client_relocalize(roburoc4_client *client, double x_m,
                                                         double y_m, double theta_rad,
                                                         uint64_t now_us);
@@ -603,7 +607,7 @@ typedef struct roburoc4_private_values {
 } roburoc4_private_values;
 
 typedef struct roburoc4_private_outputs {
-    uint8_t repeats, relocalizing, reserved[2];
+    uint8_t repeats, relocalizing, moved, unwatched;
     int32_t relocalize_result;
     uint64_t digital, sent_us, relocalize_us;
     double x_m, y_m, theta_rad;

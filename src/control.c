@@ -132,7 +132,12 @@ roburoc4_result roburoc4_client_drive(client *c, float linear_m_s, float angular
     }
     begin_call(c, now_us);
     roburoc4_control_tick(c);
-    return roburoc4_drive_grant(&c->private_drive, target, lease_us, now_us);
+    const roburoc4_result result =
+        roburoc4_drive_grant(&c->private_drive, target, lease_us, now_us);
+    if (c->private_outputs.relocalizing) {
+        roburoc4_schedule_watch_pose(c);
+    }
+    return result;
 }
 
 roburoc4_result roburoc4_client_pause(client *c, uint64_t now_us) {
@@ -256,6 +261,9 @@ roburoc4_result roburoc4_client_relocalize(client *c, double x_m, double y_m, do
     o->relocalizing = 1;
     o->relocalize_result = ROBUROC4_ERR_UNKNOWN;
     o->relocalize_us = now_us;
+    o->moved = 0;
+    o->unwatched = 0;
+    roburoc4_schedule_watch_pose(c);
     return ROBUROC4_OK;
 }
 

@@ -317,6 +317,11 @@ void roburoc4_schedule_failed(roburoc4_client *c, const slot *s, roburoc4_result
 void roburoc4_schedule_renew_silent(roburoc4_client *c);
 /** When the first of them will have been silent for long enough. */
 uint64_t roburoc4_schedule_deadline(const roburoc4_client *c);
+/** Whether the robot refused every subscription: a second after phase_us, when it refused the last
+ * one, all are requested again. */
+bool roburoc4_schedule_all_declined(const roburoc4_client *c);
+/** Remember that the robot moved after a pose was given. */
+void roburoc4_schedule_watch_pose(roburoc4_client *c);
 /** Encode the next request that is due: its length, or 0. */
 roburoc4_result roburoc4_schedule_poll(roburoc4_client *c, uint8_t *buffer, size_t capacity);
 

@@ -233,6 +233,9 @@ static void take_speeds(client *c, const roburoc4_differential_status *status) {
     drive *d = &c->private_drive;
     const uint8_t armed = d->armed;
     v->differential = *status;
+    if (c->private_outputs.relocalizing) {
+        roburoc4_schedule_watch_pose(c);
+    }
     roburoc4_drive_status(d, &c->private_config, &v->differential, v->overridden,
                           roburoc4_link_age(&c->private_link,
                                             STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL),

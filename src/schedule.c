@@ -3,6 +3,7 @@
  * Which request comes next: from the directory to the last channel's text, subscriptions, the
  * probe; the consequences of a failed request; and when a state has nothing left to wait for.
  */
+#include "bytes.h"
 #include "internal.h"
 
 /* A probe waits up to 0.8 s for its answer (at the default first_retry_ms). */
@@ -10,6 +11,11 @@
 /* Given up after 2.5 s (at the default first_retry_ms); a probe asks again later. */
 #define REQUEST_TRIES 5
 #define FIRST_STATUS_SERVICE ROBUROC4_SERVICE_IOCARD
+/* A pose that could not be sent within this time is sent only if the robot has been at rest. */
+#define POSE_US (50 * MS)
+/* A robot below these speeds, in m/s and rad/s, is at rest for a new pose. */
+#define POSE_REST_M_S 0.02F
+#define POSE_REST_RAD_S 0.05F
 
 /** Request something without parameters, or the service's subscription. */
 static bool open_about(client *c, uint8_t action, uint32_t service, uint8_t max_tries) {
@@ -211,6 +217,39 @@ static void advance(client *c) {
     }
 }
 
+/* ---- a pose holds only while the robot is at rest ---- */
+
+static bool at_most_f32(float value, float limit) { /* false for NaN */
+    return (bits_from_f32(value) & 0x7FFFFFFFU) <= bits_from_f32(limit);
+}
+
+void roburoc4_schedule_watch_pose(client *c) {
+    const roburoc4_differential_status *s = &c->private_values.differential;
+    const drive *d = &c->private_drive;
+    const bool driving =
+        d->lease_active && !(at_most_f32(d->target[0], 0) && at_most_f32(d->target[1], 0));
+    const bool rests = at_most_f32(s->target_linear_m_s, POSE_REST_M_S) &&
+                       at_most_f32(s->current_linear_m_s, POSE_REST_M_S) &&
+                       at_most_f32(s->target_angular_rad_s, POSE_REST_RAD_S) &&
+                       at_most_f32(s->current_angular_rad_s, POSE_REST_RAD_S);
+    if (driving || !rests) {
+        c->private_outputs.moved = 1;
+    }
+}
+
+/** Whether a pose that is sent now is still that of the call. */
+static bool pose_holds(client *c, const slot *s) {
+    roburoc4_private_outputs *o = &c->private_outputs;
+    if (s->tries == 1 && c->private_now_us - o->relocalize_us < POSE_US) {
+        return true;
+    }
+    if (!roburoc4_link_fresh(&c->private_link, STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL),
+                             c->private_config.fresh_ms * MS, c->private_now_us)) {
+        o->unwatched = 1;
+    }
+    return !o->moved && !o->unwatched;
+}
+
 /* ---- sending ---- */
 
 static roburoc4_result encode_request(const client *c, const slot *s, uint8_t *buffer,
@@ -243,6 +282,13 @@ roburoc4_result roburoc4_schedule_poll(client *c, uint8_t *buffer, size_t capaci
         slot *s =
             roburoc4_requests_due(&c->private_requests, c->private_config.first_retry_ms,
                                   c->private_link.round_trip_min_us, c->private_now_us, &given_up);
+        if (s != NULL && s->ask.action == ROBUROC4_ACTION_REPLACE && !pose_holds(c, s)) {
+            if (c->private_outputs.moved) {
+                s->open = 0;
+                roburoc4_lifecycle_relocalize_ends(c, ROBUROC4_ERR_MOVING);
+            } /* else it may still be answered, and ends after its time */
+            continue;
+        }
         if (s != NULL) {
             if (s->tries > 1) {
                 count(c, ROBUROC4_COUNT_RETRIES);
