@@ -148,7 +148,8 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 /** In role_index: find the input by the robot's texts. The override is known once the robot gave or
  *  refused the text of every digital input, and exactly one text names [A]. If none does, the
  *  manual's table decides, provided that the robot refused that input's text and has as many
- *  channels as in the manual. Other roles are found by their text, else by the manual's table. */
+ *  channels as in the manual. Other roles are found by their text, else by the manual's table. A
+ *  bumper may have several inputs. */
 #define ROBUROC4_INDEX_AUTO (-1)
 /** In iocard_id and differential_id: find the service. */
 #define ROBUROC4_ID_AUTO (-1)
@@ -191,8 +192,8 @@ typedef struct roburoc4_config {
     /** By ROBUROC4_ROLE_*: index of the input on the wire, or ROBUROC4_INDEX_AUTO (default);
      *  to 63 for the digital ones, 15 for the analog one. */
     int16_t role_index[4];
-    uint32_t lapse_disarm_ms; /* a lease that expired and was not renewed for this long disarms; 0 to
-                                 60000; default 1000. What pause() ended stays armed */
+    uint32_t lapse_disarm_ms; /* a lease that expired and was not renewed for this long disarms; 0
+                                 to 60000; default 1000. What pause() ended stays armed */
     /** Ids of services on the wire, for a robot whose types and texts do not identify them; they
      *  must be in its directory. ROBUROC4_ID_AUTO (default): found by type, text, or the manual's
      *  id. */
@@ -278,8 +279,8 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
  * commands, one per drive period, at least three, until a status that was made after the first of
  * them shows both targets 0, or robot_watchdog_ms has passed. Nothing confirms it while [A] is
  * held; it is sent again when [A] is released, and for as long as a fresh status shows a target of
- * ours without a lease. A new lease waits for its end. The first zero after a speed is sent at once;
- * all other commands are at least a robot cycle (10 ms) apart. */
+ * ours without a lease. A new lease waits for its end. The first zero after a speed is sent at
+ * once; all other commands are at least a robot cycle (10 ms) apart. */
 
 /** Allow driving. Returns 0, or the first reason against it: ROBUROC4_ERR_NOT_READY,
  *  _NO_DIFFERENTIAL, _LIMITS, _STALE_DIFFERENTIAL, _STALE_IOCARD, _OVERRIDE_UNKNOWN, _OVERRIDE,
@@ -331,16 +332,18 @@ typedef struct roburoc4_facts {
     uint8_t inhibited;       /* 1: the robot does not follow its commands (emergency stop, brakes,
                                 bumper); this disarms */
     uint8_t fixed_id;        /* 1: the robot answers every request with 0x01 */
-    uint8_t front_bumper;    /* 1: pressed, by the last IO status */
+    uint8_t front_bumper;    /* 1: pressed, by the last IO status; of several inputs, any */
     uint8_t rear_bumper;
-    uint8_t front_bumper_known; /* 1: `front_bumper` is valid: its input is known, and a status of
-                                   it was received since the robot was found */
+    uint8_t front_bumper_known; /* 1: `front_bumper` is valid: the program set its input, or the
+                                   robot gave or refused the text of every digital input, and one
+                                   names it, or that of the manual's table was refused; and a
+                                   status was received since the robot was found */
     uint8_t rear_bumper_known;  /* likewise */
-    uint8_t battery_low;        /* 1: remaining is below minimum_percent, or the state is Critical */
-    uint8_t battery_known;      /* 1: `battery_low` is valid */
-    uint8_t descriptions_done;  /* 1: every text was answered or given up */
-    uint8_t lapsed;             /* 1: the last lease expired, and none was granted since */
-    uint8_t stop_outcome;       /* ROBUROC4_STOP_* of the last stop sequence */
+    uint8_t battery_low;       /* 1: remaining is below minimum_percent, or the state is Critical */
+    uint8_t battery_known;     /* 1: `battery_low` is valid */
+    uint8_t descriptions_done; /* 1: every text was answered or given up */
+    uint8_t lapsed;            /* 1: the last lease expired, and none was granted since */
+    uint8_t stop_outcome;      /* ROBUROC4_STOP_* of the last stop sequence */
     uint8_t missing; /* subscriptions without data: bits 1u << ROBUROC4_SERVICE_* of services that
                         the robot does not list, or whose subscription it refused */
     uint8_t reserved[2];
@@ -394,8 +397,8 @@ ROBUROC4_API roburoc4_result roburoc4_client_description(const roburoc4_client *
                                                          const uint8_t *datagram, size_t size,
                                                          roburoc4_description *out);
 
-/** The wire index of the input with ROBUROC4_ROLE_*. ROBUROC4_ERR_UNKNOWN, or _ARGUMENT for no such
- *  role. */
+/** The wire index of the input with ROBUROC4_ROLE_*, the lowest if a bumper has several.
+ *  ROBUROC4_ERR_UNKNOWN, or _ARGUMENT for no such role. */
 ROBUROC4_API roburoc4_result roburoc4_client_role_index(const roburoc4_client *client,
                                                         uint32_t role);
 /** The manual's name (5.5.1) of a channel of this robot's IO card, for channels without a text of
@@ -535,7 +538,7 @@ typedef struct roburoc4_private_slot {
 
 typedef struct roburoc4_private_requests {
     uint8_t last_id, fixed_id, id_mode, quiet, announce, single_texts;
-    uint8_t reserved[2];
+    uint16_t slowest_ms;
     uint64_t quiet_us;
     roburoc4_private_slot slots[4];
 } roburoc4_private_requests;
@@ -579,7 +582,7 @@ typedef struct roburoc4_private_discovery {
     uint8_t service_count, listed, known, refused;
     uint8_t wanted, inserted, acked, declined;
     uint8_t leaving, identified, probe_kind, done;
-    uint8_t described_kind, table_pad_refused;
+    uint8_t described_kind, table_refused;
     uint16_t described_index;
     uint16_t service_ids[8];
     uint64_t phase_us, probe_us;
@@ -587,7 +590,10 @@ typedef struct roburoc4_private_discovery {
     int16_t role_texts[4];
     uint16_t types[ROBUROC4_MAX_SERVICES], ids[ROBUROC4_MAX_SERVICES];
     uint8_t claims[ROBUROC4_MAX_SERVICES];
-    uint8_t text_due, reserved[7];
+    uint8_t text_due, denied;
+    uint8_t doubted, doubted_list, doubted_roles, reserved;
+    uint16_t doubted_index;
+    uint64_t bumpers[2];
 } roburoc4_private_discovery;
 
 typedef struct roburoc4_private_values {
@@ -625,7 +631,7 @@ struct roburoc4_client {
     roburoc4_private_outputs private_outputs;
     roburoc4_private_link private_link;
     roburoc4_private_values private_values;
-    uint32_t private_reserved[14];
+    uint32_t private_reserved[10];
 };
 
 #ifdef __cplusplus

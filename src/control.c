@@ -30,6 +30,23 @@ static bool may_have_pad(const client *c) {
            index_of_role(c, ROBUROC4_ROLE_OVERRIDE) >= 0;
 }
 
+/** Services that were to be subscribed to, but send nothing. */
+static uint8_t missing(const client *c) {
+    const discovery *d = &c->private_discovery;
+    return d->identified ? (uint8_t)(d->wanted & (~d->listed | d->denied)) : 0;
+}
+
+/** Why there is no fresh status of a service: `stale`, unless there is no subscription. A service
+ * that is not listed may be one that is not identified yet. */
+static roburoc4_result not_fresh(const client *c, uint32_t service, roburoc4_result stale) {
+    const discovery *d = &c->private_discovery;
+    const bool listed = (d->listed & service_bit(service)) != 0;
+    return (missing(c) & service_bit(service)) != 0 &&
+                   (listed || !roburoc4_discovery_doubtful(d, &c->private_config))
+               ? ROBUROC4_ERR_NOT_SUBSCRIBED
+               : stale;
+}
+
 /** Why driving is not allowed now, or 0. */
 static roburoc4_result refusal(const client *c, uint64_t now_us) {
     const roburoc4_private_values *v = &c->private_values;
@@ -485,20 +502,13 @@ roburoc4_result roburoc4_client_distances(const client *c, roburoc4_distances *o
 
 /* ---- facts and statistics ---- */
 
-static uint8_t input_known(const client *c, uint32_t role) {
-    return c->private_link.services[STATUS_INDEX(ROBUROC4_SERVICE_IOCARD)].fresh &&
-           index_of_role(c, role) >= 0;
-}
-
-static uint8_t input_of_role(const client *c, uint32_t role) {
-    const roburoc4_result index = index_of_role(c, role);
-    return index >= 0 ? (uint8_t)(c->private_values.digital >> index & 1) : 0;
-}
-
-/** Services that were to be subscribed to, but send nothing. */
-static uint8_t missing(const client *c) {
-    const discovery *d = &c->private_discovery;
-    return d->identified ? (uint8_t)(d->wanted & (~d->listed | d->declined)) : 0;
+/** Whether a bumper is pressed, by any of its inputs, and whether that is known. */
+static uint8_t bumper(const client *c, uint32_t role, uint8_t *known) {
+    bool certain;
+    const uint64_t inputs = roburoc4_discovery_bumper(&c->private_discovery, &c->private_config,
+                                                      c->private_values.io_counts, role, &certain);
+    *known = certain && c->private_link.services[STATUS_INDEX(ROBUROC4_SERVICE_IOCARD)].fresh;
+    return (c->private_values.digital & inputs) != 0;
 }
 
 static uint32_t clipped(uint64_t span_us) {
@@ -530,8 +540,8 @@ roburoc4_result roburoc4_client_facts(const client *c, uint64_t now_us, roburoc4
     f.other_commander = d->other_commander;
     f.inhibited = d->inhibited;
     f.fixed_id = c->private_requests.fixed_id;
-    f.front_bumper = input_of_role(c, ROBUROC4_ROLE_FRONT_BUMPER);
-    f.rear_bumper = input_of_role(c, ROBUROC4_ROLE_REAR_BUMPER);
+    f.front_bumper = bumper(c, ROBUROC4_ROLE_FRONT_BUMPER, &f.front_bumper_known);
+    f.rear_bumper = bumper(c, ROBUROC4_ROLE_REAR_BUMPER, &f.rear_bumper_known);
     f.descriptions_done = c->private_discovery.done;
     f.battery_low = v->battery_low != 0;
     f.disarm_cause = d->armed ? ROBUROC4_OK : d->disarm_cause;
@@ -542,8 +552,6 @@ roburoc4_result roburoc4_client_facts(const client *c, uint64_t now_us, roburoc4
     f.sent_angular_rad_s = d->sent[1];
     f.lapsed = d->lapsed || (d->lease_active && !f.driving);
     f.stop_outcome = f.stopping ? ROBUROC4_STOP_RUNNING : d->outcome;
-    f.front_bumper_known = input_known(c, ROBUROC4_ROLE_FRONT_BUMPER);
-    f.rear_bumper_known = input_known(c, ROBUROC4_ROLE_REAR_BUMPER);
     f.battery_known = c->private_link.services[STATUS_INDEX(ROBUROC4_SERVICE_BATTERY)].fresh;
     f.missing = missing(c);
     memset(f.reserved, 0, sizeof f.reserved);

@@ -62,7 +62,7 @@ typedef roburoc4_private_requests requests;
 /** Close all requests and leave fixed-id mode. `announce` is set on entering that mode; the client
  * clears it. */
 void roburoc4_requests_clear(requests *r);
-void roburoc4_requests_cancel_all(requests *r);
+void roburoc4_requests_cancel_all(requests *r, uint64_t now_us);
 /** Whether another request may be opened now with `keep` left free after it. */
 bool roburoc4_requests_free(const requests *r, uint32_t keep);
 /** Whether a text may be requested now. */
@@ -183,6 +183,15 @@ void roburoc4_discovery_doubtful_text(discovery *d, uint32_t index);
 /** The robot refused to give a text, which is an answer, too. */
 void roburoc4_discovery_text_refused(discovery *d, const int32_t *io_counts, uint32_t list,
                                      uint32_t index);
+/** The roles whose input this text of a channel names, as bits 1 << role. */
+uint8_t roburoc4_discovery_roles(uint32_t list, const uint8_t *text, uint32_t length);
+/** As roles: the robot refused to give the text. */
+#define TEXT_REFUSED 0x80
+/** This answer seems to be that of a channel, but may belong to another request: it counts once it
+ * is believed. */
+void roburoc4_discovery_doubt(discovery *d, uint32_t list, uint32_t index, uint8_t roles);
+/** Nothing contradicted the doubted answer in time. True if an input with a role was found. */
+bool roburoc4_discovery_believe(discovery *d, const int32_t *io_counts);
 /** No answer came: the text is missing, and is requested again later. */
 void roburoc4_discovery_text_given_up(discovery *d, uint32_t list, uint32_t index);
 
@@ -209,6 +218,10 @@ void roburoc4_discovery_ask_again(discovery *d, const int32_t *io_counts);
  * agree on [A]. */
 roburoc4_result roburoc4_discovery_role(const discovery *d, const roburoc4_config *config,
                                         const int32_t *io_counts, uint32_t role, uint8_t fixed_id);
+/** The inputs of a bumper as bits; *certain is false if the robot's texts neither name nor refuse
+ * them for sure. */
+uint64_t roburoc4_discovery_bumper(const discovery *d, const roburoc4_config *config,
+                                   const int32_t *io_counts, uint32_t role, bool *certain);
 
 /** A text or a part of one: words of letters, digits and non-ASCII bytes, and separators. */
 typedef struct piece {

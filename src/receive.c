@@ -341,6 +341,9 @@ static void take_text(client *c, const slot *s, const roburoc4_text *text) {
     if (c->private_requests.fixed_id && s->ask.detail == LIST_DIRECTORY) {
         /* in fixed-id mode a late text may belong to another request: it identifies no service */
         roburoc4_discovery_doubtful_text(d, s->ask.subject);
+    } else if (c->private_requests.fixed_id) {
+        roburoc4_discovery_doubt(d, s->ask.detail, s->ask.subject,
+                                 roburoc4_discovery_roles(s->ask.detail, text->text, text->length));
     } else if (roburoc4_discovery_text(d, s->ask.detail, s->ask.subject, text->text,
                                        text->length)) {
         raise_event(c, ROBUROC4_EVENT_ROLE);
@@ -407,6 +410,23 @@ static bool measures_round_trip(const client *c, const slot *s, uint8_t id) {
             c->private_now_us - c->private_discovery.phase_us >= LATE_ANSWER_US);
 }
 
+/** An answer to no open request while a text is doubted. If it is about another kind of text, the
+ * doubted one may have been the answer to an earlier request, and this one is the right one: the
+ * text is requested again. */
+static void contradict(client *c, const uint8_t *data, size_t size, bool bad) {
+    discovery *d = &c->private_discovery;
+    roburoc4_text text;
+    uint8_t roles = TEXT_REFUSED;
+    if ((size > 1 && data[1] != ROBUROC4_ACTION_QUERY) ||
+        (size > 3 && load_u16(data + 2) != d->service_ids[ROBUROC4_SERVICE_IOCARD])) {
+        return;
+    }
+    if (!bad && roburoc4_decode_text(data, size, &text) >= 0) {
+        roles = roburoc4_discovery_roles(d->doubted_list, text.text, text.length);
+    }
+    d->doubted = d->doubted && roles == d->doubted_roles;
+}
+
 static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t size) {
     const bool bad = data[0] == ROBUROC4_HEADER_ERROR || (size >= 5 && data[4] != 0);
     if (size < 5 && !bad) {
@@ -421,6 +441,7 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
         }
     }
     if (s == NULL) {
+        contradict(c, data, size, bad);
         return ROBUROC4_ERR_UNMATCHED;
     }
     const slot request = *s;

@@ -139,7 +139,10 @@ void roburoc4_schedule_failed(client *c, const slot *s, roburoc4_result why) {
         }
         break;
     case ROBUROC4_ACTION_QUERY:
-        if (why == ROBUROC4_ERR_ROBOT) {
+        if (why == ROBUROC4_ERR_ROBOT && s->ask.detail != LIST_DIRECTORY &&
+            (c->private_requests.fixed_id || c->private_requests.single_texts)) {
+            roburoc4_discovery_doubt(d, s->ask.detail, s->ask.subject, TEXT_REFUSED);
+        } else if (why == ROBUROC4_ERR_ROBOT) {
             roburoc4_discovery_text_refused(d, c->private_values.io_counts, s->ask.detail,
                                             s->ask.subject);
         } else {
@@ -302,6 +305,12 @@ roburoc4_result roburoc4_schedule_poll(client *c, uint8_t *buffer, size_t capaci
                 /* find out whether only this service is silent */
                 open_about(c, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, REQUEST_TRIES);
             }
+            continue;
+        }
+        if (c->private_discovery.doubted && !c->private_requests.quiet) {
+            const bool found =
+                roburoc4_discovery_believe(&c->private_discovery, c->private_values.io_counts);
+            raise_event(c, found ? ROBUROC4_EVENT_ROLE : 0);
             continue;
         }
         if (!roburoc4_requests_free(&c->private_requests, 0) || !open_next(c)) {
