@@ -247,7 +247,8 @@ ROBUROC4_API roburoc4_result roburoc4_client_start(roburoc4_client *client, uint
 /** Begin to close: disarms, and stays in ROBUROC4_STATE_CLOSING until the stop sequence, if any,
  *  has ended. Keep calling receive() and poll_transmit() until the state is idle, at most
  *  robot_watchdog_ms or three drive periods. Subscriptions are kept, as other clients may share
- *  them. ROBUROC4_ERR_STATE if idle. */
+ *  them: where none does, end them before with roburoc4_client_subscribe(). ROBUROC4_ERR_STATE if
+ *  idle. */
 ROBUROC4_API roburoc4_result roburoc4_client_close(roburoc4_client *client, uint64_t now_us);
 
 /** Process a datagram from the robot. The caller ensures that it comes from the robot (connect the
@@ -283,12 +284,12 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
  * once; all other commands are at least a robot cycle (10 ms) apart. */
 
 /** Allow driving. Returns 0, or the first reason against it: ROBUROC4_ERR_NOT_READY,
- *  _NO_DIFFERENTIAL, _LIMITS, _STALE_DIFFERENTIAL, _STALE_IOCARD, _OVERRIDE_UNKNOWN, _OVERRIDE,
- *  _OTHER_COMMANDER, _MOVING. While armed, the client disarms itself as soon as one of these
- *  reasons except _MOVING applies, when the robot does not follow its speeds (_INHIBITED), when
- *  commands reach it late (_UPLINK), and lapse_disarm_ms after a lease expired (_LAPSED).
- *  Arming an armed client is fine. A ready client may not be armable yet, as the first statuses
- *  come later: ROBUROC4_EVENT_ARMABLE is raised whenever arming becomes possible;
+ *  _NO_DIFFERENTIAL, _LIMITS, _NOT_SUBSCRIBED, _STALE_DIFFERENTIAL, _STALE_IOCARD,
+ * _OVERRIDE_UNKNOWN, _OVERRIDE, _OTHER_COMMANDER, _MOVING. While armed, the client disarms itself
+ * as soon as one of these reasons except _MOVING applies, when the robot does not follow its speeds
+ * (_INHIBITED), when commands reach it late (_UPLINK), and lapse_disarm_ms after a lease expired
+ * (_LAPSED). Arming an armed client is fine. A ready client may not be armable yet, as the first
+ * statuses come later: ROBUROC4_EVENT_ARMABLE is raised whenever arming becomes possible;
  *  roburoc4_pump_arm() waits for it. */
 ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_client_arm(roburoc4_client *client,
                                                                      uint64_t now_us);

@@ -61,11 +61,11 @@ static roburoc4_result refusal(const client *c, uint64_t now_us) {
         return ROBUROC4_ERR_LIMITS;
     }
     if (!fresh(c, ROBUROC4_SERVICE_DIFFERENTIAL, now_us)) {
-        return ROBUROC4_ERR_STALE_DIFFERENTIAL;
+        return not_fresh(c, ROBUROC4_SERVICE_DIFFERENTIAL, ROBUROC4_ERR_STALE_DIFFERENTIAL);
     }
     if ((options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) == 0 || may_have_pad(c)) {
         if (!fresh(c, ROBUROC4_SERVICE_IOCARD, now_us)) {
-            return ROBUROC4_ERR_STALE_IOCARD;
+            return not_fresh(c, ROBUROC4_SERVICE_IOCARD, ROBUROC4_ERR_STALE_IOCARD);
         }
         if (!v->override_known) {
             return ROBUROC4_ERR_OVERRIDE_UNKNOWN;
@@ -294,6 +294,7 @@ static void forget_subscription(client *c, uint32_t service) {
     const uint8_t others = (uint8_t)~service_bit(service);
     d->acked &= others;
     d->declined &= others;
+    d->denied &= others;
     d->leaving &= others;
     roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_INSERT, (uint8_t)service);
     roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_DELETE, (uint8_t)service);
@@ -600,7 +601,7 @@ roburoc4_result roburoc4_client_service_link(const client *c, uint32_t service, 
     }
     const roburoc4_private_service *s = &c->private_link.services[STATUS_INDEX(service)];
     const discovery *d = &c->private_discovery;
-    f.subscribed = (d->wanted & ~d->declined & service_bit(service)) != 0;
+    f.subscribed = (d->wanted & ~d->denied & service_bit(service)) != 0;
     f.received = s->received;
     f.lost = s->lost;
     f.late = s->late;

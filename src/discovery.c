@@ -22,6 +22,7 @@ void roburoc4_discovery_restart(discovery *d) {
     d->inserted = 0;
     d->acked = 0;
     d->declined = 0;
+    d->denied = 0;
     d->leaving = 0;
     d->done = 0;
     d->doubted = 0;

@@ -135,6 +135,7 @@ static bool is_new(client *c, uint32_t service, uint64_t robot_cycles) {
         }
         return false;
     }
+    c->private_discovery.denied &= (uint8_t)~service_bit(service);
     if (c->private_state == ROBUROC4_STATE_SUBSCRIBING) {
         c->private_discovery.acked |= service_bit(service); /* as good as an acknowledgement */
         wake(c);
@@ -387,6 +388,7 @@ static roburoc4_result take_answer(client *c, const slot *s, const uint8_t *data
     case ROBUROC4_ACTION_INSERT:
         roburoc4_link_expect(&c->private_link, STATUS_INDEX((uint32_t)s->ask.kind));
         d->acked |= service_bit(s->ask.kind);
+        d->denied &= (uint8_t)~service_bit(s->ask.kind);
         break;
     case ROBUROC4_ACTION_DELETE:
         d->leaving &= (uint8_t)~service_bit(s->ask.kind);

@@ -51,6 +51,12 @@ static uint32_t subscriptions_due(const client *c) {
     return d->wanted & d->listed & readable & ~(uint32_t)(d->acked | d->declined);
 }
 
+bool roburoc4_schedule_all_declined(const client *c) {
+    const discovery *d = &c->private_discovery;
+    return c->private_state == ROBUROC4_STATE_SUBSCRIBING && subscriptions_due(c) == 0 &&
+           (d->declined & d->wanted & d->listed) != 0 && (d->acked & d->wanted) == 0;
+}
+
 static bool open_first_insert(client *c) {
     const uint32_t service = open_first(c, ROBUROC4_ACTION_INSERT, subscriptions_due(c));
     if (service == 0) {
@@ -152,6 +158,10 @@ void roburoc4_schedule_failed(client *c, const slot *s, roburoc4_result why) {
     case ROBUROC4_ACTION_INSERT:
         raise_event(c, ROBUROC4_EVENT_SUBSCRIPTION_REFUSED);
         d->declined |= service_bit(s->ask.kind);
+        d->denied |= service_bit(s->ask.kind);
+        if (c->private_state == ROBUROC4_STATE_SUBSCRIBING) {
+            d->phase_us = c->private_now_us; /* for all_declined(): meanwhile texts are read */
+        }
         break;
     case ROBUROC4_ACTION_DELETE:
         d->leaving &= (uint8_t)~service_bit(s->ask.kind);
@@ -209,7 +219,11 @@ static void advance(client *c) {
         }
         roburoc4_lifecycle_enter(c, ROBUROC4_STATE_SUBSCRIBING);
     }
-    if (c->private_state == ROBUROC4_STATE_SUBSCRIBING && subscriptions_due(c) == 0) {
+    if (roburoc4_schedule_all_declined(c)) { /* not ready: there is no data */
+        if (c->private_now_us - d->phase_us >= PROBE_US) {
+            d->declined = 0;
+        }
+    } else if (c->private_state == ROBUROC4_STATE_SUBSCRIBING && subscriptions_due(c) == 0) {
         d->probe_us = c->private_now_us;
         roburoc4_lifecycle_enter(c, ROBUROC4_STATE_READY);
     }
