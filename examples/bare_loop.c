@@ -43,10 +43,14 @@ static int application(uint32_t events, uint64_t now_us) {
     case DRIVING:
         if (events & ROBUROC4_EVENT_LOCALIZATION &&
             roburoc4_client_localization(&client, &pose, NULL) == 0) {
-            if (pose.x_m < 1.0) {
-                roburoc4_client_drive(&client, 0.5f, 0.0f, 0, now_us);
-            } else {
-                roburoc4_client_stop(&client, now_us);
+            const int there = pose.x_m >= 1.0;
+            roburoc4_result result = there ? roburoc4_client_stop(&client, now_us)
+                                           : roburoc4_client_drive(&client, 0.5f, 0.0f, 0, now_us);
+            if (result < 0) {
+                printf("%5.2f s  refused: %s\n", now_s, roburoc4_result_text(result));
+                return 1;
+            }
+            if (there) {
                 printf("%5.2f s  stopping at x %.2f m\n", now_s, pose.x_m);
                 phase = STOPPING;
             }

@@ -65,7 +65,8 @@ enum gate_verdict gate_drive(gate *gate, roburoc4_client *client, float linear_m
 
 void gate_stop_client(gate *gate, roburoc4_client *client, const char *sender, size_t length,
                       uint64_t now_us) {
-    (void)roburoc4_client_stop(client, now_us);
+    const roburoc4_result stopped = roburoc4_client_stop(client, now_us);
+    (void)stopped; /* nothing moves if it is idle or closing */
     gate_stop(gate, sender, length, now_us);
     gate_count_taken(gate, GATE_STOP);
 }

@@ -148,7 +148,8 @@ ROBUROC4_API uint32_t roburoc4_abi_version(void);
 /** In role_index: find the input by the robot's texts. The override is known once the robot gave or
  *  refused the text of every digital input, and exactly one text names [A]. If none does, the
  *  manual's table decides, provided that the robot refused that input's text and has as many
- *  channels as in the manual. Other roles are found by their text, else by the manual's table. */
+ *  channels as in the manual. Other roles are found by their text, else by the manual's table. A
+ *  bumper may have several inputs. */
 #define ROBUROC4_INDEX_AUTO (-1)
 /** In iocard_id and differential_id: find the service. */
 #define ROBUROC4_ID_AUTO (-1)
@@ -191,8 +192,8 @@ typedef struct roburoc4_config {
     /** By ROBUROC4_ROLE_*: index of the input on the wire, or ROBUROC4_INDEX_AUTO (default);
      *  to 63 for the digital ones, 15 for the analog one. */
     int16_t role_index[4];
-    uint32_t lapse_disarm_ms; /* a lease that expired and was not renewed for this long disarms; 0 to
-                                 60000; default 1000. What pause() ended stays armed */
+    uint32_t lapse_disarm_ms; /* a lease that expired and was not renewed for this long disarms; 0
+                                 to 60000; default 1000. What pause() ended stays armed */
     /** Ids of services on the wire, for a robot whose types and texts do not identify them; they
      *  must be in its directory. ROBUROC4_ID_AUTO (default): found by type, text, or the manual's
      *  id. */
@@ -246,7 +247,8 @@ ROBUROC4_API roburoc4_result roburoc4_client_start(roburoc4_client *client, uint
 /** Begin to close: disarms, and stays in ROBUROC4_STATE_CLOSING until the stop sequence, if any,
  *  has ended. Keep calling receive() and poll_transmit() until the state is idle, at most
  *  robot_watchdog_ms or three drive periods. Subscriptions are kept, as other clients may share
- *  them. ROBUROC4_ERR_STATE if idle. */
+ *  them: where none does, end them before with roburoc4_client_subscribe(). ROBUROC4_ERR_STATE if
+ *  idle. */
 ROBUROC4_API roburoc4_result roburoc4_client_close(roburoc4_client *client, uint64_t now_us);
 
 /** Process a datagram from the robot. The caller ensures that it comes from the robot (connect the
@@ -278,18 +280,19 @@ ROBUROC4_API uint32_t roburoc4_client_count(const roburoc4_client *client, uint3
  * commands, one per drive period, at least three, until a status that was made after the first of
  * them shows both targets 0, or robot_watchdog_ms has passed. Nothing confirms it while [A] is
  * held; it is sent again when [A] is released, and for as long as a fresh status shows a target of
- * ours without a lease. A new lease waits for its end. The first zero after a speed is sent at once;
- * all other commands are at least a robot cycle (10 ms) apart. */
+ * ours without a lease. A new lease waits for its end. The first zero after a speed is sent at
+ * once; all other commands are at least a robot cycle (10 ms) apart. */
 
 /** Allow driving. Returns 0, or the first reason against it: ROBUROC4_ERR_NOT_READY,
- *  _NO_DIFFERENTIAL, _LIMITS, _STALE_DIFFERENTIAL, _STALE_IOCARD, _OVERRIDE_UNKNOWN, _OVERRIDE,
- *  _OTHER_COMMANDER, _MOVING. While armed, the client disarms itself as soon as one of these
- *  reasons except _MOVING applies, when the robot does not follow its speeds (_INHIBITED), when
- *  commands reach it late (_UPLINK), and lapse_disarm_ms after a lease expired (_LAPSED).
- *  Arming an armed client is fine. A ready client may not be armable yet, as the first statuses
- *  come later: ROBUROC4_EVENT_ARMABLE is raised whenever arming becomes possible;
+ *  _NO_DIFFERENTIAL, _LIMITS, _NOT_SUBSCRIBED, _STALE_DIFFERENTIAL, _STALE_IOCARD,
+ * _OVERRIDE_UNKNOWN, _OVERRIDE, _OTHER_COMMANDER, _MOVING. While armed, the client disarms itself
+ * as soon as one of these reasons except _MOVING applies, when the robot does not follow its speeds
+ * (_INHIBITED), when commands reach it late (_UPLINK), and lapse_disarm_ms after a lease expired
+ * (_LAPSED). Arming an armed client is fine. A ready client may not be armable yet, as the first
+ * statuses come later: ROBUROC4_EVENT_ARMABLE is raised whenever arming becomes possible;
  *  roburoc4_pump_arm() waits for it. */
-ROBUROC4_API roburoc4_result roburoc4_client_arm(roburoc4_client *client, uint64_t now_us);
+ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_client_arm(roburoc4_client *client,
+                                                                     uint64_t now_us);
 /** 1 if a reason against arming may go away by itself (no answer or status yet, the robot still
  *  rolls), so that trying again makes sense; else 0, also for a value that is not a reason. */
 ROBUROC4_API int32_t roburoc4_refusal_may_pass(roburoc4_result refusal);
@@ -302,14 +305,17 @@ ROBUROC4_API int32_t roburoc4_refusal_may_pass(roburoc4_result refusal);
  *  clamped to the robot's limits and the ceilings. ROBUROC4_ERR_NOT_FINITE, _UNITS (more than
  *  ROBUROC4_MAX_DRIVE_M_S or _RAD_S), _ARGUMENT (lease), or why the client is not armed; then
  *  nothing changes. */
-ROBUROC4_API roburoc4_result roburoc4_client_drive(roburoc4_client *client, float linear_m_s,
-                                                   float angular_rad_s, uint32_t lease_us,
-                                                   uint64_t now_us);
+ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_client_drive(roburoc4_client *client,
+                                                                       float linear_m_s,
+                                                                       float angular_rad_s,
+                                                                       uint32_t lease_us,
+                                                                       uint64_t now_us);
 /** Stop the robot, and disarm: end the lease and send a stop sequence, armed or not, now or as soon
  *  as the differential service is known. drive() is refused (ROBUROC4_ERR_STOPPED) until somebody
  *  calls arm() again. ROBUROC4_ERR_STATE if idle or closing: then nothing is to be stopped, and
  *  nothing changes. */
-ROBUROC4_API roburoc4_result roburoc4_client_stop(roburoc4_client *client, uint64_t now_us);
+ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_client_stop(roburoc4_client *client,
+                                                                      uint64_t now_us);
 /** As stop(), but stay armed: the program's own end of driving, after which it may drive() again.
  *  ROBUROC4_ERR_STATE if idle or closing. */
 ROBUROC4_API roburoc4_result roburoc4_client_pause(roburoc4_client *client, uint64_t now_us);
@@ -327,10 +333,12 @@ typedef struct roburoc4_facts {
     uint8_t inhibited;       /* 1: the robot does not follow its commands (emergency stop, brakes,
                                 bumper); this disarms */
     uint8_t fixed_id;        /* 1: the robot answers every request with 0x01 */
-    uint8_t front_bumper;    /* 1: pressed, by the last IO status */
+    uint8_t front_bumper;    /* 1: pressed, by the last IO status; of several inputs, any */
     uint8_t rear_bumper;
-    uint8_t front_bumper_known; /* 1: `front_bumper` is valid: its input is known, and a status of
-                                   it was received since the robot was found */
+    uint8_t front_bumper_known; /* 1: `front_bumper` is valid: the program set its input, or the
+                                   robot gave or refused the text of every digital input, and one
+                                   names it, or that of the manual's table was refused; and a
+                                   status was received since the robot was found */
     uint8_t rear_bumper_known;  /* likewise */
     uint8_t battery_low;        /* 1: remaining is below minimum_percent, or the state is Critical */
     uint8_t battery_known;      /* 1: `battery_low` is valid */
@@ -343,8 +351,8 @@ typedef struct roburoc4_facts {
     uint8_t reserved[2];
     int32_t disarm_cause;      /* why the client is not armed; 0 while armed */
     int32_t arm_refusal;       /* what roburoc4_client_arm() would return */
-    int32_t relocalize_result; /* of the last one: 0, ROBUROC4_ERR_TIMEOUT or _ROBOT; _UNKNOWN
-                                  before the first, and until it is answered */
+    int32_t relocalize_result; /* of the last one: 0, ROBUROC4_ERR_TIMEOUT, _MOVING or _ROBOT;
+                                  _UNKNOWN before the first, and until it is answered */
     uint32_t lease_left_us;    /* 0 when not driving */
     float sent_linear_m_s, sent_angular_rad_s; /* the last speeds sent; 0 after a stop */
     uint32_t age_us[8]; /* by ROBUROC4_SERVICE_*: how old the last status can be at most, now;
@@ -391,8 +399,8 @@ ROBUROC4_API roburoc4_result roburoc4_client_description(const roburoc4_client *
                                                          const uint8_t *datagram, size_t size,
                                                          roburoc4_description *out);
 
-/** The wire index of the input with ROBUROC4_ROLE_*. ROBUROC4_ERR_UNKNOWN, or _ARGUMENT for no such
- *  role. */
+/** The wire index of the input with ROBUROC4_ROLE_*, the lowest if a bumper has several.
+ *  ROBUROC4_ERR_UNKNOWN, or _ARGUMENT for no such role. */
 ROBUROC4_API roburoc4_result roburoc4_client_role_index(const roburoc4_client *client,
                                                         uint32_t role);
 /** The manual's name (5.5.1) of a channel of this robot's IO card, for channels without a text of
@@ -462,9 +470,13 @@ ROBUROC4_API roburoc4_result roburoc4_client_set_analog_output(roburoc4_client *
                                                                uint32_t index, float value,
                                                                uint64_t now_us);
 
-/** Set the robot's pose (REPLACE, 4.2.6.5). The request is repeated until it is answered, for at
- *  most 2 s; a later call replaces it. It ends with ROBUROC4_EVENT_RELOCALIZED or
- *  _RELOCALIZE_FAILED. ROBUROC4_ERR_NOT_FINITE, _NOT_READY, _UNKNOWN (no localization service). */
+/** Set the robot's pose (REPLACE, 4.2.6.5). The request is sent at once. While the robot is at rest
+ *  by fresh statuses, it is repeated until it is answered, for at most 2 s. Once it has
+ *  moved, the pose is an old one: the request is not repeated, and fails unless the first answer
+ *  comes in time (relocalize_result: ROBUROC4_ERR_MOVING). Nor is it repeated after a time without
+ *  fresh statuses. A later call replaces it. It ends with ROBUROC4_EVENT_RELOCALIZED or
+ *  _RELOCALIZE_FAILED. ROBUROC4_ERR_NOT_FINITE, _NOT_READY, _UNKNOWN
+ * (no localization service). */
 ROBUROC4_API roburoc4_result roburoc4_client_relocalize(roburoc4_client *client, double x_m,
                                                         double y_m, double theta_rad,
                                                         uint64_t now_us);
@@ -528,7 +540,7 @@ typedef struct roburoc4_private_slot {
 
 typedef struct roburoc4_private_requests {
     uint8_t last_id, fixed_id, id_mode, quiet, announce, single_texts;
-    uint8_t reserved[2];
+    uint16_t slowest_ms;
     uint64_t quiet_us;
     roburoc4_private_slot slots[4];
 } roburoc4_private_requests;
@@ -561,9 +573,9 @@ typedef struct roburoc4_private_drive {
     uint8_t unconfirmed, echo_due;
     uint16_t service;
     uint32_t lease_us;
-    uint64_t granted_us, sent_us, stop_us, envelope_us, heard_us, echo_us;
+    uint64_t granted_us, sent_us, stop_us, envelope_us, heard_us;
     int32_t disarm_cause;
-    uint32_t reserved;
+    uint32_t echo_us;
     float target[2], sent[2];
     float low[2], high[2], low_before[2], high_before[2];
     float echoed[2], echo_low[2], echo_high[2];
@@ -579,7 +591,7 @@ typedef struct roburoc4_private_discovery {
     uint8_t service_count, listed, known, refused;
     uint8_t wanted, inserted, acked, declined;
     uint8_t leaving, identified, probe_kind, done;
-    uint8_t described_kind, table_pad_refused;
+    uint8_t described_kind, table_refused;
     uint16_t described_index;
     uint16_t service_ids[8];
     uint64_t phase_us, probe_us;
@@ -587,7 +599,10 @@ typedef struct roburoc4_private_discovery {
     int16_t role_texts[4];
     uint16_t types[ROBUROC4_MAX_SERVICES], ids[ROBUROC4_MAX_SERVICES];
     uint8_t claims[ROBUROC4_MAX_SERVICES];
-    uint8_t text_due, reserved[7];
+    uint8_t text_due, denied;
+    uint8_t doubted, doubted_list, doubted_roles, reserved;
+    uint16_t doubted_index;
+    uint64_t bumpers[2];
 } roburoc4_private_discovery;
 
 typedef struct roburoc4_private_values {
@@ -607,7 +622,7 @@ typedef struct roburoc4_private_values {
 } roburoc4_private_values;
 
 typedef struct roburoc4_private_outputs {
-    uint8_t repeats, relocalizing, reserved[2];
+    uint8_t repeats, relocalizing, moved, unwatched;
     int32_t relocalize_result;
     uint64_t digital, sent_us, relocalize_us;
     double x_m, y_m, theta_rad;
@@ -626,7 +641,7 @@ struct roburoc4_client {
     roburoc4_private_outputs private_outputs;
     roburoc4_private_link private_link;
     roburoc4_private_values private_values;
-    uint32_t private_reserved[4];
+    uint32_t private_reserved[2];
 };
 
 #ifdef __cplusplus

@@ -27,6 +27,22 @@ extern "C" {
 #define ROBUROC4_API
 #endif
 
+/** Before functions whose result a program must look at: compilers that can do so warn where it is
+ *  ignored. May be defined beforehand, for example as nothing. */
+#ifndef ROBUROC4_MUST_CHECK
+#if defined(SWIG)
+#define ROBUROC4_MUST_CHECK
+#elif defined(__cplusplus) && __cplusplus >= 201703L
+#define ROBUROC4_MUST_CHECK [[nodiscard]]
+#elif defined(__GNUC__)
+#define ROBUROC4_MUST_CHECK __attribute__((warn_unused_result))
+#elif defined(_MSC_VER) && defined(_Check_return_)
+#define ROBUROC4_MUST_CHECK _Check_return_
+#else
+#define ROBUROC4_MUST_CHECK
+#endif
+#endif
+
 /* -------------------------------------------------------------------------------- results --- */
 
 /** 0 or more: success, often a length. Negative: one of ROBUROC4_ERR_*. */
@@ -68,10 +84,10 @@ typedef int32_t roburoc4_result;
 #define ROBUROC4_ERR_CLOCK (-32)              /* the clock went back */
 #define ROBUROC4_ERR_INHIBITED (-33)          /* the robot does not follow its commands */
 #define ROBUROC4_ERR_STOPPED (-34)            /* stop() was called */
-#define ROBUROC4_ERR_LAPSED (-35)             /* a lease expired, and the program did not renew it */
-#define ROBUROC4_ERR_UPLINK (-36)             /* commands reach the robot late, or not at all */
-#define ROBUROC4_ERR_UNITS (-37)              /* a speed beyond any RobuROC4: mm/s, degrees? */
-#define ROBUROC4_ERR_NOT_SUBSCRIBED (-38)     /* the robot refused a subscription for driving */
+#define ROBUROC4_ERR_LAPSED (-35)         /* a lease expired, and the program did not renew it */
+#define ROBUROC4_ERR_UPLINK (-36)         /* commands reach the robot late, or not at all */
+#define ROBUROC4_ERR_UNITS (-37)          /* a speed beyond any RobuROC4: mm/s, degrees? */
+#define ROBUROC4_ERR_NOT_SUBSCRIBED (-38) /* the robot refused a subscription for driving */
 /* of the UDP adapter and the pump (roburoc4_udp.h, roburoc4_pump.h) */
 #define ROBUROC4_ERR_SYSTEM (-40)  /* the operating system refused; errno says why */
 #define ROBUROC4_ERR_RESOLVE (-41) /* a host name has no address */

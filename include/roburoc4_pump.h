@@ -79,6 +79,11 @@ typedef struct roburoc4_pump roburoc4_pump;
 ROBUROC4_API roburoc4_pump *
 roburoc4_pump_create(const roburoc4_address *address, const roburoc4_config *config,
                      uint32_t queue_capacity, roburoc4_recorder *recorder, roburoc4_result *result);
+/** The same, sending from this local address and port: see roburoc4_udp_open_from(). */
+ROBUROC4_API roburoc4_pump *
+roburoc4_pump_create_from(const roburoc4_address *address, const roburoc4_address *local,
+                          const roburoc4_config *config, uint32_t queue_capacity,
+                          roburoc4_recorder *recorder, roburoc4_result *result);
 /** Store the client's events, and the samples and texts that they announce, for readers: after the
  *  client received `datagram`, or was polled (NULL). Between lock and unlock, and only with a pump
  *  without an address. */
@@ -113,16 +118,17 @@ ROBUROC4_API void roburoc4_pump_unlock(roburoc4_pump *pump);
  *  roburoc4_refusal_may_pass()), such as a held game pad, else after the time.
  *  ROBUROC4_ERR_STOPPED if roburoc4_pump_request_stop() was called meanwhile; ROBUROC4_ERR_CLOSED,
  *  also with a pump that was made without an address. */
-ROBUROC4_API roburoc4_result roburoc4_pump_arm(roburoc4_pump *pump, uint32_t timeout_us);
-/** For signal handlers: stop the robot and disarm, as roburoc4_client_stop() does. It only sets a request for the thread, so it never waits and keeps
- *  errno; the link stays up. If the lock is held meanwhile, the zeros are sent when it is released,
- *  and a speed granted in between is never sent. The program's next drive() returns
- *  ROBUROC4_ERR_STOPPED. Several requests count as one. May also be called outside of handlers;
- *  does nothing with a NULL pump, after close, in a forked child, or with a pump without an
- *  address. It must not be called after destroy: first set the pointer that the handler uses to
- *  NULL. Windows: for the handler of SetConsoleCtrlHandler(), which is a thread of its own. On
- *  CTRL_CLOSE_EVENT and later ones Windows ends the process when the handler returns: call
- *  roburoc4_pump_close() there, which waits for the stop. */
+ROBUROC4_MUST_CHECK ROBUROC4_API roburoc4_result roburoc4_pump_arm(roburoc4_pump *pump,
+                                                                   uint32_t timeout_us);
+/** For signal handlers: stop the robot and disarm, as roburoc4_client_stop() does. It only sets a
+ * request for the thread, so it never waits and keeps errno; the link stays up. If the lock is held
+ * meanwhile, the zeros are sent when it is released, and a speed granted in between is never sent.
+ * The program's next drive() returns ROBUROC4_ERR_STOPPED. Several requests count as one. May also
+ * be called outside of handlers; does nothing with a NULL pump, after close, in a forked child, or
+ * with a pump without an address. It must not be called after destroy: first set the pointer that
+ * the handler uses to NULL. Windows: for the handler of SetConsoleCtrlHandler(), which is a thread
+ * of its own. On CTRL_CLOSE_EVENT and later ones Windows ends the process when the handler returns:
+ * call roburoc4_pump_close() there, which waits for the stop. */
 ROBUROC4_API void roburoc4_pump_request_stop(roburoc4_pump *pump);
 /** 1 while the thread runs, 0 after roburoc4_pump_close() or in a forked child. */
 ROBUROC4_API int32_t roburoc4_pump_running(roburoc4_pump *pump);

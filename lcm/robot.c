@@ -384,7 +384,8 @@ static void lose_socket(robot *robot, roburoc4_result why, gate_time now) {
     robot->has_drive = false;
     robot->state.due = true;
     robot->open_us = now.us + REOPEN_US;
-    (void)roburoc4_client_stop(&robot->client, now.us);
+    const roburoc4_result stopped = roburoc4_client_stop(&robot->client, now.us);
+    (void)stopped; /* nothing moves if it is idle or closing */
     gate_hold(&robot->gate, now.us);
     (void)roburoc4_udp_transmit_all(&robot->udp, &robot->client); /* it may still be able to send */
     watch_set(robot->number, -1);

@@ -11,16 +11,16 @@ LAYOUT(slot, sizeof(roburoc4_private_slot) == 24);
 LAYOUT(requests, sizeof(roburoc4_private_requests) == 112);
 LAYOUT(service, sizeof(roburoc4_private_service) == 64);
 LAYOUT(link, sizeof(roburoc4_private_link) == 424);
-LAYOUT(drive, sizeof(roburoc4_private_drive) == 152);
+LAYOUT(drive, sizeof(roburoc4_private_drive) == 144);
 LAYOUT(follow, sizeof(roburoc4_private_follow) == 32);
-LAYOUT(discovery, sizeof(roburoc4_private_discovery) == 224);
+LAYOUT(discovery, sizeof(roburoc4_private_discovery) == 240);
 LAYOUT(values, sizeof(roburoc4_private_values) == 456);
 LAYOUT(outputs, sizeof(roburoc4_private_outputs) == 72);
 LAYOUT(config, sizeof(roburoc4_config) == 88);
 LAYOUT(client, sizeof(roburoc4_client) == 1664);
 LAYOUT(client_drive, offsetof(roburoc4_client, private_drive) == 120);
-LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 768);
-LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1192);
+LAYOUT(client_link, offsetof(roburoc4_client, private_link) == 776);
+LAYOUT(client_values, offsetof(roburoc4_client, private_values) == 1200);
 
 /* The longest wait before a request is repeated while the client is not ready. */
 #define PATIENCE_US (5 * SECOND)
@@ -65,7 +65,7 @@ void roburoc4_lifecycle_relocalize_ends(client *c, roburoc4_result result) {
 
 void roburoc4_lifecycle_forget_services(client *c, uint32_t state) {
     roburoc4_discovery_restart(&c->private_discovery);
-    roburoc4_requests_cancel_all(&c->private_requests);
+    roburoc4_requests_cancel_all(&c->private_requests, c->private_now_us);
     roburoc4_link_invalidate(&c->private_link);
     forget_override(c);
     if (c->private_outputs.relocalizing) {
@@ -107,6 +107,7 @@ void roburoc4_lifecycle_clock_fault(client *c, uint64_t now_us) {
     roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_CLOCK);
     roburoc4_drive_rebase(&c->private_drive, now_us);
     roburoc4_requests_rebase(&c->private_requests, now_us);
+    c->private_discovery.doubted = 0; /* copies of its answer are no longer waited for */
     roburoc4_link_rebase(&c->private_link, now_us);
     c->private_discovery.phase_us = now_us;
     c->private_discovery.probe_us = now_us - SECOND; /* no age is known before the first answer */
@@ -259,6 +260,9 @@ static uint64_t next_deadline(const client *c) {
     }
     if (c->private_state == ROBUROC4_STATE_DISCOVERING && !d->identified) {
         deadline = sooner(deadline, &d->phase_us, IDENTIFY_US);
+    }
+    if (roburoc4_schedule_all_declined(c)) {
+        deadline = sooner(deadline, &d->phase_us, SECOND);
     }
     if (c->private_state == ROBUROC4_STATE_READY) {
         const uint64_t silent_us = roburoc4_schedule_deadline(c);

@@ -23,11 +23,28 @@ static bool may_have_pad(const client *c) {
     const bool automatic =
         c->private_config.role_index[ROBUROC4_ROLE_OVERRIDE] == ROBUROC4_INDEX_AUTO;
     if ((d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0) {
-        return !automatic || roburoc4_discovery_doubtful(d);
+        return !automatic || roburoc4_discovery_doubtful(d, &c->private_config);
     }
     return (d->known & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0 ||
            (automatic && !roburoc4_discovery_inputs_passed(d, c->private_values.io_counts)) ||
            index_of_role(c, ROBUROC4_ROLE_OVERRIDE) >= 0;
+}
+
+/** Services that were to be subscribed to, but send nothing. */
+static uint8_t missing(const client *c) {
+    const discovery *d = &c->private_discovery;
+    return d->identified ? (uint8_t)(d->wanted & (~d->listed | d->denied)) : 0;
+}
+
+/** Why there is no fresh status of a service: `stale`, unless there is no subscription. A service
+ * that is not listed may be one that is not identified yet. */
+static roburoc4_result not_fresh(const client *c, uint32_t service, roburoc4_result stale) {
+    const discovery *d = &c->private_discovery;
+    const bool listed = (d->listed & service_bit(service)) != 0;
+    return (missing(c) & service_bit(service)) != 0 &&
+                   (listed || !roburoc4_discovery_doubtful(d, &c->private_config))
+               ? ROBUROC4_ERR_NOT_SUBSCRIBED
+               : stale;
 }
 
 /** Why driving is not allowed now, or 0. */
@@ -44,11 +61,11 @@ static roburoc4_result refusal(const client *c, uint64_t now_us) {
         return ROBUROC4_ERR_LIMITS;
     }
     if (!fresh(c, ROBUROC4_SERVICE_DIFFERENTIAL, now_us)) {
-        return ROBUROC4_ERR_STALE_DIFFERENTIAL;
+        return not_fresh(c, ROBUROC4_SERVICE_DIFFERENTIAL, ROBUROC4_ERR_STALE_DIFFERENTIAL);
     }
     if ((options & ROBUROC4_OPTION_ALLOW_UNKNOWN_OVERRIDE) == 0 || may_have_pad(c)) {
         if (!fresh(c, ROBUROC4_SERVICE_IOCARD, now_us)) {
-            return ROBUROC4_ERR_STALE_IOCARD;
+            return not_fresh(c, ROBUROC4_SERVICE_IOCARD, ROBUROC4_ERR_STALE_IOCARD);
         }
         if (!v->override_known) {
             return ROBUROC4_ERR_OVERRIDE_UNKNOWN;
@@ -134,7 +151,12 @@ roburoc4_result roburoc4_client_drive(client *c, float linear_m_s, float angular
     }
     begin_call(c, now_us);
     roburoc4_control_tick(c);
-    return roburoc4_drive_grant(&c->private_drive, target, lease_us, now_us);
+    const roburoc4_result result =
+        roburoc4_drive_grant(&c->private_drive, target, lease_us, now_us);
+    if (c->private_outputs.relocalizing) {
+        roburoc4_schedule_watch_pose(c);
+    }
+    return result;
 }
 
 roburoc4_result roburoc4_client_pause(client *c, uint64_t now_us) {
@@ -261,6 +283,9 @@ roburoc4_result roburoc4_client_relocalize(client *c, double x_m, double y_m, do
     o->relocalizing = 1;
     o->relocalize_result = ROBUROC4_ERR_UNKNOWN;
     o->relocalize_us = now_us;
+    o->moved = 0;
+    o->unwatched = 0;
+    roburoc4_schedule_watch_pose(c);
     return ROBUROC4_OK;
 }
 
@@ -274,6 +299,7 @@ static void forget_subscription(client *c, uint32_t service) {
     const uint8_t others = (uint8_t)~service_bit(service);
     d->acked &= others;
     d->declined &= others;
+    d->denied &= others;
     d->leaving &= others;
     roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_INSERT, (uint8_t)service);
     roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_DELETE, (uint8_t)service);
@@ -482,20 +508,13 @@ roburoc4_result roburoc4_client_distances(const client *c, roburoc4_distances *o
 
 /* ---- facts and statistics ---- */
 
-static uint8_t input_known(const client *c, uint32_t role) {
-    return c->private_link.services[STATUS_INDEX(ROBUROC4_SERVICE_IOCARD)].fresh &&
-           index_of_role(c, role) >= 0;
-}
-
-static uint8_t input_of_role(const client *c, uint32_t role) {
-    const roburoc4_result index = index_of_role(c, role);
-    return index >= 0 ? (uint8_t)(c->private_values.digital >> index & 1) : 0;
-}
-
-/** Services that were to be subscribed to, but send nothing. */
-static uint8_t missing(const client *c) {
-    const discovery *d = &c->private_discovery;
-    return d->identified ? (uint8_t)(d->wanted & (~d->listed | d->declined)) : 0;
+/** Whether a bumper is pressed, by any of its inputs, and whether that is known. */
+static uint8_t bumper(const client *c, uint32_t role, uint8_t *known) {
+    bool certain;
+    const uint64_t inputs = roburoc4_discovery_bumper(&c->private_discovery, &c->private_config,
+                                                      c->private_values.io_counts, role, &certain);
+    *known = certain && c->private_link.services[STATUS_INDEX(ROBUROC4_SERVICE_IOCARD)].fresh;
+    return (c->private_values.digital & inputs) != 0;
 }
 
 static uint32_t clipped(uint64_t span_us) {
@@ -527,8 +546,8 @@ roburoc4_result roburoc4_client_facts(const client *c, uint64_t now_us, roburoc4
     f.other_commander = d->other_commander;
     f.inhibited = d->inhibited;
     f.fixed_id = c->private_requests.fixed_id;
-    f.front_bumper = input_of_role(c, ROBUROC4_ROLE_FRONT_BUMPER);
-    f.rear_bumper = input_of_role(c, ROBUROC4_ROLE_REAR_BUMPER);
+    f.front_bumper = bumper(c, ROBUROC4_ROLE_FRONT_BUMPER, &f.front_bumper_known);
+    f.rear_bumper = bumper(c, ROBUROC4_ROLE_REAR_BUMPER, &f.rear_bumper_known);
     f.descriptions_done = c->private_discovery.done;
     f.battery_low = v->battery_low != 0;
     f.disarm_cause = d->armed ? ROBUROC4_OK : d->disarm_cause;
@@ -539,8 +558,6 @@ roburoc4_result roburoc4_client_facts(const client *c, uint64_t now_us, roburoc4
     f.sent_angular_rad_s = d->sent[1];
     f.lapsed = d->lapsed || (d->lease_active && !f.driving);
     f.stop_outcome = f.stopping ? ROBUROC4_STOP_RUNNING : d->outcome;
-    f.front_bumper_known = input_known(c, ROBUROC4_ROLE_FRONT_BUMPER);
-    f.rear_bumper_known = input_known(c, ROBUROC4_ROLE_REAR_BUMPER);
     f.battery_known = c->private_link.services[STATUS_INDEX(ROBUROC4_SERVICE_BATTERY)].fresh;
     f.missing = missing(c);
     memset(f.reserved, 0, sizeof f.reserved);
@@ -589,7 +606,7 @@ roburoc4_result roburoc4_client_service_link(const client *c, uint32_t service, 
     }
     const roburoc4_private_service *s = &c->private_link.services[STATUS_INDEX(service)];
     const discovery *d = &c->private_discovery;
-    f.subscribed = (d->wanted & ~d->declined & service_bit(service)) != 0;
+    f.subscribed = (d->wanted & ~d->denied & service_bit(service)) != 0;
     f.received = s->received;
     f.lost = s->lost;
     f.late = s->late;

@@ -22,8 +22,10 @@ void roburoc4_discovery_restart(discovery *d) {
     d->inserted = 0;
     d->acked = 0;
     d->declined = 0;
+    d->denied = 0;
     d->leaving = 0;
     d->done = 0;
+    d->doubted = 0;
     memset(d->given_up, 0, sizeof d->given_up);
 }
 
@@ -31,7 +33,9 @@ void roburoc4_discovery_forget_inputs(discovery *d) {
     memset(d->described, 0, LIST_DIRECTORY * sizeof d->described[0]);
     memset(d->given_up, 0, LIST_DIRECTORY * sizeof d->given_up[0]);
     memset(d->role_texts, 0xFF, sizeof d->role_texts); /* ROLE_TEXT_NONE */
-    d->table_pad_refused = 0;
+    memset(d->bumpers, 0, sizeof d->bumpers);
+    d->table_refused = 0;
+    d->doubted = 0;
     d->done = 0;
 }
 
@@ -84,10 +88,27 @@ static uint8_t kind_of_type(uint16_t type) {
     }
 }
 
-bool roburoc4_discovery_may_drive(const discovery *d, uint16_t id) {
+/** The id that the program set for a service, or ROBUROC4_ID_AUTO. */
+static int32_t set_id(const roburoc4_config *config, uint32_t kind) {
+    return kind == ROBUROC4_SERVICE_IOCARD         ? config->iocard_id
+           : kind == ROBUROC4_SERVICE_DIFFERENTIAL ? config->differential_id
+                                                   : ROBUROC4_ID_AUTO;
+}
+
+/** The service for which the program set this id, or CLAIM_NONE. */
+static uint8_t kind_set(const roburoc4_config *config, uint16_t id) {
+    return id == config->iocard_id         ? ROBUROC4_SERVICE_IOCARD
+           : id == config->differential_id ? ROBUROC4_SERVICE_DIFFERENTIAL
+                                           : CLAIM_NONE;
+}
+
+bool roburoc4_discovery_may_drive(const discovery *d, const roburoc4_config *config, uint16_t id) {
     for (uint32_t i = 0; i < d->service_count; i++) {
-        const uint8_t kind = kind_of_type(d->types[i]);
-        if (d->ids[i] == id && (kind == CLAIM_NONE || kind == ROBUROC4_SERVICE_DIFFERENTIAL)) {
+        const uint8_t kind = config->differential_id >= 0 || kind_set(config, id) != CLAIM_NONE
+                                 ? kind_set(config, id)
+                                 : kind_of_type(d->types[i]);
+        if (d->ids[i] == id && (kind == ROBUROC4_SERVICE_DIFFERENTIAL ||
+                                (kind == CLAIM_NONE && config->differential_id < 0))) {
             return true;
         }
     }
@@ -108,20 +129,26 @@ static bool any_unseen(const discovery *d) {
     return i < d->service_count;
 }
 
-bool roburoc4_discovery_doubtful(const discovery *d) {
+bool roburoc4_discovery_doubtful(const discovery *d, const roburoc4_config *config) {
     for (uint32_t i = 0; i < d->service_count; i++) {
-        if (unseen(d, i) || d->claims[i] == CLAIM_DOUBT) {
+        if (kind_set(config, d->ids[i]) == CLAIM_NONE &&
+            (unseen(d, i) || d->claims[i] == CLAIM_DOUBT)) {
             return true;
         }
     }
     return false;
 }
 
-/** How well element i matches a service: 3 by type, 2 by text, 1 by the manual's id, else 0. */
-static uint32_t claim_strength(const discovery *d, uint32_t i, uint32_t kind) {
+/** How well element i matches a service: 4 by the program's setting, 3 by type, 2 by text, 1 by the
+ * manual's id, else 0. */
+static uint32_t claim_strength(const discovery *d, const roburoc4_config *config, uint32_t i,
+                               uint32_t kind) {
     const uint8_t type = kind_of_type(d->types[i]);
     if (d->ids[i] <= ROBUROC4_SERVICE_NOTIFICATION) {
         return 0;
+    }
+    if (set_id(config, kind) >= 0 || kind_set(config, d->ids[i]) != CLAIM_NONE) {
+        return set_id(config, kind) == d->ids[i] ? 4 : 0;
     }
     if (type != CLAIM_NONE) {
         return type == kind ? 3 : 0;
@@ -133,14 +160,14 @@ static uint32_t claim_strength(const discovery *d, uint32_t i, uint32_t kind) {
     return d->ids[i] == kind && !any_unseen(d) ? 1 : 0;
 }
 
-bool roburoc4_discovery_identify(discovery *d) {
+bool roburoc4_discovery_identify(discovery *d, const roburoc4_config *config) {
     bool changed = false;
     d->listed = 0;
     for (uint32_t kind = ROBUROC4_SERVICE_IOCARD; kind < ROBUROC4_SERVICE_COUNT; kind++) {
         uint32_t best = 0;
         uint16_t id = 0;
         for (uint32_t i = 0; i < d->service_count; i++) {
-            const uint32_t strength = claim_strength(d, i, kind);
+            const uint32_t strength = claim_strength(d, config, i, kind);
             /* among equals the one with the manual's id, else the first */
             if (strength > best || (strength == best && strength > 0 && d->ids[i] == kind)) {
                 best = strength;
@@ -253,14 +280,20 @@ static uint8_t kind_of_text(piece text) {
     return CLAIM_OTHER;
 }
 
-/** Whether a text has all words of a role. */
+/** Whether a text has all words of a role. That of [A] has no others: "Game pad A LED" is not [A],
+ * nor is "Game pad battery A". */
 static bool is_role(uint32_t role, piece text) {
     static const piece words[ROBUROC4_ROLE_COUNT][2] = {{{"gamepad", 7}, {"a", 1}},
                                                         {{"front", 5}, {"bumper", 6}},
                                                         {{"rear", 4}, {"bumper", 6}},
                                                         {{"battery", 7}, {"voltage", 7}}};
     return roburoc4_count_word(text, &words[role][0]) > 0 &&
-           roburoc4_count_word(text, &words[role][1]) > 0;
+           roburoc4_count_word(text, &words[role][1]) > 0 &&
+           (role != ROBUROC4_ROLE_OVERRIDE || roburoc4_count_word(text, NULL) == 2);
+}
+
+static bool is_bumper(uint32_t role) {
+    return role == ROBUROC4_ROLE_FRONT_BUMPER || role == ROBUROC4_ROLE_REAR_BUMPER;
 }
 
 static uint32_t role_list(uint32_t role) {
@@ -290,25 +323,64 @@ static int32_t pad_by_table(const int32_t *io_counts) {
     return role_by_table(ROBUROC4_ROLE_OVERRIDE, io_counts[ROBUROC4_IO_DIGITAL_INPUT]);
 }
 
-bool roburoc4_discovery_text(discovery *d, uint32_t list, uint32_t index, const uint8_t *text,
-                             uint32_t length) {
-    const piece said = {(const char *)text, length < TEXT_SEARCHED ? length : TEXT_SEARCHED};
-    bool found = false;
-    d->described[list] |= (uint64_t)1 << index;
-    if (list == LIST_DIRECTORY) {
-        d->claims[index] = kind_of_text(said);
-        return false;
-    }
+static piece searched(const uint8_t *text, uint32_t length) {
+    return (piece){(const char *)text, length < TEXT_SEARCHED ? length : TEXT_SEARCHED};
+}
+
+uint8_t roburoc4_discovery_roles(uint32_t list, const uint8_t *text, uint32_t length) {
+    uint8_t roles = 0;
     for (uint32_t role = 0; role < ROBUROC4_ROLE_COUNT; role++) {
-        if (role_list(role) == list && is_role(role, said)) {
-            const bool first = d->role_texts[role] == ROLE_TEXT_NONE;
-            d->role_texts[role] = first || d->role_texts[role] == (int16_t)index
-                                      ? (int16_t)index
-                                      : ROLE_TEXT_AMBIGUOUS;
-            found = true;
+        if (role_list(role) == list && is_role(role, searched(text, length))) {
+            roles |= (uint8_t)(1U << role);
         }
     }
-    return found;
+    return roles;
+}
+
+/** The text of a channel names its input for these roles. */
+static void assign_roles(discovery *d, uint32_t list, uint32_t index, uint8_t roles) {
+    d->described[list] |= (uint64_t)1 << index;
+    for (uint32_t role = 0; role < ROBUROC4_ROLE_COUNT; role++) {
+        if ((roles >> role & 1) == 0) {
+            continue;
+        }
+        if (is_bumper(role)) {
+            d->bumpers[role - ROBUROC4_ROLE_FRONT_BUMPER] |= (uint64_t)1 << index;
+            continue;
+        }
+        const bool first = d->role_texts[role] == ROLE_TEXT_NONE;
+        d->role_texts[role] =
+            first || d->role_texts[role] == (int16_t)index ? (int16_t)index : ROLE_TEXT_AMBIGUOUS;
+    }
+}
+
+bool roburoc4_discovery_text(discovery *d, uint32_t list, uint32_t index, const uint8_t *text,
+                             uint32_t length) {
+    if (list == LIST_DIRECTORY) {
+        d->described[list] |= (uint64_t)1 << index;
+        d->claims[index] = kind_of_text(searched(text, length));
+        return false;
+    }
+    const uint8_t roles = roburoc4_discovery_roles(list, text, length);
+    assign_roles(d, list, index, roles);
+    return roles != 0;
+}
+
+void roburoc4_discovery_doubt(discovery *d, uint32_t list, uint32_t index, uint8_t roles) {
+    d->doubted = 1;
+    d->doubted_list = (uint8_t)list;
+    d->doubted_index = (uint16_t)index;
+    d->doubted_roles = roles;
+}
+
+bool roburoc4_discovery_believe(discovery *d, const int32_t *io_counts) {
+    d->doubted = 0;
+    if (d->doubted_roles == TEXT_REFUSED) {
+        roburoc4_discovery_text_refused(d, io_counts, d->doubted_list, d->doubted_index);
+        return false;
+    }
+    assign_roles(d, d->doubted_list, d->doubted_index, d->doubted_roles);
+    return d->doubted_roles != 0;
 }
 
 void roburoc4_discovery_doubtful_text(discovery *d, uint32_t index) {
@@ -321,8 +393,13 @@ void roburoc4_discovery_text_refused(discovery *d, const int32_t *io_counts, uin
     d->described[list] |= (uint64_t)1 << index;
     if (list == LIST_DIRECTORY) {
         d->claims[index] = CLAIM_OTHER;
-    } else if (list == ROBUROC4_IO_DIGITAL_INPUT && pad_by_table(io_counts) == (int32_t)index) {
-        d->table_pad_refused = 1;
+    } else if (list == ROBUROC4_IO_DIGITAL_INPUT) {
+        for (uint32_t role = 0; role <= ROBUROC4_ROLE_REAR_BUMPER; role++) {
+            const int32_t place = role == ROBUROC4_ROLE_OVERRIDE
+                                      ? pad_by_table(io_counts)
+                                      : role_by_table(role, io_counts[list]);
+            d->table_refused |= (uint8_t)((place == (int32_t)index) << role);
+        }
     }
 }
 
@@ -404,16 +481,21 @@ void roburoc4_discovery_ask_again(discovery *d, const int32_t *io_counts) {
     d->text_due = d->done;
 }
 
+/** Whether the robot gave or refused the text of every digital input. */
+static bool inputs_described(const discovery *d, const int32_t *io_counts) {
+    const int32_t count = io_counts[ROBUROC4_IO_DIGITAL_INPUT];
+    return count <= ROBUROC4_MAX_DIGITAL_INPUTS &&
+           (~d->described[ROBUROC4_IO_DIGITAL_INPUT] & lowest_bits((uint32_t)count)) == 0;
+}
+
 /** Which input is [A]. In fixed-id mode, where late texts may belong to other requests, text
  * and table must agree. */
 static int32_t find_pad(const discovery *d, const int32_t *io_counts, uint8_t fixed_id) {
-    const int32_t count = io_counts[ROBUROC4_IO_DIGITAL_INPUT];
     const int32_t index = d->role_texts[ROBUROC4_ROLE_OVERRIDE];
-    if (count > ROBUROC4_MAX_DIGITAL_INPUTS ||
-        (~d->described[ROBUROC4_IO_DIGITAL_INPUT] & lowest_bits((uint32_t)count)) != 0) {
+    if (!inputs_described(d, io_counts)) {
         return ROLE_TEXT_NONE;
     }
-    if (index == ROLE_TEXT_NONE && d->table_pad_refused) {
+    if (index == ROLE_TEXT_NONE && (d->table_refused & 1U << ROBUROC4_ROLE_OVERRIDE) != 0) {
         return pad_by_table(io_counts);
     }
     return fixed_id && index != pad_by_table(io_counts) ? ROLE_TEXT_NONE : index;
@@ -421,8 +503,27 @@ static int32_t find_pad(const discovery *d, const int32_t *io_counts, uint8_t fi
 
 /** Which input has another role, for which a guess is enough. */
 static int32_t find_input(const discovery *d, const int32_t *io_counts, uint32_t role) {
-    const int32_t index = d->role_texts[role];
+    int32_t index = d->role_texts[role];
+    if (is_bumper(role) && d->bumpers[role - ROBUROC4_ROLE_FRONT_BUMPER] != 0) {
+        index = 0;
+        while ((d->bumpers[role - ROBUROC4_ROLE_FRONT_BUMPER] >> index & 1) == 0) {
+            index++;
+        }
+    }
     return index == ROLE_TEXT_NONE ? role_by_table(role, io_counts[role_list(role)]) : index;
+}
+
+uint64_t roburoc4_discovery_bumper(const discovery *d, const roburoc4_config *config,
+                                   const int32_t *io_counts, uint32_t role, bool *certain) {
+    const bool automatic = config->role_index[role] == ROBUROC4_INDEX_AUTO;
+    const uint64_t named = d->bumpers[role - ROBUROC4_ROLE_FRONT_BUMPER];
+    const roburoc4_result index = roburoc4_discovery_role(d, config, io_counts, role, 0);
+    *certain = index >= 0 && (!automatic || (inputs_described(d, io_counts) &&
+                                             (named != 0 || (d->table_refused >> role & 1) != 0)));
+    if (index < 0) {
+        return 0;
+    }
+    return automatic && named != 0 ? named : (uint64_t)1 << index;
 }
 
 roburoc4_result roburoc4_discovery_role(const discovery *d, const roburoc4_config *config,

@@ -276,7 +276,7 @@ static void expect_echo(drive *d, const float *speeds, uint64_t now_us) {
     for (uint32_t axis = 0; axis < AXES && !d->echo_due; axis++) {
         if (!near(speeds[axis], d->echoed[axis], d->echoed[axis], 2 * TARGET_TOLERANCE)) {
             d->echo_due = 1;
-            d->echo_us = now_us;
+            d->echo_us = (uint32_t)now_us;
             memcpy(d->echo_low, speeds, sizeof d->echo_low);
             memcpy(d->echo_high, speeds, sizeof d->echo_high);
         }
@@ -437,7 +437,7 @@ static void watch_echo(drive *d, const roburoc4_config *config, const float *rep
     const uint32_t limit_us = uplink_limit_us(config);
     if (!d->echo_due && ours) {
         memcpy(d->echoed, reported, sizeof d->echoed);
-    } else if (d->echo_due && now_us - d->echo_us >= limit_us &&
+    } else if (d->echo_due && (uint32_t)now_us - d->echo_us >= limit_us &&
                (config->options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0) {
         /* if it answers requests in time, it received the target, and dropped it */
         roburoc4_drive_interrupt(

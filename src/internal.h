@@ -63,7 +63,7 @@ typedef roburoc4_private_requests requests;
 /** Close all requests and leave fixed-id mode. `announce` is set on entering that mode; the client
  * clears it. */
 void roburoc4_requests_clear(requests *r);
-void roburoc4_requests_cancel_all(requests *r);
+void roburoc4_requests_cancel_all(requests *r, uint64_t now_us);
 /** Whether another request may be opened now with `keep` left free after it. */
 bool roburoc4_requests_free(const requests *r, uint32_t keep);
 /** Whether a text may be requested now. */
@@ -192,11 +192,11 @@ bool roburoc4_discovery_same(const discovery *d, const roburoc4_directory *direc
 /** Store the directory; true if it lists more services than fit. */
 bool roburoc4_discovery_directory(discovery *d, const roburoc4_directory *directory);
 /** Whether the directory lists this id and it may be the differential service. */
-bool roburoc4_discovery_may_drive(const discovery *d, uint16_t id);
-/** Whether the directory has a service that neither type nor text identifies for certain. */
-bool roburoc4_discovery_doubtful(const discovery *d);
+bool roburoc4_discovery_may_drive(const discovery *d, const roburoc4_config *config, uint16_t id);
+/** Whether the directory has a service that neither settings, type nor text identify for certain. */
+bool roburoc4_discovery_doubtful(const discovery *d, const roburoc4_config *config);
 /** Assign ids to services; true if a known service has another id now. */
-bool roburoc4_discovery_identify(discovery *d);
+bool roburoc4_discovery_identify(discovery *d, const roburoc4_config *config);
 /** A text arrived for an element of the directory, or (io_type 0 to 3) for a channel. True if an
  * input with a role was found. */
 bool roburoc4_discovery_text(discovery *d, uint32_t list, uint32_t index, const uint8_t *text,
@@ -207,6 +207,15 @@ void roburoc4_discovery_doubtful_text(discovery *d, uint32_t index);
 /** The robot refused to give a text, which is an answer, too. */
 void roburoc4_discovery_text_refused(discovery *d, const int32_t *io_counts, uint32_t list,
                                      uint32_t index);
+/** The roles whose input this text of a channel names, as bits 1 << role. */
+uint8_t roburoc4_discovery_roles(uint32_t list, const uint8_t *text, uint32_t length);
+/** As roles: the robot refused to give the text. */
+#define TEXT_REFUSED 0x80
+/** This answer seems to be that of a channel, but may belong to another request: it counts once it
+ * is believed. */
+void roburoc4_discovery_doubt(discovery *d, uint32_t list, uint32_t index, uint8_t roles);
+/** Nothing contradicted the doubted answer in time. True if an input with a role was found. */
+bool roburoc4_discovery_believe(discovery *d, const int32_t *io_counts);
 /** No answer came: the text is missing, and is requested again later. */
 void roburoc4_discovery_text_given_up(discovery *d, uint32_t list, uint32_t index);
 
@@ -233,6 +242,10 @@ void roburoc4_discovery_ask_again(discovery *d, const int32_t *io_counts);
  * agree on [A]. */
 roburoc4_result roburoc4_discovery_role(const discovery *d, const roburoc4_config *config,
                                         const int32_t *io_counts, uint32_t role, uint8_t fixed_id);
+/** The inputs of a bumper as bits; *certain is false if the robot's texts neither name nor refuse
+ * them for sure. */
+uint64_t roburoc4_discovery_bumper(const discovery *d, const roburoc4_config *config,
+                                   const int32_t *io_counts, uint32_t role, bool *certain);
 
 /** A text or a part of one: words of letters, digits and non-ASCII bytes, and separators. */
 typedef struct piece {
@@ -351,6 +364,11 @@ void roburoc4_schedule_failed(roburoc4_client *c, const slot *s, roburoc4_result
 void roburoc4_schedule_renew_silent(roburoc4_client *c);
 /** When the first of them will have been silent for long enough. */
 uint64_t roburoc4_schedule_deadline(const roburoc4_client *c);
+/** Whether the robot refused every subscription: a second after phase_us, when it refused the last
+ * one, all are requested again. */
+bool roburoc4_schedule_all_declined(const roburoc4_client *c);
+/** Remember that the robot moved after a pose was given. */
+void roburoc4_schedule_watch_pose(roburoc4_client *c);
 /** Encode the next request that is due: its length, or 0. */
 roburoc4_result roburoc4_schedule_poll(roburoc4_client *c, uint8_t *buffer, size_t capacity);
 

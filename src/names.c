@@ -64,7 +64,8 @@ const char *roburoc4_result_text(roburoc4_result result) {
         "the program did not renew its drive command in time: call arm() to drive again\0"
         "commands reach the robot late or not at all: check the link\0"
         "faster than any RobuROC4: give m/s and rad/s, at most 5 and 10\0"
-        "the robot refused the subscription that driving needs: its list may be full; restart it";
+        "no subscription to statuses that driving needs: the robot refused it (its list may be full: "
+        "restart it) or has no such service";
     static const char adapter[] =
         "the operating system refused\0"
         "host name has no address: check the spelling, or give the address in numbers\0"

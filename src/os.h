@@ -52,7 +52,9 @@ int roburoc4_os_ip_text(const roburoc4_address *address, char *buffer, size_t ca
 /** A non-blocking datagram socket of the address's family, or ROBUROC4_OS_NO_SOCKET. */
 int64_t roburoc4_os_socket(const roburoc4_address *address, roburoc4_os_outcome *outcome);
 void roburoc4_os_close(int64_t socket);
-/** Connect, or connect again: the system chooses the local address. */
+/** Use this local address and port; zeros leave the choice to the system. */
+roburoc4_os_outcome roburoc4_os_bind(int64_t socket, const roburoc4_address *local);
+/** Connect, or connect again: the system chooses the local address unless it was bound. */
 roburoc4_os_outcome roburoc4_os_connect(int64_t socket, const roburoc4_address *address);
 roburoc4_os_outcome roburoc4_os_send(int64_t socket, const uint8_t *datagram, size_t size);
 /** One of ROBUROC4_OS_DATAGRAM ...; *outcome is set for _FAULT and _BROKEN. */

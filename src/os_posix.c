@@ -204,6 +204,13 @@ void roburoc4_os_close(int64_t socket) {
     (void)close((int)socket);
 }
 
+roburoc4_os_outcome roburoc4_os_bind(int64_t socket, const roburoc4_address *local) {
+    struct sockaddr_storage system;
+    const socklen_t length = to_system(local, &system);
+    return bind((int)socket, (const struct sockaddr *)&system, length) != 0 ? failure(errno)
+                                                                            : success;
+}
+
 roburoc4_os_outcome roburoc4_os_connect(int64_t socket, const roburoc4_address *address) {
     struct sockaddr_storage system;
     struct sockaddr none;

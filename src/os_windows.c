@@ -225,6 +225,14 @@ void roburoc4_os_close(int64_t socket) {
     (void)WSACleanup();
 }
 
+roburoc4_os_outcome roburoc4_os_bind(int64_t socket, const roburoc4_address *local) {
+    struct sockaddr_storage system;
+    int length = to_system(local, &system);
+    return bind((SOCKET)socket, (const struct sockaddr *)&system, length) != 0
+               ? failure(WSAGetLastError())
+               : success;
+}
+
 roburoc4_os_outcome roburoc4_os_connect(int64_t socket, const roburoc4_address *address) {
     struct sockaddr_storage system, none;
     roburoc4_address anybody = *address;

@@ -59,7 +59,8 @@ static void heed_requests(roburoc4_pump *pump) {
         begin_to_close(pump);
     } else if (roburoc4_atomic_exchange(&pump->stop_requested, 0)) {
         uint64_t now_us = roburoc4_udp_now_us();
-        (void)roburoc4_client_stop(&pump->client, now_us);
+        const roburoc4_result stopped = roburoc4_client_stop(&pump->client, now_us);
+        (void)stopped; /* nothing moves if it is idle or closing */
         pump->stops++;
         roburoc4_signal_wake_all(&pump->changed);
     }
@@ -320,7 +321,8 @@ static uint32_t longest_stop_sequence_us(const roburoc4_config *config) {
 
 /* Sets up socket, client and thread: all or none. Without an address only the client. */
 static roburoc4_result begin(roburoc4_pump *pump, const roburoc4_address *address,
-                             const roburoc4_config *config, roburoc4_recorder *recorder) {
+                             const roburoc4_address *local, const roburoc4_config *config,
+                             roburoc4_recorder *recorder) {
     roburoc4_config defaults;
     roburoc4_result result = roburoc4_client_init(&pump->client, sizeof pump->client, config);
     if (result < 0) {
@@ -332,7 +334,7 @@ static roburoc4_result begin(roburoc4_pump *pump, const roburoc4_address *addres
         pump->threadless = 1;
         return make_meeting_points(pump) ? ROBUROC4_OK : ROBUROC4_ERR_SYSTEM;
     }
-    result = roburoc4_udp_open(&pump->udp, sizeof pump->udp, address);
+    result = roburoc4_udp_open_from(&pump->udp, sizeof pump->udp, address, local);
     if (result < 0) {
         return result;
     }
@@ -352,12 +354,20 @@ static roburoc4_result begin(roburoc4_pump *pump, const roburoc4_address *addres
 roburoc4_pump *roburoc4_pump_create(const roburoc4_address *address, const roburoc4_config *config,
                                     uint32_t queue_capacity, roburoc4_recorder *recorder,
                                     roburoc4_result *result) {
+    return roburoc4_pump_create_from(address, NULL, config, queue_capacity, recorder, result);
+}
+
+roburoc4_pump *roburoc4_pump_create_from(const roburoc4_address *address,
+                                         const roburoc4_address *local,
+                                         const roburoc4_config *config, uint32_t queue_capacity,
+                                         roburoc4_recorder *recorder, roburoc4_result *result) {
     uint32_t capacity = queue_capacity != 0 ? queue_capacity : ROBUROC4_PUMP_QUEUE_DEFAULT;
     roburoc4_pump *pump = NULL;
     roburoc4_result outcome = ROBUROC4_ERR_ARGUMENT;
     if (capacity >= ROBUROC4_PUMP_QUEUE_MIN && capacity <= ROBUROC4_PUMP_QUEUE_MAX) {
         pump = allocate(capacity);
-        outcome = pump != NULL ? begin(pump, address, config, recorder) : ROBUROC4_ERR_SYSTEM;
+        outcome =
+            pump != NULL ? begin(pump, address, local, config, recorder) : ROBUROC4_ERR_SYSTEM;
     }
     if (outcome < 0) {
         int error = errno;

@@ -135,6 +135,7 @@ static bool is_new(client *c, uint32_t service, uint64_t robot_cycles) {
         }
         return false;
     }
+    c->private_discovery.denied &= (uint8_t)~service_bit(service);
     if (c->private_state == ROBUROC4_STATE_SUBSCRIBING) {
         c->private_discovery.acked |= service_bit(service); /* as good as an acknowledgement */
         wake(c);
@@ -234,6 +235,9 @@ static void take_speeds(client *c, const roburoc4_differential_status *status) {
     drive *d = &c->private_drive;
     const uint8_t armed = d->armed;
     v->differential = *status;
+    if (c->private_outputs.relocalizing) {
+        roburoc4_schedule_watch_pose(c);
+    }
     roburoc4_drive_status(d, &c->private_follow, &c->private_config, &v->differential,
                           roburoc4_link_age(&c->private_link,
                                             STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL),
@@ -326,7 +330,8 @@ static roburoc4_result take_directory(client *c, const uint8_t *data, size_t siz
         }
         raise_event(c, ROBUROC4_EVENT_PROPERTIES);
     }
-    if (!roburoc4_discovery_may_drive(d, c->private_drive.service)) { /* its list may be empty */
+    if (!roburoc4_discovery_may_drive(d, &c->private_config,
+                                      c->private_drive.service)) { /* its list may be empty */
         roburoc4_drive_service(&c->private_drive, false, 0);
     }
     roburoc4_lifecycle_forget_services(c, ROBUROC4_STATE_DISCOVERING);
@@ -338,6 +343,9 @@ static void take_text(client *c, const slot *s, const roburoc4_text *text) {
     if (c->private_requests.fixed_id && s->ask.detail == LIST_DIRECTORY) {
         /* in fixed-id mode a late text may belong to another request: it identifies no service */
         roburoc4_discovery_doubtful_text(d, s->ask.subject);
+    } else if (c->private_requests.fixed_id) {
+        roburoc4_discovery_doubt(d, s->ask.detail, s->ask.subject,
+                                 roburoc4_discovery_roles(s->ask.detail, text->text, text->length));
     } else if (roburoc4_discovery_text(d, s->ask.detail, s->ask.subject, text->text,
                                        text->length)) {
         raise_event(c, ROBUROC4_EVENT_ROLE);
@@ -349,7 +357,8 @@ static void take_text(client *c, const slot *s, const roburoc4_text *text) {
 
 /** A late text may identify a service, or show that one was misidentified. */
 static void identify_again(client *c) {
-    if (c->private_discovery.identified && roburoc4_discovery_identify(&c->private_discovery)) {
+    if (c->private_discovery.identified &&
+        roburoc4_discovery_identify(&c->private_discovery, &c->private_config)) {
         roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_NO_DIFFERENTIAL);
         roburoc4_lifecycle_forget_services(c, ROBUROC4_STATE_DISCOVERING);
     }
@@ -380,6 +389,7 @@ static roburoc4_result take_answer(client *c, const slot *s, const uint8_t *data
     case ROBUROC4_ACTION_INSERT:
         roburoc4_link_expect(&c->private_link, STATUS_INDEX((uint32_t)s->ask.kind));
         d->acked |= service_bit(s->ask.kind);
+        d->denied &= (uint8_t)~service_bit(s->ask.kind);
         break;
     case ROBUROC4_ACTION_DELETE:
         d->leaving &= (uint8_t)~service_bit(s->ask.kind);
@@ -403,6 +413,23 @@ static bool measures_round_trip(const client *c, const slot *s, uint8_t id) {
             c->private_now_us - c->private_discovery.phase_us >= LATE_ANSWER_US);
 }
 
+/** An answer to no open request while a text is doubted. If it is about another kind of text, the
+ * doubted one may have been the answer to an earlier request, and this one is the right one: the
+ * text is requested again. */
+static void contradict(client *c, const uint8_t *data, size_t size, bool bad) {
+    discovery *d = &c->private_discovery;
+    roburoc4_text text;
+    uint8_t roles = TEXT_REFUSED;
+    if ((size > 1 && data[1] != ROBUROC4_ACTION_QUERY) ||
+        (size > 3 && load_u16(data + 2) != d->service_ids[ROBUROC4_SERVICE_IOCARD])) {
+        return;
+    }
+    if (!bad && roburoc4_decode_text(data, size, &text) >= 0) {
+        roles = roburoc4_discovery_roles(d->doubted_list, text.text, text.length);
+    }
+    d->doubted = d->doubted && roles == d->doubted_roles;
+}
+
 static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t size) {
     const bool bad = data[0] == ROBUROC4_HEADER_ERROR || (size >= 5 && data[4] != 0);
     if (size < 5 && !bad) {
@@ -417,6 +444,7 @@ static roburoc4_result receive_answer(client *c, const uint8_t *data, size_t siz
         }
     }
     if (s == NULL) {
+        contradict(c, data, size, bad);
         return ROBUROC4_ERR_UNMATCHED;
     }
     const slot request = *s;

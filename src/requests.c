@@ -14,6 +14,8 @@
 #define FIXED_AFTER 3
 /* Texts wait this long after an error that does not name its request, as a copy may come late. */
 #define QUIET_US (700 * MS)
+/* In fixed-id mode they wait after each answer for twice the slowest recent one, at least this. */
+#define SHORTEST_QUIET_US (250 * MS)
 /* After several tries they wait as long as the answer took, up to this. */
 #define LONGEST_QUIET_US (5 * SECOND)
 /* If answers do not name their request, a text is repeated only this much later. */
@@ -26,6 +28,8 @@
 #define MANUAL_ID_EVERY 6
 /* Tries before an answer to 0x01 counts, as it may be from another robot. */
 #define DOUBT_AFTER (2 * MANUAL_ID_EVERY)
+/* Values of quiet: what has to wait in fixed-id mode. */
+enum { QUIET_NOTHING, QUIET_TEXTS, QUIET_ALL };
 /* Values of id_mode: which ids the robot has answered so far. */
 enum { ANSWERED_NONE, ANSWERED_MANUAL_ID, ANSWERED_ANY_ID };
 
@@ -37,7 +41,28 @@ void roburoc4_requests_clear(requests *r) {
     r->id_mode = any_id ? ANSWERED_ANY_ID : ANSWERED_NONE;
 }
 
-void roburoc4_requests_cancel_all(requests *r) {
+static bool is_text(const slot *s) {
+    return s->ask.action == ROBUROC4_ACTION_QUERY;
+}
+
+/** Whether answers do not tell which text they are, or which one they refuse. */
+static bool texts_are_doubtful(const requests *r) {
+    return r->fixed_id || r->single_texts;
+}
+
+static bool text_open(const requests *r) {
+    for (uint32_t i = 0; i < SLOTS; i++) {
+        if (r->slots[i].open && is_text(&r->slots[i])) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void roburoc4_requests_cancel_all(requests *r, uint64_t now_us) {
+    if (texts_are_doubtful(r) && text_open(r)) {
+        roburoc4_requests_be_quiet(r, NULL, now_us);
+    }
     for (uint32_t i = 0; i < SLOTS; i++) {
         r->slots[i].open = 0;
     }
@@ -49,7 +74,7 @@ bool roburoc4_requests_free(const requests *r, uint32_t keep) {
         open += r->slots[i].open;
     }
     if (r->fixed_id) {
-        return open == 0 && !r->quiet;
+        return open == 0 && r->quiet < QUIET_ALL;
     }
     return open + keep < SLOTS;
 }
@@ -124,12 +149,20 @@ static uint8_t next_id(requests *r, const slot *s) {
     return r->last_id;
 }
 
-/** Use only 0x01 from now on, and close all requests but this one. */
-static slot *go_to_fixed_id(requests *r, const slot *only) {
+/** Use only 0x01 from now on, and close all requests but this one. A text is closed, too, as the
+ * answer may be to another one; then NULL. */
+static slot *go_to_fixed_id(requests *r, const slot *only, uint64_t now_us) {
     const slot kept = *only;
+    const bool texts = text_open(r);
     roburoc4_requests_clear(r);
     r->fixed_id = 1;
     r->announce = 1;
+    if (texts) {
+        roburoc4_requests_be_quiet(r, NULL, now_us);
+    }
+    if (is_text(&kept)) {
+        return NULL;
+    }
     r->slots[0] = kept;
     return &r->slots[0];
 }
@@ -172,11 +205,17 @@ static uint32_t longest_try_us(const slot *s, uint32_t longest_us) {
     return sum_us;
 }
 
+/** In fixed-id mode an answer after a repetition proves nothing, so slow robots get more time. */
+static uint32_t slower(uint32_t longest_us, const requests *r) {
+    const uint32_t twice_us = 2 * MS * r->slowest_ms;
+    return twice_us > longest_us ? twice_us : longest_us;
+}
+
 slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint32_t round_trip_us,
                             uint64_t now_us, slot **given_up) {
     const uint32_t longest_us = first_retry_ms * MS;
     *given_up = NULL;
-    r->quiet = r->quiet && now_us < r->quiet_us;
+    r->quiet = now_us < r->quiet_us ? r->quiet : QUIET_NOTHING;
     for (uint32_t i = 0; i < SLOTS; i++) {
         slot *s = &r->slots[i];
         const uint64_t elapsed_us = now_us - s->sent_us;
@@ -188,16 +227,22 @@ slot *roburoc4_requests_due(requests *r, uint32_t first_retry_ms, uint32_t round
             elapsed_us >= end_us) {
             s->open = 0;
             *given_up = s;
+            if (texts_are_doubtful(r) && is_text(s)) {
+                roburoc4_requests_be_quiet(r, NULL, now_us);
+            }
             return NULL;
         }
         if (!r->fixed_id && r->id_mode == ANSWERED_MANUAL_ID && s->tries >= FIXED_AFTER) {
-            s = go_to_fixed_id(r, s); /* only 0x01 was answered so far */
+            s = go_to_fixed_id(r, s, now_us); /* only 0x01 was answered so far */
+            if (s == NULL) {
+                return NULL;
+            }
         }
-        const bool rare =
-            (r->fixed_id || r->single_texts) && s->ask.action == ROBUROC4_ACTION_QUERY;
+        const bool rare = texts_are_doubtful(r) && is_text(s);
         begin_try(r, s,
-                  rare ? retry_us(PATIENCE * longest_us, s->tries)
-                       : wait_us(s, longest_us, r->fixed_id ? 0 : round_trip_us),
+                  rare          ? retry_us(PATIENCE * longest_us, s->tries)
+                  : r->fixed_id ? retry_us(slower(longest_us, r), s->tries)
+                                : wait_us(s, longest_us, round_trip_us),
                   now_us);
         if (now_us - s->sent_us < end_us) {
             s->wait_us = at_most(s->wait_us, end_us);
@@ -231,6 +276,12 @@ static bool only_manual_id(slot *s) {
     return (s->ones & 0x7F) >= FIXED_AFTER;
 }
 
+static void wait_for_copies(requests *r, uint8_t what, uint32_t wait_us, uint64_t now_us) {
+    const uint64_t until_us = now_us + wait_us;
+    r->quiet_us = r->quiet && r->quiet_us > until_us ? r->quiet_us : until_us;
+    r->quiet = r->quiet > what ? r->quiet : what;
+}
+
 void roburoc4_requests_be_quiet(requests *r, const slot *s, uint64_t now_us) {
     uint32_t wait_us = QUIET_US;
     if (s != NULL && s->tries > 1) {
@@ -240,15 +291,28 @@ void roburoc4_requests_be_quiet(requests *r, const slot *s, uint64_t now_us) {
             wait_us = took_us < LONGEST_QUIET_US ? (uint32_t)took_us : LONGEST_QUIET_US;
         }
     }
-    const uint64_t until_us = now_us + wait_us;
-    r->quiet_us = r->quiet && r->quiet_us > until_us ? r->quiet_us : until_us;
-    r->quiet = 1;
+    wait_for_copies(r, QUIET_ALL, wait_us, now_us);
+}
+
+/** Another text waits until an answer that belongs to this one must have arrived, however little
+ * time the answer took that was taken for it. */
+static void be_quiet_after_text(requests *r, uint64_t now_us) {
+    wait_for_copies(r, QUIET_TEXTS, slower(SHORTEST_QUIET_US, r), now_us);
+}
+
+/** The slowest answer of the last ones in fixed-id mode, as an upper bound of the round trip. */
+static void note_slowest(requests *r, const slot *s, uint64_t now_us) {
+    const uint64_t took_us = now_us - s->sent_us;
+    const uint32_t took_ms =
+        (uint32_t)(took_us < LONGEST_QUIET_US / 2 ? took_us : LONGEST_QUIET_US / 2) / MS + 1;
+    const uint32_t before_ms = r->slowest_ms * 7U / 8U;
+    r->slowest_ms = (uint16_t)(took_ms > before_ms ? took_ms : before_ms);
 }
 
 void roburoc4_requests_cancel_texts(requests *r, uint32_t lists, uint64_t now_us) {
     for (uint32_t i = 0; i < SLOTS; i++) {
         slot *s = &r->slots[i];
-        if (s->open && s->ask.action == ROBUROC4_ACTION_QUERY && s->ask.detail < lists) {
+        if (s->open && is_text(s) && s->ask.detail < lists) {
             s->open = 0;
             roburoc4_requests_be_quiet(r, s, now_us);
         }
@@ -279,11 +343,11 @@ slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size,
             oldest = s;
         }
     }
-    if (oldest == NULL && r->quiet) {
-        roburoc4_requests_be_quiet(r, NULL, now_us);
+    if (oldest == NULL && r->quiet &&
+        (r->quiet == QUIET_ALL || size < 2 || datagram[1] == ROBUROC4_ACTION_QUERY)) {
+        wait_for_copies(r, r->quiet, QUIET_US, now_us);
     }
-    if (oldest != NULL && datagram[0] == ROBUROC4_HEADER_ERROR &&
-        oldest->ask.action == ROBUROC4_ACTION_QUERY) {
+    if (oldest != NULL && datagram[0] == ROBUROC4_HEADER_ERROR && is_text(oldest)) {
         if (fitting > 1 || !r->single_texts) {
             ask_single_texts(r, now_us);
             return NULL;
@@ -299,12 +363,20 @@ slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size,
     if (r->fixed_id) {
         return oldest; /* it was sent with another id, to check the mode */
     }
-    return only_manual_id(oldest) ? go_to_fixed_id(r, oldest) : NULL;
+    return only_manual_id(oldest) ? go_to_fixed_id(r, oldest, now_us) : NULL;
 }
 
 void roburoc4_requests_close(requests *r, slot *s, uint64_t now_us) {
     s->open = 0;
-    if (r->fixed_id && s->tries > 1) {
+    if (!r->fixed_id) {
+        return;
+    }
+    if (s->ask.max_tries != REQUEST_FOREVER) {
+        note_slowest(r, s, now_us);
+    }
+    if (is_text(s) && s->ask.detail != LIST_DIRECTORY) {
+        be_quiet_after_text(r, now_us);
+    } else if (s->tries > 1) {
         roburoc4_requests_be_quiet(r, s, now_us);
     }
 }

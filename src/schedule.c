@@ -3,6 +3,7 @@
  * Which request comes next: from the directory to the last channel's text, subscriptions, the
  * probe; the consequences of a failed request; and when a state has nothing left to wait for.
  */
+#include "bytes.h"
 #include "internal.h"
 
 /* A probe waits up to 0.8 s for its answer (at the default first_retry_ms). */
@@ -10,6 +11,11 @@
 /* Given up after 2.5 s (at the default first_retry_ms); a probe asks again later. */
 #define REQUEST_TRIES 5
 #define FIRST_STATUS_SERVICE ROBUROC4_SERVICE_IOCARD
+/* A pose that could not be sent within this time is sent only if the robot has been at rest. */
+#define POSE_US (50 * MS)
+/* A robot below these speeds, in m/s and rad/s, is at rest for a new pose. */
+#define POSE_REST_M_S 0.02F
+#define POSE_REST_RAD_S 0.05F
 
 /** Request something without parameters, or the service's subscription. */
 static bool open_about(client *c, uint8_t action, uint32_t service, uint8_t max_tries) {
@@ -43,6 +49,12 @@ static uint32_t subscriptions_due(const client *c) {
     const discovery *d = &c->private_discovery;
     const uint32_t readable = d->known | ~(uint32_t)service_bit(ROBUROC4_SERVICE_IOCARD);
     return d->wanted & d->listed & readable & ~(uint32_t)(d->acked | d->declined);
+}
+
+bool roburoc4_schedule_all_declined(const client *c) {
+    const discovery *d = &c->private_discovery;
+    return c->private_state == ROBUROC4_STATE_SUBSCRIBING && subscriptions_due(c) == 0 &&
+           (d->declined & d->wanted & d->listed) != 0 && (d->acked & d->wanted) == 0;
 }
 
 static bool open_first_insert(client *c) {
@@ -134,7 +146,10 @@ void roburoc4_schedule_failed(client *c, const slot *s, roburoc4_result why) {
         }
         break;
     case ROBUROC4_ACTION_QUERY:
-        if (why == ROBUROC4_ERR_ROBOT) {
+        if (why == ROBUROC4_ERR_ROBOT && s->ask.detail != LIST_DIRECTORY &&
+            (c->private_requests.fixed_id || c->private_requests.single_texts)) {
+            roburoc4_discovery_doubt(d, s->ask.detail, s->ask.subject, TEXT_REFUSED);
+        } else if (why == ROBUROC4_ERR_ROBOT) {
             roburoc4_discovery_text_refused(d, c->private_values.io_counts, s->ask.detail,
                                             s->ask.subject);
         } else {
@@ -144,6 +159,10 @@ void roburoc4_schedule_failed(client *c, const slot *s, roburoc4_result why) {
     case ROBUROC4_ACTION_INSERT:
         raise_event(c, ROBUROC4_EVENT_SUBSCRIPTION_REFUSED);
         d->declined |= service_bit(s->ask.kind);
+        d->denied |= service_bit(s->ask.kind);
+        if (c->private_state == ROBUROC4_STATE_SUBSCRIBING) {
+            d->phase_us = c->private_now_us; /* for all_declined(): meanwhile texts are read */
+        }
         break;
     case ROBUROC4_ACTION_DELETE:
         d->leaving &= (uint8_t)~service_bit(s->ask.kind);
@@ -184,7 +203,7 @@ static void advance(client *c) {
     const int32_t *io_counts = c->private_values.io_counts;
     if (c->private_state == ROBUROC4_STATE_DISCOVERING && !d->identified &&
         (roburoc4_discovery_services_passed(d) || c->private_now_us - d->phase_us >= IDENTIFY_US)) {
-        roburoc4_discovery_identify(d);
+        roburoc4_discovery_identify(d, &c->private_config);
         roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_QUERY,
                                  ROBUROC4_SERVICE_DIRECTORY);
         if (d->service_ids[ROBUROC4_SERVICE_DIFFERENTIAL] != c->private_drive.service) {
@@ -201,7 +220,11 @@ static void advance(client *c) {
         }
         roburoc4_lifecycle_enter(c, ROBUROC4_STATE_SUBSCRIBING);
     }
-    if (c->private_state == ROBUROC4_STATE_SUBSCRIBING && subscriptions_due(c) == 0) {
+    if (roburoc4_schedule_all_declined(c)) { /* not ready: there is no data */
+        if (c->private_now_us - d->phase_us >= SECOND) {
+            d->declined = 0;
+        }
+    } else if (c->private_state == ROBUROC4_STATE_SUBSCRIBING && subscriptions_due(c) == 0) {
         d->probe_us = c->private_now_us;
         roburoc4_lifecycle_enter(c, ROBUROC4_STATE_READY);
     }
@@ -210,6 +233,39 @@ static void advance(client *c) {
         d->done = 1;
         raise_event(c, ROBUROC4_EVENT_DESCRIPTIONS_DONE);
     }
+}
+
+/* ---- a pose holds only while the robot is at rest ---- */
+
+static bool at_most_f32(float value, float limit) { /* false for NaN */
+    return (bits_from_f32(value) & 0x7FFFFFFFU) <= bits_from_f32(limit);
+}
+
+void roburoc4_schedule_watch_pose(client *c) {
+    const roburoc4_differential_status *s = &c->private_values.differential;
+    const drive *d = &c->private_drive;
+    const bool driving =
+        d->lease_active && !(at_most_f32(d->target[0], 0) && at_most_f32(d->target[1], 0));
+    const bool rests = at_most_f32(s->target_linear_m_s, POSE_REST_M_S) &&
+                       at_most_f32(s->current_linear_m_s, POSE_REST_M_S) &&
+                       at_most_f32(s->target_angular_rad_s, POSE_REST_RAD_S) &&
+                       at_most_f32(s->current_angular_rad_s, POSE_REST_RAD_S);
+    if (driving || !rests) {
+        c->private_outputs.moved = 1;
+    }
+}
+
+/** Whether a pose that is sent now is still that of the call. */
+static bool pose_holds(client *c, const slot *s) {
+    roburoc4_private_outputs *o = &c->private_outputs;
+    if (s->tries == 1 && c->private_now_us - o->relocalize_us < POSE_US) {
+        return true;
+    }
+    if (!roburoc4_link_fresh(&c->private_link, STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL),
+                             c->private_config.fresh_ms * MS, c->private_now_us)) {
+        o->unwatched = 1;
+    }
+    return !o->moved && !o->unwatched;
 }
 
 /* ---- sending ---- */
@@ -244,6 +300,13 @@ roburoc4_result roburoc4_schedule_poll(client *c, uint8_t *buffer, size_t capaci
         slot *s =
             roburoc4_requests_due(&c->private_requests, c->private_config.first_retry_ms,
                                   c->private_link.round_trip_min_us, c->private_now_us, &given_up);
+        if (s != NULL && s->ask.action == ROBUROC4_ACTION_REPLACE && !pose_holds(c, s)) {
+            if (c->private_outputs.moved) {
+                s->open = 0;
+                roburoc4_lifecycle_relocalize_ends(c, ROBUROC4_ERR_MOVING);
+            } /* else it may still be answered, and ends after its time */
+            continue;
+        }
         if (s != NULL) {
             if (s->tries > 1) {
                 count(c, ROBUROC4_COUNT_RETRIES);
@@ -257,6 +320,12 @@ roburoc4_result roburoc4_schedule_poll(client *c, uint8_t *buffer, size_t capaci
                 /* find out whether only this service is silent */
                 open_about(c, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, REQUEST_TRIES);
             }
+            continue;
+        }
+        if (c->private_discovery.doubted && !c->private_requests.quiet) {
+            const bool found =
+                roburoc4_discovery_believe(&c->private_discovery, c->private_values.io_counts);
+            raise_event(c, found ? ROBUROC4_EVENT_ROLE : 0);
             continue;
         }
         if (!roburoc4_requests_free(&c->private_requests, 0) || !open_next(c)) {

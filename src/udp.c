@@ -99,9 +99,6 @@ roburoc4_result roburoc4_udp_address_text(const roburoc4_address *address, char 
 
 static int is_usable(const roburoc4_address *address) {
     int link_local = address->ip[0] == 0xFE && (address->ip[1] & 0xC0) == 0x80;
-    if (address->port == 0) {
-        return 0;
-    }
     return address->family == 4 || (address->family == 6 && (!link_local || address->scope != 0));
 }
 
@@ -176,28 +173,54 @@ static void keep_connected(roburoc4_udp *udp) {
 
 roburoc4_result roburoc4_udp_open(roburoc4_udp *udp, size_t udp_size,
                                   const roburoc4_address *address) {
+    return roburoc4_udp_open_from(udp, udp_size, address, NULL);
+}
+
+/* A socket that is bound to the local address, if there is one, and connected if possible. */
+static roburoc4_os_outcome open_socket(roburoc4_udp *udp, const roburoc4_address *local) {
     roburoc4_os_outcome outcome = {ROBUROC4_FAULT_NONE, 0};
-    roburoc4_address robot = {{0}, 0, 0, 0, 0};
+    udp->private_socket = roburoc4_os_socket(&udp->address, &outcome);
+    if (udp->private_socket == ROBUROC4_OS_NO_SOCKET) {
+        return outcome;
+    }
+    if (local != NULL) {
+        outcome = roburoc4_os_bind(udp->private_socket, local);
+    }
+    if (outcome.fault != ROBUROC4_FAULT_NONE) {
+        roburoc4_os_close(udp->private_socket);
+        udp->private_socket = ROBUROC4_OS_NO_SOCKET;
+        return outcome;
+    }
+    outcome = connect_now(udp);
+    if (outcome.fault == ROBUROC4_FAULT_DENIED || outcome.fault == ROBUROC4_FAULT_OTHER) {
+        roburoc4_os_close(udp->private_socket);
+        udp->private_socket = ROBUROC4_OS_NO_SOCKET;
+    }
+    return outcome;
+}
+
+roburoc4_result roburoc4_udp_open_from(roburoc4_udp *udp, size_t udp_size,
+                                       const roburoc4_address *address,
+                                       const roburoc4_address *local) {
+    roburoc4_os_outcome outcome;
+    roburoc4_address robot = {{0}, 0, 0, 0, 0}, own = {{0}, 0, 0, 0, 0};
     if (udp_size != sizeof *udp) {
         return ROBUROC4_ERR_SIZE;
     }
     if (address != NULL) {
         robot = *address; /* it may be that of this struct, from the last time */
     }
+    if (local != NULL) {
+        own = *local;
+    }
     memset(udp, 0, sizeof *udp);
     udp->private_socket = ROBUROC4_OS_NO_SOCKET;
-    if (!is_usable(&robot)) {
+    if (!is_usable(&robot) || robot.port == 0 ||
+        (local != NULL && (own.family != robot.family || !is_usable(&own)))) {
         return ROBUROC4_ERR_ARGUMENT;
     }
     udp->address = robot;
-    udp->private_socket = roburoc4_os_socket(&robot, &outcome);
-    if (udp->private_socket != ROBUROC4_OS_NO_SOCKET) {
-        outcome = connect_now(udp);
-        if (outcome.fault == ROBUROC4_FAULT_DENIED || outcome.fault == ROBUROC4_FAULT_OTHER) {
-            roburoc4_os_close(udp->private_socket);
-            udp->private_socket = ROBUROC4_OS_NO_SOCKET;
-        }
-    }
+    outcome = open_socket(udp, local != NULL ? &own : NULL);
     if (outcome.fault != ROBUROC4_FAULT_NONE) {
         note_fault(udp, outcome);
     }

@@ -134,8 +134,10 @@ static void move(void) {
           "options of a move");
     check(roburoc4_move_by(move, 1.0f, 0.0f, &all.move_options.value) == 0, "move");
     while (roburoc4_move_step(move, &all.client.value, now_us()) == ROBUROC4_MOVE_RUNNING) {
-        (void)roburoc4_client_drive(&all.client.value, move->linear_m_s, move->angular_rad_s, 0,
-                                    now_us());
+        if (roburoc4_client_drive(&all.client.value, move->linear_m_s, move->angular_rad_s, 0,
+                                  now_us()) < 0) {
+            break;
+        }
         pass(50000);
     }
     check(move->result == ROBUROC4_MOVE_REACHED, roburoc4_move_result_text(move->result));

@@ -275,10 +275,10 @@ TEST(PumpArm, IsEndedByAStopAndByTheEnd) {
     roburoc4_address address{};
     ASSERT_EQ(roburoc4_udp_resolve("127.0.0.1", test::free_port(), &address), ROBUROC4_OK);
     Pump pump = make_pump(address);
-    for (const roburoc4_result expected : {ROBUROC4_ERR_DISARMED, ROBUROC4_ERR_CLOSED}) {
+    for (const roburoc4_result expected : {ROBUROC4_ERR_STOPPED, ROBUROC4_ERR_CLOSED}) {
         std::thread later([&] {
             sleep_ms(50);
-            if (expected == ROBUROC4_ERR_DISARMED) {
+            if (expected == ROBUROC4_ERR_STOPPED) {
                 roburoc4_pump_request_stop(pump.get());
             } else {
                 roburoc4_pump_close(pump.get());
@@ -486,9 +486,9 @@ TEST(PumpStop, LeavesValuesReadableAndRefusesCommands) {
     ASSERT_EQ(roburoc4_pump_close(pump.get()), ROBUROC4_OK);
     roburoc4_pump *p = pump.get();
     EXPECT_EQ(on_client(p, roburoc4_client_arm), ROBUROC4_ERR_NOT_READY);
-    EXPECT_EQ(on_client(p, roburoc4_client_stop), ROBUROC4_OK);
-    EXPECT_EQ(on_client(p, roburoc4_client_drive, 0.0f, 0.0f, 0), ROBUROC4_ERR_DISARMED);
     EXPECT_EQ(on_client(p, roburoc4_client_stop), ROBUROC4_ERR_STATE);
+    EXPECT_EQ(on_client(p, roburoc4_client_drive, 0.0f, 0.0f, 0), ROBUROC4_ERR_DISARMED);
+    EXPECT_EQ(on_client(p, roburoc4_client_pause), ROBUROC4_ERR_STATE);
     EXPECT_EQ(on_client(p, roburoc4_client_set_digital_outputs, 2, 2), ROBUROC4_ERR_NOT_READY);
     EXPECT_EQ(on_client(p, roburoc4_client_relocalize, 0.0, 0.0, 0.0), ROBUROC4_ERR_NOT_READY);
     EXPECT_EQ(on_client(p, service_count), uint32_t{ROBUROC4_SERVICE_COUNT});
@@ -612,9 +612,9 @@ TEST_F(RequestStop, DisarmsAndStopsTheRobot) {
     drive_off();
     roburoc4_pump_request_stop(pump_.get());
     EXPECT_TRUE(stops());
-    EXPECT_EQ(on_client(pump_.get(), roburoc4_client_drive, 0.5f, 0.0f, 0), ROBUROC4_ERR_DISARMED);
+    EXPECT_EQ(on_client(pump_.get(), roburoc4_client_drive, 0.5f, 0.0f, 0), ROBUROC4_ERR_STOPPED);
     EXPECT_EQ(roburoc4_pump_running(pump_.get()), 1) << "the link lives on";
-    EXPECT_TRUE(becomes_armed(pump_.get())) << "as after any disarm()";
+    EXPECT_TRUE(becomes_armed(pump_.get())) << "as after any stop()";
 }
 
 TEST_F(RequestStop, SendsNoSpeedCommandedAfterIt) {

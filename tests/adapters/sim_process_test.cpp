@@ -207,7 +207,7 @@ TEST(SimProgram, AsManualWaitsForTheMotorButton) {
     Driver driver(ports[0]);
     roburoc4_localization_status pose{};
     const auto drives = [&] {
-        roburoc4_client_drive(&driver.client, 1.0f, 0.0f, 0, roburoc4_udp_now_us());
+        (void)roburoc4_client_drive(&driver.client, 1.0f, 0.0f, 0, roburoc4_udp_now_us());
         return roburoc4_client_localization(&driver.client, &pose, nullptr) == 0 && pose.x_m > 0.1;
     };
     ASSERT_TRUE(driver.gets_armed());

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cerrno>
 #include <csignal>
 #include <ctime>
 #include <string>
@@ -83,6 +84,60 @@ double cpu_seconds() {
     timespec used{};
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
     return static_cast<double>(used.tv_sec) + static_cast<double>(used.tv_nsec) * 1e-9;
+}
+
+/* ----------------------------------------------------------------------- the local address --- */
+
+TEST(OpenFrom, SendsFromTheLocalAddressAndPort) {
+    Socket robot;
+    const roburoc4_address address = robot.address();
+    for (const bool with_ip : {false, true}) {
+        for (const bool with_port : {false, true}) {
+            roburoc4_address local = address_of(1);
+            local.port = with_port ? free_port() : 0;
+            local.ip[0] = with_ip ? 127 : 0;
+            local.ip[3] = with_ip ? 9 : 0;
+            roburoc4_udp udp{};
+            ASSERT_EQ(roburoc4_udp_open_from(&udp, sizeof udp, &address, &local), ROBUROC4_OK);
+            roburoc4_client client{};
+            ASSERT_EQ(roburoc4_client_init(&client, sizeof client, nullptr), ROBUROC4_OK);
+            ASSERT_EQ(roburoc4_client_start(&client, roburoc4_udp_now_us()), ROBUROC4_OK);
+            ASSERT_EQ(roburoc4_udp_wait(&udp, &client, 0), 0);
+            const Received got = robot.receive(static_cast<int>(test::kPatienceUs / 1000));
+            EXPECT_EQ(got.from.sin_addr.s_addr,
+                      loopback(0, with_ip ? "127.0.0.9" : "127.0.0.1").sin_addr.s_addr);
+            if (with_port) {
+                EXPECT_EQ(ntohs(got.from.sin_port), local.port);
+            }
+            EXPECT_EQ(roburoc4_udp_close(&udp), ROBUROC4_OK);
+        }
+    }
+}
+
+TEST(OpenFrom, WithoutALocalAddressIsOpen) {
+    Socket robot;
+    const roburoc4_address address = robot.address();
+    roburoc4_udp udp{};
+    ASSERT_EQ(roburoc4_udp_open_from(&udp, sizeof udp, &address, nullptr), ROBUROC4_OK);
+    EXPECT_EQ(roburoc4_udp_close(&udp), ROBUROC4_OK);
+}
+
+TEST(OpenFrom, ReportsAnAddressThatItCannotUse) {
+    Socket robot, other;
+    const roburoc4_address address = robot.address(), taken = other.address();
+    roburoc4_address foreign = address_of(1), six{};
+    roburoc4_udp udp{};
+    foreign.port = 0;
+    foreign.ip[0] = 203; /* 203.0.113.1 belongs to no computer */
+    foreign.ip[1] = 0;
+    foreign.ip[2] = 113;
+    six.family = 6;
+    EXPECT_EQ(roburoc4_udp_open_from(&udp, sizeof udp, &address, &taken), ROBUROC4_ERR_SYSTEM);
+    EXPECT_EQ(udp.system_error, EADDRINUSE);
+    EXPECT_EQ(roburoc4_udp_open_from(&udp, sizeof udp, &address, &foreign), ROBUROC4_ERR_SYSTEM);
+    EXPECT_EQ(udp.system_error, EADDRNOTAVAIL);
+    EXPECT_EQ(roburoc4_udp_open_from(&udp, sizeof udp, &address, &six), ROBUROC4_ERR_ARGUMENT);
+    EXPECT_EQ(roburoc4_udp_close(&udp), ROBUROC4_ERR_CLOSED);
 }
 
 /* ------------------------------------------------------------------------------- addresses --- */

@@ -85,7 +85,7 @@ std::string run_with_faults() {
         log += std::to_string(roburoc4_world_now_us(world.get())) + ' ';
         log.append(reinterpret_cast<const char *>(datagram), size);
         if (roburoc4_client_arm(&client, roburoc4_world_now_us(world.get())) >= 0)
-            roburoc4_client_drive(&client, 0.3F, 0.1F, 0, roburoc4_world_now_us(world.get()));
+            (void)roburoc4_client_drive(&client, 0.3F, 0.1F, 0, roburoc4_world_now_us(world.get()));
     }
     return log;
 }

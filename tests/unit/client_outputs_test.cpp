@@ -4,6 +4,7 @@
  */
 #include "client_bench.h"
 
+#include <cmath>
 #include <limits>
 
 using namespace roburoc4_tests;
@@ -302,6 +303,73 @@ TEST(Outputs, OfTheLargestCardFitTheLongestDatagram) {
 }
 
 /* ---- relocalization ---- */
+
+TEST(Relocalize, IsRepeatedOnlyWhileTheRobotIsAtRest) {
+    enum { AT_REST, DRIVEN_BEFORE, DRIVEN_AFTER, ROLLS, ROLLS_LATER, NOT_KNOWN, NAN_SPEED, CASES };
+    for (int way = 0; way < CASES; way++) {
+        SCOPED_TRACE(way);
+        ScriptedRobot robot;
+        robot.replace_silent = true;
+        Bench bench(robot);
+        bench.armed();
+        robot.follows = way < ROLLS;
+        const auto roll = [&] { robot.current_angular = 0.1F; };
+        if (way == DRIVEN_BEFORE)
+            bench.driving(0.5F, 0, 200 * ms);
+        if (way == ROLLS)
+            roll();
+        if (way == NAN_SPEED)
+            robot.current_linear = NAN;
+        if (way == NOT_KNOWN)
+            robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = true;
+        bench.run(way == NOT_KNOWN ? 350 * ms : 60 * ms);
+        if (way == DRIVEN_BEFORE) {
+            ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
+        }
+        bench.take_events();
+        robot.requests.clear();
+        const std::uint64_t call_us = bench.now_us;
+        ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
+        bench.pump();
+        ASSERT_EQ(1U, robot.seen(ROBUROC4_ACTION_REPLACE).size()) << "at once";
+        EXPECT_EQ(call_us, robot.seen(ROBUROC4_ACTION_REPLACE)[0].at_us);
+        EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result);
+        if (way == DRIVEN_AFTER) {
+            ASSERT_EQ(ROBUROC4_OK, bench.drive(0.5F, 0));
+        }
+        if (way == ROLLS_LATER)
+            roll();
+        bench.run(second);
+        const std::size_t tries = robot.seen(ROBUROC4_ACTION_REPLACE).size();
+        if (way == AT_REST) {
+            EXPECT_GE(tries, 3U);
+            EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, bench.facts().relocalize_result);
+            continue;
+        }
+        EXPECT_LE(tries, way == ROLLS_LATER ? 2U : 1U) << "a status comes before it is noticed";
+        if (way == NOT_KNOWN) {
+            robot.service(ROBUROC4_SERVICE_DIFFERENTIAL).mute = false;
+            bench.run(second);
+            EXPECT_EQ(1U, robot.seen(ROBUROC4_ACTION_REPLACE).size()) << "nor afterwards";
+            EXPECT_EQ(ROBUROC4_ERR_TIMEOUT, bench.facts().relocalize_result);
+            continue;
+        }
+        EXPECT_EQ(ROBUROC4_ERR_MOVING, bench.facts().relocalize_result);
+        EXPECT_TRUE(bench.take_events() & ROBUROC4_EVENT_RELOCALIZE_FAILED);
+    }
+}
+
+TEST(Relocalize, ThatIsAnsweredAtOnceHoldsInMotionToo) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.armed();
+    bench.delay_to_client = [] { return 10 * ms; };
+    bench.driving(0.5F, 0, 200 * ms);
+    ASSERT_EQ(ROBUROC4_OK, relocalize(bench, 1, 2, 3));
+    bench.driving(0.5F, 0, 200 * ms);
+    EXPECT_EQ(ROBUROC4_OK, bench.facts().relocalize_result);
+    EXPECT_EQ(1U, robot.seen(ROBUROC4_ACTION_REPLACE).size());
+}
 
 TEST(Relocalize, IsAnsweredWithAnEvent) {
     ScriptedRobot robot;

@@ -213,7 +213,8 @@ const struct {
     {ROBUROC4_ERR_UPLINK, "commands reach the robot late or not at all: check the link"},
     {ROBUROC4_ERR_UNITS, "faster than any RobuROC4: give m/s and rad/s, at most 5 and 10"},
     {ROBUROC4_ERR_NOT_SUBSCRIBED,
-     "the robot refused the subscription that driving needs: its list may be full; restart it"},
+     "no subscription to statuses that driving needs: the robot refused it (its list may be full: "
+     "restart it) or has no such service"},
     {ROBUROC4_ERR_SYSTEM, "the operating system refused"},
     {ROBUROC4_ERR_RESOLVE,
      "host name has no address: check the spelling, or give the address in numbers"},

@@ -42,15 +42,17 @@ void loop() {
 
     static bool held = false;
     bool was_held = held;
+    roburoc4_result result = ROBUROC4_OK;
     held = digitalRead(BUTTON) == LOW;
     if (held && !was_held) {
-        roburoc4_client_arm(&client, now_us()); // refused while driving is not safe
+        result = roburoc4_client_arm(&client, now_us()); // only if driving is safe
     } else if (!held && was_held) {
-        roburoc4_client_stop(&client, now_us()); // stops the robot
+        result = roburoc4_client_stop(&client, now_us());
     }
     if (held) {
-        roburoc4_client_drive(&client, 0.2f, 0.0f, 0, now_us()); // holds for 250 ms
+        result = roburoc4_client_drive(&client, 0.2f, 0.0f, 0, now_us()); // holds for 250 ms
     }
+    (void)result; // below 0 if refused: roburoc4_result_text(result) says why
 
     for (;;) {
         roburoc4_result size =

@@ -15,6 +15,7 @@ static roburoc4_client client;
 int main(void) {
     static uint8_t datagram[512];
     int held = 0;
+    roburoc4_result result = ROBUROC4_OK;
 
     roburoc4_client_init(&client, sizeof client, NULL);
     roburoc4_client_start(&client, board_now_us());
@@ -28,13 +29,14 @@ int main(void) {
         }
         held = board_button();
         if (held && !was_held) {
-            roburoc4_client_arm(&client, board_now_us()); /* refused while driving is not safe */
+            result = roburoc4_client_arm(&client, board_now_us()); /* only if driving is safe */
         } else if (!held && was_held) {
-            roburoc4_client_stop(&client, board_now_us()); /* stops the robot */
+            result = roburoc4_client_stop(&client, board_now_us());
         }
         if (held) {
-            roburoc4_client_drive(&client, 0.2f, 0.0f, 0, board_now_us()); /* holds for 250 ms */
+            result = roburoc4_client_drive(&client, 0.2f, 0.0f, 0, board_now_us()); /* 250 ms */
         }
+        (void)result; /* below 0 if refused: a display could show roburoc4_result_text(result) */
         while ((size = roburoc4_client_poll_transmit(&client, datagram, sizeof datagram,
                                                      board_now_us())) > 0) {
             board_send(datagram, (size_t)size);

@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Answers that do not name their request: where a robot answers everything with 0x01, or refuses
+ * with the header 0x00, one answer too many never gives a wrong [A].
+ */
+#include "client_bench.h"
+
+using namespace roburoc4_tests;
+
+namespace {
+
+bool is_text_answer(const Bytes &bytes) {
+    return bytes.size() >= 5 && bytes[0] <= ROBUROC4_HEADER_MANUAL &&
+           bytes[1] == ROBUROC4_ACTION_QUERY;
+}
+
+/** A robot whose [A] is at `pad`, and that refuses the texts of `refused` (or of all but [A]). */
+struct Card {
+    const char *name;
+    std::uint32_t pad;
+    std::set<std::uint32_t> refused;
+    bool only_pad;
+    bool known; /* the client may believe in [A] at last */
+};
+
+/* The manual's table has [A] at 8. */
+const Card cards[] = {{"as in the manual", 8, {}, false, true},
+                      {"before the table's place", 7, {}, false, false},
+                      {"last, the rest refused", 21, {}, true, false},
+                      {"behind a refused place", 10, {8, 9}, false, false}};
+
+void set_up(ScriptedRobot &robot, const Card &card) {
+    robot.channel_text = [&card](std::uint32_t type, std::uint32_t index) -> std::string {
+        return type == ROBUROC4_IO_DIGITAL_INPUT && index == card.pad
+                   ? "Game pad A"
+                   : "input " + std::to_string(index);
+    };
+    robot.instead = [&robot, &card](const roburoc4_request &r, std::vector<Bytes> &answers) {
+        const auto index = static_cast<std::uint32_t>(r.index);
+        const bool input = r.action == ROBUROC4_ACTION_QUERY && r.service == 2 &&
+                           r.io_type == ROBUROC4_IO_DIGITAL_INPUT;
+        if (!input || index == card.pad || !(card.only_pad || card.refused.count(index) > 0))
+            return false;
+        const std::uint8_t id = robot.error_header       ? std::uint8_t{0}
+                                : robot.always_manual_id ? ROBUROC4_HEADER_MANUAL
+                                                         : r.id;
+        answers.push_back(plain_answer(id, r.action, r.service, ROBUROC4_ERROR_UNSUPPORTED));
+        return true;
+    };
+}
+
+bool is_text_request(const Bytes &bytes) {
+    return bytes[0] != ROBUROC4_HEADER_STATUS && bytes[1] == ROBUROC4_ACTION_QUERY;
+}
+
+/** When the second copy of an answer arrives. */
+struct Copy {
+    int answer;            /* about a text, from 0 */
+    std::uint64_t late_us; /* after the first copy */
+    std::size_t requests;  /* or, if not 0, while this many requests for texts later is open */
+};
+
+/** Duplicate one answer; the client never believes in a wrong [A]. */
+void expect_no_wrong_pad(ScriptedRobot &robot, const Card &card, const Copy &copy,
+                         std::uint64_t round_trip_us) {
+    SCOPED_TRACE(std::string(card.name) + ", answer " + std::to_string(copy.answer) + ", late by " +
+                 std::to_string(copy.late_us) + " us or " + std::to_string(copy.requests) +
+                 " requests, round trip " + std::to_string(round_trip_us));
+    Bench bench(robot);
+    int answers = 0;
+    std::size_t requests = 0, copied_at = 0;
+    std::uint64_t due_us = UINT64_MAX;
+    Bytes bytes;
+    bench.delay_to_client = [round_trip_us] { return round_trip_us; };
+    bench.drop_to_robot = [&](const Bytes &request) {
+        requests += is_text_request(request);
+        if (copied_at != 0 && requests >= copied_at + copy.requests) {
+            due_us = std::min(due_us, bench.now_us);
+            copied_at = 0;
+        }
+        return false;
+    };
+    bench.drop_to_client = [&](const Bytes &answer) {
+        if (is_text_answer(answer) && answers++ == copy.answer) {
+            bytes = answer;
+            (copy.requests > 0 ? copied_at : due_us) =
+                copy.requests > 0 ? requests : bench.now_us + round_trip_us + copy.late_us;
+        }
+        return false;
+    };
+    const auto pad = [&] {
+        return roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE);
+    };
+    bool delivered = false;
+    bench.start();
+    for (int i = 0; i < 12000 && !(delivered && pad() >= 0 && answers > copy.answer + 3); i++) {
+        bench.run(bytes.empty() || delivered ? 20 * ms : 1 * ms);
+        if (!delivered && bench.now_us >= due_us) {
+            bench.receive(bytes);
+            delivered = true;
+        }
+        ASSERT_TRUE(pad() < 0 || pad() == static_cast<roburoc4_result>(card.pad)) << pad();
+        if (delivered && !card.known && bench.now_us > 1012 * second)
+            break;
+    }
+    EXPECT_TRUE(delivered);
+    if (card.known) {
+        EXPECT_EQ(static_cast<roburoc4_result>(card.pad), pad()) << "found at last";
+    }
+}
+
+const Copy copies_by_time[] = {{0, 0, 0}, {0, 20 * ms, 0}, {0, 260 * ms, 0}, {0, 720 * ms, 0}};
+const std::size_t requests_later[] = {1, 2, 5};
+
+/** All times for copies of this answer. */
+std::vector<Copy> copies_of(int answer) {
+    std::vector<Copy> all;
+    for (Copy copy : copies_by_time) {
+        copy.answer = answer;
+        all.push_back(copy);
+    }
+    for (const std::size_t later : requests_later)
+        all.push_back({answer, 0, later});
+    return all;
+}
+
+} // namespace
+
+TEST(FixedId, OneDuplicatedAnswerNeverGivesAWrongOverride) {
+    for (const Card &card : cards)
+        for (const std::uint64_t round_trip_us : {2 * ms, 150 * ms})
+            for (const int answer : {0, 6, 7, 8, 9, 20})
+                for (const Copy &copy : copies_of(answer)) {
+                    ScriptedRobot robot;
+                    robot.always_manual_id = true;
+                    set_up(robot, card);
+                    expect_no_wrong_pad(robot, card, copy, round_trip_us);
+                }
+}
+
+TEST(ErrorHeader, OneDuplicatedRefusalNeverGivesAWrongOverride) {
+    const Card last{"last", 21, {}, true, true};
+    for (const int answer : {0, 21, 22})
+        for (const Copy &copy : copies_of(answer)) {
+            ScriptedRobot robot;
+            robot.error_header = true;
+            set_up(robot, last);
+            expect_no_wrong_pad(robot, last, copy, 2 * ms);
+        }
+}
+
+TEST(FixedId, TheOverrideIsKnownWithinTenSeconds) {
+    for (const std::uint64_t round_trip_us : {1 * ms, 20 * ms, 100 * ms}) {
+        ScriptedRobot robot;
+        robot.always_manual_id = true;
+        Bench bench(robot);
+        bench.delay_to_client = [round_trip_us] { return round_trip_us; };
+        bench.start();
+        EXPECT_TRUE(
+            bench.run_until([&] { return bench.facts().override_known == 1; }, 10 * second));
+    }
+}
+
+TEST(FixedId, OtherRequestsDoNotWaitForTexts) {
+    ScriptedRobot robot;
+    robot.always_manual_id = true;
+    Bench bench(robot);
+    bench.delay_to_client = [] { return 5 * ms; };
+    bench.start();
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 3 * second));
+    ASSERT_TRUE(bench.run_until(
+        [&] { return robot.requests.back().what.action == ROBUROC4_ACTION_QUERY; }, second));
+    bench.run(10 * ms); /* answered; the next text waits */
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_subscribe(&bench.client, ROBUROC4_SERVICE_TELEMETER, 50,
+                                                     bench.client_us()));
+    bench.pump();
+    EXPECT_EQ(ROBUROC4_ACTION_INSERT, robot.requests.back().what.action);
+}

@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A robot that refuses subscriptions, because its list is full.
+ */
+#include "client_bench.h"
+
+using namespace roburoc4_tests;
+
+namespace {
+
+void refuse_inserts(ScriptedRobot &robot, bool refused) {
+    for (ScriptedService &service : robot.services)
+        service.insert_refused = refused;
+}
+
+} // namespace
+
+TEST(FullList, ARobotThatAcceptsNoSubscriptionIsNotReadyAndAskedAgain) {
+    ScriptedRobot robot;
+    refuse_inserts(robot, true);
+    Bench bench(robot);
+    bench.start();
+    bench.run(10 * second);
+    EXPECT_EQ(static_cast<std::uint32_t>(ROBUROC4_STATE_SUBSCRIBING), bench.state());
+    EXPECT_EQ(0x7CU, bench.facts().missing);
+    EXPECT_EQ(ROBUROC4_ERR_NOT_READY, bench.arm());
+    const std::size_t asked = robot.seen(ROBUROC4_ACTION_INSERT, 6).size();
+    EXPECT_GE(asked, 9U);
+    EXPECT_LE(asked, 12U) << "once a second";
+    refuse_inserts(robot, false);
+    EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 2 * second));
+    bench.run(second);
+    EXPECT_EQ(0U, bench.facts().missing);
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
+}
+
+TEST(FullList, AProgramThatWantsNoSubscriptionBecomesReady) {
+    ScriptedRobot robot;
+    refuse_inserts(robot, true);
+    roburoc4_config config = default_config();
+    config.subscriptions = 0;
+    Bench bench(robot, config);
+    bench.start();
+    EXPECT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY, 2 * second));
+    EXPECT_EQ(0U, bench.facts().missing);
+}
+
+TEST(FullList, ARefusedSubscriptionThatDrivingNeedsIsTheReason) {
+    for (const std::uint32_t service : {ROBUROC4_SERVICE_IOCARD, ROBUROC4_SERVICE_DIFFERENTIAL}) {
+        SCOPED_TRACE(service);
+        ScriptedRobot robot;
+        robot.service(service).insert_refused = true;
+        Bench bench(robot);
+        bench.ready();
+        EXPECT_EQ(1U << service, bench.facts().missing);
+        for (int i = 0; i < 100; i++) { /* it is asked again meanwhile */
+            bench.run(100 * ms);
+            ASSERT_EQ(ROBUROC4_ERR_NOT_SUBSCRIBED, bench.arm()) << i;
+        }
+        EXPECT_GE(robot.seen(ROBUROC4_ACTION_INSERT, static_cast<int>(service)).size(), 2U);
+        robot.service(service).insert_refused = false;
+        EXPECT_TRUE(bench.run_until([&] { return bench.arm() == ROBUROC4_OK; }, 10 * second));
+        EXPECT_EQ(0U, bench.facts().missing);
+    }
+}
+
+TEST(FullList, ACardThatIsNotListedIsTheReason) {
+    ScriptedRobot robot;
+    robot.remove(ROBUROC4_SERVICE_IOCARD);
+    Bench bench(robot);
+    bench.ready();
+    EXPECT_EQ(1U << ROBUROC4_SERVICE_IOCARD, bench.facts().missing);
+    EXPECT_EQ(ROBUROC4_ERR_NOT_SUBSCRIBED, bench.arm());
+}

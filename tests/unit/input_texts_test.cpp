@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Which inputs are the override and the bumpers, by the texts of the robot, and what is known of
+ * them.
+ */
+#include "client_bench.h"
+
+using namespace roburoc4_tests;
+
+namespace {
+
+/** The input with a role if its text is this one, and all others say nothing. */
+roburoc4_result role_with_text(std::uint32_t role, const std::string &text) {
+    ScriptedRobot robot;
+    robot.channel_text = [&](std::uint32_t type, std::uint32_t index) -> std::string {
+        return type == ROBUROC4_IO_DIGITAL_INPUT && index == 12 ? text : "spare";
+    };
+    Bench bench(robot);
+    bench.ready();
+    return roburoc4_client_role_index(&bench.client, role);
+}
+
+} // namespace
+
+TEST(OverrideText, ConsistsExactlyOfTheWordsForIt) {
+    for (const char *text :
+         {"Game pad A", "Game pad \"A\" button", "GAMEPAD A", "Gamepad \"a\" button",
+          "Joystick button A", "joystick A", "A (game pad)", "Button A, Joystick", "A: game-pad",
+          "A button game pad"})
+        EXPECT_EQ(12, role_with_text(ROBUROC4_ROLE_OVERRIDE, text)) << text;
+    for (const char *text :
+         {"Game pad A LED", "Game pad battery A", "Game pad A axis", "A axis", "Game pad A B",
+          "Game pad A A", "Game pad", "A", "", "Game A", "Pad A", "Game pad B", "Game pad A\xE9",
+          "Gamepad joystick A", "Not game pad A", "Game pad A 2"})
+        EXPECT_EQ(ROBUROC4_ERR_UNKNOWN, role_with_text(ROBUROC4_ROLE_OVERRIDE, text)) << text;
+}
+
+TEST(Bumper, WithSeveralInputsIsPressedIfAnyIs) {
+    ScriptedRobot robot;
+    robot.channel_text = [](std::uint32_t type, std::uint32_t index) -> std::string {
+        const std::map<std::uint32_t, std::string> texts{{3, "Front bumper left"},
+                                                         {5, "Right front bumper"},
+                                                         {6, "REAR BUMPER 1"},
+                                                         {7, "bumper (rear) 2"},
+                                                         {8, "Game pad A"}};
+        return type == ROBUROC4_IO_DIGITAL_INPUT && texts.count(index) > 0 ? texts.at(index)
+                                                                           : "spare";
+    };
+    Bench bench(robot);
+    bench.ready();
+    EXPECT_EQ(3, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_FRONT_BUMPER));
+    EXPECT_EQ(6, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_REAR_BUMPER));
+    EXPECT_EQ(1, bench.facts().front_bumper_known);
+    EXPECT_EQ(1, bench.facts().rear_bumper_known);
+    for (std::uint32_t input = 0; input < 22; input++) {
+        robot.digital = std::uint64_t{1} << input;
+        bench.run(100 * ms);
+        EXPECT_EQ(input == 3 || input == 5, bench.facts().front_bumper) << input;
+        EXPECT_EQ(input == 6 || input == 7, bench.facts().rear_bumper) << input;
+    }
+    robot.digital = 0;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_client_set_role_index(&bench.client, ROBUROC4_ROLE_FRONT_BUMPER,
+                                                          10, bench.client_us()));
+    robot.press(3);
+    bench.run(100 * ms);
+    EXPECT_EQ(0, bench.facts().front_bumper) << "the program's choice";
+    EXPECT_EQ(1, bench.facts().front_bumper_known);
+    robot.press(10);
+    bench.run(100 * ms);
+    EXPECT_EQ(1, bench.facts().front_bumper);
+}
+
+TEST(Bumper, IsKnownOnlyIfTheTextsSayWhichInputItIs) {
+    enum { NAMED, ALL_REFUSED, UNNAMED, ONE_MISSING, OTHER_COUNT, CASES };
+    for (int way = 0; way < CASES; way++) {
+        SCOPED_TRACE(way);
+        ScriptedRobot robot;
+        robot.texts_refused = way == ALL_REFUSED;
+        if (way == UNNAMED || way == OTHER_COUNT)
+            robot.channel_text = [](std::uint32_t, std::uint32_t) { return ""; };
+        if (way == OTHER_COUNT)
+            robot.iocard.digital_inputs = 30;
+        robot.instead = [way](const roburoc4_request &r, std::vector<Bytes> &) {
+            return way == ONE_MISSING && r.action == ROBUROC4_ACTION_QUERY && r.service == 2 &&
+                   r.io_type == ROBUROC4_IO_DIGITAL_INPUT && r.index == 17;
+        };
+        Bench bench(robot);
+        bench.start();
+        EXPECT_EQ(0, bench.facts().front_bumper_known);
+        ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_READY));
+        bench.run(3 * second);
+        EXPECT_EQ(way == NAMED || way == ALL_REFUSED, bench.facts().front_bumper_known);
+        EXPECT_EQ(way == NAMED || way == ALL_REFUSED, bench.facts().rear_bumper_known);
+    }
+}
+
+TEST(Bumper, IsUnknownUntilAStatusOfTheFoundRobotAndAfterALoss) {
+    ScriptedRobot robot;
+    robot.service(ROBUROC4_SERVICE_IOCARD).mute = true;
+    Bench bench(robot);
+    bench.ready();
+    EXPECT_EQ(0, bench.facts().front_bumper_known);
+    EXPECT_EQ(UINT32_MAX, bench.facts().age_us[ROBUROC4_SERVICE_IOCARD]);
+    robot.service(ROBUROC4_SERVICE_IOCARD).mute = false;
+    bench.run(100 * ms);
+    EXPECT_EQ(1, bench.facts().front_bumper_known);
+    const std::uint32_t age_us = bench.facts().age_us[ROBUROC4_SERVICE_IOCARD];
+    EXPECT_LT(age_us, 200000U);
+    bench.now_us += 7;
+    EXPECT_EQ(age_us + 7, bench.facts().age_us[ROBUROC4_SERVICE_IOCARD]) << "ages by itself";
+    EXPECT_EQ(1, bench.facts().battery_known);
+    robot.powered = false;
+    ASSERT_TRUE(bench.run_until_state(ROBUROC4_STATE_LOST));
+    const roburoc4_facts lost = bench.facts();
+    EXPECT_EQ(0, lost.front_bumper_known);
+    EXPECT_EQ(0, lost.rear_bumper_known);
+    EXPECT_EQ(0, lost.battery_known);
+    EXPECT_EQ(0, lost.override_known);
+    for (const std::uint32_t age : lost.age_us)
+        EXPECT_EQ(UINT32_MAX, age);
+}
