@@ -176,11 +176,11 @@ static void take_move(robot *robot, const command *command, uint32_t lease_us, g
     moving->until_us = now.us + lease_us;
 }
 
-/* Drive as the move proposes; its lease ends with that of its last command. */
+/* Drive as the move proposes. The client's lease ends with the move's: then the client stops the
+ * robot, and disarms it as after any command that was not renewed. */
 static void step_move(robot *robot, gate_time now) {
     robot_move *moving = &robot->moving;
     if (now.us >= moving->until_us) {
-        roburoc4_move_cancel(&moving->move, &robot->client, now.us);
         moving->move.result = ROBUROC4_MOVE_LAPSED;
     } else if (roburoc4_move_step(&moving->move, &robot->client, now.us) == ROBUROC4_MOVE_RUNNING) {
         const uint64_t left_us = moving->until_us - now.us;

@@ -83,6 +83,9 @@ def test_a_move_that_is_not_sent_again_lapses(robot: Robot, bus: Bus, armed: Bri
     ends_as(bus, armed, 1, Status.RESULT_LAPSED)
     assert not [c for c in robot.tap.moves() if c.time_us - last_us > 450_000]
     until(robot.stands, "the robot stands")
+    until(lambda: not armed.state.armed, "it is disarmed a second later")
+    with moving(bus, 2, distance_m=0.3):
+        ends_as(bus, armed, 2, Status.RESULT_REACHED)
 
 
 def test_a_stop_ends_a_move_for_good(robot: Robot, bus: Bus, armed: Bridge) -> None:

@@ -1,6 +1,6 @@
 function test_help_of_every_file()
 % Each public file begins with an H1 line, has an example, and its methods have help; docs/matlab.md
-% has each field of a struct.
+% and the help of the class have each field of a struct.
 % SPDX-License-Identifier: MIT
 root = fileparts(fileparts(mfilename('fullpath')));
 package = fullfile(root, 'toolbox', '+roburoc4');
@@ -33,15 +33,19 @@ for k = 1:numel(classes)
         check_shown(classes{k}, names{n}{1});
     end
 end
-check_fields(fileread(fullfile(root, '..', '..', 'docs', 'matlab.md')));
+check_fields(fileread(fullfile(root, '..', '..', 'docs', 'matlab.md')), 'docs/matlab.md', '`%s`');
+shown = regexp(fileread(fullfile(package, 'Robot.m')), 'fields of the structs, which are:.*?Example:', ...
+    'match', 'once');
+check_fields(shown, 'the help of Robot', ' %s[,\\s]');
 end
 
-function check_fields(page)
+function check_fields(page, name, pattern)
 sim = roburoc4.Simulator();
 r = sim.connect();
 fields = [fieldnames(r.status); fieldnames(r.link); fieldnames(r.info)];
 for k = 1:numel(fields)
-    check(~isempty(strfind(page, ['`' fields{k} '`'])), 'docs/matlab.md does not have %s', fields{k});
+    check(~isempty(regexp(page, sprintf(pattern, fields{k}), 'once')), '%s does not have %s', name, ...
+        fields{k});
 end
 delete(r);
 delete(sim);

@@ -11,11 +11,11 @@ from .differential_status_t import differential_status_t as differential_status_
 from .drive_command_t import drive_command_t as drive_command_t
 from .iocard_status_t import iocard_status_t as iocard_status_t
 from .localization_status_t import localization_status_t as localization_status_t
+from .move_command_t import move_command_t as move_command_t
+from .move_status_t import move_status_t as move_status_t
 from .output_command_t import output_command_t as output_command_t
 from .relocalize_command_t import relocalize_command_t as relocalize_command_t
 from .robot_properties_t import robot_properties_t as robot_properties_t
 from .stop_command_t import stop_command_t as stop_command_t
 from .telemeter_status_t import telemeter_status_t as telemeter_status_t
 from .telemeter_t import telemeter_t as telemeter_t
-from .move_command_t import move_command_t as move_command_t
-from .move_status_t import move_status_t as move_status_t

@@ -68,7 +68,23 @@ classdef Robot < handle
 %      time_s          - Seconds since the robot was connected
 %      start_utc_s     - UTC when time_s was 0, in seconds since 1970
 %   pose and speeds are NaN when they are older than fresh_ms (300); the time_s of pose is when
-%   the robot measured it. docs/matlab.md explains the fields of the structs.
+%   the robot measured it. docs/matlab.md explains the fields of the structs, which are:
+%      status          - time_s, ready, armed, driving, lapsed, stopping, stop_outcome,
+%                        disarm_cause, disarm_text, overridden, other_commander, inhibited,
+%                        front_bumper, rear_bumper, battery_low, missing, x_m, y_m, theta_rad,
+%                        localization_flags, target_linear_m_s, current_linear_m_s,
+%                        target_angular_rad_s, current_angular_rad_s, distances_m, battery_state,
+%                        remaining_percent, iocard_age_s, telemeter_age_s, battery_age_s,
+%                        localization_age_s, differential_age_s, robot_cycles
+%      info            - max_linear_m_s, min_linear_m_s, max_angular_rad_s, min_angular_rad_s,
+%                        max_linear_m_s2, min_linear_m_s2, max_angular_rad_s2, min_angular_rad_s2,
+%                        width_m, nominal_voltage_v, capacity_ah, minimum_percent, power_on_x_m,
+%                        power_on_y_m, power_on_theta_rad, analog_inputs, analog_outputs,
+%                        digital_inputs, digital_outputs, telemeter_x_m, telemeter_y_m,
+%                        telemeter_theta_rad, telemeter_field_of_view_rad,
+%                        telemeter_min_distance_m, telemeter_max_distance_m, service_ids,
+%                        service_types
+%      link            - round_trip_s, round_trip_min_s, silence_s, received, lost, loss
 %
 %   Example:
 %      r = roburoc4.Robot('192.168.0.2', 'max_linear_m_s', 0.5);
