@@ -258,9 +258,10 @@ static void widen_envelope(drive *d) {
     }
 }
 
-/** Until a stop is confirmed, the robot may keep the last speeds. */
+/** Until the robot is known to have a new target, or to have stopped, it may keep an old one. */
 static void age_envelope(drive *d, uint32_t window_us, uint64_t now_us) {
-    if ((d->lease_active || !d->unconfirmed) && now_us - d->envelope_us >= window_us) {
+    const bool settled = d->lease_active ? !d->echo_due : !d->unconfirmed;
+    if (settled && now_us - d->envelope_us >= window_us) {
         memcpy(d->low_before, d->low, sizeof d->low);
         memcpy(d->high_before, d->high, sizeof d->high);
         memcpy(d->low, d->sent, sizeof d->low);
@@ -424,7 +425,7 @@ static bool has_driven(const drive *d) {
 }
 
 /** While driving, what is sent must appear among the reported targets. */
-static void watch_echo(drive *d, const roburoc4_config *config, const float *reported,
+static void watch_echo(drive *d, const roburoc4_config *config, const float *reported, bool ours,
                        uint64_t now_us, uint32_t *events) {
     const bool echoed = near(reported[LINEAR], d->echo_low[LINEAR], d->echo_high[LINEAR],
                              TARGET_TOLERANCE) &&
@@ -434,9 +435,9 @@ static void watch_echo(drive *d, const roburoc4_config *config, const float *rep
         d->echo_due = 0;
     }
     const uint32_t limit_us = uplink_limit_us(config);
-    if (!d->echo_due) {
+    if (!d->echo_due && ours) {
         memcpy(d->echoed, reported, sizeof d->echoed);
-    } else if (now_us - d->echo_us >= limit_us &&
+    } else if (d->echo_due && now_us - d->echo_us >= limit_us &&
                (config->options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0) {
         /* if it answers requests in time, it received the target, and dropped it */
         roburoc4_drive_interrupt(
@@ -481,7 +482,7 @@ void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
             d->confirmed = 1; /* an older status is from before the zeros */
         }
     } else if (d->lease_active) {
-        watch_echo(d, config, reported, now_us, events);
+        watch_echo(d, config, reported, ours, now_us, events);
     } else if (!zero && ours && age_us < config->fresh_ms * MS && has_driven(d)) {
         stop_again(d); /* a speed of ours came late, or came back */
     }

@@ -23,6 +23,7 @@
 #define FAIL_ARGUMENT "roburoc4:badArgument"
 #define FAIL_CLOSED "roburoc4:closed"
 #define FAIL_LIMIT "roburoc4:limit"
+#define FAIL_MOVE "roburoc4:moveEnded"
 #define FAIL_NETWORK "roburoc4:network"
 #define FAIL_NOT_ARMED "roburoc4:notArmed"
 #define FAIL_PROTOCOL "roburoc4:protocol"

@@ -117,8 +117,9 @@ PyObject *connection_play(connection *c, const uint8_t *data, size_t size, uint6
 PyObject *read_samples(connection *c, roburoc4_pump_reader *reader, uint32_t mask);
 /* One step of a move, and the drive command that it proposes; ROBUROC4_MOVE_*. */
 PyObject *move_step(connection *c, roburoc4_move *move);
-/* roburoc4_client_drive() and True; or nothing and False, if the facts' `stops` has changed. */
-PyObject *renew_drive(connection *c, float linear_m_s, float angular_rad_s, uint32_t stops);
+/* roburoc4_client_drive() and True; or nothing and False, if the lease has ended and the client is
+ * still armed. */
+PyObject *renew_drive(connection *c, float linear_m_s, float angular_rad_s);
 
 /* ---- what any robot answers (simulator.c) ---- */
 

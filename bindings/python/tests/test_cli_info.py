@@ -37,7 +37,9 @@ def test_json_has_every_property_under_its_name_and_unit() -> None:
         "localization",
         "differential",
         "channels",
+        "missing",
     ]
+    assert info["missing"] == []
     assert info["robot"] == sim.address
     assert info["iocard"] == {
         "analog_inputs": 9,

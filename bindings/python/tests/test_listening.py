@@ -180,9 +180,9 @@ def test_a_recording_counts_its_gaps(roburoc4_simulator: Simulator) -> None:
         sim_time_s = roburoc4_simulator.now_s
         later = robot.reader("localization", "telemeter")
         robot.sleep(1.0)
-        roburoc4_simulator.set("power", False)
+        roburoc4_simulator.set_faults(loss=1.0)
         robot.sleep(2.5)
-        roburoc4_simulator.set("power", True)
+        roburoc4_simulator.set_faults(loss=0.0)
         robot.wait_for("localization")
         robot.sleep(1.0)
         recording = Recording(mask_of(("localization", "telemeter")), robot.period_s)
