@@ -283,7 +283,8 @@ void Oracle::forget_robot(Moment now) {
     rule_.forget_before(boot_);
     if (limits_.boot < boot_)
         limits_ = Limits();
-    overridden_ = outputs_allowed_ = speed_out_ = false;
+    overridden_ = speed_out_ = false;
+    outputs_allowed_ = outputs_allowed_ && outputs_boot_ >= boot_;
     sent_.clear();
     for (Newest &newest : newest_)
         if (newest.boot < boot_)
