@@ -298,6 +298,7 @@ void Oracle::override_index_set(Moment now, std::int32_t index, std::int32_t res
 void Oracle::outputs_set(Moment now) {
     observe(now);
     outputs_allowed_ = true;
+    outputs_boot_ = static_cast<std::uint32_t>(robots_.size() - 1);
 }
 
 /* ------------------------------------------------------------------------------ what it sends */
@@ -370,8 +371,8 @@ void Oracle::zero_sent(Moment now) {
         begin_stop(now);
     if (!stop_.active && speed_out_ && !within_lease) /* it ended driving by itself */
         end_driving(now, Promise::speed_needs_lease);
-    else if (!stop_.active && !within_lease && (unconfirmed_ || now.true_us <= zeros_welcome_us_))
-        begin_stop(now); /* a status shows our target, or that [A] was released */
+    else if (!stop_.active && !within_lease && zeros_welcome(now))
+        begin_stop(now);
     stop_requested_ = false;
     if (lease_.alive && target_may_be_zero())
         lease_.sent = true;
@@ -383,6 +384,12 @@ void Oracle::zero_sent(Moment now) {
     }
     if (!within_lease)
         violate(Promise::monitor_is_silent, now.true_us, "a zero left that nobody asked for");
+}
+
+/* A stop was not confirmed, a status shows our target, or that [A] was released. */
+bool Oracle::zeros_welcome(Moment now) const {
+    return unconfirmed_ || now.true_us <= zeros_welcome_us_ ||
+           (report_.stopping && !sent_.empty()) || report_.stop_outcome >= ROBUROC4_STOP_TIMED_OUT;
 }
 
 /* A target of zero, or one of which the limits leave nothing. */

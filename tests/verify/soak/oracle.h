@@ -218,6 +218,7 @@ class Oracle {
     std::uint64_t tolerance_us(Moment now) const;
     Bounds bounds() const;
     bool target_may_be_zero() const;
+    bool zeros_welcome(Moment now) const;
 
     roburoc4_config config_;
     RobotTruth robot_;
@@ -249,6 +250,7 @@ class Oracle {
     Speeds reported_target_, reported_current_;
     std::uint32_t boot_ = 0, required_boot_ = 0;
     std::deque<RobotTruth> robots_; /* by start; those before required_boot_ are forgotten */
+    std::uint32_t outputs_boot_ = 0;
     std::uint32_t judged_boot_ = 0; /* whose restart was noticed, or could not be */
     int restarted_statuses_ = 0;
     bool armed_before_restart_ = false;

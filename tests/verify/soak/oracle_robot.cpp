@@ -232,7 +232,6 @@ void Oracle::iocard_status(Moment now, const Datagram &datagram) {
         ended_under_pad_a_ = ended_under_pad_a_ || lease_.alive || stop_.active;
         disarm(now, report_.override_index == index ? Promise::override_disarms
                                                     : Promise::override_by_texts);
-        stop_.confirmed = stop_.confirmed && !report_.override_known;
     } else if (before && datagram.origin.boot <= judged_boot_) {
         zeros_welcome_us_ = now.true_us + milliseconds(config_.drive_period_ms) + slack_us;
         stop_.again_us = now.true_us;
@@ -284,7 +283,8 @@ void Oracle::forget_robot(Moment now) {
     rule_.forget_before(boot_);
     if (limits_.boot < boot_)
         limits_ = Limits();
-    overridden_ = outputs_allowed_ = speed_out_ = false;
+    overridden_ = speed_out_ = false;
+    outputs_allowed_ = outputs_allowed_ && outputs_boot_ >= boot_;
     sent_.clear();
     for (Newest &newest : newest_)
         if (newest.boot < boot_)
@@ -494,14 +494,16 @@ void Oracle::judge_stop_in_time(Moment now, const Report &report) {
             violate(Promise::zeros_first, now.true_us, "driving has ended, and no zero has left");
         return;
     }
+    const bool searching =
+        report.state == ROBUROC4_STATE_CONNECTING || report.state == ROBUROC4_STATE_DISCOVERING;
     if (!report.stopping) {
-        if (speed_out_ || report.differential_known)
+        if (searching) /* what it drove is gone, or another one now */
+            speed_out_ = false;
+        else if (speed_out_ || report.differential_known)
             end_stop(now, Promise::zeros_repeated);
         stop_.active = false;
         return;
     }
-    const bool searching =
-        report.state == ROBUROC4_STATE_CONNECTING || report.state == ROBUROC4_STATE_DISCOVERING;
     if (!report.differential_known &&
         (searching || !speed_out_ ||
          stop_may_end(now))) { /* stop() is latched until the service is known */

@@ -41,8 +41,8 @@ void draw_card(Random &random, RobotPlan &plan) {
         plan.digital_inputs = 23;
         plan.pad_a = 9;
     }
-    if (random.chance(0.05)) {
-        plan.digital_inputs = 40;
+    if (random.chance(0.05)) { /* more than a client stores */
+        plan.digital_inputs = random.chance(0.5) ? 40 : 150;
         plan.pad_a = static_cast<std::int32_t>(random.between(2, 39));
     }
     if (random.chance(0.05))
@@ -291,7 +291,9 @@ RobotPlan draw_robot(Random &random) {
     plan.short_properties = random.chance(0.03);
     plan.texts_twice = random.chance(0.2);
     plan.answer_us = random.between(100, 10000);
-    plan.text_us = random.chance(0.2) ? random.between(10000, 400000) : plan.answer_us;
+    plan.text_us = plan.answer_us;
+    if (random.chance(0.2))
+        plan.text_us = random.between(10000, random.chance(0.2) ? 3000000 : 400000);
     plan.own_queues = random.chance(0.5);
     plan.clock_ppm = random.uniform(-500, 500);
     plan.first_cycle = random.chance(0.5) ? 0 : random.between(0, 100000000);

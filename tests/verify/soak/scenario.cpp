@@ -112,7 +112,7 @@ bool override_can_be_known(const RobotPlan &plan, const roburoc4_config &config)
     if (plan.literal_ids && config.role_index[ROBUROC4_ROLE_OVERRIDE] < 0 &&
         (rule.index() != table || plan.digital_inputs > 23 || plan.analog_inputs != 9))
         return false;
-    return rule.index() >= 0;
+    return rule.index() >= 0 && rule.index() < ROBUROC4_MAX_DIGITAL_INPUTS && plan.text_us < second;
 }
 
 class Scenario {
