@@ -34,7 +34,7 @@ struct Exploration {
 #define READY ".........."
 #define DRIVING "DDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDD" /* until shortly before it is noticed */
 const char all_letters[] = ".xlr2vUDPSABORCH";
-/* E, the emergency stop, takes effect too late for its place in all_letters: "motors off". */
+/* Those whose effect takes longer than a few periods are in the longer histories only. */
 const Exploration explorations[] = {
     {"watching", 0, READY, all_letters, 6, 7},
     {"armed", 0, READY "A", all_letters, 6, 8},
@@ -45,8 +45,8 @@ const Exploration explorations[] = {
     {"uplink out", 0, READY "AUDDDDDDD", all_letters, 6, 7},
     {"motors off", 0, READY "ADDDDDDDDE" DRIVING, ".xlDdPAEH", 7, 9},
     {"program and pad", 1, READY "A", ".DPSAB", 13, 15},
-    {"losses", 1, READY "A", ".xUDPA", 10, 12},
-    {"delays", 0, READY "A", ".lr2vD", 12, 14},
+    {"losses", 1, READY "A", ".xaUDPA", 10, 12},
+    {"delays", 0, READY "A", ".lrqvDA", 11, 13},
     {"restarts", 0, READY "A", ".xDARC", 10, 12},
 };
 

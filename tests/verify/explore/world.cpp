@@ -17,6 +17,8 @@ const Letter letters[] = {
     {'x', "statuses and answers are lost"},
     {'l', "statuses and answers arrive a period late"},
     {'r', "statuses and answers arrive after those of the next period"},
+    {'q', "statuses arrive a period late, answers on time"},
+    {'a', "answers are lost"},
     {'2', "statuses and answers arrive twice"},
     {'v', "what the client sends arrives after what it sends in the next period"},
     {'U', "what the client sends is lost from now on, or no longer"},
@@ -390,6 +392,12 @@ void World::downlink(const Message &message) {
         return send(message, flight_us + period_us);
     case 'r':
         return send(message, flight_us + period_us + 10 * ms);
+    case 'q':
+        return send(message, flight_us + (message.kind == answer ? 0 : period_us));
+    case 'a':
+        if (message.kind == answer)
+            return;
+        return send(message, flight_us);
     case '2':
         send(message, flight_us);
         return send(message, flight_us + 10 * ms);
