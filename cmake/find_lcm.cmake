@@ -50,9 +50,9 @@ endif()
 if(ROBUROC4_LCM_FOUND)
     message(STATUS "LCM ${ROBUROC4_LCM_VERSION}: ${ROBUROC4_LCM_LIBRARY}, ${ROBUROC4_LCM_GEN}")
     if(ROBUROC4_LCM_VERSION VERSION_LESS 1.5)
-        message(WARNING "LCM ${ROBUROC4_LCM_VERSION} dies of one malformed packet on its network, "
-            "and with it the bridge. Prefer LCM 1.5: pip install lcm, and give its site-packages "
-            "as CMAKE_PREFIX_PATH")
+        message(WARNING "LCM ${ROBUROC4_LCM_VERSION} dies of one malformed packet on its network. "
+            "On Linux the bridge has such packets dropped, other programs do not. Prefer LCM 1.5: "
+            "pip install lcm, and give its site-packages as CMAKE_PREFIX_PATH")
     endif()
 elseif(ROBUROC4_WITH_LCM STREQUAL "ON")
     message(FATAL_ERROR "LCM was not found: install it (pip install lcm, and give its "

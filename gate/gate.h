@@ -14,7 +14,7 @@
  *   of the other kinds neither take nor keep it;
  * - the robot is ready, and (to drive) armed, or can be armed;
  * - since the start, the last disarm and the last stop command, there was a pause: GATE_PAUSE_US
- *   without a request for a speed.
+ *   without a request for a speed. (A disarm because no command came needs no further pause.)
  *
  * A replay within max_age_us of the original is caught by the sender's last utime, one across a
  * restart by the start rule: what was sent before the start has a utime of at most
@@ -67,6 +67,7 @@ enum gate_verdict {
     GATE_NOT_READY,
     GATE_DISARMED,
     GATE_IMPOSSIBLE,
+    GATE_UNITS,
     GATE_VERDICTS
 };
 

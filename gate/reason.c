@@ -25,6 +25,8 @@ static const char *reason(enum gate_verdict verdict) {
     case GATE_DISARMED:
         return "the robot cannot be armed, or not all senders have paused since the bridge "
                "started, a stop, or a disarm; pause (or send zero) for 500 ms";
+    case GATE_UNITS:
+        return "it is faster than any RobuROC4; give m/s and rad/s, at most 5 and 10";
     case GATE_IMPOSSIBLE:
         return "the robot has no such output or service; digital output 0 is its own";
     default:

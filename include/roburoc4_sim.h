@@ -51,10 +51,43 @@ extern "C" {
 #define ROBUROC4_SIM_MAX_ANALOG 64
 #define ROBUROC4_SIM_MAX_DIGITAL 256
 
+/** The most telemeters. */
+#define ROBUROC4_SIM_MAX_TELEMETERS 6
+
 /** What a QUERY (4.2.3) gets. */
 #define ROBUROC4_SIM_QUERY_ANSWERED 0
-#define ROBUROC4_SIM_QUERY_SILENT 1  /* no answer at all */
-#define ROBUROC4_SIM_QUERY_REFUSED 2 /* error 2: action not supported */
+#define ROBUROC4_SIM_QUERY_SILENT 1    /* no answer at all */
+#define ROBUROC4_SIM_QUERY_REFUSED 2   /* error 2: action not supported */
+#define ROBUROC4_SIM_QUERY_A_SILENT 3  /* no answer to that for game pad [A], others as usual */
+#define ROBUROC4_SIM_QUERY_A_REFUSED 4 /* that one gets error 5: wrong value */
+#define ROBUROC4_SIM_QUERY_EMPTY 5     /* empty texts */
+
+/** What is unusual about the texts; a sum. */
+#define ROBUROC4_SIM_TEXTS_REORDERED 1 /* the last word comes first */
+#define ROBUROC4_SIM_TEXTS_LATIN_1 2   /* quotes as in French, AB and BB in Latin-1 */
+#define ROBUROC4_SIM_TEXTS_TWO_FRONT 4 /* two inputs for the front bumper */
+#define ROBUROC4_SIM_TEXTS_LIKE_A 8    /* an unused input named "Game pad A LED" */
+#define ROBUROC4_SIM_TEXTS_DOUBLED 16  /* each text and each refusal arrives twice */
+
+/** What remains of a command that arrives while [A] is held, and of the target from before. */
+#define ROBUROC4_SIM_PAD_DISCARDS 0 /* nothing: the target is 0 until the next command */
+#define ROBUROC4_SIM_PAD_STORES 1   /* after the release, the last command is obeyed */
+#define ROBUROC4_SIM_PAD_RESUMES 2  /* after the release, the target from before comes back */
+
+/** Whose a subscription is. */
+#define ROBUROC4_SIM_LISTS_BY_SENDER 0
+#define ROBUROC4_SIM_LIST_SHARED 1 /* the robot's: one period for all, statuses go to all */
+#define ROBUROC4_SIM_LIST_LAST 2   /* the robot's: statuses go to the last who subscribed */
+
+/** What an INSERT gets when the list is full. */
+#define ROBUROC4_SIM_FULL_REFUSES 0 /* error 16 */
+#define ROBUROC4_SIM_FULL_IGNORES 1 /* an acknowledgement, and nothing is sent */
+#define ROBUROC4_SIM_FULL_FORGETS 2 /* the place of the oldest subscription */
+
+/** What a REPLACE of the localization gets. */
+#define ROBUROC4_SIM_REPLACE_OBEYED 0
+#define ROBUROC4_SIM_REPLACE_REFUSED 1 /* error 2: action not supported */
+#define ROBUROC4_SIM_REPLACE_IGNORED 2 /* an acknowledgement without effect */
 
 /** Configuration of a simulated robot. Fill it with roburoc4_sim_config_init(), then change what
  *  you need. Arrays by service use ROBUROC4_SERVICE_* as index, masks `1u << ROBUROC4_SERVICE_*`.
@@ -71,8 +104,9 @@ typedef struct roburoc4_sim_config {
     uint32_t query_mode;       /* ROBUROC4_SIM_QUERY_*; _ANSWERED */
     uint32_t answer_id_fixed;  /* 1: every answer carries id 0x01, as the manual prints it; 0 */
     uint32_t only_id_fixed;    /* 1: requests whose id is not 0x01 are ignored; 0 */
-    uint32_t error_header;     /* 1: an error answer carries header 0x00, not the request's id; 0 */
-    uint32_t start_safe;       /* 1: power on leaves the motors off until the motor button; 0 */
+    /* 1: an error answer carries header 0x00, not the request's id; 2: it is only that byte; 0 */
+    uint32_t error_header;
+    uint32_t start_safe; /* 1: power on leaves the motors off until the motor button; 0 */
     /* 1: the manual to the letter, where the defaults make a first drive easy. start_safe and
      * answer_id_fixed; no motor power while the charger is plugged in (5.1) or the charge is below
      * minimum_percent (4.2.2.6); the battery service takes the charge from the battery voltage of
@@ -99,11 +133,60 @@ typedef struct roburoc4_sim_config {
     float battery_percent;   /* 0 to 100 */
     uint32_t minimum_percent;
     double start_x_m, start_y_m, start_theta_rad; /* true pose and odometry at creation; 0, 0, 0 */
+    /* The members below are answers to questions that the manual leaves open. docs/PROTOCOL.md,
+     * "The family", has the questions and what each answer means. */
+    uint64_t uptime_cycles;         /* robot time after each power on, up to 2^53; 0 */
+    int32_t clock_ppm;              /* its clock is this much too fast, -1000 to 1000; 0 */
+    uint32_t stamp_measured;        /* 1: a status is dated when its values were measured; 0 */
+    uint32_t error_code;            /* the error of every refusal; 0: by cause; 0 */
+    uint32_t surplus_bytes;         /* zeros at the end of each status, 0 to 8; 0 */
+    uint32_t delete_refused;        /* 1: DELETE is refused; 0 */
+    uint32_t replace_mode;          /* ROBUROC4_SIM_REPLACE_*; _OBEYED */
+    uint32_t input_shift;           /* inputs from index 2 on are this much higher, 0 to 8; 0 */
+    uint32_t texts;                 /* a sum of ROBUROC4_SIM_TEXTS_*; 0 */
+    uint32_t telemeters;            /* 0 to ROBUROC4_SIM_MAX_TELEMETERS; 2 */
+    uint32_t reported_distances;    /* at most so many in a status; 6 */
+    float telemeter_turn_rad;       /* telemeter k points (k + 1) times this off its place; 0 */
+    uint32_t other_status_port;     /* 1: roburoc4-sim sends statuses from another port; 0 */
+    uint32_t subscription_lists;    /* ROBUROC4_SIM_LIST*; _LISTS_BY_SENDER */
+    uint32_t min_period_cycles;     /* of a subscription, 1 to 20; 1 */
+    uint32_t max_subscriptions;     /* of all peers, 1 to 448; 448 */
+    uint32_t full_list;             /* ROBUROC4_SIM_FULL_*; _REFUSES */
+    uint32_t keep_subscriptions;    /* 1: those of a closed port stay; 0 */
+    uint32_t pad_keeps_target;      /* ROBUROC4_SIM_PAD_*; _DISCARDS */
+    uint32_t ignored_commands_feed; /* 1: commands under [A] feed the watchdog; 0 */
+    uint32_t pad_target_hidden;     /* 1: under [A], statuses have the computer's target; 0 */
+    uint32_t tripped_target_shown;  /* 1: after the watchdog, statuses keep the target; 0 */
+    uint32_t commands_need_motors;  /* 1: commands without motor power are ignored; 0 */
+    uint32_t over_limit_refused;    /* 1: commands beyond a limit are ignored; 0: clamped; 0 */
+    /* Response of the speeds: natural frequency (1.5 to 1000, from 1000 on immediate), damping
+     * (0.6 to 1.5), final speed by target (0.85 to 1.15), dead time (0 to 15). */
+    float linear_omega_rad_s, angular_omega_rad_s; /* 2.46 and 2.42 */
+    float linear_damping, angular_damping;         /* 0.79 and 0.77 */
+    float linear_gain, angular_gain;               /* 1 and 1 */
+    uint32_t dead_time_cycles;                     /* 0 */
+    uint32_t late_targets;           /* 1: statuses have the target after the dead time; 0 */
+    float speed_noise;               /* on reported speeds, m/s and rad/s, 0 to 0.02; 0 */
+    uint32_t odometry_period_cycles; /* between measurements of speeds and pose, 1 to 20; 1 */
+    float odometry_scale;            /* of its way and turn, -2 to 2; 1 */
+    uint32_t odometry_mirrored;      /* 1: turns count clockwise; 0 */
+    /* Delays inside of the robot, 0 to ROBUROC4_SIM_MAX_QUEUE_MS, in queues of their own: what it
+     * receives, answers, texts, and the statuses of each service; 0. */
+    uint32_t queue_uplink_ms, queue_answer_ms, queue_text_ms;
+    uint32_t queue_iocard_ms, queue_telemeter_ms, queue_battery_ms;
+    uint32_t queue_localization_ms, queue_differential_ms;
 } roburoc4_sim_config;
+
+/** The longest delay in a queue of the robot. */
+#define ROBUROC4_SIM_MAX_QUEUE_MS 5000
 
 /** Fill with the defaults; `size` is sizeof(roburoc4_sim_config). ROBUROC4_ERR_SIZE (nothing
  *  written) for a size that the library does not know. */
 ROBUROC4_SIM_API roburoc4_result roburoc4_sim_config_init(roburoc4_sim_config *config, size_t size);
+/** Fill with a member of the family of robots that the manual allows (docs/PROTOCOL.md): the same
+ *  one for the same seed. Results as of roburoc4_sim_config_init(). */
+ROBUROC4_SIM_API roburoc4_result roburoc4_sim_config_family(roburoc4_sim_config *config,
+                                                            size_t size, uint64_t seed);
 /** What is wrong with a configuration and how to correct it, as one English sentence; NULL if
  * nothing is. Lives as long as the program. */
 ROBUROC4_SIM_API const char *roburoc4_sim_config_error(const roburoc4_sim_config *config);
@@ -166,9 +249,39 @@ ROBUROC4_SIM_API uint64_t roburoc4_sim_next_deadline(const roburoc4_sim *sim);
 #define ROBUROC4_SIM_LOCALIZATION_FLAGS 9 /* a sum of ROBUROC4_LOCALIZATION_* */
 #define ROBUROC4_SIM_PAD 10               /* 0 releases all buttons and axes of the game pad */
 #define ROBUROC4_SIM_PIN 11               /* 0 unpins all inputs */
+/* robot time at the next power on */
+#define ROBUROC4_SIM_UPTIME_CYCLES 12
+/* another robot takes this one's place at the address: roburoc4_sim_config_family() of this seed,
+ * as at creation. Subscriptions and what was on its way are gone; write-only */
+#define ROBUROC4_SIM_FAMILY 13
+/* faults: services whose providers stand still, or report NaN: sums of 1 << ROBUROC4_SERVICE_*, of
+ * those with statuses */
+#define ROBUROC4_SIM_FROZEN 14
+#define ROBUROC4_SIM_NAN 15
+/* the axis follows no target */
+#define ROBUROC4_SIM_BLOCKED_LINEAR 16
+#define ROBUROC4_SIM_BLOCKED_ANGULAR 17
+/* added to the target of an axis while there is motor power: the robot creeps, or with a blocked
+ * axis runs away */
+#define ROBUROC4_SIM_CREEP_M_S 18
+#define ROBUROC4_SIM_CREEP_RAD_S 19
+/* odometry: its scale, and its pose, as when another program corrects it */
+#define ROBUROC4_SIM_ODOMETRY_SCALE 20
+#define ROBUROC4_SIM_ODOMETRY_X_M 21
+#define ROBUROC4_SIM_ODOMETRY_Y_M 22
+#define ROBUROC4_SIM_ODOMETRY_THETA_RAD 23
+/* delays, as in the configuration: "queue_uplink_ms" to "queue_differential_ms" */
+#define ROBUROC4_SIM_QUEUE_UPLINK_MS 24
+#define ROBUROC4_SIM_QUEUE_ANSWER_MS 25
+#define ROBUROC4_SIM_QUEUE_TEXT_MS 26
+#define ROBUROC4_SIM_QUEUE_IOCARD_MS 27
+#define ROBUROC4_SIM_QUEUE_TELEMETER_MS 28
+#define ROBUROC4_SIM_QUEUE_BATTERY_MS 29
+#define ROBUROC4_SIM_QUEUE_LOCALIZATION_MS 30
+#define ROBUROC4_SIM_QUEUE_DIFFERENTIAL_MS 31
 /* a button of the game pad, on any robot: add ROBUROC4_DI_PAD_A to _RB; "pad_a" to "pad_rb". While
  * [A] is held the pad's axes drive and speed commands are ignored; after it the target is 0 until
- * the next command */
+ * the next command (another pad_keeps_target: otherwise) */
 #define ROBUROC4_SIM_PAD_BUTTON 100
 /* an axis, -1 to 1: add ROBUROC4_AI_PAD_LJ_X to _RT; "pad_lj_x" to "pad_rt". Sticks rest at 0 and
  * go to 1 at right and up; the triggers LT and RT rest at -1 and reach 1 fully pressed. RT drives
@@ -233,7 +346,7 @@ typedef struct roburoc4_sim_state {
     /* the last differential command that had the right length, accepted or not, as it was sent */
     double last_linear_m_s, last_angular_rad_s;
     uint64_t last_command_us;
-    float distances_m[2]; /* ROBUROC4_TELEMETER_* */
+    float distances_m[2]; /* of the first two telemeters, ROBUROC4_TELEMETER_*; NaN without */
     float battery_percent, battery_v;
     /* 1 or 0 */
     int32_t powered, motors_enabled;
@@ -246,10 +359,11 @@ typedef struct roburoc4_sim_state {
     uint32_t requests, errors;       /* requests received; answered with an error */
     uint32_t speed_commands;         /* differential commands of the right length */
     uint32_t nonzero_speed_commands; /* of these: not both speeds 0 */
-    uint32_t refused_speed_commands; /* of these: not finite, or [A] was held */
-    uint32_t io_commands;            /* IO card commands of the right length */
-    uint32_t ignored;                /* invalid datagrams */
-    uint32_t dropped;                /* datagrams that it could not queue */
+    uint32_t
+        refused_speed_commands; /* of these: not finite, [A] was held, or ignored as configured */
+    uint32_t io_commands;       /* IO card commands of the right length */
+    uint32_t ignored;           /* invalid datagrams */
+    uint32_t dropped;           /* datagrams that it could not queue */
     /* now */
     uint32_t peers;         /* with at least one subscription */
     uint32_t subscriptions; /* of all peers */

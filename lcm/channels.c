@@ -5,8 +5,9 @@
 #include <string.h>
 
 static const char *const keys[] = {
-    "DIFFERENTIAL", "LOCALIZATION",      "BATTERY",   "TELEMETER",      "IOCARD",     "PROPERTIES",
-    "BRIDGE_STATE", "BRIDGE_STATISTICS", "DRIVE_CMD", "RELOCALIZE_CMD", "OUTPUT_CMD", "STOP_CMD",
+    "DIFFERENTIAL",   "LOCALIZATION", "BATTERY",           "TELEMETER",   "IOCARD",
+    "PROPERTIES",     "BRIDGE_STATE", "BRIDGE_STATISTICS", "MOVE_STATUS", "DRIVE_CMD",
+    "RELOCALIZE_CMD", "OUTPUT_CMD",   "STOP_CMD",          "MOVE_CMD",
 };
 
 bool channels_set_prefix(channel_names *names, const char *prefix) {
@@ -39,7 +40,7 @@ bool channels_is_name(const char *name) {
 }
 
 bool channels_is_command(enum channel channel) {
-    return channel >= CHANNEL_DRIVE_CMD && channel <= CHANNEL_STOP_CMD;
+    return channel >= CHANNEL_DRIVE_CMD && channel <= CHANNEL_MOVE_CMD;
 }
 
 bool channels_ends_in_cmd(const char *name) {

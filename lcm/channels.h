@@ -22,11 +22,13 @@ enum channel {
     CHANNEL_PROPERTIES,
     CHANNEL_BRIDGE_STATE,
     CHANNEL_BRIDGE_STATISTICS,
-    CHANNEL_DRIVE_CMD, /* the commands are in the order of enum gate_kind */
+    CHANNEL_MOVE_STATUS,
+    CHANNEL_DRIVE_CMD, /* these four commands are in the order of enum gate_kind */
     CHANNEL_RELOCALIZE_CMD,
     CHANNEL_OUTPUT_CMD,
     CHANNEL_STOP_CMD,
-    CHANNEL_POSE, /* "" if it is not published */
+    CHANNEL_MOVE_CMD, /* to the gate, a GATE_DRIVE */
+    CHANNEL_POSE,     /* "" if it is not published */
     CHANNELS
 };
 

@@ -166,6 +166,31 @@ bool command_decode(enum gate_kind kind, const void *data, size_t size, command 
     return !reader.failed && reader.left == 0;
 }
 
+bool command_decode_move(const void *data, size_t size, command *out) {
+    reader reader = {data, size, false};
+    memset(out, 0, sizeof *out);
+    out->kind = GATE_DRIVE;
+    out->is_move = true;
+    if (size > COMMANDS_MAX_SIZE ||
+        read_int64(&reader) != __roburoc4_lcm_move_command_t_get_hash()) {
+        return false;
+    }
+    out->utime = read_int64(&reader);
+    out->sender = read_text(&reader, &out->sender_length);
+    out->move_id = read_int64(&reader);
+    out->move_kind = read_int32(&reader);
+    out->distance_m = read_double(&reader);
+    out->angle_rad = read_double(&reader);
+    out->x_m = read_double(&reader);
+    out->y_m = read_double(&reader);
+    out->theta_rad = read_double(&reader);
+    out->linear_m_s = read_double(&reader);
+    out->angular_rad_s = read_double(&reader);
+    out->clearance_m = read_double(&reader);
+    out->lease_us = read_int32(&reader);
+    return !reader.failed && reader.left == 0;
+}
+
 bool bridge_identity_decode(const void *data, size_t size, bridge_identity *out) {
     reader reader = {data, size, false};
     size_t length = 0;
@@ -192,7 +217,8 @@ static bool is_finite(double value) {
 static bool has_finite_values(const command *command) {
     bool finite = is_finite(command->linear_m_s) && is_finite(command->angular_rad_s) &&
                   is_finite(command->x_m) && is_finite(command->y_m) &&
-                  is_finite(command->theta_rad);
+                  is_finite(command->theta_rad) && is_finite(command->distance_m) &&
+                  is_finite(command->angle_rad) && is_finite(command->clearance_m);
     for (uint32_t at = 0; at < command->analog_count; at++) {
         uint32_t bits = 0;
         memcpy(&bits, &command->analog[at].value, sizeof bits);
@@ -211,7 +237,12 @@ gate_command command_for_gate(const command *command, int64_t arrived_utime) {
         .lease_us = command->lease_us,
         .finite = has_finite_values(command),
     };
-    for_gate.zero = command->kind == GATE_DRIVE && for_gate.finite && command->linear_m_s == 0.0 &&
-                    command->angular_rad_s == 0.0;
+    for_gate.zero = command->kind == GATE_DRIVE && !command->is_move && for_gate.finite &&
+                    command->linear_m_s == 0.0 && command->angular_rad_s == 0.0;
     return for_gate;
+}
+
+float command_speed(double value) {
+    const double far = 1e6;
+    return (float)(value > far ? far : value < -far ? -far : value);
 }

@@ -36,8 +36,12 @@ typedef struct command {
     int64_t utime;
     double linear_m_s, angular_rad_s; /* drive */
     int32_t lease_us;
-    double x_m, y_m, theta_rad; /* relocalize */
-    uint64_t digital_mask;      /* output: which digital outputs to set, and to what */
+    double x_m, y_m, theta_rad; /* relocalize, move */
+    bool is_move;               /* then its kind is GATE_DRIVE, and its speeds are limits */
+    int32_t move_kind;
+    int64_t move_id;
+    double distance_m, angle_rad, clearance_m;
+    uint64_t digital_mask; /* output: which digital outputs to set, and to what */
     uint64_t digital_values;
     bool digital_beyond; /* an index is above those that the client stores */
     uint32_t analog_count;
@@ -47,8 +51,14 @@ typedef struct command {
 /* Decode a message of this kind. Returns false, with *out undefined, if it is not one. A stop
  * command has only a sender. */
 bool command_decode(enum gate_kind kind, const void *data, size_t size, command *out);
+/* The same for a move. */
+bool command_decode_move(const void *data, size_t size, command *out);
 /* The part of a command that the gate looks at. */
 gate_command command_for_gate(const command *command, int64_t arrived_utime);
+
+/* A speed of a drive command as the client takes it. One that no float has becomes 1e6 with its
+ * sign, which is still refused as too fast. */
+float command_speed(double value);
 
 /* The first fields of a bridge_state_t: which bridge serves which robot. */
 typedef struct bridge_identity {

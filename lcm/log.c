@@ -94,7 +94,15 @@ static const char *event_text(uint32_t event, const roburoc4_facts *facts) {
     (ROBUROC4_EVENT_REBOOT | ROBUROC4_EVENT_SUBSCRIPTION_REFUSED | ROBUROC4_EVENT_CAPACITY |       \
      ROBUROC4_EVENT_ARMED | ROBUROC4_EVENT_LEASE_OVER | ROBUROC4_EVENT_OVERRIDE |                  \
      ROBUROC4_EVENT_OTHER_COMMANDER | ROBUROC4_EVENT_INHIBITED | ROBUROC4_EVENT_RELOCALIZED |      \
-     ROBUROC4_EVENT_BATTERY_LOW | ROBUROC4_EVENT_BATTERY_CRITICAL)
+     ROBUROC4_EVENT_BATTERY_LOW | ROBUROC4_EVENT_BATTERY_CRITICAL |                                \
+     ROBUROC4_EVENT_STOP_UNCONFIRMED)
+
+/* Stops are logged with their sender, and an ended stream of commands is none of the robot's
+ * faults: the next one arms again. */
+static bool is_worth_a_note(int32_t disarm_cause) {
+    return disarm_cause != ROBUROC4_ERR_DISARMED && disarm_cause != ROBUROC4_ERR_STOPPED &&
+           disarm_cause != ROBUROC4_ERR_LAPSED;
+}
 
 void log_events(const char *robot, const char *address, const roburoc4_client *client,
                 uint32_t events, uint64_t now_us) {
@@ -106,14 +114,14 @@ void log_events(const char *robot, const char *address, const roburoc4_client *c
     if (events & ROBUROC4_EVENT_READY) {
         log_line(LOG_NOTE, robot, "connected to %s", address);
     }
-    if (events & ROBUROC4_EVENT_DISARMED && facts.disarm_cause != ROBUROC4_ERR_DISARMED) {
+    if (events & ROBUROC4_EVENT_DISARMED && is_worth_a_note(facts.disarm_cause)) {
         log_line(LOG_NOTE, robot, "disarmed: %s", roburoc4_result_text(facts.disarm_cause));
     }
     if (events & ROBUROC4_EVENT_RELOCALIZE_FAILED) {
         log_line(LOG_NOTE, robot, "the robot did not accept its new pose: %s",
                  roburoc4_result_text(facts.relocalize_result));
     }
-    for (uint32_t event = 1; event <= ROBUROC4_EVENT_ARMABLE; event <<= 1) {
+    for (uint32_t event = 1; event <= ROBUROC4_EVENT_STOP_UNCONFIRMED; event <<= 1) {
         const bool is_detail = event == ROBUROC4_EVENT_LEASE_OVER;
         if (events & NOTED & event && (event != ROBUROC4_EVENT_ARMED || facts.armed)) {
             log_line(is_detail ? LOG_DETAIL : LOG_NOTE, robot, "%s", event_text(event, &facts));
@@ -123,9 +131,12 @@ void log_events(const char *robot, const char *address, const roburoc4_client *c
 
 void log_stop(const char *robot, const log_command *command, bool first) {
     char sender[GATE_MAX_SENDER + 1] = "";
-    if (command->sender != NULL) {
+    bool named = command->sender != NULL && command->sender_length > 0;
+    if (named) {
         text_for_terminal(sender, sizeof sender, command->sender, command->sender_length);
     }
     log_line(first ? LOG_NOTE : LOG_DETAIL, robot,
-             "stopped by '%s'; drive commands are rejected until all senders have paused", sender);
+             "stopped by %s%s%s; drive commands are rejected until all senders have paused",
+             named ? "'" : "a stop command ", named ? sender : "without a sender",
+             named ? "'" : "");
 }

@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "clock.h"
+#include "filter.h"
 #include "log.h"
 #include "options.h"
 #include "robot.h"
@@ -87,14 +88,29 @@ static void explain_no_lcm(void) {
  * with. */
 extern int lcm_subscription_get_queue_size(lcm_subscription_t *handler) __attribute__((weak));
 
-/* Before LCM 1.5, a fragment whose offset wraps around is written outside of the buffer. */
-static void warn_of_old_lcm(void) {
-    if (ROBUROC4_LCM_IS_OLD || &lcm_subscription_get_queue_size == NULL) {
-        log_line(LOG_NOTE, NULL,
-                 "this LCM is older than 1.5: one malformed packet of 59 bytes on its network ends "
-                 "the bridge, and a moving robot then stops by its own watchdog only. Build with "
-                 "LCM 1.5 (pip install lcm)");
+static bool may_drive(void) {
+    for (uint32_t at = 0; at < settings.robot_count; at++) {
+        if (settings.robots[at].rules.enabled[GATE_DRIVE]) {
+            return true;
+        }
     }
+    return false;
+}
+
+/* Before LCM 1.5, a fragment whose offset wraps around is written outside of the buffer: one packet
+ * of 59 bytes ends the bridge. Where the system cannot drop such packets, such a bridge must not
+ * drive. */
+static bool bear_with_old_lcm(void) {
+    const uint16_t port = options_lcm_port(&settings);
+    if ((!ROBUROC4_LCM_IS_OLD && &lcm_subscription_get_queue_size != NULL) || port == 0 ||
+        filter_fragments(port)) {
+        return true;
+    }
+    log_line(may_drive() ? LOG_ERROR : LOG_NOTE, NULL,
+             "this LCM is older than 1.5: one malformed packet on its network ends the bridge, %s. "
+             "Build with LCM 1.5 (pip install lcm)",
+             may_drive() ? "so it does not drive" : "and this system cannot drop such packets");
+    return !may_drive();
 }
 
 /* Read what the robot sent, once per iteration; robot_finish() is called at its end. */
@@ -117,7 +133,7 @@ static void on_bridge_state(const lcm_recv_buf_t *message, const char *channel, 
     }
     const channels_entry *by_channel = channels_look_up(&settings.directory, channel);
     const channels_entry *by_robot = channels_look_up(&by_address, other.robot);
-    if (by_channel != NULL) {
+    if (by_channel != NULL && by_channel->which != OPTIONS_FLEET_STOP) {
         robot_hear_bridge(&robots[by_channel->which / CHANNELS], &other, channel, now);
     }
     if (by_robot != NULL) {
@@ -133,12 +149,20 @@ static void on_command(const lcm_recv_buf_t *message, const char *channel, void 
     if (found == NULL || robot_count == 0) {
         return;
     }
+    if (found->which == OPTIONS_FLEET_STOP) {
+        for (uint32_t at = 0; user != NULL && at < robot_count; at++) {
+            serve(at);
+            robot_take_message(&robots[at], CHANNEL_STOP_CMD, message->data, message->data_size,
+                               gate_arrival(&stall, message->recv_utime));
+        }
+        return;
+    }
     enum channel which = (enum channel)(found->which % CHANNELS);
     uint32_t at = found->which / CHANNELS;
     if (channels_is_command(which) && (which == CHANNEL_STOP_CMD) == (user != NULL)) {
         serve(at);
-        robot_take_message(&robots[at], (enum gate_kind)(which - CHANNEL_DRIVE_CMD), message->data,
-                           message->data_size, gate_arrival(&stall, message->recv_utime));
+        robot_take_message(&robots[at], which, message->data, message->data_size,
+                           gate_arrival(&stall, message->recv_utime));
     }
 }
 
@@ -161,6 +185,9 @@ static bool subscribe_to_all(lcm_t *lcm) {
     bool good = subscribe(lcm, ".*_CMD", on_command, NULL) &&
                 subscribe(lcm, ".*_STOP_CMD", on_command, lcm) &&
                 subscribe(lcm, ".*_BRIDGE_STATE", on_bridge_state, NULL);
+    if (good && settings.fleet_stop[0] != '\0' && !ends_in(settings.fleet_stop, stop)) {
+        good = subscribe(lcm, settings.fleet_stop, on_command, lcm);
+    }
     for (uint32_t at = 0; good && at < settings.robot_count; at++) {
         const channel_names *own = &settings.robots[at].channels;
         if (!ends_in(own->name[CHANNEL_STOP_CMD], stop)) {
@@ -377,6 +404,10 @@ static void run(lcm_t *lcm) {
         serve_due_robots(lcm);
     }
     close_robots(lcm);
+    log_line(LOG_NOTE, NULL, "ended by SIG%s; the robots were told to stop",
+             stop_signal == SIGINT    ? "INT"
+             : stop_signal == SIGTERM ? "TERM"
+                                      : "HUP");
 }
 
 /* Each robot needs a socket. */
@@ -460,12 +491,11 @@ int main(int count, char **arguments) {
         explain_no_lcm();
         return EXIT_NO_LCM;
     }
-    if (!begin_recording()) {
+    if (!bear_with_old_lcm() || !begin_recording()) {
         lcm_destroy(lcm);
         return EXIT_ERROR;
     }
     catch_signals();
-    warn_of_old_lcm();
     run(lcm);
     end_recording();
     lcm_destroy(lcm);

@@ -219,12 +219,14 @@ static void map_services(const roburoc4_client *client, mapping_services *storag
     out->service_names = storage->list;
 }
 
-void mapping_properties(const roburoc4_client *client, mapping_names *names, char *robot,
-                        int64_t utime, mapping_services *storage,
+void mapping_properties(const roburoc4_client *client, const roburoc4_config *config,
+                        mapping_names *names, char *robot, int64_t utime, mapping_services *storage,
                         roburoc4_lcm_robot_properties_t *out) {
     memset(out, 0, sizeof *out);
     out->utime = utime;
     out->robot = robot;
+    out->ceiling_linear_m_s = config->max_linear_m_s;
+    out->ceiling_angular_rad_s = config->max_angular_rad_s;
     map_differential_properties(client, out);
     map_small_properties(client, out);
     map_telemeter_properties(client, storage, out);

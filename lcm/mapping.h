@@ -19,7 +19,7 @@ extern "C" {
 #define MAPPING_NAMES                                                                              \
     (ROBUROC4_MAX_ANALOG_INPUTS + ROBUROC4_MAX_ANALOG_OUTPUTS + ROBUROC4_MAX_DIGITAL_INPUTS +      \
      ROBUROC4_MAX_DIGITAL_OUTPUTS)
-#define MAPPING_MESSAGE_SIZE 240
+#define MAPPING_MESSAGE_SIZE 300
 #define MAPPING_REASON_SIZE 300
 /* Room for the longest message: properties with the longest possible names. */
 #define MAPPING_MAX_ENCODED 20000
@@ -74,9 +74,10 @@ typedef struct mapping_services {
     roburoc4_lcm_telemeter_t telemeters[ROBUROC4_MAX_TELEMETERS];
 } mapping_services;
 
-/* Everything that the client knows about the robot. robot: its address as text. */
-void mapping_properties(const roburoc4_client *client, mapping_names *names, char *robot,
-                        int64_t utime, mapping_services *storage,
+/* Everything that the client knows about the robot. config: of the client; robot: its address as
+ * text. */
+void mapping_properties(const roburoc4_client *client, const roburoc4_config *config,
+                        mapping_names *names, char *robot, int64_t utime, mapping_services *storage,
                         roburoc4_lcm_robot_properties_t *out);
 
 /* ------------------------------------------------------------------------------ the bridge --- */
@@ -94,6 +95,7 @@ typedef struct mapping_view {
     uint32_t fault;    /* ROBUROC4_FAULT_* */
     bool heard;        /* a datagram from the robot has arrived */
     bool no_socket;    /* the socket broke, or could not be opened */
+    bool no_address;   /* the robot's name has none */
     bool other_bridge; /* another bridge serves this robot, or publishes on its channels */
     uint32_t times_lost, reboots;
     int64_t command_us; /* monotonic time of the last command; -1 before the first */

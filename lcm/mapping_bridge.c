@@ -72,11 +72,17 @@ static void map_motion(const mapping_view *view, mapping_texts *storage,
     out->armed = (int8_t)facts->armed;
     out->driving = (int8_t)facts->driving;
     out->stopping = (int8_t)facts->stopping;
+    out->stop_outcome = facts->stop_outcome;
+    out->lapsed = (int8_t)facts->lapsed;
     out->waiting = gate_is_waiting(gate, view->now.us);
     out->stopped = gate->stopped;
     out->stopped_by = storage->stopped_by;
     out->override_known = (int8_t)facts->override_known;
     out->overridden = (int8_t)facts->overridden;
+    out->front_bumper_known = (int8_t)facts->front_bumper_known;
+    out->rear_bumper_known = (int8_t)facts->rear_bumper_known;
+    out->battery_known = (int8_t)facts->battery_known;
+    out->missing = facts->missing;
     out->control_owner = storage->owner;
     out->lease_left_us = (int32_t)facts->lease_left_us;
     out->command_age_us = view->command_us < 0 ? -1 : (int64_t)view->now.us - view->command_us;
@@ -135,6 +141,7 @@ static void map_rejections(const int64_t *rejected, roburoc4_lcm_bridge_statisti
     out->rejected_not_ready = rejected[GATE_NOT_READY];
     out->rejected_disarmed = rejected[GATE_DISARMED];
     out->rejected_impossible = rejected[GATE_IMPOSSIBLE];
+    out->rejected_units = rejected[GATE_UNITS];
 }
 
 void mapping_bridge_statistics(const mapping_view *view, roburoc4_lcm_bridge_statistics_t *out) {
@@ -186,8 +193,8 @@ static void write_ready(const mapping_view *view, char *room, size_t capacity) {
     if (view->gate->stopped) {
         const char *by = view->gate->stopped_by;
         (void)snprintf(room, capacity, "stopped%s%s; %s", by[0] != '\0' ? " by " : "", by, next);
-    } else if (facts->armed || facts->disarm_cause == 0 ||
-               facts->disarm_cause == ROBUROC4_ERR_DISARMED) {
+    } else if (facts->armed || facts->disarm_cause == ROBUROC4_ERR_DISARMED ||
+               facts->disarm_cause == ROBUROC4_ERR_STOPPED) {
         (void)snprintf(room, capacity, "ready; %s", next);
     } else {
         const char *text = roburoc4_result_text(facts->disarm_cause);
@@ -214,9 +221,26 @@ static void write_connected(const mapping_view *view, char *room, size_t capacit
     }
 }
 
+static bool is_stop_unconfirmed(const roburoc4_facts *facts) {
+    return !facts->driving && (facts->stop_outcome == ROBUROC4_STOP_TIMED_OUT ||
+                               facts->stop_outcome == ROBUROC4_STOP_OVERRIDDEN);
+}
+
+static void append(char *room, size_t capacity, const char *text) {
+    size_t length = strlen(room);
+    (void)snprintf(room + length, capacity - length, "%s", text);
+}
+
 void mapping_message(const mapping_view *view, char *room, size_t capacity) {
     const char *state = roburoc4_name(ROBUROC4_NAME_STATE, view->facts->state);
-    if (view->no_socket) {
+    if (view->facts->state == ROBUROC4_STATE_CLOSING || view->facts->state == ROBUROC4_STATE_IDLE) {
+        (void)snprintf(room, capacity, "the bridge %s",
+                       view->facts->state == ROBUROC4_STATE_IDLE ? "has ended" : "is ending");
+    } else if (view->no_address) {
+        (void)snprintf(room, capacity,
+                       "the name %s has no address; correct it, then restart the bridge",
+                       view->robot);
+    } else if (view->no_socket) {
         (void)snprintf(room, capacity, "no socket for %s; retrying every second", view->robot);
     } else if (view->facts->state == ROBUROC4_STATE_READY) {
         write_connected(view, room, capacity);
@@ -225,8 +249,10 @@ void mapping_message(const mapping_view *view, char *room, size_t capacity) {
     } else {
         (void)snprintf(room, capacity, "%s", state != NULL ? state : "unknown");
     }
+    if (is_stop_unconfirmed(view->facts)) {
+        append(room, capacity, "; THE STOP WAS NOT CONFIRMED by the robot");
+    }
     if (view->other_bridge) {
-        size_t length = strlen(room);
-        (void)snprintf(room + length, capacity - length, "; ANOTHER BRIDGE also serves this robot");
+        append(room, capacity, "; ANOTHER BRIDGE also serves this robot");
     }
 }

@@ -8,6 +8,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "ini.h"
 
@@ -31,9 +33,12 @@ const char options_help[] =
     "  -p, --prefix PREFIX  prefix of the channels of a robot without NAME (default ROBUROC4)\n"
     "      --channel [NAME:]KEY=CHANNEL  another name for one channel; KEY is DIFFERENTIAL,\n"
     "                       LOCALIZATION, BATTERY, TELEMETER, IOCARD, PROPERTIES,\n"
-    "                       BRIDGE_STATE, BRIDGE_STATISTICS, DRIVE_CMD, RELOCALIZE_CMD,\n"
-    "                       OUTPUT_CMD or STOP_CMD; command channels must end in _CMD\n"
+    "                       BRIDGE_STATE, BRIDGE_STATISTICS, MOVE_STATUS, DRIVE_CMD,\n"
+    "                       MOVE_CMD, RELOCALIZE_CMD, OUTPUT_CMD or STOP_CMD; command channels "
+    "must end in _CMD\n"
     "      --pose-channel [NAME:]CHANNEL  also publish each localization as bot_core.pose_t\n"
+    "      --fleet-stop CHANNEL  whatever arrives on it stops all robots of this bridge; it must\n"
+    "                       end in _CMD\n"
     "      --record FILE    record every datagram of all robots in the pcapng file FILE, or in a\n"
     "                       new file in the folder FILE; existing files are not overwritten\n"
     "      --period-ms SERVICE=MS  time between statuses, 10 to 2550 in steps of 10, or 0 for\n"
@@ -41,15 +46,20 @@ const char options_help[] =
     "                       differential\n"
     "\n"
     "Commands; without these the bridge only watches, and obeys PREFIX_STOP_CMD:\n"
-    "      --enable-drive       obey PREFIX_DRIVE_CMD: THE ROBOT CAN MOVE. Statuses of iocard and\n"
-    "                           differential must come at least every 100 ms\n"
+    "      --enable-drive       obey PREFIX_DRIVE_CMD and _MOVE_CMD: THE ROBOT CAN MOVE. Statuses\n"
+    "                           of iocard and differential must come at least every 100 ms\n"
     "      --enable-outputs     obey PREFIX_OUTPUT_CMD\n"
     "      --enable-relocalize  obey PREFIX_RELOCALIZE_CMD\n"
+    "      --allow-sender NAMES  obey only these senders: names, or beginnings such as planner*,\n"
+    "                       with commas between them. No protection: anybody can send any name.\n"
+    "                       Stops are obeyed from everybody\n"
     "      --lease-ms MS    longest lease of a command, and that of one without its own (20\n"
     "                       to 1000; default 300)\n"
     "      --max-age-ms MS  oldest command that is obeyed, by its utime (default 200; at most\n"
     "                       3600000). 0 obeys all ages, for clocks that cannot be set; then a\n"
     "                       replayed log can move the robot\n"
+    "      --max-linear M_S, --max-angular RAD_S  ceilings of the speeds (default 1 and 1.5; at\n"
+    "                       most 5 and 10): faster commands are reduced to them\n"
     "\n"
     "  -v, --verbose        log more: each rejected command\n"
     "  -q, --quiet          log errors only\n"
@@ -61,6 +71,9 @@ const char options_help[] =
 
 enum { PASS_SETTINGS, PASS_ROBOTS, PASS_CHANNELS, PASSES };
 
+/* More than a section can have without giving one twice. */
+#define MAX_SETTINGS 64
+
 /* The state of reading. Settings go to `robot`, which is `all` until the file names one. */
 typedef struct reading {
     options *out;
@@ -68,7 +81,10 @@ typedef struct reading {
     options_robot *robot;
     const char *prefix;
     const char *for_robots; /* a command line option that configures robots, or NULL */
-    bool in_file;
+    bool in_file, has_default;
+    ini_text seen[MAX_SETTINGS]; /* the settings of this section so far, and their lines */
+    unsigned seen_lines[MAX_SETTINGS];
+    uint32_t seen_count;
     char subject[OPTIONS_MAX_TEXT + 65]; /* the option and value that an error is about */
     char *error;
     size_t error_size;
@@ -107,6 +123,72 @@ static bool number(const char **text, uint32_t max, uint32_t *out) {
 
 static bool whole(const char *text, uint32_t min, uint32_t max, uint32_t *out) {
     return number(&text, max, out) && *text == '\0' && *out >= min;
+}
+
+/* ADDRESS or ADDRESS:PORT of a multicast group, or nothing, up to the URL's end or '?'. */
+static bool is_group(const char *text) {
+    uint32_t part = 0;
+    if (*text == '\0' || *text == '?') {
+        return true;
+    }
+    for (int at = 0; at < 4; at++) {
+        if ((at > 0 && *text++ != '.') || !number(&text, 255, &part) ||
+            (at == 0 && (part < 224 || part > 239))) {
+            return false;
+        }
+    }
+    if (*text == ':') {
+        text++;
+        if (!number(&text, 65535, &part) || part == 0) {
+            return false;
+        }
+    }
+    return *text == '\0' || *text == '?';
+}
+
+/* `ttl=N&recv_buf_size=BYTES`, in any order: LCM ignores what it does not know, and a bridge that
+ * is heard by nobody, or by everybody, would be the result. */
+static bool is_query(const char *text) {
+    static const struct {
+        const char *key;
+        uint32_t max;
+    } keys[] = {{"ttl=", 255}, {"recv_buf_size=", 999999999}};
+    uint32_t value = 0;
+    for (;; text++) {
+        size_t at = 0;
+        while (at < 2 && strncmp(text, keys[at].key, strlen(keys[at].key)) != 0) {
+            at++;
+        }
+        if (at == 2) {
+            return false;
+        }
+        text += strlen(keys[at].key);
+        if (!number(&text, keys[at].max, &value) || (*text != '\0' && *text != '&')) {
+            return false;
+        }
+        if (*text == '\0') {
+            return true;
+        }
+    }
+}
+
+/* LCM's other networks, tcpq and file, can block inside LCM: then no stop would be sent, and
+ * signals would not be noticed. A file is a log, which must not drive. */
+static const char *url_remedy(const char *url) {
+    static const char udpm[] = "udpm://";
+    static const char memq[] = "memq://";
+    if (url[0] == '\0' || strncmp(url, memq, strlen(memq)) == 0) {
+        return NULL;
+    }
+    if (strncmp(url, udpm, strlen(udpm)) != 0 || !is_group(url + strlen(udpm))) {
+        return "the bridge has no such LCM network; give udpm://ADDRESS:PORT?ttl=N, such as "
+               "'udpm://239.255.76.67:7667?ttl=0'";
+    }
+    const char *query = strchr(url, '?');
+    return query == NULL || is_query(query + 1)
+               ? NULL
+               : "after the ? give ttl=0 (this machine) to ttl=255, recv_buf_size=BYTES, or both "
+                 "with & between them";
 }
 
 /* Where a setting is allowed: on the command line (by pass), and in the file. */
@@ -158,15 +240,101 @@ static bool copy_text(reading *reading, char *room, const char *value) {
 
 /* The command line takes precedence. */
 static bool set_url(reading *reading, const known_option *option, const char *value) {
+    const char *remedy = url_remedy(value);
     (void)option;
-    return (reading->in_file && reading->out->lcm_url[0] != '\0') ||
-           copy_text(reading, reading->out->lcm_url, value);
+    if (reading->in_file && reading->out->lcm_url[0] != '\0') {
+        return true;
+    }
+    return remedy == NULL ? copy_text(reading, reading->out->lcm_url, value)
+                          : refuse(reading, remedy);
+}
+
+/* Whether a file can be made at this path, or in this folder. */
+static bool can_record(const char *path) {
+    char folder[OPTIONS_MAX_TEXT + 1] = ".";
+    struct stat found;
+    if (stat(path, &found) == 0 && S_ISDIR(found.st_mode)) {
+        return access(path, W_OK | X_OK) == 0;
+    }
+    const char *slash = strrchr(path, '/');
+    if (slash != NULL) {
+        size_t length = slash == path ? 1 : (size_t)(slash - path);
+        memcpy(folder, path, length);
+        folder[length] = '\0';
+    }
+    return stat(folder, &found) == 0 && S_ISDIR(found.st_mode) &&
+           slash != path + strlen(path) - 1 && access(folder, W_OK | X_OK) == 0;
 }
 
 static bool set_record(reading *reading, const known_option *option, const char *value) {
     (void)option;
-    return (reading->in_file && reading->out->record[0] != '\0') ||
-           copy_text(reading, reading->out->record, value);
+    if (reading->in_file && reading->out->record[0] != '\0') {
+        return true;
+    }
+    if (!copy_text(reading, reading->out->record, value)) {
+        return false;
+    }
+    return (value[0] != '\0' && can_record(value)) ||
+           refuse(reading, "no file can be made there; give a folder that exists and can be "
+                           "written, or a file in one");
+}
+
+static bool set_fleet_stop(reading *reading, const known_option *option, const char *value) {
+    (void)option;
+    if (!channels_is_name(value) || !channels_ends_in_cmd(value)) {
+        return refuse(reading, "give 1 to 63 letters, digits, _, - or /, ending in _CMD, such as "
+                               "FLEET_STOP_CMD");
+    }
+    if (!reading->in_file || reading->out->fleet_stop[0] == '\0') {
+        memcpy(reading->out->fleet_stop, value, strlen(value) + 1);
+    }
+    return true;
+}
+
+/* The next pattern of a list at *text, its length, and *text behind it; NULL at the end. */
+static const char *next_pattern(const char **text, size_t *length) {
+    static const char between[] = ", ";
+    const char *at = *text + strspn(*text, between);
+    *length = strcspn(at, between);
+    *text = at + *length;
+    return *length > 0 ? at : NULL;
+}
+
+static bool set_allowed(reading *reading, const known_option *option, const char *value) {
+    const char *rest = value;
+    size_t length = 0;
+    uint32_t count = 0;
+    (void)option;
+    for (const char *at = NULL; (at = next_pattern(&rest, &length)) != NULL; count++) {
+        const char *star = memchr(at, '*', length);
+        if (length > GATE_MAX_SENDER || (star != NULL && star != at + length - 1)) {
+            count = 0;
+            break;
+        }
+    }
+    if (count == 0) {
+        return refuse(reading, "give names of at most 63 bytes with commas between them, or "
+                               "beginnings of names with a * behind, such as planner*");
+    }
+    return copy_text(reading, reading->robot->allowed, value);
+}
+
+bool options_allows(const options_robot *robot, const char *sender, size_t length) {
+    const char *rest = robot->allowed;
+    size_t pattern_length = 0;
+    const char *at = next_pattern(&rest, &pattern_length);
+    if (at == NULL) {
+        return true;
+    }
+    for (; at != NULL; at = next_pattern(&rest, &pattern_length)) {
+        const bool begins = at[pattern_length - 1] == '*';
+        const size_t compared = pattern_length - begins;
+        if ((begins ? length >= compared : length == compared) &&
+            (compared == 0 || memcmp(at, sender, compared) == 0)) {
+            return true;
+        }
+    }
+    return false;
 }
 
 static bool set_prefix(reading *reading, const known_option *option, const char *value) {
@@ -190,6 +358,21 @@ static bool set_time(reading *reading, const known_option *option, const char *v
                         (unsigned)option->min, (unsigned)option->max);
     }
     *(option->which == 1 ? &rules->max_age_us : &rules->lease_us) = ms * 1000u;
+    return true;
+}
+
+/* A ceiling in thousandths of its unit, `min` to `max`: of the linear (`which` 0) or the angular
+ * speed. */
+static bool set_ceiling(reading *reading, const known_option *option, const char *value) {
+    roburoc4_config *config = &reading->robot->config;
+    char *end = NULL;
+    const bool plain = value[0] != '\0' && strspn(value, "0123456789.") == strlen(value);
+    const double ceiling = plain ? strtod(value, &end) : 0;
+    if (!plain || *end != '\0' || ceiling * 1000 < option->min || ceiling * 1000 > option->max) {
+        return complain(reading, "%s: give %s, 0.001 to %u", reading->subject,
+                        option->which == 0 ? "m/s" : "rad/s", (unsigned)option->max / 1000);
+    }
+    *(option->which == 0 ? &config->max_linear_m_s : &config->max_angular_rad_s) = (float)ceiling;
     return true;
 }
 
@@ -251,7 +434,7 @@ static options_robot *add_robot(reading *reading, const char *name, size_t lengt
     }
     *robot = reading->all;
     if (length >= sizeof robot->name) {
-        (void)refuse(reading, "the name is too long; give at most 31 letters");
+        (void)refuse(reading, "the name is too long; give at most 45 letters");
         return NULL;
     }
     memcpy(robot->name, name, length);
@@ -362,6 +545,9 @@ static bool set_pose(reading *reading, const known_option *option, const char *v
 
 #define MIN_LEASE_MS (GATE_MIN_LEASE_US / 1000u)
 #define MAX_LEASE_MS (GATE_MAX_LEASE_US / 1000u)
+/* drive() accepts no faster commands. */
+#define MAX_LINEAR_MM_S ((uint32_t)(ROBUROC4_MAX_DRIVE_M_S * 1000))
+#define MAX_ANGULAR_MRAD_S ((uint32_t)(ROBUROC4_MAX_DRIVE_RAD_S * 1000))
 
 /* Options without a setter end the reading; those without a value are yes or no in the file. */
 static const known_option known[] = {
@@ -377,8 +563,12 @@ static const known_option known[] = {
     {"enable-drive", 0, 0, PASS_SETTINGS, FOR_EACH, set_enabled, GATE_DRIVE, 0, 0},
     {"enable-outputs", 0, 0, PASS_SETTINGS, FOR_EACH, set_enabled, GATE_OUTPUT, 0, 0},
     {"enable-relocalize", 0, 0, PASS_SETTINGS, FOR_EACH, set_enabled, GATE_RELOCALIZE, 0, 0},
+    {"allow-sender", 0, 1, PASS_SETTINGS, FOR_EACH, set_allowed, 0, 0, 0},
+    {"fleet-stop", 0, 1, PASS_SETTINGS, FOR_ALL, set_fleet_stop, 0, 0, 0},
     {"lease-ms", 0, 1, PASS_SETTINGS, FOR_EACH, set_time, 0, MIN_LEASE_MS, MAX_LEASE_MS},
     {"max-age-ms", 0, 1, PASS_SETTINGS, FOR_EACH, set_time, 1, 0, 3600000u},
+    {"max-linear", 0, 1, PASS_SETTINGS, FOR_EACH, set_ceiling, 0, 1, MAX_LINEAR_MM_S},
+    {"max-angular", 0, 1, PASS_SETTINGS, FOR_EACH, set_ceiling, 1, 1, MAX_ANGULAR_MRAD_S},
     {"verbose", 'v', 0, PASS_SETTINGS, ONLY_COMMAND_LINE, set_level, LOG_DETAIL, 0, 0},
     {"quiet", 'q', 0, PASS_SETTINGS, ONLY_COMMAND_LINE, set_level, LOG_ERROR, 0, 0},
     {"help", 'h', 0, PASS_SETTINGS, ONLY_COMMAND_LINE, NULL, OPTIONS_HELP, 0, 0},
@@ -403,42 +593,27 @@ const char *options_lcm_url(const options *options, const char **source) {
     return url != NULL ? url : "";
 }
 
-/* ADDRESS or ADDRESS:PORT of a multicast group, or nothing, up to the URL's end or '?'. */
-static bool is_group(const char *text) {
-    uint32_t part = 0;
-    if (*text == '\0' || *text == '?') {
-        return true;
+uint16_t options_lcm_port(const options *options) {
+    const char *source = NULL;
+    const char *url = options_lcm_url(options, &source);
+    const char *colon = strncmp(url, "udpm://", 7) == 0 ? strchr(url + 7, ':') : NULL;
+    uint32_t port = 7667; /* LCM's default */
+    if (strncmp(url, "memq", 4) == 0) {
+        return 0;
     }
-    for (int at = 0; at < 4; at++) {
-        if ((at > 0 && *text++ != '.') || !number(&text, 255, &part) ||
-            (at == 0 && (part < 224 || part > 239))) {
-            return false;
-        }
+    if (colon != NULL) {
+        colon++;
+        (void)number(&colon, 65535, &port);
     }
-    if (*text == ':') {
-        text++;
-        if (!number(&text, 65535, &part) || part == 0) {
-            return false;
-        }
-    }
-    return *text == '\0' || *text == '?';
+    return (uint16_t)port;
 }
 
-/* LCM's other networks, tcpq and file, can block inside LCM: then no stop would be sent, and
- * signals would not be noticed. A file is a log, which must not drive. */
+/* What LCM will use, also from the environment. */
 static bool check_network(reading *reading) {
-    static const char udpm[] = "udpm://";
-    static const char memq[] = "memq://";
     const char *source = NULL;
     const char *url = options_lcm_url(reading->out, &source);
-    if (url[0] == '\0' || strncmp(url, memq, strlen(memq)) == 0 ||
-        (strncmp(url, udpm, strlen(udpm)) == 0 && is_group(url + strlen(udpm)))) {
-        return true;
-    }
-    return complain(reading,
-                    "%s %s: the bridge has no such LCM network; give udpm://ADDRESS:PORT?ttl=N, "
-                    "such as 'udpm://239.255.76.67:7667?ttl=0'",
-                    source, url);
+    const char *remedy = url_remedy(url);
+    return remedy == NULL || complain(reading, "%s %s: %s", source, url, remedy);
 }
 
 /* ------------------------------------------------------------------------------- the whole --- */
@@ -451,6 +626,9 @@ static bool check_channels(reading *reading) {
         if (name[0] != '\0') {
             out->entries[count++] = (channels_entry){name, which};
         }
+    }
+    if (out->fleet_stop[0] != '\0') {
+        out->entries[count++] = (channels_entry){out->fleet_stop, OPTIONS_FLEET_STOP};
     }
     out->directory = (channels_directory){out->entries, count};
     const char *doubled = channels_sort(&out->directory);
@@ -514,9 +692,12 @@ static void begin(reading *reading, options *out, char *error, size_t error_size
 
 /* [DEFAULT], or the name of a robot. */
 static bool begin_section(reading *reading, const ini_line *line) {
+    reading->seen_count = 0;
     if (ini_is(line->section, "DEFAULT", false)) {
-        return reading->out->robot_count == 0 ||
-               refuse(reading, "put [DEFAULT], which applies to all robots, first");
+        const bool again = reading->has_default;
+        reading->has_default = true;
+        return (reading->out->robot_count == 0 && !again) ||
+               refuse(reading, "put [DEFAULT], which applies to all robots, first, and only once");
     }
     reading->robot = add_robot(reading, line->section.at, line->section.length, "");
     if (reading->robot != NULL) {
@@ -537,18 +718,40 @@ static const known_option *find_setting(ini_text name) {
     return ini_is(name, address_of_robot.name, false) ? &address_of_robot : NULL;
 }
 
+/* Each setting once in a section: nobody would know which one holds. */
+static bool is_first(reading *reading, const ini_line *line) {
+    for (uint32_t at = 0; at < reading->seen_count; at++) {
+        ini_text other = reading->seen[at];
+        if (other.length == line->name.length &&
+            memcmp(other.at, line->name.at, other.length) == 0) {
+            return complain(reading, "%s: line %u has it already; remove one of them",
+                            reading->subject, reading->seen_lines[at]);
+        }
+    }
+    if (reading->seen_count < MAX_SETTINGS) {
+        reading->seen[reading->seen_count] = line->name;
+        reading->seen_lines[reading->seen_count++] = line->number;
+    }
+    return true;
+}
+
 static bool read_setting(reading *reading, const ini_line *line) {
     char value[2 * OPTIONS_MAX_TEXT];
     const known_option *found = find_setting(line->name);
     bool for_one = reading->robot != &reading->all;
     if (found == NULL || line->value.at == NULL) {
-        return refuse(reading, "no such setting; give address, lcm-url, record, enable-drive, "
-                               "enable-outputs, enable-relocalize, lease-ms, max-age-ms, "
-                               "period-ms.SERVICE, channel.KEY or pose-channel, = and a value");
+        return refuse(reading,
+                      "no such setting; give address, lcm-url, record, fleet-stop, "
+                      "enable-drive, enable-outputs, enable-relocalize, allow-sender, lease-ms, "
+                      "max-age-ms, max-linear, "
+                      "max-angular, period-ms.SERVICE, channel.KEY or pose-channel, = and a value");
     }
     if (found->place == (for_one ? FOR_ALL : FOR_ONE)) {
         return refuse(reading, for_one ? "put it into [DEFAULT]: it applies to all robots"
                                        : "put it into the section of a robot, such as [RED]");
+    }
+    if (!is_first(reading, line)) {
+        return false;
     }
     size_t name_length = strlen(found->name);
     bool dotted = line->name.length > name_length;
@@ -798,8 +1001,11 @@ static void print_robot(const options_robot *robot) {
                      robot->rules.enabled[kind] ? kinds[kind] : "");
     }
     (void)printf(
-        "%s; lease at most %u ms, commands at most %u ms old%s\n    statuses:", any ? "" : " only",
-        (unsigned)robot->rules.lease_us / 1000u, (unsigned)robot->rules.max_age_us / 1000u,
+        "%s; at most %g m/s and %g rad/s; lease at most %u ms, commands at most %u ms old%s\n"
+        "    statuses:",
+        any ? "" : " only", (double)robot->config.max_linear_m_s,
+        (double)robot->config.max_angular_rad_s, (unsigned)robot->rules.lease_us / 1000u,
+        (unsigned)robot->rules.max_age_us / 1000u,
         robot->rules.max_age_us == 0 ? " (ANY AGE)" : "");
     for (uint32_t at = 0; at < SERVICES; at++) {
         uint32_t service = ROBUROC4_SERVICE_IOCARD + at;
@@ -808,6 +1014,9 @@ static void print_robot(const options_robot *robot) {
                      (unsigned)robot->config.period_ms[service]);
     }
     (void)printf("\n");
+    if (robot->allowed[0] != '\0') {
+        (void)printf("    only from senders %s\n", robot->allowed);
+    }
     print_channels(robot);
 }
 
@@ -815,6 +1024,9 @@ void options_print(const options *options) {
     const char *source = NULL;
     const char *url = options_lcm_url(options, &source);
     (void)printf("network: %s\n", url[0] != '\0' ? url : "LCM's default");
+    if (options->fleet_stop[0] != '\0') {
+        (void)printf("all robots are stopped by %s\n", options->fleet_stop);
+    }
     for (uint32_t at = 0; at < options->robot_count; at++) {
         print_robot(&options->robots[at]);
     }

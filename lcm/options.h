@@ -21,16 +21,18 @@ extern "C" {
 #define OPTIONS_MAX_ROBOTS 1000
 #define OPTIONS_ERROR_SIZE 400
 #define OPTIONS_MAX_TEXT 255
+#define OPTIONS_FLEET_STOP UINT32_MAX
 
 /* A robot and its own settings. */
 typedef struct options_robot {
-    char name[32];                   /* "" if it was not given */
+    char name[46];                   /* "" if it was not given */
     char host[OPTIONS_MAX_TEXT + 1]; /* as given */
     unsigned line;                   /* in the file; 0: from the command line */
     roburoc4_address address;        /* family 0: the name has no address */
     channel_names channels;
     gate_rules rules;
-    roburoc4_config config; /* with periods and subscriptions */
+    char allowed[OPTIONS_MAX_TEXT + 1]; /* patterns of senders; "": all */
+    roburoc4_config config;             /* with periods and subscriptions */
 } options_robot;
 
 typedef struct options {
@@ -39,8 +41,9 @@ typedef struct options {
     char record[OPTIONS_MAX_TEXT + 1];  /* "": nothing is recorded */
     options_robot robots[OPTIONS_MAX_ROBOTS];
     uint32_t robot_count;
-    channels_directory directory; /* `which` is robot * CHANNELS + channel */
-    channels_entry entries[OPTIONS_MAX_ROBOTS * CHANNELS];
+    char fleet_stop[CHANNEL_MAX_NAME + 1]; /* the channel that stops all robots; "": none */
+    channels_directory directory; /* `which` is robot * CHANNELS + channel, or OPTIONS_FLEET_STOP */
+    channels_entry entries[OPTIONS_MAX_ROBOTS * CHANNELS + 1];
     enum log_level level;
     bool check; /* only print what would run */
 } options;
@@ -57,9 +60,13 @@ enum options_result options_read_text(const char *name, const char *text, size_t
 /* The URL that LCM will use ("" for its own default), and its source: "lcm-url" or the name of the
  * variable. */
 const char *options_lcm_url(const options *options, const char **source);
+/* The port of that network; 0 if it has none. */
+uint16_t options_lcm_port(const options *options);
 /* Resolve the robots' names. Returns OPTIONS_RUN, _BAD (an invalid port, or two robots with one
  * address), or _NO_ADDRESS (for any robot). Asks the name server if there are names. */
 enum options_result options_resolve(options *out, char *error, size_t error_size);
+/* Whether commands of this sender (length bytes) may be obeyed, by --allow-sender. */
+bool options_allows(const options_robot *robot, const char *sender, size_t length);
 void options_print(const options *options);
 extern const char options_help[];
 

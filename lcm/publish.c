@@ -130,8 +130,25 @@ void publish_statuses(robot *robot, uint32_t events, gate_time now) {
 void publish_properties(robot *robot, gate_time now) {
     mapping_services storage;
     roburoc4_lcm_robot_properties_t out;
-    mapping_properties(&robot->client, &robot->names, robot->address, now.utime, &storage, &out);
+    mapping_properties(&robot->client, &robot->settings->config, &robot->names, robot->address,
+                       now.utime, &storage, &out);
     SEND(roburoc4_lcm_robot_properties_t, CHANNEL_PROPERTIES, out);
+}
+
+void publish_move_status(robot *robot, gate_time now) {
+    const robot_move *moving = &robot->moving;
+    roburoc4_lcm_move_status_t out = {
+        .utime = now.utime,
+        .sender = (char *)moving->sender, /* LCM's encoders only read */
+        .move_id = moving->id,
+        .result = moving->move.result,
+        .message = (char *)roburoc4_move_result_text(moving->move.result),
+        .distance_m = (double)moving->move.distance_m,
+        .angle_rad = (double)moving->move.angle_rad,
+        .remaining_m = (double)moving->move.remaining_m,
+        .remaining_rad = (double)moving->move.remaining_rad,
+    };
+    SEND(roburoc4_lcm_move_status_t, CHANNEL_MOVE_STATUS, out);
 }
 
 /* Publish the state or the statistics: both come from the same facts. */
@@ -153,6 +170,7 @@ static void publish_bridge(robot *robot, bool statistics, gate_time now) {
         .fault = robot->udp.fault,
         .heard = robot->heard,
         .no_socket = roburoc4_udp_fd(&robot->udp) < 0,
+        .no_address = robot->to.family == 0,
         .other_bridge = robot->other_until_us != 0,
         .times_lost = roburoc4_client_count(&robot->client, ROBUROC4_COUNT_LOST),
         .reboots = roburoc4_client_count(&robot->client, ROBUROC4_COUNT_REBOOTS),

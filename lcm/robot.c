@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "robot.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "clock.h"
@@ -16,6 +17,8 @@
 #define STATE_PERIOD_US 200000u
 #define STATISTICS_PERIOD_US 1000000u
 #define PROPERTIES_PERIOD_US 1000000u
+#define MOVE_PERIOD_US 200000u
+#define MOVE_OVER_US 1000000u /* for so long the end of a move is published */
 #define ABSENT_US 1000000u
 #define REOPEN_US 1000000u
 /* Another bridge counts as gone after its state was not received for this long. Older states are
@@ -24,16 +27,37 @@
 
 /* -------------------------------------------------------------------------------- commands --- */
 
+/* The cause and the remedy: what the robot says is more exact than the gate's verdict. */
+static void write_reason(const robot *robot, enum gate_verdict verdict, const log_command *command,
+                         gate_time now, char *room, size_t capacity) {
+    const gate_rejection rejected = {verdict, command->kind, command->utime, "utime"};
+    const int32_t refusal = gate_robot_of(&robot->client, now.us).arm_refusal;
+    if (verdict == GATE_SENDER && command->sender != NULL &&
+        !options_allows(robot->settings, command->sender, command->sender_length)) {
+        (void)snprintf(room, capacity, "only senders %s are obeyed (--allow-sender)",
+                       robot->settings->allowed);
+    } else if (verdict == GATE_IMPOSSIBLE && command->kind == GATE_DRIVE) {
+        (void)snprintf(
+            room, capacity,
+            "there is no such move: its kind is BY, TO_POINT or TO_POSE, it is at most 10 "
+            "km long and turns by at most 10000 rad");
+    } else if (verdict == GATE_DISARMED && refusal < 0) {
+        (void)snprintf(room, capacity, "the robot cannot be armed: %s",
+                       roburoc4_result_text(refusal));
+    } else {
+        gate_reason(room, capacity, &rejected, &robot->gate.rules, now);
+    }
+}
+
 /* Store a rejection that was counted, and log it. */
 static void log_rejected(robot *robot, enum gate_verdict verdict, const log_command *command,
                          gate_time now) {
     robot_rejection *rejection = &robot->rejections[verdict];
-    const gate_rejection rejected = {verdict, command->kind, command->utime, "utime"};
     text_copy(rejection->sender, sizeof rejection->sender, (const uint8_t *)command->sender,
               command->sender_length);
     bool first = gate_is_incident(&robot->gate, verdict, rejection->sender,
                                   strlen(rejection->sender), now.us);
-    gate_reason(rejection->why, sizeof rejection->why, &rejected, &robot->gate.rules, now);
+    write_reason(robot, verdict, command, now, rejection->why, sizeof rejection->why);
     log_rejection(robot->name, command, rejection->why, first);
     rejection->utime = command->utime;
     robot->last_rejection = verdict;
@@ -44,9 +68,9 @@ static void log_rejected(robot *robot, enum gate_verdict verdict, const log_comm
 
 /* readable: the message could be decoded. */
 static log_command for_log(const robot *robot, const command *command, bool readable) {
-    log_command for_log = {.kind = command->kind,
-                           .channel =
-                               robot->channels->name[(int)CHANNEL_DRIVE_CMD + (int)command->kind]};
+    const int channel =
+        command->is_move ? CHANNEL_MOVE_CMD : (int)CHANNEL_DRIVE_CMD + (int)command->kind;
+    log_command for_log = {.kind = command->kind, .channel = robot->channels->name[channel]};
     if (readable) {
         for_log.sender = command->sender;
         for_log.sender_length = command->sender_length;
@@ -59,11 +83,6 @@ static void log_rejected_message(robot *robot, enum gate_verdict verdict, const 
                                  gate_time now) {
     log_command rejected = for_log(robot, command, verdict != GATE_MALFORMED);
     log_rejected(robot, verdict, &rejected, now);
-}
-
-static float to_float(double value) {
-    const double far = 1e6; /* beyond any limit; the client limits it to the robot's own */
-    return (float)(value > far ? far : value < -far ? -far : value);
 }
 
 /* Set all of the outputs, or none. */
@@ -93,15 +112,100 @@ static roburoc4_result set_outputs(robot *robot, const command *command, uint64_
     return result;
 }
 
+/* Begin a move in *move. */
+static roburoc4_result begin_move(roburoc4_move *move, const command *command) {
+    roburoc4_move_options how;
+    (void)roburoc4_move_options_init(&how, sizeof how);
+    how.linear_m_s = command->linear_m_s > 0 ? command_speed(command->linear_m_s) : how.linear_m_s;
+    how.angular_rad_s =
+        command->angular_rad_s > 0 ? command_speed(command->angular_rad_s) : how.angular_rad_s;
+    how.clearance_m =
+        command->clearance_m >= 0 ? command_speed(command->clearance_m) : how.clearance_m;
+    switch (command->move_kind) {
+    case ROBUROC4_LCM_MOVE_COMMAND_T_KIND_BY:
+        return roburoc4_move_by(move, command_speed(command->distance_m),
+                                command_speed(command->angle_rad), &how);
+    case ROBUROC4_LCM_MOVE_COMMAND_T_KIND_TO_POINT:
+        return roburoc4_move_to_point(move, command->x_m, command->y_m, &how);
+    case ROBUROC4_LCM_MOVE_COMMAND_T_KIND_TO_POSE:
+        return roburoc4_move_to_pose(move, command->x_m, command->y_m, command->theta_rad, &how);
+    default:
+        return ROBUROC4_ERR_ARGUMENT;
+    }
+}
+
+static void end_move(robot *robot, gate_time now) {
+    robot->moving.active = false;
+    robot->moving.ended_us = now.us;
+    robot->move_status.due = true;
+}
+
+/* Something else drives or stops the robot from now on. */
+static void cancel_move(robot *robot, gate_time now) {
+    if (robot->moving.active) {
+        robot->moving.move.result = ROBUROC4_MOVE_CANCELLED;
+        end_move(robot, now);
+    }
+}
+
+/* Begin a move, or renew its lease. One that has ended does not begin again. */
+static void take_move(robot *robot, const command *command, uint32_t lease_us, gate_time now) {
+    robot_move *moving = &robot->moving;
+    robot_move wanted = {.known = true, .active = true, .id = command->move_id};
+    enum gate_verdict verdict = GATE_TAKEN;
+    text_copy(wanted.sender, sizeof wanted.sender, (const uint8_t *)command->sender,
+              command->sender_length);
+    if (!moving->known || moving->id != wanted.id || strcmp(moving->sender, wanted.sender) != 0) {
+        if (begin_move(&wanted.move, command) < 0) {
+            verdict = GATE_IMPOSSIBLE;
+            gate_reject(&robot->gate, verdict);
+        } else {
+            verdict = gate_arm(&robot->gate, &robot->client, now.us);
+        }
+        if (verdict != GATE_TAKEN) {
+            log_rejected_message(robot, verdict, command, now);
+            return;
+        }
+        *moving = wanted;
+        robot->move_status.due = true;
+    }
+    robot->superseded += robot->has_drive;
+    robot->has_drive = false;
+    robot->command_us = (int64_t)now.us;
+    gate_count_taken(&robot->gate, GATE_DRIVE);
+    moving->until_us = now.us + lease_us;
+}
+
+/* Drive as the move proposes; its lease ends with that of its last command. */
+static void step_move(robot *robot, gate_time now) {
+    robot_move *moving = &robot->moving;
+    if (now.us >= moving->until_us) {
+        roburoc4_move_cancel(&moving->move, &robot->client, now.us);
+        moving->move.result = ROBUROC4_MOVE_LAPSED;
+    } else if (roburoc4_move_step(&moving->move, &robot->client, now.us) == ROBUROC4_MOVE_RUNNING) {
+        const uint64_t left_us = moving->until_us - now.us;
+        (void)roburoc4_client_drive(
+            &robot->client, moving->move.linear_m_s, moving->move.angular_rad_s,
+            left_us > GATE_MIN_LEASE_US ? (uint32_t)left_us : GATE_MIN_LEASE_US, now.us);
+    }
+    if (moving->move.result != ROBUROC4_MOVE_RUNNING) {
+        end_move(robot, now);
+    }
+}
+
 /* Every relocalize and output command is carried out; of the drive commands in one iteration of the
  * loop, only the newest. */
 static void take(robot *robot, const command *command, uint32_t lease_us, gate_time now) {
     roburoc4_result result = 0;
+    if (command->is_move) {
+        take_move(robot, command, lease_us, now);
+        return;
+    }
     if (command->kind == GATE_DRIVE) {
         robot->superseded += robot->has_drive;
         robot->has_drive = true;
-        robot->drive.linear_m_s = to_float(command->linear_m_s);
-        robot->drive.angular_rad_s = to_float(command->angular_rad_s);
+        robot->drive.linear_m_s = command_speed(command->linear_m_s);
+        robot->drive.angular_rad_s = command_speed(command->angular_rad_s);
         robot->drive.lease_us = lease_us;
         robot->drive.utime = command->utime;
         return;
@@ -126,24 +230,32 @@ static void stop(robot *robot, const command *command, bool readable, gate_time 
     log_command stopping = for_log(robot, command, readable);
     log_stop(robot->name, &stopping, !robot->gate.stopped);
     robot->has_drive = false;
+    cancel_move(robot, now);
     robot->state.due = robot->state.due || !robot->gate.stopped;
     gate_stop_client(&robot->gate, &robot->client, stopping.sender, stopping.sender_length, now.us);
 }
 
-void robot_take_message(robot *robot, enum gate_kind kind, const void *data, size_t size,
+void robot_take_message(robot *robot, enum channel channel, const void *data, size_t size,
                         int64_t arrived_utime) {
+    const bool is_move = channel == CHANNEL_MOVE_CMD;
+    const enum gate_kind kind =
+        is_move ? GATE_DRIVE : (enum gate_kind)(channel - CHANNEL_DRIVE_CMD);
     gate_time now = clock_now();
     uint32_t lease_us = 0;
     command command;
-    bool readable = command_decode(kind, data, size, &command);
-    if (!readable) {
-        gate_reject(&robot->gate, GATE_MALFORMED);
-        log_rejected_message(robot, GATE_MALFORMED, &command, now);
-    }
+    bool readable = is_move ? command_decode_move(data, size, &command)
+                            : command_decode(kind, data, size, &command);
     if (kind == GATE_STOP) {
         stop(robot, &command, readable, now);
+        return;
     }
-    if (!readable || kind == GATE_STOP) {
+    enum gate_verdict early =
+        !readable                                                                 ? GATE_MALFORMED
+        : !options_allows(robot->settings, command.sender, command.sender_length) ? GATE_SENDER
+                                                                                  : GATE_TAKEN;
+    if (early != GATE_TAKEN) {
+        gate_reject(&robot->gate, early);
+        log_rejected_message(robot, early, &command, now);
         return;
     }
     gate_command for_gate = command_for_gate(&command, arrived_utime);
@@ -167,13 +279,14 @@ static bool is_clamped(const robot *robot) {
     roburoc4_differential_properties limits;
     return roburoc4_client_differential_properties(&robot->client, &limits) >= 0 &&
            (is_beyond(robot->drive.linear_m_s, limits.min_linear_m_s, limits.max_linear_m_s,
-                      robot->config->max_linear_m_s) ||
+                      robot->settings->config.max_linear_m_s) ||
             is_beyond(robot->drive.angular_rad_s, limits.min_angular_rad_s,
-                      limits.max_angular_rad_s, robot->config->max_angular_rad_s));
+                      limits.max_angular_rad_s, robot->settings->config.max_angular_rad_s));
 }
 
 static void apply_drive(robot *robot, gate_time now) {
     robot->has_drive = false;
+    cancel_move(robot, now);
     const robot_drive *drive = &robot->drive;
     enum gate_verdict verdict = gate_drive(&robot->gate, &robot->client, drive->linear_m_s,
                                            drive->angular_rad_s, drive->lease_us, now.us);
@@ -413,15 +526,26 @@ static bool take_due(robot_publication *publication, uint32_t period_us, gate_ti
     return due;
 }
 
+static bool is_move_news(const robot *robot, gate_time now) {
+    const robot_move *moving = &robot->moving;
+    return moving->known && (moving->active || now.us - moving->ended_us < MOVE_OVER_US);
+}
+
 void robot_finish(robot *robot) {
     gate_time now = clock_now();
     if (robot->has_drive) {
         apply_drive(robot, now);
     }
+    if (robot->moving.active) {
+        step_move(robot, now);
+    }
     transmit(robot, now);
     handle_events(robot, NULL, 0, now); /* events that the passing of time caused */
     if (take_due(&robot->state, STATE_PERIOD_US, now)) {
         publish_bridge_state(robot, now);
+    }
+    if (is_move_news(robot, now) && take_due(&robot->move_status, MOVE_PERIOD_US, now)) {
+        publish_move_status(robot, now);
     }
     if (take_due(&robot->statistics, STATISTICS_PERIOD_US, now)) {
         publish_bridge_statistics(robot, now);
@@ -436,7 +560,11 @@ uint64_t robot_deadline(const robot *robot) {
     uint64_t others[] = {deadline_of(&robot->state, STATE_PERIOD_US),
                          deadline_of(&robot->statistics, STATISTICS_PERIOD_US),
                          deadline_of(&robot->properties, PROPERTIES_PERIOD_US),
-                         roburoc4_udp_fd(&robot->udp) < 0 ? robot->open_us : UINT64_MAX};
+                         roburoc4_udp_fd(&robot->udp) < 0 ? robot->open_us : UINT64_MAX,
+                         robot->moving.active ? robot->moving.until_us : UINT64_MAX,
+                         robot->moving.active || robot->move_status.due
+                             ? deadline_of(&robot->move_status, MOVE_PERIOD_US)
+                             : UINT64_MAX};
     for (size_t at = 0; at < sizeof others / sizeof others[0]; at++) {
         first = others[at] < first ? others[at] : first;
     }
@@ -483,19 +611,19 @@ void robot_start(robot *robot, uint32_t number, const options_robot *settings, l
     if (robot->to.family != 0) {
         (void)roburoc4_udp_address_text(&robot->to, robot->address, sizeof robot->address);
     }
-    robot->config = &settings->config;
+    robot->settings = settings;
     robot->bridge = bridge;
     robot->started = now;
     spread(&robot->state, STATE_PERIOD_US, robot, now.us);
     spread(&robot->statistics, STATISTICS_PERIOD_US, robot, now.us);
     spread(&robot->properties, PROPERTIES_PERIOD_US, robot, now.us);
-    start_client(robot, robot->config, now.us);
+    start_client(robot, &settings->config, now.us);
     gate_init(&robot->gate, &settings->rules, now);
     open_socket(robot, now.us);
 }
 
 void robot_close(robot *robot, gate_time now) {
-    robot->has_drive = false;
+    robot->has_drive = robot->moving.active = false;
     (void)roburoc4_client_close(&robot->client, now.us);
 }
 

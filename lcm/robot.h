@@ -11,6 +11,7 @@
 #include "commands.h"
 #include "mapping.h"
 #include "options.h"
+#include "roburoc4_move.h"
 #include "roburoc4_record.h"
 
 /* The newest drive command of an iteration of the loop. */
@@ -19,6 +20,16 @@ typedef struct robot_drive {
     uint32_t lease_us;
     int64_t utime;
 } robot_drive;
+
+/* The last move that was commanded. */
+typedef struct robot_move {
+    roburoc4_move move;
+    bool known, active;
+    char sender[GATE_MAX_SENDER + 1];
+    int64_t id;
+    uint64_t until_us; /* its lease */
+    uint64_t ended_us;
+} robot_move;
 
 /* This bridge's identity, published so that bridges notice one another. */
 typedef struct robot_bridge {
@@ -43,7 +54,7 @@ typedef struct robot {
     const char *name; /* "" if there is only one */
     uint32_t number;  /* of its socket, for watch_set() */
     const channel_names *channels;
-    const roburoc4_config *config;
+    const options_robot *settings;
     const robot_bridge *bridge;
     lcm_t *lcm;
     roburoc4_recorder *recorder; /* or NULL */
@@ -55,6 +66,7 @@ typedef struct robot {
     gate_time started;
     mapping_names names;
 
+    robot_move moving;
     robot_drive drive; /* if has_drive: will be applied at the end of this iteration */
 
     roburoc4_telemeter telemeters[ROBUROC4_MAX_TELEMETERS];
@@ -68,7 +80,7 @@ typedef struct robot {
     bool has_drive;
     bool heard; /* a datagram from the robot has arrived */
     bool logged_absent, logged_no_socket;
-    robot_publication state, statistics, properties;
+    robot_publication state, statistics, properties, move_status;
     int64_t command_us; /* when the last command was obeyed, or -1 */
     int64_t superseded, clamped, published, publish_errors;
 } robot;
@@ -78,8 +90,8 @@ typedef struct robot {
 void robot_start(robot *robot, uint32_t number, const options_robot *settings, lcm_t *lcm,
                  const robot_bridge *bridge, roburoc4_recorder *recorder, gate_time now);
 
-/* Handle a message on a command channel that arrived at arrived_utime on this machine's clock. */
-void robot_take_message(robot *robot, enum gate_kind kind, const void *data, size_t size,
+/* Handle a message on a command's channel that arrived at arrived_utime on this machine's clock. */
+void robot_take_message(robot *robot, enum channel channel, const void *data, size_t size,
                         int64_t arrived_utime);
 /* Another bridge, whose state arrived on `channel`, serves a robot with this address. */
 void robot_hear_bridge(robot *robot, const bridge_identity *other, const char *channel,

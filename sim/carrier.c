@@ -35,6 +35,20 @@ static void deliver_in(const sim_carrier *c, uint64_t now_us) {
     }
 }
 
+static void send(const sim_carrier *c, uint64_t peer, size_t size) {
+    bool status = c->buffer[0] == ROBUROC4_HEADER_STATUS;
+    net_send(c->net, status ? c->status_index : c->index, peer, c->buffer, size);
+}
+
+/* Nobody listens on a port that only sends. */
+static void drain(const sim_carrier *c) {
+    uint64_t peer = 0;
+    while (c->status_index != c->index &&
+           (net_receive(c->net, c->status_index, &peer, c->buffer, SIM_LONGEST_UDP) >= 0 ||
+            net_refused(c->net, c->status_index, &peer))) {
+    }
+}
+
 static void send_out(const sim_carrier *c, uint64_t now_us) {
     uint64_t peer = 0;
     roburoc4_result size = 0;
@@ -42,12 +56,12 @@ static void send_out(const sim_carrier *c, uint64_t now_us) {
         if (c->out != NULL) {
             sim_network_push(c->out, peer, c->buffer, (size_t)size, now_us);
         } else {
-            net_send(c->net, c->index, peer, c->buffer, (size_t)size);
+            send(c, peer, (size_t)size);
         }
     }
     while (c->out != NULL &&
            (size = sim_network_poll(c->out, now_us, &peer, c->buffer, SIM_LONGEST_UDP)) > 0) {
-        net_send(c->net, c->index, peer, c->buffer, (size_t)size);
+        send(c, peer, (size_t)size);
     }
 }
 
@@ -58,6 +72,7 @@ void sim_carrier_turn(const sim_carrier *c, uint64_t now_us) {
         roburoc4_sim_advance(c->sim, now_us - LONGEST_WAIT_US);
         take_in(c, now_us);
     }
+    drain(c);
     if (c->in != NULL) {
         deliver_in(c, now_us);
     }

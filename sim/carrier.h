@@ -17,6 +17,7 @@ typedef struct sim_carrier {
     roburoc4_sim *sim;
     net_sockets *net;
     size_t index;          /* of the robot's socket */
+    size_t status_index;   /* of the one that it sends statuses from; may be the same */
     sim_network *in, *out; /* both NULL: a perfect network */
     uint8_t *buffer;       /* of SIM_LONGEST_UDP bytes; carriers may share one */
 } sim_carrier;

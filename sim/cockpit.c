@@ -17,7 +17,8 @@ static bool motors_allowed(const roburoc4_sim *sim) {
 
 void sim_cockpit_power_up(roburoc4_sim *sim) {
     sim->powered = true;
-    sim->cycles = 0;
+    sim->cycles = sim->config.uptime_cycles;
+    sim->measured_cycles = sim->cycles;
     bool safe = sim->config.start_safe != 0 || sim->config.as_manual != 0;
     sim->motors = !safe && motors_allowed(sim);
     sim->odometry.x_m = sim->config.start_x_m;
@@ -33,7 +34,9 @@ static void power_down(roburoc4_sim *sim) {
     sim->motors = false;
     sim_motion_forget(sim);
     sim_peers_clear(sim);
+    sim_queue_clear(&sim->in);
     sim_queue_clear(&sim->queue);
+    memset(sim->last_due_us, 0, sizeof sim->last_due_us);
 }
 
 void sim_cockpit_switch(roburoc4_sim *sim, bool on) {
@@ -83,14 +86,22 @@ void sim_cockpit_cycle(roburoc4_sim *sim) {
     sim_cockpit_check_motors(sim);
     if (sim_pad_drives(sim)) {
         sim->target = pad_speed(sim);
+    } else if (sim->config.commands_need_motors != 0 && !sim->motors) {
+        sim_motion_forget(sim);
     }
 }
 
 void sim_cockpit_press(roburoc4_sim *sim, uint32_t button, bool down) {
     bool *state = &sim->buttons[button - ROBUROC4_DI_PAD_A];
     if (button == ROBUROC4_DI_PAD_A && *state != down) {
-        /* Whoever takes over starts with target 0: the previous command is discarded. */
-        sim_motion_forget(sim);
+        if (sim->config.pad_keeps_target == ROBUROC4_SIM_PAD_DISCARDS) {
+            /* Whoever takes over starts with target 0: the previous command is discarded. */
+            sim_motion_forget(sim);
+        } else if (down) {
+            sim->kept = sim->target;
+        } else {
+            sim->target = sim->kept;
+        }
     }
     *state = down;
 }

@@ -1,60 +1,42 @@
 /* SPDX-License-Identifier: MIT
  *
- * The configuration: its defaults, and which values are refused.
+ * The configuration: its defaults, which values are refused, and the members of the family.
  */
 #include <string.h>
 
 #include "model.h"
+#include "settings.h"
+
+static void store(roburoc4_sim_config *config, const sim_setting *setting, double value) {
+    (void)sim_value_store((uint8_t *)config + setting->offset, setting->kind, value);
+}
 
 static void set_defaults(roburoc4_sim_config *config) {
-    static const uint16_t types[ROBUROC4_SERVICE_COUNT] = {
-        0x0000,
-        0x0001,
-        ROBUROC4_TYPE_IOCARD,
-        ROBUROC4_TYPE_TELEMETER,
-        0x4006, /* the battery's type code is documented nowhere */
-        ROBUROC4_TYPE_LOCALIZATION,
-        ROBUROC4_TYPE_DIFFERENTIAL,
-    };
+    const sim_setting *setting;
     memset(config, 0, sizeof *config);
     config->size = sizeof *config;
-    config->watchdog_cycles = 100;
-    config->seed = 1;
-    for (uint16_t service = 0; service < ROBUROC4_SERVICE_COUNT; service++) {
-        config->service_ids[service] = service;
-        config->service_types[service] = types[service];
+    config->service_ids[ROBUROC4_SERVICE_NOTIFICATION] = ROBUROC4_SERVICE_NOTIFICATION;
+    config->service_types[ROBUROC4_SERVICE_NOTIFICATION] = ROBUROC4_SERVICE_NOTIFICATION;
+    for (uint32_t index = 0; (setting = sim_setting_at(index)) != NULL; index++) {
+        store(config, setting, setting->usual);
     }
-    config->analog_inputs = ROBUROC4_AI_COUNT;
-    config->analog_outputs = ROBUROC4_AO_COUNT;
-    config->digital_inputs = ROBUROC4_DI_COUNT;
-    config->digital_outputs = ROBUROC4_DO_COUNT;
-    config->max_linear_m_s = 2.6f;
-    config->min_linear_m_s = -2.6f;
-    config->max_angular_rad_s = 6.5f;
-    config->min_angular_rad_s = -6.5f;
-    config->max_linear_m_s2 = 3.0f;
-    config->min_linear_m_s2 = -3.0f;
-    config->max_angular_rad_s2 = 8.0f;
-    config->min_angular_rad_s2 = -8.0f;
-    config->width_m = 0.68f;
-    config->localization_flags =
-        ROBUROC4_LOCALIZATION_METRIC | ROBUROC4_LOCALIZATION_PROPRIOCEPTIVE;
-    config->slip = 0.12f;
-    config->nominal_voltage_v = 24.0f;
-    config->capacity_ah = 60.0f;
-    config->battery_percent = 100.0f;
-    config->minimum_percent = 20;
+}
+
+/* With the caller's size of the struct. */
+static roburoc4_result give(const roburoc4_sim_config *all, roburoc4_sim_config *config,
+                            size_t size) {
+    if (!sim_size_is_valid(size, sizeof *all)) {
+        return ROBUROC4_ERR_SIZE;
+    }
+    memcpy(config, all, size);
+    config->size = (uint32_t)size;
+    return ROBUROC4_OK;
 }
 
 roburoc4_result roburoc4_sim_config_init(roburoc4_sim_config *config, size_t size) {
     roburoc4_sim_config defaults;
-    if (!sim_size_is_valid(size, sizeof defaults)) {
-        return ROBUROC4_ERR_SIZE;
-    }
     set_defaults(&defaults);
-    defaults.size = (uint32_t)size;
-    memcpy(config, &defaults, size);
-    return ROBUROC4_OK;
+    return give(&defaults, config, size);
 }
 
 bool sim_config_take(roburoc4_sim_config *out, const roburoc4_sim_config *config) {
@@ -67,9 +49,8 @@ bool sim_config_take(roburoc4_sim_config *out, const roburoc4_sim_config *config
     return true;
 }
 
-static bool within(double value, double min, double max) {
-    return value >= min && value <= max;
-}
+/* ----------------------------------------------------------------------------- what is valid ---
+ */
 
 static const char *ids_error(const roburoc4_sim_config *config) {
     if (config->service_ids[ROBUROC4_SERVICE_DIRECTORY] != ROBUROC4_SERVICE_DIRECTORY ||
@@ -89,54 +70,59 @@ static const char *ids_error(const roburoc4_sim_config *config) {
     return NULL;
 }
 
-static const char *counts_error(const roburoc4_sim_config *config) {
-    if (!within(config->analog_inputs, 0, ROBUROC4_SIM_MAX_ANALOG) ||
-        !within(config->analog_outputs, 0, ROBUROC4_SIM_MAX_ANALOG)) {
-        return "analog_inputs, analog_outputs: give 0 to 64";
-    }
-    if (!within(config->digital_inputs, 0, ROBUROC4_SIM_MAX_DIGITAL) ||
-        !within(config->digital_outputs, 0, ROBUROC4_SIM_MAX_DIGITAL)) {
-        return "digital_inputs, digital_outputs: give 0 to 256";
-    }
-    return NULL;
-}
-
-static const char *model_error(const roburoc4_sim_config *config) {
-    if (!within((double)config->slip, 0.0, 0.9)) {
-        return "slip: give a fraction of 0 to 0.9";
-    }
-    if (!within((double)config->nominal_voltage_v, 1.0, 1000.0)) {
-        return "nominal_voltage_v: give 1 to 1000";
-    }
-    if (!within((double)config->capacity_ah, 0.001, 100000.0)) {
-        return "capacity_ah: give 0.001 to 100000";
-    }
-    if (!within((double)config->battery_percent, 0.0, 100.0) || config->minimum_percent > 100) {
-        return "battery_percent, minimum_percent: give 0 to 100";
-    }
-    if (!within(config->start_x_m, -1e5, 1e5) || !within(config->start_y_m, -1e5, 1e5) ||
-        !sim_is_finite(config->start_theta_rad)) {
-        return "start pose: give x and y of -100000 to 100000 m and a finite angle";
-    }
-    return NULL;
-}
-
 const char *roburoc4_sim_config_error(const roburoc4_sim_config *given) {
-    roburoc4_sim_config all;
-    const roburoc4_sim_config *config = &all;
-    if (!sim_config_take(&all, given)) {
+    roburoc4_sim_config config;
+    const sim_setting *setting;
+    if (!sim_config_take(&config, given)) {
         return "size: fill the configuration with roburoc4_sim_config_init() of this library";
     }
-    if (!within(config->watchdog_cycles, 1, 1000000)) {
-        return "watchdog_cycles: give 1 to 1000000";
+    const char *error = ids_error(&config);
+    for (uint32_t index = 0; error == NULL && (setting = sim_setting_at(index)) != NULL; index++) {
+        error = sim_setting_error(setting, sim_setting_get(&config, setting));
     }
-    if (config->query_mode > ROBUROC4_SIM_QUERY_REFUSED) {
-        return "query_mode: give one of ROBUROC4_SIM_QUERY_*";
+    return error;
+}
+
+/* ------------------------------------------------------------------------------- the family --- */
+
+/* One of the services with statuses, as a mask. */
+static double a_service(uint64_t *random) {
+    return 1u << (ROBUROC4_SERVICE_IOCARD + sim_random(random) % (ROBUROC4_SERVICE_COUNT - 2));
+}
+
+/* A value of the family: often an end of its range, where faults are likely. */
+static double draw(const sim_setting *setting, uint64_t *random) {
+    uint64_t end = sim_random(random) % 8;
+    double share = sim_random_unit(random);
+    bool whole = setting->kind != SIM_FLOAT && setting->kind != SIM_DOUBLE;
+    double span = setting->to - setting->from + (whole ? 1.0 : 0.0);
+    bool wide = setting->from > 0.0 && setting->to >= 100.0 * setting->from;
+    double between = wide ? setting->from * pow(setting->to / setting->from, share)
+                          : setting->from + share * span;
+    between = whole ? floor(between) : floor(between * 1000.0 + 0.5) / 1000.0;
+    return end == 0 ? setting->from : end == 1 ? setting->to : fmin(between, setting->to);
+}
+
+roburoc4_result roburoc4_sim_config_family(roburoc4_sim_config *config, size_t size,
+                                           uint64_t seed) {
+    roburoc4_sim_config drawn;
+    const sim_setting *setting;
+    uint64_t random = seed;
+    set_defaults(&drawn);
+    drawn.seed = seed;
+    /* How much differs from the defaults differs from member to member, too. */
+    double strangeness = sim_random_unit(&random);
+    for (uint32_t index = 0; (setting = sim_setting_at(index)) != NULL; index++) {
+        double value = draw(setting, &random);
+        if (sim_random_unit(&random) < strangeness && setting->from < setting->to) {
+            store(&drawn, setting, value);
+        }
     }
-    if (config->localization_flags > SIM_LOCALIZATION_FLAGS_MAX) {
-        return "localization_flags: give a sum of ROBUROC4_LOCALIZATION_*, 0 to 127";
+    drawn.hidden_services = drawn.hidden_services != 0 ? (uint32_t)a_service(&random) : 0;
+    drawn.refused_inserts = drawn.refused_inserts != 0 ? (uint32_t)a_service(&random) : 0;
+    for (uint16_t service = ROBUROC4_SERVICE_IOCARD; ids_error(&drawn) != NULL;) {
+        drawn.service_ids[service] = service; /* two drew the same id: give both back */
+        service++;
     }
-    const char *error = ids_error(config);
-    error = error != NULL ? error : counts_error(config);
-    return error != NULL ? error : model_error(config);
+    return give(&drawn, config, size);
 }

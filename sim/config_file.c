@@ -34,7 +34,7 @@ static const char *setting_error(const char *name, double value) {
     roburoc4_result result = sim_config_set(&alone, name, value);
     return result == ROBUROC4_ERR_INDEX ? "no such setting; give a member of roburoc4_sim_config"
            : result < 0                 ? "give a number that fits it"
-                                        : roburoc4_sim_config_error(&alone);
+                                        : sim_setting_error(sim_setting_named(name), value);
 }
 
 static bool read_setting(roburoc4_sim_config *config, ini_text name, ini_text value, char *error,
@@ -77,6 +77,11 @@ roburoc4_result sim_config_read(roburoc4_sim_config *config, const char *text, s
     unsigned line = ini_read(text, length, read_line, &read, why, sizeof why);
     if (line != 0) {
         (void)snprintf(error, capacity, "line %u: %s", line, why);
+        return ROBUROC4_ERR_VALUE;
+    }
+    const char *wrong = roburoc4_sim_config_error(&read); /* settings that do not go together */
+    if (wrong != NULL) {
+        (void)snprintf(error, capacity, "%s", wrong);
         return ROBUROC4_ERR_VALUE;
     }
     *config = read;

@@ -5,18 +5,11 @@
 #ifndef ROBUROC4_SIM_CONFIG_FILE_H
 #define ROBUROC4_SIM_CONFIG_FILE_H
 
-#include "roburoc4_sim.h"
+#include "settings.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* Set the member with this name, of all but the arrays. ROBUROC4_ERR_INDEX: there is none;
- * ROBUROC4_ERR_ARGUMENT: it cannot hold the value. Nothing was changed then. Whether the
- * configuration is valid, only roburoc4_sim_config_error() checks. */
-roburoc4_result sim_config_set(roburoc4_sim_config *config, const char *name, double value);
-/* The name of a member, from index 0 on; NULL beyond the last. */
-const char *sim_config_name(uint32_t index);
 
 /* Read the text of a `udpserver.cfg` (4.2.5.6): an INI file of which `Watchdog` of the section
  * `DifferentialService` is used (in cycles of 10 ms), and the section `Simulator`, which the

@@ -7,24 +7,16 @@
 
 #include "model.h"
 
-/* The manual's tables skip number 02; on a card with one more channel it is an unused input. */
-static int32_t skip_number_two(uint32_t index) {
-    if (index == 2) {
-        return -1;
-    }
-    return index > 2 ? (int32_t)index - 1 : (int32_t)index;
-}
-
 int32_t sim_channel_meaning(const roburoc4_sim *sim, uint32_t io_type, uint32_t index) {
-    int32_t meaning = (int32_t)index;
-    if (io_type == ROBUROC4_IO_ANALOG_INPUT && sim->config.analog_inputs == ROBUROC4_AI_COUNT + 1) {
-        meaning = skip_number_two(index);
+    bool analog = io_type == ROBUROC4_IO_ANALOG_INPUT;
+    if ((!analog && io_type != ROBUROC4_IO_DIGITAL_INPUT) || index < 2) {
+        return (int32_t)index;
     }
-    if (io_type == ROBUROC4_IO_DIGITAL_INPUT &&
-        sim->config.digital_inputs == ROBUROC4_DI_COUNT + 1) {
-        meaning = skip_number_two(index);
-    }
-    return meaning;
+    /* The manual's tables skip number 02; on a card with one more channel it is an unused input. */
+    bool literal = analog ? sim->config.analog_inputs == ROBUROC4_AI_COUNT + 1
+                          : sim->config.digital_inputs == ROBUROC4_DI_COUNT + 1;
+    uint32_t shift = sim->config.input_shift + (literal ? 1u : 0u);
+    return index < 2 + shift ? -1 : (int32_t)(index - shift);
 }
 
 float sim_reported_voltage(const roburoc4_sim *sim) {
@@ -62,6 +54,9 @@ bool sim_digital_input(const roburoc4_sim *sim, uint32_t index) {
         return sim->digital_pins[index] != 0;
     }
     int32_t meaning = sim_channel_meaning(sim, ROBUROC4_IO_DIGITAL_INPUT, index);
+    if (meaning == SIM_SECOND_FRONT && (sim->config.texts & ROBUROC4_SIM_TEXTS_TWO_FRONT) != 0) {
+        return sim_bumper(sim, SIM_FRONT);
+    }
     if (meaning == ROBUROC4_DI_FRONT_BUMPER || meaning == ROBUROC4_DI_REAR_BUMPER) {
         return sim_bumper(sim, (uint32_t)meaning);
     }

@@ -16,6 +16,7 @@
 #define MAX_ROBOTS 10000
 #define MAX_TIME_MS 60000.0
 #define MAX_SETTING 40
+#define MAX_FAMILY_SEED 9007199254740992u
 
 static const char help[] =
     "Usage: roburoc4-sim [OPTION]...\n"
@@ -25,14 +26,14 @@ static const char help[] =
     "  --port N         UDP port (default 60000; 0 picks a free one)\n"
     "  --robots N       N robots on consecutive ports (default 1); with --port 0 each\n"
     "                   picks a free one\n"
-    "  --ids LIST       other service ids, such as iocard=12,battery=3; names: iocard,\n"
-    "                   telemeter, battery, localization, differential; ids: 2 to 65535\n"
     "  --config FILE    read the watchdog from a udpserver.cfg\n"
     "                   ([DifferentialService] Watchdog=100, in cycles of 10 ms), and any\n"
     "                   of the settings below ([Simulator] slip=0.2)\n"
     "  --panel          obey lines from standard input, such as 'pad a down' or\n"
     "                   'estop local press'; 'help' lists them, 'quit' ends\n"
     "  --seed N         seed of slip and faults (default 1)\n"
+    "  --family SEED    a robot of the family that the manual allows (docs/PROTOCOL.md),\n"
+    "                   drawn from the seed and printed as settings; later options win\n"
     "\n"
     "Settings of the robot:\n"
     "  --as-manual      the manual to the letter, where the defaults make a first drive\n"
@@ -43,7 +44,8 @@ static const char help[] =
     "  --battery-percent P   the charge at the start (default 100)\n"
     "  --localization-flags N   the flags that it reports (default 18; 82 with Error)\n"
     "  and each other number of roburoc4_sim_config in roburoc4_sim.h by its name, such as\n"
-    "  --slip 0.2 or --digital-inputs 23; one without a value is set to 1\n"
+    "  --slip 0.2 or --digital-inputs 23, and --iocard-id to --differential-id; one\n"
+    "  without a value is set to 1. docs/PROTOCOL.md, \"The family\", explains many\n"
     "\n"
     "Faults of the network, each way; SHARE is 0 to 1 of all datagrams:\n"
     "  --loss SHARE     lost\n"
@@ -106,6 +108,33 @@ static bool set_seed(server_options *options, const char *option, const char *va
     return true;
 }
 
+static bool set_family(server_options *options, const char *option, const char *value) {
+    uint64_t seed = 0;
+    if (!whole(value, 0, MAX_FAMILY_SEED, &seed)) {
+        return complain(option, value, "give a whole number of 0 to 9007199254740992");
+    }
+    (void)roburoc4_sim_config_family(&options->config, sizeof options->config, seed);
+    options->family = value;
+    return true;
+}
+
+/* As options, to repeat it without its seed. */
+static void print_family(const server_options *options) {
+    const sim_setting *setting;
+    roburoc4_sim_config usual;
+    (void)roburoc4_sim_config_init(&usual, sizeof usual);
+    (void)printf("roburoc4-sim: family %s:", options->family);
+    for (uint32_t index = 0; (setting = sim_setting_at(index)) != NULL; index++) {
+        double drawn = sim_setting_get(&options->config, setting);
+        double usually = sim_setting_get(&usual, setting);
+        if (drawn < usually || drawn > usually) {
+            (void)printf(setting->kind == SIM_FLOAT ? " --%s %.7g" : " --%s %.16g", setting->name,
+                         drawn);
+        }
+    }
+    (void)printf("\n");
+}
+
 static bool set_share(server_options *options, const char *option, const char *value) {
     roburoc4_sim_faults *faults = &options->faults;
     double *share = strcmp(option, "--loss") == 0        ? &faults->loss
@@ -130,37 +159,6 @@ static bool set_time(server_options *options, const char *option, const char *va
         options->faults.jitter_us = us;
     }
     return true;
-}
-
-/* One `name=id` of --ids. */
-static bool set_id(server_options *options, const char *text, size_t length) {
-    static const char *const names[] = {"iocard", "telemeter", "battery", "localization",
-                                        "differential"};
-    for (uint32_t index = 0; index < sizeof names / sizeof names[0]; index++) {
-        size_t name = strlen(names[index]);
-        uint64_t id = 0;
-        if (length > name && strncmp(text, names[index], name) == 0 && text[name] == '=' &&
-            number_whole(text + name + 1, length - name - 1, 65535, &id) && id >= 2) {
-            options->config.service_ids[ROBUROC4_SERVICE_IOCARD + index] = (uint16_t)id;
-            return true;
-        }
-    }
-    return false;
-}
-
-static bool set_ids(server_options *options, const char *option, const char *value) {
-    for (const char *at = value;; at++) {
-        size_t length = strcspn(at, ",");
-        if (!set_id(options, at, length)) {
-            return complain(option, value,
-                            "give NAME=ID,... with the names iocard, telemeter, battery, "
-                            "localization, differential and ids of 2 to 65535");
-        }
-        at += length;
-        if (*at == '\0') {
-            return true;
-        }
-    }
 }
 
 static bool read_text(server_options *options, const char *option, const char *path, FILE *file) {
@@ -226,10 +224,10 @@ typedef struct option {
 } option;
 
 static const option with_value[] = {
-    {"--bind", set_bind},     {"--port", set_port},       {"--robots", set_robots},
-    {"--ids", set_ids},       {"--config", set_config},   {"--seed", set_seed},
-    {"--loss", set_share},    {"--duplicate", set_share}, {"--reorder", set_share},
-    {"--corrupt", set_share}, {"--delay-ms", set_time},   {"--jitter-ms", set_time},
+    {"--bind", set_bind},       {"--port", set_port},      {"--robots", set_robots},
+    {"--config", set_config},   {"--seed", set_seed},      {"--loss", set_share},
+    {"--duplicate", set_share}, {"--reorder", set_share},  {"--corrupt", set_share},
+    {"--delay-ms", set_time},   {"--jitter-ms", set_time}, {"--family", set_family},
 };
 
 static const option *find_option(const char *argument, size_t length) {
@@ -311,5 +309,11 @@ int main(int count, char **arguments) {
             return USAGE_ERROR;
         }
     }
-    return is_consistent(&options) ? server_run(&options) : USAGE_ERROR;
+    if (!is_consistent(&options)) {
+        return USAGE_ERROR;
+    }
+    if (options.family != NULL) {
+        print_family(&options);
+    }
+    return server_run(&options);
 }

@@ -21,7 +21,12 @@
 #define SIM_PAD_BUTTONS (ROBUROC4_DI_PAD_RB - ROBUROC4_DI_PAD_A + 1)
 #define SIM_PAD_AXES (ROBUROC4_AI_PAD_RT - ROBUROC4_AI_PAD_LJ_X + 1)
 #define SIM_QUEUE_BYTES 32768
+#define SIM_DEAD_TIME_CYCLES 16
 #define SIM_LOCALIZATION_FLAGS_MAX 0x7F
+
+/* Unused digital inputs of the manual's table that may get a text. */
+#define SIM_SECOND_FRONT 2
+#define SIM_LIKE_A 3
 
 #define SIM_FRONT 0
 #define SIM_REAR 1
@@ -49,7 +54,17 @@ typedef struct sim_peer {
     sim_subscription subscriptions[ROBUROC4_SERVICE_COUNT];
 } sim_peer;
 
-/* Datagrams to send, as records in a ring of bytes. */
+/* The robot's own queues; the last ones are numbered like their controls. */
+typedef enum sim_delay {
+    SIM_DELAY_UPLINK,
+    SIM_DELAY_ANSWER,
+    SIM_DELAY_TEXT,
+    SIM_DELAY_IOCARD,
+    SIM_DELAY_DIFFERENTIAL = SIM_DELAY_IOCARD + 4,
+    SIM_DELAYS
+} sim_delay;
+
+/* Datagrams on their way, as records in a ring of bytes. */
 typedef struct sim_queue {
     uint32_t head, used;
     uint8_t bytes[SIM_QUEUE_BYTES];
@@ -65,6 +80,7 @@ typedef struct sim_axis {
     double max_speed, min_speed;
     double max_slope, min_slope;
     sim_response response;
+    bool immediate;
 } sim_axis;
 
 typedef struct sim_box {
@@ -81,6 +97,7 @@ struct roburoc4_sim {
     /* time */
     bool started;
     uint64_t now_us, next_us, cycles;
+    int32_t clock_debt; /* what the clock gained and did not spend yet, in 10 ns */
 
     /* control panel and game pad */
     bool powered, motors, charger, brakes_released;
@@ -91,10 +108,24 @@ struct roburoc4_sim {
     /* motion */
     sim_axis linear, angular;
     sim_speed target, body;
+    sim_speed kept;                           /* the computer's target while [A] is held */
+    sim_speed tripped;                        /* what statuses show after the watchdog tripped */
+    sim_speed accepted[SIM_DEAD_TIME_CYCLES]; /* targets of the last cycles, by cycle */
+    uint32_t accepted_at;
     sim_pose odometry, truth;
     double slip_noise, drift_noise;
     uint64_t cycles_since_command;
     bool fed;
+
+    /* what its odometry measured last */
+    sim_pose measured_pose;
+    sim_speed measured_speed;
+    uint64_t measured_cycles;
+
+    /* faults */
+    uint32_t frozen, nan; /* masks of services */
+    uint32_t blocked_linear, blocked_angular;
+    sim_speed creep;
 
     /* obstacles */
     sim_box boxes[ROBUROC4_SIM_MAX_BOXES];
@@ -114,7 +145,11 @@ struct roburoc4_sim {
     /* link */
     sim_peer peers[ROBUROC4_SIM_MAX_PEERS];
     uint32_t peer_count; /* slots in use are below it */
-    sim_queue queue;
+    sim_queue in, queue; /* received, and to send */
+    uint64_t last_due_us[SIM_DELAYS];
+    /* of a frozen service */
+    uint8_t last_status[ROBUROC4_SERVICE_COUNT][ROBUROC4_SIM_MAX_TRANSMIT];
+    roburoc4_result last_status_length[ROBUROC4_SERVICE_COUNT];
 
     /* the last command and the counters, as the public snapshot has them */
     roburoc4_sim_state counts;
@@ -146,8 +181,15 @@ double sim_random_signed(uint64_t *state); /* -1 to 1 */
 
 /* queue.c */
 void sim_queue_clear(sim_queue *queue);
-bool sim_queue_push(sim_queue *queue, uint64_t peer, const uint8_t *data, size_t size);
-roburoc4_result sim_queue_pop(sim_queue *queue, uint64_t *peer, uint8_t *buffer, size_t capacity);
+bool sim_queue_push(sim_queue *queue, uint64_t peer, const uint8_t *data, size_t size,
+                    uint64_t due_us);
+/* The first that is due. */
+roburoc4_result sim_queue_pop(sim_queue *queue, uint64_t now_us, uint64_t *peer, uint8_t *buffer,
+                              size_t capacity);
+/* When a datagram leaves the robot's queue that it enters now. */
+uint64_t sim_queue_due_us(roburoc4_sim *sim, sim_delay delay);
+/* The configuration's delay. */
+uint32_t *sim_queue_delay_ms(roburoc4_sim_config *config, sim_delay delay);
 
 /* peers.c: who subscribed to what. */
 int32_t sim_peers_slot(const roburoc4_sim *sim, uint64_t key); /* -1: not there */
@@ -157,6 +199,12 @@ sim_peer *sim_peers_find(roburoc4_sim *sim, uint64_t key);     /* NULL: not ther
 sim_peer *sim_peers_heard(roburoc4_sim *sim, uint64_t key, bool subscribes);
 void sim_peers_clear(roburoc4_sim *sim);
 void sim_peers_unreachable(roburoc4_sim *sim, uint64_t key);
+/* Enter a subscription, as the configuration says whose it is; the error byte of its answer. */
+uint8_t sim_peers_subscribe(roburoc4_sim *sim, uint64_t key, uint32_t service,
+                            uint8_t period_cycles);
+bool sim_peers_unsubscribe(roburoc4_sim *sim, uint64_t key, uint32_t service);
+/* The period that a peer sees in the list; 0: none. */
+uint8_t sim_peers_period(const roburoc4_sim *sim, const sim_peer *asker, uint32_t service);
 uint32_t sim_peer_subscriptions(const sim_peer *peer);
 
 /* protocol.c: datagrams in, answers out. */
@@ -172,6 +220,10 @@ roburoc4_result sim_directory_text(const roburoc4_sim *sim, uint32_t index, uint
 roburoc4_result sim_iocard_text(const roburoc4_sim *sim, uint32_t io_type, int32_t index,
                                 uint8_t id, uint8_t *buffer, size_t capacity);
 void sim_services_notify(roburoc4_sim *sim);
+void sim_services_freeze(roburoc4_sim *sim, uint32_t services); /* a mask; 0: none */
+
+/* robot.c: another robot takes this one's place. */
+void sim_robot_replace(roburoc4_sim *sim, const roburoc4_sim_config *config);
 
 /* inputs.c: what the IO card reads. */
 int32_t sim_channel_meaning(const roburoc4_sim *sim, uint32_t io_type, uint32_t index);
@@ -196,7 +248,10 @@ void sim_cockpit_cycle(roburoc4_sim *sim); /* the pad sets the target while it i
 void sim_motion_init(roburoc4_sim *sim); /* take the limits of the configuration */
 void sim_motion_cycle(roburoc4_sim *sim);
 void sim_motion_command(roburoc4_sim *sim, double linear_m_s, double angular_rad_s);
+void sim_motion_feed(roburoc4_sim *sim);   /* its watchdog */
 void sim_motion_forget(roburoc4_sim *sim); /* target 0 until the next command */
+bool sim_motion_is_beyond(const roburoc4_sim *sim, double linear_m_s, double angular_rad_s);
+sim_speed sim_motion_shown_target(const roburoc4_sim *sim);
 
 /* obstacles.c */
 void sim_obstacles_init(roburoc4_sim *sim);

@@ -7,17 +7,16 @@
 
 #include "model.h"
 
-/* Natural frequency and damping of the speed loops, measured on a RobuROC4. */
-#define LINEAR_OMEGA_RAD_S 2.46
-#define LINEAR_ZETA 0.79
-#define ANGULAR_OMEGA_RAD_S 2.42
-#define ANGULAR_ZETA 0.77
+/* A response with a natural frequency from here on is immediate. */
+#define IMMEDIATE_RAD_S 1000.0f
 
 /* Deceleration without motor power: with brakes applied, or released and coasting. */
 #define BRAKE_M_S2 5.0
 #define BRAKE_RAD_S2 16.0
 #define ROLL_M_S2 0.8
 #define ROLL_RAD_S2 4.0
+
+static const sim_speed no_speed = {0.0, 0.0};
 
 /* An axis with target 0 counts as at rest below these speeds. */
 #define REST_SPEED 1e-4
@@ -26,15 +25,19 @@
 /* The solution of e'' + 2 zeta omega e' + omega^2 e = 0 after one cycle. */
 static sim_response sample_response(double omega, double zeta) {
     double sigma = zeta * omega;
-    double damped = omega * sqrt(1.0 - zeta * zeta);
+    double damped = omega * sqrt(fabs(1.0 - zeta * zeta));
     double decay = exp(-sigma * CYCLE_S);
-    double c = decay * cos(damped * CYCLE_S);
-    double s = decay * sin(damped * CYCLE_S);
+    double c = decay; /* critical, if nothing else */
+    double s = decay * CYCLE_S;
+    if (damped > 1e-6 * omega) {
+        c *= zeta < 1.0 ? cos(damped * CYCLE_S) : cosh(damped * CYCLE_S);
+        s = decay * (zeta < 1.0 ? sin(damped * CYCLE_S) : sinh(damped * CYCLE_S)) / damped;
+    }
     sim_response response;
-    response.ee = c + s * sigma / damped;
-    response.es = s / damped;
-    response.se = -s * omega * omega / damped;
-    response.ss = c - s * sigma / damped;
+    response.ee = c + s * sigma;
+    response.es = s;
+    response.se = -s * omega * omega;
+    response.ss = c - s * sigma;
     return response;
 }
 
@@ -58,8 +61,12 @@ void sim_motion_init(roburoc4_sim *sim) {
                 &angular->min_speed);
     take_limits(config->max_angular_rad_s2, config->min_angular_rad_s2, 8.0, &angular->max_slope,
                 &angular->min_slope);
-    linear->response = sample_response(LINEAR_OMEGA_RAD_S, LINEAR_ZETA);
-    angular->response = sample_response(ANGULAR_OMEGA_RAD_S, ANGULAR_ZETA);
+    linear->response =
+        sample_response((double)config->linear_omega_rad_s, (double)config->linear_damping);
+    angular->response =
+        sample_response((double)config->angular_omega_rad_s, (double)config->angular_damping);
+    linear->immediate = config->linear_omega_rad_s >= IMMEDIATE_RAD_S;
+    angular->immediate = config->angular_omega_rad_s >= IMMEDIATE_RAD_S;
 }
 
 static double clamp(double value, double min, double max) {
@@ -67,26 +74,63 @@ static double clamp(double value, double min, double max) {
 }
 
 void sim_motion_command(roburoc4_sim *sim, double linear_m_s, double angular_rad_s) {
-    sim->target.linear_m_s = clamp(linear_m_s, sim->linear.min_speed, sim->linear.max_speed);
-    sim->target.angular_rad_s =
-        clamp(angular_rad_s, sim->angular.min_speed, sim->angular.max_speed);
+    sim_speed *target = sim_pad_drives(sim) ? &sim->kept : &sim->target;
+    target->linear_m_s = clamp(linear_m_s, sim->linear.min_speed, sim->linear.max_speed);
+    target->angular_rad_s = clamp(angular_rad_s, sim->angular.min_speed, sim->angular.max_speed);
+    sim->tripped = no_speed;
+    sim_motion_feed(sim);
+}
+
+bool sim_motion_is_beyond(const roburoc4_sim *sim, double linear_m_s, double angular_rad_s) {
+    return linear_m_s > sim->linear.max_speed || linear_m_s < sim->linear.min_speed ||
+           angular_rad_s > sim->angular.max_speed || angular_rad_s < sim->angular.min_speed;
+}
+
+void sim_motion_feed(roburoc4_sim *sim) {
     sim->cycles_since_command = 0;
     sim->fed = true;
 }
 
 void sim_motion_forget(roburoc4_sim *sim) {
-    sim->target.linear_m_s = 0.0;
-    sim->target.angular_rad_s = 0.0;
+    sim->target = sim->kept = sim->tripped = no_speed;
     sim->fed = false;
 }
 
 static void watch(roburoc4_sim *sim) {
-    if (sim->fed && ++sim->cycles_since_command >= sim->config.watchdog_cycles) {
-        sim_motion_forget(sim);
+    if (!sim->fed || ++sim->cycles_since_command < sim->config.watchdog_cycles) {
+        return;
+    }
+    const sim_speed target = sim->target;
+    sim_motion_forget(sim);
+    if (sim_pad_drives(sim)) {
+        sim->target = target;
+    } else if (sim->config.tripped_target_shown != 0) {
+        sim->tripped = target;
     }
 }
 
+/* The target that the motors follow, after the dead time. */
+static sim_speed late_target(const roburoc4_sim *sim) {
+    return sim->accepted[(sim->accepted_at + SIM_DEAD_TIME_CYCLES - sim->config.dead_time_cycles) %
+                         SIM_DEAD_TIME_CYCLES];
+}
+
+sim_speed sim_motion_shown_target(const roburoc4_sim *sim) {
+    if (sim_pad_drives(sim) && sim->config.pad_target_hidden != 0) {
+        return sim->kept;
+    }
+    if (sim->config.late_targets != 0) {
+        return late_target(sim);
+    }
+    return sim->fed || sim_pad_drives(sim) ? sim->target : sim->tripped;
+}
+
 static void follow(sim_axis *axis, double target) {
+    if (axis->immediate) {
+        axis->speed = target;
+        axis->slope = 0.0;
+        return;
+    }
     double error = axis->speed - target;
     double slope = axis->response.se * error + axis->response.ss * axis->slope;
     double limited = clamp(slope, axis->min_slope, axis->max_slope);
@@ -116,14 +160,17 @@ static void drive_wheels(roburoc4_sim *sim) {
     }
     bool front = sim_bumper(sim, SIM_FRONT);
     bool rear = sim_bumper(sim, SIM_REAR);
-    double target = clamp(sim->target.linear_m_s, rear ? 0.0 : sim->linear.min_speed,
-                          front ? 0.0 : sim->linear.max_speed);
+    sim_speed target = late_target(sim);
+    target.linear_m_s = clamp(target.linear_m_s, rear ? 0.0 : sim->linear.min_speed,
+                              front ? 0.0 : sim->linear.max_speed);
+    target.linear_m_s *= sim->blocked_linear != 0 ? 0.0 : (double)sim->config.linear_gain;
+    target.angular_rad_s *= sim->blocked_angular != 0 ? 0.0 : (double)sim->config.angular_gain;
     if ((front && sim->linear.speed > 0.0) || (rear && sim->linear.speed < 0.0)) {
         brake(&sim->linear, BRAKE_M_S2);
     } else {
-        follow(&sim->linear, target);
+        follow(&sim->linear, target.linear_m_s + sim->creep.linear_m_s);
     }
-    follow(&sim->angular, sim->target.angular_rad_s);
+    follow(&sim->angular, target.angular_rad_s + sim->creep.angular_rad_s);
 }
 
 /* Where a pose ends on an arc: exact for constant speeds. */
@@ -169,8 +216,21 @@ static void move_body(roburoc4_sim *sim, sim_speed wheels) {
     }
 }
 
-void sim_motion_cycle(roburoc4_sim *sim) {
-    watch(sim);
+static double noise(roburoc4_sim *sim) {
+    double share = (double)sim->config.speed_noise;
+    return share > 0.0 ? share * sim_random_signed(&sim->random) : 0.0;
+}
+
+static void measure(roburoc4_sim *sim) {
+    if (sim->cycles % sim->config.odometry_period_cycles == 0) {
+        sim->measured_pose = sim->odometry;
+        sim->measured_speed.linear_m_s = sim->linear.speed + noise(sim);
+        sim->measured_speed.angular_rad_s = sim->angular.speed + noise(sim);
+        sim->measured_cycles = sim->cycles;
+    }
+}
+
+static void move(roburoc4_sim *sim) {
     sim_speed mean = {0.5 * sim->linear.speed, 0.5 * sim->angular.speed};
     drive_wheels(sim);
     mean.linear_m_s += 0.5 * sim->linear.speed;
@@ -180,8 +240,18 @@ void sim_motion_cycle(roburoc4_sim *sim) {
         return;
     }
     if (sim->powered) {
+        double scaled_s = (double)sim->config.odometry_scale * CYCLE_S;
+        double turned_s = sim->config.odometry_mirrored != 0 ? -scaled_s : scaled_s;
         sim->odometry =
-            along_arc(&sim->odometry, mean.linear_m_s * CYCLE_S, mean.angular_rad_s * CYCLE_S);
+            along_arc(&sim->odometry, mean.linear_m_s * scaled_s, mean.angular_rad_s * turned_s);
     }
     move_body(sim, mean);
+}
+
+void sim_motion_cycle(roburoc4_sim *sim) {
+    watch(sim);
+    sim->accepted_at = (sim->accepted_at + 1) % SIM_DEAD_TIME_CYCLES;
+    sim->accepted[sim->accepted_at] = sim->target;
+    move(sim);
+    measure(sim);
 }

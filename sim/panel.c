@@ -57,7 +57,7 @@ static bool read_value(const sim_control *control, const char *word, double *val
             return true;
         }
     }
-    return decimal(word, -1e9, 1e9, value);
+    return decimal(word, -1e18, 1e18, value);
 }
 
 static void explain(panel_answer *answer, const sim_control *control) {
@@ -72,8 +72,8 @@ static void explain(panel_answer *answer, const sim_control *control) {
     } else if (control->number == ROBUROC4_SIM_PIN_ANALOG) {
         (void)snprintf(answer->text, answer->capacity, "usage: %s%s VALUE", control->name, index);
     } else {
-        (void)snprintf(answer->text, answer->capacity, "usage: %s%s %d..%d", control->name, index,
-                       (int)control->low, (int)control->high);
+        (void)snprintf(answer->text, answer->capacity, "usage: %s%s %.16g..%.16g", control->name,
+                       index, control->low, control->high);
     }
 }
 
@@ -225,7 +225,15 @@ static const char controls_usage[] =
     "localization 0..127   (its flags; 82 with Error)\n"
     "pin analog INDEX VALUE   (an input reports this, whatever it measures)\n"
     "pin digital INDEX on|off\n"
-    "pin none";
+    "pin none\n"
+    "blocked linear|angular on|off   (the axis follows no target)\n"
+    "creep m_s|rad_s SPEED   (added to what it does; with a blocked axis it runs away)\n"
+    "frozen SERVICES   (their values stand still: 32 localization, 64 differential, 96 both)\n"
+    "nan SERVICES\n"
+    "odometry scale|x_m|y_m|theta_rad NUMBER\n"
+    "queue uplink|answer|text|iocard|...|differential ms 0..5000\n"
+    "uptime 0..9007199254740992   (cycles at the next power on)\n"
+    "family SEED   (another robot at the same address)";
 
 static roburoc4_result do_help(roburoc4_sim *sim, const words *line, panel_answer *answer) {
     (void)sim;

@@ -98,7 +98,7 @@ void sim_peers_clear(roburoc4_sim *sim) {
 
 void sim_peers_unreachable(roburoc4_sim *sim, uint64_t key) {
     sim_peer *peer = sim_peers_find(sim, key);
-    if (peer == NULL) {
+    if (peer == NULL || sim->config.keep_subscriptions != 0) {
         return;
     }
     if (!peer->refused) {
@@ -110,4 +110,90 @@ void sim_peers_unreachable(roburoc4_sim *sim, uint64_t key) {
         sim->now_us - peer->refused_us >= UNREACHABLE_REPORTS_US) {
         memset(peer, 0, sizeof *peer);
     }
+}
+
+/* ---------------------------------------------------------------------------- subscriptions --- */
+
+static bool is_shared(const roburoc4_sim *sim) {
+    return sim->config.subscription_lists != ROBUROC4_SIM_LISTS_BY_SENDER;
+}
+
+/* The oldest entry of the whole list, or NULL; its size in `count`. */
+static sim_subscription *oldest(roburoc4_sim *sim, uint32_t *count) {
+    sim_subscription *found = NULL;
+    *count = 0;
+    for (uint32_t slot = 0; slot < sim->peer_count; slot++) {
+        for (uint32_t service = 0; service < ROBUROC4_SERVICE_COUNT; service++) {
+            sim_subscription *entry = &sim->peers[slot].subscriptions[service];
+            if (entry->period_cycles == 0) {
+                continue;
+            }
+            ++*count;
+            if (found == NULL || entry->phase_cycles < found->phase_cycles) {
+                found = entry;
+            }
+        }
+    }
+    return found;
+}
+
+/* Gives all entries of a service this period. */
+static void set_all(roburoc4_sim *sim, uint32_t service, uint8_t period_cycles) {
+    for (uint32_t slot = 0; slot < sim->peer_count; slot++) {
+        sim_subscription *entry = &sim->peers[slot].subscriptions[service];
+        entry->period_cycles = entry->period_cycles != 0 ? period_cycles : 0;
+    }
+}
+
+uint8_t sim_peers_subscribe(roburoc4_sim *sim, uint64_t key, uint32_t service,
+                            uint8_t period_cycles) {
+    uint32_t count = 0;
+    sim_peer *peer = sim_peers_find(sim, key);
+    peer = peer != NULL ? peer : sim_peers_heard(sim, key, true);
+    if (peer == NULL) {
+        return ROBUROC4_ERROR_SERVICE; /* the table is full of active subscribers */
+    }
+    sim_subscription *wish = &peer->subscriptions[service];
+    if (period_cycles < sim->config.min_period_cycles) {
+        period_cycles = (uint8_t)sim->config.min_period_cycles;
+    }
+    if (is_shared(sim)) {
+        bool last = sim->config.subscription_lists == ROBUROC4_SIM_LIST_LAST;
+        set_all(sim, service, last && wish->period_cycles == 0 ? 0 : period_cycles);
+    }
+    sim_subscription *first = oldest(sim, &count);
+    if (wish->period_cycles == 0 && count >= sim->config.max_subscriptions) {
+        if (sim->config.full_list != ROBUROC4_SIM_FULL_FORGETS) {
+            return sim->config.full_list == ROBUROC4_SIM_FULL_REFUSES ? ROBUROC4_ERROR_SERVICE
+                                                                      : ROBUROC4_ERROR_NONE;
+        }
+        first->period_cycles = 0;
+    }
+    if (wish->period_cycles != period_cycles) {
+        /* A repeated request must not shift the phase of a running subscription. */
+        wish->period_cycles = period_cycles;
+        wish->phase_cycles = sim->cycles;
+    }
+    return ROBUROC4_ERROR_NONE;
+}
+
+bool sim_peers_unsubscribe(roburoc4_sim *sim, uint64_t key, uint32_t service) {
+    sim_peer *peer = sim_peers_find(sim, key);
+    if (sim_peers_period(sim, peer, service) == 0) {
+        return false;
+    }
+    if (is_shared(sim)) {
+        set_all(sim, service, 0);
+    } else {
+        peer->subscriptions[service].period_cycles = 0;
+    }
+    return true;
+}
+
+uint8_t sim_peers_period(const roburoc4_sim *sim, const sim_peer *asker, uint32_t service) {
+    uint8_t period = asker != NULL ? asker->subscriptions[service].period_cycles : 0;
+    for (uint32_t slot = 0; period == 0 && is_shared(sim) && slot < sim->peer_count; slot++) {
+        period = sim->peers[slot].subscriptions[service].period_cycles;
+    }
+    return period;
 }

@@ -6,10 +6,15 @@
 
 #include "model.h"
 
-static void answer(roburoc4_sim *sim, uint64_t peer, const uint8_t *datagram,
-                   roburoc4_result length) {
-    if (length <= 0 || !sim_queue_push(&sim->queue, peer, datagram, (size_t)length)) {
-        sim->counts.dropped++;
+static void answer(roburoc4_sim *sim, uint64_t peer, const roburoc4_request *request,
+                   const uint8_t *datagram, roburoc4_result length) {
+    bool text = request->action == ROBUROC4_ACTION_QUERY;
+    bool twice = text && (sim->config.texts & ROBUROC4_SIM_TEXTS_DOUBLED) != 0;
+    for (int sent = 0; sent < (twice ? 2 : 1); sent++) {
+        uint64_t due_us = sim_queue_due_us(sim, text ? SIM_DELAY_TEXT : SIM_DELAY_ANSWER);
+        if (length <= 0 || !sim_queue_push(&sim->queue, peer, datagram, (size_t)length, due_us)) {
+            sim->counts.dropped++;
+        }
     }
 }
 
@@ -20,15 +25,18 @@ static void answer_plain(roburoc4_sim *sim, uint64_t peer, const roburoc4_reques
     bool bare = error != ROBUROC4_ERROR_NONE && sim->config.error_header != 0;
     uint8_t id = bare ? ROBUROC4_HEADER_ERROR : request->id;
     sim->counts.errors += error != ROBUROC4_ERROR_NONE ? 1u : 0u;
-    answer(sim, peer, buffer,
-           roburoc4_encode_answer(buffer, sizeof buffer, id, request->action, request->service,
-                                  error));
+    if (error != ROBUROC4_ERROR_NONE && sim->config.error_code != 0) {
+        error = (uint8_t)sim->config.error_code;
+    }
+    roburoc4_result length =
+        roburoc4_encode_answer(buffer, sizeof buffer, id, request->action, request->service, error);
+    answer(sim, peer, request, buffer, bare && sim->config.error_header == 2 ? 1 : length);
 }
 
 static void answer_get(roburoc4_sim *sim, uint64_t peer, const roburoc4_request *request,
                        uint32_t service) {
     uint8_t buffer[ROBUROC4_SIM_MAX_TRANSMIT];
-    answer(sim, peer, buffer,
+    answer(sim, peer, request, buffer,
            sim_service_properties(sim, sim_peers_find(sim, peer), service, request->id, buffer,
                                   sizeof buffer));
 }
@@ -36,7 +44,12 @@ static void answer_get(roburoc4_sim *sim, uint64_t peer, const roburoc4_request 
 static void answer_query(roburoc4_sim *sim, uint64_t peer, const roburoc4_request *request,
                          uint32_t service) {
     uint8_t buffer[ROBUROC4_SIM_MAX_TRANSMIT];
-    if (sim->config.query_mode == ROBUROC4_SIM_QUERY_SILENT) {
+    uint32_t mode = sim->config.query_mode;
+    bool of_a =
+        service == ROBUROC4_SERVICE_IOCARD && request->index >= 0 &&
+        request->io_type == ROBUROC4_IO_DIGITAL_INPUT &&
+        sim_channel_meaning(sim, request->io_type, (uint32_t)request->index) == ROBUROC4_DI_PAD_A;
+    if (mode == ROBUROC4_SIM_QUERY_SILENT || (mode == ROBUROC4_SIM_QUERY_A_SILENT && of_a)) {
         return;
     }
     roburoc4_result length =
@@ -44,10 +57,10 @@ static void answer_query(roburoc4_sim *sim, uint64_t peer, const roburoc4_reques
             ? sim_directory_text(sim, (uint32_t)request->index, request->id, buffer, sizeof buffer)
             : sim_iocard_text(sim, request->io_type, request->index, request->id, buffer,
                               sizeof buffer);
-    if (length == ROBUROC4_ERR_INDEX) {
+    if (length == ROBUROC4_ERR_INDEX || (mode == ROBUROC4_SIM_QUERY_A_REFUSED && of_a)) {
         answer_plain(sim, peer, request, ROBUROC4_ERROR_DATA);
     } else {
-        answer(sim, peer, buffer, length);
+        answer(sim, peer, request, buffer, length);
     }
 }
 
@@ -59,34 +72,22 @@ static uint8_t insert(roburoc4_sim *sim, uint64_t key, const roburoc4_request *r
     if ((sim->config.refused_inserts >> service & 1u) != 0) {
         return ROBUROC4_ERROR_SERVICE;
     }
-    sim_peer *peer = sim_peers_find(sim, key);
-    peer = peer != NULL ? peer : sim_peers_heard(sim, key, true);
-    if (peer == NULL) {
-        return ROBUROC4_ERROR_SERVICE; /* the table is full of active subscribers */
-    }
-    sim_subscription *wish = &peer->subscriptions[service];
-    if (wish->period_cycles != request->period_cycles) {
-        /* A repeated request must not shift the phase of a running subscription. */
-        wish->period_cycles = request->period_cycles;
-        wish->phase_cycles = sim->cycles;
-    }
-    return ROBUROC4_ERROR_NONE;
+    return sim_peers_subscribe(sim, key, (uint32_t)service, request->period_cycles);
 }
 
 static uint8_t unsubscribe(roburoc4_sim *sim, uint64_t key, const roburoc4_request *request) {
     int32_t service = sim_service_of_id(sim, request->subject);
-    sim_peer *peer = sim_peers_find(sim, key);
-    if (service < 0 || peer == NULL || peer->subscriptions[service].period_cycles == 0) {
-        return ROBUROC4_ERROR_DATA;
-    }
-    peer->subscriptions[service].period_cycles = 0;
-    return ROBUROC4_ERROR_NONE;
+    return service >= 0 && sim_peers_unsubscribe(sim, key, (uint32_t)service) ? ROBUROC4_ERROR_NONE
+                                                                              : ROBUROC4_ERROR_DATA;
 }
 
 static uint8_t replace(roburoc4_sim *sim, const roburoc4_request *request) {
     if (!sim_is_finite(request->x_m) || !sim_is_finite(request->y_m) ||
         !sim_is_finite(request->theta_rad)) {
         return ROBUROC4_ERROR_DATA;
+    }
+    if (sim->config.replace_mode == ROBUROC4_SIM_REPLACE_IGNORED) {
+        return ROBUROC4_ERROR_NONE;
     }
     sim->odometry.x_m = request->x_m;
     sim->odometry.y_m = request->y_m;
@@ -108,10 +109,17 @@ static uint8_t refusal(const roburoc4_sim *sim, const roburoc4_request *request,
                    ? ROBUROC4_ERROR_NONE
                    : ROBUROC4_ERROR_UNSUPPORTED;
     case ROBUROC4_ACTION_REPLACE:
-        return service == ROBUROC4_SERVICE_LOCALIZATION ? ROBUROC4_ERROR_NONE
+        return service == ROBUROC4_SERVICE_LOCALIZATION &&
+                       sim->config.replace_mode != ROBUROC4_SIM_REPLACE_REFUSED
+                   ? ROBUROC4_ERROR_NONE
+                   : ROBUROC4_ERROR_UNSUPPORTED;
+    case ROBUROC4_ACTION_DELETE:
+        if (sim->config.delete_refused != 0) {
+            return ROBUROC4_ERROR_UNSUPPORTED;
+        }
+        return service == ROBUROC4_SERVICE_NOTIFICATION ? ROBUROC4_ERROR_NONE
                                                         : ROBUROC4_ERROR_UNSUPPORTED;
     case ROBUROC4_ACTION_INSERT:
-    case ROBUROC4_ACTION_DELETE:
         return service == ROBUROC4_SERVICE_NOTIFICATION ? ROBUROC4_ERROR_NONE
                                                         : ROBUROC4_ERROR_UNSUPPORTED;
     case ROBUROC4_ACTION_UPDATE:
@@ -175,6 +183,22 @@ static void receive_request(roburoc4_sim *sim, uint64_t peer, const uint8_t *dat
 
 /* -------------------------------------------------------------------------------- commands --- */
 
+/* False if it does not obey them, at least not now. */
+static bool take_speeds(roburoc4_sim *sim, double linear_m_s, double angular_rad_s) {
+    const roburoc4_sim_config *config = &sim->config;
+    if (!sim_is_finite(linear_m_s) || !sim_is_finite(angular_rad_s) ||
+        (config->commands_need_motors != 0 && !sim->motors) ||
+        (config->over_limit_refused != 0 && sim_motion_is_beyond(sim, linear_m_s, angular_rad_s))) {
+        return false;
+    }
+    if (!sim_pad_drives(sim) || config->pad_keeps_target == ROBUROC4_SIM_PAD_STORES) {
+        sim_motion_command(sim, linear_m_s, angular_rad_s);
+    } else if (config->ignored_commands_feed != 0) {
+        sim_motion_feed(sim);
+    }
+    return !sim_pad_drives(sim);
+}
+
 static bool command_differential(roburoc4_sim *sim, const uint8_t *data, size_t size) {
     roburoc4_differential_command command;
     if (roburoc4_decode_differential_command(data, size, &command) < 0) {
@@ -188,11 +212,8 @@ static bool command_differential(roburoc4_sim *sim, const uint8_t *data, size_t 
     counts->last_linear_m_s = (double)command.linear_m_s;
     counts->last_angular_rad_s = (double)command.angular_rad_s;
     counts->last_command_us = sim->now_us;
-    if (!sim_is_finite((double)command.linear_m_s) ||
-        !sim_is_finite((double)command.angular_rad_s) || sim_pad_drives(sim)) {
+    if (!take_speeds(sim, (double)command.linear_m_s, (double)command.angular_rad_s)) {
         counts->refused_speed_commands++;
-    } else {
-        sim_motion_command(sim, (double)command.linear_m_s, (double)command.angular_rad_s);
     }
     return true;
 }

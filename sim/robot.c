@@ -23,6 +23,18 @@ static void begin(roburoc4_sim *sim) {
     sim_cockpit_power_up(sim);
 }
 
+void sim_robot_replace(roburoc4_sim *sim, const roburoc4_sim_config *config) {
+    const bool started = sim->started;
+    const uint64_t now_us = sim->now_us;
+    const uint64_t next_us = sim->next_us;
+    memset(sim, 0, sizeof *sim);
+    sim->config = *config;
+    sim->started = started;
+    sim->now_us = now_us;
+    sim->next_us = next_us;
+    begin(sim);
+}
+
 roburoc4_sim *roburoc4_sim_create(const roburoc4_sim_config *config) {
     roburoc4_sim_config defaults;
     (void)roburoc4_sim_config_init(&defaults, sizeof defaults);
@@ -48,9 +60,30 @@ void roburoc4_sim_destroy(roburoc4_sim *sim) {
 void roburoc4_sim_receive(roburoc4_sim *sim, uint64_t peer, const uint8_t *data, size_t size) {
     if (data == NULL) {
         sim_peers_unreachable(sim, peer);
+    } else if (sim->powered && (sim->config.queue_uplink_ms > 0 || sim->in.used > 0)) {
+        uint64_t due_us = sim_queue_due_us(sim, SIM_DELAY_UPLINK);
+        sim->counts.dropped += sim_queue_push(&sim->in, peer, data, size, due_us) ? 0u : 1u;
     } else if (sim->powered) {
         sim_protocol_receive(sim, peer, data, size);
     }
+}
+
+/* What waited in its own queue. */
+static void take_in(roburoc4_sim *sim) {
+    uint8_t buffer[ROBUROC4_SIM_MAX_TRANSMIT];
+    uint64_t peer = 0;
+    roburoc4_result size;
+    while ((size = sim_queue_pop(&sim->in, sim->now_us, &peer, buffer, sizeof buffer)) > 0) {
+        sim_protocol_receive(sim, peer, buffer, (size_t)size);
+    }
+}
+
+/* A fast clock's cycles are shorter: by 10 ns for each ppm. */
+static uint64_t cycle_us(roburoc4_sim *sim) {
+    sim->clock_debt += sim->config.clock_ppm;
+    int32_t gained_us = sim->clock_debt / 100;
+    sim->clock_debt -= 100 * gained_us;
+    return (uint64_t)(ROBUROC4_CYCLE_US - gained_us);
 }
 
 static void run_cycle(roburoc4_sim *sim) {
@@ -72,17 +105,19 @@ void roburoc4_sim_advance(roburoc4_sim *sim, uint64_t now_us) {
     }
     while (sim->next_us <= now_us) {
         sim->now_us = sim->next_us;
-        sim->next_us += ROBUROC4_CYCLE_US;
+        sim->next_us += cycle_us(sim);
+        take_in(sim);
         run_cycle(sim);
     }
     if (now_us > sim->now_us) {
         sim->now_us = now_us;
     }
+    take_in(sim);
 }
 
 roburoc4_result roburoc4_sim_poll_transmit(roburoc4_sim *sim, uint64_t *peer, uint8_t *buffer,
                                            size_t capacity) {
-    return sim_queue_pop(&sim->queue, peer, buffer, capacity);
+    return sim_queue_pop(&sim->queue, sim->now_us, peer, buffer, capacity);
 }
 
 uint64_t roburoc4_sim_next_deadline(const roburoc4_sim *sim) {

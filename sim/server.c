@@ -60,12 +60,27 @@ static bool create_robot(const server_options *options, uint32_t index, sim_carr
     return robot->in != NULL && robot->out != NULL;
 }
 
+/* A second socket of a robot, behind those of all robots. */
+static bool open_status_port(server_state *server, uint32_t index) {
+    const server_options *options = server->options;
+    uint16_t port = 0;
+    size_t status_index = options->robots + index;
+    int error = net_bind(server->net, status_index, options->address, 0, &port);
+    if (error != 0) {
+        (void)fprintf(stderr, "roburoc4-sim: %s has no free port for statuses\n", options->address);
+        return false;
+    }
+    server->robots[index].carrier.status_index = status_index;
+    return true;
+}
+
 static bool open_robot(server_state *server, uint32_t index) {
     const server_options *options = server->options;
     served_robot *robot = &server->robots[index];
     uint16_t port = options->port == 0 ? 0 : (uint16_t)(options->port + index);
     robot->carrier.net = server->net;
     robot->carrier.index = index;
+    robot->carrier.status_index = index;
     robot->carrier.buffer = server->buffer;
     if (!create_robot(options, index, &robot->carrier)) {
         (void)fprintf(stderr, "roburoc4-sim: out of memory: ask for fewer --robots\n");
@@ -80,11 +95,12 @@ static bool open_robot(server_state *server, uint32_t index) {
                       options->address, port, text);
         return false;
     }
-    return true;
+    return options->config.other_status_port == 0 || open_status_port(server, index);
 }
 
 static bool open_all(server_state *server) {
-    server->net = net_create(server->options->robots);
+    server->net = net_create((size_t)server->options->robots *
+                             (server->options->config.other_status_port != 0 ? 2 : 1));
     server->robots = calloc(server->options->robots, sizeof *server->robots);
     if (server->net == NULL || server->robots == NULL) {
         (void)fprintf(stderr,

@@ -14,6 +14,7 @@ typedef struct server_options {
     uint16_t port; /* of the first robot; 0 lets each pick a free one */
     uint32_t robots;
     bool panel;
+    const char *family; /* the seed that the robot was drawn from, or NULL */
     roburoc4_sim_config config;
     roburoc4_sim_faults faults;
 } server_options;

@@ -2,12 +2,14 @@
  *
  * The seven services: the model's state as properties, texts and statuses (manual 4.2.2 to 4.2.4).
  */
+#include <stdio.h>
 #include <string.h>
 
 #include "model.h"
 
 #define UNKNOWN_TYPE 0x7100
 #define UNUSED_TEXT "-- exists but not used --"
+#define STAMP_AT 3 /* in a status */
 
 bool sim_service_exists(const roburoc4_sim *sim, uint32_t service) {
     return service < ROBUROC4_SERVICE_COUNT && (sim->config.hidden_services >> service & 1u) == 0;
@@ -44,10 +46,11 @@ static roburoc4_result notification_properties(const roburoc4_sim *sim, const si
                                                uint8_t id, uint8_t *buffer, size_t capacity) {
     roburoc4_subscription entries[ROBUROC4_SERVICE_COUNT];
     size_t count = 0;
-    for (uint32_t service = 0; asker != NULL && service < ROBUROC4_SERVICE_COUNT; service++) {
-        if (asker->subscriptions[service].period_cycles != 0) {
+    for (uint32_t service = 0; service < ROBUROC4_SERVICE_COUNT; service++) {
+        uint8_t period_cycles = sim_peers_period(sim, asker, service);
+        if (period_cycles != 0) {
             entries[count].service = sim->config.service_ids[service];
-            entries[count].period_cycles = asker->subscriptions[service].period_cycles;
+            entries[count].period_cycles = period_cycles;
             entries[count].reserved = 0;
             count++;
         }
@@ -69,13 +72,13 @@ static roburoc4_result iocard_properties(const roburoc4_sim *sim, uint8_t id, ui
 
 static roburoc4_result telemeter_properties(const roburoc4_sim *sim, uint8_t id, uint8_t *buffer,
                                             size_t capacity) {
-    roburoc4_telemeter telemeters[ROBUROC4_TELEMETER_COUNT];
-    for (uint32_t which = 0; which < ROBUROC4_TELEMETER_COUNT; which++) {
+    roburoc4_telemeter telemeters[ROBUROC4_SIM_MAX_TELEMETERS];
+    for (uint32_t which = 0; which < sim->config.telemeters; which++) {
         sim_telemeter_describe(sim, which, &telemeters[which]);
     }
     return roburoc4_encode_telemeter_properties(buffer, capacity, id,
                                                 sim->config.service_ids[ROBUROC4_SERVICE_TELEMETER],
-                                                telemeters, ROBUROC4_TELEMETER_COUNT);
+                                                telemeters, sim->config.telemeters);
 }
 
 static roburoc4_result battery_properties(const roburoc4_sim *sim, uint8_t id, uint8_t *buffer,
@@ -103,8 +106,9 @@ static roburoc4_result differential_properties(const roburoc4_sim *sim, uint8_t 
                                                size_t capacity) {
     const roburoc4_sim_config *config = &sim->config;
     roburoc4_differential_properties properties = {0};
-    properties.target_linear_m_s = (float)sim->target.linear_m_s;
-    properties.target_angular_rad_s = (float)sim->target.angular_rad_s;
+    const sim_speed target = sim_motion_shown_target(sim);
+    properties.target_linear_m_s = (float)target.linear_m_s;
+    properties.target_angular_rad_s = (float)target.angular_rad_s;
     properties.current_linear_m_s = (float)sim->linear.speed;
     properties.current_angular_rad_s = (float)sim->angular.speed;
     properties.max_linear_m_s = config->max_linear_m_s;
@@ -143,13 +147,36 @@ roburoc4_result sim_service_properties(const roburoc4_sim *sim, const sim_peer *
 
 /* ----------------------------------------------------------------------------------- texts --- */
 
+/* Encodes a text in the configuration's manner. */
+static roburoc4_result encode_text(const roburoc4_sim *sim, uint32_t service, const char *text,
+                                   uint8_t id, uint8_t *buffer, size_t capacity) {
+    char out[64] = "";
+    size_t length = sim->config.query_mode == ROBUROC4_SIM_QUERY_EMPTY ? 0 : strlen(text);
+    const char *last = length > 0 ? strrchr(text, ' ') : NULL;
+    if (last != NULL && (sim->config.texts & ROBUROC4_SIM_TEXTS_REORDERED) != 0) {
+        (void)snprintf(out, sizeof out, "%s, %.*s", last + 1, (int)(last - text), text);
+        length = strlen(out);
+    } else {
+        memcpy(out, text, length);
+    }
+    bool opened = false;
+    for (size_t at = 0; (sim->config.texts & ROBUROC4_SIM_TEXTS_LATIN_1) != 0 && at < length;
+         at++) {
+        if (out[at] == '"') {
+            out[at] = opened ? '\xBB' : '\xAB';
+            opened = !opened;
+        }
+    }
+    return roburoc4_encode_text(buffer, capacity, id, sim->config.service_ids[service], out,
+                                length);
+}
+
 roburoc4_result sim_directory_text(const roburoc4_sim *sim, uint32_t index, uint8_t id,
                                    uint8_t *buffer, size_t capacity) {
     for (uint32_t service = 0; service < ROBUROC4_SERVICE_COUNT; service++) {
         if (sim_service_exists(sim, service) && index-- == 0) {
             const char *name = roburoc4_name(ROBUROC4_NAME_SERVICE, service);
-            return roburoc4_encode_text(buffer, capacity, id, ROBUROC4_SERVICE_DIRECTORY, name,
-                                        strlen(name));
+            return encode_text(sim, ROBUROC4_SERVICE_DIRECTORY, name, id, buffer, capacity);
         }
     }
     return ROBUROC4_ERR_INDEX;
@@ -170,11 +197,21 @@ roburoc4_result sim_iocard_text(const roburoc4_sim *sim, uint32_t io_type, int32
     if (sim->config.as_manual != 0 && name[0] == '\0') {
         name = UNUSED_TEXT;
     }
-    return roburoc4_encode_text(buffer, capacity, id, config->service_ids[ROBUROC4_SERVICE_IOCARD],
-                                name, strlen(name));
+    bool input = io_type == ROBUROC4_IO_DIGITAL_INPUT;
+    if (input && meaning == SIM_SECOND_FRONT &&
+        (config->texts & ROBUROC4_SIM_TEXTS_TWO_FRONT) != 0) {
+        name = roburoc4_client_channel_name(NULL, io_type, ROBUROC4_DI_FRONT_BUMPER);
+    } else if (input && meaning == SIM_LIKE_A && (config->texts & ROBUROC4_SIM_TEXTS_LIKE_A) != 0) {
+        name = "Game pad A LED";
+    }
+    return encode_text(sim, ROBUROC4_SERVICE_IOCARD, name, id, buffer, capacity);
 }
 
 /* -------------------------------------------------------------------------------- statuses --- */
+
+static bool is_nan(const roburoc4_sim *sim, uint32_t service) {
+    return (sim->nan >> service & 1u) != 0;
+}
 
 static roburoc4_result iocard_status(const roburoc4_sim *sim, uint8_t *buffer, size_t capacity) {
     float analog[ROBUROC4_SIM_MAX_ANALOG];
@@ -182,7 +219,7 @@ static roburoc4_result iocard_status(const roburoc4_sim *sim, uint8_t *buffer, s
     uint32_t analog_inputs = (uint32_t)sim->config.analog_inputs;
     uint32_t digital_inputs = (uint32_t)sim->config.digital_inputs;
     for (uint32_t index = 0; index < analog_inputs; index++) {
-        analog[index] = sim_analog_input(sim, index);
+        analog[index] = is_nan(sim, ROBUROC4_SERVICE_IOCARD) ? NAN : sim_analog_input(sim, index);
     }
     for (uint32_t index = 0; index < digital_inputs; index++) {
         if (sim_digital_input(sim, index)) {
@@ -195,13 +232,16 @@ static roburoc4_result iocard_status(const roburoc4_sim *sim, uint8_t *buffer, s
 }
 
 static roburoc4_result telemeter_status(const roburoc4_sim *sim, uint8_t *buffer, size_t capacity) {
-    float distances[ROBUROC4_TELEMETER_COUNT];
-    for (uint32_t which = 0; which < ROBUROC4_TELEMETER_COUNT; which++) {
-        distances[which] = sim_telemeter_distance(sim, which);
+    float distances[ROBUROC4_SIM_MAX_TELEMETERS];
+    uint32_t count = sim->config.telemeters;
+    count = count < sim->config.reported_distances ? count : sim->config.reported_distances;
+    for (uint32_t which = 0; which < count; which++) {
+        distances[which] =
+            is_nan(sim, ROBUROC4_SERVICE_TELEMETER) ? NAN : sim_telemeter_distance(sim, which);
     }
     return roburoc4_encode_telemeter_status(buffer, capacity,
                                             sim->config.service_ids[ROBUROC4_SERVICE_TELEMETER],
-                                            sim->cycles, distances, ROBUROC4_TELEMETER_COUNT);
+                                            sim->cycles, distances, count);
 }
 
 static roburoc4_result battery_status(const roburoc4_sim *sim, uint8_t *buffer, size_t capacity) {
@@ -213,13 +253,18 @@ static roburoc4_result battery_status(const roburoc4_sim *sim, uint8_t *buffer, 
     return roburoc4_encode_battery_status(buffer, capacity, &status);
 }
 
+static uint64_t odometry_stamp(const roburoc4_sim *sim) {
+    return sim->config.stamp_measured != 0 ? sim->measured_cycles : sim->cycles;
+}
+
 static roburoc4_result localization_status(const roburoc4_sim *sim, uint8_t *buffer,
                                            size_t capacity) {
     roburoc4_localization_status status = {0};
-    status.robot_cycles = sim->cycles;
-    status.x_m = sim->odometry.x_m;
-    status.y_m = sim->odometry.y_m;
-    status.theta_rad = sim->odometry.theta_rad;
+    bool nan = is_nan(sim, ROBUROC4_SERVICE_LOCALIZATION);
+    status.robot_cycles = odometry_stamp(sim);
+    status.x_m = nan ? (double)NAN : sim->measured_pose.x_m;
+    status.y_m = nan ? (double)NAN : sim->measured_pose.y_m;
+    status.theta_rad = nan ? (double)NAN : sim->measured_pose.theta_rad;
     status.flags = sim->localization_flags;
     status.service = sim->config.service_ids[ROBUROC4_SERVICE_LOCALIZATION];
     return roburoc4_encode_localization_status(buffer, capacity, &status);
@@ -228,11 +273,13 @@ static roburoc4_result localization_status(const roburoc4_sim *sim, uint8_t *buf
 static roburoc4_result differential_status(const roburoc4_sim *sim, uint8_t *buffer,
                                            size_t capacity) {
     roburoc4_differential_status status = {0};
-    status.robot_cycles = sim->cycles;
-    status.target_linear_m_s = (float)sim->target.linear_m_s;
-    status.current_linear_m_s = (float)sim->linear.speed;
-    status.target_angular_rad_s = (float)sim->target.angular_rad_s;
-    status.current_angular_rad_s = (float)sim->angular.speed;
+    const sim_speed target = sim_motion_shown_target(sim);
+    bool nan = is_nan(sim, ROBUROC4_SERVICE_DIFFERENTIAL);
+    status.robot_cycles = odometry_stamp(sim);
+    status.target_linear_m_s = (float)target.linear_m_s;
+    status.current_linear_m_s = nan ? NAN : (float)sim->measured_speed.linear_m_s;
+    status.target_angular_rad_s = (float)target.angular_rad_s;
+    status.current_angular_rad_s = nan ? NAN : (float)sim->measured_speed.angular_rad_s;
     status.service = sim->config.service_ids[ROBUROC4_SERVICE_DIFFERENTIAL];
     return roburoc4_encode_differential_status(buffer, capacity, &status);
 }
@@ -253,6 +300,36 @@ static roburoc4_result service_status(const roburoc4_sim *sim, uint32_t service,
     }
 }
 
+void sim_services_freeze(roburoc4_sim *sim, uint32_t services) {
+    for (uint32_t service = ROBUROC4_SERVICE_IOCARD; service < ROBUROC4_SERVICE_COUNT; service++) {
+        if ((services & ~sim->frozen) >> service & 1u) {
+            sim->last_status_length[service] = service_status(
+                sim, service, sim->last_status[service], sizeof sim->last_status[service]);
+        }
+    }
+    sim->frozen = services;
+}
+
+/* The status that a service sends now. */
+static roburoc4_result current_status(roburoc4_sim *sim, uint32_t service, uint8_t *buffer,
+                                      size_t capacity) {
+    roburoc4_result length;
+    if ((sim->frozen >> service & 1u) == 0) {
+        length = service_status(sim, service, buffer, capacity);
+    } else {
+        length = sim->last_status_length[service];
+        memcpy(buffer, sim->last_status[service], sizeof sim->last_status[service]);
+        for (uint32_t at = 0; sim->config.stamp_measured == 0 && at < 8; at++) {
+            buffer[STAMP_AT + at] = (uint8_t)(sim->cycles >> 8 * at);
+        }
+    }
+    if (length <= 0) {
+        return length;
+    }
+    memset(buffer + length, 0, sim->config.surplus_bytes);
+    return length + (roburoc4_result)sim->config.surplus_bytes;
+}
+
 void sim_services_notify(roburoc4_sim *sim) {
     uint8_t buffer[ROBUROC4_SIM_MAX_TRANSMIT];
     for (uint32_t slot = 0; slot < sim->peer_count; slot++) {
@@ -263,8 +340,11 @@ void sim_services_notify(roburoc4_sim *sim) {
                 (sim->cycles - wish->phase_cycles) % wish->period_cycles != 0) {
                 continue;
             }
-            roburoc4_result length = service_status(sim, service, buffer, sizeof buffer);
-            if (length <= 0 || !sim_queue_push(&sim->queue, peer->key, buffer, (size_t)length)) {
+            roburoc4_result length = current_status(sim, service, buffer, sizeof buffer);
+            uint64_t due_us = sim_queue_due_us(
+                sim, (sim_delay)(SIM_DELAY_IOCARD + (service - ROBUROC4_SERVICE_IOCARD)));
+            if (length <= 0 ||
+                !sim_queue_push(&sim->queue, peer->key, buffer, (size_t)length, due_us)) {
                 sim->counts.dropped++;
             }
         }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The two ultrasonic telemeters: the nearest obstacle within each one's cone.
+ * The ultrasonic telemeters: the nearest obstacle within each one's cone.
  */
 #include <math.h>
 
@@ -54,25 +54,41 @@ static double look(const roburoc4_sim *sim, double x, double y, double direction
     return nearest;
 }
 
+/* Where it is, and where it points, in the robot's frame: around the body at equal angles, front
+ * first; its position in whole millimetres. */
+static sim_pose mounting(const roburoc4_sim *sim, uint32_t which) {
+    double place = 2.0 * SIM_PI * which / sim->config.telemeters;
+    sim_pose pose;
+    pose.x_m = round(500.0 * SIM_BODY_LENGTH_M * cos(place)) / 1000.0;
+    pose.y_m = round(500.0 * SIM_BODY_WIDTH_M * sin(place)) / 1000.0;
+    pose.theta_rad = sim_wrap(place + (which + 1) * (double)sim->config.telemeter_turn_rad);
+    return pose;
+}
+
 float sim_telemeter_distance(const roburoc4_sim *sim, uint32_t which) {
-    double side = which == ROBUROC4_TELEMETER_FRONT ? 1.0 : -1.0;
-    double theta = sim->truth.theta_rad;
-    double offset = side * 0.5 * SIM_BODY_LENGTH_M;
-    double direction = which == ROBUROC4_TELEMETER_FRONT ? theta : theta + SIM_PI;
-    double seen = look(sim, sim->truth.x_m + offset * cos(theta),
-                       sim->truth.y_m + offset * sin(theta), direction);
+    if (which >= sim->config.telemeters) {
+        return NAN;
+    }
+    sim_pose at = mounting(sim, which);
+    double c = cos(sim->truth.theta_rad);
+    double s = sin(sim->truth.theta_rad);
+    double seen =
+        look(sim, sim->truth.x_m + at.x_m * c - at.y_m * s,
+             sim->truth.y_m + at.x_m * s + at.y_m * c, sim->truth.theta_rad + at.theta_rad);
     return (float)fmax(seen, MIN_DISTANCE_M);
 }
 
 float sim_telemeter_voltage(const roburoc4_sim *sim, uint32_t which) {
-    return sim_telemeter_distance(sim, which) * (float)(FULL_SCALE_V / MAX_DISTANCE_M);
+    return which >= sim->config.telemeters
+               ? 0.0f
+               : sim_telemeter_distance(sim, which) * (float)(FULL_SCALE_V / MAX_DISTANCE_M);
 }
 
 void sim_telemeter_describe(const roburoc4_sim *sim, uint32_t which, roburoc4_telemeter *out) {
-    bool front = which == ROBUROC4_TELEMETER_FRONT;
-    out->x_m = (float)(front ? 0.5 * SIM_BODY_LENGTH_M : -0.5 * SIM_BODY_LENGTH_M);
-    out->y_m = 0.0f;
-    out->theta_rad = (float)(front ? 0.0 : SIM_PI);
+    sim_pose at = mounting(sim, which);
+    out->x_m = (float)at.x_m;
+    out->y_m = (float)at.y_m;
+    out->theta_rad = (float)at.theta_rad;
     out->field_of_view_rad = (float)FIELD_OF_VIEW_RAD;
     out->min_distance_m = (float)MIN_DISTANCE_M;
     out->max_distance_m = (float)MAX_DISTANCE_M;

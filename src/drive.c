@@ -129,6 +129,7 @@ void roburoc4_drive_service(drive *d, bool known, uint16_t id) {
     if (!known && id != d->service) {
         /* pending zeros go to the service that is found next */
         d->stop_pending = d->stop_pending || (d->stopping && d->zeros_sent < STOP_ZEROS);
+        d->outcome = d->stopping ? ROBUROC4_STOP_TIMED_OUT : d->outcome;
         d->stopping = 0;
     }
     d->known = known;
@@ -200,8 +201,7 @@ void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_resul
         d->lapsed = 1;
         *events |= ROBUROC4_EVENT_LEASE_OVER;
     }
-    if (refusal >= 0 && d->lapsed &&
-        now_us - d->granted_us >= d->lease_us + config->lapse_disarm_ms * MS) {
+    if (d->lapsed && now_us - d->granted_us >= d->lease_us + config->lapse_disarm_ms * MS) {
         refusal = ROBUROC4_ERR_LAPSED;
     } else if (refusal >= 0 && d->lease_active &&
                now_us - d->heard_us >= uplink_limit_us(config)) {
@@ -258,9 +258,10 @@ static void widen_envelope(drive *d) {
     }
 }
 
-/** Until a stop is confirmed, the robot may keep the last speeds. */
+/** Until the robot is known to have a new target, or to have stopped, it may keep an old one. */
 static void age_envelope(drive *d, uint32_t window_us, uint64_t now_us) {
-    if ((d->lease_active || !d->unconfirmed) && now_us - d->envelope_us >= window_us) {
+    const bool settled = d->lease_active ? !d->echo_due : !d->unconfirmed;
+    if (settled && now_us - d->envelope_us >= window_us) {
         memcpy(d->low_before, d->low, sizeof d->low);
         memcpy(d->high_before, d->high, sizeof d->high);
         memcpy(d->low, d->sent, sizeof d->low);
@@ -384,12 +385,16 @@ uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config) 
 /* ---- what the robot reports ---- */
 
 /** Whether a reported target is ours or zero: between the lowest and the highest that was sent
- * recently. */
+ * recently, or the last that the robot took, which it may keep. */
 static bool is_ours(const drive *d, uint32_t axis, float target) {
-    return nearly_zero(target) ||
-           (is_finite(target) && near(target, clamp(d->low[axis], -ANY_SPEED, d->low_before[axis]),
-                                      clamp(d->high[axis], d->high_before[axis], ANY_SPEED),
-                                      TARGET_TOLERANCE));
+    if (nearly_zero(target)) {
+        return true;
+    }
+    return is_finite(target) &&
+           (near(target, clamp(d->low[axis], -ANY_SPEED, d->low_before[axis]),
+                 clamp(d->high[axis], d->high_before[axis], ANY_SPEED), TARGET_TOLERANCE) ||
+            (!d->lease_active && d->unconfirmed &&
+             near(target, d->echoed[axis], d->echoed[axis], TARGET_TOLERANCE)));
 }
 
 static void watch_other_commander(drive *d, const roburoc4_config *config, bool ours,
@@ -420,20 +425,19 @@ static bool has_driven(const drive *d) {
 }
 
 /** While driving, what is sent must appear among the reported targets. */
-static void watch_echo(drive *d, const roburoc4_config *config, const float *reported,
+static void watch_echo(drive *d, const roburoc4_config *config, const float *reported, bool ours,
                        uint64_t now_us, uint32_t *events) {
     const bool echoed = near(reported[LINEAR], d->echo_low[LINEAR], d->echo_high[LINEAR],
                              TARGET_TOLERANCE) &&
                         near(reported[ANGULAR], d->echo_low[ANGULAR], d->echo_high[ANGULAR],
                              TARGET_TOLERANCE);
-    if (d->echo_due && echoed) {
+    if (echoed) {
         d->echo_due = 0;
-        roburoc4_drive_heard(d, d->echo_us);
     }
     const uint32_t limit_us = uplink_limit_us(config);
-    if (!d->echo_due) {
+    if (!d->echo_due && ours) {
         memcpy(d->echoed, reported, sizeof d->echoed);
-    } else if (now_us - d->echo_us >= limit_us &&
+    } else if (d->echo_due && now_us - d->echo_us >= limit_us &&
                (config->options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0) {
         /* if it answers requests in time, it received the target, and dropped it */
         roburoc4_drive_interrupt(
@@ -478,7 +482,7 @@ void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
             d->confirmed = 1; /* an older status is from before the zeros */
         }
     } else if (d->lease_active) {
-        watch_echo(d, config, reported, now_us, events);
+        watch_echo(d, config, reported, ours, now_us, events);
     } else if (!zero && ours && age_us < config->fresh_ms * MS && has_driven(d)) {
         stop_again(d); /* a speed of ours came late, or came back */
     }

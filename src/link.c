@@ -20,7 +20,7 @@ typedef roburoc4_private_service service;
 #define AGE_UNKNOWN UINT32_MAX
 /* A robot cannot restart within this time; after a longer gap, or once it was lost, its clock must
  * have advanced as the host's, give or take a second. */
-#define RESTART_US (3 * SECOND)
+#define RESTART_US SECOND
 #define CLOCK_TOLERANCE_US SECOND
 /* Statuses that are late by more than a second though answers are not, for this long, are from a
  * clock that was set anew. */

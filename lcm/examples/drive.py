@@ -26,9 +26,11 @@ def listen(seconds: float) -> None:
 listen(1)  # a bridge that has just started drives only after a pause
 if not states:
     sys.exit("drive.py: no bridge on this LCM network: start roburoc4-lcm with --enable-drive")
-for _ in range(60):
+for attempt in range(60):
     command.utime = time.time_ns() // 1000  # old commands are rejected
     network.publish("ROBUROC4_DRIVE_CMD", command.encode())
     listen(0.05)  # each command's lease is 300 ms; after the last one the robot stops
     if states[-1].rejected_sender == command.sender:
         sys.exit(f"drive.py: the bridge rejects the command: {states[-1].rejected_message}")
+    if attempt == 20 and all(state.control_owner != command.sender for state in states):
+        sys.exit("drive.py: the bridge hears no command: does LCM_DEFAULT_URL have its ttl here?")

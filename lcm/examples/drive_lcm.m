@@ -39,6 +39,10 @@ end
 if isempty(way)
     error('roburoc4:lcm', 'no pose arrived: is roburoc4-lcm running, on this LCM network?');
 end
+if max(abs(way(end, :) - way(1, :))) < 0.01
+    error('roburoc4:lcm', ['the robot did not move: the log of roburoc4-lcm says why. If it says ' ...
+        'nothing, it hears no command: LCM_DEFAULT_URL needs its ttl here, too']);
+end
 fprintf('%d poses, from %.2f %.2f to %.2f %.2f\n', size(way, 1), way(1, :), way(end, :));
 if usejava('awt') || ~exist('OCTAVE_VERSION', 'builtin')
     plot(way(:, 1), way(:, 2)), axis equal, xlabel('x (m)'), ylabel('y (m)')

@@ -29,6 +29,8 @@
 #define SPEEDS_US 250000 /* it commands only while the speeds are younger */
 /* A status that is further from the current time is not fresh. */
 #define FRESH_US 500000
+/* The bridge tells who is in control 5 times a second. */
+#define UNHEARD_US 1000000
 
 typedef struct trip {
     lcm_t *lcm;
@@ -37,7 +39,8 @@ typedef struct trip {
     int64_t speeds_us, distances_us; /* when the last fresh ones were measured */
     roburoc4_move move;
     roburoc4_move_view view;
-    int moved;                  /* a speed was commanded */
+    int64_t moved_us;           /* when the first speed was commanded; 0: not yet */
+    int obeyed;                 /* the bridge has received a command of ours */
     int ready, driven, stopped; /* it can be driven; it was driven; then it no longer could */
     char message[256];          /* the bridge's last message */
 } trip;
@@ -112,6 +115,8 @@ static void on_bridge_state(const lcm_recv_buf_t *buffer, const char *channel,
     trip->ready = trip->ready != 0 || state->can_drive != 0;
     trip->stopped = trip->driven != 0 && state->waiting != 0;
     trip->driven = trip->driven != 0 || state->driving != 0;
+    trip->obeyed = trip->obeyed != 0 || strcmp(state->control_owner, trip->sender) == 0 ||
+                   strcmp(state->rejected_sender, trip->sender) == 0;
     trip->view.armed = 1; /* the bridge arms for a command */
     trip->view.overridden = state->overridden != 0;
     trip->view.inhibited = (state->faults & ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_INHIBITED) != 0;
@@ -135,16 +140,23 @@ static int step(trip *trip) {
                       ROBUROC4_MOVE_RUNNING;
     const double linear_m_s = (double)trip->move.linear_m_s;
     const double angular_rad_s = (double)trip->move.angular_rad_s;
-    trip->moved = trip->moved != 0 || fabs(linear_m_s) + fabs(angular_rad_s) > 0;
-    if (trip->moved && now_us() - trip->heard_us < SPEEDS_US) {
+    if (trip->moved_us == 0 && fabs(linear_m_s) + fabs(angular_rad_s) > 0) {
+        trip->moved_us = now_us();
+    }
+    if (trip->moved_us != 0 && now_us() - trip->heard_us < SPEEDS_US) {
         drive(trip, linear_m_s, angular_rad_s);
     }
     return going;
 }
 
+/* With a ttl of 0 here and 1 at the bridge, statuses arrive here, and commands never there. */
+static int is_unheard(const trip *trip) {
+    return trip->obeyed == 0 && trip->moved_us != 0 && now_us() - trip->moved_us > UNHEARD_US;
+}
+
 static int travel(trip *trip) {
     trip->heard_us = now_us();
-    while (trip->stopped == 0 && step(trip)) {
+    while (trip->stopped == 0 && !is_unheard(trip) && step(trip)) {
         if (lcm_handle_timeout(trip->lcm, LOOK_MS) < 0 || now_us() - trip->heard_us > SILENCE_US) {
             (void)fprintf(
                 stderr,
@@ -153,6 +165,12 @@ static int travel(trip *trip) {
                 SILENCE_US / 1000000);
             return 1;
         }
+    }
+    if (is_unheard(trip)) {
+        (void)fprintf(stderr,
+                      "drive_to: statuses arrive, but the bridge hears no command: does "
+                      "LCM_DEFAULT_URL have the bridge's ttl here?\n");
+        return 1;
     }
     if (trip->move.result == ROBUROC4_MOVE_REACHED) {
         (void)printf("arrived at %.2f %.2f\n", trip->view.x_m, trip->view.y_m);

@@ -101,17 +101,40 @@ def test_the_shortest_lease_drives(robot: Robot, bus: Bus, armed: Bridge, lease_
     until(moves, f"a speed reaches the robot; the bridge said:\n{armed.output}")
 
 
-def test_speeds_are_clamped_to_the_limits_of_the_robot(
-    robot: Robot, bus: Bus, armed: Bridge
-) -> None:
-    bus.publish(DRIVE, drive_command(100.0, -100.0).encode())
+def test_speeds_are_clamped_to_the_ceiling(robot: Robot, bus: Bus, armed: Bridge) -> None:
+    bus.publish(DRIVE, drive_command(4.9, -9.9).encode())
     until(robot.tap.moves, "a speed reaches the robot")
-    assert robot.tap.moves()[0][1:] == (2.6, -6.5)
+    assert robot.tap.moves()[0][1:] == (1.0, -1.5)
     wait_for_count(armed, "clamped", 1)
 
 
-def test_a_speed_at_the_limit_is_not_counted_as_clamped(bus: Bus, armed: Bridge) -> None:
-    bus.publish(DRIVE, drive_command(2.6, -6.5).encode())
+def test_ceilings_are_obeyed_and_published(
+    robot: Robot, bus: Bus, start_bridge: StartBridge
+) -> None:
+    bridge = start_bridge("--enable-drive", "--max-linear=0.25", "--max-angular=2").arms()
+    bus.publish(DRIVE, drive_command(3.0, 1.75).encode())
+    until(robot.tap.moves, "a speed reaches the robot")
+    assert robot.tap.moves()[0][1:] == (0.25, 1.75)
+    wait_for_count(bridge, "clamped", 1)
+    properties = bus.last("ROBUROC4_PROPERTIES")
+    assert (properties.ceiling_linear_m_s, properties.ceiling_angular_rad_s) == (0.25, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("linear", "angular"), [(300.0, 0.0), (0.0, 45.0), (-1e6, 0.0), (-1e300, 0.0), (0.0, -1.7e308)]
+)
+def test_speeds_in_other_units_are_rejected(
+    robot: Robot, bus: Bus, armed: Bridge, linear: float, angular: float
+) -> None:
+    bus.publish(DRIVE, drive_command(linear, angular).encode())
+    wait_for_count(armed, "rejected_units", 1)
+    assert robot.tap.moves() == []
+    assert armed.state.rejected_cause == State.REJECTED_UNITS
+    assert "give m/s and rad/s" in armed.state.rejected_message
+
+
+def test_a_speed_at_the_ceiling_is_not_counted_as_clamped(bus: Bus, armed: Bridge) -> None:
+    bus.publish(DRIVE, drive_command(1.0, -1.5).encode())
     wait_for_count(armed, "accepted_drive", 1)
     assert armed.statistics.clamped == 0
 

@@ -2,6 +2,7 @@
 """The examples do what they promise, as their users run them."""
 
 import csv
+import itertools
 import math
 import os
 import re
@@ -45,6 +46,39 @@ def test_drive_py_says_why_it_does_not_drive(
     assert refused.ends(30) == 1
     assert "start the bridge with --enable-drive" in refused.output
     assert not robot.tap.moves()
+
+
+@pytest.mark.parametrize("example", ["drive.py", "drive_to"])
+def test_one_way_traffic_is_named_within_seconds(
+    programs: Programs, bus: Bus, run: Run, example: str
+) -> None:
+    """A bridge with ttl=1, to a planner with ttl=0: it is heard, and hears nothing."""
+    program = [sys.executable, EXAMPLES / example] if example == "drive.py" else [programs(example)]
+    arguments = [] if example == "drive.py" else ["2", "0"]
+    planner = run(*program, *arguments, LCM_DEFAULT_URL=bus.url)
+    begun = time.monotonic()
+    cycles = itertools.count()
+    while planner.running and time.monotonic() - begun < 20:
+        cycle = next(cycles)
+        state = roburoc4_lcm.bridge_state_t()
+        state.utime, state.can_drive, state.message = now_us(), True, "ready"
+        bus.publish("ROBUROC4_BRIDGE_STATE", state.encode())
+        for type_, channel in (
+            (roburoc4_lcm.localization_status_t, "LOCALIZATION"),
+            (roburoc4_lcm.differential_status_t, "DIFFERENTIAL"),
+        ):
+            status = type_()
+            status.utime, status.robot_cycles = now_us(), 5 * cycle
+            bus.publish(f"ROBUROC4_{channel}", status.encode())
+        telemeters = roburoc4_lcm.telemeter_status_t()
+        telemeters.utime, telemeters.robot_cycles, telemeters.count = now_us(), 5 * cycle, 2
+        telemeters.telemeters = [roburoc4_lcm.telemeter_t() for _ in range(2)]
+        for telemeter in telemeters.telemeters:
+            telemeter.distance_m = 6.0
+        bus.publish("ROBUROC4_TELEMETER", telemeters.encode())
+        time.sleep(0.05)
+    assert planner.ends(1) == 1, planner.output
+    assert "the bridge hears no command" in planner.output
 
 
 def test_the_lines_of_the_readme_drive(programs: Programs, run: Run, tmp_path: Path) -> None:

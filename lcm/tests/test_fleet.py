@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from rig import Bridge, Bus, Planner, Programs, Robot, holds, until
+from rig.bus import now_us, stop_command
 
 StartFleet = Callable[..., Bridge]
 Plan = Callable[..., Planner]
@@ -73,6 +74,32 @@ def test_a_name_without_address_affects_one_robot(
     bus.hears("LOST_BRIDGE_STATE")
     state = bus.last("LOST_BRIDGE_STATE")
     assert (state.robot, state.can_drive) == ("no-such-robot.invalid", False)
+
+
+@pytest.mark.parametrize("channel", ["ALL_STOP_CMD", "HALT_CMD"])
+def test_one_channel_stops_the_whole_fleet(
+    start_robot: Callable[..., Robot], start_fleet: StartFleet, bus: Bus, plan: Plan, channel: str
+) -> None:
+    red, blue = start_robot("--robots", "2").taps
+    start_fleet(
+        f"[DEFAULT]\nenable-drive = yes\nfleet-stop = {channel}\n"
+        f"[RED]\naddress = {red.address}\n[BLUE]\naddress = {blue.address}\n"
+    )
+    can_drive(bus, "RED", "BLUE")
+    plan(channel="RED_DRIVE_CMD", linear=0.3)
+    plan(channel="BLUE_DRIVE_CMD", linear=0.3, sender="other")
+    until(lambda: red.moves() and blue.moves(), "both drive")
+    stop_us = now_us()
+    bus.publish(channel, stop_command("operator").encode())
+    until(
+        lambda: all(bus.last(f"{name}_BRIDGE_STATE").stopped for name in ("RED", "BLUE")),
+        "both are stopped",
+    )
+    time.sleep(1.0)
+    for robot in (red, blue):
+        assert robot.moves(stop_us + 150_000) == [], "their planners go on"
+    for name in ("RED", "BLUE"):
+        assert bus.last(f"{name}_BRIDGE_STATE").stopped_by == "operator"
 
 
 def test_a_flood_from_one_robot_does_not_affect_others(

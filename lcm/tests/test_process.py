@@ -194,9 +194,3 @@ def test_quiet_logs_nothing_and_verbose_logs_each_rejection(
     bridge.end()
     assert bridge.output.count("utime") == lines
     assert bool(bridge.output) == (option != "-q")
-
-
-def test_an_old_lcm_is_reported(start_bridge: StartBridge) -> None:
-    bridge = start_bridge()
-    bridge.says("bridging")
-    assert ("older than 1.5" in bridge.output) == (bridge.lcm_version < (1, 5))

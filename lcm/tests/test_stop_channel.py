@@ -60,6 +60,20 @@ def test_a_stop_holds_until_a_command_after_a_pause(
     until(lambda: robot.tap.moves(paused_us), "the next command drives")
 
 
+def test_a_stream_that_never_pauses_does_not_drive_on_after_a_stop(
+    robot: Robot, bus: Bus, armed: Bridge, plan: Plan
+) -> None:
+    plan(linear=0.5)
+    drives(robot)
+    stop_us = now_us()
+    bus.publish(STOP, stop_command("operator").encode())
+    stops_for_good(robot, stop_us)
+    time.sleep(2.0)
+    assert robot.tap.moves(stop_us + MARGIN_US) == []
+    assert not armed.state.armed, "a stop latches"
+    assert armed.state.stop_outcome == armed.state.STOP_CONFIRMED
+
+
 @pytest.mark.parametrize(
     "message",
     [b"", b"stop!", stop_command("x" * 300).encode(), drive_command(0.5).encode()],
@@ -73,6 +87,10 @@ def test_a_stop_works_whatever_its_message_is(
     stop_us = now_us()
     bus.publish(STOP, message)
     stops_for_good(robot, stop_us)
+    assert armed.statistics.accepted_stop == 1
+    assert armed.statistics.rejected_malformed == 0, "it was obeyed, not rejected"
+    assert "stop command of" not in armed.output
+    assert "stop command on" not in armed.output
 
 
 def test_a_stop_right_after_a_command_wins(robot: Robot, bus: Bus, armed: Bridge) -> None:

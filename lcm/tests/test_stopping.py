@@ -36,7 +36,7 @@ def test_a_killed_planner_stops_the_robot_within_the_lease(
     assert first_zero_us(robot) - last_us < LEASE_US + MARGIN_US
     until(robot.stands, "the robot stands")
     assert not armed.state.driving
-    assert armed.state.armed, "a new command would drive again"
+    assert armed.state.can_drive, "a new command would drive again"
 
 
 def test_a_hung_planner_stops_the_robot_within_the_lease(
@@ -77,6 +77,8 @@ def test_a_signal_ends_the_bridge_with_zeros_within_a_second(
     assert len(robot.tap.commands(signalled_us)) >= 3
     until(robot.stands, "the robot stands")
     assert "rejected" not in armed.output, "the planner did nothing wrong"
+    assert f"ended by {number.name}" in armed.output
+    assert armed.state.message == "the bridge has ended"
 
 
 @pytest.mark.parametrize("reader", ["hangs", "is gone"])

@@ -9,6 +9,7 @@
 
 #include <cstdio>
 #include <fstream>
+#include <sstream>
 
 using test::eventually;
 using test::SimProcess;
@@ -109,10 +110,12 @@ TEST(SimProgram, EndsWithTwoAndOneLineOnBadOptions) {
         {"--delay-ms", "-5"},
         {"--jitter-ms", "1e9"},
         {"--seed", "abc"},
-        {"--ids", "wheel=4"},
-        {"--ids", "iocard=1"},
-        {"--ids", "iocard=7,battery=7"},
+        {"--wheel-id", "4"},
+        {"--iocard-id", "1"},
+        {"--iocard-id", "7", "--battery-id", "7"},
         {"--config", "/no/such/file"},
+        {"--family", "-1"},
+        {"--family", "1", "--slip", "2"},
         {"--slip", "2"},
         {"--slip", "much"},
         {"--start-safe", "-1"},
@@ -139,7 +142,7 @@ TEST(SimProgram, ExplainsItself) {
     std::string text = help.output();
     for (const char *option :
          {"--bind", "--port", "--robots", "--seed", "--loss", "--delay-ms", "--jitter-ms",
-          "--duplicate", "--reorder", "--corrupt", "--config", "--ids", "--panel"}) {
+          "--duplicate", "--reorder", "--corrupt", "--config", "--panel", "--family"}) {
         EXPECT_NE(text.find(option), std::string::npos) << option;
     }
     SimProcess version({"--version"});
@@ -249,8 +252,42 @@ TEST(SimProgram, RunsManyRobotsOnConsecutivePorts) {
     }));
 }
 
+TEST(SimProgram, PrintsAMemberOfTheFamilyAsOptionsThatItAccepts) {
+    SimProcess drawn({"--family", "4", "--port", "0"});
+    const std::string line = drawn.line();
+    ASSERT_EQ(line.rfind("roburoc4-sim: family 4: --", 0), 0u) << line;
+    EXPECT_EQ(drawn.ports().size(), 1u);
+    std::istringstream words(line.substr(line.find("--")));
+    std::vector<std::string> options = {"--port", "0", "--panel"};
+    for (std::string word; words >> word;) {
+        options.push_back(word);
+    }
+    SimProcess repeated(options);
+    EXPECT_EQ(repeated.ports().size(), 1u);
+    EXPECT_NE(line.find("--telemeters 0"), std::string::npos) << line;
+    EXPECT_NE(repeated.panel("status").find("telemeters nan nan"), std::string::npos);
+}
+
+TEST(SimProgram, SendsStatusesFromAnotherPort) {
+    SimProcess sim({"--other-status-port", "--port", "0"});
+    std::vector<uint16_t> ports = sim.ports();
+    ASSERT_EQ(ports.size(), 1u);
+    Socket client;
+    sockaddr_in robot{};
+    robot.sin_family = AF_INET;
+    robot.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    robot.sin_port = htons(ports[0]);
+    client.send(robot, {9, ROBUROC4_ACTION_INSERT, 1, 0, 6, 0, 1});
+    const auto answer = client.receive(10000);
+    ASSERT_EQ(answer.bytes.size(), 5u);
+    EXPECT_EQ(ntohs(answer.from.sin_port), ports[0]);
+    const auto status = client.receive(10000);
+    ASSERT_EQ(status.bytes.size(), 27u);
+    EXPECT_NE(ntohs(status.from.sin_port), ports[0]);
+}
+
 TEST(SimProgram, CanUseOtherServiceIds) {
-    SimProcess sim({"--port", "0", "--ids", "differential=40,iocard=300"});
+    SimProcess sim({"--port", "0", "--differential-id", "40", "--iocard-id", "300"});
     std::vector<uint16_t> ports = sim.ports();
     ASSERT_EQ(ports.size(), 1u);
     Driver driver(ports[0]);

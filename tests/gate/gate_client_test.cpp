@@ -4,7 +4,9 @@
  */
 #include <gtest/gtest.h>
 
+#include <cfloat>
 #include <cstdint>
+#include <cstring>
 
 #include "gate_client.h"
 #include "roburoc4_sim.h"
@@ -44,6 +46,21 @@ class GateClient : public testing::Test {
     }
     gate_verdict drive(float linear_m_s) {
         return gate_drive(&gate, &client, linear_m_s, 0.0F, lease_us, now_us());
+    }
+    /** One command of a stream, as a bridge handles it; the sender's clock is right. */
+    gate_verdict send(float linear_m_s, const char *sender = "planner") {
+        gate_command command{};
+        command.kind = GATE_DRIVE;
+        command.sender = sender;
+        command.sender_length = std::strlen(sender);
+        command.utime = command.arrived_utime = static_cast<std::int64_t>(now_us());
+        command.finite = true;
+        command.zero = linear_m_s == 0;
+        const gate_robot robot = gate_robot_of(&client, now_us());
+        std::uint32_t left_us = 0;
+        const gate_verdict verdict =
+            gate_judge(&gate, &command, &robot, {now_us(), command.utime}, &left_us);
+        return verdict == GATE_TAKEN ? drive(linear_m_s) : verdict;
     }
     [[nodiscard]] double speed() const {
         roburoc4_sim_state state{};
@@ -129,4 +146,59 @@ TEST_F(GateClient, AStopStopsAndHolds) {
     EXPECT_TRUE(is_waiting());
     EXPECT_STREQ("operator", gate.stopped_by);
     EXPECT_EQ(1, gate.taken[GATE_STOP]);
+}
+
+TEST_F(GateClient, AStreamThatNeverPausesDoesNotDriveOnAfterAStop) {
+    for (int at = 0; at < 20; at++) {
+        EXPECT_EQ(GATE_TAKEN, send(0.3F));
+        pass(50);
+    }
+    gate_stop_client(&gate, &client, "operator", 8, now_us());
+    EXPECT_FALSE(is_armed()) << "a stop latches";
+    for (int at = 0; at < 200; at++) {
+        EXPECT_EQ(GATE_DISARMED, send(0.3F));
+        pass(50);
+        ASSERT_EQ(0.0, speed()) << at;
+        ASSERT_FALSE(is_armed()) << at;
+    }
+    pass(GATE_PAUSE_US / ms);
+    EXPECT_EQ(GATE_TAKEN, send(0.3F)) << "after a pause the first speed arms";
+    pass(50);
+    EXPECT_NEAR(0.3, speed(), 1e-6);
+}
+
+TEST_F(GateClient, AStopHoldsTheStreamsOfAllSenders) {
+    EXPECT_EQ(GATE_TAKEN, send(0.3F));
+    pass(50);
+    gate_stop_client(&gate, &client, "operator", 8, now_us());
+    for (int at = 0; at < 40; at++) {
+        EXPECT_EQ(GATE_DISARMED, send(0.3F, at % 2 == 0 ? "planner" : "other"));
+        pass(300); /* each of them pauses for 600 ms, but not both */
+        ASSERT_EQ(0.0, speed());
+    }
+}
+
+TEST_F(GateClient, ALapseIsAPause) {
+    EXPECT_EQ(GATE_TAKEN, send(0.3F));
+    pass(1400); /* the lease, and lapse_disarm_ms */
+    EXPECT_FALSE(is_armed());
+    EXPECT_EQ(GATE_TAKEN, send(0.3F));
+    EXPECT_TRUE(is_armed());
+    pass(50);
+    EXPECT_NEAR(0.3, speed(), 1e-6);
+}
+
+TEST_F(GateClient, SpeedsInOtherUnitsAreRefusedAndNeverChangeTheirSign) {
+    EXPECT_EQ(GATE_TAKEN, send(0.3F));
+    pass(50);
+    for (const float speed : {300.0F, -300.0F, -1e6F, -1e30F, -FLT_MAX, 5.001F, -5.001F}) {
+        EXPECT_EQ(GATE_UNITS, send(speed)) << speed;
+        pass(10);
+        EXPECT_NEAR(0.3, this->speed(), 1e-6) << "the last target holds until its lease ends";
+    }
+    EXPECT_EQ(7, gate.rejected[GATE_UNITS]);
+    EXPECT_FALSE(is_waiting()) << "a mistake is no reason to wait for a pause";
+    EXPECT_EQ(GATE_TAKEN, send(-5.0F));
+    pass(50);
+    EXPECT_NEAR(-1.0, speed(), 1e-6) << "clamped to the ceiling";
 }

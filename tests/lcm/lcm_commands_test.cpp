@@ -318,3 +318,65 @@ TEST(LcmCommands, MarkWhatIsFiniteAndWhatIsZero) {
         EXPECT_EQ(c.lease_us, for_gate.lease_us);
     }
 }
+
+TEST(LcmCommands, ASpeedKeepsItsSignAndOneThatIsTooFastStaysSo) {
+    for (const double size : {5.01, 300.0, 1e6, 1e30, 3.5e38, 1e300, 1.7e308}) {
+        EXPECT_GT(command_speed(size), ROBUROC4_MAX_DRIVE_M_S) << size;
+        EXPECT_LT(command_speed(-size), -ROBUROC4_MAX_DRIVE_M_S) << size;
+    }
+    EXPECT_EQ(-0.5F, command_speed(-0.5));
+    EXPECT_EQ(0.5F, command_speed(0.5));
+}
+
+TEST(LcmCommands, MovesAreReadCompletelyOrNotAtAll) {
+    std::string sender = "planner";
+    roburoc4_lcm_move_command_t m{};
+    m.utime = 11;
+    m.sender = sender.data();
+    m.move_id = -12;
+    m.kind = ROBUROC4_LCM_MOVE_COMMAND_T_KIND_TO_POSE;
+    double *const numbers[] = {&m.distance_m, &m.angle_rad,  &m.x_m,           &m.y_m,
+                               &m.theta_rad,  &m.linear_m_s, &m.angular_rad_s, &m.clearance_m};
+    double next = 1.5;
+    for (double *number : numbers)
+        *number = next++;
+    m.lease_us = 13;
+    const auto bytes = [&] {
+        return encoded(m, roburoc4_lcm_move_command_t_encoded_size,
+                       roburoc4_lcm_move_command_t_encode);
+    };
+    const Bytes good = bytes();
+    command c;
+    ASSERT_TRUE(command_decode_move(good.data(), good.size(), &c));
+    EXPECT_EQ(GATE_DRIVE, c.kind);
+    EXPECT_TRUE(c.is_move);
+    EXPECT_EQ(11, c.utime);
+    EXPECT_EQ("planner", std::string(c.sender, c.sender_length));
+    EXPECT_EQ(-12, c.move_id);
+    EXPECT_EQ(2, c.move_kind);
+    EXPECT_EQ(13, c.lease_us);
+    const double read[] = {c.distance_m, c.angle_rad,  c.x_m,           c.y_m,
+                           c.theta_rad,  c.linear_m_s, c.angular_rad_s, c.clearance_m};
+    for (int at = 0; at < 8; at++)
+        EXPECT_EQ(1.5 + at, read[at]) << at;
+    for (std::size_t size = 0; size < good.size(); size++)
+        EXPECT_FALSE(command_decode_move(good.data(), size, &c)) << size;
+    EXPECT_FALSE(decode(GATE_DRIVE, good, &c));
+    const Bytes speed = drive();
+    EXPECT_FALSE(command_decode_move(speed.data(), speed.size(), &c));
+    for (double *number : numbers) {
+        const double before = *number;
+        for (const double bad : {nan_, infinity, -infinity}) {
+            *number = bad;
+            const Bytes wrong = bytes();
+            ASSERT_TRUE(command_decode_move(wrong.data(), wrong.size(), &c));
+            EXPECT_FALSE(command_for_gate(&c, 0).finite);
+        }
+        *number = before;
+    }
+    for (double *number : numbers)
+        *number = 0;
+    const Bytes nowhere = bytes();
+    ASSERT_TRUE(command_decode_move(nowhere.data(), nowhere.size(), &c));
+    EXPECT_FALSE(command_for_gate(&c, 0).zero) << "it asks to drive all the same";
+}

@@ -27,7 +27,7 @@ std::map<std::string, std::uint64_t> compiled() {
         TYPE(differential_status_t), TYPE(drive_command_t),  TYPE(iocard_status_t),
         TYPE(localization_status_t), TYPE(output_command_t), TYPE(relocalize_command_t),
         TYPE(robot_properties_t),    TYPE(stop_command_t),   TYPE(telemeter_status_t),
-        TYPE(telemeter_t),
+        TYPE(telemeter_t),           TYPE(move_command_t),   TYPE(move_status_t),
     };
 }
 

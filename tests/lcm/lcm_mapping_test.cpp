@@ -15,6 +15,7 @@
 
 #include "client_bench.h"
 #include "mapping.h"
+#include "roburoc4_move.h"
 #include "roburoc4_udp.h"
 
 using namespace roburoc4_tests;
@@ -240,13 +241,18 @@ TEST(LcmMapping, PropertiesAreThoseOfTheRobotAndFitTheBuffer) {
     auto storage = std::make_unique<mapping_services>();
     char address[] = "10.0.0.1:60000";
     roburoc4_lcm_robot_properties_t out;
-    mapping_properties(&bench.client, names.get(), address, utime, storage.get(), &out);
+    roburoc4_config config = default_config();
+    config.max_linear_m_s = 0.75F;
+    config.max_angular_rad_s = 1.25F;
+    mapping_properties(&bench.client, &config, names.get(), address, utime, storage.get(), &out);
     roburoc4_differential_properties differential;
     roburoc4_iocard_properties card;
     ASSERT_EQ(0, roburoc4_client_differential_properties(&bench.client, &differential));
     ASSERT_EQ(0, roburoc4_client_iocard_properties(&bench.client, &card));
     TRAVEL(roburoc4_lcm_robot_properties_t, out, {
         EXPECT_STREQ("10.0.0.1:60000", got.robot);
+        EXPECT_EQ(0.75F, got.ceiling_linear_m_s);
+        EXPECT_EQ(1.25F, got.ceiling_angular_rad_s);
         EXPECT_TRUE(got.differential_known);
         EXPECT_EQ(differential.max_linear_m_s, got.max_linear_m_s);
         EXPECT_EQ(differential.min_linear_m_s, got.min_linear_m_s);
@@ -283,7 +289,8 @@ TEST(LcmMapping, PropertiesOfAnAbsentRobotAreEmptyLists) {
     char address[] = "";
     ASSERT_EQ(0, roburoc4_client_init(client.get(), sizeof *client, nullptr));
     roburoc4_lcm_robot_properties_t out;
-    mapping_properties(client.get(), names.get(), address, utime, storage.get(), &out);
+    const roburoc4_config config = default_config();
+    mapping_properties(client.get(), &config, names.get(), address, utime, storage.get(), &out);
     TRAVEL(roburoc4_lcm_robot_properties_t, out, {
         EXPECT_EQ(utime, got.utime);
         EXPECT_FALSE(got.differential_known || got.localization_known || got.battery_known ||
@@ -330,6 +337,7 @@ TEST(LcmMapping, StatisticsHaveEveryCountUnderItsCause) {
         EXPECT_EQ(200 + GATE_NOT_READY, got.rejected_not_ready);
         EXPECT_EQ(200 + GATE_DISARMED, got.rejected_disarmed);
         EXPECT_EQ(200 + GATE_IMPOSSIBLE, got.rejected_impossible);
+        EXPECT_EQ(200 + GATE_UNITS, got.rejected_units);
         EXPECT_EQ(301, got.superseded);
         EXPECT_EQ(302, got.clamped);
         EXPECT_EQ(303, got.published);
@@ -394,6 +402,49 @@ TEST(LcmMapping, StateNamesTheDriverOrTheReason) {
     EXPECT_TRUE(v.state().overridden);
 }
 
+TEST(LcmMapping, AStopThatTheRobotDidNotConfirmIsNamed) {
+    View v;
+    const auto is_named = [&] {
+        return v.message().find("THE STOP WAS NOT CONFIRMED") != std::string::npos;
+    };
+    for (const int outcome : {ROBUROC4_STOP_NONE, ROBUROC4_STOP_RUNNING, ROBUROC4_STOP_CONFIRMED}) {
+        v.facts.stop_outcome = static_cast<std::uint8_t>(outcome);
+        EXPECT_EQ(outcome, v.state().stop_outcome);
+        EXPECT_FALSE(is_named()) << outcome;
+    }
+    for (const int outcome : {ROBUROC4_STOP_TIMED_OUT, ROBUROC4_STOP_OVERRIDDEN}) {
+        v.facts.stop_outcome = static_cast<std::uint8_t>(outcome);
+        EXPECT_EQ(outcome, v.state().stop_outcome);
+        EXPECT_TRUE(is_named()) << outcome;
+    }
+    v.facts.state = ROBUROC4_STATE_LOST;
+    EXPECT_TRUE(is_named()) << "also of a robot that has fallen silent";
+    v.view.other_bridge = true;
+    EXPECT_NE(std::string::npos, v.message().find("ANOTHER BRIDGE"));
+    v.facts.state = ROBUROC4_STATE_READY;
+    v.facts.driving = 1;
+    EXPECT_FALSE(is_named()) << "it was driven since";
+}
+
+TEST(LcmMapping, StateTellsWhatIsNotKnownFromWhatIsNot) {
+    View v;
+    v.facts.front_bumper_known = 1;
+    v.facts.battery_known = 1;
+    v.facts.lapsed = 1;
+    v.facts.missing = 1 << ROBUROC4_SERVICE_TELEMETER;
+    TRAVEL(roburoc4_lcm_bridge_state_t, v.state(), {
+        EXPECT_TRUE(got.front_bumper_known);
+        EXPECT_FALSE(got.rear_bumper_known);
+        EXPECT_TRUE(got.battery_known);
+        EXPECT_TRUE(got.lapsed);
+        EXPECT_EQ(ROBUROC4_LCM_BRIDGE_STATE_T_MISSING_TELEMETER, got.missing);
+    });
+    v.facts.front_bumper_known = 0;
+    v.facts.rear_bumper_known = 1;
+    EXPECT_FALSE(v.state().front_bumper_known);
+    EXPECT_TRUE(v.state().rear_bumper_known);
+}
+
 TEST(LcmMapping, StateHasABitForEachFault) {
     const struct {
         std::uint32_t fault;
@@ -450,6 +501,14 @@ TEST(LcmMapping, TheMessageSaysWhatToDo) {
     v.view.no_socket = v.view.other_bridge = true;
     EXPECT_NE(std::string::npos, v.message().find("no socket for 10.0.0.1:60000")) << v.message();
     EXPECT_NE(std::string::npos, v.message().find("ANOTHER BRIDGE")) << v.message();
+    v.view.no_address = true;
+    EXPECT_NE(std::string::npos, v.message().find("has no address; correct it")) << v.message();
+    EXPECT_EQ(std::string::npos, v.message().find("retrying")) << v.message();
+    v.view.other_bridge = false;
+    v.facts.state = ROBUROC4_STATE_CLOSING;
+    EXPECT_EQ("the bridge is ending", v.message());
+    v.facts.state = ROBUROC4_STATE_IDLE;
+    EXPECT_EQ("the bridge has ended", v.message());
 }
 
 TEST(LcmMappingBridge, CausesOfRejectionsAreTheGates) {
@@ -467,8 +526,9 @@ TEST(LcmMappingBridge, CausesOfRejectionsAreTheGates) {
     CAUSE(NOT_READY);
     CAUSE(DISARMED);
     CAUSE(IMPOSSIBLE);
+    CAUSE(UNITS);
 #undef CAUSE
-    EXPECT_EQ(GATE_VERDICTS, ROBUROC4_LCM_BRIDGE_STATE_T_REJECTED_IMPOSSIBLE + 1);
+    EXPECT_EQ(GATE_VERDICTS, ROBUROC4_LCM_BRIDGE_STATE_T_REJECTED_UNITS + 1);
 }
 
 TEST(LcmMapping, StatesAndFlagsAreNumberedAsInTheCore) {
@@ -479,6 +539,34 @@ TEST(LcmMapping, StatesAndFlagsAreNumberedAsInTheCore) {
     EXPECT_EQ(ROBUROC4_STATE_READY, ROBUROC4_LCM_BRIDGE_STATE_T_STATE_READY);
     EXPECT_EQ(ROBUROC4_STATE_LOST, ROBUROC4_LCM_BRIDGE_STATE_T_STATE_LOST);
     EXPECT_EQ(ROBUROC4_STATE_CLOSING, ROBUROC4_LCM_BRIDGE_STATE_T_STATE_CLOSING);
+#define ENDS(name) EXPECT_EQ(ROBUROC4_MOVE_##name, ROBUROC4_LCM_MOVE_STATUS_T_RESULT_##name)
+    ENDS(RUNNING);
+    ENDS(REACHED);
+    ENDS(OVERRIDE);
+    ENDS(BUMPER);
+    ENDS(OBSTACLE);
+    ENDS(INHIBITED);
+    ENDS(LOST);
+    ENDS(OTHER_COMMANDER);
+    ENDS(TIMEOUT);
+    ENDS(CANCELLED);
+    ENDS(LAPSED);
+#undef ENDS
+#define SAME(core, lcm) EXPECT_EQ(ROBUROC4_##core, ROBUROC4_LCM_BRIDGE_STATE_T_##lcm)
+    SAME(STOP_NONE, STOP_NONE);
+    SAME(STOP_RUNNING, STOP_RUNNING);
+    SAME(STOP_CONFIRMED, STOP_CONFIRMED);
+    SAME(STOP_TIMED_OUT, STOP_TIMED_OUT);
+    SAME(STOP_OVERRIDDEN, STOP_OVERRIDDEN);
+#undef SAME
+#define MISSES(service)                                                                            \
+    EXPECT_EQ(1 << ROBUROC4_SERVICE_##service, ROBUROC4_LCM_BRIDGE_STATE_T_MISSING_##service)
+    MISSES(IOCARD);
+    MISSES(TELEMETER);
+    MISSES(BATTERY);
+    MISSES(LOCALIZATION);
+    MISSES(DIFFERENTIAL);
+#undef MISSES
     EXPECT_EQ(ROBUROC4_BATTERY_CHARGING, ROBUROC4_LCM_BATTERY_STATUS_T_STATE_CHARGING);
     EXPECT_EQ(ROBUROC4_BATTERY_CHARGED, ROBUROC4_LCM_BATTERY_STATUS_T_STATE_CHARGED);
     EXPECT_EQ(ROBUROC4_BATTERY_OK, ROBUROC4_LCM_BATTERY_STATUS_T_STATE_OK);

@@ -81,8 +81,32 @@ TEST(LcmOptions, OnlyWatchByDefault) {
 TEST(LcmOptions, RecordAllRobotsInOneFile) {
     EXPECT_STREQ("", read({}).out->record);
     EXPECT_STREQ("run.pcapng", read({"--record", "run.pcapng"}).out->record);
-    EXPECT_STREQ("/var/robots",
-                 read_file("[DEFAULT]\nrecord = /var/robots\n[A]\naddress = a\n").out->record);
+    const std::string folder = testing::TempDir();
+    for (const std::string &path : {folder, folder + "robots", folder + "run.pcapng"}) {
+        const Read r = read_file("[DEFAULT]\nrecord = " + path + "\n[A]\naddress = a\n");
+        EXPECT_EQ(OPTIONS_RUN, r.result) << r.error;
+        EXPECT_EQ(path, r.out->record);
+        EXPECT_EQ(OPTIONS_RUN, read({"--record", path}).result);
+    }
+}
+
+TEST(LcmOptions, CeilingsAreThoseOfTheLibraryUnlessTheyAreGiven) {
+    roburoc4_config usual;
+    ASSERT_EQ(0, roburoc4_config_init(&usual, sizeof usual));
+    EXPECT_EQ(usual.max_linear_m_s, read({}).out->robots[0].config.max_linear_m_s);
+    EXPECT_EQ(usual.max_angular_rad_s, read({}).out->robots[0].config.max_angular_rad_s);
+    const Read r = read({"--max-linear", "0.25", "--max-angular=10"});
+    ASSERT_EQ(OPTIONS_RUN, r.result) << r.error;
+    EXPECT_EQ(0.25F, r.out->robots[0].config.max_linear_m_s);
+    EXPECT_EQ(10.0F, r.out->robots[0].config.max_angular_rad_s);
+    const Read fleet = read_file("[DEFAULT]\nmax-linear = 0.5\n[A]\naddress = a\n"
+                                 "[B]\naddress = b\nmax-linear = 2.5\nmax-angular = 0.001\n");
+    ASSERT_EQ(OPTIONS_RUN, fleet.result) << fleet.error;
+    EXPECT_EQ(0.5F, fleet.out->robots[0].config.max_linear_m_s);
+    EXPECT_EQ(1.5F, fleet.out->robots[0].config.max_angular_rad_s);
+    EXPECT_EQ(2.5F, fleet.out->robots[1].config.max_linear_m_s);
+    for (const options_robot &robot : {fleet.out->robots[0], fleet.out->robots[1]})
+        EXPECT_EQ(nullptr, roburoc4_config_error(&robot.config));
 }
 
 TEST(LcmOptions, EachEnablesItsOwnKind) {
@@ -140,6 +164,25 @@ TEST(LcmOptions, RejectInvalidValuesAndNameThem) {
         {{"--lease-ms", "19"}, "19"},
         {{"--lease-ms", "1001"}, "1001"},
         {{"--lease-ms", "0.5"}, "0.5"},
+        {{"--max-linear", "0"}, "--max-linear 0: give m/s, 0.001 to 5"},
+        {{"--max-linear", "-1"}, "--max-linear -1: give"},
+        {{"--max-linear", "5.001"}, "5.001"},
+        {{"--max-linear", "1e-1"}, "1e-1"},
+        {{"--max-linear", "nan"}, "nan"},
+        {{"--max-linear", "0.5.1"}, "0.5.1"},
+        {{"--max-linear", ""}, "--max-linear : give"},
+        {{"--max-angular", "60"}, "--max-angular 60: give rad/s, 0.001 to 10"},
+        {{"--record", ""}, "--record : no file can be made there"},
+        {{"--record", "/no/such/folder/run.pcapng"}, "no file can be made there"},
+        {{"--record", "/dev/null/run.pcapng"}, "no file can be made there"},
+        {{"--record", "/no-such-folder/"}, "no file can be made there"},
+        {{"-l", "udpm://239.255.76.67:7667?ttl=x"}, "ttl=0 (this machine) to ttl=255"},
+        {{"-l", "udpm://239.255.76.67:7667?ttl=999"}, "ttl=0 (this machine) to ttl=255"},
+        {{"-l", "udpm://239.255.76.67:7667?ttl="}, "ttl=0 (this machine) to ttl=255"},
+        {{"-l", "udpm://?tttl=0"}, "after the ? give"},
+        {{"-l", "udpm://?ttl=0&"}, "after the ? give"},
+        {{"-l", "udpm://?ttl=0&ttl"}, "after the ? give"},
+        {{"-l", "udpm://?"}, "after the ? give"},
         {{"--max-age-ms", "-1"}, "-1"},
         {{"--max-age-ms", "3600001"}, "3600001"},
         {{"--max-age-ms", "99999999999999999999"}, "9999"},
@@ -242,6 +285,17 @@ TEST(LcmConfigFile, ErrorsNameTheLineAndTheRemedy) {
         {"[RED]\naddress = 10.0.0.1\nenable-drive = true\n",
          "fleet.ini:3: enable-drive = true: give yes or no"},
         {"[RED]\nlease-ms = 5\n", "fleet.ini:2: lease-ms = 5: give milliseconds, 20 to 1000"},
+        {"[RED]\nmax-linear = 300\n", "fleet.ini:2: max-linear = 300: give m/s, 0.001 to 5"},
+        {"[RED]\naddress = a\nlease-ms = 200\n\nlease-ms = 300\n",
+         "fleet.ini:5: lease-ms = 300: line 3 has it already; remove one of them"},
+        {"[RED]\nperiod-ms.iocard = 50\nperiod-ms.battery = 500\nperiod-ms.iocard = 60\n",
+         "fleet.ini:4: period-ms.iocard = 60: line 2 has it already"},
+        {"[DEFAULT]\nlcm-url=udpm://\nlcm-url=udpm://\n", "fleet.ini:3: lcm-url = udpm://: line 2"},
+        {"[DEFAULT]\nlease-ms=200\n[DEFAULT]\nlease-ms=300\n", "fleet.ini:3: [DEFAULT]: put"},
+        {"[DEFAULT]\nlcm-url = udpm://?ttl=999\n",
+         "fleet.ini:2: lcm-url = udpm://?ttl=999: after the ? give"},
+        {"[DEFAULT]\nrecord = /no/such/folder/run.pcapng\n",
+         "fleet.ini:2: record = /no/such/folder/run.pcapng: no file can be made there"},
         {"[RED]\nperiod-ms.lidar = 50\n", "fleet.ini:2: period-ms.lidar = 50: give SERVICE=MS"},
         {"[RED]\nchannel.STOP_CMD = HALT\n", "fleet.ini:2: channel.STOP_CMD = HALT: names of"},
         {"[RED]\nlcm-url = udpm://\n", "fleet.ini:2: lcm-url = udpm://: put it into [DEFAULT]"},
@@ -256,13 +310,81 @@ TEST(LcmConfigFile, ErrorsNameTheLineAndTheRemedy) {
          "fleet.ini:1: [BLUE]: enable-drive needs statuses"},
         {"[A]\naddress=a\n[B]\naddress=b\nchannel.BATTERY=A_BATTERY\n", "two channels are named"},
         {"# nothing\n", "fleet.ini: no robot"},
-        {"[DEFAULT]\nlcm-url = tcpq://host\n[A]\naddress=a\n", "lcm-url tcpq://host: the bridge"},
+        {"[DEFAULT]\nlcm-url = tcpq://host\n[A]\naddress=a\n",
+         "fleet.ini:2: lcm-url = tcpq://host: the bridge"},
     };
     for (const auto &each : cases) {
         const Read r = read_file(each.text);
         EXPECT_EQ(OPTIONS_BAD, r.result) << each.text;
         EXPECT_EQ(0U, r.error.find(each.error)) << r.error << "\n" << each.text;
     }
+}
+
+TEST(LcmConfigFile, SectionsMayGiveTheSameSettings) {
+    const Read r = read_file("[DEFAULT]\nlease-ms = 200\n[A]\naddress = a\nlease-ms = 250\n"
+                             "[B]\naddress = b\nlease-ms = 300\n");
+    ASSERT_EQ(OPTIONS_RUN, r.result) << r.error;
+    EXPECT_EQ(250000U, r.out->robots[0].rules.lease_us);
+    EXPECT_EQ(300000U, r.out->robots[1].rules.lease_us);
+}
+
+TEST(LcmOptions, SendersAreAllowedByNameOrBeginning) {
+    const auto allows = [](const std::string &patterns, const std::string &sender) {
+        const Read r = read({"--allow-sender", patterns});
+        EXPECT_EQ(OPTIONS_RUN, r.result) << r.error;
+        return options_allows(&r.out->robots[0], sender.data(), sender.size());
+    };
+    EXPECT_TRUE(options_allows(&read({}).out->robots[0], "anybody", 7));
+    for (const char *patterns :
+         {"planner*, joystick", "joystick,planner*", " planner* joystick "}) {
+        EXPECT_TRUE(allows(patterns, "planner"));
+        EXPECT_TRUE(allows(patterns, "planner 17"));
+        EXPECT_TRUE(allows(patterns, "joystick"));
+        EXPECT_FALSE(allows(patterns, "joystick 2"));
+        EXPECT_FALSE(allows(patterns, "plan"));
+        EXPECT_FALSE(allows(patterns, "a planner"));
+        EXPECT_FALSE(allows(patterns, ""));
+    }
+    EXPECT_TRUE(allows("*", "anybody"));
+    const Read fleet = read_file("[DEFAULT]\nallow-sender = planner*\n[A]\naddress = a\n"
+                                 "[B]\naddress = b\nallow-sender = joystick\n");
+    ASSERT_EQ(OPTIONS_RUN, fleet.result) << fleet.error;
+    EXPECT_TRUE(options_allows(&fleet.out->robots[0], "planner 1", 9));
+    EXPECT_FALSE(options_allows(&fleet.out->robots[1], "planner 1", 9));
+    for (const std::string &bad : {std::string(), std::string(" , "), std::string("a*b"),
+                                   std::string("a,*b"), std::string(64, 'x')}) {
+        const Read r = read({"--allow-sender", bad});
+        EXPECT_EQ(OPTIONS_BAD, r.result) << bad;
+        EXPECT_NE(std::string::npos, r.error.find("such as planner*")) << r.error;
+    }
+}
+
+TEST(LcmOptions, OneChannelMayStopTheFleet) {
+    EXPECT_STREQ("", read({}).out->fleet_stop);
+    const Read r = read({"-r", "A=a", "-r", "B=b", "--fleet-stop", "ALL_STOP_CMD"});
+    ASSERT_EQ(OPTIONS_RUN, r.result) << r.error;
+    const channels_entry *found = channels_look_up(&r.out->directory, "ALL_STOP_CMD");
+    ASSERT_NE(nullptr, found);
+    EXPECT_EQ(OPTIONS_FLEET_STOP, found->which);
+    EXPECT_STREQ("HALT_CMD",
+                 read_file("[DEFAULT]\nfleet-stop = HALT_CMD\n[A]\naddress = a\n").out->fleet_stop);
+    for (const char *bad : {"", "STOP", "A.*_CMD"})
+        EXPECT_EQ(OPTIONS_BAD, read({"--fleet-stop", bad}).result) << bad;
+    const Read doubled = read({"-r", "A=a", "--fleet-stop", "A_STOP_CMD"});
+    EXPECT_NE(std::string::npos, doubled.error.find("two channels are named A_STOP_CMD"));
+}
+
+TEST(LcmOptions, ANameIsAsLongAsAPrefix) {
+    EXPECT_EQ(OPTIONS_RUN, read({"-r", std::string(45, 'n') + "=a"}).result);
+    EXPECT_EQ(OPTIONS_RUN, read({"-p", std::string(45, 'n')}).result);
+    EXPECT_EQ(OPTIONS_BAD, read({"-r", std::string(46, 'n') + "=a"}).result);
+    EXPECT_EQ(OPTIONS_BAD, read({"-p", std::string(46, 'n')}).result);
+}
+
+TEST(LcmOptions, LcmUrlsAreTakenAsLcmReadsThem) {
+    for (const char *url : {"udpm://", "udpm://?ttl=0", "udpm://239.255.76.67?ttl=255", "memq://",
+                            "udpm://239.255.76.67:7667?recv_buf_size=4194304&ttl=1"})
+        EXPECT_EQ(OPTIONS_RUN, read({"-l", url}).result) << url;
 }
 
 TEST(LcmConfigFile, CommandLineSetsNoRobotBesideIt) {

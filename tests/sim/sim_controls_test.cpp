@@ -53,7 +53,7 @@ TEST(SimControls, HaveTheNamesOfTheirConstants) {
         EXPECT_EQ(number + 7, roburoc4_sim_control_find((name + "_7").c_str())) << name;
         EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_control_find(name.c_str())) << name;
     }
-    EXPECT_EQ(16, found);
+    EXPECT_EQ(36, found);
 }
 
 TEST(SimControls, OfThePadHaveTheNamesOfTheirChannels) {
@@ -106,7 +106,7 @@ TEST(SimControls, ReadWhatWasSet) {
 
 TEST(SimControls, ThatDoNotExistAreRefused) {
     SimRobot robot;
-    for (const unsigned control : {12U, 99U, 107U, 122U, 202U, 209U, 999U, 1009U, 1064U, 2022U,
+    for (const unsigned control : {32U, 99U, 107U, 122U, 202U, 209U, 999U, 1009U, 1064U, 2022U,
                                    2256U, 3000U, 4008U, 5000U, UINT32_MAX}) {
         EXPECT_EQ(ROBUROC4_ERR_INDEX, roburoc4_sim_set(robot.get(), control, 0)) << control;
         EXPECT_EQ(ROBUROC4_ERR_INDEX, robot.value(control)) << control;

@@ -238,7 +238,8 @@ TEST_F(Safety, PowerThatComesBackDoesNotSetTheRobotOff) {
 
 TEST_F(Safety, ASlowStartIsNotTakenForInhibitedMotion) {
     RobotPlan plan = friendly_robot();
-    plan.response_s = 0.6;
+    plan.linear = {1.5, 1.5, 1};
+    plan.dead_time_cycles = 15;
     make(plan);
     ASSERT_LT(arm_within(10 * second), 10 * second);
     drive_for(3 * second, {0.05F, 0});
@@ -269,7 +270,7 @@ TEST_F(Safety, AStopIsNotConfirmedByAnOlderStatus) {
 TEST_F(Safety, RoundingIsNotMotion) {
     for (const float noise : {1e-9F, 1e-6F}) {
         RobotPlan plan = friendly_robot();
-        plan.noise = noise;
+        plan.rounding = noise;
         make(plan);
         ASSERT_LT(arm_within(10 * second), 10 * second);
         drive_for(second, {0.3F, 0});

@@ -9,12 +9,20 @@ import tempfile
 import xml.etree.ElementTree as ElementTree
 from collections import defaultdict
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 DISSECTOR = ROOT / "wireshark" / "roburoc4.lua"
 RAW_IP, ETHERNET, UPPER_PDU = 101, 1, 252
 CLIENT, ROBOT = (b"\xc0\xa8\x00\x0a", 40000), (b"\xc0\xa8\x00\x02", 60000)
 IP_UDP, IP_ICMP = 17, 1
+
+CAPTURE = "capture.pcapng"
+NOBODY = 65534
+# Wireshark 4.4 runs no Lua scripts for root.
+USER: dict[str, Any] = (
+    {"user": NOBODY, "group": NOBODY, "extra_groups": []} if os.geteuid() == 0 else {}
+)
 
 Packet = dict[str, list[str]]
 """What tshark shows of a packet: values by the name of the field, and its experts' names."""
@@ -88,19 +96,25 @@ def upper_pdu(data: bytes) -> bytes:
     return struct.pack(">HH", 12, len(name)) + name + struct.pack(">HH", 0, 0) + data
 
 
-def run(*arguments: str) -> str:
-    """What tshark prints; fails if tshark or a Lua script does."""
+def run(*arguments: str, capture: bytes = b"") -> str:
+    """What tshark prints, of a capture named CAPTURE; fails if tshark or a Lua script does."""
     with tempfile.TemporaryDirectory() as home:
         plugins = Path(home) / ".local" / "lib" / "wireshark" / "plugins"
         plugins.mkdir(parents=True)
         shutil.copy(DISSECTOR, plugins)
+        Path(home, CAPTURE).write_bytes(capture)
+        if USER:
+            for path in (Path(home), *Path(home).rglob("*")):
+                os.chown(path, NOBODY, NOBODY)
         done = subprocess.run(
             ["tshark", *arguments],
+            cwd=home,
             env={**os.environ, "HOME": home, "XDG_CONFIG_HOME": home, "LC_ALL": "C.UTF-8"},
             capture_output=True,
             check=False,
             text=True,
             errors="replace",
+            **USER,
         )
     assert done.returncode == 0, done.stderr
     assert "Lua" not in done.stderr, done.stderr
@@ -109,10 +123,7 @@ def run(*arguments: str) -> str:
 
 def read(capture: bytes, *options: str) -> str:
     """What tshark prints of a capture."""
-    with tempfile.NamedTemporaryFile(suffix=".pcapng") as file:
-        file.write(capture)
-        file.flush()
-        text = run("-r", file.name, *options)
+    text = run("-r", CAPTURE, *options, capture=capture)
     at = text.find("Lua Error")
     assert at < 0, text[at : at + 1000]
     return text

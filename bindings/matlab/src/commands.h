@@ -81,7 +81,7 @@ typedef struct command {
 /* Arguments, for the tables. NONE: a command has none. */
 #define NONE {NULL, TAKE_NUMBER, 0, 0}
 #define WITHIN(name, least, most) {name, TAKE_RANGE, least, most}
-#define SPEED(name) {name, TAKE_SPEED, -1e6, 1e6} /* beyond any robot, and well within a float */
+#define SPEED(name) {name, TAKE_SPEED, -1e30, 1e30} /* a float; drive() refuses most of it */
 #define WHOLE(name, least, most) {name, TAKE_WHOLE, least, most}
 #define ANY_NUMBER(name) {name, TAKE_NUMBER, 0, 0}
 #define SWITCH(name) {name, TAKE_WHOLE, 0, 1}

@@ -21,7 +21,7 @@ static const struct {
     {ROBUROC4_ERR_RESERVED, FAIL_ARGUMENT}, {ROBUROC4_ERR_NOT_FINITE, FAIL_ARGUMENT},
     {ROBUROC4_ERR_TIMEOUT, FAIL_TIMEOUT},   {ROBUROC4_ERR_SYSTEM, FAIL_NETWORK},
     {ROBUROC4_ERR_RESOLVE, FAIL_NETWORK},   {ROBUROC4_ERR_CLOSED, FAIL_CLOSED},
-    {ROBUROC4_ERR_LIMITS, FAIL_LIMIT},
+    {ROBUROC4_ERR_LIMITS, FAIL_LIMIT},      {ROBUROC4_ERR_UNITS, FAIL_ARGUMENT},
 };
 
 static const char *id_of(roburoc4_result result) {
@@ -30,8 +30,8 @@ static const char *id_of(roburoc4_result result) {
             return ids[i].id;
         }
     }
-    return result <= ROBUROC4_ERR_DISARMED && result >= ROBUROC4_ERR_INHIBITED ? FAIL_NOT_ARMED
-                                                                               : FAIL_PROTOCOL;
+    return result <= ROBUROC4_ERR_DISARMED && result >= ROBUROC4_ERR_NOT_SUBSCRIBED ? FAIL_NOT_ARMED
+                                                                                    : FAIL_PROTOCOL;
 }
 
 int fail(const char *id, const char *format, ...) {
@@ -61,7 +61,10 @@ void fail_raise(void) {
 /* ------------------------------------------------------------------------------ arguments --- */
 
 int take_number(const mxArray *value, const char *name, double *out) {
-    if (!(mxIsNumeric(value) || mxIsLogical(value)) || mxIsComplex(value) || mxIsSparse(value) ||
+    if (mxIsComplex(value)) {
+        return fail(FAIL_ARGUMENT, "%s: this is a complex number; give one real number", name);
+    }
+    if (!(mxIsNumeric(value) || mxIsLogical(value)) || mxIsSparse(value) ||
         mxGetNumberOfElements(value) != 1) {
         return fail(FAIL_ARGUMENT, "%s: this is %s of %lu elements; give one real number", name,
                     mxGetClassName(value), (unsigned long)mxGetNumberOfElements(value));
@@ -75,7 +78,9 @@ int take_range(const mxArray *value, const char *name, double least, double most
     if (!take_number(value, name, &number)) {
         return 0;
     }
-    /* NaN fails both comparisons. */
+    if (number != number) {
+        return fail(FAIL_ARGUMENT, "%s: this is NaN; give a number", name);
+    }
     if (!(number >= least && number <= most)) {
         return fail(FAIL_ARGUMENT, "%s: %g is out of range; give %.10g to %.10g", name, number,
                     least, most);

@@ -23,6 +23,7 @@
 #define FAIL_ARGUMENT "roburoc4:badArgument"
 #define FAIL_CLOSED "roburoc4:closed"
 #define FAIL_LIMIT "roburoc4:limit"
+#define FAIL_MOVE "roburoc4:moveEnded"
 #define FAIL_NETWORK "roburoc4:network"
 #define FAIL_NOT_ARMED "roburoc4:notArmed"
 #define FAIL_PROTOCOL "roburoc4:protocol"
@@ -95,7 +96,7 @@ typedef struct field {
 
 /* -------------------------------------------------------------------------------- answers --- */
 
-#define ANSWER_FIELDS 64
+#define ANSWER_FIELDS 128
 
 /** A scalar struct for MATLAB, built field by field, with at most ANSWER_FIELDS. count 0: empty. */
 typedef struct answer {

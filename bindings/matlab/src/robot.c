@@ -80,7 +80,7 @@ void robot_close(void *closed) {
     robot *r = closed;
     handles_remove(r);
     if (r->world != NULL) {
-        (void)robot_disarm(r);
+        (void)robot_leave(r);
         simulation_part(r->world, r->pump);
     }
     roburoc4_pump_destroy(r->pump);
@@ -90,12 +90,12 @@ void robot_close(void *closed) {
     free(r);
 }
 
-static void disarm(void *r) {
-    (void)robot_disarm(r);
+static void leave(void *r) {
+    (void)robot_leave(r);
 }
 
 void robots_close(void) {
-    handles_each(HANDLE_ROBOT, disarm);
+    handles_each(HANDLE_ROBOT, leave);
     handles_each(HANDLE_ROBOT, robot_close);
 }
 
@@ -159,12 +159,14 @@ roburoc4_facts client_facts(const roburoc4_client *client, uint64_t now_us) {
     return facts;
 }
 
-int robot_disarm(robot *r) {
+int robot_leave(robot *r) {
     uint64_t now_us;
     int stopping = 0;
     if (robot_is_open(r)) {
         roburoc4_client *client = robot_lock(r, &now_us);
-        (void)roburoc4_client_stop(client, now_us);
+        if (client_facts(client, now_us).driving) {
+            (void)roburoc4_client_stop(client, now_us);
+        }
         stopping = client_facts(client, now_us).stopping;
         robot_unlock(r);
     }

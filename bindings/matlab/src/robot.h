@@ -35,7 +35,7 @@ typedef struct robot_settings {
  * noting the error; an absent robot is not an error. */
 double robot_open(const char *address, simulation *world, const robot_settings *settings);
 /** End the link of a robot, and free it. In real time it waits until the stop sequence is over: see
- * robot_disarm(). */
+ * robot_leave(). */
 void robot_close(void *closed);
 /** Close all of them; their stop sequences run in parallel. */
 void robots_close(void);
@@ -61,7 +61,8 @@ void robot_unlock(robot *r);
 void robot_wait(robot *r, uint32_t duration_us, const roburoc4_pump_reader *reader);
 
 roburoc4_facts client_facts(const roburoc4_client *client, uint64_t now_us);
-/** If it is open; whether a stop sequence runs then. */
-int robot_disarm(robot *r);
+/** Stop it if this object drives it: one that only reads commands nothing. Whether a stop sequence
+ * runs then. */
+int robot_leave(robot *r);
 
 #endif

@@ -25,14 +25,14 @@ static int arm(call *in) {
            done("not armed", result);
 }
 
-/* disarm(id) */
-static int disarm(call *in) {
-    return done("disarm", roburoc4_client_disarm(in->client, in->now_us));
-}
-
-/* stop(id) */
+/* stop(id): and disarm */
 static int stop(call *in) {
     return done("stop", roburoc4_client_stop(in->client, in->now_us));
+}
+
+/* pause(id): stop, and stay armed */
+static int pause_driving(call *in) {
+    return done("pause", roburoc4_client_pause(in->client, in->now_us));
 }
 
 /* drive(id, linear_m_s, angular_rad_s): how many seconds it lasts */
@@ -42,13 +42,26 @@ static int drive(call *in) {
                                                      (float)in->numbers[1], 0, in->now_us));
 }
 
+/* renew(id, linear_m_s, angular_rad_s): likewise, if the last lease still runs */
+static int renew(call *in) {
+    const roburoc4_facts facts = client_facts(in->client, in->now_us);
+    if (facts.armed && !facts.driving) {
+        return facts.lapsed ? done("not driving", ROBUROC4_ERR_LAPSED)
+                            : fail(FAIL_MOVE, "cancelled: pause was called");
+    }
+    return drive(in);
+}
+
 /* -------------------------------------------------------------------- outputs and the pose --- */
 
 static int done_output(const call *in, const char *type, roburoc4_result result) {
+    roburoc4_iocard_properties card = {0};
+    (void)roburoc4_client_iocard_properties(in->client, &card);
     if (result == ROBUROC4_ERR_INDEX) {
-        return fail(FAIL_ARGUMENT,
-                    "the robot has no %s output %g; the first is 0, and info has their number",
-                    type, in->numbers[0]);
+        const int count = type[0] == 'a' ? card.analog_outputs : card.digital_outputs;
+        return count <= 0 ? fail(FAIL_ARGUMENT, "the robot has no %s outputs", type)
+                          : fail(FAIL_ARGUMENT, "the robot has no %s output %g; give 0 to %d", type,
+                                 in->numbers[0], count - 1);
     }
     return done_unarmed("output", result);
 }
@@ -141,7 +154,7 @@ static int step_move(call *in) {
 static int read_move(call *in) {
     static const char *const names[] = {"running",  "reached",   "override", "bumper",
                                         "obstacle", "inhibited", "lost",     "other_commander",
-                                        "timeout",  "cancelled"};
+                                        "timeout",  "cancelled", "lapsed"};
     static const field figures[] = {
         FIELD(roburoc4_move, distance_m, FLOAT), FIELD(roburoc4_move, angle_rad, FLOAT),
         FIELD(roburoc4_move, remaining_m, FLOAT), FIELD(roburoc4_move, remaining_rad, FLOAT)};
@@ -158,9 +171,10 @@ static int read_move(call *in) {
 
 const command robot_drive_commands[] = {
     {"drive", CONTROL_ROBOT, NUMBER, drive, {SPEED("linear speed"), SPEED("angular speed")}},
+    {"renew", CONTROL_ROBOT, NUMBER, renew, {SPEED("linear speed"), SPEED("angular speed")}},
     {"arm", CONTROL_ROBOT, FLAG, arm, {SWITCH("last_try")}},
-    {"disarm", CONTROL_ROBOT, NOTHING, disarm, {NONE}},
     {"stop", CONTROL_ROBOT, NOTHING, stop, {NONE}},
+    {"pause", CONTROL_ROBOT, NOTHING, pause_driving, {NONE}},
     {"digital", CONTROL_ROBOT, NOTHING, set_digital, {OUTPUT, SWITCH("on")}},
     {"analog", CONTROL_ROBOT, NOTHING, set_analog, {OUTPUT, FINITE("value")}},
     {"relocalize", CONTROL_ROBOT, NOTHING, relocalize, {FINITE("x"), FINITE("y"), FINITE("theta")}},

@@ -23,9 +23,9 @@ static int close_one(call *in) {
     return 1;
 }
 
-/* leave(id): disarm; true while the stop sequence runs */
+/* leave(id): stop the robot if this object drives it; true while the stop sequence runs */
 static int leave(call *in) {
-    in->number = robot_disarm(in->object);
+    in->number = robot_leave(in->object);
     return 1;
 }
 
@@ -33,6 +33,20 @@ static int leave(call *in) {
 
 static void add_count(call *in, const char *name, uint32_t counter) {
     answer_number(&in->out, name, roburoc4_client_count(in->client, counter));
+}
+
+/* Whether each service that was subscribed to has sent a status, unless it never will. */
+static int has_data(const call *in) {
+    const roburoc4_facts facts = client_facts(in->client, in->now_us);
+    roburoc4_service_link link = {.size = sizeof link};
+    for (uint32_t service = FIRST_SERVICE; service < ROBUROC4_SERVICE_COUNT; service++) {
+        (void)roburoc4_client_service_link(in->client, service, in->now_us, &link);
+        if (link.subscribed && (facts.missing >> service & 1u) == 0 &&
+            facts.age_us[service] == UINT32_MAX) {
+            return 0;
+        }
+    }
+    return 1;
 }
 
 /* progress(id): the progress of a robot that is not ready */
@@ -49,6 +63,7 @@ static int read_progress(call *in) {
     (void)roburoc4_client_link(in->client, in->now_us, &link);
     answer_flag(&in->out, "ready", state == ROBUROC4_STATE_READY);
     answer_number(&in->out, "step", state <= ROBUROC4_STATE_READY ? state : 0);
+    answer_flag(&in->out, "data", has_data(in));
     answer_add(&in->out, "state", make_text(roburoc4_name(ROBUROC4_NAME_STATE, state)));
     answer_add(&in->out, "address", make_text(address[0] != '\0' ? address : "the simulator"));
     answer_number(&in->out, "time_s", answer_time(&in->out, in->now_us));

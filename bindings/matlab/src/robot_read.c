@@ -12,19 +12,49 @@
 
 /* clang-format off */
 static const field facts_fields[] = {
-    FACT(armed), FACT(driving), FACT(stopping), FACT(override_known), FACT(overridden),
-    FACT(other_commander), FACT(inhibited), FACT(front_bumper), FACT(rear_bumper),
-    FACT(battery_low), FIELD(roburoc4_facts, disarm_cause, INT),
+    FACT(armed), FACT(driving), FACT(lapsed), FACT(stopping), FACT(other_commander),
+    FACT(inhibited), FIELD(roburoc4_facts, disarm_cause, INT),
 };
 /* clang-format on */
 static const field robot_cycles = FIELD(roburoc4_sample, robot_cycles, CYCLES);
 
-/* How old a status is; Inf before the first. */
-static double age_s(const roburoc4_sample *latest, uint64_t now_us) {
-    if (latest->host_us == 0) {
-        return mxGetInf();
+/* 1 or 0, or NaN where it is not known: as a condition that is an error. */
+static void add_switch(answer *out, const char *name, int known, int on) {
+    answer_number(out, name, known ? on : mxGetNaN());
+}
+
+static void add_switches(answer *out, const roburoc4_facts *facts) {
+    add_switch(out, "overridden", facts->override_known, facts->overridden);
+    add_switch(out, "front_bumper", facts->front_bumper_known, facts->front_bumper);
+    add_switch(out, "rear_bumper", facts->rear_bumper_known, facts->rear_bumper);
+    add_switch(out, "battery_low", facts->battery_known, facts->battery_low);
+}
+
+static void add_texts(answer *out, const roburoc4_facts *facts) {
+    static const char *const outcomes[] = {"none", "running", "confirmed", "timed out",
+                                           "overridden"};
+    const char *why = facts->armed ? "" : roburoc4_result_text(facts->disarm_cause);
+    answer_add(out, "disarm_text", make_text(why));
+    answer_add(out, "stop_outcome", make_text(outcomes[facts->stop_outcome]));
+}
+
+/* The names of the services that were to be subscribed to and send nothing, apart by spaces. */
+static void add_missing(answer *out, uint32_t missing) {
+    static const char *const names[SERVICES] = {"iocard", "telemeter", "battery", "localization",
+                                                "differential"};
+    char text[64] = "";
+    for (uint32_t i = 0; i < SERVICES; i++) {
+        if ((missing >> (FIRST_SERVICE + i) & 1u) != 0) {
+            (void)strcat(strcat(text, text[0] != '\0' ? " " : ""), names[i]);
+        }
     }
-    return now_us > latest->host_us ? (double)(now_us - latest->host_us) / 1e6 : 0.0;
+    answer_add(out, "missing", make_text(text));
+}
+
+/* How old a status can be at most; Inf without one, or if it is from before the robot was found. */
+static double age_s(const roburoc4_facts *facts, uint32_t service) {
+    const uint32_t age_us = facts->age_us[service];
+    return age_us == UINT32_MAX ? mxGetInf() : age_us / 1e6;
 }
 
 /* status(id) */
@@ -36,12 +66,15 @@ static int read_status(call *in) {
     answer_number(&in->out, "time_s", answer_time(&in->out, in->now_us));
     answer_flag(&in->out, "ready", facts.state == ROBUROC4_STATE_READY);
     answer_fields(&in->out, facts_fields, COUNT_OF(facts_fields), &facts);
+    add_texts(&in->out, &facts);
+    add_switches(&in->out, &facts);
+    add_missing(&in->out, facts.missing);
     for (uint32_t i = 0; i < SERVICES; i++) {
         (void)roburoc4_sample_latest(in->client, FIRST_SERVICE + i, &latest);
         if (FIRST_SERVICE + i != ROBUROC4_SERVICE_IOCARD) {
             sample_values(&in->out, &latest);
         }
-        answer_number(&in->out, ages[i], age_s(&latest, in->now_us));
+        answer_number(&in->out, ages[i], age_s(&facts, FIRST_SERVICE + i));
         newest = latest.robot_cycles > newest.robot_cycles ? latest : newest;
     }
     answer_fields(&in->out, &robot_cycles, 1, &newest);
@@ -52,10 +85,10 @@ static int read_status(call *in) {
  * of a struct. All NaN where it is older than fresh_ms. */
 static int read_row(call *in, uint32_t service, const field *fields, size_t count) {
     double *row = make_row(&in->results[0], count);
+    const roburoc4_facts facts = client_facts(in->client, in->now_us);
+    const int fresh = facts.age_us[service] < ((const robot *)in->object)->fresh_us;
     roburoc4_sample latest;
-    int fresh;
     (void)roburoc4_sample_latest(in->client, service, &latest);
-    fresh = age_s(&latest, in->now_us) < ((const robot *)in->object)->fresh_us / 1e6;
     for (size_t i = 0; i < count; i++) {
         row[i] = fresh ? field_number(&in->out, &fields[i], &latest, 0) : mxGetNaN();
     }
@@ -232,6 +265,7 @@ static int find_channel(call *in) {
 
 /* inputs(id): the latest values */
 static int read_inputs(call *in) {
+    const roburoc4_facts facts = client_facts(in->client, in->now_us);
     roburoc4_sample sample;
     if (roburoc4_sample_latest(in->client, ROBUROC4_SERVICE_IOCARD, &sample) < 0) {
         return fail(FAIL_PROTOCOL,
@@ -239,6 +273,7 @@ static int read_inputs(call *in) {
     }
     answer_fields(&in->out, &robot_cycles, 1, &sample);
     sample_values(&in->out, &sample);
+    answer_number(&in->out, "age_s", age_s(&facts, ROBUROC4_SERVICE_IOCARD));
     return 1;
 }
 

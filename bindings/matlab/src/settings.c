@@ -24,7 +24,8 @@
 /* clang-format off */
 static const field settings[] = {
     WHOLE_OF(first_retry_ms), WHOLE_OF(lost_ms), WHOLE_OF(fresh_ms), WHOLE_OF(drive_period_ms),
-    WHOLE_OF(lease_ms), WHOLE_OF(robot_watchdog_ms),
+    WHOLE_OF(lease_ms), WHOLE_OF(robot_watchdog_ms), WHOLE_OF(lapse_disarm_ms),
+    FIELD(roburoc4_config, iocard_id, INT), FIELD(roburoc4_config, differential_id, INT),
     FLOAT_OF(max_linear_m_s), FLOAT_OF(max_angular_rad_s), FLOAT_OF(scale_linear),
     FLOAT_OF(scale_angular),
     PERIOD("iocard_period_ms", IOCARD), PERIOD("telemeter_period_ms", TELEMETER),
@@ -40,8 +41,9 @@ static const field settings[] = {
 
 static int store(const field *to, void *at, const mxArray *value) {
     const int is_float = to->type == FIELD_FLOAT, is_short = to->size == sizeof(int16_t);
-    const double least = is_float ? -1e30 : to->type == FIELD_INT ? INT16_MIN : 0;
-    const double most = is_float ? 1e30 : is_short ? INT16_MAX : UINT32_MAX;
+    const int is_signed = to->type == FIELD_INT;
+    const double least = is_float ? -1e30 : is_signed ? INT16_MIN : 0;
+    const double most = is_float ? 1e30 : is_short ? INT16_MAX : is_signed ? INT32_MAX : UINT32_MAX;
     uint32_t *whole = at;
     double number = 0.0;
     if (!(is_float ? take_range : take_whole)(value, to->name, least,
@@ -52,6 +54,8 @@ static int store(const field *to, void *at, const mxArray *value) {
         *(float *)at = (float)number;
     } else if (is_short) {
         *(int16_t *)at = (int16_t)number;
+    } else if (is_signed) {
+        *(int32_t *)at = (int32_t)number;
     } else if (to->type == FIELD_UINT) {
         *whole = (uint32_t)number;
     } else {
@@ -85,6 +89,9 @@ static void drop_unwanted(roburoc4_config *config) {
 
 static int take_sim_setting(void *config, const char *name, const mxArray *value) {
     double number;
+    if (strcmp(name, "family") == 0) { /* before all others: settings_of_simulator() */
+        return 1;
+    }
     return take_number(value, name, &number) &&
            (sim_config_set(config, name, number) >= 0 ||
             fail(FAIL_ARGUMENT, "%s: %g does not fit; see roburoc4_sim_config in roburoc4_sim.h",
@@ -124,13 +131,24 @@ int settings_of_robot(const mxArray *options, roburoc4_config *out) {
 }
 
 int settings_of_simulator(const mxArray *options, roburoc4_sim_config *out) {
+    const mxArray *family = mxIsStruct(options) ? mxGetField(options, 0, "family") : NULL;
+    double seed = 0.0;
     (void)roburoc4_sim_config_init(out, sizeof *out);
+    if (family != NULL) {
+        if (!take_whole(family, "family", 0, 9007199254740992.0, &seed)) {
+            return 0;
+        }
+        (void)roburoc4_sim_config_family(out, sizeof *out, (uint64_t)seed);
+    }
     return take_all(options, out, take_sim_setting) && check(roburoc4_sim_config_error(out));
 }
 
 /* options(simulated): a struct whose fields are the names of a simulator's or a robot's options */
 static int list_options(call *in) {
     const char *name;
+    if (in->numbers[0] != 0.0) {
+        answer_flag(&in->out, "family", 1);
+    }
     for (uint32_t i = 0; in->numbers[0] != 0.0 && (name = sim_config_name(i)) != NULL; i++) {
         answer_flag(&in->out, name, 1);
     }

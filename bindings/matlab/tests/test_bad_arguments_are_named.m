@@ -8,7 +8,7 @@ r.arm();
 id = r.id;
 
 % Both the .m files and the MEX file refuse.
-calls = {@() r.drive(NaN, 0), @() r.drive(0, Inf), @() r.drive('a', 0), @() r.drive([1 2], 0), @() r.drive(true, 0), ...
+calls = {@() r.drive(300, 0), @() r.drive(0, 45), @() r.drive(-1e12, 0), @() r.drive(NaN, 0), @() r.drive(0, Inf), @() r.drive('a', 0), @() r.drive([1 2], 0), @() r.drive(true, 0), ...
     @() r.drive(1), @() r.drive(1i, 0), @() r.drive({}, 0), @() r.drive([], 0), ...
     @() r.driveFor(0.1, 0), @() r.driveFor(0.1, 0, NaN), @() r.driveFor(0.1, 0, -1), ...
     @() r.driveFor('x', 0, 1), @() r.sleep('a'), @() r.sleep(-1), @() r.sleep(Inf), ...
@@ -59,6 +59,17 @@ try
 catch problem
     check(strncmp(problem.message, 'linear speed: ', 14), '%s', problem.message);
 end
+
+names_it('linear speed: this is a complex number', @() r.drive(1i, 0));
+names_it('seconds: this is NaN', @() r.sleep(NaN));
+names_it('distance or x: this is NaN', @() r.move(NaN));
+names_it('angle: 90 is more than one turn; give radians', @() r.turn(90));
+names_it('theta: -90 is more than one turn; give radians', @() r.goTo(1, 0, -90));
+names_it('the robot has no analog outputs', @() r.setAnalogOutput(0, 1));
+names_it('the robot has no digital output 8; give 0 to 7', @() r.setOutput(8, true));
+names_it('give m/s and rad/s', @() r.drive(300, 0));
+names_it('give m/s and rad/s', @() r.driveFor(0, 45, 1));
+names_it('give m/s and rad/s', @() r.drive(-1e9, 0));
 
 % A misspelt option is named, and what is allowed.
 names_it('did you mean ''timeout''?', @() roburoc4.Robot('127.0.0.1', 'Timout', 5));

@@ -24,7 +24,7 @@ delete(r);
 for attempt = 1:2
     dead = {@() r.status, @() r.drive(0, 0), @() r.stop(), @() r.arm(), @() r.sleep(0.1), ...
         @() r.record(0.1), @() r.log([tempname() '.mat']), @() r.inputs('x'), @() r.pose, ...
-        @() r.driveFor(0.1, 0, 1), @() r.disarm(), @() r.relocalize(0, 0, 0), @() r.rate(10)};
+        @() r.driveFor(0.1, 0, 1), @() r.pause(), @() r.relocalize(0, 0, 0), @() r.rate(10)};
     for k = 1:numel(dead)
         check_raises(dead_id, dead{k});
     end

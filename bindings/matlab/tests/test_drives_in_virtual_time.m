@@ -18,9 +18,9 @@ check(sim.state.target_linear_m_s == 0.5, 'the lease ended early');
 sim.step(0.2);
 check(sim.state.target_linear_m_s == 0, 'the lease did not end');
 
-% Speeds are clamped; disarm and the game pad stop.
+% Speeds are clamped; stop and the game pad stop.
 fast = sim.connect('max_linear_m_s', 0.3);
-r.disarm();
+r.stop();
 sim.step(3);
 fast.arm();
 fast.drive(2, 0);

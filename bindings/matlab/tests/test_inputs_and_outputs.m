@@ -30,7 +30,7 @@ r.unsubscribe('localization');
 r.relocalize(1, -2, 0.5); % nobody waits for a pose that was not asked for
 r.subscribe('localization', 50);
 sim.set('battery_percent', 10);
-wait_for(r, @() r.status.battery_low);
+wait_for(r, @() r.status.battery_low == 1);
 sim.set('estop_local', true);
 wait_for(r, @() ~sim.state.motors_enabled);
 sim.set('estop_local', false);

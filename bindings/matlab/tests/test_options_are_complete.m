@@ -27,6 +27,11 @@ sim = roburoc4.Simulator('seed', 2, 'start_x_m', 1, 'start_y_m', 2, 'start_theta
 check(sim.state.true_y_m == 2 && sim.state.true_theta_rad == 3, 'start');
 delete(sim);
 
+sim = roburoc4.Simulator('iocard_id', 12, 'family', 4);
+check(isnan(sim.state.distances_m(1)), 'this member of the family has no telemeter');
+delete(sim);
+refused('family', @() roburoc4.Simulator('family', -1));
+
 sim = roburoc4.Simulator('as_manual', true);
 check(sim.get('motor_button') == 0, 'as the manual says, nobody has pressed the button yet');
 sim.set('motor_button', true);

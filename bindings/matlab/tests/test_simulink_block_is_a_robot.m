@@ -11,8 +11,8 @@ text = fileread(fullfile(toolbox, '+roburoc4', 'System.m'));
 documented = fullfile(here, 'documented', 'system.txt');
 check_interface(text, documented);
 wrong = {'getNumInputsImpl(~)', 'getNumInputs(~)'; 'outputImpl(this, ~, ~, ~)', 'outputImpl(this)'; ...
-    'state] = isOutputComplexImpl', 'state, more] = isOutputComplexImpl'; ...
-    'count = 3;', 'count = 2;'; 'releaseImpl', 'endImpl'};
+    'bumpers] = isOutputComplexImpl', 'bumpers, more] = isOutputComplexImpl'; ...
+    'count = 3;', 'count = 2;'; 'count = 6;', 'count = 5;'; 'releaseImpl', 'endImpl'};
 for k = 1:size(wrong, 1)
     check_raises('roburoc4:check', @() check_interface(strrep(text, wrong{k, :}), documented));
 end
@@ -35,16 +35,16 @@ addpath(folder, fullfile(here, 'simulink'));
 
 % An hour of the model takes no hour, and the block's outputs have their documented form.
 s = published_system('max_linear_m_s', 0.4);
-[pose, speeds, battery_percent, state] = s.step(0.3, 0, false);
-outputs = {pose, speeds, battery_percent, state};
-[sizes{1:4}] = s.getOutputSizeImpl();
-[types{1:4}] = s.getOutputDataTypeImpl();
-for k = 1:4
+[outputs{1:6}] = s.step(0.3, 0, false);
+[sizes{1:6}] = s.getOutputSizeImpl();
+[types{1:6}] = s.getOutputDataTypeImpl();
+for k = 1:6
     check(isequal(size(outputs{k}), sizes{k}) && isa(outputs{k}, types{k}), 'output %d', k);
 end
 for k = 1:40
-    [pose, speeds, battery_percent, state] = s.step(0.5, 0, true);
+    [pose, speeds, battery_percent, state, distances_m, bumpers] = s.step(0.5, 0, true);
 end
+check(all(distances_m > 0) && isequal(bumpers, [0 0]), 'telemeters and bumpers');
 check(abs(speeds(1) - 0.4) < 0.02, 'limited to 0.4 m/s: %g m/s', speeds(1));
 check(pose(1) > 0.4 && pose(1) < 0.8, 'it came %g m far', pose(1));
 check(isequal(state, [true true false false]) && battery_percent > 50, 'state');

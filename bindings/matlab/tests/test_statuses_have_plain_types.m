@@ -43,9 +43,9 @@ check(isstruct(s) && isscalar(s), 'not a scalar struct');
 names = fieldnames(s);
 for k = 1:numel(names)
     value = s.(names{k});
-    kinds = {'double', 'logical', 'uint8', 'uint64'};
+    kinds = {'double', 'logical', 'uint8', 'uint64', 'char'};
     check(any(strcmp(class(value), kinds)), '%s is %s', names{k}, class(value));
-    check(size(value, 1) == 1, '%s is no row', names{k});
+    check(size(value, 1) == 1 || isempty(value), '%s is no row', names{k});
     check(~isa(value, 'uint64') || strcmp(names{k}, 'robot_cycles'), '%s is uint64', names{k});
 end
 end

@@ -343,7 +343,7 @@ PyObject *read_samples(connection *c, roburoc4_pump_reader *reader, uint32_t mas
 
 /* ------------------------------------------------------------------------------------ moves --- */
 
-PyObject *renew_drive(connection *c, float linear_m_s, float angular_rad_s, uint32_t stops) {
+PyObject *renew_drive(connection *c, float linear_m_s, float angular_rad_s) {
     roburoc4_client *client = connection_enter(c, 1);
     roburoc4_facts facts;
     roburoc4_result result = ROBUROC4_OK;
@@ -352,7 +352,7 @@ PyObject *renew_drive(connection *c, float linear_m_s, float angular_rad_s, uint
         return NULL;
     }
     (void)roburoc4_client_facts(client, connection_entered_us(), ROBUROC4_SIZED(&facts));
-    renewed = !facts.armed || facts.stops == stops;
+    renewed = !facts.armed || facts.driving;
     if (renewed) {
         result =
             roburoc4_client_drive(client, linear_m_s, angular_rad_s, 0, connection_entered_us());

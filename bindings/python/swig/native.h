@@ -117,11 +117,14 @@ PyObject *connection_play(connection *c, const uint8_t *data, size_t size, uint6
 PyObject *read_samples(connection *c, roburoc4_pump_reader *reader, uint32_t mask);
 /* One step of a move, and the drive command that it proposes; ROBUROC4_MOVE_*. */
 PyObject *move_step(connection *c, roburoc4_move *move);
-/* roburoc4_client_drive() and True; or nothing and False, if the facts' `stops` has changed. */
-PyObject *renew_drive(connection *c, float linear_m_s, float angular_rad_s, uint32_t stops);
+/* roburoc4_client_drive() and True; or nothing and False, if the lease has ended and the client is
+ * still armed. */
+PyObject *renew_drive(connection *c, float linear_m_s, float angular_rad_s);
 
 /* ---- what any robot answers (simulator.c) ---- */
 
+/* Make the configuration that of a member of the family. */
+void draw_family(roburoc4_sim_config *config, uint64_t seed);
 /* The answer of a factory-new RobuROC4 to a request; its length, or 0 if it does not answer. */
 roburoc4_result usual_answer(const uint8_t *data, size_t size, uint8_t *buffer, size_t capacity);
 

@@ -38,6 +38,7 @@ static const field all_fields[] = {
 
 typedef struct column {
     const field *field;
+    const field *known; /* a flag: 0 makes the value None; or NULL */
     PyObject *meanings; /* a dict: what Python has for some of the numbers; or None */
 } column;
 
@@ -81,13 +82,14 @@ PyObject *register_record(const char *structure, PyObject *type, PyObject *membe
     }
     for (i = 0; i < count; i++) {
         column *made = &record->columns[i];
-        const char *name;
-        if (!PyArg_ParseTuple(PyList_GetItem(members, i), "sO", &name, &made->meanings)) {
+        const char *name, *known;
+        if (!PyArg_ParseTuple(PyList_GetItem(members, i), "szO", &name, &known, &made->meanings)) {
             return NULL;
         }
         Py_INCREF(made->meanings);
         made->field = find_field(structure, name);
-        if (made->field == NULL) {
+        made->known = known != NULL ? find_field(structure, known) : NULL;
+        if (made->field == NULL || (known != NULL && made->known == NULL)) {
             return NULL;
         }
     }
@@ -167,8 +169,11 @@ static PyObject *plain_value_of(const field *f, const void *at) {
 }
 
 static PyObject *value_of(const column *column, const void *structure) {
-    PyObject *meaning = NULL;
-    PyObject *value =
+    PyObject *meaning = NULL, *value;
+    if (column->known != NULL && ((const uint8_t *)structure)[column->known->offset] == 0) {
+        Py_RETURN_NONE;
+    }
+    value =
         plain_value_of(column->field, (const uint8_t *)structure + column->field->offset);
     if (value != NULL && column->meanings != Py_None) {
         meaning = PyDict_GetItemWithError(column->meanings, value);

@@ -19,3 +19,7 @@ roburoc4_result usual_answer(const uint8_t *data, size_t size, uint8_t *buffer, 
     roburoc4_sim_destroy(sim);
     return length;
 }
+
+void draw_family(roburoc4_sim_config *config, uint64_t seed) {
+    (void)roburoc4_sim_config_family(config, sizeof *config, seed);
+}

@@ -291,6 +291,7 @@ roburoc4_result TYPE##_##MEMBER##_set(TYPE *settings, uint32_t index, ITEM value
 ROBUROC4_ARRAY(roburoc4_config, period_ms, uint16_t)
 ROBUROC4_ARRAY(roburoc4_config, role_index, int16_t)
 ROBUROC4_ARRAY(roburoc4_sim_config, service_ids, uint16_t)
+ROBUROC4_ARRAY(roburoc4_sim_config, service_types, uint16_t)
 ROBUROC4_ARRAY(gate_rules, enabled, bool)
 
 /* ---- the gate of bridges ---- */

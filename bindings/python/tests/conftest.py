@@ -12,7 +12,9 @@ import hypothesis
 import pytest
 
 import roburoc4
-from roburoc4 import _native
+from roburoc4 import _native, pump, udp
+from roburoc4.connection import open_host
+from roburoc4.settings import Settings
 
 pytest_plugins = ["pytester"]
 
@@ -27,26 +29,26 @@ hypothesis.settings.load_profile("roburoc4")
 
 
 @pytest.fixture(autouse=True, scope="session")
-def _programs_are_patient() -> None:
-    """See patience/sitecustomize.py."""
+def _clients_are_patient() -> Iterator[None]:
+    """See patience/sitecustomize.py: in programs that tests start, and in this process.
+
+    Not in virtual time, where no machine is too slow.
+    """
     os.environ["PYTHONPATH"] = str(Path(__file__).resolve().parent / "patience")
 
+    def open_patiently(
+        host: str, threaded: bool, settings: Settings
+    ) -> "tuple[_native.Connection, str]":
+        return open_host(host, threaded, {"fresh_ms": 1000, **settings})
 
-@pytest.fixture
-def patient(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Robots in this process are as patient as those of the programs that it starts."""
-    new_config = _native.new_config
-
-    def patient_config() -> "_native.Config":
-        config = new_config()
-        _native.roburoc4_config_fresh_ms_set(config, 1000)
-        return config
-
-    monkeypatch.setattr(_native, "new_config", patient_config)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(pump, "open_host", open_patiently)
+        patch.setattr(udp, "open_host", open_patiently)
+        yield
 
 
 @pytest.fixture
-def served(patient: None) -> Iterator[roburoc4.Simulator]:
+def served() -> Iterator[roburoc4.Simulator]:
     """A simulator in real time; its clock is that of time.monotonic()."""
     with roburoc4.Simulator(port=0) as simulator:
         yield simulator
@@ -80,6 +82,14 @@ def until(condition: Callable[[], object], seconds: float = LONG_S) -> None:
     while not condition():
         assert time.monotonic() < end, "it never became true"
         time.sleep(0.001)
+
+
+def size_of(path: Path) -> int:
+    """The size of a file; 0 while it is not there, as where it is created once more."""
+    try:
+        return path.stat().st_size
+    except FileNotFoundError:
+        return 0
 
 
 def first_zero_s(simulator: roburoc4.Simulator) -> float:

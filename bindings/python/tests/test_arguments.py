@@ -28,7 +28,7 @@ def test_numbers_of_numpy_and_whole_floats_are_numbers(roburoc4_simulator: Simul
         robot.drive(np.float32(0.1), 0, lease_ms=250.0)  # type: ignore[arg-type]
         robot.drive(np.int32(0), np.float64(0.1), lease_ms=np.uint16(200))
         robot.drive_for(np.float32(0.1), 0, np.float64(0.2))
-        robot.stop()
+        robot.pause()
         robot.subscribe("battery", 100.0)  # type: ignore[arg-type]
         robot.relocalize(np.float32(1), np.int32(0), 0)
         robot.digital_outputs[np.int64(2)] = np.bool_(True)
@@ -69,8 +69,8 @@ Call = Callable[[Robot], object]
         (lambda r: r.move("1"), "distance_m: '1' .* a finite number"),
         (lambda r: r.relocalize(0, float("inf"), 0), "y_m: inf .* a finite number"),
         (lambda r: r.go_to(float("nan"), 0), "x_m: nan .* a finite number"),
-        (lambda r: r.move(1, speed=0), "speed: 0 .* more than 0, up to 100"),
-        (lambda r: r.move(1, speed="a"), "speed: 'a' .* more than 0, up to 100"),
+        (lambda r: r.move(1, speed=0), "speed: 0 .* more than 0, up to 5 m/s"),
+        (lambda r: r.move(1, speed="a"), "speed: 'a' .* more than 0, up to 5 m/s"),
         (lambda r: r.move(1, timeout="a"), "timeout: 'a' .* 0.001 to"),
         (lambda r: r.drive_for("a", 0, 1), "linear_m_s: 'a' .* a finite number"),
         (lambda r: r.digital_outputs[99], "no digital output 99: its 8 are 0 to 7"),

@@ -3,8 +3,10 @@
 
 import errno
 import json
+import select
 import socket
 import subprocess
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -80,7 +82,49 @@ def test_fault_no_statuses() -> None:
     with roburoc4.Simulator(port=0, refused_inserts=1 << 5) as sim:
         found = _verdict(robot=sim.address)
     assert (found["name"], found["exit"]) == ("no statuses", 1)
-    assert "localization" in found["verdict"]["sentence"]
+    assert "the robot refused localization" in found["verdict"]["sentence"]
+    assert (found["refused"], found["other_source"]) == (["localization"], None)
+
+
+@contextmanager
+def _from_another_port(robot: str) -> Iterator[tuple[str, str]]:
+    """Serve a robot whose statuses come from another port; both addresses."""
+    host, _, port = robot.rpartition(":")
+    to_robot: dict[tuple[str, int], socket.socket] = {}
+    ended = threading.Event()
+
+    def relay() -> None:
+        while not ended.is_set():
+            for ready in select.select([front, *to_robot.values()], [], [], 0.1)[0]:
+                if ready is front:
+                    data, client = front.recvfrom(2048)
+                    if client not in to_robot:
+                        to_robot[client] = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+                        to_robot[client].connect((host, int(port)))
+                    to_robot[client].send(data)
+                else:
+                    data = ready.recv(2048)
+                    (client,) = [c for c, upstream in to_robot.items() if upstream is ready]
+                    (other if data[:1] == b"\xff" else front).sendto(data, client)
+
+    with _socket() as front, _socket() as other:
+        thread = threading.Thread(target=relay)
+        thread.start()
+        try:
+            yield tuple(f"127.0.0.1:{s.getsockname()[1]}" for s in (front, other))
+        finally:
+            ended.set()
+            thread.join()
+            for upstream in to_robot.values():
+                upstream.close()
+
+
+def test_fault_statuses_from_another_port() -> None:
+    with roburoc4.Simulator(port=0) as sim, _from_another_port(sim.address) as (robot, other):
+        found = _verdict(robot=robot)
+    assert (found["name"], found["exit"]) == ("no statuses", 1)
+    assert found["other_source"] == other
+    assert f"come from {other} instead of {robot}" in found["verdict"]["sentence"]
 
 
 def test_fault_loss() -> None:

@@ -37,7 +37,9 @@ def test_json_has_every_property_under_its_name_and_unit() -> None:
         "localization",
         "differential",
         "channels",
+        "missing",
     ]
+    assert info["missing"] == []
     assert info["robot"] == sim.address
     assert info["iocard"] == {
         "analog_inputs": 9,
@@ -67,8 +69,7 @@ def test_json_has_every_property_under_its_name_and_unit() -> None:
 
 
 def test_json_lists_services_with_their_ids_and_channels_by_name() -> None:
-    ids = {"iocard": 12, "battery": 3, "telemeter": 40}
-    with roburoc4.Simulator(port=0, service_ids=ids) as sim:
+    with roburoc4.Simulator(port=0, iocard_id=12, battery_id=3, telemeter_id=40) as sim:
         info = document(run("info", "--json", robot=sim.address))
     kinds = {service["kind"]: service["id"] for service in info["services"]}
     assert kinds == {
@@ -76,7 +77,9 @@ def test_json_lists_services_with_their_ids_and_channels_by_name() -> None:
         "notification": 1,
         "localization": 5,
         "differential": 6,
-        **ids,
+        "iocard": 12,
+        "battery": 3,
+        "telemeter": 40,
     }
     for service in info["services"]:
         assert set(service) == {"id", "type", "kind", "name"}

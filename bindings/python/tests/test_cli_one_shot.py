@@ -58,11 +58,21 @@ def test_stop_reports_another_program_that_keeps_driving(seconds: float) -> None
     assert ended in stderr
 
 
+def test_a_stop_under_override_is_not_believed() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        sim.set("pad_a", True)
+        done = run("stop", "--json", robot=sim.address)
+    assert done.returncode == 1
+    assert done.stdout == ""
+    assert "ignores zeros while somebody holds [A]" in one_line(done.stderr)
+
+
 def test_stop_always_sends_a_zero() -> None:
     with roburoc4.Simulator(port=0) as sim:
         assert document(run("stop", "--json", robot=sim.address)) == {
             "robot": sim.address,
             "stopped": True,
+            "outcome": "confirmed",
         }
         assert sim.state.speed_commands > 0
         assert sim.state.nonzero_speed_commands == 0

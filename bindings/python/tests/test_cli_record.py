@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 from cli_support import COMMAND, Terminal, document, environment, one_line, run, start
-from conftest import until
+from conftest import size_of, until
 
 import roburoc4
 from roburoc4.cli.rows import Rows
@@ -223,7 +223,7 @@ def test_a_killed_recording_is_read_up_to_the_last_moment(tmp_path: Path) -> Non
     path = tmp_path / "run.pcapng"
     with roburoc4.Simulator(port=0) as sim:
         process = start("record", str(path), robot=sim.address)
-        until(lambda: path.exists() and path.stat().st_size > 20_000)
+        until(lambda: size_of(path) > 20_000)
         cycles = sim.state.cycles
         until(lambda: list(roburoc4.open_recording(path))[-1].robot_cycles > cycles)
         process.kill()

@@ -158,6 +158,19 @@ def test_space_stops(sim: roburoc4.Simulator) -> None:
     before = sim.state.nonzero_speed_commands
     until(lambda: last_command_is_zero(sim))
     assert sim.state.nonzero_speed_commands - before < 10, "sooner than by letting go"
+    terminal.wait_for("press enter to drive again")
+    before = sim.state.nonzero_speed_commands
+    _hold(terminal, "w", 1.0)
+    assert sim.state.nonzero_speed_commands == before
+    terminal.type("\n")
+
+    def moves_with_a_new_press() -> bool:
+        time.sleep(1.0)
+        terminal.read(0)
+        _hold(terminal, "w", 1.0)
+        return sim.state.nonzero_speed_commands > before
+
+    until(moves_with_a_new_press)
     terminal.type("x")
     assert terminal.wait() == 0
 

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from capture_support import BEGIN_US, ROBOT, drive, pcap, statuses, write
 from cli_support import document, one_line, run, start
-from conftest import until
+from conftest import size_of, until
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
@@ -237,7 +237,7 @@ def test_a_live_mcap_file_is_read_and_a_killed_one_saved(tmp_path: Path) -> None
         sim.set("front_bumper", True)
         done = document(run("record", str(whole), "--seconds", "2", "--json", robot=sim.address))
         process = start("record", str(cut), robot=sim.address)
-        until(lambda: cut.exists() and cut.stat().st_size > 20_000)
+        until(lambda: size_of(cut) > 20_000)
         process.kill()
         process.communicate(timeout=120)
     found = messages(whole)

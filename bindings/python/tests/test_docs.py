@@ -37,9 +37,7 @@ def blocks(page: Path) -> list[str]:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_the_blocks_of_a_page_run(
-    page: Path, capsys: pytest.CaptureFixture[str], patient: None
-) -> None:
+def test_the_blocks_of_a_page_run(page: Path, capsys: pytest.CaptureFixture[str]) -> None:
     code = blocks(page)
     assert code
     reader: dict[str, object] = {"__name__": "reader"}

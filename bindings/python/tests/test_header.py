@@ -20,6 +20,7 @@ FAMILIES = {
     "LOCALIZATION": (constants.LocalizationFlag, set()),
     "IO": (constants.IoType, set()),
     "STATE": (constants.State, set()),
+    "STOP": (constants.StopOutcome, set()),
     "ROLE": (constants.Role, {"COUNT"}),
     "EVENT": (constants.Event, set()),
     "COUNT": (constants.Count, set()),
@@ -28,7 +29,7 @@ FAMILIES = {
 
 
 def defined(text: str, family: str) -> dict[str, int]:
-    found = re.findall(rf"#define ROBUROC4_{family}_(\w+) \(?(-?\w+)\)?", text)
+    found = re.findall(rf"#define ROBUROC4_{family}_(\w+)\s[\s\\]*\(?(-?\w+)\)?", text)
     return {name: int(value, 0) for name, value in found}
 
 
@@ -81,11 +82,13 @@ def test_every_result_becomes_an_exception_with_its_code() -> None:
 
 def test_every_reason_against_driving_has_a_remedy() -> None:
     for result in constants.Result:
-        if constants.Result.CLOCK <= result <= constants.Result.DISARMED:
+        refuses = constants.Result.NOT_SUBSCRIBED <= result <= constants.Result.DISARMED
+        if refuses and result is not constants.Result.UNITS:
             error = roburoc4.errors.error_of(result)
             assert isinstance(error, roburoc4.NotArmedError)
             assert "None" not in str(error)
-            assert "; " in str(error)
+            assert re.fullmatch("not armed[:;] [^:]+(; .+)?", str(error))
+            assert re.search(r"; |arm\(\)", str(error))
 
 
 def test_events_of_the_library_fit_what_is_waited_for() -> None:

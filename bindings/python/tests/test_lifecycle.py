@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Ends of every kind, on a real socket: whatever happens to the program, the robot stops."""
 
+import ctypes
 import gc
 import os
 import resource
@@ -16,7 +17,7 @@ import pytest
 from conftest import first_zero_s, until
 
 import roburoc4
-from roburoc4 import Simulator
+from roburoc4 import Result, Simulator
 
 LEASE_S, PERIOD_S = 0.25, 0.05
 Start = Callable[..., "subprocess.Popen[str]"]
@@ -66,14 +67,14 @@ def test_garbage_collection_stops_the_robot(served: Simulator) -> None:
             self.me = self
 
         def __del__(self) -> None:
-            stopped.append(self.robot.facts.driving)
+            used.append(self.robot.facts)
 
-    stopped: list[bool] = []
+    used: list[roburoc4.Facts] = []
     User(robot)
     del robot
     gc.collect()
     assert served.state.last_linear_m_s == 0
-    assert stopped == [True]
+    assert len(used) == 1
 
 
 def test_close_can_be_called_twice_and_values_stay(served: Simulator) -> None:
@@ -86,7 +87,6 @@ def test_close_can_be_called_twice_and_values_stay(served: Simulator) -> None:
     assert "closed" in repr(robot)
     for use in (
         lambda: robot.drive(0.1, 0.0),
-        robot.stop,
         robot.arm,
         lambda: robot.wait_for("localization"),
         lambda: robot.relocalize(0, 0, 0),
@@ -110,13 +110,72 @@ def test_close_from_another_thread_ends_an_iteration(served: Simulator) -> None:
     assert sum(1 for _ in robot.statuses()) > 0
 
 
+def test_stop_from_another_thread_latches(served: Simulator) -> None:
+    with roburoc4.connect(served.address) as robot:
+        robot.arm()
+        threading.Timer(0.5, robot.stop).start()
+        with pytest.raises(roburoc4.NotArmedError, match="stop") as caught:
+            while True:
+                robot.drive(0.3, 0.0)
+                robot.sleep(0.01)
+        assert caught.value.code == Result.STOPPED
+        until(lambda: served.state.last_linear_m_s == 0)
+        with pytest.raises(roburoc4.NotArmedError) as caught:
+            robot.drive_for(0.3, 0.0, seconds=60)
+        assert caught.value.code == Result.STOPPED
+        robot.arm()
+        robot.drive(0.3, 0.0)
+
+
 def test_stop_from_another_thread_ends_drive_for(served: Simulator) -> None:
     with roburoc4.connect(served.address) as robot:
         robot.arm()
         threading.Timer(0.5, robot.stop).start()
-        with pytest.raises(roburoc4.RobotError, match="stop"):
+        with pytest.raises(roburoc4.NotArmedError) as caught:
             robot.drive_for(0.3, 0.0, seconds=60)
+        assert caught.value.code == Result.STOPPED
         until(lambda: served.state.last_linear_m_s == 0)
+
+
+def test_stop_from_another_thread_ends_a_wait_for_arming(served: Simulator) -> None:
+    with roburoc4.connect(served.address) as robot:
+        served.set("power", False)
+        robot.wait_for(roburoc4.Event.LOST)
+        threading.Timer(0.2, robot.stop).start()
+        with pytest.raises(roburoc4.NotArmedError) as caught:
+            robot.arm(timeout=60)
+        assert caught.value.code == Result.STOPPED
+        robot.sleep(0.1)
+        assert not robot.facts.armed
+
+
+def test_an_interpreter_that_was_held_ends_drive_for(served: Simulator) -> None:
+    with roburoc4.connect(served.address) as robot:
+        robot.arm()
+        hold = ctypes.PyDLL(None).usleep  # keeps the interpreter's lock
+        threading.Timer(0.5, hold, [600_000]).start()
+        with pytest.raises(roburoc4.RobotError) as caught:
+            robot.drive_for(0.3, 0.0, seconds=60)
+        assert caught.value.code == Result.LAPSED
+        until(lambda: served.state.last_linear_m_s == 0)
+        commands = served.state.nonzero_speed_commands
+        robot.sleep(0.5)
+        assert served.state.nonzero_speed_commands == commands
+
+
+def test_stop_after_close_does_nothing_and_hides_no_error(served: Simulator) -> None:
+    robot = roburoc4.connect(served.address)
+    with pytest.raises(ZeroDivisionError):
+        try:
+            with robot:
+                robot.arm()
+                robot.drive(0.3, 1 / 0)
+        finally:
+            robot.stop()
+            robot.pause()
+    commands = served.state.speed_commands
+    robot.stop()
+    assert served.state.speed_commands == commands
 
 
 def test_a_hanging_interpreter_stops_the_robot(start: Start) -> None:

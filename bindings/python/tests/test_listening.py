@@ -180,9 +180,9 @@ def test_a_recording_counts_its_gaps(roburoc4_simulator: Simulator) -> None:
         sim_time_s = roburoc4_simulator.now_s
         later = robot.reader("localization", "telemeter")
         robot.sleep(1.0)
-        roburoc4_simulator.set("power", False)
+        roburoc4_simulator.set_faults(loss=1.0)
         robot.sleep(2.5)
-        roburoc4_simulator.set("power", True)
+        roburoc4_simulator.set_faults(loss=0.0)
         robot.wait_for("localization")
         robot.sleep(1.0)
         recording = Recording(mask_of(("localization", "telemeter")), robot.period_s)
@@ -222,8 +222,9 @@ def test_a_reboot_is_noticed_and_survived(roburoc4_simulator: Simulator) -> None
 
 
 def test_other_ids_duplicates_loss_and_a_reboot_together() -> None:
-    ids = {"iocard": 12, "telemeter": 30, "battery": 3, "localization": 2, "differential": 77}
-    with Simulator(service_ids=ids, seed=5) as sim:
+    with Simulator(
+        iocard_id=12, telemeter_id=30, battery_id=3, localization_id=2, differential_id=77, seed=5
+    ) as sim:
         sim.set_faults(loss=0.2, duplicate=0.2, reorder=0.1, delay_ms=3, jitter_ms=10)
         with sim.connect(lost_ms=3000) as robot:
             assert {s.kind: s.id for s in robot.properties.services}["differential"] == 77

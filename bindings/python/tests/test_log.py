@@ -41,8 +41,8 @@ def test_the_log_of_a_thread_is_written_without_being_asked(
     with roburoc4.connect(served.address) as robot:
         robot.arm()
         until(lambda: "armed" in caplog.text)
-        robot.disarm()
-        until(lambda: "disarmed by this program" in caplog.text)
+        robot.stop()
+        until(lambda: "stopped by this program" in caplog.text)
         assert served.address in caplog.text
     assert "WARNING" not in caplog.text
 

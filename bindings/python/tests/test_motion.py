@@ -6,7 +6,7 @@ import math
 import pytest
 
 import roburoc4
-from roburoc4 import Result, Simulator
+from roburoc4 import Event, Result, Simulator, StopOutcome
 
 
 def test_three_lines_drive_the_robot(roburoc4_simulator: Simulator) -> None:
@@ -68,7 +68,7 @@ def test_arm_waits_until_the_robot_stands(roburoc4_simulator: Simulator) -> None
     with roburoc4_simulator.connect() as robot:
         robot.arm()
         robot.drive_for(0.5, 0.0, seconds=1)
-        robot.disarm()
+        robot.stop()
         with pytest.raises(roburoc4.NotArmedError) as caught:
             robot.arm(timeout=0)
         assert caught.value.code == Result.MOVING
@@ -86,19 +86,105 @@ def test_arm_gives_up_while_the_override_stays_unknown() -> None:
             robot.arm(timeout=60.0)  # once all requests for the inputs' texts have failed
 
 
-def test_stop_sends_zeros_and_keeps_the_arming(roburoc4_simulator: Simulator) -> None:
+def test_stop_sends_zeros_and_disarms(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         robot.arm()
         robot.drive(0.5, 0.0)
         roburoc4_simulator.step(0.1)
         robot.stop()
         assert roburoc4_simulator.state.last_linear_m_s == 0
-        assert robot.facts.armed
-        robot.wait_for(lambda r: not r.facts.stopping)
-        robot.drive(0.2, 0.0)
-        robot.disarm()
         assert not robot.facts.armed
+        assert robot.facts.disarm_cause == Result.STOPPED
+        assert robot.facts.stop_outcome is StopOutcome.RUNNING
+        robot.wait_for(Event.STOPPED)
+        assert robot.facts.stop_outcome is StopOutcome.CONFIRMED
+        with pytest.raises(roburoc4.NotArmedError, match=r"arm\(\)") as caught:
+            robot.drive(0.2, 0.0)
+        assert caught.value.code == Result.STOPPED
+
+
+def test_pause_sends_zeros_and_keeps_the_arming(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.arm()
+        robot.drive(0.5, 0.0)
+        roburoc4_simulator.step(0.1)
+        robot.pause()
         assert roburoc4_simulator.state.last_linear_m_s == 0
+        robot.wait_for(lambda r: not r.facts.stopping)
+        robot.sleep(5.0)
+        robot.drive(0.2, 0.0)
+        assert roburoc4_simulator.state.last_linear_m_s > 0
+
+
+def test_a_stop_that_the_robot_does_not_confirm_is_told_apart(
+    roburoc4_simulator: Simulator,
+) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.arm()
+        robot.drive(0.5, 0.0)
+        roburoc4_simulator.step(0.1)
+        roburoc4_simulator.set("power", False)
+        robot.stop()
+        assert robot.wait_for(Event.STOPPED | Event.STOP_UNCONFIRMED) == Event.STOP_UNCONFIRMED
+        assert robot.facts.stop_outcome is StopOutcome.TIMED_OUT
+
+
+def test_a_lease_that_lapsed_disarms_a_second_later(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.arm()
+        robot.drive(0.5, 0.0)
+        robot.sleep(0.6)
+        assert robot.facts.lapsed
+        assert robot.facts.armed
+        robot.sleep(1.0)
+        with pytest.raises(roburoc4.NotArmedError, match="in time") as caught:
+            robot.drive(0.5, 0.0)
+        assert caught.value.code == Result.LAPSED
+
+
+@pytest.mark.parametrize(("hang_s", "armed"), [(0.6, True), (8.0, False)])
+def test_drive_for_ends_when_its_lease_lapsed(
+    roburoc4_simulator: Simulator, hang_s: float, armed: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with roburoc4_simulator.connect() as robot:
+        sleep = robot.sleep
+        robot.arm()
+        monkeypatch.setattr(robot, "sleep", lambda _: sleep(hang_s))
+        with pytest.raises(roburoc4.RobotError) as caught:
+            robot.drive_for(0.3, 0.0, seconds=60)
+        assert caught.value.code == Result.LAPSED
+        commands = roburoc4_simulator.state.nonzero_speed_commands
+        assert robot.facts.armed == armed
+        sleep(2)
+        assert roburoc4_simulator.state.nonzero_speed_commands == commands
+
+
+@pytest.mark.parametrize(
+    ("speeds", "text"), [((300, 0), "linear_m_s: 300 .*not mm/s"), ((0, 45), "not degrees")]
+)
+def test_mistakes_of_units_are_refused(
+    roburoc4_simulator: Simulator, speeds: tuple[float, float], text: str
+) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.arm()
+        for drive in (robot.drive, lambda *s: robot.drive_for(*s, seconds=1)):
+            with pytest.raises(roburoc4.ArgumentError, match=text) as caught:
+                drive(*speeds)
+            assert caught.value.code == Result.UNITS
+        assert robot.facts.armed
+        assert roburoc4_simulator.state.nonzero_speed_commands == 0
+        with pytest.raises(roburoc4.ArgumentError, match=r"speed: 300 .* 5 m/s"):
+            robot.move(1.0, speed=300)
+        with pytest.raises(roburoc4.ArgumentError, match=r"speed: 45 .* 10 rad/s"):
+            robot.turn(1.0, speed=45)
+
+
+def test_the_default_ceilings_are_low(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.arm()
+        robot.drive(4.0, -9.0)
+        state = roburoc4_simulator.state
+        assert (state.last_linear_m_s, state.last_angular_rad_s) == (1.0, -1.5)
 
 
 @pytest.mark.parametrize("speed", [math.nan, math.inf, -math.inf])

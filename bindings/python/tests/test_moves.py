@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 import roburoc4
-from roburoc4 import MoveError, MoveOutcome, MoveResult, Simulator
+from roburoc4 import MoveError, MoveOutcome, MoveResult, Result, Simulator
 
 CENTIMETRE = 0.01
 DEGREE = math.pi / 180
@@ -96,8 +96,8 @@ def test_what_ends_a_move_cannot_be_overlooked(sim: Simulator) -> None:
         assert caught.value.result.outcome is MoveOutcome.TIMEOUT
 
 
-@pytest.mark.parametrize("end", ["stop", "disarm"])
-def test_a_stop_button_ends_a_move(sim: Simulator, end: str) -> None:
+@pytest.mark.parametrize(("end", "code"), [("stop", Result.STOPPED), ("pause", Result.STATE)])
+def test_a_stop_button_ends_a_move(sim: Simulator, end: str, code: Result) -> None:
     with sim.connect() as robot:
 
         def press(result: MoveResult) -> None:
@@ -107,12 +107,32 @@ def test_a_stop_button_ends_a_move(sim: Simulator, end: str) -> None:
         robot.arm()
         with pytest.raises(MoveError) as caught:
             robot.move(2.0, on_progress=press)
-        assert caught.value.result.outcome is MoveOutcome.CANCELLED
+        assert caught.value.code == code
+        assert "link" not in str(caught.value)
         assert sim.state.last_linear_m_s == 0
 
 
+@pytest.mark.parametrize("hang_s", [0.6, 8.0])
+def test_a_program_that_hung_does_not_continue_its_move(sim: Simulator, hang_s: float) -> None:
+    with sim.connect() as robot:
+
+        def hang(result: MoveResult) -> None:
+            if result.distance_m > 0.3:
+                robot.sleep(hang_s)
+
+        robot.arm()
+        with pytest.raises(MoveError, match="in time") as caught:
+            robot.move(2.0, on_progress=hang)
+        assert MoveOutcome.LAPSED is caught.value.result.outcome or caught.value.code == (
+            Result.LAPSED
+        )
+        commands = sim.state.nonzero_speed_commands
+        robot.sleep(2)
+        assert sim.state.nonzero_speed_commands == commands
+
+
 @pytest.mark.parametrize("seconds", [0.01, 60])
-def test_a_stop_between_two_commands_ends_drive_for(
+def test_a_pause_between_two_commands_ends_drive_for(
     sim: Simulator, seconds: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with sim.connect(lease_ms=1000) as robot:
@@ -120,11 +140,11 @@ def test_a_stop_between_two_commands_ends_drive_for(
 
         def sleep_and_stop(left_s: float) -> None:
             sleep(left_s)
-            robot.stop()
+            robot.pause()
 
         robot.arm()
         monkeypatch.setattr(robot, "sleep", sleep_and_stop)
-        with pytest.raises(roburoc4.RobotError, match="was stopped meanwhile"):
+        with pytest.raises(roburoc4.RobotError, match="was paused meanwhile"):
             robot.drive_for(0.3, 0.0, seconds=seconds)
         commands = sim.state.nonzero_speed_commands
         sleep(2)
@@ -193,6 +213,7 @@ def test_rest_and_stop_are_possible_during_a_move(sim: Simulator) -> None:
             with pytest.raises(MoveError):
                 robot.move(1.0, on_progress=lambda r, s=stop: s() if r.distance_m > 0.2 else None)
             robot.rest()
+            robot.arm()
 
 
 def test_an_exception_in_mid_move_stops_the_robot(sim: Simulator) -> None:
@@ -233,7 +254,7 @@ def test_bad_arguments_are_named(
     assert sim.state.nonzero_speed_commands == 0
 
 
-def test_asyncio_moves_and_cancels(patient: None) -> None:
+def test_asyncio_moves_and_cancels() -> None:
     async def main(sim: Simulator) -> None:
         async with roburoc4.aio.connect(sim.address) as robot:
             await robot.arm()

@@ -240,7 +240,8 @@ def test_a_client_reads_what_was_recorded_and_moves_nothing(tmp_path: Path) -> N
 
 def test_the_command_line_looks_at_a_recording(path: Path) -> None:
     with replayed(str(path), "--loop") as (address, process):
-        done = doctor("--seconds", "2", "--json", robot=address)
+        # Several battery statuses, one a second, also on a machine that is late with them.
+        done = doctor("--seconds", "6", "--json", robot=address)
         assert json.loads(done.stdout)["verdict"]["number"] == 0, done.stdout
         process.send_signal(signal.SIGTERM)
         stdout, _ = process.communicate(timeout=120)

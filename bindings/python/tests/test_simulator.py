@@ -118,6 +118,25 @@ def test_after_close_its_state_remains_and_robots_are_closed() -> None:
     assert real.state.powered
 
 
+def test_a_member_of_the_family_is_drawn_by_its_number() -> None:
+    with Simulator(family=4) as sim:
+        assert math.isnan(sim.state.distances_m[0]), "this one has no telemeter"
+        sim.set("family", 3)
+        assert not math.isnan(sim.state.distances_m[0])
+    with Simulator(family=4, telemeters=1) as sim:
+        assert not math.isnan(sim.state.distances_m[0]), "settings change it"
+    with pytest.raises(roburoc4.ArgumentError, match="family: -1"):
+        Simulator(family=-1)
+
+
+def test_faults_are_controls() -> None:
+    with Simulator(iocard_type=0x1234) as sim:
+        sim.set("creep_m_s", 0.25)
+        sim.step(5)
+        assert sim.true_pose.x_m > 0.5
+        assert sim.get("creep_m_s") == 0.25
+
+
 def test_settings_out_of_range_are_refused_by_name() -> None:
     with pytest.raises(roburoc4.ArgumentError, match="slip"):
         Simulator(slip=2.0)

@@ -74,6 +74,54 @@ def test_a_robot_without_a_service_has_none_of_its_properties() -> None:
         assert robot.properties.localization is not None
 
 
+def test_what_is_not_known_is_none(roburoc4_simulator: Simulator) -> None:
+    facts = "overridden", "front_bumper", "rear_bumper", "battery_low"
+    with Simulator(digital_inputs=0) as sim, sim.connect() as robot:
+        robot.wait_for("iocard")
+        robot.sleep(5.0)
+        assert robot.facts.overridden is None
+        assert robot.facts.front_bumper is None
+        assert robot.facts.rear_bumper is None
+        assert robot.facts.battery_low is False
+    with roburoc4_simulator.connect() as robot:
+        assert {getattr(robot.facts, fact) for fact in facts} == {None}
+        robot.wait_for("iocard")
+        robot.wait_for("battery")
+        assert {getattr(robot.facts, fact) for fact in facts} == {False}
+        roburoc4_simulator.set("front_bumper", True)
+        robot.wait_for(lambda r: r.facts.front_bumper)
+
+
+def test_services_without_statuses_are_listed_as_missing() -> None:
+    with (
+        Simulator(
+            hidden_services=1 << Service.BATTERY, refused_inserts=1 << Service.TELEMETER
+        ) as sim,
+        sim.connect() as robot,
+    ):
+        robot.sleep(5.0)
+        assert robot.facts.missing == (Service.TELEMETER, Service.BATTERY)
+
+
+def test_values_have_an_age(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        assert robot.age_s("battery") is None
+        robot.wait_for("battery")
+        age_s = robot.age_s("battery")
+        assert age_s is not None
+        roburoc4_simulator.set("power", False)
+        robot.sleep(3.0)
+        assert robot.age_s("battery") == pytest.approx(age_s + 3.0, abs=0.1)
+
+
+def test_services_can_be_named_by_their_ids(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect(iocard_id=2, differential_id=6) as robot:
+        robot.arm()
+    for name in ("iocard_id", "differential_id"):
+        with pytest.raises(roburoc4.ArgumentError, match=f"{name}: 1 .* give -1, or 2 to 65535"):
+            roburoc4.connect("127.0.0.1", wait=False, **{name: 1})  # type: ignore[arg-type]
+
+
 def test_the_manuals_names_find_inputs_in_any_case(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         roburoc4_simulator.set("front_bumper", True)

@@ -17,3 +17,5 @@ from .robot_properties_t import robot_properties_t as robot_properties_t
 from .stop_command_t import stop_command_t as stop_command_t
 from .telemeter_status_t import telemeter_status_t as telemeter_status_t
 from .telemeter_t import telemeter_t as telemeter_t
+from .move_command_t import move_command_t as move_command_t
+from .move_status_t import move_status_t as move_status_t

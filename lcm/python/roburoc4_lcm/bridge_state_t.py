@@ -14,11 +14,11 @@ class bridge_state_t(object):
     the first fields of one another to notice that they serve the same robot. Channel ROBUROC4_BRIDGE_STATE.
     """
 
-    __slots__ = ["utime", "robot", "bridge", "started_utime", "state", "cause", "faults", "message", "can_drive", "armed", "driving", "stopping", "waiting", "stopped", "stopped_by", "override_known", "overridden", "control_owner", "lease_left_us", "command_age_us", "robot_age_us", "rejected_cause", "rejected_sender", "rejected_utime", "rejected_message", "drive_enabled", "outputs_enabled", "relocalize_enabled", "lease_us", "max_age_us"]
+    __slots__ = ["utime", "robot", "bridge", "started_utime", "state", "cause", "faults", "message", "can_drive", "armed", "driving", "stopping", "stop_outcome", "lapsed", "waiting", "stopped", "stopped_by", "override_known", "overridden", "front_bumper_known", "rear_bumper_known", "battery_known", "missing", "control_owner", "lease_left_us", "command_age_us", "robot_age_us", "rejected_cause", "rejected_sender", "rejected_utime", "rejected_message", "drive_enabled", "outputs_enabled", "relocalize_enabled", "lease_us", "max_age_us"]
 
-    __typenames__ = ["int64_t", "string", "string", "int64_t", "int32_t", "int32_t", "int32_t", "string", "boolean", "boolean", "boolean", "boolean", "boolean", "boolean", "string", "boolean", "boolean", "string", "int32_t", "int64_t", "int64_t", "int32_t", "string", "int64_t", "string", "boolean", "boolean", "boolean", "int32_t", "int32_t"]
+    __typenames__ = ["int64_t", "string", "string", "int64_t", "int32_t", "int32_t", "int32_t", "string", "boolean", "boolean", "boolean", "boolean", "int32_t", "boolean", "boolean", "boolean", "string", "boolean", "boolean", "boolean", "boolean", "boolean", "int32_t", "string", "int32_t", "int64_t", "int64_t", "int32_t", "string", "int64_t", "string", "boolean", "boolean", "boolean", "int32_t", "int32_t"]
 
-    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None]
+    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None]
 
     STATE_IDLE = 0
     STATE_CONNECTING = 1
@@ -30,6 +30,20 @@ class bridge_state_t(object):
     """ The robot was connected, then fell silent """
     STATE_CLOSING = 6
     """ The bridge is ending """
+    STOP_NONE = 0
+    """ No stop sequence was sent yet """
+    STOP_RUNNING = 1
+    STOP_CONFIRMED = 2
+    """ The robot reported that its targets are 0 """
+    STOP_TIMED_OUT = 3
+    """ The robot did not report that in time: it may still move """
+    STOP_OVERRIDDEN = 4
+    """ Somebody held [A]: the robot may have ignored the stop """
+    MISSING_IOCARD = 0x04
+    MISSING_TELEMETER = 0x08
+    MISSING_BATTERY = 0x10
+    MISSING_LOCALIZATION = 0x20
+    MISSING_DIFFERENTIAL = 0x40
     FAULT_REFUSED = 0x0001
     """ Nothing listens on the robot's port """
     FAULT_UNREACHABLE = 0x0002
@@ -45,7 +59,10 @@ class bridge_state_t(object):
     FAULT_SILENT = 0x0040
     """ No datagram from the robot for a second """
     FAULT_SOCKET = 0x0080
-    """ The bridge has no socket for this robot; it retries every second """
+    """
+    The bridge has no socket for this robot: it retries every second, or `message` says that the
+    robot's name has no address
+    """
     FAULT_OTHER_COMMANDER = 0x0100
     """ Another program commands the robot directly """
     FAULT_INHIBITED = 0x0200
@@ -81,6 +98,8 @@ class bridge_state_t(object):
     """ The robot is connected, but cannot be driven: see `waiting` and `cause` """
     REJECTED_IMPOSSIBLE = 13
     """ The robot has no such output or service """
+    REJECTED_UNITS = 14
+    """ Faster than any RobuROC4: more than 5 m/s or 10 rad/s """
 
     def __init__(self):
         self.utime = 0
@@ -151,6 +170,18 @@ class bridge_state_t(object):
         LCM Type: boolean
         """
 
+        self.stop_outcome = 0
+        """
+        How the last stop sequence ended: STOP_*
+        LCM Type: int32_t
+        """
+
+        self.lapsed = False
+        """
+        The lease of the last drive command expired, and no other command was obeyed since
+        LCM Type: boolean
+        """
+
         self.waiting = False
         """
         Drive commands are rejected until nobody has asked for a speed for 500 ms
@@ -179,6 +210,22 @@ class bridge_state_t(object):
         """
         Somebody holds [A] on the game pad
         LCM Type: boolean
+        """
+
+        self.front_bumper_known = False
+        """
+        Whether the bumpers' and the battery's bits of `faults` are known; else they are 0
+        LCM Type: boolean
+        """
+
+        self.rear_bumper_known = False
+        """ LCM Type: boolean """
+        self.battery_known = False
+        """ LCM Type: boolean """
+        self.missing = 0
+        """
+        Services that send nothing, as the robot has none or refused the subscription: MISSING_* bits
+        LCM Type: int32_t
         """
 
         self.control_owner = ""
@@ -273,12 +320,12 @@ class bridge_state_t(object):
         buf.write(struct.pack('>I', len(__message_encoded)+1))
         buf.write(__message_encoded)
         buf.write(b"\0")
-        buf.write(struct.pack(">bbbbbb", self.can_drive, self.armed, self.driving, self.stopping, self.waiting, self.stopped))
+        buf.write(struct.pack(">bbbbibbb", self.can_drive, self.armed, self.driving, self.stopping, self.stop_outcome, self.lapsed, self.waiting, self.stopped))
         __stopped_by_encoded = self.stopped_by.encode('utf-8')
         buf.write(struct.pack('>I', len(__stopped_by_encoded)+1))
         buf.write(__stopped_by_encoded)
         buf.write(b"\0")
-        buf.write(struct.pack(">bb", self.override_known, self.overridden))
+        buf.write(struct.pack(">bbbbbi", self.override_known, self.overridden, self.front_bumper_known, self.rear_bumper_known, self.battery_known, self.missing))
         __control_owner_encoded = self.control_owner.encode('utf-8')
         buf.write(struct.pack('>I', len(__control_owner_encoded)+1))
         buf.write(__control_owner_encoded)
@@ -320,12 +367,18 @@ class bridge_state_t(object):
         self.armed = bool(struct.unpack('b', buf.read(1))[0])
         self.driving = bool(struct.unpack('b', buf.read(1))[0])
         self.stopping = bool(struct.unpack('b', buf.read(1))[0])
+        self.stop_outcome = struct.unpack(">i", buf.read(4))[0]
+        self.lapsed = bool(struct.unpack('b', buf.read(1))[0])
         self.waiting = bool(struct.unpack('b', buf.read(1))[0])
         self.stopped = bool(struct.unpack('b', buf.read(1))[0])
         __stopped_by_len = struct.unpack('>I', buf.read(4))[0]
         self.stopped_by = buf.read(__stopped_by_len)[:-1].decode('utf-8', 'replace')
         self.override_known = bool(struct.unpack('b', buf.read(1))[0])
         self.overridden = bool(struct.unpack('b', buf.read(1))[0])
+        self.front_bumper_known = bool(struct.unpack('b', buf.read(1))[0])
+        self.rear_bumper_known = bool(struct.unpack('b', buf.read(1))[0])
+        self.battery_known = bool(struct.unpack('b', buf.read(1))[0])
+        self.missing = struct.unpack(">i", buf.read(4))[0]
         __control_owner_len = struct.unpack('>I', buf.read(4))[0]
         self.control_owner = buf.read(__control_owner_len)[:-1].decode('utf-8', 'replace')
         self.lease_left_us, self.command_age_us, self.robot_age_us, self.rejected_cause = struct.unpack(">iqqi", buf.read(24))
@@ -343,7 +396,7 @@ class bridge_state_t(object):
     @staticmethod
     def _get_hash_recursive(parents):
         if bridge_state_t in parents: return 0
-        tmphash = (0x4e51a3b463a581) & 0xffffffffffffffff
+        tmphash = (0x4c67a2df3725ed20) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

@@ -14,11 +14,11 @@ class bridge_statistics_t(object):
     soon after a command was rejected for a new reason. Channel ROBUROC4_BRIDGE_STATISTICS.
     """
 
-    __slots__ = ["utime", "robot", "accepted_drive", "accepted_relocalize", "accepted_output", "accepted_stop", "superseded", "clamped", "rejected_malformed", "rejected_disabled", "rejected_sender", "rejected_no_utime", "rejected_not_finite", "rejected_starting", "rejected_too_old", "rejected_in_future", "rejected_repeated", "rejected_control", "rejected_not_ready", "rejected_disarmed", "rejected_impossible", "round_trip_us", "round_trip_min_us", "received", "lost", "loss", "times_lost", "reboots", "published", "publish_errors"]
+    __slots__ = ["utime", "robot", "accepted_drive", "accepted_relocalize", "accepted_output", "accepted_stop", "superseded", "clamped", "rejected_malformed", "rejected_disabled", "rejected_sender", "rejected_no_utime", "rejected_not_finite", "rejected_starting", "rejected_too_old", "rejected_in_future", "rejected_repeated", "rejected_control", "rejected_not_ready", "rejected_disarmed", "rejected_impossible", "rejected_units", "round_trip_us", "round_trip_min_us", "received", "lost", "loss", "times_lost", "reboots", "published", "publish_errors"]
 
-    __typenames__ = ["int64_t", "string", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int32_t", "int32_t", "int64_t", "int64_t", "float", "int64_t", "int64_t", "int64_t", "int64_t"]
+    __typenames__ = ["int64_t", "string", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int32_t", "int32_t", "int64_t", "int64_t", "float", "int64_t", "int64_t", "int64_t", "int64_t"]
 
-    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None]
+    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None]
 
     def __init__(self):
         self.utime = 0
@@ -135,6 +135,12 @@ class bridge_statistics_t(object):
         LCM Type: int64_t
         """
 
+        self.rejected_units = 0
+        """
+        Faster than any RobuROC4: more than 5 m/s or 10 rad/s
+        LCM Type: int64_t
+        """
+
         self.round_trip_us = 0
         """
         Of requests to the robot, smoothed; 0 before the first answer
@@ -190,7 +196,7 @@ class bridge_statistics_t(object):
         buf.write(struct.pack('>I', len(__robot_encoded)+1))
         buf.write(__robot_encoded)
         buf.write(b"\0")
-        buf.write(struct.pack(">qqqqqqqqqqqqqqqqqqqiiqqfqqqq", self.accepted_drive, self.accepted_relocalize, self.accepted_output, self.accepted_stop, self.superseded, self.clamped, self.rejected_malformed, self.rejected_disabled, self.rejected_sender, self.rejected_no_utime, self.rejected_not_finite, self.rejected_starting, self.rejected_too_old, self.rejected_in_future, self.rejected_repeated, self.rejected_control, self.rejected_not_ready, self.rejected_disarmed, self.rejected_impossible, self.round_trip_us, self.round_trip_min_us, self.received, self.lost, self.loss, self.times_lost, self.reboots, self.published, self.publish_errors))
+        buf.write(struct.pack(">qqqqqqqqqqqqqqqqqqqqiiqqfqqqq", self.accepted_drive, self.accepted_relocalize, self.accepted_output, self.accepted_stop, self.superseded, self.clamped, self.rejected_malformed, self.rejected_disabled, self.rejected_sender, self.rejected_no_utime, self.rejected_not_finite, self.rejected_starting, self.rejected_too_old, self.rejected_in_future, self.rejected_repeated, self.rejected_control, self.rejected_not_ready, self.rejected_disarmed, self.rejected_impossible, self.rejected_units, self.round_trip_us, self.round_trip_min_us, self.received, self.lost, self.loss, self.times_lost, self.reboots, self.published, self.publish_errors))
 
     @staticmethod
     def decode(data: bytes):
@@ -208,13 +214,13 @@ class bridge_statistics_t(object):
         self.utime = struct.unpack(">q", buf.read(8))[0]
         __robot_len = struct.unpack('>I', buf.read(4))[0]
         self.robot = buf.read(__robot_len)[:-1].decode('utf-8', 'replace')
-        self.accepted_drive, self.accepted_relocalize, self.accepted_output, self.accepted_stop, self.superseded, self.clamped, self.rejected_malformed, self.rejected_disabled, self.rejected_sender, self.rejected_no_utime, self.rejected_not_finite, self.rejected_starting, self.rejected_too_old, self.rejected_in_future, self.rejected_repeated, self.rejected_control, self.rejected_not_ready, self.rejected_disarmed, self.rejected_impossible, self.round_trip_us, self.round_trip_min_us, self.received, self.lost, self.loss, self.times_lost, self.reboots, self.published, self.publish_errors = struct.unpack(">qqqqqqqqqqqqqqqqqqqiiqqfqqqq", buf.read(212))
+        self.accepted_drive, self.accepted_relocalize, self.accepted_output, self.accepted_stop, self.superseded, self.clamped, self.rejected_malformed, self.rejected_disabled, self.rejected_sender, self.rejected_no_utime, self.rejected_not_finite, self.rejected_starting, self.rejected_too_old, self.rejected_in_future, self.rejected_repeated, self.rejected_control, self.rejected_not_ready, self.rejected_disarmed, self.rejected_impossible, self.rejected_units, self.round_trip_us, self.round_trip_min_us, self.received, self.lost, self.loss, self.times_lost, self.reboots, self.published, self.publish_errors = struct.unpack(">qqqqqqqqqqqqqqqqqqqqiiqqfqqqq", buf.read(220))
         return self
 
     @staticmethod
     def _get_hash_recursive(parents):
         if bridge_statistics_t in parents: return 0
-        tmphash = (0x1010e3fc2706365a) & 0xffffffffffffffff
+        tmphash = (0x4b7b7b472fbd6b7) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

@@ -37,13 +37,13 @@ class drive_command_t(object):
 
         self.linear_m_s = 0.0
         """
-        Forward is positive; clamped to the robot's limits
+        Forward is positive; reduced to the ceiling and the robot's limits; rejected above 5
         LCM Type: double
         """
 
         self.angular_rad_s = 0.0
         """
-        Counter-clockwise (to the left) is positive; clamped likewise
+        Counter-clockwise (to the left) is positive; reduced likewise; rejected above 10
         LCM Type: double
         """
 

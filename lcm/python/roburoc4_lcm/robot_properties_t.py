@@ -16,11 +16,11 @@ class robot_properties_t(object):
     service that the robot does not have, or has not reported yet, are 0. Channel ROBUROC4_PROPERTIES.
     """
 
-    __slots__ = ["utime", "robot", "differential_known", "max_linear_m_s", "min_linear_m_s", "max_angular_rad_s", "min_angular_rad_s", "max_linear_m_s2", "min_linear_m_s2", "max_angular_rad_s2", "min_angular_rad_s2", "width_m", "localization_known", "power_on_x_m", "power_on_y_m", "power_on_theta_rad", "power_on_flags", "battery_known", "nominal_voltage_v", "capacity_ah", "minimum_percent", "telemeter_known", "telemeter_count", "telemeters", "iocard_known", "analog_input_count", "analog_input_names", "analog_output_count", "analog_output_names", "digital_input_count", "digital_input_names", "digital_output_count", "digital_output_names", "service_count", "service_ids", "service_types", "service_names"]
+    __slots__ = ["utime", "robot", "differential_known", "max_linear_m_s", "min_linear_m_s", "max_angular_rad_s", "min_angular_rad_s", "max_linear_m_s2", "min_linear_m_s2", "max_angular_rad_s2", "min_angular_rad_s2", "width_m", "ceiling_linear_m_s", "ceiling_angular_rad_s", "localization_known", "power_on_x_m", "power_on_y_m", "power_on_theta_rad", "power_on_flags", "battery_known", "nominal_voltage_v", "capacity_ah", "minimum_percent", "telemeter_known", "telemeter_count", "telemeters", "iocard_known", "analog_input_count", "analog_input_names", "analog_output_count", "analog_output_names", "digital_input_count", "digital_input_names", "digital_output_count", "digital_output_names", "service_count", "service_ids", "service_types", "service_names"]
 
-    __typenames__ = ["int64_t", "string", "boolean", "float", "float", "float", "float", "float", "float", "float", "float", "float", "boolean", "double", "double", "double", "int32_t", "boolean", "float", "float", "int32_t", "boolean", "int32_t", "roburoc4_lcm.telemeter_t", "boolean", "int32_t", "string", "int32_t", "string", "int32_t", "string", "int32_t", "string", "int32_t", "int32_t", "int32_t", "string"]
+    __typenames__ = ["int64_t", "string", "boolean", "float", "float", "float", "float", "float", "float", "float", "float", "float", "float", "float", "boolean", "double", "double", "double", "int32_t", "boolean", "float", "float", "int32_t", "boolean", "int32_t", "roburoc4_lcm.telemeter_t", "boolean", "int32_t", "string", "int32_t", "string", "int32_t", "string", "int32_t", "string", "int32_t", "int32_t", "int32_t", "string"]
 
-    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, ["telemeter_count"], None, None, ["analog_input_count"], None, ["analog_output_count"], None, ["digital_input_count"], None, ["digital_output_count"], None, ["service_count"], ["service_count"], ["service_count"]]
+    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, None, ["telemeter_count"], None, None, ["analog_input_count"], None, ["analog_output_count"], None, ["digital_input_count"], None, ["digital_output_count"], None, ["service_count"], ["service_count"], ["service_count"]]
 
     def __init__(self):
         self.utime = 0
@@ -63,6 +63,14 @@ class robot_properties_t(object):
         LCM Type: float
         """
 
+        self.ceiling_linear_m_s = 0.0
+        """
+        The bridge's ceilings: faster commands are reduced to them
+        LCM Type: float
+        """
+
+        self.ceiling_angular_rad_s = 0.0
+        """ LCM Type: float """
         self.localization_known = False
         """ LCM Type: boolean """
         self.power_on_x_m = 0.0
@@ -167,7 +175,7 @@ class robot_properties_t(object):
         buf.write(struct.pack('>I', len(__robot_encoded)+1))
         buf.write(__robot_encoded)
         buf.write(b"\0")
-        buf.write(struct.pack(">bfffffffffbdddibffibi", self.differential_known, self.max_linear_m_s, self.min_linear_m_s, self.max_angular_rad_s, self.min_angular_rad_s, self.max_linear_m_s2, self.min_linear_m_s2, self.max_angular_rad_s2, self.min_angular_rad_s2, self.width_m, self.localization_known, self.power_on_x_m, self.power_on_y_m, self.power_on_theta_rad, self.power_on_flags, self.battery_known, self.nominal_voltage_v, self.capacity_ah, self.minimum_percent, self.telemeter_known, self.telemeter_count))
+        buf.write(struct.pack(">bfffffffffffbdddibffibi", self.differential_known, self.max_linear_m_s, self.min_linear_m_s, self.max_angular_rad_s, self.min_angular_rad_s, self.max_linear_m_s2, self.min_linear_m_s2, self.max_angular_rad_s2, self.min_angular_rad_s2, self.width_m, self.ceiling_linear_m_s, self.ceiling_angular_rad_s, self.localization_known, self.power_on_x_m, self.power_on_y_m, self.power_on_theta_rad, self.power_on_flags, self.battery_known, self.nominal_voltage_v, self.capacity_ah, self.minimum_percent, self.telemeter_known, self.telemeter_count))
         for i0 in range(self.telemeter_count):
             assert self.telemeters[i0]._get_packed_fingerprint() == roburoc4_lcm.telemeter_t._get_packed_fingerprint()
             self.telemeters[i0]._encode_one(buf)
@@ -221,7 +229,7 @@ class robot_properties_t(object):
         __robot_len = struct.unpack('>I', buf.read(4))[0]
         self.robot = buf.read(__robot_len)[:-1].decode('utf-8', 'replace')
         self.differential_known = bool(struct.unpack('b', buf.read(1))[0])
-        self.max_linear_m_s, self.min_linear_m_s, self.max_angular_rad_s, self.min_angular_rad_s, self.max_linear_m_s2, self.min_linear_m_s2, self.max_angular_rad_s2, self.min_angular_rad_s2, self.width_m = struct.unpack(">fffffffff", buf.read(36))
+        self.max_linear_m_s, self.min_linear_m_s, self.max_angular_rad_s, self.min_angular_rad_s, self.max_linear_m_s2, self.min_linear_m_s2, self.max_angular_rad_s2, self.min_angular_rad_s2, self.width_m, self.ceiling_linear_m_s, self.ceiling_angular_rad_s = struct.unpack(">fffffffffff", buf.read(44))
         self.localization_known = bool(struct.unpack('b', buf.read(1))[0])
         self.power_on_x_m, self.power_on_y_m, self.power_on_theta_rad, self.power_on_flags = struct.unpack(">dddi", buf.read(28))
         self.battery_known = bool(struct.unpack('b', buf.read(1))[0])
@@ -265,7 +273,7 @@ class robot_properties_t(object):
     def _get_hash_recursive(parents):
         if robot_properties_t in parents: return 0
         newparents = parents + [robot_properties_t]
-        tmphash = (0xa66765a87a60b3cc+ roburoc4_lcm.telemeter_t._get_hash_recursive(newparents)) & 0xffffffffffffffff
+        tmphash = (0x419bff892e823bff+ roburoc4_lcm.telemeter_t._get_hash_recursive(newparents)) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

@@ -24,6 +24,7 @@ OUTPUTS = {
     "PROPERTIES": roburoc4_lcm.robot_properties_t,
     "BRIDGE_STATE": roburoc4_lcm.bridge_state_t,
     "BRIDGE_STATISTICS": roburoc4_lcm.bridge_statistics_t,
+    "MOVE_STATUS": roburoc4_lcm.move_status_t,
 }
 
 
@@ -127,6 +128,16 @@ def drive_command(
     command.linear_m_s = linear_m_s
     command.angular_rad_s = angular_rad_s
     command.lease_us = lease_us
+    return command
+
+
+def move_command(move_id: int, **fields: float | str) -> Any:
+    """KIND_BY unless it has another kind; of "planner"."""
+    command = roburoc4_lcm.move_command_t()
+    command.sender, command.move_id, command.utime = "planner", move_id, now_us()
+    command.clearance_m = -1.0
+    for name, value in fields.items():
+        setattr(command, name, value)
     return command
 
 

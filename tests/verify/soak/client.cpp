@@ -19,8 +19,8 @@ std::int32_t RealClient::arm(std::uint64_t now) {
     return roburoc4_client_arm(&client_, now);
 }
 
-std::int32_t RealClient::disarm(std::uint64_t now) {
-    return roburoc4_client_stop(&client_, now);
+std::int32_t RealClient::pause(std::uint64_t now) {
+    return roburoc4_client_pause(&client_, now);
 }
 
 std::int32_t RealClient::drive(Speeds speeds, std::uint32_t lease_us, std::uint64_t now) {
@@ -76,10 +76,15 @@ Report RealClient::report(std::uint64_t now) {
     report.override_known = facts.override_known != 0;
     roburoc4_differential_properties properties{};
     report.differential_known =
+        facts.state != ROBUROC4_STATE_CONNECTING && facts.state != ROBUROC4_STATE_DISCOVERING &&
+        facts.arm_refusal != ROBUROC4_ERR_NO_DIFFERENTIAL &&
         roburoc4_client_service_id(&client_, ROBUROC4_SERVICE_DIFFERENTIAL) >= 0 &&
         roburoc4_client_differential_properties(&client_, &properties) >= 0;
     report.override_index = roburoc4_client_role_index(&client_, ROBUROC4_ROLE_OVERRIDE);
-    report.lease_left_us = facts.lease_left_us;
+    report.disarm_cause = facts.disarm_cause;
+    report.stop_outcome = facts.stop_outcome;
+    for (int service = 0; service < 5; service++)
+        report.age_us[service] = facts.age_us[ROBUROC4_SERVICE_IOCARD + service];
     return report;
 }
 

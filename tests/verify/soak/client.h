@@ -24,7 +24,9 @@ struct Report {
     bool override_known = false;
     bool differential_known = false; /* and its properties */
     std::int32_t override_index = -1;
-    std::uint32_t lease_left_us = 0;
+    std::int32_t disarm_cause = 0;
+    std::uint32_t stop_outcome = 0;
+    std::uint32_t age_us[5] = {}; /* in the order of RobotPlan::ids */
 };
 
 class Client {
@@ -38,9 +40,9 @@ class Client {
     virtual std::int32_t start(std::uint64_t now) = 0;
     virtual std::int32_t close(std::uint64_t now) = 0;
     virtual std::int32_t arm(std::uint64_t now) = 0;
-    virtual std::int32_t disarm(std::uint64_t now) = 0;
     virtual std::int32_t drive(Speeds speeds, std::uint32_t lease_us, std::uint64_t now) = 0;
     virtual std::int32_t stop(std::uint64_t now) = 0;
+    virtual std::int32_t pause(std::uint64_t now) = 0;
     virtual std::int32_t set_override_index(std::int32_t index, std::uint64_t now) = 0;
     virtual std::int32_t set_outputs(std::uint64_t mask, std::uint64_t values,
                                      std::uint64_t now) = 0;
@@ -59,9 +61,9 @@ class RealClient : public Client {
     std::int32_t start(std::uint64_t now) override;
     std::int32_t close(std::uint64_t now) override;
     std::int32_t arm(std::uint64_t now) override;
-    std::int32_t disarm(std::uint64_t now) override;
     std::int32_t drive(Speeds speeds, std::uint32_t lease_us, std::uint64_t now) override;
     std::int32_t stop(std::uint64_t now) override;
+    std::int32_t pause(std::uint64_t now) override;
     std::int32_t set_override_index(std::int32_t index, std::uint64_t now) override;
     std::int32_t set_outputs(std::uint64_t mask, std::uint64_t values, std::uint64_t now) override;
     std::int32_t relocalize(std::uint64_t now) override;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 
 namespace soak {
 
@@ -91,6 +92,150 @@ std::function<std::unique_ptr<Client>()> receiving(const Filter::Receive &receiv
 template <typename T> std::function<std::unique_ptr<Client>()> a() {
     return [] { return std::make_unique<T>(); };
 }
+
+/** Reports something else than the truth. */
+class Liar : public RealClient {
+  public:
+    using Lie = std::function<void(Report &)>;
+    explicit Liar(Lie lie) : lie_(std::move(lie)) {}
+    Report report(std::uint64_t now) override {
+        Report report = RealClient::report(now);
+        lie_(report);
+        return report;
+    }
+
+  private:
+    Lie lie_;
+};
+
+std::function<std::unique_ptr<Client>()> reporting(const Liar::Lie &lie) {
+    return [lie] { return std::make_unique<Liar>(lie); };
+}
+
+void younger(Report &report) {
+    for (std::uint32_t &age : report.age_us)
+        age = age == UINT32_MAX ? age : age / 4;
+}
+
+void always_stopped(Report &report) {
+    if ((report.events & ROBUROC4_EVENT_STOP_UNCONFIRMED) != 0)
+        report.events |= ROBUROC4_EVENT_STOPPED;
+}
+
+void always_relocalized(Report &report) {
+    if ((report.events & ROBUROC4_EVENT_RELOCALIZE_FAILED) != 0)
+        report.events |= ROBUROC4_EVENT_RELOCALIZED;
+}
+
+class OnlyPauses : public Wrapper {
+    std::int32_t stop(std::uint64_t now) override {
+        return RealClient::pause(now);
+    }
+};
+
+class AlwaysStops : public Wrapper {
+    std::int32_t pause(std::uint64_t now) override {
+        return RealClient::stop(now);
+    }
+};
+
+/** Takes the end of a lease for the program's own pause(). */
+class ForgivesLapses : public Wrapper {
+    Report report(std::uint64_t now) override {
+        Report report = RealClient::report(now);
+        if (report.armed && drove_ && !report.driving)
+            RealClient::pause(now);
+        drove_ = report.driving;
+        return report;
+    }
+    bool drove_ = false;
+};
+
+/** After a stop sequence it never sends zeros by itself, whatever the robot shows. */
+class StopsOnce : public Wrapper {
+    bool passes(Datagram &datagram, std::uint64_t now) override {
+        if (is_nonzero(datagram))
+            begun_us_ = 0;
+        if (!is_zero(datagram))
+            return true;
+        if (begun_us_ == 0)
+            begun_us_ = now;
+        return now - begun_us_ < 500000;
+    }
+    std::uint64_t begun_us_ = 0;
+};
+
+/** Is silent for a while after [A] was released. */
+class MissesTheRelease : public Wrapper {
+    void change_received(Datagram &datagram, std::uint64_t now) override {
+        if (datagram.origin.kind != Origin::Kind::iocard_status)
+            return;
+        if (held_ && !datagram.origin.pad_a)
+            released_us_ = now;
+        held_ = datagram.origin.pad_a;
+    }
+    bool passes(Datagram &datagram, std::uint64_t now) override {
+        return !is_zero(datagram) || now - released_us_ > 300000;
+    }
+    bool held_ = false;
+    std::uint64_t released_us_ = 0;
+};
+
+class DisarmsForNothing : public Wrapper {
+    Report report(std::uint64_t now) override {
+        Report report = RealClient::report(now);
+        since_us_ = report.armed && since_us_ != 0 ? since_us_ : now;
+        if (now - since_us_ > 3000000) {
+            RealClient::stop(now);
+            report = RealClient::report(now);
+            report.disarm_cause = ROBUROC4_ERR_INHIBITED;
+        }
+        return report;
+    }
+    std::uint64_t since_us_ = 0;
+};
+
+/** Believes that the robot has the target that was sent. */
+class SeesWhatItSent : public Wrapper {
+  protected:
+    bool passes(Datagram &datagram, std::uint64_t) override {
+        if (is_speed_command(datagram))
+            sent_ = command_speeds(datagram);
+        return true;
+    }
+    void change_received(Datagram &datagram, std::uint64_t) override {
+        if (!is_differential(datagram) || sent_.zero())
+            return;
+        for (const std::size_t at : {target_v_at, current_v_at})
+            datagram.put_f32_at(at, sent_.v);
+        for (const std::size_t at : {target_w_at, current_w_at})
+            datagram.put_f32_at(at, sent_.w);
+    }
+
+  private:
+    Speeds sent_;
+};
+
+/** And answers its own questions with the answers to earlier ones. */
+class BlindToTheUplink : public SeesWhatItSent {
+    std::int32_t poll_transmit(Datagram &out, std::uint64_t now) override {
+        const std::int32_t length = SeesWhatItSent::poll_transmit(out, now);
+        if (length == 4 && out.bytes[1] == action_get) {
+            const auto known = answers_.find(out.u16_at(2));
+            if (known != answers_.end()) {
+                known->second.bytes[0] = out.bytes[0];
+                RealClient::receive(known->second, now);
+            }
+        }
+        return length;
+    }
+    void change_received(Datagram &datagram, std::uint64_t now) override {
+        SeesWhatItSent::change_received(datagram, now);
+        if (!is_status(datagram) && datagram.u8_at(1) == action_get && datagram.size > 5)
+            answers_[datagram.u16_at(2)] = datagram;
+    }
+    std::map<std::uint16_t, Datagram> answers_;
+};
 
 class ArmsItself : public Wrapper {
     Report report(std::uint64_t now) override {
@@ -184,8 +329,8 @@ class HidesClockSteps : public Wrapper {
     std::int32_t arm(std::uint64_t now) override {
         return RealClient::arm(steady(now));
     }
-    std::int32_t disarm(std::uint64_t now) override {
-        return RealClient::disarm(steady(now));
+    std::int32_t pause(std::uint64_t now) override {
+        return RealClient::pause(steady(now));
     }
     std::int32_t stop(std::uint64_t now) override {
         return RealClient::stop(steady(now));
@@ -261,7 +406,7 @@ class NeverEndsAStop : public Wrapper {
         const Report report = RealClient::report(now);
         events_ |= report.events;
         if (report.stopping)
-            RealClient::disarm(now);
+            RealClient::stop(now);
         if ((report.events & ROBUROC4_EVENT_STOPPED) != 0)
             RealClient::stop(now);
         return RealClient::poll_transmit(out, now);
@@ -339,7 +484,7 @@ class HidesRestarts : public Wrapper {
         const std::uint64_t stamp = datagram.u64_at(stamp_at);
         if (datagram.origin.boot != boot_) {
             boot_ = datagram.origin.boot;
-            ahead_ = highest_ > stamp ? highest_ - stamp + 5 : 0;
+            ahead_ = highest_ != 0 ? highest_ - stamp + 5 : 0; /* wraps around, and back */
         }
         highest_ = stamp + ahead_ > highest_ ? stamp + ahead_ : highest_;
         put_stamp(datagram, stamp + ahead_);
@@ -406,6 +551,12 @@ void hide_speeds(Datagram &datagram, std::uint64_t) {
         datagram.put_f32_at(at, 0);
 }
 
+/* The texts of the directory. */
+void lose_texts(Datagram &datagram, std::uint64_t) {
+    if (!is_status(datagram) && datagram.u8_at(1) == action_query && datagram.u16_at(2) == 0)
+        datagram.bytes[1] = 0x7F;
+}
+
 bool doubled(Datagram &datagram, std::uint64_t) {
     if (is_nonzero(datagram))
         datagram.put_f32_at(v_at, 2 * datagram.f32_at(v_at));
@@ -448,8 +599,10 @@ const std::vector<Fault> &faults() {
         {Promise::override_by_texts, "guesses [A]", a<GuessesPadA>()},
         {Promise::fresh_by_age, "believes that what arrives is new", a<IgnoresAge>()},
         {Promise::fresh_by_age, "invents statuses", a<InventsStatuses>()},
+        {Promise::ages_are_bounds, "claims that statuses are younger", reporting(younger)},
         {Promise::arming_conditions, "does not see that the robot moves", receiving(hide_speeds)},
         {Promise::reboot_disarms, "does not see a restart", a<HidesRestarts>()},
+        {Promise::restart_forgets, "does not see a restart", a<HidesRestarts>()},
         {Promise::clock_ends_lease, "does not see a clock step", a<HidesClockSteps>()},
         {Promise::zeros_first, "drops the first zero", a<ZerosLast>()},
         {Promise::zeros_repeated, "sends one zero", a<OneZero>()},
@@ -458,11 +611,23 @@ const std::vector<Fault> &faults() {
         {Promise::rounding_is_not_motion, "takes noise for motion", receiving(shake)},
         {Promise::stop_before_speed, "mixes speeds into a stop sequence", a<SkipsStops>()},
         {Promise::stop_always_sends, "ignores stop()", a<IgnoresStop>()},
+        {Promise::stop_latches, "stays armed after stop()", a<OnlyPauses>()},
+        {Promise::pause_keeps_armed, "disarms at pause()", a<AlwaysStops>()},
+        {Promise::lapse_disarms, "forgives a lapse", a<ForgivesLapses>()},
+        {Promise::outcome_is_true, "takes every stop for confirmed", reporting(always_stopped)},
+        {Promise::stop_is_watched, "stops only once", a<StopsOnce>()},
+        {Promise::stands_in_the_end, "stops only once", a<StopsOnce>()},
+        {Promise::release_stops, "misses the release of [A]", a<MissesTheRelease>()},
         {Promise::monitor_is_silent, "sends zeros unasked", a<StopsUnasked>()},
+        {Promise::service_by_texts, "loses the directory's texts", receiving(lose_texts)},
         {Promise::only_differential, "commands another service", sending(to_another_service)},
         {Promise::spacing, "sends each command twice", a<SendsTwice>()},
         {Promise::other_commander_disarms, "does not see others", receiving(hide_targets)},
-        {Promise::inhibited_disarms, "does not see that it stands", receiving(hide_standing)},
+        {Promise::follows_or_disarmed, "does not see that it stands", receiving(hide_standing)},
+        {Promise::healthy_stays_armed, "disarms for nothing", a<DisarmsForNothing>()},
+        {Promise::target_must_appear, "sees what it sent", a<SeesWhatItSent>()},
+        {Promise::late_uplink_disarms, "is blind to the uplink", a<BlindToTheUplink>()},
+        {Promise::no_old_pose, "takes every pose for accepted", reporting(always_relocalized)},
         {Promise::feeds_watchdog, "forgets to repeat", a<ForgetsToRepeat>()},
         {Promise::deadlines, "is always late", a<DeadlineInThePast>()},
         {Promise::comes_back, "never arms", a<NeverArms>()},

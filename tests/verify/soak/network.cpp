@@ -2,10 +2,28 @@
 #include "network.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace soak {
 
-Weather draw_weather(Random &random) {
+namespace {
+
+/* It grows faster than clocks can drift apart: what grows slower cannot be told from a clock. */
+void draw_queue(Random &random, Weather &weather, bool own_queues) {
+    const double growths[] = {0.002, 0.02, 0.2, 0.8, 1000};
+    weather.growth = random.pick(growths) * random.uniform(1, 3);
+    weather.queue_us = random.between(100000, random.chance(0.2) ? 30000000 : 3000000);
+    if (random.chance(0.3))
+        weather.step_us = random.between(20000, 300000);
+    if (own_queues && random.chance(0.5)) {
+        const std::uint8_t some[] = {0x01, 0x10, 0x11, 0x1F, 1U << lane_answers};
+        weather.lanes = random.pick(some);
+    }
+}
+
+} // namespace
+
+Weather draw_weather(Random &random, bool own_queues) {
     Weather weather;
     weather.delay_us = random.between(100, 8000);
     weather.jitter_us = random.between(0, 2000);
@@ -28,13 +46,9 @@ Weather draw_weather(Random &random) {
     case 5: /* far away: old before it arrives */
         weather.delay_us = random.between(20000, 700000);
         break;
-    case 6: /* a queue that grows fast */
-        weather.growth = random.uniform(0.02, 0.8);
-        weather.queue_us = random.between(100000, 4000000);
-        break;
-    case 7: /* a queue that grows slowly */
-        weather.growth = random.uniform(0.001, 0.02);
-        weather.queue_us = random.between(100000, 2000000);
+    case 6:
+    case 7:
+        draw_queue(random, weather, own_queues);
         break;
     case 8:
         weather.dark = true;
@@ -47,8 +61,7 @@ Weather draw_weather(Random &random) {
         weather.duplicates = random.uniform(0, 0.2);
         weather.reordering = random.uniform(0, 0.2);
         weather.reorder_us = random.between(1000, 300000);
-        weather.growth = random.uniform(0, 0.2);
-        weather.queue_us = random.between(0, 1000000);
+        draw_queue(random, weather, own_queues);
         break;
     }
     return weather;
@@ -66,7 +79,7 @@ void Path::set_weather(const Weather &weather, std::uint64_t now_us) {
     weather_ = weather;
     weather_since_us_ = now_us;
     burst_until_us_ = 0;
-    last_arrival_us_ = 0;
+    std::fill(std::begin(last_arrival_us_), std::end(last_arrival_us_), 0);
 }
 
 void Path::send(const Datagram &datagram, std::uint64_t now_us) {
@@ -76,16 +89,27 @@ void Path::send(const Datagram &datagram, std::uint64_t now_us) {
         burst_until_us_ = now_us + weather_.burst_us;
         return;
     }
-    const double grown = weather_.growth * static_cast<double>(now_us - weather_since_us_);
-    const std::uint64_t queue = std::min(static_cast<std::uint64_t>(grown), weather_.queue_us);
-    std::uint64_t arrival = now_us + weather_.delay_us + queue;
+    unsigned lane =
+        is_status(datagram) ? static_cast<unsigned>(datagram.origin.index) : lane_answers;
+    std::uint64_t arrival = now_us + weather_.delay_us;
+    if ((weather_.lanes >> lane & 1) != 0) {
+        const double grown = weather_.growth * static_cast<double>(now_us - weather_since_us_);
+        std::uint64_t queue = weather_.queue_us;
+        if (grown < static_cast<double>(queue))
+            queue = static_cast<std::uint64_t>(grown);
+        if (weather_.step_us != 0)
+            queue -= queue % weather_.step_us;
+        arrival += queue;
+    }
+    if (weather_.lanes == all_lanes)
+        lane = 0; /* one queue for all */
     if (weather_.jitter_us > 0)
         arrival += random_.between(0, weather_.jitter_us);
-    arrival = std::max(arrival, last_arrival_us_);
+    arrival = std::max(arrival, last_arrival_us_[lane]);
     if (weather_.reordering > 0 && random_.chance(weather_.reordering))
         fly(datagram, arrival + random_.between(0, weather_.reorder_us));
     else
-        fly(datagram, last_arrival_us_ = arrival);
+        fly(datagram, last_arrival_us_[lane] = arrival);
     if (weather_.duplicates > 0 && random_.chance(weather_.duplicates))
         fly(datagram, arrival + random_.between(0, 50000));
 }

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * network.h - one direction of a bad network, in virtual time: it loses, doubles, delays and
- * reorders datagrams, loses them in bursts, goes dark, and queues: a queue delays everything by an
- * amount that grows with time, as under a radio link that is slower than what is sent through it.
+ * reorders datagrams, loses them in bursts, goes dark, and queues: a queue delays what is in it by
+ * an amount that grows with time, as under a radio link that is slower than what is sent through
+ * it. Each kind of datagram (answers, statuses of each service) can have a queue of its own.
  */
 #ifndef ROBUROC4_SOAK_NETWORK_H
 #define ROBUROC4_SOAK_NETWORK_H
@@ -15,6 +16,10 @@
 
 namespace soak {
 
+/** Lanes: statuses of service k of RobotPlan::ids, and all else. */
+constexpr unsigned lane_answers = 5, lane_count = 6;
+constexpr std::uint8_t all_lanes = 0x3F;
+
 /** How the network is at the moment. */
 struct Weather {
     std::uint64_t delay_us = 1000; /* of every datagram */
@@ -25,13 +30,16 @@ struct Weather {
     std::uint64_t reorder_us = 0;
     double burst = 0; /* probability that a burst of losses begins at a datagram */
     std::uint64_t burst_us = 0;
-    double growth = 0;          /* of the queue: seconds of delay for each second */
-    std::uint64_t queue_us = 0; /* the queue grows no longer than this */
-    bool dark = false;          /* nothing arrives */
+    double growth = 0;              /* of the queue: seconds of delay for each second */
+    std::uint64_t queue_us = 0;     /* the queue grows no longer than this */
+    std::uint64_t step_us = 0;      /* it grows in steps of this */
+    std::uint8_t lanes = all_lanes; /* bits of those that queue */
+    bool dark = false;              /* nothing arrives */
 };
 
-/** Random conditions of the network; each kind that a promise names occurs. */
-Weather draw_weather(Random &random);
+/** Random conditions of the network; each kind that a promise names occurs. `own_queues`: a queue
+ *  may hold back some lanes only. */
+Weather draw_weather(Random &random, bool own_queues);
 
 class Path {
   public:
@@ -40,6 +48,9 @@ class Path {
     /** Changes the conditions. A queue that had grown is delivered at once, or dropped. */
     void set_weather(const Weather &weather, std::uint64_t now_us);
     void send(const Datagram &datagram, std::uint64_t now_us);
+    const Weather &weather() const {
+        return weather_;
+    }
     /** Time of the next arrival; UINT64_MAX if nothing is in flight. */
     std::uint64_t next_arrival() const;
     /** The datagram that arrives next. */
@@ -62,7 +73,7 @@ class Path {
     Weather weather_;
     std::uint64_t weather_since_us_ = 0;
     std::uint64_t burst_until_us_ = 0;
-    std::uint64_t last_arrival_us_ = 0;
+    std::uint64_t last_arrival_us_[lane_count] = {};
     std::uint64_t sent_ = 0;
     std::vector<Flight> flights_; /* a heap: the next arrival first */
 };

@@ -14,10 +14,25 @@
 #include "promises.h"
 #include "wire.h"
 
+#include <array>
 #include <cstdint>
+#include <deque>
 #include <string>
 
 namespace soak {
+
+constexpr std::uint64_t spacing_us = 10000;
+constexpr std::uint64_t slack_us = 1000;
+
+inline std::uint64_t milliseconds(std::uint32_t ms) {
+    return static_cast<std::uint64_t>(ms) * 1000;
+}
+inline std::string ms_text(std::uint64_t us) {
+    return std::to_string(us / 1000) + " ms";
+}
+inline std::string speeds_text(Speeds speeds) {
+    return "(" + std::to_string(speeds.v) + ", " + std::to_string(speeds.w) + ")";
+}
 
 /** The true time, and what the client's clock showed. */
 struct Moment {
@@ -34,6 +49,18 @@ struct RobotTruth {
     bool literal_ids = false;
     bool slow_texts = false; /* answers with texts take so long that they bound no age */
     bool rounds = false;     /* reports tiny speeds instead of zero */
+    bool own_queues = false; /* then no answer proves how late statuses are */
+    bool drifts = false;     /* its clock, by 300 ppm or more */
+    bool prompt = true;      /* its statuses come often enough to be fresh */
+};
+
+/** What only the simulation sees. */
+struct Truth {
+    Speeds clients_target; /* that the robot follows */
+    Speeds moving;
+    std::uint64_t newest_command_us = 0; /* that the robot received: when it was sent */
+    bool well = false; /* neither robot nor network have a fault, and nobody interferes */
+    bool uplink_loses = false;
 };
 
 struct Violation {
@@ -51,9 +78,10 @@ class Oracle {
     void started(Moment now);
     void closed(Moment now);
     void armed(Moment now, std::int32_t result);
-    void disarmed(Moment now);
     void drove(Moment now, Speeds speeds, std::uint32_t lease_us, std::int32_t result);
     void stopped(Moment now, std::int32_t result);
+    void paused(Moment now, std::int32_t result);
+    void pose_set(std::int32_t result);
     void override_index_set(Moment now, std::int32_t index, std::int32_t result);
     void outputs_set(Moment now);
 
@@ -62,12 +90,16 @@ class Oracle {
     void received(Moment now, const Datagram &datagram, std::int32_t result);
 
     /** The client's report; `drained`: after it sent all that was due. */
-    void reported(Moment now, const Report &report, bool drained, std::uint64_t next_deadline);
+    void reported(Moment now, const Report &report, const Truth &truth, bool drained,
+                  std::uint64_t next_deadline);
 
     /* the world */
     void pad_a_changed(bool held, std::uint64_t true_us);
-    void motors_changed(bool dead) {
-        motors_dead_ = dead;
+    /** The robot restarts, or another one takes its place. */
+    void robot_changed(const RobotTruth &robot);
+    /** The client's machine stood still, or its clock was changed. */
+    void disturbed(std::uint64_t true_us) {
+        disturbed_us_ = well_since_us_ = commanding_since_us_ = true_us;
     }
     /** From now on network, robot and clock have no faults. */
     void calm_from(std::uint64_t true_us) {
@@ -92,6 +124,12 @@ class Oracle {
     std::uint64_t armings() const {
         return armings_;
     }
+    void reach(Reached what) {
+        reached_[static_cast<std::size_t>(what)]++;
+    }
+    const std::array<std::uint64_t, reached_count> &reached() const {
+        return reached_;
+    }
 
   private:
     struct Lease {
@@ -111,28 +149,34 @@ class Oracle {
         std::uint32_t zeros = 0;
         std::uint32_t zeros_since_known = 0; /* the service, whose id may be another now */
         std::uint64_t first_zero_us = 0, third_zero_us = 0, last_zero_us = 0;
-        bool confirmed = false;     /* by a status made after the first zero */
-        bool confirmed_old = false; /* by an older one only */
+        bool confirmed = false;     /* by a status made after the first zero, not under [A] */
+        bool confirmed_old = false; /* by another one only */
         std::uint64_t sure_us = 0;  /* when a status made well after the third zero arrived */
     };
     struct Newest {
         bool known = false;
-        std::uint64_t made_us = 0;
+        std::uint64_t made_us = 0, stamp = 0, received_us = 0;
+        std::uint32_t boot = 0;
+    };
+    /** An axis that does not follow its target. */
+    struct Axis {
+        bool off = false, counted = false;
+        std::uint64_t since_us = 0; /* and the target is the same since then */
+        float target = 0;
+    };
+    struct Sent {
+        std::uint64_t true_us, client_us;
+        Speeds speeds;
     };
     struct Limits {
         bool known = false;
         float max_v = 0, min_v = 0, max_w = 0, min_w = 0, width = 0;
+        std::uint32_t boot = 0;
         bool valid() const;
     };
     struct Bounds {
         Speeds low, high;
     };
-    struct Envelope {
-        float low_v = 0, high_v = 0, low_w = 0, high_w = 0;
-        void include(Speeds speeds);
-        bool contains(Speeds speeds) const;
-    };
-
     void observe(Moment now);
     void end_lease(Promise promise);
     void end_driving(Moment now, Promise promise);
@@ -144,9 +188,10 @@ class Oracle {
     int judged_index() const;
     bool stop_may_end(Moment now) const;
     void end_stop(Moment now, Promise otherwise);
-    void request_sent(Moment now);
+    void request_sent(Moment now, const Datagram &datagram);
     void zero_sent(Moment now);
     void speed_sent(Moment now, Speeds speeds);
+    void remember(Moment now, Speeds speeds);
     void judge_spacing(Moment now, bool zero);
     void judge_value(Moment now, Speeds speeds);
     void judge_turn(Moment now, Speeds asked, Speeds speeds, Speeds low, Speeds high);
@@ -154,11 +199,22 @@ class Oracle {
     void judge_override_report(Moment now, const Report &report);
     void judge_stop_in_time(Moment now, const Report &report);
     void judge_feeding(Moment now);
+    void judge_ages(Moment now, const Report &report);
+    void judge_outcome(Moment now, const Report &before);
+    void judge_watch(Moment now);
+    void judge_uplink(Moment now, const Truth &truth);
+    void judge_standing(Moment now, const Truth &truth);
+    void judge_disarming(Moment now, const Report &report);
+    void judge_pose(Moment now, const Report &report);
+    void status(Moment now, const Datagram &datagram);
     void differential_status(Moment now, const Datagram &datagram);
+    void watch_target(Moment now, const Datagram &datagram);
     void watch_other_commander(Moment now, const Datagram &datagram);
-    void watch_inhibited(Moment now, const Datagram &datagram);
+    void watch_axis(Moment now, const Datagram &datagram, Axis &axis, float target, float current);
     void iocard_status(Moment now, const Datagram &datagram);
-    void watch_reboot(Moment now, const Datagram &datagram);
+    void watch_restart(Moment now, const Datagram &datagram);
+    void forget_robot(Moment now);
+    bool ours(Speeds target, std::uint64_t since_us) const;
     std::uint64_t tolerance_us(Moment now) const;
     Bounds bounds() const;
     bool target_may_be_zero() const;
@@ -187,18 +243,35 @@ class Oracle {
     Moment last_;
     std::uint64_t started_us_ = 0;
 
-    Newest differential_, iocard_;
+    Newest newest_[5];
+    std::uint64_t unproven_us_ = UINT64_MAX; /* of the age of all statuses: see tolerance_us() */
+    std::uint64_t unproven_since_us_ = 0, clock_error_us_ = 0;
     Speeds reported_target_, reported_current_;
-    std::uint32_t boot_ = 0;
-    std::uint64_t highest_stamp_ = 0;
+    std::uint32_t boot_ = 0, required_boot_ = 0;
+    std::deque<RobotTruth> robots_; /* by start; those before required_boot_ are forgotten */
+    std::uint32_t judged_boot_ = 0; /* whose restart was noticed, or could not be */
     int restarted_statuses_ = 0;
-    Envelope ours_, ours_before_;
-    std::uint64_t envelope_us_ = 0;
+    bool armed_before_restart_ = false;
+    std::deque<Sent> sent_; /* speeds, during the last two watchdog times and longer */
+    Speeds target_sent_;    /* the newest speed, and since when it has not changed */
+    std::uint64_t target_since_us_ = 0, target_seen_us_ = 0;
     int others_ = 0;
-    std::uint64_t still_since_us_ = 0;
-    bool still_ = false, motors_dead_ = false;
+    Axis v_, w_;
+    bool unconfirmed_ = false; /* a speed left, and no stop was confirmed since */
+    bool ended_under_pad_a_ = false;
+    std::uint64_t watch_due_us_ = UINT64_MAX, release_due_us_ = UINT64_MAX, zeros_allowed_us_ = 0;
+    std::uint64_t lapse_us_ = UINT64_MAX; /* by the client's clock */
+    bool pausing_ = false, ages_known_ = true;
+    std::uint64_t commanding_since_us_ = 0, well_since_us_ = 0, disturbed_us_ = 0,
+                  standing_due_us_ = 0;
+    bool well_ = false;
+    double way_m_ = 0, way_at_pose_ = 0;
+    std::uint64_t way_us_ = 0;
+    int poses_sent_ = 0;
+    std::uint64_t answer_delay_us_ = 0; /* of the last answer, from the robot */
     bool pad_a_held_ = false;
     std::uint64_t pad_a_us_ = 0;
+    std::array<std::uint64_t, reached_count> reached_{};
     std::uint64_t calm_us_ = UINT64_MAX;
     std::uint64_t speeds_sent_ = 0, armings_ = 0;
 };

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "promises.h"
 
+#include <iterator>
+
 namespace soak {
 
 namespace {
@@ -30,6 +32,8 @@ const Text texts[] = {
      "Which input is [A] is what all the robot's texts say, or unknown; it is not guessed."},
     {Promise::fresh_by_age, "fresh-by-age",
      "No speed leaves, and nothing arms, on a status that is truly older than fresh_ms."},
+    {Promise::ages_are_bounds, "ages-are-bounds",
+     "No status is truly older than the client says that it can be."},
     {Promise::arming_conditions, "arming-conditions",
      "arm() succeeds only when ready, with valid limits, on a robot that stands."},
     {Promise::nothing_arms_itself, "nothing-arms-itself",
@@ -52,6 +56,18 @@ const Text texts[] = {
      "No speed leaves before the stop sequence that is due has ended."},
     {Promise::stop_always_sends, "stop-always-sends",
      "stop() always sends zeros, now or as soon as the service is known."},
+    {Promise::stop_latches, "stop-latches", "After stop() only arm() allows driving again."},
+    {Promise::pause_keeps_armed, "pause-keeps-armed", "pause() ends the lease and stays armed."},
+    {Promise::lapse_disarms, "lapse-disarms",
+     "A lease that expired and is not renewed for lapse_disarm_ms disarms."},
+    {Promise::outcome_is_true, "outcome-is-true",
+     "A stop is reported as confirmed only by a status made after its zeros, and not under [A]."},
+    {Promise::stop_is_watched, "stop-is-watched",
+     "Zeros leave for as long as a fresh status shows a target of ours without a lease."},
+    {Promise::release_stops, "release-stops",
+     "When [A] is released after a stop that was not confirmed, zeros leave again."},
+    {Promise::stands_in_the_end, "stands-in-the-end",
+     "On a good network no robot follows a target of ours for long after driving has ended."},
     {Promise::monitor_is_silent, "monitor-is-silent",
      "A client that was not asked to drive or stop sends no command, not even a zero."},
     {Promise::only_differential, "only-differential",
@@ -63,8 +79,18 @@ const Text texts[] = {
      "Commands are at least 10 ms apart, except for the first zero after a speed."},
     {Promise::other_commander_disarms, "other-commander-disarms",
      "Three statuses with a target that is neither zero nor ours disarm the client."},
-    {Promise::inhibited_disarms, "inhibited-disarms",
-     "A target that is set while the robot does not move disarms within two seconds."},
+    {Promise::follows_or_disarmed, "follows-or-disarmed",
+     "An axis that does not follow its target (too slow, too fast, wrong way, NaN) disarms."},
+    {Promise::healthy_stays_armed, "healthy-stays-armed",
+     "No healthy robot on a good network is taken for one that does not follow or hears late."},
+    {Promise::late_uplink_disarms, "late-uplink-disarms",
+     "Commands that reach the robot more than half a second late disarm."},
+    {Promise::target_must_appear, "target-must-appear",
+     "A target that does not appear in statuses for half a second disarms."},
+    {Promise::restart_forgets, "restart-forgets",
+     "After a restart, or with another robot, nothing counts that was read before it."},
+    {Promise::no_old_pose, "no-old-pose",
+     "A relocalization that was repeated while the robot moved does not count as done."},
     {Promise::feeds_watchdog, "feeds-watchdog",
      "While a lease lives, its command is repeated at each drive period."},
     {Promise::deadlines, "deadlines",
@@ -81,6 +107,32 @@ const char *promise_name(Promise promise) {
 
 const char *promise_sentence(Promise promise) {
     return texts[number(promise)].sentence;
+}
+
+const char *reached_name(std::size_t reached) {
+    static const char *const names[] = {"stop under [A]",
+                                        "resumed target",
+                                        "revived speed",
+                                        "unconfirmed stop",
+                                        "long watchdog",
+                                        "hidden restart",
+                                        "another robot",
+                                        "late uplink",
+                                        "late statuses only",
+                                        "one axis does not follow",
+                                        "runs away",
+                                        "not a number",
+                                        "stands still",
+                                        "small target stands",
+                                        "doubled literal text",
+                                        "resembling text",
+                                        "lapsed",
+                                        "paused",
+                                        "repeated pose",
+                                        "others within limits",
+                                        "drifted"};
+    static_assert(std::size(names) == reached_count, "one name each");
+    return names[reached];
 }
 
 bool find_promise(const std::string &name, Promise &out) {

@@ -21,6 +21,7 @@ enum class Promise {
     override_disarms,
     override_by_texts,
     fresh_by_age,
+    ages_are_bounds,
     arming_conditions,
     nothing_arms_itself,
     reboot_disarms,
@@ -32,12 +33,24 @@ enum class Promise {
     rounding_is_not_motion,
     stop_before_speed,
     stop_always_sends,
+    stop_latches,
+    pause_keeps_armed,
+    lapse_disarms,
+    outcome_is_true,
+    stop_is_watched,
+    release_stops,
+    stands_in_the_end,
     monitor_is_silent,
     only_differential,
     service_by_texts,
     spacing,
     other_commander_disarms,
-    inhibited_disarms,
+    follows_or_disarmed,
+    healthy_stays_armed,
+    late_uplink_disarms,
+    target_must_appear,
+    restart_forgets,
+    no_old_pose,
     feeds_watchdog,
     deadlines,
     comes_back,
@@ -45,6 +58,34 @@ enum class Promise {
 };
 
 using Promises = std::bitset<static_cast<std::size_t>(Promise::count_)>;
+
+/** States that a run of some hours must have reached: else it has judged less than it says. */
+enum class Reached {
+    stop_under_pad_a,   /* driving ended while [A] was held */
+    resumed_target,     /* our target came back when [A] was released */
+    revived_speed,      /* a late command of ours came back after a zero */
+    unconfirmed_stop,   /* a stop sequence ended without a confirmation */
+    long_watchdog,      /* the robot followed us after the stop sequence had ended */
+    hidden_restart,     /* a restart whose cycle count does not go back */
+    another_robot,      /* at the same address */
+    late_uplink,        /* commands reached the robot 0.4 s late while it was armed */
+    late_statuses_only, /* statuses, but no answers, were 0.3 s late while it was armed */
+    one_axis_does_not_follow,
+    runs_away,
+    not_a_number,
+    stands_still,
+    small_target_stands,  /* below 0.1 m/s */
+    doubled_literal_text, /* where all answers have one id */
+    resembling_text,      /* "Game pad A LED" */
+    lapsed,
+    paused,
+    repeated_pose, /* REPLACE was repeated while it moved */
+    others_within_limits,
+    drifted, /* a quarter of an hour with clocks 300 ppm apart */
+    count_
+};
+constexpr std::size_t reached_count = static_cast<std::size_t>(Reached::count_);
+const char *reached_name(std::size_t reached);
 
 const char *promise_name(Promise promise);
 /** The promise in one sentence. */

@@ -11,7 +11,11 @@ namespace soak {
 
 class Random {
   public:
-    explicit Random(std::uint64_t seed) : state_(seed * 0x9E3779B97F4A7C15U + 1) {}
+    /* Neighbouring seeds must not give one sequence that is shifted by one: hence the second pass.
+     */
+    explicit Random(std::uint64_t seed) : state_(seed + 1) {
+        state_ = next();
+    }
 
     std::uint64_t next() {
         state_ += 0x9E3779B97F4A7C15U;

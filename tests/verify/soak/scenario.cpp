@@ -17,9 +17,10 @@ constexpr std::uint64_t second = 1000000;
 
 /** How an application behaves: weights of what it does at each of its steps. */
 struct Manners {
-    double arms = 0, drives = 0, stops = 0, disarms = 0, odd = 0;
+    double arms = 0, drives = 0, stops = 0, pauses = 0, odd = 0;
     std::uint64_t shortest_us = 5000, longest_us = 120000; /* between its steps */
     bool persists = false;                                 /* drives on although it is refused */
+    double keeps = 0.8;                                    /* a target, from step to step */
 };
 
 roburoc4_config draw_config(Random &random, const RobotPlan &plan) {
@@ -55,7 +56,18 @@ roburoc4_config draw_config(Random &random, const RobotPlan &plan) {
         config.options |= ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER;
     if (random.chance(0.05))
         config.role_index[ROBUROC4_ROLE_OVERRIDE] = static_cast<std::int16_t>(plan.pad_a);
-    config.robot_watchdog_ms = static_cast<std::uint32_t>(plan.watchdog_us / 1000);
+    if (random.chance(0.2))
+        config.lapse_disarm_ms = static_cast<std::uint32_t>(random.between(0, 5000));
+    if (random.chance(0.5)) /* else it may be wrong */
+        config.robot_watchdog_ms = static_cast<std::uint32_t>(plan.watchdog_us / 1000);
+    const auto watchdog_ms =
+        std::min(config.robot_watchdog_ms, static_cast<std::uint32_t>(plan.watchdog_us / 1000));
+    config.drive_period_ms = std::min(config.drive_period_ms, watchdog_ms / 4);
+    if (random.chance(0.1)) {
+        config.iocard_id = plan.ids[iocard] != 0 ? plan.ids[iocard] : ROBUROC4_ID_AUTO;
+        config.differential_id =
+            plan.ids[differential] != 0 ? plan.ids[differential] : ROBUROC4_ID_AUTO;
+    }
     return config;
 }
 
@@ -70,8 +82,11 @@ Manners draw_manners(Random &random) {
     case 2: /* does everything at random */
         manners = {0.2, 0.5, 0.1, 0.05, 0.15, 1000, 400000, true};
         break;
-    default: /* drives well */
+    case 3: /* drives well */
         manners = {0.05, 0.9, 0.02, 0.02, 0.01, 20000, 100000, false};
+        break;
+    default: /* drives evenly */
+        manners = {0.02, 0.96, 0.005, 0.005, 0.002, 20000, 60000, false, 0.99};
         break;
     }
     return manners;
@@ -90,6 +105,13 @@ bool override_can_be_known(const RobotPlan &plan, const roburoc4_config &config)
         else if (!plan.unanswered_texts[i])
             rule.text_read(index, plan.input_texts[i]);
     }
+    if (rule.doubtful() && config.role_index[ROBUROC4_ROLE_OVERRIDE] < 0)
+        return false;
+    /* where all answers have one id, texts count only where they agree with the manual's table */
+    const std::int32_t table = plan.digital_inputs == 23 ? 9 : 8;
+    if (plan.literal_ids && config.role_index[ROBUROC4_ROLE_OVERRIDE] < 0 &&
+        (rule.index() != table || plan.digital_inputs > 23 || plan.analog_inputs != 9))
+        return false;
     return rule.index() >= 0;
 }
 
@@ -121,6 +143,7 @@ class Scenario {
         outcome.lasted_us = world_.now_us() - begin_us;
         outcome.speeds_sent = world_.oracle().speeds_sent();
         outcome.armings = world_.oracle().armings();
+        outcome.reached = world_.oracle().reached();
         outcome.friendly = friendly() ? 1 : 0;
         return outcome;
     }
@@ -134,11 +157,11 @@ class Scenario {
             config_.options, static_cast<double>(config_.max_linear_m_s),
             static_cast<double>(config_.max_angular_rad_s),
             static_cast<double>(config_.scale_linear), static_cast<double>(config_.scale_angular));
-        std::printf("limits v %g to %g, w %g to %g, width %g, noise %g, [A] is input %d of %d\n",
-                    static_cast<double>(plan_.min_v), static_cast<double>(plan_.max_v),
-                    static_cast<double>(plan_.min_w), static_cast<double>(plan_.max_w),
-                    static_cast<double>(plan_.width), static_cast<double>(plan_.noise), plan_.pad_a,
-                    plan_.digital_inputs);
+        std::printf("watchdog_ms %u, lapse %u ms\nmember:%s\n", config_.robot_watchdog_ms,
+                    config_.lapse_disarm_ms, plan_.text().c_str());
+        std::printf("limits v %g to %g, w %g to %g, width %g\n", static_cast<double>(plan_.min_v),
+                    static_cast<double>(plan_.max_v), static_cast<double>(plan_.min_w),
+                    static_cast<double>(plan_.max_w), static_cast<double>(plan_.width));
         for (std::size_t i = 0; i < plan_.input_texts.size(); i++)
             std::printf("  input %zu: %s%s%s\n", i, plan_.input_texts[i].c_str(),
                         plan_.refused_texts[i] ? " (refused)" : "",
@@ -150,7 +173,8 @@ class Scenario {
     }
 
     bool friendly() const {
-        return plan_.drivable() && override_can_be_known(plan_, config_);
+        return plan_.drivable() && plan_.prompt(config_.fresh_ms) &&
+               override_can_be_known(plan_, config_);
     }
 
     void step() {
@@ -178,24 +202,26 @@ class Scenario {
                 world_.arm();
         } else if ((draw -= manners_.stops) < 0) {
             world_.stop();
-        } else if ((draw -= manners_.disarms) < 0) {
-            world_.disarm();
+        } else if ((draw -= manners_.pauses) < 0) {
+            world_.pause();
         } else if ((draw -= manners_.odd) < 0) {
             act_oddly();
         }
     }
 
     Speeds next_target() {
-        if (random_.chance(0.8)) /* most programs keep a target for a while */
+        if (random_.chance(manners_.keeps)) /* most programs keep a target for a while */
             return target_;
         target_ = {static_cast<float>(random_.uniform(-1.2, 1.2)),
                    static_cast<float>(random_.uniform(-2, 2))};
+        if (random_.chance(0.3)) /* small, or on one axis */
+            (random_.chance(0.5) ? target_.v : target_.w) *= random_.chance(0.5) ? 0.0F : 0.1F;
         if (random_.chance(0.1))
             target_ = {};
-        if (random_.chance(0.05))
+        if (random_.chance(0.02))
             target_ = {static_cast<float>(random_.uniform(-20, 20)),
                        static_cast<float>(random_.uniform(-50, 50))};
-        if (random_.chance(0.01))
+        if (random_.chance(0.02))
             return {std::numeric_limits<float>::quiet_NaN(), 0};
         if (random_.chance(0.01))
             return {0, -std::numeric_limits<float>::infinity()};
@@ -251,45 +277,119 @@ class Scenario {
 
     /* ----------------------------------------------------------------------------- mishaps */
 
+    Weather weather() {
+        return draw_weather(random_, plan_.own_queues);
+    }
+
     void begin_mishap() {
         const Speeds pad = {static_cast<float>(random_.uniform(-1, 1)),
                             static_cast<float>(random_.uniform(-1, 1))};
-        switch (random_.between(0, 11)) {
+        switch (random_.between(0, 14)) {
         case 0:
         case 1:
+            world_.set_weather(weather(), weather());
+            break;
         case 2:
-            world_.set_weather(draw_weather(random_), draw_weather(random_));
+            world_.set_weather(weather(), Weather());
             break;
         case 3:
-            world_.set_weather(Weather(), draw_weather(random_));
+            world_.set_weather(Weather(), weather());
             break;
         case 4:
         case 5:
             world_.set_weather(Weather(), Weather());
             break;
         case 6:
-            world_.hold_pad_a(true, random_.chance(0.5) ? Speeds() : pad);
-            pad_until_us_ = world_.now_us() + random_.between(50, 5000) * 1000;
-            break;
         case 7:
-            world_.cut_motors(true);
-            dead_until_us_ = world_.now_us() + random_.between(100, 8000) * 1000;
+            world_.hold_pad_a(true, random_.chance(0.5) ? Speeds() : pad);
+            pad_until_us_ =
+                world_.now_us() + random_.between(50, random_.chance(0.5) ? 1000 : 5000) * 1000;
             break;
         case 8:
-            if (random_.chance(0.5))
-                world_.reboot(random_.between(50, 4000) * 1000);
-            break;
         case 9:
-            others_ = {random_.chance(0.5) ? 2.3F : -2.3F, random_.chance(0.5) ? 5.0F : -5.0F};
-            others_until_us_ = world_.now_us() + random_.between(50, 3000) * 1000;
+            begin_trouble();
             break;
         case 10:
+            if (random_.chance(0.5))
+                restart();
+            break;
+        case 11:
+            others_ = {static_cast<float>(random_.uniform(-2.5, 2.5)),
+                       static_cast<float>(random_.uniform(-5, 5))};
+            if (random_.chance(0.5))
+                others_ = {target_.v * 0.7F, target_.w * 0.7F};
+            others_until_us_ = world_.now_us() + random_.between(50, 3000) * 1000;
+            break;
+        case 12:
             step_clock();
+            break;
+        case 13:
+            pose_until_us_ = world_.now_us() + random_.between(100, 3000) * 1000;
+            world_.set_weather(weather(), weather());
+            world_.relocalize();
             break;
         default:
             world_.freeze(random_.between(1000, 3000000));
             break;
         }
+    }
+
+    void begin_trouble() {
+        Trouble trouble;
+        switch (random_.between(0, 6)) {
+        case 0:
+        case 1:
+            trouble.motors_dead = true;
+            break;
+        case 2:
+            trouble.blocked_v = true;
+            break;
+        case 3:
+            trouble.blocked_w = true;
+            break;
+        case 4: /* it runs away, or the wrong way */
+            trouble.blocked_v = random_.chance(0.7);
+            trouble.blocked_w = random_.chance(0.3);
+            trouble.creep = {static_cast<float>(random_.uniform(-2.6, 2.6)),
+                             static_cast<float>(random_.uniform(-3, 3))};
+            break;
+        case 5:
+            trouble.nan = true;
+            break;
+        default:
+            trouble.frozen = true;
+            break;
+        }
+        world_.set_trouble(trouble);
+        trouble_until_us_ = world_.now_us() + random_.between(100, 10000) * 1000;
+    }
+
+    /** The user set what another robot may have elsewhere. */
+    bool user_told() const {
+        return config_.role_index[ROBUROC4_ROLE_OVERRIDE] >= 0 || config_.iocard_id >= 0;
+    }
+
+    /* Often in an outage of the link; and it may be another robot that answers afterwards. */
+    void restart() {
+        if (random_.chance(0.6)) {
+            Weather dark;
+            dark.dark = true;
+            world_.set_weather(dark, dark);
+            dark_until_us_ = world_.now_us() + random_.between(100, 40000) * 1000;
+        }
+        RobotPlan plan = plan_;
+        if (random_.chance(0.3) && !user_told()) {
+            plan = draw_robot(random_);
+            plan.own_queues = plan_.own_queues;
+            plan.literal_ids = plan_.literal_ids;
+            plan.only_literal = plan_.only_literal;
+            plan.type_codes = plan_.type_codes || plan_.literal_ids;
+            world_.oracle().reach(Reached::another_robot);
+        }
+        const std::uint64_t counts[] = {0, 1000, 10000, 100000000};
+        plan.first_cycle = random_.between(0, random_.pick(counts));
+        plan_ = plan;
+        world_.reboot(plan, random_.between(50, 4000) * 1000);
     }
 
     void step_clock() {
@@ -304,10 +404,16 @@ class Scenario {
             world_.hold_pad_a(false);
             pad_until_us_ = 0;
         }
-        if (dead_until_us_ != 0 && now >= dead_until_us_) {
-            world_.cut_motors(false);
-            dead_until_us_ = 0;
+        if (trouble_until_us_ != 0 && now >= trouble_until_us_) {
+            world_.set_trouble(Trouble());
+            trouble_until_us_ = 0;
         }
+        if (dark_until_us_ != 0 && now >= dark_until_us_) {
+            world_.set_weather(Weather(), Weather());
+            dark_until_us_ = 0;
+        }
+        if (now < pose_until_us_ && random_.chance(0.2))
+            world_.relocalize();
         if (now < others_until_us_)
             world_.other_commander(others_);
     }
@@ -322,7 +428,7 @@ class Scenario {
             refusal == ROBUROC4_ERR_NO_DIFFERENTIAL || refusal == ROBUROC4_ERR_STALE_IOCARD;
         if (missing && !plan_.type_codes)
             return Promise::service_by_texts;
-        if (refusal == ROBUROC4_ERR_MOVING && plan_.noise > 0)
+        if (refusal == ROBUROC4_ERR_MOVING && plan_.rounding > 0)
             return Promise::rounding_is_not_motion;
         return Promise::comes_back;
     }
@@ -335,8 +441,12 @@ class Scenario {
             world_.run_for(70 * second);
         if (world_.report().state == ROBUROC4_STATE_IDLE)
             world_.start();
+        world_.stop(); /* which also clears what another commander left behind */
         const std::uint64_t calm_us = world_.now_us();
-        const std::uint64_t patience_us = (friendly() ? 30 : 5) * second;
+        const std::uint64_t patience_us = (!friendly()                                   ? 5
+                                           : plan_.literal_ids || plan_.error_shape != 0 ? 60
+                                                                                         : 30) *
+                                          second;
         std::int32_t result = -1;
         while (!violated() && result < 0 && world_.now_us() - calm_us < patience_us) {
             world_.run_for(50000);
@@ -347,23 +457,25 @@ class Scenario {
         if (result < 0) {
             const Promise broken = promise_behind(result);
             world_.oracle().violate(broken, world_.now_us(),
-                                    "arm() is still refused after 30 s in which all is well: " +
+                                    "arm() is still refused although all is well: " +
                                         std::string(roburoc4_result_text(result)));
             return;
         }
         drive_in_the_end();
     }
 
-    /* Drives for 2 s. The client may have found out something meanwhile (a text that came late)
-     * that makes it look again: then it must be armed again. */
+    /* Drives for 8 s, each way. The client may have found out something meanwhile (a text that came
+     * late) that makes it look again: then it must be armed again. */
     void drive_in_the_end() {
         const std::uint64_t interval_us = std::min<std::uint64_t>(config_.lease_ms * 500, 50000);
-        const Speeds target = {plan_.max_v > 0 ? 0.3F : 0.0F, plan_.max_w > 0 ? 0.3F : 0.0F};
+        Speeds target = {plan_.max_v > 0 ? 0.3F : 0.0F, plan_.max_w > 0 ? 0.3F : 0.0F};
         const std::uint64_t begin_us = world_.now_us();
         std::uint64_t driven_us = 0;
         const std::uint64_t before = world_.oracle().speeds_sent();
         std::int32_t result = 0;
-        while (driven_us < 2 * second && !violated() && world_.now_us() - begin_us < 20 * second) {
+        while (driven_us < 8 * second && !violated() && world_.now_us() - begin_us < 30 * second) {
+            if (driven_us > 4 * second)
+                target = {plan_.min_v < -0.1F ? -0.1F : 0.0F, plan_.min_w < -0.5F ? -0.5F : 0.0F};
             result = world_.drive(target);
             if (result < 0) {
                 world_.arm();
@@ -379,8 +491,7 @@ class Scenario {
                                         std::string(roburoc4_result_text(result)));
         world_.stop();
         world_.run_for(3 * second);
-        const Speeds moving = world_.robot().moving();
-        if (!violated() && (std::fabs(moving.v) > 0.01F || std::fabs(moving.w) > 0.01F))
+        if (!violated() && !world_.robot().clients_target().zero())
             world_.oracle().violate(Promise::stop_always_sends, world_.now_us(),
                                     "the robot still moves 3 s after stop()");
         world_.close();
@@ -394,7 +505,8 @@ class Scenario {
     World world_;
     Speeds target_, others_;
     bool armed_ = false;
-    std::uint64_t next_mishap_us_ = 0, pad_until_us_ = 0, dead_until_us_ = 0, others_until_us_ = 0;
+    std::uint64_t next_mishap_us_ = 0, pad_until_us_ = 0, trouble_until_us_ = 0, dark_until_us_ = 0,
+                  pose_until_us_ = 0, others_until_us_ = 0;
 };
 
 } // namespace

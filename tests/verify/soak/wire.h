@@ -24,22 +24,30 @@ constexpr std::uint8_t header_status = 0xFF;
 constexpr std::uint8_t digital_input_type = 2;
 constexpr std::uint64_t cycle_us = 10000;
 
+/* The services with statuses, in the manual's order. */
+constexpr int iocard = 0, telemeter = 1, battery = 2, localization = 3, differential = 4;
+
 /** What only the simulation knows of a datagram. */
 struct Origin {
     enum class Kind : std::uint8_t {
-        other,
+        other, /* a request, a command, or an answer that nothing below names */
+        status,
         differential_status,
         iocard_status,
         iocard_properties,
         differential_properties,
         input_text,    /* the text of digital input `index` */
         input_refusal, /* the robot refused to give it */
+        replaced,      /* the answer to REPLACE */
     };
     Kind kind = Kind::other;
-    std::int32_t index = 0;
-    std::uint32_t boot = 0;     /* counts the robot's starts */
-    std::uint64_t made_us = 0;  /* true time */
+    std::int32_t index = 0; /* of the input; of a status: of its service, iocard to differential */
+    std::uint32_t boot = 0; /* counts the robot's starts; another robot is another start */
+    std::uint64_t made_us = 0;  /* true time at which it was made */
+    std::uint64_t asked_us = 0; /* of an answer: when its request was sent */
     bool others_target = false; /* of a status: somebody else set the target */
+    bool pad_a = false;         /* of a status: [A] was held */
+    bool healthy = false;       /* of a status: the robot follows its target */
 };
 
 struct Datagram {
@@ -113,6 +121,12 @@ inline bool is_command(const Datagram &datagram) {
 }
 inline Speeds command_speeds(const Datagram &datagram) {
     return {datagram.f32_at(3), datagram.f32_at(7)};
+}
+
+inline bool is_status(const Datagram &datagram) {
+    return datagram.origin.kind == Origin::Kind::status ||
+           datagram.origin.kind == Origin::Kind::differential_status ||
+           datagram.origin.kind == Origin::Kind::iocard_status;
 }
 
 inline std::size_t digital_blocks(std::int32_t count) {

@@ -2,6 +2,7 @@
 #include "world.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdarg>
 #include <cstdio>
 
@@ -9,7 +10,7 @@ namespace soak {
 
 namespace {
 
-RobotTruth truth_of(const RobotPlan &plan) {
+RobotTruth truth_of(const RobotPlan &plan, const roburoc4_config &config) {
     RobotTruth truth;
     truth.differential_id = plan.short_properties ? std::uint16_t{0} : plan.ids[4];
     truth.iocard_id = plan.ids[0];
@@ -17,7 +18,10 @@ RobotTruth truth_of(const RobotPlan &plan) {
     truth.only_texts_tell = !plan.type_codes;
     truth.literal_ids = plan.literal_ids;
     truth.slow_texts = plan.text_us > 100000;
-    truth.rounds = plan.noise > 0;
+    truth.rounds = plan.rounding > 0;
+    truth.own_queues = plan.own_queues;
+    truth.drifts = std::fabs(plan.clock_ppm) > 300;
+    truth.prompt = plan.prompt(config.fresh_ms);
     return truth;
 }
 
@@ -25,8 +29,9 @@ RobotTruth truth_of(const RobotPlan &plan) {
 
 World::World(const RobotPlan &plan, const roburoc4_config &config, Client &client,
              const Promises &excluded, std::uint64_t seed)
-    : client_(client), robot_(plan, 1000000000), oracle_(config, truth_of(plan), excluded),
-      to_robot_(seed * 2 + 1), to_client_(seed * 2 + 2), offset_us_(seed % 7 * 123456789) {
+    : client_(client), config_(config), robot_(plan, 1000000000),
+      oracle_(config, truth_of(plan, config), excluded), to_robot_(seed * 2 + 1),
+      to_client_(seed * 2 + 2), offset_us_(seed % 7 * 123456789) {
     client_.init(config);
 }
 
@@ -44,7 +49,7 @@ void World::say(const char *format, ...) const {
 void World::say_datagram(const char *what, const Datagram &datagram, std::int32_t result) const {
     if (!trace_)
         return;
-    const bool status = datagram.origin.made_us != 0 && is_command(datagram);
+    const bool status = is_status(datagram);
     if (datagram.origin.kind == Origin::Kind::differential_status)
         say("%s differential status made %.6f: target (%g, %g), speed (%g, %g): %d", what,
             static_cast<double>(datagram.origin.made_us - 1000000000) * 1e-6,
@@ -52,8 +57,9 @@ void World::say_datagram(const char *what, const Datagram &datagram, std::int32_
             static_cast<double>(datagram.f32_at(15)), static_cast<double>(datagram.f32_at(23)),
             result);
     else if (status)
-        say("%s status of service %u made %.6f: %d", what, datagram.u16_at(1),
-            static_cast<double>(datagram.origin.made_us - 1000000000) * 1e-6, result);
+        say("%s status of service %u made %.6f, cycle %llu: %d", what, datagram.u16_at(1),
+            static_cast<double>(datagram.origin.made_us - 1000000000) * 1e-6,
+            static_cast<unsigned long long>(datagram.u64_at(3)), result);
     else if (is_command(datagram))
         say("%s command to service %u: (%g, %g)", what, datagram.u16_at(1),
             static_cast<double>(datagram.f32_at(3)), static_cast<double>(datagram.f32_at(7)));
@@ -71,8 +77,12 @@ std::uint64_t World::deadline_true() const {
 }
 
 void World::run_robot() {
-    while (to_robot_.next_arrival() <= now_us_)
+    while (to_robot_.next_arrival() <= now_us_) {
+        const bool stood = robot_.clients_target().zero();
         robot_.receive(to_robot_.take(), now_us_, false);
+        if (stood && !robot_.clients_target().zero() && !report_.driving)
+            oracle_.reach(Reached::revived_speed);
+    }
     if (robot_.next_time() > now_us_)
         return;
     from_robot_.clear();
@@ -102,6 +112,7 @@ void World::run_until(std::uint64_t end_us) {
 }
 
 void World::freeze(std::uint64_t us) {
+    oracle_.disturbed(now_us_);
     say("the client's machine freezes for %.3f s", static_cast<double>(us) * 1e-6);
     const std::uint64_t end_us = now_us_ + us;
     for (;;) {
@@ -112,6 +123,7 @@ void World::freeze(std::uint64_t us) {
         run_robot();
     }
     now_us_ = end_us;
+    oracle_.disturbed(now_us_);
 }
 
 void World::step_clock(std::int64_t us) {
@@ -147,6 +159,7 @@ void World::poll() {
             oracle_.violate(Promise::deadlines, now_us_, "it sends without end");
             break;
         }
+        datagram.origin.made_us = now_us_;
         say_datagram("sent", datagram, length);
         oracle_.sent(moment(), datagram);
         if (is_command(datagram) && datagram.u16_at(1) == robot_.differential_id()) {
@@ -169,7 +182,28 @@ void World::report_all() {
     report_ = report;
     if (trace_ && (report.events & ROBUROC4_EVENT_STOPPED) != 0)
         say("reports STOPPED");
-    oracle_.reported(moment(), report, true, deadline_us_);
+    if (trace_ && (report.events & ROBUROC4_EVENT_STOP_UNCONFIRMED) != 0)
+        say("reports STOP_UNCONFIRMED, outcome %u", report.stop_outcome);
+    if (trace_ && (report.events & ROBUROC4_EVENT_DISARMED) != 0)
+        say("reports DISARMED: %s", roburoc4_result_text(report.disarm_cause));
+    oracle_.reported(moment(), report, truth(), true, deadline_us_);
+}
+
+Truth World::truth() const {
+    const auto good = [](const Weather &weather) {
+        return weather.delay_us <= 1000 && weather.jitter_us == 0 && weather.loss == 0 &&
+               weather.duplicates == 0 && weather.reordering == 0 && weather.burst == 0 &&
+               weather.growth == 0 && !weather.dark;
+    };
+    const Weather &up = to_robot_.weather();
+    Truth truth;
+    truth.clients_target = robot_.clients_target();
+    truth.moving = robot_.moving();
+    truth.newest_command_us = robot_.newest_command_us();
+    truth.well = good(up) && good(to_client_.weather()) && !robot_.trouble().any() &&
+                 !robot_.pad_a_held() && robot_.running(now_us_) && now_us_ >= others_until_us_;
+    truth.uplink_loses = (up.loss > 0.05 || up.reordering > 0) && !up.dark;
+    return truth;
 }
 
 std::uint32_t World::take_events() {
@@ -183,10 +217,11 @@ std::uint32_t World::take_events() {
 
 /* An application may call at any time, also before the client has received what has arrived. */
 std::int32_t World::called(const char *call, std::int32_t result) {
-    say("%s: %d %s", call, result, result < 0 ? roburoc4_result_text(result) : "");
     const Report report = client_.report(client_now());
+    say("%s: %d %s (ages %u, %u us)", call, result, result < 0 ? roburoc4_result_text(result) : "",
+        report.age_us[iocard], report.age_us[differential]);
     events_ |= report.events;
-    oracle_.reported(moment(), report, false, UINT64_MAX);
+    oracle_.reported(moment(), report, truth(), false, UINT64_MAX);
     send_due();
     return result;
 }
@@ -214,12 +249,6 @@ std::int32_t World::arm() {
     return called("arm", result);
 }
 
-std::int32_t World::disarm() {
-    const std::int32_t result = client_.disarm(client_now());
-    oracle_.disarmed(moment());
-    return called("disarm", result);
-}
-
 std::int32_t World::drive(Speeds speeds, std::uint32_t lease_us) {
     say("drive(%g, %g) for %u us", static_cast<double>(speeds.v), static_cast<double>(speeds.w),
         lease_us);
@@ -232,6 +261,12 @@ std::int32_t World::stop() {
     const std::int32_t result = client_.stop(client_now());
     oracle_.stopped(moment(), result);
     return called("stop", result);
+}
+
+std::int32_t World::pause() {
+    const std::int32_t result = client_.pause(client_now());
+    oracle_.paused(moment(), result);
+    return called("pause", result);
 }
 
 std::int32_t World::set_override_index(std::int32_t index) {
@@ -247,7 +282,9 @@ std::int32_t World::set_outputs(std::uint64_t mask, std::uint64_t values) {
 }
 
 std::int32_t World::relocalize() {
-    return called("relocalize", client_.relocalize(client_now()));
+    const std::int32_t result = client_.relocalize(client_now());
+    oracle_.pose_set(result);
+    return called("relocalize", result);
 }
 
 std::int32_t World::subscribe(std::uint32_t service, std::uint32_t period_ms) {
@@ -267,19 +304,30 @@ void World::set_weather(const Weather &to_robot, const Weather &to_client) {
 
 void World::hold_pad_a(bool held, Speeds speeds) {
     say("[A] is %s", held ? "pressed" : "released");
+    const bool released = robot_.pad_a_held() && !held;
     robot_.hold_pad_a(held, speeds);
+    if (released && !robot_.clients_target().zero() && !report_.driving)
+        oracle_.reach(Reached::resumed_target);
     oracle_.pad_a_changed(held, now_us_);
 }
 
 void World::cut_motors(bool dead) {
     say("the motors are %s", dead ? "dead" : "alive");
     robot_.cut_motors(dead);
-    oracle_.motors_changed(dead);
 }
 
-void World::reboot(std::uint64_t off_us) {
-    say("the robot restarts, off for %.3f s", static_cast<double>(off_us) * 1e-6);
-    robot_.reboot(off_us, now_us_);
+void World::set_trouble(const Trouble &trouble) {
+    say("trouble: motors %d, blocked %d %d, creep (%g, %g), nan %d, frozen %d", trouble.motors_dead,
+        trouble.blocked_v, trouble.blocked_w, static_cast<double>(trouble.creep.v),
+        static_cast<double>(trouble.creep.w), trouble.nan, trouble.frozen);
+    robot_.set_trouble(trouble);
+}
+
+void World::reboot(const RobotPlan &plan, std::uint64_t off_us) {
+    say("the robot restarts, off for %.3f s:%s", static_cast<double>(off_us) * 1e-6,
+        plan.text().c_str());
+    robot_.reboot(plan, off_us, now_us_);
+    oracle_.robot_changed(truth_of(plan, config_));
     oracle_.pad_a_changed(false, now_us_);
 }
 
@@ -291,6 +339,7 @@ void World::other_commander(Speeds speeds) {
     command.u16(robot_.differential_id());
     command.f32(speeds.v);
     command.f32(speeds.w);
+    others_until_us_ = now_us_ + 100000;
     robot_.receive(command, now_us_, true);
 }
 
@@ -298,7 +347,7 @@ void World::calm() {
     say("from now on all is well");
     set_weather(Weather(), Weather());
     hold_pad_a(false);
-    cut_motors(false);
+    set_trouble(Trouble());
     oracle_.calm_from(now_us_);
 }
 

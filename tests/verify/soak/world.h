@@ -56,9 +56,9 @@ class World {
     std::int32_t start();
     std::int32_t close();
     std::int32_t arm();
-    std::int32_t disarm();
     std::int32_t drive(Speeds speeds, std::uint32_t lease_us = 0);
     std::int32_t stop();
+    std::int32_t pause();
     std::int32_t set_override_index(std::int32_t index);
     std::int32_t set_outputs(std::uint64_t mask, std::uint64_t values);
     std::int32_t relocalize();
@@ -68,7 +68,9 @@ class World {
     void set_weather(const Weather &to_robot, const Weather &to_client);
     void hold_pad_a(bool held, Speeds speeds = {});
     void cut_motors(bool dead);
-    void reboot(std::uint64_t off_us);
+    void set_trouble(const Trouble &trouble);
+    /** It is off, and starts again as this member (maybe another robot) with this count. */
+    void reboot(const RobotPlan &plan, std::uint64_t off_us);
     void other_commander(Speeds speeds);
     void calm();
 
@@ -82,6 +84,7 @@ class World {
     std::uint32_t take_events();
 
   private:
+    Truth truth() const;
     Moment moment() const {
         return {now_us_, client_now()};
     }
@@ -96,6 +99,7 @@ class World {
     void say_datagram(const char *what, const Datagram &datagram, std::int32_t result) const;
 
     Client &client_;
+    roburoc4_config config_;
     Robot robot_;
     Oracle oracle_;
     Path to_robot_, to_client_;
@@ -106,7 +110,7 @@ class World {
     std::uint64_t deadline_us_ = UINT64_MAX; /* by the client's clock */
     std::uint32_t events_ = 0;
     Speeds last_command_;
-    std::uint64_t commands_ = 0;
+    std::uint64_t commands_ = 0, others_until_us_ = 0;
     bool trace_ = false;
 };
 

@@ -23,7 +23,7 @@ classdef Rate < handle
 %          r.drive(0.3, 0.2 * sin(loop.time_s));
 %          loop.wait();
 %      end
-%      r.stop()
+%      r.pause()
 %
 %   See also roburoc4.Robot.
 

@@ -1,5 +1,6 @@
 classdef Result
 %RESULT Why a robot is not armed, as in status.disarm_cause: ROBUROC4_ERR_* of roburoc4.h.
+%   status.disarm_text is the same as a sentence, with what to do.
 %
 %   Example:
 %      r.status.disarm_cause == roburoc4.Result.OVERRIDE
@@ -23,5 +24,10 @@ properties (Constant)
     REBOOT = -31
     CLOCK = -32
     INHIBITED = -33
+    STOPPED = -34
+    LAPSED = -35
+    UPLINK = -36
+    UNITS = -37
+    NOT_SUBSCRIBED = -38
 end
 end

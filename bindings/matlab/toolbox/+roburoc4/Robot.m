@@ -1,15 +1,16 @@
 classdef Robot < handle
 %ROBOT A RobuROC4: drive it, read it, record it.
 %   R = roburoc4.Robot(ADDRESS) connects to the robot at 'HOST' or 'HOST:PORT' (from the factory
-%   '192.168.0.2') and waits until it is ready. R = roburoc4.Robot(ADDRESS, 'Name', value, ...)
+%   '192.168.0.2') and waits until it is ready and each service has sent a status. R = roburoc4.Robot(ADDRESS, 'Name', value, ...)
 %   takes options:
 %
 %      timeout (10)              seconds without an answer, or without progress towards ready, after
 %                                which roburoc4:timeout is raised
+%      wait_for_data (true)      false: do not wait for the first statuses
 %      lease_ms (250)            duration of a drive command, 20 to 1000
 %      drive_period_ms (50)      how often a drive command is repeated, 10 to half of lease_ms
-%      max_linear_m_s (2.6)      highest speed
-%      max_angular_rad_s (6.5)   highest turn rate
+%      max_linear_m_s (1)        highest speed
+%      max_angular_rad_s (1.5)   highest turn rate
 %      scale_linear (1), scale_angular (1)   factors for the speeds given to drive
 %      turn_keeping (false)      at a limit, slow down so that the curve stays the same
 %      iocard_period_ms (50), telemeter_period_ms (100), battery_period_ms (1000),
@@ -19,11 +20,13 @@ classdef Robot < handle
 %      buffer (50000)            statuses that are kept for record and log, 16 to 1000000
 %      record                    file (.pcapng) in which every datagram is recorded, or a folder
 %      fresh_ms (300), lost_ms (1000), first_retry_ms (100), robot_watchdog_ms (1000),
+%      lapse_disarm_ms (1000), iocard_id, differential_id,
 %      override_index, front_bumper_index, rear_bumper_index, battery_voltage_index,
 %      allow_unknown_override, ignore_other_commander     see docs/matlab.md
 %
 %   A native thread keeps the link alive whatever MATLAB does. It never renews a drive command: the
-%   robot stops when drive is not called again within lease_ms. It also stops at delete(R), clear R,
+%   robot stops when drive is not called again within lease_ms, and is disarmed a second later. It
+%   also stops at delete(R), clear R,
 %   Ctrl-C or an error in a method that waits, and the end of MATLAB, if R drives it: an object that
 %   only reads never commands the robot.
 %
@@ -39,9 +42,9 @@ classdef Robot < handle
 %      arc             - Drive along an arc
 %      goTo            - Go to a point, or to a pose
 %      rest            - Stop, and wait until the robot is at rest
-%      stop            - Stop now
+%      stop            - Stop now, and disarm
+%      pause           - Stop now, and stay armed
 %      arm             - Allow driving
-%      disarm          - Forbid driving, and stop
 %      sleep           - Wait
 %      rate            - Make a loop with a fixed rate
 %      receive         - Wait for the next status of a service
@@ -99,9 +102,10 @@ methods
         %ROBOT Connect, and wait until the robot is ready.
         %   See the help of the class.
         roburoc4.internal.needed(nargin > 0, 'Robot(address), such as Robot(''192.168.0.2'')');
-        own = struct('timeout', 10, 'buffer', 50000, 'record', '');
+        own = struct('timeout', 10, 'buffer', 50000, 'record', '', 'wait_for_data', true);
         [options, own] = roburoc4.internal.options(varargin, own, false);
         timeout = roburoc4.internal.number(own.timeout, 'timeout', 0, 1e6);
+        patient = roburoc4.internal.number(own.wait_for_data, 'wait_for_data', 0, 1) ~= 0;
         if isa(address, 'roburoc4.Simulator')
             this.id = roburoc4_mex('simConnect', address.id, options, own.buffer, own.record);
         else
@@ -109,7 +113,7 @@ methods
             this.id = roburoc4_mex('open', address, options, own.buffer, own.record);
         end
         try
-            roburoc4.internal.connect(this.id, timeout);
+            roburoc4.internal.connect(this.id, timeout, patient);
         catch problem
             roburoc4_mex('close', this.id);
             rethrow(problem);
@@ -152,8 +156,10 @@ methods
     function drive(this, linear_m_s, angular_rad_s)
         %DRIVE Drive at these speeds for one lease; call it repeatedly to keep driving.
         %   drive(R, V, W) sends the speeds V in m/s and W in rad/s at once and returns. They are
-        %   scaled, and limited by the robot and by the options. After lease_ms without another call
-        %   the robot is stopped. Raises roburoc4:notArmed with the reason if driving is not allowed.
+        %   scaled, and limited by the robot and by the options; more than 5 m/s or 10 rad/s is
+        %   refused as a mistake of units. After lease_ms without another call the robot is stopped,
+        %   and lapse_disarm_ms later it is disarmed. Raises roburoc4:notArmed with the reason if
+        %   driving is not allowed.
         %
         %   Example:
         %      r.drive(0.3, 0.1)
@@ -165,29 +171,36 @@ methods
 
     function driveFor(this, linear_m_s, angular_rad_s, seconds)
         %DRIVEFOR Drive at these speeds for some seconds, and stop.
-        %   driveFor(R, V, W, SECONDS) renews the command and returns at the end. Ctrl-C or an error
-        %   stops the robot at once; so do [A] on the game pad, and a robot that does not move
-        %   (emergency stop, brakes), with the error roburoc4:notArmed.
+        %   driveFor(R, V, W, SECONDS) renews the command and returns at the end; the robot stays
+        %   armed. Ctrl-C or an error stops the robot at once, as stop does; so do [A] on the game
+        %   pad, a robot that does not move (emergency stop, brakes), and a program that hung in the
+        %   middle, with the error roburoc4:notArmed.
         %
         %   Example:
         %      r.driveFor(0.5, 0, 2)
         roburoc4.internal.needed(nargin == 4, 'driveFor(v in m/s, w in rad/s, seconds)');
         seconds = roburoc4.internal.number(seconds, 'seconds', 0, 1e6);
-        % The guard also stops the robot at the end.
         cleanup = roburoc4.internal.guard(this.id); %#ok<NASGU>
         left_s = seconds;
         finish_s = this.time_s + seconds;
+        command = 'drive';
         while left_s > 0
-            lease_s = roburoc4_mex('drive', this.id, linear_m_s, angular_rad_s);
+            lease_s = roburoc4_mex(command, this.id, linear_m_s, angular_rad_s);
             now_s = roburoc4_mex('wait', this.id, min([left_s lease_s / 4, 0.05]));
             left_s = finish_s - now_s;
+            command = 'renew';
         end
+        if seconds > 0
+            roburoc4_mex('pause', this.id);
+        end
+        roburoc4_mex('busy', this.id, false);
     end
 
     function result = move(this, distance_m, varargin)
         %MOVE Drive straight ahead, and wait until the robot is at rest.
         %   RESULT = move(R, METRES) drives this far by odometry; negative is backward. RESULT is a
-        %   struct: result ('reached'), distance_m, angle_rad, remaining_m and remaining_rad.
+        %   struct: result ('reached'), distance_m, angle_rad, remaining_m, remaining_rad, and text, the
+        %   result as a sentence.
         %   move(R, METRES, 'Name', value, ...) takes options:
         %
         %      speed (0.3)       m/s
@@ -198,7 +211,8 @@ methods
         %
         %   Raises roburoc4:moveEnded with the reason if it does not reach its goal: a pressed
         %   bumper, something in the way, the game pad, an emergency stop, a lost link. The robot may
-        %   still roll then: call rest. Ctrl-C or an error stops the robot at once.
+        %   still roll then: call rest. It stays armed. Ctrl-C or an error stops the robot at once,
+        %   as stop does.
         %
         %   Example:
         %      r.move(1); r.turn(pi / 2); r.move(0.5, 'speed', 0.6)
@@ -209,11 +223,13 @@ methods
     function result = turn(this, angle_rad, varargin)
         %TURN Turn in place, and wait until the robot is at rest.
         %   RESULT = turn(R, RADIANS) turns by odometry, which is inaccurate; negative is to the right.
+        %   More than one turn is refused, as degrees are.
         %   Options and result are those of move; speed is in rad/s (0.5).
         %
         %   Example:
         %      r.turn(pi / 2)
         roburoc4.internal.needed(nargin >= 2, 'turn(radians)');
+        angle_rad = roburoc4.Robot.radians(angle_rad, 'angle');
         result = this.go(0, 0, angle_rad, 0, varargin);
     end
 
@@ -237,7 +253,8 @@ methods
         %      r.goTo(1, 0.5); r.goTo(0, 0, 0, 'speed', 0.6)
         roburoc4.internal.needed(nargin >= 3, 'goTo(x in m, y in m)');
         if mod(numel(varargin), 2) == 1
-            result = this.go(2, x_m, y_m, varargin{1}, varargin(2:end));
+            theta_rad = roburoc4.Robot.radians(varargin{1}, 'theta');
+            result = this.go(2, x_m, y_m, theta_rad, varargin(2:end));
         else
             result = this.go(1, x_m, y_m, 0, varargin);
         end
@@ -253,11 +270,23 @@ methods
     end
 
     function stop(this)
-        %STOP End the drive command and send the stop sequence, armed or not. Never waits.
+        %STOP Stop the robot and disarm it. Never waits.
+        %   stop(R) ends the drive command and sends the stop sequence, armed or not. drive is then
+        %   refused until arm is called. status.stop_outcome tells whether the robot confirmed it.
         %
         %   Example:
         %      r.stop()
         roburoc4_mex('stop', this.id);
+    end
+
+    function pause(this)
+        %PAUSE Stop the robot and stay armed. Never waits.
+        %   pause(R) does what stop does, but drive is accepted afterwards. It is for a program's own
+        %   end of driving; a stop button calls stop.
+        %
+        %   Example:
+        %      r.pause()
+        roburoc4_mex('pause', this.id);
     end
 
     function arm(this, timeout)
@@ -276,14 +305,6 @@ methods
         while ~roburoc4_mex('arm', this.id, this.time_s >= finish_s)
             this.sleep(0.02);
         end
-    end
-
-    function disarm(this)
-        %DISARM Forbid driving, and stop. Never waits.
-        %
-        %   Example:
-        %      r.disarm()
-        roburoc4_mex('disarm', this.id);
     end
 
     function sleep(this, seconds)
@@ -364,7 +385,7 @@ methods
         %   an analog one. NAME is the robot's name of the input, or the manual's (5.5.1) if the robot
         %   does not name it; case, punctuation and word order do not matter. S = inputs(R) is a
         %   scalar struct of all inputs, by their index in the protocol, and of the names of all
-        %   channels. These are the latest values; status.iocard_age_s is their age.
+        %   channels. These are the latest values; age_s of the struct is how old they can be.
         %
         %   Example:
         %      r.inputs('Front bumper')
@@ -598,6 +619,14 @@ methods (Access = private)
 end
 
 methods (Static, Access = private)
+    function angle_rad = radians(angle_rad, name)
+        angle_rad = roburoc4.internal.number(angle_rad, name, -1e9, 1e9);
+        if abs(angle_rad) > 2 * pi + 0.01
+            error('roburoc4:badArgument', ['%s: %g is more than one turn; give radians, such as ' ...
+                'pi / 2 for 90 degrees'], name, angle_rad);
+        end
+    end
+
     function names = texts(names)
         for k = 1:numel(names)
             names{k} = roburoc4.internal.text(names{k}, 'service');

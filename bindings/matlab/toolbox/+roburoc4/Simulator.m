@@ -8,7 +8,8 @@ classdef Simulator < handle
 %   SIM = roburoc4.Simulator('Name', value, ...) takes options: port, host ('127.0.0.1'; the address
 %   of this machine to serve on, with port), seed (1), slip (0.12: the share of a turn that is lost
 %   to skidding), start_x_m, start_y_m, start_theta_rad, watchdog_cycles (100), battery_percent,
-%   digital_inputs, and all other numbers of roburoc4_sim_config in roburoc4_sim.h.
+%   digital_inputs, and all other numbers of roburoc4_sim_config in roburoc4_sim.h. family draws a
+%   robot of the family that the manual allows (docs/PROTOCOL.md): the same one for the same number.
 %
 %   Simulator methods:
 %      connect        - Make a robot object for this simulator

@@ -4,12 +4,14 @@ classdef System < matlab.System
 %   that roburoc4_library makes, is a robot. In MATLAB: S = roburoc4.System('address', ADDRESS).
 %
 %   Inputs: linear_m_s and angular_rad_s, and arm. The robot is armed once, when arm becomes true, and
-%   disarmed when it becomes false. If something else disarms it (game pad, emergency stop, a lost link),
+%   stopped and disarmed when it becomes false. If something else disarms it (game pad, emergency stop, a lost link),
 %   it stays disarmed until arm was false again. If arming is refused, the simulation ends.
 %
 %   Outputs are from before the inputs take effect, so that a control loop can be closed without an
 %   algebraic loop: pose, [x_m y_m theta_rad], and speeds, [linear_m_s angular_rad_s], NaN when they
-%   are old; battery_percent, NaN when unknown; state, [ready armed overridden inhibited].
+%   are old; battery_percent, NaN when unknown; state, [ready armed overridden inhibited];
+%   distances_m, [front rear] of the telemeters, and bumpers, [front rear], 1 pressed and 0 not, NaN
+%   when unknown or old.
 %
 %   Properties:
 %      address           - 'HOST' or 'HOST:PORT'; '' (default) is a simulated robot
@@ -20,7 +22,7 @@ classdef System < matlab.System
 %      max_angular_rad_s - Highest turn rate (1)
 %
 %   While a model is paused, or slower than 0.25 s per step, the robot is stopped; it drives again when
-%   the model continues. The end of the simulation and errors stop it. The block has not been run in
+%   the model continues within a second, and is disarmed after that. The end of the simulation and errors stop it. The block has not been run in
 %   MATLAB yet: its methods are tested in Octave, with a substitute for matlab.System.
 %
 %   Example:
@@ -89,7 +91,7 @@ methods (Access = protected)
         this.loop.reset();
     end
 
-    function [pose, speeds, battery_percent, state] = outputImpl(this, ~, ~, ~)
+    function [pose, speeds, battery_percent, state, distances_m, bumpers] = outputImpl(this, ~, ~, ~)
         s = this.robot.status;
         pose = this.robot.pose(1:3);
         speeds = this.robot.speeds;
@@ -97,7 +99,16 @@ methods (Access = protected)
         if s.remaining_percent == 255
             battery_percent = NaN;
         end
-        state = [s.ready s.armed s.overridden s.inhibited];
+        state = [s.ready, s.armed, s.overridden == 1, s.inhibited];
+        distances_m = [NaN NaN];
+        seen = min(2, numel(s.distances_m));
+        if s.telemeter_age_s < 0.5
+            distances_m(1:seen) = s.distances_m(1:seen);
+        end
+        bumpers = [s.front_bumper s.rear_bumper];
+        if s.iocard_age_s > 0.5
+            bumpers = [NaN NaN];
+        end
     end
 
     function updateImpl(this, linear_m_s, angular_rad_s, arm)
@@ -105,7 +116,7 @@ methods (Access = protected)
         if arm && ~this.arm_before
             this.robot.arm();
         elseif ~arm && this.arm_before
-            this.robot.disarm();
+            this.robot.stop();
         end
         this.arm_before = arm;
         if this.robot.status.armed
@@ -140,7 +151,7 @@ methods (Access = protected)
     end
 
     function count = getNumOutputsImpl(~)
-        count = 4;
+        count = 6;
     end
 
     function [linear_m_s, angular_rad_s, arm] = getInputNamesImpl(~)
@@ -149,39 +160,49 @@ methods (Access = protected)
         arm = 'arm';
     end
 
-    function [pose, speeds, battery_percent, state] = getOutputNamesImpl(~)
+    function [pose, speeds, battery_percent, state, distances_m, bumpers] = getOutputNamesImpl(~)
         pose = 'pose';
         speeds = 'speeds';
         battery_percent = 'battery_percent';
         state = 'state';
+        distances_m = 'distances_m';
+        bumpers = 'bumpers';
     end
 
-    function [pose, speeds, battery_percent, state] = getOutputSizeImpl(~)
+    function [pose, speeds, battery_percent, state, distances_m, bumpers] = getOutputSizeImpl(~)
         pose = [1 3];
         speeds = [1 2];
         battery_percent = [1 1];
         state = [1 4];
+        distances_m = [1 2];
+        bumpers = [1 2];
     end
 
-    function [pose, speeds, battery_percent, state] = getOutputDataTypeImpl(~)
+    function [pose, speeds, battery_percent, state, distances_m, bumpers] = getOutputDataTypeImpl(~)
         pose = 'double';
         speeds = 'double';
         battery_percent = 'double';
         state = 'logical';
+        distances_m = 'double';
+        bumpers = 'double';
     end
 
-    function [pose, speeds, battery_percent, state] = isOutputComplexImpl(~)
+    function [pose, speeds, battery_percent, state, distances_m, bumpers] = isOutputComplexImpl(~)
         pose = false;
         speeds = false;
         battery_percent = false;
         state = false;
+        distances_m = false;
+        bumpers = false;
     end
 
-    function [pose, speeds, battery_percent, state] = isOutputFixedSizeImpl(~)
+    function [pose, speeds, battery_percent, state, distances_m, bumpers] = isOutputFixedSizeImpl(~)
         pose = true;
         speeds = true;
         battery_percent = true;
         state = true;
+        distances_m = true;
+        bumpers = true;
     end
 
     function choice = getSampleTimeImpl(this)

@@ -1,5 +1,5 @@
 function pose = pose_or_stop(robot, loop, longest_s)
-%POSE_OR_STOP Return the pose if it is safe to keep driving; else disarm and raise an error.
+%POSE_OR_STOP Return the pose if it is safe to keep driving; else stop and raise an error.
 %   POSE = pose_or_stop(ROBOT, LOOP, LONGEST_S) raises roburoc4:timeout when the pose is older than
 %   fresh_ms, or when LOOP has lasted longer than LONGEST_S.
 %
@@ -16,11 +16,11 @@ function pose = pose_or_stop(robot, loop, longest_s)
 % SPDX-License-Identifier: MIT
 pose = robot.pose;
 if any(isnan(pose))
-    robot.disarm();
+    robot.stop();
     error('roburoc4:timeout', ['the pose is old. Check link, and the period of the ' ...
         'localization''s statuses']);
 elseif loop.time_s > longest_s
-    robot.disarm();
+    robot.stop();
     error('roburoc4:timeout', 'the path was not finished after %g s. Is the robot too slow, or blocked?', longest_s);
 end
 end

@@ -7,7 +7,7 @@ function [track, path] = pure_pursuit(robot, picture)
 %
 %   Twenty times a second: find the point of the path that is LOOK_M ahead, and take the curve that
 %   leads to it, omega = 2 v sin(alpha) / LOOK_M. The speed response lags behind by more than half
-%   a second, so the speed is low and LOOK_M is long. It gives up and disarms when the robot
+%   a second, so the speed is low and LOOK_M is long. It gives up and stops when the robot
 %   does not move, the pose is old, or after a minute.
 %
 %   Example:
@@ -55,7 +55,7 @@ while norm(path(end, :) - track(end, 1:2)) > 0.1
     loop.wait();
     track(end + 1, :) = pose; %#ok<AGROW>
 end
-robot.stop();
+robot.pause();
 
 shown = canvas(nargin < 2, 800, 600);
 plot(path(:, 1), path(:, 2), 'Color', [0.6 0.6 0.6]);

@@ -6,7 +6,7 @@ function fit = speed_response(robot, picture, step_m_s)
 %   makes a simulated one. speed_response(ROBOT, PICTURE, STEP_M_S) writes the plot to a PNG file and
 %   drives at another speed: IT NEEDS ABOUT 6 x STEP_M_S METRES.
 %
-%   It gives up and disarms when the robot does not move or the pose is old.
+%   It gives up and stops when the robot does not move or the pose is old.
 %
 %   Connect with 'differential_period_ms', 10 for a sample in each cycle of the robot.
 %
@@ -34,7 +34,7 @@ while loop.time_s < 4
     robot.drive(step_m_s, 0);
     loop.wait();
 end
-robot.stop();
+robot.pause();
 data = robot.log('', roburoc4.Service.DIFFERENTIAL);
 
 % The robot's own clock is free of the network's jitter. Zero is the first status with the target.

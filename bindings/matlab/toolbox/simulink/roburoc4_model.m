@@ -25,13 +25,15 @@ for k = 1:size(inputs, 1)
         'SampleTime', '0.05', 'Position', [40, 60 * k, 100, 60 * k + 30]);
 end
 robot = [name '/RobuROC4'];
-add_block('simulink/User-Defined Functions/MATLAB System', robot, 'Position', [180 50 360 270]);
+add_block('simulink/User-Defined Functions/MATLAB System', robot, 'Position', [180 50 360 390]);
 set_param(robot, 'System', 'roburoc4.System');
 set_param(robot, 'sample_time_s', '0.05', 'max_linear_m_s', '0.5', 'max_angular_rad_s', '1');
-outputs = {'pose', 'speeds', 'battery_percent', 'state'};
+outputs = {'pose', 'speeds', 'battery_percent', 'state', 'distances_m', 'bumpers'};
 for k = 1:numel(outputs)
+    % Rows below each other: else each 1-by-3 row would be a page of its own.
     add_block('simulink/Sinks/To Workspace', [name '/' outputs{k}], 'VariableName', outputs{k}, ...
-        'SaveFormat', 'Array', 'Position', [440, 60 * k, 560, 60 * k + 30]);
+        'SaveFormat', 'Array', ...
+        'Save2DSignal', '2-D array (concatenate along first dimension)', 'Position', [440, 60 * k, 560, 60 * k + 30]);
     add_line(name, sprintf('RobuROC4/%d', k), [outputs{k} '/1']);
 end
 for k = 1:size(inputs, 1)

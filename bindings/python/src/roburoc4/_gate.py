@@ -143,7 +143,7 @@ class Gate:
             )
             # The robot's thread may have ended driving since it was checked: no arming then.
             if self._heed_events() and any(speeds):
-                self._robot.disarm()
+                self._robot.stop()
                 verdict = Verdict.DISARMED
         return self._rejection(verdict, command.sender, command.stamp_us)
 

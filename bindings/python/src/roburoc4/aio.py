@@ -180,22 +180,22 @@ class Robot(RobotBase):
 
     async def arm(self, timeout: float = 5.0) -> None:
         """Allow driving, or raise NotArmedError; see :meth:`roburoc4.Robot.arm`."""
-        end_s = self._connection.now_s() + timeout_s(timeout)
-        while left_s := self._try_to_arm(end_s):
+        end_s, stops = self._connection.now_s() + timeout_s(timeout), self._stops
+        while left_s := self._try_to_arm(end_s, stops):
             await self._bell.wait(min(left_s, LOOK_AGAIN_S))
 
     async def drive_for(self, linear_m_s: float, angular_rad_s: float, seconds: float) -> None:
-        """Drive for this time, then stop; cancelling it also stops the robot."""
+        """See :meth:`roburoc4.Robot.drive_for`; cancelling it stops the robot."""
         end_s = self._end_of_drive_s(seconds)
         with self._connection.only_move():
-            stops = self.facts.stops
+            self.drive(linear_m_s, angular_rad_s)
             try:
                 while (left_s := end_s - self._connection.now_s()) > 0:
-                    self._renew(linear_m_s, angular_rad_s, stops)
+                    self._renew(linear_m_s, angular_rad_s)
                     await asyncio.sleep(min(left_s, self._renewal_s))
-                self._renew(0.0, 0.0, stops)
+                self._renew(0.0, 0.0)
             finally:
-                self.stop()
+                self.pause()
 
     async def move(
         self,

@@ -28,7 +28,7 @@ from .errors import (
 from .records import Status, made_of
 from .settings import STATUS_MASK, Settings, buffer_of, config_of
 
-ALL_EVENTS = 0x1FFFFFFF
+ALL_EVENTS = 0x3FFFFFFF
 STATUS_EVENTS = STATUS_MASK << 4
 """Events that announce statuses."""
 

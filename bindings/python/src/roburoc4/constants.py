@@ -22,6 +22,7 @@ __all__ = [
     "Role",
     "Service",
     "State",
+    "StopOutcome",
     "WireError",
 ]
 
@@ -165,11 +166,27 @@ class MoveOutcome(IntEnum):
     OTHER_COMMANDER = 7
     TIMEOUT = 8
     CANCELLED = 9
+    LAPSED = 10
 
     @property
     def text(self) -> str:
         """What it means and what to do, as a sentence."""
         return _native.roburoc4_move_result_text(self)
+
+
+class StopOutcome(IntEnum):
+    """How the last stop sequence ended."""
+
+    NONE = 0
+    """None was sent yet."""
+    RUNNING = 1
+    """It has not ended."""
+    CONFIRMED = 2
+    """A status that was made after it began shows targets of 0."""
+    TIMED_OUT = 3
+    """No such status arrived in time."""
+    OVERRIDDEN = 4
+    """Somebody held [A] on the game pad, so the robot may have ignored the zeros."""
 
 
 class Role(IntEnum):
@@ -217,6 +234,7 @@ class Event(IntFlag):
     DESCRIPTIONS_DONE = 0x04000000
     ROLE = 0x08000000
     ARMABLE = 0x10000000
+    STOP_UNCONFIRMED = 0x20000000
 
     @property
     def text(self) -> str:
@@ -311,6 +329,11 @@ class Result(IntEnum):
     REBOOT = -31
     CLOCK = -32
     INHIBITED = -33
+    STOPPED = -34
+    LAPSED = -35
+    UPLINK = -36
+    UNITS = -37
+    NOT_SUBSCRIBED = -38
     SYSTEM = -40
     RESOLVE = -41
     CLOSED = -42

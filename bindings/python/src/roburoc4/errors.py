@@ -99,6 +99,17 @@ def finite(**values: float) -> None:
             raise unusable(name, value, usable, Result.NOT_FINITE)
 
 
+def check_speeds(linear_m_s: float, angular_rad_s: float) -> None:
+    """Reject speeds that are not finite, or beyond any RobuROC4: mistakes of units."""
+    finite(linear_m_s=linear_m_s, angular_rad_s=angular_rad_s)
+    if abs(linear_m_s) > MAX_M_S:
+        usable = f"m/s (not mm/s), at most {MAX_M_S:g}"
+        raise unusable("linear_m_s", linear_m_s, usable, Result.UNITS)
+    if abs(angular_rad_s) > MAX_RAD_S:
+        usable = f"rad/s (not degrees), at most {MAX_RAD_S:g}"
+        raise unusable("angular_rad_s", angular_rad_s, usable, Result.UNITS)
+
+
 def duration_s(name: str, seconds: float) -> float:
     """Reject values that are not durations."""
     if not is_within(0, seconds, _LONGEST_S):
@@ -119,6 +130,8 @@ def switch(name: str, value: object, code: int = Result.ARGUMENT) -> bool:
 
 
 _FLOAT_MAX = 3.4e38
+MAX_M_S = _native.ROBUROC4_MAX_DRIVE_M_S
+MAX_RAD_S = _native.ROBUROC4_MAX_DRIVE_RAD_S
 _LONGEST_S = 1e9
 _CLASSES: dict[int, type[RobotError]] = {
     Result.ARGUMENT: ArgumentError,
@@ -126,6 +139,7 @@ _CLASSES: dict[int, type[RobotError]] = {
     Result.INDEX: ArgumentError,
     Result.RESERVED: ArgumentError,
     Result.NOT_FINITE: ArgumentError,
+    Result.UNITS: ArgumentError,
     Result.SHORT: DecodeError,
     Result.KIND: DecodeError,
     Result.VALUE: DecodeError,
@@ -141,8 +155,9 @@ _CLASSES: dict[int, type[RobotError]] = {
 def error_of(code: int) -> RobotError:
     """Make the exception for a result of the C library."""
     text = _native.roburoc4_result_text(code)
-    if Result.INHIBITED <= code <= Result.DISARMED:
-        return NotArmedError(f"not armed: {text.replace(':', ';', 1)}", code)
+    if Result.NOT_SUBSCRIBED <= code <= Result.DISARMED and code != Result.UNITS:
+        why = text.removeprefix("not armed: ").replace(":", ";", 1)
+        return NotArmedError(f"not armed: {why}", code)
     return _CLASSES.get(code, RobotError)(text, code)
 
 

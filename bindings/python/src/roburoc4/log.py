@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 _INFO_LEVEL, _WARNING_LEVEL = 20, 30  # logging, imported with the first robot
 _INFO = Event.READY | Event.ARMED | Event.OVERRIDE | Event.STOPPED | Event.RELOCALIZED
 _WARNING = (
-    Event.LOST
+    Event.STOP_UNCONFIRMED
+    | Event.LOST
     | Event.REBOOT
     | Event.DISARMED
     | Event.LEASE_OVER
@@ -78,12 +79,9 @@ class Log:
         facts = _native.roburoc4_client_facts(self._handle)
         if event is Event.DISARMED:
             cause = facts.disarm_cause
-            level = _INFO_LEVEL if cause is Result.DISARMED else level
-            text = (
-                "disarmed by this program"
-                if cause is Result.DISARMED
-                else f"disarmed: {cause.text}"
-            )
+            by_program = cause in (Result.STOPPED, Result.DISARMED)  # stop(), close()
+            level = _INFO_LEVEL if by_program else level
+            text = "stopped by this program" if by_program else f"disarmed: {cause.text}"
         elif event in FACTS:
             text = change_text(event, getattr(facts, FACTS[event]))
         _logger().log(level, "%s: %s", self._address, text)

@@ -10,6 +10,8 @@ from . import _native
 from .connection import Connection
 from .constants import MoveOutcome, Result, Service
 from .errors import (
+    MAX_M_S,
+    MAX_RAD_S,
     ArgumentError,
     ClosedError,
     NotKnownError,
@@ -57,7 +59,9 @@ class MoveError(RobotError):
 
     def __init__(self, result: MoveResult, code: int = Result.STATE) -> None:
         text = result.outcome.text
-        if result.outcome in (MoveOutcome.LOST, MoveOutcome.CANCELLED) and code != Result.STATE:
+        if code in (Result.STOPPED, Result.LAPSED):
+            text = Result(code).text
+        elif result.outcome in (MoveOutcome.LOST, MoveOutcome.CANCELLED) and code != Result.STATE:
             cause = Result(code).text.partition(":")[0]
             text = f"{cause}: {text}"
         super().__init__(text, code)
@@ -84,10 +88,13 @@ class MoveOptions(NamedTuple):
             raise unusable("timeout", timeout_s, f"0.001 to {_LONGEST_S:g} s")
         if timeout_s is not None:
             set_member("move_options", options, "timeout_ms", round(timeout_s * 1000))
-        for name in ("linear_m_s", "angular_rad_s"):
+        for name, most, unit in (
+            ("linear_m_s", MAX_M_S, "m/s"),
+            ("angular_rad_s", MAX_RAD_S, "rad/s"),
+        ):
             value = getattr(self, name)
-            if value is not None and not (is_within(0.0, value, 100.0) and value > 0.0):
-                raise unusable("speed", value, "more than 0, up to 100")
+            if value is not None and not (is_within(0.0, value, most) and value > 0.0):
+                raise unusable("speed", value, f"more than 0, up to {most:g} {unit}")
             if value is not None:
                 set_member("move_options", options, name, value)
         if self.clearance_m is not None:
@@ -107,7 +114,7 @@ def arc_options(
     """Choose the turn rate that results from the speed."""
     turn_rate = None
     if speed is not None and distance_m != 0.0:
-        turn_rate = speed * abs(angle_rad / distance_m) or None
+        turn_rate = min(speed * abs(angle_rad / distance_m), MAX_RAD_S) or None
     return MoveOptions(speed, turn_rate, clearance, timeout)
 
 

@@ -13,6 +13,7 @@ _LEVELS = {
     Event.DISARMED: "weak",
     Event.ARMED: "good",
     Event.LEASE_OVER: "weak",
+    Event.STOP_UNCONFIRMED: "bad",
     Event.BATTERY_LOW: "weak",
     Event.BATTERY_CRITICAL: "bad",
     Event.RELOCALIZED: "plain",
@@ -34,8 +35,8 @@ class Dangers(Protocol):
     """Facts that are dangers, and end."""
 
     @property
-    def overridden(self) -> bool:
-        """Somebody drives with the robot's own game pad."""
+    def overridden(self) -> bool | None:
+        """Somebody drives with the robot's own game pad; None: not known."""
 
     @property
     def other_commander(self) -> bool:
@@ -46,7 +47,7 @@ class Dangers(Protocol):
         """It does not move although a speed is commanded."""
 
 
-def change_text(event: Event, has_begun: bool) -> str:
+def change_text(event: Event, has_begun: bool | None) -> str:
     """Describe that the fact of an event in FACTS began or ended."""
     direction = (
         _native.ROBUROC4_NAME_EVENT_BEGAN if has_begun else _native.ROBUROC4_NAME_EVENT_ENDED

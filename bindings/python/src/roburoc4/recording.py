@@ -359,7 +359,7 @@ class _Pass:
         found = texts_of(events, before, self._facts)
         for name in ("front", "rear"):
             was, now = (getattr(facts, name + "_bumper") for facts in (before, self._facts))
-            if was != now:
+            if bool(was) != bool(now):
                 found.append(("weak", f"the {name} bumper was {'pressed' if now else 'released'}"))
         if events & (Event.READY | Event.PROPERTIES):
             self._layout = self._find_layout()

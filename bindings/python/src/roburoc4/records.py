@@ -12,7 +12,7 @@ without the network's jitter. Both are 0 in decoded bytes. A simulator's virtual
 from typing import Any, NamedTuple, TypeAlias
 
 from . import _native
-from .constants import BatteryState, LocalizationFlag, Result, State
+from .constants import BatteryState, LocalizationFlag, Result, Service, State, StopOutcome
 
 __all__ = [
     "Answer",
@@ -330,20 +330,27 @@ class Facts(NamedTuple):
     """``drive`` is accepted."""
     driving: bool
     """A drive command is within its lease."""
+    lapsed: bool
+    """The last lease expired, and ``drive`` was not called since."""
     stopping: bool
     """Zero commands are being sent, or ``stop`` waits for the robot."""
-    override_known: bool
-    overridden: bool
-    """Somebody holds [A] on the game pad."""
+    stop_outcome: StopOutcome
+    """How the last stop sequence ended."""
+    overridden: bool | None
+    """Somebody holds [A] on the game pad. None, here and below: not known."""
     other_commander: bool
     """Another commander drives the robot."""
     inhibited: bool
     """A speed is commanded, but the robot does not move: emergency stop, brakes, bumper."""
     fixed_id: bool
-    front_bumper: bool
-    rear_bumper: bool
+    front_bumper: bool | None
+    """Pressed, by the last IO card status."""
+    rear_bumper: bool | None
+    battery_low: bool | None
+    """Below the minimum, or critical."""
+    missing: tuple[Service, ...]
+    """Services that the robot does not list, or whose subscription it refused."""
     descriptions_done: bool
-    battery_low: bool
     disarm_cause: Result
     """Why it is not armed; ``OK`` while it is."""
     arm_refusal: Result
@@ -354,8 +361,6 @@ class Facts(NamedTuple):
     sent_linear_m_s: float
     """The last speeds sent; 0 after a zero."""
     sent_angular_rad_s: float
-    stops: int
-    """Calls of ``stop`` so far, and how often it disarmed. Moves and ``drive_for`` end with it."""
 
 
 class ServiceLink(NamedTuple):
@@ -455,15 +460,31 @@ _MEANINGS: dict[object, dict[int, object]] = {
     int | None: {0xFFFFFFFF: None},
     State: {int(state): state for state in State},
     Result: {int(result): result for result in Result},
+    StopOutcome: {int(outcome): outcome for outcome in StopOutcome},
+    tuple[Service, ...]: {
+        bits: tuple(service for service in Service if bits >> service & 1) for bits in range(128)
+    },
 }
 """What the numbers of a field are, by its type; others stay numbers."""
+_MEANINGS[bool | None] = _MEANINGS[bool]
+_KNOWN = {
+    "overridden": "override_known",
+    "front_bumper": "front_bumper_known",
+    "rear_bumper": "rear_bumper_known",
+    "battery_low": "battery_known",
+}
+"""Which field says whether a field that may be None is known."""
 
 
 def made_of(struct: str, record: Any) -> None:
     """Let the extension make this record of a C struct, or by hand if no struct is named."""
     members = [
         # tuples have a method named index
-        ("index" if name == "element" else name, _MEANINGS.get(type_))
+        (
+            "index" if name == "element" else name,
+            _KNOWN[name] if type_ == bool | None else None,
+            _MEANINGS.get(type_),
+        )
         for name, type_ in record.__annotations__.items()
         if struct and name not in ("host_us", "utc_s")
     ]

@@ -136,29 +136,31 @@ class Robot(RobotBase):
         """Allow driving, or raise NotArmedError with the reason why not.
 
         Waits if the reason will pass by itself: no status yet, or a robot that is still rolling.
+        ``stop`` from another thread ends the wait.
         """
-        end_s = self._connection.now_s() + timeout_s(timeout)
+        end_s, stops = self._connection.now_s() + timeout_s(timeout), self._stops
         reader = self._connection.reader()
-        while left_s := self._try_to_arm(end_s):
+        while left_s := self._try_to_arm(end_s, stops):
             reader.take_events()
             reader.wait(ALL_EVENTS, min(left_s, LOOK_AGAIN_S))
 
     def drive_for(self, linear_m_s: float, angular_rad_s: float, seconds: float) -> None:
-        """Drive for this time, then stop. Blocks, and renews the command from this thread.
+        """Drive for this time, then pause. Blocks, and renews the command from this thread.
 
-        Raises NotArmedError, after stopping, as soon as driving is no longer allowed, and
-        RobotError after ``stop`` from another thread.
+        Raises NotArmedError, after stopping, as soon as driving is no longer allowed, as after
+        ``stop`` from another thread; and RobotError with the code LAPSED if the program was blocked
+        for longer than its lease, which has stopped the robot.
         """
         end_s = self._end_of_drive_s(seconds)
         with self._connection.only_move():
-            stops = self.facts.stops
+            self.drive(linear_m_s, angular_rad_s)
             try:
                 while (left_s := end_s - self._connection.now_s()) > 0:
-                    self._renew(linear_m_s, angular_rad_s, stops)
+                    self._renew(linear_m_s, angular_rad_s)
                     self.sleep(min(left_s, self._renewal_s))
-                self._renew(0.0, 0.0, stops)
+                self._renew(0.0, 0.0)
             finally:
-                self.stop()
+                self.pause()
 
     def sleep(self, seconds: float) -> None:
         """Wait on the robot's clock, also in virtual time; not at all if ``seconds`` is below 0."""

@@ -10,14 +10,15 @@ from .connection import Connection, RecorderState
 from .constants import Count, Event, Fault, Result, Role, Service, State
 from .errors import (
     ArgumentError,
+    ClosedError,
     NotArmedError,
     NotKnownError,
     RefusedError,
     RobotError,
     RobotTimeoutError,
+    check_speeds,
     duration_s,
     error_of,
-    finite,
     unusable,
 )
 from .iocard import AnalogOutputs, ChannelNames, DigitalOutputs, Inputs, decode_text
@@ -50,6 +51,7 @@ class RobotBase:
         self._connection = connection
         self._lease_s = settings.get("lease_ms", 250) / 1000
         self._ready_s = connection.now_s()
+        self._stops = 0
         self._inputs = Inputs(connection)
         self._digital_outputs = DigitalOutputs(connection)
         self._analog_outputs = AnalogOutputs(connection)
@@ -92,6 +94,11 @@ class RobotBase:
     def period_s(self, service: str | Service) -> float:
         """Return the observed seconds between two statuses of a service."""
         return self.service_link(service).period_us / 1e6
+
+    def age_s(self, service: str | Service) -> float | None:
+        """Return how old the latest status of a service can be at most; None before the first."""
+        age_us = self.service_link(service).age_us
+        return None if age_us is None else age_us / 1e6
 
     @property
     def counts(self) -> dict[Count, int]:
@@ -237,24 +244,35 @@ class RobotBase:
         """Drive at these speeds for one lease; call it repeatedly to keep driving.
 
         Never waits. The lease is ``lease_ms`` (20 to 1000; 0: the setting's, 250 by default); then
-        the robot is stopped. Speeds are scaled and limited to the robot's limits and the settings'
-        ceilings. Raises NotArmedError while disarmed, with cause and remedy.
+        the robot is stopped, and after ``lapse_disarm_ms`` disarmed. Speeds are scaled and limited
+        to the robot's limits and the settings' ceilings; more than 5 m/s or 10 rad/s are refused.
+        Raises NotArmedError while disarmed, with cause and remedy.
         """
         try:
             _native.roburoc4_client_drive(
                 self._connection.handle, linear_m_s, angular_rad_s, lease_ms * 1000.0
             )
         except (ArgumentError, OverflowError, TypeError):
-            finite(linear_m_s=linear_m_s, angular_rad_s=angular_rad_s)
+            check_speeds(linear_m_s, angular_rad_s)
             raise unusable("lease_ms", lease_ms, "20 to 1000") from None
 
     def stop(self) -> None:
-        """Stop the robot: end the drive command and send zeros, armed or not. Never waits."""
-        _native.roburoc4_client_stop(self._connection.handle)
+        """Stop the robot and disarm: end the drive command and send zeros, armed or not.
 
-    def disarm(self) -> None:
-        """Forbid driving, and stop. Never waits."""
-        _native.roburoc4_client_disarm(self._connection.handle)
+        Driving needs ``arm`` again. Never waits. After ``close`` it does nothing.
+        """
+        self._stops += 1
+        self._end_lease(_native.roburoc4_client_stop)
+
+    def pause(self) -> None:
+        """Stop the robot as ``stop`` does, but stay armed: for a program that drives on later."""
+        self._end_lease(_native.roburoc4_client_pause)
+
+    def _end_lease(self, end: "Callable[[_native.Connection], int]") -> None:
+        try:
+            end(self._connection.handle)
+        except ClosedError:
+            _native.roburoc4_client_state(self._connection.handle)  # raises in a forked child
 
     def subscribe(self, service: str | Service, period_ms: int) -> None:
         """Subscribe to a service, or change its period: a multiple of 10, 10 to 2550."""
@@ -318,30 +336,37 @@ class RobotBase:
             for service in STATUS_SERVICES.values()
         )
 
-    def _try_to_arm(self, end_s: float) -> float:
-        """Arm and return 0; or return the seconds during which retrying makes sense."""
+    def _try_to_arm(self, end_s: float, stops: int) -> float:
+        """Arm and return 0; or return the seconds during which retrying makes sense.
+
+        Raises if ``stop`` was called since ``stops``: it also ends a wait for arming.
+        """
+        left_s = 0.0
         try:
             _native.roburoc4_client_arm(self._connection.handle)
         except NotArmedError as error:
             left_s = end_s - self._connection.now_s()
             if not _native.roburoc4_refusal_may_pass(error.code) or left_s <= 0:
                 raise
-            return left_s
-        return 0.0
+        if self._stops != stops:
+            self.stop()
+            raise error_of(Result.STOPPED)
+        return left_s
 
     def _end_of_drive_s(self, seconds: float) -> float:
         return self._connection.now_s() + duration_s("seconds", seconds)
 
-    def _renew(self, linear_m_s: float, angular_rad_s: float, stops: int) -> None:
-        """Renew the command of drive_for, unless the robot was stopped since ``stops``."""
-        handle = self._connection.handle
-        try:
-            renewed = _native.renew_drive(handle, linear_m_s, angular_rad_s, stops)
-        except (ArgumentError, OverflowError, TypeError):
-            finite(linear_m_s=linear_m_s, angular_rad_s=angular_rad_s)
-            raise
-        if not renewed:
-            raise RobotError("drive_for ended: the robot was stopped meanwhile", Result.STATE)
+    def _renew(self, linear_m_s: float, angular_rad_s: float) -> None:
+        """Renew the command of drive_for, unless its lease has ended."""
+        if _native.renew_drive(self._connection.handle, linear_m_s, angular_rad_s):
+            return
+        if self.facts.lapsed:
+            raise RobotError(
+                "drive_for ended: the program did not renew its command in time, so the robot was "
+                "stopped; find what blocked it",
+                Result.LAPSED,
+            )
+        raise RobotError("drive_for ended: the robot was paused meanwhile", Result.STATE)
 
     @property
     def _renewal_s(self) -> float:

@@ -23,6 +23,8 @@ class Settings(TypedDict, total=False):
     """
     lease_ms: int
     """Lease of a drive command; 20 to 1000; 250."""
+    lapse_disarm_ms: int
+    """Disarm if a lease expired and was not renewed for this long; 0 to 60000; 1000."""
     drive_period_ms: int
     """Period at which a drive command is repeated; 10 to 500, at most half of ``lease_ms``; 50."""
     fresh_ms: int
@@ -34,9 +36,9 @@ class Settings(TypedDict, total=False):
     robot_watchdog_ms: int
     """The watchdog time of the robot itself; 100 to 60000; 1000."""
     max_linear_m_s: float
-    """Ceiling of speed; 0.001 to 20; 2.6."""
+    """Ceiling of speed; 0.001 to 20; 1.0."""
     max_angular_rad_s: float
-    """Ceiling of turn rate; 0.001 to 50; 6.5."""
+    """Ceiling of turn rate; 0.001 to 50; 1.5."""
     scale_linear: float
     """Factor on the speed given to ``drive``; 0.01 to 10; 1."""
     scale_angular: float
@@ -55,6 +57,10 @@ class Settings(TypedDict, total=False):
     """Index of the rear bumper among the digital inputs, likewise."""
     battery_voltage_index: int
     """Index of the battery voltage among the analog inputs, likewise."""
+    iocard_id: int
+    """Id of the IO card's service, if neither its type nor its text identifies it; 2 to 65535."""
+    differential_id: int
+    """Id of the differential service, likewise."""
     buffer: int
     """Number of statuses kept for slow readers; 16 to 1000000; 10000."""
     record: str | PathLike[str]
@@ -170,7 +176,8 @@ def _wrong(settings: Settings, wrong: str) -> ArgumentError:
     }
     if len(given) == 1:
         name, value = next(iter(given.items()))
-        return unusable(name, value, wrong.removeprefix(f"{name}: "), Result.CONFIG)
+        usable = wrong.removeprefix(f"{name}: ").removeprefix("iocard_id, differential_id: ")
+        return unusable(name, value, usable, Result.CONFIG)
     values = ", ".join(f"{name}={value!r}" for name, value in given.items())
     return ArgumentError(f"{values} cannot be used; give {wrong}", Result.CONFIG)
 

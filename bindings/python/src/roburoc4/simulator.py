@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from typing import Any, Concatenate, ParamSpec, Self, TypedDict, TypeVar, Unpack
 
 from . import _native
-from .constants import Result, Service
+from .constants import Result
 from .errors import (
     ArgumentError,
     NetworkError,
@@ -23,7 +23,7 @@ from .errors import (
 )
 from .records import Pose, SimState
 from .robot import Robot, connect
-from .settings import Settings, set_member
+from .settings import STATUS_SERVICES, Settings, set_member
 from .virtual import VirtualConnection, run
 
 __all__ = ["SimSettings", "Simulator"]
@@ -34,11 +34,22 @@ _WALL_THICKNESS_M = 0.1
 
 
 class SimSettings(TypedDict, total=False):
-    """Settings of a simulated robot; ``roburoc4_sim.h`` describes each. All have defaults."""
+    """Settings of a simulated robot; all have defaults.
+
+    ``roburoc4_sim.h`` describes each, and docs/PROTOCOL.md those that the manual leaves open.
+    """
 
     watchdog_cycles: int
-    service_ids: dict[str, int]
-    """Ids on the wire by service name, "iocard" to "differential"."""
+    iocard_id: int
+    telemeter_id: int
+    battery_id: int
+    localization_id: int
+    differential_id: int
+    iocard_type: int
+    telemeter_type: int
+    battery_type: int
+    localization_type: int
+    differential_type: int
     plain_types: bool
     hidden_services: int
     refused_inserts: int
@@ -72,20 +83,70 @@ class SimSettings(TypedDict, total=False):
     start_x_m: float
     start_y_m: float
     start_theta_rad: float
+    uptime_cycles: int
+    clock_ppm: int
+    stamp_measured: bool
+    error_code: int
+    surplus_bytes: int
+    delete_refused: bool
+    replace_mode: int
+    input_shift: int
+    texts: int
+    telemeters: int
+    reported_distances: int
+    telemeter_turn_rad: float
+    other_status_port: bool
+    subscription_lists: int
+    min_period_cycles: int
+    max_subscriptions: int
+    full_list: int
+    keep_subscriptions: bool
+    pad_keeps_target: int
+    ignored_commands_feed: bool
+    pad_target_hidden: bool
+    tripped_target_shown: bool
+    commands_need_motors: bool
+    over_limit_refused: bool
+    linear_omega_rad_s: float
+    angular_omega_rad_s: float
+    linear_damping: float
+    angular_damping: float
+    linear_gain: float
+    angular_gain: float
+    dead_time_cycles: int
+    late_targets: bool
+    speed_noise: float
+    odometry_period_cycles: int
+    odometry_scale: float
+    odometry_mirrored: bool
+    queue_uplink_ms: int
+    queue_answer_ms: int
+    queue_text_ms: int
+    queue_iocard_ms: int
+    queue_telemeter_ms: int
+    queue_battery_ms: int
+    queue_localization_ms: int
+    queue_differential_ms: int
 
 
 def _set(config: "_native.SimConfig", name: str, value: Any) -> None:
-    if name == "service_ids":
-        for service, wire_id in value.items():
-            index = Service[service.upper()]
-            _native.roburoc4_sim_config_service_ids_set(config, index, wire_id)
+    service, _, kind = name.rpartition("_")
+    if service in STATUS_SERVICES and kind == "id":
+        _native.roburoc4_sim_config_service_ids_set(config, STATUS_SERVICES[service], value)
+    elif service in STATUS_SERVICES and kind == "type":
+        _native.roburoc4_sim_config_service_types_set(config, STATUS_SERVICES[service], value)
     else:
         set_member("sim_config", config, name, value)
 
 
-def _config_of(seed: int, settings: SimSettings) -> "_native.SimConfig":
+def _config_of(seed: int | None, family: int | None, settings: SimSettings) -> "_native.SimConfig":
     config = _native.new_sim_config()
-    for name, value in {"seed": seed, **settings}.items():
+    if family is not None:
+        if not is_within(0, family, 2**53):
+            raise unusable("family", family, f"0 to {2**53}", Result.CONFIG)
+        _native.draw_family(config, int(family))
+    seeds = {} if seed is None else {"seed": seed}
+    for name, value in {**seeds, **settings}.items():
         if name not in SimSettings.__annotations__ and name != "seed":
             known = ", ".join(sorted(SimSettings.__annotations__))
             raise TypeError(f"no setting {name!r}: there are {known}")
@@ -135,6 +196,9 @@ class Simulator:
 
     With a port (0 picks a free one) it serves UDP in real time, on a thread that needs no Python,
     at ``address``. ``sim.connect`` then returns a robot in real time.
+
+    ``family`` draws a robot of the family that the manual allows (docs/PROTOCOL.md): the same one
+    for the same number. Settings change it.
     """
 
     def __init__(
@@ -142,14 +206,15 @@ class Simulator:
         *,
         port: int | None = None,
         host: str = "127.0.0.1",
-        seed: int = 1,
+        seed: int | None = None,
+        family: int | None = None,
         **settings: Unpack[SimSettings],
     ) -> None:
         self._process = os.getpid()
         self._closed = False
         if port is not None and not (is_within(0, port, 65535) and port == int(port)):
             raise unusable("port", port, "0 to 65535")
-        config = _config_of(seed, settings)
+        config = _config_of(seed, family, settings)
         self._virtual = port is None
         if port is None:
             self._sim = _native.simulation_in_world(config)
@@ -262,6 +327,10 @@ class Simulator:
         pad's buttons, "pad_a" to "pad_rb", take True and False; "battery_percent" 0 to 100; the
         axes, "pad_lj_x" to "pad_rt", -1 to 1 ("pad" 0 releases everything); "localization_flags" 0
         to 127. "pin_analog_2" and "pin_digital_8" fix what an input reports, "pin" 0 undoes this.
+        Faults are "frozen" and "nan" (masks of services), "blocked_linear", "blocked_angular",
+        "creep_m_s", "creep_rad_s", "odometry_scale", "odometry_x_m", "odometry_y_m",
+        "odometry_theta_rad", and delays, "queue_uplink_ms" to "queue_differential_ms". "family"
+        puts another robot in its place.
         """
         result = self._act(_native.roburoc4_sim_set, _number_of(control), value)
         if result == Result.STATE:

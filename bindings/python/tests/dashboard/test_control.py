@@ -100,6 +100,47 @@ def test_an_input_that_is_older_than_the_lease_is_dropped(scene: Scene) -> None:
     assert scene.control.dropped == 1
 
 
+def test_letting_go_pauses_and_stop_disarms(scene: Scene) -> None:
+    scene.arm()
+    scene.drive(0, scene.show(), 0.5)
+    scene.drive(0, scene.show(), 0.0)
+    assert not scene.robot.facts.driving
+    scene.sim.step(5.0)
+    assert scene.robot.facts.armed
+    scene.control.stop(scene.pages[1])
+    assert scene.robot.facts.disarm_cause is roburoc4.Result.STOPPED
+    scene.control.watch(scene.robot.now_s)
+    assert scene.control.why == "STOP was pressed on page 2"
+
+
+def test_inputs_that_end_disarm_a_second_after_the_lease(scene: Scene) -> None:
+    scene.arm()
+    scene.drive(0, scene.show(), 0.5)
+    scene.sim.step(LEASE_S + 1.0 + CYCLE_S)
+    assert scene.robot.facts.disarm_cause is roburoc4.Result.LAPSED
+    scene.control.watch(scene.robot.now_s)
+    assert "too late" in scene.control.why
+    assert "arm()" not in scene.control.why
+
+
+def test_whoever_lets_go_after_a_stall_stays_armed(scene: Scene) -> None:
+    scene.arm()
+    scene.drive(0, scene.show(), 0.5)
+    scene.sim.step(LEASE_S + 0.2)
+    scene.drive(0, scene.show(), 0.5)
+    assert not scene.robot.facts.driving
+    scene.drive(0, scene.show(), 0.0)
+    scene.sim.step(2.0)
+    assert scene.robot.facts.armed
+
+
+def test_a_page_that_leaves_unarmed_takes_the_robot_from_nobody(scene: Scene) -> None:
+    scene.control.take(scene.pages[0])
+    scene.control.leave(scene.pages[0])
+    scene.sim.step(1.0)
+    assert scene.sim.state.speed_commands == 0
+
+
 def test_another_place_waits_until_the_first_move_has_ended() -> None:
     under_way: list[float] = []
 
@@ -219,7 +260,7 @@ def test_after_a_lease_that_ran_out_inputs_must_be_released_once(scene: Scene) -
     scene.drive(0, scene.show(), 0.0)
     assert scene.control.why == ""
     scene.drive(0, scene.show(), 0.5)
-    scene.sim.step(0.1)
+    scene.sim.step(0.2)
     assert scene.driven
 
 

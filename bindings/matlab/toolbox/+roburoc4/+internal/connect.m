@@ -1,10 +1,12 @@
-function connect(id, timeout)
+function connect(id, timeout, wait_for_data)
 %CONNECT Wait until a robot is ready.
-%   roburoc4.internal.connect(ID, TIMEOUT) raises roburoc4:timeout after TIMEOUT seconds in which
-%   nothing arrived from the robot, or in which it made no progress towards ready.
+%   roburoc4.internal.connect(ID, TIMEOUT, WAIT_FOR_DATA) raises roburoc4:timeout after TIMEOUT seconds in which
+%   nothing arrived from the robot, or in which it made no progress towards ready. With
+%   WAIT_FOR_DATA it then waits for the first status of each service, but only for as long as the
+%   longest period: a service that stays silent is none of the constructor's errors.
 %
 %   Example:
-%      roburoc4.internal.connect(id, 10)
+%      roburoc4.internal.connect(id, 10, true)
 %
 %   See also roburoc4.Robot.
 
@@ -14,7 +16,7 @@ reached_s = 0;
 while true
     p = roburoc4_mex('progress', id);
     if p.ready
-        return
+        break
     end
     if p.step > furthest
         furthest = p.step;
@@ -35,6 +37,11 @@ while true
             'a longer timeout'], p.address, timeout, p.state, p.received, p.refused);
     end
     roburoc4_mex('wait', id, 0.01);
+end
+ready_s = p.time_s;
+while wait_for_data && ~p.data && p.time_s < ready_s + 2.6
+    roburoc4_mex('wait', id, 0.01);
+    p = roburoc4_mex('progress', id);
 end
 end
 

@@ -106,14 +106,14 @@ def _add_driving(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--max-linear",
         metavar="M_S",
-        type=number(0.01, 20.0, "m/s"),
+        type=number(0.01, 5.0, "m/s"),
         default=_CEILING_LINEAR_M_S,
         help="speed at full deflection, at most the robot's own limit (default: 1 m/s)",
     )
     group.add_argument(
         "--max-angular",
         metavar="RAD_S",
-        type=number(0.01, 50.0, "rad/s"),
+        type=number(0.01, 10.0, "rad/s"),
         default=_CEILING_ANGULAR_RAD_S,
         help="turn rate at full deflection, likewise (default: 1 rad/s)",
     )

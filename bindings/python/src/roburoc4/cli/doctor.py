@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from . import session
 from .options import Options, add_robot, add_seconds
 from .output import print_json
-from .probe import Probe
+from .probe import Probe, other_source
 from .progress import Show, progress
 from .verdict import Findings, Stream, Verdict, judge
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 _WATCH_S = 5.0
 _ASK_EVERY_S = 0.2
+_LISTEN_S = 1.0
 _FIRST_CONTACT_TRIES = 8
 _FIRST_CONTACT_S = 0.5
 _SERVICES = ("iocard", "telemeter", "battery", "localization", "differential")
@@ -146,6 +147,7 @@ def _watch(found: Findings, options: DoctorOptions, probe: Probe, say: Say) -> N
             _check_services(found, robot, say)
             with progress("watching", options.seconds or _WATCH_S) as show:
                 _measure(found, robot, probe, options.seconds or _WATCH_S, show)
+            _look_elsewhere(found, robot, probe.address)
             _check_robot(found, robot, say)
     except CommandError as error:
         say(_Mark.BAD, "discovery", error.message)
@@ -189,13 +191,28 @@ def _measure(found: Findings, robot: Robot, probe: Probe, length_s: float, show:
         )
 
 
+def _look_elsewhere(found: Findings, robot: Robot, address: tuple[str, int]) -> None:
+    """Where statuses are missing, find out whether another port sends them."""
+    found.refused = [
+        stream.service
+        for stream in found.streams
+        if not robot.service_link(stream.service).subscribed
+    ]
+    mute = {s.service for s in found.streams if s.received == 0 and s.service not in found.refused}
+    ids = [entry.id for entry in robot.properties.services if entry.kind in mute]
+    if ids:
+        found.other_source = other_source(address, ids[0], _LISTEN_S)
+
+
 def _check_robot(found: Findings, robot: Robot, say: Say) -> None:
     from roburoc4 import Result
 
     facts = robot.facts
     notes = {
         "somebody drives with the game pad": facts.overridden,
-        "the robot does not report its game pad: it cannot be driven": not facts.override_known,
+        "the robot does not report its game pad: it cannot be driven": facts.overridden is None,
+        "it is not known whether a bumper is pressed": None
+        in (facts.front_bumper, facts.rear_bumper),
         "another commander drives the robot": facts.other_commander,
         "its speed limits are not usable: it cannot be driven": facts.arm_refusal == Result.LIMITS,
         "the front bumper is pressed": facts.front_bumper,

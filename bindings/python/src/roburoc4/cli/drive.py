@@ -73,6 +73,6 @@ def run(options: DriveOptions) -> int:
         f"at {options.linear:g} m/s and {options.angular:g} rad/s for {options.seconds:g} s, "
         f"about {way_m:.1f} m"
     )
-    if options.linear == 0.0:
-        return go(options, intention, turn_rad, "rad", [step])
-    return go(options, intention, way_m, "m", [step])
+    total, unit = (turn_rad, "rad") if options.linear == 0.0 else (way_m, "m")
+    speeds = {"linear": options.linear, "angular": options.angular}
+    return go(options, intention, total, unit, [step], **speeds)

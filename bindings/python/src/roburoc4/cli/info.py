@@ -37,10 +37,13 @@ def run(options: Options) -> int:
     with session.connected(options) as robot:
         _wait_for_descriptions(robot)
         address, properties, channels = robot.address, robot.properties, names_of(robot)
+        missing = [service.name.lower() for service in robot.facts.missing]
     if options.json:
-        print_json(_document(address, properties, channels))
+        print_json({**_document(address, properties, channels), "missing": missing})
     else:
         _print(address, properties, channels)
+        if missing:
+            note(f"{address} sends no {', '.join(missing)} statuses: run roburoc4 doctor")
     return ExitCode.FINE
 
 

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     # A step of a command: called with the robot and a function that reports progress.
     Step = Callable[[Robot, Callable[[MoveResult], object]], MoveResult]
 
-_SPEED = number(0.001, 20.0, "m/s or rad/s")
+_SPEED = number(0.001, 5.0, "m/s")
+_TURN_RATE = number(0.001, 10.0, "rad/s")
 _CLEARANCE = number(0.0, 100.0, "m")
 
 
@@ -68,7 +69,7 @@ def _add(
     parser.add_argument(
         "--speed",
         metavar="SPEED",
-        type=_SPEED,
+        type=_TURN_RATE if name == "turn" else _SPEED,
         help="rad/s (default 0.5)" if name == "turn" else "m/s (default 0.3)",
     )
     add_looking(parser)
@@ -96,7 +97,8 @@ def _run_move(options: MoveOptions) -> int:
         speed = within_limits(robot, options.speed, "m/s")
         return robot.move(options.metres, **_given(options, speed), on_progress=show)
 
-    return go(options, f"{options.metres:g} m straight", abs(options.metres), "m", [step])
+    intention = f"{options.metres:g} m straight"
+    return go(options, intention, abs(options.metres), "m", [step], linear=options.speed)
 
 
 def _run_turn(options: MoveOptions) -> int:
@@ -105,7 +107,8 @@ def _run_turn(options: MoveOptions) -> int:
         return robot.turn(options.angle, speed=speed, timeout=options.timeout, on_progress=show)
 
     degrees = math.degrees(options.angle)
-    return go(options, f"a turn of {degrees:.0f}°", abs(options.angle), "rad", [step])
+    intention = f"a turn of {degrees:.0f}°"
+    return go(options, intention, abs(options.angle), "rad", [step], angular=options.speed)
 
 
 def _run_goto(options: MoveOptions) -> int:
@@ -114,7 +117,8 @@ def _run_goto(options: MoveOptions) -> int:
         _check_reach(robot, options.x, options.y)
         return robot.go_to(options.x, options.y, **_given(options, speed), on_progress=show)
 
-    return go(options, f"to x {options.x:g} m, y {options.y:g} m", None, "m", [step])
+    intention = f"to x {options.x:g} m, y {options.y:g} m"
+    return go(options, intention, None, "m", [step], linear=options.speed)
 
 
 def _check_reach(robot: Robot, x_m: float, y_m: float) -> None:
@@ -135,7 +139,8 @@ def _run_square(options: MoveOptions) -> int:
         return robot.turn(math.pi / 2, timeout=options.timeout, on_progress=show)
 
     length = 4 * abs(options.metres)
-    return go(options, f"a square of {options.metres:g} m", length, "m", [side, corner] * 4)
+    intention = f"a square of {options.metres:g} m"
+    return go(options, intention, length, "m", [side, corner] * 4, linear=options.speed)
 
 
 def _given(options: MoveOptions, speed: float | None) -> dict[str, float | None]:
@@ -160,9 +165,15 @@ def go(
     total: float | None,
     unit: str,
     steps: Iterable[Step],
+    *,
+    linear: float | None = None,
+    angular: float | None = None,
 ) -> int:
-    """Ask, arm, take the steps until one fails, come to rest, and report."""
-    with session.driven(options) as robot:
+    """Ask, arm, take the steps until one fails, come to rest, and report.
+
+    Ceilings are raised to the speeds that were asked for.
+    """
+    with session.driven(options, (linear or 0.0, angular or 0.0)) as robot:
         session.confirm(robot, options, intention)
         session.refuse_override(robot)
         done: list[MoveResult] = []

@@ -86,17 +86,29 @@ def _index(text: str) -> int:
 
 def run_stop(options: Options) -> int:
     """Stop."""
+    from roburoc4 import StopOutcome
+
     with session.connected(options) as robot:
         if robot.properties.differential is None:
             raise refused(f"{robot.address} has no differential service to stop: see roburoc4 info")
         _stop(robot)
-        seen = robot.latest("differential") is not None
+        outcome = robot.facts.stop_outcome
+        if outcome is StopOutcome.OVERRIDDEN:
+            raise refused(
+                f"{robot.address} ignores zeros while somebody holds [A] on its game pad: press an "
+                "emergency stop if it moves, and stop it again when [A] is released"
+            )
+        confirmed = outcome is StopOutcome.CONFIRMED
         _done(
             options,
             f"{robot.address} has stopped"
-            if seen
-            else f"{robot.address} was sent zeros; it does not report its speed",
-            {"robot": robot.address, "stopped": True if seen else None},
+            if confirmed
+            else f"{robot.address} was sent zeros, but did not confirm them: watch it",
+            {
+                "robot": robot.address,
+                "stopped": True if confirmed else None,
+                "outcome": outcome.name.lower(),
+            },
         )
     return ExitCode.FINE
 

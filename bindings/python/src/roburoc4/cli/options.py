@@ -69,8 +69,9 @@ def whole(low: int, high: int, what: str) -> Callable[[str], int]:
     return convert
 
 
-linear_m_s = number(-20.0, 20.0, "m/s")
-angular_rad_s = number(-50.0, 50.0, "rad/s")
+# Beyond these the library takes a speed for a mistake of units.
+linear_m_s = number(-5.0, 5.0, "m/s")
+angular_rad_s = number(-10.0, 10.0, "rad/s")
 way_m = number(-FARTHEST, FARTHEST, "m")
 coordinate = number(-1e7, 1e7, "m")  # the main frame may be that of a map
 metres = number(-1e9, 1e9, "m")

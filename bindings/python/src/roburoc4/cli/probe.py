@@ -12,7 +12,33 @@ from typing import Self
 
 _FIRST_ID, _LAST_ID = 2, 254
 _DENIED = {errno.EACCES, errno.EPERM}
+_STATUS = b"\xff"
+_PERIOD_CYCLES = 10
 _FULL = {errno.EAGAIN, errno.ENOBUFS}
+
+
+def other_source(robot: tuple[str, int], service_id: int, wait_s: float) -> str | None:
+    """Subscribe to a service; return the address of its statuses if it is not the robot's.
+
+    A connected socket, as that of the client, gets datagrams of the robot's own port only.
+    """
+    family = socket.AF_INET6 if ":" in robot[0] else socket.AF_INET
+    with socket.socket(family, socket.SOCK_DGRAM) as unconnected:
+        unconnected.sendto(_subscribe(service_id), robot)
+        until_s = time.monotonic() + wait_s
+        while (left_s := until_s - time.monotonic()) > 0.0:
+            if select.select([unconnected], [], [], left_s)[0]:
+                data, source = unconnected.recvfrom(2048)
+                if data[:1] == _STATUS and source[:2] != robot:
+                    host = f"[{source[0]}]" if ":" in source[0] else source[0]
+                    return f"{host}:{source[1]}"
+    return None
+
+
+def _subscribe(service_id: int) -> bytes:
+    insert, notification = 4, 1
+    head = bytes((_FIRST_ID, insert, notification, 0))
+    return head + service_id.to_bytes(2, "little") + bytes((_PERIOD_CYCLES,))
 
 
 def _get_directory(request_id: int) -> bytes:

@@ -88,10 +88,10 @@ def _add_drive(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--max-linear",
         metavar="M_S",
-        help="ceiling of speed, in addition to the robot's own (default: 2.6)",
+        help="ceiling of speed, in addition to the robot's own (default: 1)",
     )
     group.add_argument(
-        "--max-angular", metavar="RAD_S", help="ceiling of turn rate, likewise (default: 6.5)"
+        "--max-angular", metavar="RAD_S", help="ceiling of turn rate, likewise (default: 1.5)"
     )
 
 

@@ -26,6 +26,7 @@ _REST_S = 3.0
 _POLL_S = 0.02
 _STILL_M_S = 0.01
 _STILL_RAD_S = 0.02
+_CEILING_M_S, _CEILING_RAD_S = 1.0, 1.5
 _NO_INPUT = 63  # the highest index of a digital input, where no RobuROC4 has its game pad
 
 
@@ -94,9 +95,10 @@ def note_recording(robot: Robot) -> None:
 
 
 @contextmanager
-def driven(options: DrivingOptions) -> Iterator[Robot]:
-    """Connect to a robot that may be driven: its game pad is known to be released."""
-    with unsuspendable(), connected(options, **recording()) as robot:
+def driven(options: DrivingOptions, speeds: tuple[float, float] = (0.0, 0.0)) -> Iterator[Robot]:
+    """Connect to a robot that may be driven this fast: its game pad is known to be released."""
+    settings = {**_ceilings(*speeds), **recording()}
+    with unsuspendable(), connected(options, **settings) as robot:
         note_recording(robot)
         if _has_inputs(robot):
             refuse_override(robot)
@@ -109,16 +111,24 @@ def driven(options: DrivingOptions) -> Iterator[Robot]:
             )
     note("driving without knowing the game pad's state: keep an emergency stop in your hand")
     blind = {"allow_unknown_override": True, "override_index": _NO_INPUT}
-    with unsuspendable(), connected(options, **blind, **recording()) as robot:
+    with unsuspendable(), connected(options, **blind, **settings) as robot:
         note_recording(robot)
         yield robot
 
 
+def _ceilings(linear_m_s: float, angular_rad_s: float) -> dict[str, float]:
+    """Raise the default ceilings to the speeds that a user asked for."""
+    return {
+        "max_linear_m_s": max(_CEILING_M_S, abs(linear_m_s)),
+        "max_angular_rad_s": max(_CEILING_RAD_S, abs(angular_rad_s)),
+    }
+
+
 def _has_inputs(robot: Robot) -> bool:
     until_s = time.monotonic() + _FIRST_INPUTS_S
-    while not robot.facts.override_known and time.monotonic() < until_s:
+    while robot.facts.overridden is None and time.monotonic() < until_s:
         time.sleep(_POLL_S)
-    return robot.facts.override_known
+    return robot.facts.overridden is not None
 
 
 def refuse_override(robot: Robot) -> None:
@@ -158,10 +168,13 @@ def confirm(robot: Robot, options: DrivingOptions, intention: str) -> None:
 
 
 def wait_for_rest(robot: Robot, patience_s: float) -> bool:
-    """Wait until the robot reports targets of zero and wheels at rest."""
+    """Wait until the robot has confirmed a stop and reports wheels at rest."""
+    from roburoc4 import StopOutcome
+
     until_s = time.monotonic() + patience_s
     while time.monotonic() < until_s:
-        if is_at_rest(robot.latest("differential")) and not robot.facts.stopping:
+        confirmed = robot.facts.stop_outcome is StopOutcome.CONFIRMED
+        if confirmed and is_at_rest(robot.latest("differential")):
             return True
         time.sleep(_POLL_S)
     return False

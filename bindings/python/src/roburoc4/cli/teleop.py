@@ -52,7 +52,8 @@ _MOTIONS = {
 _HELP = """\
 hold w s or up down   ahead, back         + -      faster, slower
 hold a d or arrows    turn left, right    space    stop
-hold q e z c          both at once        x        end"""
+hold q e z c          both at once        enter    drive again after space
+                                          x        end"""
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -97,6 +98,7 @@ class _Teleop:
         self._scale = _FIRST_SCALE
         self._speeds = (0.0, 0.0)
         self._ended = False
+        self._stopped = False
         self._trouble = ""
 
     def loop(self) -> None:
@@ -124,7 +126,7 @@ class _Teleop:
         self._keyboard.forget()
         self._man.let_go()
         self._speeds = (0.0, 0.0)
-        self._robot.stop()
+        self._robot.pause()
         return [key for key in keys if is_ctrl_c(key) or key.name in ("x", " ")]
 
     def _press(self, key: Key, now_s: float) -> None:
@@ -139,6 +141,9 @@ class _Teleop:
         elif key.name == " ":
             self._man.let_go()
             self._robot.stop()
+            self._stopped = True
+        elif key.name in ("\r", "\n"):
+            self._stopped, self._trouble = False, ""
         elif key.name in ("+", "="):
             self._scale = min(self._scale + 1, len(_SCALES) - 1)
         elif key.name == "-":
@@ -155,6 +160,9 @@ class _Teleop:
         wanted = self._wanted(now_s)
         if not facts.armed:
             self._speeds = (0.0, 0.0)
+            if self._stopped:
+                self._trouble = "stopped: press enter to drive again"
+                return
             if wanted != (0.0, 0.0):
                 return  # a key that was held while somebody else drove must be pressed again
             try:
@@ -172,7 +180,7 @@ class _Teleop:
             if self._speeds != (0.0, 0.0):
                 self._robot.drive(*self._speeds)
             elif self._robot.facts.driving:
-                self._robot.stop()
+                self._robot.pause()
         except NotArmedError as error:
             self._trouble = why_not_armed(error)
 

@@ -49,6 +49,8 @@ class Findings:
     connected: bool = False
     missing: list[str] = field(default_factory=list)
     streams: list[Stream] = field(default_factory=list)
+    refused: list[str] = field(default_factory=list)  # services whose subscription was refused
+    other_source: str | None = None  # where the statuses come from, if not from the address
     interruptions: int = 0  # losses of the link and reboots while it was watched
     notes: list[str] = field(default_factory=list)
 
@@ -140,6 +142,8 @@ def _discovery(found: Findings) -> Verdict | None:
 
 def _streams(found: Findings) -> Verdict | None:
     mute = [stream.service for stream in found.streams if stream.received == 0]
+    if found.other_source is not None:
+        return _no_statuses(found, mute)
     if found.interruptions:
         return Verdict(
             8,
@@ -149,13 +153,7 @@ def _streams(found: Findings) -> Verdict | None:
             "check its power supply and cable, and run doctor again",
         )
     if mute:
-        return Verdict(
-            9,
-            "no statuses",
-            ExitCode.REFUSED,
-            f"{len(mute)} of {len(found.streams)} subscriptions bring nothing: {', '.join(mute)}",
-            "end other programs that use the robot, restart it, and run doctor again",
-        )
+        return _no_statuses(found, mute)
     if found.loss > LOSS_SHARE:
         return Verdict(
             10,
@@ -165,6 +163,19 @@ def _streams(found: Findings) -> Verdict | None:
             "use the cable, or a radio link with less traffic nearer to the robot",
         )
     return _steadiness(found)
+
+
+def _no_statuses(found: Findings, mute: list[str]) -> Verdict:
+    sentence = f"{len(mute)} of {len(found.streams)} subscriptions bring nothing: {', '.join(mute)}"
+    remedy = "end other programs that use the robot, restart it, and run doctor again"
+    if found.refused:
+        sentence += f"; the robot refused {', '.join(found.refused)}"
+        remedy = f"its list of subscriptions may be full: {remedy}"
+    if found.other_source is not None:
+        sentence += f"; statuses come from {found.other_source} instead of {found.address}"
+        remedy = "correct the robot's configuration, or the address translation between, so that "
+        remedy += "statuses come from the port that answers"
+    return Verdict(9, "no statuses", ExitCode.REFUSED, sentence, remedy)
 
 
 def _steadiness(found: Findings) -> Verdict | None:

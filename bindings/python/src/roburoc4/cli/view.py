@@ -90,12 +90,11 @@ def _headline(seen: Snapshot) -> Text:
 
 def lamps(facts: Facts) -> Text:
     """Draw the active warnings: the game pad's override, bumpers, battery, another commander."""
-    known = facts.override_known
     return Text(" ").join(
         [
-            lamp("OVERRIDE", facts.overridden if known else None, "red"),
-            lamp("FRONT BUMPER", facts.front_bumper if known else None, "red"),
-            lamp("REAR BUMPER", facts.rear_bumper if known else None, "red"),
+            lamp("OVERRIDE", facts.overridden, "red"),
+            lamp("FRONT BUMPER", facts.front_bumper, "red"),
+            lamp("REAR BUMPER", facts.rear_bumper, "red"),
             lamp("BATTERY LOW", facts.battery_low, "yellow"),
             lamp("ANOTHER COMMANDER", facts.other_commander, "yellow"),
         ]
@@ -130,7 +129,8 @@ def _values(seen: Snapshot, service: str) -> RenderableType:
         return _pose(seen.localization)
     if service == "differential" and seen.differential is not None:
         return Text(speeds(seen.differential))
-    return Text("nothing yet", "dim")
+    missing = service in (absent.name.lower() for absent in seen.facts.missing)
+    return Text("not sent by the robot" if missing else "nothing yet", "dim")
 
 
 def speeds(status: DifferentialStatus) -> str:
@@ -195,6 +195,7 @@ def line(seen: Snapshot) -> str:
         ("front bumper", seen.facts.front_bumper),
         ("rear bumper", seen.facts.rear_bumper),
     )
-    parts.append(", ".join(name for name, lit in lamps if lit) or "no lamp")
+    shown = [name if lit else f"{name} unknown" for name, lit in lamps if lit is not False]
+    parts.append(", ".join(shown) or "no lamp")
     parts.append(f"loss {seen.loss:.1%}")
     return "  ".join(parts)

@@ -87,6 +87,10 @@ def why_not_armed(code: int) -> str:
     """Return why the robot is not armed, and what to do; empty if nothing prevents arming."""
     if code in (Result.OK, Result.DISARMED):
         return ""
+    if code == Result.STOPPED:
+        return "the robot was stopped"
+    if code == Result.LAPSED:
+        return "inputs came too late, so the robot was stopped: arm it again"
     if code == Result.OVERRIDE_UNKNOWN:
         return (
             "it is not known whether the robot's game pad is in use: run roburoc4 doctor, or start "

@@ -162,7 +162,8 @@ class Control:
 
     def _end_driving(self, why: str) -> None:
         self._armed = False
-        self._robot.disarm()
+        if self._robot.facts.armed:  # else zeros would take the robot from the program that has it
+            self._robot.stop()
         self._begin_anew(why)
 
     # ---- arming and stopping ----
@@ -173,7 +174,7 @@ class Control:
         if self._lease_left_s(page, tick, now_s) is None:
             raise ControlError("the page is late: its link is slow or stalled; try again")
         if self._lease_end_s is not None:
-            self._robot.stop()
+            self._robot.pause()
         self._begin_anew("")
         try:
             self._robot.arm(timeout=0.0)
@@ -182,12 +183,12 @@ class Control:
         self._armed = True
 
     def disarm(self, page: Viewer, why: str = "") -> None:
-        """Forbid driving, and stop."""
+        """Stop and disarm, if this page has control."""
         self.check_driver(page)
         self._end_driving(why)
 
     def stop(self, page: Viewer) -> None:
-        """Stop and disarm: any page may do this, if driving is enabled at all."""
+        """Stop the robot, armed or not: any page may do this, if driving is enabled at all."""
         if not self.offered:
             raise ControlError("this dashboard only watches, and sends the robot no command at all")
         self._robot.stop()
@@ -250,12 +251,13 @@ class Control:
             self._gone, self.going = self.going, None
 
     def _let_go(self) -> None:
-        if self.must_let_go and self._robot.facts.armed:
+        facts = self._robot.facts
+        if self.must_let_go and facts.armed:
             self.why = ""
         self.must_let_go = False
-        if self._lease_end_s is not None:
+        if self._lease_end_s is not None or (facts.armed and facts.lapsed):
             self._lease_end_s = None
-            self._robot.stop()
+            self._robot.pause()
 
     def _command(self, inputs: Input, end_s: float) -> None:
         """Drive until this time, and no longer even if this process is delayed right here."""
@@ -277,7 +279,7 @@ class Control:
                 self._lease_end_s = end_s
                 self.why = ""
                 return
-        self._robot.stop()
+        self._robot.pause()
         self._begin_anew("this computer was delayed while it drove: let go, then drive on")
 
     def _lease_left_s(self, page: Viewer, tick: int, now_s: float) -> float | None:

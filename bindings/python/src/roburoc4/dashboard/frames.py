@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..constants import BatteryState, Count, Event, Role, State
+from ..constants import BatteryState, Count, Event, Role, State, StopOutcome
 from ..errors import NotKnownError
 from ..iocard import ChannelNames
 from ..notices import texts_of
@@ -23,6 +23,7 @@ from .history import History, number
 _LINK_EVERY_S = 0.2
 _ABOUT_EVERY_S = 1.0
 _OVERDUE_PERIODS = 3.0
+_UNCONFIRMED = (StopOutcome.TIMED_OUT, StopOutcome.OVERRIDDEN)
 _CHANGES = Event.READY | Event.PROPERTIES | Event.DESCRIPTION | Event.DESCRIPTIONS_DONE | Event.ROLE
 
 Document = dict[str, Any]
@@ -64,13 +65,14 @@ class Frames:
             "facts": {
                 "armed": facts.armed,
                 "driving": facts.driving,
-                "override_known": facts.override_known,
                 "overridden": facts.overridden,
                 "other_commander": facts.other_commander,
                 "inhibited": facts.inhibited,
                 "front_bumper": facts.front_bumper,
                 "rear_bumper": facts.rear_bumper,
                 "battery_low": facts.battery_low,
+                "missing": [service.name.lower() for service in facts.missing],
+                "stop_unconfirmed": facts.stop_outcome in _UNCONFIRMED,
                 "blocked": blocked(facts),
             },
             "speeds": self._speeds(time_s),

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Interprets commands from ROS 2 to one robot, for its gate. It does not depend on DDS."""
 
-import contextlib
 import math
 import time
 from collections.abc import Callable
@@ -9,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from .._gate import Counts, DriveCommand, Gate, Rejection, Verdict
-from ..errors import ClosedError
 from ..robot import Robot
 from ..ros_topics import Diagnosis, yes_or_no
 from .remembered import keep
@@ -29,9 +27,9 @@ class DriveConfig:
     """TwistStamped; else Twist, which has no other stamp than that of DDS."""
     lease_ms: int = 250
     max_age_ms: int = 200
-    max_linear_m_s: float = 2.6
+    max_linear_m_s: float = 1.0
     """Ceilings in addition to the robot's own limits."""
-    max_angular_rad_s: float = 6.5
+    max_angular_rad_s: float = 1.5
 
 
 class Sender(NamedTuple):
@@ -200,5 +198,5 @@ class Commands:
 
     def end(self) -> None:
         """Stop the robot, if it was driven from here."""
-        with contextlib.suppress(ClosedError):
-            self._robot.disarm()
+        if self._robot.facts.armed:
+            self._robot.stop()

@@ -5,26 +5,25 @@ import importlib.metadata
 from collections.abc import Callable
 
 from .. import __version__
-from ..constants import BatteryState, Fault, Role, State
+from ..constants import BatteryState, Fault, State, StopOutcome
 from ..records import Facts
 from ..robot import Robot
 from ..ros_topics import Diagnosis, yes_or_no
 
 _FINE, _WARNING, _ERROR = 0, 1, 2
 _MUCH_LOSS = 0.05
+_UNCONFIRMED = (StopOutcome.TIMED_OUT, StopOutcome.OVERRIDDEN)
 
 
 def conditions(robot: Robot) -> dict[str, bool]:
-    """Return bumpers and inhibition, by topic; without bumpers that have no input."""
+    """Return bumpers and inhibition, by topic; without bumpers that are not known."""
     facts = robot.facts
-    found = {"inhibited": facts.inhibited}
-    for role, name, pressed in (
-        (Role.FRONT_BUMPER, "front", facts.front_bumper),
-        (Role.REAR_BUMPER, "rear", facts.rear_bumper),
-    ):
-        if robot.role_index(role) is not None and robot.latest("iocard") is not None:
-            found[f"bumpers/{name}"] = pressed
-    return found
+    found = {
+        "inhibited": facts.inhibited,
+        "bumpers/front": facts.front_bumper,
+        "bumpers/rear": facts.rear_bumper,
+    }
+    return {topic: fact for topic, fact in found.items() if fact is not None}
 
 
 def diagnoses(robot: Robot, node: str) -> list[Diagnosis]:
@@ -40,7 +39,7 @@ def diagnoses(robot: Robot, node: str) -> list[Diagnosis]:
 
 
 def _link(robot: Robot) -> Diagnosis:
-    link, state, fault = robot.link, robot.state, robot.fault
+    link, state, fault, facts = robot.link, robot.state, robot.fault, robot.facts
     level, text = _ERROR, "no answer yet: run roburoc4 doctor"
     if state is State.READY:
         level, text = _FINE, "connected"
@@ -56,6 +55,7 @@ def _link(robot: Robot) -> Diagnosis:
         "received": str(link.received),
         "lost": str(link.lost),
         "loss": f"{link.loss:.3f}",
+        "missing": " ".join(service.name.lower() for service in facts.missing),
         "network": "fine" if fault is Fault.NONE else fault.text,
     }
     return Diagnosis(level, "link", text, values)
@@ -70,6 +70,8 @@ def _driving(robot: Robot) -> Diagnosis:
         level, text = _WARNING, "another commander drives the robot"
     elif facts.overridden:
         level, text = _WARNING, "somebody drives with the game pad"
+    elif facts.stop_outcome in _UNCONFIRMED and not facts.armed:
+        level, text = _WARNING, "the robot did not confirm the stop: watch it"
     values = {
         "armed": yes_or_no(facts.armed),
         "cause": "" if facts.armed else facts.disarm_cause.text,
@@ -77,6 +79,7 @@ def _driving(robot: Robot) -> Diagnosis:
         "override": _override(facts),
         "other_commander": yes_or_no(facts.other_commander),
         "inhibited": yes_or_no(facts.inhibited),
+        "stop": facts.stop_outcome.name.lower(),
         "linear_m_s": f"{facts.sent_linear_m_s:.3f}",
         "angular_rad_s": f"{facts.sent_angular_rad_s:.3f}",
     }
@@ -84,7 +87,7 @@ def _driving(robot: Robot) -> Diagnosis:
 
 
 def _override(facts: Facts) -> str:
-    return yes_or_no(facts.overridden) if facts.override_known else "unknown"
+    return "unknown" if facts.overridden is None else yes_or_no(facts.overridden)
 
 
 def _battery(robot: Robot) -> Diagnosis:

@@ -6,6 +6,9 @@ import { by, make, mark, put } from "./text.js";
 const end = (text) => (text ? text[0].toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? "" : ".") : "");
 const advice = ({ say, attempt }) => end(say) + (attempt ? ` Try: ${attempt}.` : "");
 
+const STILL = 0.02; // m/s, rad/s
+const atRest = (speeds) => speeds !== null && speeds.every((speed) => speed !== null && Math.abs(speed) < STILL);
+
 /** All conditions that hold, most urgent first: [level, title, text]. */
 function conditions(frame, { mine, offered }, about) {
   const { facts, link, state, battery, why } = frame;
@@ -17,8 +20,9 @@ function conditions(frame, { mine, offered }, about) {
   const bumpers = [facts.front_bumper && "FRONT", facts.rear_bumper && "REAR"].filter(Boolean).join(" AND ");
   add(facts.other_commander, "bad", "ANOTHER COMMANDER", "Another program commands the robot, too. Two drivers at once are dangerous: end one of them.");
   add(bumpers, "bad", `${bumpers} BUMPER`, "The robot touches something there: check what it is, then drive away from it.");
-  add(facts.inhibited, "bad", "MOTION INHIBITED", end(why) || "The robot does not move although a speed was commanded: check emergency stops, brakes selector and bumpers.");
+  add(facts.inhibited, "bad", "MOTION INHIBITED", `${end(why) || "The robot does not follow its commands."} Check emergency stops, brakes selector and bumpers.`);
   add(facts.overridden, "bad", "OVERRIDE", "Somebody holds [A] on the robot’s game pad and drives it. Commands from here are ignored.");
+  add(facts.stop_unconfirmed && !facts.armed && !atRest(frame.speeds), "bad", "STOP NOT CONFIRMED", "The robot was sent zeros, but did not confirm them: watch it, and press its emergency stop if it moves.");
   add(battery?.state === "critical", "bad", "BATTERY CRITICAL", "Stop work and bring the robot to its charger now.");
   add(link.level === "bad", "bad", "LINK BAD", advice(link));
   add(facts.battery_low && battery?.state !== "critical", "weak", "BATTERY LOW", "Bring the robot to its charger. Charger and platform off before plugging it in.");

@@ -421,6 +421,12 @@ export class RobotMap {
     pen.fillStyle = pressed ? ink.red : ink.soft;
     pen.beginPath();
     pen.roundRect(side > 0 ? LENGTH / 2 - thick : -LENGTH / 2, -WIDTH / 2, thick, WIDTH, 0.02);
+    if (pressed === null) { // not known
+      pen.strokeStyle = ink.soft;
+      pen.lineWidth = 1 / this.scale;
+      pen.stroke();
+      return;
+    }
     pen.fill();
     if (pressed) {
       pen.strokeStyle = ink.red;

@@ -25,9 +25,9 @@ export function showLink(frame) {
       return row;
     }));
   }
-  Object.values(services).forEach(({ period_ms, age_ms, loss: lost, jitter_ms }, index) => {
+  Object.entries(services).forEach(([name, { period_ms, age_ms, loss: lost, jitter_ms }], index) => {
     const [, every, age, share, jitter] = rows.children[index].children;
-    put(every, figure(period_ms, 0, "ms"));
+    put(every, frame.facts.missing.includes(name) ? "not sent" : figure(period_ms, 0, "ms"));
     put(age, figure(age_ms, 0, "ms"));
     put(share, lossText(lost));
     put(jitter, figure(jitter_ms, 1, "ms"));

@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: MIT
+"""Moves that the bridge drives: leased and gated as speeds are."""
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+import roburoc4_lcm
+from rig import Bridge, Bus, Planner, Robot, until
+from rig.bus import drive_command, move_command, now_us, stop_command
+
+Status = roburoc4_lcm.move_status_t
+Command = roburoc4_lcm.move_command_t
+MOVE = "ROBUROC4_MOVE_CMD"
+
+
+@contextmanager
+def moving(bus: Bus, move_id: int, **fields: float | str) -> Iterator[None]:
+    """Send this move ten times a second."""
+    ended = threading.Event()
+
+    def send() -> None:
+        while not ended.wait(0.1):
+            bus.publish(MOVE, move_command(move_id, **fields).encode())
+
+    thread = threading.Thread(target=send)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
+
+
+def status_of(bus: Bus, move_id: int) -> Any:
+    return next(
+        (s for s in reversed(bus.decoded("ROBUROC4_MOVE_STATUS")) if s.move_id == move_id), None
+    )
+
+
+def ends_as(bus: Bus, bridge: Bridge, move_id: int, result: int, seconds: float = 30) -> Any:
+    def ended() -> bool:
+        status = status_of(bus, move_id)
+        return status is not None and status.result != Status.RESULT_RUNNING
+
+    until(ended, f"move {move_id} ends; the bridge said:\n{bridge.output}", seconds)
+    status = status_of(bus, move_id)
+    assert status.result == result, status.message
+    return status
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [
+        {"kind": Command.KIND_BY, "distance_m": 0.6},
+        {"kind": Command.KIND_TO_POINT, "x_m": 0.6, "y_m": 0.0},
+        {"kind": Command.KIND_TO_POSE, "x_m": 0.6, "y_m": 0.0, "theta_rad": 0.0},
+    ],
+    ids=["by", "to point", "to pose"],
+)
+def test_a_move_reaches_its_goal_once(
+    robot: Robot, bus: Bus, armed: Bridge, fields: dict[str, float]
+) -> None:
+    with moving(bus, 7, **fields):
+        status = ends_as(bus, armed, 7, Status.RESULT_REACHED)
+        time.sleep(0.5)
+    assert status.sender == "planner"
+    assert status.distance_m == pytest.approx(0.6, abs=0.1)
+    pose = bus.last("ROBUROC4_LOCALIZATION")
+    assert pose.x_m == pytest.approx(0.6, abs=0.1), "it is not driven a second time"
+    assert max(command.linear_m_s for command in robot.tap.moves()) <= 0.3 + 1e-6
+    until(robot.stands, "the robot stands")
+
+
+def test_a_move_that_is_not_sent_again_lapses(robot: Robot, bus: Bus, armed: Bridge) -> None:
+    with moving(bus, 1, distance_m=3.0):
+        until(robot.tap.moves, "it drives")
+        until(lambda: armed.state.control_owner == "planner", "its sender is in control")
+    last_us = bus.of(MOVE)[-1].time_us
+    ends_as(bus, armed, 1, Status.RESULT_LAPSED)
+    assert not [c for c in robot.tap.moves() if c.time_us - last_us > 450_000]
+    until(robot.stands, "the robot stands")
+
+
+def test_a_stop_ends_a_move_for_good(robot: Robot, bus: Bus, armed: Bridge) -> None:
+    with moving(bus, 1, distance_m=3.0):
+        until(robot.tap.moves, "it drives")
+        stop_us = now_us()
+        bus.publish("ROBUROC4_STOP_CMD", stop_command("operator").encode())
+        status = ends_as(bus, armed, 1, Status.RESULT_CANCELLED)
+        time.sleep(1.5)
+    assert robot.tap.moves(stop_us + 150_000) == []
+    assert status.remaining_m > 1
+    time.sleep(0.6)
+    bus.publish(MOVE, move_command(1, distance_m=3.0).encode())
+    time.sleep(0.5)
+    assert robot.tap.moves(stop_us + 150_000) == [], "a move that has ended does not begin again"
+    with moving(bus, 2, distance_m=0.3):
+        ends_as(bus, armed, 2, Status.RESULT_REACHED)
+
+
+def test_the_game_pad_ends_a_move(robot: Robot, bus: Bus, armed: Bridge) -> None:
+    with moving(bus, 1, distance_m=3.0):
+        until(robot.tap.moves, "it drives")
+        robot.tell("pad a down")
+        ends_as(bus, armed, 1, Status.RESULT_OVERRIDE)
+
+
+def test_a_speed_of_its_sender_ends_a_move(robot: Robot, bus: Bus, armed: Bridge) -> None:
+    bus.publish(MOVE, move_command(1, distance_m=3.0).encode())
+    until(robot.tap.moves, "it drives")
+    bus.publish("ROBUROC4_DRIVE_CMD", drive_command(-0.25).encode())
+    ends_as(bus, armed, 1, Status.RESULT_CANCELLED)
+    until(lambda: robot.tap.moves()[-1].linear_m_s == -0.25, "the speed is driven")
+
+
+def test_of_two_senders_one_is_in_control(
+    robot: Robot, bus: Bus, armed: Bridge, plan: Callable[..., Planner]
+) -> None:
+    with moving(bus, 1, distance_m=1.0):
+        until(robot.tap.moves, "it drives")
+        plan(sender="other", linear=-0.2)
+        until(lambda: armed.statistics.rejected_control > 3, "the other is refused")
+        assert min(command.linear_m_s for command in robot.tap.moves()) > 0
+
+
+def test_moves_need_the_same_permission_and_sense(
+    robot: Robot, bus: Bus, start_bridge: Callable[..., Bridge]
+) -> None:
+    watching = start_bridge().connects()
+    bus.publish(MOVE, move_command(1, distance_m=1.0).encode())
+    until(lambda: watching.statistics.rejected_disabled == 1, "it is refused")
+    watching.end()
+    bridge = start_bridge("--enable-drive").arms()
+    wrong: list[dict[str, float]] = [
+        {"kind": 3},
+        {"distance_m": 1e6},
+        {"distance_m": -1e300},
+        {"linear_m_s": 1e300},
+    ]
+    for move_id, fields in enumerate(wrong, 2):
+        bus.publish(MOVE, move_command(move_id, **fields).encode())
+    until(lambda: bridge.statistics.rejected_impossible >= 3, "they are refused")
+    assert "there is no such move" in bridge.state.rejected_message
+    bus.publish(MOVE, move_command(9, distance_m=float("nan")).encode())
+    until(lambda: bridge.statistics.rejected_not_finite == 1, "it is refused")
+    assert robot.tap.moves() == []

@@ -1,0 +1,549 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * oracle_robot.cpp - what the client must conclude from what it receives, and must not claim.
+ */
+#include "oracle.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace soak {
+
+namespace {
+
+/* A client can judge a status's age only by round trips and by the pauses between statuses. */
+constexpr std::uint64_t sure_after_us = 300000;
+constexpr std::uint64_t uplink_us = 800000; /* half a second, and the time to notice it */
+constexpr std::uint64_t well_after_us = 5000000;
+constexpr std::uint64_t standing_us = 1000000;
+constexpr float rounding = 1e-3F;
+constexpr float same_target = 0.02F;
+
+bool zero_by_rounding(Speeds speeds) {
+    return std::fabs(speeds.v) <= rounding && std::fabs(speeds.w) <= rounding;
+}
+
+bool near(Speeds a, Speeds b) {
+    return std::fabs(a.v - b.v) <= same_target && std::fabs(a.w - b.w) <= same_target;
+}
+
+/* "About two seconds", and longer for small targets; UINT64_MAX where it need not be noticed. */
+std::uint64_t follow_us(float size) {
+    return size >= 0.2F ? 2500000 : size >= 0.1F ? 4000000 : size >= 0.05F ? 10000000 : UINT64_MAX;
+}
+
+} // namespace
+
+/* --------------------------------------------------------------------------- what it receives */
+
+void Oracle::received(Moment now, const Datagram &datagram, std::int32_t result) {
+    observe(now);
+    const Origin &origin = datagram.origin;
+    if (is_status(datagram) && (result >= 0 || result == ROBUROC4_ERR_OLD))
+        watch_restart(now, datagram);
+    const bool text =
+        origin.kind == Origin::Kind::input_text || origin.kind == Origin::Kind::input_refusal;
+    if (text && robot_.literal_ids && result == ROBUROC4_ERR_UNMATCHED)
+        reach(Reached::doubled_literal_text);
+    if (!is_status(datagram))
+        answer_delay_us_ = now.true_us - origin.made_us;
+    if ((result < 0 && result != ROBUROC4_ERR_ROBOT) || origin.boot < required_boot_)
+        return;
+    switch (origin.kind) {
+    case Origin::Kind::iocard_properties:
+        analog_inputs_ = static_cast<std::int32_t>(datagram.u32_at(5));
+        rule_.set_counts(analog_inputs_, static_cast<std::int32_t>(datagram.u32_at(9)),
+                         static_cast<std::int32_t>(datagram.u32_at(13)),
+                         static_cast<std::int32_t>(datagram.u32_at(17)), origin.boot);
+        break;
+    case Origin::Kind::differential_properties:
+        if (datagram.size < 57)
+            break;
+        limits_ = {true,
+                   datagram.f32_at(21),
+                   datagram.f32_at(25),
+                   datagram.f32_at(29),
+                   datagram.f32_at(33),
+                   datagram.f32_at(53),
+                   origin.boot};
+        break;
+    case Origin::Kind::input_text: {
+        const auto *const letters = reinterpret_cast<const char *>(datagram.bytes.data() + 5);
+        rule_.text_read(origin.index, std::string(letters, datagram.size - 5), origin.boot);
+        if (rule_.doubtful())
+            reach(Reached::resembling_text);
+        break;
+    }
+    case Origin::Kind::input_refusal:
+        rule_.text_refused(origin.index, origin.boot);
+        break;
+    default:
+        if (is_status(datagram))
+            status(now, datagram);
+        break;
+    }
+}
+
+void Oracle::status(Moment now, const Datagram &datagram) {
+    const std::uint64_t made = datagram.origin.made_us;
+    Newest &newest = newest_[datagram.origin.index];
+    if (newest.known && made <= newest.made_us)
+        return;
+    ages_known_ = true;
+    newest = {true, made, datagram.u64_at(3), now.client_us, datagram.origin.boot};
+    const std::uint64_t age = now.true_us - made;
+    const std::uint64_t crept = (now.true_us - unproven_since_us_) / 1000;
+    if (unproven_us_ == UINT64_MAX || age <= unproven_us_ + crept) {
+        unproven_us_ = age;
+        unproven_since_us_ = now.true_us;
+    }
+    if (armed_ && age > 200000 && answer_delay_us_ < 50000 && robot_.own_queues)
+        reach(Reached::late_statuses_only);
+    if (armed_ && robot_.drifts && now.true_us - started_us_ > 900000000)
+        reach(Reached::drifted);
+    if (datagram.origin.kind == Origin::Kind::differential_status)
+        differential_status(now, datagram);
+    if (datagram.origin.kind == Origin::Kind::iocard_status)
+        iocard_status(now, datagram);
+}
+
+void Oracle::differential_status(Moment now, const Datagram &datagram) {
+    const std::uint64_t made = datagram.origin.made_us;
+    const Speeds target = {datagram.f32_at(11), datagram.f32_at(19)};
+    const Speeds current = {datagram.f32_at(15), datagram.f32_at(23)};
+    reported_target_ = target;
+    reported_current_ = current;
+    if (stop_.active && zero_by_rounding(target)) {
+        if (stop_.zeros > 0 && made + tolerance_us(now) >= stop_.first_zero_us &&
+            !(overridden_ && report_.override_known))
+            stop_.confirmed = true;
+        else
+            stop_.confirmed_old = true;
+        if (stop_.zeros_since_known >= 3 && made > stop_.third_zero_us + sure_after_us &&
+            stop_.sure_us == 0)
+            stop_.sure_us = now.true_us;
+    }
+    watch_target(now, datagram);
+    watch_other_commander(now, datagram);
+    watch_axis(now, datagram, v_, target.v, current.v);
+    watch_axis(now, datagram, w_, target.w, current.w);
+}
+
+/** Whether it is one of the speeds that left since then. */
+bool Oracle::ours(Speeds target, std::uint64_t since_us) const {
+    return std::any_of(sent_.begin(), sent_.end(), [&](const Sent &sent) {
+        return sent.true_us >= since_us && near(sent.speeds, target);
+    });
+}
+
+/* What the robot shows as its target: ours within a lease, and none of ours without. */
+void Oracle::watch_target(Moment now, const Datagram &datagram) {
+    const Speeds target = reported_target_;
+    const bool interfered = datagram.origin.others_target || datagram.origin.pad_a || overridden_;
+    if (lease_.alive && armed_ && !stop_.active && target_since_us_ != UINT64_MAX) {
+        if (near(target, target_sent_) || interfered)
+            target_seen_us_ = now.true_us;
+        else if (now.true_us - target_seen_us_ > uplink_us &&
+                 (config_.options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0)
+            disarm(now, Promise::target_must_appear);
+    }
+    if (zero_by_rounding(target)) {
+        if (!lease_.alive)
+            watch_due_us_ = UINT64_MAX;
+        return;
+    }
+    zeros_welcome_us_ = now.true_us + milliseconds(config_.drive_period_ms) + slack_us;
+    stop_.again_us = std::max(stop_.again_us, now.true_us);
+    const std::uint64_t watchdog = milliseconds(config_.robot_watchdog_ms);
+    const bool must = ours(target, unconfirmed_ ? 0 : now.true_us - watchdog) && !interfered &&
+                      datagram.origin.boot <= judged_boot_ &&
+                      now.true_us - disturbed_us_ > well_after_us;
+    const std::uint64_t age = /* by the client's own bound, too: others judge that */
+        std::max<std::uint64_t>(report_.age_us[differential],
+                                now.true_us - datagram.origin.made_us);
+    const bool fresh = age + 100000 < milliseconds(config_.fresh_ms);
+    if (must && fresh && !lease_.alive && !stop_.active && watch_due_us_ == UINT64_MAX &&
+        report_.state == ROBUROC4_STATE_READY && report_.differential_known)
+        watch_due_us_ = now.true_us + milliseconds(config_.drive_period_ms) + spacing_us;
+}
+
+void Oracle::watch_other_commander(Moment now, const Datagram &datagram) {
+    const std::uint64_t longest = 3 * milliseconds(config_.robot_watchdog_ms);
+    Speeds low, high; /* each axis by itself */
+    for (const Sent &sent : sent_) {
+        if (now.true_us - sent.true_us > longest)
+            continue;
+        low = {std::min(low.v, sent.speeds.v), std::min(low.w, sent.speeds.w)};
+        high = {std::max(high.v, sent.speeds.v), std::max(high.w, sent.speeds.w)};
+    }
+    const Speeds target = reported_target_;
+    const auto inside = [](float value, float at_least,
+                           float at_most) { /* and some tolerance */
+                                            return value >= at_least * 1.05F - same_target &&
+                                                   value <= at_most * 1.05F + same_target;
+    };
+    const bool within = inside(target.v, low.v, high.v) && inside(target.w, low.w, high.w);
+    const bool others = datagram.origin.others_target && !zero_by_rounding(target);
+    if (others && within)
+        reach(Reached::others_within_limits);
+    others_ = others && !within && !overridden_ ? others_ + 1 : 0;
+    if (others_ >= 3 && (config_.options & ROBUROC4_OPTION_IGNORE_OTHER_COMMANDER) == 0)
+        disarm(now, Promise::other_commander_disarms);
+}
+
+/* Far from the target, for longer than any member of the family needs to reach it. */
+void Oracle::watch_axis(Moment now, const Datagram &datagram, Axis &axis, float target,
+                        float current) {
+    const float size = std::fabs(target);
+    const float along = target < 0 ? -current : current;
+    const bool slow = size >= 0.05F && !(along >= 0.2F * size);
+    const bool fast = !(along <= 1.8F * size + 0.3F) || !(along >= -0.3F - 0.8F * size);
+    const bool watched = armed_ && lease_.alive && !datagram.origin.pad_a && !overridden_ &&
+                         !datagram.origin.others_target && near(reported_target_, target_sent_);
+    const bool off = watched && (slow || fast);
+    const bool same = std::fabs(target - axis.target) <= 0.1F * size;
+    if (!off || !axis.off || !same) {
+        axis = {off, false, now.true_us, target};
+        return;
+    }
+    const std::uint64_t since = now.true_us - axis.since_us;
+    if (since >= 500000 && !axis.counted) {
+        axis.counted = true;
+        reach(std::isnan(current) ? Reached::not_a_number
+              : fast              ? Reached::runs_away
+              : size < 0.1F       ? Reached::small_target_stands
+              : v_.off != w_.off  ? Reached::one_axis_does_not_follow
+                                  : Reached::stands_still);
+    }
+    if (since >= (fast ? follow_us(1) : follow_us(size)))
+        disarm(now, Promise::follows_or_disarmed);
+}
+
+void Oracle::iocard_status(Moment now, const Datagram &datagram) {
+    const int index = judged_index();
+    const bool before = overridden_;
+    overridden_ = false;
+    if (index < 0)
+        return;
+    const std::size_t first = 11 + 4 * static_cast<std::size_t>(analog_inputs_);
+    const std::uint8_t block = datagram.u8_at(first + static_cast<std::size_t>(index / 8));
+    overridden_ = (block >> (index % 8) & 1) != 0;
+    if (overridden_) {
+        ended_under_pad_a_ = ended_under_pad_a_ || lease_.alive || stop_.active;
+        disarm(now, report_.override_index == index ? Promise::override_disarms
+                                                    : Promise::override_by_texts);
+        stop_.confirmed = stop_.confirmed && !report_.override_known;
+    } else if (before && datagram.origin.boot <= judged_boot_) {
+        zeros_welcome_us_ = now.true_us + milliseconds(config_.drive_period_ms) + slack_us;
+        stop_.again_us = now.true_us;
+        if (unconfirmed_ && ended_under_pad_a_ && !sent_.empty() &&
+            report_.state == ROBUROC4_STATE_READY && report_.differential_known &&
+            !report_.stopping)
+            release_due_us_ = now.true_us + spacing_us;
+    }
+}
+
+/* A restart shows in stamps: they go back, or they did not advance as time did. */
+void Oracle::watch_restart(Moment now, const Datagram &datagram) {
+    const std::uint64_t stamp = datagram.u64_at(3);
+    if (datagram.origin.boot <= judged_boot_)
+        return;
+    const Newest *last = nullptr; /* of the robot before */
+    for (const Newest &newest : newest_)
+        if (newest.known && newest.boot < datagram.origin.boot &&
+            (last == nullptr || newest.received_us > last->received_us))
+            last = &newest;
+    if (datagram.origin.boot != boot_) {
+        boot_ = datagram.origin.boot;
+        restarted_statuses_ = 0;
+        armed_before_restart_ = armed_;
+        const double passed = last != nullptr ? static_cast<double>(now.client_us) -
+                                                    static_cast<double>(last->received_us)
+                                              : 0;
+        const double counted =
+            last != nullptr ? (static_cast<double>(stamp) - static_cast<double>(last->stamp)) * 1e4
+                            : 0;
+        if (std::fabs(counted - passed) < 2e6 || last == nullptr) {
+            judged_boot_ = boot_; /* nothing to notice */
+            return;
+        }
+        if (counted > 0)
+            reach(Reached::hidden_restart);
+    }
+    if (++restarted_statuses_ >= 3)
+        forget_robot(now);
+}
+
+void Oracle::forget_robot(Moment now) {
+    judged_boot_ = required_boot_ = boot_;
+    robot_ = robots_[boot_];
+    if (armed_before_restart_)
+        disarm(now, Promise::reboot_disarms);
+    else if (armed_ && limits_.boot < boot_)
+        violate(Promise::restart_forgets, now.true_us, "armed on limits of the robot before");
+    rule_.forget_before(boot_);
+    if (limits_.boot < boot_)
+        limits_ = Limits();
+    overridden_ = outputs_allowed_ = speed_out_ = false;
+    sent_.clear();
+    for (Newest &newest : newest_)
+        if (newest.boot < boot_)
+            newest = Newest();
+    unproven_us_ = UINT64_MAX;
+}
+
+void Oracle::robot_changed(const RobotTruth &robot) {
+    robots_.push_back(robot);
+}
+
+/* ---------------------------------------------------------------------------- what it reports */
+
+void Oracle::reported(Moment now, const Report &report, const Truth &truth, bool drained,
+                      std::uint64_t next_deadline) {
+    const Report before = report_;
+    report_ = report;
+    if (truth.well != well_) {
+        well_ = truth.well;
+        well_since_us_ = now.true_us;
+    }
+    way_m_ += static_cast<double>(std::fabs(truth.moving.v)) *
+              static_cast<double>(now.true_us - way_us_) * 1e-6;
+    way_us_ = now.true_us;
+    if (report.armed && !armed_)
+        violate(disarm_promise_, now.true_us, "the client reports that it is armed");
+    if (!report.armed && armed_) {
+        if (report.disarm_cause == ROBUROC4_ERR_LAPSED)
+            reach(Reached::lapsed);
+        judge_disarming(now, report);
+        disarm(now, Promise::nothing_arms_itself);
+    }
+    pausing_ = false;
+    judge_override_report(now, report);
+    judge_ages(now, report);
+    judge_outcome(now, before);
+    judge_pose(now, report);
+    if (!drained)
+        return;
+    if (report.state != before.state && report.state != ROBUROC4_STATE_READY)
+        unproven_us_ = UINT64_MAX; /* as after a start */
+    if (report.state != before.state)
+        stop_.again_us = now.true_us; /* a robot that is lost, or found, is stopped again */
+    if (report.state != ROBUROC4_STATE_READY)
+        overridden_ = false;
+    if (report.state == ROBUROC4_STATE_IDLE) {
+        started_ = unconfirmed_ = false;
+        sent_.clear();
+    }
+    if (lease_.alive && !report.driving)
+        end_driving(now, Promise::speed_needs_lease);
+    if (report.driving && !lease_.alive)
+        violate(lease_.end_promise, now.true_us, "the client reports a living lease");
+    judge_stop_in_time(now, report);
+    judge_feeding(now);
+    judge_watch(now);
+    judge_uplink(now, truth);
+    judge_standing(now, truth);
+    if (lapse_us_ != UINT64_MAX && now.client_us > lapse_us_ + slack_us) {
+        if (report.armed)
+            violate(Promise::lapse_disarms, now.true_us, "it is armed long after a lapse");
+        lapse_us_ = UINT64_MAX;
+    }
+    if (next_deadline <= now.client_us)
+        violate(Promise::deadlines, now.true_us, "everything was sent, and the deadline is past");
+}
+
+/* A healthy robot on a good network gives no reason to disarm, and pause() is none. */
+void Oracle::judge_disarming(Moment now, const Report &report) {
+    const std::int32_t cause = report.disarm_cause;
+    if (pausing_ && (cause == ROBUROC4_ERR_STOPPED || cause == ROBUROC4_ERR_DISARMED ||
+                     cause == ROBUROC4_ERR_LAPSED))
+        violate(Promise::pause_keeps_armed, now.true_us, "pause() has disarmed");
+    switch (cause) {
+    case ROBUROC4_ERR_STALE_DIFFERENTIAL:
+    case ROBUROC4_ERR_STALE_IOCARD:
+        if (!robot_.prompt)
+            return;
+        break;
+    case ROBUROC4_ERR_INHIBITED:
+    case ROBUROC4_ERR_UPLINK:
+    case ROBUROC4_ERR_OTHER_COMMANDER:
+    case ROBUROC4_ERR_LOST:
+    case ROBUROC4_ERR_REBOOT:
+        break;
+    default:
+        return;
+    }
+    if (well_ && now.true_us - well_since_us_ > well_after_us)
+        violate(Promise::healthy_stays_armed, now.true_us,
+                "disarmed (" + std::string(roburoc4_result_text(cause)) +
+                    ") although all was well for " + ms_text(now.true_us - well_since_us_));
+}
+
+void Oracle::judge_ages(Moment now, const Report &report) {
+    for (int service = 0; service < 5; service++) {
+        const Newest &newest = newest_[service];
+        if (!newest.known || !ages_known_ || report.age_us[service] == UINT32_MAX)
+            continue;
+        const std::uint64_t age = now.true_us - newest.made_us;
+        if (age > report.age_us[service] + tolerance_us(now))
+            violate(Promise::ages_are_bounds, now.true_us,
+                    "a status of service " + std::to_string(service) + " is " + ms_text(age) +
+                        " old, and the client says at most " + ms_text(report.age_us[service]));
+    }
+}
+
+void Oracle::judge_outcome(Moment now, const Report &before) {
+    const bool says = (report_.events & ROBUROC4_EVENT_STOPPED) != 0 ||
+                      (report_.stop_outcome == ROBUROC4_STOP_CONFIRMED &&
+                       before.stop_outcome != ROBUROC4_STOP_CONFIRMED);
+    if (says && !stop_.confirmed)
+        violate(Promise::outcome_is_true, now.true_us,
+                std::string("the stop is reported as confirmed") +
+                    ((report_.events & ROBUROC4_EVENT_STOPPED) != 0 ? ", " : " (no event), ") +
+                    (overridden_ ? "but [A] is held" : "but no status shows it"));
+}
+
+void Oracle::judge_watch(Moment now) {
+    const bool able =
+        report_.state == ROBUROC4_STATE_READY && report_.differential_known && !lease_.alive;
+    if (!able)
+        watch_due_us_ = release_due_us_ = UINT64_MAX;
+    if (watch_due_us_ != UINT64_MAX && now.true_us > watch_due_us_ + slack_us)
+        violate(Promise::stop_is_watched, now.true_us,
+                "a fresh status shows our target " + speeds_text(reported_target_) +
+                    " without a lease, and no zero has left");
+    if (release_due_us_ != UINT64_MAX && now.true_us > release_due_us_ + slack_us)
+        violate(Promise::release_stops, now.true_us,
+                "[A] was released after a stop that was not confirmed, and no zero has left");
+}
+
+void Oracle::judge_uplink(Moment now, const Truth &truth) {
+    if (!armed_ || !lease_.alive || stop_.active || last_command_zero_ || truth.uplink_loses ||
+        config_.drive_period_ms > 100) {
+        commanding_since_us_ = now.true_us;
+        return;
+    }
+    const std::uint64_t newest = std::max(truth.newest_command_us, commanding_since_us_);
+    if (now.true_us - newest > 400000)
+        reach(Reached::late_uplink);
+    if (now.true_us - newest > uplink_us)
+        violate(Promise::late_uplink_disarms, now.true_us,
+                "the robot has received nothing that was sent during the last " +
+                    ms_text(now.true_us - newest) + ", and the client is armed");
+}
+
+void Oracle::judge_standing(Moment now, const Truth &truth) {
+    const bool loose = !lease_.alive && !truth.clients_target.zero() &&
+                       report_.state == ROBUROC4_STATE_READY && report_.differential_known &&
+                       newest_[differential].known && !sent_.empty();
+    if (loose && now.true_us - last_speed_us_ > milliseconds(config_.robot_watchdog_ms) + 100000)
+        reach(Reached::long_watchdog);
+    if (!loose || !truth.well || now.true_us - well_since_us_ < 100000)
+        standing_due_us_ = now.true_us + standing_us;
+    if (now.true_us > standing_due_us_)
+        violate(Promise::stands_in_the_end, now.true_us,
+                "the robot follows our target " + speeds_text(truth.clients_target) + " for " +
+                    ms_text(now.true_us - standing_due_us_ + standing_us) +
+                    " without a lease, on a good network");
+}
+
+void Oracle::judge_pose(Moment now, const Report &report) {
+    if ((report.events & ROBUROC4_EVENT_RELOCALIZED) == 0 || poses_sent_ < 2)
+        return;
+    reach(Reached::repeated_pose);
+    if (way_m_ - way_at_pose_ > 0.1)
+        violate(Promise::no_old_pose, now.true_us,
+                "a pose was repeated and accepted, and the robot has moved " +
+                    std::to_string(way_m_ - way_at_pose_) + " m since it was given");
+}
+
+void Oracle::judge_override_report(Moment now, const Report &report) {
+    if (!report.override_known)
+        return;
+    const int index = rule_.index();
+    if (index < 0)
+        violate(Promise::override_by_texts, now.true_us,
+                "the override counts as known (input " + std::to_string(report.override_index) +
+                    ") although the robot's texts do not tell it yet");
+    else if (index != report.override_index)
+        violate(Promise::override_by_texts, now.true_us,
+                "input " + std::to_string(report.override_index) + " is taken for [A], which is " +
+                    std::to_string(index));
+}
+
+void Oracle::judge_stop_in_time(Moment now, const Report &report) {
+    const std::uint64_t period = milliseconds(config_.drive_period_ms);
+    const bool known = report.state == ROBUROC4_STATE_READY && report.differential_known &&
+                       robot_.differential_id != 0;
+    if (known && !known_)
+        known_us_ = now.true_us;
+    known_ = known;
+    if (stop_requested_ && known &&
+        now.true_us - std::max(stop_requested_us_, known_us_) > spacing_us + slack_us)
+        violate(Promise::stop_always_sends, now.true_us,
+                "no zero has left " + ms_text(now.true_us - stop_requested_us_) + " after stop()");
+    if (!stop_.active)
+        return;
+    if (!report.differential_known) {
+        stop_.zeros_since_known = 0;
+        stop_.sure_us = 0;
+    }
+    if (stop_.zeros == 0 && speed_out_ &&
+        report.differential_known) { /* a zero within the lease may delay it */
+        if (!last_command_zero_ || now.true_us - last_command_us_ > spacing_us + slack_us)
+            violate(Promise::zeros_first, now.true_us, "driving has ended, and no zero has left");
+        return;
+    }
+    if (!report.stopping) {
+        if (speed_out_ || report.differential_known)
+            end_stop(now, Promise::zeros_repeated);
+        stop_.active = false;
+        return;
+    }
+    const bool searching =
+        report.state == ROBUROC4_STATE_CONNECTING || report.state == ROBUROC4_STATE_DISCOVERING;
+    if (!report.differential_known &&
+        (searching || !speed_out_ ||
+         stop_may_end(now))) { /* stop() is latched until the service is known */
+        stop_.again_us = stop_.last_zero_us = now.true_us;
+        return;
+    }
+    if (stop_.zeros == 0)
+        return;
+    if (now.true_us - stop_.last_zero_us > period + slack_us && !clock_changed_)
+        violate(Promise::zeros_repeated, now.true_us,
+                "the last zero left " + ms_text(now.true_us - stop_.last_zero_us) + " ago");
+    const std::uint64_t watchdog = milliseconds(config_.robot_watchdog_ms);
+    const std::uint64_t longest = std::max(watchdog, 3 * period) + 3 * period;
+    if (now.true_us - std::max(stop_.first_zero_us, stop_.again_us) > longest &&
+        report.state != ROBUROC4_STATE_SUBSCRIBING)
+        violate(Promise::stop_ends, now.true_us,
+                "the stop sequence lasts " + ms_text(now.true_us - stop_.due_us));
+    /* where all answers have one id, or take long, ages are known late */
+    const bool calm = !robot_.literal_ids && !robot_.slow_texts && calm_us_ < now.true_us &&
+                      now.true_us - calm_us_ > 5000000;
+    if (calm && stop_.sure_us != 0 && now.true_us - stop_.sure_us > period + slack_us)
+        violate(robot_.rounds ? Promise::rounding_is_not_motion : Promise::stop_ends, now.true_us,
+                "a status has confirmed the stop, but the sequence continues");
+}
+
+void Oracle::judge_feeding(Moment now) {
+    if (!lease_.alive || !armed_ || stop_.active || clock_changed_)
+        return;
+    const std::uint64_t period = milliseconds(config_.drive_period_ms);
+    const std::uint64_t since = command_out_ ? now.true_us - last_command_us_ : UINT64_MAX;
+    const std::uint64_t granted = now.true_us - lease_.granted_true_us;
+    if (!lease_.sent && granted > spacing_us + slack_us && since > spacing_us + slack_us)
+        violate(Promise::feeds_watchdog, now.true_us,
+                "a new target has not left after " + ms_text(granted));
+    if (lease_.sent && since > period + slack_us)
+        violate(Promise::feeds_watchdog, now.true_us,
+                "no command for " + ms_text(since) + " within a lease");
+}
+
+void Oracle::pad_a_changed(bool held, std::uint64_t true_us) {
+    pad_a_held_ = held;
+    pad_a_us_ = true_us;
+}
+
+} // namespace soak
