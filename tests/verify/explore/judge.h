@@ -109,7 +109,7 @@ class Judge {
     std::uint8_t driven_boot_ = 0, others_ = 0;
     std::uint8_t was_armed_ = 0, disarmed_event_due_ = 0, armed_event_due_ = 0;
     std::uint8_t ended_confirmed_ = 0, ended_unconfirmed_ = 0, ended_ = 0;
-    std::uint8_t not_following_ = 0, unseen_ = 0, reserved_[4]{};
+    std::uint8_t not_following_ = 0, unseen_ = 0;
     Speeds target_{}, sent_{}, speed_{};
     std::uint64_t now_us_ = 0;         /* of the latest call, by the client's clock */
     std::uint64_t clock_steps_us_ = 0; /* back, in all */
