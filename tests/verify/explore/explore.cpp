@@ -32,8 +32,9 @@ struct Exploration {
 };
 
 #define READY ".........."
+#define DRIVING "DDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDDD" /* until shortly before it is noticed */
 const char all_letters[] = ".xlr2vUDPSABORCH";
-/* E, the emergency stop, takes effect too late for its place in all_letters: "motors off". */
+/* Those whose effect takes longer than a few periods are in the longer histories only. */
 const Exploration explorations[] = {
     {"watching", 0, READY, all_letters, 6, 7},
     {"armed", 0, READY "A", all_letters, 6, 8},
@@ -42,10 +43,10 @@ const Exploration explorations[] = {
     {"overridden", 1, READY "ADDDB..", all_letters, 7, 8},
     {"unconfirmed", 1, READY "ADDDUP....", all_letters, 6, 7},
     {"uplink out", 0, READY "AUDDDDDDD", all_letters, 6, 7},
-    {"motors off", 0, READY "AEDDDDDDDDDDDDDDD", ".xlDdPAEH", 7, 9},
+    {"motors off", 0, READY "ADDDDDDDDE" DRIVING, ".xlDdPAEH", 7, 9},
     {"program and pad", 1, READY "A", ".DPSAB", 13, 15},
-    {"losses", 1, READY "A", ".xUDPA", 10, 12},
-    {"delays", 0, READY "A", ".lr2vD", 12, 14},
+    {"losses", 1, READY "A", ".xaUDPA", 10, 12},
+    {"delays", 0, READY "A", ".lrqvDA", 11, 13},
     {"restarts", 0, READY "A", ".xDARC", 10, 12},
 };
 
@@ -62,7 +63,8 @@ class Random {
 };
 
 /** States that were explored, with the number of letters that were applied to them. A state that
- *  does not fit replaces one that was explored less: then some are explored again, none is missed. */
+ *  does not fit replaces one that was explored less: then some are explored again, none is missed.
+ */
 class Table {
   public:
     explicit Table(std::uint32_t bits) : entries_(std::size_t{1} << bits) {}
@@ -147,7 +149,7 @@ struct Statistics {
 bool equal_states_behave_alike(const Statistics &statistics) {
     Random random;
     for (const Exploration &exploration : explorations)
-        for (int trial = 0; trial < 1000; trial++) {
+        for (int trial = 0; trial < 200; trial++) {
             World world = started(exploration);
             World other = started(exploration, 10000ULL * (1 + random.below(1U << 24)));
             statistics.scramble(other.client(), random);
@@ -216,24 +218,23 @@ double seconds() {
     return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-void replay(const Exploration &exploration, const std::string &history) {
+bool replay(const Exploration &exploration, const std::string &history) {
     World world = started(exploration);
     world.trace = true;
-    std::printf("start: %s, then %s\n", exploration.start, history.c_str());
+    std::printf("%s, then %s\n", exploration.start, history.c_str());
     for (const char letter : history)
         if (!world.step(letter)) {
-            std::printf("broken: %s\n", promise_text(world.judge().broken));
-            return;
+            std::printf("BROKEN: %s\n", promise_text(world.judge().broken));
+            return false;
         }
+    return true;
 }
-
 
 class Explorer {
   public:
-    /** How often the letters of the alphabet can be chained; 0: to the depth in the table. */
-    std::uint32_t deepest = 0;
+    std::uint32_t deepest = 0; /* letters; 0: as in the table above */
     bool full = false;
-    const char *only = nullptr; /* the name of one exploration */
+    std::string only; /* the name of one exploration; empty: all */
 
     /** True if no promise was broken. */
     bool run() {
@@ -242,7 +243,7 @@ class Explorer {
             std::printf("BROKEN: a client does not do the same at other times or with other "
                         "statistics, so equal states cannot be found\n");
         for (const Exploration &exploration : explorations)
-            if (only == nullptr || std::strcmp(only, exploration.name) == 0)
+            if (only.empty() || only == exploration.name)
                 kept = run(exploration) && kept;
         std::printf("%.3g histories, %.3g steps, %.0f s: %s\n", histories_, steps_, seconds(),
                     kept ? "no promise broken" : "BROKEN");
@@ -287,59 +288,78 @@ class Explorer {
     double histories_ = 0, steps_ = 0;
 };
 
-/** Clients with one fault each: true if each breaks the promise that it should. */
+/** By which history the active fault's promise is broken first; empty if it is not. */
+std::string noticed(Promise breaks, Table &table, const Statistics &statistics) {
+    for (std::uint32_t letters = 1; letters <= 5; letters++)
+        for (const Exploration &exploration : explorations) {
+            table.clear();
+            Search search(exploration, table, statistics.words);
+            search.only = breaks;
+            search.run(letters);
+            if (!search.broken[breaks].empty())
+                return std::string(exploration.name) + ", " + search.broken[breaks];
+        }
+    return "";
+}
+
+/** Clients with one fault each: true if each breaks the promise that it should, and each promise is
+ *  broken by one. */
 bool run_canaries() {
-    Table table(22);
+    Table table(20);
     const Statistics statistics;
-    bool all = true;
+    bool all = true, breaks[promise_count] = {};
     for (std::uint32_t fault = no_fault + 1; fault < fault_count; fault++) {
         set_fault(fault);
-        const Promise breaks = faults[fault].breaks;
-        const double start = seconds();
-        std::string found;
-        std::uint64_t steps = 0;
-        for (std::uint32_t letters = 1; letters <= 5 && found.empty(); letters++)
-            for (const Exploration &exploration : explorations) {
-                table.clear();
-                Search search(exploration, table, statistics.words);
-                search.only = breaks;
-                search.run(letters);
-                steps += search.steps;
-                found = search.broken[breaks];
-                if (!found.empty()) {
-                    found = std::string(exploration.name) + ", " + found;
-                    break;
-                }
-            }
-        std::printf("%-64s %s (%s; %llu steps, %.1f s)\n", faults[fault].what,
-                    found.empty() ? "NOT NOTICED" : "noticed", found.c_str(),
-                    static_cast<unsigned long long>(steps), seconds() - start);
+        breaks[faults[fault].breaks] = true;
+        const std::string history = noticed(faults[fault].breaks, table, statistics);
+        std::printf("%s: %s\n", faults[fault].what,
+                    history.empty() ? "NOT NOTICED" : history.c_str());
         std::fflush(stdout);
-        all = all && !found.empty();
+        all = all && !history.empty();
     }
-    set_fault(no_fault);
+    for (std::uint32_t i = none + 1; i < promise_count; i++)
+        if (!breaks[i]) {
+            std::printf("no fault breaks: %s\n", promise_text(static_cast<Promise>(i)));
+            all = false;
+        }
+    std::printf("%u faults: %s\n", fault_count - 1, all ? "all noticed" : "NOT ALL NOTICED");
     return all;
 }
 
 } // namespace
 
 int main(int count, char **arguments) {
-    if (count == 4 && std::strcmp(arguments[1], "--replay") == 0) {
-        for (const Exploration &exploration : explorations)
-            if (std::strcmp(exploration.name, arguments[2]) == 0)
-                replay(exploration, arguments[3]);
-        return 0;
-    }
-    if (count == 2 && std::strcmp(arguments[1], "--canaries") == 0)
-        return run_canaries() ? 0 : 1;
     Explorer explorer;
-    for (int i = 1; i < count; i++) {
-        if (std::strcmp(arguments[i], "--full") == 0)
+    const std::vector<std::string> words(arguments + 1, arguments + count);
+    std::size_t i = 0;
+    for (; i < words.size(); i++) {
+        const bool more = i + 1 < words.size();
+        if (words[i] == "--canaries" && words.size() == 1)
+            return run_canaries() ? 0 : 1;
+        if (words[i] == "--full")
             explorer.full = true;
-        else if (std::strcmp(arguments[i], "--only") == 0 && i + 1 < count)
-            explorer.only = arguments[++i];
-        else if (std::strcmp(arguments[i], "--depth") == 0 && i + 1 < count)
-            explorer.deepest = static_cast<std::uint32_t>(std::atoi(arguments[++i]));
+        else if (words[i] == "--only" && more)
+            explorer.only = words[++i];
+        else if (words[i] == "--depth" && more)
+            explorer.deepest = static_cast<std::uint32_t>(std::atoi(words[++i].c_str()));
+        else
+            break;
     }
-    return explorer.run() ? 0 : 1;
+    if (i == 0 && words.size() == 3 && words[0] == "--replay")
+        for (const Exploration &exploration : explorations)
+            if (words[1] == exploration.name)
+                return replay(exploration, words[2]) ? 0 : 1;
+    if (i == words.size() && explorer.deepest < longest)
+        return explorer.run() ? 0 : 1;
+    std::printf("Usage: explore [--full] [--depth LETTERS] [--only NAME]\n"
+                "       explore --replay NAME HISTORY\n"
+                "       explore --canaries\n"
+                "Apply every sequence of letters to the client, from each of these starts:\n");
+    for (const Exploration &exploration : explorations)
+        std::printf("  %-16s %s; %s\n", exploration.name, exploration.alphabet,
+                    robot_kinds[exploration.robot].name);
+    std::printf("What happens in 50 ms:\n");
+    for (std::uint32_t letter = 0; letter < letter_count; letter++)
+        std::printf("  %c  %s\n", letters[letter].letter, letters[letter].meaning);
+    return words.size() == 1 && words[0] == "--help" ? 0 : 2;
 }

@@ -7,8 +7,8 @@ namespace {
 
 constexpr std::uint64_t lease_us = 100 * ms, command_period_us = 50 * ms, watchdog_us = 200 * ms,
                         fresh_us = 150 * ms, lapse_us = 150 * ms, cycle_us = 10 * ms,
-                        on_time_us = 10 * ms, not_following_periods = 20,
-                        uplink_us = 500 * ms;
+                        on_time_us = 10 * ms, uplink_us = 500 * ms;
+constexpr std::uint8_t not_following_statuses = 33; /* in 1.6 s */
 
 /** Time since then; 0 if the clock went back to before it. */
 std::uint64_t since(std::uint64_t then_us, std::uint64_t now_us) {
@@ -20,8 +20,7 @@ std::uint64_t since(std::uint64_t then_us, std::uint64_t now_us) {
 roburoc4_config client_config() {
     roburoc4_config config{};
     roburoc4_config_init(&config, sizeof config);
-    config.subscriptions =
-        1U << ROBUROC4_SERVICE_IOCARD | 1U << ROBUROC4_SERVICE_DIFFERENTIAL;
+    config.subscriptions = 1U << ROBUROC4_SERVICE_IOCARD | 1U << ROBUROC4_SERVICE_DIFFERENTIAL;
     config.lost_ms = 300;
     config.fresh_ms = fresh_us / ms;
     config.drive_period_ms = command_period_us / ms;
@@ -164,7 +163,6 @@ void Judge::io_status(bool held, std::uint64_t made_us, std::uint8_t boot) {
     }
     held_ = held ? 1 : 0;
     io_known_ = 1;
-    io_boot_ = boot;
     io_made_us_ = made_us;
 }
 
@@ -178,8 +176,7 @@ void Judge::differential_status(Speeds target, Speeds speed, std::uint64_t made_
     if (sequence_ != 0 && held_ == 0 && made_us >= first_zero_true_us_)
         confirmed_ = target.zero() ? 1 : 0;
     const bool ours = ever_driven_ != 0 && driven_boot_ == boot && target == sent_;
-    watch_ = ours && !target.zero() && held_ == 0 && lease_ == 0 &&
-             true_us - made_us <= on_time_us;
+    watch_ = ours && !target.zero() && held_ == 0 && lease_ == 0 && true_us - made_us <= on_time_us;
     if (target == target_)
         unseen_ = 0;
     const bool others = !target.zero() && target == Speeds{0.4F, -0.4F} && held_ == 0;
@@ -193,10 +190,11 @@ void Judge::differential_status(Speeds target, Speeds speed, std::uint64_t made_
 void Judge::before_poll(std::uint64_t client_us, std::uint64_t true_us) {
     called(client_us);
     polled_ = 0;
-    first_due_ = (wanted_ != 0 && since(command_us_, client_us) >= cycle_us) || (driven_ != 0 && lease_ == 0) ||
-                 (sequence_ != 0 && since(command_us_, client_us) >= command_period_us &&
-                  !(zeros_ >= 3 && (confirmed_ != 0 ||
-                                    since(first_zero_true_us_, true_us) >= watchdog_us)));
+    first_due_ =
+        (wanted_ != 0 && since(command_us_, client_us) >= cycle_us) ||
+        (driven_ != 0 && lease_ == 0) ||
+        (sequence_ != 0 && since(command_us_, client_us) >= command_period_us &&
+         !(zeros_ >= 3 && (confirmed_ != 0 || since(first_zero_true_us_, true_us) >= watchdog_us)));
 }
 
 void Judge::other_traffic() {
@@ -277,7 +275,7 @@ void Judge::judge_driving(const roburoc4_facts &facts, std::uint64_t client_us,
         require(clock_back_ == 0, clock);
         require(lapsed_ == 0 || since(granted_us_ + lease_us, client_us) < lapse_us, lapse);
         require(others_ < 3, commander);
-        require(not_following_ < not_following_periods, follows);
+        require(not_following_ < not_following_statuses, follows);
         require(unseen_ == 0 || lease_ == 0 || since(unseen_us_, client_us) < uplink_us, uplink);
     }
     clock_back_ = 0;
@@ -298,7 +296,8 @@ void Judge::judge_sequence(const roburoc4_facts &facts, std::uint64_t client_us,
     require(driven_ == 0 || (lease_ != 0 && facts.armed != 0), exit_);
     const bool ready = facts.state == ROBUROC4_STATE_READY;
     if (wanted_ != 0 && ready)
-        require(since(command_us_, client_us) < cycle_us, held_ == 0 && unconfirmed_ != 0 && stop_called_ == 0 ? release : exit_);
+        require(since(command_us_, client_us) < cycle_us,
+                held_ == 0 && unconfirmed_ != 0 && stop_called_ == 0 ? release : exit_);
     if (sequence_ != 0 && facts.stopping != 0)
         require(since(command_us_, client_us) < command_period_us, period);
     if (sequence_ != 0 && facts.stopping == 0)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * judge.h - the promises of docs/SAFETY.md and roburoc4.h, judged from outside: from the calls and
- * their results, the datagrams that are sent, and what the robot's statuses really say. It shares no
- * code with the client.
+ * their results, the datagrams that are sent, and what the robot's statuses really say. It shares
+ * no code with the client.
  */
 #ifndef ROBUROC4_EXPLORE_JUDGE_H
 #define ROBUROC4_EXPLORE_JUDGE_H
@@ -25,32 +25,33 @@ struct Speeds {
     }
 };
 
+/** What they say is in promise_text(). */
 enum Promise : std::uint8_t {
     none,
-    monitor,    /* a client that neither drove nor was told to stop sends no command */
-    arming,     /* armed only since an arm() that nothing spoke against */
-    lease,      /* a speed leaves within its lease only, and it is the one that was asked for */
-    fed,        /* within the lease the command is repeated at its period */
-    rate,       /* commands are a robot cycle apart */
-    latch,      /* stop() disarms */
-    pausing,    /* pause() keeps armed */
-    lapse,      /* a lease that ran out by itself disarms after lapse_disarm_ms */
-    override_,  /* a status that shows [A] disarms */
-    fresh,      /* statuses that are too old disarm */
-    age,        /* a reported age is never less than the true one */
-    clock,      /* a step back of the clock disarms */
-    exit_,      /* every exit from driving sends a zero at once */
-    first,      /* zeros leave before all other traffic */
-    period,     /* the stop sequence sends a zero in each period */
-    three,      /* it has at least three */
-    ending,     /* it ends by a confirmation or after the watchdog's time */
-    belief,     /* a stop is called confirmed only if the robot showed it, [A] not held */
-    release,    /* when [A] is released after a stop that was not confirmed, a new sequence begins */
-    watched,    /* a target of ours without a lease is answered by zeros */
-    commander,  /* three statuses with another commander's target disarm */
-    follows,    /* a robot that does not follow is disarmed */
-    uplink,     /* commands that do not arrive disarm */
-    events,     /* each change is reported by its event */
+    monitor,
+    arming,
+    lease,
+    fed,
+    rate,
+    latch,
+    pausing,
+    lapse,
+    override_,
+    fresh,
+    age,
+    clock,
+    exit_,
+    first,
+    period,
+    three,
+    ending,
+    belief,
+    release,
+    watched,
+    commander,
+    follows,
+    uplink,
+    events,
     promise_count
 };
 const char *promise_text(Promise promise);
@@ -89,31 +90,32 @@ class Judge {
         if (!kept && broken == none)
             broken = promise;
     }
+    void judge_driving(const roburoc4_facts &facts, std::uint64_t client_us, std::uint64_t true_us);
     void judge_sequence(const roburoc4_facts &facts, std::uint64_t client_us,
                         std::uint64_t true_us);
-    void forget();
     void end_sequence(std::uint64_t true_us);
-    void judge_driving(const roburoc4_facts &facts, std::uint64_t client_us,
-                       std::uint64_t true_us);
+    void forget();
 
     std::uint8_t armed_ = 0, lease_ = 0, lapsed_ = 0;
-    std::uint8_t driven_ = 0, ever_driven_ = 0;       /* a speed left since the last zero; ever */
-    std::uint8_t wanted_ = 0, stop_called_ = 0;       /* a zero is due; stop() or pause() ever */
-    std::uint8_t sequence_ = 0, zeros_ = 0;           /* a stop sequence runs */
+    std::uint8_t driven_ = 0, ever_driven_ = 0;    /* a speed left since the last zero; ever */
+    std::uint8_t wanted_ = 0, stop_called_ = 0;    /* a zero is due; stop() or pause() ever */
+    std::uint8_t sequence_ = 0, zeros_ = 0;        /* a stop sequence runs */
     std::uint8_t confirmed_ = 0, unconfirmed_ = 0; /* this sequence; a speed left since the last */
-    std::uint8_t settled_ = 0; /* a status was on time since it became ready: before, no client can tell */
+    /* A status was on time since the client became ready: before, no client can know ages. */
+    std::uint8_t settled_ = 0;
     std::uint8_t held_ = 0, watch_ = 0, clock_back_ = 0;
     std::uint8_t first_due_ = 0, polled_ = 0;
-    std::uint8_t io_known_ = 0, io_boot_ = 0, differential_boot_ = 0;
+    std::uint8_t io_known_ = 0, differential_boot_ = 0;
     std::uint8_t driven_boot_ = 0, others_ = 0;
     std::uint8_t was_armed_ = 0, disarmed_event_due_ = 0, armed_event_due_ = 0;
     std::uint8_t ended_confirmed_ = 0, ended_unconfirmed_ = 0, ended_ = 0;
-    std::uint8_t not_following_ = 0, unseen_ = 0, reserved_[4]{};
+    std::uint8_t not_following_ = 0, unseen_ = 0;
     Speeds target_{}, sent_{}, speed_{};
-    std::uint64_t now_us_ = 0; /* of the latest call, by the client's clock */
+    std::uint64_t now_us_ = 0;         /* of the latest call, by the client's clock */
     std::uint64_t clock_steps_us_ = 0; /* back, in all */
     std::uint64_t granted_us_ = 0, command_us_ = 0, unseen_us_ = 0;
-    std::uint64_t first_zero_true_us_ = 0, command_true_us_ = 0, io_made_us_ = 0, differential_made_us_ = 0;
+    std::uint64_t first_zero_true_us_ = 0, command_true_us_ = 0, io_made_us_ = 0,
+                  differential_made_us_ = 0;
 };
 
 } // namespace explore

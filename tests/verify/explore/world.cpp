@@ -17,6 +17,8 @@ const Letter letters[] = {
     {'x', "statuses and answers are lost"},
     {'l', "statuses and answers arrive a period late"},
     {'r', "statuses and answers arrive after those of the next period"},
+    {'q', "statuses arrive a period late, answers on time"},
+    {'a', "answers are lost"},
     {'2', "statuses and answers arrive twice"},
     {'v', "what the client sends arrives after what it sends in the next period"},
     {'U', "what the client sends is lost from now on, or no longer"},
@@ -43,7 +45,7 @@ const std::uint32_t robot_kind_count = sizeof robot_kinds / sizeof *robot_kinds;
 namespace {
 
 constexpr std::uint16_t iocard_id = 2, differential_id = 6;
-constexpr std::uint64_t flight_us = 1 * ms;   /* of a datagram */
+constexpr std::uint64_t flight_us = 1 * ms;    /* of a datagram */
 constexpr std::uint64_t measured_us = 20 * ms; /* after a period's begin a status is made */
 
 /* Far from 0 and from each other, so that a hash can tell what a number is relative to. */
@@ -255,7 +257,8 @@ void World::pass(const std::uint8_t *bytes, std::size_t size) {
     message.made_us = true_us_;
     roburoc4_differential_command c{};
     roburoc4_request r{};
-    if (roburoc4_decode_differential_command(bytes, size, &c) == 0 && c.service == differential_id) {
+    if (roburoc4_decode_differential_command(bytes, size, &c) == 0 &&
+        c.service == differential_id) {
         message.kind = command;
         message.target = {c.linear_m_s, c.angular_rad_s};
         say("sends %g %g", c.linear_m_s, c.angular_rad_s);
@@ -281,9 +284,12 @@ void World::client_receives(const Message &m) {
         size = roburoc4_encode_iocard_status(bytes, sizeof bytes, iocard_id, m.cycles, nullptr, 0,
                                              &m.held, 1);
     } else if (m.kind == differential_status) {
-        const roburoc4_differential_status status{m.cycles,        m.target.linear,
-                                                  m.speed.linear,  m.target.angular,
-                                                  m.speed.angular, differential_id,
+        const roburoc4_differential_status status{m.cycles,
+                                                  m.target.linear,
+                                                  m.speed.linear,
+                                                  m.target.angular,
+                                                  m.speed.angular,
+                                                  differential_id,
                                                   {}};
         size = roburoc4_encode_differential_status(bytes, sizeof bytes, &status);
     } else if (m.action == ROBUROC4_ACTION_GET && m.service == ROBUROC4_SERVICE_DIRECTORY) {
@@ -319,9 +325,9 @@ void World::client_receives(const Message &m) {
         if (result >= 0)
             judge_.io_status(m.held != 0, m.made_us, m.boot);
     } else if (m.kind == differential_status) {
-        say("status, target %g %g, speed %g %g, of %+lld ms: %d", m.target.linear,
-            m.target.angular, m.speed.linear, m.speed.angular,
-            static_cast<long long>(m.made_us - true_us_) / 1000, result);
+        say("status, target %g %g, speed %g %g, of %+lld ms: %d", m.target.linear, m.target.angular,
+            m.speed.linear, m.speed.angular, static_cast<long long>(m.made_us - true_us_) / 1000,
+            result);
         if (result >= 0)
             judge_.differential_status(m.target, m.speed, m.made_us, m.boot, true_us_);
     }
@@ -386,6 +392,12 @@ void World::downlink(const Message &message) {
         return send(message, flight_us + period_us);
     case 'r':
         return send(message, flight_us + period_us + 10 * ms);
+    case 'q':
+        return send(message, flight_us + (message.kind == answer ? 0 : period_us));
+    case 'a':
+        if (message.kind == answer)
+            return;
+        return send(message, flight_us);
     case '2':
         send(message, flight_us);
         return send(message, flight_us + 10 * ms);

@@ -103,7 +103,7 @@ class World {
     std::uint64_t begin_us_, first_cycle_;
     std::uint64_t true_us_, skew_us_, status_us_; /* the client's clock: true time plus skew */
     std::uint64_t seen_ = 0;
-    std::uint8_t uplink_out_ = 0, letter_ = 0, asleep_ = 0, reserved_[1]{};
+    std::uint8_t uplink_out_ = 0, letter_ = 0, asleep_ = 0;
     std::uint32_t count_ = 0;
     Message messages_[capacity]{}; /* on their way, by time of arrival */
 };
