@@ -110,6 +110,7 @@ void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events)
 
 void roburoc4_drive_pause(drive *d) {
     d->stop_pending = 1;
+    d->unconfirmed = 1;
     d->lapsed = 0;
     end_lease(d);
 }
