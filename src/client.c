@@ -259,7 +259,7 @@ static uint64_t next_deadline(const client *c) {
         deadline = sooner(deadline, &d->phase_us, IDENTIFY_US);
     }
     if (roburoc4_schedule_all_declined(c)) {
-        deadline = sooner(deadline, &d->phase_us, PROBE_US);
+        deadline = sooner(deadline, &d->phase_us, SECOND);
     }
     if (c->private_state == ROBUROC4_STATE_READY) {
         const uint64_t silent_us = roburoc4_schedule_deadline(c);

@@ -228,7 +228,7 @@ static void advance(client *c) {
         roburoc4_lifecycle_enter(c, ROBUROC4_STATE_SUBSCRIBING);
     }
     if (roburoc4_schedule_all_declined(c)) { /* not ready: there is no data */
-        if (c->private_now_us - d->phase_us >= PROBE_US) {
+        if (c->private_now_us - d->phase_us >= SECOND) {
             d->declined = 0;
         }
     } else if (c->private_state == ROBUROC4_STATE_SUBSCRIBING && subscriptions_due(c) == 0) {
