@@ -39,9 +39,9 @@ static int32_t go(roburoc4_move *move, FILE *path) {
     roburoc4_localization_status pose;
     uint64_t now_us = roburoc4_udp_now_us();
     while (!interrupted && roburoc4_move_step(move, &client, now_us) == ROBUROC4_MOVE_RUNNING) {
-        if (roburoc4_client_drive(&client, move->linear_m_s, move->angular_rad_s, 0, now_us) < 0) {
-            break;
-        }
+        roburoc4_result driven =
+            roburoc4_client_drive(&client, move->linear_m_s, move->angular_rad_s, 0, now_us);
+        (void)driven; /* where it is refused, the next step ends the move and says why */
         roburoc4_udp_wait(&udp, &client, 50000);
         now_us = roburoc4_udp_now_us();
         if (path != NULL && roburoc4_client_localization(&client, &pose, NULL) == 0) {

@@ -184,9 +184,10 @@ static void step_move(robot *robot, gate_time now) {
         moving->move.result = ROBUROC4_MOVE_LAPSED;
     } else if (roburoc4_move_step(&moving->move, &robot->client, now.us) == ROBUROC4_MOVE_RUNNING) {
         const uint64_t left_us = moving->until_us - now.us;
-        (void)roburoc4_client_drive(
+        roburoc4_result ignored = roburoc4_client_drive(
             &robot->client, moving->move.linear_m_s, moving->move.angular_rad_s,
             left_us > GATE_MIN_LEASE_US ? (uint32_t)left_us : GATE_MIN_LEASE_US, now.us);
+        (void)ignored;
     }
     if (moving->move.result != ROBUROC4_MOVE_RUNNING) {
         end_move(robot, now);

@@ -172,6 +172,7 @@ roburoc4_result roburoc4_client_stop(client *c, uint64_t now_us) {
     const roburoc4_result result = roburoc4_client_pause(c, now_us);
     if (result >= 0) {
         roburoc4_drive_interrupt(&c->private_drive, ROBUROC4_ERR_STOPPED, &c->private_events);
+        c->private_drive.disarm_cause = ROBUROC4_ERR_STOPPED; /* also if it was disarmed before */
     }
     return result;
 }

@@ -190,7 +190,19 @@ static char lower(char c) {
 
 static bool is_letter(char c) {
     const char small = lower(c);
-    return (small >= 'a' && small <= 'z') || (c >= '0' && c <= '9') || ((uint8_t)c & 0x80U) != 0;
+    return (small >= 'a' && small <= 'z') || (c >= '0' && c <= '9') || (uint8_t)c >= 0xC0U;
+}
+
+/** Whether a text goes on with a letter, and not with punctuation: in Latin-1 and Windows-1252 that
+ * is below 0xC0, in UTF-8 it begins with 0xE2 0x80. Below 0xC0 are also the further bytes of a
+ * letter in UTF-8; `before` is the byte of the word before this one, or 0. */
+static bool at_letter(piece text, char before) {
+    const uint8_t byte = (uint8_t)text.text[0];
+    if (byte >= 0x80U && byte < 0xC0U) {
+        return (uint8_t)before >= 0x80U;
+    }
+    return is_letter(text.text[0]) &&
+           !(byte == 0xE2U && text.length > 1 && (uint8_t)text.text[1] == 0x80U);
 }
 
 static bool same_word(piece a, piece b) {
@@ -209,11 +221,11 @@ static void skip(piece *text) {
 /** The next run of letters; *rest is moved behind it. Length 0 at the end. */
 static piece next_run(piece *rest) {
     piece run;
-    while (rest->length > 0 && !is_letter(*rest->text)) {
+    while (rest->length > 0 && !at_letter(*rest, 0)) {
         skip(rest);
     }
     run = *rest;
-    while (rest->length > 0 && is_letter(*rest->text)) {
+    while (rest->length > 0 && at_letter(*rest, rest->text == run.text ? 0 : rest->text[-1])) {
         skip(rest);
     }
     run.length -= rest->length;

@@ -193,7 +193,8 @@ bool roburoc4_discovery_same(const discovery *d, const roburoc4_directory *direc
 bool roburoc4_discovery_directory(discovery *d, const roburoc4_directory *directory);
 /** Whether the directory lists this id and it may be the differential service. */
 bool roburoc4_discovery_may_drive(const discovery *d, const roburoc4_config *config, uint16_t id);
-/** Whether the directory has a service that neither settings, type nor text identify for certain. */
+/** Whether the directory has a service that neither settings, type nor text identify for certain.
+ */
 bool roburoc4_discovery_doubtful(const discovery *d, const roburoc4_config *config);
 /** Assign ids to services; true if a known service has another id now. */
 bool roburoc4_discovery_identify(discovery *d, const roburoc4_config *config);
@@ -247,7 +248,7 @@ roburoc4_result roburoc4_discovery_role(const discovery *d, const roburoc4_confi
 uint64_t roburoc4_discovery_bumper(const discovery *d, const roburoc4_config *config,
                                    const int32_t *io_counts, uint32_t role, bool *certain);
 
-/** A text or a part of one: words of letters, digits and non-ASCII bytes, and separators. */
+/** A text or a part of one: words of letters and digits, and separators. */
 typedef struct piece {
     const char *text;
     uint32_t length;

@@ -135,9 +135,9 @@ static bool is_new(client *c, uint32_t service, uint64_t robot_cycles) {
         }
         return false;
     }
-    c->private_discovery.denied &= (uint8_t)~service_bit(service);
     if (c->private_state == ROBUROC4_STATE_SUBSCRIBING) {
         c->private_discovery.acked |= service_bit(service); /* as good as an acknowledgement */
+        c->private_discovery.denied &= (uint8_t)~service_bit(service);
         wake(c);
     }
     if (l->floor_us < floor_us) {

@@ -105,15 +105,20 @@ static bool open_probe(client *c) {
     return open_about(c, ROBUROC4_ACTION_GET, d->probe_kind, PROBE_TRIES);
 }
 
+/** Whether statuses of a service came since it was last subscribed to. */
+static bool heard(const client *c, uint32_t i) {
+    const roburoc4_private_service *s = &c->private_link.services[i];
+    return s->fresh && s->received_us > s->inserted_us;
+}
+
 /** When a service has been silent for long enough to subscribe to it again. */
 static uint64_t renewal_us(const client *c, uint32_t i) {
     const discovery *d = &c->private_discovery;
     const roburoc4_private_service *s = &c->private_link.services[i];
-    const bool heard = s->fresh && s->received_us > s->inserted_us;
     if ((d->acked & d->wanted & service_bit(i + FIRST_STATUS_SERVICE)) == 0) {
         return UINT64_MAX;
     }
-    return (heard ? s->received_us : s->inserted_us) + SECOND +
+    return (heard(c, i) ? s->received_us : s->inserted_us) + SECOND +
            5U * (uint32_t)ROBUROC4_CYCLE_US * s->asked_cycles;
 }
 
@@ -123,6 +128,9 @@ void roburoc4_schedule_renew_silent(client *c) {
         const uint8_t bit = service_bit(i + FIRST_STATUS_SERVICE);
         if (c->private_now_us >= renewal_us(c, i)) {
             d->acked &= (uint8_t)~bit;
+        }
+        if (heard(c, i)) {
+            d->denied &= (uint8_t)~bit; /* refused, but sent all the same */
         }
     }
 }

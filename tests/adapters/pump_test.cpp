@@ -293,6 +293,23 @@ TEST(PumpArm, IsEndedByAStopAndByTheEnd) {
     EXPECT_EQ(roburoc4_pump_arm(manual.get(), UINT32_MAX), ROBUROC4_ERR_CLOSED);
 }
 
+TEST(PumpCreate, CanSendFromALocalPort) {
+    test::Socket robot;
+    const roburoc4_address address = robot.address();
+    roburoc4_address local = address;
+    local.port = test::free_port();
+    roburoc4_result result = 0;
+    Pump pump(roburoc4_pump_create_from(&address, &local, nullptr, 0, nullptr, &result));
+    ASSERT_NE(pump, nullptr) << roburoc4_result_text(result);
+    const test::Received got = robot.receive(static_cast<int>(test::kPatienceUs / 1000));
+    EXPECT_EQ(ntohs(got.from.sin_port), local.port);
+    const test::Socket other;
+    local.port = other.port();
+    Pump refused(roburoc4_pump_create_from(&address, &local, nullptr, 0, nullptr, &result));
+    EXPECT_EQ(refused, nullptr);
+    EXPECT_EQ(result, ROBUROC4_ERR_SYSTEM) << "another program has the port";
+}
+
 /* -------------------------------------------------------------------- samples and events --- */
 
 TEST(Samples, AreAllSeenByEveryReader) {

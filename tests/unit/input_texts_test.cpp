@@ -26,7 +26,15 @@ TEST(OverrideText, ConsistsExactlyOfTheWordsForIt) {
     for (const char *text :
          {"Game pad A", "Game pad \"A\" button", "GAMEPAD A", "Gamepad \"a\" button",
           "Joystick button A", "joystick A", "A (game pad)", "Button A, Joystick", "A: game-pad",
-          "A button game pad"})
+          "A button game pad",
+          "Game pad \x93"
+          "A\x94 button",
+          "Game pad \xAB"
+          "A\xBB",
+          "Game pad \xE2\x80\x9C"
+          "A\xE2\x80\x9D button",
+          "Game pad\xA0"
+          "A"})
         EXPECT_EQ(12, role_with_text(ROBUROC4_ROLE_OVERRIDE, text)) << text;
     for (const char *text :
          {"Game pad A LED", "Game pad battery A", "Game pad A axis", "A axis", "Game pad A B",

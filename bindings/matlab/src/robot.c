@@ -165,7 +165,8 @@ int robot_leave(robot *r) {
     if (robot_is_open(r)) {
         roburoc4_client *client = robot_lock(r, &now_us);
         if (client_facts(client, now_us).driving) {
-            (void)roburoc4_client_stop(client, now_us);
+            roburoc4_result ignored = roburoc4_client_stop(client, now_us);
+            (void)ignored;
         }
         stopping = client_facts(client, now_us).stopping;
         robot_unlock(r);

@@ -103,7 +103,8 @@ static int interrupt(call *in) {
         roburoc4_client *client = robot_lock(r, &now_us);
         const roburoc4_facts facts = client_facts(client, now_us);
         if (facts.driving || facts.stopping) {
-            (void)roburoc4_client_stop(client, now_us);
+            roburoc4_result ignored = roburoc4_client_stop(client, now_us);
+            (void)ignored;
         }
         robot_unlock(r);
         r->busy = 0;

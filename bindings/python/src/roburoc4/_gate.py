@@ -31,6 +31,7 @@ class Verdict(IntEnum):
     CONTROL = _native.GATE_CONTROL
     NOT_READY = _native.GATE_NOT_READY
     DISARMED = _native.GATE_DISARMED
+    UNITS = _native.GATE_UNITS
 
 
 class DriveCommand(NamedTuple):
