@@ -283,6 +283,9 @@ void Judge::judge_driving(const roburoc4_facts &facts, std::uint64_t client_us,
     require(facts.driving == 0 || lease_ != 0, lease);
     if (facts.state != ROBUROC4_STATE_READY)
         settled_ = 0;
+    if (facts.override_known == 0)
+        held_ =
+            0; /* a lost robot's [A] may have been released unseen: facts do not claim to know */
     if (settled_ != 0) {
         require(facts.age_us[ROBUROC4_SERVICE_IOCARD] >= io_age, age);
         require(facts.age_us[ROBUROC4_SERVICE_DIFFERENTIAL] >= differential_age, age);
