@@ -270,7 +270,7 @@ void Judge::judge_driving(const roburoc4_facts &facts, std::uint64_t client_us,
                         differential_age = since(differential_made_us_ + clock_steps_us_, true_us);
     if (facts.armed != 0) {
         require(armed_ != 0, arming);
-        require(held_ == 0, override_);
+        require(held_ == 0 && facts.override_known != 0, override_);
         require(settled_ == 0 || (io_age <= fresh_us && differential_age <= fresh_us), fresh);
         require(clock_back_ == 0, clock);
         require(lapsed_ == 0 || since(granted_us_ + lease_us, client_us) < lapse_us, lapse);
