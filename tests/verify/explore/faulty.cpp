@@ -163,9 +163,9 @@ roburoc4_result Port::poll(std::uint8_t *buffer, std::uint64_t now_us) {
     if (fault == clock_fault_hidden)
         now_us = latest_us = std::max(now_us, latest_us);
     if (fault == lease_renewed && facts(now_us).driving)
-        roburoc4_client_drive(&client, speeds.linear, speeds.angular, 0, now_us);
+        static_cast<void>(roburoc4_client_drive(&client, speeds.linear, speeds.angular, 0, now_us));
     if (fault == arms_by_itself)
-        roburoc4_client_arm(&client, now_us);
+        static_cast<void>(roburoc4_client_arm(&client, now_us));
     roburoc4_result size = 0;
     while ((size = roburoc4_client_poll_transmit(&client, buffer, ROBUROC4_MAX_TRANSMIT, now_us)) >
            0) {

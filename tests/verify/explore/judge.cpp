@@ -270,7 +270,7 @@ void Judge::judge_driving(const roburoc4_facts &facts, std::uint64_t client_us,
                         differential_age = since(differential_made_us_ + clock_steps_us_, true_us);
     if (facts.armed != 0) {
         require(armed_ != 0, arming);
-        require(held_ == 0, override_);
+        require(held_ == 0 && facts.override_known != 0, override_);
         require(settled_ == 0 || (io_age <= fresh_us && differential_age <= fresh_us), fresh);
         require(clock_back_ == 0, clock);
         require(lapsed_ == 0 || since(granted_us_ + lease_us, client_us) < lapse_us, lapse);
@@ -283,6 +283,9 @@ void Judge::judge_driving(const roburoc4_facts &facts, std::uint64_t client_us,
     require(facts.driving == 0 || lease_ != 0, lease);
     if (facts.state != ROBUROC4_STATE_READY)
         settled_ = 0;
+    if (facts.override_known == 0)
+        held_ =
+            0; /* a lost robot's [A] may have been released unseen: facts do not claim to know */
     if (settled_ != 0) {
         require(facts.age_us[ROBUROC4_SERVICE_IOCARD] >= io_age, age);
         require(facts.age_us[ROBUROC4_SERVICE_DIFFERENTIAL] >= differential_age, age);
