@@ -261,7 +261,7 @@ static void widen_envelope(drive *d) {
 
 /** Until the robot is known to have a new target, or to have stopped, it may keep an old one. */
 static void age_envelope(drive *d, uint32_t window_us, uint64_t now_us) {
-    const bool settled = d->lease_active ? !d->echo_due : !d->unconfirmed;
+    const bool settled = d->lease_active && !d->stopping ? !d->echo_due : !d->unconfirmed;
     if (settled && now_us - d->envelope_us >= window_us) {
         memcpy(d->low_before, d->low, sizeof d->low);
         memcpy(d->high_before, d->high, sizeof d->high);

@@ -58,6 +58,9 @@ int64_t roburoc4_os_socket(const roburoc4_address *, roburoc4_os_outcome *outcom
     return kHandle;
 }
 void roburoc4_os_close(int64_t) {}
+roburoc4_os_outcome roburoc4_os_bind(int64_t, const roburoc4_address *) {
+    return outcome_of(ROBUROC4_FAULT_NONE);
+}
 roburoc4_os_outcome roburoc4_os_connect(int64_t, const roburoc4_address *) {
     fake.connects_us.push_back(fake.now_us);
     return outcome_of(fake.connect_fault);
