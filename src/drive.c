@@ -128,9 +128,8 @@ void roburoc4_drive_service(drive *d, bool known, uint16_t id) {
         end_lease(d); /* if it is still there, its last command must be zero */
     }
     if (!known && id != d->service) {
-        /* pending zeros go to the service that is found next */
-        d->stop_pending = d->stop_pending || (d->stopping && d->zeros_sent < STOP_ZEROS);
-        d->outcome = d->stopping ? ROBUROC4_STOP_TIMED_OUT : d->outcome;
+        /* zeros go to the service that is found next */
+        d->stop_pending = d->stop_pending || d->stopping;
         d->stopping = 0;
     }
     d->known = known;
@@ -464,8 +463,8 @@ static void watch_following(drive *d, follow *f, const roburoc4_differential_sta
 }
 
 void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
-                           const roburoc4_differential_status *s, uint64_t age_us, uint64_t now_us,
-                           uint32_t *events) {
+                           const roburoc4_differential_status *s, bool overridden, uint64_t age_us,
+                           uint64_t now_us, uint32_t *events) {
     const float reported[AXES] = {s->target_linear_m_s, s->target_angular_rad_s};
     age_envelope(d, config->robot_watchdog_ms * MS, now_us);
     const bool zero = nearly_zero(reported[LINEAR]) && nearly_zero(reported[ANGULAR]);
@@ -474,8 +473,8 @@ void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
     d->moving = !zero ||
                 magnitude_bits(s->current_linear_m_s) > bits_from_f32(rest_below[LINEAR]) ||
                 magnitude_bits(s->current_angular_rad_s) > bits_from_f32(rest_below[ANGULAR]);
-    watch_other_commander(d, config, ours || d->overridden, events);
-    if (d->overridden) {
+    watch_other_commander(d, config, ours || overridden, events);
+    if (overridden) {
         d->confirmed = 0; /* the robot ignores commands now */
         d->echo_due = 0;
     } else if (d->stopping) {
@@ -488,7 +487,7 @@ void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
         stop_again(d); /* a speed of ours came late, or came back */
     }
     watch_following(d, f, s,
-                    !d->overridden && (d->lease_active || (!zero && is_finite(reported[LINEAR]) &&
+                    !overridden && (d->lease_active || (!zero && is_finite(reported[LINEAR]) &&
                                                            is_finite(reported[ANGULAR]))),
                     events);
 }

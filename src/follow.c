@@ -12,9 +12,11 @@
 
 #define ONE 65536
 #define LARGEST (32 * ONE)
-/* Averages are taken over this many cycles, and bounds come back in this many. */
+/* Averages are taken over this many cycles. Bounds come back in so many: longer where the robot has
+ * to become faster, as it may be slow to start. */
 #define MEAN_CYCLES 32
-#define BOUND_CYCLES 512
+#define FASTER_CYCLES 512
+#define SLOWER_CYCLES 256
 /* Longer gaps between statuses count as this. */
 #define LONGEST_GAP MEAN_CYCLES
 /* The robot does not follow if its speed was out of bounds for this long. */
@@ -72,8 +74,10 @@ bool roburoc4_follow_status(follow *f, const float *targets,
         }
         f->mean[axis] = part_way(f->mean[axis], fixed_from(speeds[axis]), passed, MEAN_CYCLES);
         const int32_t target = targets != NULL ? fixed_from(targets[axis]) : f->mean[axis];
-        f->low[axis] = part_way(f->low[axis], target, passed, BOUND_CYCLES);
-        f->high[axis] = part_way(f->high[axis], target, passed, BOUND_CYCLES);
+        f->low[axis] = part_way(f->low[axis], target, passed,
+                                f->low[axis] < 0 ? SLOWER_CYCLES : FASTER_CYCLES);
+        f->high[axis] = part_way(f->high[axis], target, passed,
+                                 f->high[axis] > 0 ? SLOWER_CYCLES : FASTER_CYCLES);
         f->low[axis] = target < f->low[axis] ? target : f->low[axis];
         f->high[axis] = target > f->high[axis] ? target : f->high[axis];
         fault = fault || out_of_bounds(f, axis);

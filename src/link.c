@@ -245,17 +245,16 @@ static void learn_age(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
     }
 }
 
-/** Whether the robot's clock differs from the host's by something else than lateness and drift, so
- *  that the robot restarted unnoticed, or is another one. Ahead is certain, after a gap; behind may
- *  be a queue that holds the statuses back, unless answers are on time. */
-static bool clock_was_set(roburoc4_private_link *l, uint64_t transit, bool gap, uint64_t now_us) {
+/** Whether a status is from later than is possible: from a robot that restarted, or another one. */
+static bool ahead_of_time(const roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
+    return l->mapped && (int64_t)(l->floor_us - transit) >
+                            (int64_t)(drifted_us(l, now_us) + CLOCK_TOLERANCE_US);
+}
+
+/** Whether statuses are so late that the robot's clock was set back, by a restart. It may also be a
+ *  queue that holds them back, unless answers are on time. */
+static bool clock_was_set(roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
     const uint64_t drifted = drifted_us(l, now_us) + CLOCK_TOLERANCE_US;
-    if (!l->mapped) {
-        return false;
-    }
-    if (gap && (int64_t)(l->floor_us - transit) > (int64_t)drifted) {
-        return true;
-    }
     if (lateness(l, transit) <= drifted) {
         l->contradicted_us = 0;
         return false;
@@ -285,7 +284,11 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
     const uint64_t transit = transit_of(robot_cycles, now_us);
     const bool newest = robot_cycles >= l->newest_cycles;
     const bool gap = l->resubscribed || now_us - l->heard_us >= RESTART_US;
-    if (newest && clock_was_set(l, transit, gap, now_us)) {
+    if (ahead_of_time(l, transit, now_us)) {
+        l->back_count++; /* without a gap, one may be a corrupted datagram */
+        return gap || l->back_count >= BACK_STATUSES ? VERDICT_REBOOT : VERDICT_OLD;
+    }
+    if (newest && l->mapped && clock_was_set(l, transit, now_us)) {
         return VERDICT_REBOOT;
     }
     if (newest) {
@@ -304,6 +307,9 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
         measure_jitter(s, transit);
     }
     map_times(l, transit, now_us);
+    if (l->slack_us > lateness(l, transit)) { /* the clock has not jumped by more */
+        l->slack_us = (uint32_t)lateness(l, transit);
+    }
     if (l->answered && newest) {
         l->answered = 0;
         learn_age(l, transit, now_us);

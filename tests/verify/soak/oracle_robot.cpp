@@ -418,7 +418,9 @@ void Oracle::judge_watch(Moment now) {
 }
 
 void Oracle::judge_uplink(Moment now, const Truth &truth) {
+    /* where all answers have one id, none proves when its request arrived */
     if (!armed_ || !lease_.alive || stop_.active || last_command_zero_ || truth.uplink_loses ||
+        robot_.literal_ids ||
         config_.drive_period_ms > 100) {
         commanding_since_us_ = now.true_us;
         return;
