@@ -246,9 +246,13 @@ static void learn_age(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
 }
 
 /** Whether a status is from later than is possible: from a robot that restarted, or another one. */
-static bool ahead_of_time(const roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
-    return l->mapped && (int64_t)(l->floor_us - transit) >
-                            (int64_t)(drifted_us(l, now_us) + CLOCK_TOLERANCE_US);
+static bool ahead_of_time(const roburoc4_private_link *l, uint64_t transit, bool gap,
+                          uint64_t now_us) {
+    const bool known = gap && l->floor_age_us != AGE_UNKNOWN;
+    const uint64_t span_us =
+        known ? l->floor_age_us + 2U * ROBUROC4_CYCLE_US : (uint64_t)CLOCK_TOLERANCE_US;
+    return l->mapped &&
+           (int64_t)(l->floor_us - transit) > (int64_t)(span_us + drifted_us(l, now_us));
 }
 
 /** Whether statuses are so late that the robot's clock was set back, by a restart. It may also be a
@@ -270,13 +274,13 @@ static bool clock_was_set(roburoc4_private_link *l, uint64_t transit, uint64_t n
 }
 
 void roburoc4_link_overhear(roburoc4_private_link *l, uint64_t robot_cycles, uint64_t now_us) {
-    if (robot_cycles < l->newest_cycles) {
-        return;
+    const uint64_t transit = transit_of(robot_cycles, now_us);
+    if (robot_cycles < l->newest_cycles || ahead_of_time(l, transit, true, now_us)) {
+        return; /* perhaps from another start: its subscribed statuses tell */
     }
     l->newest_cycles = robot_cycles;
     l->back_count = 0;
-    l->resubscribed = 0;
-    map_times(l, transit_of(robot_cycles, now_us), now_us);
+    map_times(l, transit, now_us);
 }
 
 verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robot_cycles,
@@ -284,7 +288,7 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
     const uint64_t transit = transit_of(robot_cycles, now_us);
     const bool newest = robot_cycles >= l->newest_cycles;
     const bool gap = l->resubscribed || now_us - l->heard_us >= RESTART_US;
-    if (ahead_of_time(l, transit, now_us)) {
+    if (ahead_of_time(l, transit, gap, now_us)) {
         l->back_count++; /* without a gap, one may be a corrupted datagram */
         return gap || l->back_count >= BACK_STATUSES ? VERDICT_REBOOT : VERDICT_OLD;
     }
