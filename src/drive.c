@@ -20,6 +20,8 @@
 #define ROUNDING 1e-3F
 /* How far reported targets may be from sent ones, due to rounding by the robot. */
 #define TARGET_TOLERANCE 0.02F
+/* A target that differs by more must appear among the reported ones. */
+#define NEW_TARGET 0.025F
 /* Far above any robot's speed, and low enough that products stay finite. */
 #define ANY_SPEED 1000.0F
 /* Widths outside of these are ignored. */
@@ -81,6 +83,7 @@ static void begin_stop_sequence(drive *d) {
     if (d->known && d->stop_pending) {
         d->stop_pending = 0;
         d->stopping = 1;
+        d->outcome = ROBUROC4_STOP_TIMED_OUT; /* unless it is confirmed */
         d->zeros_sent = 0;
         d->confirmed = 0;
         d->nonzero_sent = 0;
@@ -96,6 +99,7 @@ static void end_lease(drive *d) {
     d->lease_active = 0;
     d->echo_due = 0;
     d->stop_pending = d->stop_pending || d->nonzero_sent;
+    d->outcome = d->stop_pending ? ROBUROC4_STOP_TIMED_OUT : d->outcome;
     begin_stop_sequence(d);
 }
 
@@ -274,7 +278,7 @@ static void age_envelope(drive *d, uint32_t window_us, uint64_t now_us) {
  * counts, because statuses miss some of them. */
 static void expect_echo(drive *d, const float *speeds, uint64_t now_us) {
     for (uint32_t axis = 0; axis < AXES && !d->echo_due; axis++) {
-        if (!near(speeds[axis], d->echoed[axis], d->echoed[axis], 2 * TARGET_TOLERANCE)) {
+        if (!near(speeds[axis], d->echoed[axis], d->echoed[axis], NEW_TARGET)) {
             d->echo_due = 1;
             d->echo_us = (uint32_t)now_us;
             memcpy(d->echo_low, speeds, sizeof d->echo_low);
@@ -327,9 +331,11 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
     memset(speeds, 0, sizeof d->sent);
     if (d->stopping && stop_sequence_over(d, config, now_us)) {
         d->stopping = 0;
-        d->outcome = d->confirmed    ? ROBUROC4_STOP_CONFIRMED
-                     : d->overridden ? ROBUROC4_STOP_OVERRIDDEN
-                                     : ROBUROC4_STOP_TIMED_OUT;
+        if (d->confirmed) {
+            d->outcome = ROBUROC4_STOP_CONFIRMED;
+        } else if (d->overridden) {
+            d->outcome = ROBUROC4_STOP_OVERRIDDEN;
+        }
         if (d->confirmed && d->unconfirmed) {
             d->unconfirmed = 0;
             d->envelope_us = now_us;

@@ -292,7 +292,9 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
         l->back_count++; /* without a gap, one may be a corrupted datagram */
         return gap || l->back_count >= BACK_STATUSES ? VERDICT_REBOOT : VERDICT_OLD;
     }
-    if (newest && l->mapped && clock_was_set(l, transit, now_us)) {
+    if (newest && l->mapped &&
+        (clock_was_set(l, transit, now_us) ||
+         (l->resubscribed && lateness(l, transit) > drifted_us(l, now_us) + CLOCK_TOLERANCE_US))) {
         return VERDICT_REBOOT;
     }
     if (newest) {
