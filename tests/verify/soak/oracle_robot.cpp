@@ -29,7 +29,7 @@ bool near(Speeds a, Speeds b) {
 
 /* "About two seconds", and longer for small targets; UINT64_MAX where it need not be noticed. */
 std::uint64_t follow_us(float size) {
-    return size >= 0.2F ? 2500000 : size >= 0.1F ? 4000000 : size >= 0.05F ? 10000000 : UINT64_MAX;
+    return size >= 0.1F ? 4000000 : size >= 0.05F ? 10000000 : UINT64_MAX;
 }
 
 } // namespace
