@@ -13,8 +13,8 @@
 #define SPACING_US ROBUROC4_CYCLE_US
 #define STOP_ZEROS 3
 #define OTHER_STATUSES 3
-/* The longest time after which something of ours must have reached the robot, beside a drive period.
- */
+/* The longest time after which something of ours must have reached the robot, beside a drive
+ * period. */
 #define UPLINK_US (400 * MS)
 /* A reported target or speed up to this, in m/s or rad/s, is a rounded zero. */
 #define ROUNDING 1e-3F
@@ -207,8 +207,7 @@ void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_resul
     }
     if (d->lapsed && now_us - d->granted_us >= d->lease_us + config->lapse_disarm_ms * MS) {
         refusal = ROBUROC4_ERR_LAPSED;
-    } else if (refusal >= 0 && d->lease_active &&
-               now_us - d->heard_us >= uplink_limit_us(config)) {
+    } else if (refusal >= 0 && d->lease_active && now_us - d->heard_us >= uplink_limit_us(config)) {
         refusal = ROBUROC4_ERR_UPLINK;
     }
     if (refusal < 0 && d->armed) {
@@ -274,8 +273,8 @@ static void age_envelope(drive *d, uint32_t window_us, uint64_t now_us) {
     }
 }
 
-/** A target that the robot is not known to have must appear in its statuses. Any that was sent since
- * counts, because statuses miss some of them. */
+/** A target that the robot is not known to have must appear in its statuses. Any that was sent
+ * since counts, because statuses miss some of them. */
 static void expect_echo(drive *d, const float *speeds, uint64_t now_us) {
     for (uint32_t axis = 0; axis < AXES && !d->echo_due; axis++) {
         if (!near(speeds[axis], d->echoed[axis], d->echoed[axis], NEW_TARGET)) {
@@ -433,10 +432,9 @@ static bool has_driven(const drive *d) {
 /** While driving, what is sent must appear among the reported targets. */
 static void watch_echo(drive *d, const roburoc4_config *config, const float *reported, bool ours,
                        uint64_t now_us, uint32_t *events) {
-    const bool echoed = near(reported[LINEAR], d->echo_low[LINEAR], d->echo_high[LINEAR],
-                             TARGET_TOLERANCE) &&
-                        near(reported[ANGULAR], d->echo_low[ANGULAR], d->echo_high[ANGULAR],
-                             TARGET_TOLERANCE);
+    const bool echoed =
+        near(reported[LINEAR], d->echo_low[LINEAR], d->echo_high[LINEAR], TARGET_TOLERANCE) &&
+        near(reported[ANGULAR], d->echo_low[ANGULAR], d->echo_high[ANGULAR], TARGET_TOLERANCE);
     if (echoed) {
         d->echo_due = 0;
     }
@@ -457,8 +455,8 @@ static void watch_following(drive *d, follow *f, const roburoc4_differential_sta
                             bool expected, uint32_t *events) {
     const float reported[AXES] = {s->target_linear_m_s, s->target_angular_rad_s};
     const bool ours = d->lease_active && !d->other_commander;
-    const bool inhibited =
-        roburoc4_follow_status(f, !expected ? NULL : ours ? d->sent : reported, s);
+    const float *targets = ours ? d->sent : reported;
+    const bool inhibited = roburoc4_follow_status(f, expected ? targets : NULL, s);
     if (inhibited != (d->inhibited != 0)) {
         d->inhibited = inhibited;
         *events |= ROBUROC4_EVENT_INHIBITED;

@@ -79,8 +79,8 @@ static bool open_text(client *c, text_choice choice) {
     return roburoc4_requests_begin(&c->private_requests, &a);
 }
 
-/** A request to each service in turn. It measures the round trip, keeps properties current, notices a changed directory, and repeats what was refused. Then a missing text is
- * requested. */
+/** A request to each service in turn. It measures the round trip, keeps properties current, notices
+ * a changed directory, and repeats what was refused. Then a missing text is requested. */
 static bool open_probe(client *c) {
     discovery *d = &c->private_discovery;
     if (c->private_now_us - d->probe_us < probe_period_us(c)) {

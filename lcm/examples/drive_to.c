@@ -167,9 +167,8 @@ static int travel(trip *trip) {
         }
     }
     if (is_unheard(trip)) {
-        (void)fprintf(stderr,
-                      "drive_to: statuses arrive, but the bridge hears no command: does "
-                      "LCM_DEFAULT_URL have the bridge's ttl here?\n");
+        (void)fprintf(stderr, "drive_to: statuses arrive, but the bridge hears no command: does "
+                              "LCM_DEFAULT_URL have the bridge's ttl here?\n");
         return 1;
     }
     if (trip->move.result == ROBUROC4_MOVE_REACHED) {

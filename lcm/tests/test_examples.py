@@ -115,6 +115,20 @@ def test_the_lines_of_the_readme_drive(programs: Programs, run: Run, tmp_path: P
     assert speeds[-1] == pytest.approx(0.0, abs=0.05)
 
 
+def test_the_move_of_the_page_reaches_its_goal(
+    robot: Robot, bus: Bus, armed: Bridge, run: Run, tmp_path: Path
+) -> None:
+    page = (Programs.checkout() / "docs" / "lcm.md").read_text()
+    (text,) = re.findall(r"^```python\n(# move\.py\n.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    script = tmp_path / "move.py"
+    script.write_text(text)
+    example = run(sys.executable, script, LCM_DEFAULT_URL=bus.url)
+    assert example.ends(40) == 0, example.output
+    assert "no result" not in example.output
+    assert robot.true_pose()[0] == pytest.approx(0.5, abs=0.1), example.output
+    until(robot.stands, "the robot stands")
+
+
 def test_the_python_example_is_short() -> None:
     text = (EXAMPLES / "drive.py").read_text()
     code = [line for line in text.split('"""')[2].splitlines() if line.strip()]

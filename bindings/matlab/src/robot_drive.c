@@ -144,8 +144,8 @@ static int step_move(call *in) {
     roburoc4_move *move = &((robot *)in->object)->move;
     in->number = roburoc4_move_step(move, in->client, in->now_us) == ROBUROC4_MOVE_RUNNING;
     if (in->number != 0.0) {
-        roburoc4_result ignored = roburoc4_client_drive(in->client, move->linear_m_s, move->angular_rad_s, 0,
-                                    in->now_us);
+        roburoc4_result ignored =
+            roburoc4_client_drive(in->client, move->linear_m_s, move->angular_rad_s, 0, in->now_us);
         (void)ignored;
     }
     return 1;
