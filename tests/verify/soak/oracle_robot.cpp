@@ -380,6 +380,8 @@ void Oracle::judge_disarming(Moment now, const Report &report) {
 }
 
 void Oracle::judge_ages(Moment now, const Report &report) {
+    if (report.state != ROBUROC4_STATE_READY) /* the first pair of answer and status proves little */
+        return;
     for (int service = 0; service < 5; service++) {
         const Newest &newest = newest_[service];
         if (!newest.known || !ages_known_ || !ages_judged_ || report.age_us[service] == UINT32_MAX)
