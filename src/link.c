@@ -25,6 +25,8 @@ typedef roburoc4_private_service service;
 /* Statuses that are late by more than a second though answers are not, for this long, are from a
  * clock that was set anew. */
 #define CONTRADICTION_US (2 * SECOND)
+/* After this long, statuses that are less late than that are believed to be on time again. */
+#define FORGIVEN_US (20 * SECOND)
 
 /** By how much the clocks of host and robot may have drifted apart: 500 ppm. */
 static uint64_t drift_us(uint64_t span_us) {
@@ -200,9 +202,17 @@ static void map_times(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
     }
 }
 
+/** Whether answers have been on time, but statuses late, for this long. */
+static bool contradicted_for(roburoc4_private_link *l, uint32_t span_us, uint64_t now_us) {
+    if (l->contradicted_us == 0) {
+        l->contradicted_us = (uint32_t)now_us | 1;
+    }
+    return (int32_t)((uint32_t)now_us - l->contradicted_us - span_us) >= 0;
+}
+
 /** Pairs of an answer and a status showed that the bound is too high by this: raise floor_us as far
  *  as the clocks may have drifted or jumped since it was proven, then lower floor_age_us. If both
- *  do not suffice, answers have a queue of their own, and prove nothing. */
+ *  do not suffice, answers may have a queue of their own, and prove nothing for a while. */
 static void lower_bound(roburoc4_private_link *l, uint64_t transit, uint32_t by_us,
                         uint64_t now_us) {
     const uint64_t late_us = lateness(l, transit);
@@ -211,7 +221,13 @@ static void lower_bound(roburoc4_private_link *l, uint64_t transit, uint32_t by_
     uint64_t rise_us = drifted + l->slack_us;
     rise_us = rise_us < late_us ? rise_us : late_us;
     rise_us = rise_us < by_us ? rise_us : by_us;
-    if (by_us - rise_us > age_us) {
+    if (by_us - rise_us <= age_us) {
+        l->contradicted_us = 0;
+    } else if (contradicted_for(l, FORGIVEN_US, now_us)) {
+        rise_us = by_us - age_us < late_us ? by_us - age_us : late_us;
+        by_us = (uint32_t)(rise_us + age_us);
+        l->contradicted_us = 0;
+    } else {
         rise_us = by_us = 0;
     }
     l->floor_us += rise_us;
@@ -232,7 +248,10 @@ static void learn_age(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
         l->floor_age_us = proven_us < AGE_UNKNOWN ? (uint32_t)proven_us : AGE_UNKNOWN;
         l->proven_us = now_us;
     } else if (l->excess_us == 0) {
-        l->slack_us = excess_us == 0 ? 0 : l->slack_us; /* the clock did not jump */
+        if (excess_us == 0) { /* the clock did not jump */
+            l->slack_us = 0;
+            l->contradicted_us = 0;
+        }
         l->excess_us = excess_us;
         l->excess_since_us = (uint32_t)now_us;
     } else {
@@ -259,18 +278,9 @@ static bool ahead_of_time(const roburoc4_private_link *l, uint64_t transit, bool
  *  queue that holds them back, unless answers are on time. */
 static bool clock_was_set(roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
     const uint64_t drifted = drifted_us(l, now_us) + CLOCK_TOLERANCE_US;
-    if (lateness(l, transit) <= drifted) {
-        l->contradicted_us = 0;
-        return false;
-    }
-    if (!l->answered || now_us - l->asked_us >= CLOCK_TOLERANCE_US) {
-        return false;
-    }
-    if (l->contradicted_us == 0) {
-        l->contradicted_us = (uint32_t)now_us | 1;
-    }
-    return (uint32_t)now_us - l->contradicted_us >= CONTRADICTION_US &&
-           (uint32_t)now_us - l->contradicted_us < UINT32_MAX / 2;
+    return lateness(l, transit) > drifted && l->answered &&
+           now_us - l->asked_us < CLOCK_TOLERANCE_US &&
+           contradicted_for(l, CONTRADICTION_US, now_us);
 }
 
 void roburoc4_link_overhear(roburoc4_private_link *l, uint64_t robot_cycles, uint64_t now_us) {

@@ -130,8 +130,11 @@ static bool is_new(client *c, uint32_t service, uint64_t robot_cycles) {
     const verdict age = roburoc4_link_status(l, &l->services[STATUS_INDEX(service)], robot_cycles,
                                              c->private_now_us);
     if (age != VERDICT_NEW) {
-        if (age == VERDICT_REBOOT && c->private_state != ROBUROC4_STATE_CLOSING) {
-            roburoc4_lifecycle_reboot(c);
+        if (age == VERDICT_REBOOT) {
+            forget_override(c);
+            if (c->private_state != ROBUROC4_STATE_CLOSING) {
+                roburoc4_lifecycle_reboot(c);
+            }
         }
         return false;
     }
