@@ -26,7 +26,7 @@ typedef roburoc4_private_service service;
  * clock that was set anew. */
 #define CONTRADICTION_US (2 * SECOND)
 /* After this long, statuses that are less late than that are believed to be on time again. */
-#define FORGIVEN_US (20 * SECOND)
+#define FORGIVEN_US (60 * SECOND)
 
 /** By how much the clocks of host and robot may have drifted apart: 500 ppm. */
 static uint64_t drift_us(uint64_t span_us) {

@@ -210,7 +210,9 @@ static void take_inputs(client *c, const roburoc4_channels *inputs) {
     }
     v->override_known = known;
     v->overridden = overridden;
-    roburoc4_drive_override(&c->private_drive, overridden);
+    if (c->private_state != ROBUROC4_STATE_CLOSING) { /* which the stop sequence must end */
+        roburoc4_drive_override(&c->private_drive, overridden);
+    }
     if (overridden) {
         roburoc4_lifecycle_interrupt(c, ROBUROC4_ERR_OVERRIDE);
     }

@@ -13,7 +13,9 @@
 #define FIRST_STATUS_SERVICE ROBUROC4_SERVICE_IOCARD
 /* A pose that could not be sent within this time is sent only if the robot has been at rest. */
 #define POSE_US (50 * MS)
-/* A robot below these speeds, in m/s and rad/s, is at rest for a new pose. */
+/* A robot below these speeds, in m/s and rad/s, is at rest for a new pose; older statuses do not
+ * show that it still is. */
+#define POSE_FRESH_MS 150
 #define POSE_REST_M_S 0.02F
 #define POSE_REST_RAD_S 0.05F
 
@@ -214,12 +216,8 @@ static void advance(client *c) {
         roburoc4_discovery_identify(d, &c->private_config);
         roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_QUERY,
                                  ROBUROC4_SERVICE_DIRECTORY);
-        const uint16_t driven = c->private_drive.service;
-        if (d->service_ids[ROBUROC4_SERVICE_DIFFERENTIAL] != driven) {
-            const bool found = (d->listed & service_bit(ROBUROC4_SERVICE_DIFFERENTIAL)) != 0;
-            /* its text may be missing: zeros go on to the service that was driven */
-            const bool same = !found && roburoc4_discovery_may_drive(d, &c->private_config, driven);
-            roburoc4_drive_service(&c->private_drive, false, same ? driven : 0);
+        if (d->service_ids[ROBUROC4_SERVICE_DIFFERENTIAL] != c->private_drive.service) {
+            roburoc4_drive_service(&c->private_drive, false, 0);
         }
         if ((d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0) {
             memset(c->private_values.io_counts, 0, sizeof c->private_values.io_counts);
@@ -274,7 +272,8 @@ static bool pose_holds(client *c, const slot *s) {
         return true;
     }
     if (!roburoc4_link_fresh(&c->private_link, STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL),
-                             c->private_config.fresh_ms * MS, c->private_now_us)) {
+                             at_most(c->private_config.fresh_ms, POSE_FRESH_MS) * MS,
+                             c->private_now_us)) {
         o->unwatched = 1;
     }
     return !o->moved && !o->unwatched;

@@ -430,7 +430,7 @@ void Oracle::speed_sent(Moment now, Speeds speeds) {
                 "the speed " + speeds_text(speeds) + " left without a lease");
     judge_value(now, speeds);
     judge_fresh(now, "a speed left");
-    if (pad_a_held_ && !(unknown_allowed() && judged_index() < 0) &&
+    if (pad_a_held_ && ages_judged_ && !(unknown_allowed() && judged_index() < 0) &&
         now.true_us - pad_a_us_ > milliseconds(config_.fresh_ms) + tolerance_us(now))
         violate(now.true_us - newest_[iocard].made_us > milliseconds(config_.fresh_ms)
                     ? Promise::fresh_by_age
@@ -530,7 +530,7 @@ void Oracle::judge_fresh(Moment now, const char *what) {
         if (!status->known)
             violate(Promise::fresh_by_age, now.true_us,
                     std::string(what) + " without any " + name + " status");
-        else if (now.true_us - status->made_us > limit)
+        else if (ages_judged_ && now.true_us - status->made_us > limit)
             violate(Promise::fresh_by_age, now.true_us,
                     std::string(what) + " on a " + name + " status that is truly " +
                         ms_text(now.true_us - status->made_us) + " old (fresh_ms " +
