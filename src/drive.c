@@ -492,7 +492,7 @@ void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
     }
     watch_following(d, f, s,
                     !overridden && (d->lease_active || (!zero && is_finite(reported[LINEAR]) &&
-                                                           is_finite(reported[ANGULAR]))),
+                                                        is_finite(reported[ANGULAR]))),
                     events);
 }
 

@@ -243,12 +243,11 @@ static void take_speeds(client *c, const roburoc4_differential_status *status) {
     if (c->private_outputs.relocalizing) {
         roburoc4_schedule_watch_pose(c);
     }
-    roburoc4_drive_status(d, &c->private_follow, &c->private_config, &v->differential,
-                          v->overridden,
-                          roburoc4_link_age(&c->private_link,
-                                            STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL),
-                                            c->private_now_us),
-                          c->private_now_us, &c->private_events);
+    roburoc4_drive_status(
+        d, &c->private_follow, &c->private_config, &v->differential, v->overridden,
+        roburoc4_link_age(&c->private_link, STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL),
+                          c->private_now_us),
+        c->private_now_us, &c->private_events);
     if (d->stopping || d->armed != armed) {
         wake(c);
     }
