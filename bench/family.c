@@ -72,8 +72,7 @@ static double wrapped(double angle_rad) {
 /** A millisecond of the wheels. */
 static void roll(family_robot *r) {
     double *now = r->command[r->now_ms % FAMILY_DEAD_MS];
-    const double *then =
-        r->command[(r->now_ms + FAMILY_DEAD_MS - r->is.dead_ms) % FAMILY_DEAD_MS];
+    const double *then = r->command[(r->now_ms + FAMILY_DEAD_MS - r->is.dead_ms) % FAMILY_DEAD_MS];
     const double w = r->is.natural_rad_s;
     const double dt = 1e-3;
     if (r->now_ms - r->commanded_ms >= WATCHDOG_MS) {
@@ -142,8 +141,8 @@ static roburoc4_result status_of(family_robot *r, uint32_t service, uint8_t *out
         return roburoc4_encode_battery_status(out, size, &battery);
     }
     if (service == ROBUROC4_SERVICE_LOCALIZATION) {
-        const roburoc4_localization_status pose = {cycles,     r->pose[0], r->pose[1],
-                                                   r->pose[2], r->flags,   id, 0};
+        const roburoc4_localization_status pose = {cycles,   r->pose[0], r->pose[1], r->pose[2],
+                                                   r->flags, id,         0};
         return roburoc4_encode_localization_status(out, size, &pose);
     }
     const double noise[2] = {r->is.noise_m_s * normal(&r->random),
@@ -160,9 +159,13 @@ static roburoc4_result status_of(family_robot *r, uint32_t service, uint8_t *out
 
 static roburoc4_result properties_of(const family_robot *r, uint8_t id, uint16_t service,
                                      uint8_t *out, size_t size) {
-    static const roburoc4_directory_entry entries[] = {
-        {0, 0},      {0, 1}, {ROBUROC4_TYPE_IOCARD, 2},       {ROBUROC4_TYPE_TELEMETER, 3},
-        {0x7777, 4}, {ROBUROC4_TYPE_LOCALIZATION, 5}, {ROBUROC4_TYPE_DIFFERENTIAL, 6}};
+    static const roburoc4_directory_entry entries[] = {{0, 0},
+                                                       {0, 1},
+                                                       {ROBUROC4_TYPE_IOCARD, 2},
+                                                       {ROBUROC4_TYPE_TELEMETER, 3},
+                                                       {0x7777, 4},
+                                                       {ROBUROC4_TYPE_LOCALIZATION, 5},
+                                                       {ROBUROC4_TYPE_DIFFERENTIAL, 6}};
     if (service == ROBUROC4_SERVICE_DIRECTORY) {
         return roburoc4_encode_directory(out, size, id, 0, entries, 7);
     }
@@ -187,8 +190,8 @@ static roburoc4_result properties_of(const family_robot *r, uint8_t id, uint16_t
         const roburoc4_localization_properties pose = {0, 0, 0, r->flags, service, 0};
         return roburoc4_encode_localization_properties(out, size, id, &pose);
     }
-    const roburoc4_differential_properties drive = {
-        0, 0, 0, 0, 2.6F, -2.6F, 6.5F, -6.5F, 3, -3, 8, -8, 0.68F, service, 0};
+    const roburoc4_differential_properties drive = {0, 0,  0, 0,  2.6F,  -2.6F,   6.5F, -6.5F,
+                                                    3, -3, 8, -8, 0.68F, service, 0};
     return roburoc4_encode_differential_properties(out, size, id, &drive);
 }
 
@@ -430,14 +433,14 @@ family_verdict family_judge(const family_member *m, uint64_t seed, int strict) {
     v.reversals = rig.reversals;
     v.steepest = rig.steepest[m->turn ? 1 : 0] / slope;
     const double error = m->turn ? (strict ? 1 : 2) * DEGREE : strict ? 0.01 : 0.02;
-    v.fault = v.result != ROBUROC4_MOVE_REACHED           ? "not reached"
-              : v.error > error                           ? "error"
-              : v.aside > (strict ? 1 : 2) * DEGREE       ? "heading"
-              : v.reversals > 2                           ? "reversals"
+    v.fault = v.result != ROBUROC4_MOVE_REACHED             ? "not reached"
+              : v.error > error                             ? "error"
+              : v.aside > (strict ? 1 : 2) * DEGREE         ? "heading"
+              : v.reversals > 2                             ? "reversals"
               : v.overshoot > (m->turn ? 5 * DEGREE : 0.05) ? "overshoot"
-              : v.took_s > v.allowed_s                    ? "time"
-              : v.steepest > 1.02                         ? "acceleration"
-                                                          : NULL;
+              : v.took_s > v.allowed_s                      ? "time"
+              : v.steepest > 1.02                           ? "acceleration"
+                                                            : NULL;
     return v;
 }
 

@@ -77,8 +77,8 @@ typedef struct family_rig {
     uint32_t first_ms, last_ms; /* of commands other than zero */
 } family_rig;
 
-/** Connect; config may be NULL. What a test changes in the robot before family_connect() counts from
- *  the beginning. */
+/** Connect; config may be NULL. What a test changes in the robot before family_connect() counts
+ * from the beginning. */
 void family_prepare(family_rig *rig, const family_member *member, uint64_t seed);
 void family_connect(family_rig *rig, const roburoc4_config *config);
 /** Connect and arm; 0 if it could not be armed. */

@@ -128,9 +128,15 @@ typedef struct share {
     unsigned fine[VALUES], all[VALUES], count;
 } share;
 
-static const char *const parameter_names[PARAMETERS] = {
-    "natural frequency (0: at once), rad/s", "damping", "gain", "dead time, ms",
-    "noise of speeds, m/s", "odometry each, ms", "statuses each, ms", "speed asked for", "turn"};
+static const char *const parameter_names[PARAMETERS] = {"natural frequency (0: at once), rad/s",
+                                                        "damping",
+                                                        "gain",
+                                                        "dead time, ms",
+                                                        "noise of speeds, m/s",
+                                                        "odometry each, ms",
+                                                        "statuses each, ms",
+                                                        "speed asked for",
+                                                        "turn"};
 
 static void count(share *shares, const family_member *m, int fine) {
     const double values[PARAMETERS] = {m->natural_rad_s, m->damping,   m->gain,

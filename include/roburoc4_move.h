@@ -31,21 +31,19 @@
  *                 brakes the earlier the less it knows.
  *   Odometry      Distance is measured by the localization service if its pose is fresh when the
  *                 move begins, else by the reported speeds. A move ends where what was commanded,
- *                 the speeds and the pose disagree by more than 0.15 m or 15 degrees plus a fifth of
- *                 the way, and where the robot is relocalized. Wheels slip, above all in turns, and
- *                 odometry does not notice: relocalize between moves if you know the pose better
- *                 (docs/moves.md has figures).
- *   Obstacles     A bumper that is pressed in the direction of travel, or newly pressed anywhere,
- *                 ends a move. So does a telemeter (ultrasonic rangefinder) in the direction of
- *                 travel that reports less than the clearance, the distance that the robot still
- *                 rolls when it stops now, and what it covered since the distance was measured.
- *                 Turns in place do not use telemeters. TELEMETERS MISS THINGS: thin legs, soft or
- *                 slanted surfaces, everything outside of their cones. Backing away from an obstacle
- *                 is possible. What is not seen is not free: a move with a clearance needs a fresh
- *                 distance in its direction, and bumpers that are known.
- *   The end       Whatever the result, the last step calls roburoc4_client_pause(), which sends a
- *                 stop sequence. After ROBUROC4_MOVE_REACHED the robot is at rest; after the others
- *                 it may still roll: roburoc4_move_rest() waits for that.
+ *                 the speeds and the pose disagree by more than 0.15 m or 15 degrees plus a fifth
+ * of the way, and where the robot is relocalized. Wheels slip, above all in turns, and odometry
+ * does not notice: relocalize between moves if you know the pose better (docs/moves.md has
+ * figures). Obstacles     A bumper that is pressed in the direction of travel, or newly pressed
+ * anywhere, ends a move. So does a telemeter (ultrasonic rangefinder) in the direction of travel
+ * that reports less than the clearance, the distance that the robot still rolls when it stops now,
+ * and what it covered since the distance was measured. Turns in place do not use telemeters.
+ * TELEMETERS MISS THINGS: thin legs, soft or slanted surfaces, everything outside of their cones.
+ * Backing away from an obstacle is possible. What is not seen is not free: a move with a clearance
+ * needs a fresh distance in its direction, and bumpers that are known. The end       Whatever the
+ * result, the last step calls roburoc4_client_pause(), which sends a stop sequence. After
+ * ROBUROC4_MOVE_REACHED the robot is at rest; after the others it may still roll:
+ * roburoc4_move_rest() waits for that.
  *
  * CONVENTIONS
  *
@@ -79,7 +77,8 @@ extern "C" {
 #define ROBUROC4_MOVE_RELOCALIZED 12     /* the pose was set, or jumped */
 #define ROBUROC4_MOVE_OFF_COURSE 13      /* at rest, beside the goal */
 #define ROBUROC4_MOVE_TOO_FAST 14        /* asked for a speed beyond the client's ceilings */
-#define ROBUROC4_MOVE_NO_FRONT_BUMPER 15 /* with a clearance: whether it is pressed is not known */
+#define ROBUROC4_MOVE_NO_FRONT_BUMPER 15 /* with a clearance: whether it is pressed is not known   \
+                                          */
 #define ROBUROC4_MOVE_NO_REAR_BUMPER 16
 #define ROBUROC4_MOVE_NO_FRONT_TELEMETER 17 /* with a clearance: no fresh distance ahead */
 #define ROBUROC4_MOVE_NO_REAR_TELEMETER 18
@@ -130,7 +129,8 @@ typedef struct roburoc4_move {
     float private_limit[2], private_slope[2];
     float private_goal[2], private_speed[2];
     float private_covered[2], private_by_speeds[2], private_commanded[2], private_lagging[2];
-    float private_line_m, private_last_turn_rad, private_aside_m, private_drift, private_share, private_distance;
+    float private_line_m, private_last_turn_rad, private_aside_m, private_drift, private_share,
+        private_distance;
     float private_filter[4], private_fit[3], private_doubt[9];
     uint8_t private_kind, private_leg, private_ready, private_rolls;
     uint8_t private_still, private_bumpers, private_posed, private_begun;
@@ -160,8 +160,8 @@ ROBUROC4_API roburoc4_result roburoc4_move_to_point(roburoc4_move *move, double 
 ROBUROC4_API roburoc4_result roburoc4_move_to_pose(roburoc4_move *move, double x_m, double y_m,
                                                    double theta_rad,
                                                    const roburoc4_move_options *options);
-/** Drive at these speeds for a time, however far that is: from the first speed to the last one, with
- *  the same gentle ramps inside of it. The options' speeds do not count. */
+/** Drive at these speeds for a time, however far that is: from the first speed to the last one,
+ * with the same gentle ramps inside of it. The options' speeds do not count. */
 ROBUROC4_API roburoc4_result roburoc4_move_for(roburoc4_move *move, float linear_m_s,
                                                float angular_rad_s, uint32_t duration_ms,
                                                const roburoc4_move_options *options);
@@ -171,10 +171,10 @@ ROBUROC4_API roburoc4_result roburoc4_move_rest(roburoc4_move *move,
 
 /** Read the client's latest values and propose the next speeds. Call it after each receive(), and
  *  before the drive() that it proposes. The first steps propose 0 until the statuses that the move
- *  needs have arrived, at most 1 s, and while the robot still rolls. The last one calls roburoc4_client_pause(). A lease that ends
- *  without the move ends the move: as ROBUROC4_MOVE_CANCELLED after roburoc4_client_stop() or
- *  _pause() elsewhere in the program, as ROBUROC4_MOVE_LAPSED if it expired. Returns
- *  move->result; an ended move does nothing. */
+ *  needs have arrived, at most 1 s, and while the robot still rolls. The last one calls
+ * roburoc4_client_pause(). A lease that ends without the move ends the move: as
+ * ROBUROC4_MOVE_CANCELLED after roburoc4_client_stop() or _pause() elsewhere in the program, as
+ * ROBUROC4_MOVE_LAPSED if it expired. Returns move->result; an ended move does nothing. */
 ROBUROC4_API int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client,
                                         uint64_t now_us);
 /** The input of a move. roburoc4_move_step() takes it from a client. If another process has the
@@ -189,9 +189,9 @@ typedef struct roburoc4_move_view {
     float sent_linear_m_s, sent_angular_rad_s; /* the last speeds sent; 0 after a stop */
     float max_linear_m_s, max_angular_rad_s;   /* the robot's own; 0: not known */
     float max_linear_m_s2, max_angular_rad_s2; /* likewise */
-    float front_m, rear_m;    /* distances ahead and behind */
-    uint32_t distance_age_us; /* how old they may be */
-    int32_t disarm_cause;     /* ROBUROC4_ERR_*, if it is not armed */
+    float front_m, rear_m;                     /* distances ahead and behind */
+    uint32_t distance_age_us;                  /* how old they may be */
+    int32_t disarm_cause;                      /* ROBUROC4_ERR_*, if it is not armed */
     uint8_t armed, overridden, inhibited;
     uint8_t front_bumper, rear_bumper; /* pressed */
     uint8_t front_bumper_known, rear_bumper_known;

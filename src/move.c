@@ -4,10 +4,11 @@
  *
  * A robot follows its commands late and not quite as far: some time after they ended it has covered
  * `gain` times the distance that was commanded. So what is left to command is the goal divided by
- * the gain, less what was commanded already; it shrinks with each command at once, and a loop closed
- * on it has neither lag nor overshoot. The gain is learned while moving (learn()), together with the
- * response, by least squares on distances: no measurement is differentiated. As long as it is in
- * doubt, the move assumes a robot that goes too far, brakes early, and makes up for it afterwards.
+ * the gain, less what was commanded already; it shrinks with each command at once, and a loop
+ * closed on it has neither lag nor overshoot. The gain is learned while moving (learn()), together
+ * with the response, by least squares on distances: no measurement is differentiated. As long as it
+ * is in doubt, the move assumes a robot that goes too far, brakes early, and makes up for it
+ * afterwards.
  */
 #include "roburoc4_move.h"
 
@@ -18,28 +19,29 @@
  * SPREAD is the standard deviation of gain, lag and bend before anything is known, and WANDER the
  * growth of the gain's variance with each status. */
 #define FILTER_S 0.276F
-#define FIT_M 0.007741F
+#define FIT_M 0.00796F
 #define FIT_SHARE 0.142F
-#define WANDER 1.68e-07F
-#define GAIN_SPREAD 0.06125F
+#define WANDER 1.375e-07F
+#define GAIN_SPREAD 0.05F
 #define LAG_SPREAD_S 0.4F
-#define BEND_SPREAD_S2 0.235F
+#define BEND_SPREAD_S2 0.2323F
 #define SPREADS_TOGETHER 0.99F
 /* Expected before anything is known: typical, and no more than a beginning. */
 #define LAG_S 0.64F
 #define BEND_S2 0.168F
-#define GAIN_LEAST 0.7F
-#define GAIN_MOST 1.35F
+#define GAIN_LEAST 0.7833F
+#define GAIN_MOST 1.16F
 /* The gain is assumed to be larger than learned by so many standard deviations. */
 #define CAUTION 0.592F
-/* Time constant of the approach to the goal: the least, how it grows with the response, the most. */
+/* Time constant of the approach to the goal: the least, how it grows with the response, the most.
+ */
 #define APPROACH_S 0.1206F
 #define APPROACH_GROWS 2.19F
-#define APPROACH_MOST_S 1.2F
+#define APPROACH_MOST_S 0.7507F
 /* How slowly what the pose says replaces what the speeds say, and how old it may be: a pose that is
  * computed seldom looks fresh. */
-#define DRIFT_S 0.1657F
-#define STALE_S 0.184F
+#define DRIFT_S 0.241F
+#define STALE_S 0.1464F
 /* Turn rate per heading error, by the lag; and heading per distance from the line. */
 #define STEER 0.3F
 #define RETURN_PER_M 0.5F
@@ -284,8 +286,8 @@ static void view_distances(roburoc4_move_view *v, const roburoc4_client *client)
         roburoc4_client_distances(client, &distances, NULL) != ROBUROC4_OK) {
         return;
     }
-    for (uint32_t i = 0; i < distances.count &&
-                         roburoc4_client_telemeter(client, i, &telemeter) == ROBUROC4_OK;
+    for (uint32_t i = 0;
+         i < distances.count && roburoc4_client_telemeter(client, i, &telemeter) == ROBUROC4_OK;
          i++) {
         const float aside = half_turn(telemeter.theta_rad);
         if (!beyond(aside, PI_F / 3)) {
@@ -614,8 +616,7 @@ static bool note_view(roburoc4_move *m, const roburoc4_move_view *v, float passe
             return false;
         }
     }
-    const float drift =
-        m->private_covered[axis] - m->private_by_speeds[axis] - m->private_drift;
+    const float drift = m->private_covered[axis] - m->private_by_speeds[axis] - m->private_drift;
     m->private_drift +=
         passed_s / DRIFT_S * (drift - within(drift, STALE_S * size_of(slow_speed(m))));
     m->private_distance = m->private_by_speeds[axis] +
@@ -655,19 +656,19 @@ static int32_t check_sight(const roburoc4_move *m, const roburoc4_move_view *v, 
     if (m->private_kind == REST || order_of(m->private_options.clearance_m) == 0) {
         return ROBUROC4_MOVE_RUNNING;
     }
-    return !v->front_bumper_known                        ? ROBUROC4_MOVE_NO_FRONT_BUMPER
-           : !v->rear_bumper_known                       ? ROBUROC4_MOVE_NO_REAR_BUMPER
-           : (sides & AHEAD) != 0 && !v->front_known     ? ROBUROC4_MOVE_NO_FRONT_TELEMETER
-           : (sides & ASTERN) != 0 && !v->rear_known     ? ROBUROC4_MOVE_NO_REAR_TELEMETER
-                                                         : ROBUROC4_MOVE_RUNNING;
+    return !v->front_bumper_known                    ? ROBUROC4_MOVE_NO_FRONT_BUMPER
+           : !v->rear_bumper_known                   ? ROBUROC4_MOVE_NO_REAR_BUMPER
+           : (sides & AHEAD) != 0 && !v->front_known ? ROBUROC4_MOVE_NO_FRONT_TELEMETER
+           : (sides & ASTERN) != 0 && !v->rear_known ? ROBUROC4_MOVE_NO_REAR_TELEMETER
+                                                     : ROBUROC4_MOVE_RUNNING;
 }
 
 /** The robot still covers what was commanded and not covered yet, and has covered something since
  * the distances were measured. */
 static int32_t check_clearance(const roburoc4_move *m, const roburoc4_move_view *v, uint8_t sides) {
     const float speed = size_of(m->private_speed[LENGTH]);
-    const float rolls = size_of(gain_of(m, CAUTION) * m->private_commanded[LENGTH] -
-                                m->private_by_speeds[LENGTH]);
+    const float rolls =
+        size_of(gain_of(m, CAUTION) * m->private_commanded[LENGTH] - m->private_by_speeds[LENGTH]);
     const float needed =
         m->private_options.clearance_m + rolls + speed * (float)v->distance_age_us * 1e-6F;
     if (order_of(m->private_options.clearance_m) == 0) {
@@ -694,7 +695,8 @@ static bool witnesses_disagree(const roburoc4_move *m) {
     for (uint32_t axis = 0; axis < BOTH; axis++) {
         const float speeds = m->private_by_speeds[axis], covered = m->private_covered[axis];
         if (disagree(axis, covered, speeds, speeds) ||
-            (!m->private_rolls && disagree(axis, speeds, m->private_commanded[axis], m->private_lagging[axis]))) {
+            (!m->private_rolls &&
+             disagree(axis, speeds, m->private_commanded[axis], m->private_lagging[axis]))) {
             return true;
         }
     }
@@ -732,7 +734,7 @@ static int32_t check_for_end(roburoc4_move *m, const roburoc4_move_view *v, uint
         m->cause = v->disarm_cause;
         result = result_of(m->cause);
     } else if (result == ROBUROC4_MOVE_RUNNING) {
-        result = check_sight(m, v, sides);
+        result = m->private_ready ? check_sight(m, v, sides) : ROBUROC4_MOVE_RUNNING;
         result = result == ROBUROC4_MOVE_RUNNING ? check_clearance(m, v, sides) : result;
         if (result == ROBUROC4_MOVE_RUNNING && witnesses_disagree(m)) {
             result = ROBUROC4_MOVE_ODOMETRY;
@@ -884,8 +886,8 @@ static uint8_t intended(const roburoc4_move *m) {
     return to || length > 0 ? AHEAD : length < 0 ? ASTERN : 0;
 }
 
-/** Plan the move as soon as everything that it needs is known, or after a second end it with what is
- * missing. */
+/** Plan the move as soon as everything that it needs is known, or after a second end it with what
+ * is missing. */
 static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
     const bool to = m->private_kind == TO_POINT || m->private_kind == TO_POSE;
     const int32_t sight = check_sight(m, v, intended(m));

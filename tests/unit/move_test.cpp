@@ -765,6 +765,23 @@ TEST_F(MoveView, AMoveToAPointWaitsASecondForThePose) {
     EXPECT_EQ(ROBUROC4_MOVE_LOST, roburoc4_move_step_view(&move, &view, now_us + second + 1));
 }
 
+TEST_F(MoveView, BumpersThatAreNotKnownMustBeRenounced) {
+    for (const bool front : {true, false}) {
+        view.front_bumper_known = !front;
+        view.rear_bumper_known = front;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, &options));
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+        EXPECT_EQ(0, move.linear_m_s);
+        EXPECT_EQ(front ? ROBUROC4_MOVE_NO_FRONT_BUMPER : ROBUROC4_MOVE_NO_REAR_BUMPER,
+                  step(second + cycle_us));
+    }
+    options.clearance_m = 0;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, &options));
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+    EXPECT_GT(move.linear_m_s, 0);
+}
+
 TEST_F(MoveView, RestEndsWhenThePadDrives) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&move, nullptr));
     view.linear_m_s = 0.5F;
