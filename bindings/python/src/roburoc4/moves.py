@@ -151,6 +151,17 @@ class Move:
             _native.roburoc4_move_to_pose(self._move, x_m, y_m, theta_rad, self._options)
         return self
 
+    def for_(self, linear_m_s: float, angular_rad_s: float, seconds: float) -> "Move":
+        """Drive at these speeds for a time, with ramps inside of it."""
+        finite(linear_m_s=linear_m_s, angular_rad_s=angular_rad_s)
+        if not is_within(0.0, seconds, _LONGEST_S):
+            raise unusable("seconds", seconds, f"0 to {_LONGEST_S:g} s")
+        self._refuse_disarmed()
+        _native.roburoc4_move_for(
+            self._move, linear_m_s, angular_rad_s, round(seconds * 1000), self._options
+        )
+        return self
+
     def rest(self) -> "Move":
         """Stop, and wait until the robot is at rest."""
         _native.roburoc4_move_rest(self._move, self._options)

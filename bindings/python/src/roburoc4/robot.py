@@ -190,6 +190,24 @@ class Robot(RobotBase):
         options = MoveOptions(speed, None, clearance, timeout)
         return self._go(Move(self._connection, options).by(distance_m, 0.0), on_progress)
 
+    def move_for(
+        self,
+        linear_m_s: float,
+        angular_rad_s: float,
+        seconds: float,
+        *,
+        clearance: float | None = None,
+        timeout: float | None = None,
+        on_progress: Progress | None = None,
+    ) -> MoveResult:
+        """Drive at these speeds for this time, from the first speed to the last, however far.
+
+        It speeds up and brakes gently inside that time. Otherwise as :meth:`move`.
+        """
+        options = MoveOptions(None, None, clearance, timeout)
+        move = Move(self._connection, options).for_(linear_m_s, angular_rad_s, seconds)
+        return self._go(move, on_progress)
+
     def turn(
         self,
         angle_rad: float,
