@@ -84,6 +84,11 @@ static float size_of(float value) {
     return f32_from_bits(bits_from_f32(value) & 0x7FFFFFFFU);
 }
 
+/** Also for -0. */
+static bool at_zero(float value) {
+    return bits_from_f32(value) << 1 == 0;
+}
+
 static float lesser(float a, float b) {
     return order_of(a) < order_of(b) ? a : b;
 }
@@ -128,7 +133,7 @@ static float angle_of(float x, float y) {
     const float ax = size_of(x), ay = size_of(y);
     const bool steep = order_of(ay) > order_of(ax);
     const float large = steep ? ay : ax;
-    const float t = bits_from_f32(large) == 0 ? 0 : (steep ? ax : ay) / large;
+    const float t = at_zero(large) ? 0 : (steep ? ax : ay) / large;
     const float tt = t * t;
     static const float terms[] = {0.0208351F, -0.0851330F, 0.1801410F, -0.3302995F, 0.9998660F};
     float angle = 0;
@@ -353,7 +358,7 @@ static void view_client(roburoc4_move_view *v, const roburoc4_client *client,
 
 /** The axis that the present leg is about. */
 static uint32_t axis_of(const roburoc4_move *m) {
-    return bits_from_f32(m->private_goal[LENGTH]) == 0 ? ANGLE : LENGTH;
+    return at_zero(m->private_goal[LENGTH]) ? ANGLE : LENGTH;
 }
 
 /** Begin a leg of this length, counted from here; the robot is at rest. */
@@ -388,7 +393,7 @@ static bool next_leg(roburoc4_move *m) {
     const float left_rad = m->private_goal[ANGLE] - m->private_covered[ANGLE];
     m->private_leg++;
     if (m->private_kind == TO_POINT || m->private_kind == TO_POSE) {
-        if (m->private_leg == 1 && bits_from_f32(m->private_line_m) != 0) {
+        if (m->private_leg == 1 && !at_zero(m->private_line_m)) {
             start_leg(m, m->private_line_m, 0);
             m->private_covered[ANGLE] = m->private_by_speeds[ANGLE] = -left_rad;
             return true;
@@ -468,8 +473,7 @@ static uint32_t default_timeout_ms(const roburoc4_move *m) {
     float seconds = 0;
     for (uint32_t axis = 0; axis < BOTH; axis++) {
         const float speed = m->private_limit[axis];
-        seconds += path[axis] / speed +
-                   (bits_from_f32(path[axis]) != 0 ? speed / m->private_slope[axis] : 0);
+        seconds += path[axis] / speed + (!at_zero(path[axis]) ? speed / m->private_slope[axis] : 0);
     }
     return order_of(seconds) > order_of(1e6F) ? UINT32_MAX : 3000 + (uint32_t)(2000 * seconds);
 }
@@ -799,7 +803,7 @@ static float speed_for(roburoc4_move *m) {
     const float now = axis == LENGTH ? m->linear_m_s : m->angular_rad_s;
     const int8_t side = order_of(speed) < 0 ? -1 : 1;
     if (side == -m->private_side) {
-        if (m->private_turned && !(bits_from_f32(now) == 0 && stands(m))) {
+        if (m->private_turned && !(at_zero(now) && stands(m))) {
             return 0;
         }
         m->private_turned = 1;
@@ -811,7 +815,7 @@ static float speed_for(roburoc4_move *m) {
 /** The turn rate that keeps the robot on its line. */
 static float steer(const roburoc4_move *m) {
     const float bend = curvature(m);
-    if (bits_from_f32(m->linear_m_s) == 0) {
+    if (at_zero(m->linear_m_s)) {
         return 0;
     }
     const float lag_s = m->private_fit[LAG] * FILTER_S;
@@ -839,8 +843,8 @@ static float share_for(roburoc4_move *m, float passed_s, uint64_t now_us) {
 
 /** Ramp down a robot that moved when the move began; its first leg begins at rest. */
 static bool rolls(roburoc4_move *m) {
-    if (m->private_rolls && bits_from_f32(m->linear_m_s) == 0 &&
-        bits_from_f32(m->angular_rad_s) == 0 && m->private_still >= STILL_STATUSES) {
+    if (m->private_rolls && at_zero(m->linear_m_s) && at_zero(m->angular_rad_s) &&
+        m->private_still >= STILL_STATUSES) {
         m->private_rolls = 0;
         if (m->private_kind != FOR) {
             start_leg(m, m->private_goal[LENGTH] - m->private_covered[LENGTH],
@@ -911,7 +915,7 @@ static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_
         m->linear_m_s = v->sent_linear_m_s;
         m->angular_rad_s = v->sent_angular_rad_s;
     }
-    m->private_rolls = bits_from_f32(m->linear_m_s) != 0 || bits_from_f32(m->angular_rad_s) != 0 ||
+    m->private_rolls = !at_zero(m->linear_m_s) || !at_zero(m->angular_rad_s) ||
                        beyond(v->linear_m_s, rolling_speed[LENGTH]) ||
                        beyond(v->angular_rad_s, rolling_speed[ANGLE]);
     if (to && !plan_to(m, v)) {
@@ -958,7 +962,7 @@ static int32_t step(roburoc4_move *move, const roburoc4_move_view *view, uint64_
         if (move->private_kind != REST) {
             propose(move, passed_s, now_us);
         }
-        if (bits_from_f32(move->linear_m_s) == 0 && bits_from_f32(move->angular_rad_s) == 0 &&
+        if (at_zero(move->linear_m_s) && at_zero(move->angular_rad_s) &&
             (move->private_kind == REST ? move->private_still >= STILL_STATUSES : arrived(move)) &&
             !next_leg(move)) {
             result = off_course(move) ? ROBUROC4_MOVE_OFF_COURSE : ROBUROC4_MOVE_REACHED;

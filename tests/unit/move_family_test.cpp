@@ -207,6 +207,14 @@ TEST_F(MoveFault, ATimeIsATimeHoweverFarTheRobotComes) {
     }
 }
 
+TEST_F(MoveFault, ATimeIsATimeBackwardAndToTheRight) {
+    arm();
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_for(&move, -0.3F, -0.1F, 2000, &options));
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, go());
+    EXPECT_NEAR(2000, rig.last_ms - rig.first_ms, 20);
+    EXPECT_NEAR(-(0.3 * 2 - 0.3 * 0.3 / 0.5), drove(), 0.02);
+}
+
 TEST_F(MoveFault, DegreesAndSpeedsBeyondAnyRobotAreRefused) {
     EXPECT_EQ(ROBUROC4_ERR_UNITS, roburoc4_move_by(&move, 0, 90, &options));
     EXPECT_EQ(ROBUROC4_ERR_UNITS, roburoc4_move_to_pose(&move, 0, 0, 90, &options));
