@@ -68,7 +68,7 @@ static const float near_enough[BOTH] = {0.004F, 0.006F};
 static const float reached_within[BOTH] = {0.01F, 0.0175F};
 static const float rest_speed[BOTH] = {0.03F, 0.06F};
 static const float rolling_speed[BOTH] = {0.1F, 0.2F};
-static const float least_speed[BOTH] = {0.06F, 0.06F};
+static const float slowest_speed[BOTH] = {0.06F, 0.06F};
 /* How far the three witnesses may disagree, besides a fifth of the way; and a pose may jump. */
 static const float disagreement[BOTH] = {0.15F, 0.26F};
 #define DISAGREEMENT_SHARE 0.2F
@@ -797,7 +797,7 @@ static float speed_for(roburoc4_move *m) {
         return 0;
     }
     float speed = slope * (root(time_s * time_s + 2 * distance / slope) - time_s);
-    speed = order_of(speed) < order_of(least_speed[axis]) ? least_speed[axis] : speed;
+    speed = order_of(speed) < order_of(slowest_speed[axis]) ? slowest_speed[axis] : speed;
     speed = with_sign(lesser(speed, m->private_limit[axis]), left);
     /* It turns back once while the robot rolls, to brake; then only from rest. */
     const float now = axis == LENGTH ? m->linear_m_s : m->angular_rad_s;
