@@ -32,18 +32,20 @@
  *   Odometry      Distance is measured by the localization service if its pose is fresh when the
  *                 move begins, else by the reported speeds. A move ends where what was commanded,
  *                 the speeds and the pose disagree by more than 0.15 m or 15 degrees plus a fifth
- * of the way, and where the robot is relocalized. Wheels slip, above all in turns, and odometry
- * does not notice: relocalize between moves if you know the pose better (docs/moves.md has
- * figures). Obstacles     A bumper that is pressed in the direction of travel, or newly pressed
- * anywhere, ends a move. So does a telemeter (ultrasonic rangefinder) in the direction of travel
- * that reports less than the clearance, the distance that the robot still rolls when it stops now,
- * and what it covered since the distance was measured. Turns in place do not use telemeters.
- * TELEMETERS MISS THINGS: thin legs, soft or slanted surfaces, everything outside of their cones.
- * Backing away from an obstacle is possible. What is not seen is not free: a move with a clearance
- * needs a fresh distance in its direction, and bumpers that are known. The end       Whatever the
- * result, the last step calls roburoc4_client_pause(), which sends a stop sequence. After
- * ROBUROC4_MOVE_REACHED the robot is at rest; after the others it may still roll:
- * roburoc4_move_rest() waits for that.
+ *                 of the way, and where the robot is relocalized. Wheels slip, above all in turns,
+ *                 and odometry does not notice: relocalize between moves if you know the pose
+ *                 better (docs/moves.md has figures).
+ *   Obstacles     A bumper that is pressed in the direction of travel, or newly pressed anywhere,
+ *                 ends a move. So does a telemeter (ultrasonic rangefinder) in the direction of
+ *                 travel that reports less than the clearance, the distance that the robot still
+ *                 rolls when it stops now, and what it covered since the distance was measured.
+ *                 Turns in place do not use telemeters. TELEMETERS MISS THINGS: thin legs, soft or
+ *                 slanted surfaces, everything outside of their cones. Backing away from an
+ *                 obstacle is possible. What is not seen is not free: a move with a clearance needs
+ *                 a fresh distance in its direction, and bumpers that are known.
+ *   The end       Whatever the result, the last step calls roburoc4_client_pause(), which sends a
+ *                 stop sequence. After ROBUROC4_MOVE_REACHED the robot is at rest; after the others
+ *                 it may still roll: roburoc4_move_rest() waits for that.
  *
  * CONVENTIONS
  *
@@ -77,11 +79,10 @@ extern "C" {
 #define ROBUROC4_MOVE_RELOCALIZED 12 /* the pose was set, or jumped */
 #define ROBUROC4_MOVE_OFF_COURSE 13  /* at rest, beside the goal */
 #define ROBUROC4_MOVE_TOO_FAST 14    /* asked for a speed beyond the client's ceilings */
-#define ROBUROC4_MOVE_NO_FRONT_BUMPER                                                              \
-    15 /* with a clearance: whether it is pressed is not known                                     \
-        */
+/* with a clearance, and this sensor is not known or has no fresh distance */
+#define ROBUROC4_MOVE_NO_FRONT_BUMPER 15
 #define ROBUROC4_MOVE_NO_REAR_BUMPER 16
-#define ROBUROC4_MOVE_NO_FRONT_TELEMETER 17 /* with a clearance: no fresh distance ahead */
+#define ROBUROC4_MOVE_NO_FRONT_TELEMETER 17
 #define ROBUROC4_MOVE_NO_REAR_TELEMETER 18
 
 /** A result as one English sentence without a full stop: what happened and what to do. "unknown
@@ -173,9 +174,10 @@ ROBUROC4_API roburoc4_result roburoc4_move_rest(roburoc4_move *move,
 /** Read the client's latest values and propose the next speeds. Call it after each receive(), and
  *  before the drive() that it proposes. The first steps propose 0 until the statuses that the move
  *  needs have arrived, at most 1 s, and while the robot still rolls. The last one calls
- * roburoc4_client_pause(). A lease that ends without the move ends the move: as
- * ROBUROC4_MOVE_CANCELLED after roburoc4_client_stop() or _pause() elsewhere in the program, as
- * ROBUROC4_MOVE_LAPSED if it expired. Returns move->result; an ended move does nothing. */
+ *  roburoc4_client_pause(). A lease that ends without the move ends the move: as
+ *  ROBUROC4_MOVE_CANCELLED after roburoc4_client_stop() or _pause() elsewhere in the program, as
+ *  ROBUROC4_MOVE_LAPSED if it expired: then the client disarms, as after any lapse. Returns
+ *  move->result; an ended move does nothing. */
 ROBUROC4_API int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client,
                                         uint64_t now_us);
 /** The input of a move. roburoc4_move_step() takes it from a client. If another process has the

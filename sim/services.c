@@ -157,7 +157,7 @@ static roburoc4_result encode_text(const roburoc4_sim *sim, uint32_t service, co
         (void)snprintf(out, sizeof out, "%s, %.*s", last + 1, (int)(last - text), text);
         length = strlen(out);
     } else {
-        memcpy(out, text, length);
+        (void)snprintf(out, sizeof out, "%.*s", (int)length, text);
     }
     bool opened = false;
     for (size_t at = 0; (sim->config.texts & ROBUROC4_SIM_TEXTS_LATIN_1) != 0 && at < length;

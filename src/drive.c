@@ -13,13 +13,15 @@
 #define SPACING_US ROBUROC4_CYCLE_US
 #define STOP_ZEROS 3
 #define OTHER_STATUSES 3
-/* The longest time after which something of ours must have reached the robot, beside a drive period.
- */
+/* The longest time after which something of ours must have reached the robot, beside a drive
+ * period. */
 #define UPLINK_US (400 * MS)
 /* A reported target or speed up to this, in m/s or rad/s, is a rounded zero. */
 #define ROUNDING 1e-3F
 /* How far reported targets may be from sent ones, due to rounding by the robot. */
 #define TARGET_TOLERANCE 0.02F
+/* A target that differs by more must appear among the reported ones. */
+#define NEW_TARGET 0.025F
 /* Far above any robot's speed, and low enough that products stay finite. */
 #define ANY_SPEED 1000.0F
 /* Widths outside of these are ignored. */
@@ -81,6 +83,7 @@ static void begin_stop_sequence(drive *d) {
     if (d->known && d->stop_pending) {
         d->stop_pending = 0;
         d->stopping = 1;
+        d->outcome = ROBUROC4_STOP_TIMED_OUT; /* unless it is confirmed */
         d->zeros_sent = 0;
         d->confirmed = 0;
         d->nonzero_sent = 0;
@@ -96,6 +99,7 @@ static void end_lease(drive *d) {
     d->lease_active = 0;
     d->echo_due = 0;
     d->stop_pending = d->stop_pending || d->nonzero_sent;
+    d->outcome = d->stop_pending ? ROBUROC4_STOP_TIMED_OUT : d->outcome;
     begin_stop_sequence(d);
 }
 
@@ -128,9 +132,8 @@ void roburoc4_drive_service(drive *d, bool known, uint16_t id) {
         end_lease(d); /* if it is still there, its last command must be zero */
     }
     if (!known && id != d->service) {
-        /* pending zeros go to the service that is found next */
-        d->stop_pending = d->stop_pending || (d->stopping && d->zeros_sent < STOP_ZEROS);
-        d->outcome = d->stopping ? ROBUROC4_STOP_TIMED_OUT : d->outcome;
+        /* zeros go to the service that is found next */
+        d->stop_pending = d->stop_pending || d->stopping;
         d->stopping = 0;
     }
     d->known = known;
@@ -204,8 +207,7 @@ void roburoc4_drive_tick(drive *d, const roburoc4_config *config, roburoc4_resul
     }
     if (d->lapsed && now_us - d->granted_us >= d->lease_us + config->lapse_disarm_ms * MS) {
         refusal = ROBUROC4_ERR_LAPSED;
-    } else if (refusal >= 0 && d->lease_active &&
-               now_us - d->heard_us >= uplink_limit_us(config)) {
+    } else if (refusal >= 0 && d->lease_active && now_us - d->heard_us >= uplink_limit_us(config)) {
         refusal = ROBUROC4_ERR_UPLINK;
     }
     if (refusal < 0 && d->armed) {
@@ -271,11 +273,11 @@ static void age_envelope(drive *d, uint32_t window_us, uint64_t now_us) {
     }
 }
 
-/** A target that the robot is not known to have must appear in its statuses. Any that was sent since
- * counts, because statuses miss some of them. */
+/** A target that the robot is not known to have must appear in its statuses. Any that was sent
+ * since counts, because statuses miss some of them. */
 static void expect_echo(drive *d, const float *speeds, uint64_t now_us) {
     for (uint32_t axis = 0; axis < AXES && !d->echo_due; axis++) {
-        if (!near(speeds[axis], d->echoed[axis], d->echoed[axis], 2 * TARGET_TOLERANCE)) {
+        if (!near(speeds[axis], d->echoed[axis], d->echoed[axis], NEW_TARGET)) {
             d->echo_due = 1;
             d->echo_us = (uint32_t)now_us;
             memcpy(d->echo_low, speeds, sizeof d->echo_low);
@@ -328,9 +330,11 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
     memset(speeds, 0, sizeof d->sent);
     if (d->stopping && stop_sequence_over(d, config, now_us)) {
         d->stopping = 0;
-        d->outcome = d->confirmed    ? ROBUROC4_STOP_CONFIRMED
-                     : d->overridden ? ROBUROC4_STOP_OVERRIDDEN
-                                     : ROBUROC4_STOP_TIMED_OUT;
+        if (d->confirmed) {
+            d->outcome = ROBUROC4_STOP_CONFIRMED;
+        } else if (d->overridden) {
+            d->outcome = ROBUROC4_STOP_OVERRIDDEN;
+        }
         if (d->confirmed && d->unconfirmed) {
             d->unconfirmed = 0;
             d->envelope_us = now_us;
@@ -428,10 +432,9 @@ static bool has_driven(const drive *d) {
 /** While driving, what is sent must appear among the reported targets. */
 static void watch_echo(drive *d, const roburoc4_config *config, const float *reported, bool ours,
                        uint64_t now_us, uint32_t *events) {
-    const bool echoed = near(reported[LINEAR], d->echo_low[LINEAR], d->echo_high[LINEAR],
-                             TARGET_TOLERANCE) &&
-                        near(reported[ANGULAR], d->echo_low[ANGULAR], d->echo_high[ANGULAR],
-                             TARGET_TOLERANCE);
+    const bool echoed =
+        near(reported[LINEAR], d->echo_low[LINEAR], d->echo_high[LINEAR], TARGET_TOLERANCE) &&
+        near(reported[ANGULAR], d->echo_low[ANGULAR], d->echo_high[ANGULAR], TARGET_TOLERANCE);
     if (echoed) {
         d->echo_due = 0;
     }
@@ -452,8 +455,8 @@ static void watch_following(drive *d, follow *f, const roburoc4_differential_sta
                             bool expected, uint32_t *events) {
     const float reported[AXES] = {s->target_linear_m_s, s->target_angular_rad_s};
     const bool ours = d->lease_active && !d->other_commander;
-    const bool inhibited =
-        roburoc4_follow_status(f, !expected ? NULL : ours ? d->sent : reported, s);
+    const float *targets = ours ? d->sent : reported;
+    const bool inhibited = roburoc4_follow_status(f, expected ? targets : NULL, s);
     if (inhibited != (d->inhibited != 0)) {
         d->inhibited = inhibited;
         *events |= ROBUROC4_EVENT_INHIBITED;
@@ -464,8 +467,8 @@ static void watch_following(drive *d, follow *f, const roburoc4_differential_sta
 }
 
 void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
-                           const roburoc4_differential_status *s, uint64_t age_us, uint64_t now_us,
-                           uint32_t *events) {
+                           const roburoc4_differential_status *s, bool overridden, uint64_t age_us,
+                           uint64_t now_us, uint32_t *events) {
     const float reported[AXES] = {s->target_linear_m_s, s->target_angular_rad_s};
     age_envelope(d, config->robot_watchdog_ms * MS, now_us);
     const bool zero = nearly_zero(reported[LINEAR]) && nearly_zero(reported[ANGULAR]);
@@ -474,8 +477,8 @@ void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
     d->moving = !zero ||
                 magnitude_bits(s->current_linear_m_s) > bits_from_f32(rest_below[LINEAR]) ||
                 magnitude_bits(s->current_angular_rad_s) > bits_from_f32(rest_below[ANGULAR]);
-    watch_other_commander(d, config, ours || d->overridden, events);
-    if (d->overridden) {
+    watch_other_commander(d, config, ours || overridden, events);
+    if (overridden) {
         d->confirmed = 0; /* the robot ignores commands now */
         d->echo_due = 0;
     } else if (d->stopping) {
@@ -488,7 +491,7 @@ void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
         stop_again(d); /* a speed of ours came late, or came back */
     }
     watch_following(d, f, s,
-                    !d->overridden && (d->lease_active || (!zero && is_finite(reported[LINEAR]) &&
+                    !overridden && (d->lease_active || (!zero && is_finite(reported[LINEAR]) &&
                                                            is_finite(reported[ANGULAR]))),
                     events);
 }

@@ -12,11 +12,13 @@
 
 #define ONE 65536
 #define LARGEST (32 * ONE)
-/* Averages are taken over this many cycles, and bounds come back in this many. */
+/* Averages are taken over this many cycles. Bounds come back in so many: longer where the robot has
+ * to become faster, as it may be slow to start. */
 #define MEAN_CYCLES 32
-#define BOUND_CYCLES 512
+#define FASTER_CYCLES 512
+#define SLOWER_CYCLES 256
 /* Longer gaps between statuses count as this. */
-#define LONGEST_GAP MEAN_CYCLES
+#define MOST_CYCLES MEAN_CYCLES
 /* The robot does not follow if its speed was out of bounds for this long. */
 #define FAULT_CYCLES 100
 /* A share of the target below which the robot does not follow it. */
@@ -25,7 +27,7 @@
 #define MOST(bound) ((bound) + (bound) / 4 + (bound) / 16)
 static const int32_t tolerance[AXES] = {ONE / 10, ONE / 5};
 /* Slower than this is no motion, so targets of twice as much can be watched. */
-static const int32_t least_speed[AXES] = {ONE / 200, ONE / 50};
+static const int32_t slowest_motion[AXES] = {ONE / 200, ONE / 50};
 
 /** Rounded towards zero; infinity and NaN are the largest numbers. */
 static int32_t fixed_from(float value) {
@@ -48,9 +50,10 @@ static int32_t part_way(int32_t from, int32_t to, uint32_t passed, int32_t all) 
 static bool out_of_bounds(const follow *f, uint32_t axis) {
     const int32_t low = f->low[axis];
     const int32_t high = f->high[axis];
-    const int32_t lowest = low > 0 ? LEAST(low) - least_speed[axis] : MOST(low) - tolerance[axis];
+    const int32_t lowest =
+        low > 0 ? LEAST(low) - slowest_motion[axis] : MOST(low) - tolerance[axis];
     const int32_t highest =
-        high < 0 ? LEAST(high) + least_speed[axis] : MOST(high) + tolerance[axis];
+        high < 0 ? LEAST(high) + slowest_motion[axis] : MOST(high) + tolerance[axis];
     return f->mean[axis] < lowest || f->mean[axis] > highest;
 }
 
@@ -62,7 +65,7 @@ void roburoc4_follow_begin(follow *f) {
 bool roburoc4_follow_status(follow *f, const float *targets,
                             const roburoc4_differential_status *s) {
     const float speeds[AXES] = {s->current_linear_m_s, s->current_angular_rad_s};
-    const uint32_t passed = at_most((uint32_t)s->robot_cycles - f->cycles, LONGEST_GAP);
+    const uint32_t passed = at_most((uint32_t)s->robot_cycles - f->cycles, MOST_CYCLES);
     bool fault = false;
     f->cycles = (uint32_t)s->robot_cycles;
     for (uint32_t axis = 0; axis < AXES; axis++) {
@@ -72,8 +75,10 @@ bool roburoc4_follow_status(follow *f, const float *targets,
         }
         f->mean[axis] = part_way(f->mean[axis], fixed_from(speeds[axis]), passed, MEAN_CYCLES);
         const int32_t target = targets != NULL ? fixed_from(targets[axis]) : f->mean[axis];
-        f->low[axis] = part_way(f->low[axis], target, passed, BOUND_CYCLES);
-        f->high[axis] = part_way(f->high[axis], target, passed, BOUND_CYCLES);
+        f->low[axis] = part_way(f->low[axis], target, passed,
+                                f->low[axis] < 0 ? SLOWER_CYCLES : FASTER_CYCLES);
+        f->high[axis] = part_way(f->high[axis], target, passed,
+                                 f->high[axis] > 0 ? SLOWER_CYCLES : FASTER_CYCLES);
         f->low[axis] = target < f->low[axis] ? target : f->low[axis];
         f->high[axis] = target > f->high[axis] ? target : f->high[axis];
         fault = fault || out_of_bounds(f, axis);

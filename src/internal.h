@@ -151,8 +151,8 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
                          const roburoc4_differential_properties *limits, uint64_t now_us,
                          float *speeds, uint32_t *events);
 void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
-                           const roburoc4_differential_status *status, uint64_t age_us,
-                           uint64_t now_us, uint32_t *events);
+                           const roburoc4_differential_status *status, bool overridden,
+                           uint64_t age_us, uint64_t now_us, uint32_t *events);
 /** The differential service has this id and its properties are known, or (known is false) it cannot
  * be driven: the old id still receives a pending stop sequence, another id nothing. */
 void roburoc4_drive_service(drive *d, bool known, uint16_t id);
@@ -292,7 +292,6 @@ static inline bool connected(const roburoc4_client *c) {
 static inline void forget_override(roburoc4_client *c) {
     c->private_values.override_known = 0;
     c->private_values.overridden = 0;
-    roburoc4_drive_override(&c->private_drive, false);
 }
 
 /** Index of the input with a role, or ROBUROC4_ERR_UNKNOWN. */

@@ -25,6 +25,8 @@ typedef roburoc4_private_service service;
 /* Statuses that are late by more than a second though answers are not, for this long, are from a
  * clock that was set anew. */
 #define CONTRADICTION_US (2 * SECOND)
+/* After this long, statuses that are less late than that are believed to be on time again. */
+#define FORGIVEN_US (20 * SECOND)
 
 /** By how much the clocks of host and robot may have drifted apart: 500 ppm. */
 static uint64_t drift_us(uint64_t span_us) {
@@ -200,9 +202,17 @@ static void map_times(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
     }
 }
 
+/** Whether answers have been on time, but statuses late, for this long. */
+static bool contradicted_for(roburoc4_private_link *l, uint32_t span_us, uint64_t now_us) {
+    if (l->contradicted_us == 0) {
+        l->contradicted_us = (uint32_t)now_us | 1;
+    }
+    return (int32_t)((uint32_t)now_us - l->contradicted_us - span_us) >= 0;
+}
+
 /** Pairs of an answer and a status showed that the bound is too high by this: raise floor_us as far
  *  as the clocks may have drifted or jumped since it was proven, then lower floor_age_us. If both
- *  do not suffice, answers have a queue of their own, and prove nothing. */
+ *  do not suffice, answers may have a queue of their own, and prove nothing for a while. */
 static void lower_bound(roburoc4_private_link *l, uint64_t transit, uint32_t by_us,
                         uint64_t now_us) {
     const uint64_t late_us = lateness(l, transit);
@@ -211,7 +221,13 @@ static void lower_bound(roburoc4_private_link *l, uint64_t transit, uint32_t by_
     uint64_t rise_us = drifted + l->slack_us;
     rise_us = rise_us < late_us ? rise_us : late_us;
     rise_us = rise_us < by_us ? rise_us : by_us;
-    if (by_us - rise_us > age_us) {
+    if (by_us - rise_us <= age_us) {
+        l->contradicted_us = 0;
+    } else if (contradicted_for(l, FORGIVEN_US, now_us)) {
+        rise_us = by_us - age_us < late_us ? by_us - age_us : late_us;
+        by_us = (uint32_t)(rise_us + age_us);
+        l->contradicted_us = 0;
+    } else {
         rise_us = by_us = 0;
     }
     l->floor_us += rise_us;
@@ -232,7 +248,10 @@ static void learn_age(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
         l->floor_age_us = proven_us < AGE_UNKNOWN ? (uint32_t)proven_us : AGE_UNKNOWN;
         l->proven_us = now_us;
     } else if (l->excess_us == 0) {
-        l->slack_us = excess_us == 0 ? 0 : l->slack_us; /* the clock did not jump */
+        if (excess_us == 0) { /* the clock did not jump */
+            l->slack_us = 0;
+            l->contradicted_us = 0;
+        }
         l->excess_us = excess_us;
         l->excess_since_us = (uint32_t)now_us;
     } else {
@@ -245,39 +264,33 @@ static void learn_age(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
     }
 }
 
-/** Whether the robot's clock differs from the host's by something else than lateness and drift, so
- *  that the robot restarted unnoticed, or is another one. Ahead is certain, after a gap; behind may
- *  be a queue that holds the statuses back, unless answers are on time. */
-static bool clock_was_set(roburoc4_private_link *l, uint64_t transit, bool gap, uint64_t now_us) {
+/** Whether a status is from later than is possible: from a robot that restarted, or another one. */
+static bool ahead_of_time(const roburoc4_private_link *l, uint64_t transit, bool gap,
+                          uint64_t now_us) {
+    const bool known = gap && l->floor_age_us != AGE_UNKNOWN;
+    const uint64_t span_us =
+        known ? l->floor_age_us + 2U * ROBUROC4_CYCLE_US : (uint64_t)CLOCK_TOLERANCE_US;
+    return l->mapped &&
+           (int64_t)(l->floor_us - transit) > (int64_t)(span_us + drifted_us(l, now_us));
+}
+
+/** Whether statuses are so late that the robot's clock was set back, by a restart. It may also be a
+ *  queue that holds them back, unless answers are on time. */
+static bool clock_was_set(roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
     const uint64_t drifted = drifted_us(l, now_us) + CLOCK_TOLERANCE_US;
-    if (!l->mapped) {
-        return false;
-    }
-    if (gap && (int64_t)(l->floor_us - transit) > (int64_t)drifted) {
-        return true;
-    }
-    if (lateness(l, transit) <= drifted) {
-        l->contradicted_us = 0;
-        return false;
-    }
-    if (!l->answered || now_us - l->asked_us >= CLOCK_TOLERANCE_US) {
-        return false;
-    }
-    if (l->contradicted_us == 0) {
-        l->contradicted_us = (uint32_t)now_us | 1;
-    }
-    return (uint32_t)now_us - l->contradicted_us >= CONTRADICTION_US &&
-           (uint32_t)now_us - l->contradicted_us < UINT32_MAX / 2;
+    return lateness(l, transit) > drifted && l->answered &&
+           now_us - l->asked_us < CLOCK_TOLERANCE_US &&
+           contradicted_for(l, CONTRADICTION_US, now_us);
 }
 
 void roburoc4_link_overhear(roburoc4_private_link *l, uint64_t robot_cycles, uint64_t now_us) {
-    if (robot_cycles < l->newest_cycles) {
-        return;
+    const uint64_t transit = transit_of(robot_cycles, now_us);
+    if (robot_cycles < l->newest_cycles || ahead_of_time(l, transit, true, now_us)) {
+        return; /* perhaps from another start: its subscribed statuses tell */
     }
     l->newest_cycles = robot_cycles;
     l->back_count = 0;
-    l->resubscribed = 0;
-    map_times(l, transit_of(robot_cycles, now_us), now_us);
+    map_times(l, transit, now_us);
 }
 
 verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robot_cycles,
@@ -285,7 +298,13 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
     const uint64_t transit = transit_of(robot_cycles, now_us);
     const bool newest = robot_cycles >= l->newest_cycles;
     const bool gap = l->resubscribed || now_us - l->heard_us >= RESTART_US;
-    if (newest && clock_was_set(l, transit, gap, now_us)) {
+    if (ahead_of_time(l, transit, gap, now_us)) {
+        l->back_count++; /* without a gap, one may be a corrupted datagram */
+        return gap || l->back_count >= BACK_STATUSES ? VERDICT_REBOOT : VERDICT_OLD;
+    }
+    if (newest && l->mapped &&
+        (clock_was_set(l, transit, now_us) ||
+         (l->resubscribed && lateness(l, transit) > drifted_us(l, now_us) + CLOCK_TOLERANCE_US))) {
         return VERDICT_REBOOT;
     }
     if (newest) {
@@ -304,6 +323,9 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
         measure_jitter(s, transit);
     }
     map_times(l, transit, now_us);
+    if (l->slack_us > lateness(l, transit)) { /* the clock has not jumped by more */
+        l->slack_us = (uint32_t)lateness(l, transit);
+    }
     if (l->answered && newest) {
         l->answered = 0;
         learn_age(l, transit, now_us);

@@ -59,12 +59,14 @@ const char *roburoc4_result_text(roburoc4_result result) {
         "the robot fell silent: check cable and power\0"
         "the robot restarted: check it, then arm again\0"
         "the clock went back: find out what sets this machine's clock\0"
-        "the robot does not follow its commands: check emergency stops, brakes selector and bumpers\0"
+        "the robot does not follow its commands: check emergency stops, brakes selector and "
+        "bumpers\0"
         "stopped by stop(): call arm() to drive again\0"
         "the program did not renew its drive command in time: call arm() to drive again\0"
         "commands reach the robot late or not at all: check the link\0"
         "faster than any RobuROC4: give m/s and rad/s, at most 5 and 10\0"
-        "no subscription to statuses that driving needs: the robot refused it (its list may be full: "
+        "no subscription to statuses that driving needs: the robot refused it (its list may be "
+        "full: "
         "restart it) or has no such service";
     static const char adapter[] =
         "the operating system refused\0"

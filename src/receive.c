@@ -130,8 +130,11 @@ static bool is_new(client *c, uint32_t service, uint64_t robot_cycles) {
     const verdict age = roburoc4_link_status(l, &l->services[STATUS_INDEX(service)], robot_cycles,
                                              c->private_now_us);
     if (age != VERDICT_NEW) {
-        if (age == VERDICT_REBOOT && c->private_state != ROBUROC4_STATE_CLOSING) {
-            roburoc4_lifecycle_reboot(c);
+        if (age == VERDICT_REBOOT) {
+            forget_override(c);
+            if (c->private_state != ROBUROC4_STATE_CLOSING) {
+                roburoc4_lifecycle_reboot(c);
+            }
         }
         return false;
     }
@@ -239,6 +242,7 @@ static void take_speeds(client *c, const roburoc4_differential_status *status) {
         roburoc4_schedule_watch_pose(c);
     }
     roburoc4_drive_status(d, &c->private_follow, &c->private_config, &v->differential,
+                          v->overridden,
                           roburoc4_link_age(&c->private_link,
                                             STATUS_INDEX(ROBUROC4_SERVICE_DIFFERENTIAL),
                                             c->private_now_us),

@@ -79,8 +79,8 @@ static bool open_text(client *c, text_choice choice) {
     return roburoc4_requests_begin(&c->private_requests, &a);
 }
 
-/** A request to each service in turn. It measures the round trip, keeps properties current, notices a changed directory, and repeats what was refused. Then a missing text is
- * requested. */
+/** A request to each service in turn. It measures the round trip, keeps properties current, notices
+ * a changed directory, and repeats what was refused. Then a missing text is requested. */
 static bool open_probe(client *c) {
     discovery *d = &c->private_discovery;
     if (c->private_now_us - d->probe_us < probe_period_us(c)) {
@@ -214,8 +214,12 @@ static void advance(client *c) {
         roburoc4_discovery_identify(d, &c->private_config);
         roburoc4_requests_cancel(&c->private_requests, ROBUROC4_ACTION_QUERY,
                                  ROBUROC4_SERVICE_DIRECTORY);
-        if (d->service_ids[ROBUROC4_SERVICE_DIFFERENTIAL] != c->private_drive.service) {
-            roburoc4_drive_service(&c->private_drive, false, 0);
+        const uint16_t driven = c->private_drive.service;
+        if (d->service_ids[ROBUROC4_SERVICE_DIFFERENTIAL] != driven) {
+            const bool found = (d->listed & service_bit(ROBUROC4_SERVICE_DIFFERENTIAL)) != 0;
+            /* its text may be missing: zeros go on to the service that was driven */
+            const bool same = !found && roburoc4_discovery_may_drive(d, &c->private_config, driven);
+            roburoc4_drive_service(&c->private_drive, false, same ? driven : 0);
         }
         if ((d->listed & service_bit(ROBUROC4_SERVICE_IOCARD)) == 0) {
             memset(c->private_values.io_counts, 0, sizeof c->private_values.io_counts);

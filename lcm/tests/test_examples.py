@@ -34,6 +34,20 @@ def test_the_python_example_drives(robot: Robot, bus: Bus, armed: Bridge, run: R
     until(robot.stands, "the robot stands")
 
 
+def test_the_move_of_the_page_reaches_its_goal(
+    robot: Robot, bus: Bus, armed: Bridge, run: Run, tmp_path: Path
+) -> None:
+    page = (Programs.checkout() / "docs" / "lcm.md").read_text()
+    (text,) = re.findall(r"^```python\n(# move\.py\n.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    file = tmp_path / "move.py"
+    file.write_text(text)
+    example = run(sys.executable, file, LCM_DEFAULT_URL=bus.url)
+    assert example.ends(30) == 0, example.output
+    assert "no result" not in example.output
+    assert math.isclose(robot.true_pose()[0], 0.5, abs_tol=0.1), example.output
+    until(robot.stands, "the robot stands")
+
+
 def test_drive_py_says_why_it_does_not_drive(
     robot: Robot, bus: Bus, start_bridge: Callable[..., Bridge], run: Run
 ) -> None:
@@ -62,6 +76,7 @@ def test_one_way_traffic_is_named_within_seconds(
         cycle = next(cycles)
         state = roburoc4_lcm.bridge_state_t()
         state.utime, state.can_drive, state.message = now_us(), True, "ready"
+        state.front_bumper_known = state.rear_bumper_known = True
         bus.publish("ROBUROC4_BRIDGE_STATE", state.encode())
         for type_, channel in (
             (roburoc4_lcm.localization_status_t, "LOCALIZATION"),
@@ -115,6 +130,20 @@ def test_the_lines_of_the_readme_drive(programs: Programs, run: Run, tmp_path: P
     assert speeds[-1] == pytest.approx(0.0, abs=0.05)
 
 
+def test_the_move_of_the_page_reaches_its_goal(
+    robot: Robot, bus: Bus, armed: Bridge, run: Run, tmp_path: Path
+) -> None:
+    page = (Programs.checkout() / "docs" / "lcm.md").read_text()
+    (text,) = re.findall(r"^```python\n(# move\.py\n.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    script = tmp_path / "move.py"
+    script.write_text(text)
+    example = run(sys.executable, script, LCM_DEFAULT_URL=bus.url)
+    assert example.ends(40) == 0, example.output
+    assert "no result" not in example.output
+    assert robot.true_pose()[0] == pytest.approx(0.5, abs=0.1), example.output
+    until(robot.stands, "the robot stands")
+
+
 def test_the_python_example_is_short() -> None:
     text = (EXAMPLES / "drive.py").read_text()
     code = [line for line in text.split('"""')[2].splitlines() if line.strip()]
@@ -160,6 +189,7 @@ def test_the_c_example_steers_by_fresh_statuses_only(
     distances.count, distances.telemeters = 2, [roburoc4_lcm.telemeter_t() for _ in range(2)]
     distances.telemeters[0].distance_m = distances.telemeters[1].distance_m = 5.0
     state.message, state.can_drive = "heard", True
+    state.front_bumper_known = state.rear_bumper_known = True
 
     def hears(ahead_us: int) -> str:
         bus.publish("ROBUROC4_BRIDGE_STATE", state.encode())

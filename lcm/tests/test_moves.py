@@ -147,7 +147,7 @@ def test_moves_need_the_same_permission_and_sense(
     for move_id, fields in enumerate(wrong, 2):
         bus.publish(MOVE, move_command(move_id, **fields).encode())
     until(lambda: bridge.statistics.rejected_impossible >= 3, "they are refused")
-    assert "there is no such move" in bridge.state.rejected_message
+    until(lambda: "there is no such move" in bridge.state.rejected_message, "it says why")
     bus.publish(MOVE, move_command(9, distance_m=float("nan")).encode())
     until(lambda: bridge.statistics.rejected_not_finite == 1, "it is refused")
     assert robot.tap.moves() == []

@@ -72,7 +72,7 @@ def main() -> None:
             (ROOT / f"include/roburoc4{'_' * bool(h)}{h}.h").read_text("utf-8") for h in HEADERS
         ),
     )
-    names = [name for name in names if name not in ("ROBUROC4_API", "ROBUROC4_SIM_API")]
+    names = [name for name in names if not name.endswith(("_API", "_MUST_CHECK"))]
     lines = ["/* Written by scripts/abi --write. */\n"]
     lines += [
         f"FUNCTION({name}, {' '.join(result.split())}, ({arguments}))"

@@ -205,13 +205,24 @@ TEST(Age, OfStatusesThatAloneAreQueuedIsNotForgiven) {
     bench.run(10 * second);
     ASSERT_LT(age_us(bench), 150 * ms);
     robot.queue_us = 600 * ms;
-    bench.run(60 * second);
+    bench.run(15 * second);
     EXPECT_GE(age_us(bench), 600 * ms) << "answers are on time, but prove nothing";
     EXPECT_EQ(ROBUROC4_ERR_STALE_DIFFERENTIAL, bench.arm());
     robot.queue_us = 0;
     bench.run(3 * second);
     EXPECT_LT(age_us(bench), 150 * ms);
     EXPECT_EQ(ROBUROC4_OK, bench.arm());
+}
+
+TEST(Age, IsNoLastingReasonAgainstDriving) {
+    QueueingRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    robot.queue_us = 500 * ms;
+    bench.run(30 * second);
+    ASSERT_EQ(ROBUROC4_OK, bench.arm()) << "nothing else says that the statuses are late";
+    EXPECT_EQ(ROBUROC4_ERR_INHIBITED, bench.drive_until_refused(0.5F, 0, second))
+        << "but now their target is";
 }
 
 TEST(Age, GrowsWithTheDriftThatAFastRobotClockMayHide) {

@@ -248,9 +248,9 @@ TEST(Inhibited, IsNoRobotThatRespondsInItsOwnWay) {
         for (const float damping : {0.6F, 0.79F, 1.5F})
             for (const float gain : {0.85F, 1.15F})
                 for (const std::size_t dead : {0U, 15U}) {
-                    SCOPED_TRACE(testing::Message() << "frequency " << frequency << ", damping "
-                                                    << damping << ", gain " << gain
-                                                    << ", dead time " << dead << " cycles");
+                    SCOPED_TRACE(testing::Message()
+                                 << "frequency " << frequency << ", damping " << damping
+                                 << ", gain " << gain << ", dead time " << dead << " cycles");
                     Disobedient robot;
                     Bench bench(robot);
                     bench.armed();

@@ -46,7 +46,8 @@ TEST(FullList, AProgramThatWantsNoSubscriptionBecomesReady) {
 }
 
 TEST(FullList, ARefusedSubscriptionThatDrivingNeedsIsTheReason) {
-    for (const std::uint32_t service : {ROBUROC4_SERVICE_IOCARD, ROBUROC4_SERVICE_DIFFERENTIAL}) {
+    const std::uint32_t services[] = {ROBUROC4_SERVICE_IOCARD, ROBUROC4_SERVICE_DIFFERENTIAL};
+    for (const std::uint32_t service : services) {
         SCOPED_TRACE(service);
         ScriptedRobot robot;
         robot.service(service).insert_refused = true;

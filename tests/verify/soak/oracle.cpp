@@ -36,10 +36,13 @@ void Oracle::violate(Promise promise, std::uint64_t true_us, const std::string &
 /* Stamps count cycles of 10 ms. Where statuses queue and answers do not, nothing on the wire proves
  * how late the promptest status was: that is what SAFETY leaves assumed, and it may creep as two
  * clocks drift apart. */
+/* Of statuses with a queue of their own, the first after an answer may be from before its request. */
+constexpr std::uint64_t own_queue_us = 100000;
+
 std::uint64_t Oracle::tolerance_us(Moment now) const {
     std::uint64_t unproven = 0;
     if (robot_.own_queues && unproven_us_ != UINT64_MAX)
-        unproven = unproven_us_ + (now.true_us - unproven_since_us_) / 1000;
+        unproven = unproven_us_ + (now.true_us - unproven_since_us_) / 1000 + own_queue_us;
     return cycle_us + clock_error_us_ + unproven;
 }
 
@@ -62,6 +65,10 @@ void Oracle::observe(Moment now) {
                 stop_.due_client_us = now.client_us;
             stop_requested_us_ = now.true_us;
         }
+        /* A pause may have been a jump of the clock, and statuses with a queue of their own that
+         * come late from then on may not be late (SAFETY.md). */
+        if (robot_.own_queues && (by_client != truly || truly >= 100000))
+            ages_judged_ = false;
         if (static_cast<std::uint64_t>(truly) > milliseconds(config_.drive_period_ms) + slack_us)
             stop_.again_us = /* the machine was frozen */
                 std::min(stop_.again_us + static_cast<std::uint64_t>(truly), now.true_us);

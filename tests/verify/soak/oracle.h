@@ -264,6 +264,7 @@ class Oracle {
     std::uint64_t watch_due_us_ = UINT64_MAX, release_due_us_ = UINT64_MAX, zeros_allowed_us_ = 0;
     std::uint64_t lapse_us_ = UINT64_MAX; /* by the client's clock */
     bool pausing_ = false, ages_known_ = true;
+    bool ages_judged_ = true;
     std::uint64_t commanding_since_us_ = 0, well_since_us_ = 0, disturbed_us_ = 0,
                   standing_due_us_ = 0;
     bool well_ = false;

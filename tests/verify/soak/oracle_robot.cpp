@@ -29,7 +29,7 @@ bool near(Speeds a, Speeds b) {
 
 /* "About two seconds", and longer for small targets; UINT64_MAX where it need not be noticed. */
 std::uint64_t follow_us(float size) {
-    return size >= 0.2F ? 2500000 : size >= 0.1F ? 4000000 : size >= 0.05F ? 10000000 : UINT64_MAX;
+    return size >= 0.1F ? 4000000 : size >= 0.05F ? 10000000 : UINT64_MAX;
 }
 
 } // namespace
@@ -380,9 +380,11 @@ void Oracle::judge_disarming(Moment now, const Report &report) {
 }
 
 void Oracle::judge_ages(Moment now, const Report &report) {
+    if (report.state != ROBUROC4_STATE_READY) /* the first pair of answer and status proves little */
+        return;
     for (int service = 0; service < 5; service++) {
         const Newest &newest = newest_[service];
-        if (!newest.known || !ages_known_ || report.age_us[service] == UINT32_MAX)
+        if (!newest.known || !ages_known_ || !ages_judged_ || report.age_us[service] == UINT32_MAX)
             continue;
         const std::uint64_t age = now.true_us - newest.made_us;
         if (age > report.age_us[service] + tolerance_us(now))
@@ -418,7 +420,9 @@ void Oracle::judge_watch(Moment now) {
 }
 
 void Oracle::judge_uplink(Moment now, const Truth &truth) {
+    /* where all answers have one id, none proves when its request arrived */
     if (!armed_ || !lease_.alive || stop_.active || last_command_zero_ || truth.uplink_loses ||
+        robot_.literal_ids ||
         config_.drive_period_ms > 100) {
         commanding_since_us_ = now.true_us;
         return;
@@ -451,7 +455,9 @@ void Oracle::judge_pose(Moment now, const Report &report) {
     if ((report.events & ROBUROC4_EVENT_RELOCALIZED) == 0 || poses_sent_ < 2)
         return;
     reach(Reached::repeated_pose);
-    if (way_m_ - way_at_pose_ > 0.1)
+    /* statuses that are fresh may still show the rest before */
+    const double unseen_m = 2.6 * config_.fresh_ms / 1000;
+    if (way_m_ - way_at_pose_ > 0.1 + unseen_m)
         violate(Promise::no_old_pose, now.true_us,
                 "a pose was repeated and accepted, and the robot has moved " +
                     std::to_string(way_m_ - way_at_pose_) + " m since it was given");

@@ -454,6 +454,10 @@ class Scenario {
         }
         if (violated() || !friendly())
             return;
+        /* a card with more inputs than the client stores is one for the user's role_index */
+        if (result == ROBUROC4_ERR_OVERRIDE_UNKNOWN &&
+            plan_.digital_inputs > ROBUROC4_MAX_DIGITAL_INPUTS)
+            return;
         if (result < 0) {
             const Promise broken = promise_behind(result);
             world_.oracle().violate(broken, world_.now_us(),

@@ -54,6 +54,7 @@ mxArray *mxCreateStructMatrix(mwSize m, mwSize n, int fields, const char **names
 
 const char *mxGetClassName(const mxArray *array);
 void *mxGetData(const mxArray *array);
+mxArray *mxGetField(const mxArray *array, mwIndex index, const char *name);
 mxArray *mxGetFieldByNumber(const mxArray *array, mwIndex index, int field);
 const char *mxGetFieldNameByNumber(const mxArray *array, int field);
 double mxGetInf(void);

@@ -84,6 +84,7 @@ GATE_REPEATED: int
 GATE_CONTROL: int
 GATE_NOT_READY: int
 GATE_DISARMED: int
+GATE_UNITS: int
 
 def new_gate() -> Gate: ...
 def new_gate_rules() -> GateRules: ...
