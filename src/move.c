@@ -26,9 +26,12 @@
 #define LAG_SPREAD_S 0.4F
 #define BEND_SPREAD_S2 0.2323F
 #define SPREADS_TOGETHER 0.99F
-/* Expected before anything is known: typical, and no more than a beginning. */
+/* Expected before anything is known: typical, and no more than a beginning. SLOW_S is the root of
+ * BEND_S2. */
 #define LAG_S 0.64F
 #define BEND_S2 0.168F
+#define SLOW_S 0.41F
+/* No robot of the family has a gain beyond these; noise may suggest one. */
 #define GAIN_LEAST 0.7833F
 #define GAIN_MOST 1.16F
 /* The gain is assumed to be larger than learned by so many standard deviations. */
@@ -42,11 +45,15 @@
  * computed seldom looks fresh. */
 #define DRIFT_S 0.241F
 #define STALE_S 0.1464F
-/* Turn rate per heading error, by the lag; and heading per distance from the line. */
+/* Turn rate per heading error, by the lag, which counts as at least STEER_S more; and heading per
+ * distance from the line. */
 #define STEER 0.3F
+#define STEER_S 0.3F
 #define RETURN_PER_M 0.5F
 #define RETURN_MAX_RAD 0.2F
 
+/* Statuses that a move needs are older: it is lost. A longer step means that the program was held
+ * up, so that nobody knows what was commanded meanwhile. */
 #define SILENCE_US 1000000U
 #define STEP_MAX_US 250000U
 #define STILL_STATUSES 2
@@ -162,6 +169,16 @@ roburoc4_result roburoc4_move_options_init(roburoc4_move_options *options, size_
 
 static bool beyond(float value, float bound) {
     return order_of(size_of(value)) > order_of(bound);
+}
+
+/** To a point or a pose. */
+static bool to_place(const roburoc4_move *m) {
+    return m->private_kind == TO_POINT || m->private_kind == TO_POSE;
+}
+
+/** No speed is proposed. */
+static bool halted(const roburoc4_move *m) {
+    return at_zero(m->linear_m_s) && at_zero(m->angular_rad_s);
 }
 
 static roburoc4_result bad_speeds(float linear_m_s, float angular_rad_s) {
@@ -392,7 +409,7 @@ static void start_leg(roburoc4_move *m, float distance_m, float angle_rad) {
 static bool next_leg(roburoc4_move *m) {
     const float left_rad = m->private_goal[ANGLE] - m->private_covered[ANGLE];
     m->private_leg++;
-    if (m->private_kind == TO_POINT || m->private_kind == TO_POSE) {
+    if (to_place(m)) {
         if (m->private_leg == 1 && !at_zero(m->private_line_m)) {
             start_leg(m, m->private_line_m, 0);
             m->private_covered[ANGLE] = m->private_by_speeds[ANGLE] = -left_rad;
@@ -551,7 +568,8 @@ static float slow_speed(const roburoc4_move *m) {
     return (m->private_distance - m->private_filter[0]) / FILTER_S;
 }
 
-/** Whether the robot is at rest: by two statuses, or where these are noisy by many. */
+/** Whether the robot is at rest: by the smoothed speed, or sooner by two statuses if that agrees
+ * roughly. Single statuses may be too noisy to decide. */
 static bool stands(const roburoc4_move *m) {
     const float rest = rest_speed[axis_of(m)], speed = slow_speed(m);
     return !beyond(speed, 0.7F * rest) ||
@@ -776,7 +794,7 @@ static float approach_s(const roburoc4_move *m) {
     const float lag_s = m->private_fit[LAG] * FILTER_S, bend = m->private_fit[BEND];
     const float swing_s = order_of(bend) > 0 ? root(bend) * FILTER_S : 0;
     const float slow_s = order_of(swing_s) > order_of(0.5F * lag_s) ? swing_s : 0.5F * lag_s;
-    const float time_s = APPROACH_S + APPROACH_GROWS * (slow_s - 0.41F);
+    const float time_s = APPROACH_S + APPROACH_GROWS * (slow_s - SLOW_S);
     return order_of(time_s) < order_of(APPROACH_S) ? APPROACH_S : lesser(time_s, APPROACH_MOST_S);
 }
 
@@ -822,7 +840,7 @@ static float steer(const roburoc4_move *m) {
     const float back = within(RETURN_PER_M * m->private_aside_m, RETURN_MAX_RAD);
     const float heading = bend * m->private_covered[LENGTH] - m->private_covered[ANGLE] -
                           with_sign(back, m->linear_m_s);
-    const float rate = STEER / (order_of(lag_s) > 0 ? lag_s + 0.3F : 0.3F);
+    const float rate = STEER / (order_of(lag_s) > 0 ? lag_s + STEER_S : STEER_S);
     return within(bend * m->linear_m_s + rate * heading, m->private_limit[ANGLE]);
 }
 
@@ -843,8 +861,7 @@ static float share_for(roburoc4_move *m, float passed_s, uint64_t now_us) {
 
 /** Ramp down a robot that moved when the move began; its first leg begins at rest. */
 static bool rolls(roburoc4_move *m) {
-    if (m->private_rolls && at_zero(m->linear_m_s) && at_zero(m->angular_rad_s) &&
-        m->private_still >= STILL_STATUSES) {
+    if (m->private_rolls && halted(m) && m->private_still >= STILL_STATUSES) {
         m->private_rolls = 0;
         if (m->private_kind != FOR) {
             start_leg(m, m->private_goal[LENGTH] - m->private_covered[LENGTH],
@@ -886,14 +903,13 @@ static bool arrived(const roburoc4_move *m) {
 /** Where a move is about to go. */
 static uint8_t intended(const roburoc4_move *m) {
     const int32_t length = order_of(m->private_goal[LENGTH]);
-    const bool to = m->private_kind == TO_POINT || m->private_kind == TO_POSE;
-    return to || length > 0 ? AHEAD : length < 0 ? ASTERN : 0;
+    return to_place(m) || length > 0 ? AHEAD : length < 0 ? ASTERN : 0;
 }
 
 /** Plan the move as soon as everything that it needs is known, or after a second end it with what
  * is missing. */
 static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us) {
-    const bool to = m->private_kind == TO_POINT || m->private_kind == TO_POSE;
+    const bool to = to_place(m);
     const int32_t sight = check_sight(m, v, intended(m));
     if (!m->private_begun) {
         m->private_begun = 1;
@@ -915,8 +931,7 @@ static int32_t plan(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_
         m->linear_m_s = v->sent_linear_m_s;
         m->angular_rad_s = v->sent_angular_rad_s;
     }
-    m->private_rolls = !at_zero(m->linear_m_s) || !at_zero(m->angular_rad_s) ||
-                       beyond(v->linear_m_s, rolling_speed[LENGTH]) ||
+    m->private_rolls = !halted(m) || beyond(v->linear_m_s, rolling_speed[LENGTH]) ||
                        beyond(v->angular_rad_s, rolling_speed[ANGLE]);
     if (to && !plan_to(m, v)) {
         m->cause = ROBUROC4_ERR_ARGUMENT;
@@ -962,7 +977,7 @@ static int32_t step(roburoc4_move *move, const roburoc4_move_view *view, uint64_
         if (move->private_kind != REST) {
             propose(move, passed_s, now_us);
         }
-        if (at_zero(move->linear_m_s) && at_zero(move->angular_rad_s) &&
+        if (halted(move) &&
             (move->private_kind == REST ? move->private_still >= STILL_STATUSES : arrived(move)) &&
             !next_leg(move)) {
             result = off_course(move) ? ROBUROC4_MOVE_OFF_COURSE : ROBUROC4_MOVE_REACHED;
