@@ -162,7 +162,7 @@ uint8_t sim_peers_subscribe(roburoc4_sim *sim, uint64_t key, uint32_t service,
         set_all(sim, service, last && wish->period_cycles == 0 ? 0 : period_cycles);
     }
     sim_subscription *first = oldest(sim, &count);
-    if (wish->period_cycles == 0 && count >= sim->config.max_subscriptions) {
+    if (wish->period_cycles == 0 && first != NULL && count >= sim->config.max_subscriptions) {
         if (sim->config.full_list != ROBUROC4_SIM_FULL_FORGETS) {
             return sim->config.full_list == ROBUROC4_SIM_FULL_REFUSES ? ROBUROC4_ERROR_SERVICE
                                                                       : ROBUROC4_ERROR_NONE;
