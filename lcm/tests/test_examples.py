@@ -34,20 +34,6 @@ def test_the_python_example_drives(robot: Robot, bus: Bus, armed: Bridge, run: R
     until(robot.stands, "the robot stands")
 
 
-def test_the_move_of_the_page_reaches_its_goal(
-    robot: Robot, bus: Bus, armed: Bridge, run: Run, tmp_path: Path
-) -> None:
-    page = (Programs.checkout() / "docs" / "lcm.md").read_text()
-    (text,) = re.findall(r"^```python\n(# move\.py\n.*?)^```$", page, re.MULTILINE | re.DOTALL)
-    file = tmp_path / "move.py"
-    file.write_text(text)
-    example = run(sys.executable, file, LCM_DEFAULT_URL=bus.url)
-    assert example.ends(30) == 0, example.output
-    assert "no result" not in example.output
-    assert math.isclose(robot.true_pose()[0], 0.5, abs_tol=0.1), example.output
-    until(robot.stands, "the robot stands")
-
-
 def test_drive_py_says_why_it_does_not_drive(
     robot: Robot, bus: Bus, start_bridge: Callable[..., Bridge], run: Run
 ) -> None:
