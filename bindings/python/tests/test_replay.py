@@ -238,7 +238,9 @@ def test_a_client_reads_what_was_recorded_and_moves_nothing(tmp_path: Path) -> N
     assert "nothing moves" in stderr
 
 
-def test_the_command_line_looks_at_a_recording(path: Path) -> None:
+def test_the_command_line_looks_at_a_recording(tmp_path: Path) -> None:
+    # Where a recording starts over, statuses are missing.
+    path = write(tmp_path / "run.pcapng", drive(60.0))
     with replayed(str(path), "--loop") as (address, process):
         # Several battery statuses, one a second, also on a machine that is late with them.
         done = doctor("--seconds", "6", "--json", robot=address)

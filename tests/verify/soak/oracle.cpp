@@ -36,7 +36,8 @@ void Oracle::violate(Promise promise, std::uint64_t true_us, const std::string &
 /* Stamps count cycles of 10 ms. Where statuses queue and answers do not, nothing on the wire proves
  * how late the promptest status was: that is what SAFETY leaves assumed, and it may creep as two
  * clocks drift apart. */
-/* Of statuses with a queue of their own, the first after an answer may be from before its request. */
+/* Of statuses with a queue of their own, the first after an answer may be from before its request.
+ */
 constexpr std::uint64_t own_queue_us = 100000;
 
 std::uint64_t Oracle::tolerance_us(Moment now) const {

@@ -384,7 +384,8 @@ void Oracle::judge_disarming(Moment now, const Report &report) {
 void Oracle::judge_ages(Moment now, const Report &report) {
     if (report.state != ROBUROC4_STATE_READY)
         ready_since_us_ = now.true_us;
-    if (now.true_us - ready_since_us_ < 3000000) /* the first pairs of answer and status prove little */
+    if (now.true_us - ready_since_us_ <
+        3000000) /* the first pairs of answer and status prove little */
         return;
     for (int service = 0; service < 5; service++) {
         const Newest &newest = newest_[service];
@@ -426,8 +427,7 @@ void Oracle::judge_watch(Moment now) {
 void Oracle::judge_uplink(Moment now, const Truth &truth) {
     /* where all answers have one id, none proves when its request arrived */
     if (!armed_ || !lease_.alive || stop_.active || last_command_zero_ || truth.uplink_loses ||
-        robot_.literal_ids ||
-        config_.drive_period_ms > 100) {
+        robot_.literal_ids || config_.drive_period_ms > 100) {
         commanding_since_us_ = now.true_us;
         return;
     }

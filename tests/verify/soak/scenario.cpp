@@ -443,9 +443,7 @@ class Scenario {
             world_.start();
         world_.stop(); /* which also clears what another commander left behind */
         const std::uint64_t calm_us = world_.now_us();
-        const std::uint64_t patience_us = (!friendly()                                   ? 5
-                                           : 90) *
-                                          second;
+        const std::uint64_t patience_us = (!friendly() ? 5 : 90) * second;
         std::int32_t result = -1;
         while (!violated() && result < 0 && world_.now_us() - calm_us < patience_us) {
             world_.run_for(50000);
