@@ -1,32 +1,31 @@
 /* SPDX-License-Identifier: MIT
  *
- * moves: how well moves end, on the simulated robot in virtual time. Prints a line for each figure:
- * its name, what it was measured on, its unit and its value, with tabs between.
- * bench/measure_moves.py keeps them.
+ * moves: how well moves end, in virtual time.
+ *
+ *     moves               figures of the family, of the nominal robot, and of squares with slip
+ *     moves --faults      the members of the family whose move is not fine, one a line
+ *     moves --member N    judge one member, without loss and with it
+ *
+ * Prints a line for each figure: its name, what it was measured on, its unit and its value, with
+ * tabs between. bench/measure_moves.py keeps them.
  */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
-#include "roburoc4_move.h"
+#include "family.h"
 #include "roburoc4_sim.h"
 
 #define PI 3.14159265358979323846
 #define DEGREES (180 / PI)
-#define RESPONSE_S 0.64 /* how much later than its target the robot has a speed */
 #define SEEDS 20
-
-/* Several drives of the same kind: the worst of each. */
-typedef struct figures {
-    double error, overshoot, late, speed;
-} figures;
 
 typedef struct drive {
     roburoc4_world *world;
     roburoc4_client client;
     roburoc4_sim_state begin, end;
-    double furthest, took_s, fastest;
 } drive;
 
 static uint64_t now(const drive *d) {
@@ -44,16 +43,14 @@ static void look(drive *d, roburoc4_sim_state *out) {
     (void)roburoc4_sim_get_state(roburoc4_world_robot(d->world), out);
 }
 
-static void open_world(drive *d, float slip, double loss, uint64_t seed) {
+static void open_world(drive *d, float slip, uint64_t seed) {
     roburoc4_sim_config robot;
     roburoc4_config config;
-    roburoc4_sim_faults faults = {.size = sizeof faults};
     roburoc4_sim_config_init(&robot, sizeof robot);
     robot.slip = slip;
     robot.seed = seed;
     roburoc4_config_init(&config, sizeof config);
     config.fresh_ms = 1000;
-    faults.loss = loss;
     d->world = roburoc4_world_create(&robot);
     roburoc4_sim_clear_obstacles(roburoc4_world_robot(d->world));
     roburoc4_client_init(&d->client, sizeof d->client, &config);
@@ -62,7 +59,6 @@ static void open_world(drive *d, float slip, double loss, uint64_t seed) {
         pass(d, 10000);
     }
     pass(d, 1000000);
-    roburoc4_world_set_faults(d->world, &faults);
 }
 
 static double wrapped(double angle_rad) {
@@ -70,24 +66,13 @@ static double wrapped(double angle_rad) {
 }
 
 static void go(drive *d, roburoc4_move *move) {
-    const uint64_t begun_us = now(d);
     look(d, &d->begin);
-    d->furthest = d->fastest = 0;
     while (roburoc4_move_step(move, &d->client, now(d)) == ROBUROC4_MOVE_RUNNING) {
         const roburoc4_result driven =
             roburoc4_client_drive(&d->client, move->linear_m_s, move->angular_rad_s, 0, now(d));
         (void)driven; /* where it is refused, the next step ends the move */
         pass(d, 10000);
-        look(d, &d->end);
-        const double x = d->end.odometry_x_m - d->begin.odometry_x_m,
-                     y = d->end.odometry_y_m - d->begin.odometry_y_m;
-        d->furthest =
-            fmax(d->furthest, fmax(hypot(x, y), fabs(wrapped(d->end.odometry_theta_rad -
-                                                             d->begin.odometry_theta_rad))));
-        d->fastest =
-            fmax(d->fastest, fmax(fabs(d->end.wheel_linear_m_s), fabs(d->end.wheel_angular_rad_s)));
     }
-    d->took_s = (double)(now(d) - begun_us) * 1e-6;
     pass(d, 1000000);
     look(d, &d->end);
     if (move->result != ROBUROC4_MOVE_REACHED) {
@@ -96,52 +81,8 @@ static void go(drive *d, roburoc4_move *move) {
     }
 }
 
-static double ideal_s(double way, double speed, double slope) {
-    return speed * speed / slope <= way ? way / speed + speed / slope : 2 * sqrt(way / slope);
-}
-
 static void print(const char *name, const char *on, const char *unit, double value) {
     printf("%s\t%s\t%s\t%.3f\n", name, on, unit, value);
-}
-
-/* Straight metres, or quarter turns, of many seeds. */
-static void measure(int turn, float speed, double loss) {
-    const double way = turn ? PI / 2 : 1, slope = turn ? 1.0 : 0.5;
-    const double bare_s = ideal_s(way, (double)speed, slope);
-    figures worst = {0, 0, 0, 0};
-    double took_s = 0;
-    char name[80];
-    for (uint64_t seed = 1; seed <= SEEDS; seed++) {
-        drive d;
-        roburoc4_move move;
-        roburoc4_move_options options;
-        roburoc4_move_options_init(&options, sizeof options);
-        options.linear_m_s = options.angular_rad_s = speed;
-        open_world(&d, 0, loss, seed);
-        if (turn) {
-            roburoc4_move_by(&move, 0, (float)way, &options);
-        } else {
-            roburoc4_move_by(&move, (float)way, 0, &options);
-        }
-        go(&d, &move);
-        const double come = turn ? wrapped(d.end.odometry_theta_rad - d.begin.odometry_theta_rad)
-                                 : hypot(d.end.odometry_x_m - d.begin.odometry_x_m,
-                                         d.end.odometry_y_m - d.begin.odometry_y_m);
-        worst.error = fmax(worst.error, fabs(come - way));
-        worst.overshoot = fmax(worst.overshoot, d.furthest - way);
-        worst.speed = fmax(worst.speed, d.fastest / (double)speed);
-        took_s = fmax(took_s, d.took_s);
-        roburoc4_world_destroy(d.world);
-    }
-    snprintf(name, sizeof name, "%s at %.1f %s%s", turn ? "quarter turn" : "straight metre",
-             (double)speed, turn ? "rad/s" : "m/s", loss > 0 ? ", 20 % lost" : "");
-    print(name, "error", turn ? "degrees" : "mm", worst.error * (turn ? DEGREES : 1000));
-    print(name, "overshoot", "%", 100 * worst.overshoot / way);
-    print(name, "time", "s", took_s);
-    print(name, "time by that of the profile and the robot's response", "×",
-          took_s / (bare_s + RESPONSE_S));
-    print(name, "time by that of the profile alone", "×", took_s / bare_s);
-    print(name, "speed by that asked for", "×", worst.speed);
 }
 
 /* Squares of 2 m, without slip and with the one that was measured. */
@@ -151,7 +92,7 @@ static void measure_square(float slip) {
     for (uint64_t seed = 1; seed <= SEEDS; seed++) {
         drive d;
         roburoc4_sim_state first;
-        open_world(&d, slip, 0, seed);
+        open_world(&d, slip, seed);
         look(&d, &first);
         for (int side = 0; side < 4; side++) {
             roburoc4_move move;
@@ -178,11 +119,118 @@ static void measure_square(float slip) {
     print("straight 2 m, really off", on, "mm", ways * 1000);
 }
 
-int main(void) {
-    const double losses[] = {0, 0.2};
-    const float speeds[] = {0.3F, 1.0F};
-    for (int i = 0; i < 8; i++) {
-        measure(i / 2 % 2, speeds[i % 2], losses[i / 4]);
+/* ------------------------------------------------------------------------------- the family --- */
+
+#define SEED 20260301U
+#define PARAMETERS 9
+#define VALUES 5
+
+typedef struct share {
+    double value[VALUES];
+    unsigned fine[VALUES], all[VALUES], count;
+} share;
+
+static const char *const parameter_names[PARAMETERS] = {"natural frequency (0: at once), rad/s",
+                                                        "damping",
+                                                        "gain",
+                                                        "dead time, ms",
+                                                        "noise of speeds, m/s",
+                                                        "odometry each, ms",
+                                                        "statuses each, ms",
+                                                        "speed asked for",
+                                                        "turn"};
+
+static void count(share *shares, const family_member *m, int fine) {
+    const double values[PARAMETERS] = {m->natural_rad_s, m->damping,   m->gain,
+                                       m->dead_ms,       m->noise_m_s, m->odometry_ms,
+                                       m->status_ms,     m->speed,     m->turn};
+    for (int i = 0; i < PARAMETERS; i++) {
+        share *s = &shares[i];
+        unsigned at = 0;
+        while (at < s->count && s->value[at] != values[i]) {
+            at++;
+        }
+        if (at == s->count) {
+            s->value[s->count++] = values[i];
+        }
+        s->all[at]++;
+        s->fine[at] += (unsigned)fine;
+    }
+}
+
+static family_verdict judge(uint32_t index, double loss) {
+    family_member m = family_member_at(index);
+    m.loss = loss;
+    return family_judge(&m, SEED + index, 0);
+}
+
+static void measure_family(double loss, int only_faults) {
+    share shares[PARAMETERS];
+    unsigned fine = 0;
+    char name[96], on[64];
+    memset(shares, 0, sizeof shares);
+    for (uint32_t index = 0; index < FAMILY_SIZE; index++) {
+        const family_member m = family_member_at(index);
+        const family_verdict v = judge(index, loss);
+        fine += v.fault == NULL;
+        count(shares, &m, v.fault == NULL);
+        if (only_faults && v.fault != NULL) {
+            printf("%u ", index);
+            family_print(&m, &v);
+        }
+    }
+    if (only_faults) {
+        return;
+    }
+    snprintf(name, sizeof name, "family of %d%s", FAMILY_SIZE, loss > 0 ? ", 20 % lost" : "");
+    print(name, "moves that are fine", "%", 100.0 * fine / FAMILY_SIZE);
+    for (int i = 0; i < PARAMETERS; i++) {
+        for (unsigned k = 0; k < shares[i].count; k++) {
+            snprintf(on, sizeof on, "%s %g", parameter_names[i], shares[i].value[k]);
+            print(name, on, "%", 100.0 * shares[i].fine[k] / shares[i].all[k]);
+        }
+    }
+}
+
+static void measure_nominal(int turn, double speed) {
+    const family_member m = {2.46, 0.79, 1, 0, 0, 10, 50, speed, turn, 0};
+    family_verdict worst = {0};
+    char name[80];
+    for (uint64_t seed = 1; seed <= SEEDS; seed++) {
+        const family_verdict v = family_judge(&m, seed, 1);
+        worst.error = fmax(worst.error, v.error);
+        worst.overshoot = fmax(worst.overshoot, v.overshoot);
+        worst.took_s = fmax(worst.took_s, v.took_s);
+        worst.ideal_s = v.ideal_s;
+    }
+    snprintf(name, sizeof name, "%s at %.1f %s", turn ? "quarter turn" : "straight metre", speed,
+             turn ? "rad/s" : "m/s");
+    print(name, "error", turn ? "degrees" : "mm", worst.error * (turn ? DEGREES : 1000));
+    print(name, "overshoot", "%", 100 * worst.overshoot / (turn ? PI / 2 : 1));
+    print(name, "time", "s", worst.took_s);
+    print(name, "time by that of the profile and the robot's response", "×",
+          worst.took_s / worst.ideal_s);
+}
+
+int main(int argc, char **argv) {
+    if (argc == 3 && strcmp(argv[1], "--member") == 0) {
+        const uint32_t index = (uint32_t)strtoul(argv[2], NULL, 10);
+        for (int i = 0; i < 2; i++) {
+            family_member m = family_member_at(index);
+            const family_verdict v = judge(index, i * 0.2);
+            m.loss = i * 0.2;
+            family_print(&m, &v);
+        }
+        return 0;
+    }
+    const int only_faults = argc == 2 && strcmp(argv[1], "--faults") == 0;
+    measure_family(0, only_faults);
+    measure_family(0.2, only_faults);
+    if (only_faults) {
+        return 0;
+    }
+    for (int i = 0; i < 4; i++) {
+        measure_nominal(i / 2, i % 2 ? 1.0 : 0.3);
     }
     measure_square(0);
     measure_square(0.12F);

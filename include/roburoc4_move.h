@@ -23,24 +23,26 @@
  *
  * HOW IT MOVES
  *
- *   Speed         Up to the requested speed, with gentle acceleration, or the robot's own limit if
- *                 that is lower. No proposal exceeds the requested speed; the client's limits and
- *                 ceilings apply, too.
- *   Braking       By the robot's measured response: a robot whose target becomes 0 at 1 m/s still
- *                 rolls 0.64 m. At each step the move knows how much distance it still has to
- *                 command, and slows down accordingly.
- *   Odometry      Distance is measured by the localization service; by the reported speeds and
- *                 their time stamps if there is none, while it is silent or invalid, and when a
- *                 pose jumps because the robot was relocalized. A relocalization affects only later
- *                 moves: the current one continues to its original goal. Wheels slip, above all in
- *                 turns, and odometry does not notice: relocalize between moves if you know the
- *                 pose better (docs/moves.md has figures).
+ *   Speed         A profile: no proposal exceeds the requested speed, or the robot's own limit if
+ *                 that is lower, and none changes faster than the requested acceleration, also when
+ *                 braking. (The end of a move that is not reached is a stop sequence: at once.)
+ *   Braking       The move knows how much distance it has commanded and how much of it the robot
+ *                 has covered. From both it learns how late and how far this robot follows, and
+ *                 brakes the earlier the less it knows.
+ *   Odometry      Distance is measured by the localization service if its pose is fresh when the
+ *                 move begins, else by the reported speeds. A move ends where what was commanded,
+ *                 the speeds and the pose disagree by more than 0.15 m or 15 degrees plus a fifth
+ *                 of the way, and where the robot is relocalized. Wheels slip, above all in turns,
+ *                 and odometry does not notice: relocalize between moves if you know the pose
+ *                 better (docs/moves.md has figures).
  *   Obstacles     A bumper that is pressed in the direction of travel, or newly pressed anywhere,
- *                 ends a move. So does a telemeter (ultrasonic rangefinder) in the direction
- *                 of travel that reports less than the clearance and the braking distance at the
- *                 present speed. Turns in place do not use telemeters. TELEMETERS MISS THINGS: thin
- *                 legs, soft or slanted surfaces, everything outside of their cones. Backing away
- *                 from an obstacle is possible.
+ *                 ends a move. So does a telemeter (ultrasonic rangefinder) in the direction of
+ *                 travel that reports less than the clearance, the distance that the robot still
+ *                 rolls when it stops now, and what it covered since the distance was measured.
+ *                 Turns in place do not use telemeters. TELEMETERS MISS THINGS: thin legs, soft or
+ *                 slanted surfaces, everything outside of their cones. Backing away from an
+ *                 obstacle is possible. What is not seen is not free: a move with a clearance needs
+ *                 a fresh distance in its direction, and bumpers that are known.
  *   The end       Whatever the result, the last step calls roburoc4_client_pause(), which sends a
  *                 stop sequence. After ROBUROC4_MOVE_REACHED the robot is at rest; after the others
  *                 it may still roll: roburoc4_move_rest() waits for that.
@@ -73,6 +75,15 @@ extern "C" {
 #define ROBUROC4_MOVE_TIMEOUT 8
 #define ROBUROC4_MOVE_CANCELLED 9 /* by roburoc4_move_cancel(), client_pause() or client_stop() */
 #define ROBUROC4_MOVE_LAPSED 10   /* the program hung: a lease of the move expired */
+#define ROBUROC4_MOVE_ODOMETRY 11 /* commands, speeds and pose disagree */
+#define ROBUROC4_MOVE_RELOCALIZED 12 /* the pose was set, or jumped */
+#define ROBUROC4_MOVE_OFF_COURSE 13  /* at rest, beside the goal */
+#define ROBUROC4_MOVE_TOO_FAST 14    /* asked for a speed beyond the client's ceilings */
+/* with a clearance, and this sensor is not known or has no fresh distance */
+#define ROBUROC4_MOVE_NO_FRONT_BUMPER 15
+#define ROBUROC4_MOVE_NO_REAR_BUMPER 16
+#define ROBUROC4_MOVE_NO_FRONT_TELEMETER 17
+#define ROBUROC4_MOVE_NO_REAR_TELEMETER 18
 
 /** A result as one English sentence without a full stop: what happened and what to do. "unknown
  *  result" for an invalid number. Valid as long as the program runs. */
@@ -83,13 +94,15 @@ ROBUROC4_API const char *roburoc4_move_result_text(int32_t result);
 /** How to move. Fill it with roburoc4_move_options_init(), then change what you need. */
 typedef struct roburoc4_move_options {
     uint32_t size;        /* set by roburoc4_move_options_init() */
-    uint32_t timeout_ms;  /* limit of the duration; 0 (default): four times the expected duration
-                             plus 10 s; 5 s to come to rest */
+    uint32_t timeout_ms;  /* limit of the duration; 0 (default): twice that of the profile plus 3 s;
+                             5 s to come to rest */
     float linear_m_s;     /* maximum forward or backward speed, greater than 0; default 0.3 */
     float angular_rad_s;  /* maximum turn rate, greater than 0; default 0.5 */
     float linear_m_s2;    /* acceleration, greater than 0; default 0.5 */
     float angular_rad_s2; /* likewise; default 1. Lower limits of the robot apply to both */
-    float clearance_m;    /* distance to keep from obstacles; 0: ignore telemeters; default 0.5 */
+    float clearance_m;    /* distance to keep from obstacles; default 0.5; 0: ignore telemeters, and
+                             bumpers that are not known */
+    uint32_t turns;       /* 1: angles beyond two turns are meant; default 0: they are refused */
 } roburoc4_move_options;
 
 /** Set all defaults; `size` is sizeof(roburoc4_move_options). ROBUROC4_ERR_SIZE, with nothing
@@ -110,26 +123,31 @@ typedef struct roburoc4_move {
     float remaining_m, remaining_rad; /* what is left of the distance and of the current turn */
 
     roburoc4_move_options private_options;
-    uint32_t private_timeout_ms;
-    uint64_t private_begun_us, private_step_us, private_heard_us;
+    uint32_t private_timeout_ms, private_duration_ms, private_relocalized;
+    uint64_t private_begun_us, private_first_us, private_step_us, private_heard_us, private_pose_us;
     uint64_t private_speed_cycles, private_pose_cycles;
     double private_x_m, private_y_m, private_theta_rad;    /* the goal */
     double private_x0_m, private_y0_m, private_theta0_rad; /* the last pose */
     float private_limit[2], private_slope[2];
-    float private_goal[2], private_covered[2], private_to_command[2];
-    float private_speed[2], private_since_pose[2];
-    float private_line_m, private_last_turn_rad, private_aside_m;
-    uint8_t private_kind, private_leg, private_ready, private_planned;
+    float private_goal[2], private_speed[2];
+    float private_covered[2], private_by_speeds[2], private_commanded[2], private_lagging[2];
+    float private_line_m, private_last_turn_rad, private_aside_m, private_drift, private_share,
+        private_distance;
+    float private_filter[4], private_fit[3], private_doubt[9];
+    uint8_t private_kind, private_leg, private_ready, private_rolls;
     uint8_t private_still, private_bumpers, private_posed, private_begun;
-    uint8_t private_reserved[2];
-    uint8_t private_driven, private_padding;
-    uint32_t private_spare[8];
+    uint8_t private_driven, private_holds, private_turned;
+    int8_t private_side;
+    uint32_t private_spare[6];
 } roburoc4_move;
 
 /* Begin a move in any memory. Nothing is sent: the first step plans the move.
  * options may be NULL for all defaults. ROBUROC4_ERR_NOT_FINITE: NaN or infinity.
- * ROBUROC4_ERR_ARGUMENT: more than 10 km or 10000 rad, or an option out of its range. After an
- * error the move is ended, as ROBUROC4_MOVE_CANCELLED. */
+ * ROBUROC4_ERR_ARGUMENT: more than 10 km or 10000 rad, or an option out of its range.
+ * ROBUROC4_ERR_UNITS: an angle beyond two turns without the option for it (degrees?), or a speed
+ * beyond ROBUROC4_MAX_DRIVE_M_S or _RAD_S. After an error the move is ended, as
+ * ROBUROC4_MOVE_CANCELLED. A speed beyond the client's ceilings ends the move at its first step, as
+ * ROBUROC4_MOVE_TOO_FAST; the default speeds are lowered to them instead. */
 
 /** Drive this distance (negative: backward) while turning by this angle (negative: to the right; it
  * may exceed a full turn). With angle 0 the robot drives straight, with distance 0 it turns in
@@ -144,35 +162,44 @@ ROBUROC4_API roburoc4_result roburoc4_move_to_point(roburoc4_move *move, double 
 ROBUROC4_API roburoc4_result roburoc4_move_to_pose(roburoc4_move *move, double x_m, double y_m,
                                                    double theta_rad,
                                                    const roburoc4_move_options *options);
+/** Drive at these speeds for a time, however far that is: from the first speed to the last one,
+ * with the same gentle ramps inside of it. The options' speeds do not count. */
+ROBUROC4_API roburoc4_result roburoc4_move_for(roburoc4_move *move, float linear_m_s,
+                                               float angular_rad_s, uint32_t duration_ms,
+                                               const roburoc4_move_options *options);
 /** Stop, and wait until the robot is at rest; armed or not. Other moves of the client end. */
 ROBUROC4_API roburoc4_result roburoc4_move_rest(roburoc4_move *move,
                                                 const roburoc4_move_options *options);
 
 /** Read the client's latest values and propose the next speeds. Call it after each receive(), and
  *  before the drive() that it proposes. The first steps propose 0 until the statuses that the move
- *  needs have arrived, at most 1 s. The last one calls roburoc4_client_pause(). A lease that ends
- *  without the move ends the move: as ROBUROC4_MOVE_CANCELLED after roburoc4_client_stop() or
- *  _pause() elsewhere in the program, as ROBUROC4_MOVE_LAPSED if it expired. Returns move->result;
- *  an ended move does nothing. */
+ *  needs have arrived, at most 1 s, and while the robot still rolls. The last one calls
+ *  roburoc4_client_pause(). A lease that ends without the move ends the move: as
+ *  ROBUROC4_MOVE_CANCELLED after roburoc4_client_stop() or _pause() elsewhere in the program, as
+ *  ROBUROC4_MOVE_LAPSED if it expired: then the client disarms, as after any lapse. Returns
+ *  move->result; an ended move does nothing. */
 ROBUROC4_API int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client,
                                         uint64_t now_us);
 /** The input of a move. roburoc4_move_step() takes it from a client. If another process has the
  *  client, such as the LCM bridge, fill it with what that reports, and 0 for the rest. */
 typedef struct roburoc4_move_view {
     uint32_t size;         /* set by ROBUROC4_SIZED() */
-    uint32_t age_us;       /* age of the speeds now; they do not show what was sent since */
+    uint32_t relocalized;  /* changes with each relocalization */
     uint64_t speed_cycles; /* robot time of the speeds; 0: none yet */
-    uint64_t pose_cycles;  /* robot time of the pose; 0: none yet, or not usable */
+    uint64_t pose_cycles;  /* robot time of the pose; 0: none yet, not fresh, or not usable */
     double x_m, y_m, theta_rad;
     float linear_m_s, angular_rad_s;           /* measured */
     float sent_linear_m_s, sent_angular_rad_s; /* the last speeds sent; 0 after a stop */
-    float max_linear_m_s2, max_angular_rad_s2; /* the robot's own; 0: not known */
-    float front_m, rear_m; /* distances ahead and behind; a large value without telemeter */
-    int32_t disarm_cause;  /* ROBUROC4_ERR_*, if it is not armed */
+    float max_linear_m_s, max_angular_rad_s;   /* the robot's own; 0: not known */
+    float max_linear_m_s2, max_angular_rad_s2; /* likewise */
+    float front_m, rear_m;                     /* distances ahead and behind */
+    uint32_t distance_age_us;                  /* how old they may be */
+    int32_t disarm_cause;                      /* ROBUROC4_ERR_*, if it is not armed */
     uint8_t armed, overridden, inhibited;
     uint8_t front_bumper, rear_bumper; /* pressed */
-    uint8_t blind;                     /* there are telemeters, but no fresh distances */
-    uint8_t reserved[6];
+    uint8_t front_bumper_known, rear_bumper_known;
+    uint8_t front_known, rear_known; /* a telemeter looks there, and reports */
+    uint8_t reserved[7];
 } roburoc4_move_view;
 
 /** roburoc4_move_step() with your own view. When the move ends, your program must stop the robot;

@@ -35,8 +35,8 @@
 typedef struct trip {
     lcm_t *lcm;
     char command_channel[64], sender[64];
-    int64_t heard_us;                /* when the last fresh speeds arrived */
-    int64_t speeds_us, distances_us; /* when the last fresh ones were measured */
+    int64_t heard_us;               /* when the last fresh speeds arrived */
+    int64_t poses_us, distances_us; /* when the last fresh ones were measured */
     roburoc4_move move;
     roburoc4_move_view view;
     int64_t moved_us;           /* when the first speed was commanded; 0: not yet */
@@ -74,6 +74,7 @@ static void on_localization(const lcm_recv_buf_t *buffer, const char *channel,
     (void)buffer;
     (void)channel;
     if (fresh(pose->utime)) {
+        ((trip *)user)->poses_us = pose->utime;
         view->pose_cycles = (uint64_t)pose->robot_cycles;
         view->x_m = pose->x_m;
         view->y_m = pose->y_m;
@@ -88,7 +89,6 @@ static void on_differential(const lcm_recv_buf_t *buffer, const char *channel,
     (void)channel;
     if (fresh(speeds->utime)) {
         trip->heard_us = now_us();
-        trip->speeds_us = speeds->utime;
         trip->view.speed_cycles = (uint64_t)speeds->robot_cycles;
         trip->view.linear_m_s = speeds->current_linear_m_s;
         trip->view.angular_rad_s = speeds->current_angular_rad_s;
@@ -120,6 +120,8 @@ static void on_bridge_state(const lcm_recv_buf_t *buffer, const char *channel,
     trip->view.armed = 1; /* the bridge arms for a command */
     trip->view.overridden = state->overridden != 0;
     trip->view.inhibited = (state->faults & ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_INHIBITED) != 0;
+    trip->view.front_bumper_known = state->front_bumper_known != 0;
+    trip->view.rear_bumper_known = state->rear_bumper_known != 0;
     trip->view.front_bumper = (state->faults & ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_FRONT_BUMPER) != 0;
     trip->view.rear_bumper = (state->faults & ROBUROC4_LCM_BRIDGE_STATE_T_FAULT_REAR_BUMPER) != 0;
     if (strcmp(state->message, trip->message) != 0) {
@@ -133,9 +135,12 @@ static int step(trip *trip) {
     if (trip->ready == 0) {
         return 1;
     }
-    const int64_t age_us = now_us() - trip->speeds_us;
-    trip->view.age_us = age_us > 0 ? (uint32_t)age_us : 0;
-    trip->view.blind = !fresh(trip->distances_us);
+    const int64_t age_us = now_us() - trip->distances_us;
+    trip->view.distance_age_us = age_us > 0 ? (uint32_t)age_us : 0;
+    trip->view.front_known = trip->view.rear_known = fresh(trip->distances_us) != 0;
+    if (!fresh(trip->poses_us)) {
+        trip->view.pose_cycles = 0;
+    }
     const int going = roburoc4_move_step_view(&trip->move, &trip->view, (uint64_t)now_us()) ==
                       ROBUROC4_MOVE_RUNNING;
     const double linear_m_s = (double)trip->move.linear_m_s;

@@ -62,6 +62,7 @@ def test_one_way_traffic_is_named_within_seconds(
         cycle = next(cycles)
         state = roburoc4_lcm.bridge_state_t()
         state.utime, state.can_drive, state.message = now_us(), True, "ready"
+        state.front_bumper_known = state.rear_bumper_known = True
         bus.publish("ROBUROC4_BRIDGE_STATE", state.encode())
         for type_, channel in (
             (roburoc4_lcm.localization_status_t, "LOCALIZATION"),
@@ -174,6 +175,7 @@ def test_the_c_example_steers_by_fresh_statuses_only(
     distances.count, distances.telemeters = 2, [roburoc4_lcm.telemeter_t() for _ in range(2)]
     distances.telemeters[0].distance_m = distances.telemeters[1].distance_m = 5.0
     state.message, state.can_drive = "heard", True
+    state.front_bumper_known = state.rear_bumper_known = True
 
     def hears(ahead_us: int) -> str:
         bus.publish("ROBUROC4_BRIDGE_STATE", state.encode())

@@ -127,8 +127,8 @@ class Moving : public testing::Test {
         return wrapped(state().true_theta_rad - start.true_theta_rad);
     }
     void expect_standing() {
-        EXPECT_NEAR(0, state().true_linear_m_s, 0.02);
-        EXPECT_NEAR(0, state().true_angular_rad_s, 0.04);
+        EXPECT_NEAR(0, state().true_linear_m_s, 0.03);
+        EXPECT_NEAR(0, state().true_angular_rad_s, 0.06);
     }
     void expect_stopped() {
         pass(cycle_us);
@@ -192,7 +192,7 @@ TEST_F(Move, AStraightMetreEndsWithinACentimetre) {
         EXPECT_NEAR(0.0, aside(), 0.01) << speed;
         EXPECT_NEAR(0.0, turned(), 1 * degree) << speed;
         EXPECT_LT(most_reached, 1.02) << speed;
-        EXPECT_NEAR(ideal_s(1, speed, 0.5), took_s, 0.1 * ideal_s(1, speed, 0.5)) << speed;
+        EXPECT_NEAR(ideal_s(1, speed, 0.5), took_s, 0.25 * ideal_s(1, speed, 0.5)) << speed;
         EXPECT_LE(most_linear, speed);
         expect_standing();
         EXPECT_NEAR(1.0, move.distance_m, 0.01);
@@ -206,7 +206,7 @@ TEST_F(Move, AQuarterTurnEndsWithinADegree) {
         ASSERT_EQ(ROBUROC4_MOVE_REACHED, turn(pi / 2)) << move.cause;
         EXPECT_NEAR(pi / 2, turned(), 1 * degree) << speed;
         EXPECT_LT(most_turned, pi / 2 * 1.02) << speed;
-        EXPECT_NEAR(ideal_s(pi / 2, speed, 1), took_s, 0.1 * ideal_s(pi / 2, speed, 1)) << speed;
+        EXPECT_NEAR(ideal_s(pi / 2, speed, 1), took_s, 0.25 * ideal_s(pi / 2, speed, 1)) << speed;
         EXPECT_LE(most_angular, speed);
         expect_standing();
         EXPECT_NEAR(pi / 2, move.angle_rad, 1 * degree);
@@ -235,7 +235,7 @@ TEST_F(Move, ASquareOfTwoMetresCloses) {
         ASSERT_EQ(ROBUROC4_MOVE_REACHED, turn(pi / 2));
     }
     EXPECT_LT(std::hypot(state().true_x_m - before.true_x_m, state().true_y_m - before.true_y_m),
-              0.05);
+              0.1);
 }
 
 TEST_F(Move, BackwardAndToTheRightAreNegative) {
@@ -256,7 +256,10 @@ TEST_F(Move, SmallAndNoMovesAreReached) {
     EXPECT_NEAR(0.0, ahead(), 0.01);
 }
 
-TEST_F(Move, ATurnMayBeMoreThanAFullOne) {
+TEST_F(Move, MoreThanTwoTurnsMustBeAskedFor) {
+    EXPECT_EQ(ROBUROC4_ERR_UNITS,
+              roburoc4_move_by(&move, 0, static_cast<float>(4 * pi + 1), &options));
+    options.turns = 1;
     ASSERT_EQ(ROBUROC4_MOVE_REACHED, turn(4 * pi + 1));
     EXPECT_NEAR(1.0, turned(), 1 * degree);
     EXPECT_NEAR(4 * pi + 1, move.angle_rad, 1 * degree);
@@ -295,7 +298,9 @@ TEST_F(Move, APoseIsReachedWithItsHeading) {
     }
 }
 
-TEST_F(Move, ItAcceleratesGently) {
+TEST_F(Moving, ItAcceleratesGently) {
+    config.max_linear_m_s = 2;
+    connect_and_arm();
     options.linear_m_s = 1.5F;
     ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(4.0F));
     EXPECT_LT(most_acceleration, 0.5 * 1.2);
@@ -311,7 +316,8 @@ TEST_F(Move, AManyTimesSteppedMoveIsTheSame) {
                   for (int i = 0; i < 9; i++) {
                       pass(cycle_us / 10);
                       roburoc4_move_step(&move, &client, now());
-                      roburoc4_client_drive(&client, move.linear_m_s, move.angular_rad_s, 0, now());
+                      (void)roburoc4_client_drive(&client, move.linear_m_s, move.angular_rad_s, 0,
+                                                  now());
                   }
               }));
     EXPECT_NEAR(1.0, ahead(), 0.01);
@@ -333,8 +339,12 @@ TEST_F(Moving, CeilingsAndLimitsBoundAMove) {
     robot_config.max_angular_rad_s = 0.2F;
     robot_config.min_angular_rad_s = -0.2F;
     connect_and_arm();
-    options.linear_m_s = options.angular_rad_s = 1.0F;
-    ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(1.0F));
+    options.angular_rad_s = 1.0F;
+    options.linear_m_s = 0.31F;
+    EXPECT_EQ(ROBUROC4_MOVE_TOO_FAST, straight(1.0F));
+    EXPECT_EQ(0U, state().nonzero_speed_commands);
+    options.linear_m_s = 0.3F;
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(1.0F)) << "the default is lowered";
     EXPECT_NEAR(1.0, ahead(), 0.01);
     EXPECT_GT(took_s, 10);
     ASSERT_EQ(ROBUROC4_MOVE_REACHED, turn(1.0));
@@ -353,23 +363,22 @@ TEST_F(Moving, WithoutLocalizationSpeedsAreIntegrated) {
     EXPECT_EQ(ROBUROC4_MOVE_LOST, go());
 }
 
-TEST_F(Move, ARelocalizationDoesNotMakeItJump) {
-    for (const double shift : {0.1, 5.0}) {
-        ASSERT_EQ(ROBUROC4_MOVE_REACHED, interrupted_by([&] {
+TEST_F(Move, ARelocalizationEndsIt) {
+    for (const double shift : {0.001, 0.1, 5.0}) {
+        EXPECT_EQ(ROBUROC4_MOVE_RELOCALIZED, interrupted_by([&] {
                       roburoc4_client_relocalize(&client, shift, -shift, shift, now());
-                  }));
-        EXPECT_NEAR(2.0, ahead(), 0.02) << shift;
-        EXPECT_NEAR(0.0, aside(), 0.02) << shift;
-        EXPECT_NEAR(0.0, turned(), 1 * degree) << shift;
-        EXPECT_LT(most_acceleration, 0.6) << shift;
-        EXPECT_LT(most_angular, 0.1) << shift;
+                  }))
+            << shift;
+        expect_stopped();
+        pass(2 * second);
+        EXPECT_EQ(ROBUROC4_MOVE_REACHED, straight(0.3F)) << "the next one is free";
     }
 }
 
 TEST_F(Move, AMoveMayBeginWhileTheRobotRolls) {
     const std::uint64_t end_us = now() + 2 * second;
     while (now() < end_us) {
-        roburoc4_client_drive(&client, 0.8F, 0, 0, now());
+        (void)roburoc4_client_drive(&client, 0.8F, 0, 0, now());
         pass(5 * cycle_us);
     }
     ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(1.5F));
@@ -381,7 +390,7 @@ TEST_F(Move, AMoveMayBeginWhileTheRobotRolls) {
 TEST_F(Move, RestWaitsUntilTheRobotStands) {
     const std::uint64_t end_us = now() + 3 * second;
     while (now() < end_us) {
-        roburoc4_client_drive(&client, 1.0F, 0.5F, 0, now());
+        (void)roburoc4_client_drive(&client, 1.0F, 0.5F, 0, now());
         pass(5 * cycle_us);
     }
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&move, nullptr));
@@ -432,7 +441,7 @@ TEST_F(Move, AnotherCommanderEndsIt) {
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 2.0F, 0, &options));
     EXPECT_EQ(ROBUROC4_MOVE_OTHER_COMMANDER, go([&] {
                   if (ahead() > 0.5)
-                      roburoc4_client_drive(&other, -0.9F, 0, 0, now());
+                      (void)roburoc4_client_drive(&other, -0.9F, 0, 0, now());
               }));
     EXPECT_EQ(ROBUROC4_ERR_OTHER_COMMANDER, move.cause);
 }
@@ -464,8 +473,8 @@ TEST_F(Move, AViewOfAnUnknownSizeEndsIt) {
 
 TEST_F(Move, ADisarmedClientEndsIt) {
     EXPECT_EQ(ROBUROC4_MOVE_CANCELLED,
-              interrupted_by([&] { roburoc4_client_stop(&client, now()); }));
-    EXPECT_EQ(ROBUROC4_ERR_DISARMED, move.cause);
+              interrupted_by([&] { (void)roburoc4_client_stop(&client, now()); }));
+    EXPECT_EQ(ROBUROC4_ERR_STOPPED, move.cause);
     expect_stopped();
 }
 
@@ -480,10 +489,26 @@ TEST_F(Move, AStopButtonEndsIt) {
 
 TEST_F(Move, AClientThatWasDisarmedMeanwhileEndsIt) {
     EXPECT_EQ(ROBUROC4_MOVE_CANCELLED, interrupted_by([&] {
-                  roburoc4_client_stop(&client, now());
+                  (void)roburoc4_client_stop(&client, now());
                   pass(3 * second);
                   EXPECT_EQ(ROBUROC4_OK, roburoc4_client_arm(&client, now()));
               }));
+    expect_stopped();
+}
+
+TEST_F(Move, AProgramThatBlocksIsDisarmedASecondLaterHoweverItGoesOn) {
+    EXPECT_EQ(ROBUROC4_MOVE_LAPSED, interrupted_by([&] { pass(second / 2); }));
+    roburoc4_move other;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&other, nullptr));
+    for (int i = 0; i < 100; i++) {
+        (void)roburoc4_move_step(&move, &client, now());
+        (void)roburoc4_move_step(&other, &client, now());
+        pass(cycle_us);
+    }
+    roburoc4_facts facts;
+    roburoc4_client_facts(&client, now(), ROBUROC4_SIZED(&facts));
+    EXPECT_EQ(0, facts.armed);
+    EXPECT_EQ(ROBUROC4_ERR_LAPSED, facts.disarm_cause);
     expect_stopped();
 }
 
@@ -504,13 +529,13 @@ TEST_F(Moving, ToRestSendsZerosAsLongAsAnotherCommanderDrives) {
     pass(second);
     ASSERT_EQ(ROBUROC4_OK, roburoc4_client_arm(&other, now()));
     for (int i = 0; i < 100; i++) {
-        roburoc4_client_drive(&other, 0.5F, 0, 0, now());
+        (void)roburoc4_client_drive(&other, 0.5F, 0, 0, now());
         pass(cycle_us);
     }
     std::uint64_t late_zeros = 0;
     ASSERT_EQ(ROBUROC4_OK, roburoc4_move_rest(&move, nullptr));
     EXPECT_EQ(ROBUROC4_MOVE_OTHER_COMMANDER, go([&] {
-                  roburoc4_client_drive(&other, 0.5F, 0, 0, now());
+                  (void)roburoc4_client_drive(&other, 0.5F, 0, 0, now());
                   roburoc4_facts facts;
                   roburoc4_client_facts(&client, now(), ROBUROC4_SIZED(&facts));
                   late_zeros += now() - begun_us > 3 * second && facts.stopping != 0;
@@ -552,7 +577,7 @@ TEST_F(Move, StepsAloneDriveNothing) {
 }
 
 TEST_F(Move, APauseOfTheProgramCostsNoAccuracy) {
-    ASSERT_EQ(ROBUROC4_MOVE_REACHED, interrupted_by([&] { pass(600000); }));
+    ASSERT_EQ(ROBUROC4_MOVE_REACHED, interrupted_by([&] { pass(200000); }));
     EXPECT_NEAR(2.0, ahead(), 0.02);
     EXPECT_LT(most_acceleration * cycle_us, 0.6 * 600000 + cycle_us);
 }
@@ -565,7 +590,7 @@ TEST_F(Move, AWallEndsItBeforeTheClearance) {
     for (const float speed : {0.3F, 1.0F}) {
         ASSERT_EQ(ROBUROC4_OK, roburoc4_sim_place(robot(), 0, 0, 0));
         pass(second);
-        roburoc4_client_arm(&client, now());
+        (void)roburoc4_client_arm(&client, now());
         options.linear_m_s = speed;
         EXPECT_EQ(ROBUROC4_MOVE_OBSTACLE, straight(4.0F));
         EXPECT_GT(move.remaining_m, 1.0);
@@ -633,14 +658,15 @@ TEST_F(Move, BackingAwayFromAPressedBumperIsPossible) {
 TEST_F(Moving, WithoutTelemeterStatusesItDoesNotStart) {
     config.subscriptions &= ~(1U << ROBUROC4_SERVICE_TELEMETER);
     connect_and_arm();
-    EXPECT_EQ(ROBUROC4_MOVE_LOST, straight(1.0F));
-    EXPECT_NEAR(0.0, ahead(), 0.001);
+    EXPECT_EQ(ROBUROC4_MOVE_NO_FRONT_TELEMETER, straight(1.0F));
+    EXPECT_EQ(ROBUROC4_MOVE_NO_REAR_TELEMETER, straight(-1.0F));
+    EXPECT_EQ(0U, state().nonzero_speed_commands);
     options.clearance_m = 0;
     EXPECT_EQ(ROBUROC4_MOVE_REACHED, straight(1.0F));
 }
 
 TEST_F(Move, TelemetersThatFallSilentEndIt) {
-    EXPECT_EQ(ROBUROC4_MOVE_LOST, interrupted_by([&] {
+    EXPECT_EQ(ROBUROC4_MOVE_NO_FRONT_TELEMETER, interrupted_by([&] {
                   roburoc4_client_subscribe(&client, ROBUROC4_SERVICE_TELEMETER, 0, now());
               }));
     expect_stopped();
@@ -700,6 +726,8 @@ class MoveView : public testing::Test {
         view.speed_cycles = view.pose_cycles = 1;
         view.armed = 1;
         view.front_m = view.rear_m = 100;
+        view.front_known = view.rear_known = 1;
+        view.front_bumper_known = view.rear_bumper_known = 1;
         roburoc4_move_options_init(&options, sizeof options);
     }
     /** A status of both services came, and the move is stepped. */
@@ -727,6 +755,7 @@ TEST_F(MoveView, EachCauseOfADisarmedClientHasItsResult) {
         ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, nullptr));
         view.armed = 1;
         EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
         EXPECT_GT(move.linear_m_s, 0);
         view.armed = 0;
         view.disarm_cause = cause;
@@ -751,6 +780,23 @@ TEST_F(MoveView, AMoveToAPointWaitsASecondForThePose) {
     EXPECT_EQ(ROBUROC4_MOVE_RUNNING, roburoc4_move_step_view(&move, &view, now_us));
     EXPECT_EQ(0, move.linear_m_s);
     EXPECT_EQ(ROBUROC4_MOVE_LOST, roburoc4_move_step_view(&move, &view, now_us + second + 1));
+}
+
+TEST_F(MoveView, BumpersThatAreNotKnownMustBeRenounced) {
+    for (const bool front : {true, false}) {
+        view.front_bumper_known = !front;
+        view.rear_bumper_known = front;
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, &options));
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+        EXPECT_EQ(0, move.linear_m_s);
+        EXPECT_EQ(front ? ROBUROC4_MOVE_NO_FRONT_BUMPER : ROBUROC4_MOVE_NO_REAR_BUMPER,
+                  step(second + cycle_us));
+    }
+    options.clearance_m = 0;
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, &options));
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+    EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+    EXPECT_GT(move.linear_m_s, 0);
 }
 
 TEST_F(MoveView, RestEndsWhenThePadDrives) {
@@ -782,6 +828,7 @@ TEST_F(MoveView, AccelerationsThatTheRobotDoesNotReportLimitNothing) {
         view.max_linear_m_s2 = view.max_angular_rad_s2 = most;
         EXPECT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 1, 0, nullptr));
         EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
+        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
         return move.linear_m_s;
     };
     const float unlimited = speed_with(100);
@@ -804,6 +851,8 @@ TEST_F(MoveView, APoseWhereTheRobotStandsIsATurn) {
 TEST_F(MoveView, ADistanceThatIsNoNumberIsAnObstacle) {
     for (const bool ahead : {true, false}) {
         view.front_m = view.rear_m = 100;
+        view.front_known = view.rear_known = 1;
+        view.front_bumper_known = view.rear_bumper_known = 1;
         ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, ahead ? 1 : -1, 0, nullptr));
         EXPECT_EQ(ROBUROC4_MOVE_RUNNING, step());
         (ahead ? view.rear_m : view.front_m) = static_cast<float>(no_number);
@@ -813,27 +862,22 @@ TEST_F(MoveView, ADistanceThatIsNoNumberIsAnObstacle) {
     }
 }
 
-TEST_F(MoveView, AHeadingFarTooLargeIsNoTurn) {
-    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_pose(&move, 0, 0, 1e6, nullptr));
-    for (int i = 0; i < 10; i++) {
-        step();
-        EXPECT_EQ(0, move.angular_rad_s);
-    }
-    EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.result);
-}
-
 TEST_F(MoveView, HoweverFarItStraysItTurnsBackWithinTheLimit) {
     for (const float side : {1.0F, -1.0F}) {
         ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, 10, 0, nullptr));
-        view.linear_m_s = 1;
-        view.angular_rad_s = side * 0.3F;
         view.pose_cycles = 0;
-        for (int i = 0; i < 40; i++) {
+        float most = 0;
+        for (int i = 0; i < 200 && move.result == ROBUROC4_MOVE_RUNNING; i++) {
+            view.linear_m_s = view.sent_linear_m_s = move.linear_m_s;
+            view.angular_rad_s = side * 0.1F;
             now_us += 5 * cycle_us;
             view.speed_cycles += 5;
-            EXPECT_EQ(ROBUROC4_MOVE_RUNNING, roburoc4_move_step_view(&move, &view, now_us));
+            roburoc4_move_step_view(&move, &view, now_us);
+            most = std::max(most, -side * move.angular_rad_s);
         }
-        EXPECT_EQ(-side * options.angular_rad_s, move.angular_rad_s);
+        EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, move.result) << "it does not turn as commanded";
+        EXPECT_GT(most, 0.05F);
+        EXPECT_LE(most, options.angular_rad_s);
     }
 }
 
@@ -871,9 +915,10 @@ TEST(MoveOfAClient, UsesNoPoseThatIsInvalidOrNoNumber) {
         roburoc4_move move;
         ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_point(&move, 0, 1, nullptr));
         EXPECT_EQ(ROBUROC4_MOVE_RUNNING, roburoc4_move_step(&move, &bench.client, bench.now_us));
+        EXPECT_EQ(good, move.remaining_rad != 0);
         bench.run(second + 1);
-        EXPECT_EQ(good ? ROBUROC4_MOVE_RUNNING : ROBUROC4_MOVE_LOST,
-                  roburoc4_move_step(&move, &bench.client, bench.now_us));
+        EXPECT_EQ(ROBUROC4_MOVE_LOST, roburoc4_move_step(&move, &bench.client, bench.now_us))
+            << "it never came, or no more";
     }
 }
 
@@ -890,19 +935,23 @@ TEST(MoveOfAClient, WhatATelemeterSeesBesideOrBehindIsNoObstacle) {
         bench.armed();
         roburoc4_move move;
         ASSERT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, way_m, 0, nullptr));
-        EXPECT_EQ(ROBUROC4_MOVE_RUNNING, roburoc4_move_step(&move, &bench.client, bench.now_us));
-        bench.run(5 * cycle_us);
+        for (int i = 0; i < 2; i++) {
+            EXPECT_EQ(ROBUROC4_MOVE_RUNNING,
+                      roburoc4_move_step(&move, &bench.client, bench.now_us));
+            bench.run(5 * cycle_us);
+        }
         EXPECT_EQ(result, roburoc4_move_step(&move, &bench.client, bench.now_us))
             << way_m << " m, " << theta_rad << " rad";
     }
 }
 
 TEST(MoveResult, EveryResultHasASentence) {
-    for (std::int32_t result = ROBUROC4_MOVE_RUNNING; result <= ROBUROC4_MOVE_CANCELLED; result++) {
+    for (std::int32_t result = ROBUROC4_MOVE_RUNNING; result <= ROBUROC4_MOVE_NO_REAR_TELEMETER;
+         result++) {
         const std::string text = roburoc4_move_result_text(result);
         EXPECT_GT(text.size(), 8U);
         EXPECT_NE("unknown result", text);
     }
     EXPECT_STREQ("unknown result", roburoc4_move_result_text(-1));
-    EXPECT_STREQ("unknown result", roburoc4_move_result_text(10));
+    EXPECT_STREQ("unknown result", roburoc4_move_result_text(19));
 }

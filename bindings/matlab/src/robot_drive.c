@@ -135,8 +135,13 @@ static int begin_move(call *in) {
     }
     options.clearance_m = clearance_m < 0 ? options.clearance_m : (float)clearance_m;
     options.timeout_ms = (uint32_t)(in->numbers[6] * 1000);
-    return begin(&((robot *)in->object)->move, kind, to, &options) >= 0 ||
-           fail(FAIL_ARGUMENT, "a move is at most 10 km long, and turns by at most 10000 rad");
+    const roburoc4_result result = begin(&((robot *)in->object)->move, kind, to, &options);
+    return result >= 0 ||
+           fail(FAIL_ARGUMENT,
+                result == ROBUROC4_ERR_UNITS
+                    ? "angles are in radians, at most two turns; speeds in m/s and rad/s, at most "
+                      "5 and 10"
+                    : "a move is at most 10 km long, and turns by at most 10000 rad");
 }
 
 /* moveStep(id): continue; false when the move has ended */
@@ -144,18 +149,20 @@ static int step_move(call *in) {
     roburoc4_move *move = &((robot *)in->object)->move;
     in->number = roburoc4_move_step(move, in->client, in->now_us) == ROBUROC4_MOVE_RUNNING;
     if (in->number != 0.0) {
-        roburoc4_result ignored =
+        const roburoc4_result driven =
             roburoc4_client_drive(in->client, move->linear_m_s, move->angular_rad_s, 0, in->now_us);
-        (void)ignored;
+        (void)driven; /* where it is refused, the next step ends the move */
     }
     return 1;
 }
 
 /* moveResult(id): its progress, or how it ended */
 static int read_move(call *in) {
-    static const char *const names[] = {"running",  "reached",   "override", "bumper",
-                                        "obstacle", "inhibited", "lost",     "other_commander",
-                                        "timeout",  "cancelled", "lapsed"};
+    static const char *const names[] = {
+        "running",         "reached",        "override",           "bumper",           "obstacle",
+        "inhibited",       "lost",           "other_commander",    "timeout",          "cancelled",
+        "lapsed",          "odometry",       "relocalized",        "off_course",       "too_fast",
+        "no_front_bumper", "no_rear_bumper", "no_front_telemeter", "no_rear_telemeter"};
     static const field figures[] = {
         FIELD(roburoc4_move, distance_m, FLOAT), FIELD(roburoc4_move, angle_rad, FLOAT),
         FIELD(roburoc4_move, remaining_m, FLOAT), FIELD(roburoc4_move, remaining_rad, FLOAT)};

@@ -61,6 +61,8 @@ sim.step(0.5);
 check(~mex('moveStep', r.id), 'the move goes on after a hang');
 result = mex('moveResult', r.id);
 check(strcmp(result.result, 'lapsed'), 'the move: %s', result.result);
+sim.step(1);
+check(r.status.disarm_cause == roburoc4.Result.LAPSED, 'the lapse of a move disarms');
 delete(r);
 
 r = sim.connect('lapse_disarm_ms', 0);

@@ -69,6 +69,30 @@ def test_speed_is_that_of_the_move(sim: Simulator) -> None:
         assert robot.now_s - begun_s > 9
 
 
+def test_a_time_is_a_time(sim: Simulator) -> None:
+    with sim.connect() as robot:
+        robot.arm()
+        robot.move_for(0.3, 0.0, 3.0)
+        assert sim.true_pose.x_m == pytest.approx(0.3 * 3 - 0.3 * 0.3 / 0.5, abs=0.03)
+
+
+def test_degrees_and_speeds_beyond_the_ceilings_are_refused(sim: Simulator) -> None:
+    with sim.connect() as robot:
+        robot.arm()
+        for turn in (lambda: robot.turn(90.0), lambda: robot.arc(1.0, 90.0)):
+            with pytest.raises(roburoc4.ArgumentError, match="not degrees"):
+                turn()
+        with pytest.raises(roburoc4.ArgumentError, match="not mm/s"):
+            robot.move_for(300.0, 0.0, 1.0)
+        for move in (lambda: robot.move(1.0, speed=1.1), lambda: robot.move_for(0.0, 1.6, 1.0)):
+            with pytest.raises(MoveError, match="ceilings") as caught:
+                move()
+            assert caught.value.result.outcome is MoveOutcome.TOO_FAST
+        assert sim.state.nonzero_speed_commands == 0
+        robot.turn(4.5 * math.pi, speed=1.5, turns=True)
+        assert sim.true_pose.theta_rad == pytest.approx(math.pi / 2, abs=2 * DEGREE)
+
+
 def test_progress_is_reported(sim: Simulator) -> None:
     seen: list[MoveResult] = []
     with sim.connect() as robot:
@@ -108,6 +132,7 @@ def test_a_stop_button_ends_a_move(sim: Simulator, end: str, code: Result) -> No
         with pytest.raises(MoveError) as caught:
             robot.move(2.0, on_progress=press)
         assert caught.value.code == code
+        assert caught.value.result.outcome is MoveOutcome.CANCELLED
         assert "link" not in str(caught.value)
         assert sim.state.last_linear_m_s == 0
 
@@ -123,12 +148,11 @@ def test_a_program_that_hung_does_not_continue_its_move(sim: Simulator, hang_s: 
         robot.arm()
         with pytest.raises(MoveError, match="in time") as caught:
             robot.move(2.0, on_progress=hang)
-        assert MoveOutcome.LAPSED is caught.value.result.outcome or caught.value.code == (
-            Result.LAPSED
-        )
+        assert caught.value.result.outcome is MoveOutcome.LAPSED
         commands = sim.state.nonzero_speed_commands
         robot.sleep(2)
         assert sim.state.nonzero_speed_commands == commands
+        assert robot.facts.disarm_cause is Result.LAPSED
 
 
 @pytest.mark.parametrize("seconds", [0.01, 60])

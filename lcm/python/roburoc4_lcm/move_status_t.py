@@ -36,6 +36,19 @@ class move_status_t(object):
     """ By a stop command, or by another command """
     RESULT_LAPSED = 10
     """ It was not sent again in time """
+    RESULT_ODOMETRY = 11
+    """ What was commanded, the speeds and the pose disagree """
+    RESULT_RELOCALIZED = 12
+    """ The pose was set, or jumped """
+    RESULT_OFF_COURSE = 13
+    """ At rest, beside its goal """
+    RESULT_TOO_FAST = 14
+    """ A speed beyond the bridge's ceilings was asked for """
+    RESULT_NO_FRONT_BUMPER = 15
+    """ With a clearance: a sensor that it needs is not known, or not fresh """
+    RESULT_NO_REAR_BUMPER = 16
+    RESULT_NO_FRONT_TELEMETER = 17
+    RESULT_NO_REAR_TELEMETER = 18
 
     def __init__(self):
         self.utime = 0

@@ -219,11 +219,12 @@ methods
         %   result as a sentence.
         %   move(R, METRES, 'Name', value, ...) takes options:
         %
-        %      speed (0.3)       m/s
+        %      speed (0.3)       m/s, within the ceilings max_linear_m_s and max_angular_rad_s
         %      clearance (0.5)   metres to keep from what telemeters see in the direction of
-        %                        travel, in addition to the braking distance; 0: ignore telemeters.
-        %                        Telemeters miss things
-        %      timeout           seconds; by default four times what it should take, plus 10
+        %                        travel, in addition to the braking distance. It needs telemeters
+        %                        and bumpers that are known; 0 drives without them. Telemeters
+        %                        miss things
+        %      timeout           seconds; by default twice what its profile takes, plus 3
         %
         %   Raises roburoc4:moveEnded with the reason if it does not reach its goal: a pressed
         %   bumper, something in the way, the game pad, an emergency stop, a lost link. The robot may

@@ -145,6 +145,14 @@ def roburoc4_move_to_point(move: Move, x_m: float, y_m: float, options: MoveOpti
 def roburoc4_move_to_pose(
     move: Move, x_m: float, y_m: float, theta_rad: float, options: MoveOptions, /
 ) -> int: ...
+def roburoc4_move_for(
+    move: Move,
+    linear_m_s: float,
+    angular_rad_s: float,
+    duration_ms: int,
+    options: MoveOptions,
+    /,
+) -> int: ...
 def roburoc4_move_rest(move: Move, options: MoveOptions, /) -> int: ...
 def roburoc4_move_cancel(move: Move, connection: Connection, /) -> None: ...
 

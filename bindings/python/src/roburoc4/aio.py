@@ -210,16 +210,32 @@ class Robot(RobotBase):
         options = MoveOptions(speed, None, clearance, timeout)
         return await self._go(Move(self._connection, options).by(distance_m, 0.0), on_progress)
 
+    async def move_for(
+        self,
+        linear_m_s: float,
+        angular_rad_s: float,
+        seconds: float,
+        *,
+        clearance: float | None = None,
+        timeout: float | None = None,
+        on_progress: Progress | None = None,
+    ) -> MoveResult:
+        """See :meth:`roburoc4.Robot.move_for`."""
+        options = MoveOptions(None, None, clearance, timeout)
+        move = Move(self._connection, options).for_(linear_m_s, angular_rad_s, seconds)
+        return await self._go(move, on_progress)
+
     async def turn(
         self,
         angle_rad: float,
         *,
         speed: float | None = None,
         timeout: float | None = None,
+        turns: bool = False,
         on_progress: Progress | None = None,
     ) -> MoveResult:
         """See :meth:`roburoc4.Robot.turn`."""
-        options = MoveOptions(None, speed, None, timeout)
+        options = MoveOptions(None, speed, None, timeout, turns)
         return await self._go(Move(self._connection, options).by(0.0, angle_rad), on_progress)
 
     async def arc(
@@ -230,10 +246,11 @@ class Robot(RobotBase):
         speed: float | None = None,
         clearance: float | None = None,
         timeout: float | None = None,
+        turns: bool = False,
         on_progress: Progress | None = None,
     ) -> MoveResult:
         """See :meth:`roburoc4.Robot.arc`."""
-        options = arc_options(distance_m, angle_rad, speed, clearance, timeout)
+        options = arc_options(distance_m, angle_rad, speed, clearance, timeout, turns)
         return await self._go(
             Move(self._connection, options).by(distance_m, angle_rad), on_progress
         )

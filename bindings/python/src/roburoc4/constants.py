@@ -167,6 +167,14 @@ class MoveOutcome(IntEnum):
     TIMEOUT = 8
     CANCELLED = 9
     LAPSED = 10
+    ODOMETRY = 11
+    RELOCALIZED = 12
+    OFF_COURSE = 13
+    TOO_FAST = 14
+    NO_FRONT_BUMPER = 15
+    NO_REAR_BUMPER = 16
+    NO_FRONT_TELEMETER = 17
+    NO_REAR_TELEMETER = 18
 
     @property
     def text(self) -> str:

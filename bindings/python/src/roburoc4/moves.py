@@ -16,9 +16,11 @@ from .errors import (
     ClosedError,
     NotKnownError,
     RobotError,
+    check_speeds,
     error_of,
     finite,
     is_within,
+    switch,
     unusable,
 )
 from .records import LocalizationStatus
@@ -29,6 +31,7 @@ __all__ = ["MoveError", "MoveResult"]
 STEP_S = 0.05
 """A move is stepped with every status, and at least this often."""
 _LONGEST_S = 4e6
+_UNITS = "radians (not degrees), or turns=True for more than two turns"
 
 
 class MoveResult(NamedTuple):
@@ -59,9 +62,7 @@ class MoveError(RobotError):
 
     def __init__(self, result: MoveResult, code: int = Result.STATE) -> None:
         text = result.outcome.text
-        if code in (Result.STOPPED, Result.LAPSED):
-            text = Result(code).text
-        elif result.outcome in (MoveOutcome.LOST, MoveOutcome.CANCELLED) and code != Result.STATE:
+        if result.outcome in (MoveOutcome.LOST, MoveOutcome.CANCELLED) and code != Result.STATE:
             cause = Result(code).text.partition(":")[0]
             text = f"{cause}: {text}"
         super().__init__(text, code)
@@ -79,6 +80,7 @@ class MoveOptions(NamedTuple):
     angular_rad_s: float | None = None
     clearance_m: float | None = None
     timeout_s: float | None = None
+    turns: bool = False
 
     def native(self) -> "_native.MoveOptions":
         """Make the C struct; ArgumentError names invalid values."""
@@ -101,6 +103,7 @@ class MoveOptions(NamedTuple):
             if not is_within(0.0, self.clearance_m, 100.0):
                 raise unusable("clearance", self.clearance_m, "0 (ignore telemeters) to 100 m")
             set_member("move_options", options, "clearance_m", self.clearance_m)
+        set_member("move_options", options, "turns", int(switch("turns", self.turns)))
         return options
 
 
@@ -110,12 +113,13 @@ def arc_options(
     speed: float | None,
     clearance: float | None,
     timeout: float | None,
+    turns: bool,
 ) -> MoveOptions:
     """Choose the turn rate that results from the speed."""
     turn_rate = None
     if speed is not None and distance_m != 0.0:
         turn_rate = min(speed * abs(angle_rad / distance_m), MAX_RAD_S) or None
-    return MoveOptions(speed, turn_rate, clearance, timeout)
+    return MoveOptions(speed, turn_rate, clearance, timeout, turns)
 
 
 class Move:
@@ -132,7 +136,9 @@ class Move:
         self._refuse_disarmed()
         try:
             _native.roburoc4_move_by(self._move, distance_m, angle_rad, self._options)
-        except ArgumentError:
+        except ArgumentError as error:
+            if error.code is Result.UNITS:
+                raise unusable("angle_rad", angle_rad, _UNITS, error.code) from None
             raise ArgumentError(
                 f"{distance_m} m and {angle_rad} rad is too far: give m within 10 km, and rad "
                 "within 10000",
@@ -149,6 +155,17 @@ class Move:
         else:
             theta_rad = math.remainder(theta_rad, math.tau)
             _native.roburoc4_move_to_pose(self._move, x_m, y_m, theta_rad, self._options)
+        return self
+
+    def for_(self, linear_m_s: float, angular_rad_s: float, seconds: float) -> "Move":
+        """Drive at these speeds for a time, with ramps inside of it."""
+        check_speeds(linear_m_s, angular_rad_s)
+        if not is_within(0.0, seconds, _LONGEST_S):
+            raise unusable("seconds", seconds, f"0 to {_LONGEST_S:g} s")
+        self._refuse_disarmed()
+        _native.roburoc4_move_for(
+            self._move, linear_m_s, angular_rad_s, round(seconds * 1000), self._options
+        )
         return self
 
     def rest(self) -> "Move":

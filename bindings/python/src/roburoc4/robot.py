@@ -181,14 +181,32 @@ class Robot(RobotBase):
     ) -> MoveResult:
         """Drive this far straight ahead (negative: backward), and wait until the robot is at rest.
 
-        ``speed`` is in m/s (0.3). The move ends if a telemeter (ultrasonic rangefinder) sees
-        something nearer than the braking distance plus ``clearance`` in metres (0.5; 0: ignore
-        telemeters). Telemeters miss things. ``timeout`` is in seconds. ``on_progress`` is called
-        repeatedly with a MoveResult. The robot must be armed. Raises MoveError if the goal was not
-        reached.
+        ``speed`` is in m/s (0.3), within the ceilings. The move ends if a telemeter (ultrasonic
+        rangefinder) sees something nearer than the braking distance plus ``clearance`` in metres
+        (0.5). It needs telemeters and bumpers that are known; 0 drives without them. Telemeters
+        miss things. ``timeout`` is in seconds. ``on_progress`` is called repeatedly with a
+        MoveResult. The robot must be armed. Raises MoveError if the goal was not reached.
         """
         options = MoveOptions(speed, None, clearance, timeout)
         return self._go(Move(self._connection, options).by(distance_m, 0.0), on_progress)
+
+    def move_for(
+        self,
+        linear_m_s: float,
+        angular_rad_s: float,
+        seconds: float,
+        *,
+        clearance: float | None = None,
+        timeout: float | None = None,
+        on_progress: Progress | None = None,
+    ) -> MoveResult:
+        """Drive at these speeds for this time, from the first speed to the last, however far.
+
+        It speeds up and brakes gently inside that time. Otherwise as :meth:`move`.
+        """
+        options = MoveOptions(None, None, clearance, timeout)
+        move = Move(self._connection, options).for_(linear_m_s, angular_rad_s, seconds)
+        return self._go(move, on_progress)
 
     def turn(
         self,
@@ -196,13 +214,15 @@ class Robot(RobotBase):
         *,
         speed: float | None = None,
         timeout: float | None = None,
+        turns: bool = False,
         on_progress: Progress | None = None,
     ) -> MoveResult:
         """Turn in place by this angle (negative: to the right), at ``speed`` rad/s (0.5).
 
-        Otherwise as :meth:`move`, but telemeters are ignored.
+        More than two turns must be meant, with ``turns``: degrees look like that. Otherwise as
+        :meth:`move`, but telemeters are ignored.
         """
-        options = MoveOptions(None, speed, None, timeout)
+        options = MoveOptions(None, speed, None, timeout, turns)
         return self._go(Move(self._connection, options).by(0.0, angle_rad), on_progress)
 
     def arc(
@@ -213,10 +233,14 @@ class Robot(RobotBase):
         speed: float | None = None,
         clearance: float | None = None,
         timeout: float | None = None,
+        turns: bool = False,
         on_progress: Progress | None = None,
     ) -> MoveResult:
-        """Drive this far along an arc that turns by this angle; otherwise as :meth:`move`."""
-        options = arc_options(distance_m, angle_rad, speed, clearance, timeout)
+        """Drive this far along an arc that turns by this angle; otherwise as :meth:`turn`.
+
+        The turn rate follows from ``speed``, which is in m/s. Telemeters count.
+        """
+        options = arc_options(distance_m, angle_rad, speed, clearance, timeout, turns)
         return self._go(Move(self._connection, options).by(distance_m, angle_rad), on_progress)
 
     def go_to(

@@ -30,13 +30,14 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command."""
     parser = commands.add_parser(
         "drive",
-        help="drive the distance V*N and turn by W*N, with gentle acceleration",
-        description="Drive the distance V*N and turn by the angle W*N, with gentle acceleration. "
-        "Positive is ahead and to the left. The robot stops however this ends.",
+        help="drive at these speeds for a time, with gentle acceleration",
+        description="Drive at these speeds for N seconds, from the first speed to the last, with "
+        "gentle acceleration and braking inside that time. Positive is ahead and to the left. The "
+        "robot stops however this ends.",
     )
     parser.add_argument("linear", metavar="V", type=linear_m_s, help="speed in m/s")
     parser.add_argument("angular", metavar="W", type=angular_rad_s, help="turn rate in rad/s")
-    add_seconds(parser, "how long the robot would drive at these speeds, in s", required=True)
+    add_seconds(parser, "from the first speed to the last one, in s", required=True)
     add_looking(parser)
     session.add_driving(parser)
     add_robot(parser)
@@ -49,15 +50,10 @@ def run(options: DriveOptions) -> int:
     def step(robot: Robot, show: Callable[[MoveResult], object]) -> MoveResult:
         linear = within_limits(robot, options.linear, "m/s") or 0.0
         angular = within_limits(robot, options.angular, "rad/s") or 0.0
-        way_m, angle_rad = linear * options.seconds, angular * options.seconds
-        if linear == 0.0:
-            return robot.turn(
-                angle_rad, speed=abs(angular) or None, timeout=options.timeout, on_progress=show
-            )
-        return robot.arc(
-            way_m,
-            angle_rad,
-            speed=abs(linear),
+        return robot.move_for(
+            linear,
+            angular,
+            options.seconds,
             clearance=options.clearance,
             timeout=options.timeout,
             on_progress=show,
@@ -71,7 +67,7 @@ def run(options: DriveOptions) -> int:
         )
     intention = (
         f"at {options.linear:g} m/s and {options.angular:g} rad/s for {options.seconds:g} s, "
-        f"about {way_m:.1f} m"
+        f"at most {way_m:.1f} m"
     )
     total, unit = (turn_rad, "rad") if options.linear == 0.0 else (way_m, "m")
     speeds = {"linear": options.linear, "angular": options.angular}

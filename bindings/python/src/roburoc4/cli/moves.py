@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     # A step of a command: called with the robot and a function that reports progress.
     Step = Callable[[Robot, Callable[[MoveResult], object]], MoveResult]
 
+_SIDE = number(0.1, FARTHEST, "m")
 _SPEED = number(0.001, 5.0, "m/s")
 _TURN_RATE = number(0.001, 10.0, "rad/s")
 _CLEARANCE = number(0.0, 100.0, "m")
@@ -50,7 +51,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser.add_argument("x", metavar="X", type=coordinate, help="metres, in the main frame")
     parser.add_argument("y", metavar="Y", type=coordinate, help="metres, in the main frame")
     parser = _add(commands, "square", _run_square, "drive a square to the left")
-    parser.add_argument("metres", metavar="METRES", type=way_m, help="the length of a side")
+    parser.add_argument("metres", metavar="METRES", type=_SIDE, help="the length of a side")
 
 
 def _add(
@@ -85,7 +86,8 @@ def add_looking(parser: argparse.ArgumentParser) -> None:
         "--clearance",
         metavar="METRES",
         type=_CLEARANCE,
-        help="distance to keep from what telemeters see (default 0.5; 0: ignore them)",
+        help="distance to keep from what telemeters see (default 0.5; 0: ignore them, and bumpers "
+        "that are not known)",
     )
     parser.add_argument(
         "--timeout", metavar="SECONDS", type=seconds, help="the longest time that it may take"
@@ -104,7 +106,9 @@ def _run_move(options: MoveOptions) -> int:
 def _run_turn(options: MoveOptions) -> int:
     def step(robot: Robot, show: Callable[[MoveResult], object]) -> MoveResult:
         speed = within_limits(robot, options.speed, "rad/s")
-        return robot.turn(options.angle, speed=speed, timeout=options.timeout, on_progress=show)
+        return robot.turn(
+            options.angle, speed=speed, timeout=options.timeout, turns=True, on_progress=show
+        )
 
     degrees = math.degrees(options.angle)
     intention = f"a turn of {degrees:.0f}°"
@@ -138,9 +142,8 @@ def _run_square(options: MoveOptions) -> int:
     def corner(robot: Robot, show: Callable[[MoveResult], object]) -> MoveResult:
         return robot.turn(math.pi / 2, timeout=options.timeout, on_progress=show)
 
-    length = 4 * abs(options.metres)
     intention = f"a square of {options.metres:g} m"
-    return go(options, intention, length, "m", [side, corner] * 4, linear=options.speed)
+    return go(options, intention, 4 * options.metres, "m", [side, corner] * 4, linear=options.speed)
 
 
 def _given(options: MoveOptions, speed: float | None) -> dict[str, float | None]:

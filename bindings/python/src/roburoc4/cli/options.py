@@ -83,7 +83,8 @@ def angle(text: str) -> float:
     """Convert radians, or degrees as in 90deg."""
     degrees = text.strip().lower().removesuffix("deg")
     if degrees == text.strip().lower():
-        return number(-10000.0, 10000.0, "rad, or degrees such as 90deg")(text)
+        plain = f"rad; did you mean {degrees}deg?"
+        return number(-2 * math.tau, 2 * math.tau, plain)(text)
     return math.radians(number(-570000.0, 570000.0, "degrees")(degrees))
 
 

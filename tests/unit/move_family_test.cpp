@@ -1,0 +1,249 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * move_family_test.cpp - moves on robots that are not the simulator: the judge of bench/family.h on
+ * a sample, and robots whose odometry or sensors are wrong.
+ */
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <random>
+
+#include "family.h"
+
+namespace {
+
+constexpr double degree = 3.14159265358979323846 / 180;
+const family_member nominal{2.46, 0.79, 1, 0, 0, 10, 50, 0.3, 0, 0};
+
+/** One robot with something wrong, and its client. */
+class MoveFault : public testing::Test {
+  protected:
+    MoveFault() {
+        family_prepare(&rig, &nominal, 1);
+        roburoc4_move_options_init(&options, sizeof options);
+    }
+    void arm() {
+        family_connect(&rig, nullptr);
+        ASSERT_EQ(1, family_arm(&rig));
+        family_pass(&rig, 1000);
+    }
+    std::int32_t go(const std::function<void()> &when = nullptr) {
+        begin_m = rig.robot.distance_m;
+        begin_rad = rig.robot.theta_rad;
+        meanwhile = when;
+        const std::int32_t result = family_go(
+            &rig, &move, 120000,
+            [](void *self) {
+                const auto *test = static_cast<MoveFault *>(self);
+                if (test->meanwhile)
+                    test->meanwhile();
+            },
+            this);
+        family_pass(&rig, 4000); /* until it has rolled out */
+        return result;
+    }
+    std::int32_t by(float distance_m, float angle_rad,
+                    const std::function<void()> &when = nullptr) {
+        EXPECT_EQ(ROBUROC4_OK, roburoc4_move_by(&move, distance_m, angle_rad, &options));
+        return go(when);
+    }
+    [[nodiscard]] double drove() const {
+        return rig.robot.distance_m - begin_m;
+    }
+    [[nodiscard]] double turned() const {
+        return rig.robot.theta_rad - begin_rad;
+    }
+
+    family_rig rig{};
+    roburoc4_move move{};
+    roburoc4_move_options options{};
+    std::function<void()> meanwhile;
+    double begin_m = 0, begin_rad = 0;
+};
+
+} // namespace
+
+/* ------------------------------------------------------------------------------ the witnesses */
+
+TEST_F(MoveFault, FrozenOdometryEndsIt) {
+    arm();
+    rig.robot.frozen = 1;
+    for (const float speed : {0.3F, 1.0F}) {
+        options.linear_m_s = options.angular_rad_s = speed;
+        EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, by(1, 0));
+        EXPECT_LT(drove(), 1.3) << speed;
+        EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, by(0, static_cast<float>(90 * degree)));
+        EXPECT_LT(turned(), 120 * degree) << speed;
+    }
+}
+
+TEST_F(MoveFault, MirroredTurnsEndIt) {
+    rig.robot.scale_angle = -1;
+    arm();
+    EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, by(0, static_cast<float>(90 * degree)));
+    EXPECT_LT(std::fabs(turned()), 120 * degree);
+}
+
+TEST_F(MoveFault, OdometryAtHalfScaleEndsIt) {
+    rig.robot.scale_distance = rig.robot.scale_angle = 0.5;
+    arm();
+    EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, by(1, 0));
+    EXPECT_LT(drove(), 1.3);
+    EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, by(0, static_cast<float>(90 * degree)));
+    EXPECT_LT(turned(), 120 * degree);
+}
+
+TEST_F(MoveFault, CorrectionsOfACentimetreDoNotAddUp) {
+    arm();
+    const std::int32_t result = by(2, 0, [&] { rig.robot.odometry_x_m -= 0.002; });
+    EXPECT_EQ(ROBUROC4_MOVE_ODOMETRY, result);
+    EXPECT_LT(drove(), 2.3);
+}
+
+TEST_F(MoveFault, AJumpOfThePoseEndsIt) {
+    arm();
+    EXPECT_EQ(ROBUROC4_MOVE_RELOCALIZED, by(2, 0, [&] {
+                  if (drove() > 1 && rig.robot.odometry_x_m < 4)
+                      rig.robot.odometry_x_m += 5;
+              }));
+    EXPECT_LT(drove(), 1.5);
+}
+
+TEST_F(MoveFault, ASilentLocalizationEndsIt) {
+    arm();
+    EXPECT_EQ(ROBUROC4_MOVE_LOST, by(2, 0, [&] {
+                  if (drove() > 0.5)
+                      rig.robot.silent |= 1U << ROBUROC4_SERVICE_LOCALIZATION;
+              }));
+    EXPECT_LT(drove(), 1.2);
+}
+
+TEST_F(MoveFault, APoseThatIsNotFreshPlansNothing) {
+    arm();
+    rig.robot.silent |= 1U << ROBUROC4_SERVICE_LOCALIZATION;
+    family_pass(&rig, 12500);
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_to_point(&move, 0.1, 0, &options));
+    EXPECT_EQ(ROBUROC4_MOVE_LOST, go());
+    EXPECT_NEAR(0, drove(), 0.001);
+}
+
+/* ---------------------------------------------------------------- what is not seen is not free */
+
+TEST_F(MoveFault, WithoutAnyTelemeterInItsDirectionItDoesNotBegin) {
+    const std::function<void()> faults[] = {
+        [&] { rig.robot.unanswered |= 1U << ROBUROC4_SERVICE_TELEMETER; },
+        [&] { rig.robot.telemeters = rig.robot.distances = 0; },
+        [&] { rig.robot.telemeter_rad[0] = rig.robot.telemeter_rad[1] = 1.57F; },
+        [&] { rig.robot.silent |= 1U << ROBUROC4_SERVICE_TELEMETER; },
+        [&] { rig.robot.distances = 0; }};
+    for (const auto &fault : faults) {
+        family_prepare(&rig, &nominal, 1);
+        fault();
+        rig.robot.wall_x_m = 0.9;
+        family_connect(&rig, nullptr);
+        if (!family_arm(&rig))
+            continue; /* not armed is safe, too */
+        EXPECT_EQ(ROBUROC4_MOVE_NO_FRONT_TELEMETER, by(2, 0));
+        EXPECT_EQ(ROBUROC4_MOVE_NO_REAR_TELEMETER, by(-2, 0));
+        EXPECT_NEAR(0, drove(), 0.001);
+        options.clearance_m = 0;
+        EXPECT_EQ(ROBUROC4_MOVE_REACHED, by(0.2F, 0));
+        options.clearance_m = 0.5F;
+    }
+}
+
+TEST_F(MoveFault, WithoutADistanceBehindItMovesOnlyAhead) {
+    rig.robot.distances = 1;
+    arm();
+    EXPECT_EQ(ROBUROC4_MOVE_NO_REAR_TELEMETER, by(-0.3F, 0));
+    EXPECT_NEAR(0, drove(), 0.001);
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, by(0.3F, 0));
+}
+
+TEST_F(MoveFault, TelemetersThatFallSilentKeepItAwayFromTheWall) {
+    arm();
+    rig.robot.wall_x_m = 3;
+    for (const float speed : {0.3F, 1.0F}) {
+        options.linear_m_s = speed;
+        const std::int32_t result = by(4, 0, [&] {
+            if (3 - rig.robot.x_m < 1.8)
+                rig.robot.silent |= 1U << ROBUROC4_SERVICE_TELEMETER;
+        });
+        EXPECT_NE(ROBUROC4_MOVE_REACHED, result);
+        EXPECT_GT(3 - rig.robot.x_m, 0.45) << speed;
+        rig.robot.silent = 0;
+        rig.robot.x_m = 0;
+        family_pass(&rig, 2000);
+        (void)roburoc4_client_arm(&rig.client, family_now_us(&rig));
+    }
+}
+
+TEST_F(MoveFault, AMoveRightAfterArmingWaitsForTheTelemeters) {
+    family_connect(&rig, nullptr);
+    rig.robot.silent |= 1U << ROBUROC4_SERVICE_TELEMETER;
+    ASSERT_EQ(1, family_arm(&rig));
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, by(0.2F, 0, [&] { rig.robot.silent = 0; }));
+}
+
+/* ------------------------------------------------------------------------------- times, units */
+
+TEST_F(MoveFault, ATimeIsATimeHoweverFarTheRobotComes) {
+    for (const double gain : {0.2, 1.0}) {
+        family_member member = nominal;
+        member.gain = gain;
+        family_prepare(&rig, &member, 1);
+        arm();
+        ASSERT_EQ(ROBUROC4_OK, roburoc4_move_for(&move, 0.3F, 0.1F, 3000, &options));
+        (void)go();
+        EXPECT_LE(rig.last_ms - rig.first_ms, 3000U) << gain;
+        if (gain == 1.0) {
+            EXPECT_EQ(ROBUROC4_MOVE_REACHED, move.result);
+            EXPECT_NEAR(3000, rig.last_ms - rig.first_ms, 20);
+            EXPECT_NEAR(0.3 * 3 - 0.3 * 0.3 / 0.5, drove(), 0.02);
+            EXPECT_LT(rig.steepest[0], 0.51);
+        }
+    }
+}
+
+TEST_F(MoveFault, ATimeIsATimeBackwardAndToTheRight) {
+    arm();
+    ASSERT_EQ(ROBUROC4_OK, roburoc4_move_for(&move, -0.3F, -0.1F, 2000, &options));
+    EXPECT_EQ(ROBUROC4_MOVE_REACHED, go());
+    EXPECT_NEAR(2000, rig.last_ms - rig.first_ms, 20);
+    EXPECT_NEAR(-(0.3 * 2 - 0.3 * 0.3 / 0.5), drove(), 0.02);
+}
+
+TEST_F(MoveFault, DegreesAndSpeedsBeyondAnyRobotAreRefused) {
+    EXPECT_EQ(ROBUROC4_ERR_UNITS, roburoc4_move_by(&move, 0, 90, &options));
+    EXPECT_EQ(ROBUROC4_ERR_UNITS, roburoc4_move_to_pose(&move, 0, 0, 90, &options));
+    EXPECT_EQ(ROBUROC4_ERR_UNITS, roburoc4_move_for(&move, 300, 0, 1000, &options));
+    options.linear_m_s = 100;
+    EXPECT_EQ(ROBUROC4_ERR_UNITS, roburoc4_move_by(&move, 1, 0, &options));
+    options.linear_m_s = 1.1F;
+    arm();
+    EXPECT_EQ(ROBUROC4_MOVE_TOO_FAST, by(1, 0));
+    EXPECT_NEAR(0, drove(), 0.001);
+}
+
+TEST(MoveFamily, ADrawnSampleOfRobotsMovesAsItShould) {
+    const char *given = std::getenv("ROBUROC4_SEED");
+    std::uint64_t seed =
+        given != nullptr ? std::strtoull(given, nullptr, 10) : std::random_device{}();
+    std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
+    constexpr int sample = 200;
+    int fine = 0;
+    for (int i = 0; i < sample; i++) {
+        const auto index = static_cast<std::uint32_t>(family_random(&seed) % FAMILY_SIZE);
+        family_member member = family_member_at(index);
+        member.loss = i % 2 != 0 ? 0.2 : 0;
+        const family_verdict verdict = family_judge(&member, seed, 0);
+        if (verdict.fault != nullptr)
+            family_print(&member, &verdict);
+        else
+            fine++;
+    }
+    /* bench/moves judges all of them; see bench/RESULTS.md */
+    EXPECT_GE(fine, sample * 8 / 10);
+}
