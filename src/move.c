@@ -58,6 +58,8 @@
 #define STEP_MAX_US 250000U
 #define STILL_STATUSES 2
 #define FAR_M 10000.0F
+/* Nothing shorter has ever been a view. */
+#define VIEW_SIZE_1_0 112
 #define PI_F 3.14159265F
 #define TWO_TURNS 12.57F
 
@@ -991,11 +993,13 @@ int32_t roburoc4_move_step_view(roburoc4_move *move, const roburoc4_move_view *v
     if (move->result != ROBUROC4_MOVE_RUNNING) {
         return move->result;
     }
-    if (view->size != sizeof *view) {
+    roburoc4_move_view known = {0}; /* the view of an older program lacks the last fields */
+    if (view->size < VIEW_SIZE_1_0 || !size_known(view->size, sizeof known)) {
         move->cause = ROBUROC4_ERR_SIZE;
         return end(move, ROBUROC4_MOVE_CANCELLED);
     }
-    return step(move, view, now_us);
+    memcpy(&known, view, view->size);
+    return step(move, &known, now_us);
 }
 
 /** Whether a speed was asked for that the client would lower; the defaults are lowered. */

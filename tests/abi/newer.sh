@@ -77,9 +77,13 @@ change include/roburoc4.h 'BEGIN { left = 3 }
     }'
 change include/roburoc4_move.h 'BEGIN { left = 3 }
     /^    roburoc4_move_options private_options;/ { left--; next }
-    /^    uint32_t private_timeout_ms;/ { left--; next }
-    /^    uint32_t private_spare\[8\];/ {
-        $0 = "    uint32_t private_spare[7], private_timeout_ms;\n    roburoc4_move_options private_options;"
+    /^    uint32_t private_timeout_ms, private_duration_ms, private_relocalized;/ {
+        $0 = "    uint32_t private_relocalized;"
+        left--
+    }
+    /^    uint32_t private_spare\[6\];/ {
+        $0 = "    uint32_t private_spare[5], private_timeout_ms, private_duration_ms;"
+        $0 = $0 "\n    roburoc4_move_options private_options;"
         left--
     }'
 # A state of the socket, and a counter of it.
