@@ -1069,8 +1069,7 @@ const char *roburoc4_move_result_text(int32_t result) {
         "commands, speeds and pose disagree: check the odometry and what blocks or slips",
         "the robot was relocalized, or its pose jumped: begin again from its new pose",
         "at rest beside its goal: go on from here, slower",
-        "a speed beyond the client's ceilings: ask for less, or raise max_linear_m_s or "
-        "max_angular_rad_s",
+        "a speed beyond the ceilings: ask for less, or raise max_linear_m_s or max_angular_rad_s",
         "the front bumper is not known: see role_index, or drive without by clearance 0",
         "the rear bumper is not known: see role_index, or drive without by clearance 0",
         "no fresh distance ahead: check the front telemeter, or drive without by clearance 0",
