@@ -229,7 +229,7 @@ static int attack(const forgery *f, unsigned count) {
         size = f->make(data, turn);
         client = victim.client;
         const roburoc4_result result =
-            roburoc4_client_receive(&client, data, size, victim.now_us + 1000);
+            roburoc4_client_receive(&client, data, size, victim.now_us + 10000 * (turn + 1));
         if (counted(f, &client, result) != 1) {
             (void)fprintf(stderr, "flood_cost: %s, turn %u: came to %d, and was not counted so\n",
                           f->name, turn, (int)result);

@@ -633,6 +633,7 @@ struct roburoc4_client {
     uint64_t private_now_us, private_idle_until_us;
     uint32_t private_size, private_events, private_state;
     roburoc4_config private_config;
+    uint32_t private_padding; /* where a uint64_t is aligned to 4 bytes, too */
     roburoc4_private_drive private_drive;
     roburoc4_private_follow private_follow;
     roburoc4_private_discovery private_discovery;

@@ -86,7 +86,7 @@ roburoc4_result roburoc4_config_init(roburoc4_config *config, size_t size) {
 
 /** Of a service other than directory and notification, or ROBUROC4_ID_AUTO. */
 static bool id_valid(int32_t id) {
-    return id == ROBUROC4_ID_AUTO || (id > ROBUROC4_SERVICE_NOTIFICATION && id <= UINT16_MAX);
+    return id == ROBUROC4_ID_AUTO || (id > ROBUROC4_SERVICE_NOTIFICATION && id <= 0xFFFF);
 }
 
 static uint32_t first_bad(const roburoc4_config *config) {
