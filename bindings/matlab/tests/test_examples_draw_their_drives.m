@@ -10,7 +10,6 @@ check(numel(data.localization.x_m) == 100 && max(data.differential.current_linea
 
 track = drive_square([], fullfile(folder, 'matlab-square.png'));
 check(abs(max(track(:, 1)) - 1.5) < 0.05 && abs(max(track(:, 2)) - 1.5) < 0.05, 'no square');
-% Each move ends up to 1 cm and 1 degree off: docs/moves.md.
 check(norm(track(end, 1:2)) < 0.1, 'it does not close, by odometry: %g m', norm(track(end, 1:2)));
 
 fit = speed_response([], fullfile(folder, 'matlab-speed-response.png'));
