@@ -11,7 +11,8 @@ namespace {
 /* It grows faster than clocks can drift apart: what grows slower cannot be told from a clock. */
 void draw_queue(Random &random, Weather &weather, bool own_queues) {
     const double growths[] = {0.002, 0.02, 0.2, 0.8, 1000};
-    weather.growth = random.pick(growths) * random.uniform(1, 3);
+    weather.growth = random.pick(growths);
+    weather.growth *= random.uniform(1, 3);
     weather.queue_us = random.between(100000, random.chance(0.2) ? 30000000 : 3000000);
     if (random.chance(0.3))
         weather.step_us = random.between(20000, 300000);

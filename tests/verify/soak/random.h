@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * random.h - seeded random numbers (splitmix64): the same seed gives the same run everywhere.
+ * random.h - seeded random numbers (splitmix64): the same seed gives the same run everywhere,
+ * as long as no two are drawn in one expression whose order the compiler may choose.
  */
 #ifndef ROBUROC4_SOAK_RANDOM_H
 #define ROBUROC4_SOAK_RANDOM_H

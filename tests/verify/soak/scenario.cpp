@@ -196,10 +196,12 @@ class Scenario {
         if ((draw -= manners_.arms) < 0) {
             armed_ = world_.arm() >= 0;
         } else if ((draw -= manners_.drives) < 0) {
-            if (world_.report().armed || manners_.persists)
-                world_.drive(next_target(), draw_lease());
-            else
+            if (world_.report().armed || manners_.persists) {
+                const Speeds target = next_target();
+                world_.drive(target, draw_lease());
+            } else {
                 world_.arm();
+            }
         } else if ((draw -= manners_.stops) < 0) {
             world_.stop();
         } else if ((draw -= manners_.pauses) < 0) {
@@ -214,8 +216,10 @@ class Scenario {
             return target_;
         target_ = {static_cast<float>(random_.uniform(-1.2, 1.2)),
                    static_cast<float>(random_.uniform(-2, 2))};
-        if (random_.chance(0.3)) /* small, or on one axis */
-            (random_.chance(0.5) ? target_.v : target_.w) *= random_.chance(0.5) ? 0.0F : 0.1F;
+        if (random_.chance(0.3)) { /* small, or on one axis */
+            float &axis = random_.chance(0.5) ? target_.v : target_.w;
+            axis *= random_.chance(0.5) ? 0.0F : 0.1F;
+        }
         if (random_.chance(0.1))
             target_ = {};
         if (random_.chance(0.02))
@@ -241,6 +245,10 @@ class Scenario {
         config_.role_index[ROBUROC4_ROLE_OVERRIDE] = static_cast<std::int16_t>(index);
     }
 
+    void subscribe(std::uint32_t service) {
+        world_.subscribe(service, static_cast<std::uint32_t>(10 * random_.between(1, 10)));
+    }
+
     void act_oddly() {
         switch (random_.between(0, 6)) {
         case 0:
@@ -253,9 +261,8 @@ class Scenario {
             world_.relocalize();
             break;
         case 3:
-            world_.subscribe(random_.chance(0.5) ? ROBUROC4_SERVICE_TELEMETER
-                                                 : ROBUROC4_SERVICE_DIFFERENTIAL,
-                             static_cast<std::uint32_t>(10 * random_.between(1, 10)));
+            subscribe(random_.chance(0.5) ? ROBUROC4_SERVICE_TELEMETER
+                                          : ROBUROC4_SERVICE_DIFFERENTIAL);
             break;
         case 4:
             world_.close();
@@ -281,13 +288,18 @@ class Scenario {
         return draw_weather(random_, plan_.own_queues);
     }
 
+    void change_both_directions() {
+        const Weather to_robot = weather();
+        world_.set_weather(to_robot, weather());
+    }
+
     void begin_mishap() {
         const Speeds pad = {static_cast<float>(random_.uniform(-1, 1)),
                             static_cast<float>(random_.uniform(-1, 1))};
         switch (random_.between(0, 14)) {
         case 0:
         case 1:
-            world_.set_weather(weather(), weather());
+            change_both_directions();
             break;
         case 2:
             world_.set_weather(weather(), Weather());
@@ -325,7 +337,7 @@ class Scenario {
             break;
         case 13:
             pose_until_us_ = world_.now_us() + random_.between(100, 3000) * 1000;
-            world_.set_weather(weather(), weather());
+            change_both_directions();
             world_.relocalize();
             break;
         default:
