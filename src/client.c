@@ -108,7 +108,7 @@ void roburoc4_lifecycle_clock_fault(client *c, uint64_t now_us) {
     roburoc4_drive_rebase(&c->private_drive, now_us);
     roburoc4_requests_rebase(&c->private_requests, now_us);
     c->private_discovery.doubted = 0; /* copies of its answer are no longer waited for */
-    roburoc4_link_rebase(&c->private_link, now_us);
+    roburoc4_link_rebase(&c->private_link, c->private_now_us, now_us);
     c->private_discovery.phase_us = now_us;
     c->private_discovery.probe_us = now_us - SECOND; /* no age is known before the first answer */
     c->private_outputs.sent_us = now_us;

@@ -487,8 +487,11 @@ void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
         }
     } else if (d->lease_active) {
         watch_echo(d, config, reported, ours, now_us, events);
-    } else if (!zero && ours && age_us < config->fresh_ms * MS && has_driven(d)) {
-        stop_again(d); /* a speed of ours came late, or came back */
+    } else if (!zero && ours && has_driven(d)) { /* a speed of ours came late, or came back */
+        d->unconfirmed = 1;
+        if (age_us < config->fresh_ms * MS) {
+            stop_again(d);
+        }
     }
     watch_following(d, f, s,
                     !overridden && (d->lease_active || (!zero && is_finite(reported[LINEAR]) &&

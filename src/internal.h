@@ -117,7 +117,8 @@ uint64_t roburoc4_link_age(const roburoc4_private_link *l, uint32_t index, uint6
 /** Whether the last status is certainly younger than `limit_us`. */
 bool roburoc4_link_fresh(const roburoc4_private_link *l, uint32_t index, uint32_t limit_us,
                          uint64_t now_us);
-void roburoc4_link_rebase(roburoc4_private_link *l, uint64_t now_us);
+/** The clock went back, from then to now. */
+void roburoc4_link_rebase(roburoc4_private_link *l, uint64_t before_us, uint64_t now_us);
 
 /* ---- drive ---- */
 

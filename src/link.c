@@ -248,9 +248,9 @@ static void learn_age(roburoc4_private_link *l, uint64_t transit, uint64_t now_u
         l->floor_age_us = proven_us < AGE_UNKNOWN ? (uint32_t)proven_us : AGE_UNKNOWN;
         l->proven_us = now_us;
     } else if (l->excess_us == 0) {
-        if (excess_us == 0) { /* the clock did not jump */
-            l->slack_us = 0;
-            l->contradicted_us = 0;
+        if (lateness(l, transit) <=
+            l->round_trip_min_us + ROBUROC4_CYCLE_US + drifted_us(l, now_us)) {
+            l->contradicted_us = 0; /* a slow answer alone would not show it */
         }
         l->excess_us = excess_us;
         l->excess_since_us = (uint32_t)now_us;
@@ -283,9 +283,19 @@ static bool clock_was_set(roburoc4_private_link *l, uint64_t transit, uint64_t n
            contradicted_for(l, CONTRADICTION_US, now_us);
 }
 
+static bool was_silent(const roburoc4_private_link *l, uint64_t now_us) {
+    return l->resubscribed || now_us - l->heard_us >= RESTART_US;
+}
+
+/** Whether this machine's clock jumped, so that nothing tells which time the robot should show. */
+static bool clock_is_lost(const roburoc4_private_link *l) {
+    return !l->mapped && l->newest_cycles > 0;
+}
+
 void roburoc4_link_overhear(roburoc4_private_link *l, uint64_t robot_cycles, uint64_t now_us) {
     const uint64_t transit = transit_of(robot_cycles, now_us);
-    if (robot_cycles < l->newest_cycles || ahead_of_time(l, transit, true, now_us)) {
+    if (robot_cycles < l->newest_cycles || ahead_of_time(l, transit, true, now_us) ||
+        (was_silent(l, now_us) && clock_is_lost(l))) {
         return; /* perhaps from another start: its subscribed statuses tell */
     }
     l->newest_cycles = robot_cycles;
@@ -297,7 +307,10 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
                              uint64_t now_us) {
     const uint64_t transit = transit_of(robot_cycles, now_us);
     const bool newest = robot_cycles >= l->newest_cycles;
-    const bool gap = l->resubscribed || now_us - l->heard_us >= RESTART_US;
+    const bool gap = was_silent(l, now_us);
+    if (gap && clock_is_lost(l)) {
+        return VERDICT_REBOOT; /* it may be another start */
+    }
     if (ahead_of_time(l, transit, gap, now_us)) {
         l->back_count++; /* without a gap, one may be a corrupted datagram */
         return gap || l->back_count >= BACK_STATUSES ? VERDICT_REBOOT : VERDICT_OLD;
@@ -371,8 +384,9 @@ void roburoc4_link_invalidate(roburoc4_private_link *l) {
     }
 }
 
-void roburoc4_link_rebase(roburoc4_private_link *l, uint64_t now_us) {
+void roburoc4_link_rebase(roburoc4_private_link *l, uint64_t before_us, uint64_t now_us) {
     roburoc4_link_invalidate(l); /* the age of statuses is no longer known */
+    l->heard_us += now_us - before_us;
     for (uint32_t i = 0; i < STATUS_SERVICES; i++) {
         l->services[i].inserted_us = now_us;
     }

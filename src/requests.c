@@ -347,12 +347,14 @@ slot *roburoc4_requests_match(requests *r, const uint8_t *datagram, size_t size,
         (r->quiet == QUIET_ALL || size < 2 || datagram[1] == ROBUROC4_ACTION_QUERY)) {
         wait_for_copies(r, r->quiet, QUIET_US, now_us);
     }
-    if (oldest != NULL && datagram[0] == ROBUROC4_HEADER_ERROR && is_text(oldest)) {
-        if (fitting > 1 || !r->single_texts) {
+    if (oldest != NULL && datagram[0] == ROBUROC4_HEADER_ERROR) {
+        if (is_text(oldest) && (fitting > 1 || !r->single_texts)) {
             ask_single_texts(r, now_us);
             return NULL;
         }
-        roburoc4_requests_be_quiet(r, oldest, now_us);
+        if (is_text(oldest) || size < 4) { /* its copies must not refuse a text */
+            roburoc4_requests_be_quiet(r, oldest, now_us);
+        }
     }
     if (oldest == NULL || datagram[0] == ROBUROC4_HEADER_ERROR) {
         return oldest;

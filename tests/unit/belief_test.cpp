@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <deque>
+#include <map>
 
 #include "client_bench.h"
 
@@ -104,6 +105,21 @@ TEST_F(StopBelief, IsSentAgainWhenOurSpeedComesBack) {
     EXPECT_EQ(0.0F, robot.target_linear);
 }
 
+TEST_F(StopBelief, IsSentAgainHoweverLateStatusesShowThatOurSpeedCameBack) {
+    bench.armed();
+    ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
+    bench.pause();
+    bench.run(300 * ms);
+    ASSERT_EQ(ROBUROC4_STOP_CONFIRMED, bench.facts().stop_outcome);
+    bench.delay_to_client = [] { return 600 * ms; };
+    robot.target_linear = 1;
+    bench.run(10 * second);
+    EXPECT_EQ(1.0F, robot.target_linear) << "what it shows is too old to act on";
+    bench.delay_to_client = nullptr;
+    bench.run(2 * second);
+    EXPECT_EQ(0.0F, robot.target_linear);
+}
+
 TEST_F(StopBelief, IsRepeatedForAsLongAsOurSpeedIsReported) {
     bench.armed();
     ASSERT_NO_FATAL_FAILURE(bench.driving(1, 0, second));
@@ -147,25 +163,26 @@ TEST_F(StopBelief, LeavesAnotherCommanderAloneLater) {
 
 namespace {
 
-/** Delays statuses, and answers if `all`, by `queue_us`. Its clock is fast by `ppm`. */
+/** Delays statuses, and answers if `all`, by `queue_us`; every other answer by `slow_us`. Its clock
+ *  is fast by `ppm`. */
 struct QueueingRobot : ScriptedRobot {
-    std::uint64_t queue_us = 0;
+    std::uint64_t queue_us = 0, slow_us = 0;
     bool all = false;
     std::int64_t ppm = 0;
 
     std::vector<Bytes> take() override {
         for (Bytes &bytes : ScriptedRobot::take()) {
-            if (all || is_status(bytes)) {
-                held_.emplace_back(at_us_ + queue_us, is_status(bytes) ? stamped(bytes) : bytes);
-            } else {
-                due_.push_back(bytes);
-            }
+            if (is_status(bytes))
+                held_.emplace(at_us_ + queue_us, stamped(bytes));
+            else
+                held_.emplace(at_us_ + (all ? queue_us : ++answers_ % 2 * slow_us), bytes);
         }
-        while (!held_.empty() && held_.front().first <= at_us_) {
-            due_.push_back(held_.front().second);
-            held_.pop_front();
+        std::vector<Bytes> due;
+        while (!held_.empty() && held_.begin()->first <= at_us_) {
+            due.push_back(held_.begin()->second);
+            held_.erase(held_.begin());
         }
-        return std::exchange(due_, {});
+        return due;
     }
     void advance(std::uint64_t now_us) override {
         at_us_ = now_us;
@@ -173,7 +190,7 @@ struct QueueingRobot : ScriptedRobot {
     }
     [[nodiscard]] std::uint64_t next_us() const override {
         const std::uint64_t next = ScriptedRobot::next_us();
-        return held_.empty() ? next : std::min(next, held_.front().first);
+        return held_.empty() ? next : std::min(next, held_.begin()->first);
     }
 
   private:
@@ -187,9 +204,8 @@ struct QueueingRobot : ScriptedRobot {
             bytes[static_cast<std::size_t>(3 + i)] = static_cast<std::uint8_t>(cycles >> (8 * i));
         return bytes;
     }
-    std::uint64_t at_us_ = 0;
-    std::deque<std::pair<std::uint64_t, Bytes>> held_;
-    std::vector<Bytes> due_;
+    std::uint64_t at_us_ = 0, answers_ = 0;
+    std::multimap<std::uint64_t, Bytes> held_;
 };
 
 std::uint32_t age_us(const Bench &bench) {
@@ -263,6 +279,21 @@ TEST(Age, IsLearntAgainAfterThisClockJumpedAhead) {
         bench.run(15 * second);
         EXPECT_EQ(ROBUROC4_OK, bench.arm());
     }
+}
+
+/** A slow answer bounds no age, so it must not end the search for the jump. */
+TEST(Age, IsLearntAgainAfterThisClockJumpedAheadTwice) {
+    QueueingRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    bench.run(5 * second);
+    robot.slow_us = 1100 * ms;
+    for (const std::int64_t jump_ms : {200, 20}) {
+        bench.run(4 * second);
+        bench.skew_us += jump_ms * 1000;
+    }
+    bench.run(15 * second);
+    EXPECT_LT(age_us(bench), 150 * ms);
 }
 
 /* ---- the uplink ---- */
@@ -383,4 +414,36 @@ TEST(Restart, IsNotReportedOfTheSameRobotAfterAnOutage) {
         EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_REBOOTS)) << outage_s;
         EXPECT_EQ(ROBUROC4_OK, bench.arm()) << outage_s;
     }
+}
+
+/** Nothing tells then which time the robot should show. */
+TEST(Restart, InAnOutageIsAssumedIfThisClockWentBackMeanwhile) {
+    for (const std::uint64_t up_s : {20U, 3600U}) {
+        SCOPED_TRACE(up_s);
+        ScriptedRobot robot;
+        Bench bench(robot);
+        robot.set_cycles(1200);
+        bench.ready();
+        robot.powered = false;
+        bench.run(5 * second);
+        bench.skew_us -= static_cast<std::int64_t>(2 * second);
+        bench.run(5 * second);
+        robot.reboot();
+        robot.set_cycles(up_s * 100);
+        robot.powered = true;
+        bench.run(10 * second);
+        EXPECT_EQ(1U, bench.count(ROBUROC4_COUNT_REBOOTS));
+        EXPECT_EQ(ROBUROC4_OK, bench.arm());
+    }
+}
+
+TEST(Restart, IsNotAssumedWhereOnlyThisClockWentBack) {
+    ScriptedRobot robot;
+    Bench bench(robot);
+    bench.ready();
+    bench.run(5 * second);
+    bench.skew_us -= static_cast<std::int64_t>(2 * second);
+    bench.run(5 * second);
+    EXPECT_EQ(0U, bench.count(ROBUROC4_COUNT_REBOOTS));
+    EXPECT_EQ(ROBUROC4_OK, bench.arm());
 }

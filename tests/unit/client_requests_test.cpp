@@ -349,6 +349,36 @@ TEST(ErrorTelegram, RefusesNoTextThatTheRobotGives) {
     }
 }
 
+/** Copies of its refusal come while a text is requested. */
+TEST(ErrorTelegram, OfAnotherRequestRefusesNoText) {
+    for (std::int32_t pad = 3; pad < 22; pad++) {
+        SCOPED_TRACE(pad);
+        ScriptedRobot robot;
+        robot.error_header = true;
+        robot.channel_text = [pad](std::uint32_t, std::uint32_t index) {
+            return index == static_cast<std::uint32_t>(pad) ? "Game pad A" : "spare";
+        };
+        bool first = true;
+        robot.instead = [&](const roburoc4_request &r, std::vector<Bytes> &answers) {
+            const bool text = r.action == ROBUROC4_ACTION_QUERY && r.service != 0;
+            const bool refused = r.action == ROBUROC4_ACTION_REPLACE || (text && first);
+            first = first && !text;
+            if (refused)
+                answers.push_back({0});
+            return refused;
+        };
+        Bench bench(robot);
+        bench.ready();
+        bench.delay_to_client = [] { return 66 * ms; }; /* so that each is sent three times */
+        for (int i = 0; i < 30; i++) {
+            roburoc4_client_relocalize(&bench.client, 0, 0, 0, bench.client_us());
+            bench.run(170 * ms);
+        }
+        bench.run(20 * second);
+        EXPECT_EQ(pad, roburoc4_client_role_index(&bench.client, ROBUROC4_ROLE_OVERRIDE));
+    }
+}
+
 TEST(ErrorTelegram, EndsAllTextRequestsForAWhile) {
     ScriptedRobot robot;
     robot.instead = [](const roburoc4_request &r, std::vector<Bytes> &) {

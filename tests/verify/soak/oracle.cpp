@@ -152,7 +152,7 @@ void Oracle::end_stop(Moment now, Promise otherwise) {
         if (stop_.zeros < 3)
             violate(otherwise, now.true_us,
                     "the stop sequence ended after " + std::to_string(stop_.zeros) + " zeros");
-        else
+        else if (ages_judged_)
             violate(Promise::stop_confirmed, now.true_us,
                     "the stop sequence ended " + ms_text(now.true_us - stop_.due_us) +
                         " after it became due, and no status made after its zeros was received" +
@@ -397,7 +397,7 @@ void Oracle::zero_sent(Moment now) {
 /* A stop was not confirmed, a status shows our target, or that [A] was released. */
 bool Oracle::zeros_welcome(Moment now) const {
     return unconfirmed_ || now.true_us <= zeros_welcome_us_ ||
-           (report_.stopping && !sent_.empty()) || report_.stop_outcome >= ROBUROC4_STOP_TIMED_OUT;
+           (report_.stopping && !sent_.empty()) || last_outcome_ >= ROBUROC4_STOP_TIMED_OUT;
 }
 
 /* A target of zero, or one of which the limits leave nothing. */

@@ -119,8 +119,8 @@ void Oracle::differential_status(Moment now, const Datagram &datagram) {
             stop_.confirmed = true;
         else
             stop_.confirmed_old = true;
-        if (stop_.zeros_since_known >= 3 && made > stop_.third_zero_us + sure_after_us &&
-            stop_.sure_us == 0)
+        if (stop_.zeros_since_known >= 3 && stop_.sure_us == 0 &&
+            made > stop_.third_zero_us + sure_after_us + report_.age_us[differential])
             stop_.sure_us = now.true_us;
     }
     watch_target(now, datagram);
@@ -169,10 +169,12 @@ void Oracle::watch_target(Moment now, const Datagram &datagram) {
 }
 
 void Oracle::watch_other_commander(Moment now, const Datagram &datagram) {
+    /* until a stop is confirmed, and for a while after, any that was sent may come back */
     const std::uint64_t longest = 6 * milliseconds(config_.robot_watchdog_ms);
+    const bool all = now.true_us - confirmed_us_ <= longest;
     Speeds low, high; /* each axis by itself */
     for (const Sent &sent : sent_) {
-        if (now.true_us - sent.true_us > longest)
+        if (!all && now.true_us - sent.true_us > longest)
             continue;
         low = {std::min(low.v, sent.speeds.v), std::min(low.w, sent.speeds.w)};
         high = {std::max(high.v, sent.speeds.v), std::max(high.w, sent.speeds.w)};
@@ -382,14 +384,12 @@ void Oracle::judge_disarming(Moment now, const Report &report) {
 }
 
 void Oracle::judge_ages(Moment now, const Report &report) {
-    if (report.state != ROBUROC4_STATE_READY)
-        ready_since_us_ = now.true_us;
-    if (now.true_us - ready_since_us_ <
-        3000000) /* the first pairs of answer and status prove little */
-        return;
     for (int service = 0; service < 5; service++) {
         const Newest &newest = newest_[service];
-        if (!newest.known || !ages_known_ || !ages_judged_ || report.age_us[service] == UINT32_MAX)
+        if (report.state != ROBUROC4_STATE_READY || report.age_us[service] == UINT32_MAX)
+            ages_since_us_[service] = now.true_us;
+        if (!newest.known || !ages_known_ || !ages_judged_ ||
+            now.true_us - ages_since_us_[service] < 3000000) /* the first pairs prove little */
             continue;
         const std::uint64_t age = now.true_us - newest.made_us;
         if (age > report.age_us[service] + tolerance_us(now))
@@ -400,6 +400,10 @@ void Oracle::judge_ages(Moment now, const Report &report) {
 }
 
 void Oracle::judge_outcome(Moment now, const Report &before) {
+    if (report_.stop_outcome != ROBUROC4_STOP_RUNNING)
+        last_outcome_ = report_.stop_outcome;
+    if (report_.stop_outcome != ROBUROC4_STOP_CONFIRMED)
+        confirmed_us_ = now.true_us;
     const bool says = (report_.events & ROBUROC4_EVENT_STOPPED) != 0 ||
                       (report_.stop_outcome == ROBUROC4_STOP_CONFIRMED &&
                        before.stop_outcome != ROBUROC4_STOP_CONFIRMED);
@@ -476,7 +480,7 @@ void Oracle::judge_override_report(Moment now, const Report &report) {
     else if (index != report.override_index)
         violate(Promise::override_by_texts, now.true_us,
                 "input " + std::to_string(report.override_index) + " is taken for [A], which is " +
-                    std::to_string(index));
+                    std::to_string(index) + " (" + rule_.text() + ")");
 }
 
 void Oracle::judge_stop_in_time(Moment now, const Report &report) {

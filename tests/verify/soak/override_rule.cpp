@@ -42,6 +42,7 @@ void OverrideRule::set_counts(std::int32_t analog_inputs, std::int32_t analog_ou
                               std::uint32_t boot) {
     manual_counts_ = (analog_inputs == 9 || analog_inputs == 10) && analog_outputs == 0 &&
                      digital_outputs == 8 && (digital_inputs == 22 || digital_inputs == 23);
+    counts_known_ = true;
     counts_boot_ = boot;
     texts_.resize(static_cast<std::size_t>(digital_inputs));
 }
@@ -61,8 +62,7 @@ void OverrideRule::text_refused(std::int32_t index, std::uint32_t boot) {
 }
 
 void OverrideRule::forget_before(std::uint32_t boot) {
-    if (counts_boot_ < boot)
-        texts_.clear();
+    counts_known_ = counts_boot_ >= boot;
     for (Answer &answer : texts_)
         if (answer.boot < boot)
             answer = Answer();
@@ -73,6 +73,13 @@ std::ptrdiff_t OverrideRule::count(Text text) const {
                          [text](const Answer &answer) { return answer.text == text; });
 }
 
+std::string OverrideRule::text() const {
+    return std::to_string(texts_.size()) + " texts, of which " +
+           std::to_string(count(Text::missing)) + " are missing, " +
+           std::to_string(count(Text::refused)) + " refused, " +
+           std::to_string(count(Text::names_a)) + " name [A]";
+}
+
 bool OverrideRule::doubtful() const {
     return count(Text::resembles) != 0;
 }
@@ -80,7 +87,7 @@ bool OverrideRule::doubtful() const {
 int OverrideRule::index() const {
     if (user_index_ >= 0)
         return user_index_;
-    if (texts_.empty() || count(Text::missing) != 0 || count(Text::names_a) > 1)
+    if (!counts_known_ || count(Text::missing) != 0 || count(Text::names_a) > 1)
         return unknown;
     for (std::size_t i = 0; i < texts_.size(); i++)
         if (texts_[i].text == Text::names_a)

@@ -41,6 +41,8 @@ class OverrideRule {
     int index() const;
     /** Whether a text resembles [A]'s: then a client may rather not know. */
     bool doubtful() const;
+    /** What is known, for messages. */
+    std::string text() const;
     /** What was read before this start of the robot does not count any more. */
     void forget_before(std::uint32_t boot);
 
@@ -53,7 +55,7 @@ class OverrideRule {
     void set(std::int32_t index, Text text, std::uint32_t boot);
     std::ptrdiff_t count(Text text) const;
 
-    bool manual_counts_ = false;
+    bool counts_known_ = false, manual_counts_ = false;
     std::uint32_t counts_boot_ = 0;
     std::int32_t user_index_ = unknown;
     std::vector<Answer> texts_;

@@ -63,6 +63,11 @@ void World::say_datagram(const char *what, const Datagram &datagram, std::int32_
     else if (is_command(datagram))
         say("%s command to service %u: (%g, %g)", what, datagram.u16_at(1),
             static_cast<double>(datagram.f32_at(3)), static_cast<double>(datagram.f32_at(7)));
+    else if (datagram.origin.kind == Origin::Kind::input_text ||
+             datagram.origin.kind == Origin::Kind::input_refusal)
+        say("%s id %u, text %d%s, %zu bytes: %d", what, datagram.bytes[0], datagram.origin.index,
+            datagram.origin.kind == Origin::Kind::input_text ? "" : " refused", datagram.size,
+            result);
     else
         say("%s id %u action %u service %u, %zu bytes: %d", what, datagram.bytes[0],
             datagram.bytes[1], datagram.u16_at(2), datagram.size, result);
