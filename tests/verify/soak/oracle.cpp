@@ -323,9 +323,11 @@ void Oracle::sent(Moment now, const Datagram &datagram) {
     }
     const std::uint16_t service = datagram.u16_at(1);
     bool known = false, card = false; /* of any start that it may not have noticed yet */
-    for (std::size_t i = required_boot_; i < robots_.size(); i++) {
-        known = known || robots_[i].differential_id == service;
-        card = card || robots_[i].iocard_id == service;
+    for (std::size_t i = 0; i < robots_.size(); i++) {
+        const bool may = i >= required_boot_;
+        const bool zero = datagram.size == 11 && command_speeds(datagram).zero();
+        known = known || ((may || zero) && robots_[i].differential_id == service);
+        card = card || (may && robots_[i].iocard_id == service);
     }
     if (card && service != 0 && outputs_allowed_ && datagram.size != 11) {
         request_sent(now, datagram);
@@ -528,10 +530,10 @@ void Oracle::judge_fresh(Moment now, const char *what) {
         if (status == &newest_[iocard] && unknown_allowed() &&
             (robot_.iocard_id == 0 || judged_index() < 0))
             continue;
-        if (!status->known)
+        if (!status->known && ages_judged_)
             violate(Promise::fresh_by_age, now.true_us,
                     std::string(what) + " without any " + name + " status");
-        else if (ages_judged_ && now.true_us - status->made_us > limit)
+        else if (status->known && ages_judged_ && now.true_us - status->made_us > limit)
             violate(Promise::fresh_by_age, now.true_us,
                     std::string(what) + " on a " + name + " status that is truly " +
                         ms_text(now.true_us - status->made_us) + " old (fresh_ms " +

@@ -29,7 +29,7 @@ bool near(Speeds a, Speeds b) {
 
 /* "About two seconds", and longer for small targets; UINT64_MAX where it need not be noticed. */
 std::uint64_t follow_us(float size) {
-    return size >= 0.2F ? 4000000 : size >= 0.1F ? 6000000 : size >= 0.05F ? 10000000 : UINT64_MAX;
+    return size >= 0.2F ? 7000000 : size >= 0.05F ? 10000000 : UINT64_MAX;
 }
 
 } // namespace
@@ -289,7 +289,6 @@ void Oracle::forget_robot(Moment now) {
         limits_ = Limits();
     overridden_ = speed_out_ = false;
     outputs_allowed_ = outputs_allowed_ && outputs_boot_ >= boot_;
-    sent_.clear();
     for (Newest &newest : newest_)
         if (newest.boot < boot_)
             newest = Newest();
@@ -297,6 +296,8 @@ void Oracle::forget_robot(Moment now) {
 }
 
 void Oracle::robot_changed(const RobotTruth &robot) {
+    if (robot_.own_queues || robot.own_queues) /* statuses of the one before may come, as if new */
+        ages_judged_ = false;
     robots_.push_back(robot);
 }
 
@@ -470,7 +471,9 @@ void Oracle::judge_pose(Moment now, const Report &report) {
 }
 
 void Oracle::judge_override_report(Moment now, const Report &report) {
-    if (!report.override_known)
+    /* while statuses are old, nothing is done that a restart could make wrong */
+    if (!report.override_known || report.state != ROBUROC4_STATE_READY ||
+        report.age_us[iocard] >= milliseconds(config_.fresh_ms))
         return;
     const int index = rule_.index();
     if (index < 0 && boot_ == 0) /* after a restart, it is not certain which texts count */
