@@ -13,6 +13,9 @@
 #define SPACING_US ROBUROC4_CYCLE_US
 #define STOP_ZEROS 3
 #define OTHER_STATUSES 3
+/* What a status of this age shows without a lease is answered with zeros, although it is too old to
+ * drive by. */
+#define WATCHED_US (2 * SECOND)
 /* The longest time after which something of ours must have reached the robot, beside a drive
  * period. */
 #define UPLINK_US (400 * MS)
@@ -489,7 +492,7 @@ void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
         watch_echo(d, config, reported, ours, now_us, events);
     } else if (!zero && ours && has_driven(d)) { /* a speed of ours came late, or came back */
         d->unconfirmed = 1;
-        if (age_us < config->fresh_ms * MS) {
+        if (age_us < WATCHED_US) {
             stop_again(d);
         }
     }

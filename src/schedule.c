@@ -233,6 +233,7 @@ static void advance(client *c) {
     if (roburoc4_schedule_all_declined(c)) { /* not ready: there is no data */
         if (c->private_now_us - d->phase_us >= SECOND) {
             d->declined = 0;
+            open_about(c, ROBUROC4_ACTION_GET, ROBUROC4_SERVICE_DIRECTORY, PROBE_TRIES);
         }
     } else if (c->private_state == ROBUROC4_STATE_SUBSCRIBING && subscriptions_due(c) == 0) {
         d->probe_us = c->private_now_us;

@@ -56,6 +56,7 @@ void Oracle::observe(Moment now) {
         const std::int64_t truly = static_cast<std::int64_t>(now.true_us - last_.true_us);
         if (by_client != truly) { /* the clock jumped; times across the jump say nothing */
             clock_changed_ = true;
+            jumped_us_ = now.true_us;
             disturbed(now.true_us);
             if (by_client < truly && by_client >= 0) /* which no client can notice */
                 clock_error_us_ += static_cast<std::uint64_t>(truly - by_client);
@@ -152,7 +153,7 @@ void Oracle::end_stop(Moment now, Promise otherwise) {
         if (stop_.zeros < 3)
             violate(otherwise, now.true_us,
                     "the stop sequence ended after " + std::to_string(stop_.zeros) + " zeros");
-        else if (ages_judged_)
+        else if (ages_judged_ && report_.differential_known)
             violate(Promise::stop_confirmed, now.true_us,
                     "the stop sequence ended " + ms_text(now.true_us - stop_.due_us) +
                         " after it became due, and no status made after its zeros was received" +
@@ -361,7 +362,8 @@ void Oracle::sent(Moment now, const Datagram &datagram) {
 void Oracle::request_sent(Moment now, const Datagram &datagram) {
     if (!is_command(datagram) && datagram.u8_at(1) == action_replace)
         poses_sent_++;
-    if (stop_.active && stop_.zeros == 0 && speed_out_ && !last_command_zero_)
+    if (stop_.active && stop_.zeros == 0 && speed_out_ && !last_command_zero_ &&
+        report_.differential_known)
         violate(Promise::zeros_first, now.true_us, "other traffic left before the first zero");
 }
 

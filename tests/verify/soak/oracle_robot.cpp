@@ -16,6 +16,8 @@ constexpr std::uint64_t sure_after_us = 300000;
 constexpr std::uint64_t uplink_us = 800000; /* half a second, and the time to notice it */
 constexpr std::uint64_t well_after_us = 12000000;
 constexpr std::uint64_t standing_us = 1000000;
+/* Until then the ages may seem too high, where this clock jumped by more than one pause shows. */
+constexpr std::uint64_t forgiven_after_us = 75000000;
 constexpr float rounding = 1e-3F;
 constexpr float same_target = 0.02F;
 
@@ -366,7 +368,7 @@ void Oracle::judge_disarming(Moment now, const Report &report) {
     switch (cause) {
     case ROBUROC4_ERR_STALE_DIFFERENTIAL:
     case ROBUROC4_ERR_STALE_IOCARD:
-        if (!robot_.prompt)
+        if (!robot_.prompt || now.true_us - jumped_us_ < forgiven_after_us)
             return;
         break;
     case ROBUROC4_ERR_INHIBITED:
