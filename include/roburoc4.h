@@ -584,7 +584,7 @@ typedef struct roburoc4_private_drive {
 typedef struct roburoc4_private_follow {
     int32_t mean[2], low[2], high[2];
     uint32_t cycles;
-    uint8_t fault_cycles, fault, reserved[2];
+    uint8_t fault_cycles, fault, watching, reserved;
 } roburoc4_private_follow;
 
 typedef struct roburoc4_private_discovery {

@@ -459,6 +459,10 @@ static void watch_following(drive *d, follow *f, const roburoc4_differential_sta
     const float reported[AXES] = {s->target_linear_m_s, s->target_angular_rad_s};
     const bool ours = d->lease_active && !d->other_commander;
     const float *targets = ours ? d->sent : reported;
+    if (!expected && !d->armed && !d->inhibited) {
+        roburoc4_follow_pause(f, s); /* saves a client that only listens a third of its work */
+        return;
+    }
     const bool inhibited = roburoc4_follow_status(f, expected ? targets : NULL, s);
     if (inhibited != (d->inhibited != 0)) {
         d->inhibited = inhibited;

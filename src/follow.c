@@ -58,22 +58,33 @@ static bool out_of_bounds(const follow *f, uint32_t axis) {
 }
 
 void roburoc4_follow_begin(follow *f) {
-    f->fault_cycles = 0;
-    f->fault = 0;
+    const uint32_t cycles = f->cycles;
+    memset(f, 0, sizeof *f);
+    f->cycles = cycles;
+    f->watching = 1;
+}
+
+void roburoc4_follow_pause(follow *f, const roburoc4_differential_status *s) {
+    f->watching = 0;
+    f->cycles = (uint32_t)s->robot_cycles;
 }
 
 bool roburoc4_follow_status(follow *f, const float *targets,
                             const roburoc4_differential_status *s) {
-    const float speeds[AXES] = {s->current_linear_m_s, s->current_angular_rad_s};
     const uint32_t passed = at_most((uint32_t)s->robot_cycles - f->cycles, MOST_CYCLES);
-    bool fault = false;
     f->cycles = (uint32_t)s->robot_cycles;
+    const float speeds[AXES] = {s->current_linear_m_s, s->current_angular_rad_s};
+    bool fault = false;
     for (uint32_t axis = 0; axis < AXES; axis++) {
+        const int32_t speed = fixed_from(speeds[axis]);
+        if (!f->watching) {
+            f->mean[axis] = f->low[axis] = f->high[axis] = speed;
+        }
         if (!finite_f32_bits(bits_from_f32(speeds[axis]))) {
             fault = true;
             continue;
         }
-        f->mean[axis] = part_way(f->mean[axis], fixed_from(speeds[axis]), passed, MEAN_CYCLES);
+        f->mean[axis] = part_way(f->mean[axis], speed, passed, MEAN_CYCLES);
         const int32_t target = targets != NULL ? fixed_from(targets[axis]) : f->mean[axis];
         f->low[axis] = part_way(f->low[axis], target, passed,
                                 f->low[axis] < 0 ? SLOWER_CYCLES : FASTER_CYCLES);
@@ -83,8 +94,9 @@ bool roburoc4_follow_status(follow *f, const float *targets,
         f->high[axis] = target > f->high[axis] ? target : f->high[axis];
         fault = fault || out_of_bounds(f, axis);
     }
+    f->watching = 1;
     if (targets == NULL) {
-        roburoc4_follow_begin(f);
+        f->fault_cycles = f->fault = 0;
     } else if (fault) {
         f->fault_cycles = (uint8_t)at_most(f->fault_cycles + passed, FAULT_CYCLES);
         f->fault = f->fault || f->fault_cycles == FAULT_CYCLES;

@@ -164,8 +164,11 @@ void roburoc4_drive_rebase(drive *d, uint64_t now_us);
 
 /* ---- follow ---- */
 
-/** Judge anew. */
+/** Judge anew a robot that is at rest. */
 void roburoc4_follow_begin(follow *f);
+/** Nothing is to be judged: instead of roburoc4_follow_status(), which begins with its speed then.
+ */
+void roburoc4_follow_pause(follow *f, const roburoc4_differential_status *status);
 /** Judge a status: whether the robot has not followed these targets for a while. NULL: it has none
  * to follow now. */
 bool roburoc4_follow_status(follow *f, const float *targets,

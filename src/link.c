@@ -28,11 +28,6 @@ typedef roburoc4_private_service service;
 /* After this long, statuses that are less late than that are believed to be on time again. */
 #define FORGIVEN_US (60 * SECOND)
 
-/** By how much the clocks of host and robot may have drifted apart: 500 ppm. */
-static uint64_t drift_us(uint64_t span_us) {
-    return (span_us >> 11) + (span_us >> 16);
-}
-
 void roburoc4_link_expect(roburoc4_private_link *l, uint32_t index) {
     service *s = &l->services[index];
     s->period_cycles = s->asked_cycles;
@@ -161,9 +156,11 @@ static uint64_t lateness(const roburoc4_private_link *l, uint64_t transit) {
     return late_us > 0 ? (uint64_t)late_us : 0;
 }
 
-/** How far the bound on ages has grown since it was proven. */
+/** How far the bound on ages has grown since it was proven: the clocks of host and robot may have
+ *  drifted apart by 500 ppm. */
 static uint64_t drifted_us(const roburoc4_private_link *l, uint64_t now_us) {
-    return now_us - l->proven_us < (uint64_t)1 << 63 ? drift_us(now_us - l->proven_us) : 0;
+    const uint64_t span_us = now_us - l->proven_us;
+    return span_us < (uint64_t)1 << 63 ? (span_us >> 11) + (span_us >> 16) : 0;
 }
 
 /** A status came in less time than any before. That much of the drift was not there. */
@@ -275,12 +272,13 @@ static bool ahead_of_time(const roburoc4_private_link *l, uint64_t transit, bool
 }
 
 /** Whether statuses are so late that the robot's clock was set back, by a restart. It may also be a
- *  queue that holds them back, unless answers are on time. */
+ *  queue that holds them back, unless answers are on time, or nothing came for a while. */
 static bool clock_was_set(roburoc4_private_link *l, uint64_t transit, uint64_t now_us) {
-    const uint64_t drifted = drifted_us(l, now_us) + CLOCK_TOLERANCE_US;
-    return lateness(l, transit) > drifted && l->answered &&
-           now_us - l->asked_us < CLOCK_TOLERANCE_US &&
-           contradicted_for(l, CONTRADICTION_US, now_us);
+    if (!l->mapped || lateness(l, transit) <= drifted_us(l, now_us) + CLOCK_TOLERANCE_US) {
+        return false;
+    }
+    return l->resubscribed || (l->answered && now_us - l->asked_us < CLOCK_TOLERANCE_US &&
+                               contradicted_for(l, CONTRADICTION_US, now_us));
 }
 
 static bool was_silent(const roburoc4_private_link *l, uint64_t now_us) {
@@ -303,10 +301,9 @@ void roburoc4_link_overhear(roburoc4_private_link *l, uint64_t robot_cycles, uin
     map_times(l, transit, now_us);
 }
 
-verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robot_cycles,
-                             uint64_t now_us) {
-    const uint64_t transit = transit_of(robot_cycles, now_us);
-    const bool newest = robot_cycles >= l->newest_cycles;
+/** What a status that is not the next one, on time, means for the robot. */
+static verdict judge_time(roburoc4_private_link *l, const service *s, uint64_t robot_cycles,
+                          uint64_t transit, uint64_t now_us) {
     const bool gap = was_silent(l, now_us);
     if (gap && clock_is_lost(l)) {
         return VERDICT_REBOOT; /* it may be another start */
@@ -315,16 +312,25 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
         l->back_count++; /* without a gap, one may be a corrupted datagram */
         return gap || l->back_count >= BACK_STATUSES ? VERDICT_REBOOT : VERDICT_OLD;
     }
-    if (newest && l->mapped &&
-        (clock_was_set(l, transit, now_us) ||
-         (l->resubscribed && lateness(l, transit) > drifted_us(l, now_us) + CLOCK_TOLERANCE_US))) {
-        return VERDICT_REBOOT;
+    if (robot_cycles < l->newest_cycles) {
+        return restarted(l, s, robot_cycles, now_us) ? VERDICT_REBOOT : VERDICT_NEW;
+    }
+    return clock_was_set(l, transit, now_us) ? VERDICT_REBOOT : VERDICT_NEW;
+}
+
+verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robot_cycles,
+                             uint64_t now_us) {
+    const uint64_t transit = transit_of(robot_cycles, now_us);
+    const bool newest = robot_cycles >= l->newest_cycles;
+    if (!newest || !l->mapped || l->resubscribed || transit - l->floor_us >= CLOCK_TOLERANCE_US) {
+        const verdict verdict = judge_time(l, s, robot_cycles, transit, now_us);
+        if (verdict != VERDICT_NEW) {
+            return verdict;
+        }
     }
     if (newest) {
         l->newest_cycles = robot_cycles;
         l->back_count = 0;
-    } else if (restarted(l, s, robot_cycles, now_us)) {
-        return VERDICT_REBOOT;
     }
     if (s->seen == 0) {
         s->seen = 1;
@@ -336,8 +342,8 @@ verdict roburoc4_link_status(roburoc4_private_link *l, service *s, uint64_t robo
         measure_jitter(s, transit);
     }
     map_times(l, transit, now_us);
-    if (l->slack_us > lateness(l, transit)) { /* the clock has not jumped by more */
-        l->slack_us = (uint32_t)lateness(l, transit);
+    if (l->slack_us > 0 && l->slack_us > lateness(l, transit)) {
+        l->slack_us = (uint32_t)lateness(l, transit); /* the clock has not jumped by more */
     }
     if (l->answered && newest) {
         l->answered = 0;
