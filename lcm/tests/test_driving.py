@@ -129,7 +129,10 @@ def test_speeds_in_other_units_are_rejected(
     bus.publish(DRIVE, drive_command(linear, angular).encode())
     wait_for_count(armed, "rejected_units", 1)
     assert robot.tap.moves() == []
-    assert armed.state.rejected_cause == State.REJECTED_UNITS
+    until(
+        lambda: armed.state.rejected_cause == State.REJECTED_UNITS,
+        f"the state names the cause; the bridge said:\n{armed.output}",
+    )
     assert "give m/s and rad/s" in armed.state.rejected_message
 
 
