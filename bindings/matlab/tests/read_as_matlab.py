@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""read_as_matlab.py FOLDER: each .m file is MATLAB to the grammar of tree-sitter, and calls only what
-MATLAB R2021a has: a function of MathWorks' reference list of R2020b, which Pygments has, or one that
-documented/r2021a.txt names. (mh_lint reads the files with another grammar. What functions.txt marks as
-Octave's alone is checked by test_only_what_both_programs_have.)
+"""read_as_matlab.py FOLDER: each .m file is MATLAB to the grammar of tree-sitter, and calls only
+what MATLAB R2021a has: a function of MathWorks' reference list of R2020b, which Pygments has, or
+one that documented/r2021a.txt names. (mh_lint reads the files with another grammar. What
+functions.txt marks as Octave's alone is checked by test_only_what_both_programs_have.)
 """
 
 import sys
@@ -117,7 +117,7 @@ def faults(name: str, source: bytes, known: set[str], own: set[str]) -> Iterator
         yield f"{name}:{wrong.start_point[0] + 1}: not MATLAB: {text(wrong)[:60]!r}"
     for line, called in used(root):
         if called not in known and called.split(".")[0] not in own:
-            yield f"{name}:{line}: {called} is not in documented/r2021a.txt: does MATLAB R2021a have it?"
+            yield f"{name}:{line}: does R2021a have {called}? Name it in documented/r2021a.txt"
 
 
 def check_itself(known: set[str]) -> None:
