@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
 DEFAULT_URL = "udpm://239.255.76.67:7667?ttl=0"
 _LISTEN_S = 1.0  # as long as five states of a bridge take
-_ANSWER_S = 1.0
 _ASK_EVERY_S = 0.2
 _STATE, _COMMAND = "_BRIDGE_STATE", "_DRIVE_CMD"
 _SMALL, _FRAGMENT = 0x4C433032, 0x4C433033
@@ -231,10 +230,11 @@ def _check_way(found: LcmFindings, member: _Member, say: Callable[[bool, str, st
 def _check_bridges(
     found: LcmFindings, member: _Member, say: Callable[[bool, str, str], None]
 ) -> None:
-    from roburoc4_lcm import bridge_state_t
+    from roburoc4_lcm import bridge_state_t, drive_command_t
 
     heard: dict[str, Bridge] = {}
-    sender = f"roburoc4 doctor {os.getpid()}"
+    command = drive_command_t()
+    command.sender = f"roburoc4 doctor {os.getpid()}"  # and a utime of 0
 
     def hear(name: str, data: bytes, host: str) -> bool:
         if name.endswith(_STATE):
@@ -245,17 +245,25 @@ def _check_bridges(
             clock_s = state.utime / 1e6 - time.time()
             bridge = Bridge(name, state.robot, host, clock_s, state.drive_enabled)
             bridge = heard.setdefault(name, bridge)
-            bridge.hears_us = bridge.hears_us or state.rejected_sender == sender
-        return bool(heard) and all(bridge.hears_us for bridge in heard.values())
+            bridge.hears_us = bridge.hears_us or state.rejected_sender == command.sender
+        return False
 
-    member.listen(_LISTEN_S, hear)
-    found.bridges = sorted(heard.values(), key=lambda bridge: bridge.channel)
-    for ttl in dict.fromkeys((found.network.ttl, 1)):
-        if found.mute and ttl >= found.network.ttl:
-            before = len(found.mute)
-            _ask(member, found, sender, ttl, hear)
-            if len(found.mute) < before and ttl != found.network.ttl:
-                found.ttl_needed = ttl
+    def ask(ttl: int) -> None:
+        """Send what every bridge rejects, and hear who says so."""
+        found.bridges = sorted(heard.values(), key=lambda bridge: bridge.channel)
+        for bridge in found.mute:
+            channel = bridge.channel.removesuffix(_STATE) + _COMMAND
+            member.send(channel, command.encode(), ttl)
+        member.listen(_ASK_EVERY_S, hear)
+
+    end_s = time.monotonic() + _LISTEN_S
+    while time.monotonic() < end_s:
+        ask(found.network.ttl)
+    if found.network.ttl < 1:
+        before = len(found.mute)
+        while found.mute and time.monotonic() < end_s + _LISTEN_S:
+            ask(1)
+        found.ttl_needed = 1 if len(found.mute) < before else None
     found.received, found.lost = member.count()
     say(bool(found.bridges), "bridges", ", ".join(b.channel for b in found.bridges) or "none")
     if found.bridges:
@@ -266,26 +274,6 @@ def _check_bridges(
             text = f"only with ttl={found.ttl_needed}, not with {found.network.ttl}"
         say(not found.mute and found.ttl_needed is None, "both ways", text)
         say(found.loss <= _LOSS_SHARE, "loss", f"{found.lost} of {found.received + found.lost}")
-
-
-def _ask(
-    member: _Member,
-    found: LcmFindings,
-    sender: str,
-    ttl: int,
-    hear: Callable[[str, bytes, str], bool],
-) -> None:
-    """Send what every bridge rejects, until all have said so or a second is over."""
-    from roburoc4_lcm import drive_command_t
-
-    command = drive_command_t()
-    command.sender = sender  # and a utime of 0
-    end_s = time.monotonic() + _ANSWER_S
-    while found.mute and time.monotonic() < end_s:
-        for bridge in found.mute:
-            channel = bridge.channel.removesuffix(_STATE) + _COMMAND
-            member.send(channel, command.encode(), ttl)
-        member.listen(_ASK_EVERY_S, hear)
 
 
 def _interface_to(group: str) -> str:
