@@ -102,7 +102,7 @@ classdef Robot < handle
 
 properties (SetAccess = private, Hidden, Transient)
     id = 0
-    listeners
+    listeners = roburoc4.internal.Listeners(0)     % of an object that was saved and loaded
 end
 
 properties (Dependent, SetAccess = private)
