@@ -486,7 +486,8 @@ static void look_for_other_bridge(robot *robot, gate_time now) {
 /* ------------------------------------------------------------------------------------ turns --- */
 
 static void look_for_absence(robot *robot, gate_time now) {
-    if (!robot->logged_absent && !robot->heard && now.us - robot->started.us >= ABSENT_US) {
+    if (!robot->logged_absent && !robot->heard && robot->to.family != 0 &&
+        now.us - robot->started.us >= ABSENT_US) {
         robot->logged_absent = true;
         log_absence(robot->name, robot->address, robot->udp.fault);
     }

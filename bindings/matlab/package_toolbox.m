@@ -29,7 +29,9 @@ options.ToolboxVersion = header_version();
 options.Summary = 'Drive, watch and simulate a RobuROC4 mobile robot';
 options.MinimumMatlabRelease = ['R' version('-release')];
 options.MaximumMatlabRelease = '';
-options.ToolboxGettingStartedGuide = fullfile(folder, 'doc', 'GettingStarted.m');
+if ~verLessThan('matlab', '25.1') % before R2025a, a live script cannot be plain text
+    options.ToolboxGettingStartedGuide = fullfile(folder, 'doc', 'GettingStarted.m');
+end
 names = fieldnames(options.SupportedPlatforms);
 for k = 1:numel(names)
     options.SupportedPlatforms.(names{k}) = is_built(folder, names{k});
@@ -46,8 +48,8 @@ version = strjoin([parts{:}], '.');
 end
 
 function built = is_built(folder, platform)
-% MATLAB Online has no MEX file of its own.
-extensions = {'Glnxa64', 'mexa64'; 'Win64', 'mexw64'; 'Maci64', 'mexmaci64'; 'Mac', 'mexmaca64'};
+% MATLAB Online has no MEX file of its own. A Mac has one of two, by its processor.
+extensions = {'Glnxa64', 'mexa64'; 'Win64', 'mexw64'; 'Maci64', 'mexmaci64'; 'Maci64', 'mexmaca64'};
 mine = extensions(strcmp(extensions(:, 1), platform), 2);
-built = ~isempty(mine) && ~isempty(dir(fullfile(folder, ['roburoc4_mex.' mine{1}])));
+built = any(cellfun(@(extension) ~isempty(dir(fullfile(folder, ['roburoc4_mex.' extension]))), mine));
 end

@@ -32,5 +32,5 @@ for attempt in range(60):
     listen(0.05)  # each command's lease is 300 ms; after the last one the robot stops
     if states[-1].rejected_sender == command.sender:
         sys.exit(f"drive.py: the bridge rejects the command: {states[-1].rejected_message}")
-    if attempt == 20 and all(state.control_owner != command.sender for state in states):
+    if attempt == 18 and all(state.control_owner != command.sender for state in states):
         sys.exit("drive.py: the bridge hears no command: does LCM_DEFAULT_URL have its ttl here?")

@@ -30,7 +30,7 @@
 /* A status that is further from the current time is not fresh. */
 #define FRESH_US 500000
 /* The bridge tells who is in control 5 times a second. */
-#define UNHEARD_US 1000000
+#define UNHEARD_US 900000
 
 typedef struct trip {
     lcm_t *lcm;

@@ -2,35 +2,25 @@
 """One commander at a time."""
 
 import signal
-import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 
 from rig import Bridge, Bus, Planner, Robot, until
-from rig.bus import now_us, stop_command
+from rig.bus import now_us, repeated, stop_command
 from test_driving import output_command
 
 Plan = Callable[..., Planner]
 
 
-@contextmanager
-def lamp(bus: Bus) -> Iterator[None]:
+def lamp(bus: Bus) -> AbstractContextManager[None]:
     """A program that switches an output five times a second."""
-    ended = threading.Event()
 
     def switch() -> None:
-        while not ended.wait(0.2):
-            command = output_command(3)
-            command.sender = "lamp"
-            bus.publish("ROBUROC4_OUTPUT_CMD", command.encode())
+        command = output_command(3)
+        command.sender = "lamp"
+        bus.publish("ROBUROC4_OUTPUT_CMD", command.encode())
 
-    thread = threading.Thread(target=switch)
-    thread.start()
-    try:
-        yield
-    finally:
-        ended.set()
-        thread.join()
+    return repeated(switch, 0.2)
 
 
 def test_of_two_commanders_the_first_keeps_control(robot: Robot, armed: Bridge, plan: Plan) -> None:
@@ -96,8 +86,12 @@ def test_only_allowed_senders_drive_and_anybody_stops(
     bridge = start_bridge("--enable-drive", "--allow-sender=planner*, joystick").arms()
     plan(sender="stranger", linear=-0.3)
     until(lambda: bridge.statistics.rejected_sender > 10, "the stranger is refused")
-    assert bridge.state.rejected_message == (
-        "only senders planner*, joystick are obeyed (--allow-sender)"
+    until(
+        lambda: (
+            bridge.state.rejected_message
+            == "only senders planner*, joystick are obeyed (--allow-sender)"
+        ),
+        f"the state says why; the bridge said:\n{bridge.output}",
     )
     assert bridge.state.can_drive, "a stranger does not keep others from driving"
     plan(sender="planner 17", linear=0.3)

@@ -68,12 +68,15 @@ def test_a_name_without_address_affects_one_robot(
     bridge = start_fleet(
         "[LOST]\naddress = no-such-robot.invalid\n"
         f"[RED]\naddress = {robot.address}\nenable-drive = yes\n"
+        "[OFF]\naddress = 127.0.0.1:9\n"
     )
     can_drive(bus, "RED")
     assert "LOST: the name no-such-robot.invalid has no address" in bridge.output
     bus.hears("LOST_BRIDGE_STATE")
     state = bus.last("LOST_BRIDGE_STATE")
     assert (state.robot, state.can_drive) == ("no-such-robot.invalid", False)
+    bridge.says("OFF: no answer from 127.0.0.1:9")
+    assert "LOST: no answer" not in bridge.output, "it is not tried again"
 
 
 @pytest.mark.parametrize("channel", ["ALL_STOP_CMD", "HALT_CMD"])

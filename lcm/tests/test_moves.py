@@ -1,38 +1,24 @@
 # SPDX-License-Identifier: MIT
 """Moves that the bridge drives: leased and gated as speeds are."""
 
-import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from typing import Any
 
 import pytest
 import roburoc4_lcm
 from rig import Bridge, Bus, Planner, Robot, until
-from rig.bus import drive_command, move_command, now_us, stop_command
+from rig.bus import drive_command, move_command, now_us, repeated, stop_command
 
 Status = roburoc4_lcm.move_status_t
 Command = roburoc4_lcm.move_command_t
 MOVE = "ROBUROC4_MOVE_CMD"
 
 
-@contextmanager
-def moving(bus: Bus, move_id: int, **fields: float | str) -> Iterator[None]:
+def moving(bus: Bus, move_id: int, **fields: float | str) -> AbstractContextManager[None]:
     """Send this move ten times a second."""
-    ended = threading.Event()
-
-    def send() -> None:
-        while not ended.wait(0.1):
-            bus.publish(MOVE, move_command(move_id, **fields).encode())
-
-    thread = threading.Thread(target=send)
-    thread.start()
-    try:
-        yield
-    finally:
-        ended.set()
-        thread.join()
+    return repeated(lambda: bus.publish(MOVE, move_command(move_id, **fields).encode()), 0.1)
 
 
 def status_of(bus: Bus, move_id: int) -> Any:

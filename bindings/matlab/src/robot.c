@@ -159,6 +159,17 @@ roburoc4_facts client_facts(const roburoc4_client *client, uint64_t now_us) {
     return facts;
 }
 
+roburoc4_facts robot_facts(const robot *r, const roburoc4_client *copy, uint64_t now_us) {
+    roburoc4_facts facts = client_facts(copy, now_us);
+    if (!robot_is_open(r)) {
+        facts.state = ROBUROC4_STATE_IDLE;
+        facts.armed = facts.driving = facts.stopping = 0;
+        facts.disarm_cause = ROBUROC4_ERR_CLOSED;
+        memset(facts.age_us, 0xFF, sizeof facts.age_us);
+    }
+    return facts;
+}
+
 int robot_leave(robot *r) {
     uint64_t now_us;
     int stopping = 0;

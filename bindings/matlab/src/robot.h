@@ -21,6 +21,8 @@ typedef struct robot {
     recording logged;           /* since the robot was made, or since the last log() */
     recording recorded;         /* since record() */
     roburoc4_pump_reader heard; /* of receive() */
+    roburoc4_pump_reader told;  /* of news() */
+    uint32_t events;            /* of news(): bits that it has not returned yet */
     roburoc4_move move;         /* the one that was started last */
 } robot;
 
@@ -60,6 +62,8 @@ void robot_unlock(robot *r);
  * sample that it has not read. */
 void robot_wait(robot *r, uint32_t duration_us, const roburoc4_pump_reader *reader);
 
+/** Those of its copy. Of a robot that is no longer open nothing is fresh, and it does not drive. */
+roburoc4_facts robot_facts(const robot *r, const roburoc4_client *copy, uint64_t now_us);
 roburoc4_facts client_facts(const roburoc4_client *client, uint64_t now_us);
 /** Stop it if this object drives it: one that only reads commands nothing. Whether a stop sequence
  * runs then. */

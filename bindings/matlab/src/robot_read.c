@@ -33,19 +33,20 @@ static void add_switches(answer *out, const roburoc4_facts *facts) {
 static void add_texts(answer *out, const roburoc4_facts *facts) {
     static const char *const outcomes[] = {"none", "running", "confirmed", "timed out",
                                            "overridden"};
-    const char *why = facts->armed ? "" : roburoc4_result_text(facts->disarm_cause);
+    const char *why = facts->armed ? ""
+                      : facts->disarm_cause == ROBUROC4_ERR_CLOSED
+                          ? "its simulator was deleted"
+                          : roburoc4_result_text(facts->disarm_cause);
     answer_add(out, "disarm_text", make_text(why));
     answer_add(out, "stop_outcome", make_text(outcomes[facts->stop_outcome]));
 }
 
 /* The names of the services that were to be subscribed to and send nothing, apart by spaces. */
 static void add_missing(answer *out, uint32_t missing) {
-    static const char *const names[SERVICES] = {"iocard", "telemeter", "battery", "localization",
-                                                "differential"};
     char text[64] = "";
     for (uint32_t i = 0; i < SERVICES; i++) {
         if ((missing >> (FIRST_SERVICE + i) & 1u) != 0) {
-            (void)strcat(strcat(text, text[0] != '\0' ? " " : ""), names[i]);
+            (void)strcat(strcat(text, text[0] != '\0' ? " " : ""), service_name(FIRST_SERVICE + i));
         }
     }
     answer_add(out, "missing", make_text(text));
@@ -61,7 +62,7 @@ static double age_s(const roburoc4_facts *facts, uint32_t service) {
 static int read_status(call *in) {
     static const char *const ages[SERVICES] = {"iocard_age_s", "telemeter_age_s", "battery_age_s",
                                                "localization_age_s", "differential_age_s"};
-    const roburoc4_facts facts = client_facts(in->client, in->now_us);
+    const roburoc4_facts facts = robot_facts(in->object, in->client, in->now_us);
     roburoc4_sample latest, newest = {0};
     answer_number(&in->out, "time_s", answer_time(&in->out, in->now_us));
     answer_flag(&in->out, "ready", facts.state == ROBUROC4_STATE_READY);
@@ -85,7 +86,7 @@ static int read_status(call *in) {
  * of a struct. All NaN where it is older than fresh_ms. */
 static int read_row(call *in, uint32_t service, const field *fields, size_t count) {
     double *row = make_row(&in->results[0], count);
-    const roburoc4_facts facts = client_facts(in->client, in->now_us);
+    const roburoc4_facts facts = robot_facts(in->object, in->client, in->now_us);
     const int fresh = facts.age_us[service] < ((const robot *)in->object)->fresh_us;
     roburoc4_sample latest;
     (void)roburoc4_sample_latest(in->client, service, &latest);
@@ -265,7 +266,7 @@ static int find_channel(call *in) {
 
 /* inputs(id): the latest values */
 static int read_inputs(call *in) {
-    const roburoc4_facts facts = client_facts(in->client, in->now_us);
+    const roburoc4_facts facts = robot_facts(in->object, in->client, in->now_us);
     roburoc4_sample sample;
     if (roburoc4_sample_latest(in->client, ROBUROC4_SERVICE_IOCARD, &sample) < 0) {
         return fail(FAIL_PROTOCOL,
@@ -351,6 +352,70 @@ static int receive(call *in) {
     return 1;
 }
 
+/* In the order of their bits. Those that announce a status or a text are not among them. */
+static const struct {
+    uint32_t bit;
+    const char *name;
+} events[] = {
+    {ROBUROC4_EVENT_READY, "ready"},
+    {ROBUROC4_EVENT_LOST, "lost"},
+    {ROBUROC4_EVENT_REBOOT, "reboot"},
+    {ROBUROC4_EVENT_ARMED, "armed"},
+    {ROBUROC4_EVENT_DISARMED, "disarmed"},
+    {ROBUROC4_EVENT_LEASE_OVER, "lease_over"},
+    {ROBUROC4_EVENT_STOPPED, "stopped"},
+    {ROBUROC4_EVENT_OVERRIDE, "override"},
+    {ROBUROC4_EVENT_OTHER_COMMANDER, "other_commander"},
+    {ROBUROC4_EVENT_INHIBITED, "inhibited"},
+    {ROBUROC4_EVENT_BATTERY_LOW, "battery_low"},
+    {ROBUROC4_EVENT_BATTERY_CRITICAL, "battery_critical"},
+    {ROBUROC4_EVENT_ARMABLE, "armable"},
+    {ROBUROC4_EVENT_STOP_UNCONFIRMED, "stop_unconfirmed"},
+};
+
+/* hear(id): from now on, for news() */
+static int begin_hearing(call *in) {
+    robot *r = in->object;
+    (void)roburoc4_pump_reader_init(r->pump, &r->told);
+    r->events = 0;
+    return 1;
+}
+
+/* Whether it was one of the events that have a name. */
+static int next_event(call *in, robot *r) {
+    const roburoc4_result taken = roburoc4_pump_take_events(r->pump, &r->told);
+    r->events |= taken > 0 ? (uint32_t)taken : 0;
+    for (size_t i = 0; i < COUNT_OF(events); i++) {
+        if ((r->events & events[i].bit) != 0) {
+            r->events &= ~events[i].bit;
+            answer_add(&in->out, "kind", make_text("event"));
+            answer_add(&in->out, "name", make_text(events[i].name));
+            answer_add(&in->out, "text",
+                       make_text(roburoc4_name(ROBUROC4_NAME_EVENT, events[i].bit)));
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* news(id): the next status or event since hear(), with its kind, or [] if there is none */
+static int read_news(call *in) {
+    robot *r = in->object;
+    roburoc4_sample sample;
+    if (next_event(in, r)) {
+        answer_number(&in->out, "time_s", answer_time(&in->out, in->now_us));
+    } else if (roburoc4_pump_read_samples(r->pump, &r->told, &sample, 1) > 0) {
+        answer_add(&in->out, "kind", make_text(service_name(sample.service)));
+        sample_times(&in->out, &sample);
+        sample_values(&in->out, &sample);
+    } else {
+        (void)make_row(&in->results[0], 0);
+        return 1;
+    }
+    in->results[0] = answer_finish(&in->out);
+    return 1;
+}
+
 /* recorded(id): add what has arrived since */
 static int go_on_recording(call *in) {
     robot *r = in->object;
@@ -396,6 +461,8 @@ const command robot_read_commands[] = {
     {"startUtc", READ_ROBOT, NUMBER, read_start, {NONE}},
     {"listen", READ_ROBOT, NOTHING, begin_listening, {NONE}},
     {"receive", WAIT_ROBOT, OTHER, receive, {SERVICE, WITHIN("seconds", 0, LONGEST_WAIT_S)}},
+    {"hear", READ_ROBOT, NOTHING, begin_hearing, {NONE}},
+    {"news", READ_ROBOT, OTHER, read_news, {NONE}},
     {"record", READ_ROBOT, NOTHING, begin_recording, {SERVICES_IF_ANY}},
     {"recorded", READ_ROBOT, NOTHING, go_on_recording, {NONE}},
     {"recording", READ_ROBOT, STRUCT, end_recording, {SERVICES_IF_ANY}},

@@ -66,6 +66,10 @@ int take_service(const mxArray *value, uint32_t *out) {
                 text);
 }
 
+const char *service_name(uint32_t service) {
+    return services[service - FIRST_SERVICE].name;
+}
+
 void sample_times(answer *out, const roburoc4_sample *sample) {
     answer_fields(out, times, COUNT_OF(times), sample);
 }

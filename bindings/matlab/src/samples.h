@@ -17,6 +17,9 @@
  * exist. */
 int take_service(const mxArray *value, uint32_t *out);
 
+/** As take_service() reads it. */
+const char *service_name(uint32_t service);
+
 /** When a sample was received, when the robot made it, and the robot's clock. */
 void sample_times(answer *out, const roburoc4_sample *sample);
 /** The values of roburoc4_sample_latest(); if there are none yet, NaN, 255 or empty. */

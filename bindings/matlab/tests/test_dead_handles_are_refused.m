@@ -24,7 +24,7 @@ delete(r);
 for attempt = 1:2
     dead = {@() r.status, @() r.drive(0, 0), @() r.stop(), @() r.arm(), @() r.sleep(0.1), ...
         @() r.record(0.1), @() r.log([tempname() '.mat']), @() r.inputs('x'), @() r.pose, ...
-        @() r.driveFor(0.1, 0, 1), @() r.pause(), @() r.relocalize(0, 0, 0), @() r.rate(10)};
+        @() r.driveFor(0.1, 0, 1), @() r.pause(), @() r.close(), @() r.relocalize(0, 0, 0), @() r.rate(10)};
     for k = 1:numel(dead)
         check_raises(dead_id, dead{k});
     end
@@ -43,6 +43,13 @@ check_raises(dead_id, @() sim.state);
 check_raises(dead_id, @() sim.step(1));
 check_raises(closed, @() again.drive(0.1, 0));
 check_raises(closed, @() again.sleep(0.1));
+s = again.status;
+check(~s.ready && ~s.armed && ~s.driving && ~s.stopping && s.localization_age_s == Inf, 'it is gone');
+check(strcmp(s.disarm_text, 'its simulator was deleted'), 'disarm_text: %s', s.disarm_text);
+check(all(isnan([again.pose, again.speeds])), 'a pose of a robot that is gone');
+logged = again.log();
+check(numel(logged.localization.x_m) > 0, 'what it had sent can be logged');
+check(~isempty(strfind(evalc('disp(again)'), 'not ready')), 'disp');
 delete(again);
 clear again sim
 

@@ -5,7 +5,7 @@ import random
 import socket
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -145,6 +145,24 @@ def stop_command(sender: str = "") -> Any:
     command = roburoc4_lcm.stop_command_t()
     command.sender = sender
     return command
+
+
+@contextmanager
+def repeated(send: Callable[[], None], period_s: float) -> Iterator[None]:
+    """Call send on a thread of its own, until the block ends."""
+    ended = threading.Event()
+
+    def run() -> None:
+        while not ended.wait(period_s):
+            send()
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
 
 
 class Planner(Program):

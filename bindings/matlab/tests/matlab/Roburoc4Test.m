@@ -19,6 +19,22 @@ methods (Test)
             fullfile(Roburoc4Test.folder(), '..', 'toolbox', 'examples')));
         feval(promise);
     end
+
+    function simulinkDrivesACircle(testCase)
+        testCase.assumeNotEmpty(ver('simulink'), 'there is no Simulink');
+        testCase.assumeFalse(verLessThan('matlab', '9.10'), 'the block needs R2021a');
+        simulink = fullfile(Roburoc4Test.folder(), '..', 'toolbox', 'simulink');
+        testCase.applyFixture(matlab.unittest.fixtures.PathFixture(simulink));
+        testCase.applyFixture(matlab.unittest.fixtures.WorkingFolderFixture());
+        roburoc4_library();
+        roburoc4_model();
+        result = sim('roburoc4_circle', 'ReturnWorkspaceOutputs', 'on');
+        steps = diff(result.pose(:, 1:2));
+        path_m = sum(sqrt(sum(steps .^ 2, 2)));
+        testCase.verifySize(result.pose, [401 3]);
+        testCase.verifyEqual(path_m, 0.4 * 20, 'AbsTol', 1);
+        testCase.verifySize(result.bumpers, [401 2]);
+    end
 end
 
 methods (Static)

@@ -37,6 +37,7 @@ end
 
 properties (Access = private, Transient)
     id = 0     % not the object, because clearing that must stop the robot
+    listeners
 end
 
 properties (Access = private)
@@ -58,6 +59,7 @@ methods
             'Rate(a roburoc4.Robot, hertz), or r.rate(hertz)');
         this.period_s = 1 / roburoc4.internal.number(hertz, 'hertz', 0.1, 200);
         this.id = robot.id;
+        this.listeners = robot.listeners;
         this.reset();
     end
 
@@ -85,7 +87,7 @@ methods
             this.ticks = past;
         end
         this.ticks = this.ticks + 1;
-        roburoc4.internal.sleep(this.id, max(0, this.ticks * this.period_s - this.time_s));
+        this.listeners.sleep(max(0, this.ticks * this.period_s - this.time_s));
         now_s = this.time_s;
         this.last_period_s = now_s - this.ended_s;
         this.ended_s = now_s;

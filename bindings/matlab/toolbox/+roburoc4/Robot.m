@@ -54,9 +54,11 @@ classdef Robot < handle
 %      relocalize      - Set the pose of the odometry
 %      record          - Collect the statuses of the next seconds as columns
 %      log             - Return or write all statuses since the last log
+%      listen          - Call a function for each status of a service, or each event
 %      subscribe       - Set how often a service sends its status
 %      unsubscribe     - End the statuses of a service
 %      serviceLink     - Quality of the link for one service
+%      close           - End the subscriptions, and delete the object
 %
 %   Robot properties:
 %      status          - Latest values of everything and their ages: a scalar struct
@@ -100,6 +102,7 @@ classdef Robot < handle
 
 properties (SetAccess = private, Hidden, Transient)
     id = 0
+    listeners = roburoc4.internal.Listeners(0)     % of an object that was saved and loaded
 end
 
 properties (Dependent, SetAccess = private)
@@ -128,6 +131,7 @@ methods
             address = roburoc4.internal.text(address, 'address');
             this.id = roburoc4_mex('open', address, options, own.buffer, own.record);
         end
+        this.listeners = roburoc4.internal.Listeners(this.id);
         try
             roburoc4.internal.connect(this.id, timeout, patient);
         catch problem
@@ -146,12 +150,31 @@ methods
         id = this.id;
         cleanup = onCleanup(@() roburoc4_mex('close', id)); %#ok<NASGU>
         try
-            while roburoc4_mex('leave', id)
-                roburoc4_mex('wait', id, 0.02);
-            end
+            this.stop_driving();
         catch
             % Its simulator was deleted, or the program ends: then the MEX file stops all robots.
         end
+    end
+
+    function close(this)
+        %CLOSE End the subscriptions, and delete the object.
+        %   close(R) is delete(R) after unsubscribing from all services: for a program that makes
+        %   many objects, as a robot may keep subscriptions until it is switched off. delete(R) keeps
+        %   them, because some robots have one list for all programs: there this ends the
+        %   statuses of others, too, and stops a robot that one of them drives.
+        %
+        %   Example:
+        %      close(r)
+        services = {'iocard', 'telemeter', 'battery', 'localization', 'differential'};
+        this.stop_driving();
+        for k = 1:numel(services)
+            this.unsubscribe(services{k});
+        end
+        finish_s = this.time_s + 0.3;      % a request that was lost is repeated after 0.1 s
+        while this.time_s < finish_s
+            roburoc4_mex('wait', this.id, 0.05);
+        end
+        delete(this);
     end
 
     function disp(this)
@@ -202,7 +225,7 @@ methods
         command = 'drive';
         while left_s > 0
             lease_s = roburoc4_mex(command, this.id, linear_m_s, angular_rad_s);
-            now_s = roburoc4_mex('wait', this.id, min([left_s lease_s / 4, 0.05]));
+            now_s = this.listeners.wait(min([left_s lease_s / 4, 0.05]));
             left_s = finish_s - now_s;
             command = 'renew';
         end
@@ -334,7 +357,7 @@ methods
         %      r.drive(0.3, 0); r.sleep(0.2)
         roburoc4.internal.needed(nargin == 2, 'sleep(seconds)');
         seconds = roburoc4.internal.number(seconds, 'seconds', 0, 1e6);
-        roburoc4.internal.sleep(this.id, seconds);
+        this.listeners.sleep(seconds);
     end
 
     function loop = rate(this, hertz)
@@ -523,6 +546,7 @@ methods
         left_s = timeout;
         s = [];
         while isempty(s) && left_s >= 0
+            this.listeners.wait(0);
             s = roburoc4_mex('receive', this.id, service, min(left_s, 0.05));
             left_s = finish_s - this.time_s - 1e-6;
         end
@@ -531,6 +555,35 @@ methods
                 'its period (subscribe)'], service, timeout);
         end
         roburoc4_mex('busy', this.id, false);
+    end
+
+    function listen(this, kind, action)
+        %LISTEN Call a function for each status of a service, or for each event.
+        %   listen(R, SERVICE, ACTION) calls ACTION(S) with the struct that receive returns, for each
+        %   status that arrives from now on. listen(R, 'event', ACTION) calls it with a struct of name,
+        %   text and time_s; names are ready, lost, reboot, armed, disarmed, lease_over, stopped,
+        %   stop_unconfirmed, override, other_commander, inhibited, battery_low, battery_critical and
+        %   armable. listen(R, KIND, []) ends that.
+        %
+        %   ACTION is called while a method of R or of its rates waits, as sleep, move and loop.wait do,
+        %   never in between. It must be short, and may call what does not wait, such as stop: an
+        %   error in it ends the waiting method, and stops a robot that R drives. In Octave, an ACTION
+        %   that has R itself keeps R from being deleted by clear: call delete(R).
+        %
+        %   Example:
+        %      r.listen('event', @(e) fprintf('%.1f s: %s\n', e.time_s, e.text));
+        %      r.listen('battery', @(s) fprintf('%d %%\n', s.remaining_percent));
+        %      r.sleep(5);
+        roburoc4.internal.needed(nargin == 3, 'listen(service or ''event'', function)');
+        kind = roburoc4.internal.text(kind, 'service');
+        if ~strcmp(kind, 'event')
+            this.serviceLink(kind);
+        end
+        if ~isempty(action) && ~isa(action, 'function_handle')
+            error('roburoc4:badArgument', ['action: this is %s; give a function, such as @disp, or [] ' ...
+                'to end listening'], roburoc4.internal.kind(action));
+        end
+        this.listeners.set(kind, action);
     end
 
     function data = record(this, seconds, varargin)
@@ -543,7 +596,8 @@ methods
         %   record(R, SECONDS, SERVICE, ...) collects only these services. It does not renew a drive
         %   command. Raises roburoc4:timeout if nothing arrived because the robot does not answer.
         %
-        %   In MATLAB, roburoc4.asTimetable(DATA.localization) is a timetable.
+        %   In MATLAB the columns of a service are a timetable with the same variables, whose row times
+        %   are utc_s.
         %
         %   Example:
         %      data = r.record(2, 'localization');
@@ -556,17 +610,18 @@ methods
         finish_s = this.time_s + seconds;
         left_s = seconds;
         while left_s > 0
-            left_s = finish_s - roburoc4_mex('wait', this.id, min(left_s, 0.05));
+            left_s = finish_s - this.listeners.wait(min(left_s, 0.05));
             roburoc4_mex('recorded', this.id);
         end
-        data = roburoc4_mex('recording', this.id, services{:});
+        data = roburoc4.Robot.timetables(roburoc4_mex('recording', this.id, services{:}));
         roburoc4_mex('busy', this.id, false);
     end
 
     function data = log(this, file, varargin)
         %LOG Return all statuses since the last log, or write them to a MAT-file.
         %   DATA = log(R) has what arrived since R was made, or since the last log, with the fields of
-        %   record; time_s counts from when R was made. log(R, FILE) writes it to a MAT-file. To log
+        %   record; time_s counts from when R was made. log(R, FILE) writes it to a MAT-file, as structs
+        %   that both programs read: roburoc4.asTimetable makes timetables of them. To log
         %   one drive, call log(R) before it and log(R, FILE) after it. log(R, FILE, SERVICE, ...) has
         %   only these services; with '' as FILE nothing is written. The option buffer says how many
         %   statuses are kept; if it is too small, the oldest are lost, and a warning says how many.
@@ -593,13 +648,21 @@ methods
             warning('roburoc4:limit', ['%d statuses were overwritten before log was called. Call ' ...
                 'it more often, or give roburoc4.Robot a larger buffer'], data.lost);
         end
-        if nargout == 0
+        if nargout > 0
+            data = roburoc4.Robot.timetables(data);
+        else
             clear data;                    % otherwise all of it would be printed without a semicolon
         end
     end
 end
 
 methods (Access = private)
+    function stop_driving(this)
+        while roburoc4_mex('leave', this.id)
+            roburoc4_mex('wait', this.id, 0.02);
+        end
+    end
+
     function result = go(this, kind, x, y, theta, given)
         [~, own] = roburoc4.internal.options(given, ...
             struct('speed', [], 'clearance', -1, 'timeout', 0));
@@ -615,7 +678,7 @@ methods (Access = private)
         roburoc4_mex('moveBegin', this.id, kind, x, y, theta, speed, ...
             own.clearance, timeout);
         while roburoc4_mex('moveStep', this.id)
-            roburoc4_mex('wait', this.id, 0.02);
+            this.listeners.wait(0.02);
         end
         result = roburoc4_mex('moveResult', this.id);
         roburoc4_mex('busy', this.id, false);
@@ -641,6 +704,15 @@ methods (Static, Access = private)
         if abs(angle_rad) > 2 * pi + 0.01
             error('roburoc4:badArgument', ['%s: %g is more than one turn; give radians, such as ' ...
                 'pi / 2 for 90 degrees'], name, angle_rad);
+        end
+    end
+
+    function data = timetables(data)
+        services = {'iocard', 'telemeter', 'battery', 'localization', 'differential'};
+        for k = 1:numel(services)
+            if isfield(data, services{k})
+                data.(services{k}) = roburoc4.asTimetable(data.(services{k}));
+            end
         end
     end
 

@@ -8,7 +8,7 @@ import time
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from . import session
+from . import lcm_doctor, session
 from .options import Options, add_robot, add_seconds
 from .output import print_json
 from .probe import Probe, other_source
@@ -42,6 +42,7 @@ class DoctorOptions(Options):
     """Options of `doctor`."""
 
     seconds: float | None
+    lcm: str | None
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -53,6 +54,13 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "loss and jitter. Ends in one verdict with a number (docs/cli.md lists them). Nothing is "
         "commanded.",
     )
+    parser.add_argument(
+        "--lcm",
+        metavar="URL",
+        nargs="?",
+        const="",
+        help="check the way to roburoc4-lcm instead (default: $LCM_DEFAULT_URL, else LCM's own)",
+    )
     add_seconds(parser, f"how long to watch the statuses (default {_WATCH_S:g})")
     add_robot(parser)
     parser.set_defaults(run=run)
@@ -60,6 +68,8 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 
 def run(options: DoctorOptions) -> int:
     """Check, and report."""
+    if options.lcm is not None:
+        return lcm_doctor.run(options.lcm, as_json=options.json)
     say = _silent if options.json else _say
     found = Findings(options.robot)
     if _resolve(found, say):
