@@ -134,6 +134,17 @@ static inline int32_t order_of(float value) {
     return (bits & 0x80000000U) != 0 ? -magnitude : magnitude;
 }
 
+/** Without the sign. The bits of such floats are in the order of their values, with infinity and
+ *  then NaN above all numbers. */
+static inline uint32_t magnitude_bits(float value) {
+    return bits_from_f32(value) & 0x7FFFFFFFU;
+}
+
+/** Whether it is a number from -limit to limit. */
+static inline bool within_f32(float value, float limit) {
+    return magnitude_bits(value) <= bits_from_f32(limit);
+}
+
 /** Whether a float is finite; works even if the compiler may assume that all are. */
 static inline bool finite_f32_bits(uint32_t bits) {
     return (bits >> 23 & 0xFF) != 0xFF;

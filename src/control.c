@@ -139,8 +139,8 @@ roburoc4_result roburoc4_client_drive(client *c, float linear_m_s, float angular
         !finite_f32_bits(bits_from_f32(angular_rad_s))) {
         return ROBUROC4_ERR_NOT_FINITE;
     }
-    if ((bits_from_f32(linear_m_s) & 0x7FFFFFFFU) > bits_from_f32(ROBUROC4_MAX_DRIVE_M_S) ||
-        (bits_from_f32(angular_rad_s) & 0x7FFFFFFFU) > bits_from_f32(ROBUROC4_MAX_DRIVE_RAD_S)) {
+    if (!within_f32(linear_m_s, ROBUROC4_MAX_DRIVE_M_S) ||
+        !within_f32(angular_rad_s, ROBUROC4_MAX_DRIVE_RAD_S)) {
         return ROBUROC4_ERR_UNITS;
     }
     if (lease_us == 0) {
@@ -169,12 +169,12 @@ roburoc4_result roburoc4_client_pause(client *c, uint64_t now_us) {
 }
 
 roburoc4_result roburoc4_client_stop(client *c, uint64_t now_us) {
-    const roburoc4_result result = roburoc4_client_pause(c, now_us);
-    if (result >= 0) {
-        roburoc4_drive_interrupt(&c->private_drive, ROBUROC4_ERR_STOPPED, &c->private_events);
-        c->private_drive.disarm_cause = ROBUROC4_ERR_STOPPED; /* also if it was disarmed before */
+    if (!started(c)) {
+        return ROBUROC4_ERR_STATE;
     }
-    return result;
+    begin_call(c, now_us);
+    roburoc4_drive_stop(&c->private_drive, &c->private_events);
+    return ROBUROC4_OK;
 }
 
 roburoc4_result roburoc4_client_set_role_index(client *c, uint32_t role, int32_t index,

@@ -37,12 +37,6 @@ static const float rest_below[AXES] = {0.1F, 0.2F};
 /* ---- floats compared by their bits: for speed and size where floats are software, and for NaN,
  * which compilers may be told not to expect ---- */
 
-/** Without the sign. The bits of such floats are in the order of their values, with infinity and
- *  then NaN above all numbers. */
-static uint32_t magnitude_bits(float value) {
-    return bits_from_f32(value) & 0x7FFFFFFFU;
-}
-
 static float magnitude(float value) {
     return f32_from_bits(magnitude_bits(value));
 }
@@ -52,7 +46,7 @@ static bool is_zero(float value) {
 }
 
 static bool nearly_zero(float value) {
-    return magnitude_bits(value) <= bits_from_f32(ROUNDING);
+    return within_f32(value, ROUNDING);
 }
 
 static bool is_finite(float value) {
@@ -120,6 +114,12 @@ void roburoc4_drive_pause(drive *d) {
     d->unconfirmed = 1;
     d->lapsed = 0;
     end_lease(d);
+}
+
+void roburoc4_drive_stop(drive *d, uint32_t *events) {
+    roburoc4_drive_pause(d);
+    roburoc4_drive_interrupt(d, ROBUROC4_ERR_STOPPED, events);
+    d->disarm_cause = ROBUROC4_ERR_STOPPED; /* also if it was disarmed before */
 }
 
 void roburoc4_drive_override(drive *d, bool overridden) {
@@ -368,24 +368,24 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
     return true;
 }
 
+static uint64_t sooner(uint64_t a_us, uint64_t b_us) {
+    return a_us < b_us ? a_us : b_us;
+}
+
 uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config) {
     uint64_t deadline = UINT64_MAX;
     if (d->stopping || d->lease_active) {
         deadline = d->sent_us + pause_us(d, config);
     }
     if (d->stopping && d->zeros_sent >= STOP_ZEROS) {
-        const uint64_t over = d->confirmed ? 0 : d->stop_us + config->robot_watchdog_ms * MS;
-        deadline = over < deadline ? over : deadline;
+        deadline = d->confirmed ? 0 : sooner(deadline, d->stop_us + config->robot_watchdog_ms * MS);
     }
     if (d->lease_active) {
-        const uint64_t over = d->granted_us + d->lease_us;
-        const uint64_t unheard = d->heard_us + uplink_limit_us(config);
-        deadline = over < deadline ? over : deadline;
-        deadline = unheard < deadline ? unheard : deadline;
+        deadline = sooner(deadline, d->granted_us + d->lease_us);
+        deadline = sooner(deadline, d->heard_us + uplink_limit_us(config));
     }
     if (d->lapsed && d->armed) {
-        const uint64_t over = d->granted_us + d->lease_us + config->lapse_disarm_ms * MS;
-        deadline = over < deadline ? over : deadline;
+        deadline = sooner(deadline, d->granted_us + d->lease_us + config->lapse_disarm_ms * MS);
     }
     return deadline;
 }
@@ -482,8 +482,8 @@ void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
     const bool ours =
         zero || (is_ours(d, LINEAR, reported[LINEAR]) && is_ours(d, ANGULAR, reported[ANGULAR]));
     d->moving = !zero ||
-                magnitude_bits(s->current_linear_m_s) > bits_from_f32(rest_below[LINEAR]) ||
-                magnitude_bits(s->current_angular_rad_s) > bits_from_f32(rest_below[ANGULAR]);
+                !within_f32(s->current_linear_m_s, rest_below[LINEAR]) ||
+                !within_f32(s->current_angular_rad_s, rest_below[ANGULAR]);
     watch_other_commander(d, config, ours || overridden, events);
     if (overridden) {
         d->confirmed = 0; /* the robot ignores commands now */

@@ -139,6 +139,8 @@ roburoc4_result roburoc4_drive_grant(drive *d, const float *target, uint32_t lea
 void roburoc4_drive_interrupt(drive *d, roburoc4_result cause, uint32_t *events);
 /** End the lease and stay armed; a stop sequence in any case. */
 void roburoc4_drive_pause(drive *d);
+/** The same, and disarm. */
+void roburoc4_drive_stop(drive *d, uint32_t *events);
 /** [A] on the game pad is held, or not. */
 void roburoc4_drive_override(drive *d, bool overridden);
 /** The robot received something that was sent at this time. */

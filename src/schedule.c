@@ -248,19 +248,15 @@ static void advance(client *c) {
 
 /* ---- a pose holds only while the robot is at rest ---- */
 
-static bool at_most_f32(float value, float limit) { /* false for NaN */
-    return (bits_from_f32(value) & 0x7FFFFFFFU) <= bits_from_f32(limit);
-}
-
 void roburoc4_schedule_watch_pose(client *c) {
     const roburoc4_differential_status *s = &c->private_values.differential;
     const drive *d = &c->private_drive;
     const bool driving =
-        d->lease_active && !(at_most_f32(d->target[0], 0) && at_most_f32(d->target[1], 0));
-    const bool rests = at_most_f32(s->target_linear_m_s, POSE_REST_M_S) &&
-                       at_most_f32(s->current_linear_m_s, POSE_REST_M_S) &&
-                       at_most_f32(s->target_angular_rad_s, POSE_REST_RAD_S) &&
-                       at_most_f32(s->current_angular_rad_s, POSE_REST_RAD_S);
+        d->lease_active && !(within_f32(d->target[0], 0) && within_f32(d->target[1], 0));
+    const bool rests = within_f32(s->target_linear_m_s, POSE_REST_M_S) &&
+                       within_f32(s->current_linear_m_s, POSE_REST_M_S) &&
+                       within_f32(s->target_angular_rad_s, POSE_REST_RAD_S) &&
+                       within_f32(s->current_angular_rad_s, POSE_REST_RAD_S);
     if (driving || !rests) {
         c->private_outputs.moved = 1;
     }
