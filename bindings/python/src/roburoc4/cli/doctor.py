@@ -13,7 +13,7 @@ from .options import Options, add_robot, add_seconds
 from .output import print_json
 from .probe import Probe, other_source
 from .progress import Show, progress
-from .verdict import Findings, Stream, Verdict, judge
+from .verdict import REPEATED_SHARE, Findings, Stream, Verdict, judge
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -113,7 +113,7 @@ def _resolve(found: Findings, say: Say) -> bool:
 def _contact(found: Findings, probe: Probe, say: Say) -> bool:
     for _ in range(_FIRST_CONTACT_TRIES):
         probe.ask()
-        probe.listen(_FIRST_CONTACT_S)
+        probe.listen(_FIRST_CONTACT_S, until_answered=True)
         if probe.fault or probe.answered >= _FIRST_CONTACT_TRIES // 2:
             break
     _note_probe(found, probe)
@@ -174,8 +174,8 @@ def _measure(found: Findings, robot: Robot, probe: Probe, length_s: float, show:
         show(elapsed_s, "watching the statuses")
         probe.ask()
         probe.listen(_ASK_EVERY_S)
-        time.sleep(max(0.0, begun_s + elapsed_s + _ASK_EVERY_S - time.monotonic()))
     _note_probe(found, probe)
+    _count(found, robot)
     found.interruptions = sum(robot.counts[count] for count in breaks) - breaks_before
     for service in services:
         after, old = robot.service_link(service), before[service]
@@ -189,6 +189,16 @@ def _measure(found: Findings, robot: Robot, probe: Probe, length_s: float, show:
                 after.jitter_us / 1e3,
             )
         )
+
+
+def _count(found: Findings, robot: Robot) -> None:
+    from roburoc4 import Count
+
+    counts = robot.counts
+    found.received, found.repeated = counts[Count.RECEIVED], counts[Count.OLD]
+    found.damaged = sum(
+        counts[count] for count in (Count.SHORT, Count.MALFORMED, Count.UNSUBSCRIBED)
+    )
 
 
 def _look_elsewhere(found: Findings, robot: Robot, address: tuple[str, int]) -> None:
@@ -214,6 +224,8 @@ def _check_robot(found: Findings, robot: Robot, say: Say) -> None:
         "it is not known whether a bumper is pressed": None
         in (facts.front_bumper, facts.rear_bumper),
         "another commander drives the robot": facts.other_commander,
+        f"{found.repeated} of {found.received} datagrams were repeated on their way, or overtaken: "
+        "look for a loop in the network": found.repeated > REPEATED_SHARE * found.received,
         "its speed limits are not usable: it cannot be driven": facts.arm_refusal == Result.LIMITS,
         "the front bumper is pressed": facts.front_bumper,
         "the rear bumper is pressed": facts.rear_bumper,
