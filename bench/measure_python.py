@@ -108,7 +108,7 @@ def check(name, decoded):
 def measure_decode(part, timer, generated):
     import roburoc4
 
-    ways = {"roburoc4": lambda: roburoc4.decode(WIRE), **peers(generated)}
+    ways = {"roburoc4": lambda: roburoc4.protocol.decode(WIRE), **peers(generated)}
     for name, work in ways.items():
         check(name, work())
         add(
@@ -121,9 +121,9 @@ def measure_decode(part, timer, generated):
         )
     for service, (form, values) in OTHERS.items():
         wire = form.pack(*values)
-        check(service, roburoc4.decode(wire))
+        check(service, roburoc4.protocol.decode(wire))
         name = f"decode to an object: {service}"
-        add(part, name, "roburoc4", "us", timer.us(lambda w=wire: roburoc4.decode(w)), aim=AIM_US)
+        add(part, name, "roburoc4", "us", timer.us(lambda w=wire: roburoc4.protocol.decode(w)), aim=AIM_US)
         add(part, name, "struct", "us", timer.us(lambda w=wire, f=form: f.unpack(w)))
 
 
@@ -139,12 +139,12 @@ def measure_batch(part, timer):
     copied = "NumPy frombuffer + copy"
     ways = {
         "batch decode, one buffer": {
-            "roburoc4": lambda: roburoc4.decode_batch("differential", buffer),
+            "roburoc4": lambda: roburoc4.protocol.decode_batch("differential", buffer),
             copied: lambda: numpy.frombuffer(buffer, form).copy(),
             "struct": lambda: list(LAYOUT.iter_unpack(buffer)),
         },
         "batch decode, a list of datagrams": {
-            "roburoc4": lambda: roburoc4.decode_batch("differential", datagrams),
+            "roburoc4": lambda: roburoc4.protocol.decode_batch("differential", datagrams),
             copied: lambda: numpy.frombuffer(b"".join(datagrams), form).copy(),
             "struct": lambda: [LAYOUT.unpack(datagram) for datagram in datagrams],
         },

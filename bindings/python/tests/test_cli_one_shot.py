@@ -13,7 +13,7 @@ import roburoc4
 def test_stop_ends_the_drive_of_another_program() -> None:
     with roburoc4.Simulator(port=0) as sim, sim.connect(ignore_other_commander=True) as robot:
         robot.arm()
-        robot.drive(0.5, 0.0, lease_ms=1000)
+        robot.drive(0.5, 0.0, lease=1.0)
         until(lambda: sim.state.wheel_linear_m_s > 0.1)
         done = run("stop", robot=sim.address)
         assert (done.returncode, done.stderr) == (0, "")
@@ -36,14 +36,14 @@ def test_stop_reports_when_somebody_keeps_driving() -> None:
 def test_stop_reports_another_program_that_keeps_driving(seconds: float) -> None:
     with roburoc4.Simulator(port=0) as sim, sim.connect(ignore_other_commander=True) as robot:
         robot.arm()
-        robot.drive(0.5, 0.0, lease_ms=1000)
+        robot.drive(0.5, 0.0, lease=1.0)
         until(lambda: sim.state.wheel_linear_m_s > 0.1)
         process = start("stop", "--json", robot=sim.address)
         begun_s = time.monotonic()
         zeros = []  # when the last command was one
         while process.poll() is None:
             if time.monotonic() < begun_s + seconds:
-                robot.drive(0.5, 0.0, lease_ms=1000)
+                robot.drive(0.5, 0.0, lease=1.0)
             state = sim.state
             if state.last_linear_m_s == 0.0:
                 zeros.append(state.now_us / 1e6)
