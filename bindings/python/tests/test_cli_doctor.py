@@ -257,6 +257,8 @@ def test_people_get_every_check_and_what_to_do_next() -> None:
         "next: ",
     ):
         assert text in done.stdout
+    table = done.stdout.partition("\nservice")[2].partition("\nround trip")[0]
+    assert max(map(len, table.splitlines())) <= 40
 
 
 def test_people_learn_why_it_is_unreachable() -> None:

@@ -113,3 +113,16 @@ def test_a_person_is_asked_and_sees_the_progress(sim: roburoc4.Simulator) -> Non
     terminal.type("y\n")
     terminal.wait_for(r"\+0\.\d+ m/s .*of 0\.5 m")
     assert terminal.wait() == 0
+
+
+def test_a_reader_that_ends_stops_the_robot(sim: roburoc4.Simulator) -> None:
+    process = start("move", "50", "--clearance", "0", "--json", robot=sim.address)
+    assert process.stdout is not None
+    assert process.stderr is not None
+    until(lambda: sim.state.last_linear_m_s > 0)
+    process.stdout.close()
+    assert process.wait(timeout=120) == 1
+    assert process.stderr.read() == ""
+    process.stderr.close()
+    assert sim.state.last_linear_m_s == 0.0
+    assert sim.true_pose.x_m < 20.0

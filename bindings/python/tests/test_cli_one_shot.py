@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """`roburoc4 stop`, `output`, `relocalize`: one request, one line of output."""
 
+import math
 import time
 
 import pytest
@@ -122,6 +123,15 @@ def test_relocalize_accepts_negative_numbers() -> None:
         state = sim.state
     assert (state.odometry_x_m, state.odometry_y_m) == (1.5, -2.0)
     assert state.odometry_theta_rad == pytest.approx(-0.5)
+
+
+def test_relocalize_takes_degrees_and_refuses_what_looks_like_them() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        done = run("relocalize", "1", "2", "-90deg", "--json", robot=sim.address)
+        assert document(done)["theta_rad"] == pytest.approx(-math.pi / 2)
+        done = run("relocalize", "1", "2", "90", robot=sim.address)
+        assert done.returncode == 2
+        assert "did you mean 90deg?" in one_line(done.stderr)
 
 
 def test_relocalize_without_the_service_is_refused() -> None:

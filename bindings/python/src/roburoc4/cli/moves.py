@@ -15,7 +15,7 @@ from roburoc4.latest import latest
 from . import session
 from .errors import CommandError, ExitCode, refused, usage
 from .options import FARTHEST, add_robot, angle, coordinate, number, seconds, way_m
-from .output import note, print_json
+from .output import note, print_json, refuse_closed_pipe
 from .progress import progress
 
 if TYPE_CHECKING:
@@ -201,6 +201,7 @@ def _take(
     from roburoc4 import MoveError
 
     def progressed(result: MoveResult) -> None:
+        refuse_closed_pipe()
         done[-1] = result
         show(_speed(robot))
 

@@ -13,7 +13,7 @@ from roburoc4.latest import latest
 
 from . import session
 from .errors import ExitCode, refused
-from .options import Options, add_robot, metres, radians
+from .options import Options, add_robot, angle, metres
 from .output import note, print_json
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     )
     relocalize.add_argument("x", metavar="X", type=metres, help="metres")
     relocalize.add_argument("y", metavar="Y", type=metres, help="metres")
-    relocalize.add_argument("theta", metavar="THETA", type=radians, help="radians")
+    relocalize.add_argument("theta", metavar="THETA", type=angle, help="radians, or as in 90deg")
     add_robot(relocalize)
     relocalize.set_defaults(run=run_relocalize)
 

@@ -52,7 +52,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     )
     add_seconds(parser, "end after this time")
     parser.add_argument("--force", action="store_true", help="replace a file that has contents")
-    add_robot(parser)
+    add_robot(parser, json="print a document at the end (docs/cli.md has its keys)")
     parser.set_defaults(run=run)
 
 

@@ -45,7 +45,8 @@ def add_driving(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--allow-unknown-override",
         action="store_true",
-        help="drive although the robot does not report whether its game pad is in use",
+        help="drive although the robot does not report whether its game pad is in use; all but "
+        "teleop and turn then need --clearance 0, too, as its bumpers are not known either",
     )
     parser.add_argument("--yes", "-y", action="store_true", help="do not ask before it moves")
 

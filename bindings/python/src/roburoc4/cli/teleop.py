@@ -206,7 +206,7 @@ class _Teleop:
         measured = latest(self._robot, DifferentialStatus)
         return Group(
             Text(f"{self._robot.address}  {self._robot.state.name.lower()}", "bold"),
-            lamps(self._robot.facts),
+            lamps(self._robot.facts, console().width),
             Text.assemble(
                 bar(scale, "cyan"),
                 f"  {scale * _FULL_LINEAR_M_S:.1f} m/s  {scale * _FULL_ANGULAR_RAD_S:.1f} rad/s",
