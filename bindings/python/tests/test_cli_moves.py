@@ -126,3 +126,14 @@ def test_a_reader_that_ends_stops_the_robot(sim: roburoc4.Simulator) -> None:
     process.stderr.close()
     assert sim.state.last_linear_m_s == 0.0
     assert sim.true_pose.x_m < 20.0
+
+
+@pytest.mark.parametrize("move", [["move", "0.1"], ["turn", "10deg"], ["square", "0.1"]])
+def test_a_robot_without_inputs_moves_if_that_is_meant(move: list[str]) -> None:
+    with roburoc4.Simulator(port=0, slip=0.0, digital_inputs=0) as sim:
+        assert run(*move, robot=sim.address).returncode == 1
+        blind = [*move, "--allow-unknown-override"]
+        assert "bumper is not known" in run(*blind, robot=sim.address).stderr
+        assert sim.state.nonzero_speed_commands == 0
+        done = run(*blind, "--clearance", "0", "--json", robot=sim.address)
+        assert document(done)["result"] == "reached"

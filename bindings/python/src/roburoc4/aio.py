@@ -252,12 +252,13 @@ class Robot(RobotBase):
         angle_rad: float,
         *,
         speed: float | None = None,
+        clearance: float | None = None,
         timeout: float | None = None,
         turns: bool = False,
         on_progress: Progress | None = None,
     ) -> MoveResult:
         """See :meth:`roburoc4.Robot.turn`."""
-        options = MoveOptions(None, speed, None, timeout, turns)
+        options = MoveOptions(None, speed, clearance, timeout, turns)
         return await self._go(Move(self._connection, options).by(0.0, angle_rad), on_progress)
 
     async def arc(

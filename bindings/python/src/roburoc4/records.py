@@ -357,7 +357,7 @@ class UnknownCommand(NamedTuple):
 Telegram: TypeAlias = (
     Status | UnknownStatus | Answer | Request | IoCardCommand | DifferentialCommand | UnknownCommand
 )
-"""Whatever :func:`roburoc4.decode` can return."""
+"""Whatever :func:`roburoc4.protocol.decode` can return."""
 
 
 # --------------------------------------------------------------------------- facts and figures

@@ -247,16 +247,17 @@ class Robot(RobotBase):
         angle_rad: float,
         *,
         speed: float | None = None,
+        clearance: float | None = None,
         timeout: float | None = None,
         turns: bool = False,
         on_progress: Progress | None = None,
     ) -> MoveResult:
         """Turn in place by this angle (negative: to the right), at ``speed`` rad/s (0.5).
 
-        More than two turns must be meant, with ``turns``: degrees look like that. Otherwise as
-        :meth:`move`, but telemeters are ignored.
+        More than two turns must be meant, with ``turns``: degrees look like that. Telemeters are
+        ignored; with ``clearance`` 0, so are bumpers that are unknown. Otherwise as :meth:`move`.
         """
-        options = MoveOptions(None, speed, None, timeout, turns)
+        options = MoveOptions(None, speed, clearance, timeout, turns)
         return self._go(Move(self._connection, options).by(0.0, angle_rad), on_progress)
 
     def arc(

@@ -64,8 +64,9 @@ def decode(
 ) -> Telegram:
     """Decode one datagram from a robot (or, on request, from a client).
 
-    A status becomes the record of its service, an answer an :class:`~roburoc4.Answer`, a client's
-    telegram a :class:`~roburoc4.Request` or a command. Raises DecodeError for anything else.
+    A status becomes the record of its service, an answer an :class:`~roburoc4.protocol.Answer`,
+    a client's telegram a :class:`~roburoc4.protocol.Request` or a command. Raises DecodeError for
+    anything else.
     """
     try:
         if isinstance(sender, str) and sender == "robot":

@@ -109,9 +109,7 @@ def _run_move(options: MoveOptions) -> int:
 def _run_turn(options: MoveOptions) -> int:
     def step(robot: Robot, show: Callable[[MoveResult], object]) -> MoveResult:
         speed = within_limits(robot, options.speed, "rad/s")
-        return robot.turn(
-            options.angle, speed=speed, timeout=options.timeout, turns=True, on_progress=show
-        )
+        return robot.turn(options.angle, **_given(options, speed), turns=True, on_progress=show)
 
     degrees = math.degrees(options.angle)
     intention = f"a turn of {degrees:.0f}°"
@@ -143,7 +141,9 @@ def _run_square(options: MoveOptions) -> int:
         return robot.move(options.metres, **_given(options, speed), on_progress=show)
 
     def corner(robot: Robot, show: Callable[[MoveResult], object]) -> MoveResult:
-        return robot.turn(math.pi / 2, timeout=options.timeout, on_progress=show)
+        return robot.turn(
+            math.pi / 2, clearance=options.clearance, timeout=options.timeout, on_progress=show
+        )
 
     intention = f"a square of {options.metres:g} m"
     return go(options, intention, 4 * options.metres, "m", [side, corner] * 4, linear=options.speed)

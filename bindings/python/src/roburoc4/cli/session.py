@@ -46,7 +46,7 @@ def add_driving(parser: argparse.ArgumentParser) -> None:
         "--allow-unknown-override",
         action="store_true",
         help="drive although the robot does not report whether its game pad is in use; all but "
-        "teleop and turn then need --clearance 0, too, as its bumpers are not known either",
+        "teleop then need --clearance 0, too, as its bumpers are not known either",
     )
     parser.add_argument("--yes", "-y", action="store_true", help="do not ask before it moves")
 
