@@ -128,7 +128,7 @@ def test_a_reader_that_ends_stops_the_robot(sim: roburoc4.Simulator) -> None:
     assert sim.true_pose.x_m < 20.0
 
 
-@pytest.mark.parametrize("move", [["move", "0.1"], ["turn", "10deg"], ["square", "0.1"]])
+@pytest.mark.parametrize("move", [["move", "0.1"], ["turn", "10deg"]])
 def test_a_robot_without_inputs_moves_if_that_is_meant(move: list[str]) -> None:
     with roburoc4.Simulator(port=0, slip=0.0, digital_inputs=0) as sim:
         assert run(*move, robot=sim.address).returncode == 1
