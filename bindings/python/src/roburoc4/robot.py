@@ -8,7 +8,7 @@ from typing import Any, Literal, Self, TypeVar, Unpack, overload
 
 from . import _native
 from .connection import ALL_EVENTS
-from .constants import DEFAULT_HOST, Event, Service
+from .constants import DEFAULT_HOST, Event, Result, Service
 from .errors import (
     NotArmedError,
     NotKnownError,
@@ -410,7 +410,7 @@ class ManualRobot(Robot):
             super().drive(linear_m_s, angular_rad_s, lease=lease)
         except NotArmedError as error:
             pause_s = self._socket.longest_pause_s
-            if pause_s < _LONG_PAUSE_S:
+            if pause_s < _LONG_PAUSE_S or error.code in (Result.DISARMED, Result.STOPPED):
                 raise
             raise NotArmedError(
                 f"{error}. The program received nothing for {pause_s:.1f} s: with threaded=False, "
