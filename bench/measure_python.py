@@ -106,9 +106,9 @@ def check(name, decoded):
 
 
 def measure_decode(part, timer, generated):
-    import roburoc4
+    from roburoc4 import protocol
 
-    ways = {"roburoc4": lambda: roburoc4.decode(WIRE), **peers(generated)}
+    ways = {"roburoc4": lambda: protocol.decode(WIRE), **peers(generated)}
     for name, work in ways.items():
         check(name, work())
         add(
@@ -121,15 +121,15 @@ def measure_decode(part, timer, generated):
         )
     for service, (form, values) in OTHERS.items():
         wire = form.pack(*values)
-        check(service, roburoc4.decode(wire))
+        check(service, protocol.decode(wire))
         name = f"decode to an object: {service}"
-        add(part, name, "roburoc4", "us", timer.us(lambda w=wire: roburoc4.decode(w)), aim=AIM_US)
+        add(part, name, "roburoc4", "us", timer.us(lambda w=wire: protocol.decode(w)), aim=AIM_US)
         add(part, name, "struct", "us", timer.us(lambda w=wire, f=form: f.unpack(w)))
 
 
 def measure_batch(part, timer):
     import numpy
-    import roburoc4
+    from roburoc4 import protocol
 
     buffer = WIRE * BATCH
     datagrams = [bytes(bytearray(WIRE)) for _ in range(BATCH)]  # each an object of its own
@@ -139,12 +139,12 @@ def measure_batch(part, timer):
     copied = "NumPy frombuffer + copy"
     ways = {
         "batch decode, one buffer": {
-            "roburoc4": lambda: roburoc4.decode_batch("differential", buffer),
+            "roburoc4": lambda: protocol.decode_batch("differential", buffer),
             copied: lambda: numpy.frombuffer(buffer, form).copy(),
             "struct": lambda: list(LAYOUT.iter_unpack(buffer)),
         },
         "batch decode, a list of datagrams": {
-            "roburoc4": lambda: roburoc4.decode_batch("differential", datagrams),
+            "roburoc4": lambda: protocol.decode_batch("differential", datagrams),
             copied: lambda: numpy.frombuffer(b"".join(datagrams), form).copy(),
             "struct": lambda: [LAYOUT.unpack(datagram) for datagram in datagrams],
         },

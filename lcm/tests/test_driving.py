@@ -232,15 +232,15 @@ def test_outputs_are_set(robot: Robot, bus: Bus, willing: Bridge) -> None:
 
     def last() -> object:
         said = [
-            roburoc4.decode(data, sender="client")
+            roburoc4.protocol.decode(data, sender="client")
             for _, data in list(robot.tap.to_robot)
             if data[:1] == b"\xff"
         ]
         return said[-1] if said else None
 
-    until(lambda: isinstance(last(), roburoc4.IoCardCommand), "outputs reach the robot")
+    until(lambda: isinstance(last(), roburoc4.protocol.IoCardCommand), "outputs reach the robot")
     found = last()
-    assert isinstance(found, roburoc4.IoCardCommand)
+    assert isinstance(found, roburoc4.protocol.IoCardCommand)
     assert [index for index, on in enumerate(found.digital_outputs) if on] == [3]
 
 

@@ -111,8 +111,8 @@ class Tap:
         found = []
         for time_us, data in list(self.to_robot):
             if time_us >= since_us and data[:1] == b"\xff":
-                said = roburoc4.decode(data, sender="client")
-                if isinstance(said, roburoc4.DifferentialCommand):
+                said = roburoc4.protocol.decode(data, sender="client")
+                if isinstance(said, roburoc4.protocol.DifferentialCommand):
                     assert math.isfinite(said.linear_m_s), said
                     assert math.isfinite(said.angular_rad_s), said
                     found.append(Command(time_us, *said))
@@ -127,7 +127,7 @@ class Tap:
         found = []
         for time_us, data in list(self.from_robot):
             if data[:1] == b"\xff":
-                said = roburoc4.decode(data)
+                said = roburoc4.protocol.decode(data)
                 assert isinstance(said, roburoc4.Status), said
                 found.append((time_us, said))
         return found

@@ -103,6 +103,15 @@ PyObject *register_record(const char *structure, PyObject *type, PyObject *membe
 }
 
 PyObject *register_errors(PyObject *error_of) {
+    static int64_t owner = -1;
+    int64_t interpreter = PyInterpreterState_GetID(PyInterpreterState_Get());
+    if (owner >= 0 && owner != interpreter) { /* its classes are static here */
+        PyErr_SetString(PyExc_ImportError,
+                        "roburoc4 is used by another interpreter of this process: use threads or "
+                        "processes instead of subinterpreters");
+        return NULL;
+    }
+    owner = interpreter;
     Py_INCREF(error_of);
     make_error = error_of;
     Py_RETURN_NONE;

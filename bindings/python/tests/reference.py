@@ -10,16 +10,33 @@ import enum
 import inspect
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import roburoc4
+import roburoc4.iocard
+import roburoc4.records
 
 HEAD = """\
 # Python reference
 
-Every name of the package `roburoc4`; [python.md](python.md) shows how they are used.
+Every name of the package `roburoc4`; [python.md](python.md) shows how they are used. What is on the
+wire is in `roburoc4.protocol`; the types of what attributes return, in `roburoc4.records` and
+`roburoc4.iocard`: their names are shown with the module.
 `bindings/python/tests/reference.py` writes this page from the
 package's own texts. In `roburoc4.aio` methods of the same names are awaited.
 """
+
+
+def labels() -> dict[Any, str]:
+    """Return every public thing with its name, which begins with its module: "protocol.decode"."""
+    found: dict[Any, str] = {}
+    for module in (roburoc4, roburoc4.protocol, roburoc4.records, roburoc4.iocard):
+        prefix = module.__name__.partition(".")[2]
+        for name in module.__all__:
+            thing = getattr(module, name)
+            if inspect.isclass(thing) or inspect.isfunction(thing):
+                found.setdefault(thing, f"{prefix}.{name}" if prefix else name)
+    return found
 
 
 def attribute_texts(owner: type) -> dict[str, str]:
@@ -78,7 +95,7 @@ def members(owner: type) -> Iterator[tuple[str, str]]:
 def enumeration(owner: type[enum.IntEnum] | type[enum.IntFlag]) -> Iterator[str]:
     """Write the members of an enumeration."""
     texts = attribute_texts(owner)
-    yield f"### {owner.__name__}\n\n{plain(owner.__doc__)}\n"
+    yield f"### {labels()[owner]}\n\n{plain(owner.__doc__)}\n"
     rows = []
     for member in owner:
         number = f"{member.value:#x}" if issubclass(owner, enum.IntFlag) else str(member.value)
@@ -96,7 +113,7 @@ def settings(owner: type) -> Iterator[str]:
 def record(owner: type) -> Iterator[str]:
     """Write the fields of a record."""
     texts = attribute_texts(owner)
-    yield f"### {owner.__name__}\n\n{plain(owner.__doc__)}\n"
+    yield f"### {labels()[owner]}\n\n{plain(owner.__doc__)}\n"
     fields = owner._fields  # type: ignore[attr-defined]
     yield from (
         f"- `{name}`{': ' if name in texts else ''}{texts.get(name, '')}" for name in fields
@@ -106,7 +123,7 @@ def record(owner: type) -> Iterator[str]:
 
 def page() -> str:
     """Return the whole page."""
-    public = [getattr(roburoc4, name) for name in sorted(roburoc4.__all__)]
+    public = sorted(labels(), key=lambda thing: str(labels()[thing]))
     classes = [value for value in public if inspect.isclass(value)]
     enumerations = [c for c in classes if issubclass(c, enum.IntEnum | enum.IntFlag)]
     records = [c for c in classes if issubclass(c, tuple) and hasattr(c, "_fields")]
@@ -117,7 +134,7 @@ def page() -> str:
     lines += table(
         ("function", "what it does"),
         *(
-            (f"`{f.__name__}{signature(f)}`", plain(f.__doc__))
+            (f"`{labels()[f]}{signature(f)}`", plain(f.__doc__))
             for f in public
             if inspect.isfunction(f)
         ),
@@ -127,12 +144,12 @@ def page() -> str:
     lines += [line for owner in enumerations for line in enumeration(owner)]
     lines += ["## Classes\n"]
     for owner in others:
-        lines += [f"### {owner.__name__}\n\n{plain(owner.__doc__)}\n"]
+        lines += [f"### {labels()[owner]}\n\n{plain(owner.__doc__)}\n"]
         rows = list(members(owner))
         lines += table(("member", "what it does"), *rows) if rows else []
     lines += ["## Records\n", *(line for owner in records for line in record(owner))]
     lines += ["## Exceptions\n"]
-    lines += table(("exception", "when"), *((f"`{c.__name__}`", plain(c.__doc__)) for c in errors))
+    lines += table(("exception", "when"), *((f"`{labels()[c]}`", plain(c.__doc__)) for c in errors))
     return "\n".join(lines).rstrip() + "\n"
 
 

@@ -122,6 +122,27 @@ def test_iteration_ends_at_close(served: Simulator) -> None:
     assert asyncio.run(program()) > 0
 
 
+def test_an_async_progress_function_is_awaited(served: Simulator) -> None:
+    seen: list[float] = []
+
+    async def show(result: roburoc4.MoveResult) -> None:
+        await asyncio.sleep(0)
+        seen.append(result.remaining_m)
+
+    async def later(_: object) -> bool:
+        return True
+
+    async def program() -> None:
+        async with roburoc4.aio.connect(served.address) as robot:
+            with pytest.raises(roburoc4.ArgumentError, match="not async"):
+                await robot.wait_for(later)
+            await robot.arm()
+            await robot.move(0.2, on_progress=show)
+
+    asyncio.run(program())
+    assert len(seen) > 3
+
+
 async def driving(robot: roburoc4.aio.Robot, served: Simulator) -> asyncio.Task[None]:
     await robot.arm()
     task = asyncio.create_task(robot.drive_for(0.5, 0.0, seconds=60))
@@ -158,7 +179,7 @@ def test_cancelling_the_whole_block_stops_the_robot(served: Simulator) -> None:
     async def drive() -> None:
         async with roburoc4.aio.connect(served.address) as robot:
             await robot.arm()
-            robot.drive(0.5, 0.0, lease_ms=1000)
+            robot.drive(0.5, 0.0, lease=1.0)
             await robot.wait_for(lambda r: False, timeout=60)
 
     async def program() -> None:
@@ -188,7 +209,7 @@ def test_a_robot_that_nobody_keeps_ends_with_its_thread(served: Simulator) -> No
     async def program() -> None:
         robot = await roburoc4.aio.connect(served.address)
         await robot.arm()
-        robot.drive(0.5, 0.0, lease_ms=1000)
+        robot.drive(0.5, 0.0, lease=1.0)
         del robot
         gc.collect()
         await asyncio.to_thread(until, lambda: served.state.last_linear_m_s == 0)

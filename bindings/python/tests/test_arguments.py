@@ -25,8 +25,8 @@ def test_numbers_of_numpy_and_whole_floats_are_numbers(roburoc4_simulator: Simul
     }
     with roburoc4_simulator.connect(**settings) as robot:
         robot.arm()
-        robot.drive(np.float32(0.1), 0, lease_ms=250.0)  # type: ignore[arg-type]
-        robot.drive(np.int32(0), np.float64(0.1), lease_ms=np.uint16(200))
+        robot.drive(np.float32(0.1), 0, lease=1)
+        robot.drive(np.int32(0), np.float64(0.1), lease=np.float32(0.2))
         robot.drive_for(np.float32(0.1), 0, np.float64(0.2))
         robot.pause()
         robot.subscribe("battery", 100.0)  # type: ignore[arg-type]
@@ -48,16 +48,17 @@ Call = Callable[[Robot], object]
         (lambda r: r.drive(0, 1e300), r"angular_rad_s: 1e\+300 .* a finite number"),
         (lambda r: r.drive(1e308, 0), r"linear_m_s: 1e\+308 .* -3.4e\+38 to 3.4e\+38"),
         (lambda r: r.drive("0.1", 0), "linear_m_s: '0.1' .* a finite number"),
-        (lambda r: r.drive(0.1, 0, lease_ms="a"), "lease_ms: 'a' .* 20 to 1000"),
-        (lambda r: r.drive(0, 0, lease_ms=5), "lease_ms: 5 .* 20 to 1000"),
-        (lambda r: r.drive(0, 0, lease_ms=-5), "lease_ms: -5 .* 20 to 1000"),
+        (lambda r: r.drive(0.1, 0, lease="a"), "lease: 'a' .* 0.02 to 1 s"),
+        (lambda r: r.drive(0, 0, lease=250), "lease: 250 .* 0.02 to 1 s"),
+        (lambda r: r.drive(0, 0, lease=-0.1), "lease: -0.1 .* 0.02 to 1 s"),
         (lambda r: r.subscribe("battery", 15), "period_ms: 15 .* multiple of 10, 10 to 2550"),
+        (lambda r: r.subscribe("battery", 0), "period_ms: 0 .* multiple of 10, 10 to 2550"),
         (lambda r: r.subscribe("battery", -1), "period_ms: -1 .* multiple of 10, 10 to 2550"),
         (lambda r: r.subscribe("battery", "a"), "period_ms: 'a' .* multiple of 10, 10 to 2550"),
         (lambda r: r.role_index(9), "role: 9 .* Role.FRONT_BUMPER"),
         (lambda r: r.host_time_s(-1), "robot_cycles: -1 .* 0 to"),
         (lambda r: r.host_time_s("a"), "robot_cycles: 'a' .* 0 to"),
-        (lambda r: r.latest("sonar"), "'sonar' .* iocard, telemeter"),
+        (lambda r: r.age_s("sonar"), "'sonar' .* iocard, telemeter"),
         (lambda r: r.service_link(17), "17 .* iocard, telemeter"),
         (lambda r: r.drive_for(0, 0, -1), "seconds: -1 .* 0 to"),
         (lambda r: r.record(float("nan")), "seconds: nan .* 0 to"),
@@ -68,7 +69,7 @@ Call = Callable[[Robot], object]
         (lambda r: next(r.events(timeout=-1)), "timeout: -1 .* 0 to"),
         (lambda r: r.move("1"), "distance_m: '1' .* a finite number"),
         (lambda r: r.relocalize(0, float("inf"), 0), "y_m: inf .* a finite number"),
-        (lambda r: r.go_to(float("nan"), 0), "x_m: nan .* a finite number"),
+        (lambda r: r.goto(float("nan"), 0), "x_m: nan .* a finite number"),
         (lambda r: r.move(1, speed=0), "speed: 0 .* more than 0, up to 5 m/s"),
         (lambda r: r.move(1, speed="a"), "speed: 'a' .* more than 0, up to 5 m/s"),
         (lambda r: r.move(1, timeout="a"), "timeout: 'a' .* 0.001 to"),
@@ -131,7 +132,7 @@ def test_a_setting_that_cannot_be_used_names_its_range(
         ({"timeout": -1, "wait": True}, "timeout: -1 .* 0 to"),
         ({"timeout": "1", "wait": True}, "timeout: '1' .* 0 to"),
         ({"wait": "no"}, "wait: 'no' .* True or False"),
-        ({"record_max_s": "a"}, "record_max_s: 'a' .* 0 to"),
+        ({"record_max_s": "a"}, "record_max_s: 'a' .* 1 to"),
         ({"record": "x\0y.pcapng"}, r"record: 'x\\x00y.pcapng' .* a path"),
         ({"record": Path("x\0y.pcapng")}, r"record: 'x\\x00y.pcapng' .* a path"),
         ({"record": 5}, "record: 5 .* a path"),
@@ -201,6 +202,46 @@ def test_floats_are_printed_as_a_person_would_write_them() -> None:
         assert len(str(robot.iocard.analog_inputs[2])) <= 9
     for text in ("0.1", "-0.3", "12345.67", "0.0", "99999.99", "1e-05", "0.68", "-6.5", "1.0"):
         data = struct.pack("<BHff", 0xFF, 6, float(text), 0.0)
-        command = roburoc4.decode(data, sender="client")
-        assert isinstance(command, roburoc4.DifferentialCommand)
+        command = roburoc4.protocol.decode(data, sender="client")
+        assert isinstance(command, roburoc4.protocol.DifferentialCommand)
         assert str(command.linear_m_s) == text
+
+
+def test_a_setting_cannot_be_assigned_later(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        with pytest.raises(AttributeError, match=r"give it to connect\(max_linear_m_s=0.1\)"):
+            robot.max_linear_m_s = 0.1  # type: ignore[attr-defined]
+        robot.my_own = 1  # type: ignore[attr-defined]
+
+
+def test_functions_that_must_be_awaited_are_refused(roburoc4_simulator: Simulator) -> None:
+    async def later(_: object) -> bool:
+        return True
+
+    with roburoc4_simulator.connect() as robot:
+        robot.arm()
+        with pytest.raises(ArgumentError, match=r"condition: .* not async"):
+            robot.wait_for(later)
+        with pytest.raises(ArgumentError, match=r"on_progress: .* not async"):
+            robot.move(0.1, on_progress=later)
+    assert roburoc4_simulator.state.nonzero_speed_commands == 0
+
+
+def test_a_failed_move_says_how_it_ended(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        robot.arm()
+        with pytest.raises(roburoc4.MoveError) as caught:
+            robot.move(1.0, timeout=0.5)
+    assert caught.value.outcome is roburoc4.MoveOutcome.TIMEOUT
+
+
+def test_take_returns_what_has_arrived(roburoc4_simulator: Simulator) -> None:
+    with roburoc4_simulator.connect() as robot:
+        statuses, events = robot.statuses("localization"), robot.events()
+        assert statuses.take() == []
+        robot.sleep(1.0)
+        assert len(statuses.take()) == 20
+        assert len(statuses.take(timeout=1.0)) == 1
+        robot.arm()
+        assert events.take() & roburoc4.Event.ARMED
+        assert not events.take()

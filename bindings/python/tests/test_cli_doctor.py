@@ -20,8 +20,8 @@ import roburoc4
 from roburoc4.cli import app
 
 
-def _verdict(*arguments: str, robot: str) -> dict[str, Any]:
-    return _read(doctor("--json", "--seconds", "3", *arguments, robot=robot))
+def _verdict(*arguments: str, robot: str, verdict: str | None = None) -> dict[str, Any]:
+    return _read(doctor("--json", "--seconds", "3", *arguments, robot=robot, verdict=verdict))
 
 
 def _read(done: subprocess.CompletedProcess[str]) -> dict[str, Any]:
@@ -138,7 +138,7 @@ def test_fault_loss() -> None:
 def test_fault_slow() -> None:
     with roburoc4.Simulator(port=0) as sim:
         sim.set_faults(delay_ms=60.0)
-        found = _verdict(robot=sim.address)
+        found = _verdict(robot=sim.address, verdict="slow")
     assert (found["name"], found["exit"]) == ("slow", 1)
     assert 115.0 < found["round_trip_ms"] < 1000.0  # more only where this computer is busy
 
@@ -147,10 +147,29 @@ def test_fault_jitter() -> None:
     with roburoc4.Simulator(port=0) as sim:
         sim.set_faults(jitter_ms=150.0)
         for _ in range(10):
-            found = _read(run("doctor", "--json", "--seconds", "3", robot=sim.address))
-            if found["name"] == "jitter":  # else it is busy, or the jitter was low
+            found = _verdict(robot=sim.address, verdict="jitter")
+            if found["name"] == "jitter":  # else the jitter was low
                 break
     assert (found["name"], found["exit"]) == ("jitter", 1)
+
+
+def test_repeated_datagrams_are_a_note_and_do_not_slow_answers() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        sim.set_faults(duplicate=0.3)
+        found = _verdict(robot=sim.address)
+    assert (found["name"], found["exit"]) == ("healthy", 0)
+    assert found["round_trip_ms"] < 50.0
+    assert found["answered"] <= found["asked"]
+    assert 0.1 * found["received"] < found["repeated"] < 0.4 * found["received"]
+    assert [note for note in found["notes"] if "repeated" in note]
+
+
+def test_fault_damaged() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        sim.set_faults(corrupt=0.2)
+        found = _verdict(robot=sim.address)
+    assert (found["name"], found["exit"], found["verdict"]["number"]) == ("damaged", 1, 14)
+    assert found["damaged"] > 0.01 * found["received"]
 
 
 def test_fault_denied() -> None:
@@ -238,6 +257,8 @@ def test_people_get_every_check_and_what_to_do_next() -> None:
         "next: ",
     ):
         assert text in done.stdout
+    table = done.stdout.partition("\nservice")[2].partition("\nround trip")[0]
+    assert max(map(len, table.splitlines())) <= 40
 
 
 def test_people_learn_why_it_is_unreachable() -> None:

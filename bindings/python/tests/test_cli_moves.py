@@ -113,3 +113,27 @@ def test_a_person_is_asked_and_sees_the_progress(sim: roburoc4.Simulator) -> Non
     terminal.type("y\n")
     terminal.wait_for(r"\+0\.\d+ m/s .*of 0\.5 m")
     assert terminal.wait() == 0
+
+
+def test_a_reader_that_ends_stops_the_robot(sim: roburoc4.Simulator) -> None:
+    process = start("move", "50", "--clearance", "0", "--json", robot=sim.address)
+    assert process.stdout is not None
+    assert process.stderr is not None
+    until(lambda: sim.state.last_linear_m_s > 0)
+    process.stdout.close()
+    assert process.wait(timeout=120) == 1
+    assert process.stderr.read() == ""
+    process.stderr.close()
+    assert sim.state.last_linear_m_s == 0.0
+    assert sim.true_pose.x_m < 20.0
+
+
+@pytest.mark.parametrize("move", [["move", "0.1"], ["turn", "10deg"]])
+def test_a_robot_without_inputs_moves_if_that_is_meant(move: list[str]) -> None:
+    with roburoc4.Simulator(port=0, slip=0.0, digital_inputs=0) as sim:
+        assert run(*move, robot=sim.address).returncode == 1
+        blind = [*move, "--allow-unknown-override"]
+        assert "bumper is not known" in run(*blind, robot=sim.address).stderr
+        assert sim.state.nonzero_speed_commands == 0
+        done = run(*blind, "--clearance", "0", "--json", robot=sim.address)
+        assert document(done)["result"] == "reached"

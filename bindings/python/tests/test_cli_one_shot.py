@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """`roburoc4 stop`, `output`, `relocalize`: one request, one line of output."""
 
+import math
 import time
 
 import pytest
@@ -13,7 +14,7 @@ import roburoc4
 def test_stop_ends_the_drive_of_another_program() -> None:
     with roburoc4.Simulator(port=0) as sim, sim.connect(ignore_other_commander=True) as robot:
         robot.arm()
-        robot.drive(0.5, 0.0, lease_ms=1000)
+        robot.drive(0.5, 0.0, lease=1.0)
         until(lambda: sim.state.wheel_linear_m_s > 0.1)
         done = run("stop", robot=sim.address)
         assert (done.returncode, done.stderr) == (0, "")
@@ -36,14 +37,14 @@ def test_stop_reports_when_somebody_keeps_driving() -> None:
 def test_stop_reports_another_program_that_keeps_driving(seconds: float) -> None:
     with roburoc4.Simulator(port=0) as sim, sim.connect(ignore_other_commander=True) as robot:
         robot.arm()
-        robot.drive(0.5, 0.0, lease_ms=1000)
+        robot.drive(0.5, 0.0, lease=1.0)
         until(lambda: sim.state.wheel_linear_m_s > 0.1)
         process = start("stop", "--json", robot=sim.address)
         begun_s = time.monotonic()
         zeros = []  # when the last command was one
         while process.poll() is None:
             if time.monotonic() < begun_s + seconds:
-                robot.drive(0.5, 0.0, lease_ms=1000)
+                robot.drive(0.5, 0.0, lease=1.0)
             state = sim.state
             if state.last_linear_m_s == 0.0:
                 zeros.append(state.now_us / 1e6)
@@ -122,6 +123,15 @@ def test_relocalize_accepts_negative_numbers() -> None:
         state = sim.state
     assert (state.odometry_x_m, state.odometry_y_m) == (1.5, -2.0)
     assert state.odometry_theta_rad == pytest.approx(-0.5)
+
+
+def test_relocalize_takes_degrees_and_refuses_what_looks_like_them() -> None:
+    with roburoc4.Simulator(port=0) as sim:
+        done = run("relocalize", "1", "2", "-90deg", "--json", robot=sim.address)
+        assert document(done)["theta_rad"] == pytest.approx(-math.pi / 2)
+        done = run("relocalize", "1", "2", "90", robot=sim.address)
+        assert done.returncode == 2
+        assert "did you mean 90deg?" in one_line(done.stderr)
 
 
 def test_relocalize_without_the_service_is_refused() -> None:

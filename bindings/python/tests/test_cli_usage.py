@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: MIT
 """A wrong command line: one line, exit code 2, and the robot is not contacted."""
 
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from cli_support import COMMAND, environment, one_line, run, start
@@ -232,8 +234,36 @@ def test_bash_completes_commands_and_options(words: list[str], expected: str) ->
     assert done.stdout.split() == [expected]
 
 
-@pytest.mark.parametrize("shell", ["zsh", "tcsh"])
+@pytest.mark.parametrize("shell", ["zsh", "tcsh", "fish"])
 def test_other_shells_have_a_completion_script(shell: str) -> None:
     done = run("completion", shell)
     assert done.returncode == 0
     assert "monitor" in done.stdout
+
+
+def test_fish_completes_commands_options_and_choices(tmp_path: Path) -> None:
+    script = run("completion", "fish").stdout
+    assert "-n __fish_use_subcommand -a monitor -d 'show what" in script
+    assert "'__fish_seen_subcommand_from move' -l speed -r -d" in script
+    assert "'__fish_seen_subcommand_from move' -l yes -s y -d" in script
+    assert "'__fish_seen_subcommand_from completion' -f -a 'bash zsh tcsh fish'" in script
+    if (fish := shutil.which("fish")) is None:
+        return
+    file = tmp_path / "roburoc4.fish"
+    file.write_text(script)
+    for line, expected in {"roburoc4 moni": "monitor", "roburoc4 move --sp": "--speed"}.items():
+        done = subprocess.run(
+            [fish, "--no-config", "-c", f"source {file}; complete -C '{line}'"],
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=60,
+        )
+        assert done.stdout.split("\t")[0] == expected, done.stderr
+
+
+@pytest.mark.parametrize(
+    "arguments", [["info", "--quick"], ["move", "1", "--far"], ["info", "more"], ["drive", "1"]]
+)
+def test_an_error_names_the_help_of_the_command(arguments: list[str]) -> None:
+    assert f"see roburoc4 {arguments[0]} --help" in one_line(run(*arguments).stderr)

@@ -65,8 +65,8 @@ def test_versions_and_addresses_are_those_of_the_header() -> None:
     text = header()
     parts = [re.search(rf"VERSION_{part} (\d+)", text) for part in ("MAJOR", "MINOR", "PATCH")]
     assert roburoc4.__version__ == ".".join(part[1] for part in parts if part)
-    assert f'HOST "{roburoc4.DEFAULT_HOST}"' in text
-    assert f"PORT {roburoc4.DEFAULT_PORT}" in text
+    assert f'HOST "{roburoc4.protocol.DEFAULT_HOST}"' in text
+    assert f"PORT {roburoc4.protocol.DEFAULT_PORT}" in text
 
 
 def test_every_result_becomes_an_exception_with_its_code() -> None:

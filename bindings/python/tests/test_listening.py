@@ -178,7 +178,7 @@ def test_record_gives_columns_of_equal_length(roburoc4_simulator: Simulator) -> 
 def test_a_recording_counts_its_gaps(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         sim_time_s = roburoc4_simulator.now_s
-        later = robot.reader("localization", "telemeter")
+        later = robot.statuses("localization", "telemeter")
         robot.sleep(1.0)
         roburoc4_simulator.set_faults(loss=1.0)
         robot.sleep(2.5)
@@ -186,7 +186,8 @@ def test_a_recording_counts_its_gaps(roburoc4_simulator: Simulator) -> None:
         robot.wait_for("localization")
         robot.sleep(1.0)
         recording = Recording(mask_of(("localization", "telemeter")), robot.period_s)
-        later.drain(recording.add)
+        for status in later.take():
+            recording.add(status)
         recording.end(robot.now_s)
         (gap,) = recording.gaps
         assert gap.seconds > 2.5

@@ -36,12 +36,25 @@ def test_nothing_happens_without_spin(served: Simulator) -> None:
 def test_after_a_hang_the_robots_watchdog_stops_it(served: Simulator) -> None:
     with roburoc4.connect(served.address, threaded=False) as robot:
         robot.arm()
-        robot.drive(0.5, 0.0, lease_ms=1000)
+        robot.drive(0.5, 0.0, lease=1.0)
         robot.spin(0.1)
         until(lambda: served.state.watchdog_tripped)
         assert served.state.last_linear_m_s == 0.5
         robot.spin(0.1)
         assert served.state.last_linear_m_s == 0  # the lease is long over
+
+
+def test_who_sleeps_without_spinning_is_told_so(served: Simulator) -> None:
+    with roburoc4.connect(served.address, threaded=False) as robot:
+        for nap in (lambda: time.sleep(2.0), lambda: [time.sleep(2.0), robot.spin(0)]):
+            robot.arm()
+            nap()
+            with pytest.raises(roburoc4.NotArmedError, match=r"for [2-9].* s: .*spin\(\)"):
+                robot.drive(0.1, 0.0)
+            robot.stop()
+            with pytest.raises(roburoc4.NotArmedError, match="stopped") as caught:
+                robot.drive(0.1, 0.0)
+            assert "spin" not in str(caught.value)
 
 
 def test_another_loop_can_watch_the_socket(served: Simulator) -> None:

@@ -30,13 +30,13 @@ def test_drive_while_disarmed_names_cause_and_remedy(roburoc4_simulator: Simulat
 def test_a_lease_can_be_given_with_the_command(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         robot.arm()
-        robot.drive(0.5, 0.0, lease_ms=1000)
+        robot.drive(0.5, 0.0, lease=1.0)
         roburoc4_simulator.step(0.9)
         assert robot.facts.driving
         roburoc4_simulator.step(0.2)
         assert not robot.facts.driving
         with pytest.raises(roburoc4.ArgumentError):
-            robot.drive(0.5, 0.0, lease_ms=5)
+            robot.drive(0.5, 0.0, lease=0.005)
 
 
 def test_override_disarms_and_its_release_restores_nothing(
@@ -208,13 +208,13 @@ def test_durations_must_be_durations(roburoc4_simulator: Simulator, seconds: flo
 def test_huge_numbers_are_reported_as_such(roburoc4_simulator: Simulator) -> None:
     with roburoc4_simulator.connect() as robot:
         robot.arm()
-        for speed, lease_ms, name in (
-            (0.1, -1, "lease_ms"),
-            (0.1, 10**9, "lease_ms"),
-            (1e300, 0, "linear_m_s"),
+        for speed, lease, name in (
+            (0.1, -1, "lease"),
+            (0.1, 10**9, "lease"),
+            (1e300, None, "linear_m_s"),
         ):
             with pytest.raises(roburoc4.ArgumentError, match=name):
-                robot.drive(speed, 0.0, lease_ms=lease_ms)
+                robot.drive(speed, 0.0, lease=lease)
 
 
 def test_settings_bound_and_scale_speeds(roburoc4_simulator: Simulator) -> None:

@@ -7,10 +7,13 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
 import roburoc4
+import roburoc4.iocard
+import roburoc4.records
 
 FOLDER = Path(roburoc4.__file__).parent
 Start = Callable[..., "subprocess.Popen[str]"]
@@ -68,16 +71,46 @@ def test_importing_is_quick() -> None:
     assert min(float(run(sys.executable, "-c", code).stdout) for _ in range(5)) < 0.04
 
 
-def test_every_public_name_is_there() -> None:
-    assert len(set(roburoc4.__all__)) == len(roburoc4.__all__)
-    for name in roburoc4.__all__:
-        assert getattr(roburoc4, name) is not None
+PUBLIC = (roburoc4, roburoc4.protocol, roburoc4.records, roburoc4.iocard)
+
+
+@pytest.mark.parametrize("module", PUBLIC)
+def test_every_public_name_is_there(module: ModuleType) -> None:
+    assert len(set(module.__all__)) == len(module.__all__)
+    for name in module.__all__:
+        assert getattr(module, name) is not None
+
+
+def test_the_package_shows_its_names_and_nothing_else() -> None:
+    assert dir(roburoc4) == sorted(roburoc4.__all__)
+    assert len(roburoc4.__all__) < 50
+
+
+def test_a_second_interpreter_is_refused_and_harms_nothing() -> None:
+    code = """
+try:
+    import _xxsubinterpreters as interpreters  # until Python 3.12
+except ImportError:
+    import _interpreters as interpreters
+import roburoc4
+try:
+    ended = interpreters.run_string(interpreters.create(), "import roburoc4")
+except Exception as error:
+    ended = error
+assert "roburoc4 is used by another" in str(ended) or "subinterpreters" in str(ended), ended
+with roburoc4.Simulator() as sim, sim.connect() as robot:
+    robot.battery
+    try:
+        robot.drive(0.1, 0.0)
+    except roburoc4.NotArmedError:
+        print("unharmed")
+"""
+    assert run(sys.executable, "-c", code).stdout == "unharmed\n"
 
 
 def test_every_public_thing_is_described() -> None:
     bare = []
-    for name in roburoc4.__all__:
-        thing = getattr(roburoc4, name)
+    for thing in [getattr(module, name) for module in PUBLIC for name in module.__all__]:
         if isinstance(thing, type) and not issubclass(thing, dict):
             methods = [v for k, v in vars(thing).items() if not k.startswith("_") and callable(v)]
             bare += [m for m in [thing, *methods] if not (m.__doc__ or "").strip()]
@@ -120,6 +153,9 @@ def test_a_user_program_is_typed(tmp_path: Path) -> None:
         "    reveal_type(robot.wait_for(roburoc4.Event.READY))\n"
         "    reveal_type(robot.wait_for(lambda r: r.battery))\n"
         "    reveal_type(roburoc4.connect('x', threaded=False))\n"
+        "    reveal_type(robot.wait_for('battery'))\n"
+        "    async def wait(robot: roburoc4.aio.Robot) -> None:\n"
+        "        reveal_type(await robot.wait_for('telemeter'))\n"
         "    robot.drive('fast', 0.0)\n"
         "    roburoc4.connect('x', coffee=1)\n",
         encoding="utf-8",
@@ -132,5 +168,7 @@ def test_a_user_program_is_typed(tmp_path: Path) -> None:
         "Event",
         "BatteryStatus",
         "ManualRobot",
+        "BatteryStatus",
+        "TelemeterStatus",
     ]
-    assert set(re.findall(r"user.py:(\d+): error", output)) == {"8", "9"}
+    assert set(re.findall(r"user.py:(\d+): error", output)) == {"11", "12"}

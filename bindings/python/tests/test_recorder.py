@@ -72,12 +72,21 @@ def test_without_record_there_is_no_recorder(served: roburoc4.Simulator) -> None
 
 def test_an_invalid_path_is_named(tmp_path: Path) -> None:
     path = tmp_path / "none" / "run.pcapng"
-    with pytest.raises(FileNotFoundError, match="none"):
+    with pytest.raises(roburoc4.RecordingError, match=r"record: .*none.*No such file"):
         roburoc4.connect("127.0.0.1", record=path)
     with pytest.raises(roburoc4.ArgumentError, match="record_max_bytes: -1"):
         roburoc4.connect("127.0.0.1", record=path, record_max_bytes=-1)
     with roburoc4.Simulator() as sim, pytest.raises(roburoc4.ArgumentError, match="virtual"):
         sim.connect(record=path)
+
+
+@pytest.mark.parametrize("name", ["run.csv", "run.pcap", "run"])
+def test_only_a_capture_is_called_like_one(name: str, tmp_path: Path) -> None:
+    for _ in ("new", "there"):
+        with pytest.raises(roburoc4.ArgumentError, match=rf"record: '.*{name}' .* in .pcapng"):
+            roburoc4.connect("127.0.0.1:9", wait=False, record=tmp_path / name)
+        assert not (tmp_path / name).exists() or not (tmp_path / name).stat().st_size
+        (tmp_path / name).touch()
 
 
 def test_a_drive_is_recorded_where_the_variable_says(

@@ -7,7 +7,8 @@ from collections.abc import Callable
 import pytest
 
 import roburoc4
-from roburoc4 import BatteryState, IoType, LocalizationFlag, Service, Simulator
+from roburoc4 import BatteryState, LocalizationFlag, Service, Simulator
+from roburoc4.protocol import IoType
 
 
 def test_statuses_are_typed_records_with_the_simulators_values(
@@ -245,9 +246,9 @@ def test_settings_out_of_range_are_refused_by_name(
 
 
 def test_unknown_settings_are_refused(roburoc4_simulator: Simulator) -> None:
-    with pytest.raises(TypeError, match="lease_ms"):
+    with pytest.raises(roburoc4.ArgumentError, match="lease_ms"):
         roburoc4_simulator.connect(leese_ms=100)  # type: ignore[call-arg]
-    with pytest.raises(TypeError, match="slip"):
+    with pytest.raises(roburoc4.ArgumentError, match="slip"):
         Simulator(slipp=0.1)  # type: ignore[call-arg]
 
 

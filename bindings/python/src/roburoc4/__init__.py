@@ -7,80 +7,115 @@
         robot.arm()
         robot.drive_for(0.5, 0.0, seconds=2)
 
-Units are SI and radians; X is forward, Y left, angles counter-clockwise.
+Units are SI and radians; X is forward, Y left, angles counter-clockwise. What is on the wire is in
+:mod:`roburoc4.protocol`, asyncio's robot in :mod:`roburoc4.aio`.
 """
 
 from typing import TYPE_CHECKING, Any
 
-from . import _native, constants, errors, iocard, records
-from .connection import RecorderState
-from .constants import *
-from .constants import CYCLE_S, DEFAULT_HOST, DEFAULT_PORT
-from .errors import *
-from .iocard import *
+from . import _native
+from .constants import (
+    BatteryState,
+    Count,
+    Event,
+    Fault,
+    LocalizationFlag,
+    MoveOutcome,
+    Result,
+    Role,
+    Service,
+    State,
+    StopOutcome,
+)
+from .errors import (
+    ArgumentError,
+    ClosedError,
+    NetworkError,
+    NotArmedError,
+    NotKnownError,
+    RecordingError,
+    RefusedError,
+    RobotError,
+    RobotTimeoutError,
+    SamplesLostError,
+)
 from .moves import MoveError, MoveResult
-from .records import *
-from .robot import ManualRobot, Robot, connect, resolve
-from .samples import Events, Gap, Reader, Recording, Statuses, flatten
+from .records import (
+    BatteryStatus,
+    DifferentialStatus,
+    Facts,
+    IoCardStatus,
+    LocalizationStatus,
+    Status,
+    TelemeterStatus,
+)
+from .robot import ManualRobot, Robot, connect
+from .samples import Events, Recording, Statuses, flatten
 from .settings import Settings
 from .simulator import SimSettings, Simulator
-from .telegrams import Batch, Layout, decode, decode_batch
+
+if TYPE_CHECKING:
+    from . import aio, protocol
+    from .recording import Command, RecordedEvent, RecordedRobot, open_recording
 
 __all__ = [
-    "CYCLE_S",
-    "DEFAULT_HOST",
-    "DEFAULT_PORT",
-    "Batch",
+    "ArgumentError",
+    "BatteryState",
+    "BatteryStatus",
+    "ClosedError",
     "Command",
+    "Count",
+    "DifferentialStatus",
+    "Event",
     "Events",
-    "Gap",
-    "Layout",
+    "Facts",
+    "Fault",
+    "IoCardStatus",
+    "LocalizationFlag",
+    "LocalizationStatus",
     "ManualRobot",
     "MoveError",
+    "MoveOutcome",
     "MoveResult",
-    "Reader",
+    "NetworkError",
+    "NotArmedError",
+    "NotKnownError",
     "RecordedEvent",
     "RecordedRobot",
-    "RecorderState",
     "Recording",
     "RecordingError",
+    "RefusedError",
+    "Result",
     "Robot",
+    "RobotError",
+    "RobotTimeoutError",
+    "Role",
+    "SamplesLostError",
+    "Service",
     "Settings",
     "SimSettings",
     "Simulator",
+    "State",
+    "Status",
     "Statuses",
+    "StopOutcome",
+    "TelemeterStatus",
     "aio",
     "connect",
-    "decode",
-    "decode_batch",
     "flatten",
     "open_recording",
-    "resolve",
+    "protocol",
 ]
-__all__ += constants.__all__
-__all__ += errors.__all__
-__all__ += iocard.__all__
-__all__ += records.__all__
 
 __version__ = "{}.{}.{}".format(*_native.roburoc4_version().to_bytes(3, "big"))
-
-if TYPE_CHECKING:
-    from . import aio
-    from .recording import (
-        Command,
-        RecordedEvent,
-        RecordedRobot,
-        RecordingError,
-        open_recording,
-    )
 
 # These take longer to import than everything else.
 _LATER = {
     "aio": ".aio",
+    "protocol": ".protocol",
     "Command": ".recording",
     "RecordedEvent": ".recording",
     "RecordedRobot": ".recording",
-    "RecordingError": ".recording",
     "open_recording": ".recording",
 }
 
@@ -91,4 +126,8 @@ def __getattr__(name: str) -> Any:
     import importlib
 
     module = importlib.import_module(_LATER[name], __name__)
-    return module if name == "aio" else getattr(module, name)
+    return getattr(module, name, module)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -7,7 +7,6 @@
 from collections.abc import Callable
 from typing import Literal, overload
 
-from .connection import RecorderState
 from .constants import Service
 from .records import (
     BatteryProperties,
@@ -22,6 +21,7 @@ from .records import (
     Link,
     LocalizationProperties,
     LocalizationStatus,
+    RecorderState,
     Request,
     ServiceLink,
     SimState,

@@ -16,12 +16,13 @@ import contextlib
 import threading
 import weakref
 from collections.abc import AsyncIterator, Callable, Generator
+from inspect import isawaitable, iscoroutinefunction
 from typing import Any, Literal, Self, TypeVar, Unpack, overload
 
 from . import _native
 from .connection import ALL_EVENTS, Connection, EventReader
 from .constants import DEFAULT_HOST, Event, Service
-from .errors import ClosedError, duration_s, finite, switch, timeout_s
+from .errors import ClosedError, duration_s, finite, function, switch, timeout_s
 from .moves import STEP_S, Move, MoveOptions, MoveResult, Progress, arc_options
 from .pump import PumpConnection
 from .records import (
@@ -155,6 +156,26 @@ class Robot(RobotBase):
     @overload
     async def wait_for(self, condition: Event, timeout: float | None = ...) -> Event: ...
     @overload
+    async def wait_for(
+        self, condition: Literal["iocard"], timeout: float | None = ...
+    ) -> IoCardStatus: ...
+    @overload
+    async def wait_for(
+        self, condition: Literal["telemeter"], timeout: float | None = ...
+    ) -> TelemeterStatus: ...
+    @overload
+    async def wait_for(
+        self, condition: Literal["battery"], timeout: float | None = ...
+    ) -> BatteryStatus: ...
+    @overload
+    async def wait_for(
+        self, condition: Literal["localization"], timeout: float | None = ...
+    ) -> LocalizationStatus: ...
+    @overload
+    async def wait_for(
+        self, condition: Literal["differential"], timeout: float | None = ...
+    ) -> DifferentialStatus: ...
+    @overload
     async def wait_for(self, condition: str | Service, timeout: float | None = ...) -> Status: ...
     @overload
     async def wait_for(
@@ -176,6 +197,7 @@ class Robot(RobotBase):
             service = service_of(condition)
             source: Reader[Status] = Reader(self._connection.reader(), 1 << service)
             return await self._wait_until(source.next, timeout, service)
+        function("condition", condition)
         return await self._wait_until(true_or_unknown(condition, self), timeout, condition)
 
     async def arm(self, timeout: float = 5.0) -> None:
@@ -230,12 +252,13 @@ class Robot(RobotBase):
         angle_rad: float,
         *,
         speed: float | None = None,
+        clearance: float | None = None,
         timeout: float | None = None,
         turns: bool = False,
         on_progress: Progress | None = None,
     ) -> MoveResult:
         """See :meth:`roburoc4.Robot.turn`."""
-        options = MoveOptions(None, speed, None, timeout, turns)
+        options = MoveOptions(None, speed, clearance, timeout, turns)
         return await self._go(Move(self._connection, options).by(0.0, angle_rad), on_progress)
 
     async def arc(
@@ -255,7 +278,7 @@ class Robot(RobotBase):
             Move(self._connection, options).by(distance_m, angle_rad), on_progress
         )
 
-    async def go_to(
+    async def goto(
         self,
         x_m: float,
         y_m: float,
@@ -266,7 +289,7 @@ class Robot(RobotBase):
         timeout: float | None = None,
         on_progress: Progress | None = None,
     ) -> MoveResult:
-        """See :meth:`roburoc4.Robot.go_to`."""
+        """See :meth:`roburoc4.Robot.goto`."""
         options = MoveOptions(speed, None, clearance, timeout)
         return await self._go(Move(self._connection, options).to(x_m, y_m, theta_rad), on_progress)
 
@@ -276,6 +299,8 @@ class Robot(RobotBase):
         return await self._finish(Move(self._connection, options).rest())
 
     async def _go(self, move: Move, on_progress: Progress | None) -> MoveResult:
+        if on_progress is not None and not iscoroutinefunction(on_progress):
+            function("on_progress", on_progress)
         with self._connection.only_move():
             return await self._finish(move, on_progress)
 
@@ -283,7 +308,9 @@ class Robot(RobotBase):
         try:
             while move.step():
                 if on_progress is not None:
-                    on_progress(move.now())
+                    shown = on_progress(move.now())
+                    if isawaitable(shown):
+                        await shown
                 await self._bell.wait(STEP_S)
         finally:
             move.cancel()

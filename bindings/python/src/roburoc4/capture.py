@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import IO, NamedTuple
 
 from .constants import Result
-from .errors import RobotError
+from .errors import RecordingError
 
 _SECTION, _INTERFACE, _SIMPLE, _STATISTICS, _ENHANCED = 0x0A0D0D0A, 1, 3, 5, 6
 _BYTE_ORDER = 0x1A2B3C4D
@@ -38,13 +38,6 @@ _VLAN = (0x8100, 0x88A8, 0x9100)
 _IPV4, _IPV6, _UDP = 0x0800, 0x86DD, 17
 _IPV6_EXTENSIONS = (0, 43, 60)
 _IPV6_FRAGMENT = 44
-
-
-class RecordingError(RobotError, ValueError):
-    """A file that is not a recording, or is damaged; the message says where."""
-
-    def __init__(self, message: str, code: int = Result.VALUE) -> None:
-        super().__init__(message, code)
 
 
 class Endpoint(NamedTuple):
@@ -87,7 +80,12 @@ class Capture:
         self._fragments: dict[bytes, dict[int, bytes]] = {}
 
     def __iter__(self) -> Iterator[Datagram]:
-        with self.path.open("rb") as file:
+        try:
+            opened = self.path.open("rb")
+        except (OSError, ValueError) as error:
+            cause = getattr(error, "strerror", None) or error
+            raise RecordingError(f"{self.path} cannot be read ({cause})", Result.SYSTEM) from None
+        with opened as file:
             magic = file.read(4)
             file.seek(0)
             if magic in PCAP_MAGIC:

@@ -13,7 +13,6 @@ import warnings
 import weakref
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from typing import NamedTuple
 
 from . import _native
 from .constants import Result
@@ -21,11 +20,12 @@ from .errors import (
     ArgumentError,
     NetworkError,
     NotKnownError,
+    RecordingError,
     RobotError,
     is_within,
     unusable,
 )
-from .records import Status, made_of
+from .records import RecorderState, Status
 from .settings import STATUS_MASK, Settings, buffer_of, config_of
 
 ALL_EVENTS = 0x3FFFFFFF
@@ -36,26 +36,6 @@ STATUS_EVENTS = STATUS_MASK << 4
 def events_of_services(mask: int) -> int:
     """Return the events that announce statuses of the services in ``mask``."""
     return (mask & STATUS_MASK) << 4
-
-
-class RecorderState(NamedTuple):
-    """Counters of a recording."""
-
-    path: str
-    """The file that is being written, or was written last."""
-    recorded: int
-    """Datagrams that are in the files, or soon will be."""
-    dropped: int
-    """Datagrams that were lost because the disk was full or too slow."""
-    bytes: int
-    """Bytes written to all files."""
-    files: int
-    """Files begun so far."""
-    system_error: int
-    """``errno`` of the last failed write; 0 once one succeeds."""
-
-
-made_of("roburoc4_recorder_state", RecorderState)
 
 
 def resolve(host: str) -> str:
@@ -80,32 +60,51 @@ def open_host(host: str, threaded: bool, settings: Settings) -> "tuple[_native.C
     """Connect to a robot, and record it if the settings ask for that; with its address."""
     config = config_of(settings)
     record = settings.get("record")
-    max_bytes = _limit(settings.get("record_max_bytes", 0), "record_max_bytes")
-    max_s = _limit(settings.get("record_max_s", 0), "record_max_s")
+    max_bytes = _limit(settings.get("record_max_bytes"), "record_max_bytes")
+    max_s = _limit(settings.get("record_max_s"), "record_max_s")
     robot = resolve(host)
     pumped = robot if threaded else None
+    _check_record(record)
     try:
         path = None if record is None else os.fspath(record)
         handle = _native.new_connection(
             pumped, config, buffer_of(settings), robot, path, max_bytes, max_s
         )
-    except (TypeError, ValueError):
-        if record is None:
+    except OSError as error:
+        if record is None or error.filename is None:
             raise
-        shown = str(record) if isinstance(record, os.PathLike) else record
-        usable = "a path of 1 to 1000 bytes, as str or Path"
-        raise unusable("record", shown, usable, Result.CONFIG) from None
+        raise RecordingError(
+            f"record: {error.filename} cannot be written ({error.strerror})", Result.SYSTEM
+        ) from None
     if not threaded:
         _native.connection_open_socket(handle, robot)
     return handle, robot
 
 
+def _check_record(record: object) -> None:
+    """Reject what is no path, and files that are called something else than captures are."""
+    if record is None:
+        return
+    path = record
+    with contextlib.suppress(TypeError):
+        path = os.fspath(record)  # type: ignore[call-overload]
+    if not isinstance(path, str) or "\0" in path or not 1 <= len(os.fsencode(path)) <= 1000:
+        raise unusable("record", path, "a path of 1 to 1000 bytes, as str or Path", Result.CONFIG)
+    is_new_or_file = os.path.isfile(path) or not os.path.exists(path)
+    if is_new_or_file and not path.endswith(".pcapng"):
+        raise unusable(
+            "record", path, "a name that ends in .pcapng, or a folder that exists", Result.CONFIG
+        )
+
+
 _HIGHEST_LIMIT = (1 << 48) - 1
 
 
-def _limit(value: float, name: str) -> int:
-    if not is_within(0, value, _HIGHEST_LIMIT):
-        raise unusable(name, value, f"0 to {_HIGHEST_LIMIT}", Result.CONFIG)
+def _limit(value: float | None, name: str) -> int:
+    if value is None:
+        return 0
+    if not is_within(1, value, _HIGHEST_LIMIT):
+        raise unusable(name, value, f"1 to {_HIGHEST_LIMIT}, or None", Result.CONFIG)
     return int(value)
 
 

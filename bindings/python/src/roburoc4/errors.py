@@ -2,7 +2,8 @@
 """Exceptions. Each has the C library's result as ``code``, and a message with the remedy."""
 
 import math
-from typing import SupportsFloat
+from inspect import iscoroutinefunction
+from typing import Any, SupportsFloat
 
 from . import _native
 from .constants import Result
@@ -14,6 +15,7 @@ __all__ = [
     "NetworkError",
     "NotArmedError",
     "NotKnownError",
+    "RecordingError",
     "RefusedError",
     "RobotError",
     "RobotTimeoutError",
@@ -76,6 +78,13 @@ class NetworkError(RobotError, OSError):
     """The operating system or the network refused."""
 
 
+class RecordingError(RobotError, ValueError):
+    """A recording that cannot be read or written, is none, or is damaged."""
+
+    def __init__(self, message: str, code: int = Result.VALUE) -> None:
+        super().__init__(message, code)
+
+
 class ClosedError(RobotError):
     """The robot object was closed, or belongs to the process from which this one was forked."""
 
@@ -86,9 +95,17 @@ def unusable(name: str, value: object, usable: str, code: int = Result.ARGUMENT)
     return ArgumentError(f"{name}: {shown} cannot be used; give {usable}", code)
 
 
-def is_within(low: float, value: float, high: float) -> bool:
+def is_within(low: float, value: object, high: float) -> bool:
     """Whether the value is a number in this range; a text is none, and NaN is in no range."""
-    return isinstance(value, SupportsFloat) and low <= value <= high
+    if not isinstance(value, SupportsFloat) or _is_array(value):
+        return False
+    number: Any = value
+    return bool(low <= number <= high)
+
+
+def _is_array(value: object) -> bool:
+    """Whether it is an array of NumPy or the like, other than of one number without dimensions."""
+    return getattr(value, "shape", ()) != ()
 
 
 def finite(**values: float) -> None:
@@ -119,12 +136,20 @@ def duration_s(name: str, seconds: float) -> float:
 
 def timeout_s(seconds: float) -> float:
     """Reject values that are not timeouts; infinity is one."""
-    return seconds if seconds == math.inf else duration_s("timeout", seconds)
+    if isinstance(seconds, float) and seconds == math.inf:
+        return seconds
+    return duration_s("timeout", seconds)
+
+
+def function(name: str, value: object) -> None:
+    """Reject what cannot be called, and what would have to be awaited."""
+    if not callable(value) or iscoroutinefunction(value):
+        raise unusable(name, value, "a function that is not async")
 
 
 def switch(name: str, value: object, code: int = Result.ARGUMENT) -> bool:
     """Reject values that are not true, false or None, such as "off", which Python takes as true."""
-    if value not in (True, False, None):
+    if _is_array(value) or value not in (True, False, None):
         raise unusable(name, value, "True or False", code)
     return bool(value)
 

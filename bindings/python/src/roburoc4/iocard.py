@@ -2,24 +2,14 @@
 """The IO card: inputs by name or index, and outputs that remember their values."""
 
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
 
 from . import _native
 from .connection import Connection
 from .constants import IoType, Result, Service
-from .errors import ArgumentError, finite, switch
-from .records import IoCardStatus
+from .errors import ArgumentError, finite, is_within, switch, unusable
+from .records import ChannelNames, IoCardStatus
 
-__all__ = ["AnalogOutputs", "ChannelNames", "DigitalOutputs", "Inputs"]
-
-
-class ChannelNames(NamedTuple):
-    """Names of all channels: the robot's own text, else the manual's name."""
-
-    analog_inputs: tuple[str, ...]
-    analog_outputs: tuple[str, ...]
-    digital_inputs: tuple[str, ...]
-    digital_outputs: tuple[str, ...]
+__all__ = ["AnalogOutputs", "DigitalOutputs", "Inputs"]
 
 
 def decode_text(text: bytes) -> str:
@@ -70,7 +60,7 @@ class Channels:
     def find(self, name: str, *io_types: IoType) -> tuple[IoType, int]:
         """Return type and index of the channel with this name; the error lists all names."""
         for io_type in io_types:
-            index = self._find(name, io_type)
+            index = self._find(name.replace("\0", "?"), io_type)
             if index >= 0:
                 return io_type, index
         known = sorted({n for kind in io_types for n in self.names(kind) if n})
@@ -84,7 +74,7 @@ class Channels:
         if isinstance(channel, str):
             return self.find(channel, io_type)[1]
         count = self.count(io_type)
-        if not 0 <= channel < count or channel != int(channel):
+        if not is_within(0, channel, count - 1) or channel != int(channel):
             kind = io_type.name.lower().replace("_", " ")
             raise ArgumentError(
                 f"the robot has no {kind} {channel}: its {count} are 0 to {count - 1}"
@@ -167,6 +157,8 @@ class DigitalOutputs:
 
     def set(self, values: Mapping[int | str, bool]) -> None:
         """Set several outputs in one command: all, or none if one is invalid."""
+        if not isinstance(values, Mapping):
+            raise unusable("values", values, "values by channel, such as {3: True}")
         indices = {
             self._channels.index_of(channel, IoType.DIGITAL_OUTPUT): switch(
                 f"digital_outputs[{channel!r}]", on

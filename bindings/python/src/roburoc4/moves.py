@@ -68,6 +68,11 @@ class MoveError(RobotError):
         super().__init__(text, code)
         self.result = result
 
+    @property
+    def outcome(self) -> MoveOutcome:
+        """Why it ended."""
+        return self.result.outcome
+
     # Made from a result; the other errors are made from a text.
     def __reduce__(self) -> tuple[type["MoveError"], tuple[MoveResult, Result]]:  # type: ignore[override]
         return type(self), (self.result, self.code)
@@ -116,8 +121,9 @@ def arc_options(
     turns: bool,
 ) -> MoveOptions:
     """Choose the turn rate that results from the speed."""
+    finite(distance_m=distance_m, angle_rad=angle_rad)
     turn_rate = None
-    if speed is not None and distance_m != 0.0:
+    if speed is not None and is_within(0.0, speed, MAX_M_S) and distance_m != 0.0:
         turn_rate = min(speed * abs(angle_rad / distance_m), MAX_RAD_S) or None
     return MoveOptions(speed, turn_rate, clearance, timeout, turns)
 
@@ -128,6 +134,11 @@ class Move:
     def __init__(self, connection: Connection, options: MoveOptions) -> None:
         self._connection = connection
         self._options = options.native()
+        self._asked = "speed: " + " and ".join(
+            f"{speed:g} {unit}"
+            for speed, unit in ((options.linear_m_s, "m/s"), (options.angular_rad_s, "rad/s"))
+            if speed is not None
+        )
         self._move = _native.new_move()
 
     def by(self, distance_m: float, angle_rad: float) -> "Move":
@@ -140,15 +151,15 @@ class Move:
             if error.code is Result.UNITS:
                 raise unusable("angle_rad", angle_rad, _UNITS, error.code) from None
             raise ArgumentError(
-                f"{distance_m} m and {angle_rad} rad is too far: give m within 10 km, and rad "
-                "within 10000",
+                f"distance_m, angle_rad: {distance_m} m and {angle_rad} rad is too far: give m "
+                "within 10 km, and rad within 10000",
                 Result.ARGUMENT,
             ) from None
         return self
 
     def to(self, x_m: float, y_m: float, theta_rad: float | None) -> "Move":
         """Go to a point, or to a pose."""
-        finite(x_m=x_m, y_m=y_m, theta_rad=theta_rad or 0.0)
+        finite(x_m=x_m, y_m=y_m, theta_rad=0.0 if theta_rad is None else theta_rad)
         self._refuse_disarmed()
         if theta_rad is None:
             _native.roburoc4_move_to_point(self._move, x_m, y_m, self._options)
@@ -160,6 +171,7 @@ class Move:
     def for_(self, linear_m_s: float, angular_rad_s: float, seconds: float) -> "Move":
         """Drive at these speeds for a time, with ramps inside of it."""
         check_speeds(linear_m_s, angular_rad_s)
+        self._asked = f"linear_m_s, angular_rad_s: {linear_m_s:g} and {angular_rad_s:g}"
         if not is_within(0.0, seconds, _LONGEST_S):
             raise unusable("seconds", seconds, f"0 to {_LONGEST_S:g} s")
         self._refuse_disarmed()
@@ -208,7 +220,11 @@ class Move:
     def end(self) -> MoveResult:
         """Return the result; raise MoveError unless the goal was reached."""
         result = self.now()
+        cause = _native.roburoc4_move_cause_get(self._move)
+        if result.outcome is MoveOutcome.TOO_FAST:  # nothing moved
+            raise ArgumentError(f"{self._asked}: {result.outcome.text}", Result.ARGUMENT)
+        if cause == Result.ARGUMENT:
+            raise ArgumentError("x_m, y_m: the goal is more than 10 km away", Result.ARGUMENT)
         if result.outcome is not MoveOutcome.REACHED:
-            cause = _native.roburoc4_move_cause_get(self._move)
             raise MoveError(result, cause or Result.STATE)
         return result

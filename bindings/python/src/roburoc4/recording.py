@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, Unpack
 
 from . import _native
-from .capture import Capture, Datagram, Endpoint, RecordingError
+from .capture import Capture, Datagram, Endpoint
 from .connection import ALL_EVENTS, events_of_services, open_alone
 from .constants import DEFAULT_PORT, Action, Event, Service, WireError
-from .errors import DecodeError
+from .errors import DecodeError, RecordingError, unusable
 from .manual import ManualConnection
 from .notices import texts_of
 from .records import (
@@ -35,7 +35,7 @@ from .telegrams import Layout, decode
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-__all__ = ["Command", "RecordedEvent", "RecordedRobot", "RecordingError", "open_recording"]
+__all__ = ["Command", "RecordedEvent", "RecordedRobot", "open_recording"]
 
 _LOOK_AHEAD = 20_000
 _LOOK_AHEAD_US = 60_000_000
@@ -474,6 +474,8 @@ class RecordedRobot:
     """A robot in a capture; see :func:`open_recording`. Each reading starts at the beginning."""
 
     def __init__(self, path: str | Path, robot: str | None = None) -> None:
+        if not isinstance(path, str | Path) or "\0" in str(path):
+            raise unusable("path", path, "the path of a capture, as str or Path")
         self.path = Path(path)
         self.head = _Head(self.path, robot)
 
@@ -537,6 +539,6 @@ def open_recording(path: str | Path, robot: str | None = None) -> RecordedRobot:
     """Open a capture (pcapng, pcap) of `roburoc4 record`, `connect(record=)` or tcpdump.
 
     ``robot`` is its ``HOST:PORT``, needed if the capture has several. Raises RecordingError if the
-    file is no capture or has no robot, and OSError if it cannot be read.
+    file cannot be read, is no capture, or has no robot.
     """
     return RecordedRobot(path, robot)

@@ -18,11 +18,13 @@ __all__ = [
     "Answer",
     "BatteryProperties",
     "BatteryStatus",
+    "ChannelNames",
     "DifferentialCommand",
     "DifferentialProperties",
     "DifferentialStatus",
     "DirectoryEntry",
     "Facts",
+    "Gap",
     "IoCardCommand",
     "IoCardProperties",
     "IoCardStatus",
@@ -31,6 +33,7 @@ __all__ = [
     "LocalizationStatus",
     "Pose",
     "Properties",
+    "RecorderState",
     "Request",
     "ServiceEntry",
     "ServiceLink",
@@ -247,6 +250,44 @@ class Properties(NamedTuple):
     differential: DifferentialProperties | None
 
 
+# ------------------------------------------------------------------------------ a robot object
+
+
+class ChannelNames(NamedTuple):
+    """Names of all channels: the robot's own text, else the manual's name."""
+
+    analog_inputs: tuple[str, ...]
+    analog_outputs: tuple[str, ...]
+    digital_inputs: tuple[str, ...]
+    digital_outputs: tuple[str, ...]
+
+
+class RecorderState(NamedTuple):
+    """Counters of a recording."""
+
+    path: str
+    """The file that is being written, or was written last."""
+    recorded: int
+    """Datagrams that are in the files, or soon will be."""
+    dropped: int
+    """Datagrams that were lost because the disk was full or too slow."""
+    bytes: int
+    """Bytes written to all files."""
+    files: int
+    """Files begun so far."""
+    system_error: int
+    """``errno`` of the last failed write; 0 once one succeeds."""
+
+
+class Gap(NamedTuple):
+    """A gap in a recording: services that were silent for several of their periods."""
+
+    utc_s: float
+    """When the last status before it was made."""
+    seconds: float
+    services: tuple[str, ...]
+
+
 # ---------------------------------------------------------------------- telegrams of tools only
 
 
@@ -316,7 +357,7 @@ class UnknownCommand(NamedTuple):
 Telegram: TypeAlias = (
     Status | UnknownStatus | Answer | Request | IoCardCommand | DifferentialCommand | UnknownCommand
 )
-"""Whatever :func:`roburoc4.decode` can return."""
+"""Whatever :func:`roburoc4.protocol.decode` can return."""
 
 
 # --------------------------------------------------------------------------- facts and figures
@@ -511,5 +552,6 @@ for _struct, _record in (
     ("roburoc4_link", Link),
     ("roburoc4_service_link", ServiceLink),
     ("roburoc4_sim_state", SimState),
+    ("roburoc4_recorder_state", RecorderState),
 ):
     made_of(_struct, _record)

@@ -7,7 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import IO, NamedTuple
 
-from .capture import MOST_BLOCK, PCAP_MAGIC, RecordingError
+from .capture import MOST_BLOCK, PCAP_MAGIC
+from .errors import RecordingError
 
 _SECTION_BYTES = b"\n\r\r\n"
 _MCAP_BYTES = b"\x89MCA"

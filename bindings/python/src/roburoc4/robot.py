@@ -2,13 +2,24 @@
 """The blocking robot, and the function that connects to one."""
 
 import contextlib
+import math
 from collections.abc import Callable
 from typing import Any, Literal, Self, TypeVar, Unpack, overload
 
 from . import _native
-from .connection import ALL_EVENTS, resolve
-from .constants import DEFAULT_HOST, Event, Service
-from .errors import NotKnownError, RobotTimeoutError, duration_s, finite, switch, timeout_s
+from .connection import ALL_EVENTS
+from .constants import DEFAULT_HOST, Event, Result, Service
+from .errors import (
+    NotArmedError,
+    NotKnownError,
+    RobotTimeoutError,
+    duration_s,
+    finite,
+    function,
+    is_within,
+    switch,
+    timeout_s,
+)
 from .moves import STEP_S, Move, MoveOptions, MoveResult, Progress, arc_options
 from .pump import PumpConnection
 from .records import (
@@ -40,9 +51,10 @@ from .samples import (
 from .settings import Settings, service_of
 from .udp import SocketConnection
 
-__all__ = ["ManualRobot", "Robot", "connect", "resolve"]
+__all__ = ["ManualRobot", "Robot", "connect"]
 
 _T = TypeVar("_T")
+_LONG_PAUSE_S = 0.25
 
 
 class Robot(RobotBase):
@@ -88,6 +100,26 @@ class Robot(RobotBase):
     @overload
     def wait_for(self, condition: Event, timeout: float | None = ...) -> Event: ...
     @overload
+    def wait_for(
+        self, condition: Literal["iocard"], timeout: float | None = ...
+    ) -> IoCardStatus: ...
+    @overload
+    def wait_for(
+        self, condition: Literal["telemeter"], timeout: float | None = ...
+    ) -> TelemeterStatus: ...
+    @overload
+    def wait_for(
+        self, condition: Literal["battery"], timeout: float | None = ...
+    ) -> BatteryStatus: ...
+    @overload
+    def wait_for(
+        self, condition: Literal["localization"], timeout: float | None = ...
+    ) -> LocalizationStatus: ...
+    @overload
+    def wait_for(
+        self, condition: Literal["differential"], timeout: float | None = ...
+    ) -> DifferentialStatus: ...
+    @overload
     def wait_for(self, condition: str | Service, timeout: float | None = ...) -> Status: ...
     @overload
     def wait_for(self, condition: "Callable[[Robot], _T]", timeout: float | None = ...) -> _T: ...
@@ -110,10 +142,11 @@ class Robot(RobotBase):
             )
         if isinstance(condition, str | Service):
             return self._wait_for_status(service_of(condition), timeout)
+        function("condition", condition)
         return self._wait_until(true_or_unknown(condition, self), timeout, condition)
 
     def _wait_for_status(self, service: Service, timeout: float | None) -> Status | None:
-        source = self.reader(service)
+        source = self._source(service)
         return self._wait_until(source.next, timeout, service)
 
     def _first(self, service: Service) -> Status:
@@ -164,7 +197,8 @@ class Robot(RobotBase):
 
     def sleep(self, seconds: float) -> None:
         """Wait on the robot's clock, also in virtual time; not at all if ``seconds`` is below 0."""
-        end_s = self._connection.now_s() + duration_s("seconds", max(seconds, 0.0))
+        passed = is_within(-math.inf, seconds, 0.0)
+        end_s = self._connection.now_s() + duration_s("seconds", 0.0 if passed else seconds)
         while (left_s := end_s - self._connection.now_s()) > 0:
             self._connection.sleep(left_s)
 
@@ -213,16 +247,17 @@ class Robot(RobotBase):
         angle_rad: float,
         *,
         speed: float | None = None,
+        clearance: float | None = None,
         timeout: float | None = None,
         turns: bool = False,
         on_progress: Progress | None = None,
     ) -> MoveResult:
         """Turn in place by this angle (negative: to the right), at ``speed`` rad/s (0.5).
 
-        More than two turns must be meant, with ``turns``: degrees look like that. Otherwise as
-        :meth:`move`, but telemeters are ignored.
+        More than two turns must be meant, with ``turns``: degrees look like that. Telemeters are
+        ignored; with ``clearance`` 0, so are bumpers that are unknown. Otherwise as :meth:`move`.
         """
-        options = MoveOptions(None, speed, None, timeout, turns)
+        options = MoveOptions(None, speed, clearance, timeout, turns)
         return self._go(Move(self._connection, options).by(0.0, angle_rad), on_progress)
 
     def arc(
@@ -243,7 +278,7 @@ class Robot(RobotBase):
         options = arc_options(distance_m, angle_rad, speed, clearance, timeout, turns)
         return self._go(Move(self._connection, options).by(distance_m, angle_rad), on_progress)
 
-    def go_to(
+    def goto(
         self,
         x_m: float,
         y_m: float,
@@ -267,6 +302,8 @@ class Robot(RobotBase):
         return self._finish(Move(self._connection, options).rest())
 
     def _go(self, move: Move, on_progress: Progress | None) -> MoveResult:
+        if on_progress is not None:
+            function("on_progress", on_progress)
         with self._connection.only_move():
             return self._finish(move, on_progress)
 
@@ -297,8 +334,7 @@ class Robot(RobotBase):
 
     # ---- statuses ----
 
-    def reader(self, *services: str | Service) -> Reader[Status]:
-        """Read events, and all statuses of these services (none given: all), without waiting."""
+    def _source(self, *services: str | Service) -> Reader[Status]:
         return Reader(self._connection.reader(), mask_of(services))
 
     @overload
@@ -334,7 +370,7 @@ class Robot(RobotBase):
         SamplesLostError is raised once, and the following ``next()`` continues with the oldest one
         left.
         """
-        return Statuses(self.reader(*services), timeout, name_of_statuses(services))
+        return Statuses(self._source(*services), timeout, name_of_statuses(services))
 
     def events(self, *, timeout: float | None = None) -> Events:
         """Iterate over events from now on; ``event.text`` describes an event in a sentence.
@@ -347,7 +383,7 @@ class Robot(RobotBase):
     def record(self, seconds: float, *services: str | Service) -> Recording:
         """Collect the statuses of these services (none given: all) for this time, as columns."""
         duration_s("seconds", seconds)
-        source = self.reader(*services)
+        source = self._source(*services)
         recording = Recording(mask_of(services), self.period_s)
         end_s = self._connection.now_s() + seconds
         while (left_s := end_s - self._connection.now_s()) > 0:
@@ -367,6 +403,25 @@ class ManualRobot(Robot):
     def __init__(self, connection: SocketConnection, settings: Settings) -> None:
         super().__init__(connection, settings)
         self._socket = connection
+
+    def drive(self, linear_m_s: float, angular_rad_s: float, *, lease: float | None = None) -> None:
+        """See :meth:`Robot.drive`; only ``spin`` repeats the command."""
+        try:
+            super().drive(linear_m_s, angular_rad_s, lease=lease)
+        except NotArmedError as error:
+            pause_s = self._socket.longest_pause_s
+            if pause_s < _LONG_PAUSE_S or error.code in (Result.DISARMED, Result.STOPPED):
+                raise
+            raise NotArmedError(
+                f"{error}. The program received nothing for {pause_s:.1f} s: with threaded=False, "
+                "call spin() or robot.sleep() instead of time.sleep()",
+                error.code,
+            ) from None
+
+    def arm(self, timeout: float = 5.0) -> None:
+        """See :meth:`Robot.arm`."""
+        super().arm(timeout)
+        self._socket.forget_pauses()
 
     def spin(self, timeout: float = 0.0) -> None:
         """Receive and send for ``timeout`` seconds; 0 does what is due and returns."""

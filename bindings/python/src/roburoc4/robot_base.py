@@ -3,10 +3,10 @@
 
 from collections.abc import Callable
 from contextvars import ContextVar
-from typing import Literal, ParamSpec, TypeVar, cast, overload
+from typing import TYPE_CHECKING, ParamSpec, TypeVar, cast
 
 from . import _native
-from .connection import Connection, RecorderState
+from .connection import Connection
 from .constants import Count, Event, Fault, Result, Role, Service, State
 from .errors import (
     ArgumentError,
@@ -19,17 +19,20 @@ from .errors import (
     check_speeds,
     duration_s,
     error_of,
+    is_within,
     unusable,
 )
-from .iocard import AnalogOutputs, ChannelNames, DigitalOutputs, Inputs, decode_text
+from .iocard import AnalogOutputs, DigitalOutputs, Inputs, decode_text
 from .records import (
     BatteryStatus,
+    ChannelNames,
     DifferentialStatus,
     Facts,
     IoCardStatus,
     Link,
     LocalizationStatus,
     Properties,
+    RecorderState,
     ServiceEntry,
     ServiceLink,
     Status,
@@ -55,6 +58,13 @@ class RobotBase:
         self._inputs = Inputs(connection)
         self._digital_outputs = DigitalOutputs(connection)
         self._analog_outputs = AnalogOutputs(connection)
+
+    if not TYPE_CHECKING:  # type checkers would accept any attribute
+
+        def __setattr__(self, name, value):
+            if name in Settings.__annotations__:
+                raise AttributeError(f"{name} is a setting: give it to connect({name}={value!r})")
+            super().__setattr__(name, value)
 
     def __repr__(self) -> str:
         state = "closed" if self.closed else self.state.name.lower()
@@ -128,7 +138,7 @@ class RobotBase:
         handle = self._connection.handle
         try:
             return _native.roburoc4_client_host_time(handle, robot_cycles) / 1e6
-        except (OverflowError, TypeError):
+        except (OverflowError, TypeError, ValueError):
             raise unusable("robot_cycles", robot_cycles, f"0 to {(1 << 64) - 1}") from None
 
     # ---- what the robot is ----
@@ -161,27 +171,11 @@ class RobotBase:
 
     def role_index(self, role: Role) -> int | None:
         """Return the index on the wire of the input with this role; None if it is unknown."""
-        if role not in list(Role):
+        if not isinstance(role, int) or role not in list(Role):
             raise unusable("role", role, "a member of Role, such as Role.FRONT_BUMPER")
         return _known(_native.roburoc4_client_role_index, self._connection.handle, role)
 
     # ---- statuses ----
-
-    @overload
-    def latest(self, service: Literal["iocard"]) -> IoCardStatus | None: ...
-    @overload
-    def latest(self, service: Literal["telemeter"]) -> TelemeterStatus | None: ...
-    @overload
-    def latest(self, service: Literal["battery"]) -> BatteryStatus | None: ...
-    @overload
-    def latest(self, service: Literal["localization"]) -> LocalizationStatus | None: ...
-    @overload
-    def latest(self, service: Literal["differential"]) -> DifferentialStatus | None: ...
-    @overload
-    def latest(self, service: Service) -> Status | None: ...
-    def latest(self, service: str | Service) -> Status | None:
-        """Return the latest status of a service, None before the first; never waits."""
-        return _known(_native.roburoc4_sample_latest, self._connection.handle, service_of(service))
 
     def _first(self, service: Service) -> Status:
         """Read the latest status; before the first, raise an error that names the remedy."""
@@ -240,21 +234,23 @@ class RobotBase:
         """Analog outputs."""
         return self._analog_outputs
 
-    def drive(self, linear_m_s: float, angular_rad_s: float, *, lease_ms: int = 0) -> None:
+    def drive(self, linear_m_s: float, angular_rad_s: float, *, lease: float | None = None) -> None:
         """Drive at these speeds for one lease; call it repeatedly to keep driving.
 
-        Never waits. The lease is ``lease_ms`` (20 to 1000; 0: the setting's, 250 by default); then
-        the robot is stopped, and after ``lapse_disarm_ms`` disarmed. Speeds are scaled and limited
-        to the robot's limits and the settings' ceilings; more than 5 m/s or 10 rad/s are refused.
+        Never waits. The ``lease`` is 0.02 to 1 s (default: the setting ``lease_ms``); then the
+        robot is stopped, and after ``lapse_disarm_ms`` disarmed. Speeds are scaled and limited to
+        the robot's limits and the settings' ceilings; more than 5 m/s or 10 rad/s are refused.
         Raises NotArmedError while disarmed, with cause and remedy.
         """
+        if lease is not None and not is_within(0.02, lease, 1.0):
+            raise unusable("lease", lease, "0.02 to 1 s")
         try:
             _native.roburoc4_client_drive(
-                self._connection.handle, linear_m_s, angular_rad_s, lease_ms * 1000.0
+                self._connection.handle, linear_m_s, angular_rad_s, round((lease or 0.0) * 1e6)
             )
-        except (ArgumentError, OverflowError, TypeError):
+        except (ArgumentError, OverflowError, TypeError, ValueError):
             check_speeds(linear_m_s, angular_rad_s)
-            raise unusable("lease_ms", lease_ms, "20 to 1000") from None
+            raise
 
     def stop(self) -> None:
         """Stop the robot and disarm: end the drive command and send zeros, armed or not.
@@ -277,10 +273,9 @@ class RobotBase:
     def subscribe(self, service: str | Service, period_ms: int) -> None:
         """Subscribe to a service, or change its period: a multiple of 10, 10 to 2550."""
         kind = service_of(service)
-        try:
-            _native.roburoc4_client_subscribe(self._connection.handle, kind, period_ms)
-        except (ArgumentError, OverflowError, TypeError):
-            raise unusable("period_ms", period_ms, "a multiple of 10, 10 to 2550") from None
+        if not (is_within(10, period_ms, 2550) and period_ms % 10 == 0):
+            raise unusable("period_ms", period_ms, "a multiple of 10, 10 to 2550")
+        _native.roburoc4_client_subscribe(self._connection.handle, kind, int(period_ms))
 
     def unsubscribe(self, service: str | Service) -> None:
         """End a subscription."""
@@ -330,7 +325,7 @@ class RobotBase:
         """Whether each subscribed service has sent a status, or its time is over."""
         now_s = self._connection.now_s()
         return all(
-            self.latest(service) is not None
+            self.age_s(service) is not None
             or not self.service_link(service).subscribed
             or now_s >= self._first_status_until_s(service)
             for service in STATUS_SERVICES.values()

@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import IO
 
-from .capture import RecordingError
 from .cdr import CdrReader
+from .errors import RecordingError
 from .records import BatteryStatus, DifferentialStatus, LocalizationStatus, Status, TelemeterStatus
 from .robot import Robot
 from .ros_messages import definition, ros_name

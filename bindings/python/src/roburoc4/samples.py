@@ -4,18 +4,18 @@
 import contextlib
 import math
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
 
 from .connection import ALL_EVENTS, STATUS_EVENTS, EventReader, events_of_services
 from .constants import Event, Result, Service
-from .errors import ClosedError, RobotTimeoutError, SamplesLostError, timeout_s
-from .records import Status
+from .errors import ClosedError, RobotTimeoutError, SamplesLostError, duration_s, timeout_s
+from .records import Gap, Status
 from .settings import STATUS_SERVICES, service_of
 
 if TYPE_CHECKING:
     import pandas
 
-__all__ = ["Events", "Gap", "Gaps", "Reader", "Recording", "Statuses", "flatten"]
+__all__ = ["Events", "Gaps", "Reader", "Recording", "Statuses", "flatten"]
 
 _S = TypeVar("_S", bound=Status)
 Column = list[Any]
@@ -30,17 +30,13 @@ def mask_of(services: tuple[str | Service, ...]) -> int:
 
 
 class Reader(Generic[_S]):
-    """Events and statuses, one by one, from the moment it was created.
-
-    Used by one thread at a time; see :meth:`roburoc4.Robot.reader`.
-    """
+    """Statuses, one by one, from the moment it was created; used by one thread at a time."""
 
     def __init__(self, reader: EventReader, mask: int) -> None:
         self._reader = reader
         self._mask = mask
         self._reported = 0
         self._waiting: list[_S] = []
-        self._taken = Event(0)
 
     @property
     def lost(self) -> int:
@@ -51,7 +47,7 @@ class Reader(Generic[_S]):
         """Take the next available status; raises ClosedError at the end."""
         while not self._waiting:
             with contextlib.suppress(ClosedError):  # statuses() raises it once all are read
-                self._taken |= Event(self._reader.take_events())
+                self._reader.take_events()
             found = self._reader.statuses(self._mask)
             if found is None:
                 return None
@@ -61,11 +57,6 @@ class Reader(Generic[_S]):
                 self._reported = self._reader.lost
                 raise SamplesLostError(lost)
         return self._waiting.pop()
-
-    def take_events(self) -> Event:
-        """Take what happened since the last call; raises ClosedError after the end."""
-        events, self._taken = self._taken, Event(0)
-        return events or Event(self._reader.take_events())
 
     def drain(self, use: Callable[[_S], None]) -> None:
         """Pass on all available statuses; lost ones are only counted."""
@@ -120,6 +111,11 @@ class EventQueue:
         self._timeout = timeout
         self._waiting: list[Event] = []
 
+    def take(self) -> Event:
+        """Take all available events; raises ClosedError at the end."""
+        events, self._waiting = self._waiting, []
+        return Event(sum(events) | self.reader.take_events() & ~STATUS_EVENTS)
+
     def next(self) -> Event | None:
         """Take the next available event; raises ClosedError at the end."""
         if not self._waiting:
@@ -136,6 +132,13 @@ class Events(Iterator[Event]):
 
     def __init__(self, queue: EventQueue) -> None:
         self._queue = queue
+
+    def take(self) -> Event:
+        """Take all that happened since the last call, without waiting; ClosedError after the end.
+
+        Several of a kind are one.
+        """
+        return self._queue.take()
 
     def __iter__(self) -> "Events":
         return self
@@ -162,6 +165,20 @@ class Statuses(Iterator[_S]):
     def lost(self) -> int:
         """Statuses, of any service, that were overwritten before they were read."""
         return self._source.lost
+
+    def take(self, timeout: float = 0.0) -> list[_S]:
+        """Take all that have arrived; if there are none, wait for one at most this long.
+
+        May return none earlier. Those that were overwritten are only counted, in ``lost``. Raises
+        ClosedError after the end.
+        """
+        duration_s("timeout", timeout)
+        found: list[_S] = []
+        self._source.drain(found.append)
+        if not found and timeout > 0.0:
+            self._source.wait(timeout)
+            self._source.drain(found.append)
+        return found
 
     def __iter__(self) -> "Statuses[_S]":
         return self
@@ -192,15 +209,6 @@ def flatten(status: Status) -> dict[str, Any]:
         else:
             row[name] = value
     return row
-
-
-class Gap(NamedTuple):
-    """A gap in a recording: services that were silent for several of their periods."""
-
-    utc_s: float
-    """When the last status before it was made."""
-    seconds: float
-    services: tuple[str, ...]
 
 
 _GAP_S = 0.5

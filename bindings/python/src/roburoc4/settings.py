@@ -68,10 +68,10 @@ class Settings(TypedDict, total=False):
     the time. Existing files are not overwritten: ``run.2.pcapng`` is created beside
     ``run.pcapng``.
     """
-    record_max_bytes: int
-    """Begin a new file before this one grows longer; 0: never; 0."""
-    record_max_s: int
-    """Begin a new file when this one is older; 0: never; 0."""
+    record_max_bytes: int | None
+    """Begin a new file before this one grows longer; None: never; None."""
+    record_max_s: int | None
+    """Begin a new file when this one is older; None: never; None."""
 
 
 BUFFER_DEFAULT = 10_000
@@ -98,12 +98,10 @@ STATUS_SERVICES = {
 def service_of(service: str | Service) -> Service:
     """Return the service with this name; the error lists those that send statuses."""
     name = service.lower() if isinstance(service, str) else None
-    found = next((s for n, s in STATUS_SERVICES.items() if name == n or service == s), None)
+    number = service if isinstance(service, int) else None
+    found = next((s for n, s in STATUS_SERVICES.items() if name == n or number == s), None)
     if found is None:
-        names = ", ".join(STATUS_SERVICES)
-        raise ArgumentError(
-            f"no service {service!r} with statuses: give one of {names}", Result.ARGUMENT
-        )
+        raise unusable("service", service, f"one of {', '.join(STATUS_SERVICES)}")
     return found
 
 
@@ -143,10 +141,12 @@ def config_of(settings: Settings) -> "_native.Config":
     for name, value in settings.items():
         if name not in Settings.__annotations__:
             known = ", ".join(sorted(Settings.__annotations__))
-            raise TypeError(f"no setting {name!r}: there are {known}")
+            raise ArgumentError(f"no setting {name!r}: there are {known}", Result.CONFIG)
         try:
             _set(config, name, value)
-        except (OverflowError, TypeError) as error:
+        except ArgumentError:
+            raise
+        except (OverflowError, TypeError, ValueError) as error:
             raise unusable(name, value, _range_of(name) or str(error), Result.CONFIG) from error
     options = sum(
         bit

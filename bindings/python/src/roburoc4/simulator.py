@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: MIT
 """A simulated RobuROC4: in virtual time, or in real time behind a UDP port."""
 
+import contextlib
 import errno
 import math
 import os
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, Concatenate, ParamSpec, Self, TypedDict, TypeVar, Unpack
+from typing import Any, Concatenate, ParamSpec, Self, SupportsFloat, TypedDict, TypeVar, Unpack
 
 from . import _native
 from .constants import Result
@@ -31,6 +32,9 @@ __all__ = ["SimSettings", "Simulator"]
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
 _WALL_THICKNESS_M = 0.1
+_FARTHEST_M = 1e6
+_SMALLEST_BOX_M = 0.01
+_LARGEST_BOX_M = 1e4
 
 
 class SimSettings(TypedDict, total=False):
@@ -149,7 +153,7 @@ def _config_of(seed: int | None, family: int | None, settings: SimSettings) -> "
     for name, value in {**seeds, **settings}.items():
         if name not in SimSettings.__annotations__ and name != "seed":
             known = ", ".join(sorted(SimSettings.__annotations__))
-            raise TypeError(f"no setting {name!r}: there are {known}")
+            raise ArgumentError(f"no setting {name!r}: there are {known}", Result.CONFIG)
         try:
             _set(config, name, value)
         except (OverflowError, TypeError) as error:
@@ -158,7 +162,9 @@ def _config_of(seed: int | None, family: int | None, settings: SimSettings) -> "
             ) from None
     wrong = _native.roburoc4_sim_config_error(config)
     if wrong is not None:
-        raise ArgumentError(f"setting out of range: {wrong}", Result.CONFIG)
+        about = wrong.partition(":")[0].removeprefix("service_").removesuffix("s")
+        given = ", ".join(f"{n}={v!r}" for n, v in settings.items() if n.endswith(about))
+        raise ArgumentError(f"{given or 'a setting'} is out of range: {wrong}", Result.CONFIG)
     return config
 
 
@@ -176,10 +182,21 @@ def _serve(config: "_native.SimConfig", host: str, port: int) -> "_native.Simula
         raise NetworkError(problem, Result.SYSTEM) from error
 
 
+def _check_place(**metres: float) -> None:
+    for name, value in metres.items():
+        if not is_within(-_FARTHEST_M, value, _FARTHEST_M):
+            raise unusable(name, value, f"-{_FARTHEST_M:g} to {_FARTHEST_M:g} m")
+
+
 def _number_of(control: str) -> int:
-    number = _native.roburoc4_sim_control_find(control)
+    number = -1
+    if isinstance(control, str):
+        with contextlib.suppress(ValueError):  # a NUL character
+            number = _native.roburoc4_sim_control_find(control)
     if number < 0:
-        raise ArgumentError(f"no control {control!r}: see help(roburoc4.Simulator.set)", number)
+        raise ArgumentError(
+            f"no control {control!r}: see help(roburoc4.Simulator.set)", Result.ARGUMENT
+        )
     return number
 
 
@@ -293,10 +310,10 @@ class Simulator:
         """Degrade the network in both directions; shares are 0 to 1; no arguments: restore it."""
         shares = {"loss": loss, "duplicate": duplicate, "reorder": reorder, "corrupt": corrupt}
         for name, share in shares.items():
-            if not 0 <= share <= 1:
+            if not is_within(0, share, 1):
                 raise unusable(name, share, "0 to 1")
         for name, milliseconds in (("delay_ms", delay_ms), ("jitter_ms", jitter_ms)):
-            if not 0 <= milliseconds <= 1e6:
+            if not is_within(0, milliseconds, 1e6):
                 raise unusable(name, milliseconds, "0 to 1000000")
         delays = {"delay_us": round(delay_ms * 1e3), "jitter_us": round(jitter_ms * 1e3)}
         faults = _native.new_sim_faults()
@@ -332,7 +349,10 @@ class Simulator:
         "odometry_theta_rad", and delays, "queue_uplink_ms" to "queue_differential_ms". "family"
         puts another robot in its place.
         """
-        result = self._act(_native.roburoc4_sim_set, _number_of(control), value)
+        number = _number_of(control)
+        if not isinstance(value, SupportsFloat) or getattr(value, "shape", ()) != ():
+            raise unusable("value", value, "a number, True or False")
+        result = self._act(_native.roburoc4_sim_set, number, value)
         if result == Result.STATE:
             raise RobotError(
                 f"{control}: impossible now; turn power on, release both emergency stops and set "
@@ -367,14 +387,16 @@ class Simulator:
         self, x_m: float, y_m: float, size_x_m: float, size_y_m: float, theta_rad: float = 0.0
     ) -> int:
         """Put a box on the floor, and return its number."""
-        finite(x_m=x_m, y_m=y_m, theta_rad=theta_rad)
+        _check_place(x_m=x_m, y_m=y_m)
+        finite(theta_rad=theta_rad)
         for name, size_m in (("size_x_m", size_x_m), ("size_y_m", size_y_m)):
-            if not 0.0 < size_m < 1e6:
-                raise unusable(name, size_m, "more than 0 m")
+            if not is_within(_SMALLEST_BOX_M, size_m, _LARGEST_BOX_M):
+                raise unusable(name, size_m, f"{_SMALLEST_BOX_M:g} to {_LARGEST_BOX_M:g} m")
         return self._act(_native.roburoc4_sim_add_box, x_m, y_m, size_x_m, size_y_m, theta_rad)
 
     def add_wall(self, x1_m: float, y1_m: float, x2_m: float, y2_m: float) -> int:
         """Build a wall, 0.1 m thick, between two points, and return its number."""
+        _check_place(x1_m=x1_m, y1_m=y1_m, x2_m=x2_m, y2_m=y2_m)
         dx_m, dy_m = x2_m - x1_m, y2_m - y1_m
         return self.add_box(
             (x1_m + x2_m) / 2,
@@ -390,12 +412,13 @@ class Simulator:
 
     def place(self, x_m: float, y_m: float, theta_rad: float = 0.0) -> None:
         """Lift the robot to another place, unnoticed by its odometry."""
-        finite(x_m=x_m, y_m=y_m, theta_rad=theta_rad)
+        _check_place(x_m=x_m, y_m=y_m)
+        finite(theta_rad=theta_rad)
         self._act(_native.roburoc4_sim_place, x_m, y_m, theta_rad)
 
     def panel(self, line: str) -> str:
         """Execute a line such as "pad a down", and return the reply; "help" lists all commands."""
-        if not line.isascii():
+        if not (isinstance(line, str) and line.isascii() and "\0" not in line):
             raise ArgumentError(f"{line!r}: give letters without accents", Result.ARGUMENT)
         result, reply = self._act(_native.roburoc4_sim_panel, line)
         if result < 0:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
 from . import _native
 from .constants import Action, Result, Service
-from .errors import ArgumentError, DecodeError
+from .errors import ArgumentError, DecodeError, is_within, unusable
 from .iocard import decode_text
 from .records import (
     Answer,
@@ -64,18 +64,27 @@ def decode(
 ) -> Telegram:
     """Decode one datagram from a robot (or, on request, from a client).
 
-    A status becomes the record of its service, an answer an :class:`~roburoc4.Answer`, a client's
-    telegram a :class:`~roburoc4.Request` or a command. Raises DecodeError for anything else.
+    A status becomes the record of its service, an answer an :class:`~roburoc4.protocol.Answer`,
+    a client's telegram a :class:`~roburoc4.protocol.Request` or a command. Raises DecodeError for
+    anything else.
     """
     try:
-        if sender != "robot":
-            return _decode_sent(data, layout or _USUAL)
-        return _decode_status(data, layout) or _decode_other(data, layout or _USUAL)
+        if isinstance(sender, str) and sender == "robot":
+            return _decode_status(data, layout) or _decode_other(
+                data, _USUAL if layout is None else layout
+            )
+        if isinstance(sender, str) and sender == "client":
+            return _decode_sent(data, _USUAL if layout is None else layout)
     except OverflowError:
         raise ArgumentError(
             f"{layout} is out of range: ids are 0 to 65535, counts 0 to 2147483647",
             Result.ARGUMENT,
         ) from None
+    except (AttributeError, TypeError):
+        if isinstance(layout, Layout | None):
+            raise unusable("data", data, "bytes") from None
+        raise unusable("layout", layout, "a Layout") from None
+    raise unusable("sender", sender, '"robot" or "client"')
 
 
 @lru_cache(maxsize=16)
@@ -192,9 +201,11 @@ def decode_batch(
         ) from error
 
     which = service_of(service)
+    if not isinstance(layout, Layout | None):
+        raise unusable("layout", layout, "a Layout")
     layout = layout or _USUAL
-    if not 0 <= telemeters <= 0xFFFF:
-        raise ArgumentError(f"telemeters: {telemeters} is out of range", Result.ARGUMENT)
+    if not is_within(0, telemeters, 0xFFFF):
+        raise unusable("telemeters", telemeters, "0 to 65535")
     columns = [("robot_cycles", "<u8"), *_columns(which, layout, telemeters)]
     row = np.dtype(columns).itemsize
     # A row in one piece is copied several times faster than field by field.
@@ -209,9 +220,12 @@ def decode_batch(
                 Result.SHORT,
             )
     else:
-        if [*map(len, data)].count(size) != len(data):
-            data = [one if len(one) == size else _cut(one, size, which) for one in data]
-        data = b"".join(data)
+        try:
+            if [*map(len, data)].count(size) != len(data):
+                data = [one if len(one) == size else _cut(one, size, which) for one in data]
+            data = b"".join(data)
+        except TypeError:
+            raise unusable("data", data, "bytes, or a list of them") from None
     found = np.frombuffer(data, dtype=wire)
     good = (found["header"] == _STATUS) & (found["service"] == layout[which - Service.IOCARD])
     rows = found["row"][good]

@@ -34,6 +34,7 @@ class SocketConnection(ManualConnection):
 
     def __init__(self, host: str, settings: Settings) -> None:
         super().__init__(*open_host(host, False, settings), settings)
+        self._moved_s, self._longest_pause_s = self.now_s(), 0.0
         self.close_at_exit()
 
     def __del__(self) -> None:
@@ -42,10 +43,20 @@ class SocketConnection(ManualConnection):
 
     def move(self, seconds: float, until: Callable[[], object]) -> None:
         del until  # return as soon as something arrived
+        self._longest_pause_s, self._moved_s = self.longest_pause_s, self.now_s()
         if _native.connection_exchange(self.handle) == 0 and seconds > 0:
             wait_s = min(seconds, _SLICE_S, self.next_deadline_s())
             _wait_readable(_native.roburoc4_udp_fd(self.handle), wait_s)
             _native.connection_exchange(self.handle)
+
+    @property
+    def longest_pause_s(self) -> float:
+        """How long the program let all datagrams wait, since the pauses were forgotten."""
+        return max(self._longest_pause_s, self.now_s() - self._moved_s)
+
+    def forget_pauses(self) -> None:
+        """Start over."""
+        self._longest_pause_s = 0.0
 
     def spin(self, seconds: float) -> None:
         """Receive and send for this time; 0 does what is due and returns."""

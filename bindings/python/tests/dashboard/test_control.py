@@ -144,7 +144,7 @@ def test_a_page_that_leaves_unarmed_takes_the_robot_from_nobody(scene: Scene) ->
 def test_another_place_waits_until_the_first_move_has_ended() -> None:
     under_way: list[float] = []
 
-    def go_to(x_m: float, _: float, *, speed: float, on_progress: Callable[[None], None]) -> None:
+    def goto(x_m: float, _: float, *, speed: float, on_progress: Callable[[None], None]) -> None:
         if under_way:
             raise roburoc4.RobotError("a move is under way", roburoc4.Result.STATE)
         under_way.append(x_m)
@@ -155,7 +155,7 @@ def test_another_place_waits_until_the_first_move_has_ended() -> None:
         finally:
             under_way.clear()
 
-    robot = cast(roburoc4.Robot, SimpleNamespace(now_s=0.0, go_to=go_to))
+    robot = cast(roburoc4.Robot, SimpleNamespace(now_s=0.0, goto=goto))
     first = Going(robot, 1.0, 0.0, 0.5, math.inf)
     until(lambda: under_way == [1.0])
     first.end()
@@ -182,9 +182,9 @@ def test_a_delay_while_commanding_makes_no_lease_longer(
     scene.arm()
     give = scene.robot.drive
 
-    def slowly(linear_m_s: float, angular_rad_s: float, *, lease_ms: int = 0) -> None:
+    def slowly(linear_m_s: float, angular_rad_s: float, *, lease: float) -> None:
         scene.sim.step(held_s.pop() if held_s else 0.0)
-        give(linear_m_s, angular_rad_s, lease_ms=lease_ms)
+        give(linear_m_s, angular_rad_s, lease=lease)
 
     monkeypatch.setattr(scene.robot, "drive", slowly)
     held_s = [0.15]

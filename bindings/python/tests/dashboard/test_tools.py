@@ -135,10 +135,10 @@ def test_a_drag_on_the_map_sets_the_robots_pose(station: Make, visit: Visit) -> 
     page.mouse.move(x - 40, y)
     page.mouse.up()
     page.wait_for_timeout(300)
-    assert here.robot.latest("localization").x_m == pytest.approx(0.0)
+    assert here.robot.localization.x_m == pytest.approx(0.0)
     page.get_by_role("button", name="Set").click()
-    until(lambda: abs(here.robot.latest("localization").x_m - 1.0) < 0.05)
-    pose = here.robot.latest("localization")
+    until(lambda: abs(here.robot.localization.x_m - 1.0) < 0.05)
+    pose = here.robot.localization
     assert (pose.y_m, pose.theta_rad) == pytest.approx((1.0, 1.571), abs=0.05)
 
 
@@ -230,12 +230,12 @@ def test_each_robot_goes_by_its_own_origin(station: Make, visit: Visit) -> None:
     for name, value in (("x", "5"), ("y", "2"), ("theta", "90")):
         blue.locator(f"#relocalize-{name}").fill(value)
     blue.get_by_role("button", name="Set").click()
-    until(lambda: abs(here.robots[1].latest("localization").x_m - 5.0) < 0.05)
+    until(lambda: abs(here.robots[1].localization.x_m - 5.0) < 0.05)
     goals = arrive(
         here.hubs[1],
         blue,
         (5.0, 3.0),
-        lambda: abs(here.robots[1].latest("localization").y_m - 3.0) < 0.15,
+        lambda: abs(here.robots[1].localization.y_m - 3.0) < 0.15,
     )
     assert (5.0, 3.0) in goals, "other pages show no goal"
     assert here.sims[0].state.speed_commands == 0

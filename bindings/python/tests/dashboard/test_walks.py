@@ -48,14 +48,14 @@ def drive_until(done: Callable[[], bool], here: Station, page: Page, hold: Act, 
 
 def drive_a_square(here: Station, page: Page, ahead: Act, left: Act, lift: Act) -> None:
     for _ in range(4):
-        begun = here.robot.latest("localization")
+        begun = here.robot.localization
 
         def side(begun: Any = begun) -> bool:
-            now = here.robot.latest("localization")
+            now = here.robot.localization
             return math.hypot(now.x_m - begun.x_m, now.y_m - begun.y_m) > SIDE_M
 
         def corner(begun: Any = begun) -> bool:
-            now = here.robot.latest("localization")
+            now = here.robot.localization
             return abs(math.remainder(now.theta_rad - begun.theta_rad, math.tau)) > CORNER_RAD
 
         drive_until(side, here, page, ahead, lift)
@@ -64,7 +64,7 @@ def drive_a_square(here: Station, page: Page, ahead: Act, left: Act, lift: Act) 
 
 def stop_for_a_wall(here: Station, page: Page, ahead: Act, stop: Act, lift: Act) -> None:
     def near() -> bool:
-        return min(here.robot.latest("telemeter").distances_m[0], 9.0) < NEAR_M
+        return min(here.robot.telemeter.distances_m[0], 9.0) < NEAR_M
 
     drive_until(near, here, page, ahead, stop)
     lift()

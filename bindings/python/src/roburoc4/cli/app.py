@@ -142,5 +142,6 @@ def _run(arguments: list[str]) -> int:
 
 
 def _complain(error: CommandError) -> int:
-    print(f"roburoc4: {error.message}", file=sys.stderr)
+    if error.message:
+        print(f"roburoc4: {error.message}", file=sys.stderr)
     return error.code

@@ -13,7 +13,7 @@ from .options import Options, add_robot, add_seconds
 from .output import print_json
 from .probe import Probe, other_source
 from .progress import Show, progress
-from .verdict import Findings, Stream, Verdict, judge
+from .verdict import REPEATED_SHARE, Findings, Stream, Verdict, judge
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -123,7 +123,7 @@ def _resolve(found: Findings, say: Say) -> bool:
 def _contact(found: Findings, probe: Probe, say: Say) -> bool:
     for _ in range(_FIRST_CONTACT_TRIES):
         probe.ask()
-        probe.listen(_FIRST_CONTACT_S)
+        probe.listen(_FIRST_CONTACT_S, until_answered=True)
         if probe.fault or probe.answered >= _FIRST_CONTACT_TRIES // 2:
             break
     _note_probe(found, probe)
@@ -184,8 +184,8 @@ def _measure(found: Findings, robot: Robot, probe: Probe, length_s: float, show:
         show(elapsed_s, "watching the statuses")
         probe.ask()
         probe.listen(_ASK_EVERY_S)
-        time.sleep(max(0.0, begun_s + elapsed_s + _ASK_EVERY_S - time.monotonic()))
     _note_probe(found, probe)
+    _count(found, robot)
     found.interruptions = sum(robot.counts[count] for count in breaks) - breaks_before
     for service in services:
         after, old = robot.service_link(service), before[service]
@@ -199,6 +199,14 @@ def _measure(found: Findings, robot: Robot, probe: Probe, length_s: float, show:
                 after.jitter_us / 1e3,
             )
         )
+
+
+def _count(found: Findings, robot: Robot) -> None:
+    from roburoc4 import Count
+
+    counts = robot.counts
+    found.received, found.repeated = counts[Count.RECEIVED], counts[Count.OLD]
+    found.damaged = counts[Count.SHORT] + counts[Count.MALFORMED]
 
 
 def _look_elsewhere(found: Findings, robot: Robot, address: tuple[str, int]) -> None:
@@ -224,6 +232,8 @@ def _check_robot(found: Findings, robot: Robot, say: Say) -> None:
         "it is not known whether a bumper is pressed": None
         in (facts.front_bumper, facts.rear_bumper),
         "another commander drives the robot": facts.other_commander,
+        f"{found.repeated} of {found.received} datagrams were repeated on their way, or overtaken: "
+        "look for a loop in the network": found.repeated > REPEATED_SHARE * found.received,
         "its speed limits are not usable: it cannot be driven": facts.arm_refusal == Result.LIMITS,
         "the front bumper is pressed": facts.front_bumper,
         "the rear bumper is pressed": facts.rear_bumper,
@@ -249,11 +259,11 @@ def _document(found: Findings, verdict: Verdict) -> dict[str, object]:
 def _print_streams(found: Findings) -> None:
     if not found.streams:
         return
-    print(f"\n{'service':<14}{'rate':>10}{'asked':>10}{'loss':>9}{'jitter':>12}")
+    print(f"\n{'service':<12}{'rate':>7}{'asked':>7}{'loss':>6}{'jitter':>8}")  # 40 columns
     for stream in found.streams:
         print(
-            f"{stream.service:<14}{stream.rate_hz:>8.1f}/s{stream.asked_hz:>8.1f}/s"
-            f"{stream.loss:>9.1%}{stream.jitter_ms:>9.1f} ms"
+            f"{stream.service:<12}{stream.rate_hz:>5.1f}/s{stream.asked_hz:>5.1f}/s"
+            f"{stream.loss:>6.1%}{stream.jitter_ms:>5.1f} ms"
         )
     print(f"round trip {found.round_trip_ms:.1f} ms, {found.answered} of {found.asked} answered")
 

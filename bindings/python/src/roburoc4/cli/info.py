@@ -14,8 +14,8 @@ from .options import Options, add_robot
 from .output import console, note, print_json, printable
 
 if TYPE_CHECKING:
-    from roburoc4 import Properties, Robot
-    from roburoc4.iocard import ChannelNames
+    from roburoc4 import Robot
+    from roburoc4.records import ChannelNames, Properties
 
 _NEXT_TEXT_S = 4.0  # texts are requested several times; by then a robot that has one has answered
 

@@ -109,17 +109,16 @@ def _print_statuses(watch: _Watch) -> None:
 
 
 def _statuses(watch: _Watch) -> Iterator[Status]:
-    from roburoc4 import SamplesLostError
-
-    source = watch.robot.reader()
-    while watch.left_s > 0.0:
+    statuses, lost = watch.robot.statuses(), 0
+    while (left_s := watch.left_s) > 0.0:
         watch.tell_breaks()
-        try:
-            while (status := source.next()) is not None:
-                yield status
-        except SamplesLostError as error:
-            note(f"{error.lost} statuses were lost: the program that reads this output is too slow")
-        source.wait(max(0.0, min(_REFRESH_S, watch.left_s)))
+        yield from statuses.take(min(_REFRESH_S, left_s))
+        if statuses.lost > lost:
+            note(
+                f"{statuses.lost - lost} statuses were lost: the program that reads this output "
+                "is too slow"
+            )
+            lost = statuses.lost
 
 
 def _print_lines(watch: _Watch) -> None:

@@ -9,14 +9,17 @@ import math
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
+from roburoc4 import DifferentialStatus, LocalizationStatus
+from roburoc4.latest import latest
+
 from . import session
 from .errors import CommandError, ExitCode, refused, usage
 from .options import FARTHEST, add_robot, angle, coordinate, number, seconds, way_m
-from .output import note, print_json
+from .output import note, print_json, refuse_closed_pipe
 from .progress import progress
 
 if TYPE_CHECKING:
-    from roburoc4 import LocalizationStatus, MoveResult, Robot
+    from roburoc4 import MoveResult, Robot
 
     # A step of a command: called with the robot and a function that reports progress.
     Step = Callable[[Robot, Callable[[MoveResult], object]], MoveResult]
@@ -106,9 +109,7 @@ def _run_move(options: MoveOptions) -> int:
 def _run_turn(options: MoveOptions) -> int:
     def step(robot: Robot, show: Callable[[MoveResult], object]) -> MoveResult:
         speed = within_limits(robot, options.speed, "rad/s")
-        return robot.turn(
-            options.angle, speed=speed, timeout=options.timeout, turns=True, on_progress=show
-        )
+        return robot.turn(options.angle, **_given(options, speed), turns=True, on_progress=show)
 
     degrees = math.degrees(options.angle)
     intention = f"a turn of {degrees:.0f}°"
@@ -119,14 +120,14 @@ def _run_goto(options: MoveOptions) -> int:
     def step(robot: Robot, show: Callable[[MoveResult], object]) -> MoveResult:
         speed = within_limits(robot, options.speed, "m/s")
         _check_reach(robot, options.x, options.y)
-        return robot.go_to(options.x, options.y, **_given(options, speed), on_progress=show)
+        return robot.goto(options.x, options.y, **_given(options, speed), on_progress=show)
 
     intention = f"to x {options.x:g} m, y {options.y:g} m"
     return go(options, intention, None, "m", [step], linear=options.speed)
 
 
 def _check_reach(robot: Robot, x_m: float, y_m: float) -> None:
-    pose = robot.latest("localization")
+    pose = latest(robot, LocalizationStatus)
     if pose is not None and max(abs(x_m - pose.x_m), abs(y_m - pose.y_m)) > FARTHEST:
         raise usage(
             f"x {x_m:g} m, y {y_m:g} m is more than 10 km away: the robot is at x {pose.x_m:g} m, "
@@ -140,7 +141,9 @@ def _run_square(options: MoveOptions) -> int:
         return robot.move(options.metres, **_given(options, speed), on_progress=show)
 
     def corner(robot: Robot, show: Callable[[MoveResult], object]) -> MoveResult:
-        return robot.turn(math.pi / 2, timeout=options.timeout, on_progress=show)
+        return robot.turn(
+            math.pi / 2, clearance=options.clearance, timeout=options.timeout, on_progress=show
+        )
 
     intention = f"a square of {options.metres:g} m"
     return go(options, intention, 4 * options.metres, "m", [side, corner] * 4, linear=options.speed)
@@ -198,6 +201,7 @@ def _take(
     from roburoc4 import MoveError
 
     def progressed(result: MoveResult) -> None:
+        refuse_closed_pipe()
         done[-1] = result
         show(_speed(robot))
 
@@ -226,7 +230,7 @@ def _come(done: list[MoveResult], unit: str) -> float:
 
 
 def _speed(robot: Robot) -> str:
-    speeds = robot.latest("differential")
+    speeds = latest(robot, DifferentialStatus)
     if speeds is None:
         return "moving"
     return f"{speeds.current_linear_m_s:+.2f} m/s {speeds.current_angular_rad_s:+.2f} rad/s"
@@ -241,7 +245,7 @@ def _report(robot: Robot, done: list[MoveResult]) -> dict[str, Any]:
         "angle_rad": sum(result.angle_rad for result in done),
         "remaining_m": last.remaining_m,
         "remaining_rad": last.remaining_rad,
-        "pose": _pose(robot.latest("localization")),
+        "pose": _pose(latest(robot, LocalizationStatus)),
     }
 
 

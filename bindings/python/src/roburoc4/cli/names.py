@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from roburoc4 import Robot
-    from roburoc4.iocard import ChannelNames
+    from roburoc4.records import ChannelNames
 
 TELEMETER_NAMES = ("front", "rear")
 
@@ -30,7 +30,7 @@ def flag_names(flags: int) -> list[str]:
 def names_of(robot: Robot) -> ChannelNames:
     """Name the IO channels; none for a robot without an IO card."""
     from roburoc4 import NotKnownError
-    from roburoc4.iocard import ChannelNames
+    from roburoc4.records import ChannelNames
 
     try:
         return robot.channels

@@ -8,13 +8,16 @@ import math
 import time
 from typing import TYPE_CHECKING
 
+from roburoc4 import DifferentialStatus
+from roburoc4.latest import latest
+
 from . import session
 from .errors import ExitCode, refused
-from .options import Options, add_robot, metres, radians
+from .options import Options, add_robot, angle, metres
 from .output import note, print_json
 
 if TYPE_CHECKING:
-    from roburoc4 import DifferentialStatus, Facts, Robot
+    from roburoc4 import Facts, Robot
 
 _REST_S = 10.0
 # A drive command from before the zeros may be repeated until its lease ends.
@@ -70,7 +73,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     )
     relocalize.add_argument("x", metavar="X", type=metres, help="metres")
     relocalize.add_argument("y", metavar="Y", type=metres, help="metres")
-    relocalize.add_argument("theta", metavar="THETA", type=radians, help="radians")
+    relocalize.add_argument("theta", metavar="THETA", type=angle, help="radians, or as in 90deg")
     add_robot(relocalize)
     relocalize.set_defaults(run=run_relocalize)
 
@@ -121,7 +124,7 @@ def _stop(robot: Robot) -> None:
     while now_s < begun_s + _REST_S:
         time.sleep(_POLL_S)
         now_s = time.monotonic()
-        facts, speeds = robot.facts, robot.latest("differential")
+        facts, speeds = robot.facts, latest(robot, DifferentialStatus)
         if speeds is not None and speeds.robot_cycles != cycles and _has_target(speeds):
             driven_s, cycles = now_s, speeds.robot_cycles
             if now_s > begun_s + _LEASE_S and not (other or facts.overridden):

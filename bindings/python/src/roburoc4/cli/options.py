@@ -38,6 +38,13 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, **settings: Any) -> None:
         super().__init__(allow_abbrev=False, **settings)
 
+    def parse_known_args(self, args=None, namespace=None):  # type: ignore[no-untyped-def]
+        """Reject what is unknown here, where the command's own help can be named."""
+        found, unknown = super().parse_known_args(args, namespace)
+        if unknown:
+            self.error(f"unrecognized arguments: {' '.join(unknown)}")
+        return found, unknown
+
     def error(self, message: str) -> None:  # type: ignore[override] # it raises, too
         """Reject the command line."""
         raise usage(f"{message}: see {self.prog} --help")
@@ -75,7 +82,6 @@ angular_rad_s = number(-10.0, 10.0, "rad/s")
 way_m = number(-FARTHEST, FARTHEST, "m")
 coordinate = number(-1e7, 1e7, "m")  # the main frame may be that of a map
 metres = number(-1e9, 1e9, "m")
-radians = number(-1e9, 1e9, "rad")
 seconds = number(0.001, 1e6, "seconds")
 
 
@@ -101,7 +107,9 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def add_robot(parser: argparse.ArgumentParser, *, top: bool = False) -> None:
+def add_robot(
+    parser: argparse.ArgumentParser, *, top: bool = False, json: str = "print JSON"
+) -> None:
     """Add `--robot` and `--json`, which may come before or after the command."""
     parser.add_argument(
         "--robot",
@@ -109,7 +117,7 @@ def add_robot(parser: argparse.ArgumentParser, *, top: bool = False) -> None:
         default=(os.environ.get("ROBUROC4_ROBOT") or DEFAULT_ROBOT) if top else argparse.SUPPRESS,
         help="the robot's address (default: $ROBUROC4_ROBOT, else " + DEFAULT_ROBOT + ")",
     )
-    add_json(parser, "print JSON", top=top)
+    add_json(parser, json, top=top)
 
 
 def add_json(parser: argparse.ArgumentParser, text: str, *, top: bool = False) -> None:

@@ -5,9 +5,12 @@ from __future__ import annotations
 
 import json
 import math
+import select
 import sys
 from enum import Enum
 from typing import TYPE_CHECKING, Any
+
+from .errors import CommandError, ExitCode
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -36,6 +39,16 @@ def print_json(value: Any, *, line: bool = False) -> None:
 def note(text: str) -> None:
     """Print a message that is not the result, for the person at the terminal."""
     print(f"roburoc4: {text}", file=sys.stderr, flush=True)
+
+
+def refuse_closed_pipe() -> None:
+    """End the command, quietly, if nobody reads its output any more: who started it is gone."""
+    if not hasattr(select, "poll"):
+        return
+    watched = select.poll()
+    watched.register(sys.stdout.fileno(), 0)
+    if any(event & select.POLLERR for _, event in watched.poll(0)):
+        raise CommandError(ExitCode.REFUSED, "")
 
 
 def is_terminal() -> bool:

@@ -77,9 +77,13 @@ class Probe:
         """The mean time of an answer."""
         return 1e3 * sum(self.round_trips_s) / max(1, len(self.round_trips_s))
 
+    @staticmethod
+    def _id_of(request: int) -> int:
+        return _FIRST_ID + request % (_LAST_ID - _FIRST_ID + 1)
+
     def ask(self) -> None:
         """Send one request."""
-        request_id = _FIRST_ID + self.asked % (_LAST_ID - _FIRST_ID + 1)
+        request_id = self._id_of(self.asked)
         self.asked += 1
         self._sent_s[request_id] = time.monotonic()
         try:
@@ -87,14 +91,18 @@ class Probe:
         except OSError as error:
             self._note(error)
 
-    def listen(self, wait_s: float) -> bool:
-        """Receive for at most this long; end early, with True, after an answer."""
+    def listen(self, wait_s: float, *, until_answered: bool = False) -> None:
+        """Receive for this long, or until the last request was answered.
+
+        Listening on matters: what waits in the socket would be taken for slow.
+        """
         until_s = time.monotonic() + wait_s
-        before = self.answered
-        while self.answered == before and (left_s := until_s - time.monotonic()) > 0.0:
+        last = self._id_of(self.asked - 1)
+        while (left_s := until_s - time.monotonic()) > 0.0:
+            if until_answered and (self.fault or last not in self._sent_s):
+                return
             if select.select([self._socket], [], [], left_s)[0]:
                 self._take()
-        return self.answered > before
 
     def _take(self) -> None:
         try:
@@ -102,10 +110,11 @@ class Probe:
         except OSError as error:
             self._note(error)
             return
-        self.answered += 1
         if len(data) < 5 or data[1:4] != b"\0\0\0":
+            self.answered += 1
             self.malformed += 1
         elif (sent_s := self._sent_s.pop(data[0], None)) is not None:
+            self.answered += 1
             self.round_trips_s.append(time.monotonic() - sent_s)
 
     def _note(self, error: OSError) -> None:

@@ -52,7 +52,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     )
     add_seconds(parser, "end after this time")
     parser.add_argument("--force", action="store_true", help="replace a file that has contents")
-    add_robot(parser)
+    add_robot(parser, json="print a document at the end (docs/cli.md has its keys)")
     parser.set_defaults(run=run)
 
 
@@ -165,13 +165,13 @@ class _Recording:
             self._gaps.add(status)
             sheet.write(rows.add(status))
 
-        source = self._robot.reader()
+        statuses = self._robot.statuses()
         length_s = self._options.seconds or math.inf
         begun_s = time.monotonic()
         with progress("recording", self._options.seconds) as show:
             while (elapsed_s := time.monotonic() - begun_s) < length_s:
-                source.wait(min(_WAIT_S, length_s - elapsed_s))
-                source.drain(take)
+                for status in statuses.take(min(_WAIT_S, length_s - elapsed_s)):
+                    take(status)
                 show(elapsed_s, f"recording  {sheet.rows} rows")
 
     def report(self, rows: int) -> None:

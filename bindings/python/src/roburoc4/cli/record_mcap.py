@@ -59,15 +59,15 @@ def _read(options: RecordOptions, robot: Robot, bag: RosBag, flush: Callable[[],
     from roburoc4 import RecordedEvent
     from roburoc4.notices import texts_of
 
-    source, facts = robot.reader(), robot.facts
+    statuses, events, facts = robot.statuses(), robot.events(), robot.facts
     length_s = options.seconds or math.inf
     begun_s = time.monotonic()
     with progress("recording", options.seconds) as show:
         while (elapsed_s := time.monotonic() - begun_s) < length_s:
-            source.wait(min(_LOOK_S, length_s - elapsed_s))
-            source.drain(bag.add)
+            for status in statuses.take(min(_LOOK_S, length_s - elapsed_s)):
+                bag.add(status)
             before, facts = facts, robot.facts
-            for level, text in texts_of(source.take_events(), before, facts):
+            for level, text in texts_of(events.take(), before, facts):
                 bag.add(RecordedEvent(round(robot.now_s * 1e6), level, text))
             flush()
             show(elapsed_s, f"recording  {bag.messages} messages")

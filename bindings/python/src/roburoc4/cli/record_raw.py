@@ -17,7 +17,8 @@ from .progress import progress
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from roburoc4 import RecorderState, Robot
+    from roburoc4 import Robot
+    from roburoc4.records import RecorderState
 
     from .options import RecordOptions
 

@@ -97,11 +97,13 @@ def opened(path: Path, robot: str | None) -> Iterator[RecordedRobot]:
 @contextmanager
 def reading(path: Path) -> Iterator[None]:
     """End the command with one line if this file cannot be read."""
-    from roburoc4 import RecordingError
+    from roburoc4 import RecordingError, Result
 
     try:
         yield
     except RecordingError as error:
+        if error.code is Result.SYSTEM:
+            raise usage(f"{error}: give another name") from None
         raise refused(str(error)) from None
     except OSError as error:
         if error.filename is None or Path(os.fspath(error.filename)) != path:

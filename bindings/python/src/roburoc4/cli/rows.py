@@ -12,7 +12,8 @@ from .output import plain
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from roburoc4 import Properties, Status
+    from roburoc4 import Status
+    from roburoc4.records import Properties
 
 Cell = float | int | None
 

@@ -12,13 +12,16 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from roburoc4 import DifferentialStatus
+from roburoc4.latest import latest
+
 from .errors import refused, unreachable, usage
 from .options import Options
 from .output import note
 from .signals import Signalled, unsuspendable
 
 if TYPE_CHECKING:
-    from roburoc4 import DifferentialStatus, Robot
+    from roburoc4 import Robot
 
 SILENCE_S = 5.0  # how long a robot may be silent before the command gives up
 _FIRST_INPUTS_S = 2.0
@@ -42,14 +45,15 @@ def add_driving(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--allow-unknown-override",
         action="store_true",
-        help="drive although the robot does not report whether its game pad is in use",
+        help="drive although the robot does not report whether its game pad is in use; all but "
+        "teleop then need --clearance 0, too, as its bumpers are not known either",
     )
     parser.add_argument("--yes", "-y", action="store_true", help="do not ask before it moves")
 
 
 def address_of(robot: str) -> str:
     """Resolve the text of `--robot` to a numeric address."""
-    from roburoc4 import resolve
+    from roburoc4.protocol import resolve
 
     return resolve(robot)
 
@@ -57,7 +61,13 @@ def address_of(robot: str) -> str:
 @contextmanager
 def connected(options: Options, **settings: Any) -> Iterator[Robot]:
     """Connect, and stop the robot however the block ends."""
-    from roburoc4 import ArgumentError, NetworkError, RobotTimeoutError, connect
+    from roburoc4 import (
+        ArgumentError,
+        NetworkError,
+        RecordingError,
+        RobotTimeoutError,
+        connect,
+    )
 
     try:
         robot = connect(options.robot, timeout=SILENCE_S, **settings)
@@ -68,8 +78,8 @@ def connected(options: Options, **settings: Any) -> Iterator[Robot]:
     except NetworkError as error:
         named = str(error) if options.robot in str(error) else f"{options.robot}: {error}"
         raise unreachable(f"{named}; run roburoc4 doctor for details") from None
-    except OSError as error:
-        raise refused(f"{error.filename}: no recording can be made: {error.strerror}") from None
+    except RecordingError as error:
+        raise refused(str(error)) from None
     with robot:
         yield robot
 
@@ -174,7 +184,7 @@ def wait_for_rest(robot: Robot, patience_s: float) -> bool:
     until_s = time.monotonic() + patience_s
     while time.monotonic() < until_s:
         confirmed = robot.facts.stop_outcome is StopOutcome.CONFIRMED
-        if confirmed and is_at_rest(robot.latest("differential")):
+        if confirmed and is_at_rest(latest(robot, DifferentialStatus)):
             return True
         time.sleep(_POLL_S)
     return False

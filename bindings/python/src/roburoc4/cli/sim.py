@@ -4,16 +4,22 @@
 from __future__ import annotations
 
 import argparse
+import ctypes
 import importlib.metadata
+import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
+from collections.abc import Callable
 
 from .errors import refused, usage
+from .signals import Signalled
 
 _PROGRAM = "roburoc4-sim" + (".exe" if sys.platform == "win32" else "")
 _HIGHEST_PORT = 65535
+_PR_SET_PDEATHSIG = 1
 _READY = re.compile(r"^roburoc4-sim: ready on ([^\s,]+:\d+)")
 _TELNET_HELP = """
 One more option, of roburoc4 sim only:
@@ -38,14 +44,36 @@ def run(options: argparse.Namespace) -> int:
     """Relay the simulator's output; it ends with this program."""
     arguments = [text.lstrip() for text in options.arguments]
     arguments, telnet_port = _without_telnet(arguments)
-    with subprocess.Popen([_program(), *arguments], stdout=subprocess.PIPE, text=True) as program:
+    with subprocess.Popen(
+        [_program(), *arguments],
+        stdout=subprocess.PIPE,
+        text=True,
+        preexec_fn=_ending_with_parent(),
+    ) as program:
         try:
             code = _relay(program, telnet_port)
+        except Signalled:
+            program.terminate()
+            code = program.wait()  # as roburoc4-sim promises: 0
         finally:
             program.terminate()
     if code == 0 and "--help" in arguments:
         print(_TELNET_HELP)
     return code
+
+
+def _ending_with_parent() -> Callable[[], None] | None:
+    """Return what makes Linux end the simulator where this program is killed, and cannot do it."""
+    if sys.platform != "linux":
+        return None
+    prctl, parent = ctypes.CDLL(None).prctl, os.getpid()
+
+    def prepare() -> None:
+        prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
+        if os.getppid() != parent:  # it was killed just now
+            os._exit(1)
+
+    return prepare
 
 
 def _program() -> str:

@@ -6,17 +6,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from roburoc4 import (
+    BatteryStatus,
+    DifferentialStatus,
+    IoCardStatus,
+    LocalizationStatus,
+    TelemeterStatus,
+)
+from roburoc4.latest import latest
+
 if TYPE_CHECKING:
-    from roburoc4 import (
-        BatteryStatus,
-        DifferentialStatus,
-        Facts,
-        IoCardStatus,
-        LocalizationStatus,
-        Robot,
-        TelemeterStatus,
-    )
-    from roburoc4.iocard import ChannelNames
+    from roburoc4 import Facts, Robot
+    from roburoc4.records import ChannelNames
 
 SERVICES = ("iocard", "telemeter", "battery", "localization", "differential")
 
@@ -76,9 +77,9 @@ def take(robot: Robot, elapsed_s: float, channels: ChannelNames) -> Snapshot:
         [_stream(robot, service) for service in SERVICES],
         channels,
         [telemeter.max_distance_m for telemeter in robot.properties.telemeter],
-        robot.latest("iocard"),
-        robot.latest("telemeter"),
-        robot.latest("battery"),
-        robot.latest("localization"),
-        robot.latest("differential"),
+        latest(robot, IoCardStatus),
+        latest(robot, TelemeterStatus),
+        latest(robot, BatteryStatus),
+        latest(robot, LocalizationStatus),
+        latest(robot, DifferentialStatus),
     )

@@ -10,6 +10,9 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
+from roburoc4 import DifferentialStatus
+from roburoc4.latest import latest
+
 from . import session
 from .deadman import DeadMan
 from .errors import ExitCode, usage, why_not_armed
@@ -200,10 +203,10 @@ class _Teleop:
         scale = _SCALES[self._scale]
         held = ", ".join(self._man.held(now_s)) or "none"
         how = "until let go" if self._keyboard.reports_releases else "while it repeats"
-        measured = self._robot.latest("differential")
+        measured = latest(self._robot, DifferentialStatus)
         return Group(
             Text(f"{self._robot.address}  {self._robot.state.name.lower()}", "bold"),
-            lamps(self._robot.facts),
+            lamps(self._robot.facts, console().width),
             Text.assemble(
                 bar(scale, "cyan"),
                 f"  {scale * _FULL_LINEAR_M_S:.1f} m/s  {scale * _FULL_ANGULAR_RAD_S:.1f} rad/s",

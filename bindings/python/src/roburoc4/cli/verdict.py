@@ -9,6 +9,8 @@ from .errors import ExitCode
 
 # Beyond these limits a robot still answers, but driving by its statuses is no longer sound.
 LOSS_SHARE = 0.02
+DAMAGED_SHARE = 0.005
+REPEATED_SHARE = 0.02
 ROUND_TRIP_MS = 50.0
 JITTER_MS = 25.0
 RATE_SHARE = 0.9
@@ -49,6 +51,9 @@ class Findings:
     connected: bool = False
     missing: list[str] = field(default_factory=list)
     streams: list[Stream] = field(default_factory=list)
+    received: int = 0  # datagrams of the robot
+    damaged: int = 0  # of them, too short or with invalid contents
+    repeated: int = 0  # of them, not newer than the one before
     refused: list[str] = field(default_factory=list)  # services whose subscription was refused
     other_source: str | None = None  # where the statuses come from, if not from the address
     interruptions: int = 0  # losses of the link and reboots while it was watched
@@ -127,6 +132,16 @@ def _discovery(found: Findings) -> Verdict | None:
             f"something answers at {found.address} ({found.answered} of {found.asked} requests, "
             f"{found.malformed} of them not understood), but its services cannot be found",
             "check that the address and port are the robot's; if they are, restart the robot",
+        )
+    # What else goes wrong then, such as a restart, may be damage, too.
+    if found.damaged > DAMAGED_SHARE * found.received:
+        return Verdict(
+            14,
+            "damaged",
+            ExitCode.REFUSED,
+            f"{found.damaged} of {found.received} datagrams arrive with damaged contents",
+            "replace what changes datagrams between here and the robot: a tunnel, a converter, a "
+            "faulty switch or network card",
         )
     if found.missing:
         names = ", ".join(found.missing)

@@ -16,7 +16,7 @@ from .names import TELEMETER_NAMES, flag_names
 from .output import printable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from rich.console import RenderableType
 
@@ -50,10 +50,21 @@ def lamp(name: str, lit: bool | None, style: str) -> Text:
 _NARROW_CELLS = 100
 
 
+def flow(parts: Iterable[Text | str], cells: int, gap: str = "  ") -> Text:
+    """Put parts on lines of this width, which break between parts only."""
+    lines: list[Text] = []
+    for part in map(_text, parts):
+        if lines and lines[-1].cell_len + len(gap) + part.cell_len <= cells:
+            lines[-1].append(gap).append_text(part)
+        else:
+            lines.append(part.copy())
+    return Text("\n").join(lines)
+
+
 def render(seen: Snapshot, cells: int = _NARROW_CELLS) -> RenderableType:
     """Draw everything, for a terminal of this width: if it is narrow, values are listed below."""
     if cells < _NARROW_CELLS:
-        return Group(_headline(seen), lamps(seen.facts), *_stack(seen))
+        return Group(_headline(seen, cells), lamps(seen.facts, cells), *_stack(seen, cells))
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, expand=False)
     table.add_column("service", no_wrap=True)
     for heading in ("rate", "age", "loss", "jitter"):
@@ -61,43 +72,46 @@ def render(seen: Snapshot, cells: int = _NARROW_CELLS) -> RenderableType:
     table.add_column("values")
     for figures in seen.streams:
         table.add_row(*_figures(figures), _values(seen, figures.service))
-    return Group(_headline(seen), lamps(seen.facts), table)
+    return Group(_headline(seen, cells), lamps(seen.facts, cells), table)
 
 
-def _stack(seen: Snapshot) -> Iterator[RenderableType]:
+def _stack(seen: Snapshot, cells: int) -> Iterator[RenderableType]:
     for figures in seen.streams:
         service, *numbers = _figures(figures)
-        yield Text.assemble(
-            "\n", (f"{service}", "bold"), "  ", Text("  ").join(map(_text, numbers))
-        )
-        yield Padding(_values(seen, figures.service), (0, 0, 0, 2))
+        yield Text("\n") + flow([Text(str(service), "bold"), *numbers], cells)
+        yield Padding(_values(seen, figures.service, cells - 2), (0, 0, 0, 2))
 
 
 def _text(cell: Text | str) -> Text:
     return cell if isinstance(cell, Text) else Text(cell)
 
 
-def _headline(seen: Snapshot) -> Text:
+def _headline(seen: Snapshot, cells: int) -> Text:
     style = "green" if seen.state == "ready" else "bold red"
-    return Text.assemble(
-        (seen.address, "bold"),
-        "  ",
-        (seen.state, style),
-        f"  round trip {seen.round_trip_ms:.1f} ms  loss {seen.loss:.1%}",
-        f"  {seen.elapsed_s:.0f} s",
+    return flow(
+        [
+            Text(seen.address, "bold"),
+            Text(seen.state, style),
+            f"round trip {seen.round_trip_ms:.1f} ms",
+            f"loss {seen.loss:.1%}",
+            f"{seen.elapsed_s:.0f} s",
+        ],
+        cells,
     )
 
 
-def lamps(facts: Facts) -> Text:
+def lamps(facts: Facts, cells: int = _NARROW_CELLS) -> Text:
     """Draw the active warnings: the game pad's override, bumpers, battery, another commander."""
-    return Text(" ").join(
+    return flow(
         [
             lamp("OVERRIDE", facts.overridden, "red"),
             lamp("FRONT BUMPER", facts.front_bumper, "red"),
             lamp("REAR BUMPER", facts.rear_bumper, "red"),
             lamp("BATTERY LOW", facts.battery_low, "yellow"),
             lamp("ANOTHER COMMANDER", facts.other_commander, "yellow"),
-        ]
+        ],
+        cells,
+        gap=" ",
     )
 
 
@@ -114,7 +128,7 @@ def _figures(figures: StreamFigures) -> list[Text | str]:
     ]
 
 
-def _values(seen: Snapshot, service: str) -> RenderableType:
+def _values(seen: Snapshot, service: str, cells: int = _NARROW_CELLS) -> RenderableType:
     if service == "iocard" and seen.iocard is not None:
         return _inputs(seen, seen.iocard)
     if service == "telemeter" and seen.telemeter is not None:
@@ -126,9 +140,9 @@ def _values(seen: Snapshot, service: str) -> RenderableType:
             bar(percent / 100.0, style), f" {percent:3d} %  {seen.battery.state_name}"
         )
     if service == "localization" and seen.localization is not None:
-        return _pose(seen.localization)
+        return flow(_pose(seen.localization).split("  "), cells)
     if service == "differential" and seen.differential is not None:
-        return Text(speeds(seen.differential))
+        return flow(speeds(seen.differential).split("  "), cells)
     missing = service in (absent.name.lower() for absent in seen.facts.missing)
     return Text("not sent by the robot" if missing else "nothing yet", "dim")
 
@@ -168,8 +182,8 @@ def _distances(seen: Snapshot, status: TelemeterStatus) -> Text:
     return Text("\n").join(lines)
 
 
-def _pose(status: LocalizationStatus) -> Text:
-    return Text(
+def _pose(status: LocalizationStatus) -> str:
+    return (
         f"x {status.x_m:.3f} m  y {status.y_m:.3f} m  theta {status.theta_rad:.3f} rad "
         f"({math.degrees(status.theta_rad):.1f}°)  {', '.join(flag_names(status.flags))}"
     )

@@ -270,7 +270,7 @@ class Control:
                 self._robot.drive(
                     _speed(inputs.forward * inputs.scale, self.limits.linear_m_s),
                     _speed(inputs.left * inputs.scale, self.limits.angular_rad_s),
-                    lease_ms=int(left_s * 1000),
+                    lease=min(left_s, 1.0),
                 )
             except NotArmedError as error:
                 self._begin_anew(why_disarmed(error.code))

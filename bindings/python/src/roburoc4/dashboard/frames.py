@@ -8,12 +8,18 @@ from typing import Any
 
 from ..constants import BatteryState, Count, Event, Role, State, StopOutcome
 from ..errors import NotKnownError
-from ..iocard import ChannelNames
+from ..latest import latest
 from ..notices import texts_of
 from ..records import (
     BatteryProperties,
+    BatteryStatus,
+    ChannelNames,
     DifferentialProperties,
+    DifferentialStatus,
+    IoCardStatus,
+    LocalizationStatus,
     TelemeterProperties,
+    TelemeterStatus,
 )
 from ..robot import Robot
 from ..settings import STATUS_SERVICES
@@ -34,7 +40,7 @@ class Frames:
 
     def __init__(self, robot: Robot, history: History) -> None:
         self._robot = robot
-        self._reader = robot.reader()
+        self._events = robot.events()
         self._history = history
         self._link: Document = {}
         self._link_due_s = -math.inf
@@ -48,7 +54,7 @@ class Frames:
 
     def take(self, now_s: float, time_s: float) -> Document:
         """Return the robot's current state, and add to the history."""
-        events = self._reader.take_events()
+        events = self._events.take()
         facts = self._robot.facts
         for level, text in texts_of(events, self._facts, facts):
             self._history.note(time_s, level, text)
@@ -88,14 +94,14 @@ class Frames:
         return self._robot.state is State.READY
 
     def _speeds(self, time_s: float) -> list[float | None] | None:
-        status = self._robot.latest("differential")
+        status = latest(self._robot, DifferentialStatus)
         if status is None:
             return None
         self._history.add_speeds(time_s, status[1:5] if self._fresh else (math.nan,) * 4)
         return [number(speed) for speed in status[1:5]]
 
     def _pose(self, time_s: float) -> Document | None:
-        status = self._robot.latest("localization")
+        status = latest(self._robot, LocalizationStatus)
         if status is None:
             return None
         self._history.add_place(time_s, status.x_m, status.y_m)
@@ -106,11 +112,11 @@ class Frames:
         }
 
     def _distances(self) -> list[float | None] | None:
-        status = self._robot.latest("telemeter")
+        status = latest(self._robot, TelemeterStatus)
         return None if status is None else [number(metres) for metres in status.distances_m]
 
     def _inputs(self) -> Document:
-        status = self._robot.latest("iocard")
+        status = latest(self._robot, IoCardStatus)
         if status is None:
             return {"analog": None, "digital": None}
         return {
@@ -119,7 +125,7 @@ class Frames:
         }
 
     def _battery(self, time_s: float) -> Document | None:
-        status = self._robot.latest("battery")
+        status = latest(self._robot, BatteryStatus)
         if status is None:
             return None
         volts = self._volts()
@@ -134,7 +140,7 @@ class Frames:
         }
 
     def _volts(self) -> float:
-        status = self._robot.latest("iocard")
+        status = latest(self._robot, IoCardStatus)
         index = self._volts_index
         if status is None or index is None or index >= len(status.analog_inputs):
             return math.nan

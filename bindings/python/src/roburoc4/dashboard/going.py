@@ -54,7 +54,7 @@ class Going:
         if before is not None:
             before._thread.join()  # it stops the robot as its last act
         try:
-            self._robot.go_to(*self.place, speed=self._speed, on_progress=self._look)
+            self._robot.goto(*self.place, speed=self._speed, on_progress=self._look)
         except _EndedError:
             self.why = "the move was ended"
         except RobotError as error:

@@ -15,7 +15,7 @@ from ..notices import texts_of
 from ..recording import RecordedEvent
 from ..records import Status
 from ..robot import Robot
-from ..samples import Reader
+from ..samples import Events, Statuses
 
 MOST_BYTES = 500_000_000
 _CHUNK = 16 * 1024
@@ -82,7 +82,8 @@ class Recorder:
         self._facts = robot.facts
         self._files: dict[str, IO[bytes]] = {}
         self._formats: list[_Format] = []
-        self._reader: Reader[Status] | None = None
+        self._statuses: Statuses[Status] | None = None
+        self._events: Events | None = None
         self._begun_s = self._length_s = 0.0
         self._count = self._lost = 0
         self.why = ""
@@ -91,7 +92,7 @@ class Recorder:
     @property
     def on(self) -> bool:
         """Whether it records."""
-        return self._reader is not None
+        return self._statuses is not None
 
     @property
     def now(self) -> dict[str, Any] | None:
@@ -139,7 +140,7 @@ class Recorder:
         self.why = ""
         self._begun_s = time.monotonic()
         self._facts = self._robot.facts
-        self._reader = self._robot.reader()
+        self._events, self._statuses = self._robot.events(), self._robot.statuses()
 
     def stop(self) -> None:
         """Stop; what was recorded can still be downloaded."""
@@ -149,17 +150,18 @@ class Recorder:
 
     def step(self) -> None:
         """Write what has arrived."""
-        if self._reader is None:
+        if self._statuses is None or self._events is None:
             return
         try:
-            self._reader.drain(self._take)
+            for status in self._statuses.take():
+                self._take(status)
             before, self._facts = self._facts, self._robot.facts
-            for level, text in texts_of(self._reader.take_events(), before, self._facts):
+            for level, text in texts_of(self._events.take(), before, self._facts):
                 self._add(RecordedEvent(round(self._robot.now_s * 1e6), level, text))
         except OSError as error:
             self._end(f"it cannot be written any more ({error.strerror}): make room")
         else:
-            self._lost = self._reader.lost
+            self._lost = self._statuses.lost
             if sum(file.tell() for file in self._files.values()) > MOST_BYTES:
                 self._end("it reached 500 MB")
 
@@ -172,9 +174,9 @@ class Recorder:
             written.add(item)
 
     def _end(self, why: str) -> None:
-        if self._reader is None:
+        if self._statuses is None:
             return
-        self._reader = None
+        self._statuses = None
         self._length_s = time.monotonic() - self._begun_s
         self.why = why
         try:
@@ -185,7 +187,7 @@ class Recorder:
 
     def close(self) -> None:
         """Stop, and delete the recording."""
-        self._reader = None
+        self._statuses = None
         self._formats.clear()
         for file in self._files.values():
             file.close()

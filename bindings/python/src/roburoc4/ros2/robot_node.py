@@ -49,12 +49,12 @@ class RobotNode:
 
     def run(self, ended: threading.Event) -> None:
         """Publish until the end."""
-        source = self.robot.reader()
+        statuses, events = self.robot.statuses(), self.robot.events()
         self._describe()
         while not ended.is_set():
-            source.wait(_LOOK_S)
-            source.drain(self._publish_status)
-            if source.take_events() & Event.PROPERTIES:
+            for status in statuses.take(_LOOK_S):
+                self._publish_status(status)
+            if events.take() & Event.PROPERTIES:
                 self._describe()
             self._look()
             self._presence.look()

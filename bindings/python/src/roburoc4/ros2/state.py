@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 from .. import __version__
 from ..constants import BatteryState, Fault, State, StopOutcome
-from ..records import Facts
+from ..latest import latest
+from ..records import BatteryStatus, Facts
 from ..robot import Robot
 from ..ros_topics import Diagnosis, yes_or_no
 
@@ -91,7 +92,7 @@ def _override(facts: Facts) -> str:
 
 
 def _battery(robot: Robot) -> Diagnosis:
-    status = robot.latest("battery")
+    status = latest(robot, BatteryStatus)
     if status is None:
         return Diagnosis(_WARNING, "battery", "not reported yet", {})
     level = _WARNING if robot.facts.battery_low else _FINE
