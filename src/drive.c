@@ -368,7 +368,7 @@ bool roburoc4_drive_poll(drive *d, const roburoc4_config *config,
     return true;
 }
 
-static uint64_t sooner(uint64_t a_us, uint64_t b_us) {
+static uint64_t earlier(uint64_t a_us, uint64_t b_us) {
     return a_us < b_us ? a_us : b_us;
 }
 
@@ -378,14 +378,14 @@ uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config) 
         deadline = d->sent_us + pause_us(d, config);
     }
     if (d->stopping && d->zeros_sent >= STOP_ZEROS) {
-        deadline = d->confirmed ? 0 : sooner(deadline, d->stop_us + config->robot_watchdog_ms * MS);
+        deadline = d->confirmed ? 0 : earlier(deadline, d->stop_us + config->robot_watchdog_ms * MS);
     }
     if (d->lease_active) {
-        deadline = sooner(deadline, d->granted_us + d->lease_us);
-        deadline = sooner(deadline, d->heard_us + uplink_limit_us(config));
+        deadline = earlier(deadline, d->granted_us + d->lease_us);
+        deadline = earlier(deadline, d->heard_us + uplink_limit_us(config));
     }
     if (d->lapsed && d->armed) {
-        deadline = sooner(deadline, d->granted_us + d->lease_us + config->lapse_disarm_ms * MS);
+        deadline = earlier(deadline, d->granted_us + d->lease_us + config->lapse_disarm_ms * MS);
     }
     return deadline;
 }
