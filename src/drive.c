@@ -378,7 +378,8 @@ uint64_t roburoc4_drive_deadline(const drive *d, const roburoc4_config *config) 
         deadline = d->sent_us + pause_us(d, config);
     }
     if (d->stopping && d->zeros_sent >= STOP_ZEROS) {
-        deadline = d->confirmed ? 0 : earlier(deadline, d->stop_us + config->robot_watchdog_ms * MS);
+        deadline =
+            d->confirmed ? 0 : earlier(deadline, d->stop_us + config->robot_watchdog_ms * MS);
     }
     if (d->lease_active) {
         deadline = earlier(deadline, d->granted_us + d->lease_us);
@@ -481,8 +482,7 @@ void roburoc4_drive_status(drive *d, follow *f, const roburoc4_config *config,
     const bool zero = nearly_zero(reported[LINEAR]) && nearly_zero(reported[ANGULAR]);
     const bool ours =
         zero || (is_ours(d, LINEAR, reported[LINEAR]) && is_ours(d, ANGULAR, reported[ANGULAR]));
-    d->moving = !zero ||
-                !within_f32(s->current_linear_m_s, rest_below[LINEAR]) ||
+    d->moving = !zero || !within_f32(s->current_linear_m_s, rest_below[LINEAR]) ||
                 !within_f32(s->current_angular_rad_s, rest_below[ANGULAR]);
     watch_other_commander(d, config, ours || overridden, events);
     if (overridden) {
