@@ -238,6 +238,20 @@ TEST_F(Move, ASquareOfTwoMetresCloses) {
               0.1);
 }
 
+TEST_F(Moving, ASquareOfACalibratedRobotReallyCloses) {
+    robot_config.slip = 0.12F;
+    config.scale_angular = 1 / (1 - robot_config.slip);
+    connect_and_arm();
+    const roburoc4_sim_state before = state();
+    for (int side = 0; side < 4; side++) {
+        ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(2.0F));
+        ASSERT_EQ(ROBUROC4_MOVE_REACHED, turn(pi / 2));
+        EXPECT_NEAR(pi / 2, move.angle_rad, 1 * degree) << "as it really turned";
+    }
+    EXPECT_LT(std::hypot(state().true_x_m - before.true_x_m, state().true_y_m - before.true_y_m),
+              0.15);
+}
+
 TEST_F(Move, BackwardAndToTheRightAreNegative) {
     ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(-0.7F));
     EXPECT_NEAR(-0.7, ahead(), 0.01);
