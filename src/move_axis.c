@@ -48,7 +48,7 @@ typedef char assert_models_fit
 /* The gain may be larger by so many standard deviations. */
 #define CAUTION 2.0F
 /* Time constant of the approach to the goal, and how it grows with the doubt. */
-#define APPROACH_S 0.29F
+#define APPROACH_S 0.2F
 #define APPROACH_PER_DOUBT_S 2.0F
 /* How single speeds are smoothed, and how long a robot rolls that is nearly at rest. */
 #define SMOOTH 0.5F
