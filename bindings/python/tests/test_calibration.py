@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """A robot whose wheels slip really drives what moves promise, once it is calibrated."""
 
-import argparse
 import io
 import math
 from collections.abc import Iterator
@@ -24,11 +23,11 @@ def sim() -> Iterator[Simulator]:
         yield simulator
 
 
-def options() -> argparse.Namespace:
-    return argparse.Namespace(metres=2.0, turns=2.0, clearance=None, timeout=None)
+def options() -> calibrate.CalibrateOptions:
+    return calibrate.CalibrateOptions(metres=2.0, turns=2.0, clearance=None, timeout=None)
 
 
-class Observer(io.TextIOBase):
+class Observer:
     """A person who measures what the robot really did since the last question."""
 
     def __init__(self, sim: Simulator) -> None:
@@ -37,7 +36,7 @@ class Observer(io.TextIOBase):
         self.turned_rad = 0.0
         self.questions = 0
 
-    def readline(self, _size: int | None = -1, /) -> str:
+    def readline(self) -> str:
         self.questions += 1
         if self.questions == 1:
             return f"{self.sim.true_pose.x_m - self.x_m:.3f}\n"
