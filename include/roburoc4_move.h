@@ -34,7 +34,8 @@
  *                 the speeds and the pose disagree by more than 0.15 m or 15 degrees plus a fifth
  *                 of the way, and where the robot is relocalized. Wheels slip, above all in turns,
  *                 and odometry does not notice: relocalize between moves if you know the pose
- *                 better (docs/moves.md has figures).
+ *                 better (docs/moves.md has figures). scale_linear and scale_angular of the
+ *                 client's configuration correct what the wheels count.
  *   Obstacles     A bumper that is pressed in the direction of travel, or newly pressed anywhere,
  *                 ends a move. So does a telemeter (ultrasonic rangefinder) in the direction of
  *                 travel that reports less than the clearance, the distance that the robot still
