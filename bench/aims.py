@@ -39,7 +39,7 @@ REASONS = {
     ),
     ("footprint", "moves, all of it"): (
         "Each step closes the loop on localization, brakes for obstacles and bumpers and ends with "
-        "a cause; on a processor without floats that is about 120 calls of float functions. A "
+        "a cause; on a processor without floats that is some hundred calls of float functions. A "
         "firmware without moves does not link them."
     ),
     ("python", "decode to an object: IO card"): (

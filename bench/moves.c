@@ -43,6 +43,9 @@ static void look(drive *d, roburoc4_sim_state *out) {
     (void)roburoc4_sim_get_state(roburoc4_world_robot(d->world), out);
 }
 
+/* What calibration says of turns. */
+static float scale = 1;
+
 static void open_world(drive *d, float slip, uint64_t seed) {
     roburoc4_sim_config robot;
     roburoc4_config config;
@@ -51,6 +54,7 @@ static void open_world(drive *d, float slip, uint64_t seed) {
     robot.seed = seed;
     roburoc4_config_init(&config, sizeof config);
     config.fresh_ms = 1000;
+    config.scale_angular = scale;
     d->world = roburoc4_world_create(&robot);
     roburoc4_sim_clear_obstacles(roburoc4_world_robot(d->world));
     roburoc4_client_init(&d->client, sizeof d->client, &config);
@@ -65,7 +69,7 @@ static double wrapped(double angle_rad) {
     return remainder(angle_rad, 2 * PI);
 }
 
-static void go(drive *d, roburoc4_move *move) {
+static int32_t run(drive *d, roburoc4_move *move) {
     look(d, &d->begin);
     while (roburoc4_move_step(move, &d->client, now(d)) == ROBUROC4_MOVE_RUNNING) {
         const roburoc4_result driven =
@@ -75,7 +79,11 @@ static void go(drive *d, roburoc4_move *move) {
     }
     pass(d, 1000000);
     look(d, &d->end);
-    if (move->result != ROBUROC4_MOVE_REACHED) {
+    return move->result;
+}
+
+static void go(drive *d, roburoc4_move *move) {
+    if (run(d, move) != ROBUROC4_MOVE_REACHED) {
         fprintf(stderr, "moves: %s\n", roburoc4_move_result_text(move->result));
         exit(1);
     }
@@ -86,12 +94,15 @@ static void print(const char *name, const char *on, const char *unit, double val
 }
 
 /* Squares of 2 m, without slip and with the one that was measured. */
-static void measure_square(float slip) {
+static void measure_square(float slip, float scale_angular) {
     double closes = 0, truly = 0, heading = 0, turns = 0, ways = 0;
-    const char *on = slip > 0 ? "with slip" : "without slip";
+    const char *on = scale_angular > 1 ? "with slip, calibrated"
+                     : slip > 0        ? "with slip"
+                                       : "without slip";
     for (uint64_t seed = 1; seed <= SEEDS; seed++) {
         drive d;
         roburoc4_sim_state first;
+        scale = scale_angular;
         open_world(&d, slip, seed);
         look(&d, &first);
         for (int side = 0; side < 4; side++) {
@@ -117,6 +128,41 @@ static void measure_square(float slip) {
     print("square of 2 m, heading really off at its end", on, "degrees", heading * DEGREES);
     print("quarter turn, really off", on, "degrees", turns * DEGREES);
     print("straight 2 m, really off", on, "mm", ways * 1000);
+}
+
+/* Where arcs end, on the simulator without slip: 126 of them. */
+static void measure_arcs(void) {
+    const double angles[] = {PI / 6, PI / 3, PI / 2, PI, 3 * PI / 2, 2 * PI, 4 * PI};
+    double place = 0, heading = 0;
+    unsigned ended = 0, count = 0;
+    for (int way = 0; way < 3; way++) {
+        for (int k = 0; k < 7 * 2; k++) {
+            for (int speed = 0; speed < 3; speed++) {
+                drive d;
+                roburoc4_move move;
+                roburoc4_move_options options;
+                const double length = 1 + way, angle = angles[k / 2] * (k % 2 ? -1 : 1);
+                open_world(&d, 0, ++count);
+                roburoc4_move_options_init(&options, sizeof options);
+                options.linear_m_s = 0.3F + 0.35F * (float)speed;
+                options.angular_rad_s = 1;
+                roburoc4_move_by(&move, (float)length, (float)angle, &options);
+                if (run(&d, &move) == ROBUROC4_MOVE_REACHED) {
+                    const double radius = length / angle, x = d.end.true_x_m - d.begin.true_x_m,
+                                 y = d.end.true_y_m - d.begin.true_y_m, to = d.begin.true_theta_rad;
+                    ended++;
+                    place =
+                        fmax(place, hypot(x * cos(to) + y * sin(to) - radius * sin(angle),
+                                          y * cos(to) - x * sin(to) - radius * (1 - cos(angle))));
+                    heading = fmax(heading, fabs(wrapped(d.end.true_theta_rad - to - angle)));
+                }
+                roburoc4_world_destroy(d.world);
+            }
+        }
+    }
+    print("arc", "reached", "%", 100.0 * ended / count);
+    print("arc", "place really off", "mm", place * 1000);
+    print("arc", "heading really off", "degrees", heading * DEGREES);
 }
 
 /* ------------------------------------------------------------------------------- the family --- */
@@ -232,7 +278,9 @@ int main(int argc, char **argv) {
     for (int i = 0; i < 4; i++) {
         measure_nominal(i / 2, i % 2 ? 1.0 : 0.3);
     }
-    measure_square(0);
-    measure_square(0.12F);
+    measure_arcs();
+    measure_square(0, 1);
+    measure_square(0.12F, 1);
+    measure_square(0.12F, 1 / 0.88F);
     return 0;
 }

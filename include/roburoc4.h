@@ -186,7 +186,8 @@ typedef struct roburoc4_config {
                                    default 1000 */
     float max_linear_m_s;       /* ceiling of speed; 0.001 to 20; default 1.0 */
     float max_angular_rad_s;    /* ceiling of turn rate; 0.001 to 50; default 1.5 */
-    float scale_linear;         /* factor for speeds given to drive(); 0.01 to 10; default 1 */
+    float scale_linear;         /* factor for speeds given to drive(), and what the robot
+                                  counts by what is real, for moves; 0.01 to 10; default 1 */
     float scale_angular;        /* likewise */
     uint32_t options;           /* ROBUROC4_OPTION_*; default 0 */
     /** By ROBUROC4_ROLE_*: index of the input on the wire, or ROBUROC4_INDEX_AUTO (default);

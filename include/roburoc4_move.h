@@ -34,7 +34,8 @@
  *                 the speeds and the pose disagree by more than 0.15 m or 15 degrees plus a fifth
  *                 of the way, and where the robot is relocalized. Wheels slip, above all in turns,
  *                 and odometry does not notice: relocalize between moves if you know the pose
- *                 better (docs/moves.md has figures).
+ *                 better (docs/moves.md has figures). scale_linear and scale_angular of the
+ *                 client's configuration correct what the wheels count.
  *   Obstacles     A bumper that is pressed in the direction of travel, or newly pressed anywhere,
  *                 ends a move. So does a telemeter (ultrasonic rangefinder) in the direction of
  *                 travel that reports less than the clearance, the distance that the robot still
@@ -126,14 +127,13 @@ typedef struct roburoc4_move {
     uint32_t private_timeout_ms, private_duration_ms, private_relocalized;
     uint64_t private_begun_us, private_first_us, private_step_us, private_heard_us, private_pose_us;
     uint64_t private_speed_cycles, private_pose_cycles;
-    double private_x_m, private_y_m, private_theta_rad;    /* the goal */
-    double private_x0_m, private_y0_m, private_theta0_rad; /* the last pose */
-    float private_limit[2], private_slope[2];
+    int64_t private_place[3], private_pose[3]; /* the goal; the last pose */
+    float private_limit[2], private_slope[2], private_per_pose[2];
     float private_goal[2], private_speed[2];
     float private_covered[2], private_by_speeds[2], private_commanded[2], private_lagging[2];
-    float private_line_m, private_last_turn_rad, private_aside_m, private_drift, private_share,
-        private_distance;
-    float private_filter[4], private_fit[3], private_doubt[9];
+    float private_aside_m, private_drift, private_share;
+    float private_model[16][9], private_gain, private_doubt, private_noise, private_scale,
+        private_statuses, private_at, private_slow, private_smooth;
     uint8_t private_kind, private_leg, private_ready, private_rolls;
     uint8_t private_still, private_bumpers, private_posed, private_begun;
     uint8_t private_driven, private_holds, private_turned;
@@ -200,6 +200,8 @@ typedef struct roburoc4_move_view {
     uint8_t front_bumper_known, rear_bumper_known;
     uint8_t front_known, rear_known; /* a telemeter looks there, and reports */
     uint8_t reserved[7];
+    float true_per_pose_m, true_per_pose_rad; /* distances and angles as they are, by those of the
+                                                 pose; 0: 1 */
 } roburoc4_move_view;
 
 /** roburoc4_move_step() with your own view. When the move ends, your program must stop the robot;

@@ -244,6 +244,6 @@ TEST(MoveFamily, ADrawnSampleOfRobotsMovesAsItShould) {
         else
             fine++;
     }
-    /* bench/moves judges all of them; see bench/RESULTS.md */
-    EXPECT_GE(fine, sample * 8 / 10);
+    /* bench/moves judges all of them: 99 %. Below 95 % of a sample is no chance. */
+    EXPECT_GE(fine, sample * 95 / 100);
 }

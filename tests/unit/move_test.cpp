@@ -192,7 +192,7 @@ TEST_F(Move, AStraightMetreEndsWithinACentimetre) {
         EXPECT_NEAR(0.0, aside(), 0.01) << speed;
         EXPECT_NEAR(0.0, turned(), 1 * degree) << speed;
         EXPECT_LT(most_reached, 1.02) << speed;
-        EXPECT_NEAR(ideal_s(1, speed, 0.5), took_s, 0.25 * ideal_s(1, speed, 0.5)) << speed;
+        EXPECT_NEAR(ideal_s(1, speed, 0.5), took_s, 0.33 * ideal_s(1, speed, 0.5)) << speed;
         EXPECT_LE(most_linear, speed);
         expect_standing();
         EXPECT_NEAR(1.0, move.distance_m, 0.01);
@@ -206,7 +206,7 @@ TEST_F(Move, AQuarterTurnEndsWithinADegree) {
         ASSERT_EQ(ROBUROC4_MOVE_REACHED, turn(pi / 2)) << move.cause;
         EXPECT_NEAR(pi / 2, turned(), 1 * degree) << speed;
         EXPECT_LT(most_turned, pi / 2 * 1.02) << speed;
-        EXPECT_NEAR(ideal_s(pi / 2, speed, 1), took_s, 0.25 * ideal_s(pi / 2, speed, 1)) << speed;
+        EXPECT_NEAR(ideal_s(pi / 2, speed, 1), took_s, 0.33 * ideal_s(pi / 2, speed, 1)) << speed;
         EXPECT_LE(most_angular, speed);
         expect_standing();
         EXPECT_NEAR(pi / 2, move.angle_rad, 1 * degree);
@@ -236,6 +236,20 @@ TEST_F(Move, ASquareOfTwoMetresCloses) {
     }
     EXPECT_LT(std::hypot(state().true_x_m - before.true_x_m, state().true_y_m - before.true_y_m),
               0.1);
+}
+
+TEST_F(Moving, ASquareOfACalibratedRobotReallyCloses) {
+    robot_config.slip = 0.12F;
+    config.scale_angular = 1 / (1 - robot_config.slip);
+    connect_and_arm();
+    const roburoc4_sim_state before = state();
+    for (int side = 0; side < 4; side++) {
+        ASSERT_EQ(ROBUROC4_MOVE_REACHED, straight(2.0F));
+        ASSERT_EQ(ROBUROC4_MOVE_REACHED, turn(pi / 2));
+        EXPECT_NEAR(pi / 2, move.angle_rad, 1 * degree) << "as it really turned";
+    }
+    EXPECT_LT(std::hypot(state().true_x_m - before.true_x_m, state().true_y_m - before.true_y_m),
+              0.15);
 }
 
 TEST_F(Move, BackwardAndToTheRightAreNegative) {
@@ -321,7 +335,7 @@ TEST_F(Move, AManyTimesSteppedMoveIsTheSame) {
                   }
               }));
     EXPECT_NEAR(1.0, ahead(), 0.01);
-    EXPECT_NEAR(ideal_s(1, 0.3, 0.5), took_s, 0.1 * ideal_s(1, 0.3, 0.5));
+    EXPECT_NEAR(ideal_s(1, 0.3, 0.5), took_s, 0.15 * ideal_s(1, 0.3, 0.5));
 }
 
 TEST_F(Moving, TheRobotsOwnAccelerationsCountWhereLower) {

@@ -11,7 +11,8 @@ classdef Robot < handle
 %      drive_period_ms (50)      how often a drive command is repeated, 10 to half of lease_ms
 %      max_linear_m_s (1)        highest speed
 %      max_angular_rad_s (1.5)   highest turn rate
-%      scale_linear (1), scale_angular (1)   factors for the speeds given to drive
+%      scale_linear (1), scale_angular (1)   factors for the speeds given to drive,
+%                                             and of what the wheels count (calibration)
 %      turn_keeping (false)      at a limit, slow down so that the curve stays the same
 %      iocard_period_ms (50), telemeter_period_ms (100), battery_period_ms (1000),
 %      localization_period_ms (50), differential_period_ms (50)

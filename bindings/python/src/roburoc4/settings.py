@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from os import PathLike
 from typing import Any, TypedDict
 
-from . import _native
+from . import _native, calibration
 from .constants import Result, Role, Service
 from .errors import ArgumentError, is_within, switch, unusable
 
@@ -40,9 +40,12 @@ class Settings(TypedDict, total=False):
     max_angular_rad_s: float
     """Ceiling of turn rate; 0.001 to 50; 1.5."""
     scale_linear: float
-    """Factor on the speed given to ``drive``; 0.01 to 10; 1."""
+    """Factor on the speed given to ``drive``, and of what the wheels count; 0.01 to 10; 1."""
     scale_angular: float
     """Factor on the turn rate given to ``drive``; 0.01 to 10; 1."""
+    calibration: str | PathLike[str]
+    """File of ``roburoc4 calibrate``, which gives both scales: then distances and angles of moves
+    are as they really are."""
     turn_keeping: bool
     """At a limit, slow down instead of turning less; off."""
     allow_unknown_override: bool
@@ -131,6 +134,9 @@ def _set(config: "_native.Config", name: str, value: Any) -> None:
         _native.roburoc4_config_role_index_set(config, _ROLES[name], value)
     elif name == "period_ms":
         _set_periods(config, value)
+    elif name == "calibration":
+        for scale, number in calibration.load(value).items():
+            set_member("config", config, scale, number)
     elif name not in _OPTIONS and name not in _ELSEWHERE:
         set_member("config", config, name, value)
 

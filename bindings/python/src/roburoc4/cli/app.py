@@ -8,6 +8,7 @@ import os
 import sys
 
 from . import (
+    calibrate,
     completion,
     convert,
     dashboard,
@@ -34,6 +35,7 @@ _COMMANDS = (
     info,
     monitor,
     moves,
+    calibrate,
     drive,
     teleop,
     dashboard,

@@ -38,10 +38,16 @@ class DrivingOptions(Options):
 
     yes: bool
     allow_unknown_override: bool
+    calibration: str | None
 
 
-def add_driving(parser: argparse.ArgumentParser) -> None:
-    """Add `--allow-unknown-override` and `--yes`."""
+def add_driving(parser: argparse.ArgumentParser, *, calibrated: bool = True) -> None:
+    """Add `--calibration`, `--allow-unknown-override` and `--yes`."""
+    parser.set_defaults(calibration=None)
+    if calibrated:
+        parser.add_argument(
+            "--calibration", metavar="FILE", help="what roburoc4 calibrate wrote for this robot"
+        )
     parser.add_argument(
         "--allow-unknown-override",
         action="store_true",
@@ -107,7 +113,7 @@ def note_recording(robot: Robot) -> None:
 @contextmanager
 def driven(options: DrivingOptions, speeds: tuple[float, float] = (0.0, 0.0)) -> Iterator[Robot]:
     """Connect to a robot that may be driven this fast: its game pad is known to be released."""
-    settings = {**_ceilings(*speeds), **recording()}
+    settings = {**_ceilings(*speeds), **recording(), **_calibration(options)}
     with unsuspendable(), connected(options, **settings) as robot:
         note_recording(robot)
         if _has_inputs(robot):
@@ -124,6 +130,15 @@ def driven(options: DrivingOptions, speeds: tuple[float, float] = (0.0, 0.0)) ->
     with unsuspendable(), connected(options, **blind, **settings) as robot:
         note_recording(robot)
         yield robot
+
+
+def _calibration(options: DrivingOptions) -> dict[str, Any]:
+    from roburoc4 import ArgumentError, calibration
+
+    try:
+        return calibration.load(options.calibration) if options.calibration else {}
+    except ArgumentError as error:
+        raise usage(f"--calibration: {error}") from None
 
 
 def _ceilings(linear_m_s: float, angular_rad_s: float) -> dict[str, float]:

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: MIT
+"""`roburoc4 calibrate`: compare what the wheels count with what a person measures."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from typing import TYPE_CHECKING
+
+from roburoc4 import calibration
+
+from . import moves, session
+from .errors import ExitCode, refused, usage
+from .options import add_robot, number
+
+if TYPE_CHECKING:
+    from roburoc4 import Robot
+
+_METRES = number(0.5, 20.0, "m")
+_TURNS = number(1.0, 10.0, "turns")
+
+
+class CalibrateOptions(session.DrivingOptions):
+    """Options of this command."""
+
+    file: str
+    metres: float
+    turns: float
+    clearance: float | None
+    timeout: float | None
+
+
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command."""
+    parser = commands.add_parser(
+        "calibrate",
+        help="measure how far the robot really drives and turns, and write that to a file",
+        description="Drive straight, turn to the left and turn to the right, and ask each time how "
+        "far that really was: mark the floor at a wheel and read a tape measure. The wheels slip, "
+        "above all in turns, and odometry does not notice. Give the file to --calibration of the "
+        "commands that drive, or to connect(calibration=...).",
+    )
+    parser.add_argument("file", metavar="FILE", help="written at the end; replaced if it exists")
+    parser.add_argument(
+        "--metres", type=_METRES, default=2.0, metavar="M", help="way ahead (default 2)"
+    )
+    parser.add_argument(
+        "--turns", type=_TURNS, default=2.0, metavar="N", help="turns each way (default 2)"
+    )
+    moves.add_looking(parser)
+    session.add_driving(parser, calibrated=False)
+    add_robot(parser)
+    parser.set_defaults(run=_run)
+
+
+def _run(options: CalibrateOptions) -> int:
+    intention = f"{options.metres:g} m straight, then {options.turns:g} turns each way"
+    with session.driven(options) as robot:
+        session.confirm(robot, options, intention)
+        session.refuse_override(robot)
+        with session.armed(robot):
+            scale_linear, scale_angular = measure(robot, options)
+    try:
+        calibration.save(options.file, scale_linear, scale_angular)
+    except OSError as error:
+        raise refused(f"{options.file}: cannot be written: {error.strerror}") from None
+    print(f"{options.file}: scale_linear {scale_linear:.4f}, scale_angular {scale_angular:.4f}")
+    return ExitCode.FINE
+
+
+def measure(robot: Robot, options: CalibrateOptions) -> tuple[float, float]:
+    """Drive and ask; return what the wheels count by what was measured, in m and in rad."""
+    angle_rad = 2 * math.pi * options.turns
+    way = robot.move(options.metres, clearance=options.clearance, timeout=options.timeout)
+    robot.pause()
+    metres = _ask(f"The wheels counted {way.distance_m:.3f} m. How many metres was it really? ")
+    counted_rad = degrees = 0.0
+    for side, sign in (("left", 1), ("right", -1)):
+        turn = robot.turn(sign * angle_rad, turns=True, timeout=options.timeout)
+        robot.pause()
+        counted_rad += abs(turn.angle_rad)
+        counted = math.degrees(abs(turn.angle_rad))
+        degrees += _ask(
+            f"To the {side} the wheels counted {counted:.1f} degrees. How many was it really? "
+        )
+    return (
+        calibration.checked("scale_linear", way.distance_m / metres),
+        calibration.checked("scale_angular", counted_rad / math.radians(degrees)),
+    )
+
+
+def _ask(question: str) -> float:
+    print(question, end="", file=sys.stderr, flush=True)
+    answer = sys.stdin.readline().strip()
+    try:
+        value = abs(float(answer))
+    except ValueError:
+        value = 0.0
+    if not (math.isfinite(value) and value > 0):
+        raise usage(f"{answer or 'nothing'} is not a measured number: nothing was written")
+    return value

@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Moves of a client: what they see of it, and what they ask of it.
+ */
+#include "move_internal.h"
+
+static bool usable(const roburoc4_localization_status *pose) {
+    return finite_f64_bits(bits_from_f64(pose->x_m)) && finite_f64_bits(bits_from_f64(pose->y_m)) &&
+           finite_f64_bits(bits_from_f64(pose->theta_rad)) &&
+           (pose->flags & (ROBUROC4_LOCALIZATION_INVALID | ROBUROC4_LOCALIZATION_ERROR)) == 0;
+}
+
+static void view_distances(roburoc4_move_view *v, const roburoc4_client *client) {
+    roburoc4_distances distances;
+    roburoc4_telemeter telemeter;
+    v->front_m = FAR_M;
+    v->rear_m = FAR_M;
+    if (v->distance_age_us > SILENCE_US ||
+        roburoc4_client_distances(client, &distances, NULL) != ROBUROC4_OK) {
+        return;
+    }
+    for (uint32_t i = 0;
+         i < distances.count && roburoc4_client_telemeter(client, i, &telemeter) == ROBUROC4_OK;
+         i++) {
+        const float aside = roburoc4_move_half_turn(telemeter.theta_rad);
+        if (!beyond(aside, PI_F / 3)) {
+            v->front_m = nearer(v->front_m, telemeter.distance_m);
+            v->front_known = 1;
+        } else if (beyond(aside, 2 * PI_F / 3)) {
+            v->rear_m = nearer(v->rear_m, telemeter.distance_m);
+            v->rear_known = 1;
+        }
+    }
+}
+
+/** The smaller size of a pair of limits. */
+static float both_ways(float low, float high) {
+    return lesser(size_of(low), size_of(high));
+}
+
+static void view_client(roburoc4_move_view *v, const roburoc4_client *client,
+                        const roburoc4_facts *facts) {
+    roburoc4_differential_properties limits;
+    roburoc4_differential_status speeds;
+    roburoc4_localization_status pose;
+    bool counted = false; /* by the wheels alone */
+    memset(v, 0, sizeof *v);
+    v->size = sizeof *v;
+    v->relocalized = (uint32_t)client->private_outputs.relocalize_us;
+    v->armed = facts->armed;
+    v->overridden = facts->overridden;
+    v->inhibited = facts->inhibited;
+    v->front_bumper = facts->front_bumper;
+    v->rear_bumper = facts->rear_bumper;
+    v->front_bumper_known = facts->front_bumper_known;
+    v->rear_bumper_known = facts->rear_bumper_known;
+    v->distance_age_us = facts->age_us[ROBUROC4_SERVICE_TELEMETER];
+    v->disarm_cause = facts->disarm_cause;
+    if (!facts->stopping) {
+        v->sent_linear_m_s = facts->sent_linear_m_s;
+        v->sent_angular_rad_s = facts->sent_angular_rad_s;
+    }
+    if (facts->age_us[ROBUROC4_SERVICE_DIFFERENTIAL] != UINT32_MAX &&
+        !client->private_outputs.relocalizing &&
+        roburoc4_client_differential(client, &speeds, NULL) == ROBUROC4_OK) {
+        v->speed_cycles = speeds.robot_cycles;
+        v->linear_m_s = speeds.current_linear_m_s;
+        v->angular_rad_s = speeds.current_angular_rad_s;
+    }
+    if (facts->age_us[ROBUROC4_SERVICE_LOCALIZATION] < client->private_config.fresh_ms * 1000U &&
+        roburoc4_client_localization(client, &pose, NULL) == ROBUROC4_OK && usable(&pose)) {
+        v->pose_cycles = pose.robot_cycles;
+        v->x_m = pose.x_m;
+        v->y_m = pose.y_m;
+        v->theta_rad = pose.theta_rad;
+        counted = (pose.flags & ROBUROC4_LOCALIZATION_EXTEROCEPTIVE) == 0;
+    }
+    if (roburoc4_client_differential_properties(client, &limits) == ROBUROC4_OK) {
+        v->max_linear_m_s = both_ways(limits.min_linear_m_s, limits.max_linear_m_s);
+        v->max_angular_rad_s = both_ways(limits.min_angular_rad_s, limits.max_angular_rad_s);
+        v->max_linear_m_s2 = both_ways(limits.min_linear_m_s2, limits.max_linear_m_s2);
+        v->max_angular_rad_s2 = both_ways(limits.min_angular_rad_s2, limits.max_angular_rad_s2);
+    }
+    /* What the robot counts is wrong by the factors with which its speeds are. */
+    const float length = 1 / client->private_config.scale_linear;
+    const float angle = 1 / client->private_config.scale_angular;
+    v->linear_m_s *= length;
+    v->sent_linear_m_s *= length;
+    v->max_linear_m_s *= length;
+    v->max_linear_m_s2 *= length;
+    v->angular_rad_s *= angle;
+    v->sent_angular_rad_s *= angle;
+    v->max_angular_rad_s *= angle;
+    v->max_angular_rad_s2 *= angle;
+    if (counted) {
+        v->true_per_pose_m = length;
+        v->true_per_pose_rad = angle;
+    }
+    view_distances(v, client);
+}
+
+/** Whether a speed was asked for that the client would lower; the defaults are lowered. */
+static bool too_fast(roburoc4_move *m, const roburoc4_client *client) {
+    const roburoc4_config *config = &client->private_config;
+    const float ceilings[BOTH] = {config->max_linear_m_s, config->max_angular_rad_s};
+    const float defaults[BOTH] = {roburoc4_move_defaults.linear_m_s,
+                                  roburoc4_move_defaults.angular_rad_s};
+    float *asked[BOTH] = {&m->private_options.linear_m_s, &m->private_options.angular_rad_s};
+    for (uint32_t axis = 0; axis < BOTH; axis++) {
+        if (beyond(m->private_kind == FOR ? m->private_goal[axis] : *asked[axis], ceilings[axis]) &&
+            (m->private_kind == FOR || beyond(*asked[axis], defaults[axis]))) {
+            return true;
+        }
+        *asked[axis] = lesser(*asked[axis], ceilings[axis]);
+    }
+    return false;
+}
+
+int32_t roburoc4_move_step(roburoc4_move *move, roburoc4_client *client, uint64_t now_us) {
+    roburoc4_move_view view;
+    roburoc4_facts facts;
+    if (move->result != ROBUROC4_MOVE_RUNNING) {
+        return move->result;
+    }
+    (void)roburoc4_client_facts(client, now_us, ROBUROC4_SIZED(&facts));
+    /* After a lapse the stop sequence is sent already. pause() would keep the client armed. */
+    const bool lapsed = facts.armed && facts.lapsed;
+    move->private_driven |= facts.driving;
+    if (!move->private_ready && too_fast(move, client)) {
+        roburoc4_move_end(move, ROBUROC4_MOVE_TOO_FAST);
+    } else if (move->private_kind != REST && move->private_driven && !facts.driving &&
+               facts.armed) { /* the lease ended without this move */
+        roburoc4_move_end(move, lapsed ? ROBUROC4_MOVE_LAPSED : ROBUROC4_MOVE_CANCELLED);
+    } else {
+        view_client(&view, client, &facts);
+        (void)roburoc4_move_advance(move, &view, now_us);
+    }
+    /* A robot that is brought to rest may have been driven by another commander since. A client
+     * that disarmed itself has begun its stop sequence, and one that never drove commands nothing.
+     */
+    const bool ended = move->result != ROBUROC4_MOVE_RUNNING;
+    if (!lapsed && (ended ? facts.armed : move->private_kind == REST && !facts.stopping)) {
+        (void)roburoc4_client_pause(client, now_us);
+    }
+    if (move->result == ROBUROC4_MOVE_TIMEOUT && facts.other_commander) {
+        move->result = ROBUROC4_MOVE_OTHER_COMMANDER;
+    }
+    return move->result;
+}
+
+void roburoc4_move_cancel(roburoc4_move *move, roburoc4_client *client, uint64_t now_us) {
+    if (move->result == ROBUROC4_MOVE_RUNNING) {
+        roburoc4_move_end(move, ROBUROC4_MOVE_CANCELLED);
+        (void)roburoc4_client_pause(client, now_us);
+    }
+}
+
+const char *roburoc4_move_result_text(int32_t result) {
+    static const char *const texts[] = {
+        "the move is under way",
+        "goal reached, the robot is at rest",
+        "somebody holds [A] on the game pad: wait until it is released, then begin again",
+        "a bumper is pressed: check what it touches, then back away",
+        "a telemeter sees something too near: clear the way, or give a smaller clearance",
+        "the robot does not move: check emergency stops, brakes selector and motor power",
+        "no fresh statuses of what the move needs: check the link and the subscriptions",
+        "another client commands the robot: end that one first",
+        "timed out: check what blocks the robot, or allow more time",
+        "cancelled, or the client is not armed",
+        "the program did not step the move in time: find what blocked it, then begin again",
+        "commands, speeds and pose disagree: check the odometry and what blocks or slips",
+        "the robot was relocalized, or its pose jumped: begin again from its new pose",
+        "at rest beside its goal: go on from here, slower",
+        "a speed beyond the ceilings: ask for less, or raise max_linear_m_s or max_angular_rad_s",
+        "the front bumper is not known: see role_index, or drive without by clearance 0",
+        "the rear bumper is not known: see role_index, or drive without by clearance 0",
+        "no fresh distance ahead: check the front telemeter, or drive without by clearance 0",
+        "no fresh distance behind: check the rear telemeter, or drive without by clearance 0",
+    };
+    return result >= 0 && result < (int32_t)(sizeof texts / sizeof *texts) ? texts[result]
+                                                                           : "unknown result";
+}

@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What the files of the moves share: arithmetic without libm, and the control of one axis.
+ */
+#ifndef ROBUROC4_MOVE_INTERNAL_H
+#define ROBUROC4_MOVE_INTERNAL_H
+
+#include "bytes.h"
+#include "roburoc4_move.h"
+
+/** What a move is for. */
+enum { BY, TO_POINT, TO_POSE, FOR, REST };
+/** An axis of the robot: ahead, or the angle. */
+enum { LENGTH, ANGLE, BOTH };
+
+#define PI_F 3.14159265F
+#define FAR_M 10000.0F
+/* Statuses that a move needs are older: it is lost. */
+#define SILENCE_US 1000000U
+
+static inline float size_of(float value) {
+    return f32_from_bits(bits_from_f32(value) & 0x7FFFFFFFU);
+}
+
+static inline bool beyond(float value, float bound) {
+    return order_of(size_of(value)) > order_of(bound);
+}
+
+/** Also for -0. */
+static inline bool at_zero(float value) {
+    return bits_from_f32(value) << 1 == 0;
+}
+
+static inline float lesser(float a, float b) {
+    return order_of(a) < order_of(b) ? a : b;
+}
+
+static inline float with_sign(float size, float sign) {
+    return order_of(sign) < 0 ? -size : size;
+}
+
+static inline float within(float value, float bound) {
+    return beyond(value, bound) ? with_sign(bound, value) : value;
+}
+
+/** Integers as floats and back are signed here: the others are more functions on small machines. */
+static inline float seconds_of(uint32_t span_us) {
+    return (float)(int32_t)(span_us < INT32_MAX ? span_us : INT32_MAX) * 1e-6F;
+}
+
+/** The smaller of two distances; NaN counts as blocked. */
+static inline float nearer(float a, float b) {
+    return finite_f32_bits(bits_from_f32(b)) ? lesser(a, b) : 0;
+}
+
+extern const roburoc4_move_options roburoc4_move_defaults;
+
+float roburoc4_move_root(float square);
+/** Wrap an angle to -pi..pi. */
+float roburoc4_move_half_turn(float angle_rad);
+/** One step with what the view says; ends the move where it has to. */
+int32_t roburoc4_move_advance(roburoc4_move *m, const roburoc4_move_view *v, uint64_t now_us);
+int32_t roburoc4_move_end(roburoc4_move *m, int32_t result);
+
+/* One leg of a move is about one axis; move_axis.c knows how far it was commanded, and learns how
+ * far the robot will have come when it is at rest. */
+
+/** The axis that the present leg is about. */
+uint32_t roburoc4_move_axis(const roburoc4_move *m);
+/** The robot is at rest; nothing is known of its response. */
+void roburoc4_move_axis_begin(roburoc4_move *m);
+/** Time passed, in which `sent` was commanded; then a status of speeds or a pose may have come. */
+void roburoc4_move_axis_learn(roburoc4_move *m, uint32_t passed_us, float sent, bool speeds,
+                              bool pose);
+/** The speed towards the end of the leg. */
+float roburoc4_move_axis_speed(roburoc4_move *m);
+/** Whether the robot is at rest at the end of the leg, and will stay there. */
+bool roburoc4_move_axis_arrived(const roburoc4_move *m);
+/** What the robot covers yet of what was commanded. */
+float roburoc4_move_axis_rolls(const roburoc4_move *m);
+
+#endif
