@@ -353,7 +353,9 @@ static void note_speeds(roburoc4_move *m, const roburoc4_move_view *v) {
     const float speeds[BOTH] = {v->linear_m_s, v->angular_rad_s};
     const float passed_s = seconds_from(m->private_speed_cycles, v->speed_cycles);
     float covered[BOTH];
-    m->private_still += m->private_still < UINT8_MAX;
+    if (m->private_still < UINT8_MAX) {
+        m->private_still++;
+    }
     for (uint32_t axis = 0; axis < BOTH; axis++) {
         const float speed = move_finite(speeds[axis]) ? speeds[axis] : 0;
         covered[axis] = 0.5F * (speed + m->private_speed[axis]) * passed_s;
