@@ -50,8 +50,12 @@ int64_t process = 1, last_process = 1;
 int spins;
 uint64_t spun_at_us;
 std::map<const void *, LockState> locks;
-std::map<const void *, uint64_t> wake_alls; /* of a signal, so far */
-std::map<int64_t, int> raised;              /* wakes, by handle */
+struct SignalState {
+    uint64_t wake_alls = 0;
+    int waiters = 0;
+};
+std::map<const void *, SignalState> signals;
+std::map<int64_t, int> raised; /* wakes, by handle */
 std::map<uint16_t, Host *> hosts;
 std::vector<void (*)(void)> exit_handlers;
 int64_t last_handle;
@@ -97,6 +101,7 @@ bool may_run(const Task *task) {
 /* The next that may run, in turn; time passes until there is one. */
 Task *choose() {
     for (;;) {
+        advance_to(sys.now_us);
         const auto mine = std::find(tasks.begin(), tasks.end(), self);
         const size_t start =
             mine == tasks.end() ? 0 : static_cast<size_t>(mine - tasks.begin()) + 1;
@@ -195,7 +200,7 @@ void begin() {
     for (auto at = locks.begin(); at != locks.end();) {
         at = at->second.process != 0 ? locks.erase(at) : std::next(at);
     }
-    wake_alls.clear();
+    signals.clear();
     hosts.clear();
     last_handle = 2;
     spins = 0;
@@ -507,9 +512,7 @@ int roburoc4_os_receive(int64_t socket, uint8_t *buffer, size_t capacity, size_t
     sys.now_us += sys.receive_takes_us;
     buffer[0] = 0x01;
     *size = 1;
-    if (sys.receive_forever) {
-        result = ROBUROC4_OS_DATAGRAM;
-    } else if (!sys.receives.empty()) {
+    if (!sys.receives.empty()) {
         result = sys.receives.front();
         sys.receives.pop_front();
     } else if (receiver.refused) {
@@ -521,6 +524,8 @@ int roburoc4_os_receive(int64_t socket, uint8_t *buffer, size_t capacity, size_t
         *size = std::min(datagram.size(), capacity);
         std::copy_n(datagram.begin(), *size, buffer);
         result = datagram.size() > capacity ? ROBUROC4_OS_OVERSIZED : ROBUROC4_OS_DATAGRAM;
+    } else if (sys.receive_forever) {
+        result = ROBUROC4_OS_DATAGRAM;
     }
     *outcome =
         outcome_of(result == ROBUROC4_OS_FAULT ? ROBUROC4_FAULT_REFUSED : ROBUROC4_FAULT_OTHER);
@@ -540,12 +545,11 @@ roburoc4_result roburoc4_os_wait(int64_t socket, int64_t wake, uint64_t timeout_
     const auto readable = [=] {
         const auto found = sockets.find(socket);
         return (wake != ROBUROC4_OS_NO_SOCKET && raised[wake] > 0) ||
+               (sys.receive_forever && found != sockets.end()) ||
                (found != sockets.end() && (found->second.refused || !found->second.inbox.empty()));
     };
-    if (!readable()) {
-        block(readable,
-              timeout_us < UINT64_MAX - sys.now_us ? sys.now_us + timeout_us : UINT64_MAX);
-    }
+    /* others run, also where there is something */
+    block(readable, timeout_us < UINT64_MAX - sys.now_us ? sys.now_us + timeout_us : UINT64_MAX);
     return ROBUROC4_OK;
 }
 
@@ -683,28 +687,32 @@ int roburoc4_signal_create(roburoc4_signal *signal) {
     if (sys.signal_fails) {
         return 0;
     }
-    wake_alls[signal] = 0;
+    signals[signal] = SignalState();
     sys.signals++;
     return 1;
 }
 
 void roburoc4_signal_destroy(roburoc4_signal *signal) {
-    if (wake_alls.erase(signal) == 0) {
-        give_up("a signal is destroyed that is none");
+    if (signals.at(signal).waiters > 0) {
+        give_up("a signal is destroyed that a thread waits for");
     }
+    signals.erase(signal);
     sys.signals--;
 }
 
 void roburoc4_signal_wake_all(roburoc4_signal *signal) {
-    wake_alls.at(signal)++;
+    signals.at(signal).wake_alls++;
 }
 
 void roburoc4_signal_wait(roburoc4_signal *signal, roburoc4_lock *lock, uint64_t timeout_us) {
-    const uint64_t before = wake_alls.at(signal);
+    SignalState &state = signals.at(signal);
+    const uint64_t before = state.wake_alls;
     const uint64_t until_us =
         timeout_us < UINT64_MAX - sys.now_us ? sys.now_us + timeout_us : UINT64_MAX;
     roburoc4_lock_give(lock);
-    block([=] { return wake_alls.count(signal) == 0 || wake_alls[signal] != before; }, until_us);
+    state.waiters++;
+    block([&] { return state.wake_alls != before; }, until_us);
+    state.waiters--;
     roburoc4_lock_take(lock);
 }
 
