@@ -25,7 +25,7 @@
 /* Size of a file's header: section, interface and a name. */
 #define HEAD_BYTES 512u
 #define ROBOT_BYTES_MAX 255u
-#define STATISTICS_BYTES 72u
+#define STATISTICS_BYTES 64u
 #define HIGHEST_NUMBER 999999u
 
 /* Datagrams so far. */

@@ -94,6 +94,11 @@ void count_spin() {
     }
 }
 
+size_t draw() {
+    drawn = (drawn + sys.seed) * 6364136223846793005u + 1442695040888963407u;
+    return static_cast<size_t>(drawn >> 40);
+}
+
 bool may_run(const Task *task) {
     return task->process == process && (task->until_us <= sys.now_us || task->ready());
 }
@@ -103,8 +108,9 @@ Task *choose() {
     for (;;) {
         advance_to(sys.now_us);
         const auto mine = std::find(tasks.begin(), tasks.end(), self);
-        const size_t start =
-            mine == tasks.end() ? 0 : static_cast<size_t>(mine - tasks.begin()) + 1;
+        const size_t start = sys.seed != 0         ? draw()
+                             : mine == tasks.end() ? 0
+                                                   : static_cast<size_t>(mine - tasks.begin()) + 1;
         for (size_t i = 0; i < tasks.size(); i++) {
             Task *task = tasks[(start + i) % tasks.size()];
             if (may_run(task)) {
@@ -139,11 +145,7 @@ void block(std::function<bool()> ready, uint64_t until_us) {
 }
 
 void maybe_yield() {
-    if (sys.seed == 0 || self == nullptr) {
-        return;
-    }
-    drawn = (drawn + sys.seed) * 6364136223846793005u + 1442695040888963407u;
-    if ((drawn >> 60) < 4) {
+    if (sys.seed != 0 && draw() % 4 == 0) {
         block([] { return true; }, sys.now_us);
     }
 }
@@ -595,6 +597,7 @@ int64_t roburoc4_os_file_create(const char *path) {
 }
 
 size_t roburoc4_os_file_write(int64_t file, const uint8_t *bytes, size_t size) {
+    sys.writes++;
     if (sys.disk_takes_us > 0) {
         sleep_us(sys.disk_takes_us);
     }

@@ -56,7 +56,7 @@ struct System {
     bool lock_fails = false, signal_fails = false, wake_fails = false, thread_fails = false;
     int locks = 0, signals = 0, wakes = 0, threads = 0, sockets = 0, files_open = 0; /* existing */
     int parents_locks_taken = 0; /* by a forked child */
-    uint64_t seed = 0;           /* other than 0: threads change at more places, drawn by it */
+    uint64_t seed = 0; /* other than 0: threads change at more places and in any order, as drawn */
 
     /* the disk */
     std::map<std::string, Bytes> files;
@@ -66,6 +66,7 @@ struct System {
     uint64_t disk_takes_us = 0;       /* for each write */
     bool disk_hangs = false;          /* writes return once it does no more */
     size_t largest_write = SIZE_MAX;  /* of one call */
+    int writes = 0;                   /* calls */
     std::vector<uint64_t> written_us; /* when bytes reached the disk */
 
     /* the simulator's server */
