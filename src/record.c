@@ -424,7 +424,7 @@ static void end_file(roburoc4_recorder *r) {
 }
 
 static int is_rotation_due(const roburoc4_recorder *r) {
-    if (r->kind == ROBUROC4_OS_STREAM || r->file_bytes <= r->head_bytes) {
+    if (r->kind == ROBUROC4_OS_STREAM || r->size == 0 || r->file_bytes <= r->head_bytes) {
         return 0;
     }
     return (r->max_file_bytes > 0 &&

@@ -113,7 +113,8 @@ TEST_F(Record, EachDatagramIsOnTheDiskAfter50Milliseconds) {
 TEST_F(Record, ABufferThatIsHalfFullIsWrittenAtOnce) {
     options_.buffer_bytes = 4096;
     open();
-    sleep_ms(1);
+    take();
+    sleep_ms(1); /* it waits for more */
     while (state().recorded * 80 < 2048) {
         take();
     }
@@ -312,8 +313,10 @@ TEST_F(Record, AFileIsAsLongAsItMayBeAndNoLonger) {
             sleep_ms(60);
         }
         EXPECT_EQ(close(), ROBUROC4_OK);
-        EXPECT_EQ(capture(name).datagrams.size(), 3 - less);
-        EXPECT_EQ(capture(name).received, 3 - less) << "of this file alone";
+        for (const std::string &file : {name, name.substr(0, 5) + "2.pcapng"}) {
+            EXPECT_EQ(capture(file).datagrams.size(), 3 - less);
+            EXPECT_EQ(capture(file).received, 3 - less) << "of this file alone";
+        }
         EXPECT_EQ(size_of(name), head + (3 - less) * packet + kStatistics);
         EXPECT_EQ(last_.files, less == 0 ? 4u : 6u);
         EXPECT_EQ(last_.path, name.substr(0, 5) + (less == 0 ? "4.pcapng" : "6.pcapng"));
@@ -331,11 +334,32 @@ TEST_F(Record, TheNextFileBeginsWhenThisOneIsAsOldAsItMayBe) {
     take(); /* written after 10.01 s */
     sleep_ms(60);
     EXPECT_EQ(state().files, 2u);
+    sleep_ms(5000);
+    take();
+    sleep_ms(60);
+    EXPECT_EQ(state().files, 2u) << "its own age";
     sleep_ms(60000);
     EXPECT_EQ(state().files, 2u) << "without datagrams no files";
     close();
+    EXPECT_EQ(last_.files, 2u) << "nor does the end need one";
     EXPECT_EQ(capture("run.pcapng").datagrams.size(), 1u);
-    EXPECT_EQ(capture("run.2.pcapng").datagrams.size(), 1u);
+    EXPECT_EQ(capture("run.2.pcapng").datagrams.size(), 2u);
+}
+
+TEST_F(Record, NoFileIsEmpty) {
+    options_.max_file_bytes = 1000;
+    open();
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 40; k++) { /* more than a file may hold, at once */
+            take();
+        }
+        sleep_ms(60);
+    }
+    close();
+    EXPECT_EQ(last_.files, 3u);
+    for (const auto &[name, bytes] : sys.files) {
+        EXPECT_EQ(capture(name).datagrams.size(), 40u) << name;
+    }
 }
 
 TEST_F(Record, WhereTheNextFileCannotBeginThisOneContinues) {

@@ -213,6 +213,17 @@ void sleep_us(uint64_t us) {
     block([] { return false; }, sys.now_us + us);
 }
 
+bool wait_until(uint64_t until_us, std::function<bool()> holds) {
+    block(holds, until_us);
+    return holds();
+}
+
+bool socket_is_readable(int64_t socket) {
+    const auto found = sockets.find(socket);
+    return found != sockets.end() && (!sys.receives.empty() || sys.receive_forever ||
+                                      found->second.refused || !found->second.inbox.empty());
+}
+
 void stall_ms(uint64_t ms) {
     advance_to(sys.now_us + ms * kMs);
 }
@@ -545,10 +556,7 @@ roburoc4_result roburoc4_os_wait(int64_t socket, int64_t wake, uint64_t timeout_
         sys.waited_with_lock = true;
     }
     const auto readable = [=] {
-        const auto found = sockets.find(socket);
-        return (wake != ROBUROC4_OS_NO_SOCKET && raised[wake] > 0) ||
-               (sys.receive_forever && found != sockets.end()) ||
-               (found != sockets.end() && (found->second.refused || !found->second.inbox.empty()));
+        return (wake != ROBUROC4_OS_NO_SOCKET && raised[wake] > 0) || socket_is_readable(socket);
     };
     /* others run, also where there is something */
     block(readable, timeout_us < UINT64_MAX - sys.now_us ? sys.now_us + timeout_us : UINT64_MAX);

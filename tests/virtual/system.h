@@ -87,6 +87,10 @@ void sleep_us(uint64_t us);
 inline void sleep_ms(uint64_t ms) {
     sleep_us(ms * kMs);
 }
+/* Waits until `holds`, at most until this time: false then. */
+bool wait_until(uint64_t until_us, std::function<bool()> holds);
+/* Whether a client's socket, by its descriptor, has something to receive. */
+bool socket_is_readable(int64_t socket);
 /* No thread of this process runs for so long; robots do. */
 void stall_ms(uint64_t ms);
 /* Calls `holds` each millisecond until it returns true; false after limit_us. */
