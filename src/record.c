@@ -25,7 +25,7 @@
 /* Size of a file's header: section, interface and a name. */
 #define HEAD_BYTES 512u
 #define ROBOT_BYTES_MAX 255u
-#define STATISTICS_BYTES 72u
+#define STATISTICS_BYTES 64u
 #define HIGHEST_NUMBER 999999u
 
 /* Datagrams so far. */
@@ -424,7 +424,7 @@ static void end_file(roburoc4_recorder *r) {
 }
 
 static int is_rotation_due(const roburoc4_recorder *r) {
-    if (r->kind == ROBUROC4_OS_STREAM || r->file_bytes <= r->head_bytes) {
+    if (r->kind == ROBUROC4_OS_STREAM || r->size == 0 || r->file_bytes <= r->head_bytes) {
         return 0;
     }
     return (r->max_file_bytes > 0 &&

@@ -39,13 +39,7 @@ struct Capture {
 
 class CaptureReader {
   public:
-    explicit CaptureReader(const std::string &path) {
-        std::ifstream file(path, std::ios::binary);
-        if (!file) {
-            throw std::runtime_error("no file " + path);
-        }
-        bytes_.assign(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
-    }
+    explicit CaptureReader(std::vector<uint8_t> bytes) : bytes_(std::move(bytes)) {}
     Capture read() {
         size_t at = 0, blocks = 0;
         while (at + 12 <= bytes_.size() && at + word(at + 4) <= bytes_.size()) {
@@ -145,8 +139,17 @@ class CaptureReader {
     Capture capture_;
 };
 
+inline Capture read_capture(const std::vector<uint8_t> &bytes) {
+    return CaptureReader(bytes).read();
+}
+
 inline Capture read_capture(const std::string &path) {
-    return CaptureReader(path).read();
+    std::ifstream file(path, std::ios::binary);
+    if (!file) {
+        throw std::runtime_error("no file " + path);
+    }
+    return read_capture(std::vector<uint8_t>{std::istreambuf_iterator<char>(file),
+                                             std::istreambuf_iterator<char>()});
 }
 
 } // namespace test

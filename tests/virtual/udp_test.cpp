@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The UDP adapter on a network whose every failure happens exactly when it is wanted.
+ */
+#include "system.h"
+
+#include <gtest/gtest.h>
+
+extern "C" {
+#include "os.h"
+}
+
+namespace {
+
+using virtual_system::sys;
+
+class Faults : public testing::Test {
+  protected:
+    void SetUp() override {
+        roburoc4_udp_close(&udp_);
+        virtual_system::begin();
+        sys.closed_ports_refuse = false; /* nobody is there, and says so */
+        ASSERT_EQ(roburoc4_client_init(&client_, sizeof client_, nullptr), ROBUROC4_OK);
+        ASSERT_EQ(roburoc4_client_start(&client_, sys.now_us), ROBUROC4_OK);
+        address_.family = 4;
+        address_.port = 60000;
+    }
+    void TearDown() override {
+        roburoc4_udp_close(&udp_);
+    }
+    void open() {
+        ASSERT_EQ(roburoc4_udp_open(&udp_, sizeof udp_, &address_), ROBUROC4_OK);
+    }
+    uint32_t count(uint32_t counter) const {
+        return udp_.counters[counter];
+    }
+    /* Lets the client's time pass; every wait ends at its deadline. */
+    void live(uint64_t us) {
+        uint64_t until_us = sys.now_us + us;
+        while (sys.now_us < until_us) {
+            ASSERT_GE(roburoc4_udp_wait(&udp_, &client_, 1000000), 0);
+        }
+    }
+
+    roburoc4_udp udp_{};
+    roburoc4_client client_{};
+    roburoc4_address address_{};
+};
+
+TEST_F(Faults, AnUnreachableNetworkAtOpenIsAStateNotAnError) {
+    sys.connect_fault = ROBUROC4_FAULT_UNREACHABLE;
+    open();
+    EXPECT_EQ(udp_.fault, uint32_t{ROBUROC4_FAULT_UNREACHABLE});
+    EXPECT_EQ(udp_.system_error, 1000 + ROBUROC4_FAULT_UNREACHABLE);
+    live(10000000);
+    EXPECT_EQ(sys.waited_on, ROBUROC4_OS_NO_SOCKET);
+    EXPECT_TRUE(sys.sent.empty());
+    EXPECT_EQ(sys.receive_calls, 0) << "before it is connected, anybody could be heard";
+    EXPECT_GE(count(ROBUROC4_UDP_COUNT_DROPPED), 5u);
+
+    sys.connect_fault = ROBUROC4_FAULT_NONE;
+    live(3000000);
+    EXPECT_FALSE(sys.sent.empty());
+    EXPECT_EQ(count(ROBUROC4_UDP_COUNT_RECONNECTS), 1u);
+    EXPECT_EQ(sys.waited_on, roburoc4_udp_fd(&udp_));
+}
+
+TEST_F(Faults, ReconnectingIsLimitedToOnceASecond) {
+    sys.connect_fault = ROBUROC4_FAULT_DOWN;
+    open();
+    for (int i = 0; i < 100000; i++) { /* a caller that calls without end */
+        sys.now_us += 100;
+        roburoc4_udp_transmit_all(&udp_, &client_);
+    }
+    EXPECT_GE(sys.connects_us.size(), 9u);
+    EXPECT_LE(sys.connects_us.size(), 12u);
+    for (size_t i = 1; i < sys.connects_us.size(); i++) {
+        EXPECT_GE(sys.connects_us[i] - sys.connects_us[i - 1], 1000000u);
+    }
+}
+
+TEST_F(Faults, APathThatFailsForASecondIsReconnected) {
+    open();
+    sys.send_fault = ROBUROC4_FAULT_DOWN; /* its own address was removed */
+    live(600000);
+    EXPECT_EQ(sys.connects_us.size(), 1u) << "time to recover by itself";
+    live(2500000);
+    EXPECT_GE(sys.connects_us.size(), 2u);
+    sys.send_fault = ROBUROC4_FAULT_NONE;
+    live(2000000);
+    EXPECT_FALSE(sys.sent.empty());
+    size_t connects = sys.connects_us.size();
+    live(10000000);
+    EXPECT_EQ(sys.connects_us.size(), connects) << "a path that works is left alone";
+}
+
+TEST_F(Faults, APathThatRecoversByItselfKeepsItsConnection) {
+    open();
+    sys.send_faults = {ROBUROC4_FAULT_UNREACHABLE, ROBUROC4_FAULT_UNREACHABLE};
+    live(10000000);
+    EXPECT_EQ(sys.connects_us.size(), 1u);
+    EXPECT_EQ(count(ROBUROC4_UDP_COUNT_DROPPED), 2u);
+    EXPECT_EQ(count(ROBUROC4_UDP_COUNT_RECONNECTS), 0u);
+}
+
+TEST_F(Faults, RefusalsAndFullBuffersDoNotReconnect) {
+    for (uint32_t fault : {uint32_t{ROBUROC4_FAULT_REFUSED}, uint32_t{ROBUROC4_FAULT_FULL},
+                           uint32_t{ROBUROC4_FAULT_DENIED}}) {
+        SetUp();
+        open();
+        sys.send_fault = fault;
+        live(10000000);
+        EXPECT_EQ(sys.connects_us.size(), 1u) << fault;
+        EXPECT_EQ(udp_.fault, fault);
+    }
+}
+
+TEST_F(Faults, AReportedRefusalDoesNotCostTheDatagram) {
+    open();
+    sys.send_faults = {ROBUROC4_FAULT_REFUSED};
+    EXPECT_EQ(roburoc4_udp_transmit_all(&udp_, &client_), 1);
+    EXPECT_EQ(sys.sent.size(), 1u);
+    EXPECT_EQ(count(ROBUROC4_UDP_COUNT_REFUSED), 1u);
+    EXPECT_EQ(count(ROBUROC4_UDP_COUNT_DROPPED), 0u);
+}
+
+TEST_F(Faults, WhatTheSocketRefusesIsDroppedNotQueued) {
+    open();
+    sys.send_fault = ROBUROC4_FAULT_FULL;
+    EXPECT_EQ(roburoc4_udp_transmit_all(&udp_, &client_), 0);
+    uint32_t dropped = count(ROBUROC4_UDP_COUNT_DROPPED);
+    EXPECT_GE(dropped, 1u);
+    sys.send_fault = ROBUROC4_FAULT_NONE;
+    EXPECT_EQ(roburoc4_udp_transmit_all(&udp_, &client_), 0) << "nothing is due, nothing was kept";
+    EXPECT_TRUE(sys.sent.empty());
+}
+
+TEST_F(Faults, EveryFaultOnReceivingIsSkipped) {
+    open();
+    sys.receives = {ROBUROC4_OS_FAULT, ROBUROC4_OS_OVERSIZED, ROBUROC4_OS_FAULT,
+                    ROBUROC4_OS_DATAGRAM};
+    EXPECT_EQ(roburoc4_udp_receive_one(&udp_, &client_, nullptr, nullptr), ROBUROC4_UDP_DROPPED);
+    EXPECT_EQ(count(ROBUROC4_UDP_COUNT_REFUSED), 2u);
+    EXPECT_EQ(count(ROBUROC4_UDP_COUNT_OVERSIZED), 1u);
+    EXPECT_EQ(udp_.fault, uint32_t{ROBUROC4_FAULT_NONE}) << "a datagram came in";
+}
+
+TEST_F(Faults, FaultsWithoutEndDoNotTrapTheCaller) {
+    open();
+    sys.receives.assign(100000, ROBUROC4_OS_FAULT);
+    EXPECT_EQ(roburoc4_udp_wait(&udp_, &client_, 0), 0);
+    EXPECT_EQ(sys.receive_calls, ROBUROC4_UDP_BURST);
+}
+
+TEST_F(Faults, AFloodIsInterruptedWhenTheClientMustSend) {
+    open();
+    roburoc4_udp_transmit_all(&udp_, &client_);
+    sys.receive_forever = true;
+    sys.receive_takes_us = 10000; /* the first retry is due in the middle of the burst */
+    size_t sent = sys.sent.size();
+    roburoc4_udp_wait(&udp_, &client_, 0);
+    EXPECT_LE(sys.receive_calls, 11);
+    EXPECT_GE(sys.receive_calls, 5);
+    EXPECT_GT(sys.sent.size(), sent);
+}
+
+TEST_F(Faults, ABrokenSocketIsReportedAtOnce) {
+    open();
+    sys.receives = {ROBUROC4_OS_BROKEN};
+    EXPECT_EQ(roburoc4_udp_wait(&udp_, &client_, 0), ROBUROC4_ERR_SYSTEM);
+    EXPECT_EQ(udp_.system_error, 1000 + ROBUROC4_FAULT_OTHER);
+}
+
+TEST_F(Faults, WaitingEndsAtTheEarlierOfDeadlineAndTimeout) {
+    open();
+    roburoc4_udp_wait(&udp_, &client_, 1000);
+    EXPECT_EQ(sys.waited_us, 1000u);
+    uint64_t left_us = roburoc4_client_next_deadline(&client_) - sys.now_us;
+    roburoc4_udp_wait(&udp_, &client_, UINT32_MAX);
+    EXPECT_EQ(sys.waited_us, left_us);
+}
+
+} // namespace
