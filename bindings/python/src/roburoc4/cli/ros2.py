@@ -150,6 +150,7 @@ def run(options: Ros2Options) -> int:
 
 def _serve(config: Config) -> int:
     from roburoc4 import ArgumentError, NetworkError
+    from roburoc4.ros2 import environment
     from roburoc4.ros2.participant import DdsError
     from roburoc4.ros2.program import Program
 
@@ -160,6 +161,8 @@ def _serve(config: Config) -> int:
     except (ArgumentError, NetworkError) as error:
         raise usage(f"--robot: {error}") from None
     with program:
+        for warning in environment.warnings(os.environ):
+            note(warning)
         for robot in config.robots:
             node = f"{robot.namespace.rstrip('/')}/{robot.node_name}"
             print(
@@ -174,6 +177,7 @@ def _serve(config: Config) -> int:
 
 
 def _config(options: Ros2Options) -> Config:
+    from roburoc4.ros2 import environment
     from roburoc4.ros2.config import (
         Config,
         FileSettings,
@@ -190,7 +194,7 @@ def _config(options: Ros2Options) -> Config:
         "interface": _given(options.interface, "--interface", "interface"),
     }
     program = {name: value for name, value in program.items() if value is not None}
-    program = _environment() | found.program | program
+    program = environment.settings(os.environ) | found.program | program
     common = _common(options)
     robots = _robots(options, found)
     made: list[RobotConfig] = []
@@ -205,6 +209,8 @@ def _config(options: Ros2Options) -> Config:
         program.get("domain", 0),
         program.get("distro"),
         checked("interface", program["interface"]) if "interface" in program else None,
+        program.get("peers", ()),
+        program.get("multicast", True),
     )
 
 
@@ -212,17 +218,6 @@ def _given(text: Any, option: str, name: str) -> Any:
     from roburoc4.ros2.config import checked
 
     return None if text is None else checked(name, text, option)
-
-
-def _environment() -> dict[str, Any]:
-    from roburoc4.ros2.config import DISTROS
-
-    found: dict[str, Any] = {}
-    if domain := os.environ.get("ROS_DOMAIN_ID"):
-        found["domain"] = _given(domain, "ROS_DOMAIN_ID", "domain")
-    if (distro := os.environ.get("ROS_DISTRO")) in DISTROS:
-        found["distro"] = distro
-    return found
 
 
 def _common(options: Ros2Options) -> dict[str, Any]:

@@ -64,6 +64,9 @@ class Config:
     distro: str | None = None
     """The one that the others run; None: derived from what they announce."""
     interface: str | None = None
+    peers: tuple[str, ...] = ()
+    """Hosts that are also searched for nodes."""
+    multicast: bool = True
 
 
 class _Setting(NamedTuple):

@@ -7,6 +7,7 @@ docs/ros2.md lists the files of theirs from which the rules here are taken.
 import contextlib
 import os
 import threading
+from collections.abc import Sequence
 from typing import Any
 from xml.sax import saxutils
 
@@ -127,7 +128,13 @@ class Participant:
     """All nodes of this program, as one participant of a domain; to be closed."""
 
     def __init__(
-        self, domain: int, *, humble: bool | None = None, interface: str | None = None
+        self,
+        domain: int,
+        *,
+        humble: bool | None = None,
+        interface: str | None = None,
+        peers: Sequence[str] = (),
+        multicast: bool = True,
     ) -> None:
         """Join; nodes are announced in Humble's form or not, or (None) as other nodes are."""
         self._gid_size = HUMBLE_GID_SIZE if humble else GID_SIZE
@@ -138,7 +145,10 @@ class Participant:
         self._nodes: list[Node] = []
         self._topics: dict[str, DdsTopic[Any]] = {}
         # Later settings win.
-        settings = [_LEAVES_AT_ONCE, os.environ.get("CYCLONEDDS_URI", "")]
+        settings = [_LEAVES_AT_ONCE]
+        if peers:
+            settings.append(_with_peers(peers, multicast))
+        settings.append(os.environ.get("CYCLONEDDS_URI", ""))
         if interface is not None:
             settings.append(_only(interface))
         try:
@@ -254,8 +264,15 @@ def _only(interface: str) -> str:
     general = f"<General><Interfaces><NetworkInterface name={name}/></Interfaces></General>"
     if interface not in _LOOPBACKS:
         return general
-    # Loopback usually lacks multicast, so other participants are searched for by their ports.
-    return general + (
+    # Loopback usually lacks multicast.
+    return general + _with_peers(["localhost"], multicast=True)
+
+
+def _with_peers(peers: Sequence[str], multicast: bool) -> str:
+    """Return settings that also search these hosts for participants, by their ports, as ROS 2."""
+    found = "".join(f"<Peer Address={saxutils.quoteattr(peer)}/>" for peer in peers)
+    return ("" if multicast else "<General><AllowMulticast>false</AllowMulticast></General>") + (
         "<Discovery><ParticipantIndex>auto</ParticipantIndex>"
-        "<Peers><Peer Address='localhost'/></Peers></Discovery>"
+        "<MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
+        f"<Peers>{found}</Peers></Discovery>"
     )
