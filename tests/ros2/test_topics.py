@@ -71,6 +71,23 @@ def test_odometry_is_the_robots_own(
     assert (transform.header.frame_id, transform.child_frame_id) == ("odom", "base_link")
 
 
+def test_odom_stays_when_the_robots_pose_is_set_and_map_moves(
+    robot: Robot, start_node: StartNode, listener: Listener
+) -> None:
+    node = start_node("--map-frame", "map")
+    before = listener.hears("rt/odom").message.pose.pose.position
+    robot.tell("odometry x_m 5")
+    node.says("relocalized to 5.00 m")
+    tf = listener.hears_that("rt/tf", lambda m: m.transforms[0].transform.translation.x > 4)
+    assert [each.header.frame_id for each in tf.transforms] == ["map", "odom"]
+    for sample in listener.samples("rt/odom"):
+        place = sample.message.pose.pose.position
+        assert math.hypot(place.x - before.x, place.y - before.y) < 0.01
+    events = [each.message for each in listener.samples("rt/diagnostics")]
+    (event,) = [each for each in events if "relocalized" in each.status[0].message]
+    assert abs(event.header.stamp.sec - tf.transforms[0].header.stamp.sec) <= 60
+
+
 def test_stamps_are_utc(start_node: StartNode, listener: Listener) -> None:
     start_node()
     for topic in ("odom", "joy", "range/front", "battery_state", "cmd_vel_applied"):

@@ -27,6 +27,7 @@ class Ros2Options(Options):
     namespace: str | None
     odom_frame: str | None
     base_frame: str | None
+    map_frame: str | None
     frame_prefix: str | None
     no_tf: bool
     remap: list[str]
@@ -116,6 +117,9 @@ def _add_names(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--namespace", metavar="/NS", help="of node and topics (default: /)")
     group.add_argument("--odom-frame", metavar="NAME", help="default: odom")
     group.add_argument("--base-frame", metavar="NAME", help="default: base_link")
+    group.add_argument(
+        "--map-frame", metavar="NAME", help="also publish NAME -> odom, moved by relocalization"
+    )
     group.add_argument(
         "--frame-prefix", metavar="TEXT", help="prefix of all frames (default: the robot's NAME/)"
     )
@@ -224,7 +228,7 @@ def _common(options: Ros2Options) -> dict[str, Any]:
     """Return the settings from options, which are for all robots."""
     texts = {
         name: _given(getattr(options, name), "--" + name.replace("_", "-"), name)
-        for name in ("namespace", "odom_frame", "base_frame", "frame_prefix")
+        for name in ("namespace", "odom_frame", "base_frame", "map_frame", "frame_prefix")
     }
     given: dict[str, Any] = {name: text for name, text in texts.items() if text is not None}
     if options.no_tf:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ..ros_topics import Frames
+from ..ros_odometry import Frames
 from ..settings import STATUS_SERVICES
 from .commands import DriveConfig
 from .names import is_namespace, is_node, is_topic
@@ -135,6 +135,7 @@ ROBOT_SETTINGS = {
     "node_name": _Setting(_text(is_node), "letters, digits and _"),
     "odom_frame": _Setting(_text(_FRAME.fullmatch), _FRAME_USABLE),
     "base_frame": _Setting(_text(_FRAME.fullmatch), _FRAME_USABLE),
+    "map_frame": _Setting(_text(_FRAME.fullmatch), _FRAME_USABLE),
     "frame_prefix": _Setting(_text(_FRAME.fullmatch), _FRAME_USABLE),
     "tf": _Setting(_yes, "true or false"),
     "remap": _Setting(
@@ -182,6 +183,7 @@ def robot_config(name: str, settings: Mapping[str, Any]) -> RobotConfig:
             settings.get("odom_frame", defaults.frames.odom),
             settings.get("base_frame", defaults.frames.base),
             settings.get("frame_prefix", f"{name}/" if name else ""),
+            settings.get("map_frame", defaults.frames.map),
         ),
         settings.get("tf", defaults.tf),
         settings.get("remap", defaults.remap),

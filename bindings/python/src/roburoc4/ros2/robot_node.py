@@ -35,7 +35,7 @@ class RobotNode:
         self.robot = robot
         self.config = config
         self.node = participant.node(config.namespace, config.node_name)
-        self._messages = Messages(robot, robot.address, frames=config.frames)
+        self._messages = Messages(robot, robot.address, frames=config.frames, report=report)
         self._publishers = {
             key: self.node.publisher(*topic) for key, topic in config.topics().items()
         }
