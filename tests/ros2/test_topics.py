@@ -27,7 +27,7 @@ def test_every_topic_reaches_fast_dds(
     listener = listen(*options)
     start_node("--enable-drive")
     published = [each["topic"] for each in listed if each["direction"] == "published"]
-    assert len(published) >= 13
+    assert len(published) >= 14
     for topic in published:
         sample = listener.hears(f"rt{topic}")
         assert sample.cdr[:2] == b"\x00\x01", "plain CDR, little-endian"
@@ -90,7 +90,7 @@ def test_odom_stays_when_the_robots_pose_is_set_and_map_moves(
 
 def test_stamps_are_utc(start_node: StartNode, listener: Listener) -> None:
     start_node()
-    for topic in ("odom", "joy", "range/front", "battery_state", "cmd_vel_applied"):
+    for topic in ("odom", "pad/joy", "range/front", "battery_state", "cmd_vel_applied"):
         sample = listener.hears(f"rt/{topic}")
         age_us = sample.time_us - stamp_us(sample.message)
         assert -50_000 < age_us < 1_000_000, f"{topic}: {age_us} us"
@@ -105,7 +105,7 @@ def test_battery_game_pad_and_range_are_those_set(
     battery = listener.hears_that("rt/battery_state", lambda m: abs(m.percentage - 0.42) < 0.02)
     assert 20 < battery.voltage < 30
     assert battery.present
-    listener.hears_that("rt/joy", lambda m: any(abs(axis - 0.5) < 0.01 for axis in m.axes))
+    listener.hears_that("rt/pad/joy", lambda m: any(abs(axis - 0.5) < 0.01 for axis in m.axes))
     front = listener.hears("rt/range/front").message
     assert front.radiation_type == 0, "ultrasound"
     assert 0 < front.min_range < front.max_range

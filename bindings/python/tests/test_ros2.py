@@ -193,7 +193,7 @@ def test_what_was_sent_is_what_rosbags_reads(
     assert found["battery_state"].percentage == pytest.approx(
         served.state.battery_percent / 100, abs=0.02
     )
-    assert len(found["joy"].axes) == 6
+    assert len(found["pad/joy"].axes) == 6
     assert not found["inhibited"].data
     assert not found["bumpers/front"].data
     twist = found["cmd_vel_applied"].twist

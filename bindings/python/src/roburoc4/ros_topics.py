@@ -33,7 +33,7 @@ TOPICS = {
     "battery_state": "sensor_msgs/BatteryState",
     "range/front": "sensor_msgs/Range",
     "range/rear": "sensor_msgs/Range",
-    "joy": "sensor_msgs/Joy",
+    "pad/joy": "sensor_msgs/Joy",
     "cmd_vel_applied": "geometry_msgs/TwistStamped",
     "cmd_vel_sent": "geometry_msgs/TwistStamped",
     "diagnostics": "diagnostic_msgs/DiagnosticArray",
@@ -158,6 +158,7 @@ class Messages:
             if index < len(known):
                 about = known[index]
                 bounds = (about.field_of_view_rad, about.min_distance_m, about.max_distance_m)
+                metres = _by_rep_117(metres, about.min_distance_m, about.max_distance_m)
             message = Cdr().header(status.utc_s, self._frames.named(f"range_{name}"))
             # the last one is the variance: not known
             message.numbers("B", _ULTRASOUND).numbers("f", *bounds, metres, 0.0)
@@ -201,7 +202,7 @@ class Messages:
         message = Cdr().header(status.utc_s, self._base)
         message.sequence("f", [analog[at] for at in axes if at < len(analog)])
         message.sequence("i", [digital[at] for at in buttons if at < len(digital)])
-        yield "joy", bytes(message.data)
+        yield "pad/joy", bytes(message.data)
 
     def _find_pad(self) -> tuple[list[int], list[int]]:
         """Return the inputs of the game pad, by their names, in the order of their indices."""
@@ -230,6 +231,13 @@ class Messages:
         self._read_properties()
         found = Diagnosis(_LEVELS.get(event.level, 0), "roburoc4", event.text, {})
         yield "diagnostics", diagnostics(self.seen_us(event) / 1e6, self._address, [found])
+
+
+def _by_rep_117(metres: float, nearest_m: float, farthest_m: float) -> float:
+    """Return a distance, or an infinity: nothing within the range, or too near to be measured."""
+    if metres >= farthest_m > 0:
+        return math.inf
+    return -math.inf if metres < nearest_m else metres
 
 
 def _same_places(a: Sequence[Any], b: Sequence[Any]) -> bool:

@@ -186,7 +186,8 @@ class _StatusReader:
 
     def _distance_m(self, message: CdrReader) -> float:
         message.numbers("B", 1)
-        return message.numbers("f", 4)[3]
+        _, nearest_m, farthest_m, metres = message.numbers("f", 4)
+        return min(max(metres, nearest_m), farthest_m) if math.isinf(metres) else metres
 
     def _battery(self, message: CdrReader, times: tuple[int, float]) -> Iterator[Status]:
         share = message.numbers("f", 7)[6]

@@ -38,6 +38,8 @@ class Ros2Options(Options):
     max_age_ms: str | None
     max_linear: str | None
     max_angular: str | None
+    max_linear_slope: str | None
+    max_angular_slope: str | None
     list: bool
 
 
@@ -93,6 +95,14 @@ def _add_drive(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--max-angular", metavar="RAD_S", help="ceiling of turn rate, likewise (default: 1.5)"
+    )
+    group.add_argument(
+        "--max-linear-slope",
+        metavar="M_S2",
+        help="how fast a commanded speed may grow (default: any); slowing down is never limited",
+    )
+    group.add_argument(
+        "--max-angular-slope", metavar="RAD_S2", help="likewise for the turn rate (default: any)"
     )
 
 
@@ -239,6 +249,8 @@ def _common(options: Ros2Options) -> dict[str, Any]:
         ("--max-age-ms", "max_age_ms"),
         ("--max-linear", "max_linear_m_s"),
         ("--max-angular", "max_angular_rad_s"),
+        ("--max-linear-slope", "max_linear_m_s2"),
+        ("--max-angular-slope", "max_angular_rad_s2"),
     ):
         text = getattr(options, option[2:].replace("-", "_"))
         if text is not None:

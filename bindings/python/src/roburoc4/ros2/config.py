@@ -147,6 +147,8 @@ ROBOT_SETTINGS = {
     "max_age_ms": _Setting(_between(0, 60000), "0 (any age) to 60000"),
     "max_linear_m_s": _Setting(_speed(20.0), "0.001 to 20 m/s"),
     "max_angular_rad_s": _Setting(_speed(50.0), "0.001 to 50 rad/s"),
+    "max_linear_m_s2": _Setting(_speed(100.0), "0.001 to 100 m/s2"),
+    "max_angular_rad_s2": _Setting(_speed(100.0), "0.001 to 100 rad/s2"),
     "period_ms": _Setting(
         _periods_ms,
         "a multiple of 10, 10 to 2550, or such by service: " + ", ".join(STATUS_SERVICES),
@@ -195,6 +197,8 @@ def robot_config(name: str, settings: Mapping[str, Any]) -> RobotConfig:
             settings.get("max_age_ms", defaults.drive.max_age_ms),
             settings.get("max_linear_m_s", defaults.drive.max_linear_m_s),
             settings.get("max_angular_rad_s", defaults.drive.max_angular_rad_s),
+            settings.get("max_linear_m_s2", defaults.drive.max_linear_m_s2),
+            settings.get("max_angular_rad_s2", defaults.drive.max_angular_rad_s2),
         ),
     )
 

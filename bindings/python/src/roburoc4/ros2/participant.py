@@ -6,6 +6,7 @@ docs/ros2.md lists the files of theirs from which the rules here are taken.
 
 import contextlib
 import os
+import socket
 import threading
 from collections.abc import Sequence
 from typing import Any
@@ -30,8 +31,11 @@ from .types import struct_of
 # Messages that are taken at a time.
 _MANY = 1000
 _LOOPBACKS = ("lo", "127.0.0.1", "localhost")
-# By this mark our programs recognize each other; ROS 2 ignores it.
-_MARK = b"roburoc4"
+# By this mark, and the robots' addresses after it, our programs recognize each other. ROS 2 ignores
+# it.
+MARK = b"roburoc4"
+# Of a gid: the part that all gids of a participant share.
+_PREFIX = 12
 _ENCLAVE = b"enclave=/;"
 _DISCOVERY = "ros_discovery_info"
 _DISCOVERY_KIND = "rmw_dds_common/ParticipantEntitiesInfo"
@@ -135,6 +139,7 @@ class Participant:
         interface: str | None = None,
         peers: Sequence[str] = (),
         multicast: bool = True,
+        robots: Sequence[str] = (),
     ) -> None:
         """Join; nodes are announced in Humble's form or not, or (None) as other nodes are."""
         self._gid_size = HUMBLE_GID_SIZE if humble else GID_SIZE
@@ -161,11 +166,18 @@ class Participant:
                 "CYCLONEDDS_URI, and whether the network is up"
             ) from None
         discovery, qos = self.topic(_DISCOVERY, _DISCOVERY_KIND), _qos(_DISCOVERY_KIND, LATCHED)
-        marked = DdsPublisher(self.dds, Qos(Policy.Groupdata(_MARK)))
+        mark = b" ".join([MARK, *map(self.mark_of, robots)])
+        marked = DdsPublisher(self.dds, Qos(Policy.Groupdata(mark)))
         self._discovery = Publisher(DataWriter(marked, discovery, qos))
         all_of_others = Qos(Policy.History.KeepAll, Policy.IgnoreLocal.Participant, base=qos)
         self._heard: DataReader[Any] = DataReader(self.dds, discovery, all_of_others)
         self._heard.topic.data_type = Raw
+
+    @staticmethod
+    def mark_of(address: str) -> bytes:
+        """Return what stands for a robot in the mark: a loopback address is this computer's."""
+        here = socket.gethostname() if address.startswith("127.") else ""
+        return f"{here}/{address}".encode()
 
     def node(self, namespace: str, name: str) -> Node:
         """Make a node; call ``announce`` when it has all its topics."""
@@ -219,7 +231,8 @@ class Participant:
         with contextlib.suppress(DDSException):
             handle = data.sample_info.publication_handle
             if endpoint := self._heard.get_matched_publication_data(handle):
-                return Policy.Groupdata(_MARK) in endpoint.qos.policies
+                group = endpoint.qos[Policy.Groupdata]
+                return group is not None and group.data.startswith(MARK)
         return True  # one that has left is not followed
 
     def others(self) -> list[Announcement]:
@@ -229,9 +242,14 @@ class Participant:
             return list(self._others.values())
 
     def node_of(self, gid: bytes) -> str:
-        """Return the full name of the node that a publisher belongs to; empty if not known."""
-        nodes = (node for one in self.others() for node in one.nodes if gid in node.writers)
-        return next((node.full_name for node in nodes), "")
+        """Return the full name of the node that a publisher belongs to; empty if not known.
+
+        What announces nodes belongs to all of its participant: the first is named.
+        """
+        found = [(one, node) for one in self.others() for node in one.nodes]
+        nodes = [node for _, node in found if gid in node.writers]
+        nodes += [node for one, node in found if gid[:_PREFIX] == one.gid[:_PREFIX]]
+        return nodes[0].full_name if nodes else ""
 
     def close(self) -> None:
         """Withdraw everything: others see at once that it is gone."""
@@ -246,6 +264,7 @@ class Participant:
 def _qos(kind: str, profile: Profile) -> Qos:
     """Return the QoS that an rmw layer requests, with the type's hash."""
     durability = Policy.Durability
+    policies = [Policy.Lifespan(duration(seconds=profile.lifespan_s))] if profile.lifespan_s else []
     return Qos(
         Policy.Reliability.Reliable(duration(milliseconds=_LONGEST_BLOCK_MS))
         if profile.reliable
@@ -255,6 +274,7 @@ def _qos(kind: str, profile: Profile) -> Qos:
         Policy.DataRepresentation(use_cdrv0_representation=True),
         Policy.WriterDataLifecycle(autodispose=False),
         Policy.Userdata(f"typehash={type_hash(kind)};".encode()),
+        *policies,
     )
 
 

@@ -30,6 +30,7 @@ class Program:
                 interface=config.interface,
                 peers=config.peers,
                 multicast=config.multicast,
+                robots=[robot.address for robot in robots],
             )
             stack.callback(participant.close)
             self._participant = participant
